@@ -1,0 +1,3 @@
+//! The C ABI.
+mod types;
+pub use types::*;

@@ -1,0 +1,139 @@
+//! The structures of the C ABI, by layout.
+//!
+//! Lengths are millimetres where a name or comment says so and world units otherwise;
+//! angles do not occur. Structures that may grow begin with `struct_size`, which the
+//! caller sets to `sizeof` of the structure that it was compiled with.
+
+use std::ffi::{c_char, c_void};
+
+/// A camera. Opaque to C. Immutable once built: rays may be asked for from any number of threads.
+#[repr(C)]
+#[allow(non_camel_case_types)]
+pub struct realistic_camera {
+    _opaque: [u8; 0],
+    _pinned: core::marker::PhantomData<(*mut u8, core::marker::PhantomPinned)>,
+}
+
+/// One camera sample: the first 20 bytes of pbrt-v1's `Sample`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[allow(non_camel_case_types)]
+pub struct realistic_sample {
+    /// Raster x in pixels: 0 is the left edge of the image, `xres` the right one.
+    pub image_x: f32,
+    /// Raster y in pixels: 0 is the top edge of the image, `yres` the bottom one.
+    pub image_y: f32,
+    /// First lens number, in [0, 1].
+    pub lens_u: f32,
+    /// Second lens number, in [0, 1].
+    pub lens_v: f32,
+    /// Time number in [0, 1]: 0 is the shutter's opening, 1 its closing.
+    pub time: f32,
+}
+
+/// One ray in world space: the 36 bytes of pbrt-v1's `Ray`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[allow(non_camel_case_types)]
+pub struct realistic_ray {
+    /// Origin, world units: the point where the ray leaves the front interface.
+    pub o: [f32; 3],
+    /// Direction, unit length.
+    pub d: [f32; 3],
+    /// Distance from `o` at which the ray begins (`hither`).
+    pub mint: f32,
+    /// Distance from `o` at which the ray ends (`yon`).
+    pub maxt: f32,
+    /// Time between `shutteropen` and `shutterclose`.
+    pub time: f32,
+}
+
+/// Receives a message while a camera is being built. `level`: 0 information, 1 warning, 2 error.
+/// `message` is UTF-8, ends in NUL, and lives until the callback returns.
+#[allow(non_camel_case_types)]
+pub type realistic_log = Option<unsafe extern "C" fn(user: *mut c_void, level: i32, message: *const c_char)>;
+
+/// What a camera is built from. Start from `realistic_options_init`, which sets every
+/// field to "not given": NaN for numbers, NULL for strings, -1 for booleans.
+/// The fields bear the names of the parameters (README, "Parameters").
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+#[allow(non_camel_case_types)]
+pub struct realistic_options {
+    /// `sizeof(realistic_options)` of the caller's header.
+    pub struct_size: u32,
+    /// Image width in pixels, 1 or more. No default.
+    pub xres: i32,
+    /// Image height in pixels, 1 or more. No default.
+    pub yres: i32,
+    /// `simpleweighting`: -1 not given, 0 false, 1 true.
+    pub simpleweighting: i32,
+    /// Row-major 4x4 matrix for column vectors that takes camera space (world units, +z forward,
+    /// +x right, +y up) to world space. `realistic_options_init` sets the identity.
+    pub camera_to_world: [f32; 16],
+    /// Receives messages; NULL for none.
+    pub log: realistic_log,
+    /// Handed to `log` as it is.
+    pub log_user: *mut c_void,
+    /// The text of a lens file, `lens_text_size` bytes, read instead of `specfile`; NULL for none.
+    pub lens_text: *const c_char,
+    /// Bytes at `lens_text`.
+    pub lens_text_size: usize,
+    /// Parameter `model`.
+    pub model: *const c_char,
+    /// Parameter `specfile`.
+    pub specfile: *const c_char,
+    /// Parameter `weighting`.
+    pub weighting: *const c_char,
+    /// Parameter `pupil`.
+    pub pupil: *const c_char,
+    /// Parameter `disk`.
+    pub disk: *const c_char,
+    /// Parameter `refraction`.
+    pub refraction: *const c_char,
+    /// Parameter `precision`.
+    pub precision: *const c_char,
+    /// Parameter `filmdistance`, mm.
+    pub filmdistance: f64,
+    /// Parameter `focusdistance`, world units.
+    pub focusdistance: f64,
+    /// Parameter `aperture_diameter`, mm.
+    pub aperture_diameter: f64,
+    /// Parameter `fnumber`.
+    pub fnumber: f64,
+    /// Parameter `filmdiag`, mm.
+    pub filmdiag: f64,
+    /// Parameter `hither`, world units.
+    pub hither: f64,
+    /// Parameter `yon`, world units.
+    pub yon: f64,
+    /// Parameter `shutteropen`.
+    pub shutteropen: f64,
+    /// Parameter `shutterclose`.
+    pub shutterclose: f64,
+    /// Parameter `wavelength`, nm.
+    pub wavelength: f64,
+    /// Parameter `mmperunit`, mm a world unit.
+    pub mmperunit: f64,
+}
+
+/// What a built camera is, for a host to print. `realistic_camera_get_info` fills it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+#[allow(non_camel_case_types)]
+pub struct realistic_camera_info {
+    /// `sizeof(realistic_camera_info)` of the caller's header.
+    pub struct_size: u32,
+    /// Interfaces of the lens, the stop included.
+    pub interfaces: u32,
+    /// Effective focal length, mm.
+    pub focal_length_mm: f64,
+    /// Focal length over entrance pupil diameter at the stop in use.
+    pub fnumber: f64,
+    /// Last vertex to film, mm.
+    pub film_distance_mm: f64,
+    /// Film plane to the plane in focus, mm along the axis; infinity when focused there.
+    pub focus_distance_mm: f64,
+    /// Film diagonal, mm.
+    pub film_diagonal_mm: f64,
+}

@@ -1,0 +1,226 @@
+//! The parameters of a camera: one table of names, kinds, units and help that the
+//! pbrt `ParamSet`, the C options and the command line all read, and the values given.
+
+use thiserror::Error;
+
+/// What a parameter's value is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// One finite number.
+    Float,
+    /// One string.
+    Text,
+    /// `true` or `false`.
+    Bool,
+}
+
+/// One row of the parameter table.
+#[derive(Clone, Copy, Debug)]
+pub struct Parameter {
+    /// The name as pbrt's scene files, the C options and `--param` spell it.
+    pub name: &'static str,
+    /// A second name for the same thing, kept for files written for other hosts.
+    pub alias: Option<&'static str>,
+    /// What kind of value it takes.
+    pub kind: Kind,
+    /// Unit, default and meaning in one line.
+    pub help: &'static str,
+}
+
+/// A value on its way into [`Parameters::set`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Value<'a> {
+    /// For [`Kind::Float`].
+    Float(f64),
+    /// For [`Kind::Text`].
+    Text(&'a str),
+    /// For [`Kind::Bool`].
+    Bool(bool),
+}
+
+/// Why a parameter was refused. The text names the parameter, the value and the range.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum ParameterError {
+    /// No parameter has this name.
+    #[error("no parameter is called \"{name}\"; the names are {names}")]
+    Unknown {
+        /// The name that was given.
+        name: String,
+        /// Every known name.
+        names: String,
+    },
+    /// The value is of another kind.
+    #[error("parameter \"{name}\" takes {expected}, not {given}")]
+    Kind {
+        /// The parameter.
+        name: &'static str,
+        /// What it takes.
+        expected: &'static str,
+        /// What was given.
+        given: String,
+    },
+    /// The value is of the right kind and outside the range.
+    #[error("parameter \"{name}\" is {value}; it must be {range}")]
+    Range {
+        /// The parameter.
+        name: &'static str,
+        /// The value given.
+        value: String,
+        /// The valid range in words, with the unit.
+        range: String,
+    },
+    /// Two names for one thing were given together.
+    #[error("\"{first}\" and \"{second}\" say the same thing in two ways; give one of them")]
+    Both {
+        /// One of the two.
+        first: &'static str,
+        /// The other.
+        second: &'static str,
+    },
+}
+
+macro_rules! parameters {
+    ($($(#[$doc:meta])* $field:ident: $kind:ident $(alias $alias:literal)?, $help:literal;)*) => {
+        /// Every parameter, in the order in which help texts list them.
+        pub const PARAMETERS: &[Parameter] = &[$(Parameter {
+            name: stringify!($field),
+            alias: parameters!(@alias $($alias)?),
+            kind: Kind::$kind,
+            help: $help,
+        },)*];
+
+        /// The values a caller gave. `None` keeps the default.
+        #[derive(Clone, Debug, Default, PartialEq)]
+        pub struct Parameters {
+            $(#[doc = $help] pub $field: Option<parameters!(@type $kind)>,)*
+        }
+
+        impl Parameters {
+            fn store(&mut self, name: &'static str, value: Value<'_>) -> Result<(), ParameterError> {
+                match name {
+                    $(stringify!($field) => self.$field = Some(parameters!(@take $kind name value)),)*
+                    _ => unreachable!("the name comes from the table"),
+                }
+                Ok(())
+            }
+
+            fn is_set(&self, name: &str) -> bool {
+                match name {
+                    $(stringify!($field) => self.$field.is_some(),)*
+                    _ => false,
+                }
+            }
+        }
+    };
+    (@alias) => { None };
+    (@alias $alias:literal) => { Some($alias) };
+    (@type Float) => { f64 };
+    (@type Text) => { String };
+    (@type Bool) => { bool };
+    (@take Float $name:ident $value:ident) => {
+        match $value {
+            Value::Float(number) => number,
+            other => return Err(other.refused($name, "a number")),
+        }
+    };
+    (@take Text $name:ident $value:ident) => {
+        match $value {
+            Value::Text(text) => text.to_owned(),
+            other => return Err(other.refused($name, "a string")),
+        }
+    };
+    (@take Bool $name:ident $value:ident) => {
+        match $value {
+            Value::Bool(truth) => truth,
+            other => return Err(other.refused($name, "true or false")),
+        }
+    };
+}
+
+parameters! {
+    model: Text, "what to build: \"lens\" (default)";
+    specfile: Text alias "lensfile", "lens file, or a catalogue name such as \"dgauss.50mm\" (default) or \"wide.22mm@35mm\"";
+    filmdistance: Float, "mm from the last vertex to the film (default: focus at `focusdistance`)";
+    focusdistance: Float, "world units from the film plane to the plane in focus (default: infinity)";
+    aperture_diameter: Float alias "aperturediameter", "mm, clear diameter of the stop (default: the file's)";
+    fnumber: Float, "focal length over entrance pupil diameter, instead of `aperture_diameter`";
+    filmdiag: Float, "mm, diagonal of the film (default 35)";
+    hither: Float, "world units along the ray where it begins (default 1e-3)";
+    yon: Float, "world units along the ray where it ends (default 1e30)";
+    shutteropen: Float, "time at which the shutter opens (default 0)";
+    shutterclose: Float, "time at which the shutter closes (default 1)";
+    weighting: Text, "\"radiometric\" (default), \"assignment\", \"relative\" or \"none\"";
+    simpleweighting: Bool, "pbrt-v3's name: true is weighting \"relative\", false is \"radiometric\"";
+    pupil: Text, "where lens samples are drawn: \"rear\" (default) or \"disk\"";
+    disk: Text, "how lens samples map to the disk: \"concentric\" (default), \"polar\" or \"rejection\"";
+    refraction: Text, "\"fused\" (default), \"heckbert\", \"whitted\" or \"other\"";
+    wavelength: Float, "nm (default 587.56), for lenses with Abbe numbers";
+    mmperunit: Float, "millimetres a world unit (default 1)";
+    precision: Text, "arithmetic of the trace: \"auto\" (default), \"f64\" or \"f32\"";
+    af_zones: Text, "accepted from course scenes and not used: this host offers no autofocus";
+}
+
+impl Value<'_> {
+    fn refused(self, name: &'static str, expected: &'static str) -> ParameterError {
+        let given = match self {
+            Value::Float(number) => format!("the number {number}"),
+            Value::Text(text) => format!("the string \"{text}\""),
+            Value::Bool(truth) => format!("the boolean {truth}"),
+        };
+        ParameterError::Kind { name, expected, given }
+    }
+}
+
+impl Parameters {
+    /// The table's row for a name or an alias.
+    pub fn find(name: &str) -> Option<&'static Parameter> {
+        PARAMETERS.iter().find(|row| row.name == name || row.alias == Some(name))
+    }
+
+    /// Sets one parameter by name or alias.
+    ///
+    /// # Errors
+    /// The name is unknown, the value is of another kind or not finite, or the parameter
+    /// was given already under its other name.
+    pub fn set(&mut self, name: &str, value: Value<'_>) -> Result<(), ParameterError> {
+        let row = Self::find(name).ok_or_else(|| ParameterError::Unknown {
+            name: name.to_owned(),
+            names: PARAMETERS.iter().map(|row| row.name).collect::<Vec<_>>().join(", "),
+        })?;
+        if let Some(alias) = row.alias
+            && self.is_set(row.name)
+        {
+            return Err(ParameterError::Both { first: row.name, second: alias });
+        }
+        if let Value::Float(number) = value
+            && number.is_nan()
+        {
+            return Err(ParameterError::Range {
+                name: row.name,
+                value: "not a number".to_owned(),
+                range: "a number".to_owned(),
+            });
+        }
+        self.store(row.name, value)
+    }
+
+    /// Sets one parameter from text, as `--param name=value` gives it.
+    ///
+    /// # Errors
+    /// As [`Parameters::set`]; also when the text is not a value of the parameter's kind.
+    pub fn set_from_text(&mut self, name: &str, text: &str) -> Result<(), ParameterError> {
+        let value = match Self::find(name).map(|row| row.kind) {
+            Some(Kind::Float) => match text.parse() {
+                Ok(number) => Value::Float(number),
+                Err(_) => Value::Text(text),
+            },
+            Some(Kind::Bool) => match text {
+                "true" => Value::Bool(true),
+                "false" => Value::Bool(false),
+                _ => Value::Text(text),
+            },
+            Some(Kind::Text) | None => Value::Text(text),
+        };
+        self.set(name, value)
+    }
+}
