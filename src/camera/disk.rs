@@ -1,0 +1,96 @@
+//! From two lens numbers in [0, 1] to a point of the unit disk.
+
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
+
+/// How lens numbers map to the unit disk.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum DiskMapping {
+    /// Shirley and Chiu's concentric map ("A Low Distortion Map Between Disk and Square",
+    /// *Journal of Graphics Tools* 2(3), 1997): keeps strata compact.
+    #[default]
+    Concentric,
+    /// r = sqrt(u1), φ = 2π u2.
+    Polar,
+    /// The square [-1, 1]²; points outside the disk ask the host to draw again.
+    Rejection,
+}
+
+impl DiskMapping {
+    /// Every mapping with the name that the parameter `disk` uses.
+    pub const NAMES: [(&'static str, Self); 3] =
+        [("concentric", Self::Concentric), ("polar", Self::Polar), ("rejection", Self::Rejection)];
+
+    /// The point of the unit disk for the numbers `u` and `v`, which are taken into [0, 1] first;
+    /// `None` where [`DiskMapping::Rejection`] asks for new numbers.
+    pub fn map(self, u: f64, v: f64) -> Option<[f64; 2]> {
+        let (u, v) = (u.clamp(0.0, 1.0), v.clamp(0.0, 1.0));
+        let (a, b) = (2.0 * u - 1.0, 2.0 * v - 1.0);
+        match self {
+            Self::Concentric => {
+                if a == 0.0 && b == 0.0 {
+                    return Some([0.0, 0.0]);
+                }
+                let (radius, angle) = if a.abs() > b.abs() {
+                    (a, FRAC_PI_4 * (b / a))
+                } else {
+                    (b, FRAC_PI_2 - FRAC_PI_4 * (a / b))
+                };
+                Some([radius * angle.cos(), radius * angle.sin()])
+            }
+            Self::Polar => {
+                let (radius, angle) = (u.sqrt(), TAU * v);
+                Some([radius * angle.cos(), radius * angle.sin()])
+            }
+            Self::Rejection => (a * a + b * b <= 1.0).then_some([a, b]),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_maps_keep_area_and_reach_the_rim() {
+        for mapping in [DiskMapping::Concentric, DiskMapping::Polar] {
+            let n = 200;
+            let mut inner = 0;
+            for i in 0..n {
+                for j in 0..n {
+                    let at = |k| (f64::from(k) + 0.5) / f64::from(n);
+                    let [x, y] = mapping.map(at(i), at(j)).expect("never rejects");
+                    let radius = x.hypot(y);
+                    assert!(radius <= 1.0);
+                    inner += i32::from(radius < 0.5);
+                }
+            }
+            assert!((f64::from(inner) / f64::from(n * n) - 0.25).abs() < 2e-3, "{mapping:?}");
+            for (u, v) in [(0.0, 0.0), (1.0, 1.0), (0.0, 1.0), (1.0, 0.5)] {
+                let [x, y] = mapping.map(u, v).expect("never rejects");
+                assert!(x.hypot(y) <= 1.0 + f64::EPSILON, "{mapping:?} at ({u}, {v})");
+            }
+        }
+    }
+
+    #[test]
+    fn the_concentric_map_is_the_published_one() {
+        let close = |got: Option<[f64; 2]>, x: f64, y: f64| {
+            let [gx, gy] = got.expect("never rejects");
+            assert!((gx - x).abs() < 1e-15 && (gy - y).abs() < 1e-15, "({gx}, {gy})");
+        };
+        let map = |u, v| DiskMapping::Concentric.map(u, v);
+        close(map(0.5, 0.5), 0.0, 0.0);
+        close(map(1.0, 0.5), 1.0, 0.0);
+        close(map(0.0, 0.5), -1.0, 0.0);
+        close(map(0.5, 1.0), 0.0, 1.0);
+        let half = 0.5_f64.sqrt();
+        close(map(1.0, 1.0), half, half);
+        close(map(0.0, 0.0), -half, -half);
+    }
+
+    #[test]
+    fn rejection_asks_again_in_the_corners() {
+        assert_eq!(DiskMapping::Rejection.map(0.0, 0.0), None);
+        assert_eq!(DiskMapping::Rejection.map(0.5, 1.0), Some([0.0, 1.0]));
+    }
+}

@@ -1,0 +1,62 @@
+//! Why a camera cannot be built.
+
+use thiserror::Error;
+
+use super::ParameterError;
+use crate::{
+    optics::{LensError, focus::FocusError},
+    prescription::SourceError,
+};
+
+/// Why a camera cannot be built. The text says what to change.
+#[derive(Debug, Error)]
+pub enum CameraError {
+    /// A parameter is wrong.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// No lens could be read.
+    #[error(transparent)]
+    Source(#[from] SourceError),
+    /// The lens has no such property.
+    #[error(transparent)]
+    Lens(#[from] LensError),
+    /// The lens cannot focus there.
+    #[error(transparent)]
+    Focus(#[from] FocusError),
+    /// The film would cut into the lens.
+    #[error(
+        "film distance {film_distance} mm: the film would touch the rear element, whose rim reaches \
+         {rim} mm behind the last vertex; give a larger \"filmdistance\""
+    )]
+    FilmInLens {
+        /// Film distance, mm.
+        film_distance: f64,
+        /// How far the rear rim lies behind the last vertex, mm.
+        rim: f64,
+    },
+    /// A weight is asked for that does not exist for this pupil.
+    #[error(
+        "weighting \"assignment\" divides by the area of the exit pupil, which is at infinity; \
+         give pupil \"rear\" or another weighting"
+    )]
+    PupilAtInfinity,
+    /// No light reaches the centre of the film.
+    #[error(
+        "no light reaches the centre of the film through lens \"{lens}\"; weighting \"relative\" needs it"
+    )]
+    DarkAxis {
+        /// The lens.
+        lens: String,
+    },
+    /// The camera transform is no affine transform.
+    #[error("the camera transform {0}")]
+    Transform(&'static str),
+    /// The raster has no pixels.
+    #[error("the image is {xres} x {yres} pixels; both must be 1 or more")]
+    Raster {
+        /// Pixels across.
+        xres: i32,
+        /// Pixels down.
+        yres: i32,
+    },
+}

@@ -1,0 +1,69 @@
+//! The film: a raster of pixels on a rectangle behind the lens.
+
+/// Pixels of an image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Raster {
+    /// Pixels across, 1 or more.
+    pub xres: u32,
+    /// Pixels down, 1 or more.
+    pub yres: u32,
+}
+
+/// A film of square pixels centred on the axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Film {
+    raster: Raster,
+    diagonal: f64,
+    pixel: f64,
+}
+
+/// How far outside the raster, in pixels, a host's reconstruction filter may ask for rays
+/// (pbrt-v1 goes to -2 and resolution + 3).
+const FILTER_MARGIN: f64 = 3.0;
+
+impl Film {
+    /// A film with this diagonal in mm, positive.
+    pub fn new(raster: Raster, diagonal: f64) -> Self {
+        let (x, y) = (f64::from(raster.xres), f64::from(raster.yres));
+        Self { raster, diagonal, pixel: diagonal / x.hypot(y) }
+    }
+
+    /// Width and height of a pixel, mm.
+    pub fn pixel(&self) -> f64 {
+        self.pixel
+    }
+
+    /// The diagonal, mm.
+    pub fn diagonal(&self) -> f64 {
+        self.diagonal
+    }
+
+    /// The film point, mm in lens space, of raster coordinates ((0, 0) is the image's top left
+    /// corner). The image on film is upside down and mirrored; this turns it round, so that
+    /// raster x grows toward the scene's right.
+    pub fn point(&self, image_x: f64, image_y: f64) -> [f64; 2] {
+        let half = |resolution: u32| f64::from(resolution) / 2.0;
+        [(half(self.raster.xres) - image_x) * self.pixel, (image_y - half(self.raster.yres)) * self.pixel]
+    }
+
+    /// The largest distance from the axis, mm, at which a host asks for rays.
+    pub fn reach(&self) -> f64 {
+        self.diagonal / 2.0 + FILTER_MARGIN * std::f64::consts::SQRT_2 * self.pixel
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_corners_lie_half_a_diagonal_from_the_axis_and_turned_round() {
+        let film = Film::new(Raster { xres: 300, yres: 400 }, 50.0);
+        assert_eq!(film.pixel(), 0.1);
+        assert_eq!(film.point(0.0, 0.0), [15.0, -20.0]);
+        assert_eq!(film.point(300.0, 400.0), [-15.0, 20.0]);
+        assert_eq!(film.point(150.0, 200.0), [0.0, 0.0]);
+        let [x, y] = film.point(303.0, -3.0);
+        assert!(x.hypot(y) <= film.reach());
+    }
+}

@@ -1,0 +1,376 @@
+//! From parameters to a checked set-up: the lens found, scaled and stopped down, the film in place.
+
+use std::path::PathBuf;
+
+use super::{
+    CameraError, CameraToWorld, DiskMapping, Film, ParameterError, Parameters, Raster, RealisticCamera,
+};
+use crate::{
+    optics::{
+        Lens, LensError,
+        first_order::FirstOrder,
+        focus::Focus,
+        glass::{D_LINE, VALID_WAVELENGTHS},
+        pupil::{EntrancePupil, limiting_surface},
+        refraction::Refraction,
+    },
+    prescription::{LensSource, Prescription, SearchPath, catalogue, read},
+};
+
+/// How serious a message is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Level {
+    /// Worth knowing.
+    Information,
+    /// The camera is built, and something is not as asked.
+    Warning,
+    /// The camera is not built.
+    Error,
+}
+
+/// What a host brings besides parameters.
+#[derive(Clone, Debug)]
+pub struct Host {
+    /// Pixels of the image.
+    pub raster: Raster,
+    /// Camera space to world space.
+    pub to_world: CameraToWorld,
+    /// Where lens files are looked for after the working directory.
+    pub search: SearchPath,
+    /// A lens file's text in the place of `specfile`, with the name it goes by in messages.
+    pub lens_text: Option<(String, Vec<u8>)>,
+    /// Whether the host can draw new lens numbers for a sample.
+    pub can_redraw: bool,
+}
+
+impl Host {
+    /// A host whose camera space is its world space, and which looks for lens files along
+    /// `PBRT_SEARCHPATH` and in the directory `beside`.
+    pub fn new(raster: Raster, beside: Option<PathBuf>) -> Self {
+        Self {
+            raster,
+            to_world: CameraToWorld::IDENTITY,
+            search: SearchPath::from_environment().then(beside.as_deref()),
+            lens_text: None,
+            can_redraw: true,
+        }
+    }
+}
+
+/// How a ray's weight is measured.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Weighting {
+    /// The mean over lens samples is film irradiance for unit radiance.
+    #[default]
+    Radiometric,
+    /// The assignment's cos⁴/Z².
+    Assignment,
+    /// Relative to the mean on the axis.
+    Relative,
+    /// 1 for a ray that gets through.
+    None,
+}
+
+impl Weighting {
+    const NAMES: [(&'static str, Self); 4] = [
+        ("radiometric", Self::Radiometric),
+        ("assignment", Self::Assignment),
+        ("relative", Self::Relative),
+        ("none", Self::None),
+    ];
+}
+
+/// Everything that a camera is made of.
+#[derive(Clone, Debug)]
+pub(super) struct Setup {
+    pub lens: Lens,
+    pub film: Film,
+    pub film_distance: f64,
+    pub focus_distance: Option<f64>,
+    pub refraction: Refraction,
+    pub exit_pupil: bool,
+    pub mapping: DiskMapping,
+    pub weighting: Weighting,
+    pub single_precision: bool,
+    pub mm_per_unit: f64,
+    pub to_world: CameraToWorld,
+    pub clip: [f32; 2],
+    pub shutter: [f32; 2],
+}
+
+/// What decides which lens is used and at which stop.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct LensSetup {
+    /// nm; `None` for the d line.
+    pub wavelength: Option<f64>,
+    /// Diameter of the stop, mm.
+    pub aperture_diameter: Option<f64>,
+    /// Focal length over entrance pupil diameter.
+    pub fnumber: Option<f64>,
+}
+
+/// Finds, reads, scales and stops down the lens that a caller names.
+///
+/// # Errors
+/// No such lens, a file that is not a lens, a lens that cannot be scaled or stopped down as asked.
+pub fn open_lens(
+    name: &str,
+    search: &SearchPath,
+    setup: LensSetup,
+    log: &mut dyn FnMut(Level, &str),
+) -> Result<(Prescription, Lens), CameraError> {
+    let source = LensSource::parse(name)?;
+    let mut prescription = source.load(search)?;
+    if let Some(focal_length) = source.focal_length() {
+        let own = FirstOrder::of(&Lens::at_d_line(&prescription))?.focal_length;
+        prescription = prescription.scaled(focal_length / own.abs());
+        prescription.name = name.to_owned();
+    }
+    let lens = set_up_lens(&prescription, setup, log)?;
+    Ok((prescription, lens))
+}
+
+/// A prescription at a wavelength and stop.
+fn set_up_lens(
+    prescription: &Prescription,
+    setup: LensSetup,
+    log: &mut dyn FnMut(Level, &str),
+) -> Result<Lens, CameraError> {
+    let wavelength = setup.wavelength.unwrap_or(D_LINE);
+    if !VALID_WAVELENGTHS.contains(&wavelength) {
+        let (from, to) = (VALID_WAVELENGTHS.start(), VALID_WAVELENGTHS.end());
+        return Err(out_of_range("wavelength", wavelength, &format!("from {from} to {to} nm")));
+    }
+    if wavelength != D_LINE && !prescription.is_dispersive() {
+        let name = &prescription.name;
+        let text = format!("lens \"{name}\" has no V-numbers: wavelength {wavelength} nm changes nothing");
+        log(Level::Warning, &text);
+    }
+    let mut lens = Lens::new(prescription, wavelength);
+    match (setup.aperture_diameter, setup.fnumber) {
+        (Some(_), Some(_)) => {
+            Err(ParameterError::Both { first: "fnumber", second: "aperture_diameter" }.into())
+        }
+        (Some(diameter), None) => stop_to_diameter(&mut lens, diameter, log).map(|()| lens),
+        (None, Some(number)) => stop_to_fnumber(&mut lens, number, log).map(|()| lens),
+        (None, None) => Ok(lens),
+    }
+}
+
+fn stop_to_diameter(
+    lens: &mut Lens,
+    diameter: f64,
+    log: &mut dyn FnMut(Level, &str),
+) -> Result<(), CameraError> {
+    let Some(stop) = lens.stop_index() else {
+        return Err(LensError::NoStop { lens: lens.name.clone() }.into());
+    };
+    positive("aperture_diameter", diameter, "mm")?;
+    let widest = 2.0 * lens.surfaces[stop].semi_diameter;
+    if diameter > widest {
+        let text =
+            format!("\"aperture_diameter\" {diameter} mm is wider than the lens's stop; {widest} mm is used");
+        log(Level::Warning, &text);
+    } else {
+        lens.surfaces[stop].semi_diameter = diameter / 2.0;
+    }
+    Ok(())
+}
+
+fn stop_to_fnumber(
+    lens: &mut Lens,
+    number: f64,
+    log: &mut dyn FnMut(Level, &str),
+) -> Result<(), CameraError> {
+    positive("fnumber", number, "")?;
+    let focal_length = FirstOrder::of(lens)?.focal_length.abs();
+    let widest = focal_length / EntrancePupil::of_surface(lens, limiting_surface(lens)).diameter();
+    if number < widest {
+        log(Level::Warning, &format!("\"fnumber\" {number} is faster than the lens; f/{widest:.4} is used"));
+        return Ok(());
+    }
+    let surface = lens.stop_index().unwrap_or_else(|| limiting_surface(lens));
+    // The entrance pupil grows in proportion to the aperture that it images.
+    let imaged = EntrancePupil::of_surface(lens, surface).diameter();
+    lens.surfaces[surface].semi_diameter *= focal_length / number / imaged;
+    Ok(())
+}
+
+impl RealisticCamera {
+    /// Builds a camera. `log` receives warnings.
+    ///
+    /// # Errors
+    /// What is wrong, and what to give instead.
+    pub fn build(
+        parameters: &Parameters,
+        host: &Host,
+        log: &mut dyn FnMut(Level, &str),
+    ) -> Result<Self, CameraError> {
+        let setup = Setup::of(parameters, host, log)?;
+        Self::from_setup(setup, log)
+    }
+}
+
+impl Setup {
+    fn of(
+        parameters: &Parameters,
+        host: &Host,
+        log: &mut dyn FnMut(Level, &str),
+    ) -> Result<Self, CameraError> {
+        let given = parameters;
+        choice("model", given.model.as_deref(), &[("lens", ())])?;
+        if given.af_zones.is_some() {
+            log(
+                Level::Warning,
+                "\"af_zones\" is not used: this host offers no autofocus; give \"focusdistance\" (world \
+                 units from the film) or \"filmdistance\" (mm)",
+            );
+        }
+        let Raster { xres, yres } = host.raster;
+        if xres == 0 || yres == 0 {
+            return Err(CameraError::Raster { xres: xres as i32, yres: yres as i32 });
+        }
+        let diagonal = given.filmdiag.unwrap_or(35.0);
+        positive("filmdiag", diagonal, "mm")?;
+        let film = Film::new(host.raster, diagonal);
+        let mm_per_unit = given.mmperunit.unwrap_or(1.0);
+        positive("mmperunit", mm_per_unit, "mm a world unit")?;
+        let lens = lens_of(given, host, log)?;
+        let (film_distance, focus_distance) = place_film(given, &lens, mm_per_unit)?;
+        let mapping = choice("disk", given.disk.as_deref(), &DiskMapping::NAMES)?;
+        if mapping == DiskMapping::Rejection && !host.can_redraw {
+            return Err(ParameterError::Range {
+                name: "disk",
+                value: "\"rejection\"".to_owned(),
+                range: "\"concentric\" or \"polar\" with a host that cannot draw lens numbers again"
+                    .to_owned(),
+            }
+            .into());
+        }
+        Ok(Self {
+            lens,
+            film,
+            film_distance,
+            focus_distance,
+            refraction: choice("refraction", given.refraction.as_deref(), &Refraction::NAMES)?,
+            exit_pupil: choice("pupil", given.pupil.as_deref(), &[("rear", false), ("disk", true)])?,
+            mapping,
+            weighting: weighting(given)?,
+            single_precision: choice(
+                "precision",
+                given.precision.as_deref(),
+                &[("auto", false), ("f64", false), ("f32", true)],
+            )?,
+            mm_per_unit,
+            to_world: host.to_world,
+            clip: interval(("hither", given.hither, 1e-3), ("yon", given.yon, 1e30), Some(0.0))?,
+            shutter: interval(
+                ("shutteropen", given.shutteropen, 0.0),
+                ("shutterclose", given.shutterclose, 1.0),
+                None,
+            )?,
+        })
+    }
+}
+
+fn lens_of(given: &Parameters, host: &Host, log: &mut dyn FnMut(Level, &str)) -> Result<Lens, CameraError> {
+    let setup = LensSetup {
+        wavelength: given.wavelength,
+        aperture_diameter: given.aperture_diameter,
+        fnumber: given.fnumber,
+    };
+    if let Some((name, text)) = &host.lens_text {
+        if given.specfile.is_some() {
+            return Err(ParameterError::Both { first: "specfile", second: "lens_text" }.into());
+        }
+        let prescription = read(name, text).map_err(crate::prescription::SourceError::from)?;
+        return set_up_lens(&prescription, setup, log);
+    }
+    let name = given.specfile.as_deref().unwrap_or(catalogue::DEFAULT);
+    open_lens(name, &host.search, setup, log).map(|(_, lens)| lens)
+}
+
+/// Film distance and distance in focus, both mm.
+fn place_film(given: &Parameters, lens: &Lens, mm_per_unit: f64) -> Result<(f64, Option<f64>), CameraError> {
+    let focus = Focus::new(lens);
+    let fixed = match (given.filmdistance, given.focusdistance) {
+        (Some(_), Some(_)) => {
+            return Err(ParameterError::Both { first: "filmdistance", second: "focusdistance" }.into());
+        }
+        (None, Some(distance)) => {
+            if !(distance > 0.0) {
+                return Err(out_of_range("focusdistance", distance, "positive, in world units"));
+            }
+            let distance = distance * mm_per_unit;
+            return Ok((focus?.film_distance(distance)?, Some(distance)));
+        }
+        (Some(distance), None) => {
+            positive("filmdistance", distance, "mm")?;
+            Some(distance)
+        }
+        (None, None) => lens.nominal_film_distance,
+    };
+    match fixed {
+        // A lens that cannot focus still takes pictures with its film where the caller puts it.
+        Some(distance) => Ok((distance, focus.ok().and_then(|focus| focus.object_distance(distance)))),
+        None => Ok((focus?.film_distance(f64::INFINITY)?, Some(f64::INFINITY))),
+    }
+}
+
+fn weighting(given: &Parameters) -> Result<Weighting, CameraError> {
+    match (given.weighting.as_deref(), given.simpleweighting) {
+        (Some(_), Some(_)) => {
+            Err(ParameterError::Both { first: "weighting", second: "simpleweighting" }.into())
+        }
+        (None, Some(true)) => Ok(Weighting::Relative),
+        (None, Some(false)) => Ok(Weighting::Radiometric),
+        (name, None) => choice("weighting", name, &Weighting::NAMES),
+    }
+}
+
+/// The choice that a name stands for; the first of `choices` where none is given.
+fn choice<T: Copy>(
+    parameter: &'static str,
+    given: Option<&str>,
+    choices: &[(&str, T)],
+) -> Result<T, CameraError> {
+    let Some(given) = given else {
+        return Ok(choices[0].1);
+    };
+    choices.iter().find(|(name, _)| *name == given).map(|&(_, value)| value).ok_or_else(|| {
+        let names: Vec<String> = choices.iter().map(|(name, _)| format!("\"{name}\"")).collect();
+        ParameterError::Range { name: parameter, value: format!("\"{given}\""), range: names.join(" or ") }
+            .into()
+    })
+}
+
+fn positive(parameter: &'static str, value: f64, unit: &str) -> Result<(), CameraError> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    let range = if unit.is_empty() { "positive".to_owned() } else { format!("positive, in {unit}") };
+    Err(out_of_range(parameter, value, &range))
+}
+
+fn out_of_range(parameter: &'static str, value: f64, range: &str) -> CameraError {
+    ParameterError::Range { name: parameter, value: value.to_string(), range: range.to_owned() }.into()
+}
+
+/// Two parameters of which the first may not exceed the second.
+fn interval(
+    (low_name, low, low_default): (&'static str, Option<f64>, f64),
+    (high_name, high, high_default): (&'static str, Option<f64>, f64),
+    least: Option<f64>,
+) -> Result<[f32; 2], CameraError> {
+    let low = low.unwrap_or(low_default);
+    let high = high.unwrap_or(high_default);
+    if let Some(least) = least
+        && low < least
+    {
+        return Err(out_of_range(low_name, low, &format!("{least} or more")));
+    }
+    if high < low {
+        return Err(out_of_range(high_name, high, &format!("at least \"{low_name}\", which is {low}")));
+    }
+    Ok([low as f32, high as f32])
+}

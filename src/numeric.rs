@@ -1,0 +1,112 @@
+//! The few numerical tools that optics needs: a root in a bracket, an edge, a minimum, a quadrature.
+
+/// The point of `[inside, outside]` up to which `holds`, to the last bit; `holds(inside)` is
+/// taken for granted and `outside` is where it no longer does. Where it changes more than once,
+/// one of the changes.
+pub fn edge(mut inside: f64, mut outside: f64, holds: impl Fn(f64) -> bool) -> f64 {
+    loop {
+        let middle = f64::midpoint(inside, outside);
+        if middle == inside || middle == outside {
+            return inside;
+        }
+        if holds(middle) { inside = middle } else { outside = middle }
+    }
+}
+
+/// A root of a continuous function in `[a, b]`, where it has opposite signs at the two ends
+/// (or is 0 at one), to the last bits: bisection combined with the secant of
+/// the Illinois method, so that a bad secant costs one evaluation and never the bracket.
+pub fn root(mut a: f64, mut b: f64, f: impl Fn(f64) -> f64) -> f64 {
+    let (mut fa, mut fb) = (f(a), f(b));
+    let mut bisect = false;
+    while fa != 0.0 && fb != 0.0 {
+        let middle = f64::midpoint(a, b);
+        if middle == a || middle == b {
+            break;
+        }
+        let secant = b - fb * (b - a) / (fb - fa);
+        let inside = (secant - a) * (secant - b) < 0.0;
+        let x = if bisect || !inside { middle } else { secant };
+        let width = (b - a).abs();
+        let fx = f(x);
+        if (fx < 0.0) == (fb < 0.0) {
+            fa /= 2.0;
+        } else {
+            (a, fa) = (b, fb);
+        }
+        (b, fb) = (x, fx);
+        bisect = (b - a).abs() > width / 2.0;
+    }
+    if fa == 0.0 { a } else { b }
+}
+
+/// Where a function with one minimum in `[a, b]` has it, by golden section, to `tolerance`
+/// relative to the bracket.
+pub fn minimum(mut a: f64, mut b: f64, tolerance: f64, f: impl Fn(f64) -> f64) -> f64 {
+    let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
+    let stop = (b - a) * tolerance;
+    let (mut left, mut right) = (b - golden * (b - a), a + golden * (b - a));
+    let (mut f_left, mut f_right) = (f(left), f(right));
+    while b - a > stop {
+        if f_left < f_right {
+            (b, right, f_right) = (right, left, f_left);
+            left = b - golden * (b - a);
+            f_left = f(left);
+        } else {
+            (a, left, f_left) = (left, right, f_right);
+            right = a + golden * (b - a);
+            f_right = f(right);
+        }
+    }
+    f64::midpoint(a, b)
+}
+
+/// Nodes and weights on [0, 1] of the 16-point Gauss-Legendre rule (Abramowitz and Stegun,
+/// table 25.4), found by Newton's iteration on the Legendre recurrence.
+pub fn gauss_legendre() -> [(f64, f64); GAUSS_POINTS] {
+    let n = GAUSS_POINTS as f64;
+    std::array::from_fn(|i| {
+        let mut x = (std::f64::consts::PI * (i as f64 + 0.75) / (n + 0.5)).cos();
+        let mut slope = 1.0;
+        for _ in 0..8 {
+            let (mut p, mut before) = (1.0, 0.0);
+            for j in 0..GAUSS_POINTS {
+                let j = j as f64;
+                (p, before) = (((2.0 * j + 1.0) * x * p - j * before) / (j + 1.0), p);
+            }
+            slope = n * (x * p - before) / (x * x - 1.0);
+            x -= p / slope;
+        }
+        ((1.0 - x) / 2.0, 1.0 / ((1.0 - x * x) * slope * slope))
+    })
+}
+
+/// Points of the quadrature.
+pub const GAUSS_POINTS: usize = 16;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_edge_and_a_root_are_found_to_the_last_bit() {
+        let target = 2.0_f64.sqrt();
+        assert_eq!(edge(1.0, 2.0, |x| x * x < 2.0), target.next_down());
+        assert!((root(1.0, 2.0, |x| x * x - 2.0) - target).abs() <= f64::EPSILON);
+        assert!((root(0.0, 1e9, |x| x.cbrt() - 1e-3) - 1e-9).abs() < 1e-18);
+        assert_eq!(root(3.0, 4.0, |x| x - 3.0), 3.0);
+    }
+
+    #[test]
+    fn a_minimum_is_found() {
+        assert!((minimum(-4.0, 10.0, 1e-9, |x| (x - 1.5).powi(2)) - 1.5).abs() < 1e-7);
+    }
+
+    #[test]
+    fn the_quadrature_is_exact_to_degree_31() {
+        let rule = gauss_legendre();
+        let integral: f64 = rule.iter().map(|(x, w)| w * x.powi(31)).sum();
+        assert!((integral - 1.0 / 32.0).abs() < 1e-16);
+        assert!((rule.iter().map(|(_, w)| w).sum::<f64>() - 1.0).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,173 @@
+//! First-order (Gaussian) optics: the lens as a thick lens.
+//!
+//! Two ways that must agree. [`FirstOrder::of`] multiplies ABCD matrices (Born and Wolf,
+//! *Principles of Optics*, §4.4; Kolb, Mitchell and Hanrahan 1995, §3.2 uses the same thick lens).
+//! [`FirstOrder::by_paraxial_rays`] follows the lecture's recipe: an exact ray parallel to the axis and
+//! very near it crosses the axis at the focal point, and meets its own continuation in the
+//! principal plane; one from each side.
+
+use super::{Lens, LensError};
+use crate::trace::{Path, Ray};
+
+/// A ray-transfer matrix on (height y, optical slope n dy/ds), s counted from scene to film.
+/// Its determinant is 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Abcd {
+    /// Height from height.
+    pub a: f64,
+    /// Height from slope, mm.
+    pub b: f64,
+    /// Slope from height, 1/mm.
+    pub c: f64,
+    /// Slope from slope.
+    pub d: f64,
+}
+
+impl Abcd {
+    const IDENTITY: Self = Self { a: 1.0, b: 0.0, c: 0.0, d: 1.0 };
+
+    /// This matrix followed by a surface of power (n' - n)/R.
+    fn refracted(self, power: f64) -> Self {
+        Self { c: self.c - power * self.a, d: self.d - power * self.b, ..self }
+    }
+
+    /// This matrix followed by the distance `thickness`/`index`.
+    fn transferred(self, reduced: f64) -> Self {
+        Self { a: self.a + reduced * self.c, b: self.b + reduced * self.d, ..self }
+    }
+
+    /// From the vertex of surface `from`, before it where `from_before` and else after it, to the
+    /// vertex of surface `to`, after it. Surfaces are counted from the scene.
+    fn between(lens: &Lens, from: usize, refract_first: bool, to: usize) -> Self {
+        let mut matrix = Self::IDENTITY;
+        for (number, surface) in lens.surfaces.iter().enumerate().take(to + 1).skip(from) {
+            if number > from {
+                let previous = lens.surfaces[number - 1].vertex;
+                matrix = matrix.transferred((previous - surface.vertex) / surface.n_scene);
+            }
+            if number > from || refract_first {
+                matrix = matrix.refracted((surface.n_film - surface.n_scene) * surface.curvature);
+            }
+        }
+        matrix
+    }
+
+    /// The whole lens, front vertex to rear vertex.
+    pub fn of_lens(lens: &Lens) -> Self {
+        Self::between(lens, 0, true, lens.surfaces.len() - 1)
+    }
+
+    /// From the front vertex to the vertex plane of surface `index`.
+    pub(super) fn in_front_of(lens: &Lens, index: usize) -> Self {
+        Self::between(lens, 0, true, index)
+    }
+
+    /// From the vertex plane of surface `index`, after it, to the rear vertex.
+    pub(super) fn behind(lens: &Lens, index: usize) -> Self {
+        Self::between(lens, index, false, lens.surfaces.len() - 1)
+    }
+}
+
+/// The cardinal points of a lens in air. All positions are z in lens space, mm. The nodal points
+/// are the principal points, both sides being air.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FirstOrder {
+    /// Effective focal length, mm; negative for a diverging lens.
+    pub focal_length: f64,
+    /// Scene-side focal point F.
+    pub front_focal_point: f64,
+    /// Film-side focal point F'.
+    pub rear_focal_point: f64,
+    /// Scene-side principal plane P.
+    pub front_principal_plane: f64,
+    /// Film-side principal plane P'.
+    pub rear_principal_plane: f64,
+    /// z of the last vertex.
+    pub rear_vertex: f64,
+}
+
+/// A power below this fraction of the sum of the surfaces' own counts as none.
+const AFOCAL: f64 = 1e-12;
+
+impl FirstOrder {
+    /// The cardinal points by ABCD matrices.
+    ///
+    /// # Errors
+    /// The lens is afocal.
+    pub fn of(lens: &Lens) -> Result<Self, LensError> {
+        let matrix = Abcd::of_lens(lens);
+        let powers: f64 = lens.surfaces.iter().map(|s| ((s.n_film - s.n_scene) * s.curvature).abs()).sum();
+        if !(matrix.c.abs() > AFOCAL * powers) {
+            return Err(LensError::Afocal { lens: lens.name.clone() });
+        }
+        let focal_length = -1.0 / matrix.c;
+        let rear_vertex = lens.rear().vertex;
+        let front_focal_point = matrix.d * focal_length;
+        let rear_focal_point = rear_vertex - matrix.a * focal_length;
+        Ok(Self::from_focal_points(focal_length, front_focal_point, rear_focal_point, rear_vertex))
+    }
+
+    /// The cardinal points by the lecture's recipe, from two exact rays at a ten-thousandth of the
+    /// smallest clear aperture from the axis. Agrees with [`FirstOrder::of`] to about 1e-7 of
+    /// the focal length, the third-order aberration that is left at that height.
+    ///
+    /// # Errors
+    /// The lens is afocal, or a ray so near the axis does not get through.
+    pub fn by_paraxial_rays(lens: &Lens) -> Result<Self, LensError> {
+        let afocal = || LensError::Afocal { lens: lens.name.clone() };
+        let height =
+            1e-4 * lens.surfaces.iter().map(|surface| surface.semi_diameter).fold(f64::INFINITY, f64::min);
+        let crossing = |path: Path, start: f64, heading: f64| {
+            let ray = path
+                .trace(Ray { origin: [0.0, height, start], direction: [0.0, 0.0, heading] })
+                .map_err(|_| afocal())?;
+            let slope = ray.direction[1] / ray.direction[2];
+            let focus = ray.origin[2] - ray.origin[1] / slope;
+            let focal_length = -heading * height / slope;
+            if focal_length.is_finite() { Ok((focal_length, focus)) } else { Err(afocal()) }
+        };
+        let rear_vertex = lens.rear().vertex;
+        let (focal_length, rear_focal_point) = crossing(Path::scene_to_film(lens), 0.0, -1.0)?;
+        let (_, front_focal_point) = crossing(Path::film_to_scene(lens), rear_vertex, 1.0)?;
+        Ok(Self::from_focal_points(focal_length, front_focal_point, rear_focal_point, rear_vertex))
+    }
+
+    fn from_focal_points(focal_length: f64, front: f64, rear: f64, rear_vertex: f64) -> Self {
+        Self {
+            focal_length,
+            front_focal_point: front,
+            rear_focal_point: rear,
+            front_principal_plane: front - focal_length,
+            rear_principal_plane: rear + focal_length,
+            rear_vertex,
+        }
+    }
+
+    /// Back focal distance: last vertex to the film-side focal point, mm.
+    pub fn back_focal_distance(&self) -> f64 {
+        self.rear_vertex - self.rear_focal_point
+    }
+
+    /// Distance from the last vertex to the paraxial image of the axial point at `z` (lens
+    /// space; infinite for a distant object), mm: Newton's equation x x' = f² (Born and Wolf, §4.3.1).
+    pub fn image_distance(&self, z: f64) -> f64 {
+        self.back_focal_distance() + self.focal_length * self.focal_length / (z - self.front_focal_point)
+    }
+
+    /// Scene-side ray of a film-side one as the thick lens has it (Kolb et al., §3.2): the film-side
+    /// line is carried from principal plane to principal plane at equal height, and its slope
+    /// changes by height/f. The result starts in the front vertex plane.
+    pub fn transfer(&self, ray: Ray) -> Ray {
+        let [x, y, z] = ray.origin;
+        let [dx, dy, dz] = ray.direction;
+        let leave = |height: f64, slope: f64| {
+            let height = height + slope * (self.rear_principal_plane - z);
+            let slope = slope - height / self.focal_length;
+            (height - slope * self.front_principal_plane, slope)
+        };
+        let (px, sx) = leave(x, dx / dz);
+        let (py, sy) = leave(y, dy / dz);
+        let norm = (1.0 + sx * sx + sy * sy).sqrt();
+        Ray { origin: [px, py, 0.0], direction: [sx / norm, sy / norm, 1.0 / norm] }
+    }
+}

@@ -1,0 +1,53 @@
+//! Dispersion: the refractive index of a medium at a wavelength.
+
+use crate::prescription::Medium;
+
+/// Wavelength of the helium d line, nm, at which n_d is given.
+pub const D_LINE: f64 = 587.56;
+/// Wavelength of the hydrogen F line, nm.
+pub const F_LINE: f64 = 486.13;
+/// Wavelength of the hydrogen C line, nm.
+pub const C_LINE: f64 = 656.27;
+
+/// The wavelengths, nm, at which the two-term formula is used.
+pub const VALID_WAVELENGTHS: std::ops::RangeInclusive<f64> = 300.0..=2000.0;
+
+/// Refractive index of `medium` at `wavelength` nm (within [`VALID_WAVELENGTHS`]).
+///
+/// A glass with an Abbe number V follows Cauchy's two-term formula n(λ) = A + B/λ², the
+/// curve through n_d whose F and C values differ by (n_d - 1)/V, which is what V means
+/// (Born and Wolf, *Principles of Optics*, 7th ed., §2.3.4 and §4.7.1). Between F and C it is
+/// within some 1e-4 of real glasses; it says nothing of partial dispersion.
+pub fn refractive_index(medium: Medium, wavelength: f64) -> f64 {
+    match medium {
+        Medium::Air => 1.0,
+        Medium::Glass { n_d, abbe: None } => n_d,
+        Medium::Glass { n_d, abbe: Some(abbe) } => {
+            let inverse_square = |length: f64| (length * length).recip();
+            let slope = (n_d - 1.0) / abbe / (inverse_square(F_LINE) - inverse_square(C_LINE));
+            n_d + slope * (inverse_square(wavelength) - inverse_square(D_LINE))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_formula_returns_n_d_and_the_abbe_number() {
+        let glass = Medium::Glass { n_d: 1.699, abbe: Some(30.1) };
+        let [d, f, c] = [D_LINE, F_LINE, C_LINE].map(|line| refractive_index(glass, line));
+        assert_eq!(d, 1.699);
+        assert!(((d - 1.0) / (f - c) - 30.1).abs() < 1e-10);
+        assert_eq!(refractive_index(Medium::Air, F_LINE), 1.0);
+        assert_eq!(refractive_index(Medium::Glass { n_d: 1.5, abbe: None }, F_LINE), 1.5);
+    }
+
+    #[test]
+    fn a_real_glass_is_met_between_f_and_c() {
+        // Schott N-BK7: n_d 1.51680, V_d 64.17; its data sheet's n_e (546.07 nm) is 1.51872.
+        let glass = Medium::Glass { n_d: 1.51680, abbe: Some(64.17) };
+        assert!((refractive_index(glass, 546.07) - 1.51872).abs() < 1e-4);
+    }
+}

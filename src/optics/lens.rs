@@ -1,0 +1,129 @@
+//! A lens at one wavelength and one stop: the surfaces that rays meet.
+
+use thiserror::Error;
+
+use super::glass::{D_LINE, refractive_index};
+use crate::prescription::{Prescription, Shape};
+
+/// One surface of a lens at a given wavelength.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surface {
+    /// z of the vertex in lens space, mm; 0 for the first, never positive.
+    pub vertex: f64,
+    /// 1/radius in 1/mm, 0 for a plane; positive when the centre lies on the film's side.
+    pub curvature: f64,
+    /// Refractive index on the scene's side.
+    pub n_scene: f64,
+    /// Refractive index on the film's side.
+    pub n_film: f64,
+    /// Clear semi-diameter, mm.
+    pub semi_diameter: f64,
+    /// Whether this is the aperture stop.
+    pub is_stop: bool,
+}
+
+impl Surface {
+    /// z of the surface at distance `height` from the axis, minus that of its vertex, mm
+    /// (the sagitta, positive toward the scene). `height` is at most the radius of curvature.
+    pub fn sagitta(&self, height: f64) -> f64 {
+        let c = self.curvature;
+        let root = (1.0 - (c * height).powi(2)).max(0.0).sqrt();
+        -c * height * height / (1.0 + root)
+    }
+}
+
+/// A lens at one wavelength and one stop.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lens {
+    /// The prescription's name.
+    pub name: String,
+    /// The surfaces, scene side first; at least one.
+    pub surfaces: Vec<Surface>,
+    /// The wavelength at which the indices hold, nm.
+    pub wavelength: f64,
+    /// Distance from the last vertex to the film that the lens file proposes, mm.
+    pub nominal_film_distance: Option<f64>,
+}
+
+/// Why a lens cannot be made as asked, or has no answer to a question.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum LensError {
+    /// The stop was to be set and the lens has none.
+    #[error(
+        "lens \"{lens}\" has no stop row, so \"aperture_diameter\" has nothing to set; \
+         give \"fnumber\", which narrows the interface that limits the beam"
+    )]
+    NoStop {
+        /// The lens.
+        lens: String,
+    },
+    /// Parallel rays leave parallel: no focal length, principal planes or focus.
+    #[error("lens \"{lens}\" is afocal: it has no focal length and cannot focus")]
+    Afocal {
+        /// The lens.
+        lens: String,
+    },
+    /// The question needs a lens that makes a real image.
+    #[error("lens \"{lens}\" has focal length {focal_length} mm: it makes no real image of a distant object")]
+    Diverging {
+        /// The lens.
+        lens: String,
+        /// Its focal length, mm.
+        focal_length: f64,
+    },
+}
+
+impl Lens {
+    /// The lens of a prescription at `wavelength` nm.
+    pub fn new(prescription: &Prescription, wavelength: f64) -> Self {
+        let mut vertex = 0.0;
+        let mut n_scene = 1.0;
+        let surfaces = prescription
+            .interfaces
+            .iter()
+            .map(|interface| {
+                let n_film = refractive_index(interface.medium, wavelength);
+                let surface = Surface {
+                    vertex,
+                    curvature: match interface.shape {
+                        Shape::Sphere { radius } => radius.recip(),
+                        Shape::Plane | Shape::Stop => 0.0,
+                    },
+                    n_scene,
+                    n_film,
+                    semi_diameter: interface.semi_diameter,
+                    is_stop: interface.shape == Shape::Stop,
+                };
+                vertex -= interface.thickness;
+                n_scene = n_film;
+                surface
+            })
+            .collect();
+        Self {
+            name: prescription.name.clone(),
+            surfaces,
+            wavelength,
+            nominal_film_distance: prescription.nominal_film_distance,
+        }
+    }
+
+    /// The lens of a prescription at the d line.
+    pub fn at_d_line(prescription: &Prescription) -> Self {
+        Self::new(prescription, D_LINE)
+    }
+
+    /// The surface nearest the film.
+    pub fn rear(&self) -> &Surface {
+        self.surfaces.last().expect("a lens has at least one surface")
+    }
+
+    /// The surface nearest the scene.
+    pub fn front(&self) -> &Surface {
+        self.surfaces.first().expect("a lens has at least one surface")
+    }
+
+    /// Index of the stop's surface, from the scene side.
+    pub fn stop_index(&self) -> Option<usize> {
+        self.surfaces.iter().position(|surface| surface.is_stop)
+    }
+}

@@ -1,0 +1,14 @@
+//! The lens as optics: surfaces with indices at one wavelength, refraction, first-order
+//! (thick lens) data, pupils and focus.
+//!
+//! Lens space throughout: origin at the front vertex, +z toward the scene, millimetres.
+
+pub mod depth_of_field;
+pub mod first_order;
+pub mod focus;
+pub mod glass;
+mod lens;
+pub mod pupil;
+pub mod refraction;
+
+pub use lens::{Lens, LensError, Surface};

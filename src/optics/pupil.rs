@@ -1,0 +1,137 @@
+//! Pupils by the thick lens: every aperture imaged by the glass behind it (exit pupil) or in
+//! front of it (entrance pupil), and the one that limits the beam.
+//!
+//! The image of an aperture is kept as the pair (height, slope) of coefficients with which a
+//! ray's height in the aperture follows from its height and slope at the outer vertex. That holds
+//! for a pupil at infinity as well, where position and diameter do not exist.
+
+use super::{Lens, first_order::Abcd};
+
+/// The paraxial image of one aperture on the film's side of the lens.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ExitPupil {
+    /// The surface whose aperture this images, counted from the scene.
+    pub surface: usize,
+    semi_diameter: f64,
+    rear_vertex: f64,
+    /// Height in the aperture = `from_height` y + `from_slope` dy/dz at the rear vertex plane.
+    from_height: f64,
+    from_slope: f64,
+}
+
+/// A disk of ray slopes (dx/dz, dy/dz) at a film point: the pupil as that point sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlopeDisk {
+    /// Slopes of the ray to the pupil's centre.
+    pub center: [f64; 2],
+    /// Radius of the disk, in slope; positive.
+    pub radius: f64,
+}
+
+impl ExitPupil {
+    /// Images the aperture of one surface through the glass behind it.
+    pub fn of_surface(lens: &Lens, surface: usize) -> Self {
+        let matrix = Abcd::behind(lens, surface);
+        Self {
+            surface,
+            semi_diameter: lens.surfaces[surface].semi_diameter,
+            rear_vertex: lens.rear().vertex,
+            from_height: matrix.d,
+            // The matrix counts slopes along the light, that is toward -z, and maps aperture to
+            // vertex; this is its inverse with the slope's sign turned.
+            from_slope: matrix.b,
+        }
+    }
+
+    /// The lens's exit pupil for film at `film` (z in lens space, behind the lens): of all apertures
+    /// imaged through the glass behind them, the one that subtends the smallest solid angle from the
+    /// film's centre.
+    pub fn of_lens(lens: &Lens, film: f64) -> Self {
+        (0..lens.surfaces.len())
+            .map(|surface| Self::of_surface(lens, surface))
+            .min_by(|a, b| a.slope_radius(film).total_cmp(&b.slope_radius(film)))
+            .expect("a lens has at least one surface")
+    }
+
+    /// z of the pupil plane in lens space, mm; `None` when the pupil is at infinity.
+    pub fn position(&self) -> Option<f64> {
+        let z = self.rear_vertex + self.from_slope / self.from_height;
+        z.is_finite().then_some(z)
+    }
+
+    /// Diameter of the pupil, mm; infinite when the pupil is at infinity.
+    pub fn diameter(&self) -> f64 {
+        2.0 * self.semi_diameter / self.from_height.abs()
+    }
+
+    /// 1/Z, where Z is the axial distance from film at `film` to the pupil; 0 for a pupil at
+    /// infinity, negative for one behind the film. 1/mm.
+    pub fn vergence(&self, film: f64) -> f64 {
+        self.from_height / self.height_from_slope(film)
+    }
+
+    /// Radius of the pupil as an angle's tangent at the film's centre.
+    fn slope_radius(&self, film: f64) -> f64 {
+        self.semi_diameter / self.height_from_slope(film).abs()
+    }
+
+    /// The pupil as the film point (`x`, `y`, `film`) sees it.
+    pub fn slopes(&self, x: f64, y: f64, film: f64) -> SlopeDisk {
+        let vergence = self.vergence(film);
+        SlopeDisk { center: [-x * vergence, -y * vergence], radius: self.slope_radius(film) }
+    }
+
+    fn height_from_slope(&self, film: f64) -> f64 {
+        self.from_slope + self.from_height * (self.rear_vertex - film)
+    }
+}
+
+/// The paraxial image of one aperture on the scene's side of the lens.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EntrancePupil {
+    semi_diameter: f64,
+    /// Height in the aperture = `from_height` y + `from_slope` dy/ds at the front vertex plane.
+    from_height: f64,
+    from_slope: f64,
+}
+
+impl EntrancePupil {
+    /// Images the aperture of one surface through the glass in front of it.
+    pub fn of_surface(lens: &Lens, surface: usize) -> Self {
+        let matrix = Abcd::in_front_of(lens, surface);
+        Self {
+            semi_diameter: lens.surfaces[surface].semi_diameter,
+            from_height: matrix.a,
+            from_slope: matrix.b,
+        }
+    }
+
+    /// z of the pupil plane in lens space, mm; `None` when the pupil is at infinity.
+    pub fn position(&self) -> Option<f64> {
+        let z = -self.from_slope / self.from_height;
+        z.is_finite().then_some(z)
+    }
+
+    /// Diameter of the pupil, mm; infinite when the pupil is at infinity.
+    pub fn diameter(&self) -> f64 {
+        2.0 * self.semi_diameter / self.from_height.abs()
+    }
+
+    /// Height in the front vertex plane and slope dy/ds (s toward the film) of the ray from the
+    /// axial point `distance` in front of the front vertex (infinite: parallel to the axis) that
+    /// reaches height `fraction` x semi-diameter in the aperture, by first-order optics.
+    pub fn marginal_ray(&self, vergence: f64, fraction: f64) -> (f64, f64) {
+        let height = fraction * self.semi_diameter / (self.from_height + self.from_slope * vergence);
+        (height, height * vergence)
+    }
+}
+
+/// The surface whose aperture limits the axial beam of a distant object: the one whose image on
+/// the scene's side is the smallest.
+pub fn limiting_surface(lens: &Lens) -> usize {
+    (0..lens.surfaces.len())
+        .map(|surface| (surface, EntrancePupil::of_surface(lens, surface).diameter()))
+        .min_by(|a, b| a.1.total_cmp(&b.1))
+        .map(|(surface, _)| surface)
+        .expect("a lens has at least one surface")
+}

@@ -1,0 +1,56 @@
+//! The lenses that are built in, by name. Each file says where its numbers come from.
+
+use super::{Prescription, read};
+
+macro_rules! catalogue {
+    ($($name:literal),* $(,)?) => {
+        const FILES: &[(&str, &str)] =
+            &[$(($name, include_str!(concat!("../../lenses/", $name, ".dat")))),*];
+    };
+}
+
+catalogue!["dgauss.50mm", "dgauss.100mm", "wide.22mm", "telephoto.250mm", "fisheye.10mm"];
+
+/// The lens that is used when none is named.
+pub const DEFAULT: &str = "dgauss.50mm";
+
+/// The names of all built-in lenses, the default first.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    FILES.iter().map(|&(name, _)| name)
+}
+
+/// The built-in lens of that name.
+pub fn find(name: &str) -> Option<Prescription> {
+    let &(name, text) = FILES.iter().find(|&&(known, _)| known == name)?;
+    Some(read(name, text.as_bytes()).expect("a test reads every built-in lens"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::prescription::Shape;
+
+    #[test]
+    fn every_built_in_lens_reads_and_names_its_source() {
+        for (name, text) in FILES {
+            assert_eq!(find(name).expect("listed").name, *name);
+            assert!(text.contains("# Source: "), "{name} does not say where it comes from");
+        }
+    }
+
+    #[test]
+    fn the_two_double_gausses_are_one_design() {
+        let large = find("dgauss.100mm").expect("listed").scaled(0.5);
+        let small = find("dgauss.50mm").expect("listed");
+        for (half, own) in large.interfaces.iter().zip(&small.interfaces) {
+            assert!((half.thickness - own.thickness).abs() < 1e-12);
+            assert!((half.semi_diameter - own.semi_diameter).abs() < 1e-12);
+            match (half.shape, own.shape) {
+                (Shape::Sphere { radius: half }, Shape::Sphere { radius: own }) => {
+                    assert!((half - own).abs() < 1e-12);
+                }
+                (half, own) => assert_eq!(half, own),
+            }
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! The reader of lens files: text to rows of words ([`rows`]), rows to interfaces by the
+//! table's format ([`four_column`], [`smith`]), and the checks that hold for either ([`check`]).
+//!
+//! Two formats are read. **Four columns**, as the assignment and pbrt have it: radius,
+//! thickness, refractive index, clear diameter in every row. **Five columns**, as Smith's
+//! *Modern Lens Design* prints it: radius, thickness, n_d, V-number, clear diameter for glass;
+//! radius, thickness, diameter for air; thickness and diameter, or the word `stop` and the two,
+//! for the stop; `-` stands for a value left out. A file is of the second kind if any row has five
+//! values.
+//!
+//! Values are separated by spaces, tabs or one comma; `#` begins a comment; the first row may be
+//! one number, the focal length.
+
+mod check;
+mod four_column;
+mod rows;
+mod smith;
+
+use super::{Interface, LensFileError, Medium, Prescription, Shape};
+use rows::{Row, Rows, Word};
+
+/// Reads a lens file's text.
+///
+/// `name` is the file as the caller knows it and begins every error message. UTF-8 with or
+/// without a byte-order mark, UTF-16 with one; comments may be in any encoding.
+///
+/// # Errors
+/// The first place at which the text is not a lens, with what was expected there.
+pub fn read(name: &str, bytes: &[u8]) -> Result<Prescription, LensFileError> {
+    let rows = Rows::split(name, bytes)?;
+    let (stated_focal_length, table) = leading_focal_length(&rows)?;
+    let Some(last) = table.last() else {
+        return Err(rows.error_at_end("the file has no rows; expected at least one interface"));
+    };
+    let raw = if table.iter().any(|row| row.words.len() == 5) {
+        table.iter().map(|row| smith::interface(&rows, row, std::ptr::eq(row, last))).collect()
+    } else {
+        table.iter().map(|row| four_column::interface(&rows, row)).collect::<Result<Vec<_>, _>>()
+    }?;
+    let mut interfaces = check::check(&rows, table, raw)?;
+    let back = std::mem::take(&mut interfaces.last_mut().expect("at least one row").thickness);
+    Ok(Prescription {
+        name: short_name(name),
+        title: rows.title.clone(),
+        interfaces,
+        nominal_film_distance: (back > 0.0).then_some(back),
+        stated_focal_length,
+    })
+}
+
+/// A row's values before it is known what lies on the interface's scene side.
+#[derive(Clone, Copy, Debug)]
+struct RawInterface {
+    /// Signed radius in mm; infinite for a plane.
+    radius: f64,
+    /// The row says in words that it is the stop.
+    says_stop: bool,
+    thickness: f64,
+    medium: Medium,
+    diameter: f64,
+}
+
+fn leading_focal_length<'r>(rows: &'r Rows) -> Result<(Option<f64>, &'r [Row]), LensFileError> {
+    match rows.rows.split_first() {
+        Some((first, rest)) if first.words.len() == 1 => {
+            let word = &first.words[0];
+            let length = rows.number(word, "a focal length in mm on a line of its own")?;
+            if length <= 0.0 {
+                return Err(rows.error(word, "a focal length on a line of its own must be positive"));
+            }
+            Ok((Some(length), rest))
+        }
+        _ => Ok((None, &rows.rows)),
+    }
+}
+
+/// The radius column, the same in both formats: a number, 0 and `inf` being planes.
+fn radius(rows: &Rows, word: &Word) -> Result<f64, LensFileError> {
+    let unsigned = word.text.trim_start_matches(['+', '-']);
+    if unsigned.eq_ignore_ascii_case("inf") || unsigned.eq_ignore_ascii_case("infinity") {
+        return Ok(f64::INFINITY);
+    }
+    let radius = rows.number(word, "a radius of curvature in mm (0 or inf for a plane)")?;
+    Ok(if radius == 0.0 { f64::INFINITY } else { radius })
+}
+
+/// The index column: 0 and 1 are air.
+fn index(rows: &Rows, word: &Word) -> Result<Option<f64>, LensFileError> {
+    let index = rows.number(word, "a refractive index (0 or 1 for air)")?;
+    if index == 0.0 || index == 1.0 {
+        Ok(None)
+    } else if index > 1.0 {
+        Ok(Some(index))
+    } else {
+        Err(rows.error(word, "a refractive index is 1 or more; write 0 or 1 for air"))
+    }
+}
+
+fn is_stop_word(word: &Word) -> bool {
+    word.text.eq_ignore_ascii_case("stop")
+}
+
+fn short_name(name: &str) -> String {
+    std::path::Path::new(name)
+        .file_name()
+        .map_or_else(|| name.to_owned(), |file| file.to_string_lossy().into_owned())
+}
+
+#[cfg(test)]
+mod tests;

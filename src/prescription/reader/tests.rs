@@ -1,0 +1,116 @@
+//! Every accepted spelling and every refusal, the latter as its user would read it.
+
+use super::super::catalogue;
+use super::*;
+
+const SINGLET: &str = "20 5 1.5 10\n-20 30 1 10\n";
+
+fn ok(text: &[u8]) -> Prescription {
+    read("lens.dat", text).unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[track_caller]
+fn refused(text: &str, at: &str, parts: &[&str]) {
+    let message = read("lens.dat", text.as_bytes()).expect_err("refused").to_string();
+    assert!(message.starts_with(&format!("lens.dat:{at}: ")), "{message}");
+    for part in parts {
+        assert!(message.contains(part), "{message} lacks {part:?}");
+    }
+}
+
+#[test]
+fn the_last_thickness_is_the_nominal_film_distance() {
+    let lens = ok(SINGLET.as_bytes());
+    assert_eq!(lens.nominal_film_distance, Some(30.0));
+    assert_eq!(lens.interfaces[1].thickness, 0.0);
+    assert_eq!(lens.interfaces[0].semi_diameter, 5.0);
+    assert_eq!(lens.name, "lens.dat");
+}
+
+#[test]
+fn spellings_of_one_table_agree() {
+    let plain = ok(SINGLET.as_bytes()).interfaces;
+    for text in [
+        b"20\t5\t1.5\t10\r\n-20\t30\t1\t10\r\n".as_slice(),
+        b"20,5,1.5,10\n-20, 30 ,1,10",
+        b"\xEF\xBB\xBF20 5 1.5 10 # 1\n-20 30 0 10",
+        b"# Gau\xDF, \xFF\xFE\n2E1 5 +1.5 10.\n\n  -20 3e1 1.0 10\n",
+        b"50.0\n20 5 1.5 10\n-20 30 1 10\n",
+        b"20 5 1.5 - 10\n-20 30 10",
+        b"20 5 1.5 - 10\n-20 30 - - 10",
+    ] {
+        assert_eq!(ok(text).interfaces, plain, "{}", String::from_utf8_lossy(text));
+    }
+    let utf16: Vec<u8> = [0xFF, 0xFE].into_iter().chain(SINGLET.bytes().flat_map(|byte| [byte, 0])).collect();
+    assert_eq!(ok(&utf16).interfaces, plain);
+}
+
+#[test]
+fn the_title_is_the_first_comment_and_the_focal_length_line_is_kept() {
+    let lens = ok(b"#\n# A singlet \n50\n20 5 1.5 10\n-20 0 1 10");
+    assert_eq!(lens.title.as_deref(), Some("A singlet"));
+    assert_eq!(lens.stated_focal_length, Some(50.0));
+    assert_eq!(lens.nominal_film_distance, None);
+}
+
+#[test]
+fn a_plane_is_the_stop_between_air_and_glass_otherwise() {
+    let lens = ok(b"0 5 1.5 10\n0 1 1 10\n0 2 0 8\ninf 2 1.6 9\n-20 0 1 9");
+    let shapes: Vec<Shape> = lens.interfaces.iter().map(|interface| interface.shape).collect();
+    assert_eq!(
+        shapes,
+        [Shape::Plane, Shape::Plane, Shape::Stop, Shape::Plane, Shape::Sphere { radius: -20.0 }]
+    );
+    assert_eq!(lens.stop_index(), Some(2));
+}
+
+#[test]
+fn a_five_column_table_has_four_kinds_of_row() {
+    let lens = ok(b"20 5 1.5 60.1 10\n-20 1 9\nstop 2 8\n30 3 1.6 36 9\n-30 - - - 9");
+    assert_eq!(lens.interfaces[0].medium, Medium::Glass { n_d: 1.5, abbe: Some(60.1) });
+    assert_eq!(lens.interfaces[1].medium, Medium::Air);
+    for stop in ["2 8", "- 2 - - 8", "0 2 - - 8", "STOP 2 - - 8"] {
+        let text = format!("20 5 1.5 60.1 10\n-20 1 9\n{stop}\n30 3 1.6 36 9\n-30 - - - 9");
+        assert_eq!(ok(text.as_bytes()).interfaces, lens.interfaces, "{stop}");
+    }
+    assert!(catalogue::find("dgauss.100mm").expect("listed").is_dispersive());
+}
+
+#[test]
+fn a_wrong_word_is_named_where_it_stands() {
+    refused("20 5 1.5 10\n-20 x 1 10", "2:5", &["\"x\" is not a number", "thickness in mm"]);
+    refused("20 5 1.5 10\n-20 0 1 nan", "2:9", &["\"nan\" is not finite", "clear diameter"]);
+    refused("20 1e999 1.5 10", "1:4", &["not finite"]);
+    refused("20 inf 1.5 10", "1:4", &["not finite"]);
+    refused("20 5 0.9 10", "1:6", &["index is 1 or more"]);
+    refused("20 5 -1.5 10", "1:6", &["index is 1 or more"]);
+    let latin = read("lens.dat", b"20 5 1.5 10\xB5m").expect_err("refused").to_string();
+    assert!(latin.starts_with("lens.dat:1:10: not text"), "{latin}");
+}
+
+#[test]
+fn a_row_of_the_wrong_length_says_what_a_row_is() {
+    refused("20 5 1.5", "1:1", &["3 value(s)", "radius, thickness, refractive index, clear diameter"]);
+    refused("20 5 1.5 10\n7\n", "2:1", &["1 value(s)"]);
+    refused("58,95 7,52 1,67 50,4", "1:1", &["8 value(s)", "write 1.5, not 1,5"]);
+    refused("20 5 1.5 60 10\n-20 1 9 9", "2:1", &["read in two ways", "write - for a value left out"]);
+    refused("20 5 1.5 60 10\n-20 1 9 9 9 9", "2:1", &["6 value(s)", "three (air"]);
+    refused("20,,5 1.5 10", "1:4", &["nothing stands before this comma"]);
+    refused("20 5 1.5 10,", "1:12", &["nothing stands after this comma"]);
+    refused("# nothing\n", "2:1", &["no rows", "at least one interface"]);
+    refused("", "1:1", &["no rows"]);
+    refused("-50\n20 5 1.5 10", "1:1", &["must be positive"]);
+}
+
+#[test]
+fn impossible_interfaces_are_refused() {
+    refused("20 -5 1.5 10", "1:1", &["thickness -5 mm", "0 or more"]);
+    refused("20 5 1.5 0", "1:1", &["clear diameter 0 mm", "positive"]);
+    refused("20 5 1.5 -3", "1:1", &["clear diameter -3 mm"]);
+    refused("20 5 1.5 41", "1:1", &["at most 40 mm"]);
+    refused("20 5 1.5 10", "1:1", &["glass behind it", "index must be 0 or 1"]);
+    refused("0 1 1 5\n20 5 1.5 10\n-20 1 1 10\n0 0 1 3", "4:1", &["second stop", "line 1"]);
+    refused("20 5 1.5 60 10\nstop 2 9\n-20 0 9\nstop 1 1.5 60 9", "2:1", &["air on both sides"]);
+    refused("20 5 1.5 60 10\n-20 1 - 60 9", "2:9", &["V-number without a refractive index"]);
+    refused("20 5 1.5 -3 10\n-20 1 9", "1:8", &["V-number is positive"]);
+}

@@ -1,0 +1,171 @@
+//! Finding a lens: a file as given, a file along a search path, or a catalogue name.
+
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+use super::{LensFileError, Prescription, catalogue, read};
+
+/// Where relative lens file names are looked for after the working directory, in order.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct SearchPath(pub Vec<PathBuf>);
+
+impl SearchPath {
+    /// The directories of the environment variable `PBRT_SEARCHPATH` (separated by `:`).
+    pub fn from_environment() -> Self {
+        let directories = std::env::var_os("PBRT_SEARCHPATH")
+            .map(|list| std::env::split_paths(&list).filter(|dir| !dir.as_os_str().is_empty()).collect())
+            .unwrap_or_default();
+        Self(directories)
+    }
+
+    /// Adds one more directory, looked in last.
+    #[must_use]
+    pub fn then(mut self, directory: Option<&Path>) -> Self {
+        self.0.extend(directory.map(Path::to_owned));
+        self
+    }
+}
+
+/// What a caller's lens name says: which table, and the focal length it is to be scaled to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LensSource<'a> {
+    /// A file or a catalogue name.
+    pub table: &'a str,
+    /// The text between `@` and `mm` in `NAME@35mm`.
+    focal_length: Option<&'a str>,
+}
+
+/// Why no lens could be had.
+#[derive(Debug, Error)]
+pub enum SourceError {
+    /// The file was read and is not a lens.
+    #[error(transparent)]
+    File(#[from] LensFileError),
+    /// Neither a file nor a catalogue name.
+    #[error(
+        "no lens file \"{name}\" in {places}, and no lens of that name in the catalogue, which has {catalogue}"
+    )]
+    NotFound {
+        /// The name as given.
+        name: String,
+        /// Where it was looked for.
+        places: String,
+        /// The catalogue's names.
+        catalogue: String,
+    },
+    /// The file is there and cannot be read.
+    #[error("lens file \"{}\" cannot be read: {error}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        error: std::io::Error,
+    },
+    /// The part after `@` is not a focal length.
+    #[error("lens \"{name}\": after @ comes a positive focal length in mm, as in \"dgauss.50mm@35mm\"")]
+    FocalLength {
+        /// The name as given.
+        name: String,
+    },
+}
+
+/// A lens file is a few kilobytes; anything larger than this is not one.
+const MAX_FILE_BYTES: u64 = 1 << 20;
+
+impl<'a> LensSource<'a> {
+    /// Splits `NAME@35mm`; a name without `@`, or that of a file, is a table alone.
+    ///
+    /// # Errors
+    /// What follows the `@` is not `<positive number>mm`.
+    pub fn parse(name: &'a str) -> Result<Self, SourceError> {
+        let plain = Self { table: name, focal_length: None };
+        let Some((table, scale)) = name.rsplit_once('@') else {
+            return Ok(plain);
+        };
+        if Path::new(name).is_file() {
+            return Ok(plain);
+        }
+        let focal_length = scale.strip_suffix("mm").map(str::trim);
+        match focal_length.and_then(|number| number.parse::<f64>().ok()) {
+            Some(length) if length > 0.0 && length.is_finite() => Ok(Self { table, focal_length }),
+            _ => Err(SourceError::FocalLength { name: name.to_owned() }),
+        }
+    }
+
+    /// The focal length that the lens is to be scaled to, mm.
+    pub fn focal_length(&self) -> Option<f64> {
+        self.focal_length.and_then(|number| number.parse().ok())
+    }
+
+    /// Finds and reads the table: a file as given, then along `search`, then the catalogue.
+    ///
+    /// # Errors
+    /// No such lens, an unreadable file, or a file that is not a lens.
+    pub fn load(&self, search: &SearchPath) -> Result<Prescription, SourceError> {
+        let given = Path::new(self.table);
+        let candidates = std::iter::once(given.to_owned())
+            .chain(search.0.iter().filter(|_| given.is_relative()).map(|dir| dir.join(given)));
+        for path in candidates {
+            if path.is_file() {
+                return read_file(&path);
+            }
+        }
+        catalogue::find(self.table).ok_or_else(|| SourceError::NotFound {
+            name: self.table.to_owned(),
+            places: std::iter::once("the working directory".to_owned())
+                .chain(search.0.iter().map(|dir| dir.display().to_string()))
+                .collect::<Vec<_>>()
+                .join(", "),
+            catalogue: catalogue::names().collect::<Vec<_>>().join(", "),
+        })
+    }
+}
+
+fn read_file(path: &Path) -> Result<Prescription, SourceError> {
+    let unreadable = |error| SourceError::Unreadable { path: path.to_owned(), error };
+    let size = std::fs::metadata(path).map_err(unreadable)?.len();
+    if size > MAX_FILE_BYTES {
+        return Err(unreadable(std::io::Error::new(
+            std::io::ErrorKind::FileTooLarge,
+            format!("{size} bytes is too large for a lens file"),
+        )));
+    }
+    let bytes = std::fs::read(path).map_err(unreadable)?;
+    Ok(read(&path.display().to_string(), &bytes)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_may_carry_a_focal_length() {
+        let source = LensSource::parse("dgauss.50mm@35mm").expect("valid");
+        assert_eq!((source.table, source.focal_length()), ("dgauss.50mm", Some(35.0)));
+        assert_eq!(LensSource::parse("dgauss.50mm").expect("valid").focal_length(), None);
+        for wrong in ["dgauss.50mm@", "dgauss.50mm@35", "dgauss.50mm@-3mm", "dgauss.50mm@0mm", "x@infmm"] {
+            let message = LensSource::parse(wrong).expect_err(wrong).to_string();
+            assert!(message.contains("\"dgauss.50mm@35mm\""), "{message}");
+        }
+    }
+
+    #[test]
+    fn an_unknown_lens_lists_where_it_was_sought_and_the_catalogue() {
+        let search = SearchPath(vec!["/nowhere".into()]);
+        let error = LensSource::parse("zoom").expect("a plain name").load(&search).expect_err("unknown");
+        let message = error.to_string();
+        for part in ["\"zoom\"", "the working directory", "/nowhere", "telephoto.250mm"] {
+            assert!(message.contains(part), "{message} lacks {part}");
+        }
+    }
+
+    #[test]
+    fn a_file_is_found_along_the_search_path_before_the_catalogue() {
+        let directory = tempfile::tempdir().expect("a temporary directory");
+        std::fs::write(directory.path().join("dgauss.50mm"), "20 5 1.5 10\n-20 0 1 10\n").expect("written");
+        let search = SearchPath::default().then(Some(directory.path()));
+        let lens = LensSource::parse("dgauss.50mm").expect("a plain name").load(&search).expect("found");
+        assert_eq!(lens.interfaces.len(), 2);
+    }
+}

@@ -1,0 +1,14 @@
+//! Exact tracing of rays through a lens.
+//!
+//! [`Path`] is a lens made ready for one direction of travel; [`Path::walk`] takes one ray
+//! through it and says why a ray does not arrive. The same code serves both directions: a path
+//! counts its own axis forward, so that scene to film is film to scene with the surfaces in the
+//! other order and their curvatures turned round.
+
+mod path;
+mod real;
+mod walk;
+
+pub use path::{Direction, Path};
+pub use real::Real;
+pub use walk::{Blocked, Ray, Walk};

@@ -1,0 +1,90 @@
+//! A lens made ready for tracing in one direction.
+
+use super::Real;
+use crate::optics::{Lens, refraction::Refraction};
+
+/// Which way rays travel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// From the film, toward +z.
+    FilmToScene,
+    /// From the scene, toward -z.
+    SceneToFilm,
+}
+
+/// What one surface asks of a ray, in a frame whose axis points along the travel and whose
+/// origin is the surface's vertex.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Step<R> {
+    /// From the previous surface's vertex to this one's; 0 for the first.
+    pub distance: R,
+    /// 1/radius; positive when the centre lies ahead.
+    pub curvature: R,
+    /// Refractive index before.
+    pub n: R,
+    /// Refractive index after.
+    pub n_after: R,
+    /// n'^2 - n^2.
+    pub index_step: R,
+    /// Square of the clear semi-diameter.
+    pub aperture: R,
+    /// How far behind the ray's point a hit may lie by rounding alone, in units of V.
+    pub slack: R,
+}
+
+/// A lens made ready for tracing in one direction with numbers of type `R`.
+#[derive(Clone, Debug)]
+pub struct Path<R = f64> {
+    pub(super) steps: Vec<Step<R>>,
+    pub(super) direction: Direction,
+    pub(super) refraction: Refraction,
+    /// z of the first vertex met, in lens space.
+    pub(super) entry: f64,
+    /// z of the last vertex met, in lens space.
+    pub(super) exit: f64,
+}
+
+impl<R: Real> Path<R> {
+    /// Makes `lens` ready for rays in `direction`, refracted by `refraction`.
+    pub fn new(lens: &Lens, direction: Direction, refraction: Refraction) -> Self {
+        let forward = direction == Direction::SceneToFilm;
+        let mut surfaces: Vec<_> = lens.surfaces.iter().collect();
+        if !forward {
+            surfaces.reverse();
+        }
+        let mut previous = surfaces[0].vertex;
+        let steps = surfaces
+            .iter()
+            .map(|surface| {
+                let distance = (surface.vertex - previous).abs();
+                previous = surface.vertex;
+                let (n, n_after, curvature) = if forward {
+                    (surface.n_scene, surface.n_film, surface.curvature)
+                } else {
+                    (surface.n_film, surface.n_scene, -surface.curvature)
+                };
+                let slack = 32.0 * R::EPSILON * (surface.semi_diameter + distance);
+                Step {
+                    distance: R::from_f64(distance),
+                    curvature: R::from_f64(curvature),
+                    n: R::from_f64(n),
+                    n_after: R::from_f64(n_after),
+                    index_step: R::from_f64((n_after - n) * (n_after + n)),
+                    aperture: R::from_f64(surface.semi_diameter * surface.semi_diameter),
+                    slack: R::from_f64(slack),
+                }
+            })
+            .collect();
+        Self { steps, direction, refraction, entry: surfaces[0].vertex, exit: previous }
+    }
+
+    /// Film to scene with the default refraction.
+    pub fn film_to_scene(lens: &Lens) -> Self {
+        Self::new(lens, Direction::FilmToScene, Refraction::default())
+    }
+
+    /// Scene to film with the default refraction.
+    pub fn scene_to_film(lens: &Lens) -> Self {
+        Self::new(lens, Direction::SceneToFilm, Refraction::default())
+    }
+}
