@@ -1,7 +1,5 @@
 //! The realistic camera: a sample in, a ray through every interface of the lens out.
 
-use std::f64::consts::PI;
-
 use glam::DVec3;
 
 use super::{

@@ -53,7 +53,7 @@ pub struct Walk {
 
 /// Distance to the vertex over radius of curvature beyond which the ray is first moved to the
 /// vertex plane: the sphere's equation loses that factor in digits at the ray's start.
-const FAR: f64 = 30.0;
+const FAR: f64 = 2.0;
 
 /// Position and V = n D in the frame of the current vertex.
 #[derive(Clone, Copy)]
@@ -137,9 +137,10 @@ impl<R: Real> Step<R> {
         let State { p, v } = state;
         let c = self.curvature;
         let advance = |p: &mut [R; 3], t: R| (0..3).for_each(|i| p[i] = p[i] + t * v[i]);
+        let mut moved = R::ZERO;
         if v[2] > R::ZERO && -p[2] * if c < R::ZERO { -c } else { c } > R::from_f64(FAR) {
-            let t = -p[2] / v[2];
-            advance(p, t);
+            moved = -p[2] / v[2];
+            advance(p, moved);
             p[2] = R::ZERO;
         }
         let two = R::from_f64(2.0);
@@ -153,7 +154,7 @@ impl<R: Real> Step<R> {
         }
         let e = discriminant.sqrt();
         let t = if g > R::ZERO { two * f / (g + e) } else { (g - e) / (c * n_squared) };
-        if t < -self.slack {
+        if moved + t < -self.slack {
             return Err(Blocked::TurnedBack);
         }
         advance(p, t);
