@@ -57,16 +57,12 @@ fn against_truth<R: Real>(file: &str, path: &Path<R>, least_margin: f64) -> (f64
             "turned_back" => Some(Blocked::TurnedBack),
             other => panic!("unknown status {other}"),
         };
-        let input = ray(numbers(&row[..6]));
-        let walk = path.walk(input);
+        let walk = path.walk(ray(numbers(&row[..6])));
         assert_eq!(walk.blocked, expected, "{file}, ray {number}: {row:?}");
         if expected.is_none() {
             let (p, d) = difference(walk.ray, ray(numbers(&row[6..12])));
-            // A start farther off than a metre costs digits in proportion: the step to the lens
-            // rounds at that magnitude.
-            let far = (input.origin[2].abs() / 1e3).max(1.0);
-            position = position.max(p / far);
-            direction = direction.max(d / far);
+            position = position.max(p);
+            direction = direction.max(d);
         }
     }
     (position, direction)

@@ -60,6 +60,8 @@ const FAR: f64 = 2.0;
 struct State<R> {
     p: [R; 3],
     v: [R; 3],
+    /// How far the ray was moved on from where it last was on a surface, or began, in units of V.
+    lead: R,
 }
 
 impl<R: Real> Path<R> {
@@ -76,13 +78,14 @@ impl<R: Real> Path<R> {
         if !finite {
             return Walk { ray: start, surfaces_met: 0, blocked: Some(Blocked::Missed) };
         }
-        let [x, y, z] = ray.origin;
-        let [dx, dy, dz] = direction;
         // Each surface takes the state whole or not at all, so that a blocked ray is reported
         // where it was last on a surface.
+        let (entry, lead) = self.to_entry_plane(ray, sense);
+        let [dx, dy, dz] = direction;
         let mut state = State {
-            p: [x, y, sense * (z - self.entry)].map(R::from_f64),
+            p: entry.map(R::from_f64),
             v: [dx, dy, sense * dz].map(R::from_f64),
+            lead: R::from_f64(lead),
         };
         let mut vertex = self.entry;
         let mut index = 1.0;
@@ -121,6 +124,23 @@ impl<R: Real> Path<R> {
         Walk { ray, surfaces_met, blocked }
     }
 
+    /// The ray's start in the frame of the first vertex, moved on to the vertex plane where that
+    /// lies ahead, and the distance moved.
+    ///
+    /// Differences of products, not P + t D: from a distant object that would keep the digits of the
+    /// distance, and this keeps those of the lens.
+    fn to_entry_plane(&self, ray: Ray, sense: f64) -> ([f64; 3], f64) {
+        let [x, y, z] = ray.origin;
+        let [dx, dy, dz] = ray.direction;
+        let (z, dz) = (sense * (z - self.entry), sense * dz);
+        if !(z < 0.0 && dz > 0.0) {
+            return ([x, y, z], 0.0);
+        }
+        let at = |p: f64, d: f64| difference_of_products(p, dz, z, d) / dz;
+        let (px, py) = (at(x, dx), at(y, dy));
+        ([px, py, 0.0], (px - x).hypot(py - y).hypot(z))
+    }
+
     /// The ray as it leaves the lens.
     ///
     /// # Errors
@@ -134,13 +154,12 @@ impl<R: Real> Path<R> {
 impl<R: Real> Step<R> {
     /// Moves the ray to this surface, in the frame of whose vertex it is given.
     fn meet(&self, state: &mut State<R>) -> Result<(), Blocked> {
-        let State { p, v } = state;
+        let State { p, v, lead } = state;
         let c = self.curvature;
         let advance = |p: &mut [R; 3], t: R| (0..3).for_each(|i| p[i] = p[i] + t * v[i]);
-        let mut moved = R::ZERO;
         if v[2] > R::ZERO && -p[2] * if c < R::ZERO { -c } else { c } > R::from_f64(FAR) {
-            moved = -p[2] / v[2];
-            advance(p, moved);
+            *lead = -p[2] / v[2];
+            advance(p, *lead);
             p[2] = R::ZERO;
         }
         let two = R::from_f64(2.0);
@@ -154,9 +173,10 @@ impl<R: Real> Step<R> {
         }
         let e = discriminant.sqrt();
         let t = if g > R::ZERO { two * f / (g + e) } else { (g - e) / (c * n_squared) };
-        if moved + t < -self.slack {
+        if *lead + t < -self.slack {
             return Err(Blocked::TurnedBack);
         }
+        *lead = R::ZERO;
         advance(p, t);
         // Beyond the equator the sphere is no part of the surface.
         if R::ONE - c * p[2] < R::ZERO {
@@ -167,7 +187,7 @@ impl<R: Real> Step<R> {
 
     /// Takes the ray through the aperture and refracts it.
     fn pass(&self, state: &mut State<R>, method: Refraction) -> Result<(), Blocked> {
-        let State { p: [x, y, z], v } = state;
+        let State { p: [x, y, z], v, .. } = state;
         if !(*x * *x + *y * *y <= self.aperture) {
             return Err(Blocked::Clipped);
         }
@@ -193,6 +213,14 @@ impl<R: Real> Step<R> {
         *v = unit_method(incident, normal, self.n, self.n_after).map(|d| d * self.n_after);
         Ok(())
     }
+}
+
+/// a b - c d within 1.5 ulp, by Kahan's algorithm (C.-P. Jeannerod, N. Louvet and J.-M. Muller, "Further
+/// analysis of Kahan's algorithm for the accurate computation of 2 x 2 determinants", 2013).
+fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
+    let product = c * d;
+    let error = c.mul_add(-d, product);
+    a.mul_add(b, -product) + error
 }
 
 fn unit(v: [f64; 3]) -> [f64; 3] {
