@@ -101,7 +101,7 @@ impl Handle {
 
     fn trace(&self, sample: &realistic_sample) -> (f32, realistic_ray) {
         let film =
-            [(self.half[0] - sample.image_x) * self.scale, (self.half[1] - sample.image_y) * self.scale];
+            [(self.half[0] - sample.image_x) * self.scale, (sample.image_y - self.half[1]) * self.scale];
         let (radius, angle) = (DISK * sample.lens_u.sqrt(), std::f32::consts::TAU * sample.lens_v);
         let lens = [radius * angle.cos(), radius * angle.sin()];
         let slope = [(lens[0] - film[0]) / self.distance, (lens[1] - film[1]) / self.distance];
