@@ -1,0 +1,7 @@
+// Parameters of a host built with the std::string of 2015 and later.
+#undef _GLIBCXX_USE_CXX11_ABI
+#define _GLIBCXX_USE_CXX11_ABI 1
+#define REALISTIC_STRING_NEW 1
+#define REALISTIC_STRING_SUFFIX new
+#define REALISTIC_STRING_MANGLED "NSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEE"
+#include "find.hpp"

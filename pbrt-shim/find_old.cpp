@@ -1,0 +1,7 @@
+// Parameters of a host built with the reference-counted std::string, as before 2015.
+#undef _GLIBCXX_USE_CXX11_ABI
+#define _GLIBCXX_USE_CXX11_ABI 0
+#define REALISTIC_STRING_NEW 0
+#define REALISTIC_STRING_SUFFIX old
+#define REALISTIC_STRING_MANGLED "Ss"
+#include "find.hpp"

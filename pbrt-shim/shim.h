@@ -1,0 +1,78 @@
+/* The interface between the C++ face and the Rust library. Internal: none of these
+ * names is exported from the shared library, and none may throw.
+ * src/abi/shim.rs declares the same in Rust. */
+
+#ifndef REALISTIC_SHIM_H
+#define REALISTIC_SHIM_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* One ray for a host: the weight; writes the ray. `sample` and `ray` are the host's. */
+typedef float (*realistic_shim_generate)(const void *rust, const void *sample, void *ray);
+/* The end of the Rust part of a camera. */
+typedef void (*realistic_shim_release)(void *rust);
+
+/* What a camera object is made of. */
+typedef struct realistic_shim_parts {
+    void *rust;
+    realistic_shim_generate generate;
+    realistic_shim_release release;
+    void *film; /* the host's film, from now on the camera's; or NULL */
+    float world_to_camera[16];
+    float camera_to_world[16];
+    float hither;
+    float yon;
+    float shutter_open;
+    float shutter_close;
+} realistic_shim_parts;
+
+/* A new camera object that a host can use as its own, or NULL when memory is out; then
+ * `rust` and `film` stay the caller's. */
+void *realistic_shim_camera_new(const realistic_shim_parts *parts);
+/* Deletes it as a host does: through its vtable. NULL is fine. */
+void realistic_shim_camera_delete(void *camera);
+/* The `rust` of a camera made here; NULL for NULL and for anything else. Reads no more
+ * than the first 8 bytes of what is not ours. */
+void *realistic_shim_camera_rust(const void *camera);
+
+/* The floats of a host transform: the matrix and its inverse. 0 when a pointer is NULL. */
+int32_t realistic_shim_transform(const void *transform, float matrix[16], float inverse[16]);
+/* The resolution of a host film. 0 when `film` is NULL. */
+int32_t realistic_shim_film_resolution(const void *film, int32_t *x, int32_t *y);
+
+enum { REALISTIC_SHIM_FLOAT = 0, REALISTIC_SHIM_INT = 1, REALISTIC_SHIM_BOOL = 2, REALISTIC_SHIM_STRING = 3 };
+enum {
+    REALISTIC_SHIM_ABSENT = 0,  /* the scene does not give it */
+    REALISTIC_SHIM_FOUND = 1,
+    REALISTIC_SHIM_NO_HOST = 2, /* no such function in this process */
+    REALISTIC_SHIM_FAILED = 3   /* an exception: memory is out */
+};
+
+/* What a scene gives for one name and kind. Pointers live as long as the host's set. */
+typedef struct realistic_shim_found {
+    int32_t count;       /* values given */
+    int32_t boolean;     /* the first value, when count > 0 and the kind is bool */
+    const float *floats; /* `count` values, when the kind is float */
+    const char *text;    /* the first value, when count > 0 and the kind is string */
+    size_t text_size;
+} realistic_shim_found;
+
+/* Looks a parameter up in the host's set by the host's own function, which also marks it
+ * as used. `out` is written only when the result is REALISTIC_SHIM_FOUND. */
+int32_t realistic_shim_find(const void *params, int32_t kind, const char *name, size_t name_size,
+                            realistic_shim_found *out);
+
+/* Says something by the host's functions; on stderr when the process has none.
+ * Level 0: information, 1: warning, 2: error. */
+void realistic_shim_message(int32_t level, const char *text);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

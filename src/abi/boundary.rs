@@ -1,0 +1,197 @@
+//! The one way out of this library: every exported function runs its body through here,
+//! so that no panic reaches a host and the reason of the last failure can be asked for.
+//!
+//! A panic that is caught still prints through the process's panic hook. The hook belongs
+//! to the whole program when the library is linked into one, so it is left alone.
+
+use std::any::Any;
+use std::cell::RefCell;
+use std::ffi::CString;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// How a call of the C ABI ended. The numbers are part of the ABI and never change.
+#[allow(non_camel_case_types)]
+#[repr(i32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum realistic_status {
+    /// It worked.
+    Ok = 0,
+    /// A pointer that must not be NULL is NULL.
+    NullPointer = 1,
+    /// A `struct_size` is none that this library knows.
+    StructSize = 2,
+    /// A parameter is unknown, of the wrong kind, out of range or given twice.
+    InvalidParameter = 3,
+    /// The lens description is missing or cannot be read.
+    LensFile = 4,
+    /// The lens cannot be focused at the distance asked for.
+    UnreachableFocus = 5,
+    /// A file other than the lens description cannot be read or written.
+    Io = 6,
+    /// A defect of this library: a panic was caught.
+    Panic = 7,
+    /// The pointer is to no camera of this library.
+    NotACamera = 8,
+    /// Memory is out.
+    OutOfMemory = 9,
+    /// The process lacks what the call needs, such as a host's functions.
+    Unsupported = 10,
+}
+
+/// Why a call failed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Failure {
+    /// The number the caller gets.
+    pub status: realistic_status,
+    /// One line for a person.
+    pub message: String,
+}
+
+impl Failure {
+    /// A failure with its message.
+    pub fn new(status: realistic_status, message: impl Into<String>) -> Self {
+        Self { status, message: message.into() }
+    }
+}
+
+thread_local! {
+    static LAST_MESSAGE: RefCell<CString> = RefCell::new(CString::default());
+}
+
+/// Runs `body`; a panic in it becomes a [`Failure`].
+///
+/// # Errors
+/// What `body` returns, or [`realistic_status::Panic`].
+pub fn catch<T>(body: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
+    // Unwind safety: what a body leaves half done is its own (outputs are written last);
+    // the library's shared state is immutable.
+    catch_unwind(AssertUnwindSafe(body)).unwrap_or_else(|payload| {
+        Err(Failure::new(
+            realistic_status::Panic,
+            format!("a defect of this library was caught: {}", describe(payload)),
+        ))
+    })
+}
+
+/// Runs `body` for an exported function that returns a status, and remembers a failure.
+pub fn status(body: impl FnOnce() -> Result<(), Failure>) -> realistic_status {
+    match catch(body) {
+        Ok(()) => realistic_status::Ok,
+        Err(failure) => {
+            remember(&failure);
+            failure.status
+        }
+    }
+}
+
+/// Runs `body` for an exported function that returns a value, and remembers a failure,
+/// which is returned as `fallback`.
+pub fn value<T>(fallback: T, body: impl FnOnce() -> Result<T, Failure>) -> T {
+    catch(body).unwrap_or_else(|failure| {
+        remember(&failure);
+        fallback
+    })
+}
+
+/// Runs `body` for a call a ray, which has no time for more than a fallback.
+#[inline]
+pub fn ray<T>(fallback: T, body: impl FnOnce() -> T) -> T {
+    match catch_unwind(AssertUnwindSafe(body)) {
+        Ok(value) => value,
+        Err(payload) => {
+            describe(payload);
+            fallback
+        }
+    }
+}
+
+/// Makes a failure's message this thread's last one.
+pub fn remember(failure: &Failure) {
+    let message = c_string(&failure.message);
+    // At the end of a thread the cell may be gone already; then nobody can ask for it.
+    let _ = LAST_MESSAGE.try_with(|last| *last.borrow_mut() = message);
+}
+
+/// Reads this thread's last message. Its pointer holds until the next failure.
+pub fn with_last_message<T>(read: impl FnOnce(&CString) -> T) -> Option<T> {
+    LAST_MESSAGE.try_with(|last| read(&last.borrow())).ok()
+}
+
+/// Text for C: a NUL inside, where C would stop reading, becomes a space.
+pub fn c_string(text: &str) -> CString {
+    CString::new(text.replace('\0', " ")).unwrap_or_default()
+}
+
+/// The message of a panic. A payload of any other type is leaked: its destructor might
+/// panic in turn, and that would be one too many.
+fn describe(payload: Box<dyn Any + Send>) -> String {
+    match payload.downcast::<&'static str>() {
+        Ok(text) => (*text).to_owned(),
+        Err(payload) => match payload.downcast::<String>() {
+            Ok(text) => *text,
+            Err(payload) => {
+                std::mem::forget(payload);
+                "no message".to_owned()
+            }
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn last() -> String {
+        with_last_message(|text| text.to_str().unwrap().to_owned()).unwrap()
+    }
+
+    #[test]
+    fn a_panic_becomes_a_status_and_a_message() {
+        assert_eq!(status(|| panic!("row {}", 7)), realistic_status::Panic);
+        assert!(last().contains("row 7"));
+        assert_eq!(value(3, || panic!("plain")), 3);
+        assert!(last().contains("plain"));
+        assert_eq!(ray(0.0_f32, || panic!("in a ray")), 0.0);
+    }
+
+    #[test]
+    fn a_payload_whose_destructor_panics_is_harmless() {
+        struct Bomb;
+        impl Drop for Bomb {
+            fn drop(&mut self) {
+                panic!("dropped");
+            }
+        }
+        assert_eq!(ray(1, || std::panic::panic_any(Bomb)), 1);
+        assert_eq!(status(|| std::panic::panic_any(Bomb)), realistic_status::Panic);
+    }
+
+    #[test]
+    fn success_keeps_the_last_message_and_a_nul_does_not_cut_it() {
+        let failure = Failure::new(realistic_status::Io, "a\0b");
+        assert_eq!(status(|| Err(failure)), realistic_status::Io);
+        assert_eq!(status(|| Ok(())), realistic_status::Ok);
+        assert_eq!(last(), "a b");
+    }
+
+    #[test]
+    fn the_numbers_stay() {
+        use realistic_status::*;
+        let all = [
+            Ok,
+            NullPointer,
+            StructSize,
+            InvalidParameter,
+            LensFile,
+            UnreachableFocus,
+            Io,
+            Panic,
+            NotACamera,
+            OutOfMemory,
+            Unsupported,
+        ];
+        for (number, status) in all.into_iter().enumerate() {
+            assert_eq!(status as usize, number);
+        }
+    }
+}

@@ -1,0 +1,209 @@
+//! The entry of a pbrt-v1 host: `CreateCamera`.
+
+use std::ffi::c_void;
+use std::path::Path;
+use std::ptr::null_mut;
+
+use super::boundary::{self, Failure, realistic_status};
+use super::handle::{Handle, Level};
+use super::object::{self, HostPart};
+use super::shim::{self, FindError, Given, HostKind, ParamSet};
+use super::types::realistic_camera;
+use crate::camera::parameters::{Kind, PARAMETERS, Parameters, Value};
+
+/// The models that a copy of the plugin can be named after.
+const MODELS: [&str; 6] = ["lens", "thick", "thin", "perspective", "orthographic", "environment"];
+
+/// What a pbrt-v1 host calls to make a camera: takes the host's `const ParamSet &`,
+/// `const Transform &` (world to camera) and `Film *`, and returns the host's `Camera *`.
+///
+/// The host calls the camera through its vtable and ends it with `delete`, which deletes
+/// the film too. On failure the reason goes to the host's error function, NULL is returned,
+/// and the film stays the host's.
+///
+/// # Safety
+/// The three pointers are NULL or of a pbrt-v1 host in this process, with the layouts
+/// of 1.05.
+#[unsafe(no_mangle)]
+#[allow(non_snake_case)]
+pub unsafe extern "C" fn CreateCamera(
+    params: *const c_void,
+    world2cam: *const c_void,
+    film: *mut c_void,
+) -> *mut realistic_camera {
+    // SAFETY: the caller's promise.
+    boundary::catch(|| unsafe { create(params, world2cam, film) }).unwrap_or_else(|failure| {
+        boundary::remember(&failure);
+        // Told line by line: the host prints each with its own prefix.
+        for line in failure.message.lines() {
+            say(Level::Error, line);
+        }
+        null_mut()
+    })
+}
+
+/// # Safety
+/// As [`CreateCamera`].
+unsafe fn create(
+    params: *const c_void,
+    world2cam: *const c_void,
+    film: *mut c_void,
+) -> Result<*mut realistic_camera, Failure> {
+    let null = |what| Failure::new(realistic_status::NullPointer, format!("the host gave no {what}"));
+    // SAFETY: the caller's promise, for each of the three.
+    let (params, transform, resolution) = unsafe {
+        (
+            ParamSet::new(params).ok_or_else(|| null("parameters"))?,
+            shim::transform(world2cam).ok_or_else(|| null("transform"))?,
+            shim::film_resolution(film).ok_or_else(|| null("film"))?,
+        )
+    };
+    let invalid = |message| Failure::new(realistic_status::InvalidParameter, message);
+    // A sane transform of floats: whatever else is wrong with it is the camera's to say.
+    if !transform.matrix.iter().chain(&transform.inverse).all(|number| number.is_finite()) {
+        return Err(invalid("the camera's transform has no finite inverse".to_owned()));
+    }
+    let mut parameters = read_parameters(&params)?;
+    if parameters.model.is_none() {
+        parameters.model = shim::plugin_path().as_deref().and_then(model_named).map(str::to_owned);
+    }
+    let (xres, yres) = resolution;
+    let handle = Handle::build(&parameters, xres, yres, transform.inverse, &mut |level, text| {
+        say(level, text);
+    })
+    .map_err(invalid)?;
+    let number = |given: Option<f64>, default: f32| given.map_or(default, |given| given as f32);
+    let host = HostPart {
+        film,
+        world_to_camera: transform.matrix,
+        camera_to_world: transform.inverse,
+        hither: number(parameters.hither, 1e-3),
+        yon: number(parameters.yon, 1e30),
+        shutter_open: number(parameters.shutteropen, 0.0),
+        shutter_close: number(parameters.shutterclose, 1.0),
+    };
+    object::new(handle, &host).ok_or_else(|| Failure::new(realistic_status::OutOfMemory, "memory is out"))
+}
+
+/// Says something through the host, and who says it.
+fn say(level: Level, text: &str) {
+    shim::message(level, &format!("realistic: {text}"));
+}
+
+/// The model that the file is named after: `environment.so` is "environment".
+fn model_named(plugin: &Path) -> Option<&'static str> {
+    let name = plugin.file_stem()?.to_str()?;
+    MODELS.into_iter().find(|&model| model == name)
+}
+
+/// Reads every parameter of ours from the host. Only our names are looked up: the rest
+/// stays unused in the host's eyes, and it reports that.
+fn read_parameters(params: &ParamSet<'_>) -> Result<Parameters, Failure> {
+    let mut parameters = Parameters::default();
+    let mut complaints = Vec::new();
+    for row in PARAMETERS {
+        for name in std::iter::once(row.name).chain(row.alias) {
+            match read_one(params, name, row.kind, &mut parameters)? {
+                Ok(()) => {}
+                Err(complaint) => complaints.push(complaint),
+            }
+        }
+    }
+    if complaints.is_empty() {
+        Ok(parameters)
+    } else {
+        Err(Failure::new(realistic_status::InvalidParameter, complaints.join("\n")))
+    }
+}
+
+/// Reads one name. The outer error ends the whole reading; the inner one is about this
+/// parameter only.
+fn read_one(
+    params: &ParamSet<'_>,
+    name: &'static str,
+    kind: Kind,
+    parameters: &mut Parameters,
+) -> Result<Result<(), String>, Failure> {
+    let wanted = match kind {
+        Kind::Float => HostKind::Float,
+        Kind::Text => HostKind::String,
+        Kind::Bool => HostKind::Bool,
+    };
+    // The host keeps a set a kind and finds nothing under another: a parameter of the
+    // wrong kind would silently keep its default.
+    for other in HostKind::ALL.into_iter().filter(|&other| other != wanted) {
+        if params.find(name, other).map_err(no_look_up)?.is_some() {
+            return Ok(Err(format!(
+                "parameter \"{name}\" is given as \"{}\"; write \"{} {name}\"",
+                other.word(),
+                wanted.word()
+            )));
+        }
+    }
+    let Some(given) = params.find(name, wanted).map_err(no_look_up)? else {
+        return Ok(Ok(()));
+    };
+    if given.count() != 1 {
+        return Ok(Err(format!("parameter \"{name}\" is given {} values; it takes one", given.count())));
+    }
+    let value = match given {
+        Given::Floats(values) => Value::Float(as_written(values[0])),
+        Given::Bools(_, truth) => Value::Bool(truth),
+        Given::Strings(_, bytes) => match std::str::from_utf8(bytes) {
+            Ok(text) => Value::Text(text),
+            Err(_) => return Ok(Err(format!("parameter \"{name}\" is not UTF-8 text"))),
+        },
+        Given::Integers(_) => unreachable!("no parameter is looked up as an integer"),
+    };
+    Ok(parameters.set(name, value).map_err(|error| error.to_string()))
+}
+
+/// The number that the scene's author wrote: a host keeps floats, and 35.1 as a float is
+/// 35.099998… in double. The shortest decimal that gives this float is what C callers and
+/// the command line would pass, and so the cameras agree.
+fn as_written(number: f32) -> f64 {
+    number.to_string().parse().unwrap_or_else(|_| f64::from(number))
+}
+
+fn no_look_up(error: FindError) -> Failure {
+    match error {
+        FindError::NoHost => Failure::new(
+            realistic_status::Unsupported,
+            "this process exports no ParamSet::FindFloat, FindInt, FindBool and FindString: \
+             CreateCamera works in a pbrt-v1 host that exports its symbols (-rdynamic)",
+        ),
+        FindError::OutOfMemory => Failure::new(realistic_status::OutOfMemory, "memory is out"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_float_means_the_decimal_that_was_written() {
+        for text in ["35.1", "0.1", "1e30", "50", "-0.001", "1e-40"] {
+            assert_eq!(as_written(text.parse().unwrap()), text.parse::<f64>().unwrap(), "{text}");
+        }
+        assert!(as_written(f32::NAN).is_nan());
+        assert_eq!(as_written(f32::INFINITY), f64::INFINITY);
+    }
+
+    #[test]
+    fn a_file_name_tells_the_model() {
+        assert_eq!(model_named(Path::new("/plugins/environment.so")), Some("environment"));
+        assert_eq!(model_named(Path::new("thin.so")), Some("thin"));
+        assert_eq!(model_named(Path::new("/lens/realistic.so")), None);
+        assert_eq!(model_named(Path::new("librealistic.so")), None);
+    }
+
+    #[test]
+    fn without_a_host_there_is_a_reason_and_no_camera() {
+        let transform = [[0_usize; 2]; 1];
+        // SAFETY: NULL parameters are refused before anything is read.
+        let camera = unsafe { CreateCamera(std::ptr::null(), transform.as_ptr().cast(), null_mut()) };
+        assert!(camera.is_null());
+        let said = boundary::with_last_message(|text| text.to_str().unwrap().to_owned());
+        assert_eq!(said.as_deref(), Some("the host gave no parameters"));
+    }
+}

@@ -1,0 +1,269 @@
+//! Speaks to the C++ face: the functions of `pbrt-shim/shim.h` and thin wrappers of them.
+
+use std::ffi::{CStr, OsStr, c_char, c_void};
+use std::os::unix::ffi::OsStrExt;
+use std::path::PathBuf;
+use std::ptr::{NonNull, null, null_mut};
+use std::slice;
+
+use super::boundary;
+use super::handle::Level;
+
+/// `realistic_shim_parts`.
+#[repr(C)]
+pub(super) struct Parts {
+    pub rust: *mut c_void,
+    pub generate: unsafe extern "C" fn(*const c_void, *const c_void, *mut c_void) -> f32,
+    pub release: unsafe extern "C" fn(*mut c_void),
+    pub film: *mut c_void,
+    pub world_to_camera: [f32; 16],
+    pub camera_to_world: [f32; 16],
+    pub hither: f32,
+    pub yon: f32,
+    pub shutter_open: f32,
+    pub shutter_close: f32,
+}
+
+/// `realistic_shim_found`.
+#[repr(C)]
+struct RawFound {
+    count: i32,
+    boolean: i32,
+    floats: *const f32,
+    text: *const c_char,
+    text_size: usize,
+}
+
+const FLOAT: i32 = 0;
+const INT: i32 = 1;
+const BOOL: i32 = 2;
+const STRING: i32 = 3;
+
+const ABSENT: i32 = 0;
+const FOUND: i32 = 1;
+const NO_HOST: i32 = 2;
+
+unsafe extern "C" {
+    fn realistic_shim_camera_new(parts: *const Parts) -> *mut c_void;
+    fn realistic_shim_camera_delete(camera: *mut c_void);
+    fn realistic_shim_camera_rust(camera: *const c_void) -> *mut c_void;
+    fn realistic_shim_transform(transform: *const c_void, matrix: *mut f32, inverse: *mut f32) -> i32;
+    fn realistic_shim_film_resolution(film: *const c_void, x: *mut i32, y: *mut i32) -> i32;
+    fn realistic_shim_find(
+        params: *const c_void,
+        kind: i32,
+        name: *const c_char,
+        name_size: usize,
+        out: *mut RawFound,
+    ) -> i32;
+    fn realistic_shim_message(level: i32, text: *const c_char);
+}
+
+/// A camera object with a host's vtable and members, or NULL when memory is out.
+pub(super) fn camera_new(parts: &Parts) -> *mut c_void {
+    // SAFETY: the parts are read during the call only.
+    unsafe { realistic_shim_camera_new(parts) }
+}
+
+/// Deletes a camera object as a host does.
+///
+/// # Safety
+/// `camera` is NULL or of [`camera_new`], and nobody uses it any more.
+pub(super) unsafe fn camera_delete(camera: *mut c_void) {
+    // SAFETY: the caller's promise.
+    unsafe { realistic_shim_camera_delete(camera) }
+}
+
+/// The Rust part of a camera of [`camera_new`]; NULL for anything else.
+///
+/// # Safety
+/// `camera` is NULL or 8 bytes can be read there.
+pub(super) unsafe fn camera_rust(camera: *const c_void) -> *mut c_void {
+    // SAFETY: the caller's promise; what is not ours is looked at no further.
+    unsafe { realistic_shim_camera_rust(camera) }
+}
+
+/// The floats of a host's transform: row-major, for column vectors.
+pub struct Transform {
+    /// The matrix.
+    pub matrix: [f32; 16],
+    /// Its inverse, as the host computed it.
+    pub inverse: [f32; 16],
+}
+
+/// Reads a host's `Transform`. `None` when a pointer in it is NULL.
+///
+/// # Safety
+/// `transform` is NULL or points to a pbrt-v1 `Transform`.
+pub unsafe fn transform(transform: *const c_void) -> Option<Transform> {
+    let mut read = Transform { matrix: [0.0; 16], inverse: [0.0; 16] };
+    // SAFETY: the caller's promise; both arrays have room for 16 floats.
+    let done =
+        unsafe { realistic_shim_transform(transform, read.matrix.as_mut_ptr(), read.inverse.as_mut_ptr()) };
+    (done != 0).then_some(read)
+}
+
+/// Reads the resolution of a host's `Film`: x, y. `None` for NULL.
+///
+/// # Safety
+/// `film` is NULL or points to a pbrt-v1 `Film`.
+pub unsafe fn film_resolution(film: *const c_void) -> Option<(i32, i32)> {
+    let (mut x, mut y) = (0, 0);
+    // SAFETY: the caller's promise.
+    let done = unsafe { realistic_shim_film_resolution(film, &mut x, &mut y) };
+    (done != 0).then_some((x, y))
+}
+
+/// A kind of value in a host's scene file, as the file spells it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HostKind {
+    /// `"float name" 1.5`
+    Float,
+    /// `"integer name" 1`
+    Integer,
+    /// `"bool name" "true"`
+    Bool,
+    /// `"string name" "text"`
+    String,
+}
+
+impl HostKind {
+    /// Every kind that one of ours could be mistaken for.
+    pub const ALL: [Self; 4] = [Self::Float, Self::Integer, Self::Bool, Self::String];
+
+    /// The word in a scene file.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Float => "float",
+            Self::Integer => "integer",
+            Self::Bool => "bool",
+            Self::String => "string",
+        }
+    }
+}
+
+/// What a scene gives for one name and kind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Given<'a> {
+    /// The floats.
+    Floats(&'a [f32]),
+    /// How many integers there are.
+    Integers(usize),
+    /// The booleans: how many there are, and the first.
+    Bools(usize, bool),
+    /// The strings: how many there are, and the bytes of the first.
+    Strings(usize, &'a [u8]),
+}
+
+impl Given<'_> {
+    /// How many values there are.
+    pub fn count(&self) -> usize {
+        match *self {
+            Self::Floats(values) => values.len(),
+            Self::Integers(count) | Self::Bools(count, _) | Self::Strings(count, _) => count,
+        }
+    }
+}
+
+/// Why a parameter could not be looked up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FindError {
+    /// The process exports no pbrt-v1 parameter functions.
+    NoHost,
+    /// Memory is out.
+    OutOfMemory,
+}
+
+/// A host's parameter set, for the time of one call.
+#[derive(Clone, Copy)]
+pub struct ParamSet<'a> {
+    pointer: NonNull<c_void>,
+    host: std::marker::PhantomData<&'a ()>,
+}
+
+impl<'a> ParamSet<'a> {
+    /// `None` for NULL.
+    ///
+    /// # Safety
+    /// `pointer` is NULL or points to a pbrt-v1 `ParamSet` that stays as it is for `'a`.
+    pub unsafe fn new(pointer: *const c_void) -> Option<Self> {
+        NonNull::new(pointer.cast_mut()).map(|pointer| Self { pointer, host: std::marker::PhantomData })
+    }
+
+    /// Looks up `name` among the values of one kind; the host then counts it as used.
+    ///
+    /// # Errors
+    /// The process has no such functions, or memory is out.
+    pub fn find(&self, name: &str, kind: HostKind) -> Result<Option<Given<'a>>, FindError> {
+        let number = match kind {
+            HostKind::Float => FLOAT,
+            HostKind::Integer => INT,
+            HostKind::Bool => BOOL,
+            HostKind::String => STRING,
+        };
+        let mut found = RawFound { count: 0, boolean: 0, floats: null(), text: null(), text_size: 0 };
+        // SAFETY: the set is valid by `new`'s promise; the name is read during the call.
+        let result = unsafe {
+            realistic_shim_find(self.pointer.as_ptr(), number, name.as_ptr().cast(), name.len(), &mut found)
+        };
+        match result {
+            ABSENT => return Ok(None),
+            FOUND => {}
+            NO_HOST => return Err(FindError::NoHost),
+            _ => return Err(FindError::OutOfMemory),
+        }
+        let count = usize::try_from(found.count).unwrap_or(0);
+        Ok(Some(match kind {
+            // SAFETY: when something is found the host's array has `count` floats, and
+            // they live as long as the set.
+            HostKind::Float => Given::Floats(unsafe { slice_of(found.floats, count) }),
+            HostKind::Integer => Given::Integers(count),
+            HostKind::Bool => Given::Bools(count, found.boolean != 0),
+            // SAFETY: the first string has `text_size` bytes, and lives as long as the
+            // set; both are zero when there is no first string.
+            HostKind::String => {
+                Given::Strings(count, unsafe { slice_of(found.text.cast(), found.text_size) })
+            }
+        }))
+    }
+}
+
+/// A slice that may be empty with a NULL pointer.
+///
+/// # Safety
+/// `pointer` is NULL or points to `count` values that live for `'a`.
+unsafe fn slice_of<'a, T>(pointer: *const T, count: usize) -> &'a [T] {
+    if pointer.is_null() {
+        return &[];
+    }
+    // SAFETY: the caller's promise.
+    unsafe { slice::from_raw_parts(pointer, count) }
+}
+
+/// Says something through the host's own message functions; on stderr when it has none.
+pub fn message(level: Level, text: &str) {
+    let number = match level {
+        Level::Info => 0,
+        Level::Warning => 1,
+        Level::Error => 2,
+    };
+    let text = boundary::c_string(text);
+    // SAFETY: a NUL-terminated text that lives during the call.
+    unsafe { realistic_shim_message(number, text.as_ptr()) }
+}
+
+/// The file that this code was loaded from: the plugin's `.so`, as the host named it when
+/// it loaded it, or the program when the library is linked into one.
+pub fn plugin_path() -> Option<PathBuf> {
+    let mut info =
+        libc::Dl_info { dli_fname: null(), dli_fbase: null_mut(), dli_sname: null(), dli_saddr: null_mut() };
+    let inside: fn() -> Option<PathBuf> = plugin_path;
+    // SAFETY: any address will do; the answer is written to `info`.
+    let known = unsafe { libc::dladdr(inside as *const c_void, &mut info) };
+    if known == 0 || info.dli_fname.is_null() {
+        return None;
+    }
+    // SAFETY: a NUL-terminated name that lives while this code is loaded.
+    let name = unsafe { CStr::from_ptr(info.dli_fname) };
+    Some(PathBuf::from(OsStr::from_bytes(name.to_bytes())))
+}

@@ -1,0 +1,458 @@
+// A host that behaves towards a camera plugin as pbrt 1.05 does, written from the
+// measured layouts and the order of calls. Compiled by the tests, once for each
+// std::string ABI, with its symbols exported as that renderer's are.
+//
+// Arguments, in any order after the plugin's path and the action:
+//   float:NAME=1,2  integer:NAME=1  bool:NAME=true  string:NAME=a|b    the scene's parameters
+//   res=WxH  w2c=16 numbers  sample=x,y,u,v,time (many)  spp=N
+// Prints one `key values…` a line; the tests read these.
+
+#include <cfloat>
+#include <cmath>
+#include <cstddef>
+#include <cstdarg>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <dlfcn.h>
+#include <limits>
+#include <sstream>
+#include <string>
+#include <vector>
+
+// --- what a plugin finds in the process ------------------------------------------------
+
+#define SAY(name, word)                                                                            \
+    void name(const char *format, ...) __attribute__((format(printf, 1, 2)));                      \
+    void name(const char *format, ...) {                                                           \
+        char text[4096];                                                                           \
+        va_list arguments;                                                                         \
+        va_start(arguments, format);                                                               \
+        vsnprintf(text, sizeof text, format, arguments);                                           \
+        va_end(arguments);                                                                         \
+        std::printf("%s %s\n", word, text);                                                        \
+    }
+SAY(Info, "notice")
+SAY(Warning, "warning")
+SAY(Error, "error")
+void Severe(const char *format, ...);
+void Severe(const char *, ...) {
+    std::printf("severe\n");
+    std::fflush(stdout);
+    std::abort();
+}
+
+template <class T> struct Item {
+    std::string name;
+    int count;
+    T *values;
+    bool used;
+};
+
+template <class T> struct Items {
+    std::vector<Item<T> *> list;
+    void add(const std::string &name, const std::vector<T> &values) {
+        T *copy = new T[values.size()];
+        for (std::size_t i = 0; i < values.size(); ++i) copy[i] = values[i];
+        list.push_back(new Item<T>{name, int(values.size()), copy, false});
+    }
+    const T *find(const std::string &name, int *count) const {
+        for (Item<T> *item : list)
+            if (item->name == name) {
+                *count = item->count;
+                item->used = true;
+                return item->values;
+            }
+        return nullptr;
+    }
+    void report_and_clear() {
+        for (Item<T> *item : list) {
+            if (!item->used) Warning("Parameter \"%s\" not used", item->name.c_str());
+            delete[] item->values;
+            delete item;
+        }
+        list.clear();
+    }
+};
+
+class ParamSet {
+public:
+    const float *FindFloat(const std::string &, int *) const;
+    const int *FindInt(const std::string &, int *) const;
+    const bool *FindBool(const std::string &, int *) const;
+    const std::string *FindString(const std::string &, int *) const;
+
+    Items<int> ints;
+    Items<bool> bools;
+    Items<float> floats;
+    std::vector<void *> points, vectors, normals, spectra;
+    Items<std::string> strings;
+    std::vector<void *> textures;
+};
+const float *ParamSet::FindFloat(const std::string &name, int *count) const { return floats.find(name, count); }
+const int *ParamSet::FindInt(const std::string &name, int *count) const { return ints.find(name, count); }
+const bool *ParamSet::FindBool(const std::string &name, int *count) const { return bools.find(name, count); }
+const std::string *ParamSet::FindString(const std::string &name, int *count) const {
+    return strings.find(name, count);
+}
+
+struct Triple {
+    float x, y, z;
+};
+struct Ray {
+    Triple o, d;
+    float mint, maxt, time;
+};
+struct RayDifferential : Ray {
+    bool hasDifferentials;
+    Ray rx, ry;
+};
+struct Sample {
+    float imageX, imageY, lensU, lensV, time;
+    std::vector<unsigned> n1D, n2D;
+    float **oneD, **twoD;
+};
+struct Matrix4x4 {
+    int nReferences;
+    float m[4][4];
+};
+struct Transform {
+    Matrix4x4 *m, *mInv;
+};
+
+int films_destroyed = 0;
+int base_calls = 0;
+
+class Film {
+public:
+    Film(int x, int y) : xResolution(x), yResolution(y) {}
+    virtual ~Film() { ++films_destroyed; }
+    virtual void AddSample(const Sample &, const Ray &, float radiance, float alpha) = 0;
+    virtual void WriteImage() = 0;
+    const int xResolution, yResolution;
+};
+
+class MeanFilm : public Film {
+public:
+    MeanFilm(int x, int y) : Film(x, y), pixels(std::size_t(x) * std::size_t(y)) {}
+    void AddSample(const Sample &sample, const Ray &, float radiance, float alpha) override {
+        int x = int(std::floor(sample.imageX)), y = int(std::floor(sample.imageY));
+        if (x < 0 || y < 0 || x >= xResolution || y >= yResolution) return;
+        Pixel &pixel = pixels[std::size_t(y) * std::size_t(xResolution) + std::size_t(x)];
+        pixel.radiance += radiance, pixel.alpha += alpha, pixel.count += 1;
+    }
+    // The mean pixel, its colour multiplied by its alpha as the renderer's image film does.
+    void WriteImage() override {
+        double radiance = 0, alpha = 0, premultiplied = 0;
+        for (const Pixel &pixel : pixels) {
+            double r = pixel.radiance / pixel.count, a = std::fmin(1.0, std::fmax(0.0, pixel.alpha / pixel.count));
+            radiance += r, alpha += a, premultiplied += r * a;
+        }
+        double n = double(pixels.size());
+        std::printf("image %.9g %.9g %.9g\n", radiance / n, alpha / n, premultiplied / n);
+    }
+
+private:
+    struct Pixel {
+        double radiance = 0, alpha = 0, count = 0;
+    };
+    std::vector<Pixel> pixels;
+};
+
+class Camera {
+public:
+    virtual float GenerateRay(const Sample &sample, Ray *ray) const = 0;
+    virtual ~Camera();
+    Camera(const Transform &, float, float, float, float, Film *);
+    Film *film;
+    // Not private as in the renderer: the tests look.
+    Transform WorldToCamera, CameraToWorld;
+    float ClipHither, ClipYon, ShutterOpen, ShutterClose;
+};
+// A plugin may call both of these or neither; ours calls neither.
+Camera::~Camera() {
+    ++base_calls;
+    delete film;
+}
+Camera::Camera(const Transform &w2c, float hither, float yon, float open, float close, Film *f)
+    : film(f), WorldToCamera(w2c), CameraToWorld{w2c.mInv, w2c.m}, ClipHither(hither), ClipYon(yon),
+      ShutterOpen(open), ShutterClose(close) {
+    ++base_calls;
+}
+
+// A camera of somebody else's, for the exported functions to refuse.
+class ForeignCamera : public Camera {
+public:
+    ForeignCamera(const Transform &w2c, Film *f) : Camera(w2c, 0, 1, 0, 1, f) {}
+    float GenerateRay(const Sample &, Ray *) const override { return 7; }
+};
+
+// --- this program ----------------------------------------------------------------------
+
+struct Request {
+    ParamSet params;
+    int x = 30, y = 20, spp = 64;
+    Matrix4x4 world_to_camera{1, {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}};
+    Matrix4x4 camera_to_world = world_to_camera;
+    std::vector<Sample> samples;
+};
+
+std::vector<std::string> split(const std::string &text, char separator) {
+    std::vector<std::string> parts;
+    std::istringstream stream(text);
+    for (std::string part; std::getline(stream, part, separator);) parts.push_back(part);
+    return parts;
+}
+
+std::vector<float> floats_of(const std::string &text) {
+    std::vector<float> numbers;
+    for (const std::string &part : split(text, ',')) numbers.push_back(std::strtof(part.c_str(), nullptr));
+    return numbers;
+}
+
+// Gauss-Jordan in double.
+void invert(const Matrix4x4 &from, Matrix4x4 *to) {
+    double a[4][8] = {};
+    for (int r = 0; r < 4; ++r)
+        for (int c = 0; c < 4; ++c) a[r][c] = from.m[r][c], a[r][4 + r] = 1;
+    for (int column = 0; column < 4; ++column) {
+        int pivot = column;
+        for (int r = column; r < 4; ++r)
+            if (std::fabs(a[r][column]) > std::fabs(a[pivot][column])) pivot = r;
+        for (int c = 0; c < 8; ++c) std::swap(a[column][c], a[pivot][c]);
+        for (int r = 0; r < 4; ++r) {
+            double factor = r == column ? 0 : a[r][column] / a[column][column];
+            for (int c = 0; c < 8; ++c) a[r][c] -= factor * a[column][c];
+        }
+    }
+    for (int r = 0; r < 4; ++r)
+        for (int c = 0; c < 4; ++c) to->m[r][c] = float(a[r][4 + c] / a[r][r]);
+}
+
+void take(Request *request, const std::string &argument) {
+    std::size_t equals = argument.find('='), colon = argument.find(':');
+    std::string key = argument.substr(0, equals), value = argument.substr(equals + 1);
+    if (key == "res") {
+        std::sscanf(value.c_str(), "%dx%d", &request->x, &request->y);
+    } else if (key == "spp") {
+        request->spp = std::atoi(value.c_str());
+    } else if (key == "w2c") {
+        std::vector<float> numbers = floats_of(value);
+        for (int i = 0; i < 16; ++i) request->world_to_camera.m[i / 4][i % 4] = numbers.at(std::size_t(i));
+        invert(request->world_to_camera, &request->camera_to_world);
+    } else if (key == "sample") {
+        std::vector<float> n = floats_of(value);
+        request->samples.push_back(Sample{n.at(0), n.at(1), n.at(2), n.at(3), n.at(4), {}, {}, nullptr, nullptr});
+    } else {
+        std::string kind = argument.substr(0, colon), name = key.substr(colon + 1);
+        if (kind == "float") request->params.floats.add(name, floats_of(value));
+        if (kind == "integer") {
+            std::vector<int> numbers;
+            for (float number : floats_of(value)) numbers.push_back(int(number));
+            request->params.ints.add(name, numbers);
+        }
+        if (kind == "bool") request->params.bools.add(name, {value == "true"});
+        if (kind == "string") request->params.strings.add(name, split(value, '|'));
+    }
+}
+
+using Create = Camera *(*)(const ParamSet &, const Transform &, Film *);
+using Generate = float (*)(const void *, const void *, void *);
+
+struct Plugin {
+    Create create;
+    Generate generate;
+};
+
+// As the renderer's rays are before each call.
+Ray fresh_ray() { return Ray{{0, 0, 0}, {0, 0, 0}, 1e-3f, std::numeric_limits<float>::infinity(), 0}; }
+
+void print_ray(const char *key, float weight, const Ray &ray) {
+    std::printf("%s %.9g %.9g %.9g %.9g %.9g %.9g %.9g %.9g %.9g %.9g\n", key, double(weight), double(ray.o.x),
+                double(ray.o.y), double(ray.o.z), double(ray.d.x), double(ray.d.y), double(ray.d.z),
+                double(ray.mint), double(ray.maxt), double(ray.time));
+}
+
+void rays(const Camera *camera, const Plugin &plugin, const std::vector<Sample> &samples) {
+    for (const Sample &sample : samples) {
+        Ray ray = fresh_ray(), exact = fresh_ray();
+        float weight = camera->GenerateRay(sample, &ray);
+        print_ray("vtable", weight, ray);
+        weight = plugin.generate(camera, &sample, &exact);
+        print_ray("exported", weight, exact);
+    }
+}
+
+double low_discrepancy(unsigned n, unsigned base) {
+    double value = 0, digit = 1.0 / base;
+    for (; n > 0; n /= base, digit /= base) value += digit * (n % base);
+    return value;
+}
+
+// Radiance 1 from everywhere, three camera calls a sample.
+void render(const Camera *camera, const Plugin &plugin, int spp) {
+    Film *film = camera->film;
+    double irradiance = 0;
+    unsigned n = 0, zero = 0, blocked = 0, differentials = 0, bad = 0;
+    for (int y = 0; y < film->yResolution; ++y)
+        for (int x = 0; x < film->xResolution; ++x)
+            for (int s = 0; s < spp; ++s) {
+                ++n;
+                Sample sample{float(x + low_discrepancy(n, 2)), float(y + low_discrepancy(n, 3)),
+                              float(low_discrepancy(n, 5)), float(low_discrepancy(n, 7)),
+                              float(low_discrepancy(n, 11)), {}, {}, nullptr, nullptr};
+                RayDifferential ray;
+                static_cast<Ray &>(ray) = ray.rx = ray.ry = fresh_ray();
+                ray.hasDifferentials = false;
+                float weight = camera->GenerateRay(sample, &ray);
+                ++sample.imageX;
+                float weight_x = camera->GenerateRay(sample, &ray.rx);
+                --sample.imageX;
+                ++sample.imageY;
+                float weight_y = camera->GenerateRay(sample, &ray.ry);
+                if (weight_x > 0 && weight_y > 0) ray.hasDifferentials = true;
+                --sample.imageY;
+                // The renderer leaves alpha unset when the weight is 0. What is left on
+                // its stack can be anything; this has been seen.
+                float radiance = 0, alpha = 1e30f;
+                if (weight > 0) {
+                    radiance = weight * 1;
+                    alpha = 1;
+                } else {
+                    ++zero;
+                }
+                film->AddSample(sample, ray, radiance, alpha);
+                differentials += ray.hasDifferentials;
+                for (const Ray *r : {static_cast<const Ray *>(&ray), static_cast<const Ray *>(&ray.rx),
+                                     static_cast<const Ray *>(&ray.ry)}) {
+                    double length = std::sqrt(double(r->d.x) * r->d.x + double(r->d.y) * r->d.y +
+                                              double(r->d.z) * r->d.z);
+                    bad += !(std::fabs(length - 1) < 1e-5) || !std::isfinite(r->o.x + r->o.y + r->o.z) ||
+                           !(r->mint < r->maxt);
+                }
+                Ray exact = fresh_ray();
+                float true_weight = plugin.generate(camera, &sample, &exact);
+                blocked += true_weight == 0;
+                irradiance += true_weight;
+            }
+    film->WriteImage();
+    std::printf("irradiance %.9g\nsamples %u\nzero %u\nblocked %u\ndifferentials %u\nbad %u\n", irradiance / n, n,
+                zero, blocked, differentials, bad);
+}
+
+void print_matrix(const char *key, const Matrix4x4 &matrix) {
+    std::printf("%s", key);
+    for (int i = 0; i < 16; ++i) std::printf(" %.9g", double(matrix.m[i / 4][i % 4]));
+    std::printf("\n");
+}
+
+void refusals(const Plugin &plugin, const Transform &w2c, const Camera *ours) {
+    Sample sample{1, 1, 0.5f, 0.5f, 0, {}, {}, nullptr, nullptr};
+    Ray ray = fresh_ray();
+    ForeignCamera *foreign = new ForeignCamera(w2c, nullptr);
+    const void *zeros[4] = {nullptr, nullptr, nullptr, nullptr};
+    float sum = plugin.generate(nullptr, &sample, &ray) + plugin.generate(foreign, &sample, &ray) +
+                plugin.generate(zeros, &sample, &ray) + plugin.generate(ours, nullptr, &ray) +
+                plugin.generate(ours, &sample, nullptr) +
+                plugin.generate(reinterpret_cast<const char *>(ours) + 1, &sample, &ray);
+    print_ray("refused", sum, ray);
+    delete foreign;
+    base_calls = 0;
+}
+
+void print_layout() {
+#define SIZE(type) std::printf("layout " #type " %zu %zu\n", sizeof(type), alignof(type))
+#define OFFSET(type, member)                                                                       \
+    std::printf("layout " #type "." #member " %zu\n",                                              \
+                std::size_t(reinterpret_cast<const char *>(&object->member) - bytes))
+#define OBJECT(type)                                                                               \
+    SIZE(type);                                                                                    \
+    alignas(16) static char space_##type[sizeof(type)];                                            \
+    bytes = space_##type;                                                                          \
+    if (const type *object = reinterpret_cast<const type *>(bytes))
+    const char *bytes;
+    OBJECT(Sample) {
+        OFFSET(Sample, imageX), OFFSET(Sample, imageY), OFFSET(Sample, lensU), OFFSET(Sample, lensV);
+        OFFSET(Sample, time), OFFSET(Sample, n1D), OFFSET(Sample, n2D), OFFSET(Sample, oneD), OFFSET(Sample, twoD);
+    }
+    OBJECT(Ray) {
+        OFFSET(Ray, o), OFFSET(Ray, d), OFFSET(Ray, mint), OFFSET(Ray, maxt), OFFSET(Ray, time);
+    }
+    OBJECT(RayDifferential) {
+        OFFSET(RayDifferential, hasDifferentials), OFFSET(RayDifferential, rx), OFFSET(RayDifferential, ry);
+    }
+    OBJECT(Matrix4x4) { OFFSET(Matrix4x4, nReferences), OFFSET(Matrix4x4, m); }
+    OBJECT(Transform) { OFFSET(Transform, m), OFFSET(Transform, mInv); }
+    OBJECT(Film) { OFFSET(Film, xResolution), OFFSET(Film, yResolution); }
+    OBJECT(Camera) {
+        OFFSET(Camera, film), OFFSET(Camera, WorldToCamera), OFFSET(Camera, CameraToWorld);
+        OFFSET(Camera, ClipHither), OFFSET(Camera, ClipYon), OFFSET(Camera, ShutterOpen);
+        OFFSET(Camera, ShutterClose);
+    }
+    OBJECT(ParamSet) {
+        OFFSET(ParamSet, ints), OFFSET(ParamSet, bools), OFFSET(ParamSet, floats), OFFSET(ParamSet, strings);
+        OFFSET(ParamSet, textures);
+    }
+    SIZE(std::string);
+}
+
+int main(int count, char **arguments) {
+    if (count < 3) return 2;
+    std::string action = arguments[2];
+    if (action == "layout") {
+        print_layout();
+        return 0;
+    }
+    void *library = dlopen(arguments[1], RTLD_LAZY);
+    if (library == nullptr) {
+        std::printf("dlopen %s\n", dlerror());
+        return 3;
+    }
+    Plugin plugin{reinterpret_cast<Create>(dlsym(library, "CreateCamera")),
+                  reinterpret_cast<Generate>(dlsym(library, "GenerateRay"))};
+    Request request;
+    for (int i = 3; i < count; ++i) take(&request, arguments[i]);
+    Transform w2c{&request.world_to_camera, &request.camera_to_world};
+    Film *film = new MeanFilm(request.x, request.y);
+    Camera *camera = plugin.create(request.params, w2c, action == "nofilm" ? nullptr : film);
+    Camera *second = nullptr;
+    if (action == "two" && camera != nullptr)
+        second = plugin.create(request.params, w2c, new MeanFilm(request.x / 2, request.y / 2));
+    request.params.ints.report_and_clear();
+    request.params.bools.report_and_clear();
+    request.params.floats.report_and_clear();
+    request.params.strings.report_and_clear();
+    std::printf("camera %s\n", camera != nullptr ? "made" : "null");
+    if (camera == nullptr) {
+        std::printf("films %d\n", films_destroyed);
+        delete film;
+        return 0;
+    }
+    if (action == "rays") rays(camera, plugin, request.samples);
+    if (action == "render") render(camera, plugin, request.spp);
+    if (action == "refusals") refusals(plugin, w2c, camera);
+    if (action == "members") {
+        std::printf("film %d\n", camera->film == film);
+        print_matrix("w2c", *camera->WorldToCamera.m);
+        print_matrix("c2w", *camera->CameraToWorld.m);
+        std::printf("crossed %d\n", camera->WorldToCamera.mInv == camera->CameraToWorld.m &&
+                                        camera->WorldToCamera.m == camera->CameraToWorld.mInv);
+        std::printf("clip %.9g %.9g %.9g %.9g\n", double(camera->ClipHither), double(camera->ClipYon),
+                    double(camera->ShutterOpen), double(camera->ShutterClose));
+    }
+    if (second != nullptr) {
+        // In turns, then the first again when the second is gone.
+        for (const Sample &sample : request.samples) {
+            rays(camera, plugin, {sample});
+            rays(second, plugin, {sample});
+        }
+        delete second;
+        std::printf("films %d\n", films_destroyed);
+        rays(camera, plugin, request.samples);
+    }
+    delete camera;
+    std::printf("films %d\nbase %d\nreferences %d %d\n", films_destroyed, base_calls,
+                request.world_to_camera.nReferences, request.camera_to_world.nReferences);
+    return 0;
+}
