@@ -6,7 +6,7 @@
 
 use std::any::Any;
 use std::cell::RefCell;
-use std::ffi::CString;
+use std::ffi::{CStr, CString};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// How a call of the C ABI ended. The numbers are part of the ABI and never change.
@@ -38,6 +38,40 @@ pub enum realistic_status {
     Unsupported = 10,
 }
 
+impl realistic_status {
+    /// Every status.
+    pub(super) const ALL: [Self; 11] = [
+        Self::Ok,
+        Self::NullPointer,
+        Self::StructSize,
+        Self::InvalidParameter,
+        Self::LensFile,
+        Self::UnreachableFocus,
+        Self::Io,
+        Self::Panic,
+        Self::NotACamera,
+        Self::OutOfMemory,
+        Self::Unsupported,
+    ];
+
+    /// What it means, in a few words.
+    pub(super) fn name(self) -> &'static CStr {
+        match self {
+            Self::Ok => c"ok",
+            Self::NullPointer => c"a pointer is NULL",
+            Self::StructSize => c"struct_size is not of this library",
+            Self::InvalidParameter => c"invalid parameter",
+            Self::LensFile => c"lens description missing or not readable",
+            Self::UnreachableFocus => c"the lens cannot focus there",
+            Self::Io => c"a file cannot be read or written",
+            Self::Panic => c"a defect of the library was caught",
+            Self::NotACamera => c"not a camera of this library",
+            Self::OutOfMemory => c"out of memory",
+            Self::Unsupported => c"the process lacks what the call needs",
+        }
+    }
+}
+
 /// Why a call failed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Failure {
@@ -52,6 +86,21 @@ impl Failure {
     pub fn new(status: realistic_status, message: impl Into<String>) -> Self {
         Self { status, message: message.into() }
     }
+}
+
+/// A pointer that must not be NULL is.
+pub fn null(what: &str) -> Failure {
+    Failure::new(realistic_status::NullPointer, format!("{what} is NULL"))
+}
+
+/// A pointer is NULL or to something else than a camera of this library.
+pub fn not_a_camera() -> Failure {
+    Failure::new(realistic_status::NotACamera, "this is no camera of this library (or it is NULL)")
+}
+
+/// Memory is out.
+pub fn out_of_memory() -> Failure {
+    Failure::new(realistic_status::OutOfMemory, "memory is out")
 }
 
 thread_local! {
@@ -176,21 +225,7 @@ mod tests {
 
     #[test]
     fn the_numbers_stay() {
-        use realistic_status::*;
-        let all = [
-            Ok,
-            NullPointer,
-            StructSize,
-            InvalidParameter,
-            LensFile,
-            UnreachableFocus,
-            Io,
-            Panic,
-            NotACamera,
-            OutOfMemory,
-            Unsupported,
-        ];
-        for (number, status) in all.into_iter().enumerate() {
+        for (number, status) in realistic_status::ALL.into_iter().enumerate() {
             assert_eq!(status as usize, number);
         }
     }

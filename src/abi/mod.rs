@@ -1,16 +1,31 @@
 //! The C ABI: the only exported functions, and the only place that takes raw pointers.
 //!
-//! [`types`](self) are the structures by layout, [`boundary`] keeps panics inside,
-//! [`object`] makes and recognises the cameras that a host holds, `shim` speaks to the C++
+//! `types` are the structures by layout, `boundary` keeps panics inside, `object` makes and
+//! recognises the cameras that a host holds, `handle` is the camera in them; `library`,
+//! `options`, `camera`, `ray` and `batch` export what a C caller uses; `shim` speaks to the C++
 //! face and `pbrt` is the entry of a pbrt-v1 host (both only where `pbrt-shim/` is built).
 
-pub mod boundary;
-pub mod handle;
-pub mod object;
+mod batch;
+mod boundary;
+mod camera;
+mod handle;
+mod library;
+mod location;
+mod object;
+mod options;
 #[cfg(realistic_shim)]
-pub mod pbrt;
-pub mod ray;
+mod pbrt;
+mod ray;
 #[cfg(realistic_shim)]
-pub mod shim;
+mod shim;
 mod types;
+
+pub use batch::*;
+pub use boundary::realistic_status;
+pub use camera::*;
+pub use library::*;
+pub use options::*;
+#[cfg(realistic_shim)]
+pub use pbrt::CreateCamera;
+pub use ray::{GenerateRay, realistic_generate_ray};
 pub use types::*;

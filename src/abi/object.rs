@@ -92,7 +92,7 @@ mod implementation {
         };
         // The fallback is what a blocked ray gives here: a weight of 0 would make the host
         // read an uninitialised alpha.
-        boundary::ray(f32::MIN_POSITIVE, || handle.generate(sample, ray))
+        boundary::ray(f32::MIN_POSITIVE, || handle.generate_for_host(sample, ray))
     }
 
     /// From the camera's destructor.

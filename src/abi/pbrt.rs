@@ -5,11 +5,12 @@ use std::path::Path;
 use std::ptr::null_mut;
 
 use super::boundary::{self, Failure, realistic_status};
-use super::handle::{Handle, Level};
+use super::handle::Handle;
 use super::object::{self, HostPart};
 use super::shim::{self, FindError, Given, HostKind, ParamSet};
 use super::types::realistic_camera;
-use crate::camera::parameters::{Kind, PARAMETERS, Parameters, Value};
+use super::{location, options};
+use crate::camera::{CameraError, CameraToWorld, Host, Kind, Level, PARAMETERS, Parameters, Value};
 
 /// The models that a copy of the plugin can be named after.
 const MODELS: [&str; 6] = ["lens", "thick", "thin", "perspective", "orthographic", "environment"];
@@ -58,31 +59,27 @@ unsafe fn create(
             shim::film_resolution(film).ok_or_else(|| null("film"))?,
         )
     };
-    let invalid = |message| Failure::new(realistic_status::InvalidParameter, message);
-    // A sane transform of floats: whatever else is wrong with it is the camera's to say.
-    if !transform.matrix.iter().chain(&transform.inverse).all(|number| number.is_finite()) {
-        return Err(invalid("the camera's transform has no finite inverse".to_owned()));
-    }
     let mut parameters = read_parameters(&params)?;
     if parameters.model.is_none() {
-        parameters.model = shim::plugin_path().as_deref().and_then(model_named).map(str::to_owned);
+        parameters.model = location::plugin_path().as_deref().and_then(model_named).map(str::to_owned);
     }
     let (xres, yres) = resolution;
-    let handle = Handle::build(&parameters, xres, yres, transform.inverse, &mut |level, text| {
-        say(level, text);
-    })
-    .map_err(invalid)?;
-    let number = |given: Option<f64>, default: f32| given.map_or(default, |given| given as f32);
+    let mut host = Host::new(options::raster(xres, yres)?, location::directory());
+    host.to_world = CameraToWorld::from_rows(&transform.inverse).map_err(CameraError::Transform)?;
+    host.can_redraw = false;
+    let handle = Handle::build(&parameters, &host, &mut say)?;
+    let [hither, yon] = handle.camera().clip();
+    let [shutter_open, shutter_close] = handle.camera().shutter();
     let host = HostPart {
         film,
         world_to_camera: transform.matrix,
         camera_to_world: transform.inverse,
-        hither: number(parameters.hither, 1e-3),
-        yon: number(parameters.yon, 1e30),
-        shutter_open: number(parameters.shutteropen, 0.0),
-        shutter_close: number(parameters.shutterclose, 1.0),
+        hither,
+        yon,
+        shutter_open,
+        shutter_close,
     };
-    object::new(handle, &host).ok_or_else(|| Failure::new(realistic_status::OutOfMemory, "memory is out"))
+    object::new(handle, &host).ok_or_else(boundary::out_of_memory)
 }
 
 /// Says something through the host, and who says it.
@@ -172,7 +169,7 @@ fn no_look_up(error: FindError) -> Failure {
             "this process exports no ParamSet::FindFloat, FindInt, FindBool and FindString: \
              CreateCamera works in a pbrt-v1 host that exports its symbols (-rdynamic)",
         ),
-        FindError::OutOfMemory => Failure::new(realistic_status::OutOfMemory, "memory is out"),
+        FindError::OutOfMemory => boundary::out_of_memory(),
     }
 }
 

@@ -1,20 +1,19 @@
-//! The exported `GenerateRay`: one ray of a camera, however it was made.
+//! One ray of a camera, however it was made.
 
 use super::boundary;
 use super::object;
 use super::types::{realistic_camera, realistic_ray, realistic_sample};
 
-/// One ray of a camera of this library, made by `CreateCamera` or by a C caller.
+/// One ray of a camera of this library, made by `CreateCamera` or by `realistic_camera_new`.
 ///
-/// Returns the weight; exactly 0 for a ray that the lens blocks. When a pointer is NULL or
-/// `camera` is another library's camera, returns 0 and leaves the ray alone.
+/// Returns the weight, positive. For a ray that the lens blocks, when a pointer is NULL, and when
+/// `camera` is another library's camera, returns exactly 0 and leaves the ray as it is.
 ///
 /// # Safety
 /// `camera` is NULL or points to an object of at least 8 bytes that lives during the call;
 /// `sample` and `ray` are NULL or valid.
 #[unsafe(no_mangle)]
-#[allow(non_snake_case)]
-pub unsafe extern "C" fn GenerateRay(
+pub unsafe extern "C" fn realistic_generate_ray(
     camera: *const realistic_camera,
     sample: *const realistic_sample,
     ray: *mut realistic_ray,
@@ -22,9 +21,29 @@ pub unsafe extern "C" fn GenerateRay(
     boundary::ray(0.0, || {
         // SAFETY: the caller's promise.
         let parts = unsafe { (object::handle_of(camera), sample.as_ref(), ray.as_mut()) };
-        match parts {
-            (Some(handle), Some(sample), Some(ray)) => handle.generate_exact(sample, ray),
-            _ => 0.0,
+        let (Some(handle), Some(sample), Some(ray)) = parts else {
+            return 0.0;
+        };
+        let (generated, weight, _) = handle.generate(sample);
+        if let Some(generated) = generated {
+            *ray = generated;
         }
+        weight
     })
+}
+
+/// [`realistic_generate_ray`] under the name and with the types that the assignment gives it: for
+/// `const Camera *`, `const Sample *` and `Ray *` of a pbrt-v1 host.
+///
+/// # Safety
+/// As [`realistic_generate_ray`].
+#[unsafe(no_mangle)]
+#[allow(non_snake_case)]
+pub unsafe extern "C" fn GenerateRay(
+    camera: *const realistic_camera,
+    sample: *const realistic_sample,
+    ray: *mut realistic_ray,
+) -> f32 {
+    // SAFETY: the caller's promise.
+    unsafe { realistic_generate_ray(camera, sample, ray) }
 }

@@ -7,7 +7,7 @@
 use std::ffi::{c_char, c_void};
 
 /// A camera. Opaque to C. Immutable once built: rays may be asked for from any number of threads.
-#[repr(C)]
+// Not `repr(C)`, so that the header only declares it.
 #[allow(non_camel_case_types)]
 pub struct realistic_camera {
     _opaque: [u8; 0],
@@ -46,6 +46,56 @@ pub struct realistic_ray {
     pub maxt: f32,
     /// Time between `shutteropen` and `shutterclose`.
     pub time: f32,
+}
+
+/// What became of a sample. The numbers are part of the ABI and never change.
+#[repr(i32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(non_camel_case_types)]
+pub enum realistic_reason {
+    /// The ray gets through.
+    Ok = 0,
+    /// It passes beside a surface's sphere.
+    Missed = 1,
+    /// It meets a surface outside the clear aperture.
+    Clipped = 2,
+    /// It is totally reflected.
+    Reflected = 3,
+    /// The next surface lies behind it, or it travels backward.
+    TurnedBack = 4,
+    /// With `disk` "rejection": the lens numbers fell outside the disk. Draw new ones; the sample
+    /// does not count.
+    Redraw = 5,
+}
+
+/// Samples as structure of arrays; the members of `realistic_sample`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+#[allow(non_camel_case_types, missing_docs)]
+pub struct realistic_samples_soa {
+    pub image_x: *const f32,
+    pub image_y: *const f32,
+    pub lens_u: *const f32,
+    pub lens_v: *const f32,
+    pub time: *const f32,
+}
+
+/// Rays as structure of arrays; the members of `realistic_ray`, with weight and reason.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+#[allow(non_camel_case_types, missing_docs)]
+pub struct realistic_rays_soa {
+    pub ox: *mut f32,
+    pub oy: *mut f32,
+    pub oz: *mut f32,
+    pub dx: *mut f32,
+    pub dy: *mut f32,
+    pub dz: *mut f32,
+    pub mint: *mut f32,
+    pub maxt: *mut f32,
+    pub time: *mut f32,
+    pub weight: *mut f32,
+    pub reason: *mut realistic_reason,
 }
 
 /// Receives a message while a camera is being built. `level`: 0 information, 1 warning, 2 error.
@@ -132,7 +182,8 @@ pub struct realistic_camera_info {
     pub fnumber: f64,
     /// Last vertex to film, mm.
     pub film_distance_mm: f64,
-    /// Film plane to the plane in focus, mm along the axis; infinity when focused there.
+    /// Film plane to the plane in focus, mm along the axis; infinity when focused there or beyond, NaN
+    /// when no object in front of the lens is in focus.
     pub focus_distance_mm: f64,
     /// Film diagonal, mm.
     pub film_diagonal_mm: f64,

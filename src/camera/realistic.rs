@@ -219,6 +219,16 @@ impl RealisticCamera {
         self.focus_distance
     }
 
+    /// Where rays begin and end along themselves (`hither` and `yon`), world units.
+    pub fn clip(&self) -> [f32; 2] {
+        self.clip
+    }
+
+    /// When the shutter opens and closes.
+    pub fn shutter(&self) -> [f32; 2] {
+        self.shutter
+    }
+
     /// Effective focal length, mm.
     pub fn focal_length(&self) -> f64 {
         self.first_order.focal_length

@@ -21,7 +21,7 @@ use crate::{
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
     /// Worth knowing.
-    Information,
+    Info,
     /// The camera is built, and something is not as asked.
     Warning,
     /// The camera is not built.

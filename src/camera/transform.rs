@@ -42,6 +42,17 @@ impl CameraToWorld {
         Ok(Self { linear, origin, is_identity })
     }
 
+    /// The inverse, world space to camera space, as a row-major 4x4 matrix for column vectors.
+    pub fn inverse_rows(&self) -> [f32; 16] {
+        let linear = self.linear.inverse();
+        let origin = -(linear * self.origin);
+        std::array::from_fn(|i| match (i / 4, i % 4) {
+            (3, column) => f32::from(u8::from(column == 3)),
+            (row, 3) => origin[row] as f32,
+            (row, column) => linear.col(column)[row] as f32,
+        })
+    }
+
     /// World-space point of a camera-space point.
     pub fn point(&self, p: DVec3) -> DVec3 {
         if self.is_identity { p } else { self.linear * p + self.origin }

@@ -1,0 +1,164 @@
+//! Cameras for a C caller: made, asked about, freed.
+
+use std::ffi::{c_char, c_void};
+use std::mem::size_of;
+
+use super::boundary::{self, realistic_status};
+use super::handle::Handle;
+use super::object::{self, HostPart};
+use super::options::{self, check_size};
+use super::types::{realistic_camera, realistic_camera_info, realistic_log, realistic_options};
+use crate::camera::Level;
+
+/// Bytes of the first version of `realistic_camera_info`.
+const FIRST_INFO_SIZE: usize = size_of::<realistic_camera_info>();
+
+/// Builds a camera. On success `*out` is the camera, to be freed by `realistic_camera_free`; on
+/// failure `*out` is untouched and `realistic_last_error` says what to change.
+///
+/// # Safety
+/// `options` is NULL or points to a structure of its `struct_size` bytes whose pointers are NULL or
+/// valid; `out` is NULL or writable.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn realistic_camera_new(
+    options: *const realistic_options,
+    out: *mut *mut realistic_camera,
+) -> realistic_status {
+    boundary::status(|| {
+        if out.is_null() {
+            return Err(boundary::null("out"));
+        }
+        // SAFETY: the caller's promise.
+        let (options, parameters, host) = unsafe {
+            let options = options::read(options)?;
+            (options, options.parameters()?, options.host()?)
+        };
+        let mut log = |level, text: &str| log(options.log, options.log_user, level, text);
+        let handle = Handle::build(&parameters, &host, &mut log)?;
+        let clip = handle.camera().clip();
+        let shutter = handle.camera().shutter();
+        let camera = object::new(
+            handle,
+            &HostPart {
+                film: std::ptr::null_mut(),
+                world_to_camera: host.to_world.inverse_rows(),
+                camera_to_world: options.camera_to_world,
+                hither: clip[0],
+                yon: clip[1],
+                shutter_open: shutter[0],
+                shutter_close: shutter[1],
+            },
+        )
+        .ok_or_else(boundary::out_of_memory)?;
+        // SAFETY: not NULL, and the caller's promise.
+        unsafe { out.write(camera) };
+        Ok(())
+    })
+}
+
+fn log(callback: realistic_log, user: *mut c_void, level: Level, text: &str) {
+    if let Some(callback) = callback {
+        let number = match level {
+            Level::Info => 0,
+            Level::Warning => 1,
+            Level::Error => 2,
+        };
+        let text = boundary::c_string(text);
+        // SAFETY: the caller's function, called with what it is declared to take.
+        unsafe { callback(user, number, text.as_ptr()) }
+    }
+}
+
+/// Frees a camera of `realistic_camera_new`. NULL is fine. A camera of `CreateCamera` is its host's to
+/// `delete` and must not come here.
+///
+/// # Safety
+/// `camera` is NULL or a camera of `realistic_camera_new` that nobody uses any more.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn realistic_camera_free(camera: *mut realistic_camera) {
+    boundary::value((), || {
+        // SAFETY: the caller's promise.
+        if camera.is_null() || unsafe { object::delete(camera) } {
+            Ok(())
+        } else {
+            Err(boundary::not_a_camera())
+        }
+    });
+}
+
+/// Fills `info`, whose `struct_size` the caller has set.
+///
+/// # Safety
+/// `camera` is NULL or a live camera of this library; `info` is NULL or points to a structure of its
+/// `struct_size` bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn realistic_camera_get_info(
+    camera: *const realistic_camera,
+    info: *mut realistic_camera_info,
+) -> realistic_status {
+    boundary::status(|| {
+        // SAFETY: the caller's promise.
+        let camera = unsafe { object::handle_of(camera) }.ok_or_else(boundary::not_a_camera)?.camera();
+        if info.is_null() {
+            return Err(boundary::null("info"));
+        }
+        // SAFETY: not NULL; the first field is always there.
+        let struct_size = unsafe { (*info).struct_size };
+        let current = size_of::<realistic_camera_info>();
+        check_size("realistic_camera_info", struct_size, FIRST_INFO_SIZE, current)?;
+        let filled = realistic_camera_info {
+            struct_size,
+            interfaces: camera.lens().surfaces.len() as u32,
+            focal_length_mm: camera.focal_length(),
+            fnumber: camera.fnumber(),
+            film_distance_mm: camera.film_distance(),
+            focus_distance_mm: camera.focus_distance().unwrap_or(f64::NAN),
+            film_diagonal_mm: camera.film().diagonal(),
+        };
+        // SAFETY: the caller's promise; the check allows no more than `filled` has.
+        unsafe {
+            std::ptr::copy_nonoverlapping(
+                (&raw const filled).cast::<u8>(),
+                info.cast::<u8>(),
+                struct_size as usize,
+            );
+        }
+        Ok(())
+    })
+}
+
+/// Copies the lens's name as UTF-8 with a closing NUL into `buffer`, cut to `capacity` bytes, and writes
+/// its whole length without the NUL to `*length`. `buffer` may be NULL when `capacity` is 0, and `length` may be NULL.
+///
+/// # Safety
+/// `camera` is NULL or a live camera of this library; `buffer` has `capacity` writable bytes;
+/// `length` is NULL or writable.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn realistic_camera_get_lens_name(
+    camera: *const realistic_camera,
+    buffer: *mut c_char,
+    capacity: usize,
+    length: *mut usize,
+) -> realistic_status {
+    boundary::status(|| {
+        // SAFETY: the caller's promise.
+        let camera = unsafe { object::handle_of(camera) }.ok_or_else(boundary::not_a_camera)?.camera();
+        if buffer.is_null() && capacity > 0 {
+            return Err(boundary::null("buffer"));
+        }
+        let name = &camera.lens().name;
+        if let Some(room) = capacity.checked_sub(1) {
+            let cut = name.floor_char_boundary(room);
+            // SAFETY: `cut` and the NUL fit into `capacity`.
+            unsafe {
+                std::ptr::copy_nonoverlapping(name.as_ptr(), buffer.cast::<u8>(), cut);
+                buffer.add(cut).write(0);
+            }
+        }
+        if !length.is_null() {
+            // SAFETY: the caller's promise.
+            unsafe { length.write(name.len()) };
+        }
+        Ok(())
+    })
+}

@@ -1,0 +1,54 @@
+//! What the library is: versions, capabilities, and the message of the last failure.
+
+use std::ffi::c_char;
+
+use super::boundary::{realistic_status, with_last_message};
+
+/// The version of the C ABI that this header describes. It grows when something is added;
+/// nothing is ever taken away or renumbered.
+pub const REALISTIC_ABI_VERSION: u32 = 1;
+
+/// The library can be loaded by a pbrt-v1 host (`CreateCamera` is there).
+pub const REALISTIC_CAPABILITY_PBRT_V1: u64 = 1;
+/// Rays can be asked for many at a time.
+pub const REALISTIC_CAPABILITY_BATCH: u64 = 2;
+/// Batches tell why a ray is blocked.
+pub const REALISTIC_CAPABILITY_REASONS: u64 = 4;
+/// The wavelength matters for lenses with V-numbers.
+pub const REALISTIC_CAPABILITY_DISPERSION: u64 = 8;
+
+const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "\0");
+
+/// The `REALISTIC_ABI_VERSION` that the loaded library was built with. A caller works with any
+/// library whose number is not below its own header's.
+#[unsafe(no_mangle)]
+pub extern "C" fn realistic_abi_version() -> u32 {
+    REALISTIC_ABI_VERSION
+}
+
+/// The library's version, such as "0.1.0"; lives as long as the library.
+#[unsafe(no_mangle)]
+pub extern "C" fn realistic_version() -> *const c_char {
+    VERSION.as_ptr().cast()
+}
+
+/// The `REALISTIC_CAPABILITY_` bits of the loaded library.
+#[unsafe(no_mangle)]
+pub extern "C" fn realistic_capabilities() -> u64 {
+    let pbrt = if cfg!(realistic_shim) { REALISTIC_CAPABILITY_PBRT_V1 } else { 0 };
+    pbrt | REALISTIC_CAPABILITY_BATCH | REALISTIC_CAPABILITY_REASONS | REALISTIC_CAPABILITY_DISPERSION
+}
+
+/// The message of this thread's last failure, in one or more lines of UTF-8; empty when there was none. The
+/// pointer holds until the thread's next failing call.
+#[unsafe(no_mangle)]
+pub extern "C" fn realistic_last_error() -> *const c_char {
+    with_last_message(|message| message.as_ptr()).unwrap_or(c"".as_ptr())
+}
+
+/// What a status means, in a few words; never NULL. Lives as long as the library.
+#[unsafe(no_mangle)]
+pub extern "C" fn realistic_status_name(status: i32) -> *const c_char {
+    let known = realistic_status::ALL.into_iter().find(|&known| known as i32 == status);
+    known.map_or(c"unknown status", realistic_status::name).as_ptr()
+}

@@ -1,0 +1,48 @@
+//! The checked-in header is what cbindgen makes from the source.
+
+use std::path::Path;
+
+/// The two unprefixed exports, declared only where a caller asks for them, so that the header can stand
+/// beside a pbrt-v1 host's own types.
+const PBRT_ENTRY: &str = "
+#ifdef REALISTIC_PBRT_ENTRY
+#ifdef __cplusplus
+extern \"C\" {
+#endif
+/* What a pbrt-v1 host calls: takes its const ParamSet &, const Transform & (world to camera) and
+ * Film *, and returns its Camera *, which the host deletes. NULL when there is none; the reason went to the
+ * host's Error function. */
+realistic_camera *CreateCamera(const void *params, const void *world2cam, void *film);
+/* realistic_generate_ray under the name that the assignment gives it. */
+float GenerateRay(const realistic_camera *camera, const realistic_sample *sample,
+                  realistic_ray *ray);
+#ifdef __cplusplus
+}
+#endif
+#endif /* REALISTIC_PBRT_ENTRY */
+";
+
+#[test]
+fn the_header_is_up_to_date() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let config = cbindgen::Config::from_file(root.join("include/cbindgen.toml")).expect("a valid configuration");
+    let mut builder = cbindgen::Builder::new().with_config(config);
+    for file in ["types", "boundary", "library", "options", "camera", "ray", "batch"] {
+        builder = builder.with_src(root.join(format!("src/abi/{file}.rs")));
+    }
+    let mut made = Vec::new();
+    builder.generate().expect("bindings").write(&mut made);
+    let made = String::from_utf8(made).expect("UTF-8");
+    let guard = "#endif  /* REALISTIC_H */";
+    assert!(made.contains(guard), "cbindgen writes its guard in another way now");
+    let made = made.replace(guard, &format!("{}\n{guard}", PBRT_ENTRY.trim_start()));
+    let path = root.join("include/realistic.h");
+    if std::env::var_os("REALISTIC_WRITE_HEADER").is_some() {
+        std::fs::write(&path, &made).expect("the header is written");
+    }
+    let checked_in = std::fs::read_to_string(&path).unwrap_or_default();
+    assert!(
+        checked_in == made,
+        "include/realistic.h is not what src/abi says; run `REALISTIC_WRITE_HEADER=1 cargo test --test header`"
+    );
+}
