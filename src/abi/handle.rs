@@ -127,7 +127,7 @@ impl Handle {
 
 fn read(specfile: &str) -> Result<(), String> {
     let search = std::env::var_os("PBRT_SEARCHPATH").unwrap_or_default();
-    let beside = super::shim::plugin_path().and_then(|path| path.parent().map(Path::to_path_buf));
+    let beside = super::plugin::plugin_path().and_then(|path| path.parent().map(Path::to_path_buf));
     let candidates = std::iter::once(PathBuf::from(specfile))
         .chain(std::env::split_paths(&search).map(|directory| directory.join(specfile)))
         .chain(beside.map(|directory| directory.join(specfile)));

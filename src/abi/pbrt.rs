@@ -7,6 +7,7 @@ use std::ptr::null_mut;
 use super::boundary::{self, Failure, realistic_status};
 use super::handle::{Handle, Level};
 use super::object::{self, HostPart};
+use super::plugin::plugin_path;
 use super::shim::{self, FindError, Given, HostKind, ParamSet};
 use super::types::realistic_camera;
 use crate::camera::parameters::{Kind, PARAMETERS, Parameters, Value};
@@ -65,7 +66,7 @@ unsafe fn create(
     }
     let mut parameters = read_parameters(&params)?;
     if parameters.model.is_none() {
-        parameters.model = shim::plugin_path().as_deref().and_then(model_named).map(str::to_owned);
+        parameters.model = plugin_path().as_deref().and_then(model_named).map(str::to_owned);
     }
     let (xres, yres) = resolution;
     let handle = Handle::build(&parameters, xres, yres, transform.inverse, &mut |level, text| {

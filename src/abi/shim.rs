@@ -1,9 +1,7 @@
 //! Speaks to the C++ face: the functions of `pbrt-shim/shim.h` and thin wrappers of them.
 
-use std::ffi::{CStr, OsStr, c_char, c_void};
-use std::os::unix::ffi::OsStrExt;
-use std::path::PathBuf;
-use std::ptr::{NonNull, null, null_mut};
+use std::ffi::{c_char, c_void};
+use std::ptr::{NonNull, null};
 use std::slice;
 
 use super::boundary;
@@ -250,20 +248,4 @@ pub fn message(level: Level, text: &str) {
     let text = boundary::c_string(text);
     // SAFETY: a NUL-terminated text that lives during the call.
     unsafe { realistic_shim_message(number, text.as_ptr()) }
-}
-
-/// The file that this code was loaded from: the plugin's `.so`, as the host named it when
-/// it loaded it, or the program when the library is linked into one.
-pub fn plugin_path() -> Option<PathBuf> {
-    let mut info =
-        libc::Dl_info { dli_fname: null(), dli_fbase: null_mut(), dli_sname: null(), dli_saddr: null_mut() };
-    let inside: fn() -> Option<PathBuf> = plugin_path;
-    // SAFETY: any address will do; the answer is written to `info`.
-    let known = unsafe { libc::dladdr(inside as *const c_void, &mut info) };
-    if known == 0 || info.dli_fname.is_null() {
-        return None;
-    }
-    // SAFETY: a NUL-terminated name that lives while this code is loaded.
-    let name = unsafe { CStr::from_ptr(info.dli_fname) };
-    Some(PathBuf::from(OsStr::from_bytes(name.to_bytes())))
 }
