@@ -25,7 +25,8 @@ float GenerateRay(const realistic_camera *camera, const realistic_sample *sample
 #[test]
 fn the_header_is_up_to_date() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let config = cbindgen::Config::from_file(root.join("include/cbindgen.toml")).expect("a valid configuration");
+    let config =
+        cbindgen::Config::from_file(root.join("include/cbindgen.toml")).expect("a valid configuration");
     let mut builder = cbindgen::Builder::new().with_config(config);
     for file in ["types", "boundary", "library", "options", "camera", "ray", "batch"] {
         builder = builder.with_src(root.join(format!("src/abi/{file}.rs")));

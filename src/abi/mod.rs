@@ -2,7 +2,7 @@
 //!
 //! `types` are the structures by layout, `boundary` keeps panics inside, `object` makes and
 //! recognises the cameras that a host holds, `handle` is the camera in them; `library`,
-//! `options`, `camera`, `ray` and `batch` export what a C caller uses; `shim` speaks to the C++
+//! `options`, `camera`, `ray` and `batch` export what a C caller uses; `plugin` knows the file this was loaded from; `shim` speaks to the C++
 //! face and `pbrt` is the entry of a pbrt-v1 host (both only where `pbrt-shim/` is built).
 
 mod batch;
@@ -10,11 +10,11 @@ mod boundary;
 mod camera;
 mod handle;
 mod library;
-mod location;
 mod object;
 mod options;
 #[cfg(realistic_shim)]
 mod pbrt;
+mod plugin;
 mod ray;
 #[cfg(realistic_shim)]
 mod shim;

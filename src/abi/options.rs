@@ -5,7 +5,7 @@ use std::mem::size_of;
 use std::ptr::{null, null_mut};
 
 use super::boundary::{self, Failure, realistic_status};
-use super::location;
+use super::plugin;
 use super::types::realistic_options;
 use crate::camera::{CameraError, CameraToWorld, Host, Parameters, Raster, Value};
 
@@ -177,7 +177,7 @@ impl realistic_options {
     /// `lens_text` is NULL or points to `lens_text_size` bytes.
     pub(super) unsafe fn host(&self) -> Result<Host, Failure> {
         let to_world = CameraToWorld::from_rows(&self.camera_to_world).map_err(CameraError::Transform)?;
-        let mut host = Host::new(raster(self.xres, self.yres)?, location::directory());
+        let mut host = Host::new(raster(self.xres, self.yres)?, plugin::directory());
         host.to_world = to_world;
         if !self.lens_text.is_null() {
             // SAFETY: not NULL, and the caller's promise.

@@ -9,7 +9,7 @@ use super::handle::Handle;
 use super::object::{self, HostPart};
 use super::shim::{self, FindError, Given, HostKind, ParamSet};
 use super::types::realistic_camera;
-use super::{location, options};
+use super::{options, plugin};
 use crate::camera::{CameraError, CameraToWorld, Host, Kind, Level, PARAMETERS, Parameters, Value};
 
 /// The models that a copy of the plugin can be named after.
@@ -61,10 +61,10 @@ unsafe fn create(
     };
     let mut parameters = read_parameters(&params)?;
     if parameters.model.is_none() {
-        parameters.model = location::plugin_path().as_deref().and_then(model_named).map(str::to_owned);
+        parameters.model = plugin::plugin_path().as_deref().and_then(model_named).map(str::to_owned);
     }
     let (xres, yres) = resolution;
-    let mut host = Host::new(options::raster(xres, yres)?, location::directory());
+    let mut host = Host::new(options::raster(xres, yres)?, plugin::directory());
     host.to_world = CameraToWorld::from_rows(&transform.inverse).map_err(CameraError::Transform)?;
     host.can_redraw = false;
     let handle = Handle::build(&parameters, &host, &mut say)?;

@@ -2,11 +2,6 @@
 
 use std::path::PathBuf;
 
-/// The directory of the plugin, where lens files are looked for last.
-pub fn directory() -> Option<PathBuf> {
-    plugin_path()?.parent().map(PathBuf::from)
-}
-
 /// The file that this code was loaded from: the plugin's `.so`, as the host named it when
 /// it loaded it, or the program when the library is linked into one.
 #[cfg(unix)]
@@ -28,8 +23,23 @@ pub fn plugin_path() -> Option<PathBuf> {
     Some(PathBuf::from(OsStr::from_bytes(name.to_bytes())))
 }
 
-/// Not known on this system.
+/// Not known on this platform.
 #[cfg(not(unix))]
 pub fn plugin_path() -> Option<PathBuf> {
     None
+}
+
+/// The directory of that file, where lens files are looked for last.
+pub fn directory() -> Option<PathBuf> {
+    plugin_path()?.parent().map(PathBuf::from)
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    #[test]
+    fn linked_into_a_program_it_is_the_program() {
+        let path = super::plugin_path().unwrap();
+        let program = std::env::current_exe().unwrap();
+        assert_eq!(path.file_name(), program.file_name());
+    }
 }
