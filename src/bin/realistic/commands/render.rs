@@ -208,7 +208,8 @@ fn timing(settings: &Settings, tally: &Tally, took: Duration, threads: usize) ->
 fn progress_bar() -> ProgressBar {
     let style = ProgressStyle::with_template("rendering {bar:40} {percent:>3} %  {eta} left")
         .unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::new(0).with_style(style)
+    // Of no tiles at all it would show itself full before the rendering starts.
+    ProgressBar::new(1).with_style(style)
 }
 
 fn picture_path(text: &str) -> Result<PathBuf, String> {

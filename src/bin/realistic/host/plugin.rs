@@ -5,6 +5,7 @@ use libloading::Library;
 use realistic::abi::{realistic_camera, realistic_camera_info, realistic_options};
 use realistic::abi::{realistic_ray, realistic_sample};
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
+use std::error::Error as _;
 use std::ffi::{CStr, c_char};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -25,12 +26,12 @@ pub enum PluginError {
         looked: String,
     },
     /// The loader refused the file, or a function is missing in it.
-    #[error("cannot load the plugin {path}: {source}. `cargo build --release` builds a fresh one")]
+    #[error("cannot load the plugin {path}: {reason}. `cargo build --release` builds a fresh one")]
     Load {
         /// The file.
         path: String,
         /// What the loader says.
-        source: libloading::Error,
+        reason: String,
     },
     /// The functions may mean something else than this host believes.
     #[error(
@@ -71,7 +72,8 @@ fn find_in(given: Option<&Path>, beside: &Path) -> Result<PathBuf, PluginError> 
         Some(path) => vec![path.to_path_buf()],
         None => vec![beside.join(&file), beside.join("deps").join(&file)],
     };
-    let found = places.iter().filter(|place| place.is_file());
+    // The last of equals wins below, and the first place should.
+    let found = places.iter().rev().filter(|place| place.is_file());
     found
         .max_by_key(|place| place.metadata().and_then(|data| data.modified()).ok())
         .cloned()
@@ -131,9 +133,12 @@ impl Plugin {
     /// The loader refuses the file, a function is missing, or the versions differ.
     pub fn load(path: &Path) -> Result<Self, PluginError> {
         let name = path.display().to_string();
-        let failed = |source| PluginError::Load {
+        let failed = |error: libloading::Error| PluginError::Load {
             path: name.clone(),
-            source,
+            // The outer error names only the loader's function.
+            reason: error
+                .source()
+                .map_or(error.to_string(), ToString::to_string),
         };
         // A path without a slash would send the loader through the system's directories.
         let exact = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
