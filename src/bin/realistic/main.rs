@@ -1,2 +1,77 @@
-//! x
-fn main() {}
+//! The command line of `realistic`, and a small renderer that loads the plugin as a
+//! stranger would: through the dynamic loader and the C ABI, not through the crate.
+
+mod commands;
+mod failure;
+mod host;
+
+use clap::{Parser, Subcommand};
+use commands::{install, render};
+use failure::Failure;
+use std::io::Write;
+use std::process::ExitCode;
+
+/// A real camera for renderers: rays traced through every interface of a real lens.
+///
+/// Without a command it does what `render` does: it renders the built-in scene through
+/// `dgauss.50mm` to realistic.png. Lengths are millimetres unless an option says otherwise.
+#[derive(Parser)]
+#[command(
+    name = "realistic",
+    version,
+    args_conflicts_with_subcommands = true,
+    disable_help_subcommand = true
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    render: render::Args,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Render the built-in scene through a lens, with the plugin loaded as a host loads it
+    Render(render::Args),
+    /// Copy the plugin into a renderer's plugin directory
+    Install(install::Args),
+}
+
+fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) if error.use_stderr() => {
+            let _ = write!(std::io::stderr(), "realistic: {}", error.render());
+            return ExitCode::from(2);
+        }
+        Err(help) => {
+            let _ = help.print();
+            return ExitCode::SUCCESS;
+        }
+    };
+    let outcome = match &cli.command {
+        None => render::run(&cli.render),
+        Some(Command::Render(args)) => render::run(args),
+        Some(Command::Install(args)) => install::run(args),
+    };
+    outcome.map_or_else(Failure::report, |()| ExitCode::SUCCESS)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn no_command_takes_the_flags_of_render() {
+        let cli = Cli::try_parse_from(["realistic", "--spp", "3"]).unwrap();
+        assert!(cli.command.is_none());
+        assert_eq!(cli.render.spp, 3);
+        assert!(Cli::try_parse_from(["realistic", "--spp", "3", "install", "x"]).is_err());
+    }
+}

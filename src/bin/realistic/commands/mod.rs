@@ -1,0 +1,4 @@
+//! The subcommands: one module each, with its `Args` and its `run`.
+
+pub mod install;
+pub mod render;

@@ -1,0 +1,46 @@
+//! How a command fails: what it tells the user, and the exit code.
+
+use realistic::camera::ParameterError;
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+/// Why a command stopped.
+#[derive(Debug)]
+pub enum Failure {
+    /// The command line asks for something that cannot be: exit code 2.
+    Usage(String),
+    /// It was asked rightly and did not work: exit code 1.
+    Other(String),
+    /// Whoever read our standard output went away, which is not our error.
+    Closed,
+}
+
+impl Failure {
+    /// Tells the user on standard error and gives the exit code.
+    pub fn report(self) -> ExitCode {
+        let (message, code) = match self {
+            Self::Usage(message) => (message, 2),
+            Self::Other(message) => (message, 1),
+            Self::Closed => return ExitCode::SUCCESS,
+        };
+        // A closed standard error leaves nobody to tell.
+        let _ = writeln!(io::stderr(), "realistic: error: {message}");
+        ExitCode::from(code)
+    }
+}
+
+/// For writes to standard output; files give their own message, with the path.
+impl From<io::Error> for Failure {
+    fn from(error: io::Error) -> Self {
+        match error.kind() {
+            io::ErrorKind::BrokenPipe => Self::Closed,
+            _ => Self::Other(format!("cannot write to standard output: {error}")),
+        }
+    }
+}
+
+impl From<ParameterError> for Failure {
+    fn from(error: ParameterError) -> Self {
+        Self::Usage(error.to_string())
+    }
+}

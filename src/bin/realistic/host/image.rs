@@ -1,0 +1,136 @@
+//! Pictures and the two files that they go to: PNG for eyes, EXR for numbers.
+
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::Path;
+
+/// Linear colour, rows from the top, each from the left.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// One colour a pixel.
+    pub pixels: Vec<[f32; 3]>,
+}
+
+/// What a file's ending asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// 8 bits a channel, sRGB, values above 1 clipped.
+    Png,
+    /// 32-bit floats, linear, as they are.
+    Exr,
+}
+
+impl Format {
+    /// The format for a path.
+    ///
+    /// # Errors
+    /// The ending is neither; the message names both.
+    pub fn of(path: &Path) -> Result<Self, String> {
+        let ending = path.extension().and_then(|ending| ending.to_str());
+        match ending.map(str::to_ascii_lowercase).as_deref() {
+            Some("png") => Ok(Self::Png),
+            Some("exr") => Ok(Self::Exr),
+            _ => Err(format!("\"{}\" must end in .png (8-bit sRGB) or .exr (linear floats)", path.display())),
+        }
+    }
+}
+
+impl Picture {
+    /// Writes the file. `scale` takes the values to the screen's: PNG only.
+    ///
+    /// # Errors
+    /// The file cannot be written; the message names it.
+    pub fn write(&self, path: &Path, scale: f32) -> Result<(), String> {
+        let named = |error: &dyn std::fmt::Display| {
+            format!("cannot write {}: {error}; give --out another path", path.display())
+        };
+        match Format::of(path)? {
+            Format::Png => self.write_png(path, scale).map_err(|error| named(&error)),
+            Format::Exr => self.write_exr(path).map_err(|error| named(&error)),
+        }
+    }
+
+    fn write_png(&self, path: &Path, scale: f32) -> Result<(), png::EncodingError> {
+        let [width, height] = self.size;
+        let mut encoder = png::Encoder::new(BufWriter::new(File::create(path)?), width, height);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        let values = self.pixels.as_flattened();
+        let bytes: Vec<u8> = values.iter().map(|value| srgb(value * scale)).collect();
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(&bytes)?;
+        writer.finish()
+    }
+
+    fn write_exr(&self, path: &Path) -> exr::error::UnitResult {
+        let [width, height] = self.size.map(|side| side as usize);
+        exr::prelude::write_rgb_file(path, width, height, |x, y| self.pixels[y * width + x].into())
+    }
+}
+
+/// The transfer function of IEC 61966-2-1, to 8 bits.
+fn srgb(linear: f32) -> u8 {
+    let value = linear.clamp(0.0, 1.0);
+    let encoded = if value <= 0.003_130_8 { 12.92 * value } else { 1.055 * value.powf(1.0 / 2.4) - 0.055 };
+    (encoded * 255.0).round() as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample() -> Picture {
+        Picture {
+            size: [3, 2],
+            pixels: vec![
+                [0.0, 0.5, 1.0],
+                [2.0, -1.0, 0.25],
+                [0.1, 0.2, 0.3],
+                [1e-3, 0.0, 9.0],
+                [0.7, 0.7, 0.7],
+                [0.214, 0.0, 0.0],
+            ],
+        }
+    }
+
+    #[test]
+    fn png_comes_back() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.PNG");
+        sample().write(&path, 0.5).unwrap();
+        let file = std::io::BufReader::new(File::open(&path).unwrap());
+        let mut reader = png::Decoder::new(file).read_info().unwrap();
+        let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut bytes).unwrap();
+        assert_eq!([info.width, info.height], [3, 2]);
+        assert_eq!(bytes[3..6], [255, 0, 99]);
+        assert_eq!(bytes[11], 255);
+        let expected: Vec<u8> = sample().pixels.as_flattened().iter().map(|v| srgb(v * 0.5)).collect();
+        assert_eq!(bytes, expected);
+    }
+
+    #[test]
+    fn exr_keeps_the_values() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.exr");
+        sample().write(&path, 0.5).unwrap();
+        let read = exr::prelude::read_first_rgba_layer_from_file(
+            &path,
+            |size, _| vec![vec![[0.0_f32; 3]; size.width()]; size.height()],
+            |rows, at, (r, g, b, _): (f32, f32, f32, f32)| rows[at.y()][at.x()] = [r, g, b],
+        )
+        .unwrap();
+        assert_eq!(read.layer_data.channel_data.pixels.concat(), sample().pixels);
+    }
+
+    #[test]
+    fn other_endings_are_refused_by_naming_the_two() {
+        for path in ["a.jpg", "a", ".png"] {
+            let message = Format::of(Path::new(path)).unwrap_err();
+            assert!(message.contains(".png") && message.contains(".exr"), "{message}");
+        }
+    }
+}

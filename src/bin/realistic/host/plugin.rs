@@ -1,0 +1,220 @@
+//! The shared library: where it lies, and the functions found in it by name.
+
+use crate::failure::Failure;
+use libloading::Library;
+use realistic::abi::{realistic_camera, realistic_camera_info, realistic_options};
+use realistic::abi::{realistic_ray, realistic_sample};
+use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
+use std::error::Error as _;
+use std::ffi::{CStr, c_char};
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// The version of the C ABI that this host was written for.
+const ABI_VERSION: u32 = 1;
+
+/// Why a plugin or a camera could not be had.
+#[derive(Debug, Error)]
+pub enum PluginError {
+    /// No file in any of the places.
+    #[error(
+        "the plugin was not found; looked for {looked}. `cargo build --release` builds it beside \
+         this program, and --plugin PATH names another"
+    )]
+    NotFound {
+        /// The places, in order.
+        looked: String,
+    },
+    /// The loader refused the file, or a function is missing in it.
+    #[error("cannot load the plugin {path}: {reason}. `cargo build --release` builds a fresh one")]
+    Load {
+        /// The file.
+        path: String,
+        /// What the loader says.
+        reason: String,
+    },
+    /// The functions may mean something else than this host believes.
+    #[error(
+        "the plugin {path} speaks version {found} of the C ABI and this program version \
+         {ABI_VERSION}: build both from the same sources, or give --plugin PATH"
+    )]
+    Version {
+        /// The file.
+        path: String,
+        /// What it says it speaks.
+        found: u32,
+    },
+    /// The plugin's own words for a failed call.
+    #[error("{0}")]
+    Refused(String),
+}
+
+impl From<PluginError> for Failure {
+    fn from(error: PluginError) -> Self {
+        Self::Other(error.to_string())
+    }
+}
+
+/// Where the plugin is: what `given` says, else beside this program or in `deps/` there.
+/// `cargo build` refreshes the first of these and `cargo run` only the second: the newer counts.
+///
+/// # Errors
+/// No such file.
+pub fn find(given: Option<&Path>) -> Result<PathBuf, PluginError> {
+    let program = std::env::current_exe().unwrap_or_default();
+    let beside = program.parent().unwrap_or(Path::new("."));
+    find_in(given, beside)
+}
+
+fn find_in(given: Option<&Path>, beside: &Path) -> Result<PathBuf, PluginError> {
+    let file = format!("{DLL_PREFIX}realistic{DLL_SUFFIX}");
+    let places = match given {
+        Some(path) => vec![path.to_path_buf()],
+        None => vec![beside.join(&file), beside.join("deps").join(&file)],
+    };
+    // The last of equals wins below, and the first place should.
+    let found = places.iter().rev().filter(|place| place.is_file());
+    found.max_by_key(|place| place.metadata().and_then(|data| data.modified()).ok()).cloned().ok_or_else(
+        || PluginError::NotFound {
+            looked: places.iter().map(|place| place.display().to_string()).collect::<Vec<_>>().join(" and "),
+        },
+    )
+}
+
+macro_rules! functions {
+    ($($name:ident: $symbol:literal, fn($($type:ty),*) $(-> $result:ty)?;)*) => {
+        /// The exported functions, valid for as long as the library stays loaded.
+        pub(super) struct Functions { $(pub(super) $name: unsafe extern "C" fn($($type),*) $(-> $result)?,)* }
+
+        impl Functions {
+            /// # Safety
+            /// The library's functions of these names have these signatures.
+            unsafe fn resolve(library: &Library) -> Result<Self, libloading::Error> {
+                // SAFETY: the caller's promise; the table is kept beside the library.
+                unsafe { Ok(Self { $($name: *library.get($symbol)?,)* }) }
+            }
+        }
+    };
+}
+
+functions! {
+    version: b"realistic_version", fn() -> *const c_char;
+    last_error: b"realistic_last_error", fn() -> *const c_char;
+    options_init: b"realistic_options_init", fn(*mut realistic_options, u32) -> i32;
+    camera_new: b"realistic_camera_new",
+        fn(*const realistic_options, *mut *mut realistic_camera) -> i32;
+    camera_free: b"realistic_camera_free", fn(*mut realistic_camera);
+    camera_get_info: b"realistic_camera_get_info",
+        fn(*const realistic_camera, *mut realistic_camera_info) -> i32;
+    camera_get_lens_name: b"realistic_camera_get_lens_name",
+        fn(*const realistic_camera, *mut c_char, usize, *mut usize) -> i32;
+    camera_generate_rays: b"realistic_camera_generate_rays",
+        fn(*const realistic_camera, usize, *const realistic_sample, usize,
+           *mut realistic_ray, usize, *mut f32, *mut i32) -> i32;
+}
+
+/// A loaded plugin. Only [`super::camera::Camera`] calls its functions.
+pub struct Plugin {
+    pub(super) functions: Functions,
+    path: PathBuf,
+    // Dropped last: the functions live in it.
+    _library: Library,
+}
+
+impl Plugin {
+    /// Loads a plugin and checks that it speaks this host's ABI.
+    ///
+    /// # Errors
+    /// The loader refuses the file, a function is missing, or the versions differ.
+    pub fn load(path: &Path) -> Result<Self, PluginError> {
+        let name = path.display().to_string();
+        let failed = |error: libloading::Error| PluginError::Load {
+            path: name.clone(),
+            // The outer error names only the loader's function.
+            reason: error.source().map_or(error.to_string(), ToString::to_string),
+        };
+        // A path without a slash would send the loader through the system's directories.
+        let exact = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+        // SAFETY: loading runs the library's initialisers, which are Rust's own; the user
+        // named or built this file.
+        let library = unsafe { Library::new(exact) }.map_err(failed)?;
+        // SAFETY: this signature is the one promise that every version of the ABI keeps.
+        let found = unsafe {
+            let abi_version =
+                library.get::<unsafe extern "C" fn() -> u32>(b"realistic_abi_version").map_err(failed)?;
+            abi_version()
+        };
+        if found != ABI_VERSION {
+            return Err(PluginError::Version { path: name, found });
+        }
+        // SAFETY: the version says that the signatures are the header's.
+        let functions = unsafe { Functions::resolve(&library) }.map_err(failed)?;
+        Ok(Self { functions, path: path.to_path_buf(), _library: library })
+    }
+
+    /// The file that was loaded.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The plugin's own version.
+    pub fn version(&self) -> String {
+        // SAFETY: a static string that ends in NUL.
+        unsafe { text((self.functions.version)()) }
+    }
+
+    /// What a call's status means, in the plugin's own words.
+    pub(super) fn check(&self, status: i32) -> Result<(), PluginError> {
+        if status == 0 {
+            return Ok(());
+        }
+        // SAFETY: the message lives until this thread's next call.
+        let message = unsafe { text((self.functions.last_error)()) };
+        Err(PluginError::Refused(match message.as_str() {
+            "" => format!("the plugin failed with status {status} and gave no message"),
+            _ => message,
+        }))
+    }
+}
+
+/// # Safety
+/// `pointer` is NULL or a string that ends in NUL.
+pub(super) unsafe fn text(pointer: *const c_char) -> String {
+    if pointer.is_null() {
+        return String::new();
+    }
+    // SAFETY: the caller's promise.
+    unsafe { CStr::from_ptr(pointer) }.to_string_lossy().into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn deps_serves_where_nothing_lies_beside() {
+        let dir = tempfile::tempdir().unwrap();
+        let file = format!("{DLL_PREFIX}realistic{DLL_SUFFIX}");
+        let message = find_in(None, dir.path()).unwrap_err().to_string();
+        assert!(message.contains("cargo build --release"), "{message}");
+        assert!(message.contains("deps"), "{message}");
+        let deps = dir.path().join("deps");
+        std::fs::create_dir(&deps).unwrap();
+        std::fs::write(deps.join(&file), "").unwrap();
+        assert_eq!(find_in(None, dir.path()).unwrap(), deps.join(&file));
+    }
+
+    #[test]
+    fn a_given_path_is_the_only_one() {
+        let missing = Path::new("no/such/file.so");
+        let message = find(Some(missing)).unwrap_err().to_string();
+        assert!(message.contains("no/such/file.so"), "{message}");
+    }
+
+    #[test]
+    fn what_is_no_library_is_refused_with_its_name() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        let error = Plugin::load(file.path()).err().unwrap().to_string();
+        assert!(error.contains("cannot load the plugin"), "{error}");
+    }
+}
