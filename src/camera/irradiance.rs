@@ -79,9 +79,8 @@ pub fn survey<R: Real>(
             let share = cos4(slopes) * step * step;
             survey.irradiance += share;
             survey.slope_area += step * step;
-            for axis in 0..2 {
-                survey.center[axis] += slopes[axis] * step * step;
-            }
+            survey.center[0] += slopes[0] * step * step;
+            survey.center[1] += slopes[1] * step * step;
             let [dx, dy] = [slopes[0] - within.center[0], slopes[1] - within.center[1]];
             if dx.hypot(dy) <= within.radius {
                 survey.inside += share;

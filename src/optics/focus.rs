@@ -106,7 +106,7 @@ impl Focus {
     /// The plane is nearer than the lens can focus.
     pub fn film_distance(&self, distance: f64) -> Result<f64, FocusError> {
         // 1 + u (D(u) - 1/u - distance): positive at infinity, negative past the root.
-        let residual = |u: f64| 1.0 + u * (self.from_film(u, 0.0) - distance);
+        let residual = |u: f64| 1.0 + u * (self.distance_with(u, 0.0) - distance);
         if distance == f64::INFINITY {
             return Ok(self.best_image_distance(0.0));
         }
@@ -160,7 +160,7 @@ impl Focus {
             }
             if residual(end) >= 0.0 {
                 let u = root(0.0, end, residual);
-                return Some(self.from_film(u, u.recip()));
+                return Some(self.distance_with(u, u.recip()));
             }
             end *= 1.1;
         }
@@ -171,7 +171,7 @@ impl Focus {
     pub fn nearest(&self) -> Conjugates {
         let u = self.nearest_parameter();
         Conjugates {
-            object_distance: self.from_film(u, u.recip()),
+            object_distance: self.distance_with(u, u.recip()),
             film_distance: self.best_image_distance(u),
         }
     }
@@ -183,11 +183,11 @@ impl Focus {
             behind if behind < 0.0 => (2.0 * end).min(0.999 / -behind),
             _ => 2.0 * end,
         };
-        minimum(0.2 * end.min(highest), highest, 1e-8, |u| self.from_film(u, u.recip()))
+        minimum(0.2 * end.min(highest), highest, 1e-8, |u| self.distance_with(u, u.recip()))
     }
 
     /// D(u) with `beyond_focus` in the place of 1/u.
-    fn from_film(&self, u: f64, beyond_focus: f64) -> f64 {
+    fn distance_with(&self, u: f64, beyond_focus: f64) -> f64 {
         self.first_order.front_focal_point + beyond_focus - self.first_order.rear_vertex
             + self.best_image_distance(u)
     }

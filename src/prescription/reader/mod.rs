@@ -60,7 +60,7 @@ struct RawInterface {
     diameter: f64,
 }
 
-fn leading_focal_length<'r>(rows: &'r Rows) -> Result<(Option<f64>, &'r [Row]), LensFileError> {
+fn leading_focal_length(rows: &Rows) -> Result<(Option<f64>, &[Row]), LensFileError> {
     match rows.rows.split_first() {
         Some((first, rest)) if first.words.len() == 1 => {
             let word = &first.words[0];
