@@ -154,6 +154,30 @@ impl FirstOrder {
         self.back_focal_distance() + self.focal_length * self.focal_length / (z - self.front_focal_point)
     }
 
+    /// The thin lens of the same focal length in the scene-side principal plane: both principal planes lie
+    /// there.
+    #[must_use]
+    pub fn thin(&self) -> Self {
+        let hiatus = self.front_principal_plane - self.rear_principal_plane;
+        Self {
+            rear_principal_plane: self.front_principal_plane,
+            rear_focal_point: self.rear_focal_point + hiatus,
+            ..*self
+        }
+    }
+
+    /// Distance from a film `film_distance` mm behind the last vertex to the plane that it has a sharp
+    /// image of, mm, by Newton's equation: infinity when the film is at or before the focal point, `None`
+    /// when that plane lies behind the front vertex.
+    pub fn object_distance(&self, film_distance: f64) -> Option<f64> {
+        let beyond = film_distance - self.back_focal_distance();
+        if beyond <= 0.0 {
+            return Some(f64::INFINITY);
+        }
+        let object = self.front_focal_point + self.focal_length * self.focal_length / beyond;
+        (object > 0.0).then_some(object - (self.rear_vertex - film_distance))
+    }
+
     /// Scene-side ray of a film-side one as the thick lens has it (Kolb et al., §3.2): the film-side
     /// line is carried from principal plane to principal plane at equal height, and its slope
     /// changes by height/f. The result starts in the front vertex plane.
