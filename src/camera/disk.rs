@@ -60,7 +60,7 @@ pub(super) fn concentric_single(u: f32, v: f32) -> [f32; 2] {
         (false, false) => (-a, 4.0 - b / -a),
         (false, true) => (-b, 6.0 + a / -b),
     };
-    let angle = (f64::from(eighths) * FRAC_PI_4) as f32;
+    let angle = eighths * std::f32::consts::FRAC_PI_4;
     [radius * angle.cos(), radius * angle.sin()]
 }
 

@@ -4,21 +4,21 @@
 //! 1st ed. 2004, §6.3): θ = π y/yres from straight up, φ = 2π x/xres from +x toward +z, weight 1, and
 //! `hither` and `yon` as distances from the point.
 
-use std::f64::consts::PI;
+use std::f32::consts::{PI, TAU};
 
 use super::{Raster, Sample, WorldRay, placement::Placement};
 
 /// A camera that looks in every direction. Immutable, and may be shared between threads.
 #[derive(Clone, Debug)]
 pub struct EnvironmentCamera {
-    xres: f64,
-    yres: f64,
+    xres: f32,
+    yres: f32,
     placement: Placement,
 }
 
 impl EnvironmentCamera {
     pub(super) fn new(raster: Raster, placement: Placement) -> Self {
-        Self { xres: raster.xres.into(), yres: raster.yres.into(), placement }
+        Self { xres: raster.xres as f32, yres: raster.yres as f32, placement }
     }
 
     pub(super) fn placement(&self) -> &Placement {
@@ -27,9 +27,8 @@ impl EnvironmentCamera {
 
     /// The ray of a sample; its weight is 1.
     pub fn ray(&self, sample: &Sample) -> WorldRay {
-        // Angles in double and their sines in single precision, as the stock camera has them.
-        let theta = (PI * f64::from(sample.image_y) / self.yres) as f32;
-        let phi = (2.0 * PI * f64::from(sample.image_x) / self.xres) as f32;
+        let theta = PI * sample.image_y / self.yres;
+        let phi = TAU * sample.image_x / self.xres;
         let direction = [theta.sin() * phi.cos(), theta.cos(), theta.sin() * phi.sin()];
         self.placement.world_ray_single([0.0; 3], direction, self.placement.clip, sample.time)
     }
