@@ -267,12 +267,14 @@ mod tests {
         // On a 64-bit machine the first header's structure had this size.
         #[cfg(target_pointer_width = "64")]
         assert_eq!(FIRST_SIZE, 256);
-        let mut old = realistic_options::default();
-        // Past the caller's size there may be anything.
-        old.fov = 1e300;
-        old.camera_to_world_end = [7.0; 16];
-        old.struct_size = FIRST_SIZE as u32;
-        old.filmdiag = 24.0;
+        let mut old = realistic_options {
+            struct_size: FIRST_SIZE as u32,
+            filmdiag: 24.0,
+            // Past the caller's size there may be anything.
+            fov: 1e300,
+            camera_to_world_end: [7.0; 16],
+            ..Default::default()
+        };
         // SAFETY: a structure of at least its `struct_size` bytes.
         let read = unsafe { read(&old) }.expect("the first version");
         assert_eq!(read.filmdiag, 24.0);

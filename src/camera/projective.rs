@@ -144,7 +144,7 @@ mod tests {
     fn ray(camera: &ProjectiveCamera, image: [f32; 2], lens: [f32; 2]) -> WorldRay {
         let [[image_x, image_y], [lens_u, lens_v]] = [image, lens];
         match camera.generate(&Sample { image_x, image_y, lens_u, lens_v, time: 0.5 }) {
-            Outcome::Ray(ray, weight) if weight == 1.0 => ray,
+            Outcome::Ray(ray, 1.0) => ray,
             other => panic!("{other:?}"),
         }
     }
