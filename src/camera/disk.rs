@@ -76,7 +76,8 @@ mod tests {
                 let single = concentric_single(u, v);
                 let double = DiskMapping::Concentric.map(u.into(), v.into()).expect("never rejects");
                 for (single, double) in single.iter().zip(double) {
-                    assert!((f64::from(*single) - double).abs() < 5e-7, "({u}, {v})");
+                    // An angle near a whole turn has steps of 5e-7.
+                    assert!((f64::from(*single) - double).abs() < 1e-6, "({u}, {v})");
                 }
             }
         }

@@ -164,7 +164,7 @@ impl IdealCamera {
 mod tests {
     use super::super::{Camera, Host, Parameters, Raster, irradiance::on_axis};
     use super::*;
-    use crate::trace::Path;
+    use crate::{optics::depth_of_field::DepthOfField, trace::Path};
 
     fn ideal(model: &str, settings: &[(&str, &str)]) -> IdealCamera {
         let mut parameters = Parameters::default();
@@ -259,6 +259,29 @@ mod tests {
                 }
                 assert!((mean / exact - 1.0).abs() < 5e-3, "{model} {lens}: {mean} {exact}");
             }
+        }
+    }
+
+    #[test]
+    fn at_the_limits_of_the_depth_of_field_a_point_is_a_circle_of_confusion() {
+        const CONFUSION: f64 = 0.03;
+        let camera = ideal("thick", &[("focusdistance", "2500"), ("fnumber", "8")]);
+        let film = camera.lens.rear().vertex - camera.film_distance;
+        let entrance = EntrancePupil::of_surface(&camera.lens, limiting_surface(&camera.lens));
+        let range = DepthOfField::of(&camera.lens, &entrance, camera.film_distance, 2500.0, CONFUSION)
+            .expect("not afocal")
+            .expect("a pupil at a finite distance");
+        let focus = film + 2500.0;
+        let height = |image: f32| at_depth(&camera.central(&sample([image, 100.0], [0.5; 2])), focus)[0];
+        let magnification = 100.0 * camera.film.pixel() / (height(200.0) - height(100.0));
+        let pupil = entrance.position().expect("finite");
+        for limit in [range.near, range.far] {
+            let plane = film + limit;
+            // The cone of the film's centre through the pupil's rim, and by similar triangles the blur that a
+            // point of this plane makes in the plane in focus.
+            let cone = 2.0 * at_depth(&ray(&camera, [150.0, 100.0], [1.0, 0.5]).0, plane)[0].abs();
+            let blur = cone * (focus - pupil) / (plane - pupil) * magnification;
+            assert!((blur / CONFUSION - 1.0).abs() < 1e-3, "{limit} mm: {blur} mm");
         }
     }
 

@@ -5,6 +5,7 @@
 //! the models of [`Model`]; [`spaces`] has the coordinate spaces and [`measurement`] the equation that a pixel
 //! is an estimate of.
 
+mod check;
 mod disk;
 mod environment;
 mod error;

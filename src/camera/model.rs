@@ -2,7 +2,7 @@
 
 use super::{
     CameraError, EnvironmentCamera, Film, Host, IdealCamera, Level, Outcome, Parameters, ProjectiveCamera,
-    RealisticCamera, Sample, Shutter, WorldRay, placement::Placement, setup::choice, textbook,
+    RealisticCamera, Sample, Shutter, WorldRay, check::choice, placement::Placement, textbook,
 };
 use crate::optics::Lens;
 

@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use super::{
     CameraError, CameraMotion, CameraToWorld, DEFAULT_INTERVAL, DiskMapping, Film, IdealCamera,
-    ParameterError, Parameters, Raster, RealisticCamera, placement::Placement,
+    ParameterError, Parameters, Raster, RealisticCamera,
+    check::{choice, interval, out_of_range, positive},
+    placement::Placement,
 };
 use crate::{
     optics::{
@@ -207,7 +209,7 @@ fn stop_to_fnumber(
 }
 
 impl RealisticCamera {
-    /// Builds a camera. `log` receives warnings.
+    /// Builds a camera with the parameters' lens, whatever their `model`. `log` receives warnings.
     ///
     /// # Errors
     /// What is wrong, and what to give instead.
@@ -391,51 +393,4 @@ fn weighting(given: &Parameters) -> Result<Weighting, CameraError> {
         (None, Some(false)) => Ok(Weighting::Radiometric),
         (name, None) => choice("weighting", name, &Weighting::NAMES),
     }
-}
-
-/// The choice that a name stands for; the first of `choices` where none is given.
-pub(super) fn choice<T: Copy>(
-    parameter: &'static str,
-    given: Option<&str>,
-    choices: &[(&str, T)],
-) -> Result<T, CameraError> {
-    let Some(given) = given else {
-        return Ok(choices[0].1);
-    };
-    choices.iter().find(|(name, _)| *name == given).map(|&(_, value)| value).ok_or_else(|| {
-        let names: Vec<String> = choices.iter().map(|(name, _)| format!("\"{name}\"")).collect();
-        ParameterError::Range { name: parameter, value: format!("\"{given}\""), range: names.join(" or ") }
-            .into()
-    })
-}
-
-pub(super) fn positive(parameter: &'static str, value: f64, unit: &str) -> Result<(), CameraError> {
-    if value > 0.0 && value.is_finite() {
-        return Ok(());
-    }
-    let range = if unit.is_empty() { "positive".to_owned() } else { format!("positive, in {unit}") };
-    Err(out_of_range(parameter, value, &range))
-}
-
-pub(super) fn out_of_range(parameter: &'static str, value: f64, range: &str) -> CameraError {
-    ParameterError::Range { name: parameter, value: value.to_string(), range: range.to_owned() }.into()
-}
-
-/// Two parameters of which the first may not exceed the second.
-fn interval(
-    (low_name, low, low_default): (&'static str, Option<f64>, f64),
-    (high_name, high, high_default): (&'static str, Option<f64>, f64),
-    least: Option<f64>,
-) -> Result<[f32; 2], CameraError> {
-    let low = low.unwrap_or(low_default);
-    let high = high.unwrap_or(high_default);
-    if let Some(least) = least
-        && low < least
-    {
-        return Err(out_of_range(low_name, low, &format!("{least} or more")));
-    }
-    if high < low {
-        return Err(out_of_range(high_name, high, &format!("at least \"{low_name}\", which is {low}")));
-    }
-    Ok([low as f32, high as f32])
 }

@@ -4,7 +4,7 @@
 //! samples evenly; the mean of S over them, the shutter's [efficiency](Shutter::efficiency), times the
 //! interval is the effective exposure time (S. F. Ray, *Applied Photographic Optics*, 3rd ed. 2002, ch. 61).
 
-use super::{CameraError, Parameters, setup};
+use super::{CameraError, Parameters, check};
 
 /// When the shutter opens and closes unless the caller says so.
 pub const DEFAULT_INTERVAL: [f64; 2] = [0.0, 1.0];
@@ -49,7 +49,7 @@ impl Shutter {
                 share("shutterslit", slit, 1.0).map(|slit| Self::FocalPlane { slit })
             }),
         ];
-        setup::choice("shutter", given.shutter.as_deref(), &kinds)?(given)
+        check::choice("shutter", given.shutter.as_deref(), &kinds)?(given)
     }
 
     /// S at a film point `down` of the way from the picture's top to its bottom, at `time` of the interval; 0 to
@@ -81,7 +81,7 @@ fn share(parameter: &'static str, value: f64, most: f64) -> Result<f32, CameraEr
         Ok(value as f32)
     } else {
         let range = format!("more than 0 and at most {most}, a share of the shutter's interval");
-        Err(setup::out_of_range(parameter, value, &range))
+        Err(check::out_of_range(parameter, value, &range))
     }
 }
 

@@ -1,10 +1,11 @@
 //! From parameters to the cameras without a prescription: perspective, orthographic, environment.
 
 use super::{
-    CameraError, DiskMapping, EnvironmentCamera, Host, Level, Parameters, ProjectiveCamera,
+    CameraError, EnvironmentCamera, Host, Level, Parameters, ProjectiveCamera,
+    check::{choice, out_of_range, positive},
     placement::Placement,
     projective::{Kind, LensPlane, ThinLens},
-    setup::{self, choice, out_of_range, positive},
+    setup,
     spaces::ScreenWindow,
 };
 
@@ -95,7 +96,6 @@ fn window(given: &Parameters, host: &Host) -> Result<ScreenWindow, CameraError> 
 
 fn thin_lens(given: &Parameters, host: &Host, hither: f32) -> Result<Option<ThinLens>, CameraError> {
     let plane = choice("lensplane", given.lensplane.as_deref(), &LensPlane::NAMES)?;
-    let mapping = setup::disk_mapping(given, host)?;
     let radius = given.lensradius.unwrap_or(0.0);
     if !(radius >= 0.0 && radius.is_finite()) {
         return Err(out_of_range("lensradius", radius, "0 (a pinhole) or more, in world units"));
@@ -110,7 +110,7 @@ fn thin_lens(given: &Parameters, host: &Host, hither: f32) -> Result<Option<Thin
         radius: radius as f32,
         focal_distance: focal_distance as f32,
         plane,
-        mapping: if given.disk.is_some() { mapping } else { DiskMapping::Concentric },
+        mapping: setup::disk_mapping(given, host)?,
     }))
 }
 
