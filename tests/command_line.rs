@@ -298,8 +298,14 @@ fn a_pupil_is_measured_and_drawn() {
     let words = succeeds(&["pupil", "fisheye.10mm", "--film-radius", "40", "--out", path], "");
     assert!(words.contains("empty: no light reaches"), "{words}");
     assert!(std::fs::read_to_string(&file).expect("drawn").contains("no light gets through"));
-    let message = fails(&["pupil", "dgauss.50mm", "--film-radius", "3", "--film-distance", "1e-9"], "", 1);
-    assert!(message.contains("--film-distance"), "{message}");
+    // A rear surface hollow toward the film: its rim reaches 0.64 mm behind the vertex.
+    let hollow = directory.path().join("hollow.dat");
+    std::fs::write(&hollow, "15 3 1.5 10\n20 0 1 10\n").expect("written");
+    let hollow = hollow.to_str().expect("text");
+    for command in [&["pupil", hollow, "--film-radius", "3"][..], &["draw", hollow, "--out", path]] {
+        let message = fails(&[command, &["--film-distance", "0.1"]].concat(), "", 1);
+        assert!(message.contains("0.63") && message.contains("--film-distance"), "{message}");
+    }
 }
 
 #[test]

@@ -13,13 +13,13 @@ pub struct LensChoice {
     #[arg(value_name = "LENS")]
     lens: String,
     /// Wavelength in nm, 300 to 2000, for lenses with V-numbers [default: 587.56]
-    #[arg(long, value_name = "NM")]
+    #[arg(long, value_name = "NM", allow_negative_numbers = true)]
     wavelength: Option<f64>,
     /// Diameter of the stop in mm [default: the file's]
-    #[arg(long, value_name = "MM", conflicts_with = "fnumber")]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, conflicts_with = "fnumber")]
     aperture_diameter: Option<f64>,
     /// Focal length over entrance pupil diameter, instead of a stop diameter
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     fnumber: Option<f64>,
 }
 
@@ -50,7 +50,7 @@ pub fn warn(message: &str) {
 #[derive(clap::Args, Debug)]
 pub struct FilmChoice {
     /// Diagonal of the film in mm
-    #[arg(long, value_name = "MM", default_value_t = 35.0, value_parser = positive)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, default_value_t = 35.0, value_parser = positive)]
     pub filmdiag: f64,
     /// Pixels of the film
     #[arg(long, value_name = "WxH", default_value = "480x320", value_parser = size)]
@@ -69,10 +69,10 @@ impl FilmChoice {
 #[derive(clap::Args, Debug)]
 pub struct FilmPlace {
     /// Distance in mm from the last vertex to the film [default: the file's, or focused at infinity]
-    #[arg(long, value_name = "MM", value_parser = positive, conflicts_with = "distance")]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = positive, conflicts_with = "distance")]
     film_distance: Option<f64>,
     /// Focus here instead: distance in mm from the film to the object, or inf
-    #[arg(long, value_name = "MM", value_parser = distance)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = distance)]
     distance: Option<f64>,
 }
 

@@ -15,7 +15,7 @@ pub struct Args {
     #[command(flatten)]
     place: FilmPlace,
     /// Diagonal of the film in mm
-    #[arg(long, value_name = "MM", default_value_t = 35.0, value_parser = positive)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, default_value_t = 35.0, value_parser = positive)]
     filmdiag: f64,
     /// Rays a bundle, spread over the beam that gets through and a little beyond
     #[arg(long, value_name = "N", default_value_t = 11, value_parser = clap::value_parser!(u32).range(1..=999))]

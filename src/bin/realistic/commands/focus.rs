@@ -18,14 +18,14 @@ pub struct Args {
     #[command(flatten)]
     lens: LensChoice,
     /// Distance in mm from the film to the object, along the axis, or inf
-    #[arg(long, value_name = "MM", group = "where", value_parser = distance)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, group = "where", value_parser = distance)]
     distance: Option<f64>,
     /// Distance in mm from the last vertex to the film, to learn what is in focus
-    #[arg(long, value_name = "MM", group = "where", value_parser = positive)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, group = "where", value_parser = positive)]
     film_distance: Option<f64>,
     /// Circle of confusion: the blur on film, in mm, that still counts as sharp
     /// [default: a pixel of the film]
-    #[arg(long, value_name = "MM", value_parser = positive)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = positive)]
     coc: Option<f64>,
     #[command(flatten)]
     film: FilmChoice,

@@ -17,7 +17,7 @@ pub struct Args {
     #[command(flatten)]
     lens: LensChoice,
     /// Distance in mm of the film point from the axis; the point lies at +x
-    #[arg(long, value_name = "MM", value_parser = not_negative)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = not_negative)]
     film_radius: f64,
     #[command(flatten)]
     place: FilmPlace,
@@ -152,7 +152,8 @@ impl Sight {
             let (low, high) = (values().fold(f64::MAX, f64::min), values().fold(f64::MIN, f64::max));
             format!("{low:.4} to {high:.4}")
         };
-        let [x, y] = self.on_plane(outline.center);
+        // By symmetry its y is 0, whatever sum rounding leaves.
+        let [x, _] = self.on_plane(outline.center);
         let shape = match (outline.pieces, outline.star_shaped) {
             (1, true) => "one piece, star-shaped about its centre".to_owned(),
             (1, false) => "one piece, not star-shaped: the outline is its outer edge only".to_owned(),
@@ -160,7 +161,7 @@ impl Sight {
         };
         head + &format!(
             "outline           x from {} mm, y from {} mm in the rear vertex plane\n\
-             \x20                 {shape}; centre ({x:.4}, {y:.4}) mm; all points by --json\n\
+             \x20                 {shape}; centre at x = {x:.4} mm; all points by --json\n\
              area              {:.6} mm2 in the rear vertex plane; {:.6e} in slope\n\
              irradiance        {:.6e} for unit radiance\n\
              acceptance        rear {:.3} %, disk {:.3} % of the samples get through\n\

@@ -31,6 +31,8 @@ const FOOT: f64 = 130.0;
 const GLASS: &str = "#d6e6f2";
 const EDGE: Stroke = Stroke::new("#4a6b85", 1.2);
 const BLOCKED: f64 = 0.35;
+/// A pupil as much wider than lens and film makes no drawing higher: its size is told in words.
+const PUPIL_MOST: f64 = 2.0;
 const LEADER: Stroke = Stroke::new(FAINT, 0.8);
 
 /// Draws the lens.
@@ -94,7 +96,7 @@ fn window(lens: &Lens, film: f64, diagonal: f64, marks: &[Mark]) -> View {
         .fold(0.0, f64::max);
     let radius = lens_radius.max(diagonal / 2.0);
     let pupils = marks.iter().filter_map(|mark| match mark.kind {
-        Kind::Pupil(pupil) if pupil < 1.5 * radius => Some(pupil),
+        Kind::Pupil(pupil) if pupil < PUPIL_MOST * radius => Some(pupil),
         _ => None,
     });
     let up = 1.12 * pupils.fold(radius, f64::max);
@@ -213,6 +215,7 @@ fn name_marks(page: &mut Page, view: &View, lens: &Lens, film: f64, half: f64, m
 fn draw_mark(page: &mut Page, view: &View, mark: &Mark) -> Label {
     let axis = view.at([-mark.z, 0.0]);
     let [top, bottom] = [view.frame.top, view.frame.top + view.frame.height];
+    let mut text = mark.name.to_owned();
     let end = match mark.kind {
         Kind::Point => {
             page.line([axis, [axis[0], bottom]], LEADER.dashed("2 3"));
@@ -233,11 +236,13 @@ fn draw_mark(page: &mut Page, view: &View, mark: &Mark) -> Label {
                     page.line([[axis[0] - 5.0, y], [axis[0] + 5.0, y]], Stroke::new(INK, 2.0));
                 }
                 page.line([[axis[0], upper], [axis[0], top]], LEADER.dashed("2 3"));
+            } else {
+                text = format!("{text}, {:.1} mm wide", 2.0 * radius);
             }
             top
         }
     };
-    Label { text: mark.name.to_owned(), anchor: axis[0], leader: Some([axis[0], end]) }
+    Label { text, anchor: axis[0], leader: Some([axis[0], end]) }
 }
 
 /// Writes names in a row at `y`, with lines from `near` to what they name.

@@ -16,7 +16,7 @@ pub struct Args {
     #[command(flatten)]
     place: FilmPlace,
     /// Diagonal of the film in mm, for the field of view
-    #[arg(long, value_name = "MM", default_value_t = 35.0, value_parser = positive)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, default_value_t = 35.0, value_parser = positive)]
     filmdiag: f64,
     /// Write JSON; keys carry units, null is what does not exist or lies at infinity
     #[arg(long)]

@@ -24,7 +24,7 @@ pub struct Args {
     from: Side,
     /// Distance in mm from the last vertex to the film; a line may then leave its z empty
     /// (`1.5,0,,0,0,1`) and starts on the film
-    #[arg(long, value_name = "MM", value_parser = not_negative)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = not_negative)]
     film_distance: Option<f64>,
 }
 
