@@ -101,7 +101,8 @@ impl Sight {
             rear,
             disk,
             rear_acceptance: acceptance(area, rear),
-            disk_acceptance: acceptance(in_disk.slope_area, disk),
+            // The grid's cells are a disk's area to a few parts in 10 000.
+            disk_acceptance: acceptance(in_disk.slope_area, disk).min(1.0),
             missed,
             outline,
         })

@@ -116,7 +116,7 @@ fn title(page: &mut Page, lens: &Lens, subtitle: Option<&str>) {
     let facts = FirstOrder::of(lens).map_or_else(
         |_| "afocal".to_owned(),
         |optics| {
-            let number = optics.focal_length / entrance.diameter();
+            let number = optics.focal_length.abs() / entrance.diameter();
             let number = if number == 0.0 { "no f-number".to_owned() } else { format!("f/{number:.2}") };
             format!("f = {:.2} mm, {number}", optics.focal_length)
         },

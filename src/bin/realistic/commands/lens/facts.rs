@@ -32,7 +32,7 @@ pub struct Facts {
     pub entrance: Option<Pupil>,
     /// Image of the limiting row seen from the film; `None` at infinity.
     pub exit: Option<Pupil>,
-    /// Focal length over entrance pupil diameter.
+    /// Focal length, without its sign, over entrance pupil diameter.
     pub f_number: Option<f64>,
     film: Option<FilmFacts>,
     wavelength: f64,
@@ -58,8 +58,9 @@ impl Facts {
         let entrance = EntrancePupil::of_surface(lens, limiting);
         let exit = ExitPupil::of_surface(lens, limiting);
         let size = first_order.map_or(lens.front().semi_diameter, |optics| optics.focal_length.abs());
+        // 0 is added for its sign: a pupil in the front vertex is not at -0 mm.
         let pupil = |z: Option<f64>, diameter: f64| {
-            z.filter(|z| z.abs() < AT_INFINITY * size).map(|z| Pupil { z, diameter })
+            z.filter(|z| z.abs() < AT_INFINITY * size).map(|z| Pupil { z: z + 0.0, diameter })
         };
         let entrance = pupil(entrance.position(), entrance.diameter());
         let film = film_distance.map(|distance| {
@@ -73,7 +74,9 @@ impl Facts {
             }
         });
         Self {
-            f_number: first_order.zip(entrance).map(|(optics, pupil)| optics.focal_length / pupil.diameter),
+            f_number: first_order
+                .zip(entrance)
+                .map(|(optics, pupil)| optics.focal_length.abs() / pupil.diameter),
             first_order,
             stop_row: lens.stop_index().map(|index| index + 1),
             limiting_row: limiting + 1,
