@@ -138,7 +138,8 @@ impl<R: Real> Path<R> {
         }
         let at = |p: f64, d: f64| difference_of_products(p, dz, z, d) / dz;
         let (px, py) = (at(x, dx), at(y, dy));
-        ([px, py, 0.0], (px - x).hypot(py - y).hypot(z))
+        let moved = [px - x, py - y, z];
+        ([px, py, 0.0], refraction::dot(moved, moved).sqrt())
     }
 
     /// The ray as it leaves the lens.
