@@ -68,18 +68,13 @@ impl<R: Real> Path<R> {
     /// Takes a ray through the lens. Its origin may lie anywhere before the first surface; NaN or
     /// infinite components, or a direction of length 0, count as [`Blocked::Missed`].
     pub fn walk(&self, ray: Ray) -> Walk {
-        let sense = match self.direction {
-            Direction::FilmToScene => 1.0,
-            Direction::SceneToFilm => -1.0,
-        };
+        let sense = self.sense();
         let direction = unit(ray.direction);
         let start = Ray { origin: ray.origin, direction };
         let finite = start.origin.iter().chain(&direction).all(|x| x.is_finite());
         if !finite {
             return Walk { ray: start, surfaces_met: 0, blocked: Some(Blocked::Missed) };
         }
-        // Each surface takes the state whole or not at all, so that a blocked ray is reported
-        // where it was last on a surface.
         let (entry, lead) = self.to_entry_plane(ray, sense);
         let [dx, dy, dz] = direction;
         let mut state = State {
@@ -87,41 +82,73 @@ impl<R: Real> Path<R> {
             v: [dx, dy, sense * dz].map(R::from_f64),
             lead: R::from_f64(lead),
         };
-        let mut vertex = self.entry;
-        let mut index = 1.0;
-        let mut surfaces_met = 0;
-        let mut blocked = None;
+        let (surfaces_met, blocked) = self.march(&mut state);
+        let Some(last) = surfaces_met.checked_sub(1) else {
+            return Walk { ray: start, surfaces_met, blocked };
+        };
+        let vertex = if surfaces_met == self.steps.len() {
+            self.exit
+        } else {
+            let passed: f64 = self.steps[..=last].iter().map(|step| step.distance.to_f64()).sum();
+            self.entry + sense * passed
+        };
+        let [x, y, z] = state.p.map(R::to_f64);
+        let [vx, vy, vz] = state.v.map(R::to_f64);
+        let ray = Ray { origin: [x, y, vertex + sense * z], direction: unit([vx, vy, sense * vz]) };
+        Walk { ray, surfaces_met, blocked }
+    }
+
+    /// A ray through the lens in `R` from start to end, for types wider than double: the point in the
+    /// frame of the last vertex met (z along +z of lens space) and the unit direction.
+    ///
+    /// # Errors
+    /// The reason why it is blocked.
+    pub fn trace_in_full(&self, origin: [R; 3], direction: [R; 3]) -> Result<([R; 3], [R; 3]), Blocked> {
+        let sense = R::from_f64(self.sense());
+        let [dx, dy, dz] = direction;
+        let length = refraction::dot(direction, direction).sqrt();
+        let [x, y, z] = origin;
+        let mut state = State {
+            p: [x, y, sense * (z - R::from_f64(self.entry))],
+            v: [dx / length, dy / length, sense * dz / length],
+            lead: R::ZERO,
+        };
+        if let (_, Some(reason)) = self.march(&mut state) {
+            return Err(reason);
+        }
+        let [x, y, z] = state.p;
+        let [vx, vy, vz] = state.v;
+        let length = refraction::dot(state.v, state.v).sqrt();
+        Ok(([x, y, sense * z], [vx / length, vy / length, sense * vz / length]))
+    }
+
+    fn sense(&self) -> f64 {
+        match self.direction {
+            Direction::FilmToScene => 1.0,
+            Direction::SceneToFilm => -1.0,
+        }
+    }
+
+    /// Takes the state, in the frame of the first vertex, through the surfaces; says how many were met and
+    /// why the ray stopped there. Each surface takes the state whole or not at all, so that a
+    /// blocked ray is left where it was last on a surface, in the frame of that vertex.
+    fn march(&self, state: &mut State<R>) -> (usize, Option<Blocked>) {
         // A fisheye sees behind itself: from the scene the first surface may be met going backward.
         let may_start_backward = self.direction == Direction::SceneToFilm;
         for (number, step) in self.steps.iter().enumerate() {
-            let mut ahead = state;
+            let mut ahead = *state;
             ahead.p[2] = ahead.p[2] - step.distance;
             let forward = ahead.v[2] > R::ZERO || (number == 0 && may_start_backward);
             let hit = if forward { step.meet(&mut ahead) } else { Err(Blocked::TurnedBack) };
             if let Err(reason) = hit {
-                blocked = Some(reason);
-                break;
+                return (number, Some(reason));
             }
-            state = ahead;
-            vertex += sense * step.distance.to_f64();
-            surfaces_met += 1;
-            if let Err(reason) = step.pass(&mut state, self.refraction) {
-                index = step.n.to_f64();
-                blocked = Some(reason);
-                break;
+            *state = ahead;
+            if let Err(reason) = step.pass(state, self.refraction) {
+                return (number + 1, Some(reason));
             }
-            index = step.n_after.to_f64();
         }
-        if surfaces_met == 0 {
-            return Walk { ray: start, surfaces_met, blocked };
-        }
-        if surfaces_met == self.steps.len() {
-            vertex = self.exit;
-        }
-        let [x, y, z] = state.p.map(R::to_f64);
-        let [vx, vy, vz] = state.v.map(|v| v.to_f64() / index);
-        let ray = Ray { origin: [x, y, vertex + sense * z], direction: unit([vx, vy, sense * vz]) };
-        Walk { ray, surfaces_met, blocked }
+        (self.steps.len(), None)
     }
 
     /// The ray's start in the frame of the first vertex, moved on to the vertex plane where that
@@ -138,7 +165,8 @@ impl<R: Real> Path<R> {
         }
         let at = |p: f64, d: f64| difference_of_products(p, dz, z, d) / dz;
         let (px, py) = (at(x, dx), at(y, dy));
-        ([px, py, 0.0], (px - x).hypot(py - y).hypot(z))
+        let moved = [px - x, py - y, z];
+        ([px, py, 0.0], refraction::dot(moved, moved).sqrt())
     }
 
     /// The ray as it leaves the lens.
