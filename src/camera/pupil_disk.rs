@@ -11,6 +11,9 @@ use crate::optics::{
     pupil::{ExitPupil, SlopeDisk},
 };
 
+/// A pupil whose distance is more than 1/this times that of the front vertex from the film is at infinity.
+const TELECENTRIC: f64 = 1e-12;
+
 /// A disk about the axis, in which every film point's lens samples are drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PupilDisk {
@@ -45,7 +48,10 @@ impl PupilDisk {
     /// The thick-lens exit pupil for film at `film`.
     pub fn exit(lens: &Lens, film: f64) -> Self {
         let pupil = ExitPupil::of_lens(lens, film);
-        Self { vergence: pupil.vergence(film), slope_radius: pupil.slopes(0.0, 0.0, film).radius }
+        let vergence = pupil.vergence(film);
+        // Rounding leaves something of a telecentric lens's 0.
+        let vergence = if (vergence * film).abs() < TELECENTRIC { 0.0 } else { vergence };
+        Self { vergence, slope_radius: pupil.slopes(0.0, 0.0, film).radius }
     }
 
     /// The disk as the film point (`x`, `y`) sees it.
@@ -74,7 +80,8 @@ mod tests {
     fn the_rear_disk_holds_every_ray_from_the_film_through_the_rear_surface() {
         // The rim before the vertex (radius < 0), behind it (> 0), and in its plane.
         for row in ["-12 0 1 16", "12 0 1 16", "0 0 1 16"] {
-            let lens = Lens::at_d_line(&read("lens", format!("30 4 1.6 16\n{row}").as_bytes()).expect("a lens"));
+            let lens =
+                Lens::at_d_line(&read("lens", format!("30 4 1.6 16\n{row}").as_bytes()).expect("a lens"));
             let rear = lens.rear();
             let (film, reach) = (rear.vertex - 30.0, 20.0);
             let disk = PupilDisk::rear(&lens, film, reach).expect("film behind the lens");
