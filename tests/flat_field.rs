@@ -255,8 +255,8 @@ fn a_pupil_at_infinity_or_behind_the_film_is_sampled_in_slopes() {
             let whole = mean_weight(&rear, image, 8);
             agree(&format!("{place}, disk, field {number}"), mean_weight(&disk, image, 9), grid[1]);
             assert!((whole[0] - grid[0]).abs() < 5.0 * whole[1] + 1e-3 * grid[0], "{whole:?} {grid:?}");
-            // A slow stop near the axis: the thick lens has it nearly right.
-            assert!(number == 2 || grid[1] > 0.97 * grid[0], "{place}: {grid:?}");
+            // A slow stop: on the axis the thick lens has it nearly right.
+            assert!(number > 0 || grid[1] > 0.97 * grid[0], "{place}: {grid:?}");
         }
         let literal = build(&host, &[("pupil", "disk"), ("weighting", "assignment"), ("filmdiag", "8")]);
         if place == "at infinity" {
