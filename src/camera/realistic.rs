@@ -130,7 +130,7 @@ impl RealisticCamera {
             Tracer::F64(path)
         };
         Ok(Self {
-            fnumber: first_order.focal_length / entrance.diameter(),
+            fnumber: first_order.focal_length.abs() / entrance.diameter(),
             lens,
             first_order,
             film,
