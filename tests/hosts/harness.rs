@@ -94,6 +94,14 @@ pub fn plugin() -> PathBuf {
     beside
 }
 
+/// What links a program with that library, so that it finds it when it runs.
+pub fn linking() -> [String; 5] {
+    let plugin = plugin();
+    let directory = plugin.parent().unwrap().display().to_string();
+    let search = format!("-L{directory}");
+    [search, "-lrealistic".into(), format!("-Wl,-rpath,{directory}"), "-lpthread".into(), "-lm".into()]
+}
+
 /// A copy of the plugin in a directory of its own, under the name that a host knows.
 pub fn installed(name: &str) -> (tempfile::TempDir, PathBuf) {
     let directory = tempfile::tempdir().unwrap();
