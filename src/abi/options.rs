@@ -8,6 +8,7 @@ use super::boundary::{self, Failure, realistic_status};
 use super::plugin;
 use super::types::realistic_options;
 use crate::camera::{CameraError, CameraToWorld, Host, Parameters, Raster, Value};
+use crate::prescription::MAX_FILE_BYTES;
 
 /// Bytes of the first version of `realistic_options`; later ones only add at the end.
 const FIRST_SIZE: usize = size_of::<realistic_options>();
@@ -180,6 +181,14 @@ impl realistic_options {
         let mut host = Host::new(raster(self.xres, self.yres)?, plugin::directory());
         host.to_world = to_world;
         if !self.lens_text.is_null() {
+            // A length that was never set, or is that of another thing, must not be read to its end.
+            if self.lens_text_size as u64 > MAX_FILE_BYTES {
+                let text = format!(
+                    "lens_text_size is {}; a lens file has at most {MAX_FILE_BYTES} bytes",
+                    self.lens_text_size
+                );
+                return Err(Failure::new(realistic_status::LensFile, text));
+            }
             // SAFETY: not NULL, and the caller's promise.
             let text =
                 unsafe { std::slice::from_raw_parts(self.lens_text.cast::<u8>(), self.lens_text_size) };

@@ -93,6 +93,8 @@ macro_rules! parameters {
         #[derive(Clone, Debug, Default, PartialEq)]
         pub struct Parameters {
             $(#[doc = $help] pub $field: Option<parameters!(@type $kind)>,)*
+            /// Parameters that were set by their alias.
+            by_alias: Vec<&'static str>,
         }
 
         impl Parameters {
@@ -181,7 +183,7 @@ impl Parameters {
     ///
     /// # Errors
     /// The name is unknown, the value is of another kind or not finite, or the parameter
-    /// was given already under its other name.
+    /// was given already under its other name. Given again under the same name, the last one counts.
     pub fn set(&mut self, name: &str, value: Value<'_>) -> Result<(), ParameterError> {
         let row = Self::find(name).ok_or_else(|| ParameterError::Unknown {
             name: name.to_owned(),
@@ -189,6 +191,7 @@ impl Parameters {
         })?;
         if let Some(alias) = row.alias
             && self.is_set(row.name)
+            && self.by_alias.contains(&row.name) != (name == alias)
         {
             return Err(ParameterError::Both { first: row.name, second: alias });
         }
@@ -201,7 +204,11 @@ impl Parameters {
                 range: "a number".to_owned(),
             });
         }
-        self.store(row.name, value)
+        self.store(row.name, value)?;
+        if name != row.name && !self.by_alias.contains(&row.name) {
+            self.by_alias.push(row.name);
+        }
+        Ok(())
     }
 
     /// Sets one parameter from text, as `--param name=value` gives it.

@@ -114,7 +114,8 @@ impl RealisticCamera {
                 (pupil.slope_area() / area, true)
             }
             Weighting::Relative => {
-                let mean = on_axis(&path, film_z, rear.seen_from([0.0; 2]).radius);
+                // Over the disk in use, so that the mean on the axis is 1 with either pupil.
+                let mean = on_axis(&path, film_z, pupil.seen_from([0.0; 2]).radius);
                 if mean <= 0.0 {
                     return Err(CameraError::DarkAxis { lens: lens.name });
                 }
@@ -129,7 +130,7 @@ impl RealisticCamera {
             Tracer::F64(path)
         };
         Ok(Self {
-            fnumber: first_order.focal_length / entrance.diameter(),
+            fnumber: first_order.focal_length.abs() / entrance.diameter(),
             lens,
             first_order,
             film,

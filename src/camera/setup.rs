@@ -147,6 +147,10 @@ fn set_up_lens(
         log(Level::Warning, &text);
     }
     let mut lens = Lens::new(prescription, wavelength);
+    if let Some(row) = lens.surfaces.iter().position(|surface| !(surface.n_film >= 1.0)) {
+        let (lens, index) = (lens.name, lens.surfaces[row].n_film);
+        return Err(LensError::Index { lens, row: row + 1, index, wavelength }.into());
+    }
     match (setup.aperture_diameter, setup.fnumber) {
         (Some(_), Some(_)) => {
             Err(ParameterError::Both { first: "fnumber", second: "aperture_diameter" }.into())
@@ -211,6 +215,9 @@ impl RealisticCamera {
     }
 }
 
+/// Between an electron and the known universe; beyond, a ray's origin could leave the range of floats.
+const MM_PER_UNIT: std::ops::RangeInclusive<f64> = 1e-15..=1e30;
+
 impl Setup {
     fn of(
         parameters: &Parameters,
@@ -235,6 +242,11 @@ impl Setup {
         let film = Film::new(host.raster, diagonal);
         let mm_per_unit = given.mmperunit.unwrap_or(1.0);
         positive("mmperunit", mm_per_unit, "mm a world unit")?;
+        if !MM_PER_UNIT.contains(&mm_per_unit) {
+            let (from, to) = (MM_PER_UNIT.start(), MM_PER_UNIT.end());
+            let range = format!("from {from:e} to {to:e} mm a world unit");
+            return Err(out_of_range("mmperunit", mm_per_unit, &range));
+        }
         let lens = lens_of(given, host, log)?;
         let (film_distance, focus_distance) = place_film(given, &lens, mm_per_unit)?;
         let mapping = choice("disk", given.disk.as_deref(), &DiskMapping::NAMES)?;
@@ -263,11 +275,12 @@ impl Setup {
             )?,
             mm_per_unit,
             to_world: host.to_world,
-            clip: interval(("hither", given.hither, 1e-3), ("yon", given.yon, 1e30), Some(0.0))?,
+            clip: interval(("hither", given.hither, 1e-3), ("yon", given.yon, 1e30), Some(0.0), true)?,
             shutter: interval(
                 ("shutteropen", given.shutteropen, 0.0),
                 ("shutterclose", given.shutterclose, 1.0),
                 None,
+                false,
             )?,
         })
     }
@@ -356,14 +369,23 @@ fn out_of_range(parameter: &'static str, value: f64, range: &str) -> CameraError
     ParameterError::Range { name: parameter, value: value.to_string(), range: range.to_owned() }.into()
 }
 
-/// Two parameters of which the first may not exceed the second.
+/// Two parameters of which the first may not exceed the second; as floats, so that what a ray carries
+/// is finite, but for a far end where `open_ended`.
 fn interval(
     (low_name, low, low_default): (&'static str, Option<f64>, f64),
     (high_name, high, high_default): (&'static str, Option<f64>, f64),
     least: Option<f64>,
+    open_ended: bool,
 ) -> Result<[f32; 2], CameraError> {
     let low = low.unwrap_or(low_default);
     let high = high.unwrap_or(high_default);
+    let is_finite = |value: f64| (value as f32).is_finite();
+    if !is_finite(low) {
+        return Err(out_of_range(low_name, low, "a finite float"));
+    }
+    if !(is_finite(high) || open_ended && !high.is_nan()) {
+        return Err(out_of_range(high_name, high, "a finite float"));
+    }
     if let Some(least) = least
         && low < least
     {

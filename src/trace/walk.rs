@@ -55,6 +55,10 @@ pub struct Walk {
 /// vertex plane: the sphere's equation loses that factor in digits at the ray's start.
 const FAR: f64 = 2.0;
 
+/// 2^-500 and 2^500: between them the square of a direction's largest component is a normal number.
+const SMALL: f64 = f64::from_bits((1023 - 500) << 52);
+const LARGE: f64 = f64::from_bits((1023 + 500) << 52);
+
 /// Position and V = n D in the frame of the current vertex.
 #[derive(Clone, Copy)]
 struct State<R> {
@@ -159,6 +163,14 @@ impl<R: Real> Path<R> {
     fn to_entry_plane(&self, ray: Ray, sense: f64) -> ([f64; 3], f64) {
         let [x, y, z] = ray.origin;
         let [dx, dy, dz] = ray.direction;
+        // By a power of two, which rounds nothing, so that the products below stay in range.
+        let largest = dx.abs().max(dy.abs()).max(dz.abs());
+        let [dx, dy, dz] = if (SMALL..LARGE).contains(&largest) {
+            [dx, dy, dz]
+        } else {
+            let factor = if largest < 1.0 { LARGE } else { SMALL };
+            [dx, dy, dz].map(|d| d * factor)
+        };
         let (z, dz) = (sense * (z - self.entry), sense * dz);
         if !(z < 0.0 && dz > 0.0) {
             return ([x, y, z], 0.0);
