@@ -54,6 +54,17 @@ impl PupilDisk {
         Self { vergence, slope_radius: pupil.slopes(0.0, 0.0, film).radius }
     }
 
+    /// A disk about the axis `distance` mm in front of the film, not 0, with this radius in slope.
+    pub fn about_axis(distance: f64, slope_radius: f64) -> Self {
+        Self { vergence: distance.recip(), slope_radius }
+    }
+
+    /// Radius of the disk in slope: the tangent of the half angle of the cone that it sends to the film's
+    /// centre.
+    pub fn slope_radius(&self) -> f64 {
+        self.slope_radius
+    }
+
     /// The disk as the film point (`x`, `y`) sees it.
     pub fn seen_from(&self, [x, y]: [f64; 2]) -> SlopeDisk {
         SlopeDisk { center: [-x * self.vergence, -y * self.vergence], radius: self.slope_radius }

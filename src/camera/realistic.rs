@@ -1,10 +1,9 @@
 //! The realistic camera: a sample in, a ray through every interface of the lens out.
 
-use glam::DVec3;
-
 use super::{
-    CameraError, CameraToWorld, DiskMapping, Film, PupilDisk,
+    CameraError, DiskMapping, Film, PupilDisk,
     irradiance::{cos4, film_ray, on_axis, survey},
+    placement::Placement,
     setup::{Level, Setup, Weighting},
 };
 use crate::{
@@ -55,6 +54,8 @@ pub enum Outcome {
     Blocked(Blocked),
     /// The lens numbers fell outside the disk ([`DiskMapping::Rejection`]): draw new ones.
     Redraw,
+    /// The shutter is closed over the film point at this time: weight 0.
+    Shut,
 }
 
 /// The lens made ready in the precision asked for.
@@ -80,9 +81,7 @@ pub struct RealisticCamera {
     weight: f64,
     weight_falls_off: bool,
     units_per_mm: f64,
-    to_world: CameraToWorld,
-    clip: [f32; 2],
-    shutter: [f32; 2],
+    placement: Placement,
 }
 
 /// Share of the irradiance that the thick-lens exit pupil may miss without a warning.
@@ -142,9 +141,7 @@ impl RealisticCamera {
             weight,
             weight_falls_off,
             units_per_mm: setup.mm_per_unit.recip(),
-            to_world: setup.to_world,
-            clip: setup.clip,
-            shutter: setup.shutter,
+            placement: setup.placement,
         })
     }
 
@@ -186,17 +183,7 @@ impl RealisticCamera {
     }
 
     fn to_world(&self, ray: Ray, time: f32) -> WorldRay {
-        let origin = self.to_world.point(DVec3::from(ray.origin) * self.units_per_mm);
-        let direction = self.to_world.direction(DVec3::from(ray.direction));
-        let [open, close] = self.shutter;
-        WorldRay {
-            origin: origin.as_vec3().into(),
-            direction: direction.as_vec3().into(),
-            mint: self.clip[0],
-            maxt: self.clip[1],
-            // In this form both ends are met exactly.
-            time: (1.0 - time) * open + time * close,
-        }
+        self.placement.world_ray(ray, self.units_per_mm, time)
     }
 
     /// The lens, at the wavelength and stop in use.
@@ -220,14 +207,8 @@ impl RealisticCamera {
         self.focus_distance
     }
 
-    /// Where rays begin and end along themselves (`hither` and `yon`), world units.
-    pub fn clip(&self) -> [f32; 2] {
-        self.clip
-    }
-
-    /// When the shutter opens and closes.
-    pub fn shutter(&self) -> [f32; 2] {
-        self.shutter
+    pub(super) fn placement(&self) -> &Placement {
+        &self.placement
     }
 
     /// Effective focal length, mm.

@@ -154,17 +154,28 @@ impl FirstOrder {
         self.back_focal_distance() + self.focal_length * self.focal_length / (z - self.front_focal_point)
     }
 
-    /// The same lens with the gap between its principal planes left out, a thin lens: the rear
-    /// principal plane and all behind it stay, so that the film keeps its distance from P'.
+    /// The thin lens of the same focal length in the plane z = `plane` (lens space).
     #[must_use]
-    pub fn thin(&self) -> Self {
-        let plane = self.rear_principal_plane;
+    pub fn thin_at(&self, plane: f64) -> Self {
         Self {
             front_principal_plane: plane,
+            rear_principal_plane: plane,
             front_focal_point: plane + self.focal_length,
             rear_focal_point: plane - self.focal_length,
             ..*self
         }
+    }
+
+    /// Distance from a film `film_distance` mm behind the last vertex to the plane that it has a sharp
+    /// image of, mm, by Newton's equation: infinity when the film is at or before the focal point, `None`
+    /// when that plane lies behind the front vertex.
+    pub fn object_distance(&self, film_distance: f64) -> Option<f64> {
+        let beyond = film_distance - self.back_focal_distance();
+        if beyond <= 0.0 {
+            return Some(f64::INFINITY);
+        }
+        let object = self.front_focal_point + self.focal_length * self.focal_length / beyond;
+        (object > 0.0).then_some(object - (self.rear_vertex - film_distance))
     }
 
     /// Scene-side ray of a film-side one as the thick lens has it (Kolb et al., §3.2): the film-side
@@ -206,7 +217,7 @@ mod tests {
         for name in catalogue::names() {
             let lens =
                 FirstOrder::of(&Lens::at_d_line(&catalogue::find(name).expect("listed"))).expect("focal");
-            for optics in [lens, lens.thin()] {
+            for optics in [lens, lens.thin_at(lens.rear_principal_plane)] {
                 let film = optics.rear_focal_point - 3.0;
                 let start = Ray { origin: [1.0, -2.0, film], direction: [0.1, 0.05, 1.0] };
                 let out = optics.transfer(start);
@@ -225,7 +236,7 @@ mod tests {
     fn a_thin_lens_keeps_the_film_side_and_the_direction_of_every_ray() {
         let lens = FirstOrder::of(&Lens::at_d_line(&catalogue::find("wide.22mm").expect("listed")));
         let lens = lens.expect("focal");
-        let thin = lens.thin();
+        let thin = lens.thin_at(lens.rear_principal_plane);
         assert_eq!(thin.back_focal_distance(), lens.back_focal_distance());
         let ray = Ray { origin: [2.0, 1.0, lens.rear_focal_point], direction: [0.02, -0.1, 1.0] };
         let (thick_out, thin_out) = (lens.transfer(ray), thin.transfer(ray));

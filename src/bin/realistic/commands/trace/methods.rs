@@ -53,7 +53,10 @@ pub const METHODS: &[Method] = &[
     Method {
         name: "thin",
         help: "as thick, with both principal planes where the film's side has its own (P')",
-        make: |lens, to| Ok(thick(FirstOrder::of(lens)?.thin(), to)),
+        make: |lens, to| {
+            let lens = FirstOrder::of(lens)?;
+            Ok(thick(lens.thin_at(lens.rear_principal_plane), to))
+        },
     },
 ];
 
