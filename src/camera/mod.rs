@@ -12,6 +12,7 @@ mod pupil_disk;
 mod realistic;
 mod setup;
 mod transform;
+mod warped;
 
 pub use disk::DiskMapping;
 pub use error::CameraError;
@@ -21,3 +22,4 @@ pub use pupil_disk::PupilDisk;
 pub use realistic::{Outcome, RealisticCamera, Sample, WorldRay};
 pub use setup::{Host, LensSetup, Level, open_lens};
 pub use transform::CameraToWorld;
+pub use warped::{BuildReport, Drawn, WarpedPupil};
