@@ -5,7 +5,7 @@ use std::cell::Cell;
 
 use super::{
     outline::{Guess, Outline, direction},
-    row::{CELLS, Row, TRACE_EVERY, knot_angle, knot_directions},
+    row::{CELLS, Knots, Row, TRACE_EVERY},
     view::{Crossing, Limit, View},
 };
 use crate::{camera::PupilDisk, optics::pupil::SlopeDisk, trace::Path};
@@ -17,11 +17,13 @@ pub(super) const DEPTH: u32 = 6;
 /// Smallest intervals.
 pub(super) const FINE: usize = COARSE << DEPTH;
 
-/// Share of the pupil that interpolation over an interval may miss half way before the interval is
-/// halved; halving it makes that a quarter or less.
-const MISSED: f64 = 2e-4;
+/// What is left of a misfit in an interval's middle when that is made a row: a quarter for smooth
+/// outlines, and a little more where a corner moves along.
+const AFTER_HALVING: f64 = 0.3;
+/// Share of the pupil that interpolation may then miss before the halves are halved again.
+const MISSED: f64 = 4e-5;
 /// The same for what the interpolated shape has too much, which costs acceptance.
-const EXCESS: f64 = 3e-3;
+const EXCESS: f64 = 2e-3;
 /// Near where the pupil vanishes, shares are of this part of the pupil on the axis.
 const VANISHING: f64 = 0.01;
 /// Share missed at the greatest depth above which the outline is given up for the rear disk.
@@ -39,7 +41,7 @@ pub(super) struct Builder<'a> {
     /// Film radius times this is about the slope to the pupil's centre.
     pub drift: f64,
     pub rays: Cell<u32>,
-    directions: Vec<[f64; 2]>,
+    knots: Knots,
 }
 
 /// A stretch of film radius between two rows.
@@ -61,7 +63,7 @@ pub(super) struct Plan {
 
 impl<'a> Builder<'a> {
     pub fn new(path: &'a Path, film: f64, reach: f64, cover: PupilDisk, drift: f64) -> Self {
-        Self { path, film, reach, cover, drift, rays: Cell::new(0), directions: knot_directions() }
+        Self { path, film, reach, cover, drift, rays: Cell::new(0), knots: Knots::new() }
     }
 
     fn view(&self, height: f64) -> View<'_> {
@@ -164,11 +166,8 @@ impl<'a> Builder<'a> {
                 if !(excess < 0.0) {
                     return None;
                 }
-                let outline = self.outline(&view, inside, before);
-                if outline.is_none() { eprintln!("no outline {height}"); }
-                let outline = outline?;
-                if self.is_in_pieces(&view, &outline) { eprintln!("pieces {height}"); }
-                (!self.is_in_pieces(&view, &outline)).then(|| Row::fit(height, &outline))
+                let outline = self.outline(&view, inside, before)?;
+                (!self.is_in_pieces(&view, &outline)).then(|| Row::fit(height, &outline, &self.knots))
             });
             rows.push(row);
         }
@@ -193,7 +192,6 @@ impl<'a> Builder<'a> {
         const SCAN: u32 = 32;
         let hole = (0..SCAN).any(|i| !view.passes([whole(i, SCAN, 0.0, edge), 0.0]));
         let ring = (0..2 * SCAN).any(|i| view.passes([whole(i, 2 * SCAN, edge, reach), 0.0]));
-        if hole || ring { eprintln!("axis {hole} {ring} {edge} {reach}"); }
         (!hole && !ring).then(|| Row::disk(0.0, 0.0, edge, true))
     }
 
@@ -202,7 +200,7 @@ impl<'a> Builder<'a> {
         let points: Vec<(f64, f64)> = (0..=CELLS)
             .step_by(TRACE_EVERY)
             .map(|knot| {
-                let [x, y] = like.point(knot, self.directions[knot]);
+                let [x, y] = like.point(knot, self.knots.directions[knot]);
                 let angle = match knot {
                     0 => 0.0,
                     CELLS => std::f64::consts::PI,
@@ -216,7 +214,7 @@ impl<'a> Builder<'a> {
             return Outline::trace(view, &Guess { inside, points: &points });
         }
         let even: Vec<_> =
-            (0..=CELLS).step_by(TRACE_EVERY).map(|knot| (knot_angle(knot), points[0].1)).collect();
+            (0..=CELLS).step_by(TRACE_EVERY).map(|knot| (self.knots.angles[knot], points[0].1)).collect();
         Outline::trace(view, &Guess { inside, points: &even })
     }
 
@@ -272,14 +270,13 @@ impl<'a> Builder<'a> {
         let (inside, depth) = view.innermost(foretold.center * middle, width, true);
         let outline = if depth < 0.0 { self.outline(&view, inside, &foretold) } else { None };
         let Some(outline) = outline else {
-            eprintln!("refine none {middle} depth {depth}");
             intervals.push(self.covered(height, [from, to]));
             return;
         };
-        let row = Row::fit(middle, &outline);
-        let (missed, excess) = foretold.misfit(&outline, &self.directions);
+        let row = Row::fit(middle, &outline, &self.knots);
+        let (missed, excess) = foretold.misfit(&outline, &self.knots, AFTER_HALVING);
         let scale = axis.map_or(1.0, |axis| (row.area / (VANISHING * axis.area)).min(1.0));
-        if missed > HOPELESS && to - from == 2 {
+        if missed > HOPELESS * AFTER_HALVING && to - from == 2 {
             intervals.push(self.covered(height, [from, to]));
         } else if missed > MISSED || excess * scale > EXCESS {
             self.refine(height, [from, place], [a, &row], axis, intervals);

@@ -7,13 +7,23 @@ use super::view::{Crossing, Limit, View};
 
 /// A point of the outline.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Point {
+struct Point {
     /// Angle about the centre from the sx axis, in [0, π] (beyond by mirrored points).
-    pub angle: f64,
+    angle: f64,
     /// 1/distance from the centre: a straight edge or a conic about its focus is a pure
     /// sinusoid in it.
-    pub inverse: f64,
+    inverse: f64,
     limit: Limit,
+}
+
+/// The points of an outline while it is traced.
+struct Trace<'a> {
+    view: &'a View<'a>,
+    center: f64,
+    /// By angle; the ends are mirrored at 0 and π for the sake of interpolation. A corner stands
+    /// twice, as the end of each of its arcs.
+    points: Vec<Point>,
+    corners: Vec<(f64, f64)>,
 }
 
 /// The half of a pupil's outline with sy >= 0.
@@ -21,14 +31,28 @@ pub(super) struct Point {
 pub(super) struct Outline {
     /// sx of the centre: the middle of the pupil's chord on the meridian.
     pub center: f64,
-    /// By angle; the ends are mirrored at 0 and π for the sake of interpolation. A corner stands
-    /// twice, as the end of each of its arcs.
-    points: Vec<Point>,
-    /// Of the points, the one at angle 0 and the one at π.
-    first: usize,
-    last: usize,
+    /// From angle 0 to π without a gap; none is empty.
+    pub pieces: Vec<Piece>,
     /// Where arcs meet: angle and distance from the centre.
     pub corners: Vec<(f64, f64)>,
+}
+
+/// A stretch of an arc: 1/distance as a cubic in the angle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Piece {
+    pub from: f64,
+    pub to: f64,
+    /// In powers of the angle less `from`.
+    cubic: [f64; 4],
+}
+
+impl Piece {
+    /// Distance of the edge from the centre.
+    pub fn radius(&self, angle: f64) -> f64 {
+        let t = angle - self.from;
+        let [a, b, c, d] = self.cubic;
+        (a + t * (b + t * (c + t * d))).recip()
+    }
 }
 
 /// Where to look for an outline.
@@ -67,22 +91,38 @@ impl Outline {
             found.push((angle, crossing));
         }
         found.push((PI, ends[1]));
-        let mut outline = Self { center, points: Vec::new(), first: 0, last: 0, corners: Vec::new() };
-        outline.mirror_start(&found);
-        for pair in found.windows(2) {
-            outline.push(pair[0]);
+        let mut trace = Trace { view, center, points: Vec::with_capacity(64), corners: Vec::new() };
+        trace.mirror_start(&found);
+        let first = trace.points.len();
+        for (i, pair) in found.windows(2).enumerate() {
+            trace.push(pair[0]);
             if pair[0].1.limit != pair[1].1.limit {
-                // Points ahead, for extending the arc that begins there.
-                let ahead: Vec<_> = found.iter().filter(|p| p.0 >= pair[1].0).take(3).copied().collect();
-                outline.find_corner(view, pair[0], &ahead, CORNER_STEPS)?;
+                let ahead = &found[i + 1..found.len().min(i + 4)];
+                trace.find_corner(pair[0], ahead, CORNER_STEPS)?;
             }
         }
-        outline.push(found[found.len() - 1]);
-        outline.last = outline.points.len() - 1;
-        outline.mirror_end();
-        Some(outline)
+        trace.push(found[found.len() - 1]);
+        let last = trace.points.len() - 1;
+        trace.mirror_end();
+        let piece = |i: usize| (trace.points[i].angle < trace.points[i + 1].angle).then(|| trace.piece(i));
+        let pieces = (first..last).filter_map(piece).collect();
+        Some(Self { center, pieces, corners: trace.corners })
     }
 
+    /// Distance of the edge from the centre at `angle` in [0, π]. `cursor` is where the last
+    /// search ended: angles that grow cost no search.
+    pub fn radius(&self, angle: f64, cursor: &mut usize) -> f64 {
+        while *cursor > 0 && angle < self.pieces[*cursor].from {
+            *cursor -= 1;
+        }
+        while *cursor + 1 < self.pieces.len() && angle > self.pieces[*cursor].to {
+            *cursor += 1;
+        }
+        self.pieces[*cursor].radius(angle)
+    }
+}
+
+impl Trace<'_> {
     fn push(&mut self, (angle, crossing): (f64, Crossing)) {
         self.points.push(Point { angle, inverse: crossing.radius.recip(), limit: crossing.limit });
     }
@@ -92,12 +132,12 @@ impl Outline {
         let arc = found[1..].iter().take(2).take_while(|p| p.1.limit == limit);
         let mirrored: Vec<_> = arc.map(|&(angle, crossing)| (-angle, crossing)).collect();
         mirrored.into_iter().rev().for_each(|point| self.push(point));
-        self.first = self.points.len();
     }
 
     fn mirror_end(&mut self) {
-        let limit = self.points[self.last].limit;
-        let mirrored: Vec<_> = self.points[..self.last]
+        let Some((last, arc)) = self.points.split_last() else { return };
+        let limit = last.limit;
+        let mirrored: Vec<_> = arc
             .iter()
             .rev()
             .take(2)
@@ -111,7 +151,6 @@ impl Outline {
     /// another.
     fn find_corner(
         &mut self,
-        view: &View<'_>,
         from: (f64, Crossing),
         ahead: &[(f64, Crossing)],
         steps: u32,
@@ -145,58 +184,58 @@ impl Outline {
             meeting
         };
         let hint = Crossing { radius: extend(&begun, angle).max(extend(&coming, angle)).recip(), ..from.1 };
-        let crossing = view.crossing(self.center, direction(angle), hint)?;
+        let crossing = self.view.crossing(self.center, direction(angle), hint)?;
         let middle = (angle, crossing);
         if crossing.limit == from.1.limit {
             self.push(middle);
-            self.find_corner(view, middle, ahead, steps - 1)
+            self.find_corner(middle, ahead, steps - 1)
         } else {
             let mut nearer = vec![middle];
             nearer.extend(ahead.iter().take(2).filter(|p| p.1.limit == crossing.limit));
-            self.find_corner(view, from, &nearer, steps - 1)?;
+            self.find_corner(from, &nearer, steps - 1)?;
             self.push(middle);
-            if crossing.limit == to.1.limit { Some(()) } else { self.find_corner(view, middle, ahead, steps - 1) }
+            if crossing.limit == to.1.limit { Some(()) } else { self.find_corner(middle, ahead, steps - 1) }
         }
     }
 
-    /// Distance of the edge from the centre at `angle` in [0, π]. `cursor` is where the last
-    /// search ended: angles that grow cost no search.
-    pub fn radius(&self, angle: f64, cursor: &mut usize) -> f64 {
-        let mut i = (*cursor).clamp(self.first, self.last - 1);
-        while i > self.first && angle < self.points[i].angle {
-            i -= 1;
-        }
-        while i + 1 < self.last && angle >= self.points[i + 1].angle {
-            i += 1;
-        }
-        *cursor = i;
-        // Four points of the same arc about the angle, or as many as there are.
-        let belongs = |j: usize| {
-            let limit = self.points[i + 1].limit;
-            self.points[j].limit == limit
-        };
+    /// The arc between the points `i` and `i + 1`, through four of its points or as many as there are.
+    fn piece(&self, i: usize) -> Piece {
+        let belongs = |j: usize| self.points.get(j).is_some_and(|point| point.limit == self.points[i].limit);
         let (mut low, mut high) = (i, i + 1);
-        if low > 0 && belongs(low - 1) && belongs(low) {
-            low -= 1;
+        while high - low < 3 {
+            let (below, above) = (low > 0 && belongs(low - 1), belongs(high + 1));
+            // Evenly about the stretch where the arc goes on to both sides.
+            if below && (!above || i - low < high - i) {
+                low -= 1;
+            } else if above {
+                high += 1;
+            } else {
+                break;
+            }
         }
-        if high + 1 < self.points.len() && belongs(high + 1) {
-            high += 1;
+        let from = self.points[i].angle;
+        let stencil = &self.points[low..=high];
+        // Newton's divided differences, then their products multiplied out about `from`.
+        let mut node = [0.0; 4];
+        let mut difference = [0.0; 4];
+        for (k, point) in stencil.iter().enumerate() {
+            (node[k], difference[k]) = (point.angle - from, point.inverse);
         }
-        if high - low < 3 && low > 0 && belongs(low - 1) && belongs(low) {
-            low -= 1;
+        for order in 1..stencil.len() {
+            for k in (order..stencil.len()).rev() {
+                difference[k] = (difference[k] - difference[k - 1]) / (node[k] - node[k - order]);
+            }
         }
-        if high - low < 3 && high + 1 < self.points.len() && belongs(high + 1) {
-            high += 1;
+        let mut cubic = [difference[3], 0.0, 0.0, 0.0];
+        for k in (0..3).rev() {
+            cubic = [
+                difference[k] - node[k] * cubic[0],
+                cubic[0] - node[k] * cubic[1],
+                cubic[1] - node[k] * cubic[2],
+                cubic[2] - node[k] * cubic[3],
+            ];
         }
-        extend(&self.points[low..=high], angle).recip()
-    }
-
-    /// The stretches between neighbouring points, as pairs of angles; none is empty.
-    pub fn stretches(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
-        self.points[self.first..=self.last]
-            .windows(2)
-            .map(|pair| (pair[0].angle, pair[1].angle))
-            .filter(|(from, to)| to > from)
+        Piece { from, to: self.points[i + 1].angle, cubic }
     }
 }
 

@@ -2,23 +2,32 @@
 
 use std::f64::consts::PI;
 
-use super::outline::{Outline, direction};
+use super::outline::{Outline, Piece, direction};
 
 /// Knots between the lens direction along the film point's and the opposite one, less one.
 pub(super) const CELLS: usize = 128;
 /// Every so manieth knot's angle is traced.
 pub(super) const TRACE_EVERY: usize = 4;
 
-/// The disk's angle of a knot: pseudo-angles q = 1 - cos/(|cos| + sin) in equal steps from 0 to 2.
-pub(super) fn knot_angle(knot: usize) -> f64 {
-    let q = 2.0 * knot as f64 / CELLS as f64;
-    let (cos, sin) = if q <= 1.0 { (1.0 - q, q) } else { (1.0 - q, 2.0 - q) };
-    sin.atan2(cos)
+/// How much larger than the outline the map is made, for what interpolation leaves out.
+const MARGIN: f64 = 3e-4;
+
+/// The disk's directions at the knots: pseudo-angles q = 1 - cos/(|cos| + sin) in equal steps from
+/// 0 to 2.
+pub(super) struct Knots {
+    pub angles: Vec<f64>,
+    pub directions: Vec<[f64; 2]>,
 }
 
-/// The unit vectors of the knots' angles.
-pub(super) fn knot_directions() -> Vec<[f64; 2]> {
-    (0..=CELLS).map(|knot| direction(knot_angle(knot))).collect()
+impl Knots {
+    pub fn new() -> Self {
+        let angle = |knot: usize| {
+            let q = 2.0 * knot as f64 / CELLS as f64;
+            (if q <= 1.0 { q } else { 2.0 - q }).atan2(1.0 - q)
+        };
+        let angles: Vec<f64> = (0..=CELLS).map(angle).collect();
+        Self { directions: angles.iter().map(|&angle| direction(angle)).collect(), angles }
+    }
 }
 
 /// The map at one film radius h: d -> C + M(direction of d) d, as complex numbers.
@@ -43,72 +52,38 @@ impl Row {
     }
 
     /// The map onto an outline that takes equal areas of the disk to equal areas.
-    pub fn fit(height: f64, outline: &Outline) -> Self {
-        let mut cursor = 0;
-        // dA = radius²/2 d(angle), by Simpson's rule over each stretch.
-        let mut pieces = Vec::new();
+    pub fn fit(height: f64, outline: &Outline, knots: &Knots) -> Self {
+        let mut sectors = Vec::with_capacity(outline.pieces.len());
         let mut total = 0.0;
-        for (from, to) in outline.stretches() {
-            let middle = f64::midpoint(from, to);
-            let density = [from, middle, to].map(|angle| {
-                let inside = angle.clamp(from + 1e-12 * (to - from), to - 1e-12 * (to - from));
-                outline.radius(inside, &mut cursor).powi(2) / 2.0
-            });
-            let area = (to - from) * (density[0] + 4.0 * density[1] + density[2]) / 6.0;
-            pieces.push(Piece { from, to, density, before: total, area });
-            total += area;
+        for &piece in &outline.pieces {
+            let sector = Sector::new(piece, total);
+            total += sector.area;
+            sectors.push(sector);
         }
-        let mut piece = 0;
-        cursor = 0;
+        let mut number = 0;
+        let mut radii = Vec::with_capacity(CELLS + 1);
         let mut angles = Vec::with_capacity(CELLS + 1);
-        let factors: &mut Vec<[f64; 2]> = &mut Vec::with_capacity(CELLS + 1);
-        for knot in 0..=CELLS {
-            let phi = knot_angle(knot);
+        for (knot, &phi) in knots.angles.iter().enumerate() {
             let target = total * phi / PI;
-            while piece + 1 < pieces.len() && target > pieces[piece].before + pieces[piece].area {
-                piece += 1;
+            while number + 1 < sectors.len() && target > sectors[number].before + sectors[number].area {
+                number += 1;
             }
             let angle = match knot {
                 0 => 0.0,
                 CELLS => PI,
-                _ => pieces[piece].angle(target),
+                _ => sectors[number].angle(target),
             };
-            let radius = outline.radius(angle, &mut cursor);
-            let [cos, sin] = direction(angle - phi);
-            factors.push([radius * cos, radius * sin]);
+            radii.push((1.0 + MARGIN) * sectors[number].piece.radius(angle));
             angles.push(angle);
         }
-        let mut row = Self {
+        reach_corners(outline, &angles, &mut radii);
+        let factor = |((angle, radius), phi): ((f64, f64), &f64)| direction(angle - phi).map(|x| x * radius);
+        Self {
             height,
             center: outline.center / height,
-            factors: std::mem::take(factors),
+            factors: angles.into_iter().zip(radii).zip(&knots.angles).map(factor).collect(),
             area: 2.0 * total,
             fitted: true,
-        };
-        row.reach_corners(outline, &angles);
-        row
-    }
-
-    /// Between two knots the map runs nearly straight and would cut a corner off: moves both knots
-    /// out until it no longer does.
-    fn reach_corners(&mut self, outline: &Outline, angles: &[f64]) {
-        for &(corner, radius) in &outline.corners {
-            let knot = angles.partition_point(|&angle| angle <= corner).clamp(1, CELLS) - 1;
-            let [a, b] = [knot, knot + 1].map(|k| {
-                let r = self.factors[k][0].hypot(self.factors[k][1]);
-                let [x, y] = direction(angles[k]);
-                [r * x, r * y]
-            });
-            // Where the chord from a to b crosses the corner's direction.
-            let d = direction(corner);
-            let cross = |p: [f64; 2], q: [f64; 2]| p[0] * q[1] - p[1] * q[0];
-            let chord = cross(a, b) / cross([b[0] - a[0], b[1] - a[1]], d).abs();
-            let growth = radius / chord;
-            if growth > 1.0 && growth < 1.5 {
-                for k in [knot, knot + 1] {
-                    self.factors[k] = self.factors[k].map(|x| x * growth);
-                }
-            }
         }
     }
 
@@ -135,16 +110,17 @@ impl Row {
         }
     }
 
-    /// Shares of the outline's area that this row's shape misses, and that it has too much.
-    pub fn misfit(&self, outline: &Outline, directions: &[[f64; 2]]) -> (f64, f64) {
+    /// Shares of the outline's area that this row's shape would miss, and that it would have too much, were
+    /// it out by `part` of what it is.
+    pub fn misfit(&self, outline: &Outline, knots: &Knots, part: f64) -> (f64, f64) {
         let (mut missed, mut excess) = (0.0, 0.0);
         let shift = self.center * self.height - outline.center;
         let mut cursor = 0;
-        for knot in 0..=CELLS {
-            let [x, y] = self.point(knot, directions[knot]);
+        for (knot, &direction) in knots.directions.iter().enumerate() {
+            let [x, y] = self.point(knot, direction);
             let x = x + shift;
-            let edge = outline.radius(y.max(0.0).atan2(x), &mut cursor);
-            let difference = 1.0 - (x * x + y * y) / (edge * edge);
+            let edge = (1.0 + MARGIN) * outline.radius(y.max(0.0).atan2(x), &mut cursor);
+            let difference = part * (1.0 - (x * x + y * y) / (edge * edge)) - 2.0 * MARGIN;
             let share = if knot == 0 || knot == CELLS { 0.5 } else { 1.0 } / CELLS as f64;
             missed += share * difference.max(0.0);
             excess += share * (-difference).max(0.0);
@@ -153,21 +129,45 @@ impl Row {
     }
 }
 
-/// A stretch of the outline with its share of area.
-struct Piece {
-    from: f64,
-    to: f64,
+/// Between two knots the map runs nearly straight and would cut a corner off: moves both knots out
+/// until it no longer does.
+fn reach_corners(outline: &Outline, angles: &[f64], radii: &mut [f64]) {
+    for &(corner, radius) in &outline.corners {
+        let knot = angles.partition_point(|&angle| angle <= corner).clamp(1, CELLS) - 1;
+        let ([a, b], [r, s]) = ([angles[knot], angles[knot + 1]], [radii[knot], radii[knot + 1]]);
+        // Where the chord crosses the corner's direction, by the areas of triangles.
+        let chord = r * s * (b - a).sin() / (r * (corner - a).sin() + s * (b - corner).sin());
+        let growth = (1.0 + MARGIN) * radius / chord;
+        if growth > 1.0 {
+            radii[knot] *= growth;
+            radii[knot + 1] *= growth;
+        }
+    }
+}
+
+/// A piece of the outline with what it encloses.
+struct Sector {
+    piece: Piece,
     /// radius²/2 at both ends and in the middle.
     density: [f64; 3],
+    /// Area up to its beginning, and its own.
     before: f64,
     area: f64,
 }
 
-impl Piece {
+impl Sector {
+    /// dA = radius²/2 d(angle), by Simpson's rule.
+    fn new(piece: Piece, before: f64) -> Self {
+        let Piece { from, to, .. } = piece;
+        let density = [from, f64::midpoint(from, to), to].map(|angle| piece.radius(angle).powi(2) / 2.0);
+        let area = (to - from) * (density[0] + 4.0 * density[1] + density[2]) / 6.0;
+        Self { piece, density, before, area }
+    }
+
     /// The angle up to which the outline encloses `target`.
     fn angle(&self, target: f64) -> f64 {
         let [a, m, b] = self.density;
-        let width = self.to - self.from;
+        let width = self.piece.to - self.piece.from;
         let wanted = (target - self.before) / width;
         // The density as a parabola, a + p x + q x², x in [0, 1].
         let (p, q) = (4.0 * m - 3.0 * a - b, 2.0 * a + 2.0 * b - 4.0 * m);
@@ -176,6 +176,6 @@ impl Piece {
             let area = x * (a + x * (p / 2.0 + x * q / 3.0));
             x = (x - (area - wanted) / (a + x * (p + x * q))).clamp(0.0, 1.0);
         }
-        self.from + width * x
+        self.piece.from + width * x
     }
 }
