@@ -17,15 +17,16 @@ pub(super) const DEPTH: u32 = 6;
 /// Smallest intervals.
 pub(super) const FINE: usize = COARSE << DEPTH;
 
-/// What is left of a misfit in an interval's middle when that is made a row: a quarter for smooth
-/// outlines, and a little more where a corner moves along.
+/// What may be left of a misfit in an interval's middle when that is made a row: a quarter for smooth
+/// outlines, a little more where a corner moves along.
 const AFTER_HALVING: f64 = 0.3;
+/// The same where a corner comes or goes anywhere within the interval, a quarter of it from the end
+/// at worst.
+const WITH_NEW_CORNERS: f64 = 1.0;
 /// Share of the pupil that interpolation may then miss before the halves are halved again.
-const MISSED: f64 = 4e-5;
+const MISSED: f64 = 6e-5;
 /// The same for what the interpolated shape has too much, which costs acceptance.
-const EXCESS: f64 = 2e-3;
-/// Near where the pupil vanishes, shares are of this part of the pupil on the axis.
-const VANISHING: f64 = 0.01;
+const EXCESS: f64 = 3e-3;
 /// Share missed at the greatest depth above which the outline is given up for the rear disk.
 const HOPELESS: f64 = 0.02;
 
@@ -88,11 +89,12 @@ impl<'a> Builder<'a> {
             end * if dark_beyond { s * (2.0 - s) } else { s }
         };
         let coarse = self.coarse_rows(&height, vanishing);
+        let axis_area = coarse[0].as_ref().map_or(0.0, |row| row.area);
         let mut intervals = Vec::new();
         for (number, pair) in coarse.windows(2).enumerate() {
             let (from, to) = (number << DEPTH, (number + 1) << DEPTH);
             match pair {
-                [Some(a), Some(b)] => self.refine(&height, [from, to], [a, b], coarse[0].as_ref(), &mut intervals),
+                [Some(a), Some(b)] => self.refine(&height, [from, to], [a, b], axis_area, &mut intervals),
                 _ => intervals.push(self.covered(&height, [from, to])),
             }
         }
@@ -152,6 +154,7 @@ impl<'a> Builder<'a> {
     fn coarse_rows(&self, height: &impl Fn(usize) -> f64, mut vanishing: Option<Row>) -> Vec<Option<Row>> {
         let mut rows: Vec<Option<Row>> = Vec::with_capacity(COARSE + 1);
         rows.push(self.axial_row());
+        let axis_area = rows[0].as_ref().map_or(0.0, |row| row.area);
         for number in 1..=COARSE {
             if number == COARSE && vanishing.is_some() {
                 rows.push(vanishing.take());
@@ -167,7 +170,8 @@ impl<'a> Builder<'a> {
                     return None;
                 }
                 let outline = self.outline(&view, inside, before)?;
-                (!self.is_in_pieces(&view, &outline)).then(|| Row::fit(height, &outline, &self.knots))
+                (!self.is_in_pieces(&view, &outline))
+                    .then(|| Row::fit(height, &outline, &self.knots, axis_area))
             });
             rows.push(row);
         }
@@ -249,7 +253,7 @@ impl<'a> Builder<'a> {
         height: &impl Fn(usize) -> f64,
         [from, to]: [usize; 2],
         [a, b]: [&Row; 2],
-        axis: Option<&Row>,
+        axis_area: f64,
         intervals: &mut Vec<Interval>,
     ) {
         if to - from < 2 {
@@ -273,14 +277,15 @@ impl<'a> Builder<'a> {
             intervals.push(self.covered(height, [from, to]));
             return;
         };
-        let row = Row::fit(middle, &outline, &self.knots);
-        let (missed, excess) = foretold.misfit(&outline, &self.knots, AFTER_HALVING);
-        let scale = axis.map_or(1.0, |axis| (row.area / (VANISHING * axis.area)).min(1.0));
-        if missed > HOPELESS * AFTER_HALVING && to - from == 2 {
+        let row = Row::fit(middle, &outline, &self.knots, axis_area);
+        let same_corners = a.corners == b.corners && a.corners == row.corners;
+        let part = if same_corners { AFTER_HALVING } else { WITH_NEW_CORNERS };
+        let (missed, excess) = row.misfit(&foretold, &outline, &self.knots, part);
+        if missed > HOPELESS * part && to - from == 2 {
             intervals.push(self.covered(height, [from, to]));
-        } else if missed > MISSED || excess * scale > EXCESS {
-            self.refine(height, [from, place], [a, &row], axis, intervals);
-            self.refine(height, [place, to], [&row, b], axis, intervals);
+        } else if missed > MISSED || excess > EXCESS.max(4.0 * row.margin) {
+            self.refine(height, [from, place], [a, &row], axis_area, intervals);
+            self.refine(height, [place, to], [&row, b], axis_area, intervals);
         } else {
             intervals.push(Interval { from, to: place, rows: [a.clone(), row.clone()] });
             intervals.push(Interval { from: place, to, rows: [row, b.clone()] });

@@ -41,17 +41,8 @@ use self::{
     build::{Builder, FINE, Plan},
     row::{CELLS, Row},
 };
-use super::PupilDisk;
+use super::{Drawn, PupilDisk};
 use crate::trace::Path;
-
-/// A slope drawn from the pupil.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Drawn {
-    /// dx/dz and dy/dz of the ray at the film.
-    pub slopes: [f64; 2],
-    /// The reciprocal of the density in slope: the area that the sample stands for, slope².
-    pub area: f64,
-}
 
 /// The true pupil of every point of a film. Immutable once built.
 #[derive(Clone, Debug)]
@@ -139,7 +130,7 @@ impl WarpedPupil {
         let ([x, y], [u, v]) = (film, disk);
         let t = (x * x + y * y).sqrt() * self.inverse_end;
         if !(t < 1.0) {
-            return if self.dark_beyond { None } else { Some(self.draw_from_cover(film, disk)) };
+            return if self.dark_beyond { None } else { Some(self.cover.draw(film, disk)) };
         }
         let s = if self.dark_beyond { 1.0 - (1.0 - t).sqrt() } else { t };
         let base = usize::from(self.cells[(s * FINE as f64) as usize]) * STRIDE;
@@ -168,15 +159,6 @@ impl WarpedPupil {
             slopes: [center * x + re * u - im * v, center * y + re * v + im * u],
             area: PI * jacobian,
         })
-    }
-
-    /// A slope from the disk that holds every pupil.
-    fn draw_from_cover(&self, film: [f64; 2], [u, v]: [f64; 2]) -> Drawn {
-        let disk = self.cover.seen_from(film);
-        Drawn {
-            slopes: [disk.center[0] + disk.radius * u, disk.center[1] + disk.radius * v],
-            area: self.cover.slope_area(),
-        }
     }
 }
 

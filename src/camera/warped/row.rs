@@ -7,10 +7,13 @@ use super::outline::{Outline, Piece, direction};
 /// Knots between the lens direction along the film point's and the opposite one, less one.
 pub(super) const CELLS: usize = 128;
 /// Every so manieth knot's angle is traced.
-pub(super) const TRACE_EVERY: usize = 4;
+pub(super) const TRACE_EVERY: usize = 8;
 
-/// How much larger than the outline the map is made, for what interpolation leaves out.
-const MARGIN: f64 = 3e-4;
+/// How much larger than the outline the map is made, relative, for what interpolation leaves out.
+const MARGIN: f64 = 6e-4;
+/// Where the pupil has shrunk below this part of the one on the axis the margin grows as the
+/// pupil's width shrinks: rows lie too far apart there, and little light is lost by rejections.
+const VANISHING: f64 = 0.01;
 
 /// The disk's directions at the knots: pseudo-angles q = 1 - cos/(|cos| + sin) in equal steps from
 /// 0 to 2.
@@ -41,6 +44,10 @@ pub(super) struct Row {
     pub factors: Vec<[f64; 2]>,
     /// Area of the pupil, in slope².
     pub area: f64,
+    /// Corners of its outline.
+    pub corners: usize,
+    /// How much larger than the pupil the map is, relative.
+    pub margin: f64,
     /// Whether the pupil fills the map; else the map only covers it.
     pub fitted: bool,
 }
@@ -48,11 +55,12 @@ pub(super) struct Row {
 impl Row {
     /// A whole disk of slopes.
     pub fn disk(height: f64, center: f64, radius: f64, fitted: bool) -> Self {
-        Self { height, center, factors: vec![[radius, 0.0]; CELLS + 1], area: PI * radius * radius, fitted }
+        Self { height, center, factors: vec![[radius, 0.0]; CELLS + 1], area: PI * radius * radius, corners: 0, margin: 0.0, fitted }
     }
 
-    /// The map onto an outline that takes equal areas of the disk to equal areas.
-    pub fn fit(height: f64, outline: &Outline, knots: &Knots) -> Self {
+    /// The map onto an outline that takes equal areas of the disk to equal areas. The pupil on the
+    /// axis has `axis_area`.
+    pub fn fit(height: f64, outline: &Outline, knots: &Knots, axis_area: f64) -> Self {
         let mut sectors = Vec::with_capacity(outline.pieces.len());
         let mut total = 0.0;
         for &piece in &outline.pieces {
@@ -60,6 +68,8 @@ impl Row {
             total += sector.area;
             sectors.push(sector);
         }
+        let area = 2.0 * total;
+        let margin = MARGIN * (VANISHING * axis_area / area).sqrt().clamp(1.0, MARGIN.recip());
         let mut number = 0;
         let mut radii = Vec::with_capacity(CELLS + 1);
         let mut angles = Vec::with_capacity(CELLS + 1);
@@ -73,16 +83,20 @@ impl Row {
                 CELLS => PI,
                 _ => sectors[number].angle(target),
             };
-            radii.push((1.0 + MARGIN) * sectors[number].piece.radius(angle));
+            radii.push(sectors[number].piece.radius(angle));
             angles.push(angle);
         }
         reach_corners(outline, &angles, &mut radii);
-        let factor = |((angle, radius), phi): ((f64, f64), &f64)| direction(angle - phi).map(|x| x * radius);
+        let factor = |((angle, radius), phi): ((f64, f64), &f64)| {
+            direction(angle - phi).map(|x| x * radius * (1.0 + margin))
+        };
         Self {
             height,
             center: outline.center / height,
             factors: angles.into_iter().zip(radii).zip(&knots.angles).map(factor).collect(),
-            area: 2.0 * total,
+            area,
+            corners: outline.corners.len(),
+            margin,
             fitted: true,
         }
     }
@@ -106,21 +120,23 @@ impl Row {
                 .map(|(a, b)| [mean(a[0], b[0]), mean(a[1], b[1])])
                 .collect(),
             area: mean(self.area, other.area),
+            corners: self.corners.max(other.corners),
+            margin: mean(self.margin, other.margin),
             fitted: self.fitted && other.fitted,
         }
     }
 
-    /// Shares of the outline's area that this row's shape would miss, and that it would have too much, were
-    /// it out by `part` of what it is.
-    pub fn misfit(&self, outline: &Outline, knots: &Knots, part: f64) -> (f64, f64) {
+    /// Shares of the outline's area that this row would miss, and that it would have too much, had it
+    /// `part` of the difference that `shape` has from it.
+    pub fn misfit(&self, shape: &Self, outline: &Outline, knots: &Knots, part: f64) -> (f64, f64) {
         let (mut missed, mut excess) = (0.0, 0.0);
-        let shift = self.center * self.height - outline.center;
+        let shift = shape.center * shape.height - outline.center;
         let mut cursor = 0;
         for (knot, &direction) in knots.directions.iter().enumerate() {
-            let [x, y] = self.point(knot, direction);
+            let [x, y] = shape.point(knot, direction);
             let x = x + shift;
-            let edge = (1.0 + MARGIN) * outline.radius(y.max(0.0).atan2(x), &mut cursor);
-            let difference = part * (1.0 - (x * x + y * y) / (edge * edge)) - 2.0 * MARGIN;
+            let edge = (1.0 + self.margin) * outline.radius(y.max(0.0).atan2(x), &mut cursor);
+            let difference = part * (1.0 - (x * x + y * y) / (edge * edge)) - 2.0 * self.margin;
             let share = if knot == 0 || knot == CELLS { 0.5 } else { 1.0 } / CELLS as f64;
             missed += share * difference.max(0.0);
             excess += share * (-difference).max(0.0);
@@ -137,7 +153,7 @@ fn reach_corners(outline: &Outline, angles: &[f64], radii: &mut [f64]) {
         let ([a, b], [r, s]) = ([angles[knot], angles[knot + 1]], [radii[knot], radii[knot + 1]]);
         // Where the chord crosses the corner's direction, by the areas of triangles.
         let chord = r * s * (b - a).sin() / (r * (corner - a).sin() + s * (b - corner).sin());
-        let growth = (1.0 + MARGIN) * radius / chord;
+        let growth = radius / chord;
         if growth > 1.0 {
             radii[knot] *= growth;
             radii[knot + 1] *= growth;

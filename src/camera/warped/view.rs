@@ -49,9 +49,11 @@ pub(super) struct Crossing {
 
 /// Relative accuracy of a crossing. A secant's error is its step times its span times half the
 /// relative curvature, and the height in an aperture is nearly linear in the slope.
-const ACCURACY: f64 = 1e-7;
+const ACCURACY: f64 = 1e-6;
 /// Distance of a secant's two points, over the radius, up to which that is relied on.
 const LAST_SPAN: f64 = 3e-2;
+/// Newton step, over the radius, that a neighbour's steepness makes as exactly.
+const LAST_STEP: f64 = 2e-5;
 /// Halvings that take any bracket to its last bits.
 const MOST_STEPS: u32 = 120;
 
@@ -95,11 +97,14 @@ impl View<'_> {
                 None => guess.steepness / radius,
             };
             let mut next = radius - excess.value / slope;
-            let landed = usable.is_some_and(|(old_radius, old)| {
-                let span = (radius - old_radius).abs() / radius;
-                let length = (next - radius).abs() / radius;
-                old.limit == excess.limit && span <= LAST_SPAN && length * span <= ACCURACY
-            });
+            let length = (next - radius).abs() / radius;
+            let landed = match usable {
+                Some((old_radius, old)) => {
+                    let span = (radius - old_radius).abs() / radius;
+                    old.limit == excess.limit && span <= LAST_SPAN && length * span <= ACCURACY
+                }
+                None => guess.limit == excess.limit && length <= LAST_STEP,
+            };
             if next > 0.0 && landed {
                 return Some(Crossing { radius: next, limit: excess.limit, steepness: slope * radius });
             }
