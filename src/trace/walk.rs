@@ -91,7 +91,11 @@ impl<R: Real> Path<R> {
         for (number, step) in self.steps.iter().enumerate() {
             let mut ahead = state;
             ahead.p[2] = ahead.p[2] - step.distance;
-            let hit = if self.is_forward(&ahead, number) { step.meet(&mut ahead) } else { Err(Blocked::TurnedBack) };
+            let hit = if self.is_forward(&ahead, number) {
+                step.meet(&mut ahead)
+            } else {
+                Err(Blocked::TurnedBack)
+            };
             if let Err(reason) = hit {
                 blocked = Some(reason);
                 break;

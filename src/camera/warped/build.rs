@@ -164,8 +164,7 @@ impl<'a> Builder<'a> {
             let view = self.view(height);
             let row = rows[number - 1].as_ref().and_then(|before| {
                 let drift = if number == 1 { self.drift } else { before.center };
-                let (inside, excess) =
-                    view.innermost(drift * height, self.cover_at(height).radius, true);
+                let (inside, excess) = view.innermost(drift * height, self.cover_at(height).radius, true);
                 if !(excess < 0.0) {
                     return None;
                 }
@@ -190,9 +189,8 @@ impl<'a> Builder<'a> {
             return None;
         }
         let edge = view.crossing(0.0, [1.0, 0.0], guess)?.radius;
-        let whole = |i: u32, n: u32, from: f64, to: f64| {
-            from + (to - from) * (f64::from(i) + 0.5) / f64::from(n)
-        };
+        let whole =
+            |i: u32, n: u32, from: f64, to: f64| from + (to - from) * (f64::from(i) + 0.5) / f64::from(n);
         const SCAN: u32 = 32;
         let hole = (0..SCAN).any(|i| !view.passes([whole(i, SCAN, 0.0, edge), 0.0]));
         let ring = (0..2 * SCAN).any(|i| view.passes([whole(i, 2 * SCAN, edge, reach), 0.0]));

@@ -149,12 +149,7 @@ impl Trace<'_> {
 
     /// Adds what lies between the last point, `from`, and the first of `ahead`, whose limit is
     /// another.
-    fn find_corner(
-        &mut self,
-        from: (f64, Crossing),
-        ahead: &[(f64, Crossing)],
-        steps: u32,
-    ) -> Option<()> {
+    fn find_corner(&mut self, from: (f64, Crossing), ahead: &[(f64, Crossing)], steps: u32) -> Option<()> {
         let to = ahead[0];
         let begun: Vec<Point> =
             self.points.iter().rev().take(3).take_while(|p| p.limit == from.1.limit).copied().collect();
@@ -166,8 +161,7 @@ impl Trace<'_> {
         let gap = |angle: f64| extend(&begun, angle) - extend(&coming, angle);
         let (low, high) = (from.0, to.0);
         let crosses = gap(low) * gap(high) < 0.0;
-        let meeting =
-            if crosses { crate::numeric::root(low, high, gap) } else { f64::midpoint(low, high) };
+        let meeting = if crosses { crate::numeric::root(low, high, gap) } else { f64::midpoint(low, high) };
         if steps == 0 || high - low < CORNER_BRACKET {
             let radius = f64::midpoint(extend(&begun, meeting), extend(&coming, meeting)).recip();
             self.corners.push((meeting, radius));

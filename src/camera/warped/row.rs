@@ -55,7 +55,15 @@ pub(super) struct Row {
 impl Row {
     /// A whole disk of slopes.
     pub fn disk(height: f64, center: f64, radius: f64, fitted: bool) -> Self {
-        Self { height, center, factors: vec![[radius, 0.0]; CELLS + 1], area: PI * radius * radius, corners: 0, margin: 0.0, fitted }
+        Self {
+            height,
+            center,
+            factors: vec![[radius, 0.0]; CELLS + 1],
+            area: PI * radius * radius,
+            corners: 0,
+            margin: 0.0,
+            fitted,
+        }
     }
 
     /// The map onto an outline that takes equal areas of the disk to equal areas. The pupil on the

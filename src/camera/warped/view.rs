@@ -148,7 +148,8 @@ impl View<'_> {
             }
         }
         while width > 1e-9 * reach && !done(best) {
-            let better = [best.0 - width, best.0 + width].into_iter().map(|s| (s, value(s))).find(|f| f.1 < best.1);
+            let better =
+                [best.0 - width, best.0 + width].into_iter().map(|s| (s, value(s))).find(|f| f.1 < best.1);
             width *= if better.is_some() { 2.0 } else { 0.4 };
             best = better.unwrap_or(best);
         }
