@@ -25,6 +25,7 @@ mod shutter;
 pub mod spaces;
 mod textbook;
 mod transform;
+mod warped;
 
 pub use disk::DiskMapping;
 pub use environment::EnvironmentCamera;
@@ -35,8 +36,9 @@ pub use model::{Camera, Model};
 pub use motion::{CameraMotion, Moving};
 pub use parameters::{Kind, PARAMETERS, Parameter, ParameterError, Parameters, Value};
 pub use projective::{LensPlane, ProjectiveCamera};
-pub use pupil_disk::PupilDisk;
+pub use pupil_disk::{Drawn, PupilDisk};
 pub use realistic::{Outcome, RealisticCamera, Sample, WorldRay};
 pub use setup::{Host, LensSetup, Level, open_lens};
 pub use shutter::{DEFAULT_INTERVAL, Shutter};
 pub use transform::CameraToWorld;
+pub use warped::{BuildReport, WarpedPupil};

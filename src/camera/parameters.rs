@@ -164,7 +164,7 @@ parameters! {
     shutterclose: Float, "time at which the shutter closes (default 1)";
     weighting: Text, "\"radiometric\" (default), \"assignment\", \"relative\" or \"none\"";
     simpleweighting: Bool, "pbrt-v3's name: true is weighting \"relative\", false is \"radiometric\"";
-    pupil: Text, "where lens samples are drawn: \"rear\" (default) or \"disk\"";
+    pupil: Text, "where lens samples are drawn: \"warped\" (default: the true pupil of each film point), \"rear\" or \"disk\"";
     disk: Text, "how lens samples map to the disk: \"concentric\" (default), \"polar\" or \"rejection\"";
     refraction: Text, "\"fused\" (default), \"heckbert\", \"whitted\" or \"other\"";
     wavelength: Float, "nm (default 587.56), for lenses with Abbe numbers or Sellmeier coefficients";

@@ -58,6 +58,23 @@ impl Host {
     }
 }
 
+/// Where lens samples are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum PupilChoice {
+    /// The true pupil of each film point.
+    #[default]
+    Warped,
+    /// The rear element's disk.
+    Rear,
+    /// The thick-lens exit pupil.
+    Disk,
+}
+
+impl PupilChoice {
+    const NAMES: [(&'static str, Self); 3] =
+        [("warped", Self::Warped), ("rear", Self::Rear), ("disk", Self::Disk)];
+}
+
 /// How a ray's weight is measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Weighting {
@@ -89,7 +106,7 @@ pub(super) struct Setup {
     pub film_distance: f64,
     pub focus_distance: Option<f64>,
     pub refraction: Refraction,
-    pub exit_pupil: bool,
+    pub pupil: PupilChoice,
     pub mapping: DiskMapping,
     pub weighting: Weighting,
     pub single_precision: bool,
@@ -282,7 +299,7 @@ impl Setup {
             film_distance,
             focus_distance,
             refraction: choice("refraction", given.refraction.as_deref(), &Refraction::NAMES)?,
-            exit_pupil: choice("pupil", given.pupil.as_deref(), &[("rear", false), ("disk", true)])?,
+            pupil: choice("pupil", given.pupil.as_deref(), &PupilChoice::NAMES)?,
             mapping,
             weighting: weighting(given)?,
             single_precision: choice(
