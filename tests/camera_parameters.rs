@@ -68,6 +68,12 @@ fn a_value_out_of_range_is_told_with_its_parameter_and_range() {
     refused(&[("flimdiag", "35")], &["\"flimdiag\"", "filmdiag", "specfile"]);
 }
 
+/// Where the ray of the picture's middle begins and ends.
+fn clip(camera: &RealisticCamera) -> [f32; 2] {
+    let (ray, _) = ray(camera, [200.0, 150.0], [0.5, 0.5]).expect("on the axis");
+    [ray.mint, ray.maxt]
+}
+
 #[test]
 fn what_would_put_infinities_into_rays_is_refused() {
     for (name, value) in [("shutteropen", "-inf"), ("shutterclose", "inf"), ("shutterclose", "1e39")] {
@@ -76,8 +82,8 @@ fn what_would_put_infinities_into_rays_is_refused() {
     refused(&[("hither", "inf")], &["\"hither\" is inf", "finite"]);
     refused(&[("mmperunit", "1e-310")], &["\"mmperunit\"", "mm a world unit"]);
     // The largest numbers stand for infinity in a scene.
-    assert_eq!(camera(&[("yon", "inf")]).clip(), [1e-3, f32::INFINITY]);
-    assert_eq!(camera(&[("yon", "1e300")]).clip(), [1e-3, f32::INFINITY]);
+    assert_eq!(clip(&camera(&[("yon", "inf")])), [1e-3, f32::INFINITY]);
+    assert_eq!(clip(&camera(&[("yon", "1e300")])), [1e-3, f32::INFINITY]);
     // Rust callers may put NaN where text cannot.
     for set in [
         |p: &mut Parameters| p.hither = Some(f64::NAN),
@@ -345,7 +351,7 @@ fn metres_are_millimetres_seen_from_afar() {
 
 fn placed(rows: [f32; 16]) -> RealisticCamera {
     let to_world = CameraToWorld::from_rows(&rows).expect("affine");
-    build(&Host { to_world, ..host() }, &[]).expect("a camera").0
+    build(&Host { to_world: to_world.into(), ..host() }, &[]).expect("a camera").0
 }
 
 #[test]
@@ -444,14 +450,18 @@ fn rays_of(camera: &RealisticCamera) -> Vec<Outcome> {
 #[test]
 fn hither_yon_and_the_shutter_stand_in_every_ray() {
     let camera = camera(&[("hither", "0.25"), ("yon", "50"), ("shutteropen", "2"), ("shutterclose", "6")]);
-    assert_eq!((camera.clip(), camera.shutter()), ([0.25, 50.0], [2.0, 6.0]));
     for (number, expected) in [(0.0, 2.0), (0.25, 3.0), (1.0, 6.0)] {
         let asked = Sample { time: number, ..sample([200.0, 150.0], [0.5, 0.5]) };
         let Outcome::Ray(ray, _) = camera.generate(&asked) else { panic!("on the axis") };
         assert_eq!((ray.mint, ray.maxt, ray.time), (0.25, 50.0, expected));
     }
     let stock = camera_of("dgauss.50mm");
-    assert_eq!((stock.clip(), stock.shutter()), ([1e-3, 1e30], [0.0, 1.0]));
+    assert_eq!(clip(&stock), [1e-3, 1e30]);
+    for time in [0.0, 1.0] {
+        let asked = Sample { time, ..sample([200.0, 150.0], [0.5, 0.5]) };
+        let Outcome::Ray(ray, _) = stock.generate(&asked) else { panic!("on the axis") };
+        assert_eq!(ray.time, time);
+    }
 }
 
 #[test]
