@@ -13,7 +13,7 @@
 use std::f64::consts::PI;
 
 use realistic::camera::{
-    Film, Host, Parameters, Raster, RealisticCamera, WorldRay,
+    CameraError, Film, Host, Parameters, Raster, RealisticCamera, Value, WorldRay,
     irradiance::survey,
     measurement::{Energy, Measurement, MeasurementError, ResponseTable},
 };
@@ -67,15 +67,15 @@ pub struct Place {
     pub computed: f64,
 }
 
-fn parameters(lens: &str, fnumber: f64) -> Parameters {
-    Parameters {
-        specfile: Some(lens.to_owned()),
-        fnumber: Some(fnumber),
-        filmdiag: Some(FILM_DIAGONAL),
-        shutteropen: Some(0.0),
-        shutterclose: Some(EXPOSURE),
-        ..Parameters::default()
+fn parameters(lens: &str, fnumber: f64) -> Result<Parameters, CameraError> {
+    let mut parameters = Parameters::default();
+    parameters.set("specfile", Value::Text(lens))?;
+    for (name, number) in
+        [("fnumber", fnumber), ("filmdiag", FILM_DIAGONAL), ("shutteropen", 0.0), ("shutterclose", EXPOSURE)]
+    {
+        parameters.set(name, Value::Float(number))?;
     }
+    Ok(parameters)
 }
 
 fn host() -> Host {
@@ -83,7 +83,7 @@ fn host() -> Host {
 }
 
 fn measurement(lens: &str, fnumber: f64) -> Result<Measurement, MeasurementError> {
-    Measurement::new(&parameters(lens, fnumber), &host(), BAND, 6, &mut |_, text| eprintln!("{text}"))
+    Measurement::new(&parameters(lens, fnumber)?, &host(), BAND, 6, &mut |_, text| eprintln!("{text}"))
 }
 
 fn wall(_: &WorldRay, _: f64) -> f64 {
@@ -126,7 +126,7 @@ pub fn against_fnumber(lens: &str, fnumbers: &[f64]) -> Result<Vec<Stop>, Measur
 /// There is no such lens.
 pub fn against_field(lens: &str, fnumber: f64, places: u32) -> Result<Vec<Place>, MeasurementError> {
     let measurement = measurement(lens, fnumber)?;
-    let camera = RealisticCamera::build(&parameters(lens, fnumber), &host(), &mut |_, _| {})?;
+    let camera = RealisticCamera::build(&parameters(lens, fnumber)?, &host(), &mut |_, _| {})?;
     let vignetting = vignetting(&camera);
     let on_axis = measurement.irradiance(CENTER, SAMPLES, wall);
     let place = |i: u32| {

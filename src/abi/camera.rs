@@ -52,7 +52,7 @@ pub unsafe extern "C" fn realistic_camera_new(
         )
         .ok_or_else(boundary::out_of_memory)?;
         // SAFETY: not NULL, and the caller's promise.
-        unsafe { out.write(camera) };
+        unsafe { out.write_unaligned(camera) };
         Ok(())
     })
 }
@@ -104,7 +104,7 @@ pub unsafe extern "C" fn realistic_camera_get_info(
             return Err(boundary::null("info"));
         }
         // SAFETY: not NULL; the first field is always there.
-        let struct_size = unsafe { (*info).struct_size };
+        let struct_size = unsafe { (&raw const (*info).struct_size).read_unaligned() };
         let current = size_of::<realistic_camera_info>();
         check_size("realistic_camera_info", struct_size, FIRST_INFO_SIZE, current)?;
         let filled = realistic_camera_info {

@@ -10,6 +10,7 @@ use super::types::realistic_options;
 use crate::camera::{
     CameraError, CameraMotion, CameraToWorld, DEFAULT_INTERVAL, Host, Parameters, Raster, Value,
 };
+use crate::prescription::MAX_FILE_BYTES;
 
 /// Bytes of the first version of `realistic_options`; later ones only add at the end.
 const FIRST_SIZE: usize = offset_of!(realistic_options, camera_to_world_end);
@@ -204,6 +205,14 @@ impl realistic_options {
         let mut host = Host::new(raster(self.xres, self.yres)?, plugin::directory());
         host.to_world = self.motion()?;
         if !self.lens_text.is_null() {
+            // A length that was never set, or is that of another thing, must not be read to its end.
+            if self.lens_text_size as u64 > MAX_FILE_BYTES {
+                let text = format!(
+                    "lens_text_size is {}; a lens file has at most {MAX_FILE_BYTES} bytes",
+                    self.lens_text_size
+                );
+                return Err(Failure::new(realistic_status::LensFile, text));
+            }
             // SAFETY: not NULL, and the caller's promise.
             let text =
                 unsafe { std::slice::from_raw_parts(self.lens_text.cast::<u8>(), self.lens_text_size) };

@@ -32,14 +32,23 @@ pub(super) fn out_of_range(parameter: &'static str, value: f64, range: &str) -> 
     ParameterError::Range { name: parameter, value: value.to_string(), range: range.to_owned() }.into()
 }
 
-/// Two parameters of which the first may not exceed the second.
+/// Two parameters of which the first may not exceed the second; as floats, so that what a ray carries
+/// is finite, but for a far end where `open_ended`.
 pub(super) fn interval(
     (low_name, low, low_default): (&'static str, Option<f64>, f64),
     (high_name, high, high_default): (&'static str, Option<f64>, f64),
     least: Option<f64>,
+    open_ended: bool,
 ) -> Result<[f32; 2], CameraError> {
     let low = low.unwrap_or(low_default);
     let high = high.unwrap_or(high_default);
+    let is_finite = |value: f64| (value as f32).is_finite();
+    if !is_finite(low) {
+        return Err(out_of_range(low_name, low, "a finite float"));
+    }
+    if !(is_finite(high) || open_ended && !high.is_nan()) {
+        return Err(out_of_range(high_name, high, "a finite float"));
+    }
     if let Some(least) = least
         && low < least
     {

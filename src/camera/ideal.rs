@@ -66,7 +66,7 @@ impl IdealCamera {
                 }
                 .into());
             }
-            let imaging = first_order.thin();
+            let imaging = first_order.thin_at(first_order.front_principal_plane);
             let film_z = imaging.rear_principal_plane - image_distance;
             (imaging, film_z, PupilDisk::about_axis(image_distance, pupil.slope_radius()))
         } else {

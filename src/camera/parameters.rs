@@ -97,6 +97,8 @@ macro_rules! parameters {
         #[derive(Clone, Debug, Default, PartialEq)]
         pub struct Parameters {
             $(#[doc = $help] pub $field: Option<parameters!(@type $kind)>,)*
+            /// Parameters that were set by their alias.
+            by_alias: Vec<&'static str>,
         }
 
         impl Parameters {
@@ -162,7 +164,7 @@ parameters! {
     shutterclose: Float, "time at which the shutter closes (default 1)";
     weighting: Text, "\"radiometric\" (default), \"assignment\", \"relative\" or \"none\"";
     simpleweighting: Bool, "pbrt-v3's name: true is weighting \"relative\", false is \"radiometric\"";
-    pupil: Text, "where lens samples are drawn: \"rear\" (default) or \"disk\"";
+    pupil: Text, "where lens samples are drawn: \"warped\" (default: the true pupil of each film point), \"rear\" or \"disk\"";
     disk: Text, "how lens samples map to the disk: \"concentric\" (default), \"polar\" or \"rejection\"";
     refraction: Text, "\"fused\" (default), \"heckbert\", \"whitted\" or \"other\"";
     wavelength: Float, "nm (default 587.56), for lenses with Abbe numbers or Sellmeier coefficients";
@@ -207,7 +209,7 @@ impl Parameters {
     ///
     /// # Errors
     /// The name is unknown, the value is of another kind or not finite, or the parameter
-    /// was given already under its other name.
+    /// was given already under its other name. Given again under the same name, the last one counts.
     pub fn set(&mut self, name: &str, value: Value<'_>) -> Result<(), ParameterError> {
         let row = Self::find(name).ok_or_else(|| ParameterError::Unknown {
             name: name.to_owned(),
@@ -215,6 +217,7 @@ impl Parameters {
         })?;
         if let Some(alias) = row.alias
             && self.is_set(row.name)
+            && self.by_alias.contains(&row.name) != (name == alias)
         {
             return Err(ParameterError::Both { first: row.name, second: alias });
         }
@@ -230,7 +233,11 @@ impl Parameters {
                 range: "a number".to_owned(),
             });
         }
-        self.store(row.name, value)
+        self.store(row.name, value)?;
+        if name != row.name && !self.by_alias.contains(&row.name) {
+            self.by_alias.push(row.name);
+        }
+        Ok(())
     }
 
     /// Sets one parameter from text, as `--param name=value` gives it.

@@ -6,13 +6,13 @@ use super::{
     CameraError, CameraMotion, CameraToWorld, DEFAULT_INTERVAL, DiskMapping, Film, IdealCamera,
     ParameterError, Parameters, Raster, RealisticCamera,
     check::{choice, interval, out_of_range, positive},
+    focusing::{Focusing, place_film},
     placement::Placement,
 };
 use crate::{
     optics::{
         Lens, LensError,
         first_order::FirstOrder,
-        focus::{Focus, FocusError},
         glass::{D_LINE, VALID_WAVELENGTHS},
         pupil::{EntrancePupil, limiting_surface},
         refraction::Refraction,
@@ -60,6 +60,23 @@ impl Host {
     }
 }
 
+/// Where lens samples are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum PupilChoice {
+    /// The true pupil of each film point.
+    #[default]
+    Warped,
+    /// The rear element's disk.
+    Rear,
+    /// The thick-lens exit pupil.
+    Disk,
+}
+
+impl PupilChoice {
+    const NAMES: [(&'static str, Self); 3] =
+        [("warped", Self::Warped), ("rear", Self::Rear), ("disk", Self::Disk)];
+}
+
 /// How a ray's weight is measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Weighting {
@@ -91,21 +108,12 @@ pub(super) struct Setup {
     pub film_distance: f64,
     pub focus_distance: Option<f64>,
     pub refraction: Refraction,
-    pub exit_pupil: bool,
+    pub pupil: PupilChoice,
     pub mapping: DiskMapping,
     pub weighting: Weighting,
     pub single_precision: bool,
     pub mm_per_unit: f64,
     pub placement: Placement,
-}
-
-/// Which optics puts the film where the lens is to be focused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Focusing {
-    /// Exact rays.
-    Exact,
-    /// First-order optics.
-    Paraxial,
 }
 
 /// What decides which lens is used and at which stop.
@@ -159,6 +167,10 @@ fn set_up_lens(
         log(Level::Warning, &text);
     }
     let mut lens = Lens::new(prescription, wavelength);
+    if let Some(row) = lens.surfaces.iter().position(|surface| !(surface.n_film >= 1.0)) {
+        let (lens, index) = (lens.name, lens.surfaces[row].n_film);
+        return Err(LensError::Index { lens, row: row + 1, index, wavelength }.into());
+    }
     match (setup.aperture_diameter, setup.fnumber) {
         (Some(_), Some(_)) => {
             Err(ParameterError::Both { first: "fnumber", second: "aperture_diameter" }.into())
@@ -209,7 +221,7 @@ fn stop_to_fnumber(
 }
 
 impl RealisticCamera {
-    /// Builds a camera with the parameters' lens, whatever their `model`. `log` receives warnings.
+    /// Builds a camera of the model "lens". `log` receives warnings.
     ///
     /// # Errors
     /// What is wrong, and what to give instead.
@@ -218,10 +230,14 @@ impl RealisticCamera {
         host: &Host,
         log: &mut dyn FnMut(Level, &str),
     ) -> Result<Self, CameraError> {
+        choice("model", parameters.model.as_deref(), &[("lens", ())])?;
         let setup = Setup::of(parameters, host, Focusing::Exact, log)?;
         Self::from_setup(setup, log)
     }
 }
+
+/// Between an electron and the known universe; beyond, a ray's origin could leave the range of floats.
+const MM_PER_UNIT: std::ops::RangeInclusive<f64> = 1e-15..=1e30;
 
 impl IdealCamera {
     /// Builds the thick lens of the parameters' lens, or its thin one. `log` receives warnings.
@@ -263,6 +279,11 @@ impl Setup {
         let film = Film::new(host.raster, diagonal);
         let mm_per_unit = given.mmperunit.unwrap_or(1.0);
         positive("mmperunit", mm_per_unit, "mm a world unit")?;
+        if !MM_PER_UNIT.contains(&mm_per_unit) {
+            let (from, to) = (MM_PER_UNIT.start(), MM_PER_UNIT.end());
+            let range = format!("from {from:e} to {to:e} mm a world unit");
+            return Err(out_of_range("mmperunit", mm_per_unit, &range));
+        }
         let lens = lens_of(given, host, log)?;
         let (film_distance, focus_distance) = place_film(given, &lens, mm_per_unit, focusing)?;
         let mapping = disk_mapping(given, host)?;
@@ -272,7 +293,7 @@ impl Setup {
             film_distance,
             focus_distance,
             refraction: choice("refraction", given.refraction.as_deref(), &Refraction::NAMES)?,
-            exit_pupil: choice("pupil", given.pupil.as_deref(), &[("rear", false), ("disk", true)])?,
+            pupil: choice("pupil", given.pupil.as_deref(), &PupilChoice::NAMES)?,
             mapping,
             weighting: weighting(given)?,
             single_precision: choice(
@@ -291,11 +312,12 @@ pub(super) fn placement(given: &Parameters, host: &Host) -> Result<Placement, Ca
     let [open, close] = DEFAULT_INTERVAL;
     Ok(Placement {
         to_world: host.to_world.clone(),
-        clip: interval(("hither", given.hither, 1e-3), ("yon", given.yon, 1e30), Some(0.0))?,
+        clip: interval(("hither", given.hither, 1e-3), ("yon", given.yon, 1e30), Some(0.0), true)?,
         shutter: interval(
             ("shutteropen", given.shutteropen, open),
             ("shutterclose", given.shutterclose, close),
             None,
+            false,
         )?,
     })
 }
@@ -329,59 +351,6 @@ fn lens_of(given: &Parameters, host: &Host, log: &mut dyn FnMut(Level, &str)) ->
     }
     let name = given.specfile.as_deref().unwrap_or(catalogue::DEFAULT);
     open_lens(name, &host.search, setup, log).map(|(_, lens)| lens)
-}
-
-/// Film distance and distance in focus, both mm.
-fn place_film(
-    given: &Parameters,
-    lens: &Lens,
-    mm_per_unit: f64,
-    focusing: Focusing,
-) -> Result<(f64, Option<f64>), CameraError> {
-    let focus = Focus::new(lens);
-    let film_for = |focus: Focus, distance: f64| match focusing {
-        Focusing::Exact => focus.film_distance(distance),
-        Focusing::Paraxial => paraxial_film_distance(lens, &focus, distance),
-    };
-    let fixed = match (given.filmdistance, given.focusdistance) {
-        (Some(_), Some(_)) => {
-            return Err(ParameterError::Both { first: "filmdistance", second: "focusdistance" }.into());
-        }
-        (None, Some(distance)) => {
-            if !(distance > 0.0) {
-                return Err(out_of_range("focusdistance", distance, "positive, in world units"));
-            }
-            let distance = distance * mm_per_unit;
-            return Ok((film_for(focus?, distance)?, Some(distance)));
-        }
-        (Some(distance), None) => {
-            positive("filmdistance", distance, "mm")?;
-            Some(distance)
-        }
-        (None, None) => lens.nominal_film_distance,
-    };
-    match (fixed, focusing) {
-        // A lens that cannot focus still takes pictures with its film where the caller puts it.
-        (Some(distance), Focusing::Exact) => {
-            Ok((distance, focus.ok().and_then(|focus| focus.object_distance(distance))))
-        }
-        (Some(distance), Focusing::Paraxial) => {
-            Ok((distance, FirstOrder::of(lens)?.object_distance(distance)))
-        }
-        (None, _) => Ok((film_for(focus?, f64::INFINITY)?, Some(f64::INFINITY))),
-    }
-}
-
-fn paraxial_film_distance(lens: &Lens, focus: &Focus, distance: f64) -> Result<f64, FocusError> {
-    if let Some(film_distance) = focus.paraxial_film_distance(distance) {
-        return Ok(film_distance);
-    }
-    // Object and image are nearest to each other at magnification 1.
-    let first_order = FirstOrder::of(lens)?;
-    let film_distance = first_order.back_focal_distance() + first_order.focal_length;
-    let object = first_order.front_focal_point + first_order.focal_length;
-    let nearest = object - first_order.rear_vertex + film_distance;
-    Err(FocusError::TooNear { lens: lens.name.clone(), distance, nearest, film_distance })
 }
 
 fn weighting(given: &Parameters) -> Result<Weighting, CameraError> {

@@ -132,7 +132,8 @@ mod tests {
     #[test]
     fn a_share_out_of_range_is_told_with_the_range() {
         let with = |name: &str, number: &str, kind: &str| {
-            let mut given = Parameters { shutter: Some(kind.to_owned()), ..Parameters::default() };
+            let mut given = Parameters::default();
+            given.set_from_text("shutter", kind).expect("a text");
             given.set_from_text(name, number).expect("a number");
             Shutter::of(&given).expect_err("refused").to_string()
         };

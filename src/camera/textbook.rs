@@ -2,7 +2,7 @@
 
 use super::{
     CameraError, EnvironmentCamera, Host, Level, Parameters, ProjectiveCamera,
-    check::{choice, out_of_range, positive},
+    check::{choice, out_of_range},
     placement::Placement,
     projective::{Kind, LensPlane, ThinLens},
     setup,
@@ -16,6 +16,11 @@ const LARGEST_YON: f64 = 1e30;
 /// A distance to the plane of focus that stands for infinity, world units.
 const FOCUSED_AT_INFINITY: f64 = 1e30;
 
+/// The least field of view, degrees.
+const LEAST_FOV: f64 = 1e-4;
+/// The farthest that a screen window may reach, and the largest lens: products of floats stay floats.
+const LARGEST_SIDE: f64 = 1e15;
+
 type Log<'a> = &'a mut dyn FnMut(Level, &str);
 
 pub(super) fn perspective(
@@ -24,8 +29,9 @@ pub(super) fn perspective(
     log: Log<'_>,
 ) -> Result<ProjectiveCamera, CameraError> {
     let fov = given.fov.unwrap_or(90.0);
-    if !(fov > 0.0 && fov < 180.0) {
-        return Err(out_of_range("fov", fov, "more than 0 and less than 180 degrees"));
+    if !(fov >= LEAST_FOV && (fov as f32) < 180.0) {
+        let range = format!("from {LEAST_FOV} to less than 180 degrees");
+        return Err(out_of_range("fov", fov, &range));
     }
     projective(Kind::Perspective { fov: fov as f32 }, given, host, log)
 }
@@ -76,14 +82,16 @@ fn placement(given: &Parameters, host: &Host, log: Log<'_>) -> Result<Placement,
 
 fn window(given: &Parameters, host: &Host) -> Result<ScreenWindow, CameraError> {
     if let Some(aspect) = given.frameaspectratio {
-        positive("frameaspectratio", aspect, "")?;
+        if !(LARGEST_SIDE.recip()..=LARGEST_SIDE).contains(&aspect) {
+            return Err(out_of_range("frameaspectratio", aspect, "positive, from 1e-15 to 1e15"));
+        }
     }
     if let Some(window @ [x0, x1, y0, y1]) = given.screenwindow {
-        if x0 == x1 || y0 == y1 || window.iter().any(|side| !side.is_finite()) {
+        if x0 == x1 || y0 == y1 || window.iter().any(|side| side.abs() > LARGEST_SIDE || side.is_nan()) {
             return Err(super::ParameterError::Range {
                 name: "screenwindow",
                 value: format!("{x0} {x1} {y0} {y1}"),
-                range: "four finite numbers, x from, x to, y from, y to, with some width and height"
+                range: "x from, x to, y from, y to, with some width and height, each at most 1e15 from 0"
                     .to_owned(),
             }
             .into());
@@ -97,8 +105,8 @@ fn window(given: &Parameters, host: &Host) -> Result<ScreenWindow, CameraError> 
 fn thin_lens(given: &Parameters, host: &Host, hither: f32) -> Result<Option<ThinLens>, CameraError> {
     let plane = choice("lensplane", given.lensplane.as_deref(), &LensPlane::NAMES)?;
     let radius = given.lensradius.unwrap_or(0.0);
-    if !(radius >= 0.0 && radius.is_finite()) {
-        return Err(out_of_range("lensradius", radius, "0 (a pinhole) or more, in world units"));
+    if !(0.0..=LARGEST_SIDE).contains(&radius) {
+        return Err(out_of_range("lensradius", radius, "0 (a pinhole) or more, up to 1e15 world units"));
     }
     let focal_distance = given.focaldistance.unwrap_or(FOCUSED_AT_INFINITY).min(FOCUSED_AT_INFINITY);
     if radius > 0.0 && !(focal_distance as f32 > hither) {

@@ -10,8 +10,13 @@ use crate::prescription::{Prescription, Shape};
 pub struct Surface {
     /// z of the vertex in lens space, mm; 0 for the first, never positive.
     pub vertex: f64,
-    /// 1/radius in 1/mm, 0 for a plane; positive when the centre lies on the film's side.
+    /// Radius in mm, infinite for a plane; positive when the centre lies on the film's side.
+    pub radius: f64,
+    /// 1/radius in 1/mm, 0 for a plane.
     pub curvature: f64,
+    /// Distance to the next vertex, mm; 0 for the last. It keeps the digits that a difference of
+    /// vertices would lose.
+    pub thickness: f64,
     /// Refractive index on the scene's side.
     pub n_scene: f64,
     /// Refractive index on the film's side.
@@ -57,6 +62,21 @@ pub enum LensError {
         /// The lens.
         lens: String,
     },
+    /// The V-number of a glass gives it an index below that of air.
+    #[error(
+        "lens \"{lens}\", interface {row}: at {wavelength} nm the V-number gives index {index}, which is \
+         below 1; correct the V-number, or ask for a \"wavelength\" nearer 587.56 nm"
+    )]
+    Index {
+        /// The lens.
+        lens: String,
+        /// The interface, counted from 1 at the scene side.
+        row: usize,
+        /// Its index at the wavelength.
+        index: f64,
+        /// nm.
+        wavelength: f64,
+    },
     /// Parallel rays leave parallel: no focal length, principal planes or focus.
     #[error("lens \"{lens}\" is afocal: it has no focal length and cannot focus")]
     Afocal {
@@ -83,12 +103,15 @@ impl Lens {
             .iter()
             .map(|interface| {
                 let n_film = refractive_index(interface.medium, wavelength);
+                let radius = match interface.shape {
+                    Shape::Sphere { radius } => radius,
+                    Shape::Plane | Shape::Stop => f64::INFINITY,
+                };
                 let surface = Surface {
                     vertex,
-                    curvature: match interface.shape {
-                        Shape::Sphere { radius } => radius.recip(),
-                        Shape::Plane | Shape::Stop => 0.0,
-                    },
+                    radius,
+                    curvature: radius.recip(),
+                    thickness: interface.thickness,
                     n_scene,
                     n_film,
                     semi_diameter: interface.semi_diameter,

@@ -13,7 +13,7 @@ mod source;
 
 pub use error::LensFileError;
 pub use reader::read;
-pub use source::{LensSource, SearchPath, SourceError};
+pub use source::{LensSource, MAX_FILE_BYTES, SearchPath, SourceError};
 
 /// What fills the space behind an interface.
 #[derive(Clone, Copy, Debug, PartialEq)]
