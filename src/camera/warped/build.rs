@@ -30,6 +30,9 @@ const EXCESS: f64 = 3e-3;
 /// Share missed at the greatest depth above which the outline is given up for the rear disk.
 const HOPELESS: f64 = 0.02;
 
+/// Part of the pupil on the axis below which a pupil about to vanish is no longer worth an outline.
+const SLIVER: f64 = 1e-3;
+
 /// What the table is built from.
 pub(super) struct Builder<'a> {
     pub path: &'a Path,
@@ -255,13 +258,10 @@ impl<'a> Builder<'a> {
         intervals: &mut Vec<Interval>,
     ) {
         if to - from < 2 {
-            let mut rows = [a.clone(), b.clone()];
-            if b.area == 0.0 {
-                // The pupil's last sliver: its height falls faster than evenly, which a map that keeps
-                // half its size covers.
-                rows[1].factors = a.factors.iter().map(|m| m.map(|x| x / 2.0)).collect();
-            }
-            intervals.push(Interval { from, to, rows });
+            intervals.push(match b.area {
+                0.0 => last_sliver([from, to], a, b),
+                _ => Interval { from, to, rows: [a.clone(), b.clone()] },
+            });
             return;
         }
         let place = usize::midpoint(from, to);
@@ -272,14 +272,18 @@ impl<'a> Builder<'a> {
         let (inside, depth) = view.innermost(foretold.center * middle, width, true);
         let outline = if depth < 0.0 { self.outline(&view, inside, &foretold) } else { None };
         let Some(outline) = outline else {
-            intervals.push(self.covered(height, [from, to]));
+            intervals.push(if b.area == 0.0 && a.area < SLIVER * axis_area {
+                last_sliver([from, to], a, b)
+            } else {
+                self.covered(height, [from, to])
+            });
             return;
         };
         let row = Row::fit(middle, &outline, &self.knots, axis_area);
         let same_corners = a.corners == b.corners && a.corners == row.corners;
         let part = if same_corners { AFTER_HALVING } else { WITH_NEW_CORNERS };
         let (missed, excess) = row.misfit(&foretold, &outline, &self.knots, part);
-        if missed > HOPELESS * part && to - from == 2 {
+        if missed > HOPELESS && to - from == 2 && a.area > SLIVER * axis_area {
             intervals.push(self.covered(height, [from, to]));
         } else if missed > MISSED || excess > EXCESS.max(4.0 * row.margin) {
             self.refine(height, [from, place], [a, &row], axis_area, intervals);
@@ -289,6 +293,14 @@ impl<'a> Builder<'a> {
             intervals.push(Interval { from: place, to, rows: [row, b.clone()] });
         }
     }
+}
+
+/// The last interval before the pupil vanishes. Its height falls faster than evenly; a map that keeps
+/// half its size covers that.
+fn last_sliver([from, to]: [usize; 2], a: &Row, b: &Row) -> Interval {
+    let mut end = b.clone();
+    end.factors = a.factors.iter().map(|m| m.map(|x| x / 2.0)).collect();
+    Interval { from, to, rows: [a.clone(), end] }
 }
 
 /// C/h on the axis, where neither is: even in h, so by extrapolation in h² from the next two rows.
