@@ -33,6 +33,9 @@ const HOPELESS: f64 = 0.02;
 /// Part of the pupil on the axis below which a pupil about to vanish is no longer worth an outline.
 const SLIVER: f64 = 1e-3;
 
+/// Distance from the centre over the edge's from which light that gets through is another piece's.
+const BESIDE: f64 = 1.001;
+
 /// What the table is built from.
 pub(super) struct Builder<'a> {
     pub path: &'a Path,
@@ -192,11 +195,12 @@ impl<'a> Builder<'a> {
             return None;
         }
         let edge = view.crossing(0.0, [1.0, 0.0], guess)?.radius;
-        let whole =
-            |i: u32, n: u32, from: f64, to: f64| from + (to - from) * (f64::from(i) + 0.5) / f64::from(n);
         const SCAN: u32 = 32;
-        let hole = (0..SCAN).any(|i| !view.passes([whole(i, SCAN, 0.0, edge), 0.0]));
-        let ring = (0..2 * SCAN).any(|i| view.passes([whole(i, 2 * SCAN, edge, reach), 0.0]));
+        let place = |i: u32| (f64::from(i) + 0.5) / f64::from(SCAN);
+        let hole = (0..SCAN).any(|i| !view.passes([edge * place(i), 0.0]));
+        let beyond = BESIDE * edge;
+        let ring =
+            beyond < reach && (0..SCAN).any(|i| view.passes([beyond + (reach - beyond) * place(i), 0.0]));
         (!hole && !ring).then(|| Row::disk(0.0, 0.0, edge, true))
     }
 
@@ -243,7 +247,7 @@ impl<'a> Builder<'a> {
             (0..WITHIN).any(|k| !view.passes(at(edge * place(k, WITHIN))))
                 || (0..BEYOND).any(|k| {
                     let radius = edge + (end - edge) * place(k, BEYOND);
-                    radius > 1.001 * edge && view.passes(at(radius))
+                    radius > BESIDE * edge && view.passes(at(radius))
                 })
         })
     }
