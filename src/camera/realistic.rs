@@ -123,6 +123,9 @@ impl RealisticCamera {
             }
             Weighting::None => (1.0, false),
         };
+        if !(weight as f32).is_finite() {
+            return Err(CameraError::Weight { weight });
+        }
         let entrance = EntrancePupil::of_surface(&lens, limiting_surface(&lens));
         let tracer = if setup.single_precision {
             Tracer::F32(Path::new(&lens, Direction::FilmToScene, setup.refraction))
@@ -161,7 +164,9 @@ impl RealisticCamera {
         match traced {
             Ok(ray) => {
                 let falloff = if self.weight_falls_off { cos4(slopes) } else { 1.0 };
-                Outcome::Ray(self.to_world(ray, sample.time), (self.weight * falloff) as f32)
+                // However small, the weight of a ray that passes is not that of a blocked one.
+                let weight = ((self.weight * falloff) as f32).max(f32::MIN_POSITIVE);
+                Outcome::Ray(self.to_world(ray, sample.time), weight)
             }
             Err(reason) => Outcome::Blocked(reason),
         }
