@@ -10,6 +10,7 @@
 //! | [`optics`] | a lens at one wavelength and stop; thick lens, pupils, focus, depth of field |
 //! | [`trace`] | exact rays through the lens, with the reason where one stops |
 //! | [`camera`] | film, lens samples, weights, transforms: a sample in, a ray out |
+//! | `report` | errors against run time and stability (feature `report`) |
 //! | [`abi`] | the C ABI and the entry of a pbrt-v1 host: the only exports, the only raw pointers |
 //!
 //! Lens space is camera space: origin at the vertex of the first interface, +z toward the scene, +x image
@@ -21,4 +22,6 @@ pub mod camera;
 mod numeric;
 pub mod optics;
 pub mod prescription;
+#[cfg(feature = "report")]
+pub mod report;
 pub mod trace;

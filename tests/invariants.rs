@@ -346,6 +346,8 @@ fn close_rays_meet_where_coddington_says() {
     for radius in [30.0, -45.0] {
         let surface = Surface {
             vertex: 0.0,
+            radius,
+            thickness: 0.0,
             curvature: 1.0 / radius,
             n_scene: 1.0,
             n_film: n,

@@ -25,7 +25,7 @@ impl Film {
     /// A film with this diagonal in mm, positive.
     pub fn new(raster: Raster, diagonal: f64) -> Self {
         let (x, y) = (f64::from(raster.xres), f64::from(raster.yres));
-        Self { raster, diagonal, pixel: diagonal / x.hypot(y) }
+        Self { raster, diagonal, pixel: diagonal / (x * x + y * y).sqrt() }
     }
 
     /// Width and height of a pixel, mm.

@@ -69,7 +69,7 @@ pub fn survey<R: Real>(
     for i in 0..n {
         for j in 0..n {
             let offset = [at(i), at(j)];
-            if offset[0].hypot(offset[1]) > cover.radius {
+            if squared(offset) > cover.radius * cover.radius {
                 continue;
             }
             let slopes = [cover.center[0] + offset[0], cover.center[1] + offset[1]];
@@ -81,8 +81,8 @@ pub fn survey<R: Real>(
             survey.slope_area += step * step;
             survey.center[0] += slopes[0] * step * step;
             survey.center[1] += slopes[1] * step * step;
-            let [dx, dy] = [slopes[0] - within.center[0], slopes[1] - within.center[1]];
-            if dx.hypot(dy) <= within.radius {
+            let offset = [slopes[0] - within.center[0], slopes[1] - within.center[1]];
+            if squared(offset) <= within.radius * within.radius {
                 survey.inside += share;
             }
         }
@@ -91,4 +91,8 @@ pub fn survey<R: Real>(
         survey.center = survey.center.map(|sum| sum / survey.slope_area);
     }
     survey
+}
+
+fn squared([x, y]: [f64; 2]) -> f64 {
+    x * x + y * y
 }

@@ -14,6 +14,16 @@ use crate::optics::{
 /// A pupil whose distance is more than 1/this times that of the front vertex from the film is at infinity.
 const TELECENTRIC: f64 = 1e-12;
 
+/// A slope drawn from a pupil.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drawn {
+    /// dx/dz and dy/dz of the ray at the film.
+    pub slopes: [f64; 2],
+    /// The area that the sample stands for, slope²: the mean over lens samples of this where the ray gets
+    /// through is the pupil's area.
+    pub area: f64,
+}
+
 /// A disk about the axis, in which every film point's lens samples are drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PupilDisk {
@@ -54,9 +64,26 @@ impl PupilDisk {
         Self { vergence, slope_radius: pupil.slopes(0.0, 0.0, film).radius }
     }
 
+    /// A disk about the axis `distance` mm in front of the film, not 0, with this radius in slope.
+    pub fn about_axis(distance: f64, slope_radius: f64) -> Self {
+        Self { vergence: distance.recip(), slope_radius }
+    }
+
+    /// Radius of the disk in slope: the tangent of the half angle of the cone that it sends to the film's
+    /// centre.
+    pub fn slope_radius(&self) -> f64 {
+        self.slope_radius
+    }
+
     /// The disk as the film point (`x`, `y`) sees it.
     pub fn seen_from(&self, [x, y]: [f64; 2]) -> SlopeDisk {
         SlopeDisk { center: [-x * self.vergence, -y * self.vergence], radius: self.slope_radius }
+    }
+
+    /// The slope that the point `disk` of the unit disk stands for at a film point, mm.
+    pub fn draw(&self, film: [f64; 2], [u, v]: [f64; 2]) -> Drawn {
+        let SlopeDisk { center: [x, y], radius } = self.seen_from(film);
+        Drawn { slopes: [x + radius * u, y + radius * v], area: self.slope_area() }
     }
 
     /// Area of the disk in slopes.

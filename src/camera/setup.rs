@@ -3,13 +3,14 @@
 use std::path::PathBuf;
 
 use super::{
-    CameraError, CameraToWorld, DiskMapping, Film, ParameterError, Parameters, Raster, RealisticCamera,
+    CameraError, CameraMotion, CameraToWorld, DEFAULT_INTERVAL, DiskMapping, Film, IdealCamera,
+    ParameterError, Parameters, Raster, RealisticCamera, placement::Placement,
 };
 use crate::{
     optics::{
         Lens, LensError,
         first_order::FirstOrder,
-        focus::Focus,
+        focus::{Focus, FocusError},
         glass::{D_LINE, VALID_WAVELENGTHS},
         pupil::{EntrancePupil, limiting_surface},
         refraction::Refraction,
@@ -33,8 +34,8 @@ pub enum Level {
 pub struct Host {
     /// Pixels of the image.
     pub raster: Raster,
-    /// Camera space to world space.
-    pub to_world: CameraToWorld,
+    /// Camera space to world space, at any time.
+    pub to_world: CameraMotion,
     /// Where lens files are looked for after the working directory.
     pub search: SearchPath,
     /// A lens file's text in the place of `specfile`, with the name it goes by in messages.
@@ -49,12 +50,29 @@ impl Host {
     pub fn new(raster: Raster, beside: Option<PathBuf>) -> Self {
         Self {
             raster,
-            to_world: CameraToWorld::IDENTITY,
+            to_world: CameraToWorld::IDENTITY.into(),
             search: SearchPath::from_environment().then(beside.as_deref()),
             lens_text: None,
             can_redraw: true,
         }
     }
+}
+
+/// Where lens samples are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum PupilChoice {
+    /// The true pupil of each film point.
+    #[default]
+    Warped,
+    /// The rear element's disk.
+    Rear,
+    /// The thick-lens exit pupil.
+    Disk,
+}
+
+impl PupilChoice {
+    const NAMES: [(&'static str, Self); 3] =
+        [("warped", Self::Warped), ("rear", Self::Rear), ("disk", Self::Disk)];
 }
 
 /// How a ray's weight is measured.
@@ -88,14 +106,21 @@ pub(super) struct Setup {
     pub film_distance: f64,
     pub focus_distance: Option<f64>,
     pub refraction: Refraction,
-    pub exit_pupil: bool,
+    pub pupil: PupilChoice,
     pub mapping: DiskMapping,
     pub weighting: Weighting,
     pub single_precision: bool,
     pub mm_per_unit: f64,
-    pub to_world: CameraToWorld,
-    pub clip: [f32; 2],
-    pub shutter: [f32; 2],
+    pub placement: Placement,
+}
+
+/// Which optics puts the film where the lens is to be focused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Focusing {
+    /// Exact rays.
+    Exact,
+    /// First-order optics.
+    Paraxial,
 }
 
 /// What decides which lens is used and at which stop.
@@ -143,7 +168,9 @@ fn set_up_lens(
     }
     if wavelength != D_LINE && !prescription.is_dispersive() {
         let name = &prescription.name;
-        let text = format!("lens \"{name}\" has no V-numbers: wavelength {wavelength} nm changes nothing");
+        let text = format!(
+            "lens \"{name}\" has neither V-numbers nor Sellmeier constants: wavelength {wavelength} nm changes nothing"
+        );
         log(Level::Warning, &text);
     }
     let mut lens = Lens::new(prescription, wavelength);
@@ -210,7 +237,7 @@ impl RealisticCamera {
         host: &Host,
         log: &mut dyn FnMut(Level, &str),
     ) -> Result<Self, CameraError> {
-        let setup = Setup::of(parameters, host, log)?;
+        let setup = Setup::of(parameters, host, Focusing::Exact, log)?;
         Self::from_setup(setup, log)
     }
 }
@@ -218,14 +245,30 @@ impl RealisticCamera {
 /// Between an electron and the known universe; beyond, a ray's origin could leave the range of floats.
 const MM_PER_UNIT: std::ops::RangeInclusive<f64> = 1e-15..=1e30;
 
+impl IdealCamera {
+    /// Builds the thick lens of the parameters' lens, or its thin one. `log` receives warnings.
+    ///
+    /// # Errors
+    /// What is wrong, and what to give instead.
+    pub fn build(
+        parameters: &Parameters,
+        host: &Host,
+        thin: bool,
+        log: &mut dyn FnMut(Level, &str),
+    ) -> Result<Self, CameraError> {
+        let setup = Setup::of(parameters, host, Focusing::Paraxial, log)?;
+        Self::from_setup(setup, thin)
+    }
+}
+
 impl Setup {
     fn of(
         parameters: &Parameters,
         host: &Host,
+        focusing: Focusing,
         log: &mut dyn FnMut(Level, &str),
     ) -> Result<Self, CameraError> {
         let given = parameters;
-        choice("model", given.model.as_deref(), &[("lens", ())])?;
         if given.af_zones.is_some() {
             log(
                 Level::Warning,
@@ -248,24 +291,15 @@ impl Setup {
             return Err(out_of_range("mmperunit", mm_per_unit, &range));
         }
         let lens = lens_of(given, host, log)?;
-        let (film_distance, focus_distance) = place_film(given, &lens, mm_per_unit)?;
-        let mapping = choice("disk", given.disk.as_deref(), &DiskMapping::NAMES)?;
-        if mapping == DiskMapping::Rejection && !host.can_redraw {
-            return Err(ParameterError::Range {
-                name: "disk",
-                value: "\"rejection\"".to_owned(),
-                range: "\"concentric\" or \"polar\" with a host that cannot draw lens numbers again"
-                    .to_owned(),
-            }
-            .into());
-        }
+        let (film_distance, focus_distance) = place_film(given, &lens, mm_per_unit, focusing)?;
+        let mapping = disk_mapping(given, host)?;
         Ok(Self {
             lens,
             film,
             film_distance,
             focus_distance,
             refraction: choice("refraction", given.refraction.as_deref(), &Refraction::NAMES)?,
-            exit_pupil: choice("pupil", given.pupil.as_deref(), &[("rear", false), ("disk", true)])?,
+            pupil: choice("pupil", given.pupil.as_deref(), &PupilChoice::NAMES)?,
             mapping,
             weighting: weighting(given)?,
             single_precision: choice(
@@ -274,16 +308,38 @@ impl Setup {
                 &[("auto", false), ("f64", false), ("f32", true)],
             )?,
             mm_per_unit,
-            to_world: host.to_world,
-            clip: interval(("hither", given.hither, 1e-3), ("yon", given.yon, 1e30), Some(0.0), true)?,
-            shutter: interval(
-                ("shutteropen", given.shutteropen, 0.0),
-                ("shutterclose", given.shutterclose, 1.0),
-                None,
-                false,
-            )?,
+            placement: placement(given, host)?,
         })
     }
+}
+
+/// The camera's place, clip range and shutter interval.
+pub(super) fn placement(given: &Parameters, host: &Host) -> Result<Placement, CameraError> {
+    let [open, close] = DEFAULT_INTERVAL;
+    Ok(Placement {
+        to_world: host.to_world.clone(),
+        clip: interval(("hither", given.hither, 1e-3), ("yon", given.yon, 1e30), Some(0.0), true)?,
+        shutter: interval(
+            ("shutteropen", given.shutteropen, open),
+            ("shutterclose", given.shutterclose, close),
+            None,
+            false,
+        )?,
+    })
+}
+
+/// How lens numbers map to the disk, for a host that may not be able to draw again.
+pub(super) fn disk_mapping(given: &Parameters, host: &Host) -> Result<DiskMapping, CameraError> {
+    let mapping = choice("disk", given.disk.as_deref(), &DiskMapping::NAMES)?;
+    if mapping == DiskMapping::Rejection && !host.can_redraw {
+        return Err(ParameterError::Range {
+            name: "disk",
+            value: "\"rejection\"".to_owned(),
+            range: "\"concentric\" or \"polar\" with a host that cannot draw lens numbers again".to_owned(),
+        }
+        .into());
+    }
+    Ok(mapping)
 }
 
 fn lens_of(given: &Parameters, host: &Host, log: &mut dyn FnMut(Level, &str)) -> Result<Lens, CameraError> {
@@ -304,8 +360,17 @@ fn lens_of(given: &Parameters, host: &Host, log: &mut dyn FnMut(Level, &str)) ->
 }
 
 /// Film distance and distance in focus, both mm.
-fn place_film(given: &Parameters, lens: &Lens, mm_per_unit: f64) -> Result<(f64, Option<f64>), CameraError> {
+fn place_film(
+    given: &Parameters,
+    lens: &Lens,
+    mm_per_unit: f64,
+    focusing: Focusing,
+) -> Result<(f64, Option<f64>), CameraError> {
     let focus = Focus::new(lens);
+    let film_for = |focus: Focus, distance: f64| match focusing {
+        Focusing::Exact => focus.film_distance(distance),
+        Focusing::Paraxial => paraxial_film_distance(lens, &focus, distance),
+    };
     let fixed = match (given.filmdistance, given.focusdistance) {
         (Some(_), Some(_)) => {
             return Err(ParameterError::Both { first: "filmdistance", second: "focusdistance" }.into());
@@ -315,7 +380,7 @@ fn place_film(given: &Parameters, lens: &Lens, mm_per_unit: f64) -> Result<(f64,
                 return Err(out_of_range("focusdistance", distance, "positive, in world units"));
             }
             let distance = distance * mm_per_unit;
-            return Ok((focus?.film_distance(distance)?, Some(distance)));
+            return Ok((film_for(focus?, distance)?, Some(distance)));
         }
         (Some(distance), None) => {
             positive("filmdistance", distance, "mm")?;
@@ -323,11 +388,28 @@ fn place_film(given: &Parameters, lens: &Lens, mm_per_unit: f64) -> Result<(f64,
         }
         (None, None) => lens.nominal_film_distance,
     };
-    match fixed {
+    match (fixed, focusing) {
         // A lens that cannot focus still takes pictures with its film where the caller puts it.
-        Some(distance) => Ok((distance, focus.ok().and_then(|focus| focus.object_distance(distance)))),
-        None => Ok((focus?.film_distance(f64::INFINITY)?, Some(f64::INFINITY))),
+        (Some(distance), Focusing::Exact) => {
+            Ok((distance, focus.ok().and_then(|focus| focus.object_distance(distance))))
+        }
+        (Some(distance), Focusing::Paraxial) => {
+            Ok((distance, FirstOrder::of(lens)?.object_distance(distance)))
+        }
+        (None, _) => Ok((film_for(focus?, f64::INFINITY)?, Some(f64::INFINITY))),
     }
+}
+
+fn paraxial_film_distance(lens: &Lens, focus: &Focus, distance: f64) -> Result<f64, FocusError> {
+    if let Some(film_distance) = focus.paraxial_film_distance(distance) {
+        return Ok(film_distance);
+    }
+    // Object and image are nearest to each other at magnification 1.
+    let first_order = FirstOrder::of(lens)?;
+    let film_distance = first_order.back_focal_distance() + first_order.focal_length;
+    let object = first_order.front_focal_point + first_order.focal_length;
+    let nearest = object - first_order.rear_vertex + film_distance;
+    Err(FocusError::TooNear { lens: lens.name.clone(), distance, nearest, film_distance })
 }
 
 fn weighting(given: &Parameters) -> Result<Weighting, CameraError> {
@@ -342,7 +424,7 @@ fn weighting(given: &Parameters) -> Result<Weighting, CameraError> {
 }
 
 /// The choice that a name stands for; the first of `choices` where none is given.
-fn choice<T: Copy>(
+pub(super) fn choice<T: Copy>(
     parameter: &'static str,
     given: Option<&str>,
     choices: &[(&str, T)],
@@ -357,7 +439,7 @@ fn choice<T: Copy>(
     })
 }
 
-fn positive(parameter: &'static str, value: f64, unit: &str) -> Result<(), CameraError> {
+pub(super) fn positive(parameter: &'static str, value: f64, unit: &str) -> Result<(), CameraError> {
     if value > 0.0 && value.is_finite() {
         return Ok(());
     }
@@ -365,7 +447,7 @@ fn positive(parameter: &'static str, value: f64, unit: &str) -> Result<(), Camer
     Err(out_of_range(parameter, value, &range))
 }
 
-fn out_of_range(parameter: &'static str, value: f64, range: &str) -> CameraError {
+pub(super) fn out_of_range(parameter: &'static str, value: f64, range: &str) -> CameraError {
     ParameterError::Range { name: parameter, value: value.to_string(), range: range.to_owned() }.into()
 }
 

@@ -10,8 +10,13 @@ use crate::prescription::{Prescription, Shape};
 pub struct Surface {
     /// z of the vertex in lens space, mm; 0 for the first, never positive.
     pub vertex: f64,
-    /// 1/radius in 1/mm, 0 for a plane; positive when the centre lies on the film's side.
+    /// Radius in mm, infinite for a plane; positive when the centre lies on the film's side.
+    pub radius: f64,
+    /// 1/radius in 1/mm, 0 for a plane.
     pub curvature: f64,
+    /// Distance to the next vertex, mm; 0 for the last. It keeps the digits that a difference of
+    /// vertices would lose.
+    pub thickness: f64,
     /// Refractive index on the scene's side.
     pub n_scene: f64,
     /// Refractive index on the film's side.
@@ -98,12 +103,15 @@ impl Lens {
             .iter()
             .map(|interface| {
                 let n_film = refractive_index(interface.medium, wavelength);
+                let radius = match interface.shape {
+                    Shape::Sphere { radius } => radius,
+                    Shape::Plane | Shape::Stop => f64::INFINITY,
+                };
                 let surface = Surface {
                     vertex,
-                    curvature: match interface.shape {
-                        Shape::Sphere { radius } => radius.recip(),
-                        Shape::Plane | Shape::Stop => 0.0,
-                    },
+                    radius,
+                    curvature: radius.recip(),
+                    thickness: interface.thickness,
                     n_scene,
                     n_film,
                     semi_diameter: interface.semi_diameter,

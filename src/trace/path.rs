@@ -1,7 +1,7 @@
 //! A lens made ready for tracing in one direction.
 
 use super::Real;
-use crate::optics::{Lens, refraction::Refraction};
+use crate::optics::{Lens, Surface, refraction::Refraction};
 
 /// Which way rays travel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,6 +32,33 @@ pub(super) struct Step<R> {
     pub slack: R,
 }
 
+impl<R: Real> Step<R> {
+    fn new(surface: &Surface, forward: bool, distance: f64) -> Self {
+        let Surface { n_scene, n_film, radius, curvature, semi_diameter, .. } = *surface;
+        let (n, n_after) = if forward { (n_scene, n_film) } else { (n_film, n_scene) };
+        // A type wider than double takes the reciprocal and the difference of squares itself; for
+        // the others they are rounded once, from double.
+        let (curvature, index_step) = if R::EPSILON < f64::EPSILON {
+            let [n, n_after] = [n, n_after].map(R::from_f64);
+            let curvature = if curvature == 0.0 { R::ZERO } else { R::ONE / R::from_f64(radius) };
+            (curvature, (n_after - n) * (n_after + n))
+        } else {
+            (R::from_f64(curvature), R::from_f64((n_after - n) * (n_after + n)))
+        };
+        // At an incidence of 65 degrees rounding was seen to reach 60 EPSILON.
+        let slack = 512.0 * R::EPSILON * (semi_diameter + distance);
+        Self {
+            distance: R::from_f64(distance),
+            curvature: if forward { curvature } else { -curvature },
+            n: R::from_f64(n),
+            n_after: R::from_f64(n_after),
+            index_step,
+            aperture: R::from_f64(semi_diameter) * R::from_f64(semi_diameter),
+            slack: R::from_f64(slack),
+        }
+    }
+}
+
 /// A lens made ready for tracing in one direction with numbers of type `R`.
 #[derive(Clone, Debug)]
 pub struct Path<R = f64> {
@@ -52,31 +79,22 @@ impl<R: Real> Path<R> {
         if !forward {
             surfaces.reverse();
         }
-        let mut previous = surfaces[0].vertex;
+        let mut previous_thickness = 0.0;
         let steps = surfaces
             .iter()
-            .map(|surface| {
-                let distance = (surface.vertex - previous).abs();
-                previous = surface.vertex;
-                let (n, n_after, curvature) = if forward {
-                    (surface.n_scene, surface.n_film, surface.curvature)
-                } else {
-                    (surface.n_film, surface.n_scene, -surface.curvature)
+            .enumerate()
+            .map(|(number, surface)| {
+                let distance = match (number, forward) {
+                    (0, _) => 0.0,
+                    (_, true) => previous_thickness,
+                    (_, false) => surface.thickness,
                 };
-                // At an incidence of 65 degrees rounding was seen to reach 60 EPSILON.
-                let slack = 512.0 * R::EPSILON * (surface.semi_diameter + distance);
-                Step {
-                    distance: R::from_f64(distance),
-                    curvature: R::from_f64(curvature),
-                    n: R::from_f64(n),
-                    n_after: R::from_f64(n_after),
-                    index_step: R::from_f64((n_after - n) * (n_after + n)),
-                    aperture: R::from_f64(surface.semi_diameter * surface.semi_diameter),
-                    slack: R::from_f64(slack),
-                }
+                previous_thickness = surface.thickness;
+                Step::new(surface, forward, distance)
             })
             .collect();
-        Self { steps, direction, refraction, entry: surfaces[0].vertex, exit: previous }
+        let (entry, exit) = (surfaces[0].vertex, surfaces[surfaces.len() - 1].vertex);
+        Self { steps, direction, refraction, entry, exit }
     }
 
     /// Film to scene with the default refraction.

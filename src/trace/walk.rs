@@ -61,29 +61,24 @@ const LARGE: f64 = f64::from_bits((1023 + 500) << 52);
 
 /// Position and V = n D in the frame of the current vertex.
 #[derive(Clone, Copy)]
-struct State<R> {
-    p: [R; 3],
-    v: [R; 3],
+pub(super) struct State<R> {
+    pub p: [R; 3],
+    pub v: [R; 3],
     /// How far the ray was moved on from where it last was on a surface, or began, in units of V.
-    lead: R,
+    pub lead: R,
 }
 
 impl<R: Real> Path<R> {
     /// Takes a ray through the lens. Its origin may lie anywhere before the first surface; NaN or
     /// infinite components, or a direction of length 0, count as [`Blocked::Missed`].
     pub fn walk(&self, ray: Ray) -> Walk {
-        let sense = match self.direction {
-            Direction::FilmToScene => 1.0,
-            Direction::SceneToFilm => -1.0,
-        };
+        let sense = self.sense();
         let direction = unit(ray.direction);
         let start = Ray { origin: ray.origin, direction };
         let finite = start.origin.iter().chain(&direction).all(|x| x.is_finite());
         if !finite {
             return Walk { ray: start, surfaces_met: 0, blocked: Some(Blocked::Missed) };
         }
-        // Each surface takes the state whole or not at all, so that a blocked ray is reported
-        // where it was last on a surface.
         let (entry, lead) = self.to_entry_plane(ray, sense);
         let [dx, dy, dz] = direction;
         let mut state = State {
@@ -91,41 +86,81 @@ impl<R: Real> Path<R> {
             v: [dx, dy, sense * dz].map(R::from_f64),
             lead: R::from_f64(lead),
         };
-        let mut vertex = self.entry;
-        let mut index = 1.0;
-        let mut surfaces_met = 0;
-        let mut blocked = None;
-        // A fisheye sees behind itself: from the scene the first surface may be met going backward.
-        let may_start_backward = self.direction == Direction::SceneToFilm;
-        for (number, step) in self.steps.iter().enumerate() {
-            let mut ahead = state;
-            ahead.p[2] = ahead.p[2] - step.distance;
-            let forward = ahead.v[2] > R::ZERO || (number == 0 && may_start_backward);
-            let hit = if forward { step.meet(&mut ahead) } else { Err(Blocked::TurnedBack) };
-            if let Err(reason) = hit {
-                blocked = Some(reason);
-                break;
-            }
-            state = ahead;
-            vertex += sense * step.distance.to_f64();
-            surfaces_met += 1;
-            if let Err(reason) = step.pass(&mut state, self.refraction) {
-                index = step.n.to_f64();
-                blocked = Some(reason);
-                break;
-            }
-            index = step.n_after.to_f64();
-        }
-        if surfaces_met == 0 {
+        let (surfaces_met, blocked) = self.march(&mut state);
+        let Some(last) = surfaces_met.checked_sub(1) else {
             return Walk { ray: start, surfaces_met, blocked };
-        }
-        if surfaces_met == self.steps.len() {
-            vertex = self.exit;
-        }
+        };
+        let vertex = if surfaces_met == self.steps.len() {
+            self.exit
+        } else {
+            let passed: f64 = self.steps[..=last].iter().map(|step| step.distance.to_f64()).sum();
+            self.entry + sense * passed
+        };
         let [x, y, z] = state.p.map(R::to_f64);
-        let [vx, vy, vz] = state.v.map(|v| v.to_f64() / index);
+        let [vx, vy, vz] = state.v.map(R::to_f64);
         let ray = Ray { origin: [x, y, vertex + sense * z], direction: unit([vx, vy, sense * vz]) };
         Walk { ray, surfaces_met, blocked }
+    }
+
+    /// A ray through the lens in `R` from start to end, for types wider than double: the point in the
+    /// frame of the last vertex met (z along +z of lens space) and the unit direction.
+    ///
+    /// # Errors
+    /// The reason why it is blocked.
+    pub fn trace_in_full(&self, origin: [R; 3], direction: [R; 3]) -> Result<([R; 3], [R; 3]), Blocked> {
+        let sense = R::from_f64(self.sense());
+        let [dx, dy, dz] = direction;
+        let length = refraction::dot(direction, direction).sqrt();
+        let [x, y, z] = origin;
+        let mut state = State {
+            p: [x, y, sense * (z - R::from_f64(self.entry))],
+            v: [dx / length, dy / length, sense * dz / length],
+            lead: R::ZERO,
+        };
+        if let (_, Some(reason)) = self.march(&mut state) {
+            return Err(reason);
+        }
+        let [x, y, z] = state.p;
+        let [vx, vy, vz] = state.v;
+        let length = refraction::dot(state.v, state.v).sqrt();
+        Ok(([x, y, sense * z], [vx / length, vy / length, sense * vz / length]))
+    }
+
+    /// Takes the state, in the frame of the first vertex, through the surfaces; says how many were met and
+    /// why the ray stopped there. Each surface takes the state whole or not at all, so that a
+    /// blocked ray is left where it was last on a surface, in the frame of that vertex.
+    fn march(&self, state: &mut State<R>) -> (usize, Option<Blocked>) {
+        for (number, step) in self.steps.iter().enumerate() {
+            let mut ahead = *state;
+            ahead.p[2] = ahead.p[2] - step.distance;
+            let hit = if self.is_forward(&ahead, number) {
+                step.meet(&mut ahead)
+            } else {
+                Err(Blocked::TurnedBack)
+            };
+            if let Err(reason) = hit {
+                return (number, Some(reason));
+            }
+            *state = ahead;
+            if let Err(reason) = step.pass(state, self.refraction) {
+                return (number + 1, Some(reason));
+            }
+        }
+        (self.steps.len(), None)
+    }
+
+    /// Which way along z the light travels.
+    pub(super) fn sense(&self) -> f64 {
+        match self.direction {
+            Direction::FilmToScene => 1.0,
+            Direction::SceneToFilm => -1.0,
+        }
+    }
+
+    /// Whether a ray may go on to surface `number`. A fisheye sees behind itself: from the scene the
+    /// first surface may be met going backward.
+    pub(super) fn is_forward(&self, state: &State<R>, number: usize) -> bool {
+        state.v[2] > R::ZERO || (number == 0 && self.direction == Direction::SceneToFilm)
     }
 
     /// The ray's start in the frame of the first vertex, moved on to the vertex plane where that
@@ -133,7 +168,7 @@ impl<R: Real> Path<R> {
     ///
     /// Differences of products, not P + t D: from a distant object that would keep the digits of the
     /// distance, and this keeps those of the lens.
-    fn to_entry_plane(&self, ray: Ray, sense: f64) -> ([f64; 3], f64) {
+    pub(super) fn to_entry_plane(&self, ray: Ray, sense: f64) -> ([f64; 3], f64) {
         let [x, y, z] = ray.origin;
         let [dx, dy, dz] = ray.direction;
         // By a power of two, which rounds nothing, so that the products below stay in range.
@@ -150,7 +185,8 @@ impl<R: Real> Path<R> {
         }
         let at = |p: f64, d: f64| difference_of_products(p, dz, z, d) / dz;
         let (px, py) = (at(x, dx), at(y, dy));
-        ([px, py, 0.0], (px - x).hypot(py - y).hypot(z))
+        let moved = [px - x, py - y, z];
+        ([px, py, 0.0], refraction::dot(moved, moved).sqrt())
     }
 
     /// The ray as it leaves the lens.
@@ -165,7 +201,7 @@ impl<R: Real> Path<R> {
 
 impl<R: Real> Step<R> {
     /// Moves the ray to this surface, in the frame of whose vertex it is given.
-    fn meet(&self, state: &mut State<R>) -> Result<(), Blocked> {
+    pub(super) fn meet(&self, state: &mut State<R>) -> Result<(), Blocked> {
         let State { p, v, lead } = state;
         let c = self.curvature;
         let advance = |p: &mut [R; 3], t: R| (0..3).for_each(|i| p[i] = p[i] + t * v[i]);
@@ -199,10 +235,16 @@ impl<R: Real> Step<R> {
 
     /// Takes the ray through the aperture and refracts it.
     fn pass(&self, state: &mut State<R>, method: Refraction) -> Result<(), Blocked> {
-        let State { p: [x, y, z], v, .. } = state;
-        if !(*x * *x + *y * *y <= self.aperture) {
+        let [x, y, _] = state.p;
+        if !(x * x + y * y <= self.aperture) {
             return Err(Blocked::Clipped);
         }
+        self.refract(state, method)
+    }
+
+    /// Refracts the ray at the point of this surface where it is.
+    pub(super) fn refract(&self, state: &mut State<R>, method: Refraction) -> Result<(), Blocked> {
+        let State { p: [x, y, z], v, .. } = state;
         let c = self.curvature;
         let normal = [-c * *x, -c * *y, R::ONE - c * *z];
         let e = refraction::dot(normal, *v);
@@ -235,7 +277,7 @@ fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
     a.mul_add(b, -product) + error
 }
 
-fn unit(v: [f64; 3]) -> [f64; 3] {
+pub(super) fn unit(v: [f64; 3]) -> [f64; 3] {
     let largest = v.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     // Scaled first, so that the squares of very small or large components stay in range.
     let scaled = v.map(|x| x / largest);

@@ -1,0 +1,4 @@
+//! What the library says about itself: errors against an extended-precision reference, run times, and
+//! numerical stability.
+
+pub mod reference;

@@ -1,0 +1,125 @@
+//! The reference: the exact walk in double-double numbers of 106 bits.
+
+use std::cmp::Ordering;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use twofloat::TwoFloat;
+
+use crate::{
+    optics::{Lens, refraction::Refraction},
+    trace::{Blocked, Direction, Path, Ray, Real},
+};
+
+/// A number of 106 bits: the unevaluated sum of two doubles (T. J. Dekker, "A floating-point technique
+/// for extending the available precision", 1971).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DoubleDouble(TwoFloat);
+
+impl DoubleDouble {
+    /// The sum of two doubles, exactly.
+    pub fn sum(high: f64, low: f64) -> Self {
+        Self(TwoFloat::new_add(high, low))
+    }
+}
+
+impl PartialOrd for DoubleDouble {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        self.0.partial_cmp(&other.0)
+    }
+}
+
+macro_rules! operator {
+    ($($trait:ident $method:ident),*) => {$(
+        impl $trait for DoubleDouble {
+            type Output = Self;
+            fn $method(self, other: Self) -> Self {
+                Self($trait::$method(self.0, other.0))
+            }
+        }
+    )*};
+}
+
+operator!(Add add, Sub sub, Mul mul, Div div);
+
+impl Neg for DoubleDouble {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self(-self.0)
+    }
+}
+
+impl Real for DoubleDouble {
+    const ZERO: Self = Self(TwoFloat::from_f64(0.0));
+    const ONE: Self = Self(TwoFloat::from_f64(1.0));
+    /// 2^-104: a few units in the last place of the type's own operations.
+    const EPSILON: f64 = f64::EPSILON * f64::EPSILON;
+
+    fn from_f64(number: f64) -> Self {
+        Self(TwoFloat::from(number))
+    }
+
+    fn to_f64(self) -> f64 {
+        self.0.hi()
+    }
+
+    fn sqrt(self) -> Self {
+        let root = self.0.sqrt();
+        // One step of Newton's iteration on top, which makes the last digits sure.
+        if root.hi() > 0.0 && root.hi().is_finite() {
+            Self((root + self.0 / root) / TwoFloat::from(2.0))
+        } else {
+            Self(root)
+        }
+    }
+}
+
+/// A lens traced in double-double numbers.
+#[derive(Clone, Debug)]
+pub struct Reference(Path<DoubleDouble>);
+
+/// What the reference says of a ray that gets through.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ExactRay {
+    /// The point on the last surface, in the frame of its vertex (z along +z of lens space), mm.
+    pub point: [DoubleDouble; 3],
+    /// The unit direction after it.
+    pub direction: [DoubleDouble; 3],
+}
+
+impl Reference {
+    /// The reference for a lens and a direction of travel.
+    pub fn new(lens: &Lens, direction: Direction) -> Self {
+        Self(Path::new(lens, direction, Refraction::Fused))
+    }
+
+    /// Traces a ray whose components are taken as exact; the direction may have any length.
+    ///
+    /// # Errors
+    /// The reason why it is blocked.
+    pub fn trace(&self, ray: Ray) -> Result<ExactRay, Blocked> {
+        let origin = ray.origin.map(DoubleDouble::from_f64);
+        let direction = ray.direction.map(DoubleDouble::from_f64);
+        let (point, direction) = self.0.trace_in_full(origin, direction)?;
+        Ok(ExactRay { point, direction })
+    }
+}
+
+impl ExactRay {
+    /// Distance in mm between this point and that of a ray in lens space, whose last vertex lies at
+    /// `vertex`.
+    pub fn position_error(&self, ray: &Ray, vertex: f64) -> f64 {
+        let [x, y, z] = ray.origin;
+        let point = [x, y, z].map(DoubleDouble::from_f64);
+        let vertex = DoubleDouble::from_f64(vertex);
+        distance([point[0], point[1], point[2] - vertex], self.point)
+    }
+
+    /// Angle in rad between this direction and a unit vector.
+    pub fn direction_error(&self, ray: &Ray) -> f64 {
+        distance(ray.direction.map(DoubleDouble::from_f64), self.direction)
+    }
+}
+
+fn distance(a: [DoubleDouble; 3], b: [DoubleDouble; 3]) -> f64 {
+    (0..3).map(|i| (a[i] - b[i]).to_f64().powi(2)).sum::<f64>().sqrt()
+}
