@@ -6,7 +6,8 @@
 pub fn edge(mut inside: f64, mut outside: f64, holds: impl Fn(f64) -> bool) -> f64 {
     loop {
         let middle = f64::midpoint(inside, outside);
-        if middle == inside || middle == outside {
+        // Negated so that NaN ends the search, too.
+        if !(middle > inside.min(outside) && middle < inside.max(outside)) {
             return inside;
         }
         if holds(middle) { inside = middle } else { outside = middle }
@@ -21,7 +22,7 @@ pub fn root(mut a: f64, mut b: f64, f: impl Fn(f64) -> f64) -> f64 {
     let mut bisect = false;
     while fa != 0.0 && fb != 0.0 {
         let middle = f64::midpoint(a, b);
-        if middle == a || middle == b {
+        if !(middle > a.min(b) && middle < a.max(b)) {
             break;
         }
         let secant = b - fb * (b - a) / (fb - fa);
@@ -95,6 +96,16 @@ mod tests {
         assert!((root(1.0, 2.0, |x| x * x - 2.0) - target).abs() <= f64::EPSILON);
         assert!((root(0.0, 1e9, |x| x.cbrt() - 1e-3) - 1e-9).abs() < 1e-18);
         assert_eq!(root(3.0, 4.0, |x| x - 3.0), 3.0);
+    }
+
+    #[test]
+    fn searches_end_where_there_are_no_numbers() {
+        for (a, b) in [(f64::NAN, 1.0), (1.0, f64::NAN), (f64::NAN, f64::INFINITY), (0.0, f64::INFINITY)] {
+            edge(a, b, |x| x < 0.5);
+            root(a, b, |x| x - 0.5);
+            root(a, b, |_| f64::NAN);
+            minimum(a, b, 1e-8, |x| x * x);
+        }
     }
 
     #[test]

@@ -3,7 +3,6 @@
 #![cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
 
 #[path = "hosts/harness.rs"]
-#[allow(dead_code)]
 mod harness;
 
 use std::collections::HashMap;

@@ -89,6 +89,7 @@ impl From<CameraError> for Failure {
             | CameraError::FilmInLens { .. }
             | CameraError::PupilAtInfinity
             | CameraError::DarkAxis { .. }
+            | CameraError::Weight { .. }
             | CameraError::Transform(_)
             | CameraError::Raster { .. } => realistic_status::InvalidParameter,
         };

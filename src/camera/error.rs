@@ -48,6 +48,15 @@ pub enum CameraError {
         /// The lens.
         lens: String,
     },
+    /// The weight of a ray is no float.
+    #[error(
+        "a ray's weight would be {weight}, which is no finite number: the film is too large or too near \
+         for this lens; check \"filmdiag\", \"filmdistance\" and the units of the lens file, mm"
+    )]
+    Weight {
+        /// The weight along the axis.
+        weight: f64,
+    },
     /// The camera transform is no affine transform.
     #[error("the camera transform {0}")]
     Transform(&'static str),

@@ -160,6 +160,11 @@ impl RealisticCamera {
             }
             Weighting::None => None,
         };
+        let largest = if let Sampler::Disk(disk) = &sampler { disk } else { &rear }.slope_area();
+        let heaviest = weight.map_or(1.0, |weight| weight * largest);
+        if !(heaviest as f32).is_finite() {
+            return Err(CameraError::Weight { weight: heaviest });
+        }
         let entrance = EntrancePupil::of_surface(&lens, limiting_surface(&lens));
         let tracer = if setup.single_precision {
             Tracer::F32(Path::new(&lens, Direction::FilmToScene, setup.refraction))
@@ -197,8 +202,9 @@ impl RealisticCamera {
         };
         match traced {
             Ok(ray) => {
-                let weight = self.weight.map_or(1.0, |weight| weight * area * cos4(slopes));
-                Outcome::Ray(self.to_world(ray, sample.time), weight as f32)
+                let weight = self.weight.map_or(1.0, |weight| weight * area * cos4(slopes)) as f32;
+                // However small, the weight of a ray that passes is not that of a blocked one.
+                Outcome::Ray(self.to_world(ray, sample.time), weight.max(f32::MIN_POSITIVE))
             }
             Err(reason) => Outcome::Blocked(reason),
         }

@@ -21,12 +21,13 @@ pub(super) fn check(
                 &format!("thickness {} mm: vertices stand in order, so it is 0 or more", raw.thickness),
             ));
         }
-        if raw.diameter <= 0.0 {
+        let semi_diameter = raw.diameter / 2.0;
+        // The half of the smallest number is 0.
+        if semi_diameter <= 0.0 {
             return Err(
                 all.error(place, &format!("clear diameter {} mm: expected a positive number", raw.diameter))
             );
         }
-        let semi_diameter = raw.diameter / 2.0;
         let shape = if raw.radius.is_finite() {
             if semi_diameter > raw.radius.abs() {
                 return Err(all.error(

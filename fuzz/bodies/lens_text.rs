@@ -1,0 +1,41 @@
+//! Any bytes are a lens that can be traced, or an error at a place in them.
+
+use realistic::optics::{Lens, first_order::FirstOrder, focus::Focus};
+use realistic::prescription::{Shape, read};
+use realistic::trace::{Path, Ray};
+
+/// Panics where the reader breaks its word. True where the bytes are a lens.
+pub fn run(data: &[u8]) -> bool {
+    let prescription = match read("fuzz", data) {
+        Ok(prescription) => prescription,
+        Err(error) => {
+            assert!(error.line >= 1 && error.column >= 1 && !error.message.is_empty());
+            let place = format!("fuzz:{}:{}: ", error.line, error.column);
+            assert!(error.to_string().starts_with(&place), "{error}");
+            return false;
+        }
+    };
+    assert!(!prescription.interfaces.is_empty());
+    for interface in &prescription.interfaces {
+        assert!(interface.thickness >= 0.0 && interface.thickness.is_finite());
+        assert!(interface.semi_diameter > 0.0 && interface.semi_diameter.is_finite());
+        if let Shape::Sphere { radius } = interface.shape {
+            assert!(radius.is_finite() && interface.semi_diameter <= radius.abs());
+        }
+    }
+    let lens = Lens::at_d_line(&prescription);
+    let _ = FirstOrder::of(&lens);
+    if let Ok(focus) = Focus::new(&lens) {
+        let _ = focus.film_distance(f64::INFINITY);
+    }
+    let rear = lens.rear();
+    for height in [0.0, 0.5, 0.99] {
+        let origin = [0.3 * rear.semi_diameter, 0.0, rear.vertex - 2.0 * rear.semi_diameter];
+        let aim = [0.0, height * rear.semi_diameter, rear.vertex];
+        let direction = std::array::from_fn(|i| aim[i] - origin[i]);
+        if let Ok(ray) = Path::<f64>::film_to_scene(&lens).trace(Ray { origin, direction }) {
+            assert!(ray.origin.iter().chain(&ray.direction).all(|x| x.is_finite()), "{ray:?}");
+        }
+    }
+    true
+}
