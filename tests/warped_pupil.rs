@@ -64,7 +64,7 @@ fn weights_average_to_the_irradiance_found_by_brute_force() {
         for stop in [8.0, 22.0] {
             let case = Case::of(name, Some(stop));
             for height in [0.0, 2.2, 7.7, 12.0] {
-                let point = [0.0, height];
+                let point = [height, 0.0];
                 let truth = case.irradiance(point, case.surroundings(point), 300, 80);
                 let mean = case.expected_weight(point, 200);
                 assert!(
