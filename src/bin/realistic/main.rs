@@ -71,7 +71,7 @@ mod tests {
     fn no_command_takes_the_flags_of_render() {
         let cli = Cli::try_parse_from(["realistic", "--spp", "3"]).unwrap();
         assert!(cli.command.is_none());
-        assert_eq!(cli.render.spp, 3);
+        assert_eq!(cli.render.options.spp, Some(3));
         assert!(Cli::try_parse_from(["realistic", "--spp", "3", "install", "x"]).is_err());
     }
 }

@@ -13,6 +13,19 @@ use std::sync::Arc;
 /// Receives the plugin's warnings while a camera is being built.
 pub type Warn<'a> = &'a dyn Fn(&str);
 
+/// Where a camera stands: the row-major matrix for column vectors that takes its space, mm, to the
+/// scene's.
+pub type Pose = [f32; 16];
+
+/// At the scene's origin, level, looking along +z.
+pub const LEVEL: Pose = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+
+/// At a place, mm, tilted downward by an angle in degrees.
+pub fn tilted(degrees: f32, [x, y, z]: [f32; 3]) -> Pose {
+    let (sine, cosine) = degrees.to_radians().sin_cos();
+    [1.0, 0.0, 0.0, x, 0.0, cosine, -sine, y, 0.0, sine, cosine, z, 0.0, 0.0, 0.0, 1.0]
+}
+
 /// A built camera. It keeps its plugin loaded.
 pub struct Camera {
     handle: *mut realistic_camera,
@@ -26,7 +39,7 @@ unsafe impl Send for Camera {}
 unsafe impl Sync for Camera {}
 
 impl Camera {
-    /// Builds the camera that the parameters describe, for a picture of this size.
+    /// Builds the camera that the parameters describe, for a picture of this size, at a place.
     ///
     /// # Errors
     /// The plugin refuses the parameters; the message is its own.
@@ -34,6 +47,7 @@ impl Camera {
         plugin: &Arc<Plugin>,
         parameters: &Parameters,
         [width, height]: [u32; 2],
+        pose: &Pose,
         warn: Warn<'_>,
     ) -> Result<Self, PluginError> {
         let functions = &plugin.functions;
@@ -44,6 +58,11 @@ impl Camera {
         // SAFETY: it was filled in, and zeros, which it held before, are valid too.
         let mut raw = unsafe { raw.assume_init() };
         let _strings = options::fill(&mut raw, parameters)?;
+        let units = (1.0 / parameters.mmperunit.unwrap_or(1.0)) as f32;
+        raw.camera_to_world = *pose;
+        for row in 0..3 {
+            raw.camera_to_world[4 * row + 3] *= units;
+        }
         raw.xres = width as i32;
         raw.yres = height as i32;
         raw.log = Some(forward);

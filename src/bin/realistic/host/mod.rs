@@ -2,8 +2,10 @@
 
 pub mod camera;
 pub mod card;
+pub mod effects;
 pub mod focus;
 pub mod image;
+pub mod lettering;
 pub mod options;
 pub mod plugin;
 pub mod props;
@@ -12,4 +14,8 @@ pub mod sampler;
 pub mod scene;
 pub mod shade;
 pub mod shapes;
+pub mod sheet;
 pub mod sky;
+pub mod slides;
+pub mod spectrum;
+pub mod studio;
