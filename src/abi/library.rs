@@ -16,6 +16,8 @@ pub const REALISTIC_CAPABILITY_BATCH: u64 = 2;
 pub const REALISTIC_CAPABILITY_REASONS: u64 = 4;
 /// The wavelength matters for lenses with V-numbers.
 pub const REALISTIC_CAPABILITY_DISPERSION: u64 = 8;
+/// `realistic_autofocus` is there.
+pub const REALISTIC_CAPABILITY_AUTOFOCUS: u64 = 16;
 
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "\0");
 
@@ -36,7 +38,10 @@ pub extern "C" fn realistic_version() -> *const c_char {
 #[unsafe(no_mangle)]
 pub extern "C" fn realistic_capabilities() -> u64 {
     let pbrt = if cfg!(realistic_shim) { REALISTIC_CAPABILITY_PBRT_V1 } else { 0 };
-    pbrt | REALISTIC_CAPABILITY_BATCH | REALISTIC_CAPABILITY_REASONS | REALISTIC_CAPABILITY_DISPERSION
+    pbrt | REALISTIC_CAPABILITY_BATCH
+        | REALISTIC_CAPABILITY_REASONS
+        | REALISTIC_CAPABILITY_DISPERSION
+        | REALISTIC_CAPABILITY_AUTOFOCUS
 }
 
 /// The message of this thread's last failure, in one or more lines of UTF-8; empty when there was none. The

@@ -3,7 +3,9 @@
 //! A camera is built once from [`Parameters`], a [`Raster`] and a camera-to-world matrix, is
 //! immutable from then on, and turns a [`Sample`] into a ray in world space with its weight.
 
+pub mod autofocus;
 mod disk;
+pub mod disk_statistics;
 mod error;
 mod film;
 pub mod irradiance;

@@ -45,12 +45,12 @@ impl CameraToWorld {
     /// The inverse, world space to camera space, as a row-major 4x4 matrix for column vectors.
     pub fn inverse_rows(&self) -> [f32; 16] {
         let linear = self.linear.inverse();
-        let origin = -(linear * self.origin);
-        std::array::from_fn(|i| match (i / 4, i % 4) {
-            (3, column) => f32::from(u8::from(column == 3)),
-            (row, 3) => origin[row] as f32,
-            (row, column) => linear.col(column)[row] as f32,
-        })
+        to_rows(linear, -(linear * self.origin))
+    }
+
+    /// The transform itself in the form that [`CameraToWorld::from_rows`] takes.
+    pub fn rows(&self) -> [f32; 16] {
+        to_rows(self.linear, self.origin)
     }
 
     /// World-space point of a camera-space point.
@@ -62,6 +62,14 @@ impl CameraToWorld {
     pub fn direction(&self, d: DVec3) -> DVec3 {
         if self.is_identity { d } else { (self.linear * d).normalize() }
     }
+}
+
+fn to_rows(linear: DMat3, origin: DVec3) -> [f32; 16] {
+    std::array::from_fn(|i| match (i / 4, i % 4) {
+        (3, column) => f32::from(u8::from(column == 3)),
+        (row, 3) => origin[row] as f32,
+        (row, column) => linear.col(column)[row] as f32,
+    })
 }
 
 #[cfg(test)]
@@ -80,6 +88,7 @@ mod tests {
         let transform = CameraToWorld::from_rows(&matrix).expect("affine");
         assert_eq!(transform.point(DVec3::new(1.0, 2.0, 3.0)), DVec3::new(3.0, 0.0, 11.0));
         assert_eq!(transform.direction(DVec3::Z), DVec3::NEG_Y);
+        assert_eq!(transform.rows(), matrix);
     }
 
     #[test]

@@ -6,7 +6,7 @@ mod failure;
 mod host;
 
 use clap::{Parser, Subcommand};
-use commands::{install, render};
+use commands::{disks, focus_stack, install, render};
 use failure::Failure;
 use std::io::Write;
 use std::process::ExitCode;
@@ -33,6 +33,10 @@ struct Cli {
 enum Command {
     /// Render the built-in scene through a lens, with the plugin loaded as a host loads it
     Render(render::Args),
+    /// Take the same picture focused from near to far
+    FocusStack(focus_stack::Args),
+    /// Draw and measure the ways to sample a disk
+    Disks(disks::Args),
     /// Copy the plugin into a renderer's plugin directory
     Install(install::Args),
 }
@@ -52,6 +56,8 @@ fn main() -> ExitCode {
     let outcome = match &cli.command {
         None => render::run(&cli.render),
         Some(Command::Render(args)) => render::run(args),
+        Some(Command::FocusStack(args)) => focus_stack::run(args),
+        Some(Command::Disks(args)) => disks::run(args),
         Some(Command::Install(args)) => install::run(args),
     };
     outcome.map_or_else(Failure::report, |()| ExitCode::SUCCESS)

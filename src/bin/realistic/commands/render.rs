@@ -1,6 +1,7 @@
 //! `realistic render`: the built-in scene through a lens, or a slide of the lecture.
 
 use crate::failure::Failure;
+use crate::host::autofocus::{Method, Rule};
 use crate::host::camera::Camera;
 use crate::host::effects::Effects;
 use crate::host::image::Format;
@@ -30,7 +31,21 @@ pub struct Args {
     /// Trace this many wavelengths, 3 or more, and show the lens' colour errors
     #[arg(long, value_name = "N", conflicts_with = "slide", value_parser = clap::value_parser!(u32).range(3..=256))]
     wavelengths: Option<u32>,
+    /// Focus on a zone of the picture, in pixels; may be given again for others [default: the middle]
+    #[arg(long, value_name = "X,Y,W,H", num_args = 0..=1, conflicts_with = "slide", value_parser = zone,
+          default_missing_value = MIDDLE)]
+    autofocus: Vec<Option<[f32; 4]>>,
+    /// Which of several autofocus zones counts
+    #[arg(long, value_name = "RULE", default_value = "nearest", requires = "autofocus")]
+    autofocus_rule: Rule,
+    /// What the plugin asks this program for
+    #[arg(long, value_name = "METHOD", default_value = "distance", requires = "autofocus")]
+    autofocus_by: Method,
 }
+
+/// Stands for a zone in the middle of the picture.
+const MIDDLE: &str = "middle";
+
 
 const SPP: u32 = 128;
 
@@ -47,8 +62,14 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         let text = format!("{text}picture  {}\n", args.out.display());
         return Ok(std::io::stdout().write_all(text.as_bytes())?);
     }
-    let parameters = stopped_down(&studio.parameters, args.effects)?;
+    let mut parameters = stopped_down(&studio.parameters, args.effects)?;
     let scene = Scene::new().with(args.effects);
+    if !args.autofocus.is_empty() {
+        let zones: Vec<[f32; 4]> =
+            args.autofocus.iter().map(|zone| zone.unwrap_or_else(|| middle(studio.size))).collect();
+        let (rule, method) = (args.autofocus_rule, args.autofocus_by);
+        parameters.filmdistance = Some(studio.autofocus(&parameters, &scene, &zones, rule, method)?);
+    }
     let order = Order {
         spp: args.options.spp.unwrap_or(SPP),
         wavelengths: args.wavelengths,
@@ -122,6 +143,28 @@ fn timing(order: &Order, shot: &Shot, threads: usize) -> String {
     )
 }
 
-fn picture_path(text: &str) -> Result<PathBuf, String> {
+/// A zone of a tenth of the picture each way, at least a pixel, in its middle.
+fn middle(size: [u32; 2]) -> [f32; 4] {
+    let [width, height] = size.map(|side| (side as f32 / 10.0).ceil());
+    let [left, top] = [(size[0], width), (size[1], height)].map(|(side, part)| (side as f32 - part) / 2.0);
+    [left.floor(), top.floor(), width, height]
+}
+
+fn zone(text: &str) -> Result<Option<[f32; 4]>, String> {
+    if text == MIDDLE {
+        return Ok(None);
+    }
+    let numbers: Vec<f32> = text.split(',').filter_map(|part| part.trim().parse().ok()).collect();
+    match <[f32; 4]>::try_from(numbers) {
+        Ok(zone) if text.split(',').count() == 4 && zone[2] > 0.0 && zone[3] > 0.0 => Ok(Some(zone)),
+        _ => Err("write LEFT,TOP,WIDTH,HEIGHT in pixels of the picture, as in 200,140,80,40".to_owned()),
+    }
+}
+
+/// A path whose ending says what to write.
+///
+/// # Errors
+/// The ending is none of the two that can be written.
+pub fn picture_path(text: &str) -> Result<PathBuf, String> {
     Format::of(Path::new(text)).map(|_| PathBuf::from(text))
 }

@@ -1,5 +1,6 @@
 //! The Rust host: what a renderer needs around a camera that comes from a shared library.
 
+pub mod autofocus;
 pub mod camera;
 pub mod card;
 pub mod effects;

@@ -1,6 +1,7 @@
 //! What every command that takes pictures needs: the plugin, the parameters, threads, and one
 //! way to take a picture with them.
 
+use super::autofocus::{Autofocus, Method, Rule};
 use super::camera::Camera;
 use super::effects::Effects;
 use super::focus::{self, AxialRays};
@@ -136,6 +137,23 @@ impl Studio {
     pub fn camera(&self, parameters: &Parameters, scene: &Scene, order: &Order) -> Result<Camera, Failure> {
         let warn = |message: &str| self.warn(message);
         Ok(focus::build(&self.plugin, parameters, self.whole(order).size, scene, &warn)?)
+    }
+
+    /// The film distance, mm, that focuses zones of the picture, each left, top, width and height.
+    ///
+    /// # Errors
+    /// The plugin's own.
+    pub fn autofocus(
+        &self,
+        parameters: &Parameters,
+        scene: &Scene,
+        zones: &[[f32; 4]],
+        rule: Rule,
+        method: Method,
+    ) -> Result<f64, Failure> {
+        let autofocus =
+            Autofocus { plugin: &self.plugin, pool: &self.pool, scene, parameters, size: self.size };
+        Ok(autofocus.film_distance(zones, rule, method, &|message| self.warn(message))?)
     }
 
     fn whole(&self, order: &Order) -> Frame {
