@@ -41,7 +41,8 @@ pub enum realistic_autofocus_rule {
 /// Tells the distance along a ray from its origin to the first surface, world units: infinity for
 /// none, and NaN or a number that is not above 0 for "not known". It must return, without an exception.
 #[allow(non_camel_case_types)]
-pub type realistic_distance = Option<unsafe extern "C" fn(user: *mut c_void, ray: *const realistic_ray) -> f64>;
+pub type realistic_distance =
+    Option<unsafe extern "C" fn(user: *mut c_void, ray: *const realistic_ray) -> f64>;
 
 /// Tells how much contrast the picture of a trial camera has in a zone, in any measure that is 0 or
 /// more and highest where the picture is sharpest (the mean square difference of neighbouring
@@ -177,7 +178,9 @@ impl From<AutofocusError> for Failure {
         let status = match error {
             AutofocusError::Camera(error) => return error.into(),
             AutofocusError::Nothing { .. } => realistic_status::UnreachableFocus,
-            AutofocusError::NoZones { .. } | AutofocusError::Zone { .. } => realistic_status::InvalidParameter,
+            AutofocusError::NoZones { .. } | AutofocusError::Zone { .. } => {
+                realistic_status::InvalidParameter
+            }
         };
         Self::new(status, error.to_string())
     }

@@ -7,7 +7,9 @@
 
 use thiserror::Error;
 
-use super::{CameraError, Host, Level, Outcome, ParameterError, Parameters, Raster, RealisticCamera, Sample, WorldRay};
+use super::{
+    CameraError, Host, Level, Outcome, ParameterError, Parameters, Raster, RealisticCamera, Sample, WorldRay,
+};
 use crate::{
     numeric::minimum,
     optics::focus::{Focus, FocusError},
@@ -138,7 +140,9 @@ fn start(
     log: &mut dyn FnMut(Level, &str),
 ) -> Result<(RealisticCamera, Focus), AutofocusError> {
     check(zones, host.raster)?;
-    for (name, given) in [("filmdistance", parameters.filmdistance), ("focusdistance", parameters.focusdistance)] {
+    for (name, given) in
+        [("filmdistance", parameters.filmdistance), ("focusdistance", parameters.focusdistance)]
+    {
         if given.is_some() {
             return Err(CameraError::from(ParameterError::Both { first: name, second: "autofocus" }).into());
         }
@@ -223,7 +227,8 @@ fn film_distance(focus: &Focus, camera: &RealisticCamera, depth: f64) -> Result<
 
 /// Rays through the middle of the lens as far as it lets them, from a grid in a zone.
 fn rays(camera: &RealisticCamera, zone: &Zone) -> Vec<WorldRay> {
-    let step = |index: u16, low: f32, high: f32| low + (high - low) * (f32::from(index) + 0.5) / f32::from(GRID);
+    let step =
+        |index: u16, low: f32, high: f32| low + (high - low) * (f32::from(index) + 0.5) / f32::from(GRID);
     let at = |index: u16| {
         let (image_x, image_y) =
             (step(index % GRID, zone.left, zone.right), step(index / GRID, zone.top, zone.bottom));
@@ -319,7 +324,8 @@ impl Search {
             }
             let best = seen.iter().copied().reduce(|a, b| if b.1 > a.1 { b } else { a });
             let least = seen.iter().map(|(_, value)| *value).fold(f64::INFINITY, f64::min);
-            let Some((step, highest)) = best.filter(|best| best.1 > 0.0 && best.1 - least > FLAT * best.1) else {
+            let Some((step, highest)) = best.filter(|best| best.1 > 0.0 && best.1 - least > FLAT * best.1)
+            else {
                 answers.push(None);
                 continue;
             };

@@ -31,7 +31,8 @@ impl ChiSquared {
             found[(ring as usize).min(RINGS - 1) * SECTORS + (sector as usize).min(SECTORS - 1)] += 1;
         }
         let expected = points.len() as f64 / found.len() as f64;
-        let statistic = found.iter().map(|count| (f64::from(*count) - expected).powi(2)).sum::<f64>() / expected;
+        let statistic =
+            found.iter().map(|count| (f64::from(*count) - expected).powi(2)).sum::<f64>() / expected;
         let degrees_of_freedom = found.len() as u32 - 1;
         let p_value = upper_gamma(f64::from(degrees_of_freedom) / 2.0, statistic / 2.0);
         Self { statistic, degrees_of_freedom, p_value }

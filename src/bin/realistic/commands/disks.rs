@@ -73,7 +73,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             test.statistic,
             test.p_value
         );
-        let lines = [format!("discrepancy {rms:.4}"), format!("chi-squared p = {:.2}", test.p_value)];
+        let p = if test.p_value < 1e-3 { "< 0.001".to_owned() } else { format!("= {:.2}", test.p_value) };
+        let lines = [format!("discrepancy {rms:.4}"), format!("chi-squared p {p}")];
         let points = stratified(map, &mut Xoshiro256PlusPlus::seed_from_u64(args.seed));
         sheet.add(name, &drawn(&points, &lines), 1.0);
     }
@@ -130,12 +131,12 @@ fn discrepancy(map: Map, rng: &mut impl Rng) -> (f64, f64) {
 const PANEL: [u32; 2] = [400, 452];
 const RADIUS: f32 = 186.0;
 const DOT: f32 = 4.6;
-const PAPER: Vec3 = Vec3::new(0.045, 0.048, 0.058);
-const DISK: Vec3 = Vec3::new(0.010, 0.011, 0.014);
+const PAPER: Vec3 = Vec3::new(0.012, 0.013, 0.016);
+const DISK: Vec3 = Vec3::new(0.032, 0.035, 0.042);
 const GREY: Vec3 = Vec3::new(0.33, 0.33, 0.33);
 
-/// The points in the colours of their strata: neighbouring rows shade from hue to hue, and
-/// the columns go from dark to bright.
+/// The points in the colours of their strata: the rows have their hues, and the columns go from dark
+/// to bright.
 fn drawn(points: &[Point], lines: &[String; 2]) -> Picture {
     let mut picture = Picture::plain(PANEL, PAPER.to_array());
     let middle = PANEL[0] as f32 / 2.0;
@@ -168,7 +169,8 @@ fn colour([column, row]: [u32; 2]) -> Vec3 {
 /// A filled disk with a smooth rim.
 fn dot(picture: &mut Picture, [x, y]: [f32; 2], radius: f32, colour: Vec3) {
     let [width, height] = picture.size;
-    let span = |at: f32, end: u32| ((at - radius - 1.0).max(0.0) as u32)..((at + radius + 2.0) as u32).min(end);
+    let span =
+        |at: f32, end: u32| ((at - radius - 1.0).max(0.0) as u32)..((at + radius + 2.0) as u32).min(end);
     for row in span(y, height) {
         for column in span(x, width) {
             let off = (column as f32 + 0.5 - x).hypot(row as f32 + 0.5 - y);

@@ -52,7 +52,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let studio = Studio::open(&args.options)?;
     if studio.parameters.focusdistance.is_some() || studio.parameters.filmdistance.is_some() {
         return Err(Failure::Usage(
-            "--from and --to say where the focus is; leave out \"focusdistance\" and \"filmdistance\"".to_owned(),
+            "--from and --to say where the focus is; leave out \"focusdistance\" and \"filmdistance\""
+                .to_owned(),
         ));
     }
     let scene = Scene::new().with("soft-shadow,dof".parse().map_err(Failure::Usage)?);

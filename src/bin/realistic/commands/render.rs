@@ -46,7 +46,6 @@ pub struct Args {
 /// Stands for a zone in the middle of the picture.
 const MIDDLE: &str = "middle";
 
-
 const SPP: u32 = 128;
 
 /// Renders, writes the picture and tells what lens it was.
@@ -70,11 +69,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         let (rule, method) = (args.autofocus_rule, args.autofocus_by);
         parameters.filmdistance = Some(studio.autofocus(&parameters, &scene, &zones, rule, method)?);
     }
-    let order = Order {
-        spp: args.options.spp.unwrap_or(SPP),
-        wavelengths: args.wavelengths,
-        frame: None,
-    };
+    let order = Order { spp: args.options.spp.unwrap_or(SPP), wavelengths: args.wavelengths, frame: None };
     let camera = studio.camera(&parameters, &scene, &order)?;
     let shot = studio.shoot(&camera, &parameters, &scene, &order)?;
     shot.picture.write(&args.out, shot.scale).map_err(Failure::Other)?;

@@ -223,6 +223,7 @@ mod tests {
                 let y = (0.5 - sample.image_y / height) * 1.2 * height / width;
                 ray.o = [0.0; 3];
                 ray.d = Vec3::new(x, y, 1.0).normalize().to_array();
+                ray.time = sample.time;
                 *weight = if self.half_blocked && sample.lens_u < 0.5 { 0.0 } else { 1.0 };
             }
             Ok(())
@@ -230,11 +231,51 @@ mod tests {
     }
 
     fn rendered(threads: usize, half_blocked: bool, spp: u32) -> (Picture, Tally) {
+        pictured(&Scene::new(), threads, half_blocked, spp)
+    }
+
+    fn pictured(scene: &Scene, threads: usize, half_blocked: bool, spp: u32) -> (Picture, Tally) {
         let settings = Settings { size: [37, 21], corner: [0; 2], spp, seed: 7, mm_per_unit: 1.0 };
         let camera = Pinhole { size: settings.size, half_blocked };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let scene = Scene::new();
-        pool.install(|| render(&camera, &scene, &settings, &ProgressBar::hidden())).unwrap()
+        pool.install(|| render(&camera, scene, &settings, &ProgressBar::hidden())).unwrap()
+    }
+
+    fn with(effects: &str) -> Scene {
+        Scene::new().with(effects.parse().unwrap())
+    }
+
+    #[test]
+    fn without_effects_the_picture_is_that_of_a_scene_that_has_none() {
+        let mut plain = Scene::new();
+        plain.floor_roughness = 0.0;
+        plain.sun.radius = 0.0;
+        for ball in &mut plain.balls {
+            ball.shape.velocity = Vec3::ZERO;
+            ball.material.roughness = 0.0;
+        }
+        assert_eq!(pictured(&with("none"), 1, false, 4).0, pictured(&plain, 1, false, 4).0);
+        assert_eq!(pictured(&with("all"), 1, false, 4).0, rendered(1, false, 4).0);
+        for effect in ["gloss", "translucency", "soft-shadow", "motion"] {
+            let (picture, _) = pictured(&with(effect), 1, false, 4);
+            assert_ne!(picture, pictured(&plain, 1, false, 4).0, "{effect}");
+        }
+    }
+
+    #[test]
+    fn a_window_shows_its_part_of_the_picture() {
+        let [corner, size] = [[16, 5], [20, 16]];
+        let camera = Pinhole { size: [37, 21], half_blocked: false };
+        let settings = Settings { size, corner, spp: 256, seed: 7, mm_per_unit: 1.0 };
+        let scene = with("none");
+        let (part, _) = render(&camera, &scene, &settings, &ProgressBar::hidden()).unwrap();
+        let (whole, _) = pictured(&scene, 1, false, 256);
+        let mut error = 0.0;
+        for (index, pixel) in (0..).zip(&part.pixels) {
+            let [x, y] = [corner[0] + index % size[0], corner[1] + index / size[0]];
+            error += (pixel[1] - whole.pixels[(y * 37 + x) as usize][1]).abs();
+        }
+        assert!(error / (part.pixels.len() as f32) < 0.02, "{error}");
     }
 
     #[test]

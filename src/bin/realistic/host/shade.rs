@@ -171,7 +171,8 @@ mod tests {
     fn facets_have_the_slope_that_the_roughness_says_and_none_when_polished() {
         let normal = Vec3::new(0.6, 0.0, -0.8);
         assert_eq!(facet(normal, 0.0, [0.7, 0.2]), normal);
-        let numbers = (0..10_000_u16).map(|k| [(f32::from(k) + 0.5) / 1e4, (f32::from(k) * 0.618_034).fract()]);
+        let numbers =
+            (0..10_000_u16).map(|k| [(f32::from(k) + 0.5) / 1e4, (f32::from(k) * 0.618_034).fract()]);
         let squares = numbers.map(|numbers| {
             let cosine = facet(normal, 0.2, numbers).dot(normal);
             1.0 / (cosine * cosine) - 1.0
@@ -184,7 +185,7 @@ mod tests {
     fn no_reflection_goes_into_the_surface() {
         for k in 0..1000_u16 {
             let at = |step: f32| (f32::from(k) * step).fract();
-            let direction = Vec3::new(1.0, -0.3 * at(0.41), at(0.17)).normalize();
+            let direction = Vec3::new(1.0, -0.001 - 0.3 * at(0.41), at(0.17)).normalize();
             let rough = facet(Vec3::Y, 0.6, [at(0.754_878), at(0.569_84)]);
             let mirrored = off(direction, rough, Vec3::Y);
             assert!(mirrored.y >= 0.0 && (mirrored.length() - 1.0).abs() < 1e-5, "{mirrored}");

@@ -81,7 +81,8 @@ mod tests {
 
     #[test]
     fn a_lens_without_colour_errors_changes_no_colour() {
-        let scene = Picture { size: [3, 1], pixels: vec![[1.0, 1.0, 1.0], [0.9, 0.2, 0.05], [0.0, 0.1, 3.0]] };
+        let scene =
+            Picture { size: [3, 1], pixels: vec![[1.0, 1.0, 1.0], [0.9, 0.2, 0.05], [0.0, 0.1, 3.0]] };
         for count in [3, 4, 7, 16, 61] {
             let mut whole = Picture::plain(scene.size, [0.0; 3]);
             for (wavelength, band) in bands(count) {

@@ -25,8 +25,10 @@ pub fn panels(many: u32, size: [u32; 2]) -> Vec<Panel> {
             .set("pupil", "disk");
         let [width, height] = size;
         panel.order.wavelengths = wavelengths;
-        panel.order.frame =
-            Some(Frame { size: [ZOOM * width, ZOOM * height], corner: [width * (ZOOM - 1) - width / 4, height / 4] });
+        panel.order.frame = Some(Frame {
+            size: [ZOOM * width, ZOOM * height],
+            corner: [width * (ZOOM - 1) - width / 4, height / 4],
+        });
         panel.exposure = 2.0;
         panel
     };
