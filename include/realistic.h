@@ -51,6 +51,11 @@
 #define REALISTIC_CAPABILITY_MOTION 32
 
 /*
+ `realistic_autofocus` is there.
+ */
+#define REALISTIC_CAPABILITY_AUTOFOCUS 64
+
+/*
  How a call of the C ABI ended. The numbers are part of the ABI and never change.
  */
 enum realistic_status
@@ -451,6 +456,44 @@ typedef struct realistic_rays_soa {
     realistic_reason *reason;
 } realistic_rays_soa;
 
+/*
+ A rectangle of the picture in pixels; (0, 0) is the picture's top left corner.
+ */
+typedef struct realistic_zone {
+    /*
+     Left edge, 0 or more.
+     */
+    float left;
+    /*
+     Top edge, 0 or more.
+     */
+    float top;
+    /*
+     Right edge, beyond `left` and at most `xres`.
+     */
+    float right;
+    /*
+     Bottom edge, below `top` and at most `yres`.
+     */
+    float bottom;
+} realistic_zone;
+
+/*
+ Tells the distance along a ray from its origin to the first surface, world units: infinity for
+ none, and NaN or a number that is not above 0 for "not known". It must return, without an exception.
+ */
+typedef double (*realistic_distance)(void *user, const struct realistic_ray *ray);
+
+/*
+ Tells how much contrast the picture of a trial camera has in a zone, in any measure that is 0 or
+ more and highest where the picture is sharpest (the mean square difference of neighbouring
+ pixels, say): NaN for "not known". It should use the same random numbers for every camera. The camera
+ lives until the callback returns. It must return, without an exception.
+ */
+typedef double (*realistic_contrast)(void *user,
+                                     const struct realistic_camera *camera,
+                                     const struct realistic_zone *zone);
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -580,6 +623,30 @@ realistic_status realistic_camera_generate_rays_soa(const struct realistic_camer
                                                     size_t n,
                                                     const struct realistic_samples_soa *samples,
                                                     const struct realistic_rays_soa *rays);
+
+/*
+ Autofocus: finds the film distance, mm, to be given as `filmdistance`, at which the camera of
+ `options` has in focus what it sees in `n` zones of the picture. `rule` is a
+ `realistic_autofocus_rule`. The host gives one of the two callbacks and NULL for the other:
+ with `distance` a few rays a zone are asked about, with `contrast` some tens to hundreds of trial cameras are built,
+ from infinity to the nearest distance that the lens can focus. Zones that give no answer do not count. `options`
+ must leave `filmdistance` and `focusdistance` open. The callback is called on this thread, with `user` as it is.
+
+ Fails with `REALISTIC_STATUS_UNREACHABLE_FOCUS`, and leaves `*film_distance_mm` as it is, when no zone has
+ an answer.
+
+ # Safety
+ `options` as for `realistic_camera_new`; `zones` is NULL or has `n` elements; `film_distance_mm` is
+ NULL or writable; the callbacks are functions of their types.
+ */
+realistic_status realistic_autofocus(const struct realistic_options *options,
+                                     const struct realistic_zone *zones,
+                                     size_t n,
+                                     int32_t rule,
+                                     realistic_distance distance,
+                                     realistic_contrast contrast,
+                                     void *user,
+                                     double *film_distance_mm);
 
 #ifdef __cplusplus
 }  // extern "C"

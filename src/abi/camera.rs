@@ -3,12 +3,12 @@
 use std::ffi::{c_char, c_void};
 use std::mem::size_of;
 
-use super::boundary::{self, realistic_status};
+use super::boundary::{self, Failure, realistic_status};
 use super::handle::Handle;
 use super::object::{self, HostPart};
 use super::options::{self, check_size};
 use super::types::{realistic_camera, realistic_camera_info, realistic_log, realistic_options};
-use crate::camera::{CameraError, CameraToWorld, Film, Level};
+use crate::camera::{Film, Host, Level, Parameters};
 
 /// Bytes of the first version of `realistic_camera_info`.
 const FIRST_INFO_SIZE: usize = size_of::<realistic_camera_info>();
@@ -34,30 +34,37 @@ pub unsafe extern "C" fn realistic_camera_new(
             (options, options.parameters()?, options.host()?)
         };
         let mut log = |level, text: &str| log(options.log, options.log_user, level, text);
-        let handle = Handle::build(&parameters, &host, &mut log)?;
-        let clip = handle.camera().clip();
-        let shutter = handle.camera().shutter_interval();
-        let at_start = CameraToWorld::from_rows(&options.camera_to_world).map_err(CameraError::Transform)?;
-        let camera = object::new(
-            handle,
-            &HostPart {
-                film: std::ptr::null_mut(),
-                world_to_camera: at_start.inverse_rows(),
-                camera_to_world: options.camera_to_world,
-                hither: clip[0],
-                yon: clip[1],
-                shutter_open: shutter[0],
-                shutter_close: shutter[1],
-            },
-        )
-        .ok_or_else(boundary::out_of_memory)?;
+        let camera = make(&parameters, &host, &mut log)?;
         // SAFETY: not NULL, and the caller's promise.
         unsafe { out.write_unaligned(camera) };
         Ok(())
     })
 }
 
-fn log(callback: realistic_log, user: *mut c_void, level: Level, text: &str) {
+/// Makes a camera object, to be deleted by [`object::delete`].
+pub(super) fn make(
+    parameters: &Parameters,
+    host: &Host,
+    log: &mut dyn FnMut(Level, &str),
+) -> Result<*mut realistic_camera, Failure> {
+    let handle = Handle::build(parameters, host, log)?;
+    let clip = handle.camera().clip();
+    let shutter = handle.camera().shutter_interval();
+    let at_start = host.to_world.at(shutter[0]);
+    let host = HostPart {
+        film: std::ptr::null_mut(),
+        world_to_camera: at_start.inverse_rows(),
+        camera_to_world: at_start.rows(),
+        hither: clip[0],
+        yon: clip[1],
+        shutter_open: shutter[0],
+        shutter_close: shutter[1],
+    };
+    object::new(handle, &host).ok_or_else(boundary::out_of_memory)
+}
+
+/// Tells the caller a message.
+pub(super) fn log(callback: realistic_log, user: *mut c_void, level: Level, text: &str) {
     if let Some(callback) = callback {
         let number = match level {
             Level::Info => 0,

@@ -20,6 +20,8 @@ pub const REALISTIC_CAPABILITY_DISPERSION: u64 = 8;
 pub const REALISTIC_CAPABILITY_MODELS: u64 = 16;
 /// The camera may move (`camera_to_world_end`), and the shutter be other than global.
 pub const REALISTIC_CAPABILITY_MOTION: u64 = 32;
+/// `realistic_autofocus` is there.
+pub const REALISTIC_CAPABILITY_AUTOFOCUS: u64 = 64;
 
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "\0");
 
@@ -45,6 +47,7 @@ pub extern "C" fn realistic_capabilities() -> u64 {
         | REALISTIC_CAPABILITY_DISPERSION
         | REALISTIC_CAPABILITY_MODELS
         | REALISTIC_CAPABILITY_MOTION
+        | REALISTIC_CAPABILITY_AUTOFOCUS
 }
 
 /// The message of this thread's last failure, in one or more lines of UTF-8; empty when there was none. The

@@ -2,9 +2,10 @@
 //!
 //! `types` are the structures by layout, `boundary` keeps panics inside, `object` makes and
 //! recognises the cameras that a host holds, `handle` is the camera in them; `library`,
-//! `options`, `camera`, `ray` and `batch` export what a C caller uses; `plugin` knows the file this was loaded from; `shim` speaks to the C++
+//! `options`, `camera`, `ray`, `batch` and `autofocus` export what a C caller uses; `plugin` knows the file this was loaded from; `shim` speaks to the C++
 //! face and `pbrt` is the entry of a pbrt-v1 host (both only where `pbrt-shim/` is built).
 
+mod autofocus;
 mod batch;
 mod boundary;
 mod camera;
@@ -20,6 +21,7 @@ mod ray;
 mod shim;
 mod types;
 
+pub use autofocus::*;
 pub use batch::*;
 pub use boundary::realistic_status;
 pub use camera::*;

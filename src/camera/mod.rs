@@ -5,8 +5,10 @@
 //! the models of [`Model`]; [`spaces`] has the coordinate spaces and [`measurement`] the equation that a pixel
 //! is an estimate of.
 
+pub mod autofocus;
 mod check;
 mod disk;
+pub mod disk_statistics;
 mod environment;
 mod error;
 mod film;

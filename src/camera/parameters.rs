@@ -98,7 +98,8 @@ macro_rules! parameters {
         pub struct Parameters {
             $(#[doc = $help] pub $field: Option<parameters!(@type $kind)>,)*
             /// Parameters that were set by their alias.
-            by_alias: Vec<&'static str>,
+            #[doc(hidden)]
+            pub by_alias: Vec<&'static str>,
         }
 
         impl Parameters {

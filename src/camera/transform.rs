@@ -69,12 +69,12 @@ impl CameraToWorld {
     /// The inverse, world space to camera space, as a row-major 4x4 matrix for column vectors.
     pub fn inverse_rows(&self) -> [f32; 16] {
         let linear = self.linear.inverse();
-        let origin = -(linear * self.origin);
-        std::array::from_fn(|i| match (i / 4, i % 4) {
-            (3, column) => f32::from(u8::from(column == 3)),
-            (row, 3) => origin[row] as f32,
-            (row, column) => linear.col(column)[row] as f32,
-        })
+        to_rows(linear, -(linear * self.origin))
+    }
+
+    /// The transform itself in the form that [`CameraToWorld::from_rows`] takes.
+    pub fn rows(&self) -> [f32; 16] {
+        to_rows(self.linear, self.origin)
     }
 
     /// World-space point of a camera-space point.
@@ -109,6 +109,14 @@ impl CameraToWorld {
     }
 }
 
+fn to_rows(linear: DMat3, origin: DVec3) -> [f32; 16] {
+    std::array::from_fn(|i| match (i / 4, i % 4) {
+        (3, column) => f32::from(u8::from(column == 3)),
+        (row, 3) => origin[row] as f32,
+        (row, column) => linear.col(column)[row] as f32,
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -126,6 +134,7 @@ mod tests {
         let transform = CameraToWorld::from_rows(&MATRIX).expect("affine");
         assert_eq!(transform.point(DVec3::new(1.0, 2.0, 3.0)), DVec3::new(3.0, 0.0, 11.0));
         assert_eq!(transform.direction(DVec3::Z), DVec3::NEG_Y);
+        assert_eq!(transform.rows(), MATRIX);
         assert_eq!(transform.point_single([1.0, 2.0, 3.0]), [3.0, 0.0, 11.0]);
         assert_eq!(transform.direction_single([0.0, 0.0, 1.0]), ([0.0, -1.0, 0.0], 2.0));
     }

@@ -8,7 +8,7 @@ mod failure;
 mod host;
 
 use clap::{Parser, Subcommand};
-use commands::{draw, focus, install, lens, pupil, render, trace};
+use commands::{disks, draw, focus, focus_stack, install, lens, pupil, render, trace};
 use failure::Failure;
 use std::io::Write;
 use std::process::ExitCode;
@@ -45,6 +45,10 @@ enum Command {
     Focus(focus::Args),
     /// Show which part of the lens a film point gets light from
     Pupil(pupil::Args),
+    /// Take the same picture focused from near to far
+    FocusStack(focus_stack::Args),
+    /// Draw and measure the ways to sample a disk
+    Disks(disks::Args),
     /// Copy the plugin into a renderer's plugin directory
     Install(install::Args),
 }
@@ -69,6 +73,8 @@ fn main() -> ExitCode {
         Some(Command::Trace(args)) => trace::run(args),
         Some(Command::Focus(args)) => focus::run(args),
         Some(Command::Pupil(args)) => pupil::run(args),
+        Some(Command::FocusStack(args)) => focus_stack::run(args),
+        Some(Command::Disks(args)) => disks::run(args),
         Some(Command::Install(args)) => install::run(args),
     };
     outcome.map_or_else(Failure::report, |()| ExitCode::SUCCESS)
@@ -88,7 +94,7 @@ mod tests {
     fn no_command_takes_the_flags_of_render() {
         let cli = Cli::try_parse_from(["realistic", "--spp", "3"]).unwrap();
         assert!(cli.command.is_none());
-        assert_eq!(cli.render.spp, 3);
+        assert_eq!(cli.render.options.spp, Some(3));
         assert!(Cli::try_parse_from(["realistic", "--spp", "3", "install", "x"]).is_err());
     }
 }

@@ -1,7 +1,9 @@
 //! The subcommands: one module each, with its `Args` and its `run`.
 
+pub mod disks;
 pub mod draw;
 pub mod focus;
+pub mod focus_stack;
 pub mod install;
 pub mod lens;
 pub mod pupil;

@@ -1,158 +1,105 @@
-//! `realistic render`: the built-in scene through a lens.
+//! `realistic render`: the built-in scene through a lens, or a slide of the lecture.
 
-use crate::choice::size;
 use crate::failure::Failure;
+use crate::host::autofocus::{Method, Rule};
 use crate::host::camera::Camera;
-use crate::host::focus::{self, AxialRays};
+use crate::host::effects::Effects;
 use crate::host::image::Format;
-use crate::host::plugin::{self, Plugin};
-use crate::host::render::{Settings, Tally, render};
+use crate::host::plugin::Plugin;
 use crate::host::scene::Scene;
-use indicatif::{ProgressBar, ProgressStyle};
-use realistic::abi::realistic_camera_info;
-use realistic::camera::{PARAMETERS, Parameters};
+use crate::host::slides::Slide;
+use crate::host::studio::{Options, Order, Shot, Studio, parameter_help, stopped_down};
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::time::{Duration, Instant};
 
 /// What `render` can be told.
 #[derive(clap::Args, Debug)]
 #[command(after_help = parameter_help())]
 pub struct Args {
-    /// Lens: a file, or a name of the catalogue; NAME@35mm scales it to that focal length
-    /// [default: dgauss.50mm]
-    #[arg(long, value_name = "LENS")]
-    lens: Option<String>,
-    /// Picture to write: .png (8-bit sRGB) or .exr (linear irradiance on the film)
+    #[command(flatten)]
+    pub options: Options,
+    /// Picture to write: .png (8-bit sRGB) or .exr (linear irradiance on the film; of a slide, as shown)
     #[arg(long, value_name = "FILE", default_value = "realistic.png", value_parser = picture_path)]
     out: PathBuf,
-    /// Size of the picture in pixels
-    #[arg(long, value_name = "WxH", default_value = "480x320", value_parser = size)]
-    size: [u32; 2],
-    /// Samples a pixel
-    #[arg(long, value_name = "N", default_value_t = 128,
-          value_parser = clap::value_parser!(u32).range(1..=16_384))]
-    pub spp: u32,
-    /// A camera parameter; may be given again for others (names and units below)
-    #[arg(long = "param", value_name = "NAME=VALUE")]
-    parameters: Vec<String>,
-    /// Threads to render with [default: one a core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
-    /// Brightness of the .png in stops; 0 shows a white card on the axis as it is
-    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true)]
-    exposure: f32,
-    /// The plugin to load [default: the one built with this program]
-    #[arg(long, value_name = "FILE")]
-    plugin: Option<PathBuf>,
-    /// Random numbers; the same seed gives the same picture with any number of threads
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    seed: u64,
+    /// Effects with commas between them: gloss, translucency, soft-shadow, dof, motion; or none, or all
+    #[arg(long, value_name = "NAMES", default_value = "soft-shadow,dof", conflicts_with = "slide")]
+    effects: Effects,
+    /// A slide of the lecture instead of one picture: an effect off, with few samples and with many
+    #[arg(long, value_name = "NAME")]
+    slide: Option<Slide>,
+    /// Trace this many wavelengths, 3 or more, and show the lens' colour errors
+    #[arg(long, value_name = "N", conflicts_with = "slide", value_parser = clap::value_parser!(u32).range(3..=256))]
+    wavelengths: Option<u32>,
+    /// Focus on a zone of the picture, in pixels; may be given again for others [default: the middle]
+    #[arg(long, value_name = "X,Y,W,H", num_args = 0..=1, conflicts_with = "slide", value_parser = zone,
+          default_missing_value = MIDDLE)]
+    autofocus: Vec<Option<[f32; 4]>>,
+    /// Which of several autofocus zones counts
+    #[arg(long, value_name = "RULE", default_value = "nearest", requires = "autofocus")]
+    autofocus_rule: Rule,
+    /// What the plugin asks this program for
+    #[arg(long, value_name = "METHOD", default_value = "distance", requires = "autofocus")]
+    autofocus_by: Method,
 }
+
+/// Stands for a zone in the middle of the picture.
+const MIDDLE: &str = "middle";
+
+const SPP: u32 = 128;
 
 /// Renders, writes the picture and tells what lens it was.
 ///
 /// # Errors
 /// Bad parameters, no plugin, or a file that cannot be written.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let parameters = gather(args.lens.as_deref(), &args.parameters)?;
-    let folder = args.out.parent().filter(|parent| !parent.as_os_str().is_empty());
-    if let Some(folder) = folder
-        && !folder.is_dir()
-    {
-        return Err(Failure::Other(format!(
-            "cannot write {}: there is no directory {}; create it or give --out another path",
-            args.out.display(),
-            folder.display()
-        )));
+    writable(&args.out)?;
+    let studio = Studio::open(&args.options)?;
+    if let Some(slide) = args.slide {
+        let (picture, text) = slide.take(&studio, &args.options)?;
+        picture.write(&args.out, 1.0).map_err(Failure::Other)?;
+        let text = format!("{text}picture  {}\n", args.out.display());
+        return Ok(std::io::stdout().write_all(text.as_bytes())?);
     }
-    let plugin = Arc::new(Plugin::load(&plugin::find(args.plugin.as_deref())?)?);
-    let progress = progress_bar();
-    let warn = |message: &str| {
-        progress.suspend(|| {
-            let _ = writeln!(std::io::stderr(), "realistic: warning: {message}");
-        });
-    };
-    let scene = Scene::new();
-    let camera = focus::build(&plugin, &parameters, args.size, &warn)?;
-    let info = camera.info()?;
-    let settings = Settings {
-        size: args.size,
-        spp: args.spp,
-        seed: args.seed,
-        mm_per_unit: parameters.mmperunit.unwrap_or(1.0) as f32,
-    };
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(args.threads.map_or(0, usize::from))
-        .build()
-        .map_err(|error| Failure::Other(format!("{error}; give fewer --threads")))?;
-    let start = Instant::now();
-    let (picture, tally) = pool.install(|| render(&camera, &scene, &settings, &progress))?;
-    let took = start.elapsed();
-    progress.finish_and_clear();
-    let white = white_level(&camera, &parameters, &info, args.size)?;
-    let scale = args.exposure.exp2() / white;
-    picture.write(&args.out, scale).map_err(Failure::Other)?;
+    let mut parameters = stopped_down(&studio.parameters, args.effects)?;
+    let scene = Scene::new().with(args.effects);
+    if !args.autofocus.is_empty() {
+        let zones: Vec<[f32; 4]> =
+            args.autofocus.iter().map(|zone| zone.unwrap_or_else(|| middle(studio.size))).collect();
+        let (rule, method) = (args.autofocus_rule, args.autofocus_by);
+        parameters.filmdistance = Some(studio.autofocus(&parameters, &scene, &zones, rule, method)?);
+    }
+    let order = Order { spp: args.options.spp.unwrap_or(SPP), wavelengths: args.wavelengths, frame: None };
+    let camera = studio.camera(&parameters, &scene, &order)?;
+    let shot = studio.shoot(&camera, &parameters, &scene, &order)?;
+    shot.picture.write(&args.out, shot.scale).map_err(Failure::Other)?;
 
-    let mut text = describe(&plugin, &camera.lens_name()?, &info, args.size);
-    let threads = pool.current_num_threads();
-    let _ = writeln!(text, "picture  {}", timing(&settings, &tally, took, threads));
+    let mut text = describe(&studio.plugin, &camera, studio.size)?;
+    let _ = writeln!(text, "picture  {}", timing(&order, &shot, studio.threads()));
     let _ = writeln!(text, "         {}", args.out.display());
     Ok(std::io::stdout().write_all(text.as_bytes())?)
 }
 
-/// The film's irradiance where the scene has radiance 1.
-fn white_level(
-    camera: &Camera,
-    parameters: &Parameters,
-    info: &realistic_camera_info,
-    size: [u32; 2],
-) -> Result<f32, Failure> {
-    let radiometric = match (&parameters.weighting, parameters.simpleweighting) {
-        (Some(name), _) => name == "radiometric",
-        (None, simple) => simple != Some(true),
-    };
-    // By the lens' own number, not by metering: what a lens loses shows.
-    if radiometric && info.fnumber > 0.0 {
-        let fnumber = info.fnumber as f32;
-        return Ok(std::f32::consts::FRAC_PI_4 / (fnumber * fnumber));
+/// Whether the folder of a file to be written is there, before the work is done.
+///
+/// # Errors
+/// There is none.
+pub fn writable(file: &Path) -> Result<(), Failure> {
+    match file.parent().filter(|parent| !parent.as_os_str().is_empty()) {
+        Some(folder) if !folder.is_dir() => Err(Failure::Other(format!(
+            "cannot write {}: there is no directory {}; create it or give --out another path",
+            file.display(),
+            folder.display()
+        ))),
+        _ => Ok(()),
     }
-    let metered = AxialRays::of(camera, size)?.mean_weight();
-    Ok(if metered > 0.0 { metered } else { 1.0 })
 }
 
-fn gather(lens: Option<&str>, given: &[String]) -> Result<Parameters, Failure> {
-    let mut parameters = Parameters::default();
-    let mut seen: Vec<&str> = Vec::new();
-    for text in given {
-        let Some((name, value)) = text.split_once('=') else {
-            return Err(Failure::Usage(format!("--param \"{text}\" has no \"=\"; write --param NAME=VALUE")));
-        };
-        if seen.contains(&name) {
-            return Err(Failure::Usage(format!("parameter \"{name}\" is given twice; give it once")));
-        }
-        parameters.set_from_text(name, value)?;
-        seen.push(name);
-    }
-    match (lens, &parameters.specfile) {
-        (Some(lens), Some(file)) => {
-            return Err(Failure::Usage(format!(
-                "--lens \"{lens}\" and parameter \"specfile\" (\"{file}\") say the same thing; give \
-                 one of them"
-            )));
-        }
-        (None, Some(_)) => {}
-        (lens, None) => parameters.specfile = Some(lens.unwrap_or("dgauss.50mm").to_owned()),
-    }
-    Ok(parameters)
-}
-
-fn describe(plugin: &Plugin, lens: &str, info: &realistic_camera_info, size: [u32; 2]) -> String {
+fn describe(plugin: &Plugin, camera: &Camera, size: [u32; 2]) -> Result<String, Failure> {
+    let (lens, info) = (camera.lens_name()?, camera.info()?);
     let [width, height] = size.map(f64::from);
     let pixel = info.film_diagonal_mm / width.hypot(height);
-    format!(
+    Ok(format!(
         "plugin   {}, version {}\n\
          lens     {lens}: {:.2} mm, f/{:.2}, {} interfaces with the stop\n\
          film     {:.2} x {:.2} mm (diagonal {:.1} mm), {:.3} mm behind the last vertex\n\
@@ -171,74 +118,48 @@ fn describe(plugin: &Plugin, lens: &str, info: &realistic_camera_info, size: [u3
         } else {
             "infinity".to_owned()
         },
-    )
+    ))
 }
 
-fn timing(settings: &Settings, tally: &Tally, took: Duration, threads: usize) -> String {
-    let [width, height] = settings.size;
+fn timing(order: &Order, shot: &Shot, threads: usize) -> String {
+    let [width, height] = shot.picture.size;
+    let tally = &shot.tally;
     let rays = tally.rays as f64;
+    let colours = order.wavelengths.map_or(String::new(), |count| format!(" at each of {count} wavelengths"));
     format!(
-        "{width}x{height}, {} samples a pixel, in {:.2} s on {threads} thread{}: {:.2} million rays a \
+        "{width}x{height}, {} samples a pixel{colours}, in {:.2} s on {threads} thread{}: {:.2} million rays a \
          second,\n         {:.0} ns a ray in the lens, {:.1} % of the rays got through it",
-        settings.spp,
-        took.as_secs_f64(),
+        order.spp,
+        shot.took.as_secs_f64(),
         if threads == 1 { "" } else { "s" },
-        rays / took.as_secs_f64() / 1e6,
+        rays / shot.took.as_secs_f64() / 1e6,
         tally.in_camera.as_nanos() as f64 / rays,
         100.0 * tally.passed as f64 / rays,
     )
 }
 
-/// Draws on standard error, and only when that is a terminal.
-fn progress_bar() -> ProgressBar {
-    let style = ProgressStyle::with_template("rendering {bar:40} {percent:>3} %  {eta} left")
-        .unwrap_or_else(|_| ProgressStyle::default_bar());
-    // Of no tiles at all it would show itself full before the rendering starts.
-    ProgressBar::new(1).with_style(style)
+/// A zone of a tenth of the picture each way, at least a pixel, in its middle.
+fn middle(size: [u32; 2]) -> [f32; 4] {
+    let [width, height] = size.map(|side| (side as f32 / 10.0).ceil());
+    let [left, top] = [(size[0], width), (size[1], height)].map(|(side, part)| (side as f32 - part) / 2.0);
+    [left.floor(), top.floor(), width, height]
 }
 
-fn picture_path(text: &str) -> Result<PathBuf, String> {
+fn zone(text: &str) -> Result<Option<[f32; 4]>, String> {
+    if text == MIDDLE {
+        return Ok(None);
+    }
+    let numbers: Vec<f32> = text.split(',').filter_map(|part| part.trim().parse().ok()).collect();
+    match <[f32; 4]>::try_from(numbers) {
+        Ok(zone) if text.split(',').count() == 4 && zone[2] > 0.0 && zone[3] > 0.0 => Ok(Some(zone)),
+        _ => Err("write LEFT,TOP,WIDTH,HEIGHT in pixels of the picture, as in 200,140,80,40".to_owned()),
+    }
+}
+
+/// A path whose ending says what to write.
+///
+/// # Errors
+/// The ending is none of the two that can be written.
+pub fn picture_path(text: &str) -> Result<PathBuf, String> {
     Format::of(Path::new(text)).map(|_| PathBuf::from(text))
-}
-
-fn parameter_help() -> String {
-    let mut text = String::from("Parameters for --param:\n");
-    for row in PARAMETERS {
-        let _ = writeln!(text, "  {:<18} {}", row.name, row.help);
-    }
-    text
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn given(texts: &[&str]) -> Result<Parameters, Failure> {
-        let texts: Vec<String> = texts.iter().map(|text| (*text).to_owned()).collect();
-        gather(None, &texts)
-    }
-
-    fn refused(texts: &[&str]) -> String {
-        match given(texts) {
-            Err(Failure::Usage(message)) => message,
-            other => panic!("{other:?}"),
-        }
-    }
-
-    #[test]
-    fn parameters_go_by_name_and_the_lens_with_them() {
-        let parameters = given(&["filmdistance=40.5", "pupil=disk"]).unwrap();
-        assert_eq!(parameters.filmdistance, Some(40.5));
-        assert_eq!(parameters.pupil.as_deref(), Some("disk"));
-        assert_eq!(parameters.specfile.as_deref(), Some("dgauss.50mm"));
-    }
-
-    #[test]
-    fn bad_parameters_say_what_to_do() {
-        assert!(refused(&["fokus=3"]).contains("focusdistance"));
-        assert!(refused(&["filmdiag"]).contains("NAME=VALUE"));
-        assert!(refused(&["filmdiag=large"]).contains("a number"));
-        assert!(refused(&["filmdiag=35", "filmdiag=36"]).contains("twice"));
-        assert!(gather(Some("a.dat"), &["lensfile=b.dat".to_owned()]).is_err());
-    }
 }

@@ -6,12 +6,25 @@ use super::render::RaySource;
 use realistic::abi::{realistic_camera, realistic_camera_info, realistic_options};
 use realistic::abi::{realistic_ray, realistic_sample};
 use realistic::camera::Parameters;
-use std::ffi::{c_char, c_void};
+use std::ffi::{CString, c_char, c_void};
 use std::mem::MaybeUninit;
 use std::sync::Arc;
 
 /// Receives the plugin's warnings while a camera is being built.
 pub type Warn<'a> = &'a dyn Fn(&str);
+
+/// Where a camera stands: the row-major matrix for column vectors that takes its space, mm, to the
+/// scene's.
+pub type Pose = [f32; 16];
+
+/// At the scene's origin, level, looking along +z.
+pub const LEVEL: Pose = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+
+/// At a place, mm, tilted downward by an angle in degrees.
+pub fn tilted(degrees: f32, [x, y, z]: [f32; 3]) -> Pose {
+    let (sine, cosine) = degrees.to_radians().sin_cos();
+    [1.0, 0.0, 0.0, x, 0.0, cosine, -sine, y, 0.0, sine, cosine, z, 0.0, 0.0, 0.0, 1.0]
+}
 
 /// A built camera. It keeps its plugin loaded.
 pub struct Camera {
@@ -26,7 +39,7 @@ unsafe impl Send for Camera {}
 unsafe impl Sync for Camera {}
 
 impl Camera {
-    /// Builds the camera that the parameters describe, for a picture of this size.
+    /// Builds the camera that the parameters describe, for a picture of this size, at a place.
     ///
     /// # Errors
     /// The plugin refuses the parameters; the message is its own.
@@ -34,24 +47,14 @@ impl Camera {
         plugin: &Arc<Plugin>,
         parameters: &Parameters,
         [width, height]: [u32; 2],
+        pose: &Pose,
         warn: Warn<'_>,
     ) -> Result<Self, PluginError> {
-        let functions = &plugin.functions;
-        let mut raw = MaybeUninit::zeroed();
-        let size = size_of::<realistic_options>() as u32;
-        // SAFETY: the structure is as large as we say.
-        plugin.check(unsafe { (functions.options_init)(raw.as_mut_ptr(), size) })?;
-        // SAFETY: it was filled in, and zeros, which it held before, are valid too.
-        let mut raw = unsafe { raw.assume_init() };
-        let _strings = options::fill(&mut raw, parameters)?;
-        raw.xres = width as i32;
-        raw.yres = height as i32;
-        raw.log = Some(forward);
-        raw.log_user = (&raw const warn).cast_mut().cast();
+        let (raw, _strings) = options(plugin, parameters, [width, height], pose, &warn)?;
         let mut handle = std::ptr::null_mut();
         // SAFETY: the strings and `warn` live until the end of this function, and the
         // callback is used only while the camera is being built.
-        plugin.check(unsafe { (functions.camera_new)(&raw, &mut handle) })?;
+        plugin.check(unsafe { (plugin.functions.camera_new)(&raw, &mut handle) })?;
         Ok(Self { handle, plugin: Arc::clone(plugin) })
     }
 
@@ -95,23 +98,37 @@ impl RaySource for Camera {
         rays: &mut [realistic_ray],
         weights: &mut [f32],
     ) -> Result<(), PluginError> {
-        assert!(samples.len() == rays.len() && samples.len() == weights.len());
-        let generate = self.plugin.functions.camera_generate_rays;
-        // SAFETY: the handle is this plugin's and alive; the arrays are as long as we say,
-        // and packed.
-        self.plugin.check(unsafe {
-            generate(
-                self.handle,
-                samples.len(),
-                samples.as_ptr(),
-                0,
-                rays.as_mut_ptr(),
-                0,
-                weights.as_mut_ptr(),
-                std::ptr::null_mut(),
-            )
-        })
+        // SAFETY: the handle is this plugin's and alive.
+        unsafe { generate(&self.plugin, self.handle, samples, rays, weights) }
     }
+}
+
+/// Rays of a camera of the plugin.
+///
+/// # Safety
+/// `camera` is a live camera of this plugin.
+pub(super) unsafe fn generate(
+    plugin: &Plugin,
+    camera: *const realistic_camera,
+    samples: &[realistic_sample],
+    rays: &mut [realistic_ray],
+    weights: &mut [f32],
+) -> Result<(), PluginError> {
+    assert!(samples.len() == rays.len() && samples.len() == weights.len());
+    let generate = plugin.functions.camera_generate_rays;
+    // SAFETY: the caller's promise; the arrays are as long as we say, and packed.
+    plugin.check(unsafe {
+        generate(
+            camera,
+            samples.len(),
+            samples.as_ptr(),
+            0,
+            rays.as_mut_ptr(),
+            0,
+            weights.as_mut_ptr(),
+            std::ptr::null_mut(),
+        )
+    })
 }
 
 impl Drop for Camera {
@@ -119,6 +136,33 @@ impl Drop for Camera {
         // SAFETY: the handle is this plugin's, and nobody has it any more.
         unsafe { (self.plugin.functions.camera_free)(self.handle) }
     }
+}
+
+/// The C options of a camera. The strings, and `warn`, must outlive them.
+pub(super) fn options(
+    plugin: &Plugin,
+    parameters: &Parameters,
+    [width, height]: [u32; 2],
+    pose: &Pose,
+    warn: &Warn<'_>,
+) -> Result<(realistic_options, Vec<CString>), PluginError> {
+    let mut raw = MaybeUninit::zeroed();
+    let size = size_of::<realistic_options>() as u32;
+    // SAFETY: the structure is as large as we say.
+    plugin.check(unsafe { (plugin.functions.options_init)(raw.as_mut_ptr(), size) })?;
+    // SAFETY: it was filled in, and zeros, which it held before, are valid too.
+    let mut raw = unsafe { raw.assume_init() };
+    let strings = options::fill(&mut raw, parameters)?;
+    let units = (1.0 / parameters.mmperunit.unwrap_or(1.0)) as f32;
+    raw.camera_to_world = *pose;
+    for row in 0..3 {
+        raw.camera_to_world[4 * row + 3] *= units;
+    }
+    raw.xres = width as i32;
+    raw.yres = height as i32;
+    raw.log = Some(forward);
+    raw.log_user = std::ptr::from_ref(warn).cast_mut().cast();
+    Ok((raw, strings))
 }
 
 unsafe extern "C" fn forward(user: *mut c_void, level: i32, message: *const c_char) {

@@ -1,14 +1,14 @@
 //! What is printed on the scene's two cards: a title, an arrow up, an arrow to the right
 //! and a star. Nothing of it looks the same in a mirror or upside down.
 
-use font8x8::legacy::BASIC_LEGACY;
+use super::lettering::{self, LETTER as PIXELS};
 use glam::{Vec2, Vec3};
 
 /// The card's grid: one unit is one pixel of the title's letters.
 pub const GRID: Vec2 = Vec2::new(80.0, 66.0);
 
 /// Pixels of a letter, each way.
-const LETTER: f32 = 8.0;
+const LETTER: f32 = PIXELS as f32;
 const PAPER: Vec3 = Vec3::new(0.88, 0.86, 0.80);
 const INK: Vec3 = Vec3::new(0.02, 0.03, 0.09);
 const RED: Vec3 = Vec3::new(0.62, 0.03, 0.02);
@@ -52,13 +52,7 @@ fn arrow(at: Vec2) -> bool {
 }
 
 fn letters(text: &str, at: Vec2) -> bool {
-    if at.x < 0.0 || !(0.0..LETTER).contains(&at.y) {
-        return false;
-    }
-    let (column, row) = (at.x as usize, at.y as usize);
-    let glyph = text.as_bytes().get(column / 8).and_then(|byte| BASIC_LEGACY.get(usize::from(*byte)));
-    // The font's lowest bit is the leftmost pixel.
-    glyph.is_some_and(|rows| rows[row] >> (column % 8) & 1 == 1)
+    at.x >= 0.0 && at.y >= 0.0 && lettering::inked(text, at.x as usize, at.y as usize)
 }
 
 #[cfg(test)]

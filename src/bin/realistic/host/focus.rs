@@ -1,7 +1,7 @@
 //! Focusing on a thing in the scene, and metering, with nothing but rays: as a photographer
 //! does through the lens.
 
-use super::camera::{Camera, Warn};
+use super::camera::{Camera, LEVEL, Warn};
 use super::plugin::{Plugin, PluginError};
 use super::render::RaySource;
 use super::scene::Scene;
@@ -17,13 +17,14 @@ pub fn build(
     plugin: &Arc<Plugin>,
     parameters: &Parameters,
     size: [u32; 2],
+    scene: &Scene,
     warn: Warn<'_>,
 ) -> Result<Camera, PluginError> {
     let mut parameters = parameters.clone();
     if parameters.focusdistance.is_none() && parameters.filmdistance.is_none() {
-        parameters.focusdistance = distance(plugin, &parameters, size)?;
+        parameters.focusdistance = distance(plugin, &parameters, size, scene)?;
     }
-    Camera::new(plugin, &parameters, size, warn)
+    Camera::new(plugin, &parameters, size, &scene.pose, warn)
 }
 
 /// The focus distance that puts the subject into focus; `None` for a camera without focus.
@@ -33,18 +34,19 @@ fn distance(
     plugin: &Arc<Plugin>,
     parameters: &Parameters,
     size: [u32; 2],
+    scene: &Scene,
 ) -> Result<Option<f64>, PluginError> {
     const LENS_LENGTH_GUESS: f64 = 100.0;
     const CORRECTIONS: u32 = 3;
     let silent: Warn<'_> = &|_| ();
     let mm = parameters.mmperunit.unwrap_or(1.0);
-    let info = Camera::new(plugin, parameters, size, silent)?.info()?;
-    let subject = f64::from(Scene::subject(info.focal_length_mm, info.film_diagonal_mm));
+    let info = Camera::new(plugin, parameters, size, &LEVEL, silent)?.info()?;
+    let subject = f64::from((scene.subject)(info.focal_length_mm, info.film_diagonal_mm));
     let mut trial = parameters.clone();
     let mut distance = subject + LENS_LENGTH_GUESS;
     for _ in 0..CORRECTIONS {
         trial.focusdistance = Some(distance / mm);
-        let camera = Camera::new(plugin, &trial, size, silent).map_err(|error| {
+        let camera = Camera::new(plugin, &trial, size, &LEVEL, silent).map_err(|error| {
             PluginError::Refused(format!(
                 "focusing on the scene's subject, {subject} mm before the lens: {error} (give \
                  --param focusdistance=… or filmdistance=… to focus elsewhere)"

@@ -38,6 +38,20 @@ impl Format {
 }
 
 impl Picture {
+    /// A picture of one colour.
+    pub fn plain(size: [u32; 2], colour: [f32; 3]) -> Self {
+        Self { size, pixels: vec![colour; size[0] as usize * size[1] as usize] }
+    }
+
+    /// Puts another picture, which must fit, into this one with its top left corner at a pixel.
+    pub fn paste(&mut self, other: &Self, [left, top]: [u32; 2]) {
+        let [width, length] = [self.size[0] as usize, other.size[0] as usize];
+        for (y, row) in other.pixels.chunks_exact(length.max(1)).enumerate() {
+            let start = (top as usize + y) * width + left as usize;
+            self.pixels[start..start + length].copy_from_slice(row);
+        }
+    }
+
     /// Writes the file. `scale` takes the values to the screen's: PNG only.
     ///
     /// # Errors

@@ -3,10 +3,11 @@
 use crate::failure::Failure;
 use libloading::Library;
 use realistic::abi::{realistic_camera, realistic_camera_info, realistic_options};
+use realistic::abi::{realistic_contrast, realistic_distance, realistic_zone};
 use realistic::abi::{realistic_ray, realistic_sample};
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
 use std::error::Error as _;
-use std::ffi::{CStr, c_char};
+use std::ffi::{CStr, c_char, c_void};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -111,9 +112,12 @@ functions! {
     camera_generate_rays: b"realistic_camera_generate_rays",
         fn(*const realistic_camera, usize, *const realistic_sample, usize,
            *mut realistic_ray, usize, *mut f32, *mut i32) -> i32;
+    autofocus: b"realistic_autofocus",
+        fn(*const realistic_options, *const realistic_zone, usize, i32, realistic_distance,
+           realistic_contrast, *mut c_void, *mut f64) -> i32;
 }
 
-/// A loaded plugin. Only [`super::camera::Camera`] calls its functions.
+/// A loaded plugin. Only [`super::camera`] and [`super::autofocus`] call its functions.
 pub struct Plugin {
     pub(super) functions: Functions,
     path: PathBuf,

@@ -12,6 +12,22 @@ pub const CARD: Vec3 = Vec3::new(-270.0, 10.0, 1000.0);
 /// The top left corner of the sign.
 pub const SIGN: Vec3 = Vec3::new(-240.0, 262.0, 8000.0);
 
+/// The z of what a lens would be focused on: the card, or the sign when the film is too small
+/// for the whole card.
+pub fn subject(focal_length: f64, film_diagonal: f64) -> f32 {
+    let seen = film_diagonal / 2.0 / focal_length * f64::from(CARD.z);
+    let fits = seen > f64::from(CARD.truncate().length());
+    if fits { CARD.z } else { SIGN.z }
+}
+
+/// The floor's squares.
+pub fn tiles(point: Vec3) -> Material {
+    const SIDE: f32 = 155.0;
+    let odd = ((point.x / SIDE).floor() + (point.z / SIDE).floor()).rem_euclid(2.0) > 0.5;
+    let colour = if odd { [0.60, 0.55, 0.46] } else { [0.08, 0.13, 0.18] };
+    Material::new(colour, Finish::Coated)
+}
+
 /// Distance from pole to pole.
 const SPAN: f32 = 5200.0;
 
@@ -29,23 +45,25 @@ pub fn lamps() -> [Lamps; 3] {
 }
 
 /// A card with its legs.
-fn card(title: &'static str, corner: Vec3, width: f32) -> [Board; 3] {
+pub fn card(title: &'static str, corner: Vec3, width: f32) -> [Board; 3] {
     let size = Vec2::new(width, width * card::GRID.y / card::GRID.x);
     let leg =
         |part| pole(corner.x + part * width, corner.z + 1.0, corner.y - FLOOR.height - 1.0, width / 30.0);
     let panel = Panel { corner, size };
     let title = Some(title);
-    [Board { panel, title }, leg(0.15), leg(0.85)]
+    let material = Material::new(Vec3::ONE, Finish::Matte);
+    [Board { panel, title, material }, leg(0.15), leg(0.85)]
 }
 
 /// A flat pole on the floor.
-fn pole(x: f32, z: f32, height: f32, width: f32) -> Board {
+pub fn pole(x: f32, z: f32, height: f32, width: f32) -> Board {
     Board {
         panel: Panel {
             corner: Vec3::new(x - width / 2.0, FLOOR.height + height, z),
             size: Vec2::new(width, height),
         },
         title: None,
+        material: Material::new([0.11, 0.09, 0.08], Finish::Matte),
     }
 }
 
@@ -91,8 +109,15 @@ pub fn balls() -> Vec<Ball> {
     ]
     .map(|(x, z, radius, colour, finish)| {
         let centre = Vec3::new(x, FLOOR.height + radius, z);
-        let colour = Vec3::from_array(colour);
-        Ball { shape: Sphere { centre, radius }, material: Material { colour, finish } }
+        let roughness = match finish {
+            Glass => 0.08,
+            Metal => 0.06,
+            _ => 0.0,
+        };
+        let material = Material::new(colour, finish).rough(roughness);
+        // One ball rolls past the card when balls may move.
+        let velocity = if colour == CORAL && z < 500.0 { Vec3::new(-60.0, 0.0, 25.0) } else { Vec3::ZERO };
+        Ball::new(Sphere { centre, radius, velocity }, material)
     })
     .into()
 }
@@ -128,8 +153,5 @@ fn town() -> Lamps {
 }
 
 fn lamp(centre: Vec3, radius: f32, colour: [f32; 3]) -> Ball {
-    Ball {
-        shape: Sphere { centre, radius },
-        material: Material { colour: colour.into(), finish: Finish::Lamp },
-    }
+    Ball::new(Sphere::resting(centre, radius), Material::new(colour, Finish::Lamp))
 }

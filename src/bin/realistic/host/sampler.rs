@@ -16,6 +16,19 @@ pub fn fill(points: &mut [[f32; 2]], rng: &mut impl Rng) {
     }
 }
 
+/// Numbers in [0, 1), one anywhere in each of as many equal strata, in random order: times.
+pub fn strata(numbers: &mut [f32], rng: &mut impl Rng) {
+    let count = numbers.len() as f32;
+    for (index, number) in (0_u32..).zip(numbers.iter_mut()) {
+        // Rounding may reach the next stratum.
+        let end = ((index + 1) as f32 / count).next_down();
+        *number = ((index as f32 + unit(rng.next_u32())) / count).min(end);
+    }
+    for last in (1..numbers.len()).rev() {
+        numbers.swap(last, below(last as u32 + 1, rng) as usize);
+    }
+}
+
 fn sobol(mut index: u32) -> u32 {
     let mut column = 1_u32 << 31;
     let mut sum = 0;
@@ -42,6 +55,19 @@ mod tests {
     use super::*;
     use rand::SeedableRng;
     use rand_xoshiro::Xoshiro256PlusPlus;
+
+    #[test]
+    fn every_stratum_of_time_has_one_number_and_their_order_is_not_time() {
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(5);
+        for count in [1, 4, 7, 64, 1000] {
+            let mut times = vec![0.0; count];
+            strata(&mut times, &mut rng);
+            assert!(count < 7 || !times.is_sorted());
+            times.sort_by(f32::total_cmp);
+            let stratum = |time: f32| (f64::from(time) * count as f64) as usize;
+            assert!(times.iter().enumerate().all(|(index, time)| stratum(*time) == index), "{times:?}");
+        }
+    }
 
     #[test]
     fn sixteen_points_fill_every_stratum() {

@@ -9,7 +9,12 @@ pub struct Ray {
     pub origin: Vec3,
     /// Where it goes.
     pub direction: Vec3,
+    /// When: the camera's shutter opens and closes at times of its own.
+    pub time: f32,
 }
+
+/// When a moving shape is where its description says: the middle of the default shutter.
+pub const NOON: f32 = 0.5;
 
 impl Ray {
     /// The point at a distance.
@@ -33,18 +38,33 @@ pub trait Shape {
     fn meet(&self, ray: &Ray, from: f32, to: f32) -> Option<Hit>;
 }
 
-/// A ball.
+/// A ball, which may move.
 #[derive(Clone, Copy, Debug)]
 pub struct Sphere {
-    /// Its centre.
+    /// Its centre at [`NOON`].
     pub centre: Vec3,
     /// Its radius.
     pub radius: f32,
+    /// How far it moves in a unit of time.
+    pub velocity: Vec3,
+}
+
+impl Sphere {
+    /// One that rests.
+    pub fn resting(centre: Vec3, radius: f32) -> Self {
+        Self { centre, radius, velocity: Vec3::ZERO }
+    }
+
+    /// Its centre at a time.
+    pub fn centre_at(&self, time: f32) -> Vec3 {
+        self.centre + (time - NOON) * self.velocity
+    }
 }
 
 impl Shape for Sphere {
     fn meet(&self, ray: &Ray, from: f32, to: f32) -> Option<Hit> {
-        let towards = self.centre - ray.origin;
+        let centre = self.centre_at(ray.time);
+        let towards = centre - ray.origin;
         let along = towards.dot(ray.direction);
         // From the foot of the perpendicular: the textbook's b^2 - c loses a small lamp
         // that is tens of metres away to rounding.
@@ -56,7 +76,7 @@ impl Shape for Sphere {
         let half = half.sqrt();
         let inside = |distance: &f32| (from..to).contains(distance);
         let distance = [along - half, along + half].into_iter().find(inside)?;
-        let normal = (ray.at(distance) - self.centre) / self.radius;
+        let normal = (ray.at(distance) - centre) / self.radius;
         Some(Hit { distance, normal })
     }
 }
@@ -112,7 +132,7 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// The box around balls.
+    /// The box around balls at rest.
     pub fn around<'a>(spheres: impl Iterator<Item = &'a Sphere>) -> Self {
         let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         for sphere in spheres {
@@ -137,9 +157,21 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_moving_ball_is_met_where_it_is_at_the_rays_time() {
+        let velocity = Vec3::new(40.0, 0.0, 0.0);
+        let ball = Sphere { centre: Vec3::new(0.0, 0.0, 100.0), radius: 5.0, velocity };
+        let met = |x: f32, time: f32| {
+            let ray = Ray { origin: Vec3::new(x, 0.0, 0.0), direction: Vec3::Z, time };
+            ball.meet(&ray, 0.0, f32::INFINITY).map(|hit| hit.distance)
+        };
+        assert_eq!([met(-20.0, 0.0), met(0.0, NOON), met(20.0, 1.0)], [Some(95.0); 3]);
+        assert_eq!([met(0.0, 0.0), met(20.0, NOON), met(-20.0, 1.0)], [None; 3]);
+    }
+
+    #[test]
     fn a_distant_small_ball_is_met_where_it_is() {
-        let ball = Sphere { centre: Vec3::new(3.0, -4.0, 40_000.0), radius: 20.0 };
-        let ray = Ray { origin: Vec3::ZERO, direction: Vec3::Z };
+        let ball = Sphere::resting(Vec3::new(3.0, -4.0, 40_000.0), 20.0);
+        let ray = Ray { origin: Vec3::ZERO, direction: Vec3::Z, time: NOON };
         let hit = ball.meet(&ray, 0.0, f32::INFINITY).unwrap();
         assert!((hit.distance - 39_980.635).abs() < 0.02, "{}", hit.distance);
         assert!(Bounds::around([&ball].into_iter()).meets(&ray));

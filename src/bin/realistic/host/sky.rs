@@ -3,12 +3,11 @@
 
 use glam::Vec3;
 
-/// Towards the sun; to be normalised.
-const SUN: Vec3 = Vec3::new(-0.55, 0.52, -0.75);
 /// Irradiance of a surface that faces the sun.
 pub const SUNLIGHT: Vec3 = Vec3::new(3.3, 2.6, 1.9);
-/// Sine of the angle that the sun's edge makes with its centre: large enough for soft shadows.
-const SUN_RADIUS: f32 = 0.035;
+/// Sine of the angle that the smallest sun's edge makes with its centre as mirrors show it:
+/// a point has no picture in a mirror.
+const HIGHLIGHT: f32 = 0.035;
 const HORIZON: Vec3 = Vec3::new(0.93, 0.42, 0.23);
 const MIDDLE: Vec3 = Vec3::new(0.09, 0.14, 0.38);
 const ZENITH: Vec3 = Vec3::new(0.06, 0.10, 0.26);
@@ -37,21 +36,38 @@ fn gradient(height: f32) -> Vec3 {
     low.lerp(ZENITH, (1.6 * height).clamp(0.0, 1.0))
 }
 
-/// The sun as mirrors show it. Kept far below its true radiance: in a few samples a pixel
-/// the truth would be noise.
-pub fn sun(direction: Vec3) -> Vec3 {
-    let cosine = direction.dot(SUN.normalize());
-    let outside = (1.0 - cosine * cosine).max(0.0).sqrt() / SUN_RADIUS;
-    if cosine > 0.0 && outside < 1.0 { SUNLIGHT * 12.0 } else { Vec3::ZERO }
+/// The light of a scene: a disk far away, so that shadows have a penumbra.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sun {
+    /// Towards its centre; of any length.
+    pub towards: Vec3,
+    /// Sine of the angle that its edge makes with its centre; 0 for a point.
+    pub radius: f32,
 }
 
-/// A direction to a point of the sun, from two sample numbers.
-pub fn towards_sun([u, v]: [f32; 2]) -> Vec3 {
-    let centre = SUN.normalize();
-    let (side, up) = centre.any_orthonormal_pair();
-    let (sine, cosine) = (std::f32::consts::TAU * v).sin_cos();
-    let radius = SUN_RADIUS * u.sqrt();
-    (centre + radius * (cosine * side + sine * up)).normalize()
+impl Sun {
+    /// Low behind the camera, and large enough for soft shadows.
+    pub const EVENING: Self = Self { towards: Vec3::new(-0.55, 0.52, -0.75), radius: 0.035 };
+
+    /// The sun as mirrors show it. Kept far below its true radiance: in a few samples a pixel
+    /// the truth would be noise.
+    pub fn mirrored(&self, direction: Vec3) -> Vec3 {
+        let cosine = direction.dot(self.towards.normalize());
+        let radius = self.radius.max(HIGHLIGHT);
+        let outside = (1.0 - cosine * cosine).max(0.0).sqrt() / radius;
+        // The larger a sun of the same light, the fainter its disk.
+        let share = (HIGHLIGHT / radius).powi(2);
+        if cosine > 0.0 && outside < 1.0 { SUNLIGHT * 12.0 * share } else { Vec3::ZERO }
+    }
+
+    /// A direction to a point of the sun, from two sample numbers.
+    pub fn direction(&self, [u, v]: [f32; 2]) -> Vec3 {
+        let centre = self.towards.normalize();
+        let (side, up) = centre.any_orthonormal_pair();
+        let (sine, cosine) = (std::f32::consts::TAU * v).sin_cos();
+        let radius = self.radius * u.sqrt();
+        (centre + radius * (cosine * side + sine * up)).normalize()
+    }
 }
 
 /// Irradiance from sky and ground together on a surface with this normal.

@@ -1,0 +1,187 @@
+//! Autofocus for a C caller: its callback asked for distances or for contrast.
+
+use std::ffi::c_void;
+
+use super::boundary::{self, Failure, realistic_status};
+use super::camera;
+use super::object;
+use super::options;
+use super::types::{realistic_camera, realistic_options, realistic_ray};
+use crate::camera::autofocus::{AutofocusError, Rule, Search, Zone, by_distance};
+use crate::camera::{Host, Parameters};
+
+/// A rectangle of the picture in pixels; (0, 0) is the picture's top left corner.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(non_camel_case_types)]
+pub struct realistic_zone {
+    /// Left edge, 0 or more.
+    pub left: f32,
+    /// Top edge, 0 or more.
+    pub top: f32,
+    /// Right edge, beyond `left` and at most `xres`.
+    pub right: f32,
+    /// Bottom edge, below `top` and at most `yres`.
+    pub bottom: f32,
+}
+
+/// How several zones make one film distance. The numbers are part of the ABI and never change.
+#[repr(i32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(non_camel_case_types)]
+pub enum realistic_autofocus_rule {
+    /// The zone that sees the nearest thing.
+    Nearest = 0,
+    /// The zone nearest the middle of the picture among those that have an answer.
+    Centre = 1,
+    /// The mean of the zones' film distances.
+    Average = 2,
+}
+
+/// Tells the distance along a ray from its origin to the first surface, world units: infinity for
+/// none, and NaN or a number that is not above 0 for "not known". It must return, without an exception.
+#[allow(non_camel_case_types)]
+pub type realistic_distance =
+    Option<unsafe extern "C" fn(user: *mut c_void, ray: *const realistic_ray) -> f64>;
+
+/// Tells how much contrast the picture of a trial camera has in a zone, in any measure that is 0 or
+/// more and highest where the picture is sharpest (the mean square difference of neighbouring
+/// pixels, say): NaN for "not known". It should use the same random numbers for every camera. The camera
+/// lives until the callback returns. It must return, without an exception.
+#[allow(non_camel_case_types)]
+pub type realistic_contrast = Option<
+    unsafe extern "C" fn(
+        user: *mut c_void,
+        camera: *const realistic_camera,
+        zone: *const realistic_zone,
+    ) -> f64,
+>;
+
+/// Autofocus: finds the film distance, mm, to be given as `filmdistance`, at which the camera of
+/// `options` has in focus what it sees in `n` zones of the picture. `rule` is a
+/// `realistic_autofocus_rule`. The host gives one of the two callbacks and NULL for the other:
+/// with `distance` a few rays a zone are asked about, with `contrast` some tens to hundreds of trial cameras are built,
+/// from infinity to the nearest distance that the lens can focus. Zones that give no answer do not count. `options`
+/// must leave `filmdistance` and `focusdistance` open. The callback is called on this thread, with `user` as it is.
+///
+/// Fails with `REALISTIC_STATUS_UNREACHABLE_FOCUS`, and leaves `*film_distance_mm` as it is, when no zone has
+/// an answer.
+///
+/// # Safety
+/// `options` as for `realistic_camera_new`; `zones` is NULL or has `n` elements; `film_distance_mm` is
+/// NULL or writable; the callbacks are functions of their types.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn realistic_autofocus(
+    options: *const realistic_options,
+    zones: *const realistic_zone,
+    n: usize,
+    rule: i32,
+    distance: realistic_distance,
+    contrast: realistic_contrast,
+    user: *mut c_void,
+    film_distance_mm: *mut f64,
+) -> realistic_status {
+    boundary::status(|| {
+        if zones.is_null() {
+            return Err(boundary::null("zones"));
+        }
+        if film_distance_mm.is_null() {
+            return Err(boundary::null("film_distance_mm"));
+        }
+        let rule = rule_of(rule)?;
+        // SAFETY: the caller's promise.
+        let (options, parameters, host) = unsafe {
+            let options = options::read(options)?;
+            (options, options.parameters()?, options.host()?)
+        };
+        // SAFETY: not NULL, and the caller's promise.
+        let zones: Vec<Zone> =
+            unsafe { std::slice::from_raw_parts(zones, n) }.iter().copied().map(Zone::from).collect();
+        let mut log = |level, text: &str| camera::log(options.log, options.log_user, level, text);
+        let found = match (distance, contrast) {
+            (Some(distance), None) => {
+                let ask = |ray: &crate::camera::WorldRay| {
+                    let ray = realistic_ray::from(*ray);
+                    // SAFETY: the caller's function, called with what it is declared to take.
+                    unsafe { distance(user, &ray) }
+                };
+                by_distance(&parameters, &host, &zones, rule, ask, &mut log)?
+            }
+            (None, Some(contrast)) => {
+                let search = Search::new(&parameters, &host, &zones, &mut log)?;
+                search.run(rule, |film, zone| {
+                    let trial = Trial::new(&parameters, &host, film)?;
+                    let zone = realistic_zone::from(*zone);
+                    // SAFETY: the caller's function, called with what it is declared to take.
+                    Ok::<_, Failure>(unsafe { contrast(user, trial.0, &zone) })
+                })?
+            }
+            (None, None) => return Err(boundary::null("both of distance and contrast")),
+            (Some(_), Some(_)) => {
+                return Err(Failure::new(
+                    realistic_status::InvalidParameter,
+                    "autofocus takes a distance or a contrast callback, not both; give NULL for one",
+                ));
+            }
+        };
+        // SAFETY: not NULL, and the caller's promise.
+        unsafe { film_distance_mm.write(found) };
+        Ok(())
+    })
+}
+
+fn rule_of(number: i32) -> Result<Rule, Failure> {
+    match number {
+        0 => Ok(Rule::Nearest),
+        1 => Ok(Rule::Centre),
+        2 => Ok(Rule::Average),
+        _ => Err(Failure::new(
+            realistic_status::InvalidParameter,
+            format!("autofocus rule {number} is unknown; give 0 (nearest), 1 (centre) or 2 (average)"),
+        )),
+    }
+}
+
+/// A camera for one look, whose warnings were told already.
+struct Trial(*mut realistic_camera);
+
+impl Trial {
+    fn new(parameters: &Parameters, host: &Host, film_distance: f64) -> Result<Self, Failure> {
+        let parameters = Parameters { filmdistance: Some(film_distance), ..parameters.clone() };
+        camera::make(&parameters, host, &mut |_, _| ()).map(Self)
+    }
+}
+
+impl Drop for Trial {
+    fn drop(&mut self) {
+        // SAFETY: made by `camera::make`, and the callback is over.
+        unsafe { object::delete(self.0) };
+    }
+}
+
+impl From<realistic_zone> for Zone {
+    fn from(zone: realistic_zone) -> Self {
+        let realistic_zone { left, top, right, bottom } = zone;
+        Self { left, top, right, bottom }
+    }
+}
+
+impl From<Zone> for realistic_zone {
+    fn from(zone: Zone) -> Self {
+        let Zone { left, top, right, bottom } = zone;
+        Self { left, top, right, bottom }
+    }
+}
+
+impl From<AutofocusError> for Failure {
+    fn from(error: AutofocusError) -> Self {
+        let status = match error {
+            AutofocusError::Camera(error) => return error.into(),
+            AutofocusError::Nothing { .. } => realistic_status::UnreachableFocus,
+            AutofocusError::NoZones { .. } | AutofocusError::Zone { .. } => {
+                realistic_status::InvalidParameter
+            }
+        };
+        Self::new(status, error.to_string())
+    }
+}

@@ -1,0 +1,118 @@
+//! `realistic focus-stack`: the same picture focused from near to far.
+
+use crate::failure::Failure;
+use crate::host::scene::Scene;
+use crate::host::sheet::Sheet;
+use crate::host::studio::{Options, Order, Studio, parameter_help};
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::PathBuf;
+
+/// What `focus-stack` can be told.
+#[derive(clap::Args, Debug)]
+#[command(after_help = parameter_help())]
+pub struct Args {
+    /// Nearest distance in focus, mm from the film
+    #[arg(long, value_name = "MM", value_parser = distance)]
+    from: f64,
+    /// Farthest distance in focus, mm from the film; may be inf
+    #[arg(long, value_name = "MM", value_parser = distance)]
+    to: f64,
+    /// Pictures
+    #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(2..=999))]
+    count: u32,
+    /// Directory for focus-01.png and so on, and contact.png with all of them
+    #[arg(long, value_name = "DIR", default_value = ".")]
+    out: PathBuf,
+    #[command(flatten)]
+    options: Options,
+}
+
+const SPP: u32 = 64;
+/// Pictures beside each other on the contact sheet.
+const COLUMNS: u32 = 3;
+
+/// Takes the pictures, evenly spaced by the reciprocal distance, by which the film moves evenly.
+///
+/// # Errors
+/// Bad parameters, no plugin, a distance too near for the lens, or a file that cannot be written.
+pub fn run(args: &Args) -> Result<(), Failure> {
+    if !(args.from < args.to) {
+        return Err(Failure::Usage(format!(
+            "--from {} mm must be nearer than --to {} mm",
+            args.from, args.to
+        )));
+    }
+    if !args.out.is_dir() {
+        return Err(Failure::Other(format!(
+            "there is no directory {0}; create it with `mkdir -p {0}`, or give --out another",
+            args.out.display()
+        )));
+    }
+    let studio = Studio::open(&args.options)?;
+    if studio.parameters.focusdistance.is_some() || studio.parameters.filmdistance.is_some() {
+        return Err(Failure::Usage(
+            "--from and --to say where the focus is; leave out \"focusdistance\" and \"filmdistance\""
+                .to_owned(),
+        ));
+    }
+    let scene = Scene::new().with("soft-shadow,dof".parse().map_err(Failure::Usage)?);
+    let order = Order { spp: args.options.spp.unwrap_or(SPP), wavelengths: None, frame: None };
+    let mut sheet = Sheet::new(studio.size, args.count, COLUMNS);
+    let mut text = String::new();
+    for (index, distance) in (1..).zip(distances(args.from, args.to, args.count)) {
+        let mut parameters = studio.parameters.clone();
+        parameters.focusdistance = Some(distance / parameters.mmperunit.unwrap_or(1.0));
+        let camera = studio.camera(&parameters, &scene, &order)?;
+        let film = camera.info()?.film_distance_mm;
+        let shot = studio.shoot(&camera, &parameters, &scene, &order)?;
+        let digits = args.count.to_string().len().max(2);
+        let path = args.out.join(format!("focus-{index:0digits$}.png"));
+        shot.picture.write(&path, shot.scale).map_err(Failure::Other)?;
+        sheet.add(&label(distance), &shot.picture, shot.scale);
+        let _ = writeln!(text, "{}  focus {}, film {film:.3} mm", path.display(), label(distance));
+    }
+    let contact = args.out.join("contact.png");
+    sheet.into_picture().write(&contact, 1.0).map_err(Failure::Other)?;
+    let _ = writeln!(text, "{}", contact.display());
+    Ok(std::io::stdout().write_all(text.as_bytes())?)
+}
+
+fn distances(from: f64, to: f64, count: u32) -> impl Iterator<Item = f64> {
+    let step = (to.recip() - from.recip()) / f64::from(count - 1);
+    // The last one as it was given: infinity, too.
+    (0..count).map(move |k| if k + 1 == count { to } else { (from.recip() + step * f64::from(k)).recip() })
+}
+
+fn label(distance: f64) -> String {
+    match distance {
+        f64::INFINITY => "infinity".to_owned(),
+        far if far >= 10_000.0 => format!("{:.1} m", far / 1000.0),
+        near => format!("{near:.0} mm"),
+    }
+}
+
+fn distance(text: &str) -> Result<f64, String> {
+    let distance = text.parse().ok().filter(|distance: &f64| *distance > 0.0);
+    distance.ok_or_else(|| "write a distance above 0 in mm, or inf".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distances_are_even_by_their_reciprocals_and_end_where_they_should() {
+        let stack: Vec<f64> = distances(500.0, f64::INFINITY, 5).collect();
+        assert_eq!(stack, [500.0, 1.0 / 0.0015, 1000.0, 2000.0, f64::INFINITY]);
+        assert_eq!(distances(700.0, 900.0, 2).collect::<Vec<_>>(), [700.0, 900.0]);
+    }
+
+    #[test]
+    fn distances_are_above_0() {
+        assert_eq!(distance("inf"), Ok(f64::INFINITY));
+        for text in ["0", "-3", "nan", "far"] {
+            assert!(distance(text).unwrap_err().contains("inf"), "{text}");
+        }
+    }
+}

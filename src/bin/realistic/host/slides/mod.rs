@@ -1,0 +1,146 @@
+//! The lecture's slides: for each effect a small scene, taken without it, with few samples, and
+//! with many (after R. L. Cook, T. Porter and L. Carpenter, "Distributed Ray Tracing", 1984).
+
+mod colour;
+mod gloss;
+mod lenses;
+mod motion;
+mod soft_shadow;
+mod translucency;
+
+use super::effects::Effects;
+use super::image::Picture;
+use super::scene::Scene;
+use super::sheet::Sheet;
+use super::studio::{Options, Order, Studio, stopped_down};
+use crate::failure::Failure;
+use std::fmt::Write as _;
+
+/// A slide.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Slide {
+    /// Blurred reflections
+    Gloss,
+    /// What is seen through frosted glass
+    Translucency,
+    /// Penumbras
+    SoftShadow,
+    /// Depth of field of a lens stopped down and wide open
+    Dof,
+    /// Balls that move while the shutter is open
+    Motion,
+    /// The four lenses of Kolb's figure from one place
+    Lenses,
+    /// Colour errors of a lens, by one, few and many wavelengths
+    Colour,
+}
+
+/// Few enough to see the noise.
+const FEW: u32 = 4;
+/// Enough not to see it.
+const MANY: u32 = 64;
+
+/// One picture of a slide.
+struct Panel {
+    label: String,
+    effects: Effects,
+    order: Order,
+    /// Camera parameters of this picture, which the user may not give too.
+    parameters: Vec<(&'static str, String)>,
+    /// Times the default exposure.
+    exposure: f32,
+}
+
+impl Panel {
+    fn new(label: impl Into<String>, effects: Effects, spp: u32) -> Self {
+        let order = Order { spp, wavelengths: None, frame: None };
+        Self { label: label.into(), effects, order, parameters: Vec::new(), exposure: 1.0 }
+    }
+
+    fn set(mut self, name: &'static str, value: impl ToString) -> Self {
+        self.parameters.push((name, value.to_string()));
+        self
+    }
+}
+
+impl Slide {
+    /// Takes the slide's pictures and puts them on one sheet, in values for the screen; with a line
+    /// of text for each.
+    ///
+    /// # Errors
+    /// The user gives what is the slide's to choose, or the camera's own.
+    pub fn take(self, studio: &Studio, options: &Options) -> Result<(Picture, String), Failure> {
+        let many = options.spp.unwrap_or(MANY);
+        let scene = self.scene();
+        let panels = match self {
+            Self::Lenses => lenses::panels(many),
+            Self::Colour => colour::panels(many, studio.size),
+            Self::Gloss => three(Effects { soft_shadow: true, ..Effects::NONE }, self.shown(), many),
+            _ => three(Effects::NONE, self.shown(), many),
+        };
+        let columns = if self == Self::Lenses { 2 } else { panels.len() as u32 };
+        let mut sheet = Sheet::new(studio.size, panels.len() as u32, columns);
+        let mut text = String::new();
+        for panel in &panels {
+            let mut parameters = studio.parameters.clone();
+            for (name, value) in &panel.parameters {
+                if *name == "specfile" {
+                    if options.lens.is_some() {
+                        return Err(Failure::Usage(
+                            "this slide has its own lenses; leave out --lens".to_owned(),
+                        ));
+                    }
+                    parameters.specfile = None;
+                }
+                parameters.set_from_text(name, value)?;
+            }
+            let parameters = stopped_down(&parameters, panel.effects)?;
+            let scene = scene.clone().with(panel.effects);
+            let camera = studio.camera(&parameters, &scene, &panel.order)?;
+            let shot = studio.shoot(&camera, &parameters, &scene, &panel.order)?;
+            sheet.add(&panel.label, &shot.picture, shot.scale * panel.exposure);
+            let info = camera.info()?;
+            let _ = writeln!(
+                text,
+                "{:<24} {}: {:.1} mm, f/{:.2}, {} samples a pixel in {:.2} s",
+                panel.label,
+                camera.lens_name()?,
+                info.focal_length_mm,
+                info.fnumber,
+                panel.order.spp,
+                shot.took.as_secs_f64()
+            );
+        }
+        Ok((sheet.into_picture(), text))
+    }
+
+    fn scene(self) -> Scene {
+        match self {
+            Self::Gloss => gloss::scene(),
+            Self::Translucency => translucency::scene(),
+            Self::SoftShadow => soft_shadow::scene(),
+            Self::Motion => motion::scene(),
+            Self::Dof | Self::Lenses => Scene::new(),
+            Self::Colour => colour::scene(),
+        }
+    }
+
+    /// The effect that is off in the first picture and on in the others.
+    fn shown(self) -> Effects {
+        let none = Effects::NONE;
+        match self {
+            // A large lamp's picture in rough metal has less noise than a point's.
+            Self::Gloss => Effects { gloss: true, soft_shadow: true, ..none },
+            Self::Translucency => Effects { translucency: true, ..none },
+            Self::SoftShadow => Effects { soft_shadow: true, ..none },
+            Self::Motion => Effects { motion: true, ..none },
+            Self::Dof | Self::Lenses | Self::Colour => Effects { dof: true, ..none },
+        }
+    }
+}
+
+/// Off, and on with few and with many samples.
+fn three(off: Effects, shown: Effects, many: u32) -> Vec<Panel> {
+    let on = |spp: u32| Panel::new(format!("{spp} samples"), shown, spp);
+    vec![Panel::new("off", off, many), on(FEW.min(many)), on(many)]
+}

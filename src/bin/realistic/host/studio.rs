@@ -1,0 +1,350 @@
+//! What every command that takes pictures needs: the plugin, the parameters, threads, and one
+//! way to take a picture with them.
+
+use super::autofocus::{Autofocus, Method, Rule};
+use super::camera::Camera;
+use super::effects::Effects;
+use super::focus::{self, AxialRays};
+use super::image::Picture;
+use super::plugin::{self, Plugin};
+use super::render::{Settings, Tally, render};
+use super::scene::Scene;
+use super::spectrum;
+use crate::choice::size;
+use crate::failure::Failure;
+use indicatif::{ProgressBar, ProgressStyle};
+use rayon::ThreadPool;
+use realistic::camera::{PARAMETERS, Parameters};
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// What the commands that take pictures can all be told.
+#[derive(clap::Args, Debug)]
+pub struct Options {
+    /// Lens: a file, or a name of the catalogue; NAME@35mm scales it to that focal length
+    /// [default: dgauss.50mm]
+    #[arg(long, value_name = "LENS")]
+    pub lens: Option<String>,
+    /// Size of the picture in pixels
+    #[arg(long, value_name = "WxH", default_value = "480x320", value_parser = size)]
+    pub size: [u32; 2],
+    /// Samples a pixel [default: 128; for a slide or a stack of pictures 64]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16_384))]
+    pub spp: Option<u32>,
+    /// A camera parameter; may be given again for others (names and units below)
+    #[arg(long = "param", value_name = "NAME=VALUE")]
+    parameters: Vec<String>,
+    /// Threads to render with [default: one a core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Brightness of a .png in stops; 0 shows a white card on the axis as it is
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true)]
+    exposure: f32,
+    /// The plugin to load [default: the one built with this program]
+    #[arg(long, value_name = "FILE")]
+    plugin: Option<PathBuf>,
+    /// Random numbers; the same seed gives the same picture with any number of threads
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+}
+
+/// Everything but the scene and the camera.
+pub struct Studio {
+    /// Where cameras come from.
+    pub plugin: Arc<Plugin>,
+    /// What the user says of the camera.
+    pub parameters: Parameters,
+    /// Width and height of a picture in pixels.
+    pub size: [u32; 2],
+    pool: ThreadPool,
+    progress: ProgressBar,
+    exposure: f32,
+    seed: u64,
+}
+
+/// What to take a picture of, and how.
+#[derive(Clone, Copy, Debug)]
+pub struct Order {
+    /// Samples a pixel.
+    pub spp: u32,
+    /// Pictures, each at its own wavelength, that make one; `None` for one at the lens' own.
+    pub wavelengths: Option<u32>,
+    /// What the picture is a part of; `None` for a whole one.
+    pub frame: Option<Frame>,
+}
+
+/// A larger picture of which only a part is rendered.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame {
+    /// Its width and height in pixels.
+    pub size: [u32; 2],
+    /// Where the part's top left corner lies in it.
+    pub corner: [u32; 2],
+}
+
+/// A picture taken.
+pub struct Shot {
+    /// Irradiance on the film.
+    pub picture: Picture,
+    /// What takes it to the screen's values.
+    pub scale: f32,
+    /// The rays.
+    pub tally: Tally,
+    /// How long it took.
+    pub took: Duration,
+}
+
+impl Studio {
+    /// Loads the plugin and reads the parameters. The lens is the default one unless named.
+    ///
+    /// # Errors
+    /// Bad parameters, or no plugin.
+    pub fn open(options: &Options) -> Result<Self, Failure> {
+        let parameters = gather(options.lens.as_deref(), &options.parameters)?;
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(options.threads.map_or(0, usize::from))
+            .build()
+            .map_err(|error| Failure::Other(format!("{error}; give fewer --threads")))?;
+        Ok(Self {
+            plugin: Arc::new(Plugin::load(&plugin::find(options.plugin.as_deref())?)?),
+            parameters,
+            size: options.size,
+            pool,
+            progress: progress_bar(),
+            exposure: options.exposure,
+            seed: options.seed,
+        })
+    }
+
+    /// Tells the user a warning.
+    pub fn warn(&self, message: &str) {
+        self.progress.suspend(|| {
+            let _ = writeln!(std::io::stderr(), "realistic: warning: {message}");
+        });
+    }
+
+    /// Threads that render.
+    pub fn threads(&self) -> usize {
+        self.pool.current_num_threads()
+    }
+
+    /// The camera of these parameters, focused on the scene's subject unless they say where.
+    ///
+    /// # Errors
+    /// The plugin refuses.
+    pub fn camera(&self, parameters: &Parameters, scene: &Scene, order: &Order) -> Result<Camera, Failure> {
+        let warn = |message: &str| self.warn(message);
+        Ok(focus::build(&self.plugin, parameters, self.whole(order).size, scene, &warn)?)
+    }
+
+    /// The film distance, mm, that focuses zones of the picture, each left, top, width and height.
+    ///
+    /// # Errors
+    /// The plugin's own.
+    pub fn autofocus(
+        &self,
+        parameters: &Parameters,
+        scene: &Scene,
+        zones: &[[f32; 4]],
+        rule: Rule,
+        method: Method,
+    ) -> Result<f64, Failure> {
+        let autofocus =
+            Autofocus { plugin: &self.plugin, pool: &self.pool, scene, parameters, size: self.size };
+        Ok(autofocus.film_distance(zones, rule, method, &|message| self.warn(message))?)
+    }
+
+    fn whole(&self, order: &Order) -> Frame {
+        order.frame.unwrap_or(Frame { size: self.size, corner: [0; 2] })
+    }
+
+    /// Takes a picture. `parameters` are those that the camera was built with.
+    ///
+    /// # Errors
+    /// The camera's own.
+    pub fn shoot(
+        &self,
+        camera: &Camera,
+        parameters: &Parameters,
+        scene: &Scene,
+        order: &Order,
+    ) -> Result<Shot, Failure> {
+        let start = Instant::now();
+        let (picture, tally) = match order.wavelengths {
+            None => self.render(camera, parameters, scene, order)?,
+            Some(count) => self.in_colour(camera, parameters, scene, order, count)?,
+        };
+        let took = start.elapsed();
+        self.progress.finish_and_clear();
+        let scale = self.exposure.exp2() / white_level(camera, parameters, self.whole(order).size)?;
+        Ok(Shot { picture, scale, tally, took })
+    }
+
+    fn render(
+        &self,
+        camera: &Camera,
+        parameters: &Parameters,
+        scene: &Scene,
+        order: &Order,
+    ) -> Result<(Picture, Tally), Failure> {
+        let settings = Settings {
+            size: self.size,
+            corner: self.whole(order).corner,
+            spp: order.spp,
+            seed: self.seed,
+            mm_per_unit: parameters.mmperunit.unwrap_or(1.0) as f32,
+        };
+        Ok(self.pool.install(|| render(camera, scene, &settings, &self.progress))?)
+    }
+
+    /// The film stays where the lens is in focus at its own wavelength.
+    fn in_colour(
+        &self,
+        camera: &Camera,
+        parameters: &Parameters,
+        scene: &Scene,
+        order: &Order,
+        count: u32,
+    ) -> Result<(Picture, Tally), Failure> {
+        if let Some(wavelength) = parameters.wavelength {
+            return Err(Failure::Usage(format!(
+                "a picture in {count} wavelengths has no single \"wavelength\" ({wavelength} nm); leave \
+                 --param wavelength out, or --wavelengths"
+            )));
+        }
+        let mut there = parameters.clone();
+        there.focusdistance = None;
+        there.filmdistance = Some(camera.info()?.film_distance_mm);
+        let mut whole = (Picture::plain(self.size, [0.0; 3]), Tally::default());
+        for (wavelength, band) in spectrum::bands(count) {
+            there.wavelength = Some(wavelength);
+            // What there is to warn of was said of the first camera.
+            let camera = Camera::new(&self.plugin, &there, self.whole(order).size, &scene.pose, &|_| ())?;
+            let (picture, tally) = self.render(&camera, &there, scene, order)?;
+            spectrum::add(&mut whole.0, band, &picture);
+            whole.1.add(&tally);
+        }
+        Ok(whole)
+    }
+}
+
+/// The parameters with the lens stopped down where depth of field is not wanted.
+///
+/// # Errors
+/// The user says how far the lens is stopped down.
+pub fn stopped_down(parameters: &Parameters, effects: Effects) -> Result<Parameters, Failure> {
+    const SMALL: f64 = 22.0;
+    let mut parameters = parameters.clone();
+    if effects.dof {
+        return Ok(parameters);
+    }
+    if parameters.fnumber.is_some() || parameters.aperture_diameter.is_some() {
+        return Err(Failure::Usage(
+            "without depth of field the lens is stopped down as far as it needs to be; leave out \
+             \"fnumber\" and \"aperture_diameter\", or add dof to --effects"
+                .to_owned(),
+        ));
+    }
+    parameters.fnumber = Some(SMALL);
+    if parameters.pupil.is_none() {
+        // The stop alone limits the beam, and the rear element is many times wider.
+        parameters.pupil = Some("disk".to_owned());
+    }
+    Ok(parameters)
+}
+
+/// The film's irradiance where the scene has radiance 1.
+fn white_level(camera: &Camera, parameters: &Parameters, size: [u32; 2]) -> Result<f32, Failure> {
+    let info = camera.info()?;
+    let radiometric = match (&parameters.weighting, parameters.simpleweighting) {
+        (Some(name), _) => name == "radiometric",
+        (None, simple) => simple != Some(true),
+    };
+    // By the lens' own number, not by metering: what a lens loses shows.
+    if radiometric && info.fnumber > 0.0 {
+        let fnumber = info.fnumber as f32;
+        return Ok(std::f32::consts::FRAC_PI_4 / (fnumber * fnumber));
+    }
+    let metered = AxialRays::of(camera, size)?.mean_weight();
+    Ok(if metered > 0.0 { metered } else { 1.0 })
+}
+
+fn gather(lens: Option<&str>, given: &[String]) -> Result<Parameters, Failure> {
+    let mut parameters = Parameters::default();
+    let mut seen: Vec<&str> = Vec::new();
+    for text in given {
+        let Some((name, value)) = text.split_once('=') else {
+            return Err(Failure::Usage(format!("--param \"{text}\" has no \"=\"; write --param NAME=VALUE")));
+        };
+        if seen.contains(&name) {
+            return Err(Failure::Usage(format!("parameter \"{name}\" is given twice; give it once")));
+        }
+        parameters.set_from_text(name, value)?;
+        seen.push(name);
+    }
+    match (lens, &parameters.specfile) {
+        (Some(lens), Some(file)) => {
+            return Err(Failure::Usage(format!(
+                "--lens \"{lens}\" and parameter \"specfile\" (\"{file}\") say the same thing; give \
+                 one of them"
+            )));
+        }
+        (None, Some(_)) => {}
+        (lens, None) => parameters.specfile = Some(lens.unwrap_or("dgauss.50mm").to_owned()),
+    }
+    Ok(parameters)
+}
+
+/// Draws on standard error, and only when that is a terminal.
+fn progress_bar() -> ProgressBar {
+    let style = ProgressStyle::with_template("rendering {bar:40} {percent:>3} %  {eta} left")
+        .unwrap_or_else(|_| ProgressStyle::default_bar());
+    // Of no tiles at all it would show itself full before the rendering starts.
+    ProgressBar::new(1).with_style(style)
+}
+
+/// Help on what --param takes.
+pub fn parameter_help() -> String {
+    let mut text = String::from("Parameters for --param:\n");
+    for row in PARAMETERS {
+        let _ = writeln!(text, "  {:<18} {}", row.name, row.help);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn given(texts: &[&str]) -> Result<Parameters, Failure> {
+        let texts: Vec<String> = texts.iter().map(|text| (*text).to_owned()).collect();
+        gather(None, &texts)
+    }
+
+    fn refused(texts: &[&str]) -> String {
+        match given(texts) {
+            Err(Failure::Usage(message)) => message,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn parameters_go_by_name_and_the_lens_with_them() {
+        let parameters = given(&["filmdistance=40.5", "pupil=disk"]).unwrap();
+        assert_eq!(parameters.filmdistance, Some(40.5));
+        assert_eq!(parameters.pupil.as_deref(), Some("disk"));
+        assert_eq!(parameters.specfile.as_deref(), Some("dgauss.50mm"));
+    }
+
+    #[test]
+    fn bad_parameters_say_what_to_do() {
+        assert!(refused(&["fokus=3"]).contains("focusdistance"));
+        assert!(refused(&["filmdiag"]).contains("NAME=VALUE"));
+        assert!(refused(&["filmdiag=large"]).contains("a number"));
+        assert!(refused(&["filmdiag=35", "filmdiag=36"]).contains("twice"));
+        assert!(gather(Some("a.dat"), &["lensfile=b.dat".to_owned()]).is_err());
+    }
+}

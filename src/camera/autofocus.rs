@@ -1,0 +1,354 @@
+//! Autofocus: the film distance that brings what the host sees in some zones of the film into focus.
+//!
+//! A host that can tell a ray's distance is asked for a few rays through each zone
+//! ([`by_distance`]); one that can only look at pictures is asked how much contrast trial
+//! cameras show ([`Search`]). Zones that give no answer do not count; of the others a [`Rule`]
+//! makes one film distance.
+
+use thiserror::Error;
+
+use super::{
+    CameraError, Host, Level, Outcome, ParameterError, Parameters, Raster, RealisticCamera, Sample, WorldRay,
+};
+use crate::{
+    numeric::minimum,
+    optics::focus::{Focus, FocusError},
+};
+
+/// A rectangle of the picture, in pixels; (0, 0) is the picture's top left corner.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Zone {
+    /// Left edge, 0 or more.
+    pub left: f32,
+    /// Top edge, 0 or more.
+    pub top: f32,
+    /// Right edge, beyond the left one and at most the picture's width.
+    pub right: f32,
+    /// Bottom edge, below the top one and at most the picture's height.
+    pub bottom: f32,
+}
+
+/// How several zones make one film distance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Rule {
+    /// The zone that sees the nearest thing.
+    #[default]
+    Nearest,
+    /// The zone nearest the middle of the picture among those that have an answer.
+    Centre,
+    /// The mean of the zones' film distances, which favours near things as focusing does.
+    Average,
+}
+
+impl Rule {
+    /// Every rule by name.
+    pub const NAMES: [(&'static str, Self); 3] =
+        [("nearest", Self::Nearest), ("centre", Self::Centre), ("average", Self::Average)];
+}
+
+/// Why there is no film distance.
+#[derive(Debug, Error)]
+pub enum AutofocusError {
+    /// The camera cannot be built.
+    #[error(transparent)]
+    Camera(#[from] CameraError),
+    /// There are no zones.
+    #[error("autofocus needs at least one zone; the whole picture is 0, 0 to {xres}, {yres}")]
+    NoZones {
+        /// Pixels across.
+        xres: u32,
+        /// Pixels down.
+        yres: u32,
+    },
+    /// A zone is empty, not finite or not in the picture.
+    #[error(
+        "autofocus zone {index} spans x {} to {} and y {} to {}; it must lie in the picture, 0 to {xres} and 0 \
+         to {yres} pixels, with its right edge beyond its left one and its bottom below its top",
+        zone.left, zone.right, zone.top, zone.bottom
+    )]
+    Zone {
+        /// Which, from 0.
+        index: usize,
+        /// The zone.
+        zone: Zone,
+        /// Pixels across.
+        xres: u32,
+        /// Pixels down.
+        yres: u32,
+    },
+    /// No zone gave an answer.
+    #[error(
+        "autofocus found nothing to focus on in {zones} zone(s): {missing}; put a zone on an object with \
+         detail, or give \"focusdistance\" or \"filmdistance\""
+    )]
+    Nothing {
+        /// How many zones there are.
+        zones: usize,
+        /// What was looked for.
+        missing: &'static str,
+    },
+}
+
+impl From<FocusError> for AutofocusError {
+    fn from(error: FocusError) -> Self {
+        Self::Camera(error.into())
+    }
+}
+
+impl Zone {
+    fn centre(&self) -> [f32; 2] {
+        [f32::midpoint(self.left, self.right), f32::midpoint(self.top, self.bottom)]
+    }
+}
+
+/// Checks that there are zones and that they lie in the picture.
+fn check(zones: &[Zone], Raster { xres, yres }: Raster) -> Result<(), AutofocusError> {
+    if zones.is_empty() {
+        return Err(AutofocusError::NoZones { xres, yres });
+    }
+    let inside = |low: f32, high: f32, end: u32| 0.0 <= low && low < high && high <= end as f32;
+    let bad = |zone: &Zone| !inside(zone.left, zone.right, xres) || !inside(zone.top, zone.bottom, yres);
+    match zones.iter().position(bad) {
+        Some(index) => Err(AutofocusError::Zone { index, zone: zones[index], xres, yres }),
+        None => Ok(()),
+    }
+}
+
+/// The film distance that the rule makes of the zones' own.
+fn choose(zones: &[Zone], answers: &[Option<f64>], rule: Rule, raster: Raster) -> Option<f64> {
+    let answered = || zones.iter().zip(answers).filter_map(|(zone, answer)| Some((zone, (*answer)?)));
+    match rule {
+        // The film moves back for what is nearer.
+        Rule::Nearest => answered().map(|(_, distance)| distance).reduce(f64::max),
+        Rule::Centre => {
+            let [x, y] = [raster.xres, raster.yres].map(|end| end as f32 / 2.0);
+            let off = |zone: &Zone| (zone.centre()[0] - x).powi(2) + (zone.centre()[1] - y).powi(2);
+            answered().min_by(|a, b| off(a.0).total_cmp(&off(b.0))).map(|(_, distance)| distance)
+        }
+        Rule::Average => {
+            let count = answered().count();
+            (count > 0).then(|| answered().map(|(_, distance)| distance).sum::<f64>() / count as f64)
+        }
+    }
+}
+
+/// Where autofocus starts from: the parameters without a focus of their own, at infinity.
+fn start(
+    parameters: &Parameters,
+    host: &Host,
+    zones: &[Zone],
+    log: &mut dyn FnMut(Level, &str),
+) -> Result<(RealisticCamera, Focus), AutofocusError> {
+    check(zones, host.raster)?;
+    for (name, given) in
+        [("filmdistance", parameters.filmdistance), ("focusdistance", parameters.focusdistance)]
+    {
+        if given.is_some() {
+            return Err(CameraError::from(ParameterError::Both { first: name, second: "autofocus" }).into());
+        }
+    }
+    let at_infinity = Parameters { focusdistance: Some(f64::INFINITY), ..parameters.clone() };
+    let camera = RealisticCamera::build(&at_infinity, host, log)?;
+    let focus = Focus::new(camera.lens())?;
+    Ok((camera, focus))
+}
+
+/// Rays across a zone, each way.
+const GRID: u16 = 5;
+/// Lens numbers that are tried for each, the first that get through being taken.
+const TRIES: u16 = 64;
+
+/// The film distance, mm, by the distances that `distance` tells: for a ray in world space, along it to
+/// the first surface in world units; infinity for none, and NaN or what is not positive for "I do
+/// not know". A zone's depth is the median over its rays.
+///
+/// # Errors
+/// No camera can be built, a zone is not in the picture, no ray of any zone has a distance, or
+/// the lens cannot focus so near.
+pub fn by_distance(
+    parameters: &Parameters,
+    host: &Host,
+    zones: &[Zone],
+    rule: Rule,
+    mut distance: impl FnMut(&WorldRay) -> f64,
+    log: &mut dyn FnMut(Level, &str),
+) -> Result<f64, AutofocusError> {
+    let (camera, focus) = start(parameters, host, zones, log)?;
+    let mm_per_unit = parameters.mmperunit.unwrap_or(1.0);
+    let mut answers = Vec::with_capacity(zones.len());
+    let mut too_near = None;
+    for zone in zones {
+        let mut depths = Vec::new();
+        for ray in rays(&camera, zone) {
+            let along = distance(&ray);
+            if along > 0.0 {
+                depths.push(camera_depth(host, &ray, along) * mm_per_unit);
+            }
+        }
+        depths.retain(|depth| *depth > 0.0);
+        depths.sort_by(f64::total_cmp);
+        // Film distances count from the last vertex, depths from the first: the film moves, so the
+        // distance from it is found by repetition, which contracts as (f/depth)².
+        let answer = match depths.get(depths.len() / 2) {
+            None => None,
+            Some(&depth) => match film_distance(&focus, &camera, depth) {
+                Ok(distance) => Some(distance),
+                Err(error) => {
+                    too_near = Some(error);
+                    None
+                }
+            },
+        };
+        answers.push(answer);
+    }
+    choose(zones, &answers, rule, host.raster).ok_or_else(|| match too_near {
+        Some(error) => error.into(),
+        None => {
+            AutofocusError::Nothing { zones: zones.len(), missing: "no ray of them has a distance above 0" }
+        }
+    })
+}
+
+/// The film distance that focuses the plane at z = `depth` mm in lens space.
+fn film_distance(focus: &Focus, camera: &RealisticCamera, depth: f64) -> Result<f64, FocusError> {
+    const REPETITIONS: u32 = 60;
+    let length = -camera.lens().rear().vertex;
+    let mut film = camera.film_distance();
+    for _ in 0..REPETITIONS {
+        let next = focus.film_distance(depth + length + film)?;
+        let moved = (next - film).abs();
+        film = next;
+        if moved <= 1e-12 * film {
+            break;
+        }
+    }
+    Ok(film)
+}
+
+/// Rays through the middle of the lens as far as it lets them, from a grid in a zone.
+fn rays(camera: &RealisticCamera, zone: &Zone) -> Vec<WorldRay> {
+    let step =
+        |index: u16, low: f32, high: f32| low + (high - low) * (f32::from(index) + 0.5) / f32::from(GRID);
+    let at = |index: u16| {
+        let (image_x, image_y) =
+            (step(index % GRID, zone.left, zone.right), step(index / GRID, zone.top, zone.bottom));
+        // From the middle of the lens outwards, in turns of the golden angle.
+        (0..TRIES).find_map(|attempt| {
+            let radius = 0.5 * (f32::from(attempt) / f32::from(TRIES)).sqrt();
+            let (sine, cosine) = (2.399_963 * f32::from(attempt)).sin_cos();
+            let sample = Sample {
+                image_x,
+                image_y,
+                lens_u: 0.5 + radius * cosine,
+                lens_v: 0.5 + radius * sine,
+                time: 0.5,
+            };
+            match camera.generate(&sample) {
+                Outcome::Ray(ray, _) => Some(ray),
+                Outcome::Blocked(_) | Outcome::Redraw | Outcome::Shut => None,
+            }
+        })
+    };
+    (0..GRID * GRID).filter_map(at).collect()
+}
+
+/// The z in camera space, world units, of the point at a distance along a ray.
+fn camera_depth(host: &Host, ray: &WorldRay, along: f64) -> f64 {
+    let to_camera = host.to_world.at(ray.time).inverse_rows();
+    let row = &to_camera[8..12];
+    let along_axis = |v: [f32; 3]| (0..3).map(|i| f64::from(row[i]) * f64::from(v[i])).sum::<f64>();
+    let direction = along_axis(ray.direction);
+    let start = along_axis(ray.origin) + f64::from(row[3]);
+    if along == f64::INFINITY && direction > 0.0 { f64::INFINITY } else { start + along * direction }
+}
+
+/// Autofocus by contrast: which film distances are to be tried.
+#[derive(Clone, Debug)]
+pub struct Search {
+    zones: Vec<Zone>,
+    raster: Raster,
+    nearest: f64,
+    infinity: f64,
+    steps: u32,
+}
+
+/// Film distances of the first pass at the least and at the most.
+const STEPS: std::ops::RangeInclusive<u32> = 12..=160;
+/// Pixels by which the blur's diameter changes from one of them to the next.
+const BLUR_STEP: f64 = 4.0;
+/// A zone whose contrast changes by a smaller part of its highest value sees nothing.
+const FLAT: f64 = 0.05;
+
+impl Search {
+    /// Prepares the search for the camera of these parameters.
+    ///
+    /// # Errors
+    /// No camera can be built, or a zone is not in the picture.
+    pub fn new(
+        parameters: &Parameters,
+        host: &Host,
+        zones: &[Zone],
+        log: &mut dyn FnMut(Level, &str),
+    ) -> Result<Self, AutofocusError> {
+        let (camera, focus) = start(parameters, host, zones, log)?;
+        let (infinity, nearest) = (camera.film_distance(), focus.nearest().film_distance);
+        let step = BLUR_STEP * camera.film().pixel() * camera.fnumber();
+        let steps = ((nearest - infinity) / step).ceil();
+        let steps = (steps as u32).clamp(*STEPS.start(), *STEPS.end());
+        Ok(Self { zones: zones.to_vec(), raster: host.raster, nearest, infinity, steps })
+    }
+
+    /// The film distance, mm, with the most contrast. `contrast` tells for each zone of
+    /// the picture with the film there how much it has: 0 or more, NaN for "I do not know".
+    /// First the whole way from infinity to the nearest distance, then closer about each zone's best.
+    ///
+    /// # Errors
+    /// No zone's contrast depends on the film distance, or `contrast`'s own.
+    pub fn run<E: From<AutofocusError>>(
+        &self,
+        rule: Rule,
+        mut contrast: impl FnMut(f64, &Zone) -> Result<f64, E>,
+    ) -> Result<f64, E> {
+        const PRECISION: f64 = 1e-2;
+        let place = |step: u32| {
+            self.infinity + (self.nearest - self.infinity) * f64::from(step) / f64::from(self.steps)
+        };
+        let mut answers = Vec::with_capacity(self.zones.len());
+        for zone in &self.zones {
+            let mut seen = Vec::new();
+            for step in 0..=self.steps {
+                let value = contrast(place(step), zone)?;
+                if value.is_finite() {
+                    seen.push((step, value));
+                }
+            }
+            let best = seen.iter().copied().reduce(|a, b| if b.1 > a.1 { b } else { a });
+            let least = seen.iter().map(|(_, value)| *value).fold(f64::INFINITY, f64::min);
+            let Some((step, highest)) = best.filter(|best| best.1 > 0.0 && best.1 - least > FLAT * best.1)
+            else {
+                answers.push(None);
+                continue;
+            };
+            let (low, high) = (place(step.saturating_sub(1)), place((step + 1).min(self.steps)));
+            let mut failure = None;
+            let refined = minimum(low, high, PRECISION, |distance| match contrast(distance, zone) {
+                Ok(value) if value.is_finite() => -value,
+                Ok(_) => f64::INFINITY,
+                Err(error) => {
+                    failure = Some(error);
+                    f64::INFINITY
+                }
+            });
+            if let Some(error) = failure {
+                return Err(error);
+            }
+            // A jagged peak may mislead the refinement.
+            let better = contrast(refined, zone)? >= highest;
+            answers.push(Some(if better { refined } else { place(step) }));
+        }
+        choose(&self.zones, &answers, rule, self.raster).ok_or_else(|| {
+            let missing = "their contrast does not depend on the film distance";
+            AutofocusError::Nothing { zones: self.zones.len(), missing }.into()
+        })
+    }
+}
