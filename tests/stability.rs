@@ -5,7 +5,12 @@ use std::ops::ControlFlow;
 
 use realistic::{
     camera::{CameraError, Host, Outcome, Parameters, Raster, RealisticCamera, Sample},
-    optics::{Lens, first_order::FirstOrder, refraction::Refraction, single_precision::f32_is_fit},
+    optics::{
+        Lens,
+        first_order::FirstOrder,
+        refraction::Refraction,
+        single_precision::{Unfit, f32_is_fit},
+    },
     prescription::{catalogue, read},
     report::stability::{self, Case, CaseResult, Effort, KERNELS, random},
     trace::{Direction, Path, Ray},
@@ -122,6 +127,8 @@ fn where_single_precision_is_fit_its_rays_are() {
         assert!(single.worst_error_rad < 1e-5, "{}", show(&single));
     }
     assert!(fit > 50 && unfit > 30, "{fit} fit, {unfit} not");
+    let balls = stability::stiff::balls().swap_remove(2);
+    assert!(matches!(f32_is_fit(&balls.lens), Err(Unfit::Amplification { .. })), "{}", balls.name);
 }
 
 #[test]

@@ -55,9 +55,9 @@ pub struct Walk {
 /// vertex plane: the sphere's equation loses that factor in digits at the ray's start.
 const FAR: f64 = 2.0;
 
-/// Cosine of the angle to the axis below which a ray meets the first vertex plane too far out for that
-/// to be the place to start from.
-const STEEP: f64 = 0.1;
+/// Squared cosine of the angle to the axis below which a ray meets the first vertex plane too far out for
+/// that to be the place to start from.
+const STEEP: f64 = 0.01;
 
 /// Position and V = n D in the frame of the current vertex.
 #[derive(Clone, Copy)]
@@ -174,7 +174,7 @@ impl<R: Real> Path<R> {
         let [dx, dy, dz] = ray.direction;
         let d = [dx, dy, sense * dz];
         let squared = refraction::dot(d, d);
-        let entry = if z < 0.0 && d[2] > STEEP * squared.sqrt() {
+        let entry = if z < 0.0 && d[2] > 0.0 && d[2] * d[2] > STEEP * squared {
             let at = |p: f64, along: f64| (difference_of_products(p, d[2], z, along) - lost * along) / d[2];
             [at(x, d[0]), at(y, d[1]), 0.0]
         } else if refraction::dot(start, d) < 0.0 {

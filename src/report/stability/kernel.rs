@@ -28,7 +28,7 @@ pub const KERNELS: [Kernel; 5] = [
     walk::<f32>("f32", BOUND, |lens, direction| with::<f32>(lens, direction, Refraction::Fused)),
     walk::<f64>("f64 heckbert", BOUND, |lens, direction| with::<f64>(lens, direction, Refraction::Heckbert)),
     // Divides by n cos I and takes the difference of squares: not stable at grazing incidence.
-    walk::<f64>("f64 whitted", 1e4, |lens, direction| with::<f64>(lens, direction, Refraction::Whitted)),
+    walk::<f64>("f64 whitted", 1e3, |lens, direction| with::<f64>(lens, direction, Refraction::Whitted)),
     walk::<f64>("f64 other", BOUND, |lens, direction| with::<f64>(lens, direction, Refraction::Other)),
 ];
 
