@@ -36,9 +36,19 @@
 #define REALISTIC_CAPABILITY_REASONS 4
 
 /*
- The wavelength matters for lenses with V-numbers.
+ The wavelength matters for lenses with V-numbers or Sellmeier's constants.
  */
 #define REALISTIC_CAPABILITY_DISPERSION 8
+
+/*
+ `model` may be "thick", "thin", "perspective", "orthographic" and "environment".
+ */
+#define REALISTIC_CAPABILITY_MODELS 16
+
+/*
+ The camera may move (`camera_to_world_end`), and the shutter be other than global.
+ */
+#define REALISTIC_CAPABILITY_MOTION 32
 
 /*
  How a call of the C ABI ended. The numbers are part of the ABI and never change.
@@ -134,6 +144,10 @@ enum realistic_reason
      does not count.
      */
     REALISTIC_REASON_REDRAW = 5,
+    /*
+     The shutter is closed over this film point at this time.
+     */
+    REALISTIC_REASON_SHUT = 6,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -269,10 +283,60 @@ typedef struct realistic_options {
      Parameter `mmperunit`, mm a world unit.
      */
     double mmperunit;
+    /*
+     For a camera that moves: `camera_to_world` holds at `transformstart` and this one at `transformend`, and
+     between the two a move, a rotation and a stretch are interpolated. All NaN: the camera stands still.
+     */
+    float camera_to_world_end[16];
+    /*
+     The time of `camera_to_world`. NaN: `shutteropen`.
+     */
+    double transformstart;
+    /*
+     The time of `camera_to_world_end`. NaN: `shutterclose`.
+     */
+    double transformend;
+    /*
+     Parameter `shutter`.
+     */
+    const char *shutter;
+    /*
+     Parameter `lensplane`.
+     */
+    const char *lensplane;
+    /*
+     Parameter `shutterramp`.
+     */
+    double shutterramp;
+    /*
+     Parameter `shutterslit`.
+     */
+    double shutterslit;
+    /*
+     Parameter `fov`, degrees.
+     */
+    double fov;
+    /*
+     Parameter `screenwindow`. All NaN: not given.
+     */
+    double screenwindow[4];
+    /*
+     Parameter `frameaspectratio`.
+     */
+    double frameaspectratio;
+    /*
+     Parameter `lensradius`, world units.
+     */
+    double lensradius;
+    /*
+     Parameter `focaldistance`, world units.
+     */
+    double focaldistance;
 } realistic_options;
 
 /*
- What a built camera is, for a host to print. `realistic_camera_get_info` fills it.
+ What a built camera is, for a host to print. `realistic_camera_get_info` fills it. A model without a lens
+ (`perspective`, `orthographic`, `environment`) has 0 interfaces and NaN everywhere else.
  */
 typedef struct realistic_camera_info {
     /*
@@ -337,7 +401,7 @@ typedef struct realistic_sample {
  */
 typedef struct realistic_ray {
     /*
-     Origin, world units: the point where the ray leaves the front interface.
+     Origin, world units: for `model` "lens" the point where the ray leaves the front interface.
      */
     float o[3];
     /*
@@ -345,11 +409,12 @@ typedef struct realistic_ray {
      */
     float d[3];
     /*
-     Distance from `o` at which the ray begins (`hither`).
+     Distance from `o` at which the ray begins: `hither`; 0 for the two projections, whose rays begin on the
+     near plane.
      */
     float mint;
     /*
-     Distance from `o` at which the ray ends (`yon`).
+     Distance from `o` at which the ray ends: `yon`; for the two projections as far as their far plane.
      */
     float maxt;
     /*
@@ -457,7 +522,7 @@ realistic_status realistic_camera_get_info(const struct realistic_camera *camera
                                            struct realistic_camera_info *info);
 
 /*
- Copies the lens's name as UTF-8 with a closing NUL into `buffer`, cut to `capacity` bytes, and writes
+ Copies the lens's name (nothing for a model without a lens) as UTF-8 with a closing NUL into `buffer`, cut to `capacity` bytes, and writes
  its whole length without the NUL to `*length`. `buffer` may be NULL when `capacity` is 0, and `length` may be NULL.
 
  # Safety

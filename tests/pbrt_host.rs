@@ -355,10 +355,44 @@ fn a_copy_named_after_a_model_takes_that_model() {
     let (_directory, plugin) = installed("environment.so");
     for abi in Abi::BOTH {
         let middle = "sample=15,10,0.5,0.5,0";
-        Run::new(abi, &plugin, "rays").with(middle).run().refused(&["model", "environment"]);
+        let report = Run::new(abi, &plugin, "rays").with(middle).run();
+        report.clean();
+        let ray = report.rays("vtable")[0];
+        assert!(near(ray.d, [-1.0, 0.0, 0.0], 1e-6), "{ray:?}");
+        assert_eq!((ray.weight, ray.o, ray.maxt as f32), (1.0, [0.0; 3], 1e30));
         let report = Run::new(abi, &plugin, "rays").with(middle).with("string:model=lens").run();
         report.clean();
         assert!(report.rays("vtable")[0].d[2] > 0.5);
+    }
+}
+
+#[test]
+fn the_textbook_cameras_take_a_hosts_parameters() {
+    for abi in Abi::BOTH {
+        let (_directory, plugin) = installed("orthographic.so");
+        let window = "float:screenwindow=-3,3,-2,2";
+        let report = Run::new(abi, &plugin, "rays").with(window).with("sample=30,0,0.5,0.5,0").run();
+        report.clean();
+        let ray = report.rays("vtable")[0];
+        assert!(near(ray.o, [3.0, 2.0, 1e-3], 1e-6) && ray.d == [0.0, 0.0, 1.0], "{ray:?}");
+        let refused = |argument| Run::new(abi, &plugin, "rays").with(argument).run();
+        refused("float:screenwindow=-3,3").refused(&["screenwindow", "2 values", "takes four"]);
+        refused("integer:lensradius=1").refused(&["write \"float lensradius\""]);
+        let report = Run::new(abi, &plugin, "rays").with("float:fov=60").with("float:filmdistance=40").run();
+        assert_eq!(report.one("camera"), "made");
+        assert!(report.one("warning").contains("does not use \"filmdistance\", \"fov\""), "{}", report.out);
+        report.ended();
+    }
+}
+
+#[test]
+fn a_closed_shutter_is_zero_outside_and_tiny_in_the_vtable() {
+    for abi in Abi::BOTH {
+        let slit = ["string:shutter=focal-plane", "float:shutterslit=0.25", "sample=15,1,0.5,0.5,0.9"];
+        let report = run(abi, "rays", &slit);
+        report.clean();
+        assert_eq!(report.rays("vtable")[0].weight as f32, f32::MIN_POSITIVE);
+        assert_eq!(report.rays("exported")[0].weight, 0.0);
     }
 }
 

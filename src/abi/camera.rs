@@ -8,7 +8,7 @@ use super::handle::Handle;
 use super::object::{self, HostPart};
 use super::options::{self, check_size};
 use super::types::{realistic_camera, realistic_camera_info, realistic_log, realistic_options};
-use crate::camera::Level;
+use crate::camera::{CameraError, CameraToWorld, Film, Level};
 
 /// Bytes of the first version of `realistic_camera_info`.
 const FIRST_INFO_SIZE: usize = size_of::<realistic_camera_info>();
@@ -36,12 +36,13 @@ pub unsafe extern "C" fn realistic_camera_new(
         let mut log = |level, text: &str| log(options.log, options.log_user, level, text);
         let handle = Handle::build(&parameters, &host, &mut log)?;
         let clip = handle.camera().clip();
-        let shutter = handle.camera().shutter();
+        let shutter = handle.camera().shutter_interval();
+        let at_start = CameraToWorld::from_rows(&options.camera_to_world).map_err(CameraError::Transform)?;
         let camera = object::new(
             handle,
             &HostPart {
                 film: std::ptr::null_mut(),
-                world_to_camera: host.to_world.inverse_rows(),
+                world_to_camera: at_start.inverse_rows(),
                 camera_to_world: options.camera_to_world,
                 hither: clip[0],
                 yon: clip[1],
@@ -51,7 +52,7 @@ pub unsafe extern "C" fn realistic_camera_new(
         )
         .ok_or_else(boundary::out_of_memory)?;
         // SAFETY: not NULL, and the caller's promise.
-        unsafe { out.write(camera) };
+        unsafe { out.write_unaligned(camera) };
         Ok(())
     })
 }
@@ -103,17 +104,17 @@ pub unsafe extern "C" fn realistic_camera_get_info(
             return Err(boundary::null("info"));
         }
         // SAFETY: not NULL; the first field is always there.
-        let struct_size = unsafe { (*info).struct_size };
+        let struct_size = unsafe { (&raw const (*info).struct_size).read_unaligned() };
         let current = size_of::<realistic_camera_info>();
         check_size("realistic_camera_info", struct_size, FIRST_INFO_SIZE, current)?;
         let filled = realistic_camera_info {
             struct_size,
-            interfaces: camera.lens().surfaces.len() as u32,
-            focal_length_mm: camera.focal_length(),
-            fnumber: camera.fnumber(),
-            film_distance_mm: camera.film_distance(),
+            interfaces: camera.lens().map_or(0, |lens| lens.surfaces.len() as u32),
+            focal_length_mm: camera.focal_length().unwrap_or(f64::NAN),
+            fnumber: camera.fnumber().unwrap_or(f64::NAN),
+            film_distance_mm: camera.film_distance().unwrap_or(f64::NAN),
             focus_distance_mm: camera.focus_distance().unwrap_or(f64::NAN),
-            film_diagonal_mm: camera.film().diagonal(),
+            film_diagonal_mm: camera.film().map_or(f64::NAN, Film::diagonal),
         };
         // SAFETY: the caller's promise; the check allows no more than `filled` has.
         unsafe {
@@ -127,7 +128,7 @@ pub unsafe extern "C" fn realistic_camera_get_info(
     })
 }
 
-/// Copies the lens's name as UTF-8 with a closing NUL into `buffer`, cut to `capacity` bytes, and writes
+/// Copies the lens's name (nothing for a model without a lens) as UTF-8 with a closing NUL into `buffer`, cut to `capacity` bytes, and writes
 /// its whole length without the NUL to `*length`. `buffer` may be NULL when `capacity` is 0, and `length` may be NULL.
 ///
 /// # Safety
@@ -146,7 +147,7 @@ pub unsafe extern "C" fn realistic_camera_get_lens_name(
         if buffer.is_null() && capacity > 0 {
             return Err(boundary::null("buffer"));
         }
-        let name = &camera.lens().name;
+        let name = camera.lens().map_or("", |lens| &lens.name);
         if let Some(room) = capacity.checked_sub(1) {
             let cut = name.floor_char_boundary(room);
             // SAFETY: `cut` and the NUL fit into `capacity`.

@@ -2,13 +2,13 @@
 
 use super::boundary::{Failure, realistic_status};
 use super::types::{realistic_ray, realistic_reason, realistic_sample};
-use crate::camera::{CameraError, Host, Level, Outcome, Parameters, RealisticCamera, Sample, WorldRay};
+use crate::camera::{Camera, CameraError, Host, Level, Outcome, Parameters, Sample, WorldRay};
 use crate::optics::focus::FocusError;
 use crate::trace::Blocked;
 
 /// A built camera. Immutable.
 #[derive(Debug)]
-pub struct Handle(RealisticCamera);
+pub struct Handle(Camera);
 
 impl Handle {
     /// Builds a camera.
@@ -20,11 +20,11 @@ impl Handle {
         host: &Host,
         log: &mut dyn FnMut(Level, &str),
     ) -> Result<Self, Failure> {
-        Ok(Self(RealisticCamera::build(parameters, host, log)?))
+        Ok(Self(Camera::build(parameters, host, log)?))
     }
 
     /// The camera.
-    pub fn camera(&self) -> &RealisticCamera {
+    pub fn camera(&self) -> &Camera {
         &self.0
     }
 
@@ -34,7 +34,9 @@ impl Handle {
         let sample = Sample::from(*sample);
         let (complete, weight) = match self.0.generate(&sample) {
             Outcome::Ray(complete, weight) => (complete, weight),
-            Outcome::Blocked(_) | Outcome::Redraw => (self.0.substitute(&sample), f32::MIN_POSITIVE),
+            Outcome::Blocked(_) | Outcome::Redraw | Outcome::Shut => {
+                (self.0.substitute(&sample), f32::MIN_POSITIVE)
+            }
         };
         *ray = complete.into();
         weight
@@ -46,6 +48,7 @@ impl Handle {
             Outcome::Ray(ray, weight) => (Some(ray.into()), weight, realistic_reason::Ok),
             Outcome::Blocked(reason) => (None, 0.0, reason.into()),
             Outcome::Redraw => (None, 0.0, realistic_reason::Redraw),
+            Outcome::Shut => (None, 0.0, realistic_reason::Shut),
         }
     }
 }

@@ -14,8 +14,12 @@ pub const REALISTIC_CAPABILITY_PBRT_V1: u64 = 1;
 pub const REALISTIC_CAPABILITY_BATCH: u64 = 2;
 /// Batches tell why a ray is blocked.
 pub const REALISTIC_CAPABILITY_REASONS: u64 = 4;
-/// The wavelength matters for lenses with V-numbers.
+/// The wavelength matters for lenses with V-numbers or Sellmeier's constants.
 pub const REALISTIC_CAPABILITY_DISPERSION: u64 = 8;
+/// `model` may be "thick", "thin", "perspective", "orthographic" and "environment".
+pub const REALISTIC_CAPABILITY_MODELS: u64 = 16;
+/// The camera may move (`camera_to_world_end`), and the shutter be other than global.
+pub const REALISTIC_CAPABILITY_MOTION: u64 = 32;
 
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "\0");
 
@@ -36,7 +40,11 @@ pub extern "C" fn realistic_version() -> *const c_char {
 #[unsafe(no_mangle)]
 pub extern "C" fn realistic_capabilities() -> u64 {
     let pbrt = if cfg!(realistic_shim) { REALISTIC_CAPABILITY_PBRT_V1 } else { 0 };
-    pbrt | REALISTIC_CAPABILITY_BATCH | REALISTIC_CAPABILITY_REASONS | REALISTIC_CAPABILITY_DISPERSION
+    pbrt | REALISTIC_CAPABILITY_BATCH
+        | REALISTIC_CAPABILITY_REASONS
+        | REALISTIC_CAPABILITY_DISPERSION
+        | REALISTIC_CAPABILITY_MODELS
+        | REALISTIC_CAPABILITY_MOTION
 }
 
 /// The message of this thread's last failure, in one or more lines of UTF-8; empty when there was none. The

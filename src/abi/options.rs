@@ -1,16 +1,19 @@
 //! What a C caller gives: `realistic_options` to parameters and host.
 
 use std::ffi::{CStr, c_char};
-use std::mem::size_of;
+use std::mem::{offset_of, size_of};
 use std::ptr::{null, null_mut};
 
 use super::boundary::{self, Failure, realistic_status};
 use super::plugin;
 use super::types::realistic_options;
-use crate::camera::{CameraError, CameraToWorld, Host, Parameters, Raster, Value};
+use crate::camera::{
+    CameraError, CameraMotion, CameraToWorld, DEFAULT_INTERVAL, Host, Parameters, Raster, Value,
+};
+use crate::prescription::MAX_FILE_BYTES;
 
 /// Bytes of the first version of `realistic_options`; later ones only add at the end.
-const FIRST_SIZE: usize = size_of::<realistic_options>();
+const FIRST_SIZE: usize = offset_of!(realistic_options, camera_to_world_end);
 
 const IDENTITY: [f32; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
@@ -44,6 +47,18 @@ impl Default for realistic_options {
             shutterclose: f64::NAN,
             wavelength: f64::NAN,
             mmperunit: f64::NAN,
+            camera_to_world_end: [f32::NAN; 16],
+            transformstart: f64::NAN,
+            transformend: f64::NAN,
+            shutter: null(),
+            lensplane: null(),
+            shutterramp: f64::NAN,
+            shutterslit: f64::NAN,
+            fov: f64::NAN,
+            screenwindow: [f64::NAN; 4],
+            frameaspectratio: f64::NAN,
+            lensradius: f64::NAN,
+            focaldistance: f64::NAN,
         }
     }
 }
@@ -137,6 +152,8 @@ impl realistic_options {
             ("disk", self.disk),
             ("refraction", self.refraction),
             ("precision", self.precision),
+            ("shutter", self.shutter),
+            ("lensplane", self.lensplane),
         ] {
             // SAFETY: the caller's promise.
             if let Some(text) = unsafe { text_at(name, text) }? {
@@ -155,10 +172,19 @@ impl realistic_options {
             ("shutterclose", self.shutterclose),
             ("wavelength", self.wavelength),
             ("mmperunit", self.mmperunit),
+            ("shutterramp", self.shutterramp),
+            ("shutterslit", self.shutterslit),
+            ("fov", self.fov),
+            ("frameaspectratio", self.frameaspectratio),
+            ("lensradius", self.lensradius),
+            ("focaldistance", self.focaldistance),
         ] {
             if !number.is_nan() {
                 set(name, Value::Float(number))?;
             }
+        }
+        if !self.screenwindow.iter().all(|side| side.is_nan()) {
+            set("screenwindow", Value::Four(self.screenwindow))?;
         }
         match self.simpleweighting {
             -1 => {}
@@ -176,16 +202,48 @@ impl realistic_options {
     /// # Safety
     /// `lens_text` is NULL or points to `lens_text_size` bytes.
     pub(super) unsafe fn host(&self) -> Result<Host, Failure> {
-        let to_world = CameraToWorld::from_rows(&self.camera_to_world).map_err(CameraError::Transform)?;
         let mut host = Host::new(raster(self.xres, self.yres)?, plugin::directory());
-        host.to_world = to_world;
+        host.to_world = self.motion()?;
         if !self.lens_text.is_null() {
+            // A length that was never set, or is that of another thing, must not be read to its end.
+            if self.lens_text_size as u64 > MAX_FILE_BYTES {
+                let text = format!(
+                    "lens_text_size is {}; a lens file has at most {MAX_FILE_BYTES} bytes",
+                    self.lens_text_size
+                );
+                return Err(Failure::new(realistic_status::LensFile, text));
+            }
             // SAFETY: not NULL, and the caller's promise.
             let text =
                 unsafe { std::slice::from_raw_parts(self.lens_text.cast::<u8>(), self.lens_text_size) };
             host.lens_text = Some(("lens_text".to_owned(), text.to_vec()));
         }
         Ok(host)
+    }
+}
+
+impl realistic_options {
+    fn motion(&self) -> Result<CameraMotion, Failure> {
+        let transform = |rows| CameraToWorld::from_rows(rows).map_err(CameraError::Transform);
+        let start = transform(&self.camera_to_world)?;
+        if self.camera_to_world_end.iter().all(|entry| entry.is_nan()) {
+            if self.transformstart.is_nan() && self.transformend.is_nan() {
+                return Ok(start.into());
+            }
+            return Err(Failure::new(
+                realistic_status::InvalidParameter,
+                "transformstart and transformend are the times of a moving camera's two transforms; give \
+                 camera_to_world_end as well",
+            ));
+        }
+        let end = transform(&self.camera_to_world_end)?;
+        // The first that is a number.
+        let time = |choices: [f64; 3]| choices.into_iter().find(|time| !time.is_nan()).unwrap_or_default();
+        let [open, close] = DEFAULT_INTERVAL;
+        let start_time = time([self.transformstart, self.shutteropen, open]);
+        let end_time = time([self.transformend, self.shutterclose, close]);
+        CameraMotion::between((start, start_time), (end, end_time))
+            .map_err(|wrong| CameraError::Transform(wrong).into())
     }
 }
 
@@ -207,4 +265,66 @@ unsafe fn text_at<'a>(name: &str, text: *const c_char) -> Result<Option<&'a str>
     unsafe { CStr::from_ptr(text) }.to_str().map(Some).map_err(|_| {
         Failure::new(realistic_status::InvalidParameter, format!("parameter \"{name}\" is not UTF-8 text"))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_versions_structure_still_serves() {
+        // On a 64-bit machine the first header's structure had this size.
+        #[cfg(target_pointer_width = "64")]
+        assert_eq!(FIRST_SIZE, 256);
+        let mut old = realistic_options {
+            struct_size: FIRST_SIZE as u32,
+            filmdiag: 24.0,
+            // Past the caller's size there may be anything.
+            fov: 1e300,
+            camera_to_world_end: [7.0; 16],
+            ..Default::default()
+        };
+        // SAFETY: a structure of at least its `struct_size` bytes.
+        let read = unsafe { read(&old) }.expect("the first version");
+        assert_eq!(read.filmdiag, 24.0);
+        assert!(read.fov.is_nan() && read.camera_to_world_end[0].is_nan());
+        old.struct_size -= 1;
+        // SAFETY: as above.
+        let failure = unsafe { super::read(&old) }.expect_err("smaller than any");
+        assert_eq!(failure.status, realistic_status::StructSize);
+    }
+
+    fn moving(options: realistic_options) -> Result<Host, Failure> {
+        // SAFETY: there is no lens text.
+        unsafe { realistic_options { xres: 2, yres: 2, ..options }.host() }
+    }
+
+    #[test]
+    fn a_moving_camera_begins_and_ends_with_the_shutter_unless_told() {
+        let mut end = IDENTITY;
+        end[3] = 8.0;
+        let options = realistic_options { camera_to_world_end: end, ..Default::default() };
+        let x = |options, time| {
+            let motion = moving(options).expect("one motion").to_world;
+            motion.at(time).point_single([0.0; 3])[0]
+        };
+        assert_eq!(x(options, 0.5), 4.0);
+        let shutter = realistic_options { shutteropen: 2.0, shutterclose: 6.0, ..options };
+        assert_eq!([x(shutter, 2.0), x(shutter, 3.0), x(shutter, 6.0)], [0.0, 2.0, 8.0]);
+        let times = realistic_options { transformstart: 0.0, transformend: 4.0, ..shutter };
+        assert_eq!([x(times, 2.0), x(times, 6.0)], [4.0, 8.0]);
+    }
+
+    #[test]
+    fn half_a_motion_is_refused_with_what_to_give() {
+        let message = |options| moving(options).expect_err("refused").message;
+        let none = realistic_options::default();
+        let times = message(realistic_options { transformend: 1.0, ..none });
+        assert!(times.contains("camera_to_world_end"), "{times}");
+        let mut part = none;
+        part.camera_to_world_end[0] = 1.0;
+        assert!(message(part).contains("not finite"));
+        let backward = realistic_options { camera_to_world_end: IDENTITY, transformend: -1.0, ..none };
+        assert!(message(backward).contains("earlier time"));
+    }
 }

@@ -10,10 +10,7 @@ use super::object::{self, HostPart};
 use super::shim::{self, FindError, Given, HostKind, ParamSet};
 use super::types::realistic_camera;
 use super::{options, plugin};
-use crate::camera::{CameraError, CameraToWorld, Host, Kind, Level, PARAMETERS, Parameters, Value};
-
-/// The models that a copy of the plugin can be named after.
-const MODELS: [&str; 6] = ["lens", "thick", "thin", "perspective", "orthographic", "environment"];
+use crate::camera::{CameraError, CameraToWorld, Host, Kind, Level, Model, PARAMETERS, Parameters, Value};
 
 /// What a pbrt-v1 host calls to make a camera: takes the host's `const ParamSet &`,
 /// `const Transform &` (world to camera) and `Film *`, and returns the host's `Camera *`.
@@ -65,11 +62,12 @@ unsafe fn create(
     }
     let (xres, yres) = resolution;
     let mut host = Host::new(options::raster(xres, yres)?, plugin::directory());
-    host.to_world = CameraToWorld::from_rows(&transform.inverse).map_err(CameraError::Transform)?;
+    let to_world = CameraToWorld::from_rows(&transform.inverse).map_err(CameraError::Transform)?;
+    host.to_world = to_world.into();
     host.can_redraw = false;
     let handle = Handle::build(&parameters, &host, &mut say)?;
     let [hither, yon] = handle.camera().clip();
-    let [shutter_open, shutter_close] = handle.camera().shutter();
+    let [shutter_open, shutter_close] = handle.camera().shutter_interval();
     let host = HostPart {
         film,
         world_to_camera: transform.matrix,
@@ -90,7 +88,7 @@ fn say(level: Level, text: &str) {
 /// The model that the file is named after: `environment.so` is "environment".
 fn model_named(plugin: &Path) -> Option<&'static str> {
     let name = plugin.file_stem()?.to_str()?;
-    MODELS.into_iter().find(|&model| model == name)
+    Model::NAMES.into_iter().map(|(model, _)| model).find(|&model| model == name)
 }
 
 /// Reads every parameter of ours from the host. Only our names are looked up: the rest
@@ -122,7 +120,7 @@ fn read_one(
     parameters: &mut Parameters,
 ) -> Result<Result<(), String>, Failure> {
     let wanted = match kind {
-        Kind::Float => HostKind::Float,
+        Kind::Float | Kind::Four => HostKind::Float,
         Kind::Text => HostKind::String,
         Kind::Bool => HostKind::Bool,
     };
@@ -140,10 +138,13 @@ fn read_one(
     let Some(given) = params.find(name, wanted).map_err(no_look_up)? else {
         return Ok(Ok(()));
     };
-    if given.count() != 1 {
-        return Ok(Err(format!("parameter \"{name}\" is given {} values; it takes one", given.count())));
+    let (takes, in_words) = if kind == Kind::Four { (4, "four") } else { (1, "one") };
+    if given.count() != takes {
+        let count = given.count();
+        return Ok(Err(format!("parameter \"{name}\" is given {count} values; it takes {in_words}")));
     }
     let value = match given {
+        Given::Floats(&[x0, x1, y0, y1]) => Value::Four([x0, x1, y0, y1].map(as_written)),
         Given::Floats(values) => Value::Float(as_written(values[0])),
         Given::Bools(_, truth) => Value::Bool(truth),
         Given::Strings(_, bytes) => match std::str::from_utf8(bytes) {

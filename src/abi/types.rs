@@ -36,13 +36,14 @@ pub struct realistic_sample {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[allow(non_camel_case_types)]
 pub struct realistic_ray {
-    /// Origin, world units: the point where the ray leaves the front interface.
+    /// Origin, world units: for `model` "lens" the point where the ray leaves the front interface.
     pub o: [f32; 3],
     /// Direction, unit length.
     pub d: [f32; 3],
-    /// Distance from `o` at which the ray begins (`hither`).
+    /// Distance from `o` at which the ray begins: `hither`; 0 for the two projections, whose rays begin on the
+    /// near plane.
     pub mint: f32,
-    /// Distance from `o` at which the ray ends (`yon`).
+    /// Distance from `o` at which the ray ends: `yon`; for the two projections as far as their far plane.
     pub maxt: f32,
     /// Time between `shutteropen` and `shutterclose`.
     pub time: f32,
@@ -66,6 +67,8 @@ pub enum realistic_reason {
     /// With `disk` "rejection": the lens numbers fell outside the disk. Draw new ones; the sample
     /// does not count.
     Redraw = 5,
+    /// The shutter is closed over this film point at this time.
+    Shut = 6,
 }
 
 /// Samples as structure of arrays; the members of `realistic_sample`.
@@ -165,9 +168,35 @@ pub struct realistic_options {
     pub wavelength: f64,
     /// Parameter `mmperunit`, mm a world unit.
     pub mmperunit: f64,
+    /// For a camera that moves: `camera_to_world` holds at `transformstart` and this one at `transformend`, and
+    /// between the two a move, a rotation and a stretch are interpolated. All NaN: the camera stands still.
+    pub camera_to_world_end: [f32; 16],
+    /// The time of `camera_to_world`. NaN: `shutteropen`.
+    pub transformstart: f64,
+    /// The time of `camera_to_world_end`. NaN: `shutterclose`.
+    pub transformend: f64,
+    /// Parameter `shutter`.
+    pub shutter: *const c_char,
+    /// Parameter `lensplane`.
+    pub lensplane: *const c_char,
+    /// Parameter `shutterramp`.
+    pub shutterramp: f64,
+    /// Parameter `shutterslit`.
+    pub shutterslit: f64,
+    /// Parameter `fov`, degrees.
+    pub fov: f64,
+    /// Parameter `screenwindow`. All NaN: not given.
+    pub screenwindow: [f64; 4],
+    /// Parameter `frameaspectratio`.
+    pub frameaspectratio: f64,
+    /// Parameter `lensradius`, world units.
+    pub lensradius: f64,
+    /// Parameter `focaldistance`, world units.
+    pub focaldistance: f64,
 }
 
-/// What a built camera is, for a host to print. `realistic_camera_get_info` fills it.
+/// What a built camera is, for a host to print. `realistic_camera_get_info` fills it. A model without a lens
+/// (`perspective`, `orthographic`, `environment`) has 0 interfaces and NaN everywhere else.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 #[allow(non_camel_case_types)]

@@ -1,23 +1,46 @@
 //! Cameras: film, disk sampling, weights, transforms, and what a host gets a ray from.
 //!
-//! A camera is built once from [`Parameters`], a [`Raster`] and a camera-to-world matrix, is
-//! immutable from then on, and turns a [`Sample`] into a ray in world space with its weight.
+//! A [`Camera`] is built once from [`Parameters`], a [`Raster`] and a camera-to-world transform, is
+//! immutable from then on, and turns a [`Sample`] into a ray in world space with its weight. It is one of
+//! the models of [`Model`]; [`spaces`] has the coordinate spaces and [`measurement`] the equation that a pixel
+//! is an estimate of.
 
+mod check;
 mod disk;
+mod environment;
 mod error;
 mod film;
+mod focusing;
+mod ideal;
 pub mod irradiance;
+pub mod measurement;
+mod model;
+mod motion;
+pub mod outline;
 mod parameters;
+mod placement;
+mod projective;
 mod pupil_disk;
 mod realistic;
 mod setup;
+mod shutter;
+pub mod spaces;
+mod textbook;
 mod transform;
+mod warped;
 
 pub use disk::DiskMapping;
+pub use environment::EnvironmentCamera;
 pub use error::CameraError;
 pub use film::{Film, Raster};
+pub use ideal::IdealCamera;
+pub use model::{Camera, Model};
+pub use motion::{CameraMotion, Moving};
 pub use parameters::{Kind, PARAMETERS, Parameter, ParameterError, Parameters, Value};
-pub use pupil_disk::PupilDisk;
+pub use projective::{LensPlane, ProjectiveCamera};
+pub use pupil_disk::{Drawn, PupilDisk};
 pub use realistic::{Outcome, RealisticCamera, Sample, WorldRay};
 pub use setup::{Host, LensSetup, Level, open_lens};
+pub use shutter::{DEFAULT_INTERVAL, Shutter};
 pub use transform::CameraToWorld;
+pub use warped::{BuildReport, WarpedPupil};

@@ -12,6 +12,8 @@ pub enum Kind {
     Text,
     /// `true` or `false`.
     Bool,
+    /// Four numbers.
+    Four,
 }
 
 /// One row of the parameter table.
@@ -36,6 +38,8 @@ pub enum Value<'a> {
     Text(&'a str),
     /// For [`Kind::Bool`].
     Bool(bool),
+    /// For [`Kind::Four`].
+    Four([f64; 4]),
 }
 
 /// Why a parameter was refused. The text names the parameter, the value and the range.
@@ -93,6 +97,8 @@ macro_rules! parameters {
         #[derive(Clone, Debug, Default, PartialEq)]
         pub struct Parameters {
             $(#[doc = $help] pub $field: Option<parameters!(@type $kind)>,)*
+            /// Parameters that were set by their alias.
+            by_alias: Vec<&'static str>,
         }
 
         impl Parameters {
@@ -117,6 +123,7 @@ macro_rules! parameters {
     (@type Float) => { f64 };
     (@type Text) => { String };
     (@type Bool) => { bool };
+    (@type Four) => { [f64; 4] };
     (@take Float $name:ident $value:ident) => {
         match $value {
             Value::Float(number) => number,
@@ -135,10 +142,16 @@ macro_rules! parameters {
             other => return Err(other.refused($name, "true or false")),
         }
     };
+    (@take Four $name:ident $value:ident) => {
+        match $value {
+            Value::Four(numbers) => numbers,
+            other => return Err(other.refused($name, "four numbers")),
+        }
+    };
 }
 
 parameters! {
-    model: Text, "what to build: \"lens\" (default)";
+    model: Text, "what to build: \"lens\" (default), \"thick\", \"thin\", \"perspective\", \"orthographic\" or \"environment\"";
     specfile: Text alias "lensfile", "lens file, or a catalogue name such as \"dgauss.50mm\" (default) or \"wide.22mm@35mm\"";
     filmdistance: Float, "mm from the last vertex to the film (default: focus at `focusdistance`)";
     focusdistance: Float, "world units from the film plane to the plane in focus (default: infinity)";
@@ -151,12 +164,21 @@ parameters! {
     shutterclose: Float, "time at which the shutter closes (default 1)";
     weighting: Text, "\"radiometric\" (default), \"assignment\", \"relative\" or \"none\"";
     simpleweighting: Bool, "pbrt-v3's name: true is weighting \"relative\", false is \"radiometric\"";
-    pupil: Text, "where lens samples are drawn: \"rear\" (default) or \"disk\"";
+    pupil: Text, "where lens samples are drawn: \"warped\" (default: the true pupil of each film point), \"rear\" or \"disk\"";
     disk: Text, "how lens samples map to the disk: \"concentric\" (default), \"polar\" or \"rejection\"";
     refraction: Text, "\"fused\" (default), \"heckbert\", \"whitted\" or \"other\"";
-    wavelength: Float, "nm (default 587.56), for lenses with Abbe numbers";
+    wavelength: Float, "nm (default 587.56), for lenses with Abbe numbers or Sellmeier coefficients";
     mmperunit: Float, "millimetres a world unit (default 1)";
     precision: Text, "arithmetic of the trace: \"auto\" (default), \"f64\" or \"f32\"";
+    shutter: Text, "\"global\" (default), \"leaf\" or \"focal-plane\": what it lets through, by film point and time";
+    shutterramp: Float, "share of the shutter's interval in which a leaf shutter opens, and closes (default 0.25)";
+    shutterslit: Float, "share of the shutter's interval that a focal-plane shutter exposes each row for (default 0.25)";
+    fov: Float, "degrees across the shorter side of the image, perspective (default 90)";
+    screenwindow: Four, "x from, x to, y from, y to: the part of the screen that becomes the image (default: by the aspect ratio)";
+    frameaspectratio: Float, "width over height of the screen window (default: the image's)";
+    lensradius: Float, "world units, of the thin lens of perspective and orthographic (default 0: a pinhole)";
+    focaldistance: Float, "world units from the eye to the plane of focus, with `lensradius` (default 1e30)";
+    lensplane: Text, "where that thin lens lies: \"eye\" (default, as in pbrt 1.05) or \"hither\" (older, and the lecture's slide)";
     af_zones: Text, "accepted from course scenes and not used: this host offers no autofocus";
 }
 
@@ -166,12 +188,18 @@ impl Value<'_> {
             Value::Float(number) => format!("the number {number}"),
             Value::Text(text) => format!("the string \"{text}\""),
             Value::Bool(truth) => format!("the boolean {truth}"),
+            Value::Four(numbers) => format!("the numbers {numbers:?}"),
         };
         ParameterError::Kind { name, expected, given }
     }
 }
 
 impl Parameters {
+    /// The names of the parameters that are given.
+    pub fn given(&self) -> impl Iterator<Item = &'static str> {
+        PARAMETERS.iter().map(|row| row.name).filter(|name| self.is_set(name))
+    }
+
     /// The table's row for a name or an alias.
     pub fn find(name: &str) -> Option<&'static Parameter> {
         PARAMETERS.iter().find(|row| row.name == name || row.alias == Some(name))
@@ -181,7 +209,7 @@ impl Parameters {
     ///
     /// # Errors
     /// The name is unknown, the value is of another kind or not finite, or the parameter
-    /// was given already under its other name.
+    /// was given already under its other name. Given again under the same name, the last one counts.
     pub fn set(&mut self, name: &str, value: Value<'_>) -> Result<(), ParameterError> {
         let row = Self::find(name).ok_or_else(|| ParameterError::Unknown {
             name: name.to_owned(),
@@ -189,19 +217,27 @@ impl Parameters {
         })?;
         if let Some(alias) = row.alias
             && self.is_set(row.name)
+            && self.by_alias.contains(&row.name) != (name == alias)
         {
             return Err(ParameterError::Both { first: row.name, second: alias });
         }
-        if let Value::Float(number) = value
-            && number.is_nan()
-        {
+        let not_a_number = match value {
+            Value::Float(number) => number.is_nan(),
+            Value::Four(numbers) => numbers.iter().any(|number| number.is_nan()),
+            Value::Text(_) | Value::Bool(_) => false,
+        };
+        if not_a_number {
             return Err(ParameterError::Range {
                 name: row.name,
                 value: "not a number".to_owned(),
                 range: "a number".to_owned(),
             });
         }
-        self.store(row.name, value)
+        self.store(row.name, value)?;
+        if name != row.name && !self.by_alias.contains(&row.name) {
+            self.by_alias.push(row.name);
+        }
+        Ok(())
     }
 
     /// Sets one parameter from text, as `--param name=value` gives it.
@@ -219,6 +255,13 @@ impl Parameters {
                 "false" => Value::Bool(false),
                 _ => Value::Text(text),
             },
+            Some(Kind::Four) => {
+                let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
+                match numbers.map(<[f64; 4]>::try_from) {
+                    Ok(Ok(numbers)) => Value::Four(numbers),
+                    _ => Value::Text(text),
+                }
+            }
             Some(Kind::Text) | None => Value::Text(text),
         };
         self.set(name, value)

@@ -11,6 +11,19 @@ use crate::optics::{
     pupil::{ExitPupil, SlopeDisk},
 };
 
+/// A pupil whose distance is more than 1/this times that of the front vertex from the film is at infinity.
+const TELECENTRIC: f64 = 1e-12;
+
+/// A slope drawn from a pupil.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drawn {
+    /// dx/dz and dy/dz of the ray at the film.
+    pub slopes: [f64; 2],
+    /// The area that the sample stands for, slope²: the mean over lens samples of this where the ray gets
+    /// through is the pupil's area.
+    pub area: f64,
+}
+
 /// A disk about the axis, in which every film point's lens samples are drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PupilDisk {
@@ -35,8 +48,9 @@ impl PupilDisk {
             return None;
         }
         // A point of the surface at height r and sagitta s projects from film height h to
-        // (r Z + h s)/(Z + s), which over the surface is largest at the rim or the vertex plane.
-        let projected = |height: f64| (rear.semi_diameter * distance + height * rim) / (distance + rim);
+        // (r Z + h s)/(Z + s). Over the surface and the film that is largest in size at the rim, for
+        // h on the rim's side where s > 0 and on the other side where s < 0, or at s = 0.
+        let projected = |height: f64| (rear.semi_diameter * distance + height * rim.abs()) / (distance + rim);
         let radius = rear.semi_diameter.max(projected(0.0)).max(projected(reach));
         Some(Self { vergence: distance.recip(), slope_radius: radius / distance })
     }
@@ -44,12 +58,32 @@ impl PupilDisk {
     /// The thick-lens exit pupil for film at `film`.
     pub fn exit(lens: &Lens, film: f64) -> Self {
         let pupil = ExitPupil::of_lens(lens, film);
-        Self { vergence: pupil.vergence(film), slope_radius: pupil.slopes(0.0, 0.0, film).radius }
+        let vergence = pupil.vergence(film);
+        // Rounding leaves something of a telecentric lens's 0.
+        let vergence = if (vergence * film).abs() < TELECENTRIC { 0.0 } else { vergence };
+        Self { vergence, slope_radius: pupil.slopes(0.0, 0.0, film).radius }
+    }
+
+    /// A disk about the axis `distance` mm in front of the film, not 0, with this radius in slope.
+    pub fn about_axis(distance: f64, slope_radius: f64) -> Self {
+        Self { vergence: distance.recip(), slope_radius }
+    }
+
+    /// Radius of the disk in slope: the tangent of the half angle of the cone that it sends to the film's
+    /// centre.
+    pub fn slope_radius(&self) -> f64 {
+        self.slope_radius
     }
 
     /// The disk as the film point (`x`, `y`) sees it.
     pub fn seen_from(&self, [x, y]: [f64; 2]) -> SlopeDisk {
         SlopeDisk { center: [-x * self.vergence, -y * self.vergence], radius: self.slope_radius }
+    }
+
+    /// The slope that the point `disk` of the unit disk stands for at a film point, mm.
+    pub fn draw(&self, film: [f64; 2], [u, v]: [f64; 2]) -> Drawn {
+        let SlopeDisk { center: [x, y], radius } = self.seen_from(film);
+        Drawn { slopes: [x + radius * u, y + radius * v], area: self.slope_area() }
     }
 
     /// Area of the disk in slopes.
@@ -61,5 +95,35 @@ impl PupilDisk {
     pub fn area(&self) -> Option<f64> {
         let area = self.slope_area() / (self.vergence * self.vergence);
         area.is_finite().then_some(area)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::prescription::read;
+
+    #[test]
+    fn the_rear_disk_holds_every_ray_from_the_film_through_the_rear_surface() {
+        // The rim before the vertex (radius < 0), behind it (> 0), and in its plane.
+        for row in ["-12 0 1 16", "12 0 1 16", "0 0 1 16"] {
+            let lens =
+                Lens::at_d_line(&read("lens", format!("30 4 1.6 16\n{row}").as_bytes()).expect("a lens"));
+            let rear = lens.rear();
+            let (film, reach) = (rear.vertex - 30.0, 20.0);
+            let disk = PupilDisk::rear(&lens, film, reach).expect("film behind the lens");
+            for point in [[0.0, 0.0], [reach, 0.0], [-6.0, 8.0]] {
+                let seen = disk.seen_from(point);
+                for ring in [0.3, 0.8, 1.0] {
+                    for angle in (0..36).map(|i| f64::from(i) * PI / 18.0) {
+                        let height = ring * rear.semi_diameter;
+                        let axial = rear.vertex + rear.sagitta(height) - film;
+                        let sx = (height * angle.cos() - point[0]) / axial - seen.center[0];
+                        let sy = (height * angle.sin() - point[1]) / axial - seen.center[1];
+                        assert!(sx.hypot(sy) <= seen.radius * (1.0 + 1e-12), "{row}, {point:?}, {angle}");
+                    }
+                }
+            }
+        }
     }
 }

@@ -1,11 +1,10 @@
 //! The realistic camera: a sample in, a ray through every interface of the lens out.
 
-use glam::DVec3;
-
 use super::{
-    CameraError, CameraToWorld, DiskMapping, Film, PupilDisk,
+    CameraError, DiskMapping, Drawn, Film, PupilDisk, WarpedPupil,
     irradiance::{cos4, film_ray, on_axis, survey},
-    setup::{Level, Setup, Weighting},
+    placement::Placement,
+    setup::{Level, PupilChoice, Setup, Weighting},
 };
 use crate::{
     optics::{
@@ -55,6 +54,8 @@ pub enum Outcome {
     Blocked(Blocked),
     /// The lens numbers fell outside the disk ([`DiskMapping::Rejection`]): draw new ones.
     Redraw,
+    /// The shutter is closed over the film point at this time: weight 0.
+    Shut,
 }
 
 /// The lens made ready in the precision asked for.
@@ -62,6 +63,35 @@ pub enum Outcome {
 enum Tracer {
     F64(Path<f64>),
     F32(Path<f32>),
+}
+
+/// Where lens samples are drawn.
+#[derive(Clone, Debug)]
+enum Sampler {
+    /// A disk about the axis.
+    Disk(PupilDisk),
+    /// The true pupil of each film point.
+    Warped(Box<WarpedPupil>),
+}
+
+impl Sampler {
+    /// The slope for a point of the unit disk; `None` where the film is dark.
+    fn draw(&self, film: [f64; 2], disk: [f64; 2]) -> Option<Drawn> {
+        match self {
+            Self::Disk(pupil) => Some(pupil.draw(film, disk)),
+            Self::Warped(pupil) => pupil.draw(film, disk),
+        }
+    }
+}
+
+/// What a sample asks of the film's side.
+enum FilmSide {
+    /// A ray from the film point.
+    Ray([f64; 2], Drawn),
+    /// A film point beyond the image circle.
+    Dark([f64; 2]),
+    /// New lens numbers.
+    Redraw,
 }
 
 /// A camera with a real lens. Immutable, and may be shared between threads.
@@ -74,15 +104,14 @@ pub struct RealisticCamera {
     film_z: f64,
     focus_distance: Option<f64>,
     tracer: Tracer,
-    pupil: PupilDisk,
+    sampler: Sampler,
+    /// The disk that holds every pupil.
+    rear: PupilDisk,
     mapping: DiskMapping,
-    /// The weight of a ray is this times cos⁴, or this alone.
-    weight: f64,
-    weight_falls_off: bool,
+    /// The weight of a ray is this times cos⁴ and the slope area it stands for; `None`: it is 1.
+    weight: Option<f64>,
     units_per_mm: f64,
-    to_world: CameraToWorld,
-    clip: [f32; 2],
-    shutter: [f32; 2],
+    placement: Placement,
 }
 
 /// Share of the irradiance that the thick-lens exit pupil may miss without a warning.
@@ -98,35 +127,42 @@ impl RealisticCamera {
         let film_z = lens.rear().vertex - film_distance;
         let rim = -lens.rear().sagitta(lens.rear().semi_diameter);
         let rear = PupilDisk::rear(&lens, film_z, film.reach())
+            // So near the glass that the pupil fills a hemisphere to the last digit, its area in slopes, of
+            // which the weights are made, leaves the number range.
+            .filter(|disk| (disk.slope_area() as f32).is_finite())
             .ok_or(CameraError::FilmInLens { film_distance, rim: rim.max(0.0) })?;
         let path = Path::new(&lens, Direction::FilmToScene, setup.refraction);
-        let pupil = if setup.exit_pupil {
-            let disk = PupilDisk::exit(&lens, film_z);
-            warn_of_missed_share(&path, film_z, &film, rear, disk, log);
-            disk
-        } else {
-            rear
+        let exit = PupilDisk::exit(&lens, film_z);
+        let sampler = match setup.pupil {
+            PupilChoice::Rear => Sampler::Disk(rear),
+            PupilChoice::Disk => {
+                warn_of_missed_share(&path, film_z, &film, rear, exit, log);
+                Sampler::Disk(exit)
+            }
+            PupilChoice::Warped => {
+                let drift = exit.seen_from([1.0, 0.0]).center[0];
+                let pupil = WarpedPupil::new(&path, film_z, film.reach(), rear, drift);
+                tell_of_cover(&pupil, log);
+                Sampler::Warped(Box::new(pupil))
+            }
         };
-        let (weight, weight_falls_off) = match setup.weighting {
-            Weighting::Radiometric => (pupil.slope_area(), true),
+        let weight = match setup.weighting {
+            Weighting::Radiometric => Some(1.0),
             Weighting::Assignment => {
-                let area = pupil.area().ok_or(CameraError::PupilAtInfinity)?;
-                (pupil.slope_area() / area, true)
+                let disk = if let Sampler::Disk(disk) = &sampler { disk } else { &exit };
+                Some(disk.area().ok_or(CameraError::PupilAtInfinity)?.recip())
             }
             Weighting::Relative => {
-                let mean = on_axis(&path, film_z, rear.seen_from([0.0; 2]).radius);
+                // Over the disk in use, so that the mean on the axis is 1 with either pupil.
+                let reach = if let Sampler::Disk(disk) = &sampler { disk } else { &rear };
+                let mean = on_axis(&path, film_z, reach.seen_from([0.0; 2]).radius);
                 if mean <= 0.0 {
                     return Err(CameraError::DarkAxis { lens: lens.name });
                 }
-                (pupil.slope_area() / mean, true)
+                Some(mean.recip())
             }
-            Weighting::None => (1.0, false),
+            Weighting::None => None,
         };
-        // So near the glass that the pupil fills a hemisphere to the last digit and its area in slopes, which
-        // the weight is made of, leaves the number range.
-        if !(weight as f32).is_finite() {
-            return Err(CameraError::FilmInLens { film_distance, rim: rim.max(0.0) });
-        }
         let entrance = EntrancePupil::of_surface(&lens, limiting_surface(&lens));
         let tracer = if setup.single_precision {
             Tracer::F32(Path::new(&lens, Direction::FilmToScene, setup.refraction))
@@ -134,28 +170,28 @@ impl RealisticCamera {
             Tracer::F64(path)
         };
         Ok(Self {
-            fnumber: first_order.focal_length / entrance.diameter(),
+            fnumber: first_order.focal_length.abs() / entrance.diameter(),
             lens,
             first_order,
             film,
             film_z,
             focus_distance: setup.focus_distance,
             tracer,
-            pupil,
+            sampler,
+            rear,
             mapping: setup.mapping,
             weight,
-            weight_falls_off,
             units_per_mm: setup.mm_per_unit.recip(),
-            to_world: setup.to_world,
-            clip: setup.clip,
-            shutter: setup.shutter,
+            placement: setup.placement,
         })
     }
 
     /// The ray of a sample, or why there is none.
     pub fn generate(&self, sample: &Sample) -> Outcome {
-        let Some((point, slopes)) = self.film_side(sample) else {
-            return Outcome::Redraw;
+        let (point, Drawn { slopes, area }) = match self.film_side(sample) {
+            FilmSide::Ray(point, drawn) => (point, drawn),
+            FilmSide::Dark(_) => return Outcome::Blocked(Blocked::Clipped),
+            FilmSide::Redraw => return Outcome::Redraw,
         };
         let ray = film_ray(point, self.film_z, slopes);
         let traced = match &self.tracer {
@@ -164,8 +200,8 @@ impl RealisticCamera {
         };
         match traced {
             Ok(ray) => {
-                let falloff = if self.weight_falls_off { cos4(slopes) } else { 1.0 };
-                Outcome::Ray(self.to_world(ray, sample.time), (self.weight * falloff) as f32)
+                let weight = self.weight.map_or(1.0, |weight| weight * area * cos4(slopes));
+                Outcome::Ray(self.to_world(ray, sample.time), weight as f32)
             }
             Err(reason) => Outcome::Blocked(reason),
         }
@@ -175,32 +211,30 @@ impl RealisticCamera {
     /// the thick lens's ray of the same film point and lens numbers.
     pub fn substitute(&self, sample: &Sample) -> WorldRay {
         let axial = Ray { origin: [0.0; 3], direction: [0.0, 0.0, 1.0] };
-        let (point, slopes) = self.film_side(sample).unwrap_or_default();
+        let (point, slopes) = match self.film_side(sample) {
+            FilmSide::Ray(point, drawn) => (point, drawn.slopes),
+            FilmSide::Dark(point) => (point, self.rear.seen_from(point).center),
+            FilmSide::Redraw => Default::default(),
+        };
         let ray = self.first_order.transfer(film_ray(point, self.film_z, slopes));
         let finite = ray.origin.iter().chain(&ray.direction).all(|x| x.is_finite());
         self.to_world(if finite { ray } else { axial }, sample.time)
     }
 
-    /// Film point and slopes of the ray that a sample asks for; `None` to draw again.
-    fn film_side(&self, sample: &Sample) -> Option<([f64; 2], [f64; 2])> {
+    /// Film point and slopes of the ray that a sample asks for.
+    fn film_side(&self, sample: &Sample) -> FilmSide {
         let point = self.film.point(sample.image_x.into(), sample.image_y.into());
-        let [u, v] = self.mapping.map(sample.lens_u.into(), sample.lens_v.into())?;
-        let disk = self.pupil.seen_from(point);
-        Some((point, [disk.center[0] + disk.radius * u, disk.center[1] + disk.radius * v]))
+        let Some(disk) = self.mapping.map(sample.lens_u.into(), sample.lens_v.into()) else {
+            return FilmSide::Redraw;
+        };
+        match self.sampler.draw(point, disk) {
+            Some(drawn) => FilmSide::Ray(point, drawn),
+            None => FilmSide::Dark(point),
+        }
     }
 
     fn to_world(&self, ray: Ray, time: f32) -> WorldRay {
-        let origin = self.to_world.point(DVec3::from(ray.origin) * self.units_per_mm);
-        let direction = self.to_world.direction(DVec3::from(ray.direction));
-        let [open, close] = self.shutter;
-        WorldRay {
-            origin: origin.as_vec3().into(),
-            direction: direction.as_vec3().into(),
-            mint: self.clip[0],
-            maxt: self.clip[1],
-            // In this form both ends are met exactly.
-            time: (1.0 - time) * open + time * close,
-        }
+        self.placement.world_ray(ray, self.units_per_mm, time)
     }
 
     /// The lens, at the wavelength and stop in use.
@@ -224,14 +258,8 @@ impl RealisticCamera {
         self.focus_distance
     }
 
-    /// Where rays begin and end along themselves (`hither` and `yon`), world units.
-    pub fn clip(&self) -> [f32; 2] {
-        self.clip
-    }
-
-    /// When the shutter opens and closes.
-    pub fn shutter(&self) -> [f32; 2] {
-        self.shutter
+    pub(super) fn placement(&self) -> &Placement {
+        &self.placement
     }
 
     /// Effective focal length, mm.
@@ -242,6 +270,22 @@ impl RealisticCamera {
     /// Focal length over entrance pupil diameter at the stop in use.
     pub fn fnumber(&self) -> f64 {
         self.fnumber
+    }
+}
+
+/// Says where the warped pupil had to be given up.
+fn tell_of_cover(pupil: &WarpedPupil, log: &mut dyn FnMut(Level, &str)) {
+    let covered = pupil.build_report().covered;
+    if covered > 0.0 {
+        log(
+            Level::Info,
+            &format!(
+                "pupil \"warped\": over {:.1} % of the film's radius the pupil is in pieces, or of no shape that \
+                 a fan of straight lines reaches, and samples are drawn from the rear element's disk there: \
+                 unbiased, with more of them blocked",
+                100.0 * covered
+            ),
+        );
     }
 }
 
@@ -266,7 +310,7 @@ fn warn_of_missed_share(
             Level::Warning,
             &format!(
                 "pupil \"disk\" misses part of the true pupil: {:.1} % of the light on the axis, {:.1} % \
-                 half way to the corner, {:.1} % in the corner; pupil \"rear\" misses none",
+                 half way to the corner, {:.1} % in the corner; pupil \"warped\" misses none",
                 100.0 * axis,
                 100.0 * middle,
                 100.0 * edge

@@ -3,13 +3,16 @@
 use std::path::PathBuf;
 
 use super::{
-    CameraError, CameraToWorld, DiskMapping, Film, ParameterError, Parameters, Raster, RealisticCamera,
+    CameraError, CameraMotion, CameraToWorld, DEFAULT_INTERVAL, DiskMapping, Film, IdealCamera,
+    ParameterError, Parameters, Raster, RealisticCamera,
+    check::{choice, interval, out_of_range, positive},
+    focusing::{Focusing, place_film},
+    placement::Placement,
 };
 use crate::{
     optics::{
         Lens, LensError,
         first_order::FirstOrder,
-        focus::Focus,
         glass::{D_LINE, VALID_WAVELENGTHS},
         pupil::{EntrancePupil, limiting_surface},
         refraction::Refraction,
@@ -33,8 +36,8 @@ pub enum Level {
 pub struct Host {
     /// Pixels of the image.
     pub raster: Raster,
-    /// Camera space to world space.
-    pub to_world: CameraToWorld,
+    /// Camera space to world space, at any time.
+    pub to_world: CameraMotion,
     /// Where lens files are looked for after the working directory.
     pub search: SearchPath,
     /// A lens file's text in the place of `specfile`, with the name it goes by in messages.
@@ -49,12 +52,29 @@ impl Host {
     pub fn new(raster: Raster, beside: Option<PathBuf>) -> Self {
         Self {
             raster,
-            to_world: CameraToWorld::IDENTITY,
+            to_world: CameraToWorld::IDENTITY.into(),
             search: SearchPath::from_environment().then(beside.as_deref()),
             lens_text: None,
             can_redraw: true,
         }
     }
+}
+
+/// Where lens samples are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum PupilChoice {
+    /// The true pupil of each film point.
+    #[default]
+    Warped,
+    /// The rear element's disk.
+    Rear,
+    /// The thick-lens exit pupil.
+    Disk,
+}
+
+impl PupilChoice {
+    const NAMES: [(&'static str, Self); 3] =
+        [("warped", Self::Warped), ("rear", Self::Rear), ("disk", Self::Disk)];
 }
 
 /// How a ray's weight is measured.
@@ -88,14 +108,12 @@ pub(super) struct Setup {
     pub film_distance: f64,
     pub focus_distance: Option<f64>,
     pub refraction: Refraction,
-    pub exit_pupil: bool,
+    pub pupil: PupilChoice,
     pub mapping: DiskMapping,
     pub weighting: Weighting,
     pub single_precision: bool,
     pub mm_per_unit: f64,
-    pub to_world: CameraToWorld,
-    pub clip: [f32; 2],
-    pub shutter: [f32; 2],
+    pub placement: Placement,
 }
 
 /// What decides which lens is used and at which stop.
@@ -143,10 +161,16 @@ fn set_up_lens(
     }
     if wavelength != D_LINE && !prescription.is_dispersive() {
         let name = &prescription.name;
-        let text = format!("lens \"{name}\" has no V-numbers: wavelength {wavelength} nm changes nothing");
+        let text = format!(
+            "lens \"{name}\" has neither V-numbers nor Sellmeier constants: wavelength {wavelength} nm changes nothing"
+        );
         log(Level::Warning, &text);
     }
     let mut lens = Lens::new(prescription, wavelength);
+    if let Some(row) = lens.surfaces.iter().position(|surface| !(surface.n_film >= 1.0)) {
+        let (lens, index) = (lens.name, lens.surfaces[row].n_film);
+        return Err(LensError::Index { lens, row: row + 1, index, wavelength }.into());
+    }
     match (setup.aperture_diameter, setup.fnumber) {
         (Some(_), Some(_)) => {
             Err(ParameterError::Both { first: "fnumber", second: "aperture_diameter" }.into())
@@ -197,7 +221,7 @@ fn stop_to_fnumber(
 }
 
 impl RealisticCamera {
-    /// Builds a camera. `log` receives warnings.
+    /// Builds a camera of the model "lens". `log` receives warnings.
     ///
     /// # Errors
     /// What is wrong, and what to give instead.
@@ -206,8 +230,28 @@ impl RealisticCamera {
         host: &Host,
         log: &mut dyn FnMut(Level, &str),
     ) -> Result<Self, CameraError> {
-        let setup = Setup::of(parameters, host, log)?;
+        choice("model", parameters.model.as_deref(), &[("lens", ())])?;
+        let setup = Setup::of(parameters, host, Focusing::Exact, log)?;
         Self::from_setup(setup, log)
+    }
+}
+
+/// Between an electron and the known universe; beyond, a ray's origin could leave the range of floats.
+const MM_PER_UNIT: std::ops::RangeInclusive<f64> = 1e-15..=1e30;
+
+impl IdealCamera {
+    /// Builds the thick lens of the parameters' lens, or its thin one. `log` receives warnings.
+    ///
+    /// # Errors
+    /// What is wrong, and what to give instead.
+    pub fn build(
+        parameters: &Parameters,
+        host: &Host,
+        thin: bool,
+        log: &mut dyn FnMut(Level, &str),
+    ) -> Result<Self, CameraError> {
+        let setup = Setup::of(parameters, host, Focusing::Paraxial, log)?;
+        Self::from_setup(setup, thin)
     }
 }
 
@@ -215,10 +259,10 @@ impl Setup {
     fn of(
         parameters: &Parameters,
         host: &Host,
+        focusing: Focusing,
         log: &mut dyn FnMut(Level, &str),
     ) -> Result<Self, CameraError> {
         let given = parameters;
-        choice("model", given.model.as_deref(), &[("lens", ())])?;
         if given.af_zones.is_some() {
             log(
                 Level::Warning,
@@ -235,25 +279,21 @@ impl Setup {
         let film = Film::new(host.raster, diagonal);
         let mm_per_unit = given.mmperunit.unwrap_or(1.0);
         positive("mmperunit", mm_per_unit, "mm a world unit")?;
-        let lens = lens_of(given, host, log)?;
-        let (film_distance, focus_distance) = place_film(given, &lens, mm_per_unit)?;
-        let mapping = choice("disk", given.disk.as_deref(), &DiskMapping::NAMES)?;
-        if mapping == DiskMapping::Rejection && !host.can_redraw {
-            return Err(ParameterError::Range {
-                name: "disk",
-                value: "\"rejection\"".to_owned(),
-                range: "\"concentric\" or \"polar\" with a host that cannot draw lens numbers again"
-                    .to_owned(),
-            }
-            .into());
+        if !MM_PER_UNIT.contains(&mm_per_unit) {
+            let (from, to) = (MM_PER_UNIT.start(), MM_PER_UNIT.end());
+            let range = format!("from {from:e} to {to:e} mm a world unit");
+            return Err(out_of_range("mmperunit", mm_per_unit, &range));
         }
+        let lens = lens_of(given, host, log)?;
+        let (film_distance, focus_distance) = place_film(given, &lens, mm_per_unit, focusing)?;
+        let mapping = disk_mapping(given, host)?;
         Ok(Self {
             lens,
             film,
             film_distance,
             focus_distance,
             refraction: choice("refraction", given.refraction.as_deref(), &Refraction::NAMES)?,
-            exit_pupil: choice("pupil", given.pupil.as_deref(), &[("rear", false), ("disk", true)])?,
+            pupil: choice("pupil", given.pupil.as_deref(), &PupilChoice::NAMES)?,
             mapping,
             weighting: weighting(given)?,
             single_precision: choice(
@@ -262,15 +302,38 @@ impl Setup {
                 &[("auto", false), ("f64", false), ("f32", true)],
             )?,
             mm_per_unit,
-            to_world: host.to_world,
-            clip: interval(("hither", given.hither, 1e-3), ("yon", given.yon, 1e30), Some(0.0))?,
-            shutter: interval(
-                ("shutteropen", given.shutteropen, 0.0),
-                ("shutterclose", given.shutterclose, 1.0),
-                None,
-            )?,
+            placement: placement(given, host)?,
         })
     }
+}
+
+/// The camera's place, clip range and shutter interval.
+pub(super) fn placement(given: &Parameters, host: &Host) -> Result<Placement, CameraError> {
+    let [open, close] = DEFAULT_INTERVAL;
+    Ok(Placement {
+        to_world: host.to_world.clone(),
+        clip: interval(("hither", given.hither, 1e-3), ("yon", given.yon, 1e30), Some(0.0), true)?,
+        shutter: interval(
+            ("shutteropen", given.shutteropen, open),
+            ("shutterclose", given.shutterclose, close),
+            None,
+            false,
+        )?,
+    })
+}
+
+/// How lens numbers map to the disk, for a host that may not be able to draw again.
+pub(super) fn disk_mapping(given: &Parameters, host: &Host) -> Result<DiskMapping, CameraError> {
+    let mapping = choice("disk", given.disk.as_deref(), &DiskMapping::NAMES)?;
+    if mapping == DiskMapping::Rejection && !host.can_redraw {
+        return Err(ParameterError::Range {
+            name: "disk",
+            value: "\"rejection\"".to_owned(),
+            range: "\"concentric\" or \"polar\" with a host that cannot draw lens numbers again".to_owned(),
+        }
+        .into());
+    }
+    Ok(mapping)
 }
 
 fn lens_of(given: &Parameters, host: &Host, log: &mut dyn FnMut(Level, &str)) -> Result<Lens, CameraError> {
@@ -290,33 +353,6 @@ fn lens_of(given: &Parameters, host: &Host, log: &mut dyn FnMut(Level, &str)) ->
     open_lens(name, &host.search, setup, log).map(|(_, lens)| lens)
 }
 
-/// Film distance and distance in focus, both mm.
-fn place_film(given: &Parameters, lens: &Lens, mm_per_unit: f64) -> Result<(f64, Option<f64>), CameraError> {
-    let focus = Focus::new(lens);
-    let fixed = match (given.filmdistance, given.focusdistance) {
-        (Some(_), Some(_)) => {
-            return Err(ParameterError::Both { first: "filmdistance", second: "focusdistance" }.into());
-        }
-        (None, Some(distance)) => {
-            if !(distance > 0.0) {
-                return Err(out_of_range("focusdistance", distance, "positive, in world units"));
-            }
-            let distance = distance * mm_per_unit;
-            return Ok((focus?.film_distance(distance)?, Some(distance)));
-        }
-        (Some(distance), None) => {
-            positive("filmdistance", distance, "mm")?;
-            Some(distance)
-        }
-        (None, None) => lens.nominal_film_distance,
-    };
-    match fixed {
-        // A lens that cannot focus still takes pictures with its film where the caller puts it.
-        Some(distance) => Ok((distance, focus.ok().and_then(|focus| focus.object_distance(distance)))),
-        None => Ok((focus?.film_distance(f64::INFINITY)?, Some(f64::INFINITY))),
-    }
-}
-
 fn weighting(given: &Parameters) -> Result<Weighting, CameraError> {
     match (given.weighting.as_deref(), given.simpleweighting) {
         (Some(_), Some(_)) => {
@@ -326,51 +362,4 @@ fn weighting(given: &Parameters) -> Result<Weighting, CameraError> {
         (None, Some(false)) => Ok(Weighting::Radiometric),
         (name, None) => choice("weighting", name, &Weighting::NAMES),
     }
-}
-
-/// The choice that a name stands for; the first of `choices` where none is given.
-fn choice<T: Copy>(
-    parameter: &'static str,
-    given: Option<&str>,
-    choices: &[(&str, T)],
-) -> Result<T, CameraError> {
-    let Some(given) = given else {
-        return Ok(choices[0].1);
-    };
-    choices.iter().find(|(name, _)| *name == given).map(|&(_, value)| value).ok_or_else(|| {
-        let names: Vec<String> = choices.iter().map(|(name, _)| format!("\"{name}\"")).collect();
-        ParameterError::Range { name: parameter, value: format!("\"{given}\""), range: names.join(" or ") }
-            .into()
-    })
-}
-
-fn positive(parameter: &'static str, value: f64, unit: &str) -> Result<(), CameraError> {
-    if value > 0.0 && value.is_finite() {
-        return Ok(());
-    }
-    let range = if unit.is_empty() { "positive".to_owned() } else { format!("positive, in {unit}") };
-    Err(out_of_range(parameter, value, &range))
-}
-
-fn out_of_range(parameter: &'static str, value: f64, range: &str) -> CameraError {
-    ParameterError::Range { name: parameter, value: value.to_string(), range: range.to_owned() }.into()
-}
-
-/// Two parameters of which the first may not exceed the second.
-fn interval(
-    (low_name, low, low_default): (&'static str, Option<f64>, f64),
-    (high_name, high, high_default): (&'static str, Option<f64>, f64),
-    least: Option<f64>,
-) -> Result<[f32; 2], CameraError> {
-    let low = low.unwrap_or(low_default);
-    let high = high.unwrap_or(high_default);
-    if let Some(least) = least
-        && low < least
-    {
-        return Err(out_of_range(low_name, low, &format!("{least} or more")));
-    }
-    if high < low {
-        return Err(out_of_range(high_name, high, &format!("at least \"{low_name}\", which is {low}")));
-    }
-    Ok([low as f32, high as f32])
 }

@@ -3,16 +3,24 @@
 use glam::{DMat3, DVec3};
 
 /// An affine transform from camera space (world units) to world space.
+///
+/// Being affine, it is a 3x3 matrix and a move: no fourth coordinate is carried and nothing divided.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraToWorld {
     linear: DMat3,
     origin: DVec3,
     is_identity: bool,
+    is_rigid: bool,
 }
+
+/// How far a rigid transform's axes may be from unit length and right angles by the rounding of its
+/// single-precision entries.
+const RIGID: f64 = 1e-5;
 
 impl CameraToWorld {
     /// Camera space as it is.
-    pub const IDENTITY: Self = Self { linear: DMat3::IDENTITY, origin: DVec3::ZERO, is_identity: true };
+    pub const IDENTITY: Self =
+        Self { linear: DMat3::IDENTITY, origin: DVec3::ZERO, is_identity: true, is_rigid: true };
 
     /// From a row-major 4x4 matrix for column vectors. Mirrored and scaled ones are fine.
     ///
@@ -38,8 +46,24 @@ impl CameraToWorld {
         if normalized.determinant().abs() < 1e-9 {
             return Err("is singular: it flattens space");
         }
+        Ok(Self::from_parts(linear, origin))
+    }
+
+    /// An invertible matrix and where it takes the origin.
+    pub(super) fn from_parts(linear: DMat3, origin: DVec3) -> Self {
         let is_identity = linear == DMat3::IDENTITY && origin == DVec3::ZERO;
-        Ok(Self { linear, origin, is_identity })
+        let is_rigid = (linear.transpose() * linear).abs_diff_eq(DMat3::IDENTITY, RIGID);
+        Self { linear, origin, is_identity, is_rigid }
+    }
+
+    /// The matrix without the move.
+    pub(super) fn linear(&self) -> DMat3 {
+        self.linear
+    }
+
+    /// Where camera space's origin lies in the world.
+    pub(super) fn origin(&self) -> DVec3 {
+        self.origin
     }
 
     /// The inverse, world space to camera space, as a row-major 4x4 matrix for column vectors.
@@ -62,24 +86,58 @@ impl CameraToWorld {
     pub fn direction(&self, d: DVec3) -> DVec3 {
         if self.is_identity { d } else { (self.linear * d).normalize() }
     }
+
+    /// [`CameraToWorld::point`] in single precision, the sum of each row from left to right, as pbrt
+    /// adds it up: the same bits.
+    pub fn point_single(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
+        let (m, origin) = (self.linear.as_mat3(), self.origin.as_vec3());
+        std::array::from_fn(|row| m.x_axis[row] * x + m.y_axis[row] * y + m.z_axis[row] * z + origin[row])
+    }
+
+    /// World-space direction of a camera-space unit vector in single precision, as
+    /// [`CameraToWorld::point_single`], and how much longer lengths along it are in world space. Of a rigid
+    /// transform it is taken as it comes, and lengths stay.
+    pub fn direction_single(&self, [x, y, z]: [f32; 3]) -> ([f32; 3], f32) {
+        let m = self.linear.as_mat3();
+        let d: [f32; 3] =
+            std::array::from_fn(|row| m.x_axis[row] * x + m.y_axis[row] * y + m.z_axis[row] * z);
+        if self.is_rigid {
+            return (d, 1.0);
+        }
+        let length = DVec3::from(d.map(f64::from)).length();
+        (d.map(|part| (f64::from(part) / length) as f32), length as f32)
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// A mirror in x, scaled by 2, then a move.
+    const MATRIX: [f32; 16] = [
+        -2.0, 0.0, 0.0, 5.0, //
+        0.0, 0.0, -2.0, 6.0, //
+        0.0, 2.0, 0.0, 7.0, //
+        0.0, 0.0, 0.0, 1.0,
+    ];
+
     #[test]
     fn rows_act_on_columns_and_directions_stay_unit_vectors() {
-        // A mirror in x, scaled by 2, then a move.
-        let matrix = [
-            -2.0, 0.0, 0.0, 5.0, //
-            0.0, 0.0, -2.0, 6.0, //
-            0.0, 2.0, 0.0, 7.0, //
-            0.0, 0.0, 0.0, 1.0,
-        ];
-        let transform = CameraToWorld::from_rows(&matrix).expect("affine");
+        let transform = CameraToWorld::from_rows(&MATRIX).expect("affine");
         assert_eq!(transform.point(DVec3::new(1.0, 2.0, 3.0)), DVec3::new(3.0, 0.0, 11.0));
         assert_eq!(transform.direction(DVec3::Z), DVec3::NEG_Y);
+        assert_eq!(transform.point_single([1.0, 2.0, 3.0]), [3.0, 0.0, 11.0]);
+        assert_eq!(transform.direction_single([0.0, 0.0, 1.0]), ([0.0, -1.0, 0.0], 2.0));
+    }
+
+    #[test]
+    fn a_rigid_transform_keeps_the_bits_of_its_sums() {
+        let (s, c) = 0.3_f32.sin_cos();
+        let mut rows = [0.0_f32; 16];
+        [rows[0], rows[1], rows[4], rows[5], rows[10], rows[15]] = [c, -s, s, c, 1.0, 1.0];
+        let transform = CameraToWorld::from_rows(&rows).expect("affine");
+        let (d, stretch) = transform.direction_single([0.6, 0.8, 0.0]);
+        assert_eq!((d, stretch), ([c * 0.6 + -s * 0.8, s * 0.6 + c * 0.8, 0.0], 1.0));
     }
 
     #[test]

@@ -62,6 +62,21 @@ pub enum LensError {
         /// The lens.
         lens: String,
     },
+    /// The V-number of a glass gives it an index below that of air.
+    #[error(
+        "lens \"{lens}\", interface {row}: at {wavelength} nm the V-number gives index {index}, which is \
+         below 1; correct the V-number, or ask for a \"wavelength\" nearer 587.56 nm"
+    )]
+    Index {
+        /// The lens.
+        lens: String,
+        /// The interface, counted from 1 at the scene side.
+        row: usize,
+        /// Its index at the wavelength.
+        index: f64,
+        /// nm.
+        wavelength: f64,
+    },
     /// Parallel rays leave parallel: no focal length, principal planes or focus.
     #[error("lens \"{lens}\" is afocal: it has no focal length and cannot focus")]
     Afocal {

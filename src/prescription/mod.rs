@@ -13,7 +13,7 @@ mod source;
 
 pub use error::LensFileError;
 pub use reader::read;
-pub use source::{LensSource, SearchPath, SourceError};
+pub use source::{LensSource, MAX_FILE_BYTES, SearchPath, SourceError};
 
 /// What fills the space behind an interface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +28,18 @@ pub enum Medium {
         /// every wavelength.
         abbe: Option<f64>,
     },
+    /// A glass known by its dispersion formula.
+    Sellmeier(Sellmeier),
+}
+
+/// The six constants of Sellmeier's formula n² = 1 + Σ B λ²/(λ² - C), λ in µm (W. Sellmeier 1871; in this
+/// form in every glass maker's catalogue).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sellmeier {
+    /// B1, B2, B3.
+    pub b: [f64; 3],
+    /// C1, C2, C3 in µm².
+    pub c: [f64; 3],
 }
 
 /// The figure of an interface.
@@ -96,10 +108,12 @@ impl Prescription {
         scaled
     }
 
-    /// Whether any glass has an Abbe number, so that the wavelength matters.
+    /// Whether any glass has an Abbe number or Sellmeier's constants, so that the wavelength matters.
     pub fn is_dispersive(&self) -> bool {
-        self.interfaces
-            .iter()
-            .any(|interface| matches!(interface.medium, Medium::Glass { abbe: Some(_), .. }))
+        self.interfaces.iter().any(|interface| match interface.medium {
+            Medium::Air => false,
+            Medium::Glass { abbe, .. } => abbe.is_some(),
+            Medium::Sellmeier(_) => true,
+        })
     }
 }

@@ -71,7 +71,7 @@ pub enum SourceError {
 }
 
 /// A lens file is a few kilobytes; anything larger than this is not one.
-const MAX_FILE_BYTES: u64 = 1 << 20;
+pub const MAX_FILE_BYTES: u64 = 1 << 20;
 
 impl<'a> LensSource<'a> {
     /// Splits `NAME@35mm`; a name without `@`, or that of a file, is a table alone.

@@ -283,7 +283,9 @@ impl Interface {
         }
         let e = cosine_squared.sqrt();
         let t = if g > DoubleDouble::ZERO { f / (g + e) } else { (g - e) / c };
-        let ahead = t.to_f64().abs() / (self.semi_diameter + self.distance + doubt / e.to_f64());
+        // A walk lets a hit lie 512 ε of these lengths behind the ray's point, for rays that begin on a surface.
+        let allowed = 16.0 * (self.semi_diameter + self.distance);
+        let ahead = t.to_f64().abs() / (allowed + doubt / e.to_f64());
         let equator = (exact(1.0) - c * (z + t * dz)).to_f64().abs() / (angle_doubt / e.to_f64());
         let refracted = (cosine_squared + exact(self.index_step)).to_f64().abs() / angle_doubt;
         met.min(ahead).min(equator).min(refracted)

@@ -5,10 +5,12 @@
 //! counts its own axis forward, so that scene to film is film to scene with the surfaces in the
 //! other order and their curvatures turned round.
 
+mod clearance;
 mod path;
 mod real;
 mod walk;
 
+pub use clearance::Clearance;
 pub use path::{Direction, Path};
 pub use real::Real;
 #[cfg(feature = "report")]

@@ -45,7 +45,8 @@ impl<R: Real> Step<R> {
         } else {
             (R::from_f64(curvature), R::from_f64((n_after - n) * (n_after + n)))
         };
-        let slack = 32.0 * R::EPSILON * (semi_diameter + distance);
+        // At an incidence of 65 degrees rounding was seen to reach 60 EPSILON.
+        let slack = 512.0 * R::EPSILON * (semi_diameter + distance);
         Self {
             distance: R::from_f64(distance),
             curvature: if forward { curvature } else { -curvature },

@@ -61,11 +61,11 @@ const STEEP: f64 = 0.01;
 
 /// Position and V = n D in the frame of the current vertex.
 #[derive(Clone, Copy)]
-struct State<R> {
-    p: [R; 3],
-    v: [R; 3],
+pub(super) struct State<R> {
+    pub p: [R; 3],
+    pub v: [R; 3],
     /// How far the ray was moved on from where it last was on a surface, or began, in units of V.
-    lead: R,
+    pub lead: R,
 }
 
 impl<R: Real> Path<R> {
@@ -73,7 +73,6 @@ impl<R: Real> Path<R> {
     /// infinite components, or a direction of length 0, count as [`Blocked::Missed`].
     pub fn walk(&self, ray: Ray) -> Walk {
         let sense = self.sense();
-        let ray = Ray { direction: in_range(ray.direction), ..ray };
         let direction = unit(ray.direction);
         let start = Ray { origin: ray.origin, direction };
         let finite = start.origin.iter().chain(&direction).all(|x| x.is_finite());
@@ -127,24 +126,18 @@ impl<R: Real> Path<R> {
         Ok(([x, y, sense * z], [vx / length, vy / length, sense * vz / length]))
     }
 
-    fn sense(&self) -> f64 {
-        match self.direction {
-            Direction::FilmToScene => 1.0,
-            Direction::SceneToFilm => -1.0,
-        }
-    }
-
     /// Takes the state, in the frame of the first vertex, through the surfaces; says how many were met and
     /// why the ray stopped there. Each surface takes the state whole or not at all, so that a
     /// blocked ray is left where it was last on a surface, in the frame of that vertex.
     fn march(&self, state: &mut State<R>) -> (usize, Option<Blocked>) {
-        // A fisheye sees behind itself: from the scene the first surface may be met going backward.
-        let may_start_backward = self.direction == Direction::SceneToFilm;
         for (number, step) in self.steps.iter().enumerate() {
             let mut ahead = *state;
             ahead.p[2] = ahead.p[2] - step.distance;
-            let forward = ahead.v[2] > R::ZERO || (number == 0 && may_start_backward);
-            let hit = if forward { step.meet(&mut ahead) } else { Err(Blocked::TurnedBack) };
+            let hit = if self.is_forward(&ahead, number) {
+                step.meet(&mut ahead)
+            } else {
+                Err(Blocked::TurnedBack)
+            };
             if let Err(reason) = hit {
                 return (number, Some(reason));
             }
@@ -156,13 +149,27 @@ impl<R: Real> Path<R> {
         (self.steps.len(), None)
     }
 
+    /// Which way along z the light travels.
+    pub(super) fn sense(&self) -> f64 {
+        match self.direction {
+            Direction::FilmToScene => 1.0,
+            Direction::SceneToFilm => -1.0,
+        }
+    }
+
+    /// Whether a ray may go on to surface `number`. A fisheye sees behind itself: from the scene the
+    /// first surface may be met going backward.
+    pub(super) fn is_forward(&self, state: &State<R>, number: usize) -> bool {
+        state.v[2] > R::ZERO || (number == 0 && self.direction == Direction::SceneToFilm)
+    }
+
     /// The ray's start in the frame of the first vertex, moved on to where it is near the lens if that lies
     /// ahead: to the vertex plane, or, for a ray along it or back from it, to the point nearest the
     /// vertex. And the distance moved.
     ///
     /// Differences of products, not P + t D: from a distant object that would keep the digits of the
     /// distance, and this keeps those of the lens.
-    fn to_entry(&self, ray: Ray, sense: f64) -> ([f64; 3], f64) {
+    pub(super) fn to_entry(&self, ray: Ray, sense: f64) -> ([f64; 3], f64) {
         let [x, y, z] = ray.origin;
         // The difference and what rounding took from it (D. E. Knuth, *The Art of Computer Programming* 2,
         // section 4.2.2): a small lens far from its front vertex would feel it.
@@ -171,7 +178,7 @@ impl<R: Real> Path<R> {
         let taken = z - far;
         let lost = (far - (z - taken)) - (near + taken);
         let start = [x, y, z];
-        let [dx, dy, dz] = ray.direction;
+        let [dx, dy, dz] = in_range(ray.direction);
         let d = [dx, dy, sense * dz];
         let squared = refraction::dot(d, d);
         let entry = if z < 0.0 && d[2] > 0.0 && d[2] * d[2] > STEEP * squared {
@@ -200,7 +207,7 @@ impl<R: Real> Path<R> {
 
 impl<R: Real> Step<R> {
     /// Moves the ray to this surface, in the frame of whose vertex it is given.
-    fn meet(&self, state: &mut State<R>) -> Result<(), Blocked> {
+    pub(super) fn meet(&self, state: &mut State<R>) -> Result<(), Blocked> {
         let State { p, v, lead } = state;
         let c = self.curvature;
         let advance = |p: &mut [R; 3], t: R| (0..3).for_each(|i| p[i] = p[i] + t * v[i]);
@@ -234,10 +241,16 @@ impl<R: Real> Step<R> {
 
     /// Takes the ray through the aperture and refracts it.
     fn pass(&self, state: &mut State<R>, method: Refraction) -> Result<(), Blocked> {
-        let State { p: [x, y, z], v, .. } = state;
-        if !(*x * *x + *y * *y <= self.aperture) {
+        let [x, y, _] = state.p;
+        if !(x * x + y * y <= self.aperture) {
             return Err(Blocked::Clipped);
         }
+        self.refract(state, method)
+    }
+
+    /// Refracts the ray at the point of this surface where it is.
+    pub(super) fn refract(&self, state: &mut State<R>, method: Refraction) -> Result<(), Blocked> {
+        let State { p: [x, y, z], v, .. } = state;
         let c = self.curvature;
         let normal = [-c * *x, -c * *y, R::ONE - c * *z];
         let e = refraction::dot(normal, *v);
@@ -296,7 +309,7 @@ pub(crate) fn in_range(v: [f64; 3]) -> [f64; 3] {
     }
 }
 
-fn unit(v: [f64; 3]) -> [f64; 3] {
+pub(super) fn unit(v: [f64; 3]) -> [f64; 3] {
     let largest = v.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     // Scaled first, so that the squares of very small or large components stay in range.
     let scaled = v.map(|x| x / largest);

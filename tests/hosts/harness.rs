@@ -1,7 +1,9 @@
-//! Builds the C++ host for both `std::string` ABIs and runs it with the plugin.
+//! Builds hosts in C and C++, the pbrt-v1 one for both `std::string` ABIs, and runs them with the plugin.
+
+#![allow(dead_code)]
 
 use std::env;
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{self, Command};
@@ -27,21 +29,45 @@ fn source() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/hosts/pbrt_host.cpp")
 }
 
+/// The C compiler: `CC`, or `cc`.
+pub fn c_compiler() -> OsString {
+    env::var_os("CC").unwrap_or_else(|| "cc".into())
+}
+
+/// Flags of a C99 program that must compile without a warning.
+pub const C99: [&str; 7] = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O1", "-g"];
+/// The same for C++11.
+pub const CXX11: [&str; 7] = ["-std=c++11", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O1", "-g"];
+
 /// Compiles C++ to a program in Cargo's directory for the tests' own files.
 pub fn compile(source: &Path, name: &str, flags: &[&str]) -> PathBuf {
+    let flags: Vec<&str> =
+        ["-std=c++11", "-Wall", "-Wextra", "-O1", "-g"].iter().chain(flags).copied().collect();
+    compile_with(&compiler(), &flags, source, name, &["-ldl"])
+}
+
+/// Compiles with a compiler of choice; the project's headers are found.
+pub fn compile_with(
+    compiler: &OsStr,
+    flags: &[&str],
+    source: &Path,
+    name: &str,
+    libraries: &[&str],
+) -> PathBuf {
     let directory = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let program = directory.join(name);
     // Under another name first: two test processes may do this at once.
     let fresh = directory.join(format!("{name}-{}", process::id()));
-    let output = Command::new(compiler())
-        .args(["-std=c++11", "-Wall", "-Wextra", "-O1", "-g"])
+    let output = Command::new(compiler)
         .args(flags)
+        .arg("-I")
+        .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("include"))
         .arg(source)
         .arg("-o")
         .arg(&fresh)
-        .arg("-ldl")
+        .args(libraries)
         .output()
-        .expect("a C++ compiler is needed: install g++, or name one in CXX");
+        .unwrap_or_else(|error| panic!("{}: {error}; name a compiler in CC and CXX", compiler.display()));
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     fs::rename(&fresh, &program).unwrap();
     program
@@ -68,12 +94,37 @@ pub fn plugin() -> PathBuf {
     beside
 }
 
+/// What links a program with that library, so that it finds it when it runs.
+pub fn linking() -> [String; 5] {
+    let plugin = plugin();
+    let directory = plugin.parent().unwrap().display().to_string();
+    let search = format!("-L{directory}");
+    [search, "-lrealistic".into(), format!("-Wl,-rpath,{directory}"), "-lpthread".into(), "-lm".into()]
+}
+
 /// A copy of the plugin in a directory of its own, under the name that a host knows.
 pub fn installed(name: &str) -> (tempfile::TempDir, PathBuf) {
     let directory = tempfile::tempdir().unwrap();
     let copy = directory.path().join(name);
     fs::copy(plugin(), &copy).unwrap();
     (directory, copy)
+}
+
+/// A program, under valgrind where `REALISTIC_VALGRIND=1` asks for it.
+pub fn program(program: &Path) -> Command {
+    if env::var_os("REALISTIC_VALGRIND").is_none_or(|value| value != "1") {
+        return Command::new(program);
+    }
+    let mut valgrind = Command::new("valgrind");
+    valgrind.args([
+        "--quiet",
+        "--leak-check=full",
+        "--show-leak-kinds=definite,indirect,possible",
+        "--errors-for-leak-kinds=definite,indirect,possible",
+        "--error-exitcode=99",
+    ]);
+    valgrind.arg(program);
+    valgrind
 }
 
 /// One run of the host.
@@ -89,20 +140,7 @@ impl Run {
 
     /// As [`Run::new`], with any host.
     pub fn of(host: &Path, plugin: &Path, action: &str) -> Self {
-        let mut command = if env::var_os("REALISTIC_VALGRIND").is_some_and(|value| value == "1") {
-            let mut valgrind = Command::new("valgrind");
-            valgrind.args([
-                "--quiet",
-                "--leak-check=full",
-                "--show-leak-kinds=definite,indirect,possible",
-                "--errors-for-leak-kinds=definite,indirect,possible",
-                "--error-exitcode=99",
-            ]);
-            valgrind.arg(host);
-            valgrind
-        } else {
-            Command::new(host)
-        };
+        let mut command = program(host);
         command.arg(plugin).arg(action).env_remove("PBRT_SEARCHPATH");
         Self { command }
     }

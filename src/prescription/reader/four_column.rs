@@ -1,11 +1,11 @@
 //! A row of the assignment's and pbrt's table: radius, thickness, index, clear diameter.
 
 use super::super::LensFileError;
-use super::{Medium, RawInterface, Row, Rows, index, is_stop_word, radius};
+use super::{Glasses, Medium, RawInterface, Row, Rows, index, is_stop_word, radius};
 
 const COLUMNS: &str = "a row has four values: radius, thickness, refractive index, clear diameter";
 
-pub(super) fn interface(rows: &Rows, row: &Row) -> Result<RawInterface, LensFileError> {
+pub(super) fn interface(rows: &Rows, glasses: &Glasses, row: &Row) -> Result<RawInterface, LensFileError> {
     let [first, thickness, medium, diameter] = row.words.as_slice() else {
         let hint = if row.words.len() > 5 { " (a decimal comma? write 1.5, not 1,5)" } else { "" };
         return Err(rows.error(
@@ -18,7 +18,10 @@ pub(super) fn interface(rows: &Rows, row: &Row) -> Result<RawInterface, LensFile
         radius: if says_stop { f64::INFINITY } else { radius(rows, first)? },
         says_stop,
         thickness: rows.number(thickness, "a thickness in mm")?,
-        medium: index(rows, medium)?.map_or(Medium::Air, |n_d| Medium::Glass { n_d, abbe: None }),
+        medium: match glasses.find(rows, medium)? {
+            Some(glass) => glass,
+            None => index(rows, medium)?.map_or(Medium::Air, |n_d| Medium::Glass { n_d, abbe: None }),
+        },
         diameter: rows.number(diameter, "a clear diameter in mm")?,
     })
 }

@@ -8,15 +8,20 @@
 //! for the stop; `-` stands for a value left out. A file is of the second kind if any row has five
 //! values.
 //!
+//! A glass whose dispersion formula is known is defined on a line of its own and named in the index column
+//! (see [`glasses`]).
+//!
 //! Values are separated by spaces, tabs or one comma; `#` begins a comment; the first row may be
 //! one number, the focal length.
 
 mod check;
 mod four_column;
+mod glasses;
 mod rows;
 mod smith;
 
 use super::{Interface, LensFileError, Medium, Prescription, Shape};
+use glasses::Glasses;
 use rows::{Row, Rows, Word};
 
 /// Reads a lens file's text.
@@ -27,15 +32,16 @@ use rows::{Row, Rows, Word};
 /// # Errors
 /// The first place at which the text is not a lens, with what was expected there.
 pub fn read(name: &str, bytes: &[u8]) -> Result<Prescription, LensFileError> {
-    let rows = Rows::split(name, bytes)?;
+    let mut rows = Rows::split(name, bytes)?;
+    let glasses = Glasses::take(&mut rows)?;
     let (stated_focal_length, table) = leading_focal_length(&rows)?;
     let Some(last) = table.last() else {
         return Err(rows.error_at_end("the file has no rows; expected at least one interface"));
     };
     let raw = if table.iter().any(|row| row.words.len() == 5) {
-        table.iter().map(|row| smith::interface(&rows, row, std::ptr::eq(row, last))).collect()
+        table.iter().map(|row| smith::interface(&rows, &glasses, row, std::ptr::eq(row, last))).collect()
     } else {
-        table.iter().map(|row| four_column::interface(&rows, row)).collect::<Result<Vec<_>, _>>()
+        table.iter().map(|row| four_column::interface(&rows, &glasses, row)).collect::<Result<Vec<_>, _>>()
     }?;
     let mut interfaces = check::check(&rows, table, raw)?;
     let back = std::mem::take(&mut interfaces.last_mut().expect("at least one row").thickness);

@@ -3,12 +3,17 @@
 //! stop do not have.
 
 use super::super::LensFileError;
-use super::{Medium, RawInterface, Row, Rows, Word, index, is_stop_word, radius};
+use super::{Glasses, Medium, RawInterface, Row, Rows, Word, index, is_stop_word, radius};
 
 const COLUMNS: &str = "a five-column table has rows of five values (glass: radius, thickness, n_d, V-number, \
      clear diameter), three (air: radius, thickness, diameter) or two (the stop: thickness, diameter)";
 
-pub(super) fn interface(rows: &Rows, row: &Row, is_last: bool) -> Result<RawInterface, LensFileError> {
+pub(super) fn interface(
+    rows: &Rows,
+    glasses: &Glasses,
+    row: &Row,
+    is_last: bool,
+) -> Result<RawInterface, LensFileError> {
     let (says_stop, words) = match row.words.split_first() {
         Some((first, rest)) if is_stop_word(first) => (true, rest),
         _ => (row.words.len() == 2, row.words.as_slice()),
@@ -28,7 +33,7 @@ pub(super) fn interface(rows: &Rows, row: &Row, is_last: bool) -> Result<RawInte
             return Err(rows.error(&row.words[0], &format!("{} value(s); {COLUMNS}", row.words.len())));
         }
     };
-    let medium = glass.map_or(Ok(Medium::Air), |(n_d, abbe)| medium(rows, n_d, abbe))?;
+    let medium = glass.map_or(Ok(Medium::Air), |(n_d, abbe)| medium(rows, glasses, n_d, abbe))?;
     let (radius, says_stop) = match curvature {
         Some(word) if !left_out(word) => (radius(rows, word)?, says_stop),
         _ => (f64::INFINITY, true),
@@ -41,7 +46,16 @@ pub(super) fn interface(rows: &Rows, row: &Row, is_last: bool) -> Result<RawInte
     Ok(RawInterface { radius, says_stop, thickness, medium, diameter })
 }
 
-fn medium(rows: &Rows, n_d: &Word, abbe: &Word) -> Result<Medium, LensFileError> {
+fn medium(rows: &Rows, glasses: &Glasses, n_d: &Word, abbe: &Word) -> Result<Medium, LensFileError> {
+    if !left_out(n_d)
+        && let Some(glass) = glasses.find(rows, n_d)?
+    {
+        return if left_out(abbe) {
+            Ok(glass)
+        } else {
+            Err(rows.error(abbe, "the glass's formula says what a V-number would; write - for the V-number"))
+        };
+    }
     let index = if left_out(n_d) { None } else { index(rows, n_d)? };
     match (index, left_out(abbe)) {
         (None, true) => Ok(Medium::Air),

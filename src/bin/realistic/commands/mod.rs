@@ -1,4 +1,9 @@
 //! The subcommands: one module each, with its `Args` and its `run`.
 
+pub mod draw;
+pub mod focus;
 pub mod install;
+pub mod lens;
+pub mod pupil;
 pub mod render;
+pub mod trace;

@@ -33,10 +33,19 @@ pub fn fill(options: &mut realistic_options, given: &Parameters) -> Result<Vec<C
         (&mut options.shutterclose, given.shutterclose),
         (&mut options.wavelength, given.wavelength),
         (&mut options.mmperunit, given.mmperunit),
+        (&mut options.shutterramp, given.shutterramp),
+        (&mut options.shutterslit, given.shutterslit),
+        (&mut options.fov, given.fov),
+        (&mut options.frameaspectratio, given.frameaspectratio),
+        (&mut options.lensradius, given.lensradius),
+        (&mut options.focaldistance, given.focaldistance),
     ] {
         if let Some(value) = value {
             *field = value;
         }
+    }
+    if let Some(window) = given.screenwindow {
+        options.screenwindow = window;
     }
     let mut strings = Vec::new();
     for (field, value) in [
@@ -47,6 +56,8 @@ pub fn fill(options: &mut realistic_options, given: &Parameters) -> Result<Vec<C
         (&mut options.disk, &given.disk),
         (&mut options.refraction, &given.refraction),
         (&mut options.precision, &given.precision),
+        (&mut options.shutter, &given.shutter),
+        (&mut options.lensplane, &given.lensplane),
     ] {
         if let Some(value) = value {
             let string = CString::new(value.as_str()).map_err(|_| {
@@ -71,7 +82,8 @@ mod tests {
             let mut options: realistic_options = unsafe { std::mem::zeroed() };
             let before = format!("{options:?}");
             let mut given = Parameters::default();
-            given.set_from_text(row.name, "1").or_else(|_| given.set_from_text(row.name, "true")).unwrap();
+            let known = ["1", "true", "1,2,3,4"];
+            assert!(known.iter().any(|text| given.set_from_text(row.name, text).is_ok()), "{}", row.name);
             match fill(&mut options, &given) {
                 Ok(_strings) => assert_ne!(before, format!("{options:?}"), "{}", row.name),
                 Err(error) => assert!(error.to_string().contains(row.name), "{error}"),

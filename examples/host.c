@@ -1,0 +1,48 @@
+/* A picture of a lens's vignetting: the mean weight of each pixel's rays, against the axis.
+ *
+ *     cargo build --release
+ *     cc -std=c99 -Iinclude examples/host.c -Ltarget/release -lrealistic -Wl,-rpath,target/release -o host
+ *     ./host vignetting.pgm
+ */
+#include "realistic.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+enum { WIDTH = 64, HEIGHT = 48, LENS = 8 };
+
+int main(int count, char **arguments) {
+    realistic_options options;
+    realistic_camera *camera;
+    if (realistic_options_init(&options, sizeof options) == REALISTIC_STATUS_OK) {
+        options.xres = WIDTH;
+        options.yres = HEIGHT;
+        options.specfile = "dgauss.50mm";
+        options.weighting = "relative";
+    }
+    if (realistic_camera_new(&options, &camera) != REALISTIC_STATUS_OK) {
+        fprintf(stderr, "%s\n", realistic_last_error());
+        return EXIT_FAILURE;
+    }
+    FILE *file = fopen(count > 1 ? arguments[1] : "vignetting.pgm", "wb");
+    if (file == NULL) {
+        perror("vignetting.pgm");
+        realistic_camera_free(camera);
+        return EXIT_FAILURE;
+    }
+    fprintf(file, "P5\n%d %d\n255\n", WIDTH, HEIGHT);
+    for (int y = 0; y < HEIGHT; ++y) {
+        for (int x = 0; x < WIDTH; ++x) {
+            double sum = 0;
+            for (int i = 0; i < LENS * LENS; ++i) {
+                realistic_sample sample = {x + 0.5f, y + 0.5f, (i % LENS + 0.5f) / LENS, (i / LENS + 0.5f) / LENS, 0};
+                realistic_ray ray;
+                sum += realistic_generate_ray(camera, &sample, &ray); /* 0 where the lens blocks it */
+            }
+            double grey = 255 * sum / (LENS * LENS);
+            fputc(grey < 255 ? (int)grey : 255, file);
+        }
+    }
+    realistic_camera_free(camera);
+    return fclose(file) == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+}

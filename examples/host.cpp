@@ -1,0 +1,44 @@
+// A picture of a lens's vignetting: the mean weight of each pixel's rays, against the axis.
+//
+//     cargo build --release
+//     c++ -std=c++11 -Iinclude examples/host.cpp -Ltarget/release -lrealistic -Wl,-rpath,target/release -o host
+//     ./host vignetting.pgm
+
+#include "realistic.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <iostream>
+
+int main(int count, char **arguments) {
+    const int width = 64, height = 48, lens = 8, rays = lens * lens;
+    try {
+        realistic::Options options(width, height);
+        options.set(&realistic_options::specfile, "dgauss.50mm");
+        options.set(&realistic_options::weighting, "relative");
+        options.log([](int32_t, const char *message) { std::cerr << message << '\n'; });
+        const realistic::Camera camera(options);
+
+        std::ofstream file(count > 1 ? arguments[1] : "vignetting.pgm", std::ios::binary);
+        file << "P5\n" << width << ' ' << height << "\n255\n";
+        std::vector<realistic_sample> samples(rays);
+        std::vector<realistic_ray> out(rays);
+        std::vector<float> weights(rays);
+        for (int y = 0; y < height; ++y) {
+            for (int x = 0; x < width; ++x) {
+                for (int i = 0; i < rays; ++i) {
+                    samples[i] = {x + 0.5f, y + 0.5f, (i % lens + 0.5f) / lens, (i / lens + 0.5f) / lens, 0};
+                }
+                camera.generate(samples.data(), rays, out.data(), weights.data());
+                double sum = 0;
+                for (float weight : weights) sum += weight; // 0 where the lens blocks it
+                file.put(static_cast<char>(static_cast<int>(std::min(255.0, 255 * sum / rays))));
+            }
+        }
+        return file.flush() ? EXIT_SUCCESS : EXIT_FAILURE;
+    } catch (const realistic::Error &error) {
+        std::cerr << error.what() << '\n';
+        return EXIT_FAILURE;
+    }
+}

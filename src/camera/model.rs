@@ -1,0 +1,267 @@
+//! The camera that a host holds: one of the models, with its shutter.
+
+use super::{
+    CameraError, EnvironmentCamera, Film, Host, IdealCamera, Level, Outcome, Parameters, ProjectiveCamera,
+    RealisticCamera, Sample, Shutter, WorldRay, check::choice, placement::Placement, textbook,
+};
+use crate::optics::Lens;
+
+/// What a camera is a model of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Model {
+    /// Rays through every interface of a lens.
+    #[default]
+    Lens,
+    /// The same lens as a thick one: ideal imaging with its pupil.
+    Thick,
+    /// The same lens as a thin one.
+    Thin,
+    /// A pinhole, or a thin lens of given radius, and a projection matrix.
+    Perspective,
+    /// Parallel projection.
+    Orthographic,
+    /// Everything around a point.
+    Environment,
+}
+
+impl Model {
+    /// Every model with the name that the parameter `model` uses.
+    pub const NAMES: [(&'static str, Self); 6] = [
+        ("lens", Self::Lens),
+        ("thick", Self::Thick),
+        ("thin", Self::Thin),
+        ("perspective", Self::Perspective),
+        ("orthographic", Self::Orthographic),
+        ("environment", Self::Environment),
+    ];
+
+    /// The model's name.
+    pub fn name(self) -> &'static str {
+        Self::NAMES.iter().find(|(_, model)| *model == self).map_or("", |(name, _)| name)
+    }
+
+    /// Whether the model does something with a parameter.
+    pub fn uses(self, parameter: &str) -> bool {
+        if EVERY_MODEL.contains(&parameter) {
+            return true;
+        }
+        let projective = PROJECTIVE.contains(&parameter);
+        match self {
+            Self::Lens => !projective && parameter != "fov",
+            Self::Thick | Self::Thin => Self::Lens.uses(parameter) && !TRACING.contains(&parameter),
+            Self::Perspective => projective || matches!(parameter, "fov" | "disk"),
+            Self::Orthographic => projective || parameter == "disk",
+            Self::Environment => false,
+        }
+    }
+}
+
+/// The parameters that every model uses.
+const EVERY_MODEL: [&str; 9] = [
+    "model",
+    "hither",
+    "yon",
+    "shutteropen",
+    "shutterclose",
+    "shutter",
+    "shutterramp",
+    "shutterslit",
+    // Not used by any; that is said elsewhere.
+    "af_zones",
+];
+
+/// The parameters of the two projections.
+const PROJECTIVE: [&str; 5] =
+    ["screenwindow", "frameaspectratio", "lensradius", "focaldistance", "lensplane"];
+
+/// The parameters that only a lens whose interfaces are traced uses.
+const TRACING: [&str; 3] = ["pupil", "refraction", "precision"];
+
+#[derive(Clone, Debug)]
+enum Optics {
+    Lens(Box<RealisticCamera>),
+    Ideal(Box<IdealCamera>),
+    Projective(Box<ProjectiveCamera>),
+    Environment(Box<EnvironmentCamera>),
+}
+
+/// A camera of any model. Immutable, and may be shared between threads.
+#[derive(Clone, Debug)]
+pub struct Camera {
+    model: Model,
+    optics: Optics,
+    shutter: Shutter,
+    yres: f32,
+}
+
+impl Camera {
+    /// Builds a camera of the model that the parameters name. `log` receives warnings, among them the
+    /// parameters that the model does not use.
+    ///
+    /// # Errors
+    /// What is wrong, and what to give instead.
+    pub fn build(
+        parameters: &Parameters,
+        host: &Host,
+        log: &mut dyn FnMut(Level, &str),
+    ) -> Result<Self, CameraError> {
+        let model = choice("model", parameters.model.as_deref(), &Model::NAMES)?;
+        let shutter = Shutter::of(parameters)?;
+        warn_of_unused(model, shutter, parameters, log);
+        let optics = match model {
+            Model::Lens => Optics::Lens(RealisticCamera::build(parameters, host, log)?.into()),
+            Model::Thick | Model::Thin => {
+                Optics::Ideal(IdealCamera::build(parameters, host, model == Model::Thin, log)?.into())
+            }
+            Model::Perspective => Optics::Projective(textbook::perspective(parameters, host, log)?.into()),
+            Model::Orthographic => Optics::Projective(textbook::orthographic(parameters, host, log)?.into()),
+            Model::Environment => Optics::Environment(textbook::environment(parameters, host, log)?.into()),
+        };
+        Ok(Self { model, optics, shutter, yres: host.raster.yres as f32 })
+    }
+
+    /// The ray of a sample with its weight, or why there is none. The weight is the model's times what the
+    /// shutter lets through to the film point at the sample's time.
+    pub fn generate(&self, sample: &Sample) -> Outcome {
+        if self.shutter == Shutter::Global {
+            return self.through_optics(sample);
+        }
+        let share = self.shutter.transmission(sample.image_y / self.yres, sample.time);
+        if share == 0.0 {
+            return Outcome::Shut;
+        }
+        match self.through_optics(sample) {
+            Outcome::Ray(ray, weight) => Outcome::Ray(ray, weight * share),
+            other => other,
+        }
+    }
+
+    fn through_optics(&self, sample: &Sample) -> Outcome {
+        match &self.optics {
+            Optics::Lens(camera) => camera.generate(sample),
+            Optics::Ideal(camera) => camera.generate(sample),
+            Optics::Projective(camera) => camera.generate(sample),
+            Optics::Environment(camera) => Outcome::Ray(camera.ray(sample), 1.0),
+        }
+    }
+
+    /// A ray that stands in where there is none and a host needs a complete ray all the same: of the
+    /// same film point, by the thick lens or through the middle of the lens.
+    pub fn substitute(&self, sample: &Sample) -> WorldRay {
+        match &self.optics {
+            Optics::Lens(camera) => camera.substitute(sample),
+            Optics::Ideal(camera) => camera.central(sample),
+            Optics::Projective(camera) => camera.central(sample),
+            Optics::Environment(camera) => camera.ray(sample),
+        }
+    }
+
+    fn placement(&self) -> &Placement {
+        match &self.optics {
+            Optics::Lens(camera) => camera.placement(),
+            Optics::Ideal(camera) => camera.placement(),
+            Optics::Projective(camera) => camera.placement(),
+            Optics::Environment(camera) => camera.placement(),
+        }
+    }
+
+    /// What it is a model of.
+    pub fn model(&self) -> Model {
+        self.model
+    }
+
+    /// The shutter.
+    pub fn shutter(&self) -> Shutter {
+        self.shutter
+    }
+
+    /// When the shutter begins to open and has closed, in the host's unit of time.
+    pub fn shutter_interval(&self) -> [f32; 2] {
+        self.placement().shutter
+    }
+
+    /// `hither` and `yon` as they are in use, world units.
+    pub fn clip(&self) -> [f32; 2] {
+        self.placement().clip
+    }
+
+    /// The camera of [`Model::Lens`].
+    pub fn as_lens(&self) -> Option<&RealisticCamera> {
+        match &self.optics {
+            Optics::Lens(camera) => Some(camera),
+            _ => None,
+        }
+    }
+
+    /// The camera of [`Model::Thick`] or [`Model::Thin`].
+    pub fn as_ideal(&self) -> Option<&IdealCamera> {
+        match &self.optics {
+            Optics::Ideal(camera) => Some(camera),
+            _ => None,
+        }
+    }
+
+    /// The lens at the wavelength and stop in use; `None` for a model without a prescription.
+    pub fn lens(&self) -> Option<&Lens> {
+        self.of_lens(RealisticCamera::lens, IdealCamera::lens)
+    }
+
+    /// The film; `None` for a model without a prescription.
+    pub fn film(&self) -> Option<&Film> {
+        self.of_lens(RealisticCamera::film, IdealCamera::film)
+    }
+
+    /// Effective focal length, mm; `None` for a model without a prescription.
+    pub fn focal_length(&self) -> Option<f64> {
+        self.of_lens(RealisticCamera::focal_length, IdealCamera::focal_length)
+    }
+
+    /// Focal length over entrance pupil diameter; `None` for a model without a prescription.
+    pub fn fnumber(&self) -> Option<f64> {
+        self.of_lens(RealisticCamera::fnumber, IdealCamera::fnumber)
+    }
+
+    /// Last vertex to film, mm; `None` for a model without a prescription.
+    pub fn film_distance(&self) -> Option<f64> {
+        self.of_lens(RealisticCamera::film_distance, IdealCamera::film_distance)
+    }
+
+    /// Film plane to the plane in focus, mm; infinity when focused there or beyond; `None` when nothing
+    /// in front of the lens is, and for a model without a prescription.
+    pub fn focus_distance(&self) -> Option<f64> {
+        self.of_lens(RealisticCamera::focus_distance, IdealCamera::focus_distance).flatten()
+    }
+
+    fn of_lens<'a, T>(
+        &'a self,
+        lens: fn(&'a RealisticCamera) -> T,
+        ideal: fn(&'a IdealCamera) -> T,
+    ) -> Option<T> {
+        match &self.optics {
+            Optics::Lens(camera) => Some(lens(camera)),
+            Optics::Ideal(camera) => Some(ideal(camera)),
+            Optics::Projective(_) | Optics::Environment(_) => None,
+        }
+    }
+}
+
+fn warn_of_unused(model: Model, shutter: Shutter, given: &Parameters, log: &mut dyn FnMut(Level, &str)) {
+    let unused: Vec<&str> = given.given().filter(|name| !model.uses(name)).collect();
+    if !unused.is_empty() {
+        let names: Vec<String> = unused.iter().map(|name| format!("\"{name}\"")).collect();
+        log(Level::Warning, &format!("model \"{}\" does not use {}", model.name(), names.join(", ")));
+    }
+    for (name, is_given, is_used, kind) in [
+        ("shutterramp", given.shutterramp.is_some(), matches!(shutter, Shutter::Leaf { .. }), "leaf"),
+        (
+            "shutterslit",
+            given.shutterslit.is_some(),
+            matches!(shutter, Shutter::FocalPlane { .. }),
+            "focal-plane",
+        ),
+    ] {
+        if is_given && !is_used {
+            log(Level::Warning, &format!("\"{name}\" is used with \"shutter\" \"{kind}\" only"));
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! The warped pupil: lens samples drawn from the true pupil of each film point.
+//!
+//! The pupil of a film point at distance h from the axis, in slopes at the film and turned so that the
+//! point lies on the +x axis, is the image of the unit disk under
+//!
+//! ```text
+//! d -> C + M(direction of d) d        (complex numbers)
+//! ```
+//!
+//! C = c h lies inside, and M takes each half-line from the disk's centre to one from C, its end to
+//! the pupil's edge. M is tabulated so that equal areas of the disk go to equal areas of the pupil (an
+//! equal-area fan), at knots in a pseudo-angle q and at film radii chosen so that interpolation
+//! between them, linear in both, fits. Written in the film's own frame, at the film point p = h e,
+//!
+//! ```text
+//! slope = c(h) p + M(q, h) d,   q = 1 - a/(|a| + |b|),   a + i b = d * conj(p),
+//! ```
+//!
+//! with the conjugate of M where b < 0, the pupil being symmetric: turning the film point turns the
+//! pupil under a disk that stays, so that for fixed lens numbers the slope is continuous over
+//! the film, through the axis too, where M is the same in every direction. A round pupil is exactly
+//! round. The map's Jacobian is |M|² + Im(conj(M) dM/dφ), with dq/dφ = |d|²/(|a| + |b|)²: the exact
+//! density of what is drawn, whatever the table, so that the only bias is the share of the
+//! pupil that the map does not reach.
+//!
+//! One evaluation takes two roots, two divisions, no trigonometry and four neighbouring pairs of
+//! floats of one table: in SIMD lanes eight gathers at `row` and `row + STRIDE`, the row's
+//! number itself gathered from `cells`, selects instead of the one branch on b.
+//!
+//! Where no such map fits (a pupil in pieces, with holes, or of an edge that no half-line meets once)
+//! the table holds the rear element's disk, and what falls beside the pupil is blocked.
+
+mod build;
+mod outline;
+mod row;
+mod view;
+
+use std::f64::consts::PI;
+
+use self::{
+    build::{Builder, FINE, Plan},
+    row::{CELLS, Row},
+};
+use super::{Drawn, PupilDisk};
+use crate::trace::Path;
+
+/// The true pupil of every point of a film. Immutable once built.
+#[derive(Clone, Debug)]
+pub struct WarpedPupil {
+    /// Film radius at the table's end, mm, and its reciprocal.
+    end: f64,
+    inverse_end: f64,
+    /// Whether the pupil has vanished at the end; film radius is then tabulated in
+    /// s = 1 - sqrt(1 - h/end), in which the shrinking outline is smooth.
+    dark_beyond: bool,
+    /// The row below each smallest interval of s.
+    cells: Vec<u16>,
+    /// Rows of [`STRIDE`]: s, 1/(next row's s - s), c, 0, then M's knots as pairs.
+    table: Vec<f32>,
+    cover: PupilDisk,
+    build: BuildReport,
+}
+
+/// Floats a row.
+const STRIDE: usize = HEADER + 2 * (CELLS + 1);
+/// Floats before the knots.
+const HEADER: usize = 4;
+
+/// What building the table took, and what it could not fit.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BuildReport {
+    /// Film radii in the table.
+    pub rows: usize,
+    /// Rays traced.
+    pub rays: u32,
+    /// Share of the film radius over which the rear element's disk is used instead of an outline.
+    pub covered: f64,
+}
+
+impl WarpedPupil {
+    /// Tabulates the pupils of film points up to `reach` mm from the axis, on film at `film` (z in
+    /// lens space). `cover` is a disk that holds them all; `drift` an estimate of the slope to the
+    /// pupil's centre over the film radius, 1/mm.
+    pub fn new(path: &Path, film: f64, reach: f64, cover: PupilDisk, drift: f64) -> Self {
+        let builder = Builder::new(path, film, reach, cover, drift);
+        let plan = builder.plan();
+        Self::pack(plan, cover, builder.rays.get())
+    }
+
+    fn pack(plan: Plan, cover: PupilDisk, rays: u32) -> Self {
+        let Plan { end, dark_beyond, intervals } = plan;
+        let place = |at: usize| at as f64 / FINE as f64;
+        let mut table: Vec<f32> = Vec::with_capacity((intervals.len() + 1) * STRIDE);
+        let mut cells = vec![0_u16; FINE];
+        let mut covered = 0.0;
+        let mut joined: Option<bool> = None;
+        for interval in &intervals {
+            let [low, high] = &interval.rows;
+            let width = place(interval.to) - place(interval.from);
+            // A row serves the intervals on both its sides, unless only one of them is covered.
+            if joined == Some(low.fitted) {
+                table.truncate(table.len() - STRIDE);
+            }
+            let row = table.len() / STRIDE;
+            cells[interval.from..interval.to].fill(row as u16);
+            push(&mut table, low, place(interval.from), width.recip());
+            push(&mut table, high, place(interval.to), 0.0);
+            joined = Some(high.fitted);
+            if !low.fitted {
+                covered += (high.height - low.height) / end;
+            }
+        }
+        let build = BuildReport { rows: table.len() / STRIDE, rays, covered };
+        Self { end, inverse_end: end.recip(), dark_beyond, cells, table, cover, build }
+    }
+
+    /// What building the table took.
+    pub fn build_report(&self) -> BuildReport {
+        self.build
+    }
+
+    /// The film radius from which on no light arrives, mm, where that lies within reach.
+    pub fn image_radius(&self) -> Option<f64> {
+        self.dark_beyond.then_some(self.end)
+    }
+
+    /// The slope that the point `disk` of the unit disk stands for at a film point, mm; `None` where the
+    /// film is dark.
+    pub fn draw(&self, film: [f64; 2], disk: [f64; 2]) -> Option<Drawn> {
+        let ([x, y], [u, v]) = (film, disk);
+        let t = (x * x + y * y).sqrt() * self.inverse_end;
+        if !(t < 1.0) {
+            return if self.dark_beyond { None } else { Some(self.cover.draw(film, disk)) };
+        }
+        let s = if self.dark_beyond { 1.0 - (1.0 - t).sqrt() } else { t };
+        let base = usize::from(self.cells[(s * FINE as f64) as usize]) * STRIDE;
+        let rows = &self.table[base..base + 2 * STRIDE];
+        let part = (s - f64::from(rows[0])) * f64::from(rows[1]);
+        let mix = |at: usize| {
+            let low = f64::from(rows[at]);
+            low + part * (f64::from(rows[STRIDE + at]) - low)
+        };
+        // The disk's point in the frame of the film point, mirrored into the upper half.
+        let (a, b) = (u * x + v * y, v * x - u * y);
+        let span = (a.abs() + b.abs()).max(f64::MIN_POSITIVE);
+        let inverse_span = span.recip();
+        let place = (1.0 - a * inverse_span) * (CELLS / 2) as f64;
+        let knot = (place as usize).min(CELLS - 1);
+        let offset = place - knot as f64;
+        let at = HEADER + 2 * knot;
+        let ([re0, im0], [re1, im1]) = ([mix(at), mix(at + 1)], [mix(at + 2), mix(at + 3)]);
+        let (re_step, im_step) = (re1 - re0, im1 - im0);
+        let (re, im) = (re0 + offset * re_step, im0 + offset * im_step);
+        let turn = (a * a + b * b) * inverse_span * inverse_span * (CELLS / 2) as f64;
+        let jacobian = re * re + im * im + (re * im_step - im * re_step) * turn;
+        let im = if b < 0.0 { -im } else { im };
+        let center = mix(2);
+        Some(Drawn {
+            slopes: [center * x + re * u - im * v, center * y + re * v + im * u],
+            area: PI * jacobian,
+        })
+    }
+}
+
+fn push(table: &mut Vec<f32>, row: &Row, s: f64, inverse_width: f64) {
+    table.extend([s as f32, inverse_width as f32, row.center as f32, 0.0]);
+    table.extend(row.factors.iter().flatten().map(|&x| x as f32));
+}

@@ -1,0 +1,115 @@
+//! Models, shutters and moving cameras through the C ABI.
+
+use std::ffi::CStr;
+use std::mem::MaybeUninit;
+use std::ptr::null_mut;
+
+use realistic::abi::*;
+
+/// Options as a caller of `size` bytes has them, for a 40 x 20 picture.
+fn options(size: u32) -> realistic_options {
+    let mut options = MaybeUninit::<realistic_options>::zeroed();
+    // SAFETY: room for the whole structure; zeros are valid in what a smaller size leaves.
+    let mut options = unsafe {
+        assert_eq!(realistic_options_init(options.as_mut_ptr(), size), realistic_status::Ok);
+        options.assume_init()
+    };
+    (options.xres, options.yres) = (40, 20);
+    options
+}
+
+fn new_options() -> realistic_options {
+    options(size_of::<realistic_options>() as u32)
+}
+
+/// What a camera of these options makes of a sample: ray and weight.
+fn ray(options: &realistic_options, sample: realistic_sample) -> (realistic_ray, f32) {
+    let mut camera = null_mut();
+    let mut ray = realistic_ray::default();
+    // SAFETY: the strings are constants, and the camera is freed once.
+    unsafe {
+        let status = realistic_camera_new(options, &mut camera);
+        assert_eq!(status, realistic_status::Ok, "{:?}", CStr::from_ptr(realistic_last_error()));
+        let weight = realistic_generate_ray(camera, &sample, &mut ray);
+        realistic_camera_free(camera);
+        (ray, weight)
+    }
+}
+
+const MIDDLE: realistic_sample =
+    realistic_sample { image_x: 20.0, image_y: 10.0, lens_u: 0.5, lens_v: 0.5, time: 0.5 };
+
+#[test]
+fn every_model_can_be_made_and_looks_ahead() {
+    for model in [c"lens", c"thick", c"thin", c"perspective", c"orthographic"] {
+        let options = realistic_options { model: model.as_ptr(), ..new_options() };
+        let (ray, weight) = ray(&options, MIDDLE);
+        assert!(weight > 0.0 && ray.d[2] > 0.999_999, "{model:?}: {ray:?}");
+    }
+    let options = realistic_options { model: c"environment".as_ptr(), ..new_options() };
+    assert!((ray(&options, MIDDLE).0.d[0] + 1.0).abs() < 1e-6);
+}
+
+#[test]
+fn a_camera_moves_while_the_shutter_is_open() {
+    let mut end = new_options().camera_to_world;
+    // A quarter turn about y and a move along x.
+    [end[0], end[2], end[8], end[10], end[3]] = [0.0, 1.0, -1.0, 0.0, 6.0];
+    for model in [c"lens", c"thick", c"perspective"] {
+        let options = realistic_options { model: model.as_ptr(), camera_to_world_end: end, ..new_options() };
+        for time in [0.0_f32, 0.25, 0.5, 1.0] {
+            let (ray, _) = ray(&options, realistic_sample { time, ..MIDDLE });
+            let (sine, cosine) = (time * std::f32::consts::FRAC_PI_2).sin_cos();
+            let apart = (ray.d[0] - sine).abs() + ray.d[1].abs() + (ray.d[2] - cosine).abs();
+            assert!(apart < 1e-5, "{model:?} at {time}: {ray:?}");
+            assert!((ray.o[0] - 6.0 * time).abs() < 2e-3, "{model:?} at {time}: {ray:?}");
+        }
+    }
+}
+
+#[test]
+fn a_caller_with_the_first_header_is_served() {
+    let first = std::mem::offset_of!(realistic_options, camera_to_world_end) as u32;
+    let old = options(first);
+    assert_eq!(ray(&old, MIDDLE), ray(&new_options(), MIDDLE));
+}
+
+#[test]
+fn a_shut_shutter_is_a_reason_of_its_own() {
+    let options =
+        realistic_options { shutter: c"focal-plane".as_ptr(), model: c"thick".as_ptr(), ..new_options() };
+    let samples = [0.05, 0.5, 0.95].map(|time| realistic_sample { time, ..MIDDLE });
+    let mut rays = [realistic_ray::default(); 3];
+    let mut weights = [0.0_f32; 3];
+    let mut reasons = [realistic_reason::Missed; 3];
+    let mut camera = null_mut();
+    // SAFETY: the arrays have three elements each, and the camera is freed once.
+    unsafe {
+        assert_eq!(realistic_camera_new(&options, &mut camera), realistic_status::Ok);
+        let (samples, rays) = (samples.as_ptr(), rays.as_mut_ptr());
+        let (weights, reasons) = (weights.as_mut_ptr(), reasons.as_mut_ptr());
+        let status = realistic_camera_generate_rays(camera, 3, samples, 0, rays, 0, weights, reasons);
+        assert_eq!(status, realistic_status::Ok);
+        realistic_camera_free(camera);
+    }
+    assert_eq!(reasons, [realistic_reason::Shut, realistic_reason::Ok, realistic_reason::Shut]);
+    assert!(weights[0] == 0.0 && weights[1] > 0.0 && weights[2] == 0.0);
+}
+
+#[test]
+fn a_model_without_a_lens_says_so_in_its_info() {
+    let options = realistic_options { model: c"perspective".as_ptr(), ..new_options() };
+    let mut camera = null_mut();
+    // SAFETY: zeros are plain numbers; the structure says its size; the camera is freed once.
+    unsafe {
+        let mut info: realistic_camera_info = std::mem::zeroed();
+        info.struct_size = size_of::<realistic_camera_info>() as u32;
+        let mut length = 9;
+        assert_eq!(realistic_camera_new(&options, &mut camera), realistic_status::Ok);
+        assert_eq!(realistic_camera_get_info(camera, &mut info), realistic_status::Ok);
+        let name = realistic_camera_get_lens_name(camera, null_mut(), 0, &mut length);
+        assert_eq!((name, length, info.interfaces), (realistic_status::Ok, 0, 0));
+        assert!(info.focal_length_mm.is_nan() && info.film_diagonal_mm.is_nan());
+        realistic_camera_free(camera);
+    }
+}

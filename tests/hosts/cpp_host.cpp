@@ -1,0 +1,148 @@
+// A C++11 host of realistic.hpp, linked with the library (REALISTIC_LINKED) or loading it; prints what
+// it got for tests/cpp_host.rs to judge.
+
+#include "realistic.hpp"
+#include "realistic.hpp" // twice: the guard holds
+
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <thread>
+#include <type_traits>
+
+#ifndef REALISTIC_LINKED
+#include <dlfcn.h>
+#endif
+
+// A host's own types of the names that the headers must leave alone.
+struct Camera { int own; };
+struct Sample { int own; };
+struct Ray { int own; };
+
+using Owner = realistic::Camera;
+static_assert(!std::is_copy_constructible<Owner>::value && !std::is_copy_assignable<Owner>::value, "one owner");
+static_assert(std::is_nothrow_move_constructible<Owner>::value, "can move");
+
+static realistic::Api api(const char *path) {
+#ifdef REALISTIC_LINKED
+    (void)path;
+    return realistic::Api::linked();
+#else
+    void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    if (library == nullptr) throw std::runtime_error(dlerror());
+    try {
+        realistic::Api::find([](const char *) -> void * { return nullptr; });
+    } catch (const realistic::Error &error) {
+        std::printf("missing %d %s\n", static_cast<int>(error.status()), error.what());
+    }
+    return realistic::Api::find([library](const char *name) { return dlsym(library, name); });
+#endif
+}
+
+static realistic_sample sample_at(unsigned i) {
+    auto part = [i](double step) { return static_cast<float>(std::fmod((i + 0.5) * step, 1.0)); };
+    return {40 * part(0.8567), 30 * part(0.7339), part(0.6287), part(0.5386), 0.5f};
+}
+
+static void refusals(const realistic::Api &api) {
+    auto refuse = [](const char *what, const realistic::Options &options) {
+        try {
+            Owner camera(options);
+            std::printf("built %s\n", what);
+        } catch (const realistic::Error &error) {
+            std::printf("%s %d %s\n", what, static_cast<int>(error.status()), error.what());
+        }
+    };
+    refuse("lens", realistic::Options(40, 30, api).set(&realistic_options::specfile, "nolens"));
+    refuse("range", realistic::Options(40, 30, api).set(&realistic_options::filmdiag, -1));
+    refuse("near", realistic::Options(40, 30, api).set(&realistic_options::focusdistance, 10));
+    refuse("text", realistic::Options(40, 30, api).lens_text("20 5\n"));
+    refuse("both", realistic::Options(40, 30, api).simpleweighting(true).set(&realistic_options::weighting, "none"));
+    refuse("pixels", realistic::Options(0, 30, api));
+}
+
+static void cameras(const realistic::Api &api) {
+    const float moved[16] = {1, 0, 0, 5, 0, 1, 0, 6, 0, 0, 1, 7, 0, 0, 0, 1};
+    int logged = 0;
+    realistic::Options options(40, 30, api);
+    // Strings and numbers of this scope are gone when the camera is built.
+    {
+        std::string name = "wide.22mm";
+        name += "@35mm";
+        options.set(&realistic_options::specfile, name).set(&realistic_options::fnumber, 0.5).camera_to_world(moved);
+        options.log([&logged](int32_t level, const char *message) {
+            ++logged;
+            std::printf("log %d %s\n", static_cast<int>(level), message);
+        });
+    }
+    realistic::Options elsewhere = std::move(options);
+    Owner first(elsewhere);
+    const realistic_camera *handle = first.get();
+    Owner camera = std::move(first);
+    std::printf("moved %d %d\n", first.get() == nullptr, camera.get() == handle);
+    std::printf("logged %d\n", logged);
+    realistic_camera_info info = camera.info();
+    std::printf("info %s %.17g %u\n", camera.lens_name().c_str(), info.focal_length_mm,
+                static_cast<unsigned>(info.interfaces));
+
+    const unsigned n = 2000;
+    std::vector<realistic_sample> samples(n);
+    std::vector<realistic_ray> one(n), many(n);
+    std::vector<float> weight(n), weights(n), threaded(n);
+    std::vector<realistic_reason> reasons(n);
+    for (unsigned i = 0; i < n; ++i) {
+        samples[i] = sample_at(i);
+        weight[i] = camera.generate(samples[i], one[i]);
+    }
+    camera.generate(samples.data(), n, many.data(), weights.data(), reasons.data());
+    std::vector<float> in[5], out[7];
+    for (auto &array : in) array.resize(n);
+    for (auto &array : out) array.resize(n);
+    for (unsigned i = 0; i < n; ++i) {
+        in[0][i] = samples[i].image_x, in[1][i] = samples[i].image_y;
+        in[2][i] = samples[i].lens_u, in[3][i] = samples[i].lens_v, in[4][i] = samples[i].time;
+    }
+    realistic_samples_soa from = {in[0].data(), in[1].data(), in[2].data(), in[3].data(), in[4].data()};
+    realistic_rays_soa to = {out[0].data(), out[1].data(), out[2].data(), out[3].data(), out[4].data(), out[5].data(),
+                             nullptr, nullptr, nullptr, out[6].data(), nullptr};
+    camera.generate(from, n, to);
+    std::thread([&] {
+        realistic_ray ray;
+        for (unsigned i = 0; i < n; ++i) threaded[i] = camera.generate(samples[i], ray);
+    }).join();
+    int different = 0, passed = 0;
+    for (unsigned i = 0; i < n; ++i) {
+        bool passes = weight[i] > 0;
+        passed += passes;
+        different += std::memcmp(&one[i], &many[i], sizeof one[i]) != 0 || weight[i] != weights[i] ||
+                     weight[i] != out[6][i] || weight[i] != threaded[i] || one[i].o[0] != out[0][i] ||
+                     one[i].d[2] != out[5][i] || passes != (reasons[i] == REALISTIC_REASON_OK);
+    }
+    std::printf("rays %d %d\n", different, passed);
+    try {
+        camera.generate(nullptr, 1, many.data(), weights.data());
+    } catch (const realistic::Error &error) {
+        std::printf("null %d %s\n", static_cast<int>(error.status()), error.what());
+    }
+    api.camera_free(camera.release());
+    std::printf("released %d\n", camera.get() == nullptr);
+
+    elsewhere.log([](int32_t, const char *) { throw std::logic_error("thrown by the log"); });
+    try {
+        Owner none(elsewhere);
+    } catch (const std::logic_error &error) {
+        std::printf("through %s\n", error.what());
+    }
+}
+
+int main(int count, char **argument) {
+    if (count != 3) return 1;
+    realistic::Api functions = api(argument[1]);
+    if (std::strcmp(argument[2], "refusals") == 0) refusals(functions);
+    if (std::strcmp(argument[2], "cameras") == 0) cameras(functions);
+#ifdef REALISTIC_LINKED
+    // Where the program is linked nothing need be said of the library.
+    std::printf("linked %s\n", Owner(realistic::Options(4, 3)).lens_name().c_str());
+#endif
+    return 0;
+}

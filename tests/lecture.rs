@@ -1,0 +1,40 @@
+//! The table in `docs/lecture.md` names files and tests that exist.
+
+use std::{fs, path::Path};
+
+fn sources(directory: &Path, all: &mut String) {
+    for entry in fs::read_dir(directory).expect("a directory").flatten() {
+        let path = entry.path();
+        if path.is_dir() {
+            sources(&path, all);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            all.push_str(&fs::read_to_string(path).expect("text"));
+        }
+    }
+}
+
+#[test]
+fn every_file_and_every_test_in_the_table_exists() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let text = fs::read_to_string(root.join("docs/lecture.md")).expect("the table");
+    let links: Vec<&str> = text.split("](").skip(1).filter_map(|rest| rest.split(')').next()).collect();
+    assert!(links.len() > 20);
+    for link in links {
+        assert!(root.join("docs").join(link).exists(), "{link} is dead");
+    }
+    let mut code = String::new();
+    ["src", "tests"].iter().for_each(|directory| sources(&root.join(directory), &mut code));
+    let rows = text.lines().filter(|line| line.starts_with("| ") && line.ends_with('|'));
+    let mut tests = 0;
+    for cell in rows.filter_map(|row| row.trim_end_matches('|').rsplit('|').next()) {
+        for name in cell.split('`').skip(1).step_by(2) {
+            assert!(
+                code.contains(&format!("#[test]\nfn {name}("))
+                    || code.contains(&format!("#[test]\n    fn {name}(")),
+                "no test is called {name}"
+            );
+            tests += 1;
+        }
+    }
+    assert!(tests > 30, "only {tests} tests are named");
+}
