@@ -127,6 +127,9 @@ impl RealisticCamera {
         let film_z = lens.rear().vertex - film_distance;
         let rim = -lens.rear().sagitta(lens.rear().semi_diameter);
         let rear = PupilDisk::rear(&lens, film_z, film.reach())
+            // So near the glass that the pupil fills a hemisphere to the last digit, its area in slopes, of
+            // which the weights are made, leaves the number range.
+            .filter(|disk| (disk.slope_area() as f32).is_finite())
             .ok_or(CameraError::FilmInLens { film_distance, rim: rim.max(0.0) })?;
         let path = Path::new(&lens, Direction::FilmToScene, setup.refraction);
         let exit = PupilDisk::exit(&lens, film_z);

@@ -25,11 +25,11 @@ impl<R: Real> Path<R> {
     pub fn clearance(&self, ray: Ray) -> Option<Clearance> {
         let sense = self.sense();
         let direction = unit(ray.direction);
-        let (entry, lead) = self.to_entry_plane(ray, sense);
+        let (entry, lead) = self.to_entry(ray, sense);
         let [dx, dy, dz] = direction;
         let mut state = State {
             p: entry.map(R::from_f64),
-            v: [dx, dy, sense * dz].map(R::from_f64),
+            v: [dx, dy, sense * dz].map(|d| self.steps[0].n * R::from_f64(d)),
             lead: R::from_f64(lead),
         };
         let mut largest = R::ZERO;
