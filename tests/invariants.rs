@@ -347,8 +347,8 @@ fn close_rays_meet_where_coddington_says() {
         let surface = Surface {
             vertex: 0.0,
             radius,
-            thickness: 0.0,
             curvature: 1.0 / radius,
+            thickness: 0.0,
             n_scene: 1.0,
             n_film: n,
             semi_diameter: 25.0,

@@ -1,5 +1,6 @@
 //! Measures of how well a warped pupil fits, apart from the way it is built: shared by the tests and the
 //! bench.
+#![allow(dead_code, reason = "each of the two uses a part")]
 
 use std::f64::consts::{PI, TAU};
 
@@ -8,7 +9,12 @@ use realistic::{
         DiskMapping, PupilDisk, WarpedPupil,
         irradiance::{cos4, film_ray},
     },
-    optics::{Lens, first_order::FirstOrder, focus::Focus, pupil},
+    optics::{
+        Lens,
+        first_order::FirstOrder,
+        focus::Focus,
+        pupil::{self, SlopeDisk},
+    },
     prescription::catalogue,
     trace::Path,
 };
@@ -104,6 +110,87 @@ impl Case {
         (inside / mapped, 1.0 - inside / truth)
     }
 
+    /// Where along the half-line from the disk's centre toward `rim` the map leaves the pupil, at most 1.
+    fn edge(&self, point: [f64; 2], rim: [f64; 2]) -> f64 {
+        let at = |r: f64| {
+            let slopes = self.pupil.draw(point, rim.map(|x| r * x)).expect("lit").slopes;
+            self.passes(point, slopes)
+        };
+        if at(1.0) {
+            return 1.0;
+        }
+        let (mut low, mut high) = (0.0, 1.0);
+        if at(0.99) {
+            low = 0.99;
+        }
+        while high - low > 1e-7 {
+            let middle = f64::midpoint(low, high);
+            if at(middle) { low = middle } else { high = middle }
+        }
+        low
+    }
+
+    /// Expectation of the weight of a sample: over the disk's half-lines, exact in where each leaves
+    /// the pupil. For pupils that are whole.
+    pub fn expected_weight(&self, point: [f64; 2], n: u32) -> f64 {
+        let mean = |phi: f64| {
+            let rim = [phi.cos(), phi.sin()];
+            let edge = self.edge(point, rim);
+            let integrand = |r: f64| {
+                let drawn = self.pupil.draw(point, rim.map(|x| r * x)).expect("lit");
+                drawn.area * cos4(drawn.slopes) * 2.0 * r
+            };
+            simpson(0.0, edge, integrand)
+        };
+        (0..n).map(|i| mean(TAU * (f64::from(i) + 0.37) / f64::from(n))).sum::<f64>() / f64::from(n)
+    }
+
+    /// The true irradiance from a disk of slopes: exact chords of what passes on `n` lines, found by
+    /// a scan of `scan` steps with bisected ends.
+    pub fn irradiance(&self, point: [f64; 2], within: SlopeDisk, n: u32, scan: u32) -> f64 {
+        let SlopeDisk { center, radius } = within;
+        let step = 2.0 * radius / f64::from(n);
+        (0..n)
+            .map(|i| {
+                let y = (f64::from(i) + 0.5) * step - radius;
+                let half = (radius * radius - y * y).sqrt();
+                let slopes = |x: f64| [center[0] + x, center[1] + y];
+                let at = |k: u32| half * (2.0 * f64::from(k) / f64::from(scan) - 1.0);
+                let open = |x: f64| self.passes(point, slopes(x));
+                let mut begin = open(at(0)).then(|| at(0));
+                let mut chords = Vec::new();
+                for k in 1..=scan {
+                    if open(at(k)) == begin.is_some() {
+                        continue;
+                    }
+                    let (mut low, mut high) = (at(k - 1), at(k));
+                    while high - low > 1e-8 * radius {
+                        let middle = f64::midpoint(low, high);
+                        if open(middle) == begin.is_some() { low = middle } else { high = middle }
+                    }
+                    match begin.take() {
+                        Some(from) => chords.push((from, low)),
+                        None => begin = Some(high),
+                    }
+                }
+                chords.extend(begin.map(|from| (from, half)));
+                let along = |(a, b): (f64, f64)| simpson(a, b, |x| cos4(slopes(x)));
+                step * chords.into_iter().map(along).sum::<f64>()
+            })
+            .sum()
+    }
+
+    /// A disk of slopes a little larger than what the map reaches.
+    pub fn surroundings(&self, point: [f64; 2]) -> SlopeDisk {
+        let center = self.pupil.draw(point, [0.0; 2]).expect("lit").slopes;
+        let radius = (0..64).map(|i| {
+            let phi = TAU * f64::from(i) / 64.0;
+            let [x, y] = self.pupil.draw(point, [phi.cos(), phi.sin()]).expect("lit").slopes;
+            (x - center[0]).hypot(y - center[1])
+        });
+        SlopeDisk { center, radius: 1.2 * radius.fold(0.0, f64::max) }
+    }
+
     /// Mean and relative variance of one flat-field sample's weight, blocked ones being 0, on `n` x `n` lens
     /// numbers.
     pub fn weight(&self, point: [f64; 2], n: u32) -> (f64, f64) {
@@ -127,4 +214,11 @@ impl Case {
 pub fn grid(n: u32) -> impl Iterator<Item = (f64, f64)> {
     let at = move |k: u32| (f64::from(k) + 0.5) / f64::from(n);
     (0..n * n).map(move |k| (at(k % n), at(k / n)))
+}
+
+/// Simpson's rule on 16 panels.
+fn simpson(a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
+    let at = |k: u32| f(a + (b - a) * f64::from(k) / 32.0);
+    let inner = (1..32).map(|k| if k % 2 == 1 { 4.0 * at(k) } else { 2.0 * at(k) });
+    (b - a) / 96.0 * (at(0) + inner.sum::<f64>() + at(32))
 }

@@ -30,6 +30,12 @@ const EXCESS: f64 = 3e-3;
 /// Share missed at the greatest depth above which the outline is given up for the rear disk.
 const HOPELESS: f64 = 0.02;
 
+/// Part of the pupil on the axis below which a pupil about to vanish is no longer worth an outline.
+const SLIVER: f64 = 1e-3;
+
+/// Distance from the centre over the edge's from which light that gets through is another piece's.
+const BESIDE: f64 = 1.001;
+
 /// What the table is built from.
 pub(super) struct Builder<'a> {
     pub path: &'a Path,
@@ -189,11 +195,12 @@ impl<'a> Builder<'a> {
             return None;
         }
         let edge = view.crossing(0.0, [1.0, 0.0], guess)?.radius;
-        let whole =
-            |i: u32, n: u32, from: f64, to: f64| from + (to - from) * (f64::from(i) + 0.5) / f64::from(n);
         const SCAN: u32 = 32;
-        let hole = (0..SCAN).any(|i| !view.passes([whole(i, SCAN, 0.0, edge), 0.0]));
-        let ring = (0..2 * SCAN).any(|i| view.passes([whole(i, 2 * SCAN, edge, reach), 0.0]));
+        let place = |i: u32| (f64::from(i) + 0.5) / f64::from(SCAN);
+        let hole = (0..SCAN).any(|i| !view.passes([edge * place(i), 0.0]));
+        let beyond = BESIDE * edge;
+        let ring =
+            beyond < reach && (0..SCAN).any(|i| view.passes([beyond + (reach - beyond) * place(i), 0.0]));
         (!hole && !ring).then(|| Row::disk(0.0, 0.0, edge, true))
     }
 
@@ -240,7 +247,7 @@ impl<'a> Builder<'a> {
             (0..WITHIN).any(|k| !view.passes(at(edge * place(k, WITHIN))))
                 || (0..BEYOND).any(|k| {
                     let radius = edge + (end - edge) * place(k, BEYOND);
-                    radius > 1.001 * edge && view.passes(at(radius))
+                    radius > BESIDE * edge && view.passes(at(radius))
                 })
         })
     }
@@ -255,13 +262,10 @@ impl<'a> Builder<'a> {
         intervals: &mut Vec<Interval>,
     ) {
         if to - from < 2 {
-            let mut rows = [a.clone(), b.clone()];
-            if b.area == 0.0 {
-                // The pupil's last sliver: its height falls faster than evenly, which a map that keeps
-                // half its size covers.
-                rows[1].factors = a.factors.iter().map(|m| m.map(|x| x / 2.0)).collect();
-            }
-            intervals.push(Interval { from, to, rows });
+            intervals.push(match b.area {
+                0.0 => last_sliver([from, to], a, b),
+                _ => Interval { from, to, rows: [a.clone(), b.clone()] },
+            });
             return;
         }
         let place = usize::midpoint(from, to);
@@ -272,14 +276,18 @@ impl<'a> Builder<'a> {
         let (inside, depth) = view.innermost(foretold.center * middle, width, true);
         let outline = if depth < 0.0 { self.outline(&view, inside, &foretold) } else { None };
         let Some(outline) = outline else {
-            intervals.push(self.covered(height, [from, to]));
+            intervals.push(if b.area == 0.0 && a.area < SLIVER * axis_area {
+                last_sliver([from, to], a, b)
+            } else {
+                self.covered(height, [from, to])
+            });
             return;
         };
         let row = Row::fit(middle, &outline, &self.knots, axis_area);
         let same_corners = a.corners == b.corners && a.corners == row.corners;
         let part = if same_corners { AFTER_HALVING } else { WITH_NEW_CORNERS };
         let (missed, excess) = row.misfit(&foretold, &outline, &self.knots, part);
-        if missed > HOPELESS * part && to - from == 2 {
+        if missed > HOPELESS && to - from == 2 && a.area > SLIVER * axis_area {
             intervals.push(self.covered(height, [from, to]));
         } else if missed > MISSED || excess > EXCESS.max(4.0 * row.margin) {
             self.refine(height, [from, place], [a, &row], axis_area, intervals);
@@ -289,6 +297,14 @@ impl<'a> Builder<'a> {
             intervals.push(Interval { from: place, to, rows: [row, b.clone()] });
         }
     }
+}
+
+/// The last interval before the pupil vanishes. Its height falls faster than evenly; a map that keeps
+/// half its size covers that.
+fn last_sliver([from, to]: [usize; 2], a: &Row, b: &Row) -> Interval {
+    let mut end = b.clone();
+    end.factors = a.factors.iter().map(|m| m.map(|x| x / 2.0)).collect();
+    Interval { from, to, rows: [a.clone(), end] }
 }
 
 /// C/h on the axis, where neither is: even in h, so by extrapolation in h² from the next two rows.

@@ -163,7 +163,9 @@ impl Trace<'_> {
         let crosses = gap(low) * gap(high) < 0.0;
         let meeting = if crosses { crate::numeric::root(low, high, gap) } else { f64::midpoint(low, high) };
         if steps == 0 || high - low < CORNER_BRACKET {
-            let radius = f64::midpoint(extend(&begun, meeting), extend(&coming, meeting)).recip();
+            let hint = f64::midpoint(extend(&begun, meeting), extend(&coming, meeting)).recip();
+            let hint = Crossing { radius: hint, ..from.1 };
+            let radius = self.view.crossing(self.center, direction(meeting), hint)?.radius;
             self.corners.push((meeting, radius));
             self.push((meeting, Crossing { radius, ..from.1 }));
             self.push((meeting, Crossing { radius, ..to.1 }));
@@ -194,29 +196,39 @@ impl Trace<'_> {
 
     /// The arc between the points `i` and `i + 1`, through four of its points or as many as there are.
     fn piece(&self, i: usize) -> Piece {
-        let belongs = |j: usize| self.points.get(j).is_some_and(|point| point.limit == self.points[i].limit);
-        let (mut low, mut high) = (i, i + 1);
-        while high - low < 3 {
-            let (below, above) = (low > 0 && belongs(low - 1), belongs(high + 1));
-            // Evenly about the stretch where the arc goes on to both sides.
-            if below && (!above || i - low < high - i) {
-                low -= 1;
-            } else if above {
-                high += 1;
-            } else {
-                break;
+        let (from, to) = (self.points[i].angle, self.points[i + 1].angle);
+        let belongs = |point: &&Point| point.limit == self.points[i].limit;
+        // Points much closer to one another than the stretch is long would multiply their errors.
+        let apart = 0.25 * (to - from);
+        let spaced = |start: f64| {
+            let mut last = start;
+            move |point: &&Point| {
+                let far = (point.angle - last).abs() >= apart;
+                if far {
+                    last = point.angle;
+                }
+                far
             }
-        }
-        let from = self.points[i].angle;
-        let stencil = &self.points[low..=high];
+        };
+        let below: Vec<&Point> =
+            self.points[..i].iter().rev().take_while(belongs).filter(spaced(from)).take(2).collect();
+        let above: Vec<&Point> =
+            self.points[i + 2..].iter().take_while(belongs).filter(spaced(to)).take(2).collect();
+        // One on each side where the arc goes on to both, else two on the one.
+        let (low, high) = (below.len().min(2 - above.len().min(1)), above.len().min(2 - below.len().min(1)));
+        let stencil = [&self.points[i], &self.points[i + 1]];
+        let stencil =
+            stencil.into_iter().chain(below[..low].iter().copied()).chain(above[..high].iter().copied());
         // Newton's divided differences, then their products multiplied out about `from`.
         let mut node = [0.0; 4];
         let mut difference = [0.0; 4];
-        for (k, point) in stencil.iter().enumerate() {
-            (node[k], difference[k]) = (point.angle - from, point.inverse);
+        let mut count = 0;
+        for point in stencil {
+            (node[count], difference[count]) = (point.angle - from, point.inverse);
+            count += 1;
         }
-        for order in 1..stencil.len() {
-            for k in (order..stencil.len()).rev() {
+        for order in 1..count {
+            for k in (order..count).rev() {
                 difference[k] = (difference[k] - difference[k - 1]) / (node[k] - node[k - order]);
             }
         }
@@ -229,7 +241,7 @@ impl Trace<'_> {
                 cubic[2] - node[k] * cubic[3],
             ];
         }
-        Piece { from, to: self.points[i + 1].angle, cubic }
+        Piece { from, to, cubic }
     }
 }
 
