@@ -113,7 +113,7 @@ pub fn installed(name: &str) -> (tempfile::TempDir, PathBuf) {
 /// A program, under valgrind where `REALISTIC_VALGRIND=1` asks for it.
 pub fn program(program: &Path) -> Command {
     if env::var_os("REALISTIC_VALGRIND").is_none_or(|value| value != "1") {
-        return Command::new(program);
+        return without_search(Command::new(program));
     }
     let mut valgrind = Command::new("valgrind");
     valgrind.args([
@@ -124,7 +124,13 @@ pub fn program(program: &Path) -> Command {
         "--error-exitcode=99",
     ]);
     valgrind.arg(program);
-    valgrind
+    without_search(valgrind)
+}
+
+/// Cargo's search path goes before a program's own and may lead to a library of an earlier build.
+fn without_search(mut command: Command) -> Command {
+    command.env_remove("LD_LIBRARY_PATH");
+    command
 }
 
 /// One run of the host.
