@@ -65,7 +65,7 @@ pub fn minimum(mut a: f64, mut b: f64, tolerance: f64, mut f: impl FnMut(f64) ->
 
 /// The regularised upper incomplete gamma function Q(a, x), a > 0 and x >= 0: by its series below a + 1
 /// and its continued fraction beyond (Abramowitz and Stegun, 6.5.29 and 6.5.31; the fraction by
-/// Lentz's method). For a up to hundreds the error is some 1e-12.
+/// Lentz's method). For a up to hundreds the relative error is some 1e-13.
 pub fn upper_gamma(a: f64, x: f64) -> f64 {
     const TERMS: u32 = 10_000;
     if x <= 0.0 {
@@ -101,10 +101,10 @@ pub fn upper_gamma(a: f64, x: f64) -> f64 {
     scale * fraction
 }
 
-/// ln Γ(a) for a > 0: Stirling's series (Abramowitz and Stegun, 6.1.41) after stepping up to a >= 10.
+/// ln Γ(a) for a > 0: Stirling's series (Abramowitz and Stegun, 6.1.41) after stepping up to a >= 20.
 fn ln_gamma(mut a: f64) -> f64 {
     let mut steps = 1.0;
-    while a < 10.0 {
+    while a < 20.0 {
         steps *= a;
         a += 1.0;
     }
