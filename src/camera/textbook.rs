@@ -81,10 +81,10 @@ fn placement(given: &Parameters, host: &Host, log: Log<'_>) -> Result<Placement,
 }
 
 fn window(given: &Parameters, host: &Host) -> Result<ScreenWindow, CameraError> {
-    if let Some(aspect) = given.frameaspectratio {
-        if !(LARGEST_SIDE.recip()..=LARGEST_SIDE).contains(&aspect) {
-            return Err(out_of_range("frameaspectratio", aspect, "positive, from 1e-15 to 1e15"));
-        }
+    if let Some(aspect) = given.frameaspectratio
+        && !(LARGEST_SIDE.recip()..=LARGEST_SIDE).contains(&aspect)
+    {
+        return Err(out_of_range("frameaspectratio", aspect, "positive, from 1e-15 to 1e15"));
     }
     if let Some(window @ [x0, x1, y0, y1]) = given.screenwindow {
         if x0 == x1 || y0 == y1 || window.iter().any(|side| side.abs() > LARGEST_SIDE || side.is_nan()) {
