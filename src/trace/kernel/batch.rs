@@ -72,26 +72,26 @@ impl<S> LensRays<'_, S> {
         n
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn take<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, cos: L, end: End<L>)
     where
         S: Scalar,
     {
-        let pairs = self.origin.iter_mut().zip(end.origin).chain(self.direction.iter_mut().zip(end.direction));
-        for (array, numbers) in pairs {
-            numbers.store(&mut array[at..]);
+        for axis in 0..3 {
+            end.origin[axis].store(&mut self.origin[axis][at..]);
+            end.direction[axis].store(&mut self.direction[axis][at..]);
         }
         weight(cpu, cos, end.passed).store(&mut self.weight[at..]);
     }
 }
 
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn weight<L: Lanes>(cpu: Cpu<L>, cos: L, passed: L::Mask) -> L {
     let square = cos * cos;
     (square * square).larger(L::splat(cpu, L::Scalar::LEAST)).or_zero(passed)
 }
 
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn from_plane<L: Lanes>(
     cpu: Cpu<L>,
     table: &Table<L::Scalar>,
@@ -99,18 +99,17 @@ fn from_plane<L: Lanes>(
     [x, y]: [L; 2],
     [sx, sy]: [L; 2],
 ) -> Start<L> {
-    let at = |number| L::splat(cpu, number);
-    let one = at(L::Scalar::ONE);
-    let way = at(L::Scalar::from_f64(table.entry - plane));
+    let one = L::splat(cpu, L::Scalar::ONE);
+    let way = L::splat(cpu, L::Scalar::from_f64(table.entry - plane));
     let length = sy.mul_add(sy, sx.mul_add(sx, one)).sqrt();
     let vz = one / length;
-    let along = vz * at(L::Scalar::from_f64(table.sense));
+    let along = vz * L::splat(cpu, L::Scalar::from_f64(table.sense));
     Start {
         x: way.mul_add(sx, x),
         y: way.mul_add(sy, y),
-        minus_z: at(L::Scalar::ZERO),
+        minus_z: L::splat(cpu, L::Scalar::ZERO),
         v: [sx * along, sy * along, vz],
-        lead: length * at(L::Scalar::from_f64(table.sense * (table.entry - plane))),
+        lead: length * L::splat(cpu, L::Scalar::from_f64(table.sense * (table.entry - plane))),
     }
 }
 
@@ -124,19 +123,20 @@ pub struct FromPlane<'a, 'b, 'c, S> {
 impl<S: Scalar> Batch<S> for FromPlane<'_, '_, '_, S> {
     const FLAT: bool = true;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn len(&self) -> usize {
         self.n
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn start<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, table: &Table<S>, at: usize) -> Start<L> {
-        let load = |array: &[S]| L::load(cpu, &array[at..]);
         let PlaneRays { plane, x, y, slope_x, slope_y } = *self.from;
-        from_plane(cpu, table, plane, [load(x), load(y)], [load(slope_x), load(slope_y)])
+        let point = [L::load(cpu, &x[at..]), L::load(cpu, &y[at..])];
+        let slopes = [L::load(cpu, &slope_x[at..]), L::load(cpu, &slope_y[at..])];
+        from_plane(cpu, table, plane, point, slopes)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn finish<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, cos: L, end: End<L>) {
         self.to.take(cpu, at, cos, end);
     }
@@ -157,7 +157,7 @@ impl<S: Scalar, const N: usize> Few<S, N> {
         Self { plane, point: turned(points), slopes: turned(slopes), out: [[S::ZERO; N]; 7] }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn traced(&self, i: usize) -> Option<Traced<S>> {
         let [x, y, z, dx, dy, dz, weight] = self.out.map(|array| array[i]);
         (weight > S::ZERO).then_some(Traced { origin: [x, y, z], direction: [dx, dy, dz], weight })
@@ -167,24 +167,25 @@ impl<S: Scalar, const N: usize> Few<S, N> {
 impl<S: Scalar, const N: usize> Batch<S> for Few<S, N> {
     const FLAT: bool = true;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn len(&self) -> usize {
         N
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn start<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, table: &Table<S>, at: usize) -> Start<L> {
-        let load = |pair: &[[S; N]; 2]| [L::load(cpu, &pair[0][at..]), L::load(cpu, &pair[1][at..])];
-        from_plane(cpu, table, self.plane, load(&self.point), load(&self.slopes))
+        let point = [L::load(cpu, &self.point[0][at..]), L::load(cpu, &self.point[1][at..])];
+        let slopes = [L::load(cpu, &self.slopes[0][at..]), L::load(cpu, &self.slopes[1][at..])];
+        from_plane(cpu, table, self.plane, point, slopes)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn finish<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, cos: L, end: End<L>) {
         let [x, y, z] = end.origin;
         let [dx, dy, dz] = end.direction;
         let numbers = [x, y, z, dx, dy, dz, weight(cpu, cos, end.passed)];
-        for (array, numbers) in self.out.iter_mut().zip(numbers) {
-            numbers.store(&mut array[at..]);
+        for i in 0..7 {
+            numbers[i].store(&mut self.out[i][at..]);
         }
     }
 }
@@ -198,22 +199,22 @@ pub struct InPlace<'a, 'b, S> {
 impl<S: Scalar> Batch<S> for InPlace<'_, '_, S> {
     const FLAT: bool = false;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn len(&self) -> usize {
         self.n
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn start<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, table: &Table<S>, at: usize) -> Start<L> {
-        let load = |array: &[S]| L::load(cpu, &array[at..]);
-        let [x, y, z] = [0, 1, 2].map(|i| load(self.rays.origin[i]));
-        let [dx, dy, dz] = [0, 1, 2].map(|i| load(self.rays.direction[i]));
+        let LensRays { origin: [x, y, z], direction: [dx, dy, dz], .. } = &*self.rays;
+        let [x, y, z] = [L::load(cpu, &x[at..]), L::load(cpu, &y[at..]), L::load(cpu, &z[at..])];
+        let [dx, dy, dz] = [L::load(cpu, &dx[at..]), L::load(cpu, &dy[at..]), L::load(cpu, &dz[at..])];
         let sense = L::splat(cpu, S::from_f64(table.sense));
         let minus_z = (L::splat(cpu, S::from_f64(table.entry)) - z) * sense;
         anywhere(cpu, [x, y, minus_z], [dx, dy, dz * sense])
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn finish<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, cos: L, end: End<L>) {
         self.rays.take(cpu, at, cos, end);
     }
@@ -225,28 +226,29 @@ impl<S: Scalar> Batch<S> for InPlace<'_, '_, S> {
 /// the distance, and this keeps those of the lens. Each is within 1.5 ulp by Kahan's algorithm (C.-P.
 /// Jeannerod, N. Louvet and J.-M. Muller, "Further analysis of Kahan's algorithm for the accurate
 /// computation of 2 x 2 determinants", 2013).
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn anywhere<L: Lanes>(cpu: Cpu<L>, [x, y, minus_z]: [L; 3], d: [L; 3]) -> Start<L> {
     let (zero, one) = (L::splat(cpu, L::Scalar::ZERO), L::splat(cpu, L::Scalar::ONE));
     let [dx, dy, dz] = d;
     // Scaled first, so that the squares of very small or large components stay in range.
-    let [ax, ay, az] = d.map(|d| d.larger(zero - d));
+    let [ax, ay, az] = [dx.larger(zero - dx), dy.larger(zero - dy), dz.larger(zero - dz)];
     let largest = ax.larger(ay).larger(az);
-    let scaled = d.map(|d| d / largest);
-    let [sx, sy, sz] = scaled;
+    let [sx, sy, sz] = [dx / largest, dy / largest, dz / largest];
     let inverse = one / sz.mul_add(sz, sy.mul_add(sy, sx * sx)).sqrt();
-    let v = scaled.map(|component| component * inverse);
+    let v = [sx * inverse, sy * inverse, sz * inverse];
     let ahead = L::both(zero.less(minus_z), zero.less(dz));
-    let on_plane = |p: L, d: L| {
-        let product = minus_z * d;
-        let error = minus_z.mul_sub(d, product);
-        L::select(ahead, (p.mul_add(dz, product) + error) / dz, p)
-    };
     Start {
-        x: on_plane(x, dx),
-        y: on_plane(y, dy),
+        x: L::select(ahead, where_z_is_0(x, dx, minus_z, dz), x),
+        y: L::select(ahead, where_z_is_0(y, dy, minus_z, dz), y),
         minus_z: L::select(ahead, zero, minus_z),
         v,
         lead: L::select(ahead, minus_z / v[2], zero),
     }
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn where_z_is_0<L: Lanes>(p: L, d: L, minus_z: L, dz: L) -> L {
+    let product = minus_z * d;
+    let error = minus_z.mul_sub(d, product);
+    (p.mul_add(dz, product) + error) / dz
 }

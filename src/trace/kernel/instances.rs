@@ -2,7 +2,7 @@
 
 use super::{
     Simd,
-    batch::Batch,
+    batch::{Batch, Few, FromPlane, InPlace},
     lanes::{Cpu, Lanes, Portable, Scalar},
     march::{Start, march},
     table::Table,
@@ -26,6 +26,33 @@ pub trait Vectors: Scalar {
     type Avx512: Lanes<Scalar = Self>;
     /// Largest amplification of rounding that a link may have.
     const AMPLIFICATION: f64;
+
+    /// Rays from a plane.
+    fn from_plane(simd: Simd, table: &Table<Self>, batch: &mut FromPlane<'_, '_, '_, Self>);
+    /// Rays from anywhere, in place.
+    fn in_place(simd: Simd, table: &Table<Self>, batch: &mut InPlace<'_, '_, Self>);
+    /// One ray, for latency.
+    fn one(simd: Simd, table: &Table<Self>, batch: &mut Few<Self, 1>);
+    /// Up to four rays, for latency.
+    fn quad(simd: Simd, table: &Table<Self>, batch: &mut Few<Self, 4>);
+}
+
+/// The algorithm's instances of one precision, compiled here and not where they are used.
+macro_rules! compile {
+    () => {
+        fn from_plane(simd: Simd, table: &Table<Self>, batch: &mut FromPlane<'_, '_, '_, Self>) {
+            run(simd, Shape::Wide, table, batch);
+        }
+        fn in_place(simd: Simd, table: &Table<Self>, batch: &mut InPlace<'_, '_, Self>) {
+            run(simd, Shape::Wide, table, batch);
+        }
+        fn one(simd: Simd, table: &Table<Self>, batch: &mut Few<Self, 1>) {
+            run(simd, Shape::One, table, batch);
+        }
+        fn quad(simd: Simd, table: &Table<Self>, batch: &mut Few<Self, 4>) {
+            run(simd, Shape::Quad, table, batch);
+        }
+    };
 }
 
 impl Vectors for f64 {
@@ -36,6 +63,7 @@ impl Vectors for f64 {
     #[cfg(target_arch = "x86_64")]
     type Avx512 = F64x8;
     const AMPLIFICATION: f64 = 100.0;
+    compile!();
 }
 
 impl Vectors for f32 {
@@ -46,16 +74,17 @@ impl Vectors for f32 {
     #[cfg(target_arch = "x86_64")]
     type Avx512 = F32x16;
     const AMPLIFICATION: f64 = 8.0;
+    compile!();
 }
 
 /// Vectors traced side by side, so that one's roots overlap another's multiplications.
 const INTERLEAVED: usize = 4;
 /// Lanes of the portable batch.
-const PORTABLE: usize = 8;
+const PORTABLE: usize = 4;
 
 /// How a batch is cut up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shape {
+enum Shape {
     /// The widest vectors, for throughput.
     Wide,
     /// Vectors of four, one after the other, for the latency of up to four rays.
@@ -65,8 +94,8 @@ pub enum Shape {
 }
 
 /// Traces a batch.
-#[inline]
-pub fn run<S: Vectors, B: Batch<S>>(simd: Simd, shape: Shape, table: &Table<S>, batch: &mut B) {
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn run<S: Vectors, B: Batch<S>>(simd: Simd, shape: Shape, table: &Table<S>, batch: &mut B) {
     debug_assert!(simd.is_available());
     #[cfg(target_arch = "x86_64")]
     match simd {
@@ -117,7 +146,7 @@ fn fma_one<S: Vectors, B: Batch<S>>(table: &Table<S>, batch: &mut B) {
 }
 
 /// Traces a batch `U` vectors at a time, what is left one at a time.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn each<L: Lanes, const U: usize, B: Batch<L::Scalar>>(
     cpu: Cpu<L>,
     table: &Table<L::Scalar>,
@@ -135,21 +164,23 @@ fn each<L: Lanes, const U: usize, B: Batch<L::Scalar>>(
     }
 }
 
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn block<L: Lanes, const U: usize, B: Batch<L::Scalar>>(
     cpu: Cpu<L>,
     table: &Table<L::Scalar>,
     batch: &mut B,
     first: usize,
 ) {
-    let starts: [Start<L>; U] = std::array::from_fn(|u| batch.start(cpu, table, first + u * L::WIDTH));
-    let cosines = starts.map(|start| start.v[2]);
+    let mut starts: [Start<L>; U] = [batch.start(cpu, table, first); U];
+    for u in 1..U {
+        starts[u] = batch.start(cpu, table, first + u * L::WIDTH);
+    }
     let ends = if B::FLAT {
         march::<L, U, true>(cpu, table, starts)
     } else {
         march::<L, U, false>(cpu, table, starts)
     };
-    for (u, (end, cos)) in ends.into_iter().zip(cosines).enumerate() {
-        batch.finish(cpu, first + u * L::WIDTH, cos, end);
+    for u in 0..U {
+        batch.finish(cpu, first + u * L::WIDTH, starts[u].v[2], ends[u]);
     }
 }

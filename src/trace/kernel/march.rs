@@ -29,6 +29,7 @@ pub struct Start<L> {
 }
 
 /// Rays behind the last surface, in lens space; all +0 in blocked lanes.
+#[derive(Clone, Copy)]
 pub struct End<L: Lanes> {
     pub origin: [L; 3],
     /// Unit vectors.
@@ -36,6 +37,7 @@ pub struct End<L: Lanes> {
     pub passed: L::Mask,
 }
 
+#[derive(Clone, Copy)]
 struct Ray<L: Lanes> {
     x: L,
     y: L,
@@ -50,7 +52,7 @@ struct Ray<L: Lanes> {
 }
 
 /// Takes `U` vectors of rays through the lens, interleaved. `FLAT`: they start on the first vertex plane.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub fn march<L: Lanes, const U: usize, const FLAT: bool>(
     cpu: Cpu<L>,
     table: &Table<L::Scalar>,
@@ -59,12 +61,19 @@ pub fn march<L: Lanes, const U: usize, const FLAT: bool>(
     let Some((first, rest)) = table.steps.split_first() else {
         unreachable!("a lens has at least one surface");
     };
-    let mut rays = starts.map(|start| enter::<L, FLAT>(cpu, first, start));
+    // Loops and not closures, here and below: a closure that is not inlined would be compiled for
+    // another processor than the function it stands in.
+    let mut rays = [enter::<L, FLAT>(cpu, first, starts[0]); U];
+    for u in 1..U {
+        rays[u] = enter::<L, FLAT>(cpu, first, starts[u]);
+    }
     for step in rest {
         match step {
             Step::Link(link) => {
                 if link.forward {
-                    rays.iter_mut().for_each(|ray| ray.go_forward(cpu));
+                    for ray in &mut rays {
+                        ray.go_forward(cpu);
+                    }
                 }
                 match (link.rim, link.rarer) {
                     (Rim::Slope(least), false) => cross::<L, U, true, false>(cpu, link, least, &mut rays),
@@ -73,21 +82,33 @@ pub fn march<L: Lanes, const U: usize, const FLAT: bool>(
                     (Rim::Height(most), true) => cross::<L, U, false, true>(cpu, link, most, &mut rays),
                 }
             }
-            Step::Stop(stop) => rays.iter_mut().for_each(|ray| ray.stop(cpu, stop)),
-            Step::Sphere(sphere) => rays.iter_mut().for_each(|ray| {
-                let minus_z = ray.minus_z(cpu, &sphere.handover);
-                ray.sphere::<false>(cpu, sphere, minus_z, None);
-            }),
-            Step::Plane(plane) => rays.iter_mut().for_each(|ray| {
-                let minus_z = ray.minus_z(cpu, &plane.handover);
-                ray.plane::<false>(cpu, plane, minus_z, None);
-            }),
+            Step::Stop(stop) => {
+                for ray in &mut rays {
+                    ray.stop(cpu, stop);
+                }
+            }
+            Step::Sphere(sphere) => {
+                for ray in &mut rays {
+                    let minus_z = ray.minus_z(cpu, &sphere.handover);
+                    ray.sphere::<false>(cpu, sphere, minus_z, None);
+                }
+            }
+            Step::Plane(plane) => {
+                for ray in &mut rays {
+                    let minus_z = ray.minus_z(cpu, &plane.handover);
+                    ray.plane::<false>(cpu, plane, minus_z, None);
+                }
+            }
         }
     }
-    rays.map(|ray| ray.leave(cpu, table))
+    let mut ends = [rays[0].leave(cpu, table); U];
+    for u in 1..U {
+        ends[u] = rays[u].leave(cpu, table);
+    }
+    ends
 }
 
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn enter<L: Lanes, const FLAT: bool>(cpu: Cpu<L>, first: &Step<L::Scalar>, start: Start<L>) -> Ray<L> {
     let Start { x, y, minus_z, v: [vx, vy, vz], lead } = start;
     let zero = L::splat(cpu, L::Scalar::ZERO);
@@ -101,7 +122,7 @@ fn enter<L: Lanes, const FLAT: bool>(cpu: Cpu<L>, first: &Step<L::Scalar>, start
     ray
 }
 
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn cross<L: Lanes, const U: usize, const SLOPE: bool, const RARER: bool>(
     cpu: Cpu<L>,
     link: &Link<L::Scalar>,
@@ -114,40 +135,40 @@ fn cross<L: Lanes, const U: usize, const SLOPE: bool, const RARER: bool>(
 }
 
 impl<L: Lanes> Ray<L> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn keep(&mut self, mask: L::Mask) {
         self.passed = L::both(self.passed, mask);
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn go_forward(&mut self, cpu: Cpu<L>) {
         self.keep(L::splat(cpu, L::Scalar::ZERO).less(self.vz));
     }
 
     /// The root's argument must be a number well above 0: neither missed nor totally reflected.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn keep_root(&mut self, cpu: Cpu<L>, square: L) {
         self.keep(L::splat(cpu, L::Scalar::NO_SQUARE).less(square));
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn minus_z(&self, cpu: Cpu<L>, handover: &Handover<L::Scalar>) -> L {
         self.height.mul_add(L::splat(cpu, handover.factor), L::splat(cpu, handover.offset))
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn height_squared(&self) -> L {
         self.y.mul_add(self.y, self.x * self.x)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance(&mut self, t: L) {
         self.x = t.mul_add(self.vx, self.x);
         self.y = t.mul_add(self.vy, self.y);
     }
 
     /// V + G N.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn bend(&mut self, c: L, gain: L, slope: L) {
         let k = c * gain;
         self.vx = k.neg_mul_add(self.x, self.vx);
@@ -155,31 +176,30 @@ impl<L: Lanes> Ray<L> {
         self.vz = gain.mul_add(slope, self.vz);
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn link<const SLOPE: bool, const RARER: bool>(
         &mut self,
         cpu: Cpu<L>,
         link: &Link<L::Scalar>,
         rim: L::Scalar,
     ) {
-        let at = |number| L::splat(cpu, number);
-        let (alpha, rho) = (at(link.alpha), at(link.rho));
-        let minus_2phi = self.height.mul_add(at(link.minus_2phi1), at(link.minus_2phi0));
+        let (alpha, rho) = (L::splat(cpu, link.alpha), L::splat(cpu, link.rho));
+        let minus_2phi = self.height.mul_add(L::splat(cpu, link.minus_2phi1), L::splat(cpu, link.minus_2phi0));
         let g = alpha.mul_add(self.vz, rho * self.root);
         let square = g.mul_add(g, minus_2phi);
         // Not square + K: the two roots then need not wait for each other.
-        let square_after = g.mul_add(g, minus_2phi + at(link.index_step));
+        let square_after = g.mul_add(g, minus_2phi + L::splat(cpu, link.index_step));
         let [before, after] = L::sqrt_pair(square, square_after);
         let delta = g - before;
-        let slope = delta.neg_mul_add(self.vz * at(link.per_n2), rho.mul_add(self.height, alpha));
-        self.advance(delta * at(link.per_cn2));
-        self.bend(at(link.c), after - before, slope);
+        let slope = delta.neg_mul_add(self.vz * L::splat(cpu, link.per_n2), rho.mul_add(self.height, alpha));
+        self.advance(delta * L::splat(cpu, link.per_cn2));
+        self.bend(L::splat(cpu, link.c), after - before, slope);
         (self.height, self.root) = (slope, after);
         self.keep_root(cpu, if RARER { square_after } else { square });
-        self.keep(if SLOPE { at(rim).less_equal(slope) } else { self.height_squared().less_equal(at(rim)) });
+        self.keep(if SLOPE { L::splat(cpu, rim).less_equal(slope) } else { self.height_squared().less_equal(L::splat(cpu, rim)) });
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn sphere<const FLAT: bool>(
         &mut self,
         cpu: Cpu<L>,
@@ -187,55 +207,54 @@ impl<L: Lanes> Ray<L> {
         mut minus_z: L,
         lead: Option<L>,
     ) {
-        let at = |number| L::splat(cpu, number);
-        let c = at(sphere.c);
-        let mut lead = lead.unwrap_or(at(L::Scalar::ZERO));
+        let c = L::splat(cpu, sphere.c);
+        let mut lead = lead.unwrap_or(L::splat(cpu, L::Scalar::ZERO));
         if sphere.tests.forward {
             self.go_forward(cpu);
         }
         if sphere.far {
             let t = minus_z / self.vz;
             self.advance(t);
-            (minus_z, lead) = (at(L::Scalar::ZERO), t);
+            (minus_z, lead) = (L::splat(cpu, L::Scalar::ZERO), t);
         }
         let across = self.y.mul_add(self.vy, self.x * self.vx);
         let height_squared = self.height_squared();
-        let half_c = at(sphere.half_c);
+        let half_c = L::splat(cpu, sphere.half_c);
         let (f, g) = if FLAT {
             (half_c * height_squared, c.neg_mul_add(across, self.vz))
         } else {
             let along = minus_z.neg_mul_add(self.vz, across);
             (half_c.mul_add(minus_z.mul_add(minus_z, height_squared), minus_z), c.neg_mul_add(along, self.vz))
         };
-        let minus_2phi = f * at(sphere.minus_2cn2);
+        let minus_2phi = f * L::splat(cpu, sphere.minus_2cn2);
         let square = g.mul_add(g, minus_2phi);
-        let square_after = g.mul_add(g, minus_2phi + at(sphere.index_step));
+        let square_after = g.mul_add(g, minus_2phi + L::splat(cpu, sphere.index_step));
         let [before, after] = L::sqrt_pair(square, square_after);
-        let strong = (g - before) * at(sphere.per_cn2);
+        let strong = (g - before) * L::splat(cpu, sphere.per_cn2);
         let t = if sphere.strong {
             strong
         } else {
-            L::select(at(L::Scalar::ZERO).less(g), (f + f) / (g + before), strong)
+            L::select(L::splat(cpu, L::Scalar::ZERO).less(g), (f + f) / (g + before), strong)
         };
         self.advance(t);
         let z = if FLAT { t * self.vz } else { t.mul_sub(self.vz, minus_z) };
-        let slope = c.neg_mul_add(z, at(L::Scalar::ONE));
+        let slope = c.neg_mul_add(z, L::splat(cpu, L::Scalar::ONE));
         self.bend(c, after - before, slope);
         (self.height, self.root) = (if sphere.hands_slope { slope } else { z }, after);
         self.keep_root(cpu, if sphere.index_step < L::Scalar::ZERO { square_after } else { square });
         match sphere.rim {
-            Rim::Slope(least) => self.keep(at(least).less_equal(slope)),
+            Rim::Slope(least) => self.keep(L::splat(cpu, least).less_equal(slope)),
             Rim::Height(most) => {
-                self.keep(self.height_squared().less_equal(at(most)));
-                self.keep(at(L::Scalar::ZERO).less_equal(slope));
+                self.keep(self.height_squared().less_equal(L::splat(cpu, most)));
+                self.keep(L::splat(cpu, L::Scalar::ZERO).less_equal(slope));
             }
         }
         if sphere.tests.onward {
-            self.keep(at(-sphere.slack).less_equal(lead + t));
+            self.keep(L::splat(cpu, -sphere.slack).less_equal(lead + t));
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn plane<const FLAT: bool>(
         &mut self,
         cpu: Cpu<L>,
@@ -243,22 +262,21 @@ impl<L: Lanes> Ray<L> {
         minus_z: L,
         lead: Option<L>,
     ) {
-        let at = |number| L::splat(cpu, number);
-        let zero = at(L::Scalar::ZERO);
+        let zero = L::splat(cpu, L::Scalar::ZERO);
         let mut t = zero;
         if !FLAT {
             t = minus_z / self.vz;
             self.advance(t);
         }
-        self.keep(self.height_squared().less_equal(at(plane.aperture)));
+        self.keep(self.height_squared().less_equal(L::splat(cpu, plane.aperture)));
         let square = self.vz * self.vz;
-        let square_after = self.vz.mul_add(self.vz, at(plane.index_step));
+        let square_after = self.vz.mul_add(self.vz, L::splat(cpu, plane.index_step));
         self.keep_root(cpu, if plane.index_step < L::Scalar::ZERO { square_after } else { square });
         if plane.tests.forward {
             self.go_forward(cpu);
         }
         if plane.tests.onward {
-            self.keep(at(-plane.slack).less_equal(lead.unwrap_or(zero) + t));
+            self.keep(L::splat(cpu, -plane.slack).less_equal(lead.unwrap_or(zero) + t));
         }
         self.root = square_after.sqrt();
         self.vz = self.root;
@@ -266,7 +284,7 @@ impl<L: Lanes> Ray<L> {
     }
 
     /// |z (Vx, Vy) + Vz (x, y)| <= a Vz, z the way to the stop: no move and no division.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn stop(&mut self, cpu: Cpu<L>, stop: &Stop<L::Scalar>) {
         let ahead = self.minus_z(cpu, &stop.handover);
         let x = ahead.mul_add(self.vx, self.x * self.vz);
@@ -276,17 +294,20 @@ impl<L: Lanes> Ray<L> {
     }
 
     /// To lens space, the direction made a unit vector by one step of Newton's iteration: V is one but for rounding.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn leave(self, cpu: Cpu<L>, table: &Table<L::Scalar>) -> End<L> {
-        let at = |number| L::splat(cpu, number);
-        let z = self.height.mul_add(at(table.exit.factor), at(table.exit.offset));
+        let z = self.height.mul_add(L::splat(cpu, table.exit.factor), L::splat(cpu, table.exit.offset));
         let square = self.vz.mul_add(self.vz, self.vy.mul_add(self.vy, self.vx * self.vx));
-        let factor = square.mul_add(at(table.unit[1]), at(table.unit[0]));
-        let along = factor * at(L::Scalar::from_f64(table.sense));
+        let factor = square.mul_add(L::splat(cpu, table.unit[1]), L::splat(cpu, table.unit[0]));
+        let along = factor * L::splat(cpu, L::Scalar::from_f64(table.sense));
         let passed = self.passed;
         End {
-            origin: [self.x, self.y, z].map(|number| number.or_zero(passed)),
-            direction: [self.vx * factor, self.vy * factor, self.vz * along].map(|d| d.or_zero(passed)),
+            origin: [self.x.or_zero(passed), self.y.or_zero(passed), z.or_zero(passed)],
+            direction: [
+                (self.vx * factor).or_zero(passed),
+                (self.vy * factor).or_zero(passed),
+                (self.vz * along).or_zero(passed),
+            ],
             passed,
         }
     }

@@ -24,7 +24,6 @@ pub use simd::Simd;
 
 use self::{
     batch::{Few, FromPlane, InPlace},
-    instances::{Shape, run},
     table::Table,
 };
 use super::{Blocked, Direction, Path, Ray};
@@ -77,7 +76,7 @@ impl<S: Precision> Kernel<S> {
     #[inline]
     pub fn trace_one(&self, plane: f64, point: [S; 2], slopes: [S; 2]) -> Option<Traced<S>> {
         let mut one = Few::new(plane, [point], [slopes]);
-        run(self.simd, Shape::One, &self.table, &mut one);
+        S::one(self.simd, &self.table, &mut one);
         one.traced(0)
     }
 
@@ -93,7 +92,7 @@ impl<S: Precision> Kernel<S> {
         let [a, b, c] = points;
         let [s, t, u] = slopes;
         let mut four = Few::new(plane, [a, b, c, a], [s, t, u, s]);
-        run(self.simd, Shape::Quad, &self.table, &mut four);
+        S::quad(self.simd, &self.table, &mut four);
         [0, 1, 2].map(|i| four.traced(i))
     }
 
@@ -104,7 +103,7 @@ impl<S: Precision> Kernel<S> {
     pub fn trace_batch(&self, from: &PlaneRays<'_, S>, to: &mut LensRays<'_, S>) {
         let n = from.checked_len();
         assert_eq!(n, to.checked_len(), "a batch needs as much room as it has rays");
-        run(self.simd, Shape::Wide, &self.table, &mut FromPlane { from, to, n });
+        S::from_plane(self.simd, &self.table, &mut FromPlane { from, to, n });
     }
 
     /// Many rays, each from anywhere before the first surface with a direction of any length but 0; the
@@ -114,7 +113,7 @@ impl<S: Precision> Kernel<S> {
     /// The arrays differ in length.
     pub fn trace_in_place(&self, rays: &mut LensRays<'_, S>) {
         let n = rays.checked_len();
-        run(self.simd, Shape::Wide, &self.table, &mut InPlace { rays, n });
+        S::in_place(self.simd, &self.table, &mut InPlace { rays, n });
     }
 
     /// Why a ray is blocked, by the scalar walk. Where the walk in double precision lets it through it

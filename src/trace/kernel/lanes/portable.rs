@@ -66,88 +66,95 @@ impl Scalar for f32 {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Portable<S, const N: usize>(pub [S; N]);
 
-impl<S: Scalar, const N: usize> Portable<S, N> {
-    #[inline(always)]
-    fn zip(self, b: Self, operation: impl Fn(S, S) -> S) -> Self {
-        Self(std::array::from_fn(|i| operation(self.0[i], b.0[i])))
-    }
-
-    #[inline(always)]
-    fn compare(self, b: Self, holds: impl Fn(&S, &S) -> bool) -> [bool; N] {
-        std::array::from_fn(|i| holds(&self.0[i], &b.0[i]))
-    }
+// Loops and not closures: a closure that is not inlined would be compiled for another processor than
+// the function it stands in.
+macro_rules! lanes {
+    ($first:expr, $i:ident => $value:expr) => {{
+        let mut lanes = $first;
+        let mut $i = 0;
+        while $i < N {
+            lanes[$i] = $value;
+            $i += 1;
+        }
+        lanes
+    }};
 }
 
 macro_rules! operators {
-    ($($trait:ident $method:ident),*) => {$(
+    ($($trait:ident $method:ident $operator:tt),*) => {$(
         impl<S: Scalar, const N: usize> $trait for Portable<S, N> {
             type Output = Self;
-            #[inline(always)]
+            #[cfg_attr(not(debug_assertions), inline(always))]
             fn $method(self, b: Self) -> Self {
-                self.zip(b, S::$method)
+                Self(lanes!(self.0, i => self.0[i] $operator b.0[i]))
             }
         }
     )*};
 }
 
-operators!(Add add, Sub sub, Mul mul, Div div);
+operators!(Add add +, Sub sub -, Mul mul *, Div div /);
 
 impl<S: Scalar, const N: usize> Lanes for Portable<S, N> {
     type Scalar = S;
     type Mask = [bool; N];
     const WIDTH: usize = N;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn splat(_: Cpu<Self>, number: S) -> Self {
         Self([number; N])
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn load(_: Cpu<Self>, from: &[S]) -> Self {
-        Self(std::array::from_fn(|i| from.get(i).copied().unwrap_or(S::ZERO)))
+        Self(lanes!([S::ZERO; N], i => if i < from.len() { from[i] } else { S::ZERO }))
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn store(self, to: &mut [S]) {
-        to.iter_mut().zip(self.0).for_each(|(to, number)| *to = number);
+        let n = to.len().min(N);
+        to[..n].copy_from_slice(&self.0[..n]);
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn mul_add(self, b: Self, c: Self) -> Self {
-        Self(std::array::from_fn(|i| self.0[i].fused(b.0[i], c.0[i])))
+        Self(lanes!(self.0, i => self.0[i].fused(b.0[i], c.0[i])))
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn mul_sub(self, b: Self, c: Self) -> Self {
-        Self(std::array::from_fn(|i| self.0[i].fused(b.0[i], -c.0[i])))
+        Self(lanes!(self.0, i => self.0[i].fused(b.0[i], -c.0[i])))
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn neg_mul_add(self, b: Self, c: Self) -> Self {
-        Self(std::array::from_fn(|i| (-self.0[i]).fused(b.0[i], c.0[i])))
+        Self(lanes!(self.0, i => (-self.0[i]).fused(b.0[i], c.0[i])))
     }
-    #[inline(always)]
-    fn sqrt_pair(a: Self, b: Self) -> [Self; 2] {
-        let pairs: [[S; 2]; N] = std::array::from_fn(|i| S::sqrt_pair(a.0[i], b.0[i]));
-        [Self(pairs.map(|[a, _]| a)), Self(pairs.map(|[_, b]| b))]
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn sqrt_pair(mut a: Self, mut b: Self) -> [Self; 2] {
+        let mut i = 0;
+        while i < N {
+            [a.0[i], b.0[i]] = S::sqrt_pair(a.0[i], b.0[i]);
+            i += 1;
+        }
+        [a, b]
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn sqrt(self) -> Self {
-        Self(self.0.map(S::sqrt))
+        Self(lanes!(self.0, i => self.0[i].sqrt()))
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn less(self, b: Self) -> Self::Mask {
-        self.compare(b, S::lt)
+        lanes!([false; N], i => self.0[i] < b.0[i])
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn less_equal(self, b: Self) -> Self::Mask {
-        self.compare(b, S::le)
+        lanes!([false; N], i => self.0[i] <= b.0[i])
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask {
-        std::array::from_fn(|i| a[i] & b[i])
+        lanes!(a, i => a[i] & b[i])
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
-        Self(std::array::from_fn(|i| if mask[i] { yes.0[i] } else { no.0[i] }))
+        Self(lanes!(no.0, i => if mask[i] { yes.0[i] } else { no.0[i] }))
     }
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn or_zero(self, mask: Self::Mask) -> Self {
-        Self(std::array::from_fn(|i| if mask[i] { self.0[i] } else { S::ZERO }))
+        Self(lanes!(self.0, i => if mask[i] { self.0[i] } else { S::ZERO }))
     }
 }
