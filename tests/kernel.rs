@@ -156,8 +156,8 @@ fn many_surfaces(n: usize, scale: f64) -> Lens {
     let surface = |i: usize| Surface {
         vertex: -2.5 * scale * i as f64,
         curvature: curvature(i),
-        n_scene: if i % 2 == 0 { 1.0 } else { 1.6 },
-        n_film: if i % 2 == 0 { 1.6 } else { 1.0 },
+        n_scene: if (n - i) % 2 == 0 { 1.0 } else { 1.6 },
+        n_film: if (n - i) % 2 == 0 { 1.6 } else { 1.0 },
         semi_diameter: 12.0 * scale,
         is_stop: false,
     };

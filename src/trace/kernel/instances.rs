@@ -62,7 +62,7 @@ impl Vectors for f64 {
     type Avx2 = F64x4;
     #[cfg(target_arch = "x86_64")]
     type Avx512 = F64x8;
-    const AMPLIFICATION: f64 = 100.0;
+    const AMPLIFICATION: f64 = 25.0;
     compile!();
 }
 
