@@ -1,7 +1,7 @@
 //! What a ray costs: one, three at once, and many, against the textbook walk and what the processor
 //! can do at best, all in one run.
 //!
-//! `cargo bench --no-default-features --bench kernel` (under a minute). Every figure is the median over
+//! `cargo bench --no-default-features --bench kernel` (under a minute; with `-- dgauss` one lens). Every figure is the median over
 //! rounds in which all contestants take turns, so that a busy machine disturbs them alike; the
 //! smallest stands beside it.
 
@@ -25,13 +25,15 @@ use scenes::{Film, Scene};
 const BATCH: usize = 2048;
 
 fn main() {
-    let rounds = if std::env::args().any(|argument| argument == "--test") { 1 } else { 41 };
-    for scene in scenes::all() {
+    let arguments: Vec<_> = std::env::args().skip(1).collect();
+    let rounds = if arguments.iter().any(|argument| argument == "--test") { 1 } else { 41 };
+    let filter = arguments.iter().find(|argument| !argument.starts_with('-'));
+    for scene in scenes::all().iter().filter(|scene| filter.is_none_or(|filter| scene.name.contains(filter))) {
         println!("\n## {}: {} surfaces", scene.name, scene.lens.surfaces.len());
-        one_at_a_time(&scene, rounds);
-        many(&scene, rounds);
+        one_at_a_time(scene, rounds);
+        many(scene, rounds);
     }
-    println!("\n## What the processor can do: 2 roots and 20 other operations on vectors a curved surface");
+    println!("\n## What the processor can do at best");
     limits::print(rounds);
 }
 
