@@ -59,8 +59,7 @@ impl<S: Checked> Arrays<S> {
     }
 
     fn rays(&mut self) -> LensRays<'_, S> {
-        let [x, y, z, dx, dy, dz, weight] =
-            self.columns.each_mut().map(|column| &mut column[self.offset..]);
+        let [x, y, z, dx, dy, dz, weight] = self.columns.each_mut().map(|column| &mut column[self.offset..]);
         LensRays { origin: [x, y, z], direction: [dx, dy, dz], weight }
     }
 
@@ -307,7 +306,13 @@ fn nasty<S: Checked>(simd: Simd) {
         let batch = from_plane(&kernel, plane, &film, 1);
         for (i, ray) in film.iter().enumerate() {
             let got = batch.at(i);
-            assert_eq!(bits(got), bits(one(&reference, plane, *ray)), "{} {:?}", lens.name, ray.map(S::to_f64));
+            assert_eq!(
+                bits(got),
+                bits(one(&reference, plane, *ray)),
+                "{} {:?}",
+                lens.name,
+                ray.map(S::to_f64)
+            );
             assert!(got.iter().all(|number| number.to_f64().is_finite()));
             if ray.iter().any(|number| !number.to_f64().is_finite()) {
                 assert_eq!(got, [S::ZERO; 7]);

@@ -28,7 +28,8 @@ fn main() {
     let arguments: Vec<_> = std::env::args().skip(1).collect();
     let rounds = if arguments.iter().any(|argument| argument == "--test") { 1 } else { 41 };
     let filter = arguments.iter().find(|argument| !argument.starts_with('-'));
-    for scene in scenes::all().iter().filter(|scene| filter.is_none_or(|filter| scene.name.contains(filter))) {
+    for scene in scenes::all().iter().filter(|scene| filter.is_none_or(|filter| scene.name.contains(filter)))
+    {
         println!("\n## {}: {} surfaces", scene.name, scene.lens.surfaces.len());
         one_at_a_time(scene, rounds);
         many(scene, rounds);
@@ -85,7 +86,8 @@ fn triple<S: Precision>(scene: &Scene, tiny: f64) -> impl FnMut() + use<S> {
         for i in 0..film.len() {
             let ([x, y], slopes) = film.at(i);
             let x = x + carry;
-            let three = kernel.trace_triple(film.plane, [[x, y], [x + pixel, y], [x, y + pixel]], [slopes; 3]);
+            let three =
+                kernel.trace_triple(film.plane, [[x, y], [x + pixel, y], [x, y + pixel]], [slopes; 3]);
             carry = three[2].map_or(S::ZERO, |ray| ray.direction[2] * tiny);
         }
         black_box(carry);

@@ -69,12 +69,12 @@ impl<S: Real> Film<S> {
     /// evenly spread (R2 sequence, M. Roberts 2018).
     pub fn new(scene: &Scene, n: usize) -> Self {
         let pupil = ExitPupil::of_lens(&scene.lens, scene.film);
-        let mut film =
-            Self { plane: scene.film, x: vec![], y: vec![], slope_x: vec![], slope_y: vec![] };
+        let mut film = Self { plane: scene.film, x: vec![], y: vec![], slope_x: vec![], slope_y: vec![] };
         for i in 0..n {
             let number = |step: f64| (0.5 + step * i as f64).fract();
             let [u, v] = [number(0.754_877_666_246_692_8), number(0.569_840_290_998_053_2)];
-            let [x, y] = [number(0.819_172_513_396_164_4), number(0.671_043_606_703_789_3)].map(|t| 6.0 * t - 3.0);
+            let [x, y] =
+                [number(0.819_172_513_396_164_4), number(0.671_043_606_703_789_3)].map(|t| 6.0 * t - 3.0);
             let disk = pupil.slopes(x, y, scene.film);
             let (radius, angle) = (disk.radius * 0.66 * u.sqrt(), std::f64::consts::TAU * v);
             film.x.push(S::from_f64(x));

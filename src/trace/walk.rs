@@ -80,7 +80,7 @@ impl<R: Real> Path<R> {
         }
         // Each surface takes the state whole or not at all, so that a blocked ray is reported
         // where it was last on a surface.
-        let (entry, lead) = self.to_entry_plane(ray, sense);
+        let (entry, lead) = self.to_entry_plane(ray, sense, direction[2]);
         let [dx, dy, dz] = direction;
         let mut state = State {
             p: entry.map(R::from_f64),
@@ -125,11 +125,11 @@ impl<R: Real> Path<R> {
     }
 
     /// The ray's start in the frame of the first vertex, moved on to the vertex plane where that
-    /// lies ahead, and the distance moved.
+    /// lies ahead, and the distance moved; `unit_dz` is the unit direction's component.
     ///
     /// Differences of products, not P + t D: from a distant object that would keep the digits of the
     /// distance, and this keeps those of the lens.
-    fn to_entry_plane(&self, ray: Ray, sense: f64) -> ([f64; 3], f64) {
+    fn to_entry_plane(&self, ray: Ray, sense: f64, unit_dz: f64) -> ([f64; 3], f64) {
         let [x, y, z] = ray.origin;
         let [dx, dy, dz] = ray.direction;
         let (z, dz) = (sense * (z - self.entry), sense * dz);
@@ -138,7 +138,7 @@ impl<R: Real> Path<R> {
         }
         let at = |p: f64, d: f64| difference_of_products(p, dz, z, d) / dz;
         let (px, py) = (at(x, dx), at(y, dy));
-        ([px, py, 0.0], (px - x).hypot(py - y).hypot(z))
+        ([px, py, 0.0], -z / unit_dz.abs())
     }
 
     /// The ray as it leaves the lens.

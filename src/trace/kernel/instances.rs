@@ -1,16 +1,20 @@
 //! The algorithm compiled for each set of instructions: thin functions, one a set and a shape of call.
+//!
+//! Everything below them is inlined into them, which is what compiles it for their instructions. In
+//! builds with debug assertions it is not: the same numbers, slowly, and LLVM 22 overflows its stack
+//! on functions of that size when it also describes them to a debugger.
 
+#[cfg(target_arch = "x86_64")]
+use super::lanes::{
+    avx2::{F32x4, F32x8, F64x4},
+    avx512::{F32x16, F64x8},
+};
 use super::{
     Simd,
     batch::{Batch, Few, FromPlane, InPlace},
     lanes::{Cpu, Lanes, Portable, Scalar},
     march::{Start, march},
     table::Table,
-};
-#[cfg(target_arch = "x86_64")]
-use super::lanes::{
-    avx2::{F32x4, F32x8, F64x4},
-    avx512::{F32x16, F64x8},
 };
 
 /// The vectors of one precision.
@@ -24,7 +28,7 @@ pub trait Vectors: Scalar {
     /// AVX-512's widest.
     #[cfg(target_arch = "x86_64")]
     type Avx512: Lanes<Scalar = Self>;
-    /// Largest amplification of rounding that a link may have.
+    /// Largest amplification of rounding that a link may have: where the golden rays' errors begin to grow.
     const AMPLIFICATION: f64;
 
     /// Rays from a plane.
@@ -147,11 +151,7 @@ fn fma_one<S: Vectors, B: Batch<S>>(table: &Table<S>, batch: &mut B) {
 
 /// Traces a batch `U` vectors at a time, what is left one at a time.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn each<L: Lanes, const U: usize, B: Batch<L::Scalar>>(
-    cpu: Cpu<L>,
-    table: &Table<L::Scalar>,
-    batch: &mut B,
-) {
+fn each<L: Lanes, const U: usize, B: Batch<L::Scalar>>(cpu: Cpu<L>, table: &Table<L::Scalar>, batch: &mut B) {
     let n = batch.len();
     let mut done = 0;
     while U > 1 && n - done >= U * L::WIDTH {

@@ -184,7 +184,8 @@ impl<L: Lanes> Ray<L> {
         rim: L::Scalar,
     ) {
         let (alpha, rho) = (L::splat(cpu, link.alpha), L::splat(cpu, link.rho));
-        let minus_2phi = self.height.mul_add(L::splat(cpu, link.minus_2phi1), L::splat(cpu, link.minus_2phi0));
+        let minus_2phi =
+            self.height.mul_add(L::splat(cpu, link.minus_2phi1), L::splat(cpu, link.minus_2phi0));
         let g = alpha.mul_add(self.vz, rho * self.root);
         let square = g.mul_add(g, minus_2phi);
         // Not square + K: the two roots then need not wait for each other.
@@ -196,7 +197,11 @@ impl<L: Lanes> Ray<L> {
         self.bend(L::splat(cpu, link.c), after - before, slope);
         (self.height, self.root) = (slope, after);
         self.keep_root(cpu, if RARER { square_after } else { square });
-        self.keep(if SLOPE { L::splat(cpu, rim).less_equal(slope) } else { self.height_squared().less_equal(L::splat(cpu, rim)) });
+        self.keep(if SLOPE {
+            L::splat(cpu, rim).less_equal(slope)
+        } else {
+            self.height_squared().less_equal(L::splat(cpu, rim))
+        });
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]

@@ -203,7 +203,8 @@ fn surfaces(steps: &[path::Step<f64>], sense: f64, epsilon: f64) -> Vec<Surface>
         distance += step.distance;
         let here = cap(step);
         let beside = |step: &path::Step<f64>| step.curvature == 0.0 && step.index_step == 0.0;
-        let room_after = steps.get(i + 1).is_some_and(|next| clearance::leaves_room(here, cap(next), next.distance));
+        let room_after =
+            steps.get(i + 1).is_some_and(|next| clearance::leaves_room(here, cap(next), next.distance));
         let room_before = moved.is_some_and(|moved| clearance::leaves_room(moved, here, distance));
         let is_still = beside(step) && room_before && room_after;
         // At the first surface where the ray began decides, which is not known here. From the scene a
