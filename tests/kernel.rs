@@ -155,8 +155,8 @@ fn many_surfaces(n: usize, scale: f64) -> Lens {
     let surface = |i: usize| Surface {
         vertex: -2.5 * scale * i as f64,
         curvature: curvature(i),
-        n_scene: if (n - i) % 2 == 0 { 1.0 } else { 1.6 },
-        n_film: if (n - i) % 2 == 0 { 1.6 } else { 1.0 },
+        n_scene: if (n - i).is_multiple_of(2) { 1.0 } else { 1.6 },
+        n_film: if (n - i).is_multiple_of(2) { 1.6 } else { 1.0 },
         semi_diameter: 12.0 * scale,
         is_stop: false,
     };
@@ -274,8 +274,8 @@ fn rays_from_anywhere_have_the_same_bits_in_every_instance<S: Checked>(simd: Sim
                 .collect();
             let expected = in_place(&kernel::<S>(&lens, direction, Simd::Portable), &rays, 0);
             let got = in_place(&kernel::<S>(&lens, direction, simd), &rays, 3);
-            for i in 0..rays.len() {
-                assert_eq!(bits(got.at(i)), bits(expected.at(i)), "{} {:?}", lens.name, rays[i]);
+            for (i, ray) in rays.iter().enumerate() {
+                assert_eq!(bits(got.at(i)), bits(expected.at(i)), "{} {ray:?}", lens.name);
             }
         }
     }
@@ -486,5 +486,29 @@ fn double_gauss_rays_are_within_4e_15_rad_of_the_exact_ones() {
     for (i, row) in rows.iter().enumerate().filter(|(_, row)| row[12] == "ok") {
         let (p, d) = difference(traced.result(i).expect("it passes"), ray(numbers(&row[6..12])));
         assert!(d <= 4e-15 && p < 2e-13, "{row:?}: {p} mm, {d} rad");
+    }
+}
+
+/// Run again by the next test under every value of the variable.
+#[test]
+fn the_choice_is_available_and_within_the_limit() {
+    let best = Simd::best();
+    assert!(best.is_available());
+    let limit = std::env::var("REALISTIC_SIMD").ok();
+    let limit = Simd::ALL.into_iter().find(|simd| limit.as_deref() == Some(simd.name()));
+    let most = Simd::ALL.into_iter().rfind(|simd| simd.is_available()).expect("one always is");
+    assert_eq!(best, limit.map_or(most, |limit| limit.min(most)));
+    assert_eq!(Kernel::<f32>::new(&many_surfaces(2, 1.0), Direction::FilmToScene).simd(), best);
+}
+
+#[test]
+fn the_environment_variable_only_lowers_the_choice() {
+    for value in ["portable", "avx2", "avx512", "something else"] {
+        let status = std::process::Command::new(std::env::current_exe().expect("this program"))
+            .args(["--exact", "the_choice_is_available_and_within_the_limit"])
+            .env("REALISTIC_SIMD", value)
+            .status()
+            .expect("it starts");
+        assert!(status.success(), "{value}");
     }
 }

@@ -184,8 +184,8 @@ impl<S: Scalar, const N: usize> Batch<S> for Few<S, N> {
         let [x, y, z] = end.origin;
         let [dx, dy, dz] = end.direction;
         let numbers = [x, y, z, dx, dy, dz, weight(cpu, cos, end.passed)];
-        for i in 0..7 {
-            numbers[i].store(&mut self.out[i][at..]);
+        for (array, numbers) in self.out.iter_mut().zip(numbers) {
+            numbers.store(&mut array[at..]);
         }
     }
 }

@@ -172,8 +172,8 @@ fn block<L: Lanes, const U: usize, B: Batch<L::Scalar>>(
     first: usize,
 ) {
     let mut starts: [Start<L>; U] = [batch.start(cpu, table, first); U];
-    for u in 1..U {
-        starts[u] = batch.start(cpu, table, first + u * L::WIDTH);
+    for (u, start) in starts.iter_mut().enumerate().skip(1) {
+        *start = batch.start(cpu, table, first + u * L::WIDTH);
     }
     let ends = if B::FLAT {
         march::<L, U, true>(cpu, table, starts)
