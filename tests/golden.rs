@@ -1,46 +1,14 @@
 //! The tracer and first-order optics against tables that others computed: exact arithmetic (70
 //! digits) and the programs optiland and rayoptics. `golden/README.md` says how they were made.
 
-use std::path::PathBuf;
+mod tables;
 
 use realistic::{
-    optics::{Lens, first_order::FirstOrder, pupil},
-    prescription::{catalogue, read},
-    trace::{Blocked, Direction, Path, Ray, Real},
+    optics::{first_order::FirstOrder, pupil},
+    prescription::catalogue,
+    trace::{Direction, Path, Real},
 };
-
-const LENSES: [&str; 7] =
-    ["dgauss.50mm", "wide.22mm", "telephoto.250mm", "fisheye.10mm", "dgauss.100mm", "planar", "crossed"];
-
-fn table(name: &str) -> Vec<Vec<String>> {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(name);
-    let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    let rows = text.lines().filter(|line| !line.starts_with('#')).skip(1);
-    rows.map(|line| line.split(',').map(str::to_owned).collect()).collect()
-}
-
-fn lens(name: &str, wavelength: f64) -> Lens {
-    let prescription = catalogue::find(name).unwrap_or_else(|| {
-        let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(format!("tests/golden/{name}.dat"));
-        read(name, &std::fs::read(path).expect("a golden lens")).expect("a valid lens")
-    });
-    Lens::new(&prescription, wavelength)
-}
-
-fn numbers(fields: &[String]) -> [f64; 6] {
-    std::array::from_fn(|i| fields[i].parse().expect("a number"))
-}
-
-fn ray(numbers: [f64; 6]) -> Ray {
-    let [x, y, z, dx, dy, dz] = numbers;
-    Ray { origin: [x, y, z], direction: [dx, dy, dz] }
-}
-
-/// Distance of the points, and angle between the directions.
-fn difference(a: Ray, b: Ray) -> (f64, f64) {
-    let distance = |p: [f64; 3], q: [f64; 3]| (0..3).map(|i| (p[i] - q[i]).powi(2)).sum::<f64>().sqrt();
-    (distance(a.origin, b.origin), distance(a.direction, b.direction))
-}
+use tables::{LENSES, difference, lens, numbers, outcome, ray, table};
 
 /// Largest position (mm) and direction (rad) errors of the passing rays of one table.
 fn against_truth<R: Real>(file: &str, path: &Path<R>, least_margin: f64) -> (f64, f64) {
@@ -49,14 +17,7 @@ fn against_truth<R: Real>(file: &str, path: &Path<R>, least_margin: f64) -> (f64
         if row[13].parse::<f64>().expect("a margin") < least_margin {
             continue;
         }
-        let expected = match row[12].as_str() {
-            "ok" => None,
-            "missed" => Some(Blocked::Missed),
-            "clipped" => Some(Blocked::Clipped),
-            "reflected" => Some(Blocked::Reflected),
-            "turned_back" => Some(Blocked::TurnedBack),
-            other => panic!("unknown status {other}"),
-        };
+        let expected = outcome(&row[12]);
         let walk = path.walk(ray(numbers(&row[..6])));
         assert_eq!(walk.blocked, expected, "{file}, ray {number}: {row:?}");
         if expected.is_none() {

@@ -3,9 +3,10 @@
 //! [`Path`] is a lens made ready for one direction of travel; [`Path::walk`] takes one ray
 //! through it and says why a ray does not arrive. The same code serves both directions: a path
 //! counts its own axis forward, so that scene to film is film to scene with the surfaces in the
-//! other order and their curvatures turned round.
+//! other order and their curvatures turned round. [`kernel::Kernel`] is the same lens compiled for speed.
 
 mod clearance;
+pub mod kernel;
 mod path;
 mod real;
 mod walk;

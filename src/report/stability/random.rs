@@ -219,11 +219,13 @@ fn random_camera(random: &mut Random, number: usize) -> RealisticCamera {
         let text = lens_text(random);
         let mut host = Host::new(Raster { xres: 64, yres: 64 }, None);
         host.lens_text = Some(("random lens".to_owned(), text.into_bytes()));
-        let mut parameters = Parameters::default();
-        parameters.filmdistance = Some(random.scaled(0.1, 300.0));
-        parameters.filmdiag = Some(random.scaled(0.1, 100.0));
-        parameters.pupil = Some(["rear", "rear", "disk", "warped"][number % 4].to_owned());
-        parameters.precision = (number / 4 % 2 == 1).then(|| "f32".to_owned());
+        let parameters = Parameters {
+            filmdistance: Some(random.scaled(0.1, 300.0)),
+            filmdiag: Some(random.scaled(0.1, 100.0)),
+            pupil: Some(["rear", "rear", "disk", "warped"][number % 4].to_owned()),
+            precision: (number / 4 % 2 == 1).then(|| "f32".to_owned()),
+            ..Parameters::default()
+        };
         if let Ok(camera) = RealisticCamera::build(&parameters, &host, &mut |_, _| {}) {
             return camera;
         }

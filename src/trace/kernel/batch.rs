@@ -1,0 +1,254 @@
+//! Rays in and out of the algorithm: structure of arrays, any number, any alignment.
+
+use super::{
+    Traced,
+    lanes::{Cpu, Lanes, Scalar},
+    march::{End, Start},
+    table::Table,
+};
+use crate::trace::Real;
+
+/// Where a batch's rays come from and go to.
+pub trait Batch<S: Scalar> {
+    /// Whether every ray starts on the first vertex plane.
+    const FLAT: bool;
+    /// How many rays.
+    fn len(&self) -> usize;
+    /// A vector of rays from the one numbered `at`; anything beyond the last.
+    fn start<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, table: &Table<S>, at: usize) -> Start<L>;
+    /// Takes what became of them. `cos` is the cosine to the axis that they started with.
+    fn finish<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, cos: L, end: End<L>);
+}
+
+/// Rays that start on a plane across the axis, as structure of arrays of one length: a film's.
+#[derive(Clone, Copy, Debug)]
+pub struct PlaneRays<'a, S> {
+    /// z of the plane in lens space, mm.
+    pub plane: f64,
+    /// x of each ray on the plane, mm.
+    pub x: &'a [S],
+    /// y of each ray on the plane, mm.
+    pub y: &'a [S],
+    /// dx/dz of each ray.
+    pub slope_x: &'a [S],
+    /// dy/dz of each ray.
+    pub slope_y: &'a [S],
+}
+
+/// Rays in lens space, as structure of arrays of one length.
+#[derive(Debug)]
+pub struct LensRays<'a, S> {
+    /// A point on each: x, y and z, mm.
+    pub origin: [&'a mut [S]; 3],
+    /// Their directions.
+    pub direction: [&'a mut [S]; 3],
+    /// Written only: cos⁴ of the angle between the axis and the ray before the lens, at least the
+    /// smallest normal number, for a ray that gets through; 0 for a blocked one.
+    pub weight: &'a mut [S],
+}
+
+impl<S> PlaneRays<'_, S> {
+    /// The number of rays.
+    ///
+    /// # Panics
+    /// The arrays differ in length.
+    pub(super) fn checked_len(&self) -> usize {
+        let n = self.x.len();
+        let same = [self.y, self.slope_x, self.slope_y].iter().all(|array| array.len() == n);
+        assert!(same, "the arrays of a batch must have one length");
+        n
+    }
+}
+
+impl<S> LensRays<'_, S> {
+    /// The number of rays.
+    ///
+    /// # Panics
+    /// The arrays differ in length.
+    pub(super) fn checked_len(&self) -> usize {
+        let n = self.weight.len();
+        let same = self.origin.iter().chain(&self.direction).all(|array| array.len() == n);
+        assert!(same, "the arrays of a batch must have one length");
+        n
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn take<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, cos: L, end: End<L>)
+    where
+        S: Scalar,
+    {
+        for axis in 0..3 {
+            end.origin[axis].store(&mut self.origin[axis][at..]);
+            end.direction[axis].store(&mut self.direction[axis][at..]);
+        }
+        weight(cpu, cos, end.passed).store(&mut self.weight[at..]);
+    }
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn weight<L: Lanes>(cpu: Cpu<L>, cos: L, passed: L::Mask) -> L {
+    let square = cos * cos;
+    (square * square).larger(L::splat(cpu, L::Scalar::LEAST)).or_zero(passed)
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn from_plane<L: Lanes>(
+    cpu: Cpu<L>,
+    table: &Table<L::Scalar>,
+    plane: f64,
+    [x, y]: [L; 2],
+    [sx, sy]: [L; 2],
+) -> Start<L> {
+    let one = L::splat(cpu, L::Scalar::ONE);
+    let way = L::splat(cpu, L::Scalar::from_f64(table.entry - plane));
+    let length = sy.mul_add(sy, sx.mul_add(sx, one)).sqrt();
+    let vz = one / length;
+    let along = vz * L::splat(cpu, L::Scalar::from_f64(table.sense));
+    Start {
+        x: way.mul_add(sx, x),
+        y: way.mul_add(sy, y),
+        minus_z: L::splat(cpu, L::Scalar::ZERO),
+        v: [sx * along, sy * along, vz],
+        lead: length * L::splat(cpu, L::Scalar::from_f64(table.sense * (table.entry - plane))),
+    }
+}
+
+/// A batch from a plane.
+pub struct FromPlane<'a, 'b, 'c, S> {
+    pub from: &'a PlaneRays<'b, S>,
+    pub to: &'a mut LensRays<'c, S>,
+    pub n: usize,
+}
+
+impl<S: Scalar> Batch<S> for FromPlane<'_, '_, '_, S> {
+    const FLAT: bool = true;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn len(&self) -> usize {
+        self.n
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn start<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, table: &Table<S>, at: usize) -> Start<L> {
+        let PlaneRays { plane, x, y, slope_x, slope_y } = *self.from;
+        let point = [L::load(cpu, &x[at..]), L::load(cpu, &y[at..])];
+        let slopes = [L::load(cpu, &slope_x[at..]), L::load(cpu, &slope_y[at..])];
+        from_plane(cpu, table, plane, point, slopes)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn finish<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, cos: L, end: End<L>) {
+        self.to.take(cpu, at, cos, end);
+    }
+}
+
+/// A few rays from a plane, held by value.
+pub struct Few<S, const N: usize> {
+    pub plane: f64,
+    pub point: [[S; N]; 2],
+    pub slopes: [[S; N]; 2],
+    /// Origin, direction and weight.
+    pub out: [[S; N]; 7],
+}
+
+impl<S: Scalar, const N: usize> Few<S, N> {
+    pub fn new(plane: f64, points: [[S; 2]; N], slopes: [[S; 2]; N]) -> Self {
+        let turned = |pairs: [[S; 2]; N]| [pairs.map(|[x, _]| x), pairs.map(|[_, y]| y)];
+        Self { plane, point: turned(points), slopes: turned(slopes), out: [[S::ZERO; N]; 7] }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn traced(&self, i: usize) -> Option<Traced<S>> {
+        let [x, y, z, dx, dy, dz, weight] = self.out.map(|array| array[i]);
+        (weight > S::ZERO).then_some(Traced { origin: [x, y, z], direction: [dx, dy, dz], weight })
+    }
+}
+
+impl<S: Scalar, const N: usize> Batch<S> for Few<S, N> {
+    const FLAT: bool = true;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn len(&self) -> usize {
+        N
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn start<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, table: &Table<S>, at: usize) -> Start<L> {
+        let point = [L::load(cpu, &self.point[0][at..]), L::load(cpu, &self.point[1][at..])];
+        let slopes = [L::load(cpu, &self.slopes[0][at..]), L::load(cpu, &self.slopes[1][at..])];
+        from_plane(cpu, table, self.plane, point, slopes)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn finish<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, cos: L, end: End<L>) {
+        let [x, y, z] = end.origin;
+        let [dx, dy, dz] = end.direction;
+        let numbers = [x, y, z, dx, dy, dz, weight(cpu, cos, end.passed)];
+        for (array, numbers) in self.out.iter_mut().zip(numbers) {
+            numbers.store(&mut array[at..]);
+        }
+    }
+}
+
+/// Any rays, traced in place.
+pub struct InPlace<'a, 'b, S> {
+    pub rays: &'a mut LensRays<'b, S>,
+    pub n: usize,
+}
+
+impl<S: Scalar> Batch<S> for InPlace<'_, '_, S> {
+    const FLAT: bool = false;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn len(&self) -> usize {
+        self.n
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn start<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, table: &Table<S>, at: usize) -> Start<L> {
+        let LensRays { origin: [x, y, z], direction: [dx, dy, dz], .. } = &*self.rays;
+        let [x, y, z] = [L::load(cpu, &x[at..]), L::load(cpu, &y[at..]), L::load(cpu, &z[at..])];
+        let [dx, dy, dz] = [L::load(cpu, &dx[at..]), L::load(cpu, &dy[at..]), L::load(cpu, &dz[at..])];
+        let sense = L::splat(cpu, S::from_f64(table.sense));
+        let minus_z = (L::splat(cpu, S::from_f64(table.entry)) - z) * sense;
+        anywhere(cpu, [x, y, minus_z], [dx, dy, dz * sense])
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn finish<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, cos: L, end: End<L>) {
+        self.rays.take(cpu, at, cos, end);
+    }
+}
+
+/// A ray that starts anywhere, moved on to the vertex plane where that lies ahead.
+///
+/// By differences of products, not P + t D: from a distant object that would keep the digits of
+/// the distance, and this keeps those of the lens. Each is within 1.5 ulp by Kahan's algorithm (C.-P.
+/// Jeannerod, N. Louvet and J.-M. Muller, "Further analysis of Kahan's algorithm for the accurate
+/// computation of 2 x 2 determinants", 2013).
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn anywhere<L: Lanes>(cpu: Cpu<L>, [x, y, minus_z]: [L; 3], d: [L; 3]) -> Start<L> {
+    let (zero, one) = (L::splat(cpu, L::Scalar::ZERO), L::splat(cpu, L::Scalar::ONE));
+    let [dx, dy, dz] = d;
+    // Scaled first, so that the squares of very small or large components stay in range.
+    let [ax, ay, az] = [dx.larger(zero - dx), dy.larger(zero - dy), dz.larger(zero - dz)];
+    let largest = ax.larger(ay).larger(az);
+    let [sx, sy, sz] = [dx / largest, dy / largest, dz / largest];
+    let inverse = one / sz.mul_add(sz, sy.mul_add(sy, sx * sx)).sqrt();
+    let v = [sx * inverse, sy * inverse, sz * inverse];
+    let ahead = L::both(zero.less(minus_z), zero.less(dz));
+    Start {
+        x: L::select(ahead, where_z_is_0(x, dx, minus_z, dz), x),
+        y: L::select(ahead, where_z_is_0(y, dy, minus_z, dz), y),
+        minus_z: L::select(ahead, zero, minus_z),
+        v,
+        lead: L::select(ahead, minus_z / v[2], zero),
+    }
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn where_z_is_0<L: Lanes>(p: L, d: L, minus_z: L, dz: L) -> L {
+    let product = minus_z * d;
+    let error = minus_z.mul_sub(d, product);
+    (p.mul_add(dz, product) + error) / dz
+}

@@ -1,0 +1,160 @@
+//! Arrays of numbers: the instance for any processor, and with one lane the scalar one.
+
+use std::ops::{Add, Div, Mul, Sub};
+
+use super::{Cpu, Lanes};
+use crate::trace::Real;
+
+/// A number type that vectors are made of.
+pub trait Scalar: Real {
+    /// Squares of n cos I up to this count as 0: a hit this close to grazing has no direction left,
+    /// and above it every instance's square root is correctly rounded.
+    const NO_SQUARE: Self;
+    /// The smallest positive normal number.
+    const LEAST: Self;
+    /// `self * b + c`, rounded once: an instruction where the processor has it and the caller is
+    /// compiled for it, else a slow but exact function.
+    #[must_use]
+    fn fused(self, b: Self, c: Self) -> Self;
+    /// Two square roots, at the latency of one where the processor can.
+    fn sqrt_pair(a: Self, b: Self) -> [Self; 2];
+}
+
+impl Scalar for f64 {
+    // 2^-256
+    const NO_SQUARE: Self = f64::from_bits((1023 - 256) << 52);
+    const LEAST: Self = f64::MIN_POSITIVE;
+
+    #[inline(always)]
+    fn fused(self, b: Self, c: Self) -> Self {
+        self.mul_add(b, c)
+    }
+
+    #[inline(always)]
+    fn sqrt_pair(a: Self, b: Self) -> [Self; 2] {
+        #[cfg(target_arch = "x86_64")]
+        {
+            use std::arch::x86_64::{_mm_cvtsd_f64, _mm_set_pd, _mm_sqrt_pd, _mm_unpackhi_pd};
+            // SAFETY: every x86-64 has SSE2.
+            unsafe {
+                let roots = _mm_sqrt_pd(_mm_set_pd(b, a));
+                [_mm_cvtsd_f64(roots), _mm_cvtsd_f64(_mm_unpackhi_pd(roots, roots))]
+            }
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        [a.sqrt(), b.sqrt()]
+    }
+}
+
+impl Scalar for f32 {
+    // 2^-64
+    const NO_SQUARE: Self = f32::from_bits((127 - 64) << 23);
+    const LEAST: Self = f32::MIN_POSITIVE;
+
+    #[inline(always)]
+    fn fused(self, b: Self, c: Self) -> Self {
+        self.mul_add(b, c)
+    }
+
+    #[inline(always)]
+    fn sqrt_pair(a: Self, b: Self) -> [Self; 2] {
+        [a.sqrt(), b.sqrt()]
+    }
+}
+
+/// `N` lanes in an array.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Portable<S, const N: usize>(pub [S; N]);
+
+// Loops and not closures: a closure that is not inlined would be compiled for another processor than
+// the function it stands in.
+macro_rules! lanes {
+    ($first:expr, $i:ident => $value:expr) => {{
+        let mut lanes = $first;
+        let mut $i = 0;
+        while $i < N {
+            lanes[$i] = $value;
+            $i += 1;
+        }
+        lanes
+    }};
+}
+
+macro_rules! operators {
+    ($($trait:ident $method:ident $operator:tt),*) => {$(
+        impl<S: Scalar, const N: usize> $trait for Portable<S, N> {
+            type Output = Self;
+            #[cfg_attr(not(debug_assertions), inline(always))]
+            fn $method(self, b: Self) -> Self {
+                Self(lanes!(self.0, i => self.0[i] $operator b.0[i]))
+            }
+        }
+    )*};
+}
+
+operators!(Add add +, Sub sub -, Mul mul *, Div div /);
+
+impl<S: Scalar, const N: usize> Lanes for Portable<S, N> {
+    type Scalar = S;
+    type Mask = [bool; N];
+    const WIDTH: usize = N;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn splat(_: Cpu<Self>, number: S) -> Self {
+        Self([number; N])
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn load(_: Cpu<Self>, from: &[S]) -> Self {
+        Self(lanes!([S::ZERO; N], i => if i < from.len() { from[i] } else { S::ZERO }))
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn store(self, to: &mut [S]) {
+        let n = to.len().min(N);
+        to[..n].copy_from_slice(&self.0[..n]);
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn mul_add(self, b: Self, c: Self) -> Self {
+        Self(lanes!(self.0, i => self.0[i].fused(b.0[i], c.0[i])))
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn mul_sub(self, b: Self, c: Self) -> Self {
+        Self(lanes!(self.0, i => self.0[i].fused(b.0[i], -c.0[i])))
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn neg_mul_add(self, b: Self, c: Self) -> Self {
+        Self(lanes!(self.0, i => (-self.0[i]).fused(b.0[i], c.0[i])))
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn sqrt_pair(mut a: Self, mut b: Self) -> [Self; 2] {
+        let mut i = 0;
+        while i < N {
+            [a.0[i], b.0[i]] = S::sqrt_pair(a.0[i], b.0[i]);
+            i += 1;
+        }
+        [a, b]
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn sqrt(self) -> Self {
+        Self(lanes!(self.0, i => self.0[i].sqrt()))
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn less(self, b: Self) -> Self::Mask {
+        lanes!([false; N], i => self.0[i] < b.0[i])
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn less_equal(self, b: Self) -> Self::Mask {
+        lanes!([false; N], i => self.0[i] <= b.0[i])
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask {
+        lanes!(a, i => a[i] & b[i])
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
+        Self(lanes!(no.0, i => if mask[i] { yes.0[i] } else { no.0[i] }))
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn or_zero(self, mask: Self::Mask) -> Self {
+        Self(lanes!(self.0, i => if mask[i] { self.0[i] } else { S::ZERO }))
+    }
+}

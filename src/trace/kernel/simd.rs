@@ -1,0 +1,61 @@
+//! Which instructions the kernel uses.
+
+use std::sync::OnceLock;
+
+/// A set of instructions, from the least to the most capable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Simd {
+    /// Whatever the library was compiled for. Where that is x86-64 without FMA, fused
+    /// multiply-adds are calls of a function: slow, but the same bits.
+    Portable,
+    /// AVX2 and FMA: 256-bit registers.
+    Avx2,
+    /// AVX-512F on top: 512-bit registers.
+    Avx512,
+}
+
+/// The environment variable that lowers the choice.
+const VARIABLE: &str = "REALISTIC_SIMD";
+
+impl Simd {
+    /// Every set, the least capable first.
+    pub const ALL: [Self; 3] = [Self::Portable, Self::Avx2, Self::Avx512];
+
+    /// Its name in the environment variable.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Portable => "portable",
+            Self::Avx2 => "avx2",
+            Self::Avx512 => "avx512",
+        }
+    }
+
+    /// Whether this processor, and the operating system, have it.
+    pub fn is_available(self) -> bool {
+        #[cfg(target_arch = "x86_64")]
+        {
+            let avx2 = || std::is_x86_feature_detected!("avx2") && std::is_x86_feature_detected!("fma");
+            match self {
+                Self::Portable => true,
+                Self::Avx2 => avx2(),
+                Self::Avx512 => avx2() && std::is_x86_feature_detected!("avx512f"),
+            }
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        {
+            self == Self::Portable
+        }
+    }
+
+    /// The most capable set that the processor has and the environment variable `REALISTIC_SIMD`
+    /// (`portable`, `avx2`, `avx512`) allows; any other value allows all. Found once a process.
+    pub fn best() -> Self {
+        static BEST: OnceLock<Simd> = OnceLock::new();
+        *BEST.get_or_init(|| {
+            let named = std::env::var(VARIABLE).ok();
+            let limit = Self::ALL.into_iter().find(|simd| named.as_deref() == Some(simd.name()));
+            let allowed = |simd: &Self| simd.is_available() && limit.is_none_or(|limit| *simd <= limit);
+            Self::ALL.into_iter().rfind(allowed).unwrap_or(Self::Portable)
+        })
+    }
+}

@@ -1,0 +1,324 @@
+//! A lens compiled into steps: what each surface asks of a ray, chosen when the lens is built.
+//!
+//! Thresholds are ratios of a step's own lengths, so that a scaled lens makes the same choices.
+
+use super::{
+    clearance::{self, Cap, Tests},
+    lanes::Scalar,
+};
+use crate::trace::{Direction, Path, path};
+
+/// What a ray is told of its height z above the vertex it was last at: -z' in the frame of the next
+/// vertex is `factor` times what it carries, plus `offset`.
+#[derive(Clone, Copy, Debug)]
+pub struct Handover<S> {
+    pub factor: S,
+    pub offset: S,
+}
+
+/// The aperture test of a sphere.
+#[derive(Clone, Copy, Debug)]
+pub enum Rim<S> {
+    /// x² + y² <= a².
+    Height(S),
+    /// N_z >= sqrt(1 - c² a²), which rejects the far hemisphere, too.
+    Slope(S),
+}
+
+/// A sphere met from anywhere: the curvature form of the quadratic.
+#[derive(Clone, Copy, Debug)]
+pub struct Sphere<S> {
+    pub handover: Handover<S>,
+    /// c, c/2, -2 c n², 1/(c n²).
+    pub c: S,
+    pub half_c: S,
+    pub minus_2cn2: S,
+    pub per_cn2: S,
+    /// n'² - n².
+    pub index_step: S,
+    /// Strongly curved: t = (g - e)/(c n²) without a division; else t = 2 f/(g + e).
+    pub strong: bool,
+    /// The ray is moved to the vertex plane first.
+    pub far: bool,
+    /// N_z is handed on, for a link; else z.
+    pub hands_slope: bool,
+    pub rim: Rim<S>,
+    pub tests: Tests,
+    /// How far behind a hit may lie by rounding alone, in units of V.
+    pub slack: S,
+}
+
+/// A plane with an index step, or a stop that its neighbours reach into.
+#[derive(Clone, Copy, Debug)]
+pub struct Plane<S> {
+    pub handover: Handover<S>,
+    pub index_step: S,
+    /// a².
+    pub aperture: S,
+    pub tests: Tests,
+    pub slack: S,
+}
+
+/// A stop: only a test.
+#[derive(Clone, Copy, Debug)]
+pub struct Stop<S> {
+    pub handover: Handover<S>,
+    /// a².
+    pub aperture: S,
+}
+
+/// From one strongly curved sphere to the next.
+///
+/// On the first z = (1 - ν)/c_p and N·V' = e', which leaves f and g linear in ν = N_z, Vz and e'.
+#[derive(Clone, Copy, Debug)]
+pub struct Link<S> {
+    /// 1 + c d - ρ.
+    pub alpha: S,
+    /// ρ = c/c_p.
+    pub rho: S,
+    /// -2 φ = `minus_2phi0` + `minus_2phi1` ν, φ = c n² f.
+    pub minus_2phi0: S,
+    pub minus_2phi1: S,
+    pub index_step: S,
+    pub c: S,
+    /// 1/n².
+    pub per_n2: S,
+    pub per_cn2: S,
+    pub rim: Rim<S>,
+    /// Vz > 0 is to be tested.
+    pub forward: bool,
+    /// n' < n: total reflection is possible, and then the only way to miss.
+    pub rarer: bool,
+}
+
+/// What one surface asks of a ray.
+#[derive(Clone, Copy, Debug)]
+pub enum Step<S> {
+    Sphere(Sphere<S>),
+    Link(Link<S>),
+    Plane(Plane<S>),
+    Stop(Stop<S>),
+}
+
+/// A lens compiled for one direction.
+#[derive(Clone, Debug)]
+pub struct Table<S> {
+    /// The first is never a link or a stop; a ray enters it in its vertex's frame.
+    pub steps: Box<[Step<S>]>,
+    /// From the last surface to lens space: z there is `exit.factor` times what the ray carries, plus `exit.offset`.
+    pub exit: Handover<S>,
+    /// 3/(2 n) and -1/(2 n³) of the last medium: D = V (`unit[0]` + `unit[1]` V·V) is a unit vector.
+    pub unit: [S; 2],
+    /// z of the first vertex in lens space.
+    pub entry: f64,
+    /// +1 toward the scene, -1 toward the film.
+    pub sense: f64,
+}
+
+/// |R| up to this many times the clear semi-diameter and the way there counts as strongly curved:
+/// without the division t has an error of rounding times R.
+const STRONG: f64 = 100.0;
+/// Distance over |R| beyond which a ray moves to the vertex plane first: f loses that factor in digits.
+const FAR: f64 = 4.0;
+/// From this (a/R)² the rim is told by N_z, which has too few digits below.
+const STEEP: f64 = 0.02;
+/// Largest semi-diameter over |R| at which a ray through it can reach the far hemisphere of a surface that is
+/// not steep, inside its clear aperture, only by travelling backward.
+const NARROW: f64 = 6.0;
+
+/// One surface as the compiler sees it.
+struct Surface {
+    c: f64,
+    n: f64,
+    index_step: f64,
+    aperture: f64,
+    semi: f64,
+    slack: f64,
+    /// From the last surface that moved the ray.
+    distance: f64,
+    tests: Tests,
+    /// Only a test, which does not move the ray.
+    is_still: bool,
+}
+
+impl Surface {
+    fn is_strong(&self) -> bool {
+        self.c.abs() * STRONG * (self.semi + self.distance) >= 1.0
+    }
+
+    fn is_steep(&self) -> bool {
+        (self.c * self.semi).powi(2) > STEEP
+    }
+}
+
+impl<S: Scalar> Table<S> {
+    /// Compiles a path. Links are made up to the given amplification of rounding.
+    pub fn new(path: &Path<f64>, amplification: f64) -> Self {
+        let sense = match path.direction {
+            Direction::FilmToScene => 1.0,
+            Direction::SceneToFilm => -1.0,
+        };
+        let surfaces = surfaces(&path.steps, sense, S::EPSILON);
+        let mut steps = Vec::with_capacity(surfaces.len());
+        // The last surface that moved the ray, and whether it hands N_z on.
+        let mut last: Option<(&Surface, bool)> = None;
+        for (i, surface) in surfaces.iter().enumerate() {
+            let handover = handover(last, surface.distance);
+            if surface.is_still {
+                let aperture = S::from_f64(surface.aperture);
+                steps.push(Step::Stop(Stop { handover, aperture }));
+                continue;
+            }
+            let next = surfaces[i + 1..].iter().find(|next| !next.is_still);
+            let hands_slope = next.is_some_and(|next| link(surface, next, amplification).is_some());
+            let (step, hands_slope) = match last.and_then(|(last, _)| link(last, surface, amplification)) {
+                Some(link) => (Step::Link(link.to()), true),
+                None if surface.c == 0.0 => (Step::Plane(plane(surface, handover)), false),
+                None => (Step::Sphere(sphere(surface, handover, hands_slope)), hands_slope),
+            };
+            steps.push(step);
+            last = Some((surface, hands_slope));
+        }
+        let n = path.steps.last().map_or(1.0, |step| step.n_after);
+        let (factor, offset) = match last {
+            Some((surface, true)) => (-sense / surface.c, path.exit + sense / surface.c),
+            _ => (sense, path.exit),
+        };
+        Self {
+            steps: steps.into(),
+            exit: Handover { factor: S::from_f64(factor), offset: S::from_f64(offset) },
+            unit: [S::from_f64(1.5 / n), S::from_f64(-0.5 / n.powi(3))],
+            entry: path.entry,
+            sense,
+        }
+    }
+}
+
+fn surfaces(steps: &[path::Step<f64>], sense: f64, epsilon: f64) -> Vec<Surface> {
+    let mut surfaces: Vec<Surface> = Vec::with_capacity(steps.len());
+    let cap = |step: &path::Step<f64>| Cap { curvature: step.curvature, semi_diameter: step.aperture.sqrt() };
+    let mut moved: Option<Cap> = None;
+    let mut distance = 0.0;
+    for (i, step) in steps.iter().enumerate() {
+        distance += step.distance;
+        let here = cap(step);
+        let beside = |step: &path::Step<f64>| step.curvature == 0.0 && step.index_step == 0.0;
+        let room_after =
+            steps.get(i + 1).is_some_and(|next| clearance::leaves_room(here, cap(next), next.distance));
+        let room_before = moved.is_some_and(|moved| clearance::leaves_room(moved, here, distance));
+        let is_still = beside(step) && room_before && room_after;
+        // At the first surface where the ray began decides, which is not known here. From the scene a
+        // sphere may be met going backward: a fisheye sees behind itself.
+        let unknown = Tests { forward: sense > 0.0 || step.curvature == 0.0, onward: true };
+        surfaces.push(Surface {
+            c: step.curvature,
+            n: step.n,
+            index_step: step.index_step,
+            aperture: step.aperture,
+            semi: here.semi_diameter,
+            slack: step.slack * (epsilon / f64::EPSILON),
+            distance,
+            tests: moved.map_or(unknown, |moved| clearance::tests(moved, here, distance)),
+            is_still,
+        });
+        if !is_still {
+            (moved, distance) = (Some(here), 0.0);
+        }
+    }
+    surfaces
+}
+
+fn handover<S: Scalar>(last: Option<(&Surface, bool)>, distance: f64) -> Handover<S> {
+    let (factor, offset) = match last {
+        Some((last, true)) => (last.c.recip(), distance - last.c.recip()),
+        _ => (-1.0, distance),
+    };
+    Handover { factor: S::from_f64(factor), offset: S::from_f64(offset) }
+}
+
+fn rim<S: Scalar>(surface: &Surface) -> Rim<S> {
+    if surface.is_steep() {
+        // Beyond the equator the sphere is no part of the surface.
+        Rim::Slope(S::from_f64((1.0 - (surface.c * surface.semi).powi(2)).max(0.0).sqrt()))
+    } else {
+        Rim::Height(S::from_f64(surface.aperture))
+    }
+}
+
+fn plane<S: Scalar>(surface: &Surface, handover: Handover<S>) -> Plane<S> {
+    Plane {
+        handover,
+        index_step: S::from_f64(surface.index_step),
+        aperture: S::from_f64(surface.aperture),
+        tests: surface.tests,
+        slack: S::from_f64(surface.slack),
+    }
+}
+
+fn sphere<S: Scalar>(surface: &Surface, handover: Handover<S>, hands_slope: bool) -> Sphere<S> {
+    let Surface { c, n, .. } = *surface;
+    Sphere {
+        handover,
+        c: S::from_f64(c),
+        half_c: S::from_f64(c / 2.0),
+        minus_2cn2: S::from_f64(-2.0 * c * n * n),
+        per_cn2: S::from_f64((c * n * n).recip()),
+        index_step: S::from_f64(surface.index_step),
+        strong: surface.is_strong(),
+        far: surface.distance * c.abs() > FAR,
+        hands_slope,
+        rim: rim(surface),
+        tests: surface.tests,
+        slack: S::from_f64(surface.slack),
+    }
+}
+
+/// The link between two surfaces, where there is one: both strongly curved, nothing left to prove but the
+/// direction, and rounding amplified by no more than `limit`.
+fn link(last: &Surface, surface: &Surface, limit: f64) -> Option<Link<f64>> {
+    let Surface { c, n, distance: d, .. } = *surface;
+    let curved = last.c != 0.0 && c != 0.0 && last.is_strong() && surface.is_strong();
+    let near_side = surface.is_steep() || last.semi * c.abs() < NARROW;
+    if !(curved && near_side) || surface.tests.onward {
+        return None;
+    }
+    let rho = c / last.c;
+    let alpha = 1.0 + c * d - rho;
+    let phi1 = c * n * n * alpha / last.c;
+    let phi0 = c * n * n * (d + c * d * d / 2.0 - alpha / last.c);
+    let worst = phi1.abs().max(phi0.abs()).max(alpha.abs() * n).max(rho.abs() * n);
+    (worst <= limit).then(|| Link {
+        alpha,
+        rho,
+        minus_2phi0: -2.0 * phi0,
+        minus_2phi1: -2.0 * phi1,
+        index_step: surface.index_step,
+        c,
+        per_n2: (n * n).recip(),
+        per_cn2: (c * n * n).recip(),
+        rim: rim(surface),
+        forward: surface.tests.forward,
+        rarer: surface.index_step < 0.0,
+    })
+}
+
+impl Link<f64> {
+    fn to<S: Scalar>(self) -> Link<S> {
+        Link {
+            alpha: S::from_f64(self.alpha),
+            rho: S::from_f64(self.rho),
+            minus_2phi0: S::from_f64(self.minus_2phi0),
+            minus_2phi1: S::from_f64(self.minus_2phi1),
+            index_step: S::from_f64(self.index_step),
+            c: S::from_f64(self.c),
+            per_n2: S::from_f64(self.per_n2),
+            per_cn2: S::from_f64(self.per_cn2),
+            rim: match self.rim {
+                Rim::Height(limit) => Rim::Height(S::from_f64(limit)),
+                Rim::Slope(limit) => Rim::Slope(S::from_f64(limit)),
+            },
+            forward: self.forward,
+            rarer: self.rarer,
+        }
+    }
+}
