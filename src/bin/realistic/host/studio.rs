@@ -14,6 +14,7 @@ use crate::failure::Failure;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPool;
 use realistic::camera::{PARAMETERS, Parameters};
+use std::cell::RefCell;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::PathBuf;
@@ -60,6 +61,7 @@ pub struct Studio {
     pub size: [u32; 2],
     pool: ThreadPool,
     progress: ProgressBar,
+    told: RefCell<Vec<String>>,
     exposure: f32,
     seed: u64,
 }
@@ -113,13 +115,18 @@ impl Studio {
             size: options.size,
             pool,
             progress: progress_bar(),
+            told: RefCell::default(),
             exposure: options.exposure,
             seed: options.seed,
         })
     }
 
-    /// Tells the user a warning.
+    /// Tells the user a warning, once: several pictures give the same.
     pub fn warn(&self, message: &str) {
+        if self.told.borrow().iter().any(|told| told == message) {
+            return;
+        }
+        self.told.borrow_mut().push(message.to_owned());
         self.progress.suspend(|| {
             let _ = writeln!(std::io::stderr(), "realistic: warning: {message}");
         });

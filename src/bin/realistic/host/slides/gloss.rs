@@ -28,7 +28,6 @@ pub fn scene() -> Scene {
         sun: Sun { radius: 0.15, ..Sun::EVENING },
         pose: tilted(10.5, [-10.0, 60.0, 0.0]),
         subject: |_, _| STAGE,
-        ..Scene::new()
     }
 }
 
