@@ -14,11 +14,10 @@ use crate::failure::Failure;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPool;
 use realistic::camera::{PARAMETERS, Parameters};
-use std::cell::RefCell;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// What the commands that take pictures can all be told.
@@ -61,7 +60,7 @@ pub struct Studio {
     pub size: [u32; 2],
     pool: ThreadPool,
     progress: ProgressBar,
-    told: RefCell<Vec<String>>,
+    told: Mutex<Vec<String>>,
     exposure: f32,
     seed: u64,
 }
@@ -115,7 +114,7 @@ impl Studio {
             size: options.size,
             pool,
             progress: progress_bar(),
-            told: RefCell::default(),
+            told: Mutex::default(),
             exposure: options.exposure,
             seed: options.seed,
         })
@@ -123,10 +122,11 @@ impl Studio {
 
     /// Tells the user a warning, once: several pictures give the same.
     pub fn warn(&self, message: &str) {
-        if self.told.borrow().iter().any(|told| told == message) {
+        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
+        if told.iter().any(|before| before == message) {
             return;
         }
-        self.told.borrow_mut().push(message.to_owned());
+        told.push(message.to_owned());
         self.progress.suspend(|| {
             let _ = writeln!(std::io::stderr(), "realistic: warning: {message}");
         });
