@@ -109,7 +109,8 @@ fn ln_gamma(mut a: f64) -> f64 {
         a += 1.0;
     }
     let square = (a * a).recip();
-    let series = (1.0 / 12.0 - square * (1.0 / 360.0 - square * (1.0 / 1260.0 - square / 1680.0))) / a;
+    let series = [1.0 / 1188.0, -1.0 / 1680.0, 1.0 / 1260.0, -1.0 / 360.0, 1.0 / 12.0];
+    let series = series.into_iter().fold(0.0, |sum, term| sum * square + term) / a;
     (a - 0.5) * a.ln() - a + 0.5 * std::f64::consts::TAU.ln() + series - steps.ln()
 }
 

@@ -18,7 +18,7 @@ use realistic::camera::{PARAMETERS, Parameters};
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// What the commands that take pictures can all be told.
@@ -61,6 +61,7 @@ pub struct Studio {
     pub size: [u32; 2],
     pool: ThreadPool,
     progress: ProgressBar,
+    told: Mutex<Vec<String>>,
     exposure: f32,
     seed: u64,
 }
@@ -114,13 +115,19 @@ impl Studio {
             size: options.size,
             pool,
             progress: progress_bar(),
+            told: Mutex::default(),
             exposure: options.exposure,
             seed: options.seed,
         })
     }
 
-    /// Tells the user a warning.
+    /// Tells the user a warning, once: several pictures give the same.
     pub fn warn(&self, message: &str) {
+        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
+        if told.iter().any(|before| before == message) {
+            return;
+        }
+        told.push(message.to_owned());
         self.progress.suspend(|| {
             let _ = writeln!(std::io::stderr(), "realistic: warning: {message}");
         });

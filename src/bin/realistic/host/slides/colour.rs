@@ -12,12 +12,12 @@ const STAGE: f32 = 4000.0;
 /// Times the panel's size, the whole picture's.
 const ZOOM: u32 = 16;
 /// In the scene, at that distance, the middle of the part that is shown and the width of it.
-const MIDDLE: Vec2 = Vec2::new(636.0, 424.0);
+const MIDDLE: Vec2 = Vec2::new(641.5, 425.0);
 const SHOWN: f32 = 88.0;
 
 pub fn panels(many: u32, size: [u32; 2]) -> Vec<Panel> {
     let panel = |label: &str, wavelengths: Option<u32>| {
-        let spp = (3 * many / wavelengths.unwrap_or(1)).min(many);
+        let spp = (2 * many / wavelengths.unwrap_or(1)).clamp(1, many);
         let mut panel = Panel::new(label, Effects { dof: true, ..Effects::NONE }, spp)
             .set("specfile", "dgauss.100mm")
             .set("filmdiag", 43.3)
@@ -61,10 +61,10 @@ pub fn scene() -> Scene {
     };
     let stars = (0..20_u8).map(|k| {
         let (x, y) = (f32::from(k % 5), f32::from(k / 5));
-        lamp(-0.02 + 0.11 * x, 0.28 - 0.1 * y, STAGE, 0.55, 5.0)
+        lamp(-0.02 + 0.11 * x, 0.28 - 0.1 * y, STAGE, 0.55, 1.6)
     });
-    let near = (0..3_u8).map(|k| lamp(0.05 + 0.17 * f32::from(k), -0.2, 0.8 * STAGE, 1.3, 5.0));
-    let far = (0..2_u8).map(|k| lamp(-0.38 + 0.2 * f32::from(k), -0.24, 1.3 * STAGE, 1.8, 5.0));
+    let near = (0..3_u8).map(|k| lamp(0.05 + 0.17 * f32::from(k), -0.2, 0.8 * STAGE, 1.3, 2.2));
+    let far = (0..2_u8).map(|k| lamp(-0.38 + 0.2 * f32::from(k), -0.24, 1.3 * STAGE, 1.8, 2.2));
     Scene {
         floor: |_| Material::new(Vec3::ZERO, Finish::Lamp),
         balls: Vec::new(),
