@@ -148,13 +148,12 @@ fn as_ray<S: Real>(plane: f64, film: &[S; 4]) -> Ray {
 
 /// Glass and air in turn, with every radius, thickness and semi-diameter times `scale`.
 fn many_surfaces(n: usize, scale: f64) -> Lens {
-    let curvature = |i: usize| match [120.0, -150.0, 90.0, 100.0, 900.0, 0.0, -45.0][i % 7] {
-        0.0 => 0.0,
-        radius => f64::recip(radius * scale),
-    };
+    let radius = |i: usize| scale * [120.0, -150.0, 90.0, 100.0, 900.0, f64::INFINITY, -45.0][i % 7];
     let surface = |i: usize| Surface {
         vertex: -2.5 * scale * i as f64,
-        curvature: curvature(i),
+        radius: radius(i),
+        curvature: radius(i).recip(),
+        thickness: if i + 1 < n { 2.5 * scale } else { 0.0 },
         n_scene: if (n - i).is_multiple_of(2) { 1.0 } else { 1.6 },
         n_film: if (n - i).is_multiple_of(2) { 1.6 } else { 1.0 },
         semi_diameter: 12.0 * scale,
@@ -326,21 +325,21 @@ fn nasty<S: Checked>(simd: Simd) {
 fn exact_grazing_and_the_exact_critical_angle_block<S: Checked>(simd: Simd) {
     let surface = |vertex: f64, radius: f64, n_scene: f64, n_film: f64| Surface {
         vertex,
+        radius,
         curvature: radius.recip(),
+        thickness: 0.0,
         n_scene,
         n_film,
         semi_diameter: 20.0,
         is_stop: false,
     };
-    let plane = |vertex: f64, n_scene: f64, n_film: f64| Surface {
-        curvature: 0.0,
-        ..surface(vertex, 1.0, n_scene, n_film)
-    };
-    let lens = |surfaces: &[Surface]| Lens {
-        name: "exact".to_owned(),
-        surfaces: surfaces.to_vec(),
-        wavelength: 587.56,
-        nominal_film_distance: None,
+    let plane = |vertex: f64, n_scene: f64, n_film: f64| surface(vertex, f64::INFINITY, n_scene, n_film);
+    let lens = |surfaces: &[Surface]| {
+        let mut surfaces = surfaces.to_vec();
+        for i in 1..surfaces.len() {
+            surfaces[i - 1].thickness = surfaces[i - 1].vertex - surfaces[i].vertex;
+        }
+        Lens { name: "exact".to_owned(), surfaces, wavelength: 587.56, nominal_film_distance: None }
     };
     // A ball's near half seen from the film; glass with a plane back and a convex front, or a sphere between.
     let grazing = lens(&[surface(0.0, -8.0, 1.5, 1.0)]);

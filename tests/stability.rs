@@ -206,9 +206,11 @@ fn a_tiny_lens_far_behind_the_first_has_its_own_focal_length() {
 fn lens_numbers_at_the_ends_of_their_range_make_sound_rays() {
     for name in catalogue::names() {
         for disk in ["concentric", "polar"] {
-            let mut parameters = Parameters::default();
-            parameters.specfile = Some(name.to_owned());
-            parameters.disk = Some(disk.to_owned());
+            let parameters = Parameters {
+                specfile: Some(name.to_owned()),
+                disk: Some(disk.to_owned()),
+                ..Parameters::default()
+            };
             let host = Host::new(Raster { xres: 300, yres: 200 }, None);
             let camera = RealisticCamera::build(&parameters, &host, &mut |_, _| {}).expect("a camera");
             for lens_u in [0.0, f32::MIN_POSITIVE, 0.5, 1.0 - f32::EPSILON / 2.0, 1.0] {
@@ -231,8 +233,7 @@ fn a_film_so_near_that_weights_overflow_is_refused_or_gives_finite_weights() {
     for film_distance in [1e-300, 1e-30, 1e-20, 1e-12, 1e-3] {
         let mut host = Host::new(Raster { xres: 3, yres: 3 }, None);
         host.lens_text = Some(("plano-convex".to_owned(), b"50 0 1.5 20\n0 0 1 20".to_vec()));
-        let mut parameters = Parameters::default();
-        parameters.filmdistance = Some(film_distance);
+        let parameters = Parameters { filmdistance: Some(film_distance), ..Parameters::default() };
         match RealisticCamera::build(&parameters, &host, &mut |_, _| {}) {
             Err(error) => {
                 assert!(matches!(error, CameraError::FilmInLens { .. }), "{film_distance}: {error}")
