@@ -372,7 +372,9 @@ fn a_lens_scaled_by_powers_of_two_gives_scaled_bits<S: Checked>(simd: Simd) {
             let mut scaled = lens.clone();
             for surface in &mut scaled.surfaces {
                 surface.vertex *= scale;
+                surface.radius *= scale;
                 surface.curvature /= scale;
+                surface.thickness *= scale;
                 surface.semi_diameter *= scale;
             }
             let times = S::from_f64(scale);

@@ -36,10 +36,12 @@ pub fn all() -> Vec<Scene> {
 fn many_surfaces(n: u16) -> Lens {
     let surfaces = (0..n).map(|i| {
         let glass = if i % 2 == 0 { (1.0, 1.6) } else { (1.6, 1.0) };
-        let radius = [120.0, -150.0, 90.0, 100.0][usize::from(i % 4)];
+        let radius: f64 = [120.0, -150.0, 90.0, 100.0][usize::from(i % 4)];
         Surface {
             vertex: -2.5 * f64::from(i),
-            curvature: f64::recip(radius),
+            radius,
+            curvature: radius.recip(),
+            thickness: if i + 1 < n { 2.5 } else { 0.0 },
             n_scene: glass.0,
             n_film: glass.1,
             semi_diameter: 12.0,
