@@ -256,10 +256,6 @@ pub fn stopped_down(parameters: &Parameters, effects: Effects) -> Result<Paramet
         ));
     }
     parameters.fnumber = Some(SMALL);
-    if parameters.pupil.is_none() {
-        // The stop alone limits the beam, and the rear element is many times wider.
-        parameters.pupil = Some("disk".to_owned());
-    }
     Ok(parameters)
 }
 

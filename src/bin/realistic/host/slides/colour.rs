@@ -21,8 +21,7 @@ pub fn panels(many: u32, size: [u32; 2]) -> Vec<Panel> {
         let mut panel = Panel::new(label, Effects { dof: true, ..Effects::NONE }, spp)
             .set("specfile", "dgauss.100mm")
             .set("filmdiag", 43.3)
-            .set("fnumber", 5.6)
-            .set("pupil", "disk");
+            .set("fnumber", 5.6);
         let [width, height] = size;
         panel.order.wavelengths = wavelengths;
         panel.order.frame = Some(Frame {
