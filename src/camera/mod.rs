@@ -9,6 +9,7 @@ mod film;
 pub mod irradiance;
 mod parameters;
 mod pupil_disk;
+pub mod ray_set;
 mod realistic;
 mod setup;
 mod transform;

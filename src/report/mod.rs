@@ -1,4 +1,16 @@
 //! What the library says about itself: errors against an extended-precision reference, run times, and
 //! numerical stability.
 
+pub mod bench;
+pub mod irradiance;
+pub mod machine;
+pub mod picture;
+pub mod ray_map;
 pub mod reference;
+pub mod sampler;
+pub mod scene;
+pub mod sequence;
+pub mod set_up;
+pub mod statistics;
+pub mod subject;
+pub mod table;

@@ -6,6 +6,7 @@
 //! other order and their curvatures turned round.
 
 mod path;
+pub mod polynomial;
 mod real;
 mod walk;
 
