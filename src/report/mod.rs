@@ -13,4 +13,5 @@ pub mod sequence;
 pub mod set_up;
 pub mod statistics;
 pub mod subject;
+pub mod suite;
 pub mod table;

@@ -4,8 +4,12 @@
 mod commands;
 mod failure;
 mod host;
+#[cfg(feature = "report")]
+mod plots;
 
 use clap::{Parser, Subcommand};
+#[cfg(feature = "report")]
+use commands::report;
 use commands::{install, render};
 use failure::Failure;
 use std::io::Write;
@@ -35,6 +39,9 @@ enum Command {
     Render(render::Args),
     /// Copy the plugin into a renderer's plugin directory
     Install(install::Args),
+    /// Measure error against run time and write a folder with a page, plots and tables
+    #[cfg(feature = "report")]
+    Report(report::Args),
 }
 
 fn main() -> ExitCode {
@@ -53,6 +60,8 @@ fn main() -> ExitCode {
         None => render::run(&cli.render),
         Some(Command::Render(args)) => render::run(args),
         Some(Command::Install(args)) => install::run(args),
+        #[cfg(feature = "report")]
+        Some(Command::Report(args)) => report::run(args),
     };
     outcome.map_or_else(Failure::report, |()| ExitCode::SUCCESS)
 }

@@ -2,3 +2,5 @@
 
 pub mod install;
 pub mod render;
+#[cfg(feature = "report")]
+pub mod report;

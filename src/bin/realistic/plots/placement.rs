@@ -1,0 +1,99 @@
+//! Names beside their marks, none over another or over a mark.
+
+/// A rectangle on the page: left, top, right, bottom.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Area {
+    /// Left and top.
+    pub from: [f64; 2],
+    /// Right and bottom.
+    pub to: [f64; 2],
+}
+
+impl Area {
+    /// About a centre.
+    pub fn about([x, y]: [f64; 2], [width, height]: [f64; 2]) -> Self {
+        Self { from: [x - width / 2.0, y - height / 2.0], to: [x + width / 2.0, y + height / 2.0] }
+    }
+
+    /// Its centre.
+    pub fn center(&self) -> [f64; 2] {
+        [0, 1].map(|i| f64::midpoint(self.from[i], self.to[i]))
+    }
+
+    /// The area that both cover.
+    pub fn overlap(&self, other: &Self) -> f64 {
+        let side = |i: usize| (self.to[i].min(other.to[i]) - self.from[i].max(other.from[i])).max(0.0);
+        side(0) * side(1)
+    }
+
+    fn outside(&self, frame: &Self) -> f64 {
+        let area = (self.to[0] - self.from[0]) * (self.to[1] - self.from[1]);
+        area - self.overlap(frame)
+    }
+}
+
+/// Distances from a mark that are tried, pixels.
+const RINGS: [f64; 8] = [8.0, 14.0, 22.0, 34.0, 48.0, 64.0, 84.0, 110.0];
+/// Directions that are tried, to the right first.
+const TURNS: u32 = 24;
+
+/// Where names of the given sizes go that belong to `marks`, inside `frame` and clear of `obstacles`: the
+/// nearest free place each, in their order.
+pub fn beside(marks: &[[f64; 2]], sizes: &[[f64; 2]], frame: Area, obstacles: &[Area]) -> Vec<Area> {
+    let mut taken = obstacles.to_vec();
+    let mut places = Vec::new();
+    for (mark, size) in marks.iter().zip(sizes) {
+        let candidates =
+            RINGS.iter().flat_map(|ring| (0..TURNS).map(move |turn| (ring, turn))).map(|(ring, turn)| {
+                // 0, 1, -1, 2, -2, ...: right, then away from it to both sides.
+                let turn = if turn % 2 == 0 { f64::from(turn / 2) } else { -f64::from(turn / 2 + 1) };
+                let (sin, cos) = (turn * std::f64::consts::TAU / f64::from(TURNS)).sin_cos();
+                let side = |i: usize, part: f64| mark[i] + part * (ring + size[i] / 2.0);
+                Area::about([side(0, cos), side(1, sin)], *size)
+            });
+        let cost = |place: &Area| {
+            place.outside(&frame) + taken.iter().map(|other| place.overlap(other)).sum::<f64>()
+        };
+        let mut best = (f64::INFINITY, Area::about(*mark, *size));
+        for place in candidates {
+            let cost = cost(&place);
+            if cost < best.0 {
+                best = (cost, place);
+            }
+            if cost <= 0.0 {
+                break;
+            }
+        }
+        taken.push(best.1);
+        places.push(best.1);
+    }
+    places
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn twenty_names_about_one_place_are_all_readable() {
+        let frame = Area { from: [0.0, 0.0], to: [600.0, 400.0] };
+        let marks: Vec<_> =
+            (0..20).map(|i| [300.0 + f64::from(i % 5) * 9.0, 200.0 + f64::from(i / 5) * 7.0]).collect();
+        let obstacles: Vec<_> = marks.iter().map(|mark| Area::about(*mark, [8.0, 8.0])).collect();
+        let places = beside(&marks, &[[80.0, 16.0]; 20], frame, &obstacles);
+        for (i, place) in places.iter().enumerate() {
+            assert!(place.outside(&frame) < 1e-9, "{place:?}");
+            assert!(obstacles.iter().all(|mark| place.overlap(mark) < 1e-9), "{place:?}");
+            assert!(places[..i].iter().all(|other| place.overlap(other) < 1e-9), "{place:?}");
+        }
+    }
+
+    #[test]
+    fn a_lone_name_stands_to_the_right_and_at_the_frame_turns_inward() {
+        let frame = Area { from: [0.0, 0.0], to: [200.0, 100.0] };
+        let lone = |mark| beside(&[mark], &[[60.0, 14.0]], frame, &[Area::about(mark, [6.0, 6.0])])[0];
+        assert_eq!(lone([50.0, 50.0]).center()[1], 50.0);
+        assert!(lone([50.0, 50.0]).from[0] >= 55.0);
+        assert!(lone([190.0, 50.0]).to[0] <= 200.0);
+    }
+}
