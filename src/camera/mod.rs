@@ -7,6 +7,7 @@ mod disk;
 mod error;
 mod film;
 pub mod irradiance;
+pub mod outline;
 mod parameters;
 mod pupil_disk;
 pub mod ray_set;

@@ -154,20 +154,87 @@ impl FirstOrder {
         self.back_focal_distance() + self.focal_length * self.focal_length / (z - self.front_focal_point)
     }
 
+    /// The same lens with the gap between its principal planes left out, a thin lens: the rear
+    /// principal plane and all behind it stay, so that the film keeps its distance from P'.
+    #[must_use]
+    pub fn thin(&self) -> Self {
+        let plane = self.rear_principal_plane;
+        Self {
+            front_principal_plane: plane,
+            front_focal_point: plane + self.focal_length,
+            rear_focal_point: plane - self.focal_length,
+            ..*self
+        }
+    }
+
     /// Scene-side ray of a film-side one as the thick lens has it (Kolb et al., §3.2): the film-side
     /// line is carried from principal plane to principal plane at equal height, and its slope
     /// changes by height/f. The result starts in the front vertex plane.
     pub fn transfer(&self, ray: Ray) -> Ray {
+        self.carry(ray, self.rear_principal_plane, self.front_principal_plane, 0.0, 1.0)
+    }
+
+    /// The other way: film-side ray of a scene-side one. The result starts in the rear vertex plane.
+    pub fn transfer_to_film(&self, ray: Ray) -> Ray {
+        self.carry(ray, self.front_principal_plane, self.rear_principal_plane, self.rear_vertex, -1.0)
+    }
+
+    /// From the principal plane `from` to `to`, to be reported in the plane `out`, with light that travels
+    /// toward +z (`sense` 1) or -z (-1).
+    fn carry(&self, ray: Ray, from: f64, to: f64, out: f64, sense: f64) -> Ray {
         let [x, y, z] = ray.origin;
         let [dx, dy, dz] = ray.direction;
         let leave = |height: f64, slope: f64| {
-            let height = height + slope * (self.rear_principal_plane - z);
-            let slope = slope - height / self.focal_length;
-            (height - slope * self.front_principal_plane, slope)
+            let height = height + slope * (from - z);
+            let slope = slope - sense * height / self.focal_length;
+            (height + slope * (out - to), slope)
         };
         let (px, sx) = leave(x, dx / dz);
         let (py, sy) = leave(y, dy / dz);
-        let norm = (1.0 + sx * sx + sy * sy).sqrt();
-        Ray { origin: [px, py, 0.0], direction: [sx / norm, sy / norm, 1.0 / norm] }
+        let norm = sense * (1.0 + sx * sx + sy * sy).sqrt();
+        Ray { origin: [px, py, out], direction: [sx / norm, sy / norm, 1.0 / norm] }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::prescription::catalogue;
+
+    #[test]
+    fn the_thick_lens_takes_a_ray_back_the_way_it_came() {
+        for name in catalogue::names() {
+            let lens =
+                FirstOrder::of(&Lens::at_d_line(&catalogue::find(name).expect("listed"))).expect("focal");
+            for optics in [lens, lens.thin()] {
+                let film = optics.rear_focal_point - 3.0;
+                let start = Ray { origin: [1.0, -2.0, film], direction: [0.1, 0.05, 1.0] };
+                let out = optics.transfer(start);
+                let back =
+                    optics.transfer_to_film(Ray { origin: out.origin, direction: out.direction.map(|x| -x) });
+                let t = (film - back.origin[2]) / back.direction[2];
+                for i in 0..2 {
+                    let at_film = back.origin[i] + t * back.direction[i];
+                    assert!((at_film - start.origin[i]).abs() < 1e-10, "{name}: {back:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_thin_lens_keeps_the_film_side_and_the_direction_of_every_ray() {
+        let lens = FirstOrder::of(&Lens::at_d_line(&catalogue::find("wide.22mm").expect("listed")));
+        let lens = lens.expect("focal");
+        let thin = lens.thin();
+        assert_eq!(thin.back_focal_distance(), lens.back_focal_distance());
+        let ray = Ray { origin: [2.0, 1.0, lens.rear_focal_point], direction: [0.02, -0.1, 1.0] };
+        let (thick_out, thin_out) = (lens.transfer(ray), thin.transfer(ray));
+        for i in 0..3 {
+            assert!((thick_out.direction[i] - thin_out.direction[i]).abs() < 1e-14);
+        }
+        // The gap between the planes shifts the ray along the axis by just that much.
+        let gap = lens.front_principal_plane - lens.rear_principal_plane;
+        let slope = thick_out.direction[1] / thick_out.direction[2];
+        assert!((thin_out.origin[1] - thick_out.origin[1] - slope * gap).abs() < 1e-10);
     }
 }

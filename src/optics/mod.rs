@@ -4,6 +4,7 @@
 //! Lens space throughout: origin at the front vertex, +z toward the scene, millimetres.
 
 pub mod depth_of_field;
+pub mod field;
 pub mod first_order;
 pub mod focus;
 pub mod glass;

@@ -1,7 +1,9 @@
 //! The command line of `realistic`, and a small renderer that loads the plugin as a
 //! stranger would: through the dynamic loader and the C ABI, not through the crate.
 
+mod choice;
 mod commands;
+mod drawing;
 mod failure;
 mod host;
 #[cfg(feature = "report")]
@@ -10,7 +12,7 @@ mod plots;
 use clap::{Parser, Subcommand};
 #[cfg(feature = "report")]
 use commands::report;
-use commands::{install, render};
+use commands::{draw, focus, install, lens, pupil, render, trace};
 use failure::Failure;
 use std::io::Write;
 use std::process::ExitCode;
@@ -37,6 +39,16 @@ struct Cli {
 enum Command {
     /// Render the built-in scene through a lens, with the plugin loaded as a host loads it
     Render(render::Args),
+    /// Report a lens: focal length, focal points, pupils, field of view, its table
+    Lens(lens::Args),
+    /// Draw a lens's cross-section, to scale, with traced rays
+    Draw(draw::Args),
+    /// Trace rays: one a line on standard input, one a line on standard output
+    Trace(trace::Args),
+    /// Find the film distance for an object distance, and the depth of field
+    Focus(focus::Args),
+    /// Show which part of the lens a film point gets light from
+    Pupil(pupil::Args),
     /// Copy the plugin into a renderer's plugin directory
     Install(install::Args),
     /// Measure error against run time and write a folder with a page, plots and tables
@@ -59,6 +71,11 @@ fn main() -> ExitCode {
     let outcome = match &cli.command {
         None => render::run(&cli.render),
         Some(Command::Render(args)) => render::run(args),
+        Some(Command::Lens(args)) => lens::run(args),
+        Some(Command::Draw(args)) => draw::run(args),
+        Some(Command::Trace(args)) => trace::run(args),
+        Some(Command::Focus(args)) => focus::run(args),
+        Some(Command::Pupil(args)) => pupil::run(args),
         Some(Command::Install(args)) => install::run(args),
         #[cfg(feature = "report")]
         Some(Command::Report(args)) => report::run(args),

@@ -1,6 +1,11 @@
 //! The subcommands: one module each, with its `Args` and its `run`.
 
+pub mod draw;
+pub mod focus;
 pub mod install;
+pub mod lens;
+pub mod pupil;
 pub mod render;
 #[cfg(feature = "report")]
 pub mod report;
+pub mod trace;

@@ -1,5 +1,6 @@
 //! `realistic render`: the built-in scene through a lens.
 
+use crate::choice::size;
 use crate::failure::Failure;
 use crate::host::camera::Camera;
 use crate::host::focus::{self, AxialRays};
@@ -200,17 +201,6 @@ fn picture_path(text: &str) -> Result<PathBuf, String> {
     Format::of(Path::new(text)).map(|_| PathBuf::from(text))
 }
 
-fn size(text: &str) -> Result<[u32; 2], String> {
-    const LARGEST: u32 = 16_384;
-    let side = |text: &str| {
-        let side = text.parse().ok();
-        side.filter(|side| (1..=LARGEST).contains(side))
-    };
-    text.split_once('x')
-        .and_then(|(width, height)| Some([side(width)?, side(height)?]))
-        .ok_or_else(|| format!("write WIDTHxHEIGHT in pixels, each 1 to {LARGEST}, as in 480x320"))
-}
-
 fn parameter_help() -> String {
     let mut text = String::from("Parameters for --param:\n");
     for row in PARAMETERS {
@@ -250,13 +240,5 @@ mod tests {
         assert!(refused(&["filmdiag=large"]).contains("a number"));
         assert!(refused(&["filmdiag=35", "filmdiag=36"]).contains("twice"));
         assert!(gather(Some("a.dat"), &["lensfile=b.dat".to_owned()]).is_err());
-    }
-
-    #[test]
-    fn sizes_are_two_numbers_of_pixels() {
-        assert_eq!(size("480x320"), Ok([480, 320]));
-        for text in ["480", "0x3", "3x", "3x-1", "99999x3", "3x3x3"] {
-            assert!(size(text).is_err(), "{text}");
-        }
     }
 }

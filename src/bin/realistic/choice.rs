@@ -1,0 +1,154 @@
+//! What several commands are told in the same words: the lens, and the film.
+
+use crate::failure::Failure;
+use realistic::camera::{Film, LensSetup, Level, Raster, open_lens};
+use realistic::optics::{Lens, focus::Focus};
+use realistic::prescription::{Prescription, SearchPath};
+use std::io::Write as _;
+
+/// Which lens, at which stop and wavelength.
+#[derive(clap::Args, Debug)]
+pub struct LensChoice {
+    /// Lens: a file, or a name of the catalogue; NAME@35mm scales it to that focal length
+    #[arg(value_name = "LENS")]
+    lens: String,
+    /// Wavelength in nm, 300 to 2000, for lenses with V-numbers [default: 587.56]
+    #[arg(long, value_name = "NM", allow_negative_numbers = true)]
+    wavelength: Option<f64>,
+    /// Diameter of the stop in mm [default: the file's]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, conflicts_with = "fnumber")]
+    aperture_diameter: Option<f64>,
+    /// Focal length over entrance pupil diameter, instead of a stop diameter
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    fnumber: Option<f64>,
+}
+
+impl LensChoice {
+    /// Finds the lens; warnings go to standard error.
+    ///
+    /// # Errors
+    /// As [`open_lens`].
+    pub fn open(&self) -> Result<(Prescription, Lens), Failure> {
+        let setup = LensSetup {
+            wavelength: self.wavelength,
+            aperture_diameter: self.aperture_diameter,
+            fnumber: self.fnumber,
+        };
+        let mut log = |_: Level, message: &str| warn(message);
+        open_lens(&self.lens, &SearchPath::from_environment(), setup, &mut log)
+            .map_err(|error| Failure::Other(error.to_string()))
+    }
+}
+
+/// A warning on standard error.
+pub fn warn(message: &str) {
+    // A closed standard error leaves nobody to tell.
+    let _ = writeln!(std::io::stderr(), "realistic: warning: {message}");
+}
+
+/// The film behind the lens.
+#[derive(clap::Args, Debug)]
+pub struct FilmChoice {
+    /// Diagonal of the film in mm
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, default_value_t = 35.0, value_parser = positive)]
+    pub filmdiag: f64,
+    /// Pixels of the film
+    #[arg(long, value_name = "WxH", default_value = "480x320", value_parser = size)]
+    pub size: [u32; 2],
+}
+
+impl FilmChoice {
+    /// The film.
+    pub fn film(&self) -> Film {
+        let [xres, yres] = self.size;
+        Film::new(Raster { xres, yres }, self.filmdiag)
+    }
+}
+
+/// Where the film is.
+#[derive(clap::Args, Debug)]
+pub struct FilmPlace {
+    /// Distance in mm from the last vertex to the film [default: the file's, or focused at infinity]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = positive, conflicts_with = "distance")]
+    film_distance: Option<f64>,
+    /// Focus here instead: distance in mm from the film to the object, or inf
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = distance)]
+    distance: Option<f64>,
+}
+
+impl FilmPlace {
+    /// Last vertex to film, mm.
+    ///
+    /// # Errors
+    /// The lens cannot focus as asked.
+    pub fn film_distance(&self, lens: &Lens) -> Result<f64, Failure> {
+        let placed = self.film_distance.or(lens.nominal_film_distance.filter(|_| self.distance.is_none()));
+        placed.map_or_else(
+            || {
+                let distance = self.distance.unwrap_or(f64::INFINITY);
+                Focus::new(lens)
+                    .and_then(|focus| focus.film_distance(distance))
+                    .map_err(|error| Failure::Other(error.to_string()))
+            },
+            Ok,
+        )
+    }
+
+    /// Whether the film's place was asked for.
+    pub fn is_given(&self) -> bool {
+        self.film_distance.is_some() || self.distance.is_some()
+    }
+}
+
+/// A positive finite number of a flag.
+pub fn positive(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| *number > 0.0 && number.is_finite());
+    number.ok_or_else(|| "write a positive number".to_owned())
+}
+
+/// A distance of a flag: positive, and `inf` for infinity.
+pub fn distance(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| *number > 0.0);
+    number.ok_or_else(|| "write a positive number of mm, or inf".to_owned())
+}
+
+/// 0 or a positive finite number of a flag.
+pub fn not_negative(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| *number >= 0.0 && number.is_finite());
+    number.ok_or_else(|| "write 0 or a positive number".to_owned())
+}
+
+/// `WxH` in pixels.
+pub fn size(text: &str) -> Result<[u32; 2], String> {
+    const LARGEST: u32 = 16_384;
+    let side = |text: &str| {
+        let side = text.parse().ok();
+        side.filter(|side| (1..=LARGEST).contains(side))
+    };
+    text.split_once('x')
+        .and_then(|(width, height)| Some([side(width)?, side(height)?]))
+        .ok_or_else(|| format!("write WIDTHxHEIGHT in pixels, each 1 to {LARGEST}, as in 480x320"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_two_numbers_of_pixels() {
+        assert_eq!(size("480x320"), Ok([480, 320]));
+        for text in ["480", "0x3", "3x", "3x-1", "99999x3", "3x3x3"] {
+            assert!(size(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn lengths_are_positive_and_only_distances_infinite() {
+        assert_eq!((positive("2.5"), not_negative("0")), (Ok(2.5), Ok(0.0)));
+        assert_eq!(distance("inf"), Ok(f64::INFINITY));
+        for text in ["-1", "nan", "far", "-inf"] {
+            assert!(positive(text).is_err() && distance(text).is_err() && not_negative(text).is_err());
+        }
+        assert!(positive("inf").is_err() && not_negative("inf").is_err() && distance("0").is_err());
+    }
+}

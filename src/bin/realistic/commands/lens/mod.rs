@@ -1,0 +1,46 @@
+//! `realistic lens`: the first-order report of a lens.
+
+mod facts;
+mod table;
+
+use crate::choice::{FilmPlace, LensChoice, positive};
+use crate::failure::Failure;
+use facts::Facts;
+use std::io::Write as _;
+
+/// What `lens` can be told.
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    #[command(flatten)]
+    lens: LensChoice,
+    #[command(flatten)]
+    place: FilmPlace,
+    /// Diagonal of the film in mm, for the field of view
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, default_value_t = 35.0, value_parser = positive)]
+    filmdiag: f64,
+    /// Write JSON; keys carry units, null is what does not exist or lies at infinity
+    #[arg(long)]
+    json: bool,
+}
+
+/// Prints the report.
+///
+/// # Errors
+/// No such lens, or one that cannot be set up as asked.
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let (prescription, lens) = args.lens.open()?;
+    let film_distance = match args.place.film_distance(&lens) {
+        Err(failure) if args.place.is_given() => return Err(failure),
+        // A lens that makes no image is worth a report without one.
+        place => place.ok(),
+    };
+    let facts = Facts::of(&lens, film_distance, args.filmdiag);
+    let text = if args.json {
+        let mut value = facts.json(&prescription);
+        value["rows"] = table::json(&prescription, &lens);
+        format!("{value:#}\n")
+    } else {
+        facts.text(&prescription) + "\n" + &table::text(&prescription, &lens)
+    };
+    Ok(std::io::stdout().write_all(text.as_bytes())?)
+}

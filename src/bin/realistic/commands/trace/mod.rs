@@ -1,0 +1,143 @@
+//! `realistic trace`: rays through a lens, a line in, a line out.
+
+mod methods;
+mod rows;
+
+use crate::choice::{LensChoice, not_negative};
+use crate::failure::Failure;
+use methods::{METHODS, Method};
+use realistic::trace::Direction;
+use rows::{Row, read_row, write_row};
+use std::io::{self, BufRead, BufReader, BufWriter, Write};
+
+/// What `trace` can be told.
+#[derive(clap::Args, Debug)]
+#[command(after_help = after_help())]
+pub struct Args {
+    #[command(flatten)]
+    lens: LensChoice,
+    /// How rays are traced; the methods are listed below
+    #[arg(long, value_name = "NAME", default_value = "f64", value_parser = methods::find)]
+    method: &'static Method,
+    /// Where the rays come from
+    #[arg(long, value_name = "SIDE", default_value = "film")]
+    from: Side,
+    /// Distance in mm from the last vertex to the film; a line may then leave its z empty
+    /// (`1.5,0,,0,0,1`) and starts on the film
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = not_negative)]
+    film_distance: Option<f64>,
+}
+
+/// The side that light comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Side {
+    /// From behind the lens, toward +z
+    Film,
+    /// From in front of the lens, toward -z
+    Scene,
+}
+
+fn after_help() -> String {
+    let mut text = String::from(
+        "Standard input: a ray a line, x,y,z,dx,dy,dz: a point on it and its direction (of any length), in \
+         mm in lens space: origin at the vertex of the first interface, +z toward the scene, film at \
+         negative z. Blank lines and # comments are skipped; a first line that begins with a letter is a \
+         header.\n\
+         Standard output: x,y,z,dx,dy,dz,status: the point on the last interface met (where none was met, the \
+         point given), the unit direction there, 17 significant digits; status ok, or why the ray stopped: \
+         missed, clipped, reflected or turned_back.\n\nMethods:\n",
+    );
+    for method in METHODS {
+        text += &format!("  {:<9} {}\n", method.name, method.help);
+    }
+    text
+}
+
+/// Traces standard input to standard output.
+///
+/// # Errors
+/// No such lens, or a line that is not a ray; the lines before it are traced.
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let (_, lens) = args.lens.open()?;
+    let direction = match args.from {
+        Side::Film => Direction::FilmToScene,
+        Side::Scene if args.film_distance.is_some() => {
+            return Err(Failure::Usage(
+                "--film-distance says where rays from the film start; leave it out with --from scene"
+                    .to_owned(),
+            ));
+        }
+        Side::Scene => Direction::SceneToFilm,
+    };
+    let film = args.film_distance.map(|distance| lens.rear().vertex - distance);
+    let tracer = (args.method.make)(&lens, direction).map_err(|error| Failure::Other(error.to_string()))?;
+    let input = BufReader::with_capacity(1 << 16, io::stdin().lock());
+    let mut output = BufWriter::with_capacity(1 << 16, io::stdout().lock());
+    let outcome = copy(input, &mut output, film, &*tracer);
+    // What was traced before a bad line is wanted all the same.
+    output.flush()?;
+    outcome
+}
+
+fn copy(
+    mut input: impl BufRead,
+    output: &mut impl Write,
+    film: Option<f64>,
+    tracer: &methods::Tracer,
+) -> Result<(), Failure> {
+    let mut line = Vec::new();
+    let mut first = true;
+    for number in 1_u64.. {
+        line.clear();
+        let length = input
+            .read_until(b'\n', &mut line)
+            .map_err(|error| Failure::Other(format!("cannot read standard input: {error}")))?;
+        if length == 0 {
+            break;
+        }
+        let row = read_row(&line, film, first).map_err(|(column, expected)| {
+            Failure::Other(format!("standard input:{number}:{column}: {expected}"))
+        })?;
+        match row {
+            Row::Empty => continue,
+            Row::Header => writeln!(output, "x,y,z,dx,dy,dz,status")?,
+            Row::Ray(ray) => {
+                let (ray, blocked) = tracer(ray);
+                write_row(output, ray, blocked)?;
+            }
+        }
+        first = false;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn traced(input: &str) -> (String, Result<(), Failure>) {
+        let mut output = Vec::new();
+        let outcome = copy(input.as_bytes(), &mut output, Some(-5.0), &|ray| (ray, None));
+        (String::from_utf8(output).unwrap(), outcome)
+    }
+
+    #[test]
+    fn a_header_is_answered_and_comments_and_blank_lines_are_skipped() {
+        let (output, outcome) =
+            traced("\n# rays\nx,y,z,dx,dy,dz\n1,2,,0,0,1 # on the film\r\n\n0,0,-3,0,0,1");
+        outcome.unwrap();
+        let lines: Vec<&str> = output.lines().collect();
+        assert_eq!(lines[0], "x,y,z,dx,dy,dz,status");
+        assert!(lines[1].contains(",-5.0000000000000000e0,") && lines[1].ends_with(",ok"), "{}", lines[1]);
+        assert_eq!(lines.len(), 3);
+        assert!(!traced("0,0,-3,0,0,1").0.contains("status"), "no header is written where none was read");
+    }
+
+    #[test]
+    fn a_bad_line_is_named_after_the_good_ones_are_out() {
+        let (output, outcome) = traced("0,0,-3,0,0,1\n0,0,-3,0,up,1\n");
+        assert_eq!(output.lines().count(), 1);
+        let Err(Failure::Other(message)) = outcome else { panic!("{outcome:?}") };
+        assert!(message.starts_with("standard input:2:10: ") && message.contains("dy"), "{message}");
+    }
+}

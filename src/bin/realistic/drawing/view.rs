@@ -1,0 +1,112 @@
+//! From millimetres to the page, at one scale both ways.
+
+/// A part of the page, in pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// Left edge.
+    pub left: f64,
+    /// Top edge.
+    pub top: f64,
+    /// Width.
+    pub width: f64,
+    /// Height.
+    pub height: f64,
+}
+
+/// A window in mm, to be shown in a frame. The first coordinate grows to the right of the page, the second
+/// upward.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// Where it is shown.
+    pub frame: Frame,
+    /// What is shown of the first coordinate, mm.
+    pub across: [f64; 2],
+    /// What is shown of the second, mm.
+    pub up: [f64; 2],
+    /// Pixels a mm.
+    pub scale: f64,
+}
+
+impl View {
+    /// Shows `across` over a frame of this place and width, as high as it takes to show `up`, but at most
+    /// `most` and at least `least` pixels; what is left over of either direction goes to both sides.
+    pub fn fit(
+        [left, top]: [f64; 2],
+        width: f64,
+        [least, most]: [f64; 2],
+        across: [f64; 2],
+        up: [f64; 2],
+    ) -> Self {
+        let scale = (width / (across[1] - across[0])).min(most / (up[1] - up[0]));
+        let height = (scale * (up[1] - up[0])).max(least);
+        let widened = |[low, high]: [f64; 2], pixels: f64| {
+            let spare = (pixels / scale - (high - low)) / 2.0;
+            [low - spare, high + spare]
+        };
+        Self {
+            frame: Frame { left, top, width, height },
+            across: widened(across, width),
+            up: widened(up, height),
+            scale,
+        }
+    }
+
+    /// The page's point.
+    pub fn at(&self, [across, up]: [f64; 2]) -> [f64; 2] {
+        [
+            self.frame.left + (across - self.across[0]) * self.scale,
+            self.frame.top + (self.up[1] - up) * self.scale,
+        ]
+    }
+
+    /// How far, in lengths of `direction`, it is from `from` to the window's edge; 0 from outside.
+    pub fn way_out(&self, from: [f64; 2], direction: [f64; 2]) -> f64 {
+        let windows = [self.across, self.up];
+        let ways = (0..2).filter(|&i| direction[i] != 0.0).map(|i| {
+            let edge = if direction[i] > 0.0 { windows[i][1] } else { windows[i][0] };
+            (edge - from[i]) / direction[i]
+        });
+        ways.fold(f64::INFINITY, f64::min).max(0.0)
+    }
+
+    /// The largest of 1, 2, 5 times a power of ten, in mm, that is at most `pixels` long.
+    pub fn round_length(&self, pixels: f64) -> f64 {
+        let length = pixels / self.scale;
+        let power = 10.0_f64.powf(length.log10().floor());
+        // A length just below a power must not come out as 10 of the one below by rounding.
+        power * [5.0, 2.0, 1.0].into_iter().find(|step| step * power <= length).unwrap_or(1.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn view() -> View {
+        View::fit([50.0, 20.0], 1000.0, [200.0, 600.0], [-10.0, 90.0], [-20.0, 20.0])
+    }
+
+    #[test]
+    fn the_scale_is_one_and_the_window_fills_the_frame() {
+        let view = view();
+        assert_eq!((view.scale, view.frame.height), (10.0, 400.0));
+        assert_eq!(view.at([-10.0, 20.0]), [50.0, 20.0]);
+        assert_eq!(view.at([90.0, -20.0]), [1050.0, 420.0]);
+        let tall = View::fit([0.0, 0.0], 1000.0, [200.0, 600.0], [0.0, 1.0], [-30.0, 30.0]);
+        assert_eq!((tall.scale, tall.across), (10.0, [-49.5, 50.5]));
+    }
+
+    #[test]
+    fn lines_end_at_the_windows_edge() {
+        assert_eq!(view().way_out([0.0, 0.0], [-1.0, 0.5]), 10.0);
+        assert_eq!(view().way_out([0.0, 0.0], [0.0, 4.0]), 5.0);
+        assert_eq!(view().way_out([-11.0, 0.0], [-1.0, 0.0]), 0.0);
+    }
+
+    #[test]
+    fn scale_bars_are_round() {
+        assert_eq!(view().round_length(150.0), 10.0);
+        assert_eq!(view().round_length(60.0), 5.0);
+        assert!((view().round_length(3.9) - 0.2).abs() < 1e-15);
+    }
+}
