@@ -2,11 +2,13 @@
 //!
 //! Every task is timed in pairs with one yardstick task, right after it, in rounds that go forward and
 //! backward through the tasks; its time is the median of the ratios times the median of the
-//! yardstick. A clock that drifts or a neighbour that comes and goes changes both of a pair. Each
+//! yardstick. Times are those for which this thread had the processor. A clock that drifts or a neighbour that
+//! comes and goes changes both of a pair. Each
 //! measurement repeats its task until it lasts a given least time, found in a warm-up.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use super::clock::now;
 use super::statistics::{median, quantile};
 
 /// How long to measure.
@@ -37,9 +39,9 @@ struct Measured<'a> {
 
 impl Measured<'_> {
     fn seconds(&mut self) -> f64 {
-        let start = Instant::now();
+        let start = now();
         (0..self.calls).for_each(|_| (self.task)());
-        start.elapsed().as_secs_f64() / f64::from(self.calls)
+        (now() - start).as_secs_f64() / f64::from(self.calls)
     }
 
     /// Calls the task until the caches and the clock are warm and `calls` lasts long enough.

@@ -2,6 +2,7 @@
 //! numerical stability.
 
 pub mod bench;
+mod clock;
 pub mod irradiance;
 pub mod machine;
 pub mod picture;

@@ -1,8 +1,7 @@
-//! Rendered pictures: RMS error to a long reference, against wall time.
-
-use std::time::Instant;
+//! Rendered pictures: RMS error to a long reference, against time on one core.
 
 use super::{
+    clock::now,
     ray_map::FIT_RAYS,
     sampler::{PUPILS, Shot, camera, shoot},
     scene::Scene,
@@ -136,7 +135,7 @@ fn rms(a: &[f64], b: &[f64]) -> f64 {
 pub struct Precision {
     /// Samples a pixel.
     pub samples: usize,
-    /// Wall time, seconds, one thread.
+    /// Time on one core, seconds.
     pub time: f64,
     /// RMS error to the reference over its mean.
     pub error: f64,
@@ -188,9 +187,9 @@ pub fn measure(subject: &Subject, size: Size) -> Result<Pictures, CameraError> {
                 let samples = 4_usize.pow(power);
                 let (mut times, mut errors) = (Vec::new(), Vec::new());
                 for repeat in 0..size.repeats {
-                    let start = Instant::now();
+                    let start = now();
                     let picture = render(shoot, scene, raster, sequence, samples, repeat + 1);
-                    times.push(start.elapsed().as_secs_f64());
+                    times.push((now() - start).as_secs_f64());
                     errors.push(rms(&picture, &reference).powi(2));
                 }
                 let error = (errors.iter().sum::<f64>() / errors.len() as f64).sqrt() / mean;

@@ -16,7 +16,7 @@ const LIGHTS: f32 = 15.0;
 /// Distance between two lights, as an angle's tangent.
 const SPACING: f32 = 0.3;
 /// Radius of a light, likewise.
-const RADIUS: f32 = 0.012;
+const RADIUS: f32 = 0.02;
 /// Beyond this tangent there is no board.
 const EDGE: f32 = 3.0;
 
@@ -34,7 +34,7 @@ impl Scene {
         };
         let off = [x, y].map(|t| t - SPACING * (t / SPACING).round());
         if off[0] * off[0] + off[1] * off[1] < RADIUS * RADIUS {
-            return 30.0;
+            return 6.0;
         }
         match self.tangents(origin, direction, BOARD) {
             Some([x, y]) => {
@@ -68,7 +68,7 @@ mod tests {
             let norm = (1.0 + x * x + y * y).sqrt();
             scene.radiance([0.0; 3], [x / norm, y / norm, 1.0 / norm])
         };
-        assert_eq!(at(0.0, 0.0), 30.0);
+        assert_eq!(at(0.0, 0.0), 6.0);
         assert_eq!((at(0.05, 0.05), at(0.16, 0.05), at(0.16, 0.16), at(-0.05, 0.05)), (0.1, 1.0, 0.1, 1.0));
         assert!((scene.radiance([0.0; 3], [0.0, 0.0, -1.0]) - 0.9).abs() < 1e-6);
     }

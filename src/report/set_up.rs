@@ -1,8 +1,8 @@
 //! Set-up: what it costs to make a model of a lens, by the size of its tables, and what it is worth.
 
-use std::time::Instant;
-
-use super::{ray_map::Spread, reference::Reference, statistics::median, subject::Subject, table::Table};
+use super::{
+    clock::now, ray_map::Spread, reference::Reference, statistics::median, subject::Subject, table::Table,
+};
 use crate::trace::{Direction, Ray, polynomial::Polynomial};
 
 /// How much is measured.
@@ -78,9 +78,9 @@ pub fn measure(subject: &Subject, size: Size) -> Vec<Measured> {
             let mut times = Vec::new();
             let mut model = None;
             for _ in 0..size.repeats {
-                let start = Instant::now();
+                let start = now();
                 model = (family.build)(subject, entries);
-                times.push(start.elapsed().as_secs_f64());
+                times.push((now() - start).as_secs_f64());
             }
             let Some((map, kept)) = model else { continue };
             let errors: Vec<f64> =

@@ -68,6 +68,7 @@ pub struct Chart {
 const WIDTH: f64 = 680.0;
 const HEIGHT: f64 = 540.0;
 const SIZE: f64 = 14.0;
+const SMALL: f64 = 12.0;
 const LINE: f64 = 17.0;
 const LEFT: f64 = 70.0;
 const TOP: f64 = 62.0;
@@ -95,11 +96,13 @@ impl Chart {
         let middle = f64::midpoint(LEFT, right);
         page.text(self.cost, [middle, bottom + 42.0], SIZE, Anchor::Middle, INK);
         grid(&mut page, x, y);
+        let mut obstacles = self.front(&mut page, x, y, right);
         if let Some((at, name)) = self.level {
-            page.line([[LEFT, y.place(at)], [right, y.place(at)]], Stroke::new(FAINT, 1.5).dashed("2 4"));
-            page.text(name, [LEFT + 6.0, y.place(at) - 5.0], 12.0, Anchor::Start, FAINT);
+            let (at, width) = (y.place(at), text_width(name, SMALL));
+            page.line([[LEFT, at], [right, at]], Stroke::new(FAINT, 1.5).dashed("2 4"));
+            page.text(name, [right - width, at - 5.0], SMALL, Anchor::Start, FAINT);
+            obstacles.push(Area { from: [right - width, at - SMALL - 4.0], to: [right, at] });
         }
-        self.front(&mut page, x, y, right);
         let place = |m: &Mark| [x.place(m.at[0]), y.place(m.at[1])];
         for series in &self.series {
             if let Some(dashes) = series.line {
@@ -113,7 +116,7 @@ impl Chart {
                 symbol(&mut page, series, place(mark), mark.on_front);
             }
         }
-        self.names(&mut page, &place, y, frame);
+        self.names(&mut page, &place, y, frame, obstacles);
         line_ends(&mut page, &lines, &place, frame);
         for (row, keys) in key_rows.iter().enumerate() {
             let at = bottom + 42.0 + LINE * (row as f64 + 1.0) + 3.0;
@@ -125,8 +128,8 @@ impl Chart {
         page.finish()
     }
 
-    /// The Pareto front of the marks on it, as a staircase.
-    fn front(&self, page: &mut Page, x: Scale, y: Scale, right: f64) {
+    /// Draws the Pareto front of the marks on it as a staircase, and says where it is.
+    fn front(&self, page: &mut Page, x: Scale, y: Scale, right: f64) -> Vec<Area> {
         let mut front: Vec<[f64; 2]> =
             self.series.iter().flat_map(|s| &s.marks).filter(|m| m.on_front).map(|m| m.at).collect();
         front.sort_by(|a, b| a[0].total_cmp(&b[0]));
@@ -140,14 +143,25 @@ impl Chart {
         }
         if let Some(&[_, last]) = corners.last() {
             corners.push([right, last]);
-            page.line(corners, Stroke { opacity: 0.55, ..Stroke::new(FAINT, 5.0) });
+            page.line(corners.iter().copied(), Stroke { opacity: 0.55, ..Stroke::new(FAINT, 5.0) });
         }
+        let piece = |pair: &[[f64; 2]]| Area {
+            from: [0, 1].map(|i| pair[0][i].min(pair[1][i]) - 3.0),
+            to: [0, 1].map(|i| pair[0][i].max(pair[1][i]) + 3.0),
+        };
+        corners.windows(2).map(piece).collect()
     }
 
     /// The names of single marks.
-    fn names(&self, page: &mut Page, place: &dyn Fn(&Mark) -> [f64; 2], y: Scale, frame: Area) {
+    fn names(
+        &self,
+        page: &mut Page,
+        place: &dyn Fn(&Mark) -> [f64; 2],
+        y: Scale,
+        frame: Area,
+        mut obstacles: Vec<Area>,
+    ) {
         let all = self.series.iter().flat_map(|s| s.marks.iter().map(move |m| (s, m)));
-        let mut obstacles = Vec::new();
         for (_, mark) in all.clone() {
             let [px, py] = place(mark);
             obstacles.push(Area::about([px, py], [14.0, 14.0]));

@@ -60,12 +60,12 @@ const IRRADIANCE: &str = "RMS relative error of the estimate of film irradiance 
     off. In brackets: the exponent of the noise as a power of the number of samples (-0.5 is Monte Carlo).";
 const MAPPING: &str =
     "The same, drawn on the rear element's disk, for the three ways from lens numbers to the disk.";
-const ESTIMATOR: &str = "RMS error of a picture (chequerboard, lights out of focus, sky) over its mean, against wall \
-    time on one thread, for 1, 4, 16, ... samples a pixel; the f64 walk under every sampler. In brackets: the fitted \
+const ESTIMATOR: &str = "RMS error of a picture (chequerboard, lights out of focus, sky) over its mean, against \
+    time on one core, for 1, 4, 16, ... samples a pixel; the f64 walk under every sampler. In brackets: the fitted \
     exponent.";
 const SET_UP: &str = "Error of fitted polynomials on fresh rays (99.9 % quantile) against the time to build them; along \
     a line the number of rays that they are fitted to doubles.";
-const PICTURE: &str = "RMS error of the same picture against wall time on one thread, for whole ways to render, with \
+const PICTURE: &str = "RMS error of the same picture against time on one core, for whole ways to render, with \
     Sobol' numbers. What models or samples the pupil wrongly levels off at its bias.";
 
 /// Every section with its charts.
@@ -217,7 +217,7 @@ fn pictures(lens: &str, curves: &[picture::Curve], estimators: bool) -> Chart {
     });
     Chart {
         title: lens.to_owned(),
-        cost: "wall time, ms",
+        cost: "time on one core, ms",
         error: "RMS error over the mean",
         level: None,
         series: with_front(series.collect()),

@@ -93,7 +93,8 @@ fn method(html: &mut String, results: &Results, suite: &Suite, facts: &[(&str, S
     let Suite { ray_map, irradiance, picture, .. } = suite;
     let _ = write!(
         html,
-        "<h2 id=\"method\">How it was measured</h2>\n<p>Times: one thread. Every task is warmed up until one \
+        "<h2 id=\"method\">How it was measured</h2>\n<p>Times: one thread, and of its time only that for which it had a processor, which is wall time where \
+         nothing else runs. Every task is warmed up until one \
          measurement of it lasts {least}, then timed {rounds} times in pairs with one yardstick (the f64 walk, or the \
          irradiance estimate on the rear disk), in rounds that go forward and backward through the tasks; its time is \
          the median of the ratios times the yardstick's median, so that a drifting clock and busy neighbours \
