@@ -125,11 +125,14 @@ pub fn sentences(results: &Results) -> Vec<String> {
             let needs = |curve: &realistic::report::irradiance::Curve| {
                 time_to(&curve.points.iter().map(|p| (p.time, p.error)).collect::<Vec<_>>(), error)
             };
+            let bias = match 100.0 * bias.bias {
+                small if small < 0.1 => "is less than 0.1 % off".to_owned(),
+                percent => format!("is {percent:.1} % off whatever the number of samples"),
+            };
             Some(format!(
-                "{lens}: the thick lens's exit pupil (disk) is {:.1} % off in film irradiance, whatever the number of \
-                 samples. For the error that random numbers on the rear disk reach with {} samples ({:.2} %), Sobol' \
-                 numbers need 1/{:.0} of the time; their noise falls with exponent {:.2}, random numbers' with {:.2}.",
-                100.0 * bias.bias,
+                "{lens}: film irradiance by the thick lens's exit pupil (disk) {bias}. For the error that random numbers \
+                 on the rear disk reach with {} samples ({:.2} %), Sobol' numbers need 1/{:.0} of the time; their noise \
+                 falls with exponent {:.2}, random numbers' with {:.2}.",
                 random.points.last()?.samples,
                 100.0 * error,
                 needs(random)? / needs(best)?,

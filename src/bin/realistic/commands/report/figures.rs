@@ -54,7 +54,7 @@ const DIRECTION: &str = "Angle between the ray that leaves the lens and the exac
     staircase are the Pareto front: nothing else is both faster and nearer. The dotted line is a tenth of a pixel.";
 const POSITION: &str = "Distance between the ray that leaves the lens and the exact point on the front surface, \
     against the time a ray takes. Marks as above; the front is that of this chart.";
-const IRRADIANCE: &str = "RMS relative error of the estimate of film irradiance under a flat field, over five film \
+const IRRADIANCE: &str = "RMS relative error of the estimate of film irradiance under a flat field, over the lit ones of five film \
     points from the centre to the corner and independent repetitions, against time, sample numbers included. Whole \
     lines draw on the rear element's disk, dashed ones on the thick lens's exit pupil, whose bias makes them level \
     off. In brackets: the exponent of the noise as a power of the number of samples (-0.5 is Monte Carlo).";

@@ -11,7 +11,8 @@ const STYLE: &str = "
 body { font: 16px/1.5 system-ui, sans-serif; color: #222; background: #fff; margin: 0 auto; padding: 0 16px 48px; max-width: 1480px; }
 h1 { font-size: 1.7rem; line-height: 1.2; } h2 { font-size: 1.25rem; margin-top: 2.4em; }
 p, ul { max-width: 76ch; }
-nav a { margin-right: 1.1em; white-space: nowrap; }
+nav a { margin-right: 1.1em; }
+.warning { border-left: 4px solid #D55E00; padding-left: 12px; }
 .wide { overflow-x: auto; } table { border-collapse: collapse; font-size: 0.92rem; }
 th, td { text-align: left; padding: 5px 12px 5px 0; border-bottom: 1px solid #ddd; vertical-align: top; }
 .needs td, .needs th { min-width: 11em; }
@@ -42,6 +43,9 @@ pub fn page(
         let _ = write!(html, "<a href=\"#{anchor}\">{}</a> ", escaped(title));
     }
     html += "</nav>\n";
+    if cfg!(debug_assertions) {
+        html += "<p class=\"warning\">This program was built for debugging: its times are not those of a release.</p>\n";
+    }
     conclusions(&mut html, results);
     for section in sections {
         let _ = write!(
@@ -102,7 +106,7 @@ fn method(html: &mut String, results: &Results, suite: &Suite, facts: &[(&str, S
          next. Renders are timed whole, the median of {renders}. Building times are medians, too.</p>\n\
          <p>Errors of rays: {rays} rays that get through, uniform over the film's disk and the pupil; polynomials are \
          fitted to other rays. Position is the distance of the exact point on the front surface from the line of the \
-         ray. Pixels are the angle times the focal length. Irradiance: {repeats} repetitions at 5 film points; exact values by \
+         ray. Pixels are the angle times the focal length. Irradiance: {repeats} repetitions at 5 film points on a half-diagonal, less those that get no light; exact values by \
          {survey} x {survey} rays over the rear disk. Pictures: {x} x {y} pixels against a mean of two of {reference} \
          samples a pixel, whose own RMS errors are {floors}.</p>\n<p>The whole took {took}.</p>\n",
         least = seconds(ray_map.effort.least.as_secs_f64()),
