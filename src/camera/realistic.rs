@@ -122,6 +122,11 @@ impl RealisticCamera {
             }
             Weighting::None => (1.0, false),
         };
+        // So near the glass that the pupil fills a hemisphere to the last digit and its area in slopes, which
+        // the weight is made of, leaves the number range.
+        if !(weight as f32).is_finite() {
+            return Err(CameraError::FilmInLens { film_distance, rim: rim.max(0.0) });
+        }
         let entrance = EntrancePupil::of_surface(&lens, limiting_surface(&lens));
         let tracer = if setup.single_precision {
             Tracer::F32(Path::new(&lens, Direction::FilmToScene, setup.refraction))

@@ -42,8 +42,8 @@ impl Abcd {
         let mut matrix = Self::IDENTITY;
         for (number, surface) in lens.surfaces.iter().enumerate().take(to + 1).skip(from) {
             if number > from {
-                let previous = lens.surfaces[number - 1].vertex;
-                matrix = matrix.transferred((previous - surface.vertex) / surface.n_scene);
+                // Not the difference of the vertices, which far from the first has lost its digits.
+                matrix = matrix.transferred(lens.surfaces[number - 1].thickness / surface.n_scene);
             }
             if number > from || refract_first {
                 matrix = matrix.refracted((surface.n_film - surface.n_scene) * surface.curvature);

@@ -11,5 +11,6 @@ pub mod glass;
 mod lens;
 pub mod pupil;
 pub mod refraction;
+pub mod single_precision;
 
 pub use lens::{Lens, LensError, Surface};

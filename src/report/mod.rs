@@ -3,6 +3,7 @@
 
 pub mod bench;
 mod clock;
+pub mod condition;
 pub mod irradiance;
 pub mod machine;
 pub mod picture;
@@ -12,6 +13,7 @@ pub mod sampler;
 pub mod scene;
 pub mod sequence;
 pub mod set_up;
+pub mod stability;
 pub mod statistics;
 pub mod subject;
 pub mod suite;

@@ -7,7 +7,7 @@ use twofloat::TwoFloat;
 
 use crate::{
     optics::{Lens, refraction::Refraction},
-    trace::{Blocked, Direction, Path, Ray, Real},
+    trace::{Blocked, Direction, Path, Ray, Real, in_range},
 };
 
 /// A number of 106 bits: the unevaluated sum of two doubles (T. J. Dekker, "A floating-point technique
@@ -39,7 +39,24 @@ macro_rules! operator {
     )*};
 }
 
-operator!(Add add, Sub sub, Mul mul, Div div);
+operator!(Add add, Sub sub, Mul mul);
+
+impl Div for DoubleDouble {
+    type Output = Self;
+    /// Long division in three digits of a double each. twofloat's own forms the remainder without a fused
+    /// multiply-add, and its quotients hold no more than a double's digits.
+    fn div(self, other: Self) -> Self {
+        let (a, b) = (self.0, other.0);
+        let first = a.hi() / b.hi();
+        if first == 0.0 || !first.is_finite() {
+            return Self(TwoFloat::from(first));
+        }
+        let rest = a - b * first;
+        let second = rest.hi() / b.hi();
+        let third = (rest - b * second).hi() / b.hi();
+        Self(TwoFloat::new_add(first, second) + third)
+    }
+}
 
 impl Neg for DoubleDouble {
     type Output = Self;
@@ -63,13 +80,12 @@ impl Real for DoubleDouble {
     }
 
     fn sqrt(self) -> Self {
-        let root = self.0.sqrt();
-        // One step of Newton's iteration on top, which makes the last digits sure.
-        if root.hi() > 0.0 && root.hi().is_finite() {
-            Self((root + self.0 / root) / TwoFloat::from(2.0))
-        } else {
-            Self(root)
+        let root = self.0.hi().sqrt();
+        if !(root > 0.0 && root.is_finite()) {
+            return Self(TwoFloat::from(root));
         }
+        // One step of Newton's iteration doubles the root's digits.
+        Self((self.0 - TwoFloat::new_mul(root, root)) / (2.0 * root) + root)
     }
 }
 
@@ -98,7 +114,7 @@ impl Reference {
     /// The reason why it is blocked.
     pub fn trace(&self, ray: Ray) -> Result<ExactRay, Blocked> {
         let origin = ray.origin.map(DoubleDouble::from_f64);
-        let direction = ray.direction.map(DoubleDouble::from_f64);
+        let direction = in_range(ray.direction).map(DoubleDouble::from_f64);
         let (point, direction) = self.0.trace_in_full(origin, direction)?;
         Ok(ExactRay { point, direction })
     }

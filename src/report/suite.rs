@@ -1,10 +1,16 @@
 //! Everything that a report measures, at three sizes.
 
-use std::time::Duration;
+use std::{ops::ControlFlow, time::Duration};
 
 use thiserror::Error;
 
-use super::{bench::Effort, irradiance, picture, ray_map, set_up, subject::Subject, table::Table};
+use super::{
+    bench::Effort,
+    irradiance, picture, ray_map, set_up,
+    stability::{self, CaseResult},
+    subject::Subject,
+    table::Table,
+};
 use crate::{
     camera::{CameraError, Raster},
     optics::focus::FocusError,
@@ -27,6 +33,8 @@ pub struct Suite {
     pub picture: picture::Size,
     /// Set-up.
     pub set_up: set_up::Size,
+    /// Stability.
+    pub stability: stability::Effort,
 }
 
 impl Suite {
@@ -44,6 +52,7 @@ impl Suite {
                 repeats: 3,
             },
             set_up: set_up::Size { rays: 5000, repeats: 9 },
+            stability: stability::Effort::FULL,
         }
     }
 
@@ -61,6 +70,7 @@ impl Suite {
                 repeats: 2,
             },
             set_up: set_up::Size { rays: 1000, repeats: 3 },
+            stability: stability::Effort::QUICK,
         }
     }
 
@@ -78,6 +88,7 @@ impl Suite {
                 repeats: 1,
             },
             set_up: set_up::Size { rays: 40, repeats: 1 },
+            stability: stability::Effort { lenses: 1, rays: 1 },
         }
     }
 
@@ -104,6 +115,10 @@ impl Suite {
             results.set_up.extend(set_up::measure(&subject, self.set_up));
             results.lenses.push(name);
         }
+        results.stability = stability::run(self.stability, &mut |at| {
+            progress(&format!("stability: {} ({:.0} %)", at.name, 100.0 * at.done));
+            ControlFlow::Continue(())
+        });
         Ok(results)
     }
 }
@@ -139,6 +154,8 @@ pub struct Results {
     pub floors: Vec<(&'static str, f64)>,
     /// Build times.
     pub set_up: Vec<set_up::Measured>,
+    /// Extreme cases.
+    pub stability: Vec<CaseResult>,
 }
 
 impl Results {
@@ -150,6 +167,61 @@ impl Results {
             picture::table("estimators", "pupil", &self.estimators),
             set_up::table(&self.set_up),
             picture::table("renderers", "renderer", &self.renderers),
+            stability_table(&self.stability),
         ]
     }
+
+    /// The stability cases by group and kernel: the worst of each.
+    pub fn stability_by_group(&self) -> Vec<CaseResult> {
+        let mut groups: Vec<CaseResult> = Vec::new();
+        for case in &self.stability {
+            let known = groups.iter_mut().find(|g| (g.group, g.kernel) == (case.group, case.kernel));
+            let Some(group) = known else {
+                groups.push(CaseResult { name: "all of the group".to_owned(), ..case.clone() });
+                continue;
+            };
+            group.bound = group.bound.max(case.bound);
+            group.worst_error_rad = group.worst_error_rad.max(case.worst_error_rad);
+            group.worst_error_mm = group.worst_error_mm.max(case.worst_error_mm);
+            group.condition = group.condition.max(case.condition);
+            group.ratio = group.ratio.max(case.ratio);
+            group.disagreements += case.disagreements;
+            group.rays += case.rays;
+            group.undecided += case.undecided;
+            group.holds &= case.holds;
+        }
+        groups
+    }
+}
+
+/// Stability cases as a table.
+pub fn stability_table(cases: &[CaseResult]) -> Table {
+    let mut table = Table::new(
+        "stability",
+        &[
+            "group",
+            "kernel",
+            "case",
+            "worst_direction_rad",
+            "worst_position_mm",
+            "condition",
+            "ratio",
+            "bound",
+            "rays",
+            "disagreements",
+            "undecided",
+            "holds",
+        ],
+    );
+    for case in cases {
+        let mut row = vec![case.group.into(), case.kernel.into(), case.name.as_str().into()];
+        row.extend(
+            [case.worst_error_rad, case.worst_error_mm, case.condition, case.ratio, case.bound]
+                .map(Into::into),
+        );
+        row.extend([case.rays, case.disagreements, case.undecided].map(Into::into));
+        row.push(case.holds.into());
+        table.rows.push(row);
+    }
+    table
 }

@@ -12,4 +12,6 @@ mod walk;
 
 pub use path::{Direction, Path};
 pub use real::Real;
+#[cfg(feature = "report")]
+pub(crate) use walk::in_range;
 pub use walk::{Blocked, Ray, Walk};

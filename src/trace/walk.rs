@@ -55,6 +55,10 @@ pub struct Walk {
 /// vertex plane: the sphere's equation loses that factor in digits at the ray's start.
 const FAR: f64 = 2.0;
 
+/// Squared cosine of the angle to the axis below which a ray meets the first vertex plane too far out for
+/// that to be the place to start from.
+const STEEP: f64 = 0.01;
+
 /// Position and V = n D in the frame of the current vertex.
 #[derive(Clone, Copy)]
 struct State<R> {
@@ -69,17 +73,18 @@ impl<R: Real> Path<R> {
     /// infinite components, or a direction of length 0, count as [`Blocked::Missed`].
     pub fn walk(&self, ray: Ray) -> Walk {
         let sense = self.sense();
+        let ray = Ray { direction: in_range(ray.direction), ..ray };
         let direction = unit(ray.direction);
         let start = Ray { origin: ray.origin, direction };
         let finite = start.origin.iter().chain(&direction).all(|x| x.is_finite());
         if !finite {
             return Walk { ray: start, surfaces_met: 0, blocked: Some(Blocked::Missed) };
         }
-        let (entry, lead) = self.to_entry_plane(ray, sense);
+        let (entry, lead) = self.to_entry(ray, sense);
         let [dx, dy, dz] = direction;
         let mut state = State {
             p: entry.map(R::from_f64),
-            v: [dx, dy, sense * dz].map(R::from_f64),
+            v: [dx, dy, sense * dz].map(|d| self.steps[0].n * R::from_f64(d)),
             lead: R::from_f64(lead),
         };
         let (surfaces_met, blocked) = self.march(&mut state);
@@ -110,7 +115,7 @@ impl<R: Real> Path<R> {
         let [x, y, z] = origin;
         let mut state = State {
             p: [x, y, sense * (z - R::from_f64(self.entry))],
-            v: [dx / length, dy / length, sense * dz / length],
+            v: [dx, dy, sense * dz].map(|d| self.steps[0].n * d / length),
             lead: R::ZERO,
         };
         if let (_, Some(reason)) = self.march(&mut state) {
@@ -151,22 +156,36 @@ impl<R: Real> Path<R> {
         (self.steps.len(), None)
     }
 
-    /// The ray's start in the frame of the first vertex, moved on to the vertex plane where that
-    /// lies ahead, and the distance moved.
+    /// The ray's start in the frame of the first vertex, moved on to where it is near the lens if that lies
+    /// ahead: to the vertex plane, or, for a ray along it or back from it, to the point nearest the
+    /// vertex. And the distance moved.
     ///
     /// Differences of products, not P + t D: from a distant object that would keep the digits of the
     /// distance, and this keeps those of the lens.
-    fn to_entry_plane(&self, ray: Ray, sense: f64) -> ([f64; 3], f64) {
+    fn to_entry(&self, ray: Ray, sense: f64) -> ([f64; 3], f64) {
         let [x, y, z] = ray.origin;
+        // The difference and what rounding took from it (D. E. Knuth, *The Art of Computer Programming* 2,
+        // section 4.2.2): a small lens far from its front vertex would feel it.
+        let (far, near) = (sense * z, sense * self.entry);
+        let z = far - near;
+        let taken = z - far;
+        let lost = (far - (z - taken)) - (near + taken);
+        let start = [x, y, z];
         let [dx, dy, dz] = ray.direction;
-        let (z, dz) = (sense * (z - self.entry), sense * dz);
-        if !(z < 0.0 && dz > 0.0) {
-            return ([x, y, z], 0.0);
-        }
-        let at = |p: f64, d: f64| difference_of_products(p, dz, z, d) / dz;
-        let (px, py) = (at(x, dx), at(y, dy));
-        let moved = [px - x, py - y, z];
-        ([px, py, 0.0], refraction::dot(moved, moved).sqrt())
+        let d = [dx, dy, sense * dz];
+        let squared = refraction::dot(d, d);
+        let entry = if z < 0.0 && d[2] > 0.0 && d[2] * d[2] > STEEP * squared {
+            let at = |p: f64, along: f64| (difference_of_products(p, d[2], z, along) - lost * along) / d[2];
+            [at(x, d[0]), at(y, d[1]), 0.0]
+        } else if refraction::dot(start, d) < 0.0 {
+            let moment = cross(start, d);
+            let moment = [moment[0] - lost * d[1], moment[1] + lost * d[0], moment[2]];
+            cross(d, moment).map(|product| product / squared)
+        } else {
+            return (start, 0.0);
+        };
+        let moved: [f64; 3] = std::array::from_fn(|i| entry[i] - start[i]);
+        (entry, refraction::dot(moved, moved).sqrt())
     }
 
     /// The ray as it leaves the lens.
@@ -238,7 +257,12 @@ impl<R: Real> Step<R> {
             Refraction::Other => refraction::other,
         };
         let incident = v.map(|component| component / self.n);
-        *v = unit_method(incident, normal, self.n, self.n_after).map(|d| d * self.n_after);
+        let after = unit_method(incident, normal, self.n, self.n_after);
+        // By its own rounding a method may see total reflection where the test above does not.
+        if !(refraction::dot(after, after) < R::from_f64(2.0)) {
+            return Err(Blocked::Reflected);
+        }
+        *v = after.map(|d| d * self.n_after);
         Ok(())
     }
 }
@@ -249,6 +273,27 @@ fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
     let product = c * d;
     let error = c.mul_add(-d, product);
     a.mul_add(b, -product) + error
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|i| {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        difference_of_products(a[j], b[k], a[k], b[j])
+    })
+}
+
+/// A vector times a power of two that keeps its products with lengths from over- and underflow.
+pub(crate) fn in_range(v: [f64; 3]) -> [f64; 3] {
+    const FAR_OUT: f64 = f64::from_bits((1023 + 400) << 52);
+    const BACK: f64 = f64::from_bits((1023 + 600) << 52);
+    let largest = v.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    if largest > FAR_OUT {
+        v.map(|x| x / BACK)
+    } else if largest < FAR_OUT.recip() {
+        v.map(|x| x * BACK)
+    } else {
+        v
+    }
 }
 
 fn unit(v: [f64; 3]) -> [f64; 3] {

@@ -109,6 +109,32 @@ pub fn seconds(time: f64) -> String {
 
 /// What the figures say, in sentences.
 pub fn sentences(results: &Results) -> Vec<String> {
+    let mut sentences = by_lens(results);
+    sentences.extend(stability(results));
+    sentences
+}
+
+/// One for each tracer.
+fn stability(results: &Results) -> Vec<String> {
+    let mut sentences: Vec<(&str, String)> = Vec::new();
+    for case in &results.stability {
+        if sentences.iter().any(|(kernel, _)| *kernel == case.kernel) {
+            continue;
+        }
+        let own = || results.stability.iter().filter(|c| c.kernel == case.kernel);
+        let (cases, failed) = (own().count(), own().filter(|c| !c.holds).count());
+        let verdict = if failed == 0 { "all hold".to_owned() } else { format!("{failed} do not hold") };
+        let ratio = own().map(|c| c.ratio).fold(0.0, f64::max);
+        let text = format!(
+            "Stability of {}: of {cases} extreme cases {verdict}; the worst error / (condition x epsilon) is {ratio:.1}.",
+            case.kernel
+        );
+        sentences.push((case.kernel, text));
+    }
+    sentences.into_iter().map(|(_, text)| text).collect()
+}
+
+fn by_lens(results: &Results) -> Vec<String> {
     results
         .lenses
         .iter()

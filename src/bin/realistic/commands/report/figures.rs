@@ -5,8 +5,10 @@ use crate::plots::chart::{Chart, Mark, Series, Shape};
 use realistic::report::irradiance;
 use realistic::report::picture;
 use realistic::report::ray_map::{Family, Measured, Spread};
+use realistic::report::stability::BOUND;
 use realistic::report::statistics::pareto_front;
-use realistic::report::suite::Results;
+use realistic::report::suite::{Results, stability_table};
+use realistic::report::table::Table;
 
 /// A chart with the name of its files.
 pub struct Figure {
@@ -28,6 +30,8 @@ pub struct Section {
     pub table: &'static str,
     /// The charts.
     pub figures: Vec<Figure>,
+    /// A table to read under them.
+    pub summary: Option<Table>,
 }
 
 /// A section as its line in the table below.
@@ -70,20 +74,19 @@ const PICTURE: &str = "RMS error of the same picture against time on one core, f
 
 /// Every section with its charts.
 pub fn all(results: &Results) -> Vec<Section> {
-    KINDS
-        .iter()
-        .map(|&(anchor, title, text, table, draw)| Section {
-            anchor,
-            title,
-            text,
-            table,
-            figures: results
-                .lenses
-                .iter()
-                .map(|lens| Figure { file: format!("{anchor}-{lens}"), chart: draw(results, lens) })
-                .collect(),
-        })
-        .collect()
+    let by_lens = KINDS.iter().map(|&(anchor, title, text, table, draw)| Section {
+        anchor,
+        title,
+        text,
+        table,
+        figures: results
+            .lenses
+            .iter()
+            .map(|lens| Figure { file: format!("{anchor}-{lens}"), chart: draw(results, lens) })
+            .collect(),
+        summary: None,
+    });
+    by_lens.chain([stability(results)]).collect()
 }
 
 const SHAPES: [Shape; 5] = [Shape::Disk, Shape::Square, Shape::Triangle, Shape::Diamond, Shape::Drop];
@@ -255,5 +258,42 @@ fn set_up(results: &Results, lens: &str) -> Chart {
         error: "direction error, rad",
         level: None,
         series: with_front(series),
+    }
+}
+
+const STABILITY: &str = "Extreme cases with known answers: a mark is a case, its error over what a perfect tracer must \
+    expect from the condition number of the case and its own rounding unit. A figure of order one, whatever the condition, is \
+    a backward stable tracer. The dotted line is the bound that the tests hold. The table has the worst of each group, \
+    the CSV every case.";
+
+fn stability(results: &Results) -> Section {
+    let mut kernels = Vec::new();
+    let mut series: Vec<Series> = Vec::new();
+    for case in &results.stability {
+        let number = rank(&mut kernels, case.kernel);
+        if number == series.len() {
+            let shape = SHAPES[number % SHAPES.len()];
+            let color = PALETTE[number % PALETTE.len()];
+            series.push(Series { name: case.kernel.to_owned(), color, shape, line: None, marks: Vec::new() });
+        }
+        let at = [case.condition, case.ratio];
+        if at.iter().all(|x| *x > 0.0) {
+            series[number].marks.push(Mark { at, reach: None, name: None, on_front: false });
+        }
+    }
+    let chart = Chart {
+        title: "all cases, all tracers".to_owned(),
+        cost: "condition number of the ray map",
+        error: "error / (condition x epsilon)",
+        level: Some((BOUND, "bound")),
+        series,
+    };
+    Section {
+        anchor: "stability",
+        title: "Stability on stiff and extreme cases",
+        text: STABILITY,
+        table: "stability",
+        figures: vec![Figure { file: "stability".to_owned(), chart }],
+        summary: Some(stability_table(&results.stability_by_group())),
     }
 }

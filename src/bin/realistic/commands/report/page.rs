@@ -3,6 +3,7 @@
 use super::conclusions::{answers, seconds, sentences};
 use super::figures::Section;
 use realistic::report::suite::{Results, Suite};
+use realistic::report::table::{Cell, Table};
 use std::fmt::Write as _;
 use std::time::Duration;
 
@@ -67,9 +68,35 @@ pub fn page(
             );
         }
         html += "</div>\n";
+        if let Some(summary) = &section.summary {
+            table(&mut html, summary);
+        }
     }
     method(&mut html, results, suite, facts, took);
     html
+}
+
+fn table(html: &mut String, table: &Table) {
+    *html += "<div class=\"wide\"><table>\n<tr>";
+    for heading in &table.columns {
+        let _ = write!(html, "<th>{}</th>", escaped(&heading.replace('_', " ")));
+    }
+    *html += "</tr>\n";
+    for row in &table.rows {
+        *html += "<tr>";
+        for cell in row {
+            let text = match cell {
+                Cell::Text(text) => escaped(text),
+                // Counts as they are, measurements to the digits that mean something.
+                Cell::Number(number) if number.fract() == 0.0 && number.abs() < 1e9 => format!("{number}"),
+                Cell::Number(number) if (0.01..1e4).contains(&number.abs()) => format!("{number:.2}"),
+                Cell::Number(number) => format!("{number:.1e}"),
+            };
+            let _ = write!(html, "<td>{text}</td>");
+        }
+        *html += "</tr>\n";
+    }
+    *html += "</table></div>\n";
 }
 
 fn conclusions(html: &mut String, results: &Results) {

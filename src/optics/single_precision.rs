@@ -1,0 +1,130 @@
+//! Which lenses single precision can trace.
+//!
+//! The limits come from the stability cases: within them the error of an f32 tracer in direction stays
+//! below 1e-4 rad away from total reflection, and ordinary lenses stay below 1e-6.
+
+use thiserror::Error;
+
+use super::{Lens, first_order::Abcd};
+
+/// Why a lens is nothing for single precision.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum Unfit {
+    /// Its squares leave the number range.
+    #[error("a length of {length:e} mm squares out of the range of f32; use f64, or scale the lens")]
+    Scale {
+        /// The length, mm.
+        length: f64,
+    },
+    /// An interface bends light by less than a thousand roundings.
+    #[error("surface {surface} steps the index by {step:e}, which f32 rounds away; use f64")]
+    IndexStep {
+        /// Counted from the scene, from 0.
+        surface: usize,
+        /// n' - n.
+        step: f64,
+    },
+    /// Rays meet the rim at grazing incidence.
+    #[error(
+        "surface {surface} is a hemisphere to 1 - {nearness:e} of its rim, where f32 loses the angle; use f64"
+    )]
+    Rim {
+        /// Counted from the scene, from 0.
+        surface: usize,
+        /// 1 - (semi-diameter/|R|)².
+        nearness: f64,
+    },
+    /// An aperture is small against what rays travel.
+    #[error(
+        "lengths differ by a factor of {ratio:e}: f32 cannot tell whether a ray passes the narrowest aperture; use f64"
+    )]
+    Lengths {
+        /// Greatest length over smallest clear semi-diameter.
+        ratio: f64,
+    },
+    /// Rounding grows on its way through.
+    #[error("the lens amplifies rounding {factor:e} times; use f64")]
+    Amplification {
+        /// Error in direction at the scene's side over the rounding's size.
+        factor: f64,
+    },
+}
+
+const LENGTHS: std::ops::RangeInclusive<f64> = 1e-15..=1e15;
+const LEAST_INDEX_STEP: f64 = 1e-4;
+const LEAST_NEARNESS: f64 = 1e-3;
+const GREATEST_RATIO: f64 = 1e4;
+const GREATEST_AMPLIFICATION: f64 = 100.0;
+
+/// Whether single precision can trace rays from the film through `lens`.
+///
+/// # Errors
+/// The first thing about it that it cannot.
+pub fn f32_is_fit(lens: &Lens) -> Result<(), Unfit> {
+    let mut narrowest = f64::INFINITY;
+    let mut longest = 0.0_f64;
+    let mut amplification = 0.0;
+    for (number, surface) in lens.surfaces.iter().enumerate() {
+        let semi_diameter = surface.semi_diameter;
+        for length in [semi_diameter, surface.thickness] {
+            if length != 0.0 && !LENGTHS.contains(&length) && (length > 1.0 || length == semi_diameter) {
+                return Err(Unfit::Scale { length });
+            }
+        }
+        let step = surface.n_film - surface.n_scene;
+        if step != 0.0 && step.abs() < LEAST_INDEX_STEP {
+            return Err(Unfit::IndexStep { surface: number, step });
+        }
+        let nearness = 1.0 - (semi_diameter * surface.curvature).powi(2);
+        if nearness < LEAST_NEARNESS {
+            return Err(Unfit::Rim { surface: number, nearness });
+        }
+        narrowest = narrowest.min(semi_diameter);
+        longest = longest.max(semi_diameter).max(surface.thickness);
+        // A disturbance of 1 in slope and of the semi-diameter in height here, carried to the scene.
+        let matrix = Abcd::in_front_of(lens, number);
+        amplification += (matrix.c * semi_diameter).powi(2) + matrix.a.powi(2);
+    }
+    let (ratio, factor) = (longest / narrowest, amplification.sqrt());
+    if ratio > GREATEST_RATIO {
+        return Err(Unfit::Lengths { ratio });
+    }
+    if !(factor <= GREATEST_AMPLIFICATION) {
+        return Err(Unfit::Amplification { factor });
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::prescription::catalogue;
+
+    fn lens(name: &str, factor: f64) -> Lens {
+        Lens::at_d_line(&catalogue::find(name).expect("in the catalogue").scaled(factor))
+    }
+
+    #[test]
+    fn single_precision_is_fit_for_the_catalogue_at_any_sensible_size() {
+        for name in catalogue::names() {
+            for factor in [1e-6, 1.0, 1e6] {
+                assert_eq!(f32_is_fit(&lens(name, factor)), Ok(()), "{name} x {factor}");
+            }
+        }
+    }
+
+    #[test]
+    fn each_rule_refuses_what_it_is_for() {
+        let mut tiny = lens("dgauss.50mm", 1e-20);
+        assert!(matches!(f32_is_fit(&tiny), Err(Unfit::Scale { .. })));
+        tiny = lens("dgauss.50mm", 1.0);
+        tiny.surfaces[5].semi_diameter = 1e-4;
+        assert!(matches!(f32_is_fit(&tiny), Err(Unfit::Lengths { .. })));
+        let mut rim = lens("dgauss.50mm", 1.0);
+        rim.surfaces[0].semi_diameter = rim.surfaces[0].radius;
+        assert!(matches!(f32_is_fit(&rim), Err(Unfit::Rim { surface: 0, .. })));
+        let mut weak = lens("dgauss.50mm", 1.0);
+        weak.surfaces[0].n_film = 1.0 + 1e-6;
+        assert!(matches!(f32_is_fit(&weak), Err(Unfit::IndexStep { surface: 0, .. })));
+    }
+}
