@@ -263,8 +263,11 @@ fn set_up(results: &Results, lens: &str) -> Chart {
 
 const STABILITY: &str = "Extreme cases with known answers: a mark is a case, its error over what a perfect tracer must \
     expect from the condition number of the case and its own rounding unit. A figure of order one, whatever the condition, is \
-    a backward stable tracer. The dotted line is the bound that the tests hold. The table has the worst of each group, \
+    a backward stable tracer; what is below 1e-6, or exact, stands there. The dotted line is the bound that the tests hold. The table has the worst of each group, \
     the CSV every case.";
+
+/// Ratios below this are shown as this.
+const EXACT: f64 = 1e-6;
 
 fn stability(results: &Results) -> Section {
     let mut kernels = Vec::new();
@@ -276,10 +279,8 @@ fn stability(results: &Results) -> Section {
             let color = PALETTE[number % PALETTE.len()];
             series.push(Series { name: case.kernel.to_owned(), color, shape, line: None, marks: Vec::new() });
         }
-        let at = [case.condition, case.ratio];
-        if at.iter().all(|x| *x > 0.0) {
-            series[number].marks.push(Mark { at, reach: None, name: None, on_front: false });
-        }
+        let at = [case.condition, case.ratio.max(EXACT)];
+        series[number].marks.push(Mark { at, reach: None, name: None, on_front: false });
     }
     let chart = Chart {
         title: "all cases, all tracers".to_owned(),
