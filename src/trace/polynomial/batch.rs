@@ -52,6 +52,18 @@ pub struct PolynomialBatch<R> {
     curvature: R,
 }
 
+/// An expression in every lane. A loop and no closure: closures do not take on the vector units of the function
+/// that they stand in, and are then called lane by lane.
+macro_rules! each {
+    ($lane:ident, $value:expr) => {{
+        let mut all = [R::ZERO; L];
+        for $lane in 0..L {
+            all[$lane] = $value;
+        }
+        all
+    }};
+}
+
 /// One group of lanes: film x, y and slopes in, position and direction out.
 type Inputs<R, const L: usize> = [[R; L]; 4];
 type Outputs<R, const L: usize> = [[R; L]; 6];
@@ -73,27 +85,26 @@ impl<R: Fused> PolynomialBatch<R> {
     #[inline(always)]
     fn lanes<const L: usize, const FUSED: bool>(&self, [x, y, sx, sy]: &Inputs<R, L>) -> Outputs<R, L> {
         let (one, two) = (R::ONE, R::from_f64(2.0));
-        let each = |f: &dyn Fn(usize) -> R| -> [R; L] { std::array::from_fn(f) };
-        let px = each(&|i| (sx[i] + self.vergence * x[i]) * self.pupil_scale);
-        let py = each(&|i| (sy[i] + self.vergence * y[i]) * self.pupil_scale);
-        let x = each(&|i| x[i] * self.film_scale);
-        let y = each(&|i| y[i] * self.film_scale);
-        let u = each(&|i| two * (x[i] * x[i] + y[i] * y[i]) - one);
-        let v = each(&|i| x[i] * px[i] + y[i] * py[i]);
-        let w = each(&|i| two * (px[i] * px[i] + py[i] * py[i]) - one);
+        let px = each!(i, (sx[i] + self.vergence * x[i]) * self.pupil_scale);
+        let py = each!(i, (sy[i] + self.vergence * y[i]) * self.pupil_scale);
+        let x = each!(i, x[i] * self.film_scale);
+        let y = each!(i, y[i] * self.film_scale);
+        let u = each!(i, two * (x[i] * x[i] + y[i] * y[i]) - one);
+        let v = each!(i, x[i] * px[i] + y[i] * py[i]);
+        let w = each!(i, two * (px[i] * px[i] + py[i] * py[i]) - one);
         let [a, b, c, d] = sum::<R, L, FUSED>(&self.terms, self.degree, [&u, &v, &w]);
-        let ox = each(&|i| a[i] * x[i] + b[i] * px[i]);
-        let oy = each(&|i| a[i] * y[i] + b[i] * py[i]);
-        let qx = each(&|i| c[i] * x[i] + d[i] * px[i]);
-        let qy = each(&|i| c[i] * y[i] + d[i] * py[i]);
-        let oz = each(&|i| {
+        let ox = each!(i, a[i] * x[i] + b[i] * px[i]);
+        let oy = each!(i, a[i] * y[i] + b[i] * py[i]);
+        let qx = each!(i, c[i] * x[i] + d[i] * px[i]);
+        let qy = each!(i, c[i] * y[i] + d[i] * py[i]);
+        let oz = each!(i, {
             let h = ox[i] * ox[i] + oy[i] * oy[i];
             let inside = one - self.curvature * self.curvature * h;
             let root = if inside > R::ZERO { inside.sqrt() } else { R::ZERO };
             -self.curvature * h / (one + root)
         });
-        let scale = each(&|i| two / (one + qx[i] * qx[i] + qy[i] * qy[i]));
-        [ox, oy, oz, each(&|i| qx[i] * scale[i]), each(&|i| qy[i] * scale[i]), each(&|i| scale[i] - one)]
+        let scale = each!(i, two / (one + qx[i] * qx[i] + qy[i] * qy[i]));
+        [ox, oy, oz, each!(i, qx[i] * scale[i]), each!(i, qy[i] * scale[i]), each!(i, scale[i] - one)]
     }
 
     #[inline(always)]
@@ -102,11 +113,10 @@ impl<R: Fused> PolynomialBatch<R> {
         let columns = [&film.position[0], &film.position[1], &film.direction[0], &film.direction[1]];
         for start in (0..count).step_by(L) {
             let take = L.min(count - start);
-            let inputs: Inputs<R, L> = if take == L {
-                columns.map(|column| column[start..start + L].try_into().expect("a whole group"))
-            } else {
-                columns.map(|column| std::array::from_fn(|i| column[start + i.min(take - 1)]))
-            };
+            let mut inputs: Inputs<R, L> = [[R::ZERO; L]; 4];
+            for (lanes, column) in inputs.iter_mut().zip(columns) {
+                lanes[..take].copy_from_slice(&column[start..start + take]);
+            }
             let outputs = self.lanes::<L, FUSED>(&inputs);
             let targets = out.position.iter_mut().chain(&mut out.direction);
             for (target, lanes) in targets.zip(&outputs) {

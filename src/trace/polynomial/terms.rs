@@ -54,11 +54,17 @@ pub(super) fn sum<R: Fused, const L: usize, const FUSED: bool>(
         for j in (0..=degree - i).rev() {
             let mut in_w = zero;
             for term in terms.by_ref().take(degree - i - j + 1) {
-                (0..4).for_each(|p| step::<R, L, FUSED>(&mut in_w[p], w, &[term[p]; L]));
+                for p in 0..4 {
+                    step::<R, L, FUSED>(&mut in_w[p], w, &[term[p]; L]);
+                }
             }
-            (0..4).for_each(|p| step::<R, L, FUSED>(&mut in_v[p], v, &in_w[p]));
+            for p in 0..4 {
+                step::<R, L, FUSED>(&mut in_v[p], v, &in_w[p]);
+            }
         }
-        (0..4).for_each(|p| step::<R, L, FUSED>(&mut whole[p], u, &in_v[p]));
+        for p in 0..4 {
+            step::<R, L, FUSED>(&mut whole[p], u, &in_v[p]);
+        }
     }
     whole
 }
