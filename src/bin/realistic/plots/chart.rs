@@ -174,7 +174,7 @@ impl Chart {
         let marks: Vec<_> = named.iter().map(|(_, at, _)| *at).collect();
         let sizes: Vec<_> = named.iter().map(|(.., name)| [text_width(name, SIZE), LINE]).collect();
         for ((series, at, name), area) in named.iter().zip(beside(&marks, &sizes, frame, &obstacles)) {
-            let nearest = [0, 1].map(|i| at[i].clamp(area.from[i], area.to[i]));
+            let nearest = area.nearest(*at);
             let distance = ((nearest[0] - at[0]).powi(2) + (nearest[1] - at[1]).powi(2)).sqrt();
             if distance > 16.0 {
                 page.line([*at, nearest], Stroke { opacity: 0.6, ..Stroke::new(series.color, 0.8) });

@@ -26,6 +26,11 @@ impl Area {
         side(0) * side(1)
     }
 
+    /// The point of this area nearest to another.
+    pub fn nearest(&self, point: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|i| point[i].clamp(self.from[i], self.to[i]))
+    }
+
     fn outside(&self, frame: &Self) -> f64 {
         let area = (self.to[0] - self.from[0]) * (self.to[1] - self.from[1]);
         area - self.overlap(frame)
@@ -33,14 +38,25 @@ impl Area {
 }
 
 /// Distances from a mark that are tried, pixels.
-const RINGS: [f64; 8] = [8.0, 14.0, 22.0, 34.0, 48.0, 64.0, 84.0, 110.0];
+const RINGS: [f64; 11] = [8.0, 14.0, 22.0, 34.0, 48.0, 64.0, 84.0, 110.0, 140.0, 175.0, 215.0];
 /// Directions that are tried, to the right first.
 const TURNS: u32 = 24;
 
+/// Small areas along the line from a mark to its name, without what lies within the mark.
+fn leader(mark: [f64; 2], place: &Area) -> Vec<Area> {
+    let end = place.nearest(mark);
+    let length = ((end[0] - mark[0]).powi(2) + (end[1] - mark[1]).powi(2)).sqrt();
+    let steps = (length / 3.0) as usize;
+    let at = |step: usize| [0, 1].map(|i| mark[i] + (end[i] - mark[i]) * step as f64 / steps as f64);
+    (4..steps).map(|step| Area::about(at(step), [2.0, 2.0])).collect()
+}
+
 /// Where names of the given sizes go that belong to `marks`, inside `frame` and clear of `obstacles`: the
-/// nearest free place each, in their order.
+/// nearest free place each, in their order, no name across the line between another and its mark where
+/// there is room.
 pub fn beside(marks: &[[f64; 2]], sizes: &[[f64; 2]], frame: Area, obstacles: &[Area]) -> Vec<Area> {
     let mut taken = obstacles.to_vec();
+    let mut lines: Vec<Area> = Vec::new();
     let mut places = Vec::new();
     for (mark, size) in marks.iter().zip(sizes) {
         let candidates =
@@ -52,7 +68,13 @@ pub fn beside(marks: &[[f64; 2]], sizes: &[[f64; 2]], frame: Area, obstacles: &[
                 Area::about([side(0, cos), side(1, sin)], *size)
             });
         let cost = |place: &Area| {
-            place.outside(&frame) + taken.iter().map(|other| place.overlap(other)).sum::<f64>()
+            let names = places
+                .iter()
+                .flat_map(|name: &Area| leader(*mark, place).into_iter().map(|dot| dot.overlap(name)));
+            let texts: f64 = taken.iter().map(|other| place.overlap(other)).sum();
+            let crossed: f64 = lines.iter().map(|line| place.overlap(line)).chain(names).sum();
+            // Where not everything can be had, rather a line across a name than a name over a name.
+            100.0 * (place.outside(&frame) + texts) + crossed
         };
         let mut best = (f64::INFINITY, Area::about(*mark, *size));
         for place in candidates {
@@ -64,6 +86,7 @@ pub fn beside(marks: &[[f64; 2]], sizes: &[[f64; 2]], frame: Area, obstacles: &[
                 break;
             }
         }
+        lines.extend(leader(*mark, &best.1));
         taken.push(best.1);
         places.push(best.1);
     }

@@ -25,7 +25,7 @@ pub fn answers(results: &Results) -> Vec<Answer> {
         answers.push(Answer { need, by_lens: results.lenses.iter().map(|lens| of(lens)).collect() });
     };
     for pixels in PIXELS {
-        answer(format!("a ray within {pixels} pixels, 99.9 %"), &|lens| {
+        answer(format!("a ray within {pixels} pixel, 99.9 %"), &|lens| {
             fastest(results, lens, |m| m.pixels.most <= pixels)
         });
     }

@@ -279,8 +279,11 @@ fn stability(results: &Results) -> Section {
             let color = PALETTE[number % PALETTE.len()];
             series.push(Series { name: case.kernel.to_owned(), color, shape, line: None, marks: Vec::new() });
         }
-        let at = [case.condition, case.ratio.max(EXACT)];
-        series[number].marks.push(Mark { at, reach: None, name: None, on_front: false });
+        // What is judged by rays without number has no condition number; it is in the table.
+        if case.condition > 0.0 {
+            let at = [case.condition, case.ratio.max(EXACT)];
+            series[number].marks.push(Mark { at, reach: None, name: None, on_front: false });
+        }
     }
     let chart = Chart {
         title: "all cases, all tracers".to_owned(),
