@@ -23,6 +23,7 @@ mod parameters;
 mod placement;
 mod projective;
 mod pupil_disk;
+pub mod ray_set;
 mod realistic;
 mod setup;
 mod shutter;

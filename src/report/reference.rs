@@ -130,10 +130,23 @@ impl ExactRay {
         distance([point[0], point[1], point[2] - vertex], self.point)
     }
 
+    /// Distance in mm of this point from the line of a ray in lens space with a unit direction, for models whose
+    /// rays start elsewhere. This ray is one toward the scene, its last vertex the lens's first, z = 0.
+    pub fn distance_from_line(&self, ray: &Ray) -> f64 {
+        let origin = ray.origin.map(DoubleDouble::from_f64);
+        let offset = [0, 1, 2].map(|i| self.point[i] - origin[i]);
+        let moment = cross(offset, ray.direction.map(DoubleDouble::from_f64));
+        distance(moment, [DoubleDouble::ZERO; 3])
+    }
+
     /// Angle in rad between this direction and a unit vector.
     pub fn direction_error(&self, ray: &Ray) -> f64 {
         distance(ray.direction.map(DoubleDouble::from_f64), self.direction)
     }
+}
+
+fn cross(a: [DoubleDouble; 3], b: [DoubleDouble; 3]) -> [DoubleDouble; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 fn distance(a: [DoubleDouble; 3], b: [DoubleDouble; 3]) -> f64 {

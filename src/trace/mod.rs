@@ -8,6 +8,7 @@
 mod clearance;
 pub mod kernel;
 mod path;
+pub mod polynomial;
 mod real;
 mod walk;
 

@@ -6,8 +6,12 @@ mod commands;
 mod drawing;
 mod failure;
 mod host;
+#[cfg(feature = "report")]
+mod plots;
 
 use clap::{Parser, Subcommand};
+#[cfg(feature = "report")]
+use commands::report;
 use commands::{disks, draw, focus, focus_stack, install, lens, pupil, render, trace};
 use failure::Failure;
 use std::io::Write;
@@ -51,6 +55,9 @@ enum Command {
     Disks(disks::Args),
     /// Copy the plugin into a renderer's plugin directory
     Install(install::Args),
+    /// Measure error against run time and write a folder with a page, plots and tables
+    #[cfg(feature = "report")]
+    Report(report::Args),
 }
 
 fn main() -> ExitCode {
@@ -76,6 +83,8 @@ fn main() -> ExitCode {
         Some(Command::FocusStack(args)) => focus_stack::run(args),
         Some(Command::Disks(args)) => disks::run(args),
         Some(Command::Install(args)) => install::run(args),
+        #[cfg(feature = "report")]
+        Some(Command::Report(args)) => report::run(args),
     };
     outcome.map_or_else(Failure::report, |()| ExitCode::SUCCESS)
 }

@@ -8,4 +8,6 @@ pub mod install;
 pub mod lens;
 pub mod pupil;
 pub mod render;
+#[cfg(feature = "report")]
+pub mod report;
 pub mod trace;

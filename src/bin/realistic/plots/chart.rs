@@ -1,0 +1,262 @@
+//! A log-log chart: cost to the right, error upward, names at the marks or at the lines' ends.
+
+use super::axis::Scale;
+use super::placement::{Area, beside};
+use crate::drawing::labels::spread;
+use crate::drawing::shapes::{Anchor, Page, Stroke, text_width};
+use crate::drawing::{FAINT, INK};
+use svg::Document;
+
+/// The form of a mark.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shape {
+    /// A disk.
+    Disk,
+    /// A square.
+    Square,
+    /// A triangle.
+    Triangle,
+    /// A square on its corner.
+    Diamond,
+    /// A triangle on its corner.
+    Drop,
+}
+
+/// A point of a series.
+#[derive(Clone, Debug)]
+pub struct Mark {
+    /// Cost and error.
+    pub at: [f64; 2],
+    /// Errors between which a thin line shows the spread.
+    pub reach: Option<[f64; 2]>,
+    /// The name beside it.
+    pub name: Option<String>,
+    /// Filled: on the Pareto front.
+    pub on_front: bool,
+}
+
+/// Marks that belong together.
+#[derive(Clone, Debug)]
+pub struct Series {
+    /// What it is; written at the line's end where it is a line.
+    pub name: String,
+    /// Colour.
+    pub color: &'static str,
+    /// Form of its marks.
+    pub shape: Shape,
+    /// Joined by a line, of these dashes.
+    pub line: Option<&'static str>,
+    /// By rising cost.
+    pub marks: Vec<Mark>,
+}
+
+/// A chart.
+#[derive(Clone, Debug)]
+pub struct Chart {
+    /// Above everything.
+    pub title: String,
+    /// What is to the right, with its unit.
+    pub cost: &'static str,
+    /// What is upward, with its unit.
+    pub error: &'static str,
+    /// A line across at this error, with its name.
+    pub level: Option<(f64, &'static str)>,
+    /// What is drawn.
+    pub series: Vec<Series>,
+}
+
+const WIDTH: f64 = 680.0;
+const HEIGHT: f64 = 540.0;
+const SIZE: f64 = 14.0;
+const SMALL: f64 = 12.0;
+const LINE: f64 = 17.0;
+const LEFT: f64 = 70.0;
+const TOP: f64 = 62.0;
+
+impl Chart {
+    /// Draws it.
+    pub fn draw(&self) -> Document {
+        let lines: Vec<&Series> =
+            self.series.iter().filter(|s| s.line.is_some() && !s.marks.is_empty()).collect();
+        let beside_lines = lines.iter().map(|s| text_width(&s.name, SIZE)).fold(0.0, f64::max);
+        let right = WIDTH - if lines.is_empty() { 24.0 } else { beside_lines + 34.0 };
+        let keys: Vec<&Series> =
+            self.series.iter().filter(|s| s.line.is_none() && !s.marks.is_empty()).collect();
+        let key_rows = key_rows(&keys, right - LEFT);
+        let bottom = HEIGHT - 56.0 - LINE * key_rows.len() as f64;
+        let marks = || self.series.iter().flat_map(|s| &s.marks);
+        let x = Scale::around(marks().map(|m| m.at[0]), [LEFT, right]);
+        let errors = marks().flat_map(|m| [m.at[1]].into_iter().chain(m.reach.into_iter().flatten()));
+        let y = Scale::around(errors.chain(self.level.map(|(at, _)| at)), [bottom, TOP]);
+        let frame = Area { from: [LEFT, TOP], to: [right, bottom] };
+
+        let mut page = Page::new(WIDTH, HEIGHT);
+        page.text(&self.title, [LEFT, 24.0], 17.0, Anchor::Start, INK);
+        page.text(self.error, [12.0, TOP - 14.0], SIZE, Anchor::Start, INK);
+        let middle = f64::midpoint(LEFT, right);
+        page.text(self.cost, [middle, bottom + 42.0], SIZE, Anchor::Middle, INK);
+        grid(&mut page, x, y);
+        let mut obstacles = self.front(&mut page, x, y, right);
+        if let Some((at, name)) = self.level {
+            let (at, width) = (y.place(at), text_width(name, SMALL));
+            page.line([[LEFT, at], [right, at]], Stroke::new(FAINT, 1.5).dashed("2 4"));
+            page.text(name, [right - width, at - 5.0], SMALL, Anchor::Start, FAINT);
+            obstacles.push(Area { from: [right - width, at - SMALL - 4.0], to: [right, at] });
+        }
+        let place = |m: &Mark| [x.place(m.at[0]), y.place(m.at[1])];
+        for series in &self.series {
+            if let Some(dashes) = series.line {
+                page.line(series.marks.iter().map(place), Stroke::new(series.color, 2.0).dashed(dashes));
+            }
+            for mark in &series.marks {
+                if let Some([low, high]) = mark.reach {
+                    let at = x.place(mark.at[0]);
+                    page.line([[at, y.place(low)], [at, y.place(high)]], Stroke::new(series.color, 1.2));
+                }
+                symbol(&mut page, series, place(mark), mark.on_front);
+            }
+        }
+        self.names(&mut page, &place, y, frame, obstacles);
+        line_ends(&mut page, &lines, &place, frame);
+        for (row, keys) in key_rows.iter().enumerate() {
+            let at = bottom + 42.0 + LINE * (row as f64 + 1.0) + 3.0;
+            for (left, series) in keys {
+                symbol(&mut page, series, [LEFT + left + 6.0, at - 5.0], true);
+                page.text(&series.name, [LEFT + left + 16.0, at], SIZE, Anchor::Start, INK);
+            }
+        }
+        page.finish()
+    }
+
+    /// Draws the Pareto front of the marks on it as a staircase, and says where it is.
+    fn front(&self, page: &mut Page, x: Scale, y: Scale, right: f64) -> Vec<Area> {
+        let mut front: Vec<[f64; 2]> =
+            self.series.iter().flat_map(|s| &s.marks).filter(|m| m.on_front).map(|m| m.at).collect();
+        front.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let mut corners: Vec<[f64; 2]> = Vec::new();
+        for at in front {
+            let [px, py] = [x.place(at[0]), y.place(at[1])];
+            if let Some(&[_, above]) = corners.last() {
+                corners.push([px, above]);
+            }
+            corners.push([px, py]);
+        }
+        if let Some(&[_, last]) = corners.last() {
+            corners.push([right, last]);
+            page.line(corners.iter().copied(), Stroke { opacity: 0.55, ..Stroke::new(FAINT, 5.0) });
+        }
+        let piece = |pair: &[[f64; 2]]| Area {
+            from: [0, 1].map(|i| pair[0][i].min(pair[1][i]) - 3.0),
+            to: [0, 1].map(|i| pair[0][i].max(pair[1][i]) + 3.0),
+        };
+        corners.windows(2).map(piece).collect()
+    }
+
+    /// The names of single marks.
+    fn names(
+        &self,
+        page: &mut Page,
+        place: &dyn Fn(&Mark) -> [f64; 2],
+        y: Scale,
+        frame: Area,
+        mut obstacles: Vec<Area>,
+    ) {
+        let all = self.series.iter().flat_map(|s| s.marks.iter().map(move |m| (s, m)));
+        for (_, mark) in all.clone() {
+            let [px, py] = place(mark);
+            obstacles.push(Area::about([px, py], [14.0, 14.0]));
+            if let Some(reach) = mark.reach {
+                let [low, high] = reach.map(|error| y.place(error));
+                obstacles.push(Area { from: [px - 2.0, high.min(low)], to: [px + 2.0, high.max(low)] });
+            }
+        }
+        let named: Vec<_> = all.filter_map(|(s, m)| Some((s, place(m), m.name.as_deref()?))).collect();
+        let marks: Vec<_> = named.iter().map(|(_, at, _)| *at).collect();
+        let sizes: Vec<_> = named.iter().map(|(.., name)| [text_width(name, SIZE), LINE]).collect();
+        for ((series, at, name), area) in named.iter().zip(beside(&marks, &sizes, frame, &obstacles)) {
+            let nearest = area.nearest(*at);
+            let distance = ((nearest[0] - at[0]).powi(2) + (nearest[1] - at[1]).powi(2)).sqrt();
+            if distance > 16.0 {
+                page.line([*at, nearest], Stroke { opacity: 0.6, ..Stroke::new(series.color, 0.8) });
+            }
+            page.text(name, [area.center()[0], area.to[1] - 5.0], SIZE, Anchor::Middle, series.color);
+        }
+    }
+}
+
+/// Ticks, labels and faint lines.
+fn grid(page: &mut Page, x: Scale, y: Scale) {
+    let [left, right] = x.pixels;
+    let [bottom, top] = y.pixels;
+    let faint =
+        |strong: bool| Stroke { opacity: if strong { 0.35 } else { 0.12 }, ..Stroke::new(FAINT, 1.0) };
+    for tick in x.ticks(58.0) {
+        let at = x.place(tick.value);
+        page.line([[at, bottom], [at, top]], faint(tick.label.is_some()));
+        if let Some(label) = tick.label {
+            page.text(&label, [at, bottom + 19.0], SIZE, Anchor::Middle, INK);
+        }
+    }
+    for tick in y.ticks(30.0) {
+        let at = y.place(tick.value);
+        page.line([[left, at], [right, at]], faint(tick.label.is_some()));
+        if let Some(label) = tick.label {
+            page.text(&label, [left - 30.0, at + 5.0], SIZE, Anchor::Middle, INK);
+        }
+    }
+    page.line([[left, top], [left, bottom], [right, bottom]], Stroke::new(INK, 1.2));
+}
+
+/// Names at the ends of lines, in the margin.
+fn line_ends(page: &mut Page, lines: &[&Series], place: &dyn Fn(&Mark) -> [f64; 2], frame: Area) {
+    let mut ends: Vec<_> =
+        lines.iter().filter_map(|series| Some((*series, place(series.marks.last()?)))).collect();
+    ends.sort_by(|a, b| a.1[1].total_cmp(&b.1[1]));
+    let anchors: Vec<f64> = ends.iter().map(|(_, at)| at[1]).collect();
+    // The gap that `spread` keeps is most of a line's height.
+    let heights = vec![LINE - 14.0; ends.len()];
+    let places = spread(&anchors, &heights, [frame.from[1], frame.to[1]]);
+    for ((series, at), y) in ends.iter().zip(places) {
+        let text = frame.to[0] + 24.0;
+        page.line(
+            [*at, [frame.to[0], at[1]], [text - 4.0, y]],
+            Stroke { opacity: 0.5, ..Stroke::new(series.color, 0.8) },
+        );
+        page.text(&series.name, [text, y + 5.0], SIZE, Anchor::Start, series.color);
+    }
+}
+
+/// The key's entries in rows of at most `width` pixels, each with its left edge.
+fn key_rows<'a>(series: &[&'a Series], width: f64) -> Vec<Vec<(f64, &'a Series)>> {
+    let mut rows: Vec<Vec<(f64, &Series)>> = Vec::new();
+    let mut left = f64::INFINITY;
+    for &entry in series {
+        let own = text_width(&entry.name, SIZE) + 30.0;
+        if left + own > width {
+            rows.push(Vec::new());
+            left = 0.0;
+        }
+        if let Some(row) = rows.last_mut() {
+            row.push((left, entry));
+        }
+        left += own;
+    }
+    rows
+}
+
+/// A mark, filled or hollow.
+fn symbol(page: &mut Page, series: &Series, [x, y]: [f64; 2], filled: bool) {
+    let r = 5.0;
+    let corners: Vec<[f64; 2]> = match series.shape {
+        Shape::Disk => (0..16)
+            .map(|i| f64::from(i) * std::f64::consts::TAU / 16.0)
+            .map(|a| [r * a.cos(), r * a.sin()])
+            .collect(),
+        Shape::Square => vec![[-r, -r], [r, -r], [r, r], [-r, r]],
+        Shape::Triangle => vec![[0.0, -1.2 * r], [1.15 * r, 0.9 * r], [-1.15 * r, 0.9 * r]],
+        Shape::Diamond => vec![[0.0, -1.3 * r], [1.3 * r, 0.0], [0.0, 1.3 * r], [-1.3 * r, 0.0]],
+        Shape::Drop => vec![[0.0, 1.2 * r], [1.15 * r, -0.9 * r], [-1.15 * r, -0.9 * r]],
+    };
+    let fill = if filled { series.color } else { "white" };
+    page.area(corners.iter().map(|[dx, dy]| [x + dx, y + dy]), fill, Stroke::new(series.color, 1.6));
+}

@@ -1,0 +1,11 @@
+//! Work-precision diagrams: log-log charts, every mark or line with its name beside it.
+//!
+//! [`axis`] has scales and ticks, [`placement`] keeps names apart, [`chart`] draws.
+
+pub mod axis;
+pub mod chart;
+pub mod placement;
+
+/// Colours that stay apart for every kind of colour vision, darkest first (M. Okabe and K. Ito, "Color
+/// Universal Design", 2008; their yellow and light blue are too faint for lines on white).
+pub const PALETTE: [&str; 6] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#000000", "#E69F00"];

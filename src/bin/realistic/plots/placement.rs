@@ -1,0 +1,122 @@
+//! Names beside their marks, none over another or over a mark.
+
+/// A rectangle on the page: left, top, right, bottom.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Area {
+    /// Left and top.
+    pub from: [f64; 2],
+    /// Right and bottom.
+    pub to: [f64; 2],
+}
+
+impl Area {
+    /// About a centre.
+    pub fn about([x, y]: [f64; 2], [width, height]: [f64; 2]) -> Self {
+        Self { from: [x - width / 2.0, y - height / 2.0], to: [x + width / 2.0, y + height / 2.0] }
+    }
+
+    /// Its centre.
+    pub fn center(&self) -> [f64; 2] {
+        [0, 1].map(|i| f64::midpoint(self.from[i], self.to[i]))
+    }
+
+    /// The area that both cover.
+    pub fn overlap(&self, other: &Self) -> f64 {
+        let side = |i: usize| (self.to[i].min(other.to[i]) - self.from[i].max(other.from[i])).max(0.0);
+        side(0) * side(1)
+    }
+
+    /// The point of this area nearest to another.
+    pub fn nearest(&self, point: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|i| point[i].clamp(self.from[i], self.to[i]))
+    }
+
+    fn outside(&self, frame: &Self) -> f64 {
+        let area = (self.to[0] - self.from[0]) * (self.to[1] - self.from[1]);
+        area - self.overlap(frame)
+    }
+}
+
+/// Distances from a mark that are tried, pixels.
+const RINGS: [f64; 11] = [8.0, 14.0, 22.0, 34.0, 48.0, 64.0, 84.0, 110.0, 140.0, 175.0, 215.0];
+/// Directions that are tried, to the right first.
+const TURNS: u32 = 24;
+
+/// Small areas along the line from a mark to its name, without what lies within the mark.
+fn leader(mark: [f64; 2], place: &Area) -> Vec<Area> {
+    let end = place.nearest(mark);
+    let length = ((end[0] - mark[0]).powi(2) + (end[1] - mark[1]).powi(2)).sqrt();
+    let steps = (length / 3.0) as usize;
+    let at = |step: usize| [0, 1].map(|i| mark[i] + (end[i] - mark[i]) * step as f64 / steps as f64);
+    (4..steps).map(|step| Area::about(at(step), [2.0, 2.0])).collect()
+}
+
+/// Where names of the given sizes go that belong to `marks`, inside `frame` and clear of `obstacles`: the
+/// nearest free place each, in their order, no name across the line between another and its mark where
+/// there is room.
+pub fn beside(marks: &[[f64; 2]], sizes: &[[f64; 2]], frame: Area, obstacles: &[Area]) -> Vec<Area> {
+    let mut taken = obstacles.to_vec();
+    let mut lines: Vec<Area> = Vec::new();
+    let mut places = Vec::new();
+    for (mark, size) in marks.iter().zip(sizes) {
+        let candidates =
+            RINGS.iter().flat_map(|ring| (0..TURNS).map(move |turn| (ring, turn))).map(|(ring, turn)| {
+                // 0, 1, -1, 2, -2, ...: right, then away from it to both sides.
+                let turn = if turn % 2 == 0 { f64::from(turn / 2) } else { -f64::from(turn / 2 + 1) };
+                let (sin, cos) = (turn * std::f64::consts::TAU / f64::from(TURNS)).sin_cos();
+                let side = |i: usize, part: f64| mark[i] + part * (ring + size[i] / 2.0);
+                Area::about([side(0, cos), side(1, sin)], *size)
+            });
+        let cost = |place: &Area| {
+            let names = places
+                .iter()
+                .flat_map(|name: &Area| leader(*mark, place).into_iter().map(|dot| dot.overlap(name)));
+            let texts: f64 = taken.iter().map(|other| place.overlap(other)).sum();
+            let crossed: f64 = lines.iter().map(|line| place.overlap(line)).chain(names).sum();
+            // Where not everything can be had, rather a line across a name than a name over a name.
+            100.0 * (place.outside(&frame) + texts) + crossed
+        };
+        let mut best = (f64::INFINITY, Area::about(*mark, *size));
+        for place in candidates {
+            let cost = cost(&place);
+            if cost < best.0 {
+                best = (cost, place);
+            }
+            if cost <= 0.0 {
+                break;
+            }
+        }
+        lines.extend(leader(*mark, &best.1));
+        taken.push(best.1);
+        places.push(best.1);
+    }
+    places
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn twenty_names_about_one_place_are_all_readable() {
+        let frame = Area { from: [0.0, 0.0], to: [600.0, 400.0] };
+        let marks: Vec<_> =
+            (0..20).map(|i| [300.0 + f64::from(i % 5) * 9.0, 200.0 + f64::from(i / 5) * 7.0]).collect();
+        let obstacles: Vec<_> = marks.iter().map(|mark| Area::about(*mark, [8.0, 8.0])).collect();
+        let places = beside(&marks, &[[80.0, 16.0]; 20], frame, &obstacles);
+        for (i, place) in places.iter().enumerate() {
+            assert!(place.outside(&frame) < 1e-9, "{place:?}");
+            assert!(obstacles.iter().all(|mark| place.overlap(mark) < 1e-9), "{place:?}");
+            assert!(places[..i].iter().all(|other| place.overlap(other) < 1e-9), "{place:?}");
+        }
+    }
+
+    #[test]
+    fn a_lone_name_stands_to_the_right_and_at_the_frame_turns_inward() {
+        let frame = Area { from: [0.0, 0.0], to: [200.0, 100.0] };
+        let lone = |mark| beside(&[mark], &[[60.0, 14.0]], frame, &[Area::about(mark, [6.0, 6.0])])[0];
+        assert_eq!(lone([50.0, 50.0]).center()[1], 50.0);
+        assert!(lone([50.0, 50.0]).from[0] >= 55.0);
+        assert!(lone([190.0, 50.0]).to[0] <= 200.0);
+    }
+}

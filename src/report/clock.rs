@@ -1,0 +1,40 @@
+//! The clock of run times: how long this thread has had a processor.
+//!
+//! Where nothing else wants the processor that is wall time; elsewhere it leaves out what others
+//! took.
+
+use std::time::Duration;
+
+/// Processor time of this thread since some fixed moment.
+#[cfg(target_os = "linux")]
+pub fn now() -> Duration {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    Duration::new(time.tv_sec.unsigned_abs(), time.tv_nsec as u32)
+}
+
+/// Wall time since some fixed moment.
+#[cfg(not(target_os = "linux"))]
+pub fn now() -> Duration {
+    static START: std::sync::OnceLock<std::time::Instant> = std::sync::OnceLock::new();
+    START.get_or_init(std::time::Instant::now).elapsed()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Instant;
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn sleep_is_not_counted_and_work_is() {
+        let (wall, start) = (Instant::now(), now());
+        std::thread::sleep(Duration::from_millis(30));
+        assert!(now() - start < wall.elapsed());
+        let before = now();
+        let mut sum = 0_u64;
+        while now() == before {
+            sum = std::hint::black_box(sum + 1);
+        }
+        assert!(now() > before);
+    }
+}

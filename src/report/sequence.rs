@@ -1,0 +1,239 @@
+//! Sample numbers in the unit cube, four ways, by which the estimators are compared.
+
+/// How many numbers a sample has at the most: two for the lens, two for the pixel.
+pub const DIMENSIONS: usize = 4;
+
+/// A way to place samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sequence {
+    /// Independent random numbers.
+    Random,
+    /// Every pair of numbers jittered in its own square strata, the pairs shuffled against each other;
+    /// random where the count is no square number.
+    Stratified,
+    /// Sobol's sequence with Owen's scrambling by hashes (B. Burley, "Practical Hash-based Owen
+    /// Scrambling", *JCGT* 9(4), 2020; directions by S. Joe and F. Kuo, 2008).
+    Sobol,
+    /// Additive recurrence by powers of the generalised golden ratio, with a random shift (M. Roberts,
+    /// "The Unreasonable Effectiveness of Quasirandom Sequences", 2018).
+    Recurrence,
+}
+
+/// A sample: the lens numbers, then the pixel's.
+pub type Point = [f32; DIMENSIONS];
+
+impl Sequence {
+    /// Every sequence with its name.
+    pub const NAMES: [(&'static str, Self); 4] = [
+        ("random", Self::Random),
+        ("stratified", Self::Stratified),
+        ("Sobol'", Self::Sobol),
+        ("R2", Self::Recurrence),
+    ];
+
+    /// Fills the first `dimensions` (2 or 4) numbers of every point; another `seed` gives points
+    /// independent of these.
+    pub fn fill(self, seed: u32, dimensions: usize, points: &mut [Point]) {
+        let mut random = Random::new(seed);
+        match self {
+            Self::Random => points.iter_mut().for_each(|p| p[..dimensions].fill_with(|| random.unit())),
+            Self::Stratified => stratify(&mut random, dimensions, points),
+            Self::Sobol => {
+                let shuffle = random.bits();
+                let seeds: [u32; DIMENSIONS] = std::array::from_fn(|_| random.bits());
+                for (index, point) in (0_u32..).zip(points) {
+                    let index = scramble(index, shuffle);
+                    for d in 0..dimensions {
+                        point[d] = unit(scramble(sobol(index, d), seeds[d]));
+                    }
+                }
+            }
+            Self::Recurrence => {
+                let ratio = golden(dimensions);
+                let shift: [f64; DIMENSIONS] =
+                    std::array::from_fn(|_| f64::from(random.bits()) / 2f64.powi(32));
+                for (index, point) in points.iter_mut().enumerate() {
+                    let mut step = 1.0;
+                    for d in 0..dimensions {
+                        step /= ratio;
+                        point[d] = (((index as f64 * step + shift[d]).fract()) as f32).min(BELOW_ONE);
+                    }
+                }
+            }
+        }
+    }
+}
+
+const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
+
+fn unit(bits: u32) -> f32 {
+    (bits >> 8) as f32 / (1 << 24) as f32
+}
+
+/// A small generator (splitmix; G. Steele, D. Lea and C. Flood, OOPSLA 2014).
+struct Random(u64);
+
+impl Random {
+    fn new(seed: u32) -> Self {
+        Self(u64::from(seed).wrapping_mul(0xd134_2543_de82_ef95).wrapping_add(0x9e37_79b9))
+    }
+
+    fn bits(&mut self) -> u32 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (z >> 32) as u32
+    }
+
+    fn unit(&mut self) -> f32 {
+        unit(self.bits())
+    }
+}
+
+fn stratify(random: &mut Random, dimensions: usize, points: &mut [Point]) {
+    let side = points.len().isqrt();
+    for pair in (0..dimensions).step_by(2) {
+        for number in 0..points.len() {
+            let jitter = [random.unit(), random.unit()];
+            for axis in 0..2 {
+                points[number][pair + axis] = if side * side == points.len() {
+                    let cell = [number % side, number / side][axis];
+                    ((cell as f32 + jitter[axis]) / side as f32).min(BELOW_ONE)
+                } else {
+                    jitter[axis]
+                };
+            }
+        }
+        if pair > 0 {
+            for last in (1..points.len()).rev() {
+                let other = ((u64::from(random.bits()) * (last as u64 + 1)) >> 32) as usize;
+                let [a, b] = [points[last], points[other]];
+                points[last][pair..pair + 2].copy_from_slice(&b[pair..pair + 2]);
+                points[other][pair..pair + 2].copy_from_slice(&a[pair..pair + 2]);
+            }
+        }
+    }
+}
+
+/// The positive root of g^(d + 1) = g + 1 for d = 2 and 4.
+fn golden(dimensions: usize) -> f64 {
+    if dimensions == 2 { 1.324_717_957_244_746 } else { 1.167_303_978_261_418_7 }
+}
+
+/// Direction numbers of Joe and Kuo's first four dimensions: degree of the primitive polynomial, its
+/// inner coefficients, and the initial numbers.
+const DIRECTIONS: [(usize, u32, [u32; 3]); 3] = [(1, 0, [1, 0, 0]), (2, 1, [1, 3, 0]), (3, 1, [1, 3, 1])];
+
+const MATRICES: [[u32; 32]; DIMENSIONS] = matrices();
+
+const fn matrices() -> [[u32; 32]; DIMENSIONS] {
+    let mut columns = [[0; 32]; DIMENSIONS];
+    let mut k = 0;
+    while k < 32 {
+        columns[0][k] = 1 << (31 - k);
+        let mut d = 1;
+        while d < DIMENSIONS {
+            let (degree, inner, initial) = DIRECTIONS[d - 1];
+            columns[d][k] = if k < degree {
+                initial[k] << (31 - k)
+            } else {
+                let mut column = columns[d][k - degree] ^ (columns[d][k - degree] >> degree);
+                let mut i = 1;
+                while i < degree {
+                    if (inner >> (degree - 1 - i)) & 1 == 1 {
+                        column ^= columns[d][k - i];
+                    }
+                    i += 1;
+                }
+                column
+            };
+            d += 1;
+        }
+        k += 1;
+    }
+    columns
+}
+
+fn sobol(mut index: u32, dimension: usize) -> u32 {
+    let mut sum = 0;
+    while index != 0 {
+        sum ^= MATRICES[dimension][index.trailing_zeros() as usize];
+        index &= index - 1;
+    }
+    sum
+}
+
+/// Owen's nested uniform scrambling of a number in base 2 (S. Laine and T. Karras's hash as
+/// improved in Burley 2020, listing 3).
+fn scramble(bits: u32, seed: u32) -> u32 {
+    let mut x = bits.reverse_bits();
+    x ^= x.wrapping_mul(0x3d20_adea);
+    x = x.wrapping_add(seed);
+    x = x.wrapping_mul((seed >> 16) | 1);
+    x ^= x.wrapping_mul(0x0552_6c56);
+    x ^= x.wrapping_mul(0x53a2_2864);
+    x.reverse_bits()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    #[test]
+    fn every_sequence_integrates_what_has_a_closed_form() {
+        // The mean of cos(2 pi a) + b c + d over the cube is 3/4.
+        for (name, sequence) in Sequence::NAMES {
+            let mut points = vec![[0.0; 4]; 4096];
+            sequence.fill(3, 4, &mut points);
+            let value = |p: &Point| (TAU * f64::from(p[0])).cos() + f64::from(p[1] * p[2] + p[3]);
+            let mean = points.iter().map(value).sum::<f64>() / 4096.0;
+            assert!((mean - 0.75).abs() < 0.04, "{name}: {mean}");
+            assert!(points.as_flattened().iter().all(|x| (0.0..1.0).contains(x)), "{name}");
+            let mut others = vec![[0.0; 4]; 4096];
+            sequence.fill(4, 4, &mut others);
+            assert_ne!(points, others, "{name}");
+        }
+    }
+
+    #[test]
+    fn the_generalised_golden_ratios_are_roots() {
+        for d in [2, 4] {
+            let g = golden(d);
+            assert!((g.powi(d as i32 + 1) - g - 1.0).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn scrambled_sobol_points_fill_every_elementary_interval() {
+        for pair in [[0, 1], [0, 2], [1, 2], [0, 3]] {
+            let mut points = vec![[0.0; 4]; 64];
+            Sequence::Sobol.fill(9, 4, &mut points);
+            // Dimensions beyond the first two are nets of quality t > 0: as many strata as 64 points
+            // of a (1, 6)- or (2, 6)-net fill evenly.
+            let spare = if pair == [0, 1] { 0 } else { 2 };
+            for split in 0..=(6 - spare) {
+                let (columns, rows) = (1_usize << split, 1_usize << (6 - spare - split));
+                let mut filled = vec![0; columns * rows];
+                for point in &points {
+                    let [x, y] = pair.map(|d| point[d]);
+                    filled[(x * columns as f32) as usize * rows + (y * rows as f32) as usize] += 1;
+                }
+                assert!(filled.iter().all(|&n| n == 1 << spare), "{pair:?} {columns} x {rows}: {filled:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn strata_hold_one_point_each_in_both_pairs() {
+        let mut points = vec![[0.0; 4]; 49];
+        Sequence::Stratified.fill(1, 4, &mut points);
+        for pair in [0, 2] {
+            let mut filled = [0; 49];
+            for point in &points {
+                filled[(point[pair] * 7.0) as usize + 7 * (point[pair + 1] * 7.0) as usize] += 1;
+            }
+            assert_eq!(filled, [1; 49]);
+        }
+    }
+}
