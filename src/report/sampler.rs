@@ -4,7 +4,7 @@ use super::subject::FILM_DIAGONAL;
 use crate::camera::{CameraError, Host, Outcome, Parameters, Raster, RealisticCamera, Sample};
 
 /// The ways to sample the pupil, by the parameter `pupil`.
-pub const PUPILS: &[&str] = &["rear", "disk"];
+pub const PUPILS: &[&str] = &["rear", "disk", "warped"];
 /// The ways from lens numbers to the unit disk, by the parameter `disk`.
 pub const DISKS: &[&str] = &["concentric", "polar", "rejection"];
 
@@ -30,7 +30,7 @@ pub type Shot = ([f32; 3], [f32; 3], f32);
 pub fn shoot(camera: &RealisticCamera, sample: &Sample) -> Option<Shot> {
     match camera.generate(sample) {
         Outcome::Ray(ray, weight) => Some((ray.origin, ray.direction, weight)),
-        Outcome::Blocked(_) => Some(([0.0; 3], [0.0, 0.0, 1.0], 0.0)),
+        Outcome::Blocked(_) | Outcome::Shut => Some(([0.0; 3], [0.0, 0.0, 1.0], 0.0)),
         Outcome::Redraw => None,
     }
 }
