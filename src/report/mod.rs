@@ -9,6 +9,7 @@ pub mod machine;
 pub mod picture;
 pub mod ray_map;
 pub mod reference;
+pub mod refractions;
 pub mod sampler;
 pub mod scene;
 pub mod sequence;

@@ -254,15 +254,12 @@ impl<R: Real> Step<R> {
         let c = self.curvature;
         let normal = [-c * *x, -c * *y, R::ONE - c * *z];
         let e = refraction::dot(normal, *v);
-        let after_squared = e * e + self.index_step;
-        if !(after_squared > R::ZERO) {
+        if !(e * e + self.index_step > R::ZERO) {
             return Err(Blocked::Reflected);
         }
         let unit_method = match method {
             Refraction::Fused => {
-                // n' cos I' - n cos I, written so that a small index step keeps its digits.
-                let bend = self.index_step / (e + after_squared.sqrt());
-                *v = std::array::from_fn(|i| v[i] + bend * normal[i]);
+                *v = refraction::fused(*v, normal, e, self.index_step);
                 return Ok(());
             }
             Refraction::Heckbert => refraction::heckbert,

@@ -10,9 +10,9 @@ mod host;
 mod plots;
 
 use clap::{Parser, Subcommand};
-#[cfg(feature = "report")]
-use commands::report;
 use commands::{disks, draw, focus, focus_stack, install, lens, pupil, render, trace};
+#[cfg(feature = "report")]
+use commands::{refractions, report};
 use failure::Failure;
 use std::io::Write;
 use std::process::ExitCode;
@@ -55,6 +55,9 @@ enum Command {
     Disks(disks::Args),
     /// Copy the plugin into a renderer's plugin directory
     Install(install::Args),
+    /// Compare the methods of refraction: operations, time and error
+    #[cfg(feature = "report")]
+    Refractions(refractions::Args),
     /// Measure error against run time and write a folder with a page, plots and tables
     #[cfg(feature = "report")]
     Report(report::Args),
@@ -83,6 +86,8 @@ fn main() -> ExitCode {
         Some(Command::FocusStack(args)) => focus_stack::run(args),
         Some(Command::Disks(args)) => disks::run(args),
         Some(Command::Install(args)) => install::run(args),
+        #[cfg(feature = "report")]
+        Some(Command::Refractions(args)) => refractions::run(args),
         #[cfg(feature = "report")]
         Some(Command::Report(args)) => report::run(args),
     };

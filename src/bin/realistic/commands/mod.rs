@@ -7,6 +7,8 @@ pub mod focus_stack;
 pub mod install;
 pub mod lens;
 pub mod pupil;
+#[cfg(feature = "report")]
+pub mod refractions;
 pub mod render;
 #[cfg(feature = "report")]
 pub mod report;
