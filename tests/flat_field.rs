@@ -64,7 +64,7 @@ fn mean_weight(camera: &RealisticCamera, image: [f32; 2], seed: u64) -> [f64; 2]
                 match camera.generate(&sample(image, [stratum(i), stratum(j)])) {
                     Outcome::Ray(_, weight) => sum += f64::from(weight),
                     Outcome::Blocked(_) => {}
-                    Outcome::Redraw => continue,
+                    Outcome::Redraw | Outcome::Shut => continue,
                 }
                 count += 1.0;
             }

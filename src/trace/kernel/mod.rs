@@ -20,7 +20,7 @@ mod table;
 
 pub use batch::{LensRays, PlaneRays};
 pub use instances::Vectors as Precision;
-pub use simd::Simd;
+pub use simd::{Compiled, Simd};
 
 use self::{
     batch::{Few, FromPlane, InPlace},
