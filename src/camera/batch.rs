@@ -1,9 +1,10 @@
 //! Rays of whole blocks: drawn, traced, weighed and put into the world, each in a loop of its own.
 
 use super::{
-    Drawn, RealisticCamera,
+    DiskMapping, Drawn, RealisticCamera, Sample,
     block::{BLOCK, RayBlock, SampleBlock},
-    realistic::FilmSide,
+    disk::concentric,
+    realistic::{FilmSide, Sampler},
     tracer::{Bundle, Tracer},
 };
 use crate::trace::{
@@ -56,6 +57,22 @@ impl<S: Real + Precision> Compiled for Draw<'_, S> {
     #[inline(always)]
     fn run(self) {
         let Self { camera, samples, n, bundle, area } = self;
+        let n = n.min(BLOCK);
+        if let (Sampler::Warped(pupil), DiskMapping::Concentric) = (&camera.sampler, camera.mapping) {
+            let zero = [0.0; BLOCK];
+            let (mut film, mut disk, mut slopes) = ([zero; 2], [zero; 2], [zero; 2]);
+            for i in 0..n {
+                let Sample { image_x, image_y, lens_u, lens_v, .. } = samples.get(i);
+                [film[0][i], film[1][i]] = camera.film.point(image_x.into(), image_y.into());
+                [disk[0][i], disk[1][i]] = concentric(lens_u.into(), lens_v.into());
+            }
+            pupil.draw_block(&film, &disk, n, &mut slopes, area);
+            for axis in 0..2 {
+                bundle.point[axis] = film[axis].map(<S as Real>::from_f64);
+                bundle.slopes[axis] = slopes[axis].map(<S as Real>::from_f64);
+            }
+            return;
+        }
         for (i, area) in area[..n].iter_mut().enumerate() {
             let (point, drawn) = match camera.film_side(&samples.get(i)) {
                 FilmSide::Ray(point, drawn) => (point, drawn),

@@ -61,7 +61,7 @@ pub enum Outcome {
 
 /// Where lens samples are drawn.
 #[derive(Clone, Debug)]
-enum Sampler {
+pub(super) enum Sampler {
     /// A disk about the axis.
     Disk(PupilDisk),
     /// The true pupil of each film point.
@@ -94,14 +94,14 @@ pub struct RealisticCamera {
     lens: Lens,
     first_order: FirstOrder,
     fnumber: f64,
-    film: Film,
+    pub(super) film: Film,
     pub(super) film_z: f64,
     focus_distance: Option<f64>,
     pub(super) tracer: Tracer,
-    sampler: Sampler,
+    pub(super) sampler: Sampler,
     /// The disk that holds every pupil.
     rear: PupilDisk,
-    mapping: DiskMapping,
+    pub(super) mapping: DiskMapping,
     /// The weight of a ray is this times cos⁴ and the slope area it stands for; `None`: it is 1.
     weight: Option<f64>,
     pub(super) units_per_mm: f64,

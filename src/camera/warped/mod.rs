@@ -126,39 +126,158 @@ impl WarpedPupil {
 
     /// The slope that the point `disk` of the unit disk stands for at a film point, mm; `None` where the
     /// film is dark.
+    #[inline]
     pub fn draw(&self, film: [f64; 2], disk: [f64; 2]) -> Option<Drawn> {
-        let ([x, y], [u, v]) = (film, disk);
-        let t = (x * x + y * y).sqrt() * self.inverse_end;
-        if !(t < 1.0) {
+        let place = self.place(film, disk);
+        if !place.inside {
             return if self.dark_beyond { None } else { Some(self.cover.draw(film, disk)) };
         }
+        Some(self.drawn(&place, self.fetch(&place), film, disk))
+    }
+
+    /// [`WarpedPupil::draw`] of a block, the same to the last bit, in loops that are vectorised but for the table's
+    /// look-ups. Where there is nothing to draw the area is NaN.
+    #[inline(always)]
+    pub(super) fn draw_block<const N: usize>(
+        &self,
+        film: &[[f64; N]; 2],
+        disk: &[[f64; N]; 2],
+        n: usize,
+        slopes: &mut [[f64; N]; 2],
+        area: &mut [f64; N],
+    ) {
+        let n = n.min(N);
+        let pair = |arrays: &[[f64; N]; 2], i: usize| [arrays[0][i], arrays[1][i]];
+        let mut places =
+            Places { s: [0.0; N], knot: [0; N], offset: [0.0; N], turn: [0.0; N], below: [0; N] };
+        let mut all_inside = true;
+        for i in 0..n {
+            let place = self.place(pair(film, i), pair(disk, i));
+            all_inside &= place.inside;
+            places.set(i, &place);
+        }
+        let mut fetched = [[0.0_f32; N]; FETCHED];
+        for i in 0..n {
+            let numbers = self.fetch(&places.get(i));
+            for (array, number) in fetched.iter_mut().zip(numbers) {
+                array[i] = number;
+            }
+        }
+        for i in 0..n {
+            let numbers = std::array::from_fn(|k| fetched[k][i]);
+            let drawn = self.drawn(&places.get(i), numbers, pair(film, i), pair(disk, i));
+            [slopes[0][i], slopes[1][i]] = drawn.slopes;
+            area[i] = drawn.area;
+        }
+        if all_inside {
+            return;
+        }
+        const NONE: Drawn = Drawn { slopes: [0.0; 2], area: f64::NAN };
+        for i in (0..n).filter(|&i| !(self.place(pair(film, i), pair(disk, i)).inside)) {
+            let drawn = self.draw(pair(film, i), pair(disk, i)).unwrap_or(NONE);
+            [slopes[0][i], slopes[1][i]] = drawn.slopes;
+            area[i] = drawn.area;
+        }
+    }
+
+    /// Where in the table a film point and a point of the disk lie.
+    #[inline(always)]
+    fn place(&self, [x, y]: [f64; 2], [u, v]: [f64; 2]) -> Place {
+        let t = (x * x + y * y).sqrt() * self.inverse_end;
         let s = if self.dark_beyond { 1.0 - (1.0 - t).sqrt() } else { t };
-        let base = usize::from(self.cells[(s * FINE as f64) as usize]) * STRIDE;
-        let rows = &self.table[base..base + 2 * STRIDE];
-        let part = (s - f64::from(rows[0])) * f64::from(rows[1]);
-        let mix = |at: usize| {
-            let low = f64::from(rows[at]);
-            low + part * (f64::from(rows[STRIDE + at]) - low)
-        };
         // The disk's point in the frame of the film point, mirrored into the upper half.
         let (a, b) = (u * x + v * y, v * x - u * y);
-        let span = (a.abs() + b.abs()).max(f64::MIN_POSITIVE);
-        let inverse_span = span.recip();
+        let inverse_span = (a.abs() + b.abs()).max(f64::MIN_POSITIVE).recip();
         let place = (1.0 - a * inverse_span) * (CELLS / 2) as f64;
-        let knot = (place as usize).min(CELLS - 1);
-        let offset = place - knot as f64;
-        let at = HEADER + 2 * knot;
-        let ([re0, im0], [re1, im1]) = ([mix(at), mix(at + 1)], [mix(at + 2), mix(at + 3)]);
+        let knot = (place as i32).min(CELLS as i32 - 1);
+        Place {
+            inside: t < 1.0,
+            s,
+            knot,
+            offset: place - f64::from(knot),
+            turn: (a * a + b * b) * inverse_span * inverse_span * (CELLS / 2) as f64,
+            below: b < 0.0,
+        }
+    }
+
+    /// The numbers of the table there: s and 1/width of the row, then of it and the next one the centre
+    /// and the factors at two knots.
+    #[inline(always)]
+    fn fetch(&self, place: &Place) -> [f32; FETCHED] {
+        let cell = ((place.s * FINE as f64) as i32).clamp(0, FINE as i32 - 1) as usize;
+        let base = usize::from(self.cells[cell]) * STRIDE;
+        let rows = &self.table[base..base + 2 * STRIDE];
+        let at = HEADER + 2 * (place.knot.max(0) as usize).min(CELLS - 1);
+        let ([low, high], next) =
+            ([&rows[at..at + 4], &rows[STRIDE + at..STRIDE + at + 4]], rows[STRIDE + 2]);
+        [rows[0], rows[1], rows[2], next, low[0], low[1], low[2], low[3], high[0], high[1], high[2], high[3]]
+    }
+
+    /// What these numbers make of them.
+    #[inline(always)]
+    fn drawn(&self, place: &Place, fetched: [f32; FETCHED], [x, y]: [f64; 2], [u, v]: [f64; 2]) -> Drawn {
+        let Place { s, offset, turn, below, .. } = *place;
+        let n = fetched.map(f64::from);
+        let part = (s - n[0]) * n[1];
+        let mix = |low: f64, high: f64| low + part * (high - low);
+        let center = mix(n[2], n[3]);
+        let [re0, im0, re1, im1] = [4, 5, 6, 7].map(|k| mix(n[k], n[k + 4]));
         let (re_step, im_step) = (re1 - re0, im1 - im0);
         let (re, im) = (re0 + offset * re_step, im0 + offset * im_step);
-        let turn = (a * a + b * b) * inverse_span * inverse_span * (CELLS / 2) as f64;
         let jacobian = re * re + im * im + (re * im_step - im * re_step) * turn;
-        let im = if b < 0.0 { -im } else { im };
-        let center = mix(2);
-        Some(Drawn {
-            slopes: [center * x + re * u - im * v, center * y + re * v + im * u],
-            area: PI * jacobian,
-        })
+        let im = if below { -im } else { im };
+        Drawn { slopes: [center * x + re * u - im * v, center * y + re * v + im * u], area: PI * jacobian }
+    }
+}
+
+/// Numbers of the table that a sample needs.
+const FETCHED: usize = 12;
+
+/// Where in the table a sample lies.
+struct Place {
+    /// Whether the table reaches so far.
+    inside: bool,
+    /// Along the film radius.
+    s: f64,
+    /// The knot before the direction.
+    knot: i32,
+    /// From there to the direction, in knots.
+    offset: f64,
+    /// d(knots)/dφ.
+    turn: f64,
+    /// In the lower half, where the map is mirrored.
+    below: bool,
+}
+
+/// [`Place`] as structure of arrays.
+struct Places<const N: usize> {
+    s: [f64; N],
+    knot: [i32; N],
+    offset: [f64; N],
+    turn: [f64; N],
+    below: [u8; N],
+}
+
+impl<const N: usize> Places<N> {
+    #[inline(always)]
+    fn set(&mut self, i: usize, place: &Place) {
+        self.s[i] = place.s;
+        self.knot[i] = place.knot;
+        self.offset[i] = place.offset;
+        self.turn[i] = place.turn;
+        self.below[i] = u8::from(place.below);
+    }
+
+    #[inline(always)]
+    fn get(&self, i: usize) -> Place {
+        Place {
+            inside: true,
+            s: self.s[i],
+            knot: self.knot[i],
+            offset: self.offset[i],
+            turn: self.turn[i],
+            below: self.below[i] != 0,
+        }
     }
 }
 
