@@ -24,7 +24,7 @@ impl DiskMapping {
 
     /// The point of the unit disk for the numbers `u` and `v`, which are taken into [0, 1] first;
     /// `None` where [`DiskMapping::Rejection`] asks for new numbers.
-    #[inline]
+    #[inline(always)]
     pub fn map(self, u: f64, v: f64) -> Option<[f64; 2]> {
         let (u, v) = (u.clamp(0.0, 1.0), v.clamp(0.0, 1.0));
         let (a, b) = (2.0 * u - 1.0, 2.0 * v - 1.0);

@@ -134,6 +134,7 @@ impl Camera {
     }
 
     /// [`Camera::generate`] without the reason where there is no ray, which is faster.
+    #[inline]
     pub fn ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
         match &self.optics {
             Optics::Lens(camera) => {
@@ -151,6 +152,7 @@ impl Camera {
 
     /// [`Camera::ray`] of three image points with the lens and time numbers of `sample`, the same to the
     /// last bit; `None` for a model that gains nothing from it.
+    #[inline]
     pub fn three(&self, sample: &Sample, image: [[f32; 2]; 3]) -> Option<[Option<(WorldRay, f32)>; 3]> {
         let camera = self.as_lens()?;
         let mut rays = camera.three(sample, image);

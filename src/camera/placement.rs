@@ -26,6 +26,7 @@ impl Placement {
     }
 
     /// The world-space ray of one in lens space, which is in mm.
+    #[inline(always)]
     pub fn world_ray(&self, ray: Ray, units_per_mm: f64, time_number: f32) -> WorldRay {
         let time = self.time(time_number);
         let (origin, direction) = placed(&self.to_world.at(time), ray.origin, ray.direction, units_per_mm);

@@ -70,6 +70,7 @@ pub(super) enum Sampler {
 
 impl Sampler {
     /// The slope for a point of the unit disk; `None` where the film is dark.
+    #[inline(always)]
     fn draw(&self, film: [f64; 2], disk: [f64; 2]) -> Option<Drawn> {
         match self {
             Self::Disk(pupil) => Some(pupil.draw(film, disk)),
@@ -199,6 +200,7 @@ impl RealisticCamera {
     }
 
     /// The ray of a sample with its weight, positive; `None` where there is none.
+    #[inline]
     pub fn ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
         let FilmSide::Ray(point, Drawn { slopes, area }) = self.film_side(sample) else {
             return None;
@@ -209,17 +211,23 @@ impl RealisticCamera {
 
     /// [`RealisticCamera::ray`] of three film points with the lens and time numbers of `sample`, traced
     /// side by side.
+    #[inline]
     pub fn three(&self, sample: &Sample, image: [[f32; 2]; 3]) -> [Option<(WorldRay, f32)>; 3] {
         let Some(disk) = self.mapping.map(sample.lens_u.into(), sample.lens_v.into()) else {
             return [None; 3];
         };
         let points = image.map(|[x, y]| self.film.point(x.into(), y.into()));
-        let drawn = points.map(|point| self.sampler.draw(point, disk));
-        let slopes = drawn.map(|drawn| drawn.map_or([0.0; 2], |drawn| drawn.slopes));
-        let traced = self.tracer.three(self.film_z, points, slopes);
-        [0, 1, 2].map(|i| Some(self.finish(&traced[i]?, drawn[i]?.area, sample.time)))
+        // NaN where the film is dark.
+        let none = Drawn { slopes: [0.0; 2], area: f64::NAN };
+        let drawn = points.map(|point| self.sampler.draw(point, disk).unwrap_or(none));
+        let traced = self.tracer.three(self.film_z, points, drawn.map(|drawn| drawn.slopes));
+        [0, 1, 2].map(|i| {
+            let traced = traced[i].as_ref().filter(|_| !drawn[i].area.is_nan())?;
+            Some(self.finish(traced, drawn[i].area, sample.time))
+        })
     }
 
+    #[inline(always)]
     fn finish(&self, traced: &Traced<f64>, area: f64, time: f32) -> (WorldRay, f32) {
         let Traced { origin, direction, weight } = *traced;
         (self.to_world(Ray { origin, direction }, time), self.weigh(area, weight))
@@ -258,6 +266,7 @@ impl RealisticCamera {
         }
     }
 
+    #[inline(always)]
     fn to_world(&self, ray: Ray, time: f32) -> WorldRay {
         self.placement.world_ray(ray, self.units_per_mm, time)
     }

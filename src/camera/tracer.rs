@@ -31,6 +31,7 @@ impl Tracer {
     }
 
     /// The ray from a point of the film at z = `film` with the given slopes.
+    #[inline]
     pub fn one(&self, film: f64, point: [f64; 2], slopes: [f64; 2]) -> Option<Traced<f64>> {
         match self {
             Self::Double(kernel) => kernel.trace_one(film, point, slopes),
@@ -41,6 +42,7 @@ impl Tracer {
     }
 
     /// Three rays in little more than the time of one.
+    #[inline]
     pub fn three(&self, film: f64, points: [[f64; 2]; 3], slopes: [[f64; 2]; 3]) -> [Option<Traced<f64>>; 3] {
         match self {
             Self::Double(kernel) => kernel.trace_triple(film, points, slopes),

@@ -126,7 +126,7 @@ impl WarpedPupil {
 
     /// The slope that the point `disk` of the unit disk stands for at a film point, mm; `None` where the
     /// film is dark.
-    #[inline]
+    #[inline(always)]
     pub fn draw(&self, film: [f64; 2], disk: [f64; 2]) -> Option<Drawn> {
         let place = self.place(film, disk);
         if !place.inside {
