@@ -1,15 +1,16 @@
 //! Rays of whole blocks: drawn, traced, weighed and put into the world, each in a loop of its own.
 
 use super::{
-    DiskMapping, Drawn, RealisticCamera, Sample,
+    DiskMapping, Drawn, RealisticCamera,
     block::{BLOCK, RayBlock, SampleBlock},
     disk::concentric,
     realistic::{FilmSide, Sampler},
-    tracer::{Bundle, Tracer},
+    scratch::{Blocks, Scratch},
+    tracer::Tracer,
 };
 use crate::trace::{
     Real,
-    kernel::{Compiled, Kernel, Precision},
+    kernel::{Compiled, Kernel},
 };
 
 impl RealisticCamera {
@@ -27,19 +28,14 @@ impl RealisticCamera {
         }
     }
 
-    fn traced<S: Real + Precision>(
-        &self,
-        kernel: &Kernel<S>,
-        samples: &SampleBlock,
-        n: usize,
-        rays: &mut RayBlock,
-    ) {
-        let mut bundle = Bundle::<S, BLOCK>::new();
-        let mut area = [0.0; BLOCK];
+    fn traced<S: Blocks>(&self, kernel: &Kernel<S>, samples: &SampleBlock, n: usize, rays: &mut RayBlock) {
+        assert!(n <= BLOCK, "a block has {BLOCK} samples");
         let simd = kernel.simd();
-        simd.run(Draw { camera: self, samples, n, bundle: &mut bundle, area: &mut area });
-        bundle.trace(kernel, self.film_z, n);
-        simd.run(Finish { camera: self, samples, n, bundle: &bundle, area: &area, rays });
+        S::with_scratch(|scratch| {
+            simd.run(Draw { camera: self, samples, n, scratch });
+            scratch.bundle.trace(kernel, self.film_z, n);
+            simd.run(Finish { camera: self, samples, n, scratch, rays });
+        });
     }
 }
 
@@ -48,41 +44,38 @@ struct Draw<'a, S> {
     camera: &'a RealisticCamera,
     samples: &'a SampleBlock,
     n: usize,
-    bundle: &'a mut Bundle<S, BLOCK>,
-    /// NaN where there is nothing to trace.
-    area: &'a mut [f64; BLOCK],
+    scratch: &'a mut Scratch<S>,
 }
 
-impl<S: Real + Precision> Compiled for Draw<'_, S> {
+impl<S: Blocks> Compiled for Draw<'_, S> {
     #[inline(always)]
     fn run(self) {
-        let Self { camera, samples, n, bundle, area } = self;
-        let n = n.min(BLOCK);
-        if let (Sampler::Warped(pupil), DiskMapping::Concentric) = (&camera.sampler, camera.mapping) {
-            let zero = [0.0; BLOCK];
-            let (mut film, mut disk, mut slopes) = ([zero; 2], [zero; 2], [zero; 2]);
-            for i in 0..n {
-                let Sample { image_x, image_y, lens_u, lens_v, .. } = samples.get(i);
-                [film[0][i], film[1][i]] = camera.film.point(image_x.into(), image_y.into());
-                [disk[0][i], disk[1][i]] = concentric(lens_u.into(), lens_v.into());
-            }
-            pupil.draw_block(&film, &disk, n, &mut slopes, area);
-            for axis in 0..2 {
-                bundle.point[axis] = film[axis].map(<S as Real>::from_f64);
-                bundle.slopes[axis] = slopes[axis].map(<S as Real>::from_f64);
-            }
-            return;
+        let Self { camera, samples, n, scratch } = self;
+        let Scratch { film, disk, places, slopes, area, bundle } = scratch;
+        let [film_x, film_y] = &mut *film;
+        for (i, (x, y)) in film_x[..n].iter_mut().zip(film_y).enumerate() {
+            [*x, *y] = camera.film.point(samples.image_x[i].into(), samples.image_y[i].into());
         }
-        for (i, area) in area[..n].iter_mut().enumerate() {
-            let (point, drawn) = match camera.film_side(&samples.get(i)) {
-                FilmSide::Ray(point, drawn) => (point, drawn),
-                FilmSide::Dark(_) | FilmSide::Redraw => {
-                    ([0.0; 2], Drawn { slopes: [0.0; 2], area: f64::NAN })
-                }
-            };
-            [bundle.point[0][i], bundle.point[1][i]] = point.map(<S as Real>::from_f64);
-            [bundle.slopes[0][i], bundle.slopes[1][i]] = drawn.slopes.map(<S as Real>::from_f64);
-            *area = drawn.area;
+        if let (Sampler::Warped(pupil), DiskMapping::Concentric) = (&camera.sampler, camera.mapping) {
+            let [disk_x, disk_y] = &mut *disk;
+            for (i, (x, y)) in disk_x[..n].iter_mut().zip(disk_y).enumerate() {
+                [*x, *y] = concentric(samples.lens_u[i].into(), samples.lens_v[i].into());
+            }
+            pupil.draw_block(film, disk, n, places, slopes, area);
+        } else {
+            for (i, area) in area[..n].iter_mut().enumerate() {
+                let drawn = match camera.film_side(&samples.get(i)) {
+                    FilmSide::Ray(_, drawn) => drawn,
+                    FilmSide::Dark(_) | FilmSide::Redraw => Drawn { slopes: [0.0; 2], area: f64::NAN },
+                };
+                [slopes[0][i], slopes[1][i]] = drawn.slopes;
+                *area = drawn.area;
+            }
+        }
+        for (from, to) in film.iter().zip(&mut bundle.point).chain(slopes.iter().zip(&mut bundle.slopes)) {
+            for (from, to) in from[..n].iter().zip(to) {
+                *to = <S as Real>::from_f64(*from);
+            }
         }
     }
 }
@@ -92,18 +85,18 @@ struct Finish<'a, S> {
     camera: &'a RealisticCamera,
     samples: &'a SampleBlock,
     n: usize,
-    bundle: &'a Bundle<S, BLOCK>,
-    area: &'a [f64; BLOCK],
+    scratch: &'a Scratch<S>,
     rays: &'a mut RayBlock,
 }
 
-impl<S: Real + Precision> Compiled for Finish<'_, S> {
+impl<S: Blocks> Compiled for Finish<'_, S> {
     #[inline(always)]
     fn run(self) {
-        let Self { camera, samples, n, bundle, area, rays } = self;
+        let Self { camera, samples, n, scratch: Scratch { area, bundle, .. }, rays } = self;
         for ((weight, cos4), area) in rays.weight[..n].iter_mut().zip(&bundle.weight).zip(area) {
             let passes = cos4.to_f64() > 0.0 && !area.is_nan();
-            *weight = if passes { camera.weigh(*area, cos4.to_f64()) } else { 0.0 };
+            let weighed = camera.weigh(*area, cos4.to_f64());
+            *weight = if passes { weighed } else { 0.0 };
         }
         camera.placement.world_rays(
             &bundle.origin,

@@ -26,6 +26,7 @@ mod placement;
 mod projective;
 mod pupil_disk;
 mod realistic;
+mod scratch;
 mod setup;
 mod shutter;
 pub mod spaces;

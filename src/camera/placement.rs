@@ -51,17 +51,26 @@ impl Placement {
         rays.mint[..n].fill(self.clip[0]);
         rays.maxt[..n].fill(self.clip[1]);
         let RayBlock { origin: world_origin, direction: world_direction, time, .. } = rays;
-        let mut put = |i: usize, to_world: &CameraToWorld| {
-            let ray = [origin, direction].map(|arrays| [0, 1, 2].map(|axis| arrays[axis][i].to_f64()));
-            let (o, d) = placed(to_world, ray[0], ray[1], units_per_mm);
-            for axis in 0..3 {
-                world_origin[axis][i] = o[axis];
-                world_direction[axis][i] = d[axis];
-            }
-        };
+        let [ox, oy, oz] = world_origin.each_mut().map(|array| &mut array[..n]);
+        let [dx, dy, dz] = world_direction.each_mut().map(|array| &mut array[..n]);
+        let lens_ray =
+            |i: usize| [origin, direction].map(|[x, y, z]| [x[i].to_f64(), y[i].to_f64(), z[i].to_f64()]);
         match &self.to_world {
-            CameraMotion::Still(to_world) => (0..n).for_each(|i| put(i, to_world)),
-            moving @ CameraMotion::Moving(_) => (0..n).for_each(|i| put(i, &moving.at(time[i]))),
+            CameraMotion::Still(to_world) => {
+                // A copy, which no write can be thought to change.
+                let to_world = *to_world;
+                for i in 0..n {
+                    let [o, d] = lens_ray(i);
+                    ([ox[i], oy[i], oz[i]], [dx[i], dy[i], dz[i]]) = placed(&to_world, o, d, units_per_mm);
+                }
+            }
+            moving @ CameraMotion::Moving(_) => {
+                for i in 0..n {
+                    let [o, d] = lens_ray(i);
+                    ([ox[i], oy[i], oz[i]], [dx[i], dy[i], dz[i]]) =
+                        placed(&moving.at(time[i]), o, d, units_per_mm);
+                }
+            }
         }
     }
 

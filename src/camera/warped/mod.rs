@@ -143,28 +143,26 @@ impl WarpedPupil {
         film: &[[f64; N]; 2],
         disk: &[[f64; N]; 2],
         n: usize,
+        places: &mut Places<N>,
         slopes: &mut [[f64; N]; 2],
         area: &mut [f64; N],
     ) {
         let n = n.min(N);
         let pair = |arrays: &[[f64; N]; 2], i: usize| [arrays[0][i], arrays[1][i]];
-        let mut places =
-            Places { s: [0.0; N], knot: [0; N], offset: [0.0; N], turn: [0.0; N], below: [0; N] };
         let mut all_inside = true;
         for i in 0..n {
             let place = self.place(pair(film, i), pair(disk, i));
             all_inside &= place.inside;
             places.set(i, &place);
         }
-        let mut fetched = [[0.0_f32; N]; FETCHED];
         for i in 0..n {
             let numbers = self.fetch(&places.get(i));
-            for (array, number) in fetched.iter_mut().zip(numbers) {
+            for (array, number) in places.fetched.iter_mut().zip(numbers) {
                 array[i] = number;
             }
         }
         for i in 0..n {
-            let numbers = std::array::from_fn(|k| fetched[k][i]);
+            let numbers = std::array::from_fn(|k| places.fetched[k][i]);
             let drawn = self.drawn(&places.get(i), numbers, pair(film, i), pair(disk, i));
             [slopes[0][i], slopes[1][i]] = drawn.slopes;
             area[i] = drawn.area;
@@ -189,10 +187,11 @@ impl WarpedPupil {
         let (a, b) = (u * x + v * y, v * x - u * y);
         let inverse_span = (a.abs() + b.abs()).max(f64::MIN_POSITIVE).recip();
         let place = (1.0 - a * inverse_span) * (CELLS / 2) as f64;
-        let knot = (place as i32).min(CELLS as i32 - 1);
+        let knot = cell_of(place, CELLS);
         Place {
             inside: t < 1.0,
             s,
+            cell: cell_of(s * FINE as f64, FINE),
             knot,
             offset: place - f64::from(knot),
             turn: (a * a + b * b) * inverse_span * inverse_span * (CELLS / 2) as f64,
@@ -204,10 +203,9 @@ impl WarpedPupil {
     /// and the factors at two knots.
     #[inline(always)]
     fn fetch(&self, place: &Place) -> [f32; FETCHED] {
-        let cell = ((place.s * FINE as f64) as i32).clamp(0, FINE as i32 - 1) as usize;
-        let base = usize::from(self.cells[cell]) * STRIDE;
+        let base = usize::from(self.cells[place.cell as usize]) * STRIDE;
         let rows = &self.table[base..base + 2 * STRIDE];
-        let at = HEADER + 2 * (place.knot.max(0) as usize).min(CELLS - 1);
+        let at = HEADER + 2 * place.knot as usize;
         let ([low, high], next) =
             ([&rows[at..at + 4], &rows[STRIDE + at..STRIDE + at + 4]], rows[STRIDE + 2]);
         [rows[0], rows[1], rows[2], next, low[0], low[1], low[2], low[3], high[0], high[1], high[2], high[3]]
@@ -239,8 +237,10 @@ struct Place {
     inside: bool,
     /// Along the film radius.
     s: f64,
+    /// The number of its fine interval.
+    cell: u32,
     /// The knot before the direction.
-    knot: i32,
+    knot: u32,
     /// From there to the direction, in knots.
     offset: f64,
     /// d(knots)/dφ.
@@ -249,23 +249,48 @@ struct Place {
     below: bool,
 }
 
-/// [`Place`] as structure of arrays.
-struct Places<const N: usize> {
+/// Which of `cells` intervals of length 1 a number of [0, `cells`] lies in; at a border, either. Any of them for a
+/// number outside and for NaN. In vectors, unlike a conversion, which has to care for NaN.
+#[inline(always)]
+fn cell_of(number: f64, cells: usize) -> u32 {
+    // Numbers from 2^52 to 2^53 are whole, so that the sum's last bits are the number rounded.
+    const SHIFT: f64 = 1.5 * (1_u64 << 52) as f64;
+    ((number.max(0.0) - 0.5 + SHIFT).to_bits() as u32).min(cells as u32 - 1)
+}
+
+/// [`Place`] as structure of arrays, and the table's numbers there.
+pub(super) struct Places<const N: usize> {
     s: [f64; N],
-    knot: [i32; N],
+    cell: [u32; N],
+    knot: [u32; N],
     offset: [f64; N],
     turn: [f64; N],
-    below: [u8; N],
+    below: [f32; N],
+    fetched: [[f32; N]; FETCHED],
 }
 
 impl<const N: usize> Places<N> {
+    pub fn new() -> Self {
+        let (zero, single, whole) = ([0.0; N], [0.0; N], [0; N]);
+        Self {
+            s: zero,
+            cell: whole,
+            knot: whole,
+            offset: zero,
+            turn: zero,
+            below: single,
+            fetched: [single; FETCHED],
+        }
+    }
+
     #[inline(always)]
     fn set(&mut self, i: usize, place: &Place) {
         self.s[i] = place.s;
+        self.cell[i] = place.cell;
         self.knot[i] = place.knot;
         self.offset[i] = place.offset;
         self.turn[i] = place.turn;
-        self.below[i] = u8::from(place.below);
+        self.below[i] = if place.below { 1.0 } else { 0.0 };
     }
 
     #[inline(always)]
@@ -273,10 +298,11 @@ impl<const N: usize> Places<N> {
         Place {
             inside: true,
             s: self.s[i],
+            cell: self.cell[i],
             knot: self.knot[i],
             offset: self.offset[i],
             turn: self.turn[i],
-            below: self.below[i] != 0,
+            below: self.below[i] != 0.0,
         }
     }
 }
