@@ -20,6 +20,7 @@ impl<'a> Contest<'a> {
     }
 
     /// Enters what this processor can run.
+    #[allow(dead_code)] // One of the benches has no use for it.
     pub fn enter_if(&mut self, name: &str, contestant: Option<impl FnMut() + 'a>) {
         if let Some(contestant) = contestant {
             self.enter(name, contestant);

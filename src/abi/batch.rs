@@ -9,6 +9,7 @@ use super::types::{
     realistic_camera, realistic_ray, realistic_rays_soa, realistic_reason, realistic_sample,
     realistic_samples_soa,
 };
+use crate::camera::{BLOCK, RayBlock, Sample, SampleBlock, WorldRay};
 
 /// Rays of `n` samples. Element i lies `i * stride` bytes from the first, so that arrays of a host's own
 /// larger structures can be passed (pbrt-v1: 88 for `Sample`, 36 for `Ray`); a stride of 0 means tightly packed.
@@ -41,20 +42,22 @@ pub unsafe extern "C" fn realistic_camera_generate_rays(
         required("samples", samples)?;
         required("rays", rays)?;
         required("weights", weights)?;
-        for i in 0..n {
-            // SAFETY: element i of each array; the strides leave room for an element and i * stride
-            // does not overflow.
-            unsafe {
-                let sample = samples.byte_add(i * sample_stride).read_unaligned();
-                let (ray, weight, reason) = handle.generate(&sample);
-                if let Some(ray) = ray {
-                    rays.byte_add(i * ray_stride).write_unaligned(ray);
-                }
-                weights.add(i).write_unaligned(weight);
-                if !reasons.is_null() {
-                    reasons.add(i).write_unaligned(reason);
-                }
-            }
+        // SAFETY: element i of each array; the strides leave room for an element and i * stride does not overflow.
+        unsafe {
+            in_blocks(
+                handle,
+                n,
+                |i| samples.byte_add(i * sample_stride).read_unaligned().into(),
+                |i, ray, weight, reason| {
+                    if let Some(ray) = ray {
+                        rays.byte_add(i * ray_stride).write_unaligned(ray.into());
+                    }
+                    weights.add(i).write_unaligned(weight);
+                    if !reasons.is_null() {
+                        reasons.add(i).write_unaligned(reason());
+                    }
+                },
+            );
         }
         Ok(())
     })
@@ -102,56 +105,107 @@ pub unsafe extern "C" fn realistic_camera_generate_rays_soa(
         ] {
             required(name, array)?;
         }
-        for i in 0..n {
-            // SAFETY: the arrays that must be there are, with room for `n` elements.
-            unsafe { one_of_arrays(handle, samples, rays, i) };
-        }
+        // SAFETY: the arrays that must be there are, and each has room for `n` elements.
+        unsafe { all_of_arrays(handle, n, samples, rays) };
         Ok(())
     })
 }
 
 /// # Safety
-/// `i` lies inside every array that is not NULL; the required ones are not.
-unsafe fn one_of_arrays(
+/// Every array that is not NULL has room for `n` elements; the required ones are not NULL.
+unsafe fn all_of_arrays(
     handle: &Handle,
+    n: usize,
     samples: &realistic_samples_soa,
     rays: &realistic_rays_soa,
-    i: usize,
 ) {
-    // SAFETY: the caller's promise.
-    unsafe {
-        let read = |array: *const f32| array.add(i).read_unaligned();
-        let write = |array: *mut f32, value| {
-            if !array.is_null() {
-                array.add(i).write_unaligned(value);
+    let mut block = (SampleBlock::new(), RayBlock::new());
+    let (asked, found) = (&mut block.0, &mut block.1);
+    for first in (0..n).step_by(BLOCK) {
+        let count = BLOCK.min(n - first);
+        // SAFETY: the caller's promise; bytes are copied, so nothing needs to be aligned.
+        unsafe {
+            for (from, to) in [
+                (samples.image_x, &mut asked.image_x),
+                (samples.image_y, &mut asked.image_y),
+                (samples.lens_u, &mut asked.lens_u),
+                (samples.lens_v, &mut asked.lens_v),
+                (samples.time, &mut asked.time),
+            ] {
+                copy(from.byte_add(first * size_of::<f32>()), to.as_mut_ptr(), count);
             }
-        };
-        let (ray, weight, reason) = handle.generate(&realistic_sample {
-            image_x: read(samples.image_x),
-            image_y: read(samples.image_y),
-            lens_u: read(samples.lens_u),
-            lens_v: read(samples.lens_v),
-            time: read(samples.time),
-        });
-        write(rays.weight, weight);
-        if !rays.reason.is_null() {
-            rays.reason.add(i).write_unaligned(reason);
         }
-        let Some(realistic_ray { o: [ox, oy, oz], d: [dx, dy, dz], mint, maxt, time }) = ray else {
-            return;
-        };
-        for (array, value) in [
-            (rays.ox, ox),
-            (rays.oy, oy),
-            (rays.oz, oz),
-            (rays.dx, dx),
-            (rays.dy, dy),
-            (rays.dz, dz),
-            (rays.mint, mint),
-            (rays.maxt, maxt),
-            (rays.time, time),
+        handle.camera().rays(asked, count, found);
+        let all_pass = found.weight[..count].iter().all(|weight| *weight > 0.0);
+        let [ox, oy, oz] = &found.origin;
+        let [dx, dy, dz] = &found.direction;
+        for (from, to) in [
+            (ox, rays.ox),
+            (oy, rays.oy),
+            (oz, rays.oz),
+            (dx, rays.dx),
+            (dy, rays.dy),
+            (dz, rays.dz),
+            (&found.mint, rays.mint),
+            (&found.maxt, rays.maxt),
+            (&found.time, rays.time),
         ] {
-            write(array, value);
+            if to.is_null() {
+                continue;
+            }
+            // SAFETY: as above.
+            unsafe {
+                let to = to.add(first);
+                if all_pass {
+                    copy(from.as_ptr(), to, count);
+                    continue;
+                }
+                for i in (0..count).filter(|&i| found.weight[i] > 0.0) {
+                    to.add(i).write_unaligned(from[i]);
+                }
+            }
+        }
+        // SAFETY: as above.
+        unsafe {
+            copy(found.weight.as_ptr(), rays.weight.add(first), count);
+            if !rays.reason.is_null() {
+                for i in 0..count {
+                    let reason = reason(handle, &asked.get(i), found.weight[i]);
+                    rays.reason.add(first + i).write_unaligned(reason);
+                }
+            }
+        }
+    }
+}
+
+/// # Safety
+/// `from` can be read and `to` written for `count` floats, and they do not overlap.
+unsafe fn copy(from: *const f32, to: *mut f32, count: usize) {
+    // SAFETY: the caller's promise; bytes need no alignment.
+    unsafe { std::ptr::copy_nonoverlapping(from.cast::<u8>(), to.cast::<u8>(), count * size_of::<f32>()) }
+}
+
+/// Why a sample has this weight. Found out apart, because it costs more than a ray.
+fn reason(handle: &Handle, sample: &Sample, weight: f32) -> realistic_reason {
+    if weight > 0.0 { realistic_reason::Ok } else { handle.reason(sample) }
+}
+
+/// Rays of `n` samples, read one after the other and written so, block by block.
+fn in_blocks(
+    handle: &Handle,
+    n: usize,
+    read: impl Fn(usize) -> Sample,
+    mut write: impl FnMut(usize, Option<WorldRay>, f32, &dyn Fn() -> realistic_reason),
+) {
+    let (mut samples, mut rays) = (SampleBlock::new(), RayBlock::new());
+    for first in (0..n).step_by(BLOCK) {
+        let count = BLOCK.min(n - first);
+        (0..count).for_each(|i| samples.set(i, &read(first + i)));
+        handle.camera().rays(&samples, count, &mut rays);
+        for i in 0..count {
+            let ray = rays.get(i).map(|(ray, _)| ray);
+            let weight = rays.weight[i];
+            write(first + i, ray, weight, &|| reason(handle, &samples.get(i), weight));
         }
     }
 }

@@ -1,6 +1,9 @@
 //! A camera in the terms of the ABI.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use super::boundary::{Failure, realistic_status};
+use super::triples;
 use super::types::{realistic_ray, realistic_reason, realistic_sample};
 use crate::camera::{Camera, CameraError, Host, Level, Outcome, Parameters, Sample, WorldRay};
 use crate::optics::focus::FocusError;
@@ -8,7 +11,13 @@ use crate::trace::Blocked;
 
 /// A built camera. Immutable.
 #[derive(Debug)]
-pub struct Handle(Camera);
+pub struct Handle {
+    camera: Camera,
+    serial: u64,
+}
+
+/// The next camera's number. An address would not do: a new camera may lie where one was freed.
+static SERIAL: AtomicU64 = AtomicU64::new(1);
 
 impl Handle {
     /// Builds a camera.
@@ -20,35 +29,44 @@ impl Handle {
         host: &Host,
         log: &mut dyn FnMut(Level, &str),
     ) -> Result<Self, Failure> {
-        Ok(Self(Camera::build(parameters, host, log)?))
+        let camera = Camera::build(parameters, host, log)?;
+        Ok(Self { camera, serial: SERIAL.fetch_add(1, Ordering::Relaxed) })
     }
 
     /// The camera.
     pub fn camera(&self) -> &Camera {
-        &self.0
+        &self.camera
+    }
+
+    /// A number that no other camera of this process has or had; not 0.
+    pub fn serial(&self) -> u64 {
+        self.serial
     }
 
     /// A ray for a host's vtable: a blocked one has the smallest normal weight and is
     /// complete all the same, because a pbrt-v1 host reads an uninitialised alpha for weight 0.
     pub fn generate_for_host(&self, sample: &realistic_sample, ray: &mut realistic_ray) -> f32 {
         let sample = Sample::from(*sample);
-        let (complete, weight) = match self.0.generate(&sample) {
-            Outcome::Ray(complete, weight) => (complete, weight),
-            Outcome::Blocked(_) | Outcome::Redraw | Outcome::Shut => {
-                (self.0.substitute(&sample), f32::MIN_POSITIVE)
-            }
-        };
+        let found = triples::ray(self, &sample);
+        let (complete, weight) =
+            found.unwrap_or_else(|| (self.camera.substitute(&sample), f32::MIN_POSITIVE));
         *ray = complete.into();
         weight
     }
 
-    /// A ray with its exact weight and reason; `None` for the ray and weight 0 when there is none.
-    pub fn generate(&self, sample: &realistic_sample) -> (Option<realistic_ray>, f32, realistic_reason) {
-        match self.0.generate(&Sample::from(*sample)) {
-            Outcome::Ray(ray, weight) => (Some(ray.into()), weight, realistic_reason::Ok),
-            Outcome::Blocked(reason) => (None, 0.0, reason.into()),
-            Outcome::Redraw => (None, 0.0, realistic_reason::Redraw),
-            Outcome::Shut => (None, 0.0, realistic_reason::Shut),
+    /// A ray with its exact weight.
+    pub fn ray(&self, sample: &realistic_sample) -> Option<(realistic_ray, f32)> {
+        let (ray, weight) = self.camera.ray(&Sample::from(*sample))?;
+        Some((ray.into(), weight))
+    }
+
+    /// What becomes of a sample, in the ABI's words.
+    pub fn reason(&self, sample: &Sample) -> realistic_reason {
+        match self.camera.generate(sample) {
+            Outcome::Ray(..) => realistic_reason::Ok,
+            Outcome::Blocked(reason) => reason.into(),
+            Outcome::Redraw => realistic_reason::Redraw,
+            Outcome::Shut => realistic_reason::Shut,
         }
     }
 }

@@ -24,11 +24,10 @@ pub unsafe extern "C" fn realistic_generate_ray(
         let (Some(handle), Some(sample), Some(ray)) = parts else {
             return 0.0;
         };
-        let (generated, weight, _) = handle.generate(sample);
-        if let Some(generated) = generated {
+        handle.ray(sample).map_or(0.0, |(generated, weight)| {
             *ray = generated;
-        }
-        weight
+            weight
+        })
     })
 }
 

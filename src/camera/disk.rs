@@ -1,6 +1,8 @@
 //! From two lens numbers in [0, 1] to a point of the unit disk.
 
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
+use std::f64::consts::{FRAC_PI_4, TAU};
+
+use crate::numeric::sin_cos_near_0;
 
 /// How lens numbers map to the unit disk.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -22,21 +24,12 @@ impl DiskMapping {
 
     /// The point of the unit disk for the numbers `u` and `v`, which are taken into [0, 1] first;
     /// `None` where [`DiskMapping::Rejection`] asks for new numbers.
+    #[inline(always)]
     pub fn map(self, u: f64, v: f64) -> Option<[f64; 2]> {
         let (u, v) = (u.clamp(0.0, 1.0), v.clamp(0.0, 1.0));
         let (a, b) = (2.0 * u - 1.0, 2.0 * v - 1.0);
         match self {
-            Self::Concentric => {
-                if a == 0.0 && b == 0.0 {
-                    return Some([0.0, 0.0]);
-                }
-                let (radius, angle) = if a.abs() > b.abs() {
-                    (a, FRAC_PI_4 * (b / a))
-                } else {
-                    (b, FRAC_PI_2 - FRAC_PI_4 * (a / b))
-                };
-                Some([radius * angle.cos(), radius * angle.sin()])
-            }
+            Self::Concentric => Some(concentric(u, v)),
             Self::Polar => {
                 let (radius, angle) = (u.sqrt(), TAU * v);
                 Some([radius * angle.cos(), radius * angle.sin()])
@@ -44,6 +37,20 @@ impl DiskMapping {
             Self::Rejection => (a * a + b * b <= 1.0).then_some([a, b]),
         }
     }
+}
+
+/// [`DiskMapping::Concentric`]; no branch, so that loops over it are vectorised.
+#[inline(always)]
+pub(super) fn concentric(u: f64, v: f64) -> [f64; 2] {
+    let (u, v) = (u.clamp(0.0, 1.0), v.clamp(0.0, 1.0));
+    let (a, b) = (2.0 * u - 1.0, 2.0 * v - 1.0);
+    let wide = a.abs() > b.abs();
+    let (radius, other) = if wide { (a, b) } else { (b, a) };
+    // The angle from the nearer axis; in the middle any will do.
+    let ratio = if radius == 0.0 { 0.0 } else { other / radius };
+    let [sin, cos] = sin_cos_near_0(FRAC_PI_4 * ratio);
+    let (x, y) = if wide { (cos, sin) } else { (sin, cos) };
+    [radius * x, radius * y]
 }
 
 /// [`DiskMapping::Concentric`] in single precision, sector by sector as pbrt-v1 computes it: the

@@ -41,6 +41,7 @@ impl Film {
     /// The film point, mm in lens space, of raster coordinates ((0, 0) is the image's top left
     /// corner). The image on film is upside down and mirrored; this turns it round, so that
     /// raster x grows toward the scene's right.
+    #[inline(always)]
     pub fn point(&self, image_x: f64, image_y: f64) -> [f64; 2] {
         let half = |resolution: u32| f64::from(resolution) / 2.0;
         [(half(self.raster.xres) - image_x) * self.pixel, (image_y - half(self.raster.yres)) * self.pixel]

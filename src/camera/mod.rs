@@ -6,6 +6,8 @@
 //! is an estimate of.
 
 pub mod autofocus;
+mod batch;
+mod block;
 mod check;
 mod disk;
 pub mod disk_statistics;
@@ -25,13 +27,16 @@ mod projective;
 mod pupil_disk;
 pub mod ray_set;
 mod realistic;
+mod scratch;
 mod setup;
 mod shutter;
 pub mod spaces;
 mod textbook;
+mod tracer;
 mod transform;
 mod warped;
 
+pub use block::{BLOCK, RayBlock, SampleBlock};
 pub use disk::DiskMapping;
 pub use environment::EnvironmentCamera;
 pub use error::CameraError;

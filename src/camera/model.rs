@@ -2,7 +2,8 @@
 
 use super::{
     CameraError, EnvironmentCamera, Film, Host, IdealCamera, Level, Outcome, Parameters, ProjectiveCamera,
-    RealisticCamera, Sample, Shutter, WorldRay, check::choice, placement::Placement, textbook,
+    RayBlock, RealisticCamera, Sample, SampleBlock, Shutter, WorldRay, check::choice, placement::Placement,
+    textbook,
 };
 use crate::optics::Lens;
 
@@ -123,17 +124,69 @@ impl Camera {
     /// The ray of a sample with its weight, or why there is none. The weight is the model's times what the
     /// shutter lets through to the film point at the sample's time.
     pub fn generate(&self, sample: &Sample) -> Outcome {
-        if self.shutter == Shutter::Global {
-            return self.through_optics(sample);
-        }
-        let share = self.shutter.transmission(sample.image_y / self.yres, sample.time);
-        if share == 0.0 {
+        let Some(share) = self.share(sample.image_y, sample.time) else {
             return Outcome::Shut;
-        }
+        };
         match self.through_optics(sample) {
-            Outcome::Ray(ray, weight) => Outcome::Ray(ray, weight * share),
+            Outcome::Ray(ray, weight) => Outcome::Ray(ray, dimmed(weight, share)),
             other => other,
         }
+    }
+
+    /// [`Camera::generate`] without the reason where there is no ray, which is faster.
+    #[inline]
+    pub fn ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
+        match &self.optics {
+            Optics::Lens(camera) => {
+                let share = self.share(sample.image_y, sample.time)?;
+                camera.ray(sample).map(|(ray, weight)| (ray, dimmed(weight, share)))
+            }
+            Optics::Ideal(_) | Optics::Projective(_) | Optics::Environment(_) => {
+                match self.generate(sample) {
+                    Outcome::Ray(ray, weight) => Some((ray, weight)),
+                    Outcome::Blocked(_) | Outcome::Redraw | Outcome::Shut => None,
+                }
+            }
+        }
+    }
+
+    /// [`Camera::ray`] of three image points with the lens and time numbers of `sample`, the same to the
+    /// last bit; `None` for a model that gains nothing from it.
+    #[inline]
+    pub fn three(&self, sample: &Sample, image: [[f32; 2]; 3]) -> Option<[Option<(WorldRay, f32)>; 3]> {
+        let camera = self.as_lens()?;
+        let mut rays = camera.three(sample, image);
+        for (ray, [_, image_y]) in rays.iter_mut().zip(image) {
+            let share = self.share(image_y, sample.time);
+            *ray = ray.and_then(|(ray, weight)| Some((ray, dimmed(weight, share?))));
+        }
+        Some(rays)
+    }
+
+    /// [`Camera::ray`] of the first `n` samples of a block, the same to the last bit.
+    ///
+    /// # Panics
+    /// `n` is more than [`BLOCK`](super::BLOCK).
+    pub fn rays(&self, samples: &SampleBlock, n: usize, rays: &mut RayBlock) {
+        let Some(camera) = self.as_lens() else {
+            return (0..n).for_each(|i| rays.set(i, self.ray(&samples.get(i))));
+        };
+        camera.rays(samples, n, rays);
+        if self.shutter != Shutter::Global {
+            for (i, weight) in rays.weight[..n].iter_mut().enumerate().filter(|(_, weight)| **weight > 0.0) {
+                let share = self.share(samples.image_y[i], samples.time[i]);
+                *weight = share.map_or(0.0, |share| dimmed(*weight, share));
+            }
+        }
+    }
+
+    /// What the shutter lets through; `None` where it is closed.
+    fn share(&self, image_y: f32, time: f32) -> Option<f32> {
+        if self.shutter == Shutter::Global {
+            return Some(1.0);
+        }
+        let share = self.shutter.transmission(image_y / self.yres, time);
+        (share != 0.0).then_some(share)
     }
 
     fn through_optics(&self, sample: &Sample) -> Outcome {
@@ -243,6 +296,11 @@ impl Camera {
             Optics::Projective(_) | Optics::Environment(_) => None,
         }
     }
+}
+
+/// A positive weight behind the shutter. However small, it is not that of a blocked ray.
+fn dimmed(weight: f32, share: f32) -> f32 {
+    (weight * share).max(f32::MIN_POSITIVE)
 }
 
 fn warn_of_unused(model: Model, shutter: Shutter, given: &Parameters, log: &mut dyn FnMut(Level, &str)) {

@@ -2,8 +2,11 @@
 
 use glam::DVec3;
 
-use super::{CameraMotion, WorldRay};
-use crate::trace::Ray;
+use super::{
+    CameraMotion, CameraToWorld, WorldRay,
+    block::{BLOCK, RayBlock},
+};
+use crate::trace::{Ray, Real};
 
 /// A camera's place in the world, and the part of a ray and of time that it sees.
 #[derive(Clone, Debug)]
@@ -23,17 +26,51 @@ impl Placement {
     }
 
     /// The world-space ray of one in lens space, which is in mm.
+    #[inline(always)]
     pub fn world_ray(&self, ray: Ray, units_per_mm: f64, time_number: f32) -> WorldRay {
         let time = self.time(time_number);
-        let to_world = self.to_world.at(time);
-        let origin = to_world.point(DVec3::from(ray.origin) * units_per_mm);
-        let direction = to_world.direction(DVec3::from(ray.direction));
-        WorldRay {
-            origin: origin.as_vec3().into(),
-            direction: direction.as_vec3().into(),
-            mint: self.clip[0],
-            maxt: self.clip[1],
-            time,
+        let (origin, direction) = placed(&self.to_world.at(time), ray.origin, ray.direction, units_per_mm);
+        WorldRay { origin, direction, mint: self.clip[0], maxt: self.clip[1], time }
+    }
+
+    /// [`Placement::world_ray`] of the first `n` rays of a block: all but the weights.
+    #[inline(always)]
+    pub fn world_rays<S: Real>(
+        &self,
+        origin: &[[S; BLOCK]; 3],
+        direction: &[[S; BLOCK]; 3],
+        units_per_mm: f64,
+        time_numbers: &[f32; BLOCK],
+        n: usize,
+        rays: &mut RayBlock,
+    ) {
+        let n = n.min(BLOCK);
+        for (time, number) in rays.time[..n].iter_mut().zip(time_numbers) {
+            *time = self.time(*number);
+        }
+        rays.mint[..n].fill(self.clip[0]);
+        rays.maxt[..n].fill(self.clip[1]);
+        let RayBlock { origin: world_origin, direction: world_direction, time, .. } = rays;
+        let [ox, oy, oz] = world_origin.each_mut().map(|array| &mut array[..n]);
+        let [dx, dy, dz] = world_direction.each_mut().map(|array| &mut array[..n]);
+        let lens_ray =
+            |i: usize| [origin, direction].map(|[x, y, z]| [x[i].to_f64(), y[i].to_f64(), z[i].to_f64()]);
+        match &self.to_world {
+            CameraMotion::Still(to_world) => {
+                // A copy, which no write can be thought to change.
+                let to_world = *to_world;
+                for i in 0..n {
+                    let [o, d] = lens_ray(i);
+                    ([ox[i], oy[i], oz[i]], [dx[i], dy[i], dz[i]]) = placed(&to_world, o, d, units_per_mm);
+                }
+            }
+            moving @ CameraMotion::Moving(_) => {
+                for i in 0..n {
+                    let [o, d] = lens_ray(i);
+                    ([ox[i], oy[i], oz[i]], [dx[i], dy[i], dz[i]]) =
+                        placed(&moving.at(time[i]), o, d, units_per_mm);
+                }
+            }
         }
     }
 
@@ -52,4 +89,17 @@ impl Placement {
         let [mint, maxt] = range.map(|length| length * stretch);
         WorldRay { origin: to_world.point_single(origin), direction, mint, maxt, time }
     }
+}
+
+/// A ray in lens space, mm, put into the world.
+#[inline(always)]
+fn placed(
+    to_world: &CameraToWorld,
+    origin: [f64; 3],
+    direction: [f64; 3],
+    units_per_mm: f64,
+) -> ([f32; 3], [f32; 3]) {
+    let origin = to_world.point(DVec3::from(origin) * units_per_mm);
+    let direction = to_world.direction(DVec3::from(direction));
+    (origin.as_vec3().into(), direction.as_vec3().into())
 }

@@ -2,9 +2,10 @@
 
 use super::{
     CameraError, DiskMapping, Drawn, Film, PupilDisk, WarpedPupil,
-    irradiance::{cos4, film_ray, on_axis, survey},
+    irradiance::{film_ray, on_axis, survey},
     placement::Placement,
     setup::{Level, PupilChoice, Setup, Weighting},
+    tracer::Tracer,
 };
 use crate::{
     optics::{
@@ -12,7 +13,7 @@ use crate::{
         first_order::FirstOrder,
         pupil::{EntrancePupil, limiting_surface},
     },
-    trace::{Blocked, Direction, Path, Ray},
+    trace::{Blocked, Direction, Path, Ray, kernel::Traced},
 };
 
 /// What a host asks with.
@@ -58,16 +59,9 @@ pub enum Outcome {
     Shut,
 }
 
-/// The lens made ready in the precision asked for.
-#[derive(Clone, Debug)]
-enum Tracer {
-    F64(Path<f64>),
-    F32(Path<f32>),
-}
-
 /// Where lens samples are drawn.
 #[derive(Clone, Debug)]
-enum Sampler {
+pub(super) enum Sampler {
     /// A disk about the axis.
     Disk(PupilDisk),
     /// The true pupil of each film point.
@@ -76,6 +70,7 @@ enum Sampler {
 
 impl Sampler {
     /// The slope for a point of the unit disk; `None` where the film is dark.
+    #[inline(always)]
     fn draw(&self, film: [f64; 2], disk: [f64; 2]) -> Option<Drawn> {
         match self {
             Self::Disk(pupil) => Some(pupil.draw(film, disk)),
@@ -85,7 +80,7 @@ impl Sampler {
 }
 
 /// What a sample asks of the film's side.
-enum FilmSide {
+pub(super) enum FilmSide {
     /// A ray from the film point.
     Ray([f64; 2], Drawn),
     /// A film point beyond the image circle.
@@ -100,18 +95,18 @@ pub struct RealisticCamera {
     lens: Lens,
     first_order: FirstOrder,
     fnumber: f64,
-    film: Film,
-    film_z: f64,
+    pub(super) film: Film,
+    pub(super) film_z: f64,
     focus_distance: Option<f64>,
-    tracer: Tracer,
-    sampler: Sampler,
+    pub(super) tracer: Tracer,
+    pub(super) sampler: Sampler,
     /// The disk that holds every pupil.
     rear: PupilDisk,
-    mapping: DiskMapping,
+    pub(super) mapping: DiskMapping,
     /// The weight of a ray is this times cos⁴ and the slope area it stands for; `None`: it is 1.
     weight: Option<f64>,
-    units_per_mm: f64,
-    placement: Placement,
+    pub(super) units_per_mm: f64,
+    pub(super) placement: Placement,
 }
 
 /// Share of the irradiance that the thick-lens exit pupil may miss without a warning.
@@ -169,11 +164,7 @@ impl RealisticCamera {
             return Err(CameraError::Weight { weight: heaviest });
         }
         let entrance = EntrancePupil::of_surface(&lens, limiting_surface(&lens));
-        let tracer = if setup.single_precision {
-            Tracer::F32(Path::new(&lens, Direction::FilmToScene, setup.refraction))
-        } else {
-            Tracer::F64(path)
-        };
+        let tracer = Tracer::new(&lens, setup.refraction, setup.single_precision);
         Ok(Self {
             fnumber: first_order.focal_length.abs() / entrance.diameter(),
             lens,
@@ -191,26 +182,61 @@ impl RealisticCamera {
         })
     }
 
-    /// The ray of a sample, or why there is none.
+    /// The ray of a sample, or why there is none. Finding out why costs more than a ray does; where
+    /// nobody asks, [`RealisticCamera::ray`] spares it.
     pub fn generate(&self, sample: &Sample) -> Outcome {
-        let (point, Drawn { slopes, area }) = match self.film_side(sample) {
+        let (point, drawn) = match self.film_side(sample) {
             FilmSide::Ray(point, drawn) => (point, drawn),
             FilmSide::Dark(_) => return Outcome::Blocked(Blocked::Clipped),
             FilmSide::Redraw => return Outcome::Redraw,
         };
-        let ray = film_ray(point, self.film_z, slopes);
-        let traced = match &self.tracer {
-            Tracer::F64(path) => path.trace(ray),
-            Tracer::F32(path) => path.trace(ray),
-        };
-        match traced {
-            Ok(ray) => {
-                let weight = self.weight.map_or(1.0, |weight| weight * area * cos4(slopes)) as f32;
-                // However small, the weight of a ray that passes is not that of a blocked one.
-                Outcome::Ray(self.to_world(ray, sample.time), weight.max(f32::MIN_POSITIVE))
+        match self.tracer.one(self.film_z, point, drawn.slopes) {
+            Some(traced) => {
+                let (ray, weight) = self.finish(&traced, drawn.area, sample.time);
+                Outcome::Ray(ray, weight)
             }
-            Err(reason) => Outcome::Blocked(reason),
+            None => Outcome::Blocked(self.tracer.reason(self.film_z, point, drawn.slopes)),
         }
+    }
+
+    /// The ray of a sample with its weight, positive; `None` where there is none.
+    #[inline]
+    pub fn ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
+        let FilmSide::Ray(point, Drawn { slopes, area }) = self.film_side(sample) else {
+            return None;
+        };
+        let traced = self.tracer.one(self.film_z, point, slopes)?;
+        Some(self.finish(&traced, area, sample.time))
+    }
+
+    /// [`RealisticCamera::ray`] of three film points with the lens and time numbers of `sample`, traced
+    /// side by side.
+    #[inline]
+    pub fn three(&self, sample: &Sample, image: [[f32; 2]; 3]) -> [Option<(WorldRay, f32)>; 3] {
+        let Some(disk) = self.mapping.map(sample.lens_u.into(), sample.lens_v.into()) else {
+            return [None; 3];
+        };
+        let points = image.map(|[x, y]| self.film.point(x.into(), y.into()));
+        // NaN where the film is dark.
+        let none = Drawn { slopes: [0.0; 2], area: f64::NAN };
+        let drawn = points.map(|point| self.sampler.draw(point, disk).unwrap_or(none));
+        let traced = self.tracer.three(self.film_z, points, drawn.map(|drawn| drawn.slopes));
+        [0, 1, 2].map(|i| {
+            let traced = traced[i].as_ref().filter(|_| !drawn[i].area.is_nan())?;
+            Some(self.finish(traced, drawn[i].area, sample.time))
+        })
+    }
+
+    #[inline(always)]
+    fn finish(&self, traced: &Traced<f64>, area: f64, time: f32) -> (WorldRay, f32) {
+        let Traced { origin, direction, weight } = *traced;
+        (self.to_world(Ray { origin, direction }, time), self.weigh(area, weight))
+    }
+
+    /// The weight of a ray that gets through. However small, it is not that of a blocked one.
+    #[inline(always)]
+    pub(super) fn weigh(&self, area: f64, cos4: f64) -> f32 {
+        (self.weight.map_or(1.0, |weight| weight * area * cos4) as f32).max(f32::MIN_POSITIVE)
     }
 
     /// A ray that stands in for a blocked one where a host needs a complete ray all the same:
@@ -228,7 +254,8 @@ impl RealisticCamera {
     }
 
     /// Film point and slopes of the ray that a sample asks for.
-    fn film_side(&self, sample: &Sample) -> FilmSide {
+    #[inline(always)]
+    pub(super) fn film_side(&self, sample: &Sample) -> FilmSide {
         let point = self.film.point(sample.image_x.into(), sample.image_y.into());
         let Some(disk) = self.mapping.map(sample.lens_u.into(), sample.lens_v.into()) else {
             return FilmSide::Redraw;
@@ -239,6 +266,7 @@ impl RealisticCamera {
         }
     }
 
+    #[inline(always)]
     fn to_world(&self, ray: Ray, time: f32) -> WorldRay {
         self.placement.world_ray(ray, self.units_per_mm, time)
     }

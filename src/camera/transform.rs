@@ -78,11 +78,13 @@ impl CameraToWorld {
     }
 
     /// World-space point of a camera-space point.
+    #[inline(always)]
     pub fn point(&self, p: DVec3) -> DVec3 {
         if self.is_identity { p } else { self.linear * p + self.origin }
     }
 
     /// World-space unit vector of a camera-space direction that is a unit vector.
+    #[inline(always)]
     pub fn direction(&self, d: DVec3) -> DVec3 {
         if self.is_identity { d } else { (self.linear * d).normalize() }
     }

@@ -126,39 +126,184 @@ impl WarpedPupil {
 
     /// The slope that the point `disk` of the unit disk stands for at a film point, mm; `None` where the
     /// film is dark.
+    #[inline(always)]
     pub fn draw(&self, film: [f64; 2], disk: [f64; 2]) -> Option<Drawn> {
-        let ([x, y], [u, v]) = (film, disk);
-        let t = (x * x + y * y).sqrt() * self.inverse_end;
-        if !(t < 1.0) {
+        let place = self.place(film, disk);
+        if !place.inside {
             return if self.dark_beyond { None } else { Some(self.cover.draw(film, disk)) };
         }
+        Some(self.drawn(&place, self.fetch(&place), film, disk))
+    }
+
+    /// [`WarpedPupil::draw`] of a block, the same to the last bit, in loops that are vectorised but for the table's
+    /// look-ups. Where there is nothing to draw the area is NaN.
+    #[inline(always)]
+    pub(super) fn draw_block<const N: usize>(
+        &self,
+        film: &[[f64; N]; 2],
+        disk: &[[f64; N]; 2],
+        n: usize,
+        places: &mut Places<N>,
+        slopes: &mut [[f64; N]; 2],
+        area: &mut [f64; N],
+    ) {
+        let n = n.min(N);
+        let pair = |arrays: &[[f64; N]; 2], i: usize| [arrays[0][i], arrays[1][i]];
+        let mut all_inside = true;
+        for i in 0..n {
+            let place = self.place(pair(film, i), pair(disk, i));
+            all_inside &= place.inside;
+            places.set(i, &place);
+        }
+        for i in 0..n {
+            let numbers = self.fetch(&places.get(i));
+            for (array, number) in places.fetched.iter_mut().zip(numbers) {
+                array[i] = number;
+            }
+        }
+        for i in 0..n {
+            let numbers = std::array::from_fn(|k| places.fetched[k][i]);
+            let drawn = self.drawn(&places.get(i), numbers, pair(film, i), pair(disk, i));
+            [slopes[0][i], slopes[1][i]] = drawn.slopes;
+            area[i] = drawn.area;
+        }
+        if all_inside {
+            return;
+        }
+        const NONE: Drawn = Drawn { slopes: [0.0; 2], area: f64::NAN };
+        for i in (0..n).filter(|&i| !(self.place(pair(film, i), pair(disk, i)).inside)) {
+            let drawn = self.draw(pair(film, i), pair(disk, i)).unwrap_or(NONE);
+            [slopes[0][i], slopes[1][i]] = drawn.slopes;
+            area[i] = drawn.area;
+        }
+    }
+
+    /// Where in the table a film point and a point of the disk lie.
+    #[inline(always)]
+    fn place(&self, [x, y]: [f64; 2], [u, v]: [f64; 2]) -> Place {
+        let t = (x * x + y * y).sqrt() * self.inverse_end;
         let s = if self.dark_beyond { 1.0 - (1.0 - t).sqrt() } else { t };
-        let base = usize::from(self.cells[(s * FINE as f64) as usize]) * STRIDE;
-        let rows = &self.table[base..base + 2 * STRIDE];
-        let part = (s - f64::from(rows[0])) * f64::from(rows[1]);
-        let mix = |at: usize| {
-            let low = f64::from(rows[at]);
-            low + part * (f64::from(rows[STRIDE + at]) - low)
-        };
         // The disk's point in the frame of the film point, mirrored into the upper half.
         let (a, b) = (u * x + v * y, v * x - u * y);
-        let span = (a.abs() + b.abs()).max(f64::MIN_POSITIVE);
-        let inverse_span = span.recip();
+        let inverse_span = (a.abs() + b.abs()).max(f64::MIN_POSITIVE).recip();
         let place = (1.0 - a * inverse_span) * (CELLS / 2) as f64;
-        let knot = (place as usize).min(CELLS - 1);
-        let offset = place - knot as f64;
-        let at = HEADER + 2 * knot;
-        let ([re0, im0], [re1, im1]) = ([mix(at), mix(at + 1)], [mix(at + 2), mix(at + 3)]);
+        let knot = cell_of(place, CELLS);
+        Place {
+            inside: t < 1.0,
+            s,
+            cell: cell_of(s * FINE as f64, FINE),
+            knot,
+            offset: place - f64::from(knot),
+            turn: (a * a + b * b) * inverse_span * inverse_span * (CELLS / 2) as f64,
+            below: b < 0.0,
+        }
+    }
+
+    /// The numbers of the table there: s and 1/width of the row, then of it and the next one the centre
+    /// and the factors at two knots.
+    #[inline(always)]
+    fn fetch(&self, place: &Place) -> [f32; FETCHED] {
+        let base = usize::from(self.cells[place.cell as usize]) * STRIDE;
+        let rows = &self.table[base..base + 2 * STRIDE];
+        let at = HEADER + 2 * place.knot as usize;
+        let ([low, high], next) =
+            ([&rows[at..at + 4], &rows[STRIDE + at..STRIDE + at + 4]], rows[STRIDE + 2]);
+        [rows[0], rows[1], rows[2], next, low[0], low[1], low[2], low[3], high[0], high[1], high[2], high[3]]
+    }
+
+    /// What these numbers make of them.
+    #[inline(always)]
+    fn drawn(&self, place: &Place, fetched: [f32; FETCHED], [x, y]: [f64; 2], [u, v]: [f64; 2]) -> Drawn {
+        let Place { s, offset, turn, below, .. } = *place;
+        let n = fetched.map(f64::from);
+        let part = (s - n[0]) * n[1];
+        let mix = |low: f64, high: f64| low + part * (high - low);
+        let center = mix(n[2], n[3]);
+        let [re0, im0, re1, im1] = [4, 5, 6, 7].map(|k| mix(n[k], n[k + 4]));
         let (re_step, im_step) = (re1 - re0, im1 - im0);
         let (re, im) = (re0 + offset * re_step, im0 + offset * im_step);
-        let turn = (a * a + b * b) * inverse_span * inverse_span * (CELLS / 2) as f64;
         let jacobian = re * re + im * im + (re * im_step - im * re_step) * turn;
-        let im = if b < 0.0 { -im } else { im };
-        let center = mix(2);
-        Some(Drawn {
-            slopes: [center * x + re * u - im * v, center * y + re * v + im * u],
-            area: PI * jacobian,
-        })
+        let im = if below { -im } else { im };
+        Drawn { slopes: [center * x + re * u - im * v, center * y + re * v + im * u], area: PI * jacobian }
+    }
+}
+
+/// Numbers of the table that a sample needs.
+const FETCHED: usize = 12;
+
+/// Where in the table a sample lies.
+struct Place {
+    /// Whether the table reaches so far.
+    inside: bool,
+    /// Along the film radius.
+    s: f64,
+    /// The number of its fine interval.
+    cell: u32,
+    /// The knot before the direction.
+    knot: u32,
+    /// From there to the direction, in knots.
+    offset: f64,
+    /// d(knots)/dφ.
+    turn: f64,
+    /// In the lower half, where the map is mirrored.
+    below: bool,
+}
+
+/// Which of `cells` intervals of length 1 a number of [0, `cells`] lies in; at a border, either. Any of them for a
+/// number outside and for NaN. In vectors, unlike a conversion, which has to care for NaN.
+#[inline(always)]
+fn cell_of(number: f64, cells: usize) -> u32 {
+    // Numbers from 2^52 to 2^53 are whole, so that the sum's last bits are the number rounded.
+    const SHIFT: f64 = 1.5 * (1_u64 << 52) as f64;
+    ((number.max(0.0) - 0.5 + SHIFT).to_bits() as u32).min(cells as u32 - 1)
+}
+
+/// [`Place`] as structure of arrays, and the table's numbers there.
+pub(super) struct Places<const N: usize> {
+    s: [f64; N],
+    cell: [u32; N],
+    knot: [u32; N],
+    offset: [f64; N],
+    turn: [f64; N],
+    below: [f32; N],
+    fetched: [[f32; N]; FETCHED],
+}
+
+impl<const N: usize> Places<N> {
+    pub fn new() -> Self {
+        let (zero, single, whole) = ([0.0; N], [0.0; N], [0; N]);
+        Self {
+            s: zero,
+            cell: whole,
+            knot: whole,
+            offset: zero,
+            turn: zero,
+            below: single,
+            fetched: [single; FETCHED],
+        }
+    }
+
+    #[inline(always)]
+    fn set(&mut self, i: usize, place: &Place) {
+        self.s[i] = place.s;
+        self.cell[i] = place.cell;
+        self.knot[i] = place.knot;
+        self.offset[i] = place.offset;
+        self.turn[i] = place.turn;
+        self.below[i] = if place.below { 1.0 } else { 0.0 };
+    }
+
+    #[inline(always)]
+    fn get(&self, i: usize) -> Place {
+        Place {
+            inside: true,
+            s: self.s[i],
+            cell: self.cell[i],
+            knot: self.knot[i],
+            offset: self.offset[i],
+            turn: self.turn[i],
+            below: self.below[i] != 0.0,
+        }
     }
 }
 

@@ -11,7 +11,7 @@
 //! as 0 and block.
 
 mod batch;
-mod clearance;
+mod crossing;
 mod instances;
 mod lanes;
 mod march;
@@ -20,7 +20,7 @@ mod table;
 
 pub use batch::{LensRays, PlaneRays};
 pub use instances::Vectors as Precision;
-pub use simd::Simd;
+pub use simd::{Compiled, Simd};
 
 use self::{
     batch::{Few, FromPlane, InPlace},

@@ -14,6 +14,12 @@ pub enum Simd {
     Avx512,
 }
 
+/// Simple loops to be compiled for each set of instructions: see [`Simd::run`].
+pub trait Compiled {
+    /// Does it. To be marked `#[inline(always)]`, and what it calls to be inlined into it.
+    fn run(self);
+}
+
 /// The environment variable that lowers the choice.
 const VARIABLE: &str = "REALISTIC_SIMD";
 
@@ -58,4 +64,31 @@ impl Simd {
             Self::ALL.into_iter().rfind(allowed).unwrap_or(Self::Portable)
         })
     }
+
+    /// Does work with these instructions, or with none but the portable ones where the processor lacks
+    /// them. The results are the same to the last bit: the compiler fuses no operations.
+    pub fn run(self, work: impl Compiled) {
+        #[cfg(target_arch = "x86_64")]
+        if self != Self::Portable && self.is_available() {
+            return match self {
+                // SAFETY: just asked.
+                Self::Avx512 => unsafe { avx512(work) },
+                // SAFETY: just asked.
+                _ => unsafe { avx2(work) },
+            };
+        }
+        work.run();
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx2,fma")]
+fn avx512(work: impl Compiled) {
+    work.run();
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+fn avx2(work: impl Compiled) {
+    work.run();
 }

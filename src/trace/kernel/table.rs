@@ -3,7 +3,7 @@
 //! Thresholds are ratios of a step's own lengths, so that a scaled lens makes the same choices.
 
 use super::{
-    clearance::{self, Cap, Tests},
+    crossing::{self, Cap, Tests},
     lanes::Scalar,
 };
 use crate::trace::{Direction, Path, path};
@@ -204,8 +204,8 @@ fn surfaces(steps: &[path::Step<f64>], sense: f64, epsilon: f64) -> Vec<Surface>
         let here = cap(step);
         let beside = |step: &path::Step<f64>| step.curvature == 0.0 && step.index_step == 0.0;
         let room_after =
-            steps.get(i + 1).is_some_and(|next| clearance::leaves_room(here, cap(next), next.distance));
-        let room_before = moved.is_some_and(|moved| clearance::leaves_room(moved, here, distance));
+            steps.get(i + 1).is_some_and(|next| crossing::leaves_room(here, cap(next), next.distance));
+        let room_before = moved.is_some_and(|moved| crossing::leaves_room(moved, here, distance));
         let is_still = beside(step) && room_before && room_after;
         // At the first surface where the ray began decides, which is not known here. From the scene a
         // sphere may be met going backward: a fisheye sees behind itself.
@@ -218,7 +218,7 @@ fn surfaces(steps: &[path::Step<f64>], sense: f64, epsilon: f64) -> Vec<Surface>
             semi: here.semi_diameter,
             slack: step.slack * (epsilon / f64::EPSILON),
             distance,
-            tests: moved.map_or(unknown, |moved| clearance::tests(moved, here, distance)),
+            tests: moved.map_or(unknown, |moved| crossing::tests(moved, here, distance)),
             is_still,
         });
         if !is_still {

@@ -1,0 +1,236 @@
+//! A pbrt-v1 host asks three times a sample: at (x, y), at (x + 1, y) and at (x, y + 1), with the same lens
+//! and time numbers. The first call traces all three side by side; the next two find theirs here.
+//!
+//! What is kept belongs to a thread, a camera (by its serial number) and the very floats that the host
+//! will make. A camera never changes, so a ray found is the ray that would be made; a wrong guess
+//! costs the time of two rays and nothing else.
+
+use std::cell::RefCell;
+
+use super::handle::Handle;
+use crate::camera::{Sample, WorldRay};
+
+type Found = Option<(WorldRay, f32)>;
+
+/// The bits of image x and y.
+type Image = [u32; 2];
+
+/// The two rays that are expected to be asked for.
+struct Expected {
+    /// The camera's serial number; 0 for none.
+    serial: u64,
+    /// Lens and time numbers, by their bits.
+    numbers: [u32; 3],
+    images: [Image; 2],
+    found: [Found; 2],
+}
+
+thread_local! {
+    static EXPECTED: RefCell<Expected> = const {
+        RefCell::new(Expected { serial: 0, numbers: [0; 3], images: [[0; 2]; 2], found: [None; 2] })
+    };
+}
+
+/// The ray of a sample, as [`Camera::ray`](crate::camera::Camera::ray) makes it.
+pub fn ray(handle: &Handle, sample: &Sample) -> Found {
+    let numbers = [sample.lens_u, sample.lens_v, sample.time].map(f32::to_bits);
+    EXPECTED
+        .try_with(|expected| {
+            let mut expected = expected.try_borrow_mut().ok()?;
+            if expected.serial == handle.serial() && expected.numbers == numbers {
+                let image = [sample.image_x, sample.image_y].map(f32::to_bits);
+                if let Some(i) = expected.images.iter().position(|expected| *expected == image) {
+                    return Some(expected.found[i]);
+                }
+            }
+            let points = host_points(sample);
+            let [asked, next, last] = handle.camera().three(sample, points)?;
+            let [_, next_image, last_image] = points.map(|point| point.map(f32::to_bits));
+            *expected = Expected {
+                serial: handle.serial(),
+                numbers,
+                images: [next_image, last_image],
+                found: [next, last],
+            };
+            Some(asked)
+        })
+        .ok()
+        .flatten()
+        .unwrap_or_else(|| handle.camera().ray(sample))
+}
+
+/// The image points that the host asks for, beginning with this: it adds 1 to x, takes it away again, and adds 1 to y,
+/// in single precision, in which x + 1 - 1 may not be x.
+fn host_points(sample: &Sample) -> [[f32; 2]; 3] {
+    let Sample { image_x, image_y, .. } = *sample;
+    let right = image_x + 1.0;
+    [[image_x, image_y], [right, image_y], [right - 1.0, image_y + 1.0]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::abi::types::{realistic_ray, realistic_sample};
+    use crate::camera::{Host, Parameters, Raster};
+
+    fn handle(given: &[(&str, &str)]) -> Handle {
+        let mut parameters = Parameters::default();
+        for (name, text) in given {
+            parameters.set_from_text(name, text).expect("a parameter");
+        }
+        let host = Host::new(Raster { xres: 40, yres: 30 }, None);
+        Handle::build(&parameters, &host, &mut |_, _| ()).expect("a camera")
+    }
+
+    /// The bits that a host gets without any memory.
+    fn plain(handle: &Handle, sample: &realistic_sample) -> [u32; 10] {
+        let sample = Sample::from(*sample);
+        let found = handle.camera().ray(&sample);
+        let (ray, weight) = found.unwrap_or_else(|| (handle.camera().substitute(&sample), f32::MIN_POSITIVE));
+        bits(&ray.into(), weight)
+    }
+
+    fn served(handle: &Handle, sample: &realistic_sample) -> [u32; 10] {
+        let mut ray = realistic_ray::default();
+        let weight = handle.generate_for_host(sample, &mut ray);
+        bits(&ray, weight)
+    }
+
+    fn bits(ray: &realistic_ray, weight: f32) -> [u32; 10] {
+        let realistic_ray { o: [ox, oy, oz], d: [dx, dy, dz], mint, maxt, time } = *ray;
+        [ox, oy, oz, dx, dy, dz, mint, maxt, time, weight].map(f32::to_bits)
+    }
+
+    /// SplitMix64 (G. Steele, D. Lea and C. Flood, OOPSLA 2014).
+    struct Random(u64);
+
+    impl Random {
+        fn below(&mut self, end: usize) -> usize {
+            self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+            let mut bits = self.0;
+            bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+            bits = (bits ^ (bits >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+            ((bits ^ (bits >> 31)) % end as u64) as usize
+        }
+
+        /// In [0, 1], both ends among them.
+        fn number(&mut self) -> f32 {
+            self.below(1001) as f32 / 1000.0
+        }
+
+        /// On the film, in the filter's margin, or where x + 1 - 1 is not x.
+        fn sample(&mut self) -> realistic_sample {
+            realistic_sample {
+                image_x: [1e-9, 46.0 * self.number() - 3.0][self.below(2)],
+                image_y: 36.0 * self.number() - 3.0,
+                lens_u: self.number(),
+                lens_v: self.number(),
+                time: self.number(),
+            }
+        }
+    }
+
+    /// The calls of one sample, in the host's order or any other, with some left out or repeated.
+    fn calls(random: &mut Random) -> Vec<realistic_sample> {
+        let first = random.sample();
+        let points = host_points(&Sample::from(first));
+        let all = points.map(|[image_x, image_y]| realistic_sample { image_x, image_y, ..first });
+        match random.below(3) {
+            0 => all.to_vec(),
+            1 => (0..5).map(|_| all[random.below(3)]).collect(),
+            _ => all[..random.below(4)].to_vec(),
+        }
+    }
+
+    /// Calls of both cameras in random order; how many.
+    fn play(cameras: [&Handle; 2], seed: u64) -> usize {
+        let mut random = Random(seed);
+        let mut done = 0;
+        for _ in 0..400 {
+            let mut queues = [calls(&mut random), calls(&mut random)];
+            while queues.iter().any(|queue| !queue.is_empty()) {
+                let which = random.below(2);
+                if let Some(sample) = (!queues[which].is_empty()).then(|| queues[which].remove(0)) {
+                    assert_eq!(served(cameras[which], &sample), plain(cameras[which], &sample), "{sample:?}");
+                    // The other camera, asked for the very same.
+                    if random.below(4) == 0 {
+                        let other = cameras[1 - which];
+                        assert_eq!(served(other, &sample), plain(other, &sample), "{sample:?}");
+                    }
+                    done += 1;
+                }
+            }
+        }
+        done
+    }
+
+    #[test]
+    fn every_order_of_calls_gets_the_bits_of_single_calls() {
+        for given in [
+            &[][..],
+            &[("pupil", "rear")],
+            &[("precision", "f32")],
+            &[("refraction", "whitted")],
+            &[("shutter", "focal-plane")],
+            &[("disk", "rejection"), ("shutter", "leaf")],
+            &[("model", "thin")],
+            &[("model", "environment")],
+        ] {
+            let (one, two) = (handle(given), handle(&[("filmdistance", "37")]));
+            assert!(play([&one, &two], 7) > 1000);
+        }
+    }
+
+    #[test]
+    fn threads_do_not_disturb_each_other() {
+        let (one, two) = (handle(&[]), handle(&[("pupil", "rear")]));
+        std::thread::scope(|scope| {
+            for seed in 0..4 {
+                let (one, two) = (&one, &two);
+                scope.spawn(move || play([one, two], seed));
+            }
+        });
+    }
+
+    #[test]
+    fn a_new_camera_is_not_taken_for_one_that_was_freed() {
+        let mut random = Random(3);
+        let mut addresses = Vec::new();
+        for i in 0..40 {
+            let distance = (36 + i % 3).to_string();
+            let camera = Box::new(handle(&[("filmdistance", &distance), ("pupil", "rear")]));
+            addresses.push(&raw const *camera as usize);
+            let sample = realistic_sample { image_x: 20.0, image_y: 15.0, ..random.sample() };
+            let [_, [image_x, image_y], _] = host_points(&sample.into());
+            for image_x in [sample.image_x, image_x] {
+                let sample = realistic_sample { image_x, image_y, lens_u: 0.4, lens_v: 0.6, time: 0.0 };
+                assert_eq!(served(&camera, &sample), plain(&camera, &sample));
+            }
+        }
+        addresses.sort_unstable();
+        addresses.dedup();
+        assert!(addresses.len() < 40, "no camera took the place of another: nothing was shown");
+    }
+
+    #[test]
+    fn the_hosts_second_and_third_call_find_their_rays() {
+        let camera = handle(&[]);
+        let sample = realistic_sample { image_x: 1e-9, image_y: 4.5, lens_u: 0.3, lens_v: 0.8, time: 0.0 };
+        let points = host_points(&sample.into());
+        assert_ne!(points[2][0], points[0][0], "x + 1 - 1 is x here");
+        served(&camera, &sample);
+        for [image_x, image_y] in &points[1..] {
+            let image = [image_x, image_y].map(|x| x.to_bits());
+            assert!(EXPECTED.with_borrow(|expected| expected.images.contains(&image)));
+        }
+        EXPECTED.with_borrow_mut(|expected| expected.found = [None; 2]);
+        let [_, _, [image_x, image_y]] = points;
+        let third = realistic_sample { image_x, image_y, ..sample };
+        let substitute = camera.camera().substitute(&third.into());
+        assert_eq!(
+            served(&camera, &third),
+            bits(&substitute.into(), f32::MIN_POSITIVE),
+            "it was traced anew"
+        );
+    }
+}
