@@ -24,8 +24,8 @@
 //! pupil that the map does not reach.
 //!
 //! One evaluation takes two roots, two divisions, no trigonometry and four neighbouring pairs of
-//! floats of one table: in SIMD lanes eight gathers at `row` and `row + STRIDE`, the row's
-//! number itself gathered from `cells`, selects instead of the one branch on b.
+//! floats of one table. A block of them is three loops: places and arithmetic in vectors, and the
+//! look-ups between them one by one.
 //!
 //! Where no such map fits (a pupil in pieces, with holes, or of an edge that no half-line meets once)
 //! the table holds the rear element's disk, and what falls beside the pupil is blocked.
