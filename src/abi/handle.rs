@@ -1,8 +1,10 @@
 //! A camera in the terms of the ABI.
 
+#[cfg(realistic_shim)]
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::boundary::{Failure, realistic_status};
+#[cfg(realistic_shim)]
 use super::triples;
 use super::types::{realistic_ray, realistic_reason, realistic_sample};
 use crate::camera::{Camera, CameraError, Host, Level, Outcome, Parameters, Sample, WorldRay};
@@ -13,10 +15,12 @@ use crate::trace::Blocked;
 #[derive(Debug)]
 pub struct Handle {
     camera: Camera,
+    #[cfg(realistic_shim)]
     serial: u64,
 }
 
 /// The next camera's number. An address would not do: a new camera may lie where one was freed.
+#[cfg(realistic_shim)]
 static SERIAL: AtomicU64 = AtomicU64::new(1);
 
 impl Handle {
@@ -30,7 +34,11 @@ impl Handle {
         log: &mut dyn FnMut(Level, &str),
     ) -> Result<Self, Failure> {
         let camera = Camera::build(parameters, host, log)?;
-        Ok(Self { camera, serial: SERIAL.fetch_add(1, Ordering::Relaxed) })
+        Ok(Self {
+            camera,
+            #[cfg(realistic_shim)]
+            serial: SERIAL.fetch_add(1, Ordering::Relaxed),
+        })
     }
 
     /// The camera.
@@ -39,12 +47,14 @@ impl Handle {
     }
 
     /// A number that no other camera of this process has or had; not 0.
+    #[cfg(realistic_shim)]
     pub fn serial(&self) -> u64 {
         self.serial
     }
 
     /// A ray for a host's vtable: a blocked one has the smallest normal weight and is
     /// complete all the same, because a pbrt-v1 host reads an uninitialised alpha for weight 0.
+    #[cfg(realistic_shim)]
     pub fn generate_for_host(&self, sample: &realistic_sample, ray: &mut realistic_ray) -> f32 {
         let sample = Sample::from(*sample);
         let found = triples::ray(self, &sample);

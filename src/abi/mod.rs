@@ -19,6 +19,7 @@ mod plugin;
 mod ray;
 #[cfg(realistic_shim)]
 mod shim;
+#[cfg(realistic_shim)]
 mod triples;
 mod types;
 

@@ -8,6 +8,7 @@ use super::types::realistic_camera;
 
 /// What a host keeps in a camera besides the rays; nobody reads it in a C-made camera.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(not(realistic_shim), expect(dead_code, reason = "only a pbrt-v1 host has such members"))]
 pub struct HostPart {
     /// The host's film, which the camera deletes in the end; NULL for none.
     pub film: *mut std::ffi::c_void,

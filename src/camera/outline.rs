@@ -123,7 +123,7 @@ impl Grid {
             .map(|cell| {
                 let slopes = grid.slopes(cell);
                 let offset = [slopes[0] - cover.center[0], slopes[1] - cover.center[1]];
-                offset[0].hypot(offset[1]) <= cover.radius && passes(slopes)
+                offset.iter().map(|d| d * d).sum::<f64>() <= cover.radius * cover.radius && passes(slopes)
             })
             .collect();
         grid

@@ -1,7 +1,7 @@
 //! Lens descriptions: what a designer's table says, before any optics.
 //!
 //! [`Prescription`] is the model; [`read`] makes one from the text of a lens file
-//! in either of two table formats (see [`reader`]); [`catalogue`] holds the lenses that
+//! in either of two table formats (see `reader`); [`catalogue`] holds the lenses that
 //! are built in; [`LensSource`] finds a lens by file or name.
 //!
 //! Lengths are millimetres. Interfaces stand in the order of the file, scene side first.

@@ -215,7 +215,7 @@ impl<'a> Builder<'a> {
                     CELLS => std::f64::consts::PI,
                     _ => y.atan2(x),
                 };
-                (angle, x.hypot(y))
+                (angle, (x * x + y * y).sqrt())
             })
             .collect();
         let rising = points.windows(2).all(|pair| pair[0].0 < pair[1].0);
