@@ -1,6 +1,7 @@
 //! `realistic focus`: film distance for an object distance or the other way, and depth of field.
 
 use crate::choice::{FilmChoice, LensChoice, distance, positive};
+use crate::drawing::{depth, picture};
 use crate::failure::Failure;
 use realistic::optics::{
     Lens,
@@ -10,6 +11,7 @@ use realistic::optics::{
 };
 use serde_json::json;
 use std::io::Write as _;
+use std::path::PathBuf;
 
 /// What `focus` can be told.
 #[derive(clap::Args, Debug)]
@@ -29,6 +31,9 @@ pub struct Args {
     coc: Option<f64>,
     #[command(flatten)]
     film: FilmChoice,
+    /// Draw the depth of field to this file, .svg or .png
+    #[arg(long, value_name = "FILE", value_parser = picture::path)]
+    out: Option<PathBuf>,
     /// Write JSON; null stands for infinity, and for what does not exist
     #[arg(long)]
     json: bool,
@@ -41,7 +46,25 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let (_, lens) = args.lens.open()?;
     let answer = Answer::of(&lens, args).map_err(|error| Failure::Other(error.to_string()))?;
-    let text = if args.json { format!("{:#}\n", answer.json()) } else { answer.text() };
+    let mut text = if args.json { format!("{:#}\n", answer.json()) } else { answer.text() };
+    if let Some(out) = &args.out {
+        let depth = answer.depth.ok_or_else(|| {
+            Failure::Other(
+                "there is no depth of field to draw: leave out --out, or focus on an object".to_owned(),
+            )
+        })?;
+        let drawing = depth::Drawing {
+            title: format!("{}: depth of field", lens.name),
+            focus: answer.focused.object_distance,
+            nearest: answer.nearest.object_distance,
+            depth,
+            confusion: answer.confusion,
+        };
+        picture::write(&depth::draw(&drawing), out)?;
+        if !args.json {
+            text += &format!("drawn            {}\n", out.display());
+        }
+    }
     Ok(std::io::stdout().write_all(text.as_bytes())?)
 }
 

@@ -1,9 +1,10 @@
 //! Drawings: SVG by hand, PNG by rasterising that same SVG.
 //!
 //! [`view`] maps millimetres to the page, [`shapes`] has its lines, areas and texts, [`labels`] keeps texts
-//! apart, [`picture`] writes the file; [`section`] and [`outline`] are the drawings, [`glass`], [`rays`]
+//! apart, [`picture`] writes the file; [`section`], [`outline`] and [`depth`] are the drawings, [`glass`], [`rays`]
 //! and [`marks`] the parts of the first.
 
+pub mod depth;
 pub mod glass;
 pub mod labels;
 pub mod marks;
