@@ -1,10 +1,7 @@
 //! How near a ray comes to being clipped: a smooth measure of what [`Path::walk`] answers with
 //! yes or no, for searches of a pupil's edge.
 
-use super::{
-    Path, Ray, Real,
-    walk::{State, unit},
-};
+use super::{Path, Ray, Real, walk::unit};
 
 /// The aperture that a ray comes nearest to, or reaches farthest beyond.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,18 +20,11 @@ impl<R: Real> Path<R> {
     /// ratio so far if that is more than 1, else none: `None` and a ratio of more than 1
     /// together are what [`Path::walk`] blocks.
     pub fn clearance(&self, ray: Ray) -> Option<Clearance> {
-        let sense = self.sense();
         let direction = unit(ray.direction);
-        let (entry, lead) = self.to_entry(ray, sense);
-        let [dx, dy, dz] = direction;
-        let mut state = State {
-            p: entry.map(R::from_f64),
-            v: [dx, dy, sense * dz].map(|d| self.steps[0].n * R::from_f64(d)),
-            lead: R::from_f64(lead),
-        };
+        let mut state = self.enter(ray, direction);
         let mut largest = R::ZERO;
         let mut surface = 0;
-        let finite = entry.iter().chain(&direction).all(|x| x.is_finite());
+        let finite = state.p.iter().map(|x| x.to_f64()).chain(direction).all(f64::is_finite);
         let stopped = !finite
             || self.steps.iter().enumerate().any(|(number, step)| {
                 state.p[2] = state.p[2] - step.distance;

@@ -73,19 +73,12 @@ impl<R: Real> Path<R> {
     /// infinite components, or a direction of length 0, count as [`Blocked::Missed`].
     pub fn walk(&self, ray: Ray) -> Walk {
         let sense = self.sense();
-        let direction = unit(ray.direction);
-        let start = Ray { origin: ray.origin, direction };
-        let finite = start.origin.iter().chain(&direction).all(|x| x.is_finite());
+        let start = Ray { origin: ray.origin, direction: unit(ray.direction) };
+        let finite = start.origin.iter().chain(&start.direction).all(|x| x.is_finite());
         if !finite {
             return Walk { ray: start, surfaces_met: 0, blocked: Some(Blocked::Missed) };
         }
-        let (entry, lead) = self.to_entry(ray, sense);
-        let [dx, dy, dz] = direction;
-        let mut state = State {
-            p: entry.map(R::from_f64),
-            v: [dx, dy, sense * dz].map(|d| self.steps[0].n * R::from_f64(d)),
-            lead: R::from_f64(lead),
-        };
+        let mut state = self.enter(ray, start.direction);
         let (surfaces_met, blocked) = self.march(&mut state);
         let Some(last) = surfaces_met.checked_sub(1) else {
             return Walk { ray: start, surfaces_met, blocked };
@@ -163,13 +156,26 @@ impl<R: Real> Path<R> {
         state.v[2] > R::ZERO || (number == 0 && self.direction == Direction::SceneToFilm)
     }
 
+    /// The state with which a ray sets out, in the frame of the first vertex; `direction` is the ray's as a
+    /// unit vector.
+    pub(super) fn enter(&self, ray: Ray, direction: [f64; 3]) -> State<R> {
+        let sense = self.sense();
+        let (entry, lead) = self.to_entry(ray, sense);
+        let [dx, dy, dz] = direction;
+        State {
+            p: entry.map(R::from_f64),
+            v: [dx, dy, sense * dz].map(|d| self.steps[0].n * R::from_f64(d)),
+            lead: R::from_f64(lead),
+        }
+    }
+
     /// The ray's start in the frame of the first vertex, moved on to where it is near the lens if that lies
     /// ahead: to the vertex plane, or, for a ray along it or back from it, to the point nearest the
     /// vertex. And the distance moved.
     ///
     /// Differences of products, not P + t D: from a distant object that would keep the digits of the
     /// distance, and this keeps those of the lens.
-    pub(super) fn to_entry(&self, ray: Ray, sense: f64) -> ([f64; 3], f64) {
+    fn to_entry(&self, ray: Ray, sense: f64) -> ([f64; 3], f64) {
         let [x, y, z] = ray.origin;
         // The difference and what rounding took from it (D. E. Knuth, *The Art of Computer Programming* 2,
         // section 4.2.2): a small lens far from its front vertex would feel it.
