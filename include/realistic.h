@@ -56,6 +56,11 @@
 #define REALISTIC_CAPABILITY_AUTOFOCUS 64
 
 /*
+ `tolerance` and `realistic_camera_plan` are there.
+ */
+#define REALISTIC_CAPABILITY_PLAN 128
+
+/*
  How a call of the C ABI ended. The numbers are part of the ABI and never change.
  */
 enum realistic_status
@@ -337,6 +342,10 @@ typedef struct realistic_options {
      Parameter `focaldistance`, world units.
      */
     double focaldistance;
+    /*
+     Parameter `tolerance`, pixels.
+     */
+    double tolerance;
 } realistic_options;
 
 /*
@@ -576,6 +585,20 @@ realistic_status realistic_camera_get_lens_name(const struct realistic_camera *c
                                                 char *buffer,
                                                 size_t capacity,
                                                 size_t *length);
+
+/*
+ Copies what the camera keeps and leaves out, and which model of the lens a tolerance chose, as lines of UTF-8 text into
+ `buffer`: see `realistic_camera_get_lens_name` for `buffer`, `capacity` and `length`. The text is for people; its wording
+ may change.
+
+ # Safety
+ `camera` is NULL or a live camera of this library; `buffer` has `capacity` writable bytes;
+ `length` is NULL or writable.
+ */
+realistic_status realistic_camera_plan(const struct realistic_camera *camera,
+                                       char *buffer,
+                                       size_t capacity,
+                                       size_t *length);
 
 /*
  One ray of a camera of this library, made by `CreateCamera` or by `realistic_camera_new`.

@@ -44,6 +44,7 @@ struct Api {
     decltype(&realistic_camera_free) camera_free;
     decltype(&realistic_camera_get_info) camera_get_info;
     decltype(&realistic_camera_get_lens_name) camera_get_lens_name;
+    decltype(&realistic_camera_plan) camera_plan;
     decltype(&realistic_generate_ray) generate_ray;
     decltype(&realistic_camera_generate_rays) camera_generate_rays;
     decltype(&realistic_camera_generate_rays_soa) camera_generate_rays_soa;
@@ -54,8 +55,8 @@ struct Api {
         return Api{realistic_last_error,         realistic_options_init,
                    realistic_camera_new,         realistic_camera_free,
                    realistic_camera_get_info,    realistic_camera_get_lens_name,
-                   realistic_generate_ray,       realistic_camera_generate_rays,
-                   realistic_camera_generate_rays_soa};
+                   realistic_camera_plan,        realistic_generate_ray,
+                   realistic_camera_generate_rays, realistic_camera_generate_rays_soa};
     }
 
     /* Those that `symbol`, called with each name, returns as void pointers. Throws Error when one is missing
@@ -71,6 +72,7 @@ struct Api {
         resolve(symbol, "realistic_camera_free", api.camera_free);
         resolve(symbol, "realistic_camera_get_info", api.camera_get_info);
         resolve(symbol, "realistic_camera_get_lens_name", api.camera_get_lens_name);
+        resolve(symbol, "realistic_camera_plan", api.camera_plan);
         resolve(symbol, "realistic_generate_ray", api.generate_ray);
         resolve(symbol, "realistic_camera_generate_rays", api.camera_generate_rays);
         resolve(symbol, "realistic_camera_generate_rays_soa", api.camera_generate_rays_soa);
@@ -212,13 +214,10 @@ public:
         return info;
     }
 
-    std::string lens_name() const {
-        std::size_t length = 0;
-        api_.check(api_.camera_get_lens_name(camera_.get(), nullptr, 0, &length));
-        std::vector<char> name(length + 1);
-        api_.check(api_.camera_get_lens_name(camera_.get(), name.data(), name.size(), nullptr));
-        return std::string(name.data(), length);
-    }
+    std::string lens_name() const { return text(api_.camera_get_lens_name); }
+
+    /* What the camera keeps and leaves out, and which model of the lens a tolerance chose: lines for people. */
+    std::string plan() const { return text(api_.camera_plan); }
 
     /* The handle for realistic.h's functions, still owned here; NULL once moved from. */
     const realistic_camera *get() const noexcept { return camera_.get(); }
@@ -227,6 +226,14 @@ public:
     realistic_camera *release() noexcept { return camera_.release(); }
 
 private:
+    template <class Function> std::string text(Function function) const {
+        std::size_t length = 0;
+        api_.check(function(camera_.get(), nullptr, 0, &length));
+        std::vector<char> buffer(length + 1);
+        api_.check(function(camera_.get(), buffer.data(), buffer.size(), nullptr));
+        return std::string(buffer.data(), length);
+    }
+
     struct Listener {
         const Options::Log &log;
         std::exception_ptr thrown;

@@ -9,6 +9,7 @@
 //! | [`prescription`] | lens files to tables of interfaces; the built-in catalogue |
 //! | [`optics`] | a lens at one wavelength and stop; thick lens, pupils, focus, depth of field |
 //! | [`trace`] | exact rays through the lens, with the reason where one stops |
+//! | [`plan`] | what a camera needs of all that, proven or measured; models within a tolerance |
 //! | [`camera`] | film, lens samples, weights, transforms: a sample in, a ray out |
 //! | `report` | errors against run time and stability (feature `report`) |
 //! | [`abi`] | the C ABI and the entry of a pbrt-v1 host: the only exports, the only raw pointers |
@@ -21,6 +22,7 @@ pub mod abi;
 pub mod camera;
 mod numeric;
 pub mod optics;
+pub mod plan;
 pub mod prescription;
 #[cfg(feature = "report")]
 pub mod report;

@@ -114,37 +114,6 @@ fn ln_gamma(mut a: f64) -> f64 {
     (a - 0.5) * a.ln() - a + 0.5 * std::f64::consts::TAU.ln() + series - steps.ln()
 }
 
-/// Sine and cosine for |x| <= π/4, within 2 units of the last place: Taylor's series, without branches, so
-/// that loops over it are vectorised.
-#[inline(always)]
-pub fn sin_cos_near_0(x: f64) -> [f64; 2] {
-    const S: [f64; 7] = [
-        -1.0 / 6.0,
-        1.0 / 120.0,
-        -1.0 / 5_040.0,
-        1.0 / 362_880.0,
-        -1.0 / 39_916_800.0,
-        1.0 / 6_227_020_800.0,
-        -1.0 / 1_307_674_368_000.0,
-    ];
-    const C: [f64; 7] = [
-        1.0 / 24.0,
-        -1.0 / 720.0,
-        1.0 / 40_320.0,
-        -1.0 / 3_628_800.0,
-        1.0 / 479_001_600.0,
-        -1.0 / 87_178_291_200.0,
-        1.0 / 20_922_789_888_000.0,
-    ];
-    let z = x * x;
-    let z2 = z * z;
-    // Estrin's scheme: half the latency of Horner's.
-    let series = |c: [f64; 7]| {
-        ((c[0] + c[1] * z) + z2 * (c[2] + c[3] * z)) + (z2 * z2) * ((c[4] + c[5] * z) + z2 * c[6])
-    };
-    [x + x * z * series(S), (1.0 - 0.5 * z) + z2 * series(C)]
-}
-
 /// Nodes and weights on [0, 1] of the 16-point Gauss-Legendre rule (Abramowitz and Stegun,
 /// table 25.4), found by Newton's iteration on the Legendre recurrence.
 pub fn gauss_legendre() -> [(f64, f64); GAUSS_POINTS] {
@@ -179,16 +148,6 @@ mod tests {
         assert!((root(1.0, 2.0, |x| x * x - 2.0) - target).abs() <= f64::EPSILON);
         assert!((root(0.0, 1e9, |x| x.cbrt() - 1e-3) - 1e-9).abs() < 1e-18);
         assert_eq!(root(3.0, 4.0, |x| x - 3.0), 3.0);
-    }
-
-    #[test]
-    fn sine_and_cosine_are_those_of_the_standard_library_to_the_last_places() {
-        for i in -1000..=1000 {
-            let x = std::f64::consts::FRAC_PI_4 * f64::from(i) / 1000.0;
-            let [sin, cos] = sin_cos_near_0(x);
-            assert!((sin - x.sin()).abs() <= 2.0 * f64::EPSILON * x.abs(), "sin {x}");
-            assert!((cos - x.cos()).abs() <= f64::EPSILON, "cos {x}");
-        }
     }
 
     #[test]

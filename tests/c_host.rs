@@ -89,6 +89,8 @@ fn each_kind_of_error_has_its_status_and_a_message_that_helps() {
     said(&report, "info-null", NULL, &["info is NULL"]);
     said(&report, "info-no-camera", NOT_OURS, &["no camera of this library"]);
     said(&report, "name-null", NULL, &["buffer is NULL"]);
+    said(&report, "plan-null", NULL, &["buffer is NULL"]);
+    said(&report, "plan-no-camera", NOT_OURS, &["no camera of this library"]);
     assert_eq!(report.all("touched"), [""; 0]);
 }
 
@@ -106,6 +108,22 @@ fn info_and_lens_name_are_the_cameras() {
     assert_eq!(report.all("name"), ["0 14 ", "5 14 wide", "10 14 wide.22mm", "15 14 wide.22mm@35mm"]);
     assert_eq!(report.all("overrun"), [""; 0]);
     assert_eq!(report.one("text"), "lens_text 2 30");
+}
+
+#[test]
+fn the_plan_says_what_a_tolerance_chose_and_how_far_off_it_is() {
+    let report = run("plan");
+    said(&report, "negative", PARAMETER, &["\"tolerance\" is -1", "0 (exact) or more"]);
+    for what in ["length", "text", "cut"] {
+        said(&report, what, 0, &[]);
+    }
+    assert_eq!(report.one("lengths"), "1 1");
+    assert_eq!(report.one("little"), "3");
+    let lines = report.all("line");
+    assert!(lines.iter().any(|line| line.starts_with("kept")), "{lines:?}");
+    assert!(lines.iter().any(|line| line.starts_with("left out")), "{lines:?}");
+    assert!(lines.iter().any(|line| line.contains("99.9 % of the rays are within")), "{lines:?}");
+    assert!(report.one("log").starts_with("0 tolerance 0.5 pixels: "), "told as information");
 }
 
 #[test]

@@ -322,3 +322,27 @@ fn drawings_are_written_as_their_ending_says() {
     let message = fails(&["draw", "wide.22mm", "--out", &at("missing/a.svg")], "", 1);
     assert!(message.contains("missing") && message.contains("--out"), "{message}");
 }
+
+#[test]
+fn the_plan_names_what_was_chosen_and_measures_what_it_saves() {
+    let plan = json(&["plan", "dgauss.50mm", "--fnumber", "8", "--tolerance", "0.5", "--json"]);
+    let items = plan["items"].as_array().expect("items");
+    assert!(items.iter().any(|item| item["kept"] == true) && items.iter().any(|item| item["kept"] == false));
+    let candidates = plan["choice"]["candidates"].as_array().expect("candidates");
+    let chosen: Vec<_> = candidates.iter().filter(|candidate| candidate["chosen"] == true).collect();
+    assert_eq!(chosen.len(), 1);
+    assert!(number(chosen[0], "error_999_pixels") <= 0.5);
+    let costs: Vec<f64> =
+        candidates.iter().map(|candidate| number(candidate, "ordered_by_ns_a_ray")).collect();
+    assert!(costs.is_sorted(), "{costs:?}");
+    #[cfg(feature = "report")]
+    for way in plan["measured"].as_array().expect("three cameras") {
+        for key in ["batch_ns_a_ray", "single_ns_a_ray", "build_ms"] {
+            assert!(number(way, key) > 0.0, "{way}");
+        }
+    }
+    let text = succeeds(&["plan", "telephoto.250mm", "--param", "pupil=rear"], "");
+    assert!(text.contains("left out  pupil table") && !text.contains("tolerance 0"), "{text}");
+    assert!(fails(&["plan", "dgauss.50mm", "--tolerance", "-1"], "", 2).contains("--tolerance"));
+    assert!(fails(&["plan", "dgauss.50mm", "--param", "pupil"], "", 2).contains("NAME=VALUE"));
+}

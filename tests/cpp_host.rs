@@ -56,6 +56,7 @@ fn a_camera_is_owned_moved_asked_and_given_away() {
         let info: Vec<&str> = report.one("info").split(' ').collect();
         assert_eq!((info[0], info[2]), ("wide.22mm@35mm", "13"));
         assert!((info[1].parse::<f64>().unwrap() / 35.0 - 1.0).abs() < 1e-14);
+        assert_eq!(report.one("plan"), "1");
         assert_eq!(report.one("logged"), "1");
         assert!(report.one("log").contains("faster than the lens"));
         let [different, passed] = report.numbers("rays")[..] else { panic!("two numbers") };

@@ -163,6 +163,25 @@ fn two_cameras_do_not_know_each_other() {
 }
 
 #[test]
+fn a_tolerance_is_a_float_of_the_scene_and_costs_no_more_than_it_says() {
+    let samples = samples();
+    let plain: Vec<&str> = samples.iter().map(String::as_str).collect();
+    for abi in Abi::BOTH {
+        let exact = run(abi, "rays", &plain).rays("vtable");
+        let mut arguments = plain.clone();
+        arguments.extend(["float:tolerance=0.1", "string:precision=auto"]);
+        let report = run(abi, "rays", &arguments);
+        report.clean();
+        let cheaper = report.rays("vtable");
+        assert_ne!(cheaper, exact, "no cheaper model was taken");
+        for (cheaper, exact) in cheaper.iter().zip(&exact) {
+            assert!(near(cheaper.d, exact.d, 1e-3), "{cheaper:?} {exact:?}");
+        }
+        run(abi, "rays", &["float:tolerance=-1"]).refused(&["tolerance", "pixels"]);
+    }
+}
+
+#[test]
 fn transforms_place_the_rays() {
     let samples = samples();
     let plain: Vec<&str> = samples.iter().map(String::as_str).collect();

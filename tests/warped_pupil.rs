@@ -304,6 +304,42 @@ fn random_numbers() -> impl FnMut() -> f64 {
     }
 }
 
+#[test]
+fn single_precision_draws_and_weighs_as_double_precision_does() {
+    for name in LENSES {
+        let [single, double] = ["f32", "f64"].map(|precision| {
+            let mut given = Parameters::default();
+            given.set("specfile", Value::Text(name)).expect("a parameter");
+            given.set("precision", Value::Text(precision)).expect("a parameter");
+            let host = Host::new(Raster { xres: 300, yres: 200 }, None);
+            RealisticCamera::build(&given, &host, &mut |_, _| {}).expect("built")
+        });
+        let mut random = random_numbers();
+        let (mut rays, mut odd, mut direction, mut weight, mut sums) = (0, 0, 0.0_f64, 0.0_f64, [0.0; 2]);
+        for _ in 0..40_000 {
+            let [x, y, lens_u, lens_v] = std::array::from_fn(|_| random() as f32);
+            let sample = Sample { image_x: 300.0 * x, image_y: 200.0 * y, lens_u, lens_v, time: 0.0 };
+            let (Some((a, wa)), Some((b, wb))) = (single.ray(&sample), double.ray(&sample)) else {
+                odd += i32::from(single.ray(&sample).is_some() != double.ray(&sample).is_some());
+                continue;
+            };
+            rays += 1;
+            for (a, b) in a.direction.iter().zip(b.direction) {
+                direction = direction.max(f64::from(a - b).abs());
+            }
+            weight = weight.max(f64::from(wa - wb).abs());
+            sums = [sums[0] + f64::from(wa), sums[1] + f64::from(wb)];
+        }
+        // Over the mean weight: towards the edge of the image circle the pupil vanishes like a root.
+        let (weight, bias) = (weight * f64::from(rays) / sums[1], (sums[0] / sums[1] - 1.0).abs());
+        println!(
+            "{name}: {rays} rays, {odd} odd, direction {direction:.1e}, weight {weight:.1e}, mean {bias:.1e}"
+        );
+        assert!(odd <= 4, "{name}: {odd} pass in one precision only");
+        assert!(direction < 1e-5 && weight < 1e-4 && bias < 1e-6, "{name}");
+    }
+}
+
 /// Mean weight at a raster point and its standard error, by independent samples.
 fn mean_weight(camera: &RealisticCamera, [x, y]: [f32; 2], n: u32) -> (f64, f64) {
     let (mut sum, mut squares) = (0.0, 0.0);

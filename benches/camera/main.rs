@@ -8,7 +8,7 @@
 #[path = "../kernel/contest.rs"]
 mod contest;
 
-use std::{ffi::CString, hint::black_box, mem::MaybeUninit, ptr::null_mut, time::Instant};
+use std::{ffi::CString, hint::black_box, mem::MaybeUninit, ptr::null_mut, sync::Barrier, time::Instant};
 
 use contest::Contest;
 use realistic::{abi::*, prescription::catalogue};
@@ -42,6 +42,9 @@ const TIMED: [&str; 4] = ["dgauss.50mm", "wide.22mm", "telephoto.250mm", "fishey
 
 /// A camera, freed in the end.
 struct Camera(*mut realistic_camera);
+
+// SAFETY: a camera does not change once it is built, and any thread may ask it for rays.
+unsafe impl Sync for Camera {}
 
 impl Camera {
     fn new(lens: &str, texts: &[(&str, &str)]) -> Self {
@@ -173,39 +176,79 @@ fn calls(lens: &str, rounds: usize) {
             assert_eq!(status, realistic_status::Ok);
             black_box((&rays, &weights));
         });
-        let column = |part: fn(&realistic_sample) -> f32| samples.iter().map(part).collect::<Vec<f32>>();
-        let asked = [
-            column(|sample| sample.image_x),
-            column(|sample| sample.image_y),
-            column(|sample| sample.lens_u),
-            column(|sample| sample.lens_v),
-            column(|sample| sample.time),
-        ];
-        let mut found: [Vec<f32>; 7] = std::array::from_fn(|_| vec![0.0; SAMPLES]);
-        contest.enter(&format!("batch, arrays, {name}"), move || {
-            let [image_x, image_y, lens_u, lens_v, time] = asked.each_ref().map(|array| array.as_ptr());
-            let asked = realistic_samples_soa { image_x, image_y, lens_u, lens_v, time };
-            let [ox, oy, oz, dx, dy, dz, weight] = found.each_mut().map(|array| array.as_mut_ptr());
-            let rays = realistic_rays_soa {
-                ox,
-                oy,
-                oz,
-                dx,
-                dy,
-                dz,
-                mint: null_mut(),
-                maxt: null_mut(),
-                time: null_mut(),
-                weight,
-                reason: null_mut(),
-            };
-            // SAFETY: every array that is there has room.
-            let status = unsafe { realistic_camera_generate_rays_soa(camera.0, SAMPLES, &asked, &rays) };
-            assert_eq!(status, realistic_status::Ok);
-            black_box(&found);
-        });
+        let mut arrays = Arrays::new(samples);
+        contest.enter(&format!("batch, arrays, {name}"), move || arrays.generate(camera));
     }
     contest.run(rounds);
+    for (name, camera) in [("f64", &camera), ("f32", &single)] {
+        let [one, two] = [1, 2].map(|threads| throughput(camera, &samples, threads, rounds));
+        println!("\nbatch, arrays, {name}: two threads at once do {:.2} times the work of one", two / one);
+    }
+}
+
+/// Samples and rays as structure of arrays.
+struct Arrays {
+    asked: [Vec<f32>; 5],
+    found: [Vec<f32>; 7],
+}
+
+impl Arrays {
+    fn new(samples: &[realistic_sample]) -> Self {
+        let column = |part: fn(&realistic_sample) -> f32| samples.iter().map(part).collect::<Vec<f32>>();
+        Self {
+            asked: [
+                column(|sample| sample.image_x),
+                column(|sample| sample.image_y),
+                column(|sample| sample.lens_u),
+                column(|sample| sample.lens_v),
+                column(|sample| sample.time),
+            ],
+            found: std::array::from_fn(|_| vec![0.0; samples.len()]),
+        }
+    }
+
+    fn generate(&mut self, camera: &Camera) {
+        let [image_x, image_y, lens_u, lens_v, time] = self.asked.each_ref().map(|array| array.as_ptr());
+        let asked = realistic_samples_soa { image_x, image_y, lens_u, lens_v, time };
+        let [ox, oy, oz, dx, dy, dz, weight] = self.found.each_mut().map(|array| array.as_mut_ptr());
+        let none = null_mut();
+        let (mint, maxt, time, reason) = (none, none, none, null_mut());
+        let rays = realistic_rays_soa { ox, oy, oz, dx, dy, dz, mint, maxt, time, weight, reason };
+        let n = self.asked[0].len();
+        // SAFETY: every array that is there has room.
+        let status = unsafe { realistic_camera_generate_rays_soa(camera.0, n, &asked, &rays) };
+        assert_eq!(status, realistic_status::Ok);
+        black_box(&self.found);
+    }
+}
+
+/// Batches a second that so many threads get from one camera, each with arrays of its own: the median over rounds.
+fn throughput(camera: &Camera, samples: &[realistic_sample], threads: usize, rounds: usize) -> f64 {
+    // Long, for a thread may begin a millisecond late.
+    const BATCHES: usize = 4000;
+    let mut rates: Vec<f64> = (0..rounds.min(9))
+        .map(|_| {
+            let start = Barrier::new(threads);
+            let times: Vec<[Instant; 2]> = std::thread::scope(|scope| {
+                let work = || {
+                    let mut arrays = Arrays::new(samples);
+                    arrays.generate(camera);
+                    start.wait();
+                    let begun = Instant::now();
+                    (0..BATCHES).for_each(|_| arrays.generate(camera));
+                    [begun, Instant::now()]
+                };
+                let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
+                workers.into_iter().map(|worker| worker.join().expect("no panic")).collect()
+            });
+            let begun = times.iter().map(|time| time[0]).min().expect("a thread");
+            let ended = times.iter().map(|time| time[1]).max().expect("a thread");
+            let seconds = (ended - begun).as_secs_f64();
+            (threads * BATCHES) as f64 / seconds
+        })
+        .collect();
+    rates.sort_by(f64::total_cmp);
+    rates[rates.len() / 2]
 }
 
 /// Milliseconds from a lens's name to the first ray: median and least.

@@ -1,6 +1,6 @@
 //! Many rays in one call, as pbrt's array of structures and as structure of arrays.
 
-use std::mem::size_of;
+use std::{mem::size_of, slice};
 
 use super::boundary::{self, Failure, realistic_status};
 use super::handle::Handle;
@@ -9,7 +9,7 @@ use super::types::{
     realistic_camera, realistic_ray, realistic_rays_soa, realistic_reason, realistic_sample,
     realistic_samples_soa,
 };
-use crate::camera::{BLOCK, RayBlock, Sample, SampleBlock, WorldRay};
+use crate::camera::{BLOCK, RayArrays, RayBlock, Sample, SampleArrays, SampleBlock};
 
 /// Rays of `n` samples. Element i lies `i * stride` bytes from the first, so that arrays of a host's own
 /// larger structures can be passed (pbrt-v1: 88 for `Sample`, 36 for `Ray`); a stride of 0 means tightly packed.
@@ -48,9 +48,10 @@ pub unsafe extern "C" fn realistic_camera_generate_rays(
                 handle,
                 n,
                 |i| samples.byte_add(i * sample_stride).read_unaligned().into(),
-                |i, ray, weight, reason| {
-                    if let Some(ray) = ray {
-                        rays.byte_add(i * ray_stride).write_unaligned(ray.into());
+                |i, block, at, reason| {
+                    let weight = block.weight[at];
+                    if weight > 0.0 {
+                        rays.byte_add(i * ray_stride).write_unaligned(block.ray(at).into());
                     }
                     weights.add(i).write_unaligned(weight);
                     if !reasons.is_null() {
@@ -112,77 +113,95 @@ pub unsafe extern "C" fn realistic_camera_generate_rays_soa(
 }
 
 /// # Safety
-/// Every array that is not NULL has room for `n` elements; the required ones are not NULL.
+/// Every array that is not NULL has room for `n` elements and overlaps no other; the required ones are not NULL.
 unsafe fn all_of_arrays(
     handle: &Handle,
     n: usize,
     samples: &realistic_samples_soa,
     rays: &realistic_rays_soa,
 ) {
-    let mut block = (SampleBlock::new(), RayBlock::new());
-    let (asked, found) = (&mut block.0, &mut block.1);
-    for first in (0..n).step_by(BLOCK) {
-        let count = BLOCK.min(n - first);
-        // SAFETY: the caller's promise; bytes are copied, so nothing needs to be aligned.
-        unsafe {
-            for (from, to) in [
-                (samples.image_x, &mut asked.image_x),
-                (samples.image_y, &mut asked.image_y),
-                (samples.lens_u, &mut asked.lens_u),
-                (samples.lens_v, &mut asked.lens_v),
-                (samples.time, &mut asked.time),
-            ] {
-                copy(from.byte_add(first * size_of::<f32>()), to.as_mut_ptr(), count);
-            }
-        }
-        handle.camera().rays(asked, count, found);
-        let all_pass = found.weight[..count].iter().all(|weight| *weight > 0.0);
-        let [ox, oy, oz] = &found.origin;
-        let [dx, dy, dz] = &found.direction;
-        for (from, to) in [
-            (ox, rays.ox),
-            (oy, rays.oy),
-            (oz, rays.oz),
-            (dx, rays.dx),
-            (dy, rays.dy),
-            (dz, rays.dz),
-            (&found.mint, rays.mint),
-            (&found.maxt, rays.maxt),
-            (&found.time, rays.time),
-        ] {
-            if to.is_null() {
-                continue;
-            }
-            // SAFETY: as above.
-            unsafe {
-                let to = to.add(first);
-                if all_pass {
-                    copy(from.as_ptr(), to, count);
-                    continue;
-                }
-                for i in (0..count).filter(|&i| found.weight[i] > 0.0) {
-                    to.add(i).write_unaligned(from[i]);
-                }
-            }
-        }
-        // SAFETY: as above.
-        unsafe {
-            copy(found.weight.as_ptr(), rays.weight.add(first), count);
-            if !rays.reason.is_null() {
-                for i in 0..count {
-                    let reason = reason(handle, &asked.get(i), found.weight[i]);
-                    rays.reason.add(first + i).write_unaligned(reason);
-                }
-            }
+    let from = [samples.image_x, samples.image_y, samples.lens_u, samples.lens_v, samples.time];
+    let [ox, oy, oz] = [rays.ox, rays.oy, rays.oz];
+    let [dx, dy, dz] = [rays.dx, rays.dy, rays.dz];
+    let to = [ox, oy, oz, dx, dy, dz, rays.weight, rays.mint, rays.maxt, rays.time];
+    if !from.iter().all(|array| array.is_aligned()) || !to.iter().all(|array| array.is_aligned()) {
+        // SAFETY: element i of each array, which nothing aligns.
+        return unsafe { all_of_unaligned(handle, n, from, to, rays.reason) };
+    }
+    // SAFETY: aligned, not NULL or not asked for, and of `n` elements that nothing else refers to.
+    let (asked, mut found) = unsafe {
+        let [image_x, image_y, lens_u, lens_v, time] = from.map(|array| slice::from_raw_parts(array, n));
+        let room = |array: *mut f32| slice::from_raw_parts_mut(array, n);
+        let optional = |array: *mut f32| (!array.is_null()).then(|| slice::from_raw_parts_mut(array, n));
+        let found = RayArrays {
+            origin: [room(ox), room(oy), room(oz)],
+            direction: [room(dx), room(dy), room(dz)],
+            mint: optional(rays.mint),
+            maxt: optional(rays.maxt),
+            time: optional(rays.time),
+            weight: room(rays.weight),
+        };
+        (SampleArrays { image_x, image_y, lens_u, lens_v, time }, found)
+    };
+    handle.camera().rays(&asked, &mut found);
+    if !rays.reason.is_null() {
+        for (i, weight) in found.weight.iter().enumerate() {
+            // SAFETY: the caller's promise.
+            unsafe { rays.reason.add(i).write_unaligned(reason(handle, &asked.get(i), *weight)) };
         }
     }
 }
 
+/// [`all_of_arrays`] by copies.
+///
 /// # Safety
-/// `from` can be read and `to` written for `count` floats, and they do not overlap.
-unsafe fn copy(from: *const f32, to: *mut f32, count: usize) {
-    // SAFETY: the caller's promise; bytes need no alignment.
-    unsafe { std::ptr::copy_nonoverlapping(from.cast::<u8>(), to.cast::<u8>(), count * size_of::<f32>()) }
+/// As there, but for the alignment; `from` and the first seven of `to` are not NULL.
+unsafe fn all_of_unaligned(
+    handle: &Handle,
+    n: usize,
+    from: [*const f32; 5],
+    to: [*mut f32; 10],
+    reasons: *mut realistic_reason,
+) {
+    // SAFETY: the caller's promise, and element i of each array.
+    unsafe {
+        in_blocks(
+            handle,
+            n,
+            |i| {
+                let [image_x, image_y, lens_u, lens_v, time] =
+                    from.map(|array| array.add(i).read_unaligned());
+                Sample { image_x, image_y, lens_u, lens_v, time }
+            },
+            |i, block, at, reason| {
+                let [ox, oy, oz, dx, dy, dz, weights, mint, maxt, time] = to;
+                let weight = block.weight[at];
+                if weight > 0.0 {
+                    let ray = block.ray(at);
+                    let ([x, y, z], [u, v, w]) = (ray.origin, ray.direction);
+                    for (array, number) in [
+                        (ox, x),
+                        (oy, y),
+                        (oz, z),
+                        (dx, u),
+                        (dy, v),
+                        (dz, w),
+                        (mint, ray.mint),
+                        (maxt, ray.maxt),
+                        (time, ray.time),
+                    ] {
+                        if !array.is_null() {
+                            array.add(i).write_unaligned(number);
+                        }
+                    }
+                }
+                weights.add(i).write_unaligned(weight);
+                if !reasons.is_null() {
+                    reasons.add(i).write_unaligned(reason());
+                }
+            },
+        );
+    }
 }
 
 /// Why a sample has this weight. Found out apart, because it costs more than a ray.
@@ -195,17 +214,16 @@ fn in_blocks(
     handle: &Handle,
     n: usize,
     read: impl Fn(usize) -> Sample,
-    mut write: impl FnMut(usize, Option<WorldRay>, f32, &dyn Fn() -> realistic_reason),
+    mut write: impl FnMut(usize, &RayBlock, usize, &dyn Fn() -> realistic_reason),
 ) {
     let (mut samples, mut rays) = (SampleBlock::new(), RayBlock::new());
     for first in (0..n).step_by(BLOCK) {
         let count = BLOCK.min(n - first);
         (0..count).for_each(|i| samples.set(i, &read(first + i)));
-        handle.camera().rays(&samples, count, &mut rays);
+        let asked = samples.arrays(count);
+        handle.camera().rays(&asked, &mut rays.arrays(count));
         for i in 0..count {
-            let ray = rays.get(i).map(|(ray, _)| ray);
-            let weight = rays.weight[i];
-            write(first + i, ray, weight, &|| reason(handle, &samples.get(i), weight));
+            write(first + i, &rays, i, &|| reason(handle, &asked.get(i), rays.weight[i]));
         }
     }
 }

@@ -151,22 +151,59 @@ pub unsafe extern "C" fn realistic_camera_get_lens_name(
     boundary::status(|| {
         // SAFETY: the caller's promise.
         let camera = unsafe { object::handle_of(camera) }.ok_or_else(boundary::not_a_camera)?.camera();
-        if buffer.is_null() && capacity > 0 {
-            return Err(boundary::null("buffer"));
-        }
         let name = camera.lens().map_or("", |lens| &lens.name);
-        if let Some(room) = capacity.checked_sub(1) {
-            let cut = name.floor_char_boundary(room);
-            // SAFETY: `cut` and the NUL fit into `capacity`.
-            unsafe {
-                std::ptr::copy_nonoverlapping(name.as_ptr(), buffer.cast::<u8>(), cut);
-                buffer.add(cut).write(0);
-            }
-        }
-        if !length.is_null() {
-            // SAFETY: the caller's promise.
-            unsafe { length.write(name.len()) };
-        }
-        Ok(())
+        // SAFETY: the caller's promise.
+        unsafe { give_text(name, buffer, capacity, length) }
     })
+}
+
+/// Copies what the camera keeps and leaves out, and which model of the lens a tolerance chose, as lines of UTF-8 text into
+/// `buffer`: see `realistic_camera_get_lens_name` for `buffer`, `capacity` and `length`. The text is for people; its wording
+/// may change.
+///
+/// # Safety
+/// `camera` is NULL or a live camera of this library; `buffer` has `capacity` writable bytes;
+/// `length` is NULL or writable.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn realistic_camera_plan(
+    camera: *const realistic_camera,
+    buffer: *mut c_char,
+    capacity: usize,
+    length: *mut usize,
+) -> realistic_status {
+    boundary::status(|| {
+        // SAFETY: the caller's promise.
+        let camera = unsafe { object::handle_of(camera) }.ok_or_else(boundary::not_a_camera)?.camera();
+        let text = camera.plan().to_string();
+        // SAFETY: the caller's promise.
+        unsafe { give_text(&text, buffer, capacity, length) }
+    })
+}
+
+/// Copies a text with a closing NUL, cut to `capacity` bytes, and tells its whole length without the NUL.
+///
+/// # Safety
+/// `buffer` is NULL or has `capacity` writable bytes; `length` is NULL or writable.
+unsafe fn give_text(
+    text: &str,
+    buffer: *mut c_char,
+    capacity: usize,
+    length: *mut usize,
+) -> Result<(), Failure> {
+    if buffer.is_null() && capacity > 0 {
+        return Err(boundary::null("buffer"));
+    }
+    if let Some(room) = capacity.checked_sub(1) {
+        let cut = text.floor_char_boundary(room);
+        // SAFETY: `cut` and the NUL fit into `capacity`.
+        unsafe {
+            std::ptr::copy_nonoverlapping(text.as_ptr(), buffer.cast::<u8>(), cut);
+            buffer.add(cut).write(0);
+        }
+    }
+    if !length.is_null() {
+        // SAFETY: the caller's promise.
+        unsafe { length.write(text.len()) };
+    }
+    Ok(())
 }

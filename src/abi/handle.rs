@@ -56,18 +56,19 @@ impl Handle {
     /// complete all the same, because a pbrt-v1 host reads an uninitialised alpha for weight 0.
     #[cfg(realistic_shim)]
     pub fn generate_for_host(&self, sample: &realistic_sample, ray: &mut realistic_ray) -> f32 {
-        let sample = Sample::from(*sample);
-        let found = triples::ray(self, &sample);
-        let (complete, weight) =
-            found.unwrap_or_else(|| (self.camera.substitute(&sample), f32::MIN_POSITIVE));
-        *ray = complete.into();
-        weight
+        let sample = fresh(sample);
+        let weight = triples::ray(self, &sample, ray);
+        if weight > 0.0 {
+            return weight;
+        }
+        *ray = self.camera.substitute(&{ sample }).into();
+        f32::MIN_POSITIVE
     }
 
-    /// A ray with its exact weight.
-    pub fn ray(&self, sample: &realistic_sample) -> Option<(realistic_ray, f32)> {
-        let (ray, weight) = self.camera.ray(&Sample::from(*sample))?;
-        Some((ray.into(), weight))
+    /// Writes a ray and returns its exact weight; 0, and nothing written, where there is none.
+    #[inline(always)]
+    pub fn ray(&self, sample: &realistic_sample, ray: &mut realistic_ray) -> f32 {
+        put(self.camera.ray(&fresh(sample)), ray)
     }
 
     /// What becomes of a sample, in the ABI's words.
@@ -79,6 +80,33 @@ impl Handle {
             Outcome::Shut => realistic_reason::Shut,
         }
     }
+}
+
+/// Writes a ray, if there is one, and returns its weight; else 0.
+#[inline(always)]
+pub(super) fn put(found: Option<(WorldRay, f32)>, to: &mut realistic_ray) -> f32 {
+    let Some((ray, weight)) = found else { return 0.0 };
+    *to = ray.into();
+    weight
+}
+
+/// A sample that its caller has just written, number by number: each is read by itself (volatile, or the compiler makes
+/// one load of four), because a wide load would wait until all of them have left the store buffer, and so
+/// for everything before them: the call before.
+#[inline(always)]
+fn fresh(sample: &realistic_sample) -> Sample {
+    let realistic_sample { image_x, image_y, lens_u, lens_v, time } = sample;
+    // SAFETY: references to numbers that there are.
+    let [image_x, image_y, lens_u, lens_v, time] = unsafe {
+        [
+            (&raw const *image_x).read_volatile(),
+            (&raw const *image_y).read_volatile(),
+            (&raw const *lens_u).read_volatile(),
+            (&raw const *lens_v).read_volatile(),
+            (&raw const *time).read_volatile(),
+        ]
+    };
+    Sample { image_x, image_y, lens_u, lens_v, time }
 }
 
 impl From<realistic_sample> for Sample {

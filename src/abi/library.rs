@@ -22,6 +22,8 @@ pub const REALISTIC_CAPABILITY_MODELS: u64 = 16;
 pub const REALISTIC_CAPABILITY_MOTION: u64 = 32;
 /// `realistic_autofocus` is there.
 pub const REALISTIC_CAPABILITY_AUTOFOCUS: u64 = 64;
+/// `tolerance` and `realistic_camera_plan` are there.
+pub const REALISTIC_CAPABILITY_PLAN: u64 = 128;
 
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "\0");
 
@@ -48,6 +50,7 @@ pub extern "C" fn realistic_capabilities() -> u64 {
         | REALISTIC_CAPABILITY_MODELS
         | REALISTIC_CAPABILITY_MOTION
         | REALISTIC_CAPABILITY_AUTOFOCUS
+        | REALISTIC_CAPABILITY_PLAN
 }
 
 /// The message of this thread's last failure, in one or more lines of UTF-8; empty when there was none. The

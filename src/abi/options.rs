@@ -59,6 +59,7 @@ impl Default for realistic_options {
             frameaspectratio: f64::NAN,
             lensradius: f64::NAN,
             focaldistance: f64::NAN,
+            tolerance: f64::NAN,
         }
     }
 }
@@ -178,6 +179,7 @@ impl realistic_options {
             ("frameaspectratio", self.frameaspectratio),
             ("lensradius", self.lensradius),
             ("focaldistance", self.focaldistance),
+            ("tolerance", self.tolerance),
         ] {
             if !number.is_nan() {
                 set(name, Value::Float(number))?;

@@ -24,10 +24,7 @@ pub unsafe extern "C" fn realistic_generate_ray(
         let (Some(handle), Some(sample), Some(ray)) = parts else {
             return 0.0;
         };
-        handle.ray(sample).map_or(0.0, |(generated, weight)| {
-            *ray = generated;
-            weight
-        })
+        handle.ray(sample, ray)
     })
 }
 

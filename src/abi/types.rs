@@ -193,6 +193,8 @@ pub struct realistic_options {
     pub lensradius: f64,
     /// Parameter `focaldistance`, world units.
     pub focaldistance: f64,
+    /// Parameter `tolerance`, pixels.
+    pub tolerance: f64,
 }
 
 /// What a built camera is, for a host to print. `realistic_camera_get_info` fills it. A model without a lens

@@ -1,9 +1,111 @@
-//! Many samples at once: blocks that fit the first cache, as structure of arrays.
+//! Many samples at once, as structure of arrays: a caller's own, and blocks that fit the first cache.
 
 use super::{Sample, WorldRay};
 
-/// Samples of a block.
-pub const BLOCK: usize = 256;
+/// Samples of a block: as many as fill three of any vectors a whole number of times.
+pub const BLOCK: usize = 384;
+
+/// Samples, as structure of arrays of one length.
+#[derive(Clone, Copy, Debug)]
+pub struct SampleArrays<'a> {
+    /// Raster x.
+    pub image_x: &'a [f32],
+    /// Raster y.
+    pub image_y: &'a [f32],
+    /// First lens numbers.
+    pub lens_u: &'a [f32],
+    /// Second lens numbers.
+    pub lens_v: &'a [f32],
+    /// Time numbers.
+    pub time: &'a [f32],
+}
+
+impl SampleArrays<'_> {
+    /// The number of samples.
+    ///
+    /// # Panics
+    /// The arrays differ in length.
+    pub(super) fn checked_len(&self) -> usize {
+        let n = self.image_x.len();
+        let same = [self.image_y, self.lens_u, self.lens_v, self.time].iter().all(|array| array.len() == n);
+        assert!(same, "the arrays of a batch must have one length");
+        n
+    }
+
+    /// The sample at a place.
+    #[inline]
+    pub fn get(&self, i: usize) -> Sample {
+        Sample {
+            image_x: self.image_x[i],
+            image_y: self.image_y[i],
+            lens_u: self.lens_u[i],
+            lens_v: self.lens_v[i],
+            time: self.time[i],
+        }
+    }
+
+    /// Those from `first` on, `count` of them.
+    ///
+    /// # Panics
+    /// There are not so many.
+    pub fn part(&self, first: usize, count: usize) -> Self {
+        let Self { image_x, image_y, lens_u, lens_v, time } = *self;
+        let [image_x, image_y, lens_u, lens_v, time] =
+            [image_x, image_y, lens_u, lens_v, time].map(|array| &array[first..first + count]);
+        Self { image_x, image_y, lens_u, lens_v, time }
+    }
+}
+
+/// What becomes of samples, as structure of arrays of one length. Where there is no ray only the weight is written.
+#[derive(Debug)]
+pub struct RayArrays<'a> {
+    /// Origins, world units: x, y and z.
+    pub origin: [&'a mut [f32]; 3],
+    /// Unit directions.
+    pub direction: [&'a mut [f32]; 3],
+    /// Where each begins, if asked for.
+    pub mint: Option<&'a mut [f32]>,
+    /// Where each ends, if asked for.
+    pub maxt: Option<&'a mut [f32]>,
+    /// When each is, if asked for.
+    pub time: Option<&'a mut [f32]>,
+    /// Weights: positive, or 0 where there is no ray.
+    pub weight: &'a mut [f32],
+}
+
+impl RayArrays<'_> {
+    /// The number of rays.
+    ///
+    /// # Panics
+    /// The arrays differ in length.
+    pub(super) fn checked_len(&self) -> usize {
+        let n = self.weight.len();
+        let given = [&self.mint, &self.maxt, &self.time];
+        let same = self.origin.iter().chain(&self.direction).all(|array| array.len() == n)
+            && given.into_iter().flatten().all(|array| array.len() == n);
+        assert!(same, "the arrays of a batch must have one length");
+        n
+    }
+
+    /// Puts a ray, or none, at a place.
+    #[inline]
+    pub fn set(&mut self, i: usize, ray: Option<(WorldRay, f32)>) {
+        let Some((WorldRay { origin, direction, mint, maxt, time }, weight)) = ray else {
+            self.weight[i] = 0.0;
+            return;
+        };
+        for axis in 0..3 {
+            self.origin[axis][i] = origin[axis];
+            self.direction[axis][i] = direction[axis];
+        }
+        for (array, number) in [(&mut self.mint, mint), (&mut self.maxt, maxt), (&mut self.time, time)] {
+            if let Some(array) = array {
+                array[i] = number;
+            }
+        }
+        self.weight[i] = weight;
+    }
+}
 
 /// A block of samples, as structure of arrays.
 #[derive(Clone, Debug)]
@@ -38,16 +140,15 @@ impl SampleBlock {
         self.time[i] = time;
     }
 
-    /// The sample at a place below [`BLOCK`].
-    #[inline]
-    pub fn get(&self, i: usize) -> Sample {
-        Sample {
-            image_x: self.image_x[i],
-            image_y: self.image_y[i],
-            lens_u: self.lens_u[i],
-            lens_v: self.lens_v[i],
-            time: self.time[i],
-        }
+    /// The first `n` samples.
+    ///
+    /// # Panics
+    /// `n` is more than [`BLOCK`].
+    pub fn arrays(&self, n: usize) -> SampleArrays<'_> {
+        let Self { image_x, image_y, lens_u, lens_v, time } = self;
+        let [image_x, image_y, lens_u, lens_v, time] =
+            [image_x, image_y, lens_u, lens_v, time].map(|array| &array[..n]);
+        SampleArrays { image_x, image_y, lens_u, lens_v, time }
     }
 }
 
@@ -81,34 +182,33 @@ impl RayBlock {
         Self { origin: [zero; 3], direction: [zero; 3], mint: zero, maxt: zero, time: zero, weight: zero }
     }
 
-    /// Puts a ray, or none, at a place below [`BLOCK`].
-    #[inline]
-    pub fn set(&mut self, i: usize, ray: Option<(WorldRay, f32)>) {
-        let Some((WorldRay { origin, direction, mint, maxt, time }, weight)) = ray else {
-            self.weight[i] = 0.0;
-            return;
-        };
-        for axis in 0..3 {
-            self.origin[axis][i] = origin[axis];
-            self.direction[axis][i] = direction[axis];
+    /// Room for `n` rays.
+    ///
+    /// # Panics
+    /// `n` is more than [`BLOCK`].
+    pub fn arrays(&mut self, n: usize) -> RayArrays<'_> {
+        RayArrays {
+            origin: self.origin.each_mut().map(|array| &mut array[..n]),
+            direction: self.direction.each_mut().map(|array| &mut array[..n]),
+            mint: Some(&mut self.mint[..n]),
+            maxt: Some(&mut self.maxt[..n]),
+            time: Some(&mut self.time[..n]),
+            weight: &mut self.weight[..n],
         }
-        self.mint[i] = mint;
-        self.maxt[i] = maxt;
-        self.time[i] = time;
-        self.weight[i] = weight;
     }
 
     /// The ray at a place below [`BLOCK`], with its weight.
     #[inline]
     pub fn get(&self, i: usize) -> Option<(WorldRay, f32)> {
-        let ray = WorldRay {
-            origin: [0, 1, 2].map(|axis| self.origin[axis][i]),
-            direction: [0, 1, 2].map(|axis| self.direction[axis][i]),
-            mint: self.mint[i],
-            maxt: self.maxt[i],
-            time: self.time[i],
-        };
-        (self.weight[i] > 0.0).then_some((ray, self.weight[i]))
+        (self.weight[i] > 0.0).then(|| (self.ray(i), self.weight[i]))
+    }
+
+    /// The numbers at a place below [`BLOCK`], which mean nothing where the weight is 0.
+    #[inline(always)]
+    pub fn ray(&self, i: usize) -> WorldRay {
+        let Self { origin: [ox, oy, oz], direction: [dx, dy, dz], mint, maxt, time, .. } = self;
+        let (origin, direction) = ([ox[i], oy[i], oz[i]], [dx[i], dy[i], dz[i]]);
+        WorldRay { origin, direction, mint: mint[i], maxt: maxt[i], time: time[i] }
     }
 }
 

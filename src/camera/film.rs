@@ -43,8 +43,13 @@ impl Film {
     /// raster x grows toward the scene's right.
     #[inline(always)]
     pub fn point(&self, image_x: f64, image_y: f64) -> [f64; 2] {
-        let half = |resolution: u32| f64::from(resolution) / 2.0;
-        [(half(self.raster.xres) - image_x) * self.pixel, (image_y - half(self.raster.yres)) * self.pixel]
+        let [x, y] = self.middle();
+        [(x - image_x) * self.pixel, (image_y - y) * self.pixel]
+    }
+
+    /// The raster coordinates of the axis.
+    pub(super) fn middle(&self) -> [f64; 2] {
+        [self.raster.xres, self.raster.yres].map(|resolution| f64::from(resolution) / 2.0)
     }
 
     /// The largest distance from the axis, mm, at which a host asks for rays.

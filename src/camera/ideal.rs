@@ -16,9 +16,10 @@ use std::f64::consts::PI;
 
 use super::{
     CameraError, DiskMapping, Film, Outcome, ParameterError, PupilDisk, Sample, WorldRay,
+    choices::Weighting,
     irradiance::{cos4, film_ray},
     placement::Placement,
-    setup::{Setup, Weighting},
+    setup::Setup,
 };
 use crate::optics::{
     Lens,

@@ -1,11 +1,11 @@
 //! The camera that a host holds: one of the models, with its shutter.
 
 use super::{
-    CameraError, EnvironmentCamera, Film, Host, IdealCamera, Level, Outcome, Parameters, ProjectiveCamera,
-    RayBlock, RealisticCamera, Sample, SampleBlock, Shutter, WorldRay, check::choice, placement::Placement,
-    textbook,
+    BLOCK, CameraError, EnvironmentCamera, Film, Host, IdealCamera, Level, Outcome, Parameters,
+    ProjectiveCamera, RayArrays, RayBlock, RealisticCamera, Sample, SampleArrays, Shutter, Three, WorldRay,
+    check::choice, placement::Placement, textbook,
 };
-use crate::optics::Lens;
+use crate::{optics::Lens, plan::Plan};
 
 /// What a camera is a model of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -76,7 +76,7 @@ const PROJECTIVE: [&str; 5] =
     ["screenwindow", "frameaspectratio", "lensradius", "focaldistance", "lensplane"];
 
 /// The parameters that only a lens whose interfaces are traced uses.
-const TRACING: [&str; 3] = ["pupil", "refraction", "precision"];
+const TRACING: [&str; 4] = ["pupil", "refraction", "precision", "tolerance"];
 
 #[derive(Clone, Debug)]
 enum Optics {
@@ -134,8 +134,18 @@ impl Camera {
     }
 
     /// [`Camera::generate`] without the reason where there is no ray, which is faster.
-    #[inline]
+    #[inline(always)]
     pub fn ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
+        match &self.optics {
+            Optics::Lens(camera) if self.shutter == Shutter::Global => camera.ray(sample),
+            // A copy, here and where rays are walked: whose address nobody takes stays in registers.
+            _ => self.any_ray(&{ *sample }),
+        }
+    }
+
+    /// [`Camera::ray`] through any optics and shutter.
+    #[inline(never)]
+    fn any_ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
         match &self.optics {
             Optics::Lens(camera) => {
                 let share = self.share(sample.image_y, sample.time)?;
@@ -151,31 +161,51 @@ impl Camera {
     }
 
     /// [`Camera::ray`] of three image points with the lens and time numbers of `sample`, the same to the
-    /// last bit; `None` for a model that gains nothing from it.
+    /// last bit; `false` for a model that gains nothing from it, and nothing done.
     #[inline]
-    pub fn three(&self, sample: &Sample, image: [[f32; 2]; 3]) -> Option<[Option<(WorldRay, f32)>; 3]> {
-        let camera = self.as_lens()?;
-        let mut rays = camera.three(sample, image);
-        for (ray, [_, image_y]) in rays.iter_mut().zip(image) {
-            let share = self.share(image_y, sample.time);
-            *ray = ray.and_then(|(ray, weight)| Some((ray, dimmed(weight, share?))));
+    pub fn three(&self, sample: &Sample, image: [[f32; 2]; 3], rays: &mut Three) -> bool {
+        let Some(camera) = self.as_lens() else { return false };
+        camera.three(sample, image, rays);
+        if self.shutter != Shutter::Global {
+            for (i, [_, image_y]) in image.into_iter().enumerate() {
+                let share = self.share(image_y, sample.time);
+                let ray = rays.get(i).and_then(|(ray, weight)| Some((ray, dimmed(weight, share?))));
+                rays.set(i, ray);
+            }
         }
-        Some(rays)
+        true
     }
 
-    /// [`Camera::ray`] of the first `n` samples of a block, the same to the last bit.
+    /// [`Camera::ray`] of many samples, the same to the last bit. Where there is no ray the weight is 0, and the
+    /// other numbers are left as they are.
     ///
     /// # Panics
-    /// `n` is more than [`BLOCK`](super::BLOCK).
-    pub fn rays(&self, samples: &SampleBlock, n: usize, rays: &mut RayBlock) {
-        let Some(camera) = self.as_lens() else {
-            return (0..n).for_each(|i| rays.set(i, self.ray(&samples.get(i))));
-        };
-        camera.rays(samples, n, rays);
-        if self.shutter != Shutter::Global {
-            for (i, weight) in rays.weight[..n].iter_mut().enumerate().filter(|(_, weight)| **weight > 0.0) {
-                let share = self.share(samples.image_y[i], samples.time[i]);
-                *weight = share.map_or(0.0, |share| dimmed(*weight, share));
+    /// The arrays differ in length.
+    pub fn rays(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
+        let n = samples.image_x.len();
+        match self.as_lens() {
+            Some(camera) if self.shutter == Shutter::Global => camera.rays(samples, rays),
+            Some(camera) => self.through_shutter(camera, samples, rays),
+            None => (0..n).for_each(|i| rays.set(i, self.ray(&samples.get(i)))),
+        }
+    }
+
+    /// [`Camera::rays`] by blocks, of which only what the shutter lets through is handed on.
+    fn through_shutter(
+        &self,
+        camera: &RealisticCamera,
+        samples: &SampleArrays<'_>,
+        rays: &mut RayArrays<'_>,
+    ) {
+        let mut block = RayBlock::new();
+        let n = samples.image_x.len();
+        for first in (0..n).step_by(BLOCK) {
+            let count = BLOCK.min(n - first);
+            camera.rays(&samples.part(first, count), &mut block.arrays(count));
+            for i in 0..count {
+                let share = self.share(samples.image_y[first + i], samples.time[first + i]);
+                let ray = block.get(i).and_then(|(ray, weight)| Some((ray, dimmed(weight, share?))));
+                rays.set(first + i, ray);
             }
         }
     }
@@ -215,6 +245,18 @@ impl Camera {
             Optics::Ideal(camera) => camera.placement(),
             Optics::Projective(camera) => camera.placement(),
             Optics::Environment(camera) => camera.placement(),
+        }
+    }
+
+    /// What the camera keeps and leaves out.
+    pub fn plan(&self) -> Plan {
+        match &self.optics {
+            Optics::Lens(camera) => camera.plan().clone(),
+            _ => {
+                let mut plan = Plan::default();
+                self.placement().describe(&mut plan);
+                plan
+            }
         }
     }
 

@@ -170,7 +170,8 @@ parameters! {
     refraction: Text, "\"fused\" (default), \"heckbert\", \"whitted\" or \"other\"";
     wavelength: Float, "nm (default 587.56), for lenses with Abbe numbers or Sellmeier coefficients";
     mmperunit: Float, "millimetres a world unit (default 1)";
-    precision: Text, "arithmetic of the trace: \"auto\" (default), \"f64\" or \"f32\"";
+    precision: Text, "arithmetic of the trace: \"auto\" (default), \"f64\" (or \"double\"), \"f32\" (or \"single\")";
+    tolerance: Float, "pixels that 99.9 % of the rays may be off, for a faster model of the lens (0: exact)";
     shutter: Text, "\"global\" (default), \"leaf\" or \"focal-plane\": what it lets through, by film point and time";
     shutterramp: Float, "share of the shutter's interval in which a leaf shutter opens, and closes (default 0.25)";
     shutterslit: Float, "share of the shutter's interval that a focal-plane shutter exposes each row for (default 0.25)";

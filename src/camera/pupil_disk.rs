@@ -6,9 +6,12 @@
 
 use std::f64::consts::PI;
 
-use crate::optics::{
-    Lens,
-    pupil::{ExitPupil, SlopeDisk},
+use crate::{
+    optics::{
+        Lens,
+        pupil::{ExitPupil, SlopeDisk},
+    },
+    trace::kernel::{Cpu, Lanes, Scalar},
 };
 
 /// A pupil whose distance is more than 1/this times that of the front vertex from the film is at infinity.
@@ -86,6 +89,15 @@ impl PupilDisk {
         Drawn { slopes: [x + radius * u, y + radius * v], area: self.slope_area() }
     }
 
+    /// The disk as lanes draw from it.
+    pub(super) fn lane_disk<S: Scalar>(&self) -> LaneDisk<S> {
+        LaneDisk {
+            drift: S::from_f64(-self.vergence),
+            slope_radius: S::from_f64(self.slope_radius),
+            area_per_pi: S::from_f64(self.slope_radius * self.slope_radius),
+        }
+    }
+
     /// Area of the disk in slopes.
     pub fn slope_area(&self) -> f64 {
         PI * self.slope_radius * self.slope_radius
@@ -95,6 +107,24 @@ impl PupilDisk {
     pub fn area(&self) -> Option<f64> {
         let area = self.slope_area() / (self.vergence * self.vergence);
         area.is_finite().then_some(area)
+    }
+}
+
+/// A [`PupilDisk`] in the precision of lanes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LaneDisk<S> {
+    /// The slope to the centre over the film point, 1/mm.
+    drift: S,
+    slope_radius: S,
+    area_per_pi: S,
+}
+
+impl<S: Scalar> LaneDisk<S> {
+    /// The slopes that points of the unit disk stand for at film points, mm, and the slope area of each over π.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn lanes<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, [x, y]: [L; 2], [u, v]: [L; 2]) -> ([L; 2], L) {
+        let (drift, radius) = (L::splat(cpu, self.drift), L::splat(cpu, self.slope_radius));
+        ([radius.mul_add(u, drift * x), radius.mul_add(v, drift * y)], L::splat(cpu, self.area_per_pi))
     }
 }
 

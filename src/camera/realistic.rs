@@ -1,11 +1,18 @@
 //! The realistic camera: a sample in, a ray through every interface of the lens out.
 
+use std::sync::Arc;
+
 use super::{
-    CameraError, DiskMapping, Drawn, Film, PupilDisk, WarpedPupil,
+    CameraError, DiskMapping, Film, PupilDisk, WarpedPupil,
+    choices::{PupilChoice, Weighting},
+    drawing::{Drawing, FilmRays, Sampler},
+    few::{Three, Together},
     irradiance::{film_ray, on_axis, survey},
+    pipeline::Pipeline,
     placement::Placement,
-    setup::{Level, PupilChoice, Setup, Weighting},
-    tracer::Tracer,
+    planning::{self, Route},
+    setup::{Level, Setup},
+    tracer::{Tracer, Walk, Walked},
 };
 use crate::{
     optics::{
@@ -13,7 +20,8 @@ use crate::{
         first_order::FirstOrder,
         pupil::{EntrancePupil, limiting_surface},
     },
-    trace::{Blocked, Direction, Path, Ray, kernel::Traced},
+    plan::Plan,
+    trace::{Blocked, Direction, Path, Ray, Real, kernel::Shape},
 };
 
 /// What a host asks with.
@@ -59,54 +67,24 @@ pub enum Outcome {
     Shut,
 }
 
-/// Where lens samples are drawn.
-#[derive(Clone, Debug)]
-pub(super) enum Sampler {
-    /// A disk about the axis.
-    Disk(PupilDisk),
-    /// The true pupil of each film point.
-    Warped(Box<WarpedPupil>),
-}
-
-impl Sampler {
-    /// The slope for a point of the unit disk; `None` where the film is dark.
-    #[inline(always)]
-    fn draw(&self, film: [f64; 2], disk: [f64; 2]) -> Option<Drawn> {
-        match self {
-            Self::Disk(pupil) => Some(pupil.draw(film, disk)),
-            Self::Warped(pupil) => pupil.draw(film, disk),
-        }
-    }
-}
-
-/// What a sample asks of the film's side.
-pub(super) enum FilmSide {
-    /// A ray from the film point.
-    Ray([f64; 2], Drawn),
-    /// A film point beyond the image circle.
-    Dark([f64; 2]),
-    /// New lens numbers.
-    Redraw,
-}
-
 /// A camera with a real lens. Immutable, and may be shared between threads.
 #[derive(Clone, Debug)]
 pub struct RealisticCamera {
     lens: Lens,
     first_order: FirstOrder,
     fnumber: f64,
-    pub(super) film: Film,
-    pub(super) film_z: f64,
+    film: Film,
+    film_z: f64,
     focus_distance: Option<f64>,
     pub(super) tracer: Tracer,
-    pub(super) sampler: Sampler,
     /// The disk that holds every pupil.
     rear: PupilDisk,
-    pub(super) mapping: DiskMapping,
+    mapping: DiskMapping,
     /// The weight of a ray is this times cos⁴ and the slope area it stands for; `None`: it is 1.
     weight: Option<f64>,
-    pub(super) units_per_mm: f64,
-    pub(super) placement: Placement,
+    units_per_mm: f64,
+    placement: Placement,
+    plan: Plan,
 }
 
 /// Share of the irradiance that the thick-lens exit pupil may miss without a warning.
@@ -117,7 +95,7 @@ const SURVEY_RAYS: u32 = 64;
 impl RealisticCamera {
     /// Builds the camera of a checked set-up. `log` receives warnings.
     pub(super) fn from_setup(setup: Setup, log: &mut dyn FnMut(Level, &str)) -> Result<Self, CameraError> {
-        let Setup { lens, film, film_distance, .. } = setup;
+        let (lens, film, film_distance) = (setup.lens.clone(), setup.film, setup.film_distance);
         let first_order = FirstOrder::of(&lens)?;
         let film_z = lens.rear().vertex - film_distance;
         let rim = -lens.rear().sagitta(lens.rear().semi_diameter);
@@ -138,7 +116,7 @@ impl RealisticCamera {
                 let drift = exit.seen_from([1.0, 0.0]).center[0];
                 let pupil = WarpedPupil::new(&path, film_z, film.reach(), rear, drift);
                 tell_of_cover(&pupil, log);
-                Sampler::Warped(Box::new(pupil))
+                Sampler::Warped(Arc::new(pupil))
             }
         };
         let weight = match setup.weighting {
@@ -164,7 +142,23 @@ impl RealisticCamera {
             return Err(CameraError::Weight { weight: heaviest });
         }
         let entrance = EntrancePupil::of_surface(&lens, limiting_surface(&lens));
-        let tracer = Tracer::new(&lens, setup.refraction, setup.single_precision);
+        let units_per_mm = setup.mm_per_unit.recip();
+        let side = planning::FilmSide { film: &film, film_z, sampler: &sampler };
+        let (route, mut plan) = planning::plan(&setup, &lens, &side, log);
+        planning::describe_drawing(&mut plan, &side, setup.mapping, lens.wavelength);
+        setup.placement.describe(&mut plan);
+        let (drawn, placed) = ((&film, setup.mapping, &sampler), (&setup.placement, units_per_mm));
+        let drawing = || Drawing::new(&film, setup.mapping, &sampler);
+        let tracer = match route {
+            Route::Double(lens) => {
+                Tracer::Double(Pipeline::new((lens, film_z), drawn, weight, placed).into())
+            }
+            Route::Single(lens) => {
+                Tracer::Single(Pipeline::new((lens, film_z), drawn, weight, placed).into())
+            }
+            Route::Walk(path) => Tracer::Walk(Walk { drawing: drawing(), path }.into()),
+            Route::WalkSingle(path) => Tracer::WalkSingle(Walk { drawing: drawing(), path }.into()),
+        };
         Ok(Self {
             fnumber: first_order.focal_length.abs() / entrance.diameter(),
             lens,
@@ -173,102 +167,110 @@ impl RealisticCamera {
             film_z,
             focus_distance: setup.focus_distance,
             tracer,
-            sampler,
             rear,
             mapping: setup.mapping,
             weight,
-            units_per_mm: setup.mm_per_unit.recip(),
+            units_per_mm,
             placement: setup.placement,
+            plan,
         })
     }
 
     /// The ray of a sample, or why there is none. Finding out why costs more than a ray does; where
     /// nobody asks, [`RealisticCamera::ray`] spares it.
     pub fn generate(&self, sample: &Sample) -> Outcome {
-        let (point, drawn) = match self.film_side(sample) {
-            FilmSide::Ray(point, drawn) => (point, drawn),
-            FilmSide::Dark(_) => return Outcome::Blocked(Blocked::Clipped),
-            FilmSide::Redraw => return Outcome::Redraw,
-        };
-        match self.tracer.one(self.film_z, point, drawn.slopes) {
-            Some(traced) => {
-                let (ray, weight) = self.finish(&traced, drawn.area, sample.time);
-                Outcome::Ray(ray, weight)
-            }
-            None => Outcome::Blocked(self.tracer.reason(self.film_z, point, drawn.slopes)),
+        if let Some((ray, weight)) = self.ray(sample) {
+            return Outcome::Ray(ray, weight);
+        }
+        let FilmRays { point, disk, slopes, area_per_pi } = self.tracer.film_ray(sample);
+        if self.asks_again(disk) {
+            Outcome::Redraw
+        } else if area_per_pi.is_nan() {
+            Outcome::Blocked(Blocked::Clipped)
+        } else {
+            Outcome::Blocked(self.tracer.reason(self.film_z, point, slopes))
         }
     }
 
     /// The ray of a sample with its weight, positive; `None` where there is none.
-    #[inline]
+    #[inline(always)]
     pub fn ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
-        let FilmSide::Ray(point, Drawn { slopes, area }) = self.film_side(sample) else {
-            return None;
-        };
-        let traced = self.tracer.one(self.film_z, point, slopes)?;
-        Some(self.finish(&traced, area, sample.time))
+        let (asked, mut numbers) = (Together::from(sample), [[0.0]; 7]);
+        match &self.tracer {
+            Tracer::Double(pipeline) => pipeline.few(Shape::One, &asked, &mut numbers),
+            Tracer::Single(pipeline) => pipeline.few(Shape::One, &asked, &mut numbers),
+            Tracer::Walk(walk) => return self.walk(walk, &{ *sample }),
+            Tracer::WalkSingle(walk) => return self.walk(walk, &{ *sample }),
+        }
+        let [ox, oy, oz, dx, dy, dz, weight] = numbers.map(|[number]| number);
+        let ([mint, maxt], time) = (self.placement.clip, self.placement.time(sample.time));
+        let (origin, direction) = ([ox, oy, oz], [dx, dy, dz]);
+        (weight > 0.0).then_some((WorldRay { origin, direction, mint, maxt, time }, weight))
     }
 
     /// [`RealisticCamera::ray`] of three film points with the lens and time numbers of `sample`, traced
     /// side by side.
     #[inline]
-    pub fn three(&self, sample: &Sample, image: [[f32; 2]; 3]) -> [Option<(WorldRay, f32)>; 3] {
-        let Some(disk) = self.mapping.map(sample.lens_u.into(), sample.lens_v.into()) else {
-            return [None; 3];
+    pub fn three(&self, sample: &Sample, image: [[f32; 2]; 3], rays: &mut Three) {
+        let [a, b, c] = image;
+        let four = [a, b, c, c];
+        let asked = Together {
+            image_x: four.map(|[x, _]| x),
+            image_y: four.map(|[_, y]| y),
+            lens: [sample.lens_u, sample.lens_v],
+            time: [sample.time; 4],
         };
-        let points = image.map(|[x, y]| self.film.point(x.into(), y.into()));
-        // NaN where the film is dark.
-        let none = Drawn { slopes: [0.0; 2], area: f64::NAN };
-        let drawn = points.map(|point| self.sampler.draw(point, disk).unwrap_or(none));
-        let traced = self.tracer.three(self.film_z, points, drawn.map(|drawn| drawn.slopes));
-        [0, 1, 2].map(|i| {
-            let traced = traced[i].as_ref().filter(|_| !drawn[i].area.is_nan())?;
-            Some(self.finish(traced, drawn[i].area, sample.time))
-        })
+        (rays.clip, rays.time) = (self.placement.clip, self.placement.time(sample.time));
+        match &self.tracer {
+            Tracer::Double(pipeline) => pipeline.few(Shape::Quad, &asked, &mut rays.numbers),
+            Tracer::Single(pipeline) => pipeline.few(Shape::Quad, &asked, &mut rays.numbers),
+            Tracer::Walk(_) | Tracer::WalkSingle(_) => {
+                for (i, [image_x, image_y]) in image.into_iter().enumerate() {
+                    rays.set(i, self.ray(&Sample { image_x, image_y, ..*sample }));
+                }
+            }
+        }
     }
 
-    #[inline(always)]
-    fn finish(&self, traced: &Traced<f64>, area: f64, time: f32) -> (WorldRay, f32) {
-        let Traced { origin, direction, weight } = *traced;
-        (self.to_world(Ray { origin, direction }, time), self.weigh(area, weight))
+    /// The ray that a walk has found, in world space and with its weight.
+    #[inline(never)]
+    fn walk<R: Real>(&self, walk: &Walk<R>, sample: &Sample) -> Option<(WorldRay, f32)> {
+        let Walked { ray, share } = walk.one(self.film_z, sample)?;
+        let weight = self.weight.map_or(1.0, |weight| weight * share) as f32;
+        // However small, it is not that of a blocked ray.
+        Some((self.to_world(ray, sample.time), weight.max(f32::MIN_POSITIVE)))
     }
 
-    /// The weight of a ray that gets through. However small, it is not that of a blocked one.
-    #[inline(always)]
-    pub(super) fn weigh(&self, area: f64, cos4: f64) -> f32 {
-        (self.weight.map_or(1.0, |weight| weight * area * cos4) as f32).max(f32::MIN_POSITIVE)
+    /// Whether a point of the unit disk, which is none, asks for new lens numbers.
+    fn asks_again(&self, disk: [f64; 2]) -> bool {
+        self.mapping == DiskMapping::Rejection && disk.iter().any(|x| x.is_nan())
     }
 
     /// A ray that stands in for a blocked one where a host needs a complete ray all the same:
     /// the thick lens's ray of the same film point and lens numbers.
     pub fn substitute(&self, sample: &Sample) -> WorldRay {
         let axial = Ray { origin: [0.0; 3], direction: [0.0, 0.0, 1.0] };
-        let (point, slopes) = match self.film_side(sample) {
-            FilmSide::Ray(point, drawn) => (point, drawn.slopes),
-            FilmSide::Dark(point) => (point, self.rear.seen_from(point).center),
-            FilmSide::Redraw => Default::default(),
+        let FilmRays { point, disk, slopes, area_per_pi } = self.tracer.film_ray(sample);
+        let (point, slopes) = if self.asks_again(disk) {
+            Default::default()
+        } else if area_per_pi.is_nan() {
+            (point, self.rear.seen_from(point).center)
+        } else {
+            (point, slopes)
         };
         let ray = self.first_order.transfer(film_ray(point, self.film_z, slopes));
         let finite = ray.origin.iter().chain(&ray.direction).all(|x| x.is_finite());
         self.to_world(if finite { ray } else { axial }, sample.time)
     }
 
-    /// Film point and slopes of the ray that a sample asks for.
-    #[inline(always)]
-    pub(super) fn film_side(&self, sample: &Sample) -> FilmSide {
-        let point = self.film.point(sample.image_x.into(), sample.image_y.into());
-        let Some(disk) = self.mapping.map(sample.lens_u.into(), sample.lens_v.into()) else {
-            return FilmSide::Redraw;
-        };
-        match self.sampler.draw(point, disk) {
-            Some(drawn) => FilmSide::Ray(point, drawn),
-            None => FilmSide::Dark(point),
-        }
-    }
-
     #[inline(always)]
     fn to_world(&self, ray: Ray, time: f32) -> WorldRay {
         self.placement.world_ray(ray, self.units_per_mm, time)
+    }
+
+    /// What the camera keeps and leaves out.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
     }
 
     /// The lens, at the wavelength and stop in use.

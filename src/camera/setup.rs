@@ -6,6 +6,7 @@ use super::{
     CameraError, CameraMotion, CameraToWorld, DEFAULT_INTERVAL, DiskMapping, Film, IdealCamera,
     ParameterError, Parameters, Raster, RealisticCamera,
     check::{choice, interval, out_of_range, positive},
+    choices::{Precision, PupilChoice, Weighting},
     focusing::{Focusing, place_film},
     placement::Placement,
 };
@@ -44,6 +45,9 @@ pub struct Host {
     pub lens_text: Option<(String, Vec<u8>)>,
     /// Whether the host can draw new lens numbers for a sample.
     pub can_redraw: bool,
+    /// Whether the camera leaves out what its film and place do not need; false is for comparisons. Without
+    /// a tolerance the rays have the same bits.
+    pub leave_out: bool,
 }
 
 impl Host {
@@ -56,48 +60,9 @@ impl Host {
             search: SearchPath::from_environment().then(beside.as_deref()),
             lens_text: None,
             can_redraw: true,
+            leave_out: true,
         }
     }
-}
-
-/// Where lens samples are drawn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum PupilChoice {
-    /// The true pupil of each film point.
-    #[default]
-    Warped,
-    /// The rear element's disk.
-    Rear,
-    /// The thick-lens exit pupil.
-    Disk,
-}
-
-impl PupilChoice {
-    const NAMES: [(&'static str, Self); 3] =
-        [("warped", Self::Warped), ("rear", Self::Rear), ("disk", Self::Disk)];
-}
-
-/// How a ray's weight is measured.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum Weighting {
-    /// The mean over lens samples is film irradiance for unit radiance.
-    #[default]
-    Radiometric,
-    /// The assignment's cos⁴/Z².
-    Assignment,
-    /// Relative to the mean on the axis.
-    Relative,
-    /// 1 for a ray that gets through.
-    None,
-}
-
-impl Weighting {
-    const NAMES: [(&'static str, Self); 4] = [
-        ("radiometric", Self::Radiometric),
-        ("assignment", Self::Assignment),
-        ("relative", Self::Relative),
-        ("none", Self::None),
-    ];
 }
 
 /// Everything that a camera is made of.
@@ -111,7 +76,10 @@ pub(super) struct Setup {
     pub pupil: PupilChoice,
     pub mapping: DiskMapping,
     pub weighting: Weighting,
-    pub single_precision: bool,
+    pub precision: Precision,
+    /// Pixels; 0: exact.
+    pub tolerance: f64,
+    pub leave_out: bool,
     pub mm_per_unit: f64,
     pub placement: Placement,
 }
@@ -137,7 +105,7 @@ pub fn open_lens(
     setup: LensSetup,
     log: &mut dyn FnMut(Level, &str),
 ) -> Result<(Prescription, Lens), CameraError> {
-    let source = LensSource::parse(name)?;
+    let source = LensSource::parse(name, search)?;
     let mut prescription = source.load(search)?;
     if let Some(focal_length) = source.focal_length() {
         let own = FirstOrder::of(&Lens::at_d_line(&prescription))?.focal_length;
@@ -296,11 +264,9 @@ impl Setup {
             pupil: choice("pupil", given.pupil.as_deref(), &PupilChoice::NAMES)?,
             mapping,
             weighting: weighting(given)?,
-            single_precision: choice(
-                "precision",
-                given.precision.as_deref(),
-                &[("auto", false), ("f64", false), ("f32", true)],
-            )?,
+            precision: choice("precision", given.precision.as_deref(), &Precision::NAMES)?,
+            tolerance: tolerance(given)?,
+            leave_out: host.leave_out,
             mm_per_unit,
             placement: placement(given, host)?,
         })
@@ -310,16 +276,19 @@ impl Setup {
 /// The camera's place, clip range and shutter interval.
 pub(super) fn placement(given: &Parameters, host: &Host) -> Result<Placement, CameraError> {
     let [open, close] = DEFAULT_INTERVAL;
-    Ok(Placement {
-        to_world: host.to_world.clone(),
-        clip: interval(("hither", given.hither, 1e-3), ("yon", given.yon, 1e30), Some(0.0), true)?,
-        shutter: interval(
-            ("shutteropen", given.shutteropen, open),
-            ("shutterclose", given.shutterclose, close),
-            None,
-            false,
-        )?,
-    })
+    let clip = interval(("hither", given.hither, 1e-3), ("yon", given.yon, 1e30), Some(0.0), true)?;
+    let shutter = interval(
+        ("shutteropen", given.shutteropen, open),
+        ("shutterclose", given.shutterclose, close),
+        None,
+        false,
+    )?;
+    let to_world = match host.to_world.at(shutter[0]) {
+        // A moving camera seen at one moment stands still.
+        at_once if host.leave_out && shutter[0] == shutter[1] => at_once.into_owned().into(),
+        _ => host.to_world.clone(),
+    };
+    Ok(Placement { to_world, clip, shutter })
 }
 
 /// How lens numbers map to the disk, for a host that may not be able to draw again.
@@ -351,6 +320,15 @@ fn lens_of(given: &Parameters, host: &Host, log: &mut dyn FnMut(Level, &str)) ->
     }
     let name = given.specfile.as_deref().unwrap_or(catalogue::DEFAULT);
     open_lens(name, &host.search, setup, log).map(|(_, lens)| lens)
+}
+
+fn tolerance(given: &Parameters) -> Result<f64, CameraError> {
+    let tolerance = given.tolerance.unwrap_or(0.0);
+    if tolerance >= 0.0 && tolerance.is_finite() {
+        Ok(tolerance)
+    } else {
+        Err(out_of_range("tolerance", tolerance, "0 (exact) or more, in pixels, and finite"))
+    }
 }
 
 fn weighting(given: &Parameters) -> Result<Weighting, CameraError> {

@@ -17,6 +17,11 @@ pub struct CameraToWorld {
 /// single-precision entries.
 const RIGID: f64 = 1e-5;
 
+/// Largest entry that a matrix may have: the squares of what it makes stay in the range of single precision.
+const LARGEST: f64 = 1e15;
+/// By how much one axis may be stretched more than another.
+const FLATTEST: f64 = 1e15;
+
 impl CameraToWorld {
     /// Camera space as it is.
     pub const IDENTITY: Self =
@@ -34,8 +39,16 @@ impl CameraToWorld {
         if m[12..] != [0.0, 0.0, 0.0, 1.0] {
             return Err("is not affine: its last row must be 0 0 0 1");
         }
+        if m.iter().any(|entry| entry.abs() > LARGEST) {
+            return Err("has an entry above 1e15, which leaves single precision no room: scale the world");
+        }
         let linear = DMat3::from_cols_array(&[m[0], m[4], m[8], m[1], m[5], m[9], m[2], m[6], m[10]]);
         let origin = DVec3::new(m[3], m[7], m[11]);
+        let lengths = linear.to_cols_array_2d().map(|column| DVec3::from(column).length());
+        let [shortest, longest] = [f64::min, f64::max].map(|pick| lengths.into_iter().reduce(pick));
+        if longest > shortest.map(|length| length * FLATTEST) {
+            return Err("is all but singular: it stretches one axis more than 1e15 times another");
+        }
         // Each column's length is taken out, so that a small scale is not mistaken for a
         // flattened space.
         let normalized = DMat3::from_cols(
@@ -56,9 +69,25 @@ impl CameraToWorld {
         Self { linear, origin, is_identity, is_rigid }
     }
 
+    /// Whether world space is camera space.
+    pub(super) fn is_identity(&self) -> bool {
+        self.is_identity
+    }
+
     /// The matrix without the move.
     pub(super) fn linear(&self) -> DMat3 {
         self.linear
+    }
+
+    /// By how much it stretches lengths, on average over directions.
+    pub(super) fn scale(&self) -> f64 {
+        self.linear.determinant().abs().cbrt()
+    }
+
+    /// Whether it only turns, mirrors and scales.
+    pub(super) fn keeps_angles(&self) -> bool {
+        let linear = self.linear * self.scale().recip();
+        (linear.transpose() * linear).abs_diff_eq(DMat3::IDENTITY, RIGID)
     }
 
     /// Where camera space's origin lies in the world.
@@ -163,6 +192,8 @@ mod tests {
         assert!(with(12, 1.0).expect_err("projective").contains("last row"));
         assert!(with(5, 0.0).expect_err("flat").contains("singular"));
         assert!(with(5, 1e-12).is_ok());
+        assert!(with(5, 1e-16).expect_err("all but flat").contains("singular"));
+        assert!(with(3, 1e16).expect_err("far away").contains("above 1e15"));
         assert_eq!(with(0, 1.0), Ok(CameraToWorld::IDENTITY));
     }
 }

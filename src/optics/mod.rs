@@ -8,6 +8,7 @@ pub mod field;
 pub mod first_order;
 pub mod focus;
 pub mod glass;
+pub mod image_scale;
 mod lens;
 pub mod pupil;
 pub mod refraction;

@@ -37,11 +37,13 @@ impl Refraction {
 
 type Vector<R> = [R; 3];
 
+#[inline]
 pub(crate) fn dot<R: Real>(a: Vector<R>, b: Vector<R>) -> R {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// Whitted's method: 2 square roots, 8 divisions, 17 multiplications, 15 additions.
+#[inline]
 pub fn whitted<R: Real>(incident: Vector<R>, normal: Vector<R>, n: R, n_after: R) -> Vector<R> {
     let ratio = n_after / n;
     let cos = dot(incident, normal);
@@ -55,6 +57,7 @@ pub fn whitted<R: Real>(incident: Vector<R>, normal: Vector<R>, n: R, n_after: R
 }
 
 /// Heckbert's method: 1 square root, 1 division, 13 multiplications, 8 additions.
+#[inline]
 pub fn heckbert<R: Real>(incident: Vector<R>, normal: Vector<R>, n: R, n_after: R) -> Vector<R> {
     let ratio = n / n_after;
     let cos = dot(incident, normal);
@@ -64,6 +67,7 @@ pub fn heckbert<R: Real>(incident: Vector<R>, normal: Vector<R>, n: R, n_after: 
 }
 
 /// The "other method": 1 square root, 4 divisions, 8 multiplications, 8 additions.
+#[inline]
 pub fn other<R: Real>(incident: Vector<R>, normal: Vector<R>, n: R, n_after: R) -> Vector<R> {
     let ratio = n_after / n;
     let cos = dot(incident, normal);
@@ -74,6 +78,7 @@ pub fn other<R: Real>(incident: Vector<R>, normal: Vector<R>, n: R, n_after: R) 
 /// The fused form: from V = n D, with `projected` = n cos I = N·V and `index_step` = n'² - n²,
 /// V' = V + (n' cos I' - n cos I) N, the bracket written as a quotient so that a small index step keeps its digits. A
 /// trace has `projected` from the intersection, and the index never divides.
+#[inline]
 pub fn fused<R: Real>(v: Vector<R>, normal: Vector<R>, projected: R, index_step: R) -> Vector<R> {
     let projected_after = (projected * projected + index_step).sqrt();
     let bend = index_step / (projected + projected_after);

@@ -25,6 +25,14 @@ impl SearchPath {
         self.0.extend(directory.map(Path::to_owned));
         self
     }
+
+    /// The first file of that name: as given, then in each directory.
+    fn find(&self, name: &str) -> Option<PathBuf> {
+        let given = Path::new(name);
+        std::iter::once(given.to_owned())
+            .chain(self.0.iter().filter(|_| given.is_relative()).map(|directory| directory.join(given)))
+            .find(|path| path.is_file())
+    }
 }
 
 /// What a caller's lens name says: which table, and the focal length it is to be scaled to.
@@ -74,16 +82,16 @@ pub enum SourceError {
 pub const MAX_FILE_BYTES: u64 = 1 << 20;
 
 impl<'a> LensSource<'a> {
-    /// Splits `NAME@35mm`; a name without `@`, or that of a file, is a table alone.
+    /// Splits `NAME@35mm`; a name without `@`, or that of a file as given or along `search`, is a table alone.
     ///
     /// # Errors
     /// What follows the `@` is not `<positive number>mm`.
-    pub fn parse(name: &'a str) -> Result<Self, SourceError> {
+    pub fn parse(name: &'a str, search: &SearchPath) -> Result<Self, SourceError> {
         let plain = Self { table: name, focal_length: None };
         let Some((table, scale)) = name.rsplit_once('@') else {
             return Ok(plain);
         };
-        if Path::new(name).is_file() {
+        if search.find(name).is_some() {
             return Ok(plain);
         }
         let focal_length = scale.strip_suffix("mm").map(str::trim);
@@ -103,13 +111,8 @@ impl<'a> LensSource<'a> {
     /// # Errors
     /// No such lens, an unreadable file, or a file that is not a lens.
     pub fn load(&self, search: &SearchPath) -> Result<Prescription, SourceError> {
-        let given = Path::new(self.table);
-        let candidates = std::iter::once(given.to_owned())
-            .chain(search.0.iter().filter(|_| given.is_relative()).map(|dir| dir.join(given)));
-        for path in candidates {
-            if path.is_file() {
-                return read_file(&path);
-            }
+        if let Some(path) = search.find(self.table) {
+            return read_file(&path);
         }
         catalogue::find(self.table).ok_or_else(|| SourceError::NotFound {
             name: self.table.to_owned(),
@@ -141,11 +144,12 @@ mod tests {
 
     #[test]
     fn a_name_may_carry_a_focal_length() {
-        let source = LensSource::parse("dgauss.50mm@35mm").expect("valid");
+        let nowhere = SearchPath::default();
+        let source = LensSource::parse("dgauss.50mm@35mm", &nowhere).expect("valid");
         assert_eq!((source.table, source.focal_length()), ("dgauss.50mm", Some(35.0)));
-        assert_eq!(LensSource::parse("dgauss.50mm").expect("valid").focal_length(), None);
+        assert_eq!(LensSource::parse("dgauss.50mm", &nowhere).expect("valid").focal_length(), None);
         for wrong in ["dgauss.50mm@", "dgauss.50mm@35", "dgauss.50mm@-3mm", "dgauss.50mm@0mm", "x@infmm"] {
-            let message = LensSource::parse(wrong).expect_err(wrong).to_string();
+            let message = LensSource::parse(wrong, &nowhere).expect_err(wrong).to_string();
             assert!(message.contains("\"dgauss.50mm@35mm\""), "{message}");
         }
     }
@@ -153,7 +157,8 @@ mod tests {
     #[test]
     fn an_unknown_lens_lists_where_it_was_sought_and_the_catalogue() {
         let search = SearchPath(vec!["/nowhere".into()]);
-        let error = LensSource::parse("zoom").expect("a plain name").load(&search).expect_err("unknown");
+        let error =
+            LensSource::parse("zoom", &search).expect("a plain name").load(&search).expect_err("unknown");
         let message = error.to_string();
         for part in ["\"zoom\"", "the working directory", "/nowhere", "telephoto.250mm"] {
             assert!(message.contains(part), "{message} lacks {part}");
@@ -163,9 +168,11 @@ mod tests {
     #[test]
     fn a_file_is_found_along_the_search_path_before_the_catalogue() {
         let directory = tempfile::tempdir().expect("a temporary directory");
-        std::fs::write(directory.path().join("dgauss.50mm"), "20 5 1.5 10\n-20 0 1 10\n").expect("written");
         let search = SearchPath::default().then(Some(directory.path()));
-        let lens = LensSource::parse("dgauss.50mm").expect("a plain name").load(&search).expect("found");
-        assert_eq!(lens.interfaces.len(), 2);
+        for name in ["dgauss.50mm", "dgauss@home"] {
+            std::fs::write(directory.path().join(name), "20 5 1.5 10\n-20 0 1 10\n").expect("written");
+            let lens = LensSource::parse(name, &search).expect("a plain name").load(&search).expect("found");
+            assert_eq!(lens.interfaces.len(), 2);
+        }
     }
 }

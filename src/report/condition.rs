@@ -7,118 +7,78 @@
 //! 1871; A. Griewank and A. Walther, *Evaluating Derivatives*, 2008, §3.1) and summed as independent
 //! ones (N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, §1.5 and §3.8).
 //!
-//! **The norm.** A disturbance of size 1 is one radian in direction, and in position the point's own
+//! **The norms.** A disturbance of size 1 is one radian in direction, and in position the point's own
 //! distance from the vertex, in each component: what rounding does to the numbers that the point is kept
-//! in. An interface's radius, index and place are rounded, too; that moves its point and turns its
+//! in ([`Trail::own`], for the walks). A tracer that forms its points from other numbers of the
+//! surface's size (the compiled kernels, from plane to plane and from sphere to sphere) rounds by that
+//! size also where the point lies on the axis: for it a disturbance of position is at least the clear
+//! semi-diameter ([`Trail::surface`]). An interface's radius, index and place are rounded, too; that moves its point and turns its
 //! ray by as much and needs no terms of its own. The condition number in direction is then the root of
 //! the summed squares of the resulting direction errors, in rad per unit; the one in position the same
 //! in mm per unit. Times ε they are the errors that a perfect tracer of that precision must expect.
 
-use std::cmp::Ordering;
-use std::ops::{Add, Div, Mul, Neg, Sub};
-
-use super::reference::{DoubleDouble, ExactRay};
+use super::{
+    dual::{Dual, N},
+    reference::{DoubleDouble, ExactRay},
+};
 use crate::{
     optics::{Lens, Surface, refraction::Refraction},
     trace::{Blocked, Direction, Path, Ray, Real, in_range},
 };
 
-/// Coordinates of a ray: three of the point, three of the direction.
-const N: usize = 6;
 type Matrix = [[f64; N]; N];
-
-/// A number with its derivatives by the ray's six coordinates.
-#[derive(Clone, Copy, Debug)]
-struct Dual {
-    value: f64,
-    slopes: [f64; N],
-}
-
-impl Dual {
-    fn chained(self, value: f64, own: f64, other: Self, others: f64) -> Self {
-        Self { value, slopes: std::array::from_fn(|i| own * self.slopes[i] + others * other.slopes[i]) }
-    }
-}
-
-impl Add for Dual {
-    type Output = Self;
-    fn add(self, other: Self) -> Self {
-        self.chained(self.value + other.value, 1.0, other, 1.0)
-    }
-}
-
-impl Sub for Dual {
-    type Output = Self;
-    fn sub(self, other: Self) -> Self {
-        self.chained(self.value - other.value, 1.0, other, -1.0)
-    }
-}
-
-impl Mul for Dual {
-    type Output = Self;
-    fn mul(self, other: Self) -> Self {
-        self.chained(self.value * other.value, other.value, other, self.value)
-    }
-}
-
-impl Div for Dual {
-    type Output = Self;
-    fn div(self, other: Self) -> Self {
-        let quotient = self.value / other.value;
-        self.chained(quotient, other.value.recip(), other, -quotient / other.value)
-    }
-}
-
-impl Neg for Dual {
-    type Output = Self;
-    fn neg(self) -> Self {
-        Self { value: -self.value, slopes: self.slopes.map(|slope| -slope) }
-    }
-}
-
-impl PartialEq for Dual {
-    fn eq(&self, other: &Self) -> bool {
-        self.value == other.value
-    }
-}
-
-impl PartialOrd for Dual {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        self.value.partial_cmp(&other.value)
-    }
-}
-
-impl Real for Dual {
-    const ZERO: Self = Self { value: 0.0, slopes: [0.0; N] };
-    const ONE: Self = Self { value: 1.0, slopes: [0.0; N] };
-    const EPSILON: f64 = f64::EPSILON;
-
-    fn from_f64(value: f64) -> Self {
-        Self { value, slopes: [0.0; N] }
-    }
-
-    fn to_f64(self) -> f64 {
-        self.value
-    }
-
-    fn sqrt(self) -> Self {
-        let root = self.value.sqrt();
-        Self { value: root, slopes: self.slopes.map(|slope| slope / (2.0 * root)) }
-    }
-}
 
 /// What exact arithmetic says of a ray, and how well posed the question was.
 #[derive(Clone, Copy, Debug)]
 pub struct Trail {
     /// The ray at the last surface, in the frame of its vertex, or why there is none.
     pub exact: Result<ExactRay, Blocked>,
+    /// For disturbances of points relative to themselves.
+    pub own: Condition,
+    /// For disturbances of points relative to the surfaces.
+    pub surface: Condition,
+}
+
+/// How much disturbances grow along a ray.
+#[derive(Clone, Copy, Debug)]
+pub struct Condition {
     /// Condition number in direction, rad per unit; of a blocked ray, up to where it is blocked.
-    pub condition: f64,
+    pub direction: f64,
     /// Condition number in position, mm per unit.
-    pub condition_mm: f64,
+    pub position: f64,
     /// How far the ray was from the other verdict at the nearest of its decisions, in units of the
     /// disturbance there: at less than a few ε a tracer cannot know.
     pub margin: f64,
+}
+
+/// What a disturbance of a point is relative to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Norm {
+    /// The point's own distance from the vertex.
+    Own,
+    /// The clear semi-diameter, or that distance where it is larger.
+    Surface,
+}
+
+impl Norm {
+    const BOTH: [Self; 2] = [Self::Own, Self::Surface];
+
+    fn size(self, distance: f64, semi_diameter: f64) -> f64 {
+        match self {
+            Self::Own => distance,
+            Self::Surface => distance.max(semi_diameter),
+        }
+    }
+}
+
+impl Trail {
+    /// The condition in a norm.
+    pub fn condition(&self, norm: Norm) -> &Condition {
+        match norm {
+            Norm::Own => &self.own,
+            Norm::Surface => &self.surface,
+        }
+    }
 }
 
 /// A lens made ready for exact rays with their condition numbers.
@@ -197,23 +157,28 @@ impl Conditioned {
             origin
         };
         let mut now = ExactRay { point, direction };
-        let mut spread = Spread::default();
-        spread.disturb(size, 1.0);
-        spread = spread.through(&transfer(-lead));
-        let mut margin = f64::INFINITY;
+        let mut doubts = Norm::BOTH.map(|norm| {
+            let mut spread = Spread::default();
+            spread.disturb(norm.size(size, self.interfaces[0].semi_diameter), 1.0);
+            Doubt { norm, spread: spread.through(&transfer(-lead)), margin: f64::INFINITY }
+        });
         let mut exact = None;
         for (number, interface) in self.interfaces.iter().enumerate() {
             now.point[2] = now.point[2] - DoubleDouble::from_f64(self.sense * interface.distance);
             let onward = self.sense * now.direction[2].to_f64();
             // A fisheye's front is met from the scene going backward, too.
             if number > 0 || self.sense > 0.0 {
-                margin = margin.min(onward.abs() / (1.0 + spread.direction()));
+                doubts
+                    .iter_mut()
+                    .for_each(|doubt| doubt.narrow(onward.abs() / (1.0 + doubt.spread.direction())));
                 if onward <= 0.0 {
                     exact = Some(Blocked::TurnedBack);
                     break;
                 }
             }
-            margin = margin.min(interface.margin(&now, self.sense, &spread));
+            doubts.iter_mut().for_each(|doubt| {
+                doubt.narrow(interface.margin(&now, self.sense, &doubt.spread));
+            });
             let after = match interface.exact.trace_in_full(now.point, now.direction) {
                 Ok((point, direction)) => ExactRay { point, direction },
                 Err(reason) => {
@@ -223,28 +188,43 @@ impl Conditioned {
             };
             let Some(jacobian) = interface.jacobian(&now) else {
                 // So near a decision that double precision, which the derivatives have, takes the other.
-                margin = 0.0;
+                doubts.iter_mut().for_each(|doubt| doubt.narrow(0.0));
                 exact = Some(Blocked::Missed);
                 break;
             };
-            spread = spread.through(&jacobian);
-            spread.disturb(norm(after.point), 1.0);
             now = after;
             let height = (now.point[0] * now.point[0] + now.point[1] * now.point[1]).sqrt();
             let semi_diameter = DoubleDouble::from_f64(interface.semi_diameter);
             let inside = ((semi_diameter - height) / semi_diameter).to_f64();
-            margin = margin.min(inside.abs() / (1.0 + spread.position() / interface.semi_diameter));
+            for doubt in &mut doubts {
+                doubt.spread = doubt.spread.through(&jacobian);
+                doubt.spread.disturb(doubt.norm.size(norm(after.point), interface.semi_diameter), 1.0);
+                doubt.narrow(inside.abs() / (1.0 + doubt.spread.position() / interface.semi_diameter));
+            }
             if inside < 0.0 {
                 exact = Some(Blocked::Clipped);
                 break;
             }
         }
-        Trail {
-            exact: exact.map_or(Ok(now), Err),
-            condition: spread.direction(),
-            condition_mm: spread.position(),
-            margin,
-        }
+        let [own, surface] = doubts.map(|doubt| Condition {
+            direction: doubt.spread.direction(),
+            position: doubt.spread.position(),
+            margin: doubt.margin,
+        });
+        Trail { exact: exact.map_or(Ok(now), Err), own, surface }
+    }
+}
+
+/// What is known of the disturbances in one norm.
+struct Doubt {
+    norm: Norm,
+    spread: Spread,
+    margin: f64,
+}
+
+impl Doubt {
+    fn narrow(&mut self, margin: f64) {
+        self.margin = self.margin.min(margin);
     }
 }
 

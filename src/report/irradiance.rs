@@ -2,13 +2,13 @@
 
 use super::{
     bench::{Effort, interleaved},
-    sampler::{DISKS, PUPILS, camera, shoot},
+    sampler::{DISKS, PUPILS, Single, camera},
     sequence::Sequence,
     statistics::log_slope,
     subject::{PIXELS, Subject},
     table::Table,
 };
-use crate::camera::{CameraError, Parameters, RealisticCamera, Sample, irradiance::survey};
+use crate::camera::{CameraError, Parameters, Sample, irradiance::survey};
 
 /// Film points, as shares of the half-diagonal toward a corner.
 pub const FIELDS: [f64; 5] = [0.0, 0.3, 0.55, 0.75, 0.95];
@@ -74,11 +74,11 @@ fn exact(subject: &Subject, rays: u32) -> Vec<(f64, f64)> {
     FIELDS.map(|field| (field, at(field))).into_iter().filter(|(_, irradiance)| *irradiance > 0.0).collect()
 }
 
-fn estimate(camera: &RealisticCamera, [image_x, image_y]: [f32; 2], points: &[[f32; 4]]) -> f64 {
+fn estimate(camera: &Single, [image_x, image_y]: [f32; 2], points: &[[f32; 4]]) -> f64 {
     let (mut sum, mut count) = (0.0, 0_u32);
     for &[lens_u, lens_v, ..] in points {
         let sample = Sample { image_x, image_y, lens_u, lens_v, time: 0.0 };
-        if let Some((.., weight)) = shoot(camera, &sample) {
+        if let Some((.., weight)) = camera.shoot(&sample) {
             sum += f64::from(weight);
             count += 1;
         }
@@ -132,7 +132,7 @@ pub fn measure(subject: &Subject, size: Size) -> Result<Vec<Curve>, CameraError>
 
 /// Error and noise; the time comes later, for all together.
 fn precision(
-    camera: &RealisticCamera,
+    camera: &Single,
     placed: Sequence,
     exact: &[(f64, f64)],
     samples: usize,
@@ -157,7 +157,7 @@ fn precision(
 }
 
 /// Times a sample of every curve, its numbers included.
-fn time(cameras: &[RealisticCamera], effort: Effort, curves: &mut [Curve]) {
+fn time(cameras: &[Single], effort: Effort, curves: &mut [Curve]) {
     const BLOCK: usize = 1024;
     let mut tasks: Vec<Box<dyn FnMut()>> = Vec::new();
     for camera in cameras {

@@ -3,13 +3,17 @@
 
 pub mod bench;
 mod clock;
+mod compiled;
 pub mod condition;
+mod dual;
 pub mod irradiance;
 pub mod machine;
 pub mod picture;
+pub mod pupil_table;
 pub mod ray_map;
 pub mod reference;
 pub mod refractions;
+pub mod renderers;
 pub mod sampler;
 pub mod scene;
 pub mod sequence;

@@ -2,21 +2,15 @@
 
 use super::{
     clock::now,
-    ray_map::FIT_RAYS,
-    sampler::{PUPILS, Shot, camera, shoot},
+    renderers::{RENDERERS, Shoot, built},
+    sampler::PUPILS,
     scene::Scene,
     sequence::Sequence,
     statistics::{log_slope, median},
-    subject::{FILM_DIAGONAL, Subject},
+    subject::Subject,
     table::Table,
 };
-use crate::{
-    camera::{
-        CameraError, DiskMapping, Film, Parameters, Raster, Sample,
-        irradiance::{cos4, film_ray},
-    },
-    trace::{Ray, polynomial::Polynomial},
-};
+use crate::camera::{BLOCK, CameraError, Raster, Sample, SampleBlock};
 
 /// How much is measured.
 #[derive(Clone, Copy, Debug)]
@@ -31,99 +25,45 @@ pub struct Size {
     pub repeats: u32,
 }
 
-/// A sample in, a ray and its weight out.
-type Shoot = Box<dyn Fn(&Sample) -> Option<Shot>>;
-
-/// A way to take the picture.
-#[derive(Clone, Copy, Debug)]
-pub struct Renderer {
-    /// Short name.
-    pub name: &'static str,
-    /// Makes it ready for a lens.
-    pub prepare: fn(&Subject, Raster) -> Result<Shoot, CameraError>,
-}
-
-/// Every way to take a whole picture that is compared, all with Sobol' numbers.
-pub const RENDERERS: &[Renderer] = &[
-    Renderer { name: "f64, rear", prepare: |s, r| built(s, r, &[("pupil", "rear")]) },
-    Renderer { name: "f32, rear", prepare: |s, r| built(s, r, &[("pupil", "rear"), ("precision", "f32")]) },
-    Renderer { name: "f64, disk", prepare: |s, r| built(s, r, &[("pupil", "disk")]) },
-    Renderer { name: "f32, disk", prepare: |s, r| built(s, r, &[("pupil", "disk"), ("precision", "f32")]) },
-    Renderer {
-        name: "heckbert, rear",
-        prepare: |s, r| built(s, r, &[("pupil", "rear"), ("refraction", "heckbert")]),
-    },
-    Renderer {
-        name: "whitted, rear",
-        prepare: |s, r| built(s, r, &[("pupil", "rear"), ("refraction", "whitted")]),
-    },
-    Renderer { name: "thick lens", prepare: thick },
-    Renderer { name: "order 5, disk", prepare: polynomial::<5> },
-    Renderer { name: "order 9, disk", prepare: polynomial::<9> },
-];
-
-/// A camera with text parameters.
-fn built(subject: &Subject, raster: Raster, given: &[(&str, &str)]) -> Result<Shoot, CameraError> {
-    let mut parameters = Parameters::default();
-    for (name, value) in given {
-        parameters.set(name, crate::camera::Value::Text(value))?;
-    }
-    let camera = camera(&subject.lens.name, raster, parameters)?;
-    Ok(Box::new(move |sample| shoot(&camera, sample)))
-}
-
-/// A model that blocks no ray, over the thick lens's exit pupil.
-fn modelled(subject: &Subject, raster: Raster, map: impl Fn(Ray) -> Ray + 'static) -> Shoot {
-    let (pupil, film_z, film) = (subject.exit, subject.film_z, Film::new(raster, FILM_DIAGONAL));
-    Box::new(move |sample| {
-        let point = film.point(sample.image_x.into(), sample.image_y.into());
-        let [u, v] = DiskMapping::Concentric.map(sample.lens_u.into(), sample.lens_v.into())?;
-        let disk = pupil.seen_from(point);
-        let slopes = [disk.center[0] + disk.radius * u, disk.center[1] + disk.radius * v];
-        let ray = map(film_ray(point, film_z, slopes));
-        let narrow = |vector: [f64; 3]| vector.map(|x| x as f32);
-        Some((narrow(ray.origin), narrow(ray.direction), (pupil.slope_area() * cos4(slopes)) as f32))
-    })
-}
-
-fn thick(subject: &Subject, raster: Raster) -> Result<Shoot, CameraError> {
-    let lens = subject.first_order;
-    Ok(modelled(subject, raster, move |ray| lens.transfer(ray)))
-}
-
-fn polynomial<const ORDER: usize>(subject: &Subject, raster: Raster) -> Result<Shoot, CameraError> {
-    let model = Polynomial::fit(&subject.lens, subject.film_z, &subject.rays(FIT_RAYS, 0), ORDER)
-        .expect("the subject's rays are spread over film and pupil");
-    Ok(modelled(subject, raster, move |ray| model.transfer(ray)))
-}
-
 /// A picture's pixels, row by row.
 fn render(
-    shoot: &Shoot,
+    shoot: &mut Shoot,
     scene: Scene,
     raster: Raster,
     sequence: Sequence,
     samples: usize,
     seed: u32,
 ) -> Vec<f64> {
+    let mut pixels = vec![0.0; (raster.xres * raster.yres) as usize];
     let mut points = vec![[0.0; 4]; samples];
-    let pixels = (0..raster.yres).flat_map(|y| (0..raster.xres).map(move |x| (x, y)));
-    pixels
-        .map(|(x, y)| {
-            sequence.fill(seed.wrapping_mul(0x9e37_79b9) ^ (y * raster.xres + x), 4, &mut points);
-            let mut sum = 0.0;
-            for &[lens_u, lens_v, px, py] in &points {
-                let sample =
-                    Sample { image_x: x as f32 + px, image_y: y as f32 + py, lens_u, lens_v, time: 0.0 };
-                if let Some((origin, direction, weight)) = shoot(&sample)
-                    && weight > 0.0
-                {
-                    sum += f64::from(weight * scene.radiance(origin, direction));
-                }
+    let mut block = Box::new(SampleBlock::new());
+    let (mut owners, mut shots, mut count) = ([0; BLOCK], [None; BLOCK], 0);
+    let mut flush = |block: &SampleBlock, owners: &[usize; BLOCK], count: usize| {
+        shoot(block, count, &mut shots);
+        for (owner, shot) in owners.iter().zip(&shots[..count]) {
+            if let Some((origin, direction, weight)) = *shot
+                && weight > 0.0
+            {
+                pixels[*owner] += f64::from(weight * scene.radiance(origin, direction));
             }
-            sum / samples as f64
-        })
-        .collect()
+        }
+    };
+    let places = (0..raster.yres).flat_map(|y| (0..raster.xres).map(move |x| (x, y)));
+    for (number, (x, y)) in places.enumerate() {
+        sequence.fill(seed.wrapping_mul(0x9e37_79b9) ^ number as u32, 4, &mut points);
+        for &[lens_u, lens_v, px, py] in &points {
+            let sample = Sample { image_x: x as f32 + px, image_y: y as f32 + py, lens_u, lens_v, time: 0.0 };
+            block.set(count, &sample);
+            owners[count] = number;
+            count += 1;
+            if count == BLOCK {
+                flush(&block, &owners, count);
+                count = 0;
+            }
+        }
+    }
+    flush(&block, &owners, count);
+    pixels.iter().map(|sum| sum / samples as f64).collect()
 }
 
 fn rms(a: &[f64], b: &[f64]) -> f64 {
@@ -176,12 +116,12 @@ pub struct Pictures {
 pub fn measure(subject: &Subject, size: Size) -> Result<Pictures, CameraError> {
     let raster = size.raster;
     let scene = Scene::new(subject.first_order.focal_length);
-    let exact = built(subject, raster, &[("pupil", "rear")])?;
-    let half = |seed| render(&exact, scene, raster, Sequence::Sobol, size.reference, seed);
+    let mut exact = built(subject, raster, &[("pupil", "rear")])?;
+    let mut half = |seed| render(&mut exact, scene, raster, Sequence::Sobol, size.reference, seed);
     let (one, two) = (half(1001), half(1002));
     let reference: Vec<f64> = one.iter().zip(&two).map(|(a, b)| f64::midpoint(*a, *b)).collect();
     let mean = reference.iter().sum::<f64>() / reference.len() as f64;
-    let curve = |shoot: &Shoot, first: &'static str, second: &'static str, sequence: Sequence| {
+    let curve = |shoot: &mut Shoot, first: &'static str, second: &'static str, sequence: Sequence| {
         let points: Vec<_> = (0..=size.exponent)
             .map(|power| {
                 let samples = 4_usize.pow(power);
@@ -208,15 +148,15 @@ pub fn measure(subject: &Subject, size: Size) -> Result<Pictures, CameraError> {
     };
     let mut estimators = Vec::new();
     for &pupil in PUPILS {
-        let shoot = built(subject, raster, &[("pupil", pupil)])?;
+        let mut shoot = built(subject, raster, &[("pupil", pupil)])?;
         for (name, sequence) in Sequence::NAMES {
-            estimators.push(curve(&shoot, pupil, name, sequence));
+            estimators.push(curve(&mut shoot, pupil, name, sequence));
         }
     }
     let mut renderers = Vec::new();
     for renderer in RENDERERS {
-        let shoot = (renderer.prepare)(subject, raster)?;
-        renderers.push(curve(&shoot, renderer.name, "Sobol'", Sequence::Sobol));
+        let mut shoot = (renderer.prepare)(subject, raster)?;
+        renderers.push(curve(&mut shoot, renderer.name, "Sobol'", Sequence::Sobol));
     }
     Ok(Pictures { estimators, renderers, floor: rms(&one, &two) / 2.0 / mean })
 }

@@ -2,17 +2,15 @@
 
 use super::{
     bench::{Effort, Timing, interleaved},
+    compiled,
     reference::{DoubleDouble, ExactRay, Reference},
     statistics::{pareto_front, quantile},
     subject::Subject,
     table::Table,
 };
 use crate::{
-    optics::{first_order::FirstOrder, refraction::Refraction},
-    trace::{
-        Direction, Path, Ray, Real,
-        polynomial::{Fused, Polynomial, PolynomialBatch, RayColumns},
-    },
+    optics::refraction::Refraction,
+    trace::{Direction, Path, Ray, Real, polynomial::Polynomial},
 };
 
 /// What kind of map a method is.
@@ -24,25 +22,33 @@ pub enum Family {
     Polynomial,
     /// Polynomials, many rays at once.
     PolynomialBatch,
-    /// Every surface, one ray at a time.
-    Exact,
-    /// Every surface with one of the lecture's refractions.
-    Lecture,
+    /// The compiled kernels: one ray or three.
+    Kernel,
+    /// The compiled kernels in batches.
+    KernelBatch,
+    /// Every surface, with any of the lecture's refractions, and the reference.
+    Walk,
 }
 
 impl Family {
     /// Every family with its name.
-    pub const NAMES: [(&'static str, Self); 5] = [
+    pub const NAMES: [(&'static str, Self); 6] = [
         ("first-order optics", Self::Gaussian),
         ("polynomials", Self::Polynomial),
         ("polynomials in batches", Self::PolynomialBatch),
-        ("exact walk", Self::Exact),
-        ("exact walk, other refractions", Self::Lecture),
+        ("kernel, single rays", Self::Kernel),
+        ("kernel in batches", Self::KernelBatch),
+        ("walk", Self::Walk),
     ];
 
     /// The name.
     pub fn name(self) -> &'static str {
         Self::NAMES.iter().find(|(_, family)| *family == self).map_or("", |(name, _)| name)
+    }
+
+    /// Whether it needs many rays at once.
+    pub fn in_batches(self) -> bool {
+        matches!(self, Self::PolynomialBatch | Self::KernelBatch)
     }
 }
 
@@ -54,6 +60,9 @@ pub trait Runner {
     fn ray(&self, index: usize) -> Option<Ray>;
 }
 
+/// A method ready for a block of rays; `None` where the processor lacks the instructions.
+pub type Prepared = Option<Box<dyn Runner>>;
+
 /// A way to take rays through a lens.
 #[derive(Clone, Copy, Debug)]
 pub struct Method {
@@ -62,49 +71,80 @@ pub struct Method {
     /// What kind it is.
     pub family: Family,
     /// Makes it ready for a block of rays.
-    pub prepare: fn(&Subject, &[Ray]) -> Box<dyn Runner>,
+    pub prepare: fn(&Subject, &[Ray]) -> Prepared,
 }
 
 /// Every method that is compared.
 pub const METHODS: &[Method] = &[
     Method { name: "thin lens", family: Family::Gaussian, prepare: thin },
     Method { name: "thick lens", family: Family::Gaussian, prepare: thick },
-    Method { name: "order 3", family: Family::Polynomial, prepare: polynomial::<3> },
-    Method { name: "order 5", family: Family::Polynomial, prepare: polynomial::<5> },
-    Method { name: "order 7", family: Family::Polynomial, prepare: polynomial::<7> },
-    Method { name: "order 9", family: Family::Polynomial, prepare: polynomial::<9> },
-    Method { name: "order 11", family: Family::Polynomial, prepare: polynomial::<11> },
-    Method { name: "order 3, f32", family: Family::PolynomialBatch, prepare: polynomials::<f32, 3> },
-    Method { name: "order 5, f32", family: Family::PolynomialBatch, prepare: polynomials::<f32, 5> },
-    Method { name: "order 7, f32", family: Family::PolynomialBatch, prepare: polynomials::<f32, 7> },
-    Method { name: "order 9, f32", family: Family::PolynomialBatch, prepare: polynomials::<f32, 9> },
-    Method { name: "order 11, f32", family: Family::PolynomialBatch, prepare: polynomials::<f32, 11> },
-    Method { name: "order 11, f64", family: Family::PolynomialBatch, prepare: polynomials::<f64, 11> },
-    Method { name: "f32", family: Family::Exact, prepare: walk::<f32> },
-    Method { name: YARDSTICK, family: Family::Exact, prepare: walk::<f64> },
+    Method { name: "order 3", family: Family::Polynomial, prepare: compiled::polynomial::<3> },
+    Method { name: "order 5", family: Family::Polynomial, prepare: compiled::polynomial::<5> },
+    Method { name: "order 7", family: Family::Polynomial, prepare: compiled::polynomial::<7> },
+    Method { name: "order 9", family: Family::Polynomial, prepare: compiled::polynomial::<9> },
+    Method { name: "order 11", family: Family::Polynomial, prepare: compiled::polynomial::<11> },
     Method {
-        name: "heckbert",
-        family: Family::Lecture,
-        prepare: |s, r| refracted(s, r, Refraction::Heckbert),
+        name: "order 3, f32",
+        family: Family::PolynomialBatch,
+        prepare: compiled::polynomials::<f32, 3>,
     },
-    Method { name: "whitted", family: Family::Lecture, prepare: |s, r| refracted(s, r, Refraction::Whitted) },
-    Method { name: "other", family: Family::Lecture, prepare: |s, r| refracted(s, r, Refraction::Other) },
-    Method { name: "double-double", family: Family::Exact, prepare: walk::<DoubleDouble> },
+    Method {
+        name: "order 5, f32",
+        family: Family::PolynomialBatch,
+        prepare: compiled::polynomials::<f32, 5>,
+    },
+    Method {
+        name: "order 7, f32",
+        family: Family::PolynomialBatch,
+        prepare: compiled::polynomials::<f32, 7>,
+    },
+    Method {
+        name: "order 9, f32",
+        family: Family::PolynomialBatch,
+        prepare: compiled::polynomials::<f32, 9>,
+    },
+    Method {
+        name: "order 11, f32",
+        family: Family::PolynomialBatch,
+        prepare: compiled::polynomials::<f32, 11>,
+    },
+    Method {
+        name: "order 11, f64",
+        family: Family::PolynomialBatch,
+        prepare: compiled::polynomials::<f64, 11>,
+    },
+    Method { name: "one f32", family: Family::Kernel, prepare: compiled::one::<f32> },
+    Method { name: "one f64", family: Family::Kernel, prepare: compiled::one::<f64> },
+    Method { name: "three f32", family: Family::Kernel, prepare: compiled::three::<f32> },
+    Method { name: "three f64", family: Family::Kernel, prepare: compiled::three::<f64> },
+    Method { name: "f32 portable", family: Family::KernelBatch, prepare: compiled::portable::<f32> },
+    Method { name: "f64 portable", family: Family::KernelBatch, prepare: compiled::portable::<f64> },
+    Method { name: "f32x8", family: Family::KernelBatch, prepare: compiled::avx2::<f32> },
+    Method { name: "f64x4", family: Family::KernelBatch, prepare: compiled::avx2::<f64> },
+    Method { name: "f32x16", family: Family::KernelBatch, prepare: compiled::avx512::<f32> },
+    Method { name: "f64x8", family: Family::KernelBatch, prepare: compiled::avx512::<f64> },
+    Method { name: "walk f32", family: Family::Walk, prepare: walk::<f32> },
+    Method { name: YARDSTICK, family: Family::Walk, prepare: walk::<f64> },
+    Method { name: "heckbert", family: Family::Walk, prepare: |s, r| refracted(s, r, Refraction::Heckbert) },
+    Method { name: "whitted", family: Family::Walk, prepare: |s, r| refracted(s, r, Refraction::Whitted) },
+    Method { name: "other", family: Family::Walk, prepare: |s, r| refracted(s, r, Refraction::Other) },
+    Method { name: "reference", family: Family::Walk, prepare: walk::<DoubleDouble> },
 ];
 
 /// The method that all others are timed against.
-const YARDSTICK: &str = "f64";
+const YARDSTICK: &str = "walk f64";
 /// Rays that polynomials are fitted to.
-pub const FIT_RAYS: usize = 2000;
+const FIT_RAYS: usize = 2000;
 
-/// A map of one ray, over a block.
-struct Single<F> {
+/// A map of one ray, over a block: from the form in which it takes rays to the one in which it gives them.
+struct Single<I, O, F> {
     map: F,
-    rays: Vec<Ray>,
-    out: Vec<Option<Ray>>,
+    rays: Vec<I>,
+    out: Vec<Option<O>>,
+    read: fn(&O) -> Ray,
 }
 
-impl<F: Fn(Ray) -> Option<Ray>> Runner for Single<F> {
+impl<I: Copy, O, F: Fn(I) -> Option<O>> Runner for Single<I, O, F> {
     fn run(&mut self) {
         for (ray, out) in self.rays.iter().zip(&mut self.out) {
             *out = (self.map)(*ray);
@@ -112,65 +152,49 @@ impl<F: Fn(Ray) -> Option<Ray>> Runner for Single<F> {
     }
 
     fn ray(&self, index: usize) -> Option<Ray> {
-        self.out[index]
+        self.out[index].as_ref().map(self.read)
     }
 }
 
-fn single(rays: &[Ray], map: impl Fn(Ray) -> Option<Ray> + 'static) -> Box<dyn Runner> {
-    Box::new(Single { map, rays: rays.to_vec(), out: vec![None; rays.len()] })
+/// A map of one ray, for a block of them.
+pub(super) fn single<I: Copy + 'static, O: Clone + 'static>(
+    rays: Vec<I>,
+    map: impl Fn(I) -> Option<O> + 'static,
+    read: fn(&O) -> Ray,
+) -> Box<dyn Runner> {
+    let out = vec![None; rays.len()];
+    Box::new(Single { map, rays, out, read })
 }
 
-fn thick(subject: &Subject, rays: &[Ray]) -> Box<dyn Runner> {
+fn mapped(rays: &[Ray], map: impl Fn(Ray) -> Option<Ray> + 'static) -> Prepared {
+    Some(single(rays.to_vec(), map, |ray| *ray))
+}
+
+fn thick(subject: &Subject, rays: &[Ray]) -> Prepared {
     let lens = subject.first_order;
-    single(rays, move |ray| Some(lens.transfer(ray)))
+    mapped(rays, move |ray| Some(lens.transfer(ray)))
 }
 
 /// The thick lens with both principal planes where the film's is.
-fn thin(subject: &Subject, rays: &[Ray]) -> Box<dyn Runner> {
-    let thick = subject.first_order;
-    let lens = FirstOrder { front_principal_plane: thick.rear_principal_plane, ..thick };
-    single(rays, move |ray| Some(lens.transfer(ray)))
+fn thin(subject: &Subject, rays: &[Ray]) -> Prepared {
+    let lens = subject.first_order.thin_at(subject.first_order.rear_principal_plane);
+    mapped(rays, move |ray| Some(lens.transfer(ray)))
 }
 
-fn walk<R: Real + 'static>(subject: &Subject, rays: &[Ray]) -> Box<dyn Runner> {
+fn walk<R: Real + 'static>(subject: &Subject, rays: &[Ray]) -> Prepared {
     let path = Path::<R>::film_to_scene(&subject.lens);
-    single(rays, move |ray| path.trace(ray).ok())
+    mapped(rays, move |ray| path.trace(ray).ok())
 }
 
-fn refracted(subject: &Subject, rays: &[Ray], refraction: Refraction) -> Box<dyn Runner> {
+fn refracted(subject: &Subject, rays: &[Ray], refraction: Refraction) -> Prepared {
     let path = Path::<f64>::new(&subject.lens, Direction::FilmToScene, refraction);
-    single(rays, move |ray| path.trace(ray).ok())
+    mapped(rays, move |ray| path.trace(ray).ok())
 }
 
-fn fit(subject: &Subject, order: usize) -> Polynomial {
+/// Polynomials of an order fitted to the subject's own rays.
+pub(super) fn fit(subject: &Subject, order: usize) -> Polynomial {
     Polynomial::fit(&subject.lens, subject.film_z, &subject.rays(FIT_RAYS, 0), order)
         .expect("the subject's rays are spread over film and pupil")
-}
-
-fn polynomial<const ORDER: usize>(subject: &Subject, rays: &[Ray]) -> Box<dyn Runner> {
-    let model = fit(subject, ORDER);
-    single(rays, move |ray| Some(model.transfer(ray)))
-}
-
-struct Columns<R> {
-    model: PolynomialBatch<R>,
-    rays: RayColumns<R>,
-    out: RayColumns<R>,
-}
-
-impl<R: Fused> Runner for Columns<R> {
-    fn run(&mut self) {
-        self.model.transfer(&self.rays, &mut self.out);
-    }
-
-    fn ray(&self, index: usize) -> Option<Ray> {
-        Some(self.out.ray(index))
-    }
-}
-
-fn polynomials<R: Fused + 'static, const ORDER: usize>(subject: &Subject, rays: &[Ray]) -> Box<dyn Runner> {
-    let model = PolynomialBatch::<R>::new(&fit(subject, ORDER));
-    Box::new(Columns { model, rays: RayColumns::at_film(rays, subject.film_z), out: RayColumns::default() })
 }
 
 /// Median, 99.9 % quantile and maximum of an error.
@@ -205,7 +229,8 @@ pub struct Measured {
     pub direction: Spread,
     /// Distance of the exact point on the front surface from the ray, mm.
     pub position: Spread,
-    /// The direction's error on the film, pixels.
+    /// How far from its film point the ray belongs, pixels: see
+    /// [`ImageScale`](crate::optics::image_scale::ImageScale).
     pub pixels: Spread,
     /// Rays that the reference passes and this method blocks.
     pub lost: usize,
@@ -230,8 +255,9 @@ pub fn measure(subject: &Subject, size: Size) -> Vec<Measured> {
     let reference = Reference::new(&subject.lens, Direction::FilmToScene);
     let exact: Vec<_> = rays.iter().map(|ray| reference.trace(*ray).ok()).collect();
     let block = &rays[..size.block.min(rays.len())];
-    let mut yardstick = walk::<f64>(subject, block);
-    let mut runners: Vec<_> = METHODS.iter().map(|method| (method.prepare)(subject, block)).collect();
+    let mut yardstick = walk::<f64>(subject, block).expect("for any processor");
+    let (methods, mut runners): (Vec<_>, Vec<_>) =
+        METHODS.iter().filter_map(|method| Some((*method, (method.prepare)(subject, block)?))).unzip();
     let mut tasks: Vec<Box<dyn FnMut()>> = Vec::new();
     for runner in &mut runners {
         tasks.push(Box::new(|| runner.run()));
@@ -242,26 +268,29 @@ pub fn measure(subject: &Subject, size: Size) -> Vec<Measured> {
         let count = block.len() as f64;
         Timing { median: t.median / count, low: t.low / count, high: t.high / count }
     };
-    let mut all: Vec<Measured> = METHODS
-        .iter()
+    let mut all: Vec<Measured> = methods
+        .into_iter()
         .zip(&timings)
         .map(|(method, timing)| {
-            let mut runner = (method.prepare)(subject, &rays);
+            let mut runner = (method.prepare)(subject, &rays).expect("prepared before");
             runner.run();
             let pairs: Vec<_> = exact
                 .iter()
                 .enumerate()
-                .filter_map(|(i, exact)| Some((exact.as_ref()?, runner.ray(i))))
+                .filter_map(|(i, exact)| Some((&rays[i], exact.as_ref()?, runner.ray(i))))
                 .collect();
-            let errors = |measure: &dyn Fn(&ExactRay, &Ray) -> f64| -> Vec<f64> {
-                pairs.iter().filter_map(|(exact, ray)| Some(measure(exact, ray.as_ref()?))).collect()
+            let errors = |measure: &dyn Fn(&Ray, &ExactRay, &Ray) -> f64| -> Vec<f64> {
+                pairs
+                    .iter()
+                    .filter_map(|(from, exact, ray)| Some(measure(from, exact, ray.as_ref()?)))
+                    .collect()
             };
-            let direction = errors(&|exact, ray| exact.direction_error(ray));
-            let position = errors(&|exact, ray| exact.distance_from_line(ray));
-            let pixels: Vec<f64> = direction.iter().map(|angle| subject.pixels(*angle)).collect();
+            let direction = errors(&|_, exact, ray| exact.direction_error(ray));
+            let position = errors(&|_, exact, ray| exact.distance_from_line(ray));
+            let pixels = errors(&|from, exact, ray| subject.pixels(from, &exact.nearest(), ray));
             Measured {
                 lens: subject.lens.name.clone(),
-                method: *method,
+                method,
                 time: per_ray(timing),
                 direction: Spread::of(&direction),
                 position: Spread::of(&position),

@@ -139,6 +139,12 @@ impl ExactRay {
         distance(moment, [DoubleDouble::ZERO; 3])
     }
 
+    /// The ray toward the scene in double precision, its last vertex the lens's first, z = 0.
+    pub fn nearest(&self) -> Ray {
+        let nearest = |vector: [DoubleDouble; 3]| vector.map(Real::to_f64);
+        Ray { origin: nearest(self.point), direction: nearest(self.direction) }
+    }
+
     /// Angle in rad between this direction and a unit vector.
     pub fn direction_error(&self, ray: &Ray) -> f64 {
         distance(ray.direction.map(DoubleDouble::from_f64), self.direction)

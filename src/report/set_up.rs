@@ -3,7 +3,11 @@
 use super::{
     clock::now, ray_map::Spread, reference::Reference, statistics::median, subject::Subject, table::Table,
 };
-use crate::trace::{Direction, Ray, polynomial::Polynomial};
+use crate::trace::{
+    Direction, Ray,
+    kernel::Traced,
+    polynomial::{Polynomial, PolynomialLens},
+};
 
 /// How much is measured.
 #[derive(Clone, Copy, Debug)]
@@ -15,7 +19,7 @@ pub struct Size {
 }
 
 /// A model ready for rays.
-type Map = Box<dyn Fn(Ray) -> Ray>;
+type Map = Box<dyn Fn(Ray) -> Option<Ray>>;
 
 /// A kind of model with a size that can be chosen.
 #[derive(Clone, Copy, Debug)]
@@ -45,7 +49,12 @@ pub const FAMILIES: &[Family] = &[
 fn polynomial<const ORDER: usize>(subject: &Subject, rays: usize) -> Option<(Map, usize)> {
     let model = Polynomial::fit(&subject.lens, subject.film_z, &subject.rays(rays, 0), ORDER).ok()?;
     let kept = model.coefficients();
-    Some((Box::new(move |ray| model.transfer(ray)), kept))
+    let lens = PolynomialLens::<f64>::new(&model);
+    let map = move |Ray { origin: [x, y, _], direction: [dx, dy, dz] }: Ray| {
+        let Traced { origin, direction, .. } = lens.trace_one([x, y], [dx / dz, dy / dz])?;
+        Some(Ray { origin, direction })
+    };
+    Some((Box::new(map), kept))
 }
 
 /// One model at one size.
@@ -84,7 +93,7 @@ pub fn measure(subject: &Subject, size: Size) -> Vec<Measured> {
             }
             let Some((map, kept)) = model else { continue };
             let errors: Vec<f64> =
-                pairs.iter().map(|(ray, exact)| exact.direction_error(&map(*ray))).collect();
+                pairs.iter().filter_map(|(ray, exact)| Some(exact.direction_error(&map(*ray)?))).collect();
             all.push(Measured {
                 lens: subject.lens.name.clone(),
                 family: family.name,

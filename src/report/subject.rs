@@ -6,6 +6,7 @@ use crate::{
         Lens,
         first_order::FirstOrder,
         focus::{Focus, FocusError},
+        image_scale::ImageScale,
     },
     prescription::Prescription,
     trace::{Path, Ray},
@@ -26,6 +27,8 @@ pub struct Subject {
     pub rear: PupilDisk,
     /// The thick lens's exit pupil.
     pub exit: PupilDisk,
+    /// The image's scale over the film.
+    pub scale: ImageScale,
     /// The exact rays.
     pub path: Path<f64>,
 }
@@ -45,11 +48,12 @@ impl Subject {
         let first_order = FirstOrder::of(&lens)?;
         let film_z = lens.rear().vertex - Focus::new(&lens)?.film_distance(f64::INFINITY)?;
         let film = Film::new(PIXELS, FILM_DIAGONAL);
-        let rear = PupilDisk::rear(&lens, film_z, film.reach())
-            .ok_or_else(|| FocusError::Dark { lens: lens.name.clone() })?;
+        let dark = || FocusError::Dark { lens: lens.name.clone() };
+        let rear = PupilDisk::rear(&lens, film_z, film.reach()).ok_or_else(dark)?;
+        let scale = ImageScale::new(&lens, film_z, film.diagonal() / 2.0, f64::INFINITY).ok_or_else(dark)?;
         let exit = PupilDisk::exit(&lens, film_z);
         let path = Path::film_to_scene(&lens);
-        Ok(Self { lens, film, film_z, first_order, rear, exit, path })
+        Ok(Self { lens, film, film_z, first_order, rear, exit, scale, path })
     }
 
     /// Rays that get through, spread over film and pupil.
@@ -57,8 +61,10 @@ impl Subject {
         passing_rays(&self.path, self.film_z, self.film.diagonal() / 2.0, self.rear, count, seed)
     }
 
-    /// What an angle in the scene is on the film, in pixels, by the focal length.
-    pub fn pixels(&self, angle: f64) -> f64 {
-        (angle * self.first_order.focal_length / self.film.pixel()).abs()
+    /// How far from its film point a ray that leaves as `other` belongs, in pixels; `from` is the ray on the
+    /// film's side and `exact` the one that it becomes.
+    pub fn pixels(&self, from: &Ray, exact: &Ray, other: &Ray) -> f64 {
+        let [x, y, _] = from.origin;
+        self.scale.film_error([x, y], exact, other) / self.film.pixel()
     }
 }

@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use super::{
     bench::Effort,
-    irradiance, picture, ray_map, set_up,
+    irradiance, picture, pupil_table, ray_map, set_up,
     stability::{self, CaseResult},
     subject::Subject,
     table::Table,
@@ -33,6 +33,8 @@ pub struct Suite {
     pub picture: picture::Size,
     /// Set-up.
     pub set_up: set_up::Size,
+    /// The pupil's tables.
+    pub pupils: pupil_table::Size,
     /// Stability.
     pub stability: stability::Effort,
 }
@@ -52,6 +54,7 @@ impl Suite {
                 repeats: 3,
             },
             set_up: set_up::Size { rays: 5000, repeats: 9 },
+            pupils: pupil_table::Size { points: 48, repeats: 5 },
             stability: stability::Effort::FULL,
         }
     }
@@ -70,6 +73,7 @@ impl Suite {
                 repeats: 2,
             },
             set_up: set_up::Size { rays: 1000, repeats: 3 },
+            pupils: pupil_table::Size { points: 12, repeats: 1 },
             stability: stability::Effort::QUICK,
         }
     }
@@ -88,6 +92,7 @@ impl Suite {
                 repeats: 1,
             },
             set_up: set_up::Size { rays: 40, repeats: 1 },
+            pupils: pupil_table::Size { points: 2, repeats: 1 },
             stability: stability::Effort { lenses: 1, rays: 1 },
         }
     }
@@ -113,6 +118,8 @@ impl Suite {
             results.floors.push((name, pictures.floor));
             tell("set-up");
             results.set_up.extend(set_up::measure(&subject, self.set_up));
+            tell("pupils");
+            results.pupils.extend(pupil_table::measure(&subject, self.pupils));
             results.lenses.push(name);
         }
         results.stability = stability::run(self.stability, &mut |at| {
@@ -154,6 +161,8 @@ pub struct Results {
     pub floors: Vec<(&'static str, f64)>,
     /// Build times.
     pub set_up: Vec<set_up::Measured>,
+    /// Pupils.
+    pub pupils: Vec<pupil_table::Measured>,
     /// Extreme cases.
     pub stability: Vec<CaseResult>,
 }
@@ -166,6 +175,7 @@ impl Results {
             irradiance::table(&self.irradiance),
             picture::table("estimators", "pupil", &self.estimators),
             set_up::table(&self.set_up),
+            pupil_table::table(&self.pupils),
             picture::table("renderers", "renderer", &self.renderers),
             stability_table(&self.stability),
         ]

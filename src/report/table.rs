@@ -52,7 +52,7 @@ impl Table {
         Self { name: name.to_owned(), columns: columns.to_vec(), rows: Vec::new() }
     }
 
-    /// The table as CSV: a header line, 17 digits where a number needs them, text in quotes where it
+    /// The table as CSV: a header line, six digits of every number, text in quotes where it
     /// holds a comma or a quote (RFC 4180).
     pub fn to_csv(&self) -> String {
         let mut text = self.columns.join(",") + "\n";
@@ -66,9 +66,7 @@ impl Table {
                         let _ = write!(text, "\"{}\"", word.replace('"', "\"\""));
                     }
                     Cell::Text(word) => text.push_str(word),
-                    Cell::Number(number) => {
-                        let _ = write!(text, "{number:?}");
-                    }
+                    Cell::Number(number) => text.push_str(&written(*number)),
                 }
             }
             text.push('\n');
@@ -77,15 +75,30 @@ impl Table {
     }
 }
 
+/// A number to six digits, more than any measurement here is worth; counts as they are.
+fn written(number: f64) -> String {
+    if number.fract() == 0.0 && number.abs() < 1e15 {
+        return format!("{number}");
+    }
+    let rounded: f64 = format!("{number:.5e}").parse().unwrap_or(number);
+    format!("{rounded:?}")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn a_table_keeps_its_numbers_to_the_last_bit_and_its_commas() {
+    fn a_table_keeps_six_digits_of_its_numbers_and_its_commas() {
         let mut table = Table::new("t", &["name", "error_rad"]);
         table.rows.push(vec!["a, \"b\"".into(), (0.1 + 0.2).into()]);
         table.rows.push(vec!["c".into(), 1e-300.into()]);
-        assert_eq!(table.to_csv(), "name,error_rad\n\"a, \"\"b\"\"\",0.30000000000000004\nc,1e-300\n");
+        table.rows.push(vec!["d".into(), 1234567.8.into()]);
+        table.rows.push(vec!["f".into(), 1_234_567.0.into()]);
+        table.rows.push(vec!["e".into(), f64::NAN.into()]);
+        assert_eq!(
+            table.to_csv(),
+            "name,error_rad\n\"a, \"\"b\"\"\",0.3\nc,1e-300\nd,1234570.0\nf,1234567\ne,NaN\n"
+        );
     }
 }

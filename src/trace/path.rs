@@ -97,6 +97,11 @@ impl<R: Real> Path<R> {
         Self { steps, direction, refraction, entry, exit }
     }
 
+    /// How many surfaces there are.
+    pub(crate) fn surfaces(&self) -> usize {
+        self.steps.len()
+    }
+
     /// Film to scene with the default refraction.
     pub fn film_to_scene(lens: &Lens) -> Self {
         Self::new(lens, Direction::FilmToScene, Refraction::default())

@@ -57,7 +57,7 @@ const FAR: f64 = 2.0;
 
 /// Squared cosine of the angle to the axis below which a ray meets the first vertex plane too far out for
 /// that to be the place to start from.
-const STEEP: f64 = 0.01;
+pub(super) const STEEP: f64 = 0.01;
 
 /// Position and V = n D in the frame of the current vertex.
 #[derive(Clone, Copy)]
@@ -153,7 +153,12 @@ impl<R: Real> Path<R> {
     /// Whether a ray may go on to surface `number`. A fisheye sees behind itself: from the scene the
     /// first surface may be met going backward.
     pub(super) fn is_forward(&self, state: &State<R>, number: usize) -> bool {
-        state.v[2] > R::ZERO || (number == 0 && self.direction == Direction::SceneToFilm)
+        state.v[2] > R::ZERO || self.may_start_backward(number)
+    }
+
+    /// Whether a ray may go on to surface `number` also where it travels backward.
+    pub(super) fn may_start_backward(&self, number: usize) -> bool {
+        number == 0 && self.direction == Direction::SceneToFilm
     }
 
     /// The state with which a ray sets out, in the frame of the first vertex; `direction` is the ray's as a
@@ -175,7 +180,7 @@ impl<R: Real> Path<R> {
     ///
     /// Differences of products, not P + t D: from a distant object that would keep the digits of the
     /// distance, and this keeps those of the lens.
-    fn to_entry(&self, ray: Ray, sense: f64) -> ([f64; 3], f64) {
+    pub(super) fn to_entry(&self, ray: Ray, sense: f64) -> ([f64; 3], f64) {
         let [x, y, z] = ray.origin;
         // The difference and what rounding took from it (D. E. Knuth, *The Art of Computer Programming* 2,
         // section 4.2.2): a small lens far from its front vertex would feel it.
@@ -213,6 +218,9 @@ impl<R: Real> Path<R> {
 
 impl<R: Real> Step<R> {
     /// Moves the ray to this surface, in the frame of whose vertex it is given.
+    // Inlined, here and below: between functions the state goes through memory, where a wide load has to wait for
+    // the narrow stores before it, at every surface.
+    #[inline(always)]
     pub(super) fn meet(&self, state: &mut State<R>) -> Result<(), Blocked> {
         let State { p, v, lead } = state;
         let c = self.curvature;
@@ -246,6 +254,7 @@ impl<R: Real> Step<R> {
     }
 
     /// Takes the ray through the aperture and refracts it.
+    #[inline(always)]
     fn pass(&self, state: &mut State<R>, method: Refraction) -> Result<(), Blocked> {
         let [x, y, _] = state.p;
         if !(x * x + y * y <= self.aperture) {
@@ -255,6 +264,7 @@ impl<R: Real> Step<R> {
     }
 
     /// Refracts the ray at the point of this surface where it is.
+    #[inline(always)]
     pub(super) fn refract(&self, state: &mut State<R>, method: Refraction) -> Result<(), Blocked> {
         let State { p: [x, y, z], v, .. } = state;
         let c = self.curvature;

@@ -29,6 +29,7 @@ static struct {
     void (*camera_free)(realistic_camera *);
     realistic_status (*get_info)(const realistic_camera *, realistic_camera_info *);
     realistic_status (*get_lens_name)(const realistic_camera *, char *, size_t, size_t *);
+    realistic_status (*plan)(const realistic_camera *, char *, size_t, size_t *);
     float (*ray)(const realistic_camera *, const realistic_sample *, realistic_ray *);
     float (*plain_ray)(const realistic_camera *, const realistic_sample *, realistic_ray *);
     realistic_status (*rays)(const realistic_camera *, size_t, const realistic_sample *, size_t,
@@ -63,6 +64,7 @@ static void load(const char *path) {
     resolve(library, "realistic_camera_free", &api.camera_free);
     resolve(library, "realistic_camera_get_info", &api.get_info);
     resolve(library, "realistic_camera_get_lens_name", &api.get_lens_name);
+    resolve(library, "realistic_camera_plan", &api.plan);
     resolve(library, "realistic_generate_ray", &api.ray);
     resolve(library, "GenerateRay", &api.plain_ray);
     resolve(library, "realistic_camera_generate_rays", &api.rays);
@@ -175,6 +177,8 @@ static void do_refusals(void) {
     report("info-null", api.get_info(camera, NULL));
     report("info-no-camera", api.get_info(NULL, &info));
     report("name-null", api.get_lens_name(camera, NULL, 3, NULL));
+    report("plan-null", api.plan(camera, NULL, 3, NULL));
+    report("plan-no-camera", api.plan(NULL, NULL, 0, NULL));
     api.camera_free(camera);
     api.camera_free(NULL);
 }
@@ -210,6 +214,29 @@ static void do_info(void) {
     if (api.get_lens_name(camera, name, sizeof name, NULL)) exit(3);
     if (api.get_info(camera, &info)) exit(3);
     printf("text %s %u %.17g\n", name, (unsigned)info.interfaces, info.film_distance_mm);
+    api.camera_free(camera);
+}
+
+/* The plan of a camera with a tolerance, a line each, asked for its length first. */
+static void do_plan(void) {
+    int calls = 0;
+    realistic_options o = options();
+    o.tolerance = -1;
+    refuse("negative", &o);
+    o.tolerance = 0.5, o.fnumber = 8;
+    o.log = log_to_stdout, o.log_user = &calls;
+    realistic_camera *camera = build(&o);
+    size_t length = 0, again = 0;
+    report("length", api.plan(camera, NULL, 0, &length));
+    char *text = malloc(length + 1);
+    if (text == NULL) exit(3);
+    report("text", api.plan(camera, text, length + 1, &again));
+    printf("lengths %d %d\n", again == length, strlen(text) == length);
+    for (char *line = strtok(text, "\n"); line != NULL; line = strtok(NULL, "\n")) printf("line %s\n", line);
+    char little[5] = "~~~~";
+    report("cut", api.plan(camera, little, 4, NULL));
+    printf("little %u\n", (unsigned)strlen(little));
+    free(text);
     api.camera_free(camera);
 }
 
@@ -423,7 +450,7 @@ static void do_threads(void) {
 
 int main(int count, char **argument) {
     static const struct { const char *name; void (*run)(void); } actions[] = {
-        {"library", do_library}, {"refusals", do_refusals}, {"info", do_info}, {"log", do_log},
+        {"library", do_library}, {"refusals", do_refusals}, {"info", do_info}, {"log", do_log}, {"plan", do_plan},
         {"rays", do_rays},       {"null", do_null},         {"threads", do_threads},
     };
     if (count != 3) return 1;

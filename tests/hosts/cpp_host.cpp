@@ -84,6 +84,7 @@ static void cameras(const realistic::Api &api) {
     realistic_camera_info info = camera.info();
     std::printf("info %s %.17g %u\n", camera.lens_name().c_str(), info.focal_length_mm,
                 static_cast<unsigned>(info.interfaces));
+    std::printf("plan %d\n", camera.plan().find("aperture tests") != std::string::npos);
 
     const unsigned n = 2000;
     std::vector<realistic_sample> samples(n);

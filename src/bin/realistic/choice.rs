@@ -1,7 +1,7 @@
 //! What several commands are told in the same words: the lens, and the film.
 
 use crate::failure::Failure;
-use realistic::camera::{Film, LensSetup, Level, Raster, open_lens};
+use realistic::camera::{Film, LensSetup, Level, Parameters, Raster, open_lens};
 use realistic::optics::{Lens, focus::Focus};
 use realistic::prescription::{Prescription, SearchPath};
 use std::io::Write as _;
@@ -24,6 +24,14 @@ pub struct LensChoice {
 }
 
 impl LensChoice {
+    /// Gives a camera's parameters this lens.
+    pub fn give(&self, parameters: &mut Parameters) {
+        parameters.specfile = Some(self.lens.clone());
+        parameters.wavelength = self.wavelength;
+        parameters.aperture_diameter = self.aperture_diameter;
+        parameters.fnumber = self.fnumber;
+    }
+
     /// Finds the lens; warnings go to standard error.
     ///
     /// # Errors
@@ -77,6 +85,12 @@ pub struct FilmPlace {
 }
 
 impl FilmPlace {
+    /// Gives a camera's parameters this place, in world units of a millimetre.
+    pub fn give(&self, parameters: &mut Parameters) {
+        parameters.filmdistance = self.film_distance;
+        parameters.focusdistance = self.distance;
+    }
+
     /// Last vertex to film, mm.
     ///
     /// # Errors

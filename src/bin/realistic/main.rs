@@ -10,7 +10,7 @@ mod host;
 mod plots;
 
 use clap::{Parser, Subcommand};
-use commands::{disks, draw, focus, focus_stack, install, lens, pupil, render, trace};
+use commands::{disks, draw, focus, focus_stack, install, lens, plan, pupil, render, trace};
 #[cfg(feature = "report")]
 use commands::{refractions, report};
 use failure::Failure;
@@ -49,6 +49,8 @@ enum Command {
     Focus(focus::Args),
     /// Show which part of the lens a film point gets light from
     Pupil(pupil::Args),
+    /// Show what a camera keeps and leaves out, and what that saves
+    Plan(plan::Args),
     /// Take the same picture focused from near to far
     FocusStack(focus_stack::Args),
     /// Draw and measure the ways to sample a disk
@@ -83,6 +85,7 @@ fn main() -> ExitCode {
         Some(Command::Trace(args)) => trace::run(args),
         Some(Command::Focus(args)) => focus::run(args),
         Some(Command::Pupil(args)) => pupil::run(args),
+        Some(Command::Plan(args)) => plan::run(args),
         Some(Command::FocusStack(args)) => focus_stack::run(args),
         Some(Command::Disks(args)) => disks::run(args),
         Some(Command::Install(args)) => install::run(args),

@@ -6,7 +6,8 @@ use std::cell::Cell;
 use super::{
     outline::{Guess, Outline, direction},
     row::{CELLS, Knots, Row, TRACE_EVERY},
-    view::{Crossing, Limit, View},
+    search::{Crossing, Hints},
+    view::{Limit, View},
 };
 use crate::{camera::PupilDisk, optics::pupil::SlopeDisk, trace::Path};
 
@@ -48,6 +49,7 @@ pub(super) struct Builder<'a> {
     /// Film radius times this is about the slope to the pupil's centre.
     pub drift: f64,
     pub rays: Cell<u32>,
+    hints: Hints,
     knots: Knots,
 }
 
@@ -70,11 +72,20 @@ pub(super) struct Plan {
 
 impl<'a> Builder<'a> {
     pub fn new(path: &'a Path, film: f64, reach: f64, cover: PupilDisk, drift: f64) -> Self {
-        Self { path, film, reach, cover, drift, rays: Cell::new(0), knots: Knots::new() }
+        Self {
+            path,
+            film,
+            reach,
+            cover,
+            drift,
+            rays: Cell::new(0),
+            hints: Hints::new(path.surfaces()),
+            knots: Knots::new(),
+        }
     }
 
     fn view(&self, height: f64) -> View<'_> {
-        View { path: self.path, film: self.film, height, rays: &self.rays }
+        View { path: self.path, film: self.film, height, rays: &self.rays, hints: &self.hints }
     }
 
     fn cover_at(&self, height: f64) -> SlopeDisk {
@@ -141,18 +152,14 @@ impl<'a> Builder<'a> {
     fn leaks_beyond(&self, end: f64) -> bool {
         const RADII: u32 = 6;
         const GRID: u32 = 20;
+        let at = |k: u32| 2.0 * (f64::from(k) + 0.5) / f64::from(GRID) - 1.0;
+        let grid = (0..GRID).flat_map(|i| (GRID / 2..GRID).map(move |j| [at(i), at(j)]));
+        let disk: Vec<_> = grid.filter(|[x, y]| x * x + y * y <= 1.0).collect();
         (1..=RADII).any(|i| {
             let height = end + (self.reach - end) * f64::from(i) / f64::from(RADII);
-            let view = self.view(height);
             let cover = self.cover_at(height);
-            let at = |k: u32, n: u32| 2.0 * (f64::from(k) + 0.5) / f64::from(n) - 1.0;
-            (0..GRID).any(|i| {
-                (0..GRID / 2).any(|j| {
-                    let [x, y] = [at(i, GRID), at(j + GRID / 2, GRID)];
-                    x * x + y * y <= 1.0
-                        && view.passes([cover.center[0] + cover.radius * x, cover.radius * y])
-                })
-            })
+            let slopes = disk.iter().map(|[x, y]| [cover.center[0] + cover.radius * x, cover.radius * y]);
+            self.view(height).pass(&slopes.collect::<Vec<_>>()).contains(&true)
         })
     }
 
@@ -191,16 +198,17 @@ impl<'a> Builder<'a> {
         let view = self.view(0.0);
         let reach = self.cover_at(0.0).radius;
         let guess = Crossing { radius: reach, limit: Limit::Optics, steepness: 1.0 };
-        if !view.passes([0.0, 0.0]) {
+        if !(view.excess([0.0, 0.0]).value <= 0.0) {
             return None;
         }
-        let edge = view.crossing(0.0, [1.0, 0.0], guess)?.radius;
+        let edge = view.crossings(0.0, std::iter::once(([1.0, 0.0], guess)))?[0].radius;
         const SCAN: u32 = 32;
         let place = |i: u32| (f64::from(i) + 0.5) / f64::from(SCAN);
-        let hole = (0..SCAN).any(|i| !view.passes([edge * place(i), 0.0]));
+        let within: Vec<_> = (0..SCAN).map(|i| [edge * place(i), 0.0]).collect();
+        let hole = view.pass(&within).contains(&false);
         let beyond = BESIDE * edge;
-        let ring =
-            beyond < reach && (0..SCAN).any(|i| view.passes([beyond + (reach - beyond) * place(i), 0.0]));
+        let outside: Vec<_> = (0..SCAN).map(|i| [beyond + (reach - beyond) * place(i), 0.0]).collect();
+        let ring = beyond < reach && view.pass(&outside).contains(&true);
         (!hole && !ring).then(|| Row::disk(0.0, 0.0, edge, true))
     }
 
@@ -234,7 +242,8 @@ impl<'a> Builder<'a> {
         const BEYOND: u32 = 8;
         let cover = self.cover_at(view.height);
         let mut cursor = 0;
-        (0..RAYS).any(|i| {
+        let (mut within, mut beyond) = (Vec::new(), Vec::new());
+        for i in 0..RAYS {
             let angle = std::f64::consts::PI * (f64::from(i) + 0.5) / f64::from(RAYS);
             let [dx, dy] = direction(angle);
             let edge = outline.radius(angle, &mut cursor);
@@ -244,12 +253,11 @@ impl<'a> Builder<'a> {
             let along = offset * dx;
             let end = (along * along + cover.radius.powi(2) - offset * offset).max(0.0).sqrt() - along;
             let place = |k: u32, n: u32| (f64::from(k) + 0.5) / f64::from(n);
-            (0..WITHIN).any(|k| !view.passes(at(edge * place(k, WITHIN))))
-                || (0..BEYOND).any(|k| {
-                    let radius = edge + (end - edge) * place(k, BEYOND);
-                    radius > BESIDE * edge && view.passes(at(radius))
-                })
-        })
+            within.extend((0..WITHIN).map(|k| at(edge * place(k, WITHIN))));
+            let radii = (0..BEYOND).map(|k| edge + (end - edge) * place(k, BEYOND));
+            beyond.extend(radii.filter(|&radius| radius > BESIDE * edge).map(at));
+        }
+        view.pass(&within).contains(&false) || view.pass(&beyond).contains(&true)
     }
 
     /// Halves an interval until its ends foretell its middle.

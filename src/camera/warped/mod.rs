@@ -23,9 +23,8 @@
 //! density of what is drawn, whatever the table, so that the only bias is the share of the
 //! pupil that the map does not reach.
 //!
-//! One evaluation takes two roots, two divisions, no trigonometry and four neighbouring pairs of
-//! floats of one table. A block of them is three loops: places and arithmetic in vectors, and the
-//! look-ups between them one by one.
+//! One evaluation takes one or two roots, a division, no trigonometry and three times four neighbouring
+//! floats. It is written once, over lanes of either precision: a single draw has the bits of a batch's.
 //!
 //! Where no such map fits (a pupil in pieces, with holes, or of an edge that no half-line meets once)
 //! the table holds the rear element's disk, and what falls beside the pupil is blocked.
@@ -33,38 +32,49 @@
 mod build;
 mod outline;
 mod row;
+mod search;
 mod view;
 
 use std::f64::consts::PI;
 
 use self::{
     build::{Builder, FINE, Plan},
-    row::{CELLS, Row},
+    row::CELLS,
 };
-use super::{Drawn, PupilDisk};
-use crate::trace::Path;
+use super::{Drawn, PupilDisk, drawing::FilmRays, pupil_disk::LaneDisk};
+use crate::{
+    plan::apertures::Band,
+    trace::{
+        Path, Real,
+        kernel::{Compiled, Cpu, Lanes, Portable, Scalar, Simd},
+    },
+};
 
 /// The true pupil of every point of a film. Immutable once built.
 #[derive(Clone, Debug)]
 pub struct WarpedPupil {
-    /// Film radius at the table's end, mm, and its reciprocal.
+    /// Film radius at the table's end, mm.
     end: f64,
-    inverse_end: f64,
     /// Whether the pupil has vanished at the end; film radius is then tabulated in
     /// s = 1 - sqrt(1 - h/end), in which the shrinking outline is smooth.
     dark_beyond: bool,
-    /// The row below each smallest interval of s.
-    cells: Vec<u16>,
-    /// Rows of [`STRIDE`]: s, 1/(next row's s - s), c, 0, then M's knots as pairs.
-    table: Vec<f32>,
+    /// Two pairs of each smallest interval of s: where in the table the row below it begins, and the reciprocal of that
+    /// row's width in smallest intervals; c there, and c's step to the next row.
+    cells: Vec<[f32; 2]>,
+    /// Rows of [`STRIDE`]: M's knots.
+    table: Vec<[f32; 2]>,
     cover: PupilDisk,
     build: BuildReport,
 }
 
-/// Floats a row.
-const STRIDE: usize = HEADER + 2 * (CELLS + 1);
-/// Floats before the knots.
-const HEADER: usize = 4;
+/// Its square is half the knots' intervals: those that pass while q grows by 1.
+const ROOT: f64 = 8.0;
+const _: () = assert!((ROOT * ROOT) as usize == CELLS / 2);
+
+/// Pairs a row.
+const STRIDE: usize = CELLS + 1;
+/// Rings of [`WarpedPupil::bands`].
+const BANDS: usize = 4;
 
 /// What building the table took, and what it could not fit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -89,29 +99,30 @@ impl WarpedPupil {
 
     fn pack(plan: Plan, cover: PupilDisk, rays: u32) -> Self {
         let Plan { end, dark_beyond, intervals } = plan;
-        let place = |at: usize| at as f64 / FINE as f64;
-        let mut table: Vec<f32> = Vec::with_capacity((intervals.len() + 1) * STRIDE);
-        let mut cells = vec![0_u16; FINE];
+        let mut table: Vec<[f32; 2]> = Vec::with_capacity((intervals.len() + 1) * STRIDE);
+        let mut cells = Vec::with_capacity(2 * FINE);
         let mut covered = 0.0;
         let mut joined: Option<bool> = None;
         for interval in &intervals {
             let [low, high] = &interval.rows;
-            let width = place(interval.to) - place(interval.from);
             // A row serves the intervals on both its sides, unless only one of them is covered.
             if joined == Some(low.fitted) {
                 table.truncate(table.len() - STRIDE);
             }
-            let row = table.len() / STRIDE;
-            cells[interval.from..interval.to].fill(row as u16);
-            push(&mut table, low, place(interval.from), width.recip());
-            push(&mut table, high, place(interval.to), 0.0);
+            let width = interval.to - interval.from;
+            let [from, to] = [low, high].map(|row| row.center as f32);
+            let cell = [[table.len() as f32, (width as f32).recip()], [from, to - from]];
+            cells.extend(std::iter::repeat_n(cell, width).flatten());
+            for row in [low, high] {
+                table.extend(row.factors.iter().map(|factor| factor.map(|x| x as f32)));
+            }
             joined = Some(high.fitted);
             if !low.fitted {
                 covered += (high.height - low.height) / end;
             }
         }
         let build = BuildReport { rows: table.len() / STRIDE, rays, covered };
-        Self { end, inverse_end: end.recip(), dark_beyond, cells, table, cover, build }
+        Self { end, dark_beyond, cells, table, cover, build }
     }
 
     /// What building the table took.
@@ -124,190 +135,206 @@ impl WarpedPupil {
         self.dark_beyond.then_some(self.end)
     }
 
+    /// Rings of the film with disks of slopes that hold everything drawn there.
+    pub fn bands(&self) -> Vec<Band> {
+        /// Each holds every slope that single precision can make of the table.
+        const ROUNDING: f64 = 1e-5;
+        let height = |cell: usize| {
+            let s = cell as f64 / FINE as f64;
+            self.end * if self.dark_beyond { s * (2.0 - s) } else { s }
+        };
+        (0..BANDS)
+            .map(|number| {
+                let [from, to] = [number, number + 1].map(|number| number * FINE / BANDS);
+                let mut band =
+                    Band { radii: [height(from), height(to)], center: [f64::MAX, f64::MIN], radius: 0.0 };
+                for cell in self.cells[2 * from..2 * to].chunks_exact(2) {
+                    let (row, [center, step]) = (cell[0][0] as usize, cell[1].map(f64::from));
+                    band.center = [
+                        band.center[0].min(center).min(center + step),
+                        band.center[1].max(center).max(center + step),
+                    ];
+                    // The row below and the one above.
+                    let knots = self.table[row..row + 2 * STRIDE].iter();
+                    let longest = knots.map(|m| m[0] * m[0] + m[1] * m[1]).fold(0.0, f32::max);
+                    band.radius = band.radius.max(f64::from(longest).sqrt() * (1.0 + ROUNDING));
+                }
+                band
+            })
+            .collect()
+    }
+
     /// The slope that the point `disk` of the unit disk stands for at a film point, mm; `None` where the
     /// film is dark.
-    #[inline(always)]
     pub fn draw(&self, film: [f64; 2], disk: [f64; 2]) -> Option<Drawn> {
-        let place = self.place(film, disk);
-        if !place.inside {
-            return if self.dark_beyond { None } else { Some(self.cover.draw(film, disk)) };
-        }
-        Some(self.drawn(&place, self.fetch(&place), film, disk))
+        let mut drawn = Drawn { slopes: [0.0; 2], area: f64::NAN };
+        Simd::best().run(One { pupil: self, film, disk, drawn: &mut drawn });
+        (!drawn.area.is_nan()).then_some(drawn)
     }
 
-    /// [`WarpedPupil::draw`] of a block, the same to the last bit, in loops that are vectorised but for the table's
-    /// look-ups. Where there is nothing to draw the area is NaN.
-    #[inline(always)]
-    pub(super) fn draw_block<const N: usize>(
+    /// What a draw in a precision computes with.
+    pub(super) fn frame<S: Scalar>(&self) -> Frame<S> {
+        let fine = FINE as f64;
+        let scale = if self.dark_beyond { fine * fine } else { fine } / self.end;
+        Frame { scale: S::from_f64(scale), cover: self.cover.lane_disk() }
+    }
+
+    /// [`WarpedPupil::draw`] in lanes: gives rays their slopes and area. Where there is nothing to draw the area is NaN.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn lanes<L: Lanes, const U: usize>(
         &self,
-        film: &[[f64; N]; 2],
-        disk: &[[f64; N]; 2],
-        n: usize,
-        places: &mut Places<N>,
-        slopes: &mut [[f64; N]; 2],
-        area: &mut [f64; N],
+        cpu: Cpu<L>,
+        frame: &Frame<L::Scalar>,
+        rays: &mut [FilmRays<L>; U],
     ) {
-        let n = n.min(N);
-        let pair = |arrays: &[[f64; N]; 2], i: usize| [arrays[0][i], arrays[1][i]];
-        let mut all_inside = true;
-        for i in 0..n {
-            let place = self.place(pair(film, i), pair(disk, i));
-            all_inside &= place.inside;
-            places.set(i, &place);
+        let mut radii = [self.radius(cpu, frame, &rays[0]); U];
+        for u in 1..U {
+            radii[u] = self.radius(cpu, frame, &rays[u]);
         }
-        for i in 0..n {
-            let numbers = self.fetch(&places.get(i));
-            for (array, number) in places.fetched.iter_mut().zip(numbers) {
-                array[i] = number;
+        let mut places = [self.place(cpu, &rays[0], &radii[0]); U];
+        for u in 1..U {
+            places[u] = self.place(cpu, &rays[u], &radii[u]);
+        }
+        let mut all_inside = true;
+        for u in 0..U {
+            self.aim(cpu, &places[u], &mut rays[u]);
+            all_inside &= L::all(radii[u].inside);
+        }
+        if !all_inside {
+            for u in 0..U {
+                self.cover(cpu, frame, radii[u].inside, &mut rays[u]);
             }
         }
-        for i in 0..n {
-            let numbers = std::array::from_fn(|k| places.fetched[k][i]);
-            let drawn = self.drawn(&places.get(i), numbers, pair(film, i), pair(disk, i));
-            [slopes[0][i], slopes[1][i]] = drawn.slopes;
-            area[i] = drawn.area;
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn radius<L: Lanes>(&self, cpu: Cpu<L>, frame: &Frame<L::Scalar>, ray: &FilmRays<L>) -> Radius<L> {
+        let [x, y] = ray.point;
+        let height = y.mul_add(y, x * x).sqrt();
+        let scale = L::splat(cpu, frame.scale);
+        let s = if self.dark_beyond {
+            let end = L::splat(cpu, L::Scalar::from_f64((FINE * FINE) as f64));
+            L::splat(cpu, L::Scalar::from_f64(FINE as f64)) - height.neg_mul_add(scale, end).sqrt()
+        } else {
+            height * scale
+        };
+        // `smaller` leaves no NaN.
+        let place = s.smaller(L::splat(cpu, L::Scalar::from_f64((FINE - 1) as f64)));
+        Radius { inside: s.less(L::splat(cpu, L::Scalar::from_f64(FINE as f64))), s, place }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn place<L: Lanes>(&self, cpu: Cpu<L>, ray: &FilmRays<L>, radius: &Radius<L>) -> Place<L> {
+        let ([x, y], [u, v]) = (ray.point, ray.disk);
+        let [[row, per_width, center, center_step]] = L::look_up::<1, 2>(&self.cells, radius.place, [0]);
+        // A row begins at a multiple of its width, a power of 2.
+        let part = radius.s.mul_sub(per_width, (radius.place * per_width).trunc());
+        // The disk's point in the frame of the film point, mirrored into the upper half.
+        let (a, b) = (v.mul_add(y, u * x), u.neg_mul_add(y, v * x));
+        // Scaled so that squares and products count knots. On the axis, where there is no direction, any will do.
+        let root = L::splat(cpu, L::Scalar::from_f64(ROOT));
+        let per_span = root / (a.abs() + b.abs()).larger(L::splat(cpu, L::Scalar::NO_SQUARE));
+        let (along, aside) = (a * per_span, b * per_span);
+        let place = along.neg_mul_add(root, L::splat(cpu, L::Scalar::from_f64(ROOT * ROOT)));
+        let knot = place.smaller(L::splat(cpu, L::Scalar::from_f64((CELLS - 1) as f64))).trunc();
+        Place {
+            part,
+            center: part.mul_add(center_step, center),
+            first: knot + row,
+            offset: place - knot,
+            turn: aside.mul_add(aside, along * along),
+            below: b.less(L::splat(cpu, L::Scalar::ZERO)),
         }
-        if all_inside {
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn aim<L: Lanes>(&self, cpu: Cpu<L>, place: &Place<L>, ray: &mut FilmRays<L>) {
+        let Place { part, center, first, offset, turn, below } = *place;
+        let ([x, y], [u, v]) = (ray.point, ray.disk);
+        let [mut pairs, above] = L::look_up::<2, 1>(&self.table, first, [0, STRIDE]);
+        let mut k = 0;
+        while k < 4 {
+            pairs[k] = part.mul_add(above[k] - pairs[k], pairs[k]);
+            k += 1;
+        }
+        let [re, im, re_next, im_next] = pairs;
+        let (re_step, im_step) = (re_next - re, im_next - im);
+        let (re, im) = (offset.mul_add(re_step, re), offset.mul_add(im_step, im));
+        let twist = im.neg_mul_add(re_step, re * im_step);
+        let jacobian = twist.mul_add(turn, im.mul_add(im, re * re));
+        let im = L::select(below, L::splat(cpu, L::Scalar::ZERO) - im, im);
+        ray.slopes = [im.neg_mul_add(v, re.mul_add(u, center * x)), im.mul_add(u, re.mul_add(v, center * y))];
+        ray.area_per_pi = jacobian;
+    }
+
+    /// Draws from the cover what film points beyond the table ask for, or nothing where film is dark there.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn cover<L: Lanes>(&self, cpu: Cpu<L>, frame: &Frame<L::Scalar>, inside: L::Mask, ray: &mut FilmRays<L>) {
+        if self.dark_beyond {
+            ray.area_per_pi =
+                L::select(inside, ray.area_per_pi, L::splat(cpu, L::Scalar::from_f64(f64::NAN)));
             return;
         }
-        const NONE: Drawn = Drawn { slopes: [0.0; 2], area: f64::NAN };
-        for i in (0..n).filter(|&i| !(self.place(pair(film, i), pair(disk, i)).inside)) {
-            let drawn = self.draw(pair(film, i), pair(disk, i)).unwrap_or(NONE);
-            [slopes[0][i], slopes[1][i]] = drawn.slopes;
-            area[i] = drawn.area;
+        let (slopes, area) = frame.cover.lanes(cpu, ray.point, ray.disk);
+        for (to, slope) in ray.slopes.iter_mut().zip(slopes) {
+            *to = L::select(inside, *to, slope);
         }
-    }
-
-    /// Where in the table a film point and a point of the disk lie.
-    #[inline(always)]
-    fn place(&self, [x, y]: [f64; 2], [u, v]: [f64; 2]) -> Place {
-        let t = (x * x + y * y).sqrt() * self.inverse_end;
-        let s = if self.dark_beyond { 1.0 - (1.0 - t).sqrt() } else { t };
-        // The disk's point in the frame of the film point, mirrored into the upper half.
-        let (a, b) = (u * x + v * y, v * x - u * y);
-        let inverse_span = (a.abs() + b.abs()).max(f64::MIN_POSITIVE).recip();
-        let place = (1.0 - a * inverse_span) * (CELLS / 2) as f64;
-        let knot = cell_of(place, CELLS);
-        Place {
-            inside: t < 1.0,
-            s,
-            cell: cell_of(s * FINE as f64, FINE),
-            knot,
-            offset: place - f64::from(knot),
-            turn: (a * a + b * b) * inverse_span * inverse_span * (CELLS / 2) as f64,
-            below: b < 0.0,
-        }
-    }
-
-    /// The numbers of the table there: s and 1/width of the row, then of it and the next one the centre
-    /// and the factors at two knots.
-    #[inline(always)]
-    fn fetch(&self, place: &Place) -> [f32; FETCHED] {
-        let base = usize::from(self.cells[place.cell as usize]) * STRIDE;
-        let rows = &self.table[base..base + 2 * STRIDE];
-        let at = HEADER + 2 * place.knot as usize;
-        let ([low, high], next) =
-            ([&rows[at..at + 4], &rows[STRIDE + at..STRIDE + at + 4]], rows[STRIDE + 2]);
-        [rows[0], rows[1], rows[2], next, low[0], low[1], low[2], low[3], high[0], high[1], high[2], high[3]]
-    }
-
-    /// What these numbers make of them.
-    #[inline(always)]
-    fn drawn(&self, place: &Place, fetched: [f32; FETCHED], [x, y]: [f64; 2], [u, v]: [f64; 2]) -> Drawn {
-        let Place { s, offset, turn, below, .. } = *place;
-        let n = fetched.map(f64::from);
-        let part = (s - n[0]) * n[1];
-        let mix = |low: f64, high: f64| low + part * (high - low);
-        let center = mix(n[2], n[3]);
-        let [re0, im0, re1, im1] = [4, 5, 6, 7].map(|k| mix(n[k], n[k + 4]));
-        let (re_step, im_step) = (re1 - re0, im1 - im0);
-        let (re, im) = (re0 + offset * re_step, im0 + offset * im_step);
-        let jacobian = re * re + im * im + (re * im_step - im * re_step) * turn;
-        let im = if below { -im } else { im };
-        Drawn { slopes: [center * x + re * u - im * v, center * y + re * v + im * u], area: PI * jacobian }
+        ray.area_per_pi = L::select(inside, ray.area_per_pi, area);
     }
 }
 
-/// Numbers of the table that a sample needs.
-const FETCHED: usize = 12;
-
-/// Where in the table a sample lies.
-struct Place {
+/// Where along the film radius points lie.
+#[derive(Clone, Copy)]
+struct Radius<L: Lanes> {
     /// Whether the table reaches so far.
-    inside: bool,
-    /// Along the film radius.
-    s: f64,
-    /// The number of its fine interval.
-    cell: u32,
-    /// The knot before the direction.
-    knot: u32,
+    inside: L::Mask,
+    /// In smallest intervals.
+    s: L,
+    /// Its whole part is the number of one of them.
+    place: L,
+}
+
+/// Where in the table samples lie.
+#[derive(Clone, Copy)]
+struct Place<L: Lanes> {
+    /// Of the way from one row to the next.
+    part: L,
+    /// c.
+    center: L,
+    /// Where in the table the knot before the direction stands, in the row before the film radius.
+    first: L,
     /// From there to the direction, in knots.
-    offset: f64,
+    offset: L,
     /// d(knots)/dφ.
-    turn: f64,
+    turn: L,
     /// In the lower half, where the map is mirrored.
-    below: bool,
+    below: L::Mask,
 }
 
-/// Which of `cells` intervals of length 1 a number of [0, `cells`] lies in; at a border, either. Any of them for a
-/// number outside and for NaN. In vectors, unlike a conversion, which has to care for NaN.
-#[inline(always)]
-fn cell_of(number: f64, cells: usize) -> u32 {
-    // Numbers from 2^52 to 2^53 are whole, so that the sum's last bits are the number rounded.
-    const SHIFT: f64 = 1.5 * (1_u64 << 52) as f64;
-    ((number.max(0.0) - 0.5 + SHIFT).to_bits() as u32).min(cells as u32 - 1)
+/// What a draw computes with, in its precision.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame<S> {
+    /// Smallest intervals a mm; where film is dark beyond, times their number.
+    scale: S,
+    cover: LaneDisk<S>,
 }
 
-/// [`Place`] as structure of arrays, and the table's numbers there.
-pub(super) struct Places<const N: usize> {
-    s: [f64; N],
-    cell: [u32; N],
-    knot: [u32; N],
-    offset: [f64; N],
-    turn: [f64; N],
-    below: [f32; N],
-    fetched: [[f32; N]; FETCHED],
+/// One draw by the processor's own fused multiplications.
+struct One<'a> {
+    pupil: &'a WarpedPupil,
+    film: [f64; 2],
+    disk: [f64; 2],
+    drawn: &'a mut Drawn,
 }
 
-impl<const N: usize> Places<N> {
-    pub fn new() -> Self {
-        let (zero, single, whole) = ([0.0; N], [0.0; N], [0; N]);
-        Self {
-            s: zero,
-            cell: whole,
-            knot: whole,
-            offset: zero,
-            turn: zero,
-            below: single,
-            fetched: [single; FETCHED],
-        }
-    }
-
+impl Compiled for One<'_> {
     #[inline(always)]
-    fn set(&mut self, i: usize, place: &Place) {
-        self.s[i] = place.s;
-        self.cell[i] = place.cell;
-        self.knot[i] = place.knot;
-        self.offset[i] = place.offset;
-        self.turn[i] = place.turn;
-        self.below[i] = if place.below { 1.0 } else { 0.0 };
+    fn run(self) {
+        let ([x, y], [u, v]) = (self.film, self.disk);
+        let (point, disk) = ([Portable([x]), Portable([y])], [Portable([u]), Portable([v])]);
+        let mut rays = [FilmRays { point, disk, slopes: disk, area_per_pi: Portable([0.0]) }];
+        self.pupil.lanes(Cpu::any(), &self.pupil.frame(), &mut rays);
+        let [FilmRays { slopes: [Portable([sx]), Portable([sy])], area_per_pi: Portable([area]), .. }] = rays;
+        *self.drawn = Drawn { slopes: [sx, sy], area: PI * area };
     }
-
-    #[inline(always)]
-    fn get(&self, i: usize) -> Place {
-        Place {
-            inside: true,
-            s: self.s[i],
-            cell: self.cell[i],
-            knot: self.knot[i],
-            offset: self.offset[i],
-            turn: self.turn[i],
-            below: self.below[i] != 0.0,
-        }
-    }
-}
-
-fn push(table: &mut Vec<f32>, row: &Row, s: f64, inverse_width: f64) {
-    table.extend([s as f32, inverse_width as f32, row.center as f32, 0.0]);
-    table.extend(row.factors.iter().flatten().map(|&x| x as f32));
 }

@@ -3,7 +3,10 @@
 
 use std::f64::consts::PI;
 
-use super::view::{Crossing, Limit, View};
+use super::{
+    search::Crossing,
+    view::{Limit, View},
+};
 
 /// A point of the outline.
 #[derive(Clone, Copy, Debug)]
@@ -64,7 +67,11 @@ pub(super) struct Guess<'a> {
 }
 
 /// Interval of angles in which a corner is pinned down before the arcs are simply extended to meet.
-const CORNER_BRACKET: f64 = 2e-3;
+const CORNER_BRACKET: f64 = 4e-2;
+/// How near to where two arcs meet a search for it ends.
+const MEETING_ACCURACY: f64 = 1e-6;
+/// Steps that it may take.
+const MEETING_STEPS: u32 = 30;
 /// Searches a corner may cost.
 const CORNER_STEPS: u32 = 8;
 
@@ -74,23 +81,12 @@ impl Outline {
         let &(_, right) = guess.points.first()?;
         let &(_, left) = guess.points.last()?;
         let start = |radius| Crossing { radius, limit: Limit::Optics, steepness: 1.0 };
-        let right = view.crossing(guess.inside, [1.0, 0.0], start(right))?;
-        let left = view.crossing(guess.inside, [-1.0, 0.0], start(left))?;
+        let both = [([1.0, 0.0], start(right)), ([-1.0, 0.0], start(left))];
+        let [right, left] = view.crossings(guess.inside, both.into_iter())?[..] else { return None };
         let center = guess.inside + (right.radius - left.radius) / 2.0;
         let half = f64::midpoint(right.radius, left.radius);
-        let ends = [Crossing { radius: half, ..right }, Crossing { radius: half, ..left }];
-        let inner = &guess.points[1..guess.points.len() - 1];
-        let mut found = vec![(0.0, ends[0])];
-        let mut previous = (guess.points[0].1, ends[0]);
-        for &(angle, expected) in inner {
-            // What the expectation was off by at the neighbour it is likely off by here.
-            let radius = expected * previous.1.radius / previous.0;
-            let hint = Crossing { radius, ..previous.1 };
-            let crossing = view.crossing(center, direction(angle), hint)?;
-            previous = (expected, crossing);
-            found.push((angle, crossing));
-        }
-        found.push((PI, ends[1]));
+        let found =
+            trace_between(view, center, guess.points, [right, left].map(|c| Crossing { radius: half, ..c }))?;
         let mut trace = Trace { view, center, points: Vec::with_capacity(64), corners: Vec::new() };
         trace.mirror_start(&found);
         let first = trace.points.len();
@@ -155,43 +151,45 @@ impl Trace<'_> {
             self.points.iter().rev().take(3).take_while(|p| p.limit == from.1.limit).copied().collect();
         let coming: Vec<Point> = ahead
             .iter()
+            .take(3)
             .take_while(|p| p.1.limit == to.1.limit)
             .map(|&(angle, c)| Point { angle, inverse: c.radius.recip(), limit: c.limit })
             .collect();
         let gap = |angle: f64| extend(&begun, angle) - extend(&coming, angle);
         let (low, high) = (from.0, to.0);
+        let width = high - low;
         let crosses = gap(low) * gap(high) < 0.0;
-        let meeting = if crosses { crate::numeric::root(low, high, gap) } else { f64::midpoint(low, high) };
-        if steps == 0 || high - low < CORNER_BRACKET {
-            let hint = f64::midpoint(extend(&begun, meeting), extend(&coming, meeting)).recip();
-            let hint = Crossing { radius: hint, ..from.1 };
-            let radius = self.view.crossing(self.center, direction(meeting), hint)?.radius;
+        let meeting = if crosses { meeting(low, high, gap) } else { f64::midpoint(low, high) };
+        if steps == 0 || width < CORNER_BRACKET {
+            let radius = f64::midpoint(extend(&begun, meeting), extend(&coming, meeting)).recip();
             self.corners.push((meeting, radius));
             self.push((meeting, Crossing { radius, ..from.1 }));
             self.push((meeting, Crossing { radius, ..to.1 }));
             return Some(());
         }
-        // Off the meeting by a little, on the longer side, so that the bracket closes from both.
-        let margin = 0.3 * CORNER_BRACKET;
-        let angle = if crosses {
-            let aim = if meeting - low > high - meeting { meeting - margin } else { meeting + margin };
-            aim.clamp(low + 0.1 * (high - low), high - 0.1 * (high - low))
-        } else {
-            meeting
+        // On both sides of where the arcs are expected to meet.
+        let margin = if crosses { 0.45 * CORNER_BRACKET } else { width / 6.0 };
+        let angles = [
+            (meeting - margin).clamp(low + 0.1 * width, high - 0.3 * width),
+            (meeting + margin).clamp(low + 0.3 * width, high - 0.1 * width),
+        ];
+        let hint = |angle: f64| {
+            let radius = extend(&begun, angle).max(extend(&coming, angle)).recip();
+            (direction(angle), Crossing { radius, ..if angle < meeting { from.1 } else { to.1 } })
         };
-        let hint = Crossing { radius: extend(&begun, angle).max(extend(&coming, angle)).recip(), ..from.1 };
-        let crossing = self.view.crossing(self.center, direction(angle), hint)?;
-        let middle = (angle, crossing);
-        if crossing.limit == from.1.limit {
-            self.push(middle);
-            self.find_corner(middle, ahead, steps - 1)
-        } else {
-            let mut nearer = vec![middle];
-            nearer.extend(ahead.iter().take(2).filter(|p| p.1.limit == crossing.limit));
-            self.find_corner(from, &nearer, steps - 1)?;
-            self.push(middle);
-            if crossing.limit == to.1.limit { Some(()) } else { self.find_corner(middle, ahead, steps - 1) }
+        let crossings = self.view.crossings(self.center, angles.into_iter().map(hint))?;
+        let mut places = vec![from];
+        places.extend(angles.into_iter().zip(crossings));
+        places.extend_from_slice(ahead);
+        for i in 0..angles.len() + 1 {
+            if i > 0 {
+                self.push(places[i]);
+            }
+            if places[i].1.limit != places[i + 1].1.limit {
+                self.find_corner(places[i], &places[i + 1..], steps - 1)?;
+            }
         }
+        Some(())
     }
 
     /// The arc between the points `i` and `i + 1`, through four of its points or as many as there are.
@@ -243,6 +241,68 @@ impl Trace<'_> {
         }
         Piece { from, to, cubic }
     }
+}
+
+/// The half-lines of an outline, at the angles of `expected`, between the `ends`, which are known. Every fourth first;
+/// what the expectation is off by there it is likely off by between them.
+fn trace_between(
+    view: &View<'_>,
+    center: f64,
+    expected: &[(f64, f64)],
+    ends: [Crossing; 2],
+) -> Option<Vec<(f64, Crossing)>> {
+    let last = expected.len() - 1;
+    let mut found: Vec<Option<Crossing>> = vec![None; expected.len()];
+    (found[0], found[last]) = (Some(ends[0]), Some(ends[1]));
+    let mut stride = last;
+    for step in [4, 2, 1] {
+        let places: Vec<usize> = (step..last).step_by(step).filter(|&i| found[i].is_none()).collect();
+        let hint = |&i: &usize| {
+            let before = i - i % stride;
+            let after = (before + stride).min(last);
+            let known = [before, after].map(|k| found[k].map(|edge| (edge, edge.radius / expected[k].1)));
+            let [Some((low, low_ratio)), Some((high, high_ratio))] = known else {
+                return (direction(expected[i].0), ends[0]);
+            };
+            let part = (i - before) as f64 / (after - before) as f64;
+            let radius = expected[i].1 * (low_ratio + part * (high_ratio - low_ratio));
+            let nearer = if part <= 0.5 { low } else { high };
+            let steepness = if low.limit == high.limit {
+                low.steepness + part * (high.steepness - low.steepness)
+            } else {
+                nearer.steepness
+            };
+            (direction(expected[i].0), Crossing { radius, steepness, ..nearer })
+        };
+        let half_lines: Vec<_> = places.iter().map(hint).collect();
+        let edges = view.crossings(center, half_lines.into_iter())?;
+        for (place, edge) in places.into_iter().zip(edges) {
+            found[place] = Some(edge);
+        }
+        stride = step;
+    }
+    expected.iter().zip(found).map(|(&(angle, _), edge)| Some((angle, edge?))).collect()
+}
+
+/// Where a gap of different signs at the ends closes, by the Illinois method: as near as a corner has to be
+/// known.
+fn meeting(mut a: f64, mut b: f64, gap: impl Fn(f64) -> f64) -> f64 {
+    let (mut at_a, mut at_b) = (gap(a), gap(b));
+    for _ in 0..MEETING_STEPS {
+        let x = b - at_b * (b - a) / (at_b - at_a);
+        let at_x = gap(x);
+        if at_x * at_b < 0.0 {
+            (a, at_a) = (b, at_b);
+        } else {
+            at_a /= 2.0;
+        }
+        let step = (x - b).abs();
+        (b, at_b) = (x, at_x);
+        if step < MEETING_ACCURACY || at_b == 0.0 {
+            break;
+        }
+    }
+    b
 }
 
 /// Unit vector of an angle.

@@ -13,7 +13,7 @@ pub(super) const TRACE_EVERY: usize = 8;
 const MARGIN: f64 = 6e-4;
 /// Where the pupil has shrunk below this part of the one on the axis the margin grows as the
 /// pupil's width shrinks: rows lie too far apart there, and little light is lost by rejections.
-const VANISHING: f64 = 0.01;
+const VANISHING: f64 = 0.002;
 
 /// The disk's directions at the knots: pseudo-angles q = 1 - cos/(|cos| + sin) in equal steps from
 /// 0 to 2.
@@ -196,7 +196,7 @@ impl Sector {
         // The density as a parabola, a + p x + q x², x in [0, 1].
         let (p, q) = (4.0 * m - 3.0 * a - b, 2.0 * a + 2.0 * b - 4.0 * m);
         let mut x = ((target - self.before) / self.area).clamp(0.0, 1.0);
-        for _ in 0..3 {
+        for _ in 0..2 {
             let area = x * (a + x * (p / 2.0 + x * q / 3.0));
             x = (x - (area - wanted) / (a + x * (p + x * q))).clamp(0.0, 1.0);
         }

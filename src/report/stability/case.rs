@@ -4,7 +4,7 @@ use super::kernel::Kernel;
 use crate::{
     optics::Lens,
     report::{
-        condition::{Conditioned, Trail},
+        condition::{Condition, Conditioned, Trail},
         reference::{DoubleDouble, ExactRay},
     },
     trace::{Direction, Ray, Real},
@@ -59,8 +59,9 @@ pub struct CaseResult {
 }
 
 /// A ray is judged where its decisions are at least this many epsilon away, in units of the disturbance
-/// that rounding so far amounts to.
-pub const MARGIN: f64 = 64.0;
+/// that rounding so far amounts to. Single precision was seen to decide wrongly up to 74 away, three times in a million
+/// rays: where two weak surfaces meet at the vertex and cross near the rim.
+pub const MARGIN: f64 = 80.0;
 
 /// What error / (condition x epsilon) may be. A step of the index from 4, the highest here, to 1 forms
 /// n'² - n² cos² I with 16 times the rounding of what is left; at ordinary glass the ratio is below 1.
@@ -78,8 +79,9 @@ impl Case {
     }
 
     /// Puts a tracer to the test; `trails` are this case's own.
-    pub fn run(&self, kernel: &Kernel, trails: &[Trail]) -> CaseResult {
-        let traced = (kernel.prepare)(&self.lens, self.direction);
+    /// `None` where it cannot trace this lens.
+    pub fn run(&self, kernel: &Kernel, trails: &[Trail]) -> Option<CaseResult> {
+        let outcomes = (kernel.prepare)(&self.lens, self.direction)?(&self.rays);
         let exit = match self.direction {
             Direction::FilmToScene => self.lens.front().vertex,
             Direction::SceneToFilm => self.lens.rear().vertex,
@@ -87,25 +89,25 @@ impl Case {
         let size: f64 =
             self.lens.surfaces.iter().map(|surface| surface.semi_diameter + surface.thickness).sum();
         let mut result = CaseResult::new(self.name.clone(), self.group, kernel.name, kernel.bound);
-        for (&ray, trail) in self.rays.iter().zip(trails) {
-            let got = traced(ray);
-            result.holds &= got.is_err() || got.is_ok_and(|ray| is_sound(&ray));
-            if !(trail.margin > MARGIN * kernel.epsilon) {
+        for ((ray, trail), got) in self.rays.iter().zip(trails).zip(outcomes) {
+            result.holds &= got.is_none_or(|ray| is_sound(&ray));
+            let condition = trail.condition(kernel.norm);
+            if !(condition.margin > MARGIN * kernel.epsilon) {
                 result.undecided += 1;
                 continue;
             }
             result.rays += 1;
             match (got, trail.exact) {
-                (Ok(got), Ok(exact)) => {
+                (Some(got), Ok(exact)) => {
                     let start = ray.origin.iter().fold(size, |most: f64, x| most.max(x.abs()));
-                    result.add(&got, &exact, trail, kernel.epsilon, (exit, start));
+                    result.add(&got, &exact, condition, kernel.epsilon, (exit, start));
                 }
-                (Err(_), Err(_)) => {}
+                (None, Err(_)) => {}
                 _ => result.disagreements += 1,
             }
         }
         result.judge();
-        result
+        Some(result)
     }
 }
 
@@ -145,16 +147,23 @@ impl CaseResult {
         self.holds &= self.ratio <= self.bound && self.disagreements == 0;
     }
 
-    fn add(&mut self, got: &Ray, exact: &ExactRay, trail: &Trail, epsilon: f64, (exit, size): (f64, f64)) {
+    fn add(
+        &mut self,
+        got: &Ray,
+        exact: &ExactRay,
+        condition: &Condition,
+        epsilon: f64,
+        (exit, size): (f64, f64),
+    ) {
         let (rad, mm) = (exact.direction_error(got), exact.position_error(got, exit));
         self.worst_error_rad = self.worst_error_rad.max(rad);
         self.worst_error_mm = self.worst_error_mm.max(mm);
-        self.condition = self.condition.max(trail.condition);
+        self.condition = self.condition.max(condition.direction);
         // The point comes out in lens space, where its z is rounded to a double at the last vertex; and a
         // point on the vertex, which is exact, is one to the reference's own digits only.
         let expected_mm =
-            epsilon * trail.condition_mm + f64::EPSILON * exit.abs() + DoubleDouble::EPSILON * size;
-        self.ratio = self.ratio.max(rad / (epsilon * trail.condition)).max(mm / expected_mm);
+            epsilon * condition.position + f64::EPSILON * exit.abs() + DoubleDouble::EPSILON * size;
+        self.ratio = self.ratio.max(rad / (epsilon * condition.direction)).max(mm / expected_mm);
     }
 }
 

@@ -105,7 +105,11 @@ pub fn shells() -> Vec<Case> {
         shell_case("4 strong shells".to_owned(), &[(8.0, 1.5), (6.0, 2.0), (5.0, 1.25), (4.0, 3.0)], 3.9),
         shell_case("Luneburg's lens in 32 steps".to_owned(), &luneburg(32, 16.0), 0.4),
         shell_case("Luneburg's lens in 128 steps".to_owned(), &luneburg(128, 16.0), 0.1),
-        shell_case("the same, 1e-6 times the size".to_owned(), &luneburg(128, 16e-6), 0.1e-6),
+        shell_case(
+            "Luneburg's lens in 128 steps, 1e-6 times the size".to_owned(),
+            &luneburg(128, 16e-6),
+            0.1e-6,
+        ),
     ]
 }
 

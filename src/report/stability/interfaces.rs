@@ -83,6 +83,29 @@ pub fn rims() -> Vec<Case> {
     ]
 }
 
+/// Rays that meet a plane and a weak sphere up to 1e-9 rad from along it, and go on inside at the critical
+/// angle or leave at it.
+pub fn grazing() -> Vec<Case> {
+    let rays = |sense: f64| -> Vec<Ray> {
+        let slopes = (1..=9).flat_map(|i| [1.0, 3.0].map(|digit| digit * 10.0_f64.powi(i)));
+        let ray = |slope: f64| Ray { origin: [1.0 - slope, 0.3, -sense], direction: [slope, 0.1, sense] };
+        slopes.map(ray).collect()
+    };
+    let wide = |radius: f64| [(radius, 0.0, 1.5, 5.0)];
+    let mut cases = vec![
+        case("grazing", "a plane from the scene".into(), &wide(f64::INFINITY), SceneToFilm, rays(-1.0)),
+        case("grazing", "a sphere of 1e12 mm from the scene".into(), &wide(1e12), SceneToFilm, rays(-1.0)),
+    ];
+    // The way back: from inside, toward the plane at the critical angle but for as little.
+    let critical = (1.0_f64 / 1.5).asin();
+    let inside = (1..=10).flat_map(|i| [-1.0, 1.0].map(|side| critical + side * 10.0_f64.powi(-i)));
+    let back = inside
+        .map(|angle| Ray { origin: [-angle.tan(), 0.2, -1.0], direction: [angle.sin(), 0.0, angle.cos()] });
+    let name = "out of a plane at the critical angle".to_owned();
+    cases.push(case("grazing", name, &wide(f64::INFINITY), FilmToScene, back.collect()));
+    cases
+}
+
 /// Both sides of the critical angle, from 1e-2 to 1e-12 of its sine.
 pub fn critical_angles() -> Vec<Case> {
     let radius = 10.0;

@@ -26,7 +26,7 @@ pub mod stiff;
 use std::ops::ControlFlow;
 
 pub use case::{BOUND, Case, CaseResult, MARGIN};
-pub use kernel::{KERNELS, Kernel};
+pub use kernel::{Kernel, kernels};
 
 /// How much of the random part is run; the rest is the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,6 +63,7 @@ pub fn cases() -> Vec<Case> {
     [
         interfaces::radii,
         interfaces::rims,
+        interfaces::grazing,
         interfaces::critical_angles,
         interfaces::index_steps,
         interfaces::gaps,
@@ -98,22 +99,22 @@ fn run_parts(
     results: &mut Vec<CaseResult>,
     progress: &mut dyn FnMut(Progress<'_>) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
-    let cases = cases();
+    let (cases, kernels) = (cases(), kernels());
     // The cases are a twentieth, the two random parts the rest.
     for (number, case) in cases.iter().enumerate() {
         progress(Progress { name: &case.name, done: 0.05 * number as f64 / cases.len() as f64 })?;
         let trails = case.trails();
-        results.extend(KERNELS.iter().map(|kernel| case.run(kernel, &trails)));
+        results.extend(kernels.iter().filter_map(|kernel| case.run(kernel, &trails)));
     }
     results.extend(design::first_order());
     results.extend(design::focus());
 
-    let mut against = random::none_yet();
+    let mut against = random::none_yet(&kernels);
     for part in 0..PARTS {
         let done = 0.05 + 0.45 * part as f64 / PARTS as f64;
         progress(Progress { name: "random lenses against the reference", done })?;
         for found in on_all_cores(part, |seed, workers| {
-            random::against_reference(seed, effort.lenses.div_ceil(PARTS * workers))
+            random::against_reference(seed, effort.lenses.div_ceil(PARTS * workers), &kernels)
         }) {
             against.iter_mut().zip(&found).for_each(|(all, part)| all.merge(part));
         }

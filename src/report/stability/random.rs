@@ -4,10 +4,10 @@ use std::fmt::Write;
 
 use super::{
     case::{Case, CaseResult, is_sound},
-    kernel::KERNELS,
+    kernel::Kernel,
 };
 use crate::{
-    camera::{Host, Outcome, Parameters, Raster, RealisticCamera, Sample},
+    camera::{BLOCK, Host, Outcome, Parameters, Raster, RayBlock, RealisticCamera, Sample, SampleBlock},
     optics::Lens,
     prescription::read,
     trace::{
@@ -99,17 +99,20 @@ pub fn random_lens(random: &mut Random) -> Lens {
     Lens::at_d_line(&prescription.unwrap_or_else(|error| panic!("{error}\n{text}")))
 }
 
-/// Rays at the first surface of a random lens, mostly such as get in.
+/// Rays at the first surface of a random lens from a few planes, mostly such as get in.
 fn rays(random: &mut Random, lens: &Lens, direction: Direction, count: usize) -> Vec<Ray> {
     let (surface, sense) = match direction {
         FilmToScene => (lens.rear(), 1.0),
         SceneToFilm => (lens.front(), -1.0),
     };
     let rim = surface.sagitta(surface.semi_diameter);
+    let mut distance = 0.0;
     (0..count)
-        .map(|_| {
+        .map(|number| {
             let semi = surface.semi_diameter;
-            let distance = rim.abs() + random.scaled(0.1, 200.0);
+            if number % PLANE == 0 {
+                distance = rim.abs() + random.scaled(0.1, 200.0);
+            }
             let field = 0.5 * distance * random.between(-1.0, 1.0).powi(3);
             let at = |random: &mut Random| semi * random.between(-0.8, 0.8);
             let target = [at(random), at(random)];
@@ -120,18 +123,21 @@ fn rays(random: &mut Random, lens: &Lens, direction: Direction, count: usize) ->
         .collect()
 }
 
+/// Rays from one plane: enough for the widest registers, and some left over.
+const PLANE: usize = 20;
+
 /// Results of no random lenses yet, one for each tracer.
-pub fn none_yet() -> Vec<CaseResult> {
+pub fn none_yet(kernels: &[Kernel]) -> Vec<CaseResult> {
     let name = "random lenses, a hundred rays each";
-    KERNELS
+    kernels
         .iter()
         .map(|kernel| CaseResult::new(name.to_owned(), "random", kernel.name, kernel.bound))
         .collect()
 }
 
 /// `lenses` random lenses with a hundred rays each against the reference, for every tracer.
-pub fn against_reference(seed: u64, lenses: usize) -> Vec<CaseResult> {
-    let mut worst = none_yet();
+pub fn against_reference(seed: u64, lenses: usize, kernels: &[Kernel]) -> Vec<CaseResult> {
+    let mut worst = none_yet(kernels);
     let mut random = Random::new(seed);
     for number in 0..lenses {
         let lens = random_lens(&mut random);
@@ -139,8 +145,8 @@ pub fn against_reference(seed: u64, lenses: usize) -> Vec<CaseResult> {
         let rays = rays(&mut random, &lens, direction, 100);
         let case = Case { name: String::new(), group: "random", lens, direction, rays, closed_form: None };
         let trails = case.trails();
-        for (kernel, worst) in KERNELS.iter().zip(&mut worst) {
-            worst.merge(&case.run(kernel, &trails));
+        for (kernel, worst) in kernels.iter().zip(&mut worst) {
+            worst.merge(&case.run(kernel, &trails).expect("a lens file's lens ends in air"));
         }
     }
     worst
@@ -177,40 +183,64 @@ impl Survey {
     }
 }
 
-/// `lenses` random lenses as cameras, `rays` samples each, in single and double precision by turns: every
-/// ray that leaves must be finite with a unit direction and a finite, positive weight. The same rays go
-/// through the tracer alone, in double precision's terms.
+/// `lenses` random lenses as cameras, `rays` samples each, in single and double precision and one by one and in
+/// blocks by turns: every ray that leaves must be finite with a unit direction and a finite, positive
+/// weight. The same rays go through the tracer alone, in double precision's terms.
 pub fn through_cameras(seed: u64, lenses: usize, rays: usize) -> Survey {
     let mut random = Random::new(seed);
     let mut survey = Survey::default();
+    let (mut samples, mut out) = (Box::new(SampleBlock::new()), Box::new(RayBlock::new()));
     for number in 0..lenses {
         let camera = random_camera(&mut random, number);
         let path = Path::<f32>::film_to_scene(camera.lens());
-        for _ in 0..rays {
-            let mut number = || match random.uniform() {
-                zero if zero < 0.01 => 0.0,
-                one if one > 0.99 => 1.0,
-                other => other as f32,
-            };
-            let [image_x, image_y] = [number(), number()].map(|x| 70.0 * x - 3.0);
-            let sample = Sample { image_x, image_y, lens_u: number(), lens_v: number(), time: number() };
-            survey.rays += 1;
-            if let Outcome::Ray(ray, weight) = camera.generate(&sample) {
+        let start = camera.lens().rear().vertex - 50.0;
+        for from in (0..rays).step_by(BLOCK) {
+            let count = BLOCK.min(rays - from);
+            (0..count).for_each(|i| samples.set(i, &random_sample(&mut random)));
+            if number / 8 % 2 == 1 {
+                camera.rays(&samples.arrays(count), &mut out.arrays(count));
+            } else {
+                let (samples, mut out) = (samples.arrays(count), out.arrays(count));
+                for i in 0..count {
+                    let ray = match camera.generate(&samples.get(i)) {
+                        Outcome::Ray(ray, weight) => Some((ray, weight)),
+                        _ => None,
+                    };
+                    out.set(i, ray);
+                }
+            }
+            survey.rays += count as u64;
+            for i in 0..count {
+                let weight = out.weight[i];
+                // A block's ray is there where its weight is not 0: one that is not a number must not hide.
+                if weight == 0.0 {
+                    continue;
+                }
                 survey.passed += 1;
-                let [x, y, z] = ray.direction;
+                let (origin, direction) =
+                    (out.origin.map(|column| column[i]), out.direction.map(|column| column[i]));
+                let [x, y, z] = direction;
                 let is_unit = (x * x + y * y + z * z - 1.0).abs() < 4.0 * f32::EPSILON;
-                let finite = ray.origin.iter().all(|x| x.is_finite());
+                let finite = origin.iter().all(|x| x.is_finite());
                 survey.unsound += u64::from(!(is_unit && finite && weight > 0.0 && weight.is_finite()));
-                let [origin, direction] = [ray.origin, ray.direction].map(|v| v.map(f64::from));
-                let onward = path.trace(Ray {
-                    origin: [origin[0], origin[1], camera.lens().rear().vertex - 50.0],
-                    direction,
-                });
+                let [origin, direction] = [origin, direction].map(|v| v.map(f64::from));
+                let onward = path.trace(Ray { origin: [origin[0], origin[1], start], direction });
                 survey.unsound += u64::from(onward.is_ok_and(|ray| !is_sound(&ray)));
             }
         }
     }
     survey
+}
+
+/// Numbers all over their ranges, their ends among them.
+fn random_sample(random: &mut Random) -> Sample {
+    let mut number = || match random.uniform() {
+        zero if zero < 0.01 => 0.0,
+        one if one > 0.99 => 1.0,
+        other => other as f32,
+    };
+    let [image_x, image_y] = [number(), number()].map(|x| 70.0 * x - 3.0);
+    Sample { image_x, image_y, lens_u: number(), lens_v: number(), time: number() }
 }
 
 /// The next random lens that makes a camera: one without power or with the film inside it is refused.

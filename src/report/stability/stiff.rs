@@ -66,7 +66,7 @@ pub fn balls() -> Vec<Case> {
                     Ray { origin: [0.3 * height, 0.2 * height, start], direction: [-0.1 * height, 0.0, sign] }
                 })
                 .collect();
-            cases.push(Case { lens: shape, name, group: "stiff", direction, rays, closed_form: None });
+            cases.push(Case { lens: shape, name, group: "resonator", direction, rays, closed_form: None });
         }
     }
     cases

@@ -4,20 +4,54 @@ use super::{
     Traced,
     lanes::{Cpu, Lanes, Scalar},
     march::{End, Start},
-    table::Table,
 };
 use crate::trace::Real;
 
+/// Where rays are to start.
+#[derive(Clone, Copy, Debug)]
+pub struct Approach {
+    /// z of the plane, lens space, mm.
+    pub entry: f64,
+    /// 1 for travel toward +z, -1 for the other.
+    pub sense: f64,
+}
+
 /// Where a batch's rays come from and go to.
 pub trait Batch<S: Scalar> {
-    /// Whether every ray starts on the first vertex plane.
-    const FLAT: bool;
     /// How many rays.
     fn len(&self) -> usize;
+    /// What the batch wants to know of its rays in the end.
+    type Carry<L: Lanes<Scalar = S>>: Copy;
     /// A vector of rays from the one numbered `at`; anything beyond the last.
-    fn start<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, table: &Table<S>, at: usize) -> Start<L>;
-    /// Takes what became of them. `cos` is the cosine to the axis that they started with.
-    fn finish<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, cos: L, end: End<L>);
+    fn start<L: Lanes<Scalar = S>>(
+        &self,
+        cpu: Cpu<L>,
+        approach: Approach,
+        at: usize,
+    ) -> (Start<L>, Self::Carry<L>);
+    /// `U` vectors of rays one after the other.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn start_all<L: Lanes<Scalar = S>, const U: usize>(
+        &self,
+        cpu: Cpu<L>,
+        approach: Approach,
+        first: usize,
+    ) -> [(Start<L>, Self::Carry<L>); U] {
+        let mut starts = [self.start(cpu, approach, first); U];
+        for (u, start) in starts.iter_mut().enumerate().skip(1) {
+            *start = self.start(cpu, approach, first + u * L::WIDTH);
+        }
+        starts
+    }
+    /// Takes what became of them. `cos2` is the squared cosine to the axis that they started with.
+    fn finish<L: Lanes<Scalar = S>>(
+        &mut self,
+        cpu: Cpu<L>,
+        at: usize,
+        cos2: L,
+        carry: Self::Carry<L>,
+        end: End<L>,
+    );
 }
 
 /// Rays that start on a plane across the axis, as structure of arrays of one length: a film's.
@@ -52,7 +86,7 @@ impl<S> PlaneRays<'_, S> {
     ///
     /// # Panics
     /// The arrays differ in length.
-    pub(super) fn checked_len(&self) -> usize {
+    pub(in crate::trace) fn checked_len(&self) -> usize {
         let n = self.x.len();
         let same = [self.y, self.slope_x, self.slope_y].iter().all(|array| array.len() == n);
         assert!(same, "the arrays of a batch must have one length");
@@ -65,7 +99,7 @@ impl<S> LensRays<'_, S> {
     ///
     /// # Panics
     /// The arrays differ in length.
-    pub(super) fn checked_len(&self) -> usize {
+    pub(in crate::trace) fn checked_len(&self) -> usize {
         let n = self.weight.len();
         let same = self.origin.iter().chain(&self.direction).all(|array| array.len() == n);
         assert!(same, "the arrays of a batch must have one length");
@@ -73,44 +107,41 @@ impl<S> LensRays<'_, S> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn take<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, cos: L, end: End<L>)
+    fn take<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, cos2: L, end: End<L>)
     where
         S: Scalar,
     {
         for axis in 0..3 {
-            end.origin[axis].store(&mut self.origin[axis][at..]);
-            end.direction[axis].store(&mut self.direction[axis][at..]);
+            end.origin[axis].or_zero(end.passed).store(&mut self.origin[axis][at..]);
+            end.direction[axis].or_zero(end.passed).store(&mut self.direction[axis][at..]);
         }
-        weight(cpu, cos, end.passed).store(&mut self.weight[at..]);
+        weight(cpu, cos2, end.passed).store(&mut self.weight[at..]);
     }
 }
 
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn weight<L: Lanes>(cpu: Cpu<L>, cos: L, passed: L::Mask) -> L {
-    let square = cos * cos;
-    (square * square).larger(L::splat(cpu, L::Scalar::LEAST)).or_zero(passed)
+fn weight<L: Lanes>(cpu: Cpu<L>, cos2: L, passed: L::Mask) -> L {
+    (cos2 * cos2).larger(L::splat(cpu, L::Scalar::LEAST)).or_zero(passed)
 }
 
+/// Rays from `[x, y]` on the plane z = `plane` (lens space) with the slopes `[sx, sy]`.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn from_plane<L: Lanes>(
+pub fn from_plane<L: Lanes>(
     cpu: Cpu<L>,
-    table: &Table<L::Scalar>,
+    Approach { entry, sense }: Approach,
     plane: f64,
     [x, y]: [L; 2],
     [sx, sy]: [L; 2],
 ) -> Start<L> {
     let one = L::splat(cpu, L::Scalar::ONE);
-    let way = L::splat(cpu, L::Scalar::from_f64(table.entry - plane));
-    let length = sy.mul_add(sy, sx.mul_add(sx, one)).sqrt();
-    let vz = one / length;
-    let along = vz * L::splat(cpu, L::Scalar::from_f64(table.sense));
-    Start {
-        x: way.mul_add(sx, x),
-        y: way.mul_add(sy, y),
-        minus_z: L::splat(cpu, L::Scalar::ZERO),
-        v: [sx * along, sy * along, vz],
-        lead: length * L::splat(cpu, L::Scalar::from_f64(table.sense * (table.entry - plane))),
-    }
+    let way = L::splat(cpu, L::Scalar::from_f64(entry - plane));
+    let sense = L::splat(cpu, L::Scalar::from_f64(sense));
+    let stretch = sy.mul_add(sy, sx.mul_add(sx, one));
+    // The reciprocal first: the first surface needs it before the cosine.
+    let cos2 = one / stretch;
+    let (x, y) = (way.mul_add(sx, x), way.mul_add(sy, y));
+    let slopes = [sx * sense, sy * sense];
+    Start::Flat { x, y, slopes, stretch, cos2, way: way * sense }
 }
 
 /// A batch from a plane.
@@ -121,7 +152,7 @@ pub struct FromPlane<'a, 'b, 'c, S> {
 }
 
 impl<S: Scalar> Batch<S> for FromPlane<'_, '_, '_, S> {
-    const FLAT: bool = true;
+    type Carry<L: Lanes<Scalar = S>> = ();
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn len(&self) -> usize {
@@ -129,16 +160,16 @@ impl<S: Scalar> Batch<S> for FromPlane<'_, '_, '_, S> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn start<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, table: &Table<S>, at: usize) -> Start<L> {
+    fn start<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, approach: Approach, at: usize) -> (Start<L>, ()) {
         let PlaneRays { plane, x, y, slope_x, slope_y } = *self.from;
         let point = [L::load(cpu, &x[at..]), L::load(cpu, &y[at..])];
         let slopes = [L::load(cpu, &slope_x[at..]), L::load(cpu, &slope_y[at..])];
-        from_plane(cpu, table, plane, point, slopes)
+        (from_plane(cpu, approach, plane, point, slopes), ())
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn finish<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, cos: L, end: End<L>) {
-        self.to.take(cpu, at, cos, end);
+    fn finish<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, cos2: L, (): (), end: End<L>) {
+        self.to.take(cpu, at, cos2, end);
     }
 }
 
@@ -165,7 +196,7 @@ impl<S: Scalar, const N: usize> Few<S, N> {
 }
 
 impl<S: Scalar, const N: usize> Batch<S> for Few<S, N> {
-    const FLAT: bool = true;
+    type Carry<L: Lanes<Scalar = S>> = ();
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn len(&self) -> usize {
@@ -173,19 +204,19 @@ impl<S: Scalar, const N: usize> Batch<S> for Few<S, N> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn start<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, table: &Table<S>, at: usize) -> Start<L> {
+    fn start<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, approach: Approach, at: usize) -> (Start<L>, ()) {
         let point = [L::load(cpu, &self.point[0][at..]), L::load(cpu, &self.point[1][at..])];
         let slopes = [L::load(cpu, &self.slopes[0][at..]), L::load(cpu, &self.slopes[1][at..])];
-        from_plane(cpu, table, self.plane, point, slopes)
+        (from_plane(cpu, approach, self.plane, point, slopes), ())
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn finish<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, cos: L, end: End<L>) {
+    fn finish<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, cos2: L, (): (), end: End<L>) {
         let [x, y, z] = end.origin;
         let [dx, dy, dz] = end.direction;
-        let numbers = [x, y, z, dx, dy, dz, weight(cpu, cos, end.passed)];
+        let numbers = [x, y, z, dx, dy, dz, weight(cpu, cos2, end.passed)];
         for (array, numbers) in self.out.iter_mut().zip(numbers) {
-            numbers.store(&mut array[at..]);
+            numbers.or_zero(end.passed).store(&mut array[at..]);
         }
     }
 }
@@ -197,7 +228,7 @@ pub struct InPlace<'a, 'b, S> {
 }
 
 impl<S: Scalar> Batch<S> for InPlace<'_, '_, S> {
-    const FLAT: bool = false;
+    type Carry<L: Lanes<Scalar = S>> = ();
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn len(&self) -> usize {
@@ -205,18 +236,18 @@ impl<S: Scalar> Batch<S> for InPlace<'_, '_, S> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn start<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, table: &Table<S>, at: usize) -> Start<L> {
+    fn start<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, approach: Approach, at: usize) -> (Start<L>, ()) {
         let LensRays { origin: [x, y, z], direction: [dx, dy, dz], .. } = &*self.rays;
         let [x, y, z] = [L::load(cpu, &x[at..]), L::load(cpu, &y[at..]), L::load(cpu, &z[at..])];
         let [dx, dy, dz] = [L::load(cpu, &dx[at..]), L::load(cpu, &dy[at..]), L::load(cpu, &dz[at..])];
-        let sense = L::splat(cpu, S::from_f64(table.sense));
-        let minus_z = (L::splat(cpu, S::from_f64(table.entry)) - z) * sense;
-        anywhere(cpu, [x, y, minus_z], [dx, dy, dz * sense])
+        let sense = L::splat(cpu, S::from_f64(approach.sense));
+        let minus_z = (L::splat(cpu, S::from_f64(approach.entry)) - z) * sense;
+        (anywhere(cpu, [x, y, minus_z], [dx, dy, dz * sense]), ())
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn finish<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, cos: L, end: End<L>) {
-        self.rays.take(cpu, at, cos, end);
+    fn finish<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, cos2: L, (): (), end: End<L>) {
+        self.rays.take(cpu, at, cos2, end);
     }
 }
 
@@ -237,7 +268,7 @@ fn anywhere<L: Lanes>(cpu: Cpu<L>, [x, y, minus_z]: [L; 3], d: [L; 3]) -> Start<
     let inverse = one / sz.mul_add(sz, sy.mul_add(sy, sx * sx)).sqrt();
     let v = [sx * inverse, sy * inverse, sz * inverse];
     let ahead = L::both(zero.less(minus_z), zero.less(dz));
-    Start {
+    Start::Anywhere {
         x: L::select(ahead, where_z_is_0(x, dx, minus_z, dz), x),
         y: L::select(ahead, where_z_is_0(y, dy, minus_z, dz), y),
         minus_z: L::select(ahead, zero, minus_z),

@@ -11,9 +11,9 @@ use super::lanes::{
 };
 use super::{
     Simd,
-    batch::{Batch, Few, FromPlane, InPlace},
+    batch::{Approach, Batch, Few, FromPlane, InPlace},
     lanes::{Cpu, Lanes, Portable, Scalar},
-    march::{Start, march},
+    march::{End, Ray, Start, march},
     table::Table,
 };
 
@@ -81,14 +81,53 @@ impl Vectors for f32 {
     compile!();
 }
 
-/// Vectors traced side by side, so that one's roots overlap another's multiplications: measured; two to four are within 8 %.
-const INTERLEAVED: usize = 3;
-/// Lanes of the portable batch.
-const PORTABLE: usize = 4;
+/// Vectors traced side by side, so that one's roots overlap another's multiplications: measured; three to eight are
+/// within 7 %.
+const INTERLEAVED: usize = 4;
+/// Lanes of the portable batch. An x86-64 processor that comes here has no fused multiply-add, which is then a function
+/// call a lane: one lane is as quick, and is the code that single rays take.
+const PORTABLE: usize = if cfg!(target_arch = "x86_64") { 1 } else { 4 };
+
+/// What rays are taken through in lanes.
+pub trait Optics<S: Scalar> {
+    /// Where they start.
+    fn approach(&self) -> Approach;
+    /// Takes `U` vectors of rays through, each with its squared cosine to the axis before.
+    fn through<L: Lanes<Scalar = S>, const U: usize>(
+        &self,
+        cpu: Cpu<L>,
+        starts: [Start<L>; U],
+    ) -> [(End<L>, L); U];
+}
+
+impl<S: Scalar> Optics<S> for Table<S> {
+    #[inline(always)]
+    fn approach(&self) -> Approach {
+        Approach { entry: self.entry, sense: self.sense }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn through<L: Lanes<Scalar = S>, const U: usize>(
+        &self,
+        cpu: Cpu<L>,
+        starts: [Start<L>; U],
+    ) -> [(End<L>, L); U] {
+        let mut rays = [Ray::enter(cpu, self, starts[0]); U];
+        for u in 1..U {
+            rays[u] = Ray::enter(cpu, self, starts[u]);
+        }
+        march(cpu, self, &mut rays);
+        let mut ended = [(rays[0].leave(cpu, self), rays[0].cos2); U];
+        for u in 1..U {
+            ended[u] = (rays[u].leave(cpu, self), rays[u].cos2);
+        }
+        ended
+    }
+}
 
 /// How a batch is cut up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Shape {
+pub enum Shape {
     /// The widest vectors, for throughput.
     Wide,
     /// Vectors of four, one after the other, for the latency of up to four rays.
@@ -99,88 +138,95 @@ enum Shape {
 
 /// Traces a batch.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn run<S: Vectors, B: Batch<S>>(simd: Simd, shape: Shape, table: &Table<S>, batch: &mut B) {
+pub fn run<S: Vectors, O: Optics<S>, B: Batch<S>>(simd: Simd, shape: Shape, optics: &O, batch: &mut B) {
     debug_assert!(simd.is_available());
     #[cfg(target_arch = "x86_64")]
     match simd {
         // SAFETY: a `Kernel` is built only for instructions that the processor has.
-        Simd::Avx512 if shape == Shape::Wide => return unsafe { avx512(table, batch) },
+        Simd::Avx512 if shape == Shape::Wide => return unsafe { avx512(optics, batch) },
         // SAFETY: as above; what has AVX-512 has AVX2.
         Simd::Avx512 | Simd::Avx2 => unsafe {
             return match shape {
-                Shape::Wide => avx2(table, batch),
-                Shape::Quad => avx2_quad(table, batch),
-                Shape::One => fma_one(table, batch),
+                Shape::Wide => avx2(optics, batch),
+                Shape::Quad => avx2_quad(optics, batch),
+                Shape::One => fma_one(optics, batch),
             };
         },
         Simd::Portable => {}
     }
     match shape {
-        Shape::Wide => each::<Portable<S, PORTABLE>, 1, _>(Cpu::any(), table, batch),
-        Shape::Quad => each::<Portable<S, 4>, 1, _>(Cpu::any(), table, batch),
-        Shape::One => each::<Portable<S, 1>, 1, _>(Cpu::any(), table, batch),
+        Shape::Wide | Shape::Quad => portable::<PORTABLE, _, _, _>(optics, batch),
+        Shape::One => portable::<1, _, _, _>(optics, batch),
     }
+}
+
+/// Not inlined, so that all calls of one width share it.
+#[inline(never)]
+fn portable<const LANES: usize, S: Vectors, O: Optics<S>, B: Batch<S>>(optics: &O, batch: &mut B) {
+    each::<Portable<S, LANES>, 1, _, _>(Cpu::any(), optics, batch);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx2,fma")]
-fn avx512<S: Vectors, B: Batch<S>>(table: &Table<S>, batch: &mut B) {
+fn avx512<S: Vectors, O: Optics<S>, B: Batch<S>>(optics: &O, batch: &mut B) {
     // SAFETY: this function is called only where the processor has what it is compiled for.
-    each::<S::Avx512, INTERLEAVED, _>(unsafe { Cpu::assume() }, table, batch);
+    each::<S::Avx512, INTERLEAVED, _, _>(unsafe { Cpu::assume() }, optics, batch);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-fn avx2<S: Vectors, B: Batch<S>>(table: &Table<S>, batch: &mut B) {
+fn avx2<S: Vectors, O: Optics<S>, B: Batch<S>>(optics: &O, batch: &mut B) {
     // SAFETY: as in `avx512`.
-    each::<S::Avx2, INTERLEAVED, _>(unsafe { Cpu::assume() }, table, batch);
+    each::<S::Avx2, INTERLEAVED, _, _>(unsafe { Cpu::assume() }, optics, batch);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-fn avx2_quad<S: Vectors, B: Batch<S>>(table: &Table<S>, batch: &mut B) {
+fn avx2_quad<S: Vectors, O: Optics<S>, B: Batch<S>>(optics: &O, batch: &mut B) {
     // SAFETY: as in `avx512`.
-    each::<S::Quad, 1, _>(unsafe { Cpu::assume() }, table, batch);
+    each::<S::Quad, 1, _, _>(unsafe { Cpu::assume() }, optics, batch);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-fn fma_one<S: Vectors, B: Batch<S>>(table: &Table<S>, batch: &mut B) {
-    each::<Portable<S, 1>, 1, _>(Cpu::any(), table, batch);
+fn fma_one<S: Vectors, O: Optics<S>, B: Batch<S>>(optics: &O, batch: &mut B) {
+    each::<Portable<S, 1>, 1, _, _>(Cpu::any(), optics, batch);
 }
 
 /// Traces a batch `U` vectors at a time, what is left one at a time.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn each<L: Lanes, const U: usize, B: Batch<L::Scalar>>(cpu: Cpu<L>, table: &Table<L::Scalar>, batch: &mut B) {
+fn each<L: Lanes, const U: usize, O: Optics<L::Scalar>, B: Batch<L::Scalar>>(
+    cpu: Cpu<L>,
+    optics: &O,
+    batch: &mut B,
+) {
     let n = batch.len();
     let mut done = 0;
     while U > 1 && n - done >= U * L::WIDTH {
-        block::<L, U, B>(cpu, table, batch, done);
+        block::<L, U, O, B>(cpu, optics, batch, done);
         done += U * L::WIDTH;
     }
     while done < n {
-        block::<L, 1, B>(cpu, table, batch, done);
+        block::<L, 1, O, B>(cpu, optics, batch, done);
         done += L::WIDTH;
     }
 }
 
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn block<L: Lanes, const U: usize, B: Batch<L::Scalar>>(
+fn block<L: Lanes, const U: usize, O: Optics<L::Scalar>, B: Batch<L::Scalar>>(
     cpu: Cpu<L>,
-    table: &Table<L::Scalar>,
+    optics: &O,
     batch: &mut B,
     first: usize,
 ) {
-    let mut starts: [Start<L>; U] = [batch.start(cpu, table, first); U];
-    for (u, start) in starts.iter_mut().enumerate().skip(1) {
-        *start = batch.start(cpu, table, first + u * L::WIDTH);
+    let begun: [(Start<L>, B::Carry<L>); U] = batch.start_all(cpu, optics.approach(), first);
+    let mut starts = [begun[0].0; U];
+    for u in 1..U {
+        starts[u] = begun[u].0;
     }
-    let ends = if B::FLAT {
-        march::<L, U, true>(cpu, table, starts)
-    } else {
-        march::<L, U, false>(cpu, table, starts)
-    };
+    let ended = optics.through(cpu, starts);
     for u in 0..U {
-        batch.finish(cpu, first + u * L::WIDTH, starts[u].v[2], ends[u]);
+        let (end, cos2) = ended[u];
+        batch.finish(cpu, first + u * L::WIDTH, cos2, begun[u].1, end);
     }
 }

@@ -12,23 +12,38 @@
 
 use super::{
     lanes::{Cpu, Lanes, Scalar},
-    table::{Handover, Link, Plane, Rim, Sphere, Step, Stop, Table},
+    table::{Handover, Link, Plane, Rim, Step, Stop, Table},
 };
 use crate::trace::Real;
 
 /// Rays ready for the first surface, in its vertex's frame.
 #[derive(Clone, Copy)]
-pub struct Start<L> {
-    pub x: L,
-    pub y: L,
-    /// Minus z; not looked at where the batch says that its rays start on the vertex plane.
-    pub minus_z: L,
-    pub v: [L; 3],
-    /// How far the ray was moved on from where it began, in units of V.
-    pub lead: L,
+pub enum Start<L> {
+    /// On the vertex plane, n = 1.
+    Flat {
+        x: L,
+        y: L,
+        /// s = (Vx, Vy)/Vz.
+        slopes: [L; 2],
+        /// 1 + s².
+        stretch: L,
+        /// Vz² = 1/(1 + s²).
+        cos2: L,
+        /// How far along the axis the ray was moved on from where it began.
+        way: L,
+    },
+    /// Anywhere.
+    Anywhere {
+        x: L,
+        y: L,
+        minus_z: L,
+        v: [L; 3],
+        /// How far the ray was moved on from where it began, in units of V.
+        lead: L,
+    },
 }
 
-/// Rays behind the last surface, in lens space; all +0 in blocked lanes.
+/// Rays behind the last surface, in lens space; anything in blocked lanes.
 #[derive(Clone, Copy)]
 pub struct End<L: Lanes> {
     pub origin: [L; 3],
@@ -37,117 +52,157 @@ pub struct End<L: Lanes> {
     pub passed: L::Mask,
 }
 
+/// Rays on their way.
 #[derive(Clone, Copy)]
-struct Ray<L: Lanes> {
-    x: L,
-    y: L,
-    vx: L,
-    vy: L,
-    vz: L,
+pub struct Ray<L: Lanes> {
+    pub(super) x: L,
+    pub(super) y: L,
+    pub(super) vx: L,
+    pub(super) vy: L,
+    pub(super) vz: L,
     /// z above the last vertex, or N_z there, as the table has it.
-    height: L,
+    pub(super) height: L,
     /// e' behind the last surface.
-    root: L,
+    pub(super) root: L,
     passed: L::Mask,
+    /// The squared cosine to the axis with which they set out.
+    pub cos2: L,
 }
 
-/// Takes `U` vectors of rays through the lens, interleaved. `FLAT`: they start on the first vertex plane.
+/// Takes vectors of rays through all surfaces but the first, each surface for all of them.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub fn march<L: Lanes, const U: usize, const FLAT: bool>(
-    cpu: Cpu<L>,
-    table: &Table<L::Scalar>,
-    starts: [Start<L>; U],
-) -> [End<L>; U] {
-    let Some((first, rest)) = table.steps.split_first() else {
-        unreachable!("a lens has at least one surface");
-    };
+pub fn march<L: Lanes, const U: usize>(cpu: Cpu<L>, table: &Table<L::Scalar>, rays: &mut [Ray<L>; U]) {
     // Loops and not closures, here and below: a closure that is not inlined would be compiled for
     // another processor than the function it stands in.
-    let mut rays = [enter::<L, FLAT>(cpu, first, starts[0]); U];
-    for u in 1..U {
-        rays[u] = enter::<L, FLAT>(cpu, first, starts[u]);
-    }
-    for step in rest {
+    for step in &table.steps[1..] {
         match step {
             Step::Link(link) => {
                 if link.forward {
-                    for ray in &mut rays {
+                    for ray in &mut *rays {
                         ray.go_forward(cpu);
                     }
                 }
+                let none = L::Scalar::ZERO;
                 match (link.rim, link.rarer) {
-                    (Rim::Slope(least), false) => cross::<L, U, true, false>(cpu, link, least, &mut rays),
-                    (Rim::Slope(least), true) => cross::<L, U, true, true>(cpu, link, least, &mut rays),
-                    (Rim::Height(most), false) => cross::<L, U, false, false>(cpu, link, most, &mut rays),
-                    (Rim::Height(most), true) => cross::<L, U, false, true>(cpu, link, most, &mut rays),
+                    (Rim::Slope(least), false) => cross::<L, U, SLOPE, false>(cpu, link, least, rays),
+                    (Rim::Slope(least), true) => cross::<L, U, SLOPE, true>(cpu, link, least, rays),
+                    (Rim::Height(most), false) => cross::<L, U, HEIGHT, false>(cpu, link, most, rays),
+                    (Rim::Height(most), true) => cross::<L, U, HEIGHT, true>(cpu, link, most, rays),
+                    (Rim::Untested, false) => cross::<L, U, UNTESTED, false>(cpu, link, none, rays),
+                    (Rim::Untested, true) => cross::<L, U, UNTESTED, true>(cpu, link, none, rays),
                 }
             }
             Step::Stop(stop) => {
-                for ray in &mut rays {
+                for ray in &mut *rays {
                     ray.stop(cpu, stop);
                 }
             }
             Step::Sphere(sphere) => {
-                for ray in &mut rays {
-                    let minus_z = ray.minus_z(cpu, &sphere.handover);
-                    ray.sphere::<false>(cpu, sphere, minus_z, None);
+                if sphere.tests.forward {
+                    for ray in &mut *rays {
+                        ray.go_forward(cpu);
+                    }
+                }
+                if sphere.plain {
+                    for ray in &mut *rays {
+                        let minus_z = ray.minus_z(cpu, &sphere.handover);
+                        ray.sphere::<true>(cpu, sphere, minus_z, None);
+                    }
+                } else {
+                    for ray in &mut *rays {
+                        let minus_z = ray.minus_z(cpu, &sphere.handover);
+                        ray.sphere::<false>(cpu, sphere, minus_z, None);
+                    }
+                }
+            }
+            Step::Renewal(length) => {
+                for ray in &mut *rays {
+                    ray.scale_to(cpu, *length);
                 }
             }
             Step::Plane(plane) => {
-                for ray in &mut rays {
+                for ray in &mut *rays {
                     let minus_z = ray.minus_z(cpu, &plane.handover);
                     ray.plane::<false>(cpu, plane, minus_z, None);
                 }
             }
         }
     }
-    let mut ends = [rays[0].leave(cpu, table); U];
-    for u in 1..U {
-        ends[u] = rays[u].leave(cpu, table);
-    }
-    ends
 }
 
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn enter<L: Lanes, const FLAT: bool>(cpu: Cpu<L>, first: &Step<L::Scalar>, start: Start<L>) -> Ray<L> {
-    let Start { x, y, minus_z, v: [vx, vy, vz], lead } = start;
-    let zero = L::splat(cpu, L::Scalar::ZERO);
-    let passed = zero.less_equal(zero);
-    let mut ray = Ray { x, y, vx, vy, vz, height: zero, root: zero, passed };
-    match first {
-        Step::Sphere(sphere) => ray.sphere::<FLAT>(cpu, sphere, minus_z, Some(lead)),
-        Step::Plane(plane) => ray.plane::<FLAT>(cpu, plane, minus_z, Some(lead)),
-        Step::Link(_) | Step::Stop(_) => unreachable!("the first step meets the ray anywhere"),
-    }
-    ray
-}
+/// How a link's rim is told: [`Rim`] as a constant.
+const UNTESTED: u8 = 0;
+const HEIGHT: u8 = 1;
+const SLOPE: u8 = 2;
 
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn cross<L: Lanes, const U: usize, const SLOPE: bool, const RARER: bool>(
+fn cross<L: Lanes, const U: usize, const RIM: u8, const RARER: bool>(
     cpu: Cpu<L>,
     link: &Link<L::Scalar>,
     rim: L::Scalar,
     rays: &mut [Ray<L>; U],
 ) {
     for ray in rays {
-        ray.link::<SLOPE, RARER>(cpu, link, rim);
+        ray.link::<RIM, RARER>(cpu, link, rim);
     }
 }
 
 impl<L: Lanes> Ray<L> {
+    /// Through the first surface.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn keep(&mut self, mask: L::Mask) {
+    pub fn enter(cpu: Cpu<L>, table: &Table<L::Scalar>, start: Start<L>) -> Self {
+        let zero = L::splat(cpu, L::Scalar::ZERO);
+        match (&table.steps[0], start) {
+            (Step::Sphere(sphere), Start::Flat { x, y, slopes, stretch, cos2, way }) => {
+                let vz = cos2.sqrt();
+                let mut ray = Self::at(cpu, [x, y], [slopes[0] * vz, slopes[1] * vz, vz], cos2);
+                ray.first_sphere(cpu, sphere, slopes, stretch, way);
+                ray
+            }
+            (Step::Plane(plane), Start::Flat { x, y, slopes, cos2, way, .. }) => {
+                let vz = cos2.sqrt();
+                let mut ray = Self::at(cpu, [x, y], [slopes[0] * vz, slopes[1] * vz, vz], cos2);
+                ray.plane::<true>(cpu, plane, zero, Some(way));
+                ray
+            }
+            (Step::Sphere(sphere), Start::Anywhere { x, y, minus_z, v, lead }) => {
+                let mut ray = Self::at(cpu, [x, y], v, v[2] * v[2]);
+                if sphere.tests.forward {
+                    ray.go_forward(cpu);
+                }
+                ray.sphere::<false>(cpu, sphere, minus_z, Some(lead));
+                ray
+            }
+            (Step::Plane(plane), Start::Anywhere { x, y, minus_z, v, lead }) => {
+                let mut ray = Self::at(cpu, [x, y], v, v[2] * v[2]);
+                ray.plane::<false>(cpu, plane, minus_z, Some(lead));
+                ray
+            }
+            (Step::Link(_) | Step::Stop(_) | Step::Renewal(_), _) => {
+                unreachable!("the first step meets the ray anywhere")
+            }
+        }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn at(cpu: Cpu<L>, [x, y]: [L; 2], [vx, vy, vz]: [L; 3], cos2: L) -> Self {
+        let zero = L::splat(cpu, L::Scalar::ZERO);
+        Self { x, y, vx, vy, vz, height: zero, root: zero, passed: zero.less_equal(zero), cos2 }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn keep(&mut self, mask: L::Mask) {
         self.passed = L::both(self.passed, mask);
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn go_forward(&mut self, cpu: Cpu<L>) {
+    pub(super) fn go_forward(&mut self, cpu: Cpu<L>) {
         self.keep(L::splat(cpu, L::Scalar::ZERO).less(self.vz));
     }
 
     /// The root's argument must be a number well above 0: neither missed nor totally reflected.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn keep_root(&mut self, cpu: Cpu<L>, square: L) {
+    pub(super) fn keep_root(&mut self, cpu: Cpu<L>, square: L) {
         self.keep(L::splat(cpu, L::Scalar::NO_SQUARE).less(square));
     }
 
@@ -157,27 +212,27 @@ impl<L: Lanes> Ray<L> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn height_squared(&self) -> L {
+    pub(super) fn height_squared(&self) -> L {
         self.y.mul_add(self.y, self.x * self.x)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance(&mut self, t: L) {
+    pub(super) fn advance(&mut self, t: L) {
         self.x = t.mul_add(self.vx, self.x);
         self.y = t.mul_add(self.vy, self.y);
     }
 
     /// V + G N.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn bend(&mut self, c: L, gain: L, slope: L) {
-        let k = c * gain;
-        self.vx = k.neg_mul_add(self.x, self.vx);
-        self.vy = k.neg_mul_add(self.y, self.vy);
+    pub(super) fn bend(&mut self, minus_c: L, gain: L, slope: L) {
+        let k = minus_c * gain;
+        self.vx = k.mul_add(self.x, self.vx);
+        self.vy = k.mul_add(self.y, self.vy);
         self.vz = gain.mul_add(slope, self.vz);
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn link<const SLOPE: bool, const RARER: bool>(
+    fn link<const RIM: u8, const RARER: bool>(
         &mut self,
         cpu: Cpu<L>,
         link: &Link<L::Scalar>,
@@ -194,68 +249,13 @@ impl<L: Lanes> Ray<L> {
         let delta = g - before;
         let slope = delta.neg_mul_add(self.vz * L::splat(cpu, link.per_n2), rho.mul_add(self.height, alpha));
         self.advance(delta * L::splat(cpu, link.per_cn2));
-        self.bend(L::splat(cpu, link.c), after - before, slope);
+        self.bend(L::splat(cpu, link.minus_c), after - before, slope);
         (self.height, self.root) = (slope, after);
         self.keep_root(cpu, if RARER { square_after } else { square });
-        self.keep(if SLOPE {
-            L::splat(cpu, rim).less_equal(slope)
-        } else {
-            self.height_squared().less_equal(L::splat(cpu, rim))
-        });
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn sphere<const FLAT: bool>(
-        &mut self,
-        cpu: Cpu<L>,
-        sphere: &Sphere<L::Scalar>,
-        mut minus_z: L,
-        lead: Option<L>,
-    ) {
-        let c = L::splat(cpu, sphere.c);
-        let mut lead = lead.unwrap_or(L::splat(cpu, L::Scalar::ZERO));
-        if sphere.tests.forward {
-            self.go_forward(cpu);
-        }
-        if sphere.far {
-            let t = minus_z / self.vz;
-            self.advance(t);
-            (minus_z, lead) = (L::splat(cpu, L::Scalar::ZERO), t);
-        }
-        let across = self.y.mul_add(self.vy, self.x * self.vx);
-        let height_squared = self.height_squared();
-        let half_c = L::splat(cpu, sphere.half_c);
-        let (f, g) = if FLAT {
-            (half_c * height_squared, c.neg_mul_add(across, self.vz))
-        } else {
-            let along = minus_z.neg_mul_add(self.vz, across);
-            (half_c.mul_add(minus_z.mul_add(minus_z, height_squared), minus_z), c.neg_mul_add(along, self.vz))
-        };
-        let minus_2phi = f * L::splat(cpu, sphere.minus_2cn2);
-        let square = g.mul_add(g, minus_2phi);
-        let square_after = g.mul_add(g, minus_2phi + L::splat(cpu, sphere.index_step));
-        let [before, after] = L::sqrt_pair(square, square_after);
-        let strong = (g - before) * L::splat(cpu, sphere.per_cn2);
-        let t = if sphere.strong {
-            strong
-        } else {
-            L::select(L::splat(cpu, L::Scalar::ZERO).less(g), (f + f) / (g + before), strong)
-        };
-        self.advance(t);
-        let z = if FLAT { t * self.vz } else { t.mul_sub(self.vz, minus_z) };
-        let slope = c.neg_mul_add(z, L::splat(cpu, L::Scalar::ONE));
-        self.bend(c, after - before, slope);
-        (self.height, self.root) = (if sphere.hands_slope { slope } else { z }, after);
-        self.keep_root(cpu, if sphere.index_step < L::Scalar::ZERO { square_after } else { square });
-        match sphere.rim {
-            Rim::Slope(least) => self.keep(L::splat(cpu, least).less_equal(slope)),
-            Rim::Height(most) => {
-                self.keep(self.height_squared().less_equal(L::splat(cpu, most)));
-                self.keep(L::splat(cpu, L::Scalar::ZERO).less_equal(slope));
-            }
-        }
-        if sphere.tests.onward {
-            self.keep(L::splat(cpu, -sphere.slack).less_equal(lead + t));
+        match RIM {
+            SLOPE => self.keep(L::splat(cpu, rim).less_equal(slope)),
+            HEIGHT => self.keep(self.height_squared().less_equal(L::splat(cpu, rim))),
+            _ => {}
         }
     }
 
@@ -273,7 +273,9 @@ impl<L: Lanes> Ray<L> {
             t = minus_z / self.vz;
             self.advance(t);
         }
-        self.keep(self.height_squared().less_equal(L::splat(cpu, plane.aperture)));
+        if plane.tested {
+            self.keep(self.height_squared().less_equal(L::splat(cpu, plane.aperture)));
+        }
         let square = self.vz * self.vz;
         let square_after = self.vz.mul_add(self.vz, L::splat(cpu, plane.index_step));
         self.keep_root(cpu, if plane.index_step < L::Scalar::ZERO { square_after } else { square });
@@ -281,7 +283,9 @@ impl<L: Lanes> Ray<L> {
             self.go_forward(cpu);
         }
         if plane.tests.onward {
-            self.keep(L::splat(cpu, -plane.slack).less_equal(lead.unwrap_or(zero) + t));
+            let slack = L::splat(cpu, -plane.slack);
+            let slack = if FLAT { self.vz * slack } else { slack };
+            self.keep(slack.less_equal(lead.unwrap_or(zero) + t));
         }
         self.root = square_after.sqrt();
         self.vz = self.root;
@@ -298,22 +302,29 @@ impl<L: Lanes> Ray<L> {
         self.keep(y.mul_add(y, x * x).less_equal(limit));
     }
 
+    /// One step of Newton's iteration for what V is to be multiplied with; V has the length n but for rounding.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn factor(&self, cpu: Cpu<L>, length: [L::Scalar; 2]) -> L {
+        let square = self.vz.mul_add(self.vz, self.vy.mul_add(self.vy, self.vx * self.vx));
+        square.mul_add(L::splat(cpu, length[1]), L::splat(cpu, length[0]))
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn scale_to(&mut self, cpu: Cpu<L>, length: [L::Scalar; 2]) {
+        let factor = self.factor(cpu, length);
+        (self.vx, self.vy, self.vz) = (self.vx * factor, self.vy * factor, self.vz * factor);
+    }
+
     /// To lens space, the direction made a unit vector by one step of Newton's iteration: V is one but for rounding.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn leave(self, cpu: Cpu<L>, table: &Table<L::Scalar>) -> End<L> {
+    pub fn leave(self, cpu: Cpu<L>, table: &Table<L::Scalar>) -> End<L> {
         let z = self.height.mul_add(L::splat(cpu, table.exit.factor), L::splat(cpu, table.exit.offset));
-        let square = self.vz.mul_add(self.vz, self.vy.mul_add(self.vy, self.vx * self.vx));
-        let factor = square.mul_add(L::splat(cpu, table.unit[1]), L::splat(cpu, table.unit[0]));
+        let factor = self.factor(cpu, table.unit);
         let along = factor * L::splat(cpu, L::Scalar::from_f64(table.sense));
-        let passed = self.passed;
         End {
-            origin: [self.x.or_zero(passed), self.y.or_zero(passed), z.or_zero(passed)],
-            direction: [
-                (self.vx * factor).or_zero(passed),
-                (self.vy * factor).or_zero(passed),
-                (self.vz * along).or_zero(passed),
-            ],
-            passed,
+            origin: [self.x, self.y, z],
+            direction: [self.vx * factor, self.vy * factor, self.vz * along],
+            passed: self.passed,
         }
     }
 }

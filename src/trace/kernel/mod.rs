@@ -11,19 +11,28 @@
 //! as 0 and block.
 
 mod batch;
+mod clearance;
 mod crossing;
+mod drift;
 mod instances;
 mod lanes;
 mod march;
 mod simd;
+mod sphere;
+mod surface;
 mod table;
 
 pub use batch::{LensRays, PlaneRays};
+pub(super) use clearance::clearances;
 pub use instances::Vectors as Precision;
 pub use simd::{Compiled, Simd};
 
-use self::{
-    batch::{Few, FromPlane, InPlace},
+use self::batch::InPlace;
+pub(crate) use self::{
+    batch::{Approach, Batch, Few, FromPlane, from_plane},
+    instances::{Optics, Shape, run},
+    lanes::{Cpu, Lanes, Portable, Scalar},
+    march::{End, Start},
     table::Table,
 };
 use super::{Blocked, Direction, Path, Ray};
@@ -53,17 +62,30 @@ pub struct Kernel<S> {
 impl<S: Precision> Kernel<S> {
     /// Compiles a lens for the best instructions that there are ([`Simd::best`]).
     pub fn new(lens: &Lens, direction: Direction) -> Self {
-        Self::compile(lens, direction, Simd::best())
+        Self::compile(lens, direction, Simd::best(), |_| true)
+    }
+
+    /// [`Kernel::new`] that tests the apertures of only those surfaces, counted from the scene, that `tested` names. Rays
+    /// that pass every aperture keep their bits; one that passes all but an aperture left out is not blocked.
+    pub fn testing(lens: &Lens, direction: Direction, tested: impl Fn(usize) -> bool) -> Self {
+        let last = lens.surfaces.len() - 1;
+        let along = |i| if direction == Direction::FilmToScene { last - i } else { i };
+        Self::compile(lens, direction, Simd::best(), |i| tested(along(i)))
     }
 
     /// Compiles a lens for the instructions named; `None` where the processor lacks them.
     pub fn with_simd(lens: &Lens, direction: Direction, simd: Simd) -> Option<Self> {
-        simd.is_available().then(|| Self::compile(lens, direction, simd))
+        simd.is_available().then(|| Self::compile(lens, direction, simd, |_| true))
     }
 
-    fn compile(lens: &Lens, direction: Direction, simd: Simd) -> Self {
+    fn compile(lens: &Lens, direction: Direction, simd: Simd, tested: impl Fn(usize) -> bool) -> Self {
         let path = Path::new(lens, direction, Refraction::Fused);
-        Self { table: Table::new(&path, S::AMPLIFICATION), path, simd }
+        Self { table: Table::new(&path, S::AMPLIFICATION, tested), path, simd }
+    }
+
+    /// Surfaces and tests that each ray is taken through one by one.
+    pub fn steps(&self) -> usize {
+        self.table.steps.len()
     }
 
     /// The instructions in use.
@@ -114,6 +136,12 @@ impl<S: Precision> Kernel<S> {
     pub fn trace_in_place(&self, rays: &mut LensRays<'_, S>) {
         let n = rays.checked_len();
         S::in_place(self.simd, &self.table, &mut InPlace { rays, n });
+    }
+
+    /// Traces a batch that makes and takes its rays in vectors.
+    #[inline(always)]
+    pub(crate) fn trace(&self, shape: Shape, batch: &mut impl Batch<S>) {
+        run(self.simd, shape, &self.table, batch);
     }
 
     /// Why a ray is blocked, by the scalar walk. Where the walk in double precision lets it through it

@@ -3,10 +3,12 @@
 //! Thresholds are ratios of a step's own lengths, so that a scaled lens makes the same choices.
 
 use super::{
-    crossing::{self, Cap, Tests},
+    crossing::Tests,
+    drift::{Drift, Reach},
     lanes::Scalar,
+    surface::{Surface, surfaces},
 };
-use crate::trace::{Direction, Path, path};
+use crate::trace::{Direction, Path};
 
 /// What a ray is told of its height z above the vertex it was last at: -z' in the frame of the next
 /// vertex is `factor` times what it carries, plus `offset`.
@@ -23,14 +25,16 @@ pub enum Rim<S> {
     Height(S),
     /// N_z >= sqrt(1 - c² a²), which rejects the far hemisphere, too.
     Slope(S),
+    /// No ray that all other tests let through fails.
+    Untested,
 }
 
 /// A sphere met from anywhere: the curvature form of the quadratic.
 #[derive(Clone, Copy, Debug)]
 pub struct Sphere<S> {
     pub handover: Handover<S>,
-    /// c, c/2, -2 c n², 1/(c n²).
-    pub c: S,
+    /// -c, c/2, -2 c n², 1/(c n²).
+    pub minus_c: S,
     pub half_c: S,
     pub minus_2cn2: S,
     pub per_cn2: S,
@@ -46,6 +50,8 @@ pub struct Sphere<S> {
     pub tests: Tests,
     /// How far behind a hit may lie by rounding alone, in units of V.
     pub slack: S,
+    /// Nothing but a strongly curved surface, told by N_z, that rays meet going on: what most spheres are.
+    pub plain: bool,
 }
 
 /// A plane with an index step, or a stop that its neighbours reach into.
@@ -55,6 +61,8 @@ pub struct Plane<S> {
     pub index_step: S,
     /// a².
     pub aperture: S,
+    /// Whether the aperture is to be tested.
+    pub tested: bool,
     pub tests: Tests,
     pub slack: S,
 }
@@ -80,7 +88,7 @@ pub struct Link<S> {
     pub minus_2phi0: S,
     pub minus_2phi1: S,
     pub index_step: S,
-    pub c: S,
+    pub minus_c: S,
     /// 1/n².
     pub per_n2: S,
     pub per_cn2: S,
@@ -98,6 +106,8 @@ pub enum Step<S> {
     Link(Link<S>),
     Plane(Plane<S>),
     Stop(Stop<S>),
+    /// V is made n long: 3/2 and -1/(2 n²), V (3/2 - V·V/(2 n²)) has the length n.
+    Renewal([S; 2]),
 }
 
 /// A lens compiled for one direction.
@@ -115,67 +125,52 @@ pub struct Table<S> {
     pub sense: f64,
 }
 
-/// |R| up to this many times the clear semi-diameter and the way there counts as strongly curved:
-/// without the division t has an error of rounding times R.
-const STRONG: f64 = 100.0;
 /// Distance over |R| beyond which a ray moves to the vertex plane first: f loses that factor in digits.
 const FAR: f64 = 4.0;
-/// From this (a/R)² the rim is told by N_z, which has too few digits below.
-const STEEP: f64 = 0.02;
+/// Roundings of [`Drift`] that are let be. The catalogue's lenses come to 60 at most.
+const DRIFT: f64 = 64.0;
 /// Largest semi-diameter over |R| at which a ray through it can reach the far hemisphere of a surface that is
 /// not steep, inside its clear aperture, only by travelling backward.
 const NARROW: f64 = 6.0;
 
-/// One surface as the compiler sees it.
-struct Surface {
-    c: f64,
-    n: f64,
-    index_step: f64,
-    aperture: f64,
-    semi: f64,
-    slack: f64,
-    /// From the last surface that moved the ray.
-    distance: f64,
-    tests: Tests,
-    /// Only a test, which does not move the ray.
-    is_still: bool,
-}
-
-impl Surface {
-    fn is_strong(&self) -> bool {
-        self.c.abs() * STRONG * (self.semi + self.distance) >= 1.0
-    }
-
-    fn is_steep(&self) -> bool {
-        (self.c * self.semi).powi(2) > STEEP
-    }
-}
-
 impl<S: Scalar> Table<S> {
-    /// Compiles a path. Links are made up to the given amplification of rounding.
-    pub fn new(path: &Path<f64>, amplification: f64) -> Self {
+    /// Compiles a path. Links are made up to the given amplification of rounding. `tested` says of a surface, counted
+    /// along the path, whether its aperture is to be tested; leaving a test out changes no bit of what passes.
+    pub fn new(path: &Path<f64>, amplification: f64, tested: impl Fn(usize) -> bool) -> Self {
         let sense = match path.direction {
             Direction::FilmToScene => 1.0,
             Direction::SceneToFilm => -1.0,
         };
-        let surfaces = surfaces(&path.steps, sense, S::EPSILON);
+        let surfaces = surfaces(&path.steps, sense, S::EPSILON, tested);
         let mut steps = Vec::with_capacity(surfaces.len());
+        let ways = ways(&surfaces, amplification);
         // The last surface that moved the ray, and whether it hands N_z on.
         let mut last: Option<(&Surface, bool)> = None;
         for (i, surface) in surfaces.iter().enumerate() {
             let handover = handover(last, surface.distance);
             if surface.is_still {
-                let aperture = S::from_f64(surface.aperture);
-                steps.push(Step::Stop(Stop { handover, aperture }));
+                if surface.tested {
+                    let aperture = S::from_f64(surface.aperture);
+                    steps.push(Step::Stop(Stop { handover, aperture }));
+                }
                 continue;
             }
-            let next = surfaces[i + 1..].iter().find(|next| !next.is_still);
-            let hands_slope = next.is_some_and(|next| link(surface, next, amplification).is_some());
-            let (step, hands_slope) = match last.and_then(|(last, _)| link(last, surface, amplification)) {
-                Some(link) => (Step::Link(link.to()), true),
-                None if surface.c == 0.0 => (Step::Plane(plane(surface, handover)), false),
-                None => (Step::Sphere(sphere(surface, handover, hands_slope)), hands_slope),
+            let hands_slope = ways[i + 1..].iter().find_map(|way| match way {
+                Way::Still => None,
+                way => Some(matches!(way, Way::Link(_))),
+            });
+            let hands_slope = hands_slope.unwrap_or(false);
+            let (step, hands_slope) = match ways[i] {
+                Way::Still => continue,
+                Way::Link(link) => (Step::Link(link.to()), true),
+                Way::Plane => (Step::Plane(plane(surface, handover)), false),
+                Way::Sphere { far } => {
+                    (Step::Sphere(sphere(surface, handover, far, hands_slope)), hands_slope)
+                }
             };
+            if last.is_some() && matches!(ways[i], Way::Sphere { far: true }) {
+                steps.push(Step::Renewal([S::from_f64(1.5), S::from_f64(-0.5 / (surface.n * surface.n))]));
+            }
             steps.push(step);
             last = Some((surface, hands_slope));
         }
@@ -194,38 +189,52 @@ impl<S: Scalar> Table<S> {
     }
 }
 
-fn surfaces(steps: &[path::Step<f64>], sense: f64, epsilon: f64) -> Vec<Surface> {
-    let mut surfaces: Vec<Surface> = Vec::with_capacity(steps.len());
-    let cap = |step: &path::Step<f64>| Cap { curvature: step.curvature, semi_diameter: step.aperture.sqrt() };
-    let mut moved: Option<Cap> = None;
-    let mut distance = 0.0;
-    for (i, step) in steps.iter().enumerate() {
-        distance += step.distance;
-        let here = cap(step);
-        let beside = |step: &path::Step<f64>| step.curvature == 0.0 && step.index_step == 0.0;
-        let room_after =
-            steps.get(i + 1).is_some_and(|next| crossing::leaves_room(here, cap(next), next.distance));
-        let room_before = moved.is_some_and(|moved| crossing::leaves_room(moved, here, distance));
-        let is_still = beside(step) && room_before && room_after;
-        // At the first surface where the ray began decides, which is not known here. From the scene a
-        // sphere may be met going backward: a fisheye sees behind itself.
-        let unknown = Tests { forward: sense > 0.0 || step.curvature == 0.0, onward: true };
-        surfaces.push(Surface {
-            c: step.curvature,
-            n: step.n,
-            index_step: step.index_step,
-            aperture: step.aperture,
-            semi: here.semi_diameter,
-            slack: step.slack * (epsilon / f64::EPSILON),
-            distance,
-            tests: moved.map_or(unknown, |moved| crossing::tests(moved, here, distance)),
-            is_still,
-        });
-        if !is_still {
-            (moved, distance) = (Some(here), 0.0);
+/// How a ray gets to a surface.
+#[derive(Clone, Copy)]
+enum Way {
+    /// Not at all: the surface is only a test.
+    Still,
+    Plane,
+    Sphere {
+        far: bool,
+    },
+    Link(Link<f64>),
+}
+
+/// Chooses for each surface: a link where there is one; and where what the kernel takes for granted would have drifted too
+/// far off, a sphere that is reached anew from its vertex plane.
+fn ways(surfaces: &[Surface], amplification: f64) -> Vec<Way> {
+    let mut last: Option<(&Surface, Drift)> = None;
+    let mut ways = Vec::with_capacity(surfaces.len());
+    for surface in surfaces {
+        if surface.is_still {
+            ways.push(Way::Still);
+            continue;
         }
+        let Surface { c, n, index_step, distance, .. } = *surface;
+        let reach =
+            Reach { distance: c * distance, index_ratio: (1.0 + index_step / (n * n)).sqrt().recip() };
+        let far = reach.distance.abs() > FAR;
+        let (way, drift) = match last {
+            Some((_, drift)) if c == 0.0 => (Way::Plane, drift.through_plane(reach.index_ratio)),
+            None if c == 0.0 => (Way::Plane, Drift::NONE),
+            None => (Way::Sphere { far }, Drift::NONE),
+            Some((last, drift)) => {
+                let (way, drift) = match link(last, surface, amplification) {
+                    Some(link) => (Way::Link(link), drift.through_link(reach, link.rho, link.alpha.abs())),
+                    None => (Way::Sphere { far }, drift.through_sphere(reach)),
+                };
+                if matches!(way, Way::Sphere { far: true }) || drift.size() > DRIFT {
+                    (Way::Sphere { far: true }, Drift::NONE)
+                } else {
+                    (way, drift)
+                }
+            }
+        };
+        ways.push(way);
+        last = Some((surface, drift));
     }
-    surfaces
+    ways
 }
 
 fn handover<S: Scalar>(last: Option<(&Surface, bool)>, distance: f64) -> Handover<S> {
@@ -237,7 +246,9 @@ fn handover<S: Scalar>(last: Option<(&Surface, bool)>, distance: f64) -> Handove
 }
 
 fn rim<S: Scalar>(surface: &Surface) -> Rim<S> {
-    if surface.is_steep() {
+    if !surface.tested {
+        Rim::Untested
+    } else if surface.is_steep() {
         // Beyond the equator the sphere is no part of the surface.
         Rim::Slope(S::from_f64((1.0 - (surface.c * surface.semi).powi(2)).max(0.0).sqrt()))
     } else {
@@ -250,26 +261,29 @@ fn plane<S: Scalar>(surface: &Surface, handover: Handover<S>) -> Plane<S> {
         handover,
         index_step: S::from_f64(surface.index_step),
         aperture: S::from_f64(surface.aperture),
+        tested: surface.tested,
         tests: surface.tests,
         slack: S::from_f64(surface.slack),
     }
 }
 
-fn sphere<S: Scalar>(surface: &Surface, handover: Handover<S>, hands_slope: bool) -> Sphere<S> {
+fn sphere<S: Scalar>(surface: &Surface, handover: Handover<S>, far: bool, hands_slope: bool) -> Sphere<S> {
     let Surface { c, n, .. } = *surface;
+    let strong = surface.is_strong();
     Sphere {
         handover,
-        c: S::from_f64(c),
+        minus_c: S::from_f64(-c),
         half_c: S::from_f64(c / 2.0),
         minus_2cn2: S::from_f64(-2.0 * c * n * n),
         per_cn2: S::from_f64((c * n * n).recip()),
         index_step: S::from_f64(surface.index_step),
-        strong: surface.is_strong(),
-        far: surface.distance * c.abs() > FAR,
+        strong,
+        far,
         hands_slope,
         rim: rim(surface),
         tests: surface.tests,
         slack: S::from_f64(surface.slack),
+        plain: strong && !far && hands_slope && surface.is_steep() && !surface.tests.onward,
     }
 }
 
@@ -293,7 +307,7 @@ fn link(last: &Surface, surface: &Surface, limit: f64) -> Option<Link<f64>> {
         minus_2phi0: -2.0 * phi0,
         minus_2phi1: -2.0 * phi1,
         index_step: surface.index_step,
-        c,
+        minus_c: -c,
         per_n2: (n * n).recip(),
         per_cn2: (c * n * n).recip(),
         rim: rim(surface),
@@ -310,12 +324,13 @@ impl Link<f64> {
             minus_2phi0: S::from_f64(self.minus_2phi0),
             minus_2phi1: S::from_f64(self.minus_2phi1),
             index_step: S::from_f64(self.index_step),
-            c: S::from_f64(self.c),
+            minus_c: S::from_f64(self.minus_c),
             per_n2: S::from_f64(self.per_n2),
             per_cn2: S::from_f64(self.per_cn2),
             rim: match self.rim {
                 Rim::Height(limit) => Rim::Height(S::from_f64(limit)),
                 Rim::Slope(limit) => Rim::Slope(S::from_f64(limit)),
+                Rim::Untested => Rim::Untested,
             },
             forward: self.forward,
             rarer: self.rarer,

@@ -14,16 +14,15 @@
 //! the direction in stereographic projection, d_xy/(1 + d_z). Both stay smooth where a fisheye looks
 //! beyond 90°, and the unit direction comes back without a square root.
 
-mod batch;
 mod least_squares;
+mod lens;
 mod terms;
 
 use thiserror::Error;
 
-pub use batch::{PolynomialBatch, RayColumns};
 use least_squares::Equations;
-pub use terms::Fused;
-use terms::{exponents, sum};
+pub use lens::PolynomialLens;
+use terms::exponents;
 
 use super::{Path, Ray};
 use crate::optics::{Lens, Surface};
@@ -112,6 +111,14 @@ pub struct Polynomial {
     /// A, B, C, D by monomial, in Horner's order.
     terms: Vec<[f64; 4]>,
     front: Surface,
+    rims: Vec<Rim>,
+}
+
+/// Where a ray passes a surface, as polynomials: E x + F p, in units of the clear semi-diameter.
+#[derive(Clone, Debug, PartialEq)]
+struct Rim {
+    /// E and F by monomial.
+    terms: Vec<[f64; 2]>,
 }
 
 impl Polynomial {
@@ -122,6 +129,21 @@ impl Polynomial {
     /// # Errors
     /// An order that does not exist, or rays that do not determine the coefficients.
     pub fn fit(lens: &Lens, film: f64, rays: &[Ray], order: usize) -> Result<Self, FitError> {
+        Self::with_rims(lens, film, rays, order, &[])
+    }
+
+    /// [`Polynomial::fit`] with where rays pass the surfaces `rims`, counted from the scene: what
+    /// [`PolynomialLens`] blocks rays by. The front surface's needs none.
+    ///
+    /// # Errors
+    /// As [`Polynomial::fit`].
+    pub fn with_rims(
+        lens: &Lens,
+        film: f64,
+        rays: &[Ray],
+        order: usize,
+        rims: &[usize],
+    ) -> Result<Self, FitError> {
         if !ORDERS.contains(&order) {
             return Err(FitError::Order(order));
         }
@@ -130,12 +152,21 @@ impl Polynomial {
         let (inputs, targets): (Vec<_>, Vec<_>) =
             rays.iter().filter_map(|ray| Some((Frame::at_film(ray, film), path.trace(*ray).ok()?))).unzip();
         let frame = Frame::of(film, &inputs);
-        let exponents: Vec<_> = exponents(degree).collect();
+        let exponents = exponents(degree);
         let count = exponents.len();
         // A vector gives an equation for each of its two components.
         let mut equations = Equations::new(2 * inputs.len(), 2 * count);
-        let mut sides = [0, 1].map(|_| vec![0.0; 2 * inputs.len()]);
+        let mut sides = vec![vec![0.0; 2 * inputs.len()]; 2 + rims.len()];
+        let last = lens.surfaces.len() - 1;
         for (number, (&(x, slopes), target)) in inputs.iter().zip(&targets).enumerate() {
+            path.visit(film, x, slopes, |visit| {
+                if let Some(rim) = rims.iter().position(|&rim| rim == last - visit.surface) {
+                    let scale = lens.surfaces[rims[rim]].semi_diameter.recip();
+                    let side = &mut sides[2 + rim][2 * number..2 * number + 2];
+                    side.iter_mut().zip(visit.point).for_each(|(side, at)| *side = at * scale);
+                }
+                !rims.is_empty()
+            });
             let (x, p, [u, v, w]) = frame.variables(x, slopes);
             let [dx, dy, dz] = target.direction;
             let projected = [dx / (1.0 + dz), dy / (1.0 + dz)];
@@ -151,11 +182,15 @@ impl Polynomial {
             }
         }
         let undetermined = || FitError::Undetermined { order, passing: inputs.len(), needed: 4 * count };
-        let solved = equations.solve(sides.into()).ok_or_else(undetermined)?;
+        let solved = equations.solve(sides).ok_or_else(undetermined)?;
         let terms = (0..count)
             .map(|i| [solved[0][i], solved[0][count + i], solved[1][i], solved[1][count + i]])
             .collect();
-        Ok(Self { order, frame, terms, front: *lens.front() })
+        let rims = solved[2..]
+            .iter()
+            .map(|solved| Rim { terms: (0..count).map(|i| [solved[i], solved[count + i]]).collect() })
+            .collect();
+        Ok(Self { order, frame, terms, front: *lens.front(), rims })
     }
 
     /// The order.
@@ -163,24 +198,9 @@ impl Polynomial {
         self.order
     }
 
-    /// Coefficients in all.
+    /// Coefficients in all, those of the rims included.
     pub fn coefficients(&self) -> usize {
-        4 * self.terms.len()
-    }
-
-    /// The scene-side ray of a film-side one, starting on the front surface; no ray is blocked.
-    pub fn transfer(&self, ray: Ray) -> Ray {
-        let (x, slopes) = Frame::at_film(&ray, self.frame.film);
-        let (x, p, [u, v, w]) = self.frame.variables(x, slopes);
-        let [a, b, c, d] =
-            sum::<f64, 1, false>(&self.terms, (self.order - 1) / 2, [&[u], &[v], &[w]]).map(|[value]| value);
-        let [px, py] = [0, 1].map(|i| a * x[i] + b * p[i]);
-        let [qx, qy] = [0, 1].map(|i| c * x[i] + d * p[i]);
-        let scale = 2.0 / (1.0 + qx * qx + qy * qy);
-        Ray {
-            origin: [px, py, self.front.sagitta((px * px + py * py).sqrt())],
-            direction: [qx * scale, qy * scale, scale - 1.0],
-        }
+        (4 + 2 * self.rims.len()) * self.terms.len()
     }
 }
 

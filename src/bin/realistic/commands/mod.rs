@@ -6,6 +6,7 @@ pub mod focus;
 pub mod focus_stack;
 pub mod install;
 pub mod lens;
+pub mod plan;
 pub mod pupil;
 #[cfg(feature = "report")]
 pub mod refractions;

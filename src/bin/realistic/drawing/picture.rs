@@ -2,6 +2,7 @@
 
 use crate::failure::Failure;
 use resvg::{tiny_skia, usvg};
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
@@ -30,18 +31,42 @@ pub fn write(document: &Document, path: &Path) -> Result<(), Failure> {
         return svg::save(path, document).map_err(|error| failed(&error));
     }
     let image = rasterise(&document.to_string(), 1.5).map_err(|error| failed(&error))?;
+    let (palette, indices) = indexed(image.data());
     let file = File::create(path).map_err(|error| failed(&error))?;
     let mut encoder = png::Encoder::new(BufWriter::new(file), image.width(), image.height());
-    encoder.set_color(png::ColorType::Rgba);
+    encoder.set_color(png::ColorType::Indexed);
     encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::High);
+    encoder.set_filter(png::Filter::NoFilter);
+    encoder.set_palette(palette);
     encoder
         .write_header()
         .and_then(|mut writer| {
-            // The page is opaque, so that colours are the same with and without their alpha.
-            writer.write_image_data(image.data())?;
+            writer.write_image_data(&indices)?;
             writer.finish()
         })
         .map_err(|error| failed(&error))
+}
+
+/// The 256 most frequent colours of opaque pixels, as red, green and blue, and for each pixel the number
+/// of the nearest among them: the colours drawn with stay, and of the blends at their edges some become others.
+fn indexed(pixels: &[u8]) -> (Vec<u8>, Vec<u8>) {
+    let color = |pixel: &[u8]| [pixel[0], pixel[1], pixel[2]];
+    let mut counts: BTreeMap<[u8; 3], u32> = BTreeMap::new();
+    pixels.chunks_exact(4).for_each(|pixel| *counts.entry(color(pixel)).or_default() += 1);
+    let mut frequent: Vec<_> = counts.iter().map(|(color, count)| (*count, *color)).collect();
+    frequent.sort_unstable_by(|a, b| b.cmp(a));
+    frequent.truncate(256);
+    let distance = |a: [u8; 3], b: [u8; 3]| -> u32 {
+        a.iter().zip(b).map(|(a, b)| u32::from(a.abs_diff(b)).pow(2)).sum()
+    };
+    let nearest = |color: [u8; 3]| {
+        let all = (0..=255).zip(&frequent);
+        all.min_by_key(|(_, (_, own))| distance(*own, color)).map_or(0, |(number, _)| number)
+    };
+    let numbers: BTreeMap<[u8; 3], u8> = counts.keys().map(|&color| (color, nearest(color))).collect();
+    let palette = frequent.iter().flat_map(|(_, color)| *color).collect();
+    (palette, pixels.chunks_exact(4).map(|pixel| numbers[&color(pixel)]).collect())
 }
 
 /// The pixels of an SVG at `zoom` pixels a unit, with the program's own font: it looks the same everywhere.
@@ -84,6 +109,23 @@ mod tests {
                 assert!(f64::from(last - 10) <= text_width(text, SMALL), "{text}: {last}");
             }
         }
+    }
+
+    #[test]
+    fn few_colours_are_kept_and_of_many_the_frequent_ones_stay() {
+        let few = [[255, 255, 255, 255], [0, 114, 178, 255], [255, 255, 255, 255]];
+        let (palette, indices) = indexed(few.as_flattened());
+        assert_eq!(
+            (palette.as_slice(), indices.as_slice()),
+            (&[255, 255, 255, 0, 114, 178][..], &[0, 1, 0][..])
+        );
+        let mut many: Vec<[u8; 4]> =
+            (0..=255).flat_map(|i| [[i, 255 - i, i / 2, 255], [i, i, i, 255]]).collect();
+        many.extend([[0, 114, 178, 255]; 9]);
+        let (palette, indices) = indexed(many.as_flattened());
+        assert!(palette.len() <= 3 * 256);
+        let last = usize::from(*indices.last().unwrap());
+        assert_eq!(palette[3 * last..3 * last + 3], [0, 114, 178]);
     }
 
     #[test]

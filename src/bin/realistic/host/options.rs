@@ -39,6 +39,7 @@ pub fn fill(options: &mut realistic_options, given: &Parameters) -> Result<Vec<C
         (&mut options.frameaspectratio, given.frameaspectratio),
         (&mut options.lensradius, given.lensradius),
         (&mut options.focaldistance, given.focaldistance),
+        (&mut options.tolerance, given.tolerance),
     ] {
         if let Some(value) = value {
             *field = value;

@@ -20,6 +20,8 @@ pub enum Shape {
     Diamond,
     /// A triangle on its corner.
     Drop,
+    /// Two bars.
+    Cross,
 }
 
 /// A point of a series.
@@ -59,8 +61,8 @@ pub struct Chart {
     pub cost: &'static str,
     /// What is upward, with its unit.
     pub error: &'static str,
-    /// A line across at this error, with its name.
-    pub level: Option<(f64, &'static str)>,
+    /// Lines across at these errors, with their names.
+    pub levels: Vec<(f64, String)>,
     /// What is drawn.
     pub series: Vec<Series>,
 }
@@ -87,7 +89,7 @@ impl Chart {
         let marks = || self.series.iter().flat_map(|s| &s.marks);
         let x = Scale::around(marks().map(|m| m.at[0]), [LEFT, right]);
         let errors = marks().flat_map(|m| [m.at[1]].into_iter().chain(m.reach.into_iter().flatten()));
-        let y = Scale::around(errors.chain(self.level.map(|(at, _)| at)), [bottom, TOP]);
+        let y = Scale::around(errors.chain(self.levels.iter().map(|(at, _)| *at)), [bottom, TOP]);
         let frame = Area { from: [LEFT, TOP], to: [right, bottom] };
 
         let mut page = Page::new(WIDTH, HEIGHT);
@@ -97,11 +99,15 @@ impl Chart {
         page.text(self.cost, [middle, bottom + 42.0], SIZE, Anchor::Middle, INK);
         grid(&mut page, x, y);
         let mut obstacles = self.front(&mut page, x, y, right);
-        if let Some((at, name)) = self.level {
-            let (at, width) = (y.place(at), text_width(name, SMALL));
+        for (at, name) in &self.levels {
+            // Above its line, or below where all marks lie above.
+            let lowest = marks().map(|m| m.at[1]).fold(f64::INFINITY, f64::min);
+            let base = if *at < lowest { SMALL + 2.0 } else { -5.0 };
+            let (at, width) = (y.place(*at), text_width(name, SMALL));
             page.line([[LEFT, at], [right, at]], Stroke::new(FAINT, 1.5).dashed("2 4"));
-            page.text(name, [right - width, at - 5.0], SMALL, Anchor::Start, FAINT);
-            obstacles.push(Area { from: [right - width, at - SMALL - 4.0], to: [right, at] });
+            page.text(name, [right - width, at + base], SMALL, Anchor::Start, FAINT);
+            obstacles.push(Area { from: [right - width, at + base - SMALL], to: [right, at + base + 2.0] });
+            obstacles.push(Area { from: [LEFT, at - 2.0], to: [right, at + 2.0] });
         }
         let place = |m: &Mark| [x.place(m.at[0]), y.place(m.at[1])];
         for series in &self.series {
@@ -255,6 +261,12 @@ fn symbol(page: &mut Page, series: &Series, [x, y]: [f64; 2], filled: bool) {
         Shape::Square => vec![[-r, -r], [r, -r], [r, r], [-r, r]],
         Shape::Triangle => vec![[0.0, -1.2 * r], [1.15 * r, 0.9 * r], [-1.15 * r, 0.9 * r]],
         Shape::Diamond => vec![[0.0, -1.3 * r], [1.3 * r, 0.0], [0.0, 1.3 * r], [-1.3 * r, 0.0]],
+        Shape::Cross => {
+            let arm = [[-1.3, -0.45], [-0.45, -0.45], [-0.45, -1.3]];
+            // A quarter of its outline, four times turned.
+            let turned = |quarter: u32, [x, y]: [f64; 2]| (0..quarter).fold([x, y], |[x, y], _| [-y, x]);
+            (0..4).flat_map(|q| arm.map(|corner| turned(q, corner).map(|x| r * x))).collect()
+        }
         Shape::Drop => vec![[0.0, 1.2 * r], [1.15 * r, -0.9 * r], [-1.15 * r, -0.9 * r]],
     };
     let fill = if filled { series.color } else { "white" };

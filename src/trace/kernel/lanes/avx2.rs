@@ -5,12 +5,13 @@ use std::{
     ops::{Add, Div, Mul, Sub},
 };
 
-use super::{Cpu, Lanes, register};
+use super::{Cpu, Lanes, last_place, register, store_bits};
 
 macro_rules! avx2 {
     ($name:ident, $scalar:ty, $register:ty, $width:literal, $set:ident, $load:ident, $store:ident,
      $add:ident, $sub:ident, $mul:ident, $div:ident, $fmadd:ident, $fmsub:ident, $fnmadd:ident,
-     $sqrt:ident, $cmp:ident, $and:ident, $blend:ident) => {
+     $sqrt:ident, $cmp:ident, $and:ident, $blend:ident, $max:ident, $min:ident, $andnot:ident, $round:ident,
+     $movemask:ident, { $($single:item)* }) => {
         register!(
             $name,
             $scalar,
@@ -62,6 +63,38 @@ macro_rules! avx2 {
                     // SAFETY: a vector exists only where `Cpu` did.
                     Self(unsafe { $and(self.0, mask) })
                 }
+                #[inline(always)]
+                fn abs(self) -> Self {
+                    // SAFETY: a vector exists only where `Cpu` did.
+                    Self(unsafe { $andnot($set(-0.0), self.0) })
+                }
+                #[inline(always)]
+                fn trunc(self) -> Self {
+                    // SAFETY: a vector exists only where `Cpu` did.
+                    Self(unsafe { $round::<{ _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC }>(self.0) })
+                }
+                #[inline(always)]
+                fn larger(self, b: Self) -> Self {
+                    // SAFETY: a vector exists only where `Cpu` did.
+                    Self(unsafe { $max(self.0, b.0) })
+                }
+                #[inline(always)]
+                fn smaller(self, b: Self) -> Self {
+                    // SAFETY: a vector exists only where `Cpu` did.
+                    Self(unsafe { $min(self.0, b.0) })
+                }
+                #[inline(always)]
+                fn bits(mask: Self::Mask) -> u32 {
+                    // SAFETY: masks come from comparing vectors, which exist only where `Cpu` did.
+                    unsafe { $movemask(mask) as u32 }
+                }
+                #[inline(always)]
+                fn store_single_where(self, mask: Self::Mask, to: &mut [f32]) {
+                    let mut single = [0.0; $width];
+                    self.store_single(&mut single);
+                    store_bits(&single, Self::bits(mask), to);
+                }
+                $($single)*
             }
         );
     };
@@ -85,7 +118,47 @@ avx2!(
     _mm_sqrt_ps,
     _mm_cmp_ps,
     _mm_and_ps,
-    _mm_blendv_ps
+    _mm_blendv_ps,
+    _mm_max_ps,
+    _mm_min_ps,
+    _mm_andnot_ps,
+    _mm_round_ps,
+    _mm_movemask_ps,
+    {
+        #[inline(always)]
+        fn load_single(cpu: Cpu<Self>, from: &[f32]) -> Self {
+            Self::load(cpu, from)
+        }
+        #[inline(always)]
+        fn load_fresh(cpu: Cpu<Self>, from: &[f32]) -> Self {
+            match from.first_chunk() {
+                // SAFETY: `Cpu` says that the instructions are there.
+                Some(four) => Self(unsafe { one_by_one(four) }),
+                None => Self::load(cpu, from),
+            }
+        }
+        #[inline(always)]
+        fn store_single(self, to: &mut [f32]) {
+            self.store(to);
+        }
+        #[inline(always)]
+        fn look_up<const K: usize, const STEP: usize>(
+            table: &[[f32; 2]],
+            at: Self,
+            further: [usize; K],
+        ) -> [[Self; 4]; K] {
+            // SAFETY: a vector exists only where `Cpu` did.
+            let places = unsafe { places_of_4::<STEP>(_mm_cvttps_epi32(at.0), last_place(table, further)) };
+            let (mut found, mut k) = ([[at; 4]; K], 0);
+            while k < K {
+                // SAFETY: as above, and all places have their pairs.
+                let [a, b, c, d] = unsafe { pairs_of_4(table.as_ptr().add(further[k]), &places) };
+                found[k] = [Self(a), Self(b), Self(c), Self(d)];
+                k += 1;
+            }
+            found
+        }
+    }
 );
 avx2!(
     F32x8,
@@ -105,7 +178,42 @@ avx2!(
     _mm256_sqrt_ps,
     _mm256_cmp_ps,
     _mm256_and_ps,
-    _mm256_blendv_ps
+    _mm256_blendv_ps,
+    _mm256_max_ps,
+    _mm256_min_ps,
+    _mm256_andnot_ps,
+    _mm256_round_ps,
+    _mm256_movemask_ps,
+    {
+        #[inline(always)]
+        fn load_single(cpu: Cpu<Self>, from: &[f32]) -> Self {
+            Self::load(cpu, from)
+        }
+        #[inline(always)]
+        fn store_single(self, to: &mut [f32]) {
+            self.store(to);
+        }
+        #[inline(always)]
+        fn look_up<const K: usize, const STEP: usize>(
+            table: &[[f32; 2]],
+            at: Self,
+            further: [usize; K],
+        ) -> [[Self; 4]; K] {
+            let mut places = [0; 8];
+            // SAFETY: a vector exists only where `Cpu` did.
+            unsafe {
+                store_places::<STEP>(_mm256_cvttps_epi32(at.0), last_place(table, further), &mut places)
+            };
+            let (mut found, mut k) = ([[at; 4]; K], 0);
+            while k < K {
+                // SAFETY: as above, and all places have their pairs.
+                let [a, b, c, d] = unsafe { pairs_of_8(table.as_ptr().add(further[k]), &places) };
+                found[k] = [Self(a), Self(b), Self(c), Self(d)];
+                k += 1;
+            }
+            found
+        }
+    }
 );
 avx2!(
     F64x4,
@@ -125,5 +233,172 @@ avx2!(
     _mm256_sqrt_pd,
     _mm256_cmp_pd,
     _mm256_and_pd,
-    _mm256_blendv_pd
+    _mm256_blendv_pd,
+    _mm256_max_pd,
+    _mm256_min_pd,
+    _mm256_andnot_pd,
+    _mm256_round_pd,
+    _mm256_movemask_pd,
+    {
+        #[inline(always)]
+        fn load_single(_: Cpu<Self>, from: &[f32]) -> Self {
+            // SAFETY: `Cpu` says that the processor has AVX2, which is what `F32x4` needs.
+            let F32x4(numbers) = F32x4::load(unsafe { Cpu::assume() }, from);
+            // SAFETY: as above.
+            Self(unsafe { _mm256_cvtps_pd(numbers) })
+        }
+        #[inline(always)]
+        fn load_fresh(_: Cpu<Self>, from: &[f32]) -> Self {
+            // SAFETY: `Cpu` says that the processor has AVX2, which is what `F32x4` needs.
+            let F32x4(numbers) = F32x4::load_fresh(unsafe { Cpu::assume() }, from);
+            // SAFETY: as above.
+            Self(unsafe { _mm256_cvtps_pd(numbers) })
+        }
+        #[inline(always)]
+        fn store_single(self, to: &mut [f32]) {
+            // SAFETY: a vector exists only where `Cpu` did.
+            F32x4(unsafe { _mm256_cvtpd_ps(self.0) }).store(to);
+        }
+        #[inline(always)]
+        fn look_up<const K: usize, const STEP: usize>(
+            table: &[[f32; 2]],
+            at: Self,
+            further: [usize; K],
+        ) -> [[Self; 4]; K] {
+            // SAFETY: a vector exists only where `Cpu` did.
+            let places =
+                unsafe { places_of_4::<STEP>(_mm256_cvttpd_epi32(at.0), last_place(table, further)) };
+            let (mut found, mut k) = ([[at; 4]; K], 0);
+            while k < K {
+                // SAFETY: as above, and all places have their pairs.
+                found[k] = unsafe {
+                    let [a, b, c, d] = pairs_of_4(table.as_ptr().add(further[k]), &places);
+                    [
+                        Self(_mm256_cvtps_pd(a)),
+                        Self(_mm256_cvtps_pd(b)),
+                        Self(_mm256_cvtps_pd(c)),
+                        Self(_mm256_cvtps_pd(d)),
+                    ]
+                };
+                k += 1;
+            }
+            found
+        }
+    }
 );
+
+/// Four numbers, each loaded by itself: volatile, or the compiler would make one load of them.
+///
+/// # Safety
+/// The processor has AVX2.
+#[inline(always)]
+unsafe fn one_by_one(from: &[f32; 4]) -> __m128 {
+    let [a, b, c, d] = from;
+    // SAFETY: references to numbers that there are; the instruction is there.
+    unsafe {
+        _mm_setr_ps(
+            (&raw const *a).read_volatile(),
+            (&raw const *b).read_volatile(),
+            (&raw const *c).read_volatile(),
+            (&raw const *d).read_volatile(),
+        )
+    }
+}
+
+/// `STEP` (1 or 2) times some places, up to a last one.
+///
+/// # Safety
+/// The processor has AVX2.
+#[inline(always)]
+unsafe fn places_of_4<const STEP: usize>(places: __m128i, last: usize) -> [usize; 4] {
+    // SAFETY: the instructions are there.
+    unsafe {
+        let places = if STEP == 2 { _mm_add_epi32(places, places) } else { places };
+        let places = _mm_min_epu32(places, _mm_set1_epi32(last as i32));
+        [
+            _mm_extract_epi32::<0>(places) as u32 as usize,
+            _mm_extract_epi32::<1>(places) as u32 as usize,
+            _mm_extract_epi32::<2>(places) as u32 as usize,
+            _mm_extract_epi32::<3>(places) as u32 as usize,
+        ]
+    }
+}
+
+/// `STEP` (1 or 2) times some places, up to a last one, stored.
+///
+/// # Safety
+/// The processor has AVX2.
+#[inline(always)]
+unsafe fn store_places<const STEP: usize>(places: __m256i, last: usize, to: &mut [u32; 8]) {
+    // SAFETY: the instructions are there, and the room.
+    unsafe {
+        let places = if STEP == 2 { _mm256_add_epi32(places, places) } else { places };
+        let places = _mm256_min_epu32(places, _mm256_set1_epi32(last as i32));
+        _mm256_storeu_si256(to.as_mut_ptr().cast(), places);
+    }
+}
+
+/// Two pairs at one of eight places. The place is loaded from where it is stored: what the compiler would make of it
+/// instead, taking it out of its register, keeps the ports busy that shuffle.
+///
+/// # Safety
+/// There are such pairs.
+#[inline(always)]
+unsafe fn pairs_at(table: *const [f32; 2], places: &[u32; 8], lane: usize) -> __m128 {
+    // SAFETY: a reference to a number that there is; the caller's promise.
+    unsafe {
+        let place = (&raw const places[lane]).read_volatile() as usize;
+        _mm_loadu_ps(table.add(place).cast())
+    }
+}
+
+/// Two pairs at each of four places, transposed.
+///
+/// # Safety
+/// The processor has AVX2, and there are such pairs.
+#[inline(always)]
+unsafe fn pairs_of_4(table: *const [f32; 2], places: &[usize; 4]) -> [__m128; 4] {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let [a, b, c, d] = *places;
+        let (a, b) = (_mm_loadu_ps(table.add(a).cast()), _mm_loadu_ps(table.add(b).cast()));
+        let (c, d) = (_mm_loadu_ps(table.add(c).cast()), _mm_loadu_ps(table.add(d).cast()));
+        let (ab, cd) = (_mm_unpacklo_ps(a, b), _mm_unpacklo_ps(c, d));
+        let (ab_high, cd_high) = (_mm_unpackhi_ps(a, b), _mm_unpackhi_ps(c, d));
+        [
+            _mm_movelh_ps(ab, cd),
+            _mm_movehl_ps(cd, ab),
+            _mm_movelh_ps(ab_high, cd_high),
+            _mm_movehl_ps(cd_high, ab_high),
+        ]
+    }
+}
+
+/// Two pairs at each of eight places, transposed.
+///
+/// # Safety
+/// The processor has AVX2, and there are such pairs.
+#[inline(always)]
+unsafe fn pairs_of_8(table: *const [f32; 2], places: &[u32; 8]) -> [__m256; 4] {
+    // SAFETY: the caller's promise.
+    unsafe {
+        // Lanes that lie four apart side by side, so that transposing within 128 bits leaves them in order.
+        macro_rules! rows {
+            ($lane:literal) => {
+                _mm256_insertf128_ps::<1>(
+                    _mm256_castps128_ps256(pairs_at(table, places, $lane)),
+                    pairs_at(table, places, $lane + 4),
+                )
+            };
+        }
+        let (a, b, c, d) = (rows!(0), rows!(1), rows!(2), rows!(3));
+        let (ab, cd) = (_mm256_unpacklo_ps(a, b), _mm256_unpacklo_ps(c, d));
+        let (ab_high, cd_high) = (_mm256_unpackhi_ps(a, b), _mm256_unpackhi_ps(c, d));
+        [
+            _mm256_shuffle_ps::<0b01_00_01_00>(ab, cd),
+            _mm256_shuffle_ps::<0b11_10_11_10>(ab, cd),
+            _mm256_shuffle_ps::<0b01_00_01_00>(ab_high, cd_high),
+            _mm256_shuffle_ps::<0b11_10_11_10>(ab_high, cd_high),
+        ]
+    }
+}

@@ -11,12 +11,13 @@ use std::{
     ops::{Add, Div, Mul, Sub},
 };
 
-use super::{Cpu, Lanes, register};
+use super::{Cpu, Lanes, avx2::F32x8, last_place, register};
 
 macro_rules! avx512 {
     ($name:ident, $scalar:ty, $register:ty, $width:literal, $mask:ty, $set:ident, $load:ident, $store:ident,
      $add:ident, $sub:ident, $mul:ident, $div:ident, $fmadd:ident, $fmsub:ident, $fnmadd:ident,
-     $sqrt:ident, $cmp:ident, $blend:ident, $move:ident, $second:ident) => {
+     $sqrt:ident, $cmp:ident, $blend:ident, $move:ident, $second:ident, $max:ident, $min:ident, $abs:ident,
+     $round:ident, { $($single:item)* }) => {
         register!(
             $name,
             $scalar,
@@ -67,6 +68,31 @@ macro_rules! avx512 {
                     // SAFETY: a vector exists only where `Cpu` did.
                     Self(unsafe { $move(mask, self.0) })
                 }
+                #[inline(always)]
+                fn abs(self) -> Self {
+                    // SAFETY: a vector exists only where `Cpu` did.
+                    Self(unsafe { $abs(self.0) })
+                }
+                #[inline(always)]
+                fn trunc(self) -> Self {
+                    // SAFETY: a vector exists only where `Cpu` did.
+                    Self(unsafe { $round::<{ _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC }>(self.0) })
+                }
+                #[inline(always)]
+                fn larger(self, b: Self) -> Self {
+                    // SAFETY: a vector exists only where `Cpu` did.
+                    Self(unsafe { $max(self.0, b.0) })
+                }
+                #[inline(always)]
+                fn smaller(self, b: Self) -> Self {
+                    // SAFETY: a vector exists only where `Cpu` did.
+                    Self(unsafe { $min(self.0, b.0) })
+                }
+                #[inline(always)]
+                fn bits(mask: Self::Mask) -> u32 {
+                    mask.into()
+                }
+                $($single)*
             }
         );
     };
@@ -92,7 +118,52 @@ avx512!(
     _mm512_cmp_ps_mask,
     _mm512_mask_blend_ps,
     _mm512_maskz_mov_ps,
-    sqrt
+    sqrt,
+    _mm512_max_ps,
+    _mm512_min_ps,
+    _mm512_abs_ps,
+    _mm512_roundscale_ps,
+    {
+        #[inline(always)]
+        fn load_single(cpu: Cpu<Self>, from: &[f32]) -> Self {
+            Self::load(cpu, from)
+        }
+        #[inline(always)]
+        fn store_single(self, to: &mut [f32]) {
+            self.store(to);
+        }
+        #[inline(always)]
+        fn store_single_where(self, mask: Self::Mask, to: &mut [f32]) {
+            let room = if to.len() >= 16 { u16::MAX } else { !(u16::MAX << to.len()) };
+            // SAFETY: a vector exists only where `Cpu` did; nothing is written but what there is room for.
+            unsafe { _mm512_mask_storeu_ps(to.as_mut_ptr(), mask & room, self.0) };
+        }
+        #[inline(always)]
+        fn look_up<const K: usize, const STEP: usize>(
+            table: &[[f32; 2]],
+            at: Self,
+            further: [usize; K],
+        ) -> [[Self; 4]; K] {
+            let last = last_place(table, further) as i32;
+            // SAFETY: a vector exists only where `Cpu` did.
+            let places = unsafe {
+                let places = _mm512_cvttps_epi32(at.0);
+                let places = if STEP == 2 { _mm512_add_epi32(places, places) } else { places };
+                _mm512_min_epu32(places, _mm512_set1_epi32(last))
+            };
+            let (mut found, mut k) = ([[at; 4]; K], 0);
+            while k < K {
+                // SAFETY: as above, and all places have their pairs.
+                let [[a, b], [c, d]] = unsafe {
+                    let from = table.as_ptr().add(further[k]);
+                    [pair_of_16(from, places), pair_of_16(from.add(1), places)]
+                };
+                found[k] = [Self(a), Self(b), Self(c), Self(d)];
+                k += 1;
+            }
+            found
+        }
+    }
 );
 avx512!(
     F64x8,
@@ -114,8 +185,93 @@ avx512!(
     _mm512_cmp_pd_mask,
     _mm512_mask_blend_pd,
     _mm512_maskz_mov_pd,
-    computed_sqrt
+    computed_sqrt,
+    _mm512_max_pd,
+    _mm512_min_pd,
+    _mm512_abs_pd,
+    _mm512_roundscale_pd,
+    {
+        #[inline(always)]
+        fn load_single(_: Cpu<Self>, from: &[f32]) -> Self {
+            // SAFETY: `Cpu` says that the processor has AVX-512F, and with it AVX2, which is what `F32x8` needs.
+            let F32x8(numbers) = F32x8::load(unsafe { Cpu::assume() }, from);
+            // SAFETY: as above.
+            Self(unsafe { _mm512_cvtps_pd(numbers) })
+        }
+        #[inline(always)]
+        fn store_single(self, to: &mut [f32]) {
+            // SAFETY: a vector exists only where `Cpu` did.
+            F32x8(unsafe { _mm512_cvtpd_ps(self.0) }).store(to);
+        }
+        #[inline(always)]
+        fn store_single_where(self, mask: Self::Mask, to: &mut [f32]) {
+            let room = if to.len() >= 8 { u8::MAX } else { !(u8::MAX << to.len()) };
+            // SAFETY: a vector exists only where `Cpu` did; nothing is written but what there is room for.
+            unsafe {
+                let single = _mm512_castps256_ps512(_mm512_cvtpd_ps(self.0));
+                _mm512_mask_storeu_ps(to.as_mut_ptr(), (mask & room).into(), single);
+            }
+        }
+        #[inline(always)]
+        fn look_up<const K: usize, const STEP: usize>(
+            table: &[[f32; 2]],
+            at: Self,
+            further: [usize; K],
+        ) -> [[Self; 4]; K] {
+            let last = last_place(table, further) as i32;
+            // SAFETY: a vector exists only where `Cpu` did.
+            let places = unsafe {
+                let places = _mm512_cvttpd_epi32(at.0);
+                let places = if STEP == 2 { _mm256_add_epi32(places, places) } else { places };
+                _mm256_min_epu32(places, _mm256_set1_epi32(last))
+            };
+            let (mut found, mut k) = ([[at; 4]; K], 0);
+            while k < K {
+                // SAFETY: as above, and all places have their pairs.
+                let [[a, b], [c, d]] = unsafe {
+                    let from = table.as_ptr().add(further[k]);
+                    [pair_of_8(from, places), pair_of_8(from.add(1), places)]
+                };
+                found[k] = [Self(a), Self(b), Self(c), Self(d)];
+                k += 1;
+            }
+            found
+        }
+    }
 );
+
+/// The pairs at sixteen places, apart.
+///
+/// # Safety
+/// The processor has AVX-512F, and there are such pairs.
+#[inline(always)]
+unsafe fn pair_of_16(table: *const [f32; 2], places: __m512i) -> [__m512; 2] {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let low = _mm512_i32gather_pd::<8>(_mm512_castsi512_si256(places), table.cast());
+        let high = _mm512_i32gather_pd::<8>(_mm512_extracti64x4_epi64::<1>(places), table.cast());
+        let (low, high) = (_mm512_castpd_ps(low), _mm512_castpd_ps(high));
+        let firsts = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+        let seconds = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
+        [_mm512_permutex2var_ps(low, firsts, high), _mm512_permutex2var_ps(low, seconds, high)]
+    }
+}
+
+/// The pairs at eight places, apart and in double precision.
+///
+/// # Safety
+/// The processor has AVX-512F and AVX2, and there are such pairs.
+#[inline(always)]
+unsafe fn pair_of_8(table: *const [f32; 2], places: __m256i) -> [__m512d; 2] {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let pairs = _mm512_castpd_ps(_mm512_i32gather_pd::<8>(places, table.cast()));
+        let firsts = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 0, 0, 0, 0, 0, 0, 0, 0);
+        let seconds = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 0, 0, 0, 0, 0, 0, 0, 0);
+        let (first, second) = (_mm512_permutexvar_ps(firsts, pairs), _mm512_permutexvar_ps(seconds, pairs));
+        [_mm512_cvtps_pd(_mm512_castps512_ps256(first)), _mm512_cvtps_pd(_mm512_castps512_ps256(second))]
+    }
+}
 
 impl F64x8 {
     /// The square root by multiplications; NaN at 0 and infinity. Correctly rounded for numbers above

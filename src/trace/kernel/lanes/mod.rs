@@ -14,6 +14,8 @@ use std::{
     ops::{Add, Div, Mul, Sub},
 };
 
+use crate::trace::Real;
+
 pub use portable::{Portable, Scalar};
 
 /// The knowledge that this processor has the instructions of `L`, without which no vector is made.
@@ -73,8 +75,16 @@ pub trait Lanes:
     /// The square roots of two vectors; NaN below 0. Of numbers at most [`Scalar::NO_SQUARE`] above
     /// 0, of 0 and of infinity it may be NaN.
     fn sqrt_pair(a: Self, b: Self) -> [Self; 2];
-    /// The square root, as in [`Lanes::sqrt_pair`].
+    /// The square root; NaN below 0.
     fn sqrt(self) -> Self;
+    /// Without the sign.
+    fn abs(self) -> Self;
+    /// Without the digits behind the point.
+    fn trunc(self) -> Self;
+    /// The larger of the two; `b` where either is NaN.
+    fn larger(self, b: Self) -> Self;
+    /// The smaller of the two; `b` where either is NaN.
+    fn smaller(self, b: Self) -> Self;
     /// `self < b`, false for NaN.
     fn less(self, b: Self) -> Self::Mask;
     /// `self <= b`, false for NaN.
@@ -85,11 +95,68 @@ pub trait Lanes:
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
     /// The number where the mask is true, else +0.
     fn or_zero(self, mask: Self::Mask) -> Self;
+    /// The lanes where the mask is true as bits, the first lowest.
+    fn bits(mask: Self::Mask) -> u32;
 
-    /// The larger of the two; `b` where either is NaN.
+    /// [`Lanes::load`] of single-precision numbers.
+    fn load_single(cpu: Cpu<Self>, from: &[f32]) -> Self;
+    /// [`Lanes::load_single`] of numbers that were just stored one by one: each is loaded by itself where they are
+    /// four, because a wide load would wait until all of them have left the store buffer.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn load_fresh(cpu: Cpu<Self>, from: &[f32]) -> Self {
+        Self::load_single(cpu, from)
+    }
+    /// A single-precision number just stored, in every lane; loaded by itself as in [`Lanes::load_fresh`].
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn splat_fresh(cpu: Cpu<Self>, from: &f32) -> Self {
+        // SAFETY: a reference to a number that there is.
+        let number = unsafe { (&raw const *from).read_volatile() };
+        Self::splat(cpu, Self::Scalar::from_f64(number.into()))
+    }
+    /// [`Lanes::store`] rounded to single precision.
+    fn store_single(self, to: &mut [f32]);
+    /// [`Lanes::store_single`] of the lanes where the mask is true.
+    fn store_single_where(self, mask: Self::Mask, to: &mut [f32]);
+    /// Two pairs of a table one after the other for each lane, `K` times: as vectors of their numbers. The first pair is
+    /// `STEP` (1 or 2) times the whole part of `at` and `K` numbers more; where there is none, any. On AVX-512 gathered,
+    /// two numbers at once; elsewhere by loads and shuffles, for what has no AVX-512 mostly gathers more slowly.
+    ///
+    /// # Panics
+    /// The table has not so many pairs that there is one for `at` = 0.
+    fn look_up<const K: usize, const STEP: usize>(
+        table: &[[f32; 2]],
+        at: Self,
+        further: [usize; K],
+    ) -> [[Self; 4]; K];
+
+    /// Whether the mask is true in every lane.
     #[inline(always)]
-    fn larger(self, b: Self) -> Self {
-        Self::select(b.less(self), self, b)
+    fn all(mask: Self::Mask) -> bool {
+        Self::bits(mask) == u32::MAX >> (32 - Self::WIDTH)
+    }
+}
+
+/// The last number for which a look-up finds all its pairs.
+#[inline(always)]
+fn last_place<const K: usize>(table: &[[f32; 2]], further: [usize; K]) -> usize {
+    let (mut most, mut k) = (0, 0);
+    while k < K {
+        most = if further[k] > most { further[k] } else { most };
+        k += 1;
+    }
+    assert!(table.len() >= most + 2, "a table too short to look anything up in");
+    table.len() - (most + 2)
+}
+
+/// Writes the lanes of `bits` that there is room for, one by one.
+#[inline(always)]
+fn store_bits(lanes: &[f32], mut bits: u32, to: &mut [f32]) {
+    while bits != 0 {
+        let lane = bits.trailing_zeros() as usize;
+        if lane < to.len() {
+            to[lane] = lanes[lane];
+        }
+        bits &= bits - 1;
     }
 }
 
@@ -102,7 +169,7 @@ macro_rules! register {
         #[doc = concat!(stringify!($width), " lanes of ", stringify!($scalar), " in one register.")]
         #[derive(Clone, Copy)]
         #[repr(transparent)]
-        pub struct $name($register);
+        pub struct $name(pub(super) $register);
 
         register!(@operator $name, Add, add, $add);
         register!(@operator $name, Sub, sub, $sub);

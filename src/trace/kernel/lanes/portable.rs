@@ -1,8 +1,10 @@
 //! Arrays of numbers: the instance for any processor, and with one lane the scalar one.
 
+#[cfg(target_arch = "x86_64")]
+use std::arch::x86_64::{_mm_cvttsd_si32, _mm_cvttss_si32, _mm_set_sd, _mm_set_ss};
 use std::ops::{Add, Div, Mul, Sub};
 
-use super::{Cpu, Lanes};
+use super::{Cpu, Lanes, last_place, store_bits};
 use crate::trace::Real;
 
 /// A number type that vectors are made of.
@@ -16,6 +18,11 @@ pub trait Scalar: Real {
     /// compiled for it, else a slow but exact function.
     #[must_use]
     fn fused(self, b: Self, c: Self) -> Self;
+    /// Without the digits behind the point.
+    #[must_use]
+    fn whole(self) -> Self;
+    /// The whole part of a number from 0 to 2^31; of any other anything.
+    fn index(self) -> usize;
     /// Two square roots, at the latency of one where the processor can.
     fn sqrt_pair(a: Self, b: Self) -> [Self; 2];
 }
@@ -28,6 +35,21 @@ impl Scalar for f64 {
     #[inline(always)]
     fn fused(self, b: Self, c: Self) -> Self {
         self.mul_add(b, c)
+    }
+
+    #[inline(always)]
+    fn whole(self) -> Self {
+        self.trunc()
+    }
+
+    #[inline(always)]
+    fn index(self) -> usize {
+        // `as` would add two comparisons, which whoever waits for the look-up waits for.
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: every such processor has SSE2.
+        return unsafe { _mm_cvttsd_si32(_mm_set_sd(self)) } as u32 as usize;
+        #[cfg(not(target_arch = "x86_64"))]
+        return self as u32 as usize;
     }
 
     #[inline(always)]
@@ -54,6 +76,21 @@ impl Scalar for f32 {
     #[inline(always)]
     fn fused(self, b: Self, c: Self) -> Self {
         self.mul_add(b, c)
+    }
+
+    #[inline(always)]
+    fn whole(self) -> Self {
+        self.trunc()
+    }
+
+    #[inline(always)]
+    fn index(self) -> usize {
+        // `as` would add two comparisons, which whoever waits for the look-up waits for.
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: every such processor has SSE2.
+        return unsafe { _mm_cvttss_si32(_mm_set_ss(self)) } as u32 as usize;
+        #[cfg(not(target_arch = "x86_64"))]
+        return self as u32 as usize;
     }
 
     #[inline(always)]
@@ -156,5 +193,76 @@ impl<S: Scalar, const N: usize> Lanes for Portable<S, N> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn or_zero(self, mask: Self::Mask) -> Self {
         Self(lanes!(self.0, i => if mask[i] { self.0[i] } else { S::ZERO }))
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn abs(self) -> Self {
+        Self(lanes!(self.0, i => if S::ZERO < self.0[i] { self.0[i] } else { S::ZERO - self.0[i] }))
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn trunc(self) -> Self {
+        Self(lanes!(self.0, i => self.0[i].whole()))
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn larger(self, b: Self) -> Self {
+        Self(lanes!(b.0, i => if b.0[i] < self.0[i] { self.0[i] } else { b.0[i] }))
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn smaller(self, b: Self) -> Self {
+        Self(lanes!(b.0, i => if self.0[i] < b.0[i] { self.0[i] } else { b.0[i] }))
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn bits(mask: Self::Mask) -> u32 {
+        let (mut bits, mut i) = (0, 0);
+        while i < N {
+            bits |= u32::from(mask[i]) << i;
+            i += 1;
+        }
+        bits
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn load_single(_: Cpu<Self>, from: &[f32]) -> Self {
+        Self(lanes!([S::ZERO; N], i => if i < from.len() { S::from_f64(from[i].into()) } else { S::ZERO }))
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn store_single(self, to: &mut [f32]) {
+        let n = to.len().min(N);
+        let mut i = 0;
+        while i < n {
+            to[i] = self.0[i].to_f64() as f32;
+            i += 1;
+        }
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn store_single_where(self, mask: Self::Mask, to: &mut [f32]) {
+        let mut single = [0.0; N];
+        self.store_single(&mut single);
+        store_bits(&single, Self::bits(mask), to);
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn look_up<const K: usize, const STEP: usize>(
+        table: &[[f32; 2]],
+        at: Self,
+        further: [usize; K],
+    ) -> [[Self; 4]; K] {
+        let last = last_place(table, further);
+        let mut numbers = [[at; 4]; K];
+        let mut i = 0;
+        while i < N {
+            let first = (STEP * at.0[i].index()).min(last);
+            let mut k = 0;
+            while k < K {
+                // SAFETY: no place beyond the last whose pairs there are.
+                let [[a, b], [c, d]] = unsafe {
+                    [*table.get_unchecked(first + further[k]), *table.get_unchecked(first + further[k] + 1)]
+                };
+                numbers[k][0].0[i] = S::from_f64(a.into());
+                numbers[k][1].0[i] = S::from_f64(b.into());
+                numbers[k][2].0[i] = S::from_f64(c.into());
+                numbers[k][3].0[i] = S::from_f64(d.into());
+                k += 1;
+            }
+            i += 1;
+        }
+        numbers
     }
 }

@@ -1,13 +1,14 @@
 //! The figures of the report: which results each chart shows.
 
+use super::stability_figures;
 use crate::plots::PALETTE;
 use crate::plots::chart::{Chart, Mark, Series, Shape};
 use realistic::report::irradiance;
 use realistic::report::picture;
-use realistic::report::ray_map::{Family, Measured, Spread};
-use realistic::report::stability::BOUND;
+use realistic::report::pupil_table;
+use realistic::report::ray_map::{self, Family, Measured, Spread};
 use realistic::report::statistics::pareto_front;
-use realistic::report::suite::{Results, stability_table};
+use realistic::report::suite::Results;
 use realistic::report::table::Table;
 
 /// A chart with the name of its files.
@@ -38,6 +39,7 @@ pub struct Section {
 type Kind = (&'static str, &'static str, &'static str, &'static str, fn(&Results, &str) -> Chart);
 
 const KINDS: &[Kind] = &[
+    ("pixels", "The ray map: pixels", IN_PIXELS, "ray-map", in_pixels),
     ("direction", "The ray map: direction", DIRECTION, "ray-map", direction),
     ("position", "The ray map: position", POSITION, "ray-map", position),
     (
@@ -49,28 +51,36 @@ const KINDS: &[Kind] = &[
     ),
     ("mapping", "The estimator: film irradiance by disk mapping", MAPPING, "irradiance", by_mapping),
     ("estimator", "The estimator: a rendered picture", ESTIMATOR, "estimators", estimators),
-    ("set-up", "Set-up", SET_UP, "set-up", set_up),
+    ("set-up", "Set-up: polynomials", SET_UP, "set-up", set_up),
+    ("pupils", "Set-up: the pupil", PUPILS, "pupils", pupils),
     ("picture", "The picture: whole renders", PICTURE, "renderers", renderers),
 ];
 
-const DIRECTION: &str = "Angle between the ray that leaves the lens and the exact one, against the time a ray takes. A \
-    mark is the 99.9 % quantile; its thin line reaches from the median to the worst ray. Filled marks and the grey \
-    staircase are the Pareto front: nothing else is both faster and nearer. The dotted line is a tenth of a pixel.";
+const IN_PIXELS: &str = "How far from its film point a ray belongs that leaves the lens where the method says, \
+    against the time a ray takes. A mark is the 99.9 % quantile; its thin line reaches from the median to the worst ray. \
+    Filled marks and the grey staircase are the Pareto front: nothing else is both faster and nearer. The dotted lines \
+    are one pixel and a hundredth. A number by itself is a polynomial's order; those in batches are in f32 but where f64 is \
+    said. \"one\" and \"three\" are rays traced at once, f32x16 is a batch on registers of 16 numbers.";
+const DIRECTION: &str = "Angle between the ray that leaves the lens and the exact one, against the time a ray takes; marks as above.";
 const POSITION: &str = "Distance between the ray that leaves the lens and the exact point on the front surface, \
     against the time a ray takes. Marks as above; the front is that of this chart.";
 const IRRADIANCE: &str = "RMS relative error of the estimate of film irradiance under a flat field, over the lit ones of five film \
     points from the centre to the corner and independent repetitions, against time, sample numbers included. Whole \
     lines draw on the rear element's disk, dashed ones on the thick lens's exit pupil, whose bias makes them level \
-    off. In brackets: the exponent of the noise as a power of the number of samples (-0.5 is Monte Carlo).";
+    off, dotted ones on the true pupil (warped). In brackets: the exponent of the noise as a power of the number of samples (-0.5 is Monte Carlo).";
 const MAPPING: &str =
     "The same, drawn on the rear element's disk, for the three ways from lens numbers to the disk.";
 const ESTIMATOR: &str = "RMS error of a picture (chequerboard, lights out of focus, sky) over its mean, against \
     time on one core, for 1, 4, 16, ... samples a pixel; the f64 walk under every sampler. In brackets: the fitted \
     exponent.";
+const PUPILS: &str = "What each way to know the pupil misses of it, and which share of its samples the lens blocks, \
+    against the time to build its table: the rear element's disk, the thick lens's exit pupil (disk), boxes for rings of \
+    the film, and the warped pupil. What is less than 1e-6, and what takes less than a microsecond to build, stands there.";
 const SET_UP: &str = "Error of fitted polynomials on fresh rays (99.9 % quantile) against the time to build them; along \
     a line the number of rays that they are fitted to doubles.";
 const PICTURE: &str = "RMS error of the same picture against time on one core, for whole ways to render, with \
-    Sobol' numbers. What models or samples the pupil wrongly levels off at its bias.";
+    Sobol' numbers: \"blocks\" are a batch host's, \"0.1 pixel\" is the cheapest model that the planner allows at that \
+    tolerance, the others ask for one ray at a time. What models or samples the pupil wrongly levels off at its bias.";
 
 /// Every section with its charts.
 pub fn all(results: &Results) -> Vec<Section> {
@@ -84,12 +94,23 @@ pub fn all(results: &Results) -> Vec<Section> {
             .iter()
             .map(|lens| Figure { file: format!("{anchor}-{lens}"), chart: draw(results, lens) })
             .collect(),
-        summary: None,
+        summary: summary(results, anchor),
     });
-    by_lens.chain([stability(results)]).collect()
+    by_lens.chain([stability_figures::section(results)]).collect()
 }
 
-const SHAPES: [Shape; 5] = [Shape::Disk, Shape::Square, Shape::Triangle, Shape::Diamond, Shape::Drop];
+/// The table under a section's charts.
+fn summary(results: &Results, anchor: &str) -> Option<Table> {
+    match anchor {
+        "pixels" => Some(ray_map::table(&results.ray_map)),
+        "pupils" => Some(pupil_table::table(&results.pupils)),
+        _ => None,
+    }
+}
+
+/// The forms of marks, one a series.
+pub const SHAPES: [Shape; 6] =
+    [Shape::Disk, Shape::Square, Shape::Triangle, Shape::Diamond, Shape::Drop, Shape::Cross];
 
 fn scatter(results: &Results, lens: &str, spread: fn(&Measured) -> Spread) -> Vec<Series> {
     let own: Vec<&Measured> = results.ray_map.iter().filter(|m| m.lens == lens).collect();
@@ -109,7 +130,7 @@ fn scatter(results: &Results, lens: &str, spread: fn(&Measured) -> Spread) -> Ve
                 Mark {
                     at: [m.time.median * 1e9, most],
                     reach: Some([median, worst]),
-                    name: Some(m.method.name.to_owned()),
+                    name: Some(label(m)),
                     on_front,
                 }
             })
@@ -118,15 +139,28 @@ fn scatter(results: &Results, lens: &str, spread: fn(&Measured) -> Spread) -> Ve
     Family::NAMES.iter().enumerate().map(series).collect()
 }
 
+/// A method's name beside its mark: of a polynomial the order will do, its colour and form say the rest.
+fn label(m: &Measured) -> String {
+    let name = m.method.name;
+    name.strip_prefix("order ").unwrap_or(name).trim_end_matches(", f32").replace(", ", " ")
+}
+
+fn in_pixels(results: &Results, lens: &str) -> Chart {
+    Chart {
+        title: lens.to_owned(),
+        cost: "time a ray, ns",
+        error: "error, pixels",
+        levels: vec![(1.0, "one pixel".to_owned()), (0.01, "a hundredth of a pixel".to_owned())],
+        series: scatter(results, lens, |m| m.pixels),
+    }
+}
+
 fn direction(results: &Results, lens: &str) -> Chart {
-    let own = results.ray_map.iter().find(|m| m.lens == lens && m.pixels.most > 0.0);
-    // A tenth of a pixel as an angle, by the ratio that the results have.
-    let tenth = own.map(|m| 0.1 * m.direction.most / m.pixels.most);
     Chart {
         title: lens.to_owned(),
         cost: "time a ray, ns",
         error: "direction error, rad",
-        level: tenth.map(|angle| (angle, "a tenth of a pixel")),
+        levels: Vec::new(),
         series: scatter(results, lens, |m| m.direction),
     }
 }
@@ -136,7 +170,7 @@ fn position(results: &Results, lens: &str) -> Chart {
         title: lens.to_owned(),
         cost: "time a ray, ns",
         error: "position error, mm",
-        level: None,
+        levels: Vec::new(),
         series: scatter(results, lens, |m| m.position),
     }
 }
@@ -188,7 +222,7 @@ fn flat_field(
         title: lens.to_owned(),
         cost: "time an estimate, µs",
         error: "RMS relative error",
-        level: None,
+        levels: Vec::new(),
         series: with_front(series.collect()),
     }
 }
@@ -222,7 +256,7 @@ fn pictures(lens: &str, curves: &[picture::Curve], estimators: bool) -> Chart {
         title: lens.to_owned(),
         cost: "time on one core, ms",
         error: "RMS error over the mean",
-        level: None,
+        levels: Vec::new(),
         series: with_front(series.collect()),
     }
 }
@@ -235,9 +269,8 @@ fn renderers(results: &Results, lens: &str) -> Chart {
     let mut chart = pictures(lens, &results.renderers, false);
     let floor = results.floors.iter().find(|(name, _)| *name == lens);
     let lowest = chart.series.iter().flat_map(|s| &s.marks).map(|m| m.at[1]).fold(f64::INFINITY, f64::min);
-    chart.level = floor
-        .filter(|(_, error)| *error > lowest / 4.0)
-        .map(|&(_, error)| (error, "the reference's own error"));
+    let floor = floor.filter(|(_, error)| *error > lowest / 4.0);
+    chart.levels.extend(floor.map(|&(_, error)| (error, "the reference's own error".to_owned())));
     chart
 }
 
@@ -256,48 +289,42 @@ fn set_up(results: &Results, lens: &str) -> Chart {
         title: lens.to_owned(),
         cost: "time to build, ms",
         error: "direction error, rad",
-        level: None,
+        levels: Vec::new(),
         series: with_front(series),
     }
 }
 
-const STABILITY: &str = "Extreme cases with known answers: a mark is a case, its error over what a perfect tracer must \
-    expect from the condition number of the case and its own rounding unit. A figure of order one, whatever the condition, is \
-    a backward stable tracer; what is below 1e-6, or exact, stands there. The dotted line is the bound that the tests hold. The table has the worst of each group, \
-    the CSV every case.";
+/// Shares below this are shown as this.
+const LEAST_SHARE: f64 = 1e-6;
+/// Building times below this, ms, likewise.
+const LEAST_TIME: f64 = 1e-3;
 
-/// Ratios below this are shown as this.
-const EXACT: f64 = 1e-6;
-
-fn stability(results: &Results) -> Section {
-    let mut kernels = Vec::new();
-    let mut series: Vec<Series> = Vec::new();
-    for case in &results.stability {
-        let number = rank(&mut kernels, case.kernel);
-        if number == series.len() {
-            let shape = SHAPES[number % SHAPES.len()];
-            let color = PALETTE[number % PALETTE.len()];
-            series.push(Series { name: case.kernel.to_owned(), color, shape, line: None, marks: Vec::new() });
-        }
-        // What is judged by rays without number has no condition number; it is in the table.
-        if case.condition > 0.0 {
-            let at = [case.condition, case.ratio.max(EXACT)];
-            series[number].marks.push(Mark { at, reach: None, name: None, on_front: false });
-        }
-    }
-    let chart = Chart {
-        title: "all cases, all tracers".to_owned(),
-        cost: "condition number of the ray map",
-        error: "error / (condition x epsilon)",
-        level: Some((BOUND, "bound")),
-        series,
+fn pupils(results: &Results, lens: &str) -> Chart {
+    let own: Vec<_> = results.pupils.iter().filter(|m| m.lens == lens).collect();
+    let series = |name: &str, number: usize, share: fn(&pupil_table::Measured) -> f64| Series {
+        name: name.to_owned(),
+        color: PALETTE[number],
+        shape: SHAPES[number],
+        line: None,
+        marks: own
+            .iter()
+            .map(|m| Mark {
+                at: [(m.time * 1e3).max(LEAST_TIME), share(m).max(LEAST_SHARE)],
+                reach: None,
+                name: Some(m.name.to_owned()),
+                on_front: false,
+            })
+            .collect(),
     };
-    Section {
-        anchor: "stability",
-        title: "Stability on stiff and extreme cases",
-        text: STABILITY,
-        table: "stability",
-        figures: vec![Figure { file: "stability".to_owned(), chart }],
-        summary: Some(stability_table(&results.stability_by_group())),
+    let series = [
+        series("share of the pupil missed", 0, |m| m.missed),
+        series("share of the samples blocked", 1, |m| m.excess),
+    ];
+    Chart {
+        title: lens.to_owned(),
+        cost: "time to build, ms",
+        error: "share",
+        levels: Vec::new(),
+        series: series.into(),
     }
 }

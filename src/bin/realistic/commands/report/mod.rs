@@ -1,15 +1,17 @@
 //! `realistic report`: error against run time, as a folder to read.
 
+mod advice;
 mod conclusions;
 mod figures;
 mod page;
+mod stability_figures;
 
 use crate::drawing::picture;
 use crate::failure::Failure;
 use indicatif::{ProgressBar, ProgressStyle};
 use realistic::report::machine;
 use realistic::report::suite::{Results, Suite};
-use std::io::Write as _;
+use std::io::{IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -34,15 +36,33 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let progress = ProgressBar::new_spinner();
     progress.set_style(ProgressStyle::with_template("{elapsed} {msg}").expect("a valid template"));
     let start = Instant::now();
+    let mut log = Log { terminal: std::io::stderr().is_terminal(), last: None };
     let measured = suite.run(&mut |what| {
         progress.set_message(what.to_owned());
         progress.tick();
+        log.tell(start.elapsed(), what);
     });
     let results = measured.map_err(|error| Failure::Other(error.to_string()))?;
     progress.finish_and_clear();
     write(&results, &suite, start.elapsed(), &args.out)?;
     let page = args.out.join("index.html");
     Ok(writeln!(std::io::stdout(), "{}", page.display())?)
+}
+
+/// Progress where there is no terminal to draw it on: a line now and then.
+struct Log {
+    terminal: bool,
+    last: Option<Duration>,
+}
+
+impl Log {
+    fn tell(&mut self, now: Duration, what: &str) {
+        let due = self.last.is_none_or(|last| now - last >= Duration::from_secs(2));
+        if due && !self.terminal {
+            eprintln!("{:6.1} s  {what}", now.as_secs_f64());
+            self.last = Some(now);
+        }
+    }
 }
 
 fn make_folder(folder: &Path) -> Result<(), Failure> {

@@ -1,6 +1,7 @@
 //! The page: one HTML file that needs nothing but the files beside it.
 
-use super::conclusions::{answers, seconds, sentences};
+use super::advice::{advice, seconds};
+use super::conclusions::{answers, sentences};
 use super::figures::Section;
 use realistic::report::suite::{Results, Suite};
 use realistic::report::table::{Cell, Table};
@@ -10,12 +11,14 @@ use std::time::Duration;
 const STYLE: &str = "
 :root { color-scheme: light; }
 body { font: 16px/1.5 system-ui, sans-serif; color: #222; background: #fff; margin: 0 auto; padding: 0 16px 48px; max-width: 1480px; }
-h1 { font-size: 1.7rem; line-height: 1.2; } h2 { font-size: 1.25rem; margin-top: 2.4em; }
+h1 { font-size: 1.7rem; line-height: 1.2; } h2 { font-size: 1.25rem; margin-top: 2.4em; } h3 { font-size: 1rem; margin-bottom: 0.2em; }
+h3 + ul { margin-top: 0; }
 p, ul { max-width: 76ch; }
 nav a { margin-right: 1.1em; }
 .warning { border-left: 4px solid #D55E00; padding-left: 12px; }
 .wide { overflow-x: auto; } table { border-collapse: collapse; font-size: 0.92rem; }
 th, td { text-align: left; padding: 5px 12px 5px 0; border-bottom: 1px solid #ddd; vertical-align: top; }
+details { margin-top: 14px; } summary { cursor: pointer; }
 .needs td, .needs th { min-width: 11em; }
 .figures { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 600px), 1fr)); gap: 24px; }
 figure { margin: 0; overflow-x: auto; } figure img { width: 100%; min-width: 520px; max-width: 780px; height: auto; display: block; }
@@ -69,7 +72,9 @@ pub fn page(
         }
         html += "</div>\n";
         if let Some(summary) = &section.summary {
+            let _ = writeln!(html, "<details><summary>The figures as a table</summary>");
             table(&mut html, summary);
+            html += "</details>\n";
         }
     }
     method(&mut html, results, suite, facts, took);
@@ -100,8 +105,12 @@ fn table(html: &mut String, table: &Table) {
 }
 
 fn conclusions(html: &mut String, results: &Results) {
-    *html += "<h2 id=\"conclusions\">Conclusions</h2>\n<p>The cheapest of the methods measured here that serves each \
-        need, with its time on one core.</p>\n<div class=\"wide\"><table class=\"needs\">\n<tr><th>need</th>";
+    *html += "<h2 id=\"conclusions\">Conclusions</h2>\n<ul>\n";
+    for sentence in advice(results) {
+        let _ = writeln!(html, "<li>{}</li>", escaped(&sentence));
+    }
+    *html += "</ul>\n<p>The cheapest of the methods measured here that serves each need, with its time on one \
+        core:</p>\n<div class=\"wide\"><table class=\"needs\">\n<tr><th>need</th>";
     for lens in &results.lenses {
         let _ = write!(html, "<th>{}</th>", escaped(lens));
     }
@@ -113,11 +122,14 @@ fn conclusions(html: &mut String, results: &Results) {
         }
         *html += "</tr>\n";
     }
-    *html += "</table></div>\n<ul>\n";
-    for sentence in sentences(results) {
-        let _ = writeln!(html, "<li>{}</li>", escaped(&sentence));
+    *html += "</table></div>\n";
+    for (heading, sentences) in sentences(results) {
+        let _ = writeln!(html, "<h3>{}</h3>\n<ul>", escaped(heading));
+        for sentence in sentences {
+            let _ = writeln!(html, "<li>{}</li>", escaped(&sentence));
+        }
+        *html += "</ul>\n";
     }
-    *html += "</ul>\n";
 }
 
 fn method(html: &mut String, results: &Results, suite: &Suite, facts: &[(&str, String)], took: Duration) {
@@ -126,14 +138,15 @@ fn method(html: &mut String, results: &Results, suite: &Suite, facts: &[(&str, S
         html,
         "<h2 id=\"method\">How it was measured</h2>\n<p>Times: one thread, and of its time only that for which it had a processor, which is wall time where \
          nothing else runs. Every task is warmed up until one \
-         measurement of it lasts {least}, then timed {rounds} times in pairs with one yardstick (the f64 walk, or the \
+         measurement of it lasts {least}, then timed {rounds} times in pairs with one yardstick (the walk in f64, or the \
          irradiance estimate on the rear disk), in rounds that go forward and backward through the tasks; its time is \
          the median of the ratios times the yardstick's median, so that a drifting clock and busy neighbours \
          cancel. Single rays are timed over blocks of {block} in which the processor may overlap one ray with the \
          next. Renders are timed whole, the median of {renders}. Building times are medians, too.</p>\n\
          <p>Errors of rays: {rays} rays that get through, uniform over the film's disk and the pupil; polynomials are \
          fitted to other rays. Position is the distance of the exact point on the front surface from the line of the \
-         ray. Pixels are the angle times the focal length. Irradiance: {repeats} repetitions at 5 film points on a half-diagonal, less those that get no light; exact values by \
+         ray. Pixels: the distance between the points where the ray and the exact one meet the plane in focus, brought back \
+         to the film by the scale that the lens's own chief rays have there, meridional and sagittal. Irradiance: {repeats} repetitions at 5 film points on a half-diagonal, less those that get no light; exact values by \
          {survey} x {survey} rays over the rear disk. Pictures: {x} x {y} pixels against a mean of two of {reference} \
          samples a pixel, whose own RMS errors are {floors}.</p>\n<p>The whole took {took}.</p>\n",
         least = seconds(ray_map.effort.least.as_secs_f64()),

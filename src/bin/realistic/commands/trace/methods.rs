@@ -1,7 +1,8 @@
 //! The methods of `trace` by name: one line of the table each.
 
 use realistic::optics::{Lens, LensError, first_order::FirstOrder, refraction::Refraction};
-use realistic::trace::{Blocked, Direction, Path, Ray, Real};
+use realistic::trace::kernel::{Precision, Simd};
+use realistic::trace::{Blocked, Direction, KernelRays, Path, Ray, Real};
 
 /// Takes a ray as far as it gets: the ray there and why it stopped, if it did.
 pub type Tracer = dyn Fn(Ray) -> (Ray, Option<Blocked>);
@@ -28,6 +29,26 @@ pub const METHODS: &[Method] = &[
         name: "f32",
         help: "exact rays in single precision",
         make: |lens, to| exact::<f32>(lens, to, Refraction::Fused),
+    },
+    Method {
+        name: "batch-f64",
+        help: "the kernel's batches in double precision, on the widest registers (REALISTIC_SIMD)",
+        make: |lens, to| compiled::<f64>(lens, to, |rays, ray| rays.batch(&[ray])[0]),
+    },
+    Method {
+        name: "batch-f32",
+        help: "the same in single precision",
+        make: |lens, to| compiled::<f32>(lens, to, |rays, ray| rays.batch(&[ray])[0]),
+    },
+    Method {
+        name: "one-f64",
+        help: "the kernel's single ray in double precision, as a camera traces one",
+        make: |lens, to| compiled::<f64>(lens, to, KernelRays::one),
+    },
+    Method {
+        name: "one-f32",
+        help: "the same in single precision",
+        make: |lens, to| compiled::<f32>(lens, to, KernelRays::one),
     },
     Method {
         name: "heckbert",
@@ -80,6 +101,20 @@ fn exact<R: Real + 'static>(
     Ok(Box::new(move |ray| {
         let walk = path.walk(ray);
         (walk.ray, walk.blocked)
+    }))
+}
+
+/// The kernel, in one of its ways; of a blocked ray the walk says how far it got and why.
+fn compiled<S: Precision + Real + 'static>(
+    lens: &Lens,
+    direction: Direction,
+    trace: fn(&KernelRays<S>, Ray) -> Option<Ray>,
+) -> Result<Box<Tracer>, LensError> {
+    let rays = KernelRays::<S>::new(lens, direction, Simd::best()).expect("the best is available");
+    let path = Path::<f64>::new(lens, direction, Refraction::Fused);
+    Ok(Box::new(move |ray| match trace(&rays, ray) {
+        Some(traced) => (traced, None),
+        None => (path.walk(ray).ray, Some(rays.reason(ray))),
     }))
 }
 
@@ -139,6 +174,27 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn the_kernel_s_ways_agree_with_the_walk() {
+        let lens = Lens::at_d_line(&catalogue::find("dgauss.50mm").unwrap());
+        let [exact, others @ ..] = ["f64", "batch-f64", "one-f64", "batch-f32", "one-f32"]
+            .map(|name| (find(name).unwrap().make)(&lens, Direction::FilmToScene).unwrap());
+        let film = lens.rear().vertex - 38.0;
+        let (mut passed, mut blocked) = (0, 0);
+        for i in -20..=20 {
+            let ray = Ray { origin: [4.0, 0.0, film], direction: [f64::from(i) / 40.0 - 0.1, 0.0, 1.0] };
+            let (want, reason) = exact(ray);
+            for (number, other) in others.iter().enumerate() {
+                let (got, why) = other(ray);
+                assert_eq!(why, reason, "{ray:?}");
+                let bound = if number < 2 { 1e-13 } else { 1e-6 };
+                assert!((got.direction[0] - want.direction[0]).abs() < bound, "{got:?} is not {want:?}");
+            }
+            if reason.is_none() { passed += 1 } else { blocked += 1 }
+        }
+        assert!(passed > 4 && blocked > 4, "{passed} {blocked}");
     }
 
     #[test]

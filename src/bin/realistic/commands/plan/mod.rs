@@ -1,0 +1,158 @@
+//! `realistic plan`: what a camera keeps and leaves out, why, and what that saves.
+
+#[cfg(feature = "report")]
+mod savings;
+
+use crate::choice::{FilmChoice, FilmPlace, LensChoice, not_negative, warn};
+use crate::failure::Failure;
+use realistic::camera::{CameraError, Host, Level, Parameters, Raster, RealisticCamera};
+use realistic::plan::choice::{Candidate, Verdict};
+use realistic::plan::{Item, Plan};
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+use std::io::Write as _;
+
+/// What `plan` can be told.
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    #[command(flatten)]
+    lens: LensChoice,
+    #[command(flatten)]
+    place: FilmPlace,
+    #[command(flatten)]
+    film: FilmChoice,
+    /// Pixels that 99.9 % of the rays may be off, for a faster model of the lens [default: 0, exact rays]
+    #[arg(long, value_name = "PIXELS", allow_negative_numbers = true, value_parser = not_negative)]
+    tolerance: Option<f64>,
+    /// Another camera parameter, as `render --help` lists them; may be given again
+    #[arg(long = "param", value_name = "NAME=VALUE")]
+    parameters: Vec<String>,
+    /// Write JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Prints the plan, and what it saves as measured now.
+///
+/// # Errors
+/// The camera cannot be built.
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let order = Order::of(args)?;
+    let camera = order.camera(true, order.tolerance(), &mut |level, message| {
+        if level == Level::Warning {
+            warn(message);
+        }
+    })?;
+    let plan = camera.plan();
+    #[cfg(feature = "report")]
+    let savings = savings::Savings::measure(&order)?;
+    let text = if args.json {
+        #[cfg_attr(not(feature = "report"), allow(unused_mut))]
+        let mut value = as_json(plan);
+        #[cfg(feature = "report")]
+        {
+            value["measured"] = savings.json();
+        }
+        format!("{value:#}\n")
+    } else {
+        let text = as_text(plan);
+        #[cfg(feature = "report")]
+        let text = text + &savings.text();
+        text
+    };
+    Ok(std::io::stdout().write_all(text.as_bytes())?)
+}
+
+/// A camera to be built in several ways.
+struct Order {
+    parameters: Parameters,
+    host: Host,
+}
+
+impl Order {
+    fn of(args: &Args) -> Result<Self, Failure> {
+        let mut parameters = Parameters::default();
+        args.lens.give(&mut parameters);
+        args.place.give(&mut parameters);
+        parameters.filmdiag = Some(args.film.filmdiag);
+        parameters.tolerance = args.tolerance;
+        for given in &args.parameters {
+            let (name, value) = given.split_once('=').ok_or_else(|| {
+                Failure::Usage(format!("--param {given}: write NAME=VALUE, as in pupil=rear"))
+            })?;
+            parameters.set_from_text(name, value)?;
+        }
+        let [xres, yres] = args.film.size;
+        Ok(Self { parameters, host: Host::new(Raster { xres, yres }, None) })
+    }
+
+    /// The tolerance asked for, pixels.
+    fn tolerance(&self) -> f64 {
+        self.parameters.tolerance.unwrap_or(0.0)
+    }
+
+    fn camera(
+        &self,
+        leave_out: bool,
+        tolerance: f64,
+        log: &mut dyn FnMut(Level, &str),
+    ) -> Result<RealisticCamera, Failure> {
+        let parameters = Parameters { tolerance: Some(tolerance), ..self.parameters.clone() };
+        let host = Host { leave_out, ..self.host.clone() };
+        RealisticCamera::build(&parameters, &host, log).map_err(|error| match error {
+            CameraError::Parameter(error) => error.into(),
+            other => Failure::Other(other.to_string()),
+        })
+    }
+}
+
+fn as_text(plan: &Plan) -> String {
+    let mut text = String::new();
+    for Item { what, kept, why, effect } in plan.items() {
+        let verdict = if *kept { "kept" } else { "left out" };
+        let _ = writeln!(text, "{verdict:<10}{what}\n{:10}{why}; {effect}", "");
+    }
+    if let Some(choice) = plan.choice() {
+        let _ = writeln!(text, "\n{}\n", choice.sentence());
+        let _ = writeln!(text, "{:<32}{:>9}  error: 99.9 % of the rays below", "model", "ns a ray*");
+        for Candidate { model, cost, verdict } in &choice.candidates {
+            let _ = writeln!(text, "{:<32}{cost:>9.1}  {}", model.name(), verdict.text());
+        }
+        let _ = writeln!(text, "* the figure they are ordered by, of another machine");
+    }
+    text
+}
+
+fn as_json(plan: &Plan) -> Value {
+    let items: Vec<Value> = plan
+        .items()
+        .iter()
+        .map(|Item { what, kept, why, effect }| {
+            json!({ "what": what, "kept": kept, "why": why, "effect": effect })
+        })
+        .collect();
+    let choice = plan.choice().map(|choice| {
+        let candidates: Vec<Value> = choice
+            .candidates
+            .iter()
+            .map(|Candidate { model, cost, verdict }| {
+                let errors = match verdict {
+                    Verdict::Chosen(errors) | Verdict::Rejected(errors) => Some(errors),
+                    Verdict::Excluded(_) | Verdict::Untried => None,
+                };
+                json!({
+                    "model": model.name(),
+                    "ordered_by_ns_a_ray": cost,
+                    "chosen": matches!(verdict, Verdict::Chosen(_)),
+                    "verdict": verdict.text(),
+                    "error_999_pixels": errors.map(|errors| errors.pixels).filter(|pixels| pixels.is_finite()),
+                    "rays": errors.map(|errors| errors.rays),
+                    "mismatches": errors.map(|errors| errors.mismatches),
+                    "light_error": errors.map(|errors| errors.light),
+                })
+            })
+            .collect();
+        json!({ "tolerance_pixels": choice.tolerance, "candidates": candidates })
+    });
+    json!({ "items": items, "choice": choice })
+}

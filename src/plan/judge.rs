@@ -1,0 +1,238 @@
+//! Rays all over a film and its pupil, and how far a model of the lens is off on them.
+
+use super::{
+    choice::{Drawn, Errors, Task},
+    quantile::upper_bound,
+    strata,
+};
+use crate::{
+    optics::image_scale::ImageScale,
+    trace::{
+        Blocked, Direction, Path, Ray,
+        kernel::{Kernel, LensRays, PlaneRays, Precision},
+        polynomial::{Polynomial, PolynomialLens},
+    },
+};
+
+/// What the weights' errors may sum up to, as a part of the light.
+const LIGHT: f64 = 1e-3;
+/// Rays that get through which suffice for a bound.
+const ENOUGH: usize = 9000;
+/// Sets of rays drawn for them at most.
+const MOST_SEEDS: usize = 4;
+/// Rims that polynomials may decide about besides the front's.
+const RIMS: usize = 4;
+/// Part of the rays that may be blocked by rims that the polynomials do not know.
+const OVERLOOKED: f64 = 5e-5;
+
+/// Rays at the film and what they stand for, as structure of arrays.
+#[derive(Default)]
+struct Rays {
+    /// x, y, dx/dz, dy/dz.
+    columns: [Vec<f64>; 4],
+    area: Vec<f64>,
+}
+
+/// What leaves the lens: origin, direction, weight.
+struct Traced<S>([Vec<S>; 7]);
+
+impl Rays {
+    fn push(&mut self, [x, y]: [f64; 2], ([sx, sy], area): Drawn) {
+        for (column, number) in self.columns.iter_mut().zip([x, y, sx, sy]) {
+            column.push(number);
+        }
+        self.area.push(area);
+    }
+
+    fn len(&self) -> usize {
+        self.area.len()
+    }
+
+    fn ray(&self, i: usize, film: f64) -> Ray {
+        let [x, y, sx, sy] = [0, 1, 2, 3].map(|column: usize| self.columns[column][i]);
+        Ray { origin: [x, y, film], direction: [sx, sy, 1.0] }
+    }
+
+    fn traced<S: Precision>(
+        &self,
+        film: f64,
+        trace: impl FnOnce(&PlaneRays<'_, S>, &mut LensRays<'_, S>),
+    ) -> Traced<S> {
+        let columns =
+            self.columns.each_ref().map(|column| column.iter().map(|&x| S::from_f64(x)).collect::<Vec<S>>());
+        let [x, y, slope_x, slope_y] = &columns;
+        let mut out = Traced(std::array::from_fn(|_| vec![S::ZERO; self.len()]));
+        let [ox, oy, oz, dx, dy, dz, weight] = &mut out.0;
+        trace(
+            &PlaneRays { plane: film, x, y, slope_x, slope_y },
+            &mut LensRays { origin: [ox, oy, oz], direction: [dx, dy, dz], weight },
+        );
+        out
+    }
+}
+
+impl<S: Precision> Traced<S> {
+    fn passing(&self) -> usize {
+        self.0[6].iter().filter(|weight| **weight > S::ZERO).count()
+    }
+
+    fn ray(&self, i: usize) -> (Ray, f64) {
+        let [x, y, z, dx, dy, dz, weight] = self.0.each_ref().map(|column| column[i].to_f64());
+        (Ray { origin: [x, y, z], direction: [dx, dy, dz] }, weight)
+    }
+}
+
+/// Everything that the candidates are judged with.
+pub(super) struct Judge<'a> {
+    task: &'a Task<'a>,
+    scale: ImageScale,
+    rays: Rays,
+    exact: Traced<f64>,
+    /// Rims other than the front's that block rays, counted from the scene.
+    pub rims: Vec<usize>,
+}
+
+impl<'a> Judge<'a> {
+    /// Why not, where nothing can be told.
+    pub fn new(task: &'a Task<'a>) -> Result<Self, String> {
+        let scale = ImageScale::new(task.lens, task.film, task.reach, task.in_focus)
+            .ok_or("no light reaches the film's centre")?;
+        let kernel = Kernel::<f64>::new(task.lens, Direction::FilmToScene);
+        let mut rays = Rays::default();
+        let mut seed = 0;
+        let exact = loop {
+            seed += 1;
+            for numbers in strata::numbers(seed as u64) {
+                if let Some((point, disk)) = (task.sample)(numbers)
+                    && let Some(drawn) = (task.draw)(point, disk)
+                {
+                    rays.push(point, drawn);
+                }
+            }
+            let exact = rays.traced(task.film, |from, to| kernel.trace_batch(from, to));
+            let passing = exact.passing();
+            let hopeless = passing < ENOUGH / MOST_SEEDS;
+            if passing >= ENOUGH || hopeless || seed == MOST_SEEDS {
+                break exact;
+            }
+        };
+        if exact.passing() < ENOUGH {
+            let passing = 100.0 * exact.passing() as f64 / rays.len() as f64;
+            return Err(format!(
+                "only {passing:.1} % of the rays that are drawn get through, too few to tell; with \"pupil\" \
+                 \"warped\" nearly all do"
+            ));
+        }
+        let rims = blocking(task, &rays, &exact);
+        Ok(Self { task, scale, rays, exact, rims })
+    }
+
+    fn errors<S: Precision>(&self, model: &Traced<S>) -> Errors {
+        let (mut mismatches, mut light, mut wrong) = (0, 0.0, 0.0);
+        let mut errors = Vec::with_capacity(self.rays.len());
+        for i in 0..self.rays.len() {
+            let ((exact, weight), (other, others)) = (self.exact.ray(i), model.ray(i));
+            light += weight * self.rays.area[i];
+            wrong += (others - weight).abs() * self.rays.area[i];
+            match (weight > 0.0, others > 0.0) {
+                (true, true) => {
+                    let point = [self.rays.columns[0][i], self.rays.columns[1][i]];
+                    let error = self.scale.film_error(point, &exact, &other) / self.task.pixel;
+                    errors.push(if error.is_nan() { f64::INFINITY } else { error });
+                }
+                (false, false) => {}
+                _ => {
+                    mismatches += 1;
+                    errors.push(f64::INFINITY);
+                }
+            }
+        }
+        // Film points drawn in the model's precision are rounded to it.
+        let rounding = if S::EPSILON > f64::EPSILON { 2.0 * S::EPSILON } else { 0.0 };
+        let pixels = upper_bound(&mut errors) + rounding * self.task.reach / self.task.pixel;
+        Errors { rays: errors.len(), pixels, mismatches, light: wrong / light }
+    }
+
+    pub fn is_enough(&self, errors: &Errors) -> bool {
+        errors.pixels <= self.task.tolerance && errors.light <= LIGHT
+    }
+
+    pub fn polynomials(
+        &self,
+        order: usize,
+        fitted: &[Ray],
+        single: bool,
+    ) -> Result<(Polynomial, Errors), String> {
+        let Task { lens, film, .. } = *self.task;
+        let polynomial = Polynomial::with_rims(lens, film, fitted, order, &self.rims)
+            .map_err(|error| error.to_string())?;
+        let errors = if single {
+            let lens = PolynomialLens::<f32>::new(&polynomial);
+            self.errors(&self.rays.traced::<f32>(film, |from, to| lens.trace_batch(from, to)))
+        } else {
+            let lens = PolynomialLens::<f64>::new(&polynomial);
+            self.errors(&self.rays.traced::<f64>(film, |from, to| lens.trace_batch(from, to)))
+        };
+        Ok((polynomial, errors))
+    }
+
+    pub fn single(&self) -> Errors {
+        let kernel = Kernel::<f32>::new(self.task.lens, Direction::FilmToScene);
+        self.errors(&self.rays.traced::<f32>(self.task.film, |from, to| kernel.trace_batch(from, to)))
+    }
+}
+
+/// The rims that block more of the rays than may be overlooked.
+fn blocking(task: &Task<'_>, rays: &Rays, exact: &Traced<f64>) -> Vec<usize> {
+    /// Blocked rays looked at.
+    const MOST: usize = 2000;
+    let path = Path::<f64>::film_to_scene(task.lens);
+    let last = task.lens.surfaces.len() - 1;
+    let mut counts: Vec<(usize, usize)> = (0..=last).map(|surface| (0, surface)).collect();
+    let blocked = (0..rays.len()).filter(|&i| exact.0[6][i] == 0.0);
+    let looked_at = blocked.clone().take(MOST).count();
+    for i in blocked.take(MOST) {
+        let walk = path.walk(rays.ray(i, task.film));
+        if walk.blocked == Some(Blocked::Clipped) && walk.surfaces_met > 0 {
+            counts[last + 1 - walk.surfaces_met].0 += 1;
+        }
+    }
+    // The front's costs nothing to know.
+    counts.remove(0);
+    counts.sort_unstable();
+    let mut overlooked = OVERLOOKED * rays.len() as f64;
+    if looked_at == MOST {
+        overlooked = 0.0;
+    }
+    let mut left_out = 0.0;
+    let rims = counts.into_iter().filter(|&(count, _)| {
+        left_out += count as f64;
+        count > 0 && left_out > overlooked
+    });
+    let mut rims: Vec<usize> = rims.map(|(_, surface)| surface).collect();
+    rims.reverse();
+    rims.truncate(RIMS);
+    rims
+}
+
+/// Rays to fit polynomials to: denser toward the film's and the pupil's edge, where errors of a fit are
+/// largest, as Chebyshev's nodes are.
+pub(super) fn fit_rays(task: &Task<'_>, count: usize) -> Vec<Ray> {
+    use std::f64::consts::{FRAC_PI_2, TAU};
+    /// Steps of the four-dimensional additive recurrence (M. Roberts, "The Unreasonable Effectiveness of Quasirandom
+    /// Sequences", 2018).
+    const STEPS: [f64; 4] =
+        [0.856_674_883_854_502_9, 0.733_891_856_627_126, 0.628_706_721_037_808_7, 0.538_597_257_225_901_9];
+    (0..count)
+        .filter_map(|number| {
+            let [h, turn, r, phi] = STEPS.map(|step| (0.5 + (number as f64 + 1.0) * step).fract());
+            let polar = |radius: f64, turn: f64| {
+                let (sin, cos) = (TAU * turn).sin_cos();
+                [radius * cos, radius * sin]
+            };
+            let point = polar(task.reach * (FRAC_PI_2 * h).sin(), turn);
+            let (slopes, _) = (task.draw)(point, polar((FRAC_PI_2 * r).sin(), phi))?;
+            Some(Ray { origin: [point[0], point[1], task.film], direction: [slopes[0], slopes[1], 1.0] })
+        })
+        .collect()
+}

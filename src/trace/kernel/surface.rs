@@ -1,0 +1,80 @@
+//! A surface as the kernel's table is made of it: its numbers in the frame of the travel, and what of it is proven.
+
+use super::crossing::{self, Cap, Tests};
+use crate::trace::path;
+
+/// |R| up to this many times the clear semi-diameter and the way there counts as strongly curved:
+/// without the division t has an error of rounding times R. As few as leave the catalogue's lenses, whose weakest
+/// surface comes to 43, without one.
+const STRONG: f64 = 45.0;
+/// From this (a/R)² the rim is told by N_z, which has too few digits below.
+const STEEP: f64 = 0.02;
+
+/// One surface as the compiler sees it.
+pub struct Surface {
+    pub c: f64,
+    pub n: f64,
+    pub index_step: f64,
+    pub aperture: f64,
+    pub semi: f64,
+    pub slack: f64,
+    /// From the last surface that moved the ray.
+    pub distance: f64,
+    pub tests: Tests,
+    /// Whether the aperture is to be tested.
+    pub tested: bool,
+    /// Only a test, which does not move the ray.
+    pub is_still: bool,
+}
+
+impl Surface {
+    pub fn is_strong(&self) -> bool {
+        self.c.abs() * STRONG * (self.semi + self.distance) >= 1.0
+    }
+
+    pub fn is_steep(&self) -> bool {
+        (self.c * self.semi).powi(2) > STEEP
+    }
+}
+
+/// The surfaces of a path. `sense` is that of the table, `epsilon` the precision's rounding unit, `tested` says whose
+/// apertures are to be tested.
+pub fn surfaces(
+    steps: &[path::Step<f64>],
+    sense: f64,
+    epsilon: f64,
+    tested: impl Fn(usize) -> bool,
+) -> Vec<Surface> {
+    let mut surfaces: Vec<Surface> = Vec::with_capacity(steps.len());
+    let cap = |step: &path::Step<f64>| Cap { curvature: step.curvature, semi_diameter: step.aperture.sqrt() };
+    let mut moved: Option<Cap> = None;
+    let mut distance = 0.0;
+    for (i, step) in steps.iter().enumerate() {
+        distance += step.distance;
+        let here = cap(step);
+        let beside = |step: &path::Step<f64>| step.curvature == 0.0 && step.index_step == 0.0;
+        let room_after =
+            steps.get(i + 1).is_some_and(|next| crossing::leaves_room(here, cap(next), next.distance));
+        let room_before = moved.is_some_and(|moved| crossing::leaves_room(moved, here, distance));
+        let is_still = beside(step) && room_before && room_after;
+        // At the first surface where the ray began decides, which is not known here. From the scene a
+        // sphere may be met going backward: a fisheye sees behind itself.
+        let unknown = Tests { forward: sense > 0.0 || step.curvature == 0.0, onward: true };
+        surfaces.push(Surface {
+            c: step.curvature,
+            n: step.n,
+            index_step: step.index_step,
+            aperture: step.aperture,
+            semi: here.semi_diameter,
+            slack: step.slack * (epsilon / f64::EPSILON),
+            distance,
+            tests: moved.map_or(unknown, |moved| crossing::tests(moved, here, distance)),
+            tested: tested(i),
+            is_still,
+        });
+        if !is_still {
+            (moved, distance) = (Some(here), 0.0);
+        }
+    }
+    surfaces
+}

@@ -1,0 +1,149 @@
+//! Polynomials in the place of a kernel: film rays in, rays behind the lens out, with the apertures that block some.
+//!
+//! Written over the kernel's vectors, of which every operation is correctly rounded, so that one ray and many
+//! have the same bits.
+
+use super::{Polynomial, terms::sum};
+use crate::trace::kernel::{
+    Approach, Batch, Cpu, End, Few, FromPlane, Lanes, LensRays, Optics, PlaneRays, Precision, Shape, Simd,
+    Start, Traced, run,
+};
+
+/// A lens as polynomials that traces as a [`Kernel`](crate::trace::kernel::Kernel) does: one ray, three or many,
+/// with the same bits.
+///
+/// A ray is blocked where it leaves the front surface outside the clear aperture, or passes one of the surfaces of
+/// [`Polynomial::with_rims`] outside its own; other apertures are not looked at. Immutable; may be shared between
+/// threads.
+#[derive(Clone, Debug)]
+pub struct PolynomialLens<S> {
+    /// z of the film, lens space, mm.
+    film: f64,
+    degree: usize,
+    /// A, B, C, D by monomial.
+    terms: Vec<[S; 4]>,
+    /// E and F of each rim by monomial.
+    rims: Vec<Vec<[S; 2]>>,
+    film_scale: S,
+    pupil_scale: S,
+    vergence: S,
+    /// The front surface's curvature, and the square of its clear semi-diameter, mm².
+    curvature: S,
+    aperture: S,
+    simd: Simd,
+}
+
+impl<S: Precision> PolynomialLens<S> {
+    /// Rounds the coefficients to `S`.
+    pub fn new(polynomial: &Polynomial) -> Self {
+        let Polynomial { order, frame, terms, front, rims } = polynomial;
+        let round = S::from_f64;
+        Self {
+            film: frame.film,
+            degree: (order - 1) / 2,
+            terms: terms.iter().map(|term| term.map(round)).collect(),
+            rims: rims.iter().map(|rim| rim.terms.iter().map(|term| term.map(round)).collect()).collect(),
+            film_scale: round(frame.film_scale),
+            pupil_scale: round(frame.pupil_scale),
+            vergence: round(frame.vergence),
+            curvature: round(front.curvature),
+            aperture: round(front.semi_diameter.powi(2)),
+            simd: Simd::best(),
+        }
+    }
+
+    /// One ray from `point` (x, y in mm) on the film that the polynomials were fitted for, with slopes dx/dz and
+    /// dy/dz; `None` where the lens blocks it.
+    #[inline]
+    pub fn trace_one(&self, point: [S; 2], slopes: [S; 2]) -> Option<Traced<S>> {
+        let mut one = Few::new(self.film, [point], [slopes]);
+        self.trace(Shape::One, &mut one);
+        one.traced(0)
+    }
+
+    /// Many rays from the film that the polynomials were fitted for, whatever `from.plane` says. Origin and
+    /// direction of a blocked ray are 0.
+    ///
+    /// # Panics
+    /// The arrays differ in length.
+    pub fn trace_batch(&self, from: &PlaneRays<'_, S>, to: &mut LensRays<'_, S>) {
+        let from = &PlaneRays { plane: self.film, ..*from };
+        let n = from.checked_len();
+        assert_eq!(n, to.checked_len(), "a batch needs as much room as it has rays");
+        self.trace(Shape::Wide, &mut FromPlane { from, to, n });
+    }
+
+    /// Traces a batch that makes and takes its rays in vectors.
+    #[inline(always)]
+    pub(crate) fn trace(&self, shape: Shape, batch: &mut impl Batch<S>) {
+        run(self.simd, shape, self, batch);
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn one<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, start: Start<L>) -> (End<L>, L) {
+        let Start::Flat { x, y, slopes, cos2, .. } = start else {
+            unreachable!("polynomials take rays from the film only");
+        };
+        (self.lanes(cpu, [x, y], slopes), cos2)
+    }
+
+    /// Rays behind the lens of rays from the film, given as x, y and slopes.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn lanes<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, [x, y]: [L; 2], [sx, sy]: [L; 2]) -> End<L> {
+        let [zero, one] = [L::splat(cpu, S::ZERO), L::splat(cpu, S::ONE)];
+        let two = one + one;
+        let (vergence, scale) = (L::splat(cpu, self.vergence), L::splat(cpu, self.pupil_scale));
+        let (px, py) = (vergence.mul_add(x, sx) * scale, vergence.mul_add(y, sy) * scale);
+        let scale = L::splat(cpu, self.film_scale);
+        let (x, y) = (x * scale, y * scale);
+        let u = two.mul_sub(y.mul_add(y, x * x), one);
+        let v = y.mul_add(py, x * px);
+        let w = two.mul_sub(py.mul_add(py, px * px), one);
+        let [a, b, c, d] = sum(cpu, &self.terms, self.degree, [u, v, w]);
+        let (ox, oy) = (b.mul_add(px, a * x), b.mul_add(py, a * y));
+        let (qx, qy) = (d.mul_add(px, c * x), d.mul_add(py, c * y));
+        let height = oy.mul_add(oy, ox * ox);
+        let mut passed = height.less_equal(L::splat(cpu, self.aperture));
+        for rim in &self.rims {
+            let [e, f] = sum(cpu, rim, self.degree, [u, v, w]);
+            let (rx, ry) = (f.mul_add(px, e * x), f.mul_add(py, e * y));
+            passed = L::both(passed, ry.mul_add(ry, rx * rx).less_equal(one));
+        }
+        let bent = L::splat(cpu, self.curvature) * height;
+        let root = (L::splat(cpu, self.curvature).neg_mul_add(bent, one)).sqrt();
+        let oz = zero - bent / (one + root);
+        let scale = two / qy.mul_add(qy, qx.mul_add(qx, one));
+        // A number that is none blocks, too.
+        passed = L::both(passed, oz.less_equal(oz));
+        passed = L::both(passed, scale.less_equal(two));
+        End {
+            origin: [ox.or_zero(passed), oy.or_zero(passed), oz.or_zero(passed)],
+            direction: [
+                (qx * scale).or_zero(passed),
+                (qy * scale).or_zero(passed),
+                (scale - one).or_zero(passed),
+            ],
+            passed,
+        }
+    }
+}
+
+impl<S: Precision> Optics<S> for PolynomialLens<S> {
+    #[inline(always)]
+    fn approach(&self) -> Approach {
+        Approach { entry: self.film, sense: 1.0 }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn through<L: Lanes<Scalar = S>, const U: usize>(
+        &self,
+        cpu: Cpu<L>,
+        starts: [Start<L>; U],
+    ) -> [(End<L>, L); U] {
+        let mut ended = [self.one(cpu, starts[0]); U];
+        for u in 1..U {
+            ended[u] = self.one(cpu, starts[u]);
+        }
+        ended
+    }
+}
