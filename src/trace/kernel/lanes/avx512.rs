@@ -15,6 +15,7 @@ use super::{Cpu, Lanes, avx2::F32x8, last_place, register};
 
 macro_rules! avx512 {
     ($name:ident, $scalar:ty, $register:ty, $width:literal, $mask:ty, $set:ident, $load:ident, $store:ident,
+     $load_first:ident, $store_first:ident,
      $add:ident, $sub:ident, $mul:ident, $div:ident, $fmadd:ident, $fmsub:ident, $fnmadd:ident,
      $sqrt:ident, $cmp:ident, $blend:ident, $move:ident, $second:ident, $max:ident, $min:ident, $abs:ident,
      $round:ident, { $($single:item)* }) => {
@@ -95,6 +96,28 @@ macro_rules! avx512 {
                 $($single)*
             }
         );
+
+        impl $name {
+            /// Fewer numbers than there are lanes, and zeros.
+            ///
+            /// # Safety
+            /// The processor has AVX-512F.
+            #[inline(always)]
+            unsafe fn load_first(from: &[$scalar]) -> Self {
+                // SAFETY: the instruction is there, and so are the numbers that the mask names.
+                Self(unsafe { $load_first(!(<$mask>::MAX << from.len()), from.as_ptr()) })
+            }
+
+            /// As many numbers as there is room for, fewer than there are lanes.
+            ///
+            /// # Safety
+            /// The processor has AVX-512F.
+            #[inline(always)]
+            unsafe fn store_first(self, to: &mut [$scalar]) {
+                // SAFETY: the instruction is there, and so is the room that the mask names.
+                unsafe { $store_first(to.as_mut_ptr(), !(<$mask>::MAX << to.len()), self.0) };
+            }
+        }
     };
 }
 
@@ -107,6 +130,8 @@ avx512!(
     _mm512_set1_ps,
     _mm512_loadu_ps,
     _mm512_storeu_ps,
+    _mm512_maskz_loadu_ps,
+    _mm512_mask_storeu_ps,
     _mm512_add_ps,
     _mm512_sub_ps,
     _mm512_mul_ps,
@@ -174,6 +199,8 @@ avx512!(
     _mm512_set1_pd,
     _mm512_loadu_pd,
     _mm512_storeu_pd,
+    _mm512_maskz_loadu_pd,
+    _mm512_mask_storeu_pd,
     _mm512_add_pd,
     _mm512_sub_pd,
     _mm512_mul_pd,
