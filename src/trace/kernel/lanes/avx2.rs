@@ -394,7 +394,7 @@ unsafe fn places_of_4<const STEP: usize>(places: __m128i, last: usize) -> [usize
 /// # Safety
 /// The processor has AVX2.
 #[inline(always)]
-unsafe fn store_places<const STEP: usize>(places: __m256i, last: usize, to: &mut [u32; 8]) {
+pub(super) unsafe fn store_places<const STEP: usize>(places: __m256i, last: usize, to: &mut [u32; 8]) {
     // SAFETY: the instructions are there, and the room.
     unsafe {
         let places = if STEP == 2 { _mm256_add_epi32(places, places) } else { places };
@@ -444,7 +444,7 @@ unsafe fn pairs_of_4(table: *const [f32; 2], places: &[usize; 4]) -> [__m128; 4]
 /// # Safety
 /// The processor has AVX2, and there are such pairs.
 #[inline(always)]
-unsafe fn pairs_of_8(table: *const [f32; 2], places: &[u32; 8]) -> [__m256; 4] {
+pub(super) unsafe fn pairs_of_8(table: *const [f32; 2], places: &[u32; 8]) -> [__m256; 4] {
     // SAFETY: the caller's promise.
     unsafe {
         // Lanes that lie four apart side by side, so that transposing within 128 bits leaves them in order.
