@@ -1,5 +1,5 @@
-//! The few numerical tools that optics needs: a root in a bracket, an edge, a minimum, a quadrature, and
-//! a tail of the chi-squared distribution.
+//! The few numerical tools that several modules need: a root in a bracket, an edge, a minimum, a quadrature, and
+//! the incomplete gamma function, of which the tails of the chi-squared and Poisson's distributions are made.
 
 /// The point of `[inside, outside]` up to which `holds`, to the last bit; `holds(inside)` is
 /// taken for granted and `outside` is where it no longer does. Where it changes more than once,

@@ -187,8 +187,6 @@ pub fn by_distance(
         }
         depths.retain(|depth| *depth > 0.0);
         depths.sort_by(f64::total_cmp);
-        // Film distances count from the last vertex, depths from the first: the film moves, so the
-        // distance from it is found by repetition, which contracts as (f/depth)².
         let answer = match depths.get(depths.len() / 2) {
             None => None,
             Some(&depth) => match film_distance(&focus, &camera, depth) {
@@ -212,6 +210,8 @@ pub fn by_distance(
 /// The film distance that focuses the plane at z = `depth` mm in lens space.
 fn film_distance(focus: &Focus, camera: &RealisticCamera, depth: f64) -> Result<f64, FocusError> {
     const REPETITIONS: u32 = 60;
+    // Film distances count from the last vertex, depths from the first: the film moves, so the
+    // distance from it is found by repetition, which contracts as (f/depth)².
     let length = -camera.lens().rear().vertex;
     let mut film = camera.film_distance();
     for _ in 0..REPETITIONS {

@@ -36,7 +36,7 @@ impl Abcd {
         Self { a: self.a + reduced * self.c, b: self.b + reduced * self.d, ..self }
     }
 
-    /// From the vertex of surface `from`, before it where `from_before` and else after it, to the
+    /// From the vertex of surface `from`, before it where `refract_first` and else after it, to the
     /// vertex of surface `to`, after it. Surfaces are counted from the scene.
     fn between(lens: &Lens, from: usize, refract_first: bool, to: usize) -> Self {
         let mut matrix = Self::IDENTITY;

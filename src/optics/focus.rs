@@ -1,5 +1,4 @@
-//! Focus: which film distance images an object at a given distance sharply, and the depth of
-//! field about it.
+//! Focus: which film distance images an object at a given distance sharply.
 //!
 //! An object's place is kept as u = 1/(z - F), F being the scene-side focal point: by Newton's equation
 //! the paraxial image distance is linear in u, and infinity, u = 0, is a number like any other. The

@@ -59,6 +59,7 @@ mod tests {
         let glass = Medium::Glass { n_d: 1.51680, abbe: Some(64.17) };
         assert!((refractive_index(glass, 546.07) - 1.51872).abs() < 1e-4);
     }
+
     #[test]
     fn sellmeiers_formula_gives_a_data_sheets_indices() {
         // Schott N-BK7: the constants and the indices of its data sheet (517642.251), which has five decimals.

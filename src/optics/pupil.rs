@@ -117,9 +117,9 @@ impl EntrancePupil {
         2.0 * self.semi_diameter / self.from_height.abs()
     }
 
-    /// Height in the front vertex plane and slope dy/ds (s toward the film) of the ray from the
-    /// axial point `distance` in front of the front vertex (infinite: parallel to the axis) that
-    /// reaches height `fraction` x semi-diameter in the aperture, by first-order optics.
+    /// Height in the front vertex plane (mm) and slope dy/ds (s toward the film) of the ray from the
+    /// axial point whose distance in front of the front vertex is 1/`vergence` (1/mm; 0: parallel to the
+    /// axis) that reaches height `fraction` x semi-diameter in the aperture, by first-order optics.
     pub fn marginal_ray(&self, vergence: f64, fraction: f64) -> (f64, f64) {
         let height = fraction * self.semi_diameter / (self.from_height + self.from_slope * vergence);
         (height, height * vergence)

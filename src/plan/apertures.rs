@@ -245,6 +245,7 @@ fn limiting(lens: &Lens, film: f64, bands: &[Band]) -> Vec<bool> {
     }
     stays
 }
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -84,7 +84,7 @@ fn near_the_axis_they_are_the_thick_lens() {
         let subject = Subject::new(name);
         let thick = FirstOrder::of(&subject.lens).expect("focal");
         let polynomial = subject.fit(11);
-        // Half a thousandth of the film and of a slope of 1: what is left is the fit.s error.
+        // Half a thousandth of the film and of a slope of 1: what is left is the fit's error.
         for (x, slope) in [(5e-3, 0.0), (0.0, 5e-4), (-3e-3, 4e-4)] {
             let ray = Ray { origin: [x, -x, subject.film], direction: [slope, 2.0 * slope, 1.0] };
             let (mut a, b) = (through(&polynomial, ray).expect("near the axis"), thick.transfer(ray));
