@@ -58,18 +58,8 @@ impl Model {
 }
 
 /// The parameters that every model uses.
-const EVERY_MODEL: [&str; 9] = [
-    "model",
-    "hither",
-    "yon",
-    "shutteropen",
-    "shutterclose",
-    "shutter",
-    "shutterramp",
-    "shutterslit",
-    // Not used by any; that is said elsewhere.
-    "af_zones",
-];
+const EVERY_MODEL: [&str; 8] =
+    ["model", "hither", "yon", "shutteropen", "shutterclose", "shutter", "shutterramp", "shutterslit"];
 
 /// The parameters of the two projections.
 const PROJECTIVE: [&str; 5] =

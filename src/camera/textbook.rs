@@ -177,6 +177,7 @@ mod tests {
             ("perspective", [("filmdiag", "35"), ("wavelength", "500")], "\"filmdiag\", \"wavelength\""),
             ("orthographic", [("fov", "60"), ("lensradius", "0")], "\"fov\""),
             ("environment", [("lensradius", "0"), ("disk", "polar")], "\"lensradius\", \"disk\""),
+            ("perspective", [("fov", "60"), ("af_zones", "zones.txt")], "\"af_zones\""),
             ("thick", [("refraction", "whitted"), ("filmdiag", "35")], "\"refraction\""),
             ("lens", [("lensradius", "1"), ("filmdiag", "35")], "\"lensradius\""),
         ] {
