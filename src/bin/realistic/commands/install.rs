@@ -2,11 +2,9 @@
 
 use crate::failure::Failure;
 use crate::host::plugin;
+use realistic::camera::Model;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
-
-/// The camera names of pbrt's scene files that the plugin answers to when its file is called so.
-const MODELS: [&str; 6] = ["lens", "thick", "thin", "perspective", "orthographic", "environment"];
 
 /// What `install` can be told.
 #[derive(clap::Args, Debug)]
@@ -40,7 +38,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             args.name
         )));
     }
-    let names: &[&str] = if args.all { &MODELS } else { &[name] };
+    // A copy under the name of a model is a camera of that model.
+    let models = Model::NAMES.map(|(model, _)| model);
+    let names: &[&str] = if args.all { &models } else { &[name] };
     let source = plugin::find(args.plugin.as_deref())?;
     let mut text = String::new();
     for copy in install(&source, &args.directory, names, args.force)? {
@@ -92,6 +92,8 @@ fn is_ours(bytes: &[u8]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const MODELS: [&str; 2] = ["lens", "perspective"];
 
     fn message(result: Result<Vec<PathBuf>, Failure>) -> String {
         match result {
