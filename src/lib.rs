@@ -20,6 +20,7 @@
 
 pub mod abi;
 pub mod camera;
+mod message;
 mod numeric;
 pub mod optics;
 pub mod plan;

@@ -15,6 +15,7 @@ use super::{
     quantile::QUANTILE,
 };
 use crate::{
+    message::short,
     optics::{Lens, single_precision::f32_is_fit},
     trace::polynomial::{ORDERS, Polynomial},
 };
@@ -222,23 +223,18 @@ impl Choice {
         if candidate.model == Model::Double {
             return format!(
                 "tolerance {} pixels: {name}, for no cheaper model stays below it",
-                as_written(self.tolerance)
+                short(self.tolerance)
             );
         }
         format!(
             "tolerance {} pixels: {name}; {} % of the rays are within {:.2e} pixels of the exact ones, as measured \
              on {} rays",
-            as_written(self.tolerance),
+            short(self.tolerance),
             100.0 * QUANTILE,
             errors.pixels,
             errors.rays
         )
     }
-}
-
-/// A number as a user wrote it, though a host brought it in single precision; far from 1 with a power of ten.
-fn as_written(number: f64) -> String {
-    if (1e-4..1e6).contains(&number) { (number as f32).to_string() } else { format!("{number:.2e}") }
 }
 
 impl Verdict {
@@ -263,27 +259,14 @@ impl Verdict {
     }
 }
 
-/// The sentence, then a line a model.
+/// The sentence, then a table of the models.
 impl fmt::Display for Choice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}", self.sentence())?;
-        for Candidate { model, verdict, .. } in &self.candidates {
-            writeln!(f, "  {:<30}{}", model.name(), verdict.text())?;
+        writeln!(f, "{}\n", self.sentence())?;
+        writeln!(f, "{:<32}{:>9}  error: 99.9 % of the rays below", "model", "ns a ray*")?;
+        for Candidate { model, cost, verdict } in &self.candidates {
+            writeln!(f, "{:<32}{cost:>9.1}  {}", model.name(), verdict.text())?;
         }
-        Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_tolerance_is_said_as_it_was_written_in_either_precision() {
-        for number in ["0.1", "0.5", "1", "0.0003", "250"] {
-            assert_eq!(as_written(number.parse::<f32>().expect("a number").into()), number);
-            assert_eq!(as_written(number.parse().expect("a number")), number);
-        }
-        assert_eq!(as_written(1e300), "1.00e300");
+        writeln!(f, "* the figure they are ordered by, of another machine")
     }
 }

@@ -65,13 +65,13 @@ impl Plan {
     }
 }
 
-/// As lines of text: a heading, then an item each; then the models tried.
+/// Two lines an item; then how the model of the lens was chosen.
 impl fmt::Display for Plan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for Item { what, kept, why, effect } in &self.items {
             let verdict = if *kept { "kept" } else { "left out" };
-            writeln!(f, "{verdict:<8}  {what}: {why}; {effect}")?;
+            writeln!(f, "{verdict:<10}{what}\n{:10}{why}; {effect}", "")?;
         }
-        self.choice.as_ref().map_or(Ok(()), |choice| choice.fmt(f))
+        self.choice.as_ref().map_or(Ok(()), |choice| write!(f, "\n{choice}"))
     }
 }

@@ -9,7 +9,6 @@ use realistic::camera::{CameraError, Host, Level, Parameters, Raster, RealisticC
 use realistic::plan::choice::{Candidate, Verdict};
 use realistic::plan::{Item, Plan};
 use serde_json::{Value, json};
-use std::fmt::Write as _;
 use std::io::Write as _;
 
 /// What `plan` can be told.
@@ -55,7 +54,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         }
         format!("{value:#}\n")
     } else {
-        let text = as_text(plan);
+        let text = plan.to_string();
         #[cfg(feature = "report")]
         let text = text + &savings.text();
         text
@@ -104,23 +103,6 @@ impl Order {
             other => Failure::Other(other.to_string()),
         })
     }
-}
-
-fn as_text(plan: &Plan) -> String {
-    let mut text = String::new();
-    for Item { what, kept, why, effect } in plan.items() {
-        let verdict = if *kept { "kept" } else { "left out" };
-        let _ = writeln!(text, "{verdict:<10}{what}\n{:10}{why}; {effect}", "");
-    }
-    if let Some(choice) = plan.choice() {
-        let _ = writeln!(text, "\n{}\n", choice.sentence());
-        let _ = writeln!(text, "{:<32}{:>9}  error: 99.9 % of the rays below", "model", "ns a ray*");
-        for Candidate { model, cost, verdict } in &choice.candidates {
-            let _ = writeln!(text, "{:<32}{cost:>9.1}  {}", model.name(), verdict.text());
-        }
-        let _ = writeln!(text, "* the figure they are ordered by, of another machine");
-    }
-    text
 }
 
 fn as_json(plan: &Plan) -> Value {
