@@ -4,6 +4,7 @@ use thiserror::Error;
 
 use super::ParameterError;
 use crate::{
+    message::{short, short_above},
     optics::{LensError, focus::FocusError},
     prescription::SourceError,
 };
@@ -25,8 +26,9 @@ pub enum CameraError {
     Focus(#[from] FocusError),
     /// The film would cut into the lens.
     #[error(
-        "film distance {film_distance} mm: the film would touch the rear element, whose rim reaches \
-         {rim} mm behind the last vertex; give a larger \"filmdistance\""
+        "film distance {} mm: the film would touch the rear element, whose rim reaches \
+         {} mm behind the last vertex; give a larger \"filmdistance\"",
+        short(*film_distance), short_above(*rim)
     )]
     FilmInLens {
         /// Film distance, mm.
@@ -50,8 +52,9 @@ pub enum CameraError {
     },
     /// The weight of a ray is no float.
     #[error(
-        "a ray's weight would be {weight}, which is no finite number: the film is too large or too near \
-         for this lens; check \"filmdiag\", \"filmdistance\" and the units of the lens file, mm"
+        "a ray's weight would be {}, which is no finite float: the film is too large or too near \
+         for this lens; check \"filmdiag\", \"filmdistance\" and the units of the lens file, mm",
+        short(*weight)
     )]
     Weight {
         /// The weight along the axis.

@@ -21,10 +21,13 @@ use super::{
     placement::Placement,
     setup::Setup,
 };
-use crate::optics::{
-    Lens,
-    first_order::FirstOrder,
-    pupil::{EntrancePupil, limiting_surface},
+use crate::{
+    message::{short, short_above},
+    optics::{
+        Lens,
+        first_order::FirstOrder,
+        pupil::{EntrancePupil, limiting_surface},
+    },
 };
 
 /// A camera with an ideal lens. Immutable, and may be shared between threads.
@@ -62,8 +65,8 @@ impl IdealCamera {
                 let least = first_order.back_focal_distance() - first_order.focal_length;
                 return Err(ParameterError::Range {
                     name: "filmdistance",
-                    value: film_distance.to_string(),
-                    range: format!("more than {least} mm, where the thin lens lies"),
+                    value: short(film_distance),
+                    range: format!("more than {} mm, where the thin lens lies", short_above(least)),
                 }
                 .into());
             }

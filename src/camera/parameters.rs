@@ -168,7 +168,7 @@ parameters! {
     pupil: Text, "where lens samples are drawn: \"warped\" (default: the true pupil of each film point), \"rear\" or \"disk\"";
     disk: Text, "how lens samples map to the disk: \"concentric\" (default), \"polar\" or \"rejection\"";
     refraction: Text, "\"fused\" (default), \"heckbert\", \"whitted\" or \"other\"";
-    wavelength: Float, "nm (default 587.56), for lenses with Abbe numbers or Sellmeier coefficients";
+    wavelength: Float, "nm (default 587.56), for lenses with V-numbers or Sellmeier's constants";
     mmperunit: Float, "millimetres a world unit (default 1)";
     precision: Text, "arithmetic of the trace: \"auto\" (default), \"f64\" (or \"double\"), \"f32\" (or \"single\")";
     tolerance: Float, "pixels that 99.9 % of the rays may be off, for a faster model of the lens (0: exact)";

@@ -11,6 +11,7 @@ use super::{
     placement::Placement,
 };
 use crate::{
+    message::short,
     optics::{
         Lens, LensError,
         first_order::FirstOrder,
@@ -160,8 +161,10 @@ fn stop_to_diameter(
     positive("aperture_diameter", diameter, "mm")?;
     let widest = 2.0 * lens.surfaces[stop].semi_diameter;
     if diameter > widest {
-        let text =
-            format!("\"aperture_diameter\" {diameter} mm is wider than the lens's stop; {widest} mm is used");
+        let text = format!(
+            "\"aperture_diameter\" {diameter} mm is wider than the lens's stop; {} mm is used",
+            short(widest)
+        );
         log(Level::Warning, &text);
     } else {
         lens.surfaces[stop].semi_diameter = diameter / 2.0;
@@ -178,7 +181,10 @@ fn stop_to_fnumber(
     let focal_length = FirstOrder::of(lens)?.focal_length.abs();
     let widest = focal_length / EntrancePupil::of_surface(lens, limiting_surface(lens)).diameter();
     if number < widest {
-        log(Level::Warning, &format!("\"fnumber\" {number} is faster than the lens; f/{widest:.4} is used"));
+        log(
+            Level::Warning,
+            &format!("\"fnumber\" {number} is faster than the lens; f/{} is used", short(widest)),
+        );
         return Ok(());
     }
     let surface = lens.stop_index().unwrap_or_else(|| limiting_surface(lens));

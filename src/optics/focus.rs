@@ -15,6 +15,7 @@ use super::{
     pupil::{EntrancePupil, limiting_surface},
 };
 use crate::{
+    message::{short, short_above},
     numeric::{edge, gauss_legendre, minimum, root},
     trace::{Path, Ray},
 };
@@ -33,8 +34,9 @@ pub enum FocusError {
     },
     /// The object is nearer than the lens can focus.
     #[error(
-        "lens \"{lens}\" cannot focus at {distance} mm from the film; the nearest it reaches is \
-         {nearest} mm (film {film_distance} mm behind the last vertex)"
+        "lens \"{lens}\" cannot focus at {} mm from the film; the nearest it reaches is \
+         {} mm (film {} mm behind the last vertex)",
+        short(*distance), short_above(*nearest), short(*film_distance)
     )]
     TooNear {
         /// The lens.

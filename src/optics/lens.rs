@@ -3,7 +3,10 @@
 use thiserror::Error;
 
 use super::glass::{D_LINE, refractive_index};
-use crate::prescription::{Prescription, Shape};
+use crate::{
+    message::short,
+    prescription::{Prescription, Shape},
+};
 
 /// One surface of a lens at a given wavelength.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,8 +67,9 @@ pub enum LensError {
     },
     /// The V-number of a glass gives it an index below that of air.
     #[error(
-        "lens \"{lens}\", interface {row}: at {wavelength} nm the V-number gives index {index}, which is \
-         below 1; correct the V-number, or ask for a \"wavelength\" nearer 587.56 nm"
+        "lens \"{lens}\", interface {row}: at {wavelength} nm the V-number gives index {}, which is \
+         below 1; correct the V-number, or ask for a \"wavelength\" nearer 587.56 nm",
+        short(*index)
     )]
     Index {
         /// The lens.
@@ -84,7 +88,10 @@ pub enum LensError {
         lens: String,
     },
     /// The question needs a lens that makes a real image.
-    #[error("lens \"{lens}\" has focal length {focal_length} mm: it makes no real image of a distant object")]
+    #[error(
+        "lens \"{lens}\" has focal length {} mm: it makes no real image of a distant object",
+        short(*focal_length)
+    )]
     Diverging {
         /// The lens.
         lens: String,

@@ -13,13 +13,13 @@ use super::{Lens, first_order::Abcd};
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum Unfit {
     /// Its squares leave the number range.
-    #[error("a length of {length:e} mm squares out of the range of f32; use f64, or scale the lens")]
+    #[error("a length of {length:.1e} mm squares out of the range of f32; use f64, or scale the lens")]
     Scale {
         /// The length, mm.
         length: f64,
     },
     /// An interface bends light by less than a thousand roundings.
-    #[error("surface {surface} steps the index by {step:e}, which f32 rounds away; use f64")]
+    #[error("surface {surface} steps the index by {step:.1e}, which f32 rounds away; use f64")]
     IndexStep {
         /// Counted from the scene, from 0.
         surface: usize,
@@ -28,7 +28,7 @@ pub enum Unfit {
     },
     /// Rays meet the rim at grazing incidence.
     #[error(
-        "surface {surface} is a hemisphere to 1 - {nearness:e} of its rim, where f32 loses the angle; use f64"
+        "surface {surface} is a hemisphere to 1 - {nearness:.1e} of its rim, where f32 loses the angle; use f64"
     )]
     Rim {
         /// Counted from the scene, from 0.
@@ -38,14 +38,14 @@ pub enum Unfit {
     },
     /// An aperture is small against what rays travel.
     #[error(
-        "lengths differ by a factor of {ratio:e}: f32 cannot tell whether a ray passes the narrowest aperture; use f64"
+        "lengths differ by a factor of {ratio:.1e}: f32 cannot tell whether a ray passes the narrowest aperture; use f64"
     )]
     Lengths {
         /// Greatest length over smallest clear semi-diameter.
         ratio: f64,
     },
     /// Rounding grows on its way through.
-    #[error("the lens amplifies rounding {factor:e} times; use f64")]
+    #[error("the lens amplifies rounding {factor:.1e} times; use f64")]
     Amplification {
         /// Error in direction at the scene's side over the rounding's size.
         factor: f64,

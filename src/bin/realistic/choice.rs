@@ -12,7 +12,7 @@ pub struct LensChoice {
     /// Lens: a file, or a name of the catalogue; NAME@35mm scales it to that focal length
     #[arg(value_name = "LENS")]
     lens: String,
-    /// Wavelength in nm, 300 to 2000, for lenses with V-numbers [default: 587.56]
+    /// Wavelength in nm, 300 to 2000, for lenses with V-numbers or Sellmeier's constants [default: 587.56]
     #[arg(long, value_name = "NM", allow_negative_numbers = true)]
     wavelength: Option<f64>,
     /// Diameter of the stop in mm [default: the file's]
@@ -106,6 +106,16 @@ impl FilmPlace {
             },
             Ok,
         )
+    }
+
+    /// The failure of film that would lie in the rear element.
+    pub fn in_lens(lens: &Lens, film_distance: f64) -> Failure {
+        let rim = -lens.rear().sagitta(lens.rear().semi_diameter);
+        Failure::Other(format!(
+            "film distance {film_distance:.4} mm: the film would touch the rear element, whose rim reaches {:.4} mm \
+             behind the last vertex; give a larger --film-distance",
+            rim.max(0.0)
+        ))
     }
 
     /// Whether the film's place was asked for.

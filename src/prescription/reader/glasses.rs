@@ -5,6 +5,7 @@
 use super::super::LensFileError;
 use super::{Medium, Row, Rows, Word};
 use crate::{
+    message::short,
     optics::glass::{C_LINE, D_LINE, F_LINE, VALID_WAVELENGTHS, refractive_index},
     prescription::Sellmeier,
 };
@@ -104,7 +105,7 @@ fn check(constants: Sellmeier) -> Result<(), String> {
     for wavelength in [shortest, F_LINE, D_LINE, C_LINE, longest] {
         let index = refractive_index(Medium::Sellmeier(constants), wavelength);
         if !(index > 1.0 && index < 5.0) {
-            return Err(format!("the constants give index {index} at {wavelength} nm; {FORM}"));
+            return Err(format!("the constants give index {} at {wavelength} nm; {FORM}", short(index)));
         }
     }
     Ok(())

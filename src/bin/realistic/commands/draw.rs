@@ -37,11 +37,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     };
     let rim = lens.rear().sagitta(lens.rear().semi_diameter);
     if film_distance + rim <= 0.0 {
-        return Err(Failure::Other(format!(
-            "film distance {film_distance} mm: the film would touch the rear element, whose rim reaches {} mm \
-             behind the last vertex; give a larger --film-distance",
-            -rim
-        )));
+        return Err(FilmPlace::in_lens(&lens, film_distance));
     }
     let scene = section::Scene {
         title: prescription.title.as_deref(),

@@ -84,7 +84,7 @@ enum Unfocused {
     Focus(#[from] FocusError),
     #[error(
         "with the film {film_distance} mm behind the last vertex nothing in front of the lens is in focus; \
-         infinity needs {infinity} mm, the nearest plane in focus ({near} mm from the film) {nearest} mm"
+         infinity needs {infinity:.4} mm, the nearest plane in focus ({near:.2} mm from the film) {nearest:.4} mm"
     )]
     NoObject { film_distance: f64, infinity: f64, near: f64, nearest: f64 },
 }

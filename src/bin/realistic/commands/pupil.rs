@@ -80,14 +80,8 @@ impl Sight {
         let point = [radius, 0.0];
         let film = lens.rear().vertex - film_distance;
         let reach = args.film.film().reach().max(radius);
-        let rear = PupilDisk::rear(lens, film, reach).ok_or_else(|| {
-            let rim = -lens.rear().sagitta(lens.rear().semi_diameter);
-            Failure::Other(format!(
-                "film distance {film_distance} mm: the film would touch the rear element, whose rim reaches \
-                 {} mm behind the last vertex; give a larger --film-distance",
-                rim.max(0.0)
-            ))
-        })?;
+        let rear =
+            PupilDisk::rear(lens, film, reach).ok_or_else(|| FilmPlace::in_lens(lens, film_distance))?;
         let (rear, disk) = (rear.seen_from(point), PupilDisk::exit(lens, film).seen_from(point));
         let path = Path::<f64>::film_to_scene(lens);
         let outline = Outline::of(&path, film, point, rear, DIRECTIONS);
