@@ -5,11 +5,21 @@
 //! `cargo bench --no-default-features --bench camera` (with `-- dgauss` one lens). Medians over interleaved rounds;
 //! the least stands beside them.
 
+mod c_camera;
 #[path = "../kernel/contest.rs"]
 mod contest;
 
-use std::{ffi::CString, hint::black_box, mem::MaybeUninit, ptr::null_mut, sync::Barrier, time::Instant};
+use std::{
+    ffi::{CStr, CString},
+    hint::black_box,
+    ptr::null_mut,
+    sync::Barrier,
+    time::Instant,
+};
 
+#[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
+use c_camera::triple;
+use c_camera::{Camera, chain, moved, samples};
 use contest::Contest;
 use realistic::{abi::*, prescription::catalogue};
 
@@ -17,6 +27,8 @@ use realistic::{abi::*, prescription::catalogue};
 const SAMPLES: usize = 2048;
 
 const RESOLUTION: i32 = 1000;
+/// The middle of the image, which every lens lights.
+const MIDDLE: [f32; 2] = [250.0, 750.0];
 
 fn main() {
     let arguments: Vec<_> = std::env::args().skip(1).collect();
@@ -32,7 +44,7 @@ fn main() {
     println!("| lens | warped pupil, ms: median | least | pupil \"rear\", ms: median | least |");
     println!("|---|---|---|---|---|");
     for name in lenses() {
-        let [warped, rear] = ["warped", "rear"].map(|pupil| start(name, pupil, rounds));
+        let [warped, rear] = [c"warped", c"rear"].map(|pupil| start(name, pupil, rounds));
         println!("| {name} | {:.2} | {:.2} | {:.3} | {:.3} |", warped[0], warped[1], rear[0], rear[1]);
     }
 }
@@ -40,120 +52,38 @@ fn main() {
 /// The lenses of the assignment.
 const TIMED: [&str; 4] = ["dgauss.50mm", "wide.22mm", "telephoto.250mm", "fisheye.10mm"];
 
-/// A camera, freed in the end.
-struct Camera(*mut realistic_camera);
-
-// SAFETY: a camera does not change once it is built, and any thread may ask it for rays.
-unsafe impl Sync for Camera {}
-
-impl Camera {
-    fn new(lens: &str, texts: &[(&str, &str)]) -> Self {
-        let mut options = MaybeUninit::<realistic_options>::zeroed();
-        let mut camera = null_mut();
-        let texts: Vec<_> =
-            texts.iter().map(|(name, text)| (*name, CString::new(*text).expect("no NUL"))).collect();
-        let lens = CString::new(lens).expect("no NUL");
-        // SAFETY: the structure is as large as said, and the strings outlive the call.
-        unsafe {
-            let size = size_of::<realistic_options>() as u32;
-            assert_eq!(realistic_options_init(options.as_mut_ptr(), size), realistic_status::Ok);
-            let mut options = options.assume_init();
-            (options.xres, options.yres) = (RESOLUTION, RESOLUTION);
-            options.specfile = lens.as_ptr();
-            for (name, text) in &texts {
-                match *name {
-                    "refraction" => options.refraction = text.as_ptr(),
-                    "precision" => options.precision = text.as_ptr(),
-                    "pupil" => options.pupil = text.as_ptr(),
-                    _ => unreachable!("{name} is not used here"),
-                }
-            }
-            assert_eq!(realistic_camera_new(&options, &mut camera), realistic_status::Ok);
-        }
-        Self(camera)
-    }
-
-    fn one(&self, sample: &realistic_sample) -> f32 {
-        let mut ray = realistic_ray::default();
-        // SAFETY: a live camera.
-        black_box(unsafe { realistic_generate_ray(self.0, sample, &mut ray) })
-    }
-
-    /// The first slot of the vtable, as a pbrt-v1 host calls it.
-    #[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
-    fn host(&self, sample: &realistic_sample) -> f32 {
-        type GenerateRay =
-            unsafe extern "C" fn(*const realistic_camera, *const realistic_sample, *mut realistic_ray) -> f32;
-        let mut ray = realistic_ray::default();
-        // SAFETY: where the C++ face is built a camera begins with a pointer to its vtable, whose first slot this is.
-        unsafe {
-            let generate = **self.0.cast::<*const GenerateRay>();
-            black_box(generate(self.0, sample, &mut ray))
-        }
-    }
-}
-
-impl Drop for Camera {
-    fn drop(&mut self) {
-        // SAFETY: made in `new`, freed once.
-        unsafe { realistic_camera_free(self.0) }
-    }
-}
-
-/// Samples all but evenly spread (R2 sequence, M. Roberts 2018) over the middle of the image, which every lens
-/// lights.
-fn samples() -> Vec<realistic_sample> {
-    let number = |i: usize, step: f64| (0.5 + step * i as f64).fract() as f32;
-    let at = |i| realistic_sample {
-        image_x: 250.0 + 500.0 * number(i, 0.819_172_513_396_164_4),
-        image_y: 250.0 + 500.0 * number(i, 0.671_043_606_703_789_3),
-        lens_u: number(i, 0.754_877_666_246_692_8),
-        lens_v: number(i, 0.569_840_290_998_053_2),
-        time: 0.5,
+/// The camera of a lens, with what else it is given.
+fn camera(lens: &str, give: impl FnOnce(&mut realistic_options)) -> Camera {
+    let lens = CString::new(lens).expect("no NUL");
+    let mut options = realistic_options {
+        xres: RESOLUTION,
+        yres: RESOLUTION,
+        specfile: lens.as_ptr(),
+        ..realistic_options::default()
     };
-    (0..SAMPLES).map(at).collect()
-}
-
-/// Calls of one sample each, every one waiting for the one before.
-fn chain(samples: &[realistic_sample], call: impl Fn(&realistic_sample) -> f32) {
-    let mut carry = 0.0;
-    for sample in samples {
-        // Too little to change the sum.
-        let sample = realistic_sample { image_x: sample.image_x + carry, ..*sample };
-        carry = call(&sample) * 1e-30;
-    }
-    black_box(carry);
+    give(&mut options);
+    Camera::new(&options)
 }
 
 fn calls(lens: &str, rounds: usize) {
-    let samples = samples();
-    let camera = Camera::new(lens, &[]);
-    let single = Camera::new(lens, &[("precision", "f32")]);
-    let walk = Camera::new(lens, &[("refraction", "heckbert")]);
+    let samples = samples(SAMPLES, MIDDLE);
+    let walk = camera(lens, |options| options.refraction = c"heckbert".as_ptr());
+    let single = camera(lens, |options| options.precision = c"f32".as_ptr());
+    let camera = camera(lens, |_| ());
     let passing = samples.iter().filter(|sample| camera.one(sample) > 0.0).count();
     println!("{passing} of {SAMPLES} samples get through\n");
     #[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
-    let triples: Vec<_> = samples[..SAMPLES / 3 + 1]
-        .iter()
-        .flat_map(|sample| {
-            let right = sample.image_x + 1.0;
-            let below = sample.image_y + 1.0;
-            [
-                *sample,
-                realistic_sample { image_x: right, ..*sample },
-                realistic_sample { image_x: right - 1.0, image_y: below, ..*sample },
-            ]
-        })
-        .take(SAMPLES)
-        .collect();
+    let triples: Vec<_> = samples[..SAMPLES / 3 + 1].iter().flat_map(triple).take(SAMPLES).collect();
     let mut contest = Contest::new(SAMPLES, "ns a call or ray");
-    contest.enter("C export, Heckbert's walk", || chain(&samples, |sample| walk.one(sample)));
-    contest.enter("C export", || chain(&samples, |sample| camera.one(sample)));
-    contest.enter("C export, f32", || chain(&samples, |sample| single.one(sample)));
+    contest.enter("C export, Heckbert's walk", || {
+        chain(&samples, |sample, carry| walk.one(&moved(sample, carry)))
+    });
+    contest.enter("C export", || chain(&samples, |sample, carry| camera.one(&moved(sample, carry))));
+    contest.enter("C export, f32", || chain(&samples, |sample, carry| single.one(&moved(sample, carry))));
     #[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
     for (name, camera) in [("vtable, three calls a sample", &camera), ("the same, f32", &single)] {
         let triples = &triples;
-        contest.enter(name, move || chain(triples, |sample| camera.host(sample)));
+        contest.enter(name, move || chain(triples, |sample, carry| camera.host(&moved(sample, carry))));
     }
     for (name, camera) in [("f64", &camera), ("f32", &single)] {
         let samples = &samples;
@@ -252,13 +182,13 @@ fn throughput(camera: &Camera, samples: &[realistic_sample], threads: usize, rou
 }
 
 /// Milliseconds from a lens's name to the first ray: median and least.
-fn start(lens: &str, pupil: &str, rounds: usize) -> [f64; 2] {
+fn start(lens: &str, pupil: &CStr, rounds: usize) -> [f64; 2] {
     let middle = (RESOLUTION / 2) as f32;
     let sample = realistic_sample { image_x: middle, image_y: middle, lens_u: 0.5, lens_v: 0.5, time: 0.5 };
     let mut times: Vec<f64> = (0..rounds)
         .map(|_| {
             let start = Instant::now();
-            let camera = Camera::new(lens, &[("pupil", pupil)]);
+            let camera = camera(lens, |options| options.pupil = pupil.as_ptr());
             camera.one(&sample);
             start.elapsed().as_secs_f64() * 1e3
         })

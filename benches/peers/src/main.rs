@@ -1,13 +1,16 @@
 //! The realistic camera of the crate `rs_pbrt` (pbrt-v3's, ported) and this library's: the same lens file, film,
 //! aperture, film distance and samples, in interleaved rounds of one run: `cargo run --release [LENS]`.
 
+#[path = "../../camera/c_camera.rs"]
+mod c_camera;
 #[path = "../../kernel/contest.rs"]
 mod contest;
 
-use std::{
-    ffi::CString, fs, hint::black_box, mem::MaybeUninit, path::Path, ptr::null_mut, sync::Arc, time::Instant,
-};
+use std::{ffi::CString, fs, hint::black_box, path::Path, sync::Arc, time::Instant};
 
+#[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
+use c_camera::triple;
+use c_camera::{Camera, chain, moved, samples};
 use contest::Contest;
 use realistic::abi::*;
 use rs_pbrt::{
@@ -56,17 +59,17 @@ fn compare(lens: &str, file: &Path) {
     let peer_start = start.elapsed().as_secs_f64();
     let Peer::Realistic(peer) = &*peer else { unreachable!("a realistic camera was asked for") };
     let film_distance = f64::from(peer.lens_rear_z()) * 1e3;
-    let ours = Ours::new(file, film_distance);
+    let ours = camera(file, film_distance);
+    let samples = samples(SAMPLES, [0.0, RESOLUTION as f32]);
     let mut starts: Vec<f64> = (0..ROUNDS)
         .map(|_| {
             let start = Instant::now();
-            black_box(Ours::new(file, film_distance).one(&samples()[0]));
+            black_box(camera(file, film_distance).one(&samples[0]));
             start.elapsed().as_secs_f64()
         })
         .collect();
     starts.sort_by(f64::total_cmp);
 
-    let samples = samples();
     let peer_samples: Vec<_> = samples.iter().map(peer_sample).collect();
     let weights = [
         peer_samples.iter().map(|sample| trace(peer, sample)).collect::<Vec<f32>>(),
@@ -83,9 +86,7 @@ fn compare(lens: &str, file: &Path) {
         });
     });
     contest.enter("realistic, `realistic_generate_ray`", || {
-        chain(&samples, |sample, carry| {
-            ours.one(&realistic_sample { image_x: sample.image_x + carry, ..*sample })
-        });
+        chain(&samples, |sample, carry| ours.one(&moved(sample, carry)));
     });
     contest.enter("rs_pbrt, `generate_ray_differential`", || {
         chain(&peer_samples, |sample, carry| {
@@ -97,10 +98,7 @@ fn compare(lens: &str, file: &Path) {
     #[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
     contest.enter("realistic, three calls through the vtable", || {
         chain(&samples, |sample, carry| {
-            let first = realistic_sample { image_x: sample.image_x + carry, ..*sample };
-            let right = realistic_sample { image_x: first.image_x + 1.0, ..first };
-            let below =
-                realistic_sample { image_x: right.image_x - 1.0, image_y: first.image_y + 1.0, ..first };
+            let [first, right, below] = triple(&moved(sample, carry));
             let weight = ours.host(&first);
             black_box(ours.host(&right) + ours.host(&below));
             weight
@@ -146,66 +144,17 @@ fn trace(peer: &RealisticCamera, sample: &CameraSample) -> f32 {
     black_box(peer.generate_ray(sample, &mut ray))
 }
 
-/// This library's camera.
-struct Ours(*mut realistic_camera);
-
-impl Ours {
-    fn new(file: &Path, film_distance: f64) -> Self {
-        let mut options = MaybeUninit::<realistic_options>::zeroed();
-        let mut camera = null_mut();
-        let file = CString::new(file.display().to_string()).expect("no NUL");
-        // SAFETY: the structure is as large as said, and the string outlives the call.
-        unsafe {
-            let size = size_of::<realistic_options>() as u32;
-            assert_eq!(realistic_options_init(options.as_mut_ptr(), size), realistic_status::Ok);
-            let mut options = options.assume_init();
-            (options.xres, options.yres) = (RESOLUTION, RESOLUTION);
-            options.specfile = file.as_ptr();
-            options.filmdistance = film_distance;
-            options.filmdiag = f64::from(DIAGONAL);
-            assert_eq!(realistic_camera_new(&options, &mut camera), realistic_status::Ok);
-        }
-        Self(camera)
-    }
-
-    fn one(&self, sample: &realistic_sample) -> f32 {
-        let mut ray = realistic_ray::default();
-        // SAFETY: a live camera.
-        black_box(unsafe { realistic_generate_ray(self.0, sample, &mut ray) })
-    }
-
-    /// The first slot of the vtable, as a pbrt-v1 host calls it.
-    #[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
-    fn host(&self, sample: &realistic_sample) -> f32 {
-        type GenerateRay =
-            unsafe extern "C" fn(*const realistic_camera, *const realistic_sample, *mut realistic_ray) -> f32;
-        let mut ray = realistic_ray::default();
-        // SAFETY: where the C++ face is built a camera begins with a pointer to its vtable, whose first slot this is.
-        unsafe {
-            let generate = **self.0.cast::<*const GenerateRay>();
-            black_box(generate(self.0, sample, &mut ray))
-        }
-    }
-}
-
-impl Drop for Ours {
-    fn drop(&mut self) {
-        // SAFETY: made in `new`, freed once.
-        unsafe { realistic_camera_free(self.0) }
-    }
-}
-
-/// Samples all but evenly spread over the film (R2 sequence, M. Roberts 2018).
-fn samples() -> Vec<realistic_sample> {
-    let number = |i: usize, step: f64| (0.5 + step * i as f64).fract() as f32;
-    let at = |i| realistic_sample {
-        image_x: RESOLUTION as f32 * number(i, 0.819_172_513_396_164_4),
-        image_y: RESOLUTION as f32 * number(i, 0.671_043_606_703_789_3),
-        lens_u: number(i, 0.754_877_666_246_692_8),
-        lens_v: number(i, 0.569_840_290_998_053_2),
-        time: 0.5,
-    };
-    (0..SAMPLES).map(at).collect()
+/// This library's camera of a lens file.
+fn camera(file: &Path, film_distance: f64) -> Camera {
+    let file = CString::new(file.display().to_string()).expect("no NUL");
+    Camera::new(&realistic_options {
+        xres: RESOLUTION,
+        yres: RESOLUTION,
+        specfile: file.as_ptr(),
+        filmdistance: film_distance,
+        filmdiag: f64::from(DIAGONAL),
+        ..realistic_options::default()
+    })
 }
 
 fn peer_sample(sample: &realistic_sample) -> CameraSample {
@@ -214,14 +163,4 @@ fn peer_sample(sample: &realistic_sample) -> CameraSample {
         p_lens: Point2f { x: sample.lens_u, y: sample.lens_v },
         time: sample.time,
     }
-}
-
-/// Calls of one sample each, every one waiting for the one before.
-fn chain<S>(samples: &[S], call: impl Fn(&S, f32) -> f32) {
-    let mut carry = 0.0;
-    for sample in samples {
-        // Too little to change the sum.
-        carry = call(sample, carry) * 1e-30;
-    }
-    black_box(carry);
 }

@@ -1,0 +1,86 @@
+//! A camera as a program has it that calls the C ABI, and samples to ask it with: what the benches of whole cameras
+//! share.
+
+use std::{hint::black_box, ptr::null_mut};
+
+use realistic::abi::*;
+
+/// A camera, freed in the end.
+pub struct Camera(pub *mut realistic_camera);
+
+// SAFETY: a camera does not change once it is built, and any thread may ask it for rays.
+unsafe impl Sync for Camera {}
+
+impl Camera {
+    /// Builds the camera of these options, whose strings outlive the call.
+    pub fn new(options: &realistic_options) -> Self {
+        let mut camera = null_mut();
+        // SAFETY: the structure is as large as it says, and its strings outlive the call.
+        let status = unsafe { realistic_camera_new(options, &mut camera) };
+        assert_eq!(status, realistic_status::Ok);
+        Self(camera)
+    }
+
+    /// The weight of one ray, by the C export.
+    pub fn one(&self, sample: &realistic_sample) -> f32 {
+        let mut ray = realistic_ray::default();
+        // SAFETY: a live camera.
+        black_box(unsafe { realistic_generate_ray(self.0, sample, &mut ray) })
+    }
+
+    /// The first slot of the vtable, as a pbrt-v1 host calls it.
+    #[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
+    pub fn host(&self, sample: &realistic_sample) -> f32 {
+        type GenerateRay =
+            unsafe extern "C" fn(*const realistic_camera, *const realistic_sample, *mut realistic_ray) -> f32;
+        let mut ray = realistic_ray::default();
+        // SAFETY: where the C++ face is built a camera begins with a pointer to its vtable, whose first slot this is.
+        unsafe {
+            let generate = **self.0.cast::<*const GenerateRay>();
+            black_box(generate(self.0, sample, &mut ray))
+        }
+    }
+}
+
+impl Drop for Camera {
+    fn drop(&mut self) {
+        // SAFETY: made in `new`, freed once.
+        unsafe { realistic_camera_free(self.0) }
+    }
+}
+
+/// Samples all but evenly spread (R2 sequence, M. Roberts 2018) over a square of the image, in pixels both ways.
+pub fn samples(count: usize, [from, to]: [f32; 2]) -> Vec<realistic_sample> {
+    let number = |i: usize, step: f64| (0.5 + step * i as f64).fract() as f32;
+    let at = |i| realistic_sample {
+        image_x: from + (to - from) * number(i, 0.819_172_513_396_164_4),
+        image_y: from + (to - from) * number(i, 0.671_043_606_703_789_3),
+        lens_u: number(i, 0.754_877_666_246_692_8),
+        lens_v: number(i, 0.569_840_290_998_053_2),
+        time: 0.5,
+    };
+    (0..count).map(at).collect()
+}
+
+/// The sample a little to the right.
+pub fn moved(sample: &realistic_sample, by: f32) -> realistic_sample {
+    realistic_sample { image_x: sample.image_x + by, ..*sample }
+}
+
+/// The three samples that a pbrt-v1 host asks for in place of one.
+#[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
+pub fn triple(sample: &realistic_sample) -> [realistic_sample; 3] {
+    let right = moved(sample, 1.0);
+    [*sample, right, realistic_sample { image_y: right.image_y + 1.0, ..moved(&right, -1.0) }]
+}
+
+/// Calls of one sample each, every one waiting for the one before: it is to move its sample by the number that
+/// it is given.
+pub fn chain<S>(samples: &[S], call: impl Fn(&S, f32) -> f32) {
+    let mut carry = 0.0;
+    for sample in samples {
+        // Too little to change the sum.
+        carry = call(sample, carry) * 1e-30;
+    }
+    black_box(carry);
+}
