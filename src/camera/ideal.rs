@@ -166,18 +166,18 @@ impl IdealCamera {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Camera, Host, Parameters, Raster, irradiance::on_axis};
+    use super::super::{Host, Parameters, Raster, irradiance::on_axis};
     use super::*;
     use crate::{optics::depth_of_field::DepthOfField, trace::Path};
 
     fn ideal(model: &str, settings: &[(&str, &str)]) -> IdealCamera {
         let mut parameters = Parameters::default();
-        for (name, text) in [("model", model)].iter().chain(settings) {
+        for (name, text) in settings {
             parameters.set_from_text(name, text).expect("valid");
         }
         let host = Host::new(Raster { xres: 300, yres: 200 }, None);
-        let camera = Camera::build(&parameters, &host, &mut |_, text| panic!("{text}")).expect("built");
-        camera.as_ideal().expect("an ideal lens").clone()
+        IdealCamera::build(&parameters, &host, model == "thin", &mut |_, text| panic!("{text}"))
+            .expect("built")
     }
 
     fn sample(image: [f32; 2], lens: [f32; 2]) -> Sample {

@@ -49,8 +49,6 @@ pub struct Survey {
     pub inside: f64,
     /// Area in slope of the rays that pass.
     pub slope_area: f64,
-    /// Area-weighted centre of the rays that pass, in slope.
-    pub center: [f64; 2],
 }
 
 /// Integrates over `cover` on a square grid of `n` x `n` midpoints, and apart over its part in `within`.
@@ -79,16 +77,11 @@ pub fn survey<R: Real>(
             let share = cos4(slopes) * step * step;
             survey.irradiance += share;
             survey.slope_area += step * step;
-            survey.center[0] += slopes[0] * step * step;
-            survey.center[1] += slopes[1] * step * step;
             let offset = [slopes[0] - within.center[0], slopes[1] - within.center[1]];
             if squared(offset) <= within.radius * within.radius {
                 survey.inside += share;
             }
         }
-    }
-    if survey.slope_area > 0.0 {
-        survey.center = survey.center.map(|sum| sum / survey.slope_area);
     }
     survey
 }

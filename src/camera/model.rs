@@ -79,7 +79,6 @@ enum Optics {
 /// A camera of any model. Immutable, and may be shared between threads.
 #[derive(Clone, Debug)]
 pub struct Camera {
-    model: Model,
     optics: Optics,
     shutter: Shutter,
     yres: f32,
@@ -108,7 +107,7 @@ impl Camera {
             Model::Orthographic => Optics::Projective(textbook::orthographic(parameters, host, log)?.into()),
             Model::Environment => Optics::Environment(textbook::environment(parameters, host, log)?.into()),
         };
-        Ok(Self { model, optics, shutter, yres: host.raster.yres as f32 })
+        Ok(Self { optics, shutter, yres: host.raster.yres as f32 })
     }
 
     /// The ray of a sample with its weight, or why there is none. The weight is the model's times what the
@@ -250,16 +249,6 @@ impl Camera {
         }
     }
 
-    /// What it is a model of.
-    pub fn model(&self) -> Model {
-        self.model
-    }
-
-    /// The shutter.
-    pub fn shutter(&self) -> Shutter {
-        self.shutter
-    }
-
     /// When the shutter begins to open and has closed, in the host's unit of time.
     pub fn shutter_interval(&self) -> [f32; 2] {
         self.placement().shutter
@@ -274,14 +263,6 @@ impl Camera {
     pub fn as_lens(&self) -> Option<&RealisticCamera> {
         match &self.optics {
             Optics::Lens(camera) => Some(camera),
-            _ => None,
-        }
-    }
-
-    /// The camera of [`Model::Thick`] or [`Model::Thin`].
-    pub fn as_ideal(&self) -> Option<&IdealCamera> {
-        match &self.optics {
-            Optics::Ideal(camera) => Some(camera),
             _ => None,
         }
     }

@@ -43,6 +43,7 @@ use super::Raster;
 pub struct Projection {
     matrix: Rows,
     inverse: Rows,
+    /// Whether parallels stay parallel, so that no point needs a division.
     affine: bool,
 }
 
@@ -122,11 +123,6 @@ impl Projection {
         Self::new(self.inverse, self.matrix)
     }
 
-    /// Whether parallels stay parallel, so that no point needs a division.
-    pub fn is_affine(&self) -> bool {
-        self.affine
-    }
-
     /// Transforms a point.
     pub fn point(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
         let row = |m: &[f32; 4]| m[0] * x + m[1] * y + m[2] * z + m[3];
@@ -196,7 +192,7 @@ mod tests {
         let (n, f) = (2.0, 10.0);
         let orthographic = Projection::orthographic(n, f);
         let perspective = Projection::perspective(90.0, n, f);
-        assert!(orthographic.is_affine() && !perspective.is_affine());
+        assert!(orthographic.affine && !perspective.affine);
         for z in [2.0, 3.0, 5.0, 10.0] {
             near(orthographic.point([3.0, -4.0, z]), [3.0, -4.0, (z - n) / (f - n)]);
             near(perspective.point([3.0, -4.0, z]), [3.0 / z, -4.0 / z, f * (z - n) / (z * (f - n))]);
@@ -219,7 +215,7 @@ mod tests {
         assert_eq!([y0, y1], [-1.0, 1.0]);
         let ndc = Projection::screen_to_ndc(window);
         let raster = Projection::screen_to_raster(window, RASTER);
-        assert!(ndc.is_affine() && raster.is_affine());
+        assert!(ndc.affine && raster.affine);
         near(ndc.point([x0, y1, 0.5]), [0.0, 0.0, 0.5]);
         near(ndc.point([x1, y0, 0.5]), [1.0, 1.0, 0.5]);
         near(raster.point([x0, y1, 0.0]), [0.0, 0.0, 0.0]);
@@ -239,7 +235,7 @@ mod tests {
             near(back.point([100.0, 50.0, 0.0]), [near_plane, 0.0, near_plane]);
             let to_screen = Projection::orthographic(near_plane, far);
             let back = Projection::raster_to_camera(&to_screen, window, square);
-            assert!(back.is_affine());
+            assert!(back.affine);
             near(back.point([100.0, 0.0, 0.0]), [1.0, 1.0, near_plane]);
         }
     }

@@ -1,4 +1,4 @@
-//! Everything that a report measures, at three sizes.
+//! Everything that a report measures, at two sizes.
 
 use std::{ops::ControlFlow, time::Duration};
 
@@ -75,25 +75,6 @@ impl Suite {
             set_up: set_up::Size { rays: 1000, repeats: 3 },
             pupils: pupil_table::Size { points: 12, repeats: 1 },
             stability: stability::Effort::QUICK,
-        }
-    }
-
-    /// As little as gives every figure something to show: for tests of what is made of the results.
-    pub fn tiny() -> Self {
-        let effort = Effort { rounds: 1, least: Duration::from_micros(20) };
-        Self {
-            lenses: vec![LENSES[0]],
-            ray_map: ray_map::Size { rays: 60, block: 32, effort },
-            irradiance: irradiance::Size { exponent: 2, repeats: 2, survey: 60, effort },
-            picture: picture::Size {
-                raster: Raster { xres: 6, yres: 4 },
-                exponent: 2,
-                reference: 16,
-                repeats: 1,
-            },
-            set_up: set_up::Size { rays: 40, repeats: 1 },
-            pupils: pupil_table::Size { points: 2, repeats: 1 },
-            stability: stability::Effort { lenses: 1, rays: 1 },
         }
     }
 

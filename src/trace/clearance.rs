@@ -18,18 +18,12 @@ pub struct Clearance {
 }
 
 impl Path<f64> {
-    /// The largest ratio of height to clear semi-diameter along a ray that no aperture stops.
+    /// Appends the largest ratio of height to clear semi-diameter along each of several rays, traced side by side,
+    /// where no aperture stops them.
     ///
     /// A ray that stops for another reason (it misses a surface, is reflected, turns back) has the
     /// ratio so far if that is more than 1, else none: `None` and a ratio of more than 1
     /// together are what [`Path::walk`] blocks. Refraction is by the fused form, whatever the path's.
-    pub fn clearance(&self, ray: Ray) -> Option<Clearance> {
-        let mut found = Vec::with_capacity(1);
-        self.clearances(&[ray], &mut found);
-        found[0]
-    }
-
-    /// Appends the [`Path::clearance`] of each of several rays, traced side by side.
     pub fn clearances(&self, rays: &[Ray], found: &mut Vec<Option<Clearance>>) {
         kernel::clearances(Simd::best(), self, rays, found);
     }
@@ -89,21 +83,25 @@ mod tests {
             let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
             let path = Path::<f64>::film_to_scene(&lens);
             let film = lens.rear().vertex - 1.1 * lens.rear().semi_diameter;
-            let (mut through, mut clipped, mut stopped) = (0, 0, 0);
+            let mut rays = Vec::new();
             for i in 0..40 {
                 for j in 0..40 {
                     for height in [0.0, 3.0, 12.0] {
                         let at = |k: i32| 2.5 * (f64::from(k) / 39.0 - 0.5);
-                        let ray = Ray { origin: [height, 0.0, film], direction: [at(i), at(j), 1.0] };
-                        let clearance = path.clearance(ray);
-                        let passes = clearance.is_some_and(|clearance| clearance.ratio <= 1.0);
-                        assert_eq!(passes, path.trace(ray).is_ok(), "{name} {ray:?} {clearance:?}");
-                        match clearance {
-                            Some(_) if passes => through += 1,
-                            Some(_) => clipped += 1,
-                            None => stopped += 1,
-                        }
+                        rays.push(Ray { origin: [height, 0.0, film], direction: [at(i), at(j), 1.0] });
                     }
+                }
+            }
+            let mut clearances = Vec::new();
+            path.clearances(&rays, &mut clearances);
+            let (mut through, mut clipped, mut stopped) = (0, 0, 0);
+            for (ray, clearance) in rays.into_iter().zip(clearances) {
+                let passes = clearance.is_some_and(|clearance| clearance.ratio <= 1.0);
+                assert_eq!(passes, path.trace(ray).is_ok(), "{name} {ray:?} {clearance:?}");
+                match clearance {
+                    Some(_) if passes => through += 1,
+                    Some(_) => clipped += 1,
+                    None => stopped += 1,
                 }
             }
             assert!(through > 20 && clipped > 20, "{name}: {through} {clipped} {stopped}");

@@ -1,4 +1,4 @@
-//! [`Path::clearance`] of many rays in lanes: the kernel's formulas (see `march`) for a table that has every aperture
+//! [`Path::clearances`] in lanes: the kernel's formulas (see `march`) for a table that has every aperture
 //! as a height, and with the largest height over its aperture carried along. Both roots at once and no division keep
 //! the time that few rays take short; what that costs in digits a search of an edge does not need. No multiply-add is
 //! fused, which processors without the instruction would do slowly.

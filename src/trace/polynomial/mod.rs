@@ -193,11 +193,6 @@ impl Polynomial {
         Ok(Self { order, frame, terms, front: *lens.front(), rims })
     }
 
-    /// The order.
-    pub fn order(&self) -> usize {
-        self.order
-    }
-
     /// Coefficients in all, those of the rims included.
     pub fn coefficients(&self) -> usize {
         (4 + 2 * self.rims.len()) * self.terms.len()

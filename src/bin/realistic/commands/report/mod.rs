@@ -98,13 +98,34 @@ fn write(results: &Results, suite: &Suite, took: Duration, folder: &Path) -> Res
 #[cfg(test)]
 mod tests {
     use super::*;
+    use realistic::camera::Raster;
+    use realistic::report::{bench::Effort, irradiance, picture, pupil_table, ray_map, set_up, stability};
+
+    /// As little as gives every figure something to show.
+    fn tiny() -> Suite {
+        let effort = Effort { rounds: 1, least: Duration::from_micros(20) };
+        Suite {
+            lenses: vec!["dgauss.50mm"],
+            ray_map: ray_map::Size { rays: 60, block: 32, effort },
+            irradiance: irradiance::Size { exponent: 2, repeats: 2, survey: 60, effort },
+            picture: picture::Size {
+                raster: Raster { xres: 6, yres: 4 },
+                exponent: 2,
+                reference: 16,
+                repeats: 1,
+            },
+            set_up: set_up::Size { rays: 40, repeats: 1 },
+            pupils: pupil_table::Size { points: 2, repeats: 1 },
+            stability: stability::Effort { lenses: 1, rays: 1 },
+        }
+    }
 
     #[test]
     fn every_file_that_the_page_names_is_there_and_every_table_parses() {
         let dir = tempfile::tempdir().unwrap();
         let folder = dir.path().join("deep/report");
         make_folder(&folder).unwrap();
-        let suite = Suite::tiny();
+        let suite = tiny();
         let results = suite.run(&mut |_| {}).unwrap();
         write(&results, &suite, Duration::from_secs(1), &folder).unwrap();
         let page = std::fs::read_to_string(folder.join("index.html")).unwrap();
@@ -150,7 +171,7 @@ mod tests {
 
     #[test]
     fn the_page_needs_nothing_from_elsewhere() {
-        let suite = Suite { lenses: vec![], ..Suite::tiny() };
+        let suite = Suite { lenses: vec![], ..tiny() };
         let page = page::page(&Results::default(), &suite, &[], &machine::facts(), Duration::ZERO);
         assert!(!page.contains("<script") && !page.contains("http"));
         assert!(page.contains("rustc "));
