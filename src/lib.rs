@@ -6,7 +6,7 @@
 //!
 //! | module | what it does |
 //! |---|---|
-//! | [`prescription`] | lens files to tables of interfaces; the built-in catalogue |
+//! | [`prescription`] | lens files to tables of interfaces and glasses; the built-in catalogue |
 //! | [`optics`] | a lens at one wavelength and stop; thick lens, pupils, focus, depth of field |
 //! | [`trace`] | exact rays through the lens, with the reason where one stops |
 //! | [`plan`] | what a camera needs of all that, proven or measured; models within a tolerance |

@@ -225,7 +225,7 @@ fn spread(number: u32) -> [f64; 5] {
 mod tests {
     use super::super::Raster;
     use super::*;
-    use crate::optics::glass::{C_LINE, F_LINE};
+    use crate::prescription::glass::{C_LINE, F_LINE};
 
     fn measurement(settings: &[(&str, &str)], bands: u32) -> Result<Measurement, MeasurementError> {
         let mut parameters = Parameters::default();

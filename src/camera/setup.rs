@@ -15,11 +15,14 @@ use crate::{
     optics::{
         Lens, LensError,
         first_order::FirstOrder,
-        glass::{D_LINE, VALID_WAVELENGTHS},
         pupil::{EntrancePupil, limiting_surface},
         refraction::Refraction,
     },
-    prescription::{LensSource, Prescription, SearchPath, catalogue, read},
+    prescription::{
+        LensSource, Prescription, SearchPath, catalogue,
+        glass::{D_LINE, VALID_WAVELENGTHS},
+        read,
+    },
 };
 
 /// How serious a message is.

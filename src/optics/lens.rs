@@ -2,10 +2,12 @@
 
 use thiserror::Error;
 
-use super::glass::{D_LINE, refractive_index};
 use crate::{
     message::short,
-    prescription::{Prescription, Shape},
+    prescription::{
+        Prescription, Shape,
+        glass::{D_LINE, refractive_index},
+    },
 };
 
 /// One surface of a lens at a given wavelength.

@@ -7,7 +7,6 @@ pub mod depth_of_field;
 pub mod field;
 pub mod first_order;
 pub mod focus;
-pub mod glass;
 pub mod image_scale;
 mod lens;
 pub mod pupil;

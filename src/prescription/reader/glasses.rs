@@ -2,13 +2,12 @@
 //! order, C in µm². Each constant bears its name, so that a data sheet's order cannot be mistaken. A row of the
 //! table then has the name where others have the refractive index.
 
-use super::super::LensFileError;
-use super::{Medium, Row, Rows, Word};
-use crate::{
-    message::short,
-    optics::glass::{C_LINE, D_LINE, F_LINE, VALID_WAVELENGTHS, refractive_index},
-    prescription::Sellmeier,
+use super::super::{
+    LensFileError, Sellmeier,
+    glass::{C_LINE, D_LINE, F_LINE, VALID_WAVELENGTHS, refractive_index},
 };
+use super::{Medium, Row, Rows, Word};
+use crate::message::short;
 
 const FORM: &str = "a glass is defined by: glass NAME sellmeier B1=… C1=… B2=… C2=… B3=… C3=… (C in µm²)";
 
