@@ -574,8 +574,9 @@ realistic_status realistic_camera_get_info(const struct realistic_camera *camera
                                            struct realistic_camera_info *info);
 
 /*
- Copies the lens's name (nothing for a model without a lens) as UTF-8 with a closing NUL into `buffer`, cut to `capacity` bytes, and writes
- its whole length without the NUL to `*length`. `buffer` may be NULL when `capacity` is 0, and `length` may be NULL.
+ Copies the lens's name (nothing for a model without a lens) as UTF-8 with a closing NUL into `buffer`, cut to
+ `capacity` bytes, and writes its whole length without the NUL to `*length`. `buffer` may be NULL when `capacity` is
+ 0, and `length` may be NULL.
 
  # Safety
  `camera` is NULL or a live camera of this library; `buffer` has `capacity` writable bytes;
@@ -587,9 +588,9 @@ realistic_status realistic_camera_get_lens_name(const struct realistic_camera *c
                                                 size_t *length);
 
 /*
- Copies what the camera keeps and leaves out, and which model of the lens a tolerance chose, as lines of UTF-8 text into
- `buffer`: see `realistic_camera_get_lens_name` for `buffer`, `capacity` and `length`. The text is for people; its wording
- may change.
+ Copies what the camera keeps and leaves out, and which model of the lens a tolerance chose, as lines of UTF-8 text
+ into `buffer`: see `realistic_camera_get_lens_name` for `buffer`, `capacity` and `length`. The text is for people;
+ its wording may change.
 
  # Safety
  `camera` is NULL or a live camera of this library; `buffer` has `capacity` writable bytes;

@@ -196,7 +196,7 @@ fn wrong_arguments_are_refused() {
     let zones = [MIDDLE];
     refused(ask(&options(), &[], 0, Some(walls), None), InvalidParameter, "at least one zone");
     refused(ask(&options(), &zones, 3, Some(walls), None), InvalidParameter, "rule 3");
-    refused(ask(&options(), &zones, 0, None, None), NullPointer, "distance and contrast");
+    refused(ask(&options(), &zones, 0, None, None), NullPointer, "both are NULL; give one");
     refused(ask(&options(), &zones, 0, Some(walls), Some(sharpness)), InvalidParameter, "not both");
     for bad in [
         realistic_zone { right: 140.0, ..MIDDLE },

@@ -116,7 +116,12 @@ pub unsafe extern "C" fn realistic_autofocus(
                     Ok::<_, Failure>(unsafe { contrast(user, trial.0, &zone) })
                 })?
             }
-            (None, None) => return Err(boundary::null("both of distance and contrast")),
+            (None, None) => {
+                return Err(Failure::new(
+                    realistic_status::NullPointer,
+                    "autofocus needs a distance or a contrast callback, and both are NULL; give one",
+                ));
+            }
             (Some(_), Some(_)) => {
                 return Err(Failure::new(
                     realistic_status::InvalidParameter,

@@ -7,7 +7,7 @@ use super::boundary::{self, Failure, realistic_status};
 use super::handle::Handle;
 use super::object::{self, HostPart};
 use super::options::{self, check_size};
-use super::types::{realistic_camera, realistic_camera_info, realistic_log, realistic_options};
+use super::types::{level_number, realistic_camera, realistic_camera_info, realistic_log, realistic_options};
 use crate::camera::{Film, Host, Level, Parameters};
 
 /// Bytes of the first version of `realistic_camera_info`.
@@ -48,32 +48,19 @@ pub(super) fn make(
     log: &mut dyn FnMut(Level, &str),
 ) -> Result<*mut realistic_camera, Failure> {
     let handle = Handle::build(parameters, host, log)?;
-    let clip = handle.camera().clip();
-    let shutter = handle.camera().shutter_interval();
-    let at_start = host.to_world.at(shutter[0]);
-    let host = HostPart {
-        film: std::ptr::null_mut(),
-        world_to_camera: at_start.inverse_rows(),
-        camera_to_world: at_start.rows(),
-        hither: clip[0],
-        yon: clip[1],
-        shutter_open: shutter[0],
-        shutter_close: shutter[1],
-    };
+    let [open, _] = handle.camera().shutter_interval();
+    let at_start = host.to_world.at(open);
+    let no_film = std::ptr::null_mut();
+    let host = HostPart::of(handle.camera(), no_film, at_start.inverse_rows(), at_start.rows());
     object::new(handle, &host).ok_or_else(boundary::out_of_memory)
 }
 
 /// Tells the caller a message.
 pub(super) fn log(callback: realistic_log, user: *mut c_void, level: Level, text: &str) {
     if let Some(callback) = callback {
-        let number = match level {
-            Level::Info => 0,
-            Level::Warning => 1,
-            Level::Error => 2,
-        };
         let text = boundary::c_string(text);
         // SAFETY: the caller's function, called with what it is declared to take.
-        unsafe { callback(user, number, text.as_ptr()) }
+        unsafe { callback(user, level_number(level), text.as_ptr()) }
     }
 }
 
@@ -135,8 +122,9 @@ pub unsafe extern "C" fn realistic_camera_get_info(
     })
 }
 
-/// Copies the lens's name (nothing for a model without a lens) as UTF-8 with a closing NUL into `buffer`, cut to `capacity` bytes, and writes
-/// its whole length without the NUL to `*length`. `buffer` may be NULL when `capacity` is 0, and `length` may be NULL.
+/// Copies the lens's name (nothing for a model without a lens) as UTF-8 with a closing NUL into `buffer`, cut to
+/// `capacity` bytes, and writes its whole length without the NUL to `*length`. `buffer` may be NULL when `capacity` is
+/// 0, and `length` may be NULL.
 ///
 /// # Safety
 /// `camera` is NULL or a live camera of this library; `buffer` has `capacity` writable bytes;
@@ -157,9 +145,9 @@ pub unsafe extern "C" fn realistic_camera_get_lens_name(
     })
 }
 
-/// Copies what the camera keeps and leaves out, and which model of the lens a tolerance chose, as lines of UTF-8 text into
-/// `buffer`: see `realistic_camera_get_lens_name` for `buffer`, `capacity` and `length`. The text is for people; its wording
-/// may change.
+/// Copies what the camera keeps and leaves out, and which model of the lens a tolerance chose, as lines of UTF-8 text
+/// into `buffer`: see `realistic_camera_get_lens_name` for `buffer`, `capacity` and `length`. The text is for people;
+/// its wording may change.
 ///
 /// # Safety
 /// `camera` is NULL or a live camera of this library; `buffer` has `capacity` writable bytes;

@@ -5,6 +5,7 @@
 
 use super::handle::Handle;
 use super::types::realistic_camera;
+use crate::camera::Camera;
 
 /// What a host keeps in a camera besides the rays; nobody reads it in a C-made camera.
 #[derive(Clone, Copy, Debug)]
@@ -24,6 +25,20 @@ pub struct HostPart {
     pub shutter_open: f32,
     /// When the shutter closes.
     pub shutter_close: f32,
+}
+
+impl HostPart {
+    /// What a host keeps of a camera; `film` and the two matrices are its own.
+    pub fn of(
+        camera: &Camera,
+        film: *mut std::ffi::c_void,
+        world_to_camera: [f32; 16],
+        camera_to_world: [f32; 16],
+    ) -> Self {
+        let [hither, yon] = camera.clip();
+        let [shutter_open, shutter_close] = camera.shutter_interval();
+        Self { film, world_to_camera, camera_to_world, hither, yon, shutter_open, shutter_close }
+    }
 }
 
 pub use implementation::{delete, handle_of, new};

@@ -66,17 +66,7 @@ unsafe fn create(
     host.to_world = to_world.into();
     host.can_redraw = false;
     let handle = Handle::build(&parameters, &host, &mut say)?;
-    let [hither, yon] = handle.camera().clip();
-    let [shutter_open, shutter_close] = handle.camera().shutter_interval();
-    let host = HostPart {
-        film,
-        world_to_camera: transform.matrix,
-        camera_to_world: transform.inverse,
-        hither,
-        yon,
-        shutter_open,
-        shutter_close,
-    };
+    let host = HostPart::of(handle.camera(), film, transform.matrix, transform.inverse);
     object::new(handle, &host).ok_or_else(boundary::out_of_memory)
 }
 

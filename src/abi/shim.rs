@@ -5,6 +5,7 @@ use std::ptr::{NonNull, null};
 use std::slice;
 
 use super::boundary;
+use super::types::level_number;
 use crate::camera::Level;
 
 /// `realistic_shim_parts`.
@@ -240,12 +241,7 @@ unsafe fn slice_of<'a, T>(pointer: *const T, count: usize) -> &'a [T] {
 
 /// Says something through the host's own message functions; on stderr when it has none.
 pub fn message(level: Level, text: &str) {
-    let number = match level {
-        Level::Info => 0,
-        Level::Warning => 1,
-        Level::Error => 2,
-    };
     let text = boundary::c_string(text);
     // SAFETY: a NUL-terminated text that lives during the call.
-    unsafe { realistic_shim_message(number, text.as_ptr()) }
+    unsafe { realistic_shim_message(level_number(level), text.as_ptr()) }
 }

@@ -89,8 +89,8 @@ impl Expected {
     }
 }
 
-/// Whether two keys are the same, number by number: the compiler makes wider loads of `==`, and they would wait until the
-/// narrow stores before them have left the store buffer.
+/// Whether two keys are the same, number by number: the compiler makes wider loads of `==`, and they would wait until
+/// the narrow stores before them have left the store buffer.
 #[inline(always)]
 fn alike<const N: usize>(a: [u32; N], b: [u32; N]) -> bool {
     let mut difference = 0;

@@ -6,6 +6,8 @@
 
 use std::ffi::{c_char, c_void};
 
+use crate::camera::Level;
+
 /// A camera. Opaque to C. Immutable once built: rays may be asked for from any number of threads.
 // Not `repr(C)`, so that the header only declares it.
 #[allow(non_camel_case_types)]
@@ -105,6 +107,15 @@ pub struct realistic_rays_soa {
 /// `message` is UTF-8, ends in NUL, and lives until the callback returns.
 #[allow(non_camel_case_types)]
 pub type realistic_log = Option<unsafe extern "C" fn(user: *mut c_void, level: i32, message: *const c_char)>;
+
+/// The `level` of a [`realistic_log`].
+pub(super) fn level_number(level: Level) -> i32 {
+    match level {
+        Level::Info => 0,
+        Level::Warning => 1,
+        Level::Error => 2,
+    }
+}
 
 /// What a camera is built from. Start from `realistic_options_init`, which sets every
 /// field to "not given": NaN for numbers, NULL for strings, -1 for booleans.

@@ -1,5 +1,10 @@
 //! The few numerical tools that several modules need: a root in a bracket, an edge, a minimum, a quadrature, and
-//! the incomplete gamma function, of which the tails of the chi-squared and Poisson's distributions are made.
+//! the incomplete gamma function, of which the tails of the chi-squared and Poisson's distributions are made; and
+//! [`Real`], the numbers that rays are traced in.
+
+mod real;
+
+pub use real::Real;
 
 /// The point of `[inside, outside]` up to which `holds`, to the last bit; `holds(inside)` is
 /// taken for granted and `outside` is where it no longer does. Where it changes more than once,

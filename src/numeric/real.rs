@@ -1,4 +1,4 @@
-//! The number that a walk computes with.
+//! The numbers that rays are traced in.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 

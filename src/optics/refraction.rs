@@ -9,7 +9,7 @@
 //! (`incident · normal > 0`). Each returns what it computes, NaN where the light is totally
 //! reflected: callers test for that first.
 
-use crate::trace::Real;
+use crate::numeric::Real;
 
 /// A method of refraction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

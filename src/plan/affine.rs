@@ -9,7 +9,7 @@
 use std::cmp::Ordering;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::trace::Real;
+use crate::numeric::Real;
 
 /// Coordinates of a box.
 pub const AXES: usize = 3;

@@ -11,14 +11,14 @@ pub mod kernel;
 mod kernel_rays;
 mod path;
 pub mod polynomial;
-mod real;
 mod walk;
 
 pub use clearance::Clearance;
 pub(crate) use clearance::Visit;
 pub use kernel_rays::KernelRays;
 pub use path::{Direction, Path};
-pub use real::Real;
 #[cfg(feature = "report")]
 pub(crate) use walk::in_range;
 pub use walk::{Blocked, Ray, Walk};
+
+pub use crate::numeric::Real;
