@@ -11,12 +11,13 @@ pub mod kernel;
 mod kernel_rays;
 mod path;
 pub mod polynomial;
+mod visit;
 mod walk;
 
 pub use clearance::Clearance;
-pub(crate) use clearance::Visit;
 pub use kernel_rays::KernelRays;
 pub use path::{Direction, Path};
+pub(crate) use visit::Visit;
 #[cfg(feature = "report")]
 pub(crate) use walk::in_range;
 pub use walk::{Blocked, Ray, Walk};
