@@ -94,9 +94,11 @@ impl Packet {
     fn trace<L: Lanes<Scalar = f64>>(&mut self, cpu: Cpu<L>, path: &Path<f64>) {
         let mut at = 0;
         while at < PACKET {
+            let [[x, y, z], [vx, vy, vz]] = [&self.p, &self.v];
+            // No closures: one that is not inlined would be compiled for another processor than this function.
             let mut lanes = Probe {
-                p: [0, 1, 2].map(|axis| L::load(cpu, &self.p[axis][at..])),
-                v: [0, 1, 2].map(|axis| L::load(cpu, &self.v[axis][at..])),
+                p: [L::load(cpu, &x[at..]), L::load(cpu, &y[at..]), L::load(cpu, &z[at..])],
+                v: [L::load(cpu, &vx[at..]), L::load(cpu, &vy[at..]), L::load(cpu, &vz[at..])],
                 lead: L::load(cpu, &self.lead[at..]),
                 open: L::load(cpu, &self.open[at..]),
                 largest: L::splat(cpu, 0.0),
@@ -132,30 +134,29 @@ impl<L: Lanes<Scalar = f64>> Probe<L> {
     /// Takes the rays to the next surface and through it.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn pass(&mut self, cpu: Cpu<L>, step: &Step<f64>, number: f64, backward: bool) {
-        let splat = |number| L::splat(cpu, number);
-        let (zero, one) = (splat(0.0), splat(1.0));
-        let c = splat(step.curvature);
+        let (zero, one) = (L::splat(cpu, 0.0), L::splat(cpu, 1.0));
+        let c = L::splat(cpu, step.curvature);
         let [vx, vy, vz] = self.v;
-        let p = [self.p[0], self.p[1], self.p[2] - splat(step.distance)];
-        let f = splat(step.curvature / 2.0) * dot(p, p) - p[2];
+        let p = [self.p[0], self.p[1], self.p[2] - L::splat(cpu, step.distance)];
+        let f = L::splat(cpu, step.curvature / 2.0) * dot(p, p) - p[2];
         let g = vz - c * dot(p, self.v);
         let cn2 = step.curvature * step.n * step.n;
-        let square = g * g - splat(2.0 * cn2) * f;
-        let [before, after] = L::sqrt_pair(square, square + splat(step.index_step));
+        let square = g * g - L::splat(cpu, 2.0 * cn2) * f;
+        let [before, after] = L::sqrt_pair(square, square + L::splat(cpu, step.index_step));
         let t = if step.curvature * step.curvature * step.aperture > WEAK * WEAK {
-            (g - before) * splat(cn2.recip())
+            (g - before) * L::splat(cpu, cn2.recip())
         } else {
             (f + f) / (g + before)
         };
         let [x, y, z] = [p[0] + t * vx, p[1] + t * vy, p[2] + t * vz];
         let slope = one - c * z;
-        let onward = L::both(splat(-step.slack).less_equal(self.lead + t), zero.less_equal(slope));
+        let onward = L::both(L::splat(cpu, -step.slack).less_equal(self.lead + t), zero.less_equal(slope));
         let met = L::both(L::both(zero.less(square), onward), zero.less(self.open));
         let met = if backward { met } else { L::both(met, zero.less(vz)) };
-        let ratio = (x * x + y * y) * splat(step.aperture.recip());
+        let ratio = (x * x + y * y) * L::splat(cpu, step.aperture.recip());
         let more = L::both(met, self.largest.less(ratio));
         self.largest = L::select(more, ratio, self.largest);
-        self.surface = L::select(more, splat(number), self.surface);
+        self.surface = L::select(more, L::splat(cpu, number), self.surface);
         let bend = after - before;
         let across = c * bend;
         self.v = [vx - across * x, vy - across * y, vz + bend * slope];
