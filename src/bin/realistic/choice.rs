@@ -48,6 +48,27 @@ impl LensChoice {
     }
 }
 
+/// Sets what `--param NAME=VALUE` says, each name once.
+///
+/// # Errors
+/// No `=`, a name twice, or what [`Parameters::set_from_text`] refuses.
+pub fn set_parameters(parameters: &mut Parameters, given: &[String]) -> Result<(), Failure> {
+    let mut seen: Vec<&str> = Vec::new();
+    for text in given {
+        let Some((name, value)) = text.split_once('=') else {
+            return Err(Failure::Usage(format!(
+                "--param \"{text}\" has no \"=\"; write --param NAME=VALUE, as in pupil=rear"
+            )));
+        };
+        if seen.contains(&name) {
+            return Err(Failure::Usage(format!("parameter \"{name}\" is given twice; give it once")));
+        }
+        parameters.set_from_text(name, value)?;
+        seen.push(name);
+    }
+    Ok(())
+}
+
 /// A warning on standard error.
 pub fn warn(message: &str) {
     // A closed standard error leaves nobody to tell.
@@ -174,5 +195,23 @@ mod tests {
             assert!(positive(text).is_err() && distance(text).is_err() && not_negative(text).is_err());
         }
         assert!(positive("inf").is_err() && not_negative("inf").is_err() && distance("0").is_err());
+    }
+    #[test]
+    fn parameters_go_by_name_each_once() {
+        let set = |given: &[&str]| {
+            let given: Vec<String> = given.iter().map(|text| (*text).to_owned()).collect();
+            let mut parameters = Parameters::default();
+            set_parameters(&mut parameters, &given).map(|()| parameters)
+        };
+        let refusal = |given: &[&str]| match set(given) {
+            Err(Failure::Usage(message)) => message,
+            other => panic!("{other:?}"),
+        };
+        let parameters = set(&["filmdistance=40.5", "pupil=disk"]).unwrap();
+        assert_eq!((parameters.filmdistance, parameters.pupil.as_deref()), (Some(40.5), Some("disk")));
+        assert!(refusal(&["fokus=3"]).contains("focusdistance"));
+        assert!(refusal(&["filmdiag"]).contains("NAME=VALUE"));
+        assert!(refusal(&["filmdiag=large"]).contains("a number"));
+        assert!(refusal(&["filmdiag=35", "filmdiag=36"]).contains("twice"));
     }
 }

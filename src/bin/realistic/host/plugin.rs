@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use libloading::Library;
-use realistic::abi::{realistic_camera, realistic_camera_info, realistic_options};
+use realistic::abi::{REALISTIC_ABI_VERSION, realistic_camera, realistic_camera_info, realistic_options};
 use realistic::abi::{realistic_contrast, realistic_distance, realistic_zone};
 use realistic::abi::{realistic_ray, realistic_sample};
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
@@ -10,9 +10,6 @@ use std::error::Error as _;
 use std::ffi::{CStr, c_char, c_void};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
-
-/// The version of the C ABI that this host was written for.
-const ABI_VERSION: u32 = 1;
 
 /// Why a plugin or a camera could not be had.
 #[derive(Debug, Error)]
@@ -34,10 +31,10 @@ pub enum PluginError {
         /// What the loader says.
         reason: String,
     },
-    /// The functions may mean something else than this host believes.
+    /// The plugin lacks what later versions of the ABI added.
     #[error(
-        "the plugin {path} speaks version {found} of the C ABI and this program version \
-         {ABI_VERSION}: build both from the same sources, or give --plugin PATH"
+        "the plugin {path} speaks version {found} of the C ABI and this program needs version \
+         {REALISTIC_ABI_VERSION} or later: `cargo build --release` builds a fresh one, and --plugin PATH names another"
     )]
     Version {
         /// The file.
@@ -126,10 +123,10 @@ pub struct Plugin {
 }
 
 impl Plugin {
-    /// Loads a plugin and checks that it speaks this host's ABI.
+    /// Loads a plugin and checks that it speaks this host's ABI, or a later one, which only adds to it.
     ///
     /// # Errors
-    /// The loader refuses the file, a function is missing, or the versions differ.
+    /// The loader refuses the file, a function is missing, or the plugin's ABI is older than this host's.
     pub fn load(path: &Path) -> Result<Self, PluginError> {
         let name = path.display().to_string();
         let failed = |error: libloading::Error| PluginError::Load {
@@ -148,10 +145,10 @@ impl Plugin {
                 library.get::<unsafe extern "C" fn() -> u32>(b"realistic_abi_version").map_err(failed)?;
             abi_version()
         };
-        if found != ABI_VERSION {
+        if !is_served_by(found) {
             return Err(PluginError::Version { path: name, found });
         }
-        // SAFETY: the version says that the signatures are the header's.
+        // SAFETY: the version says that the functions of the header are there with its signatures.
         let functions = unsafe { Functions::resolve(&library) }.map_err(failed)?;
         Ok(Self { functions, path: path.to_path_buf(), _library: library })
     }
@@ -179,6 +176,11 @@ impl Plugin {
             _ => message,
         }))
     }
+}
+
+/// Whether a plugin that speaks version `found` of the ABI has all that this host calls.
+fn is_served_by(found: u32) -> bool {
+    found >= REALISTIC_ABI_VERSION
 }
 
 /// # Safety
@@ -213,6 +215,12 @@ mod tests {
         let missing = Path::new("no/such/file.so");
         let message = find(Some(missing)).unwrap_err().to_string();
         assert!(message.contains("no/such/file.so"), "{message}");
+    }
+
+    #[test]
+    fn a_later_abi_serves_and_an_older_one_does_not() {
+        assert!(is_served_by(REALISTIC_ABI_VERSION) && is_served_by(REALISTIC_ABI_VERSION + 1));
+        assert!(!is_served_by(REALISTIC_ABI_VERSION - 1));
     }
 
     #[test]

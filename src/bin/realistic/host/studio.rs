@@ -10,13 +10,13 @@ use super::plugin::{self, Plugin};
 use super::render::{Settings, Tally, render};
 use super::scene::Scene;
 use super::spectrum;
-use crate::choice::size;
+use crate::choice::{set_parameters, size, warn};
 use crate::failure::Failure;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPool;
 use realistic::camera::{PARAMETERS, Parameters};
+use realistic::prescription::catalogue;
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -128,9 +128,7 @@ impl Studio {
             return;
         }
         told.push(message.to_owned());
-        self.progress.suspend(|| {
-            let _ = writeln!(std::io::stderr(), "realistic: warning: {message}");
-        });
+        self.progress.suspend(|| warn(message));
     }
 
     /// Threads that render.
@@ -277,17 +275,7 @@ fn white_level(camera: &Camera, parameters: &Parameters, size: [u32; 2]) -> Resu
 
 fn gather(lens: Option<&str>, given: &[String]) -> Result<Parameters, Failure> {
     let mut parameters = Parameters::default();
-    let mut seen: Vec<&str> = Vec::new();
-    for text in given {
-        let Some((name, value)) = text.split_once('=') else {
-            return Err(Failure::Usage(format!("--param \"{text}\" has no \"=\"; write --param NAME=VALUE")));
-        };
-        if seen.contains(&name) {
-            return Err(Failure::Usage(format!("parameter \"{name}\" is given twice; give it once")));
-        }
-        parameters.set_from_text(name, value)?;
-        seen.push(name);
-    }
+    set_parameters(&mut parameters, given)?;
     match (lens, &parameters.specfile) {
         (Some(lens), Some(file)) => {
             return Err(Failure::Usage(format!(
@@ -296,7 +284,7 @@ fn gather(lens: Option<&str>, given: &[String]) -> Result<Parameters, Failure> {
             )));
         }
         (None, Some(_)) => {}
-        (lens, None) => parameters.specfile = Some(lens.unwrap_or("dgauss.50mm").to_owned()),
+        (lens, None) => parameters.specfile = Some(lens.unwrap_or(catalogue::DEFAULT).to_owned()),
     }
     Ok(parameters)
 }
@@ -322,32 +310,15 @@ pub fn parameter_help() -> String {
 mod tests {
     use super::*;
 
-    fn given(texts: &[&str]) -> Result<Parameters, Failure> {
-        let texts: Vec<String> = texts.iter().map(|text| (*text).to_owned()).collect();
-        gather(None, &texts)
-    }
-
-    fn refused(texts: &[&str]) -> String {
-        match given(texts) {
-            Err(Failure::Usage(message)) => message,
-            other => panic!("{other:?}"),
-        }
-    }
-
     #[test]
-    fn parameters_go_by_name_and_the_lens_with_them() {
-        let parameters = given(&["filmdistance=40.5", "pupil=disk"]).unwrap();
-        assert_eq!(parameters.filmdistance, Some(40.5));
-        assert_eq!(parameters.pupil.as_deref(), Some("disk"));
-        assert_eq!(parameters.specfile.as_deref(), Some("dgauss.50mm"));
-    }
-
-    #[test]
-    fn bad_parameters_say_what_to_do() {
-        assert!(refused(&["fokus=3"]).contains("focusdistance"));
-        assert!(refused(&["filmdiag"]).contains("NAME=VALUE"));
-        assert!(refused(&["filmdiag=large"]).contains("a number"));
-        assert!(refused(&["filmdiag=35", "filmdiag=36"]).contains("twice"));
-        assert!(gather(Some("a.dat"), &["lensfile=b.dat".to_owned()]).is_err());
+    fn the_lens_goes_with_the_parameters() {
+        let lens = |named: Option<&str>, given: &[&str]| {
+            let given: Vec<String> = given.iter().map(|text| (*text).to_owned()).collect();
+            gather(named, &given).ok().and_then(|parameters| parameters.specfile)
+        };
+        assert_eq!(lens(None, &["filmdistance=40.5"]).as_deref(), Some(catalogue::DEFAULT));
+        assert_eq!(lens(Some("a.dat"), &[]).as_deref(), Some("a.dat"));
+        assert_eq!(lens(None, &["lensfile=b.dat"]).as_deref(), Some("b.dat"));
+        assert_eq!(lens(Some("a.dat"), &["lensfile=b.dat"]), None);
     }
 }

@@ -3,7 +3,7 @@
 #[cfg(feature = "report")]
 mod savings;
 
-use crate::choice::{FilmChoice, FilmPlace, LensChoice, not_negative, warn};
+use crate::choice::{FilmChoice, FilmPlace, LensChoice, not_negative, set_parameters, warn};
 use crate::failure::Failure;
 use realistic::camera::{CameraError, Host, Level, Parameters, Raster, RealisticCamera};
 use realistic::plan::choice::{Candidate, Verdict};
@@ -75,12 +75,7 @@ impl Order {
         args.place.give(&mut parameters);
         parameters.filmdiag = Some(args.film.filmdiag);
         parameters.tolerance = args.tolerance;
-        for given in &args.parameters {
-            let (name, value) = given.split_once('=').ok_or_else(|| {
-                Failure::Usage(format!("--param {given}: write NAME=VALUE, as in pupil=rear"))
-            })?;
-            parameters.set_from_text(name, value)?;
-        }
+        set_parameters(&mut parameters, &args.parameters)?;
         let [xres, yres] = args.film.size;
         Ok(Self { parameters, host: Host::new(Raster { xres, yres }, None) })
     }
