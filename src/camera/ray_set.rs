@@ -4,13 +4,8 @@
 use std::f64::consts::TAU;
 
 use super::{DiskMapping, PupilDisk, irradiance::film_ray};
+use crate::numeric::quasirandom::STEPS;
 use crate::trace::{Path, Ray, Real};
-
-/// Fractional parts of multiples of the powers of 1/g, g > 1 with g^5 = g + 1: a point set of low
-/// discrepancy in four dimensions (M. Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences",
-/// 2018).
-const STEPS: [f64; 4] =
-    [0.856_674_883_854_502_9, 0.733_891_856_627_126, 0.628_706_721_037_808_7, 0.538_597_257_225_901_9];
 
 /// Samples drawn for one ray that passes, at the most.
 const PATIENCE: usize = 4000;

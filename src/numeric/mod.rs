@@ -1,7 +1,8 @@
-//! The few numerical tools that several modules need: a root in a bracket, an edge, a minimum, a quadrature, and
-//! the incomplete gamma function, of which the tails of the chi-squared and Poisson's distributions are made; and
-//! [`Real`], the numbers that rays are traced in.
+//! The few numerical tools that several modules need: a root in a bracket, an edge, a minimum, a quadrature, the
+//! incomplete gamma function, of which the tails of the chi-squared and Poisson's distributions are made, a point
+//! set of low discrepancy, and [`Real`], the numbers that rays are traced in.
 
+pub mod quasirandom;
 mod real;
 
 pub use real::Real;

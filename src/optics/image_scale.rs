@@ -5,7 +5,7 @@
 //! taken from the lens itself, meridional and sagittal each: how far the chief ray turns where the film point
 //! moves away from the axis and around it.
 
-use super::{Lens, field::Field};
+use super::{Lens, field::Field, refraction::dot};
 use crate::trace::Ray;
 
 /// The scale of the image by the distance from the axis, for one film and one plane in focus.
@@ -94,10 +94,6 @@ fn turned(ray: &Ray) -> Ray {
     let (sin, cos) = TURN.sin_cos();
     let turn = |[x, y, z]: [f64; 3]| [x * cos - y * sin, x * sin + y * cos, z];
     Ray { origin: turn(ray.origin), direction: turn(ray.direction) }
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 fn length(vector: [f64; 3]) -> f64 {

@@ -17,7 +17,7 @@ use super::{
 use crate::{
     message::short,
     optics::{Lens, single_precision::f32_is_fit},
-    trace::polynomial::{ORDERS, Polynomial},
+    trace::polynomial::{ORDERS, Polynomial, monomials},
 };
 
 /// A slope and the area in slopes that it stands for.
@@ -137,12 +137,6 @@ impl Model {
             }
         }
     }
-}
-
-/// Monomials in each of the polynomials of an order.
-fn monomials(order: usize) -> usize {
-    let degree = (order - 1) / 2;
-    (degree + 1) * (degree + 2) * (degree + 3) / 6
 }
 
 impl Choice {

@@ -6,6 +6,7 @@ use super::{
     strata,
 };
 use crate::{
+    numeric::quasirandom::STEPS,
     optics::image_scale::ImageScale,
     trace::{
         Blocked, Direction, Path, Ray,
@@ -219,10 +220,6 @@ fn blocking(task: &Task<'_>, rays: &Rays, exact: &Traced<f64>) -> Vec<usize> {
 /// largest, as Chebyshev's nodes are.
 pub(super) fn fit_rays(task: &Task<'_>, count: usize) -> Vec<Ray> {
     use std::f64::consts::{FRAC_PI_2, TAU};
-    /// Steps of the four-dimensional additive recurrence (M. Roberts, "The Unreasonable Effectiveness of Quasirandom
-    /// Sequences", 2018).
-    const STEPS: [f64; 4] =
-        [0.856_674_883_854_502_9, 0.733_891_856_627_126, 0.628_706_721_037_808_7, 0.538_597_257_225_901_9];
     (0..count)
         .filter_map(|number| {
             let [h, turn, r, phi] = STEPS.map(|step| (0.5 + (number as f64 + 1.0) * step).fract());

@@ -62,7 +62,7 @@ pub(super) struct Interval {
 }
 
 /// Everything that the table keeps.
-pub(super) struct Plan {
+pub(super) struct Layout {
     /// Film radius at the table's end, mm.
     pub end: f64,
     /// Whether no light reaches the film beyond the end.
@@ -97,7 +97,7 @@ impl<'a> Builder<'a> {
         Row::disk(height, center, self.cover_at(height).radius, false)
     }
 
-    pub fn plan(&self) -> Plan {
+    pub fn layout(&self) -> Layout {
         let vanishing = self.vanishing_row().filter(|row| !self.leaks_beyond(row.height));
         let dark_beyond = vanishing.is_some();
         let end = vanishing.as_ref().map_or(self.reach, |row| row.height);
@@ -116,7 +116,7 @@ impl<'a> Builder<'a> {
             }
         }
         center_on_axis(&mut intervals);
-        Plan { end, dark_beyond, intervals }
+        Layout { end, dark_beyond, intervals }
     }
 
     fn covered(&self, height: &impl Fn(usize) -> f64, [from, to]: [usize; 2]) -> Interval {

@@ -38,7 +38,7 @@ mod view;
 use std::f64::consts::PI;
 
 use self::{
-    build::{Builder, FINE, Plan},
+    build::{Builder, FINE, Layout},
     row::CELLS,
 };
 use super::{Drawn, PupilDisk, drawing::FilmRays, pupil_disk::LaneDisk};
@@ -93,12 +93,12 @@ impl WarpedPupil {
     /// pupil's centre over the film radius, 1/mm.
     pub fn new(path: &Path, film: f64, reach: f64, cover: PupilDisk, drift: f64) -> Self {
         let builder = Builder::new(path, film, reach, cover, drift);
-        let plan = builder.plan();
-        Self::pack(plan, cover, builder.rays.get())
+        let layout = builder.layout();
+        Self::pack(layout, cover, builder.rays.get())
     }
 
-    fn pack(plan: Plan, cover: PupilDisk, rays: u32) -> Self {
-        let Plan { end, dark_beyond, intervals } = plan;
+    fn pack(layout: Layout, cover: PupilDisk, rays: u32) -> Self {
+        let Layout { end, dark_beyond, intervals } = layout;
         let mut table: Vec<[f32; 2]> = Vec::with_capacity((intervals.len() + 1) * STRIDE);
         let mut cells = Vec::with_capacity(2 * FINE);
         let mut covered = 0.0;

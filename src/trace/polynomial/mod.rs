@@ -23,6 +23,7 @@ use thiserror::Error;
 use least_squares::Equations;
 pub use lens::PolynomialLens;
 use terms::exponents;
+pub(crate) use terms::monomials;
 
 use super::{Path, Ray};
 use crate::optics::{Lens, Surface};

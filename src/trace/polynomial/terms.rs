@@ -5,6 +5,11 @@ use crate::trace::{
     kernel::{Cpu, Lanes},
 };
 
+/// The monomials of each polynomial of an odd order.
+pub fn monomials(order: usize) -> usize {
+    exponents((order - 1) / 2).len()
+}
+
 /// The exponents (i, j, k) of u, v, w up to a total degree, in the order in which [`sum`] reads their
 /// coefficients.
 pub(super) fn exponents(degree: usize) -> Vec<[usize; 3]> {
