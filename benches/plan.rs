@@ -1,9 +1,9 @@
 //! What a tolerance saves: a ray by each model of a lens, and a camera's batches with tolerances of 0, 0.01, 0.1
 //! and 1 pixel, in one run; and what it takes to build such a camera.
 //!
-//! `cargo bench --no-default-features --bench plan` (with `-- dgauss` one lens). Medians over interleaved rounds; the least
-//! stands beside them. The models' lines are what `src/plan/cost.rs` has its figures from; `REALISTIC_SIMD=avx2` gives
-//! those of narrower registers.
+//! `cargo bench --no-default-features --bench plan` (with `-- dgauss` one lens). Medians over interleaved rounds;
+//! the least stands beside them. The models' lines are what `src/plan/cost.rs` has its figures from;
+//! `REALISTIC_SIMD=avx2` gives those of narrower registers.
 
 #[path = "kernel/contest.rs"]
 mod contest;

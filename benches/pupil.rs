@@ -41,7 +41,8 @@ fn main() {
                 .map(|variance| if variance.is_nan() { "dark".to_owned() } else { format!("{variance:.5}") });
             let report = case.pupil.build_report();
             println!(
-                "| {name} | {} | {worst_acceptance:.4} / {:.4} | {worst_missed:.1e} / {:.1e} | {} | {:.2} / {:.2} | {} | {} | {:.1} |",
+                "| {name} | {} | {worst_acceptance:.4} / {:.4} | {worst_missed:.1e} / {:.1e} | {} | {:.2} / {:.2} | {} | {} \
+                 | {:.1} |",
                 stop.map_or("full".to_owned(), |number| format!("f/{number}")),
                 mean(|f| f.0),
                 mean(|f| f.1),

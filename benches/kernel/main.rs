@@ -1,8 +1,8 @@
 //! What a ray costs: one, three at once, and many, against the textbook walk and what the processor
 //! can do at best, all in one run.
 //!
-//! `cargo bench --no-default-features --bench kernel` (under a minute; with `-- dgauss` one lens). Every figure is the median over
-//! rounds in which all contestants take turns, so that a busy machine disturbs them alike; the
+//! `cargo bench --no-default-features --bench kernel` (under a minute; with `-- dgauss` one lens). Every figure is
+//! the median over rounds in which all contestants take turns, so that a busy machine disturbs them alike; the
 //! smallest stands beside it.
 
 mod contest;

@@ -2,9 +2,9 @@
 //!
 //! `types` are the structures by layout, `boundary` keeps panics inside, `object` makes and
 //! recognises the cameras that a host holds, `handle` is the camera in them, `triples` guesses a pbrt-v1 host's next
-//! calls; `library`, `options`, `camera`, `ray`, `batch` and `autofocus` export what a C caller uses; `plugin` knows the
-//! file this was loaded from; `shim` speaks to the C++ face and `pbrt` is the entry of a pbrt-v1 host (both only where
-//! `pbrt-shim/` is built).
+//! calls; `library`, `options`, `camera`, `ray`, `batch` and `autofocus` export what a C caller uses; `plugin`
+//! knows the file this was loaded from; `shim` speaks to the C++ face and `pbrt` is the entry of a pbrt-v1 host
+//! (both only where `pbrt-shim/` is built).
 
 mod autofocus;
 mod batch;

@@ -38,7 +38,8 @@ pub enum Unfit {
     },
     /// An aperture is small against what rays travel.
     #[error(
-        "lengths differ by a factor of {ratio:.1e}: f32 cannot tell whether a ray passes the narrowest aperture; use f64"
+        "lengths differ by a factor of {ratio:.1e}: f32 cannot tell whether a ray passes the narrowest aperture; \
+         use f64"
     )]
     Lengths {
         /// Greatest length over smallest clear semi-diameter.

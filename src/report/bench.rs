@@ -3,8 +3,8 @@
 //! Every task is timed in pairs with one yardstick task, right after it, in rounds that go forward and
 //! backward through the tasks; its time is the median of the ratios times the median of the
 //! yardstick. Times are those for which this thread had the processor. A clock that drifts or a neighbour that
-//! comes and goes changes both of a pair. Each
-//! measurement repeats its task until it lasts a given least time, found in a warm-up.
+//! comes and goes changes both of a pair. Each measurement repeats its task until it lasts a given least time,
+//! found in a warm-up.
 
 use std::time::Duration;
 

@@ -12,10 +12,10 @@
 //! in ([`Trail::own`], for the walks). A tracer that forms its points from other numbers of the
 //! surface's size (the compiled kernels, from plane to plane and from sphere to sphere) rounds by that
 //! size also where the point lies on the axis: for it a disturbance of position is at least the clear
-//! semi-diameter ([`Trail::surface`]). An interface's radius, index and place are rounded, too; that moves its point and turns its
-//! ray by as much and needs no terms of its own. The condition number in direction is then the root of
-//! the summed squares of the resulting direction errors, in rad per unit; the one in position the same
-//! in mm per unit. Times ε they are the errors that a perfect tracer of that precision must expect.
+//! semi-diameter ([`Trail::surface`]). An interface's radius, index and place are rounded, too; that moves its
+//! point and turns its ray by as much and needs no terms of its own. The condition number in direction is then the
+//! root of the summed squares of the resulting direction errors, in rad per unit; the one in position the same in
+//! mm per unit. Times ε they are the errors that a perfect tracer of that precision must expect.
 
 use super::{
     dual::{Dual, N},

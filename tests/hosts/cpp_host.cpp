@@ -69,7 +69,8 @@ static void cameras(const realistic::Api &api) {
     {
         std::string name = "wide.22mm";
         name += "@35mm";
-        options.set(&realistic_options::pupil, "rear").set(&realistic_options::specfile, name).set(&realistic_options::fnumber, 0.5).camera_to_world(moved);
+        options.set(&realistic_options::pupil, "rear").set(&realistic_options::specfile, name);
+        options.set(&realistic_options::fnumber, 0.5).camera_to_world(moved);
         options.log([&logged](int32_t level, const char *message) {
             ++logged;
             std::printf("log %d %s\n", static_cast<int>(level), message);

@@ -179,7 +179,8 @@ impl WarpedPupil {
         Frame { scale: S::from_f64(scale), cover: self.cover.lane_disk() }
     }
 
-    /// [`WarpedPupil::draw`] in lanes: gives rays their slopes and area. Where there is nothing to draw the area is NaN.
+    /// [`WarpedPupil::draw`] in lanes: gives rays their slopes and area. Where there is nothing to draw the area is
+    /// NaN.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn lanes<L: Lanes, const U: usize>(
         &self,

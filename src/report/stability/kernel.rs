@@ -58,11 +58,12 @@ const ONE_F32: &str = "kernel f32, one ray";
 const ANYWHERE_F64: &str = "kernel f64, anywhere";
 const ANYWHERE_F32: &str = "kernel f32, anywhere";
 
-/// A strongly curved surface is met without a division, which leaves the way to it an error of rounding times its radius:
-/// up to 45 times the clear semi-diameter and the way there, beyond which the division is done. That is what makes
-/// 15 at radii of 1000 mm and, where two such surfaces follow each other, 103 in 10 000 random lenses; everything else
-/// stays below 10.
+/// A strongly curved surface is met without a division, which leaves the way to it an error of rounding times its
+/// radius: up to 45 times the clear semi-diameter and the way there, beyond which the division is done. That is
+/// what makes 15 at radii of 1000 mm and, where two such surfaces follow each other, 103 in 10 000 random lenses;
+/// everything else stays below 10.
 const KERNEL_BOUND: f64 = 128.0;
+
 /// The tracers that this processor can run.
 pub fn kernels() -> Vec<Kernel> {
     let lens = super::build::catalogue("dgauss.50mm", 1.0);

@@ -1,10 +1,10 @@
 //! How far rounding drives a ray off what the kernel takes for granted of it.
 //!
 //! A link believes that V has the length n, that the point is on the last sphere, and that e' = N·V' there. These are
-//! three numbers more than a ray has, with roundings of their own, and an error in them is carried on by a matrix that is
-//! not the lens's: in a row of balls two diameters apart it grows sevenfold a ball where the ray map grows 2.6-fold. On the
-//! axis, where no ray nearby changes them to first order, that matrix is simple; the table follows it and has V
-//! made a vector of length n again before the drift matters.
+//! three numbers more than a ray has, with roundings of their own, and an error in them is carried on by a matrix
+//! that is not the lens's: in a row of balls two diameters apart it grows sevenfold a ball where the ray map grows
+//! 2.6-fold. On the axis, where no ray nearby changes them to first order, that matrix is simple; the table follows
+//! it and has V made a vector of length n again before the drift matters.
 
 /// Independent disturbances of N_z, Vz/n and e'/n' behind a surface, as a covariance matrix, in units of the rounding.
 #[derive(Clone, Copy, Debug)]

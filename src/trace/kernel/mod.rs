@@ -65,8 +65,9 @@ impl<S: Precision> Kernel<S> {
         Self::compile(lens, direction, Simd::best(), |_| true)
     }
 
-    /// [`Kernel::new`] that tests the apertures of only those surfaces, counted from the scene, that `tested` names. Rays
-    /// that pass every aperture keep their bits; one that passes all but an aperture left out is not blocked.
+    /// [`Kernel::new`] that tests the apertures of only those surfaces, counted from the scene, that `tested`
+    /// names. Rays that pass every aperture keep their bits; one that passes all but an aperture left out is not
+    /// blocked.
     pub fn testing(lens: &Lens, direction: Direction, tested: impl Fn(usize) -> bool) -> Self {
         let last = lens.surfaces.len() - 1;
         let along = |i| if direction == Direction::FilmToScene { last - i } else { i };

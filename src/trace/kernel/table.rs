@@ -201,8 +201,8 @@ enum Way {
     Link(Link<f64>),
 }
 
-/// Chooses for each surface: a link where there is one; and where what the kernel takes for granted would have drifted too
-/// far off, a sphere that is reached anew from its vertex plane.
+/// Chooses for each surface: a link where there is one; and where what the kernel takes for granted would have
+/// drifted too far off, a sphere that is reached anew from its vertex plane.
 fn ways(surfaces: &[Surface], amplification: f64) -> Vec<Way> {
     let mut last: Option<(&Surface, Drift)> = None;
     let mut ways = Vec::with_capacity(surfaces.len());

@@ -52,7 +52,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     writable(&args.out)?;
     let mut sheet = Sheet::new(PANEL, WAYS.len() as u32, 2);
     let mut text = format!(
-        "{:<20}  edge discrepancy of {} stratified points   chi-squared of {POINTS}\n{:<20}  {:>12} {:>12}   {:>21} {:>12} {:>9}\n",
+        "{:<20}  edge discrepancy of {} stratified points   chi-squared of {POINTS}\n\
+         {:<20}  {:>12} {:>12}   {:>21} {:>12} {:>9}\n",
         "",
         STRATA * STRATA,
         "",

@@ -117,8 +117,8 @@ pub trait Lanes:
     fn store_single(self, to: &mut [f32]);
     /// [`Lanes::store_single`] of the lanes where the mask is true.
     fn store_single_where(self, mask: Self::Mask, to: &mut [f32]);
-    /// Two pairs of a table one after the other for each lane, `K` times: as vectors of their numbers. The first pair is
-    /// `STEP` (1 or 2) times the whole part of `at` and `K` numbers more; where there is none, any. By loads
+    /// Two pairs of a table one after the other for each lane, `K` times: as vectors of their numbers. The first
+    /// pair is `STEP` (1 or 2) times the whole part of `at` and `K` numbers more; where there is none, any. By loads
     /// and shuffles: the instructions that gather are slow on some processors.
     ///
     /// # Panics

@@ -131,8 +131,8 @@ fn samplers(results: &Results) -> Option<String> {
     let sequences: Vec<&str> = bests.iter().map(|(_, sequence)| *sequence).collect();
     let (sequence, times) = most_frequent(sequences.iter().copied())?;
     Some(format!(
-        "Film irradiance within {} %: soonest by the pupil \"{pupil}\" on {wins} of {} lenses, with {sequence} numbers on \
-         {times}.",
+        "Film irradiance within {} %: soonest by the pupil \"{pupil}\" on {wins} of {} lenses, with {sequence} \
+         numbers on {times}.",
         100.0 * IRRADIANCE,
         results.lenses.len(),
     ))
@@ -150,8 +150,8 @@ fn pictures(results: &Results) -> Option<String> {
     let bests: Vec<_> = results.lenses.iter().filter_map(best).map(|(name, _)| name).collect();
     let (name, wins) = most_frequent(bests.iter().copied())?;
     Some(format!(
-        "Whole pictures: \"{name}\" comes soonest within a tenth of the least error that any way reaches, on {wins} of {} \
-         lenses.",
+        "Whole pictures: \"{name}\" comes soonest within a tenth of the least error that any way reaches, on {wins} \
+         of {} lenses.",
         results.lenses.len(),
     ))
 }

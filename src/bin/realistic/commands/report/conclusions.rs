@@ -211,8 +211,9 @@ fn estimators(results: &Results, lens: &str) -> Option<String> {
     };
     Some(format!(
         "Film irradiance to {:.2} %, which random numbers on the rear disk reach with {} samples, takes Sobol' \
-         numbers {} of that time on the same disk and {} on the warped pupil. The noise falls with the exponents {:.2}, \
-         {:.2} and {:.2}. By the thick lens's exit pupil irradiance stays {bias} whatever the number of samples.",
+         numbers {} of that time on the same disk and {} on the warped pupil. The noise falls with the exponents \
+         {:.2}, {:.2} and {:.2}. By the thick lens's exit pupil irradiance stays {bias} whatever the number of \
+         samples.",
         100.0 * last.error,
         last.samples,
         saved(rear)?,

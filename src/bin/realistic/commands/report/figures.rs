@@ -57,27 +57,30 @@ const KINDS: &[Kind] = &[
 ];
 
 const IN_PIXELS: &str = "How far from its film point a ray belongs that leaves the lens where the method says, \
-    against the time a ray takes. A mark is the 99.9 % quantile; its thin line reaches from the median to the worst ray. \
-    Filled marks and the grey staircase are the Pareto front: nothing else is both faster and nearer. The dotted lines \
-    are one pixel and a hundredth. A number by itself is a polynomial's order; those in batches are in f32 but where f64 is \
-    said. \"one\" and \"three\" are rays traced at once, f32x16 is a batch on registers of 16 numbers.";
-const DIRECTION: &str = "Angle between the ray that leaves the lens and the exact one, against the time a ray takes; marks as above.";
+    against the time a ray takes. A mark is the 99.9 % quantile; its thin line reaches from the median to the worst \
+    ray. Filled marks and the grey staircase are the Pareto front: nothing else is both faster and nearer. The dotted \
+    lines are one pixel and a hundredth. A number by itself is a polynomial's order; those in batches are in f32 but \
+    where f64 is said. \"one\" and \"three\" are rays traced at once, f32x16 is a batch on registers of 16 numbers.";
+const DIRECTION: &str = "Angle between the ray that leaves the lens and the exact one, against the time a ray \
+    takes; marks as above.";
 const POSITION: &str = "Distance between the ray that leaves the lens and the exact point on the front surface, \
     against the time a ray takes. Marks as above; the front is that of this chart.";
-const IRRADIANCE: &str = "RMS relative error of the estimate of film irradiance under a flat field, over the lit ones of five film \
-    points from the centre to the corner and independent repetitions, against time, sample numbers included. Whole \
-    lines draw on the rear element's disk, dashed ones on the thick lens's exit pupil, whose bias makes them level \
-    off, dotted ones on the true pupil (warped). In brackets: the exponent of the noise as a power of the number of samples (-0.5 is Monte Carlo).";
+const IRRADIANCE: &str = "RMS relative error of the estimate of film irradiance under a flat field, over the lit ones \
+    of five film points from the centre to the corner and independent repetitions, against time, sample numbers \
+    included. Whole lines draw on the rear element's disk, dashed ones on the thick lens's exit pupil, whose bias \
+    makes them level off, dotted ones on the true pupil (warped). In brackets: the exponent of the noise as a power \
+    of the number of samples (-0.5 is Monte Carlo).";
 const MAPPING: &str =
     "The same, drawn on the rear element's disk, for the three ways from lens numbers to the disk.";
 const ESTIMATOR: &str = "RMS error of a picture (chequerboard, lights out of focus, sky) over its mean, against \
     time on one core, for 1, 4, 16, ... samples a pixel; the f64 walk under every sampler. In brackets: the fitted \
     exponent.";
 const PUPILS: &str = "What each way to know the pupil misses of it, and which share of its samples the lens blocks, \
-    against the time to build its table: the rear element's disk, the thick lens's exit pupil (disk), boxes for rings of \
-    the film, and the warped pupil. What is less than 1e-6, and what takes less than a microsecond to build, stands there.";
-const SET_UP: &str = "Error of fitted polynomials on fresh rays (99.9 % quantile) against the time to build them; along \
-    a line the number of rays that they are fitted to doubles.";
+    against the time to build its table: the rear element's disk, the thick lens's exit pupil (disk), boxes for rings \
+    of the film, and the warped pupil. What is less than 1e-6, and what takes less than a microsecond to build, \
+    stands there.";
+const SET_UP: &str = "Error of fitted polynomials on fresh rays (99.9 % quantile) against the time to build them; \
+    along a line the number of rays that they are fitted to doubles.";
 const PICTURE: &str = "RMS error of the same picture against time on one core, for whole ways to render, with \
     Sobol' numbers: \"blocks\" are a batch host's, \"0.1 pixel\" is the cheapest model that the planner allows at that \
     tolerance, the others ask for one ray at a time. What models or samples the pupil wrongly levels off at its bias.";

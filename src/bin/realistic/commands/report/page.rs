@@ -136,19 +136,20 @@ fn method(html: &mut String, results: &Results, suite: &Suite, facts: &[(&str, S
     let Suite { ray_map, irradiance, picture, .. } = suite;
     let _ = write!(
         html,
-        "<h2 id=\"method\">How it was measured</h2>\n<p>Times: one thread, and of its time only that for which it had a processor, which is wall time where \
-         nothing else runs. Every task is warmed up until one \
-         measurement of it lasts {least}, then timed {rounds} times in pairs with one yardstick (the walk in f64, or the \
-         irradiance estimate on the rear disk), in rounds that go forward and backward through the tasks; its time is \
-         the median of the ratios times the yardstick's median, so that a drifting clock and busy neighbours \
+        "<h2 id=\"method\">How it was measured</h2>\n<p>Times: one thread, and of its time only that for which it \
+         had a processor, which is wall time where nothing else runs. Every task is warmed up until one measurement \
+         of it lasts {least}, then timed {rounds} times in pairs with one yardstick (the walk in f64, or the \
+         irradiance estimate on the rear disk), in rounds that go forward and backward through the tasks; its time \
+         is the median of the ratios times the yardstick's median, so that a drifting clock and busy neighbours \
          cancel. Single rays are timed over blocks of {block} in which the processor may overlap one ray with the \
          next. Renders are timed whole, the median of {renders}. Building times are medians, too.</p>\n\
-         <p>Errors of rays: {rays} rays that get through, uniform over the film's disk and the pupil; polynomials are \
-         fitted to other rays. Position is the distance of the exact point on the front surface from the line of the \
-         ray. Pixels: the distance between the points where the ray and the exact one meet the plane in focus, brought back \
-         to the film by the scale that the lens's own chief rays have there, meridional and sagittal. Irradiance: {repeats} repetitions at 5 film points on a half-diagonal, less those that get no light; exact values by \
-         {survey} x {survey} rays over the rear disk. Pictures: {x} x {y} pixels against a mean of two of {reference} \
-         samples a pixel, whose own RMS errors are {floors}.</p>\n<p>The whole took {took}.</p>\n",
+         <p>Errors of rays: {rays} rays that get through, uniform over the film's disk and the pupil; polynomials \
+         are fitted to other rays. Position is the distance of the exact point on the front surface from the line of \
+         the ray. Pixels: the distance between the points where the ray and the exact one meet the plane in focus, \
+         brought back to the film by the scale that the lens's own chief rays have there, meridional and sagittal. \
+         Irradiance: {repeats} repetitions at 5 film points on a half-diagonal, less those that get no light; exact \
+         values by {survey} x {survey} rays over the rear disk. Pictures: {x} x {y} pixels against a mean of two of \
+         {reference} samples a pixel, whose own RMS errors are {floors}.</p>\n<p>The whole took {took}.</p>\n",
         least = seconds(ray_map.effort.least.as_secs_f64()),
         rounds = ray_map.effort.rounds,
         block = ray_map.block,

@@ -10,8 +10,8 @@ use std::collections::BTreeSet;
 
 const STABILITY: &str = "Extreme cases with known answers: a mark is a case, its error over what a perfect tracer must \
     expect from the condition number of the case and its own rounding unit. A figure of order one, whatever the \
-    condition, is a backward stable tracer; what is below 1e-6, or exact, stands there. The dotted lines are the bounds \
-    that the tests hold. A kernel's points are as good as the size of the surface that they lie on, those of a walk as \
+    condition, is a backward stable tracer; what is below 1e-6, or exact, stands there. The dotted lines are the \
+    bounds that the tests hold. A kernel's points are as good as the size of the surface that they lie on, those of a walk as \
     good as their own distance from the vertex: the condition numbers are reckoned so. Kernels that give the same bits \
     are drawn once. The table has the worst of each group, the CSV every case.";
 
