@@ -251,7 +251,7 @@ impl Setup {
         if xres == 0 || yres == 0 {
             return Err(CameraError::Raster { xres: xres as i32, yres: yres as i32 });
         }
-        let diagonal = given.filmdiag.unwrap_or(35.0);
+        let diagonal = given.filmdiag.unwrap_or(Film::DEFAULT_DIAGONAL);
         positive("filmdiag", diagonal, "mm")?;
         let film = Film::new(host.raster, diagonal);
         let mm_per_unit = given.mmperunit.unwrap_or(1.0);

@@ -75,22 +75,40 @@ pub fn warn(message: &str) {
     let _ = writeln!(std::io::stderr(), "realistic: warning: {message}");
 }
 
-/// The film behind the lens.
+/// How large the film is.
+#[derive(clap::Args, Debug)]
+pub struct FilmSize {
+    /// Diagonal of the film in mm
+    #[arg(
+        long = "filmdiag",
+        value_name = "MM",
+        allow_negative_numbers = true,
+        default_value_t = Film::DEFAULT_DIAGONAL,
+        value_parser = positive
+    )]
+    pub diagonal: f64,
+}
+
+/// The film behind the lens, and its pixels.
 #[derive(clap::Args, Debug)]
 pub struct FilmChoice {
-    /// Diagonal of the film in mm
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, default_value_t = 35.0, value_parser = positive)]
-    pub filmdiag: f64,
+    #[command(flatten)]
+    extent: FilmSize,
     /// Pixels of the film
     #[arg(long, value_name = "WxH", default_value = "480x320", value_parser = size)]
     pub size: [u32; 2],
 }
 
 impl FilmChoice {
+    /// Gives a camera's parameters this diagonal.
+    pub fn give(&self, parameters: &mut Parameters) {
+        parameters.filmdiag = Some(self.extent.diagonal);
+    }
+
     /// The film.
     pub fn film(&self) -> Film {
         let [xres, yres] = self.size;
-        Film::new(Raster { xres, yres }, self.filmdiag)
+        Film::new(Raster { xres, yres }, self.extent.diagonal)
     }
 }
 

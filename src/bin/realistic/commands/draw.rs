@@ -1,6 +1,6 @@
 //! `realistic draw`: the cross-section of a lens.
 
-use crate::choice::{FilmPlace, LensChoice, positive};
+use crate::choice::{FilmPlace, FilmSize, LensChoice};
 use crate::drawing::{picture, section};
 use crate::failure::Failure;
 use realistic::optics::{Lens, first_order::FirstOrder};
@@ -14,9 +14,8 @@ pub struct Args {
     lens: LensChoice,
     #[command(flatten)]
     place: FilmPlace,
-    /// Diagonal of the film in mm
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, default_value_t = 35.0, value_parser = positive)]
-    filmdiag: f64,
+    #[command(flatten)]
+    film: FilmSize,
     /// Rays a bundle, spread over the beam that gets through and a little beyond
     #[arg(long, value_name = "N", default_value_t = 11, value_parser = clap::value_parser!(u32).range(1..=999))]
     rays: u32,
@@ -42,7 +41,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let scene = section::Scene {
         title: prescription.title.as_deref(),
         film_distance,
-        film_diagonal: args.filmdiag,
+        film_diagonal: args.film.diagonal,
         rays: args.rays,
     };
     let out = args.out.clone().unwrap_or_else(|| {

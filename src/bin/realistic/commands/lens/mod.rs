@@ -3,7 +3,7 @@
 mod facts;
 mod table;
 
-use crate::choice::{FilmPlace, LensChoice, positive};
+use crate::choice::{FilmPlace, FilmSize, LensChoice};
 use crate::failure::Failure;
 use facts::Facts;
 use std::io::Write as _;
@@ -15,9 +15,8 @@ pub struct Args {
     lens: LensChoice,
     #[command(flatten)]
     place: FilmPlace,
-    /// Diagonal of the film in mm, for the field of view
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, default_value_t = 35.0, value_parser = positive)]
-    filmdiag: f64,
+    #[command(flatten)]
+    film: FilmSize,
     /// Write JSON; keys carry units, null is what does not exist or lies at infinity
     #[arg(long)]
     json: bool,
@@ -34,7 +33,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         // A lens that makes no image is worth a report without one.
         place => place.ok(),
     };
-    let facts = Facts::of(&lens, film_distance, args.filmdiag);
+    let facts = Facts::of(&lens, film_distance, args.film.diagonal);
     let text = if args.json {
         let mut value = facts.json(&prescription);
         value["rows"] = table::json(&prescription, &lens);

@@ -73,7 +73,7 @@ impl Order {
         let mut parameters = Parameters::default();
         args.lens.give(&mut parameters);
         args.place.give(&mut parameters);
-        parameters.filmdiag = Some(args.film.filmdiag);
+        args.film.give(&mut parameters);
         parameters.tolerance = args.tolerance;
         set_parameters(&mut parameters, &args.parameters)?;
         let [xres, yres] = args.film.size;
