@@ -7,11 +7,12 @@ use super::{
     choices::{PupilChoice, Weighting},
     drawing::{Drawing, FilmRays, Sampler},
     few::{Three, Together},
+    host::Level,
     irradiance::{film_ray, on_axis, survey},
     pipeline::Pipeline,
     placement::Placement,
     planning::{self, Route},
-    setup::{Level, Setup},
+    setup::Setup,
     tracer::{Tracer, Walk, Walked},
 };
 use crate::{

@@ -1,73 +1,21 @@
-//! From parameters to a checked set-up: the lens found, scaled and stopped down, the film in place.
-
-use std::path::PathBuf;
+//! From parameters to a checked set-up: the lens, the film in its place, and what the camera is to be.
 
 use super::{
-    CameraError, CameraMotion, CameraToWorld, DEFAULT_INTERVAL, DiskMapping, Film, IdealCamera,
-    ParameterError, Parameters, Raster, RealisticCamera,
+    CameraError, DEFAULT_INTERVAL, DiskMapping, Film, Host, IdealCamera, Level, ParameterError, Parameters,
+    Raster, RealisticCamera,
     check::{choice, interval, out_of_range, positive},
     choices::{Precision, PupilChoice, Weighting},
     focusing::{Focusing, place_film},
+    lens_setup::{LensSetup, open_lens, set_up_lens},
     placement::Placement,
 };
 use crate::{
-    message::short,
-    optics::{
-        Lens, LensError,
-        first_order::FirstOrder,
-        pupil::{EntrancePupil, limiting_surface},
-        refraction::Refraction,
-    },
-    prescription::{
-        LensSource, Prescription, SearchPath, catalogue,
-        glass::{D_LINE, VALID_WAVELENGTHS},
-        read,
-    },
+    optics::{Lens, refraction::Refraction},
+    prescription::{SourceError, catalogue, read},
 };
 
-/// How serious a message is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Level {
-    /// Worth knowing.
-    Info,
-    /// The camera is built, and something is not as asked.
-    Warning,
-    /// The camera is not built.
-    Error,
-}
-
-/// What a host brings besides parameters.
-#[derive(Clone, Debug)]
-pub struct Host {
-    /// Pixels of the image.
-    pub raster: Raster,
-    /// Camera space to world space, at any time.
-    pub to_world: CameraMotion,
-    /// Where lens files are looked for after the working directory.
-    pub search: SearchPath,
-    /// A lens file's text in the place of `specfile`, with the name it goes by in messages.
-    pub lens_text: Option<(String, Vec<u8>)>,
-    /// Whether the host can draw new lens numbers for a sample.
-    pub can_redraw: bool,
-    /// Whether the camera leaves out what its film and place do not need; false is for comparisons. Without
-    /// a tolerance the rays have the same bits.
-    pub leave_out: bool,
-}
-
-impl Host {
-    /// A host whose camera space is its world space, and which looks for lens files along
-    /// `PBRT_SEARCHPATH` and in the directory `beside`.
-    pub fn new(raster: Raster, beside: Option<PathBuf>) -> Self {
-        Self {
-            raster,
-            to_world: CameraToWorld::IDENTITY.into(),
-            search: SearchPath::from_environment().then(beside.as_deref()),
-            lens_text: None,
-            can_redraw: true,
-            leave_out: true,
-        }
-    }
-}
+/// Between an electron and the known universe; beyond, a ray's origin could leave the range of floats.
+const MM_PER_UNIT: std::ops::RangeInclusive<f64> = 1e-15..=1e30;
 
 /// Everything that a camera is made of.
 #[derive(Clone, Debug)]
@@ -88,115 +36,6 @@ pub(super) struct Setup {
     pub placement: Placement,
 }
 
-/// What decides which lens is used and at which stop.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct LensSetup {
-    /// nm; `None` for the d line.
-    pub wavelength: Option<f64>,
-    /// Diameter of the stop, mm.
-    pub aperture_diameter: Option<f64>,
-    /// Focal length over entrance pupil diameter.
-    pub fnumber: Option<f64>,
-}
-
-/// Finds, reads, scales and stops down the lens that a caller names.
-///
-/// # Errors
-/// No such lens, a file that is not a lens, a lens that cannot be scaled or stopped down as asked.
-pub fn open_lens(
-    name: &str,
-    search: &SearchPath,
-    setup: LensSetup,
-    log: &mut dyn FnMut(Level, &str),
-) -> Result<(Prescription, Lens), CameraError> {
-    let source = LensSource::parse(name, search)?;
-    let mut prescription = source.load(search)?;
-    if let Some(focal_length) = source.focal_length() {
-        let own = FirstOrder::of(&Lens::at_d_line(&prescription))?.focal_length;
-        prescription = prescription.scaled(focal_length / own.abs());
-        prescription.name = name.to_owned();
-    }
-    let lens = set_up_lens(&prescription, setup, log)?;
-    Ok((prescription, lens))
-}
-
-/// A prescription at a wavelength and stop.
-fn set_up_lens(
-    prescription: &Prescription,
-    setup: LensSetup,
-    log: &mut dyn FnMut(Level, &str),
-) -> Result<Lens, CameraError> {
-    let wavelength = setup.wavelength.unwrap_or(D_LINE);
-    if !VALID_WAVELENGTHS.contains(&wavelength) {
-        let (from, to) = (VALID_WAVELENGTHS.start(), VALID_WAVELENGTHS.end());
-        return Err(out_of_range("wavelength", wavelength, &format!("from {from} to {to} nm")));
-    }
-    if wavelength != D_LINE && !prescription.is_dispersive() {
-        let name = &prescription.name;
-        let text = format!(
-            "lens \"{name}\" has neither V-numbers nor Sellmeier constants: wavelength {wavelength} nm changes nothing"
-        );
-        log(Level::Warning, &text);
-    }
-    let mut lens = Lens::new(prescription, wavelength);
-    if let Some(row) = lens.surfaces.iter().position(|surface| !(surface.n_film >= 1.0)) {
-        let (lens, index) = (lens.name, lens.surfaces[row].n_film);
-        return Err(LensError::Index { lens, row: row + 1, index, wavelength }.into());
-    }
-    match (setup.aperture_diameter, setup.fnumber) {
-        (Some(_), Some(_)) => {
-            Err(ParameterError::Both { first: "fnumber", second: "aperture_diameter" }.into())
-        }
-        (Some(diameter), None) => stop_to_diameter(&mut lens, diameter, log).map(|()| lens),
-        (None, Some(number)) => stop_to_fnumber(&mut lens, number, log).map(|()| lens),
-        (None, None) => Ok(lens),
-    }
-}
-
-fn stop_to_diameter(
-    lens: &mut Lens,
-    diameter: f64,
-    log: &mut dyn FnMut(Level, &str),
-) -> Result<(), CameraError> {
-    let Some(stop) = lens.stop_index() else {
-        return Err(LensError::NoStop { lens: lens.name.clone() }.into());
-    };
-    positive("aperture_diameter", diameter, "mm")?;
-    let widest = 2.0 * lens.surfaces[stop].semi_diameter;
-    if diameter > widest {
-        let text = format!(
-            "\"aperture_diameter\" {diameter} mm is wider than the lens's stop; {} mm is used",
-            short(widest)
-        );
-        log(Level::Warning, &text);
-    } else {
-        lens.surfaces[stop].semi_diameter = diameter / 2.0;
-    }
-    Ok(())
-}
-
-fn stop_to_fnumber(
-    lens: &mut Lens,
-    number: f64,
-    log: &mut dyn FnMut(Level, &str),
-) -> Result<(), CameraError> {
-    positive("fnumber", number, "")?;
-    let focal_length = FirstOrder::of(lens)?.focal_length.abs();
-    let widest = focal_length / EntrancePupil::of_surface(lens, limiting_surface(lens)).diameter();
-    if number < widest {
-        log(
-            Level::Warning,
-            &format!("\"fnumber\" {number} is faster than the lens; f/{} is used", short(widest)),
-        );
-        return Ok(());
-    }
-    let surface = lens.stop_index().unwrap_or_else(|| limiting_surface(lens));
-    // The entrance pupil grows in proportion to the aperture that it images.
-    let imaged = EntrancePupil::of_surface(lens, surface).diameter();
-    lens.surfaces[surface].semi_diameter *= focal_length / number / imaged;
-    Ok(())
-}
-
 impl RealisticCamera {
     /// Builds a camera of the model "lens". `log` receives warnings.
     ///
@@ -212,9 +51,6 @@ impl RealisticCamera {
         Self::from_setup(setup, log)
     }
 }
-
-/// Between an electron and the known universe; beyond, a ray's origin could leave the range of floats.
-const MM_PER_UNIT: std::ops::RangeInclusive<f64> = 1e-15..=1e30;
 
 impl IdealCamera {
     /// Builds the thick lens of the parameters' lens, or its thin one. `log` receives warnings.
@@ -324,7 +160,7 @@ fn lens_of(given: &Parameters, host: &Host, log: &mut dyn FnMut(Level, &str)) ->
         if given.specfile.is_some() {
             return Err(ParameterError::Both { first: "specfile", second: "lens_text" }.into());
         }
-        let prescription = read(name, text).map_err(crate::prescription::SourceError::from)?;
+        let prescription = read(name, text).map_err(SourceError::from)?;
         return set_up_lens(&prescription, setup, log);
     }
     let name = given.specfile.as_deref().unwrap_or(catalogue::DEFAULT);
