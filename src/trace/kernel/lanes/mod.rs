@@ -8,6 +8,7 @@ pub mod avx2;
 #[cfg(target_arch = "x86_64")]
 pub mod avx512;
 mod portable;
+mod scalar;
 
 use std::{
     marker::PhantomData,
@@ -16,7 +17,8 @@ use std::{
 
 use crate::trace::Real;
 
-pub use portable::{Portable, Scalar};
+pub use portable::Portable;
+pub use scalar::Scalar;
 
 /// The knowledge that this processor has the instructions of `L`, without which no vector is made.
 pub struct Cpu<L>(PhantomData<fn() -> L>);

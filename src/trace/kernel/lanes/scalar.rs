@@ -1,0 +1,98 @@
+//! The numbers in the lanes: what an instance asks of f64 and f32.
+
+#[cfg(target_arch = "x86_64")]
+use std::arch::x86_64::{_mm_cvttsd_si32, _mm_cvttss_si32, _mm_set_sd, _mm_set_ss};
+
+use crate::trace::Real;
+
+/// A number type that vectors are made of.
+pub trait Scalar: Real {
+    /// Squares of n cos I up to this count as 0: a hit this close to grazing has no direction left,
+    /// and above it every instance's square root is correctly rounded.
+    const NO_SQUARE: Self;
+    /// The smallest positive normal number.
+    const LEAST: Self;
+    /// `self * b + c`, rounded once: an instruction where the processor has it and the caller is
+    /// compiled for it, else a slow but exact function.
+    #[must_use]
+    fn fused(self, b: Self, c: Self) -> Self;
+    /// Without the digits behind the point.
+    #[must_use]
+    fn whole(self) -> Self;
+    /// The whole part of a number from 0 to 2^31; of any other anything.
+    fn index(self) -> usize;
+    /// Two square roots, at the latency of one where the processor can.
+    fn sqrt_pair(a: Self, b: Self) -> [Self; 2];
+}
+
+impl Scalar for f64 {
+    // 2^-256
+    const NO_SQUARE: Self = f64::from_bits((1023 - 256) << 52);
+    const LEAST: Self = f64::MIN_POSITIVE;
+
+    #[inline(always)]
+    fn fused(self, b: Self, c: Self) -> Self {
+        self.mul_add(b, c)
+    }
+
+    #[inline(always)]
+    fn whole(self) -> Self {
+        self.trunc()
+    }
+
+    #[inline(always)]
+    fn index(self) -> usize {
+        // `as` would add two comparisons, which whoever waits for the look-up waits for.
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: every such processor has SSE2.
+        return unsafe { _mm_cvttsd_si32(_mm_set_sd(self)) } as u32 as usize;
+        #[cfg(not(target_arch = "x86_64"))]
+        return self as u32 as usize;
+    }
+
+    #[inline(always)]
+    fn sqrt_pair(a: Self, b: Self) -> [Self; 2] {
+        #[cfg(target_arch = "x86_64")]
+        {
+            use std::arch::x86_64::{_mm_cvtsd_f64, _mm_set_pd, _mm_sqrt_pd, _mm_unpackhi_pd};
+            // SAFETY: every x86-64 has SSE2.
+            unsafe {
+                let roots = _mm_sqrt_pd(_mm_set_pd(b, a));
+                [_mm_cvtsd_f64(roots), _mm_cvtsd_f64(_mm_unpackhi_pd(roots, roots))]
+            }
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        [a.sqrt(), b.sqrt()]
+    }
+}
+
+impl Scalar for f32 {
+    // 2^-64
+    const NO_SQUARE: Self = f32::from_bits((127 - 64) << 23);
+    const LEAST: Self = f32::MIN_POSITIVE;
+
+    #[inline(always)]
+    fn fused(self, b: Self, c: Self) -> Self {
+        self.mul_add(b, c)
+    }
+
+    #[inline(always)]
+    fn whole(self) -> Self {
+        self.trunc()
+    }
+
+    #[inline(always)]
+    fn index(self) -> usize {
+        // `as` would add two comparisons, which whoever waits for the look-up waits for.
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: every such processor has SSE2.
+        return unsafe { _mm_cvttss_si32(_mm_set_ss(self)) } as u32 as usize;
+        #[cfg(not(target_arch = "x86_64"))]
+        return self as u32 as usize;
+    }
+
+    #[inline(always)]
+    fn sqrt_pair(a: Self, b: Self) -> [Self; 2] {
+        [a.sqrt(), b.sqrt()]
+    }
+}
