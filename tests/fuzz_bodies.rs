@@ -4,6 +4,7 @@
 mod c_abi;
 #[path = "../fuzz/bodies/lens_text.rs"]
 mod lens_text;
+mod support;
 
 use proptest::prelude::*;
 
@@ -48,9 +49,8 @@ fn bytes(size: usize) -> impl Strategy<Value = Vec<u8>> {
 /// Runs `body` on many inputs; at least `least` must be accepted, or nothing is tested.
 fn many(strategy: impl Strategy<Value = Vec<u8>>, least: u32, body: fn(&[u8]) -> bool) {
     const CASES: u32 = 4000;
-    let config = ProptestConfig { cases: CASES, failure_persistence: None, ..ProptestConfig::default() };
     let accepted = std::cell::Cell::new(0);
-    proptest::test_runner::TestRunner::new(config)
+    proptest::test_runner::TestRunner::new(support::cases(CASES))
         .run(&strategy, |data| {
             accepted.set(accepted.get() + u32::from(body(&data)));
             Ok(())

@@ -437,7 +437,7 @@ fn is_unit(d: [f64; 3]) -> bool {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 1500, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(support::cases(1500))]
 
     #[test]
     fn whatever_the_lens_a_ray_ends_in_numbers_and_a_reason(
