@@ -5,7 +5,7 @@ use super::{
     ProjectiveCamera, RayArrays, RayBlock, RealisticCamera, Sample, SampleArrays, Shutter, Three, WorldRay,
     check::choice, placement::Placement, textbook,
 };
-use crate::{optics::Lens, plan::Plan};
+use crate::{optics::Lens, plan::Plan, trace::Blocked};
 
 /// What a camera is a model of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -209,11 +209,15 @@ impl Camera {
     }
 
     fn through_optics(&self, sample: &Sample) -> Outcome {
-        match &self.optics {
-            Optics::Lens(camera) => camera.generate(sample),
+        let outcome = match &self.optics {
+            Optics::Lens(camera) => return camera.generate(sample),
             Optics::Ideal(camera) => camera.generate(sample),
             Optics::Projective(camera) => camera.generate(sample),
             Optics::Environment(camera) => Outcome::Ray(camera.ray(sample), 1.0),
+        };
+        match outcome {
+            Outcome::Ray(ray, weight) if !is_sound(&ray, weight) => Outcome::Blocked(Blocked::Missed),
+            sound => sound,
         }
     }
 
@@ -311,6 +315,15 @@ impl Camera {
     }
 }
 
+/// Whether these are a ray's numbers: those of image points that are none, or far out of any image, are not.
+/// The real lens blocks them.
+fn is_sound(ray: &WorldRay, weight: f32) -> bool {
+    let [x, y, z] = ray.direction;
+    // What overflowed on its way to a unit vector is 0 or no number.
+    let is_unit = x * x + y * y + z * z > 0.5;
+    is_unit && weight > 0.0 && weight.is_finite() && ray.origin.iter().all(|part| part.is_finite())
+}
+
 /// A positive weight behind the shutter. However small, it is not that of a blocked ray.
 fn dimmed(weight: f32, share: f32) -> f32 {
     (weight * share).max(f32::MIN_POSITIVE)
@@ -333,6 +346,30 @@ fn warn_of_unused(model: Model, shutter: Shutter, given: &Parameters, log: &mut 
     ] {
         if is_given && !is_used {
             log(Level::Warning, &format!("\"{name}\" is used with \"shutter\" \"{kind}\" only"));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Raster;
+    use super::*;
+
+    #[test]
+    fn what_is_no_image_point_makes_no_ray_of_any_model() {
+        for (name, _) in Model::NAMES {
+            let parameters = Parameters { model: Some(name.to_owned()), ..Parameters::default() };
+            let host = Host::new(Raster { xres: 40, yres: 30 }, None);
+            let camera = Camera::build(&parameters, &host, &mut |_, text| panic!("{text}")).expect("built");
+            let sample = Sample { image_x: 20.0, image_y: 15.0, lens_u: 0.5, lens_v: 0.5, time: 0.0 };
+            assert!(matches!(camera.generate(&sample), Outcome::Ray(..)), "{name}");
+            for number in [f32::NAN, f32::INFINITY, -f32::INFINITY] {
+                for strange in [Sample { image_x: number, ..sample }, Sample { image_y: number, ..sample }] {
+                    let outcome = camera.generate(&strange);
+                    assert!(matches!(outcome, Outcome::Blocked(_)), "{name} {strange:?}: {outcome:?}");
+                    assert_eq!(camera.ray(&strange), None, "{name} {strange:?}");
+                }
+            }
         }
     }
 }
