@@ -537,3 +537,9 @@ fn refractions_agree_and_single_precision_is_near() {
     assert_eq!(of_camera, focal_length(&red));
     assert_ne!(of_camera, focal_length(&lens("dgauss.100mm")));
 }
+
+#[test]
+fn film_so_far_off_that_no_float_makes_its_weights_relative_is_refused() {
+    let far = [("weighting", "relative"), ("filmdistance", "1e18"), ("fnumber", "660"), ("precision", "f32")];
+    refused(&far, &["too far", "\"filmdistance\""]);
+}

@@ -50,14 +50,14 @@ pub enum CameraError {
         /// The lens.
         lens: String,
     },
-    /// The weight of a ray is no float.
+    /// The weight of a ray, or the factor that it is made with, is no float.
     #[error(
-        "a ray's weight would be {}, which is no finite float: the film is too large or too near \
+        "a ray's weight would be made of {}, which is no finite float: the film is too large, too near or too far \
          for this lens; check \"filmdiag\", \"filmdistance\" and the units of the lens file, mm",
         short(*weight)
     )]
     Weight {
-        /// The weight along the axis.
+        /// The larger of the weight along the axis and its factor.
         weight: f64,
     },
     /// The camera transform is no affine transform.

@@ -1,6 +1,6 @@
 //! The realistic camera: a sample in, a ray through every interface of the lens out.
 
-use std::sync::Arc;
+use std::{f64::consts::PI, sync::Arc};
 
 use super::{
     CameraError, DiskMapping, Film, PupilDisk, WarpedPupil,
@@ -138,7 +138,8 @@ impl RealisticCamera {
             Weighting::None => None,
         };
         let largest = if let Sampler::Disk(disk) = &sampler { disk } else { &rear }.slope_area();
-        let heaviest = weight.map_or(1.0, |weight| weight * largest);
+        // The factor by itself, too, times π: single precision multiplies areas over π by it.
+        let heaviest = weight.map_or(1.0, |weight| (weight * largest).max(weight * PI));
         if !(heaviest as f32).is_finite() {
             return Err(CameraError::Weight { weight: heaviest });
         }
