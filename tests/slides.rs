@@ -130,7 +130,7 @@ fn what_cannot_be_is_refused_with_what_to_do() {
         (&["render", "--autofocus", "--autofocus-rule", "best"], "nearest"),
         (&["render", "--autofocus", "--autofocus-by", "sonar"], "contrast"),
         (&["focus-stack", "--from", "900", "--to", "800"], "nearer"),
-        (&["focus-stack", "--from", "0", "--to", "800"], "above 0"),
+        (&["focus-stack", "--from", "0", "--to", "800"], "positive number"),
         (&["focus-stack", "--from", "50", "--to", "800"], "nearest"),
         (&["focus-stack", "--from", "500", "--to", "800", "--count", "1"], "2..=999"),
         (&["focus-stack", "--from", "500", "--to", "800", "--out", "missing"], "mkdir -p"),
