@@ -5,7 +5,7 @@ use super::{
     ProjectiveCamera, RayArrays, RayBlock, RealisticCamera, Sample, SampleArrays, Shutter, Three, WorldRay,
     check::choice, placement::Placement, textbook,
 };
-use crate::{optics::Lens, plan::Plan};
+use crate::{optics::Lens, plan::Plan, trace::Blocked};
 
 /// What a camera is a model of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -220,11 +220,15 @@ impl Camera {
     }
 
     fn through_optics(&self, sample: &Sample) -> Outcome {
-        match &self.optics {
-            Optics::Lens(camera) => camera.generate(sample),
+        let outcome = match &self.optics {
+            Optics::Lens(camera) => return camera.generate(sample),
             Optics::Ideal(camera) => camera.generate(sample),
             Optics::Projective(camera) => camera.generate(sample),
             Optics::Environment(camera) => Outcome::Ray(camera.ray(sample), 1.0),
+        };
+        match outcome {
+            Outcome::Ray(ray, _) if !is_whole(&ray) => Outcome::Blocked(Blocked::Missed),
+            whole => whole,
         }
     }
 
@@ -338,6 +342,13 @@ impl Camera {
             Optics::Projective(_) | Optics::Environment(_) => None,
         }
     }
+}
+
+/// Whether this is a ray: a sample whose numbers are none, or beyond what floats hold, makes none.
+fn is_whole(ray: &WorldRay) -> bool {
+    let square: f32 = ray.direction.iter().map(|part| part * part).sum();
+    // A unit vector but for rounding, else 0 or NaN.
+    square > 0.5 && ray.origin.iter().all(|part| part.is_finite())
 }
 
 /// A positive weight behind the shutter. However small, it is not that of a blocked ray.
