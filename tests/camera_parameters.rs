@@ -140,13 +140,14 @@ fn a_lens_that_is_not_there_or_no_lens_is_told() {
     refused(&[("specfile", "dgauss.50mm@35")], &["positive focal length in mm"]);
     refused_by(&host_with("20 5 1.5\n"), &[], &["own.dat:1:1:", "four values"]);
     refused_by(&host_with(""), &[], &["own.dat:1:1:", "at least one interface"]);
-    refused_by(&host_with("0 0 1 3\n"), &[("filmdistance", "20")], &["afocal"]);
+    refused_by(&host_with("0 0 1 3\n"), &[], &["afocal", "\"filmdistance\""]);
     let no_stop = host_with("20 5 1.5 10\n-20 30 1 10\n");
     refused_by(&no_stop, &[("aperture_diameter", "4")], &["no stop row", "\"fnumber\""]);
     let diverging = host_with("-20 5 1.5 10\n20 0 1 10\n");
     refused_by(&diverging, &[], &["focal length -", "no real image"]);
     let hollow = host_with("25 5 1.6 40\n20 0 1 34\n");
     refused_by(&hollow, &[("filmdistance", "3")], &["touch the rear element", "\"filmdistance\""]);
+    refused(&[("filmdiag", "1e30")], &["too large", "\"filmdiag\""]);
 }
 
 #[test]

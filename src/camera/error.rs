@@ -23,6 +23,9 @@ pub enum CameraError {
     /// The lens cannot focus there.
     #[error(transparent)]
     Focus(#[from] FocusError),
+    /// The lens cannot focus, and nobody says where the film is.
+    #[error("{0}; \"filmdistance\" puts the film behind it all the same")]
+    NoFilmDistance(FocusError),
     /// The film would cut into the lens.
     #[error(
         "film distance {film_distance} mm: the film would touch the rear element, whose rim reaches \
@@ -50,11 +53,11 @@ pub enum CameraError {
     },
     /// The weight of a ray is no float.
     #[error(
-        "a ray's weight would be {weight}, which is no finite number: the film is too large or too near \
+        "a ray's weight would be {weight:e}, which is more than a float holds: the film is too large or too near \
          for this lens; check \"filmdiag\", \"filmdistance\" and the units of the lens file, mm"
     )]
     Weight {
-        /// The weight along the axis.
+        /// The largest weight.
         weight: f64,
     },
     /// The camera transform is no affine transform.
