@@ -47,6 +47,7 @@ fn a_value_out_of_range_is_told_with_its_parameter_and_range() {
         refused(&[(name.name, "nan")], &[&format!("\"{}\"", name.name), "not a number"]);
         refused(&[(name.name, "wide")], &[&format!("\"{}\" takes a number", name.name), "\"wide\""]);
     }
+    refused(&[("tolerance", "-1e-300")], &["\"tolerance\" is -1e-300;"]);
     refused(&[("focusdistance", "0")], &["\"focusdistance\" is 0", "positive, in world units"]);
     refused(&[("focusdistance", "-5")], &["\"focusdistance\" is -5"]);
     refused(&[("hither", "-1")], &["\"hither\" is -1", "0 or more"]);
