@@ -78,7 +78,7 @@ impl Shutter {
 
 /// A host's time number taken into [0, 1]; one that is no number counts as 0.
 pub(super) fn time_number(number: f32) -> f32 {
-    number.max(0.0).min(1.0)
+    if number > 0.0 { number.min(1.0) } else { 0.0 }
 }
 
 fn share(parameter: &'static str, value: f64, most: f64) -> Result<f32, CameraError> {
