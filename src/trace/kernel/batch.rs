@@ -2,6 +2,7 @@
 
 use super::{
     Traced,
+    instances::each_further,
     lanes::{Cpu, Lanes, Scalar},
     march::{End, Start},
 };
@@ -38,9 +39,9 @@ pub trait Batch<S: Scalar> {
         first: usize,
     ) -> [(Start<L>, Self::Carry<L>); U] {
         let mut starts = [self.start(cpu, approach, first); U];
-        for (u, start) in starts.iter_mut().enumerate().skip(1) {
-            *start = self.start(cpu, approach, first + u * L::WIDTH);
-        }
+        each_further!(u < U, {
+            starts[u] = self.start(cpu, approach, first + u * L::WIDTH);
+        });
         starts
     }
     /// Takes what became of them. `cos2` is the squared cosine to the axis that they started with.

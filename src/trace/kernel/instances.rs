@@ -88,6 +88,26 @@ const INTERLEAVED: usize = 4;
 /// call a lane: one lane is as quick, and is the code that single rays take.
 const PORTABLE: usize = if cfg!(target_arch = "x86_64") { 1 } else { 4 };
 
+/// Does the same for each number from 1 to 3 that is below `$n`, written out: where the work is long the compiler keeps
+/// the loop, and leaves what it indexes in memory and copied about.
+macro_rules! each_further {
+    ($u:ident < $n:ident, $work:block) => {
+        if $n > 1 {
+            let $u = 1;
+            $work
+        }
+        if $n > 2 {
+            let $u = 2;
+            $work
+        }
+        if $n > 3 {
+            let $u = 3;
+            $work
+        }
+    };
+}
+pub(super) use each_further;
+
 /// What rays are taken through in lanes.
 pub trait Optics<S: Scalar> {
     /// Where they start.
@@ -113,14 +133,14 @@ impl<S: Scalar> Optics<S> for Table<S> {
         starts: [Start<L>; U],
     ) -> [(End<L>, L); U] {
         let mut rays = [Ray::enter(cpu, self, starts[0]); U];
-        for u in 1..U {
+        each_further!(u < U, {
             rays[u] = Ray::enter(cpu, self, starts[u]);
-        }
+        });
         march(cpu, self, &mut rays);
         let mut ended = [(rays[0].leave(cpu, self), rays[0].cos2); U];
-        for u in 1..U {
+        each_further!(u < U, {
             ended[u] = (rays[u].leave(cpu, self), rays[u].cos2);
-        }
+        });
         ended
     }
 }
@@ -221,12 +241,12 @@ fn block<L: Lanes, const U: usize, O: Optics<L::Scalar>, B: Batch<L::Scalar>>(
 ) {
     let begun: [(Start<L>, B::Carry<L>); U] = batch.start_all(cpu, optics.approach(), first);
     let mut starts = [begun[0].0; U];
-    for u in 1..U {
+    each_further!(u < U, {
         starts[u] = begun[u].0;
-    }
+    });
     let ended = optics.through(cpu, starts);
-    for u in 0..U {
-        let (end, cos2) = ended[u];
-        batch.finish(cpu, first + u * L::WIDTH, cos2, begun[u].1, end);
-    }
+    batch.finish(cpu, first, ended[0].1, begun[0].1, ended[0].0);
+    each_further!(u < U, {
+        batch.finish(cpu, first + u * L::WIDTH, ended[u].1, begun[u].1, ended[u].0);
+    });
 }

@@ -9,6 +9,7 @@ use super::{Cpu, Lanes, last_place, register, store_bits};
 
 macro_rules! avx2 {
     ($name:ident, $scalar:ty, $register:ty, $width:literal, $set:ident, $load:ident, $store:ident,
+     $load_first:ident, $store_first:ident, $first:ident,
      $add:ident, $sub:ident, $mul:ident, $div:ident, $fmadd:ident, $fmsub:ident, $fnmadd:ident,
      $sqrt:ident, $cmp:ident, $and:ident, $blend:ident, $max:ident, $min:ident, $andnot:ident, $round:ident,
      $movemask:ident, { $($single:item)* }) => {
@@ -97,6 +98,28 @@ macro_rules! avx2 {
                 $($single)*
             }
         );
+
+        impl $name {
+            /// Fewer numbers than there are lanes, and zeros.
+            ///
+            /// # Safety
+            /// The processor has AVX2.
+            #[inline(always)]
+            unsafe fn load_first(from: &[$scalar]) -> Self {
+                // SAFETY: the instructions are there, and so are the numbers that the mask names.
+                Self(unsafe { $load_first(from.as_ptr(), $first(from.len())) })
+            }
+
+            /// As many numbers as there is room for, fewer than there are lanes.
+            ///
+            /// # Safety
+            /// The processor has AVX2.
+            #[inline(always)]
+            unsafe fn store_first(self, to: &mut [$scalar]) {
+                // SAFETY: the instructions are there, and so is the room that the mask names.
+                unsafe { $store_first(to.as_mut_ptr(), $first(to.len()), self.0) };
+            }
+        }
     };
 }
 
@@ -108,6 +131,9 @@ avx2!(
     _mm_set1_ps,
     _mm_loadu_ps,
     _mm_storeu_ps,
+    _mm_maskload_ps,
+    _mm_maskstore_ps,
+    first_of_4,
     _mm_add_ps,
     _mm_sub_ps,
     _mm_mul_ps,
@@ -168,6 +194,9 @@ avx2!(
     _mm256_set1_ps,
     _mm256_loadu_ps,
     _mm256_storeu_ps,
+    _mm256_maskload_ps,
+    _mm256_maskstore_ps,
+    first_of_8,
     _mm256_add_ps,
     _mm256_sub_ps,
     _mm256_mul_ps,
@@ -223,6 +252,9 @@ avx2!(
     _mm256_set1_pd,
     _mm256_loadu_pd,
     _mm256_storeu_pd,
+    _mm256_maskload_pd,
+    _mm256_maskstore_pd,
+    first_of_4_doubles,
     _mm256_add_pd,
     _mm256_sub_pd,
     _mm256_mul_pd,
@@ -287,6 +319,39 @@ avx2!(
     }
 );
 
+/// Eight lanes of a mask that are set and eight that are not: from the place 8 - n on, n are.
+const ONES_AND_ZEROS: [i32; 16] = [-1, -1, -1, -1, -1, -1, -1, -1, 0, 0, 0, 0, 0, 0, 0, 0];
+
+/// The mask of the first `n` lanes, n at most 4.
+///
+/// # Safety
+/// The processor has AVX2.
+#[inline(always)]
+unsafe fn first_of_4(n: usize) -> __m128i {
+    // SAFETY: the instruction is there, and so are eight numbers from any place up to 8.
+    unsafe { _mm_loadu_si128(ONES_AND_ZEROS[8 - n..].as_ptr().cast()) }
+}
+
+/// The mask of the first `n` lanes, n at most 8.
+///
+/// # Safety
+/// The processor has AVX2.
+#[inline(always)]
+unsafe fn first_of_8(n: usize) -> __m256i {
+    // SAFETY: as in `first_of_4`.
+    unsafe { _mm256_loadu_si256(ONES_AND_ZEROS[8 - n..].as_ptr().cast()) }
+}
+
+/// The mask of the first `n` lanes of double precision, n at most 4.
+///
+/// # Safety
+/// The processor has AVX2.
+#[inline(always)]
+unsafe fn first_of_4_doubles(n: usize) -> __m256i {
+    // SAFETY: the caller's promise.
+    unsafe { first_of_8(2 * n) }
+}
+
 /// Four numbers, each loaded by itself: volatile, or the compiler would make one load of them.
 ///
 /// # Safety
@@ -329,7 +394,7 @@ unsafe fn places_of_4<const STEP: usize>(places: __m128i, last: usize) -> [usize
 /// # Safety
 /// The processor has AVX2.
 #[inline(always)]
-unsafe fn store_places<const STEP: usize>(places: __m256i, last: usize, to: &mut [u32; 8]) {
+pub(super) unsafe fn store_places<const STEP: usize>(places: __m256i, last: usize, to: &mut [u32; 8]) {
     // SAFETY: the instructions are there, and the room.
     unsafe {
         let places = if STEP == 2 { _mm256_add_epi32(places, places) } else { places };
@@ -379,7 +444,7 @@ unsafe fn pairs_of_4(table: *const [f32; 2], places: &[usize; 4]) -> [__m128; 4]
 /// # Safety
 /// The processor has AVX2, and there are such pairs.
 #[inline(always)]
-unsafe fn pairs_of_8(table: *const [f32; 2], places: &[u32; 8]) -> [__m256; 4] {
+pub(super) unsafe fn pairs_of_8(table: *const [f32; 2], places: &[u32; 8]) -> [__m256; 4] {
     // SAFETY: the caller's promise.
     unsafe {
         // Lanes that lie four apart side by side, so that transposing within 128 bits leaves them in order.

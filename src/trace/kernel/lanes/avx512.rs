@@ -11,10 +11,15 @@ use std::{
     ops::{Add, Div, Mul, Sub},
 };
 
-use super::{Cpu, Lanes, avx2::F32x8, last_place, register};
+use super::{
+    Cpu, Lanes,
+    avx2::{F32x8, pairs_of_8, store_places},
+    last_place, register,
+};
 
 macro_rules! avx512 {
     ($name:ident, $scalar:ty, $register:ty, $width:literal, $mask:ty, $set:ident, $load:ident, $store:ident,
+     $load_first:ident, $store_first:ident,
      $add:ident, $sub:ident, $mul:ident, $div:ident, $fmadd:ident, $fmsub:ident, $fnmadd:ident,
      $sqrt:ident, $cmp:ident, $blend:ident, $move:ident, $second:ident, $max:ident, $min:ident, $abs:ident,
      $round:ident, { $($single:item)* }) => {
@@ -95,6 +100,28 @@ macro_rules! avx512 {
                 $($single)*
             }
         );
+
+        impl $name {
+            /// Fewer numbers than there are lanes, and zeros.
+            ///
+            /// # Safety
+            /// The processor has AVX-512F.
+            #[inline(always)]
+            unsafe fn load_first(from: &[$scalar]) -> Self {
+                // SAFETY: the instruction is there, and so are the numbers that the mask names.
+                Self(unsafe { $load_first(!(<$mask>::MAX << from.len()), from.as_ptr()) })
+            }
+
+            /// As many numbers as there is room for, fewer than there are lanes.
+            ///
+            /// # Safety
+            /// The processor has AVX-512F.
+            #[inline(always)]
+            unsafe fn store_first(self, to: &mut [$scalar]) {
+                // SAFETY: the instruction is there, and so is the room that the mask names.
+                unsafe { $store_first(to.as_mut_ptr(), !(<$mask>::MAX << to.len()), self.0) };
+            }
+        }
     };
 }
 
@@ -107,6 +134,8 @@ avx512!(
     _mm512_set1_ps,
     _mm512_loadu_ps,
     _mm512_storeu_ps,
+    _mm512_maskz_loadu_ps,
+    _mm512_mask_storeu_ps,
     _mm512_add_ps,
     _mm512_sub_ps,
     _mm512_mul_ps,
@@ -144,21 +173,22 @@ avx512!(
             at: Self,
             further: [usize; K],
         ) -> [[Self; 4]; K] {
-            let last = last_place(table, further) as i32;
-            // SAFETY: a vector exists only where `Cpu` did.
-            let places = unsafe {
-                let places = _mm512_cvttps_epi32(at.0);
-                let places = if STEP == 2 { _mm512_add_epi32(places, places) } else { places };
-                _mm512_min_epu32(places, _mm512_set1_epi32(last))
-            };
+            let (last, mut places) = (last_place(table, further), [[0; 8]; 2]);
+            // SAFETY: a vector exists only where `Cpu` did; what has AVX-512 has AVX2.
+            unsafe {
+                let all = _mm512_cvttps_epi32(at.0);
+                store_places::<STEP>(_mm512_castsi512_si256(all), last, &mut places[0]);
+                store_places::<STEP>(_mm512_extracti64x4_epi64::<1>(all), last, &mut places[1]);
+            }
             let (mut found, mut k) = ([[at; 4]; K], 0);
             while k < K {
                 // SAFETY: as above, and all places have their pairs.
-                let [[a, b], [c, d]] = unsafe {
+                found[k] = unsafe {
                     let from = table.as_ptr().add(further[k]);
-                    [pair_of_16(from, places), pair_of_16(from.add(1), places)]
+                    let ([a, b, c, d], [e, f, g, h]) =
+                        (pairs_of_8(from, &places[0]), pairs_of_8(from, &places[1]));
+                    [Self(joined(a, e)), Self(joined(b, f)), Self(joined(c, g)), Self(joined(d, h))]
                 };
-                found[k] = [Self(a), Self(b), Self(c), Self(d)];
                 k += 1;
             }
             found
@@ -174,6 +204,8 @@ avx512!(
     _mm512_set1_pd,
     _mm512_loadu_pd,
     _mm512_storeu_pd,
+    _mm512_maskz_loadu_pd,
+    _mm512_mask_storeu_pd,
     _mm512_add_pd,
     _mm512_sub_pd,
     _mm512_mul_pd,
@@ -218,21 +250,21 @@ avx512!(
             at: Self,
             further: [usize; K],
         ) -> [[Self; 4]; K] {
-            let last = last_place(table, further) as i32;
-            // SAFETY: a vector exists only where `Cpu` did.
-            let places = unsafe {
-                let places = _mm512_cvttpd_epi32(at.0);
-                let places = if STEP == 2 { _mm256_add_epi32(places, places) } else { places };
-                _mm256_min_epu32(places, _mm256_set1_epi32(last))
-            };
+            let (last, mut places) = (last_place(table, further), [0; 8]);
+            // SAFETY: a vector exists only where `Cpu` did; what has AVX-512 has AVX2.
+            unsafe { store_places::<STEP>(_mm512_cvttpd_epi32(at.0), last, &mut places) };
             let (mut found, mut k) = ([[at; 4]; K], 0);
             while k < K {
                 // SAFETY: as above, and all places have their pairs.
-                let [[a, b], [c, d]] = unsafe {
-                    let from = table.as_ptr().add(further[k]);
-                    [pair_of_8(from, places), pair_of_8(from.add(1), places)]
+                found[k] = unsafe {
+                    let [a, b, c, d] = pairs_of_8(table.as_ptr().add(further[k]), &places);
+                    [
+                        Self(_mm512_cvtps_pd(a)),
+                        Self(_mm512_cvtps_pd(b)),
+                        Self(_mm512_cvtps_pd(c)),
+                        Self(_mm512_cvtps_pd(d)),
+                    ]
                 };
-                found[k] = [Self(a), Self(b), Self(c), Self(d)];
                 k += 1;
             }
             found
@@ -240,36 +272,16 @@ avx512!(
     }
 );
 
-/// The pairs at sixteen places, apart.
+/// Two halves as one.
 ///
 /// # Safety
-/// The processor has AVX-512F, and there are such pairs.
+/// The processor has AVX-512F.
 #[inline(always)]
-unsafe fn pair_of_16(table: *const [f32; 2], places: __m512i) -> [__m512; 2] {
-    // SAFETY: the caller's promise.
+unsafe fn joined(low: __m256, high: __m256) -> __m512 {
+    // SAFETY: the instruction is there.
     unsafe {
-        let low = _mm512_i32gather_pd::<8>(_mm512_castsi512_si256(places), table.cast());
-        let high = _mm512_i32gather_pd::<8>(_mm512_extracti64x4_epi64::<1>(places), table.cast());
-        let (low, high) = (_mm512_castpd_ps(low), _mm512_castpd_ps(high));
-        let firsts = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
-        let seconds = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
-        [_mm512_permutex2var_ps(low, firsts, high), _mm512_permutex2var_ps(low, seconds, high)]
-    }
-}
-
-/// The pairs at eight places, apart and in double precision.
-///
-/// # Safety
-/// The processor has AVX-512F and AVX2, and there are such pairs.
-#[inline(always)]
-unsafe fn pair_of_8(table: *const [f32; 2], places: __m256i) -> [__m512d; 2] {
-    // SAFETY: the caller's promise.
-    unsafe {
-        let pairs = _mm512_castpd_ps(_mm512_i32gather_pd::<8>(places, table.cast()));
-        let firsts = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 0, 0, 0, 0, 0, 0, 0, 0);
-        let seconds = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 0, 0, 0, 0, 0, 0, 0, 0);
-        let (first, second) = (_mm512_permutexvar_ps(firsts, pairs), _mm512_permutexvar_ps(seconds, pairs));
-        [_mm512_cvtps_pd(_mm512_castps512_ps256(first)), _mm512_cvtps_pd(_mm512_castps512_ps256(second))]
+        let low = _mm512_castps_pd(_mm512_castps256_ps512(low));
+        _mm512_castpd_ps(_mm512_insertf64x4::<1>(low, _mm256_castps_pd(high)))
     }
 }
 

@@ -118,8 +118,8 @@ pub trait Lanes:
     /// [`Lanes::store_single`] of the lanes where the mask is true.
     fn store_single_where(self, mask: Self::Mask, to: &mut [f32]);
     /// Two pairs of a table one after the other for each lane, `K` times: as vectors of their numbers. The first pair is
-    /// `STEP` (1 or 2) times the whole part of `at` and `K` numbers more; where there is none, any. On AVX-512 gathered,
-    /// two numbers at once; elsewhere by loads and shuffles, for what has no AVX-512 mostly gathers more slowly.
+    /// `STEP` (1 or 2) times the whole part of `at` and `K` numbers more; where there is none, any. By loads
+    /// and shuffles: the instructions that gather are slow on some processors.
     ///
     /// # Panics
     /// The table has not so many pairs that there is one for `at` = 0.
@@ -192,10 +192,8 @@ macro_rules! register {
                     // SAFETY: as above; the slice is long enough and need not be aligned.
                     return Self(unsafe { $load(from.as_ptr()) });
                 }
-                let mut padded = [0.0; $width];
-                padded[..from.len()].copy_from_slice(from);
-                // SAFETY: as above; the array is long enough.
-                Self(unsafe { $load(padded.as_ptr()) })
+                // SAFETY: as above; not one number more is read than there are.
+                unsafe { Self::load_first(from) }
             }
             #[inline(always)]
             fn store(self, to: &mut [$scalar]) {
@@ -203,10 +201,8 @@ macro_rules! register {
                     // SAFETY: a vector exists only where `Cpu` did; the slice is long enough.
                     return unsafe { $store(to.as_mut_ptr(), self.0) };
                 }
-                let mut whole = [0.0; $width];
-                // SAFETY: as above; the array is long enough.
-                unsafe { $store(whole.as_mut_ptr(), self.0) };
-                to.copy_from_slice(&whole[..to.len()]);
+                // SAFETY: as above; nothing is written but what there is room for.
+                unsafe { self.store_first(to) };
             }
             #[inline(always)]
             fn mul_add(self, b: Self, c: Self) -> Self {
