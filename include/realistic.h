@@ -362,11 +362,11 @@ typedef struct realistic_camera_info {
      */
     uint32_t interfaces;
     /*
-     Effective focal length, mm.
+     Effective focal length, mm; infinite for an afocal lens.
      */
     double focal_length_mm;
     /*
-     Focal length over entrance pupil diameter at the stop in use.
+     Focal length over entrance pupil diameter at the stop in use; infinite for an afocal lens.
      */
     double fnumber;
     /*
@@ -405,7 +405,8 @@ typedef struct realistic_sample {
      */
     float lens_v;
     /*
-     Time number in [0, 1]: 0 is the shutter's opening, 1 its closing.
+     Time number in [0, 1]: 0 is the shutter's opening, 1 its closing. Of numbers outside, as of lens numbers,
+     the nearest inside is taken.
      */
     float time;
 } realistic_sample;

@@ -177,7 +177,7 @@ fn null_foreign_and_empty_are_answered() {
     said(&report, "no-weights", NULL, &["weights is NULL"]);
     said(&report, "short-stride", PARAMETER, &["sample_stride is 19", "at least 20 bytes"]);
     said(&report, "short-ray", PARAMETER, &["ray_stride is 35", "at least 36 bytes"]);
-    said(&report, "overflow", PARAMETER, &["sample_stride"]);
+    said(&report, "overflow", PARAMETER, &["n is ", "elements of 88 bytes"]);
     assert_eq!(report.one("kept"), "7");
     said(&report, "none", 0, &[]);
     said(&report, "soa-none", 0, &[]);

@@ -47,6 +47,7 @@ fn a_value_out_of_range_is_told_with_its_parameter_and_range() {
         refused(&[(name.name, "nan")], &[&format!("\"{}\"", name.name), "not a number"]);
         refused(&[(name.name, "wide")], &[&format!("\"{}\" takes a number", name.name), "\"wide\""]);
     }
+    refused(&[("tolerance", "-1e-300")], &["\"tolerance\" is -1e-300;"]);
     refused(&[("focusdistance", "0")], &["\"focusdistance\" is 0", "positive, in world units"]);
     refused(&[("focusdistance", "-5")], &["\"focusdistance\" is -5"]);
     refused(&[("hither", "-1")], &["\"hither\" is -1", "0 or more"]);
@@ -140,13 +141,14 @@ fn a_lens_that_is_not_there_or_no_lens_is_told() {
     refused(&[("specfile", "dgauss.50mm@35")], &["positive focal length in mm"]);
     refused_by(&host_with("20 5 1.5\n"), &[], &["own.dat:1:1:", "four values"]);
     refused_by(&host_with(""), &[], &["own.dat:1:1:", "at least one interface"]);
-    refused_by(&host_with("0 0 1 3\n"), &[("filmdistance", "20")], &["afocal"]);
+    refused_by(&host_with("0 0 1 3\n"), &[], &["afocal", "\"filmdistance\""]);
     let no_stop = host_with("20 5 1.5 10\n-20 30 1 10\n");
     refused_by(&no_stop, &[("aperture_diameter", "4")], &["no stop row", "\"fnumber\""]);
     let diverging = host_with("-20 5 1.5 10\n20 0 1 10\n");
     refused_by(&diverging, &[], &["focal length -", "no real image"]);
     let hollow = host_with("25 5 1.6 40\n20 0 1 34\n");
     refused_by(&hollow, &[("filmdistance", "3")], &["touch the rear element", "\"filmdistance\""]);
+    refused(&[("filmdiag", "1e30")], &["too large", "\"filmdiag\""]);
 }
 
 #[test]

@@ -222,6 +222,12 @@ fn what_single_precision_cannot_hold_is_not_given_to_it() {
         ("rim", rows("9 12 1.2 17.9999\n-200 3 1 16")),
         ("factor", rows("").replace("0 3 1 6", "0 3 1 0.0012")),
     ] {
+        let given = [("filmdistance", "40"), ("filmdiag", "6"), ("precision", "f32")];
+        let (_, told) = build(&host_with(&text), &given).unwrap_or_else(|error| panic!("{why}: {error}"));
+        assert!(
+            told.iter().any(|text| text.contains("\"f32\"") && text.contains("use f64")),
+            "{why}: {told:?}"
+        );
         for tolerance in ["0.01", "1", "100"] {
             let given = [("filmdistance", "40"), ("filmdiag", "6"), ("tolerance", tolerance)];
             let Ok((camera, _)) = build(&host_with(&text), &given) else { panic!("{why}: {text}") };

@@ -45,6 +45,25 @@ fn nearly_every_sample_passes_and_nearly_nothing_is_missed() {
 }
 
 #[test]
+fn a_pupil_that_ends_at_total_reflection_within_the_apertures_is_found() {
+    for (what, text, distance) in [
+        ("hemisphere", "10 10 1.5 19.9999999\ninf 0 1 19.9\n", 4.69),
+        ("a thick ball of flint", "5 9.9 1.9 9.99\n-5 0 1 9.99\n", 30.0),
+        ("very fast", "40 12 1.8 60\n200 0.5 1 60\n22 12 1.8 42\n40 0 1 34\n", 10.66),
+    ] {
+        let case = Case::with_film(&lens(text), distance);
+        assert_eq!(case.pupil.build_report().covered, 0.0, "{what}");
+        let limit = case.lit_radius(CORNER);
+        for i in 0..9 {
+            let height = limit * f64::from(i) / 9.0;
+            let (acceptance, missed) = case.fit([0.6 * height, -0.8 * height], 240);
+            assert!(acceptance >= 0.995, "{what} at {height}: {acceptance} pass");
+            assert!(missed <= 3e-4, "{what} at {height}: misses {missed:e}");
+        }
+    }
+}
+
+#[test]
 fn weights_average_to_the_irradiance_found_by_brute_force() {
     for name in LENSES {
         let case = Case::of(name, None);

@@ -234,11 +234,12 @@ fn required<T>(name: &str, array: *const T) -> Result<(), Failure> {
 
 fn stride(name: &str, given: usize, size: usize, n: usize) -> Result<usize, Failure> {
     let stride = if given == 0 { size } else { given };
-    let fits = stride >= size && stride.checked_mul(n).is_some_and(|bytes| isize::try_from(bytes).is_ok());
-    fits.then_some(stride).ok_or_else(|| {
-        Failure::new(
-            realistic_status::InvalidParameter,
-            format!("{name} is {given} for {n} elements; it must be 0 or at least {size} bytes"),
-        )
-    })
+    let wrong = if stride < size {
+        format!("{name} is {given}; it must be 0 or at least {size} bytes")
+    } else if stride.checked_mul(n).is_none_or(|bytes| isize::try_from(bytes).is_err()) {
+        format!("n is {n}: no memory holds so many elements of {stride} bytes")
+    } else {
+        return Ok(stride);
+    };
+    Err(Failure::new(realistic_status::InvalidParameter, wrong))
 }

@@ -142,6 +142,7 @@ impl From<CameraError> for Failure {
             CameraError::Parameter(_)
             | CameraError::Lens(_)
             | CameraError::Focus(_)
+            | CameraError::NoFilmDistance(_)
             | CameraError::FilmInLens { .. }
             | CameraError::PupilAtInfinity
             | CameraError::DarkAxis { .. }

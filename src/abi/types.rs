@@ -29,7 +29,8 @@ pub struct realistic_sample {
     pub lens_u: f32,
     /// Second lens number, in [0, 1].
     pub lens_v: f32,
-    /// Time number in [0, 1]: 0 is the shutter's opening, 1 its closing.
+    /// Time number in [0, 1]: 0 is the shutter's opening, 1 its closing. Of numbers outside, as of lens numbers,
+    /// the nearest inside is taken.
     pub time: f32,
 }
 
@@ -218,9 +219,9 @@ pub struct realistic_camera_info {
     pub struct_size: u32,
     /// Interfaces of the lens, the stop included.
     pub interfaces: u32,
-    /// Effective focal length, mm.
+    /// Effective focal length, mm; infinite for an afocal lens.
     pub focal_length_mm: f64,
-    /// Focal length over entrance pupil diameter at the stop in use.
+    /// Focal length over entrance pupil diameter at the stop in use; infinite for an afocal lens.
     pub fnumber: f64,
     /// Last vertex to film, mm.
     pub film_distance_mm: f64,

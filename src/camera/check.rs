@@ -29,7 +29,10 @@ pub(super) fn positive(parameter: &'static str, value: f64, unit: &str) -> Resul
 
 /// The error of a number outside its range, which is given in words.
 pub(super) fn out_of_range(parameter: &'static str, value: f64, range: &str) -> CameraError {
-    ParameterError::Range { name: parameter, value: value.to_string(), range: range.to_owned() }.into()
+    let plain = value.to_string();
+    // More than the digits of a number are the zeros of one very large or very small.
+    let value = if plain.len() > 24 { format!("{value:e}") } else { plain };
+    ParameterError::Range { name: parameter, value, range: range.to_owned() }.into()
 }
 
 /// Two parameters of which the first may not exceed the second; as floats, so that what a ray carries

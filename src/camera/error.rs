@@ -24,6 +24,9 @@ pub enum CameraError {
     /// The lens cannot focus there.
     #[error(transparent)]
     Focus(#[from] FocusError),
+    /// The lens cannot focus, and nobody says where the film is.
+    #[error("{0}; \"filmdistance\" puts the film behind it all the same")]
+    NoFilmDistance(FocusError),
     /// The film would cut into the lens.
     #[error(
         "film distance {} mm: the film would touch the rear element, whose rim reaches \
@@ -52,12 +55,12 @@ pub enum CameraError {
     },
     /// The weight of a ray, or the factor that it is made with, is no float.
     #[error(
-        "a ray's weight would be made of {}, which is no finite float: the film is too large, too near or too far \
+        "a ray's weight would be made of {}, which is more than a float holds: the film is too large, too near or too far \
          for this lens; check \"filmdiag\", \"filmdistance\" and the units of the lens file, mm",
         short(*weight)
     )]
     Weight {
-        /// The larger of the weight along the axis and its factor.
+        /// The larger of a ray's weight and of the factor it is made with.
         weight: f64,
     },
     /// The camera transform is no affine transform.

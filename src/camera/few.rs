@@ -69,7 +69,8 @@ impl<S: Turns> Pipeline<S> {
     /// The rays of a few samples, as one or side by side, written over `rays`.
     #[inline(always)]
     pub fn few<const N: usize>(&self, shape: Shape, asked: &Together<N>, rays: &mut Numbers<N>) {
-        let mut job = Job { pipeline: self, asked, rays: &mut *rays, strays: Cell::new(false) };
+        let within = self.lens().within();
+        let mut job = Job { pipeline: self, asked, rays: &mut *rays, within, strays: Cell::new(false) };
         self.lens().trace(shape, &mut job);
         if job.strays.get() {
             self.few_strays(asked, rays);
@@ -93,7 +94,8 @@ impl<S: Turns> Pipeline<S> {
     /// Origin, direction and weight of one sample's ray by the whole lens.
     pub fn whole(&self, sample: &Sample) -> [f32; 7] {
         let mut ray = [[0.0]; 7];
-        let mut job = Job { pipeline: self, asked: &sample.into(), rays: &mut ray, strays: Cell::new(false) };
+        let (asked, strays) = (&sample.into(), Cell::new(false));
+        let mut job = Job { pipeline: self, asked, rays: &mut ray, within: None, strays };
         self.lens().trace_whole(Shape::One, &mut job);
         ray.map(|[number]| number)
     }
@@ -104,6 +106,8 @@ struct Job<'a, S, const N: usize> {
     pipeline: &'a Pipeline<S>,
     asked: &'a Together<N>,
     rays: &'a mut Numbers<N>,
+    /// The square of the film radius up to which the lens serves; `None` for any.
+    within: Option<S>,
     /// Set where a film point lies beyond what the lens is shortened for.
     strays: Cell<bool>,
 }
@@ -124,7 +128,7 @@ impl<S: Turns, const N: usize> Batch<S> for Job<'_, S, N> {
             image: [L::load_fresh(cpu, &image_x[at..]), L::load_fresh(cpu, &image_y[at..])],
             numbers: [L::splat_fresh(cpu, u), L::splat_fresh(cpu, v)],
         };
-        let [start] = self.pipeline.starts(cpu, approach, &[asked], &self.strays);
+        let [start] = self.pipeline.starts(cpu, approach, &[asked], self.within, &self.strays);
         start
     }
 

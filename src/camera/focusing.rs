@@ -5,7 +5,7 @@ use super::{
     check::{out_of_range, positive},
 };
 use crate::optics::{
-    Lens,
+    Lens, LensError,
     first_order::FirstOrder,
     focus::{Focus, FocusError},
 };
@@ -27,6 +27,13 @@ pub(super) fn place_film(
     focusing: Focusing,
 ) -> Result<(f64, Option<f64>), CameraError> {
     let focus = Focus::new(lens);
+    let able = |focus: Result<Focus, FocusError>| {
+        focus.map_err(|error| match (focusing, &error) {
+            // The thick lens and the thin one have a focal length or are nothing.
+            (Focusing::Paraxial, FocusError::Lens(LensError::Afocal { .. })) => error.into(),
+            _ => CameraError::NoFilmDistance(error),
+        })
+    };
     let film_for = |focus: Focus, distance: f64| match focusing {
         Focusing::Exact => focus.film_distance(distance),
         Focusing::Paraxial => paraxial_film_distance(lens, &focus, distance),
@@ -40,7 +47,7 @@ pub(super) fn place_film(
                 return Err(out_of_range("focusdistance", distance, "positive, in world units"));
             }
             let distance = distance * mm_per_unit;
-            return Ok((film_for(focus?, distance)?, Some(distance)));
+            return Ok((film_for(able(focus)?, distance)?, Some(distance)));
         }
         (Some(distance), None) => {
             positive("filmdistance", distance, "mm")?;
@@ -56,7 +63,7 @@ pub(super) fn place_film(
         (Some(distance), Focusing::Paraxial) => {
             Ok((distance, FirstOrder::of(lens)?.object_distance(distance)))
         }
-        (None, _) => Ok((film_for(focus?, f64::INFINITY)?, Some(f64::INFINITY))),
+        (None, _) => Ok((film_for(able(focus)?, f64::INFINITY)?, Some(f64::INFINITY))),
     }
 }
 

@@ -86,22 +86,27 @@ impl<S: Turns> Pipeline<S> {
         }
     }
 
-    /// The film rays of samples, ready for the lens, each with the slope area that it stands for, over π. Tells `strays`
-    /// of film points beyond what the lens is shortened for.
+    /// The film rays of samples, ready for the lens, each with the slope area that it stands for, over π. Film points of
+    /// which the square of the radius is not `within` have no ray yet, and `strays` is told of them.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn starts<L: Lanes<Scalar = S>, const U: usize>(
         &self,
         cpu: Cpu<L>,
         approach: Approach,
         asked: &[Asked<L>; U],
+        within: Option<S>,
         strays: &Cell<bool>,
     ) -> [(Start<L>, L); U] {
-        let rays = self.drawing.lanes(cpu, asked);
-        if let Some(within) = self.lens.within() {
+        let mut rays = self.drawing.lanes(cpu, asked);
+        if let Some(within) = within {
             let within = L::splat(cpu, within);
-            for ray in &rays {
-                if !L::all(ray.radius_squared().less_equal(within)) {
+            for ray in &mut rays {
+                let is_within = ray.radius_squared().less_equal(within);
+                if !L::all(is_within) {
                     strays.set(true);
+                    // The short way must not write what the whole lens may block.
+                    let none = L::splat(cpu, S::from_f64(f64::NAN));
+                    ray.area_per_pi = L::select(is_within, ray.area_per_pi, none);
                 }
             }
         }
@@ -190,7 +195,7 @@ impl<S: Turns> Batch<S> for Job<'_, '_, '_, S> {
         for (u, asked) in asked.iter_mut().enumerate().skip(1) {
             *asked = self.asked(cpu, first + u * L::WIDTH);
         }
-        self.pipeline.starts(cpu, approach, &asked, &self.strays)
+        self.pipeline.starts(cpu, approach, &asked, self.pipeline.lens.within(), &self.strays)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]

@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::{CameraMotion, CameraToWorld, WorldRay};
+use super::{CameraMotion, CameraToWorld, WorldRay, shutter::time_number};
 use crate::trace::{
     Ray, Real,
     kernel::{Cpu, Lanes, Precision},
@@ -19,12 +19,14 @@ pub(super) struct Placement {
 }
 
 impl Placement {
-    /// The time that a time number in [0, 1] stands for. In this form both ends are met exactly.
+    /// The time that a time number stands for, which is taken into [0, 1] first. In this form both ends are met
+    /// exactly.
     pub fn time(&self, number: f32) -> f32 {
         let [open, close] = self.shutter;
         if open == close {
             return open;
         }
+        let number = time_number(number);
         (1.0 - number) * open + number * close
     }
 

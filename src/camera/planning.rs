@@ -103,6 +103,9 @@ pub(super) fn plan(
 ) -> (Route, Plan) {
     let mut plan = Plan::default();
     let single = setup.precision == Precision::Single;
+    if single && let Err(unfit) = f32_is_fit(lens) {
+        log(Level::Warning, &format!("\"precision\" \"f32\" is nothing for this lens: {unfit}"));
+    }
     if setup.refraction != Refraction::Fused || !setup.leave_out {
         warn_of_tolerance(setup, log);
         plan.kept("every surface and aperture test", "the method of tracing is named", "exact");

@@ -119,14 +119,25 @@ impl ProjectiveCamera {
             o[1] += shift[1];
             d = std::array::from_fn(|i| focus[i] - o[i]);
         }
-        let inverse = 1.0 / (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
-        let d = d.map(|part| part * inverse);
+        let d = unit(d);
         let end = match self.kind {
             Kind::Orthographic => yon - hither,
             Kind::Perspective { .. } => (yon - hither) / d[2],
         };
         self.placement.world_ray_single(o, d, [0.0, end], sample.time)
     }
+}
+
+/// The unit vector along `d`, in the order of pbrt's sums.
+fn unit(d: [f32; 3]) -> [f32; 3] {
+    let square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    let largest = d[0].abs().max(d[1].abs()).max(d[2].abs());
+    if square == f32::INFINITY && largest.is_finite() {
+        // Toward a plane of focus so far away that its square is no float.
+        return unit(d.map(|part| part / largest));
+    }
+    let inverse = 1.0 / square.sqrt();
+    d.map(|part| part * inverse)
 }
 
 #[cfg(test)]
@@ -179,6 +190,19 @@ mod tests {
             near(at_depth(&ray, 1.0), slope);
             assert!((ray.origin[2] - 0.5).abs() < 1e-6 && ray.mint == 0.0);
             assert!((ray.origin[2] + ray.maxt * ray.direction[2] - 20.0).abs() < 1e-4);
+        }
+    }
+
+    #[test]
+    fn a_lens_focused_at_infinity_sends_parallel_rays() {
+        for kind in [Kind::Perspective { fov: 60.0 }, Kind::Orthographic] {
+            let far = ThinLens { focal_distance: 1e30, ..LENS };
+            let [pinhole, lens] = [None, Some(far)].map(|lens| camera(kind, lens, [0.5, 20.0]));
+            for numbers in NUMBERS {
+                let (a, b) = (ray(&pinhole, [20.0, 90.0], numbers), ray(&lens, [20.0, 90.0], numbers));
+                let apart: f32 = a.direction.iter().zip(b.direction).map(|(a, b)| (a - b).abs()).sum();
+                assert!(apart < 1e-6 && b.maxt.is_finite(), "{a:?} {b:?}");
+            }
         }
     }
 

@@ -72,7 +72,8 @@ pub enum Outcome {
 #[derive(Clone, Debug)]
 pub struct RealisticCamera {
     lens: Lens,
-    first_order: FirstOrder,
+    /// `None` for an afocal lens.
+    first_order: Option<FirstOrder>,
     fnumber: f64,
     film: Film,
     film_z: f64,
@@ -97,14 +98,14 @@ impl RealisticCamera {
     /// Builds the camera of a checked set-up. `log` receives warnings.
     pub(super) fn from_setup(setup: Setup, log: &mut dyn FnMut(Level, &str)) -> Result<Self, CameraError> {
         let (lens, film, film_distance) = (setup.lens.clone(), setup.film, setup.film_distance);
-        let first_order = FirstOrder::of(&lens)?;
+        let first_order = FirstOrder::of(&lens).ok();
         let film_z = lens.rear().vertex - film_distance;
         let rim = -lens.rear().sagitta(lens.rear().semi_diameter);
         let rear = PupilDisk::rear(&lens, film_z, film.reach())
-            // So near the glass that the pupil fills a hemisphere to the last digit, its area in slopes, of
-            // which the weights are made, leaves the number range.
-            .filter(|disk| (disk.slope_area() as f32).is_finite())
             .ok_or(CameraError::FilmInLens { film_distance, rim: rim.max(0.0) })?;
+        // So near the glass that the pupil fills a hemisphere to the last digit, or on film that large, the pupil's
+        // area in slopes, of which the weights are made, leaves the number range.
+        representable(rear.slope_area())?;
         let path = Path::new(&lens, Direction::FilmToScene, setup.refraction);
         let exit = PupilDisk::exit(&lens, film_z);
         let sampler = match setup.pupil {
@@ -139,10 +140,7 @@ impl RealisticCamera {
         };
         let largest = if let Sampler::Disk(disk) = &sampler { disk } else { &rear }.slope_area();
         // The factor by itself, too, times π: single precision multiplies areas over π by it.
-        let heaviest = weight.map_or(1.0, |weight| (weight * largest).max(weight * PI));
-        if !(heaviest as f32).is_finite() {
-            return Err(CameraError::Weight { weight: heaviest });
-        }
+        representable(weight.map_or(1.0, |weight| (weight * largest).max(weight * PI)))?;
         let entrance = EntrancePupil::of_surface(&lens, limiting_surface(&lens));
         let units_per_mm = setup.mm_per_unit.recip();
         let side = planning::FilmSide { film: &film, film_z, sampler: &sampler };
@@ -162,7 +160,7 @@ impl RealisticCamera {
             Route::WalkSingle(path) => Tracer::WalkSingle(Walk { drawing: drawing(), path }.into()),
         };
         Ok(Self {
-            fnumber: first_order.focal_length.abs() / entrance.diameter(),
+            fnumber: focal_length(first_order).abs() / entrance.diameter(),
             lens,
             first_order,
             film,
@@ -249,7 +247,7 @@ impl RealisticCamera {
     }
 
     /// A ray that stands in for a blocked one where a host needs a complete ray all the same:
-    /// the thick lens's ray of the same film point and lens numbers.
+    /// the thick lens's ray of the same film point and lens numbers, or the straight one where the lens is afocal.
     pub fn substitute(&self, sample: &Sample) -> WorldRay {
         let axial = Ray { origin: [0.0; 3], direction: [0.0, 0.0, 1.0] };
         let FilmRays { point, disk, slopes, area_per_pi } = self.tracer.film_ray(sample);
@@ -260,7 +258,8 @@ impl RealisticCamera {
         } else {
             (point, slopes)
         };
-        let ray = self.first_order.transfer(film_ray(point, self.film_z, slopes));
+        let ray = film_ray(point, self.film_z, slopes);
+        let ray = self.first_order.map_or_else(|| straight(ray), |lens| lens.transfer(ray));
         let finite = ray.origin.iter().chain(&ray.direction).all(|x| x.is_finite());
         self.to_world(if finite { ray } else { axial }, sample.time)
     }
@@ -300,15 +299,31 @@ impl RealisticCamera {
         &self.placement
     }
 
-    /// Effective focal length, mm.
+    /// Effective focal length, mm; infinite for an afocal lens.
     pub fn focal_length(&self) -> f64 {
-        self.first_order.focal_length
+        focal_length(self.first_order)
     }
 
-    /// Focal length over entrance pupil diameter at the stop in use.
+    /// Focal length over entrance pupil diameter at the stop in use; infinite for an afocal lens.
     pub fn fnumber(&self) -> f64 {
         self.fnumber
     }
+}
+
+fn focal_length(lens: Option<FirstOrder>) -> f64 {
+    lens.map_or(f64::INFINITY, |lens| lens.focal_length)
+}
+
+/// A ray as it reaches the front vertex plane where nothing bends it, with a unit direction.
+fn straight(Ray { origin: [x, y, z], direction: [dx, dy, dz] }: Ray) -> Ray {
+    let (sx, sy) = (dx / dz, dy / dz);
+    let norm = (1.0 + sx * sx + sy * sy).sqrt();
+    Ray { origin: [x - sx * z, y - sy * z, 0.0], direction: [sx / norm, sy / norm, 1.0 / norm] }
+}
+
+/// Whether a weight can be told to a host, which takes floats.
+fn representable(weight: f64) -> Result<(), CameraError> {
+    if (weight as f32).is_finite() { Ok(()) } else { Err(CameraError::Weight { weight }) }
 }
 
 /// Says where the warped pupil had to be given up.

@@ -56,7 +56,7 @@ impl Shutter {
     /// S at a film point `down` of the way from the picture's top to its bottom, at `time` of the interval; 0 to
     /// 1. Film points and times outside [0, 1] count as the nearest inside.
     pub fn transmission(&self, down: f32, time: f32) -> f32 {
-        let time = time.clamp(0.0, 1.0);
+        let time = time_number(time);
         match *self {
             Self::Global => 1.0,
             Self::Leaf { ramp } => (time.min(1.0 - time) / ramp).min(1.0),
@@ -66,6 +66,11 @@ impl Shutter {
             }
         }
     }
+}
+
+/// A host's time number taken into [0, 1]; one that is no number counts as 0.
+pub(super) fn time_number(number: f32) -> f32 {
+    if number > 0.0 { number.min(1.0) } else { 0.0 }
 }
 
 fn share(parameter: &'static str, value: f64, most: f64) -> Result<f32, CameraError> {

@@ -17,6 +17,8 @@ pub fn paraxial(focal_length: f64, diagonal: f64) -> f64 {
 pub struct Field {
     path: Path,
     to_stop: Path,
+    /// The stop, counted along the travel.
+    stop: usize,
     film: f64,
     rear: f64,
     rear_radius: f64,
@@ -47,6 +49,7 @@ impl Field {
         Self {
             path: Path::film_to_scene(lens),
             to_stop: Path::film_to_scene(&behind),
+            stop: lens.surfaces.len() - 1 - stop,
             film,
             rear: rear.vertex,
             rear_radius,
@@ -68,13 +71,30 @@ impl Field {
         // Off the axis a rim in front of or behind the vertex shows shifted: half the reach more.
         let reach = self.rear_radius + 0.5 * height.abs();
         let at = |i: u32| (reach * (2.0 * (f64::from(i) + 0.5) / f64::from(SCAN) - 1.0) - height) / distance;
-        let first = (0..SCAN).find(|&i| self.passes(height, at(i)))?;
-        let last = (first..SCAN).rev().find(|&i| self.passes(height, at(i)))?;
+        let passing = |&i: &u32| self.passes(height, at(i));
+        let (first, last) = match (0..SCAN).find(passing) {
+            Some(first) => (at(first), at((first..SCAN).rev().find(passing)?)),
+            None => [self.through_pinhole(height, at)?; 2].into(),
+        };
         let (step, holds) = (at(1) - at(0), |slope: f64| self.passes(height, slope));
-        Some(Beam {
-            low: edge(at(first), at(first) - step, holds),
-            high: edge(at(last), at(last) + step, holds),
-        })
+        Some(Beam { low: edge(first, first - step, holds), high: edge(last, last + step, holds) })
+    }
+
+    /// The slope through the centre of a stop so narrow that it lies between two slopes of a scan.
+    fn through_pinhole(&self, height: f64, at: impl Fn(u32) -> f64) -> Option<f64> {
+        let in_stop = |slope: f64| {
+            let mut found = f64::NAN;
+            self.path.visit(self.film, [0.0, height], [0.0, slope], |visit| {
+                if visit.surface == self.stop {
+                    found = visit.point[1];
+                }
+                visit.surface < self.stop
+            });
+            found
+        };
+        let mut pairs = (1..SCAN).map(|i| [at(i - 1), at(i)]);
+        let [low, high] = pairs.find(|&[low, high]| in_stop(low) * in_stop(high) <= 0.0)?;
+        Some(root(low, high, in_stop)).filter(|&slope| self.passes(height, slope))
     }
 
     /// The ray that stands for the beam of the film point at `height`, in the scene: the one through the
@@ -167,6 +187,22 @@ mod tests {
         let back = Ray { origin: chief.origin, direction: chief.direction.map(|x| -x) };
         let at_stop = Path::<f64>::scene_to_film(&front).trace(back).expect("passes");
         assert!(at_stop.origin[1].abs() < 1e-9, "{at_stop:?}");
+    }
+
+    #[test]
+    fn a_stop_narrower_than_a_scans_step_has_a_beam() {
+        let (lens, _, f) = field("dgauss.50mm");
+        let film = FirstOrder::of(&lens).expect("focal").rear_focal_point;
+        let mut pinhole = lens.clone();
+        pinhole.surfaces[lens.stop_index().expect("a stop")].semi_diameter = 1e-5;
+        let (field, narrow) = (Field::new(&lens, film), Field::new(&pinhole, film));
+        for height in [0.0, 1.0, 8.0] {
+            let Beam { low, high } = narrow.beam(height).expect("lit");
+            assert!(low < high && high - low < 1e-5 && narrow.passes(height, f64::midpoint(low, high)));
+            let directions = [&field, &narrow].map(|field| field.chief_ray(height).expect("lit").direction);
+            assert!((directions[0][1] - directions[1][1]).abs() < 1e-8, "{directions:?}");
+        }
+        assert!(narrow.beam(2.0 * f).is_none());
     }
 
     #[test]

@@ -96,8 +96,9 @@ pub(super) struct Judge<'a> {
 impl<'a> Judge<'a> {
     /// Why not, where nothing can be told.
     pub fn new(task: &'a Task<'a>) -> Result<Self, String> {
-        let scale = ImageScale::new(task.lens, task.film, task.reach, task.in_focus)
-            .ok_or("no light reaches the film's centre")?;
+        let scale = ImageScale::new(task.lens, task.film, task.reach, task.in_focus).ok_or(
+            "the film is dark in the middle, or so little of it lit that the image's scale cannot be told",
+        )?;
         let kernel = Kernel::<f64>::new(task.lens, Direction::FilmToScene);
         let mut rays = Rays::default();
         let mut seed = 0;

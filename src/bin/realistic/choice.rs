@@ -2,7 +2,10 @@
 
 use crate::failure::Failure;
 use realistic::camera::{Film, LensSetup, Level, Parameters, Raster, open_lens};
-use realistic::optics::{Lens, focus::Focus};
+use realistic::optics::{
+    Lens,
+    focus::{Focus, FocusError},
+};
 use realistic::prescription::{Prescription, SearchPath};
 use std::io::Write as _;
 
@@ -139,9 +142,12 @@ impl FilmPlace {
         placed.map_or_else(
             || {
                 let distance = self.distance.unwrap_or(f64::INFINITY);
-                Focus::new(lens)
-                    .and_then(|focus| focus.film_distance(distance))
-                    .map_err(|error| Failure::Other(error.to_string()))
+                Focus::new(lens).and_then(|focus| focus.film_distance(distance)).map_err(|error| {
+                    Failure::Other(match &error {
+                        FocusError::TooNear { .. } => error.to_string(),
+                        _ => format!("{error}; --film-distance puts the film behind it all the same"),
+                    })
+                })
             },
             Ok,
         )

@@ -102,7 +102,9 @@ impl Search {
         let foretold =
             self.known.iter().map(|known| known.edge).filter(|&edge| edge > inside && edge < outside);
         let others = foretold.fold(f64::INFINITY, f64::min);
-        if step.abs() * doubt <= ACCURACY && edge > 0.0 && edge <= others {
+        // Where rays are lost within the aperture, its own edge lies outside the bracket and is none of the pupil's.
+        let is_between = edge > 0.0 && edge >= inside && edge <= others.min((1.0 + ACCURACY) * outside);
+        if step.abs() * doubt <= ACCURACY && is_between {
             return Next::Edge(Crossing { radius: edge, limit, steepness });
         }
         if outside.is_finite() && outside - inside <= ACCURACY * outside {

@@ -115,6 +115,8 @@ fn describe(plugin: &Plugin, camera: &Camera, size: [u32; 2]) -> Result<String, 
         info.film_distance_mm,
         if info.focus_distance_mm.is_finite() {
             format!("{:.1} mm from the film", info.focus_distance_mm)
+        } else if info.focus_distance_mm.is_nan() {
+            "on nothing in front of the lens".to_owned()
         } else {
             "infinity".to_owned()
         },

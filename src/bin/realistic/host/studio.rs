@@ -265,7 +265,7 @@ fn white_level(camera: &Camera, parameters: &Parameters, size: [u32; 2]) -> Resu
         (None, simple) => simple != Some(true),
     };
     // By the lens' own number, not by metering: what a lens loses shows.
-    if radiometric && info.fnumber > 0.0 {
+    if radiometric && info.fnumber > 0.0 && info.fnumber.is_finite() {
         let fnumber = info.fnumber as f32;
         return Ok(std::f32::consts::FRAC_PI_4 / (fnumber * fnumber));
     }

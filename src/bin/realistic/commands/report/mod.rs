@@ -11,7 +11,8 @@ use crate::failure::Failure;
 use indicatif::{ProgressBar, ProgressStyle};
 use realistic::report::machine;
 use realistic::report::suite::{Results, Suite};
-use std::io::{IsTerminal as _, Write as _};
+use std::fs::File;
+use std::io::{ErrorKind, IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -45,9 +46,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let results = measured.map_err(|error| Failure::Other(error.to_string()))?;
     progress.finish_and_clear();
     write(&results, &suite, start.elapsed(), &args.out)?;
-    let page = args.out.join("index.html");
+    let page = args.out.join(PAGE);
     Ok(writeln!(std::io::stdout(), "{}", page.display())?)
 }
+
+/// The page's file.
+const PAGE: &str = "index.html";
 
 /// Progress where there is no terminal to draw it on: a line now and then.
 struct Log {
@@ -65,22 +69,34 @@ impl Log {
     }
 }
 
+/// Makes the folder and sees that the page can be written there: nobody is to measure for minutes and be told then.
 fn make_folder(folder: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).map_err(|error| {
         Failure::Other(format!(
             "cannot make the folder {}: {error}; give --out another path",
             folder.display()
         ))
-    })
+    })?;
+    let page = folder.join(PAGE);
+    match File::create_new(&page) {
+        Ok(_) => std::fs::remove_file(&page),
+        Err(error) if error.kind() == ErrorKind::AlreadyExists => {
+            File::options().append(true).open(&page).map(drop)
+        }
+        Err(error) => Err(error),
+    }
+    .map_err(|error| cannot_write(&page, &error))
+}
+
+fn cannot_write(path: &Path, error: &std::io::Error) -> Failure {
+    Failure::Other(format!("cannot write {}: {error}; give --out another path", path.display()))
 }
 
 /// Writes tables, plots and page.
 fn write(results: &Results, suite: &Suite, took: Duration, folder: &Path) -> Result<(), Failure> {
     let save = |name: &str, text: &str| {
         let path = folder.join(name);
-        std::fs::write(&path, text).map_err(|error| {
-            Failure::Other(format!("cannot write {}: {error}; give --out another path", path.display()))
-        })
+        std::fs::write(&path, text).map_err(|error| cannot_write(&path, &error))
     };
     for table in results.tables() {
         save(&format!("{}.csv", table.name), &table.to_csv())?;
@@ -92,7 +108,7 @@ fn write(results: &Results, suite: &Suite, took: Duration, folder: &Path) -> Res
             picture::write(&document, &folder.join(format!("{}.{ending}", figure.file)))?;
         }
     }
-    save("index.html", &page::page(results, suite, &figures, &machine::facts(), took))
+    save(PAGE, &page::page(results, suite, &figures, &machine::facts(), took))
 }
 
 #[cfg(test)]
@@ -118,6 +134,21 @@ mod tests {
             pupils: pupil_table::Size { points: 2, repeats: 1 },
             stability: stability::Effort { lenses: 1, rays: 1 },
         }
+    }
+
+    #[test]
+    fn a_folder_that_takes_no_page_is_refused_before_anything_is_measured() {
+        let dir = tempfile::tempdir().unwrap();
+        let folder = dir.path().join("report");
+        make_folder(&folder).unwrap();
+        assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 0);
+        std::fs::write(folder.join(PAGE), "an old page").unwrap();
+        make_folder(&folder).unwrap();
+        assert_eq!(std::fs::read_to_string(folder.join(PAGE)).unwrap(), "an old page");
+        std::fs::remove_file(folder.join(PAGE)).unwrap();
+        std::fs::create_dir(folder.join(PAGE)).unwrap();
+        let Err(Failure::Other(error)) = make_folder(&folder) else { panic!("a folder is no page") };
+        assert!(error.contains("index.html") && error.contains("--out"), "{error}");
     }
 
     #[test]
