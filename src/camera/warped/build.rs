@@ -51,6 +51,8 @@ pub(super) struct Builder<'a> {
     pub rays: Cell<u32>,
     hints: Hints,
     knots: Knots,
+    /// The film radius at which the pupil vanishes, mm; infinite where that lies beyond reach.
+    vanishing: Cell<f64>,
 }
 
 /// A stretch of film radius between two rows.
@@ -81,11 +83,12 @@ impl<'a> Builder<'a> {
             rays: Cell::new(0),
             hints: Hints::new(path.surfaces()),
             knots: Knots::new(),
+            vanishing: Cell::new(f64::INFINITY),
         }
     }
 
-    fn view(&self, height: f64) -> View<'_> {
-        View { path: self.path, film: self.film, height, rays: &self.rays, hints: &self.hints }
+    fn view(&self, height: f64, width: f64) -> View<'_> {
+        View { path: self.path, film: self.film, height, width, rays: &self.rays, hints: &self.hints }
     }
 
     fn cover_at(&self, height: f64) -> SlopeDisk {
@@ -101,6 +104,9 @@ impl<'a> Builder<'a> {
         let vanishing = self.vanishing_row().filter(|row| !self.leaks_beyond(row.height));
         let dark_beyond = vanishing.is_some();
         let end = vanishing.as_ref().map_or(self.reach, |row| row.height);
+        if dark_beyond {
+            self.vanishing.set(end);
+        }
         let height = |place: usize| {
             let s = place as f64 / FINE as f64;
             end * if dark_beyond { s * (2.0 - s) } else { s }
@@ -130,7 +136,7 @@ impl<'a> Builder<'a> {
         for step in 1..=COARSE {
             let height = self.reach * step as f64 / COARSE as f64;
             let guess = if inside.0 > 0.0 { inside.1 * height / inside.0 } else { self.drift * height };
-            let (slope, excess) = self.view(height).innermost(guess, scale, true);
+            let (slope, excess) = self.view(height, 1.0).innermost(guess, scale, true);
             if excess < 0.0 {
                 inside = (height, slope);
                 continue;
@@ -138,12 +144,12 @@ impl<'a> Builder<'a> {
             let ratio = if inside.0 > 0.0 { inside.1 / inside.0 } else { self.drift };
             let best = Cell::new(ratio);
             let margin = |height: f64| {
-                let (slope, excess) = self.view(height).innermost(best.get() * height, scale, false);
+                let (slope, excess) = self.view(height, 1.0).innermost(best.get() * height, scale, false);
                 best.set(slope / height);
                 excess.min(1.0)
             };
             let end = root_to(inside.0.max(1e-9 * height), height, 1e-9, margin);
-            return Some(Row::disk(end, best.get(), 0.0, true));
+            return Some(Row { squeeze: end.powi(-2), ..Row::disk(end, best.get(), 0.0, true) });
         }
         None
     }
@@ -159,7 +165,7 @@ impl<'a> Builder<'a> {
             let height = end + (self.reach - end) * f64::from(i) / f64::from(RADII);
             let cover = self.cover_at(height);
             let slopes = disk.iter().map(|[x, y]| [cover.center[0] + cover.radius * x, cover.radius * y]);
-            self.view(height).pass(&slopes.collect::<Vec<_>>()).contains(&true)
+            self.view(height, 1.0).pass(&slopes.collect::<Vec<_>>()).contains(&true)
         })
     }
 
@@ -174,28 +180,28 @@ impl<'a> Builder<'a> {
                 break;
             }
             let height = height(number << DEPTH);
-            let view = self.view(height);
             let row = rows[number - 1].as_ref().and_then(|before| {
+                let view = self.view(height, before.width());
                 let drift = if number == 1 { self.drift } else { before.center };
-                let (inside, excess) = view.innermost(drift * height, self.cover_at(height).radius, true);
+                let [guess, reach] = [drift * height, self.cover_at(height).radius].map(|x| x / view.width);
+                let (inside, excess) = view.innermost(guess, reach, true);
                 if !(excess < 0.0) {
                     return None;
                 }
                 let outline = self.outline(&view, inside, before)?;
-                (!self.is_in_pieces(&view, &outline))
-                    .then(|| Row::fit(height, &outline, &self.knots, axis_area))
+                (!self.is_in_pieces(&view, &outline)).then(|| self.fit(&view, &outline, axis_area))
             });
             rows.push(row);
         }
         if let [Some(axis), Some(next), ..] = rows.as_mut_slice() {
-            axis.center = next.center;
+            (axis.center, axis.squeeze) = (next.center, next.squeeze);
         }
         rows
     }
 
     /// The pupil on the axis: a disk, if it is whole.
     fn axial_row(&self) -> Option<Row> {
-        let view = self.view(0.0);
+        let view = self.view(0.0, 1.0);
         let reach = self.cover_at(0.0).radius;
         let guess = Crossing { radius: reach, limit: Limit::Optics, steepness: 1.0 };
         if !(view.excess([0.0, 0.0]).value <= 0.0) {
@@ -235,6 +241,14 @@ impl<'a> Builder<'a> {
         Outline::trace(view, &Guess { inside, points: &even })
     }
 
+    fn fit(&self, view: &View<'_>, outline: &Outline, axis_area: f64) -> Row {
+        // Where the pupil vanishes at H, √(1 - h²/H²) is about its width over its height. Half of that keeps τ above 0
+        // between the rows, too; where it does not vanish nothing is squeezed.
+        let lune = (1.0 - (view.height / self.vanishing.get()).powi(2)).max(0.0).sqrt();
+        let least = if lune < 1.0 { lune / 2.0 } else { 1.0 };
+        Row::fit(view, outline, &self.knots, axis_area, least)
+    }
+
     /// A coarse look for holes inside the outline, and for light that gets through outside it.
     fn is_in_pieces(&self, view: &View<'_>, outline: &Outline) -> bool {
         const RAYS: u32 = 12;
@@ -249,9 +263,10 @@ impl<'a> Builder<'a> {
             let edge = outline.radius(angle, &mut cursor);
             let at = |radius: f64| [outline.center + radius * dx, radius * dy];
             // Along the half-line to where it leaves the cover.
-            let offset = outline.center - cover.center[0];
-            let along = offset * dx;
-            let end = (along * along + cover.radius.powi(2) - offset * offset).max(0.0).sqrt() - along;
+            let (offset, dx) = (view.width * outline.center - cover.center[0], view.width * dx);
+            let (along, square) = (offset * dx, dx * dx + dy * dy);
+            let inside = cover.radius.powi(2) - offset * offset;
+            let end = ((along * along + square * inside).max(0.0).sqrt() - along) / square;
             let place = |k: u32, n: u32| (f64::from(k) + 0.5) / f64::from(n);
             within.extend((0..WITHIN).map(|k| at(edge * place(k, WITHIN))));
             let radii = (0..BEYOND).map(|k| edge + (end - edge) * place(k, BEYOND));
@@ -279,9 +294,9 @@ impl<'a> Builder<'a> {
         let place = usize::midpoint(from, to);
         let middle = height(place);
         let foretold = a.between(b, middle);
-        let view = self.view(middle);
-        let width = foretold.factors[0][0].abs();
-        let (inside, depth) = view.innermost(foretold.center * middle, width, true);
+        let view = self.view(middle, foretold.width());
+        let reach = foretold.factors[0][0].abs();
+        let (inside, depth) = view.innermost(foretold.center * middle / view.width, reach, true);
         let outline = if depth < 0.0 { self.outline(&view, inside, &foretold) } else { None };
         let Some(outline) = outline else {
             intervals.push(if b.area == 0.0 && a.area < SLIVER * axis_area {
@@ -291,7 +306,7 @@ impl<'a> Builder<'a> {
             });
             return;
         };
-        let row = Row::fit(middle, &outline, &self.knots, axis_area);
+        let row = self.fit(&view, &outline, axis_area);
         let same_corners = a.corners == b.corners && a.corners == row.corners;
         let part = if same_corners { AFTER_HALVING } else { WITH_NEW_CORNERS };
         let (missed, excess) = row.misfit(&foretold, &outline, &self.knots, part);
@@ -315,16 +330,17 @@ fn last_sliver([from, to]: [usize; 2], a: &Row, b: &Row) -> Interval {
     Interval { from, to, rows: [a.clone(), end] }
 }
 
-/// C/h on the axis, where neither is: even in h, so by extrapolation in h² from the next two rows.
+/// C/h and the squeeze on the axis, where nothing tells them: even in h, so by extrapolation in h² from the next two rows.
 fn center_on_axis(intervals: &mut [Interval]) {
     let [first, second, ..] = intervals else { return };
     let [axis, one] = &mut first.rows;
     let two = &second.rows[1];
     if axis.fitted && one.fitted && two.fitted {
         let (h1, h2) = (one.height * one.height, two.height * two.height);
-        axis.center = one.center - (two.center - one.center) * h1 / (h2 - h1);
+        let on_axis = |one: f64, two: f64| one - (two - one) * h1 / (h2 - h1);
+        (axis.center, axis.squeeze) = (on_axis(one.center, two.center), on_axis(one.squeeze, two.squeeze));
     } else {
-        axis.center = one.center;
+        (axis.center, axis.squeeze) = (one.center, one.squeeze);
     }
 }
 

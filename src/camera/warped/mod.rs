@@ -23,6 +23,10 @@
 //! density of what is drawn, whatever the table, so that the only bias is the share of the
 //! pupil that the map does not reach.
 //!
+//! Toward the radius at which it vanishes a pupil becomes a lune ever higher than wide, between whose knots the map
+//! would bulge by a part of its height. There M takes the disk to a pupil as wide as high, which is then squeezed along
+//! p to τ = 1 - λ(h) h² of its size: M d - λ (M d · p) p in the place of M d, τ times the density. λ is tabulated, too.
+//!
 //! One evaluation takes one or two roots, a division, no trigonometry and three times four neighbouring
 //! floats. It is written once, over lanes of either precision: a single draw has the bits of a batch's.
 //!
@@ -61,6 +65,9 @@ pub struct WarpedPupil {
     /// Two pairs of each smallest interval of s: where in the table the row below it begins, and the reciprocal of that
     /// row's width in smallest intervals; c there, and c's step to the next row.
     cells: Vec<[f32; 2]>,
+    /// Two pairs of each smallest interval where the pupil vanishes, else none: λ at the row below, and its step to the
+    /// next row; c's bend between the rows, for in h it goes straight and in s it does not.
+    squeezes: Vec<[f32; 2]>,
     /// Rows of [`STRIDE`]: M's knots.
     table: Vec<[f32; 2]>,
     cover: PupilDisk,
@@ -101,6 +108,7 @@ impl WarpedPupil {
         let Layout { end, dark_beyond, intervals } = layout;
         let mut table: Vec<[f32; 2]> = Vec::with_capacity((intervals.len() + 1) * STRIDE);
         let mut cells = Vec::with_capacity(2 * FINE);
+        let mut squeezes = Vec::new();
         let mut covered = 0.0;
         let mut joined: Option<bool> = None;
         for interval in &intervals {
@@ -113,6 +121,13 @@ impl WarpedPupil {
             let [from, to] = [low, high].map(|row| row.center as f32);
             let cell = [[table.len() as f32, (width as f32).recip()], [from, to - from]];
             cells.extend(std::iter::repeat_n(cell, width).flatten());
+            if dark_beyond {
+                let [squeeze, next] = [low, high].map(|row| row.squeeze as f32);
+                // h is s (2 - s) of the end: (h - h₀)/(h₁ - h₀) of an interval is t + t (1 - t) width/(2 - s₀ - s₁).
+                let bend = width as f32 / (2 * FINE - interval.from - interval.to) as f32;
+                let cell = [[squeeze, next - squeeze], [bend * (to - from), 0.0]];
+                squeezes.extend(std::iter::repeat_n(cell, width).flatten());
+            }
             for row in [low, high] {
                 table.extend(row.factors.iter().map(|factor| factor.map(|x| x as f32)));
             }
@@ -122,7 +137,7 @@ impl WarpedPupil {
             }
         }
         let build = BuildReport { rows: table.len() / STRIDE, rays, covered };
-        Self { end, dark_beyond, cells, table, cover, build }
+        Self { end, dark_beyond, cells, squeezes, table, cover, build }
     }
 
     /// What building the table took.
@@ -238,9 +253,17 @@ impl WarpedPupil {
         let (along, aside) = (a * per_span, b * per_span);
         let place = along.neg_mul_add(root, L::splat(cpu, L::Scalar::from_f64(ROOT * ROOT)));
         let knot = place.smaller(L::splat(cpu, L::Scalar::from_f64((CELLS - 1) as f64))).trunc();
+        let mut center = part.mul_add(center_step, center);
+        let mut squeeze = L::splat(cpu, L::Scalar::ZERO);
+        if !self.squeezes.is_empty() {
+            let [[at, step, bend, _]] = L::look_up::<1, 2>(&self.squeezes, radius.place, [0]);
+            squeeze = part.mul_add(step, at);
+            center = part.neg_mul_add(part, part).mul_add(bend, center);
+        }
         Place {
             part,
-            center: part.mul_add(center_step, center),
+            center,
+            squeeze,
             first: knot + row,
             offset: place - knot,
             turn: aside.mul_add(aside, along * along),
@@ -250,7 +273,7 @@ impl WarpedPupil {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn aim<L: Lanes>(&self, cpu: Cpu<L>, place: &Place<L>, ray: &mut FilmRays<L>) {
-        let Place { part, center, first, offset, turn, below } = *place;
+        let Place { part, center, squeeze, first, offset, turn, below } = *place;
         let ([x, y], [u, v]) = (ray.point, ray.disk);
         let [mut pairs, above] = L::look_up::<2, 1>(&self.table, first, [0, STRIDE]);
         let mut k = 0;
@@ -264,8 +287,17 @@ impl WarpedPupil {
         let twist = im.neg_mul_add(re_step, re * im_step);
         let jacobian = twist.mul_add(turn, im.mul_add(im, re * re));
         let im = L::select(below, L::splat(cpu, L::Scalar::ZERO) - im, im);
-        ray.slopes = [im.neg_mul_add(v, re.mul_add(u, center * x)), im.mul_add(u, re.mul_add(v, center * y))];
-        ray.area_per_pi = jacobian;
+        if self.squeezes.is_empty() {
+            ray.slopes =
+                [im.neg_mul_add(v, re.mul_add(u, center * x)), im.mul_add(u, re.mul_add(v, center * y))];
+            ray.area_per_pi = jacobian;
+            return;
+        }
+        let (across, up) = (im.neg_mul_add(v, re * u), im.mul_add(u, re * v));
+        let shift = squeeze.neg_mul_add(up.mul_add(y, across * x), center);
+        ray.slopes = [shift.mul_add(x, across), shift.mul_add(y, up)];
+        let one = L::splat(cpu, L::Scalar::ONE);
+        ray.area_per_pi = jacobian * squeeze.neg_mul_add(ray.radius_squared(), one);
     }
 
     /// Draws from the cover what film points beyond the table ask for, or nothing where film is dark there.
@@ -302,6 +334,8 @@ struct Place<L: Lanes> {
     part: L,
     /// c.
     center: L,
+    /// λ.
+    squeeze: L,
     /// Where in the table the knot before the direction stands, in the row before the film radius.
     first: L,
     /// From there to the direction, in knots.

@@ -2,7 +2,10 @@
 
 use std::f64::consts::PI;
 
-use super::outline::{Outline, Piece, direction};
+use super::{
+    outline::{Outline, Piece, direction},
+    view::View,
+};
 
 /// Knots between the lens direction along the film point's and the opposite one, less one.
 pub(super) const CELLS: usize = 128;
@@ -40,6 +43,8 @@ pub(super) struct Row {
     pub height: f64,
     /// C/h, 1/mm: the pupil's centre lies at the slope c h along the film point's direction.
     pub center: f64,
+    /// (1 - τ)/h², 1/mm²: in the film point's direction the map is squeezed to τ of its size.
+    pub squeeze: f64,
     /// M at the knots.
     pub factors: Vec<[f64; 2]>,
     /// Area of the pupil, in slope².
@@ -58,6 +63,7 @@ impl Row {
         Self {
             height,
             center,
+            squeeze: 0.0,
             factors: vec![[radius, 0.0]; CELLS + 1],
             area: PI * radius * radius,
             corners: 0,
@@ -66,9 +72,9 @@ impl Row {
         }
     }
 
-    /// The map onto an outline that takes equal areas of the disk to equal areas. The pupil on the
-    /// axis has `axis_area`.
-    pub fn fit(height: f64, outline: &Outline, knots: &Knots, axis_area: f64) -> Self {
+    /// The map onto an outline that takes equal areas of the disk to equal areas, squeezed to the outline's width over its
+    /// height where that lies between `least` and 1. The pupil on the axis has `axis_area`.
+    pub fn fit(view: &View<'_>, outline: &Outline, knots: &Knots, axis_area: f64, least: f64) -> Self {
         let mut sectors = Vec::with_capacity(outline.pieces.len());
         let mut total = 0.0;
         for &piece in &outline.pieces {
@@ -76,7 +82,7 @@ impl Row {
             total += sector.area;
             sectors.push(sector);
         }
-        let area = 2.0 * total;
+        let area = 2.0 * view.width * total;
         let margin = MARGIN * (VANISHING * axis_area / area).sqrt().clamp(1.0, MARGIN.recip());
         let mut number = 0;
         let mut radii = Vec::with_capacity(CELLS + 1);
@@ -95,13 +101,21 @@ impl Row {
             angles.push(angle);
         }
         reach_corners(outline, &angles, &mut radii);
-        let factor = |((angle, radius), phi): ((f64, f64), &f64)| {
-            direction(angle - phi).map(|x| x * radius * (1.0 + margin))
+        let points = angles.iter().zip(&radii).map(|(&angle, radius)| direction(angle).map(|x| x * radius));
+        let points: Vec<[f64; 2]> = points.collect();
+        let highest = points.iter().fold(f64::MIN_POSITIVE, |most, point| most.max(point[1]));
+        let width = (view.width * points[0][0] / highest).clamp(least, 1.0);
+        let scale = [view.width / width * (1.0 + margin), 1.0 + margin];
+        let factor = |([x, y], [cos, sin]): (&[f64; 2], &[f64; 2])| {
+            let [x, y] = [x * scale[0], y * scale[1]];
+            [x * cos + y * sin, y * cos - x * sin]
         };
+        let height = view.height;
         Self {
             height,
-            center: outline.center / height,
-            factors: angles.into_iter().zip(radii).zip(&knots.angles).map(factor).collect(),
+            center: view.width * outline.center / height,
+            squeeze: (1.0 - width) / (height * height),
+            factors: points.iter().zip(&knots.directions).map(factor).collect(),
             area,
             corners: outline.corners.len(),
             margin,
@@ -109,7 +123,12 @@ impl Row {
         }
     }
 
-    /// The outline's point at a knot, about the row's centre.
+    /// τ.
+    pub fn width(&self) -> f64 {
+        1.0 - self.squeeze * self.height * self.height
+    }
+
+    /// The outline's point at a knot, about the row's centre; x in units of τ.
     pub fn point(&self, knot: usize, direction: [f64; 2]) -> [f64; 2] {
         let ([re, im], [cos, sin]) = (self.factors[knot], direction);
         [re * cos - im * sin, re * sin + im * cos]
@@ -118,9 +137,11 @@ impl Row {
     /// The row that the table's interpolation makes half way between two.
     pub fn between(&self, other: &Self, height: f64) -> Self {
         let mean = |a: f64, b: f64| f64::midpoint(a, b);
+        let part = (height - self.height) / (other.height - self.height);
         Self {
             height,
-            center: mean(self.center, other.center),
+            center: self.center + part * (other.center - self.center),
+            squeeze: mean(self.squeeze, other.squeeze),
             factors: self
                 .factors
                 .iter()
@@ -135,10 +156,10 @@ impl Row {
     }
 
     /// Shares of the outline's area that this row would miss, and that it would have too much, had it
-    /// `part` of the difference that `shape` has from it.
+    /// `part` of the difference that `shape` has from it. The outline's x counts in units of the shape's τ.
     pub fn misfit(&self, shape: &Self, outline: &Outline, knots: &Knots, part: f64) -> (f64, f64) {
         let (mut missed, mut excess) = (0.0, 0.0);
-        let shift = shape.center * shape.height - outline.center;
+        let shift = shape.center * shape.height / shape.width() - outline.center;
         let mut cursor = 0;
         for (knot, &direction) in knots.directions.iter().enumerate() {
             let [x, y] = shape.point(knot, direction);

@@ -1,6 +1,7 @@
 //! The pupil's edge as one film point sees it, found with few rays.
 //!
-//! The film point lies at (h, 0); its pupil is symmetric about the sx axis of slopes.
+//! The film point lies at (h, 0); its pupil is symmetric about the sx axis of slopes. A pupil much higher than wide is seen as
+//! wide as high: sx counts in units of τ, here and in the outline.
 
 use std::cell::Cell;
 
@@ -17,6 +18,8 @@ pub(super) struct View<'a> {
     pub film: f64,
     /// Distance from the axis, mm.
     pub height: f64,
+    /// τ, in units of which sx counts.
+    pub width: f64,
     /// Rays traced so far, for the build's account.
     pub rays: &'a Cell<u32>,
     /// What searches know from one another.
@@ -51,8 +54,8 @@ impl View<'_> {
     /// [`View::excess`] of many.
     pub fn excesses(&self, slopes: &[[f64; 2]], found: &mut Vec<Excess>) {
         self.rays.set(self.rays.get() + slopes.len() as u32);
-        let rays: Vec<_> =
-            slopes.iter().map(|&slopes| film_ray([self.height, 0.0], self.film, slopes)).collect();
+        let ray = |&[x, y]: &[f64; 2]| film_ray([self.height, 0.0], self.film, [self.width * x, y]);
+        let rays: Vec<_> = slopes.iter().map(ray).collect();
         let mut clearances = Vec::with_capacity(rays.len());
         self.path.clearances(&rays, &mut clearances);
         found.clear();
