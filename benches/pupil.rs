@@ -17,6 +17,7 @@ fn main() {
          build ms median / least | rays | rows | ns a draw |"
     );
     println!("|---|---|---|---|---|---|---|---|---|");
+    let mut ends = Vec::new();
     for name in LENSES {
         for stop in STOPS {
             let case = Case::of(name, stop);
@@ -39,11 +40,14 @@ fn main() {
             let variance = [0.0, CORNER / 2.0, CORNER]
                 .map(|height| case.weight([height, 0.0], 150).1)
                 .map(|variance| if variance.is_nan() { "dark".to_owned() } else { format!("{variance:.5}") });
+            if let Some(end) = case.pupil.image_radius() {
+                ends.push((name, stop, near_end(&case, end)));
+            }
             let report = case.pupil.build_report();
             println!(
                 "| {name} | {} | {worst_acceptance:.4} / {:.4} | {worst_missed:.1e} / {:.1e} | {} | {:.2} / {:.2} | {} | {} \
                  | {:.1} |",
-                stop.map_or("full".to_owned(), |number| format!("f/{number}")),
+                stop_name(stop),
                 mean(|f| f.0),
                 mean(|f| f.1),
                 variance.join(" / "),
@@ -55,6 +59,28 @@ fn main() {
             );
         }
     }
+    println!("\nPasses / missed near the end of the image, by the distance from it over its radius:\n");
+    println!("| lens | stop | {} |", PARTS.map(|part| format!("{part:.0e}")).join(" | "));
+    println!("|---|---{}|", "|---".repeat(PARTS.len()));
+    for (name, stop, shares) in ends {
+        println!("| {name} | {} | {} |", stop_name(stop), shares.join(" | "));
+    }
+}
+
+/// Distances from the end of the image over its radius.
+const PARTS: [f64; 7] = [3e-2, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4];
+
+fn near_end(case: &Case, end: f64) -> Vec<String> {
+    let shares = |part: f64| {
+        let height = end * (1.0 - part);
+        let (acceptance, missed) = case.fit([0.6 * height, -0.8 * height], 1000);
+        format!("{acceptance:.4} / {missed:.0e}")
+    };
+    PARTS.map(shares).to_vec()
+}
+
+fn stop_name(stop: Option<f64>) -> String {
+    stop.map_or("full".to_owned(), |number| format!("f/{number}"))
 }
 
 /// Seconds of every run, sorted.
