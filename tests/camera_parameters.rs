@@ -173,6 +173,9 @@ fn course_scenes_and_clamped_apertures_warn_and_go_on() {
     let [mute] = &warnings(&[("wavelength", "450")])[..] else { panic!("one warning") };
     assert!(mute.contains("V-numbers") && mute.contains("changes nothing"), "{mute}");
     assert_eq!(warnings(&[("wavelength", "450"), ("specfile", "dgauss.100mm")]), [""; 0]);
+    let host = host_with("10 1 1.5 8\n-10 0 1 8\n");
+    let told = build(&host, &[]).expect("a camera").1;
+    assert!(told.iter().any(|text| text.contains("rows 1 and 2 cross 3.1225 mm from the axis")), "{told:?}");
 }
 
 #[test]

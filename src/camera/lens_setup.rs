@@ -72,6 +72,17 @@ pub(super) fn set_up_lens(
         let (lens, index) = (lens.name, lens.surfaces[row].n_film);
         return Err(LensError::Index { lens, row: row + 1, index, wavelength }.into());
     }
+    if let Some(([first, second], height)) = lens.crossed_surfaces() {
+        let text = format!(
+            "lens \"{}\": the surfaces of rows {} and {} cross {} mm from the axis, inside their clear diameters, as no \
+             lens's do; check their radii, diameters and the thickness between them",
+            lens.name,
+            first + 1,
+            second + 1,
+            short(height)
+        );
+        log(Level::Warning, &text);
+    }
     match (setup.aperture_diameter, setup.fnumber) {
         (Some(_), Some(_)) => {
             Err(ParameterError::Both { first: "fnumber", second: "aperture_diameter" }.into())

@@ -4,6 +4,7 @@ use thiserror::Error;
 
 use crate::{
     message::short,
+    numeric::root,
     prescription::{
         Prescription, Shape,
         glass::{D_LINE, refractive_index},
@@ -154,8 +155,55 @@ impl Lens {
         self.surfaces.first().expect("a lens has at least one surface")
     }
 
+    /// The first two neighbours among the surfaces but the stop, counted from the scene, whose shapes cross inside both their
+    /// clear apertures, which no real lens's do, and at which distance from the axis, mm.
+    pub fn crossed_surfaces(&self) -> Option<([usize; 2], f64)> {
+        let mut last: Option<usize> = None;
+        let mut distance = 0.0;
+        for (i, surface) in self.surfaces.iter().enumerate() {
+            if !surface.is_stop {
+                if let Some(before) = last {
+                    let first = &self.surfaces[before];
+                    let gap = |height: f64| distance + first.sagitta(height) - surface.sagitta(height);
+                    // It only grows or only shrinks with height.
+                    let reach = first.semi_diameter.min(surface.semi_diameter);
+                    // Rims that touch touch but for rounding.
+                    if gap(reach) < -1e-6 * reach {
+                        return Some(([before, i], root(0.0, reach, gap)));
+                    }
+                }
+                (last, distance) = (Some(i), 0.0);
+            }
+            distance += surface.thickness;
+        }
+        None
+    }
+
     /// Index of the stop's surface, from the scene side.
     pub fn stop_index(&self) -> Option<usize> {
         self.surfaces.iter().position(|surface| surface.is_stop)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::prescription::{catalogue, read};
+
+    #[test]
+    fn surfaces_that_cross_are_found_where_their_sagittae_add_up() {
+        // Two caps of 10 mm radius and half a millimetre each: h² = 2 · 10 · 0.5 - 0.5².
+        let crossed = |diameter: f64| {
+            let text = format!("20 5 1.5 5\n10 0.4 1 {diameter}\n0 0.6 1 4\n-10 2 1.5 {diameter}\n20 0 1 5\n");
+            Lens::at_d_line(&read("crossed", text.as_bytes()).expect("a lens")).crossed_surfaces()
+        };
+        let (rows, height) = crossed(8.0).expect("crossed");
+        assert_eq!(rows, [1, 3]);
+        assert!((height - 9.75_f64.sqrt()).abs() < 1e-12, "{height}");
+        assert_eq!(crossed(2.0 * 9.75_f64.sqrt()), None);
+        for name in catalogue::names() {
+            let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
+            assert_eq!(lens.crossed_surfaces(), None, "{name}");
+        }
     }
 }
