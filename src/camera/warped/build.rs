@@ -352,7 +352,8 @@ fn last_sliver([from, to]: [usize; 2], a: &Row, b: &Row) -> Interval {
     Interval { from, to, rows: [a.clone(), end] }
 }
 
-/// C/h and the squeeze on the axis, where nothing tells them: even in h, so by extrapolation in h² from the next two rows.
+/// C/h and the squeeze on the axis, where nothing tells them: even in h, so by extrapolation in h² from the next two
+/// rows.
 fn center_on_axis(intervals: &mut [Interval]) {
     let [first, second, ..] = intervals else { return };
     let [axis, one] = &mut first.rows;
