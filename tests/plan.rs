@@ -215,6 +215,17 @@ fn a_plane_that_neither_bends_nor_clips_changes_nothing_and_is_left_out() {
 }
 
 #[test]
+fn film_beyond_the_image_is_left_out_only_where_there_is_some() {
+    // The fisheye's image has a radius of 13.4 mm; the table goes on to there from a little within.
+    for (diagonal, beyond) in [("20", false), ("26", false), ("30", true)] {
+        let camera = camera(&host(), &[("specfile", "fisheye.10mm"), ("filmdiag", diagonal)]);
+        let mut items = camera.plan().items().iter();
+        let found = items.any(|item| item.what.starts_with("pupil of film beyond") && !item.kept);
+        assert_eq!(found, beyond, "{diagonal}: {}", camera.plan());
+    }
+}
+
+#[test]
 fn what_single_precision_cannot_hold_is_not_given_to_it() {
     let rows = |first: &str| format!("{first}\n60 4 1.6 16\n-60 3 1 16\n0 3 1 6\n80 4 1.5 14\n-50 0 1 14\n");
     for (why, text) in [

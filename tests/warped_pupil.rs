@@ -5,10 +5,10 @@ mod pupil_fit;
 
 use std::f64::consts::TAU;
 
-use pupil_fit::{Case, LENSES, REACH, STOPS, grid};
+use pupil_fit::{Case, LENSES, REACH, STOPS, grid, lens_at};
 use realistic::{
     camera::{DiskMapping, Host, Outcome, Parameters, Raster, RealisticCamera, Sample, Value},
-    optics::Lens,
+    optics::{Lens, focus::Focus},
     prescription::read,
     trace::Blocked,
 };
@@ -46,6 +46,68 @@ fn nearly_every_sample_passes_and_nearly_nothing_is_missed() {
                     assert!(acceptance >= 0.997, "{name} {stop:?} at {height}: {acceptance} pass");
                     assert!(missed <= 1e-4, "{name} {stop:?} at {height}: misses {missed:e}");
                 }
+            }
+        }
+    }
+}
+
+/// A catalogue lens focused at infinity, and its film distance.
+fn focused(name: &str, fnumber: Option<f64>) -> (Lens, f64) {
+    let lens = lens_at(name, fnumber);
+    let distance = Focus::new(&lens).expect("focal").film_distance(f64::INFINITY).expect("reachable");
+    (lens, distance)
+}
+
+#[test]
+fn a_film_that_ends_just_inside_the_image_is_served_as_well() {
+    for name in LENSES {
+        for stop in STOPS {
+            let (lens, distance) = focused(name, stop);
+            let end = Case::with_reach(&lens, distance, 100.0).pupil.image_radius().expect("dark beyond");
+            for part in [0.95, 0.99, 0.999] {
+                let case = Case::with_reach(&lens, distance, part * end);
+                assert_eq!(case.pupil.build_report().covered, 0.0, "{name} {stop:?} {part}");
+                for inner in [0.97, 0.99, 0.997, 0.999] {
+                    let height = inner * part * end;
+                    let (acceptance, missed) = case.fit([0.6 * height, -0.8 * height], 240);
+                    assert!(acceptance >= 0.995, "{name} {stop:?} {part} {inner}: {acceptance} pass");
+                    assert!(missed <= 1e-4, "{name} {stop:?} {part} {inner}: misses {missed:e}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_image_ends_where_it_does_whatever_the_film() {
+    for name in LENSES {
+        for stop in [None, Some(22.0), Some(100.0), Some(1e3)] {
+            let (lens, distance) = focused(name, stop);
+            let end = |reach| Case::with_reach(&lens, distance, reach).pupil.image_radius();
+            let expected = end(100.0).expect("dark beyond");
+            for reach in [1.001 * expected, 150.0, 200.0] {
+                let found = end(reach).expect("dark beyond");
+                assert!(
+                    (found / expected - 1.0).abs() < 1e-6,
+                    "{name} {stop:?} {reach}: {found}, {expected}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn densities_are_positive_up_to_the_last_film_point() {
+    for stop in STOPS {
+        let case = Case::of("fisheye.10mm", stop);
+        let end = case.pupil.image_radius().expect("dark beyond");
+        assert!(case.pupil.draw([end.next_up(), 0.0], [0.5, 0.5]).is_none());
+        for height in (1..53).map(|bits| end * (1.0 - 0.5_f64.powi(bits))).chain([end.next_down()]) {
+            for i in 0..33 {
+                let phi = TAU * f64::from(i) / 64.0;
+                // The image ends where rounding has it.
+                let Some(drawn) = case.pupil.draw([height, 0.0], [phi.cos(), phi.sin()]) else { continue };
+                assert!(drawn.area > 0.0 && drawn.area.is_finite(), "{stop:?} at {height}: {drawn:?}");
             }
         }
     }

@@ -234,7 +234,7 @@ pub(super) fn describe_drawing(plan: &mut Plan, side: &FilmSide<'_>, mapping: Di
                 why,
                 format!("{} film radii, {} rays", report.rows, report.rays),
             );
-            if pupil.image_radius().is_some() {
+            if pupil.image_radius().is_some_and(|end| end < reach) {
                 plan.left_out(
                     &format!("pupil of film beyond {end:.3} mm"),
                     "no light reaches it",

@@ -3,7 +3,7 @@
 
 use super::{
     Path, Ray,
-    kernel::{self, Simd},
+    kernel::{self, Available},
 };
 
 /// The aperture that a ray comes nearest to, or reaches farthest beyond.
@@ -24,7 +24,7 @@ impl Path<f64> {
     /// ratio so far if that is more than 1, else none: `None` and a ratio of more than 1
     /// together are what [`Path::walk`] blocks. Refraction is by the fused form, whatever the path's.
     pub fn clearances(&self, rays: &[Ray], found: &mut Vec<Option<Clearance>>) {
-        kernel::clearances(Simd::best(), self, rays, found);
+        kernel::clearances(Available::best(), self, rays, found);
     }
 }
 

@@ -57,11 +57,16 @@ impl Case {
 
     /// With the film `distance` mm behind the last vertex.
     pub fn with_film(lens: &Lens, distance: f64) -> Self {
+        Self::with_reach(lens, distance, REACH)
+    }
+
+    /// The same with a table that reaches to another film radius, mm.
+    pub fn with_reach(lens: &Lens, distance: f64, reach: f64) -> Self {
         let film = lens.rear().vertex - distance;
         let path = Path::film_to_scene(lens);
-        let cover = PupilDisk::rear(lens, film, REACH).expect("film behind the lens");
+        let cover = PupilDisk::rear(lens, film, reach).expect("film behind the lens");
         let drift = PupilDisk::exit(lens, film).seen_from([1.0, 0.0]).center[0];
-        let pupil = WarpedPupil::new(&path, film, REACH, cover, drift);
+        let pupil = WarpedPupil::new(&path, film, reach, cover, drift);
         Self { path, film, cover, drift, pupil }
     }
 

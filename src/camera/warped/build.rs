@@ -34,6 +34,12 @@ const HOPELESS: f64 = 0.02;
 /// Part of the pupil on the axis below which a pupil about to vanish is no longer worth an outline.
 const SLIVER: f64 = 1e-3;
 
+/// τ where the pupil vanishes: not 0, which rounding in single precision would make a negative density of.
+const LEAST_WIDTH: f64 = 1e-6;
+
+/// How far beyond the radius at which a pupil seems to vanish it has to be dark, too, relative.
+const BESIDE_THE_END: f64 = 1e-6;
+
 /// Distance from the centre over the edge's from which light that gets through is another piece's.
 const BESIDE: f64 = 1.001;
 
@@ -129,11 +135,12 @@ impl<'a> Builder<'a> {
         Interval { from, to, rows: [from, to].map(|place| self.cover_row(height(place))) }
     }
 
-    /// The radius at which the pupil has shrunk to a point, where that lies within reach.
+    /// The radius at which the pupil has shrunk to a point, where that lies within reach, or so little beyond that the
+    /// pupil is a sliver there.
     fn vanishing_row(&self) -> Option<Row> {
         let scale = self.cover_at(0.0).radius;
         let mut inside = (0.0, 0.0);
-        for step in 1..=COARSE {
+        for step in 1..=COARSE + 1 {
             let height = self.reach * step as f64 / COARSE as f64;
             let guess = if inside.0 > 0.0 { inside.1 * height / inside.0 } else { self.drift * height };
             let (slope, excess) = self.view(height, 1.0).innermost(guess, scale, true);
@@ -145,19 +152,34 @@ impl<'a> Builder<'a> {
             let best = Cell::new(ratio);
             let margin = |height: f64| {
                 let (slope, excess) = self.view(height, 1.0).innermost(best.get() * height, scale, false);
-                best.set(slope / height);
+                // Where a search fails it may end anywhere: no guess for one nearer the axis.
+                if excess < 0.0 {
+                    best.set(slope / height);
+                }
                 excess.min(1.0)
             };
             let end = root_to(inside.0.max(1e-9 * height), height, 1e-9, margin);
-            return Some(Row { squeeze: end.powi(-2), ..Row::disk(end, best.get(), 0.0, true) });
+            // From a guess far off a search may have missed a small pupil; from one this near it does not.
+            let beside = (1.0 + BESIDE_THE_END) * end;
+            if margin(beside) < 0.0 {
+                inside = (beside, best.get() * beside);
+                continue;
+            }
+            return Some(Row {
+                squeeze: (1.0 - LEAST_WIDTH) / (end * end),
+                ..Row::disk(end, best.get(), 0.0, true)
+            });
         }
         None
     }
 
-    /// Whether light gets through anywhere beyond the radius at which the pupil closes.
+    /// Whether light gets through anywhere within reach beyond the radius at which the pupil closes.
     fn leaks_beyond(&self, end: f64) -> bool {
         const RADII: u32 = 6;
         const GRID: u32 = 20;
+        if end >= self.reach {
+            return false;
+        }
         let at = |k: u32| 2.0 * (f64::from(k) + 0.5) / f64::from(GRID) - 1.0;
         let grid = (0..GRID).flat_map(|i| (GRID / 2..GRID).map(move |j| [at(i), at(j)]));
         let disk: Vec<_> = grid.filter(|[x, y]| x * x + y * y <= 1.0).collect();
@@ -330,7 +352,8 @@ fn last_sliver([from, to]: [usize; 2], a: &Row, b: &Row) -> Interval {
     Interval { from, to, rows: [a.clone(), end] }
 }
 
-/// C/h and the squeeze on the axis, where nothing tells them: even in h, so by extrapolation in h² from the next two rows.
+/// C/h and the squeeze on the axis, where nothing tells them: even in h, so by extrapolation in h² from the next two
+/// rows.
 fn center_on_axis(intervals: &mut [Interval]) {
     let [first, second, ..] = intervals else { return };
     let [axis, one] = &mut first.rows;
@@ -338,7 +361,9 @@ fn center_on_axis(intervals: &mut [Interval]) {
     if axis.fitted && one.fitted && two.fitted {
         let (h1, h2) = (one.height * one.height, two.height * two.height);
         let on_axis = |one: f64, two: f64| one - (two - one) * h1 / (h2 - h1);
-        (axis.center, axis.squeeze) = (on_axis(one.center, two.center), on_axis(one.squeeze, two.squeeze));
+        // The squeeze not below 0: the map would leave the disks of `WarpedPupil::bands`.
+        (axis.center, axis.squeeze) =
+            (on_axis(one.center, two.center), on_axis(one.squeeze, two.squeeze).max(0.0));
     } else {
         (axis.center, axis.squeeze) = (one.center, one.squeeze);
     }
@@ -372,4 +397,36 @@ fn root_to(mut a: f64, mut b: f64, tolerance: f64, f: impl Fn(f64) -> f64) -> f6
         last_was_inside = Some(inside);
     }
     b
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        optics::{Lens, focus::Focus},
+        prescription::catalogue,
+    };
+
+    #[test]
+    fn no_row_is_squeezed_to_nothing_or_stretched() {
+        for name in catalogue::names() {
+            for stop in [1.0, 0.5, 0.1, 0.01] {
+                let mut lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
+                let row = lens.stop_index().expect("a stop");
+                lens.surfaces[row].semi_diameter *= stop;
+                let focus = Focus::new(&lens).expect("focal");
+                let film = lens.rear().vertex - focus.film_distance(f64::INFINITY).expect("reachable");
+                let path = Path::film_to_scene(&lens);
+                let cover = PupilDisk::rear(&lens, film, 100.0).expect("behind the lens");
+                let drift = PupilDisk::exit(&lens, film).seen_from([1.0, 0.0]).center[0];
+                let Layout { dark_beyond, intervals, .. } =
+                    Builder::new(&path, film, 100.0, cover, drift).layout();
+                assert!(dark_beyond, "{name} {stop}");
+                for row in intervals.iter().flat_map(|interval| &interval.rows) {
+                    let squeezed = row.squeeze >= 0.0 && row.width() > 0.0;
+                    assert!(squeezed, "{name} {stop} at {}: {}", row.height, row.squeeze);
+                }
+            }
+        }
+    }
 }

@@ -28,7 +28,8 @@
 //! p to τ = 1 - λ(h) h² of its size: M d - λ (M d · p) p in the place of M d, τ times the density. λ is tabulated, too.
 //!
 //! One evaluation takes one or two roots, a division, no trigonometry and three times four neighbouring
-//! floats. It is written once, over lanes of either precision: a single draw has the bits of a batch's.
+//! floats, four times with λ. It is written once, over lanes of either precision: a single draw has the bits of a
+//! batch's.
 //!
 //! Where no such map fits (a pupil in pieces, with holes, or of an edge that no half-line meets once)
 //! the table holds the rear element's disk, and what falls beside the pupil is blocked.
@@ -66,7 +67,8 @@ pub struct WarpedPupil {
     /// row's width in smallest intervals; c there, and c's step to the next row.
     cells: Vec<[f32; 2]>,
     /// Two pairs of each smallest interval where the pupil vanishes, else none: λ at the row below, and its step to the
-    /// next row; c's bend between the rows, for in h it goes straight and in s it does not.
+    /// next row; c's bend between the rows, for in h it goes straight and in s it does not, and a 0 that fills the
+    /// pair.
     squeezes: Vec<[f32; 2]>,
     /// Rows of [`STRIDE`]: M's knots.
     table: Vec<[f32; 2]>,
@@ -145,7 +147,7 @@ impl WarpedPupil {
         self.build
     }
 
-    /// The film radius from which on no light arrives, mm, where that lies within reach.
+    /// The film radius from which on no light arrives, mm, where that lies within reach or at most an eighth beyond.
     pub fn image_radius(&self) -> Option<f64> {
         self.dark_beyond.then_some(self.end)
     }

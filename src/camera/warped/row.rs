@@ -72,8 +72,8 @@ impl Row {
         }
     }
 
-    /// The map onto an outline that takes equal areas of the disk to equal areas, squeezed to the outline's width over its
-    /// height where that lies between `least` and 1. The pupil on the axis has `axis_area`.
+    /// The map onto an outline that takes equal areas of the disk to equal areas, squeezed to the outline's width over
+    /// its height where that lies between `least` and 1. The pupil on the axis has `axis_area`.
     pub fn fit(view: &View<'_>, outline: &Outline, knots: &Knots, axis_area: f64, least: f64) -> Self {
         let mut sectors = Vec::with_capacity(outline.pieces.len());
         let mut total = 0.0;

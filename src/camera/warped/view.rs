@@ -1,7 +1,7 @@
 //! The pupil's edge as one film point sees it, found with few rays.
 //!
-//! The film point lies at (h, 0); its pupil is symmetric about the sx axis of slopes. A pupil much higher than wide is seen as
-//! wide as high: sx counts in units of τ, here and in the outline.
+//! The film point lies at (h, 0); its pupil is symmetric about the sx axis of slopes. A pupil much higher than wide is
+//! seen as wide as high: sx counts in units of τ, here and in the outline.
 
 use std::cell::Cell;
 

@@ -4,7 +4,7 @@
 //! fused, which processors without the instruction would do slowly.
 
 use super::{
-    Simd,
+    Available, Simd,
     lanes::{Cpu, Lanes, Portable},
 };
 use crate::trace::{
@@ -19,19 +19,18 @@ const PACKET: usize = 8;
 /// exact to this many times fewer digits.
 const WEAK: f64 = 1e-5;
 
-/// Appends what becomes of each ray. `simd` is there.
+/// Appends what becomes of each ray.
 pub(in crate::trace) fn clearances(
-    simd: Simd,
+    simd: Available,
     path: &Path<f64>,
     rays: &[Ray],
     found: &mut Vec<Option<Clearance>>,
 ) {
-    debug_assert!(simd.is_available());
     for rays in rays.chunks(PACKET) {
         let mut packet = Packet::enter(path, rays);
-        match simd {
+        match simd.simd() {
             #[cfg(target_arch = "x86_64")]
-            // SAFETY: the caller asks for no more than the processor has.
+            // SAFETY: the processor has these instructions.
             Simd::Avx512 => unsafe { avx512(path, &mut packet) },
             #[cfg(target_arch = "x86_64")]
             // SAFETY: as above.
@@ -185,9 +184,9 @@ mod tests {
                 rays.chunks(packet).for_each(|rays| clearances(simd, &path, rays, &mut found));
                 found
             };
-            let expected = ask(Simd::Portable, 1);
+            let expected = ask(Simd::Portable.available().expect("always there"), 1);
             assert!(expected.contains(&None) && expected.iter().flatten().any(|found| found.ratio < 1.0));
-            for simd in Simd::ALL.into_iter().filter(|simd| simd.is_available()) {
+            for simd in Simd::ALL.into_iter().filter_map(Simd::available) {
                 for packet in [3, PACKET, rays.len()] {
                     assert!(ask(simd, packet) == expected, "{name} {simd:?} {packet}");
                 }

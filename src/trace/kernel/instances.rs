@@ -10,7 +10,7 @@ use super::lanes::{
     avx512::{F32x16, F64x8},
 };
 use super::{
-    Simd,
+    Available, Simd,
     batch::{Approach, Batch, Few, FromPlane, InPlace},
     lanes::{Cpu, Lanes, Portable, Scalar},
     march::{End, Ray, Start, march},
@@ -32,28 +32,28 @@ pub trait Vectors: Scalar {
     const AMPLIFICATION: f64;
 
     /// Rays from a plane.
-    fn from_plane(simd: Simd, table: &Table<Self>, batch: &mut FromPlane<'_, '_, '_, Self>);
+    fn from_plane(simd: Available, table: &Table<Self>, batch: &mut FromPlane<'_, '_, '_, Self>);
     /// Rays from anywhere, in place.
-    fn in_place(simd: Simd, table: &Table<Self>, batch: &mut InPlace<'_, '_, Self>);
+    fn in_place(simd: Available, table: &Table<Self>, batch: &mut InPlace<'_, '_, Self>);
     /// One ray, for latency.
-    fn one(simd: Simd, table: &Table<Self>, batch: &mut Few<Self, 1>);
+    fn one(simd: Available, table: &Table<Self>, batch: &mut Few<Self, 1>);
     /// Up to four rays, for latency.
-    fn quad(simd: Simd, table: &Table<Self>, batch: &mut Few<Self, 4>);
+    fn quad(simd: Available, table: &Table<Self>, batch: &mut Few<Self, 4>);
 }
 
 /// The algorithm's instances of one precision, compiled here and not where they are used.
 macro_rules! compile {
     () => {
-        fn from_plane(simd: Simd, table: &Table<Self>, batch: &mut FromPlane<'_, '_, '_, Self>) {
+        fn from_plane(simd: Available, table: &Table<Self>, batch: &mut FromPlane<'_, '_, '_, Self>) {
             run(simd, Shape::Wide, table, batch);
         }
-        fn in_place(simd: Simd, table: &Table<Self>, batch: &mut InPlace<'_, '_, Self>) {
+        fn in_place(simd: Available, table: &Table<Self>, batch: &mut InPlace<'_, '_, Self>) {
             run(simd, Shape::Wide, table, batch);
         }
-        fn one(simd: Simd, table: &Table<Self>, batch: &mut Few<Self, 1>) {
+        fn one(simd: Available, table: &Table<Self>, batch: &mut Few<Self, 1>) {
             run(simd, Shape::One, table, batch);
         }
-        fn quad(simd: Simd, table: &Table<Self>, batch: &mut Few<Self, 4>) {
+        fn quad(simd: Available, table: &Table<Self>, batch: &mut Few<Self, 4>) {
             run(simd, Shape::Quad, table, batch);
         }
     };
@@ -158,11 +158,10 @@ pub enum Shape {
 
 /// Traces a batch.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub fn run<S: Vectors, O: Optics<S>, B: Batch<S>>(simd: Simd, shape: Shape, optics: &O, batch: &mut B) {
-    debug_assert!(simd.is_available());
+pub fn run<S: Vectors, O: Optics<S>, B: Batch<S>>(simd: Available, shape: Shape, optics: &O, batch: &mut B) {
     #[cfg(target_arch = "x86_64")]
-    match simd {
-        // SAFETY: a `Kernel` is built only for instructions that the processor has.
+    match simd.simd() {
+        // SAFETY: the processor has these instructions.
         Simd::Avx512 if shape == Shape::Wide => return unsafe { avx512(optics, batch) },
         // SAFETY: as above; what has AVX-512 has AVX2.
         Simd::Avx512 | Simd::Avx2 => unsafe {

@@ -25,6 +25,7 @@ mod table;
 pub use batch::{LensRays, PlaneRays};
 pub(super) use clearance::clearances;
 pub use instances::Vectors as Precision;
+pub(super) use simd::Available;
 pub use simd::{Compiled, Simd};
 
 use self::batch::InPlace;
@@ -56,13 +57,13 @@ pub struct Traced<S> {
 pub struct Kernel<S> {
     table: Table<S>,
     path: Path<f64>,
-    simd: Simd,
+    simd: Available,
 }
 
 impl<S: Precision> Kernel<S> {
     /// Compiles a lens for the best instructions that there are ([`Simd::best`]).
     pub fn new(lens: &Lens, direction: Direction) -> Self {
-        Self::compile(lens, direction, Simd::best(), |_| true)
+        Self::compile(lens, direction, Available::best(), |_| true)
     }
 
     /// [`Kernel::new`] that tests the apertures of only those surfaces, counted from the scene, that `tested`
@@ -71,15 +72,15 @@ impl<S: Precision> Kernel<S> {
     pub fn testing(lens: &Lens, direction: Direction, tested: impl Fn(usize) -> bool) -> Self {
         let last = lens.surfaces.len() - 1;
         let along = |i| if direction == Direction::FilmToScene { last - i } else { i };
-        Self::compile(lens, direction, Simd::best(), |i| tested(along(i)))
+        Self::compile(lens, direction, Available::best(), |i| tested(along(i)))
     }
 
     /// Compiles a lens for the instructions named; `None` where the processor lacks them.
     pub fn with_simd(lens: &Lens, direction: Direction, simd: Simd) -> Option<Self> {
-        simd.is_available().then(|| Self::compile(lens, direction, simd, |_| true))
+        simd.available().map(|simd| Self::compile(lens, direction, simd, |_| true))
     }
 
-    fn compile(lens: &Lens, direction: Direction, simd: Simd, tested: impl Fn(usize) -> bool) -> Self {
+    fn compile(lens: &Lens, direction: Direction, simd: Available, tested: impl Fn(usize) -> bool) -> Self {
         let path = Path::new(lens, direction, Refraction::Fused);
         Self { table: Table::new(&path, S::AMPLIFICATION, tested), path, simd }
     }
@@ -91,7 +92,7 @@ impl<S: Precision> Kernel<S> {
 
     /// The instructions in use.
     pub fn simd(&self) -> Simd {
-        self.simd
+        self.simd.simd()
     }
 
     /// One ray from `point` (x, y in mm) on the plane z = `plane` (mm, lens space), with slopes dx/dz

@@ -14,6 +14,29 @@ pub enum Simd {
     Avx512,
 }
 
+/// A set of instructions that this processor has: only asking it makes one.
+#[derive(Clone, Copy, Debug)]
+pub struct Available(Simd);
+
+impl Available {
+    /// [`Simd::best`].
+    pub fn best() -> Self {
+        static BEST: OnceLock<Available> = OnceLock::new();
+        *BEST.get_or_init(|| {
+            let named = std::env::var(VARIABLE).ok();
+            let limit = Simd::ALL.into_iter().find(|simd| named.as_deref() == Some(simd.name()));
+            let allowed = Simd::ALL.into_iter().filter(|simd| limit.is_none_or(|limit| *simd <= limit));
+            allowed.rev().find_map(Simd::available).unwrap_or(Self(Simd::Portable))
+        })
+    }
+
+    /// Which set it is.
+    #[inline(always)]
+    pub fn simd(self) -> Simd {
+        self.0
+    }
+}
+
 /// Simple loops to be compiled for each set of instructions: see [`Simd::run`].
 pub trait Compiled {
     /// Does it. To be marked `#[inline(always)]`, and what it calls to be inlined into it.
@@ -53,29 +76,27 @@ impl Simd {
         }
     }
 
+    /// The knowledge that this processor has it, where it does.
+    pub(in crate::trace) fn available(self) -> Option<Available> {
+        self.is_available().then_some(Available(self))
+    }
+
     /// The most capable set that the processor has and the environment variable `REALISTIC_SIMD`
     /// (`portable`, `avx2`, `avx512`) allows; any other value allows all. Found once a process.
     pub fn best() -> Self {
-        static BEST: OnceLock<Simd> = OnceLock::new();
-        *BEST.get_or_init(|| {
-            let named = std::env::var(VARIABLE).ok();
-            let limit = Self::ALL.into_iter().find(|simd| named.as_deref() == Some(simd.name()));
-            let allowed = |simd: &Self| simd.is_available() && limit.is_none_or(|limit| *simd <= limit);
-            Self::ALL.into_iter().rfind(allowed).unwrap_or(Self::Portable)
-        })
+        Available::best().simd()
     }
 
     /// Does work with these instructions, or with none but the portable ones where the processor lacks
     /// them. The results are the same to the last bit: the compiler fuses no operations.
     pub fn run(self, work: impl Compiled) {
         #[cfg(target_arch = "x86_64")]
-        if self != Self::Portable && self.is_available() {
-            return match self {
-                // SAFETY: just asked.
-                Self::Avx512 => unsafe { avx512(work) },
-                // SAFETY: just asked.
-                _ => unsafe { avx2(work) },
-            };
+        match self.available().map(Available::simd) {
+            // SAFETY: the processor has these instructions.
+            Some(Self::Avx512) => return unsafe { avx512(work) },
+            // SAFETY: as above.
+            Some(Self::Avx2) => return unsafe { avx2(work) },
+            _ => {}
         }
         work.run();
     }

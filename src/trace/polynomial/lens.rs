@@ -5,8 +5,8 @@
 
 use super::{Polynomial, terms::sum};
 use crate::trace::kernel::{
-    Approach, Batch, Cpu, End, Few, FromPlane, Lanes, LensRays, Optics, PlaneRays, Precision, Shape, Simd,
-    Start, Traced, run,
+    Approach, Available, Batch, Cpu, End, Few, FromPlane, Lanes, LensRays, Optics, PlaneRays, Precision,
+    Shape, Start, Traced, run,
 };
 
 /// A lens as polynomials that traces as a [`Kernel`](crate::trace::kernel::Kernel) does: one ray, three or many,
@@ -30,7 +30,7 @@ pub struct PolynomialLens<S> {
     /// The front surface's curvature, and the square of its clear semi-diameter, mm².
     curvature: S,
     aperture: S,
-    simd: Simd,
+    simd: Available,
 }
 
 impl<S: Precision> PolynomialLens<S> {
@@ -48,7 +48,7 @@ impl<S: Precision> PolynomialLens<S> {
             vergence: round(frame.vergence),
             curvature: round(front.curvature),
             aperture: round(front.semi_diameter.powi(2)),
-            simd: Simd::best(),
+            simd: Available::best(),
         }
     }
 
