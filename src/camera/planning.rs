@@ -103,7 +103,8 @@ pub(super) fn plan(
 ) -> (Route, Plan) {
     let mut plan = Plan::default();
     let single = setup.precision == Precision::Single;
-    if single && let Err(unfit) = f32_is_fit(lens) {
+    let unfit = if single { f32_is_fit(lens).err() } else { None };
+    if let Some(unfit) = &unfit {
         log(Level::Warning, &format!("\"precision\" \"f32\" is nothing for this lens: {unfit}"));
     }
     if setup.refraction != Refraction::Fused || !setup.leave_out {
@@ -132,11 +133,13 @@ pub(super) fn plan(
         }
         Chosen::Single => {
             plan.kept("exact trace in f32", "every surface is met", "errors of 1e-7 rad");
-            if let Err(unfit) = f32_is_fit(lens) {
-                plan.kept("every aperture test", unfit.to_string(), "no bound holds in f32");
-                Route::whole(lens, Refraction::Fused, true)
-            } else {
-                Route::Single(exact(lens, side, &mut plan))
+            match unfit {
+                Some(unfit) => {
+                    plan.kept("every aperture test", unfit.to_string(), "no bound holds in f32");
+                    Route::whole(lens, Refraction::Fused, true)
+                }
+                // Fit, if a tolerance chose it.
+                None => Route::Single(exact(lens, side, &mut plan)),
             }
         }
         Chosen::Polynomials(polynomial, single) => {

@@ -10,7 +10,7 @@ use crate::{
     optics::image_scale::ImageScale,
     trace::{
         Blocked, Direction, Path, Ray,
-        kernel::{Kernel, LensRays, PlaneRays, Precision},
+        kernel::{Columns, Kernel, LensRays, PlaneRays, Precision},
         polynomial::{Polynomial, PolynomialLens},
     },
 };
@@ -34,9 +34,6 @@ struct Rays {
     area: Vec<f64>,
 }
 
-/// What leaves the lens: origin, direction, weight.
-struct Traced<S>([Vec<S>; 7]);
-
 impl Rays {
     fn push(&mut self, [x, y]: [f64; 2], ([sx, sy], area): Drawn) {
         for (column, number) in self.columns.iter_mut().zip([x, y, sx, sy]) {
@@ -58,28 +55,13 @@ impl Rays {
         &self,
         film: f64,
         trace: impl FnOnce(&PlaneRays<'_, S>, &mut LensRays<'_, S>),
-    ) -> Traced<S> {
+    ) -> Columns<S> {
         let columns =
             self.columns.each_ref().map(|column| column.iter().map(|&x| S::from_f64(x)).collect::<Vec<S>>());
         let [x, y, slope_x, slope_y] = &columns;
-        let mut out = Traced(std::array::from_fn(|_| vec![S::ZERO; self.len()]));
-        let [ox, oy, oz, dx, dy, dz, weight] = &mut out.0;
-        trace(
-            &PlaneRays { plane: film, x, y, slope_x, slope_y },
-            &mut LensRays { origin: [ox, oy, oz], direction: [dx, dy, dz], weight },
-        );
+        let mut out = Columns::new(self.len());
+        trace(&PlaneRays { plane: film, x, y, slope_x, slope_y }, &mut out.rays());
         out
-    }
-}
-
-impl<S: Precision> Traced<S> {
-    fn passing(&self) -> usize {
-        self.0[6].iter().filter(|weight| **weight > S::ZERO).count()
-    }
-
-    fn ray(&self, i: usize) -> (Ray, f64) {
-        let [x, y, z, dx, dy, dz, weight] = self.0.each_ref().map(|column| column[i].to_f64());
-        (Ray { origin: [x, y, z], direction: [dx, dy, dz] }, weight)
     }
 }
 
@@ -88,7 +70,7 @@ pub(super) struct Judge<'a> {
     task: &'a Task<'a>,
     scale: ImageScale,
     rays: Rays,
-    exact: Traced<f64>,
+    exact: Columns<f64>,
     /// Rims other than the front's that block rays, counted from the scene.
     pub rims: Vec<usize>,
 }
@@ -102,7 +84,7 @@ impl<'a> Judge<'a> {
         let kernel = Kernel::<f64>::new(task.lens, Direction::FilmToScene);
         let mut rays = Rays::default();
         let mut seed = 0;
-        let exact = loop {
+        let (exact, passing) = loop {
             seed += 1;
             for numbers in strata::numbers(seed as u64) {
                 if let Some((point, disk)) = (task.sample)(numbers)
@@ -112,16 +94,16 @@ impl<'a> Judge<'a> {
                 }
             }
             let exact = rays.traced(task.film, |from, to| kernel.trace_batch(from, to));
-            let passing = exact.passing();
+            let passing = (0..rays.len()).filter(|&i| exact.get(i).is_some()).count();
             let hopeless = passing < ENOUGH / MOST_SEEDS;
             if passing >= ENOUGH || hopeless || seed == MOST_SEEDS {
-                break exact;
+                break (exact, passing);
             }
         };
-        if exact.passing() < ENOUGH {
-            let passing = 100.0 * exact.passing() as f64 / rays.len() as f64;
+        if passing < ENOUGH {
+            let share = 100.0 * passing as f64 / rays.len() as f64;
             return Err(format!(
-                "only {passing:.1} % of the rays that are drawn get through, too few to tell; with \"pupil\" \
+                "only {share:.1} % of the rays that are drawn get through, too few to tell; with \"pupil\" \
                  \"warped\" nearly all do"
             ));
         }
@@ -129,20 +111,22 @@ impl<'a> Judge<'a> {
         Ok(Self { task, scale, rays, exact, rims })
     }
 
-    fn errors<S: Precision>(&self, model: &Traced<S>) -> Errors {
+    fn errors<S: Precision>(&self, model: &Columns<S>) -> Errors {
         let (mut mismatches, mut light, mut wrong) = (0, 0.0, 0.0);
         let mut errors = Vec::with_capacity(self.rays.len());
         for i in 0..self.rays.len() {
-            let ((exact, weight), (other, others)) = (self.exact.ray(i), model.ray(i));
+            let (exact, other) = (self.exact.get(i), model.get(i));
+            let weight = exact.map_or(0.0, |ray| ray.weight);
+            let others = other.map_or(0.0, |ray| ray.weight.to_f64());
             light += weight * self.rays.area[i];
             wrong += (others - weight).abs() * self.rays.area[i];
-            match (weight > 0.0, others > 0.0) {
-                (true, true) => {
+            match (exact, other) {
+                (Some(exact), Some(other)) => {
                     let point = [self.rays.columns[0][i], self.rays.columns[1][i]];
-                    let error = self.scale.film_error(point, &exact, &other) / self.task.pixel;
+                    let error = self.scale.film_error(point, &exact.ray(), &other.ray()) / self.task.pixel;
                     errors.push(if error.is_nan() { f64::INFINITY } else { error });
                 }
-                (false, false) => {}
+                (None, None) => {}
                 _ => {
                     mismatches += 1;
                     errors.push(f64::INFINITY);
@@ -185,13 +169,13 @@ impl<'a> Judge<'a> {
 }
 
 /// The rims that block more of the rays than may be overlooked.
-fn blocking(task: &Task<'_>, rays: &Rays, exact: &Traced<f64>) -> Vec<usize> {
+fn blocking(task: &Task<'_>, rays: &Rays, exact: &Columns<f64>) -> Vec<usize> {
     /// Blocked rays looked at.
     const MOST: usize = 2000;
     let path = Path::<f64>::film_to_scene(task.lens);
     let last = task.lens.surfaces.len() - 1;
     let mut counts: Vec<(usize, usize)> = (0..=last).map(|surface| (0, surface)).collect();
-    let blocked = (0..rays.len()).filter(|&i| exact.0[6][i] == 0.0);
+    let blocked = (0..rays.len()).filter(|&i| exact.get(i).is_none());
     let looked_at = blocked.clone().take(MOST).count();
     for i in blocked.take(MOST) {
         let walk = path.walk(rays.ray(i, task.film));

@@ -6,7 +6,7 @@ use super::{
 };
 use crate::trace::{
     Direction, Ray, Real,
-    kernel::{Kernel, LensRays, PlaneRays, Precision, Simd, Traced},
+    kernel::{Columns, Kernel, LensRays, PlaneRays, Precision, Simd, Traced},
     polynomial::PolynomialLens,
 };
 
@@ -26,15 +26,11 @@ fn kernel<S: Precision>(subject: &Subject, simd: Simd) -> Option<Kernel<S>> {
     Kernel::with_simd(&subject.lens, Direction::FilmToScene, simd)
 }
 
-fn widen<S: Real>(traced: &Traced<S>) -> Ray {
-    Ray { origin: traced.origin.map(S::to_f64), direction: traced.direction.map(S::to_f64) }
-}
-
 /// Ray after ray.
 pub fn one<S: Precision + Real + 'static>(subject: &Subject, rays: &[Ray]) -> Prepared {
     let (kernel, plane) = (kernel::<S>(subject, Simd::best())?, subject.film_z);
     let trace = move |(point, slopes): FilmRay<S>| kernel.trace_one(plane, point, slopes);
-    Some(single(at_film(rays), trace, widen::<S>))
+    Some(single(at_film(rays), trace, Traced::ray))
 }
 
 /// Three rays at once: a ray and its two differentials.
@@ -56,7 +52,7 @@ impl<S: Precision + Real> Runner for Triples<S> {
     }
 
     fn ray(&self, index: usize) -> Option<Ray> {
-        self.out[index].as_ref().map(widen)
+        self.out[index].as_ref().map(Traced::ray)
     }
 }
 
@@ -72,7 +68,7 @@ struct Batch<S, F> {
     trace: F,
     plane: f64,
     from: [Vec<S>; 4],
-    to: [Vec<S>; 7],
+    to: Columns<S>,
 }
 
 /// Rays a call: what a camera's block has.
@@ -88,16 +84,13 @@ where
         for start in (0..count).step_by(CALL) {
             let part = start..count.min(start + CALL);
             let [x, y, slope_x, slope_y] = self.from.each_ref().map(|column| &column[part.clone()]);
-            let [ox, oy, oz, dx, dy, dz, weight] = self.to.each_mut().map(|column| &mut column[part.clone()]);
-            let mut to = LensRays { origin: [ox, oy, oz], direction: [dx, dy, dz], weight };
-            (self.trace)(&PlaneRays { plane: self.plane, x, y, slope_x, slope_y }, &mut to);
+            let from = PlaneRays { plane: self.plane, x, y, slope_x, slope_y };
+            (self.trace)(&from, &mut self.to.part(part));
         }
     }
 
     fn ray(&self, index: usize) -> Option<Ray> {
-        let [x, y, z, dx, dy, dz, weight] = self.to.each_ref().map(|column| column[index]);
-        let traced = Traced { origin: [x, y, z], direction: [dx, dy, dz], weight };
-        (weight > <S as Real>::ZERO).then(|| widen(&traced))
+        self.to.get(index).as_ref().map(Traced::ray)
     }
 }
 
@@ -109,7 +102,7 @@ fn batch<S: Precision + Real + 'static>(
     let rays = at_film::<S>(rays);
     let column = |of: &dyn Fn(&FilmRay<S>) -> S| rays.iter().map(of).collect();
     let from = [column(&|r| r.0[0]), column(&|r| r.0[1]), column(&|r| r.1[0]), column(&|r| r.1[1])];
-    let to = std::array::from_fn(|_| vec![<S as Real>::ZERO; rays.len()]);
+    let to = Columns::new(rays.len());
     Some(Box::new(Batch { trace, plane: subject.film_z, from, to }))
 }
 
@@ -121,7 +114,7 @@ fn kernels<S: Precision + Real + 'static>(subject: &Subject, rays: &[Ray], simd:
 /// Ray after ray through polynomials.
 pub fn polynomial<const ORDER: usize>(subject: &Subject, rays: &[Ray]) -> Prepared {
     let lens = PolynomialLens::<f64>::new(&fit(subject, ORDER));
-    Some(single(at_film(rays), move |(point, slopes)| lens.trace_one(point, slopes), widen))
+    Some(single(at_film(rays), move |(point, slopes)| lens.trace_one(point, slopes), Traced::ray))
 }
 
 /// Blocks through polynomials, on the processor's widest registers.

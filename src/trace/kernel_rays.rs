@@ -6,7 +6,7 @@
 
 use super::{
     Blocked, Direction, Path, Ray, Real,
-    kernel::{Kernel, LensRays, PlaneRays, Precision, Simd, Traced},
+    kernel::{Columns, Kernel, PlaneRays, Precision, Simd, Traced},
     walk::{STEEP, unit},
 };
 use crate::optics::{Lens, refraction::Refraction};
@@ -87,7 +87,7 @@ impl<S: Precision + Real> KernelRays<S> {
             let mut columns = Columns::new(starts.len());
             self.kernel.trace_batch(&from, &mut columns.rays());
             for (i, (number, _)) in starts.iter().enumerate() {
-                out[*number] = columns.ray(i);
+                out[*number] = columns.get(i).map(widen);
             }
         }
         let rest: Vec<Ray> = anywhere.iter().map(|&number| rays[number]).collect();
@@ -105,7 +105,7 @@ impl<S: Precision + Real> KernelRays<S> {
             columns.put(i, origin, direction);
         }
         self.kernel.trace_in_place(&mut columns.rays());
-        (0..rays.len()).map(|i| columns.ray(i)).collect()
+        (0..rays.len()).map(|i| columns.get(i).map(widen)).collect()
     }
 
     /// Why a ray is blocked.
@@ -156,33 +156,8 @@ fn narrow<S: Real>(pair: [f64; 2]) -> [S; 2] {
 }
 
 fn widen<S: Real>(traced: Traced<S>) -> Ray {
-    Ray { origin: traced.origin.map(S::to_f64), direction: unit(traced.direction.map(S::to_f64)) }
-}
-
-/// Rays as structure of arrays: origin, direction, weight.
-struct Columns<S>([Vec<S>; 7]);
-
-impl<S: Real> Columns<S> {
-    fn new(count: usize) -> Self {
-        Self(std::array::from_fn(|_| vec![<S as Real>::ZERO; count]))
-    }
-
-    fn put(&mut self, i: usize, origin: [f64; 3], direction: [f64; 3]) {
-        for (column, number) in self.0.iter_mut().zip(origin.into_iter().chain(direction)) {
-            column[i] = S::from_f64(number);
-        }
-    }
-
-    fn rays(&mut self) -> LensRays<'_, S> {
-        let [x, y, z, dx, dy, dz, weight] = self.0.each_mut().map(Vec::as_mut_slice);
-        LensRays { origin: [x, y, z], direction: [dx, dy, dz], weight }
-    }
-
-    fn ray(&self, i: usize) -> Option<Ray> {
-        let [x, y, z, dx, dy, dz, weight] = self.0.each_ref().map(|column| column[i]);
-        let traced = Traced { origin: [x, y, z], direction: [dx, dy, dz], weight };
-        (weight > <S as Real>::ZERO).then(|| widen(traced))
-    }
+    let Ray { origin, direction } = traced.ray();
+    Ray { origin, direction: unit(direction) }
 }
 
 #[cfg(test)]

@@ -191,8 +191,7 @@ impl<S: Scalar, const N: usize> Few<S, N> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn traced(&self, i: usize) -> Option<Traced<S>> {
-        let [x, y, z, dx, dy, dz, weight] = self.out.map(|array| array[i]);
-        (weight > S::ZERO).then_some(Traced { origin: [x, y, z], direction: [dx, dy, dz], weight })
+        Traced::of(self.out.map(|array| array[i]))
     }
 }
 

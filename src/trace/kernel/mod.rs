@@ -12,6 +12,7 @@
 
 mod batch;
 mod clearance;
+mod columns;
 mod crossing;
 mod drift;
 mod instances;
@@ -31,12 +32,13 @@ pub use simd::{Compiled, Simd};
 use self::batch::InPlace;
 pub(crate) use self::{
     batch::{Approach, Batch, Few, FromPlane, from_plane},
+    columns::Columns,
     instances::{Optics, Shape, run},
     lanes::{Cpu, Lanes, Portable, Scalar},
     march::{End, Start},
     table::Table,
 };
-use super::{Blocked, Direction, Path, Ray};
+use super::{Blocked, Direction, Path, Ray, Real};
 use crate::optics::{Lens, refraction::Refraction};
 
 /// A ray that got through a lens, in lens space.
@@ -48,6 +50,19 @@ pub struct Traced<S> {
     pub direction: [S; 3],
     /// cos⁴ of the angle between the axis and the ray before the lens; positive.
     pub weight: S,
+}
+
+impl<S: Real> Traced<S> {
+    /// Of the numbers of origin, direction and weight; `None` for the weight 0, a blocked ray's.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn of([x, y, z, dx, dy, dz, weight]: [S; 7]) -> Option<Self> {
+        (weight > S::ZERO).then_some(Self { origin: [x, y, z], direction: [dx, dy, dz], weight })
+    }
+
+    /// In double precision.
+    pub(crate) fn ray(&self) -> Ray {
+        Ray { origin: self.origin.map(S::to_f64), direction: self.direction.map(S::to_f64) }
+    }
 }
 
 /// A lens compiled for tracing rays in one direction with numbers of type `S`: `f64` or `f32`.
