@@ -5,14 +5,14 @@ use std::{
     ops::{Add, Div, Mul, Sub},
 };
 
-use super::{Cpu, Lanes, last_place, register, store_bits};
+use super::{Cpu, Lanes, register, store_bits};
 
 macro_rules! avx2 {
     ($name:ident, $scalar:ty, $register:ty, $width:literal, $set:ident, $load:ident, $store:ident,
      $load_first:ident, $store_first:ident, $first:ident,
      $add:ident, $sub:ident, $mul:ident, $div:ident, $fmadd:ident, $fmsub:ident, $fnmadd:ident,
      $sqrt:ident, $cmp:ident, $and:ident, $blend:ident, $max:ident, $min:ident, $andnot:ident, $round:ident,
-     $movemask:ident, { $($single:item)* }) => {
+     $movemask:ident, $places:ty, { $($single:item)* }) => {
         register!(
             $name,
             $scalar,
@@ -29,6 +29,7 @@ macro_rules! avx2 {
             $fmsub,
             $fnmadd,
             $register,
+            $places,
             {
                 #[inline(always)]
                 fn sqrt_pair(a: Self, b: Self) -> [Self; 2] {
@@ -150,6 +151,7 @@ avx2!(
     _mm_andnot_ps,
     _mm_round_ps,
     _mm_movemask_ps,
+    [usize; 4],
     {
         #[inline(always)]
         fn load_single(cpu: Cpu<Self>, from: &[f32]) -> Self {
@@ -168,21 +170,15 @@ avx2!(
             self.store(to);
         }
         #[inline(always)]
-        fn look_up<const K: usize, const STEP: usize>(
-            table: &[[f32; 2]],
-            at: Self,
-            further: [usize; K],
-        ) -> [[Self; 4]; K] {
+        fn places<const STEP: usize>(self, last: usize) -> Self::Places {
             // SAFETY: a vector exists only where `Cpu` did.
-            let places = unsafe { places_of_4::<STEP>(_mm_cvttps_epi32(at.0), last_place(table, further)) };
-            let (mut found, mut k) = ([[at; 4]; K], 0);
-            while k < K {
-                // SAFETY: as above, and all places have their pairs.
-                let [a, b, c, d] = unsafe { pairs_of_4(table.as_ptr().add(further[k]), &places) };
-                found[k] = [Self(a), Self(b), Self(c), Self(d)];
-                k += 1;
-            }
-            found
+            unsafe { places_of_4::<STEP>(_mm_cvttps_epi32(self.0), last) }
+        }
+        #[inline(always)]
+        unsafe fn pairs(table: *const [f32; 2], places: &Self::Places) -> [Self; 4] {
+            // SAFETY: places are those of a vector, which exists only where `Cpu` did; and the caller's promise.
+            let [a, b, c, d] = unsafe { pairs_of_4(table, places) };
+            [Self(a), Self(b), Self(c), Self(d)]
         }
     }
 );
@@ -213,6 +209,7 @@ avx2!(
     _mm256_andnot_ps,
     _mm256_round_ps,
     _mm256_movemask_ps,
+    [u32; 8],
     {
         #[inline(always)]
         fn load_single(cpu: Cpu<Self>, from: &[f32]) -> Self {
@@ -223,24 +220,15 @@ avx2!(
             self.store(to);
         }
         #[inline(always)]
-        fn look_up<const K: usize, const STEP: usize>(
-            table: &[[f32; 2]],
-            at: Self,
-            further: [usize; K],
-        ) -> [[Self; 4]; K] {
-            let mut places = [0; 8];
+        fn places<const STEP: usize>(self, last: usize) -> Self::Places {
             // SAFETY: a vector exists only where `Cpu` did.
-            unsafe {
-                store_places::<STEP>(_mm256_cvttps_epi32(at.0), last_place(table, further), &mut places)
-            };
-            let (mut found, mut k) = ([[at; 4]; K], 0);
-            while k < K {
-                // SAFETY: as above, and all places have their pairs.
-                let [a, b, c, d] = unsafe { pairs_of_8(table.as_ptr().add(further[k]), &places) };
-                found[k] = [Self(a), Self(b), Self(c), Self(d)];
-                k += 1;
-            }
-            found
+            unsafe { places_of_8::<STEP>(_mm256_cvttps_epi32(self.0), last) }
+        }
+        #[inline(always)]
+        unsafe fn pairs(table: *const [f32; 2], places: &Self::Places) -> [Self; 4] {
+            // SAFETY: places are those of a vector, which exists only where `Cpu` did; and the caller's promise.
+            let [a, b, c, d] = unsafe { pairs_of_8(table, places) };
+            [Self(a), Self(b), Self(c), Self(d)]
         }
     }
 );
@@ -271,6 +259,7 @@ avx2!(
     _mm256_andnot_pd,
     _mm256_round_pd,
     _mm256_movemask_pd,
+    [usize; 4],
     {
         #[inline(always)]
         fn load_single(_: Cpu<Self>, from: &[f32]) -> Self {
@@ -292,29 +281,23 @@ avx2!(
             F32x4(unsafe { _mm256_cvtpd_ps(self.0) }).store(to);
         }
         #[inline(always)]
-        fn look_up<const K: usize, const STEP: usize>(
-            table: &[[f32; 2]],
-            at: Self,
-            further: [usize; K],
-        ) -> [[Self; 4]; K] {
+        fn places<const STEP: usize>(self, last: usize) -> Self::Places {
             // SAFETY: a vector exists only where `Cpu` did.
-            let places =
-                unsafe { places_of_4::<STEP>(_mm256_cvttpd_epi32(at.0), last_place(table, further)) };
-            let (mut found, mut k) = ([[at; 4]; K], 0);
-            while k < K {
-                // SAFETY: as above, and all places have their pairs.
-                found[k] = unsafe {
-                    let [a, b, c, d] = pairs_of_4(table.as_ptr().add(further[k]), &places);
-                    [
-                        Self(_mm256_cvtps_pd(a)),
-                        Self(_mm256_cvtps_pd(b)),
-                        Self(_mm256_cvtps_pd(c)),
-                        Self(_mm256_cvtps_pd(d)),
-                    ]
-                };
-                k += 1;
+            unsafe { places_of_4::<STEP>(_mm256_cvttpd_epi32(self.0), last) }
+        }
+        #[inline(always)]
+        unsafe fn pairs(table: *const [f32; 2], places: &Self::Places) -> [Self; 4] {
+            // SAFETY: places are those of a vector, which exists only where `Cpu` did; and the caller's promise.
+            let [a, b, c, d] = unsafe { pairs_of_4(table, places) };
+            // SAFETY: as above.
+            unsafe {
+                [
+                    Self(_mm256_cvtps_pd(a)),
+                    Self(_mm256_cvtps_pd(b)),
+                    Self(_mm256_cvtps_pd(c)),
+                    Self(_mm256_cvtps_pd(d)),
+                ]
             }
-            found
         }
     }
 );
@@ -394,13 +377,15 @@ unsafe fn places_of_4<const STEP: usize>(places: __m128i, last: usize) -> [usize
 /// # Safety
 /// The processor has AVX2.
 #[inline(always)]
-pub(super) unsafe fn store_places<const STEP: usize>(places: __m256i, last: usize, to: &mut [u32; 8]) {
+pub(super) unsafe fn places_of_8<const STEP: usize>(places: __m256i, last: usize) -> [u32; 8] {
+    let mut stored = [0; 8];
     // SAFETY: the instructions are there, and the room.
     unsafe {
         let places = if STEP == 2 { _mm256_add_epi32(places, places) } else { places };
         let places = _mm256_min_epu32(places, _mm256_set1_epi32(last as i32));
-        _mm256_storeu_si256(to.as_mut_ptr().cast(), places);
+        _mm256_storeu_si256(stored.as_mut_ptr().cast(), places);
     }
+    stored
 }
 
 /// Two pairs at one of eight places. The place is loaded from where it is stored: what the compiler would make of it

@@ -13,8 +13,8 @@ use std::{
 
 use super::{
     Cpu, Lanes,
-    avx2::{F32x8, pairs_of_8, store_places},
-    last_place, register,
+    avx2::{F32x8, pairs_of_8, places_of_8},
+    register,
 };
 
 macro_rules! avx512 {
@@ -22,7 +22,7 @@ macro_rules! avx512 {
      $load_first:ident, $store_first:ident,
      $add:ident, $sub:ident, $mul:ident, $div:ident, $fmadd:ident, $fmsub:ident, $fnmadd:ident,
      $sqrt:ident, $cmp:ident, $blend:ident, $move:ident, $second:ident, $max:ident, $min:ident, $abs:ident,
-     $round:ident, { $($single:item)* }) => {
+     $round:ident, $places:ty, { $($single:item)* }) => {
         register!(
             $name,
             $scalar,
@@ -39,6 +39,7 @@ macro_rules! avx512 {
             $fmsub,
             $fnmadd,
             $mask,
+            $places,
             {
                 #[inline(always)]
                 fn sqrt_pair(a: Self, b: Self) -> [Self; 2] {
@@ -152,6 +153,7 @@ avx512!(
     _mm512_min_ps,
     _mm512_abs_ps,
     _mm512_roundscale_ps,
+    [[u32; 8]; 2],
     {
         #[inline(always)]
         fn load_single(cpu: Cpu<Self>, from: &[f32]) -> Self {
@@ -168,30 +170,22 @@ avx512!(
             unsafe { _mm512_mask_storeu_ps(to.as_mut_ptr(), mask & room, self.0) };
         }
         #[inline(always)]
-        fn look_up<const K: usize, const STEP: usize>(
-            table: &[[f32; 2]],
-            at: Self,
-            further: [usize; K],
-        ) -> [[Self; 4]; K] {
-            let (last, mut places) = (last_place(table, further), [[0; 8]; 2]);
+        fn places<const STEP: usize>(self, last: usize) -> Self::Places {
             // SAFETY: a vector exists only where `Cpu` did; what has AVX-512 has AVX2.
             unsafe {
-                let all = _mm512_cvttps_epi32(at.0);
-                store_places::<STEP>(_mm512_castsi512_si256(all), last, &mut places[0]);
-                store_places::<STEP>(_mm512_extracti64x4_epi64::<1>(all), last, &mut places[1]);
+                let all = _mm512_cvttps_epi32(self.0);
+                let [low, high] = [_mm512_castsi512_si256(all), _mm512_extracti64x4_epi64::<1>(all)];
+                [places_of_8::<STEP>(low, last), places_of_8::<STEP>(high, last)]
             }
-            let (mut found, mut k) = ([[at; 4]; K], 0);
-            while k < K {
-                // SAFETY: as above, and all places have their pairs.
-                found[k] = unsafe {
-                    let from = table.as_ptr().add(further[k]);
-                    let ([a, b, c, d], [e, f, g, h]) =
-                        (pairs_of_8(from, &places[0]), pairs_of_8(from, &places[1]));
-                    [Self(joined(a, e)), Self(joined(b, f)), Self(joined(c, g)), Self(joined(d, h))]
-                };
-                k += 1;
+        }
+        #[inline(always)]
+        unsafe fn pairs(table: *const [f32; 2], places: &Self::Places) -> [Self; 4] {
+            // SAFETY: places are those of a vector, which exists only where `Cpu` did; and the caller's promise.
+            unsafe {
+                let ([a, b, c, d], [e, f, g, h]) =
+                    (pairs_of_8(table, &places[0]), pairs_of_8(table, &places[1]));
+                [Self(joined(a, e)), Self(joined(b, f)), Self(joined(c, g)), Self(joined(d, h))]
             }
-            found
         }
     }
 );
@@ -222,6 +216,7 @@ avx512!(
     _mm512_min_pd,
     _mm512_abs_pd,
     _mm512_roundscale_pd,
+    [u32; 8],
     {
         #[inline(always)]
         fn load_single(_: Cpu<Self>, from: &[f32]) -> Self {
@@ -245,29 +240,23 @@ avx512!(
             }
         }
         #[inline(always)]
-        fn look_up<const K: usize, const STEP: usize>(
-            table: &[[f32; 2]],
-            at: Self,
-            further: [usize; K],
-        ) -> [[Self; 4]; K] {
-            let (last, mut places) = (last_place(table, further), [0; 8]);
+        fn places<const STEP: usize>(self, last: usize) -> Self::Places {
             // SAFETY: a vector exists only where `Cpu` did; what has AVX-512 has AVX2.
-            unsafe { store_places::<STEP>(_mm512_cvttpd_epi32(at.0), last, &mut places) };
-            let (mut found, mut k) = ([[at; 4]; K], 0);
-            while k < K {
-                // SAFETY: as above, and all places have their pairs.
-                found[k] = unsafe {
-                    let [a, b, c, d] = pairs_of_8(table.as_ptr().add(further[k]), &places);
-                    [
-                        Self(_mm512_cvtps_pd(a)),
-                        Self(_mm512_cvtps_pd(b)),
-                        Self(_mm512_cvtps_pd(c)),
-                        Self(_mm512_cvtps_pd(d)),
-                    ]
-                };
-                k += 1;
+            unsafe { places_of_8::<STEP>(_mm512_cvttpd_epi32(self.0), last) }
+        }
+        #[inline(always)]
+        unsafe fn pairs(table: *const [f32; 2], places: &Self::Places) -> [Self; 4] {
+            // SAFETY: places are those of a vector, which exists only where `Cpu` did; and the caller's promise.
+            let [a, b, c, d] = unsafe { pairs_of_8(table, places) };
+            // SAFETY: as above.
+            unsafe {
+                [
+                    Self(_mm512_cvtps_pd(a)),
+                    Self(_mm512_cvtps_pd(b)),
+                    Self(_mm512_cvtps_pd(c)),
+                    Self(_mm512_cvtps_pd(d)),
+                ]
             }
-            found
         }
     }
 );

@@ -59,6 +59,8 @@ pub trait Lanes:
     type Scalar: Scalar;
     /// A truth value for each lane.
     type Mask: Copy;
+    /// A place in a table for each lane.
+    type Places;
     /// How many lanes.
     const WIDTH: usize;
 
@@ -125,11 +127,29 @@ pub trait Lanes:
     ///
     /// # Panics
     /// The table has not so many pairs that there is one for `at` = 0.
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn look_up<const K: usize, const STEP: usize>(
         table: &[[f32; 2]],
         at: Self,
         further: [usize; K],
-    ) -> [[Self; 4]; K];
+    ) -> [[Self; 4]; K] {
+        let places = at.places::<STEP>(last_place(table, further));
+        let (mut found, mut k) = ([[at; 4]; K], 0);
+        while k < K {
+            // SAFETY: up to the last place, and `further` on, the table has two pairs.
+            found[k] = unsafe { Self::pairs(table.as_ptr().add(further[k]), &places) };
+            k += 1;
+        }
+        found
+    }
+    /// `STEP` (1 or 2) times the whole parts, or `last` where that is less; of what has no whole part up to 2^31, any place
+    /// up to `last`.
+    fn places<const STEP: usize>(self, last: usize) -> Self::Places;
+    /// Two pairs of a table at each place: as vectors of their numbers.
+    ///
+    /// # Safety
+    /// There are two pairs from each place on.
+    unsafe fn pairs(table: *const [f32; 2], places: &Self::Places) -> [Self; 4];
 
     /// Whether the mask is true in every lane.
     #[inline(always)]
@@ -167,7 +187,7 @@ fn store_bits(lanes: &[f32], mut bits: u32, to: &mut [f32]) {
 macro_rules! register {
     ($name:ident, $scalar:ty, $register:ty, $width:literal, $set:ident, $load:ident, $store:ident,
      $add:ident, $sub:ident, $mul:ident, $div:ident, $fmadd:ident, $fmsub:ident, $fnmadd:ident,
-     $mask:ty, { $($rest:item)* }) => {
+     $mask:ty, $places:ty, { $($rest:item)* }) => {
         #[doc = concat!(stringify!($width), " lanes of ", stringify!($scalar), " in one register.")]
         #[derive(Clone, Copy)]
         #[repr(transparent)]
@@ -181,6 +201,7 @@ macro_rules! register {
         impl Lanes for $name {
             type Scalar = $scalar;
             type Mask = $mask;
+            type Places = $places;
             const WIDTH: usize = $width;
 
             #[inline(always)]

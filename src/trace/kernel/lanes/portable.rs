@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Div, Mul, Sub};
 
-use super::{Cpu, Lanes, Scalar, last_place, store_bits};
+use super::{Cpu, Lanes, Scalar, store_bits};
 
 /// `N` lanes in an array.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,6 +39,7 @@ operators!(Add add +, Sub sub -, Mul mul *, Div div /);
 impl<S: Scalar, const N: usize> Lanes for Portable<S, N> {
     type Scalar = S;
     type Mask = [bool; N];
+    type Places = [usize; N];
     const WIDTH: usize = N;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -144,28 +145,19 @@ impl<S: Scalar, const N: usize> Lanes for Portable<S, N> {
         store_bits(&single, Self::bits(mask), to);
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn look_up<const K: usize, const STEP: usize>(
-        table: &[[f32; 2]],
-        at: Self,
-        further: [usize; K],
-    ) -> [[Self; 4]; K] {
-        let last = last_place(table, further);
-        let mut numbers = [[at; 4]; K];
-        let mut i = 0;
+    fn places<const STEP: usize>(self, last: usize) -> Self::Places {
+        lanes!([0; N], i => (STEP * self.0[i].index()).min(last))
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    unsafe fn pairs(table: *const [f32; 2], places: &Self::Places) -> [Self; 4] {
+        let (mut numbers, mut i) = ([Self([S::ZERO; N]); 4], 0);
         while i < N {
-            let first = (STEP * at.0[i].index()).min(last);
-            let mut k = 0;
-            while k < K {
-                // SAFETY: no place beyond the last whose pairs there are.
-                let [[a, b], [c, d]] = unsafe {
-                    [*table.get_unchecked(first + further[k]), *table.get_unchecked(first + further[k] + 1)]
-                };
-                numbers[k][0].0[i] = S::from_f64(a.into());
-                numbers[k][1].0[i] = S::from_f64(b.into());
-                numbers[k][2].0[i] = S::from_f64(c.into());
-                numbers[k][3].0[i] = S::from_f64(d.into());
-                k += 1;
-            }
+            // SAFETY: the caller's promise.
+            let [[a, b], [c, d]] = unsafe { table.add(places[i]).cast::<[[f32; 2]; 2]>().read() };
+            numbers[0].0[i] = S::from_f64(a.into());
+            numbers[1].0[i] = S::from_f64(b.into());
+            numbers[2].0[i] = S::from_f64(c.into());
+            numbers[3].0[i] = S::from_f64(d.into());
             i += 1;
         }
         numbers
