@@ -151,8 +151,5 @@ fn polynomial<const ORDER: usize>(
     pupil: Pupil,
 ) -> Result<Shoot, CameraError> {
     let model = PolynomialLens::<f64>::new(&fit(subject, ORDER));
-    Ok(modelled(raster, pupil, move |point, slopes| {
-        let Traced { origin, direction, .. } = model.trace_one(point, slopes)?;
-        Some(Ray { origin, direction })
-    }))
+    Ok(modelled(raster, pupil, move |point, slopes| model.trace_one(point, slopes).as_ref().map(Traced::ray)))
 }
