@@ -9,7 +9,6 @@ const SOURCES: [&str; 4] = ["camera.cpp", "find_new.cpp", "find_old.cpp", "host.
 const HEADERS: [&str; 3] = ["find.hpp", "layout.hpp", "shim.h"];
 
 fn main() {
-    say_what_compiles();
     println!("cargo::rustc-check-cfg=cfg(realistic_shim)");
     println!("cargo::rerun-if-env-changed=REALISTIC_NO_SHIM");
     for file in SOURCES.iter().chain(&HEADERS) {
@@ -37,19 +36,4 @@ fn main() {
             std::process::exit(1);
         }
     }
-}
-
-/// For reports: the compiler and what it was told.
-fn say_what_compiles() {
-    let value = |key: &str| env::var(key).unwrap_or_default();
-    let version = std::process::Command::new(value("RUSTC")).arg("--version").output();
-    let version =
-        version.map(|said| String::from_utf8_lossy(&said.stdout).trim().to_owned()).unwrap_or_default();
-    println!("cargo::rustc-env=REALISTIC_RUSTC={version}");
-    println!(
-        "cargo::rustc-env=REALISTIC_RUSTFLAGS={}",
-        value("CARGO_ENCODED_RUSTFLAGS").replace('\x1f', " ")
-    );
-    println!("cargo::rustc-env=REALISTIC_OPT_LEVEL={}", value("OPT_LEVEL"));
-    println!("cargo::rustc-env=REALISTIC_TARGET={}", value("TARGET"));
 }

@@ -12,18 +12,18 @@ use std::{hint::black_box, time::Instant};
 
 use contest::Contest;
 use realistic::{
-    camera::{
-        BLOCK, Host, Parameters, PupilDisk, Raster, RayBlock, RealisticCamera, Sample, SampleBlock,
-        ray_set::passing_rays,
-    },
-    optics::{Lens, focus::Focus},
+    camera::{BLOCK, Host, Parameters, Raster, RayBlock, RealisticCamera, Sample, SampleBlock},
+    imaging::focus::Focus,
+    lens::Lens,
     prescription::catalogue,
+    sampling::PupilDisk,
     trace::{
         Direction, Path,
         kernel::{Kernel, LensRays, PlaneRays, Precision},
         polynomial::{Polynomial, PolynomialLens},
     },
 };
+use realistic_lab::ray_set::passing_rays;
 
 /// The lenses of the assignment.
 const LENSES: [&str; 4] = ["dgauss.50mm", "wide.22mm", "telephoto.250mm", "fisheye.10mm"];

@@ -1,13 +1,13 @@
 //! How well the warped pupil fits, and what it costs to build and to draw from, for the catalogue's lenses
 //! and stops: `cargo bench --bench pupil`. Times are medians and minima of several runs.
 
-#[path = "../tests/pupil_fit/mod.rs"]
+#[path = "../tests/truth/pupil_fit/mod.rs"]
 mod pupil_fit;
 
 use std::{hint::black_box, time::Instant};
 
 use pupil_fit::{Case, LENSES, REACH, STOPS};
-use realistic::camera::WarpedPupil;
+use realistic::sampling::WarpedPupil;
 
 const CORNER: f64 = 17.5;
 

@@ -7,24 +7,25 @@
 //! | module | what it does |
 //! |---|---|
 //! | [`prescription`] | lens files to tables of interfaces and glasses; the built-in catalogue |
-//! | [`optics`] | a lens at one wavelength and stop; thick lens, pupils, focus, depth of field |
+//! | [`lens`] | a lens at one wavelength and stop: surfaces, refraction, thick lens and pupils |
 //! | [`trace`] | exact rays through the lens, with the reason where one stops |
+//! | [`imaging`] | what tracing tells about a lens: focus, depth of field, field, image scale |
+//! | [`sampling`] | where rays start: disk mappings, the pupil disk, the warped pupil |
 //! | [`plan`] | what a camera needs of all that, proven or measured; models within a tolerance |
-//! | [`camera`] | film, lens samples, weights, transforms: a sample in, a ray out |
-//! | `report` | errors against run time and stability (feature `report`) |
+//! | [`camera`] | film, weights, transforms: a sample in, a ray out |
 //! | [`abi`] | the C ABI and the entry of a pbrt-v1 host: the only exports, the only raw pointers |
 //!
 //! Lens space is camera space: origin at the vertex of the first interface, +z toward the scene, +x image
 //! right, +y image up, millimetres.
-#![deny(missing_docs)]
 
 pub mod abi;
 pub mod camera;
+pub mod imaging;
+pub mod lens;
 mod message;
-mod numeric;
-pub mod optics;
+#[doc(hidden)]
+pub mod numeric;
 pub mod plan;
 pub mod prescription;
-#[cfg(feature = "report")]
-pub mod report;
+pub mod sampling;
 pub mod trace;

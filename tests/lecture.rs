@@ -23,7 +23,7 @@ fn every_file_and_every_test_in_the_table_exists() {
         assert!(root.join("docs").join(link).exists(), "{link} is dead");
     }
     let mut code = String::new();
-    ["src", "tests"].iter().for_each(|directory| sources(&root.join(directory), &mut code));
+    ["src", "tests", "cli", "lab"].iter().for_each(|directory| sources(&root.join(directory), &mut code));
     let rows = text.lines().filter(|line| line.starts_with("| ") && line.ends_with('|'));
     let mut tests = 0;
     for cell in rows.filter_map(|row| row.trim_end_matches('|').rsplit('|').next()) {

@@ -13,7 +13,7 @@ use std::hint::black_box;
 
 use contest::Contest;
 use realistic::{
-    optics::refraction::Refraction,
+    lens::refraction::Refraction,
     trace::{
         Direction, Path, Ray,
         kernel::{Kernel, LensRays, PlaneRays, Precision, Simd},

@@ -1,7 +1,7 @@
 //! Lenses, and film rays that mostly get through them.
 
 use realistic::{
-    optics::{Lens, Surface, pupil::ExitPupil},
+    lens::{Lens, Surface, pupil::ExitPupil},
     prescription::catalogue,
     trace::{Ray, Real},
 };

@@ -1,8 +1,11 @@
 //! Any bytes are a lens that can be traced, or an error at a place in them.
 
-use realistic::optics::{Lens, first_order::FirstOrder, focus::Focus};
 use realistic::prescription::{Shape, read};
 use realistic::trace::{Path, Ray};
+use realistic::{
+    imaging::focus::Focus,
+    lens::{Lens, first_order::FirstOrder},
+};
 
 /// Panics where the reader breaks its word. True where the bytes are a lens.
 pub fn run(data: &[u8]) -> bool {

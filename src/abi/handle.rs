@@ -8,7 +8,7 @@ use super::boundary::{Failure, realistic_status};
 use super::triples;
 use super::types::{realistic_ray, realistic_reason, realistic_sample};
 use crate::camera::{Camera, CameraError, Host, Level, Outcome, Parameters, Sample, WorldRay};
-use crate::optics::focus::FocusError;
+use crate::imaging::focus::FocusError;
 use crate::trace::Blocked;
 
 /// A built camera. Immutable.

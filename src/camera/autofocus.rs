@@ -11,8 +11,8 @@ use super::{
     CameraError, Host, Level, Outcome, ParameterError, Parameters, Raster, RealisticCamera, Sample, WorldRay,
 };
 use crate::{
+    imaging::focus::{Focus, FocusError},
     numeric::minimum,
-    optics::focus::{Focus, FocusError},
 };
 
 /// A rectangle of the picture, in pixels; (0, 0) is the picture's top left corner.

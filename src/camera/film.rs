@@ -51,7 +51,7 @@ impl Film {
     }
 
     /// The raster coordinates of the axis.
-    pub(super) fn middle(&self) -> [f64; 2] {
+    pub(crate) fn middle(&self) -> [f64; 2] {
         [self.raster.xres, self.raster.yres].map(|resolution| f64::from(resolution) / 2.0)
     }
 

@@ -2,17 +2,16 @@
 
 use super::{
     CameraError, ParameterError, Parameters,
-    check::{out_of_range, positive},
+    parameters::check::{out_of_range, positive},
 };
-use crate::optics::{
-    Lens, LensError,
-    first_order::FirstOrder,
-    focus::{Focus, FocusError},
+use crate::{
+    imaging::focus::{Focus, FocusError},
+    lens::{Lens, LensError, first_order::FirstOrder},
 };
 
 /// Which optics puts the film where the lens is to be focused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Focusing {
+pub(crate) enum Focusing {
     /// Exact rays.
     Exact,
     /// First-order optics.
@@ -20,7 +19,7 @@ pub(super) enum Focusing {
 }
 
 /// Film distance and distance in focus, both mm.
-pub(super) fn place_film(
+pub(crate) fn place_film(
     given: &Parameters,
     lens: &Lens,
     mm_per_unit: f64,

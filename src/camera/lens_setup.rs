@@ -2,15 +2,15 @@
 
 use super::{
     CameraError, Level, ParameterError,
-    check::{out_of_range, positive},
+    parameters::check::{out_of_range, positive},
 };
 use crate::{
-    message::short,
-    optics::{
+    lens::{
         Lens, LensError,
         first_order::FirstOrder,
         pupil::{EntrancePupil, limiting_surface},
     },
+    message::short,
     prescription::{
         LensSource, Prescription, SearchPath,
         glass::{D_LINE, VALID_WAVELENGTHS},
@@ -50,7 +50,7 @@ pub fn open_lens(
 }
 
 /// A prescription at a wavelength and stop.
-pub(super) fn set_up_lens(
+pub(crate) fn set_up_lens(
     prescription: &Prescription,
     setup: LensSetup,
     log: &mut dyn FnMut(Level, &str),

@@ -3,9 +3,9 @@
 use super::{
     BLOCK, CameraError, EnvironmentCamera, Film, Host, IdealCamera, Level, Outcome, Parameters,
     ProjectiveCamera, RayArrays, RayBlock, RealisticCamera, Sample, SampleArrays, Shutter, Three, WorldRay,
-    check::choice, placement::Placement, textbook,
+    models::textbook, parameters::check::choice, placement::Placement,
 };
-use crate::{optics::Lens, plan::Plan, trace::Blocked};
+use crate::{lens::Lens, plan::Plan, trace::Blocked};
 
 /// What a camera is a model of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -352,8 +352,8 @@ fn warn_of_unused(model: Model, shutter: Shutter, given: &Parameters, log: &mut 
 
 #[cfg(test)]
 mod tests {
-    use super::super::Raster;
     use super::*;
+    use crate::camera::Raster;
 
     #[test]
     fn what_is_no_image_point_makes_no_ray_of_any_model() {

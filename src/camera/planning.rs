@@ -1,15 +1,11 @@
 //! A camera's plan: what its film, pupil and place do not need, and the tracer that is left.
 
 use super::{
-    CameraMotion, DiskMapping, Film, Level,
-    choices::Precision,
-    drawing::Sampler,
-    placement::Placement,
-    setup::Setup,
-    shortened::{Shortened, Way},
+    CameraMotion, Film, Level, parameters::choices::Precision, pipeline::film_rays::Sampler,
+    placement::Placement, setup::Setup,
 };
 use crate::{
-    optics::{Lens, refraction::Refraction, single_precision::f32_is_fit},
+    lens::{Lens, refraction::Refraction, single_precision::f32_is_fit},
     plan::{
         Choice, Plan,
         apertures::{Apertures, Band},
@@ -21,12 +17,16 @@ use crate::{
         polynomial::{Polynomial, PolynomialLens},
     },
 };
+use crate::{
+    plan::shortened::{Shortened, Way},
+    sampling::DiskMapping,
+};
 
 /// Rings of the film that a disk's proof is cut into.
 const RINGS: u32 = 4;
 
 /// Where rays begin and how they are drawn.
-pub(super) struct FilmSide<'a> {
+pub(crate) struct FilmSide<'a> {
     pub film: &'a Film,
     pub film_z: f64,
     pub sampler: &'a Sampler,
@@ -70,7 +70,7 @@ impl FilmSide<'_> {
 }
 
 /// How rays are taken through the lens.
-pub(super) enum Route {
+pub(crate) enum Route {
     /// In double precision.
     Double(Shortened<f64>),
     /// In single precision.
@@ -95,7 +95,7 @@ impl Route {
 }
 
 /// Makes the plan of a set-up, and the route through its lens.
-pub(super) fn plan(
+pub(crate) fn plan(
     setup: &Setup,
     lens: &Lens,
     side: &FilmSide<'_>,
@@ -223,7 +223,7 @@ fn exact<S: kernel::Precision>(lens: &Lens, side: &FilmSide<'_>, plan: &mut Plan
 }
 
 /// Decisions about how lens samples are drawn and what is made only when asked for.
-pub(super) fn describe_drawing(plan: &mut Plan, side: &FilmSide<'_>, mapping: DiskMapping, wavelength: f64) {
+pub(crate) fn describe_drawing(plan: &mut Plan, side: &FilmSide<'_>, mapping: DiskMapping, wavelength: f64) {
     let reach = side.film.reach();
     match side.sampler {
         Sampler::Warped(pupil) => {
@@ -268,7 +268,7 @@ pub(super) fn describe_drawing(plan: &mut Plan, side: &FilmSide<'_>, mapping: Di
 
 impl Placement {
     /// Decisions about time and the place in the world.
-    pub(super) fn describe(&self, plan: &mut Plan) {
+    pub(crate) fn describe(&self, plan: &mut Plan) {
         let [open, close] = self.shutter;
         if open == close {
             plan.left_out(

@@ -1,16 +1,19 @@
 //! From parameters to a checked set-up: the lens, the film in its place, and what the camera is to be.
 
 use super::{
-    CameraError, DEFAULT_INTERVAL, DiskMapping, Film, Host, IdealCamera, Level, ParameterError, Parameters,
-    Raster, RealisticCamera,
-    check::{choice, interval, out_of_range, positive},
-    choices::{Precision, PupilChoice, Weighting},
+    CameraError, DEFAULT_INTERVAL, Film, Host, IdealCamera, Level, ParameterError, Parameters, Raster,
+    RealisticCamera,
     focusing::{Focusing, place_film},
     lens_setup::{LensSetup, open_lens, set_up_lens},
+    parameters::{
+        check::{choice, interval, out_of_range, positive},
+        choices::{Precision, PupilChoice, Weighting},
+    },
     placement::Placement,
 };
+use crate::sampling::DiskMapping;
 use crate::{
-    optics::{Lens, refraction::Refraction},
+    lens::{Lens, refraction::Refraction},
     prescription::{SourceError, catalogue, read},
 };
 
@@ -19,7 +22,7 @@ const MM_PER_UNIT: std::ops::RangeInclusive<f64> = 1e-15..=1e30;
 
 /// Everything that a camera is made of.
 #[derive(Clone, Debug)]
-pub(super) struct Setup {
+pub(crate) struct Setup {
     pub lens: Lens,
     pub film: Film,
     pub film_distance: f64,
@@ -119,7 +122,7 @@ impl Setup {
 }
 
 /// The camera's place, clip range and shutter interval.
-pub(super) fn placement(given: &Parameters, host: &Host) -> Result<Placement, CameraError> {
+pub(crate) fn placement(given: &Parameters, host: &Host) -> Result<Placement, CameraError> {
     let [open, close] = DEFAULT_INTERVAL;
     let clip = interval(("hither", given.hither, 1e-3), ("yon", given.yon, 1e30), Some(0.0), true)?;
     let shutter = interval(
@@ -137,7 +140,7 @@ pub(super) fn placement(given: &Parameters, host: &Host) -> Result<Placement, Ca
 }
 
 /// How lens numbers map to the disk, for a host that may not be able to draw again.
-pub(super) fn disk_mapping(given: &Parameters, host: &Host) -> Result<DiskMapping, CameraError> {
+pub(crate) fn disk_mapping(given: &Parameters, host: &Host) -> Result<DiskMapping, CameraError> {
     let mapping = choice("disk", given.disk.as_deref(), &DiskMapping::NAMES)?;
     if mapping == DiskMapping::Rejection && !host.can_redraw {
         return Err(ParameterError::Range {

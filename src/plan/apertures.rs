@@ -8,7 +8,7 @@
 
 use super::affine::Affine;
 use crate::{
-    optics::{Lens, refraction::Refraction},
+    lens::{Lens, refraction::Refraction},
     trace::{Direction, Path, Real, Visit},
 };
 
@@ -250,9 +250,9 @@ fn limiting(lens: &Lens, film: f64, bands: &[Band]) -> Vec<bool> {
 mod tests {
     use super::*;
     use crate::{
-        camera::{PupilDisk, WarpedPupil},
-        optics::focus::Focus,
+        imaging::focus::Focus,
         prescription::{catalogue, read},
+        sampling::{PupilDisk, WarpedPupil},
     };
 
     const REACH: f64 = 15.0;

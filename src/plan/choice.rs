@@ -2,7 +2,7 @@
 //!
 //! Candidates are tried from the cheapest on. Each is judged by rays all over the film and its pupil as the
 //! camera draws them, against the exact trace in double precision: by the distance on the film by which a ray
-//! is off ([`film_error`](crate::optics::image_scale::ImageScale::film_error)), where a ray that one of the two
+//! is off ([`film_error`](crate::imaging::image_scale::ImageScale::film_error)), where a ray that one of the two
 //! blocks and the other lets through counts as infinitely far off. What is held below the tolerance is an upper
 //! bound of the 99.9 % quantile (by order statistics), and the sum of the weights' errors may be no more than a
 //! thousandth of the light.
@@ -15,8 +15,8 @@ use super::{
     quantile::QUANTILE,
 };
 use crate::{
+    lens::{Lens, single_precision::f32_is_fit},
     message::short,
-    optics::{Lens, single_precision::f32_is_fit},
     trace::polynomial::{ORDERS, Polynomial, monomials},
 };
 

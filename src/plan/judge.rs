@@ -6,8 +6,8 @@ use super::{
     strata,
 };
 use crate::{
+    imaging::image_scale::ImageScale,
     numeric::quasirandom::STEPS,
-    optics::image_scale::ImageScale,
     trace::{
         Blocked, Direction, Path, Ray,
         kernel::{Columns, Kernel, LensRays, PlaneRays, Precision},

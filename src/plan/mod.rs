@@ -11,6 +11,7 @@ pub mod choice;
 mod cost;
 mod judge;
 mod quantile;
+pub(crate) mod shortened;
 mod strata;
 
 use std::fmt;

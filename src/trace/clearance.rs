@@ -31,7 +31,7 @@ impl Path<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{optics::Lens, prescription::catalogue};
+    use crate::{lens::Lens, prescription::catalogue};
 
     #[test]
     fn a_ray_gets_through_exactly_where_no_ratio_exceeds_1() {

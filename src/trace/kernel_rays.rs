@@ -9,7 +9,7 @@ use super::{
     kernel::{Columns, Kernel, PlaneRays, Precision, Simd, Traced},
     walk::{STEEP, unit},
 };
-use crate::optics::{Lens, refraction::Refraction};
+use crate::lens::{Lens, refraction::Refraction};
 
 /// A lens compiled for rays given one a struct.
 #[derive(Clone, Debug)]

@@ -18,8 +18,8 @@ pub use clearance::Clearance;
 pub use kernel_rays::KernelRays;
 pub use path::{Direction, Path};
 pub(crate) use visit::Visit;
-#[cfg(feature = "report")]
-pub(crate) use walk::in_range;
-pub use walk::{Blocked, Ray, Walk};
+#[doc(hidden)]
+pub use walk::in_range;
+pub use walk::{Blocked, Walk};
 
-pub use crate::numeric::Real;
+pub use crate::{lens::Ray, numeric::Real};

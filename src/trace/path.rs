@@ -1,7 +1,7 @@
 //! A lens made ready for tracing in one direction.
 
 use super::Real;
-use crate::optics::{Lens, Surface, refraction::Refraction};
+use crate::lens::{Lens, Surface, refraction::Refraction};
 
 /// Which way rays travel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -10,17 +10,10 @@
 
 use thiserror::Error;
 
-use super::{Direction, Path, Real, path::Step};
-use crate::optics::refraction::{self, Refraction};
+use crate::lens::Ray;
 
-/// A ray in lens space.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ray {
-    /// A point on it, mm.
-    pub origin: [f64; 3],
-    /// Its direction; any length but 0 where it enters a walk, 1 where it leaves one.
-    pub direction: [f64; 3],
-}
+use super::{Direction, Path, Real, path::Step};
+use crate::lens::refraction::{self, Refraction};
 
 /// Why a ray does not get through.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Error)]
@@ -309,7 +302,7 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 }
 
 /// A vector times a power of two that keeps its products with lengths from over- and underflow.
-pub(crate) fn in_range(v: [f64; 3]) -> [f64; 3] {
+pub fn in_range(v: [f64; 3]) -> [f64; 3] {
     const FAR_OUT: f64 = f64::from_bits((1023 + 400) << 52);
     const BACK: f64 = f64::from_bits((1023 + 600) << 52);
     let largest = v.iter().fold(0.0_f64, |most, x| most.max(x.abs()));

@@ -1,7 +1,7 @@
 //! What must hold for the rows of either format, and what they are once their neighbours are known.
 
-use super::super::LensFileError;
 use super::{Interface, Medium, RawInterface, Row, Rows, Shape};
+use crate::prescription::LensFileError;
 
 /// `rows` and `raw` run in step, scene side first.
 pub(super) fn check(

@@ -1,7 +1,7 @@
 //! A row of the assignment's and pbrt's table: radius, thickness, index, clear diameter.
 
-use super::super::LensFileError;
 use super::{Glasses, Medium, RawInterface, Row, Rows, index, is_stop_word, radius};
+use crate::prescription::LensFileError;
 
 const COLUMNS: &str = "a row has four values: radius, thickness, refractive index, clear diameter";
 

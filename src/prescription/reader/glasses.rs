@@ -2,12 +2,12 @@
 //! order, C in µm². Each constant bears its name, so that a data sheet's order cannot be mistaken. A row of the
 //! table then has the name where others have the refractive index.
 
-use super::super::{
+use super::{Medium, Row, Rows, Word};
+use crate::message::short;
+use crate::prescription::{
     LensFileError, Sellmeier,
     glass::{C_LINE, D_LINE, F_LINE, VALID_WAVELENGTHS, refractive_index},
 };
-use super::{Medium, Row, Rows, Word};
-use crate::message::short;
 
 const FORM: &str = "a glass is defined by: glass NAME sellmeier B1=… C1=… B2=… C2=… B3=… C3=… (C in µm²)";
 
@@ -117,8 +117,8 @@ fn is_name(text: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Prescription, read};
     use super::*;
+    use crate::prescription::reader::{Prescription, read};
 
     const BK7: &str = "glass N-BK7 sellmeier B1=1.03961212 B2=0.231792344 B3=1.01046945 \
                        C1=0.00600069867 C2=0.0200179144 C3=103.560653\n";

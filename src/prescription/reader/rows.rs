@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::super::LensFileError;
+use crate::prescription::LensFileError;
 
 /// One value of the table.
 #[derive(Clone, Debug)]

@@ -2,8 +2,8 @@
 //! radius, thickness, n_d, V-number, clear diameter, with the values left out that air and the
 //! stop do not have.
 
-use super::super::LensFileError;
 use super::{Glasses, Medium, RawInterface, Row, Rows, Word, index, is_stop_word, radius};
+use crate::prescription::LensFileError;
 
 const COLUMNS: &str = "a five-column table has rows of five values (glass: radius, thickness, n_d, V-number, \
      clear diameter), three (air: radius, thickness, diameter) or two (the stop: thickness, diameter)";

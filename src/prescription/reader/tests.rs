@@ -1,7 +1,7 @@
 //! Every accepted spelling and every refusal, the latter as its user would read it.
 
-use super::super::catalogue;
 use super::*;
+use crate::prescription::catalogue;
 
 const SINGLET: &str = "20 5 1.5 10\n-20 30 1 10\n";
 

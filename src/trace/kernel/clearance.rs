@@ -168,7 +168,7 @@ impl<L: Lanes<Scalar = f64>> Probe<L> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{optics::Lens, prescription::catalogue};
+    use crate::{lens::Lens, prescription::catalogue};
 
     #[test]
     fn every_instance_and_every_packet_gives_the_same_bits() {

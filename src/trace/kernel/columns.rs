@@ -6,15 +6,23 @@ use super::{LensRays, Traced};
 use crate::trace::Real;
 
 /// Room for rays as structure of arrays: x, y, z of origin and direction, and the weight.
-pub(crate) struct Columns<S>([Vec<S>; 7]);
+#[derive(Clone, Debug)]
+pub struct Columns<S>([Vec<S>; 7]);
 
 impl<S: Real> Columns<S> {
+    /// Room for so many rays, all 0.
     pub fn new(count: usize) -> Self {
         Self(std::array::from_fn(|_| vec![S::ZERO; count]))
     }
 
+    /// How many rays.
     pub fn len(&self) -> usize {
         self.0[0].len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
     }
 
     /// Sets a ray to be traced in place.
@@ -24,10 +32,12 @@ impl<S: Real> Columns<S> {
         }
     }
 
+    /// All of them.
     pub fn rays(&mut self) -> LensRays<'_, S> {
         self.part(0..self.len())
     }
 
+    /// Some of them.
     pub fn part(&mut self, part: Range<usize>) -> LensRays<'_, S> {
         let [x, y, z, dx, dy, dz, weight] = self.0.each_mut().map(|column| &mut column[part.clone()]);
         LensRays { origin: [x, y, z], direction: [dx, dy, dz], weight }

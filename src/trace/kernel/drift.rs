@@ -75,13 +75,11 @@ impl Drift {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::trace::kernel::table::{Step, Table};
     use crate::{
-        optics::{Lens, refraction::Refraction},
+        lens::{Lens, refraction::Refraction},
         prescription::{catalogue, read},
-        trace::{
-            Direction, Path,
-            kernel::table::{Step, Table},
-        },
+        trace::{Direction, Path},
     };
 
     /// The factors by which a step takes small changes of N_z, Vz/n and e/n on the axis along.

@@ -25,6 +25,7 @@ mod table;
 
 pub use batch::{LensRays, PlaneRays};
 pub(super) use clearance::clearances;
+pub use columns::Columns;
 pub use instances::Vectors as Precision;
 pub(super) use simd::Available;
 pub use simd::{Compiled, Simd};
@@ -32,14 +33,13 @@ pub use simd::{Compiled, Simd};
 use self::batch::InPlace;
 pub(crate) use self::{
     batch::{Approach, Batch, Few, FromPlane, from_plane},
-    columns::Columns,
     instances::{Optics, Shape, run},
     lanes::{Cpu, Lanes, Portable, Scalar},
     march::{End, Start},
     table::Table,
 };
 use super::{Blocked, Direction, Path, Ray, Real};
-use crate::optics::{Lens, refraction::Refraction};
+use crate::lens::{Lens, refraction::Refraction};
 
 /// A ray that got through a lens, in lens space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,7 +60,7 @@ impl<S: Real> Traced<S> {
     }
 
     /// In double precision.
-    pub(crate) fn ray(&self) -> Ray {
+    pub fn ray(&self) -> Ray {
         Ray { origin: self.origin.map(S::to_f64), direction: self.direction.map(S::to_f64) }
     }
 }

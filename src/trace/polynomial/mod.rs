@@ -26,7 +26,7 @@ use terms::exponents;
 pub(crate) use terms::monomials;
 
 use super::{Path, Ray};
-use crate::optics::{Lens, Surface};
+use crate::lens::{Lens, Surface};
 
 /// The orders that can be fitted.
 pub const ORDERS: [usize; 7] = [1, 3, 5, 7, 9, 11, 13];
@@ -199,6 +199,3 @@ impl Polynomial {
         (4 + 2 * self.rims.len()) * self.terms.len()
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -1,0 +1,241 @@
+//! What several commands are told in the same words: the lens, and the film.
+
+use crate::failure::Failure;
+use realistic::camera::{Film, LensSetup, Level, Parameters, Raster, open_lens};
+use realistic::prescription::{Prescription, SearchPath};
+use realistic::{
+    imaging::focus::{Focus, FocusError},
+    lens::Lens,
+};
+use std::io::Write as _;
+
+/// Which lens, at which stop and wavelength.
+#[derive(clap::Args, Debug)]
+pub struct LensChoice {
+    /// Lens: a file, or a name of the catalogue; NAME@35mm scales it to that focal length
+    #[arg(value_name = "LENS")]
+    lens: String,
+    /// Wavelength in nm, 300 to 2000, for lenses with V-numbers or Sellmeier's constants [default: 587.56]
+    #[arg(long, value_name = "NM", allow_negative_numbers = true)]
+    wavelength: Option<f64>,
+    /// Diameter of the stop in mm [default: the file's]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, conflicts_with = "fnumber")]
+    aperture_diameter: Option<f64>,
+    /// Focal length over entrance pupil diameter, instead of a stop diameter
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    fnumber: Option<f64>,
+}
+
+impl LensChoice {
+    /// Gives a camera's parameters this lens.
+    pub fn give(&self, parameters: &mut Parameters) {
+        parameters.specfile = Some(self.lens.clone());
+        parameters.wavelength = self.wavelength;
+        parameters.aperture_diameter = self.aperture_diameter;
+        parameters.fnumber = self.fnumber;
+    }
+
+    /// Finds the lens; warnings go to standard error.
+    ///
+    /// # Errors
+    /// As [`open_lens`].
+    pub fn open(&self) -> Result<(Prescription, Lens), Failure> {
+        let setup = LensSetup {
+            wavelength: self.wavelength,
+            aperture_diameter: self.aperture_diameter,
+            fnumber: self.fnumber,
+        };
+        let mut log = |_: Level, message: &str| warn(message);
+        open_lens(&self.lens, &SearchPath::from_environment(), setup, &mut log)
+            .map_err(|error| Failure::Other(error.to_string()))
+    }
+}
+
+/// Sets what `--param NAME=VALUE` says, each name once.
+///
+/// # Errors
+/// No `=`, a name twice, or what [`Parameters::set_from_text`] refuses.
+pub fn set_parameters(parameters: &mut Parameters, given: &[String]) -> Result<(), Failure> {
+    let mut seen: Vec<&str> = Vec::new();
+    for text in given {
+        let Some((name, value)) = text.split_once('=') else {
+            return Err(Failure::Usage(format!(
+                "--param \"{text}\" has no \"=\"; write --param NAME=VALUE, as in pupil=rear"
+            )));
+        };
+        if seen.contains(&name) {
+            return Err(Failure::Usage(format!("parameter \"{name}\" is given twice; give it once")));
+        }
+        parameters.set_from_text(name, value)?;
+        seen.push(name);
+    }
+    Ok(())
+}
+
+/// A warning on standard error.
+pub fn warn(message: &str) {
+    // A closed standard error leaves nobody to tell.
+    let _ = writeln!(std::io::stderr(), "realistic: warning: {message}");
+}
+
+/// How large the film is.
+#[derive(clap::Args, Debug)]
+pub struct FilmSize {
+    /// Diagonal of the film in mm
+    #[arg(
+        long = "filmdiag",
+        value_name = "MM",
+        allow_negative_numbers = true,
+        default_value_t = Film::DEFAULT_DIAGONAL,
+        value_parser = positive
+    )]
+    pub diagonal: f64,
+}
+
+/// The film behind the lens, and its pixels.
+#[derive(clap::Args, Debug)]
+pub struct FilmChoice {
+    #[command(flatten)]
+    extent: FilmSize,
+    /// Pixels of the film
+    #[arg(long, value_name = "WxH", default_value = "480x320", value_parser = size)]
+    pub size: [u32; 2],
+}
+
+impl FilmChoice {
+    /// Gives a camera's parameters this diagonal.
+    pub fn give(&self, parameters: &mut Parameters) {
+        parameters.filmdiag = Some(self.extent.diagonal);
+    }
+
+    /// The film.
+    pub fn film(&self) -> Film {
+        let [xres, yres] = self.size;
+        Film::new(Raster { xres, yres }, self.extent.diagonal)
+    }
+}
+
+/// Where the film is.
+#[derive(clap::Args, Debug)]
+pub struct FilmPlace {
+    /// Distance in mm from the last vertex to the film [default: the file's, or focused at infinity]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = positive, conflicts_with = "distance")]
+    film_distance: Option<f64>,
+    /// Focus here instead: distance in mm from the film to the object, or inf
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = distance)]
+    distance: Option<f64>,
+}
+
+impl FilmPlace {
+    /// Gives a camera's parameters this place, in world units of a millimetre.
+    pub fn give(&self, parameters: &mut Parameters) {
+        parameters.filmdistance = self.film_distance;
+        parameters.focusdistance = self.distance;
+    }
+
+    /// Last vertex to film, mm.
+    ///
+    /// # Errors
+    /// The lens cannot focus as asked.
+    pub fn film_distance(&self, lens: &Lens) -> Result<f64, Failure> {
+        let placed = self.film_distance.or(lens.nominal_film_distance.filter(|_| self.distance.is_none()));
+        placed.map_or_else(
+            || {
+                let distance = self.distance.unwrap_or(f64::INFINITY);
+                Focus::new(lens).and_then(|focus| focus.film_distance(distance)).map_err(|error| {
+                    Failure::Other(match &error {
+                        FocusError::TooNear { .. } => error.to_string(),
+                        _ => format!("{error}; --film-distance puts the film behind it all the same"),
+                    })
+                })
+            },
+            Ok,
+        )
+    }
+
+    /// The failure of film that would lie in the rear element.
+    pub fn in_lens(lens: &Lens, film_distance: f64) -> Failure {
+        let rim = -lens.rear().sagitta(lens.rear().semi_diameter);
+        Failure::Other(format!(
+            "film distance {film_distance:.4} mm: the film would touch the rear element, whose rim reaches {:.4} mm \
+             behind the last vertex; give a larger --film-distance",
+            rim.max(0.0)
+        ))
+    }
+
+    /// Whether the film's place was asked for.
+    pub fn is_given(&self) -> bool {
+        self.film_distance.is_some() || self.distance.is_some()
+    }
+}
+
+/// A positive finite number of a flag.
+pub fn positive(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| *number > 0.0 && number.is_finite());
+    number.ok_or_else(|| "write a positive number".to_owned())
+}
+
+/// A distance of a flag: positive, and `inf` for infinity.
+pub fn distance(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| *number > 0.0);
+    number.ok_or_else(|| "write a positive number of mm, or inf".to_owned())
+}
+
+/// 0 or a positive finite number of a flag.
+pub fn not_negative(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| *number >= 0.0 && number.is_finite());
+    number.ok_or_else(|| "write 0 or a positive number".to_owned())
+}
+
+/// `WxH` in pixels.
+pub fn size(text: &str) -> Result<[u32; 2], String> {
+    const LARGEST: u32 = 16_384;
+    let side = |text: &str| {
+        let side = text.parse().ok();
+        side.filter(|side| (1..=LARGEST).contains(side))
+    };
+    text.split_once('x')
+        .and_then(|(width, height)| Some([side(width)?, side(height)?]))
+        .ok_or_else(|| format!("write WIDTHxHEIGHT in pixels, each 1 to {LARGEST}, as in 480x320"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_two_numbers_of_pixels() {
+        assert_eq!(size("480x320"), Ok([480, 320]));
+        for text in ["480", "0x3", "3x", "3x-1", "99999x3", "3x3x3"] {
+            assert!(size(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn lengths_are_positive_and_only_distances_infinite() {
+        assert_eq!((positive("2.5"), not_negative("0")), (Ok(2.5), Ok(0.0)));
+        assert_eq!(distance("inf"), Ok(f64::INFINITY));
+        for text in ["-1", "nan", "far", "-inf"] {
+            assert!(positive(text).is_err() && distance(text).is_err() && not_negative(text).is_err());
+        }
+        assert!(positive("inf").is_err() && not_negative("inf").is_err() && distance("0").is_err());
+    }
+    #[test]
+    fn parameters_go_by_name_each_once() {
+        let set = |given: &[&str]| {
+            let given: Vec<String> = given.iter().map(|text| (*text).to_owned()).collect();
+            let mut parameters = Parameters::default();
+            set_parameters(&mut parameters, &given).map(|()| parameters)
+        };
+        let refusal = |given: &[&str]| match set(given) {
+            Err(Failure::Usage(message)) => message,
+            other => panic!("{other:?}"),
+        };
+        let parameters = set(&["filmdistance=40.5", "pupil=disk"]).unwrap();
+        assert_eq!((parameters.filmdistance, parameters.pupil.as_deref()), (Some(40.5), Some("disk")));
+        assert!(refusal(&["fokus=3"]).contains("focusdistance"));
+        assert!(refusal(&["filmdiag"]).contains("NAME=VALUE"));
+        assert!(refusal(&["filmdiag=large"]).contains("a number"));
+        assert!(refusal(&["filmdiag=35", "filmdiag=36"]).contains("twice"));
+    }
+}

@@ -1,0 +1,210 @@
+//! `realistic disks`: the ways to sample a disk, side by side.
+
+use super::render::{picture_path, writable};
+use crate::failure::Failure;
+use crate::host::image::Picture;
+use crate::host::lettering;
+use crate::host::sheet::Sheet;
+use glam::Vec3;
+use rand::{Rng, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use realistic::sampling::DiskMapping;
+use realistic_lab::disk_statistics::{ChiSquared, EdgeDiscrepancy};
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::PathBuf;
+
+/// What `disks` can be told.
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    /// Picture to write: .png or .exr
+    #[arg(long, value_name = "FILE", default_value = "disks.png", value_parser = picture_path)]
+    out: PathBuf,
+    /// Random numbers
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+}
+
+/// From two numbers to a point of the unit disk; `None` asks for others.
+type Map = fn(f64, f64) -> Option<[f64; 2]>;
+
+/// The three mappings of the camera, and the wrong one, which crowds the middle.
+const WAYS: [(&str, Map); 4] = [
+    ("concentric", |u, v| DiskMapping::Concentric.map(u, v)),
+    ("polar, r = sqrt(u)", |u, v| DiskMapping::Polar.map(u, v)),
+    ("rejection", |u, v| DiskMapping::Rejection.map(u, v)),
+    ("wrong: polar, r = u", |u, v| Some([u * (TAU * v).cos(), u * (TAU * v).sin()])),
+];
+
+/// Strata each way, with one point each.
+const STRATA: u32 = 16;
+/// Sets of strata over which the discrepancy is averaged.
+const SETS: u32 = 32;
+/// Independent points of the test of uniformity.
+const POINTS: usize = 20_000;
+
+/// Draws the point sets, and measures them.
+///
+/// # Errors
+/// The picture cannot be written.
+pub fn run(args: &Args) -> Result<(), Failure> {
+    writable(&args.out)?;
+    let mut sheet = Sheet::new(PANEL, WAYS.len() as u32, 2);
+    let mut text = format!(
+        "{:<20}  edge discrepancy of {} stratified points   chi-squared of {POINTS}\n\
+         {:<20}  {:>12} {:>12}   {:>21} {:>12} {:>9}\n",
+        "",
+        STRATA * STRATA,
+        "",
+        "rms",
+        "largest",
+        "independent points",
+        "statistic",
+        "p"
+    );
+    for (name, map) in WAYS {
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(args.seed);
+        let (rms, largest) = discrepancy(map, &mut rng);
+        let test = ChiSquared::of(&independent(map, &mut rng));
+        let _ = writeln!(
+            text,
+            "{name:<20}  {rms:>12.5} {largest:>12.5}   {:>21} {:>12.1} {:>9.3e}",
+            format!("{} cells", test.degrees_of_freedom + 1),
+            test.statistic,
+            test.p_value
+        );
+        let p = if test.p_value < 1e-3 { "< 0.001".to_owned() } else { format!("= {:.2}", test.p_value) };
+        let lines = [format!("discrepancy {rms:.4}"), format!("chi-squared p {p}")];
+        let points = stratified(map, &mut Xoshiro256PlusPlus::seed_from_u64(args.seed));
+        sheet.add(name, &drawn(&points, &lines), 1.0);
+    }
+    sheet.into_picture().write(&args.out, 1.0).map_err(Failure::Other)?;
+    let _ = writeln!(text, "{}", args.out.display());
+    Ok(std::io::stdout().write_all(text.as_bytes())?)
+}
+
+fn number(rng: &mut impl Rng) -> f64 {
+    (rng.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+/// A point with the stratum, column and row, of its numbers; one that was drawn again has none.
+type Point = ([f64; 2], Option<[u32; 2]>);
+
+/// One point for each stratum of the square. Numbers that are rejected are drawn again from the
+/// whole square, as a host does.
+fn stratified(map: Map, rng: &mut impl Rng) -> Vec<Point> {
+    let cells = (0..STRATA * STRATA).map(|cell| [cell % STRATA, cell / STRATA]);
+    cells
+        .map(|stratum| {
+            let [u, v] = stratum.map(|at| (f64::from(at) + number(rng)) / f64::from(STRATA));
+            match map(u, v) {
+                Some(point) => (point, Some(stratum)),
+                None => (again(map, rng), None),
+            }
+        })
+        .collect()
+}
+
+/// A point of independent numbers.
+fn again(map: Map, rng: &mut impl Rng) -> [f64; 2] {
+    loop {
+        if let Some(point) = map(number(rng), number(rng)) {
+            return point;
+        }
+    }
+}
+
+fn independent(map: Map, rng: &mut impl Rng) -> Vec<[f64; 2]> {
+    (0..POINTS).map(|_| again(map, rng)).collect()
+}
+
+/// Mean discrepancies, RMS and largest, of stratified sets.
+fn discrepancy(map: Map, rng: &mut impl Rng) -> (f64, f64) {
+    let sets = (0..SETS).map(|_| {
+        let points: Vec<[f64; 2]> = stratified(map, rng).into_iter().map(|(point, _)| point).collect();
+        EdgeDiscrepancy::of(&points)
+    });
+    let (rms, largest) = sets.fold((0.0, 0.0), |(a, b), set| (a + set.rms, b + set.largest));
+    (rms / f64::from(SETS), largest / f64::from(SETS))
+}
+
+const PANEL: [u32; 2] = [400, 452];
+const RADIUS: f32 = 186.0;
+const DOT: f32 = 4.6;
+const PAPER: Vec3 = Vec3::new(0.012, 0.013, 0.016);
+const DISK: Vec3 = Vec3::new(0.032, 0.035, 0.042);
+const GREY: Vec3 = Vec3::new(0.33, 0.33, 0.33);
+
+/// The points in the colours of their strata: the rows have their hues, and the columns go from dark
+/// to bright.
+fn drawn(points: &[Point], lines: &[String; 2]) -> Picture {
+    let mut picture = Picture::plain(PANEL, PAPER.to_array());
+    let middle = PANEL[0] as f32 / 2.0;
+    dot(&mut picture, [middle; 2], RADIUS + DOT, DISK);
+    for ([x, y], stratum) in points {
+        let at = [middle + *x as f32 * RADIUS, middle - *y as f32 * RADIUS];
+        dot(&mut picture, at, DOT, stratum.map_or(GREY, colour));
+    }
+    for (line, text) in (0..).zip(lines) {
+        let left = PANEL[0].saturating_sub(lettering::width(text, 2)) / 2;
+        lettering::write(&mut picture, text, [left, PANEL[0] + 6 + 22 * line], 2, [0.55, 0.56, 0.58]);
+    }
+    picture
+}
+
+/// Blocks of four by four strata have a colour.
+fn colour([column, row]: [u32; 2]) -> Vec3 {
+    const HUES: [Vec3; 4] = [
+        Vec3::new(0.95, 0.20, 0.09),
+        Vec3::new(0.95, 0.62, 0.06),
+        Vec3::new(0.09, 0.66, 0.30),
+        Vec3::new(0.10, 0.38, 0.98),
+    ];
+    let block = STRATA / 4;
+    let hue = HUES[(row / block) as usize % 4];
+    let shade = (column / block) as f32 / 3.0;
+    if shade < 0.5 { hue * (0.22 + 1.2 * shade) } else { hue.lerp(Vec3::ONE, (shade - 0.5) * 1.1) }
+}
+
+/// A filled disk with a smooth rim.
+fn dot(picture: &mut Picture, [x, y]: [f32; 2], radius: f32, colour: Vec3) {
+    let [width, height] = picture.size;
+    let span =
+        |at: f32, end: u32| ((at - radius - 1.0).max(0.0) as u32)..((at + radius + 2.0) as u32).min(end);
+    for row in span(y, height) {
+        for column in span(x, width) {
+            let off = (column as f32 + 0.5 - x).hypot(row as f32 + 0.5 - y);
+            let cover = (radius + 0.5 - off).clamp(0.0, 1.0);
+            let pixel = &mut picture.pixels[(row * width + column) as usize];
+            *pixel = Vec3::from_array(*pixel).lerp(colour, cover).to_array();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_rejection_loses_strata() {
+        for (name, map) in WAYS {
+            let points = stratified(map, &mut Xoshiro256PlusPlus::seed_from_u64(3));
+            let kept = points.iter().filter(|(_, stratum)| stratum.is_some()).count();
+            assert_eq!(points.len(), 256);
+            assert!(points.iter().all(|([x, y], _)| x.hypot(*y) <= 1.0 + 1e-12), "{name}");
+            match name {
+                // About 1 - π/4 of them lie in the corners.
+                "rejection" => assert!((180..225).contains(&kept), "{kept}"),
+                _ => assert_eq!(kept, 256, "{name}"),
+            }
+        }
+    }
+
+    #[test]
+    fn the_wrong_way_is_found_out_and_the_concentric_is_the_most_even() {
+        let rms = |way: usize| discrepancy(WAYS[way].1, &mut Xoshiro256PlusPlus::seed_from_u64(3)).0;
+        let [concentric, polar, rejection, wrong] = [0, 1, 2, 3].map(rms);
+        assert!(concentric < polar && polar < rejection && rejection < wrong);
+    }
+}

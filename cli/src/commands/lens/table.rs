@@ -1,0 +1,86 @@
+//! The prescription's table, a row an interface.
+
+use realistic::lens::Lens;
+use realistic::prescription::{Medium, Prescription, Shape};
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+
+/// One row's values: radius, thickness, V-number and sag where it has them.
+fn rows<'a>(prescription: &'a Prescription, lens: &'a Lens) -> impl Iterator<Item = Row> + 'a {
+    let last = prescription.interfaces.len() - 1;
+    prescription.interfaces.iter().zip(&lens.surfaces).enumerate().map(
+        move |(index, (interface, surface))| {
+            let (kind, radius) = match interface.shape {
+                Shape::Sphere { radius } => ("sphere", Some(radius)),
+                Shape::Plane => ("plane", None),
+                Shape::Stop => ("stop", None),
+            };
+            Row {
+                kind,
+                radius,
+                // The way to the film is no thickness of the lens unless the file says so.
+                thickness: if index < last { Some(interface.thickness) } else { lens.nominal_film_distance },
+                n: surface.n_film,
+                abbe: match interface.medium {
+                    Medium::Glass { abbe, .. } => abbe,
+                    Medium::Air | Medium::Sellmeier(_) => None,
+                },
+                diameter: 2.0 * surface.semi_diameter,
+                // A plane's is 0 without a sign.
+                sag: surface.sagitta(surface.semi_diameter) + 0.0,
+            }
+        },
+    )
+}
+
+struct Row {
+    kind: &'static str,
+    radius: Option<f64>,
+    thickness: Option<f64>,
+    n: f64,
+    abbe: Option<f64>,
+    diameter: f64,
+    sag: f64,
+}
+
+/// As JSON.
+pub fn json(prescription: &Prescription, lens: &Lens) -> Value {
+    rows(prescription, lens)
+        .map(|row| {
+            json!({
+                "kind": row.kind,
+                "radius_mm": row.radius,
+                "thickness_mm": row.thickness,
+                "index": row.n,
+                "v_number": row.abbe,
+                "diameter_mm": row.diameter,
+                "sag_mm": row.sag,
+            })
+        })
+        .collect()
+}
+
+/// As text. Lengths are mm; n holds at the lens's wavelength, behind the interface.
+pub fn text(prescription: &Prescription, lens: &Lens) -> String {
+    let mut text = format!(
+        "{:>3} {:>12} {:>10} {:>9} {:>6} {:>10} {:>9}\n",
+        "row", "radius mm", "thickness", "n behind", "V", "diameter", "sag"
+    );
+    let or_dash = |value: Option<f64>, digits: usize| {
+        value.map_or_else(|| "-".to_owned(), |value| format!("{value:.digits$}"))
+    };
+    for (index, row) in rows(prescription, lens).enumerate() {
+        let radius = row.radius.map_or_else(|| row.kind.to_owned(), |radius| format!("{radius:.4}"));
+        let _ = writeln!(
+            text,
+            "{:>3} {radius:>12} {:>10} {:>9.6} {:>6} {:>10.4} {:>9.4}",
+            index + 1,
+            or_dash(row.thickness, 4),
+            row.n,
+            or_dash(row.abbe, 2),
+            row.diameter,
+            row.sag,
+        );
+    }
+    text + "sag: the rim lies so many mm on the scene's side of the vertex\n"
+}

@@ -1,0 +1,174 @@
+//! `realistic pupil`: the part of the lens through which a film point gets its light.
+
+use crate::choice::{FilmChoice, FilmPlace, LensChoice, not_negative};
+use crate::drawing::{outline as drawing, picture};
+use crate::failure::Failure;
+use realistic::lens::{Lens, pupil::SlopeDisk};
+use realistic::trace::Path;
+use realistic::{imaging::irradiance, sampling::PupilDisk};
+use realistic_lab::outline::{Outline, acceptance};
+use serde_json::{Value, json};
+use std::io::Write as _;
+use std::path::PathBuf;
+
+/// What `pupil` can be told.
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    #[command(flatten)]
+    lens: LensChoice,
+    /// Distance in mm of the film point from the axis; the point lies at +x
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = not_negative)]
+    film_radius: f64,
+    #[command(flatten)]
+    place: FilmPlace,
+    #[command(flatten)]
+    film: FilmChoice,
+    /// Write JSON
+    #[arg(long)]
+    json: bool,
+    /// Draw the outline to this file, .svg or .png
+    #[arg(long, value_name = "FILE", value_parser = picture::path)]
+    out: Option<PathBuf>,
+}
+
+/// Prints what the film point sees.
+///
+/// # Errors
+/// No such lens, film that cannot be where it is asked for, or a file that cannot be written.
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let (_, lens) = args.lens.open()?;
+    let film_distance = args.place.film_distance(&lens)?;
+    let sight = Sight::of(&lens, args, film_distance)?;
+    if let Some(out) = &args.out {
+        let disks = [("rear", sight.rear), ("disk", sight.disk)];
+        let name = lens.name.rsplit('/').next().unwrap_or(&lens.name);
+        let edge: Vec<[f64; 2]> = sight.edge();
+        let drawn = drawing::Drawing {
+            title: format!("{name}: the pupil of the film point at {} mm", args.film_radius),
+            edge: &edge,
+            disks: disks.map(|(name, disk)| (name, sight.on_plane(disk.center), disk.radius * film_distance)),
+        };
+        picture::write(&drawing::draw(&drawn), out)?;
+    }
+    let text = if args.json { format!("{:#}\n", sight.json()) } else { sight.text() };
+    let drawn = args.out.as_ref().filter(|_| !args.json);
+    let drawn = drawn.map_or_else(String::new, |out| format!("drawn             {}\n", out.display()));
+    Ok(std::io::stdout().write_all((text + &drawn).as_bytes())?)
+}
+
+/// Points of the outline.
+const DIRECTIONS: usize = 720;
+/// Rays across a disk in measuring a share.
+const SURVEY: u32 = 400;
+
+struct Sight {
+    radius: f64,
+    film_distance: f64,
+    rear: SlopeDisk,
+    disk: SlopeDisk,
+    outline: Option<Outline>,
+    /// Share of samples that get through, drawn in either disk.
+    rear_acceptance: f64,
+    disk_acceptance: f64,
+    /// Share of the irradiance that comes from outside the exit pupil's disk.
+    missed: f64,
+}
+
+impl Sight {
+    fn of(lens: &Lens, args: &Args, film_distance: f64) -> Result<Self, Failure> {
+        let radius = args.film_radius;
+        let point = [radius, 0.0];
+        let film = lens.rear().vertex - film_distance;
+        let reach = args.film.film().reach().max(radius);
+        let rear =
+            PupilDisk::rear(lens, film, reach).ok_or_else(|| FilmPlace::in_lens(lens, film_distance))?;
+        let (rear, disk) = (rear.seen_from(point), PupilDisk::exit(lens, film).seen_from(point));
+        let path = Path::<f64>::film_to_scene(lens);
+        let outline = Outline::of(&path, film, point, rear, DIRECTIONS);
+        let through = irradiance::survey(&path, film, point, rear, disk, SURVEY);
+        let in_disk = irradiance::survey(&path, film, point, disk, disk, SURVEY);
+        let area = outline.as_ref().map_or(0.0, |outline| outline.slope_area);
+        let missed = if through.irradiance > 0.0 { 1.0 - through.inside / through.irradiance } else { 0.0 };
+        Ok(Self {
+            radius,
+            film_distance,
+            rear,
+            disk,
+            rear_acceptance: acceptance(area, rear),
+            // The grid's cells are a disk's area to a few parts in 10 000.
+            disk_acceptance: acceptance(in_disk.slope_area, disk).min(1.0),
+            missed,
+            outline,
+        })
+    }
+
+    /// Where the ray of these slopes meets the rear vertex plane, mm.
+    fn on_plane(&self, slopes: [f64; 2]) -> [f64; 2] {
+        [self.radius + slopes[0] * self.film_distance, slopes[1] * self.film_distance]
+    }
+
+    fn edge(&self) -> Vec<[f64; 2]> {
+        let points = self.outline.as_ref().map_or(&[][..], |outline| &outline.points);
+        points.iter().map(|&slopes| self.on_plane(slopes)).collect()
+    }
+
+    fn area(&self) -> f64 {
+        self.outline.as_ref().map_or(0.0, |outline| outline.slope_area) * self.film_distance.powi(2)
+    }
+
+    fn json(&self) -> Value {
+        let outline = self.outline.as_ref();
+        json!({
+            "film_radius_mm": self.radius,
+            "film_distance_mm": self.film_distance,
+            "area_mm2": self.area(),
+            "slope_area": outline.map_or(0.0, |outline| outline.slope_area),
+            "irradiance_for_unit_radiance": outline.map_or(0.0, |outline| outline.irradiance),
+            "center_mm": outline.map(|outline| self.on_plane(outline.center)),
+            "outline_mm": self.edge(),
+            "pieces": outline.map_or(0, |outline| outline.pieces),
+            "star_shaped": outline.is_some_and(|outline| outline.star_shaped),
+            "acceptance": { "rear": self.rear_acceptance, "disk": self.disk_acceptance },
+            "missed_by_disk": self.missed,
+        })
+    }
+
+    fn text(&self) -> String {
+        let head = format!(
+            "film point        {} mm from the axis, film {:.4} mm behind the last vertex\n",
+            self.radius, self.film_distance
+        );
+        let Some(outline) = &self.outline else {
+            return head + "pupil             empty: no light reaches this film point\n";
+        };
+        let edge = self.edge();
+        let range = |axis: usize| {
+            let values = || edge.iter().map(|point| point[axis]);
+            let (low, high) = (values().fold(f64::MAX, f64::min), values().fold(f64::MIN, f64::max));
+            format!("{low:.4} to {high:.4}")
+        };
+        // By symmetry its y is 0, whatever sum rounding leaves.
+        let [x, _] = self.on_plane(outline.center);
+        let shape = match (outline.pieces, outline.star_shaped) {
+            (1, true) => "one piece, star-shaped about its centre".to_owned(),
+            (1, false) => "one piece, not star-shaped: the outline is its outer edge only".to_owned(),
+            (pieces, _) => format!("{pieces} pieces: the outline is their outer edge only"),
+        };
+        head + &format!(
+            "outline           x from {} mm, y from {} mm in the rear vertex plane\n\
+             \x20                 {shape}; centre at x = {x:.4} mm; all points by --json\n\
+             area              {:.6} mm2 in the rear vertex plane; {:.6e} in slope\n\
+             irradiance        {:.6e} for unit radiance\n\
+             acceptance        rear {:.3} %, disk {:.3} % of the samples get through\n\
+             missed by disk    {:.3} % of the irradiance\n",
+            range(0),
+            range(1),
+            self.area(),
+            outline.slope_area,
+            outline.irradiance,
+            100.0 * self.rear_acceptance,
+            100.0 * self.disk_acceptance,
+            100.0 * self.missed,
+        )
+    }
+}

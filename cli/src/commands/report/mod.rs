@@ -1,0 +1,210 @@
+//! `realistic report`: error against run time, as a folder to read.
+
+mod advice;
+mod conclusions;
+mod figures;
+mod page;
+mod stability_figures;
+
+use crate::drawing::picture;
+use crate::failure::Failure;
+use indicatif::{ProgressBar, ProgressStyle};
+use realistic_lab::machine;
+use realistic_lab::suite::{Results, Suite};
+use std::fs::File;
+use std::io::{ErrorKind, IsTerminal as _, Write as _};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// What `report` can be told.
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    /// Folder to write; made if it is not there
+    #[arg(long, value_name = "DIR", default_value = "realistic-report")]
+    out: PathBuf,
+    /// Fewer rays, samples and rounds: less than a minute in place of several
+    #[arg(long)]
+    quick: bool,
+}
+
+/// Measures, writes the folder and says where it is.
+///
+/// # Errors
+/// A folder or file cannot be written.
+pub fn run(args: &Args) -> Result<(), Failure> {
+    make_folder(&args.out)?;
+    let suite = if args.quick { Suite::quick() } else { Suite::full() };
+    let progress = ProgressBar::new_spinner();
+    progress.set_style(ProgressStyle::with_template("{elapsed} {msg}").expect("a valid template"));
+    let start = Instant::now();
+    let mut log = Log { terminal: std::io::stderr().is_terminal(), last: None };
+    let measured = suite.run(&mut |what| {
+        progress.set_message(what.to_owned());
+        progress.tick();
+        log.tell(start.elapsed(), what);
+    });
+    let results = measured.map_err(|error| Failure::Other(error.to_string()))?;
+    progress.finish_and_clear();
+    write(&results, &suite, start.elapsed(), &args.out)?;
+    let page = args.out.join(PAGE);
+    Ok(writeln!(std::io::stdout(), "{}", page.display())?)
+}
+
+/// The page's file.
+const PAGE: &str = "index.html";
+
+/// Progress where there is no terminal to draw it on: a line now and then.
+struct Log {
+    terminal: bool,
+    last: Option<Duration>,
+}
+
+impl Log {
+    fn tell(&mut self, now: Duration, what: &str) {
+        let due = self.last.is_none_or(|last| now - last >= Duration::from_secs(2));
+        if due && !self.terminal {
+            eprintln!("{:6.1} s  {what}", now.as_secs_f64());
+            self.last = Some(now);
+        }
+    }
+}
+
+/// Makes the folder and sees that the page can be written there: nobody is to measure for minutes and be told then.
+fn make_folder(folder: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder).map_err(|error| {
+        Failure::Other(format!(
+            "cannot make the folder {}: {error}; give --out another path",
+            folder.display()
+        ))
+    })?;
+    let page = folder.join(PAGE);
+    match File::create_new(&page) {
+        Ok(_) => std::fs::remove_file(&page),
+        Err(error) if error.kind() == ErrorKind::AlreadyExists => {
+            File::options().append(true).open(&page).map(drop)
+        }
+        Err(error) => Err(error),
+    }
+    .map_err(|error| cannot_write(&page, &error))
+}
+
+fn cannot_write(path: &Path, error: &std::io::Error) -> Failure {
+    Failure::Other(format!("cannot write {}: {error}; give --out another path", path.display()))
+}
+
+/// Writes tables, plots and page.
+fn write(results: &Results, suite: &Suite, took: Duration, folder: &Path) -> Result<(), Failure> {
+    let save = |name: &str, text: &str| {
+        let path = folder.join(name);
+        std::fs::write(&path, text).map_err(|error| cannot_write(&path, &error))
+    };
+    for table in results.tables() {
+        save(&format!("{}.csv", table.name), &table.to_csv())?;
+    }
+    let figures = figures::all(results);
+    for figure in figures.iter().flat_map(|section| &section.figures) {
+        let document = figure.chart.draw();
+        for ending in ["svg", "png"] {
+            picture::write(&document, &folder.join(format!("{}.{ending}", figure.file)))?;
+        }
+    }
+    save(PAGE, &page::page(results, suite, &figures, &machine::facts(), took))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use realistic::camera::Raster;
+    use realistic_lab::{bench::Effort, irradiance, picture, pupil_table, ray_map, set_up, stability};
+
+    /// As little as gives every figure something to show.
+    fn tiny() -> Suite {
+        let effort = Effort { rounds: 1, least: Duration::from_micros(20) };
+        Suite {
+            lenses: vec!["dgauss.50mm"],
+            ray_map: ray_map::Size { rays: 60, block: 32, effort },
+            irradiance: irradiance::Size { exponent: 2, repeats: 2, survey: 60, effort },
+            picture: picture::Size {
+                raster: Raster { xres: 6, yres: 4 },
+                exponent: 2,
+                reference: 16,
+                repeats: 1,
+            },
+            set_up: set_up::Size { rays: 40, repeats: 1 },
+            pupils: pupil_table::Size { points: 2, repeats: 1 },
+            stability: stability::Effort { lenses: 1, rays: 1 },
+        }
+    }
+
+    #[test]
+    fn a_folder_that_takes_no_page_is_refused_before_anything_is_measured() {
+        let dir = tempfile::tempdir().unwrap();
+        let folder = dir.path().join("report");
+        make_folder(&folder).unwrap();
+        assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 0);
+        std::fs::write(folder.join(PAGE), "an old page").unwrap();
+        make_folder(&folder).unwrap();
+        assert_eq!(std::fs::read_to_string(folder.join(PAGE)).unwrap(), "an old page");
+        std::fs::remove_file(folder.join(PAGE)).unwrap();
+        std::fs::create_dir(folder.join(PAGE)).unwrap();
+        let Err(Failure::Other(error)) = make_folder(&folder) else { panic!("a folder is no page") };
+        assert!(error.contains("index.html") && error.contains("--out"), "{error}");
+    }
+
+    #[test]
+    fn every_file_that_the_page_names_is_there_and_every_table_parses() {
+        let dir = tempfile::tempdir().unwrap();
+        let folder = dir.path().join("deep/report");
+        make_folder(&folder).unwrap();
+        let suite = tiny();
+        let results = suite.run(&mut |_| {}).unwrap();
+        write(&results, &suite, Duration::from_secs(1), &folder).unwrap();
+        let page = std::fs::read_to_string(folder.join("index.html")).unwrap();
+        let named: Vec<&str> = ["src=\"", "href=\""]
+            .iter()
+            .flat_map(|key| page.split(key).skip(1))
+            .map(|rest| &rest[..rest.find('"').unwrap()])
+            .filter(|name| !name.starts_with('#'))
+            .collect();
+        for ending in ["svg", "png", "csv"] {
+            assert!(named.iter().any(|name| name.ends_with(ending)), "no {ending}");
+        }
+        for name in named {
+            assert!(folder.join(name).metadata().is_ok_and(|file| file.len() > 100), "{name}");
+        }
+        for table in results.tables() {
+            let text = std::fs::read_to_string(folder.join(format!("{}.csv", table.name))).unwrap();
+            let lines: Vec<Vec<&str>> = text.lines().map(|line| split(line)).collect();
+            assert_eq!(lines.len(), table.rows.len() + 1);
+            assert!(lines.len() > 4, "{}", table.name);
+            for line in &lines {
+                assert_eq!(line.len(), table.columns.len(), "{line:?}");
+            }
+            for (column, heading) in table.columns.iter().enumerate() {
+                let numeric =
+                    heading.ends_with("_ns") || heading.ends_with("_rad") || heading.ends_with("_error");
+                if numeric {
+                    assert!(lines[1..].iter().all(|line| line[column].parse::<f64>().is_ok()), "{heading}");
+                }
+            }
+        }
+    }
+
+    /// Fields of a line of CSV, quotes left on.
+    fn split(line: &str) -> Vec<&str> {
+        let mut quoted = false;
+        line.split(|c| {
+            quoted ^= c == '"';
+            c == ',' && !quoted
+        })
+        .collect()
+    }
+
+    #[test]
+    fn the_page_needs_nothing_from_elsewhere() {
+        let suite = Suite { lenses: vec![], ..tiny() };
+        let page = page::page(&Results::default(), &suite, &[], &machine::facts(), Duration::ZERO);
+        assert!(!page.contains("<script") && !page.contains("http"));
+        assert!(page.contains("rustc "));
+    }
+}

@@ -1,0 +1,58 @@
+//! Outlines of a lens's elements, in mm as (z, y).
+
+use realistic::lens::{Lens, Surface};
+
+/// Points of a surface's arc, from its lower rim to the upper one.
+pub fn arc(surface: &Surface) -> Vec<[f64; 2]> {
+    const HALF: i32 = 48;
+    (-HALF..=HALF)
+        .map(|i| {
+            // Even in angle: the rim of a hemisphere is as round as its middle.
+            let y =
+                surface.semi_diameter * (f64::from(i) / f64::from(HALF) * std::f64::consts::FRAC_PI_2).sin();
+            [surface.vertex + surface.sagitta(y), y]
+        })
+        .collect()
+}
+
+/// Every element: the glass between two surfaces with its rim, a cylinder as wide as the wider of them.
+pub fn elements(lens: &Lens) -> Vec<Vec<[f64; 2]>> {
+    lens.surfaces
+        .windows(2)
+        .filter(|pair| pair[0].n_film != 1.0)
+        .map(|pair| {
+            let radius = pair[0].semi_diameter.max(pair[1].semi_diameter);
+            let mut outline = arc(&pair[0]);
+            let rim =
+                |surface: &Surface, y: f64| [surface.vertex + surface.sagitta(surface.semi_diameter), y];
+            outline.extend([rim(&pair[0], radius), rim(&pair[1], radius)]);
+            outline.extend(arc(&pair[1]).into_iter().rev());
+            outline.extend([rim(&pair[1], -radius), rim(&pair[0], -radius)]);
+            outline
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use realistic::prescription::{catalogue, read};
+
+    #[test]
+    fn an_element_is_closed_by_its_rim() {
+        let lens = Lens::at_d_line(&read("t", b"10 4 1.5 8\n-20 0 1 12\n").unwrap());
+        let [outline] = &elements(&lens)[..] else { panic!("one element") };
+        let highest = outline.iter().map(|point| point[1]).fold(0.0, f64::max);
+        assert_eq!(highest, 6.0);
+        // The narrower surface ends at height 4, on its sphere.
+        let corner = [10.0_f64.mul_add(-1.0, (100.0_f64 - 16.0).sqrt()), 4.0];
+        assert!(outline.iter().any(|p| (p[0] - corner[0]).abs() < 1e-12 && (p[1] - corner[1]).abs() < 1e-12));
+    }
+
+    #[test]
+    fn cemented_elements_are_two() {
+        let count = |name: &str| elements(&Lens::at_d_line(&catalogue::find(name).unwrap())).len();
+        // From the designs' tables: glass is behind so many interfaces.
+        assert_eq!((count("dgauss.50mm"), count("telephoto.250mm"), count("wide.22mm")), (6, 4, 7));
+    }
+}

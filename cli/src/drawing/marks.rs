@@ -1,0 +1,80 @@
+//! What a lens's axis carries: focal points, principal planes and pupils, and which of them a drawing shows.
+
+use realistic::lens::{
+    Lens,
+    first_order::FirstOrder,
+    pupil::{EntrancePupil, ExitPupil, limiting_surface},
+};
+
+/// What kind of thing it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Kind {
+    /// A point of the axis.
+    Point,
+    /// A plane across it.
+    Plane,
+    /// A pupil, with its radius in mm.
+    Pupil(f64),
+}
+
+/// A named place on the axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mark {
+    /// Its name.
+    pub name: &'static str,
+    /// z in lens space, mm.
+    pub z: f64,
+    /// What it is.
+    pub kind: Kind,
+}
+
+/// Everything of this lens that is not at infinity.
+pub fn all(lens: &Lens) -> Vec<Mark> {
+    let mut marks = Vec::new();
+    if let Ok(optics) = FirstOrder::of(lens) {
+        marks = vec![
+            Mark { name: "F", z: optics.front_focal_point, kind: Kind::Point },
+            Mark { name: "P", z: optics.front_principal_plane, kind: Kind::Plane },
+            Mark { name: "P'", z: optics.rear_principal_plane, kind: Kind::Plane },
+            Mark { name: "F'", z: optics.rear_focal_point, kind: Kind::Point },
+        ];
+    }
+    let limiting = limiting_surface(lens);
+    let entrance = EntrancePupil::of_surface(lens, limiting);
+    let exit = ExitPupil::of_surface(lens, limiting);
+    for (name, z, diameter) in [
+        ("entrance pupil", entrance.position(), entrance.diameter()),
+        ("exit pupil", exit.position(), exit.diameter()),
+    ] {
+        marks.extend(z.map(|z| Mark { name, z, kind: Kind::Pupil(diameter / 2.0) }));
+    }
+    marks
+}
+
+/// A drawing may be made longer than the lens and its film by this factor to show what lies outside.
+const LONGEST: f64 = 1.7;
+
+/// The drawing's range of z that takes in `core` and as many marks as do not make it too long, the
+/// nearest first.
+pub fn range(core: [f64; 2], marks: &[Mark]) -> [f64; 2] {
+    let longest = LONGEST * (core[1] - core[0]);
+    let outside = |mark: &&Mark| (core[0] - mark.z).max(mark.z - core[1]);
+    let mut sorted: Vec<&Mark> = marks.iter().collect();
+    sorted.sort_by(|a, b| outside(a).total_cmp(&outside(b)));
+    sorted.iter().fold(core, |[low, high], mark| {
+        let wider = [low.min(mark.z), high.max(mark.z)];
+        if wider[1] - wider[0] <= longest { wider } else { [low, high] }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn near_marks_widen_the_drawing_and_far_ones_do_not() {
+        let mark = |z: f64| Mark { name: "F", z, kind: Kind::Point };
+        assert_eq!(range([-10.0, 0.0], &[mark(-5.0), mark(4.0)]), [-10.0, 4.0]);
+        assert_eq!(range([-10.0, 0.0], &[mark(400.0), mark(-12.0), mark(1.0)]), [-12.0, 1.0]);
+    }
+}

@@ -1,0 +1,100 @@
+//! Rays as lines: their points on every surface, found by tracing to each in turn.
+
+use realistic::trace::{Path, Ray};
+use realistic::{imaging::field::Field, lens::Lens};
+
+/// A ray's way through the lens, in the plane x = 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Way {
+    /// (z, y) of the film point and of the points on the surfaces, mm.
+    pub points: Vec<[f64; 2]>,
+    /// (dz, dy) in which it goes on into the scene; `None` where it is blocked.
+    pub onward: Option<[f64; 2]>,
+}
+
+/// A lens made ready to draw rays in.
+#[derive(Debug)]
+pub struct Rays {
+    /// To every surface, the one nearest the film first.
+    paths: Vec<Path>,
+    field: Field,
+    film: f64,
+}
+
+/// How far beyond the beam's edges rays are drawn, as a part of its width, to show what stops them.
+const BEYOND: f64 = 0.12;
+
+impl Rays {
+    /// For film at `film` (z in lens space).
+    pub fn new(lens: &Lens, film: f64) -> Self {
+        let behind = |first: usize| Lens { surfaces: lens.surfaces[first..].to_vec(), ..lens.clone() };
+        let paths = (0..lens.surfaces.len()).rev().map(|first| Path::film_to_scene(&behind(first))).collect();
+        Self { paths, field: Field::new(lens, film), film }
+    }
+
+    /// How far from the axis film gets light, up to `radius` mm.
+    pub fn lit_radius(&self, radius: f64) -> Option<f64> {
+        self.field.lit_radius(radius)
+    }
+
+    /// `count` rays of the film point at `height` mm below the axis, spread over the beam that gets
+    /// through and a little more; none where the film is dark.
+    pub fn bundle(&self, height: f64, count: u32) -> Vec<Way> {
+        let Some(beam) = self.field.beam(height) else {
+            return Vec::new();
+        };
+        let width = beam.high - beam.low;
+        let (low, high) = (beam.low - BEYOND * width, beam.high + BEYOND * width);
+        (0..count)
+            .map(|i| {
+                let share = if count > 1 { f64::from(i) / f64::from(count - 1) } else { 0.5 };
+                // The beam belongs to the point above the axis; its mirror image is drawn.
+                self.way(-height, -(low + share * (high - low)))
+            })
+            .collect()
+    }
+
+    fn way(&self, height: f64, slope: f64) -> Way {
+        let ray = Ray { origin: [0.0, height, self.film], direction: [0.0, slope, 1.0] };
+        let mut way = Way { points: vec![[self.film, height]], onward: None };
+        for (number, path) in self.paths.iter().enumerate() {
+            let walk = path.walk(ray);
+            if walk.surfaces_met == number + 1 {
+                way.points.push([walk.ray.origin[2], walk.ray.origin[1]]);
+            }
+            if walk.blocked.is_some() {
+                return way;
+            }
+            way.onward =
+                (number + 1 == self.paths.len()).then_some([walk.ray.direction[2], walk.ray.direction[1]]);
+        }
+        way
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use realistic::lens::first_order::FirstOrder;
+    use realistic::prescription::catalogue;
+
+    #[test]
+    fn a_bundle_passes_in_the_middle_and_is_blocked_at_both_edges() {
+        for name in catalogue::names() {
+            let lens = Lens::at_d_line(&catalogue::find(name).unwrap());
+            let film = FirstOrder::of(&lens).unwrap().rear_focal_point;
+            let ways = Rays::new(&lens, film).bundle(3.0, 11);
+            let passed: Vec<bool> = ways.iter().map(|way| way.onward.is_some()).collect();
+            assert_eq!((passed[0], passed[5], passed[10]), (false, true, false), "{name}: {passed:?}");
+            for way in ways {
+                if let Some([dz, dy]) = way.onward {
+                    assert_eq!(way.points.len(), lens.surfaces.len() + 1);
+                    // The scene above the axis lies on the film below it.
+                    assert!(dz > 0.0 && dy > 0.0 && way.points[0][1] == -3.0);
+                } else {
+                    assert!(way.points.len() <= lens.surfaces.len() + 1);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,317 @@
+//! The cross-section of a lens: light comes from the left, the film stands at the right.
+
+use super::labels::spread;
+use super::marks::{self, Kind, Mark};
+use super::rays::{Rays, Way};
+use super::shapes::{Anchor, LARGE, Page, SMALL, Stroke, fitted, text_width};
+use super::view::View;
+use super::{COLORS, FAINT, INK, glass};
+use realistic::lens::{
+    Lens,
+    first_order::FirstOrder,
+    pupil::{EntrancePupil, limiting_surface},
+};
+use svg::Document;
+
+/// What is drawn besides the lens.
+#[derive(Clone, Copy, Debug)]
+pub struct Scene<'a> {
+    /// The lens file's title.
+    pub title: Option<&'a str>,
+    /// Last vertex to film, mm.
+    pub film_distance: f64,
+    /// Diagonal of the film, mm.
+    pub film_diagonal: f64,
+    /// Rays a bundle.
+    pub rays: u32,
+}
+
+const WIDTH: f64 = 1200.0;
+const MARGIN: f64 = 40.0;
+/// Title, and the row of names over the drawing.
+const HEAD: f64 = 122.0;
+/// Two rows of names under it, then scale and legend.
+const FOOT: f64 = 130.0;
+const GLASS: &str = "#d6e6f2";
+const EDGE: Stroke = Stroke::new("#4a6b85", 1.2);
+const BLOCKED: f64 = 0.35;
+/// A pupil as much wider than lens and film makes no drawing higher: its size is told in words.
+const PUPIL_MOST: f64 = 2.0;
+const LEADER: Stroke = Stroke::new(FAINT, 0.8);
+
+/// Draws the lens.
+pub fn draw(lens: &Lens, scene: &Scene<'_>) -> Document {
+    let film = lens.rear().vertex - scene.film_distance;
+    let marks = marks::all(lens);
+    let view = window(lens, film, scene.film_diagonal, &marks);
+    let mut page = Page::new(WIDTH, HEAD + view.frame.height + FOOT);
+    title(&mut page, lens, scene.title);
+
+    let on_page = |points: &[[f64; 2]]| points.iter().map(|&[z, y]| view.at([-z, y])).collect::<Vec<_>>();
+    page.line(on_page(&[[-view.across[0], 0.0], [-view.across[1], 0.0]]), LEADER.dashed("12 3 2 3"));
+    for element in glass::elements(lens) {
+        page.area(on_page(&element), GLASS, EDGE);
+    }
+    for (index, surface) in lens.surfaces.iter().enumerate() {
+        // What has no glass on either side would not show otherwise.
+        if surface.n_scene == 1.0 && surface.n_film == 1.0 && !surface.is_stop {
+            page.line(on_page(&glass::arc(surface)), EDGE.dashed("4 3"));
+        } else if surface.is_stop {
+            let radius = surface.semi_diameter;
+            let outer = stop_bar(lens, index);
+            for side in [-1.0, 1.0] {
+                let bar = [[surface.vertex, side * radius], [surface.vertex, side * outer]];
+                page.line(on_page(&bar), Stroke::new(INK, 4.0));
+            }
+        }
+    }
+    let half = scene.film_diagonal / 2.0;
+    let legend = bundles(&mut page, &view, &Rays::new(lens, film), half, scene.rays);
+    page.line(on_page(&[[film, -half], [film, half]]), Stroke::new(INK, 3.0));
+    name_marks(&mut page, &view, lens, film, half, &marks);
+    footer(&mut page, &view, &legend);
+    page.finish()
+}
+
+fn stop_bar(lens: &Lens, index: usize) -> f64 {
+    let neighbours = &lens.surfaces[index.saturating_sub(1)..(index + 2).min(lens.surfaces.len())];
+    let widest = neighbours.iter().map(|surface| surface.semi_diameter).fold(0.0, f64::max);
+    widest.max(1.3 * lens.surfaces[index].semi_diameter)
+}
+
+/// The window, across in -z.
+fn window(lens: &Lens, film: f64, diagonal: f64, marks: &[Mark]) -> View {
+    let ends = |edge: fn(f64, f64) -> f64, start: f64| {
+        lens.surfaces.iter().flat_map(|s| [s.vertex, s.vertex + s.sagitta(s.semi_diameter)]).fold(start, edge)
+    };
+    let (rear, front) = (ends(f64::min, film), ends(f64::max, 0.0));
+    // Room for the rays to be seen going.
+    let length = front - rear;
+    let [rear, front] = marks::range([rear - 0.03 * length, front + 0.25 * length], marks);
+    let spare = 0.02 * (front - rear);
+    let lens_radius = (0..lens.surfaces.len())
+        .map(|index| {
+            if lens.surfaces[index].is_stop {
+                stop_bar(lens, index)
+            } else {
+                lens.surfaces[index].semi_diameter
+            }
+        })
+        .fold(0.0, f64::max);
+    let radius = lens_radius.max(diagonal / 2.0);
+    let pupils = marks.iter().filter_map(|mark| match mark.kind {
+        Kind::Pupil(pupil) if pupil < PUPIL_MOST * radius => Some(pupil),
+        _ => None,
+    });
+    let up = 1.12 * pupils.fold(radius, f64::max);
+    View::fit(
+        [MARGIN, HEAD],
+        WIDTH - 2.0 * MARGIN,
+        [160.0, 620.0],
+        [-front - spare, -rear + spare],
+        [-up, up],
+    )
+}
+
+fn title(page: &mut Page, lens: &Lens, subtitle: Option<&str>) {
+    // A file goes by its name alone.
+    let name = lens.name.rsplit('/').next().unwrap_or(&lens.name);
+    let entrance = EntrancePupil::of_surface(lens, limiting_surface(lens));
+    let facts = FirstOrder::of(lens).map_or_else(
+        |_| "afocal".to_owned(),
+        |optics| {
+            let number = optics.focal_length.abs() / entrance.diameter();
+            let number = if number == 0.0 { "no f-number".to_owned() } else { format!("f/{number:.2}") };
+            format!("f = {:.2} mm, {number}", optics.focal_length)
+        },
+    );
+    let room = WIDTH - 2.0 * MARGIN;
+    let name = fitted(name, LARGE, room - text_width(&facts, LARGE) - 40.0);
+    page.text(&format!("{name}:  {facts}"), [MARGIN, 38.0], LARGE, Anchor::Start, INK);
+    if let Some(subtitle) = subtitle {
+        page.text(&fitted(subtitle, SMALL, room), [MARGIN, 60.0], SMALL, Anchor::Start, FAINT);
+    }
+}
+
+/// Draws a bundle on the axis, one at the film's corner (or as far out as there is light) and one
+/// between; returns colours and names.
+fn bundles(page: &mut Page, view: &View, rays: &Rays, half: f64, count: u32) -> Vec<(&'static str, String)> {
+    let Some(lit) = rays.lit_radius(half) else {
+        return vec![(FAINT, "no light reaches the film's centre".to_owned())];
+    };
+    // Just inside the edge of the light, where there is a beam to draw.
+    let (outer, name) =
+        if lit < half { (0.97 * lit, " mm (the corner is dark)") } else { (half, " mm, the corner") };
+    let mut legend = Vec::new();
+    for (height, color, name) in [
+        (0.0, COLORS[0], "on the axis".to_owned()),
+        (0.7 * outer, COLORS[1], format!("film at {:.1} mm", 0.7 * outer)),
+        (outer, COLORS[2], format!("film at {outer:.1}{name}")),
+    ] {
+        let ways = rays.bundle(height, count);
+        // Blocked ones first, so that they lie under the others.
+        for way in ways
+            .iter()
+            .filter(|way| way.onward.is_none())
+            .chain(ways.iter().filter(|way| way.onward.is_some()))
+        {
+            page.line(way_on_page(view, way), stroke(color, way));
+        }
+        legend.push((color, name));
+    }
+    legend
+}
+
+fn stroke(color: &'static str, way: &Way) -> Stroke {
+    let opacity = if way.onward.is_some() { 1.0 } else { BLOCKED };
+    Stroke { opacity, ..Stroke::new(color, 1.1) }
+}
+
+fn way_on_page(view: &View, way: &Way) -> Vec<[f64; 2]> {
+    let mut points: Vec<[f64; 2]> = way.points.iter().map(|&[z, y]| [-z, y]).collect();
+    if let (Some([dz, dy]), Some(&last)) = (way.onward, points.last()) {
+        let out = view.way_out(last, [-dz, dy]);
+        points.push([last[0] - out * dz, last[1] + out * dy]);
+    }
+    points.into_iter().map(|point| view.at(point)).collect()
+}
+
+/// A name, where it would best stand, and the page's point that it names, if that is on the page.
+struct Label {
+    text: String,
+    anchor: f64,
+    leader: Option<[f64; 2]>,
+}
+
+/// Pupils, stop and film are named over the drawing, points and planes under it; what lies outside it in a
+/// row of its own.
+fn name_marks(page: &mut Page, view: &View, lens: &Lens, film: f64, half: f64, marks: &[Mark]) {
+    let mut over = vec![Label {
+        text: "film".to_owned(),
+        anchor: view.at([-film, 0.0])[0],
+        leader: Some(view.at([-film, half])),
+    }];
+    if let Some(stop) = lens.stop_index() {
+        let top = view.at([-lens.surfaces[stop].vertex, stop_bar(lens, stop)]);
+        over.push(Label { text: "stop".to_owned(), anchor: top[0], leader: Some(top) });
+    }
+    let (mut under, mut outside) = (Vec::new(), Vec::new());
+    for mark in marks {
+        let Mark { name, z, kind } = *mark;
+        if -z < view.across[0] {
+            let text = format!("< {name}: {z:.1} mm before the lens");
+            outside.push(Label { text, anchor: MARGIN, leader: None });
+        } else if -z > view.across[1] {
+            let text = format!("{name}: {:.1} mm behind the film >", film - z);
+            outside.push(Label { text, anchor: WIDTH - MARGIN, leader: None });
+        } else {
+            let row = if matches!(kind, Kind::Pupil(_)) { &mut over } else { &mut under };
+            row.push(draw_mark(page, view, mark));
+        }
+    }
+    let [top, bottom] = [view.frame.top, view.frame.top + view.frame.height];
+    name_row(page, over, top - 20.0, top - 12.0);
+    name_row(page, under, bottom + 26.0, bottom + 10.0);
+    name_row(page, outside, bottom + 50.0, bottom + 50.0);
+}
+
+/// Draws the mark itself and says where its name goes.
+fn draw_mark(page: &mut Page, view: &View, mark: &Mark) -> Label {
+    let axis = view.at([-mark.z, 0.0]);
+    let [top, bottom] = [view.frame.top, view.frame.top + view.frame.height];
+    let mut text = mark.name.to_owned();
+    let end = match mark.kind {
+        Kind::Point => {
+            page.line([axis, [axis[0], bottom]], LEADER.dashed("2 3"));
+            page.dot(axis, 4.0, INK);
+            bottom
+        }
+        Kind::Plane => {
+            page.line([[axis[0], top], [axis[0], bottom]], Stroke::new(INK, 0.9).dashed("7 4"));
+            bottom
+        }
+        Kind::Pupil(radius) => {
+            let [lower, upper] = [-1.0, 1.0].map(|side| view.at([-mark.z, side * radius])[1]);
+            if upper > top {
+                // Two brackets that stand on the pupil's rim and point away from it.
+                let length = (0.08 * view.frame.height).min(upper - top);
+                for (y, away) in [(upper, -length), (lower, length)] {
+                    page.line([[axis[0], y], [axis[0], y + away]], Stroke::new(INK, 2.0).dashed("5 2"));
+                    page.line([[axis[0] - 5.0, y], [axis[0] + 5.0, y]], Stroke::new(INK, 2.0));
+                }
+                page.line([[axis[0], upper], [axis[0], top]], LEADER.dashed("2 3"));
+            } else {
+                text = format!("{text}, {:.1} mm wide", 2.0 * radius);
+            }
+            top
+        }
+    };
+    Label { text, anchor: axis[0], leader: Some([axis[0], end]) }
+}
+
+/// Writes names in a row at `y`, with lines from `near` to what they name.
+fn name_row(page: &mut Page, mut row: Vec<Label>, y: f64, near: f64) {
+    row.sort_by(|a, b| a.anchor.total_cmp(&b.anchor));
+    let anchors: Vec<f64> = row.iter().map(|label| label.anchor).collect();
+    let widths: Vec<f64> = row.iter().map(|label| text_width(&label.text, SMALL)).collect();
+    let centers = spread(&anchors, &widths, [MARGIN / 2.0, WIDTH - MARGIN / 2.0]);
+    for (label, center) in row.iter().zip(centers) {
+        page.text(&label.text, [center, y], SMALL, Anchor::Middle, INK);
+        if let Some(end) = label.leader {
+            page.line([[center, near], end], LEADER);
+        }
+    }
+}
+
+fn footer(page: &mut Page, view: &View, legend: &[(&'static str, String)]) {
+    let y = view.frame.top + view.frame.height + FOOT - 22.0;
+    let length = view.round_length(180.0);
+    page.scale_bar([MARGIN, y], length * view.scale, length);
+    let mut x = MARGIN + 260.0;
+    for (color, name) in legend {
+        page.line([[x, y - 5.0], [x + 24.0, y - 5.0]], Stroke::new(color, 2.0));
+        page.text(name, [x + 32.0, y], SMALL, Anchor::Start, INK);
+        x += 32.0 + text_width(name, SMALL) + 20.0;
+    }
+    let blocked = Stroke { opacity: BLOCKED, ..Stroke::new(INK, 2.0) };
+    page.line([[x, y - 5.0], [x + 24.0, y - 5.0]], blocked);
+    page.text("lighter: blocked", [x + 32.0, y], SMALL, Anchor::Start, INK);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use realistic::prescription::{catalogue, read};
+
+    fn drawn(table: &str) -> String {
+        let lens = Lens::at_d_line(&read("t", table.as_bytes()).unwrap());
+        let scene = Scene { title: Some("a <b> & c"), film_distance: 20.0, film_diagonal: 10.0, rays: 5 };
+        draw(&lens, &scene).to_string()
+    }
+
+    #[test]
+    fn every_lens_is_drawn_with_its_marks_and_three_bundles() {
+        for name in catalogue::names() {
+            let lens = Lens::at_d_line(&catalogue::find(name).unwrap());
+            let distance = FirstOrder::of(&lens).unwrap().back_focal_distance();
+            let scene = Scene { title: None, film_distance: distance, film_diagonal: 35.0, rays: 7 };
+            let text = draw(&lens, &scene).to_string();
+            for part in
+                ["entrance pupil", "exit pupil", "stop", "film", "lighter: blocked", COLORS[0], COLORS[2]]
+            {
+                assert!(text.contains(part), "{name} lacks {part}");
+            }
+            assert!(!text.contains("NaN") && !text.contains("inf"), "{name}");
+        }
+    }
+
+    #[test]
+    fn lenses_of_one_interface_or_without_power_are_drawn() {
+        for table in ["0 0 0 4\n", "20 0 1 10\n", "0 3 1.5 10\n0 0 1 10\n", "-10 1 1.5 8\n10 0 1 8\n"] {
+            let text = drawn(table);
+            assert!(!text.contains("NaN") && !text.contains("inf"), "{text}");
+            assert!(text.contains("a &lt;b&gt; &amp; c"));
+        }
+        assert!(drawn("20 0 1 10\n").contains("afocal"));
+    }
+}

@@ -1,0 +1,334 @@
+//! The measurement equation: what a pixel's sensor reads.
+//!
+//! ```text
+//! R = ∫∫∫∫ L(T(x, ω, λ); λ) S(x, t) P(x, λ) cos θ dx dω dt dλ
+//! ```
+//!
+//! over the pixel's area, the directions from its points through the lens, the shutter's time and the
+//! wavelengths (Kolb, Mitchell and Hanrahan 1995, eq. 1). Its parts and where they are:
+//!
+//! | part | what it is | here |
+//! |---|---|---|
+//! | L(r; λ) | spectral radiance of the scene along a ray, W/(m² sr nm) | the caller's function |
+//! | T(x, ω, λ) | the lens: film-side ray to scene-side ray | [`Camera::generate`], a camera a wavelength |
+//! | S(x, t) | the shutter, 0 to 1 | [`Shutter`](super::Shutter), in the weight |
+//! | P(x, λ) | the sensor's response to energy | [`SensorResponse`] |
+//! | cos θ dω | projected solid angle: cos⁴θ'/Z² dA'' over the pupil | the `radiometric` weight A cos⁴θ'/Z² |
+//! | dx | the pixel's area, m² | the film's pixel |
+//! | dt | the shutter's interval, s | `shutteropen` to `shutterclose` |
+//!
+//! The inner integral over ω, of unit radiance, is what [`irradiance`](super::irradiance) finds by brute force.
+//! With L in W/(m² sr nm) the film's spectral irradiance is in W/(m² nm), and R with a response of 1 is the
+//! energy on the pixel in joules. World time is seconds then.
+
+use thiserror::Error;
+
+use realistic::camera::{Camera, CameraError, Host, Level, Outcome, Parameters, Sample, WorldRay};
+
+/// P(x, λ): what the sensor reads for a joule of light at a film point and wavelength.
+pub trait SensorResponse {
+    /// The response at `point` (mm on film, lens space) to `wavelength` (nm).
+    fn response(&self, point: [f64; 2], wavelength: f64) -> f64;
+}
+
+/// A sensor that counts energy alike, wherever and at whatever wavelength: R is in joules.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Energy;
+
+impl SensorResponse for Energy {
+    fn response(&self, _: [f64; 2], _: f64) -> f64 {
+        1.0
+    }
+}
+
+/// A response that is the same all over the film, as a table of wavelengths: linear between its rows
+/// and 0 outside them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ResponseTable {
+    rows: Vec<(f64, f64)>,
+}
+
+/// Why something cannot be measured.
+#[derive(Debug, Error)]
+pub enum MeasurementError {
+    /// The cameras cannot be built.
+    #[error(transparent)]
+    Camera(#[from] CameraError),
+    /// A table whose wavelengths do not grow.
+    #[error("a response table needs two or more rows of finite numbers, their wavelengths (nm) growing")]
+    Table,
+    /// No bands.
+    #[error("a measurement needs one band of wavelengths or more, from {from} to {to} nm")]
+    Bands {
+        /// Shortest wavelength, nm.
+        from: f64,
+        /// Longest wavelength, nm.
+        to: f64,
+    },
+    /// The weights are no irradiance.
+    #[error(
+        "absolute units need a camera with a film and an aperture, and its irradiance as weight: give \"model\" \
+         \"lens\", \"thick\" or \"thin\", and \"weighting\" \"radiometric\""
+    )]
+    NotRadiometric,
+}
+
+impl ResponseTable {
+    /// A table of (wavelength in nm, response).
+    ///
+    /// # Errors
+    /// [`MeasurementError::Table`].
+    pub fn new(rows: impl Into<Vec<(f64, f64)>>) -> Result<Self, MeasurementError> {
+        let rows = rows.into();
+        let finite = rows.iter().all(|(wavelength, response)| wavelength.is_finite() && response.is_finite());
+        let growing = rows.windows(2).all(|pair| pair[0].0 < pair[1].0);
+        if rows.len() < 2 || !finite || !growing {
+            return Err(MeasurementError::Table);
+        }
+        Ok(Self { rows })
+    }
+}
+
+impl SensorResponse for ResponseTable {
+    fn response(&self, _: [f64; 2], wavelength: f64) -> f64 {
+        let above = self.rows.partition_point(|row| row.0 < wavelength);
+        match (above.checked_sub(1).map(|below| self.rows[below]), self.rows.get(above)) {
+            (_, Some(&(at, response))) if at == wavelength => response,
+            (Some((from, low)), Some(&(to, high))) => low + (high - low) * (wavelength - from) / (to - from),
+            _ => 0.0,
+        }
+    }
+}
+
+/// A band of wavelengths with the camera that sees it.
+#[derive(Debug)]
+struct Band {
+    wavelength: f64,
+    /// nm.
+    width: f64,
+    camera: Camera,
+}
+
+/// Cameras made ready to measure with: one a band of wavelengths.
+#[derive(Debug)]
+pub struct Measurement {
+    bands: Vec<Band>,
+}
+
+impl Measurement {
+    /// Builds a camera of `parameters` for the middle of each of `bands` equal bands of wavelengths from `from` to
+    /// `to` nm; a `wavelength` among the parameters is replaced. `log` receives the first camera's warnings.
+    ///
+    /// # Errors
+    /// No band, a camera that cannot be built, or one whose weights are no irradiance.
+    pub fn new(
+        parameters: &Parameters,
+        host: &Host,
+        [from, to]: [f64; 2],
+        bands: u32,
+        log: &mut dyn FnMut(Level, &str),
+    ) -> Result<Self, MeasurementError> {
+        if bands == 0 || !(from < to) {
+            return Err(MeasurementError::Bands { from, to });
+        }
+        let radiometric = parameters.weighting.as_deref().is_none_or(|name| name == "radiometric")
+            && parameters.simpleweighting != Some(true);
+        let width = (to - from) / f64::from(bands);
+        let band = |i: u32| {
+            let wavelength = from + (f64::from(i) + 0.5) * width;
+            let mut parameters = parameters.clone();
+            parameters.wavelength = Some(wavelength);
+            let mut silent = |_: Level, _: &str| {};
+            let log: &mut dyn FnMut(Level, &str) = if i == 0 { &mut *log } else { &mut silent };
+            let camera = Camera::build(&parameters, host, log)?;
+            if !radiometric || camera.film().is_none() {
+                return Err(MeasurementError::NotRadiometric);
+            }
+            Ok(Band { wavelength, width, camera })
+        };
+        Ok(Self { bands: (0..bands).map(band).collect::<Result<_, _>>()? })
+    }
+
+    /// R of a pixel (column, row) by `samples` samples a band: joules times the sensor's response, for
+    /// `radiance` in W/(m² sr nm) along a ray at a wavelength in nm and the shutter's times in seconds.
+    pub fn response(
+        &self,
+        pixel: [u32; 2],
+        samples: u32,
+        sensor: &impl SensorResponse,
+        radiance: impl Fn(&WorldRay, f64) -> f64,
+    ) -> f64 {
+        let exposure = |band: &Band| {
+            let [open, close] = band.camera.shutter_interval();
+            let area = band.camera.film().map_or(0.0, |film| (film.pixel() * 1e-3).powi(2));
+            area * f64::from(close - open)
+        };
+        self.bands
+            .iter()
+            .map(|band| exposure(band) * band.width * band.mean(pixel, samples, sensor, &radiance))
+            .sum()
+    }
+
+    /// The irradiance of a pixel (column, row), W/m², averaged over the shutter's interval, all bands together.
+    pub fn irradiance(&self, pixel: [u32; 2], samples: u32, radiance: impl Fn(&WorldRay, f64) -> f64) -> f64 {
+        self.bands.iter().map(|band| band.width * band.mean(pixel, samples, &Energy, &radiance)).sum()
+    }
+}
+
+impl Band {
+    /// The mean over a pixel, the pupil and the shutter's interval, in W/(m² nm) times the response.
+    fn mean(
+        &self,
+        [column, row]: [u32; 2],
+        samples: u32,
+        sensor: &impl SensorResponse,
+        radiance: &impl Fn(&WorldRay, f64) -> f64,
+    ) -> f64 {
+        let (mut sum, mut drawn) = (0.0, 0_u32);
+        for number in 0..samples {
+            let [x, y, u, v, time] = spread(number);
+            let image = [f64::from(column) + x, f64::from(row) + y];
+            let sample = Sample {
+                image_x: image[0] as f32,
+                image_y: image[1] as f32,
+                lens_u: u as f32,
+                lens_v: v as f32,
+                time: time as f32,
+            };
+            match self.camera.generate(&sample) {
+                Outcome::Ray(ray, weight) => {
+                    let point = self.camera.film().map_or([0.0; 2], |film| film.point(image[0], image[1]));
+                    let response = sensor.response(point, self.wavelength);
+                    sum += f64::from(weight) * response * radiance(&ray, self.wavelength);
+                    drawn += 1;
+                }
+                Outcome::Blocked(_) | Outcome::Shut => drawn += 1,
+                Outcome::Redraw => {}
+            }
+        }
+        if drawn == 0 { 0.0 } else { sum / f64::from(drawn) }
+    }
+}
+
+/// The `number`th of a sequence of evenly spread points of the unit cube of five dimensions: the additive
+/// recurrence whose steps are the powers of 1/φ, φ⁶ = φ + 1 (M. Roberts, "The Unreasonable Effectiveness of
+/// Quasirandom Sequences", 2018).
+fn spread(number: u32) -> [f64; 5] {
+    const PHI: f64 = 1.134_724_138_401_519_5;
+    std::array::from_fn(|i| {
+        let step = PHI.powi(-(i as i32 + 1));
+        (0.5 + step * f64::from(number)).fract()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use realistic::camera::Raster;
+    use realistic::prescription::glass::{C_LINE, F_LINE};
+
+    fn measurement(settings: &[(&str, &str)], bands: u32) -> Result<Measurement, MeasurementError> {
+        let mut parameters = Parameters::default();
+        for (name, text) in settings {
+            parameters.set_from_text(name, text).expect("valid");
+        }
+        let host = Host::new(Raster { xres: 30, yres: 20 }, None);
+        Measurement::new(&parameters, &host, [400.0, 700.0], bands, &mut |_, _| {})
+    }
+
+    #[test]
+    fn the_steps_of_the_sequence_are_powers_of_the_root_of_its_equation() {
+        let phi = 1.134_724_138_401_519_5_f64;
+        assert!((phi.powi(6) - phi - 1.0).abs() < 1e-14);
+        let n = 4096;
+        for i in 0..5 {
+            let mean: f64 = (0..n).map(|number| spread(number)[i]).sum::<f64>() / f64::from(n);
+            assert!((mean - 0.5).abs() < 2e-3);
+        }
+    }
+
+    #[test]
+    fn constant_radiance_gives_area_time_band_and_projected_solid_angle() {
+        let camera = [("model", "thick"), ("fnumber", "8"), ("shutteropen", "1"), ("shutterclose", "1.25")];
+        let measured = measurement(&camera, 1).expect("a camera");
+        let band = &measured.bands[0];
+        let pixel = 35.0 / 30.0_f64.hypot(20.0) * 1e-3;
+        let irradiance = measured.irradiance([15, 10], 4096, |_, _| 2.0);
+        let energy = measured.response([15, 10], 4096, &Energy, |_, _| 2.0);
+        assert!((energy / (irradiance * pixel * pixel * 0.25) - 1.0).abs() < 1e-6);
+        // On the axis of a thick lens focused at infinity the exit pupil's rim is seen at slope 1/(2 N).
+        let slope = 1.0 / 16.0_f64;
+        let disk = std::f64::consts::PI * slope * slope / (1.0 + slope * slope);
+        assert!((irradiance / (2.0 * 300.0 * disk) - 1.0).abs() < 2e-3, "{irradiance}");
+        assert_eq!((band.wavelength, band.width), (550.0, 300.0));
+    }
+
+    #[test]
+    fn the_shutter_takes_its_share_of_the_exposure() {
+        let base = [("model", "thick"), ("fnumber", "8")];
+        let of = |more: &[(&str, &str)]| {
+            let camera = measurement(&[base.as_slice(), more].concat(), 1).expect("a camera");
+            camera.response([3, 17], 20_000, &Energy, |_, _| 1.0)
+        };
+        let global = of(&[]);
+        for (settings, share) in [
+            ([("shutter", "leaf"), ("shutterramp", "0.4")], 0.6),
+            ([("shutter", "focal-plane"), ("shutterslit", "0.125")], 0.125),
+        ] {
+            let part = of(&settings) / global;
+            assert!((part / share - 1.0).abs() < 5e-3, "{settings:?}: {part}");
+        }
+    }
+
+    #[test]
+    fn a_moving_slit_sees_each_row_at_its_own_time() {
+        let slit = [("model", "thick"), ("shutter", "focal-plane"), ("shutterslit", "0.1")];
+        let camera = measurement(&slit, 1).expect("a camera");
+        let mean_time = |row| {
+            let light = |ray: &WorldRay, _: f64| f64::from(ray.time);
+            camera.irradiance([15, row], 20_000, light) / camera.irradiance([15, row], 20_000, |_, _| 1.0)
+        };
+        for (row, expected) in [(0, 0.05 + 0.9 * 0.025), (10, 0.05 + 0.9 * 0.525), (19, 0.95 - 0.9 * 0.025)] {
+            assert!((mean_time(row) - expected).abs() < 2e-3, "row {row}: {}", mean_time(row));
+        }
+    }
+
+    #[test]
+    fn the_sensors_response_weighs_wavelengths_and_film_points() {
+        struct Right;
+        impl SensorResponse for Right {
+            fn response(&self, [x, _]: [f64; 2], _: f64) -> f64 {
+                // The film's +x is the picture's left.
+                f64::from(u8::from(x < 0.0))
+            }
+        }
+        let camera = measurement(&[("model", "thin")], 3).expect("cameras");
+        let energy = camera.response([20, 10], 256, &Energy, |_, _| 1.0);
+        assert!((camera.response([20, 10], 256, &Right, |_, _| 1.0) / energy - 1.0).abs() < 1e-12);
+        assert_eq!(camera.response([5, 10], 256, &Right, |_, _| 1.0), 0.0);
+        let red = ResponseTable::new([(600.0, 0.0), (650.0, 1.0), (700.0, 1.0)]).expect("a table");
+        assert!((camera.response([20, 10], 256, &red, |_, _| 1.0) / energy - 1.0 / 3.0).abs() < 1e-2);
+        let line = |_: &WorldRay, wavelength: f64| if wavelength < 500.0 { 1.0 } else { 0.0 };
+        assert_eq!(camera.response([20, 10], 256, &red, line), 0.0);
+    }
+
+    #[test]
+    fn a_table_is_linear_between_its_rows_and_0_outside() {
+        let table = ResponseTable::new([(F_LINE, 1.0), (C_LINE, 3.0)]).expect("a table");
+        let at = |wavelength| table.response([0.0; 2], wavelength);
+        assert_eq!([at(F_LINE), at(C_LINE)], [1.0, 3.0]);
+        assert!((at(f64::midpoint(F_LINE, C_LINE)) - 2.0).abs() < 1e-12);
+        assert_eq!([at(F_LINE - 0.01), at(C_LINE + 0.01)], [0.0, 0.0]);
+        assert!(ResponseTable::new([(500.0, 1.0)]).is_err());
+        assert!(ResponseTable::new([(500.0, 1.0), (500.0, 2.0)]).is_err());
+    }
+
+    #[test]
+    fn what_has_no_absolute_units_is_refused() {
+        for settings in [("model", "environment"), ("weighting", "none"), ("simpleweighting", "true")] {
+            let message = measurement(&[settings], 1).expect_err("refused").to_string();
+            assert!(message.contains("\"radiometric\""), "{message}");
+        }
+        assert!(measurement(&[], 0).is_err());
+    }
+}

@@ -1,0 +1,61 @@
+//! The cameras whose estimates are compared: every way to sample the pupil and the lens numbers.
+
+use crate::subject::FILM_DIAGONAL;
+use realistic::{
+    camera::{CameraError, Host, Parameters, Raster, RealisticCamera, Sample},
+    sampling::DiskMapping,
+};
+
+/// The ways to sample the pupil, by the parameter `pupil`.
+pub const PUPILS: &[&str] = &["rear", "disk", "warped"];
+/// The ways from lens numbers to the unit disk, by the parameter `disk`.
+pub const DISKS: &[&str] = &["concentric", "polar", "rejection"];
+
+/// A camera that is asked for a ray at a time.
+#[derive(Debug)]
+pub struct Single {
+    camera: RealisticCamera,
+    mapping: DiskMapping,
+}
+
+/// A camera as a host would build it for a lens of the catalogue focused at infinity.
+///
+/// # Errors
+/// As [`RealisticCamera::build`].
+pub fn camera(lens: &str, raster: Raster, given: Parameters) -> Result<Single, CameraError> {
+    let parameters = Parameters {
+        specfile: Some(lens.to_owned()),
+        filmdiag: Some(FILM_DIAGONAL),
+        focusdistance: Some(f64::INFINITY),
+        ..given
+    };
+    let named = parameters.disk.as_deref();
+    let mapping = DiskMapping::NAMES.iter().find(|(name, _)| named == Some(*name));
+    let mapping = mapping.map_or(DiskMapping::default(), |(_, mapping)| *mapping);
+    let camera = RealisticCamera::build(&parameters, &Host::new(raster, None), &mut |_, _| {})?;
+    Ok(Single { camera, mapping })
+}
+
+/// A ray in lens space, mm, and its weight.
+pub type Shot = ([f32; 3], [f32; 3], f32);
+
+impl Single {
+    /// What the camera makes of a sample: nothing where the sample is to be drawn again, a weight of 0
+    /// where the lens blocks it.
+    pub fn shoot(&self, sample: &Sample) -> Option<Shot> {
+        if let Some((ray, weight)) = self.camera.ray(sample) {
+            return Some((ray.origin, ray.direction, weight));
+        }
+        // Only the mapping asks for other numbers.
+        self.mapping.map(sample.lens_u.into(), sample.lens_v.into())?;
+        Some(([0.0; 3], [0.0, 0.0, 1.0], 0.0))
+    }
+}
+
+impl std::ops::Deref for Single {
+    type Target = RealisticCamera;
+
+    fn deref(&self) -> &RealisticCamera {
+        &self.camera
+    }
+}

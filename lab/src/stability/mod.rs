@@ -1,0 +1,149 @@
+//! Numerical stability: extreme cases with known answers, for every tracer.
+//!
+//! | part | what it holds |
+//! |---|---|
+//! | [`case`] | a case, and how a tracer is judged by it |
+//! | [`kernel`] | the tracers by name; a new one is a line there |
+//! | [`interfaces`], [`assemblies`], [`stiff`] | cases whose answer the reference gives |
+//! | [`closed_form`] | cases whose answer a formula gives |
+//! | [`design`] | focal length, pupil and focus of stiff lenses |
+//! | [`random`] | lenses and rays at random |
+//!
+//! [`run`] goes through all of it. The figure to read is [`CaseResult::ratio`]: the error over what a
+//! perfect tracer of that precision must expect from the case's
+//! [condition number](crate::condition).
+
+pub mod assemblies;
+mod build;
+pub mod case;
+pub mod closed_form;
+pub mod design;
+pub mod interfaces;
+pub mod kernel;
+pub mod random;
+pub mod stiff;
+
+use std::ops::ControlFlow;
+
+pub use case::{BOUND, Case, CaseResult, MARGIN};
+pub use kernel::{Kernel, kernels};
+
+/// How much of the random part is run; the rest is the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Effort {
+    /// Random lenses that are compared with the reference, a hundred rays each.
+    pub lenses: usize,
+    /// Rays through random lenses in cameras, about.
+    pub rays: u64,
+}
+
+impl Effort {
+    /// A few seconds.
+    pub const QUICK: Self = Self { lenses: 300, rays: 1_000_000 };
+    /// A few minutes.
+    pub const FULL: Self = Self { lenses: 10_000, rays: 100_000_000 };
+}
+
+/// How far [`run`] has got.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress<'a> {
+    /// What comes next.
+    pub name: &'a str,
+    /// Share of the work that is done, 0 to 1.
+    pub done: f64,
+}
+
+/// Parts into which the random rays are divided, between which a run can be stopped.
+const PARTS: usize = 50;
+/// Rays through each random camera.
+const RAYS_EACH: usize = 2000;
+
+/// Every case, for every tracer.
+pub fn cases() -> Vec<Case> {
+    [
+        interfaces::radii,
+        interfaces::rims,
+        interfaces::grazing,
+        interfaces::critical_angles,
+        interfaces::index_steps,
+        interfaces::gaps,
+        assemblies::film_places,
+        assemblies::telecentric,
+        assemblies::stops,
+        assemblies::fisheyes,
+        assemblies::counts,
+        assemblies::scales,
+        assemblies::tiny_coordinates,
+        stiff::telescopes,
+        stiff::balls,
+        closed_form::plates,
+        closed_form::aplanatic_meniscus,
+        closed_form::shells,
+    ]
+    .into_iter()
+    .flat_map(|cases| cases())
+    .collect()
+}
+
+/// Runs everything on all cores. `progress` is called from this thread between parts, and ends the run with
+/// [`ControlFlow::Break`]; what is done by then is returned.
+pub fn run(effort: Effort, progress: &mut dyn FnMut(Progress<'_>) -> ControlFlow<()>) -> Vec<CaseResult> {
+    let mut results = Vec::new();
+    // A stopped run is a shorter one: the results so far are the answer either way.
+    let _ = run_parts(effort, &mut results, progress);
+    results
+}
+
+fn run_parts(
+    effort: Effort,
+    results: &mut Vec<CaseResult>,
+    progress: &mut dyn FnMut(Progress<'_>) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    let (cases, kernels) = (cases(), kernels());
+    // The cases are a twentieth, the two random parts the rest.
+    for (number, case) in cases.iter().enumerate() {
+        progress(Progress { name: &case.name, done: 0.05 * number as f64 / cases.len() as f64 })?;
+        let trails = case.trails();
+        results.extend(kernels.iter().filter_map(|kernel| case.run(kernel, &trails)));
+    }
+    results.extend(design::first_order());
+    results.extend(design::focus());
+
+    let mut against = random::none_yet(&kernels);
+    for part in 0..PARTS {
+        let done = 0.05 + 0.45 * part as f64 / PARTS as f64;
+        progress(Progress { name: "random lenses against the reference", done })?;
+        for found in on_all_cores(part, |seed, workers| {
+            random::against_reference(seed, effort.lenses.div_ceil(PARTS * workers), &kernels)
+        }) {
+            against.iter_mut().zip(&found).for_each(|(all, part)| all.merge(part));
+        }
+    }
+    results.extend(against);
+
+    let mut survey = random::Survey::default();
+    let lenses = effort.rays.div_ceil((PARTS * RAYS_EACH) as u64) as usize;
+    for part in 0..PARTS {
+        let done = 0.5 + 0.5 * part as f64 / PARTS as f64;
+        progress(Progress { name: "rays through random cameras", done })?;
+        for found in on_all_cores(PARTS + part, |seed, workers| {
+            random::through_cameras(seed, lenses.div_ceil(workers), RAYS_EACH)
+        }) {
+            survey.add(found);
+        }
+    }
+    results.push(survey.result());
+    ControlFlow::Continue(())
+}
+
+/// `work` on every core, each with a seed of its own, and the number of cores.
+fn on_all_cores<T: Send>(part: usize, work: impl Fn(u64, usize) -> T + Sync) -> Vec<T> {
+    let workers = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let work = &work;
+    std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..workers)
+            .map(|worker| scope.spawn(move || work((1 + part * workers + worker) as u64, workers)))
+            .collect();
+        threads.into_iter().map(|thread| thread.join().expect("the work does not panic")).collect()
+    })
+}

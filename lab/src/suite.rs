@@ -1,0 +1,218 @@
+//! Everything that a report measures, at two sizes.
+
+use std::{ops::ControlFlow, time::Duration};
+
+use thiserror::Error;
+
+use crate::{
+    bench::Effort,
+    irradiance, picture, pupil_table, ray_map, set_up,
+    stability::{self, CaseResult},
+    subject::Subject,
+    table::Table,
+};
+use realistic::{
+    camera::{CameraError, Raster},
+    imaging::focus::FocusError,
+    prescription::catalogue,
+};
+
+/// The lenses that a report is about.
+pub const LENSES: [&str; 4] = ["dgauss.50mm", "wide.22mm", "telephoto.250mm", "fisheye.10mm"];
+
+/// What is measured, and how long.
+#[derive(Clone, Debug)]
+pub struct Suite {
+    /// Names in the catalogue.
+    pub lenses: Vec<&'static str>,
+    /// The ray map.
+    pub ray_map: ray_map::Size,
+    /// Film irradiance.
+    pub irradiance: irradiance::Size,
+    /// Rendered pictures.
+    pub picture: picture::Size,
+    /// Set-up.
+    pub set_up: set_up::Size,
+    /// The pupil's tables.
+    pub pupils: pupil_table::Size,
+    /// Stability.
+    pub stability: stability::Effort,
+}
+
+impl Suite {
+    /// Minutes: for figures to keep.
+    pub fn full() -> Self {
+        let effort = Effort { rounds: 31, least: Duration::from_millis(3) };
+        Self {
+            lenses: LENSES.to_vec(),
+            ray_map: ray_map::Size { rays: 20_000, block: 2048, effort },
+            irradiance: irradiance::Size { exponent: 7, repeats: 24, survey: 2000, effort },
+            picture: picture::Size {
+                raster: Raster { xres: 72, yres: 48 },
+                exponent: 4,
+                reference: 4096,
+                repeats: 3,
+            },
+            set_up: set_up::Size { rays: 5000, repeats: 9 },
+            pupils: pupil_table::Size { points: 48, repeats: 5 },
+            stability: stability::Effort::FULL,
+        }
+    }
+
+    /// Under a minute.
+    pub fn quick() -> Self {
+        let effort = Effort { rounds: 9, least: Duration::from_millis(1) };
+        Self {
+            lenses: LENSES.to_vec(),
+            ray_map: ray_map::Size { rays: 4000, block: 2048, effort },
+            irradiance: irradiance::Size { exponent: 5, repeats: 12, survey: 800, effort },
+            picture: picture::Size {
+                raster: Raster { xres: 36, yres: 24 },
+                exponent: 3,
+                reference: 1024,
+                repeats: 2,
+            },
+            set_up: set_up::Size { rays: 1000, repeats: 3 },
+            pupils: pupil_table::Size { points: 12, repeats: 1 },
+            stability: stability::Effort::QUICK,
+        }
+    }
+
+    /// Measures. `progress` hears what is being done.
+    ///
+    /// # Errors
+    /// A lens cannot be focused, or a camera not be built.
+    pub fn run(&self, progress: &mut dyn FnMut(&str)) -> Result<Results, SuiteError> {
+        let mut results = Results::default();
+        for &name in &self.lenses {
+            let mut tell = |what: &str| progress(&format!("{name}: {what}"));
+            let prescription = catalogue::find(name).ok_or(SuiteError::Unknown(name))?;
+            let subject = Subject::new(&prescription)?;
+            tell("ray map");
+            results.ray_map.extend(ray_map::measure(&subject, self.ray_map));
+            tell("film irradiance");
+            results.irradiance.extend(irradiance::measure(&subject, self.irradiance)?);
+            tell("pictures");
+            let pictures = picture::measure(&subject, self.picture)?;
+            results.estimators.extend(pictures.estimators);
+            results.renderers.extend(pictures.renderers);
+            results.floors.push((name, pictures.floor));
+            tell("set-up");
+            results.set_up.extend(set_up::measure(&subject, self.set_up));
+            tell("pupils");
+            results.pupils.extend(pupil_table::measure(&subject, self.pupils));
+            results.lenses.push(name);
+        }
+        results.stability = stability::run(self.stability, &mut |at| {
+            progress(&format!("stability: {} ({:.0} %)", at.name, 100.0 * at.done));
+            ControlFlow::Continue(())
+        });
+        Ok(results)
+    }
+}
+
+/// Why there is no report.
+#[derive(Debug, Error)]
+pub enum SuiteError {
+    /// A lens that the catalogue does not have.
+    #[error("the catalogue has no lens \"{0}\"")]
+    Unknown(&'static str),
+    /// A lens that cannot be focused at infinity.
+    #[error(transparent)]
+    Focus(#[from] FocusError),
+    /// A camera that cannot be built.
+    #[error(transparent)]
+    Camera(#[from] CameraError),
+}
+
+/// What was measured, lens after lens.
+#[derive(Clone, Debug, Default)]
+pub struct Results {
+    /// The lenses.
+    pub lenses: Vec<&'static str>,
+    /// Errors and times of rays.
+    pub ray_map: Vec<ray_map::Measured>,
+    /// Estimates of film irradiance.
+    pub irradiance: Vec<irradiance::Curve>,
+    /// Pictures by sampler and sequence.
+    pub estimators: Vec<picture::Curve>,
+    /// Pictures by renderer.
+    pub renderers: Vec<picture::Curve>,
+    /// The reference pictures' own errors.
+    pub floors: Vec<(&'static str, f64)>,
+    /// Build times.
+    pub set_up: Vec<set_up::Measured>,
+    /// Pupils.
+    pub pupils: Vec<pupil_table::Measured>,
+    /// Extreme cases.
+    pub stability: Vec<CaseResult>,
+}
+
+impl Results {
+    /// Every table, in the order of the report.
+    pub fn tables(&self) -> Vec<Table> {
+        vec![
+            ray_map::table(&self.ray_map),
+            irradiance::table(&self.irradiance),
+            picture::table("estimators", "pupil", &self.estimators),
+            set_up::table(&self.set_up),
+            pupil_table::table(&self.pupils),
+            picture::table("renderers", "renderer", &self.renderers),
+            stability_table(&self.stability),
+        ]
+    }
+
+    /// The stability cases by group and kernel: the worst of each.
+    pub fn stability_by_group(&self) -> Vec<CaseResult> {
+        let mut groups: Vec<CaseResult> = Vec::new();
+        for case in &self.stability {
+            let known = groups.iter_mut().find(|g| (g.group, g.kernel) == (case.group, case.kernel));
+            let Some(group) = known else {
+                groups.push(CaseResult { name: "all of the group".to_owned(), ..case.clone() });
+                continue;
+            };
+            group.bound = group.bound.max(case.bound);
+            group.worst_error_rad = group.worst_error_rad.max(case.worst_error_rad);
+            group.worst_error_mm = group.worst_error_mm.max(case.worst_error_mm);
+            group.condition = group.condition.max(case.condition);
+            group.ratio = group.ratio.max(case.ratio);
+            group.disagreements += case.disagreements;
+            group.rays += case.rays;
+            group.undecided += case.undecided;
+            group.holds &= case.holds;
+        }
+        groups
+    }
+}
+
+/// Stability cases as a table.
+pub fn stability_table(cases: &[CaseResult]) -> Table {
+    let mut table = Table::new(
+        "stability",
+        &[
+            "group",
+            "kernel",
+            "case",
+            "worst_direction_rad",
+            "worst_position_mm",
+            "condition",
+            "ratio",
+            "bound",
+            "rays",
+            "disagreements",
+            "undecided",
+            "holds",
+        ],
+    );
+    for case in cases {
+        let mut row = vec![case.group.into(), case.kernel.into(), case.name.as_str().into()];
+        row.extend(
+            [case.worst_error_rad, case.worst_error_mm, case.condition, case.ratio, case.bound]
+                .map(Into::into),
+        );
+        row.extend([case.rays, case.disagreements, case.undecided].map(Into::into));
+        row.push(case.holds.into());
+        table.rows.push(row);
+    }
+    table
+}

@@ -1,0 +1,181 @@
+//! Polynomials against the rays that they are fitted to, and against the thick lens.
+
+use realistic::{
+    lens::{Lens, first_order::FirstOrder},
+    prescription::catalogue,
+    sampling::PupilDisk,
+    trace::{
+        Path, Ray, Real,
+        kernel::{LensRays, PlaneRays, Precision},
+        polynomial::{FitError, Polynomial, PolynomialLens},
+    },
+};
+use realistic_lab::ray_set::passing_rays;
+
+struct Subject {
+    lens: Lens,
+    film: f64,
+    reach: f64,
+}
+
+impl Subject {
+    fn new(name: &str) -> Self {
+        let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
+        let film = FirstOrder::of(&lens).expect("focal").rear_focal_point;
+        Self { lens, film, reach: 17.5 }
+    }
+
+    fn rays(&self, count: usize, seed: u32) -> Vec<Ray> {
+        let cover = PupilDisk::rear(&self.lens, self.film, self.reach).expect("film behind the lens");
+        passing_rays(&Path::<f64>::film_to_scene(&self.lens), self.film, self.reach, cover, count, seed)
+    }
+
+    fn fit(&self, order: usize) -> Polynomial {
+        Polynomial::fit(&self.lens, self.film, &self.rays(1500, 0), order).expect("enough rays")
+    }
+}
+
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
+}
+
+/// The ray through a lens of polynomials.
+fn through(polynomial: &Polynomial, ray: Ray) -> Option<Ray> {
+    let ([x, y, _], [dx, dy, dz]) = (ray.origin, ray.direction);
+    let traced = PolynomialLens::<f64>::new(polynomial).trace_one([x, y], [dx / dz, dy / dz])?;
+    Some(Ray { origin: traced.origin, direction: traced.direction })
+}
+
+/// Median and largest direction errors, rad, and the median position error, mm.
+fn errors(subject: &Subject, polynomial: &Polynomial) -> (f64, f64, f64) {
+    let path = Path::<f64>::film_to_scene(&subject.lens);
+    let pairs: Vec<_> = subject
+        .rays(600, 1)
+        .into_iter()
+        .filter_map(|ray| Some((through(polynomial, ray)?, path.trace(ray).expect("passes"))))
+        .collect();
+    // Order 1 leads 29 of a fisheye's past the rim of its front.
+    assert!(pairs.len() > 560, "{} of 600", pairs.len());
+    let sorted = |measure: &dyn Fn(&(Ray, Ray)) -> f64| {
+        let mut all: Vec<f64> = pairs.iter().map(measure).collect();
+        all.sort_by(f64::total_cmp);
+        all
+    };
+    let direction = sorted(&|(a, b)| distance(a.direction, b.direction));
+    let position = sorted(&|(a, b)| distance(a.origin, b.origin));
+    (direction[300], direction[direction.len() - 1], position[300])
+}
+
+#[test]
+fn fresh_rays_are_met_better_with_every_order() {
+    for name in catalogue::names() {
+        let subject = Subject::new(name);
+        let mut before = (f64::INFINITY, f64::INFINITY);
+        for order in [1, 3, 5, 7, 9, 11] {
+            let polynomial = subject.fit(order);
+            let (median, most, position) = errors(&subject, &polynomial);
+            println!("{name} order {order}: {median:.1e} median, {most:.1e} max rad, {position:.1e} mm");
+            assert!(median < before.0 / 1.5 && position < before.1 / 1.5, "{name} order {order}");
+            before = (median, position);
+        }
+    }
+}
+
+#[test]
+fn near_the_axis_they_are_the_thick_lens() {
+    for name in catalogue::names() {
+        let subject = Subject::new(name);
+        let thick = FirstOrder::of(&subject.lens).expect("focal");
+        let polynomial = subject.fit(11);
+        // Half a thousandth of the film and of a slope of 1: what is left is the fit's error.
+        for (x, slope) in [(5e-3, 0.0), (0.0, 5e-4), (-3e-3, 4e-4)] {
+            let ray = Ray { origin: [x, -x, subject.film], direction: [slope, 2.0 * slope, 1.0] };
+            let (mut a, b) = (through(&polynomial, ray).expect("near the axis"), thick.transfer(ray));
+            let back = a.origin[2] / a.direction[2];
+            (0..3).for_each(|i| a.origin[i] -= back * a.direction[i]);
+            let (p, d) = (distance(a.origin, b.origin), distance(a.direction, b.direction));
+            assert!(d < 1e-7 && p < 1e-6, "{name}: {d:e} rad, {p:e} mm");
+        }
+    }
+}
+
+/// A batch of rays at the film: origin, direction and weight of each.
+fn batch<S: Precision + Real>(polynomial: &Polynomial, rays: &[Ray]) -> [Vec<S>; 7] {
+    let column = |of: &dyn Fn(&Ray) -> f64| rays.iter().map(|ray| S::from_f64(of(ray))).collect::<Vec<S>>();
+    let [x, y] = [0, 1].map(|i| column(&|ray| ray.origin[i]));
+    let [slope_x, slope_y] = [0, 1].map(|i| column(&|ray| ray.direction[i] / ray.direction[2]));
+    let mut out: [Vec<S>; 7] = std::array::from_fn(|_| vec![<S as Real>::ZERO; rays.len()]);
+    let [ox, oy, oz, dx, dy, dz, weight] = out.each_mut().map(Vec::as_mut_slice);
+    PolynomialLens::<S>::new(polynomial).trace_batch(
+        &PlaneRays { plane: 0.0, x: &x, y: &y, slope_x: &slope_x, slope_y: &slope_y },
+        &mut LensRays { origin: [ox, oy, oz], direction: [dx, dy, dz], weight },
+    );
+    out
+}
+
+#[test]
+fn batches_are_the_single_rays_to_the_bit_and_in_single_precision_to_its_digits() {
+    let subject = Subject::new("wide.22mm");
+    let polynomial = subject.fit(7);
+    // 37: no whole number of lanes of any width.
+    let rays = subject.rays(37, 3);
+    let (doubles, singles) = (batch::<f64>(&polynomial, &rays), batch::<f32>(&polynomial, &rays));
+    for (i, ray) in rays.iter().enumerate() {
+        let own = through(&polynomial, *ray).expect("passes");
+        for axis in 0..3 {
+            assert_eq!(doubles[axis][i], own.origin[axis]);
+            assert_eq!(doubles[3 + axis][i], own.direction[axis]);
+        }
+        let narrow = [3, 4, 5].map(|column: usize| f64::from(singles[column][i]));
+        assert!(distance(own.direction, narrow) < 2e-6, "{own:?} {narrow:?}");
+        assert!((distance(own.direction, [0.0; 3]) - 1.0).abs() < 1e-15);
+    }
+}
+
+#[test]
+fn a_lens_of_polynomials_blocks_where_the_rims_do_and_changes_no_other_ray() {
+    let subject = Subject::new("dgauss.50mm");
+    let path = Path::<f64>::film_to_scene(&subject.lens);
+    let last = subject.lens.surfaces.len() - 1;
+    let fit = |rims: &[usize]| {
+        Polynomial::with_rims(&subject.lens, subject.film, &subject.rays(1500, 0), 9, rims)
+            .map(|polynomial| PolynomialLens::<f64>::new(&polynomial))
+            .expect("enough rays")
+    };
+    let stop = subject.lens.stop_index().expect("a stop");
+    let blind = fit(&[]);
+    let lens = fit(&[last, stop, 2]);
+    let (mut blocked, mut missed, mut wrong) = (0, 0, 0);
+    for i in 0..60 {
+        for j in 0..60 {
+            let at = |k: i32| 0.9 * (f64::from(k) / 59.0 - 0.5);
+            let (point, slopes) = ([0.0, 6.0], [at(i), at(j) - 0.1]);
+            let ray = Ray { origin: [0.0, 6.0, subject.film], direction: [slopes[0], slopes[1], 1.0] };
+            let passes = path.trace(ray).is_ok();
+            let traced = lens.trace_one(point, slopes);
+            if let (Some(traced), Some(free)) = (traced, blind.trace_one(point, slopes)) {
+                assert_eq!(traced.direction, free.direction);
+                assert_eq!(traced.origin, free.origin);
+            }
+            blocked += i32::from(!passes);
+            missed += i32::from(!passes && blind.trace_one(point, slopes).is_some());
+            wrong += i32::from(passes != traced.is_some());
+        }
+    }
+    assert!(blocked > 500 && missed > 100, "{blocked} blocked, {missed} unknown without rims");
+    assert!(wrong <= 12, "{wrong} of 3600");
+}
+
+#[test]
+fn what_cannot_be_fitted_is_refused() {
+    let subject = Subject::new("dgauss.50mm");
+    let rays = subject.rays(50, 0);
+    assert_eq!(Polynomial::fit(&subject.lens, subject.film, &rays, 4), Err(FitError::Order(4)));
+    let few = Polynomial::fit(&subject.lens, subject.film, &rays, 11);
+    assert_eq!(few, Err(FitError::Undetermined { order: 11, passing: 50, needed: 224 }));
+    let axial = vec![Ray { origin: [0.0, 0.0, subject.film], direction: [0.0, 0.0, 1.0] }; 500];
+    assert!(matches!(
+        Polynomial::fit(&subject.lens, subject.film, &axial, 3),
+        Err(FitError::Undetermined { .. })
+    ));
+}

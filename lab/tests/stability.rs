@@ -1,0 +1,265 @@
+//! The stability suite's fast part, and the defects that it found.
+
+use std::ops::ControlFlow;
+
+use realistic::{
+    camera::{CameraError, Host, Outcome, Parameters, Raster, RealisticCamera, Sample},
+    lens::{
+        Lens,
+        first_order::FirstOrder,
+        refraction::Refraction,
+        single_precision::{Unfit, f32_is_fit},
+    },
+    prescription::{catalogue, read},
+    trace::{Direction, Path, Ray},
+};
+use realistic_lab::stability::{self, Case, CaseResult, Effort, Kernel, kernels, random};
+
+fn show(result: &CaseResult) -> String {
+    format!(
+        "{}, {}, {}: {:.1e} rad, {:.1e} mm, condition {:.1e}, ratio {:.2e} of {}, {} of {} rays disagree, {} \
+         undecided",
+        result.group,
+        result.name,
+        result.kernel,
+        result.worst_error_rad,
+        result.worst_error_mm,
+        result.condition,
+        result.ratio,
+        result.bound,
+        result.disagreements,
+        result.rays,
+        result.undecided
+    )
+}
+
+fn all_hold(results: &[CaseResult]) {
+    for result in results {
+        println!("{}", show(result));
+    }
+    let broken: Vec<String> = results.iter().filter(|result| !result.holds).map(show).collect();
+    assert!(broken.is_empty(), "{broken:#?}");
+}
+
+fn with_every_tracer(cases: &[Case]) -> Vec<CaseResult> {
+    let kernels = kernels();
+    cases
+        .iter()
+        .flat_map(|case| {
+            let trails = case.trails();
+            kernels.iter().filter_map(|kernel| case.run(kernel, &trails)).collect::<Vec<_>>()
+        })
+        .collect()
+}
+
+fn named(name: &str) -> Kernel {
+    kernels().into_iter().find(|kernel| kernel.name == name).expect("one of the tracers")
+}
+
+fn lens(text: &str) -> Lens {
+    Lens::at_d_line(&read("test", text.as_bytes()).expect("a lens"))
+}
+
+#[test]
+fn every_tracer_keeps_its_bound_on_every_case() {
+    let cases = stability::cases();
+    assert!(cases.len() > 150);
+    all_hold(&with_every_tracer(&cases));
+}
+
+#[test]
+fn the_cases_are_decided_and_as_hard_as_they_claim() {
+    let cases = stability::cases();
+    for case in &cases {
+        let trails = case.trails();
+        let double = case.run(&named("walk f64"), &trails).expect("for any lens");
+        assert!(double.rays >= 5, "{}", show(&double));
+    }
+    let hardest = with_every_tracer(&stability::stiff::telescopes());
+    assert!(hardest.iter().any(|result| result.kernel == "walk f64" && result.condition > 1e8));
+    let backward = stability::assemblies::fisheyes();
+    let leaves_backward = |ray: &Ray| {
+        Path::<f64>::film_to_scene(&backward[0].lens).trace(*ray).is_ok_and(|ray| ray.direction[2] < 0.0)
+    };
+    assert!(backward[0].rays.iter().any(leaves_backward));
+}
+
+#[test]
+fn focal_lengths_pupils_and_focus_of_stiff_lenses_keep_their_digits() {
+    all_hold(&stability::design::first_order());
+    all_hold(&stability::design::focus());
+}
+
+#[test]
+fn random_lenses_agree_with_the_reference() {
+    let results = random::against_reference(7, 300, &kernels());
+    all_hold(&results);
+    for result in &results {
+        assert!(result.undecided < result.rays / 20, "{}", show(result));
+    }
+}
+
+#[test]
+fn no_ray_through_a_random_camera_is_unsound() {
+    let survey = random::through_cameras(11, 500, 2000);
+    assert_eq!(survey.unsound, 0, "{survey:?}");
+    assert!(survey.rays == 1_000_000 && survey.passed > 100_000, "{survey:?}");
+}
+
+#[test]
+fn a_run_reports_progress_and_stops_when_told() {
+    let mut calls = 0;
+    let results = stability::run(Effort::QUICK, &mut |progress| {
+        assert!((0.0..1.0).contains(&progress.done));
+        calls += 1;
+        if calls == 4 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    assert_eq!(results.len(), 3 * kernels().len());
+}
+
+#[test]
+fn where_single_precision_is_fit_its_rays_are() {
+    let (mut fit, mut unfit) = (0, 0);
+    for case in stability::cases() {
+        // Near total reflection no fixed precision holds an angle, in any lens.
+        if f32_is_fit(&case.lens).is_err() || case.group == "critical angle" {
+            unfit += 1;
+            continue;
+        }
+        fit += 1;
+        let trails = case.trails();
+        for (kernel, most) in [
+            ("walk f32", 1e-5),
+            ("kernel f32, one ray", 1e-4),
+            ("kernel f32, portable", 1e-4),
+            ("kernel f32, anywhere", 1e-4),
+        ] {
+            let Some(single) = case.run(&named(kernel), &trails) else { continue };
+            assert!(single.worst_error_rad < most, "{}", show(&single));
+        }
+    }
+    assert!(fit > 50 && unfit > 30, "{fit} fit, {unfit} not");
+    let balls = stability::stiff::balls().swap_remove(2);
+    assert!(matches!(f32_is_fit(&balls.lens), Err(Unfit::Amplification { .. })), "{}", balls.name);
+}
+
+#[test]
+fn scaling_a_lens_by_a_power_of_two_changes_no_bit() {
+    let plain = catalogue::find("fisheye.10mm").expect("in the catalogue");
+    for exponent in [-20, 20] {
+        let factor = 2.0_f64.powi(exponent);
+        let lenses = [plain.clone(), plain.scaled(factor)].map(|lens| Lens::at_d_line(&lens));
+        for (_, refraction) in Refraction::NAMES {
+            let [own, scaled] = [0, 1].map(|i| {
+                let double = Path::<f64>::new(&lenses[i], Direction::FilmToScene, refraction);
+                let single = Path::<f32>::new(&lenses[i], Direction::FilmToScene, refraction);
+                (double, single)
+            });
+            for i in 0..500 {
+                let at = |n: i32| f64::from(i * n % 97) / 97.0 - 0.5;
+                let origin = [10.0 * at(7), 10.0 * at(31), lenses[0].rear().vertex - 38.0];
+                let direction = [at(13) - 0.2 * at(7), at(57) - 0.2 * at(31), 1.5];
+                let ray = Ray { origin, direction };
+                let large = Ray { origin: origin.map(|x| x * factor), direction };
+                for (a, b) in
+                    [(own.0.walk(ray), scaled.0.walk(large)), (own.1.walk(ray), scaled.1.walk(large))]
+                {
+                    assert_eq!((a.surfaces_met, a.blocked), (b.surfaces_met, b.blocked));
+                    assert_eq!(a.ray.direction, b.ray.direction);
+                    assert_eq!(a.ray.origin.map(|x| x * factor), b.ray.origin);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_direction_may_have_any_length_that_a_double_can_hold() {
+    let lens = Lens::at_d_line(&catalogue::find("dgauss.50mm").expect("in the catalogue"));
+    let path = Path::<f64>::film_to_scene(&lens);
+    let origin = [3.0, -5.0, -72.0];
+    let [x, y, z] = [-0.125, 0.25, 1.0];
+    let expected = path.trace(Ray { origin, direction: [x, y, z] }).expect("passes");
+    for exponent in [-1070, -1000, -500, 500, 1000, 1023] {
+        let (half, rest) = (2.0_f64.powi(exponent / 2), 2.0_f64.powi(exponent - exponent / 2));
+        let direction = [x, y, z].map(|d| d * half * rest);
+        assert_eq!(path.trace(Ray { origin, direction }), Ok(expected), "2^{exponent}");
+    }
+}
+
+#[test]
+fn no_refraction_method_lets_a_ray_without_direction_out_near_the_critical_angle() {
+    for n in [1.1, 1.5, 2.0, 4.0] {
+        let hemisphere = lens(&format!("10 20 {n} 20\n0 0 1 20"));
+        for (name, refraction) in Refraction::NAMES {
+            let path = Path::<f64>::new(&hemisphere, Direction::FilmToScene, refraction);
+            for i in -300..300 {
+                let height = 10.0 / n * (1.0 + f64::from(i) * f64::EPSILON);
+                let ray = Ray { origin: [0.6 * height, 0.8 * height, -30.0], direction: [0.0, 0.0, 1.0] };
+                if let Ok(ray) = path.trace(ray) {
+                    let [x, y, z] = ray.direction;
+                    assert!((x * x + y * y + z * z - 1.0).abs() < 1e-15, "{name}, n = {n}: {ray:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_tiny_lens_far_behind_the_first_has_its_own_focal_length() {
+    // A ball behind a kilometre of air and a window of no power: the window changes nothing.
+    let ball = "0.0005 0.001 1.6 0.0008\n-0.0005 0 1 0.0008";
+    let alone = FirstOrder::of(&lens(ball)).expect("focal").focal_length;
+    let far = FirstOrder::of(&lens(&format!("0 5 1.5 80\n0 1e6 1 80\n{ball}"))).expect("focal").focal_length;
+    assert!((far / alone - 1.0).abs() < 1e-15, "{far} is not {alone}");
+}
+
+#[test]
+fn lens_numbers_at_the_ends_of_their_range_make_sound_rays() {
+    for name in catalogue::names() {
+        for disk in ["concentric", "polar"] {
+            let parameters = Parameters {
+                specfile: Some(name.to_owned()),
+                disk: Some(disk.to_owned()),
+                ..Parameters::default()
+            };
+            let host = Host::new(Raster { xres: 300, yres: 200 }, None);
+            let camera = RealisticCamera::build(&parameters, &host, &mut |_, _| {}).expect("a camera");
+            for lens_u in [0.0, f32::MIN_POSITIVE, 0.5, 1.0 - f32::EPSILON / 2.0, 1.0] {
+                for lens_v in [0.0, 1e-45, 0.5, 1.0] {
+                    for image_x in [0.0, 150.0, 300.0] {
+                        let sample = Sample { image_x, image_y: 100.0, lens_u, lens_v, time: 0.0 };
+                        if let Outcome::Ray(ray, weight) = camera.generate(&sample) {
+                            let all = ray.origin.iter().chain(&ray.direction).chain([&weight]);
+                            assert!(all.clone().all(|x| x.is_finite()) && weight > 0.0, "{name} {sample:?}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_film_so_near_that_weights_overflow_is_refused_or_gives_finite_weights() {
+    for film_distance in [1e-300, 1e-30, 1e-20, 1e-12, 1e-3] {
+        let mut host = Host::new(Raster { xres: 3, yres: 3 }, None);
+        host.lens_text = Some(("plano-convex".to_owned(), b"50 0 1.5 20\n0 0 1 20".to_vec()));
+        let parameters = Parameters { filmdistance: Some(film_distance), ..Parameters::default() };
+        match RealisticCamera::build(&parameters, &host, &mut |_, _| {}) {
+            Err(error) => {
+                let named = matches!(error, CameraError::FilmInLens { .. } | CameraError::Weight { .. });
+                assert!(named, "{film_distance}: {error}");
+            }
+            Ok(camera) => {
+                for i in 0..=20_u8 {
+                    let lens_u = f32::from(i) / 20.0;
+                    let sample = Sample { image_x: 1.5, image_y: 1.5, lens_u, lens_v: 0.5, time: 0.0 };
+                    if let Outcome::Ray(_, weight) = camera.generate(&sample) {
+                        assert!(weight.is_finite(), "{film_distance}: weight {weight}");
+                    }
+                }
+            }
+        }
+    }
+}

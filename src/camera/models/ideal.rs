@@ -1,0 +1,310 @@
+//! The thick and the thin lens: ideal imaging with the first-order properties of a real lens.
+//!
+//! **Thick.** A ray leaves the film point for a point of the exit pupil and goes on as the thick lens has it,
+//! from principal plane to principal plane at equal height (Kolb, Mitchell and Hanrahan 1995, §3.2): every
+//! ray of a film point meets the same point of the plane in focus. The pupil is the lens's own, in its place
+//! and of its size, and so the weight A cos⁴θ'/Z² gives the lens's irradiance on the axis to first
+//! order. There are no aberrations, no vignetting, and no interface is met: it is the faster way to
+//! calculate the transform.
+//!
+//! **Thin.** The same lens with the two principal planes pushed together at the one on the scene's side, the
+//! film as far behind it as it was behind the other: the picture and the plane in focus stay where they are.
+//! The pupil is the lens itself, and as wide as keeps the film's cone of light and so the exposure; with the
+//! lens focused at infinity that is the entrance pupil's diameter, the focal length over the f-number.
+
+use std::f64::consts::PI;
+
+use crate::{
+    camera::{
+        CameraError, Film, Outcome, ParameterError, Sample, WorldRay, parameters::choices::Weighting,
+        placement::Placement, setup::Setup,
+    },
+    imaging::irradiance::{cos4, film_ray},
+    sampling::{DiskMapping, PupilDisk},
+};
+use crate::{
+    lens::{
+        Lens,
+        first_order::FirstOrder,
+        pupil::{EntrancePupil, limiting_surface},
+    },
+    message::{short, short_above},
+};
+
+/// A camera with an ideal lens. Immutable, and may be shared between threads.
+#[derive(Clone, Debug)]
+pub struct IdealCamera {
+    lens: Lens,
+    first_order: FirstOrder,
+    fnumber: f64,
+    film: Film,
+    film_distance: f64,
+    focus_distance: Option<f64>,
+    /// The optics that rays follow: the lens's, or with its principal planes in one.
+    imaging: FirstOrder,
+    film_z: f64,
+    pupil: PupilDisk,
+    mapping: DiskMapping,
+    /// The weight of a ray is this times cos⁴, or this alone.
+    weight: f64,
+    weight_falls_off: bool,
+    units_per_mm: f64,
+    placement: Placement,
+}
+
+impl IdealCamera {
+    /// Builds the thick lens of a checked set-up, or its thin one.
+    pub(crate) fn from_setup(setup: Setup, thin: bool) -> Result<Self, CameraError> {
+        let Setup { lens, film, film_distance, .. } = setup;
+        let first_order = FirstOrder::of(&lens)?;
+        let film_z = lens.rear().vertex - film_distance;
+        let pupil = PupilDisk::exit(&lens, film_z);
+        let entrance = EntrancePupil::of_surface(&lens, limiting_surface(&lens));
+        let (imaging, film_z, pupil) = if thin {
+            let image_distance = first_order.rear_principal_plane - film_z;
+            if !(image_distance > 0.0) {
+                let least = first_order.back_focal_distance() - first_order.focal_length;
+                return Err(ParameterError::Range {
+                    name: "filmdistance",
+                    value: short(film_distance),
+                    range: format!("more than {} mm, where the thin lens lies", short_above(least)),
+                }
+                .into());
+            }
+            let imaging = first_order.thin_at(first_order.front_principal_plane);
+            let film_z = imaging.rear_principal_plane - image_distance;
+            (imaging, film_z, PupilDisk::about_axis(image_distance, pupil.slope_radius()))
+        } else {
+            (first_order, film_z, pupil)
+        };
+        let (weight, weight_falls_off) = match setup.weighting {
+            Weighting::Radiometric => (pupil.slope_area(), true),
+            Weighting::Assignment => {
+                let area = pupil.area().ok_or(CameraError::PupilAtInfinity)?;
+                (pupil.slope_area() / area, true)
+            }
+            // ∫ cos⁴ d(slope)² over a disk of radius s is π s²/(1 + s²).
+            Weighting::Relative => (1.0 + pupil.slope_area() / PI, true),
+            Weighting::None => (1.0, false),
+        };
+        Ok(Self {
+            fnumber: first_order.focal_length / entrance.diameter(),
+            lens,
+            first_order,
+            film,
+            film_distance,
+            focus_distance: setup.focus_distance,
+            imaging,
+            film_z,
+            pupil,
+            mapping: setup.mapping,
+            weight,
+            weight_falls_off,
+            units_per_mm: setup.mm_per_unit.recip(),
+            placement: setup.placement,
+        })
+    }
+
+    /// The ray of a sample. Only [`DiskMapping::Rejection`] can keep it from being one.
+    pub fn generate(&self, sample: &Sample) -> Outcome {
+        let Some(unit) = self.mapping.map(sample.lens_u.into(), sample.lens_v.into()) else {
+            return Outcome::Redraw;
+        };
+        let (ray, slopes) = self.ray(sample, unit);
+        let falloff = if self.weight_falls_off { cos4(slopes) } else { 1.0 };
+        Outcome::Ray(ray, (self.weight * falloff) as f32)
+    }
+
+    /// The ray through the middle of the pupil.
+    pub(crate) fn central(&self, sample: &Sample) -> WorldRay {
+        self.ray(sample, [0.0; 2]).0
+    }
+
+    /// The ray through a point of the pupil's unit disk, and its slopes at the film.
+    fn ray(&self, sample: &Sample, [u, v]: [f64; 2]) -> (WorldRay, [f64; 2]) {
+        let point = self.film.point(sample.image_x.into(), sample.image_y.into());
+        let disk = self.pupil.seen_from(point);
+        let slopes = [disk.center[0] + disk.radius * u, disk.center[1] + disk.radius * v];
+        let ray = self.imaging.transfer(film_ray(point, self.film_z, slopes));
+        (self.placement.world_ray(ray, self.units_per_mm, sample.time), slopes)
+    }
+
+    pub(crate) fn placement(&self) -> &Placement {
+        &self.placement
+    }
+
+    /// The lens whose first-order properties these are.
+    pub fn lens(&self) -> &Lens {
+        &self.lens
+    }
+
+    /// The film.
+    pub fn film(&self) -> &Film {
+        &self.film
+    }
+
+    /// Last vertex of the real lens to film, mm.
+    pub fn film_distance(&self) -> f64 {
+        self.film_distance
+    }
+
+    /// Film plane to the plane in focus, mm; infinity when focused there or beyond, `None` when no
+    /// object in front of the lens is in focus.
+    pub fn focus_distance(&self) -> Option<f64> {
+        self.focus_distance
+    }
+
+    /// Effective focal length, mm.
+    pub fn focal_length(&self) -> f64 {
+        self.first_order.focal_length
+    }
+
+    /// Focal length over entrance pupil diameter at the stop in use.
+    pub fn fnumber(&self) -> f64 {
+        self.fnumber
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        camera::{Host, Parameters, Raster},
+        imaging::irradiance::on_axis,
+    };
+    use crate::{imaging::depth_of_field::DepthOfField, trace::Path};
+
+    fn ideal(model: &str, settings: &[(&str, &str)]) -> IdealCamera {
+        let mut parameters = Parameters::default();
+        for (name, text) in settings {
+            parameters.set_from_text(name, text).expect("valid");
+        }
+        let host = Host::new(Raster { xres: 300, yres: 200 }, None);
+        IdealCamera::build(&parameters, &host, model == "thin", &mut |_, text| panic!("{text}"))
+            .expect("built")
+    }
+
+    fn sample(image: [f32; 2], lens: [f32; 2]) -> Sample {
+        Sample { image_x: image[0], image_y: image[1], lens_u: lens[0], lens_v: lens[1], time: 0.0 }
+    }
+
+    fn ray(camera: &IdealCamera, image: [f32; 2], lens: [f32; 2]) -> (WorldRay, f64) {
+        match camera.generate(&sample(image, lens)) {
+            Outcome::Ray(ray, weight) => (ray, weight.into()),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    fn at_depth(ray: &WorldRay, z: f64) -> [f64; 2] {
+        let t = (z - f64::from(ray.origin[2])) / f64::from(ray.direction[2]);
+        [0, 1].map(|i| f64::from(ray.origin[i]) + t * f64::from(ray.direction[i]))
+    }
+
+    const LENSES: [&str; 4] = ["dgauss.50mm", "wide.22mm", "telephoto.250mm", "fisheye.10mm"];
+    const PUPIL: [[f32; 2]; 5] = [[0.5, 0.5], [0.0, 0.0], [1.0, 0.4], [0.2, 0.9], [0.6, 0.1]];
+
+    #[test]
+    fn every_ray_of_a_film_point_meets_one_point_of_the_plane_in_focus() {
+        for model in ["thick", "thin"] {
+            for lens in LENSES {
+                let camera = ideal(model, &[("specfile", lens), ("focusdistance", "2500")]);
+                let plane = camera.lens.rear().vertex - camera.film_distance + 2500.0;
+                for image in [[150.0, 100.0], [10.0, 20.0], [250.0, 199.0]] {
+                    let center = at_depth(&camera.central(&sample(image, [0.5; 2])), plane);
+                    for numbers in PUPIL {
+                        let point = at_depth(&ray(&camera, image, numbers).0, plane);
+                        let apart = (point[0] - center[0]).hypot(point[1] - center[1]);
+                        assert!(apart < 2e-3, "{model} {lens} {image:?}: {apart} mm");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_thin_lens_has_the_thick_ones_picture() {
+        for lens in LENSES {
+            let [thick, thin] =
+                ["thick", "thin"].map(|model| ideal(model, &[("specfile", lens), ("focusdistance", "3000")]));
+            let plane = thick.lens.rear().vertex - thick.film_distance + 3000.0;
+            for image in [[10.0, 20.0], [250.0, 199.0]] {
+                let [a, b] =
+                    [&thick, &thin].map(|camera| at_depth(&camera.central(&sample(image, [0.5; 2])), plane));
+                assert!((a[0] - b[0]).hypot(a[1] - b[1]) < 2e-3, "{lens} {a:?} {b:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_pupils_rim_on_film_is_the_pupils_rim_in_the_scene() {
+        // Through the exit pupil's rim on the film's side is through the entrance pupil's in the scene.
+        let camera = ideal("thick", &[("fnumber", "5.6")]);
+        let pupil = EntrancePupil::of_surface(&camera.lens, limiting_surface(&camera.lens));
+        let place = pupil.position().expect("finite");
+        for image in [[150.0, 100.0], [20.0, 40.0]] {
+            for numbers in [[1.0, 0.5], [0.5, 1.0], [0.0, 0.5]] {
+                let [x, y] = at_depth(&ray(&camera, image, numbers).0, place);
+                assert!((x.hypot(y) - pupil.diameter() / 2.0).abs() < 1e-4, "{image:?} {numbers:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_exposure_on_the_axis_is_the_lenss_to_first_order() {
+        for lens in LENSES {
+            for model in ["thick", "thin"] {
+                let camera = ideal(model, &[("specfile", lens), ("fnumber", "22")]);
+                let real = Path::<f64>::film_to_scene(&camera.lens);
+                let film = camera.lens.rear().vertex - camera.film_distance;
+                let exact = on_axis(&real, film, 4.0 * camera.pupil.slope_radius());
+                let n = 64_u8;
+                let mut mean = 0.0;
+                for i in 0..n {
+                    for j in 0..n {
+                        let numbers = [i, j].map(|k| (f32::from(k) + 0.5) / f32::from(n));
+                        mean += ray(&camera, [150.0, 100.0], numbers).1 / f64::from(n).powi(2);
+                    }
+                }
+                assert!((mean / exact - 1.0).abs() < 5e-3, "{model} {lens}: {mean} {exact}");
+            }
+        }
+    }
+
+    #[test]
+    fn at_the_limits_of_the_depth_of_field_a_point_is_a_circle_of_confusion() {
+        const CONFUSION: f64 = 0.03;
+        let camera = ideal("thick", &[("focusdistance", "2500"), ("fnumber", "8")]);
+        let film = camera.lens.rear().vertex - camera.film_distance;
+        let entrance = EntrancePupil::of_surface(&camera.lens, limiting_surface(&camera.lens));
+        let range = DepthOfField::of(&camera.lens, &entrance, camera.film_distance, 2500.0, CONFUSION)
+            .expect("not afocal")
+            .expect("a pupil at a finite distance");
+        let focus = film + 2500.0;
+        let height = |image: f32| at_depth(&camera.central(&sample([image, 100.0], [0.5; 2])), focus)[0];
+        let magnification = 100.0 * camera.film.pixel() / (height(200.0) - height(100.0));
+        let pupil = entrance.position().expect("finite");
+        for limit in [range.near, range.far] {
+            let plane = film + limit;
+            // The cone of the film's centre through the pupil's rim, and by similar triangles the blur that a
+            // point of this plane makes in the plane in focus.
+            let cone = 2.0 * at_depth(&ray(&camera, [150.0, 100.0], [1.0, 0.5]).0, plane)[0].abs();
+            let blur = cone * (focus - pupil) / (plane - pupil) * magnification;
+            assert!((blur / CONFUSION - 1.0).abs() < 1e-3, "{limit} mm: {blur} mm");
+        }
+    }
+
+    #[test]
+    fn the_weightings_agree_with_their_definitions() {
+        let with = |weighting: &str| {
+            let camera = ideal("thick", &[("fnumber", "4"), ("weighting", weighting)]);
+            let (_, weight) = ray(&camera, [150.0, 100.0], [1.0, 0.5]);
+            (weight, camera.pupil)
+        };
+        let (radiometric, pupil) = with("radiometric");
+        let close = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-6, "{a} {b}");
+        close(with("assignment").0, radiometric / pupil.area().expect("finite"));
+        let slope = pupil.slope_radius();
+        close(with("relative").0, radiometric / (PI * slope * slope / (1.0 + slope * slope)));
+        assert_eq!(with("none").0, 1.0);
+    }
+}

@@ -1,0 +1,202 @@
+//! A camera that moves while its shutter is open: two transforms, decomposed and interpolated.
+//!
+//! Interpolating the entries of two matrices shrinks a turning camera. Instead each matrix is taken apart by
+//! the polar decomposition M = T R S into a move, a rotation and a symmetric stretch (K. Shoemake and
+//! T. Duff, "Matrix Animation and Polar Decomposition", Graphics Interface 1992); moves and
+//! stretches are interpolated linearly, rotations along the shorter great arc of unit quaternions
+//! (K. Shoemake, "Animating Rotation with Quaternion Curves", SIGGRAPH 1985). A mirror, such as a
+//! pbrt `LookAt` has in it, goes into the stretch, so that what is left is a rotation.
+
+use std::borrow::Cow;
+
+use glam::{DMat3, DQuat, DVec3};
+
+use crate::camera::CameraToWorld;
+
+/// Camera space to world space at any time.
+#[derive(Clone, Debug, PartialEq)]
+pub enum CameraMotion {
+    /// The same at every time.
+    Still(CameraToWorld),
+    /// From one transform to another.
+    Moving(Box<Moving>),
+}
+
+/// Two transforms and the times at which they hold.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Moving {
+    ends: [CameraToWorld; 2],
+    parts: [Parts; 2],
+    start: f64,
+    duration: f64,
+}
+
+/// A transform taken apart: first the stretch, then the rotation, then the move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Parts {
+    origin: DVec3,
+    rotation: DQuat,
+    stretch: DMat3,
+}
+
+impl From<CameraToWorld> for CameraMotion {
+    fn from(to_world: CameraToWorld) -> Self {
+        Self::Still(to_world)
+    }
+}
+
+impl CameraMotion {
+    /// From the transform `from` at time `start` to `to` at time `end`, which is later; still before and after.
+    /// A turn by half a circle can go either way round, and takes one of the two.
+    ///
+    /// # Errors
+    /// What keeps the two from being ends of one motion, in words.
+    pub fn between(
+        (from, start): (CameraToWorld, f64),
+        (to, end): (CameraToWorld, f64),
+    ) -> Result<Self, &'static str> {
+        let duration = end - start;
+        if !(duration > 0.0 && duration.is_finite()) {
+            return Err("must hold at an earlier time than its end does");
+        }
+        if (from.linear().determinant() < 0.0) != (to.linear().determinant() < 0.0) {
+            return Err(
+                "and its end are mirror images of each other, and no motion leads from one to the other",
+            );
+        }
+        if from == to {
+            return Ok(Self::Still(from));
+        }
+        let parts = [Parts::of(&from), Parts::of(&to)];
+        Ok(Self::Moving(Box::new(Moving { ends: [from, to], parts, start, duration })))
+    }
+
+    /// The transform at a time.
+    pub fn at(&self, time: f32) -> Cow<'_, CameraToWorld> {
+        let moving = match self {
+            Self::Still(to_world) => return Cow::Borrowed(to_world),
+            Self::Moving(moving) => moving,
+        };
+        let along = (f64::from(time) - moving.start) / moving.duration;
+        if !(along > 0.0) {
+            return Cow::Borrowed(&moving.ends[0]);
+        }
+        if along >= 1.0 {
+            return Cow::Borrowed(&moving.ends[1]);
+        }
+        let [from, to] = &moving.parts;
+        let rotation = DMat3::from_quat(from.rotation.slerp(to.rotation, along));
+        let stretch = from.stretch * (1.0 - along) + to.stretch * along;
+        Cow::Owned(CameraToWorld::from_parts(rotation * stretch, from.origin.lerp(to.origin, along)))
+    }
+}
+
+impl Parts {
+    fn of(transform: &CameraToWorld) -> Self {
+        let linear = transform.linear();
+        let handed = linear.determinant().signum();
+        let rotation = nearest_rotation(linear * handed);
+        Self {
+            origin: transform.origin(),
+            rotation: DQuat::from_mat3(&rotation).normalize(),
+            stretch: rotation.transpose() * linear,
+        }
+    }
+}
+
+/// The rotation of the polar decomposition of a matrix with positive determinant: Newton's iteration
+/// Q ← (γ Q + Q⁻ᵀ/γ)/2, with γ = |det Q|^(-1/3) (N. Higham, "Computing the Polar Decomposition - with
+/// Applications", *SIAM J. Sci. Stat. Comput.* 7(4), 1986; the scaling by the determinant is of
+/// Byers and Xu, 2008). It converges quadratically.
+fn nearest_rotation(matrix: DMat3) -> DMat3 {
+    const ENOUGH: u32 = 64;
+    let mut q = matrix;
+    for _ in 0..ENOUGH {
+        let gamma = q.determinant().abs().cbrt().recip();
+        let next = (q * gamma + q.inverse().transpose() * gamma.recip()) * 0.5;
+        let settled = next.abs_diff_eq(q, 1e-15);
+        q = next;
+        if settled {
+            break;
+        }
+    }
+    q
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn placed(linear: DMat3, origin: DVec3) -> CameraToWorld {
+        CameraToWorld::from_parts(linear, origin)
+    }
+
+    fn motion(from: CameraToWorld, to: CameraToWorld) -> CameraMotion {
+        CameraMotion::between((from, 2.0), (to, 4.0)).expect("one motion")
+    }
+
+    #[test]
+    fn a_turning_camera_turns_evenly_and_stays_rigid() {
+        let to = placed(DMat3::from_rotation_y(1.6), DVec3::new(4.0, 0.0, 0.0));
+        let moving = motion(CameraToWorld::IDENTITY, to);
+        for (time, angle) in [(2.0, 0.0), (2.5, 0.4), (3.0, 0.8), (3.5, 1.2), (4.0, 1.6)] {
+            let at = moving.at(time);
+            assert!(at.linear().abs_diff_eq(DMat3::from_rotation_y(angle), 1e-14), "{time}");
+            assert!((at.origin().x - 4.0 * (f64::from(time) - 2.0) / 2.0).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn before_and_after_the_camera_stands_still() {
+        let to = placed(DMat3::from_rotation_x(0.3), DVec3::ONE);
+        let moving = motion(CameraToWorld::IDENTITY, to);
+        assert_eq!(*moving.at(1.0), CameraToWorld::IDENTITY);
+        assert_eq!(*moving.at(4.0), to);
+        assert_eq!(*moving.at(9.0), to);
+    }
+
+    #[test]
+    fn the_decomposition_gives_the_matrix_back() {
+        let shear = DMat3::from_cols(DVec3::X, DVec3::new(0.4, 1.0, 0.0), DVec3::new(0.0, -0.2, 1.0));
+        for linear in [
+            DMat3::from_rotation_z(2.0) * DMat3::from_diagonal(DVec3::new(3.0, 0.5, 1e-3)),
+            DMat3::from_rotation_x(-1.0) * shear,
+            // A mirrored one, as a pbrt LookAt is.
+            DMat3::from_rotation_y(0.7) * DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0)),
+            DMat3::IDENTITY * 1e-6,
+        ] {
+            let parts = Parts::of(&placed(linear, DVec3::ZERO));
+            let rotation = DMat3::from_quat(parts.rotation);
+            let scale = linear.to_cols_array().iter().fold(0.0_f64, |most, entry| most.max(entry.abs()));
+            assert!((rotation * parts.stretch).abs_diff_eq(linear, 1e-14 * scale), "{linear}");
+            assert!(parts.stretch.abs_diff_eq(parts.stretch.transpose(), 1e-14 * scale), "{linear}");
+        }
+    }
+
+    #[test]
+    fn scale_grows_evenly_while_the_camera_turns() {
+        let moving = motion(
+            placed(DMat3::IDENTITY, DVec3::ZERO),
+            placed(DMat3::from_rotation_z(1.0) * 3.0, DVec3::ZERO),
+        );
+        let expected = DMat3::from_rotation_z(0.5) * 2.0;
+        assert!(moving.at(3.0).linear().abs_diff_eq(expected, 1e-14));
+    }
+
+    #[test]
+    fn the_shorter_way_round_is_taken() {
+        let ends = [3.0, -3.0].map(|angle| placed(DMat3::from_rotation_y(angle), DVec3::ZERO));
+        let middle = motion(ends[0], ends[1]).at(3.0).into_owned();
+        let behind = DMat3::from_rotation_y(std::f64::consts::PI);
+        assert!(middle.linear().abs_diff_eq(behind, 1e-13), "{middle:?}");
+    }
+
+    #[test]
+    fn what_is_no_motion_is_refused_in_words() {
+        let mirrored = placed(DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0)), DVec3::ZERO);
+        let refusal = |to, end| CameraMotion::between((CameraToWorld::IDENTITY, 0.0), (to, end));
+        assert!(refusal(mirrored, 1.0).expect_err("mirrored").contains("mirror images"));
+        assert!(refusal(mirrored, 0.0).expect_err("no time").contains("earlier time"));
+        assert!(matches!(refusal(CameraToWorld::IDENTITY, 1.0), Ok(CameraMotion::Still(_))));
+    }
+}

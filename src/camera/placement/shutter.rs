@@ -1,0 +1,142 @@
+//! The shutter S(x, t): which share of the light it lets through to a point of the film at a time.
+//!
+//! The times are fractions of the interval from `shutteropen` to `shutterclose`, in which a host draws its
+//! samples evenly; the mean of S over them, the shutter's efficiency (1 for a global one, 1 - ramp for a leaf, the
+//! slit's share for a focal-plane one), times the interval is the effective exposure time (S. F. Ray, *Applied
+//! Photographic Optics*, 3rd ed. 2002, ch. 61).
+
+use crate::camera::{CameraError, Parameters, parameters::check};
+
+/// When the shutter opens and closes unless the caller says so.
+pub const DEFAULT_INTERVAL: [f64; 2] = [0.0, 1.0];
+
+/// A kind of shutter.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Shutter {
+    /// Opens and closes everywhere at once: S = 1.
+    #[default]
+    Global,
+    /// Blades in the aperture that take `ramp` of the interval to open and again to close: S grows from 0 to 1,
+    /// stays, and falls, the same for the whole film.
+    Leaf {
+        /// Share of the interval, in (0, 0.5].
+        ramp: f32,
+    },
+    /// A slit in front of the film that travels down the picture, from its top row to its bottom row: S is
+    /// 1 while a row lies in the slit. Also the rolling shutter of an electronic sensor.
+    FocalPlane {
+        /// Share of the interval that each row is exposed for, in (0, 1].
+        slit: f32,
+    },
+}
+
+impl Shutter {
+    /// Share of the interval that a leaf shutter takes to open, where none is given.
+    const DEFAULT_RAMP: f64 = 0.25;
+    /// Share of the interval that each row is exposed for, where none is given.
+    const DEFAULT_SLIT: f64 = 0.25;
+
+    /// The shutter that the parameters describe.
+    pub(crate) fn of(given: &Parameters) -> Result<Self, CameraError> {
+        type Make = fn(&Parameters) -> Result<Shutter, CameraError>;
+        let kinds: [(&str, Make); 3] = [
+            ("global", |_| Ok(Self::Global)),
+            ("leaf", |given| {
+                let ramp = given.shutterramp.unwrap_or(Self::DEFAULT_RAMP);
+                share("shutterramp", ramp, 0.5).map(|ramp| Self::Leaf { ramp })
+            }),
+            ("focal-plane", |given| {
+                let slit = given.shutterslit.unwrap_or(Self::DEFAULT_SLIT);
+                share("shutterslit", slit, 1.0).map(|slit| Self::FocalPlane { slit })
+            }),
+        ];
+        check::choice("shutter", given.shutter.as_deref(), &kinds)?(given)
+    }
+
+    /// S at a film point `down` of the way from the picture's top to its bottom, at `time` of the interval; 0 to
+    /// 1. Film points and times outside [0, 1] count as the nearest inside.
+    pub fn transmission(&self, down: f32, time: f32) -> f32 {
+        let time = time_number(time);
+        match *self {
+            Self::Global => 1.0,
+            Self::Leaf { ramp } => (time.min(1.0 - time) / ramp).min(1.0),
+            Self::FocalPlane { slit } => {
+                let opens = down.clamp(0.0, 1.0) * (1.0 - slit);
+                if (opens..=opens + slit).contains(&time) { 1.0 } else { 0.0 }
+            }
+        }
+    }
+}
+
+/// A host's time number taken into [0, 1]; one that is no number counts as 0.
+pub(crate) fn time_number(number: f32) -> f32 {
+    if number > 0.0 { number.min(1.0) } else { 0.0 }
+}
+
+fn share(parameter: &'static str, value: f64, most: f64) -> Result<f32, CameraError> {
+    if value > 0.0 && value <= most {
+        Ok(value as f32)
+    } else {
+        let range = format!("more than 0 and at most {most}, a share of the shutter's interval");
+        Err(check::out_of_range(parameter, value, &range))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Shutters with their efficiencies.
+    const ALL: [(Shutter, f64); 4] = [
+        (Shutter::Global, 1.0),
+        (Shutter::Leaf { ramp: 0.2 }, 0.8),
+        (Shutter::Leaf { ramp: 0.5 }, 0.5),
+        (Shutter::FocalPlane { slit: 0.1 }, 0.1),
+    ];
+
+    #[test]
+    fn the_efficiency_is_the_mean_over_time_at_every_film_point() {
+        let n = 20_000_u16;
+        for (shutter, efficiency) in ALL {
+            for down in [-0.1, 0.0, 0.37, 1.0, 1.2] {
+                let times = (0..n).map(|i| (f32::from(i) + 0.5) / f32::from(n));
+                let sum: f64 = times.map(|time| f64::from(shutter.transmission(down, time))).sum();
+                let mean = sum / f64::from(n);
+                assert!((mean - efficiency).abs() < 1e-4, "{shutter:?} at {down}: {mean}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_leaf_opens_and_closes_alike_for_the_whole_film() {
+        let leaf = Shutter::Leaf { ramp: 0.25 };
+        for (time, expected) in [(0.0, 0.0), (0.125, 0.5), (0.25, 1.0), (0.6, 1.0), (0.875, 0.5), (1.0, 0.0)]
+        {
+            assert_eq!(leaf.transmission(0.1, time), expected);
+            assert_eq!(leaf.transmission(0.9, time), expected);
+        }
+    }
+
+    #[test]
+    fn a_slit_travels_from_the_top_row_to_the_bottom_row() {
+        let slit = Shutter::FocalPlane { slit: 0.2 };
+        for (down, open, shut) in [(0.0, 0.1, 0.3), (0.5, 0.5, 0.1), (1.0, 0.9, 0.7)] {
+            assert_eq!(slit.transmission(down, open), 1.0);
+            assert_eq!(slit.transmission(down, shut), 0.0);
+        }
+        assert_eq!([slit.transmission(0.0, 0.0), slit.transmission(1.0, 1.0)], [1.0, 1.0]);
+    }
+
+    #[test]
+    fn a_share_out_of_range_is_told_with_the_range() {
+        let with = |name: &str, number: &str, kind: &str| {
+            let mut given = Parameters::default();
+            given.set_from_text("shutter", kind).expect("a text");
+            given.set_from_text(name, number).expect("a number");
+            Shutter::of(&given).expect_err("refused").to_string()
+        };
+        assert!(with("shutterramp", "0.6", "leaf").contains("at most 0.5"));
+        assert!(with("shutterslit", "0", "focal-plane").contains("shutterslit"));
+        assert!(with("shutterslit", "0.5", "curtain").contains("\"focal-plane\""));
+    }
+}

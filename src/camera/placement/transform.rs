@@ -1,0 +1,199 @@
+//! Camera space to world space.
+
+use glam::{DMat3, DVec3};
+
+/// An affine transform from camera space (world units) to world space.
+///
+/// Being affine, it is a 3x3 matrix and a move: no fourth coordinate is carried and nothing divided.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraToWorld {
+    linear: DMat3,
+    origin: DVec3,
+    is_identity: bool,
+    is_rigid: bool,
+}
+
+/// How far a rigid transform's axes may be from unit length and right angles by the rounding of its
+/// single-precision entries.
+const RIGID: f64 = 1e-5;
+
+/// Largest entry that a matrix may have: the squares of what it makes stay in the range of single precision.
+const LARGEST: f64 = 1e15;
+/// By how much one axis may be stretched more than another.
+const FLATTEST: f64 = 1e15;
+
+impl CameraToWorld {
+    /// Camera space as it is.
+    pub const IDENTITY: Self =
+        Self { linear: DMat3::IDENTITY, origin: DVec3::ZERO, is_identity: true, is_rigid: true };
+
+    /// From a row-major 4x4 matrix for column vectors. Mirrored and scaled ones are fine.
+    ///
+    /// # Errors
+    /// What keeps the matrix from being an invertible affine transform, in words.
+    pub fn from_rows(m: &[f32; 16]) -> Result<Self, &'static str> {
+        let m = m.map(f64::from);
+        if m.iter().any(|entry| !entry.is_finite()) {
+            return Err("has an entry that is not finite");
+        }
+        if m[12..] != [0.0, 0.0, 0.0, 1.0] {
+            return Err("is not affine: its last row must be 0 0 0 1");
+        }
+        if m.iter().any(|entry| entry.abs() > LARGEST) {
+            return Err("has an entry above 1e15, which leaves single precision no room: scale the world");
+        }
+        let linear = DMat3::from_cols_array(&[m[0], m[4], m[8], m[1], m[5], m[9], m[2], m[6], m[10]]);
+        let origin = DVec3::new(m[3], m[7], m[11]);
+        let lengths = linear.to_cols_array_2d().map(|column| DVec3::from(column).length());
+        let [shortest, longest] = [f64::min, f64::max].map(|pick| lengths.into_iter().reduce(pick));
+        if longest > shortest.map(|length| length * FLATTEST) {
+            return Err("is all but singular: it stretches one axis more than 1e15 times another");
+        }
+        // Each column's length is taken out, so that a small scale is not mistaken for a
+        // flattened space.
+        let normalized = DMat3::from_cols(
+            linear.x_axis.normalize_or_zero(),
+            linear.y_axis.normalize_or_zero(),
+            linear.z_axis.normalize_or_zero(),
+        );
+        if normalized.determinant().abs() < 1e-9 {
+            return Err("is singular: it flattens space");
+        }
+        Ok(Self::from_parts(linear, origin))
+    }
+
+    /// An invertible matrix and where it takes the origin.
+    pub(crate) fn from_parts(linear: DMat3, origin: DVec3) -> Self {
+        let is_identity = linear == DMat3::IDENTITY && origin == DVec3::ZERO;
+        let is_rigid = (linear.transpose() * linear).abs_diff_eq(DMat3::IDENTITY, RIGID);
+        Self { linear, origin, is_identity, is_rigid }
+    }
+
+    /// Whether world space is camera space.
+    pub(crate) fn is_identity(&self) -> bool {
+        self.is_identity
+    }
+
+    /// The matrix without the move.
+    pub(crate) fn linear(&self) -> DMat3 {
+        self.linear
+    }
+
+    /// By how much it stretches lengths, on average over directions.
+    pub(crate) fn scale(&self) -> f64 {
+        self.linear.determinant().abs().cbrt()
+    }
+
+    /// Whether it only turns, mirrors and scales.
+    pub(crate) fn keeps_angles(&self) -> bool {
+        let linear = self.linear * self.scale().recip();
+        (linear.transpose() * linear).abs_diff_eq(DMat3::IDENTITY, RIGID)
+    }
+
+    /// Where camera space's origin lies in the world.
+    pub(crate) fn origin(&self) -> DVec3 {
+        self.origin
+    }
+
+    /// The inverse, world space to camera space, as a row-major 4x4 matrix for column vectors.
+    pub fn inverse_rows(&self) -> [f32; 16] {
+        let linear = self.linear.inverse();
+        to_rows(linear, -(linear * self.origin))
+    }
+
+    /// The transform itself in the form that [`CameraToWorld::from_rows`] takes.
+    pub fn rows(&self) -> [f32; 16] {
+        to_rows(self.linear, self.origin)
+    }
+
+    /// World-space point of a camera-space point.
+    #[inline(always)]
+    pub fn point(&self, p: DVec3) -> DVec3 {
+        if self.is_identity { p } else { self.linear * p + self.origin }
+    }
+
+    /// World-space unit vector of a camera-space direction that is a unit vector.
+    #[inline(always)]
+    pub fn direction(&self, d: DVec3) -> DVec3 {
+        if self.is_identity { d } else { (self.linear * d).normalize() }
+    }
+
+    /// [`CameraToWorld::point`] in single precision, the sum of each row from left to right, as pbrt
+    /// adds it up: the same bits.
+    pub fn point_single(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
+        let (m, origin) = (self.linear.as_mat3(), self.origin.as_vec3());
+        std::array::from_fn(|row| m.x_axis[row] * x + m.y_axis[row] * y + m.z_axis[row] * z + origin[row])
+    }
+
+    /// World-space direction of a camera-space unit vector in single precision, as
+    /// [`CameraToWorld::point_single`], and how much longer lengths along it are in world space. Of a rigid
+    /// transform it is taken as it comes, and lengths stay.
+    pub fn direction_single(&self, [x, y, z]: [f32; 3]) -> ([f32; 3], f32) {
+        let m = self.linear.as_mat3();
+        let d: [f32; 3] =
+            std::array::from_fn(|row| m.x_axis[row] * x + m.y_axis[row] * y + m.z_axis[row] * z);
+        if self.is_rigid {
+            return (d, 1.0);
+        }
+        let length = DVec3::from(d.map(f64::from)).length();
+        (d.map(|part| (f64::from(part) / length) as f32), length as f32)
+    }
+}
+
+fn to_rows(linear: DMat3, origin: DVec3) -> [f32; 16] {
+    std::array::from_fn(|i| match (i / 4, i % 4) {
+        (3, column) => f32::from(u8::from(column == 3)),
+        (row, 3) => origin[row] as f32,
+        (row, column) => linear.col(column)[row] as f32,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A mirror in x, scaled by 2, then a move.
+    const MATRIX: [f32; 16] = [
+        -2.0, 0.0, 0.0, 5.0, //
+        0.0, 0.0, -2.0, 6.0, //
+        0.0, 2.0, 0.0, 7.0, //
+        0.0, 0.0, 0.0, 1.0,
+    ];
+
+    #[test]
+    fn rows_act_on_columns_and_directions_stay_unit_vectors() {
+        let transform = CameraToWorld::from_rows(&MATRIX).expect("affine");
+        assert_eq!(transform.point(DVec3::new(1.0, 2.0, 3.0)), DVec3::new(3.0, 0.0, 11.0));
+        assert_eq!(transform.direction(DVec3::Z), DVec3::NEG_Y);
+        assert_eq!(transform.rows(), MATRIX);
+        assert_eq!(transform.point_single([1.0, 2.0, 3.0]), [3.0, 0.0, 11.0]);
+        assert_eq!(transform.direction_single([0.0, 0.0, 1.0]), ([0.0, -1.0, 0.0], 2.0));
+    }
+
+    #[test]
+    fn a_rigid_transform_keeps_the_bits_of_its_sums() {
+        let (s, c) = 0.3_f32.sin_cos();
+        let mut rows = [0.0_f32; 16];
+        [rows[0], rows[1], rows[4], rows[5], rows[10], rows[15]] = [c, -s, s, c, 1.0, 1.0];
+        let transform = CameraToWorld::from_rows(&rows).expect("affine");
+        let (d, stretch) = transform.direction_single([0.6, 0.8, 0.0]);
+        assert_eq!((d, stretch), ([c * 0.6 + -s * 0.8, s * 0.6 + c * 0.8, 0.0], 1.0));
+    }
+
+    #[test]
+    fn what_is_no_affine_transform_is_refused_in_words() {
+        let with = |index: usize, entry: f32| {
+            let mut rows = [0.0_f32; 16];
+            (0..4).for_each(|i| rows[5 * i] = 1.0);
+            rows[index] = entry;
+            CameraToWorld::from_rows(&rows)
+        };
+        assert!(with(3, f32::NAN).expect_err("NaN").contains("not finite"));
+        assert!(with(12, 1.0).expect_err("projective").contains("last row"));
+        assert!(with(5, 0.0).expect_err("flat").contains("singular"));
+        assert!(with(5, 1e-12).is_ok());
+        assert!(with(5, 1e-16).expect_err("all but flat").contains("singular"));
+        assert!(with(3, 1e16).expect_err("far away").contains("above 1e15"));
+        assert_eq!(with(0, 1.0), Ok(CameraToWorld::IDENTITY));
+    }
+}

@@ -1,0 +1,216 @@
+//! Field of view: the angle in the scene that the film's diagonal takes in.
+
+use crate::lens::{Lens, pupil::limiting_surface};
+use crate::{
+    numeric::{edge, root},
+    trace::{Path, Ray},
+};
+
+/// Field angle of the thick lens for film of this diagonal at the focal plane, radians: 2 atan(d/2f)
+/// (Kingslake, *Optics in Photography*, ch. 1).
+pub fn paraxial(focal_length: f64, diagonal: f64) -> f64 {
+    2.0 * (diagonal / (2.0 * focal_length.abs())).atan()
+}
+
+/// The light that reaches film points at a distance from the axis, in the plane through the axis.
+#[derive(Clone, Debug)]
+pub struct Field {
+    path: Path,
+    to_stop: Path,
+    /// The stop, counted along the travel.
+    stop: usize,
+    film: f64,
+    rear: f64,
+    rear_radius: f64,
+}
+
+/// Rays across the rear element in a search for those that get through.
+const SCAN: u32 = 1024;
+
+/// The slopes dy/dz at which the rays of a film point in the plane through the axis get through.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Beam {
+    /// Lowest.
+    pub low: f64,
+    /// Highest.
+    pub high: f64,
+}
+
+impl Field {
+    /// For film at `film` (z in lens space, mm, behind the whole lens).
+    pub fn new(lens: &Lens, film: f64) -> Self {
+        let stop = lens.stop_index().unwrap_or_else(|| limiting_surface(lens));
+        // A ray that a rim behind the stop clips has no chief ray's right to be traced on.
+        let behind = Lens { surfaces: lens.surfaces[stop..].to_vec(), ..lens.clone() };
+        let rear = lens.rear();
+        let rim = rear.sagitta(rear.semi_diameter);
+        // The rear surface seen from the film: a rim toward the film looks larger by perspective.
+        let rear_radius = rear.semi_diameter * 1.0_f64.max((rear.vertex - film) / (rear.vertex + rim - film));
+        Self {
+            path: Path::film_to_scene(lens),
+            to_stop: Path::film_to_scene(&behind),
+            stop: lens.surfaces.len() - 1 - stop,
+            film,
+            rear: rear.vertex,
+            rear_radius,
+        }
+    }
+
+    fn ray(&self, height: f64, slope: f64) -> Ray {
+        Ray { origin: [0.0, height, self.film], direction: [0.0, slope, 1.0] }
+    }
+
+    fn passes(&self, height: f64, slope: f64) -> bool {
+        self.path.trace(self.ray(height, slope)).is_ok()
+    }
+
+    /// The slopes that get through from the film point at `height` mm from the axis, or `None` where it
+    /// is dark. Where they are several intervals, from the lowest to the highest.
+    pub fn beam(&self, height: f64) -> Option<Beam> {
+        let distance = self.rear - self.film;
+        // Off the axis a rim in front of or behind the vertex shows shifted: half the reach more.
+        let reach = self.rear_radius + 0.5 * height.abs();
+        let at = |i: u32| (reach * (2.0 * (f64::from(i) + 0.5) / f64::from(SCAN) - 1.0) - height) / distance;
+        let passing = |&i: &u32| self.passes(height, at(i));
+        let (first, last) = match (0..SCAN).find(passing) {
+            Some(first) => (at(first), at((first..SCAN).rev().find(passing)?)),
+            None => [self.through_pinhole(height, at)?; 2].into(),
+        };
+        let (step, holds) = (at(1) - at(0), |slope: f64| self.passes(height, slope));
+        Some(Beam { low: edge(first, first - step, holds), high: edge(last, last + step, holds) })
+    }
+
+    /// The slope through the centre of a stop so narrow that it lies between two slopes of a scan.
+    fn through_pinhole(&self, height: f64, at: impl Fn(u32) -> f64) -> Option<f64> {
+        let in_stop = |slope: f64| {
+            let mut found = f64::NAN;
+            self.path.visit(self.film, [0.0, height], [0.0, slope], |visit| {
+                if visit.surface == self.stop {
+                    found = visit.point[1];
+                }
+                visit.surface < self.stop
+            });
+            found
+        };
+        let mut pairs = (1..SCAN).map(|i| [at(i - 1), at(i)]);
+        let [low, high] = pairs.find(|&[low, high]| in_stop(low) * in_stop(high) <= 0.0)?;
+        Some(root(low, high, in_stop)).filter(|&slope| self.passes(height, slope))
+    }
+
+    /// The ray that stands for the beam of the film point at `height`, in the scene: the one through the
+    /// stop's centre, or where vignetting blocks that, the one nearest to it that gets through.
+    /// `None` where the film is dark.
+    pub fn chief_ray(&self, height: f64) -> Option<Ray> {
+        let Beam { low, high } = self.beam(height)?;
+        let in_stop =
+            |slope: f64| self.to_stop.trace(self.ray(height, slope)).map_or(f64::NAN, |ray| ray.origin[1]);
+        let (below, above) = (in_stop(low), in_stop(high));
+        let slope = if below * above < 0.0 {
+            root(low, high, in_stop)
+        } else if below.abs() < above.abs() {
+            low
+        } else {
+            high
+        };
+        self.path.trace(self.ray(height, slope)).ok()
+    }
+
+    /// Full field angle of film of this diagonal by the real chief ray of its corner, radians; `None`
+    /// where the corner is dark.
+    pub fn real(&self, diagonal: f64) -> Option<f64> {
+        let [_, dy, dz] = self.chief_ray(diagonal / 2.0)?.direction;
+        Some(2.0 * dy.abs().atan2(dz))
+    }
+
+    /// How far from the axis film gets light, looked for up to `radius` mm; `None` where it is dark
+    /// on the axis. `radius` itself where that still gets light.
+    pub fn lit_radius(&self, radius: f64) -> Option<f64> {
+        self.beam(0.0)?;
+        if self.beam(radius).is_some() {
+            return Some(radius);
+        }
+        let (mut lit, mut dark) = (0.0, radius);
+        // A micrometre is finer than the scan tells.
+        while dark - lit > 1e-3 * radius.min(1.0) {
+            let middle = f64::midpoint(lit, dark);
+            if self.beam(middle).is_some() { lit = middle } else { dark = middle }
+        }
+        Some(lit)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{lens::first_order::FirstOrder, prescription::catalogue};
+
+    fn field(name: &str) -> (Lens, Field, f64) {
+        let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
+        let first_order = FirstOrder::of(&lens).expect("focal");
+        let field = Field::new(&lens, first_order.rear_focal_point);
+        (lens, field, first_order.focal_length)
+    }
+
+    #[test]
+    fn the_real_field_of_a_small_film_is_the_paraxial_one() {
+        for name in catalogue::names() {
+            let (_, field, f) = field(name);
+            let real = field.real(1e-3 * f).expect("lit");
+            let thick = paraxial(f, 1e-3 * f);
+            assert!((real / thick - 1.0).abs() < 1e-4, "{name}: {real} is not {thick}");
+        }
+    }
+
+    #[test]
+    fn the_real_fields_are_those_of_the_designs() {
+        // Smith's captions: half field 22 degrees for the double Gauss, 38 for the wide angle.
+        let degrees = |name: &str, half: f64| {
+            let (_, field, f) = field(name);
+            let height = f * half.to_radians().tan();
+            field.real(2.0 * height).expect("lit").to_degrees() / 2.0
+        };
+        assert!((degrees("dgauss.50mm", 22.0) - 22.0).abs() < 1.0);
+        assert!((degrees("wide.22mm", 36.0) - 36.0).abs() < 2.0);
+    }
+
+    #[test]
+    fn a_beam_ends_where_rays_do_and_the_chief_ray_crosses_the_stop_at_its_centre() {
+        let (lens, field, _) = field("dgauss.50mm");
+        let Beam { low, high } = field.beam(8.0).expect("lit");
+        assert!(field.passes(8.0, low) && field.passes(8.0, high));
+        let width = high - low;
+        assert!(!field.passes(8.0, low - 1e-9 * width) && !field.passes(8.0, high + 1e-9 * width));
+        // Back from the scene through the front half, to the stop.
+        let chief = field.chief_ray(8.0).expect("lit");
+        let stop = lens.stop_index().expect("a stop");
+        let front = Lens { surfaces: lens.surfaces[..=stop].to_vec(), ..lens.clone() };
+        let back = Ray { origin: chief.origin, direction: chief.direction.map(|x| -x) };
+        let at_stop = Path::<f64>::scene_to_film(&front).trace(back).expect("passes");
+        assert!(at_stop.origin[1].abs() < 1e-9, "{at_stop:?}");
+    }
+
+    #[test]
+    fn a_stop_narrower_than_a_scans_step_has_a_beam() {
+        let (lens, _, f) = field("dgauss.50mm");
+        let film = FirstOrder::of(&lens).expect("focal").rear_focal_point;
+        let mut pinhole = lens.clone();
+        pinhole.surfaces[lens.stop_index().expect("a stop")].semi_diameter = 1e-5;
+        let (field, narrow) = (Field::new(&lens, film), Field::new(&pinhole, film));
+        for height in [0.0, 1.0, 8.0] {
+            let Beam { low, high } = narrow.beam(height).expect("lit");
+            assert!(low < high && high - low < 1e-5 && narrow.passes(height, f64::midpoint(low, high)));
+            let directions = [&field, &narrow].map(|field| field.chief_ray(height).expect("lit").direction);
+            assert!((directions[0][1] - directions[1][1]).abs() < 1e-8, "{directions:?}");
+        }
+        assert!(narrow.beam(2.0 * f).is_none());
+    }
+
+    #[test]
+    fn a_fisheye_lights_a_circle_and_leaves_the_corner_dark() {
+        let (_, field, _) = field("fisheye.10mm");
+        assert!(field.real(60.0).is_none());
+        let radius = field.lit_radius(30.0).expect("lit on the axis");
+        assert!(field.beam(radius).is_some() && field.beam(radius + 0.01).is_none());
+        assert_eq!(field.lit_radius(1.0), Some(1.0));
+    }
+}

@@ -1,0 +1,91 @@
+//! Film irradiance for unit radiance, by brute force: E(x') = ∫ cos⁴θ' d(slope)² over the rays
+//! that get through (Kolb, Mitchell and Hanrahan 1995, eq. 2, with dA''/Z² = d(slope)²).
+
+use std::f64::consts::PI;
+
+use crate::{
+    lens::pupil::SlopeDisk,
+    numeric::edge,
+    trace::{Path, Ray, Real},
+};
+
+/// The ray from a film point with the given slopes dx/dz and dy/dz.
+pub fn film_ray([x, y]: [f64; 2], film: f64, slopes: [f64; 2]) -> Ray {
+    Ray { origin: [x, y, film], direction: [slopes[0], slopes[1], 1.0] }
+}
+
+/// cos⁴ of the angle between the axis and a ray of these slopes.
+pub fn cos4([sx, sy]: [f64; 2]) -> f64 {
+    (1.0 + sx * sx + sy * sy).powi(-2)
+}
+
+/// Irradiance on the axis for film at `film`, exact but for rounding: the pupil is a disk there
+/// (or rings), whose edges are found along one radius of at most `reach` in slope.
+pub fn on_axis<R: Real>(path: &Path<R>, film: f64, reach: f64) -> f64 {
+    const SCAN: u32 = 512;
+    let passes = |slope: f64| path.trace(film_ray([0.0; 2], film, [slope, 0.0])).is_ok();
+    // ∫ cos⁴ d(slope)² over a disk.
+    let disk = |slope: f64| PI * slope * slope / (1.0 + slope * slope);
+    let at = |i: u32| reach * f64::from(i) / f64::from(SCAN);
+    let mut total = 0.0;
+    let mut open = passes(0.0);
+    for i in 1..=SCAN {
+        let (from, to) = (at(i - 1), at(i));
+        if passes(to) != open {
+            let boundary = disk(edge(from, to, |slope| passes(slope) == open));
+            total += if open { boundary } else { -boundary };
+            open = !open;
+        }
+    }
+    if open { total + disk(reach) } else { total }
+}
+
+/// What a grid of rays over a disk of slopes finds at one film point.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Survey {
+    /// Irradiance for unit radiance through the whole of the grid.
+    pub irradiance: f64,
+    /// The part of it that passes through the second disk.
+    pub inside: f64,
+    /// Area in slope of the rays that pass.
+    pub slope_area: f64,
+}
+
+/// Integrates over `cover` on a square grid of `n` x `n` midpoints, and apart over its part in `within`.
+/// Relative error about 1/n^1.5 from the pupil's edge.
+pub fn survey<R: Real>(
+    path: &Path<R>,
+    film: f64,
+    point: [f64; 2],
+    cover: SlopeDisk,
+    within: SlopeDisk,
+    n: u32,
+) -> Survey {
+    let mut survey = Survey::default();
+    let step = 2.0 * cover.radius / f64::from(n);
+    let at = |i: u32| (f64::from(i) + 0.5) * step - cover.radius;
+    for i in 0..n {
+        for j in 0..n {
+            let offset = [at(i), at(j)];
+            if squared(offset) > cover.radius * cover.radius {
+                continue;
+            }
+            let slopes = [cover.center[0] + offset[0], cover.center[1] + offset[1]];
+            if path.trace(film_ray(point, film, slopes)).is_err() {
+                continue;
+            }
+            let share = cos4(slopes) * step * step;
+            survey.irradiance += share;
+            survey.slope_area += step * step;
+            let offset = [slopes[0] - within.center[0], slopes[1] - within.center[1]];
+            if squared(offset) <= within.radius * within.radius {
+                survey.inside += share;
+            }
+        }
+    }
+    survey
+}
+
+fn squared([x, y]: [f64; 2]) -> f64 {
+    x * x + y * y
+}

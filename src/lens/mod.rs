@@ -1,0 +1,14 @@
+//! The lens at one wavelength and stop: surfaces with indices, refraction, and first-order (thick lens) data with
+//! the pupils. Knows nothing of tracing.
+//!
+//! Lens space throughout: origin at the front vertex, +z toward the scene, millimetres.
+
+pub mod first_order;
+pub mod pupil;
+mod ray;
+pub mod refraction;
+pub mod single_precision;
+mod surfaces;
+
+pub use ray::Ray;
+pub use surfaces::{Lens, LensError, Surface};

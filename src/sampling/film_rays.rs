@@ -1,0 +1,24 @@
+//! Rays that leave the film, in lanes: where they begin, where they head, and what they stand for.
+
+use crate::trace::kernel::Lanes;
+
+/// Film rays.
+#[derive(Clone, Copy, Debug)]
+pub struct FilmRays<L> {
+    /// Where they begin, mm.
+    pub point: [L; 2],
+    /// The points of the unit disk that they stand for; NaN where new lens numbers are asked for.
+    pub disk: [L; 2],
+    pub slopes: [L; 2],
+    /// The slope area that each stands for, over π; NaN where there is none.
+    pub area_per_pi: L,
+}
+
+impl<L: Lanes> FilmRays<L> {
+    /// The squares of the distances from the axis at which they begin, mm².
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn radius_squared(&self) -> L {
+        let [x, y] = self.point;
+        y.mul_add(y, x * x)
+    }
+}

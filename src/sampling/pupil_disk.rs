@@ -1,0 +1,159 @@
+//! The disk that lens samples are drawn from, as ray slopes at the film.
+//!
+//! A disk of radius R in a plane at axial distance Z from the film is, seen from a film point, a disk
+//! of slopes of radius R/Z about the slope to its centre; dA/Z² = d(slope)². In slopes a disk at
+//! infinity or behind the film is like any other.
+
+use std::f64::consts::PI;
+
+use crate::{
+    lens::{
+        Lens,
+        pupil::{ExitPupil, SlopeDisk},
+    },
+    trace::kernel::{Cpu, Lanes, Scalar},
+};
+
+/// A pupil whose distance is more than 1/this times that of the front vertex from the film is at infinity.
+const TELECENTRIC: f64 = 1e-12;
+
+/// A slope drawn from a pupil.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drawn {
+    /// dx/dz and dy/dz of the ray at the film.
+    pub slopes: [f64; 2],
+    /// The area that the sample stands for, slope²: the mean over lens samples of this where the ray gets
+    /// through is the pupil's area.
+    pub area: f64,
+}
+
+/// A disk about the axis, in which every film point's lens samples are drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PupilDisk {
+    /// 1/Z, 1/mm; 0 for a disk at infinity, negative behind the film.
+    vergence: f64,
+    /// R/Z.
+    slope_radius: f64,
+}
+
+impl PupilDisk {
+    /// The rear element's disk in the rear vertex plane, for film at `film` (z in lens space) asked
+    /// for rays up to `reach` mm from the axis.
+    ///
+    /// Where the rear surface's rim lies in front of or behind its vertex the disk is as much larger
+    /// than the clear aperture as it takes to hold every ray from such film through the surface.
+    /// `None` when the film is not behind the whole surface.
+    pub fn rear(lens: &Lens, film: f64, reach: f64) -> Option<Self> {
+        let rear = lens.rear();
+        let distance = rear.vertex - film;
+        let rim = rear.sagitta(rear.semi_diameter);
+        if !(distance > 0.0 && distance + rim > 0.0) {
+            return None;
+        }
+        // A point of the surface at height r and sagitta s projects from film height h to
+        // (r Z + h s)/(Z + s). Over the surface and the film that is largest in size at the rim, for
+        // h on the rim's side where s > 0 and on the other side where s < 0, or at s = 0.
+        let projected = |height: f64| (rear.semi_diameter * distance + height * rim.abs()) / (distance + rim);
+        let radius = rear.semi_diameter.max(projected(0.0)).max(projected(reach));
+        Some(Self { vergence: distance.recip(), slope_radius: radius / distance })
+    }
+
+    /// The thick-lens exit pupil for film at `film`.
+    pub fn exit(lens: &Lens, film: f64) -> Self {
+        let pupil = ExitPupil::of_lens(lens, film);
+        let vergence = pupil.vergence(film);
+        // Rounding leaves something of a telecentric lens's 0.
+        let vergence = if (vergence * film).abs() < TELECENTRIC { 0.0 } else { vergence };
+        Self { vergence, slope_radius: pupil.slopes(0.0, 0.0, film).radius }
+    }
+
+    /// A disk about the axis `distance` mm in front of the film, not 0, with this radius in slope.
+    pub fn about_axis(distance: f64, slope_radius: f64) -> Self {
+        Self { vergence: distance.recip(), slope_radius }
+    }
+
+    /// Radius of the disk in slope: the tangent of the half angle of the cone that it sends to the film's
+    /// centre.
+    pub fn slope_radius(&self) -> f64 {
+        self.slope_radius
+    }
+
+    /// The disk as the film point (`x`, `y`) sees it.
+    pub fn seen_from(&self, [x, y]: [f64; 2]) -> SlopeDisk {
+        SlopeDisk { center: [-x * self.vergence, -y * self.vergence], radius: self.slope_radius }
+    }
+
+    /// The slope that the point `disk` of the unit disk stands for at a film point, mm.
+    pub fn draw(&self, film: [f64; 2], [u, v]: [f64; 2]) -> Drawn {
+        let SlopeDisk { center: [x, y], radius } = self.seen_from(film);
+        Drawn { slopes: [x + radius * u, y + radius * v], area: self.slope_area() }
+    }
+
+    /// The disk as lanes draw from it.
+    pub(crate) fn lane_disk<S: Scalar>(&self) -> LaneDisk<S> {
+        LaneDisk {
+            drift: S::from_f64(-self.vergence),
+            slope_radius: S::from_f64(self.slope_radius),
+            area_per_pi: S::from_f64(self.slope_radius * self.slope_radius),
+        }
+    }
+
+    /// Area of the disk in slopes.
+    pub fn slope_area(&self) -> f64 {
+        PI * self.slope_radius * self.slope_radius
+    }
+
+    /// Area of the disk in mm²; `None` at infinity.
+    pub fn area(&self) -> Option<f64> {
+        let area = self.slope_area() / (self.vergence * self.vergence);
+        area.is_finite().then_some(area)
+    }
+}
+
+/// A [`PupilDisk`] in the precision of lanes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LaneDisk<S> {
+    /// The slope to the centre over the film point, 1/mm.
+    drift: S,
+    slope_radius: S,
+    area_per_pi: S,
+}
+
+impl<S: Scalar> LaneDisk<S> {
+    /// The slopes that points of the unit disk stand for at film points, mm, and the slope area of each over π.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn lanes<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, [x, y]: [L; 2], [u, v]: [L; 2]) -> ([L; 2], L) {
+        let (drift, radius) = (L::splat(cpu, self.drift), L::splat(cpu, self.slope_radius));
+        ([radius.mul_add(u, drift * x), radius.mul_add(v, drift * y)], L::splat(cpu, self.area_per_pi))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::prescription::read;
+
+    #[test]
+    fn the_rear_disk_holds_every_ray_from_the_film_through_the_rear_surface() {
+        // The rim before the vertex (radius < 0), behind it (> 0), and in its plane.
+        for row in ["-12 0 1 16", "12 0 1 16", "0 0 1 16"] {
+            let lens =
+                Lens::at_d_line(&read("lens", format!("30 4 1.6 16\n{row}").as_bytes()).expect("a lens"));
+            let rear = lens.rear();
+            let (film, reach) = (rear.vertex - 30.0, 20.0);
+            let disk = PupilDisk::rear(&lens, film, reach).expect("film behind the lens");
+            for point in [[0.0, 0.0], [reach, 0.0], [-6.0, 8.0]] {
+                let seen = disk.seen_from(point);
+                for ring in [0.3, 0.8, 1.0] {
+                    for angle in (0..36).map(|i| f64::from(i) * PI / 18.0) {
+                        let height = ring * rear.semi_diameter;
+                        let axial = rear.vertex + rear.sagitta(height) - film;
+                        let sx = (height * angle.cos() - point[0]) / axial - seen.center[0];
+                        let sy = (height * angle.sin() - point[1]) / axial - seen.center[1];
+                        assert!(sx.hypot(sy) <= seen.radius * (1.0 + 1e-12), "{row}, {point:?}, {angle}");
+                    }
+                }
+            }
+        }
+    }
+}

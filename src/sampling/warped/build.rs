@@ -1,0 +1,429 @@
+//! Builds the table: outlines at as many film radii as it takes for the ones between to be
+//! interpolated.
+
+use std::cell::Cell;
+
+use super::{
+    outline::{Guess, Outline, direction},
+    row::{CELLS, Knots, Row, TRACE_EVERY},
+    search::{Crossing, Hints},
+    view::{Limit, View},
+};
+use crate::{lens::pupil::SlopeDisk, sampling::PupilDisk, trace::Path};
+
+/// Intervals of film radius that the table begins with.
+pub(crate) const COARSE: usize = 8;
+/// Times that each of them may be halved.
+pub(crate) const DEPTH: u32 = 6;
+/// Smallest intervals.
+pub(crate) const FINE: usize = COARSE << DEPTH;
+
+/// What may be left of a misfit in an interval's middle when that is made a row: a quarter for smooth
+/// outlines, a little more where a corner moves along.
+const AFTER_HALVING: f64 = 0.3;
+/// The same where a corner comes or goes anywhere within the interval, a quarter of it from the end
+/// at worst.
+const WITH_NEW_CORNERS: f64 = 1.0;
+/// Share of the pupil that interpolation may then miss before the halves are halved again.
+const MISSED: f64 = 6e-5;
+/// The same for what the interpolated shape has too much, which costs acceptance.
+const EXCESS: f64 = 3e-3;
+/// Share missed at the greatest depth above which the outline is given up for the rear disk.
+const HOPELESS: f64 = 0.02;
+
+/// Part of the pupil on the axis below which a pupil about to vanish is no longer worth an outline.
+const SLIVER: f64 = 1e-3;
+
+/// τ where the pupil vanishes: not 0, which rounding in single precision would make a negative density of.
+const LEAST_WIDTH: f64 = 1e-6;
+
+/// How far beyond the radius at which a pupil seems to vanish it has to be dark, too, relative.
+const BESIDE_THE_END: f64 = 1e-6;
+
+/// Distance from the centre over the edge's from which light that gets through is another piece's.
+const BESIDE: f64 = 1.001;
+
+/// What the table is built from.
+pub(crate) struct Builder<'a> {
+    pub path: &'a Path,
+    /// z of the film.
+    pub film: f64,
+    /// Largest film radius asked for, mm.
+    pub reach: f64,
+    /// A disk that holds every pupil.
+    pub cover: PupilDisk,
+    /// Film radius times this is about the slope to the pupil's centre.
+    pub drift: f64,
+    pub rays: Cell<u32>,
+    hints: Hints,
+    knots: Knots,
+    /// The film radius at which the pupil vanishes, mm; infinite where that lies beyond reach.
+    vanishing: Cell<f64>,
+}
+
+/// A stretch of film radius between two rows.
+pub(crate) struct Interval {
+    /// In units of the smallest interval.
+    pub from: usize,
+    pub to: usize,
+    pub rows: [Row; 2],
+}
+
+/// Everything that the table keeps.
+pub(crate) struct Layout {
+    /// Film radius at the table's end, mm.
+    pub end: f64,
+    /// Whether no light reaches the film beyond the end.
+    pub dark_beyond: bool,
+    pub intervals: Vec<Interval>,
+}
+
+impl<'a> Builder<'a> {
+    pub fn new(path: &'a Path, film: f64, reach: f64, cover: PupilDisk, drift: f64) -> Self {
+        Self {
+            path,
+            film,
+            reach,
+            cover,
+            drift,
+            rays: Cell::new(0),
+            hints: Hints::new(path.surfaces()),
+            knots: Knots::new(),
+            vanishing: Cell::new(f64::INFINITY),
+        }
+    }
+
+    fn view(&self, height: f64, width: f64) -> View<'_> {
+        View { path: self.path, film: self.film, height, width, rays: &self.rays, hints: &self.hints }
+    }
+
+    fn cover_at(&self, height: f64) -> SlopeDisk {
+        self.cover.seen_from([height, 0.0])
+    }
+
+    fn cover_row(&self, height: f64) -> Row {
+        let center = self.cover.seen_from([1.0, 0.0]).center[0];
+        Row::disk(height, center, self.cover_at(height).radius, false)
+    }
+
+    pub fn layout(&self) -> Layout {
+        let vanishing = self.vanishing_row().filter(|row| !self.leaks_beyond(row.height));
+        let dark_beyond = vanishing.is_some();
+        let end = vanishing.as_ref().map_or(self.reach, |row| row.height);
+        if dark_beyond {
+            self.vanishing.set(end);
+        }
+        let height = |place: usize| {
+            let s = place as f64 / FINE as f64;
+            end * if dark_beyond { s * (2.0 - s) } else { s }
+        };
+        let coarse = self.coarse_rows(&height, vanishing);
+        let axis_area = coarse[0].as_ref().map_or(0.0, |row| row.area);
+        let mut intervals = Vec::new();
+        for (number, pair) in coarse.windows(2).enumerate() {
+            let (from, to) = (number << DEPTH, (number + 1) << DEPTH);
+            match pair {
+                [Some(a), Some(b)] => self.refine(&height, [from, to], [a, b], axis_area, &mut intervals),
+                _ => intervals.push(self.covered(&height, [from, to])),
+            }
+        }
+        center_on_axis(&mut intervals);
+        Layout { end, dark_beyond, intervals }
+    }
+
+    fn covered(&self, height: &impl Fn(usize) -> f64, [from, to]: [usize; 2]) -> Interval {
+        Interval { from, to, rows: [from, to].map(|place| self.cover_row(height(place))) }
+    }
+
+    /// The radius at which the pupil has shrunk to a point, where that lies within reach, or so little beyond that the
+    /// pupil is a sliver there.
+    fn vanishing_row(&self) -> Option<Row> {
+        let scale = self.cover_at(0.0).radius;
+        let mut inside = (0.0, 0.0);
+        for step in 1..=COARSE + 1 {
+            let height = self.reach * step as f64 / COARSE as f64;
+            let guess = if inside.0 > 0.0 { inside.1 * height / inside.0 } else { self.drift * height };
+            let (slope, excess) = self.view(height, 1.0).innermost(guess, scale, true);
+            if excess < 0.0 {
+                inside = (height, slope);
+                continue;
+            }
+            let ratio = if inside.0 > 0.0 { inside.1 / inside.0 } else { self.drift };
+            let best = Cell::new(ratio);
+            let margin = |height: f64| {
+                let (slope, excess) = self.view(height, 1.0).innermost(best.get() * height, scale, false);
+                // Where a search fails it may end anywhere: no guess for one nearer the axis.
+                if excess < 0.0 {
+                    best.set(slope / height);
+                }
+                excess.min(1.0)
+            };
+            let end = root_to(inside.0.max(1e-9 * height), height, 1e-9, margin);
+            // From a guess far off a search may have missed a small pupil; from one this near it does not.
+            let beside = (1.0 + BESIDE_THE_END) * end;
+            if margin(beside) < 0.0 {
+                inside = (beside, best.get() * beside);
+                continue;
+            }
+            return Some(Row {
+                squeeze: (1.0 - LEAST_WIDTH) / (end * end),
+                ..Row::disk(end, best.get(), 0.0, true)
+            });
+        }
+        None
+    }
+
+    /// Whether light gets through anywhere within reach beyond the radius at which the pupil closes.
+    fn leaks_beyond(&self, end: f64) -> bool {
+        const RADII: u32 = 6;
+        const GRID: u32 = 20;
+        if end >= self.reach {
+            return false;
+        }
+        let at = |k: u32| 2.0 * (f64::from(k) + 0.5) / f64::from(GRID) - 1.0;
+        let grid = (0..GRID).flat_map(|i| (GRID / 2..GRID).map(move |j| [at(i), at(j)]));
+        let disk: Vec<_> = grid.filter(|[x, y]| x * x + y * y <= 1.0).collect();
+        (1..=RADII).any(|i| {
+            let height = end + (self.reach - end) * f64::from(i) / f64::from(RADII);
+            let cover = self.cover_at(height);
+            let slopes = disk.iter().map(|[x, y]| [cover.center[0] + cover.radius * x, cover.radius * y]);
+            self.view(height, 1.0).pass(&slopes.collect::<Vec<_>>()).contains(&true)
+        })
+    }
+
+    /// The rows at the ends of the coarse intervals; `None` where only a cover will do.
+    fn coarse_rows(&self, height: &impl Fn(usize) -> f64, mut vanishing: Option<Row>) -> Vec<Option<Row>> {
+        let mut rows: Vec<Option<Row>> = Vec::with_capacity(COARSE + 1);
+        rows.push(self.axial_row());
+        let axis_area = rows[0].as_ref().map_or(0.0, |row| row.area);
+        for number in 1..=COARSE {
+            if number == COARSE && vanishing.is_some() {
+                rows.push(vanishing.take());
+                break;
+            }
+            let height = height(number << DEPTH);
+            let row = rows[number - 1].as_ref().and_then(|before| {
+                let view = self.view(height, before.width());
+                let drift = if number == 1 { self.drift } else { before.center };
+                let [guess, reach] = [drift * height, self.cover_at(height).radius].map(|x| x / view.width);
+                let (inside, excess) = view.innermost(guess, reach, true);
+                if !(excess < 0.0) {
+                    return None;
+                }
+                let outline = self.outline(&view, inside, before)?;
+                (!self.is_in_pieces(&view, &outline)).then(|| self.fit(&view, &outline, axis_area))
+            });
+            rows.push(row);
+        }
+        if let [Some(axis), Some(next), ..] = rows.as_mut_slice() {
+            (axis.center, axis.squeeze) = (next.center, next.squeeze);
+        }
+        rows
+    }
+
+    /// The pupil on the axis: a disk, if it is whole.
+    fn axial_row(&self) -> Option<Row> {
+        let view = self.view(0.0, 1.0);
+        let reach = self.cover_at(0.0).radius;
+        let guess = Crossing { radius: reach, limit: Limit::Optics, steepness: 1.0 };
+        if !(view.excess([0.0, 0.0]).value <= 0.0) {
+            return None;
+        }
+        let edge = view.crossings(0.0, std::iter::once(([1.0, 0.0], guess)))?[0].radius;
+        const SCAN: u32 = 32;
+        let place = |i: u32| (f64::from(i) + 0.5) / f64::from(SCAN);
+        let within: Vec<_> = (0..SCAN).map(|i| [edge * place(i), 0.0]).collect();
+        let hole = view.pass(&within).contains(&false);
+        let beyond = BESIDE * edge;
+        let outside: Vec<_> = (0..SCAN).map(|i| [beyond + (reach - beyond) * place(i), 0.0]).collect();
+        let ring = beyond < reach && view.pass(&outside).contains(&true);
+        (!hole && !ring).then(|| Row::disk(0.0, 0.0, edge, true))
+    }
+
+    /// The outline at `view`, expected to look like `like`.
+    fn outline(&self, view: &View<'_>, inside: f64, like: &Row) -> Option<Outline> {
+        let points: Vec<(f64, f64)> = (0..=CELLS)
+            .step_by(TRACE_EVERY)
+            .map(|knot| {
+                let [x, y] = like.point(knot, self.knots.directions[knot]);
+                let angle = match knot {
+                    0 => 0.0,
+                    CELLS => std::f64::consts::PI,
+                    _ => y.atan2(x),
+                };
+                (angle, (x * x + y * y).sqrt())
+            })
+            .collect();
+        let rising = points.windows(2).all(|pair| pair[0].0 < pair[1].0);
+        if rising {
+            return Outline::trace(view, &Guess { inside, points: &points });
+        }
+        let even: Vec<_> =
+            (0..=CELLS).step_by(TRACE_EVERY).map(|knot| (self.knots.angles[knot], points[0].1)).collect();
+        Outline::trace(view, &Guess { inside, points: &even })
+    }
+
+    fn fit(&self, view: &View<'_>, outline: &Outline, axis_area: f64) -> Row {
+        // Where the pupil vanishes at H, √(1 - h²/H²) is about its width over its height. Half of that keeps τ above 0
+        // between the rows, too; where it does not vanish nothing is squeezed.
+        let lune = (1.0 - (view.height / self.vanishing.get()).powi(2)).max(0.0).sqrt();
+        let least = if lune < 1.0 { lune / 2.0 } else { 1.0 };
+        Row::fit(view, outline, &self.knots, axis_area, least)
+    }
+
+    /// A coarse look for holes inside the outline, and for light that gets through outside it.
+    fn is_in_pieces(&self, view: &View<'_>, outline: &Outline) -> bool {
+        const RAYS: u32 = 12;
+        const WITHIN: u32 = 3;
+        const BEYOND: u32 = 8;
+        let cover = self.cover_at(view.height);
+        let mut cursor = 0;
+        let (mut within, mut beyond) = (Vec::new(), Vec::new());
+        for i in 0..RAYS {
+            let angle = std::f64::consts::PI * (f64::from(i) + 0.5) / f64::from(RAYS);
+            let [dx, dy] = direction(angle);
+            let edge = outline.radius(angle, &mut cursor);
+            let at = |radius: f64| [outline.center + radius * dx, radius * dy];
+            // Along the half-line to where it leaves the cover.
+            let (offset, dx) = (view.width * outline.center - cover.center[0], view.width * dx);
+            let (along, square) = (offset * dx, dx * dx + dy * dy);
+            let inside = cover.radius.powi(2) - offset * offset;
+            let end = ((along * along + square * inside).max(0.0).sqrt() - along) / square;
+            let place = |k: u32, n: u32| (f64::from(k) + 0.5) / f64::from(n);
+            within.extend((0..WITHIN).map(|k| at(edge * place(k, WITHIN))));
+            let radii = (0..BEYOND).map(|k| edge + (end - edge) * place(k, BEYOND));
+            beyond.extend(radii.filter(|&radius| radius > BESIDE * edge).map(at));
+        }
+        view.pass(&within).contains(&false) || view.pass(&beyond).contains(&true)
+    }
+
+    /// Halves an interval until its ends foretell its middle.
+    fn refine(
+        &self,
+        height: &impl Fn(usize) -> f64,
+        [from, to]: [usize; 2],
+        [a, b]: [&Row; 2],
+        axis_area: f64,
+        intervals: &mut Vec<Interval>,
+    ) {
+        if to - from < 2 {
+            intervals.push(match b.area {
+                0.0 => last_sliver([from, to], a, b),
+                _ => Interval { from, to, rows: [a.clone(), b.clone()] },
+            });
+            return;
+        }
+        let place = usize::midpoint(from, to);
+        let middle = height(place);
+        let foretold = a.between(b, middle);
+        let view = self.view(middle, foretold.width());
+        let reach = foretold.factors[0][0].abs();
+        let (inside, depth) = view.innermost(foretold.center * middle / view.width, reach, true);
+        let outline = if depth < 0.0 { self.outline(&view, inside, &foretold) } else { None };
+        let Some(outline) = outline else {
+            intervals.push(if b.area == 0.0 && a.area < SLIVER * axis_area {
+                last_sliver([from, to], a, b)
+            } else {
+                self.covered(height, [from, to])
+            });
+            return;
+        };
+        let row = self.fit(&view, &outline, axis_area);
+        let same_corners = a.corners == b.corners && a.corners == row.corners;
+        let part = if same_corners { AFTER_HALVING } else { WITH_NEW_CORNERS };
+        let (missed, excess) = row.misfit(&foretold, &outline, &self.knots, part);
+        if missed > HOPELESS && to - from == 2 && a.area > SLIVER * axis_area {
+            intervals.push(self.covered(height, [from, to]));
+        } else if missed > MISSED || excess > EXCESS.max(4.0 * row.margin) {
+            self.refine(height, [from, place], [a, &row], axis_area, intervals);
+            self.refine(height, [place, to], [&row, b], axis_area, intervals);
+        } else {
+            intervals.push(Interval { from, to: place, rows: [a.clone(), row.clone()] });
+            intervals.push(Interval { from: place, to, rows: [row, b.clone()] });
+        }
+    }
+}
+
+/// The last interval before the pupil vanishes. Its height falls faster than evenly; a map that keeps
+/// half its size covers that.
+fn last_sliver([from, to]: [usize; 2], a: &Row, b: &Row) -> Interval {
+    let mut end = b.clone();
+    end.factors = a.factors.iter().map(|m| m.map(|x| x / 2.0)).collect();
+    Interval { from, to, rows: [a.clone(), end] }
+}
+
+/// C/h and the squeeze on the axis, where nothing tells them: even in h, so by extrapolation in h² from the next two
+/// rows.
+fn center_on_axis(intervals: &mut [Interval]) {
+    let [first, second, ..] = intervals else { return };
+    let [axis, one] = &mut first.rows;
+    let two = &second.rows[1];
+    if axis.fitted && one.fitted && two.fitted {
+        let (h1, h2) = (one.height * one.height, two.height * two.height);
+        let on_axis = |one: f64, two: f64| one - (two - one) * h1 / (h2 - h1);
+        // The squeeze not below 0: the map would leave the disks of `WarpedPupil::bands`.
+        (axis.center, axis.squeeze) =
+            (on_axis(one.center, two.center), on_axis(one.squeeze, two.squeeze).max(0.0));
+    } else {
+        (axis.center, axis.squeeze) = (one.center, one.squeeze);
+    }
+}
+
+/// A root of `f` in `[a, b]`, where it is negative at `a` and positive at `b`, to `tolerance` relative: the
+/// end at which it is positive.
+fn root_to(mut a: f64, mut b: f64, tolerance: f64, f: impl Fn(f64) -> f64) -> f64 {
+    let (mut fa, mut fb) = (f(a), f(b));
+    if fa >= 0.0 {
+        return a;
+    }
+    let mut last_was_inside = None;
+    while b - a > tolerance * b {
+        let secant = b - fb * (b - a) / (fb - fa);
+        // A little beyond the secant's answer, so that the bracket closes from both sides.
+        let x = secant.clamp(a + 0.01 * (b - a), b - 0.01 * (b - a));
+        let fx = f(x);
+        let inside = fx < 0.0;
+        if inside {
+            (a, fa) = (x, fx);
+            if last_was_inside == Some(true) {
+                fb /= 2.0;
+            }
+        } else {
+            (b, fb) = (x, fx);
+            if last_was_inside == Some(false) {
+                fa /= 2.0;
+            }
+        }
+        last_was_inside = Some(inside);
+    }
+    b
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{imaging::focus::Focus, lens::Lens, prescription::catalogue};
+
+    #[test]
+    fn no_row_is_squeezed_to_nothing_or_stretched() {
+        for name in catalogue::names() {
+            for stop in [1.0, 0.5, 0.1, 0.01] {
+                let mut lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
+                let row = lens.stop_index().expect("a stop");
+                lens.surfaces[row].semi_diameter *= stop;
+                let focus = Focus::new(&lens).expect("focal");
+                let film = lens.rear().vertex - focus.film_distance(f64::INFINITY).expect("reachable");
+                let path = Path::film_to_scene(&lens);
+                let cover = PupilDisk::rear(&lens, film, 100.0).expect("behind the lens");
+                let drift = PupilDisk::exit(&lens, film).seen_from([1.0, 0.0]).center[0];
+                let Layout { dark_beyond, intervals, .. } =
+                    Builder::new(&path, film, 100.0, cover, drift).layout();
+                assert!(dark_beyond, "{name} {stop}");
+                for row in intervals.iter().flat_map(|interval| &interval.rows) {
+                    let squeezed = row.squeeze >= 0.0 && row.width() > 0.0;
+                    assert!(squeezed, "{name} {stop} at {}: {}", row.height, row.squeeze);
+                }
+            }
+        }
+    }
+}

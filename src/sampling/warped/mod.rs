@@ -1,0 +1,378 @@
+//! The warped pupil: lens samples drawn from the true pupil of each film point.
+//!
+//! The pupil of a film point at distance h from the axis, in slopes at the film and turned so that the
+//! point lies on the +x axis, is the image of the unit disk under
+//!
+//! ```text
+//! d -> C + M(direction of d) d        (complex numbers)
+//! ```
+//!
+//! C = c h lies inside, and M takes each half-line from the disk's centre to one from C, its end to
+//! the pupil's edge. M is tabulated so that equal areas of the disk go to equal areas of the pupil (an
+//! equal-area fan), at knots in a pseudo-angle q and at film radii chosen so that interpolation
+//! between them, linear in both, fits. Written in the film's own frame, at the film point p = h e,
+//!
+//! ```text
+//! slope = c(h) p + M(q, h) d,   q = 1 - a/(|a| + |b|),   a + i b = d * conj(p),
+//! ```
+//!
+//! with the conjugate of M where b < 0, the pupil being symmetric: turning the film point turns the
+//! pupil under a disk that stays, so that for fixed lens numbers the slope is continuous over
+//! the film, through the axis too, where M is the same in every direction. A round pupil is exactly
+//! round. The map's Jacobian is |M|² + Im(conj(M) dM/dφ), with dq/dφ = |d|²/(|a| + |b|)²: the exact
+//! density of what is drawn, whatever the table, so that the only bias is the share of the
+//! pupil that the map does not reach.
+//!
+//! Toward the radius at which it vanishes a pupil becomes a lune ever higher than wide, between whose knots the map
+//! would bulge by a part of its height. There M takes the disk to a pupil as wide as high, which is then squeezed along
+//! p to τ = 1 - λ(h) h² of its size: M d - λ (M d · p) p in the place of M d, τ times the density. λ is tabulated, too.
+//!
+//! One evaluation takes one or two roots, a division, no trigonometry and three times four neighbouring
+//! floats, four times with λ. It is written once, over lanes of either precision: a single draw has the bits of a
+//! batch's.
+//!
+//! Where no such map fits (a pupil in pieces, with holes, or of an edge that no half-line meets once)
+//! the table holds the rear element's disk, and what falls beside the pupil is blocked.
+
+mod build;
+mod outline;
+mod row;
+mod search;
+mod view;
+
+use std::f64::consts::PI;
+
+use self::{
+    build::{Builder, FINE, Layout},
+    row::CELLS,
+};
+use super::{Drawn, PupilDisk, pupil_disk::LaneDisk};
+use crate::sampling::film_rays::FilmRays;
+use crate::{
+    plan::apertures::Band,
+    trace::{
+        Path, Real,
+        kernel::{Compiled, Cpu, Lanes, Portable, Scalar, Simd},
+    },
+};
+
+/// The true pupil of every point of a film. Immutable once built.
+#[derive(Clone, Debug)]
+pub struct WarpedPupil {
+    /// Film radius at the table's end, mm.
+    end: f64,
+    /// Whether the pupil has vanished at the end; film radius is then tabulated in
+    /// s = 1 - sqrt(1 - h/end), in which the shrinking outline is smooth.
+    dark_beyond: bool,
+    /// Two pairs of each smallest interval of s: where in the table the row below it begins, and the reciprocal of that
+    /// row's width in smallest intervals; c there, and c's step to the next row.
+    cells: Vec<[f32; 2]>,
+    /// Two pairs of each smallest interval where the pupil vanishes, else none: λ at the row below, and its step to the
+    /// next row; c's bend between the rows, for in h it goes straight and in s it does not, and a 0 that fills the
+    /// pair.
+    squeezes: Vec<[f32; 2]>,
+    /// Rows of [`STRIDE`]: M's knots.
+    table: Vec<[f32; 2]>,
+    cover: PupilDisk,
+    build: BuildReport,
+}
+
+/// Its square is half the knots' intervals: those that pass while q grows by 1.
+const ROOT: f64 = 8.0;
+const _: () = assert!((ROOT * ROOT) as usize == CELLS / 2);
+
+/// Pairs a row.
+const STRIDE: usize = CELLS + 1;
+/// Rings of [`WarpedPupil::bands`].
+const BANDS: usize = 4;
+
+/// What building the table took, and what it could not fit.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BuildReport {
+    /// Film radii in the table.
+    pub rows: usize,
+    /// Rays traced.
+    pub rays: u32,
+    /// Share of the film radius over which the rear element's disk is used instead of an outline.
+    pub covered: f64,
+}
+
+impl WarpedPupil {
+    /// Tabulates the pupils of film points up to `reach` mm from the axis, on film at `film` (z in
+    /// lens space). `cover` is a disk that holds them all; `drift` an estimate of the slope to the
+    /// pupil's centre over the film radius, 1/mm.
+    pub fn new(path: &Path, film: f64, reach: f64, cover: PupilDisk, drift: f64) -> Self {
+        let builder = Builder::new(path, film, reach, cover, drift);
+        let layout = builder.layout();
+        Self::pack(layout, cover, builder.rays.get())
+    }
+
+    fn pack(layout: Layout, cover: PupilDisk, rays: u32) -> Self {
+        let Layout { end, dark_beyond, intervals } = layout;
+        let mut table: Vec<[f32; 2]> = Vec::with_capacity((intervals.len() + 1) * STRIDE);
+        let mut cells = Vec::with_capacity(2 * FINE);
+        let mut squeezes = Vec::new();
+        let mut covered = 0.0;
+        let mut joined: Option<bool> = None;
+        for interval in &intervals {
+            let [low, high] = &interval.rows;
+            // A row serves the intervals on both its sides, unless only one of them is covered.
+            if joined == Some(low.fitted) {
+                table.truncate(table.len() - STRIDE);
+            }
+            let width = interval.to - interval.from;
+            let [from, to] = [low, high].map(|row| row.center as f32);
+            let cell = [[table.len() as f32, (width as f32).recip()], [from, to - from]];
+            cells.extend(std::iter::repeat_n(cell, width).flatten());
+            if dark_beyond {
+                let [squeeze, next] = [low, high].map(|row| row.squeeze as f32);
+                // h is s (2 - s) of the end: (h - h₀)/(h₁ - h₀) of an interval is t + t (1 - t) width/(2 - s₀ - s₁).
+                let bend = width as f32 / (2 * FINE - interval.from - interval.to) as f32;
+                let cell = [[squeeze, next - squeeze], [bend * (to - from), 0.0]];
+                squeezes.extend(std::iter::repeat_n(cell, width).flatten());
+            }
+            for row in [low, high] {
+                table.extend(row.factors.iter().map(|factor| factor.map(|x| x as f32)));
+            }
+            joined = Some(high.fitted);
+            if !low.fitted {
+                covered += (high.height - low.height) / end;
+            }
+        }
+        let build = BuildReport { rows: table.len() / STRIDE, rays, covered };
+        Self { end, dark_beyond, cells, squeezes, table, cover, build }
+    }
+
+    /// What building the table took.
+    pub fn build_report(&self) -> BuildReport {
+        self.build
+    }
+
+    /// The film radius from which on no light arrives, mm, where that lies within reach or at most an eighth beyond.
+    pub fn image_radius(&self) -> Option<f64> {
+        self.dark_beyond.then_some(self.end)
+    }
+
+    /// Rings of the film with disks of slopes that hold everything drawn there.
+    pub fn bands(&self) -> Vec<Band> {
+        /// Each holds every slope that single precision can make of the table.
+        const ROUNDING: f64 = 1e-5;
+        let height = |cell: usize| {
+            let s = cell as f64 / FINE as f64;
+            self.end * if self.dark_beyond { s * (2.0 - s) } else { s }
+        };
+        (0..BANDS)
+            .map(|number| {
+                let [from, to] = [number, number + 1].map(|number| number * FINE / BANDS);
+                let mut band =
+                    Band { radii: [height(from), height(to)], center: [f64::MAX, f64::MIN], radius: 0.0 };
+                for cell in self.cells[2 * from..2 * to].chunks_exact(2) {
+                    let (row, [center, step]) = (cell[0][0] as usize, cell[1].map(f64::from));
+                    band.center = [
+                        band.center[0].min(center).min(center + step),
+                        band.center[1].max(center).max(center + step),
+                    ];
+                    // The row below and the one above.
+                    let knots = self.table[row..row + 2 * STRIDE].iter();
+                    let longest = knots.map(|m| m[0] * m[0] + m[1] * m[1]).fold(0.0, f32::max);
+                    band.radius = band.radius.max(f64::from(longest).sqrt() * (1.0 + ROUNDING));
+                }
+                band
+            })
+            .collect()
+    }
+
+    /// The slope that the point `disk` of the unit disk stands for at a film point, mm; `None` where the
+    /// film is dark.
+    pub fn draw(&self, film: [f64; 2], disk: [f64; 2]) -> Option<Drawn> {
+        let mut drawn = Drawn { slopes: [0.0; 2], area: f64::NAN };
+        Simd::best().run(One { pupil: self, film, disk, drawn: &mut drawn });
+        (!drawn.area.is_nan()).then_some(drawn)
+    }
+
+    /// What a draw in a precision computes with.
+    pub(crate) fn frame<S: Scalar>(&self) -> Frame<S> {
+        let fine = FINE as f64;
+        let scale = if self.dark_beyond { fine * fine } else { fine } / self.end;
+        Frame { scale: S::from_f64(scale), cover: self.cover.lane_disk() }
+    }
+
+    /// [`WarpedPupil::draw`] in lanes: gives rays their slopes and area. Where there is nothing to draw the area is
+    /// NaN.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn lanes<L: Lanes, const U: usize>(
+        &self,
+        cpu: Cpu<L>,
+        frame: &Frame<L::Scalar>,
+        rays: &mut [FilmRays<L>; U],
+    ) {
+        let mut radii = [self.radius(cpu, frame, &rays[0]); U];
+        for u in 1..U {
+            radii[u] = self.radius(cpu, frame, &rays[u]);
+        }
+        let mut places = [self.place(cpu, &rays[0], &radii[0]); U];
+        for u in 1..U {
+            places[u] = self.place(cpu, &rays[u], &radii[u]);
+        }
+        let mut all_inside = true;
+        for u in 0..U {
+            self.aim(cpu, &places[u], &mut rays[u]);
+            all_inside &= L::all(radii[u].inside);
+        }
+        if !all_inside {
+            for u in 0..U {
+                self.cover(cpu, frame, radii[u].inside, &mut rays[u]);
+            }
+        }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn radius<L: Lanes>(&self, cpu: Cpu<L>, frame: &Frame<L::Scalar>, ray: &FilmRays<L>) -> Radius<L> {
+        let [x, y] = ray.point;
+        let height = y.mul_add(y, x * x).sqrt();
+        let scale = L::splat(cpu, frame.scale);
+        let s = if self.dark_beyond {
+            let end = L::splat(cpu, L::Scalar::from_f64((FINE * FINE) as f64));
+            L::splat(cpu, L::Scalar::from_f64(FINE as f64)) - height.neg_mul_add(scale, end).sqrt()
+        } else {
+            height * scale
+        };
+        // `smaller` leaves no NaN.
+        let place = s.smaller(L::splat(cpu, L::Scalar::from_f64((FINE - 1) as f64)));
+        Radius { inside: s.less(L::splat(cpu, L::Scalar::from_f64(FINE as f64))), s, place }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn place<L: Lanes>(&self, cpu: Cpu<L>, ray: &FilmRays<L>, radius: &Radius<L>) -> Place<L> {
+        let ([x, y], [u, v]) = (ray.point, ray.disk);
+        let [[row, per_width, center, center_step]] = L::look_up::<1, 2>(&self.cells, radius.place, [0]);
+        // A row begins at a multiple of its width, a power of 2.
+        let part = radius.s.mul_sub(per_width, (radius.place * per_width).trunc());
+        // The disk's point in the frame of the film point, mirrored into the upper half.
+        let (a, b) = (v.mul_add(y, u * x), u.neg_mul_add(y, v * x));
+        // Scaled so that squares and products count knots. On the axis, where there is no direction, any will do.
+        let root = L::splat(cpu, L::Scalar::from_f64(ROOT));
+        let per_span = root / (a.abs() + b.abs()).larger(L::splat(cpu, L::Scalar::NO_SQUARE));
+        let (along, aside) = (a * per_span, b * per_span);
+        let place = along.neg_mul_add(root, L::splat(cpu, L::Scalar::from_f64(ROOT * ROOT)));
+        let knot = place.smaller(L::splat(cpu, L::Scalar::from_f64((CELLS - 1) as f64))).trunc();
+        let mut center = part.mul_add(center_step, center);
+        let mut squeeze = L::splat(cpu, L::Scalar::ZERO);
+        if !self.squeezes.is_empty() {
+            let [[at, step, bend, _]] = L::look_up::<1, 2>(&self.squeezes, radius.place, [0]);
+            squeeze = part.mul_add(step, at);
+            center = part.neg_mul_add(part, part).mul_add(bend, center);
+        }
+        Place {
+            part,
+            center,
+            squeeze,
+            first: knot + row,
+            offset: place - knot,
+            turn: aside.mul_add(aside, along * along),
+            below: b.less(L::splat(cpu, L::Scalar::ZERO)),
+        }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn aim<L: Lanes>(&self, cpu: Cpu<L>, place: &Place<L>, ray: &mut FilmRays<L>) {
+        let Place { part, center, squeeze, first, offset, turn, below } = *place;
+        let ([x, y], [u, v]) = (ray.point, ray.disk);
+        let [mut pairs, above] = L::look_up::<2, 1>(&self.table, first, [0, STRIDE]);
+        let mut k = 0;
+        while k < 4 {
+            pairs[k] = part.mul_add(above[k] - pairs[k], pairs[k]);
+            k += 1;
+        }
+        let [re, im, re_next, im_next] = pairs;
+        let (re_step, im_step) = (re_next - re, im_next - im);
+        let (re, im) = (offset.mul_add(re_step, re), offset.mul_add(im_step, im));
+        let twist = im.neg_mul_add(re_step, re * im_step);
+        let jacobian = twist.mul_add(turn, im.mul_add(im, re * re));
+        let im = L::select(below, L::splat(cpu, L::Scalar::ZERO) - im, im);
+        if self.squeezes.is_empty() {
+            ray.slopes =
+                [im.neg_mul_add(v, re.mul_add(u, center * x)), im.mul_add(u, re.mul_add(v, center * y))];
+            ray.area_per_pi = jacobian;
+            return;
+        }
+        let (across, up) = (im.neg_mul_add(v, re * u), im.mul_add(u, re * v));
+        let shift = squeeze.neg_mul_add(up.mul_add(y, across * x), center);
+        ray.slopes = [shift.mul_add(x, across), shift.mul_add(y, up)];
+        let one = L::splat(cpu, L::Scalar::ONE);
+        ray.area_per_pi = jacobian * squeeze.neg_mul_add(ray.radius_squared(), one);
+    }
+
+    /// Draws from the cover what film points beyond the table ask for, or nothing where film is dark there.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn cover<L: Lanes>(&self, cpu: Cpu<L>, frame: &Frame<L::Scalar>, inside: L::Mask, ray: &mut FilmRays<L>) {
+        if self.dark_beyond {
+            ray.area_per_pi =
+                L::select(inside, ray.area_per_pi, L::splat(cpu, L::Scalar::from_f64(f64::NAN)));
+            return;
+        }
+        let (slopes, area) = frame.cover.lanes(cpu, ray.point, ray.disk);
+        for (to, slope) in ray.slopes.iter_mut().zip(slopes) {
+            *to = L::select(inside, *to, slope);
+        }
+        ray.area_per_pi = L::select(inside, ray.area_per_pi, area);
+    }
+}
+
+/// Where along the film radius points lie.
+#[derive(Clone, Copy)]
+struct Radius<L: Lanes> {
+    /// Whether the table reaches so far.
+    inside: L::Mask,
+    /// In smallest intervals.
+    s: L,
+    /// Its whole part is the number of one of them.
+    place: L,
+}
+
+/// Where in the table samples lie.
+#[derive(Clone, Copy)]
+struct Place<L: Lanes> {
+    /// Of the way from one row to the next.
+    part: L,
+    /// c.
+    center: L,
+    /// λ.
+    squeeze: L,
+    /// Where in the table the knot before the direction stands, in the row before the film radius.
+    first: L,
+    /// From there to the direction, in knots.
+    offset: L,
+    /// d(knots)/dφ.
+    turn: L,
+    /// In the lower half, where the map is mirrored.
+    below: L::Mask,
+}
+
+/// What a draw computes with, in its precision.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Frame<S> {
+    /// Smallest intervals a mm; where film is dark beyond, times their number.
+    scale: S,
+    cover: LaneDisk<S>,
+}
+
+/// One draw by the processor's own fused multiplications.
+struct One<'a> {
+    pupil: &'a WarpedPupil,
+    film: [f64; 2],
+    disk: [f64; 2],
+    drawn: &'a mut Drawn,
+}
+
+impl Compiled for One<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let ([x, y], [u, v]) = (self.film, self.disk);
+        let (point, disk) = ([Portable([x]), Portable([y])], [Portable([u]), Portable([v])]);
+        let mut rays = [FilmRays { point, disk, slopes: disk, area_per_pi: Portable([0.0]) }];
+        self.pupil.lanes(Cpu::any(), &self.pupil.frame(), &mut rays);
+        let [FilmRays { slopes: [Portable([sx]), Portable([sy])], area_per_pi: Portable([area]), .. }] = rays;
+        *self.drawn = Drawn { slopes: [sx, sy], area: PI * area };
+    }
+}

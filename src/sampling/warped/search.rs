@@ -1,0 +1,195 @@
+//! Searches for the pupil's edge along half-lines, several side by side.
+
+use std::cell::Cell;
+
+use super::view::{Excess, Limit, View};
+
+/// A point of the edge along a half-line of slopes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Crossing {
+    /// Distance from the half-line's start, in slope.
+    pub radius: f64,
+    pub limit: Limit,
+    /// d(excess)/d(ln radius) there; a hint for the next search.
+    pub steepness: f64,
+}
+
+/// Relative accuracy of a crossing: the table's margin is sixty times as much.
+const ACCURACY: f64 = 1e-5;
+/// How far off a neighbour's steepness is taken to be, relative.
+const NEIGHBOUR: f64 = 0.1;
+/// The same of one that the same limit had anywhere else.
+const ANYWHERE: f64 = 1.0;
+/// Distance of a secant's two points, over the radius, up to which it is relied on. Its error is its step times its
+/// span times half the relative curvature, and the height in an aperture is nearly linear in the slope.
+const LAST_SPAN: f64 = 3e-2;
+/// Steps that take any bracket to its last bits.
+const MOST_STEPS: u32 = 120;
+
+/// What a search knows of one limit.
+#[derive(Clone, Copy)]
+struct Known {
+    limit: Limit,
+    /// The last ray that this limit decided.
+    radius: f64,
+    value: f64,
+    /// Where it alone would have the edge.
+    edge: f64,
+}
+
+/// A search along one half-line. The excess is the largest of one smooth function a limit, so that each limit has its
+/// own secant, and the edge is the nearest that one of them foretells.
+struct Search {
+    direction: [f64; 2],
+    guess: Crossing,
+    /// Where the next ray goes.
+    radius: f64,
+    /// The bracket.
+    inside: f64,
+    outside: f64,
+    /// What stopped the ray at its outer end.
+    limit: Limit,
+    known: Vec<Known>,
+    step: u32,
+}
+
+/// How a search goes on.
+enum Next {
+    Ray,
+    Edge(Crossing),
+    Nowhere,
+}
+
+impl Search {
+    fn new(direction: [f64; 2], guess: Crossing) -> Self {
+        Self {
+            direction,
+            guess,
+            radius: guess.radius,
+            inside: 0.0,
+            outside: f64::INFINITY,
+            limit: Limit::Optics,
+            known: Vec::new(),
+            step: 0,
+        }
+    }
+
+    /// Learns what became of the ray at `radius`. `hint` is a steepness that the ray's limit had elsewhere.
+    fn learn(&mut self, excess: Excess, hint: Option<f64>) -> Next {
+        let Self { guess, radius, .. } = *self;
+        let Excess { value, limit } = excess;
+        if value <= 0.0 {
+            self.inside = radius;
+        } else {
+            self.outside = radius;
+            self.limit = limit;
+        }
+        let (inside, outside) = (self.inside, self.outside);
+        let place = self.known.iter().position(|known| known.limit == limit);
+        let last = place.map(|place| self.known.swap_remove(place)).filter(|last| last.value != value);
+        let (steepness, doubt) = match last {
+            _ if limit == Limit::Optics => (f64::NAN, f64::INFINITY),
+            Some(last) => {
+                let span = (radius - last.radius).abs() / radius;
+                let steepness = radius * (value - last.value) / (radius - last.radius);
+                (steepness, if span <= LAST_SPAN { span } else { f64::INFINITY })
+            }
+            None if guess.limit == limit => (guess.steepness, NEIGHBOUR),
+            None => hint.map_or((guess.steepness, f64::INFINITY), |hint| (hint, ANYWHERE)),
+        };
+        let step = value / steepness;
+        let edge = radius - step * radius;
+        let foretold =
+            self.known.iter().map(|known| known.edge).filter(|&edge| edge > inside && edge < outside);
+        let others = foretold.fold(f64::INFINITY, f64::min);
+        // Where rays are lost within the aperture, its own edge lies outside the bracket and is none of the pupil's.
+        let is_between = edge > 0.0 && edge >= inside && edge <= others.min((1.0 + ACCURACY) * outside);
+        if step.abs() * doubt <= ACCURACY && is_between {
+            return Next::Edge(Crossing { radius: edge, limit, steepness });
+        }
+        if outside.is_finite() && outside - inside <= ACCURACY * outside {
+            let steepness =
+                if self.limit == limit && !steepness.is_nan() { steepness } else { guess.steepness };
+            return Next::Edge(Crossing { radius: inside, limit: self.limit, steepness });
+        }
+        self.known.push(Known { limit, radius, value, edge });
+        let mut next = edge.min(others);
+        // Where that leads nowhere, and now and then in any case, the bracket's middle.
+        if !(next > inside && next < outside) || self.step % 8 == 7 {
+            next = if outside.is_finite() { f64::midpoint(inside, outside) } else { 2.0 * radius };
+        } else if outside == f64::INFINITY {
+            next = next.min(4.0 * radius);
+        }
+        self.step += 1;
+        if !(next > 0.0 && next.is_finite()) || self.step == MOST_STEPS {
+            return Next::Nowhere;
+        }
+        self.radius = next;
+        Next::Ray
+    }
+}
+
+/// The steepness that each surface's aperture had where it last was the limit.
+pub(crate) struct Hints(Vec<Cell<f64>>);
+
+impl Hints {
+    pub fn new(surfaces: usize) -> Self {
+        Self(vec![Cell::new(f64::NAN); surfaces])
+    }
+
+    fn of(&self, limit: Limit) -> Option<f64> {
+        let Limit::Aperture(surface) = limit else { return None };
+        Some(self.0[surface].get()).filter(|steepness| !steepness.is_nan())
+    }
+
+    fn note(&self, edge: &Crossing) {
+        if let Limit::Aperture(surface) = edge.limit {
+            self.0[surface].set(edge.steepness);
+        }
+    }
+}
+
+impl View<'_> {
+    /// The edge along half-lines from (`center`, 0), which lies inside: unit directions, and about where.
+    /// `None` when one of them has none.
+    pub fn crossings(
+        &self,
+        center: f64,
+        half_lines: impl Iterator<Item = ([f64; 2], Crossing)>,
+    ) -> Option<Vec<Crossing>> {
+        let mut searches: Vec<Search> =
+            half_lines.map(|(direction, guess)| Search::new(direction, guess)).collect();
+        let mut edges = vec![None; searches.len()];
+        let mut open: Vec<usize> = (0..searches.len()).collect();
+        let mut slopes = Vec::with_capacity(open.len());
+        let mut found = Vec::with_capacity(open.len());
+        while !open.is_empty() {
+            slopes.clear();
+            slopes.extend(open.iter().map(|&i| {
+                let Search { direction: [dx, dy], radius, .. } = searches[i];
+                [center + radius * dx, radius * dy]
+            }));
+            self.excesses(&slopes, &mut found);
+            let mut excesses = found.iter();
+            let mut nowhere = false;
+            open.retain(|&i| {
+                match excesses.next().map(|&excess| searches[i].learn(excess, self.hints.of(excess.limit))) {
+                    Some(Next::Ray) => true,
+                    Some(Next::Edge(edge)) => {
+                        self.hints.note(&edge);
+                        edges[i] = Some(edge);
+                        false
+                    }
+                    Some(Next::Nowhere) | None => {
+                        nowhere = true;
+                        false
+                    }
+                }
+            });
+            if nowhere {
+                return None;
+            }
+        }
+        edges.into_iter().collect()
+    }
+}

@@ -1,0 +1,74 @@
+//! What the fuzz targets check (`fuzz/bodies`), on random bytes and on mutations of what is right.
+
+#[path = "../../fuzz/bodies/c_abi.rs"]
+mod c_abi;
+#[path = "../../fuzz/bodies/lens_text.rs"]
+mod lens_text;
+use super::support;
+
+use proptest::prelude::*;
+
+const FILES: [&[u8]; 4] = [
+    include_bytes!("../../lenses/dgauss.100mm.dat"),
+    include_bytes!("../../lenses/dgauss.50mm.dat"),
+    include_bytes!("../../lenses/fisheye.10mm.dat"),
+    b"\xEF\xBB\xBF50\r\n20,5,1.5,10 # \xDF\r\n-20 30 0 10",
+];
+
+/// Bytes of a lens file, some of them replaced by what matters to the reader, or cut out.
+fn mutated() -> impl Strategy<Value = Vec<u8>> {
+    let piece = prop_oneof![
+        Just(b"-".to_vec()),
+        Just(b"1e308".to_vec()),
+        Just(b"-0".to_vec()),
+        Just(b"5e-324".to_vec()),
+        Just(b" stop ".to_vec()),
+        Just(b"inf".to_vec()),
+        Just(b"\n".to_vec()),
+        Just(b",".to_vec()),
+        Just(b"#".to_vec()),
+        proptest::collection::vec(any::<u8>(), 0..3),
+        "[0-9]{1,2}".prop_map(String::into_bytes),
+    ];
+    let edits = proptest::collection::vec((any::<prop::sample::Index>(), 0..3_usize, piece), 0..6);
+    (prop::sample::select(FILES.to_vec()), edits).prop_map(|(file, edits)| {
+        let mut bytes = file.to_vec();
+        for (at, cut, piece) in edits {
+            let at = at.index(bytes.len() + 1);
+            let end = (at + cut).min(bytes.len());
+            bytes.splice(at..end, piece);
+        }
+        bytes
+    })
+}
+
+fn bytes(size: usize) -> impl Strategy<Value = Vec<u8>> {
+    proptest::collection::vec(any::<u8>(), 0..size)
+}
+
+/// Runs `body` on many inputs; at least `least` must be accepted, or nothing is tested.
+fn many(strategy: impl Strategy<Value = Vec<u8>>, least: u32, body: fn(&[u8]) -> bool) {
+    const CASES: u32 = 4000;
+    let accepted = std::cell::Cell::new(0);
+    proptest::test_runner::TestRunner::new(support::cases(CASES))
+        .run(&strategy, |data| {
+            accepted.set(accepted.get() + u32::from(body(&data)));
+            Ok(())
+        })
+        .unwrap_or_else(|error| panic!("{error}"));
+    assert!(accepted.get() >= least, "only {} of {CASES} were accepted", accepted.get());
+}
+
+#[test]
+fn any_bytes_are_a_lens_or_an_error_with_its_place() {
+    many(bytes(200), 0, lens_text::run);
+    many(mutated(), 400, lens_text::run);
+}
+
+#[test]
+fn any_options_are_a_camera_that_answers_in_numbers_or_an_error_with_a_message() {
+    many(bytes(400), 100, c_abi::run);
+    let with_text = (proptest::collection::vec(any::<u8>(), 320), mutated())
+        .prop_map(|(options, text)| [options, text].concat());
+    many(with_text, 100, c_abi::run);
+}

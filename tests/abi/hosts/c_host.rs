@@ -1,0 +1,216 @@
+//! The C ABI as a C99 program sees it that knows nothing but `include/realistic.h`.
+//!
+//! With `REALISTIC_VALGRIND=1` every run goes through valgrind.
+
+use super::harness;
+
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+use harness::{C99, CXX11, Report, Run, c_compiler, compile_with, compiler};
+
+fn source(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
+}
+
+fn run(action: &str) -> Report {
+    static HOST: OnceLock<PathBuf> = OnceLock::new();
+    let host = HOST.get_or_init(|| {
+        let libraries = ["-ldl", "-lpthread", "-lm"];
+        compile_with(&c_compiler(), &C99, &source("tests/abi/hosts/c_host.c"), "c_host", &libraries)
+    });
+    Run::of(host, &harness::plugin(), action).run()
+}
+
+/// A line of `what STATUS MESSAGE` has this status and a message with all of the words.
+#[track_caller]
+fn said(report: &Report, what: &str, status: i32, words: &[&str]) {
+    let line = report.one(what);
+    let (number, message) = line.split_once(' ').unwrap_or((line, ""));
+    assert_eq!(number, status.to_string(), "{what}: {line}");
+    assert_eq!(status == 0, message.is_empty(), "{what}: {line}");
+    for word in words {
+        assert!(message.contains(word), "{what}: no {word:?} in: {message}");
+    }
+    assert_eq!(report.all("touched").iter().filter(|&&touched| touched == what).count(), 0);
+}
+
+const NULL: i32 = 1;
+const SIZE: i32 = 2;
+const PARAMETER: i32 = 3;
+const LENS: i32 = 4;
+const UNREACHABLE: i32 = 5;
+const NOT_OURS: i32 = 8;
+
+#[test]
+fn the_library_says_what_it_is() {
+    let report = run("library");
+    assert_eq!(report.numbers("abi"), [1.0, 1.0]);
+    assert_eq!(report.one("version"), env!("CARGO_PKG_VERSION"));
+    // The bits of the first version stay; later ones add.
+    assert_eq!(report.number("capabilities") as u64 & 15, 15);
+    assert_eq!(report.one("empty"), "[]");
+    let names = report.all("name");
+    assert_eq!(names[1], "0 ok");
+    assert_eq!(names.iter().filter(|name| name.ends_with("unknown status")).count(), 3);
+    assert_eq!(names.iter().collect::<std::collections::HashSet<_>>().len(), 14);
+}
+
+#[test]
+fn each_kind_of_error_has_its_status_and_a_message_that_helps() {
+    let report = run("refusals");
+    said(&report, "init-null", NULL, &["options is NULL"]);
+    said(&report, "init-small", SIZE, &["struct_size is 4", "sizeof(realistic_options)"]);
+    said(&report, "init-large", SIZE, &["older than the header"]);
+    said(&report, "options-null", NULL, &["options is NULL"]);
+    said(&report, "out-null", NULL, &["out is NULL"]);
+    said(&report, "size-small", SIZE, &["struct_size is 8"]);
+    said(&report, "size-large", SIZE, &["older than the header"]);
+    said(&report, "size-zero", SIZE, &["struct_size is 0"]);
+    said(&report, "no-pixels", PARAMETER, &["0 x 30 pixels", "1 or more"]);
+    said(&report, "negative-pixels", PARAMETER, &["40 x -3 pixels"]);
+    said(&report, "no-lens", LENS, &["no/such/lens.dat", "dgauss.50mm"]);
+    said(&report, "not-utf8", PARAMETER, &["\"specfile\"", "UTF-8"]);
+    said(&report, "bad-text", LENS, &["lens_text:2:5:", "\"x\" is not a number"]);
+    said(&report, "no-text", LENS, &["lens_text:1:1:", "at least one interface"]);
+    said(&report, "endless-text", LENS, &["lens_text_size is 18446744073709551615", "at most"]);
+    said(&report, "two-lenses", PARAMETER, &["\"specfile\"", "\"lens_text\""]);
+    said(&report, "too-near", UNREACHABLE, &["cannot focus at 10 mm", "nearest"]);
+    said(&report, "range", PARAMETER, &["\"filmdiag\" is -1", "positive, in mm"]);
+    said(&report, "choice", PARAMETER, &["\"heavy\"", "\"radiometric\""]);
+    said(&report, "both", PARAMETER, &["\"weighting\"", "\"simpleweighting\""]);
+    said(&report, "boolean", PARAMETER, &["\"simpleweighting\" is 7", "-1, 0 or 1"]);
+    said(&report, "singular", PARAMETER, &["transform", "singular"]);
+    said(&report, "info-small", SIZE, &["struct_size is 4"]);
+    said(&report, "info-large", SIZE, &["older than the header"]);
+    said(&report, "info-null", NULL, &["info is NULL"]);
+    said(&report, "info-no-camera", NOT_OURS, &["no camera of this library"]);
+    said(&report, "name-null", NULL, &["buffer is NULL"]);
+    said(&report, "plan-null", NULL, &["buffer is NULL"]);
+    said(&report, "plan-no-camera", NOT_OURS, &["no camera of this library"]);
+    assert_eq!(report.all("touched"), [""; 0]);
+}
+
+#[test]
+fn info_and_lens_name_are_the_cameras() {
+    let report = run("info");
+    said(&report, "status", 0, &[]);
+    let info = report.numbers("info");
+    assert_eq!((info[0], info[1]), (48.0, 13.0));
+    for (got, expected) in [(info[2], 35.0), (info[3], 8.0), (info[4], 40.0), (info[6], 20.0)] {
+        assert!((got / expected - 1.0).abs() < 1e-12, "{info:?}");
+    }
+    assert!(info[5] > 40.0, "{info:?}");
+    // "wide.22mm@35mm" has 14 bytes; what does not fit is cut, and the NUL always there.
+    assert_eq!(report.all("name"), ["0 14 ", "5 14 wide", "10 14 wide.22mm", "15 14 wide.22mm@35mm"]);
+    assert_eq!(report.all("overrun"), [""; 0]);
+    assert_eq!(report.one("text"), "lens_text 2 30");
+}
+
+#[test]
+fn the_plan_says_what_a_tolerance_chose_and_how_far_off_it_is() {
+    let report = run("plan");
+    said(&report, "negative", PARAMETER, &["\"tolerance\" is -1", "0 (exact) or more"]);
+    for what in ["length", "text", "cut"] {
+        said(&report, what, 0, &[]);
+    }
+    assert_eq!(report.one("lengths"), "1 1");
+    assert_eq!(report.one("little"), "3");
+    let lines = report.all("line");
+    assert!(lines.iter().any(|line| line.starts_with("kept")), "{lines:?}");
+    assert!(lines.iter().any(|line| line.starts_with("left out")), "{lines:?}");
+    assert!(lines.iter().any(|line| line.contains("99.9 % of the rays are within")), "{lines:?}");
+    assert!(report.one("log").starts_with("0 tolerance 0.5 pixels: "), "told as information");
+}
+
+#[test]
+fn the_callback_gets_the_warnings_and_nothing_else() {
+    let report = run("log");
+    let logged = report.all("log");
+    assert_eq!(report.number("calls"), 2.0);
+    assert_eq!(logged.len(), 2, "{logged:?}");
+    assert!(logged[0].starts_with("1 ") && logged[0].contains("aperture_diameter"), "{logged:?}");
+    assert!(logged[1].starts_with("1 ") && logged[1].contains("\"disk\" misses"), "{logged:?}");
+    assert_eq!(report.err, "", "nothing is printed");
+}
+
+#[test]
+fn every_way_to_ask_for_rays_gives_the_same_bits() {
+    let report = run("rays");
+    for differences in report.all("differences") {
+        assert_eq!(differences, "0 0 0 0 0 0");
+    }
+    for what in ["tight", "strides", "odd", "soa", "sparse"] {
+        assert_eq!(report.all(what), ["0 "; 3], "{what}");
+    }
+    assert_eq!(report.all("sparse-weights"), ["0"; 3]);
+    let counts: Vec<Vec<u32>> = report
+        .all("reasons")
+        .into_iter()
+        .map(|line| line.split(' ').map(|word| word.parse().unwrap()).collect())
+        .collect();
+    // ok, missed, clipped, reflected, turned back, redraw: each occurs.
+    for reason in 0..6 {
+        assert!(counts.iter().any(|count| count[reason] > 0), "{reason}: {counts:?}");
+    }
+    for count in &counts {
+        assert_eq!(count.iter().sum::<u32>(), 3000);
+    }
+    // A square holds 4/π of its disk.
+    assert!((f64::from(counts[1][5]) / 3000.0 - 0.2146).abs() < 0.02, "{counts:?}");
+}
+
+#[test]
+fn null_foreign_and_empty_are_answered() {
+    let report = run("null");
+    assert_eq!(report.one("zero"), "0 0 0 0");
+    assert_eq!(report.one("zero-plain"), "0 0 0 0");
+    assert_eq!(report.all("touched"), ["0"]);
+    said(&report, "no-camera", NOT_OURS, &["no camera of this library"]);
+    said(&report, "foreign", NOT_OURS, &[]);
+    said(&report, "misaligned", NOT_OURS, &[]);
+    said(&report, "no-samples", NULL, &["samples is NULL"]);
+    said(&report, "no-rays", NULL, &["rays is NULL"]);
+    said(&report, "no-weights", NULL, &["weights is NULL"]);
+    said(&report, "short-stride", PARAMETER, &["sample_stride is 19", "at least 20 bytes"]);
+    said(&report, "short-ray", PARAMETER, &["ray_stride is 35", "at least 36 bytes"]);
+    said(&report, "overflow", PARAMETER, &["n is ", "elements of 88 bytes"]);
+    assert_eq!(report.one("kept"), "7");
+    said(&report, "none", 0, &[]);
+    said(&report, "soa-none", 0, &[]);
+    said(&report, "soa-no-camera", NOT_OURS, &[]);
+    said(&report, "soa-no-samples", NULL, &["samples is NULL"]);
+    said(&report, "soa-no-rays", NULL, &["rays is NULL"]);
+    said(&report, "soa-no-lens-v", NULL, &["samples.lens_v is NULL"]);
+    said(&report, "soa-no-dy", NULL, &["rays.dy is NULL"]);
+    assert!(report.one("free-foreign").contains("no camera of this library"));
+}
+
+#[test]
+fn threads_share_a_camera_and_keep_their_own_last_error() {
+    let report = run("threads");
+    let threads = report.all("thread");
+    assert_eq!(threads.len(), 4);
+    for (number, line) in threads.iter().enumerate() {
+        let (hash, message) = line.split_once(' ').unwrap();
+        assert_eq!(hash, threads[0].split(' ').next().unwrap());
+        assert!(message.contains(&format!("\"lens-of-thread-{number}\"")), "{message}");
+    }
+    assert_eq!(report.one("main"), "[]");
+}
+
+#[test]
+fn the_header_compiles_twice_in_one_file_beside_a_hosts_own_types() {
+    let text = "#include \"realistic.h\"\n#include \"realistic.h\"\n\
+                struct Camera { int own; }; struct Sample { int own; }; struct Ray { int own; };\n\
+                int main(void) { return (int)sizeof(struct Ray) - (int)sizeof(int); }\n";
+    let directory = tempfile::tempdir().unwrap();
+    for (define, text) in [("", text.to_owned()), ("entry", format!("#define REALISTIC_PBRT_ENTRY\n{text}"))]
+    {
+        for (extension, flags, compiler) in [("c", C99, c_compiler()), ("cpp", CXX11, compiler())] {
+            let file = directory.path().join(format!("header{define}.{extension}"));
+            std::fs::write(&file, &text).unwrap();
+            compile_with(&compiler, &flags, &file, &format!("header_{extension}"), &[]);
+        }
+    }
+}

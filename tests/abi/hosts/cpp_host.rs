@@ -1,0 +1,72 @@
+//! `include/realistic.hpp` as a C++11 program uses it, linked with the library and loading it.
+//!
+//! With `REALISTIC_VALGRIND=1` every run goes through valgrind.
+
+use super::harness;
+
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+use harness::{CXX11, Report, Run, compile_with, compiler};
+
+/// The host that loads the library, and the one that is linked with it.
+fn hosts() -> &'static [PathBuf; 2] {
+    static HOSTS: OnceLock<[PathBuf; 2]> = OnceLock::new();
+    HOSTS.get_or_init(|| {
+        let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/abi/hosts/cpp_host.cpp");
+        let linking = harness::linking();
+        let linking: Vec<&str> = linking.iter().map(String::as_str).collect();
+        let linked: Vec<&str> = CXX11.into_iter().chain(["-DREALISTIC_LINKED"]).collect();
+        [
+            compile_with(&compiler(), &CXX11, &source, "cpp_host_loading", &["-ldl", "-lpthread"]),
+            compile_with(&compiler(), &linked, &source, "cpp_host_linked", &linking),
+        ]
+    })
+}
+
+fn runs(action: &str) -> [Report; 2] {
+    hosts().each_ref().map(|host| Run::of(host, &harness::plugin(), action).run())
+}
+
+#[test]
+fn what_the_library_refuses_is_thrown_with_status_and_message() {
+    for report in runs("refusals") {
+        for (what, status, words) in [
+            ("lens", 4, "no lens file \"nolens\""),
+            ("range", 3, "\"filmdiag\" is -1"),
+            ("near", 5, "cannot focus at 10 mm"),
+            ("text", 4, "lens_text:1:1: 2 value(s)"),
+            ("both", 3, "\"weighting\" and \"simpleweighting\""),
+            ("pixels", 3, "0 x 30 pixels"),
+        ] {
+            let said = report.one(what);
+            assert!(said.starts_with(&format!("{status} ")) && said.contains(words), "{what}: {said}");
+        }
+        assert_eq!(report.all("built"), [""; 0]);
+    }
+}
+
+#[test]
+fn a_camera_is_owned_moved_asked_and_given_away() {
+    for report in runs("cameras") {
+        assert_eq!(report.one("moved"), "1 1");
+        let info: Vec<&str> = report.one("info").split(' ').collect();
+        assert_eq!((info[0], info[2]), ("wide.22mm@35mm", "13"));
+        assert!((info[1].parse::<f64>().unwrap() / 35.0 - 1.0).abs() < 1e-14);
+        assert_eq!(report.one("plan"), "1");
+        assert_eq!(report.one("logged"), "1");
+        assert!(report.one("log").contains("faster than the lens"));
+        let [different, passed] = report.numbers("rays")[..] else { panic!("two numbers") };
+        assert!(different == 0.0 && passed > 100.0 && passed < 1990.0, "{different} {passed}");
+        assert_eq!(report.one("null"), "1 samples is NULL");
+        assert_eq!(report.one("released"), "1");
+        assert_eq!(report.one("through"), "thrown by the log");
+    }
+}
+
+#[test]
+fn a_linked_program_names_no_library_and_a_loading_one_hears_what_is_missing() {
+    let [loading, linked] = runs("none");
+    assert_eq!(linked.one("linked"), "dgauss.50mm");
+    assert_eq!(loading.one("missing"), "10 the library has no function realistic_abi_version");
+}

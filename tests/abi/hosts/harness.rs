@@ -1,0 +1,282 @@
+//! Builds hosts in C and C++, the pbrt-v1 one for both `std::string` ABIs, and runs them with the plugin.
+
+#![allow(dead_code)]
+
+use std::env;
+use std::ffi::{OsStr, OsString};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{self, Command};
+use std::sync::OnceLock;
+
+/// Which `std::string` the host was built with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Abi {
+    Old = 0,
+    New = 1,
+}
+
+impl Abi {
+    pub const BOTH: [Self; 2] = [Self::Old, Self::New];
+}
+
+/// The C++ compiler: `CXX`, or `c++`.
+pub fn compiler() -> OsString {
+    env::var_os("CXX").unwrap_or_else(|| "c++".into())
+}
+
+fn source() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/abi/hosts/pbrt_host.cpp")
+}
+
+/// The C compiler: `CC`, or `cc`.
+pub fn c_compiler() -> OsString {
+    env::var_os("CC").unwrap_or_else(|| "cc".into())
+}
+
+/// Flags of a C99 program that must compile without a warning.
+pub const C99: [&str; 7] = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O1", "-g"];
+/// The same for C++11.
+pub const CXX11: [&str; 7] = ["-std=c++11", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O1", "-g"];
+
+/// Compiles C++ to a program in Cargo's directory for the tests' own files.
+pub fn compile(source: &Path, name: &str, flags: &[&str]) -> PathBuf {
+    let flags: Vec<&str> =
+        ["-std=c++11", "-Wall", "-Wextra", "-O1", "-g"].iter().chain(flags).copied().collect();
+    compile_with(&compiler(), &flags, source, name, &["-ldl"])
+}
+
+/// Compiles with a compiler of choice; the project's headers are found.
+pub fn compile_with(
+    compiler: &OsStr,
+    flags: &[&str],
+    source: &Path,
+    name: &str,
+    libraries: &[&str],
+) -> PathBuf {
+    let directory = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let program = directory.join(name);
+    // Under another name first: two test processes may do this at once.
+    let fresh = directory.join(format!("{name}-{}", process::id()));
+    let output = Command::new(compiler)
+        .args(flags)
+        .arg("-I")
+        .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("include"))
+        .arg(source)
+        .arg("-o")
+        .arg(&fresh)
+        .args(libraries)
+        .output()
+        .unwrap_or_else(|error| panic!("{}: {error}; name a compiler in CC and CXX", compiler.display()));
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    fs::rename(&fresh, &program).unwrap();
+    program
+}
+
+/// The host as the renderer is built: its symbols exported from the program.
+pub fn host(abi: Abi) -> &'static Path {
+    static HOSTS: [OnceLock<PathBuf>; 2] = [OnceLock::new(), OnceLock::new()];
+    HOSTS[abi as usize].get_or_init(|| {
+        let define = format!("-D_GLIBCXX_USE_CXX11_ABI={}", abi as u32);
+        compile(&source(), &format!("pbrt_host_{}", abi as u32), &["-rdynamic", &define])
+    })
+}
+
+/// The host without exported symbols, as no renderer with plugins is.
+pub fn closed_host() -> PathBuf {
+    compile(&source(), "pbrt_host_closed", &[])
+}
+
+/// The plugin that Cargo built for these tests: it lies beside them.
+pub fn plugin() -> PathBuf {
+    let beside = env::current_exe().unwrap().parent().unwrap().join("librealistic.so");
+    assert!(beside.is_file(), "{} is missing", beside.display());
+    beside
+}
+
+/// What links a program with that library, so that it finds it when it runs.
+pub fn linking() -> [String; 5] {
+    let plugin = plugin();
+    let directory = plugin.parent().unwrap().display().to_string();
+    let search = format!("-L{directory}");
+    [search, "-lrealistic".into(), format!("-Wl,-rpath,{directory}"), "-lpthread".into(), "-lm".into()]
+}
+
+/// A copy of the plugin in a directory of its own, under the name that a host knows.
+pub fn installed(name: &str) -> (tempfile::TempDir, PathBuf) {
+    let directory = tempfile::tempdir().unwrap();
+    let copy = directory.path().join(name);
+    fs::copy(plugin(), &copy).unwrap();
+    (directory, copy)
+}
+
+/// A program, under valgrind where `REALISTIC_VALGRIND=1` asks for it.
+pub fn program(program: &Path) -> Command {
+    if env::var_os("REALISTIC_VALGRIND").is_none_or(|value| value != "1") {
+        return without_search(Command::new(program));
+    }
+    let mut valgrind = Command::new("valgrind");
+    valgrind.args([
+        "--quiet",
+        "--leak-check=full",
+        "--show-leak-kinds=definite,indirect,possible",
+        "--errors-for-leak-kinds=definite,indirect,possible",
+        "--error-exitcode=99",
+    ]);
+    valgrind.arg(program);
+    without_search(valgrind)
+}
+
+/// Cargo's search path goes before a program's own and may lead to a library of an earlier build.
+fn without_search(mut command: Command) -> Command {
+    command.env_remove("LD_LIBRARY_PATH");
+    command
+}
+
+/// One run of the host.
+pub struct Run {
+    command: Command,
+}
+
+impl Run {
+    /// The host of one ABI, the plugin, and what to do.
+    pub fn new(abi: Abi, plugin: &Path, action: &str) -> Self {
+        Self::of(host(abi), plugin, action)
+    }
+
+    /// As [`Run::new`], with any host.
+    pub fn of(host: &Path, plugin: &Path, action: &str) -> Self {
+        let mut command = program(host);
+        command.arg(plugin).arg(action).env_remove("PBRT_SEARCHPATH");
+        Self { command }
+    }
+
+    /// One argument: `float:filmdistance=50`, `res=30x20`, …
+    pub fn with(mut self, argument: impl AsRef<str>) -> Self {
+        self.command.arg(argument.as_ref());
+        self
+    }
+
+    /// Many arguments.
+    pub fn with_all<T: AsRef<str>>(self, arguments: impl IntoIterator<Item = T>) -> Self {
+        arguments.into_iter().fold(self, Self::with)
+    }
+
+    /// The working directory.
+    pub fn in_directory(mut self, directory: &Path) -> Self {
+        self.command.current_dir(directory);
+        self
+    }
+
+    /// An environment variable.
+    pub fn env(mut self, key: &str, value: &Path) -> Self {
+        self.command.env(key, value);
+        self
+    }
+
+    /// Runs; the host must end as it should.
+    pub fn run(mut self) -> Report {
+        let output = self.command.output().expect("the host runs");
+        let report = Report {
+            out: String::from_utf8(output.stdout).unwrap(),
+            err: String::from_utf8_lossy(&output.stderr).into_owned(),
+        };
+        assert!(output.status.success(), "{}\n{}\n{}", output.status, report.out, report.err);
+        report
+    }
+}
+
+/// One ray as the host got it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Got {
+    pub weight: f64,
+    pub o: [f64; 3],
+    pub d: [f64; 3],
+    pub mint: f64,
+    pub maxt: f64,
+    pub time: f64,
+}
+
+impl Got {
+    pub fn is_blocked(&self) -> bool {
+        self.weight == 0.0 || self.weight as f32 == f32::MIN_POSITIVE
+    }
+
+    pub fn length(&self) -> f64 {
+        self.d.iter().map(|part| part * part).sum::<f64>().sqrt()
+    }
+}
+
+/// What the host printed.
+#[derive(Debug)]
+pub struct Report {
+    pub out: String,
+    pub err: String,
+}
+
+impl Report {
+    /// The rest of every line that begins with `key`.
+    pub fn all(&self, key: &str) -> Vec<&str> {
+        self.out.lines().filter_map(|line| line.strip_prefix(key)?.strip_prefix(' ')).collect()
+    }
+
+    /// The rest of the only line that begins with `key`.
+    pub fn one(&self, key: &str) -> &str {
+        match self.all(key)[..] {
+            [only] => only,
+            ref other => panic!("{} lines of {key}:\n{}\n{}", other.len(), self.out, self.err),
+        }
+    }
+
+    /// The numbers of the only line that begins with `key`.
+    pub fn numbers(&self, key: &str) -> Vec<f64> {
+        numbers(self.one(key))
+    }
+
+    /// The only number of that line.
+    pub fn number(&self, key: &str) -> f64 {
+        self.numbers(key)[0]
+    }
+
+    /// The rays of every line that begins with `key`.
+    pub fn rays(&self, key: &str) -> Vec<Got> {
+        let ray = |line| match numbers(line)[..] {
+            [weight, ox, oy, oz, dx, dy, dz, mint, maxt, time] => {
+                Got { weight, o: [ox, oy, oz], d: [dx, dy, dz], mint, maxt, time }
+            }
+            ref other => panic!("no ray: {other:?}"),
+        };
+        self.all(key).into_iter().map(ray).collect()
+    }
+
+    /// The plugin made no camera, said why once in a text that has all of `words`, and
+    /// left the film to the host.
+    pub fn refused(&self, words: &[&str]) {
+        assert_eq!(self.one("camera"), "null", "{}", self.out);
+        assert_eq!(self.one("films"), "0");
+        let said = self.one("error");
+        for word in words {
+            assert!(said.contains(word), "no \"{word}\" in: {said}");
+        }
+    }
+
+    /// A camera was made without a warning or an error, and all was given back in the end.
+    pub fn clean(&self) {
+        assert_eq!(self.one("camera"), "made", "{}", self.out);
+        assert_eq!(self.all("error"), [""; 0]);
+        assert_eq!(self.all("warning"), [""; 0]);
+        self.ended();
+    }
+
+    /// The film was deleted once, the host's base class left alone, and so were the
+    /// reference counts of its matrices.
+    pub fn ended(&self) {
+        assert_eq!(self.one("films"), "1");
+        assert_eq!(self.one("base"), "0");
+        assert_eq!(self.one("references"), "1 1");
+    }
+}
+
+fn numbers(text: &str) -> Vec<f64> {
+    text.split_whitespace().map(|word| word.parse().unwrap_or_else(|_| panic!("{text}"))).collect()
+}

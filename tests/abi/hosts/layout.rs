@@ -1,0 +1,178 @@
+//! Layouts as the C++ compiler has them against ours, and what the plugin exports.
+
+use super::harness;
+
+use std::collections::HashMap;
+use std::fmt::Write;
+use std::fs;
+use std::mem::{align_of, offset_of, size_of};
+use std::path::Path;
+use std::process::Command;
+
+use harness::{Abi, compile};
+use realistic::abi::{realistic_camera_info, realistic_options, realistic_ray, realistic_sample};
+
+/// `key` to numbers, from lines of `layout key numbers…`.
+fn table(program: &Path) -> HashMap<String, Vec<usize>> {
+    let output = Command::new(program).args(["no-plugin", "layout"]).output().unwrap();
+    assert!(output.status.success());
+    String::from_utf8(output.stdout)
+        .unwrap()
+        .lines()
+        .map(|line| {
+            let mut words = line.split(' ').skip(1);
+            let key = words.next().unwrap().to_owned();
+            (key, words.map(|word| word.parse().unwrap()).collect())
+        })
+        .collect()
+}
+
+#[test]
+fn a_hosts_sample_and_ray_begin_with_ours() {
+    for abi in Abi::BOTH {
+        let host = table(harness::host(abi));
+        let pairs = [
+            ("Sample.imageX", offset_of!(realistic_sample, image_x)),
+            ("Sample.imageY", offset_of!(realistic_sample, image_y)),
+            ("Sample.lensU", offset_of!(realistic_sample, lens_u)),
+            ("Sample.lensV", offset_of!(realistic_sample, lens_v)),
+            ("Sample.time", offset_of!(realistic_sample, time)),
+            ("Ray.o", offset_of!(realistic_ray, o)),
+            ("Ray.d", offset_of!(realistic_ray, d)),
+            ("Ray.mint", offset_of!(realistic_ray, mint)),
+            ("Ray.maxt", offset_of!(realistic_ray, maxt)),
+            ("Ray.time", offset_of!(realistic_ray, time)),
+        ];
+        for (key, ours) in pairs {
+            assert_eq!(host[key], [ours], "{key}");
+        }
+        assert_eq!(host["Ray"], [size_of::<realistic_ray>(), align_of::<realistic_ray>()]);
+        assert!(host["Sample"][0] >= size_of::<realistic_sample>());
+        assert!(host["Sample"][1] >= align_of::<realistic_sample>());
+    }
+}
+
+#[test]
+fn the_test_host_has_the_measured_layouts() {
+    // From a pbrt 1.05: what `pbrt-shim/layout.hpp` asserts for the plugin's side.
+    for abi in Abi::BOTH {
+        let host = table(harness::host(abi));
+        let measured: [(&str, &[usize]); 25] = [
+            ("Sample", &[88, 8]),
+            ("Sample.n1D", &[24]),
+            ("Sample.oneD", &[72]),
+            ("RayDifferential", &[112, 4]),
+            ("RayDifferential.hasDifferentials", &[36]),
+            ("RayDifferential.rx", &[40]),
+            ("RayDifferential.ry", &[76]),
+            ("Matrix4x4", &[68, 4]),
+            ("Matrix4x4.m", &[4]),
+            ("Transform", &[16, 8]),
+            ("Transform.mInv", &[8]),
+            ("Film", &[16, 8]),
+            ("Film.xResolution", &[8]),
+            ("Film.yResolution", &[12]),
+            ("Camera", &[64, 8]),
+            ("Camera.film", &[8]),
+            ("Camera.WorldToCamera", &[16]),
+            ("Camera.CameraToWorld", &[32]),
+            ("Camera.ClipHither", &[48]),
+            ("Camera.ClipYon", &[52]),
+            ("Camera.ShutterOpen", &[56]),
+            ("Camera.ShutterClose", &[60]),
+            ("ParamSet", &[216, 8]),
+            ("ParamSet.strings", &[168]),
+            ("std::string", if abi == Abi::New { &[32, 8] } else { &[8, 8] }),
+        ];
+        for (key, numbers) in measured {
+            assert_eq!(host[key], numbers, "{key} {abi:?}");
+        }
+    }
+}
+
+/// A C structure by its Rust name: size, alignment, and members in order.
+macro_rules! structure {
+    ($name:ident: $($member:ident)*) => {
+        (
+            stringify!($name),
+            vec![size_of::<$name>(), align_of::<$name>()],
+            vec![$((stringify!($member), offset_of!($name, $member))),*],
+        )
+    };
+}
+
+#[test]
+fn the_c_structures_are_as_the_cpp_compiler_lays_them_out() {
+    let structures = [
+        structure!(realistic_sample: image_x image_y lens_u lens_v time),
+        structure!(realistic_ray: o d mint maxt time),
+        structure!(realistic_options: struct_size xres yres simpleweighting camera_to_world log log_user
+            lens_text lens_text_size model specfile weighting pupil disk refraction precision filmdistance
+            focusdistance aperture_diameter fnumber filmdiag hither yon shutteropen shutterclose wavelength
+            mmperunit camera_to_world_end transformstart transformend shutter lensplane shutterramp
+            shutterslit fov screenwindow frameaspectratio lensradius focaldistance tolerance),
+        structure!(realistic_camera_info: struct_size interfaces focal_length_mm fnumber film_distance_mm
+            focus_distance_mm film_diagonal_mm),
+    ];
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let header = cbindgen::Builder::new()
+        .with_src(root.join("src/abi/types.rs"))
+        .with_language(cbindgen::Language::C)
+        .with_cpp_compat(true)
+        .include_item("realistic_sample")
+        .include_item("realistic_ray")
+        .include_item("realistic_options")
+        .include_item("realistic_camera_info")
+        .exclude_item("realistic_camera")
+        .generate()
+        .expect("the structures can be said in C");
+    let directory = tempfile::tempdir().unwrap();
+    header.write_to_file(directory.path().join("types.h"));
+    let mut program =
+        "#include \"types.h\"\n#include <cstddef>\n#include <cstdio>\nint main() {\n".to_owned();
+    for (name, _, members) in &structures {
+        writeln!(program, "std::printf(\"layout {name} %zu %zu\\n\", sizeof({name}), alignof({name}));")
+            .unwrap();
+        for (member, _) in members {
+            writeln!(program, "std::printf(\"layout {name}.{member} %zu\\n\", offsetof({name}, {member}));")
+                .unwrap();
+        }
+    }
+    program.push_str("}\n");
+    let source = directory.path().join("layout.cpp");
+    fs::write(&source, program).unwrap();
+    let seen = table(&compile(&source, "c_layout", &[]));
+    for (name, whole, members) in structures {
+        assert_eq!(seen[name], whole, "{name}");
+        for (member, offset) in members {
+            assert_eq!(seen[&format!("{name}.{member}")], [offset], "{name}.{member}");
+        }
+    }
+}
+
+#[test]
+fn nothing_but_the_abi_is_exported() {
+    let output = Command::new("nm")
+        .args(["--dynamic", "--defined-only", "--format=posix"])
+        .arg(harness::plugin())
+        .output()
+        .expect("nm comes with the compiler");
+    let symbols = String::from_utf8(output.stdout).unwrap();
+    let names: Vec<&str> = symbols.lines().filter_map(|line| line.split(' ').next()).collect();
+    assert!(names.contains(&"CreateCamera") && names.contains(&"GenerateRay"), "{names:?}");
+    for name in names {
+        let ours = matches!(name, "CreateCamera" | "GenerateRay")
+            || name.starts_with("realistic_") && !name.starts_with("realistic_shim_");
+        assert!(ours, "{name} is exported");
+    }
+}
+
+#[test]
+fn nothing_of_the_host_is_bound_when_the_plugin_loads() {
+    let output =
+        Command::new("nm").args(["--dynamic", "--undefined-only"]).arg(harness::plugin()).output().unwrap();
+    let symbols = String::from_utf8(output.stdout).unwrap();
+    for name in ["ParamSet", "Transform", "_Z5Error", "_Z7Warning", "_Z4Info", "_ZN6Camera", "_ZTV6Camera"] {
+        assert!(!symbols.contains(name), "{name} is bound at load time");
+    }
+}

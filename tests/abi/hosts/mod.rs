@@ -1,0 +1,8 @@
+//! Hosts in C, C++ and Rust, compiled and run with the plugin.
+
+mod c_host;
+mod cpp_host;
+mod examples;
+mod harness;
+mod layout;
+mod pbrt_host;

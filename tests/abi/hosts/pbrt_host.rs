@@ -1,0 +1,430 @@
+//! The plugin in a host that behaves as pbrt 1.05 does, for both `std::string` ABIs.
+//!
+//! With `REALISTIC_VALGRIND=1` every run goes through valgrind.
+
+use super::harness;
+
+use std::fs;
+use std::path::Path;
+
+use harness::{Abi, Got, Run, installed};
+
+/// A small lens of our own: biconvex, and a stop behind it.
+const LENS: &str = "# biconvex\n60 6 1.5 20\n-60 3 1 20\n0 0 0 12\n";
+
+fn run(abi: Abi, action: &str, arguments: &[&str]) -> harness::Report {
+    let (_directory, plugin) = installed("realistic.so");
+    Run::new(abi, &plugin, action).with_all(arguments).run()
+}
+
+/// Film points and lens numbers all over a 30x20 film, its edges and beyond them.
+fn samples() -> Vec<String> {
+    let lens = ["0,0", "1,1", "0,1", "1,0", "0.5,0.5", "0.25,0.75", "0.9,0.1", "0.03,0.4"];
+    let film = ["15,10", "0,0", "30,20", "7.5,3.25", "-2,-2", "33,23", "15,0", "29.9,10"];
+    let times = ["0", "1", "0.5"];
+    let mut samples = Vec::new();
+    for (i, point) in film.iter().enumerate() {
+        for (j, numbers) in lens.iter().enumerate() {
+            samples.push(format!("sample={point},{numbers},{}", times[(i + j) % 3]));
+        }
+    }
+    samples
+}
+
+fn near(a: [f64; 3], b: [f64; 3], tolerance: f64) -> bool {
+    a.iter().zip(b).all(|(a, b)| (a - b).abs() <= tolerance * (1.0 + b.abs()))
+}
+
+#[test]
+fn a_scene_with_defaults_renders_and_ends_cleanly() {
+    for abi in Abi::BOTH {
+        let report = run(abi, "render", &[]);
+        report.clean();
+        assert_eq!(report.number("bad"), 0.0, "a ray without unit direction or clip range");
+    }
+}
+
+#[test]
+fn the_members_a_host_may_read_are_set() {
+    for abi in Abi::BOTH {
+        let report = run(
+            abi,
+            "members",
+            &[
+                "w2c=0,1,0,5, 1,0,0,-6, 0,0,1,7, 0,0,0,1",
+                "float:hither=0.5",
+                "float:yon=2000",
+                "float:shutteropen=0.25",
+                "float:shutterclose=0.75",
+            ],
+        );
+        report.clean();
+        assert_eq!(report.one("film"), "1");
+        let matrix = [0, 1, 0, 5, 1, 0, 0, -6, 0, 0, 1, 7, 0, 0, 0, 1].map(f64::from);
+        let inverse = [0, 1, 0, 6, 1, 0, 0, -5, 0, 0, 1, -7, 0, 0, 0, 1].map(f64::from);
+        assert_eq!(report.numbers("w2c"), matrix);
+        assert_eq!(report.numbers("c2w"), inverse);
+        assert_eq!(report.one("crossed"), "1");
+        assert_eq!(report.numbers("clip"), [0.5, 2000.0, 0.25, 0.75]);
+    }
+}
+
+#[test]
+fn a_blocked_ray_is_zero_outside_and_tiny_in_the_vtable() {
+    for abi in Abi::BOTH {
+        let report = run(abi, "rays", &samples().iter().map(String::as_str).collect::<Vec<_>>());
+        report.clean();
+        let (vtable, exported) = (report.rays("vtable"), report.rays("exported"));
+        assert_eq!(vtable.len(), samples().len());
+        let mut passed = 0;
+        for (inside, outside) in vtable.iter().zip(&exported) {
+            if inside.is_blocked() {
+                assert_eq!(inside.weight as f32, f32::MIN_POSITIVE);
+                assert_eq!(outside.weight, 0.0);
+            } else {
+                assert_eq!(inside, outside);
+                passed += 1;
+            }
+        }
+        assert!(passed > 0);
+    }
+}
+
+#[test]
+fn every_ray_in_the_vtable_is_complete() {
+    // Film points beyond the film, lens numbers and times exactly 0 and 1.
+    for abi in Abi::BOTH {
+        let shutter = ["float:shutteropen=2", "float:shutterclose=6", "float:hither=0.125"];
+        let samples = samples();
+        let arguments: Vec<&str> = samples.iter().map(String::as_str).chain(shutter).collect();
+        let report = run(abi, "rays", &arguments);
+        report.clean();
+        for (sample, ray) in samples.iter().zip(report.rays("vtable")) {
+            assert!(ray.weight > 0.0 && ray.weight.is_finite(), "{sample} {ray:?}");
+            assert!((ray.length() - 1.0).abs() < 1e-6, "{sample} {ray:?}");
+            assert!(ray.o.iter().all(|part| part.is_finite()), "{sample} {ray:?}");
+            assert!(ray.d[2] > 0.0, "{sample} {ray:?}");
+            let time: f64 = sample.rsplit(',').next().unwrap().parse().unwrap();
+            assert_eq!((ray.mint, ray.maxt as f32, ray.time), (0.125, 1e30, 2.0 + 4.0 * time));
+        }
+    }
+}
+
+#[test]
+fn vignetting_is_not_applied_twice() {
+    // Radiance 1 everywhere: a pixel is the irradiance. If blocked samples had alpha 0
+    // and the film premultiplied, it would be irradiance times the share that passes.
+    for abi in Abi::BOTH {
+        let report = run(abi, "render", &["string:pupil=rear", "spp=64"]);
+        report.clean();
+        let image = report.numbers("image");
+        let irradiance = report.number("irradiance");
+        assert!(report.number("blocked") > 0.0, "nothing was vignetted");
+        assert_eq!(report.number("zero"), 0.0);
+        assert_eq!(report.number("differentials"), report.number("samples"));
+        assert_eq!(image[1], 1.0, "alpha is the scene's");
+        assert!((image[2] / irradiance - 1.0).abs() < 1e-5, "{image:?} {irradiance}");
+    }
+}
+
+#[test]
+fn exported_generate_ray_refuses_what_is_not_ours() {
+    for abi in Abi::BOTH {
+        let report = run(abi, "refusals", &[]);
+        report.clean();
+        let refused = report.rays("refused")[0];
+        // The ray is as the host made it.
+        let mint = f64::from(1e-3_f32);
+        assert_eq!((refused.weight, refused.time, refused.maxt), (0.0, 0.0, f64::INFINITY));
+        assert_eq!((refused.o, refused.d), ([0.0; 3], [0.0; 3]));
+        assert!((refused.mint - mint).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn two_cameras_do_not_know_each_other() {
+    for abi in Abi::BOTH {
+        let samples = samples();
+        let arguments: Vec<&str> = samples.iter().map(String::as_str).collect();
+        let alone = run(abi, "rays", &arguments).rays("vtable");
+        let together = run(abi, "two", &arguments);
+        assert_eq!(together.all("films"), ["1", "2"]);
+        let rays = together.rays("vtable");
+        let (in_turns, after) = rays.split_at(2 * samples.len());
+        let first: Vec<Got> = in_turns.iter().copied().step_by(2).collect();
+        assert_eq!(first, alone);
+        assert_eq!(after, alone);
+        let second: Vec<Got> = in_turns.iter().copied().skip(1).step_by(2).collect();
+        assert_ne!(second, alone, "its film has another resolution");
+    }
+}
+
+#[test]
+fn a_tolerance_is_a_float_of_the_scene_and_costs_no_more_than_it_says() {
+    let samples = samples();
+    let plain: Vec<&str> = samples.iter().map(String::as_str).collect();
+    for abi in Abi::BOTH {
+        let exact = run(abi, "rays", &plain).rays("vtable");
+        let mut arguments = plain.clone();
+        arguments.extend(["float:tolerance=0.1", "string:precision=auto"]);
+        let report = run(abi, "rays", &arguments);
+        report.clean();
+        let cheaper = report.rays("vtable");
+        assert_ne!(cheaper, exact, "no cheaper model was taken");
+        for (cheaper, exact) in cheaper.iter().zip(&exact) {
+            assert!(near(cheaper.d, exact.d, 1e-3), "{cheaper:?} {exact:?}");
+        }
+        run(abi, "rays", &["float:tolerance=-1"]).refused(&["tolerance", "pixels"]);
+    }
+}
+
+#[test]
+fn transforms_place_the_rays() {
+    let samples = samples();
+    let plain: Vec<&str> = samples.iter().map(String::as_str).collect();
+    for abi in Abi::BOTH {
+        let reference = run(abi, "rays", &plain).rays("vtable");
+        // World to camera, and camera to world as rows of three and the position.
+        type Rows = [[f64; 3]; 3];
+        let cases: [(&str, Rows, [f64; 3]); 3] = [
+            // Mirrored, determinant -1, as the host's LookAt makes it.
+            (
+                "w2c=-1,0,0,2, 0,1,0,-3, 0,0,1,4, 0,0,0,1",
+                [[-1., 0., 0.], [0., 1., 0.], [0., 0., 1.]],
+                [2., 3., -4.],
+            ),
+            // World units half as long.
+            (
+                "w2c=0.5,0,0,0, 0,0.5,0,0, 0,0,0.5,0, 0,0,0,1",
+                [[2., 0., 0.], [0., 2., 0.], [0., 0., 2.]],
+                [0., 0., 0.],
+            ),
+            // Another scale on each axis.
+            (
+                "w2c=1,0,0,0, 0,0.5,0,0, 0,0,4,8, 0,0,0,1",
+                [[1., 0., 0.], [0., 2., 0.], [0., 0., 0.25]],
+                [0., 0., -2.],
+            ),
+        ];
+        for (argument, rows, at) in cases {
+            let mut arguments = plain.clone();
+            arguments.push(argument);
+            let report = run(abi, "rays", &arguments);
+            report.clean();
+            for (got, plain) in report.rays("vtable").iter().zip(&reference) {
+                let apply = |v: [f64; 3]| rows.map(|row| (0..3).map(|i| row[i] * v[i]).sum::<f64>());
+                let (o, d) = (apply(plain.o), apply(plain.d));
+                let length = d.iter().map(|part| part * part).sum::<f64>().sqrt();
+                let o: [f64; 3] = std::array::from_fn(|i| o[i] + at[i]);
+                assert!(near(got.o, o, 2e-6), "{argument}: {got:?} {o:?}");
+                assert!(near(got.d, d.map(|part| part / length), 2e-6), "{argument}: {got:?} {d:?}");
+                assert!((got.length() - 1.0).abs() < 1e-6, "{argument}: {got:?}");
+                assert!((got.weight - plain.weight).abs() <= 1e-6 * plain.weight, "{argument}");
+            }
+        }
+    }
+}
+
+#[test]
+fn raster_right_and_down_are_right_and_down_in_the_scene() {
+    // The same lens numbers, so that only the film point differs.
+    for abi in Abi::BOTH {
+        let lens = "0.5,0.5,0";
+        let points = ["15,10", "25,10", "15,17"].map(|point| format!("sample={point},{lens}"));
+        let report = run(abi, "rays", &points.iter().map(String::as_str).collect::<Vec<_>>());
+        let rays = report.rays("vtable");
+        let difference = |a: usize, axis: usize| rays[a].d[axis] - rays[0].d[axis];
+        assert!(difference(1, 0) > 0.01, "to the right of the image is +x: {rays:?}");
+        assert!(difference(2, 1) < -0.01, "towards the image's foot is -y: {rays:?}");
+    }
+}
+
+#[test]
+fn a_parameter_of_the_wrong_kind_is_an_error() {
+    let cases = [
+        ("integer:filmdistance=50", "\"integer\"", "write \"float filmdistance\""),
+        ("string:filmdiag=35", "\"string\"", "write \"float filmdiag\""),
+        ("float:specfile=1", "\"float\"", "write \"string specfile\""),
+        ("string:simpleweighting=true", "\"string\"", "write \"bool simpleweighting\""),
+        ("integer:aperturediameter=4", "\"integer\"", "write \"float aperturediameter\""),
+    ];
+    for abi in Abi::BOTH {
+        for (argument, given, write) in cases {
+            run(abi, "rays", &[argument]).refused(&["parameter \"", given, write]);
+        }
+    }
+}
+
+#[test]
+fn every_complaint_about_parameters_is_told() {
+    let report = run(Abi::New, "rays", &["integer:filmdistance=50", "float:filmdiag=1,2"]);
+    assert_eq!(report.one("camera"), "null");
+    assert_eq!(report.all("error").len(), 2);
+}
+
+#[test]
+fn several_values_are_an_error() {
+    for abi in Abi::BOTH {
+        run(abi, "rays", &["float:filmdistance=50,60"]).refused(&["filmdistance", "2 values"]);
+        run(abi, "rays", &["string:specfile=wide.22mm|dgauss.50mm"]).refused(&["specfile", "2 values"]);
+        run(abi, "rays", &["float:filmdiag="]).refused(&["filmdiag", "0 values"]);
+    }
+}
+
+#[test]
+fn two_names_for_one_thing_are_an_error() {
+    let cases = [
+        ["string:specfile=dgauss.50mm", "string:lensfile=dgauss.50mm"],
+        ["float:aperture_diameter=4", "float:aperturediameter=4"],
+        ["float:filmdistance=40", "float:focusdistance=1000"],
+        ["float:fnumber=8", "float:aperture_diameter=4"],
+        ["string:weighting=relative", "bool:simpleweighting=true"],
+    ];
+    for abi in Abi::BOTH {
+        for case in cases {
+            let names = case.map(|argument| argument.split([':', '=']).nth(1).unwrap());
+            run(abi, "rays", &case).refused(&names);
+        }
+    }
+}
+
+#[test]
+fn an_unknown_lens_is_an_error_that_says_what_is_known() {
+    for abi in Abi::BOTH {
+        run(abi, "rays", &["string:specfile=nolens.1mm"]).refused(&["nolens.1mm", "dgauss.50mm"]);
+    }
+}
+
+#[test]
+fn text_from_a_scene_is_never_a_format() {
+    run(Abi::New, "rays", &["string:specfile=100%s%n%s.dat"]).refused(&["100%s%n%s.dat"]);
+}
+
+#[test]
+fn a_value_out_of_range_is_an_error() {
+    run(Abi::New, "rays", &["float:filmdiag=-1"]).refused(&["filmdiag", "-1"]);
+    run(Abi::New, "rays", &["string:weighting=heavy"]).refused(&["weighting", "heavy"]);
+    run(Abi::New, "rays", &["res=0x20"]).refused(&["0"]);
+}
+
+#[test]
+fn a_bad_lens_file_is_told_with_file_and_line() {
+    let (_installed, plugin) = installed("realistic.so");
+    let directory = tempfile::tempdir().unwrap();
+    fs::write(directory.path().join("bad.dat"), "# a lens\n60 6 1.5 20\n-60 x 1 20\n").unwrap();
+    for abi in Abi::BOTH {
+        Run::new(abi, &plugin, "rays")
+            .with("string:specfile=bad.dat")
+            .in_directory(directory.path())
+            .run()
+            .refused(&["bad.dat:3:"]);
+    }
+}
+
+#[test]
+fn a_lens_file_is_found_here_along_the_search_path_and_beside_the_plugin() {
+    let (plugins, plugin) = installed("realistic.so");
+    let (here, there) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    fs::write(here.path().join("here.dat"), LENS).unwrap();
+    fs::write(there.path().join("there.dat"), LENS).unwrap();
+    fs::write(plugins.path().join("beside.dat"), LENS).unwrap();
+    let search = format!("/nonexistent:{}", there.path().display());
+    for abi in Abi::BOTH {
+        let look = |file: &str| {
+            Run::new(abi, &plugin, "rays")
+                .with(format!("string:specfile={file}"))
+                .with("float:filmdistance=58")
+                .with("sample=15,10,0.5,0.5,0")
+                .in_directory(here.path())
+                .env("PBRT_SEARCHPATH", Path::new(&search))
+                .run()
+        };
+        for file in ["here.dat", "there.dat", "beside.dat"] {
+            look(file).clean();
+        }
+        look("nowhere.dat").refused(&["nowhere.dat"]);
+    }
+}
+
+#[test]
+fn what_nobody_knows_stays_the_hosts_to_report() {
+    for abi in Abi::BOTH {
+        let report = run(abi, "rays", &["float:flimdistance=3", "float:filmdistance=40"]);
+        assert_eq!(report.one("camera"), "made");
+        assert_eq!(report.one("warning"), "Parameter \"flimdistance\" not used");
+        report.ended();
+    }
+}
+
+#[test]
+fn course_scenes_autofocus_zones_are_a_warning() {
+    for abi in Abi::BOTH {
+        let report = run(abi, "rays", &["string:af_zones=zones.txt"]);
+        assert_eq!(report.one("camera"), "made");
+        assert!(report.one("warning").contains("focusdistance"));
+        report.ended();
+    }
+}
+
+#[test]
+fn a_copy_named_after_a_model_takes_that_model() {
+    let (_directory, plugin) = installed("environment.so");
+    for abi in Abi::BOTH {
+        let middle = "sample=15,10,0.5,0.5,0";
+        let report = Run::new(abi, &plugin, "rays").with(middle).run();
+        report.clean();
+        let ray = report.rays("vtable")[0];
+        assert!(near(ray.d, [-1.0, 0.0, 0.0], 1e-6), "{ray:?}");
+        assert_eq!((ray.weight, ray.o, ray.maxt as f32), (1.0, [0.0; 3], 1e30));
+        let report = Run::new(abi, &plugin, "rays").with(middle).with("string:model=lens").run();
+        report.clean();
+        assert!(report.rays("vtable")[0].d[2] > 0.5);
+    }
+}
+
+#[test]
+fn the_textbook_cameras_take_a_hosts_parameters() {
+    for abi in Abi::BOTH {
+        let (_directory, plugin) = installed("orthographic.so");
+        let window = "float:screenwindow=-3,3,-2,2";
+        let report = Run::new(abi, &plugin, "rays").with(window).with("sample=30,0,0.5,0.5,0").run();
+        report.clean();
+        let ray = report.rays("vtable")[0];
+        assert!(near(ray.o, [3.0, 2.0, 1e-3], 1e-6) && ray.d == [0.0, 0.0, 1.0], "{ray:?}");
+        let refused = |argument| Run::new(abi, &plugin, "rays").with(argument).run();
+        refused("float:screenwindow=-3,3").refused(&["screenwindow", "2 values", "takes four"]);
+        refused("integer:lensradius=1").refused(&["write \"float lensradius\""]);
+        let report = Run::new(abi, &plugin, "rays").with("float:fov=60").with("float:filmdistance=40").run();
+        assert_eq!(report.one("camera"), "made");
+        assert!(report.one("warning").contains("does not use \"filmdistance\", \"fov\""), "{}", report.out);
+        report.ended();
+    }
+}
+
+#[test]
+fn a_closed_shutter_is_zero_outside_and_tiny_in_the_vtable() {
+    for abi in Abi::BOTH {
+        let slit = ["string:shutter=focal-plane", "float:shutterslit=0.25", "sample=15,1,0.5,0.5,0.9"];
+        let report = run(abi, "rays", &slit);
+        report.clean();
+        assert_eq!(report.rays("vtable")[0].weight as f32, f32::MIN_POSITIVE);
+        assert_eq!(report.rays("exported")[0].weight, 0.0);
+    }
+}
+
+#[test]
+fn without_a_film_or_a_finite_transform_there_is_a_reason() {
+    for abi in Abi::BOTH {
+        run(abi, "nofilm", &[]).refused(&["film"]);
+        let singular = "w2c=1,0,0,0, 0,0,0,0, 0,0,1,0, 0,0,0,1";
+        run(abi, "rays", &[singular]).refused(&["transform"]);
+    }
+}
+
+#[test]
+fn a_process_without_the_hosts_functions_gets_a_reason_and_lives() {
+    let (_directory, plugin) = installed("realistic.so");
+    let report = Run::of(&harness::closed_host(), &plugin, "rays").run();
+    assert_eq!(report.one("camera"), "null");
+    assert!(report.err.contains("Error: realistic: this process exports no ParamSet"), "{}", report.err);
+}

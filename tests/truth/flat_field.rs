@@ -1,0 +1,326 @@
+//! Does the mean of the weights equal the film's irradiance? A scene of radiance 1 everywhere, and the
+//! integral E(x') = ∫ cos⁴θ'/Z² dA over the rear element computed apart, ray by ray on a fine grid.
+
+use super::support;
+
+use std::f64::consts::PI;
+
+use realistic::{
+    camera::{Outcome, RealisticCamera},
+    lens::{Lens, first_order::FirstOrder, pupil::ExitPupil},
+    sampling::{DiskMapping, PupilDisk},
+    trace::{Path, Ray},
+};
+use support::{LENSES, Random, build, camera, host, host_with, lens, lens_of, sample};
+
+/// Axis, half way to the corner, corner.
+const FIELD: [[f32; 2]; 3] = [[200.0, 150.0], [100.0, 75.0], [0.0, 0.0]];
+
+fn film_z(camera: &RealisticCamera) -> f64 {
+    camera.lens().rear().vertex - camera.film_distance()
+}
+
+/// The integral over a square about the rear element in the rear vertex plane, all of it and the part
+/// whose slopes satisfy `inside`.
+fn brute_force(camera: &RealisticCamera, image: [f32; 2], inside: impl Fn([f64; 2]) -> bool) -> [f64; 2] {
+    const N: u32 = 900;
+    let (lens, film) = (camera.lens(), film_z(camera));
+    let path = Path::<f64>::film_to_scene(lens);
+    let [x, y] = camera.film().point(image[0].into(), image[1].into());
+    let distance = lens.rear().vertex - film;
+    let half = 1.6 * lens.rear().semi_diameter;
+    let step = 2.0 * half / f64::from(N);
+    let at = |i: u32| (f64::from(i) + 0.5) * step - half;
+    let mut sums = [0.0, 0.0];
+    // A point anywhere in its cell: midpoints would count a circle's symmetric edge eight times the same way.
+    let mut random = Random(12);
+    for (i, j) in (0..N).flat_map(|i| (0..N).map(move |j| (i, j))) {
+        let [px, py] = [i, j].map(|i| at(i) + step * (random.next() - 0.5));
+        let direction = [px - x, py - y, distance];
+        if path.trace(Ray { origin: [x, y, film], direction }).is_err() {
+            continue;
+        }
+        assert!(px.hypot(py) < 0.95 * half, "the square is too small");
+        let length = direction.iter().map(|d| d * d).sum::<f64>().sqrt();
+        let share = (distance / length).powi(4) * (step / distance).powi(2);
+        sums[0] += share;
+        if inside([direction[0] / distance, direction[1] / distance]) {
+            sums[1] += share;
+        }
+    }
+    sums
+}
+
+/// Mean weight of stratified lens samples and its standard error, from independent shifts of the strata.
+/// `Redraw` draws again and does not count.
+fn mean_weight(camera: &RealisticCamera, image: [f32; 2], seed: u64) -> [f64; 2] {
+    const SHIFTS: u32 = 16;
+    const STRATA: u32 = 96;
+    let mut random = Random(seed);
+    let means: Vec<f64> = (0..SHIFTS)
+        .map(|_| {
+            let (mut sum, mut count) = (0.0, 0.0);
+            for (i, j) in (0..STRATA).flat_map(|i| (0..STRATA).map(move |j| (i, j))) {
+                let mut stratum = |i: u32| ((f64::from(i) + random.next()) / f64::from(STRATA)) as f32;
+                match camera.generate(&sample(image, [stratum(i), stratum(j)])) {
+                    Outcome::Ray(_, weight) => sum += f64::from(weight),
+                    Outcome::Blocked(_) | Outcome::Shut => {}
+                    Outcome::Redraw => continue,
+                }
+                count += 1.0;
+            }
+            sum / count
+        })
+        .collect();
+    let n = f64::from(SHIFTS);
+    let mean = means.iter().sum::<f64>() / n;
+    let variance = means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    [mean, (variance / n).sqrt()]
+}
+
+#[track_caller]
+fn agree(what: &str, [mean, error]: [f64; 2], expected: f64) {
+    // Five standard errors, and the grid's own error.
+    let allowed = 5.0 * error + 5e-4 * expected;
+    println!("{what}: {mean:.7} ± {error:.1e}, expected {expected:.7}");
+    assert!(
+        expected > 0.0 && (mean - expected).abs() < allowed,
+        "{what}: {mean} ± {error} is not {expected}"
+    );
+}
+
+#[test]
+fn rear_gives_the_whole_irradiance_and_disk_the_part_through_the_disk() {
+    for (name, diagonal) in LENSES {
+        let of = |pupil| {
+            let given = [("specfile", name), ("filmdiag", diagonal), ("pupil", pupil)];
+            build(&host(), &given).unwrap_or_else(|error| panic!("{error}")).0
+        };
+        let (rear, disk) = (of("rear"), of("disk"));
+        let film = film_z(&rear);
+        let exit = ExitPupil::of_lens(rear.lens(), film);
+        for (number, image) in FIELD.into_iter().enumerate() {
+            let [x, y] = rear.film().point(image[0].into(), image[1].into());
+            let seen = exit.slopes(x, y, film);
+            let inside = |[sx, sy]: [f64; 2]| (sx - seen.center[0]).hypot(sy - seen.center[1]) <= seen.radius;
+            let [whole, part] = brute_force(&rear, image, inside);
+            agree(&format!("{name}, rear, field {number}"), mean_weight(&rear, image, 1), whole);
+            agree(&format!("{name}, disk, field {number}"), mean_weight(&disk, image, 2), part);
+        }
+    }
+}
+
+#[test]
+fn a_rear_element_that_bulges_away_from_the_film_is_sampled_to_its_rim() {
+    // The rim lies behind the vertex and is seen, from the far side of the film, outside the clear diameter.
+    let text = "22 5 1.6 40\n20 0 1 34\n";
+    let host = host_with(text);
+    let given = [("filmdistance", "25"), ("filmdiag", "30")];
+    let (camera, warnings) = build(&host, &given).expect("a camera");
+    assert_eq!(warnings, [""; 0]);
+    for (number, image) in FIELD.into_iter().enumerate() {
+        let whole = over_the_sphere(&camera, image);
+        agree(&format!("field {number}"), mean_weight(&camera, image, 3), whole);
+    }
+}
+
+/// The integral over the rear surface itself: ∫ cosθ' cosη/d² dA over points of the sphere, η at the
+/// surface, with no plane and no disk.
+fn over_the_sphere(camera: &RealisticCamera, image: [f32; 2]) -> f64 {
+    const N: u32 = 600;
+    let (lens, film) = (camera.lens(), film_z(camera));
+    let path = Path::<f64>::film_to_scene(lens);
+    let rear = lens.rear();
+    let [x, y] = camera.film().point(image[0].into(), image[1].into());
+    let step = 2.0 * rear.semi_diameter / f64::from(N);
+    let at = |i: u32| (f64::from(i) + 0.5) * step - rear.semi_diameter;
+    let mut sum = 0.0;
+    for (i, j) in (0..N).flat_map(|i| (0..N).map(move |j| (i, j))) {
+        let (px, py) = (at(i), at(j));
+        let height = px.hypot(py);
+        if height > rear.semi_diameter {
+            continue;
+        }
+        let direction = [px - x, py - y, rear.vertex + rear.sagitta(height) - film];
+        if path.trace(Ray { origin: [x, y, film], direction }).is_err() {
+            continue;
+        }
+        // N dA = (-∂z/∂x, -∂z/∂y, 1) dx dy, and ∂z/∂r = -c r/sqrt(1 - c² r²).
+        let slope = -rear.curvature / (1.0 - (rear.curvature * height).powi(2)).sqrt();
+        let area = direction[2] - slope * (px * direction[0] + py * direction[1]);
+        let square = direction.iter().map(|d| d * d).sum::<f64>();
+        sum += direction[2] * area / (square * square) * step * step;
+    }
+    sum
+}
+
+#[test]
+fn the_weightings_stand_in_the_ratios_that_they_claim() {
+    for pupil in ["rear", "disk"] {
+        let of = |weighting| {
+            let given = [("pupil", pupil), ("weighting", weighting), ("filmdistance", "40")];
+            build(&host(), &given).expect("a camera").0
+        };
+        let [radiometric, assignment, relative, none] =
+            ["radiometric", "assignment", "relative", "none"].map(of);
+        let (lens, film) = (lens("dgauss.50mm"), film_z(&radiometric));
+        let disk = match pupil {
+            "rear" => PupilDisk::rear(&lens, film, radiometric.film().reach()).expect("film behind the lens"),
+            _ => PupilDisk::exit(&lens, film),
+        };
+        let z = match pupil {
+            "rear" => 40.0,
+            _ => ExitPupil::of_lens(&lens, film).position().expect("a finite pupil") - film,
+        };
+        let on_axis = mean_weight(&radiometric, FIELD[0], 4)[0];
+        let mut random = Random(5);
+        let mut passed = 0;
+        for _ in 0..2000 {
+            let image = [400.0 * random.next() as f32, 300.0 * random.next() as f32];
+            let numbers = [random.next() as f32, random.next() as f32];
+            let weight = |camera: &RealisticCamera| match camera.generate(&sample(image, numbers)) {
+                Outcome::Ray(_, weight) => Some(f64::from(weight)),
+                _ => None,
+            };
+            let Some(full) = weight(&radiometric) else {
+                for other in [&assignment, &relative, &none] {
+                    assert_eq!(weight(other), None);
+                }
+                continue;
+            };
+            passed += 1;
+            let seen = disk.seen_from(radiometric.film().point(image[0].into(), image[1].into()));
+            let [u, v] =
+                DiskMapping::Concentric.map(numbers[0].into(), numbers[1].into()).expect("never redraws");
+            let [sx, sy] = [seen.center[0] + seen.radius * u, seen.center[1] + seen.radius * v];
+            let literal = (1.0 + sx * sx + sy * sy).powi(-2) / (z * z);
+            let [literally, relatively] = [&assignment, &relative].map(|c| weight(c).expect("it passes"));
+            assert!((literally / literal - 1.0).abs() < 1e-6, "{pupil}: {literally} is not {literal}");
+            assert!((full / literally / disk.area().expect("finite") - 1.0).abs() < 1e-6);
+            assert!((full / relatively / on_axis - 1.0).abs() < 1e-3);
+            assert_eq!(weight(&none), Some(1.0));
+        }
+        assert!(passed > 500);
+    }
+}
+
+#[test]
+fn relative_is_one_on_the_axis_with_either_pupil() {
+    for (name, diagonal) in LENSES {
+        for pupil in ["rear", "disk"] {
+            let given =
+                [("specfile", name), ("filmdiag", diagonal), ("pupil", pupil), ("weighting", "relative")];
+            let camera = build(&host(), &given).expect("a camera").0;
+            agree(&format!("{name}, {pupil}"), mean_weight(&camera, FIELD[0], 6), 1.0);
+        }
+    }
+}
+
+#[test]
+fn the_maps_to_the_disk_agree_in_the_mean() {
+    for image in FIELD {
+        let [concentric, polar, rejection] = ["concentric", "polar", "rejection"]
+            .map(|disk| mean_weight(&camera(&[("disk", disk)]), image, 7));
+        for other in [polar, rejection] {
+            agree("map", [other[0], other[1].hypot(concentric[1])], concentric[0]);
+        }
+    }
+}
+
+/// A plano-convex lens of 50 mm with a stop before it, `beyond` mm farther than the front focal point.
+fn with_stop_at_the_front_focus(beyond: f64) -> String {
+    let glass = "25.84 4 1.5168 30\n0 0 1 30\n";
+    let focus = FirstOrder::of(&lens_of(glass)).expect("focal").front_focal_point;
+    format!("0 {} 0 4\n{glass}", focus + beyond)
+}
+
+#[test]
+fn a_pupil_at_infinity_or_behind_the_film_is_sampled_in_slopes() {
+    for (beyond, place) in [(0.0, "at infinity"), (20.0, "behind the film"), (-20.0, "before the film")] {
+        let text = with_stop_at_the_front_focus(beyond);
+        let host = host_with(&text);
+        let of = |pupil| build(&host, &[("pupil", pupil), ("filmdiag", "8")]).expect("a camera").0;
+        let (rear, disk) = (of("rear"), of("disk"));
+        let film = film_z(&rear);
+        let vergence = ExitPupil::of_lens(rear.lens(), film).vergence(film);
+        match place {
+            "at infinity" => assert!(vergence.abs() < 1e-12, "{vergence}"),
+            "behind the film" => assert!(vergence < -1e-3, "{vergence}"),
+            _ => assert!(vergence > 1e-3, "{vergence}"),
+        }
+        for (number, image) in FIELD.into_iter().enumerate() {
+            let [x, y] = rear.film().point(image[0].into(), image[1].into());
+            let seen = ExitPupil::of_lens(rear.lens(), film).slopes(x, y, film);
+            let inside = |[sx, sy]: [f64; 2]| (sx - seen.center[0]).hypot(sy - seen.center[1]) <= seen.radius;
+            let grid = fine_grid(rear.lens(), film, [x, y], seen.center, 1.3 * seen.radius, inside);
+            let whole = mean_weight(&rear, image, 8);
+            agree(&format!("{place}, disk, field {number}"), mean_weight(&disk, image, 9), grid[1]);
+            assert!((whole[0] - grid[0]).abs() < 5.0 * whole[1] + 1e-3 * grid[0], "{whole:?} {grid:?}");
+            // A slow stop: on the axis the thick lens has it nearly right.
+            assert!(number > 0 || grid[1] > 0.97 * grid[0], "{place}: {grid:?}");
+        }
+        let literal = build(&host, &[("pupil", "disk"), ("weighting", "assignment"), ("filmdiag", "8")]);
+        if place == "at infinity" {
+            let refusal = literal.expect_err("no Z").to_string();
+            assert!(refusal.contains("at infinity") && refusal.contains("\"rear\""), "{refusal}");
+        } else {
+            literal.expect("a camera");
+        }
+    }
+}
+
+/// The integral over a small square of slopes, whole and inside.
+fn fine_grid(
+    lens: &Lens,
+    film: f64,
+    [x, y]: [f64; 2],
+    center: [f64; 2],
+    half: f64,
+    inside: impl Fn([f64; 2]) -> bool,
+) -> [f64; 2] {
+    const N: u32 = 500;
+    let path = Path::<f64>::film_to_scene(lens);
+    let step = 2.0 * half / f64::from(N);
+    let at = |i: u32| (f64::from(i) + 0.5) * step - half;
+    let mut sums = [0.0, 0.0];
+    for (i, j) in (0..N).flat_map(|i| (0..N).map(move |j| (i, j))) {
+        let slopes = [center[0] + at(i), center[1] + at(j)];
+        let ray = Ray { origin: [x, y, film], direction: [slopes[0], slopes[1], 1.0] };
+        if path.trace(ray).is_ok() {
+            let share = step * step / (1.0 + slopes[0].powi(2) + slopes[1].powi(2)).powi(2);
+            sums[0] += share;
+            sums[1] += if inside(slopes) { share } else { 0.0 };
+        }
+    }
+    sums
+}
+
+#[test]
+fn the_warning_says_what_the_disk_misses_of_the_double_gauss() {
+    let (_, warnings) = build(&host(), &[("pupil", "disk")]).expect("a camera");
+    let [warning] = warnings.as_slice() else { panic!("{warnings:?}") };
+    let (before, _) = warning.split_once(" % of the light on the axis").expect("it speaks of the axis");
+    let said: f64 = before.rsplit(' ').next().and_then(|word| word.parse().ok()).expect("a number");
+    assert!((8.0..12.0).contains(&said), "{warning}");
+    assert!(warning.contains("misses none"), "{warning}");
+    // What it says is what there is.
+    let of = |pupil| mean_weight(&build(&host(), &[("pupil", pupil)]).expect("a camera").0, FIELD[0], 10)[0];
+    let missed = 100.0 * (1.0 - of("disk") / of("rear"));
+    assert!((missed - said).abs() < 1.0, "{missed} % against: {warning}");
+    // Stopped down, the thick lens has the pupil.
+    let (_, warnings) =
+        build(&host(), &[("pupil", "disk"), ("fnumber", "16"), ("filmdiag", "4")]).expect("a camera");
+    assert_eq!(warnings, [""; 0]);
+}
+
+#[test]
+fn irradiance_falls_as_the_square_of_the_f_number() {
+    // On the axis E = π sin²θ', and sin θ' = 1/(2 N) for a lens without coma focused at infinity.
+    for number in [4.0, 5.6, 8.0, 16.0] {
+        let camera = camera(&[("fnumber", &f64::to_string(&number))]);
+        let [mean, error] = mean_weight(&camera, FIELD[0], 11);
+        let expected = PI / (4.0 * number * number);
+        println!("f/{number}: {mean:.6} ± {error:.1e}, {expected:.6}");
+        assert!((mean / expected - 1.0).abs() < 0.01, "f/{number}: {mean} ± {error}, {expected}");
+    }
+}

@@ -1,0 +1,124 @@
+//! The tracer and first-order optics against tables that others computed: exact arithmetic (70
+//! digits) and the programs optiland and rayoptics. `golden/README.md` says how they were made.
+
+use super::tables;
+
+use realistic::{
+    lens::{first_order::FirstOrder, pupil},
+    prescription::catalogue,
+    trace::{Direction, Path, Real},
+};
+use tables::{LENSES, difference, lens, numbers, outcome, ray, table};
+
+/// Largest position (mm) and direction (rad) errors of the passing rays of one table.
+fn against_truth<R: Real>(file: &str, path: &Path<R>, least_margin: f64) -> (f64, f64) {
+    let (mut position, mut direction) = (0.0_f64, 0.0_f64);
+    for (number, row) in table(file).iter().enumerate() {
+        if row[13].parse::<f64>().expect("a margin") < least_margin {
+            continue;
+        }
+        let expected = outcome(&row[12]);
+        let walk = path.walk(ray(numbers(&row[..6])));
+        assert_eq!(walk.blocked, expected, "{file}, ray {number}: {row:?}");
+        if expected.is_none() {
+            let (p, d) = difference(walk.ray, ray(numbers(&row[6..12])));
+            position = position.max(p);
+            direction = direction.max(d);
+        }
+    }
+    (position, direction)
+}
+
+#[test]
+fn double_precision_is_within_1e_14_of_the_exact_rays_both_ways() {
+    for name in LENSES {
+        let lens = lens(name, 587.56);
+        for (prefix, direction) in
+            [("truth_", Direction::FilmToScene), ("truth_scene_", Direction::SceneToFilm)]
+        {
+            for (method, refraction) in realistic::lens::refraction::Refraction::NAMES {
+                let path = Path::<f64>::new(&lens, direction, refraction);
+                let (p, d) = against_truth(&format!("{prefix}{name}.csv"), &path, 0.0);
+                println!("{prefix}{name} {method}: {p:.1e} mm, {d:.1e} rad");
+                assert!(p < 1e-12 && d < 1e-14, "{prefix}{name} {method}: {p:e} mm, {d:e} rad");
+            }
+        }
+    }
+}
+
+#[test]
+fn single_precision_is_within_1e_6_of_the_exact_rays() {
+    for name in LENSES {
+        let path = Path::<f32>::film_to_scene(&lens(name, 587.56));
+        let (p, d) = against_truth(&format!("truth_{name}.csv"), &path, 1e-4);
+        println!("{name}: {p:.1e} mm, {d:.1e} rad");
+        assert!(p < 2e-4 && d < 5e-6, "{name}: {p:e} mm, {d:e} rad");
+    }
+}
+
+#[test]
+fn real_rays_agree_with_optiland_and_rayoptics() {
+    for file in ["rays_optiland.csv", "rays_rayoptics.csv"] {
+        let rows = table(file);
+        assert!(rows.len() > 500);
+        for row in rows {
+            let lens = lens(&row[0], row[1].parse().expect("a wavelength"));
+            let got = Path::<f64>::scene_to_film(&lens).trace(ray(numbers(&row[2..8])));
+            let expected = ray(numbers(&row[8..14]));
+            let (p, d) = difference(got.unwrap_or_else(|why| panic!("{row:?}: {why}")), expected);
+            assert!(p < 1e-12 && d < 1e-13, "{file} {row:?}: {p:e} mm, {d:e} rad");
+        }
+    }
+}
+
+#[test]
+fn first_order_data_agree_with_optiland_and_rayoptics() {
+    let rows = table("first_order.csv");
+    assert!(rows.len() > 100);
+    for row in rows {
+        let [name, wavelength, program, _, quantity, value] = row.as_slice() else {
+            panic!("{row:?} has not six fields");
+        };
+        let lens = lens(name, wavelength.parse().expect("a wavelength"));
+        let own = FirstOrder::of(&lens).expect("focal");
+        let stop = lens.stop_index().expect("every lens of the table has a stop");
+        let entrance = pupil::EntrancePupil::of_surface(&lens, stop);
+        let exit = pupil::ExitPupil::of_surface(&lens, stop);
+        let from_rear = |z: f64| own.rear_vertex - z;
+        let got = match quantity.as_str() {
+            "focal_length" => own.focal_length,
+            "back_focal_distance" => own.back_focal_distance(),
+            "front_focal_distance" => -own.front_focal_point,
+            "front_principal_plane" => -own.front_principal_plane,
+            "rear_principal_plane" => from_rear(own.rear_principal_plane),
+            "entrance_pupil_position" => -entrance.position().expect("finite"),
+            "entrance_pupil_diameter" => entrance.diameter(),
+            "exit_pupil_position" => from_rear(exit.position().expect("finite")),
+            "exit_pupil_diameter" => exit.diameter(),
+            "f_number" => own.focal_length / entrance.diameter(),
+            other => panic!("unknown quantity {other}"),
+        };
+        let expected: f64 = value.parse().expect("a number");
+        let error = (got - expected).abs() / own.focal_length;
+        assert!(error < 1e-12, "{name} {wavelength} {program} {quantity}: {got} is not {expected}");
+    }
+}
+
+#[test]
+fn the_two_ways_to_first_order_data_agree() {
+    for name in catalogue::names() {
+        let lens = lens(name, 587.56);
+        let matrix = FirstOrder::of(&lens).expect("focal");
+        let rays = FirstOrder::by_paraxial_rays(&lens).expect("focal");
+        let f = matrix.focal_length;
+        for (a, b) in [
+            (matrix.focal_length, rays.focal_length),
+            (matrix.front_focal_point, rays.front_focal_point),
+            (matrix.rear_focal_point, rays.rear_focal_point),
+            (matrix.front_principal_plane, rays.front_principal_plane),
+            (matrix.rear_principal_plane, rays.rear_principal_plane),
+        ] {
+            assert!((a - b).abs() < 1e-7 * f, "{name}: {a} by matrix, {b} by rays");
+        }
+    }
+}

@@ -1,0 +1,543 @@
+//! The kernel in every instance: against exact arithmetic, against the walk, and against itself bit for bit.
+
+use super::tables;
+
+use realistic::{
+    lens::{Lens, Surface, pupil::ExitPupil},
+    trace::{
+        Direction, Path, Ray, Real,
+        kernel::{Kernel, LensRays, PlaneRays, Precision, Simd},
+    },
+};
+use tables::{LENSES, difference, lens, numbers, outcome, ray, table};
+
+/// What the checks ask of a precision: bounds, and bits to compare.
+trait Checked: Precision + std::fmt::Debug {
+    /// Rows of the tables with a smaller margin may go either way.
+    const MARGIN: f64;
+    /// Largest errors of position (mm) and direction (rad) over all golden lenses.
+    const ERRORS: (f64, f64);
+    /// The same bits.
+    fn bits(self) -> u64;
+}
+
+impl Checked for f64 {
+    const MARGIN: f64 = 0.0;
+    const ERRORS: (f64, f64) = (1e-12, 1e-14);
+    fn bits(self) -> u64 {
+        self.to_bits()
+    }
+}
+
+impl Checked for f32 {
+    const MARGIN: f64 = 1e-4;
+    const ERRORS: (f64, f64) = (2e-4, 5e-6);
+    fn bits(self) -> u64 {
+        self.to_bits().into()
+    }
+}
+
+/// Structure of arrays, `offset` elements from where the allocation begins.
+#[derive(Clone)]
+struct Arrays<S> {
+    columns: [Vec<S>; 7],
+    offset: usize,
+}
+
+impl<S: Checked> Arrays<S> {
+    fn new(rays: &[Ray], offset: usize) -> Self {
+        let column = |f: &dyn Fn(&Ray) -> f64| {
+            let padding = std::iter::repeat_n(S::from_f64(7.0), offset);
+            padding.chain(rays.iter().map(|ray| S::from_f64(f(ray)))).collect()
+        };
+        let columns = std::array::from_fn(|i| match i {
+            0..3 => column(&|ray: &Ray| ray.origin[i]),
+            3..6 => column(&|ray: &Ray| ray.direction[i - 3]),
+            _ => column(&|_: &Ray| f64::NAN),
+        });
+        Self { columns, offset }
+    }
+
+    fn rays(&mut self) -> LensRays<'_, S> {
+        let [x, y, z, dx, dy, dz, weight] = self.columns.each_mut().map(|column| &mut column[self.offset..]);
+        LensRays { origin: [x, y, z], direction: [dx, dy, dz], weight }
+    }
+
+    fn at(&self, i: usize) -> [S; 7] {
+        self.columns.each_ref().map(|column| column[self.offset + i])
+    }
+
+    fn result(&self, i: usize) -> Option<Ray> {
+        let [x, y, z, dx, dy, dz, weight] = self.at(i).map(S::to_f64);
+        (weight > 0.0).then_some(Ray { origin: [x, y, z], direction: [dx, dy, dz] })
+    }
+}
+
+fn bits<S: Checked>(numbers: [S; 7]) -> [u64; 7] {
+    numbers.map(S::bits)
+}
+
+fn kernel<S: Checked>(lens: &Lens, direction: Direction, simd: Simd) -> Kernel<S> {
+    Kernel::with_simd(lens, direction, simd).expect("the caller has asked")
+}
+
+fn in_place<S: Checked>(kernel: &Kernel<S>, rays: &[Ray], offset: usize) -> Arrays<S> {
+    let mut arrays = Arrays::new(rays, offset);
+    kernel.trace_in_place(&mut arrays.rays());
+    arrays
+}
+
+/// Film points and slopes: x, y, dx/dz, dy/dz.
+type Film<S> = Vec<[S; 4]>;
+
+fn from_plane<S: Checked>(kernel: &Kernel<S>, plane: f64, film: &[[S; 4]], offset: usize) -> Arrays<S> {
+    let column = |i: usize| -> Vec<S> {
+        std::iter::repeat_n(S::ONE, offset).chain(film.iter().map(|ray| ray[i])).collect()
+    };
+    let [x, y, slope_x, slope_y] = [0, 1, 2, 3].map(column);
+    let blank = Ray { origin: [7.0; 3], direction: [7.0; 3] };
+    let mut out = Arrays::new(&vec![blank; film.len()], offset);
+    let from = PlaneRays {
+        plane,
+        x: &x[offset..],
+        y: &y[offset..],
+        slope_x: &slope_x[offset..],
+        slope_y: &slope_y[offset..],
+    };
+    kernel.trace_batch(&from, &mut out.rays());
+    out
+}
+
+fn one<S: Checked>(kernel: &Kernel<S>, plane: f64, [x, y, sx, sy]: [S; 4]) -> [S; 7] {
+    kernel.trace_one(plane, [x, y], [sx, sy]).map_or([S::ZERO; 7], |ray| {
+        let ([x, y, z], [dx, dy, dz]) = (ray.origin, ray.direction);
+        [x, y, z, dx, dy, dz, ray.weight]
+    })
+}
+
+/// Numbers in [0, 1) that are the same every time (SplitMix64).
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+/// z of a film behind the lens, and `n` rays from it through a disk somewhat larger than the rear element.
+fn film<S: Checked>(lens: &Lens, n: usize) -> (f64, Film<S>) {
+    let (rear, mut numbers) = (lens.rear(), Numbers(n as u64));
+    let distance = 2.5 * rear.semi_diameter;
+    let rays = (0..n).map(|_| {
+        let [u, v, x, y] = std::array::from_fn(|_| numbers.next());
+        let (x, y) = (rear.semi_diameter * (x - 0.5), rear.semi_diameter * (y - 0.5));
+        let (r, phi) = (1.1 * rear.semi_diameter * u.sqrt(), std::f64::consts::TAU * v);
+        [x, y, (r * phi.cos() - x) / distance, (r * phi.sin() - y) / distance].map(S::from_f64)
+    });
+    (rear.vertex - distance, rays.collect())
+}
+
+fn as_ray<S: Real>(plane: f64, film: &[S; 4]) -> Ray {
+    let [x, y, sx, sy] = film.map(S::to_f64);
+    Ray { origin: [x, y, plane], direction: [sx, sy, 1.0] }
+}
+
+/// Glass and air in turn, with every radius, thickness and semi-diameter times `scale`.
+fn many_surfaces(n: usize, scale: f64) -> Lens {
+    let radius = |i: usize| scale * [120.0, -150.0, 90.0, 100.0, 900.0, f64::INFINITY, -45.0][i % 7];
+    let surface = |i: usize| Surface {
+        vertex: -2.5 * scale * i as f64,
+        radius: radius(i),
+        curvature: radius(i).recip(),
+        thickness: if i + 1 < n { 2.5 * scale } else { 0.0 },
+        n_scene: if (n - i).is_multiple_of(2) { 1.0 } else { 1.6 },
+        n_film: if (n - i).is_multiple_of(2) { 1.6 } else { 1.0 },
+        semi_diameter: 12.0 * scale,
+        is_stop: false,
+    };
+    Lens {
+        name: format!("{n} surfaces"),
+        surfaces: (0..n).map(surface).collect(),
+        wavelength: 587.56,
+        nominal_film_distance: None,
+    }
+}
+
+fn every_lens() -> Vec<Lens> {
+    let named = LENSES.map(|name| lens(name, 587.56));
+    named.into_iter().chain([1, 2, 26, 200].map(|n| many_surfaces(n, 1.0))).collect()
+}
+
+fn golden_rays_end_where_exact_arithmetic_says<S: Checked>(simd: Simd) {
+    for name in LENSES {
+        let lens = lens(name, 587.56);
+        for (prefix, direction) in
+            [("truth_", Direction::FilmToScene), ("truth_scene_", Direction::SceneToFilm)]
+        {
+            let kernel = kernel::<S>(&lens, direction, simd);
+            let file = format!("{prefix}{name}.csv");
+            let rows: Vec<_> = table(&file)
+                .into_iter()
+                .filter(|row| row[13].parse::<f64>().expect("a margin") >= S::MARGIN)
+                .collect();
+            let rays: Vec<_> = rows.iter().map(|row| ray(numbers(&row[..6]))).collect();
+            let traced = in_place(&kernel, &rays, 0);
+            let mut worst = (0.0_f64, 0.0_f64);
+            for (i, row) in rows.iter().enumerate() {
+                let expected = outcome(&row[12]);
+                assert_eq!(traced.result(i).is_none(), expected.is_some(), "{file}, ray {i}: {row:?}");
+                match (traced.result(i), expected) {
+                    (Some(ray_got), _) => {
+                        let (p, d) = difference(ray_got, ray(numbers(&row[6..12])));
+                        // The tables start scene rays up to 1 km away, farther than single precision tells apart.
+                        let far = S::EPSILON > 1e-10 && rays[i].origin[2].abs() > 1e3;
+                        if !far {
+                            worst = (worst.0.max(p), worst.1.max(d));
+                        }
+                    }
+                    (None, Some(reason)) => assert_eq!(kernel.reason(rays[i]), reason),
+                    (None, None) => unreachable!("compared above"),
+                }
+            }
+            println!("{file} {}: {:.1e} mm, {:.1e} rad", simd.name(), worst.0, worst.1);
+            assert!(worst.0 < S::ERRORS.0 && worst.1 < S::ERRORS.1, "{file}: {worst:?}");
+        }
+    }
+}
+
+fn film_rays_pass_and_end_where_the_walk_says<S: Checked>(simd: Simd) {
+    for lens in every_lens() {
+        let kernel = kernel::<S>(&lens, Direction::FilmToScene, simd);
+        let path = Path::<f64>::film_to_scene(&lens);
+        let (plane, film) = film::<S>(&lens, 4000);
+        let traced = from_plane(&kernel, plane, &film, 0);
+        let (mut passed, mut disagree) = (0, 0);
+        for (i, ray) in film.iter().enumerate() {
+            match (traced.result(i), path.trace(as_ray(plane, ray))) {
+                (Some(got), Ok(expected)) => {
+                    passed += 1;
+                    let (p, d) = difference(got, expected);
+                    let chaos = if lens.surfaces.len() == 200 { 100.0 } else { 1.0 };
+                    assert!(d < chaos * S::ERRORS.1 && p < chaos * S::ERRORS.0, "{} {i}: {p} {d}", lens.name);
+                }
+                (None, Err(_)) => {}
+                _ => disagree += 1,
+            }
+        }
+        let allowed = if S::EPSILON > 1e-10 { 1 } else { 0 };
+        assert!(disagree <= allowed, "{}: {disagree} rays go another way", lens.name);
+        println!("{} passes {passed}", lens.name);
+        assert!(passed > 100, "{} passes {passed}", lens.name);
+    }
+}
+
+fn a_batch_has_the_bits_of_single_rays_for_any_number_and_alignment<S: Checked>(simd: Simd) {
+    for lens in every_lens() {
+        let reference = kernel::<S>(&lens, Direction::FilmToScene, Simd::Portable);
+        let kernel = kernel::<S>(&lens, Direction::FilmToScene, simd);
+        let (plane, film) = film::<S>(&lens, 70);
+        let singles: Vec<_> = film.iter().map(|ray| bits(one(&reference, plane, *ray))).collect();
+        for n in 0..=70 {
+            let batch = from_plane(&kernel, plane, &film[..n], n % 5);
+            for (i, single) in singles[..n].iter().enumerate() {
+                assert_eq!(bits(batch.at(i)), *single, "{}, ray {i} of {n}", lens.name);
+            }
+        }
+        for (i, three) in film.windows(3).enumerate() {
+            assert_eq!(bits(one(&kernel, plane, three[0])), singles[i]);
+            let points = [0, 1, 2].map(|j| [three[j][0], three[j][1]]);
+            let slopes = [0, 1, 2].map(|j| [three[j][2], three[j][3]]);
+            for (j, traced) in kernel.trace_triple(plane, points, slopes).into_iter().enumerate() {
+                let expected = reference.trace_one(plane, points[j], slopes[j]);
+                assert_eq!(traced, expected, "{}, ray {j} of the triple {i}", lens.name);
+            }
+        }
+    }
+}
+
+fn rays_from_anywhere_have_the_same_bits_in_every_instance<S: Checked>(simd: Simd) {
+    for lens in every_lens() {
+        for direction in [Direction::FilmToScene, Direction::SceneToFilm] {
+            let mut numbers = Numbers(1);
+            let mut number = |scale: f64| (2.0 * numbers.next() - 1.0) * scale;
+            let length = 2.0 * lens.front().semi_diameter - lens.rear().vertex;
+            let rays: Vec<_> = (0..500)
+                .map(|_| Ray {
+                    origin: [number(5.0), number(5.0), lens.rear().vertex / 2.0 + number(length)],
+                    direction: [number(0.5), number(0.5), number(1.0)],
+                })
+                .collect();
+            let expected = in_place(&kernel::<S>(&lens, direction, Simd::Portable), &rays, 0);
+            let got = in_place(&kernel::<S>(&lens, direction, simd), &rays, 3);
+            for (i, ray) in rays.iter().enumerate() {
+                assert_eq!(bits(got.at(i)), bits(expected.at(i)), "{} {ray:?}", lens.name);
+            }
+        }
+    }
+}
+
+/// Zeros, denormals, infinities, NaN, and what is next to them.
+fn nasty<S: Checked>(simd: Simd) {
+    let tiny = S::from_f64(if S::EPSILON > 1e-10 { 1e-42 } else { 1e-310 });
+    let huge = S::from_f64(if S::EPSILON > 1e-10 { 1e38 } else { 1e308 });
+    let values = [0.0, -0.0, 1.0, -0.3, 1e-20, 1e20, f64::INFINITY, f64::NEG_INFINITY, f64::NAN]
+        .map(S::from_f64)
+        .into_iter()
+        .chain([tiny, -tiny, huge, -huge]);
+    let values: Vec<S> = values.collect();
+    for lens in every_lens() {
+        let reference = kernel::<S>(&lens, Direction::FilmToScene, Simd::Portable);
+        let kernel = kernel::<S>(&lens, Direction::FilmToScene, simd);
+        let plane = lens.rear().vertex - 20.0;
+        let mut film = Vec::new();
+        for x in &values {
+            for y in [S::ZERO, S::ONE, tiny, S::from_f64(f64::NAN)] {
+                for sx in &values {
+                    film.push([*x, y, *sx, S::ZERO]);
+                    film.push([*x, y, S::from_f64(0.01), *sx]);
+                }
+            }
+        }
+        let batch = from_plane(&kernel, plane, &film, 1);
+        for (i, ray) in film.iter().enumerate() {
+            let got = batch.at(i);
+            assert_eq!(
+                bits(got),
+                bits(one(&reference, plane, *ray)),
+                "{} {:?}",
+                lens.name,
+                ray.map(S::to_f64)
+            );
+            assert!(got.iter().all(|number| number.to_f64().is_finite()));
+            if ray.iter().any(|number| !number.to_f64().is_finite()) {
+                assert_eq!(got, [S::ZERO; 7]);
+            }
+        }
+    }
+}
+
+/// Axis-parallel rays at the exact height of grazing, x = R, and of the critical angle, x = R/n' with n = 2: the
+/// squares under both roots are exactly 0 there, and the neighbours on both sides are not.
+fn exact_grazing_and_the_exact_critical_angle_block<S: Checked>(simd: Simd) {
+    let surface = |vertex: f64, radius: f64, n_scene: f64, n_film: f64| Surface {
+        vertex,
+        radius,
+        curvature: radius.recip(),
+        thickness: 0.0,
+        n_scene,
+        n_film,
+        semi_diameter: 20.0,
+        is_stop: false,
+    };
+    let plane = |vertex: f64, n_scene: f64, n_film: f64| surface(vertex, f64::INFINITY, n_scene, n_film);
+    let lens = |surfaces: &[Surface]| {
+        let mut surfaces = surfaces.to_vec();
+        for i in 1..surfaces.len() {
+            surfaces[i - 1].thickness = surfaces[i - 1].vertex - surfaces[i].vertex;
+        }
+        Lens { name: "exact".to_owned(), surfaces, wavelength: 587.56, nominal_film_distance: None }
+    };
+    // A ball's near half seen from the film; glass with a plane back and a convex front, or a sphere between.
+    let grazing = lens(&[surface(0.0, -8.0, 1.5, 1.0)]);
+    let critical = lens(&[surface(0.0, 8.0, 1.0, 2.0), plane(-8.0, 2.0, 1.0)]);
+    let linked = lens(&[surface(0.0, 8.0, 1.0, 2.0), surface(-4.0, -16.0, 2.0, 2.0), plane(-8.0, 2.0, 1.0)]);
+    for (lens, height) in [(&grazing, 8.0), (&critical, 4.0), (&linked, 4.0)] {
+        let step = S::EPSILON * 16.0;
+        let film: Film<S> = (-40..=40)
+            .map(|i| [S::from_f64(height + step * f64::from(i)), S::ZERO, S::ZERO, S::ZERO])
+            .collect();
+        let reference = kernel::<S>(lens, Direction::FilmToScene, Simd::Portable);
+        let batch = from_plane(&kernel::<S>(lens, Direction::FilmToScene, simd), -30.0, &film, 0);
+        for (i, ray) in film.iter().enumerate() {
+            assert_eq!(bits(batch.at(i)), bits(one(&reference, -30.0, *ray)), "{i}");
+        }
+        assert!(batch.result(80).is_none() && batch.result(0).is_some());
+        if lens.surfaces.len() < 3 {
+            assert!(batch.result(40).is_none(), "the exact one");
+            let path = Path::<f64>::film_to_scene(lens);
+            assert!(path.trace(as_ray(-30.0, &film[40])).is_err());
+        }
+    }
+}
+
+fn a_lens_scaled_by_powers_of_two_gives_scaled_bits<S: Checked>(simd: Simd) {
+    for lens in every_lens() {
+        let (plane, film) = film::<S>(&lens, 300);
+        let plain = from_plane(&kernel::<S>(&lens, Direction::FilmToScene, simd), plane, &film, 0);
+        for scale in [2.0_f64.powi(20), 2.0_f64.powi(-20)] {
+            let mut scaled = lens.clone();
+            for surface in &mut scaled.surfaces {
+                surface.vertex *= scale;
+                surface.radius *= scale;
+                surface.curvature /= scale;
+                surface.thickness *= scale;
+                surface.semi_diameter *= scale;
+            }
+            let times = S::from_f64(scale);
+            let film: Film<S> = film.iter().map(|&[x, y, sx, sy]| [x * times, y * times, sx, sy]).collect();
+            let kernel = kernel::<S>(&scaled, Direction::FilmToScene, simd);
+            let got = from_plane(&kernel, plane * scale, &film, 0);
+            for i in 0..film.len() {
+                let [x, y, z, rest @ ..] = plain.at(i);
+                let [dx, dy, dz, weight] = rest;
+                let expected = [x * times, y * times, z * times, dx, dy, dz, weight];
+                assert_eq!(bits(got.at(i)), bits(expected), "{} ray {i} times {scale}", lens.name);
+            }
+        }
+    }
+}
+
+/// The errors of direction (rad) of passing dgauss.50mm film rays, sorted, against the walk in
+/// double precision (itself within 3e-15 of the exact rays).
+fn double_gauss_errors<S: Checked>(simd: Simd) -> Vec<f64> {
+    let lens = lens("dgauss.50mm", 587.56);
+    let plane = lens.rear().vertex - 36.1;
+    let pupil = ExitPupil::of_lens(&lens, plane);
+    let (mut numbers, path) = (Numbers(5), Path::<f64>::film_to_scene(&lens));
+    let film: Film<S> = (0..50_000)
+        .map(|_| {
+            let [x, y, u, v] = std::array::from_fn(|_| numbers.next());
+            let (x, y) = (36.0 * (x - 0.5), 24.0 * (y - 0.5));
+            let disk = pupil.slopes(x, y, plane);
+            let (r, phi) = (disk.radius * u.sqrt(), std::f64::consts::TAU * v);
+            [x, y, disk.center[0] + r * phi.cos(), disk.center[1] + r * phi.sin()].map(S::from_f64)
+        })
+        .collect();
+    let traced = from_plane(&kernel::<S>(&lens, Direction::FilmToScene, simd), plane, &film, 0);
+    let both = film.iter().enumerate().filter_map(|(i, ray)| {
+        let expected = path.trace(as_ray(plane, ray)).ok()?;
+        Some(difference(traced.result(i)?, expected).1)
+    });
+    let mut errors: Vec<_> = both.collect();
+    errors.sort_by(f64::total_cmp);
+    assert!(errors.len() > 20_000);
+    println!(
+        "{}: median {:.1e}, 99.9 % {:.1e}, max {:.1e} rad",
+        simd.name(),
+        errors[errors.len() / 2],
+        errors[errors.len() * 999 / 1000],
+        errors[errors.len() - 1]
+    );
+    errors
+}
+
+macro_rules! every_instance {
+    ($($module:ident: $number:ty, $simd:expr;)*) => {$(
+        mod $module {
+            use super::*;
+
+            every_instance! { @tests $number, $simd,
+                golden_rays_end_where_exact_arithmetic_says
+                film_rays_pass_and_end_where_the_walk_says
+                a_batch_has_the_bits_of_single_rays_for_any_number_and_alignment
+                rays_from_anywhere_have_the_same_bits_in_every_instance
+                exact_grazing_and_the_exact_critical_angle_block
+                a_lens_scaled_by_powers_of_two_gives_scaled_bits
+            }
+
+            #[test]
+            fn what_is_not_finite_is_blocked_and_the_rest_has_the_same_bits() {
+                if $simd.is_available() {
+                    nasty::<$number>($simd);
+                }
+            }
+
+            #[test]
+            fn a_ray_through_the_double_gauss_is_as_exact_as_the_precision_allows() {
+                if $simd.is_available() {
+                    let errors = double_gauss_errors::<$number>($simd);
+                    let single = <$number>::EPSILON > 1e-10;
+                    // The walk's own error is in these, too.
+                    let (median, most) = if single { (1e-7, 1e-6) } else { (1e-15, 7e-15) };
+                    assert!(errors[errors.len() / 2] < median && errors[errors.len() - 1] < most);
+                }
+            }
+        }
+    )*};
+    (@tests $number:ty, $simd:expr, $($check:ident)*) => {$(
+        #[test]
+        fn $check() {
+            if $simd.is_available() {
+                super::$check::<$number>($simd);
+            }
+        }
+    )*};
+}
+
+every_instance! {
+    portable_f64: f64, Simd::Portable;
+    portable_f32: f32, Simd::Portable;
+    avx2_f64: f64, Simd::Avx2;
+    avx2_f32: f32, Simd::Avx2;
+    avx512_f64: f64, Simd::Avx512;
+    avx512_f32: f32, Simd::Avx512;
+}
+
+#[test]
+fn double_gauss_rays_are_within_4e_15_rad_of_the_exact_ones() {
+    let lens = lens("dgauss.50mm", 587.56);
+    let kernel = Kernel::<f64>::new(&lens, Direction::FilmToScene);
+    let rows = table("truth_dgauss.50mm.csv");
+    let rays: Vec<_> = rows.iter().map(|row| ray(numbers(&row[..6]))).collect();
+    let traced = in_place(&kernel, &rays, 0);
+    for (i, row) in rows.iter().enumerate().filter(|(_, row)| row[12] == "ok") {
+        let (p, d) = difference(traced.result(i).expect("it passes"), ray(numbers(&row[6..12])));
+        assert!(d <= 4e-15 && p < 2e-13, "{row:?}: {p} mm, {d} rad");
+    }
+}
+
+/// Run again by the next test under every value of the variable.
+#[test]
+fn the_choice_is_available_and_within_the_limit() {
+    let best = Simd::best();
+    assert!(best.is_available());
+    let limit = std::env::var("REALISTIC_SIMD").ok();
+    let limit = Simd::ALL.into_iter().find(|simd| limit.as_deref() == Some(simd.name()));
+    let most = Simd::ALL.into_iter().rfind(|simd| simd.is_available()).expect("one always is");
+    assert_eq!(best, limit.map_or(most, |limit| limit.min(most)));
+    assert_eq!(Kernel::<f32>::new(&many_surfaces(2, 1.0), Direction::FilmToScene).simd(), best);
+}
+
+#[test]
+fn the_environment_variable_only_lowers_the_choice() {
+    for value in ["portable", "avx2", "avx512", "something else"] {
+        let status = std::process::Command::new(std::env::current_exe().expect("this program"))
+            .args(["--exact", "the_choice_is_available_and_within_the_limit"])
+            .env("REALISTIC_SIMD", value)
+            .status()
+            .expect("it starts");
+        assert!(status.success(), "{value}");
+    }
+}
+
+#[test]
+fn leaving_aperture_tests_out_changes_no_bit_of_what_passes_and_blocks_less() {
+    let (mut passing, mut more) = (0, 0);
+    for name in LENSES {
+        let lens = lens(name, 587.56);
+        let whole = Kernel::<f64>::new(&lens, Direction::FilmToScene);
+        let last = lens.surfaces.len() - 1;
+        let open = Kernel::<f64>::testing(&lens, Direction::FilmToScene, |_| false);
+        let ends = Kernel::<f64>::testing(&lens, Direction::FilmToScene, |i| i == 0 || i == last);
+        let plane = lens.rear().vertex - 40.0;
+        for i in 0..30 {
+            for j in 0..30 {
+                let at = |k: i32| 1.2 * (f64::from(k) / 29.0 - 0.5);
+                let ask = |kernel: &Kernel<f64>| kernel.trace_one(plane, [3.0, -4.0], [at(i), at(j)]);
+                if let Some(ray) = ask(&whole) {
+                    assert_eq!(ask(&open), Some(ray), "{name}");
+                    assert_eq!(ask(&ends), Some(ray), "{name}");
+                    passing += 1;
+                } else {
+                    more += i32::from(ask(&open).is_some());
+                    assert!(ask(&ends).is_none() || ask(&open).is_some(), "{name}");
+                }
+            }
+        }
+    }
+    assert!(passing > 100 && more > 100, "{passing} pass, {more} more without tests");
+}

@@ -1,0 +1,18 @@
+//! What the library computes, against closed forms, invariants, golden tables of exact arithmetic, other programs and
+//! brute force.
+
+mod afocal;
+mod autofocus;
+mod batch;
+mod camera_parameters;
+mod flat_field;
+mod golden;
+mod invariants;
+mod kernel;
+mod odd_samples;
+mod plan;
+mod pupil_fit;
+mod stock_cameras;
+mod support;
+mod tables;
+mod warped_pupil;

@@ -1,0 +1,279 @@
+//! The plan: what it leaves out changes no bit, and where a tolerance allows more, the error stays below what is
+//! stated, on rays that the planner has not seen.
+
+use super::support;
+
+use realistic::{
+    camera::{
+        BLOCK, CameraMotion, CameraToWorld, Host, RayBlock, RealisticCamera, Sample, SampleBlock, Three,
+        WorldRay,
+    },
+    imaging::image_scale::ImageScale,
+    plan::choice::{Model, Verdict},
+    trace::{Ray, kernel::Simd},
+};
+use support::{LENSES, Random, build, host, host_with};
+
+/// A camera, whatever it has to say.
+fn camera(host: &Host, given: &[(&str, &str)]) -> RealisticCamera {
+    build(host, given).unwrap_or_else(|error| panic!("{given:?}: {error}")).0
+}
+
+fn random_sample(random: &mut Random, margin: f64) -> Sample {
+    let mut across = |size: f64| (random.next() * (size + 2.0 * margin) - margin) as f32;
+    let (image_x, image_y) = (across(400.0), across(300.0));
+    let mut number = || random.next() as f32;
+    Sample { image_x, image_y, lens_u: number(), lens_v: number(), time: number() }
+}
+
+fn rays(camera: &RealisticCamera, samples: &[Sample]) -> Vec<Option<(WorldRay, f32)>> {
+    let (mut block, mut out) = (SampleBlock::new(), RayBlock::new());
+    let mut found = Vec::with_capacity(samples.len());
+    for some in samples.chunks(BLOCK) {
+        some.iter().enumerate().for_each(|(i, sample)| block.set(i, sample));
+        camera.rays(&block.arrays(some.len()), &mut out.arrays(some.len()));
+        found.extend((0..some.len()).map(|i| out.get(i)));
+    }
+    found
+}
+
+/// The 99.9 % quantile of the errors on fresh rays, pixels; a ray that only one lets through counts as infinite.
+fn quantile_of_errors(exact: &RealisticCamera, model: &RealisticCamera, seed: u64) -> f64 {
+    const RAYS: usize = 40_000;
+    let mut random = Random(seed);
+    let samples: Vec<Sample> = (0..RAYS).map(|_| random_sample(&mut random, 0.0)).collect();
+    let lens = exact.lens();
+    let film = lens.rear().vertex - exact.film_distance();
+    let in_focus = film + exact.focus_distance().unwrap_or(f64::INFINITY);
+    let scale = ImageScale::new(lens, film, exact.film().reach(), in_focus).expect("lit");
+    let ray = |ray: &WorldRay| {
+        let direction = ray.direction.map(f64::from);
+        let norm = direction.iter().map(|x| x * x).sum::<f64>().sqrt();
+        Ray { origin: ray.origin.map(f64::from), direction: direction.map(|x| x / norm) }
+    };
+    let mut errors: Vec<f64> = rays(exact, &samples)
+        .iter()
+        .zip(rays(model, &samples))
+        .zip(&samples)
+        .filter_map(|((exact_ray, other), sample)| match (exact_ray, other) {
+            (Some((a, _)), Some((b, _))) => {
+                let point = exact.film().point(sample.image_x.into(), sample.image_y.into());
+                Some(scale.film_error(point, &ray(a), &ray(&b)) / exact.film().pixel())
+            }
+            (None, None) => None,
+            _ => Some(f64::INFINITY),
+        })
+        .collect();
+    assert!(errors.len() > 5000, "too few rays to tell");
+    errors.sort_by(f64::total_cmp);
+    errors[(0.999 * errors.len() as f64) as usize]
+}
+
+#[test]
+fn fresh_rays_stay_within_the_stated_error() {
+    // World rays are floats: what that alone is worth, pixels.
+    const FLOATS: f64 = 3e-4;
+    let mut models = Vec::new();
+    for (name, diagonal) in LENSES {
+        let lens = [("specfile", name), ("filmdiag", diagonal)];
+        for more in [&[][..], &[("fnumber", "8")], &[("focusdistance", "1500")], &[("pupil", "rear")]] {
+            let given = [&lens[..], more].concat();
+            let exact = camera(&host(), &given);
+            for tolerance in ["0.003", "0.05", "0.5", "3"] {
+                let model = camera(&host(), &[&given[..], &[("tolerance", tolerance)]].concat());
+                let choice = model.plan().choice().expect("a tolerance is given");
+                let (candidate, errors) = choice.chosen().expect("one is always chosen");
+                assert!(errors.pixels <= tolerance.parse::<f64>().expect("a number"), "{given:?}");
+                models.push(candidate.model);
+                if candidate.model == Model::Double {
+                    continue;
+                }
+                let fresh = quantile_of_errors(&exact, &model, 7);
+                assert!(
+                    fresh <= errors.pixels + FLOATS,
+                    "{given:?}, tolerance {tolerance}: {}: {fresh} is more than {}",
+                    candidate.model.name(),
+                    errors.pixels
+                );
+            }
+        }
+    }
+    // Not all of one kind, or little was tested. Without vectors little is cheaper than the exact trace.
+    if Simd::best() != Simd::Portable {
+        assert!(models.contains(&Model::Single));
+        for order in [5, 7] {
+            assert!(models.contains(&Model::Polynomials { order, single: true }), "order {order}");
+        }
+    }
+}
+
+#[test]
+fn the_light_is_the_exact_cameras_to_a_thousandth() {
+    let given = [("specfile", "dgauss.50mm"), ("fnumber", "5.6")];
+    let exact = camera(&host(), &given);
+    let model = camera(&host(), &[given[0], given[1], ("tolerance", "1")]);
+    let mut random = Random(3);
+    let samples: Vec<Sample> = (0..100_000).map(|_| random_sample(&mut random, 0.0)).collect();
+    let light = |camera: &RealisticCamera| {
+        rays(camera, &samples).iter().flatten().map(|(_, weight)| f64::from(*weight)).sum::<f64>()
+    };
+    let ratio = light(&model) / light(&exact);
+    assert!((ratio - 1.0).abs() < 1e-3, "{ratio}");
+}
+
+type Bits = Option<[u32; 10]>;
+
+fn bits(found: &Option<(WorldRay, f32)>) -> Bits {
+    found.map(|(ray, weight)| {
+        let WorldRay { origin: [ox, oy, oz], direction: [dx, dy, dz], mint, maxt, time } = ray;
+        [ox, oy, oz, dx, dy, dz, mint, maxt, time, weight].map(f32::to_bits)
+    })
+}
+
+#[test]
+fn without_a_tolerance_the_plan_changes_no_bit() {
+    let turned = CameraToWorld::from_rows(&[
+        0.6, 0.0, 0.8, 3.0, 0.0, 1.0, 0.0, -1.0, -0.8, 0.0, 0.6, 5.0, 0.0, 0.0, 0.0, 1.0,
+    ])
+    .expect("rigid");
+    let motion = CameraMotion::between((CameraToWorld::IDENTITY, 0.0), (turned, 1.0)).expect("one motion");
+    let hosts = [host(), Host { to_world: motion, ..host() }];
+    let mut tests_left_out = 0;
+    for (name, diagonal) in LENSES {
+        for (host, more) in [
+            (&hosts[0], &[][..]),
+            (&hosts[0], &[("fnumber", "11")]),
+            (&hosts[0], &[("fnumber", "11"), ("precision", "single")]),
+            (&hosts[0], &[("fnumber", "11"), ("pupil", "disk")]),
+            (&hosts[0], &[("pupil", "rear")]),
+            (&hosts[1], &[("fnumber", "16"), ("shutteropen", "0.3"), ("shutterclose", "0.3")]),
+        ] {
+            let given = [&[("specfile", name), ("filmdiag", diagonal)][..], more].concat();
+            let planned = camera(host, &given);
+            let unplanned = camera(&Host { leave_out: false, ..host.clone() }, &given);
+            tests_left_out += planned
+                .plan()
+                .items()
+                .iter()
+                .filter(|item| item.what.starts_with("aperture test") && !item.kept)
+                .count();
+            let mut random = Random(11);
+            // Some far outside of the raster, for which the plan was not made.
+            let samples: Vec<Sample> = (0..6000)
+                .map(|i| random_sample(&mut random, if i % 10 == 0 { 200.0 } else { 2.0 }))
+                .collect();
+            let pairs = rays(&planned, &samples).into_iter().zip(rays(&unplanned, &samples));
+            for ((a, b), sample) in pairs.zip(&samples) {
+                assert_eq!(bits(&a), bits(&b), "{given:?} {sample:?}");
+                let one = planned.ray(sample);
+                assert_eq!(bits(&one), bits(&a), "{given:?} {sample:?}, one by one");
+            }
+        }
+    }
+    assert!(tests_left_out > 10, "{tests_left_out}: hardly anything was left out");
+}
+
+#[test]
+fn one_three_and_many_rays_have_the_same_bits_with_every_model() {
+    for (fnumber, tolerance) in [("8", "0.003"), ("8", "0.1"), ("2.8", "0.01"), ("22", "1")] {
+        let camera = camera(&host(), &[("fnumber", fnumber), ("tolerance", tolerance)]);
+        let mut random = Random(2);
+        let samples: Vec<Sample> =
+            (0..3001).map(|i| random_sample(&mut random, if i % 50 == 0 { 300.0 } else { 1.0 })).collect();
+        for (sample, many) in samples.iter().zip(rays(&camera, &samples)) {
+            let Sample { image_x: x, image_y: y, .. } = *sample;
+            assert_eq!(bits(&camera.ray(sample)), bits(&many), "tolerance {tolerance}: {sample:?}");
+            let mut three = Three::NONE;
+            camera.three(sample, [[x, y], [x + 1.0, y], [x, y + 1.0]], &mut three);
+            assert_eq!(bits(&three.get(0)), bits(&many), "tolerance {tolerance}: {sample:?}, three");
+        }
+    }
+}
+
+const SINGLET: &str = "30 2 1.6 16\nDUMMY-60 2 1 16\n0 3 1 6\n80 4 1.5 14\n-50 0 1 14\n";
+
+#[test]
+fn a_plane_that_neither_bends_nor_clips_changes_nothing_and_is_left_out() {
+    // The glass is cut in two by a plane with glass on both sides.
+    let with = SINGLET.replace("DUMMY", "0 2 1.6 60\n");
+    let without = SINGLET.replace("30 2", "30 4").replace("DUMMY", "");
+    let given = [("filmdistance", "40"), ("filmdiag", "16")];
+    let with = camera(&host_with(&with), &given);
+    let without = camera(&host_with(&without), &given);
+    let gone = |camera: &RealisticCamera| {
+        camera.plan().items().iter().any(|item| item.what.contains("altogether") && !item.kept)
+    };
+    assert!(gone(&with) && !gone(&without), "{}", with.plan());
+    let mut random = Random(4);
+    let samples: Vec<Sample> = (0..5000).map(|_| random_sample(&mut random, 2.0)).collect();
+    let found = rays(&with, &samples);
+    assert!(found.iter().flatten().count() > 1000);
+    for (a, b) in found.iter().zip(rays(&without, &samples)) {
+        assert_eq!(bits(a), bits(&b));
+    }
+}
+
+#[test]
+fn film_beyond_the_image_is_left_out_only_where_there_is_some() {
+    // The fisheye's image has a radius of 13.4 mm; the table goes on to there from a little within.
+    for (diagonal, beyond) in [("20", false), ("26", false), ("30", true)] {
+        let camera = camera(&host(), &[("specfile", "fisheye.10mm"), ("filmdiag", diagonal)]);
+        let mut items = camera.plan().items().iter();
+        let found = items.any(|item| item.what.starts_with("pupil of film beyond") && !item.kept);
+        assert_eq!(found, beyond, "{diagonal}: {}", camera.plan());
+    }
+}
+
+#[test]
+fn what_single_precision_cannot_hold_is_not_given_to_it() {
+    let rows = |first: &str| format!("{first}\n60 4 1.6 16\n-60 3 1 16\n0 3 1 6\n80 4 1.5 14\n-50 0 1 14\n");
+    for (why, text) in [
+        ("index", rows("100 2 1.00002 20")),
+        ("rim", rows("9 12 1.2 17.9999\n-200 3 1 16")),
+        ("factor", rows("").replace("0 3 1 6", "0 3 1 0.0012")),
+    ] {
+        let given = [("filmdistance", "40"), ("filmdiag", "6"), ("precision", "f32")];
+        let (_, told) = build(&host_with(&text), &given).unwrap_or_else(|error| panic!("{why}: {error}"));
+        assert!(
+            told.iter().any(|text| text.contains("\"f32\"") && text.contains("use f64")),
+            "{why}: {told:?}"
+        );
+        for tolerance in ["0.01", "1", "100"] {
+            let given = [("filmdistance", "40"), ("filmdiag", "6"), ("tolerance", tolerance)];
+            let Ok((camera, _)) = build(&host_with(&text), &given) else { panic!("{why}: {text}") };
+            let choice = camera.plan().choice().expect("a tolerance is given");
+            let (chosen, _) = choice.chosen().expect("one is chosen");
+            assert!(
+                !matches!(chosen.model, Model::Single | Model::Polynomials { single: true, .. }),
+                "{why}: {choice}"
+            );
+            for candidate in choice.candidates.iter().filter(|candidate| candidate.model == Model::Single) {
+                assert!(
+                    matches!(candidate.verdict, Verdict::Excluded(_) | Verdict::Untried),
+                    "{why}: {choice}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_tolerance_that_is_none_is_refused_with_the_range() {
+    for bad in ["-1", "-1e-9", "inf"] {
+        let error = build(&host(), &[("tolerance", bad)]).expect_err(bad);
+        assert!(error.contains("tolerance") && error.contains("0 (exact) or more"), "{error}");
+    }
+    for bad in ["nan", "small"] {
+        let error = build(&host(), &[("tolerance", bad)]).expect_err(bad);
+        assert!(error.contains("tolerance") && error.contains("number"), "{error}");
+    }
+}
+
+#[test]
+fn a_tolerance_beside_a_named_precision_is_told_to_be_without_effect() {
+    let (camera, told) = build(&host(), &[("tolerance", "1"), ("precision", "double")]).expect("a camera");
+    assert!(camera.plan().choice().is_none());
+    assert!(told.iter().any(|text| text.contains("\"tolerance\" is not used")), "{told:?}");
+    let (_, told) = build(&host(), &[("tolerance", "1")]).expect("a camera");
+    assert!(told.iter().any(|text| text.contains("99.9 %")), "{told:?}");
+}

@@ -1,0 +1,98 @@
+//! What several test files need: lenses, cameras from text, and random numbers that are the same
+//! in every run.
+
+#![allow(dead_code)]
+
+use proptest::test_runner::{Config, RngSeed};
+use realistic::{
+    camera::{Host, Outcome, Parameters, Raster, RealisticCamera, Sample, WorldRay},
+    lens::Lens,
+    prescription::{catalogue, read},
+};
+
+/// So many cases of a property, the same in every run; `PROPTEST_RNG_SEED` gives others.
+pub fn cases(cases: u32) -> Config {
+    let default = Config::default();
+    let rng_seed = if default.rng_seed == RngSeed::Random { RngSeed::Fixed(1) } else { default.rng_seed };
+    Config { cases, rng_seed, failure_persistence: None, ..default }
+}
+
+/// The lenses of Kolb, Mitchell and Hanrahan's figure, and a film diagonal (mm) that each lights
+/// into the corners.
+pub const LENSES: [(&str, &str); 4] =
+    [("dgauss.50mm", "35"), ("wide.22mm", "30"), ("telephoto.250mm", "26"), ("fisheye.10mm", "22")];
+
+/// A lens of the catalogue at the d line.
+pub fn lens(name: &str) -> Lens {
+    Lens::at_d_line(&catalogue::find(name).expect("a catalogue name"))
+}
+
+/// A lens of our own at the d line.
+pub fn lens_of(text: &str) -> Lens {
+    Lens::at_d_line(&read("own.dat", text.as_bytes()).unwrap_or_else(|error| panic!("{error}\n{text}")))
+}
+
+/// The image of the tests' cameras: 400 x 300 pixels, so that the corner lies 250 pixels from the axis.
+pub const RASTER: Raster = Raster { xres: 400, yres: 300 };
+
+/// A host that looks for lenses nowhere but in the catalogue.
+pub fn host() -> Host {
+    Host::new(RASTER, None)
+}
+
+/// [`host`] with a lens file's text.
+pub fn host_with(text: &str) -> Host {
+    Host { lens_text: Some(("own.dat".to_owned(), text.as_bytes().to_vec())), ..host() }
+}
+
+/// A camera of parameters written as on the command line, with the warnings; or the refusal.
+pub fn build(host: &Host, given: &[(&str, &str)]) -> Result<(RealisticCamera, Vec<String>), String> {
+    let mut parameters = Parameters::default();
+    for (name, text) in given {
+        parameters.set_from_text(name, text).map_err(|error| error.to_string())?;
+    }
+    let mut warnings = Vec::new();
+    RealisticCamera::build(&parameters, host, &mut |_, text| warnings.push(text.to_owned()))
+        .map(|camera| (camera, warnings))
+        .map_err(|error| error.to_string())
+}
+
+/// A camera that is built without a warning.
+#[track_caller]
+pub fn camera(given: &[(&str, &str)]) -> RealisticCamera {
+    let (camera, warnings) = build(&host(), given).unwrap_or_else(|error| panic!("{given:?}: {error}"));
+    assert_eq!(warnings, [""; 0], "{given:?}");
+    camera
+}
+
+/// A sample in the middle of the shutter's time.
+pub fn sample(image: [f32; 2], lens: [f32; 2]) -> Sample {
+    Sample { image_x: image[0], image_y: image[1], lens_u: lens[0], lens_v: lens[1], time: 0.5 }
+}
+
+/// The ray of a sample, and its weight.
+pub fn ray(camera: &RealisticCamera, image: [f32; 2], lens: [f32; 2]) -> Option<(WorldRay, f32)> {
+    match camera.generate(&sample(image, lens)) {
+        Outcome::Ray(ray, weight) => Some((ray, weight)),
+        Outcome::Blocked(_) | Outcome::Redraw | Outcome::Shut => None,
+    }
+}
+
+/// Numbers in [0, 1): Steele, Lea and Flood's SplitMix64 (OOPSLA 2014).
+pub struct Random(pub u64);
+
+impl Random {
+    /// The next one.
+    pub fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut bits = self.0;
+        bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((bits ^ (bits >> 31)) >> 11) as f64 * (-53.0_f64).exp2()
+    }
+
+    /// The next one, in [-1, 1).
+    pub fn signed(&mut self) -> f64 {
+        2.0 * self.next() - 1.0
+    }
+}
