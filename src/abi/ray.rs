@@ -3,6 +3,7 @@
 use super::boundary;
 use super::object;
 use super::types::{realistic_camera, realistic_ray, realistic_sample};
+use crate::camera::{Sample, WorldRay};
 
 /// One ray of a camera of this library, made by `CreateCamera` or by `realistic_camera_new`.
 ///
@@ -20,11 +21,13 @@ pub unsafe extern "C" fn realistic_generate_ray(
 ) -> f32 {
     boundary::ray(0.0, || {
         // SAFETY: the caller's promise.
-        let parts = unsafe { (object::handle_of(camera), sample.as_ref(), ray.as_mut()) };
+        let parts = unsafe {
+            (object::handle_of(camera), sample.cast::<Sample>().as_ref(), ray.cast::<WorldRay>().as_mut())
+        };
         let (Some(handle), Some(sample), Some(ray)) = parts else {
             return 0.0;
         };
-        handle.ray(sample, ray)
+        handle.camera().trace_one(sample, ray)
     })
 }
 

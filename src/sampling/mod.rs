@@ -3,8 +3,10 @@
 pub(crate) mod disk;
 pub(crate) mod film_rays;
 pub(crate) mod pupil_disk;
+pub(crate) mod pupil_sampler;
 pub(crate) mod warped;
 
 pub use disk::DiskMapping;
 pub use pupil_disk::{Drawn, PupilDisk};
+pub(crate) use pupil_sampler::PupilSampler;
 pub use warped::{BuildReport, WarpedPupil};
