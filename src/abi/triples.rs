@@ -45,10 +45,10 @@ thread_local! {
 /// weight 0.
 #[inline(always)]
 pub fn generate(handle: &Handle, sample: &Sample, ray: &mut WorldRay) -> f32 {
-    let sample = read(sample);
-    let weight = EXPECTED
+    let served = EXPECTED
         .try_with(|expected| {
             let mut expected = expected.try_borrow_mut().ok()?;
+            let sample = read(sample);
             let place = match expected.place(handle, &sample) {
                 Some(place) => place,
                 None => expected.trace(handle, &sample).then_some(0)?,
@@ -58,12 +58,26 @@ pub fn generate(handle: &Handle, sample: &Sample, ray: &mut WorldRay) -> f32 {
             Some(weight)
         })
         .ok()
-        .flatten()
-        .unwrap_or_else(|| handle.camera().trace_one(&{ sample }, ray));
-    if weight > 0.0 {
-        return weight;
+        .flatten();
+    match served {
+        Some(weight) if weight > 0.0 => weight,
+        Some(_) => substitute(handle, sample, ray),
+        None => alone(handle, sample, ray),
     }
-    *ray = handle.camera().substitute(&{ sample });
+}
+
+/// [`generate`] without a look at other samples.
+#[inline(never)]
+fn alone(handle: &Handle, sample: &Sample, ray: &mut WorldRay) -> f32 {
+    let mut weight = 0.0;
+    handle.camera().trace_one(sample, ray, &mut weight);
+    if weight > 0.0 { weight } else { substitute(handle, sample, ray) }
+}
+
+/// The ray that stands in for a blocked one, and its weight.
+#[inline(never)]
+fn substitute(handle: &Handle, sample: &Sample, ray: &mut WorldRay) -> f32 {
+    *ray = handle.camera().substitute(sample);
     f32::MIN_POSITIVE
 }
 
@@ -113,7 +127,7 @@ impl Expected {
             numbers.as_slice()
         });
         let samples = SampleArrays { image_x, image_y, lens_u, lens_v, time };
-        let traced = handle.camera().trace_side_by_side(&samples, &mut self.rays.arrays(4));
+        let traced = handle.camera().trace_side_by_side(&samples, &mut self.rays);
         if traced {
             let [_, next, last] = points.map(|point| point.map(f32::to_bits));
             (self.serial, self.numbers, self.images) = (handle.serial(), numbers(sample), [next, last]);

@@ -13,11 +13,7 @@ use super::{
     placement::{Placement, shutter::Shutter},
     ray::{Outcome, Sample, WorldRay},
 };
-use crate::{
-    lens::Lens,
-    plan::Plan,
-    trace::{Blocked, kernel::Shape},
-};
+use crate::{lens::Lens, plan::Plan, trace::Blocked};
 
 #[derive(Clone, Debug)]
 enum Optics {
@@ -75,9 +71,10 @@ impl Camera {
 
     /// [`Camera::generate`] without the reason where there is no ray, which is faster.
     pub fn ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
-        let mut ray = WorldRay::default();
-        let weight = self.trace_one(sample, &mut ray);
-        (weight > 0.0).then_some((ray, weight))
+        match &self.optics {
+            Optics::Lens(camera) if self.shutter == Shutter::Global => camera.ray(sample),
+            _ => self.any_ray(sample),
+        }
     }
 
     /// [`Camera::ray`] of many samples, the same to the last bit. Where there is no ray the weight is 0, and the
@@ -89,54 +86,52 @@ impl Camera {
         let n = samples.checked_len();
         assert_eq!(n, rays.checked_len(), "a batch needs as much room as it has samples");
         match self.as_lens() {
-            Some(camera) if self.shutter == Shutter::Global => camera.trace(Shape::Wide, samples, rays),
+            Some(camera) if self.shutter == Shutter::Global => camera.trace_arrays(samples, rays),
             Some(camera) => self.through_shutter(camera, samples, rays),
-            None => (0..n).for_each(|i| rays.set(i, self.ray(&samples.get(i)))),
+            None => (0..n).for_each(|i| rays.set(i, self.any_ray(&samples.get(i)))),
         }
     }
 
-    /// Writes a sample's ray and returns its weight; 0, and nothing written, where there is none.
+    /// Writes a sample's ray and its weight; 0, and no ray, where there is none.
     #[inline(always)]
-    pub(crate) fn trace_one(&self, sample: &Sample, ray: &mut WorldRay) -> f32 {
+    pub(crate) fn trace_one(&self, sample: &Sample, ray: &mut WorldRay, weight: &mut f32) {
         match &self.optics {
-            Optics::Lens(camera) if self.shutter == Shutter::Global => camera.trace_one(sample, ray),
-            _ => self.trace_any(sample, ray),
+            Optics::Lens(camera) if self.shutter == Shutter::Global => camera.trace_one(sample, ray, weight),
+            _ => match self.any_ray(sample) {
+                Some(found) => (*ray, *weight) = found,
+                None => *weight = 0.0,
+            },
         }
     }
 
-    /// [`Camera::trace_one`] through any optics and shutter.
+    /// [`Camera::ray`] through any optics and shutter.
     #[inline(never)]
-    fn trace_any(&self, sample: &Sample, ray: &mut WorldRay) -> f32 {
-        let found = match &self.optics {
-            Optics::Lens(camera) => self.share(sample.image_y, sample.time).and_then(|share| {
-                let (ray, weight) = camera.ray(sample)?;
-                Some((ray, dimmed(weight, share)))
-            }),
+    fn any_ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
+        match &self.optics {
+            Optics::Lens(camera) => {
+                let share = self.share(sample.image_y, sample.time)?;
+                camera.ray(sample).map(|(ray, weight)| (ray, dimmed(weight, share)))
+            }
             _ => match self.generate(sample) {
                 Outcome::Ray(ray, weight) => Some((ray, weight)),
                 Outcome::Blocked(_) | Outcome::Redraw | Outcome::Shut => None,
             },
-        };
-        let Some((found, weight)) = found else { return 0.0 };
-        *ray = found;
-        weight
+        }
     }
 
-    /// [`Camera::rays`] of up to four samples in arrays that have one length, side by side; `false`, and nothing done,
-    /// where that takes as long as one after the other.
+    /// [`Camera::ray`] of up to four samples of one time, traced side by side; `false`, and nothing done, where that
+    /// takes as long as one after the other.
     #[inline]
-    pub(crate) fn trace_side_by_side(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) -> bool {
-        let Some(camera) = self.as_lens().filter(|camera| camera.gains_side_by_side()) else {
-            return false;
-        };
-        camera.trace(Shape::Quad, samples, rays);
-        if self.shutter != Shutter::Global {
-            for (i, weight) in rays.weight.iter_mut().enumerate() {
-                let share = self.share(samples.image_y[i], samples.time[i]);
-                *weight = if *weight > 0.0 { share.map_or(0.0, |share| dimmed(*weight, share)) } else { 0.0 };
+    pub(crate) fn trace_side_by_side(&self, samples: &SampleArrays<'_>, rays: &mut RayBlock<4>) -> bool {
+        let traced = self.as_lens().is_some_and(|camera| camera.trace_side_by_side(samples, rays));
+        if traced && self.shutter != Shutter::Global {
+            let weights = rays.arrays(samples.time.len()).weight;
+            for ((weight, image_y), time) in weights.iter_mut().zip(samples.image_y).zip(samples.time) {
+                let share = self.share(*image_y, *time).filter(|_| *weight > 0.0);
+                *weight = share.map_or(0.0, |share| dimmed(*weight, share));
             }
         }
-        true
+        traced
     }
 
     /// [`Camera::rays`] by blocks, of which only what the shutter lets through is handed on.
@@ -150,7 +145,7 @@ impl Camera {
         let n = samples.image_x.len();
         for first in (0..n).step_by(BLOCK) {
             let count = BLOCK.min(n - first);
-            camera.trace(Shape::Wide, &samples.part(first, count), &mut block.arrays(count));
+            camera.trace_arrays(&samples.part(first, count), &mut block.arrays(count));
             for i in 0..count {
                 let share = self.share(samples.image_y[first + i], samples.time[first + i]);
                 let ray = block.get(i).and_then(|(ray, weight)| Some((ray, dimmed(weight, share?))));

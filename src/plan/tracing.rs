@@ -33,6 +33,13 @@ pub enum Tracing<Fit = ()> {
     Refracted(Refraction, Arithmetic),
 }
 
+impl<Fit> Tracing<Fit> {
+    /// Whether rays traced side by side take less time than one after the other.
+    pub(crate) fn gains_side_by_side(&self) -> bool {
+        !matches!(self, Self::Refracted(..))
+    }
+}
+
 impl fmt::Display for Arithmetic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(match self {

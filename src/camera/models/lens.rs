@@ -13,7 +13,7 @@ use crate::{
             choices::{Precision, PupilChoice, Weighting},
         },
         pipeline::{
-            arrays::{RayArrays, SampleArrays},
+            arrays::{RayArrays, RayBlock, SampleArrays},
             body::CameraBody,
             compile::compile,
             tracer::Tracer,
@@ -45,6 +45,8 @@ pub struct RealisticCamera {
     /// The disk that holds every pupil.
     rear: PupilDisk,
     tracer: Arc<dyn Tracer>,
+    /// Whether rays traced side by side take less time than one after the other.
+    gains_side_by_side: bool,
     plan: Plan,
 }
 
@@ -84,7 +86,7 @@ impl RealisticCamera {
             placement: setup.placement.clone(),
             units_per_mm: setup.mm_per_unit.recip(),
         };
-        let (tracer, plan) = plan_and_compile(&setup, &path, &body, log);
+        let (tracer, gains_side_by_side, plan) = plan_and_compile(&setup, &path, &body, log);
         let entrance = EntrancePupil::of_surface(&setup.lens, limiting_surface(&setup.lens));
         Ok(Self {
             fnumber: focal_length(first_order).abs() / entrance.diameter(),
@@ -94,6 +96,7 @@ impl RealisticCamera {
             body,
             rear,
             tracer,
+            gains_side_by_side,
             plan,
         })
     }
@@ -116,8 +119,8 @@ impl RealisticCamera {
 
     /// The ray of a sample with its weight, positive; `None` where there is none.
     pub fn ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
-        let mut ray = WorldRay::default();
-        let weight = self.trace_one(sample, &mut ray);
+        let (mut ray, mut weight) = Default::default();
+        self.trace_one(sample, &mut ray, &mut weight);
         (weight > 0.0).then_some((ray, weight))
     }
 
@@ -129,27 +132,36 @@ impl RealisticCamera {
     pub fn rays(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
         let n = samples.checked_len();
         assert_eq!(n, rays.checked_len(), "a batch needs as much room as it has samples");
-        self.trace(Shape::Wide, samples, rays);
+        self.trace_arrays(samples, rays);
     }
 
-    /// Writes a sample's ray and returns its weight; 0, and nothing written, where there is none.
+    /// Writes a sample's ray and its weight; 0, and no ray, where there is none.
     #[inline(always)]
-    pub(crate) fn trace_one(&self, sample: &Sample, ray: &mut WorldRay) -> f32 {
-        let mut weight = 0.0;
-        let mut arrays = RayArrays::of_one(ray, &mut weight);
-        self.tracer.trace(Shape::One, &SampleArrays::of_one(sample), &mut arrays);
-        if weight > 0.0 {
+    pub(crate) fn trace_one(&self, sample: &Sample, ray: &mut WorldRay, weight: &mut f32) {
+        self.tracer.trace(Shape::One, &SampleArrays::of_one(sample), &mut RayArrays::of_one(ray, weight));
+        if *weight > 0.0 {
             let placement = &self.body.placement;
             [ray.mint, ray.maxt] = placement.clip;
             ray.time = placement.time(sample.time);
         }
-        weight
     }
 
-    /// [`RealisticCamera::rays`] of arrays that have one length, cut up as `shape` says.
+    /// Traces up to four samples of one time side by side; `false`, and nothing done, where that takes as long as one
+    /// after the other.
     #[inline]
-    pub(crate) fn trace(&self, shape: Shape, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
-        self.tracer.trace(shape, samples, rays);
+    pub(crate) fn trace_side_by_side(&self, samples: &SampleArrays<'_>, rays: &mut RayBlock<4>) -> bool {
+        if self.gains_side_by_side {
+            self.tracer.trace(Shape::Quad, samples, &mut rays.arrays(samples.time.len()));
+            let placement = &self.body.placement;
+            rays.set_range_and_time(placement.clip, placement.time(samples.time[0]));
+        }
+        self.gains_side_by_side
+    }
+
+    /// [`RealisticCamera::rays`] of arrays that have one length.
+    #[inline]
+    pub(crate) fn trace_arrays(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
+        self.tracer.trace(Shape::Wide, samples, rays);
         let placement = &self.body.placement;
         let RayArrays { mint, maxt, time, weight, .. } = rays;
         for (array, end) in [(mint, placement.clip[0]), (maxt, placement.clip[1])] {
@@ -160,12 +172,6 @@ impl RealisticCamera {
         if let Some(time) = time {
             fill(time, weight, samples.time, |number| placement.time(number));
         }
-    }
-
-    /// Whether a few rays traced side by side take less time than one after the other.
-    #[inline]
-    pub(crate) fn gains_side_by_side(&self) -> bool {
-        self.tracer.gains_side_by_side()
     }
 
     /// Whether a point of the unit disk, which is none, asks for a new lens sample.
@@ -321,7 +327,12 @@ fn weight_factor(
 }
 
 /// Decides how rays are traced, compiles what traces them, and says what was kept and left out.
-fn plan_and_compile(setup: &Setup, path: &Path, body: &CameraBody, log: Log<'_>) -> (Arc<dyn Tracer>, Plan) {
+fn plan_and_compile(
+    setup: &Setup,
+    path: &Path,
+    body: &CameraBody,
+    log: Log<'_>,
+) -> (Arc<dyn Tracer>, bool, Plan) {
     let mut plan = Plan::default();
     let task = Task {
         lens: &setup.lens,
@@ -354,7 +365,7 @@ fn plan_and_compile(setup: &Setup, path: &Path, body: &CameraBody, log: Log<'_>)
     let tracer = compile(&decision, &setup.lens, path, body, &mut plan);
     task.film.describe(&mut plan, setup.lens.wavelength);
     body.placement.describe(&mut plan);
-    (tracer, plan)
+    (tracer, decision.tracing.gains_side_by_side(), plan)
 }
 
 /// Whether a weight is a number to a host, which takes floats.

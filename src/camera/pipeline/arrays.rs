@@ -206,6 +206,14 @@ impl<const N: usize> RayBlock<N> {
         RayArrays { origin: [ox, oy, oz], direction: [dx, dy, dz], mint, maxt, time, weight }
     }
 
+    /// Gives every ray this range and time.
+    #[inline(always)]
+    pub(crate) fn set_range_and_time(&mut self, [mint, maxt]: [f32; 2], time: f32) {
+        for (array, number) in self.0[6..9].iter_mut().zip([mint, maxt, time]) {
+            *array = [number; N];
+        }
+    }
+
     /// The weight at a place: 0 where there is no ray.
     ///
     /// # Panics

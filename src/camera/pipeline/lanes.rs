@@ -93,10 +93,6 @@ impl<S: Turns + Send + Sync, O: LensOptics<S>> Tracer for Pipeline<S, O> {
         }
     }
 
-    fn gains_side_by_side(&self) -> bool {
-        true
-    }
-
     fn film_ray(&self, sample: &Sample) -> FilmRays<f64> {
         self.film.one(sample)
     }
@@ -207,15 +203,17 @@ impl<S: Turns, O> Batch<S> for Job<'_, '_, '_, S, O> {
                 .larger(L::splat(cpu, S::from_f64(f32::MIN_POSITIVE.into()))),
             None => L::splat(cpu, S::ONE),
         };
-        weight.or_zero(passed).store_single(&mut self.rays.weight[at..]);
         let [origin, direction] =
             self.pipeline.to_world.lanes(cpu, end.origin, end.direction, &self.samples.time[at..]);
         if L::all(passed) {
+            // Which is known before the rays are: whoever only asks whether there are some need not wait.
+            weight.store_single(&mut self.rays.weight[at..]);
             for axis in 0..3 {
                 origin[axis].store_single(&mut self.rays.origin[axis][at..]);
                 direction[axis].store_single(&mut self.rays.direction[axis][at..]);
             }
         } else {
+            weight.or_zero(passed).store_single(&mut self.rays.weight[at..]);
             for axis in 0..3 {
                 origin[axis].store_single_where(passed, &mut self.rays.origin[axis][at..]);
                 direction[axis].store_single_where(passed, &mut self.rays.direction[axis][at..]);

@@ -15,9 +15,6 @@ pub(crate) trait Tracer: Send + Sync {
     /// blocked only the weight is written, 0. The shape changes no bit.
     fn trace(&self, shape: Shape, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>);
 
-    /// Whether rays traced side by side take less time than one after the other.
-    fn gains_side_by_side(&self) -> bool;
-
     /// The film ray that a sample asks for.
     fn film_ray(&self, sample: &Sample) -> FilmRays<f64>;
 

@@ -46,10 +46,6 @@ impl<R: Real + Send + Sync> Tracer for Walk<R> {
         (0..rays.weight.len()).for_each(|i| rays.set(i, self.one(&samples.get(i))));
     }
 
-    fn gains_side_by_side(&self) -> bool {
-        false
-    }
-
     fn film_ray(&self, sample: &Sample) -> FilmRays<f64> {
         self.film.one(sample)
     }
