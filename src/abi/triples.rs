@@ -17,7 +17,7 @@ use std::cell::RefCell;
 use glam::Vec4;
 
 use super::handle::Handle;
-use crate::camera::{RayBlock, Sample, SampleArrays, WorldRay};
+use crate::camera::{RayBlock, Sample, SampleBlock, WorldRay};
 
 /// The bits of image x and y.
 type Image = [u32; 2];
@@ -122,11 +122,7 @@ impl Expected {
             Vec4::splat(sample.lens_v),
             Vec4::splat(sample.time),
         ];
-        let [image_x, image_y, lens_u, lens_v, time] = vectors.each_ref().map(|vector| {
-            let numbers: &[f32; 4] = vector.as_ref();
-            numbers.as_slice()
-        });
-        let samples = SampleArrays { image_x, image_y, lens_u, lens_v, time };
+        let samples = SampleBlock::from(vectors.map(|vector| vector.to_array()));
         let traced = handle.camera().trace_side_by_side(&samples, &mut self.rays);
         if traced {
             let [_, next, last] = points.map(|point| point.map(f32::to_bits));
