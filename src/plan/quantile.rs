@@ -2,7 +2,7 @@
 
 use crate::numeric::upper_gamma;
 
-/// The quantile that errors are judged by: one ray in a thousand may be worse.
+/// The quantile that errors are held to: one ray in a thousand may be worse.
 pub const QUANTILE: f64 = 0.999;
 /// How likely a bound may turn out too low.
 const RISK: f64 = 2e-3;

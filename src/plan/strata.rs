@@ -1,4 +1,4 @@
-//! Numbers spread over the four-dimensional unit cube for judging a model: one at random in each of equal
+//! Numbers spread over the four-dimensional unit cube for evaluating a way to trace: one at random in each of equal
 //! cells, so that each is independent of the others and together they leave no part out.
 
 /// Cells along each of the four axes.

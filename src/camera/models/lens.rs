@@ -28,7 +28,7 @@ use crate::{
         first_order::FirstOrder,
         pupil::{EntrancePupil, limiting_surface},
     },
-    plan::{Arithmetic, Decision, FilmSide, Plan, Task},
+    plan::{Arithmetic, Decision, FilmSide, Plan, Task, describe_sampling},
     sampling::{DiskMapping, PupilDisk, PupilSampler, WarpedPupil, film_rays::FilmRays},
     trace::{Blocked, Direction, Path, Ray},
 };
@@ -363,7 +363,7 @@ fn plan_and_compile(
         log(Level::Info, &choice.sentence());
     }
     let tracer = compile(&decision, &setup.lens, path, body, &mut plan);
-    task.film.describe(&mut plan, setup.lens.wavelength);
+    describe_sampling(&task.film, setup.lens.wavelength, &mut plan);
     body.placement.describe(&mut plan);
     (tracer, decision.tracing.gains_side_by_side(), plan)
 }

@@ -222,14 +222,13 @@ impl<S: Turns, O, I: SampleStore, R: RayStore> Batch<S> for Job<'_, S, O, I, R> 
         };
         let [origin, direction] =
             self.pipeline.to_world.lanes(cpu, end.origin, end.direction, &self.samples.array(4)[at..]);
+        weight.or_zero(passed).store_single(&mut self.rays.array(6)[at..]);
         if L::all(passed) {
-            weight.store_single(&mut self.rays.array(6)[at..]);
             for axis in 0..3 {
                 origin[axis].store_single(&mut self.rays.array(axis)[at..]);
                 direction[axis].store_single(&mut self.rays.array(3 + axis)[at..]);
             }
         } else {
-            weight.or_zero(passed).store_single(&mut self.rays.array(6)[at..]);
             for axis in 0..3 {
                 origin[axis].store_single_where(passed, &mut self.rays.array(axis)[at..]);
                 direction[axis].store_single_where(passed, &mut self.rays.array(3 + axis)[at..]);
