@@ -218,7 +218,7 @@ typedef struct realistic_options {
      */
     const char *lens_text;
     /*
-     Bytes at `lens_text`.
+     Bytes at `lens_text`; at most 1,048,576 (1 MiB), as of any lens file.
      */
     size_t lens_text_size;
     /*

@@ -142,7 +142,7 @@ pub struct realistic_options {
     pub log_user: *mut c_void,
     /// The text of a lens file, `lens_text_size` bytes, read instead of `specfile`; NULL for none.
     pub lens_text: *const c_char,
-    /// Bytes at `lens_text`.
+    /// Bytes at `lens_text`; at most 1,048,576 (1 MiB), as of any lens file.
     pub lens_text_size: usize,
     /// Parameter `model`.
     pub model: *const c_char,
