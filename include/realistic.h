@@ -282,7 +282,7 @@ typedef struct realistic_options {
      */
     double shutteropen;
     /*
-     Parameter `shutterclose`.
+     Parameter `shutterclose`. Before `shutteropen`, time runs backward, as in pbrt.
      */
     double shutterclose;
     /*

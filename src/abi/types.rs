@@ -174,7 +174,7 @@ pub struct realistic_options {
     pub yon: f64,
     /// Parameter `shutteropen`.
     pub shutteropen: f64,
-    /// Parameter `shutterclose`.
+    /// Parameter `shutterclose`. Before `shutteropen`, time runs backward, as in pbrt.
     pub shutterclose: f64,
     /// Parameter `wavelength`, nm.
     pub wavelength: f64,
