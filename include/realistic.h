@@ -230,7 +230,8 @@ typedef struct realistic_options {
      */
     const char *specfile;
     /*
-     Parameter `weighting`.
+     Parameter `weighting`. `assignment` divides `radiometric` by an area, and so its exposure depends on `pupil`: with
+     `rear` the area of the rear element's disk, with `disk` and `warped` that of the paraxial exit pupil.
      */
     const char *weighting;
     /*

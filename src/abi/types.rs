@@ -148,7 +148,8 @@ pub struct realistic_options {
     pub model: *const c_char,
     /// Parameter `specfile`.
     pub specfile: *const c_char,
-    /// Parameter `weighting`.
+    /// Parameter `weighting`. `assignment` divides `radiometric` by an area, and so its exposure depends on `pupil`: with
+    /// `rear` the area of the rear element's disk, with `disk` and `warped` that of the paraxial exit pupil.
     pub weighting: *const c_char,
     /// Parameter `pupil`.
     pub pupil: *const c_char,
