@@ -5,7 +5,8 @@
 //! are built in; [`LensSource`] finds a lens by file or name; [`glass`] says what a medium's index is at a
 //! wavelength.
 //!
-//! Lengths are millimetres. Interfaces stand in the order of the file, scene side first.
+//! Lengths are millimetres. Interfaces stand in the order of the file, scene side first. What is read is bounded
+//! by [`MAX_FILE_BYTES`], [`MAX_INTERFACES`] and [`MAX_NAME_BYTES`].
 
 pub mod catalogue;
 mod error;
@@ -15,7 +16,16 @@ mod source;
 
 pub use error::LensFileError;
 pub use reader::read;
-pub use source::{LensSource, MAX_FILE_BYTES, SearchPath, SourceError};
+pub use source::{LensSource, SearchPath, SourceError};
+
+/// The most bytes of a lens file, 1 MiB. Real ones have a few thousand.
+pub const MAX_FILE_BYTES: u64 = 1 << 20;
+
+/// The most interfaces of a lens, and the most glasses that a lens file defines.
+pub const MAX_INTERFACES: usize = 1000;
+
+/// The most bytes of a lens's name (of a file: its name without the directories) and of a glass's.
+pub const MAX_NAME_BYTES: usize = 255;
 
 /// What fills the space behind an interface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,7 +89,7 @@ pub struct Prescription {
     pub name: String,
     /// The first comment of the file, if it has one.
     pub title: Option<String>,
-    /// The interfaces, scene side first; at least one.
+    /// The interfaces, scene side first; at least one, and at most [`MAX_INTERFACES`] where they were read.
     pub interfaces: Vec<Interface>,
     /// The last row's thickness where it is not 0: the distance from the last vertex to the
     /// film that the file proposes, mm.

@@ -481,6 +481,16 @@ fn weighting_assignment_is_the_thick_lens_disk_s_literal_formula() {
     assert!((a / b - 1.0).abs() < 0.03, "{a} is not {b}");
 }
 
+#[test]
+fn weighting_assignment_of_another_pupil_is_another_exposure() {
+    // As README.md has it: the rear element's disk is that much smaller than the paraxial exit pupil.
+    let [rear, warped] = ["rear", "warped"].map(|pupil| {
+        let camera = camera("dgauss.50mm", pupil, "assignment");
+        mean_weight(&camera, [150.0, 100.0], 300).0
+    });
+    assert!((rear / warped - 4.05).abs() < 0.02, "{}", rear / warped);
+}
+
 /// RMS over many half-planes of (share of the points - share of the pupil).
 fn discrepancy(points: &[[f64; 2]], reference: &[[f64; 2]]) -> f64 {
     let share = |set: &[[f64; 2]], n: [f64; 2], c: f64| {

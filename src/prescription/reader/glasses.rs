@@ -2,10 +2,10 @@
 //! order, C in µm². Each constant bears its name, so that a data sheet's order cannot be mistaken. A row of the
 //! table then has the name where others have the refractive index.
 
-use super::{Medium, Row, Rows, Word};
+use super::{Medium, Row, Rows, Word, at_most, beginning};
 use crate::message::short;
 use crate::prescription::{
-    LensFileError, Sellmeier,
+    LensFileError, MAX_INTERFACES, MAX_NAME_BYTES, Sellmeier,
     glass::{C_LINE, D_LINE, F_LINE, VALID_WAVELENGTHS, refractive_index},
 };
 
@@ -23,6 +23,7 @@ impl Glasses {
         rows.rows = table;
         let mut glasses = Self::default();
         let definitions: Vec<Row> = definitions;
+        at_most(rows, &definitions, &format!("a lens file defines at most {MAX_INTERFACES} glasses"))?;
         for row in &definitions {
             let (name, constants) = glasses.definition(rows, row)?;
             glasses.0.push((name.text.clone(), Medium::Sellmeier(constants)));
@@ -38,6 +39,7 @@ impl Glasses {
         if !is_name(&word.text) || word.text.parse::<f64>().is_ok() {
             return Ok(None);
         }
+        check_length(rows, word)?;
         let known = match self.0.as_slice() {
             [] => "the file defines none".to_owned(),
             some => {
@@ -57,6 +59,7 @@ impl Glasses {
             let text = format!("\"{}\" is no name for a glass: it begins with a letter; {FORM}", name.text);
             return Err(rows.error(name, &text));
         }
+        check_length(rows, name)?;
         if self.0.iter().any(|(known, _)| *known == name.text) {
             return Err(rows.error(name, &format!("glass \"{}\" is defined twice", name.text)));
         }
@@ -108,6 +111,16 @@ fn check(constants: Sellmeier) -> Result<(), String> {
         }
     }
     Ok(())
+}
+
+fn check_length(rows: &Rows, name: &Word) -> Result<(), LensFileError> {
+    let length = name.text.len();
+    if length <= MAX_NAME_BYTES {
+        return Ok(());
+    }
+    let text = beginning(&name.text);
+    let message = format!("\"{text}\" has {length} bytes; a glass's name has at most {MAX_NAME_BYTES}");
+    Err(rows.error(name, &message))
 }
 
 /// Whether a word can be a glass's name: it begins with a letter and is none of the table's own words.

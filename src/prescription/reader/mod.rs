@@ -13,6 +13,10 @@
 //!
 //! Values are separated by spaces, tabs or one comma; `#` begins a comment; the first row may be
 //! one number, the focal length.
+//!
+//! A file has at most [`MAX_FILE_BYTES`] bytes, [`MAX_INTERFACES`] interfaces and as many lines that define a glass;
+//! its name and the names of its glasses have at most [`MAX_NAME_BYTES`] bytes. What is larger is refused before anything
+//! is computed from it: no real lens comes near, and a file from elsewhere must not keep its reader busy.
 
 mod check;
 mod four_column;
@@ -20,7 +24,9 @@ mod glasses;
 mod rows;
 mod smith;
 
-use super::{Interface, LensFileError, Medium, Prescription, Shape};
+use super::{
+    Interface, LensFileError, MAX_FILE_BYTES, MAX_INTERFACES, MAX_NAME_BYTES, Medium, Prescription, Shape,
+};
 use glasses::Glasses;
 use rows::{Row, Rows, Word};
 
@@ -30,14 +36,31 @@ use rows::{Row, Rows, Word};
 /// without a byte-order mark, UTF-16 with one; comments may be in any encoding.
 ///
 /// # Errors
-/// The first place at which the text is not a lens, with what was expected there.
+/// The first place at which the text is not a lens, with what was expected there; a text with more than
+/// [`MAX_FILE_BYTES`] bytes, [`MAX_INTERFACES`] interfaces or glasses, or a name of more than [`MAX_NAME_BYTES`] bytes.
 pub fn read(name: &str, bytes: &[u8]) -> Result<Prescription, LensFileError> {
+    let short_name = short_name(name);
+    if short_name.len() > MAX_NAME_BYTES {
+        let message =
+            format!("the lens's name has {} bytes; a name has at most {MAX_NAME_BYTES}", short_name.len());
+        return Err(LensFileError { file: beginning(&short_name), line: 1, column: 1, message });
+    }
+    if let Some(within) = bytes.get(..MAX_FILE_BYTES as usize).filter(|within| within.len() < bytes.len()) {
+        let line_start = within.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
+        return Err(LensFileError {
+            file: name.to_owned(),
+            line: within.iter().filter(|&&byte| byte == b'\n').count() + 1,
+            column: within.len() - line_start + 1,
+            message: format!("the file goes on here; a lens file has at most {MAX_FILE_BYTES} bytes (1 MiB)"),
+        });
+    }
     let mut rows = Rows::split(name, bytes)?;
     let glasses = Glasses::take(&mut rows)?;
     let (stated_focal_length, table) = leading_focal_length(&rows)?;
     let Some(last) = table.last() else {
         return Err(rows.error_at_end("the file has no rows; expected at least one interface"));
     };
+    at_most(&rows, table, &format!("a lens has at most {MAX_INTERFACES} interfaces"))?;
     let raw = if table.iter().any(|row| row.words.len() == 5) {
         table.iter().map(|row| smith::interface(&rows, &glasses, row, std::ptr::eq(row, last))).collect()
     } else {
@@ -46,7 +69,7 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Prescription, LensFileError> {
     let mut interfaces = check::check(&rows, table, raw)?;
     let back = std::mem::take(&mut interfaces.last_mut().expect("at least one row").thickness);
     Ok(Prescription {
-        name: short_name(name),
+        name: short_name,
         title: rows.title.clone(),
         interfaces,
         nominal_film_distance: (back > 0.0).then_some(back),
@@ -104,6 +127,22 @@ fn index(rows: &Rows, word: &Word) -> Result<Option<f64>, LensFileError> {
 
 fn is_stop_word(word: &Word) -> bool {
     word.text.eq_ignore_ascii_case("stop")
+}
+
+/// That there are at most [`MAX_INTERFACES`] rows of one kind.
+fn at_most(rows: &Rows, some: &[Row], limit: &str) -> Result<(), LensFileError> {
+    match some.get(MAX_INTERFACES) {
+        None => Ok(()),
+        Some(beyond) => {
+            let message = format!("row {} of {}; {limit}", MAX_INTERFACES + 1, some.len());
+            Err(rows.error(&beyond.words[0], &message))
+        }
+    }
+}
+
+/// The beginning of a name that is too long to be shown whole.
+pub(super) fn beginning(name: &str) -> String {
+    name.chars().take(32).chain("...".chars()).collect()
 }
 
 fn short_name(name: &str) -> String {
