@@ -8,9 +8,10 @@ use crate::{
     lens::{Lens, refraction::Refraction, single_precision::f32_is_fit},
     plan::{
         Choice, Plan,
-        apertures::{Apertures, Band},
+        apertures::Apertures,
         choice::{Chosen, Task},
     },
+    sampling::Band,
     trace::{
         Direction, Path,
         kernel::{self, Kernel},

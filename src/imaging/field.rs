@@ -84,7 +84,7 @@ impl Field {
     fn through_pinhole(&self, height: f64, at: impl Fn(u32) -> f64) -> Option<f64> {
         let in_stop = |slope: f64| {
             let mut found = f64::NAN;
-            self.path.visit(self.film, [0.0, height], [0.0, slope], |visit| {
+            self.path.intersections(self.film, [0.0, height], [0.0, slope], |visit| {
                 if visit.surface == self.stop {
                     found = visit.point[1];
                 }

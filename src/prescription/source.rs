@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use super::{LensFileError, Prescription, catalogue, read};
+use super::{catalogue, error::LensFileError, interfaces::Prescription, reader::read};
 
 /// Where relative lens file names are looked for after the working directory, in order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -74,7 +74,7 @@ impl Compiled for One<'_> {
     #[inline(always)]
     fn run(self) {
         let [Portable([u]), Portable([v])] =
-            self.mapping.lanes(Cpu::any(), [Portable([self.numbers[0]]), Portable([self.numbers[1]])]);
+            self.mapping.lanes(Portable::cpu(), [Portable([self.numbers[0]]), Portable([self.numbers[1]])]);
         *self.point = [u, v];
     }
 }

@@ -141,7 +141,7 @@ impl<S: Turns> Compiled for Radius<'_, S> {
     #[inline(always)]
     fn run(self) {
         let asked = self.sample.lane();
-        let Portable([square]) = self.drawing.unaimed(Cpu::any(), &asked).radius_squared();
+        let Portable([square]) = self.drawing.unaimed(Portable::cpu(), &asked).radius_squared();
         *self.square = square;
     }
 }
@@ -156,7 +156,7 @@ impl<S: Turns> Compiled for One<'_, S> {
     #[inline(always)]
     fn run(self) {
         let asked = self.sample.lane();
-        let [FilmRays { point, disk, slopes, area_per_pi }] = self.drawing.lanes(Cpu::any(), &[asked]);
+        let [FilmRays { point, disk, slopes, area_per_pi }] = self.drawing.lanes(Portable::cpu(), &[asked]);
         let wide = |pair: [Portable<S, 1>; 2]| pair.map(|Portable([number])| number.to_f64());
         *self.ray = FilmRays {
             point: wide(point),

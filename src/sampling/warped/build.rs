@@ -6,10 +6,10 @@ use std::cell::Cell;
 use super::{
     outline::{Guess, Outline, direction},
     row::{CELLS, Knots, Row, TRACE_EVERY},
-    search::{Crossing, Hints},
+    search::{Crossing, EdgeFinder, Hints},
     view::{Limit, View},
 };
-use crate::{lens::pupil::SlopeDisk, sampling::PupilDisk, trace::Path};
+use crate::{lens::pupil::SlopeDisk, sampling::pupil_disk::PupilDisk, trace::Path};
 
 /// Intervals of film radius that the table begins with.
 pub(crate) const COARSE: usize = 8;
@@ -94,7 +94,11 @@ impl<'a> Builder<'a> {
     }
 
     fn view(&self, height: f64, width: f64) -> View<'_> {
-        View { path: self.path, film: self.film, height, width, rays: &self.rays, hints: &self.hints }
+        View { path: self.path, film: self.film, height, width, rays: &self.rays }
+    }
+
+    fn finder<'b>(&'b self, view: &'b View<'b>) -> EdgeFinder<'b> {
+        EdgeFinder { view, hints: &self.hints }
     }
 
     fn cover_at(&self, height: f64) -> SlopeDisk {
@@ -229,7 +233,7 @@ impl<'a> Builder<'a> {
         if !(view.excess([0.0, 0.0]).value <= 0.0) {
             return None;
         }
-        let edge = view.crossings(0.0, std::iter::once(([1.0, 0.0], guess)))?[0].radius;
+        let edge = self.finder(&view).crossings(0.0, std::iter::once(([1.0, 0.0], guess)))?[0].radius;
         const SCAN: u32 = 32;
         let place = |i: u32| (f64::from(i) + 0.5) / f64::from(SCAN);
         let within: Vec<_> = (0..SCAN).map(|i| [edge * place(i), 0.0]).collect();
@@ -256,11 +260,11 @@ impl<'a> Builder<'a> {
             .collect();
         let rising = points.windows(2).all(|pair| pair[0].0 < pair[1].0);
         if rising {
-            return Outline::trace(view, &Guess { inside, points: &points });
+            return Outline::trace(self.finder(view), &Guess { inside, points: &points });
         }
         let even: Vec<_> =
             (0..=CELLS).step_by(TRACE_EVERY).map(|knot| (self.knots.angles[knot], points[0].1)).collect();
-        Outline::trace(view, &Guess { inside, points: &even })
+        Outline::trace(self.finder(view), &Guess { inside, points: &even })
     }
 
     fn fit(&self, view: &View<'_>, outline: &Outline, axis_area: f64) -> Row {

@@ -46,14 +46,14 @@ use self::{
     build::{Builder, FINE, Layout},
     row::CELLS,
 };
-use super::{Drawn, PupilDisk, pupil_disk::LaneDisk};
-use crate::sampling::film_rays::FilmRays;
-use crate::{
-    plan::apertures::Band,
-    trace::{
-        Path, Real,
-        kernel::{Compiled, Cpu, Lanes, Portable, Scalar, Simd},
-    },
+use super::{
+    band::Band,
+    film_rays::FilmRays,
+    pupil_disk::{Drawn, LaneDisk, PupilDisk},
+};
+use crate::trace::{
+    Path, Real,
+    kernel::{Compiled, Cpu, Lanes, Portable, Scalar, Simd},
 };
 
 /// The true pupil of every point of a film. Immutable once built.
@@ -371,7 +371,7 @@ impl Compiled for One<'_> {
         let ([x, y], [u, v]) = (self.film, self.disk);
         let (point, disk) = ([Portable([x]), Portable([y])], [Portable([u]), Portable([v])]);
         let mut rays = [FilmRays { point, disk, slopes: disk, area_per_pi: Portable([0.0]) }];
-        self.pupil.lanes(Cpu::any(), &self.pupil.frame(), &mut rays);
+        self.pupil.lanes(Portable::cpu(), &self.pupil.frame(), &mut rays);
         let [FilmRays { slopes: [Portable([sx]), Portable([sy])], area_per_pi: Portable([area]), .. }] = rays;
         *self.drawn = Drawn { slopes: [sx, sy], area: PI * area };
     }

@@ -149,7 +149,15 @@ impl Hints {
     }
 }
 
-impl View<'_> {
+/// The searches of one film point's pupil.
+#[derive(Clone, Copy)]
+pub(crate) struct EdgeFinder<'a> {
+    pub view: &'a View<'a>,
+    /// What searches of any film point know from one another.
+    pub hints: &'a Hints,
+}
+
+impl EdgeFinder<'_> {
     /// The edge along half-lines from (`center`, 0), which lies inside: unit directions, and about where.
     /// `None` when one of them has none.
     pub fn crossings(
@@ -169,7 +177,7 @@ impl View<'_> {
                 let Search { direction: [dx, dy], radius, .. } = searches[i];
                 [center + radius * dx, radius * dy]
             }));
-            self.excesses(&slopes, &mut found);
+            self.view.excesses(&slopes, &mut found);
             let mut excesses = found.iter();
             let mut nowhere = false;
             open.retain(|&i| {

@@ -1,12 +1,11 @@
 //! Rays in and out of the algorithm: structure of arrays, any number, any alignment.
 
 use super::{
-    Traced,
-    instances::each_further,
-    lanes::{Cpu, Lanes, Scalar},
-    march::{End, Start},
+    lanes::{Cpu, Lanes, Scalar, each_further},
+    ray::{End, Start},
+    rays::{LensRays, PlaneRays, Traced},
 };
-use crate::trace::Real;
+use crate::numeric::Real;
 
 /// Where rays are to start.
 #[derive(Clone, Copy, Debug)]
@@ -55,69 +54,20 @@ pub trait Batch<S: Scalar> {
     );
 }
 
-/// Rays that start on a plane across the axis, as structure of arrays of one length: a film's.
-#[derive(Clone, Copy, Debug)]
-pub struct PlaneRays<'a, S> {
-    /// z of the plane in lens space, mm.
-    pub plane: f64,
-    /// x of each ray on the plane, mm.
-    pub x: &'a [S],
-    /// y of each ray on the plane, mm.
-    pub y: &'a [S],
-    /// dx/dz of each ray.
-    pub slope_x: &'a [S],
-    /// dy/dz of each ray.
-    pub slope_y: &'a [S],
-}
-
-/// Rays in lens space, as structure of arrays of one length.
-#[derive(Debug)]
-pub struct LensRays<'a, S> {
-    /// A point on each: x, y and z, mm.
-    pub origin: [&'a mut [S]; 3],
-    /// Their directions.
-    pub direction: [&'a mut [S]; 3],
-    /// Written only: cos⁴ of the angle between the axis and the ray before the lens, at least the
-    /// smallest normal number, for a ray that gets through; 0 for a blocked one.
-    pub weight: &'a mut [S],
-}
-
-impl<S> PlaneRays<'_, S> {
-    /// The number of rays.
-    ///
-    /// # Panics
-    /// The arrays differ in length.
-    pub(in crate::trace) fn checked_len(&self) -> usize {
-        let n = self.x.len();
-        let same = [self.y, self.slope_x, self.slope_y].iter().all(|array| array.len() == n);
-        assert!(same, "the arrays of a batch must have one length");
-        n
+/// Writes rays behind a lens into arrays, from place `at` on.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn store<S: Scalar, L: Lanes<Scalar = S>>(
+    rays: &mut LensRays<'_, S>,
+    cpu: Cpu<L>,
+    at: usize,
+    cos2: L,
+    end: End<L>,
+) {
+    for axis in 0..3 {
+        end.origin[axis].or_zero(end.passed).store(&mut rays.origin[axis][at..]);
+        end.direction[axis].or_zero(end.passed).store(&mut rays.direction[axis][at..]);
     }
-}
-
-impl<S> LensRays<'_, S> {
-    /// The number of rays.
-    ///
-    /// # Panics
-    /// The arrays differ in length.
-    pub(in crate::trace) fn checked_len(&self) -> usize {
-        let n = self.weight.len();
-        let same = self.origin.iter().chain(&self.direction).all(|array| array.len() == n);
-        assert!(same, "the arrays of a batch must have one length");
-        n
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn take<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, cos2: L, end: End<L>)
-    where
-        S: Scalar,
-    {
-        for axis in 0..3 {
-            end.origin[axis].or_zero(end.passed).store(&mut self.origin[axis][at..]);
-            end.direction[axis].or_zero(end.passed).store(&mut self.direction[axis][at..]);
-        }
-        weight(cpu, cos2, end.passed).store(&mut self.weight[at..]);
-    }
+    weight(cpu, cos2, end.passed).store(&mut rays.weight[at..]);
 }
 
 #[cfg_attr(not(debug_assertions), inline(always))]
@@ -170,7 +120,7 @@ impl<S: Scalar> Batch<S> for FromPlane<'_, '_, '_, S> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn finish<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, cos2: L, (): (), end: End<L>) {
-        self.to.take(cpu, at, cos2, end);
+        store(self.to, cpu, at, cos2, end);
     }
 }
 
@@ -247,7 +197,7 @@ impl<S: Scalar> Batch<S> for InPlace<'_, '_, S> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn finish<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, cos2: L, (): (), end: End<L>) {
-        self.rays.take(cpu, at, cos2, end);
+        store(self.rays, cpu, at, cos2, end);
     }
 }
 

@@ -75,12 +75,6 @@ impl Drift {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trace::kernel::table::{Step, Table};
-    use crate::{
-        lens::{Lens, refraction::Refraction},
-        prescription::{catalogue, read},
-        trace::{Direction, Path},
-    };
 
     /// The factors by which a step takes small changes of N_z, Vz/n and e/n on the axis along.
     fn factors(step: impl Fn([f64; 3]) -> [f64; 3]) -> [[f64; 3]; 3] {
@@ -127,25 +121,6 @@ mod tests {
                 bend(1.0 - c * z, v, root)
             };
             assert_carries(Drift::NONE.through_sphere(reach), factors(sphere), (1.0 + c * d).powi(2));
-        }
-    }
-
-    fn renewals(lens: &Lens, direction: Direction) -> usize {
-        let path = Path::new(lens, direction, Refraction::Fused);
-        let table = Table::<f64>::new(&path, 25.0, |_| true);
-        table.steps.iter().filter(|step| matches!(step, Step::Sphere(sphere) if sphere.far)).count()
-    }
-
-    #[test]
-    fn rows_of_balls_are_reached_anew_and_no_lens_of_the_catalogue_is() {
-        let row = "1 2 1.8 1.9\n-1 4 1 1.9\n".repeat(7) + "1 2 1.8 1.9\n-1 0 1 1.9";
-        let balls = Lens::at_d_line(&read("balls", row.as_bytes()).expect("a lens"));
-        for direction in [Direction::FilmToScene, Direction::SceneToFilm] {
-            assert!(renewals(&balls, direction) >= 3);
-            for name in catalogue::names() {
-                let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
-                assert_eq!(renewals(&lens, direction), 0, "{name}");
-            }
         }
     }
 }

@@ -12,9 +12,10 @@ use super::lanes::{
 use super::{
     Available, Simd,
     batch::{Approach, Batch, Few, FromPlane, InPlace},
-    lanes::{Cpu, Lanes, Portable, Scalar},
-    march::{End, Ray, Start, march},
+    lanes::{Cpu, Lanes, Portable, Scalar, each_further},
+    ray::{End, Start},
     table::Table,
+    trace::trace,
 };
 
 /// The vectors of one precision.
@@ -88,26 +89,6 @@ const INTERLEAVED: usize = 4;
 /// call a lane: one lane is as quick, and is the code that single rays take.
 const PORTABLE: usize = if cfg!(target_arch = "x86_64") { 1 } else { 4 };
 
-/// Does the same for each number from 1 to 3 that is below `$n`, written out: where the work is long the compiler keeps
-/// the loop, and leaves what it indexes in memory and copied about.
-macro_rules! each_further {
-    ($u:ident < $n:ident, $work:block) => {
-        if $n > 1 {
-            let $u = 1;
-            $work
-        }
-        if $n > 2 {
-            let $u = 2;
-            $work
-        }
-        if $n > 3 {
-            let $u = 3;
-            $work
-        }
-    };
-}
-pub(super) use each_further;
-
 /// What rays are taken through in lanes.
 pub trait Optics<S: Scalar> {
     /// Where they start.
@@ -132,16 +113,7 @@ impl<S: Scalar> Optics<S> for Table<S> {
         cpu: Cpu<L>,
         starts: [Start<L>; U],
     ) -> [(End<L>, L); U] {
-        let mut rays = [Ray::enter(cpu, self, starts[0]); U];
-        each_further!(u < U, {
-            rays[u] = Ray::enter(cpu, self, starts[u]);
-        });
-        march(cpu, self, &mut rays);
-        let mut ended = [(rays[0].leave(cpu, self), rays[0].cos2); U];
-        each_further!(u < U, {
-            ended[u] = (rays[u].leave(cpu, self), rays[u].cos2);
-        });
-        ended
+        trace(cpu, self, starts)
     }
 }
 
@@ -182,7 +154,7 @@ pub fn run<S: Vectors, O: Optics<S>, B: Batch<S>>(simd: Available, shape: Shape,
 /// Not inlined, so that all calls of one width share it.
 #[inline(never)]
 fn portable<const LANES: usize, S: Vectors, O: Optics<S>, B: Batch<S>>(optics: &O, batch: &mut B) {
-    each::<Portable<S, LANES>, 1, _, _>(Cpu::any(), optics, batch);
+    each::<Portable<S, LANES>, 1, _, _>(Portable::cpu(), optics, batch);
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -209,7 +181,7 @@ fn avx2_quad<S: Vectors, O: Optics<S>, B: Batch<S>>(optics: &O, batch: &mut B) {
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
 fn fma_one<S: Vectors, O: Optics<S>, B: Batch<S>>(optics: &O, batch: &mut B) {
-    each::<Portable<S, 1>, 1, _, _>(Cpu::any(), optics, batch);
+    each::<Portable<S, 1>, 1, _, _>(Portable::cpu(), optics, batch);
 }
 
 /// Traces a batch `U` vectors at a time, what is left one at a time.

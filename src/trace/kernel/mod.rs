@@ -12,22 +12,22 @@
 
 mod batch;
 mod clearance;
-mod columns;
 mod crossing;
 mod drift;
 mod instances;
 mod lanes;
-mod march;
+mod ray;
+mod rays;
 mod simd;
-mod sphere;
 mod surface;
 mod table;
+mod trace;
 
-pub use batch::{LensRays, PlaneRays};
-pub(super) use clearance::clearances;
-pub use columns::Columns;
+pub use clearance::Clearance;
+pub(crate) use clearance::clearances;
 pub use instances::Vectors as Precision;
-pub(super) use simd::Available;
+pub use rays::{LensRays, PlaneRays, RayArrays, Traced};
+pub(crate) use simd::Available;
 pub use simd::{Compiled, Simd};
 
 use self::batch::InPlace;
@@ -35,35 +35,16 @@ pub(crate) use self::{
     batch::{Approach, Batch, Few, FromPlane, from_plane},
     instances::{Optics, Shape, run},
     lanes::{Cpu, Lanes, Portable, Scalar},
-    march::{End, Start},
+    ray::{End, Start},
     table::Table,
 };
-use super::{Blocked, Direction, Path, Ray, Real};
-use crate::lens::{Lens, refraction::Refraction};
-
-/// A ray that got through a lens, in lens space.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Traced<S> {
-    /// The point on the last surface, mm.
-    pub origin: [S; 3],
-    /// The unit direction behind it.
-    pub direction: [S; 3],
-    /// cos⁴ of the angle between the axis and the ray before the lens; positive.
-    pub weight: S,
-}
-
-impl<S: Real> Traced<S> {
-    /// Of the numbers of origin, direction and weight; `None` for the weight 0, a blocked ray's.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn of([x, y, z, dx, dy, dz, weight]: [S; 7]) -> Option<Self> {
-        (weight > S::ZERO).then_some(Self { origin: [x, y, z], direction: [dx, dy, dz], weight })
-    }
-
-    /// In double precision.
-    pub fn ray(&self) -> Ray {
-        Ray { origin: self.origin.map(S::to_f64), direction: self.direction.map(S::to_f64) }
-    }
-}
+use crate::{
+    lens::{Lens, Ray, refraction::Refraction},
+    trace::{
+        path::{Direction, Path},
+        surface::Blocked,
+    },
+};
 
 /// A lens compiled for tracing rays in one direction with numbers of type `S`: `f64` or `f32`.
 ///

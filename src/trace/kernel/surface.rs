@@ -1,7 +1,7 @@
 //! A surface as the kernel's table is made of it: its numbers in the frame of the travel, and what of it is proven.
 
 use super::crossing::{self, Cap, Tests};
-use crate::trace::path;
+use crate::trace::surface::PathSurface;
 
 /// |R| up to this many times the clear semi-diameter and the way there counts as strongly curved:
 /// without the division t has an error of rounding times R. As few as leave the catalogue's lenses, whose weakest
@@ -40,19 +40,20 @@ impl Surface {
 /// The surfaces of a path. `sense` is that of the table, `epsilon` the precision's rounding unit, `tested` says whose
 /// apertures are to be tested.
 pub fn surfaces(
-    steps: &[path::Step<f64>],
+    steps: &[PathSurface<f64>],
     sense: f64,
     epsilon: f64,
     tested: impl Fn(usize) -> bool,
 ) -> Vec<Surface> {
     let mut surfaces: Vec<Surface> = Vec::with_capacity(steps.len());
-    let cap = |step: &path::Step<f64>| Cap { curvature: step.curvature, semi_diameter: step.aperture.sqrt() };
+    let cap =
+        |step: &PathSurface<f64>| Cap { curvature: step.curvature, semi_diameter: step.aperture.sqrt() };
     let mut moved: Option<Cap> = None;
     let mut distance = 0.0;
     for (i, step) in steps.iter().enumerate() {
         distance += step.distance;
         let here = cap(step);
-        let beside = |step: &path::Step<f64>| step.curvature == 0.0 && step.index_step == 0.0;
+        let beside = |step: &PathSurface<f64>| step.curvature == 0.0 && step.index_step == 0.0;
         let room_after =
             steps.get(i + 1).is_some_and(|next| crossing::leaves_room(here, cap(next), next.distance));
         let room_before = moved.is_some_and(|moved| crossing::leaves_room(moved, here, distance));

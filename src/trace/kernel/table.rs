@@ -337,3 +337,31 @@ impl Link<f64> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        lens::{Lens, refraction::Refraction},
+        prescription::{catalogue, read},
+    };
+
+    fn renewals(lens: &Lens, direction: Direction) -> usize {
+        let path = Path::new(lens, direction, Refraction::Fused);
+        let table = Table::<f64>::new(&path, 25.0, |_| true);
+        table.steps.iter().filter(|step| matches!(step, Step::Sphere(sphere) if sphere.far)).count()
+    }
+
+    #[test]
+    fn rows_of_balls_are_reached_anew_and_no_lens_of_the_catalogue_is() {
+        let row = "1 2 1.8 1.9\n-1 4 1 1.9\n".repeat(7) + "1 2 1.8 1.9\n-1 0 1 1.9";
+        let balls = Lens::at_d_line(&read("balls", row.as_bytes()).expect("a lens"));
+        for direction in [Direction::FilmToScene, Direction::SceneToFilm] {
+            assert!(renewals(&balls, direction) >= 3);
+            for name in catalogue::names() {
+                let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
+                assert_eq!(renewals(&lens, direction), 0, "{name}");
+            }
+        }
+    }
+}

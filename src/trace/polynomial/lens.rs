@@ -3,7 +3,7 @@
 //! Written over the kernel's vectors, of which every operation is correctly rounded, so that one ray and many
 //! have the same bits.
 
-use super::{Polynomial, terms::sum};
+use super::{fit::Polynomial, terms::sum};
 use crate::trace::kernel::{
     Approach, Available, Batch, Cpu, End, Few, FromPlane, Lanes, LensRays, Optics, PlaneRays, Precision,
     Shape, Start, Traced, run,
