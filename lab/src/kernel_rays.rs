@@ -25,7 +25,7 @@ pub struct KernelRays<S> {
     /// z of the first vertex, lens space, mm.
     entry: f64,
     /// 1 for travel toward +z, -1 for the other.
-    sense: f64,
+    travel_sign: f64,
     /// How far before the first vertex plane a ray from farther away sets out, mm.
     near: f64,
 }
@@ -42,12 +42,12 @@ impl<S: Precision + Real> KernelRays<S> {
     /// Compiles a lens for the instructions named; `None` where the processor lacks them.
     pub fn new(lens: &Lens, direction: Direction, simd: Simd) -> Option<Self> {
         let kernel = Kernel::with_simd(lens, direction, simd)?;
-        let (first, sense) = match direction {
+        let (first, travel_sign) = match direction {
             Direction::FilmToScene => (lens.rear(), 1.0),
             Direction::SceneToFilm => (lens.front(), -1.0),
         };
         let path = Path::new(lens, direction, Refraction::Fused);
-        Some(Self { kernel, path, entry: first.vertex, sense, near: first.semi_diameter })
+        Some(Self { kernel, path, entry: first.vertex, travel_sign, near: first.semi_diameter })
     }
 
     /// One ray, as a camera traces a single one: the ray as it leaves, a unit vector in double precision,
@@ -126,12 +126,12 @@ impl<S: Precision + Real> KernelRays<S> {
     /// The ray as one from a plane: its own, or one near the lens where it comes from farther away. `None`
     /// where it travels along the first vertex plane, or back from it.
     fn on_plane(&self, ray: &Ray) -> Option<FromPlane> {
-        let sense = self.sense;
+        let travel_sign = self.travel_sign;
         let direction = unit(ray.direction);
         let slopes = [direction[0] / direction[2], direction[1] / direction[2]];
         let (entry, _) = self.path.to_entry(*ray);
-        let before = sense * (self.entry - ray.origin[2]);
-        let along = sense * direction[2];
+        let before = travel_sign * (self.entry - ray.origin[2]);
+        let along = travel_sign * direction[2];
         // On the vertex plane, or on the way there.
         if !(along > 0.0 && along * along > STEEP && (entry[2] == 0.0 || before <= self.near)) {
             return None;
@@ -140,14 +140,14 @@ impl<S: Precision + Real> KernelRays<S> {
             let [x, y, plane] = ray.origin;
             return Some(FromPlane { plane, point: [x, y], slopes });
         }
-        let back = -sense * self.near;
+        let back = -travel_sign * self.near;
         let point = [0, 1].map(|i| entry[i] + back * slopes[i]);
         Some(FromPlane { plane: self.entry + back, point, slopes })
     }
 
     /// The ray with an origin near the lens where it comes from afar.
     fn near(&self, ray: &Ray) -> Ray {
-        let sense = self.sense;
+        let travel_sign = self.travel_sign;
         let direction = unit(ray.direction);
         let (entry, moved) = self.path.to_entry(*ray);
         let size = entry.iter().map(|x| x * x).sum::<f64>().sqrt() + self.near;
@@ -156,7 +156,7 @@ impl<S: Precision + Real> KernelRays<S> {
             return Ray { direction, ..*ray };
         }
         let [x, y, z] = entry;
-        let at = [x, y, self.entry + sense * z];
+        let at = [x, y, self.entry + travel_sign * z];
         Ray { origin: [0, 1, 2].map(|i| at[i] - 2.0 * size * direction[i]), direction }
     }
 }
@@ -177,7 +177,7 @@ mod tests {
 
     /// Rays from both sides, near and far, some of which are blocked.
     fn rays(lens: &Lens, direction: Direction) -> Vec<Ray> {
-        let (first, sense) = match direction {
+        let (first, travel_sign) = match direction {
             Direction::FilmToScene => (lens.rear(), 1.0),
             Direction::SceneToFilm => (lens.front(), -1.0),
         };
@@ -187,8 +187,8 @@ mod tests {
                 let distance = [0.8, 3.0, 3.0, 1e3, 1e7][i as usize % 5] * first.semi_diameter;
                 let target = [at(i, 13) * first.semi_diameter, at(i, 37) * first.semi_diameter];
                 let from = [0.2 * distance * at(i, 7), 0.2 * distance * at(i, 59)];
-                let origin = [from[0], from[1], first.vertex - sense * distance];
-                let direction = [target[0] - from[0], target[1] - from[1], sense * distance];
+                let origin = [from[0], from[1], first.vertex - travel_sign * distance];
+                let direction = [target[0] - from[0], target[1] - from[1], travel_sign * distance];
                 Ray { origin, direction }
             })
             .collect()

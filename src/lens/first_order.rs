@@ -162,18 +162,18 @@ impl FirstOrder {
     }
 
     /// From the principal plane `from` to `to`, to be reported in the plane `out`, with light that travels
-    /// toward +z (`sense` 1) or -z (-1).
-    fn carry(&self, ray: Ray, from: f64, to: f64, out: f64, sense: f64) -> Ray {
+    /// toward +z (`travel_sign` 1) or -z (-1).
+    fn carry(&self, ray: Ray, from: f64, to: f64, out: f64, travel_sign: f64) -> Ray {
         let [x, y, z] = ray.origin;
         let [dx, dy, dz] = ray.direction;
         let leave = |height: f64, slope: f64| {
             let height = height + slope * (from - z);
-            let slope = slope - sense * height / self.focal_length;
+            let slope = slope - travel_sign * height / self.focal_length;
             (height + slope * (out - to), slope)
         };
         let (px, sx) = leave(x, dx / dz);
         let (py, sy) = leave(y, dy / dz);
-        let norm = sense * (1.0 + sx * sx + sy * sy).sqrt();
+        let norm = travel_sign * (1.0 + sx * sx + sy * sy).sqrt();
         Ray { origin: [px, py, out], direction: [sx / norm, sy / norm, 1.0 / norm] }
     }
 }

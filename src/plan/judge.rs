@@ -150,7 +150,7 @@ impl<'a> Judge<'a> {
         single: bool,
     ) -> Result<(Polynomial, Errors), String> {
         let Task { lens, film, .. } = *self.task;
-        let polynomial = Polynomial::with_rims(lens, film, fitted, order, &self.rims)
+        let polynomial = Polynomial::with_apertures(lens, film, fitted, order, &self.rims)
             .map_err(|error| error.to_string())?;
         let errors = if single {
             let lens = PolynomialLens::<f32>::new(&polynomial);

@@ -8,5 +8,5 @@ pub(crate) mod warped;
 
 pub use band::Band;
 pub use disk::DiskMapping;
-pub use pupil_disk::{Drawn, PupilDisk};
+pub use pupil_disk::{PupilDisk, PupilSample};
 pub use warped::{BuildReport, WarpedPupil};

@@ -101,7 +101,7 @@ impl<R: Real> Path<R> {
     /// Takes a ray through the lens. Its origin may lie anywhere before the first surface; NaN or
     /// infinite components, or a direction of length 0, count as [`Blocked::Missed`].
     pub fn walk(&self, ray: Ray) -> Walk {
-        let sense = self.sense();
+        let travel_sign = self.travel_sign();
         let start = Ray { origin: ray.origin, direction: unit(ray.direction) };
         let finite = start.origin.iter().chain(&start.direction).all(|x| x.is_finite());
         if !finite {
@@ -116,11 +116,12 @@ impl<R: Real> Path<R> {
             self.exit
         } else {
             let passed: f64 = self.steps[..=last].iter().map(|step| step.distance.to_f64()).sum();
-            self.entry + sense * passed
+            self.entry + travel_sign * passed
         };
         let [x, y, z] = state.p.map(R::to_f64);
         let [vx, vy, vz] = state.v.map(R::to_f64);
-        let ray = Ray { origin: [x, y, vertex + sense * z], direction: unit([vx, vy, sense * vz]) };
+        let ray =
+            Ray { origin: [x, y, vertex + travel_sign * z], direction: unit([vx, vy, travel_sign * vz]) };
         Walk { ray, surfaces_met, blocked }
     }
 
@@ -130,13 +131,13 @@ impl<R: Real> Path<R> {
     /// # Errors
     /// The reason why it is blocked.
     pub fn trace_in_full(&self, origin: [R; 3], direction: [R; 3]) -> Result<([R; 3], [R; 3]), Blocked> {
-        let sense = R::from_f64(self.sense());
+        let travel_sign = R::from_f64(self.travel_sign());
         let [dx, dy, dz] = direction;
         let length = dot(direction, direction).sqrt();
         let [x, y, z] = origin;
         let mut state = State {
-            p: [x, y, sense * (z - R::from_f64(self.entry))],
-            v: [dx, dy, sense * dz].map(|d| self.steps[0].n * d / length),
+            p: [x, y, travel_sign * (z - R::from_f64(self.entry))],
+            v: [dx, dy, travel_sign * dz].map(|d| self.steps[0].n * d / length),
             lead: R::ZERO,
         };
         if let (_, Some(reason)) = self.trace_surfaces(&mut state) {
@@ -145,7 +146,7 @@ impl<R: Real> Path<R> {
         let [x, y, z] = state.p;
         let [vx, vy, vz] = state.v;
         let length = dot(state.v, state.v).sqrt();
-        Ok(([x, y, sense * z], [vx / length, vy / length, sense * vz / length]))
+        Ok(([x, y, travel_sign * z], [vx / length, vy / length, travel_sign * vz / length]))
     }
 
     /// Takes the state, in the frame of the first vertex, through the surfaces; says how many were met and
@@ -172,7 +173,7 @@ impl<R: Real> Path<R> {
     }
 
     /// Which way along z the light travels.
-    pub(super) fn sense(&self) -> f64 {
+    pub(super) fn travel_sign(&self) -> f64 {
         match self.direction {
             Direction::FilmToScene => 1.0,
             Direction::SceneToFilm => -1.0,
@@ -193,12 +194,12 @@ impl<R: Real> Path<R> {
     /// The state with which a ray sets out, in the frame of the first vertex; `direction` is the ray's as a
     /// unit vector.
     pub(super) fn enter(&self, ray: Ray, direction: [f64; 3]) -> State<R> {
-        let sense = self.sense();
+        let travel_sign = self.travel_sign();
         let (entry, lead) = self.to_entry(ray);
         let [dx, dy, dz] = direction;
         State {
             p: entry.map(R::from_f64),
-            v: [dx, dy, sense * dz].map(|d| self.steps[0].n * R::from_f64(d)),
+            v: [dx, dy, travel_sign * dz].map(|d| self.steps[0].n * R::from_f64(d)),
             lead: R::from_f64(lead),
         }
     }
@@ -210,17 +211,17 @@ impl<R: Real> Path<R> {
     /// Differences of products, not P + t D: from a distant object that would keep the digits of the
     /// distance, and this keeps those of the lens.
     pub fn to_entry(&self, ray: Ray) -> ([f64; 3], f64) {
-        let sense = self.sense();
+        let travel_sign = self.travel_sign();
         let [x, y, z] = ray.origin;
         // The difference and what rounding took from it (D. E. Knuth, *The Art of Computer Programming* 2,
         // section 4.2.2): a small lens far from its front vertex would feel it.
-        let (far, near) = (sense * z, sense * self.entry);
+        let (far, near) = (travel_sign * z, travel_sign * self.entry);
         let z = far - near;
         let taken = z - far;
         let lost = (far - (z - taken)) - (near + taken);
         let start = [x, y, z];
         let [dx, dy, dz] = in_range(ray.direction);
-        let d = [dx, dy, sense * dz];
+        let d = [dx, dy, travel_sign * dz];
         let squared = dot(d, d);
         let entry = if z < 0.0 && d[2] > 0.0 && d[2] * d[2] > STEEP * squared {
             let at = |p: f64, along: f64| (difference_of_products(p, d[2], z, along) - lost * along) / d[2];
@@ -255,7 +256,7 @@ impl<R: Real> Path<R> {
         [sx, sy]: [R; 2],
         mut go_on: impl FnMut(Intersection<R>) -> bool,
     ) -> bool {
-        let way = R::from_f64(self.sense() * (self.entry - film));
+        let way = R::from_f64(self.travel_sign() * (self.entry - film));
         let length = (R::ONE + sx * sx + sy * sy).sqrt();
         let vz = self.steps[0].n / length;
         let mut state =

@@ -38,7 +38,7 @@ struct Known {
 }
 
 /// A search along one half-line. The excess is the largest of one smooth function a limit, so that each limit has its
-/// own secant, and the edge is the nearest that one of them foretells.
+/// own secant, and the edge is the nearest that one of them predicts.
 struct Search {
     direction: [f64; 2],
     guess: Crossing,
@@ -99,9 +99,9 @@ impl Search {
         };
         let step = value / steepness;
         let edge = radius - step * radius;
-        let foretold =
+        let predicted =
             self.known.iter().map(|known| known.edge).filter(|&edge| edge > inside && edge < outside);
-        let others = foretold.fold(f64::INFINITY, f64::min);
+        let others = predicted.fold(f64::INFINITY, f64::min);
         // Where rays are lost within the aperture, its own edge lies outside the bracket and is none of the pupil's.
         let is_between = edge > 0.0 && edge >= inside && edge <= others.min((1.0 + ACCURACY) * outside);
         if step.abs() * doubt <= ACCURACY && is_between {

@@ -21,7 +21,7 @@ pub(crate) struct View<'a> {
     /// Distance from the axis, mm.
     pub height: f64,
     /// τ, in units of which sx counts.
-    pub width: f64,
+    pub width_scale: f64,
     /// Rays traced so far, for the build's account.
     pub rays: &'a Cell<u32>,
 }
@@ -54,7 +54,7 @@ impl View<'_> {
     /// [`View::excess`] of many.
     pub fn excesses(&self, slopes: &[[f64; 2]], found: &mut Vec<Excess>) {
         self.rays.set(self.rays.get() + slopes.len() as u32);
-        let ray = |&[x, y]: &[f64; 2]| film_ray([self.height, 0.0], self.film, [self.width * x, y]);
+        let ray = |&[x, y]: &[f64; 2]| film_ray([self.height, 0.0], self.film, [self.width_scale * x, y]);
         let rays: Vec<_> = slopes.iter().map(ray).collect();
         let mut ratios = Vec::with_capacity(rays.len());
         clearances(Available::best(), self.path, &rays, &mut ratios);

@@ -1,7 +1,7 @@
 //! The fast kernel: many rays at once, one quickly, all exactly.
 //!
 //! A [`Kernel`] is a lens compiled for one direction and one precision. It traces by the same
-//! algorithm whatever the shape of the call and the processor's registers, and **gives the same bits
+//! algorithm whatever the grouping of the call and the processor's registers, and **gives the same bits
 //! in all of them**: every operation is correctly rounded, fused multiply-add and square root included.
 //! Where the library is compiled for a processor without FMA instructions and finds none at run
 //! time, fused multiply-adds are function calls: ten times slower, still the same bits.
@@ -13,11 +13,11 @@
 mod batch;
 mod clearance;
 mod crossing;
-mod drift;
 mod instances;
 mod lanes;
 mod ray;
 mod rays;
+mod rounding;
 mod simd;
 mod surface;
 mod table;
@@ -30,10 +30,10 @@ pub use rays::{LensRays, PlaneRays, RayArrays, Traced};
 pub(crate) use simd::Available;
 pub use simd::{Compiled, Simd};
 
-use self::batch::InPlace;
+use self::batch::InPlaceBatch;
 pub(crate) use self::{
-    batch::{Approach, Batch, Few, FromPlane, from_plane},
-    instances::{Optics, Shape, run},
+    batch::{Approach, Batch, PlaneBatch, RaysByValue, from_plane},
+    instances::{Grouping, Optics, run},
     lanes::{Cpu, Lanes, Portable, Scalar},
     ray::{End, Start},
     table::Table,
@@ -95,7 +95,7 @@ impl<S: Precision> Kernel<S> {
     /// and dy/dz; `None` where the lens blocks it.
     #[inline]
     pub fn trace_one(&self, plane: f64, point: [S; 2], slopes: [S; 2]) -> Option<Traced<S>> {
-        let mut one = Few::new(plane, [point], [slopes]);
+        let mut one = RaysByValue::new(plane, [point], [slopes]);
         S::one(self.simd, &self.table, &mut one);
         one.traced(0)
     }
@@ -111,7 +111,7 @@ impl<S: Precision> Kernel<S> {
     ) -> [Option<Traced<S>>; 3] {
         let [a, b, c] = points;
         let [s, t, u] = slopes;
-        let mut four = Few::new(plane, [a, b, c, a], [s, t, u, s]);
+        let mut four = RaysByValue::new(plane, [a, b, c, a], [s, t, u, s]);
         S::quad(self.simd, &self.table, &mut four);
         [0, 1, 2].map(|i| four.traced(i))
     }
@@ -123,7 +123,7 @@ impl<S: Precision> Kernel<S> {
     pub fn trace_batch(&self, from: &PlaneRays<'_, S>, to: &mut LensRays<'_, S>) {
         let n = from.checked_len();
         assert_eq!(n, to.checked_len(), "a batch needs as much room as it has rays");
-        S::from_plane(self.simd, &self.table, &mut FromPlane { from, to, n });
+        S::from_plane(self.simd, &self.table, &mut PlaneBatch { from, to, n });
     }
 
     /// Many rays, each from anywhere before the first surface with a direction of any length but 0; the
@@ -133,13 +133,13 @@ impl<S: Precision> Kernel<S> {
     /// The arrays differ in length.
     pub fn trace_in_place(&self, rays: &mut LensRays<'_, S>) {
         let n = rays.checked_len();
-        S::in_place(self.simd, &self.table, &mut InPlace { rays, n });
+        S::in_place(self.simd, &self.table, &mut InPlaceBatch { rays, n });
     }
 
     /// Traces a batch that makes and takes its rays in vectors.
     #[inline(always)]
-    pub(crate) fn trace(&self, shape: Shape, batch: &mut impl Batch<S>) {
-        run(self.simd, shape, &self.table, batch);
+    pub(crate) fn trace(&self, grouping: Grouping, batch: &mut impl Batch<S>) {
+        run(self.simd, grouping, &self.table, batch);
     }
 
     /// Why a ray is blocked, by the scalar walk. Where the walk in double precision lets it through it

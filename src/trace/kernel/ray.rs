@@ -1,4 +1,4 @@
-//! Rays in lanes on their way through a lens, and what each kind of step does to them.
+//! Rays in lanes on their moved through a lens, and what each kind of step does to them.
 //!
 //! In the frame of a surface's vertex, axis along the travel, V = n D, c = 1/R (positive when the
 //! centre lies ahead), N = (-c x, -c y, 1 - c z) and K = n'² - n²:
@@ -12,7 +12,7 @@
 
 use super::{
     lanes::{Cpu, Lanes, Scalar},
-    table::{Handover, Link, Plane, Rim, Sphere, Step, Stop, Table},
+    table::{ApertureTest, Link, Plane, Sphere, Step, Stop, Table, Transfer},
 };
 use crate::numeric::Real;
 
@@ -30,7 +30,7 @@ pub enum Start<L> {
         /// Vz² = 1/(1 + s²).
         cos2: L,
         /// How far along the axis the ray was moved on from where it began.
-        way: L,
+        moved: L,
     },
     /// Anywhere.
     Anywhere {
@@ -52,7 +52,7 @@ pub struct End<L: Lanes> {
     pub passed: L::Mask,
 }
 
-/// Rays on their way.
+/// Rays on their moved.
 #[derive(Clone, Copy)]
 pub struct RayLanes<L: Lanes> {
     pub x: L,
@@ -69,10 +69,10 @@ pub struct RayLanes<L: Lanes> {
     pub cos2: L,
 }
 
-/// How a link's rim is told: [`Rim`] as a constant.
+/// How a link's limit is told: [`ApertureTest`] as a constant.
 pub const UNTESTED: u8 = 0;
 pub const HEIGHT: u8 = 1;
-pub const SLOPE: u8 = 2;
+pub const NORMAL_Z: u8 = 2;
 
 impl<L: Lanes> RayLanes<L> {
     /// Through the first surface.
@@ -80,16 +80,16 @@ impl<L: Lanes> RayLanes<L> {
     pub fn enter(cpu: Cpu<L>, table: &Table<L::Scalar>, start: Start<L>) -> Self {
         let zero = L::splat(cpu, L::Scalar::ZERO);
         match (&table.steps[0], start) {
-            (Step::Sphere(sphere), Start::Flat { x, y, slopes, stretch, cos2, way }) => {
+            (Step::Sphere(sphere), Start::Flat { x, y, slopes, stretch, cos2, moved }) => {
                 let vz = cos2.sqrt();
                 let mut ray = Self::at(cpu, [x, y], [slopes[0] * vz, slopes[1] * vz, vz], cos2);
-                ray.first_sphere(cpu, sphere, slopes, stretch, way);
+                ray.first_sphere(cpu, sphere, slopes, stretch, moved);
                 ray
             }
-            (Step::Plane(plane), Start::Flat { x, y, slopes, cos2, way, .. }) => {
+            (Step::Plane(plane), Start::Flat { x, y, slopes, cos2, moved, .. }) => {
                 let vz = cos2.sqrt();
                 let mut ray = Self::at(cpu, [x, y], [slopes[0] * vz, slopes[1] * vz, vz], cos2);
-                ray.plane::<true>(cpu, plane, zero, Some(way));
+                ray.plane::<true>(cpu, plane, zero, Some(moved));
                 ray
             }
             (Step::Sphere(sphere), Start::Anywhere { x, y, minus_z, v, lead }) => {
@@ -105,7 +105,7 @@ impl<L: Lanes> RayLanes<L> {
                 ray.plane::<false>(cpu, plane, minus_z, Some(lead));
                 ray
             }
-            (Step::Link(_) | Step::Stop(_) | Step::Renewal(_), _) => {
+            (Step::Link(_) | Step::Stop(_) | Step::Renormalise(_), _) => {
                 unreachable!("the first step meets the ray anywhere")
             }
         }
@@ -134,8 +134,8 @@ impl<L: Lanes> RayLanes<L> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn minus_z(&self, cpu: Cpu<L>, handover: &Handover<L::Scalar>) -> L {
-        self.height.mul_add(L::splat(cpu, handover.factor), L::splat(cpu, handover.offset))
+    pub fn minus_z(&self, cpu: Cpu<L>, transfer: &Transfer<L::Scalar>) -> L {
+        self.height.mul_add(L::splat(cpu, transfer.factor), L::splat(cpu, transfer.offset))
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -151,19 +151,19 @@ impl<L: Lanes> RayLanes<L> {
 
     /// V + G N.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn bend(&mut self, minus_c: L, gain: L, slope: L) {
+    pub fn bend(&mut self, minus_c: L, gain: L, normal_z: L) {
         let k = minus_c * gain;
         self.vx = k.mul_add(self.x, self.vx);
         self.vy = k.mul_add(self.y, self.vy);
-        self.vz = gain.mul_add(slope, self.vz);
+        self.vz = gain.mul_add(normal_z, self.vz);
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn link<const RIM: u8, const RARER: bool>(
+    pub fn link<const TEST: u8, const RARER: bool>(
         &mut self,
         cpu: Cpu<L>,
         link: &Link<L::Scalar>,
-        rim: L::Scalar,
+        limit: L::Scalar,
     ) {
         let (alpha, rho) = (L::splat(cpu, link.alpha), L::splat(cpu, link.rho));
         let minus_2phi =
@@ -174,14 +174,15 @@ impl<L: Lanes> RayLanes<L> {
         let square_after = g.mul_add(g, minus_2phi + L::splat(cpu, link.index_step));
         let [before, after] = L::sqrt_pair(square, square_after);
         let delta = g - before;
-        let slope = delta.neg_mul_add(self.vz * L::splat(cpu, link.per_n2), rho.mul_add(self.height, alpha));
+        let normal_z =
+            delta.neg_mul_add(self.vz * L::splat(cpu, link.per_n2), rho.mul_add(self.height, alpha));
         self.advance(delta * L::splat(cpu, link.per_cn2));
-        self.bend(L::splat(cpu, link.minus_c), after - before, slope);
-        (self.height, self.root) = (slope, after);
+        self.bend(L::splat(cpu, link.minus_c), after - before, normal_z);
+        (self.height, self.root) = (normal_z, after);
         self.keep_root(cpu, if RARER { square_after } else { square });
-        match RIM {
-            SLOPE => self.keep(L::splat(cpu, rim).less_equal(slope)),
-            HEIGHT => self.keep(self.height_squared().less_equal(L::splat(cpu, rim))),
+        match TEST {
+            NORMAL_Z => self.keep(L::splat(cpu, limit).less_equal(normal_z)),
+            HEIGHT => self.keep(self.height_squared().less_equal(L::splat(cpu, limit))),
             _ => {}
         }
     }
@@ -233,7 +234,7 @@ impl<L: Lanes> RayLanes<L> {
         sphere: &Sphere<L::Scalar>,
         [sx, sy]: [L; 2],
         stretch: L,
-        way: L,
+        moved: L,
     ) {
         let zero = L::splat(cpu, L::Scalar::ZERO);
         if sphere.tests.forward {
@@ -254,7 +255,7 @@ impl<L: Lanes> RayLanes<L> {
         let slack = self.vz * L::splat(cpu, -sphere.slack);
         self.pass::<false>(cpu, sphere, z, [square, square_after], [e * self.vz, after]);
         if sphere.tests.onward {
-            self.keep(slack.less_equal(way + z));
+            self.keep(slack.less_equal(moved + z));
         }
     }
 
@@ -269,13 +270,14 @@ impl<L: Lanes> RayLanes<L> {
         [before, after]: [L; 2],
     ) {
         let minus_c = L::splat(cpu, sphere.minus_c);
-        let slope = minus_c.mul_add(z, L::splat(cpu, L::Scalar::ONE));
-        self.bend(minus_c, after - before, slope);
-        (self.height, self.root) = (if PLAIN || sphere.hands_slope { slope } else { z }, after);
+        let normal_z = minus_c.mul_add(z, L::splat(cpu, L::Scalar::ONE));
+        self.bend(minus_c, after - before, normal_z);
+        (self.height, self.root) = (if PLAIN || sphere.carries_normal { normal_z } else { z }, after);
         self.keep_root(cpu, if sphere.index_step < L::Scalar::ZERO { square_after } else { square });
-        let least = if let Rim::Slope(least) = sphere.rim { least } else { L::Scalar::ZERO };
-        self.keep(L::splat(cpu, least).less_equal(slope));
-        if !PLAIN && let Rim::Height(most) = sphere.rim {
+        let least =
+            if let ApertureTest::NormalZ(least) = sphere.aperture_test { least } else { L::Scalar::ZERO };
+        self.keep(L::splat(cpu, least).less_equal(normal_z));
+        if !PLAIN && let ApertureTest::Height(most) = sphere.aperture_test {
             self.keep(self.height_squared().less_equal(L::splat(cpu, most)));
         }
     }
@@ -313,10 +315,10 @@ impl<L: Lanes> RayLanes<L> {
         self.height = zero;
     }
 
-    /// |z (Vx, Vy) + Vz (x, y)| <= a Vz, z the way to the stop: no move and no division.
+    /// |z (Vx, Vy) + Vz (x, y)| <= a Vz, z the moved to the stop: no move and no division.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn stop(&mut self, cpu: Cpu<L>, stop: &Stop<L::Scalar>) {
-        let ahead = self.minus_z(cpu, &stop.handover);
+        let ahead = self.minus_z(cpu, &stop.transfer);
         let x = ahead.mul_add(self.vx, self.x * self.vz);
         let y = ahead.mul_add(self.vy, self.y * self.vz);
         let limit = (self.vz * self.vz) * L::splat(cpu, stop.aperture);
@@ -341,7 +343,7 @@ impl<L: Lanes> RayLanes<L> {
     pub fn leave(self, cpu: Cpu<L>, table: &Table<L::Scalar>) -> End<L> {
         let z = self.height.mul_add(L::splat(cpu, table.exit.factor), L::splat(cpu, table.exit.offset));
         let factor = self.factor(cpu, table.unit);
-        let along = factor * L::splat(cpu, L::Scalar::from_f64(table.sense));
+        let along = factor * L::splat(cpu, L::Scalar::from_f64(table.travel_sign));
         End {
             origin: [self.x, self.y, z],
             direction: [self.vx * factor, self.vy * factor, self.vz * along],

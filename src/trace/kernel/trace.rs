@@ -2,8 +2,8 @@
 
 use super::{
     lanes::{Cpu, Lanes, each_further},
-    ray::{End, HEIGHT, RayLanes, SLOPE, Start, UNTESTED},
-    table::{Link, Rim, Step, Table},
+    ray::{End, HEIGHT, NORMAL_Z, RayLanes, Start, UNTESTED},
+    table::{ApertureTest, Link, Step, Table},
 };
 use crate::numeric::Real;
 
@@ -40,13 +40,19 @@ fn trace_steps<L: Lanes, const U: usize>(cpu: Cpu<L>, table: &Table<L::Scalar>, 
                     }
                 }
                 let none = L::Scalar::ZERO;
-                match (link.rim, link.rarer) {
-                    (Rim::Slope(least), false) => cross::<L, U, SLOPE, false>(cpu, link, least, rays),
-                    (Rim::Slope(least), true) => cross::<L, U, SLOPE, true>(cpu, link, least, rays),
-                    (Rim::Height(most), false) => cross::<L, U, HEIGHT, false>(cpu, link, most, rays),
-                    (Rim::Height(most), true) => cross::<L, U, HEIGHT, true>(cpu, link, most, rays),
-                    (Rim::Untested, false) => cross::<L, U, UNTESTED, false>(cpu, link, none, rays),
-                    (Rim::Untested, true) => cross::<L, U, UNTESTED, true>(cpu, link, none, rays),
+                match (link.aperture_test, link.rarer) {
+                    (ApertureTest::NormalZ(least), false) => {
+                        cross::<L, U, NORMAL_Z, false>(cpu, link, least, rays)
+                    }
+                    (ApertureTest::NormalZ(least), true) => {
+                        cross::<L, U, NORMAL_Z, true>(cpu, link, least, rays)
+                    }
+                    (ApertureTest::Height(most), false) => {
+                        cross::<L, U, HEIGHT, false>(cpu, link, most, rays)
+                    }
+                    (ApertureTest::Height(most), true) => cross::<L, U, HEIGHT, true>(cpu, link, most, rays),
+                    (ApertureTest::Untested, false) => cross::<L, U, UNTESTED, false>(cpu, link, none, rays),
+                    (ApertureTest::Untested, true) => cross::<L, U, UNTESTED, true>(cpu, link, none, rays),
                 }
             }
             Step::Stop(stop) => {
@@ -62,24 +68,24 @@ fn trace_steps<L: Lanes, const U: usize>(cpu: Cpu<L>, table: &Table<L::Scalar>, 
                 }
                 if sphere.plain {
                     for ray in &mut *rays {
-                        let minus_z = ray.minus_z(cpu, &sphere.handover);
+                        let minus_z = ray.minus_z(cpu, &sphere.transfer);
                         ray.sphere::<true>(cpu, sphere, minus_z, None);
                     }
                 } else {
                     for ray in &mut *rays {
-                        let minus_z = ray.minus_z(cpu, &sphere.handover);
+                        let minus_z = ray.minus_z(cpu, &sphere.transfer);
                         ray.sphere::<false>(cpu, sphere, minus_z, None);
                     }
                 }
             }
-            Step::Renewal(length) => {
+            Step::Renormalise(length) => {
                 for ray in &mut *rays {
                     ray.scale_to(cpu, *length);
                 }
             }
             Step::Plane(plane) => {
                 for ray in &mut *rays {
-                    let minus_z = ray.minus_z(cpu, &plane.handover);
+                    let minus_z = ray.minus_z(cpu, &plane.transfer);
                     ray.plane::<false>(cpu, plane, minus_z, None);
                 }
             }
@@ -88,13 +94,13 @@ fn trace_steps<L: Lanes, const U: usize>(cpu: Cpu<L>, table: &Table<L::Scalar>, 
 }
 
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn cross<L: Lanes, const U: usize, const RIM: u8, const RARER: bool>(
+fn cross<L: Lanes, const U: usize, const TEST: u8, const RARER: bool>(
     cpu: Cpu<L>,
     link: &Link<L::Scalar>,
-    rim: L::Scalar,
+    limit: L::Scalar,
     rays: &mut [RayLanes<L>; U],
 ) {
     for ray in rays {
-        ray.link::<RIM, RARER>(cpu, link, rim);
+        ray.link::<TEST, RARER>(cpu, link, limit);
     }
 }

@@ -37,7 +37,7 @@ type AtFilm = ([f64; 2], [f64; 2]);
 
 /// From a ray at the film to the polynomials' variables.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Frame {
+pub(super) struct Scaling {
     /// z of the film, lens space, mm.
     pub film: f64,
     /// 1/mm: from film position to the slope away from the pupil's centre.
@@ -48,7 +48,7 @@ pub(super) struct Frame {
     pub pupil_scale: f64,
 }
 
-impl Frame {
+impl Scaling {
     /// Fits film and pupil of the rays, which are given as positions and slopes at the film.
     fn of(film: f64, rays: &[AtFilm]) -> Self {
         let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
@@ -88,16 +88,16 @@ impl Frame {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polynomial {
     pub(super) order: usize,
-    pub(super) frame: Frame,
+    pub(super) scaling: Scaling,
     /// A, B, C, D by monomial, in Horner's order.
     pub(super) terms: Vec<[f64; 4]>,
     pub(super) front: Surface,
-    pub(super) rims: Vec<Rim>,
+    pub(super) apertures: Vec<AperturePolynomial>,
 }
 
 /// Where a ray passes a surface, as polynomials: E x + F p, in units of the clear semi-diameter.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Rim {
+pub(super) struct AperturePolynomial {
     /// E and F by monomial.
     pub terms: Vec<[f64; 2]>,
 }
@@ -110,20 +110,20 @@ impl Polynomial {
     /// # Errors
     /// An order that does not exist, or rays that do not determine the coefficients.
     pub fn fit(lens: &Lens, film: f64, rays: &[Ray], order: usize) -> Result<Self, FitError> {
-        Self::with_rims(lens, film, rays, order, &[])
+        Self::with_apertures(lens, film, rays, order, &[])
     }
 
-    /// [`Polynomial::fit`] with where rays pass the surfaces `rims`, counted from the scene: what
+    /// [`Polynomial::fit`] with where rays pass the surfaces `apertures`, counted from the scene: what
     /// [`PolynomialLens`] blocks rays by. The front surface's needs none.
     ///
     /// # Errors
     /// As [`Polynomial::fit`].
-    pub fn with_rims(
+    pub fn with_apertures(
         lens: &Lens,
         film: f64,
         rays: &[Ray],
         order: usize,
-        rims: &[usize],
+        apertures: &[usize],
     ) -> Result<Self, FitError> {
         if !ORDERS.contains(&order) {
             return Err(FitError::Order(order));
@@ -131,24 +131,25 @@ impl Polynomial {
         let degree = (order - 1) / 2;
         let path = Path::<f64>::film_to_scene(lens);
         let (inputs, targets): (Vec<_>, Vec<_>) =
-            rays.iter().filter_map(|ray| Some((Frame::at_film(ray, film), path.trace(*ray).ok()?))).unzip();
-        let frame = Frame::of(film, &inputs);
+            rays.iter().filter_map(|ray| Some((Scaling::at_film(ray, film), path.trace(*ray).ok()?))).unzip();
+        let scaling = Scaling::of(film, &inputs);
         let exponents = exponents(degree);
         let count = exponents.len();
         // A vector gives an equation for each of its two components.
         let mut equations = Equations::new(2 * inputs.len(), 2 * count);
-        let mut sides = vec![vec![0.0; 2 * inputs.len()]; 2 + rims.len()];
+        let mut sides = vec![vec![0.0; 2 * inputs.len()]; 2 + apertures.len()];
         let last = lens.surfaces.len() - 1;
         for (number, (&(x, slopes), target)) in inputs.iter().zip(&targets).enumerate() {
-            path.intersections(film, x, slopes, |visit| {
-                if let Some(rim) = rims.iter().position(|&rim| rim == last - visit.surface) {
-                    let scale = lens.surfaces[rims[rim]].semi_diameter.recip();
-                    let side = &mut sides[2 + rim][2 * number..2 * number + 2];
-                    side.iter_mut().zip(visit.point).for_each(|(side, at)| *side = at * scale);
+            path.intersections(film, x, slopes, |met| {
+                if let Some(aperture) = apertures.iter().position(|&aperture| aperture == last - met.surface)
+                {
+                    let scale = lens.surfaces[apertures[aperture]].semi_diameter.recip();
+                    let side = &mut sides[2 + aperture][2 * number..2 * number + 2];
+                    side.iter_mut().zip(met.point).for_each(|(side, at)| *side = at * scale);
                 }
-                !rims.is_empty()
+                !apertures.is_empty()
             });
-            let (x, p, [u, v, w]) = frame.variables(x, slopes);
+            let (x, p, [u, v, w]) = scaling.variables(x, slopes);
             let [dx, dy, dz] = target.direction;
             let projected = [dx / (1.0 + dz), dy / (1.0 + dz)];
             for axis in 0..2 {
@@ -167,15 +168,17 @@ impl Polynomial {
         let terms = (0..count)
             .map(|i| [solved[0][i], solved[0][count + i], solved[1][i], solved[1][count + i]])
             .collect();
-        let rims = solved[2..]
+        let apertures = solved[2..]
             .iter()
-            .map(|solved| Rim { terms: (0..count).map(|i| [solved[i], solved[count + i]]).collect() })
+            .map(|solved| AperturePolynomial {
+                terms: (0..count).map(|i| [solved[i], solved[count + i]]).collect(),
+            })
             .collect();
-        Ok(Self { order, frame, terms, front: *lens.front(), rims })
+        Ok(Self { order, scaling, terms, front: *lens.front(), apertures })
     }
 
-    /// Coefficients in all, those of the rims included.
+    /// Coefficients in all, those of the apertures included.
     pub fn coefficients(&self) -> usize {
-        (4 + 2 * self.rims.len()) * self.terms.len()
+        (4 + 2 * self.apertures.len()) * self.terms.len()
     }
 }
