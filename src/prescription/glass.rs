@@ -1,6 +1,6 @@
 //! Dispersion: the refractive index of a medium at a wavelength.
 
-use super::{Medium, Sellmeier};
+use super::interfaces::{Medium, Sellmeier};
 
 /// Wavelength of the helium d line, nm, at which n_d is given.
 pub const D_LINE: f64 = 587.56;

@@ -5,7 +5,13 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use super::{LensFileError, MAX_FILE_BYTES, MAX_NAME_BYTES, Prescription, catalogue, read};
+use super::{
+    catalogue,
+    error::LensFileError,
+    interfaces::Prescription,
+    limits::{MAX_FILE_BYTES, MAX_NAME_BYTES},
+    reader::read,
+};
 
 /// Where relative lens file names are looked for after the working directory, in order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -1,5 +1,5 @@
-//! The reader of lens files: text to rows of words ([`rows`]), rows to interfaces by the
-//! table's format ([`four_column`], [`smith`]), and the checks that hold for either ([`check`]).
+//! The reader of lens files: text to lines of words ([`lines`]), lines to rows by the table's format, one file each
+//! ([`four_column`], [`five_column`]), and rows of any format to checked interfaces ([`surface_row`]).
 //!
 //! Two formats are read. **Four columns**, as the assignment and pbrt have it: radius,
 //! thickness, refractive index, clear diameter in every row. **Five columns**, as Smith's
@@ -18,17 +18,20 @@
 //! its name and the names of its glasses have at most [`MAX_NAME_BYTES`] bytes. What is larger is refused before anything
 //! is computed from it: no real lens comes near, and a file from elsewhere must not keep its reader busy.
 
-mod check;
+mod five_column;
 mod four_column;
 mod glasses;
-mod rows;
-mod smith;
+mod lines;
+mod surface_row;
+mod values;
 
 use super::{
-    Interface, LensFileError, MAX_FILE_BYTES, MAX_INTERFACES, MAX_NAME_BYTES, Medium, Prescription, Shape,
+    error::LensFileError,
+    interfaces::Prescription,
+    limits::{MAX_FILE_BYTES, MAX_INTERFACES, MAX_NAME_BYTES, beginning},
 };
 use glasses::Glasses;
-use rows::{Row, Rows, Word};
+use lines::{Line, Lines};
 
 /// Reads a lens file's text.
 ///
@@ -54,95 +57,42 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Prescription, LensFileError> {
             message: format!("the file goes on here; a lens file has at most {MAX_FILE_BYTES} bytes (1 MiB)"),
         });
     }
-    let mut rows = Rows::split(name, bytes)?;
-    let glasses = Glasses::take(&mut rows)?;
-    let (stated_focal_length, table) = leading_focal_length(&rows)?;
+    let mut lines = Lines::split(name, bytes)?;
+    let glasses = Glasses::take(&mut lines)?;
+    let (stated_focal_length, table) = leading_focal_length(&lines)?;
     let Some(last) = table.last() else {
-        return Err(rows.error_at_end("the file has no rows; expected at least one interface"));
+        return Err(lines.error_at_end("the file has no rows; expected at least one interface"));
     };
-    at_most(&rows, table, &format!("a lens has at most {MAX_INTERFACES} interfaces"))?;
-    let raw = if table.iter().any(|row| row.words.len() == 5) {
-        table.iter().map(|row| smith::interface(&rows, &glasses, row, std::ptr::eq(row, last))).collect()
+    lines.at_most(table, &format!("a lens has at most {MAX_INTERFACES} interfaces"))?;
+    let rows = if table.iter().any(|line| line.words.len() == 5) {
+        table.iter().map(|line| five_column::row(&lines, &glasses, line, std::ptr::eq(line, last))).collect()
     } else {
-        table.iter().map(|row| four_column::interface(&rows, &glasses, row)).collect::<Result<Vec<_>, _>>()
+        table.iter().map(|line| four_column::row(&lines, &glasses, line)).collect::<Result<Vec<_>, _>>()
     }?;
-    let mut interfaces = check::check(&rows, table, raw)?;
+    let mut interfaces = surface_row::interfaces(&lines, table, rows)?;
     let back = std::mem::take(&mut interfaces.last_mut().expect("at least one row").thickness);
     Ok(Prescription {
         name: short_name,
-        title: rows.title.clone(),
+        title: lines.title.clone(),
         interfaces,
         nominal_film_distance: (back > 0.0).then_some(back),
         stated_focal_length,
     })
 }
 
-/// A row's values before it is known what lies on the interface's scene side.
-#[derive(Clone, Copy, Debug)]
-struct RawInterface {
-    /// Signed radius in mm; infinite for a plane.
-    radius: f64,
-    /// The row says in words that it is the stop.
-    says_stop: bool,
-    thickness: f64,
-    medium: Medium,
-    diameter: f64,
-}
-
-fn leading_focal_length(rows: &Rows) -> Result<(Option<f64>, &[Row]), LensFileError> {
-    match rows.rows.split_first() {
+/// The focal length on a first line of its own, and the lines of the table.
+fn leading_focal_length(lines: &Lines) -> Result<(Option<f64>, &[Line]), LensFileError> {
+    match lines.lines.split_first() {
         Some((first, rest)) if first.words.len() == 1 => {
             let word = &first.words[0];
-            let length = rows.number(word, "a focal length in mm on a line of its own")?;
+            let length = lines.number(word, "a focal length in mm on a line of its own")?;
             if length <= 0.0 {
-                return Err(rows.error(word, "a focal length on a line of its own must be positive"));
+                return Err(lines.error(word, "a focal length on a line of its own must be positive"));
             }
             Ok((Some(length), rest))
         }
-        _ => Ok((None, &rows.rows)),
+        _ => Ok((None, &lines.lines)),
     }
-}
-
-/// The radius column, the same in both formats: a number, 0 and `inf` being planes.
-fn radius(rows: &Rows, word: &Word) -> Result<f64, LensFileError> {
-    let unsigned = word.text.trim_start_matches(['+', '-']);
-    if unsigned.eq_ignore_ascii_case("inf") || unsigned.eq_ignore_ascii_case("infinity") {
-        return Ok(f64::INFINITY);
-    }
-    let radius = rows.number(word, "a radius of curvature in mm (0 or inf for a plane)")?;
-    Ok(if radius == 0.0 { f64::INFINITY } else { radius })
-}
-
-/// The index column: 0 and 1 are air.
-fn index(rows: &Rows, word: &Word) -> Result<Option<f64>, LensFileError> {
-    let index = rows.number(word, "a refractive index (0 or 1 for air)")?;
-    if index == 0.0 || index == 1.0 {
-        Ok(None)
-    } else if index > 1.0 {
-        Ok(Some(index))
-    } else {
-        Err(rows.error(word, "a refractive index is 1 or more; write 0 or 1 for air"))
-    }
-}
-
-fn is_stop_word(word: &Word) -> bool {
-    word.text.eq_ignore_ascii_case("stop")
-}
-
-/// That there are at most [`MAX_INTERFACES`] rows of one kind.
-fn at_most(rows: &Rows, some: &[Row], limit: &str) -> Result<(), LensFileError> {
-    match some.get(MAX_INTERFACES) {
-        None => Ok(()),
-        Some(beyond) => {
-            let message = format!("row {} of {}; {limit}", MAX_INTERFACES + 1, some.len());
-            Err(rows.error(&beyond.words[0], &message))
-        }
-    }
-}
-
-/// The beginning of a name that is too long to be shown whole.
-pub(super) fn beginning(name: &str) -> String {
-    name.chars().take(32).chain("...".chars()).collect()
 }
 
 fn short_name(name: &str) -> String {

@@ -1,7 +1,10 @@
 //! Every accepted spelling and every refusal, the latter as its user would read it.
 
 use super::*;
-use crate::prescription::catalogue;
+use crate::prescription::{
+    catalogue,
+    interfaces::{Medium, Shape},
+};
 
 const SINGLET: &str = "20 5 1.5 10\n-20 30 1 10\n";
 
