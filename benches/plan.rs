@@ -12,7 +12,7 @@ use std::{hint::black_box, time::Instant};
 
 use contest::Contest;
 use realistic::{
-    camera::{BLOCK, Host, Parameters, Raster, RayBlock, RealisticCamera, Sample, SampleBlock},
+    camera::{Host, Parameters, Raster, RayBlock, RealisticCamera, Sample, SampleBlock},
     imaging::focus::Focus,
     lens::Lens,
     prescription::catalogue,
@@ -23,7 +23,7 @@ use realistic::{
         polynomial::{Polynomial, PolynomialLens},
     },
 };
-use realistic_lab::ray_set::passing_rays;
+use realistic_lab::{BLOCK, ray_set::passing_rays};
 
 /// The lenses of the assignment.
 const LENSES: [&str; 4] = ["dgauss.50mm", "wide.22mm", "telephoto.250mm", "fisheye.10mm"];
@@ -154,11 +154,11 @@ fn cameras(lens: &str, rounds: usize) {
     let mut many = Contest::new(BLOCK * BLOCKS, "ns a ray, batches");
     let mut single = Contest::new(BLOCK, "ns a ray, one by one");
     for (camera, tolerance) in cameras.iter().zip(TOLERANCES) {
-        let mut blocks: Vec<SampleBlock> = vec![SampleBlock::new(); BLOCKS];
+        let mut blocks: Vec<SampleBlock<BLOCK>> = vec![SampleBlock::new(); BLOCKS];
         for (i, block) in blocks.iter_mut().enumerate() {
             (0..BLOCK).for_each(|j| block.set(j, &sample(i * BLOCK + j)));
         }
-        let mut rays = RayBlock::new();
+        let mut rays = RayBlock::<BLOCK>::new();
         many.enter(&format!("tolerance {tolerance}"), move || {
             for block in &blocks {
                 camera.rays(&block.arrays(BLOCK), &mut rays.arrays(BLOCK));

@@ -72,7 +72,7 @@ struct Batch<S, F> {
 }
 
 /// Rays a call: what a camera's block has.
-const CALL: usize = realistic::camera::BLOCK;
+const CALL: usize = crate::BLOCK;
 
 impl<S, F> Runner for Batch<S, F>
 where

@@ -28,3 +28,6 @@ pub mod statistics;
 pub mod subject;
 pub mod suite;
 pub mod table;
+
+/// Samples in a batch, as many as stay in the first cache.
+pub const BLOCK: usize = 384;

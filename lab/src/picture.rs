@@ -1,6 +1,7 @@
 //! Rendered pictures: RMS error to a long reference, against time on one core.
 
 use crate::{
+    BLOCK,
     clock::now,
     renderers::{RENDERERS, Shoot, built},
     sampler::PUPILS,
@@ -10,7 +11,7 @@ use crate::{
     subject::Subject,
     table::Table,
 };
-use realistic::camera::{BLOCK, CameraError, Raster, Sample, SampleBlock};
+use realistic::camera::{CameraError, Raster, Sample, SampleBlock};
 
 /// How much is measured.
 #[derive(Clone, Copy, Debug)]
@@ -38,7 +39,7 @@ fn render(
     let mut points = vec![[0.0; 4]; samples];
     let mut block = Box::new(SampleBlock::new());
     let (mut owners, mut shots, mut count) = ([0; BLOCK], [None; BLOCK], 0);
-    let mut flush = |block: &SampleBlock, owners: &[usize; BLOCK], count: usize| {
+    let mut flush = |block: &SampleBlock<BLOCK>, owners: &[usize; BLOCK], count: usize| {
         shoot(block, count, &mut shots);
         for (owner, shot) in owners.iter().zip(&shots[..count]) {
             if let Some((origin, direction, weight)) = *shot

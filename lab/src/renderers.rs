@@ -1,19 +1,20 @@
 //! The ways to take a whole picture that are compared.
 
 use crate::{
+    BLOCK,
     ray_map::fit,
     sampler::{Shot, camera},
     subject::{FILM_DIAGONAL, Subject},
 };
 use realistic::{
-    camera::{BLOCK, CameraError, Film, Parameters, Raster, RayBlock, Sample, SampleBlock, Value},
+    camera::{CameraError, Film, Parameters, Raster, RayBlock, Sample, SampleBlock, Value},
     imaging::irradiance::{cos4, film_ray},
     sampling::{DiskMapping, PupilDisk, PupilSample, WarpedPupil},
     trace::{Ray, kernel::Traced, polynomial::PolynomialLens},
 };
 
 /// The first so many samples of a block in, rays and weights out.
-pub type Shoot = Box<dyn FnMut(&SampleBlock, usize, &mut [Option<Shot>; BLOCK])>;
+pub type Shoot = Box<dyn FnMut(&SampleBlock<BLOCK>, usize, &mut [Option<Shot>; BLOCK])>;
 
 /// A way to take the picture.
 #[derive(Clone, Copy, Debug)]
@@ -80,7 +81,7 @@ fn blocks(
         ..Parameters::default()
     };
     let camera = camera(&subject.lens.name, raster, given)?;
-    let mut rays = Box::new(RayBlock::new());
+    let mut rays = Box::new(RayBlock::<BLOCK>::new());
     Ok(Box::new(move |samples, count, shots| {
         camera.rays(&samples.arrays(count), &mut rays.arrays(count));
         for (i, shot) in shots[..count].iter_mut().enumerate() {

@@ -1,8 +1,7 @@
 //! From parameters to a checked set-up: the lens, the film in its place, and what the camera is to be.
 
 use super::{
-    CameraError, DEFAULT_INTERVAL, Film, Host, IdealCamera, Level, ParameterError, Parameters, Raster,
-    RealisticCamera,
+    CameraError, DEFAULT_INTERVAL, Film, Host, Level, ParameterError, Parameters, Raster,
     focusing::{Focusing, place_film},
     lens_setup::{LensSetup, open_lens, set_up_lens},
     parameters::{
@@ -39,40 +38,9 @@ pub(crate) struct Setup {
     pub placement: Placement,
 }
 
-impl RealisticCamera {
-    /// Builds a camera of the model "lens". `log` receives warnings.
-    ///
-    /// # Errors
-    /// What is wrong, and what to give instead.
-    pub fn build(
-        parameters: &Parameters,
-        host: &Host,
-        log: &mut dyn FnMut(Level, &str),
-    ) -> Result<Self, CameraError> {
-        choice("model", parameters.model.as_deref(), &[("lens", ())])?;
-        let setup = Setup::of(parameters, host, Focusing::Exact, log)?;
-        Self::from_setup(setup, log)
-    }
-}
-
-impl IdealCamera {
-    /// Builds the thick lens of the parameters' lens, or its thin one. `log` receives warnings.
-    ///
-    /// # Errors
-    /// What is wrong, and what to give instead.
-    pub fn build(
-        parameters: &Parameters,
-        host: &Host,
-        thin: bool,
-        log: &mut dyn FnMut(Level, &str),
-    ) -> Result<Self, CameraError> {
-        let setup = Setup::of(parameters, host, Focusing::Paraxial, log)?;
-        Self::from_setup(setup, thin)
-    }
-}
-
 impl Setup {
-    fn of(
+    /// Reads and checks every parameter once.
+    pub fn of(
         parameters: &Parameters,
         host: &Host,
         focusing: Focusing,

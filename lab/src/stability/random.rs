@@ -2,12 +2,13 @@
 
 use std::fmt::Write;
 
+use crate::BLOCK;
 use crate::stability::{
     case::{Case, CaseResult, is_sound},
     kernel::Kernel,
 };
 use realistic::{
-    camera::{BLOCK, Host, Outcome, Parameters, Raster, RayBlock, RealisticCamera, Sample, SampleBlock},
+    camera::{Host, Outcome, Parameters, Raster, RayBlock, RealisticCamera, Sample, SampleBlock},
     lens::Lens,
     prescription::read,
     trace::{
@@ -189,7 +190,7 @@ impl Survey {
 pub fn through_cameras(seed: u64, lenses: usize, rays: usize) -> Survey {
     let mut random = Random::new(seed);
     let mut survey = Survey::default();
-    let (mut samples, mut out) = (Box::new(SampleBlock::new()), Box::new(RayBlock::new()));
+    let (mut samples, mut out) = (Box::new(SampleBlock::<BLOCK>::new()), Box::new(RayBlock::<BLOCK>::new()));
     for number in 0..lenses {
         let camera = random_camera(&mut random, number);
         let path = Path::<f32>::film_to_scene(camera.lens());
@@ -210,6 +211,7 @@ pub fn through_cameras(seed: u64, lenses: usize, rays: usize) -> Survey {
                 }
             }
             survey.rays += count as u64;
+            let out = out.arrays(count);
             for i in 0..count {
                 let weight = out.weight[i];
                 // A block's ray is there where its weight is not 0: one that is not a number must not hide.
@@ -217,8 +219,10 @@ pub fn through_cameras(seed: u64, lenses: usize, rays: usize) -> Survey {
                     continue;
                 }
                 survey.passed += 1;
-                let (origin, direction) =
-                    (out.origin.map(|column| column[i]), out.direction.map(|column| column[i]));
+                let (origin, direction) = (
+                    out.origin.each_ref().map(|column| column[i]),
+                    out.direction.each_ref().map(|column| column[i]),
+                );
                 let [x, y, z] = direction;
                 let is_unit = (x * x + y * y + z * z - 1.0).abs() < 4.0 * f32::EPSILON;
                 let finite = origin.iter().all(|x| x.is_finite());

@@ -106,13 +106,13 @@ fn as_json(plan: &Plan) -> Value {
         let candidates: Vec<Value> = choice
             .candidates
             .iter()
-            .map(|Candidate { model, cost, verdict }| {
+            .map(|Candidate { tracing, cost, verdict }| {
                 let errors = match verdict {
                     Verdict::Chosen(errors) | Verdict::Rejected(errors) => Some(errors),
                     Verdict::Excluded(_) | Verdict::Untried => None,
                 };
                 json!({
-                    "model": model.name(),
+                    "model": tracing.to_string(),
                     "ordered_by_ns_a_ray": cost,
                     "chosen": matches!(verdict, Verdict::Chosen(_)),
                     "verdict": verdict.text(),

@@ -2,7 +2,8 @@
 
 use super::Order;
 use crate::failure::Failure;
-use realistic::camera::{BLOCK, RayBlock, RealisticCamera, Sample, SampleBlock};
+use realistic::camera::{RayBlock, RealisticCamera, Sample, SampleBlock};
+use realistic_lab::BLOCK;
 use realistic_lab::bench::{Effort, Timing, interleaved};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -42,7 +43,7 @@ impl Savings {
             .collect::<Result<_, _>>()?;
         let samples = samples(order);
         let batches = timed(&cameras, RAYS, |camera| {
-            let mut rays = RayBlock::new();
+            let mut rays = RayBlock::<BLOCK>::new();
             camera.rays(&samples.arrays(BLOCK), &mut rays.arrays(BLOCK));
             black_box(&rays);
         });
@@ -117,7 +118,7 @@ fn timed<T>(ways: &[T], effort: Effort, work: impl Fn(&T)) -> Vec<Timing> {
 }
 
 /// Samples all but evenly spread (R2 sequence, M. Roberts 2018) over the image.
-fn samples(order: &Order) -> SampleBlock {
+fn samples(order: &Order) -> SampleBlock<BLOCK> {
     let mut block = SampleBlock::new();
     for i in 0..BLOCK {
         let number = |step: f64| (0.5 + step * i as f64).fract();

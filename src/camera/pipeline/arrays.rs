@@ -1,9 +1,12 @@
-//! Many samples at once, as structure of arrays: a caller's own, and blocks that fit the first cache.
+//! Samples and rays as structure of arrays: a caller's own, one sample's as arrays of one, and blocks of a fixed size.
 
-use crate::camera::{Sample, WorldRay};
+use std::{array, slice};
 
-/// Samples of a block: as many as fill three of any vectors a whole number of times.
-pub const BLOCK: usize = 384;
+use crate::camera::ray::{Sample, WorldRay};
+
+/// Samples that are copied into arrays at once: few enough for the first cache, and a whole number of times three of
+/// any vectors.
+pub(crate) const BLOCK: usize = 384;
 
 /// Samples, as structure of arrays of one length.
 #[derive(Clone, Copy, Debug)]
@@ -12,15 +15,24 @@ pub struct SampleArrays<'a> {
     pub image_x: &'a [f32],
     /// Raster y.
     pub image_y: &'a [f32],
-    /// First lens numbers.
+    /// Lens samples u.
     pub lens_u: &'a [f32],
-    /// Second lens numbers.
+    /// Lens samples v.
     pub lens_v: &'a [f32],
-    /// Time numbers.
+    /// Time samples.
     pub time: &'a [f32],
 }
 
-impl SampleArrays<'_> {
+impl<'a> SampleArrays<'a> {
+    /// Arrays of one.
+    #[inline(always)]
+    pub(crate) fn of_one(sample: &'a Sample) -> Self {
+        let Sample { image_x, image_y, lens_u, lens_v, time } = sample;
+        let [image_x, image_y, lens_u, lens_v, time] =
+            [image_x, image_y, lens_u, lens_v, time].map(slice::from_ref);
+        Self { image_x, image_y, lens_u, lens_v, time }
+    }
+
     /// The number of samples.
     ///
     /// # Panics
@@ -33,6 +45,9 @@ impl SampleArrays<'_> {
     }
 
     /// The sample at a place.
+    ///
+    /// # Panics
+    /// There is none.
     #[inline]
     pub fn get(&self, i: usize) -> Sample {
         Sample {
@@ -73,7 +88,16 @@ pub struct RayArrays<'a> {
     pub weight: &'a mut [f32],
 }
 
-impl RayArrays<'_> {
+impl<'a> RayArrays<'a> {
+    /// Arrays of one, for all but its range and time.
+    #[inline(always)]
+    pub(crate) fn of_one(ray: &'a mut WorldRay, weight: &'a mut f32) -> Self {
+        let WorldRay { origin: [ox, oy, oz], direction: [dx, dy, dz], .. } = ray;
+        let [ox, oy, oz, dx, dy, dz, weight] = [ox, oy, oz, dx, dy, dz, weight].map(slice::from_mut);
+        let (origin, direction) = ([ox, oy, oz], [dx, dy, dz]);
+        Self { origin, direction, mint: None, maxt: None, time: None, weight }
+    }
+
     /// The number of rays.
     ///
     /// # Panics
@@ -87,7 +111,22 @@ impl RayArrays<'_> {
         n
     }
 
+    /// One place of all but range and time.
+    pub(crate) fn place(&mut self, i: usize) -> RayArrays<'_> {
+        RayArrays {
+            origin: self.origin.each_mut().map(|array| slice::from_mut(&mut array[i])),
+            direction: self.direction.each_mut().map(|array| slice::from_mut(&mut array[i])),
+            mint: None,
+            maxt: None,
+            time: None,
+            weight: slice::from_mut(&mut self.weight[i]),
+        }
+    }
+
     /// Puts a ray, or none, at a place.
+    ///
+    /// # Panics
+    /// There is no such place.
     #[inline]
     pub fn set(&mut self, i: usize, ray: Option<(WorldRay, f32)>) {
         let Some((WorldRay { origin, direction, mint, maxt, time }, weight)) = ray else {
@@ -107,112 +146,97 @@ impl RayArrays<'_> {
     }
 }
 
-/// A block of samples, as structure of arrays.
+/// Up to `N` samples, as structure of arrays.
 #[derive(Clone, Debug)]
-pub struct SampleBlock {
-    /// Raster x.
-    pub image_x: [f32; BLOCK],
-    /// Raster y.
-    pub image_y: [f32; BLOCK],
-    /// First lens number.
-    pub lens_u: [f32; BLOCK],
-    /// Second lens number.
-    pub lens_v: [f32; BLOCK],
-    /// Time number.
-    pub time: [f32; BLOCK],
-}
+pub struct SampleBlock<const N: usize>([[f32; N]; 5]);
 
-impl SampleBlock {
+impl<const N: usize> SampleBlock<N> {
     /// A block of zeros.
     pub const fn new() -> Self {
-        let zero = [0.0; BLOCK];
-        Self { image_x: zero, image_y: zero, lens_u: zero, lens_v: zero, time: zero }
+        Self([[0.0; N]; 5])
     }
 
-    /// Puts a sample at a place below [`BLOCK`].
+    /// Puts a sample at a place.
+    ///
+    /// # Panics
+    /// The place is not below `N`.
     #[inline]
     pub fn set(&mut self, i: usize, sample: &Sample) {
         let Sample { image_x, image_y, lens_u, lens_v, time } = *sample;
-        self.image_x[i] = image_x;
-        self.image_y[i] = image_y;
-        self.lens_u[i] = lens_u;
-        self.lens_v[i] = lens_v;
-        self.time[i] = time;
+        for (array, number) in self.0.iter_mut().zip([image_x, image_y, lens_u, lens_v, time]) {
+            array[i] = number;
+        }
     }
 
     /// The first `n` samples.
     ///
     /// # Panics
-    /// `n` is more than [`BLOCK`].
+    /// `n` is more than `N`.
     pub fn arrays(&self, n: usize) -> SampleArrays<'_> {
-        let Self { image_x, image_y, lens_u, lens_v, time } = self;
-        let [image_x, image_y, lens_u, lens_v, time] =
-            [image_x, image_y, lens_u, lens_v, time].map(|array| &array[..n]);
+        let [image_x, image_y, lens_u, lens_v, time] = self.0.each_ref().map(|array| &array[..n]);
         SampleArrays { image_x, image_y, lens_u, lens_v, time }
     }
 }
 
-impl Default for SampleBlock {
+impl<const N: usize> Default for SampleBlock<N> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-/// What becomes of a block of samples, as structure of arrays.
+/// What becomes of up to `N` samples, as structure of arrays.
 #[derive(Clone, Debug)]
-pub struct RayBlock {
-    /// Origins, world units: x, y and z.
-    pub origin: [[f32; BLOCK]; 3],
-    /// Unit directions.
-    pub direction: [[f32; BLOCK]; 3],
-    /// Where each begins.
-    pub mint: [f32; BLOCK],
-    /// Where each ends.
-    pub maxt: [f32; BLOCK],
-    /// When each is.
-    pub time: [f32; BLOCK],
-    /// Weights: positive, or 0 where there is no ray and the other numbers mean nothing.
-    pub weight: [f32; BLOCK],
-}
+pub struct RayBlock<const N: usize>([[f32; N]; 10]);
 
-impl RayBlock {
+impl<const N: usize> RayBlock<N> {
     /// A block without rays.
     pub const fn new() -> Self {
-        let zero = [0.0; BLOCK];
-        Self { origin: [zero; 3], direction: [zero; 3], mint: zero, maxt: zero, time: zero, weight: zero }
+        Self([[0.0; N]; 10])
     }
 
     /// Room for `n` rays.
     ///
     /// # Panics
-    /// `n` is more than [`BLOCK`].
+    /// `n` is more than `N`.
+    #[inline(always)]
     pub fn arrays(&mut self, n: usize) -> RayArrays<'_> {
-        RayArrays {
-            origin: self.origin.each_mut().map(|array| &mut array[..n]),
-            direction: self.direction.each_mut().map(|array| &mut array[..n]),
-            mint: Some(&mut self.mint[..n]),
-            maxt: Some(&mut self.maxt[..n]),
-            time: Some(&mut self.time[..n]),
-            weight: &mut self.weight[..n],
+        let [ox, oy, oz, dx, dy, dz, mint, maxt, time, weight] =
+            self.0.each_mut().map(|array| &mut array[..n]);
+        let [mint, maxt, time] = [mint, maxt, time].map(Some);
+        RayArrays { origin: [ox, oy, oz], direction: [dx, dy, dz], mint, maxt, time, weight }
+    }
+
+    /// Gives every ray this range and time.
+    #[inline(always)]
+    pub(crate) fn set_range_and_time(&mut self, [mint, maxt]: [f32; 2], time: f32) {
+        for (array, number) in self.0[6..9].iter_mut().zip([mint, maxt, time]) {
+            *array = [number; N];
         }
     }
 
-    /// The ray at a place below [`BLOCK`], with its weight.
-    #[inline]
-    pub fn get(&self, i: usize) -> Option<(WorldRay, f32)> {
-        (self.weight[i] > 0.0).then(|| (self.ray(i), self.weight[i]))
+    /// The weight at a place: 0 where there is no ray.
+    ///
+    /// # Panics
+    /// The place is not below `N`.
+    #[inline(always)]
+    pub fn weight(&self, i: usize) -> f32 {
+        self.0[9][i]
     }
 
-    /// The numbers at a place below [`BLOCK`], which mean nothing where the weight is 0.
+    /// The ray at a place, with its weight.
+    ///
+    /// # Panics
+    /// The place is not below `N`.
     #[inline(always)]
-    pub fn ray(&self, i: usize) -> WorldRay {
-        let Self { origin: [ox, oy, oz], direction: [dx, dy, dz], mint, maxt, time, .. } = self;
-        let (origin, direction) = ([ox[i], oy[i], oz[i]], [dx[i], dy[i], dz[i]]);
-        WorldRay { origin, direction, mint: mint[i], maxt: maxt[i], time: time[i] }
+    pub fn get(&self, i: usize) -> Option<(WorldRay, f32)> {
+        let weight = self.weight(i);
+        let [origin, direction, [mint, maxt, time]] =
+            array::from_fn(|k| [self.0[3 * k][i], self.0[3 * k + 1][i], self.0[3 * k + 2][i]]);
+        (weight > 0.0).then_some((WorldRay { origin, direction, mint, maxt, time }, weight))
     }
 }
 
-impl Default for RayBlock {
+impl<const N: usize> Default for RayBlock<N> {
     fn default() -> Self {
         Self::new()
     }
