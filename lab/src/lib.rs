@@ -17,6 +17,7 @@ pub mod ray_map;
 pub mod ray_set;
 pub mod reference;
 pub mod refractions;
+pub mod render;
 pub mod renderers;
 pub mod sampler;
 pub mod scene;

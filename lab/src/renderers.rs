@@ -2,18 +2,44 @@
 
 use crate::{
     ray_map::fit,
+    render::RaySource,
     sampler::{Shot, camera},
     subject::{FILM_DIAGONAL, Subject},
 };
 use realistic::{
+    abi::{realistic_ray, realistic_sample},
     camera::{BLOCK, CameraError, Film, Parameters, Raster, RayBlock, Sample, SampleBlock, Value},
     imaging::irradiance::{cos4, film_ray},
     sampling::{DiskMapping, Drawn, PupilDisk, WarpedPupil},
     trace::{Ray, kernel::Traced, polynomial::PolynomialLens},
 };
+use std::convert::Infallible;
 
-/// The first so many samples of a block in, rays and weights out.
-pub type Shoot = Box<dyn FnMut(&SampleBlock, usize, &mut [Option<Shot>; BLOCK])>;
+/// A camera of the laboratory: samples in, a ray and its weight for each out; none where it is blocked.
+pub struct Source(Box<dyn FnMut(&[realistic_sample], &mut dyn FnMut(usize, Option<Shot>))>);
+
+impl RaySource for Source {
+    type Error = Infallible;
+
+    fn rays(
+        &mut self,
+        samples: &[realistic_sample],
+        rays: &mut [realistic_ray],
+        weights: &mut [f32],
+    ) -> Result<(), Infallible> {
+        (self.0)(samples, &mut |number, shot| {
+            let (o, d, weight) = shot.unwrap_or_default();
+            rays[number] = realistic_ray { o, d, ..realistic_ray::default() };
+            weights[number] = weight;
+        });
+        Ok(())
+    }
+}
+
+fn sample(of: &realistic_sample) -> Sample {
+    let realistic_sample { image_x, image_y, lens_u, lens_v, time } = *of;
+    Sample { image_x, image_y, lens_u, lens_v, time }
+}
 
 /// A way to take the picture.
 #[derive(Clone, Copy, Debug)]
@@ -21,10 +47,10 @@ pub struct Renderer {
     /// Short name.
     pub name: &'static str,
     /// Makes it ready for a lens.
-    pub prepare: fn(&Subject, Raster) -> Result<Shoot, CameraError>,
+    pub prepare: fn(&Subject, Raster) -> Result<Source, CameraError>,
 }
 
-/// Every way to take a whole picture that is compared, all with Sobol' numbers.
+/// Every way to take a whole picture that is compared, all with Sobol' samples.
 pub const RENDERERS: &[Renderer] = &[
     Renderer { name: "blocks, 0.1 pixel", prepare: |s, r| blocks(s, r, None, 0.1) },
     Renderer { name: "blocks f32, warped", prepare: |s, r| blocks(s, r, Some("f32"), 0.0) },
@@ -62,7 +88,7 @@ fn named(given: &[(&str, &str)]) -> Result<Parameters, CameraError> {
 }
 
 /// A camera with these text parameters, asked for ray after ray.
-pub fn built(subject: &Subject, raster: Raster, given: &[(&str, &str)]) -> Result<Shoot, CameraError> {
+pub fn built(subject: &Subject, raster: Raster, given: &[(&str, &str)]) -> Result<Source, CameraError> {
     let camera = camera(&subject.lens.name, raster, named(given)?)?;
     Ok(each(move |sample| camera.shoot(sample)))
 }
@@ -73,7 +99,7 @@ fn blocks(
     raster: Raster,
     precision: Option<&str>,
     tolerance: f64,
-) -> Result<Shoot, CameraError> {
+) -> Result<Source, CameraError> {
     let given = Parameters {
         precision: precision.map(str::to_owned),
         tolerance: Some(tolerance),
@@ -81,22 +107,23 @@ fn blocks(
     };
     let camera = camera(&subject.lens.name, raster, given)?;
     let mut rays = Box::new(RayBlock::new());
-    Ok(Box::new(move |samples, count, shots| {
-        camera.rays(&samples.arrays(count), &mut rays.arrays(count));
-        for (i, shot) in shots[..count].iter_mut().enumerate() {
-            *shot = rays.get(i).map(|(ray, weight)| (ray.origin, ray.direction, weight));
+    let mut block = Box::new(SampleBlock::new());
+    Ok(Source(Box::new(move |samples, take| {
+        for (first, samples) in (0..).step_by(BLOCK).zip(samples.chunks(BLOCK)) {
+            samples.iter().enumerate().for_each(|(i, of)| block.set(i, &sample(of)));
+            camera.rays(&block.arrays(samples.len()), &mut rays.arrays(samples.len()));
+            for i in 0..samples.len() {
+                take(first + i, rays.get(i).map(|(ray, weight)| (ray.origin, ray.direction, weight)));
+            }
         }
-    }))
+    })))
 }
 
 /// Sample after sample.
-fn each(shoot: impl Fn(&Sample) -> Option<Shot> + 'static) -> Shoot {
-    Box::new(move |samples, count, shots| {
-        let samples = samples.arrays(count);
-        for (i, shot) in shots[..count].iter_mut().enumerate() {
-            *shot = shoot(&samples.get(i));
-        }
-    })
+fn each(shoot: impl Fn(&Sample) -> Option<Shot> + 'static) -> Source {
+    Source(Box::new(move |samples, take| {
+        samples.iter().enumerate().for_each(|(i, of)| take(i, shoot(&sample(of))));
+    }))
 }
 
 /// Where in the pupil a model's rays go.
@@ -125,7 +152,7 @@ fn modelled(
     raster: Raster,
     pupil: Pupil,
     map: impl Fn([f64; 2], [f64; 2]) -> Option<Ray> + 'static,
-) -> Shoot {
+) -> Source {
     let film = Film::new(raster, FILM_DIAGONAL);
     each(move |sample| {
         let point = film.point(sample.image_x.into(), sample.image_y.into());
@@ -137,7 +164,7 @@ fn modelled(
     })
 }
 
-fn thick(subject: &Subject, raster: Raster) -> Result<Shoot, CameraError> {
+fn thick(subject: &Subject, raster: Raster) -> Result<Source, CameraError> {
     let (lens, film_z) = (subject.first_order, subject.film_z);
     let map = move |point, slopes| Some(lens.transfer(film_ray(point, film_z, slopes)));
     Ok(modelled(raster, disk(subject), map))
@@ -147,7 +174,7 @@ fn polynomial<const ORDER: usize>(
     subject: &Subject,
     raster: Raster,
     pupil: Pupil,
-) -> Result<Shoot, CameraError> {
+) -> Result<Source, CameraError> {
     let model = PolynomialLens::<f64>::new(&fit(subject, ORDER));
     Ok(modelled(raster, pupil, move |point, slopes| model.trace_one(point, slopes).as_ref().map(Traced::ray)))
 }

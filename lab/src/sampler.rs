@@ -1,4 +1,4 @@
-//! The cameras whose estimates are compared: every way to sample the pupil and the lens numbers.
+//! The cameras whose estimates are compared: every way to sample the pupil and the unit disk.
 
 use crate::subject::FILM_DIAGONAL;
 use realistic::{
@@ -8,7 +8,7 @@ use realistic::{
 
 /// The ways to sample the pupil, by the parameter `pupil`.
 pub const PUPILS: &[&str] = &["rear", "disk", "warped"];
-/// The ways from lens numbers to the unit disk, by the parameter `disk`.
+/// The mappings from the lens sample (u, v) to the unit disk, by the parameter `disk`.
 pub const DISKS: &[&str] = &["concentric", "polar", "rejection"];
 
 /// A camera that is asked for a ray at a time.

@@ -2,9 +2,7 @@
 
 use super::render::{picture_path, writable};
 use crate::failure::Failure;
-use crate::host::image::Picture;
-use crate::host::lettering;
-use crate::host::sheet::Sheet;
+use crate::host::image::{Picture, Sheet, lettering};
 use glam::Vec3;
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;

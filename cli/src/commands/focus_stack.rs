@@ -2,8 +2,8 @@
 
 use crate::choice::distance;
 use crate::failure::Failure;
-use crate::host::scene::Scene;
-use crate::host::sheet::Sheet;
+use crate::host::image::Sheet;
+use crate::host::scene::props;
 use crate::host::studio::{Options, Order, Studio, parameter_help};
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -57,7 +57,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
                 .to_owned(),
         ));
     }
-    let scene = Scene::new().with("soft-shadow,dof".parse().map_err(Failure::Usage)?);
+    let scene = props::scene().with("soft-shadow,dof".parse().map_err(Failure::Usage)?);
     let order = Order { spp: args.options.spp.unwrap_or(SPP), wavelengths: None, frame: None };
     let mut sheet = Sheet::new(studio.size, args.count, COLUMNS);
     let mut text = String::new();

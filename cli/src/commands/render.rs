@@ -1,14 +1,11 @@
 //! `realistic render`: the built-in scene through a lens, or a slide of the lecture.
 
 use crate::failure::Failure;
-use crate::host::autofocus::{Method, Rule};
-use crate::host::camera::Camera;
-use crate::host::effects::Effects;
 use crate::host::image::Format;
-use crate::host::plugin::Plugin;
-use crate::host::scene::Scene;
-use crate::host::slides::Slide;
-use crate::host::studio::{Options, Order, Shot, Studio, parameter_help, stopped_down};
+use crate::host::plugin::{Camera, Plugin};
+use crate::host::scene::effects::Effects;
+use crate::host::scene::props;
+use crate::host::studio::{Method, Options, Order, Rule, Shot, Slide, Studio, parameter_help, stopped_down};
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -62,7 +59,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         return Ok(std::io::stdout().write_all(text.as_bytes())?);
     }
     let mut parameters = stopped_down(&studio.parameters, args.effects)?;
-    let scene = Scene::new().with(args.effects);
+    let scene = props::scene().with(args.effects);
     if !args.autofocus.is_empty() {
         let zones: Vec<[f32; 4]> =
             args.autofocus.iter().map(|zone| zone.unwrap_or_else(|| middle(studio.size))).collect();

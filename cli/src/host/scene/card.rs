@@ -1,7 +1,7 @@
 //! What is printed on the scene's two cards: a title, an arrow up, an arrow to the right
 //! and a star. Nothing of it looks the same in a mirror or upside down.
 
-use super::lettering::{self, LETTER as PIXELS};
+use crate::host::image::lettering::{self, LETTER as PIXELS};
 use glam::{Vec2, Vec3};
 
 /// The card's grid: one unit is one pixel of the title's letters.

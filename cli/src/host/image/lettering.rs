@@ -1,6 +1,6 @@
 //! Letters of eight by eight pixels: on the scene's cards and balls, and under pictures.
 
-use super::image::Picture;
+use super::picture::Picture;
 use font8x8::legacy::BASIC_LEGACY;
 
 /// Pixels of a letter, each way.

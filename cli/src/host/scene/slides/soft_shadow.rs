@@ -1,11 +1,12 @@
 //! Soft shadows: posts and balls in the light of a large lamp low at one side. A shadow is sharp
 //! where it begins and widens away from what throws it.
 
-use super::super::camera::tilted;
+use super::super::objects::{Ball, FLOOR, Finish, Material};
+use super::super::pose::tilted;
 use super::super::props;
-use super::super::scene::{Ball, FLOOR, Finish, Material, Scene};
 use super::super::shapes::Sphere;
 use super::super::sky::Sun;
+use super::super::world::Scene;
 use glam::Vec3;
 
 pub fn scene() -> Scene {
@@ -26,6 +27,6 @@ pub fn scene() -> Scene {
         sun: Sun { towards: Vec3::new(-0.55, 0.62, 0.62), radius: 0.16 },
         pose: tilted(13.0, [0.0, 120.0, 0.0]),
         subject: |_, _| 900.0,
-        ..Scene::new()
+        ..props::scene()
     }
 }

@@ -1,6 +1,6 @@
 //! Parameters by name, put into the fields of the C options.
 
-use super::plugin::PluginError;
+use super::library::PluginError;
 use realistic::abi::realistic_options;
 use realistic::camera::Parameters;
 use std::ffi::CString;

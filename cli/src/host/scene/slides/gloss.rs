@@ -1,11 +1,12 @@
 //! Gloss: a card on a floor of brushed metal, which reflects what stands on it sharply and what is
 //! higher up blurred.
 
-use super::super::camera::tilted;
+use super::super::objects::{Ball, FLOOR, Finish, Material};
+use super::super::pose::tilted;
 use super::super::props;
-use super::super::scene::{Ball, FLOOR, Finish, Material, Scene};
 use super::super::shapes::Sphere;
 use super::super::sky::Sun;
+use super::super::world::Scene;
 use glam::Vec3;
 
 /// Where the card and the balls stand.

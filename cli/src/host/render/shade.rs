@@ -2,17 +2,16 @@
 //! reflections and refractions followed for a few bounces. Distributed ray tracing: one point of
 //! the sun and one facet of a rough surface a ray, so that a pixel's many rays cover them all.
 
-use super::scene::{Finish, Material, Scene};
-use super::shapes::{Hit, Ray};
-use super::sky;
+use crate::host::scene::shapes::{Hit, Ray};
+use crate::host::scene::{Finish, Material, Scene, sky};
 use glam::{Vec2, Vec3};
 
-/// Sample numbers, in [0, 1), of a camera ray.
+/// Where a camera ray samples the light and the surfaces that it meets; coordinates in [0, 1).
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Numbers {
-    /// They choose a point of the sun.
+pub struct ShadingSample {
+    /// It chooses a point of the sun.
     pub light: [f32; 2],
-    /// They choose the facet of a rough surface.
+    /// It chooses the facet of a rough surface.
     pub facet: [f32; 2],
 }
 
@@ -23,20 +22,24 @@ const BOUNCES: u32 = 6;
 const CLEAR_AIR: f32 = 70_000.0;
 const GLASS: f32 = 1.5;
 
-impl Scene {
-    /// Radiance along a ray.
-    pub fn radiance(&self, ray: &Ray, numbers: Numbers) -> Vec3 {
-        self.follow(ray, numbers, 1.0, 0)
-    }
+/// Radiance along a ray.
+pub fn radiance(scene: &Scene, ray: &Ray, sample: ShadingSample) -> Vec3 {
+    Shader { scene }.follow(ray, sample, 1.0, 0)
+}
 
+struct Shader<'a> {
+    scene: &'a Scene,
+}
+
+impl Shader<'_> {
     /// `share` is how much of what comes back will count in the picture.
-    fn follow(&self, ray: &Ray, numbers: Numbers, share: f32, bounces: u32) -> Vec3 {
+    fn follow(&self, ray: &Ray, sample: ShadingSample, share: f32, bounces: u32) -> Vec3 {
         let start = if bounces == 0 { 0.0 } else { 0.05 };
-        let Some((hit, material)) = self.nearest(ray, start) else {
-            let sun = if bounces == 0 { Vec3::ZERO } else { self.sun.mirrored(ray.direction) };
+        let Some((hit, material)) = self.scene.nearest(ray, start) else {
+            let sun = if bounces == 0 { Vec3::ZERO } else { self.scene.sun.mirrored(ray.direction) };
             return sky::radiance(ray.direction) + sun;
         };
-        let colour = self.surface(ray, &hit, &material, numbers, share, bounces);
+        let colour = self.surface(ray, &hit, &material, sample, share, bounces);
         if material.finish == Finish::Lamp {
             return colour;
         }
@@ -48,21 +51,21 @@ impl Scene {
         ray: &Ray,
         hit: &Hit,
         material: &Material,
-        numbers: Numbers,
+        sample: ShadingSample,
         share: f32,
         bounces: u32,
     ) -> Vec3 {
         let point = ray.at(hit.distance);
         let cosine = -hit.normal.dot(ray.direction);
-        let scattered = || self.scattered(point, ray.time, hit.normal, material.colour, numbers.light);
+        let scattered = || self.scattered(point, ray.time, hit.normal, material.colour, sample.light);
         let send = |direction: Vec3, part: f32| {
             if share * part < FAINT || bounces == BOUNCES {
                 return part * sky::radiance(direction);
             }
             let ray = Ray { origin: point, direction, time: ray.time };
-            part * self.follow(&ray, numbers.next(), share * part, bounces + 1)
+            part * self.follow(&ray, sample.next(), share * part, bounces + 1)
         };
-        let facet = facet(hit.normal, material.roughness, numbers.facet);
+        let facet = facet(hit.normal, material.roughness, sample.facet);
         let mirrored = off(ray.direction, facet, hit.normal);
         match material.finish {
             Finish::Lamp => material.colour,
@@ -103,18 +106,18 @@ impl Scene {
     }
 
     fn scattered(&self, point: Vec3, time: f32, normal: Vec3, reflectance: Vec3, light: [f32; 2]) -> Vec3 {
-        let direction = self.sun.direction(light);
+        let direction = self.scene.sun.direction(light);
         let cosine = normal.dot(direction);
-        let mut irradiance = sky::ambient(normal) * self.open_sky(point, normal, time);
+        let mut irradiance = sky::ambient(normal) * self.scene.open_sky(point, normal, time);
         if cosine > 0.0 {
             let shadow = Ray { origin: point, direction, time };
-            irradiance += sky::SUNLIGHT * cosine * self.light_through(&shadow, 0.1);
+            irradiance += sky::SUNLIGHT * cosine * self.scene.light_through(&shadow, 0.1);
         }
         reflectance * irradiance / std::f32::consts::PI
     }
 }
 
-impl Numbers {
+impl ShadingSample {
     /// Others for the next bounce, spread as evenly: a step of the plastic number's lattice.
     fn next(self) -> Self {
         let step = |[u, v]: [f32; 2]| [(u + 0.754_878).fract(), (v + 0.569_840).fract()];
@@ -151,10 +154,11 @@ fn fresnel(cosine: f32, facing: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::host::scene::props;
 
     #[test]
     fn every_direction_gives_light_and_none_gives_nonsense() {
-        let scene = Scene::new();
+        let scene = props::scene();
         for step in 0..4000_u16 {
             let turn = f32::from(step);
             let y = (turn * 0.618_034).fract() * 2.0 - 1.0;
@@ -162,7 +166,7 @@ mod tests {
             let level = (1.0 - y * y).sqrt();
             let direction = Vec3::new(level * sine, y, level * cosine);
             let ray = Ray { origin: Vec3::ZERO, direction, time: 0.25 };
-            let light = scene.radiance(&ray, Numbers { light: [0.5, 0.25], facet: [0.9, 0.4] });
+            let light = radiance(&scene, &ray, ShadingSample { light: [0.5, 0.25], facet: [0.9, 0.4] });
             assert!(light.is_finite() && light.min_element() > 0.0, "{ray:?}: {light}");
         }
     }

@@ -1,30 +1,17 @@
 //! A camera of the plugin, owned and safe to share.
 
+use super::library::{Plugin, PluginError, text};
 use super::options;
-use super::plugin::{Plugin, PluginError, text};
-use super::render::RaySource;
 use realistic::abi::{realistic_camera, realistic_camera_info, realistic_options};
 use realistic::abi::{realistic_ray, realistic_sample};
 use realistic::camera::Parameters;
+use realistic_lab::render::RaySource;
 use std::ffi::{CString, c_char, c_void};
 use std::mem::MaybeUninit;
 use std::sync::Arc;
 
 /// Receives the plugin's warnings while a camera is being built.
 pub type Warn<'a> = &'a dyn Fn(&str);
-
-/// Where a camera stands: the row-major matrix for column vectors that takes its space, mm, to the
-/// scene's.
-pub type Pose = [f32; 16];
-
-/// At the scene's origin, level, looking along +z.
-pub const LEVEL: Pose = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
-
-/// At a place, mm, tilted downward by an angle in degrees.
-pub fn tilted(degrees: f32, [x, y, z]: [f32; 3]) -> Pose {
-    let (sine, cosine) = degrees.to_radians().sin_cos();
-    [1.0, 0.0, 0.0, x, 0.0, cosine, -sine, y, 0.0, sine, cosine, z, 0.0, 0.0, 0.0, 1.0]
-}
 
 /// A built camera. It keeps its plugin loaded.
 pub struct Camera {
@@ -47,10 +34,10 @@ impl Camera {
         plugin: &Arc<Plugin>,
         parameters: &Parameters,
         [width, height]: [u32; 2],
-        pose: &Pose,
+        camera_to_world: &[f32; 16],
         warn: Warn<'_>,
     ) -> Result<Self, PluginError> {
-        let (raw, _strings) = options(plugin, parameters, [width, height], pose, &warn)?;
+        let (raw, _strings) = c_options(plugin, parameters, [width, height], camera_to_world, &warn)?;
         let mut handle = std::ptr::null_mut();
         // SAFETY: the strings and `warn` live until the end of this function, and the
         // callback is used only while the camera is being built.
@@ -91,9 +78,11 @@ impl Camera {
     }
 }
 
-impl RaySource for Camera {
+impl RaySource for &Camera {
+    type Error = PluginError;
+
     fn rays(
-        &self,
+        &mut self,
         samples: &[realistic_sample],
         rays: &mut [realistic_ray],
         weights: &mut [f32],
@@ -107,7 +96,7 @@ impl RaySource for Camera {
 ///
 /// # Safety
 /// `camera` is a live camera of this plugin.
-pub(super) unsafe fn generate(
+pub unsafe fn generate(
     plugin: &Plugin,
     camera: *const realistic_camera,
     samples: &[realistic_sample],
@@ -139,11 +128,11 @@ impl Drop for Camera {
 }
 
 /// The C options of a camera. The strings, and `warn`, must outlive them.
-pub(super) fn options(
+pub fn c_options(
     plugin: &Plugin,
     parameters: &Parameters,
     [width, height]: [u32; 2],
-    pose: &Pose,
+    camera_to_world: &[f32; 16],
     warn: &Warn<'_>,
 ) -> Result<(realistic_options, Vec<CString>), PluginError> {
     let mut raw = MaybeUninit::zeroed();
@@ -154,7 +143,7 @@ pub(super) fn options(
     let mut raw = unsafe { raw.assume_init() };
     let strings = options::fill(&mut raw, parameters)?;
     let units = (1.0 / parameters.mmperunit.unwrap_or(1.0)) as f32;
-    raw.camera_to_world = *pose;
+    raw.camera_to_world = *camera_to_world;
     for row in 0..3 {
         raw.camera_to_world[4 * row + 3] *= units;
     }

@@ -1,12 +1,11 @@
 //! Focusing on a thing in the scene, and metering, with nothing but rays: as a photographer
 //! does through the lens.
 
-use super::camera::{Camera, LEVEL, Warn};
-use super::plugin::{Plugin, PluginError};
-use super::render::RaySource;
-use super::scene::Scene;
+use crate::host::plugin::{Camera, Plugin, PluginError, Warn};
+use crate::host::scene::{LEVEL, Scene};
 use realistic::abi::{realistic_ray, realistic_sample};
 use realistic::camera::Parameters;
+use realistic_lab::render::RaySource;
 use std::sync::Arc;
 
 /// Builds the camera, focused on the scene's subject unless the parameters say where.
@@ -71,7 +70,7 @@ impl AxialRays {
     ///
     /// # Errors
     /// The plugin's own.
-    pub fn of(camera: &impl RaySource, size: [u32; 2]) -> Result<Self, PluginError> {
+    pub fn of(mut camera: impl RaySource<Error = PluginError>, size: [u32; 2]) -> Result<Self, PluginError> {
         const SIDE: u8 = 64;
         let steps = || (0..SIDE).map(|step| (f32::from(step) + 0.5) / f32::from(SIDE));
         let [image_x, image_y] = size.map(|side| side as f32 / 2.0);
@@ -117,14 +116,16 @@ mod tests {
     struct Perfect;
 
     impl RaySource for Perfect {
+        type Error = PluginError;
+
         fn rays(
-            &self,
+            &mut self,
             samples: &[realistic_sample],
             rays: &mut [realistic_ray],
             weights: &mut [f32],
         ) -> Result<(), PluginError> {
             for ((sample, ray), weight) in samples.iter().zip(rays).zip(weights) {
-                let [x, y] = [sample.lens_u, sample.lens_v].map(|number| 20.0 * number - 10.0);
+                let [x, y] = [sample.lens_u, sample.lens_v].map(|u| 20.0 * u - 10.0);
                 let length = (x * x + y * y + 250_000.0).sqrt();
                 ray.o = [x, y, 0.0];
                 ray.d = [-x / length, -y / length, 500.0 / length];
@@ -136,7 +137,7 @@ mod tests {
 
     #[test]
     fn rays_meet_where_the_lens_sends_them() {
-        let rays = AxialRays::of(&Perfect, [30, 20]).unwrap();
+        let rays = AxialRays::of(Perfect, [30, 20]).unwrap();
         assert!((rays.meeting().unwrap() - 500.0).abs() < 1e-3);
         assert_eq!(rays.mean_weight(), 1.0);
     }

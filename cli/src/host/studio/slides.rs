@@ -1,19 +1,12 @@
 //! The lecture's slides: for each effect a small scene, taken without it, with few samples, and
 //! with many (after R. L. Cook, T. Porter and L. Carpenter, "Distributed Ray Tracing", 1984).
 
-mod colour;
-mod gloss;
-mod lenses;
-mod motion;
-mod soft_shadow;
-mod translucency;
-
-use super::effects::Effects;
-use super::image::Picture;
-use super::scene::Scene;
-use super::sheet::Sheet;
-use super::studio::{Options, Order, Studio, stopped_down};
+use super::session::{Frame, Options, Order, Studio, stopped_down};
 use crate::failure::Failure;
+use crate::host::image::{Picture, Sheet};
+use crate::host::scene::effects::Effects;
+use crate::host::scene::slides::{colour, gloss, motion, soft_shadow, translucency};
+use crate::host::scene::{Scene, props};
 use std::fmt::Write as _;
 
 /// A slide.
@@ -73,8 +66,8 @@ impl Slide {
         let many = options.spp.unwrap_or(MANY);
         let scene = self.scene();
         let panels = match self {
-            Self::Lenses => lenses::panels(many),
-            Self::Colour => colour::panels(many, studio.size),
+            Self::Lenses => lenses(many),
+            Self::Colour => colours(many, studio.size),
             Self::Gloss => three(Effects { soft_shadow: true, ..Effects::NONE }, self.shown(), many),
             _ => three(Effects::NONE, self.shown(), many),
         };
@@ -120,7 +113,7 @@ impl Slide {
             Self::Translucency => translucency::scene(),
             Self::SoftShadow => soft_shadow::scene(),
             Self::Motion => motion::scene(),
-            Self::Dof | Self::Lenses => Scene::new(),
+            Self::Dof | Self::Lenses => props::scene(),
             Self::Colour => colour::scene(),
         }
     }
@@ -143,4 +136,41 @@ impl Slide {
 fn three(off: Effects, shown: Effects, many: u32) -> Vec<Panel> {
     let on = |spp: u32| Panel::new(format!("{spp} samples"), shown, spp);
     vec![Panel::new("off", off, many), on(FEW.min(many)), on(many)]
+}
+
+/// The four lenses of Kolb's figure 6, from one place: a telephoto, a wide-angle lens, a double Gauss
+/// and a fisheye, scaled to its focal lengths.
+fn lenses(spp: u32) -> Vec<Panel> {
+    let lens = |label: &str, name: &str, diagonal: f64| {
+        let effects = Effects { soft_shadow: true, ..Slide::Lenses.shown() };
+        Panel::new(label, effects, spp).set("specfile", name).set("filmdiag", diagonal)
+    };
+    vec![
+        lens("200 mm telephoto", "telephoto.250mm@200mm", 43.3),
+        lens("35 mm wide-angle", "wide.22mm@35mm", 43.3),
+        lens("50 mm double Gauss", "dgauss.50mm", 43.3),
+        lens("16 mm fisheye", "fisheye.10mm@16mm", 48.0),
+    ]
+}
+
+/// The corner of a large picture, by one wavelength and by several.
+fn colours(many: u32, size: [u32; 2]) -> Vec<Panel> {
+    /// Times the panel's size, the whole picture's.
+    const ZOOM: u32 = 16;
+    let panel = |label: &str, wavelengths: Option<u32>| {
+        let spp = (2 * many / wavelengths.unwrap_or(1)).clamp(1, many);
+        let mut panel = Panel::new(label, Effects { dof: true, ..Effects::NONE }, spp)
+            .set("specfile", "dgauss.100mm")
+            .set("filmdiag", 43.3)
+            .set("fnumber", 5.6);
+        let [width, height] = size;
+        panel.order.wavelengths = wavelengths;
+        panel.order.frame = Some(Frame {
+            size: [ZOOM * width, ZOOM * height],
+            corner: [width * (ZOOM - 1) - width / 4, height / 4],
+        });
+        panel.exposure = 2.0;
+        panel
+    };
+    vec![panel("587.6 nm", None), panel("3 wavelengths", Some(3)), panel("12 wavelengths", Some(12))]
 }

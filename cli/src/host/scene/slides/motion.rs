@@ -1,11 +1,13 @@
 //! Motion blur: billiard balls, some of them rolling, in the spirit of Cook's "1984". Their shadows
 //! and the reflections of the others in them blur with them.
 
-use super::super::camera::tilted;
-use super::super::lettering::{self, LETTER};
-use super::super::scene::{Ball, FLOOR, Finish, Material, Scene};
+use super::super::objects::{Ball, FLOOR, Finish, Material};
+use super::super::pose::tilted;
+use super::super::props;
 use super::super::shapes::Sphere;
 use super::super::sky::Sun;
+use super::super::world::Scene;
+use crate::host::image::lettering::{self, LETTER};
 use glam::{Vec2, Vec3};
 
 const RADIUS: f32 = 56.0;
@@ -38,7 +40,7 @@ pub fn scene() -> Scene {
         sun: Sun { towards: Vec3::new(-0.6, 0.9, -0.1), radius: 0.06 },
         pose: tilted(14.0, [0.0, 130.0, 0.0]),
         subject: |_, _| 930.0,
-        ..Scene::new()
+        ..props::scene()
     }
 }
 

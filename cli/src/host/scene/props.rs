@@ -3,25 +3,42 @@
 //! long for the card; lamps behind, which turn into the lens' own disks out of focus.
 
 use super::card;
-use super::scene::{Ball, Board, FLOOR, Finish, Lamps, Material};
+use super::objects::{Ball, Board, FLOOR, Finish, Lamps, Material};
+use super::pose::LEVEL;
 use super::shapes::{Panel, Sphere};
+use super::sky::Sun;
+use super::world::Scene;
 use glam::{Vec2, Vec3};
 
 /// The top left corner of the card.
-pub const CARD: Vec3 = Vec3::new(-270.0, 10.0, 1000.0);
+const CARD: Vec3 = Vec3::new(-270.0, 10.0, 1000.0);
 /// The top left corner of the sign.
-pub const SIGN: Vec3 = Vec3::new(-240.0, 262.0, 8000.0);
+const SIGN: Vec3 = Vec3::new(-240.0, 262.0, 8000.0);
+
+/// The built-in scene.
+pub fn scene() -> Scene {
+    Scene {
+        floor: tiles,
+        floor_roughness: 0.03,
+        balls: balls(),
+        boards: boards(),
+        lamps: lamps().into(),
+        sun: Sun::EVENING,
+        pose: LEVEL,
+        subject,
+    }
+}
 
 /// The z of what a lens would be focused on: the card, or the sign when the film is too small
 /// for the whole card.
-pub fn subject(focal_length: f64, film_diagonal: f64) -> f32 {
+fn subject(focal_length: f64, film_diagonal: f64) -> f32 {
     let seen = film_diagonal / 2.0 / focal_length * f64::from(CARD.z);
     let fits = seen > f64::from(CARD.truncate().length());
     if fits { CARD.z } else { SIGN.z }
 }
 
 /// The floor's squares.
-pub fn tiles(point: Vec3) -> Material {
+fn tiles(point: Vec3) -> Material {
     const SIDE: f32 = 155.0;
     let odd = ((point.x / SIDE).floor() + (point.z / SIDE).floor()).rem_euclid(2.0) > 0.5;
     let colour = if odd { [0.60, 0.55, 0.46] } else { [0.08, 0.13, 0.18] };
@@ -32,7 +49,7 @@ pub fn tiles(point: Vec3) -> Material {
 const SPAN: f32 = 5200.0;
 
 /// The cards, and poles for the nearer string of lamps.
-pub fn boards() -> Vec<Board> {
+fn boards() -> Vec<Board> {
     let spans = [-2.5, -1.5, -0.5, 0.5, 1.5, 2.5];
     let poles = spans.map(|span| pole(span * SPAN, 7010.0, 1980.0, 34.0));
     let cards = [card("realistic", CARD, 196.0), card("8 metres", SIGN, 480.0)];
@@ -40,7 +57,7 @@ pub fn boards() -> Vec<Board> {
 }
 
 /// Two strings of lamps and a town.
-pub fn lamps() -> [Lamps; 3] {
+fn lamps() -> [Lamps; 3] {
     [string(7000.0, 23.0, 410.0, [570.0, 1820.0]), string(12_000.0, 38.0, 640.0, [620.0, 1500.0]), town()]
 }
 
@@ -68,7 +85,7 @@ pub fn pole(x: f32, z: f32, height: f32, width: f32) -> Board {
 }
 
 /// Balls on the floor: x, z, radius, colour, finish.
-pub fn balls() -> Vec<Ball> {
+fn balls() -> Vec<Ball> {
     use Finish::{Coated, Glass, Metal};
     const CORAL: [f32; 3] = [0.66, 0.11, 0.07];
     const TEAL: [f32; 3] = [0.02, 0.33, 0.35];
@@ -154,4 +171,59 @@ fn town() -> Lamps {
 
 fn lamp(centre: Vec3, radius: f32, colour: [f32; 3]) -> Ball {
     Ball::new(Sphere::resting(centre, radius), Material::new(colour, Finish::Lamp))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::shapes::{NOON, Ray};
+    use super::*;
+    use glam::Vec2;
+
+    fn looked_at(scene: &Scene, x: f32, y: f32, z: f32) -> Vec3 {
+        let target = Vec3::new(x, y, z);
+        let ray = Ray { origin: Vec3::ZERO, direction: target.normalize(), time: NOON };
+        let (hit, material) = scene.nearest(&ray, 0.0).unwrap();
+        assert!((ray.at(hit.distance) - target).length() < 1.0, "something stands before the card");
+        material.colour
+    }
+
+    #[test]
+    fn the_card_reads_from_left_to_right_and_stands_on_its_foot() {
+        let scene = scene();
+        let Panel { corner, size } = scene.boards[0].panel;
+        let unit = size.x / card::GRID.x;
+        for row in 0..card::GRID.y as u8 {
+            for column in 0..card::GRID.x as u8 {
+                // Off the middle of the grid's cells, through which edges of the print run.
+                let (right, down) = (f32::from(column) + 0.3, f32::from(row) + 0.35);
+                assert_eq!(
+                    looked_at(&scene, corner.x + right * unit, corner.y - down * unit, corner.z),
+                    card::colour("realistic", Vec2::new(right, down)),
+                    "column {column}, row {row}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn long_lenses_look_at_the_sign() {
+        let subject = |focal_length| (scene().subject)(focal_length, 35.0);
+        assert_eq!([10.0, 22.0, 50.0].map(subject), [1000.0; 3]);
+        assert_eq!([100.0, 254.0].map(subject), [8000.0; 2]);
+    }
+
+    #[test]
+    fn the_cards_stand_free_of_the_floor_and_the_balls() {
+        let scene = scene();
+        for Board { panel, .. } in scene.boards.iter().filter(|board| board.title.is_some()) {
+            assert!(panel.corner.y - panel.size.y > FLOOR.height);
+        }
+        let shapes: Vec<Sphere> = scene.balls.iter().map(|ball| ball.shape).collect();
+        for (index, a) in shapes.iter().enumerate() {
+            for b in &shapes[index + 1..] {
+                let gap = a.centre.distance(b.centre) - a.radius - b.radius;
+                assert!(gap > 0.0, "{a:?} and {b:?} overlap");
+            }
+        }
+    }
 }

@@ -2,20 +2,19 @@
 //! way to take a picture with them.
 
 use super::autofocus::{Autofocus, Method, Rule};
-use super::camera::Camera;
-use super::effects::Effects;
 use super::focus::{self, AxialRays};
-use super::image::Picture;
-use super::plugin::{self, Plugin};
-use super::render::{Settings, Tally, render};
-use super::scene::Scene;
-use super::spectrum;
 use crate::choice::{set_parameters, size, warn};
 use crate::failure::Failure;
+use crate::host::image::Picture;
+use crate::host::plugin::{self, Camera, Plugin};
+use crate::host::render::{Settings, render, spectrum};
+use crate::host::scene::Scene;
+use crate::host::scene::effects::Effects;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPool;
 use realistic::camera::{PARAMETERS, Parameters};
 use realistic::prescription::catalogue;
+use realistic_lab::render::Tally;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};

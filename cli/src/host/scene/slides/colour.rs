@@ -1,38 +1,17 @@
 //! Colour errors: the corner of a picture, with a bright window, stars, and lamps out of focus,
 //! by one wavelength and by several.
 
-use super::super::scene::{Ball, Board, Finish, Lamps, Material, Scene};
+use super::super::objects::{Ball, Board, Finish, Lamps, Material};
+use super::super::props;
 use super::super::shapes::{self, Sphere};
-use super::super::studio::Frame;
-use super::{Effects, Panel};
+use super::super::world::Scene;
 use glam::{Vec2, Vec3};
 
 /// The distance of what is in focus.
 const STAGE: f32 = 4000.0;
-/// Times the panel's size, the whole picture's.
-const ZOOM: u32 = 16;
 /// In the scene, at that distance, the middle of the part that is shown and the width of it.
 const MIDDLE: Vec2 = Vec2::new(641.5, 425.0);
 const SHOWN: f32 = 88.0;
-
-pub fn panels(many: u32, size: [u32; 2]) -> Vec<Panel> {
-    let panel = |label: &str, wavelengths: Option<u32>| {
-        let spp = (2 * many / wavelengths.unwrap_or(1)).clamp(1, many);
-        let mut panel = Panel::new(label, Effects { dof: true, ..Effects::NONE }, spp)
-            .set("specfile", "dgauss.100mm")
-            .set("filmdiag", 43.3)
-            .set("fnumber", 5.6);
-        let [width, height] = size;
-        panel.order.wavelengths = wavelengths;
-        panel.order.frame = Some(Frame {
-            size: [ZOOM * width, ZOOM * height],
-            corner: [width * (ZOOM - 1) - width / 4, height / 4],
-        });
-        panel.exposure = 2.0;
-        panel
-    };
-    vec![panel("587.6 nm", None), panel("3 wavelengths", Some(3)), panel("12 wavelengths", Some(12))]
-}
 
 pub fn scene() -> Scene {
     let place = |x: f32, y: f32, z: f32| (MIDDLE + Vec2::new(x, y) * SHOWN).extend(STAGE) * (z / STAGE);
@@ -70,6 +49,6 @@ pub fn scene() -> Scene {
         boards: (0..4).map(pane).chain([night]).collect(),
         lamps: vec![stars.collect::<Lamps>(), near.collect(), far.collect()],
         subject: |_, _| STAGE,
-        ..Scene::new()
+        ..props::scene()
     }
 }

@@ -1,10 +1,11 @@
 //! Translucency: a sheet of frosted glass before a card that nearly touches it and things
 //! farther behind.
 
-use super::super::camera::tilted;
+use super::super::objects::{Ball, Board, FLOOR, Finish, Material};
+use super::super::pose::tilted;
 use super::super::props;
-use super::super::scene::{Ball, Board, FLOOR, Finish, Material, Scene};
 use super::super::shapes::{Panel, Sphere};
+use super::super::world::Scene;
 use glam::{Vec2, Vec3};
 
 /// Where the sheet stands.
@@ -43,6 +44,6 @@ pub fn scene() -> Scene {
         lamps: Vec::new(),
         pose: tilted(3.0, [0.0, 10.0, 0.0]),
         subject: |_, _| STAGE + 40.0,
-        ..Scene::new()
+        ..props::scene()
     }
 }

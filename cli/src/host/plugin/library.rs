@@ -1,4 +1,4 @@
-//! The shared library: where it lies, and the functions found in it by name.
+//! The loaded library, and the functions found in it by name.
 
 use crate::failure::Failure;
 use libloading::Library;
@@ -16,15 +16,18 @@ use thiserror::Error;
 pub enum PluginError {
     /// No file in any of the places.
     #[error(
-        "the plugin was not found; looked for {looked}. `cargo build --release` builds it beside \
-         this program, and --plugin PATH names another"
+        "the plugin was not found; looked for {looked}. In the project's folder `cargo build --release -p realistic` \
+         makes it as target/release/{}: put it into one of these places, or name it by --plugin or REALISTIC_PLUGIN",
+        file_name()
     )]
     NotFound {
         /// The places, in order.
         looked: String,
     },
     /// The loader refused the file, or a function is missing in it.
-    #[error("cannot load the plugin {path}: {reason}. `cargo build --release` builds a fresh one")]
+    #[error(
+        "cannot load the plugin {path}: {reason}. `cargo build --release -p realistic` makes a fresh one"
+    )]
     Load {
         /// The file.
         path: String,
@@ -34,7 +37,7 @@ pub enum PluginError {
     /// The plugin lacks what later versions of the ABI added.
     #[error(
         "the plugin {path} speaks version {found} of the C ABI and this program needs version \
-         {REALISTIC_ABI_VERSION} or later: `cargo build --release` builds a fresh one, and --plugin PATH names another"
+         {REALISTIC_ABI_VERSION} or later: `cargo build --release -p realistic` makes a fresh one, and --plugin PATH names another"
     )]
     Version {
         /// The file.
@@ -47,42 +50,21 @@ pub enum PluginError {
     Refused(String),
 }
 
+/// The plugin's file name as cargo gives it.
+pub fn file_name() -> String {
+    format!("{DLL_PREFIX}realistic{DLL_SUFFIX}")
+}
+
 impl From<PluginError> for Failure {
     fn from(error: PluginError) -> Self {
         Self::Other(error.to_string())
     }
 }
 
-/// Where the plugin is: what `given` says, else beside this program or in `deps/` there.
-/// `cargo build` refreshes the first of these and `cargo run` only the second: the newer counts.
-///
-/// # Errors
-/// No such file.
-pub fn find(given: Option<&Path>) -> Result<PathBuf, PluginError> {
-    let program = std::env::current_exe().unwrap_or_default();
-    let beside = program.parent().unwrap_or(Path::new("."));
-    find_in(given, beside)
-}
-
-fn find_in(given: Option<&Path>, beside: &Path) -> Result<PathBuf, PluginError> {
-    let file = format!("{DLL_PREFIX}realistic{DLL_SUFFIX}");
-    let places = match given {
-        Some(path) => vec![path.to_path_buf()],
-        None => vec![beside.join(&file), beside.join("deps").join(&file)],
-    };
-    // The last of equals wins below, and the first place should.
-    let found = places.iter().rev().filter(|place| place.is_file());
-    found.max_by_key(|place| place.metadata().and_then(|data| data.modified()).ok()).cloned().ok_or_else(
-        || PluginError::NotFound {
-            looked: places.iter().map(|place| place.display().to_string()).collect::<Vec<_>>().join(" and "),
-        },
-    )
-}
-
 macro_rules! functions {
     ($($name:ident: $symbol:literal, fn($($type:ty),*) $(-> $result:ty)?;)*) => {
         /// The exported functions, valid for as long as the library stays loaded.
-        pub(super) struct Functions { $(pub(super) $name: unsafe extern "C" fn($($type),*) $(-> $result)?,)* }
+        pub struct Functions { $(pub $name: unsafe extern "C" fn($($type),*) $(-> $result)?,)* }
 
         impl Functions {
             /// # Safety
@@ -114,9 +96,9 @@ functions! {
            realistic_contrast, *mut c_void, *mut f64) -> i32;
 }
 
-/// A loaded plugin. Only [`super::camera`] and [`super::autofocus`] call its functions.
+/// A loaded plugin. Cameras and autofocus call its functions.
 pub struct Plugin {
-    pub(super) functions: Functions,
+    pub functions: Functions,
     path: PathBuf,
     // Dropped last: the functions live in it.
     _library: Library,
@@ -165,7 +147,7 @@ impl Plugin {
     }
 
     /// What a call's status means, in the plugin's own words.
-    pub(super) fn check(&self, status: i32) -> Result<(), PluginError> {
+    pub fn check(&self, status: i32) -> Result<(), PluginError> {
         if status == 0 {
             return Ok(());
         }
@@ -185,7 +167,7 @@ fn is_served_by(found: u32) -> bool {
 
 /// # Safety
 /// `pointer` is NULL or a string that ends in NUL.
-pub(super) unsafe fn text(pointer: *const c_char) -> String {
+pub unsafe fn text(pointer: *const c_char) -> String {
     if pointer.is_null() {
         return String::new();
     }
@@ -196,26 +178,6 @@ pub(super) unsafe fn text(pointer: *const c_char) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn deps_serves_where_nothing_lies_beside() {
-        let dir = tempfile::tempdir().unwrap();
-        let file = format!("{DLL_PREFIX}realistic{DLL_SUFFIX}");
-        let message = find_in(None, dir.path()).unwrap_err().to_string();
-        assert!(message.contains("cargo build --release"), "{message}");
-        assert!(message.contains("deps"), "{message}");
-        let deps = dir.path().join("deps");
-        std::fs::create_dir(&deps).unwrap();
-        std::fs::write(deps.join(&file), "").unwrap();
-        assert_eq!(find_in(None, dir.path()).unwrap(), deps.join(&file));
-    }
-
-    #[test]
-    fn a_given_path_is_the_only_one() {
-        let missing = Path::new("no/such/file.so");
-        let message = find(Some(missing)).unwrap_err().to_string();
-        assert!(message.contains("no/such/file.so"), "{message}");
-    }
 
     #[test]
     fn a_later_abi_serves_and_an_older_one_does_not() {

@@ -1,17 +1,17 @@
 //! Autofocus as a host offers it: the plugin asks for distances in the scene, or for the contrast
 //! of trial pictures, and this answers.
 
-use super::camera::{self, Warn};
-use super::image::Picture;
-use super::plugin::{Plugin, PluginError};
-use super::render::{RaySource, Settings, render};
-use super::scene::Scene;
-use super::shapes::Ray;
+use crate::host::image::Picture;
+use crate::host::plugin::{self, Plugin, PluginError, Warn};
+use crate::host::render::{Settings, render};
+use crate::host::scene::Scene;
+use crate::host::scene::shapes::Ray;
 use glam::Vec3;
 use indicatif::ProgressBar;
 use rayon::ThreadPool;
 use realistic::abi::{realistic_camera, realistic_ray, realistic_sample, realistic_zone};
 use realistic::camera::Parameters;
+use realistic_lab::render::RaySource;
 use std::ffi::c_void;
 
 /// What the plugin is to ask for.
@@ -61,7 +61,7 @@ impl Autofocus<'_> {
         warn: Warn<'_>,
     ) -> Result<f64, PluginError> {
         let (options, _strings) =
-            camera::options(self.plugin, self.parameters, self.size, &self.scene.pose, &warn)?;
+            plugin::c_options(self.plugin, self.parameters, self.size, &self.scene.pose, &warn)?;
         let zone = |&[left, top, width, height]: &[f32; 4]| realistic_zone {
             left,
             top,
@@ -147,15 +147,17 @@ struct Trial<'a> {
 // SAFETY: the ABI says that rays may be asked for from any number of threads.
 unsafe impl Sync for Trial<'_> {}
 
-impl RaySource for Trial<'_> {
+impl RaySource for &Trial<'_> {
+    type Error = PluginError;
+
     fn rays(
-        &self,
+        &mut self,
         samples: &[realistic_sample],
         rays: &mut [realistic_ray],
         weights: &mut [f32],
     ) -> Result<(), PluginError> {
         // SAFETY: the camera is the plugin's and lives until the callback returns.
-        unsafe { camera::generate(self.plugin, self.camera, samples, rays, weights) }
+        unsafe { plugin::generate(self.plugin, self.camera, samples, rays, weights) }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Several pictures on one sheet, each with a line of text under it.
 
-use super::image::Picture;
 use super::lettering::{self, LETTER};
+use super::picture::Picture;
 
 const GROUND: [f32; 3] = [0.012, 0.013, 0.016];
 const TEXT: [f32; 3] = [0.80, 0.79, 0.75];
