@@ -1,10 +1,11 @@
 //! `realistic disks`: the ways to sample a disk, side by side.
 
 use super::render::{picture_path, writable};
+use crate::drawing::shapes::{Anchor, Page};
 use crate::failure::Failure;
-use crate::host::image::{Picture, Sheet, lettering};
+use crate::image::{Picture, Sheet, SrgbImage, hex};
 use glam::Vec3;
-use rand::{Rng, SeedableRng};
+use rand::{Rng, RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use realistic::sampling::DiskMapping;
 use realistic_lab::disk_statistics::{ChiSquared, EdgeDiscrepancy};
@@ -75,15 +76,13 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         let p = if test.p_value < 1e-3 { "< 0.001".to_owned() } else { format!("= {:.2}", test.p_value) };
         let lines = [format!("discrepancy {rms:.4}"), format!("chi-squared p {p}")];
         let points = stratified(map, &mut Xoshiro256PlusPlus::seed_from_u64(args.seed));
-        sheet.add(name, &drawn(&points, &lines), 1.0);
+        if let Some(panel) = drawn(&points, &lines) {
+            sheet.add(name, &Picture::from(&panel), 1.0);
+        }
     }
     sheet.into_picture().write(&args.out, 1.0).map_err(Failure::Other)?;
     let _ = writeln!(text, "{}", args.out.display());
     Ok(std::io::stdout().write_all(text.as_bytes())?)
-}
-
-fn number(rng: &mut impl Rng) -> f64 {
-    (rng.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
 }
 
 /// A point with the stratum, column and row, of its numbers; one that was drawn again has none.
@@ -95,7 +94,7 @@ fn stratified(map: Map, rng: &mut impl Rng) -> Vec<Point> {
     let cells = (0..STRATA * STRATA).map(|cell| [cell % STRATA, cell / STRATA]);
     cells
         .map(|stratum| {
-            let [u, v] = stratum.map(|at| (f64::from(at) + number(rng)) / f64::from(STRATA));
+            let [u, v] = stratum.map(|at| (f64::from(at) + rng.random::<f64>()) / f64::from(STRATA));
             match map(u, v) {
                 Some(point) => (point, Some(stratum)),
                 None => (again(map, rng), None),
@@ -107,7 +106,7 @@ fn stratified(map: Map, rng: &mut impl Rng) -> Vec<Point> {
 /// A point of independent numbers.
 fn again(map: Map, rng: &mut impl Rng) -> [f64; 2] {
     loop {
-        if let Some(point) = map(number(rng), number(rng)) {
+        if let Some(point) = map(rng.random::<f64>(), rng.random::<f64>()) {
             return point;
         }
     }
@@ -128,27 +127,28 @@ fn discrepancy(map: Map, rng: &mut impl Rng) -> (f64, f64) {
 }
 
 const PANEL: [u32; 2] = [400, 452];
-const RADIUS: f32 = 186.0;
-const DOT: f32 = 4.6;
-const PAPER: Vec3 = Vec3::new(0.012, 0.013, 0.016);
-const DISK: Vec3 = Vec3::new(0.032, 0.035, 0.042);
-const GREY: Vec3 = Vec3::new(0.33, 0.33, 0.33);
+const RADIUS: f64 = 186.0;
+const DOT: f64 = 4.6;
+const GROUND: [f32; 3] = [0.012, 0.013, 0.016];
+const DISK: [f32; 3] = [0.032, 0.035, 0.042];
+const GREY: Vec3 = Vec3::splat(0.33);
+const TEXT: [f32; 3] = [0.55, 0.56, 0.58];
 
 /// The points in the colours of their strata: the rows have their hues, and the columns go from dark
 /// to bright.
-fn drawn(points: &[Point], lines: &[String; 2]) -> Picture {
-    let mut picture = Picture::plain(PANEL, PAPER.to_array());
-    let middle = PANEL[0] as f32 / 2.0;
-    dot(&mut picture, [middle; 2], RADIUS + DOT, DISK);
+fn drawn(points: &[Point], lines: &[String; 2]) -> Option<SrgbImage> {
+    let [width, height] = PANEL.map(f64::from);
+    let mut page = Page::on(hex(GROUND), width, height);
+    let middle = width / 2.0;
+    page.dot([middle; 2], RADIUS + DOT, &hex(DISK));
     for ([x, y], stratum) in points {
-        let at = [middle + *x as f32 * RADIUS, middle - *y as f32 * RADIUS];
-        dot(&mut picture, at, DOT, stratum.map_or(GREY, colour));
+        let colour = stratum.map_or(GREY, colour).to_array();
+        page.dot([middle + x * RADIUS, middle - y * RADIUS], DOT, &hex(colour));
     }
-    for (line, text) in (0..).zip(lines) {
-        let left = PANEL[0].saturating_sub(lettering::width(text, 2)) / 2;
-        lettering::write(&mut picture, text, [left, PANEL[0] + 6 + 22 * line], 2, [0.55, 0.56, 0.58]);
+    for (line, text) in (0_u8..).zip(lines) {
+        page.text(text, [middle, width + 20.0 + 22.0 * f64::from(line)], 16.0, Anchor::Middle, &hex(TEXT));
     }
-    picture
+    page.finish().pixels(1.0)
 }
 
 /// Blocks of four by four strata have a colour.
@@ -163,21 +163,6 @@ fn colour([column, row]: [u32; 2]) -> Vec3 {
     let hue = HUES[(row / block) as usize % 4];
     let shade = (column / block) as f32 / 3.0;
     if shade < 0.5 { hue * (0.22 + 1.2 * shade) } else { hue.lerp(Vec3::ONE, (shade - 0.5) * 1.1) }
-}
-
-/// A filled disk with a smooth rim.
-fn dot(picture: &mut Picture, [x, y]: [f32; 2], radius: f32, colour: Vec3) {
-    let [width, height] = picture.size;
-    let span =
-        |at: f32, end: u32| ((at - radius - 1.0).max(0.0) as u32)..((at + radius + 2.0) as u32).min(end);
-    for row in span(y, height) {
-        for column in span(x, width) {
-            let off = (column as f32 + 0.5 - x).hypot(row as f32 + 0.5 - y);
-            let cover = (radius + 0.5 - off).clamp(0.0, 1.0);
-            let pixel = &mut picture.pixels[(row * width + column) as usize];
-            *pixel = Vec3::from_array(*pixel).lerp(colour, cover).to_array();
-        }
-    }
 }
 
 #[cfg(test)]

@@ -2,9 +2,9 @@
 
 use crate::choice::distance;
 use crate::failure::Failure;
-use crate::host::image::Sheet;
 use crate::host::scene::props;
 use crate::host::studio::{Options, Order, Studio, parameter_help};
+use crate::image::Sheet;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::PathBuf;
@@ -64,9 +64,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     for (index, distance) in (1..).zip(distances(args.from, args.to, args.count)) {
         let mut parameters = studio.parameters.clone();
         parameters.focusdistance = Some(distance / parameters.mmperunit.unwrap_or(1.0));
-        let camera = studio.camera(&parameters, &scene, &order)?;
-        let film = camera.info()?.film_distance_mm;
-        let shot = studio.shoot(&camera, &parameters, &scene, &order)?;
+        let shot = studio.take(&parameters, &scene, &order)?;
+        let film = shot.camera.info()?.film_distance_mm;
         let digits = args.count.to_string().len().max(2);
         let path = args.out.join(format!("focus-{index:0digits$}.png"));
         shot.picture.write(&path, shot.scale).map_err(Failure::Other)?;

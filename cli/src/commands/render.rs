@@ -1,11 +1,11 @@
 //! `realistic render`: the built-in scene through a lens, or a slide of the lecture.
 
 use crate::failure::Failure;
-use crate::host::image::Format;
 use crate::host::plugin::{Camera, Plugin};
 use crate::host::scene::effects::Effects;
 use crate::host::scene::props;
 use crate::host::studio::{Method, Options, Order, Rule, Shot, Slide, Studio, parameter_help, stopped_down};
+use crate::image::Format;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -45,7 +45,7 @@ const MIDDLE: &str = "middle";
 
 const SPP: u32 = 128;
 
-/// Renders, writes the picture and tells what lens it was.
+/// Renders, writes the picture and reports what lens it was.
 ///
 /// # Errors
 /// Bad parameters, no plugin, or a file that cannot be written.
@@ -67,11 +67,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         parameters.filmdistance = Some(studio.autofocus(&parameters, &scene, &zones, rule, method)?);
     }
     let order = Order { spp: args.options.spp.unwrap_or(SPP), wavelengths: args.wavelengths, frame: None };
-    let camera = studio.camera(&parameters, &scene, &order)?;
-    let shot = studio.shoot(&camera, &parameters, &scene, &order)?;
+    let shot = studio.take(&parameters, &scene, &order)?;
     shot.picture.write(&args.out, shot.scale).map_err(Failure::Other)?;
 
-    let mut text = describe(&studio.plugin, &camera, studio.size)?;
+    let mut text = describe(&studio.plugin, &shot.camera, studio.size)?;
     let _ = writeln!(text, "picture  {}", timing(&order, &shot, studio.threads()));
     let _ = writeln!(text, "         {}", args.out.display());
     Ok(std::io::stdout().write_all(text.as_bytes())?)
@@ -126,8 +125,8 @@ fn timing(order: &Order, shot: &Shot, threads: usize) -> String {
     let rays = tally.rays as f64;
     let colours = order.wavelengths.map_or(String::new(), |count| format!(" at each of {count} wavelengths"));
     format!(
-        "{width}x{height}, {} samples a pixel{colours}, in {:.2} s on {threads} thread{}: {:.2} million rays a \
-         second,\n         {:.0} ns a ray in the lens, {:.1} % of the rays got through it",
+        "{width}x{height}, {} samples per pixel{colours}, in {:.2} s on {threads} thread{}: {:.2} million rays per \
+         second,\n         {:.0} ns per ray in the lens, {:.1} % of the rays got through it",
         order.spp,
         shot.took.as_secs_f64(),
         if threads == 1 { "" } else { "s" },

@@ -1,10 +1,9 @@
 //! The depth of field as a range of distances from the film, on a logarithmic scale.
 
 use super::labels::spread;
-use super::shapes::{Anchor, LARGE, Page, SMALL, Stroke, fitted, text_width};
+use super::shapes::{Anchor, Document, LARGE, Page, SMALL, Stroke, fitted, text_width};
 use super::{COLORS, FAINT, INK};
 use realistic::imaging::depth_of_field::DepthOfField;
-use svg::Document;
 
 /// What is drawn; distances in mm from the film, infinity allowed for all but the nearest.
 #[derive(Clone, Debug)]

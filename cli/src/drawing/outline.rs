@@ -1,9 +1,8 @@
 //! The outline of a film point's pupil, with the disks that samples are drawn from.
 
-use super::shapes::{Anchor, LARGE, Page, SMALL, Stroke, fitted, text_width};
+use super::shapes::{Anchor, Document, LARGE, Page, SMALL, Stroke, fitted, text_width};
 use super::view::View;
 use super::{COLORS, FAINT, INK};
-use svg::Document;
 
 /// What is drawn; all in mm in the rear vertex plane.
 #[derive(Clone, Debug)]

@@ -3,7 +3,7 @@
 use super::labels::spread;
 use super::marks::{self, Kind, Mark};
 use super::rays::{Rays, Way};
-use super::shapes::{Anchor, LARGE, Page, SMALL, Stroke, fitted, text_width};
+use super::shapes::{Anchor, Document, LARGE, Page, SMALL, Stroke, fitted, text_width};
 use super::view::View;
 use super::{COLORS, FAINT, INK, glass};
 use realistic::lens::{
@@ -11,7 +11,6 @@ use realistic::lens::{
     first_order::FirstOrder,
     pupil::{EntrancePupil, limiting_surface},
 };
-use svg::Document;
 
 /// What is drawn besides the lens.
 #[derive(Clone, Copy, Debug)]

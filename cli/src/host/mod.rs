@@ -1,6 +1,5 @@
 //! The Rust host: what a renderer needs around a camera that comes from a shared library.
 
-pub mod image;
 pub mod plugin;
 pub mod render;
 pub mod scene;

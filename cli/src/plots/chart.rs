@@ -3,9 +3,8 @@
 use super::axis::Scale;
 use super::placement::{Area, beside};
 use crate::drawing::labels::spread;
-use crate::drawing::shapes::{Anchor, Page, Stroke, text_width};
+use crate::drawing::shapes::{Anchor, Document, Page, Stroke, text_width};
 use crate::drawing::{FAINT, INK};
-use svg::Document;
 
 /// The form of a mark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -269,6 +268,6 @@ fn symbol(page: &mut Page, series: &Series, [x, y]: [f64; 2], filled: bool) {
         }
         Shape::Drop => vec![[0.0, 1.2 * r], [1.15 * r, -0.9 * r], [-1.15 * r, -0.9 * r]],
     };
-    let fill = if filled { series.color } else { "white" };
+    let fill = if filled { series.color } else { "#ffffff" };
     page.area(corners.iter().map(|[dx, dy]| [x + dx, y + dy]), fill, Stroke::new(series.color, 1.6));
 }

@@ -1,10 +1,10 @@
 //! Rendering: tiles over all cores, and every pixel the mean over its samples.
 
 use super::shade::{ShadingSample, radiance};
-use crate::host::image::Picture;
 use crate::host::plugin::PluginError;
 use crate::host::scene::Scene;
 use crate::host::scene::shapes::Ray;
+use crate::image::Picture;
 use glam::Vec3;
 use indicatif::ProgressBar;
 use rand::{Rng, SeedableRng};

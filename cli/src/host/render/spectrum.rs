@@ -5,7 +5,7 @@
 //! matching functions in sRGB's primaries, times the matrix that gives a picture without colour
 //! errors exactly the colours of the scene. So what is coloured otherwise is the lens' doing.
 
-use crate::host::image::Picture;
+use crate::image::Picture;
 use glam::{Mat3, Vec3};
 use std::ops::RangeInclusive;
 

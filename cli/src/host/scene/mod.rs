@@ -4,6 +4,7 @@ mod card;
 pub mod effects;
 mod objects;
 mod pose;
+mod print;
 pub mod props;
 pub mod shapes;
 pub mod sky;

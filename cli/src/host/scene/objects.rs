@@ -1,8 +1,10 @@
 //! What a scene is made of: materials, and the shapes that have one.
 
-use super::card;
+use super::card::GRID;
+use super::print::Print;
 use super::shapes::{Bounds, Floor, Panel, Sphere};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
+use std::sync::Arc;
 
 /// What everything stands on.
 pub const FLOOR: Floor = Floor { height: -155.0 };
@@ -47,15 +49,18 @@ impl Material {
     }
 }
 
+/// What is painted on a ball: its colour by the direction from its centre.
+pub type Paint = Arc<dyn Fn(Vec3) -> Vec3 + Send + Sync>;
+
 /// A ball.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub struct Ball {
     /// Where it is.
     pub shape: Sphere,
     /// What it is of.
     pub material: Material,
-    /// What is painted on it: its colour by the direction from its centre.
-    pub paint: Option<fn(Vec3) -> Vec3>,
+    /// What is painted on it.
+    pub paint: Option<Paint>,
 }
 
 impl Ball {
@@ -66,21 +71,21 @@ impl Ball {
 
     /// What it is of where its surface has this normal.
     pub fn material(&self, normal: Vec3) -> Material {
-        match self.paint {
+        match &self.paint {
             Some(paint) => Material { colour: paint(normal), ..self.material },
             None => self.material,
         }
     }
 }
 
-/// An upright board; with a title it is one of the cards.
-#[derive(Clone, Copy)]
+/// An upright board; with a print it is one of the cards.
+#[derive(Clone)]
 pub struct Board {
     /// Where it is.
     pub panel: Panel,
-    /// What is written over the arrows.
-    pub title: Option<&'static str>,
-    /// What it is of; a card has its own colours.
+    /// What is printed on it, over the whole.
+    pub print: Option<Arc<Print>>,
+    /// What it is of; a print has its own colours.
     pub material: Material,
 }
 
@@ -103,10 +108,10 @@ impl FromIterator<Ball> for Lamps {
 impl Board {
     /// What it is of at a point.
     pub fn material(&self, point: Vec3) -> Material {
-        let Some(title) = self.title else {
+        let Some(print) = &self.print else {
             return self.material;
         };
-        let at = self.panel.place(point) / self.panel.size * card::GRID;
-        Material { colour: card::colour(title, at), ..self.material }
+        let at = self.panel.place(point) / self.panel.size * Vec2::from(GRID);
+        Material { colour: print.colour(at), ..self.material }
     }
 }

@@ -1,11 +1,11 @@
 //! Autofocus as a host offers it: the plugin asks for distances in the scene, or for the contrast
 //! of trial pictures, and this answers.
 
-use crate::host::image::Picture;
 use crate::host::plugin::{self, Plugin, PluginError, Warn};
 use crate::host::render::{Settings, render};
 use crate::host::scene::Scene;
 use crate::host::scene::shapes::Ray;
+use crate::image::Picture;
 use glam::Vec3;
 use indicatif::ProgressBar;
 use rayon::ThreadPool;

@@ -5,11 +5,11 @@ use super::autofocus::{Autofocus, Method, Rule};
 use super::focus::{self, AxialRays};
 use crate::choice::{set_parameters, size, warn};
 use crate::failure::Failure;
-use crate::host::image::Picture;
 use crate::host::plugin::{self, Camera, Plugin};
 use crate::host::render::{Settings, render, spectrum};
 use crate::host::scene::Scene;
 use crate::host::scene::effects::Effects;
+use crate::image::Picture;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPool;
 use realistic::camera::{PARAMETERS, Parameters};
@@ -30,13 +30,13 @@ pub struct Options {
     /// Size of the picture in pixels
     #[arg(long, value_name = "WxH", default_value = "480x320", value_parser = size)]
     pub size: [u32; 2],
-    /// Samples a pixel [default: 128; for a slide or a stack of pictures 64]
+    /// Samples per pixel [default: 128; for a slide or a stack of pictures 64]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16_384))]
     pub spp: Option<u32>,
     /// A camera parameter; may be given again for others (names and units below)
     #[arg(long = "param", value_name = "NAME=VALUE")]
     parameters: Vec<String>,
-    /// Threads to render with [default: one a core]
+    /// Threads to render with [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     /// Brightness of a .png in stops; 0 shows a white card on the axis as it is
@@ -68,7 +68,7 @@ pub struct Studio {
 /// What to take a picture of, and how.
 #[derive(Clone, Copy, Debug)]
 pub struct Order {
-    /// Samples a pixel.
+    /// Samples per pixel.
     pub spp: u32,
     /// Pictures, each at its own wavelength, that make one; `None` for one at the lens' own.
     pub wavelengths: Option<u32>,
@@ -87,6 +87,8 @@ pub struct Frame {
 
 /// A picture taken.
 pub struct Shot {
+    /// What took it: the camera at the lens' own wavelength.
+    pub camera: Camera,
     /// Irradiance on the film.
     pub picture: Picture,
     /// What takes it to the screen's values.
@@ -120,7 +122,7 @@ impl Studio {
         })
     }
 
-    /// Tells the user a warning, once: several pictures give the same.
+    /// Gives the user a warning, once: several pictures have the same.
     pub fn warn(&self, message: &str) {
         let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
         if told.iter().any(|before| before == message) {
@@ -133,15 +135,6 @@ impl Studio {
     /// Threads that render.
     pub fn threads(&self) -> usize {
         self.pool.current_num_threads()
-    }
-
-    /// The camera of these parameters, focused on the scene's subject unless they say where.
-    ///
-    /// # Errors
-    /// The plugin refuses.
-    pub fn camera(&self, parameters: &Parameters, scene: &Scene, order: &Order) -> Result<Camera, Failure> {
-        let warn = |message: &str| self.warn(message);
-        Ok(focus::build(&self.plugin, parameters, self.whole(order).size, scene, &warn)?)
     }
 
     /// The film distance, mm, that focuses zones of the picture, each left, top, width and height.
@@ -161,78 +154,61 @@ impl Studio {
         Ok(autofocus.film_distance(zones, rule, method, &|message| self.warn(message))?)
     }
 
-    fn whole(&self, order: &Order) -> Frame {
-        order.frame.unwrap_or(Frame { size: self.size, corner: [0; 2] })
-    }
-
-    /// Takes a picture. `parameters` are those that the camera was built with.
+    /// Takes a picture with the camera of these parameters, focused on the scene's subject unless they say where.
     ///
     /// # Errors
-    /// The camera's own.
-    pub fn shoot(
-        &self,
-        camera: &Camera,
-        parameters: &Parameters,
-        scene: &Scene,
-        order: &Order,
-    ) -> Result<Shot, Failure> {
-        let start = Instant::now();
-        let (picture, tally) = match order.wavelengths {
-            None => self.render(camera, parameters, scene, order)?,
-            Some(count) => self.in_colour(camera, parameters, scene, order, count)?,
-        };
-        let took = start.elapsed();
-        self.progress.finish_and_clear();
-        let scale = self.exposure.exp2() / white_level(camera, parameters, self.whole(order).size)?;
-        Ok(Shot { picture, scale, tally, took })
-    }
-
-    fn render(
-        &self,
-        camera: &Camera,
-        parameters: &Parameters,
-        scene: &Scene,
-        order: &Order,
-    ) -> Result<(Picture, Tally), Failure> {
+    /// The plugin's own.
+    pub fn take(&self, parameters: &Parameters, scene: &Scene, order: &Order) -> Result<Shot, Failure> {
+        let frame = order.frame.unwrap_or(Frame { size: self.size, corner: [0; 2] });
+        let warn = |message: &str| self.warn(message);
+        let camera = focus::build(&self.plugin, parameters, frame.size, scene, &warn)?;
         let settings = Settings {
             size: self.size,
-            corner: self.whole(order).corner,
+            corner: frame.corner,
             spp: order.spp,
             seed: self.seed,
             mm_per_unit: parameters.mmperunit.unwrap_or(1.0) as f32,
         };
-        Ok(self.pool.install(|| render(camera, scene, &settings, &self.progress))?)
+        let render = |camera: &Camera| self.pool.install(|| render(camera, scene, &settings, &self.progress));
+        let start = Instant::now();
+        let (picture, tally) = match order.wavelengths {
+            None => render(&camera)?,
+            Some(count) => {
+                let mut whole = (Picture::plain(self.size, [0.0; 3]), Tally::default());
+                for (wavelength, band) in spectrum::bands(count) {
+                    let there = at_wavelength(parameters, &camera, wavelength, count)?;
+                    // What there is to warn of was said of the first camera.
+                    let camera = Camera::new(&self.plugin, &there, frame.size, &scene.pose, &|_| ())?;
+                    let (picture, tally) = render(&camera)?;
+                    spectrum::add(&mut whole.0, band, &picture);
+                    whole.1.add(&tally);
+                }
+                whole
+            }
+        };
+        let took = start.elapsed();
+        self.progress.finish_and_clear();
+        let scale = self.exposure.exp2() / white_level(&camera, parameters, frame.size)?;
+        Ok(Shot { camera, picture, scale, tally, took })
     }
+}
 
-    /// The film stays where the lens is in focus at its own wavelength.
-    fn in_colour(
-        &self,
-        camera: &Camera,
-        parameters: &Parameters,
-        scene: &Scene,
-        order: &Order,
-        count: u32,
-    ) -> Result<(Picture, Tally), Failure> {
-        if let Some(wavelength) = parameters.wavelength {
-            return Err(Failure::Usage(format!(
-                "a picture in {count} wavelengths has no single \"wavelength\" ({wavelength} nm); leave \
-                 --param wavelength out, or --wavelengths"
-            )));
-        }
-        let mut there = parameters.clone();
-        there.focusdistance = None;
-        there.filmdistance = Some(camera.info()?.film_distance_mm);
-        let mut whole = (Picture::plain(self.size, [0.0; 3]), Tally::default());
-        for (wavelength, band) in spectrum::bands(count) {
-            there.wavelength = Some(wavelength);
-            // What there is to warn of was said of the first camera.
-            let camera = Camera::new(&self.plugin, &there, self.whole(order).size, &scene.pose, &|_| ())?;
-            let (picture, tally) = self.render(&camera, &there, scene, order)?;
-            spectrum::add(&mut whole.0, band, &picture);
-            whole.1.add(&tally);
-        }
-        Ok(whole)
+/// The same camera at one of several wavelengths, its film where the lens is in focus at its own wavelength.
+fn at_wavelength(
+    parameters: &Parameters,
+    camera: &Camera,
+    wavelength: f64,
+    count: u32,
+) -> Result<Parameters, Failure> {
+    if let Some(wavelength) = parameters.wavelength {
+        return Err(Failure::Usage(format!(
+            "a picture in {count} wavelengths has no single \"wavelength\" ({wavelength} nm); leave \
+             --param wavelength out, or --wavelengths"
+        )));
     }
+    let film_distance = Some(camera.info()?.film_distance_mm);
+    let wavelength = Some(wavelength);
+    Ok(Parameters { wavelength, focusdistance: None, filmdistance: film_distance, ..parameters.clone() })
 }
 
 /// The parameters with the lens stopped down where depth of field is not wanted.

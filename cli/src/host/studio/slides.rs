@@ -3,10 +3,10 @@
 
 use super::session::{Frame, Options, Order, Studio, stopped_down};
 use crate::failure::Failure;
-use crate::host::image::{Picture, Sheet};
 use crate::host::scene::effects::Effects;
 use crate::host::scene::slides::{colour, gloss, motion, soft_shadow, translucency};
 use crate::host::scene::{Scene, props};
+use crate::image::{Picture, Sheet};
 use std::fmt::Write as _;
 
 /// A slide.
@@ -89,15 +89,14 @@ impl Slide {
             }
             let parameters = stopped_down(&parameters, panel.effects)?;
             let scene = scene.clone().with(panel.effects);
-            let camera = studio.camera(&parameters, &scene, &panel.order)?;
-            let shot = studio.shoot(&camera, &parameters, &scene, &panel.order)?;
+            let shot = studio.take(&parameters, &scene, &panel.order)?;
             sheet.add(&panel.label, &shot.picture, shot.scale * panel.exposure);
-            let info = camera.info()?;
+            let info = shot.camera.info()?;
             let _ = writeln!(
                 text,
-                "{:<24} {}: {:.1} mm, f/{:.2}, {} samples a pixel in {:.2} s",
+                "{:<24} {}: {:.1} mm, f/{:.2}, {} samples per pixel in {:.2} s",
                 panel.label,
-                camera.lens_name()?,
+                shot.camera.lens_name()?,
                 info.focal_length_mm,
                 info.fnumber,
                 panel.order.spp,

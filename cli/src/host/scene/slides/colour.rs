@@ -25,7 +25,7 @@ pub fn scene() -> Scene {
                 corner: place(-0.44 + 0.17 * x, 0.27 - 0.19 * y, STAGE),
                 size: Vec2::new(0.15, 0.17) * SHOWN,
             },
-            title: None,
+            print: None,
             material: Material::new(Vec3::splat(0.5), Finish::Lamp),
         }
     };
@@ -34,7 +34,7 @@ pub fn scene() -> Scene {
             corner: Vec3::new(-20_000.0, 20_000.0, 12_000.0),
             size: Vec2::splat(40_000.0),
         },
-        title: None,
+        print: None,
         material: Material::new([0.004, 0.005, 0.008], Finish::Lamp),
     };
     let stars = (0..20_u8).map(|k| {

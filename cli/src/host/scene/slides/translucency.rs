@@ -18,12 +18,12 @@ pub fn scene() -> Scene {
     };
     let sheet = Board {
         panel: Panel { corner: Vec3::new(-60.0, 120.0, STAGE), size: Vec2::new(270.0, 272.0) },
-        title: None,
+        print: None,
         material: Material::new([0.90, 0.96, 0.95], Finish::Sheet).rough(0.13),
     };
     let bar = |x: f32, y: f32, width: f32, height: f32| Board {
         panel: Panel { corner: Vec3::new(x, y, STAGE - 1.0), size: Vec2::new(width, height) },
-        title: None,
+        print: None,
         material: Material::new([0.05, 0.045, 0.04], Finish::Matte),
     };
     let frame = [

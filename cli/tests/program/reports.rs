@@ -1,46 +1,13 @@
-//! The built program: every command that reports on a lens, as its user runs it.
+//! Every command that reports on a lens.
 
+use super::{fails, succeeds};
+use serde_json::Value;
 use std::io::Write;
 use std::path::PathBuf;
-use std::process::{Command, Output, Stdio};
-
-use serde_json::Value;
+use std::process::{Command, Stdio};
 
 const LENSES: [&str; 7] =
     ["dgauss.50mm", "wide.22mm", "telephoto.250mm", "fisheye.10mm", "dgauss.100mm", "planar", "crossed"];
-
-fn run(arguments: &[&str], input: &str) -> Output {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_realistic"))
-        .args(arguments)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("the program starts");
-    let mut pipe = child.stdin.take().expect("a pipe");
-    // Written aside, so that neither side waits for the other with its pipe full.
-    let input = input.to_owned();
-    let writer = std::thread::spawn(move || {
-        // A program that needs no input may be gone already.
-        let _ = pipe.write_all(input.as_bytes());
-    });
-    let output = child.wait_with_output().expect("the program ends");
-    writer.join().expect("the input is written");
-    output
-}
-
-fn succeeds(arguments: &[&str], input: &str) -> String {
-    let output = run(arguments, input);
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).expect("text")
-}
-
-/// Standard error of a command that must fail with this code.
-fn fails(arguments: &[&str], input: &str, code: i32) -> String {
-    let output = run(arguments, input);
-    assert_eq!(output.status.code(), Some(code), "{arguments:?}");
-    String::from_utf8(output.stderr).expect("text")
-}
 
 fn json(arguments: &[&str]) -> Value {
     serde_json::from_str(&succeeds(arguments, "")).expect("JSON")

@@ -1,7 +1,6 @@
 //! Pictures and the two files that they go to: PNG for eyes, EXR for numbers.
 
-use std::fs::File;
-use std::io::BufWriter;
+use super::srgb::{Colours, SrgbImage, decode, encode};
 use std::path::Path;
 
 /// Linear colour, rows from the top, each from the left.
@@ -9,7 +8,7 @@ use std::path::Path;
 pub struct Picture {
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// One colour a pixel.
+    /// One colour per pixel.
     pub pixels: Vec<[f32; 3]>,
 }
 
@@ -37,6 +36,12 @@ impl Format {
     }
 }
 
+impl From<&SrgbImage> for Picture {
+    fn from(image: &SrgbImage) -> Self {
+        Self { size: image.size, pixels: image.pixels.iter().map(|colour| colour.map(decode)).collect() }
+    }
+}
+
 impl Picture {
     /// A picture of one colour.
     pub fn plain(size: [u32; 2], colour: [f32; 3]) -> Self {
@@ -61,22 +66,15 @@ impl Picture {
             format!("cannot write {}: {error}; give --out another path", path.display())
         };
         match Format::of(path)? {
-            Format::Png => self.write_png(path, scale).map_err(|error| named(&error)),
+            Format::Png => self.shown(scale).write(path, Colours::All).map_err(|error| named(&error)),
             Format::Exr => self.write_exr(path).map_err(|error| named(&error)),
         }
     }
 
-    fn write_png(&self, path: &Path, scale: f32) -> Result<(), png::EncodingError> {
-        let [width, height] = self.size;
-        let mut encoder = png::Encoder::new(BufWriter::new(File::create(path)?), width, height);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
-        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-        let values = self.pixels.as_flattened();
-        let bytes: Vec<u8> = values.iter().map(|value| srgb(value * scale)).collect();
-        let mut writer = encoder.write_header()?;
-        writer.write_image_data(&bytes)?;
-        writer.finish()
+    /// What the screen shows of it: values times `scale`.
+    pub fn shown(&self, scale: f32) -> SrgbImage {
+        let encode = |colour: &[f32; 3]| colour.map(|value| encode(value * scale));
+        SrgbImage { size: self.size, pixels: self.pixels.iter().map(encode).collect() }
     }
 
     fn write_exr(&self, path: &Path) -> exr::error::UnitResult {
@@ -85,16 +83,10 @@ impl Picture {
     }
 }
 
-/// The transfer function of IEC 61966-2-1, to 8 bits.
-fn srgb(linear: f32) -> u8 {
-    let value = linear.clamp(0.0, 1.0);
-    let encoded = if value <= 0.003_130_8 { 12.92 * value } else { 1.055 * value.powf(1.0 / 2.4) - 0.055 };
-    (encoded * 255.0).round() as u8
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs::File;
 
     fn sample() -> Picture {
         Picture {
@@ -122,7 +114,7 @@ mod tests {
         assert_eq!([info.width, info.height], [3, 2]);
         assert_eq!(bytes[3..6], [255, 0, 99]);
         assert_eq!(bytes[11], 255);
-        let expected: Vec<u8> = sample().pixels.as_flattened().iter().map(|v| srgb(v * 0.5)).collect();
+        let expected: Vec<u8> = sample().pixels.as_flattened().iter().map(|v| encode(v * 0.5)).collect();
         assert_eq!(bytes, expected);
     }
 

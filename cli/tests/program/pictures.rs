@@ -1,11 +1,7 @@
-//! The commands that take and draw the lecture's pictures, run as a user runs them.
+//! The commands that take and draw the lecture's pictures.
 
+use super::realistic;
 use std::path::Path;
-use std::process::{Command, Output};
-
-fn realistic(directory: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_realistic")).current_dir(directory).args(arguments).output().unwrap()
-}
 
 fn picture(directory: &Path, arguments: &[&str]) -> Vec<u8> {
     let output = realistic(directory, arguments);

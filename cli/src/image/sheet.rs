@@ -1,6 +1,6 @@
 //! Several pictures on one sheet, each with a line of text under it.
 
-use super::lettering::{self, LETTER};
+use super::lettering;
 use super::picture::Picture;
 
 const GROUND: [f32; 3] = [0.012, 0.013, 0.016];
@@ -35,10 +35,9 @@ impl Sheet {
             pixels: picture.pixels.iter().map(|colour| colour.map(|value| value * scale)).collect(),
         };
         self.picture.paste(&shown, [left, top]);
-        let size = self.letters();
-        let indent = self.panel[0].saturating_sub(lettering::width(label, size)) / 2;
-        let line = top + self.panel[1] + size * LETTER as u32 * 5 / 8;
-        lettering::write(&mut self.picture, label, [left + indent, line], size, TEXT);
+        let size = self.letters() as f32;
+        let line = [left, left + self.panel[0], top + self.panel[1]].map(|at| at as f32);
+        lettering::write(&mut self.picture, label, [line[0], line[1], line[2] + 1.3 * size], size, TEXT);
     }
 
     /// The sheet, in values for the screen.
@@ -46,8 +45,9 @@ impl Sheet {
         self.picture
     }
 
+    /// Size of the letters.
     fn letters(&self) -> u32 {
-        (self.panel[0] / 200).clamp(1, 3)
+        (self.panel[0] / 25).clamp(11, 24)
     }
 
     fn gap(&self) -> u32 {
@@ -56,7 +56,7 @@ impl Sheet {
 
     fn corner(&self, index: u32) -> [u32; 2] {
         let (column, row) = (index % self.columns, index / self.columns);
-        let line = self.letters() * LETTER as u32 * 2;
+        let line = 2 * self.letters();
         [
             self.gap() + column * (self.panel[0] + self.gap()),
             self.gap() + row * (self.panel[1] + line + self.gap() / 2),
@@ -79,7 +79,7 @@ mod tests {
         for colour in colours {
             assert_eq!(picture.pixels.iter().filter(|pixel| **pixel == colour).count(), 800);
         }
-        let ink = picture.pixels.iter().filter(|pixel| **pixel == TEXT).count();
+        let ink = picture.pixels.iter().filter(|pixel| **pixel != GROUND && !colours.contains(pixel)).count();
         assert!(ink > 0 && ink.is_multiple_of(3), "{ink}");
         let last = picture.pixels.len() - 1;
         assert_eq!(picture.pixels[last], GROUND);
