@@ -63,7 +63,7 @@ fn picture(
 ) -> Vec<f64> {
     let mut pictured = Pictured { scene, sequence, seed, width: raster.xres, points: Vec::new() };
     let window = Window { corner: [0; 2], size: [raster.xres, raster.yres] };
-    let Ok((pixels, _)) = render(camera, &mut pictured, window, samples);
+    let Ok((pixels, _)) = render(camera.as_mut(), &mut pictured, window, samples);
     pixels.into_iter().flatten().collect()
 }
 
@@ -82,12 +82,12 @@ pub struct Precision {
     pub error: f64,
 }
 
-/// One way to render on one lens.
+/// One renderer on one lens.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
     /// The lens.
     pub lens: String,
-    /// The way: a sampler and a sequence, or a renderer.
+    /// Its name: a sampler and a sequence, or a renderer.
     pub name: String,
     /// How the pupil is sampled, or the renderer's name.
     pub first: &'static str,

@@ -67,7 +67,7 @@ const BATCH: usize = 2048;
 ///
 /// # Errors
 /// The camera's own.
-pub fn render<S: RaySource, const CHANNELS: usize>(
+pub fn render<S: RaySource + ?Sized, const CHANNELS: usize>(
     camera: &mut S,
     integrand: &mut impl Integrand<CHANNELS>,
     window: Window,

@@ -1,9 +1,10 @@
-//! The ways to take a whole picture that are compared.
+//! The sources of camera rays that are compared by the pictures rendered with them: cameras of the library, and
+//! models of a lens over a sampled pupil.
 
 use crate::{
     ray_map::fit,
     render::RaySource,
-    sampler::{Shot, camera},
+    sampler::{Shot, Single, camera},
     subject::{FILM_DIAGONAL, Subject},
 };
 use realistic::{
@@ -15,33 +16,15 @@ use realistic::{
 };
 use std::convert::Infallible;
 
-/// A camera of the laboratory: samples in, a ray and its weight for each out; none where it is blocked.
-pub struct Source(Box<dyn FnMut(&[realistic_sample], &mut dyn FnMut(usize, Option<Shot>))>);
-
-impl RaySource for Source {
-    type Error = Infallible;
-
-    fn rays(
-        &mut self,
-        samples: &[realistic_sample],
-        rays: &mut [realistic_ray],
-        weights: &mut [f32],
-    ) -> Result<(), Infallible> {
-        (self.0)(samples, &mut |number, shot| {
-            let (o, d, weight) = shot.unwrap_or_default();
-            rays[number] = realistic_ray { o, d, ..realistic_ray::default() };
-            weights[number] = weight;
-        });
-        Ok(())
-    }
-}
+/// A source of camera rays, of whatever kind.
+pub type Source = Box<dyn RaySource<Error = Infallible>>;
 
 fn sample(of: &realistic_sample) -> Sample {
     let realistic_sample { image_x, image_y, lens_u, lens_v, time } = *of;
     Sample { image_x, image_y, lens_u, lens_v, time }
 }
 
-/// A way to take the picture.
+/// One of them.
 #[derive(Clone, Copy, Debug)]
 pub struct Renderer {
     /// Short name.
@@ -50,7 +33,7 @@ pub struct Renderer {
     pub prepare: fn(&Subject, Raster) -> Result<Source, CameraError>,
 }
 
-/// Every way to take a whole picture that is compared, all with Sobol' samples.
+/// All of them, to be rendered with Sobol' samples.
 pub const RENDERERS: &[Renderer] = &[
     Renderer { name: "blocks, 0.1 pixel", prepare: |s, r| blocks(s, r, None, 0.1) },
     Renderer { name: "blocks f32, warped", prepare: |s, r| blocks(s, r, Some("f32"), 0.0) },
@@ -106,24 +89,59 @@ fn blocks(
         ..Parameters::default()
     };
     let camera = camera(&subject.lens.name, raster, given)?;
-    let mut rays = Box::new(RayBlock::new());
-    let mut block = Box::new(SampleBlock::new());
-    Ok(Source(Box::new(move |samples, take| {
-        for (first, samples) in (0..).step_by(BLOCK).zip(samples.chunks(BLOCK)) {
-            samples.iter().enumerate().for_each(|(i, of)| block.set(i, &sample(of)));
-            camera.rays(&block.arrays(samples.len()), &mut rays.arrays(samples.len()));
-            for i in 0..samples.len() {
-                take(first + i, rays.get(i).map(|(ray, weight)| (ray.origin, ray.direction, weight)));
+    Ok(Box::new(Blocks { camera, samples: SampleBlock::new(), rays: RayBlock::new() }))
+}
+
+/// A camera that is asked for blocks, and room for one.
+struct Blocks {
+    camera: Single,
+    samples: SampleBlock,
+    rays: RayBlock,
+}
+
+impl RaySource for Blocks {
+    type Error = Infallible;
+
+    fn rays(
+        &mut self,
+        samples: &[realistic_sample],
+        rays: &mut [realistic_ray],
+        weights: &mut [f32],
+    ) -> Result<(), Infallible> {
+        let out = rays.chunks_mut(BLOCK).zip(weights.chunks_mut(BLOCK));
+        for (samples, (rays, weights)) in samples.chunks(BLOCK).zip(out) {
+            samples.iter().enumerate().for_each(|(i, of)| self.samples.set(i, &sample(of)));
+            self.camera.rays(&self.samples.arrays(samples.len()), &mut self.rays.arrays(samples.len()));
+            for (i, (ray, weight)) in rays.iter_mut().zip(weights).enumerate() {
+                let shot = self.rays.get(i).map(|(ray, weight)| (ray.origin, ray.direction, weight));
+                (ray.o, ray.d, *weight) = shot.unwrap_or_default();
             }
         }
-    })))
+        Ok(())
+    }
 }
 
 /// Sample after sample.
+struct Each<F>(F);
+
+impl<F: Fn(&Sample) -> Option<Shot>> RaySource for Each<F> {
+    type Error = Infallible;
+
+    fn rays(
+        &mut self,
+        samples: &[realistic_sample],
+        rays: &mut [realistic_ray],
+        weights: &mut [f32],
+    ) -> Result<(), Infallible> {
+        for ((of, ray), weight) in samples.iter().zip(rays).zip(weights) {
+            (ray.o, ray.d, *weight) = (self.0)(&sample(of)).unwrap_or_default();
+        }
+        Ok(())
+    }
+}
+
 fn each(shoot: impl Fn(&Sample) -> Option<Shot> + 'static) -> Source {
-    Source(Box::new(move |samples, take| {
-        samples.iter().enumerate().for_each(|(i, of)| take(i, shoot(&sample(of))));
-    }))
+    Box::new(Each(shoot))
 }
 
 /// Where in the pupil a model's rays go.

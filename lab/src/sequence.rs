@@ -1,4 +1,4 @@
-//! Samples in the unit cube, four ways, by which the estimators are compared and pictures are rendered.
+//! Samples in the unit cube from four sequences, by which the estimators are compared and pictures are rendered.
 
 use rand::{Rng, RngExt, SeedableRng, seq::SliceRandom};
 use rand_xoshiro::Xoshiro256PlusPlus;

@@ -14,42 +14,42 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::PathBuf;
 
-/// What `disks` can be told.
+/// The options of `disks`.
 #[derive(clap::Args, Debug)]
 pub struct Args {
     /// Picture to write: .png or .exr
     #[arg(long, value_name = "FILE", default_value = "disks.png", value_parser = picture_path)]
     out: PathBuf,
-    /// Random numbers
+    /// Seed of the random numbers
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
 }
 
-/// From two numbers to a point of the unit disk; `None` asks for others.
+/// From a sample (u, v) to a point of the unit disk; `None` rejects the sample.
 type Map = fn(f64, f64) -> Option<[f64; 2]>;
 
 /// The three mappings of the camera, and the wrong one, which crowds the middle.
-const WAYS: [(&str, Map); 4] = [
+const MAPPINGS: [(&str, Map); 4] = [
     ("concentric", |u, v| DiskMapping::Concentric.map(u, v)),
     ("polar, r = sqrt(u)", |u, v| DiskMapping::Polar.map(u, v)),
     ("rejection", |u, v| DiskMapping::Rejection.map(u, v)),
     ("wrong: polar, r = u", |u, v| Some([u * (TAU * v).cos(), u * (TAU * v).sin()])),
 ];
 
-/// Strata each way, with one point each.
+/// Strata along u and along v, with one point each.
 const STRATA: u32 = 16;
 /// Sets of strata over which the discrepancy is averaged.
 const SETS: u32 = 32;
 /// Independent points of the test of uniformity.
 const POINTS: usize = 20_000;
 
-/// Draws the point sets, and measures them.
+/// Draws the sets of points and measures them.
 ///
 /// # Errors
 /// The picture cannot be written.
 pub fn run(args: &Args) -> Result<(), Failure> {
     writable(&args.out)?;
-    let mut sheet = Sheet::new(PANEL, WAYS.len() as u32, 2);
+    let mut sheet = Sheet::new(PANEL, MAPPINGS.len() as u32, 2);
     let mut text = format!(
         "{:<20}  edge discrepancy of {} stratified points   chi-squared of {POINTS}\n\
          {:<20}  {:>12} {:>12}   {:>21} {:>12} {:>9}\n",
@@ -62,7 +62,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         "statistic",
         "p"
     );
-    for (name, map) in WAYS {
+    for (name, map) in MAPPINGS {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(args.seed);
         let (rms, largest) = discrepancy(map, &mut rng);
         let test = ChiSquared::of(&independent(map, &mut rng));
@@ -85,10 +85,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     Ok(std::io::stdout().write_all(text.as_bytes())?)
 }
 
-/// A point with the stratum, column and row, of its numbers; one that was drawn again has none.
+/// A point with the stratum, column and row, of its sample; one of a second sample has none.
 type Point = ([f64; 2], Option<[u32; 2]>);
 
-/// One point for each stratum of the square. Numbers that are rejected are drawn again from the
+/// One point for each stratum of the square. A rejected sample is replaced by others of the
 /// whole square, as a host does.
 fn stratified(map: Map, rng: &mut impl Rng) -> Vec<Point> {
     let cells = (0..STRATA * STRATA).map(|cell| [cell % STRATA, cell / STRATA]);
@@ -103,7 +103,7 @@ fn stratified(map: Map, rng: &mut impl Rng) -> Vec<Point> {
         .collect()
 }
 
-/// A point of independent numbers.
+/// A point of independent samples.
 fn again(map: Map, rng: &mut impl Rng) -> [f64; 2] {
     loop {
         if let Some(point) = map(rng.random::<f64>(), rng.random::<f64>()) {
@@ -171,7 +171,7 @@ mod tests {
 
     #[test]
     fn only_rejection_loses_strata() {
-        for (name, map) in WAYS {
+        for (name, map) in MAPPINGS {
             let points = stratified(map, &mut Xoshiro256PlusPlus::seed_from_u64(3));
             let kept = points.iter().filter(|(_, stratum)| stratum.is_some()).count();
             assert_eq!(points.len(), 256);
@@ -186,7 +186,8 @@ mod tests {
 
     #[test]
     fn the_wrong_way_is_found_out_and_the_concentric_is_the_most_even() {
-        let rms = |way: usize| discrepancy(WAYS[way].1, &mut Xoshiro256PlusPlus::seed_from_u64(3)).0;
+        let rms =
+            |mapping: usize| discrepancy(MAPPINGS[mapping].1, &mut Xoshiro256PlusPlus::seed_from_u64(3)).0;
         let [concentric, polar, rejection, wrong] = [0, 1, 2, 3].map(rms);
         assert!(concentric < polar && polar < rejection && rejection < wrong);
     }

@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::PathBuf;
 
-/// What `focus-stack` can be told.
+/// The options of `focus-stack`.
 #[derive(clap::Args, Debug)]
 #[command(after_help = parameter_help())]
 pub struct Args {

@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-/// What `render` can be told.
+/// The options of `render`.
 #[derive(clap::Args, Debug)]
 #[command(after_help = parameter_help())]
 pub struct Args {

@@ -1,4 +1,4 @@
-//! Where the program finds its plugin: in the build it belongs to, beside it when installed, and where it is told.
+//! Where the program finds its plugin: in the build it belongs to, beside it when installed, and where a flag or a variable says.
 
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX, EXE_SUFFIX};
 use std::fs;

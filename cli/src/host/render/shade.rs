@@ -1,6 +1,6 @@
 //! The light that comes back along a ray: sun with soft shadows, sky by formula, and
 //! reflections and refractions followed for a few bounces. Distributed ray tracing: one point of
-//! the sun and one facet of a rough surface a ray, so that a pixel's many rays cover them all.
+//! the sun and one facet of a rough surface per ray, so that a pixel's many rays cover them all.
 
 use crate::host::scene::shapes::{Hit, Ray};
 use crate::host::scene::{Finish, Material, Scene, sky};

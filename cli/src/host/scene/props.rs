@@ -177,13 +177,13 @@ fn lamp(centre: Vec3, radius: f32, colour: [f32; 3]) -> Ball {
 
 #[cfg(test)]
 mod tests {
-    use super::super::shapes::{NOON, Ray};
+    use super::super::shapes::{MID_SHUTTER, Ray};
     use super::*;
     use glam::Vec2;
 
     fn looked_at(scene: &Scene, x: f32, y: f32, z: f32) -> Vec3 {
         let target = Vec3::new(x, y, z);
-        let ray = Ray { origin: Vec3::ZERO, direction: target.normalize(), time: NOON };
+        let ray = Ray { origin: Vec3::ZERO, direction: target.normalize(), time: MID_SHUTTER };
         let (hit, material) = scene.nearest(&ray, 0.0).unwrap();
         assert!((ray.at(hit.distance) - target).length() < 1.0, "something stands before the card");
         material.colour

@@ -1,4 +1,4 @@
-//! The scene's shapes and where a ray meets them.
+//! The scene's shapes, and where a ray intersects them.
 
 use glam::{Vec2, Vec3};
 
@@ -14,7 +14,7 @@ pub struct Ray {
 }
 
 /// When a moving shape is where its description says: the middle of the default shutter.
-pub const NOON: f32 = 0.5;
+pub const MID_SHUTTER: f32 = 0.5;
 
 impl Ray {
     /// The point at a distance.
@@ -23,7 +23,7 @@ impl Ray {
     }
 }
 
-/// Where a ray meets a surface.
+/// Where a ray intersects a surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Hit {
     /// Distance along the ray.
@@ -32,16 +32,16 @@ pub struct Hit {
     pub normal: Vec3,
 }
 
-/// Something that a ray can meet.
+/// Something that a ray can intersect.
 pub trait Shape {
-    /// The nearest meeting farther than `from` and nearer than `to`.
-    fn meet(&self, ray: &Ray, from: f32, to: f32) -> Option<Hit>;
+    /// The nearest intersection farther than `from` and nearer than `to`.
+    fn intersect(&self, ray: &Ray, from: f32, to: f32) -> Option<Hit>;
 }
 
 /// A ball, which may move.
 #[derive(Clone, Copy, Debug)]
 pub struct Sphere {
-    /// Its centre at [`NOON`].
+    /// Its centre at [`MID_SHUTTER`].
     pub centre: Vec3,
     /// Its radius.
     pub radius: f32,
@@ -57,12 +57,12 @@ impl Sphere {
 
     /// Its centre at a time.
     pub fn centre_at(&self, time: f32) -> Vec3 {
-        self.centre + (time - NOON) * self.velocity
+        self.centre + (time - MID_SHUTTER) * self.velocity
     }
 }
 
 impl Shape for Sphere {
-    fn meet(&self, ray: &Ray, from: f32, to: f32) -> Option<Hit> {
+    fn intersect(&self, ray: &Ray, from: f32, to: f32) -> Option<Hit> {
         let centre = self.centre_at(ray.time);
         let towards = centre - ray.origin;
         let along = towards.dot(ray.direction);
@@ -89,7 +89,7 @@ pub struct Floor {
 }
 
 impl Shape for Floor {
-    fn meet(&self, ray: &Ray, from: f32, to: f32) -> Option<Hit> {
+    fn intersect(&self, ray: &Ray, from: f32, to: f32) -> Option<Hit> {
         let distance = (self.height - ray.origin.y) / ray.direction.y;
         ((from..to).contains(&distance) && ray.direction.y < 0.0).then_some(Hit { distance, normal: Vec3::Y })
     }
@@ -105,7 +105,7 @@ pub struct Panel {
 }
 
 impl Shape for Panel {
-    fn meet(&self, ray: &Ray, from: f32, to: f32) -> Option<Hit> {
+    fn intersect(&self, ray: &Ray, from: f32, to: f32) -> Option<Hit> {
         let distance = (self.corner.z - ray.origin.z) / ray.direction.z;
         if !(from..to).contains(&distance) {
             return None;
@@ -143,7 +143,7 @@ impl Bounds {
     }
 
     /// Whether a ray goes through it.
-    pub fn meets(&self, ray: &Ray) -> bool {
+    pub fn intersects(&self, ray: &Ray) -> bool {
         let first = (self.low - ray.origin) / ray.direction;
         let second = (self.high - ray.origin) / ray.direction;
         let enters = first.min(second).max_element();
@@ -157,25 +157,25 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_moving_ball_is_met_where_it_is_at_the_rays_time() {
+    fn a_moving_ball_is_intersected_where_it_is_at_the_rays_time() {
         let velocity = Vec3::new(40.0, 0.0, 0.0);
         let ball = Sphere { centre: Vec3::new(0.0, 0.0, 100.0), radius: 5.0, velocity };
-        let met = |x: f32, time: f32| {
+        let hit = |x: f32, time: f32| {
             let ray = Ray { origin: Vec3::new(x, 0.0, 0.0), direction: Vec3::Z, time };
-            ball.meet(&ray, 0.0, f32::INFINITY).map(|hit| hit.distance)
+            ball.intersect(&ray, 0.0, f32::INFINITY).map(|hit| hit.distance)
         };
-        assert_eq!([met(-20.0, 0.0), met(0.0, NOON), met(20.0, 1.0)], [Some(95.0); 3]);
-        assert_eq!([met(0.0, 0.0), met(20.0, NOON), met(-20.0, 1.0)], [None; 3]);
+        assert_eq!([hit(-20.0, 0.0), hit(0.0, MID_SHUTTER), hit(20.0, 1.0)], [Some(95.0); 3]);
+        assert_eq!([hit(0.0, 0.0), hit(20.0, MID_SHUTTER), hit(-20.0, 1.0)], [None; 3]);
     }
 
     #[test]
-    fn a_distant_small_ball_is_met_where_it_is() {
+    fn a_distant_small_ball_is_intersected_where_it_is() {
         let ball = Sphere::resting(Vec3::new(3.0, -4.0, 40_000.0), 20.0);
-        let ray = Ray { origin: Vec3::ZERO, direction: Vec3::Z, time: NOON };
-        let hit = ball.meet(&ray, 0.0, f32::INFINITY).unwrap();
+        let ray = Ray { origin: Vec3::ZERO, direction: Vec3::Z, time: MID_SHUTTER };
+        let hit = ball.intersect(&ray, 0.0, f32::INFINITY).unwrap();
         assert!((hit.distance - 39_980.635).abs() < 0.02, "{}", hit.distance);
-        assert!(Bounds::around([&ball].into_iter()).meets(&ray));
+        assert!(Bounds::around([&ball].into_iter()).intersects(&ray));
         let back = Ray { direction: -Vec3::Z, ..ray };
-        assert!(!Bounds::around([&ball].into_iter()).meets(&back));
+        assert!(!Bounds::around([&ball].into_iter()).intersects(&back));
     }
 }

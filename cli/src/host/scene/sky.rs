@@ -49,7 +49,7 @@ impl Sun {
     /// Low behind the camera, and large enough for soft shadows.
     pub const EVENING: Self = Self { towards: Vec3::new(-0.55, 0.52, -0.75), radius: 0.035 };
 
-    /// The sun as mirrors show it. Kept far below its true radiance: in a few samples a pixel
+    /// The sun as mirrors show it. Kept far below its true radiance: in a few samples per pixel
     /// the truth would be noise.
     pub fn mirrored(&self, direction: Vec3) -> Vec3 {
         let cosine = direction.dot(self.towards.normalize());
@@ -60,7 +60,7 @@ impl Sun {
         if cosine > 0.0 && outside < 1.0 { SUNLIGHT * 12.0 * share } else { Vec3::ZERO }
     }
 
-    /// A direction to a point of the sun, from two sample numbers.
+    /// A direction to a point of the sun, for a sample (u, v).
     pub fn direction(&self, [u, v]: [f32; 2]) -> Vec3 {
         let centre = self.towards.normalize();
         let (side, up) = centre.any_orthonormal_pair();

@@ -1,4 +1,4 @@
-//! A scene as a renderer sees it: what a ray meets, and what hides the light.
+//! A scene as a renderer sees it: the nearest surface that a ray intersects, and what hides the light.
 //! Millimetres, the lens' front vertex at the origin, +z into the scene, +x to the right,
 //! +y up.
 
@@ -56,33 +56,33 @@ impl Scene {
         self
     }
 
-    /// The nearest surface that a ray meets beyond `from`.
+    /// The nearest surface that a ray intersects beyond `from`.
     pub fn nearest(&self, ray: &Ray, from: f32) -> Option<(Hit, Material)> {
         let mut best: Option<(Hit, Material)> = None;
-        let mut meet = |shape: &dyn Shape, material: &dyn Fn(&Hit) -> Material| {
+        let mut nearer = |shape: &dyn Shape, material: &dyn Fn(&Hit) -> Material| {
             let to = best.map_or(f32::INFINITY, |(hit, _)| hit.distance);
-            if let Some(hit) = shape.meet(ray, from, to) {
+            if let Some(hit) = shape.intersect(ray, from, to) {
                 best = Some((hit, material(&hit)));
             }
         };
         let rough = self.floor_roughness;
-        meet(&FLOOR, &|hit| (self.floor)(ray.at(hit.distance)).rough(rough));
+        nearer(&FLOOR, &|hit| (self.floor)(ray.at(hit.distance)).rough(rough));
         for ball in &self.balls {
-            meet(&ball.shape, &|hit| ball.material(hit.normal));
+            nearer(&ball.shape, &|hit| ball.material(hit.normal));
         }
         for board in &self.boards {
-            meet(&board.panel, &|hit| board.material(ray.at(hit.distance)));
+            nearer(&board.panel, &|hit| board.material(ray.at(hit.distance)));
         }
-        let lamps = self.lamps.iter().filter(|group| group.bounds.meets(ray));
+        let lamps = self.lamps.iter().filter(|group| group.bounds.intersects(ray));
         for lamp in lamps.flat_map(|group| &group.lamps) {
-            meet(&lamp.shape, &|_| lamp.material);
+            nearer(&lamp.shape, &|_| lamp.material);
         }
         best
     }
 
     /// The part of the light that comes through along a ray from far away.
     pub fn light_through(&self, ray: &Ray, from: f32) -> f32 {
-        let blocks = |shape: &dyn Shape| shape.meet(ray, from, f32::INFINITY).is_some();
+        let blocks = |shape: &dyn Shape| shape.intersect(ray, from, f32::INFINITY).is_some();
         let through = |material: &Material| match material.finish {
             Finish::Glass => 0.55,
             Finish::Sheet => 0.85,

@@ -1,5 +1,5 @@
-//! What every command that takes pictures needs: the plugin, the parameters, threads, and one
-//! way to take a picture with them.
+//! What every command that takes pictures needs: from options, a loaded plugin, parameters and threads; with
+//! these, from a scene, a picture.
 
 use super::autofocus::{Autofocus, Method, Rule};
 use super::focus::{self, AxialRays};
@@ -20,7 +20,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// What the commands that take pictures can all be told.
+/// What the commands that take pictures have in common.
 #[derive(clap::Args, Debug)]
 pub struct Options {
     /// Lens: a file, or a name of the catalogue; NAME@35mm scales it to that focal length
@@ -45,7 +45,7 @@ pub struct Options {
     /// The plugin to load [default: the one built with this program]
     #[arg(long, value_name = "FILE")]
     plugin: Option<PathBuf>,
-    /// Random numbers; the same seed gives the same picture with any number of threads
+    /// Seed of the random numbers; the same gives the same picture with any number of threads
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
 }
@@ -60,7 +60,7 @@ pub struct Studio {
     pub size: [u32; 2],
     pool: ThreadPool,
     progress: ProgressBar,
-    told: Mutex<Vec<String>>,
+    warned: Mutex<Vec<String>>,
     exposure: f32,
     seed: u64,
 }
@@ -116,7 +116,7 @@ impl Studio {
             size: options.size,
             pool,
             progress: progress_bar(),
-            told: Mutex::default(),
+            warned: Mutex::default(),
             exposure: options.exposure,
             seed: options.seed,
         })
@@ -124,11 +124,11 @@ impl Studio {
 
     /// Gives the user a warning, once: several pictures have the same.
     pub fn warn(&self, message: &str) {
-        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
-        if told.iter().any(|before| before == message) {
+        let mut warned = self.warned.lock().unwrap_or_else(PoisonError::into_inner);
+        if warned.iter().any(|before| before == message) {
             return;
         }
-        told.push(message.to_owned());
+        warned.push(message.to_owned());
         self.progress.suspend(|| warn(message));
     }
 
