@@ -3,7 +3,7 @@
 use crate::{
     clock::now,
     render::{Integrand, Window, render},
-    renderers::{RENDERERS, Source, built},
+    renderers::{RENDERERS, Source, single},
     sampler::PUPILS,
     scene::Scene,
     sequence::{Point, Sequence},
@@ -117,7 +117,7 @@ pub struct Pictures {
 pub fn measure(subject: &Subject, size: Size) -> Result<Pictures, CameraError> {
     let raster = size.raster;
     let scene = Scene::new(subject.first_order.focal_length);
-    let mut exact = built(subject, raster, &[("pupil", "rear")])?;
+    let mut exact = single(subject, raster, "pupil=rear")?;
     let mut half = |seed| picture(&mut exact, scene, raster, Sequence::Sobol, size.reference, seed);
     let (one, two) = (half(1001), half(1002));
     let reference: Vec<f64> = one.iter().zip(&two).map(|(a, b)| f64::midpoint(*a, *b)).collect();
@@ -149,7 +149,7 @@ pub fn measure(subject: &Subject, size: Size) -> Result<Pictures, CameraError> {
     };
     let mut estimators = Vec::new();
     for &pupil in PUPILS {
-        let mut camera = built(subject, raster, &[("pupil", pupil)])?;
+        let mut camera = single(subject, raster, &format!("pupil={pupil}"))?;
         for (name, sequence) in Sequence::NAMES {
             estimators.push(curve(&mut camera, pupil, name, sequence));
         }

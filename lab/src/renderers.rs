@@ -9,7 +9,7 @@ use crate::{
 };
 use realistic::{
     abi::{realistic_ray, realistic_sample},
-    camera::{BLOCK, CameraError, Film, Parameters, Raster, RayBlock, Sample, SampleBlock, Value},
+    camera::{BLOCK, CameraError, Film, Parameters, Raster, RayBlock, Sample, SampleBlock},
     imaging::irradiance::{cos4, film_ray},
     sampling::{DiskMapping, Drawn, PupilDisk, WarpedPupil},
     trace::{Ray, kernel::Traced, polynomial::PolynomialLens},
@@ -24,7 +24,7 @@ fn sample(of: &realistic_sample) -> Sample {
     Sample { image_x, image_y, lens_u, lens_v, time }
 }
 
-/// One of them.
+/// A way to trace the rays of a picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Renderer {
     /// Short name.
@@ -33,62 +33,41 @@ pub struct Renderer {
     pub prepare: fn(&Subject, Raster) -> Result<Source, CameraError>,
 }
 
-/// All of them, to be rendered with Sobol' samples.
+/// All that are compared, to be rendered with Sobol' samples.
 pub const RENDERERS: &[Renderer] = &[
-    Renderer { name: "blocks, 0.1 pixel", prepare: |s, r| blocks(s, r, None, 0.1) },
-    Renderer { name: "blocks f32, warped", prepare: |s, r| blocks(s, r, Some("f32"), 0.0) },
-    Renderer { name: "blocks f64, warped", prepare: |s, r| blocks(s, r, Some("f64"), 0.0) },
-    Renderer {
-        name: "f32, warped",
-        prepare: |s, r| built(s, r, &[("pupil", "warped"), ("precision", "f32")]),
-    },
-    Renderer {
-        name: "f64, warped",
-        prepare: |s, r| built(s, r, &[("pupil", "warped"), ("precision", "f64")]),
-    },
-    Renderer { name: "f64, rear", prepare: |s, r| built(s, r, &[("pupil", "rear"), ("precision", "f64")]) },
-    Renderer { name: "f64, disk", prepare: |s, r| built(s, r, &[("pupil", "disk"), ("precision", "f64")]) },
-    Renderer {
-        name: "heckbert, rear",
-        prepare: |s, r| built(s, r, &[("pupil", "rear"), ("refraction", "heckbert")]),
-    },
-    Renderer {
-        name: "whitted, rear",
-        prepare: |s, r| built(s, r, &[("pupil", "rear"), ("refraction", "whitted")]),
-    },
+    Renderer { name: "blocks, 0.1 pixel", prepare: |s, r| blocks(s, r, "tolerance=0.1") },
+    Renderer { name: "blocks f32, warped", prepare: |s, r| blocks(s, r, "precision=f32") },
+    Renderer { name: "blocks f64, warped", prepare: |s, r| blocks(s, r, "precision=f64") },
+    Renderer { name: "f32, warped", prepare: |s, r| single(s, r, "pupil=warped precision=f32") },
+    Renderer { name: "f64, warped", prepare: |s, r| single(s, r, "pupil=warped precision=f64") },
+    Renderer { name: "f64, rear", prepare: |s, r| single(s, r, "pupil=rear precision=f64") },
+    Renderer { name: "f64, disk", prepare: |s, r| single(s, r, "pupil=disk precision=f64") },
+    Renderer { name: "heckbert, rear", prepare: |s, r| single(s, r, "pupil=rear refraction=heckbert") },
+    Renderer { name: "whitted, rear", prepare: |s, r| single(s, r, "pupil=rear refraction=whitted") },
     Renderer { name: "thick lens, disk", prepare: thick },
     Renderer { name: "order 5, disk", prepare: |s, r| polynomial::<5>(s, r, disk(s)) },
     Renderer { name: "order 5, warped", prepare: |s, r| polynomial::<5>(s, r, warped(s)) },
     Renderer { name: "order 9, warped", prepare: |s, r| polynomial::<9>(s, r, warped(s)) },
 ];
 
-fn named(given: &[(&str, &str)]) -> Result<Parameters, CameraError> {
+/// A camera for the lens with parameters as `name=value`, spaces between them.
+fn camera_of(subject: &Subject, raster: Raster, given: &str) -> Result<Single, CameraError> {
     let mut parameters = Parameters::default();
-    for (name, value) in given {
-        parameters.set(name, Value::Text(value))?;
+    for (name, value) in given.split(' ').filter_map(|one| one.split_once('=')) {
+        parameters.set_from_text(name, value)?;
     }
-    Ok(parameters)
+    camera(&subject.lens.name, raster, parameters)
 }
 
-/// A camera with these text parameters, asked for ray after ray.
-pub fn built(subject: &Subject, raster: Raster, given: &[(&str, &str)]) -> Result<Source, CameraError> {
-    let camera = camera(&subject.lens.name, raster, named(given)?)?;
+/// A camera with these parameters that is asked for ray after ray.
+pub fn single(subject: &Subject, raster: Raster, given: &str) -> Result<Source, CameraError> {
+    let camera = camera_of(subject, raster, given)?;
     Ok(each(move |sample| camera.shoot(sample)))
 }
 
-/// A camera with the warped pupil that is asked for blocks, in a precision or with a tolerance in pixels.
-fn blocks(
-    subject: &Subject,
-    raster: Raster,
-    precision: Option<&str>,
-    tolerance: f64,
-) -> Result<Source, CameraError> {
-    let given = Parameters {
-        precision: precision.map(str::to_owned),
-        tolerance: Some(tolerance),
-        ..Parameters::default()
-    };
-    let camera = camera(&subject.lens.name, raster, given)?;
+/// A camera with these parameters that is asked for blocks.
+fn blocks(subject: &Subject, raster: Raster, given: &str) -> Result<Source, CameraError> {
+    let camera = camera_of(subject, raster, given)?;
     Ok(Box::new(Blocks { camera, samples: SampleBlock::new(), rays: RayBlock::new() }))
 }
 
