@@ -9,7 +9,7 @@ use glam::Vec3;
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use realistic::sampling::DiskMapping;
-use realistic_lab::disk_statistics::{ChiSquared, EdgeDiscrepancy};
+use realistic_lab::pupil::disk_statistics::{ChiSquared, EdgeDiscrepancy};
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::io::Write as _;

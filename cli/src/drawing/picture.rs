@@ -7,7 +7,6 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use svg::Document;
 
 /// The file of a flag.
 pub fn path(text: &str) -> Result<PathBuf, String> {
@@ -23,14 +22,14 @@ fn is(path: &Path, ending: &str) -> bool {
 ///
 /// # Errors
 /// The file cannot be written; the message names it.
-pub fn write(document: &Document, path: &Path) -> Result<(), Failure> {
+pub fn write(svg: &str, path: &Path) -> Result<(), Failure> {
     let failed = |error: &dyn std::fmt::Display| {
         Failure::Other(format!("cannot write {}: {error}; give --out another path", path.display()))
     };
     if is(path, "svg") {
-        return svg::save(path, document).map_err(|error| failed(&error));
+        return std::fs::write(path, svg).map_err(|error| failed(&error));
     }
-    let image = rasterise(&document.to_string(), 1.5).map_err(|error| failed(&error))?;
+    let image = rasterise(svg, 1.5).map_err(|error| failed(&error))?;
     let (palette, indices) = indexed(image.data());
     let file = File::create(path).map_err(|error| failed(&error))?;
     let mut encoder = png::Encoder::new(BufWriter::new(file), image.width(), image.height());
@@ -95,7 +94,7 @@ mod tests {
     fn ink(text: &str) -> Option<(u32, u32)> {
         let mut page = Page::new(900.0, 40.0);
         page.text(text, [10.0, 25.0], SMALL, Anchor::Start, "#000000");
-        let image = rasterise(&page.finish().to_string(), 1.0).unwrap();
+        let image = rasterise(&page.finish(), 1.0).unwrap();
         let dark = |&column: &u32| (0..40).any(|row| image.pixel(column, row).unwrap().red() < 128);
         Some(((0..900).find(dark)?, (0..900).rfind(dark)?))
     }

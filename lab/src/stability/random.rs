@@ -2,10 +2,6 @@
 
 use std::fmt::Write;
 
-use crate::stability::{
-    case::{Case, CaseResult, is_sound},
-    kernel::Kernel,
-};
 use realistic::{
     camera::{BLOCK, Host, Outcome, Parameters, Raster, RayBlock, RealisticCamera, Sample, SampleBlock},
     lens::Lens,
@@ -14,6 +10,11 @@ use realistic::{
         Direction::{self, FilmToScene, SceneToFilm},
         Path, Ray,
     },
+};
+
+use super::{
+    case::{Case, CaseResult, is_sound},
+    tracers::Tracer,
 };
 
 /// A generator of random numbers: Weyl sequence and mixer (G. L. Steele, D. Lea and C. H. Flood, "Fast
@@ -127,26 +128,24 @@ fn rays(random: &mut Random, lens: &Lens, direction: Direction, count: usize) ->
 const PLANE: usize = 20;
 
 /// Results of no random lenses yet, one for each tracer.
-pub fn none_yet(kernels: &[Kernel]) -> Vec<CaseResult> {
+pub fn none_yet(tracers: &[Tracer]) -> Vec<CaseResult> {
     let name = "random lenses, a hundred rays each";
-    kernels
-        .iter()
-        .map(|kernel| CaseResult::new(name.to_owned(), "random", kernel.name, kernel.bound))
-        .collect()
+    let result = |tracer: &Tracer| CaseResult::new(name.to_owned(), "random", tracer.name, tracer.bound);
+    tracers.iter().map(result).collect()
 }
 
 /// `lenses` random lenses with a hundred rays each against the reference, for every tracer.
-pub fn against_reference(seed: u64, lenses: usize, kernels: &[Kernel]) -> Vec<CaseResult> {
-    let mut worst = none_yet(kernels);
+pub fn against_reference(seed: u64, lenses: usize, tracers: &[Tracer]) -> Vec<CaseResult> {
+    let mut worst = none_yet(tracers);
     let mut random = Random::new(seed);
     for number in 0..lenses {
         let lens = random_lens(&mut random);
         let direction = if number % 4 == 3 { SceneToFilm } else { FilmToScene };
         let rays = rays(&mut random, &lens, direction, 100);
-        let case = Case { name: String::new(), group: "random", lens, direction, rays, closed_form: None };
+        let case = Case::new("random", "", &lens, direction, rays);
         let trails = case.trails();
-        for (kernel, worst) in kernels.iter().zip(&mut worst) {
-            worst.merge(&case.run(kernel, &trails).expect("a lens file's lens ends in air"));
+        for (tracer, worst) in tracers.iter().zip(&mut worst) {
+            worst.merge(&case.run(tracer, &trails).expect("a lens file's lens ends in air"));
         }
     }
     worst

@@ -8,6 +8,10 @@ use realistic::{
     trace::{Direction, Ray},
 };
 
+/// Where light comes from, with its name.
+pub const SIDES: [(&str, Direction); 2] =
+    [("scene", Direction::SceneToFilm), ("film", Direction::FilmToScene)];
+
 /// A row of a lens: radius (infinite: plane), thickness, index behind, clear semi-diameter; mm.
 pub type Row = (f64, f64, f64, f64);
 
