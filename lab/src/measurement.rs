@@ -186,7 +186,7 @@ impl Band {
         sensor: &impl SensorResponse,
         radiance: &impl Fn(&WorldRay, f64) -> f64,
     ) -> f64 {
-        let (mut sum, mut drawn) = (0.0, 0_u32);
+        let (mut sum, mut count) = (0.0, 0_u32);
         for [x, y, u, v, time] in spread(0.0).take(samples as usize) {
             let image = [f64::from(column) + x, f64::from(row) + y];
             let sample = Sample {
@@ -201,13 +201,13 @@ impl Band {
                     let point = self.camera.film().map_or([0.0; 2], |film| film.point(image[0], image[1]));
                     let response = sensor.response(point, self.wavelength);
                     sum += f64::from(weight) * response * radiance(&ray, self.wavelength);
-                    drawn += 1;
+                    count += 1;
                 }
-                Outcome::Blocked(_) | Outcome::Shut => drawn += 1,
+                Outcome::Blocked(_) | Outcome::Shut => count += 1,
                 Outcome::Redraw => {}
             }
         }
-        if drawn == 0 { 0.0 } else { sum / f64::from(drawn) }
+        if count == 0 { 0.0 } else { sum / f64::from(count) }
     }
 }
 

@@ -125,7 +125,7 @@ fn batches_are_the_single_rays_to_the_bit_and_in_single_precision_to_its_digits(
 }
 
 #[test]
-fn a_lens_of_polynomials_blocks_where_the_rims_do_and_changes_no_other_ray() {
+fn a_lens_of_polynomials_blocks_where_the_apertures_do_and_changes_no_other_ray() {
     let subject = Subject::new("dgauss.50mm");
     let path = Path::<f64>::film_to_scene(&subject.lens);
     let last = subject.lens.surfaces.len() - 1;
@@ -154,7 +154,7 @@ fn a_lens_of_polynomials_blocks_where_the_rims_do_and_changes_no_other_ray() {
             wrong += i32::from(passes != traced.is_some());
         }
     }
-    assert!(blocked > 500 && missed > 100, "{blocked} blocked, {missed} unknown without rims");
+    assert!(blocked > 500 && missed > 100, "{blocked} blocked, {missed} unknown without apertures");
     assert!(wrong <= 12, "{wrong} of 3600");
 }
 

@@ -164,7 +164,7 @@ fn the_chain_with_condition_numbers_gives_the_references_rays() {
 }
 
 #[test]
-fn the_condition_number_foretells_what_a_disturbed_ray_does() {
+fn the_condition_number_predicts_what_a_disturbed_ray_does() {
     // A ray through a lens of condition 1e6 and its neighbour 1e-12 rad away, about the point in the front
     // vertex plane, by the reference.
     let case = stability::stiff::telescopes().swap_remove(2);

@@ -13,7 +13,7 @@ use realistic::{
     prescription::{catalogue, read},
     trace::{Direction, Path, Ray},
 };
-use realistic_lab::stability::{self, Case, CaseResult, Effort, Tracer, random, tracers};
+use realistic_lab::stability::{self, Case, CaseResult, Extent, Tracer, random, tracers};
 
 fn show(result: &CaseResult) -> String {
     format!(
@@ -107,7 +107,7 @@ fn no_ray_through_a_random_camera_is_unsound() {
 #[test]
 fn a_run_reports_progress_and_stops_when_told() {
     let mut calls = 0;
-    let results = stability::run(Effort::QUICK, &mut |progress| {
+    let results = stability::run(Extent::QUICK, &mut |progress| {
         assert!((0.0..1.0).contains(&progress.done));
         calls += 1;
         if calls == 4 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
@@ -213,7 +213,7 @@ fn a_tiny_lens_far_behind_the_first_has_its_own_focal_length() {
 }
 
 #[test]
-fn lens_numbers_at_the_ends_of_their_range_make_sound_rays() {
+fn lens_samples_at_the_ends_of_their_range_make_sound_rays() {
     for name in catalogue::names() {
         for disk in ["concentric", "polar"] {
             let parameters = Parameters {

@@ -34,7 +34,7 @@ pub struct SampleCounts {
 
 /// One estimator at one number of samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Precision {
+pub struct Estimate {
     /// Samples per estimate.
     pub samples: usize,
     /// Time per estimate, seconds.
@@ -57,7 +57,7 @@ pub struct Curve {
     /// Where the numbers come from.
     pub sequence: &'static str,
     /// By rising number of samples.
-    pub points: Vec<Precision>,
+    pub points: Vec<Estimate>,
     /// Exponent of the noise as a power of the number of samples.
     pub slope: f64,
     /// RMS over the film points of the mean relative error that is left with many samples.
@@ -143,7 +143,7 @@ fn precision(
     exact: &[(f64, f64)],
     samples: usize,
     repeats: u32,
-) -> Precision {
+) -> Estimate {
     let mut points = vec![[0.0; 4]; samples];
     let (mut error, mut noise) = (0.0, 0.0);
     for (number, (field, exact)) in exact.iter().enumerate() {
@@ -159,10 +159,10 @@ fn precision(
         noise += relative.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0);
     }
     let root = |sum: f64| (sum / exact.len() as f64).sqrt();
-    Precision { samples, time: f64::NAN, error: root(error), noise: root(noise) }
+    Estimate { samples, time: f64::NAN, error: root(error), noise: root(noise) }
 }
 
-/// Times a sample of every curve, its numbers included.
+/// Times a sample of every curve, its lens samples included.
 fn time(cameras: &[Single], effort: Effort, curves: &mut [Curve]) {
     const BLOCK: usize = 1024;
     let pairs = cameras.iter().flat_map(|camera| Sequence::NAMES.map(|(_, placed)| (camera, placed)));

@@ -66,7 +66,7 @@ fn warped(subject: &Subject) -> Built {
     let pupil = subject.warped_pupil();
     let report = pupil.build_report();
     let region =
-        move |point| unit_circle().filter_map(|d| pupil.draw(point, d)).map(|drawn| drawn.slopes).collect();
+        move |point| unit_circle().filter_map(|d| pupil.draw(point, d)).map(|sample| sample.slopes).collect();
     Built { region: Box::new(region), radii: report.rows, rays: report.rays as usize }
 }
 
@@ -140,7 +140,7 @@ pub fn measure(subject: &Subject, counts: PupilCounts) -> Vec<Coverage> {
             // The first of the builds warms up.
             let (built, times) = repeated(counts.repeats + 1, || build(subject));
             // Sums of squared radii: areas but for one factor.
-            let (mut whole, mut drawn, mut missed, mut excess) = (0.0, 0.0, 0.0, 0.0);
+            let (mut whole, mut sampled, mut missed, mut excess) = (0.0, 0.0, 0.0, 0.0);
             for (point, truth) in &truths {
                 let edge = (built.region)(*point);
                 for corner in &truth.points {
@@ -148,7 +148,7 @@ pub fn measure(subject: &Subject, counts: PupilCounts) -> Vec<Coverage> {
                     let size = own[0] * own[0] + own[1] * own[1];
                     let reached = distance_to(&edge, truth.center, own).powi(2) * size;
                     whole += size;
-                    drawn += reached;
+                    sampled += reached;
                     missed += (size - reached).max(0.0);
                     excess += (reached - size).max(0.0);
                 }
@@ -160,7 +160,7 @@ pub fn measure(subject: &Subject, counts: PupilCounts) -> Vec<Coverage> {
                 rays: built.rays,
                 time: median(&times[1..]),
                 missed: missed / whole,
-                excess: excess / drawn,
+                excess: excess / sampled,
             }
         })
         .collect()

@@ -43,7 +43,7 @@ pub struct Suite {
     /// The pupil's tables.
     pub pupils: PupilCounts,
     /// Stability.
-    pub stability: stability::Effort,
+    pub stability: stability::Extent,
 }
 
 impl Suite {
@@ -58,7 +58,7 @@ impl Suite {
             picture: picture::Size { raster, exponent: 4, reference: 4096, repeats: 3 },
             set_up: FitCounts { rays: 5000, repeats: 9 },
             pupils: PupilCounts { points: 48, repeats: 5 },
-            stability: stability::Effort::FULL,
+            stability: stability::Extent::FULL,
         }
     }
 
@@ -73,7 +73,7 @@ impl Suite {
             picture: picture::Size { raster, exponent: 3, reference: 1024, repeats: 2 },
             set_up: FitCounts { rays: 1000, repeats: 3 },
             pupils: PupilCounts { points: 12, repeats: 1 },
-            stability: stability::Effort::QUICK,
+            stability: stability::Extent::QUICK,
         }
     }
 

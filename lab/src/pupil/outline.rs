@@ -223,7 +223,7 @@ mod tests {
 
     #[test]
     fn a_bare_stop_behind_the_glass_is_a_circle() {
-        // Light reaches the stop first: its own rim is the pupil.
+        // Light reaches the stop first: its own edge is the pupil.
         let lens = read("t", b"60 3 1.5 30\n-60 5 1 30\n0 0 0 8\n").expect("a lens");
         let lens = Lens::at_d_line(&lens);
         let (_, film, _, outline) = pupil(&lens, 6.0);

@@ -87,7 +87,7 @@ impl Trail {
 #[derive(Clone, Debug)]
 pub struct Conditioned {
     interfaces: Vec<Interface>,
-    sense: f64,
+    sign: f64,
     entry: f64,
 }
 
@@ -136,8 +136,8 @@ impl Conditioned {
                 dual: Path::new(&alone, direction, Refraction::Fused),
             }
         };
-        let sense = if forward { -1.0 } else { 1.0 };
-        Self { interfaces: (0..count).map(interface).collect(), sense, entry: lens.surfaces[at(0)].vertex }
+        let sign = if forward { -1.0 } else { 1.0 };
+        Self { interfaces: (0..count).map(interface).collect(), sign, entry: lens.surfaces[at(0)].vertex }
     }
 
     /// Takes a ray, its numbers taken as exact, through the lens.
@@ -164,10 +164,10 @@ impl Conditioned {
         });
         let mut exact = None;
         for (number, interface) in self.interfaces.iter().enumerate() {
-            now.point[2] = now.point[2] - DoubleDouble::from_f64(self.sense * interface.distance);
-            let onward = self.sense * now.direction[2].to_f64();
+            now.point[2] = now.point[2] - DoubleDouble::from_f64(self.sign * interface.distance);
+            let onward = self.sign * now.direction[2].to_f64();
             // A fisheye's front is met from the scene going backward, too.
-            if number > 0 || self.sense > 0.0 {
+            if number > 0 || self.sign > 0.0 {
                 doubts
                     .iter_mut()
                     .for_each(|doubt| doubt.narrow(onward.abs() / (1.0 + doubt.spread.direction())));
@@ -177,7 +177,7 @@ impl Conditioned {
                 }
             }
             doubts.iter_mut().for_each(|doubt| {
-                doubt.narrow(interface.margin(&now, self.sense, &doubt.spread));
+                doubt.narrow(interface.margin(&now, self.sign, &doubt.spread));
             });
             let after = match interface.exact.trace_in_full(now.point, now.direction) {
                 Ok((point, direction)) => ExactRay { point, direction },
@@ -247,10 +247,10 @@ impl Interface {
 
     /// How far the ray is from missing the sphere, from meeting it beyond its equator or behind
     /// itself, and from total reflection, in units of the disturbance.
-    fn margin(&self, before: &ExactRay, sense: f64, spread: &Spread) -> f64 {
+    fn margin(&self, before: &ExactRay, sign: f64, spread: &Spread) -> f64 {
         let exact = DoubleDouble::from_f64;
         let (p, d, c) = (before.point, before.direction, exact(self.curvature));
-        let (z, dz) = (exact(sense) * p[2], exact(sense) * d[2]);
+        let (z, dz) = (exact(sign) * p[2], exact(sign) * d[2]);
         let f = c * dot(p, p) - z - z;
         let g = dz - c * dot(p, d);
         let cosine_squared = g * g - c * f;

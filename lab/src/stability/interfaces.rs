@@ -72,9 +72,9 @@ pub fn rims() -> Vec<Case> {
 /// Rays that meet a plane and a weak sphere up to 1e-9 rad from along it, and go on inside at the critical
 /// angle or leave at it.
 pub fn grazing() -> Vec<Case> {
-    let rays = |sense: f64| -> Vec<Ray> {
+    let rays = |sign: f64| -> Vec<Ray> {
         let slopes = (1..=9).flat_map(|i| [1.0, 3.0].map(|digit| digit * 10.0_f64.powi(i)));
-        let ray = |slope: f64| Ray { origin: [1.0 - slope, 0.3, -sense], direction: [slope, 0.1, sense] };
+        let ray = |slope: f64| Ray { origin: [1.0 - slope, 0.3, -sign], direction: [slope, 0.1, sign] };
         slopes.map(ray).collect()
     };
     let wide = |radius: f64| [(radius, 0.0, 1.5, 5.0)];

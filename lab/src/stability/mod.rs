@@ -30,14 +30,14 @@ pub use tracers::{BOUND, Tracer, tracers};
 
 /// How much of the random part is run; the rest is the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Effort {
+pub struct Extent {
     /// Random lenses that are compared with the reference, a hundred rays each.
     pub lenses: usize,
     /// Rays through random lenses in cameras, about.
     pub rays: u64,
 }
 
-impl Effort {
+impl Extent {
     /// A few seconds.
     pub const QUICK: Self = Self { lenses: 300, rays: 1_000_000 };
     /// A few minutes.
@@ -87,15 +87,15 @@ pub fn cases() -> Vec<Case> {
 
 /// Runs everything on all cores. `progress` is called from this thread between parts, and ends the run with
 /// [`ControlFlow::Break`]; what is done by then is returned.
-pub fn run(effort: Effort, progress: &mut dyn FnMut(Progress<'_>) -> ControlFlow<()>) -> Vec<CaseResult> {
+pub fn run(extent: Extent, progress: &mut dyn FnMut(Progress<'_>) -> ControlFlow<()>) -> Vec<CaseResult> {
     let mut results = Vec::new();
     // A stopped run is a shorter one: the results so far are the answer either way.
-    let _ = run_parts(effort, &mut results, progress);
+    let _ = run_parts(extent, &mut results, progress);
     results
 }
 
 fn run_parts(
-    effort: Effort,
+    extent: Extent,
     results: &mut Vec<CaseResult>,
     progress: &mut dyn FnMut(Progress<'_>) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
@@ -114,7 +114,7 @@ fn run_parts(
         let done = 0.05 + 0.45 * part as f64 / PARTS as f64;
         progress(Progress { name: "random lenses against the reference", done })?;
         for found in on_all_cores(part, |seed, workers| {
-            random::against_reference(seed, effort.lenses.div_ceil(PARTS * workers), &tracers)
+            random::against_reference(seed, extent.lenses.div_ceil(PARTS * workers), &tracers)
         }) {
             against.iter_mut().zip(&found).for_each(|(all, part)| all.merge(part));
         }
@@ -122,7 +122,7 @@ fn run_parts(
     results.extend(against);
 
     let mut survey = random::Survey::default();
-    let lenses = effort.rays.div_ceil((PARTS * RAYS_EACH) as u64) as usize;
+    let lenses = extent.rays.div_ceil((PARTS * RAYS_EACH) as u64) as usize;
     for part in 0..PARTS {
         let done = 0.5 + 0.5 * part as f64 / PARTS as f64;
         progress(Progress { name: "rays through random cameras", done })?;

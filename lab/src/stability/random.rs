@@ -75,7 +75,7 @@ pub fn random_lens(random: &mut Random) -> Lens {
 
 /// Rays at the first surface of a random lens from a few planes, mostly such as get in.
 fn rays(random: &mut Random, lens: &Lens, direction: Direction, count: usize) -> Vec<Ray> {
-    let (surface, sense) = match direction {
+    let (surface, sign) = match direction {
         FilmToScene => (lens.rear(), 1.0),
         SceneToFilm => (lens.front(), -1.0),
     };
@@ -90,8 +90,8 @@ fn rays(random: &mut Random, lens: &Lens, direction: Direction, count: usize) ->
             let field = 0.5 * distance * random.random_range(-1.0_f64..1.0).powi(3);
             let at = |random: &mut Random| semi * random.random_range(-0.8..0.8);
             let target = [at(random), at(random)];
-            let origin = [field, field * random.random_range(-1.0..1.0), surface.vertex - sense * distance];
-            let direction = [target[0] - origin[0], target[1] - origin[1], sense * distance];
+            let origin = [field, field * random.random_range(-1.0..1.0), surface.vertex - sign * distance];
+            let direction = [target[0] - origin[0], target[1] - origin[1], sign * distance];
             Ray { origin, direction }
         })
         .collect()

@@ -131,7 +131,7 @@ mod tests {
             picture: picture::Size { raster, exponent: 2, reference: 16, repeats: 1 },
             set_up: FitCounts { rays: 40, repeats: 1 },
             pupils: PupilCounts { points: 2, repeats: 1 },
-            stability: stability::Effort { lenses: 1, rays: 1 },
+            stability: stability::Extent { lenses: 1, rays: 1 },
         }
     }
 
