@@ -1,15 +1,17 @@
 //! Rendered pictures: RMS error to a long reference, against time on one core.
 
 use crate::{
-    clock::now,
     render::{Integrand, Window, render},
     renderers::{RENDERERS, Source, single},
+    results::{
+        statistics::{log_slope, median},
+        table::{Table, row},
+    },
     sampler::PUPILS,
     scene::Scene,
     sequence::{Point, Sequence},
-    statistics::{log_slope, median},
     subject::Subject,
-    table::Table,
+    timing::repeated,
 };
 use realistic::abi::{realistic_ray, realistic_sample};
 use realistic::camera::{CameraError, Raster};
@@ -99,6 +101,13 @@ pub struct Curve {
     pub slope: f64,
 }
 
+impl Curve {
+    /// Time, seconds, and error of every point.
+    pub fn errors(&self) -> Vec<(f64, f64)> {
+        self.points.iter().map(|p| (p.time, p.error)).collect()
+    }
+}
+
 /// The pictures of one lens.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pictures {
@@ -128,9 +137,9 @@ pub fn measure(subject: &Subject, size: Size) -> Result<Pictures, CameraError> {
                 let samples = 4_usize.pow(power);
                 let (mut times, mut errors) = (Vec::new(), Vec::new());
                 for repeat in 0..size.repeats {
-                    let start = now();
-                    let pixels = picture(camera, scene, raster, sequence, samples, repeat + 1);
-                    times.push((now() - start).as_secs_f64());
+                    let (pixels, took) =
+                        repeated(1, || picture(camera, scene, raster, sequence, samples, repeat + 1));
+                    times.extend(took);
                     errors.push(rms(&pixels, &reference).powi(2));
                 }
                 let error = (errors.iter().sum::<f64>() / errors.len() as f64).sqrt() / mean;
@@ -162,22 +171,10 @@ pub fn measure(subject: &Subject, size: Size) -> Result<Pictures, CameraError> {
     Ok(Pictures { estimators, renderers, floor: rms(&one, &two) / 2.0 / mean })
 }
 
-/// Curves as a table, `first` being the heading of what tells them apart.
-pub fn table(name: &str, first: &'static str, curves: &[Curve]) -> Table {
-    let mut table =
-        Table::new(name, &["lens", first, "sequence", "samples", "time_ms", "rms_error", "slope"]);
-    for curve in curves {
-        for p in &curve.points {
-            table.rows.push(vec![
-                curve.lens.as_str().into(),
-                curve.first.into(),
-                curve.second.into(),
-                p.samples.into(),
-                (p.time * 1e3).into(),
-                p.error.into(),
-                curve.slope.into(),
-            ]);
-        }
-    }
-    table
+/// Curves as a table, whose second heading is what tells them apart.
+pub fn table(name: &'static str, columns: &'static str, curves: &[Curve]) -> Table {
+    let points = curves.iter().flat_map(|curve| curve.points.iter().map(move |point| (curve, point)));
+    let rows = points
+        .map(|(c, p)| row![c.lens.as_str(), c.first, c.second, p.samples, p.time * 1e3, p.error, c.slope]);
+    Table::of(name, columns, rows)
 }

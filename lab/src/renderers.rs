@@ -2,7 +2,6 @@
 //! models of a lens over a sampled pupil.
 
 use crate::{
-    ray_map::fit,
     render::RaySource,
     sampler::{Shot, Single, camera},
     subject::{FILM_DIAGONAL, Subject},
@@ -11,7 +10,7 @@ use realistic::{
     abi::{realistic_ray, realistic_sample},
     camera::{BLOCK, CameraError, Film, Parameters, Raster, RayBlock, Sample, SampleBlock},
     imaging::irradiance::{cos4, film_ray},
-    sampling::{DiskMapping, Drawn, PupilDisk, WarpedPupil},
+    sampling::{DiskMapping, Drawn, PupilDisk},
     trace::{Ray, kernel::Traced, polynomial::PolynomialLens},
 };
 use std::convert::Infallible;
@@ -134,14 +133,8 @@ fn disk(subject: &Subject) -> Pupil {
 
 /// The true pupil.
 fn warped(subject: &Subject) -> Pupil {
-    let pupil = table(subject);
+    let pupil = subject.warped_pupil();
     Box::new(move |film, unit| pupil.draw(film, unit))
-}
-
-/// The true pupil's table as a camera makes it.
-pub fn table(subject: &Subject) -> WarpedPupil {
-    let Subject { path, film_z, film, rear, exit, .. } = subject;
-    WarpedPupil::new(path, *film_z, film.reach(), *rear, exit.seen_from([1.0, 0.0]).center[0])
 }
 
 /// A model of the lens, from film point and slopes to a ray, over a pupil.
@@ -172,6 +165,6 @@ fn polynomial<const ORDER: usize>(
     raster: Raster,
     pupil: Pupil,
 ) -> Result<Source, CameraError> {
-    let model = PolynomialLens::<f64>::new(&fit(subject, ORDER));
+    let model = PolynomialLens::<f64>::new(&subject.fit(ORDER));
     Ok(modelled(raster, pupil, move |point, slopes| model.trace_one(point, slopes).as_ref().map(Traced::ray)))
 }

@@ -8,7 +8,7 @@ use glam::Vec3;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use realistic::sampling::DiskMapping;
-use realistic_lab::disk_statistics::{ChiSquared, EdgeDiscrepancy};
+use realistic_lab::pupil::disk_statistics::{ChiSquared, EdgeDiscrepancy};
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -148,7 +148,7 @@ fn drawn(points: &[Point], lines: &[String; 2]) -> Option<SrgbImage> {
     for (line, text) in (0_u8..).zip(lines) {
         page.text(text, [middle, width + 20.0 + 22.0 * f64::from(line)], 16.0, Anchor::Middle, &hex(TEXT));
     }
-    page.finish().pixels(1.0)
+    page.pixels(1.0)
 }
 
 /// Blocks of four by four strata have a colour.

@@ -1,6 +1,6 @@
 //! Writing a drawing: SVG as it is, PNG by rasterising it.
 
-use super::shapes::Document;
+use super::shapes::Page;
 use crate::failure::Failure;
 use crate::image::Colours;
 use std::path::{Path, PathBuf};
@@ -19,14 +19,14 @@ fn is(path: &Path, ending: &str) -> bool {
 ///
 /// # Errors
 /// The file cannot be written; the message names it.
-pub fn write(document: &Document, path: &Path) -> Result<(), Failure> {
+pub fn write(page: &Page, path: &Path) -> Result<(), Failure> {
     let failed = |error: &dyn std::fmt::Display| {
         Failure::Other(format!("cannot write {}: {error}; give --out another path", path.display()))
     };
     if is(path, "svg") {
-        return std::fs::write(path, document.to_string()).map_err(|error| failed(&error));
+        return std::fs::write(path, page.to_string()).map_err(|error| failed(&error));
     }
-    let image = document.pixels(1.5).ok_or_else(|| failed(&"the drawing has no size"))?;
+    let image = page.pixels(1.5).ok_or_else(|| failed(&"the drawing has no size"))?;
     image.write(path, Colours::Frequent).map_err(|error| failed(&error))
 }
 
@@ -38,7 +38,7 @@ mod tests {
     fn ink(text: &str) -> Option<(usize, usize)> {
         let mut page = Page::new(900.0, 40.0);
         page.text(text, [10.0, 25.0], SMALL, Anchor::Start, "#000000");
-        let image = page.finish().pixels(1.0).unwrap();
+        let image = page.pixels(1.0).unwrap();
         let dark = |&column: &usize| (0..40).any(|row| image.pixels[900 * row + column][0] < 128);
         Some(((0..900).find(dark)?, (0..900).rfind(dark)?))
     }

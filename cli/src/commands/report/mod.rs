@@ -3,14 +3,14 @@
 mod advice;
 mod conclusions;
 mod figures;
+mod findings;
 mod page;
-mod stability_figures;
 
 use crate::drawing::picture;
 use crate::failure::Failure;
 use indicatif::{ProgressBar, ProgressStyle};
-use realistic_lab::machine;
-use realistic_lab::suite::{Results, Suite};
+use realistic_lab::accuracy::suite::{Results, Suite};
+use realistic_lab::timing::machine;
 use std::fs::File;
 use std::io::{ErrorKind, IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
@@ -115,24 +115,23 @@ fn write(results: &Results, suite: &Suite, took: Duration, folder: &Path) -> Res
 mod tests {
     use super::*;
     use realistic::camera::Raster;
-    use realistic_lab::{bench::Effort, irradiance, picture, pupil_table, ray_map, set_up, stability};
+    use realistic_lab::accuracy::{
+        irradiance::SampleCounts, pupils::PupilCounts, ray_map::RayCounts, set_up::FitCounts,
+    };
+    use realistic_lab::{picture, stability, timing::Effort};
 
     /// As little as gives every figure something to show.
     fn tiny() -> Suite {
         let effort = Effort { rounds: 1, least: Duration::from_micros(20) };
+        let raster = Raster { xres: 6, yres: 4 };
         Suite {
             lenses: vec!["dgauss.50mm"],
-            ray_map: ray_map::Size { rays: 60, block: 32, effort },
-            irradiance: irradiance::Size { exponent: 2, repeats: 2, survey: 60, effort },
-            picture: picture::Size {
-                raster: Raster { xres: 6, yres: 4 },
-                exponent: 2,
-                reference: 16,
-                repeats: 1,
-            },
-            set_up: set_up::Size { rays: 40, repeats: 1 },
-            pupils: pupil_table::Size { points: 2, repeats: 1 },
-            stability: stability::Effort { lenses: 1, rays: 1 },
+            ray_map: RayCounts { rays: 60, block: 32, effort },
+            irradiance: SampleCounts { exponent: 2, repeats: 2, survey: 60, effort },
+            picture: picture::Size { raster, exponent: 2, reference: 16, repeats: 1 },
+            set_up: FitCounts { rays: 40, repeats: 1 },
+            pupils: PupilCounts { points: 2, repeats: 1 },
+            stability: stability::Extent { lenses: 1, rays: 1 },
         }
     }
 

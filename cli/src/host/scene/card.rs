@@ -37,7 +37,7 @@ pub fn print(title: &str) -> Print {
         };
         page.area([[66.0, 37.0], at(0.0), at(0.5)], INK, none);
     }
-    Print::of(page)
+    Print::of(&page)
 }
 
 #[cfg(test)]

@@ -14,9 +14,9 @@ impl Print {
     const TEXELS: f32 = 8.0;
 
     /// Prints a page.
-    pub fn of(page: Page) -> Self {
+    pub fn of(page: &Page) -> Self {
         let empty = SrgbImage { size: [1; 2], pixels: vec![[0; 3]] };
-        Self { texture: Picture::from(&page.finish().pixels(Self::TEXELS).unwrap_or(empty)) }
+        Self { texture: Picture::from(&page.pixels(Self::TEXELS).unwrap_or(empty)) }
     }
 
     /// The colour at a place on the page, x to the right and y down from its top left corner: bilinear, and

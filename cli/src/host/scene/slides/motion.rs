@@ -52,7 +52,7 @@ fn painted(number: &str, colour: Vec3, band: Option<Vec3>) -> Paint {
     const SIDE: f32 = 24.0;
     let mut page = Page::on(hex(WHITE.to_array()), SIDE.into(), SIDE.into());
     page.text(number, [12.0, 17.8], 16.0, Anchor::Middle, &hex(BLACK.to_array()));
-    let print = Print::of(page);
+    let print = Print::of(&page);
     let forward = Vec3::new(0.12, 0.45, -0.88).normalize();
     let right = forward.cross(Vec3::Y).normalize();
     let up = forward.cross(right);

@@ -1,20 +1,28 @@
 //! Set-up of the pupil: what it costs to know where light gets through, by the size of the tables, and how
 //! well each then covers the true pupil.
 
-use crate::outline::Outline;
-use crate::{clock::now, renderers, statistics::median, subject::Subject, table::Table};
 use realistic::{imaging::irradiance::film_ray, lens::pupil::SlopeDisk, sampling::PupilDisk};
+
+use crate::{
+    pupil::Outline,
+    results::{
+        statistics::median,
+        table::{Table, row},
+    },
+    subject::Subject,
+    timing::repeated,
+};
 
 /// How much is measured.
 #[derive(Clone, Copy, Debug)]
-pub struct Size {
+pub struct PupilCounts {
     /// Film points, uniform over the film's disk.
     pub points: u32,
     /// Builds whose median time counts.
     pub repeats: usize,
 }
 
-/// The region that samples of a film point are drawn from, as its edge in slopes, counter-clockwise; none where it
+/// The region that samples of a film point are taken from, as its edge in slopes, counter-clockwise; none where it
 /// takes the film for dark.
 type Region = Box<dyn Fn([f64; 2]) -> Vec<[f64; 2]>>;
 
@@ -27,22 +35,16 @@ struct Built {
     rays: usize,
 }
 
-/// One way to know the pupil, at one size.
-struct Way {
-    name: &'static str,
-    build: fn(&Subject) -> Built,
-}
-
 /// What is compared: the two disks, boxes for rings of the film as in M. Pharr, W. Jakob and G. Humphreys,
 /// *Physically Based Rendering*, 3rd ed., section 6.4.5, and the warped pupil.
-const WAYS: [Way; 7] = [
-    Way { name: "rear", build: |subject| disk(subject.rear) },
-    Way { name: "disk", build: |subject| disk(subject.exit) },
-    Way { name: "4 boxes", build: |subject| boxes(subject, 4) },
-    Way { name: "16 boxes", build: |subject| boxes(subject, 16) },
-    Way { name: "64 boxes", build: |subject| boxes(subject, 64) },
-    Way { name: "256 boxes", build: |subject| boxes(subject, 256) },
-    Way { name: "warped", build: warped },
+const PUPILS: [(&str, fn(&Subject) -> Built); 7] = [
+    ("rear", |subject| disk(subject.rear)),
+    ("disk", |subject| disk(subject.exit)),
+    ("4 boxes", |subject| boxes(subject, 4)),
+    ("16 boxes", |subject| boxes(subject, 16)),
+    ("64 boxes", |subject| boxes(subject, 64)),
+    ("256 boxes", |subject| boxes(subject, 256)),
+    ("warped", warped),
 ];
 
 /// Points of an edge.
@@ -61,10 +63,10 @@ fn disk(disk: PupilDisk) -> Built {
 }
 
 fn warped(subject: &Subject) -> Built {
-    let pupil = renderers::table(subject);
+    let pupil = subject.warped_pupil();
     let report = pupil.build_report();
     let region =
-        move |point| unit_circle().filter_map(|d| pupil.draw(point, d)).map(|drawn| drawn.slopes).collect();
+        move |point| unit_circle().filter_map(|d| pupil.draw(point, d)).map(|sample| sample.slopes).collect();
     Built { region: Box::new(region), radii: report.rows, rays: report.rays as usize }
 }
 
@@ -105,7 +107,7 @@ fn boxes(subject: &Subject, count: u32) -> Built {
 
 /// One way to know the pupil on one lens.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Measured {
+pub struct Coverage {
     /// The lens.
     pub lens: String,
     /// The way.
@@ -123,26 +125,22 @@ pub struct Measured {
 }
 
 /// Every way on one lens.
-pub fn measure(subject: &Subject, size: Size) -> Vec<Measured> {
+pub fn measure(subject: &Subject, counts: PupilCounts) -> Vec<Coverage> {
     let reach = subject.film.diagonal() / 2.0;
-    let truths: Vec<([f64; 2], Outline)> = (0..size.points)
-        .map(|i| [reach * ((f64::from(i) + 0.5) / f64::from(size.points)).sqrt(), 0.0])
+    let truths: Vec<([f64; 2], Outline)> = (0..counts.points)
+        .map(|i| [reach * ((f64::from(i) + 0.5) / f64::from(counts.points)).sqrt(), 0.0])
         .filter_map(|point| {
             let cover = subject.rear.seen_from(point);
             Some((point, Outline::of(&subject.path, subject.film_z, point, cover, EDGE as usize)?))
         })
         .collect();
-    WAYS.iter()
-        .map(|way| {
-            let mut times = Vec::new();
-            let mut built = (way.build)(subject);
-            for _ in 0..size.repeats {
-                let start = now();
-                built = (way.build)(subject);
-                times.push((now() - start).as_secs_f64());
-            }
+    PUPILS
+        .iter()
+        .map(|&(name, build)| {
+            // The first of the builds warms up.
+            let (built, times) = repeated(counts.repeats + 1, || build(subject));
             // Sums of squared radii: areas but for one factor.
-            let (mut whole, mut drawn, mut missed, mut excess) = (0.0, 0.0, 0.0, 0.0);
+            let (mut whole, mut sampled, mut missed, mut excess) = (0.0, 0.0, 0.0, 0.0);
             for (point, truth) in &truths {
                 let edge = (built.region)(*point);
                 for corner in &truth.points {
@@ -150,19 +148,19 @@ pub fn measure(subject: &Subject, size: Size) -> Vec<Measured> {
                     let size = own[0] * own[0] + own[1] * own[1];
                     let reached = distance_to(&edge, truth.center, own).powi(2) * size;
                     whole += size;
-                    drawn += reached;
+                    sampled += reached;
                     missed += (size - reached).max(0.0);
                     excess += (reached - size).max(0.0);
                 }
             }
-            Measured {
+            Coverage {
                 lens: subject.lens.name.clone(),
-                name: way.name,
+                name,
                 radii: built.radii,
                 rays: built.rays,
-                time: median(&times),
+                time: median(&times[1..]),
                 missed: missed / whole,
-                excess: excess / drawn,
+                excess: excess / sampled,
             }
         })
         .collect()
@@ -185,21 +183,11 @@ fn distance_to(polygon: &[[f64; 2]], from: [f64; 2], way: [f64; 2]) -> f64 {
 }
 
 /// The results as a table.
-pub fn table(results: &[Measured]) -> Table {
-    let columns = ["lens", "pupil", "film_radii", "rays", "build_ms", "missed_share", "excess_share"];
-    let mut table = Table::new("pupils", &columns);
-    for m in results {
-        table.rows.push(vec![
-            m.lens.as_str().into(),
-            m.name.into(),
-            m.radii.into(),
-            m.rays.into(),
-            (m.time * 1e3).into(),
-            m.missed.into(),
-            m.excess.into(),
-        ]);
-    }
-    table
+pub fn table(results: &[Coverage]) -> Table {
+    let rows = results
+        .iter()
+        .map(|m| row![m.lens.as_str(), m.name, m.radii, m.rays, m.time * 1e3, m.missed, m.excess]);
+    Table::of("pupils", "lens pupil film_radii rays build_ms missed_share excess_share", rows)
 }
 
 #[cfg(test)]
@@ -218,7 +206,7 @@ mod tests {
     #[test]
     fn the_warped_pupil_covers_the_true_one_closely_and_the_disks_as_is_known() {
         let subject = Subject::new(&catalogue::find("dgauss.50mm").expect("listed")).expect("focuses");
-        let all = measure(&subject, Size { points: 12, repeats: 1 });
+        let all = measure(&subject, PupilCounts { points: 12, repeats: 1 });
         let of = |name: &str| all.iter().find(|m| m.name == name).expect("measured");
         assert!(of("warped").missed < 2e-4 && of("warped").excess < 0.01, "{all:?}");
         assert!(of("rear").missed < 1e-6 && of("rear").excess > 0.15, "{all:?}");

@@ -17,13 +17,15 @@
 //! root of the summed squares of the resulting direction errors, in rad per unit; the one in position the same in
 //! mm per unit. Times ε they are the errors that a perfect tracer of that precision must expect.
 
-use crate::{
-    dual::{Dual, N},
-    reference::{DoubleDouble, ExactRay},
-};
 use realistic::{
     lens::{Lens, Surface, refraction::Refraction},
-    trace::{Blocked, Direction, Path, Ray, Real, in_range},
+    trace::{Blocked, Direction, Path, Ray, Real},
+};
+
+use super::{
+    double_double::{DoubleDouble, Vector, dot, in_range, vector},
+    dual::{Dual, N},
+    exact::ExactRay,
 };
 
 type Matrix = [[f64; N]; N];
@@ -46,7 +48,7 @@ pub struct Condition {
     pub direction: f64,
     /// Condition number in position, mm per unit.
     pub position: f64,
-    /// How far the ray was from the other verdict at the nearest of its decisions, in units of the
+    /// How far the ray was from the other outcome at the nearest of its decisions, in units of the
     /// disturbance there: at less than a few ε a tracer cannot know.
     pub margin: f64,
 }
@@ -85,7 +87,7 @@ impl Trail {
 #[derive(Clone, Debug)]
 pub struct Conditioned {
     interfaces: Vec<Interface>,
-    sense: f64,
+    sign: f64,
     entry: f64,
 }
 
@@ -101,8 +103,6 @@ struct Interface {
     exact: Path<DoubleDouble>,
     dual: Path<Dual>,
 }
-
-type Vector = [DoubleDouble; 3];
 
 /// How much wider than its clear aperture an interface is made.
 const OPEN: f64 = 1e6;
@@ -123,7 +123,7 @@ impl Conditioned {
                 true => (surface.n_scene, surface.n_film),
                 false => (surface.n_film, surface.n_scene),
             };
-            // The aperture is judged here, so that a clipped ray's point is known all the same.
+            // The clear aperture is tested here, so that a clipped ray's point is known all the same.
             let semi_diameter = OPEN * surface.semi_diameter;
             let alone = Surface { vertex: 0.0, thickness: 0.0, semi_diameter, ..surface };
             let alone = Lens { surfaces: vec![alone], ..lens.clone() };
@@ -136,14 +136,14 @@ impl Conditioned {
                 dual: Path::new(&alone, direction, Refraction::Fused),
             }
         };
-        let sense = if forward { -1.0 } else { 1.0 };
-        Self { interfaces: (0..count).map(interface).collect(), sense, entry: lens.surfaces[at(0)].vertex }
+        let sign = if forward { -1.0 } else { 1.0 };
+        Self { interfaces: (0..count).map(interface).collect(), sign, entry: lens.surfaces[at(0)].vertex }
     }
 
     /// Takes a ray, its numbers taken as exact, through the lens.
     pub fn follow(&self, ray: Ray) -> Trail {
-        let [x, y, z] = ray.origin.map(DoubleDouble::from_f64);
-        let direction = unit(in_range(ray.direction).map(DoubleDouble::from_f64));
+        let [x, y, z] = vector(ray.origin);
+        let direction = unit(vector(in_range(ray.direction)));
         let origin = [x, y, z - DoubleDouble::from_f64(self.entry)];
         // From afar only what reaches the lens counts: the disturbance is that of the ray's point nearest
         // the vertex, where that lies ahead, and the ray begins a little before it.
@@ -164,10 +164,10 @@ impl Conditioned {
         });
         let mut exact = None;
         for (number, interface) in self.interfaces.iter().enumerate() {
-            now.point[2] = now.point[2] - DoubleDouble::from_f64(self.sense * interface.distance);
-            let onward = self.sense * now.direction[2].to_f64();
+            now.point[2] = now.point[2] - DoubleDouble::from_f64(self.sign * interface.distance);
+            let onward = self.sign * now.direction[2].to_f64();
             // A fisheye's front is met from the scene going backward, too.
-            if number > 0 || self.sense > 0.0 {
+            if number > 0 || self.sign > 0.0 {
                 doubts
                     .iter_mut()
                     .for_each(|doubt| doubt.narrow(onward.abs() / (1.0 + doubt.spread.direction())));
@@ -177,7 +177,7 @@ impl Conditioned {
                 }
             }
             doubts.iter_mut().for_each(|doubt| {
-                doubt.narrow(interface.margin(&now, self.sense, &doubt.spread));
+                doubt.narrow(interface.margin(&now, self.sign, &doubt.spread));
             });
             let after = match interface.exact.trace_in_full(now.point, now.direction) {
                 Ok((point, direction)) => ExactRay { point, direction },
@@ -232,10 +232,10 @@ impl Interface {
     /// The Jacobian of the ray after the interface by the ray before it; `None` where double precision
     /// takes the ray for blocked.
     fn jacobian(&self, before: &ExactRay) -> Option<Matrix> {
-        let seeded = |vector: Vector, first: usize| -> [Dual; 3] {
+        let seeded = |v: Vector, first: usize| -> [Dual; 3] {
             std::array::from_fn(|i| {
                 let slopes = std::array::from_fn(|j| f64::from(u8::from(j == first + i)));
-                Dual { value: vector[i].to_f64(), slopes }
+                Dual { value: v[i].to_f64(), slopes }
             })
         };
         let (point, direction) =
@@ -247,10 +247,10 @@ impl Interface {
 
     /// How far the ray is from missing the sphere, from meeting it beyond its equator or behind
     /// itself, and from total reflection, in units of the disturbance.
-    fn margin(&self, before: &ExactRay, sense: f64, spread: &Spread) -> f64 {
+    fn margin(&self, before: &ExactRay, sign: f64, spread: &Spread) -> f64 {
         let exact = DoubleDouble::from_f64;
         let (p, d, c) = (before.point, before.direction, exact(self.curvature));
-        let (z, dz) = (exact(sense) * p[2], exact(sense) * d[2]);
+        let (z, dz) = (exact(sign) * p[2], exact(sign) * d[2]);
         let f = c * dot(p, p) - z - z;
         let g = dz - c * dot(p, d);
         let cosine_squared = g * g - c * f;
@@ -310,32 +310,19 @@ impl Spread {
 
 /// The Jacobian of moving a ray's point on by `distance`.
 fn transfer(distance: f64) -> Matrix {
-    std::array::from_fn(|i| {
-        std::array::from_fn(|j| {
-            if i == j {
-                1.0
-            } else if i + 3 == j {
-                distance
-            } else {
-                0.0
-            }
-        })
-    })
+    let entry = |i, j| if i == j { 1.0 } else { distance * f64::from(u8::from(i + 3 == j)) };
+    std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)))
 }
 
 fn moved(point: Vector, direction: Vector, distance: DoubleDouble) -> Vector {
     std::array::from_fn(|i| point[i] + distance * direction[i])
 }
 
-fn dot(a: Vector, b: Vector) -> DoubleDouble {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+fn norm(v: Vector) -> f64 {
+    dot(v, v).to_f64().sqrt()
 }
 
-fn norm(vector: Vector) -> f64 {
-    dot(vector, vector).to_f64().sqrt()
-}
-
-fn unit(vector: Vector) -> Vector {
-    let length = dot(vector, vector).sqrt();
-    vector.map(|x| x / length)
+fn unit(v: Vector) -> Vector {
+    let length = dot(v, v).sqrt();
+    v.map(|x| x / length)
 }

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 
 /// What a line of input is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Row {
+pub enum Line {
     /// Nothing but space or a comment.
     Empty,
     /// Names of columns.
@@ -21,14 +21,14 @@ type Wrong = (usize, String);
 
 /// Reads a line. `film` is the z that an empty z stands for; `may_be_header` holds until the first
 /// line that is not empty.
-pub fn read_row(line: &[u8], film: Option<f64>, may_be_header: bool) -> Result<Row, Wrong> {
+pub fn read_line(line: &[u8], film: Option<f64>, may_be_header: bool) -> Result<Line, Wrong> {
     let end = line.iter().position(|&byte| byte == b'#').unwrap_or(line.len());
     let text = std::str::from_utf8(&line[..end])
         .map_err(|error| (error.valid_up_to() + 1, "not text; expected a ray, x,y,z,dx,dy,dz".to_owned()))?;
     // Editors that mark UTF-8 put this before the first line.
     let (text, shift) = text.strip_prefix('\u{feff}').map_or((text, 0), |rest| (rest, 3));
     if text.trim().is_empty() {
-        return Ok(Row::Empty);
+        return Ok(Line::Empty);
     }
     let mut numbers = [0.0; 6];
     let mut count = 0;
@@ -43,7 +43,7 @@ pub fn read_row(line: &[u8], film: Option<f64>, may_be_header: bool) -> Result<R
         numbers[count] = match word.parse::<f64>() {
             Ok(number) if number.is_finite() => number,
             Err(_) if count == 0 && may_be_header && word.starts_with(char::is_alphabetic) => {
-                return Ok(Row::Header);
+                return Ok(Line::Header);
             }
             Err(_) if word.is_empty() && name == "z" => film.ok_or_else(|| {
                 (
@@ -63,11 +63,11 @@ pub fn read_row(line: &[u8], film: Option<f64>, may_be_header: bool) -> Result<R
     if [dx, dy, dz] == [0.0; 3] {
         return Err((1 + shift, "the direction dx,dy,dz is 0,0,0; expected one of some length".to_owned()));
     }
-    Ok(Row::Ray(Ray { origin: [x, y, z], direction: [dx, dy, dz] }))
+    Ok(Line::Ray(Ray { origin: [x, y, z], direction: [dx, dy, dz] }))
 }
 
 /// Writes a line.
-pub fn write_row(output: &mut impl Write, ray: Ray, blocked: Option<Blocked>) -> io::Result<()> {
+pub fn write_ray(output: &mut impl Write, ray: Ray, blocked: Option<Blocked>) -> io::Result<()> {
     for number in ray.origin.iter().chain(&ray.direction) {
         write!(output, "{number:.16e},")?;
     }
@@ -83,14 +83,14 @@ mod tests {
 
     #[test]
     fn a_line_is_six_numbers() {
-        let row = read_row(b" 1, 2 ,-3e0,\t0,0,+.5\r\n", None, true).unwrap();
-        assert_eq!(row, Row::Ray(Ray { origin: [1.0, 2.0, -3.0], direction: [0.0, 0.0, 0.5] }));
-        assert_eq!(read_row(b"\xef\xbb\xbfx,y,z\n", None, true), Ok(Row::Header));
+        let row = read_line(b" 1, 2 ,-3e0,\t0,0,+.5\r\n", None, true).unwrap();
+        assert_eq!(row, Line::Ray(Ray { origin: [1.0, 2.0, -3.0], direction: [0.0, 0.0, 0.5] }));
+        assert_eq!(read_line(b"\xef\xbb\xbfx,y,z\n", None, true), Ok(Line::Header));
     }
 
     #[test]
     fn what_is_wrong_is_named_with_its_column() {
-        let wrong = |line: &[u8]| read_row(line, None, false).unwrap_err();
+        let wrong = |line: &[u8]| read_line(line, None, false).unwrap_err();
         for (line, column, part) in [
             (&b"x,y,z,dx,dy,dz"[..], 1, "for x"),
             (b"1,2,,0,0,1", 5, "--film-distance"),
@@ -107,7 +107,7 @@ mod tests {
             assert!(expected.contains(part), "{expected}");
         }
         // Not a header: infinity is a number, though not one for a ray.
-        assert!(read_row(b"inf,0,0,0,0,1", None, true).is_err());
+        assert!(read_line(b"inf,0,0,0,0,1", None, true).is_err());
     }
 
     #[test]
@@ -115,9 +115,9 @@ mod tests {
         let direction = [0.1, f64::MIN_POSITIVE / 3.0, -1.0 / 3.0];
         let ray = Ray { origin: [1e300, -0.0, 2.0_f64.sqrt()], direction };
         let mut line = Vec::new();
-        write_row(&mut line, ray, Some(Blocked::TurnedBack)).unwrap();
+        write_ray(&mut line, ray, Some(Blocked::TurnedBack)).unwrap();
         let text = String::from_utf8(line).unwrap();
         let values = text.strip_suffix(",turned_back\n").unwrap();
-        assert_eq!(read_row(values.as_bytes(), None, false), Ok(Row::Ray(ray)));
+        assert_eq!(read_line(values.as_bytes(), None, false), Ok(Line::Ray(ray)));
     }
 }

@@ -1,20 +1,21 @@
 //! Rays that get through, spread evenly over a film and its pupil: what models of a lens are fitted to
-//! and judged by.
+//! and evaluated by.
 
 use std::f64::consts::TAU;
 
-use realistic::numeric::quasirandom::STEPS;
-use realistic::trace::{Path, Ray, Real};
 use realistic::{
     imaging::irradiance::film_ray,
     sampling::{DiskMapping, PupilDisk},
+    trace::{Path, Ray, Real},
 };
 
-/// Samples drawn for one ray that passes, at the most.
+use super::quasirandom::spread;
+
+/// Samples for one ray that passes, at the most.
 const PATIENCE: usize = 4000;
 
 /// `count` rays that pass `path` from the film disk of radius `reach` mm at `film` (z in lens space), uniform in
-/// film area and in slopes over the pupil, drawn in `cover`. Another `seed` gives other rays. Fewer
+/// film area and in slopes over the pupil, sampled in `cover`. Another `seed` gives other rays. Fewer
 /// where hardly any light passes.
 pub fn passing_rays<R: Real>(
     path: &Path<R>,
@@ -24,10 +25,9 @@ pub fn passing_rays<R: Real>(
     count: usize,
     seed: u32,
 ) -> Vec<Ray> {
-    let start = f64::from(seed) * 0.618_033_988_749_894_9;
-    (0..PATIENCE * count)
-        .map(|number| {
-            let [r, turn, u, v] = STEPS.map(|step| (start + (number as f64 + 0.5) * step).fract());
+    spread(f64::from(seed) * 0.618_033_988_749_894_9)
+        .take(PATIENCE * count)
+        .map(|[r, turn, u, v]| {
             let (sin, cos) = (TAU * turn).sin_cos();
             let radius = reach * r.sqrt();
             let point = [radius * cos, radius * sin];

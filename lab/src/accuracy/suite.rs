@@ -4,17 +4,24 @@ use std::{ops::ControlFlow, time::Duration};
 
 use thiserror::Error;
 
-use crate::{
-    bench::Effort,
-    irradiance, picture, pupil_table, ray_map, set_up,
-    stability::{self, CaseResult},
-    subject::Subject,
-    table::Table,
-};
 use realistic::{
     camera::{CameraError, Raster},
     imaging::focus::FocusError,
     prescription::catalogue,
+};
+
+use super::{
+    irradiance::{self, SampleCounts},
+    pupils::{self, PupilCounts},
+    ray_map::{self, RayCounts},
+    set_up::{self, FitCounts},
+};
+use crate::{
+    picture,
+    results::table::{Table, row},
+    stability::{self, CaseResult},
+    subject::Subject,
+    timing::Effort,
 };
 
 /// The lenses that a report is about.
@@ -26,55 +33,47 @@ pub struct Suite {
     /// Names in the catalogue.
     pub lenses: Vec<&'static str>,
     /// The ray map.
-    pub ray_map: ray_map::Size,
+    pub ray_map: RayCounts,
     /// Film irradiance.
-    pub irradiance: irradiance::Size,
+    pub irradiance: SampleCounts,
     /// Rendered pictures.
     pub picture: picture::Size,
     /// Set-up.
-    pub set_up: set_up::Size,
+    pub set_up: FitCounts,
     /// The pupil's tables.
-    pub pupils: pupil_table::Size,
+    pub pupils: PupilCounts,
     /// Stability.
-    pub stability: stability::Effort,
+    pub stability: stability::Extent,
 }
 
 impl Suite {
     /// Minutes: for figures to keep.
     pub fn full() -> Self {
         let effort = Effort { rounds: 31, least: Duration::from_millis(3) };
+        let raster = Raster { xres: 72, yres: 48 };
         Self {
             lenses: LENSES.to_vec(),
-            ray_map: ray_map::Size { rays: 20_000, block: 2048, effort },
-            irradiance: irradiance::Size { exponent: 7, repeats: 24, survey: 2000, effort },
-            picture: picture::Size {
-                raster: Raster { xres: 72, yres: 48 },
-                exponent: 4,
-                reference: 4096,
-                repeats: 3,
-            },
-            set_up: set_up::Size { rays: 5000, repeats: 9 },
-            pupils: pupil_table::Size { points: 48, repeats: 5 },
-            stability: stability::Effort::FULL,
+            ray_map: RayCounts { rays: 20_000, block: 2048, effort },
+            irradiance: SampleCounts { exponent: 7, repeats: 24, survey: 2000, effort },
+            picture: picture::Size { raster, exponent: 4, reference: 4096, repeats: 3 },
+            set_up: FitCounts { rays: 5000, repeats: 9 },
+            pupils: PupilCounts { points: 48, repeats: 5 },
+            stability: stability::Extent::FULL,
         }
     }
 
     /// Under a minute.
     pub fn quick() -> Self {
         let effort = Effort { rounds: 9, least: Duration::from_millis(1) };
+        let raster = Raster { xres: 36, yres: 24 };
         Self {
             lenses: LENSES.to_vec(),
-            ray_map: ray_map::Size { rays: 4000, block: 2048, effort },
-            irradiance: irradiance::Size { exponent: 5, repeats: 12, survey: 800, effort },
-            picture: picture::Size {
-                raster: Raster { xres: 36, yres: 24 },
-                exponent: 3,
-                reference: 1024,
-                repeats: 2,
-            },
-            set_up: set_up::Size { rays: 1000, repeats: 3 },
-            pupils: pupil_table::Size { points: 12, repeats: 1 },
-            stability: stability::Effort::QUICK,
+            ray_map: RayCounts { rays: 4000, block: 2048, effort },
+            irradiance: SampleCounts { exponent: 5, repeats: 12, survey: 800, effort },
+            picture: picture::Size { raster, exponent: 3, reference: 1024, repeats: 2 },
+            set_up: FitCounts { rays: 1000, repeats: 3 },
+            pupils: PupilCounts { points: 12, repeats: 1 },
+            stability: stability::Extent::QUICK,
         }
     }
 
@@ -100,7 +99,7 @@ impl Suite {
             tell("set-up");
             results.set_up.extend(set_up::measure(&subject, self.set_up));
             tell("pupils");
-            results.pupils.extend(pupil_table::measure(&subject, self.pupils));
+            results.pupils.extend(pupils::measure(&subject, self.pupils));
             results.lenses.push(name);
         }
         results.stability = stability::run(self.stability, &mut |at| {
@@ -131,7 +130,7 @@ pub struct Results {
     /// The lenses.
     pub lenses: Vec<&'static str>,
     /// Errors and times of rays.
-    pub ray_map: Vec<ray_map::Measured>,
+    pub ray_map: Vec<ray_map::RayErrors>,
     /// Estimates of film irradiance.
     pub irradiance: Vec<irradiance::Curve>,
     /// Pictures by sampler and sequence.
@@ -141,9 +140,9 @@ pub struct Results {
     /// The reference pictures' own errors.
     pub floors: Vec<(&'static str, f64)>,
     /// Build times.
-    pub set_up: Vec<set_up::Measured>,
+    pub set_up: Vec<set_up::Fit>,
     /// Pupils.
-    pub pupils: Vec<pupil_table::Measured>,
+    pub pupils: Vec<pupils::Coverage>,
     /// Extreme cases.
     pub stability: Vec<CaseResult>,
 }
@@ -154,32 +153,30 @@ impl Results {
         vec![
             ray_map::table(&self.ray_map),
             irradiance::table(&self.irradiance),
-            picture::table("estimators", "pupil", &self.estimators),
+            picture::table(
+                "estimators",
+                "lens pupil sequence samples time_ms rms_error slope",
+                &self.estimators,
+            ),
             set_up::table(&self.set_up),
-            pupil_table::table(&self.pupils),
-            picture::table("renderers", "renderer", &self.renderers),
+            pupils::table(&self.pupils),
+            picture::table(
+                "renderers",
+                "lens renderer sequence samples time_ms rms_error slope",
+                &self.renderers,
+            ),
             stability_table(&self.stability),
         ]
     }
 
-    /// The stability cases by group and kernel: the worst of each.
+    /// The stability cases by group and tracer: the worst of each.
     pub fn stability_by_group(&self) -> Vec<CaseResult> {
         let mut groups: Vec<CaseResult> = Vec::new();
         for case in &self.stability {
-            let known = groups.iter_mut().find(|g| (g.group, g.kernel) == (case.group, case.kernel));
-            let Some(group) = known else {
-                groups.push(CaseResult { name: "all of the group".to_owned(), ..case.clone() });
-                continue;
-            };
-            group.bound = group.bound.max(case.bound);
-            group.worst_error_rad = group.worst_error_rad.max(case.worst_error_rad);
-            group.worst_error_mm = group.worst_error_mm.max(case.worst_error_mm);
-            group.condition = group.condition.max(case.condition);
-            group.ratio = group.ratio.max(case.ratio);
-            group.disagreements += case.disagreements;
-            group.rays += case.rays;
-            group.undecided += case.undecided;
-            group.holds &= case.holds;
+            match groups.iter_mut().find(|g| (g.group, g.tracer) == (case.group, case.tracer)) {
+                Some(group) => group.merge(case),
+                None => groups.push(CaseResult { name: "all of the group".to_owned(), ..case.clone() }),
+            }
         }
         groups
     }
@@ -187,32 +184,12 @@ impl Results {
 
 /// Stability cases as a table.
 pub fn stability_table(cases: &[CaseResult]) -> Table {
-    let mut table = Table::new(
-        "stability",
-        &[
-            "group",
-            "kernel",
-            "case",
-            "worst_direction_rad",
-            "worst_position_mm",
-            "condition",
-            "ratio",
-            "bound",
-            "rays",
-            "disagreements",
-            "undecided",
-            "holds",
-        ],
-    );
-    for case in cases {
-        let mut row = vec![case.group.into(), case.kernel.into(), case.name.as_str().into()];
-        row.extend(
-            [case.worst_error_rad, case.worst_error_mm, case.condition, case.ratio, case.bound]
-                .map(Into::into),
-        );
-        row.extend([case.rays, case.disagreements, case.undecided].map(Into::into));
-        row.push(case.holds.into());
-        table.rows.push(row);
-    }
-    table
+    let columns = "group kernel case worst_direction_rad worst_position_mm condition ratio bound rays disagreements \
+                   undecided holds";
+    let rows = cases.iter().map(|c| {
+        let names = row![c.group, c.tracer, c.name.as_str()];
+        let numbers = row![c.worst_error_rad, c.worst_error_mm, c.condition, c.ratio, c.bound];
+        [names, numbers, row![c.rays, c.disagreements, c.undecided, c.holds]].concat()
+    });
+    Table::of("stability", columns, rows)
 }

@@ -6,11 +6,11 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use realistic::trace::Real;
 
 /// Coordinates of a ray: three of the point, three of the direction.
-pub(super) const N: usize = 6;
+pub(crate) const N: usize = 6;
 
 /// A number with its derivatives by the ray's six coordinates.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Dual {
+pub(crate) struct Dual {
     pub value: f64,
     pub slopes: [f64; N],
 }

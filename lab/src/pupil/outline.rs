@@ -10,7 +10,6 @@ use std::f64::consts::{PI, TAU};
 use realistic::imaging::irradiance::{cos4, film_ray};
 use realistic::{
     lens::pupil::SlopeDisk,
-    numeric::{edge, gauss_legendre},
     trace::{Path, Real},
 };
 
@@ -72,37 +71,48 @@ impl Outline {
                 }
             })
             .collect();
-        let points = radii
-            .iter()
-            .enumerate()
-            .map(|(i, radius)| {
-                let (sin, cos) = (TAU * i as f64 / directions as f64).sin_cos();
-                [center[0] + radius * cos, center[1] + radius * sin]
-            })
-            .collect();
+        let at = |i: usize, radius: f64| {
+            let (sin, cos) = (TAU * i as f64 / directions as f64).sin_cos();
+            [center[0] + radius * cos, center[1] + radius * sin]
+        };
+        let points = radii.iter().enumerate().map(|(i, &radius)| at(i, radius)).collect();
         let (slope_area, irradiance) =
             if star_shaped { integrals(center, &radii) } else { (grid.slope_area(), grid.irradiance()) };
         Some(Self { center, points, pieces: grid.pieces(), star_shaped, slope_area, irradiance })
     }
 }
 
-/// Area and irradiance of a star-shaped region: trapezoids in angle, Gauss's rule along each radius.
+/// Area and irradiance of a star-shaped region: trapezoids in angle, Simpson's rule along each radius.
 fn integrals(center: [f64; 2], radii: &[f64]) -> (f64, f64) {
+    const PARTS: u32 = 64;
     let step = TAU / radii.len() as f64;
-    let rule = gauss_legendre();
     let (mut area, mut irradiance) = (0.0, 0.0);
     for (i, radius) in radii.iter().enumerate() {
         let (sin, cos) = (step * i as f64).sin_cos();
         area += step * radius * radius / 2.0;
-        for (t, weight) in rule {
-            let r = t * radius;
-            irradiance += step * weight * radius * r * cos4([center[0] + r * cos, center[1] + r * sin]);
+        for part in 0..=PARTS {
+            let weight = if part % PARTS == 0 { 1.0 } else { f64::from(2 + 2 * (part % 2)) };
+            let r = radius * f64::from(part) / f64::from(PARTS);
+            let cos4 = cos4([center[0] + r * cos, center[1] + r * sin]);
+            irradiance += step * weight / f64::from(3 * PARTS) * radius * r * cos4;
         }
     }
     (area, irradiance)
 }
 
-/// Distance from `from`, in the disk, to its rim in the unit `direction`.
+/// The place between `inside` and `outside` up to which a region reaches, to the last bit; where its edge is
+/// crossed more than once, one of the crossings.
+fn edge(mut inside: f64, mut outside: f64, holds: impl Fn(f64) -> bool) -> f64 {
+    loop {
+        let middle = f64::midpoint(inside, outside);
+        if middle == inside || middle == outside {
+            return inside;
+        }
+        *(if holds(middle) { &mut inside } else { &mut outside }) = middle;
+    }
+}
+
+/// Distance from `from`, in the disk, to its edge in the unit `direction`.
 fn chord(disk: SlopeDisk, from: [f64; 2], direction: [f64; 2]) -> f64 {
     let [x, y] = [from[0] - disk.center[0], from[1] - disk.center[1]];
     let along = x * direction[0] + y * direction[1];
@@ -188,7 +198,7 @@ impl Grid {
     }
 }
 
-/// Share of a disk's area that a region in it covers: the acceptance of samples drawn in that disk.
+/// Share of a disk's area that a region in it covers: the acceptance of samples taken in that disk.
 pub fn acceptance(slope_area: f64, disk: SlopeDisk) -> f64 {
     slope_area / (PI * disk.radius * disk.radius)
 }
@@ -213,7 +223,7 @@ mod tests {
 
     #[test]
     fn a_bare_stop_behind_the_glass_is_a_circle() {
-        // Light reaches the stop first: its own rim is the pupil.
+        // Light reaches the stop first: its own edge is the pupil.
         let lens = read("t", b"60 3 1.5 30\n-60 5 1 30\n0 0 0 8\n").expect("a lens");
         let lens = Lens::at_d_line(&lens);
         let (_, film, _, outline) = pupil(&lens, 6.0);

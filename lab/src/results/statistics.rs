@@ -1,4 +1,4 @@
-//! The little statistics that a work-precision diagram needs.
+//! The little statistics that a work-precision diagram needs: numbers in, a quantile, an exponent or a front out.
 
 /// The value below which the share `q` in [0, 1] of the numbers lies, by linear interpolation; NaN of none.
 pub fn quantile(numbers: &[f64], q: f64) -> f64 {
@@ -16,6 +16,25 @@ pub fn quantile(numbers: &[f64], q: f64) -> f64 {
 /// The middle value.
 pub fn median(numbers: &[f64]) -> f64 {
     quantile(numbers, 0.5)
+}
+
+/// Median, 99.9 % quantile and maximum of an error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread {
+    /// Half of the rays are better.
+    pub median: f64,
+    /// One in a thousand is worse.
+    pub most: f64,
+    /// The worst ray.
+    pub worst: f64,
+}
+
+impl Spread {
+    /// Of some errors.
+    pub fn of(errors: &[f64]) -> Self {
+        let [median, most, worst] = [0.5, 0.999, 1.0].map(|q| quantile(errors, q));
+        Self { median, most, worst }
+    }
 }
 
 /// The exponent s of the power law y = c x^s that fits positive points best in the logarithms; `None`

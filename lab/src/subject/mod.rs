@@ -1,6 +1,12 @@
-//! A lens with the film that it is judged on.
+//! A lens with the film that it is evaluated on, and rays between the two.
 
-use crate::ray_set::passing_rays;
+mod film_rays;
+mod passing_rays;
+pub mod quasirandom;
+
+pub use film_rays::FilmRays;
+pub use passing_rays::passing_rays;
+
 use realistic::{
     camera::{Film, Raster},
     imaging::{
@@ -9,8 +15,8 @@ use realistic::{
     },
     lens::{Lens, first_order::FirstOrder},
     prescription::Prescription,
-    sampling::PupilDisk,
-    trace::{Path, Ray},
+    sampling::{PupilDisk, WarpedPupil},
+    trace::{Path, Ray, polynomial::Polynomial},
 };
 
 /// A lens focused at infinity on a film.
@@ -38,6 +44,8 @@ pub struct Subject {
 pub const FILM_DIAGONAL: f64 = 35.0;
 /// Pixels of the film in which errors are counted.
 pub const PIXELS: Raster = Raster { xres: 1920, yres: 1280 };
+/// Rays that polynomials are fitted to.
+const FIT_RAYS: usize = 2000;
 
 impl Subject {
     /// Focuses the lens at infinity on 35 mm film.
@@ -67,5 +75,17 @@ impl Subject {
     pub fn pixels(&self, from: &Ray, exact: &Ray, other: &Ray) -> f64 {
         let [x, y, _] = from.origin;
         self.scale.film_error([x, y], exact, other) / self.film.pixel()
+    }
+
+    /// Polynomials of an order (3, 5, ... 11) fitted to 2000 of the subject's own rays.
+    pub fn fit(&self, order: usize) -> Polynomial {
+        Polynomial::fit(&self.lens, self.film_z, &self.rays(FIT_RAYS, 0), order)
+            .expect("the rays are spread over film and pupil")
+    }
+
+    /// The true pupil's table as a camera makes it.
+    pub fn warped_pupil(&self) -> WarpedPupil {
+        let shift = self.exit.seen_from([1.0, 0.0]).center[0];
+        WarpedPupil::new(&self.path, self.film_z, self.film.reach(), self.rear, shift)
     }
 }

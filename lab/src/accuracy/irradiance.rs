@@ -1,16 +1,19 @@
 //! The estimator: film irradiance under a flat field of radiance 1, against time.
 
-use crate::{
-    bench::{Effort, interleaved},
-    sampler::{DISKS, PUPILS, Single, camera},
-    sequence::Sequence,
-    statistics::log_slope,
-    subject::{PIXELS, Subject},
-    table::Table,
-};
 use realistic::{
     camera::{CameraError, Parameters, Sample},
     imaging::irradiance::survey,
+};
+
+use crate::{
+    results::{
+        statistics::log_slope,
+        table::{Table, row},
+    },
+    sampler::{DISKS, PUPILS, Single, camera},
+    sequence::Sequence,
+    subject::{PIXELS, Subject},
+    timing::{Effort, interleaved},
 };
 
 /// Film points, as shares of the half-diagonal toward a corner.
@@ -18,7 +21,7 @@ pub const FIELDS: [f64; 5] = [0.0, 0.3, 0.55, 0.75, 0.95];
 
 /// How much is measured.
 #[derive(Clone, Copy, Debug)]
-pub struct Size {
+pub struct SampleCounts {
     /// The largest number of samples is 4 to this.
     pub exponent: u32,
     /// Independent repetitions.
@@ -31,10 +34,10 @@ pub struct Size {
 
 /// One estimator at one number of samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Precision {
-    /// Samples an estimate.
+pub struct Estimate {
+    /// Samples per estimate.
     pub samples: usize,
-    /// Time an estimate, seconds.
+    /// Time per estimate, seconds.
     pub time: f64,
     /// RMS of the relative error over film points and repetitions.
     pub error: f64,
@@ -54,11 +57,18 @@ pub struct Curve {
     /// Where the numbers come from.
     pub sequence: &'static str,
     /// By rising number of samples.
-    pub points: Vec<Precision>,
+    pub points: Vec<Estimate>,
     /// Exponent of the noise as a power of the number of samples.
     pub slope: f64,
     /// RMS over the film points of the mean relative error that is left with many samples.
     pub bias: f64,
+}
+
+impl Curve {
+    /// Time, seconds, and error of every point.
+    pub fn errors(&self) -> Vec<(f64, f64)> {
+        self.points.iter().map(|p| (p.time, p.error)).collect()
+    }
 }
 
 /// Raster coordinates of a film point.
@@ -93,32 +103,24 @@ fn estimate(camera: &Single, [image_x, image_y]: [f32; 2], points: &[[f32; 4]]) 
 ///
 /// # Errors
 /// A camera cannot be built.
-pub fn measure(subject: &Subject, size: Size) -> Result<Vec<Curve>, CameraError> {
-    let lens = &subject.lens.name;
-    let exact = exact(subject, size.survey);
+pub fn measure(subject: &Subject, counts: SampleCounts) -> Result<Vec<Curve>, CameraError> {
+    let exact = exact(subject, counts.survey);
     let mut curves = Vec::new();
     let mut cameras = Vec::new();
     for &pupil in PUPILS {
         for &disk in DISKS {
             let given =
                 Parameters { pupil: Some(pupil.into()), disk: Some(disk.into()), ..Default::default() };
-            cameras.push(camera(lens, PIXELS, given)?);
+            let camera = camera(&subject.lens.name, PIXELS, given)?;
             for (sequence, placed) in Sequence::NAMES {
-                let points = (1..=size.exponent)
-                    .map(|power| {
-                        precision(
-                            cameras.last().expect("just built"),
-                            placed,
-                            &exact,
-                            4_usize.pow(power),
-                            size.repeats,
-                        )
-                    })
-                    .collect::<Vec<_>>();
+                let samples = (1..=counts.exponent).map(|power| 4_usize.pow(power));
+                let points: Vec<_> = samples
+                    .map(|samples| precision(&camera, placed, &exact, samples, counts.repeats))
+                    .collect();
                 let noise: Vec<_> = points.iter().map(|p| (p.samples as f64, p.noise)).collect();
                 let last = points.last().expect("at least four samples");
                 curves.push(Curve {
-                    lens: lens.clone(),
+                    lens: subject.lens.name.clone(),
                     pupil,
                     disk,
                     sequence,
@@ -127,9 +129,10 @@ pub fn measure(subject: &Subject, size: Size) -> Result<Vec<Curve>, CameraError>
                     points,
                 });
             }
+            cameras.push(camera);
         }
     }
-    time(&cameras, size.effort, &mut curves);
+    time(&cameras, counts.effort, &mut curves);
     Ok(curves)
 }
 
@@ -140,7 +143,7 @@ fn precision(
     exact: &[(f64, f64)],
     samples: usize,
     repeats: u32,
-) -> Precision {
+) -> Estimate {
     let mut points = vec![[0.0; 4]; samples];
     let (mut error, mut noise) = (0.0, 0.0);
     for (number, (field, exact)) in exact.iter().enumerate() {
@@ -156,33 +159,24 @@ fn precision(
         noise += relative.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0);
     }
     let root = |sum: f64| (sum / exact.len() as f64).sqrt();
-    Precision { samples, time: f64::NAN, error: root(error), noise: root(noise) }
+    Estimate { samples, time: f64::NAN, error: root(error), noise: root(noise) }
 }
 
-/// Times a sample of every curve, its numbers included.
+/// Times a sample of every curve, its lens samples included.
 fn time(cameras: &[Single], effort: Effort, curves: &mut [Curve]) {
     const BLOCK: usize = 1024;
-    let mut tasks: Vec<Box<dyn FnMut()>> = Vec::new();
-    for camera in cameras {
-        for (_, placed) in Sequence::NAMES {
-            let mut points = vec![[0.0; 4]; BLOCK];
-            let mut turn = 0;
-            tasks.push(Box::new(move || {
-                turn += 1;
-                placed.fill(turn, 2, &mut points);
-                let field = FIELDS[turn as usize % FIELDS.len()];
-                std::hint::black_box(estimate(camera, raster(field), &points));
-            }));
-        }
-    }
-    let mut points = vec![[0.0; 4]; BLOCK];
-    Sequence::Random.fill(0, 2, &mut points);
-    let mut yardstick = || {
-        std::hint::black_box(estimate(&cameras[0], raster(0.3), &points));
-    };
-    let mut tasks: Vec<&mut dyn FnMut()> = tasks.iter_mut().map(|task| &mut **task as _).collect();
-    let timings = interleaved(&mut yardstick, &mut tasks, effort);
-    for (curve, timing) in curves.iter_mut().zip(timings) {
+    let pairs = cameras.iter().flat_map(|camera| Sequence::NAMES.map(|(_, placed)| (camera, placed)));
+    let tasks = pairs.map(|(camera, placed)| {
+        let (mut points, mut turn) = (vec![[0.0; 4]; BLOCK], 0);
+        let task = move || {
+            turn += 1;
+            placed.fill(turn, 2, &mut points);
+            let field = FIELDS[turn as usize % FIELDS.len()];
+            std::hint::black_box(estimate(camera, raster(field), &points));
+        };
+        Box::new(task) as Box<dyn FnMut()>
+    });
+    for (curve, timing) in curves.iter_mut().zip(interleaved(tasks, effort)) {
         for point in &mut curve.points {
             point.time = timing.median / BLOCK as f64 * point.samples as f64;
         }
@@ -191,27 +185,12 @@ fn time(cameras: &[Single], effort: Effort, curves: &mut [Curve]) {
 
 /// The results as a table.
 pub fn table(curves: &[Curve]) -> Table {
-    let mut table = Table::new(
-        "irradiance",
-        &["lens", "pupil", "disk", "sequence", "samples", "time_us", "rms_error", "noise", "slope", "bias"],
-    );
-    for curve in curves {
-        for p in &curve.points {
-            table.rows.push(vec![
-                curve.lens.as_str().into(),
-                curve.pupil.into(),
-                curve.disk.into(),
-                curve.sequence.into(),
-                p.samples.into(),
-                (p.time * 1e6).into(),
-                p.error.into(),
-                p.noise.into(),
-                curve.slope.into(),
-                curve.bias.into(),
-            ]);
-        }
-    }
-    table
+    let points = curves.iter().flat_map(|curve| curve.points.iter().map(move |point| (curve, point)));
+    let rows = points.map(|(c, p)| {
+        let names = row![c.lens.as_str(), c.pupil, c.disk, c.sequence];
+        [names, row![p.samples, p.time * 1e6, p.error, p.noise, c.slope, c.bias]].concat()
+    });
+    Table::of("irradiance", "lens pupil disk sequence samples time_us rms_error noise slope bias", rows)
 }
 
 #[cfg(test)]
@@ -224,8 +203,8 @@ mod tests {
     fn the_rear_disk_is_unbiased_and_random_noise_falls_as_the_root() {
         let subject = Subject::new(&catalogue::find("dgauss.50mm").expect("listed")).expect("focuses");
         let effort = Effort { rounds: 1, least: Duration::from_micros(10) };
-        let size = Size { exponent: 5, repeats: 8, survey: 300, effort };
-        let curves = measure(&subject, size).expect("cameras");
+        let counts = SampleCounts { exponent: 5, repeats: 8, survey: 300, effort };
+        let curves = measure(&subject, counts).expect("cameras");
         assert_eq!(curves.len(), PUPILS.len() * DISKS.len() * Sequence::NAMES.len());
         for curve in &curves {
             assert!(curve.points.iter().all(|p| p.time > 0.0));

@@ -2,18 +2,19 @@
 //! count, what it takes in time, and how far it is from the reference.
 
 use std::cell::Cell;
-use std::cmp::Ordering;
 use std::hint::black_box;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::{
-    bench::{Effort, interleaved},
-    reference::DoubleDouble,
-    statistics::median,
-};
 use realistic::{
-    lens::refraction::{Refraction, dot, fused, heckbert, other, whitted},
+    lens::refraction::{Refraction, fused, heckbert, other, whitted},
     trace::Real,
+};
+
+use crate::{
+    reference::DoubleDouble,
+    results::statistics::quantile,
+    subject::quasirandom::spread,
+    timing::{Effort, interleaved},
 };
 
 /// Operations of one refraction.
@@ -34,7 +35,7 @@ thread_local! {
 }
 
 /// A double that counts what is done with it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 struct Counted(f64);
 
 fn count(one: impl FnOnce(&mut Operations)) {
@@ -63,12 +64,6 @@ impl Neg for Counted {
     type Output = Self;
     fn neg(self) -> Self {
         Self(-self.0)
-    }
-}
-
-impl PartialOrd for Counted {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        self.0.partial_cmp(&other.0)
     }
 }
 
@@ -120,7 +115,10 @@ impl<R: Real> Incidence<R> {
     /// One refraction from there to what the method ends in. `index_step` is a constant of the surface.
     fn refract(&self, method: Refraction, start: [R; 3], index_step: R) -> [R; 3] {
         match method {
-            Refraction::Fused => fused(start, self.normal, dot(self.normal, start), index_step),
+            Refraction::Fused => {
+                let [x, y, z] = [0, 1, 2].map(|i| self.normal[i] * start[i]);
+                fused(start, self.normal, x + y + z, index_step)
+            }
             Refraction::Heckbert => heckbert(start, self.normal, self.n, self.n_after),
             Refraction::Whitted => whitted(start, self.normal, self.n, self.n_after),
             Refraction::Other => other(start, self.normal, self.n, self.n_after),
@@ -165,12 +163,12 @@ pub struct Errors {
 }
 
 /// Incidences of the error's statistics.
-const INCIDENCES: u32 = 4000;
+const INCIDENCES: usize = 4000;
 
 /// The errors of a method in `R` against the same refraction in double-double numbers: angles of incidence up to
 /// 60 degrees and short of total reflection, indices from 1 to 2.
 pub fn errors<R: Real>(method: Refraction) -> Errors {
-    let mut errors: Vec<f64> = incidences()
+    let errors: Vec<f64> = incidences()
         .map(|incidence| {
             // What the method is given is exact: rounded to R first.
             let given = incidence.to::<R>();
@@ -186,22 +184,19 @@ pub fn errors<R: Real>(method: Refraction) -> Errors {
             (0..3).map(|i| (got[i] - truth[i]).to_f64().powi(2)).sum::<f64>().sqrt()
         })
         .collect();
-    errors.sort_by(f64::total_cmp);
-    Errors { median: median(&errors), largest: errors[errors.len() - 1] }
+    Errors { median: quantile(&errors, 0.5), largest: quantile(&errors, 1.0) }
 }
 
 fn widen<R: Real>(number: R) -> DoubleDouble {
     DoubleDouble::from_f64(number.to_f64())
 }
 
-/// Incidences spread by the golden ratio and its kin, so that every run has the same.
+/// Incidences all but evenly spread, so that every run has the same.
 fn incidences() -> impl Iterator<Item = Incidence<f64>> {
-    (0..INCIDENCES).map(|i| {
-        let number = |factor: f64| (f64::from(i) * factor).fract();
-        let (n, n_after) = (1.0 + number(0.754_877_666), 1.0 + number(0.569_840_291));
-        let limit = (n_after / n).min(1.0) * 0.866;
-        let sine = limit * number(0.819_172_513);
-        let (s, c) = (std::f64::consts::TAU * number(0.671_043_607)).sin_cos();
+    spread::<4>(0.0).take(INCIDENCES).map(|[n, n_after, height, turn]| {
+        let (n, n_after) = (1.0 + n, 1.0 + n_after);
+        let sine = (n_after / n).min(1.0) * 0.866 * height;
+        let (s, c) = (std::f64::consts::TAU * turn).sin_cos();
         let direction = [sine * s, sine * c, (1.0 - sine * sine).sqrt()];
         Incidence { direction, normal: [0.0, 0.0, 1.0], n, n_after }
     })
@@ -227,17 +222,8 @@ pub fn times(effort: Effort) -> Vec<f64> {
             black_box(there.direction);
         }
     };
-    let mut yardstick = || {
-        let mut number = black_box(2.0_f64);
-        for _ in 0..CHAIN {
-            number = (number + 1.0).sqrt();
-        }
-        black_box(number);
-    };
-    let mut chains: Vec<_> = Refraction::NAMES.iter().map(|&(_, method)| chain(method)).collect();
-    let mut tasks: Vec<&mut dyn FnMut()> = chains.iter_mut().map(|chain| chain as &mut dyn FnMut()).collect();
-    let timings = interleaved(&mut yardstick, &mut tasks, effort);
-    timings.iter().map(|timing| timing.median / f64::from(CHAIN)).collect()
+    let tasks = Refraction::NAMES.iter().map(|&(_, method)| Box::new(chain(method)) as Box<dyn FnMut()>);
+    interleaved(tasks, effort).iter().map(|timing| timing.median / f64::from(CHAIN)).collect()
 }
 
 #[cfg(test)]

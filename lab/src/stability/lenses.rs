@@ -8,6 +8,10 @@ use realistic::{
     trace::{Direction, Ray},
 };
 
+/// Where light comes from, with its name.
+pub const SIDES: [(&str, Direction); 2] =
+    [("scene", Direction::SceneToFilm), ("film", Direction::FilmToScene)];
+
 /// A row of a lens: radius (infinite: plane), thickness, index behind, clear semi-diameter; mm.
 pub type Row = (f64, f64, f64, f64);
 
@@ -48,11 +52,11 @@ pub fn catalogue(name: &str, factor: f64) -> Lens {
 /// points of that surface's vertex plane: the centre and rings out to `aim` mm, at azimuths that share
 /// no symmetry with the points.
 pub fn bundle(lens: &Lens, direction: Direction, distance: f64, heights: &[f64], aim: f64) -> Vec<Ray> {
-    let (entry, sense) = match direction {
+    let (entry, sign) = match direction {
         Direction::FilmToScene => (lens.rear().vertex, 1.0),
         Direction::SceneToFilm => (lens.front().vertex, -1.0),
     };
-    let start = entry - sense * distance;
+    let start = entry - sign * distance;
     let mut rays = Vec::new();
     for &height in heights {
         let origin = [0.6 * height, -0.8 * height, start];
@@ -60,7 +64,7 @@ pub fn bundle(lens: &Lens, direction: Direction, distance: f64, heights: &[f64],
             for spoke in 0..if ring == 0 { 1 } else { 7_u32 } {
                 let radius = aim * f64::from(ring) / 6.0;
                 let (sine, cosine) = (TAU * (f64::from(spoke) + 0.1 * f64::from(ring)) / 7.0).sin_cos();
-                let direction = [radius * cosine - origin[0], radius * sine - origin[1], sense * distance];
+                let direction = [radius * cosine - origin[0], radius * sine - origin[1], sign * distance];
                 rays.push(Ray { origin, direction });
             }
         }

@@ -3,7 +3,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use realistic::numeric::upper_gamma;
+use statrs::distribution::{self, ContinuousCDF};
 
 /// Pearson's test of points against the uniform distribution.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,9 +34,14 @@ impl ChiSquared {
         let statistic =
             found.iter().map(|count| (f64::from(*count) - expected).powi(2)).sum::<f64>() / expected;
         let degrees_of_freedom = found.len() as u32 - 1;
-        let p_value = upper_gamma(f64::from(degrees_of_freedom) / 2.0, statistic / 2.0);
+        let p_value = p_value(degrees_of_freedom.into(), statistic);
         Self { statistic, degrees_of_freedom, p_value }
     }
+}
+
+/// The upper tail of the chi-squared distribution.
+fn p_value(degrees_of_freedom: f64, statistic: f64) -> f64 {
+    distribution::ChiSquared::new(degrees_of_freedom).expect("more than none").sf(statistic)
 }
 
 /// How far the share of the points on one side of a straight edge is from the share of the disk there:
@@ -85,22 +90,14 @@ fn segment(edge: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_xoshiro::Xoshiro256PlusPlus;
     use realistic::sampling::DiskMapping;
 
-    /// Independent numbers in [0, 1): SplitMix64 (Steele, Lea and Flood, OOPSLA 2014).
-    fn numbers(seed: u64) -> impl Iterator<Item = f64> {
-        (1..).map(move |k: u64| {
-            let mut z = (seed ^ k.wrapping_mul(0x9e37_79b9_7f4a_7c15)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-            z = (z ^ (z >> 31)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            (z >> 11) as f64 / (1_u64 << 53) as f64
-        })
-    }
-
     fn independent(map: impl Fn(f64, f64) -> Option<[f64; 2]>, seed: u64) -> Vec<[f64; 2]> {
-        let mut numbers = numbers(seed);
-        let pairs = std::iter::from_fn(|| Some((numbers.next()?, numbers.next()?)));
-        pairs.filter_map(|(u, v)| map(u, v)).take(20_000).collect()
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
+        let points = std::iter::repeat_with(|| map(rng.random(), rng.random())).flatten();
+        points.take(20_000).collect()
     }
 
     #[test]
@@ -120,7 +117,7 @@ mod tests {
     fn the_p_value_is_that_of_the_tables() {
         // NIST handbook, table 1.3.6.7.4: upper critical values of the chi-squared distribution.
         for (degrees, critical, p) in [(1.0, 3.841, 0.05), (10.0, 18.307, 0.05), (100.0, 135.807, 0.01)] {
-            let found: f64 = upper_gamma(degrees / 2.0, critical / 2.0);
+            let found = p_value(degrees, critical);
             assert!((found / p - 1.0).abs() < 1e-3, "{found} for {p}");
         }
     }
@@ -128,10 +125,10 @@ mod tests {
     #[test]
     fn strata_lower_the_discrepancy_and_the_concentric_map_keeps_most_of_it() {
         let spread = |map: &dyn Fn(f64, f64) -> Option<[f64; 2]>| {
-            let mut jitter = numbers(7);
+            let mut rng = Xoshiro256PlusPlus::seed_from_u64(7);
             let mut points = Vec::new();
             for k in 0..256_u16 {
-                let mut place = |at: u16| (f64::from(at) + jitter.next().unwrap_or(0.5)) / 16.0;
+                let mut place = |at: u16| (f64::from(at) + rng.random::<f64>()) / 16.0;
                 points.extend(map(place(k % 16), place(k / 16)));
             }
             EdgeDiscrepancy::of(&points)
