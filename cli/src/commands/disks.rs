@@ -80,7 +80,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             sheet.add(name, &Picture::from(&panel), 1.0);
         }
     }
-    sheet.into_picture().write(&args.out, 1.0).map_err(Failure::Other)?;
+    sheet.into_picture().write(&args.out, 1.0)?;
     let _ = writeln!(text, "{}", args.out.display());
     Ok(std::io::stdout().write_all(text.as_bytes())?)
 }

@@ -2,6 +2,7 @@
 
 use crate::choice::distance;
 use crate::failure::Failure;
+use crate::host::scene::effects::{Effect, Effects};
 use crate::host::scene::props;
 use crate::host::studio::{Options, Order, Studio, parameter_help};
 use crate::image::Sheet;
@@ -57,7 +58,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
                 .to_owned(),
         ));
     }
-    let scene = props::scene().with("soft-shadow,dof".parse().map_err(Failure::Usage)?);
+    let scene = props::scene().with(&Effects::only(&[Effect::SoftShadow, Effect::Dof]));
     let order = Order { spp: args.options.spp.unwrap_or(SPP), wavelengths: None, frame: None };
     let mut sheet = Sheet::new(studio.size, args.count, COLUMNS);
     let mut text = String::new();
@@ -68,12 +69,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         let film = shot.camera.info()?.film_distance_mm;
         let digits = args.count.to_string().len().max(2);
         let path = args.out.join(format!("focus-{index:0digits$}.png"));
-        shot.picture.write(&path, shot.scale).map_err(Failure::Other)?;
+        shot.picture.write(&path, shot.scale)?;
         sheet.add(&label(distance), &shot.picture, shot.scale);
         let _ = writeln!(text, "{}  focus {}, film {film:.3} mm", path.display(), label(distance));
     }
     let contact = args.out.join("contact.png");
-    sheet.into_picture().write(&contact, 1.0).map_err(Failure::Other)?;
+    sheet.into_picture().write(&contact, 1.0)?;
     let _ = writeln!(text, "{}", contact.display());
     Ok(std::io::stdout().write_all(text.as_bytes())?)
 }

@@ -54,12 +54,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let studio = Studio::open(&args.options)?;
     if let Some(slide) = args.slide {
         let (picture, text) = slide.take(&studio, &args.options)?;
-        picture.write(&args.out, 1.0).map_err(Failure::Other)?;
+        picture.write(&args.out, 1.0)?;
         let text = format!("{text}picture  {}\n", args.out.display());
         return Ok(std::io::stdout().write_all(text.as_bytes())?);
     }
-    let mut parameters = stopped_down(&studio.parameters, args.effects)?;
-    let scene = props::scene().with(args.effects);
+    let mut parameters = stopped_down(&studio.parameters, &args.effects)?;
+    let scene = props::scene().with(&args.effects);
     if !args.autofocus.is_empty() {
         let zones: Vec<[f32; 4]> =
             args.autofocus.iter().map(|zone| zone.unwrap_or_else(|| middle(studio.size))).collect();
@@ -68,7 +68,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     let order = Order { spp: args.options.spp.unwrap_or(SPP), wavelengths: args.wavelengths, frame: None };
     let shot = studio.take(&parameters, &scene, &order)?;
-    shot.picture.write(&args.out, shot.scale).map_err(Failure::Other)?;
+    shot.picture.write(&args.out, shot.scale)?;
 
     let mut text = describe(&studio.plugin, &shot.camera, studio.size)?;
     let _ = writeln!(text, "picture  {}", timing(&order, &shot, studio.threads()));

@@ -20,9 +20,7 @@ fn is(path: &Path, ending: &str) -> bool {
 /// # Errors
 /// The file cannot be written; the message names it.
 pub fn write(page: &Page, path: &Path) -> Result<(), Failure> {
-    let failed = |error: &dyn std::fmt::Display| {
-        Failure::Other(format!("cannot write {}: {error}; give --out another path", path.display()))
-    };
+    let failed = |error: &dyn std::fmt::Display| Failure::cannot_write(path, error);
     if is(path, "svg") {
         return std::fs::write(path, page.to_string()).map_err(|error| failed(&error));
     }

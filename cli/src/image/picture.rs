@@ -1,6 +1,8 @@
 //! Pictures and the two files that they go to: PNG for eyes, EXR for numbers.
 
 use super::srgb::{Colours, SrgbImage, decode, encode};
+use crate::failure::Failure;
+use std::fmt::Display;
 use std::path::Path;
 
 /// Linear colour, rows from the top, each from the left.
@@ -61,13 +63,15 @@ impl Picture {
     ///
     /// # Errors
     /// The file cannot be written; the message names it.
-    pub fn write(&self, path: &Path, scale: f32) -> Result<(), String> {
-        let named = |error: &dyn std::fmt::Display| {
-            format!("cannot write {}: {error}; give --out another path", path.display())
-        };
-        match Format::of(path)? {
-            Format::Png => self.shown(scale).write(path, Colours::All).map_err(|error| named(&error)),
-            Format::Exr => self.write_exr(path).map_err(|error| named(&error)),
+    pub fn write(&self, path: &Path, scale: f32) -> Result<(), Failure> {
+        let failed = |error: &dyn Display| Failure::cannot_write(path, error);
+        let [width, height] = self.size.map(|side| side as usize);
+        match Format::of(path).map_err(Failure::Usage)? {
+            Format::Png => self.shown(scale).write(path, Colours::All).map_err(|error| failed(&error)),
+            Format::Exr => {
+                exr::prelude::write_rgb_file(path, width, height, |x, y| self.pixels[y * width + x].into())
+                    .map_err(|error| failed(&error))
+            }
         }
     }
 
@@ -75,11 +79,6 @@ impl Picture {
     pub fn shown(&self, scale: f32) -> SrgbImage {
         let encode = |colour: &[f32; 3]| colour.map(|value| encode(value * scale));
         SrgbImage { size: self.size, pixels: self.pixels.iter().map(encode).collect() }
-    }
-
-    fn write_exr(&self, path: &Path) -> exr::error::UnitResult {
-        let [width, height] = self.size.map(|side| side as usize);
-        exr::prelude::write_rgb_file(path, width, height, |x, y| self.pixels[y * width + x].into())
     }
 }
 

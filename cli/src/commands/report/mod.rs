@@ -85,18 +85,14 @@ fn make_folder(folder: &Path) -> Result<(), Failure> {
         }
         Err(error) => Err(error),
     }
-    .map_err(|error| cannot_write(&page, &error))
-}
-
-fn cannot_write(path: &Path, error: &std::io::Error) -> Failure {
-    Failure::Other(format!("cannot write {}: {error}; give --out another path", path.display()))
+    .map_err(|error| Failure::cannot_write(&page, &error))
 }
 
 /// Writes tables, plots and page.
 fn write(results: &Results, suite: &Suite, took: Duration, folder: &Path) -> Result<(), Failure> {
     let save = |name: &str, text: &str| {
         let path = folder.join(name);
-        std::fs::write(&path, text).map_err(|error| cannot_write(&path, &error))
+        std::fs::write(&path, text).map_err(|error| Failure::cannot_write(&path, &error))
     };
     for table in results.tables() {
         save(&format!("{}.csv", table.name), &table.to_csv())?;

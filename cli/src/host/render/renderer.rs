@@ -173,7 +173,7 @@ mod tests {
     }
 
     fn with(effects: &str) -> Scene {
-        props::scene().with(effects.parse().unwrap())
+        props::scene().with(&effects.parse().unwrap())
     }
 
     #[test]

@@ -69,6 +69,11 @@ impl Ball {
         Self { shape, material, paint: None }
     }
 
+    /// A plain one that stands on the floor at x and z.
+    pub fn standing([x, z]: [f32; 2], radius: f32, material: Material) -> Self {
+        Self::new(Sphere::resting(Vec3::new(x, FLOOR.height + radius, z), radius), material)
+    }
+
     /// What it is of where its surface has this normal.
     pub fn material(&self, normal: Vec3) -> Material {
         match &self.paint {

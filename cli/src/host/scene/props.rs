@@ -127,7 +127,6 @@ fn balls() -> Vec<Ball> {
         (900.0, -1800.0, 420.0, LEAF, Coated),
     ]
     .map(|(x, z, radius, colour, finish)| {
-        let centre = Vec3::new(x, FLOOR.height + radius, z);
         let roughness = match finish {
             Glass => 0.08,
             Metal => 0.06,
@@ -135,8 +134,11 @@ fn balls() -> Vec<Ball> {
         };
         let material = Material::new(colour, finish).rough(roughness);
         // One ball rolls past the card when balls may move.
-        let velocity = if colour == CORAL && z < 500.0 { Vec3::new(-60.0, 0.0, 25.0) } else { Vec3::ZERO };
-        Ball::new(Sphere { centre, radius, velocity }, material)
+        let mut ball = Ball::standing([x, z], radius, material);
+        if colour == CORAL && z < 500.0 {
+            ball.shape.velocity = Vec3::new(-60.0, 0.0, 25.0);
+        }
+        ball
     })
     .into()
 }

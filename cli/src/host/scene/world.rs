@@ -2,7 +2,7 @@
 //! Millimetres, the lens' front vertex at the origin, +z into the scene, +x to the right,
 //! +y up.
 
-use super::effects::Effects;
+use super::effects::{Effect, Effects};
 use super::objects::{Ball, Board, FLOOR, Finish, Lamps, Material};
 use super::pose::Pose;
 use super::shapes::{Hit, Ray, Shape};
@@ -33,24 +33,24 @@ pub struct Scene {
 impl Scene {
     /// The same scene with nothing but these effects: where one is off, reflectors or glass are
     /// polished, the sun is a point, or the balls rest. (Depth of field is the camera's.)
-    pub fn with(mut self, effects: Effects) -> Self {
+    pub fn with(mut self, effects: &Effects) -> Self {
         let balls = self.balls.iter_mut().map(|ball| &mut ball.material);
         for material in balls.chain(self.boards.iter_mut().map(|board| &mut board.material)) {
             let kept = match material.finish {
-                Finish::Glass | Finish::Sheet => effects.translucency,
-                _ => effects.gloss,
+                Finish::Glass | Finish::Sheet => effects.has(Effect::Translucency),
+                _ => effects.has(Effect::Gloss),
             };
             if !kept {
                 material.roughness = 0.0;
             }
         }
-        if !effects.gloss {
+        if !effects.has(Effect::Gloss) {
             self.floor_roughness = 0.0;
         }
-        if !effects.soft_shadow {
+        if !effects.has(Effect::SoftShadow) {
             self.sun.radius = 0.0;
         }
-        if !effects.motion {
+        if !effects.has(Effect::Motion) {
             self.balls.iter_mut().for_each(|ball| ball.shape.velocity = Vec3::ZERO);
         }
         self

@@ -8,7 +8,7 @@ use crate::failure::Failure;
 use crate::host::plugin::{self, Camera, Plugin};
 use crate::host::render::{Settings, render, spectrum};
 use crate::host::scene::Scene;
-use crate::host::scene::effects::Effects;
+use crate::host::scene::effects::{Effect, Effects};
 use crate::image::Picture;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPool;
@@ -215,10 +215,10 @@ fn at_wavelength(
 ///
 /// # Errors
 /// The user says how far the lens is stopped down.
-pub fn stopped_down(parameters: &Parameters, effects: Effects) -> Result<Parameters, Failure> {
+pub fn stopped_down(parameters: &Parameters, effects: &Effects) -> Result<Parameters, Failure> {
     const SMALL: f64 = 22.0;
     let mut parameters = parameters.clone();
-    if effects.dof {
+    if effects.has(Effect::Dof) {
         return Ok(parameters);
     }
     if parameters.fnumber.is_some() || parameters.aperture_diameter.is_some() {

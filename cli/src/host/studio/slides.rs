@@ -3,6 +3,7 @@
 
 use super::session::{Frame, Options, Order, Studio, stopped_down};
 use crate::failure::Failure;
+use crate::host::scene::effects::Effect::{self, Dof, Gloss, Motion, SoftShadow, Translucency};
 use crate::host::scene::effects::Effects;
 use crate::host::scene::slides::{colour, gloss, motion, soft_shadow, translucency};
 use crate::host::scene::{Scene, props};
@@ -45,8 +46,9 @@ struct Panel {
 }
 
 impl Panel {
-    fn new(label: impl Into<String>, effects: Effects, spp: u32) -> Self {
+    fn new(label: impl Into<String>, effects: &[Effect], spp: u32) -> Self {
         let order = Order { spp, wavelengths: None, frame: None };
+        let effects = Effects::only(effects);
         Self { label: label.into(), effects, order, parameters: Vec::new(), exposure: 1.0 }
     }
 
@@ -64,13 +66,7 @@ impl Slide {
     /// The user gives what is the slide's to choose, or the camera's own.
     pub fn take(self, studio: &Studio, options: &Options) -> Result<(Picture, String), Failure> {
         let many = options.spp.unwrap_or(MANY);
-        let scene = self.scene();
-        let panels = match self {
-            Self::Lenses => lenses(many),
-            Self::Colour => colours(many, studio.size),
-            Self::Gloss => three(Effects { soft_shadow: true, ..Effects::NONE }, self.shown(), many),
-            _ => three(Effects::NONE, self.shown(), many),
-        };
+        let (scene, panels) = self.panels(many, studio.size);
         let columns = if self == Self::Lenses { 2 } else { panels.len() as u32 };
         let mut sheet = Sheet::new(studio.size, panels.len() as u32, columns);
         let mut text = String::new();
@@ -87,8 +83,8 @@ impl Slide {
                 }
                 parameters.set_from_text(name, value)?;
             }
-            let parameters = stopped_down(&parameters, panel.effects)?;
-            let scene = scene.clone().with(panel.effects);
+            let parameters = stopped_down(&parameters, &panel.effects)?;
+            let scene = scene.clone().with(&panel.effects);
             let shot = studio.take(&parameters, &scene, &panel.order)?;
             sheet.add(&panel.label, &shot.picture, shot.scale * panel.exposure);
             let info = shot.camera.info()?;
@@ -106,33 +102,23 @@ impl Slide {
         Ok((sheet.into_picture(), text))
     }
 
-    fn scene(self) -> Scene {
-        match self {
-            Self::Gloss => gloss::scene(),
-            Self::Translucency => translucency::scene(),
-            Self::SoftShadow => soft_shadow::scene(),
-            Self::Motion => motion::scene(),
-            Self::Dof | Self::Lenses => props::scene(),
-            Self::Colour => colour::scene(),
-        }
-    }
-
-    /// The effect that is off in the first picture and on in the others.
-    fn shown(self) -> Effects {
-        let none = Effects::NONE;
+    /// The scene and the pictures to take of it, with up to `many` samples per pixel.
+    fn panels(self, many: u32, size: [u32; 2]) -> (Scene, Vec<Panel>) {
         match self {
             // A large lamp's picture in rough metal has less noise than a point's.
-            Self::Gloss => Effects { gloss: true, soft_shadow: true, ..none },
-            Self::Translucency => Effects { translucency: true, ..none },
-            Self::SoftShadow => Effects { soft_shadow: true, ..none },
-            Self::Motion => Effects { motion: true, ..none },
-            Self::Dof | Self::Lenses | Self::Colour => Effects { dof: true, ..none },
+            Self::Gloss => (gloss::scene(), three(&[SoftShadow], &[Gloss, SoftShadow], many)),
+            Self::Translucency => (translucency::scene(), three(&[], &[Translucency], many)),
+            Self::SoftShadow => (soft_shadow::scene(), three(&[], &[SoftShadow], many)),
+            Self::Dof => (props::scene(), three(&[], &[Dof], many)),
+            Self::Motion => (motion::scene(), three(&[], &[Motion], many)),
+            Self::Lenses => (props::scene(), lenses(many)),
+            Self::Colour => (colour::scene(), colours(many, size)),
         }
     }
 }
 
-/// Off, and on with few and with many samples.
-fn three(off: Effects, shown: Effects, many: u32) -> Vec<Panel> {
+/// Without what is shown, and with it by few and by many samples.
+fn three(off: &[Effect], shown: &[Effect], many: u32) -> Vec<Panel> {
     let on = |spp: u32| Panel::new(format!("{spp} samples"), shown, spp);
     vec![Panel::new("off", off, many), on(FEW.min(many)), on(many)]
 }
@@ -141,8 +127,7 @@ fn three(off: Effects, shown: Effects, many: u32) -> Vec<Panel> {
 /// and a fisheye, scaled to its focal lengths.
 fn lenses(spp: u32) -> Vec<Panel> {
     let lens = |label: &str, name: &str, diagonal: f64| {
-        let effects = Effects { soft_shadow: true, ..Slide::Lenses.shown() };
-        Panel::new(label, effects, spp).set("specfile", name).set("filmdiag", diagonal)
+        Panel::new(label, &[SoftShadow, Dof], spp).set("specfile", name).set("filmdiag", diagonal)
     };
     vec![
         lens("200 mm telephoto", "telephoto.250mm@200mm", 43.3),
@@ -158,7 +143,7 @@ fn colours(many: u32, size: [u32; 2]) -> Vec<Panel> {
     const ZOOM: u32 = 16;
     let panel = |label: &str, wavelengths: Option<u32>| {
         let spp = (2 * many / wavelengths.unwrap_or(1)).clamp(1, many);
-        let mut panel = Panel::new(label, Effects { dof: true, ..Effects::NONE }, spp)
+        let mut panel = Panel::new(label, &[Dof], spp)
             .set("specfile", "dgauss.100mm")
             .set("filmdiag", 43.3)
             .set("fnumber", 5.6);

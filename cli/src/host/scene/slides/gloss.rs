@@ -1,10 +1,9 @@
 //! Gloss: a card on a floor of brushed metal, which reflects what stands on it sharply and what is
 //! higher up blurred.
 
-use super::super::objects::{Ball, FLOOR, Finish, Material};
+use super::super::objects::{Ball, Finish, Material};
 use super::super::pose::tilted;
 use super::super::props;
-use super::super::shapes::Sphere;
 use super::super::sky::Sun;
 use super::super::world::Scene;
 use glam::Vec3;
@@ -13,16 +12,17 @@ use glam::Vec3;
 const STAGE: f32 = 1100.0;
 
 pub fn scene() -> Scene {
-    let ball = |x: f32, z: f32, radius: f32, material| {
-        Ball::new(Sphere::resting(Vec3::new(x, FLOOR.height + radius, z), radius), material)
-    };
     Scene {
         floor: metal,
         floor_roughness: 0.04,
         balls: vec![
-            ball(165.0, STAGE, 70.0, Material::new([0.90, 0.91, 0.93], Finish::Metal).rough(0.12)),
-            ball(75.0, STAGE - 170.0, 32.0, Material::new([0.66, 0.11, 0.07], Finish::Matte)),
-            ball(-255.0, STAGE + 240.0, 60.0, Material::new([0.76, 0.39, 0.05], Finish::Matte)),
+            Ball::standing(
+                [165.0, STAGE],
+                70.0,
+                Material::new([0.90, 0.91, 0.93], Finish::Metal).rough(0.12),
+            ),
+            Ball::standing([75.0, STAGE - 170.0], 32.0, Material::new([0.66, 0.11, 0.07], Finish::Matte)),
+            Ball::standing([-255.0, STAGE + 240.0], 60.0, Material::new([0.76, 0.39, 0.05], Finish::Matte)),
         ],
         boards: props::card("gloss", Vec3::new(-215.0, 45.0, STAGE), 200.0).into(),
         lamps: Vec::new(),

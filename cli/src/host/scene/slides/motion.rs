@@ -1,11 +1,10 @@
 //! Motion blur: billiard balls, some of them rolling, in the spirit of Cook's "1984". Their shadows
 //! and the reflections of the others in them blur with them.
 
-use super::super::objects::{Ball, FLOOR, Finish, Material, Paint};
+use super::super::objects::{Ball, Finish, Material, Paint};
 use super::super::pose::tilted;
 use super::super::print::Print;
 use super::super::props;
-use super::super::shapes::Sphere;
 use super::super::sky::Sun;
 use super::super::world::Scene;
 use crate::drawing::shapes::{Anchor, Page};
@@ -20,14 +19,10 @@ const PURPLE: Vec3 = Vec3::new(0.16, 0.03, 0.26);
 const BLACK: Vec3 = Vec3::new(0.012, 0.012, 0.014);
 
 pub fn scene() -> Scene {
-    let ball = |x: f32, z: f32, [vx, vz]: [f32; 2], paint: Option<Paint>| Ball {
-        shape: Sphere {
-            centre: Vec3::new(x, FLOOR.height + RADIUS, z),
-            radius: RADIUS,
-            velocity: Vec3::new(vx, 0.0, vz),
-        },
-        material: Material::new(WHITE, Finish::Coated),
-        paint,
+    let ball = |x: f32, z: f32, [vx, vz]: [f32; 2], paint: Option<Paint>| {
+        let mut ball = Ball::standing([x, z], RADIUS, Material::new(WHITE, Finish::Coated));
+        ball.shape.velocity = Vec3::new(vx, 0.0, vz);
+        Ball { paint, ..ball }
     };
     Scene {
         floor: |_| Material::new([0.015, 0.16, 0.075], Finish::Matte),

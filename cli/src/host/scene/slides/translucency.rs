@@ -1,10 +1,10 @@
 //! Translucency: a sheet of frosted glass before a card that nearly touches it and things
 //! farther behind.
 
-use super::super::objects::{Ball, Board, FLOOR, Finish, Material};
+use super::super::objects::{Ball, Board, Finish, Material};
 use super::super::pose::tilted;
 use super::super::props;
-use super::super::shapes::{Panel, Sphere};
+use super::super::shapes::Panel;
 use super::super::world::Scene;
 use glam::{Vec2, Vec3};
 
@@ -13,8 +13,7 @@ const STAGE: f32 = 800.0;
 
 pub fn scene() -> Scene {
     let ball = |x: f32, z: f32, radius: f32, colour: [f32; 3]| {
-        let material = Material::new(colour, Finish::Matte);
-        Ball::new(Sphere::resting(Vec3::new(x, FLOOR.height + radius, z), radius), material)
+        Ball::standing([x, z], radius, Material::new(colour, Finish::Matte))
     };
     let sheet = Board {
         panel: Panel { corner: Vec3::new(-60.0, 120.0, STAGE), size: Vec2::new(270.0, 272.0) },
