@@ -5,7 +5,7 @@ use super::{
     focusing::{Focusing, place_film},
     lens_setup::{LensSetup, open_lens, set_up_lens},
     parameters::{
-        check::{choice, interval, out_of_range, positive},
+        check::{choice, clip_range, finite_float, out_of_range, positive},
         choices::{Precision, PupilChoice, Weighting},
     },
     placement::Placement,
@@ -92,13 +92,12 @@ impl Setup {
 /// The camera's place, clip range and shutter interval.
 pub(crate) fn placement(given: &Parameters, host: &Host) -> Result<Placement, CameraError> {
     let [open, close] = DEFAULT_INTERVAL;
-    let clip = interval(("hither", given.hither, 1e-3), ("yon", given.yon, 1e30), Some(0.0), true)?;
-    let shutter = interval(
-        ("shutteropen", given.shutteropen, open),
-        ("shutterclose", given.shutterclose, close),
-        None,
-        false,
-    )?;
+    let clip = clip_range(("hither", given.hither.unwrap_or(1e-3)), ("yon", given.yon.unwrap_or(1e30)))?;
+    // In either order, as pbrt's stock cameras take them: time then runs backward.
+    let shutter = [
+        finite_float("shutteropen", given.shutteropen.unwrap_or(open))?,
+        finite_float("shutterclose", given.shutterclose.unwrap_or(close))?,
+    ];
     let to_world = match host.to_world.at(shutter[0]) {
         // A moving camera seen at one moment stands still.
         at_once if host.leave_out && shutter[0] == shutter[1] => at_once.into_owned().into(),

@@ -15,7 +15,7 @@ pub(crate) fn describe_sampling(film: &FilmSide<'_>, wavelength: f64, plan: &mut
             plan.kept(
                 &format!("pupil table up to {end:.3} mm from the axis"),
                 why,
-                format!("{} film radii, {} rays", report.rows, report.rays),
+                format!("{} film radii, {} rays", report.slices, report.rays),
             );
             if pupil.image_radius().is_some_and(|end| end < film.reach) {
                 plan.left_out(

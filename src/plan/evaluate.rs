@@ -9,10 +9,10 @@ use super::{
 use crate::{
     imaging::image_scale::ImageScale,
     numeric::quasirandom::STEPS,
-    sampling::Drawn,
+    sampling::PupilSample,
     trace::{
         Blocked, Direction, Ray,
-        kernel::{Columns, Kernel, LensRays, PlaneRays, Precision},
+        kernel::{Kernel, LensRays, PlaneRays, Precision, RayArrays},
         polynomial::{Polynomial, PolynomialLens},
     },
 };
@@ -53,7 +53,7 @@ struct Rays {
 }
 
 impl Rays {
-    fn push(&mut self, [x, y]: [f64; 2], Drawn { slopes: [sx, sy], area }: Drawn) {
+    fn push(&mut self, [x, y]: [f64; 2], PupilSample { slopes: [sx, sy], area }: PupilSample) {
         for (column, number) in self.columns.iter_mut().zip([x, y, sx, sy]) {
             column.push(number);
         }
@@ -73,11 +73,11 @@ impl Rays {
         &self,
         film: f64,
         trace: impl FnOnce(&PlaneRays<'_, S>, &mut LensRays<'_, S>),
-    ) -> Columns<S> {
+    ) -> RayArrays<S> {
         let columns =
             self.columns.each_ref().map(|column| column.iter().map(|&x| S::from_f64(x)).collect::<Vec<S>>());
         let [x, y, slope_x, slope_y] = &columns;
-        let mut out = Columns::new(self.len());
+        let mut out = RayArrays::new(self.len());
         trace(&PlaneRays { plane: film, x, y, slope_x, slope_y }, &mut out.rays());
         out
     }
@@ -88,7 +88,7 @@ pub(super) struct Evaluation<'a> {
     task: &'a Task<'a>,
     scale: ImageScale,
     rays: Rays,
-    exact: Columns<f64>,
+    exact: RayArrays<f64>,
     /// Surfaces other than the front whose apertures block rays, counted from the scene.
     pub blocking: Vec<usize>,
 }
@@ -131,7 +131,7 @@ impl<'a> Evaluation<'a> {
         Ok(Self { task, scale, rays, exact, blocking })
     }
 
-    fn errors<S: Precision>(&self, model: &Columns<S>) -> Errors {
+    fn errors<S: Precision>(&self, model: &RayArrays<S>) -> Errors {
         let (mut mismatches, mut light, mut wrong) = (0, 0.0, 0.0);
         let mut errors = Vec::with_capacity(self.rays.len());
         for i in 0..self.rays.len() {
@@ -171,7 +171,7 @@ impl<'a> Evaluation<'a> {
         arithmetic: Arithmetic,
     ) -> Result<(Polynomial, Errors), String> {
         let (lens, film) = (self.task.lens, self.task.film.z);
-        let polynomial = Polynomial::with_rims(lens, film, fitted, order, &self.blocking)
+        let polynomial = Polynomial::with_apertures(lens, film, fitted, order, &self.blocking)
             .map_err(|error| error.to_string())?;
         let errors = match arithmetic {
             Arithmetic::F64 => self.errors_of::<f64>(&polynomial),
@@ -193,7 +193,7 @@ impl<'a> Evaluation<'a> {
 }
 
 /// The surfaces whose apertures block more of the rays than may be overlooked.
-fn blocking(task: &Task<'_>, rays: &Rays, exact: &Columns<f64>) -> Vec<usize> {
+fn blocking(task: &Task<'_>, rays: &Rays, exact: &RayArrays<f64>) -> Vec<usize> {
     /// Blocked rays looked at.
     const MOST: usize = 2000;
     let last = task.lens.surfaces.len() - 1;

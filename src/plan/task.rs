@@ -1,9 +1,9 @@
 //! What a plan is made for: a lens, the film behind it, where its pupil is sampled, and the error that is tolerated.
 
-use super::{apertures::Band, tracing::Arithmetic};
+use super::tracing::Arithmetic;
 use crate::{
     lens::{Lens, refraction::Refraction},
-    sampling::{DiskMapping, Drawn, PupilSampler},
+    sampling::{Band, DiskMapping, PupilSample, PupilSampler},
     trace::Path,
 };
 
@@ -48,7 +48,7 @@ pub(crate) struct Task<'a> {
 
 impl FilmSide<'_> {
     /// The film point, mm, and the pupil sample that four numbers in [0, 1] stand for; `None` where there is none.
-    pub fn sample(&self, [x, y, u, v]: [f64; 4]) -> Option<([f64; 2], Drawn)> {
+    pub fn sample(&self, [x, y, u, v]: [f64; 4]) -> Option<([f64; 2], PupilSample)> {
         let point = [(1.0 - 2.0 * x) * self.corner[0], (1.0 - 2.0 * y) * self.corner[1]];
         let drawn = self.sampler.sample(point, self.mapping.map(u, v)?)?;
         Some((point, drawn))

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Drawn, PupilDisk, WarpedPupil};
+use super::{PupilDisk, PupilSample, WarpedPupil};
 
 /// What lens samples are mapped to.
 #[derive(Clone, Debug)]
@@ -23,10 +23,10 @@ impl PupilSampler {
     }
 
     /// The slope that a point of the unit disk stands for at a film point, mm; `None` where the film is dark.
-    pub fn sample(&self, film: [f64; 2], disk: [f64; 2]) -> Option<Drawn> {
+    pub fn sample(&self, film: [f64; 2], disk: [f64; 2]) -> Option<PupilSample> {
         match self {
-            Self::Disk(pupil) => Some(pupil.draw(film, disk)),
-            Self::Warped(pupil) => pupil.draw(film, disk),
+            Self::Disk(pupil) => Some(pupil.sample(film, disk)),
+            Self::Warped(pupil) => pupil.sample(film, disk),
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::{
     camera::{film::Film, ray::Sample},
     sampling::{
         DiskMapping, PupilSampler, WarpedPupil, disk::Turns, film_rays::FilmRays, pupil_disk::LaneDisk,
-        warped::Frame,
+        warped::LanePupil,
     },
     trace::kernel::{Compiled, Cpu, Lanes, Portable, Simd},
 };
@@ -26,7 +26,7 @@ pub(crate) struct FilmSampling<S> {
 #[derive(Clone, Debug)]
 enum Pupil<S> {
     Disk(LaneDisk<S>),
-    Warped(Arc<WarpedPupil>, Frame<S>),
+    Warped(Arc<WarpedPupil>, LanePupil<S>),
 }
 
 /// Raster points and lens samples.
@@ -40,7 +40,7 @@ impl<S: Turns> FilmSampling<S> {
     pub fn new(film: &Film, mapping: DiskMapping, sampler: &PupilSampler) -> Self {
         let pupil = match sampler {
             PupilSampler::Disk(disk) => Pupil::Disk(disk.lane_disk()),
-            PupilSampler::Warped(pupil) => Pupil::Warped(pupil.clone(), pupil.frame()),
+            PupilSampler::Warped(pupil) => Pupil::Warped(pupil.clone(), pupil.lane_pupil()),
         };
         Self {
             middle: film.middle().map(|x| S::from_f64(x * film.pixel())),
@@ -88,7 +88,7 @@ impl<S: Turns> FilmSampling<S> {
 
     /// The square of a sample's film radius, mm², as [`FilmRays::radius_squared`] has it in lanes of any width.
     pub fn radius_squared(&self, sample: &Sample) -> S {
-        let point = self.point(Cpu::any(), lane(sample).image);
+        let point = self.point(Portable::cpu(), lane(sample).image);
         let ray = FilmRays { point, disk: point, slopes: point, area_per_pi: point[0] };
         let Portable([square]) = ray.radius_squared();
         square
@@ -122,7 +122,7 @@ impl<S: Turns> Compiled for One<'_, S> {
     #[inline(always)]
     fn run(self) {
         let [FilmRays { point, disk, slopes, area_per_pi }] =
-            self.film.lanes(Cpu::any(), &[lane(self.sample)]);
+            self.film.lanes(Portable::cpu(), &[lane(self.sample)]);
         let wide = |pair: [Portable<S, 1>; 2]| pair.map(|Portable([number])| number.to_f64());
         *self.ray = FilmRays {
             point: wide(point),

@@ -15,7 +15,7 @@ use crate::{
     sampling::{disk::Turns, film_rays::FilmRays},
     trace::{
         Blocked, Ray,
-        kernel::{Approach, Batch, Cpu, End, Kernel, Lanes, Precision, Shape, Start, from_plane},
+        kernel::{Approach, Batch, Cpu, End, Grouping, Kernel, Lanes, Precision, Start, from_plane},
         polynomial::PolynomialLens,
     },
 };
@@ -23,22 +23,22 @@ use crate::{
 /// What takes lanes of rays through a lens.
 pub(crate) trait LensOptics<S>: Send + Sync {
     /// Traces a batch.
-    fn trace(&self, shape: Shape, batch: &mut impl Batch<S>)
+    fn trace(&self, grouping: Grouping, batch: &mut impl Batch<S>)
     where
         S: Precision;
 }
 
 impl<S: Precision + Send + Sync> LensOptics<S> for Kernel<S> {
     #[inline(always)]
-    fn trace(&self, shape: Shape, batch: &mut impl Batch<S>) {
-        Kernel::trace(self, shape, batch);
+    fn trace(&self, grouping: Grouping, batch: &mut impl Batch<S>) {
+        Kernel::trace(self, grouping, batch);
     }
 }
 
 impl<S: Precision + Send + Sync> LensOptics<S> for PolynomialLens<S> {
     #[inline(always)]
-    fn trace(&self, shape: Shape, batch: &mut impl Batch<S>) {
-        PolynomialLens::trace(self, shape, batch);
+    fn trace(&self, grouping: Grouping, batch: &mut impl Batch<S>) {
+        PolynomialLens::trace(self, grouping, batch);
     }
 }
 
@@ -70,12 +70,12 @@ impl<S: Turns, O: LensOptics<S>> Pipeline<S, O> {
 
     /// The way of every sample, however many they are.
     #[inline(always)]
-    fn trace(&self, shape: Shape, samples: &impl SampleStore, rays: &mut impl RayStore) {
+    fn trace(&self, grouping: Grouping, samples: &impl SampleStore, rays: &mut impl RayStore) {
         let Some((optics, within)) = &self.fast else {
-            return self.whole.trace(shape, &mut Job::new(self, samples, rays, None));
+            return self.whole.trace(grouping, &mut Job::new(self, samples, rays, None));
         };
         let mut job = Job::new(self, samples, &mut *rays, Some(*within));
-        optics.trace(shape, &mut job);
+        optics.trace(grouping, &mut job);
         if job.is_out_of_range.get() {
             self.trace_out_of_range(*within, samples, rays);
         }
@@ -90,7 +90,7 @@ impl<S: Turns, O: LensOptics<S>> Pipeline<S, O> {
             if !(self.film.radius_squared(&sample) <= within) {
                 let (mut ray, mut weight) = Default::default();
                 let mut one = OneRay { ray: &mut ray, weight: &mut weight };
-                self.whole.trace(Shape::One, &mut Job::new(self, &sample, &mut one, None));
+                self.whole.trace(Grouping::One, &mut Job::new(self, &sample, &mut one, None));
                 rays.put(i, (weight > 0.0).then_some((ray, weight)));
             }
         }
@@ -99,15 +99,15 @@ impl<S: Turns, O: LensOptics<S>> Pipeline<S, O> {
 
 impl<S: Turns + Send + Sync, O: LensOptics<S>> Tracer for Pipeline<S, O> {
     fn one(&self, sample: &Sample, ray: &mut OneRay<'_>) {
-        self.trace(Shape::One, sample, ray);
+        self.trace(Grouping::One, sample, ray);
     }
 
     fn four(&self, samples: &SampleBlock<4>, rays: &mut RayBlock<4>) {
-        self.trace(Shape::Quad, samples, rays);
+        self.trace(Grouping::Quad, samples, rays);
     }
 
     fn many(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
-        self.trace(Shape::Wide, samples, rays);
+        self.trace(Grouping::Wide, samples, rays);
     }
 
     fn film_ray(&self, sample: &Sample) -> FilmRays<f64> {

@@ -45,13 +45,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let savings = savings::Savings::measure(&order)?;
     let text = if args.json {
         let mut value = as_json(plan);
-        {
-            value["measured"] = savings.json();
-        }
+        value["measured"] = savings.json();
         format!("{value:#}\n")
     } else {
-        let text = plan.to_string();
-        text + &savings.text()
+        plan.to_string() + &savings.text()
     };
     Ok(std::io::stdout().write_all(text.as_bytes())?)
 }
