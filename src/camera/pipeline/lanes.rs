@@ -42,7 +42,7 @@ impl<S: Precision + Send + Sync> LensOptics<S> for PolynomialLens<S> {
     }
 }
 
-/// A camera compiled for a precision and a way through the lens. The shape of a call does not change a bit of its
+/// A camera compiled for a precision and a way through the lens. How a call is grouped does not change a bit of its
 /// results.
 pub(crate) struct Pipeline<S, O> {
     film: FilmSampling<S>,
