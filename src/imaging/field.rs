@@ -77,7 +77,7 @@ impl Field {
             None => [self.through_pinhole(height, at)?; 2].into(),
         };
         let (step, holds) = (at(1) - at(0), |slope: f64| self.passes(height, slope));
-        Some(Beam { low: edge(first, first - step, holds), high: edge(last, last + step, holds) })
+        Some(Beam { low: edge(first, first - step, 0.0, holds), high: edge(last, last + step, 0.0, holds) })
     }
 
     /// The slope through the centre of a stop so narrow that it lies between two slopes of a scan.
@@ -129,13 +129,9 @@ impl Field {
         if self.beam(radius).is_some() {
             return Some(radius);
         }
-        let (mut lit, mut dark) = (0.0, radius);
         // A micrometre is finer than the scan tells.
-        while dark - lit > 1e-3 * radius.min(1.0) {
-            let middle = f64::midpoint(lit, dark);
-            if self.beam(middle).is_some() { lit = middle } else { dark = middle }
-        }
-        Some(lit)
+        let width = 1e-3 * radius.min(1.0);
+        Some(edge(0.0, radius, width, |height| self.beam(height).is_some()))
     }
 }
 

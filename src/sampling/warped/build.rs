@@ -379,7 +379,7 @@ fn center_on_axis(intervals: &mut [Interval]) {
 }
 
 /// A root of `f` in `[a, b]`, where it is negative at `a` and positive at `b`, to `tolerance` relative: the
-/// end at which it is positive.
+/// end at which it is positive. Not `numeric::root`, for the reason that [`super::outline`]'s meeting of arcs has.
 fn root_to(mut a: f64, mut b: f64, tolerance: f64, f: impl Fn(f64) -> f64) -> f64 {
     let (mut fa, mut fb) = (f(a), f(b));
     if fa >= 0.0 {
