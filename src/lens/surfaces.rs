@@ -1,4 +1,7 @@
 //! A lens at one wavelength and one stop: the surfaces that rays meet.
+//!
+//! A prescription and a wavelength in; vertices, curvatures, refractive indices and clear apertures out, in lens space.
+//! Everything below [`crate::lens`] works on this and no longer asks what the glass was.
 
 use thiserror::Error;
 

@@ -28,7 +28,7 @@ pub struct Walk {
     pub blocked: Option<Blocked>,
 }
 
-/// What [`Path::intersections`] tells of a surface.
+/// Where a ray meets a surface: what [`Path::intersections`] reports.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Intersection<R> {
     /// The surface, counted along the travel.

@@ -1,5 +1,6 @@
-//! Builds the table: outlines at as many film radii as it takes for the ones between to be
-//! interpolated.
+//! Builds the table: a path and the film's place in; outlines at as many film radii as it takes for the ones between to
+//! be interpolated out. Intervals of film radius are halved until the middle is predicted by its ends (adaptive
+//! subdivision); where no outline fits the rear element's disk stands in.
 
 use std::cell::Cell;
 
@@ -361,7 +362,7 @@ fn last_sliver([from, to]: [usize; 2], a: &Slice, b: &Slice) -> Interval {
     Interval { from, to, slices: [a.clone(), end] }
 }
 
-/// C/h and the narrowing on the axis, where nothing tells them: even in h, so by extrapolation in h² from the next two
+/// C/h and the narrowing on the axis, where they cannot be measured: even in h, so by extrapolation in h² from the next two
 /// slices.
 fn center_on_axis(intervals: &mut [Interval]) {
     let [first, second, ..] = intervals else { return };

@@ -1,4 +1,5 @@
-//! Rays in and out of the algorithm: structure of arrays, any number, any alignment.
+//! Rays in and out of the algorithm, a vector at a time: [`Batch`] is what a caller implements who makes its rays itself
+//! (a camera its samples), and the batches here load them from arrays, of any number and alignment.
 
 use super::{
     lanes::{Cpu, Lanes, Scalar, each_further},
