@@ -415,12 +415,12 @@ mod tests {
     use crate::{imaging::focus::Focus, lens::Lens, prescription::catalogue};
 
     #[test]
-    fn no_row_is_squeezed_to_nothing_or_stretched() {
+    fn no_slice_is_narrowed_to_nothing_or_stretched() {
         for name in catalogue::names() {
             for stop in [1.0, 0.5, 0.1, 0.01] {
                 let mut lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
-                let slice = lens.stop_index().expect("a stop");
-                lens.surfaces[slice].semi_diameter *= stop;
+                let stop_index = lens.stop_index().expect("a stop");
+                lens.surfaces[stop_index].semi_diameter *= stop;
                 let focus = Focus::new(&lens).expect("focal");
                 let film = lens.rear().vertex - focus.film_distance(f64::INFINITY).expect("reachable");
                 let path = Path::film_to_scene(&lens);

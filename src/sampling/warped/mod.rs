@@ -65,7 +65,8 @@ pub struct WarpedPupil {
     /// s = 1 - sqrt(1 - h/end), in which the shrinking outline is smooth.
     dark_beyond: bool,
     /// Two pairs of each smallest interval of s: where in the table the slice below it begins, and the reciprocal of that
-    /// slice's width in smallest intervals; c there, and c's step to the next slice.
+    /// slice's width in smallest intervals; c there, and c's step to the next slice. The place is a float, too: one load
+    /// brings all four, and it is added to the knot's number before it is looked up.
     cells: Vec<[f32; 2]>,
     /// Two pairs of each smallest interval where the pupil vanishes, else none: λ at the slice below, and its step to the
     /// next slice; c's bend between the slices, for in h it goes straight and in s it does not, and a 0 that fills the
@@ -83,6 +84,8 @@ const _: () = assert!((ROOT * ROOT) as usize == CELLS / 2);
 
 /// Pairs a slice.
 const STRIDE: usize = CELLS + 1;
+// Places in the table are exact in single precision.
+const _: () = assert!(2 * FINE * STRIDE < 1 << f32::MANTISSA_DIGITS);
 /// Rings of [`WarpedPupil::bands`].
 const BANDS: usize = 4;
 

@@ -125,7 +125,7 @@ impl<S: Scalar> Batch<S> for PlaneBatch<'_, '_, '_, S> {
     }
 }
 
-/// A few rays from a plane, held by value.
+/// `N` rays from a plane, held by value: one for its latency, four for a ray and its differentials.
 pub struct RaysByValue<S, const N: usize> {
     pub plane: f64,
     pub point: [[S; N]; 2],

@@ -204,8 +204,8 @@ enum StepForm {
     Link(Link<f64>),
 }
 
-/// Chooses for each surface: a link where there is one; and where what the kernel takes for granted would have
-/// drifted too far off, a sphere that is reached anew from its vertex plane.
+/// Chooses for each surface: a link where there is one; and where what the kernel takes for granted would be
+/// too far off, a sphere that is reached anew from its vertex plane.
 fn forms(surfaces: &[CompiledSurface], amplification: f64) -> Vec<StepForm> {
     let mut last: Option<(&CompiledSurface, RoundingGrowth)> = None;
     let mut forms = Vec::with_capacity(surfaces.len());
