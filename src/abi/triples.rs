@@ -156,6 +156,11 @@ fn host_points(sample: &Sample) -> [[f32; 2]; 3] {
 
 #[cfg(test)]
 mod tests {
+    use rand_xoshiro::{
+        SplitMix64,
+        rand_core::{Rng, SeedableRng},
+    };
+
     use super::*;
     use crate::camera::{Host, Parameters, Raster};
 
@@ -186,16 +191,11 @@ mod tests {
         [ox, oy, oz, dx, dy, dz, mint, maxt, time, weight].map(f32::to_bits)
     }
 
-    /// SplitMix64 (G. Steele, D. Lea and C. Flood, OOPSLA 2014).
-    struct Random(u64);
+    struct Random(SplitMix64);
 
     impl Random {
         fn below(&mut self, end: usize) -> usize {
-            self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-            let mut bits = self.0;
-            bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-            bits = (bits ^ (bits >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-            ((bits ^ (bits >> 31)) % end as u64) as usize
+            (self.0.next_u64() % end as u64) as usize
         }
 
         /// In [0, 1], both ends among them.
@@ -234,7 +234,7 @@ mod tests {
 
     /// Calls of both cameras in random order; how many.
     fn play(cameras: [&Handle; 2], seed: u64) -> usize {
-        let mut random = Random(seed);
+        let mut random = Random(SplitMix64::seed_from_u64(seed));
         let mut done = 0;
         for _ in 0..400 {
             let mut queues = [calls(&mut random), calls(&mut random)];
