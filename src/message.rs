@@ -1,4 +1,15 @@
-//! Computed numbers in messages for people.
+//! Messages for people: how serious they are, and the computed numbers in them.
+
+/// How serious a message is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Level {
+    /// Worth knowing.
+    Info,
+    /// The camera is built, and something is not as asked.
+    Warning,
+    /// The camera is not built.
+    Error,
+}
 
 /// A number with six significant digits at most, and far from 1 with a power of ten.
 pub fn short(number: f64) -> String {

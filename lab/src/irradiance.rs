@@ -9,7 +9,7 @@ use crate::{
     table::Table,
 };
 use realistic::{
-    camera::{CameraError, Parameters, Sample},
+    camera::{CameraError, Parameters, Sample, Value},
     imaging::irradiance::survey,
 };
 
@@ -100,8 +100,9 @@ pub fn measure(subject: &Subject, size: Size) -> Result<Vec<Curve>, CameraError>
     let mut cameras = Vec::new();
     for &pupil in PUPILS {
         for &disk in DISKS {
-            let given =
-                Parameters { pupil: Some(pupil.into()), disk: Some(disk.into()), ..Default::default() };
+            let mut given = Parameters::default();
+            given.set("pupil", Value::Text(pupil))?;
+            given.set("disk", Value::Text(disk))?;
             cameras.push(camera(lens, PIXELS, given)?);
             for (sequence, placed) in Sequence::NAMES {
                 let points = (1..=size.exponent)

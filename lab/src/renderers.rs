@@ -6,7 +6,7 @@ use crate::{
     subject::{FILM_DIAGONAL, Subject},
 };
 use realistic::{
-    camera::{BLOCK, CameraError, Film, Parameters, Raster, RayBlock, Sample, SampleBlock, Value},
+    camera::{BLOCK, CameraError, Film, Parameters, Precision, Raster, RayBlock, Sample, SampleBlock, Value},
     imaging::irradiance::{cos4, film_ray},
     sampling::{DiskMapping, Drawn, PupilDisk, WarpedPupil},
     trace::{Ray, kernel::Traced, polynomial::PolynomialLens},
@@ -27,8 +27,8 @@ pub struct Renderer {
 /// Every way to take a whole picture that is compared, all with Sobol' numbers.
 pub const RENDERERS: &[Renderer] = &[
     Renderer { name: "blocks, 0.1 pixel", prepare: |s, r| blocks(s, r, None, 0.1) },
-    Renderer { name: "blocks f32, warped", prepare: |s, r| blocks(s, r, Some("f32"), 0.0) },
-    Renderer { name: "blocks f64, warped", prepare: |s, r| blocks(s, r, Some("f64"), 0.0) },
+    Renderer { name: "blocks f32, warped", prepare: |s, r| blocks(s, r, Some(Precision::Single), 0.0) },
+    Renderer { name: "blocks f64, warped", prepare: |s, r| blocks(s, r, Some(Precision::Double), 0.0) },
     Renderer {
         name: "f32, warped",
         prepare: |s, r| built(s, r, &[("pupil", "warped"), ("precision", "f32")]),
@@ -71,14 +71,10 @@ pub fn built(subject: &Subject, raster: Raster, given: &[(&str, &str)]) -> Resul
 fn blocks(
     subject: &Subject,
     raster: Raster,
-    precision: Option<&str>,
+    precision: Option<Precision>,
     tolerance: f64,
 ) -> Result<Shoot, CameraError> {
-    let given = Parameters {
-        precision: precision.map(str::to_owned),
-        tolerance: Some(tolerance),
-        ..Parameters::default()
-    };
+    let given = Parameters { precision, tolerance: Some(tolerance), ..Parameters::default() };
     let camera = camera(&subject.lens.name, raster, given)?;
     let mut rays = Box::new(RayBlock::new());
     Ok(Box::new(move |samples, count, shots| {

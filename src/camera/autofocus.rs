@@ -8,10 +8,15 @@
 use thiserror::Error;
 
 use super::{
-    CameraError, Host, Level, Outcome, ParameterError, Parameters, Raster, RealisticCamera, Sample, WorldRay,
+    film::Raster,
+    host::Host,
+    models::lens::RealisticCamera,
+    parameters::{CameraError, ParameterError, Parameters},
+    sample::{Outcome, Sample, WorldRay},
 };
 use crate::{
     imaging::focus::{Focus, FocusError},
+    message::Level,
     numeric::minimum,
 };
 
@@ -38,12 +43,6 @@ pub enum Rule {
     Centre,
     /// The mean of the zones' film distances, which favours near things as focusing does.
     Average,
-}
-
-impl Rule {
-    /// Every rule by name.
-    pub const NAMES: [(&'static str, Self); 3] =
-        [("nearest", Self::Nearest), ("centre", Self::Centre), ("average", Self::Average)];
 }
 
 /// Why there is no film distance.
@@ -155,10 +154,10 @@ fn start(
 
 /// Rays across a zone, each way.
 const GRID: u16 = 5;
-/// Lens numbers that are tried for each, the first that get through being taken.
+/// Lens samples that are tried for each, the first that gets through being taken.
 const TRIES: u16 = 64;
 
-/// The film distance, mm, by the distances that `distance` tells: for a ray in world space, along it to
+/// The film distance, mm, by the distances that `distance` gives: for a ray in world space, along it to
 /// the first surface in world units; infinity for none, and NaN or what is not positive for "I do
 /// not know". A zone's depth is the median over its rays.
 ///
@@ -174,7 +173,7 @@ pub fn by_distance(
     log: &mut dyn FnMut(Level, &str),
 ) -> Result<f64, AutofocusError> {
     let (camera, focus) = start(parameters, host, zones, log)?;
-    let mm_per_unit = parameters.mmperunit.unwrap_or(1.0);
+    let mm_per_unit = parameters.mmperunit().map_err(CameraError::from)?;
     let mut answers = Vec::with_capacity(zones.len());
     let mut too_near = None;
     for zone in zones {

@@ -1,72 +1,11 @@
 //! The camera that a host holds: one of the models, with its shutter.
 
 use super::{
-    BLOCK, CameraError, EnvironmentCamera, Film, Host, IdealCamera, Level, Outcome, Parameters,
-    ProjectiveCamera, RayArrays, RayBlock, RealisticCamera, Sample, SampleArrays, Shutter, Three, WorldRay,
-    models::textbook, parameters::check::choice, placement::Placement,
+    BLOCK, CameraBuilder, CameraError, EnvironmentCamera, Film, Host, IdealCamera, Level, Model, Outcome,
+    Parameters, ProjectiveCamera, RayArrays, RayBlock, RealisticCamera, Sample, SampleArrays, Shutter, Three,
+    WorldRay, placement::Placement, setup,
 };
 use crate::{lens::Lens, plan::Plan, trace::Blocked};
-
-/// What a camera is a model of.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Model {
-    /// Rays through every interface of a lens.
-    #[default]
-    Lens,
-    /// The same lens as a thick one: ideal imaging with its pupil.
-    Thick,
-    /// The same lens as a thin one.
-    Thin,
-    /// A pinhole, or a thin lens of given radius, and a projection matrix.
-    Perspective,
-    /// Parallel projection.
-    Orthographic,
-    /// Everything around a point.
-    Environment,
-}
-
-impl Model {
-    /// Every model with the name that the parameter `model` uses.
-    pub const NAMES: [(&'static str, Self); 6] = [
-        ("lens", Self::Lens),
-        ("thick", Self::Thick),
-        ("thin", Self::Thin),
-        ("perspective", Self::Perspective),
-        ("orthographic", Self::Orthographic),
-        ("environment", Self::Environment),
-    ];
-
-    /// The model's name.
-    pub fn name(self) -> &'static str {
-        Self::NAMES.iter().find(|(_, model)| *model == self).map_or("", |(name, _)| name)
-    }
-
-    /// Whether the model does something with a parameter.
-    pub fn uses(self, parameter: &str) -> bool {
-        if EVERY_MODEL.contains(&parameter) {
-            return true;
-        }
-        let projective = PROJECTIVE.contains(&parameter);
-        match self {
-            Self::Lens => !projective && parameter != "fov",
-            Self::Thick | Self::Thin => Self::Lens.uses(parameter) && !TRACING.contains(&parameter),
-            Self::Perspective => projective || matches!(parameter, "fov" | "disk"),
-            Self::Orthographic => projective || parameter == "disk",
-            Self::Environment => false,
-        }
-    }
-}
-
-/// The parameters that every model uses.
-const EVERY_MODEL: [&str; 8] =
-    ["model", "hither", "yon", "shutteropen", "shutterclose", "shutter", "shutterramp", "shutterslit"];
-
-/// The parameters of the two projections.
-const PROJECTIVE: [&str; 5] =
-    ["screenwindow", "frameaspectratio", "lensradius", "focaldistance", "lensplane"];
-
-/// The parameters that only a lens whose interfaces are traced uses.
-const TRACING: [&str; 4] = ["pupil", "refraction", "precision", "tolerance"];
 
 #[derive(Clone, Debug)]
 enum Optics {
@@ -85,6 +24,11 @@ pub struct Camera {
 }
 
 impl Camera {
+    /// A camera to be described by methods and then built.
+    pub fn builder() -> CameraBuilder {
+        CameraBuilder::default()
+    }
+
     /// Builds a camera of the model that the parameters name. `log` receives warnings, among them the
     /// parameters that the model does not use.
     ///
@@ -95,17 +39,16 @@ impl Camera {
         host: &Host,
         log: &mut dyn FnMut(Level, &str),
     ) -> Result<Self, CameraError> {
-        let model = choice("model", parameters.model.as_deref(), &Model::NAMES)?;
-        let shutter = Shutter::of(parameters)?;
+        let (model, shutter) = (parameters.model(), setup::shutter(parameters)?);
         warn_of_unused(model, shutter, parameters, log);
         let optics = match model {
             Model::Lens => Optics::Lens(RealisticCamera::build(parameters, host, log)?.into()),
             Model::Thick | Model::Thin => {
                 Optics::Ideal(IdealCamera::build(parameters, host, model == Model::Thin, log)?.into())
             }
-            Model::Perspective => Optics::Projective(textbook::perspective(parameters, host, log)?.into()),
-            Model::Orthographic => Optics::Projective(textbook::orthographic(parameters, host, log)?.into()),
-            Model::Environment => Optics::Environment(textbook::environment(parameters, host, log)?.into()),
+            Model::Perspective => Optics::Projective(setup::perspective(parameters, host, log)?.into()),
+            Model::Orthographic => Optics::Projective(setup::orthographic(parameters, host, log)?.into()),
+            Model::Environment => Optics::Environment(setup::environment(parameters, host, log)?.into()),
         };
         Ok(Self { optics, shutter, yres: host.raster.yres as f32 })
     }
@@ -330,10 +273,10 @@ fn dimmed(weight: f32, share: f32) -> f32 {
 }
 
 fn warn_of_unused(model: Model, shutter: Shutter, given: &Parameters, log: &mut dyn FnMut(Level, &str)) {
-    let unused: Vec<&str> = given.given().filter(|name| !model.uses(name)).collect();
-    if !unused.is_empty() {
-        let names: Vec<String> = unused.iter().map(|name| format!("\"{name}\"")).collect();
-        log(Level::Warning, &format!("model \"{}\" does not use {}", model.name(), names.join(", ")));
+    let unused = given.given().filter(|row| !row.models.contains(&model));
+    let names: Vec<String> = unused.map(|row| format!("\"{}\"", row.name)).collect();
+    if !names.is_empty() {
+        log(Level::Warning, &format!("model \"{model}\" does not use {}", names.join(", ")));
     }
     for (name, is_given, is_used, kind) in [
         ("shutterramp", given.shutterramp.is_some(), matches!(shutter, Shutter::Leaf { .. }), "leaf"),
@@ -357,8 +300,8 @@ mod tests {
 
     #[test]
     fn what_is_no_image_point_makes_no_ray_of_any_model() {
-        for (name, _) in Model::NAMES {
-            let parameters = Parameters { model: Some(name.to_owned()), ..Parameters::default() };
+        for (name, model) in Model::NAMES {
+            let parameters = Parameters { model: Some(model), ..Parameters::default() };
             let host = Host::new(Raster { xres: 40, yres: 30 }, None);
             let camera = Camera::build(&parameters, &host, &mut |_, text| panic!("{text}")).expect("built");
             let sample = Sample { image_x: 20.0, image_y: 15.0, lens_u: 0.5, lens_v: 0.5, time: 0.0 };

@@ -1,8 +1,8 @@
 //! A camera's plan: what its film, pupil and place do not need, and the tracer that is left.
 
 use super::{
-    CameraMotion, Film, Level, parameters::choices::Precision, pipeline::film_rays::Sampler,
-    placement::Placement, setup::Setup,
+    CameraMotion, Film, Level, parameters::Precision, pipeline::film_rays::Sampler, placement::Placement,
+    setup::Setup,
 };
 use crate::{
     lens::{Lens, refraction::Refraction, single_precision::f32_is_fit},

@@ -14,7 +14,7 @@ use crate::choice::{set_parameters, size, warn};
 use crate::failure::Failure;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPool;
-use realistic::camera::{PARAMETERS, Parameters};
+use realistic::camera::{PARAMETERS, Parameters, Weighting};
 use realistic::prescription::catalogue;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -261,7 +261,7 @@ pub fn stopped_down(parameters: &Parameters, effects: Effects) -> Result<Paramet
 fn white_level(camera: &Camera, parameters: &Parameters, size: [u32; 2]) -> Result<f32, Failure> {
     let info = camera.info()?;
     let radiometric = match (&parameters.weighting, parameters.simpleweighting) {
-        (Some(name), _) => name == "radiometric",
+        (Some(weighting), _) => *weighting == Weighting::Radiometric,
         (None, simple) => simple != Some(true),
     };
     // By the lens' own number, not by metering: what a lens loses shows.
@@ -301,7 +301,7 @@ fn progress_bar() -> ProgressBar {
 pub fn parameter_help() -> String {
     let mut text = String::from("Parameters for --param:\n");
     for row in PARAMETERS {
-        let _ = writeln!(text, "  {:<18} {}", row.name, row.help);
+        let _ = writeln!(text, "  {:<18} {}", row.name, row.description());
     }
     text
 }

@@ -7,7 +7,10 @@ use crate::stability::{
     kernel::Kernel,
 };
 use realistic::{
-    camera::{BLOCK, Host, Outcome, Parameters, Raster, RayBlock, RealisticCamera, Sample, SampleBlock},
+    camera::{
+        BLOCK, Host, Outcome, Parameters, Precision, Pupil, Raster, RayBlock, RealisticCamera, Sample,
+        SampleBlock,
+    },
     lens::Lens,
     prescription::read,
     trace::{
@@ -252,8 +255,8 @@ fn random_camera(random: &mut Random, number: usize) -> RealisticCamera {
         let parameters = Parameters {
             filmdistance: Some(random.scaled(0.1, 300.0)),
             filmdiag: Some(random.scaled(0.1, 100.0)),
-            pupil: Some(["rear", "rear", "disk", "warped"][number % 4].to_owned()),
-            precision: (number / 4 % 2 == 1).then(|| "f32".to_owned()),
+            pupil: Some([Pupil::Rear, Pupil::Rear, Pupil::Disk, Pupil::Warped][number % 4]),
+            precision: (number / 4 % 2 == 1).then_some(Precision::Single),
             ..Parameters::default()
         };
         if let Ok(camera) = RealisticCamera::build(&parameters, &host, &mut |_, _| {}) {

@@ -16,8 +16,12 @@ use std::f64::consts::PI;
 
 use crate::{
     camera::{
-        CameraError, Film, Outcome, ParameterError, Sample, WorldRay, parameters::choices::Weighting,
-        placement::Placement, setup::Setup,
+        film::Film,
+        host::Host,
+        parameters::{CameraError, ParameterError, Parameters, Weighting},
+        placement::Placement,
+        sample::{Outcome, Sample, WorldRay},
+        setup::{Focusing, Setup},
     },
     imaging::irradiance::{cos4, film_ray},
     sampling::{DiskMapping, PupilDisk},
@@ -28,7 +32,7 @@ use crate::{
         first_order::FirstOrder,
         pupil::{EntrancePupil, limiting_surface},
     },
-    message::{short, short_above},
+    message::{Level, short, short_above},
 };
 
 /// A camera with an ideal lens. Immutable, and may be shared between threads.
@@ -53,8 +57,17 @@ pub struct IdealCamera {
 }
 
 impl IdealCamera {
-    /// Builds the thick lens of a checked set-up, or its thin one.
-    pub(crate) fn from_setup(setup: Setup, thin: bool) -> Result<Self, CameraError> {
+    /// Builds the thick lens of the parameters' lens, or its thin one. `log` receives warnings.
+    ///
+    /// # Errors
+    /// What is wrong, and what to give instead.
+    pub fn build(
+        parameters: &Parameters,
+        host: &Host,
+        thin: bool,
+        log: &mut dyn FnMut(Level, &str),
+    ) -> Result<Self, CameraError> {
+        let setup = Setup::of(parameters, host, Focusing::Paraxial, log)?;
         let Setup { lens, film, film_distance, .. } = setup;
         let first_order = FirstOrder::of(&lens)?;
         let film_z = lens.rear().vertex - film_distance;

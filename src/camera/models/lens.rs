@@ -5,9 +5,9 @@ use std::{f64::consts::PI, sync::Arc};
 
 use crate::{
     camera::{
-        CameraError, Film,
-        host::Level,
-        parameters::choices::{PupilChoice, Weighting},
+        film::Film,
+        host::{Host, Level},
+        parameters::{CameraError, Model, ParameterError, Parameters, Pupil, Weighting},
         pipeline::{
             compiled::Pipeline,
             few::{Three, Together},
@@ -16,7 +16,8 @@ use crate::{
         },
         placement::Placement,
         planning::{self, Route},
-        setup::Setup,
+        sample::{Outcome, Sample, WorldRay},
+        setup::{Focusing, Setup},
     },
     imaging::irradiance::{film_ray, on_axis, survey},
     sampling::{DiskMapping, PupilDisk, WarpedPupil},
@@ -30,49 +31,6 @@ use crate::{
     plan::Plan,
     trace::{Blocked, Direction, Path, Ray, Real, kernel::Shape},
 };
-
-/// What a host asks with.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Sample {
-    /// Raster x, pixels, growing to the right; may lie outside the raster.
-    pub image_x: f32,
-    /// Raster y, pixels, growing downward; may lie outside the raster.
-    pub image_y: f32,
-    /// First lens number, in [0, 1].
-    pub lens_u: f32,
-    /// Second lens number, in [0, 1].
-    pub lens_v: f32,
-    /// Time number, in [0, 1].
-    pub time: f32,
-}
-
-/// A ray in world space.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WorldRay {
-    /// Origin, world units.
-    pub origin: [f32; 3],
-    /// Unit direction.
-    pub direction: [f32; 3],
-    /// Where along the ray it begins.
-    pub mint: f32,
-    /// Where along the ray it ends.
-    pub maxt: f32,
-    /// Time.
-    pub time: f32,
-}
-
-/// What becomes of a sample.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Outcome {
-    /// A ray and its weight, positive.
-    Ray(WorldRay, f32),
-    /// The lens blocks it: weight 0.
-    Blocked(Blocked),
-    /// The lens numbers fell outside the disk ([`DiskMapping::Rejection`]): draw new ones.
-    Redraw,
-    /// The shutter is closed over the film point at this time: weight 0.
-    Shut,
-}
 
 /// A camera with a real lens. Immutable, and may be shared between threads.
 #[derive(Clone, Debug)]
@@ -101,26 +59,42 @@ const MISSED_SHARE: f64 = 1e-3;
 const SURVEY_RAYS: u32 = 64;
 
 impl RealisticCamera {
+    /// Builds a camera of the model "lens". `log` receives warnings.
+    ///
+    /// # Errors
+    /// What is wrong, and what to give instead.
+    pub fn build(
+        parameters: &Parameters,
+        host: &Host,
+        log: &mut dyn FnMut(Level, &str),
+    ) -> Result<Self, CameraError> {
+        let model = parameters.model();
+        if model != Model::Lens {
+            let (value, range) = (format!("\"{model}\""), "\"lens\"".to_owned());
+            return Err(ParameterError::Range { name: "model", value, range }.into());
+        }
+        Self::from_setup(Setup::of(parameters, host, Focusing::Exact, log)?, log)
+    }
+
     /// Builds the camera of a checked set-up. `log` receives warnings.
-    pub(crate) fn from_setup(setup: Setup, log: &mut dyn FnMut(Level, &str)) -> Result<Self, CameraError> {
+    fn from_setup(setup: Setup, log: &mut dyn FnMut(Level, &str)) -> Result<Self, CameraError> {
         let (lens, film, film_distance) = (setup.lens.clone(), setup.film, setup.film_distance);
         let first_order = FirstOrder::of(&lens).ok();
         let film_z = lens.rear().vertex - film_distance;
-        let rim = -lens.rear().sagitta(lens.rear().semi_diameter);
         let rear = PupilDisk::rear(&lens, film_z, film.reach())
-            .ok_or(CameraError::FilmInLens { film_distance, rim: rim.max(0.0) })?;
+            .ok_or_else(|| CameraError::film_in_lens(&lens, film_distance))?;
         // So near the glass that the pupil fills a hemisphere to the last digit, or on film that large, the pupil's
         // area in slopes, of which the weights are made, leaves the number range.
         representable(rear.slope_area())?;
         let path = Path::new(&lens, Direction::FilmToScene, setup.refraction);
         let exit = PupilDisk::exit(&lens, film_z);
         let sampler = match setup.pupil {
-            PupilChoice::Rear => Sampler::Disk(rear),
-            PupilChoice::Disk => {
+            Pupil::Rear => Sampler::Disk(rear),
+            Pupil::Disk => {
                 warn_of_missed_share(&path, film_z, &film, rear, exit, log);
                 Sampler::Disk(exit)
             }
-            PupilChoice::Warped => {
+            Pupil::Warped => {
                 let drift = exit.seen_from([1.0, 0.0]).center[0];
                 let pupil = WarpedPupil::new(&path, film_z, film.reach(), rear, drift);
                 tell_of_cover(&pupil, log);

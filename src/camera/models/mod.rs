@@ -5,4 +5,3 @@ pub(crate) mod ideal;
 pub(crate) mod lens;
 pub(crate) mod projective;
 pub mod spaces;
-pub(crate) mod textbook;

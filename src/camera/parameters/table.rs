@@ -1,23 +1,20 @@
-//! The parameters of a camera: one table of names, kinds, units and help that the
-//! pbrt `ParamSet`, the C options and the command line all read, and the values given.
+//! The table of parameters, and the values that a caller gave.
 
-use thiserror::Error;
+use std::ops::Bound::{Excluded, Included};
 
-/// What a parameter's value is made of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// One finite number.
-    Float,
-    /// One string.
-    Text,
-    /// `true` or `false`.
-    Bool,
-    /// Four numbers.
-    Four,
-}
+use super::{
+    choices::{LensPlane, Model, Precision, Pupil, Weighting, names},
+    error::ParameterError,
+    range::{Interval, Range},
+    value::{Kind, Value},
+};
+use crate::{
+    camera::placement::shutter::Shutter, lens::refraction::Refraction,
+    prescription::glass::VALID_WAVELENGTHS, sampling::DiskMapping,
+};
 
 /// One row of the parameter table.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter {
     /// The name as pbrt's scene files, the C options and `--param` spell it.
     pub name: &'static str,
@@ -25,87 +22,115 @@ pub struct Parameter {
     pub alias: Option<&'static str>,
     /// What kind of value it takes.
     pub kind: Kind,
-    /// Unit, default and meaning in one line.
+    /// The unit of its numbers; empty for none.
+    pub unit: &'static str,
+    /// Which values of its kind it takes.
+    pub range: Range,
+    /// The value that counts where none is given, or in words where it comes from; empty for none.
+    pub default: &'static str,
+    /// The models that use it; another warns that it does not.
+    pub models: &'static [Model],
+    /// What it is, in one sentence.
     pub help: &'static str,
 }
 
-/// A value on its way into [`Parameters::set`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Value<'a> {
-    /// For [`Kind::Float`].
-    Float(f64),
-    /// For [`Kind::Text`].
-    Text(&'a str),
-    /// For [`Kind::Bool`].
-    Bool(bool),
-    /// For [`Kind::Four`].
-    Four([f64; 4]),
+impl Parameter {
+    /// Meaning, range with unit, and default in one line.
+    pub fn description(&self) -> String {
+        let mut text = self.help.to_owned();
+        let range = self.range.in_words(self.unit);
+        if !range.is_empty() {
+            text += &format!(": {range}");
+        } else if self.kind == Kind::Bool {
+            text += ": true or false";
+        }
+        let is_value = self.range != Range::Any || self.kind == Kind::Text;
+        match self.default {
+            "" => text,
+            value if self.kind == Kind::Text && is_value => text + &format!("; default \"{value}\""),
+            words => text + &format!("; default {words}"),
+        }
+    }
+
+    /// A number, which must be in the range.
+    ///
+    /// # Errors
+    /// The number is out of range.
+    pub fn check(&self, number: f64) -> Result<f64, ParameterError> {
+        match &self.range {
+            Range::Numbers(interval) if !interval.contains(number) => {
+                Err(ParameterError::out_of_range(self.name, number, &self.range.in_words(self.unit)))
+            }
+            _ => Ok(number),
+        }
+    }
+
+    /// The number that counts where none is given.
+    fn default_number(&self) -> f64 {
+        self.default.parse().expect("a test reads every default that is a number")
+    }
 }
 
-/// Why a parameter was refused. The text names the parameter, the value and the range.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum ParameterError {
-    /// No parameter has this name.
-    #[error("no parameter is called \"{name}\"; the names are {names}")]
-    Unknown {
-        /// The name that was given.
-        name: String,
-        /// Every known name.
-        names: String,
-    },
-    /// The value is of another kind.
-    #[error("parameter \"{name}\" takes {expected}, not {given}")]
-    Kind {
-        /// The parameter.
-        name: &'static str,
-        /// What it takes.
-        expected: &'static str,
-        /// What was given.
-        given: String,
-    },
-    /// The value is of the right kind and outside the range.
-    #[error("parameter \"{name}\" is {value}; it must be {range}")]
-    Range {
-        /// The parameter.
-        name: &'static str,
-        /// The value given.
-        value: String,
-        /// The valid range in words, with the unit.
-        range: String,
-    },
-    /// Two names for one thing were given together.
-    #[error("\"{first}\" and \"{second}\" say the same thing in two ways; give one of them")]
-    Both {
-        /// One of the two.
-        first: &'static str,
-        /// The other.
-        second: &'static str,
-    },
-}
+use Model::{Environment, Lens, Orthographic, Perspective, Thick, Thin};
+const EVERY: &[Model] = &[Lens, Thick, Thin, Perspective, Orthographic, Environment];
+const LENSES: &[Model] = &[Lens, Thick, Thin];
+const TRACED: &[Model] = &[Lens];
+const PERSPECTIVE: &[Model] = &[Perspective];
+const THIN_LENSES: &[Model] = &[Perspective, Orthographic];
+const SAMPLED: &[Model] = &[Lens, Thick, Thin, Perspective, Orthographic];
 
+use Interval as I;
+const POSITIVE: I = I::POSITIVE;
+const NOT_NEGATIVE: I = I::new(Included(0.0), Excluded(f64::INFINITY));
+const DISTANCE: I = I::new(Excluded(0.0), Included(f64::INFINITY));
+const NEAR: I = NOT_NEGATIVE.single();
+const FAR: I = I::between(0.0, f64::INFINITY).single();
+const TIME: I = I::FINITE.single();
+const WAVELENGTH: I = I::between(*VALID_WAVELENGTHS.start(), *VALID_WAVELENGTHS.end());
+/// Between an electron and the known universe; beyond, a ray's origin could leave the range of floats.
+const MM_PER_UNIT: I = I::between(1e-15, 1e30);
+const PIXELS: I = NOT_NEGATIVE.where_zero_is("exact");
+const LEAF_SHARE: I = I::new(Excluded(0.0), Included(0.5));
+const SLIT_SHARE: I = I::new(Excluded(0.0), Included(1.0));
+const ANGLE: I = I::new(Included(1e-4), Excluded(180.0)).single();
+/// The farthest that a screen window may reach, and the largest lens: products of floats stay floats.
+const LARGEST_SIDE: f64 = 1e15;
+const SIDE: I = I::between(-LARGEST_SIDE, LARGEST_SIDE);
+const ASPECT: I = I::between(1.0 / LARGEST_SIDE, LARGEST_SIDE);
+const RADIUS: I = I::between(0.0, LARGEST_SIDE).where_zero_is("a pinhole");
+const ANY: I = I::between(f64::NEG_INFINITY, f64::INFINITY);
+
+/// Makes the table, the structure of values and their accessors. The types: a name of `Choice`'s list; `Text`;
+/// `Bool`; `Float`, whose default is a number; `Optional`, a number that may be missing; `Four` numbers.
 macro_rules! parameters {
-    ($($(#[$doc:meta])* $field:ident: $kind:ident $(alias $alias:literal)?, $help:literal;)*) => {
+    ($($field:ident $(or $alias:literal)?: $type:ident($($of:ident)?), $unit:literal, $default:literal, $models:ident, $help:literal;)*) => {
         /// Every parameter, in the order in which help texts list them.
         pub const PARAMETERS: &[Parameter] = &[$(Parameter {
             name: stringify!($field),
             alias: parameters!(@alias $($alias)?),
-            kind: Kind::$kind,
+            kind: parameters!(@kind $type),
+            unit: $unit,
+            range: parameters!(@range $type $($of)?),
+            default: $default,
+            models: $models,
             help: $help,
         },)*];
 
-        /// The values a caller gave. `None` keeps the default.
+        /// The values that a caller gave; `None` keeps the default. They are checked when a camera is built.
         #[derive(Clone, Debug, Default, PartialEq)]
         pub struct Parameters {
-            $(#[doc = $help] pub $field: Option<parameters!(@type $kind)>,)*
+            $(#[doc = $help] pub $field: Option<parameters!(@type $type $($of)?)>,)*
             /// Parameters that were set by their alias.
             #[doc(hidden)]
             pub by_alias: Vec<&'static str>,
         }
 
         impl Parameters {
+            $(parameters!(@read $type $field $($of)?);)*
+
             fn store(&mut self, name: &'static str, value: Value<'_>) -> Result<(), ParameterError> {
                 match name {
-                    $(stringify!($field) => self.$field = Some(parameters!(@take $kind name value)),)*
+                    $(stringify!($field) => self.$field = Some(parameters!(@take $type name value $($of)?)),)*
                     _ => unreachable!("the name comes from the table"),
                 }
                 Ok(())
@@ -121,96 +146,146 @@ macro_rules! parameters {
     };
     (@alias) => { None };
     (@alias $alias:literal) => { Some($alias) };
-    (@type Float) => { f64 };
+
+    (@kind Choice) => { Kind::Text };
+    (@kind Float) => { Kind::Float };
+    (@kind Optional) => { Kind::Float };
+    (@kind $kind:ident) => { Kind::$kind };
+
+    (@range Choice $choice:ident) => {{
+        const NAMES: &[&str] = &names(&$choice::NAMES);
+        Range::Names(NAMES)
+    }};
+    (@range $type:ident $interval:ident) => { Range::Numbers($interval) };
+    (@range $type:ident) => { Range::Any };
+
+    (@type Choice $choice:ident) => { $choice };
     (@type Text) => { String };
     (@type Bool) => { bool };
-    (@type Four) => { [f64; 4] };
-    (@take Float $name:ident $value:ident) => {
+    (@type Four $interval:ident) => { [f64; 4] };
+    (@type $number:ident $interval:ident) => { f64 };
+
+    (@take Choice $name:ident $value:ident $choice:ident) => {
         match $value {
-            Value::Float(number) => number,
-            other => return Err(other.refused($name, "a number")),
+            Value::Text(text) => text.parse::<$choice>().map_err(|unknown| ParameterError::unknown($name, unknown))?,
+            other => return Err(other.refused($name, Kind::Text)),
         }
     };
     (@take Text $name:ident $value:ident) => {
         match $value {
             Value::Text(text) => text.to_owned(),
-            other => return Err(other.refused($name, "a string")),
+            other => return Err(other.refused($name, Kind::Text)),
         }
     };
     (@take Bool $name:ident $value:ident) => {
         match $value {
             Value::Bool(truth) => truth,
-            other => return Err(other.refused($name, "true or false")),
+            other => return Err(other.refused($name, Kind::Bool)),
         }
     };
-    (@take Four $name:ident $value:ident) => {
+    (@take Four $name:ident $value:ident $interval:ident) => {
         match $value {
             Value::Four(numbers) => numbers,
-            other => return Err(other.refused($name, "four numbers")),
+            other => return Err(other.refused($name, Kind::Four)),
         }
     };
+    (@take $type:ident $name:ident $value:ident $interval:ident) => {
+        match $value {
+            Value::Float(number) => number,
+            other => return Err(other.refused($name, Kind::Float)),
+        }
+    };
+
+    (@read Choice $field:ident $choice:ident) => {
+        /// The choice, or the default.
+        pub(crate) fn $field(&self) -> $choice {
+            self.$field.unwrap_or_default()
+        }
+    };
+    (@read Float $field:ident $interval:ident) => {
+        /// The number, checked, or the default.
+        pub(crate) fn $field(&self) -> Result<f64, ParameterError> {
+            let row = Self::row(stringify!($field));
+            self.$field.map_or_else(|| Ok(row.default_number()), |number| row.check(number))
+        }
+    };
+    (@read Optional $field:ident $interval:ident) => {
+        /// The number, checked, if it is given.
+        pub(crate) fn $field(&self) -> Result<Option<f64>, ParameterError> {
+            self.$field.map(|number| Self::row(stringify!($field)).check(number)).transpose()
+        }
+    };
+    (@read Four $field:ident $interval:ident) => {
+        /// The numbers, checked, if they are given: each in the range, and the two of a pair apart.
+        pub(crate) fn $field(&self) -> Result<Option<[f64; 4]>, ParameterError> {
+            let is_in_range = |[x0, x1, y0, y1]: [f64; 4]| {
+                x0 != x1 && y0 != y1 && [x0, x1, y0, y1].into_iter().all(|number| $interval.contains(number))
+            };
+            match self.$field {
+                Some(numbers @ [x0, x1, y0, y1]) if !is_in_range(numbers) => Err(ParameterError::Range {
+                    name: stringify!($field),
+                    value: format!("{x0} {x1} {y0} {y1}"),
+                    range: "x from, x to, y from, y to, with some width and height, each at most 1e15 from 0".to_owned(),
+                }),
+                given => Ok(given),
+            }
+        }
+    };
+    (@read $type:ident $field:ident) => {};
 }
 
 parameters! {
-    model: Text, "what to build: \"lens\" (default), \"thick\", \"thin\", \"perspective\", \"orthographic\" or \"environment\"";
-    specfile: Text alias "lensfile", "lens file, or a catalogue name such as \"dgauss.50mm\" (default) or \"wide.22mm@35mm\"";
-    filmdistance: Float, "mm from the last vertex to the film (default: focus at `focusdistance`)";
-    focusdistance: Float, "world units from the film plane to the plane in focus (default: infinity)";
-    aperture_diameter: Float alias "aperturediameter", "mm, clear diameter of the stop (default: the file's)";
-    fnumber: Float, "focal length over entrance pupil diameter, instead of `aperture_diameter`";
-    filmdiag: Float, "mm, diagonal of the film (default 35)";
-    hither: Float, "world units along the ray where it begins (default 1e-3)";
-    yon: Float, "world units along the ray where it ends (default 1e30)";
-    shutteropen: Float, "time at which the shutter opens (default 0)";
-    shutterclose: Float, "time at which the shutter closes (default 1)";
-    weighting: Text, "\"radiometric\" (default), \"assignment\", \"relative\" or \"none\"";
-    simpleweighting: Bool, "pbrt-v3's name: true is weighting \"relative\", false is \"radiometric\"";
-    pupil: Text, "where lens samples are drawn: \"warped\" (default: the true pupil of each film point), \"rear\" or \"disk\"";
-    disk: Text, "how lens samples map to the disk: \"concentric\" (default), \"polar\" or \"rejection\"";
-    refraction: Text, "\"fused\" (default), \"heckbert\", \"whitted\" or \"other\"";
-    wavelength: Float, "nm (default 587.56), for lenses with V-numbers or Sellmeier's constants";
-    mmperunit: Float, "millimetres a world unit (default 1)";
-    precision: Text, "arithmetic of the trace: \"auto\" (default), \"f64\" (or \"double\"), \"f32\" (or \"single\")";
-    tolerance: Float, "pixels that 99.9 % of the rays may be off, for a faster model of the lens (0: exact)";
-    shutter: Text, "\"global\" (default), \"leaf\" or \"focal-plane\": what it lets through, by film point and time";
-    shutterramp: Float, "share of the shutter's interval in which a leaf shutter opens, and closes (default 0.25)";
-    shutterslit: Float, "share of the shutter's interval that a focal-plane shutter exposes each row for (default 0.25)";
-    fov: Float, "degrees across the shorter side of the image, perspective (default 90)";
-    screenwindow: Four, "x from, x to, y from, y to: the part of the screen that becomes the image (default: by the aspect ratio)";
-    frameaspectratio: Float, "width over height of the screen window (default: the image's)";
-    lensradius: Float, "world units, of the thin lens of perspective and orthographic (default 0: a pinhole)";
-    focaldistance: Float, "world units from the eye to the plane of focus, with `lensradius` (default 1e30)";
-    lensplane: Text, "where that thin lens lies: \"eye\" (default, as in pbrt 1.05) or \"hither\" (older, and the lecture's slide)";
-    af_zones: Text, "accepted from course scenes and not used: this host offers no autofocus";
-}
-
-impl Value<'_> {
-    fn refused(self, name: &'static str, expected: &'static str) -> ParameterError {
-        let given = match self {
-            Value::Float(number) => format!("the number {number}"),
-            Value::Text(text) => format!("the string \"{text}\""),
-            Value::Bool(truth) => format!("the boolean {truth}"),
-            Value::Four(numbers) => format!("the numbers {numbers:?}"),
-        };
-        ParameterError::Kind { name, expected, given }
-    }
+    model: Choice(Model), "", "lens", EVERY, "what the camera is a model of";
+    specfile or "lensfile": Text(), "", "dgauss.50mm", LENSES, "lens file, or a catalogue name such as \"wide.22mm\" or \"wide.22mm@35mm\"";
+    filmdistance: Optional(POSITIVE), "mm", "focus at `focusdistance`", LENSES, "from the last vertex to the film";
+    focusdistance: Optional(DISTANCE), "world units", "infinity", LENSES, "from the film plane to the plane in focus, or inf, instead of `filmdistance`";
+    aperture_diameter or "aperturediameter": Optional(POSITIVE), "mm", "the file's", LENSES, "clear diameter of the stop";
+    fnumber: Optional(POSITIVE), "", "", LENSES, "focal length over entrance pupil diameter, instead of `aperture_diameter`";
+    filmdiag: Float(POSITIVE), "mm", "35", LENSES, "diagonal of the film";
+    hither: Float(NEAR), "world units", "1e-3", EVERY, "where a ray begins, along it";
+    yon: Float(FAR), "world units", "1e30", EVERY, "where a ray ends, along it, from `hither` on";
+    shutteropen: Float(TIME), "", "0", EVERY, "time at which the shutter opens";
+    shutterclose: Float(TIME), "", "1", EVERY, "time at which the shutter closes";
+    weighting: Choice(Weighting), "", "radiometric", LENSES, "how a ray's weight is measured";
+    simpleweighting: Bool(), "", "", LENSES, "pbrt-v3's name: true is weighting \"relative\", false is \"radiometric\"";
+    pupil: Choice(Pupil), "", "warped", TRACED, "where lens samples lie: in the true pupil of each film point, the rear element's disk, or the thick-lens exit pupil";
+    disk: Choice(DiskMapping), "", "concentric", SAMPLED, "how lens samples map to the disk";
+    refraction: Choice(Refraction), "", "fused", TRACED, "method of refraction";
+    wavelength: Float(WAVELENGTH), "nm", "587.56", LENSES, "wavelength, for lenses with V-numbers or Sellmeier's constants";
+    mmperunit: Float(MM_PER_UNIT), "mm a world unit", "1", LENSES, "length of a world unit";
+    precision: Choice(Precision), "", "auto", TRACED, "what rays are traced in; \"auto\" is double, or what `tolerance` allows";
+    tolerance: Float(PIXELS), "pixels", "0", TRACED, "by how much 99.9 % of the rays may be off, for a faster model of the lens";
+    shutter: Choice(Shutter), "", "global", EVERY, "what the shutter lets through, by film point and time";
+    shutterramp: Float(LEAF_SHARE), "of the interval", "0.25", EVERY, "share of the shutter's interval in which a leaf shutter opens, and closes";
+    shutterslit: Float(SLIT_SHARE), "of the interval", "0.25", EVERY, "share of the shutter's interval for which a focal-plane shutter exposes each row";
+    fov: Float(ANGLE), "degrees", "90", PERSPECTIVE, "angle across the shorter side of the image";
+    screenwindow: Four(SIDE), "", "by the aspect ratio", THIN_LENSES, "x from, x to, y from, y to: the part of the screen that becomes the image";
+    frameaspectratio: Optional(ASPECT), "", "the image's", THIN_LENSES, "width over height of the screen window";
+    lensradius: Float(RADIUS), "world units", "0", THIN_LENSES, "radius of the projection's thin lens";
+    focaldistance: Float(ANY), "world units", "1e30", THIN_LENSES, "from the eye to the plane of focus, more than `hither`, with `lensradius`";
+    lensplane: Choice(LensPlane), "", "eye", THIN_LENSES, "where that thin lens lies: as in pbrt 1.05, or as in older versions and on the lecture's slide";
+    af_zones: Text(), "", "", LENSES, "accepted from course scenes and not used: this host offers no autofocus";
 }
 
 impl Parameters {
-    /// The names of the parameters that are given.
-    pub fn given(&self) -> impl Iterator<Item = &'static str> {
-        PARAMETERS.iter().map(|row| row.name).filter(|name| self.is_set(name))
-    }
-
     /// The table's row for a name or an alias.
     pub fn find(name: &str) -> Option<&'static Parameter> {
         PARAMETERS.iter().find(|row| row.name == name || row.alias == Some(name))
     }
 
+    fn row(name: &str) -> &'static Parameter {
+        Self::find(name).expect("the name comes from the table")
+    }
+
+    /// The rows of the parameters that are given.
+    pub fn given(&self) -> impl Iterator<Item = &'static Parameter> {
+        PARAMETERS.iter().filter(|row| self.is_set(row.name))
+    }
+
     /// Sets one parameter by name or alias.
     ///
     /// # Errors
-    /// The name is unknown, the value is of another kind or not finite, or the parameter
+    /// The name is unknown, the value is of another kind, NaN or a name that there is not, or the parameter
     /// was given already under its other name. Given again under the same name, the last one counts.
     pub fn set(&mut self, name: &str, value: Value<'_>) -> Result<(), ParameterError> {
         let row = Self::find(name).ok_or_else(|| ParameterError::Unknown {
@@ -223,12 +298,7 @@ impl Parameters {
         {
             return Err(ParameterError::Both { first: row.name, second: alias });
         }
-        let not_a_number = match value {
-            Value::Float(number) => number.is_nan(),
-            Value::Four(numbers) => numbers.iter().any(|number| number.is_nan()),
-            Value::Text(_) | Value::Bool(_) => false,
-        };
-        if not_a_number {
+        if value.has_nan() {
             return Err(ParameterError::Range {
                 name: row.name,
                 value: "not a number".to_owned(),
@@ -247,25 +317,7 @@ impl Parameters {
     /// # Errors
     /// As [`Parameters::set`]; also when the text is not a value of the parameter's kind.
     pub fn set_from_text(&mut self, name: &str, text: &str) -> Result<(), ParameterError> {
-        let value = match Self::find(name).map(|row| row.kind) {
-            Some(Kind::Float) => match text.parse() {
-                Ok(number) => Value::Float(number),
-                Err(_) => Value::Text(text),
-            },
-            Some(Kind::Bool) => match text {
-                "true" => Value::Bool(true),
-                "false" => Value::Bool(false),
-                _ => Value::Text(text),
-            },
-            Some(Kind::Four) => {
-                let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
-                match numbers.map(<[f64; 4]>::try_from) {
-                    Ok(Ok(numbers)) => Value::Four(numbers),
-                    _ => Value::Text(text),
-                }
-            }
-            Some(Kind::Text) | None => Value::Text(text),
-        };
-        self.set(name, value)
+        let kind = Self::find(name).map_or(Kind::Text, |row| row.kind);
+        self.set(name, Value::from_text(kind, text))
     }
 }

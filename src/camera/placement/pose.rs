@@ -2,8 +2,8 @@
 
 use glam::{DMat3, DVec3};
 
-use super::shutter::time_number;
-use crate::camera::{CameraMotion, CameraToWorld, WorldRay};
+use super::{motion::CameraMotion, shutter::time_number, transform::CameraToWorld};
+use crate::camera::sample::WorldRay;
 use crate::trace::{
     Ray, Real,
     kernel::{Cpu, Lanes, Precision},
