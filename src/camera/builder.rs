@@ -3,13 +3,12 @@
 use super::{
     film::Raster,
     host::Host,
-    model::Camera,
     parameters::{CameraError, LensPlane, Model, Parameters, Precision, Pupil, Weighting},
     placement::{motion::CameraMotion, shutter::Shutter},
 };
 use crate::{lens::refraction::Refraction, message::Level, prescription::SearchPath, sampling::DiskMapping};
 
-/// A camera to be built: [`Camera::builder`]. What is not called keeps the default of [`PARAMETERS`](super::PARAMETERS);
+/// A camera to be built: [`Camera::builder`](super::Camera::builder). What is not called keeps the default of [`PARAMETERS`](super::PARAMETERS);
 /// only [`resolution`](Self::resolution) has none.
 ///
 /// ```
@@ -26,16 +25,14 @@ use crate::{lens::refraction::Refraction, message::Level, prescription::SearchPa
 /// # Ok::<(), realistic::camera::CameraError>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct CameraBuilder {
+pub struct CameraBuilder<C> {
     parameters: Parameters,
     host: Host,
+    make: Make<C>,
 }
 
-impl Default for CameraBuilder {
-    fn default() -> Self {
-        Self { parameters: Parameters::default(), host: Host::new(Raster { xres: 0, yres: 0 }, None) }
-    }
-}
+/// Builds a camera of parameters, with messages for the log.
+type Make<C> = fn(&Parameters, &Host, &mut dyn FnMut(Level, &str)) -> Result<C, CameraError>;
 
 macro_rules! settings {
     ($($(#[$doc:meta])* $method:ident($argument:ident: $type:ty) => $($field:ident).+ = $value:expr;)*) => {$(
@@ -48,7 +45,13 @@ macro_rules! settings {
     )*};
 }
 
-impl CameraBuilder {
+impl<C> CameraBuilder<C> {
+    /// Nothing described yet.
+    pub(crate) fn new(make: Make<C>) -> Self {
+        let host = Host::new(Raster { xres: 0, yres: 0 }, None);
+        Self { parameters: Parameters::default(), host, make }
+    }
+
     settings! {
         /// What the camera is a model of.
         model(model: Model) => parameters.model = Some(model);
@@ -139,7 +142,7 @@ impl CameraBuilder {
     ///
     /// # Errors
     /// What is wrong, and what to give instead.
-    pub fn build(&self) -> Result<Camera, CameraError> {
+    pub fn build(&self) -> Result<C, CameraError> {
         self.build_with_log(&mut |_, _| ())
     }
 
@@ -147,15 +150,15 @@ impl CameraBuilder {
     ///
     /// # Errors
     /// What is wrong, and what to give instead.
-    pub fn build_with_log(&self, log: &mut dyn FnMut(Level, &str)) -> Result<Camera, CameraError> {
-        Camera::build(&self.parameters, &self.host, log)
+    pub fn build_with_log(&self, log: &mut dyn FnMut(Level, &str)) -> Result<C, CameraError> {
+        (self.make)(&self.parameters, &self.host, log)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{Outcome, Sample};
+    use crate::camera::{Camera, Outcome, Sample};
 
     const SAMPLE: Sample = Sample { image_x: 30.0, image_y: 5.0, lens_u: 0.4, lens_v: 0.8, time: 0.4 };
 
@@ -165,10 +168,10 @@ mod tests {
             (
                 Camera::builder()
                     .lens("wide.22mm")
-                    .pupil(Pupil::Rear)
+                    .disk_mapping(DiskMapping::Polar)
                     .fnumber(8.0)
                     .weighting(Weighting::Relative),
-                &[("specfile", "wide.22mm"), ("pupil", "rear"), ("fnumber", "8"), ("weighting", "relative")]
+                &[("specfile", "wide.22mm"), ("disk", "polar"), ("fnumber", "8"), ("weighting", "relative")]
                     [..],
             ),
             (
@@ -207,7 +210,7 @@ mod tests {
 
     #[test]
     fn what_is_wrong_is_told_as_for_parameters_by_name() {
-        let refused = |builder: CameraBuilder| builder.build().expect_err("refused").to_string();
+        let refused = |builder: CameraBuilder<Camera>| builder.build().expect_err("refused").to_string();
         assert!(refused(Camera::builder()).contains("0 x 0 pixels"));
         let small = Camera::builder().resolution(4, 3);
         let both = refused(small.clone().fnumber(8.0).aperture_diameter(3.0));

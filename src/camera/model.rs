@@ -3,7 +3,7 @@
 use super::{
     BLOCK, CameraBuilder, CameraError, EnvironmentCamera, Film, Host, IdealCamera, Level, Model, Outcome,
     Parameters, ProjectiveCamera, RayArrays, RayBlock, RealisticCamera, Sample, SampleArrays, Shutter, Three,
-    WorldRay, placement::Placement, setup,
+    WorldRay, models::stock_cameras, placement::Placement, setup,
 };
 use crate::{lens::Lens, plan::Plan, trace::Blocked};
 
@@ -25,8 +25,8 @@ pub struct Camera {
 
 impl Camera {
     /// A camera to be described by methods and then built.
-    pub fn builder() -> CameraBuilder {
-        CameraBuilder::default()
+    pub fn builder() -> CameraBuilder<Self> {
+        CameraBuilder::new(Self::build)
     }
 
     /// Builds a camera of the model that the parameters name. `log` receives warnings, among them the
@@ -46,9 +46,15 @@ impl Camera {
             Model::Thick | Model::Thin => {
                 Optics::Ideal(IdealCamera::build(parameters, host, model == Model::Thin, log)?.into())
             }
-            Model::Perspective => Optics::Projective(setup::perspective(parameters, host, log)?.into()),
-            Model::Orthographic => Optics::Projective(setup::orthographic(parameters, host, log)?.into()),
-            Model::Environment => Optics::Environment(setup::environment(parameters, host, log)?.into()),
+            Model::Perspective => {
+                Optics::Projective(stock_cameras::perspective(parameters, host, log)?.into())
+            }
+            Model::Orthographic => {
+                Optics::Projective(stock_cameras::orthographic(parameters, host, log)?.into())
+            }
+            Model::Environment => {
+                Optics::Environment(stock_cameras::environment(parameters, host, log)?.into())
+            }
         };
         Ok(Self { optics, shutter, yres: host.raster.yres as f32 })
     }

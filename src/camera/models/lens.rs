@@ -5,6 +5,7 @@ use std::{f64::consts::PI, sync::Arc};
 
 use crate::{
     camera::{
+        builder::CameraBuilder,
         film::Film,
         host::{Host, Level},
         parameters::{CameraError, Model, ParameterError, Parameters, Pupil, Weighting},
@@ -59,6 +60,11 @@ const MISSED_SHARE: f64 = 1e-3;
 const SURVEY_RAYS: u32 = 64;
 
 impl RealisticCamera {
+    /// A camera of the model "lens" to be described by methods and then built.
+    pub fn builder() -> CameraBuilder<Self> {
+        CameraBuilder::new(Self::build)
+    }
+
     /// Builds a camera of the model "lens". `log` receives warnings.
     ///
     /// # Errors

@@ -41,13 +41,10 @@ impl Parameter {
         let range = self.range.in_words(self.unit);
         if !range.is_empty() {
             text += &format!(": {range}");
-        } else if self.kind == Kind::Bool {
-            text += ": true or false";
         }
-        let is_value = self.range != Range::Any || self.kind == Kind::Text;
         match self.default {
             "" => text,
-            value if self.kind == Kind::Text && is_value => text + &format!("; default \"{value}\""),
+            name if self.kind == Kind::Text => text + &format!("; default \"{name}\""),
             words => text + &format!("; default {words}"),
         }
     }
@@ -237,7 +234,7 @@ macro_rules! parameters {
 parameters! {
     model: Choice(Model), "", "lens", EVERY, "what the camera is a model of";
     specfile or "lensfile": Text(), "", "dgauss.50mm", LENSES, "lens file, or a catalogue name such as \"wide.22mm\" or \"wide.22mm@35mm\"";
-    filmdistance: Optional(POSITIVE), "mm", "focus at `focusdistance`", LENSES, "from the last vertex to the film";
+    filmdistance: Optional(POSITIVE), "mm", "the lens file's, or focused at `focusdistance`", LENSES, "from the last vertex to the film";
     focusdistance: Optional(DISTANCE), "world units", "infinity", LENSES, "from the film plane to the plane in focus, or inf, instead of `filmdistance`";
     aperture_diameter or "aperturediameter": Optional(POSITIVE), "mm", "the file's", LENSES, "clear diameter of the stop";
     fnumber: Optional(POSITIVE), "", "", LENSES, "focal length over entrance pupil diameter, instead of `aperture_diameter`";
@@ -247,24 +244,24 @@ parameters! {
     shutteropen: Float(TIME), "", "0", EVERY, "time at which the shutter opens";
     shutterclose: Float(TIME), "", "1", EVERY, "time at which the shutter closes";
     weighting: Choice(Weighting), "", "radiometric", LENSES, "how a ray's weight is measured";
-    simpleweighting: Bool(), "", "", LENSES, "pbrt-v3's name: true is weighting \"relative\", false is \"radiometric\"";
-    pupil: Choice(Pupil), "", "warped", TRACED, "where lens samples lie: in the true pupil of each film point, the rear element's disk, or the thick-lens exit pupil";
+    simpleweighting: Bool(), "", "", LENSES, "pbrt-v3's name for `weighting`, true for \"relative\" and false for \"radiometric\"";
+    pupil: Choice(Pupil), "", "warped", TRACED, "where lens samples lie, in the true pupil of each film point, the rear element's disk, or the thick-lens exit pupil";
     disk: Choice(DiskMapping), "", "concentric", SAMPLED, "how lens samples map to the disk";
     refraction: Choice(Refraction), "", "fused", TRACED, "method of refraction";
     wavelength: Float(WAVELENGTH), "nm", "587.56", LENSES, "wavelength, for lenses with V-numbers or Sellmeier's constants";
     mmperunit: Float(MM_PER_UNIT), "mm a world unit", "1", LENSES, "length of a world unit";
-    precision: Choice(Precision), "", "auto", TRACED, "what rays are traced in; \"auto\" is double, or what `tolerance` allows";
+    precision: Choice(Precision), "", "auto", TRACED, "what rays are traced in, double, single, or (\"auto\") double or what `tolerance` allows";
     tolerance: Float(PIXELS), "pixels", "0", TRACED, "by how much 99.9 % of the rays may be off, for a faster model of the lens";
     shutter: Choice(Shutter), "", "global", EVERY, "what the shutter lets through, by film point and time";
     shutterramp: Float(LEAF_SHARE), "of the interval", "0.25", EVERY, "share of the shutter's interval in which a leaf shutter opens, and closes";
     shutterslit: Float(SLIT_SHARE), "of the interval", "0.25", EVERY, "share of the shutter's interval for which a focal-plane shutter exposes each row";
     fov: Float(ANGLE), "degrees", "90", PERSPECTIVE, "angle across the shorter side of the image";
-    screenwindow: Four(SIDE), "", "by the aspect ratio", THIN_LENSES, "x from, x to, y from, y to: the part of the screen that becomes the image";
+    screenwindow: Four(SIDE), "", "by the aspect ratio", THIN_LENSES, "x from, x to, y from, y to of the part of the screen that becomes the image";
     frameaspectratio: Optional(ASPECT), "", "the image's", THIN_LENSES, "width over height of the screen window";
     lensradius: Float(RADIUS), "world units", "0", THIN_LENSES, "radius of the projection's thin lens";
-    focaldistance: Float(ANY), "world units", "1e30", THIN_LENSES, "from the eye to the plane of focus, more than `hither`, with `lensradius`";
-    lensplane: Choice(LensPlane), "", "eye", THIN_LENSES, "where that thin lens lies: as in pbrt 1.05, or as in older versions and on the lecture's slide";
-    af_zones: Text(), "", "", LENSES, "accepted from course scenes and not used: this host offers no autofocus";
+    focaldistance: Float(ANY), "world units", "1e30", THIN_LENSES, "from the eye to the plane of focus of a lens of `lensradius`, more than `hither`";
+    lensplane: Choice(LensPlane), "", "eye", THIN_LENSES, "where that thin lens lies, as in pbrt 1.05, or as in older versions and on the lecture's slide";
+    af_zones: Text(), "", "", LENSES, "accepted from course scenes and not used, for this host offers no autofocus";
 }
 
 impl Parameters {
@@ -319,5 +316,59 @@ impl Parameters {
     pub fn set_from_text(&mut self, name: &str, text: &str) -> Result<(), ParameterError> {
         let kind = Self::find(name).map_or(Kind::Text, |row| row.kind);
         self.set(name, Value::from_text(kind, text))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_default_is_a_value_that_the_parameter_takes() {
+        let unset = Parameters::default();
+        assert_eq!(unset.given().count(), 0);
+        for row in PARAMETERS {
+            let mut given = Parameters::default();
+            let is_number = row.default.parse::<f64>().is_ok();
+            if is_number || row.kind == Kind::Text && row.default != "" {
+                given.set_from_text(row.name, row.default).expect("the default");
+                assert_eq!(given.given().map(|row| row.name).collect::<Vec<_>>(), [row.name]);
+            }
+            if is_number {
+                let number = row.default.parse().expect("a number");
+                assert_eq!(row.check(number), Ok(number), "{}", row.name);
+            }
+        }
+        let numbers = [
+            unset.filmdiag(),
+            unset.hither(),
+            unset.yon(),
+            unset.shutteropen(),
+            unset.shutterclose(),
+            unset.wavelength(),
+            unset.mmperunit(),
+            unset.tolerance(),
+            unset.shutterramp(),
+            unset.shutterslit(),
+            unset.fov(),
+            unset.lensradius(),
+            unset.focaldistance(),
+        ];
+        let expected = [35.0, 1e-3, 1e30, 0.0, 1.0, 587.56, 1.0, 0.0, 0.25, 0.25, 90.0, 0.0, 1e30];
+        assert_eq!(numbers.map(|number| number.expect("in range")), expected);
+        assert_eq!(
+            (unset.model(), unset.pupil(), unset.precision()),
+            (Model::Lens, Pupil::Warped, Precision::Auto)
+        );
+    }
+
+    #[test]
+    fn names_and_aliases_are_each_one_parameters() {
+        let names: Vec<&str> =
+            PARAMETERS.iter().flat_map(|row| [Some(row.name), row.alias]).flatten().collect();
+        for (i, name) in names.iter().enumerate() {
+            assert!(!names[..i].contains(name), "{name}");
+            assert!(Parameters::find(name).is_some_and(|row| row.name == *name || row.alias == Some(*name)));
+        }
     }
 }

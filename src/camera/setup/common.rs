@@ -20,7 +20,7 @@ pub(crate) fn shutter(given: &Parameters) -> Result<Shutter, ParameterError> {
 }
 
 /// The image's pixels, of which there must be some.
-pub(super) fn raster(host: &Host) -> Result<Raster, CameraError> {
+pub(crate) fn raster(host: &Host) -> Result<Raster, CameraError> {
     match host.raster {
         Raster { xres, yres } if xres == 0 || yres == 0 => {
             Err(CameraError::Raster { xres: xres as i32, yres: yres as i32 })
@@ -30,7 +30,7 @@ pub(super) fn raster(host: &Host) -> Result<Raster, CameraError> {
 }
 
 /// The camera's place and shutter interval, with a clip range of `hither` and `yon`.
-pub(super) fn placement(
+pub(crate) fn placement(
     [hither, yon]: [f64; 2],
     given: &Parameters,
     host: &Host,
@@ -59,7 +59,7 @@ fn not_before(
 }
 
 /// How lens samples map to the disk, for a host that may not be able to draw again.
-pub(super) fn disk_mapping(given: &Parameters, host: &Host) -> Result<DiskMapping, ParameterError> {
+pub(crate) fn disk_mapping(given: &Parameters, host: &Host) -> Result<DiskMapping, ParameterError> {
     let mapping = given.disk();
     if mapping == DiskMapping::Rejection && !host.can_redraw {
         return Err(ParameterError::Range {

@@ -1,17 +1,18 @@
-//! From parameters to the cameras without a prescription: perspective, orthographic, environment.
+//! From parameters to the cameras without a prescription, as pbrt-v1 has them in stock: perspective, orthographic,
+//! environment.
 
-use super::common::{disk_mapping, placement, raster};
+use super::{
+    environment::EnvironmentCamera,
+    projective::{Projecting, ProjectiveCamera, ThinLens},
+    spaces::ScreenWindow,
+};
 use crate::{
     camera::{
         film::Raster,
         host::Host,
-        models::{
-            environment::EnvironmentCamera,
-            projective::{Projecting, ProjectiveCamera, ThinLens},
-            spaces::ScreenWindow,
-        },
         parameters::{CameraError, ParameterError, Parameters},
         placement::Placement,
+        setup::{disk_mapping, placement, raster},
     },
     message::Level,
 };
