@@ -1,6 +1,6 @@
 //! Autofocus: the film distance that brings what the host sees in some zones of the film into focus.
 //!
-//! A host that can tell a ray's distance is asked for a few rays through each zone
+//! A host that can measure a ray's distance is asked about some rays through each zone
 //! ([`by_distance`]); one that can only look at pictures is asked how much contrast trial
 //! cameras show ([`Search`]). Zones that give no answer do not count; of the others a [`Rule`]
 //! makes one film distance.
@@ -297,7 +297,7 @@ impl Search {
         Ok(Self { zones: zones.to_vec(), raster: host.raster, nearest, infinity, steps })
     }
 
-    /// The film distance, mm, with the most contrast. `contrast` tells for each zone of
+    /// The film distance, mm, with the most contrast. `contrast` measures in each zone of
     /// the picture with the film there how much it has: 0 or more, NaN for "I do not know".
     /// First the whole way from infinity to the nearest distance, then closer about each zone's best.
     ///

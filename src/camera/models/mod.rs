@@ -3,7 +3,6 @@
 pub(crate) mod environment;
 pub(crate) mod ideal;
 pub(crate) mod lens;
-
 pub(crate) mod projective;
 pub mod spaces;
 pub(crate) mod stock_cameras;

@@ -87,15 +87,15 @@ pub enum CameraError {
     NoFilmDistance(FocusError),
     /// The film would cut into the lens.
     #[error(
-        "film distance {} mm: the film would touch the rear element, whose rim reaches \
+        "film distance {} mm: the film would touch the rear element, whose edge reaches \
          {} mm behind the last vertex; give a larger \"filmdistance\"",
-        short(*film_distance), short_above(*rim)
+        short(*film_distance), short_above(*edge)
     )]
     FilmInLens {
         /// Film distance, mm.
         film_distance: f64,
-        /// How far the rear rim lies behind the last vertex, mm.
-        rim: f64,
+        /// How far the edge of the rear element's clear aperture lies behind the last vertex, mm.
+        edge: f64,
     },
     /// A weight is asked for that does not exist for this pupil.
     #[error(
@@ -137,8 +137,8 @@ pub enum CameraError {
 impl CameraError {
     /// The error of film so near that it would touch the rear element.
     pub fn film_in_lens(lens: &Lens, film_distance: f64) -> Self {
-        let rim = -lens.rear().sagitta(lens.rear().semi_diameter);
-        Self::FilmInLens { film_distance, rim: rim.max(0.0) }
+        let edge = -lens.rear().sagitta(lens.rear().semi_diameter);
+        Self::FilmInLens { film_distance, edge: edge.max(0.0) }
     }
 }
 

@@ -20,7 +20,7 @@ pub(crate) struct Placement {
 }
 
 impl Placement {
-    /// The time that a time number stands for, which is taken into [0, 1] first. In this form both ends are met
+    /// The time that a fraction of the shutter's interval is, taken into [0, 1] first. In this form both ends are met
     /// exactly.
     pub fn time(&self, number: f32) -> f32 {
         let [open, close] = self.shutter;
@@ -121,7 +121,7 @@ impl<S: Precision> ToWorld<S> {
         }))
     }
 
-    /// Origins and unit directions in world space of lens-space rays of these time numbers.
+    /// Origins and unit directions in world space of lens-space rays at these fractions of the shutter's interval.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn lanes<L: Lanes<Scalar = S>>(
         &self,

@@ -48,7 +48,7 @@ impl Shutter {
     }
 }
 
-/// A host's time number taken into [0, 1]; one that is no number counts as 0.
+/// A host's fraction of the shutter's interval taken into [0, 1]; NaN counts as 0.
 pub(crate) fn time_number(number: f32) -> f32 {
     if number > 0.0 { number.min(1.0) } else { 0.0 }
 }
