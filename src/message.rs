@@ -1,4 +1,4 @@
-//! Messages for people: how serious they are, and the computed numbers in them.
+//! Messages for people: how serious they are, and the names and computed numbers in them.
 
 /// How serious a message is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -9,6 +9,15 @@ pub enum Level {
     Warning,
     /// The camera is not built.
     Error,
+}
+
+/// Names to choose from, in a sentence: `"a", "b" or "c"`.
+pub fn quoted(names: &[&str]) -> String {
+    let names: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
+    match &names[..] {
+        [first @ .., last] if !first.is_empty() => format!("{} or {last}", first.join(", ")),
+        _ => names.concat(),
+    }
 }
 
 /// A number with six significant digits at most, and far from 1 with a power of ten.
@@ -52,6 +61,12 @@ mod tests {
         ] {
             assert_eq!(short(number), text);
         }
+    }
+
+    #[test]
+    fn names_are_offered_as_a_sentence_does() {
+        let offers = [&["a"][..], &["a", "b"], &["a", "b", "c"]].map(quoted);
+        assert_eq!(offers, ["\"a\"", "\"a\" or \"b\"", "\"a\", \"b\" or \"c\""]);
     }
 
     #[test]

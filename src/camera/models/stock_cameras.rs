@@ -85,7 +85,18 @@ fn stock_placement(given: &Parameters, host: &Host, log: Log<'_>) -> Result<Plac
 
 fn window(given: &Parameters, raster: Raster) -> Result<ScreenWindow, ParameterError> {
     let aspect = given.frameaspectratio()?;
-    if let Some(window) = given.screenwindow()? {
+    if let Some(window @ [x0, x1, y0, y1]) = given.screenwindow {
+        let row = Parameters::row("screenwindow");
+        if x0 == x1 || y0 == y1 || window.iter().any(|side| row.check(*side).is_err()) {
+            return Err(ParameterError::Range {
+                name: row.name,
+                value: format!("{x0} {x1} {y0} {y1}"),
+                range: format!(
+                    "x from, x to, y from, y to, with some width and height, each {}",
+                    row.range.in_words("")
+                ),
+            });
+        }
         return Ok(ScreenWindow(window.map(|side| side as f32)));
     }
     let image = raster.xres as f32 / raster.yres as f32;

@@ -5,8 +5,11 @@
 
 use std::{fmt, mem::discriminant, str::FromStr};
 
-use thiserror::Error;
-
+use super::{
+    error::{ParameterError, UnknownName},
+    range::Range,
+    value::{Kind, Setting, Value},
+};
 use crate::{camera::placement::shutter::Shutter, lens::refraction::Refraction, sampling::DiskMapping};
 
 /// What a camera is a model of.
@@ -120,16 +123,6 @@ impl LensPlane {
     pub const NAMES: [(&'static str, Self); 2] = [("eye", Self::Eye), ("hither", Self::Hither)];
 }
 
-/// A name that is none of those to choose from.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("\"{given}\" is not {known}")]
-pub struct UnknownName {
-    /// The name that was given.
-    pub given: String,
-    /// Those that are known, in quotes.
-    pub known: String,
-}
-
 macro_rules! named {
     ($($choice:ty),*) => {$(
         impl fmt::Display for $choice {
@@ -144,10 +137,19 @@ macro_rules! named {
 
             fn from_str(given: &str) -> Result<Self, UnknownName> {
                 let choice = Self::NAMES.iter().find(|(name, _)| *name == given).map(|&(_, choice)| choice);
-                choice.ok_or_else(|| UnknownName {
-                    given: given.to_owned(),
-                    known: quoted(&names(&Self::NAMES)),
-                })
+                choice.ok_or_else(|| UnknownName { given: given.to_owned(), known: Self::RANGE.in_words("") })
+            }
+        }
+
+        impl Setting for $choice {
+            const KIND: Kind = Kind::Text;
+            const RANGE: Range = Range::Names(&names(&Self::NAMES));
+
+            fn of(name: &'static str, value: Value<'_>) -> Result<Self, ParameterError> {
+                match value {
+                    Value::Text(text) => text.parse().map_err(|unknown| ParameterError::unknown(name, unknown)),
+                    other => Err(other.refused(name, Self::KIND)),
+                }
             }
         }
     )*};
@@ -155,8 +157,7 @@ macro_rules! named {
 
 named![Model, Pupil, Weighting, Precision, LensPlane, DiskMapping, Refraction, Shutter];
 
-/// The names of a list.
-pub(super) const fn names<T: Copy, const N: usize>(list: &[(&'static str, T); N]) -> [&'static str; N] {
+const fn names<T: Copy, const N: usize>(list: &[(&'static str, T); N]) -> [&'static str; N] {
     let mut names = [""; N];
     let mut i = 0;
     while i < N {
@@ -164,15 +165,6 @@ pub(super) const fn names<T: Copy, const N: usize>(list: &[(&'static str, T); N]
         i += 1;
     }
     names
-}
-
-/// Names to choose from, in a sentence: `"a", "b" or "c"`.
-pub(super) fn quoted(names: &[&str]) -> String {
-    let names: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
-    match &names[..] {
-        [first @ .., last] if !first.is_empty() => format!("{} or {last}", first.join(", ")),
-        _ => names.concat(),
-    }
 }
 
 #[cfg(test)]
@@ -203,6 +195,5 @@ mod tests {
         check(&Shutter::NAMES);
         assert_eq!(LensPlane::Hither.to_string(), "hither");
         assert_eq!(Shutter::Leaf { ramp: 0.4 }.to_string(), "leaf");
-        assert_eq!(quoted(&["a", "b", "c"]), "\"a\", \"b\" or \"c\"");
     }
 }

@@ -2,7 +2,6 @@
 
 use thiserror::Error;
 
-use super::choices::UnknownName;
 use crate::{
     camera::placement::transform::TransformError,
     imaging::focus::FocusError,
@@ -10,6 +9,16 @@ use crate::{
     message::{short, short_above},
     prescription::SourceError,
 };
+
+/// A name that is none of those to choose from.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("\"{given}\" is not {known}")]
+pub struct UnknownName {
+    /// The name that was given.
+    pub given: String,
+    /// Those that are known, in quotes.
+    pub known: String,
+}
 
 /// Why a parameter was refused. The text names the parameter, the value and the range.
 #[derive(Clone, Debug, PartialEq, Error)]

@@ -5,8 +5,7 @@ use std::ops::{
     RangeBounds as _,
 };
 
-use super::choices::quoted;
-use crate::message::short;
+use crate::message::{quoted, short};
 
 /// Which values a parameter takes.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,10 +3,10 @@
 use std::ops::Bound::{Excluded, Included};
 
 use super::{
-    choices::{LensPlane, Model, Precision, Pupil, Weighting, names},
+    choices::{LensPlane, Model, Precision, Pupil, Weighting},
     error::ParameterError,
     range::{Interval, Range},
-    value::{Kind, Value},
+    value::{Kind, Setting, Value},
 };
 use crate::{
     camera::placement::shutter::Shutter, lens::refraction::Refraction,
@@ -97,17 +97,18 @@ const ASPECT: I = I::between(1.0 / LARGEST_SIDE, LARGEST_SIDE);
 const RADIUS: I = I::between(0.0, LARGEST_SIDE).where_zero_is("a pinhole");
 const ANY: I = I::between(f64::NEG_INFINITY, f64::INFINITY);
 
-/// Makes the table, the structure of values and their accessors. The types: a name of `Choice`'s list; `Text`;
-/// `Bool`; `Float`, whose default is a number; `Optional`, a number that may be missing; `Four` numbers.
+/// Makes the table, the structure of values and their accessors. A row: the name, perhaps an alias, and the type,
+/// perhaps with an interval; the unit; `=` a default of that type, or `or` words for where the value comes from; the
+/// models and the help.
 macro_rules! parameters {
-    ($($field:ident $(or $alias:literal)?: $type:ident($($of:ident)?), $unit:literal, $default:literal, $models:ident, $help:literal;)*) => {
+    ($($field:ident $(or $alias:literal)?: $type:tt $(in $range:ident)?, $unit:literal, $how:tt $default:literal, $models:ident, $help:literal;)*) => {
         /// Every parameter, in the order in which help texts list them.
         pub const PARAMETERS: &[Parameter] = &[$(Parameter {
             name: stringify!($field),
-            alias: parameters!(@alias $($alias)?),
-            kind: parameters!(@kind $type),
+            alias: parameters!(@some $($alias)?),
+            kind: <$type as Setting>::KIND,
             unit: $unit,
-            range: parameters!(@range $type $($of)?),
+            range: parameters!(@range $type $($range)?),
             default: $default,
             models: $models,
             help: $help,
@@ -116,18 +117,18 @@ macro_rules! parameters {
         /// The values that a caller gave; `None` keeps the default. They are checked when a camera is built.
         #[derive(Clone, Debug, Default, PartialEq)]
         pub struct Parameters {
-            $(#[doc = $help] pub $field: Option<parameters!(@type $type $($of)?)>,)*
+            $(#[doc = $help] pub $field: Option<$type>,)*
             /// Parameters that were set by their alias.
             #[doc(hidden)]
             pub by_alias: Vec<&'static str>,
         }
 
         impl Parameters {
-            $(parameters!(@read $type $field $($of)?);)*
+            $(parameters!(@read $how $field $type $($range)?);)*
 
             fn store(&mut self, name: &'static str, value: Value<'_>) -> Result<(), ParameterError> {
                 match name {
-                    $(stringify!($field) => self.$field = Some(parameters!(@take $type name value $($of)?)),)*
+                    $(stringify!($field) => self.$field = Some(Setting::of(name, value)?),)*
                     _ => unreachable!("the name comes from the table"),
                 }
                 Ok(())
@@ -141,127 +142,64 @@ macro_rules! parameters {
             }
         }
     };
-    (@alias) => { None };
-    (@alias $alias:literal) => { Some($alias) };
+    (@some) => { None };
+    (@some $alias:literal) => { Some($alias) };
+    (@range $type:tt) => { <$type as Setting>::RANGE };
+    (@range $type:tt $interval:ident) => { Range::Numbers($interval) };
 
-    (@kind Choice) => { Kind::Text };
-    (@kind Float) => { Kind::Float };
-    (@kind Optional) => { Kind::Float };
-    (@kind $kind:ident) => { Kind::$kind };
-
-    (@range Choice $choice:ident) => {{
-        const NAMES: &[&str] = &names(&$choice::NAMES);
-        Range::Names(NAMES)
-    }};
-    (@range $type:ident $interval:ident) => { Range::Numbers($interval) };
-    (@range $type:ident) => { Range::Any };
-
-    (@type Choice $choice:ident) => { $choice };
-    (@type Text) => { String };
-    (@type Bool) => { bool };
-    (@type Four $interval:ident) => { [f64; 4] };
-    (@type $number:ident $interval:ident) => { f64 };
-
-    (@take Choice $name:ident $value:ident $choice:ident) => {
-        match $value {
-            Value::Text(text) => text.parse::<$choice>().map_err(|unknown| ParameterError::unknown($name, unknown))?,
-            other => return Err(other.refused($name, Kind::Text)),
-        }
-    };
-    (@take Text $name:ident $value:ident) => {
-        match $value {
-            Value::Text(text) => text.to_owned(),
-            other => return Err(other.refused($name, Kind::Text)),
-        }
-    };
-    (@take Bool $name:ident $value:ident) => {
-        match $value {
-            Value::Bool(truth) => truth,
-            other => return Err(other.refused($name, Kind::Bool)),
-        }
-    };
-    (@take Four $name:ident $value:ident $interval:ident) => {
-        match $value {
-            Value::Four(numbers) => numbers,
-            other => return Err(other.refused($name, Kind::Four)),
-        }
-    };
-    (@take $type:ident $name:ident $value:ident $interval:ident) => {
-        match $value {
-            Value::Float(number) => number,
-            other => return Err(other.refused($name, Kind::Float)),
-        }
-    };
-
-    (@read Choice $field:ident $choice:ident) => {
-        /// The choice, or the default.
-        pub(crate) fn $field(&self) -> $choice {
-            self.$field.unwrap_or_default()
-        }
-    };
-    (@read Float $field:ident $interval:ident) => {
+    (@read = $field:ident f64 $interval:ident) => {
         /// The number, checked, or the default.
         pub(crate) fn $field(&self) -> Result<f64, ParameterError> {
             let row = Self::row(stringify!($field));
             self.$field.map_or_else(|| Ok(row.default_number()), |number| row.check(number))
         }
     };
-    (@read Optional $field:ident $interval:ident) => {
+    (@read or $field:ident f64 $interval:ident) => {
         /// The number, checked, if it is given.
         pub(crate) fn $field(&self) -> Result<Option<f64>, ParameterError> {
             self.$field.map(|number| Self::row(stringify!($field)).check(number)).transpose()
         }
     };
-    (@read Four $field:ident $interval:ident) => {
-        /// The numbers, checked, if they are given: each in the range, and the two of a pair apart.
-        pub(crate) fn $field(&self) -> Result<Option<[f64; 4]>, ParameterError> {
-            let is_in_range = |[x0, x1, y0, y1]: [f64; 4]| {
-                x0 != x1 && y0 != y1 && [x0, x1, y0, y1].into_iter().all(|number| $interval.contains(number))
-            };
-            match self.$field {
-                Some(numbers @ [x0, x1, y0, y1]) if !is_in_range(numbers) => Err(ParameterError::Range {
-                    name: stringify!($field),
-                    value: format!("{x0} {x1} {y0} {y1}"),
-                    range: "x from, x to, y from, y to, with some width and height, each at most 1e15 from 0".to_owned(),
-                }),
-                given => Ok(given),
-            }
+    (@read = $field:ident $choice:ident) => {
+        /// The choice, or the default.
+        pub(crate) fn $field(&self) -> $choice {
+            self.$field.unwrap_or_default()
         }
     };
-    (@read $type:ident $field:ident) => {};
+    (@read or $($other:tt)*) => {};
 }
 
 parameters! {
-    model: Choice(Model), "", "lens", EVERY, "what the camera is a model of";
-    specfile or "lensfile": Text(), "", "dgauss.50mm", LENSES, "lens file, or a catalogue name such as \"wide.22mm\" or \"wide.22mm@35mm\"";
-    filmdistance: Optional(POSITIVE), "mm", "the lens file's, or focused at `focusdistance`", LENSES, "from the last vertex to the film";
-    focusdistance: Optional(DISTANCE), "world units", "infinity", LENSES, "from the film plane to the plane in focus, or inf, instead of `filmdistance`";
-    aperture_diameter or "aperturediameter": Optional(POSITIVE), "mm", "the file's", LENSES, "clear diameter of the stop";
-    fnumber: Optional(POSITIVE), "", "", LENSES, "focal length over entrance pupil diameter, instead of `aperture_diameter`";
-    filmdiag: Float(POSITIVE), "mm", "35", LENSES, "diagonal of the film";
-    hither: Float(NEAR), "world units", "1e-3", EVERY, "where a ray begins, along it";
-    yon: Float(FAR), "world units", "1e30", EVERY, "where a ray ends, along it, from `hither` on";
-    shutteropen: Float(TIME), "", "0", EVERY, "time at which the shutter opens";
-    shutterclose: Float(TIME), "", "1", EVERY, "time at which the shutter closes";
-    weighting: Choice(Weighting), "", "radiometric", LENSES, "how a ray's weight is measured";
-    simpleweighting: Bool(), "", "", LENSES, "pbrt-v3's name for `weighting`, true for \"relative\" and false for \"radiometric\"";
-    pupil: Choice(Pupil), "", "warped", TRACED, "where lens samples lie, in the true pupil of each film point, the rear element's disk, or the thick-lens exit pupil";
-    disk: Choice(DiskMapping), "", "concentric", SAMPLED, "how lens samples map to the disk";
-    refraction: Choice(Refraction), "", "fused", TRACED, "method of refraction";
-    wavelength: Float(WAVELENGTH), "nm", "587.56", LENSES, "wavelength, for lenses with V-numbers or Sellmeier's constants";
-    mmperunit: Float(MM_PER_UNIT), "mm a world unit", "1", LENSES, "length of a world unit";
-    precision: Choice(Precision), "", "auto", TRACED, "what rays are traced in, double, single, or (\"auto\") double or what `tolerance` allows";
-    tolerance: Float(PIXELS), "pixels", "0", TRACED, "by how much 99.9 % of the rays may be off, for a faster model of the lens";
-    shutter: Choice(Shutter), "", "global", EVERY, "what the shutter lets through, by film point and time";
-    shutterramp: Float(LEAF_SHARE), "of the interval", "0.25", EVERY, "share of the shutter's interval in which a leaf shutter opens, and closes";
-    shutterslit: Float(SLIT_SHARE), "of the interval", "0.25", EVERY, "share of the shutter's interval for which a focal-plane shutter exposes each row";
-    fov: Float(ANGLE), "degrees", "90", PERSPECTIVE, "angle across the shorter side of the image";
-    screenwindow: Four(SIDE), "", "by the aspect ratio", THIN_LENSES, "x from, x to, y from, y to of the part of the screen that becomes the image";
-    frameaspectratio: Optional(ASPECT), "", "the image's", THIN_LENSES, "width over height of the screen window";
-    lensradius: Float(RADIUS), "world units", "0", THIN_LENSES, "radius of the projection's thin lens";
-    focaldistance: Float(ANY), "world units", "1e30", THIN_LENSES, "from the eye to the plane of focus of a lens of `lensradius`, more than `hither`";
-    lensplane: Choice(LensPlane), "", "eye", THIN_LENSES, "where that thin lens lies, as in pbrt 1.05, or as in older versions and on the lecture's slide";
-    af_zones: Text(), "", "", LENSES, "accepted from course scenes and not used, for this host offers no autofocus";
+    model: Model, "", = "lens", EVERY, "what the camera is a model of";
+    specfile or "lensfile": String, "", or "dgauss.50mm", LENSES, "lens file, or a catalogue name such as \"wide.22mm\" or \"wide.22mm@35mm\"";
+    filmdistance: f64 in POSITIVE, "mm", or "the lens file's, or focused at `focusdistance`", LENSES, "from the last vertex to the film";
+    focusdistance: f64 in DISTANCE, "world units", or "infinity", LENSES, "from the film plane to the plane in focus, or inf, instead of `filmdistance`";
+    aperture_diameter or "aperturediameter": f64 in POSITIVE, "mm", or "the file's", LENSES, "clear diameter of the stop";
+    fnumber: f64 in POSITIVE, "", or "", LENSES, "focal length over entrance pupil diameter, instead of `aperture_diameter`";
+    filmdiag: f64 in POSITIVE, "mm", = "35", LENSES, "diagonal of the film";
+    hither: f64 in NEAR, "world units", = "1e-3", EVERY, "where a ray begins, along it";
+    yon: f64 in FAR, "world units", = "1e30", EVERY, "where a ray ends, along it, from `hither` on";
+    shutteropen: f64 in TIME, "", = "0", EVERY, "time at which the shutter opens";
+    shutterclose: f64 in TIME, "", = "1", EVERY, "time at which the shutter closes";
+    weighting: Weighting, "", = "radiometric", LENSES, "how a ray's weight is measured";
+    simpleweighting: bool, "", or "", LENSES, "pbrt-v3's name for `weighting`, true for \"relative\" and false for \"radiometric\"";
+    pupil: Pupil, "", = "warped", TRACED, "where lens samples lie, in the true pupil of each film point, the rear element's disk, or the thick-lens exit pupil";
+    disk: DiskMapping, "", = "concentric", SAMPLED, "how lens samples map to the disk";
+    refraction: Refraction, "", = "fused", TRACED, "method of refraction";
+    wavelength: f64 in WAVELENGTH, "nm", = "587.56", LENSES, "wavelength, for lenses with V-numbers or Sellmeier's constants";
+    mmperunit: f64 in MM_PER_UNIT, "mm a world unit", = "1", LENSES, "length of a world unit";
+    precision: Precision, "", = "auto", TRACED, "what rays are traced in, double, single, or (\"auto\") double or what `tolerance` allows";
+    tolerance: f64 in PIXELS, "pixels", = "0", TRACED, "by how much 99.9 % of the rays may be off, for a faster model of the lens";
+    shutter: Shutter, "", = "global", EVERY, "what the shutter lets through, by film point and time";
+    shutterramp: f64 in LEAF_SHARE, "of the interval", = "0.25", EVERY, "share of the shutter's interval in which a leaf shutter opens, and closes";
+    shutterslit: f64 in SLIT_SHARE, "of the interval", = "0.25", EVERY, "share of the shutter's interval for which a focal-plane shutter exposes each row";
+    fov: f64 in ANGLE, "degrees", = "90", PERSPECTIVE, "angle across the shorter side of the image";
+    screenwindow: [f64; 4] in SIDE, "", or "by the aspect ratio", THIN_LENSES, "x from, x to, y from, y to of the part of the screen that becomes the image";
+    frameaspectratio: f64 in ASPECT, "", or "the image's", THIN_LENSES, "width over height of the screen window";
+    lensradius: f64 in RADIUS, "world units", = "0", THIN_LENSES, "radius of the projection's thin lens";
+    focaldistance: f64 in ANY, "world units", = "1e30", THIN_LENSES, "from the eye to the plane of focus of a lens of `lensradius`, more than `hither`";
+    lensplane: LensPlane, "", = "eye", THIN_LENSES, "where that thin lens lies, as in pbrt 1.05, or as in older versions and on the lecture's slide";
+    af_zones: String, "", or "", LENSES, "accepted from course scenes and not used, for this host offers no autofocus";
 }
 
 impl Parameters {
@@ -270,7 +208,8 @@ impl Parameters {
         PARAMETERS.iter().find(|row| row.name == name || row.alias == Some(name))
     }
 
-    fn row(name: &str) -> &'static Parameter {
+    /// The row of a name that is in the table.
+    pub(crate) fn row(name: &str) -> &'static Parameter {
         Self::find(name).expect("the name comes from the table")
     }
 
@@ -330,7 +269,7 @@ mod tests {
         for row in PARAMETERS {
             let mut given = Parameters::default();
             let is_number = row.default.parse::<f64>().is_ok();
-            if is_number || row.kind == Kind::Text && row.default != "" {
+            if is_number || row.kind == Kind::Text && !row.default.is_empty() {
                 given.set_from_text(row.name, row.default).expect("the default");
                 assert_eq!(given.given().map(|row| row.name).collect::<Vec<_>>(), [row.name]);
             }

@@ -1,6 +1,6 @@
-//! Values on their way from a host to parameters: by kind, and from text.
+//! Values on their way from a host to parameters: by kind, from text, and to the type that a parameter has.
 
-use super::error::ParameterError;
+use super::{error::ParameterError, range::Range};
 
 /// What a parameter's value is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,4 +74,40 @@ impl<'a> Value<'a> {
         };
         ParameterError::Kind { name, expected: kind.words(), given }
     }
+}
+
+/// A type that parameters have.
+pub(super) trait Setting: Sized {
+    /// The kind of value that it is made from.
+    const KIND: Kind;
+    /// Which values of that kind make one.
+    const RANGE: Range = Range::Any;
+
+    /// What a value of parameter `name` makes.
+    ///
+    /// # Errors
+    /// The value is of another kind, or out of range.
+    fn of(name: &'static str, value: Value<'_>) -> Result<Self, ParameterError>;
+}
+
+macro_rules! settings {
+    ($($type:ty: $kind:ident($value:ident) => $made:expr;)*) => {$(
+        impl Setting for $type {
+            const KIND: Kind = Kind::$kind;
+
+            fn of(name: &'static str, value: Value<'_>) -> Result<Self, ParameterError> {
+                match value {
+                    Value::$kind($value) => Ok($made),
+                    other => Err(other.refused(name, Self::KIND)),
+                }
+            }
+        }
+    )*};
+}
+
+settings! {
+    f64: Float(number) => number;
+    String: Text(text) => text.to_owned();
+    bool: Bool(truth) => truth;
+    [f64; 4]: Four(numbers) => numbers;
 }
