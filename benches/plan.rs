@@ -84,7 +84,7 @@ fn models(name: &str, rounds: usize) {
         (11, 0),
     ] {
         let surfaces: Vec<usize> = (1..=rims).collect();
-        let fit = Polynomial::with_rims(&lens, film, &rays, order, &surfaces).expect("determined");
+        let fit = Polynomial::with_apertures(&lens, film, &rays, order, &surfaces).expect("determined");
         let single = PolynomialLens::<f32>::new(&fit);
         let trace = move |from: &PlaneRays<'_, f32>, to: &mut LensRays<'_, f32>| single.trace_batch(from, to);
         contest.enter(&format!("order {order}, {rims} rims, f32"), batch(film, &columns, trace));

@@ -54,7 +54,7 @@ fn main() {
                 build[build.len() / 2] * 1e3,
                 build[0] * 1e3,
                 report.rays,
-                report.rows,
+                report.slices,
                 draws[0] * 1e9 / f64::from(DRAWS),
             );
         }
@@ -104,7 +104,7 @@ fn draw_all(pupil: &WarpedPupil) -> f64 {
     (0..DRAWS)
         .filter_map(|i| {
             let (x, y) = (fraction(i, 0x9E37_79B1), fraction(i, 0x85EB_CA6B));
-            pupil.draw([24.0 * (x - 0.5), 24.0 * (y - 0.5)], [1.4 * y - 0.7, 1.4 * x - 0.7])
+            pupil.sample([24.0 * (x - 0.5), 24.0 * (y - 0.5)], [1.4 * y - 0.7, 1.4 * x - 0.7])
         })
         .map(|drawn| drawn.area + drawn.slopes[0])
         .sum()

@@ -219,7 +219,7 @@ typedef struct realistic_options {
      */
     const char *lens_text;
     /*
-     Bytes at `lens_text`.
+     Bytes at `lens_text`; at most 1,048,576 (1 MiB), as of any lens file.
      */
     size_t lens_text_size;
     /*
@@ -234,7 +234,8 @@ typedef struct realistic_options {
     const char *specfile;
     /*
      Parameter `weighting`: how a ray's weight is measured: "radiometric", "assignment", "relative" or "none";
-     default "radiometric".
+     default "radiometric". `assignment` divides `radiometric` by an area, and so its exposure depends on `pupil`:
+     with `rear` the area of the rear element's disk, with `disk` and `warped` that of the paraxial exit pupil.
      */
     const char *weighting;
     /*
@@ -291,7 +292,8 @@ typedef struct realistic_options {
      */
     double shutteropen;
     /*
-     Parameter `shutterclose`: time at which the shutter closes: a finite number; default 1.
+     Parameter `shutterclose`: time at which the shutter closes; before `shutteropen`, time runs backward, as in
+     pbrt: a finite number; default 1.
      */
     double shutterclose;
     /*

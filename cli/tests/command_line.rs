@@ -344,3 +344,37 @@ fn the_plan_names_what_was_chosen_and_measures_what_it_saves() {
     assert!(fails(&["plan", "dgauss.50mm", "--tolerance", "-1"], "", 2).contains("--tolerance"));
     assert!(fails(&["plan", "dgauss.50mm", "--param", "pupil"], "", 2).contains("NAME=VALUE"));
 }
+
+#[test]
+fn install_always_leaves_the_plugin_under_its_own_name() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let plugin = directory.path().join("plugin");
+    std::fs::write(&plugin, "realistic_abi_version").expect("written");
+    let plugin = plugin.to_str().expect("a plain name");
+    for (more, expected) in [
+        (&[] as &[&str], &["realistic"] as &[&str]),
+        (&["--as", "orthographic"], &["orthographic", "realistic"]),
+        (&["--all"], &["environment", "lens", "orthographic", "perspective", "realistic", "thick", "thin"]),
+    ] {
+        let into = directory.path().join(format!("plugins{}", more.len() + expected.len()));
+        std::fs::create_dir(&into).expect("a directory");
+        let arguments =
+            [&["install", into.to_str().expect("a plain name"), "--plugin", plugin], more].concat();
+        let said = succeeds(&arguments, "");
+        let entries = into.read_dir().expect("a directory").map(|entry| entry.expect("an entry").path());
+        let mut names: Vec<_> =
+            entries.map(|path| path.file_stem().expect("a name").to_string_lossy().into_owned()).collect();
+        names.sort();
+        assert_eq!(names, expected, "{more:?}");
+        assert_eq!(said.contains("Replaces pbrt's own"), !more.is_empty(), "{said}");
+        let export = said.lines().last().expect("text").to_owned();
+        assert!(
+            export.ends_with(&format!("{}\"", into.canonicalize().expect("there").display())),
+            "{export}"
+        );
+        assert!(
+            export.contains("export PBRT_SEARCHPATH=\"${PBRT_SEARCHPATH:+$PBRT_SEARCHPATH:}"),
+            "{export}"
+        );
+    }
+}

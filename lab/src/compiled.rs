@@ -6,7 +6,7 @@ use crate::{
 };
 use realistic::trace::{
     Direction, Ray, Real,
-    kernel::{Columns, Kernel, LensRays, PlaneRays, Precision, Simd, Traced},
+    kernel::{Kernel, LensRays, PlaneRays, Precision, RayArrays, Simd, Traced},
     polynomial::PolynomialLens,
 };
 
@@ -68,7 +68,7 @@ struct Batch<S, F> {
     trace: F,
     plane: f64,
     from: [Vec<S>; 4],
-    to: Columns<S>,
+    to: RayArrays<S>,
 }
 
 /// Rays a call: what a camera's block has.
@@ -102,7 +102,7 @@ fn batch<S: Precision + Real + 'static>(
     let rays = at_film::<S>(rays);
     let column = |of: &dyn Fn(&FilmRay<S>) -> S| rays.iter().map(of).collect();
     let from = [column(&|r| r.0[0]), column(&|r| r.0[1]), column(&|r| r.1[0]), column(&|r| r.1[1])];
-    let to = Columns::new(rays.len());
+    let to = RayArrays::new(rays.len());
     Some(Box::new(Batch { trace, plane: subject.film_z, from, to }))
 }
 

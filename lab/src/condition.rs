@@ -23,7 +23,8 @@ use crate::{
 };
 use realistic::{
     lens::{Lens, Surface, refraction::Refraction},
-    trace::{Blocked, Direction, Path, Ray, Real, in_range},
+    numeric::in_range,
+    trace::{Blocked, Direction, Path, Ray, Real},
 };
 
 type Matrix = [[f64; N]; N];

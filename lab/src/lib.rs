@@ -8,6 +8,7 @@ pub mod condition;
 pub mod disk_statistics;
 mod dual;
 pub mod irradiance;
+pub mod kernel_rays;
 pub mod machine;
 pub mod measurement;
 pub mod outline;

@@ -161,7 +161,8 @@ impl Measurement {
         let exposure = |band: &Band| {
             let [open, close] = band.camera.shutter_interval();
             let area = band.camera.film().map_or(0.0, |film| (film.pixel() * 1e-3).powi(2));
-            area * f64::from(close - open)
+            // A shutter whose time runs backward is open for as long.
+            area * f64::from(close - open).abs()
         };
         self.bands
             .iter()
@@ -256,6 +257,9 @@ mod tests {
         let irradiance = measured.irradiance([15, 10], 4096, |_, _| 2.0);
         let energy = measured.response([15, 10], 4096, &Energy, |_, _| 2.0);
         assert!((energy / (irradiance * pixel * pixel * 0.25) - 1.0).abs() < 1e-6);
+        let backward = [("model", "thick"), ("fnumber", "8"), ("shutteropen", "1.25"), ("shutterclose", "1")];
+        let backward = measurement(&backward, 1).expect("a camera");
+        assert_eq!(backward.response([15, 10], 4096, &Energy, |_, _| 2.0), energy);
         // On the axis of a thick lens focused at infinity the exit pupil's rim is seen at slope 1/(2 N).
         let slope = 1.0 / 16.0_f64;
         let disk = std::f64::consts::PI * slope * slope / (1.0 + slope * slope);

@@ -64,8 +64,8 @@ fn warped(subject: &Subject) -> Built {
     let pupil = renderers::table(subject);
     let report = pupil.build_report();
     let region =
-        move |point| unit_circle().filter_map(|d| pupil.draw(point, d)).map(|drawn| drawn.slopes).collect();
-    Built { region: Box::new(region), radii: report.rows, rays: report.rays as usize }
+        move |point| unit_circle().filter_map(|d| pupil.sample(point, d)).map(|drawn| drawn.slopes).collect();
+    Built { region: Box::new(region), radii: report.slices, rays: report.rays as usize }
 }
 
 /// Rays across the rear disk for a box.

@@ -7,7 +7,8 @@ use twofloat::TwoFloat;
 
 use realistic::{
     lens::{Lens, refraction::Refraction},
-    trace::{Blocked, Direction, Path, Ray, Real, in_range},
+    numeric::in_range,
+    trace::{Blocked, Direction, Path, Ray, Real},
 };
 
 /// A number of 106 bits: the unevaluated sum of two doubles (T. J. Dekker, "A floating-point technique

@@ -12,7 +12,8 @@ use crate::{
     statistics::median,
 };
 use realistic::{
-    lens::refraction::{Refraction, dot, fused, heckbert, other, whitted},
+    lens::refraction::{Refraction, fused, heckbert, other, whitted},
+    numeric::dot,
     trace::Real,
 };
 

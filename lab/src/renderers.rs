@@ -8,7 +8,7 @@ use crate::{
 use realistic::{
     camera::{BLOCK, CameraError, Film, Parameters, Precision, Raster, RayBlock, Sample, SampleBlock, Value},
     imaging::irradiance::{cos4, film_ray},
-    sampling::{DiskMapping, Drawn, PupilDisk, WarpedPupil},
+    sampling::{DiskMapping, PupilDisk, PupilSample, WarpedPupil},
     trace::{Ray, kernel::Traced, polynomial::PolynomialLens},
 };
 
@@ -96,18 +96,18 @@ fn each(shoot: impl Fn(&Sample) -> Option<Shot> + 'static) -> Shoot {
 }
 
 /// Where in the pupil a model's rays go.
-type Pupil = Box<dyn Fn([f64; 2], [f64; 2]) -> Option<Drawn>>;
+type Pupil = Box<dyn Fn([f64; 2], [f64; 2]) -> Option<PupilSample>>;
 
 /// The thick lens's exit pupil.
 fn disk(subject: &Subject) -> Pupil {
     let disk: PupilDisk = subject.exit;
-    Box::new(move |film, unit| Some(disk.draw(film, unit)))
+    Box::new(move |film, unit| Some(disk.sample(film, unit)))
 }
 
 /// The true pupil.
 fn warped(subject: &Subject) -> Pupil {
     let pupil = table(subject);
-    Box::new(move |film, unit| pupil.draw(film, unit))
+    Box::new(move |film, unit| pupil.sample(film, unit))
 }
 
 /// The true pupil's table as a camera makes it.
@@ -126,7 +126,7 @@ fn modelled(
     each(move |sample| {
         let point = film.point(sample.image_x.into(), sample.image_y.into());
         let unit = DiskMapping::Concentric.map(sample.lens_u.into(), sample.lens_v.into())?;
-        let Drawn { slopes, area } = pupil(point, unit)?;
+        let PupilSample { slopes, area } = pupil(point, unit)?;
         let ray = map(point, slopes)?;
         let narrow = |vector: [f64; 3]| vector.map(|x| x as f32);
         Some((narrow(ray.origin), narrow(ray.direction), (area * cos4(slopes)) as f32))

@@ -138,7 +138,7 @@ fn a_lens_of_polynomials_blocks_where_the_rims_do_and_changes_no_other_ray() {
     let path = Path::<f64>::film_to_scene(&subject.lens);
     let last = subject.lens.surfaces.len() - 1;
     let fit = |rims: &[usize]| {
-        Polynomial::with_rims(&subject.lens, subject.film, &subject.rays(1500, 0), 9, rims)
+        Polynomial::with_apertures(&subject.lens, subject.film, &subject.rays(1500, 0), 9, rims)
             .map(|polynomial| PolynomialLens::<f64>::new(&polynomial))
             .expect("enough rays")
     };

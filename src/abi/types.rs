@@ -143,7 +143,7 @@ pub struct realistic_options {
     pub log_user: *mut c_void,
     /// The text of a lens file, `lens_text_size` bytes, read instead of `specfile`; NULL for none.
     pub lens_text: *const c_char,
-    /// Bytes at `lens_text`.
+    /// Bytes at `lens_text`; at most 1,048,576 (1 MiB), as of any lens file.
     pub lens_text_size: usize,
     /// Parameter `model`: what the camera is a model of: "lens", "thick", "thin", "perspective", "orthographic" or
     /// "environment"; default "lens".
@@ -152,7 +152,8 @@ pub struct realistic_options {
     /// "dgauss.50mm".
     pub specfile: *const c_char,
     /// Parameter `weighting`: how a ray's weight is measured: "radiometric", "assignment", "relative" or "none";
-    /// default "radiometric".
+    /// default "radiometric". `assignment` divides `radiometric` by an area, and so its exposure depends on `pupil`:
+    /// with `rear` the area of the rear element's disk, with `disk` and `warped` that of the paraxial exit pupil.
     pub weighting: *const c_char,
     /// Parameter `pupil`: where lens samples lie, in the true pupil of each film point, the rear element's disk, or
     /// the thick-lens exit pupil: "warped", "rear" or "disk"; default "warped".
@@ -183,7 +184,8 @@ pub struct realistic_options {
     pub yon: f64,
     /// Parameter `shutteropen`: time at which the shutter opens: a finite number; default 0.
     pub shutteropen: f64,
-    /// Parameter `shutterclose`: time at which the shutter closes: a finite number; default 1.
+    /// Parameter `shutterclose`: time at which the shutter closes; before `shutteropen`, time runs backward, as in
+    /// pbrt: a finite number; default 1.
     pub shutterclose: f64,
     /// Parameter `wavelength`: wavelength, for lenses with V-numbers or Sellmeier's constants: from 300 to 2000 nm;
     /// default 587.56.

@@ -203,6 +203,7 @@ impl Camera {
     }
 
     /// When the shutter begins to open and has closed, in the host's unit of time.
+    /// The second may be the earlier: time then runs backward.
     pub fn shutter_interval(&self) -> [f32; 2] {
         self.placement().shutter
     }

@@ -8,9 +8,10 @@ use crate::{
     lens::{Lens, refraction::Refraction, single_precision::f32_is_fit},
     plan::{
         Choice, Plan,
-        apertures::{Apertures, Band},
+        apertures::Apertures,
         choice::{Chosen, Task},
     },
+    sampling::Band,
     trace::{
         Direction, Path,
         kernel::{self, Kernel},
@@ -235,7 +236,7 @@ pub(crate) fn describe_drawing(plan: &mut Plan, side: &FilmSide<'_>, mapping: Di
             plan.kept(
                 &format!("pupil table up to {end:.3} mm from the axis"),
                 why,
-                format!("{} film radii, {} rays", report.rows, report.rays),
+                format!("{} film radii, {} rays", report.slices, report.rays),
             );
             if pupil.image_radius().is_some_and(|end| end < reach) {
                 plan.left_out(

@@ -9,19 +9,9 @@
 use super::affine::Affine;
 use crate::{
     lens::{Lens, refraction::Refraction},
-    trace::{Direction, Path, Real, Visit},
+    sampling::Band,
+    trace::{Direction, Intersection, Path, Real},
 };
-
-/// A ring of the film, and the disk of slopes that holds what is drawn there.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Band {
-    /// Film radii, mm.
-    pub radii: [f64; 2],
-    /// Slope of the disk's centre over the film radius, 1/mm: from, to.
-    pub center: [f64; 2],
-    /// Radius of the disk, in slope.
-    pub radius: f64,
-}
 
 /// What was found out about the apertures of a lens.
 #[derive(Clone, Debug, PartialEq)]
@@ -160,11 +150,11 @@ impl Search {
         let mut open = Vec::new();
         let mut axis = part.longest();
         let mut ratios = vec![0.0; self.stays.len()];
-        let met_all = self.path.visit(
+        let met_all = self.path.intersections(
             self.film,
             [height, Affine::ZERO],
             slopes,
-            |Visit { surface, ratio, normal, .. }| {
+            |Intersection { surface, ratio, normal, .. }| {
                 next = surface + 1;
                 let [least, most] = ratio.range();
                 if self.stays[surface] {
@@ -215,7 +205,7 @@ fn limiting(lens: &Lens, film: f64, bands: &[Band]) -> Vec<bool> {
                 let radius = band.radius * ring;
                 let slopes = [band.center[1] * height + radius * cos, radius * sin];
                 let mut ratios = vec![f64::INFINITY; count];
-                path.visit(film, [height, 0.0], slopes, |visit| {
+                path.intersections(film, [height, 0.0], slopes, |visit| {
                     ratios[visit.surface] = visit.ratio;
                     visit.ratio < 4.0
                 });
@@ -286,7 +276,7 @@ mod tests {
             let slopes = [center * height + band.radius * u / length, band.radius * v / length];
             let mut found = f64::NEG_INFINITY;
             let mut passes = true;
-            let met_all = path.visit(film, [height, 0.0], slopes, |visit| {
+            let met_all = path.intersections(film, [height, 0.0], slopes, |visit| {
                 if visit.surface == last - surface {
                     found = visit.ratio;
                 } else {

@@ -10,7 +10,7 @@ use crate::{
     numeric::quasirandom::STEPS,
     trace::{
         Blocked, Direction, Path, Ray,
-        kernel::{Columns, Kernel, LensRays, PlaneRays, Precision},
+        kernel::{Kernel, LensRays, PlaneRays, Precision, RayArrays},
         polynomial::{Polynomial, PolynomialLens},
     },
 };
@@ -55,11 +55,11 @@ impl Rays {
         &self,
         film: f64,
         trace: impl FnOnce(&PlaneRays<'_, S>, &mut LensRays<'_, S>),
-    ) -> Columns<S> {
+    ) -> RayArrays<S> {
         let columns =
             self.columns.each_ref().map(|column| column.iter().map(|&x| S::from_f64(x)).collect::<Vec<S>>());
         let [x, y, slope_x, slope_y] = &columns;
-        let mut out = Columns::new(self.len());
+        let mut out = RayArrays::new(self.len());
         trace(&PlaneRays { plane: film, x, y, slope_x, slope_y }, &mut out.rays());
         out
     }
@@ -70,7 +70,7 @@ pub(super) struct Judge<'a> {
     task: &'a Task<'a>,
     scale: ImageScale,
     rays: Rays,
-    exact: Columns<f64>,
+    exact: RayArrays<f64>,
     /// Rims other than the front's that block rays, counted from the scene.
     pub rims: Vec<usize>,
 }
@@ -111,7 +111,7 @@ impl<'a> Judge<'a> {
         Ok(Self { task, scale, rays, exact, rims })
     }
 
-    fn errors<S: Precision>(&self, model: &Columns<S>) -> Errors {
+    fn errors<S: Precision>(&self, model: &RayArrays<S>) -> Errors {
         let (mut mismatches, mut light, mut wrong) = (0, 0.0, 0.0);
         let mut errors = Vec::with_capacity(self.rays.len());
         for i in 0..self.rays.len() {
@@ -150,7 +150,7 @@ impl<'a> Judge<'a> {
         single: bool,
     ) -> Result<(Polynomial, Errors), String> {
         let Task { lens, film, .. } = *self.task;
-        let polynomial = Polynomial::with_rims(lens, film, fitted, order, &self.rims)
+        let polynomial = Polynomial::with_apertures(lens, film, fitted, order, &self.rims)
             .map_err(|error| error.to_string())?;
         let errors = if single {
             let lens = PolynomialLens::<f32>::new(&polynomial);
@@ -169,7 +169,7 @@ impl<'a> Judge<'a> {
 }
 
 /// The rims that block more of the rays than may be overlooked.
-fn blocking(task: &Task<'_>, rays: &Rays, exact: &Columns<f64>) -> Vec<usize> {
+fn blocking(task: &Task<'_>, rays: &Rays, exact: &RayArrays<f64>) -> Vec<usize> {
     /// Blocked rays looked at.
     const MOST: usize = 2000;
     let path = Path::<f64>::film_to_scene(task.lens);

@@ -6,7 +6,7 @@
 
 use crate::trace::{
     Blocked, Ray,
-    kernel::{Batch, Kernel, Precision, Shape},
+    kernel::{Batch, Grouping, Kernel, Precision},
     polynomial::PolynomialLens,
 };
 
@@ -52,18 +52,18 @@ impl<S: Precision> Shortened<S> {
 
     /// Traces rays from film points within, by the short way if there is one.
     #[inline(always)]
-    pub fn trace(&self, shape: Shape, batch: &mut impl Batch<S>) {
+    pub fn trace(&self, grouping: Grouping, batch: &mut impl Batch<S>) {
         match self.short.as_ref().map(|short| &short.way) {
-            None => self.trace_whole(shape, batch),
-            Some(Way::Kernel(kernel)) => kernel.trace(shape, batch),
-            Some(Way::Polynomials(lens)) => lens.trace(shape, batch),
+            None => self.trace_whole(grouping, batch),
+            Some(Way::Kernel(kernel)) => kernel.trace(grouping, batch),
+            Some(Way::Polynomials(lens)) => lens.trace(grouping, batch),
         }
     }
 
     /// Traces rays from any film points.
     #[inline(always)]
-    pub fn trace_whole(&self, shape: Shape, batch: &mut impl Batch<S>) {
-        self.whole.trace(shape, batch);
+    pub fn trace_whole(&self, grouping: Grouping, batch: &mut impl Batch<S>) {
+        self.whole.trace(grouping, batch);
     }
 
     /// Why a ray that does not get through is blocked.

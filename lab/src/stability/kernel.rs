@@ -1,11 +1,12 @@
 //! The tracers that are put to the test, by name.
 
 use crate::condition::Norm;
+use crate::kernel_rays::KernelRays;
 use crate::stability::case::BOUND;
 use realistic::{
     lens::{Lens, refraction::Refraction},
     trace::{
-        Direction, KernelRays, Path, Ray, Real,
+        Direction, Path, Ray, Real,
         kernel::{Precision, Simd},
     },
 };

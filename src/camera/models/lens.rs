@@ -30,7 +30,7 @@ use crate::{
         pupil::{EntrancePupil, limiting_surface},
     },
     plan::Plan,
-    trace::{Blocked, Direction, Path, Ray, Real, kernel::Shape},
+    trace::{Blocked, Direction, Path, Ray, Real, kernel::Grouping},
 };
 
 /// A camera with a real lens. Immutable, and may be shared between threads.
@@ -183,8 +183,8 @@ impl RealisticCamera {
     pub fn ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
         let (asked, mut numbers) = (Together::from(sample), [[0.0]; 7]);
         match &self.tracer {
-            Tracer::Double(pipeline) => pipeline.few(Shape::One, &asked, &mut numbers),
-            Tracer::Single(pipeline) => pipeline.few(Shape::One, &asked, &mut numbers),
+            Tracer::Double(pipeline) => pipeline.few(Grouping::One, &asked, &mut numbers),
+            Tracer::Single(pipeline) => pipeline.few(Grouping::One, &asked, &mut numbers),
             Tracer::Walk(walk) => return self.walk(walk, &{ *sample }),
             Tracer::WalkSingle(walk) => return self.walk(walk, &{ *sample }),
         }
@@ -208,8 +208,8 @@ impl RealisticCamera {
         };
         (rays.clip, rays.time) = (self.placement.clip, self.placement.time(sample.time));
         match &self.tracer {
-            Tracer::Double(pipeline) => pipeline.few(Shape::Quad, &asked, &mut rays.numbers),
-            Tracer::Single(pipeline) => pipeline.few(Shape::Quad, &asked, &mut rays.numbers),
+            Tracer::Double(pipeline) => pipeline.few(Grouping::Quad, &asked, &mut rays.numbers),
+            Tracer::Single(pipeline) => pipeline.few(Grouping::Quad, &asked, &mut rays.numbers),
             Tracer::Walk(_) | Tracer::WalkSingle(_) => {
                 for (i, [image_x, image_y]) in image.into_iter().enumerate() {
                     rays.set(i, self.ray(&Sample { image_x, image_y, ..*sample }));

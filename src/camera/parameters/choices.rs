@@ -66,7 +66,8 @@ pub enum Weighting {
     /// A cos⁴θ'/Z²: the mean over lens samples is film irradiance for unit radiance.
     #[default]
     Radiometric,
-    /// The assignment's cos⁴/Z².
+    /// The assignment's cos⁴/Z²: radiometric over an area that is the same for all film points. For a disk it is the
+    /// area samples are taken from; for the warped pupil, whose area varies, the paraxial exit pupil's.
     Assignment,
     /// Radiometric over its mean on the axis.
     Relative,

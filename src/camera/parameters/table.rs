@@ -180,7 +180,7 @@ parameters! {
     hither: f64 in NEAR, "world units", = "1e-3", EVERY, "where a ray begins, along it";
     yon: f64 in FAR, "world units", = "1e30", EVERY, "where a ray ends, along it, from `hither` on";
     shutteropen: f64 in TIME, "", = "0", EVERY, "time at which the shutter opens";
-    shutterclose: f64 in TIME, "", = "1", EVERY, "time at which the shutter closes";
+    shutterclose: f64 in TIME, "", = "1", EVERY, "time at which the shutter closes; before `shutteropen`, time runs backward, as in pbrt";
     weighting: Weighting, "", = "radiometric", LENSES, "how a ray's weight is measured";
     simpleweighting: bool, "", or "", LENSES, "pbrt-v3's name for `weighting`, true for \"relative\" and false for \"radiometric\"";
     pupil: Pupil, "", = "warped", TRACED, "where lens samples lie, in the true pupil of each film point, the rear element's disk, or the thick-lens exit pupil";

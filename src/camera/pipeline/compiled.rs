@@ -4,7 +4,7 @@ use crate::sampling::film_rays::FilmRays;
 use std::{cell::Cell, f64::consts::PI};
 
 use super::film_rays::{Asked, Drawing, Sampler};
-use crate::trace::kernel::{Approach, Batch, Cpu, End, Lanes, Shape, Start, from_plane};
+use crate::trace::kernel::{Approach, Batch, Cpu, End, Grouping, Lanes, Start, from_plane};
 use crate::{
     camera::{
         Film, RayArrays, Sample, SampleArrays,
@@ -53,7 +53,7 @@ impl<S: Turns> Pipeline<S> {
     /// weight is written, 0.
     pub fn many(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
         let mut job = Job { pipeline: self, samples, rays: &mut *rays, strays: Cell::new(false) };
-        self.lens.trace(Shape::Wide, &mut job);
+        self.lens.trace(Grouping::Wide, &mut job);
         if job.strays.get() {
             self.trace_strays(samples, rays);
         }

@@ -3,7 +3,7 @@
 use std::cell::Cell;
 
 use super::{compiled::Pipeline, film_rays::Asked};
-use crate::trace::kernel::{Approach, Batch, Cpu, End, Lanes, Shape, Start};
+use crate::trace::kernel::{Approach, Batch, Cpu, End, Grouping, Lanes, Start};
 use crate::{
     camera::{Sample, WorldRay},
     sampling::disk::Turns,
@@ -72,10 +72,10 @@ impl From<&Sample> for Together<1> {
 impl<S: Turns> Pipeline<S> {
     /// The rays of a few samples, as one or side by side, written over `rays`.
     #[inline(always)]
-    pub fn few<const N: usize>(&self, shape: Shape, asked: &Together<N>, rays: &mut Numbers<N>) {
+    pub fn few<const N: usize>(&self, grouping: Grouping, asked: &Together<N>, rays: &mut Numbers<N>) {
         let within = self.lens().within();
         let mut job = Job { pipeline: self, asked, rays: &mut *rays, within, strays: Cell::new(false) };
-        self.lens().trace(shape, &mut job);
+        self.lens().trace(grouping, &mut job);
         if job.strays.get() {
             self.few_strays(asked, rays);
         }
@@ -100,7 +100,7 @@ impl<S: Turns> Pipeline<S> {
         let mut ray = [[0.0]; 7];
         let (asked, strays) = (&sample.into(), Cell::new(false));
         let mut job = Job { pipeline: self, asked, rays: &mut ray, within: None, strays };
-        self.lens().trace_whole(Shape::One, &mut job);
+        self.lens().trace_whole(Grouping::One, &mut job);
         ray.map(|[number]| number)
     }
 }

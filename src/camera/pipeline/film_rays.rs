@@ -7,7 +7,8 @@ use crate::trace::kernel::{Compiled, Cpu, Lanes, Portable, Simd};
 use crate::{
     camera::{Film, Sample},
     sampling::{
-        DiskMapping, Drawn, PupilDisk, WarpedPupil, disk::Turns, pupil_disk::LaneDisk, warped::Frame,
+        DiskMapping, PupilDisk, PupilSample, WarpedPupil, disk::Turns, pupil_disk::LaneDisk,
+        warped::LanePupil,
     },
 };
 
@@ -22,10 +23,10 @@ pub(crate) enum Sampler {
 
 impl Sampler {
     /// The slope for a point of the unit disk; `None` where the film is dark.
-    pub fn draw(&self, film: [f64; 2], disk: [f64; 2]) -> Option<Drawn> {
+    pub fn draw(&self, film: [f64; 2], disk: [f64; 2]) -> Option<PupilSample> {
         match self {
-            Self::Disk(pupil) => Some(pupil.draw(film, disk)),
-            Self::Warped(pupil) => pupil.draw(film, disk),
+            Self::Disk(pupil) => Some(pupil.sample(film, disk)),
+            Self::Warped(pupil) => pupil.sample(film, disk),
         }
     }
 }
@@ -43,7 +44,7 @@ pub(crate) struct Drawing<S> {
 #[derive(Clone, Debug)]
 enum Pupil<S> {
     Disk(LaneDisk<S>),
-    Warped(Arc<WarpedPupil>, Frame<S>),
+    Warped(Arc<WarpedPupil>, LanePupil<S>),
 }
 
 /// Samples.
@@ -59,7 +60,7 @@ impl<S: Turns> Drawing<S> {
     pub fn new(film: &Film, mapping: DiskMapping, sampler: &Sampler) -> Self {
         let pupil = match sampler {
             Sampler::Disk(disk) => Pupil::Disk(disk.lane_disk()),
-            Sampler::Warped(pupil) => Pupil::Warped(pupil.clone(), pupil.frame()),
+            Sampler::Warped(pupil) => Pupil::Warped(pupil.clone(), pupil.lane_pupil()),
         };
         Self {
             middle: film.middle().map(|x| S::from_f64(x * film.pixel())),
@@ -141,7 +142,7 @@ impl<S: Turns> Compiled for Radius<'_, S> {
     #[inline(always)]
     fn run(self) {
         let asked = self.sample.lane();
-        let Portable([square]) = self.drawing.unaimed(Cpu::any(), &asked).radius_squared();
+        let Portable([square]) = self.drawing.unaimed(Portable::cpu(), &asked).radius_squared();
         *self.square = square;
     }
 }
@@ -156,7 +157,7 @@ impl<S: Turns> Compiled for One<'_, S> {
     #[inline(always)]
     fn run(self) {
         let asked = self.sample.lane();
-        let [FilmRays { point, disk, slopes, area_per_pi }] = self.drawing.lanes(Cpu::any(), &[asked]);
+        let [FilmRays { point, disk, slopes, area_per_pi }] = self.drawing.lanes(Portable::cpu(), &[asked]);
         let wide = |pair: [Portable<S, 1>; 2]| pair.map(|Portable([number])| number.to_f64());
         *self.ray = FilmRays {
             point: wide(point),

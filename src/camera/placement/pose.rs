@@ -15,7 +15,7 @@ pub(crate) struct Placement {
     pub to_world: CameraMotion,
     /// World units along a ray: where it begins and ends.
     pub clip: [f32; 2],
-    /// When the shutter opens and closes.
+    /// When the shutter opens and closes, in either order: time runs from the first to the second.
     pub shutter: [f32; 2],
 }
 

@@ -35,27 +35,18 @@ pub(crate) fn placement(
     given: &Parameters,
     host: &Host,
 ) -> Result<Placement, CameraError> {
-    not_before(("hither", hither), ("yon", yon))?;
-    let (open, close) = (given.shutteropen()?, given.shutterclose()?);
-    not_before(("shutteropen", open), ("shutterclose", close))?;
-    let shutter = [open as f32, close as f32];
+    if yon < hither {
+        let range = format!("at least \"hither\", which is {hither}");
+        return Err(ParameterError::out_of_range("yon", yon, &range).into());
+    }
+    // In either order, as pbrt's stock cameras take them: time then runs backward.
+    let shutter = [given.shutteropen()? as f32, given.shutterclose()? as f32];
     let to_world = match host.to_world.at(shutter[0]) {
         // A moving camera seen at one moment stands still.
         at_once if host.leave_out && shutter[0] == shutter[1] => at_once.into_owned().into(),
         _ => host.to_world.clone(),
     };
     Ok(Placement { to_world, clip: [hither as f32, yon as f32], shutter })
-}
-
-fn not_before(
-    (low_name, low): (&str, f64),
-    (high_name, high): (&'static str, f64),
-) -> Result<(), ParameterError> {
-    if high < low {
-        let range = format!("at least \"{low_name}\", which is {low}");
-        return Err(ParameterError::out_of_range(high_name, high, &range));
-    }
-    Ok(())
 }
 
 /// How lens samples map to the disk, for a host that may not be able to draw again.

@@ -9,6 +9,7 @@ pub mod avx2;
 pub mod avx512;
 mod portable;
 mod scalar;
+mod unrolled;
 
 use std::{
     marker::PhantomData,
@@ -19,6 +20,7 @@ use crate::trace::Real;
 
 pub use portable::Portable;
 pub use scalar::Scalar;
+pub(in crate::trace) use unrolled::each_further;
 
 /// The knowledge that this processor has the instructions of `L`, without which no vector is made.
 pub struct Cpu<L>(PhantomData<fn() -> L>);
@@ -39,14 +41,6 @@ impl<L> Cpu<L> {
     /// compiled for those instructions.
     #[inline(always)]
     pub unsafe fn assume() -> Self {
-        Self(PhantomData)
-    }
-}
-
-impl<S: Scalar, const N: usize> Cpu<Portable<S, N>> {
-    /// Every processor has what this one needs.
-    #[inline(always)]
-    pub fn any() -> Self {
         Self(PhantomData)
     }
 }

@@ -1,4 +1,4 @@
-//! The algorithm: rays in lanes, taken through a table step by step.
+//! Rays in lanes on their moved through a lens, and what each kind of step does to them.
 //!
 //! In the frame of a surface's vertex, axis along the travel, V = n D, c = 1/R (positive when the
 //! centre lies ahead), N = (-c x, -c y, 1 - c z) and K = n'² - n²:
@@ -12,9 +12,9 @@
 
 use super::{
     lanes::{Cpu, Lanes, Scalar},
-    table::{Handover, Link, Plane, Rim, Step, Stop, Table},
+    table::{ApertureTest, Link, Plane, Sphere, Step, Stop, Table, Transfer},
 };
-use crate::trace::Real;
+use crate::numeric::Real;
 
 /// Rays ready for the first surface, in its vertex's frame.
 #[derive(Clone, Copy)]
@@ -30,7 +30,7 @@ pub enum Start<L> {
         /// Vz² = 1/(1 + s²).
         cos2: L,
         /// How far along the axis the ray was moved on from where it began.
-        way: L,
+        moved: L,
     },
     /// Anywhere.
     Anywhere {
@@ -52,117 +52,44 @@ pub struct End<L: Lanes> {
     pub passed: L::Mask,
 }
 
-/// Rays on their way.
+/// Rays on their moved.
 #[derive(Clone, Copy)]
-pub struct Ray<L: Lanes> {
-    pub(super) x: L,
-    pub(super) y: L,
-    pub(super) vx: L,
-    pub(super) vy: L,
-    pub(super) vz: L,
+pub struct RayLanes<L: Lanes> {
+    pub x: L,
+    pub y: L,
+    pub vx: L,
+    pub vy: L,
+    pub vz: L,
     /// z above the last vertex, or N_z there, as the table has it.
-    pub(super) height: L,
+    pub height: L,
     /// e' behind the last surface.
-    pub(super) root: L,
+    pub root: L,
     passed: L::Mask,
     /// The squared cosine to the axis with which they set out.
     pub cos2: L,
 }
 
-/// Takes vectors of rays through all surfaces but the first, each surface for all of them.
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub fn march<L: Lanes, const U: usize>(cpu: Cpu<L>, table: &Table<L::Scalar>, rays: &mut [Ray<L>; U]) {
-    // Loops and not closures, here and below: a closure that is not inlined would be compiled for
-    // another processor than the function it stands in.
-    for step in &table.steps[1..] {
-        match step {
-            Step::Link(link) => {
-                if link.forward {
-                    for ray in &mut *rays {
-                        ray.go_forward(cpu);
-                    }
-                }
-                let none = L::Scalar::ZERO;
-                match (link.rim, link.rarer) {
-                    (Rim::Slope(least), false) => cross::<L, U, SLOPE, false>(cpu, link, least, rays),
-                    (Rim::Slope(least), true) => cross::<L, U, SLOPE, true>(cpu, link, least, rays),
-                    (Rim::Height(most), false) => cross::<L, U, HEIGHT, false>(cpu, link, most, rays),
-                    (Rim::Height(most), true) => cross::<L, U, HEIGHT, true>(cpu, link, most, rays),
-                    (Rim::Untested, false) => cross::<L, U, UNTESTED, false>(cpu, link, none, rays),
-                    (Rim::Untested, true) => cross::<L, U, UNTESTED, true>(cpu, link, none, rays),
-                }
-            }
-            Step::Stop(stop) => {
-                for ray in &mut *rays {
-                    ray.stop(cpu, stop);
-                }
-            }
-            Step::Sphere(sphere) => {
-                if sphere.tests.forward {
-                    for ray in &mut *rays {
-                        ray.go_forward(cpu);
-                    }
-                }
-                if sphere.plain {
-                    for ray in &mut *rays {
-                        let minus_z = ray.minus_z(cpu, &sphere.handover);
-                        ray.sphere::<true>(cpu, sphere, minus_z, None);
-                    }
-                } else {
-                    for ray in &mut *rays {
-                        let minus_z = ray.minus_z(cpu, &sphere.handover);
-                        ray.sphere::<false>(cpu, sphere, minus_z, None);
-                    }
-                }
-            }
-            Step::Renewal(length) => {
-                for ray in &mut *rays {
-                    ray.scale_to(cpu, *length);
-                }
-            }
-            Step::Plane(plane) => {
-                for ray in &mut *rays {
-                    let minus_z = ray.minus_z(cpu, &plane.handover);
-                    ray.plane::<false>(cpu, plane, minus_z, None);
-                }
-            }
-        }
-    }
-}
+/// How a link's limit is told: [`ApertureTest`] as a constant.
+pub const UNTESTED: u8 = 0;
+pub const HEIGHT: u8 = 1;
+pub const NORMAL_Z: u8 = 2;
 
-/// How a link's rim is told: [`Rim`] as a constant.
-const UNTESTED: u8 = 0;
-const HEIGHT: u8 = 1;
-const SLOPE: u8 = 2;
-
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn cross<L: Lanes, const U: usize, const RIM: u8, const RARER: bool>(
-    cpu: Cpu<L>,
-    link: &Link<L::Scalar>,
-    rim: L::Scalar,
-    rays: &mut [Ray<L>; U],
-) {
-    for ray in rays {
-        ray.link::<RIM, RARER>(cpu, link, rim);
-    }
-}
-
-impl<L: Lanes> Ray<L> {
+impl<L: Lanes> RayLanes<L> {
     /// Through the first surface.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn enter(cpu: Cpu<L>, table: &Table<L::Scalar>, start: Start<L>) -> Self {
         let zero = L::splat(cpu, L::Scalar::ZERO);
         match (&table.steps[0], start) {
-            (Step::Sphere(sphere), Start::Flat { x, y, slopes, stretch, cos2, way }) => {
+            (Step::Sphere(sphere), Start::Flat { x, y, slopes, stretch, cos2, moved }) => {
                 let vz = cos2.sqrt();
                 let mut ray = Self::at(cpu, [x, y], [slopes[0] * vz, slopes[1] * vz, vz], cos2);
-                ray.first_sphere(cpu, sphere, slopes, stretch, way);
+                ray.first_sphere(cpu, sphere, slopes, stretch, moved);
                 ray
             }
-            (Step::Plane(plane), Start::Flat { x, y, slopes, cos2, way, .. }) => {
+            (Step::Plane(plane), Start::Flat { x, y, slopes, cos2, moved, .. }) => {
                 let vz = cos2.sqrt();
                 let mut ray = Self::at(cpu, [x, y], [slopes[0] * vz, slopes[1] * vz, vz], cos2);
-                ray.plane::<true>(cpu, plane, zero, Some(way));
+                ray.plane::<true>(cpu, plane, zero, Some(moved));
                 ray
             }
             (Step::Sphere(sphere), Start::Anywhere { x, y, minus_z, v, lead }) => {
@@ -178,7 +105,7 @@ impl<L: Lanes> Ray<L> {
                 ray.plane::<false>(cpu, plane, minus_z, Some(lead));
                 ray
             }
-            (Step::Link(_) | Step::Stop(_) | Step::Renewal(_), _) => {
+            (Step::Link(_) | Step::Stop(_) | Step::Renormalise(_), _) => {
                 unreachable!("the first step meets the ray anywhere")
             }
         }
@@ -191,52 +118,52 @@ impl<L: Lanes> Ray<L> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn keep(&mut self, mask: L::Mask) {
+    pub fn keep(&mut self, mask: L::Mask) {
         self.passed = L::both(self.passed, mask);
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn go_forward(&mut self, cpu: Cpu<L>) {
+    pub fn go_forward(&mut self, cpu: Cpu<L>) {
         self.keep(L::splat(cpu, L::Scalar::ZERO).less(self.vz));
     }
 
     /// The root's argument must be a number well above 0: neither missed nor totally reflected.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn keep_root(&mut self, cpu: Cpu<L>, square: L) {
+    pub fn keep_root(&mut self, cpu: Cpu<L>, square: L) {
         self.keep(L::splat(cpu, L::Scalar::NO_SQUARE).less(square));
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn minus_z(&self, cpu: Cpu<L>, handover: &Handover<L::Scalar>) -> L {
-        self.height.mul_add(L::splat(cpu, handover.factor), L::splat(cpu, handover.offset))
+    pub fn minus_z(&self, cpu: Cpu<L>, transfer: &Transfer<L::Scalar>) -> L {
+        self.height.mul_add(L::splat(cpu, transfer.factor), L::splat(cpu, transfer.offset))
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn height_squared(&self) -> L {
+    pub fn height_squared(&self) -> L {
         self.y.mul_add(self.y, self.x * self.x)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn advance(&mut self, t: L) {
+    pub fn advance(&mut self, t: L) {
         self.x = t.mul_add(self.vx, self.x);
         self.y = t.mul_add(self.vy, self.y);
     }
 
     /// V + G N.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn bend(&mut self, minus_c: L, gain: L, slope: L) {
+    pub fn bend(&mut self, minus_c: L, gain: L, normal_z: L) {
         let k = minus_c * gain;
         self.vx = k.mul_add(self.x, self.vx);
         self.vy = k.mul_add(self.y, self.vy);
-        self.vz = gain.mul_add(slope, self.vz);
+        self.vz = gain.mul_add(normal_z, self.vz);
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn link<const RIM: u8, const RARER: bool>(
+    pub fn link<const TEST: u8, const RARER: bool>(
         &mut self,
         cpu: Cpu<L>,
         link: &Link<L::Scalar>,
-        rim: L::Scalar,
+        limit: L::Scalar,
     ) {
         let (alpha, rho) = (L::splat(cpu, link.alpha), L::splat(cpu, link.rho));
         let minus_2phi =
@@ -247,20 +174,116 @@ impl<L: Lanes> Ray<L> {
         let square_after = g.mul_add(g, minus_2phi + L::splat(cpu, link.index_step));
         let [before, after] = L::sqrt_pair(square, square_after);
         let delta = g - before;
-        let slope = delta.neg_mul_add(self.vz * L::splat(cpu, link.per_n2), rho.mul_add(self.height, alpha));
+        let normal_z =
+            delta.neg_mul_add(self.vz * L::splat(cpu, link.per_n2), rho.mul_add(self.height, alpha));
         self.advance(delta * L::splat(cpu, link.per_cn2));
-        self.bend(L::splat(cpu, link.minus_c), after - before, slope);
-        (self.height, self.root) = (slope, after);
+        self.bend(L::splat(cpu, link.minus_c), after - before, normal_z);
+        (self.height, self.root) = (normal_z, after);
         self.keep_root(cpu, if RARER { square_after } else { square });
-        match RIM {
-            SLOPE => self.keep(L::splat(cpu, rim).less_equal(slope)),
-            HEIGHT => self.keep(self.height_squared().less_equal(L::splat(cpu, rim))),
+        match TEST {
+            NORMAL_Z => self.keep(L::splat(cpu, limit).less_equal(normal_z)),
+            HEIGHT => self.keep(self.height_squared().less_equal(L::splat(cpu, limit))),
             _ => {}
         }
     }
 
+    /// `PLAIN`: the sphere is (see [`Sphere::plain`]).
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn plane<const FLAT: bool>(
+    pub fn sphere<const PLAIN: bool>(
+        &mut self,
+        cpu: Cpu<L>,
+        sphere: &Sphere<L::Scalar>,
+        mut minus_z: L,
+        lead: Option<L>,
+    ) {
+        let minus_c = L::splat(cpu, sphere.minus_c);
+        let mut lead = lead.unwrap_or(L::splat(cpu, L::Scalar::ZERO));
+        if !PLAIN && sphere.far {
+            let t = minus_z / self.vz;
+            self.advance(t);
+            (minus_z, lead) = (L::splat(cpu, L::Scalar::ZERO), t);
+        }
+        let across = self.y.mul_add(self.vy, self.x * self.vx);
+        let along = minus_z.neg_mul_add(self.vz, across);
+        let half_c = L::splat(cpu, sphere.half_c);
+        let f = half_c.mul_add(minus_z.mul_add(minus_z, self.height_squared()), minus_z);
+        let g = minus_c.mul_add(along, self.vz);
+        let minus_2phi = f * L::splat(cpu, sphere.minus_2cn2);
+        let square = g.mul_add(g, minus_2phi);
+        let square_after = g.mul_add(g, minus_2phi + L::splat(cpu, sphere.index_step));
+        let [before, after] = L::sqrt_pair(square, square_after);
+        let strong = (g - before) * L::splat(cpu, sphere.per_cn2);
+        let t = if PLAIN || sphere.strong {
+            strong
+        } else {
+            L::select(L::splat(cpu, L::Scalar::ZERO).less(g), (f + f) / (g + before), strong)
+        };
+        self.advance(t);
+        self.pass::<PLAIN>(cpu, sphere, t.mul_sub(self.vz, minus_z), [square, square_after], [before, after]);
+        if !PLAIN && sphere.tests.onward {
+            self.keep(L::splat(cpu, -sphere.slack).less_equal(lead + t));
+        }
+    }
+
+    /// A sphere met from its vertex plane with slopes s. With G = g/Vz = 1 - c (x, y)·s and
+    /// E² = (e/Vz)² = G² - 2 c n² f (1 + s²), z = t Vz = (G - E) Vz²/(c n²): nothing waits for Vz, itself a root.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn first_sphere(
+        &mut self,
+        cpu: Cpu<L>,
+        sphere: &Sphere<L::Scalar>,
+        [sx, sy]: [L; 2],
+        stretch: L,
+        moved: L,
+    ) {
+        let zero = L::splat(cpu, L::Scalar::ZERO);
+        if sphere.tests.forward {
+            self.go_forward(cpu);
+        }
+        let across = self.y.mul_add(sy, self.x * sx);
+        let g = L::splat(cpu, sphere.minus_c).mul_add(across, L::splat(cpu, L::Scalar::ONE));
+        let f = L::splat(cpu, sphere.half_c) * self.height_squared();
+        let stretched = stretch.mul_add(f * L::splat(cpu, sphere.minus_2cn2), g * g);
+        let square = stretched * self.cos2;
+        let square_after = stretched.mul_add(self.cos2, L::splat(cpu, sphere.index_step));
+        let [e, after] = L::sqrt_pair(stretched, square_after);
+        let strong = (g - e) * (self.cos2 * L::splat(cpu, sphere.per_cn2));
+        let z = if sphere.strong { strong } else { L::select(zero.less(g), (f + f) / (g + e), strong) };
+        self.x = z.mul_add(sx, self.x);
+        self.y = z.mul_add(sy, self.y);
+        // Vz goes on to change: the test's slack is in units of the one before.
+        let slack = self.vz * L::splat(cpu, -sphere.slack);
+        self.pass::<false>(cpu, sphere, z, [square, square_after], [e * self.vz, after]);
+        if sphere.tests.onward {
+            self.keep(slack.less_equal(moved + z));
+        }
+    }
+
+    /// Through a sphere's aperture at the height `z` and on behind it.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn pass<const PLAIN: bool>(
+        &mut self,
+        cpu: Cpu<L>,
+        sphere: &Sphere<L::Scalar>,
+        z: L,
+        [square, square_after]: [L; 2],
+        [before, after]: [L; 2],
+    ) {
+        let minus_c = L::splat(cpu, sphere.minus_c);
+        let normal_z = minus_c.mul_add(z, L::splat(cpu, L::Scalar::ONE));
+        self.bend(minus_c, after - before, normal_z);
+        (self.height, self.root) = (if PLAIN || sphere.carries_normal { normal_z } else { z }, after);
+        self.keep_root(cpu, if sphere.index_step < L::Scalar::ZERO { square_after } else { square });
+        let least =
+            if let ApertureTest::NormalZ(least) = sphere.aperture_test { least } else { L::Scalar::ZERO };
+        self.keep(L::splat(cpu, least).less_equal(normal_z));
+        if !PLAIN && let ApertureTest::Height(most) = sphere.aperture_test {
+            self.keep(self.height_squared().less_equal(L::splat(cpu, most)));
+        }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn plane<const FLAT: bool>(
         &mut self,
         cpu: Cpu<L>,
         plane: &Plane<L::Scalar>,
@@ -292,10 +315,10 @@ impl<L: Lanes> Ray<L> {
         self.height = zero;
     }
 
-    /// |z (Vx, Vy) + Vz (x, y)| <= a Vz, z the way to the stop: no move and no division.
+    /// |z (Vx, Vy) + Vz (x, y)| <= a Vz, z the moved to the stop: no move and no division.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn stop(&mut self, cpu: Cpu<L>, stop: &Stop<L::Scalar>) {
-        let ahead = self.minus_z(cpu, &stop.handover);
+    pub fn stop(&mut self, cpu: Cpu<L>, stop: &Stop<L::Scalar>) {
+        let ahead = self.minus_z(cpu, &stop.transfer);
         let x = ahead.mul_add(self.vx, self.x * self.vz);
         let y = ahead.mul_add(self.vy, self.y * self.vz);
         let limit = (self.vz * self.vz) * L::splat(cpu, stop.aperture);
@@ -310,7 +333,7 @@ impl<L: Lanes> Ray<L> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn scale_to(&mut self, cpu: Cpu<L>, length: [L::Scalar; 2]) {
+    pub fn scale_to(&mut self, cpu: Cpu<L>, length: [L::Scalar; 2]) {
         let factor = self.factor(cpu, length);
         (self.vx, self.vy, self.vz) = (self.vx * factor, self.vy * factor, self.vz * factor);
     }
@@ -320,7 +343,7 @@ impl<L: Lanes> Ray<L> {
     pub fn leave(self, cpu: Cpu<L>, table: &Table<L::Scalar>) -> End<L> {
         let z = self.height.mul_add(L::splat(cpu, table.exit.factor), L::splat(cpu, table.exit.offset));
         let factor = self.factor(cpu, table.unit);
-        let along = factor * L::splat(cpu, L::Scalar::from_f64(table.sense));
+        let along = factor * L::splat(cpu, L::Scalar::from_f64(table.travel_sign));
         End {
             origin: [self.x, self.y, z],
             direction: [self.vx * factor, self.vy * factor, self.vz * along],

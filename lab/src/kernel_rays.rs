@@ -4,18 +4,28 @@
 //! brought near the lens here, so that the kernel's numbers keep the digits of the lens and not those of
 //! the distance.
 
-use super::{
-    Blocked, Direction, Path, Ray, Real,
-    kernel::{Columns, Kernel, PlaneRays, Precision, Simd, Traced},
-    walk::{STEEP, unit},
+use realistic::{
+    lens::{Lens, refraction::Refraction},
+    numeric::unit,
+    trace::{
+        Blocked, Direction, Path, Ray, Real,
+        kernel::{Kernel, PlaneRays, Precision, RayArrays, Simd, Traced},
+    },
 };
-use crate::lens::{Lens, refraction::Refraction};
+
+/// Squared cosine of the angle to the axis below which a ray meets the first vertex plane too far out for
+/// that to be the place to start from.
+const STEEP: f64 = 0.01;
 
 /// A lens compiled for rays given one a struct.
 #[derive(Clone, Debug)]
 pub struct KernelRays<S> {
     kernel: Kernel<S>,
     path: Path<f64>,
+    /// z of the first vertex, lens space, mm.
+    entry: f64,
+    /// 1 for travel toward +z, -1 for the other.
+    travel_sign: f64,
     /// How far before the first vertex plane a ray from farther away sets out, mm.
     near: f64,
 }
@@ -32,12 +42,12 @@ impl<S: Precision + Real> KernelRays<S> {
     /// Compiles a lens for the instructions named; `None` where the processor lacks them.
     pub fn new(lens: &Lens, direction: Direction, simd: Simd) -> Option<Self> {
         let kernel = Kernel::with_simd(lens, direction, simd)?;
-        let first = match direction {
-            Direction::FilmToScene => lens.rear(),
-            Direction::SceneToFilm => lens.front(),
+        let (first, travel_sign) = match direction {
+            Direction::FilmToScene => (lens.rear(), 1.0),
+            Direction::SceneToFilm => (lens.front(), -1.0),
         };
         let path = Path::new(lens, direction, Refraction::Fused);
-        Some(Self { kernel, path, near: first.semi_diameter })
+        Some(Self { kernel, path, entry: first.vertex, travel_sign, near: first.semi_diameter })
     }
 
     /// One ray, as a camera traces a single one: the ray as it leaves, a unit vector in double precision,
@@ -84,7 +94,7 @@ impl<S: Precision + Real> KernelRays<S> {
             let [x, y] = [0, 1].map(|i| column(&|start| start.point[i]));
             let [slope_x, slope_y] = [0, 1].map(|i| column(&|start| start.slopes[i]));
             let from = PlaneRays { plane, x: &x, y: &y, slope_x: &slope_x, slope_y: &slope_y };
-            let mut columns = Columns::new(starts.len());
+            let mut columns = RayArrays::new(starts.len());
             self.kernel.trace_batch(&from, &mut columns.rays());
             for (i, (number, _)) in starts.iter().enumerate() {
                 out[*number] = columns.get(i).map(widen);
@@ -99,7 +109,7 @@ impl<S: Precision + Real> KernelRays<S> {
 
     /// Many rays in one batch, each from where it begins.
     pub fn in_place(&self, rays: &[Ray]) -> Vec<Option<Ray>> {
-        let mut columns = Columns::new(rays.len());
+        let mut columns = RayArrays::new(rays.len());
         for (i, ray) in rays.iter().enumerate() {
             let Ray { origin, direction } = self.near(ray);
             columns.put(i, origin, direction);
@@ -116,12 +126,12 @@ impl<S: Precision + Real> KernelRays<S> {
     /// The ray as one from a plane: its own, or one near the lens where it comes from farther away. `None`
     /// where it travels along the first vertex plane, or back from it.
     fn on_plane(&self, ray: &Ray) -> Option<FromPlane> {
-        let sense = self.path.sense();
+        let travel_sign = self.travel_sign;
         let direction = unit(ray.direction);
         let slopes = [direction[0] / direction[2], direction[1] / direction[2]];
-        let (entry, _) = self.path.to_entry(*ray, sense);
-        let before = sense * (self.path.entry - ray.origin[2]);
-        let along = sense * direction[2];
+        let (entry, _) = self.path.to_entry(*ray);
+        let before = travel_sign * (self.entry - ray.origin[2]);
+        let along = travel_sign * direction[2];
         // On the vertex plane, or on the way there.
         if !(along > 0.0 && along * along > STEEP && (entry[2] == 0.0 || before <= self.near)) {
             return None;
@@ -130,23 +140,23 @@ impl<S: Precision + Real> KernelRays<S> {
             let [x, y, plane] = ray.origin;
             return Some(FromPlane { plane, point: [x, y], slopes });
         }
-        let back = -sense * self.near;
+        let back = -travel_sign * self.near;
         let point = [0, 1].map(|i| entry[i] + back * slopes[i]);
-        Some(FromPlane { plane: self.path.entry + back, point, slopes })
+        Some(FromPlane { plane: self.entry + back, point, slopes })
     }
 
     /// The ray with an origin near the lens where it comes from afar.
     fn near(&self, ray: &Ray) -> Ray {
-        let sense = self.path.sense();
+        let travel_sign = self.travel_sign;
         let direction = unit(ray.direction);
-        let (entry, moved) = self.path.to_entry(*ray, sense);
+        let (entry, moved) = self.path.to_entry(*ray);
         let size = entry.iter().map(|x| x * x).sum::<f64>().sqrt() + self.near;
         // What is not a number stays as it is, and is blocked.
         if !(moved > 4.0 * size) {
             return Ray { direction, ..*ray };
         }
         let [x, y, z] = entry;
-        let at = [x, y, self.path.entry + sense * z];
+        let at = [x, y, self.entry + travel_sign * z];
         Ray { origin: [0, 1, 2].map(|i| at[i] - 2.0 * size * direction[i]), direction }
     }
 }
@@ -163,11 +173,11 @@ fn widen<S: Real>(traced: Traced<S>) -> Ray {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::prescription::catalogue;
+    use realistic::prescription::catalogue;
 
     /// Rays from both sides, near and far, some of which are blocked.
     fn rays(lens: &Lens, direction: Direction) -> Vec<Ray> {
-        let (first, sense) = match direction {
+        let (first, travel_sign) = match direction {
             Direction::FilmToScene => (lens.rear(), 1.0),
             Direction::SceneToFilm => (lens.front(), -1.0),
         };
@@ -177,8 +187,8 @@ mod tests {
                 let distance = [0.8, 3.0, 3.0, 1e3, 1e7][i as usize % 5] * first.semi_diameter;
                 let target = [at(i, 13) * first.semi_diameter, at(i, 37) * first.semi_diameter];
                 let from = [0.2 * distance * at(i, 7), 0.2 * distance * at(i, 59)];
-                let origin = [from[0], from[1], first.vertex - sense * distance];
-                let direction = [target[0] - from[0], target[1] - from[1], sense * distance];
+                let origin = [from[0], from[1], first.vertex - travel_sign * distance];
+                let direction = [target[0] - from[0], target[1] - from[1], travel_sign * distance];
                 Ray { origin, direction }
             })
             .collect()

@@ -1,8 +1,8 @@
-//! Text to rows of words that know where they stand.
+//! Text to lines of words that know where they stand: what a reader of any format begins with.
 
 use std::borrow::Cow;
 
-use crate::prescription::LensFileError;
+use crate::prescription::{error::LensFileError, limits::MAX_INTERFACES};
 
 /// One value of the table.
 #[derive(Clone, Debug)]
@@ -15,25 +15,26 @@ pub(super) struct Word {
 
 /// One line that has values; never empty.
 #[derive(Clone, Debug)]
-pub(super) struct Row {
+pub(super) struct Line {
     pub words: Vec<Word>,
 }
 
-/// All rows of a file.
+/// The lines of a file that have values.
 #[derive(Debug)]
-pub(super) struct Rows {
+pub(super) struct Lines {
     file: String,
-    pub rows: Vec<Row>,
+    pub lines: Vec<Line>,
     /// The text of the first comment that has any.
     pub title: Option<String>,
-    lines: usize,
+    /// How many lines the file has, with those that have no values.
+    count: usize,
 }
 
-impl Rows {
+impl Lines {
     pub(super) fn split(file: &str, bytes: &[u8]) -> Result<Self, LensFileError> {
-        let mut all = Self { file: file.to_owned(), rows: Vec::new(), title: None, lines: 0 };
+        let mut all = Self { file: file.to_owned(), lines: Vec::new(), title: None, count: 0 };
         for (number, line) in decoded(bytes).split(|&byte| byte == b'\n').enumerate() {
-            all.lines = number + 1;
+            all.count = number + 1;
             let data_end = line.iter().position(|&byte| byte == b'#').unwrap_or(line.len());
             let (data, comment) = line.split_at(data_end);
             if all.title.is_none() {
@@ -41,9 +42,9 @@ impl Rows {
                 let text = text.trim_matches(|c: char| c == '#' || c.is_whitespace());
                 all.title = (!text.is_empty()).then(|| text.to_owned());
             }
-            let words = all.words(all.lines, data)?;
+            let words = all.words(all.count, data)?;
             if !words.is_empty() {
-                all.rows.push(Row { words });
+                all.lines.push(Line { words });
             }
         }
         Ok(all)
@@ -98,12 +99,20 @@ impl Rows {
         if number.is_finite() { Ok(number) } else { Err(wrong("not finite")) }
     }
 
+    /// That there are at most [`MAX_INTERFACES`] lines of one kind.
+    pub(super) fn at_most(&self, some: &[Line], limit: &str) -> Result<(), LensFileError> {
+        some.get(MAX_INTERFACES).map_or(Ok(()), |beyond| {
+            let message = format!("row {} of {}; {limit}", MAX_INTERFACES + 1, some.len());
+            Err(self.error(&beyond.words[0], &message))
+        })
+    }
+
     pub(super) fn error(&self, word: &Word, message: &str) -> LensFileError {
         self.error_at(word.line, word.column, message)
     }
 
     pub(super) fn error_at_end(&self, message: &str) -> LensFileError {
-        self.error_at(self.lines, 1, message)
+        self.error_at(self.count, 1, message)
     }
 
     fn error_at(&self, line: usize, column: usize, message: &str) -> LensFileError {

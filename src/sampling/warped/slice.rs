@@ -15,7 +15,7 @@ pub(crate) const TRACE_EVERY: usize = 8;
 /// How much larger than the outline the map is made, relative, for what interpolation leaves out.
 const MARGIN: f64 = 6e-4;
 /// Where the pupil has shrunk below this part of the one on the axis the margin grows as the
-/// pupil's width shrinks: rows lie too far apart there, and little light is lost by rejections.
+/// pupil's width shrinks: slices lie too far apart there, and little light is lost by rejections.
 const VANISHING: f64 = 0.002;
 
 /// The disk's directions at the knots: pseudo-angles q = 1 - cos/(|cos| + sin) in equal steps from
@@ -38,13 +38,13 @@ impl Knots {
 
 /// The map at one film radius h: d -> C + M(direction of d) d, as complex numbers.
 #[derive(Clone, Debug)]
-pub(crate) struct Row {
+pub(crate) struct Slice {
     /// Film radius, mm.
     pub height: f64,
     /// C/h, 1/mm: the pupil's centre lies at the slope c h along the film point's direction.
     pub center: f64,
-    /// (1 - τ)/h², 1/mm²: in the film point's direction the map is squeezed to τ of its size.
-    pub squeeze: f64,
+    /// (1 - τ)/h², 1/mm²: in the film point's direction the map is narrowed to τ of its size.
+    pub narrowing: f64,
     /// M at the knots.
     pub factors: Vec<[f64; 2]>,
     /// Area of the pupil, in slope².
@@ -57,13 +57,13 @@ pub(crate) struct Row {
     pub fitted: bool,
 }
 
-impl Row {
+impl Slice {
     /// A whole disk of slopes.
     pub fn disk(height: f64, center: f64, radius: f64, fitted: bool) -> Self {
         Self {
             height,
             center,
-            squeeze: 0.0,
+            narrowing: 0.0,
             factors: vec![[radius, 0.0]; CELLS + 1],
             area: PI * radius * radius,
             corners: 0,
@@ -72,7 +72,7 @@ impl Row {
         }
     }
 
-    /// The map onto an outline that takes equal areas of the disk to equal areas, squeezed to the outline's width over
+    /// The map onto an outline that takes equal areas of the disk to equal areas, narrowed to the outline's width over
     /// its height where that lies between `least` and 1. The pupil on the axis has `axis_area`.
     pub fn fit(view: &View<'_>, outline: &Outline, knots: &Knots, axis_area: f64, least: f64) -> Self {
         let mut sectors = Vec::with_capacity(outline.pieces.len());
@@ -82,7 +82,7 @@ impl Row {
             total += sector.area;
             sectors.push(sector);
         }
-        let area = 2.0 * view.width * total;
+        let area = 2.0 * view.width_scale * total;
         let margin = MARGIN * (VANISHING * axis_area / area).sqrt().clamp(1.0, MARGIN.recip());
         let mut number = 0;
         let mut radii = Vec::with_capacity(CELLS + 1);
@@ -104,8 +104,8 @@ impl Row {
         let points = angles.iter().zip(&radii).map(|(&angle, radius)| direction(angle).map(|x| x * radius));
         let points: Vec<[f64; 2]> = points.collect();
         let highest = points.iter().fold(f64::MIN_POSITIVE, |most, point| most.max(point[1]));
-        let width = (view.width * points[0][0] / highest).clamp(least, 1.0);
-        let scale = [view.width / width * (1.0 + margin), 1.0 + margin];
+        let width = (view.width_scale * points[0][0] / highest).clamp(least, 1.0);
+        let scale = [view.width_scale / width * (1.0 + margin), 1.0 + margin];
         let factor = |([x, y], [cos, sin]): (&[f64; 2], &[f64; 2])| {
             let [x, y] = [x * scale[0], y * scale[1]];
             [x * cos + y * sin, y * cos - x * sin]
@@ -113,8 +113,8 @@ impl Row {
         let height = view.height;
         Self {
             height,
-            center: view.width * outline.center / height,
-            squeeze: (1.0 - width) / (height * height),
+            center: view.width_scale * outline.center / height,
+            narrowing: (1.0 - width) / (height * height),
             factors: points.iter().zip(&knots.directions).map(factor).collect(),
             area,
             corners: outline.corners.len(),
@@ -124,24 +124,24 @@ impl Row {
     }
 
     /// τ.
-    pub fn width(&self) -> f64 {
-        1.0 - self.squeeze * self.height * self.height
+    pub fn width_scale(&self) -> f64 {
+        1.0 - self.narrowing * self.height * self.height
     }
 
-    /// The outline's point at a knot, about the row's centre; x in units of τ.
+    /// The outline's point at a knot, about the slice's centre; x in units of τ.
     pub fn point(&self, knot: usize, direction: [f64; 2]) -> [f64; 2] {
         let ([re, im], [cos, sin]) = (self.factors[knot], direction);
         [re * cos - im * sin, re * sin + im * cos]
     }
 
-    /// The row that the table's interpolation makes half way between two.
+    /// The slice that the table's interpolation makes half way between two.
     pub fn between(&self, other: &Self, height: f64) -> Self {
         let mean = |a: f64, b: f64| f64::midpoint(a, b);
         let part = (height - self.height) / (other.height - self.height);
         Self {
             height,
             center: self.center + part * (other.center - self.center),
-            squeeze: mean(self.squeeze, other.squeeze),
+            narrowing: mean(self.narrowing, other.narrowing),
             factors: self
                 .factors
                 .iter()
@@ -155,11 +155,11 @@ impl Row {
         }
     }
 
-    /// Shares of the outline's area that this row would miss, and that it would have too much, had it
+    /// Shares of the outline's area that this slice would miss, and that it would have too much, had it
     /// `part` of the difference that `shape` has from it. The outline's x counts in units of the shape's τ.
     pub fn misfit(&self, shape: &Self, outline: &Outline, knots: &Knots, part: f64) -> (f64, f64) {
         let (mut missed, mut excess) = (0.0, 0.0);
-        let shift = shape.center * shape.height / shape.width() - outline.center;
+        let shift = shape.center * shape.height / shape.width_scale() - outline.center;
         let mut cursor = 0;
         for (knot, &direction) in knots.directions.iter().enumerate() {
             let [x, y] = shape.point(knot, direction);
