@@ -12,7 +12,7 @@ use super::{
     host::Host,
     models::lens::RealisticCamera,
     parameters::{CameraError, ParameterError, Parameters},
-    sample::{Outcome, Sample, WorldRay},
+    ray::{Outcome, Sample, WorldRay},
 };
 use crate::{
     imaging::focus::{Focus, FocusError},

@@ -3,7 +3,8 @@
 use super::{
     film::Raster,
     host::Host,
-    parameters::{CameraError, LensPlane, Model, Parameters, Precision, Pupil, Weighting},
+    model::Model,
+    parameters::{CameraError, LensPlane, Parameters, Precision, Pupil, Weighting},
     placement::{motion::CameraMotion, shutter::Shutter},
 };
 use crate::{lens::refraction::Refraction, message::Level, prescription::SearchPath, sampling::DiskMapping};

@@ -4,6 +4,7 @@
 //! is immutable from then on, and turns a [`Sample`] into a ray in world space with its weight. It is one of the
 //! models of [`Model`].
 
+mod any_camera;
 pub mod autofocus;
 pub(crate) mod builder;
 pub(crate) mod film;
@@ -13,29 +14,27 @@ pub mod models;
 pub(crate) mod parameters;
 pub(crate) mod pipeline;
 pub(crate) mod placement;
-pub(crate) mod planning;
-pub(crate) mod sample;
+pub(crate) mod ray;
 pub(crate) mod setup;
 
+pub use any_camera::Camera;
 pub use builder::CameraBuilder;
 pub use film::{Film, Raster};
 pub use host::{Host, Level};
-pub use model::Camera;
+pub use model::Model;
 pub use models::{
     environment::EnvironmentCamera, ideal::IdealCamera, lens::RealisticCamera, projective::ProjectiveCamera,
 };
 pub use parameters::{
-    CameraError, Interval, Kind, LensPlane, Model, PARAMETERS, Parameter, ParameterError, Parameters,
-    Precision, Pupil, Range, UnknownName, Value, Weighting,
+    CameraError, Interval, Kind, LensPlane, PARAMETERS, Parameter, ParameterError, Parameters, Precision,
+    Pupil, Range, UnknownName, Value, Weighting,
 };
-pub use pipeline::{
-    block::{BLOCK, RayArrays, RayBlock, SampleArrays, SampleBlock},
-    few::Three,
-};
+pub(crate) use pipeline::arrays::BLOCK;
+pub use pipeline::arrays::{RayArrays, RayBlock, SampleArrays, SampleBlock};
 pub use placement::{
     motion::{CameraMotion, Moving},
     shutter::Shutter,
     transform::{CameraToWorld, TransformError},
 };
-pub use sample::{Outcome, Sample, WorldRay};
+pub use ray::{Outcome, Sample, WorldRay};
 pub use setup::{film_distance, open_lens};

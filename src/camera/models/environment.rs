@@ -10,7 +10,7 @@ use std::f32::consts::{PI, TAU};
 use crate::camera::{
     film::Raster,
     placement::Placement,
-    sample::{Sample, WorldRay},
+    ray::{Sample, WorldRay},
 };
 
 /// A camera that looks in every direction. Immutable, and may be shared between threads.

@@ -20,7 +20,7 @@ use crate::{
         host::Host,
         parameters::{CameraError, ParameterError, Parameters, Weighting},
         placement::Placement,
-        sample::{Outcome, Sample, WorldRay},
+        ray::{Outcome, Sample, WorldRay},
         setup::{Focusing, Setup},
     },
     imaging::irradiance::{cos4, film_ray},
@@ -181,10 +181,7 @@ impl IdealCamera {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        camera::{Host, Parameters, Raster},
-        imaging::irradiance::on_axis,
-    };
+    use crate::{camera::Raster, imaging::irradiance::on_axis};
     use crate::{imaging::depth_of_field::DepthOfField, trace::Path};
 
     fn ideal(model: &str, settings: &[(&str, &str)]) -> IdealCamera {

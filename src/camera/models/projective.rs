@@ -12,7 +12,7 @@ use crate::{
         film::Raster,
         parameters::LensPlane,
         placement::Placement,
-        sample::{Outcome, Sample, WorldRay},
+        ray::{Outcome, Sample, WorldRay},
     },
     sampling::{DiskMapping, disk::concentric_single},
 };

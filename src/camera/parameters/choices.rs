@@ -10,37 +10,11 @@ use super::{
     range::Range,
     value::{Kind, Setting, Value},
 };
-use crate::{camera::placement::shutter::Shutter, lens::refraction::Refraction, sampling::DiskMapping};
-
-/// What a camera is a model of.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Model {
-    /// Rays through every interface of a lens.
-    #[default]
-    Lens,
-    /// The same lens as a thick one: ideal imaging with its pupil.
-    Thick,
-    /// The same lens as a thin one.
-    Thin,
-    /// A pinhole, or a thin lens of given radius, and a projection matrix.
-    Perspective,
-    /// Parallel projection.
-    Orthographic,
-    /// Everything around a point.
-    Environment,
-}
-
-impl Model {
-    /// Every model with its name.
-    pub const NAMES: [(&'static str, Self); 6] = [
-        ("lens", Self::Lens),
-        ("thick", Self::Thick),
-        ("thin", Self::Thin),
-        ("perspective", Self::Perspective),
-        ("orthographic", Self::Orthographic),
-        ("environment", Self::Environment),
-    ];
-}
+use crate::{
+    camera::{model::Model, placement::shutter::Shutter},
+    lens::refraction::Refraction,
+    sampling::DiskMapping,
+};
 
 /// Where a ray's second point is sampled: in what stands for the pupil.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -10,7 +10,7 @@ mod range;
 mod table;
 mod value;
 
-pub use choices::{LensPlane, Model, Precision, Pupil, Weighting};
+pub use choices::{LensPlane, Precision, Pupil, Weighting};
 pub use error::{CameraError, ParameterError, UnknownName};
 pub use range::{Interval, Range};
 pub use table::{PARAMETERS, Parameter, Parameters};

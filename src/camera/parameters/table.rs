@@ -3,14 +3,16 @@
 use std::ops::Bound::{Excluded, Included};
 
 use super::{
-    choices::{LensPlane, Model, Precision, Pupil, Weighting},
+    choices::{LensPlane, Precision, Pupil, Weighting},
     error::ParameterError,
     range::{Interval, Range},
     value::{Kind, Setting, Value},
 };
 use crate::{
-    camera::placement::shutter::Shutter, lens::refraction::Refraction,
-    prescription::glass::VALID_WAVELENGTHS, sampling::DiskMapping,
+    camera::{model::Model, placement::shutter::Shutter},
+    lens::refraction::Refraction,
+    prescription::glass::VALID_WAVELENGTHS,
+    sampling::DiskMapping,
 };
 
 /// One row of the parameter table.
