@@ -1,32 +1,31 @@
-//! How well the warped pupil fits, and what it costs to build and to draw from, for the catalogue's lenses
+//! How well the warped pupil fits, and what it costs to build and to sample, for the catalogue's lenses
 //! and stops: `cargo bench --bench pupil`. Times are medians and minima of several runs.
 
 #[path = "../tests/truth/pupil_fit/mod.rs"]
 mod pupil_fit;
 
-use std::{hint::black_box, time::Instant};
+use std::hint::black_box;
 
 use pupil_fit::{Case, LENSES, REACH, STOPS};
 use realistic::sampling::WarpedPupil;
+use realistic_lab::{results::statistics::quantile, subject::quasirandom::spread, timing::repeated};
 
 const CORNER: f64 = 17.5;
 
 fn main() {
     println!(
         "| lens | stop | acceptance worst / mean | missed worst / mean | variance axis / half / corner | \
-         build ms median / least | rays | rows | ns a draw |"
+         build ms median / least | rays | rows | ns per sample |"
     );
     println!("|---|---|---|---|---|---|---|---|---|");
+    let points: Vec<[f64; 2]> = spread(0.0).take(DRAWS).collect();
     let mut ends = Vec::new();
     for name in LENSES {
         for stop in STOPS {
             let case = Case::of(name, stop);
-            let build = times(15, || {
-                black_box(WarpedPupil::new(&case.path, case.film, REACH, case.cover, case.drift));
-            });
-            let draws = times(9, || {
-                black_box(draw_all(&case.pupil));
-            });
+            let (_, build) =
+                repeated(15, || WarpedPupil::new(&case.path, case.film, REACH, case.cover, case.drift));
+            let (_, draws) = repeated(9, || black_box(draw_all(&case.pupil, &points)));
             let limit = case.lit_radius(CORNER);
             let fields: Vec<(f64, f64)> = (0..40)
                 .map(|i| {
@@ -51,11 +50,11 @@ fn main() {
                 mean(|f| f.0),
                 mean(|f| f.1),
                 variance.join(" / "),
-                build[build.len() / 2] * 1e3,
-                build[0] * 1e3,
+                quantile(&build, 0.5) * 1e3,
+                quantile(&build, 0.0) * 1e3,
                 report.rays,
-                report.rows,
-                draws[0] * 1e9 / f64::from(DRAWS),
+                report.slices,
+                quantile(&draws, 0.0) * 1e9 / DRAWS as f64,
             );
         }
     }
@@ -83,28 +82,14 @@ fn stop_name(stop: Option<f64>) -> String {
     stop.map_or("full".to_owned(), |number| format!("f/{number}"))
 }
 
-/// Seconds of every run, sorted.
-fn times(runs: u32, mut work: impl FnMut()) -> Vec<f64> {
-    let mut times: Vec<f64> = (0..runs)
-        .map(|_| {
-            let start = Instant::now();
-            work();
-            start.elapsed().as_secs_f64()
-        })
-        .collect();
-    times.sort_by(f64::total_cmp);
-    times
-}
+const DRAWS: usize = 100_000;
 
-const DRAWS: u32 = 100_000;
-
-/// Draws all over the film.
-fn draw_all(pupil: &WarpedPupil) -> f64 {
-    let fraction = |i: u32, factor: u32| f64::from(i.wrapping_mul(factor) >> 8) / f64::from(1 << 24);
-    (0..DRAWS)
-        .filter_map(|i| {
-            let (x, y) = (fraction(i, 0x9E37_79B1), fraction(i, 0x85EB_CA6B));
-            pupil.draw([24.0 * (x - 0.5), 24.0 * (y - 0.5)], [1.4 * y - 0.7, 1.4 * x - 0.7])
+/// Samples all over the film.
+fn draw_all(pupil: &WarpedPupil, points: &[[f64; 2]]) -> f64 {
+    points
+        .iter()
+        .filter_map(|[x, y]| {
+            pupil.sample([24.0 * (x - 0.5), 24.0 * (y - 0.5)], [1.4 * y - 0.7, 1.4 * x - 0.7])
         })
         .map(|drawn| drawn.area + drawn.slopes[0])
         .sum()

@@ -218,7 +218,7 @@ typedef struct realistic_options {
      */
     const char *lens_text;
     /*
-     Bytes at `lens_text`.
+     Bytes at `lens_text`; at most 1,048,576 (1 MiB), as of any lens file.
      */
     size_t lens_text_size;
     /*
@@ -230,7 +230,8 @@ typedef struct realistic_options {
      */
     const char *specfile;
     /*
-     Parameter `weighting`.
+     Parameter `weighting`. `assignment` divides `radiometric` by an area, and so its exposure depends on `pupil`: with
+     `rear` the area of the rear element's disk, with `disk` and `warped` that of the paraxial exit pupil.
      */
     const char *weighting;
     /*
@@ -282,7 +283,7 @@ typedef struct realistic_options {
      */
     double shutteropen;
     /*
-     Parameter `shutterclose`.
+     Parameter `shutterclose`. Before `shutteropen`, time runs backward, as in pbrt.
      */
     double shutterclose;
     /*

@@ -7,7 +7,6 @@
 #include "layout.hpp"
 #include "shim.h"
 
-#include <atomic>
 #include <cstdlib>
 #include <cstring>
 #include <new>
@@ -57,8 +56,6 @@ public:
     static void operator delete(void *memory) noexcept { std::free(memory); }
     static void operator delete(void *memory, const std::nothrow_t &) noexcept { std::free(memory); }
 
-    void *rust_part() const { return rust; }
-
 private:
     HostCameraMembers host;
     void *rust;
@@ -69,40 +66,16 @@ private:
 };
 static_assert(sizeof(Camera) == host_camera_vptr_size + sizeof(HostCameraMembers) + 3 * sizeof(void *) +
                                     2 * sizeof(HostMatrix),
-              "the host's members follow the vtable pointer");
-
-// The vtable pointer of every camera made here; NULL before the first.
-std::atomic<const void *> our_vtable{nullptr};
-
-const void *vtable_of(const void *object) {
-    const void *vtable;
-    std::memcpy(&vtable, object, sizeof vtable);
-    return vtable;
-}
+              "the host's members follow the vtable pointer, and `rust` follows them");
+static_assert(sizeof(HostCameraMembers) == REALISTIC_SHIM_HOST_MEMBERS, "as the Rust side has it");
 
 } // namespace
 
 extern "C" void *realistic_shim_camera_new(const realistic_shim_parts *parts) {
-    Camera *camera = new (std::nothrow) Camera(*parts);
-    if (camera != nullptr) {
-        our_vtable.store(vtable_of(camera), std::memory_order_relaxed);
-    }
-    return camera;
+    return new (std::nothrow) Camera(*parts);
 }
 
 extern "C" void realistic_shim_camera_delete(void *camera) { delete static_cast<Camera *>(camera); }
-
-extern "C" void *realistic_shim_camera_rust(const void *camera) {
-    // Anything misaligned is no object of ours, and not worth a look.
-    if (camera == nullptr || reinterpret_cast<std::uintptr_t>(camera) % alignof(Camera) != 0) {
-        return nullptr;
-    }
-    const void *vtable = vtable_of(camera);
-    if (vtable == nullptr || vtable != our_vtable.load(std::memory_order_relaxed)) {
-        return nullptr;
-    }
-    return static_cast<const Camera *>(camera)->rust_part();
-}
 
 extern "C" int32_t realistic_shim_transform(const void *transform, float matrix[16], float inverse[16]) {
     const HostTransform *host = static_cast<const HostTransform *>(transform);

@@ -31,15 +31,15 @@ typedef struct realistic_shim_parts {
     float shutter_close;
 } realistic_shim_parts;
 
+/* A camera object begins with its vtable pointer, these many bytes of the host's members, and `rust`: by the first
+ * the Rust side tells its own cameras from others. */
+#define REALISTIC_SHIM_HOST_MEMBERS 56
+
 /* A new camera object that a host can use as its own, or NULL when memory is out; then
  * `rust` and `film` stay the caller's. */
 void *realistic_shim_camera_new(const realistic_shim_parts *parts);
 /* Deletes it as a host does: through its vtable. NULL is fine. */
 void realistic_shim_camera_delete(void *camera);
-/* The `rust` of a camera made here; NULL for NULL and for anything else. Reads no more
- * than the first 8 bytes of what is not ours. */
-void *realistic_shim_camera_rust(const void *camera);
-
 /* The floats of a host transform: the matrix and its inverse. 0 when a pointer is NULL. */
 int32_t realistic_shim_transform(const void *transform, float matrix[16], float inverse[16]);
 /* The resolution of a host film. 0 when `film` is NULL. */

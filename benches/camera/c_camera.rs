@@ -4,6 +4,7 @@
 use std::{hint::black_box, ptr::null_mut};
 
 use realistic::abi::*;
+use realistic_lab::subject::quasirandom::spread;
 
 /// A camera, freed in the end.
 pub struct Camera(pub *mut realistic_camera);
@@ -49,17 +50,14 @@ impl Drop for Camera {
     }
 }
 
-/// Samples all but evenly spread (R2 sequence, M. Roberts 2018) over a square of the image, in pixels both ways.
+/// Samples all but evenly spread over a square of the image, in pixels both ways.
 pub fn samples(count: usize, [from, to]: [f32; 2]) -> Vec<realistic_sample> {
-    let number = |i: usize, step: f64| (0.5 + step * i as f64).fract() as f32;
-    let at = |i| realistic_sample {
-        image_x: from + (to - from) * number(i, 0.819_172_513_396_164_4),
-        image_y: from + (to - from) * number(i, 0.671_043_606_703_789_3),
-        lens_u: number(i, 0.754_877_666_246_692_8),
-        lens_v: number(i, 0.569_840_290_998_053_2),
-        time: 0.5,
+    let sample = |point: [f64; 4]| {
+        let [x, y, lens_u, lens_v] = point.map(|number| number as f32);
+        let [image_x, image_y] = [x, y].map(|share| from + (to - from) * share);
+        realistic_sample { image_x, image_y, lens_u, lens_v, time: 0.5 }
     };
-    (0..count).map(at).collect()
+    spread(0.5).take(count).map(sample).collect()
 }
 
 /// The sample a little to the right.

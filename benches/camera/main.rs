@@ -2,12 +2,9 @@
 //! it, through the C export, and in batches, against the camera that walks with Heckbert's refraction, all in one run;
 //! and what it takes to build a camera.
 //!
-//! `cargo bench --no-default-features --bench camera` (with `-- dgauss` one lens). Medians over interleaved rounds;
-//! the least stands beside them.
+//! `cargo bench --bench camera` (with `-- dgauss` one lens). Medians over interleaved rounds.
 
 mod c_camera;
-#[path = "../kernel/contest.rs"]
-mod contest;
 
 use std::{
     ffi::{CStr, CString},
@@ -20,8 +17,11 @@ use std::{
 #[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
 use c_camera::triple;
 use c_camera::{Camera, chain, moved, samples};
-use contest::Contest;
 use realistic::{abi::*, prescription::catalogue};
+use realistic_lab::{
+    results::statistics::quantile,
+    timing::{BenchArguments, Contest, Effort, repeated},
+};
 
 /// Samples of a round; three calls each through the vtable.
 const SAMPLES: usize = 2048;
@@ -31,20 +31,17 @@ const RESOLUTION: i32 = 1000;
 const MIDDLE: [f32; 2] = [250.0, 750.0];
 
 fn main() {
-    let arguments: Vec<_> = std::env::args().skip(1).collect();
-    let rounds = if arguments.iter().any(|argument| argument == "--test") { 1 } else { 41 };
-    let filter = arguments.iter().find(|argument| !argument.starts_with('-'));
-    let lenses =
-        || catalogue::names().filter(|name| filter.is_none_or(|filter| name.contains(filter.as_str())));
+    let arguments = BenchArguments::from_command_line(41);
+    let lenses = || catalogue::names().filter(|name| arguments.wants(name));
     for name in lenses().filter(|name| TIMED.contains(name)) {
         println!("\n## {name}");
-        calls(name, rounds);
+        calls(name, arguments.effort);
     }
     println!("\n## From a lens's name to the first ray\n");
     println!("| lens | warped pupil, ms: median | least | pupil \"rear\", ms: median | least |");
     println!("|---|---|---|---|---|");
     for name in lenses() {
-        let [warped, rear] = [c"warped", c"rear"].map(|pupil| start(name, pupil, rounds));
+        let [warped, rear] = [c"warped", c"rear"].map(|pupil| start(name, pupil, arguments.effort.rounds));
         println!("| {name} | {:.2} | {:.2} | {:.3} | {:.3} |", warped[0], warped[1], rear[0], rear[1]);
     }
 }
@@ -65,7 +62,7 @@ fn camera(lens: &str, give: impl FnOnce(&mut realistic_options)) -> Camera {
     Camera::new(&options)
 }
 
-fn calls(lens: &str, rounds: usize) {
+fn calls(lens: &str, effort: Effort) {
     let samples = samples(SAMPLES, MIDDLE);
     let walk = camera(lens, |options| options.refraction = c"heckbert".as_ptr());
     let single = camera(lens, |options| options.precision = c"f32".as_ptr());
@@ -74,22 +71,25 @@ fn calls(lens: &str, rounds: usize) {
     println!("{passing} of {SAMPLES} samples get through\n");
     #[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
     let triples: Vec<_> = samples[..SAMPLES / 3 + 1].iter().flat_map(triple).take(SAMPLES).collect();
-    let mut contest = Contest::new(SAMPLES, "ns a call or ray");
-    contest.enter("C export, Heckbert's walk", || {
-        chain(&samples, |sample, carry| walk.one(&moved(sample, carry)))
-    });
-    contest.enter("C export", || chain(&samples, |sample, carry| camera.one(&moved(sample, carry))));
-    contest.enter("C export, f32", || chain(&samples, |sample, carry| single.one(&moved(sample, carry))));
+    let mut contest = Contest::default();
+    for (name, camera) in
+        [("C export, Heckbert's walk", &walk), ("C export", &camera), ("C export, f32", &single)]
+    {
+        let samples = &samples;
+        let calls = move || chain(samples, |sample, carry| camera.one(&moved(sample, carry)));
+        contest.enter(name, Box::new(calls) as Box<dyn FnMut()>);
+    }
     #[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
     for (name, camera) in [("vtable, three calls a sample", &camera), ("the same, f32", &single)] {
         let triples = &triples;
-        contest.enter(name, move || chain(triples, |sample, carry| camera.host(&moved(sample, carry))));
+        let calls = move || chain(triples, |sample, carry| camera.host(&moved(sample, carry)));
+        contest.enter(name, Box::new(calls) as Box<dyn FnMut()>);
     }
     for (name, camera) in [("f64", &camera), ("f32", &single)] {
         let samples = &samples;
         let mut rays = vec![realistic_ray::default(); SAMPLES];
         let mut weights = vec![0.0; SAMPLES];
-        contest.enter(&format!("batch, structures, {name}"), move || {
+        let structures = move || {
             // SAFETY: every array has room.
             let status = unsafe {
                 realistic_camera_generate_rays(
@@ -105,13 +105,15 @@ fn calls(lens: &str, rounds: usize) {
             };
             assert_eq!(status, realistic_status::Ok);
             black_box((&rays, &weights));
-        });
+        };
+        contest.enter(format!("batch, structures, {name}"), Box::new(structures) as Box<dyn FnMut()>);
         let mut arrays = Arrays::new(samples);
-        contest.enter(&format!("batch, arrays, {name}"), move || arrays.generate(camera));
+        let arrays = move || arrays.generate(camera);
+        contest.enter(format!("batch, arrays, {name}"), Box::new(arrays) as Box<dyn FnMut()>);
     }
-    contest.run(rounds);
+    contest.print("ns per call or ray", SAMPLES, effort);
     for (name, camera) in [("f64", &camera), ("f32", &single)] {
-        let [one, two] = [1, 2].map(|threads| throughput(camera, &samples, threads, rounds));
+        let [one, two] = [1, 2].map(|threads| throughput(camera, &samples, threads, effort.rounds));
         println!("\nbatch, arrays, {name}: two threads at once do {:.2} times the work of one", two / one);
     }
 }
@@ -152,11 +154,11 @@ impl Arrays {
     }
 }
 
-/// Batches a second that so many threads get from one camera, each with arrays of its own: the median over rounds.
+/// Batches per second that so many threads get from one camera, each with arrays of its own: the median over rounds.
 fn throughput(camera: &Camera, samples: &[realistic_sample], threads: usize, rounds: usize) -> f64 {
     // Long, for a thread may begin a millisecond late.
     const BATCHES: usize = 4000;
-    let mut rates: Vec<f64> = (0..rounds.min(9))
+    let rates: Vec<f64> = (0..rounds.min(9))
         .map(|_| {
             let start = Barrier::new(threads);
             let times: Vec<[Instant; 2]> = std::thread::scope(|scope| {
@@ -177,22 +179,13 @@ fn throughput(camera: &Camera, samples: &[realistic_sample], threads: usize, rou
             (threads * BATCHES) as f64 / seconds
         })
         .collect();
-    rates.sort_by(f64::total_cmp);
-    rates[rates.len() / 2]
+    quantile(&rates, 0.5)
 }
 
 /// Milliseconds from a lens's name to the first ray: median and least.
 fn start(lens: &str, pupil: &CStr, rounds: usize) -> [f64; 2] {
     let middle = (RESOLUTION / 2) as f32;
     let sample = realistic_sample { image_x: middle, image_y: middle, lens_u: 0.5, lens_v: 0.5, time: 0.5 };
-    let mut times: Vec<f64> = (0..rounds)
-        .map(|_| {
-            let start = Instant::now();
-            let camera = camera(lens, |options| options.pupil = pupil.as_ptr());
-            camera.one(&sample);
-            start.elapsed().as_secs_f64() * 1e3
-        })
-        .collect();
-    times.sort_by(f64::total_cmp);
-    [times[times.len() / 2], times[0]]
+    let (_, times) = repeated(rounds, || camera(lens, |options| options.pupil = pupil.as_ptr()).one(&sample));
+    [0.5, 0.0].map(|q| quantile(&times, q) * 1e3)
 }

@@ -1,10 +1,13 @@
 //! What the processor can do at best: square roots through the divider, and fused multiply-adds.
 
+#[cfg(target_arch = "x86_64")]
+use realistic_lab::{results::statistics::median, timing::repeated};
+
 /// Prints the throughput of both a register, and of the 20 roots and 200 other operations that a double Gauss's
-/// ten refracting surfaces need, in ns a ray.
+/// ten refracting surfaces need, in ns per ray.
 #[cfg(target_arch = "x86_64")]
 pub fn print(rounds: usize) {
-    println!("| | root, ns | FMA, ns | 20 roots, ns a ray | 200 FMA, ns a ray |\n|---|---|---|---|---|");
+    println!("| | root, ns | FMA, ns | 20 roots, ns per ray | 200 FMA, ns per ray |\n|---|---|---|---|---|");
     if std::is_x86_feature_detected!("avx512f") {
         // SAFETY: just asked.
         unsafe {
@@ -36,16 +39,9 @@ const CHAINS: usize = 10;
 #[cfg(target_arch = "x86_64")]
 unsafe fn row(name: &str, lanes: f64, rounds: usize, root: unsafe fn(), fma: unsafe fn()) {
     let measure = |work: unsafe fn()| {
-        let mut times: Vec<f64> = (0..rounds)
-            .map(|_| {
-                let start = std::time::Instant::now();
-                // SAFETY: the caller's promise.
-                unsafe { work() };
-                start.elapsed().as_secs_f64() * 1e9 / (TURNS * CHAINS) as f64
-            })
-            .collect();
-        times.sort_by(f64::total_cmp);
-        times[times.len() / 2]
+        // SAFETY: the caller's promise.
+        let (_, times) = repeated(rounds, || unsafe { work() });
+        median(&times) * 1e9 / (TURNS * CHAINS) as f64
     };
     let (root, fma) = (measure(root), measure(fma));
     println!("| {name} | {root:.2} | {fma:.3} | {:.1} | {:.1} |", 20.0 * root / lanes, 200.0 * fma / lanes);

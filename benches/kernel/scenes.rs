@@ -1,17 +1,28 @@
-//! Lenses, and film rays that mostly get through them.
+//! Lenses, and rays from their film that get through.
 
 use realistic::{
-    lens::{Lens, Surface, pupil::ExitPupil},
+    lens::{Lens, Surface},
     prescription::catalogue,
-    trace::{Ray, Real},
+    sampling::PupilDisk,
+    trace::{Path, Ray},
 };
+use realistic_lab::subject::passing_rays;
 
 /// A lens and where its film is.
 pub struct Scene {
     pub name: &'static str,
     pub lens: Lens,
     /// z of the film, mm.
-    film: f64,
+    pub film: f64,
+}
+
+impl Scene {
+    /// `count` rays through the whole pupil from film up to 3 mm off the axis.
+    pub fn rays(&self, count: usize) -> Vec<Ray> {
+        const REACH: f64 = 3.0;
+        let cover = PupilDisk::rear(&self.lens, self.film, REACH).expect("film behind the lens");
+        passing_rays(&Path::<f64>::film_to_scene(&self.lens), self.film, REACH, cover, count, 0)
+    }
 }
 
 /// The four lenses of the assignment, and one of 26 surfaces.
@@ -53,54 +64,5 @@ fn many_surfaces(n: u16) -> Lens {
         surfaces: surfaces.collect(),
         wavelength: 587.56,
         nominal_film_distance: None,
-    }
-}
-
-/// Film rays as structure of arrays.
-#[derive(Clone)]
-pub struct Film<S> {
-    pub plane: f64,
-    pub x: Vec<S>,
-    pub y: Vec<S>,
-    pub slope_x: Vec<S>,
-    pub slope_y: Vec<S>,
-}
-
-impl<S: Real> Film<S> {
-    /// `n` rays from near the film's centre through two thirds of the exit pupil's radius, all but
-    /// evenly spread (R2 sequence, M. Roberts 2018).
-    pub fn new(scene: &Scene, n: usize) -> Self {
-        let pupil = ExitPupil::of_lens(&scene.lens, scene.film);
-        let mut film = Self { plane: scene.film, x: vec![], y: vec![], slope_x: vec![], slope_y: vec![] };
-        for i in 0..n {
-            let number = |step: f64| (0.5 + step * i as f64).fract();
-            let [u, v] = [number(0.754_877_666_246_692_8), number(0.569_840_290_998_053_2)];
-            let [x, y] =
-                [number(0.819_172_513_396_164_4), number(0.671_043_606_703_789_3)].map(|t| 6.0 * t - 3.0);
-            let disk = pupil.slopes(x, y, scene.film);
-            let (radius, angle) = (disk.radius * 0.66 * u.sqrt(), std::f64::consts::TAU * v);
-            film.x.push(S::from_f64(x));
-            film.y.push(S::from_f64(y));
-            film.slope_x.push(S::from_f64(disk.center[0] + radius * angle.cos()));
-            film.slope_y.push(S::from_f64(disk.center[1] + radius * angle.sin()));
-        }
-        film
-    }
-
-    pub fn len(&self) -> usize {
-        self.x.len()
-    }
-
-    /// Point and slopes of a ray.
-    pub fn at(&self, i: usize) -> ([S; 2], [S; 2]) {
-        ([self.x[i], self.y[i]], [self.slope_x[i], self.slope_y[i]])
-    }
-
-    pub fn rays(&self) -> Vec<Ray> {
-        let ray = |i| {
-            let ([x, y], [sx, sy]) = self.at(i);
-            Ray { origin: [x.to_f64(), y.to_f64(), self.plane], direction: [sx.to_f64(), sy.to_f64(), 1.0] }
-        };
-        (0..self.len()).map(ray).collect()
     }
 }

@@ -1,7 +1,9 @@
 //! How a command fails: what it tells the user, and the exit code.
 
 use realistic::camera::ParameterError;
+use std::fmt::Display;
 use std::io::{self, Write};
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Why a command stopped.
@@ -16,6 +18,11 @@ pub enum Failure {
 }
 
 impl Failure {
+    /// A file that the user named cannot be written.
+    pub fn cannot_write(path: &Path, error: &dyn Display) -> Self {
+        Self::Other(format!("cannot write {}: {error}; give --out another path", path.display()))
+    }
+
     /// Tells the user on standard error and gives the exit code.
     pub fn report(self) -> ExitCode {
         let (message, code) = match self {

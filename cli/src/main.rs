@@ -6,6 +6,7 @@ mod commands;
 mod drawing;
 mod failure;
 mod host;
+mod image;
 mod plots;
 
 use clap::{Parser, Subcommand};

@@ -1,29 +1,32 @@
 //! What the library says about itself: errors against an extended-precision reference, run times, and
-//! numerical stability.
+//! numerical stability. The program's `report`, `refractions`, `pupil`, `disks` and `plan` print what is
+//! measured here, and the benches share its clock and its rays.
+//!
+//! | room | what it holds |
+//! |---|---|
+//! | [`results`] | quantiles and fronts of numbers, and the tables that they are written as |
+//! | [`timing`] | run times on a busy machine, and what the machine is |
+//! | [`reference`] | double-double rays, and the condition number of a ray |
+//! | [`subject`] | a lens with film behind it, and rays that get through |
+//! | [`pupil`] | the outline of the true pupil; how evenly points lie in a disk |
+//! | [`accuracy`] | error against run time: rays, film irradiance, pupils; all of a report in one run |
+//! | [`stability`] | extreme lenses and rays with known answers, for every tracer |
 
-pub mod bench;
-mod clock;
-mod compiled;
-pub mod condition;
-pub mod disk_statistics;
-mod dual;
-pub mod irradiance;
-pub mod machine;
+pub mod accuracy;
+pub mod kernel_rays;
 pub mod measurement;
-pub mod outline;
 pub mod picture;
-pub mod pupil_table;
-pub mod ray_map;
-pub mod ray_set;
+pub mod pupil;
 pub mod reference;
-pub mod refractions;
+pub mod render;
 pub mod renderers;
+pub mod results;
 pub mod sampler;
 pub mod scene;
 pub mod sequence;
-pub mod set_up;
 pub mod stability;
-pub mod statistics;
 pub mod subject;
-pub mod suite;
-pub mod table;
+pub mod timing;
+
+/// Samples in a batch, as many as stay in the first cache.
+pub const BLOCK: usize = 384;

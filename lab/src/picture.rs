@@ -1,69 +1,72 @@
 //! Rendered pictures: RMS error to a long reference, against time on one core.
 
 use crate::{
-    clock::now,
-    renderers::{RENDERERS, Shoot, built},
+    render::{Integrand, Window, render},
+    renderers::{RENDERERS, Source, single},
+    results::{
+        statistics::{log_slope, median},
+        table::{Table, row},
+    },
     sampler::PUPILS,
     scene::Scene,
-    sequence::Sequence,
-    statistics::{log_slope, median},
+    sequence::{Point, Sequence},
     subject::Subject,
-    table::Table,
+    timing::repeated,
 };
-use realistic::camera::{BLOCK, CameraError, Raster, Sample, SampleBlock};
+use realistic::abi::{realistic_ray, realistic_sample};
+use realistic::camera::{CameraError, Raster};
 
 /// How much is measured.
 #[derive(Clone, Copy, Debug)]
 pub struct Size {
     /// Pixels of the picture.
     pub raster: Raster,
-    /// Samples a pixel are 4 to the powers from 0 to this.
+    /// Samples per pixel are 4 to the powers from 0 to this.
     pub exponent: u32,
-    /// Samples a pixel of each half of the reference.
+    /// Samples per pixel of each half of the reference.
     pub reference: usize,
     /// Renders of each picture, the median of whose times counts.
     pub repeats: u32,
 }
 
+/// The scene as a renderer samples it.
+struct Pictured {
+    scene: Scene,
+    sequence: Sequence,
+    seed: u32,
+    width: u32,
+    points: Vec<Point>,
+}
+
+impl Integrand<1> for Pictured {
+    fn place(&mut self, [x, y]: [u32; 2], _: usize, samples: &mut [realistic_sample]) {
+        let seed = self.seed.wrapping_mul(0x9e37_79b9) ^ (y * self.width + x);
+        self.points.resize(samples.len(), Point::default());
+        self.sequence.fill(seed, 4, &mut self.points);
+        for (sample, &[lens_u, lens_v, px, py]) in samples.iter_mut().zip(&self.points) {
+            let [image_x, image_y] = [x as f32 + px, y as f32 + py];
+            *sample = realistic_sample { image_x, image_y, lens_u, lens_v, time: 0.0 };
+        }
+    }
+
+    fn radiance(&self, _: usize, ray: &realistic_ray) -> [f32; 1] {
+        [self.scene.radiance(ray.o, ray.d)]
+    }
+}
+
 /// A picture's pixels, row by row.
-fn render(
-    shoot: &mut Shoot,
+fn picture(
+    camera: &mut Source,
     scene: Scene,
     raster: Raster,
     sequence: Sequence,
     samples: usize,
     seed: u32,
 ) -> Vec<f64> {
-    let mut pixels = vec![0.0; (raster.xres * raster.yres) as usize];
-    let mut points = vec![[0.0; 4]; samples];
-    let mut block = Box::new(SampleBlock::new());
-    let (mut owners, mut shots, mut count) = ([0; BLOCK], [None; BLOCK], 0);
-    let mut flush = |block: &SampleBlock, owners: &[usize; BLOCK], count: usize| {
-        shoot(block, count, &mut shots);
-        for (owner, shot) in owners.iter().zip(&shots[..count]) {
-            if let Some((origin, direction, weight)) = *shot
-                && weight > 0.0
-            {
-                pixels[*owner] += f64::from(weight * scene.radiance(origin, direction));
-            }
-        }
-    };
-    let places = (0..raster.yres).flat_map(|y| (0..raster.xres).map(move |x| (x, y)));
-    for (number, (x, y)) in places.enumerate() {
-        sequence.fill(seed.wrapping_mul(0x9e37_79b9) ^ number as u32, 4, &mut points);
-        for &[lens_u, lens_v, px, py] in &points {
-            let sample = Sample { image_x: x as f32 + px, image_y: y as f32 + py, lens_u, lens_v, time: 0.0 };
-            block.set(count, &sample);
-            owners[count] = number;
-            count += 1;
-            if count == BLOCK {
-                flush(&block, &owners, count);
-                count = 0;
-            }
-        }
-    }
-    flush(&block, &owners, count);
-    pixels.iter().map(|sum| sum / samples as f64).collect()
+    let mut pictured = Pictured { scene, sequence, seed, width: raster.xres, points: Vec::new() };
+    let window = Window { corner: [0; 2], size: [raster.xres, raster.yres] };
+    let Ok((pixels, _)) = render(camera.as_mut(), &mut pictured, window, samples);
+    pixels.into_iter().flatten().collect()
 }
 
 fn rms(a: &[f64], b: &[f64]) -> f64 {
@@ -73,7 +76,7 @@ fn rms(a: &[f64], b: &[f64]) -> f64 {
 /// One picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Precision {
-    /// Samples a pixel.
+    /// Samples per pixel.
     pub samples: usize,
     /// Time on one core, seconds.
     pub time: f64,
@@ -81,21 +84,28 @@ pub struct Precision {
     pub error: f64,
 }
 
-/// One way to render on one lens.
+/// One renderer on one lens.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
     /// The lens.
     pub lens: String,
-    /// The way: a sampler and a sequence, or a renderer.
+    /// Its name: a sampler and a sequence, or a renderer.
     pub name: String,
     /// How the pupil is sampled, or the renderer's name.
     pub first: &'static str,
-    /// Where the numbers come from.
+    /// Where the samples come from.
     pub second: &'static str,
-    /// By rising samples a pixel.
+    /// By rising samples per pixel.
     pub points: Vec<Precision>,
     /// Exponent of the error as a power of the samples.
     pub slope: f64,
+}
+
+impl Curve {
+    /// Time, seconds, and error of every point.
+    pub fn errors(&self) -> Vec<(f64, f64)> {
+        self.points.iter().map(|p| (p.time, p.error)).collect()
+    }
 }
 
 /// The pictures of one lens.
@@ -116,21 +126,21 @@ pub struct Pictures {
 pub fn measure(subject: &Subject, size: Size) -> Result<Pictures, CameraError> {
     let raster = size.raster;
     let scene = Scene::new(subject.first_order.focal_length);
-    let mut exact = built(subject, raster, &[("pupil", "rear")])?;
-    let mut half = |seed| render(&mut exact, scene, raster, Sequence::Sobol, size.reference, seed);
+    let mut exact = single(subject, raster, "pupil=rear")?;
+    let mut half = |seed| picture(&mut exact, scene, raster, Sequence::Sobol, size.reference, seed);
     let (one, two) = (half(1001), half(1002));
     let reference: Vec<f64> = one.iter().zip(&two).map(|(a, b)| f64::midpoint(*a, *b)).collect();
     let mean = reference.iter().sum::<f64>() / reference.len() as f64;
-    let curve = |shoot: &mut Shoot, first: &'static str, second: &'static str, sequence: Sequence| {
+    let curve = |camera: &mut Source, first: &'static str, second: &'static str, sequence: Sequence| {
         let points: Vec<_> = (0..=size.exponent)
             .map(|power| {
                 let samples = 4_usize.pow(power);
                 let (mut times, mut errors) = (Vec::new(), Vec::new());
                 for repeat in 0..size.repeats {
-                    let start = now();
-                    let picture = render(shoot, scene, raster, sequence, samples, repeat + 1);
-                    times.push((now() - start).as_secs_f64());
-                    errors.push(rms(&picture, &reference).powi(2));
+                    let (pixels, took) =
+                        repeated(1, || picture(camera, scene, raster, sequence, samples, repeat + 1));
+                    times.extend(took);
+                    errors.push(rms(&pixels, &reference).powi(2));
                 }
                 let error = (errors.iter().sum::<f64>() / errors.len() as f64).sqrt() / mean;
                 Precision { samples, time: median(&times), error }
@@ -148,35 +158,23 @@ pub fn measure(subject: &Subject, size: Size) -> Result<Pictures, CameraError> {
     };
     let mut estimators = Vec::new();
     for &pupil in PUPILS {
-        let mut shoot = built(subject, raster, &[("pupil", pupil)])?;
+        let mut camera = single(subject, raster, &format!("pupil={pupil}"))?;
         for (name, sequence) in Sequence::NAMES {
-            estimators.push(curve(&mut shoot, pupil, name, sequence));
+            estimators.push(curve(&mut camera, pupil, name, sequence));
         }
     }
     let mut renderers = Vec::new();
     for renderer in RENDERERS {
-        let mut shoot = (renderer.prepare)(subject, raster)?;
-        renderers.push(curve(&mut shoot, renderer.name, "Sobol'", Sequence::Sobol));
+        let mut camera = (renderer.prepare)(subject, raster)?;
+        renderers.push(curve(&mut camera, renderer.name, "Sobol'", Sequence::Sobol));
     }
     Ok(Pictures { estimators, renderers, floor: rms(&one, &two) / 2.0 / mean })
 }
 
-/// Curves as a table, `first` being the heading of what tells them apart.
-pub fn table(name: &str, first: &'static str, curves: &[Curve]) -> Table {
-    let mut table =
-        Table::new(name, &["lens", first, "sequence", "samples", "time_ms", "rms_error", "slope"]);
-    for curve in curves {
-        for p in &curve.points {
-            table.rows.push(vec![
-                curve.lens.as_str().into(),
-                curve.first.into(),
-                curve.second.into(),
-                p.samples.into(),
-                (p.time * 1e3).into(),
-                p.error.into(),
-                curve.slope.into(),
-            ]);
-        }
-    }
-    table
+/// Curves as a table, whose second heading is what tells them apart.
+pub fn table(name: &'static str, columns: &'static str, curves: &[Curve]) -> Table {
+    let points = curves.iter().flat_map(|curve| curve.points.iter().map(move |point| (curve, point)));
+    let rows = points
+        .map(|(c, p)| row![c.lens.as_str(), c.first, c.second, p.samples, p.time * 1e3, p.error, c.slope]);
+    Table::of(name, columns, rows)
 }

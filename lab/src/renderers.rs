@@ -1,123 +1,141 @@
-//! The ways to take a whole picture that are compared.
+//! The sources of camera rays that are compared by the pictures rendered with them: cameras of the library, and
+//! models of a lens over a sampled pupil.
 
 use crate::{
-    ray_map::fit,
-    sampler::{Shot, camera},
+    BLOCK,
+    render::RaySource,
+    sampler::{Shot, Single, camera},
     subject::{FILM_DIAGONAL, Subject},
 };
 use realistic::{
-    camera::{BLOCK, CameraError, Film, Parameters, Raster, RayBlock, Sample, SampleBlock, Value},
+    abi::{realistic_ray, realistic_sample},
+    camera::{CameraError, Film, Parameters, Raster, RayBlock, Sample, SampleBlock},
     imaging::irradiance::{cos4, film_ray},
-    sampling::{DiskMapping, Drawn, PupilDisk, WarpedPupil},
+    sampling::{DiskMapping, PupilDisk, PupilSample},
     trace::{Ray, kernel::Traced, polynomial::PolynomialLens},
 };
+use std::convert::Infallible;
 
-/// The first so many samples of a block in, rays and weights out.
-pub type Shoot = Box<dyn FnMut(&SampleBlock, usize, &mut [Option<Shot>; BLOCK])>;
+/// A source of camera rays, of whatever kind.
+pub type Source = Box<dyn RaySource<Error = Infallible>>;
 
-/// A way to take the picture.
+fn sample(of: &realistic_sample) -> Sample {
+    let realistic_sample { image_x, image_y, lens_u, lens_v, time } = *of;
+    Sample { image_x, image_y, lens_u, lens_v, time }
+}
+
+/// A way to trace the rays of a picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Renderer {
     /// Short name.
     pub name: &'static str,
     /// Makes it ready for a lens.
-    pub prepare: fn(&Subject, Raster) -> Result<Shoot, CameraError>,
+    pub prepare: fn(&Subject, Raster) -> Result<Source, CameraError>,
 }
 
-/// Every way to take a whole picture that is compared, all with Sobol' numbers.
+/// All that are compared, to be rendered with Sobol' samples.
 pub const RENDERERS: &[Renderer] = &[
-    Renderer { name: "blocks, 0.1 pixel", prepare: |s, r| blocks(s, r, None, 0.1) },
-    Renderer { name: "blocks f32, warped", prepare: |s, r| blocks(s, r, Some("f32"), 0.0) },
-    Renderer { name: "blocks f64, warped", prepare: |s, r| blocks(s, r, Some("f64"), 0.0) },
-    Renderer {
-        name: "f32, warped",
-        prepare: |s, r| built(s, r, &[("pupil", "warped"), ("precision", "f32")]),
-    },
-    Renderer {
-        name: "f64, warped",
-        prepare: |s, r| built(s, r, &[("pupil", "warped"), ("precision", "f64")]),
-    },
-    Renderer { name: "f64, rear", prepare: |s, r| built(s, r, &[("pupil", "rear"), ("precision", "f64")]) },
-    Renderer { name: "f64, disk", prepare: |s, r| built(s, r, &[("pupil", "disk"), ("precision", "f64")]) },
-    Renderer {
-        name: "heckbert, rear",
-        prepare: |s, r| built(s, r, &[("pupil", "rear"), ("refraction", "heckbert")]),
-    },
-    Renderer {
-        name: "whitted, rear",
-        prepare: |s, r| built(s, r, &[("pupil", "rear"), ("refraction", "whitted")]),
-    },
+    Renderer { name: "blocks, 0.1 pixel", prepare: |s, r| blocks(s, r, "tolerance=0.1") },
+    Renderer { name: "blocks f32, warped", prepare: |s, r| blocks(s, r, "precision=f32") },
+    Renderer { name: "blocks f64, warped", prepare: |s, r| blocks(s, r, "precision=f64") },
+    Renderer { name: "f32, warped", prepare: |s, r| single(s, r, "pupil=warped precision=f32") },
+    Renderer { name: "f64, warped", prepare: |s, r| single(s, r, "pupil=warped precision=f64") },
+    Renderer { name: "f64, rear", prepare: |s, r| single(s, r, "pupil=rear precision=f64") },
+    Renderer { name: "f64, disk", prepare: |s, r| single(s, r, "pupil=disk precision=f64") },
+    Renderer { name: "heckbert, rear", prepare: |s, r| single(s, r, "pupil=rear refraction=heckbert") },
+    Renderer { name: "whitted, rear", prepare: |s, r| single(s, r, "pupil=rear refraction=whitted") },
     Renderer { name: "thick lens, disk", prepare: thick },
     Renderer { name: "order 5, disk", prepare: |s, r| polynomial::<5>(s, r, disk(s)) },
     Renderer { name: "order 5, warped", prepare: |s, r| polynomial::<5>(s, r, warped(s)) },
     Renderer { name: "order 9, warped", prepare: |s, r| polynomial::<9>(s, r, warped(s)) },
 ];
 
-fn named(given: &[(&str, &str)]) -> Result<Parameters, CameraError> {
+/// A camera for the lens with parameters as `name=value`, spaces between them.
+fn camera_of(subject: &Subject, raster: Raster, given: &str) -> Result<Single, CameraError> {
     let mut parameters = Parameters::default();
-    for (name, value) in given {
-        parameters.set(name, Value::Text(value))?;
+    for (name, value) in given.split(' ').filter_map(|one| one.split_once('=')) {
+        parameters.set_from_text(name, value)?;
     }
-    Ok(parameters)
+    camera(&subject.lens.name, raster, parameters)
 }
 
-/// A camera with these text parameters, asked for ray after ray.
-pub fn built(subject: &Subject, raster: Raster, given: &[(&str, &str)]) -> Result<Shoot, CameraError> {
-    let camera = camera(&subject.lens.name, raster, named(given)?)?;
+/// A camera with these parameters that is asked for ray after ray.
+pub fn single(subject: &Subject, raster: Raster, given: &str) -> Result<Source, CameraError> {
+    let camera = camera_of(subject, raster, given)?;
     Ok(each(move |sample| camera.shoot(sample)))
 }
 
-/// A camera with the warped pupil that is asked for blocks, in a precision or with a tolerance in pixels.
-fn blocks(
-    subject: &Subject,
-    raster: Raster,
-    precision: Option<&str>,
-    tolerance: f64,
-) -> Result<Shoot, CameraError> {
-    let given = Parameters {
-        precision: precision.map(str::to_owned),
-        tolerance: Some(tolerance),
-        ..Parameters::default()
-    };
-    let camera = camera(&subject.lens.name, raster, given)?;
-    let mut rays = Box::new(RayBlock::new());
-    Ok(Box::new(move |samples, count, shots| {
-        camera.rays(&samples.arrays(count), &mut rays.arrays(count));
-        for (i, shot) in shots[..count].iter_mut().enumerate() {
-            *shot = rays.get(i).map(|(ray, weight)| (ray.origin, ray.direction, weight));
+/// A camera with these parameters that is asked for blocks.
+fn blocks(subject: &Subject, raster: Raster, given: &str) -> Result<Source, CameraError> {
+    let camera = camera_of(subject, raster, given)?;
+    Ok(Box::new(Blocks { camera, samples: SampleBlock::<BLOCK>::new(), rays: RayBlock::<BLOCK>::new() }))
+}
+
+/// A camera that is asked for blocks, and room for one.
+struct Blocks {
+    camera: Single,
+    samples: SampleBlock<BLOCK>,
+    rays: RayBlock<BLOCK>,
+}
+
+impl RaySource for Blocks {
+    type Error = Infallible;
+
+    fn rays(
+        &mut self,
+        samples: &[realistic_sample],
+        rays: &mut [realistic_ray],
+        weights: &mut [f32],
+    ) -> Result<(), Infallible> {
+        let out = rays.chunks_mut(BLOCK).zip(weights.chunks_mut(BLOCK));
+        for (samples, (rays, weights)) in samples.chunks(BLOCK).zip(out) {
+            samples.iter().enumerate().for_each(|(i, of)| self.samples.set(i, &sample(of)));
+            self.camera.rays(&self.samples.arrays(samples.len()), &mut self.rays.arrays(samples.len()));
+            for (i, (ray, weight)) in rays.iter_mut().zip(weights).enumerate() {
+                let shot = self.rays.get(i).map(|(ray, weight)| (ray.origin, ray.direction, weight));
+                (ray.o, ray.d, *weight) = shot.unwrap_or_default();
+            }
         }
-    }))
+        Ok(())
+    }
 }
 
 /// Sample after sample.
-fn each(shoot: impl Fn(&Sample) -> Option<Shot> + 'static) -> Shoot {
-    Box::new(move |samples, count, shots| {
-        let samples = samples.arrays(count);
-        for (i, shot) in shots[..count].iter_mut().enumerate() {
-            *shot = shoot(&samples.get(i));
+struct Each<F>(F);
+
+impl<F: Fn(&Sample) -> Option<Shot>> RaySource for Each<F> {
+    type Error = Infallible;
+
+    fn rays(
+        &mut self,
+        samples: &[realistic_sample],
+        rays: &mut [realistic_ray],
+        weights: &mut [f32],
+    ) -> Result<(), Infallible> {
+        for ((of, ray), weight) in samples.iter().zip(rays).zip(weights) {
+            (ray.o, ray.d, *weight) = (self.0)(&sample(of)).unwrap_or_default();
         }
-    })
+        Ok(())
+    }
+}
+
+fn each(shoot: impl Fn(&Sample) -> Option<Shot> + 'static) -> Source {
+    Box::new(Each(shoot))
 }
 
 /// Where in the pupil a model's rays go.
-type Pupil = Box<dyn Fn([f64; 2], [f64; 2]) -> Option<Drawn>>;
+type Pupil = Box<dyn Fn([f64; 2], [f64; 2]) -> Option<PupilSample>>;
 
 /// The thick lens's exit pupil.
 fn disk(subject: &Subject) -> Pupil {
     let disk: PupilDisk = subject.exit;
-    Box::new(move |film, unit| Some(disk.draw(film, unit)))
+    Box::new(move |film, unit| Some(disk.sample(film, unit)))
 }
 
 /// The true pupil.
 fn warped(subject: &Subject) -> Pupil {
-    let pupil = table(subject);
-    Box::new(move |film, unit| pupil.draw(film, unit))
-}
-
-/// The true pupil's table as a camera makes it.
-pub fn table(subject: &Subject) -> WarpedPupil {
-    let Subject { path, film_z, film, rear, exit, .. } = subject;
-    WarpedPupil::new(path, *film_z, film.reach(), *rear, exit.seen_from([1.0, 0.0]).center[0])
+    let pupil = subject.warped_pupil();
+    Box::new(move |film, unit| pupil.sample(film, unit))
 }
 
 /// A model of the lens, from film point and slopes to a ray, over a pupil.
@@ -125,19 +143,19 @@ fn modelled(
     raster: Raster,
     pupil: Pupil,
     map: impl Fn([f64; 2], [f64; 2]) -> Option<Ray> + 'static,
-) -> Shoot {
+) -> Source {
     let film = Film::new(raster, FILM_DIAGONAL);
     each(move |sample| {
         let point = film.point(sample.image_x.into(), sample.image_y.into());
         let unit = DiskMapping::Concentric.map(sample.lens_u.into(), sample.lens_v.into())?;
-        let Drawn { slopes, area } = pupil(point, unit)?;
+        let PupilSample { slopes, area } = pupil(point, unit)?;
         let ray = map(point, slopes)?;
         let narrow = |vector: [f64; 3]| vector.map(|x| x as f32);
         Some((narrow(ray.origin), narrow(ray.direction), (area * cos4(slopes)) as f32))
     })
 }
 
-fn thick(subject: &Subject, raster: Raster) -> Result<Shoot, CameraError> {
+fn thick(subject: &Subject, raster: Raster) -> Result<Source, CameraError> {
     let (lens, film_z) = (subject.first_order, subject.film_z);
     let map = move |point, slopes| Some(lens.transfer(film_ray(point, film_z, slopes)));
     Ok(modelled(raster, disk(subject), map))
@@ -147,7 +165,7 @@ fn polynomial<const ORDER: usize>(
     subject: &Subject,
     raster: Raster,
     pupil: Pupil,
-) -> Result<Shoot, CameraError> {
-    let model = PolynomialLens::<f64>::new(&fit(subject, ORDER));
+) -> Result<Source, CameraError> {
+    let model = PolynomialLens::<f64>::new(&subject.fit(ORDER));
     Ok(modelled(raster, pupil, move |point, slopes| model.trace_one(point, slopes).as_ref().map(Traced::ray)))
 }

@@ -1,4 +1,4 @@
-//! The cameras whose estimates are compared: every way to sample the pupil and the lens numbers.
+//! The cameras whose estimates are compared: every way to sample the pupil and the unit disk.
 
 use crate::subject::FILM_DIAGONAL;
 use realistic::{
@@ -6,12 +6,12 @@ use realistic::{
     sampling::DiskMapping,
 };
 
-/// The ways to sample the pupil, by the parameter `pupil`.
+/// How the pupil is sampled, by the parameter `pupil`.
 pub const PUPILS: &[&str] = &["rear", "disk", "warped"];
-/// The ways from lens numbers to the unit disk, by the parameter `disk`.
+/// The mappings from the lens sample (u, v) to the unit disk, by the parameter `disk`.
 pub const DISKS: &[&str] = &["concentric", "polar", "rejection"];
 
-/// A camera that is asked for a ray at a time.
+/// A camera that is asked for one ray at a time.
 #[derive(Debug)]
 pub struct Single {
     camera: RealisticCamera,
@@ -40,13 +40,13 @@ pub fn camera(lens: &str, raster: Raster, given: Parameters) -> Result<Single, C
 pub type Shot = ([f32; 3], [f32; 3], f32);
 
 impl Single {
-    /// What the camera makes of a sample: nothing where the sample is to be drawn again, a weight of 0
+    /// What the camera makes of a sample: nothing where another sample is to take its place, a weight of 0
     /// where the lens blocks it.
     pub fn shoot(&self, sample: &Sample) -> Option<Shot> {
         if let Some((ray, weight)) = self.camera.ray(sample) {
             return Some((ray.origin, ray.direction, weight));
         }
-        // Only the mapping asks for other numbers.
+        // Only the mapping rejects samples.
         self.mapping.map(sample.lens_u.into(), sample.lens_v.into())?;
         Some(([0.0; 3], [0.0, 0.0, 1.0], 0.0))
     }

@@ -1,4 +1,4 @@
-//! A picture whose radiance is a formula, so that nothing but the camera costs time.
+//! The report's scene: radiance by a short formula, so that hardly anything but the camera costs time.
 
 /// A chequerboard plane across the axis, lights in front of it, and a bright horizon where a lens sees past
 /// its edge. Lengths in focal lengths of the lens, so that every lens sees the same blur.

@@ -1,6 +1,9 @@
-//! Sample numbers in the unit cube, four ways, by which the estimators are compared.
+//! Samples in the unit cube from four sequences, by which the estimators are compared and pictures are rendered.
 
-/// How many numbers a sample has at the most: two for the lens, two for the pixel.
+use rand::{Rng, RngExt, SeedableRng, seq::SliceRandom};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+/// Coordinates of a sample at the most: two for the lens, two for the pixel.
 pub const DIMENSIONS: usize = 4;
 
 /// A way to place samples.
@@ -8,7 +11,7 @@ pub const DIMENSIONS: usize = 4;
 pub enum Sequence {
     /// Independent random numbers.
     Random,
-    /// Every pair of numbers jittered in its own square strata, the pairs shuffled against each other;
+    /// Every pair of coordinates jittered in its own square strata, the pairs shuffled against each other;
     /// random where the count is no square number.
     Stratified,
     /// Sobol's sequence with Owen's scrambling by hashes (B. Burley, "Practical Hash-based Owen
@@ -19,7 +22,7 @@ pub enum Sequence {
     Recurrence,
 }
 
-/// A sample: the lens numbers, then the pixel's.
+/// A sample: the lens sample (u, v), then the place in the pixel.
 pub type Point = [f32; DIMENSIONS];
 
 impl Sequence {
@@ -31,16 +34,16 @@ impl Sequence {
         ("R2", Self::Recurrence),
     ];
 
-    /// Fills the first `dimensions` (2 or 4) numbers of every point; another `seed` gives points
+    /// Fills the first `dimensions` (2 or 4) coordinates of every point; another `seed` gives points
     /// independent of these.
     pub fn fill(self, seed: u32, dimensions: usize, points: &mut [Point]) {
-        let mut random = Random::new(seed);
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(seed.into());
         match self {
-            Self::Random => points.iter_mut().for_each(|p| p[..dimensions].fill_with(|| random.unit())),
+            Self::Random => points.iter_mut().for_each(|p| p[..dimensions].fill_with(|| random.random())),
             Self::Stratified => stratify(&mut random, dimensions, points),
             Self::Sobol => {
-                let shuffle = random.bits();
-                let seeds: [u32; DIMENSIONS] = std::array::from_fn(|_| random.bits());
+                let shuffle = random.next_u32();
+                let seeds: [u32; DIMENSIONS] = std::array::from_fn(|_| random.next_u32());
                 for (index, point) in (0_u32..).zip(points) {
                     let index = scramble(index, shuffle);
                     for d in 0..dimensions {
@@ -50,8 +53,7 @@ impl Sequence {
             }
             Self::Recurrence => {
                 let ratio = golden(dimensions);
-                let shift: [f64; DIMENSIONS] =
-                    std::array::from_fn(|_| f64::from(random.bits()) / 2f64.powi(32));
+                let shift: [f64; DIMENSIONS] = random.random();
                 for (index, point) in points.iter_mut().enumerate() {
                     let mut step = 1.0;
                     for d in 0..dimensions {
@@ -66,53 +68,41 @@ impl Sequence {
 
 const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 
+/// The upper bits of a fraction as a number below 1.
 fn unit(bits: u32) -> f32 {
     (bits >> 8) as f32 / (1 << 24) as f32
 }
 
-/// A small generator (splitmix; G. Steele, D. Lea and C. Flood, OOPSLA 2014).
-struct Random(u64);
-
-impl Random {
-    fn new(seed: u32) -> Self {
-        Self(u64::from(seed).wrapping_mul(0xd134_2543_de82_ef95).wrapping_add(0x9e37_79b9))
-    }
-
-    fn bits(&mut self) -> u32 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (z >> 32) as u32
-    }
-
-    fn unit(&mut self) -> f32 {
-        unit(self.bits())
+fn stratify(random: &mut impl Rng, dimensions: usize, points: &mut [Point]) {
+    let side = points.len().isqrt();
+    let square = side * side == points.len();
+    for pair in (0..dimensions).step_by(2) {
+        let mut order: Vec<usize> = (0..points.len()).collect();
+        if pair > 0 {
+            order.shuffle(random);
+        }
+        for (point, cell) in points.iter_mut().zip(order) {
+            let place: [f32; 2] = random.random();
+            let cell = [cell % side, cell / side].map(|cell| cell as f32);
+            for axis in 0..2 {
+                let jittered = ((cell[axis] + place[axis]) / side as f32).min(BELOW_ONE);
+                point[pair + axis] = if square { jittered } else { place[axis] };
+            }
+        }
     }
 }
 
-fn stratify(random: &mut Random, dimensions: usize, points: &mut [Point]) {
-    let side = points.len().isqrt();
-    for pair in (0..dimensions).step_by(2) {
-        for number in 0..points.len() {
-            let jitter = [random.unit(), random.unit()];
-            for axis in 0..2 {
-                points[number][pair + axis] = if side * side == points.len() {
-                    let cell = [number % side, number / side][axis];
-                    ((cell as f32 + jitter[axis]) / side as f32).min(BELOW_ONE)
-                } else {
-                    jitter[axis]
-                };
-            }
-        }
-        if pair > 0 {
-            for last in (1..points.len()).rev() {
-                let other = ((u64::from(random.bits()) * (last as u64 + 1)) >> 32) as usize;
-                let [a, b] = [points[last], points[other]];
-                points[last][pair..pair + 2].copy_from_slice(&b[pair..pair + 2]);
-                points[other][pair..pair + 2].copy_from_slice(&a[pair..pair + 2]);
-            }
-        }
+/// Numbers in [0, 1), one anywhere in each of as many equal strata, in random order; another `seed` gives
+/// numbers independent of these.
+pub fn strata(seed: u32, numbers: &mut [f32]) {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(seed.into());
+    let count = numbers.len() as f32;
+    for (index, number) in numbers.iter_mut().enumerate() {
+        // Rounding may reach the next stratum.
+        let end = ((index + 1) as f32 / count).next_down();
+        *number = ((index as f32 + random.random::<f32>()) / count).min(end);
     }
+    numbers.shuffle(&mut random);
 }
 
 /// The positive root of g^(d + 1) = g + 1 for d = 2 and 4.
@@ -221,6 +211,18 @@ mod tests {
                 }
                 assert!(filled.iter().all(|&n| n == 1 << spare), "{pair:?} {columns} x {rows}: {filled:?}");
             }
+        }
+    }
+
+    #[test]
+    fn every_stratum_has_one_number_and_their_order_is_random() {
+        for count in [1, 4, 7, 64, 1000] {
+            let mut numbers = vec![0.0; count];
+            strata(5, &mut numbers);
+            assert!(count < 7 || !numbers.is_sorted());
+            numbers.sort_by(f32::total_cmp);
+            let stratum = |number: f32| (f64::from(number) * count as f64) as usize;
+            assert!(numbers.iter().enumerate().all(|(index, &x)| stratum(x) == index), "{numbers:?}");
         }
     }
 

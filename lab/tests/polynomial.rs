@@ -6,11 +6,11 @@ use realistic::{
     sampling::PupilDisk,
     trace::{
         Path, Ray, Real,
-        kernel::{LensRays, PlaneRays, Precision},
+        kernel::Precision,
         polynomial::{FitError, Polynomial, PolynomialLens},
     },
 };
-use realistic_lab::ray_set::passing_rays;
+use realistic_lab::subject::{FilmRays, passing_rays};
 
 struct Subject {
     lens: Lens,
@@ -99,18 +99,12 @@ fn near_the_axis_they_are_the_thick_lens() {
     }
 }
 
-/// A batch of rays at the film: origin, direction and weight of each.
-fn batch<S: Precision + Real>(polynomial: &Polynomial, rays: &[Ray]) -> [Vec<S>; 7] {
-    let column = |of: &dyn Fn(&Ray) -> f64| rays.iter().map(|ray| S::from_f64(of(ray))).collect::<Vec<S>>();
-    let [x, y] = [0, 1].map(|i| column(&|ray| ray.origin[i]));
-    let [slope_x, slope_y] = [0, 1].map(|i| column(&|ray| ray.direction[i] / ray.direction[2]));
-    let mut out: [Vec<S>; 7] = std::array::from_fn(|_| vec![<S as Real>::ZERO; rays.len()]);
-    let [ox, oy, oz, dx, dy, dz, weight] = out.each_mut().map(Vec::as_mut_slice);
-    PolynomialLens::<S>::new(polynomial).trace_batch(
-        &PlaneRays { plane: 0.0, x: &x, y: &y, slope_x: &slope_x, slope_y: &slope_y },
-        &mut LensRays { origin: [ox, oy, oz], direction: [dx, dy, dz], weight },
-    );
-    out
+/// The rays behind the lens, by a batch.
+fn batch<S: Precision + Real>(film: f64, polynomial: &Polynomial, rays: &[Ray]) -> FilmRays<S> {
+    let lens = PolynomialLens::<S>::new(polynomial);
+    let mut rays = FilmRays::new(film, rays);
+    rays.trace(rays.count(), |from, to| lens.trace_batch(from, to));
+    rays
 }
 
 #[test]
@@ -119,26 +113,24 @@ fn batches_are_the_single_rays_to_the_bit_and_in_single_precision_to_its_digits(
     let polynomial = subject.fit(7);
     // 37: no whole number of lanes of any width.
     let rays = subject.rays(37, 3);
-    let (doubles, singles) = (batch::<f64>(&polynomial, &rays), batch::<f32>(&polynomial, &rays));
+    let doubles = batch::<f64>(subject.film, &polynomial, &rays);
+    let singles = batch::<f32>(subject.film, &polynomial, &rays);
     for (i, ray) in rays.iter().enumerate() {
         let own = through(&polynomial, *ray).expect("passes");
-        for axis in 0..3 {
-            assert_eq!(doubles[axis][i], own.origin[axis]);
-            assert_eq!(doubles[3 + axis][i], own.direction[axis]);
-        }
-        let narrow = [3, 4, 5].map(|column: usize| f64::from(singles[column][i]));
+        assert_eq!(doubles.traced(i), Some(own));
+        let narrow = singles.traced(i).expect("passes").direction;
         assert!(distance(own.direction, narrow) < 2e-6, "{own:?} {narrow:?}");
         assert!((distance(own.direction, [0.0; 3]) - 1.0).abs() < 1e-15);
     }
 }
 
 #[test]
-fn a_lens_of_polynomials_blocks_where_the_rims_do_and_changes_no_other_ray() {
+fn a_lens_of_polynomials_blocks_where_the_apertures_do_and_changes_no_other_ray() {
     let subject = Subject::new("dgauss.50mm");
     let path = Path::<f64>::film_to_scene(&subject.lens);
     let last = subject.lens.surfaces.len() - 1;
     let fit = |rims: &[usize]| {
-        Polynomial::with_rims(&subject.lens, subject.film, &subject.rays(1500, 0), 9, rims)
+        Polynomial::with_apertures(&subject.lens, subject.film, &subject.rays(1500, 0), 9, rims)
             .map(|polynomial| PolynomialLens::<f64>::new(&polynomial))
             .expect("enough rays")
     };
@@ -162,7 +154,7 @@ fn a_lens_of_polynomials_blocks_where_the_rims_do_and_changes_no_other_ray() {
             wrong += i32::from(passes != traced.is_some());
         }
     }
-    assert!(blocked > 500 && missed > 100, "{blocked} blocked, {missed} unknown without rims");
+    assert!(blocked > 500 && missed > 100, "{blocked} blocked, {missed} unknown without apertures");
     assert!(wrong <= 12, "{wrong} of 3600");
 }
 

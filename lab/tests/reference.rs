@@ -2,18 +2,21 @@
 
 use std::path::PathBuf;
 
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
 use realistic::{
     lens::{Lens, first_order::FirstOrder, refraction::Refraction},
     prescription::{catalogue, read},
     trace::{
         Direction, Path, Ray, Real,
-        kernel::{Kernel, LensRays, PlaneRays, Precision},
+        kernel::{Kernel, Precision},
     },
 };
 use realistic_lab::{
-    condition::Conditioned,
-    reference::{DoubleDouble as Exact, ExactRay, Reference},
-    stability::{self, closed_form, random::Random},
+    reference::{DoubleDouble as Exact, ExactRay, Reference, condition::Conditioned},
+    results::statistics::{Spread, quantile},
+    stability::{self, closed_form},
+    subject::FilmRays,
 };
 
 type Vector = [Exact; 3];
@@ -161,7 +164,7 @@ fn the_chain_with_condition_numbers_gives_the_references_rays() {
 }
 
 #[test]
-fn the_condition_number_foretells_what_a_disturbed_ray_does() {
+fn the_condition_number_predicts_what_a_disturbed_ray_does() {
     // A ray through a lens of condition 1e6 and its neighbour 1e-12 rad away, about the point in the front
     // vertex plane, by the reference.
     let case = stability::stiff::telescopes().swap_remove(2);
@@ -246,78 +249,57 @@ fn the_tables_of_exact_arithmetic_agree_to_their_last_digits() {
     }
 }
 
-/// Errors in direction (rad) and position (mm) of a kernel on rays from the whole film through the whole rear element,
-/// sorted, and on how many rays it and the reference disagree whether they pass.
-struct Errors {
-    directions: Vec<f64>,
-    positions: Vec<f64>,
-    disagreements: usize,
-}
-
-impl Errors {
-    fn of<S: Precision + Real>(lens: &Lens, rays: usize) -> Self {
-        let kernel = Kernel::<S>::new(lens, Direction::FilmToScene);
-        let reference = Reference::new(lens, Direction::FilmToScene);
-        let distance = FirstOrder::of(lens).expect("focal").back_focal_distance();
-        let (plane, semi_diameter) = (lens.rear().vertex - distance, lens.rear().semi_diameter);
-        let mut random = Random::new(1);
-        let mut disk = |radius: f64| {
-            let (r, turn) = (radius * random.uniform().sqrt(), std::f64::consts::TAU * random.uniform());
-            [r * turn.cos(), r * turn.sin()]
-        };
-        let mut columns = [(); 4].map(|()| Vec::with_capacity(rays));
-        for _ in 0..rays {
-            let (point, aim) = (disk(17.5), disk(semi_diameter));
-            let slopes = [0, 1].map(|i| (aim[i] - point[i]) / distance);
-            for (column, number) in columns.iter_mut().zip(point.into_iter().chain(slopes)) {
-                column.push(S::from_f64(number));
+/// Errors in direction (rad) of a kernel on rays from the whole film through the whole rear element, and on how many
+/// rays it and the reference disagree whether they pass.
+fn errors<S: Precision + Real>(lens: &Lens, count: usize) -> (Vec<f64>, usize) {
+    let kernel = Kernel::<S>::new(lens, Direction::FilmToScene);
+    let reference = Reference::new(lens, Direction::FilmToScene);
+    let distance = FirstOrder::of(lens).expect("focal").back_focal_distance();
+    let (plane, semi_diameter) = (lens.rear().vertex - distance, lens.rear().semi_diameter);
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
+    let mut disk = |radius: f64| {
+        let r = radius * random.random::<f64>().sqrt();
+        let turn = std::f64::consts::TAU * random.random::<f64>();
+        [r * turn.cos(), r * turn.sin()]
+    };
+    let mut ray = || {
+        let ([x, y], aim) = (disk(17.5), disk(semi_diameter));
+        Ray { origin: [x, y, plane], direction: [aim[0] - x, aim[1] - y, distance] }
+    };
+    let mut rays = FilmRays::<S>::new(plane, &(0..count).map(|_| ray()).collect::<Vec<_>>());
+    rays.trace(count, |from, to| kernel.trace_batch(from, to));
+    let (mut directions, mut positions, mut disagreements) = (Vec::new(), Vec::new(), 0);
+    for i in 0..count {
+        let (point, slopes) = rays.at_film(i);
+        let ([x, y], [sx, sy]) = (point.map(Real::to_f64), slopes.map(Real::to_f64));
+        let exact = reference.trace(Ray { origin: [x, y, plane], direction: [sx, sy, 1.0] });
+        match (exact, rays.traced(i)) {
+            (Ok(exact), Some(got)) => {
+                directions.push(exact.direction_error(&got));
+                positions.push(exact.position_error(&got, lens.front().vertex));
             }
+            (Err(_), None) => {}
+            _ => disagreements += 1,
         }
-        let [x, y, slope_x, slope_y] = &columns;
-        let mut out = [(); 7].map(|()| vec![S::ZERO; rays]);
-        let [ox, oy, oz, dx, dy, dz, weight] = &mut out;
-        let mut to = LensRays { origin: [ox, oy, oz], direction: [dx, dy, dz], weight };
-        kernel.trace_batch(&PlaneRays { plane, x, y, slope_x, slope_y }, &mut to);
-        let mut errors = Self { directions: Vec::new(), positions: Vec::new(), disagreements: 0 };
-        for i in 0..rays {
-            let [x, y, sx, sy] = columns.each_ref().map(|column| column[i].to_f64());
-            let exact = reference.trace(Ray { origin: [x, y, plane], direction: [sx, sy, 1.0] });
-            let [ox, oy, oz, dx, dy, dz, weight] = out.each_ref().map(|column| column[i].to_f64());
-            match exact {
-                Ok(exact) if weight > 0.0 => {
-                    let got = Ray { origin: [ox, oy, oz], direction: [dx, dy, dz] };
-                    errors.directions.push(exact.direction_error(&got));
-                    errors.positions.push(exact.position_error(&got, lens.front().vertex));
-                }
-                Err(_) if weight == 0.0 => {}
-                _ => errors.disagreements += 1,
-            }
-        }
-        errors.directions.sort_by(f64::total_cmp);
-        errors.positions.sort_by(f64::total_cmp);
-        let at = |all: &[f64], share: f64| format!("{:.1e}", all[((all.len() - 1) as f64 * share) as usize]);
-        let figures = |all: &[f64]| [0.5, 0.999, 1.0].map(|share| at(all, share)).join(" / ");
-        println!(
-            "{} rays of {rays} pass; direction {} rad, position {} mm, {} disagree",
-            errors.directions.len(),
-            figures(&errors.directions),
-            figures(&errors.positions),
-            errors.disagreements
-        );
-        errors
     }
+    println!(
+        "{} rays of {count} pass; direction {:?} rad, position {:?} mm, {disagreements} disagree",
+        directions.len(),
+        Spread::of(&directions),
+        Spread::of(&positions),
+    );
+    (directions, disagreements)
 }
 
 fn kernels_keep_their_errors(rays: usize) {
     let lens = Lens::at_d_line(&catalogue::find("dgauss.50mm").expect("in the catalogue"));
-    let double = Errors::of::<f64>(&lens, rays);
-    let single = Errors::of::<f32>(&lens, rays);
-    let of = |errors: &[f64]| (errors.len(), errors[errors.len() / 2], errors[errors.len() - 1]);
-    let (passing, _, most) = of(&double.directions);
-    assert!(passing > rays / 2 && most < 4e-15 && double.disagreements == 0, "{most:e}");
-    let (passing, median, most) = of(&single.directions);
-    assert!(passing > rays / 2 && median < 1e-7 && most < 1e-6, "{median:e}, {most:e}");
-    assert!(single.disagreements <= 2 + rays / 100_000, "{}", single.disagreements);
+    let (errors_f64, disagreements) = errors::<f64>(&lens, rays);
+    let most = quantile(&errors_f64, 1.0);
+    assert!(errors_f64.len() > rays / 2 && most < 4e-15 && disagreements == 0, "{most:e}");
+    let (errors_f32, disagreements) = errors::<f32>(&lens, rays);
+    let [median, most] = [0.5, 1.0].map(|q| quantile(&errors_f32, q));
+    assert!(errors_f32.len() > rays / 2 && median < 1e-7 && most < 1e-6, "{median:e}, {most:e}");
+    assert!(disagreements <= 2 + rays / 100_000, "{disagreements}");
 }
 
 #[test]

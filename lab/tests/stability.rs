@@ -13,7 +13,7 @@ use realistic::{
     prescription::{catalogue, read},
     trace::{Direction, Path, Ray},
 };
-use realistic_lab::stability::{self, Case, CaseResult, Effort, Kernel, kernels, random};
+use realistic_lab::stability::{self, Case, CaseResult, Extent, Tracer, random, tracers};
 
 fn show(result: &CaseResult) -> String {
     format!(
@@ -21,7 +21,7 @@ fn show(result: &CaseResult) -> String {
          undecided",
         result.group,
         result.name,
-        result.kernel,
+        result.tracer,
         result.worst_error_rad,
         result.worst_error_mm,
         result.condition,
@@ -42,18 +42,16 @@ fn all_hold(results: &[CaseResult]) {
 }
 
 fn with_every_tracer(cases: &[Case]) -> Vec<CaseResult> {
-    let kernels = kernels();
-    cases
-        .iter()
-        .flat_map(|case| {
-            let trails = case.trails();
-            kernels.iter().filter_map(|kernel| case.run(kernel, &trails)).collect::<Vec<_>>()
-        })
-        .collect()
+    let tracers = tracers();
+    let results = |case: &Case| {
+        let trails = case.trails();
+        tracers.iter().filter_map(|tracer| case.run(tracer, &trails)).collect::<Vec<_>>()
+    };
+    cases.iter().flat_map(results).collect()
 }
 
-fn named(name: &str) -> Kernel {
-    kernels().into_iter().find(|kernel| kernel.name == name).expect("one of the tracers")
+fn named(name: &str) -> Tracer {
+    tracers().into_iter().find(|tracer| tracer.name == name).expect("one of the tracers")
 }
 
 fn lens(text: &str) -> Lens {
@@ -76,7 +74,7 @@ fn the_cases_are_decided_and_as_hard_as_they_claim() {
         assert!(double.rays >= 5, "{}", show(&double));
     }
     let hardest = with_every_tracer(&stability::stiff::telescopes());
-    assert!(hardest.iter().any(|result| result.kernel == "walk f64" && result.condition > 1e8));
+    assert!(hardest.iter().any(|result| result.tracer == "walk f64" && result.condition > 1e8));
     let backward = stability::assemblies::fisheyes();
     let leaves_backward = |ray: &Ray| {
         Path::<f64>::film_to_scene(&backward[0].lens).trace(*ray).is_ok_and(|ray| ray.direction[2] < 0.0)
@@ -92,7 +90,7 @@ fn focal_lengths_pupils_and_focus_of_stiff_lenses_keep_their_digits() {
 
 #[test]
 fn random_lenses_agree_with_the_reference() {
-    let results = random::against_reference(7, 300, &kernels());
+    let results = random::against_reference(7, 300, &tracers());
     all_hold(&results);
     for result in &results {
         assert!(result.undecided < result.rays / 20, "{}", show(result));
@@ -109,12 +107,12 @@ fn no_ray_through_a_random_camera_is_unsound() {
 #[test]
 fn a_run_reports_progress_and_stops_when_told() {
     let mut calls = 0;
-    let results = stability::run(Effort::QUICK, &mut |progress| {
+    let results = stability::run(Extent::QUICK, &mut |progress| {
         assert!((0.0..1.0).contains(&progress.done));
         calls += 1;
         if calls == 4 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
-    assert_eq!(results.len(), 3 * kernels().len());
+    assert_eq!(results.len(), 3 * tracers().len());
 }
 
 #[test]
@@ -215,7 +213,7 @@ fn a_tiny_lens_far_behind_the_first_has_its_own_focal_length() {
 }
 
 #[test]
-fn lens_numbers_at_the_ends_of_their_range_make_sound_rays() {
+fn lens_samples_at_the_ends_of_their_range_make_sound_rays() {
     for name in catalogue::names() {
         for disk in ["concentric", "polar"] {
             let parameters = Parameters {

@@ -9,7 +9,7 @@ use super::types::{
     realistic_camera, realistic_ray, realistic_rays_soa, realistic_reason, realistic_sample,
     realistic_samples_soa,
 };
-use crate::camera::{BLOCK, RayArrays, RayBlock, Sample, SampleArrays, SampleBlock};
+use crate::camera::{BLOCK, RayArrays, RayBlock, Sample, SampleArrays, SampleBlock, WorldRay};
 
 /// Rays of `n` samples. Element i lies `i * stride` bytes from the first, so that arrays of a host's own
 /// larger structures can be passed (pbrt-v1: 88 for `Sample`, 36 for `Ray`); a stride of 0 means tightly packed.
@@ -47,17 +47,10 @@ pub unsafe extern "C" fn realistic_camera_generate_rays(
             in_blocks(
                 handle,
                 n,
-                |i| samples.byte_add(i * sample_stride).read_unaligned().into(),
-                |i, block, at, reason| {
-                    let weight = block.weight[at];
-                    if weight > 0.0 {
-                        rays.byte_add(i * ray_stride).write_unaligned(block.ray(at).into());
-                    }
-                    weights.add(i).write_unaligned(weight);
-                    if !reasons.is_null() {
-                        reasons.add(i).write_unaligned(reason());
-                    }
-                },
+                |i| samples.byte_add(i * sample_stride).cast::<Sample>().read_unaligned(),
+                |i, ray| rays.byte_add(i * ray_stride).cast::<WorldRay>().write_unaligned(ray),
+                weights,
+                reasons,
             );
         }
         Ok(())
@@ -163,6 +156,7 @@ unsafe fn all_of_unaligned(
     to: [*mut f32; 10],
     reasons: *mut realistic_reason,
 ) {
+    let [ox, oy, oz, dx, dy, dz, weights, mint, maxt, time] = to;
     // SAFETY: the caller's promise, and element i of each array.
     unsafe {
         in_blocks(
@@ -173,33 +167,17 @@ unsafe fn all_of_unaligned(
                     from.map(|array| array.add(i).read_unaligned());
                 Sample { image_x, image_y, lens_u, lens_v, time }
             },
-            |i, block, at, reason| {
-                let [ox, oy, oz, dx, dy, dz, weights, mint, maxt, time] = to;
-                let weight = block.weight[at];
-                if weight > 0.0 {
-                    let ray = block.ray(at);
-                    let ([x, y, z], [u, v, w]) = (ray.origin, ray.direction);
-                    for (array, number) in [
-                        (ox, x),
-                        (oy, y),
-                        (oz, z),
-                        (dx, u),
-                        (dy, v),
-                        (dz, w),
-                        (mint, ray.mint),
-                        (maxt, ray.maxt),
-                        (time, ray.time),
-                    ] {
-                        if !array.is_null() {
-                            array.add(i).write_unaligned(number);
-                        }
+            |i, ray| {
+                let ([x, y, z], [u, v, w]) = (ray.origin, ray.direction);
+                let numbers = [x, y, z, u, v, w, ray.mint, ray.maxt, ray.time];
+                for (array, number) in [ox, oy, oz, dx, dy, dz, mint, maxt, time].into_iter().zip(numbers) {
+                    if !array.is_null() {
+                        array.add(i).write_unaligned(number);
                     }
                 }
-                weights.add(i).write_unaligned(weight);
-                if !reasons.is_null() {
-                    reasons.add(i).write_unaligned(reason());
-                }
             },
+            weights,
+            reasons,
         );
     }
 }
@@ -210,20 +188,35 @@ fn reason(handle: &Handle, sample: &Sample, weight: f32) -> realistic_reason {
 }
 
 /// Rays of `n` samples, read one after the other and written so, block by block.
-fn in_blocks(
+///
+/// # Safety
+/// `weights` has room for `n` elements; `reasons` too, or it is NULL.
+unsafe fn in_blocks(
     handle: &Handle,
     n: usize,
     read: impl Fn(usize) -> Sample,
-    mut write: impl FnMut(usize, &RayBlock, usize, &dyn Fn() -> realistic_reason),
+    write: impl Fn(usize, WorldRay),
+    weights: *mut f32,
+    reasons: *mut realistic_reason,
 ) {
-    let (mut samples, mut rays) = (SampleBlock::new(), RayBlock::new());
+    let (mut samples, mut rays) = (SampleBlock::<BLOCK>::new(), RayBlock::<BLOCK>::new());
     for first in (0..n).step_by(BLOCK) {
         let count = BLOCK.min(n - first);
         (0..count).for_each(|i| samples.set(i, &read(first + i)));
         let asked = samples.arrays(count);
         handle.camera().rays(&asked, &mut rays.arrays(count));
         for i in 0..count {
-            write(first + i, &rays, i, &|| reason(handle, &asked.get(i), rays.weight[i]));
+            if let Some((ray, _)) = rays.get(i) {
+                write(first + i, ray);
+            }
+            // SAFETY: the caller's promise.
+            unsafe {
+                weights.add(first + i).write_unaligned(rays.weight(i));
+                if !reasons.is_null() {
+                    let reason = reason(handle, &asked.get(i), rays.weight(i));
+                    reasons.add(first + i).write_unaligned(reason);
+                }
+            }
         }
     }
 }

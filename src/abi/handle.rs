@@ -1,11 +1,10 @@
 //! A camera in the terms of the ABI.
 
+use std::mem::offset_of;
 #[cfg(realistic_shim)]
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::boundary::{Failure, realistic_status};
-#[cfg(realistic_shim)]
-use super::triples;
 use super::types::{realistic_ray, realistic_reason, realistic_sample};
 use crate::camera::{Camera, CameraError, Host, Level, Outcome, Parameters, Sample, WorldRay};
 use crate::imaging::focus::FocusError;
@@ -52,25 +51,6 @@ impl Handle {
         self.serial
     }
 
-    /// A ray for a host's vtable: a blocked one has the smallest normal weight and is
-    /// complete all the same, because a pbrt-v1 host reads an uninitialised alpha for weight 0.
-    #[cfg(realistic_shim)]
-    pub fn generate_for_host(&self, sample: &realistic_sample, ray: &mut realistic_ray) -> f32 {
-        let sample = fresh(sample);
-        let weight = triples::ray(self, &sample, ray);
-        if weight > 0.0 {
-            return weight;
-        }
-        *ray = self.camera.substitute(&{ sample }).into();
-        f32::MIN_POSITIVE
-    }
-
-    /// Writes a ray and returns its exact weight; 0, and nothing written, where there is none.
-    #[inline(always)]
-    pub fn ray(&self, sample: &realistic_sample, ray: &mut realistic_ray) -> f32 {
-        put(self.camera.ray(&fresh(sample)), ray)
-    }
-
     /// What becomes of a sample, in the ABI's words.
     pub fn reason(&self, sample: &Sample) -> realistic_reason {
         match self.camera.generate(sample) {
@@ -82,39 +62,19 @@ impl Handle {
     }
 }
 
-/// Writes a ray, if there is one, and returns its weight; else 0.
-#[inline(always)]
-pub(super) fn put(found: Option<(WorldRay, f32)>, to: &mut realistic_ray) -> f32 {
-    let Some((ray, weight)) = found else { return 0.0 };
-    *to = ray.into();
-    weight
-}
-
-/// A sample that its caller has just written, number by number: each is read by itself (volatile, or the compiler makes
-/// one load of four), because a wide load would wait until all of them have left the store buffer, and so
-/// for everything before them: the call before.
-#[inline(always)]
-fn fresh(sample: &realistic_sample) -> Sample {
-    let realistic_sample { image_x, image_y, lens_u, lens_v, time } = sample;
-    // SAFETY: references to numbers that there are.
-    let [image_x, image_y, lens_u, lens_v, time] = unsafe {
-        [
-            (&raw const *image_x).read_volatile(),
-            (&raw const *image_y).read_volatile(),
-            (&raw const *lens_u).read_volatile(),
-            (&raw const *lens_v).read_volatile(),
-            (&raw const *time).read_volatile(),
-        ]
-    };
-    Sample { image_x, image_y, lens_u, lens_v, time }
-}
-
-impl From<realistic_sample> for Sample {
-    fn from(sample: realistic_sample) -> Self {
-        let realistic_sample { image_x, image_y, lens_u, lens_v, time } = sample;
-        Self { image_x, image_y, lens_u, lens_v, time }
-    }
-}
+// The ABI's structures are the camera's by layout: a pointer to one may be cast to the other.
+const _: () = {
+    assert!(size_of::<realistic_sample>() == size_of::<Sample>());
+    assert!(offset_of!(realistic_sample, image_y) == offset_of!(Sample, image_y));
+    assert!(offset_of!(realistic_sample, lens_u) == offset_of!(Sample, lens_u));
+    assert!(offset_of!(realistic_sample, lens_v) == offset_of!(Sample, lens_v));
+    assert!(offset_of!(realistic_sample, time) == offset_of!(Sample, time));
+    assert!(size_of::<realistic_ray>() == size_of::<WorldRay>());
+    assert!(offset_of!(realistic_ray, d) == offset_of!(WorldRay, direction));
+    assert!(offset_of!(realistic_ray, mint) == offset_of!(WorldRay, mint));
+    assert!(offset_of!(realistic_ray, maxt) == offset_of!(WorldRay, maxt));
+    assert!(offset_of!(realistic_ray, time) == offset_of!(WorldRay, time));
+};
 
 impl From<WorldRay> for realistic_ray {
     fn from(ray: WorldRay) -> Self {

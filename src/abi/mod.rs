@@ -1,8 +1,8 @@
 //! The C ABI: the only exported functions, and the only place that takes raw pointers.
 //!
 //! `types` are the structures by layout, `boundary` keeps panics inside, `object` makes and
-//! recognises the cameras that a host holds, `handle` is the camera in them, `triples` guesses a pbrt-v1 host's next
-//! calls; `library`, `options`, `camera`, `ray`, `batch` and `autofocus` export what a C caller uses; `plugin`
+//! recognises the cameras that a host holds, `handle` is the camera in them and `host_part` what a pbrt-v1 host keeps
+//! there, `triples` serves such a host's calls; `library`, `options`, `camera`, `ray`, `batch` and `autofocus` export what a C caller uses; `plugin`
 //! knows the file this was loaded from; `shim` speaks to the C++ face and `pbrt` is the entry of a pbrt-v1 host
 //! (both only where `pbrt-shim/` is built).
 
@@ -11,6 +11,7 @@ mod batch;
 mod boundary;
 mod camera;
 mod handle;
+mod host_part;
 mod library;
 mod object;
 mod options;

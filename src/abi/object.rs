@@ -1,76 +1,44 @@
-//! Camera objects: a [`Handle`] in the shape that the ABI hands out.
+//! Camera objects: a [`Handle`] in the shape that the ABI hands out, and the check that an object is one.
 //!
 //! Where the C++ face is built the object has a pbrt-v1 host's vtable and members, so that
-//! one kind of camera serves C callers and that host alike. Elsewhere it is a tagged box.
+//! one kind of camera serves C callers and that host alike. Elsewhere it is a tagged box. Either is recognised by
+//! its first word, without a call.
 
-use super::handle::Handle;
-use super::types::realistic_camera;
-use crate::camera::Camera;
-
-/// What a host keeps in a camera besides the rays; nobody reads it in a C-made camera.
-#[derive(Clone, Copy, Debug)]
-#[cfg_attr(not(realistic_shim), expect(dead_code, reason = "only a pbrt-v1 host has such members"))]
-pub struct HostPart {
-    /// The host's film, which the camera deletes in the end; NULL for none.
-    pub film: *mut std::ffi::c_void,
-    /// Row-major, for column vectors.
-    pub world_to_camera: [f32; 16],
-    /// Its inverse.
-    pub camera_to_world: [f32; 16],
-    /// World units.
-    pub hither: f32,
-    /// World units.
-    pub yon: f32,
-    /// When the shutter opens.
-    pub shutter_open: f32,
-    /// When the shutter closes.
-    pub shutter_close: f32,
-}
-
-impl HostPart {
-    /// What a host keeps of a camera; `film` and the two matrices are its own.
-    pub fn of(
-        camera: &Camera,
-        film: *mut std::ffi::c_void,
-        world_to_camera: [f32; 16],
-        camera_to_world: [f32; 16],
-    ) -> Self {
-        let [hither, yon] = camera.clip();
-        let [shutter_open, shutter_close] = camera.shutter_interval();
-        Self { film, world_to_camera, camera_to_world, hither, yon, shutter_open, shutter_close }
-    }
-}
+use super::{handle::Handle, host_part::HostPart, types::realistic_camera};
 
 pub use implementation::{delete, handle_of, new};
 
 #[cfg(realistic_shim)]
 mod implementation {
-    use super::super::boundary;
-    use super::super::shim::{self, Parts};
-    use super::super::types::{realistic_ray, realistic_sample};
+    use super::super::{boundary, shim, triples};
     use super::{Handle, HostPart, realistic_camera};
+    use crate::camera::{Sample, WorldRay};
     use std::ffi::c_void;
+    use std::ptr::null_mut;
+    use std::sync::atomic::{AtomicPtr, Ordering};
+
+    /// The beginning of a camera object as `camera.cpp` lays it out.
+    #[repr(C)]
+    struct Object {
+        vtable: *mut c_void,
+        host: [u8; shim::HOST_MEMBERS],
+        handle: *const Handle,
+    }
+
+    /// The vtable pointer of every camera made here; NULL before the first.
+    static VTABLE: AtomicPtr<c_void> = AtomicPtr::new(null_mut());
 
     /// Makes a camera object. `None` when memory is out; then the film stays the host's.
     pub fn new(handle: Handle, host: &HostPart) -> Option<*mut realistic_camera> {
         let rust = Box::into_raw(Box::new(handle));
-        let camera = shim::camera_new(&Parts {
-            rust: rust.cast(),
-            generate,
-            release,
-            film: host.film,
-            world_to_camera: host.world_to_camera,
-            camera_to_world: host.camera_to_world,
-            hither: host.hither,
-            yon: host.yon,
-            shutter_open: host.shutter_open,
-            shutter_close: host.shutter_close,
-        });
+        let camera = shim::camera_new(&shim::Parts { rust: rust.cast(), generate, release, host: *host });
         if camera.is_null() {
             // SAFETY: just made from a box, and no camera took it.
             drop(unsafe { Box::from_raw(rust) });
             return None;
         }
+        // SAFETY: a camera object, whose first word is its vtable pointer.
+        VTABLE.store(unsafe { (*camera.cast::<Object>()).vtable }, Ordering::Relaxed);
         Some(camera.cast())
     }
 
@@ -78,10 +46,20 @@ mod implementation {
     ///
     /// # Safety
     /// `camera` is NULL, or a live camera of [`new`], or 8 bytes can be read there.
+    #[inline]
     pub unsafe fn handle_of<'a>(camera: *const realistic_camera) -> Option<&'a Handle> {
-        // SAFETY: the caller's promise; the Rust part of our camera is a boxed `Handle`,
-        // never changed until the camera is deleted.
-        unsafe { shim::camera_rust(camera.cast()).cast::<Handle>().as_ref() }
+        let object = camera.cast::<Object>();
+        // Anything misaligned is no object of ours, and not worth a look.
+        if object.is_null() || !object.is_aligned() {
+            return None;
+        }
+        // SAFETY: the caller's promise; past the vtable pointer only when the object is ours, whose boxed `Handle` never
+        // changes until the camera is deleted.
+        unsafe {
+            let vtable = (&raw const (*object).vtable).read();
+            let is_ours = !vtable.is_null() && vtable == VTABLE.load(Ordering::Relaxed);
+            is_ours.then(|| &*(*object).handle)
+        }
     }
 
     /// Ends a camera of [`new`], its film with it. False, and nothing done, when it is none.
@@ -91,11 +69,11 @@ mod implementation {
     pub unsafe fn delete(camera: *mut realistic_camera) -> bool {
         // SAFETY: the caller's promise.
         unsafe {
-            let ours = !shim::camera_rust(camera.cast()).is_null();
-            if ours {
+            let is_ours = handle_of(camera).is_some();
+            if is_ours {
                 shim::camera_delete(camera.cast());
             }
-            ours
+            is_ours
         }
     }
 
@@ -103,12 +81,11 @@ mod implementation {
     unsafe extern "C" fn generate(rust: *const c_void, sample: *const c_void, ray: *mut c_void) -> f32 {
         // SAFETY: `rust` is the handle of `new`; the host's structures begin with ours
         // (a test compares the layouts), are valid and are not shared during the call.
-        let (handle, sample, ray) = unsafe {
-            (&*rust.cast::<Handle>(), &*sample.cast::<realistic_sample>(), &mut *ray.cast::<realistic_ray>())
-        };
+        let (handle, sample, ray) =
+            unsafe { (&*rust.cast::<Handle>(), &*sample.cast::<Sample>(), &mut *ray.cast::<WorldRay>()) };
         // The fallback is what a blocked ray gives here: a weight of 0 would make the host
         // read an uninitialised alpha.
-        boundary::ray(f32::MIN_POSITIVE, || handle.generate_for_host(sample, ray))
+        boundary::ray(f32::MIN_POSITIVE, || triples::generate(handle, sample, ray))
     }
 
     /// From the camera's destructor.

@@ -244,8 +244,13 @@ impl realistic_options {
         let [open, close] = DEFAULT_INTERVAL;
         let start_time = time([self.transformstart, self.shutteropen, open]);
         let end_time = time([self.transformend, self.shutterclose, close]);
-        CameraMotion::between((start, start_time), (end, end_time))
-            .map_err(|wrong| CameraError::Transform(wrong).into())
+        let mut ends = [(start, start_time), (end, end_time)];
+        if end_time < start_time && self.transformstart.is_nan() && self.transformend.is_nan() {
+            // The shutter's time runs backward, from the first transform's to the second's.
+            ends.reverse();
+        }
+        let [earlier, later] = ends;
+        CameraMotion::between(earlier, later).map_err(|wrong| CameraError::Transform(wrong).into())
     }
 }
 
@@ -315,6 +320,9 @@ mod tests {
         assert_eq!([x(shutter, 2.0), x(shutter, 3.0), x(shutter, 6.0)], [0.0, 2.0, 8.0]);
         let times = realistic_options { transformstart: 0.0, transformend: 4.0, ..shutter };
         assert_eq!([x(times, 2.0), x(times, 6.0)], [4.0, 8.0]);
+        // Backward in time, the first transform still is the one at the shutter's opening.
+        let backward = realistic_options { shutteropen: 6.0, shutterclose: 2.0, ..options };
+        assert_eq!([x(backward, 6.0), x(backward, 5.0), x(backward, 2.0)], [0.0, 2.0, 8.0]);
     }
 
     #[test]

@@ -6,7 +6,8 @@ use std::ptr::null_mut;
 
 use super::boundary::{self, Failure, realistic_status};
 use super::handle::Handle;
-use super::object::{self, HostPart};
+use super::host_part::HostPart;
+use super::object;
 use super::shim::{self, FindError, Given, HostKind, ParamSet};
 use super::types::realistic_camera;
 use super::{options, plugin};

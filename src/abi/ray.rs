@@ -3,6 +3,7 @@
 use super::boundary;
 use super::object;
 use super::types::{realistic_camera, realistic_ray, realistic_sample};
+use crate::camera::{Sample, WorldRay};
 
 /// One ray of a camera of this library, made by `CreateCamera` or by `realistic_camera_new`.
 ///
@@ -18,14 +19,19 @@ pub unsafe extern "C" fn realistic_generate_ray(
     sample: *const realistic_sample,
     ray: *mut realistic_ray,
 ) -> f32 {
-    boundary::ray(0.0, || {
+    // Where the tracer writes it, to be read once.
+    let mut weight = 0.0;
+    let is_done = boundary::ray(false, || {
         // SAFETY: the caller's promise.
-        let parts = unsafe { (object::handle_of(camera), sample.as_ref(), ray.as_mut()) };
-        let (Some(handle), Some(sample), Some(ray)) = parts else {
-            return 0.0;
+        let parts = unsafe {
+            (object::handle_of(camera), sample.cast::<Sample>().as_ref(), ray.cast::<WorldRay>().as_mut())
         };
-        handle.ray(sample, ray)
-    })
+        if let (Some(handle), Some(sample), Some(ray)) = parts {
+            handle.camera().trace_one(sample, ray, &mut weight);
+        }
+        true
+    });
+    if is_done { weight } else { 0.0 }
 }
 
 /// [`realistic_generate_ray`] under the name and with the types that the assignment gives it: for

@@ -5,6 +5,7 @@ use std::ptr::{NonNull, null};
 use std::slice;
 
 use super::boundary;
+use super::host_part::HostPart;
 use super::types::level_number;
 use crate::camera::Level;
 
@@ -14,14 +15,11 @@ pub(super) struct Parts {
     pub rust: *mut c_void,
     pub generate: unsafe extern "C" fn(*const c_void, *const c_void, *mut c_void) -> f32,
     pub release: unsafe extern "C" fn(*mut c_void),
-    pub film: *mut c_void,
-    pub world_to_camera: [f32; 16],
-    pub camera_to_world: [f32; 16],
-    pub hither: f32,
-    pub yon: f32,
-    pub shutter_open: f32,
-    pub shutter_close: f32,
+    pub host: HostPart,
 }
+
+/// Bytes of a host's members between a camera's vtable pointer and its Rust part: `REALISTIC_SHIM_HOST_MEMBERS`.
+pub(super) const HOST_MEMBERS: usize = 56;
 
 /// `realistic_shim_found`.
 #[repr(C)]
@@ -45,7 +43,6 @@ const NO_HOST: i32 = 2;
 unsafe extern "C" {
     fn realistic_shim_camera_new(parts: *const Parts) -> *mut c_void;
     fn realistic_shim_camera_delete(camera: *mut c_void);
-    fn realistic_shim_camera_rust(camera: *const c_void) -> *mut c_void;
     fn realistic_shim_transform(transform: *const c_void, matrix: *mut f32, inverse: *mut f32) -> i32;
     fn realistic_shim_film_resolution(film: *const c_void, x: *mut i32, y: *mut i32) -> i32;
     fn realistic_shim_find(
@@ -71,15 +68,6 @@ pub(super) fn camera_new(parts: &Parts) -> *mut c_void {
 pub(super) unsafe fn camera_delete(camera: *mut c_void) {
     // SAFETY: the caller's promise.
     unsafe { realistic_shim_camera_delete(camera) }
-}
-
-/// The Rust part of a camera of [`camera_new`]; NULL for anything else.
-///
-/// # Safety
-/// `camera` is NULL or 8 bytes can be read there.
-pub(super) unsafe fn camera_rust(camera: *const c_void) -> *mut c_void {
-    // SAFETY: the caller's promise; what is not ours is looked at no further.
-    unsafe { realistic_shim_camera_rust(camera) }
 }
 
 /// The floats of a host's transform: row-major, for column vectors.

@@ -1,17 +1,23 @@
-//! A pbrt-v1 host asks three times a sample: at (x, y), at (x + 1, y) and at (x, y + 1), with the same lens
-//! and time numbers. The first call traces all three side by side; the next two find theirs here.
+//! A pbrt-v1 host's calls. It asks three times a sample: at (x, y), at (x + 1, y) and at (x, y + 1), with the same lens
+//! and time sample. The first call traces all three side by side; the next two find theirs here.
 //!
 //! What is kept belongs to a thread, a camera (by its serial number) and the very floats that the host
 //! will make. A camera never changes, so a ray found is the ray that would be made; a wrong guess
 //! costs the time of two rays and nothing else.
+//!
+//! **Store forwarding.** A processor hands a number that was just stored on to a load of the same width at once; a wider
+//! load waits until all that it covers has left the store buffer, and so for everything before: the call before. The
+//! host has just written its sample number by number, and an optimising compiler likes to read four at once.
+//! Here is the place that minds it: the sample is read number by number ([`read`]), kept numbers are compared
+//! so ([`alike`]), and what vectors will load is stored as vectors ([`Vec4`]). A C caller's sample needs no such care:
+//! each of its numbers is first touched in the compiled tracer, by itself.
 
 use std::cell::RefCell;
 
-use super::{
-    handle::{Handle, put},
-    types::realistic_ray,
-};
-use crate::camera::{Sample, Three};
+use glam::Vec4;
+
+use super::handle::Handle;
+use crate::camera::{RayBlock, Sample, SampleArrays, WorldRay};
 
 /// The bits of image x and y.
 type Image = [u32; 2];
@@ -20,40 +26,69 @@ type Image = [u32; 2];
 struct Expected {
     /// The camera's serial number; 0 for none.
     serial: u64,
-    /// Lens and time numbers, by their bits.
+    /// Lens and time samples, by their bits.
     numbers: [u32; 3],
     /// Of the second and the third ray.
     images: [Image; 2],
-    rays: Three,
+    /// The fourth is nobody's.
+    rays: RayBlock<4>,
 }
 
 thread_local! {
     static EXPECTED: RefCell<Expected> = const {
-        RefCell::new(Expected { serial: 0, numbers: [0; 3], images: [[0; 2]; 2], rays: Three::NONE })
+        RefCell::new(Expected { serial: 0, numbers: [0; 3], images: [[0; 2]; 2], rays: RayBlock::new() })
     };
 }
 
-/// Writes the ray of a sample, as [`Camera::ray`](crate::camera::Camera::ray) makes it, and returns its weight; 0, and
-/// nothing written, where there is none.
+/// A ray for a host's vtable, as [`Camera::ray`](crate::camera::Camera::ray) makes it, and its weight. A blocked one has
+/// the smallest normal weight and is complete all the same, because a pbrt-v1 host reads an uninitialised alpha for
+/// weight 0.
 #[inline(always)]
-pub fn ray(handle: &Handle, sample: &Sample, ray: &mut realistic_ray) -> f32 {
-    EXPECTED
+pub fn generate(handle: &Handle, sample: &Sample, ray: &mut WorldRay) -> f32 {
+    let served = EXPECTED
         .try_with(|expected| {
             let mut expected = expected.try_borrow_mut().ok()?;
-            let place = match expected.place(handle, sample) {
+            let sample = read(sample);
+            let place = match expected.place(handle, &sample) {
                 Some(place) => place,
-                None => expected.trace(handle, sample).then_some(0)?,
+                None => expected.trace(handle, &sample).then_some(0)?,
             };
-            Some(put(expected.rays.get(place), ray))
+            let Some((found, weight)) = expected.rays.get(place) else { return Some(0.0) };
+            *ray = found;
+            Some(weight)
         })
         .ok()
-        .flatten()
-        .unwrap_or_else(|| alone(handle, &{ *sample }, ray))
+        .flatten();
+    match served {
+        Some(weight) if weight > 0.0 => weight,
+        Some(_) => substitute(handle, sample, ray),
+        None => alone(handle, sample, ray),
+    }
 }
 
+/// [`generate`] without a look at other samples.
 #[inline(never)]
-fn alone(handle: &Handle, sample: &Sample, ray: &mut realistic_ray) -> f32 {
-    put(handle.camera().ray(sample), ray)
+fn alone(handle: &Handle, sample: &Sample, ray: &mut WorldRay) -> f32 {
+    let mut weight = 0.0;
+    handle.camera().trace_one(sample, ray, &mut weight);
+    if weight > 0.0 { weight } else { substitute(handle, sample, ray) }
+}
+
+/// The ray that stands in for a blocked one, and its weight.
+#[inline(never)]
+fn substitute(handle: &Handle, sample: &Sample, ray: &mut WorldRay) -> f32 {
+    *ray = handle.camera().substitute(sample);
+    f32::MIN_POSITIVE
+}
+
+/// A sample that its host has just written, number by number: volatile, or the compiler makes one load of four.
+#[inline(always)]
+fn read(sample: &Sample) -> Sample {
+    let Sample { image_x, image_y, lens_u, lens_v, time } = sample;
+    // SAFETY: references to numbers that there are.
+    let [image_x, image_y, lens_u, lens_v, time] = [image_x, image_y, lens_u, lens_v, time]
+        .map(|number| unsafe { (&raw const *number).read_volatile() });
+    Sample { image_x, image_y, lens_u, lens_v, time }
 }
 
 impl Expected {
@@ -79,8 +114,20 @@ impl Expected {
     fn trace(&mut self, handle: &Handle, sample: &Sample) -> bool {
         // Should tracing panic, what is here then is nobody's.
         self.serial = 0;
-        let points = host_points(sample);
-        let traced = handle.camera().three(sample, points, &mut self.rays);
+        let points @ [[x, y], [right, _], [back, below]] = host_points(sample);
+        let vectors = [
+            Vec4::new(x, right, back, back),
+            Vec4::new(y, y, below, below),
+            Vec4::splat(sample.lens_u),
+            Vec4::splat(sample.lens_v),
+            Vec4::splat(sample.time),
+        ];
+        let [image_x, image_y, lens_u, lens_v, time] = vectors.each_ref().map(|vector| {
+            let numbers: &[f32; 4] = vector.as_ref();
+            numbers.as_slice()
+        });
+        let samples = SampleArrays { image_x, image_y, lens_u, lens_v, time };
+        let traced = handle.camera().trace_side_by_side(&samples, &mut self.rays);
         if traced {
             let [_, next, last] = points.map(|point| point.map(f32::to_bits));
             (self.serial, self.numbers, self.images) = (handle.serial(), numbers(sample), [next, last]);
@@ -89,8 +136,7 @@ impl Expected {
     }
 }
 
-/// Whether two keys are the same, number by number: the compiler makes wider loads of `==`, and they would wait until
-/// the narrow stores before them have left the store buffer.
+/// Whether two keys are the same, number by number: the compiler makes wider loads of `==`.
 #[inline(always)]
 fn alike<const N: usize>(a: [u32; N], b: [u32; N]) -> bool {
     let mut difference = 0;
@@ -115,7 +161,6 @@ fn host_points(sample: &Sample) -> [[f32; 2]; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::abi::types::realistic_sample;
     use crate::camera::{Host, Parameters, Raster};
 
     fn handle(given: &[(&str, &str)]) -> Handle {
@@ -128,21 +173,20 @@ mod tests {
     }
 
     /// The bits that a host gets without any memory.
-    fn plain(handle: &Handle, sample: &realistic_sample) -> [u32; 10] {
-        let sample = Sample::from(*sample);
-        let found = handle.camera().ray(&sample);
-        let (ray, weight) = found.unwrap_or_else(|| (handle.camera().substitute(&sample), f32::MIN_POSITIVE));
-        bits(&ray.into(), weight)
-    }
-
-    fn served(handle: &Handle, sample: &realistic_sample) -> [u32; 10] {
-        let mut ray = realistic_ray::default();
-        let weight = handle.generate_for_host(sample, &mut ray);
+    fn plain(handle: &Handle, sample: &Sample) -> [u32; 10] {
+        let found = handle.camera().ray(sample);
+        let (ray, weight) = found.unwrap_or_else(|| (handle.camera().substitute(sample), f32::MIN_POSITIVE));
         bits(&ray, weight)
     }
 
-    fn bits(ray: &realistic_ray, weight: f32) -> [u32; 10] {
-        let realistic_ray { o: [ox, oy, oz], d: [dx, dy, dz], mint, maxt, time } = *ray;
+    fn served(handle: &Handle, sample: &Sample) -> [u32; 10] {
+        let mut ray = WorldRay::default();
+        let weight = generate(handle, sample, &mut ray);
+        bits(&ray, weight)
+    }
+
+    fn bits(ray: &WorldRay, weight: f32) -> [u32; 10] {
+        let WorldRay { origin: [ox, oy, oz], direction: [dx, dy, dz], mint, maxt, time } = *ray;
         [ox, oy, oz, dx, dy, dz, mint, maxt, time, weight].map(f32::to_bits)
     }
 
@@ -163,10 +207,15 @@ mod tests {
             self.below(1001) as f32 / 1000.0
         }
 
-        /// On the film, in the filter's margin, or where x + 1 - 1 is not x.
-        fn sample(&mut self) -> realistic_sample {
-            realistic_sample {
-                image_x: [1e-9, 46.0 * self.number() - 3.0][self.below(2)],
+        /// On the film, in the filter's margin, far beyond, or where x + 1 - 1 is not x.
+        fn sample(&mut self) -> Sample {
+            Sample {
+                image_x: [
+                    1e-9,
+                    46.0 * self.number() - 3.0,
+                    46.0 * self.number() - 3.0,
+                    300.0 * self.number(),
+                ][self.below(4)],
                 image_y: 36.0 * self.number() - 3.0,
                 lens_u: self.number(),
                 lens_v: self.number(),
@@ -176,10 +225,10 @@ mod tests {
     }
 
     /// The calls of one sample, in the host's order or any other, with some left out or repeated.
-    fn calls(random: &mut Random) -> Vec<realistic_sample> {
+    fn calls(random: &mut Random) -> Vec<Sample> {
         let first = random.sample();
-        let points = host_points(&Sample::from(first));
-        let all = points.map(|[image_x, image_y]| realistic_sample { image_x, image_y, ..first });
+        let points = host_points(&first);
+        let all = points.map(|[image_x, image_y]| Sample { image_x, image_y, ..first });
         match random.below(3) {
             0 => all.to_vec(),
             1 => (0..5).map(|_| all[random.below(3)]).collect(),
@@ -216,6 +265,10 @@ mod tests {
             &[("pupil", "rear")],
             &[("precision", "f32")],
             &[("refraction", "whitted")],
+            &[("fnumber", "8"), ("tolerance", "0.003")],
+            &[("fnumber", "8"), ("tolerance", "0.1")],
+            &[("fnumber", "2.8"), ("tolerance", "0.01")],
+            &[("fnumber", "22"), ("tolerance", "1")],
             &[("shutter", "focal-plane")],
             &[("disk", "rejection"), ("shutter", "leaf")],
             &[("model", "thin")],
@@ -240,9 +293,9 @@ mod tests {
     #[test]
     fn a_new_camera_is_not_taken_for_one_that_was_freed() {
         let made = |i: usize| handle(&[("filmdistance", &(36 + i % 3).to_string()), ("pupil", "rear")]);
-        let first = realistic_sample { image_x: 20.0, image_y: 15.0, lens_u: 0.4, lens_v: 0.6, time: 0.0 };
-        let [_, [image_x, image_y], _] = host_points(&first.into());
-        let next = realistic_sample { image_x, image_y, ..first };
+        let first = Sample { image_x: 20.0, image_y: 15.0, lens_u: 0.4, lens_v: 0.6, time: 0.0 };
+        let [_, [image_x, image_y], _] = host_points(&first);
+        let next = Sample { image_x, image_y, ..first };
         // Every camera stands where the one before it stood, and is asked at once for what that one's next call would
         // have found.
         let mut camera = made(0);
@@ -257,22 +310,18 @@ mod tests {
     #[test]
     fn the_hosts_second_and_third_call_find_their_rays() {
         let camera = handle(&[]);
-        let sample = realistic_sample { image_x: 1e-9, image_y: 4.5, lens_u: 0.3, lens_v: 0.8, time: 0.0 };
-        let points = host_points(&sample.into());
+        let sample = Sample { image_x: 1e-9, image_y: 4.5, lens_u: 0.3, lens_v: 0.8, time: 0.0 };
+        let points = host_points(&sample);
         assert_ne!(points[2][0], points[0][0], "x + 1 - 1 is x here");
         served(&camera, &sample);
         for [image_x, image_y] in &points[1..] {
             let image = [image_x, image_y].map(|x| x.to_bits());
             assert!(EXPECTED.with_borrow(|expected| expected.images.contains(&image)));
         }
-        EXPECTED.with_borrow_mut(|expected| expected.rays = Three::NONE);
+        EXPECTED.with_borrow_mut(|expected| expected.rays = RayBlock::new());
         let [_, _, [image_x, image_y]] = points;
-        let third = realistic_sample { image_x, image_y, ..sample };
-        let substitute = camera.camera().substitute(&third.into());
-        assert_eq!(
-            served(&camera, &third),
-            bits(&substitute.into(), f32::MIN_POSITIVE),
-            "it was traced anew"
-        );
+        let third = Sample { image_x, image_y, ..sample };
+        let substitute = camera.camera().substitute(&third);
+        assert_eq!(served(&camera, &third), bits(&substitute, f32::MIN_POSITIVE), "it was traced anew");
     }
 }

@@ -142,13 +142,14 @@ pub struct realistic_options {
     pub log_user: *mut c_void,
     /// The text of a lens file, `lens_text_size` bytes, read instead of `specfile`; NULL for none.
     pub lens_text: *const c_char,
-    /// Bytes at `lens_text`.
+    /// Bytes at `lens_text`; at most 1,048,576 (1 MiB), as of any lens file.
     pub lens_text_size: usize,
     /// Parameter `model`.
     pub model: *const c_char,
     /// Parameter `specfile`.
     pub specfile: *const c_char,
-    /// Parameter `weighting`.
+    /// Parameter `weighting`. `assignment` divides `radiometric` by an area, and so its exposure depends on `pupil`: with
+    /// `rear` the area of the rear element's disk, with `disk` and `warped` that of the paraxial exit pupil.
     pub weighting: *const c_char,
     /// Parameter `pupil`.
     pub pupil: *const c_char,
@@ -174,7 +175,7 @@ pub struct realistic_options {
     pub yon: f64,
     /// Parameter `shutteropen`.
     pub shutteropen: f64,
-    /// Parameter `shutterclose`.
+    /// Parameter `shutterclose`. Before `shutteropen`, time runs backward, as in pbrt.
     pub shutterclose: f64,
     /// Parameter `wavelength`, nm.
     pub wavelength: f64,

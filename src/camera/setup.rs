@@ -1,12 +1,11 @@
 //! From parameters to a checked set-up: the lens, the film in its place, and what the camera is to be.
 
 use super::{
-    CameraError, DEFAULT_INTERVAL, Film, Host, IdealCamera, Level, ParameterError, Parameters, Raster,
-    RealisticCamera,
+    CameraError, DEFAULT_INTERVAL, Film, Host, Level, ParameterError, Parameters, Raster,
     focusing::{Focusing, place_film},
     lens_setup::{LensSetup, open_lens, set_up_lens},
     parameters::{
-        check::{choice, interval, out_of_range, positive},
+        check::{choice, clip_range, finite_float, out_of_range, positive},
         choices::{Precision, PupilChoice, Weighting},
     },
     placement::Placement,
@@ -39,40 +38,9 @@ pub(crate) struct Setup {
     pub placement: Placement,
 }
 
-impl RealisticCamera {
-    /// Builds a camera of the model "lens". `log` receives warnings.
-    ///
-    /// # Errors
-    /// What is wrong, and what to give instead.
-    pub fn build(
-        parameters: &Parameters,
-        host: &Host,
-        log: &mut dyn FnMut(Level, &str),
-    ) -> Result<Self, CameraError> {
-        choice("model", parameters.model.as_deref(), &[("lens", ())])?;
-        let setup = Setup::of(parameters, host, Focusing::Exact, log)?;
-        Self::from_setup(setup, log)
-    }
-}
-
-impl IdealCamera {
-    /// Builds the thick lens of the parameters' lens, or its thin one. `log` receives warnings.
-    ///
-    /// # Errors
-    /// What is wrong, and what to give instead.
-    pub fn build(
-        parameters: &Parameters,
-        host: &Host,
-        thin: bool,
-        log: &mut dyn FnMut(Level, &str),
-    ) -> Result<Self, CameraError> {
-        let setup = Setup::of(parameters, host, Focusing::Paraxial, log)?;
-        Self::from_setup(setup, thin)
-    }
-}
-
 impl Setup {
-    fn of(
+    /// Reads and checks every parameter once.
+    pub fn of(
         parameters: &Parameters,
         host: &Host,
         focusing: Focusing,
@@ -124,13 +92,12 @@ impl Setup {
 /// The camera's place, clip range and shutter interval.
 pub(crate) fn placement(given: &Parameters, host: &Host) -> Result<Placement, CameraError> {
     let [open, close] = DEFAULT_INTERVAL;
-    let clip = interval(("hither", given.hither, 1e-3), ("yon", given.yon, 1e30), Some(0.0), true)?;
-    let shutter = interval(
-        ("shutteropen", given.shutteropen, open),
-        ("shutterclose", given.shutterclose, close),
-        None,
-        false,
-    )?;
+    let clip = clip_range(("hither", given.hither.unwrap_or(1e-3)), ("yon", given.yon.unwrap_or(1e30)))?;
+    // In either order, as pbrt's stock cameras take them: time then runs backward.
+    let shutter = [
+        finite_float("shutteropen", given.shutteropen.unwrap_or(open))?,
+        finite_float("shutterclose", given.shutterclose.unwrap_or(close))?,
+    ];
     let to_world = match host.to_world.at(shutter[0]) {
         // A moving camera seen at one moment stands still.
         at_once if host.leave_out && shutter[0] == shutter[1] => at_once.into_owned().into(),

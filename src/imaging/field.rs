@@ -84,11 +84,11 @@ impl Field {
     fn through_pinhole(&self, height: f64, at: impl Fn(u32) -> f64) -> Option<f64> {
         let in_stop = |slope: f64| {
             let mut found = f64::NAN;
-            self.path.visit(self.film, [0.0, height], [0.0, slope], |visit| {
-                if visit.surface == self.stop {
-                    found = visit.point[1];
+            self.path.intersections(self.film, [0.0, height], [0.0, slope], |met| {
+                if met.surface == self.stop {
+                    found = met.point[1];
                 }
-                visit.surface < self.stop
+                met.surface < self.stop
             });
             found
         };

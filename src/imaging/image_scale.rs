@@ -6,8 +6,10 @@
 //! moves away from the axis and around it.
 
 use super::field::Field;
-use crate::lens::{Lens, refraction::dot};
-use crate::trace::Ray;
+use crate::{
+    lens::{Lens, Ray},
+    numeric::dot,
+};
 
 /// The scale of the image by the distance from the axis, for one film and one plane in focus.
 #[derive(Clone, Debug, PartialEq)]

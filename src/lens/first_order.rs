@@ -1,13 +1,9 @@
-//! First-order (Gaussian) optics: the lens as a thick lens.
-//!
-//! Two ways that must agree. [`FirstOrder::of`] multiplies ABCD matrices (Born and Wolf,
-//! *Principles of Optics*, §4.4; Kolb, Mitchell and Hanrahan 1995, §3.2 uses the same thick lens).
-//! [`FirstOrder::by_paraxial_rays`] follows the lecture's recipe: an exact ray parallel to the axis and
-//! very near it crosses the axis at the focal point, and meets its own continuation in the
-//! principal plane; one from each side.
+//! First-order (Gaussian) optics: the lens as a thick lens,
+//! by products of ray-transfer (ABCD) matrices (M. Born and E. Wolf, *Principles of Optics*, §4.4). Kolb, Mitchell and
+//! Hanrahan 1995, §3.2, use the same thick lens. A lens in; its cardinal points, and rays carried from one side to the
+//! other, out. The lecture's recipe, exact rays very near the axis, is the oracle of a test.
 
-use super::{Lens, LensError};
-use crate::trace::{Path, Ray};
+use super::{Lens, LensError, Ray};
 
 /// A ray-transfer matrix on (height y, optical slope n dy/ds), s counted from scene to film.
 /// Its determinant is 1.
@@ -107,31 +103,6 @@ impl FirstOrder {
         Ok(Self::from_focal_points(focal_length, front_focal_point, rear_focal_point, rear_vertex))
     }
 
-    /// The cardinal points by the lecture's recipe, from two exact rays at a ten-thousandth of the
-    /// smallest clear aperture from the axis. Agrees with [`FirstOrder::of`] to about 1e-7 of
-    /// the focal length, the third-order aberration that is left at that height.
-    ///
-    /// # Errors
-    /// The lens is afocal, or a ray so near the axis does not get through.
-    pub fn by_paraxial_rays(lens: &Lens) -> Result<Self, LensError> {
-        let afocal = || LensError::Afocal { lens: lens.name.clone() };
-        let height =
-            1e-4 * lens.surfaces.iter().map(|surface| surface.semi_diameter).fold(f64::INFINITY, f64::min);
-        let crossing = |path: Path, start: f64, heading: f64| {
-            let ray = path
-                .trace(Ray { origin: [0.0, height, start], direction: [0.0, 0.0, heading] })
-                .map_err(|_| afocal())?;
-            let slope = ray.direction[1] / ray.direction[2];
-            let focus = ray.origin[2] - ray.origin[1] / slope;
-            let focal_length = -heading * height / slope;
-            if focal_length.is_finite() { Ok((focal_length, focus)) } else { Err(afocal()) }
-        };
-        let rear_vertex = lens.rear().vertex;
-        let (focal_length, rear_focal_point) = crossing(Path::scene_to_film(lens), 0.0, -1.0)?;
-        let (_, front_focal_point) = crossing(Path::film_to_scene(lens), rear_vertex, 1.0)?;
-        Ok(Self::from_focal_points(focal_length, front_focal_point, rear_focal_point, rear_vertex))
-    }
-
     fn from_focal_points(focal_length: f64, front: f64, rear: f64, rear_vertex: f64) -> Self {
         Self {
             focal_length,
@@ -191,18 +162,18 @@ impl FirstOrder {
     }
 
     /// From the principal plane `from` to `to`, to be reported in the plane `out`, with light that travels
-    /// toward +z (`sense` 1) or -z (-1).
-    fn carry(&self, ray: Ray, from: f64, to: f64, out: f64, sense: f64) -> Ray {
+    /// toward +z (`travel_sign` 1) or -z (-1).
+    fn carry(&self, ray: Ray, from: f64, to: f64, out: f64, travel_sign: f64) -> Ray {
         let [x, y, z] = ray.origin;
         let [dx, dy, dz] = ray.direction;
         let leave = |height: f64, slope: f64| {
             let height = height + slope * (from - z);
-            let slope = slope - sense * height / self.focal_length;
+            let slope = slope - travel_sign * height / self.focal_length;
             (height + slope * (out - to), slope)
         };
         let (px, sx) = leave(x, dx / dz);
         let (py, sy) = leave(y, dy / dz);
-        let norm = sense * (1.0 + sx * sx + sy * sy).sqrt();
+        let norm = travel_sign * (1.0 + sx * sx + sy * sy).sqrt();
         Ray { origin: [px, py, out], direction: [sx / norm, sy / norm, 1.0 / norm] }
     }
 }

@@ -9,7 +9,7 @@
 //! (`incident · normal > 0`). Each returns what it computes, NaN where the light is totally
 //! reflected: callers test for that first.
 
-use crate::numeric::Real;
+use crate::numeric::{Real, dot};
 
 /// A method of refraction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -36,12 +36,6 @@ impl Refraction {
 }
 
 type Vector<R> = [R; 3];
-
-#[inline]
-/// The dot product of two vectors.
-pub fn dot<R: Real>(a: Vector<R>, b: Vector<R>) -> R {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
 
 /// Whitted's method: 2 square roots, 8 divisions, 17 multiplications, 15 additions.
 #[inline]

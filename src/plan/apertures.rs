@@ -1,7 +1,7 @@
 //! Which aperture tests no ray can fail: proven with bounds over film and pupil.
 //!
 //! A test is redundant when every ray that the other tests let through passes it, too. The film's radii and the
-//! slopes drawn there are cut into boxes, and a box is taken through the lens as a whole, in affine arithmetic:
+//! slopes sampled there are cut into boxes, and a box is taken through the lens as a whole, in affine arithmetic:
 //! all its rays miss an aperture that stays, and the box is done with; or they stay inside the
 //! apertures in question by a margin far above rounding; or the box is halved. What is not proven within a
 //! small number of boxes stays.
@@ -9,19 +9,9 @@
 use super::affine::Affine;
 use crate::{
     lens::{Lens, refraction::Refraction},
-    trace::{Direction, Path, Real, Visit},
+    sampling::Band,
+    trace::{Direction, Intersection, Path, Real},
 };
-
-/// A ring of the film, and the disk of slopes that holds what is drawn there.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Band {
-    /// Film radii, mm.
-    pub radii: [f64; 2],
-    /// Slope of the disk's centre over the film radius, 1/mm: from, to.
-    pub center: [f64; 2],
-    /// Radius of the disk, in slope.
-    pub radius: f64,
-}
 
 /// What was found out about the apertures of a lens.
 #[derive(Clone, Debug, PartialEq)]
@@ -94,13 +84,14 @@ enum Verdict {
 }
 
 impl Apertures {
-    /// Looks for redundant tests in a lens with film at `film` (z in lens space), for rays drawn in the bands.
-    pub fn of(lens: &Lens, film: f64, bands: &[Band]) -> Self {
+    /// Looks for redundant tests in a lens with film at `film` (z in lens space), for rays sampled in the bands. `path` is
+    /// the lens from film to scene.
+    pub fn of(lens: &Lens, path: &Path, film: f64, bands: &[Band]) -> Self {
         let count = lens.surfaces.len();
         let mut search = Search {
             path: Path::new(lens, Direction::FilmToScene, Refraction::Fused),
             film,
-            stays: limiting(lens, film, bands),
+            stays: limiting(path, film, bands),
         };
         let mut largest = vec![0.0_f64; count];
         let mut boxes = 0;
@@ -160,11 +151,11 @@ impl Search {
         let mut open = Vec::new();
         let mut axis = part.longest();
         let mut ratios = vec![0.0; self.stays.len()];
-        let met_all = self.path.visit(
+        let met_all = self.path.intersections(
             self.film,
             [height, Affine::ZERO],
             slopes,
-            |Visit { surface, ratio, normal, .. }| {
+            |Intersection { surface, ratio, normal, .. }| {
                 next = surface + 1;
                 let [least, most] = ratio.range();
                 if self.stays[surface] {
@@ -199,11 +190,10 @@ fn steepest(ratio: &Affine) -> usize {
 
 /// Which apertures block a few rays at the bands' ends, or nearly so: nothing is to be proven about those. Along the
 /// travel.
-fn limiting(lens: &Lens, film: f64, bands: &[Band]) -> Vec<bool> {
+fn limiting(path: &Path, film: f64, bands: &[Band]) -> Vec<bool> {
     const DIRECTIONS: u32 = 5;
     const RINGS: [f64; 2] = [1.0, 0.85];
-    let path = Path::<f64>::new(lens, Direction::FilmToScene, Refraction::Fused);
-    let count = lens.surfaces.len();
+    let count = path.surfaces();
     let mut stays = vec![false; count];
     let mut rays: Vec<Vec<f64>> = Vec::new();
     let ends = bands.iter().map(|band| (band, band.radii[1]));
@@ -215,7 +205,7 @@ fn limiting(lens: &Lens, film: f64, bands: &[Band]) -> Vec<bool> {
                 let radius = band.radius * ring;
                 let slopes = [band.center[1] * height + radius * cos, radius * sin];
                 let mut ratios = vec![f64::INFINITY; count];
-                path.visit(film, [height, 0.0], slopes, |visit| {
+                path.intersections(film, [height, 0.0], slopes, |visit| {
                     ratios[visit.surface] = visit.ratio;
                     visit.ratio < 4.0
                 });
@@ -286,7 +276,7 @@ mod tests {
             let slopes = [center * height + band.radius * u / length, band.radius * v / length];
             let mut found = f64::NEG_INFINITY;
             let mut passes = true;
-            let met_all = path.visit(film, [height, 0.0], slopes, |visit| {
+            let met_all = path.intersections(film, [height, 0.0], slopes, |visit| {
                 if visit.surface == last - surface {
                     found = visit.ratio;
                 } else {
@@ -323,7 +313,7 @@ mod tests {
             for stop in [1.0, 0.2] {
                 let (lens, film, both) = subject(name, stop);
                 for bands in &both {
-                    let apertures = Apertures::of(&lens, film, bands);
+                    let apertures = Apertures::of(&lens, &Path::film_to_scene(&lens), film, bands);
                     for (surface, bound) in apertures.redundant.iter().enumerate() {
                         let Some(bound) = bound else { continue };
                         proven += 1;
@@ -345,7 +335,10 @@ mod tests {
             let (lens, film, both) = subject(name, 0.2);
             let stop = lens.stop_index().expect("a stop");
             for bands in &both {
-                assert!(Apertures::of(&lens, film, bands).is_needed(stop), "{name}");
+                assert!(
+                    Apertures::of(&lens, &Path::film_to_scene(&lens), film, bands).is_needed(stop),
+                    "{name}"
+                );
             }
         }
     }
@@ -359,7 +352,7 @@ mod tests {
         let bands = [Band { radii: [0.0, 6.0], center: [-0.02; 2], radius: 0.15 }];
         let of = |rim: &str| {
             let lens = lens(rim);
-            Apertures::of(&lens, lens.rear().vertex - 40.0, &bands)
+            Apertures::of(&lens, &Path::film_to_scene(&lens), lens.rear().vertex - 40.0, &bands)
         };
         assert!(!of("36").is_needed(3), "{:?}", of("36"));
         assert!(of("8").is_needed(3));

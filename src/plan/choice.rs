@@ -1,7 +1,7 @@
-//! The cheapest model of a lens whose error stays below a tolerance: measured, not assumed.
+//! The cheapest way to trace a lens whose error stays below a tolerance: measured, not assumed.
 //!
-//! Candidates are tried from the cheapest on. Each is judged by rays all over the film and its pupil as the
-//! camera draws them, against the exact trace in double precision: by the distance on the film by which a ray
+//! Candidates are tried from the cheapest on. Each is evaluated on rays all over the film and its pupil as the
+//! camera samples them, against the exact trace in double precision: by the distance on the film by which a ray
 //! is off ([`film_error`](crate::imaging::image_scale::ImageScale::film_error)), where a ray that one of the two
 //! blocks and the other lets through counts as infinitely far off. What is held below the tolerance is an upper
 //! bound of the 99.9 % quantile (by order statistics), and the sum of the weights' errors may be no more than a
@@ -11,69 +11,21 @@ use std::fmt;
 
 use super::{
     cost,
-    judge::{Judge, fit_rays},
+    evaluate::{Errors, Evaluation, fit_rays},
     quantile::QUANTILE,
+    task::Task,
+    tracing::{Arithmetic, Tracing},
 };
 use crate::{
-    lens::{Lens, single_precision::f32_is_fit},
+    lens::single_precision::f32_is_fit,
     message::short,
-    trace::polynomial::{ORDERS, Polynomial, monomials},
+    trace::{
+        kernel::Simd,
+        polynomial::{ORDERS, Polynomial, monomials},
+    },
 };
 
-/// A slope and the area in slopes that it stands for.
-pub(crate) type Drawn = ([f64; 2], f64);
-
-/// A point of the film, mm, and one of the unit disk.
-pub(crate) type Asked = ([f64; 2], [f64; 2]);
-
-/// What a model is wanted for.
-pub(crate) struct Task<'a> {
-    /// The lens.
-    pub lens: &'a Lens,
-    /// z of the film, lens space, mm.
-    pub film: f64,
-    /// Largest film radius in use, mm.
-    pub reach: f64,
-    /// z of the plane in focus, lens space, mm; may be infinite.
-    pub in_focus: f64,
-    /// Width of a pixel, mm.
-    pub pixel: f64,
-    /// The error that is tolerated, pixels; positive.
-    pub tolerance: f64,
-    /// The film point and the point of the unit disk that a sample's numbers, in [0, 1], stand for.
-    pub sample: &'a dyn Fn([f64; 4]) -> Option<Asked>,
-    /// What is drawn for them; `None` where the film is dark.
-    pub draw: &'a dyn Fn([f64; 2], [f64; 2]) -> Option<Drawn>,
-}
-
-/// A way to take rays through the lens.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Model {
-    /// Every surface, in double precision.
-    Double,
-    /// Every surface, in single precision.
-    Single,
-    /// Polynomials of this order; of order 1, the thick lens.
-    Polynomials {
-        /// The order.
-        order: usize,
-        /// Evaluated in single precision.
-        single: bool,
-    },
-}
-
-/// The model chosen, ready to be used.
-#[derive(Clone, Debug)]
-pub(crate) enum Chosen {
-    /// Every surface, in double precision.
-    Double,
-    /// Every surface, in single precision.
-    Single,
-    /// Polynomials, to be evaluated in single precision or not.
-    Polynomials(Polynomial, bool),
-}
-
-/// What was found out about a model.
+/// What was found out about a candidate.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {
     /// The cheapest that is good enough.
@@ -86,121 +38,71 @@ pub enum Verdict {
     Untried,
 }
 
-/// A model's measured errors.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Errors {
-    /// Bound of the 99.9 % quantile, pixels; infinite where too many rays are blocked by one and not by the other.
-    pub pixels: f64,
-    /// Rays looked at.
-    pub rays: usize,
-    /// Rays that it lets through and the lens does not, or the other way round.
-    pub mismatches: usize,
-    /// Sum of the errors of the weights over the sum of the weights.
-    pub light: f64,
-}
-
-/// A model and what became of it.
+/// A way to trace, and what became of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Candidate {
-    /// The model.
-    pub model: Model,
-    /// What a ray costs, ns, by which the candidates are ordered.
+    /// The way.
+    pub tracing: Tracing,
+    /// What it costs, ns per ray, by which the candidates are ordered.
     pub cost: f64,
     /// What became of it.
     pub verdict: Verdict,
 }
 
-/// The models in the order in which they were tried.
+/// The candidates in the order in which they were tried.
 #[derive(Clone, Debug)]
 pub struct Choice {
     /// What a ray's error may be, pixels.
     pub tolerance: f64,
-    /// Every model that is cheaper than the exact one, and that.
+    /// Every way that is cheaper than the exact trace in double precision, and that.
     pub candidates: Vec<Candidate>,
 }
 
 /// Rays that polynomials are fitted to, for each of a polynomial's monomials.
-const RAYS_A_MONOMIAL: usize = 6;
-
-impl Model {
-    /// Its name.
-    pub fn name(self) -> String {
-        match self {
-            Self::Double => "exact, f64".to_owned(),
-            Self::Single => "exact, f32".to_owned(),
-            Self::Polynomials { order, single } => {
-                let numbers = if single { "f32" } else { "f64" };
-                match order {
-                    1 => format!("thick lens, {numbers}"),
-                    _ => format!("polynomials of order {order}, {numbers}"),
-                }
-            }
-        }
-    }
-}
+const RAYS_PER_MONOMIAL: usize = 6;
+/// What the weights' errors may sum up to, as a part of the light.
+const LIGHT: f64 = 1e-3;
 
 impl Choice {
-    /// Tries the models from the cheapest on; the exact trace in double precision is the last.
-    pub(crate) fn of(task: &Task<'_>) -> (Self, Chosen) {
-        let simd = crate::trace::kernel::Simd::best();
+    /// Tries the candidates from the cheapest on; the exact trace in double precision is the last.
+    pub(crate) fn of(task: &Task<'_>) -> (Self, Tracing<Polynomial>) {
         let unfit = f32_is_fit(task.lens).err().map(|unfit| unfit.to_string());
-        let judge = Judge::new(task);
-        let single = unfit.is_none();
-        let surfaces = task.lens.surfaces.len();
-        let rims = judge.as_ref().map_or(0, |judge| judge.rims.len());
-        let exact = cost::kernel(simd, false, surfaces);
-        let mut candidates: Vec<Candidate> = ORDERS
-            .iter()
-            .map(|&order| {
-                let cost = cost::polynomials(simd, single, monomials(order), rims);
-                (Model::Polynomials { order, single }, cost)
-            })
-            .chain([(Model::Single, cost::kernel(simd, true, surfaces))])
-            .filter(|(_, cost)| *cost < exact)
-            .chain([(Model::Double, exact)])
-            .map(|(model, cost)| Candidate { model, cost, verdict: Verdict::Untried })
-            .collect();
-        candidates.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-        let mut chosen = None;
+        let evaluation = Evaluation::new(task);
+        let apertures = evaluation.as_ref().map_or(0, |evaluation| evaluation.blocking.len());
+        let mut candidates = candidates(task, unfit.is_none(), apertures);
+        let mut chosen = Tracing::Exact(Arithmetic::F64);
         for candidate in &mut candidates {
-            let (verdict, found) = match (candidate.model, &judge) {
-                (Model::Double, _) => {
-                    let none = Errors { pixels: 0.0, rays: 0, mismatches: 0, light: 0.0 };
-                    (Verdict::Chosen(none), Some(Chosen::Double))
-                }
-                (_, Err(why)) => (Verdict::Excluded(why.clone()), None),
-                (Model::Single, Ok(judge)) => match &unfit {
-                    Some(unfit) => (Verdict::Excluded(unfit.clone()), None),
-                    None => {
-                        let errors = judge.single();
-                        if judge.is_enough(&errors) {
-                            (Verdict::Chosen(errors), Some(Chosen::Single))
-                        } else {
-                            (Verdict::Rejected(errors), None)
-                        }
-                    }
+            let found = match (candidate.tracing, &evaluation) {
+                (Tracing::Exact(Arithmetic::F64), _) => Ok((Tracing::Exact(Arithmetic::F64), Errors::NONE)),
+                (_, Err(why)) => Err(why.clone()),
+                (Tracing::Exact(Arithmetic::F32), Ok(evaluation)) => match &unfit {
+                    Some(unfit) => Err(unfit.clone()),
+                    None => Ok((Tracing::Exact(Arithmetic::F32), evaluation.single())),
                 },
-                (Model::Polynomials { order, single }, Ok(judge)) => {
-                    let rays = fit_rays(task, RAYS_A_MONOMIAL * monomials(order) + 50);
-                    match judge.polynomials(order, &rays, single) {
-                        Err(refused) => (Verdict::Excluded(refused), None),
-                        Ok((polynomial, errors)) if judge.is_enough(&errors) => {
-                            (Verdict::Chosen(errors), Some(Chosen::Polynomials(polynomial, single)))
-                        }
-                        Ok((_, errors)) => (Verdict::Rejected(errors), None),
-                    }
+                (Tracing::Polynomials { order, arithmetic, .. }, Ok(evaluation)) => {
+                    let rays = fit_rays(&task.film, RAYS_PER_MONOMIAL * monomials(order) + 50);
+                    evaluation
+                        .polynomials(order, &rays, arithmetic)
+                        .map(|(fit, errors)| (Tracing::Polynomials { order, arithmetic, fit }, errors))
                 }
+                (Tracing::Refracted(..), _) => unreachable!("a named refraction is no candidate"),
             };
-            candidate.verdict = verdict;
-            if found.is_some() {
-                chosen = found;
+            candidate.verdict = match found {
+                Err(why) => Verdict::Excluded(why),
+                Ok((tracing, errors)) if errors.pixels <= task.tolerance && errors.light <= LIGHT => {
+                    chosen = tracing;
+                    Verdict::Chosen(errors)
+                }
+                Ok((_, errors)) => Verdict::Rejected(errors),
+            };
+            if matches!(candidate.verdict, Verdict::Chosen(_)) {
                 break;
             }
         }
-        (Self { tolerance: task.tolerance, candidates }, chosen.unwrap_or(Chosen::Double))
+        (Self { tolerance: task.tolerance, candidates }, chosen)
     }
 
-    /// The model that was chosen, and its errors.
+    /// The candidate that was chosen, and its errors.
     pub fn chosen(&self) -> Option<(&Candidate, Errors)> {
         self.candidates.iter().find_map(|candidate| match candidate.verdict {
             Verdict::Chosen(errors) => Some((candidate, errors)),
@@ -208,20 +110,20 @@ impl Choice {
         })
     }
 
-    /// What was chosen and how far off it is, in a sentence.
+    /// What was chosen and how far off it is, as a sentence.
     pub fn sentence(&self) -> String {
         let Some((candidate, errors)) = self.chosen() else {
             return String::new();
         };
-        let name = candidate.model.name();
-        if candidate.model == Model::Double {
+        let tracing = candidate.tracing;
+        if tracing == Tracing::Exact(Arithmetic::F64) {
             return format!(
-                "tolerance {} pixels: {name}, for no cheaper model stays below it",
+                "tolerance {} pixels: {tracing}, for no cheaper model stays below it",
                 short(self.tolerance)
             );
         }
         format!(
-            "tolerance {} pixels: {name}; {} % of the rays are within {:.2e} pixels of the exact ones, as measured \
+            "tolerance {} pixels: {tracing}; {} % of the rays are within {:.2e} pixels of the exact ones, as measured \
              on {} rays",
             short(self.tolerance),
             100.0 * QUANTILE,
@@ -229,6 +131,27 @@ impl Choice {
             errors.rays
         )
     }
+}
+
+/// Every candidate by its cost: polynomials in single precision where that is `fit` for the lens, with so many
+/// apertures that block rays, and the kernel in either precision.
+fn candidates(task: &Task<'_>, fit: bool, apertures: usize) -> Vec<Candidate> {
+    let (simd, surfaces) = (Simd::best(), task.lens.surfaces.len());
+    let arithmetic = if fit { Arithmetic::F32 } else { Arithmetic::F64 };
+    let exact = cost::kernel(simd, Arithmetic::F64, surfaces);
+    let polynomials = ORDERS.iter().map(|&order| {
+        let cost = cost::polynomials(simd, arithmetic, monomials(order), apertures);
+        (Tracing::Polynomials { order, arithmetic, fit: () }, cost)
+    });
+    let single = (Tracing::Exact(Arithmetic::F32), cost::kernel(simd, Arithmetic::F32, surfaces));
+    let mut candidates: Vec<Candidate> = polynomials
+        .chain([single])
+        .filter(|(_, cost)| *cost < exact)
+        .chain([(Tracing::Exact(Arithmetic::F64), exact)])
+        .map(|(tracing, cost)| Candidate { tracing, cost, verdict: Verdict::Untried })
+        .collect();
+    candidates.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    candidates
 }
 
 impl Verdict {
@@ -253,13 +176,13 @@ impl Verdict {
     }
 }
 
-/// The sentence, then a table of the models.
+/// The sentence, then a table of the candidates.
 impl fmt::Display for Choice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}\n", self.sentence())?;
-        writeln!(f, "{:<32}{:>9}  error: 99.9 % of the rays below", "model", "ns a ray*")?;
-        for Candidate { model, cost, verdict } in &self.candidates {
-            writeln!(f, "{:<32}{cost:>9.1}  {}", model.name(), verdict.text())?;
+        writeln!(f, "{:<32}{:>9}  error: 99.9 % of the rays below", "model", "ns/ray*")?;
+        for Candidate { tracing, cost, verdict } in &self.candidates {
+            writeln!(f, "{tracing:<32}{cost:>9.1}  {}", verdict.text())?;
         }
         writeln!(f, "* the figure they are ordered by, of another machine")
     }

@@ -1,9 +1,10 @@
-//! What a ray costs by each model, so that the cheapest is tried first.
+//! What a ray costs by each way to trace it, so that the cheapest is tried first.
 //!
-//! Nanoseconds a ray in batches, as fitted to `cargo bench --bench plan` on one core of the machine of
+//! Nanoseconds per ray in batches, as fitted to `cargo bench --bench plan` on one core of the machine of
 //! `benches/record`: only their order counts, which is the processor's width's. A clock at build time would
 //! make a picture depend on what else the machine did.
 
+use super::tracing::Arithmetic::{self, F32, F64};
 use crate::trace::kernel::Simd;
 
 /// What is counted: nanoseconds for none of it, and for each.
@@ -20,25 +21,25 @@ impl Line {
 }
 
 /// The exact trace, by the number of surfaces.
-pub fn kernel(simd: Simd, single: bool, surfaces: usize) -> f64 {
-    let line = match (simd, single) {
-        (Simd::Avx512, true) => Line { none: 1.2, each: 0.44 },
-        (Simd::Avx512, false) => Line { none: 3.3, each: 0.83 },
-        (Simd::Avx2, true) => Line { none: 1.7, each: 0.57 },
-        (Simd::Avx2, false) => Line { none: 3.5, each: 1.58 },
+pub fn kernel(simd: Simd, arithmetic: Arithmetic, surfaces: usize) -> f64 {
+    let line = match (simd, arithmetic) {
+        (Simd::Avx512, F32) => Line { none: 1.2, each: 0.44 },
+        (Simd::Avx512, F64) => Line { none: 3.3, each: 0.83 },
+        (Simd::Avx2, F32) => Line { none: 1.7, each: 0.57 },
+        (Simd::Avx2, F64) => Line { none: 3.5, each: 1.58 },
         (Simd::Portable, _) => Line { none: 2.0, each: 27.0 },
     };
     line.at(surfaces)
 }
 
-/// Polynomials, by the monomials of each and the polynomials: four, and two for each rim.
-pub fn polynomials(simd: Simd, single: bool, monomials: usize, rims: usize) -> f64 {
-    let line = match (simd, single) {
-        (Simd::Avx512, true) => Line { none: 1.9, each: 0.0175 },
-        (Simd::Avx512, false) => Line { none: 3.8, each: 0.035 },
-        (Simd::Avx2, true) => Line { none: 2.9, each: 0.034 },
-        (Simd::Avx2, false) => Line { none: 5.8, each: 0.07 },
+/// Polynomials, by the monomials of each and the polynomials: four, and two for each aperture.
+pub fn polynomials(simd: Simd, arithmetic: Arithmetic, monomials: usize, apertures: usize) -> f64 {
+    let line = match (simd, arithmetic) {
+        (Simd::Avx512, F32) => Line { none: 1.9, each: 0.0175 },
+        (Simd::Avx512, F64) => Line { none: 3.8, each: 0.035 },
+        (Simd::Avx2, F32) => Line { none: 2.9, each: 0.034 },
+        (Simd::Avx2, F64) => Line { none: 5.8, each: 0.07 },
         (Simd::Portable, _) => Line { none: 80.0, each: 3.4 },
     };
-    line.at(monomials * (4 + 2 * rims))
+    line.at(monomials * (4 + 2 * apertures))
 }

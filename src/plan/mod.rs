@@ -1,7 +1,8 @@
 //! What a camera needs for its film, pupil and place, and what is left out.
 //!
-//! A [`Plan`] is made once, when a camera is built. What it leaves out changes no bit of any ray: aperture tests that
-//! no ray can fail (proven with bounds), surfaces that then do nothing, the interpolation of a
+//! In goes a [`Task`] (lens, film side, pupil sampler, precision and tolerance asked for); out come one decision,
+//! [`Tracing`], and a [`Plan`] that says what was kept and left out, and why. What it leaves out changes no bit of any
+//! ray: aperture tests that no ray can fail (proven with bounds), surfaces that then do nothing, the interpolation of a
 //! motion in a closed shutter. A tolerance above 0 allows a cheaper model of the lens, too ([`choice`]), whose
 //! error is measured and stated.
 
@@ -9,70 +10,17 @@ mod affine;
 pub(crate) mod apertures;
 pub mod choice;
 mod cost;
-mod judge;
+mod decide;
+mod evaluate;
+mod items;
 mod quantile;
-pub(crate) mod shortened;
 mod strata;
-
-use std::fmt;
+mod task;
+mod tracing;
 
 pub use choice::Choice;
-
-/// One thing that was decided.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Item {
-    /// What it is about.
-    pub what: String,
-    /// Whether it was kept; else it was left out.
-    pub kept: bool,
-    /// Why.
-    pub why: String,
-    /// What that changes.
-    pub effect: String,
-}
-
-/// What a camera keeps and leaves out.
-#[derive(Clone, Debug, Default)]
-pub struct Plan {
-    items: Vec<Item>,
-    choice: Option<Choice>,
-}
-
-impl Plan {
-    /// Everything that was decided, in the order of the data's way.
-    pub fn items(&self) -> &[Item] {
-        &self.items
-    }
-
-    /// How the model of the lens was chosen; `None` without a tolerance.
-    pub fn choice(&self) -> Option<&Choice> {
-        self.choice.as_ref()
-    }
-
-    pub(crate) fn kept(&mut self, what: &str, why: impl Into<String>, effect: impl Into<String>) {
-        self.decide(what, true, why.into(), effect.into());
-    }
-
-    pub(crate) fn left_out(&mut self, what: &str, why: impl Into<String>, effect: impl Into<String>) {
-        self.decide(what, false, why.into(), effect.into());
-    }
-
-    fn decide(&mut self, what: &str, kept: bool, why: String, effect: String) {
-        self.items.push(Item { what: what.to_owned(), kept, why, effect });
-    }
-
-    pub(crate) fn set_choice(&mut self, choice: Choice) {
-        self.choice = Some(choice);
-    }
-}
-
-/// Two lines an item; then how the model of the lens was chosen.
-impl fmt::Display for Plan {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for Item { what, kept, why, effect } in &self.items {
-            let verdict = if *kept { "kept" } else { "left out" };
-            writeln!(f, "{verdict:<10}{what}\n{:10}{why}; {effect}", "")?;
-        }
-        self.choice.as_ref().map_or(Ok(()), |choice| write!(f, "\n{choice}"))
-    }
-}
+pub(crate) use decide::Decision;
+pub use evaluate::Errors;
+pub use items::{Item, Plan};
+pub(crate) use task::{FilmSide, Task};
+pub use tracing::{Arithmetic, Tracing};

@@ -1,6 +1,6 @@
 //! The lenses that are built in, by name. Each file says where its numbers come from.
 
-use super::{Prescription, read};
+use super::{interfaces::Prescription, reader::read};
 
 macro_rules! catalogue {
     ($($name:literal),* $(,)?) => {

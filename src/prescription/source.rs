@@ -1,10 +1,17 @@
 //! Finding a lens: a file as given, a file along a search path, or a catalogue name.
 
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use super::{LensFileError, Prescription, catalogue, read};
+use super::{
+    catalogue,
+    error::LensFileError,
+    interfaces::Prescription,
+    limits::{MAX_FILE_BYTES, MAX_NAME_BYTES},
+    reader::read,
+};
 
 /// Where relative lens file names are looked for after the working directory, in order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -70,6 +77,16 @@ pub enum SourceError {
         /// What the system said.
         error: std::io::Error,
     },
+    /// The name is longer than any file's.
+    #[error(
+        "lens \"{start}...\": the name has {length} bytes; the name of a lens or of a lens file has at most {MAX_NAME_BYTES}"
+    )]
+    NameTooLong {
+        /// The name's beginning.
+        start: String,
+        /// Its length in bytes.
+        length: usize,
+    },
     /// The part after `@` is not a focal length.
     #[error("lens \"{name}\": after @ comes a positive focal length in mm, as in \"dgauss.50mm@35mm\"")]
     FocalLength {
@@ -78,15 +95,20 @@ pub enum SourceError {
     },
 }
 
-/// A lens file is a few kilobytes; anything larger than this is not one.
-pub const MAX_FILE_BYTES: u64 = 1 << 20;
-
 impl<'a> LensSource<'a> {
     /// Splits `NAME@35mm`; a name without `@`, or that of a file as given or along `search`, is a table alone.
     ///
     /// # Errors
-    /// What follows the `@` is not `<positive number>mm`.
+    /// What follows the `@` is not `<positive number>mm`; the name, without directories, has more than
+    /// [`MAX_NAME_BYTES`] bytes.
     pub fn parse(name: &'a str, search: &SearchPath) -> Result<Self, SourceError> {
+        let own = name.rsplit('/').next().unwrap_or(name);
+        if own.len() > MAX_NAME_BYTES {
+            return Err(SourceError::NameTooLong {
+                start: own.chars().take(32).collect(),
+                length: own.len(),
+            });
+        }
         let plain = Self { table: name, focal_length: None };
         let Some((table, scale)) = name.rsplit_once('@') else {
             return Ok(plain);
@@ -127,20 +149,57 @@ impl<'a> LensSource<'a> {
 
 fn read_file(path: &Path) -> Result<Prescription, SourceError> {
     let unreadable = |error| SourceError::Unreadable { path: path.to_owned(), error };
-    let size = std::fs::metadata(path).map_err(unreadable)?.len();
-    if size > MAX_FILE_BYTES {
-        return Err(unreadable(std::io::Error::new(
-            std::io::ErrorKind::FileTooLarge,
-            format!("{size} bytes is too large for a lens file"),
-        )));
-    }
-    let bytes = std::fs::read(path).map_err(unreadable)?;
+    let bytes = std::fs::File::open(path).and_then(bounded).map_err(unreadable)?;
     Ok(read(&path.display().to_string(), &bytes)?)
+}
+
+/// All bytes up to one more than a lens file may have, by which [`read`] knows that it is too large. A size asked for
+/// beforehand would hold for a file that nobody changes, and for none of `/proc`.
+fn bounded(source: impl Read) -> std::io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    source.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes)?;
+    Ok(bytes)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_file_is_read_up_to_the_limit_whatever_its_size_was_said_to_be() {
+        let endless = bounded(std::io::repeat(b'#')).expect("bytes");
+        assert_eq!(endless.len() as u64, MAX_FILE_BYTES + 1);
+        let message = read("endless", &endless).expect_err("too large").to_string();
+        assert!(message.starts_with("endless:1:1048577: "), "{message}");
+
+        let directory = tempfile::tempdir().expect("a temporary directory");
+        let path = directory.path().join("lens.dat");
+        let mut text = b"20 5 1.5 10\n-20 0 1 10\n#".to_vec();
+        text.resize(MAX_FILE_BYTES as usize, b' ');
+        std::fs::write(&path, &text).expect("written");
+        assert_eq!(read_file(&path).expect("as large as may be").interfaces.len(), 2);
+        text.push(b' ');
+        std::fs::write(&path, &text).expect("written");
+        let message = read_file(&path).expect_err("a byte too large").to_string();
+        let at = format!("lens.dat:3:{}: ", MAX_FILE_BYTES - 22);
+        assert!(message.contains(&at) && message.contains("1048576 bytes"), "{message}");
+        assert!(!message.contains("cannot be read"), "{message}");
+    }
+
+    #[test]
+    fn a_name_that_no_file_can_have_is_refused_and_not_repeated() {
+        let nowhere = SearchPath::default();
+        let longest = "n".repeat(MAX_NAME_BYTES);
+        assert!(LensSource::parse(&longest, &nowhere).is_ok());
+        assert!(
+            LensSource::parse(&format!("{longest}/{longest}"), &nowhere).is_ok(),
+            "directories do not count"
+        );
+        for name in [format!("{longest}n"), format!("/{longest}n"), "n".repeat(900_000)] {
+            let message = LensSource::parse(&name, &nowhere).expect_err("too long").to_string();
+            assert!(message.contains("at most 255") && message.len() < 200, "{message}");
+        }
+    }
 
     #[test]
     fn a_name_may_carry_a_focal_length() {

@@ -1,11 +1,11 @@
-//! From two lens numbers in [0, 1] to a point of the unit disk.
+//! From two lens samples in [0, 1] to a point of the unit disk.
 
 use crate::trace::{
     Real,
     kernel::{Compiled, Cpu, Lanes, Portable, Precision, Scalar, Simd},
 };
 
-/// How lens numbers map to the unit disk.
+/// How lens samples map to the unit disk.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DiskMapping {
     /// Shirley and Chiu's concentric map ("A Low Distortion Map Between Disk and Square",
@@ -24,7 +24,7 @@ impl DiskMapping {
         [("concentric", Self::Concentric), ("polar", Self::Polar), ("rejection", Self::Rejection)];
 
     /// The point of the unit disk for the numbers `u` and `v`, which are taken into [0, 1] first;
-    /// `None` where [`DiskMapping::Rejection`] asks for new numbers.
+    /// `None` where [`DiskMapping::Rejection`] asks for another lens sample.
     pub fn map(self, u: f64, v: f64) -> Option<[f64; 2]> {
         let mut point = [f64::NAN; 2];
         Simd::best().run(One { mapping: self, numbers: [u, v], point: &mut point });
@@ -32,7 +32,7 @@ impl DiskMapping {
         (!outside).then_some(point)
     }
 
-    /// [`DiskMapping::map`] in lanes; NaN where new numbers are asked for.
+    /// [`DiskMapping::map`] in lanes; NaN where a new lens sample is asked for.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn lanes<L: Lanes>(self, cpu: Cpu<L>, [u, v]: [L; 2]) -> [L; 2]
     where
@@ -74,7 +74,7 @@ impl Compiled for One<'_> {
     #[inline(always)]
     fn run(self) {
         let [Portable([u]), Portable([v])] =
-            self.mapping.lanes(Cpu::any(), [Portable([self.numbers[0]]), Portable([self.numbers[1]])]);
+            self.mapping.lanes(Portable::cpu(), [Portable([self.numbers[0]]), Portable([self.numbers[1]])]);
         *self.point = [u, v];
     }
 }

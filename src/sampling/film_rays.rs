@@ -7,7 +7,7 @@ use crate::trace::kernel::Lanes;
 pub struct FilmRays<L> {
     /// Where they begin, mm.
     pub point: [L; 2],
-    /// The points of the unit disk that they stand for; NaN where new lens numbers are asked for.
+    /// The points of the unit disk that they stand for; NaN where new lens samples are asked for.
     pub disk: [L; 2],
     pub slopes: [L; 2],
     /// The slope area that each stands for, over π; NaN where there is none.

@@ -1,10 +1,14 @@
 //! Where rays start: mappings of the unit square to the disk, disks about the axis, and the warped pupil.
 
+mod band;
 pub(crate) mod disk;
 pub(crate) mod film_rays;
 pub(crate) mod pupil_disk;
+pub(crate) mod pupil_sampler;
 pub(crate) mod warped;
 
+pub use band::Band;
 pub use disk::DiskMapping;
-pub use pupil_disk::{Drawn, PupilDisk};
+pub use pupil_disk::{PupilDisk, PupilSample};
+pub(crate) use pupil_sampler::PupilSampler;
 pub use warped::{BuildReport, WarpedPupil};

@@ -19,7 +19,7 @@ const TELECENTRIC: f64 = 1e-12;
 
 /// A slope drawn from a pupil.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Drawn {
+pub struct PupilSample {
     /// dx/dz and dy/dz of the ray at the film.
     pub slopes: [f64; 2],
     /// The area that the sample stands for, slope²: the mean over lens samples of this where the ray gets
@@ -84,15 +84,15 @@ impl PupilDisk {
     }
 
     /// The slope that the point `disk` of the unit disk stands for at a film point, mm.
-    pub fn draw(&self, film: [f64; 2], [u, v]: [f64; 2]) -> Drawn {
+    pub fn sample(&self, film: [f64; 2], [u, v]: [f64; 2]) -> PupilSample {
         let SlopeDisk { center: [x, y], radius } = self.seen_from(film);
-        Drawn { slopes: [x + radius * u, y + radius * v], area: self.slope_area() }
+        PupilSample { slopes: [x + radius * u, y + radius * v], area: self.slope_area() }
     }
 
     /// The disk as lanes draw from it.
     pub(crate) fn lane_disk<S: Scalar>(&self) -> LaneDisk<S> {
         LaneDisk {
-            drift: S::from_f64(-self.vergence),
+            shift: S::from_f64(-self.vergence),
             slope_radius: S::from_f64(self.slope_radius),
             area_per_pi: S::from_f64(self.slope_radius * self.slope_radius),
         }
@@ -114,7 +114,7 @@ impl PupilDisk {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LaneDisk<S> {
     /// The slope to the centre over the film point, 1/mm.
-    drift: S,
+    shift: S,
     slope_radius: S,
     area_per_pi: S,
 }
@@ -123,8 +123,8 @@ impl<S: Scalar> LaneDisk<S> {
     /// The slopes that points of the unit disk stand for at film points, mm, and the slope area of each over π.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn lanes<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, [x, y]: [L; 2], [u, v]: [L; 2]) -> ([L; 2], L) {
-        let (drift, radius) = (L::splat(cpu, self.drift), L::splat(cpu, self.slope_radius));
-        ([radius.mul_add(u, drift * x), radius.mul_add(v, drift * y)], L::splat(cpu, self.area_per_pi))
+        let (shift, radius) = (L::splat(cpu, self.shift), L::splat(cpu, self.slope_radius));
+        ([radius.mul_add(u, shift * x), radius.mul_add(v, shift * y)], L::splat(cpu, self.area_per_pi))
     }
 }
 

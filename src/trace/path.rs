@@ -1,7 +1,11 @@
-//! A lens made ready for tracing in one direction.
+//! A lens made ready for tracing in one direction, and rays through it surface by surface, with the reason where one
+//! stops. This is the oracle of the fast kernel, in numbers of any type.
 
-use super::Real;
-use crate::lens::{Lens, Surface, refraction::Refraction};
+use super::surface::{Blocked, PathSurface, State};
+use crate::{
+    lens::{Lens, Ray, refraction::Refraction},
+    numeric::{Real, cross, difference_of_products, dot, in_range, unit},
+};
 
 /// Which way rays travel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,57 +16,39 @@ pub enum Direction {
     SceneToFilm,
 }
 
-/// What one surface asks of a ray, in a frame whose axis points along the travel and whose
-/// origin is the surface's vertex.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Step<R> {
-    /// From the previous surface's vertex to this one's; 0 for the first.
-    pub distance: R,
-    /// 1/radius; positive when the centre lies ahead.
-    pub curvature: R,
-    /// Refractive index before.
-    pub n: R,
-    /// Refractive index after.
-    pub n_after: R,
-    /// n'^2 - n^2.
-    pub index_step: R,
-    /// Square of the clear semi-diameter.
-    pub aperture: R,
-    /// How far behind the ray's point a hit may lie by rounding alone, in units of V.
-    pub slack: R,
+/// How far a ray got.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Walk {
+    /// The point on the last surface met and the unit direction after it; the input ray, its
+    /// direction made a unit vector, where none was met.
+    pub ray: Ray,
+    /// Surfaces met.
+    pub surfaces_met: usize,
+    /// Why the ray stopped there, if it did.
+    pub blocked: Option<Blocked>,
 }
 
-impl<R: Real> Step<R> {
-    fn new(surface: &Surface, forward: bool, distance: f64) -> Self {
-        let Surface { n_scene, n_film, radius, curvature, semi_diameter, .. } = *surface;
-        let (n, n_after) = if forward { (n_scene, n_film) } else { (n_film, n_scene) };
-        // A type wider than double takes the reciprocal and the difference of squares itself; for
-        // the others they are rounded once, from double.
-        let (curvature, index_step) = if R::EPSILON < f64::EPSILON {
-            let [n, n_after] = [n, n_after].map(R::from_f64);
-            let curvature = if curvature == 0.0 { R::ZERO } else { R::ONE / R::from_f64(radius) };
-            (curvature, (n_after - n) * (n_after + n))
-        } else {
-            (R::from_f64(curvature), R::from_f64((n_after - n) * (n_after + n)))
-        };
-        // At an incidence of 65 degrees rounding was seen to reach 60 EPSILON.
-        let slack = 512.0 * R::EPSILON * (semi_diameter + distance);
-        Self {
-            distance: R::from_f64(distance),
-            curvature: if forward { curvature } else { -curvature },
-            n: R::from_f64(n),
-            n_after: R::from_f64(n_after),
-            index_step,
-            aperture: R::from_f64(semi_diameter) * R::from_f64(semi_diameter),
-            slack: R::from_f64(slack),
-        }
-    }
+/// What [`Path::intersections`] tells of a surface.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Intersection<R> {
+    /// The surface, counted along the travel.
+    pub surface: usize,
+    /// Where the ray meets it, x and y, mm.
+    pub point: [R; 2],
+    /// The square of the distance from the axis over that of the clear semi-diameter.
+    pub ratio: R,
+    /// z of the surface's normal there: positive on the near side.
+    pub normal: R,
 }
+
+/// Squared cosine of the angle to the axis below which a ray meets the first vertex plane too far out for
+/// that to be the place to start from.
+const STEEP: f64 = 0.01;
 
 /// A lens made ready for tracing in one direction with numbers of type `R`.
 #[derive(Clone, Debug)]
 pub struct Path<R = f64> {
-    pub(super) steps: Vec<Step<R>>,
+    pub(super) steps: Vec<PathSurface<R>>,
     pub(super) direction: Direction,
     pub(super) refraction: Refraction,
     /// z of the first vertex met, in lens space.
@@ -90,7 +76,7 @@ impl<R: Real> Path<R> {
                     (_, false) => surface.thickness,
                 };
                 previous_thickness = surface.thickness;
-                Step::new(surface, forward, distance)
+                PathSurface::new(surface, forward, distance)
             })
             .collect();
         let (entry, exit) = (surfaces[0].vertex, surfaces[surfaces.len() - 1].vertex);
@@ -110,5 +96,181 @@ impl<R: Real> Path<R> {
     /// Scene to film with the default refraction.
     pub fn scene_to_film(lens: &Lens) -> Self {
         Self::new(lens, Direction::SceneToFilm, Refraction::default())
+    }
+
+    /// Takes a ray through the lens. Its origin may lie anywhere before the first surface; NaN or
+    /// infinite components, or a direction of length 0, count as [`Blocked::Missed`].
+    pub fn walk(&self, ray: Ray) -> Walk {
+        let travel_sign = self.travel_sign();
+        let start = Ray { origin: ray.origin, direction: unit(ray.direction) };
+        let finite = start.origin.iter().chain(&start.direction).all(|x| x.is_finite());
+        if !finite {
+            return Walk { ray: start, surfaces_met: 0, blocked: Some(Blocked::Missed) };
+        }
+        let mut state = self.enter(ray, start.direction);
+        let (surfaces_met, blocked) = self.trace_surfaces(&mut state);
+        let Some(last) = surfaces_met.checked_sub(1) else {
+            return Walk { ray: start, surfaces_met, blocked };
+        };
+        let vertex = if surfaces_met == self.steps.len() {
+            self.exit
+        } else {
+            let passed: f64 = self.steps[..=last].iter().map(|step| step.distance.to_f64()).sum();
+            self.entry + travel_sign * passed
+        };
+        let [x, y, z] = state.p.map(R::to_f64);
+        let [vx, vy, vz] = state.v.map(R::to_f64);
+        let ray =
+            Ray { origin: [x, y, vertex + travel_sign * z], direction: unit([vx, vy, travel_sign * vz]) };
+        Walk { ray, surfaces_met, blocked }
+    }
+
+    /// A ray through the lens in `R` from start to end, for types wider than double: the point in the
+    /// frame of the last vertex met (z along +z of lens space) and the unit direction.
+    ///
+    /// # Errors
+    /// The reason why it is blocked.
+    pub fn trace_in_full(&self, origin: [R; 3], direction: [R; 3]) -> Result<([R; 3], [R; 3]), Blocked> {
+        let travel_sign = R::from_f64(self.travel_sign());
+        let [dx, dy, dz] = direction;
+        let length = dot(direction, direction).sqrt();
+        let [x, y, z] = origin;
+        let mut state = State {
+            p: [x, y, travel_sign * (z - R::from_f64(self.entry))],
+            v: [dx, dy, travel_sign * dz].map(|d| self.steps[0].n * d / length),
+            lead: R::ZERO,
+        };
+        if let (_, Some(reason)) = self.trace_surfaces(&mut state) {
+            return Err(reason);
+        }
+        let [x, y, z] = state.p;
+        let [vx, vy, vz] = state.v;
+        let length = dot(state.v, state.v).sqrt();
+        Ok(([x, y, travel_sign * z], [vx / length, vy / length, travel_sign * vz / length]))
+    }
+
+    /// Takes the state, in the frame of the first vertex, through the surfaces; says how many were met and
+    /// why the ray stopped there. Each surface takes the state whole or not at all, so that a
+    /// blocked ray is left where it was last on a surface, in the frame of that vertex.
+    fn trace_surfaces(&self, state: &mut State<R>) -> (usize, Option<Blocked>) {
+        for (number, step) in self.steps.iter().enumerate() {
+            let mut ahead = *state;
+            ahead.p[2] = ahead.p[2] - step.distance;
+            let hit = if self.is_forward(&ahead, number) {
+                step.meet(&mut ahead)
+            } else {
+                Err(Blocked::TurnedBack)
+            };
+            if let Err(reason) = hit {
+                return (number, Some(reason));
+            }
+            *state = ahead;
+            if let Err(reason) = step.pass(state, self.refraction) {
+                return (number + 1, Some(reason));
+            }
+        }
+        (self.steps.len(), None)
+    }
+
+    /// Which way along z the light travels.
+    pub(super) fn travel_sign(&self) -> f64 {
+        match self.direction {
+            Direction::FilmToScene => 1.0,
+            Direction::SceneToFilm => -1.0,
+        }
+    }
+
+    /// Whether a ray may go on to surface `number`. A fisheye sees behind itself: from the scene the
+    /// first surface may be met going backward.
+    pub(super) fn is_forward(&self, state: &State<R>, number: usize) -> bool {
+        state.v[2] > R::ZERO || self.may_start_backward(number)
+    }
+
+    /// Whether a ray may go on to surface `number` also where it travels backward.
+    pub(super) fn may_start_backward(&self, number: usize) -> bool {
+        number == 0 && self.direction == Direction::SceneToFilm
+    }
+
+    /// The state with which a ray sets out, in the frame of the first vertex; `direction` is the ray's as a
+    /// unit vector.
+    pub(super) fn enter(&self, ray: Ray, direction: [f64; 3]) -> State<R> {
+        let travel_sign = self.travel_sign();
+        let (entry, lead) = self.to_entry(ray);
+        let [dx, dy, dz] = direction;
+        State {
+            p: entry.map(R::from_f64),
+            v: [dx, dy, travel_sign * dz].map(|d| self.steps[0].n * R::from_f64(d)),
+            lead: R::from_f64(lead),
+        }
+    }
+
+    /// Where a ray (lens space, any length of direction but 0) is near the lens, in the frame of the first vertex with
+    /// z along the travel, and how far from its origin that is, both mm: on the vertex plane where that lies ahead; for
+    /// a ray along that plane or back from it, the point nearest the vertex; else its origin.
+    ///
+    /// Differences of products, not P + t D: from a distant object that would keep the digits of the
+    /// distance, and this keeps those of the lens.
+    pub fn to_entry(&self, ray: Ray) -> ([f64; 3], f64) {
+        let travel_sign = self.travel_sign();
+        let [x, y, z] = ray.origin;
+        // The difference and what rounding took from it (D. E. Knuth, *The Art of Computer Programming* 2,
+        // section 4.2.2): a small lens far from its front vertex would feel it.
+        let (far, near) = (travel_sign * z, travel_sign * self.entry);
+        let z = far - near;
+        let taken = z - far;
+        let lost = (far - (z - taken)) - (near + taken);
+        let start = [x, y, z];
+        let [dx, dy, dz] = in_range(ray.direction);
+        let d = [dx, dy, travel_sign * dz];
+        let squared = dot(d, d);
+        let entry = if z < 0.0 && d[2] > 0.0 && d[2] * d[2] > STEEP * squared {
+            let at = |p: f64, along: f64| (difference_of_products(p, d[2], z, along) - lost * along) / d[2];
+            [at(x, d[0]), at(y, d[1]), 0.0]
+        } else if dot(start, d) < 0.0 {
+            let moment = cross(start, d);
+            let moment = [moment[0] - lost * d[1], moment[1] + lost * d[0], moment[2]];
+            cross(d, moment).map(|product| product / squared)
+        } else {
+            return (start, 0.0);
+        };
+        let moved: [f64; 3] = std::array::from_fn(|i| entry[i] - start[i]);
+        (entry, dot(moved, moved).sqrt())
+    }
+
+    /// The ray as it leaves the lens.
+    ///
+    /// # Errors
+    /// The reason why it does not.
+    pub fn trace(&self, ray: Ray) -> Result<Ray, Blocked> {
+        let walk = self.walk(ray);
+        walk.blocked.map_or(Ok(walk.ray), Err)
+    }
+
+    /// Takes a ray from (`x`, `y`) on a film at z = `film`, with these slopes, through all surfaces, whatever their
+    /// apertures say, as long as `go_on` says so. Whether it came to the end; a decision that
+    /// numbers of type `R` leave open counts against it.
+    pub(crate) fn intersections(
+        &self,
+        film: f64,
+        [x, y]: [R; 2],
+        [sx, sy]: [R; 2],
+        mut go_on: impl FnMut(Intersection<R>) -> bool,
+    ) -> bool {
+        let way = R::from_f64(self.travel_sign() * (self.entry - film));
+        let length = (R::ONE + sx * sx + sy * sy).sqrt();
+        let vz = self.steps[0].n / length;
+        let mut state =
+            State { p: [x + way * sx, y + way * sy, R::ZERO], v: [sx * vz, sy * vz, vz], lead: way * length };
+        self.steps.iter().enumerate().all(|(surface, step)| {
+            state.p[2] = state.p[2] - step.distance;
+            if !self.is_forward(&state, surface) || step.meet(&mut state).is_err() {
+                return false;
+            }
+            let [x, y, z] = state.p;
+            let ratio = (x * x + y * y) / step.aperture;
+            let normal = R::ONE - step.curvature * z;
+            go_on(Intersection { surface, point: [x, y], ratio, normal })
+                && step.refract(&mut state, self.refraction).is_ok()
+        })
     }
 }

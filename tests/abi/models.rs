@@ -68,6 +68,23 @@ fn a_camera_moves_while_the_shutter_is_open() {
 }
 
 #[test]
+fn a_camera_moves_the_same_way_when_time_runs_backward() {
+    let mut end = new_options().camera_to_world;
+    [end[0], end[2], end[8], end[10], end[3]] = [0.0, 1.0, -1.0, 0.0, 6.0];
+    for model in [c"lens", c"thick", c"perspective"] {
+        let forward = realistic_options { model: model.as_ptr(), camera_to_world_end: end, ..new_options() };
+        let backward = realistic_options { shutteropen: 1.0, shutterclose: 0.0, ..forward };
+        for time in [0.0_f32, 0.25, 0.5, 1.0] {
+            let sample = realistic_sample { time, ..MIDDLE };
+            let ([one, other], same) =
+                ([ray(&forward, sample).0, ray(&backward, sample).0], |a: f32, b: f32| (a - b).abs() < 1e-5);
+            assert!((0..3).all(|axis| same(one.o[axis], other.o[axis]) && same(one.d[axis], other.d[axis])));
+            assert_eq!(other.time, 1.0 - one.time, "{model:?}");
+        }
+    }
+}
+
+#[test]
 fn a_caller_with_the_first_header_is_served() {
     let first = std::mem::offset_of!(realistic_options, camera_to_world_end) as u32;
     let old = options(first);

@@ -4,12 +4,9 @@
 use super::support;
 
 use realistic::{
-    camera::{
-        BLOCK, CameraMotion, CameraToWorld, Host, RayBlock, RealisticCamera, Sample, SampleBlock, Three,
-        WorldRay,
-    },
+    camera::{CameraMotion, CameraToWorld, Host, RayBlock, RealisticCamera, Sample, SampleBlock, WorldRay},
     imaging::image_scale::ImageScale,
-    plan::choice::{Model, Verdict},
+    plan::{Arithmetic, Tracing, choice::Verdict},
     trace::{Ray, kernel::Simd},
 };
 use support::{LENSES, Random, build, host, host_with};
@@ -27,7 +24,8 @@ fn random_sample(random: &mut Random, margin: f64) -> Sample {
 }
 
 fn rays(camera: &RealisticCamera, samples: &[Sample]) -> Vec<Option<(WorldRay, f32)>> {
-    let (mut block, mut out) = (SampleBlock::new(), RayBlock::new());
+    const BLOCK: usize = 384;
+    let (mut block, mut out) = (SampleBlock::<BLOCK>::new(), RayBlock::<BLOCK>::new());
     let mut found = Vec::with_capacity(samples.len());
     for some in samples.chunks(BLOCK) {
         some.iter().enumerate().for_each(|(i, sample)| block.set(i, sample));
@@ -84,15 +82,15 @@ fn fresh_rays_stay_within_the_stated_error() {
                 let choice = model.plan().choice().expect("a tolerance is given");
                 let (candidate, errors) = choice.chosen().expect("one is always chosen");
                 assert!(errors.pixels <= tolerance.parse::<f64>().expect("a number"), "{given:?}");
-                models.push(candidate.model);
-                if candidate.model == Model::Double {
+                models.push(candidate.tracing);
+                if candidate.tracing == Tracing::Exact(Arithmetic::F64) {
                     continue;
                 }
                 let fresh = quantile_of_errors(&exact, &model, 7);
                 assert!(
                     fresh <= errors.pixels + FLOATS,
                     "{given:?}, tolerance {tolerance}: {}: {fresh} is more than {}",
-                    candidate.model.name(),
+                    candidate.tracing,
                     errors.pixels
                 );
             }
@@ -100,9 +98,12 @@ fn fresh_rays_stay_within_the_stated_error() {
     }
     // Not all of one kind, or little was tested. Without vectors little is cheaper than the exact trace.
     if Simd::best() != Simd::Portable {
-        assert!(models.contains(&Model::Single));
+        assert!(models.contains(&Tracing::Exact(Arithmetic::F32)));
         for order in [5, 7] {
-            assert!(models.contains(&Model::Polynomials { order, single: true }), "order {order}");
+            assert!(
+                models.contains(&Tracing::Polynomials { order, arithmetic: Arithmetic::F32, fit: () }),
+                "order {order}"
+            );
         }
     }
 }
@@ -174,18 +175,14 @@ fn without_a_tolerance_the_plan_changes_no_bit() {
 }
 
 #[test]
-fn one_three_and_many_rays_have_the_same_bits_with_every_model() {
+fn one_and_many_rays_have_the_same_bits_with_every_model() {
     for (fnumber, tolerance) in [("8", "0.003"), ("8", "0.1"), ("2.8", "0.01"), ("22", "1")] {
         let camera = camera(&host(), &[("fnumber", fnumber), ("tolerance", tolerance)]);
         let mut random = Random(2);
         let samples: Vec<Sample> =
             (0..3001).map(|i| random_sample(&mut random, if i % 50 == 0 { 300.0 } else { 1.0 })).collect();
         for (sample, many) in samples.iter().zip(rays(&camera, &samples)) {
-            let Sample { image_x: x, image_y: y, .. } = *sample;
             assert_eq!(bits(&camera.ray(sample)), bits(&many), "tolerance {tolerance}: {sample:?}");
-            let mut three = Three::NONE;
-            camera.three(sample, [[x, y], [x + 1.0, y], [x, y + 1.0]], &mut three);
-            assert_eq!(bits(&three.get(0)), bits(&many), "tolerance {tolerance}: {sample:?}, three");
         }
     }
 }
@@ -244,10 +241,15 @@ fn what_single_precision_cannot_hold_is_not_given_to_it() {
             let choice = camera.plan().choice().expect("a tolerance is given");
             let (chosen, _) = choice.chosen().expect("one is chosen");
             assert!(
-                !matches!(chosen.model, Model::Single | Model::Polynomials { single: true, .. }),
+                !matches!(
+                    chosen.tracing,
+                    Tracing::Exact(Arithmetic::F32)
+                        | Tracing::Polynomials { arithmetic: Arithmetic::F32, .. }
+                ),
                 "{why}: {choice}"
             );
-            for candidate in choice.candidates.iter().filter(|candidate| candidate.model == Model::Single) {
+            let single = Tracing::Exact(Arithmetic::F32);
+            for candidate in choice.candidates.iter().filter(|candidate| candidate.tracing == single) {
                 assert!(
                     matches!(candidate.verdict, Verdict::Excluded(_) | Verdict::Untried),
                     "{why}: {choice}"

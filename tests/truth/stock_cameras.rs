@@ -1,4 +1,6 @@
-//! The textbook cameras against rays of pbrt 1.05's stock plugins (`golden/stock_cameras.txt`).
+//! The textbook cameras against rays of pbrt 1.05's stock plugins (`golden/stock_cameras.txt`), for camera transforms
+//! that only turn, move and mirror. Those that scale or shear make directions of other lengths of the stock cameras' rays, and
+//! unit vectors of ours.
 
 use std::path::Path;
 

@@ -103,12 +103,12 @@ fn densities_are_positive_up_to_the_last_film_point() {
     for stop in STOPS {
         let case = Case::of("fisheye.10mm", stop);
         let end = case.pupil.image_radius().expect("dark beyond");
-        assert!(case.pupil.draw([end.next_up(), 0.0], [0.5, 0.5]).is_none());
+        assert!(case.pupil.sample([end.next_up(), 0.0], [0.5, 0.5]).is_none());
         for height in (1..53).map(|bits| end * (1.0 - 0.5_f64.powi(bits))).chain([end.next_down()]) {
             for i in 0..33 {
                 let phi = TAU * f64::from(i) / 64.0;
                 // The image ends where rounding has it.
-                let Some(drawn) = case.pupil.draw([height, 0.0], [phi.cos(), phi.sin()]) else { continue };
+                let Some(drawn) = case.pupil.sample([height, 0.0], [phi.cos(), phi.sin()]) else { continue };
                 assert!(drawn.area > 0.0 && drawn.area.is_finite(), "{stop:?} at {height}: {drawn:?}");
             }
         }
@@ -193,7 +193,7 @@ fn the_map_s_density_is_its_jacobian() {
     let step = 1e-6;
     for (u, v) in grid(23) {
         let d = DiskMapping::Concentric.map(u, v).expect("never rejects");
-        let at = |dx: f64, dy: f64| case.pupil.draw(point, [d[0] + dx, d[1] + dy]).expect("lit");
+        let at = |dx: f64, dy: f64| case.pupil.sample(point, [d[0] + dx, d[1] + dy]).expect("lit");
         let slope = |a: [f64; 2], b: [f64; 2]| [(a[0] - b[0]) / (2.0 * step), (a[1] - b[1]) / (2.0 * step)];
         let x = slope(at(step, 0.0).slopes, at(-step, 0.0).slopes);
         let y = slope(at(0.0, step).slopes, at(0.0, -step).slopes);
@@ -222,7 +222,7 @@ fn the_pupil_s_area_changes_smoothly_with_film_radius() {
                 let height = limit * f64::from(i) / f64::from(steps);
                 let rim = (0..=360).map(|i| {
                     let phi = TAU * f64::from(i) / 360.0;
-                    case.pupil.draw([height, 0.0], [phi.cos(), phi.sin()]).expect("lit").slopes
+                    case.pupil.sample([height, 0.0], [phi.cos(), phi.sin()]).expect("lit").slopes
                 });
                 let rim: Vec<_> = rim.collect();
                 rim.windows(2).map(|p| p[0][0] * p[1][1] - p[0][1] * p[1][0]).sum::<f64>() / 2.0
@@ -247,7 +247,7 @@ fn for_fixed_lens_numbers_the_slope_is_continuous_over_the_film() {
                 for disk in numbers {
                     let at = |t: f64| {
                         let point = [t * dx - offset * dy, t * dy + offset * dx];
-                        case.pupil.draw(point, disk).expect("lit").slopes
+                        case.pupil.sample(point, disk).expect("lit").slopes
                     };
                     let half = 0.9 * (end * end - offset * offset).sqrt();
                     // The steepest change over a step is the same, per mm, when steps are a hundredth:
@@ -283,7 +283,7 @@ fn there_are_no_jumps_where_film_radii_are_tabulated() {
             let s = f64::from(cell) / 512.0;
             let height = end.map_or(REACH * s, |end| end * s * (2.0 - s));
             for disk in [[0.5, 0.5], [-0.9, 0.1], [0.2, -0.95]] {
-                let draw = |h: f64| case.pupil.draw([0.0, h], disk).expect("lit");
+                let draw = |h: f64| case.pupil.sample([0.0, h], disk).expect("lit");
                 let (below, above) = (draw(height * (1.0 - 1e-12)), draw(height * (1.0 + 1e-12)));
                 let jump = (0..2).map(|i| (below.slopes[i] - above.slopes[i]).abs()).fold(0.0, f64::max);
                 assert!(jump < 1e-9, "{name} at {height}: {jump:e}");
@@ -298,11 +298,11 @@ fn turning_film_point_and_lens_point_turns_the_slope() {
     let case = Case::of("dgauss.50mm", None);
     for (u, v) in grid(9) {
         let disk = DiskMapping::Concentric.map(u, v).expect("never rejects");
-        let expected = case.pupil.draw([11.3, 0.0], disk).expect("lit");
+        let expected = case.pupil.sample([11.3, 0.0], disk).expect("lit");
         for angle in [0.4_f64, 2.0, -3.0] {
             let (sin, cos) = angle.sin_cos();
             let turn = |[x, y]: [f64; 2]| [cos * x - sin * y, sin * x + cos * y];
-            let got = case.pupil.draw(turn([11.3, 0.0]), turn(disk)).expect("lit");
+            let got = case.pupil.sample(turn([11.3, 0.0]), turn(disk)).expect("lit");
             let [x, y] = turn(expected.slopes);
             assert!((got.slopes[0] - x).abs() < 1e-12 && (got.slopes[1] - y).abs() < 1e-12);
         }
@@ -314,7 +314,7 @@ fn beyond_the_image_circle_nothing_is_drawn_and_nothing_would_pass() {
     let case = Case::of("fisheye.10mm", None);
     let end = case.pupil.image_radius().expect("an image circle");
     for height in [1.0001 * end, 1.05 * end, CORNER] {
-        assert_eq!(case.pupil.draw([height, 0.0], [0.1, 0.2]), None);
+        assert_eq!(case.pupil.sample([height, 0.0], [0.1, 0.2]), None);
         assert_eq!(brute(&case, [height, 0.0], 400), 0.0);
     }
     let mut before = f64::INFINITY;
@@ -481,6 +481,16 @@ fn weighting_assignment_is_the_thick_lens_disk_s_literal_formula() {
     assert!((a / b - 1.0).abs() < 0.03, "{a} is not {b}");
 }
 
+#[test]
+fn weighting_assignment_of_another_pupil_is_another_exposure() {
+    // As README.md has it: the rear element's disk is that much smaller than the paraxial exit pupil.
+    let [rear, warped] = ["rear", "warped"].map(|pupil| {
+        let camera = camera("dgauss.50mm", pupil, "assignment");
+        mean_weight(&camera, [150.0, 100.0], 300).0
+    });
+    assert!((rear / warped - 4.05).abs() < 0.02, "{}", rear / warped);
+}
+
 /// RMS over many half-planes of (share of the points - share of the pupil).
 fn discrepancy(points: &[[f64; 2]], reference: &[[f64; 2]]) -> f64 {
     let share = |set: &[[f64; 2]], n: [f64; 2], c: f64| {
@@ -507,7 +517,7 @@ fn stratified_lens_numbers_stay_stratified_in_the_pupil() {
         for height in [0.0, 6.0, 12.0] {
             let map = |u: f64, v: f64| {
                 let disk = DiskMapping::Concentric.map(u, v).expect("never rejects");
-                case.pupil.draw([height, 0.0], disk).expect("lit").slopes
+                case.pupil.sample([height, 0.0], disk).expect("lit").slopes
             };
             let reference: Vec<_> = grid(200).map(|(u, v)| map(u, v)).collect();
             let mut random = random_numbers();

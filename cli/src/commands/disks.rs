@@ -1,56 +1,55 @@
 //! `realistic disks`: the ways to sample a disk, side by side.
 
 use super::render::{picture_path, writable};
+use crate::drawing::shapes::{Anchor, Page};
 use crate::failure::Failure;
-use crate::host::image::Picture;
-use crate::host::lettering;
-use crate::host::sheet::Sheet;
+use crate::image::{Picture, Sheet, SrgbImage, hex};
 use glam::Vec3;
-use rand::{Rng, SeedableRng};
+use rand::{Rng, RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use realistic::sampling::DiskMapping;
-use realistic_lab::disk_statistics::{ChiSquared, EdgeDiscrepancy};
+use realistic_lab::pupil::disk_statistics::{ChiSquared, EdgeDiscrepancy};
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::PathBuf;
 
-/// What `disks` can be told.
+/// The options of `disks`.
 #[derive(clap::Args, Debug)]
 pub struct Args {
     /// Picture to write: .png or .exr
     #[arg(long, value_name = "FILE", default_value = "disks.png", value_parser = picture_path)]
     out: PathBuf,
-    /// Random numbers
+    /// Seed of the random numbers
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
 }
 
-/// From two numbers to a point of the unit disk; `None` asks for others.
+/// From a sample (u, v) to a point of the unit disk; `None` rejects the sample.
 type Map = fn(f64, f64) -> Option<[f64; 2]>;
 
 /// The three mappings of the camera, and the wrong one, which crowds the middle.
-const WAYS: [(&str, Map); 4] = [
+const MAPPINGS: [(&str, Map); 4] = [
     ("concentric", |u, v| DiskMapping::Concentric.map(u, v)),
     ("polar, r = sqrt(u)", |u, v| DiskMapping::Polar.map(u, v)),
     ("rejection", |u, v| DiskMapping::Rejection.map(u, v)),
     ("wrong: polar, r = u", |u, v| Some([u * (TAU * v).cos(), u * (TAU * v).sin()])),
 ];
 
-/// Strata each way, with one point each.
+/// Strata along u and along v, with one point each.
 const STRATA: u32 = 16;
 /// Sets of strata over which the discrepancy is averaged.
 const SETS: u32 = 32;
 /// Independent points of the test of uniformity.
 const POINTS: usize = 20_000;
 
-/// Draws the point sets, and measures them.
+/// Draws the sets of points and measures them.
 ///
 /// # Errors
 /// The picture cannot be written.
 pub fn run(args: &Args) -> Result<(), Failure> {
     writable(&args.out)?;
-    let mut sheet = Sheet::new(PANEL, WAYS.len() as u32, 2);
+    let mut sheet = Sheet::new(PANEL, MAPPINGS.len() as u32, 2);
     let mut text = format!(
         "{:<20}  edge discrepancy of {} stratified points   chi-squared of {POINTS}\n\
          {:<20}  {:>12} {:>12}   {:>21} {:>12} {:>9}\n",
@@ -63,7 +62,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         "statistic",
         "p"
     );
-    for (name, map) in WAYS {
+    for (name, map) in MAPPINGS {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(args.seed);
         let (rms, largest) = discrepancy(map, &mut rng);
         let test = ChiSquared::of(&independent(map, &mut rng));
@@ -77,27 +76,25 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         let p = if test.p_value < 1e-3 { "< 0.001".to_owned() } else { format!("= {:.2}", test.p_value) };
         let lines = [format!("discrepancy {rms:.4}"), format!("chi-squared p {p}")];
         let points = stratified(map, &mut Xoshiro256PlusPlus::seed_from_u64(args.seed));
-        sheet.add(name, &drawn(&points, &lines), 1.0);
+        if let Some(panel) = drawn(&points, &lines) {
+            sheet.add(name, &Picture::from(&panel), 1.0);
+        }
     }
-    sheet.into_picture().write(&args.out, 1.0).map_err(Failure::Other)?;
+    sheet.into_picture().write(&args.out, 1.0)?;
     let _ = writeln!(text, "{}", args.out.display());
     Ok(std::io::stdout().write_all(text.as_bytes())?)
 }
 
-fn number(rng: &mut impl Rng) -> f64 {
-    (rng.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
-}
-
-/// A point with the stratum, column and row, of its numbers; one that was drawn again has none.
+/// A point with the stratum, column and row, of its sample; one of a second sample has none.
 type Point = ([f64; 2], Option<[u32; 2]>);
 
-/// One point for each stratum of the square. Numbers that are rejected are drawn again from the
+/// One point for each stratum of the square. A rejected sample is replaced by others of the
 /// whole square, as a host does.
 fn stratified(map: Map, rng: &mut impl Rng) -> Vec<Point> {
     let cells = (0..STRATA * STRATA).map(|cell| [cell % STRATA, cell / STRATA]);
     cells
         .map(|stratum| {
-            let [u, v] = stratum.map(|at| (f64::from(at) + number(rng)) / f64::from(STRATA));
+            let [u, v] = stratum.map(|at| (f64::from(at) + rng.random::<f64>()) / f64::from(STRATA));
             match map(u, v) {
                 Some(point) => (point, Some(stratum)),
                 None => (again(map, rng), None),
@@ -106,10 +103,10 @@ fn stratified(map: Map, rng: &mut impl Rng) -> Vec<Point> {
         .collect()
 }
 
-/// A point of independent numbers.
+/// A point of independent samples.
 fn again(map: Map, rng: &mut impl Rng) -> [f64; 2] {
     loop {
-        if let Some(point) = map(number(rng), number(rng)) {
+        if let Some(point) = map(rng.random::<f64>(), rng.random::<f64>()) {
             return point;
         }
     }
@@ -130,27 +127,28 @@ fn discrepancy(map: Map, rng: &mut impl Rng) -> (f64, f64) {
 }
 
 const PANEL: [u32; 2] = [400, 452];
-const RADIUS: f32 = 186.0;
-const DOT: f32 = 4.6;
-const PAPER: Vec3 = Vec3::new(0.012, 0.013, 0.016);
-const DISK: Vec3 = Vec3::new(0.032, 0.035, 0.042);
-const GREY: Vec3 = Vec3::new(0.33, 0.33, 0.33);
+const RADIUS: f64 = 186.0;
+const DOT: f64 = 4.6;
+const GROUND: [f32; 3] = [0.012, 0.013, 0.016];
+const DISK: [f32; 3] = [0.032, 0.035, 0.042];
+const GREY: Vec3 = Vec3::splat(0.33);
+const TEXT: [f32; 3] = [0.55, 0.56, 0.58];
 
 /// The points in the colours of their strata: the rows have their hues, and the columns go from dark
 /// to bright.
-fn drawn(points: &[Point], lines: &[String; 2]) -> Picture {
-    let mut picture = Picture::plain(PANEL, PAPER.to_array());
-    let middle = PANEL[0] as f32 / 2.0;
-    dot(&mut picture, [middle; 2], RADIUS + DOT, DISK);
+fn drawn(points: &[Point], lines: &[String; 2]) -> Option<SrgbImage> {
+    let [width, height] = PANEL.map(f64::from);
+    let mut page = Page::on(hex(GROUND), width, height);
+    let middle = width / 2.0;
+    page.dot([middle; 2], RADIUS + DOT, &hex(DISK));
     for ([x, y], stratum) in points {
-        let at = [middle + *x as f32 * RADIUS, middle - *y as f32 * RADIUS];
-        dot(&mut picture, at, DOT, stratum.map_or(GREY, colour));
+        let colour = stratum.map_or(GREY, colour).to_array();
+        page.dot([middle + x * RADIUS, middle - y * RADIUS], DOT, &hex(colour));
     }
-    for (line, text) in (0..).zip(lines) {
-        let left = PANEL[0].saturating_sub(lettering::width(text, 2)) / 2;
-        lettering::write(&mut picture, text, [left, PANEL[0] + 6 + 22 * line], 2, [0.55, 0.56, 0.58]);
+    for (line, text) in (0_u8..).zip(lines) {
+        page.text(text, [middle, width + 20.0 + 22.0 * f64::from(line)], 16.0, Anchor::Middle, &hex(TEXT));
     }
-    picture
+    page.pixels(1.0)
 }
 
 /// Blocks of four by four strata have a colour.
@@ -167,28 +165,13 @@ fn colour([column, row]: [u32; 2]) -> Vec3 {
     if shade < 0.5 { hue * (0.22 + 1.2 * shade) } else { hue.lerp(Vec3::ONE, (shade - 0.5) * 1.1) }
 }
 
-/// A filled disk with a smooth rim.
-fn dot(picture: &mut Picture, [x, y]: [f32; 2], radius: f32, colour: Vec3) {
-    let [width, height] = picture.size;
-    let span =
-        |at: f32, end: u32| ((at - radius - 1.0).max(0.0) as u32)..((at + radius + 2.0) as u32).min(end);
-    for row in span(y, height) {
-        for column in span(x, width) {
-            let off = (column as f32 + 0.5 - x).hypot(row as f32 + 0.5 - y);
-            let cover = (radius + 0.5 - off).clamp(0.0, 1.0);
-            let pixel = &mut picture.pixels[(row * width + column) as usize];
-            *pixel = Vec3::from_array(*pixel).lerp(colour, cover).to_array();
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn only_rejection_loses_strata() {
-        for (name, map) in WAYS {
+        for (name, map) in MAPPINGS {
             let points = stratified(map, &mut Xoshiro256PlusPlus::seed_from_u64(3));
             let kept = points.iter().filter(|(_, stratum)| stratum.is_some()).count();
             assert_eq!(points.len(), 256);
@@ -203,7 +186,8 @@ mod tests {
 
     #[test]
     fn the_wrong_way_is_found_out_and_the_concentric_is_the_most_even() {
-        let rms = |way: usize| discrepancy(WAYS[way].1, &mut Xoshiro256PlusPlus::seed_from_u64(3)).0;
+        let rms =
+            |mapping: usize| discrepancy(MAPPINGS[mapping].1, &mut Xoshiro256PlusPlus::seed_from_u64(3)).0;
         let [concentric, polar, rejection, wrong] = [0, 1, 2, 3].map(rms);
         assert!(concentric < polar && polar < rejection && rejection < wrong);
     }

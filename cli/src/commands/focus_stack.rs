@@ -2,14 +2,15 @@
 
 use crate::choice::distance;
 use crate::failure::Failure;
-use crate::host::scene::Scene;
-use crate::host::sheet::Sheet;
+use crate::host::scene::effects::{Effect, Effects};
+use crate::host::scene::props;
 use crate::host::studio::{Options, Order, Studio, parameter_help};
+use crate::image::Sheet;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::PathBuf;
 
-/// What `focus-stack` can be told.
+/// The options of `focus-stack`.
 #[derive(clap::Args, Debug)]
 #[command(after_help = parameter_help())]
 pub struct Args {
@@ -57,24 +58,23 @@ pub fn run(args: &Args) -> Result<(), Failure> {
                 .to_owned(),
         ));
     }
-    let scene = Scene::new().with("soft-shadow,dof".parse().map_err(Failure::Usage)?);
+    let scene = props::scene().with(&Effects::only(&[Effect::SoftShadow, Effect::Dof]));
     let order = Order { spp: args.options.spp.unwrap_or(SPP), wavelengths: None, frame: None };
     let mut sheet = Sheet::new(studio.size, args.count, COLUMNS);
     let mut text = String::new();
     for (index, distance) in (1..).zip(distances(args.from, args.to, args.count)) {
         let mut parameters = studio.parameters.clone();
         parameters.focusdistance = Some(distance / parameters.mmperunit.unwrap_or(1.0));
-        let camera = studio.camera(&parameters, &scene, &order)?;
-        let film = camera.info()?.film_distance_mm;
-        let shot = studio.shoot(&camera, &parameters, &scene, &order)?;
+        let shot = studio.take(&parameters, &scene, &order)?;
+        let film = shot.camera.info()?.film_distance_mm;
         let digits = args.count.to_string().len().max(2);
         let path = args.out.join(format!("focus-{index:0digits$}.png"));
-        shot.picture.write(&path, shot.scale).map_err(Failure::Other)?;
+        shot.picture.write(&path, shot.scale)?;
         sheet.add(&label(distance), &shot.picture, shot.scale);
         let _ = writeln!(text, "{}  focus {}, film {film:.3} mm", path.display(), label(distance));
     }
     let contact = args.out.join("contact.png");
-    sheet.into_picture().write(&contact, 1.0).map_err(Failure::Other)?;
+    sheet.into_picture().write(&contact, 1.0)?;
     let _ = writeln!(text, "{}", contact.display());
     Ok(std::io::stdout().write_all(text.as_bytes())?)
 }

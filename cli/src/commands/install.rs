@@ -1,4 +1,7 @@
 //! `realistic install`: copies of the plugin where a renderer looks for them.
+//!
+//! `realistic.so` is installed always. Copies under other names are made only when they are asked for, because a renderer
+//! that finds one under the name of a camera of its own takes it instead.
 
 use crate::failure::Failure;
 use crate::host::plugin;
@@ -6,16 +9,22 @@ use realistic::camera::Model;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
+/// The camera's name in scene files, without `.so`.
+const OWN_NAME: &str = "realistic";
+
+/// The cameras that pbrt 1.0x brings as plugins.
+const STOCK_CAMERAS: [&str; 3] = ["perspective", "orthographic", "environment"];
+
 /// What `install` can be told.
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// Directory that the renderer loads plugins from
+    /// Directory that the renderer loads plugins from; realistic.so is put there
     #[arg(value_name = "DIR")]
     directory: PathBuf,
-    /// File name of the copy, without .so: the camera's name in scene files
-    #[arg(long = "as", value_name = "NAME", default_value = "realistic", conflicts_with = "all")]
-    name: String,
-    /// A copy under the name of every camera model, for scenes that name these
+    /// Besides, a copy under this name, without .so: the camera's name in scene files
+    #[arg(long = "as", value_name = "NAME", conflicts_with = "all")]
+    name: Option<String>,
+    /// Besides, a copy under the name of every camera model; three of them are pbrt's own cameras
     #[arg(long)]
     all: bool,
     /// Replace files of these names even when they are another camera's plugins
@@ -31,24 +40,56 @@ pub struct Args {
 /// # Errors
 /// No plugin, no directory, or a file that must not be replaced.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let name = args.name.strip_suffix(".so").unwrap_or(&args.name);
-    if name.is_empty() || name.contains(['/', '\\']) {
-        return Err(Failure::Usage(format!(
-            "--as \"{}\" must be a file name without a directory",
-            args.name
-        )));
-    }
-    // A copy under the name of a model is a camera of that model.
-    let models = Model::NAMES.map(|(model, _)| model);
-    let names: &[&str] = if args.all { &models } else { &[name] };
+    let names = names(args)?;
     let source = plugin::find(args.plugin.as_deref())?;
     let mut text = String::new();
-    for copy in install(&source, &args.directory, names, args.force)? {
+    for copy in install(&source, &args.directory, &names, args.force)? {
         text += &format!("{} -> {}\n", source.display(), copy.display());
     }
     let directory = args.directory.canonicalize().unwrap_or_else(|_| args.directory.clone());
-    text += &format!("For pbrt: export PBRT_SEARCHPATH=\"{}:$PBRT_SEARCHPATH\"\n", directory.display());
+    text += &advice(&directory, &names);
     Ok(std::io::stdout().write_all(text.as_bytes())?)
+}
+
+/// The names of the copies, without `.so`, each once.
+fn names(args: &Args) -> Result<Vec<&str>, Failure> {
+    let mut names = vec![OWN_NAME];
+    if args.all {
+        // A copy under the name of a model is a camera of that model.
+        names.extend(Model::NAMES.map(|(model, _)| model));
+    }
+    if let Some(given) = &args.name {
+        let name = given.strip_suffix(".so").unwrap_or(given);
+        if name.is_empty() || name.contains(['/', '\\']) {
+            return Err(Failure::Usage(format!("--as \"{given}\" must be a file name without a directory")));
+        }
+        if name != OWN_NAME {
+            names.push(name);
+        }
+    }
+    Ok(names)
+}
+
+/// What is to be known about the copies: which of pbrt's cameras they replace, and how pbrt finds them.
+///
+/// pbrt takes the first file of a name along its path, so the directory goes to the end of the path, where it replaces
+/// nothing. An empty entry is left out where the variable is empty.
+fn advice(directory: &Path, names: &[&str]) -> String {
+    let mut text = String::new();
+    let replaced: Vec<&str> = names.iter().copied().filter(|name| STOCK_CAMERAS.contains(name)).collect();
+    if !replaced.is_empty() {
+        text += &format!(
+            "Replaces pbrt's own {} for scenes that name {}, where {} stands before pbrt's plugins in the path; \
+             after them, as below, pbrt's own are taken\n",
+            replaced.join(", "),
+            if replaced.len() == 1 { "it" } else { "them" },
+            directory.display()
+        );
+    }
+    text + &format!(
+        "For pbrt: export PBRT_SEARCHPATH=\"${{PBRT_SEARCHPATH:+$PBRT_SEARCHPATH:}}{}\"\n",
+        directory.display()
+    )
 }
 
 fn install(source: &Path, directory: &Path, names: &[&str], force: bool) -> Result<Vec<PathBuf>, Failure> {
@@ -125,6 +166,55 @@ mod tests {
         assert!(refusal.contains("perspective.so") && refusal.contains("--force"), "{refusal}");
         install(&source, &plugins, &["perspective"], true).unwrap();
         assert_eq!(std::fs::read(&other).unwrap(), std::fs::read(&source).unwrap());
+    }
+
+    /// The command line's arguments for `install`, as `run` gets them.
+    fn args(words: &[&str]) -> Args {
+        #[derive(clap::Parser)]
+        struct Command {
+            #[command(flatten)]
+            args: Args,
+        }
+        let words = ["install", "plugins"].iter().chain(words);
+        <Command as clap::Parser>::try_parse_from(words).unwrap().args
+    }
+
+    #[test]
+    fn the_plugin_has_its_own_name_whatever_else_it_is_called() {
+        assert_eq!(names(&args(&[])).unwrap(), ["realistic"]);
+        assert_eq!(names(&args(&["--as", "lens.so"])).unwrap(), ["realistic", "lens"]);
+        assert_eq!(names(&args(&["--as", "realistic"])).unwrap(), ["realistic"]);
+        let all = args(&["--all"]);
+        let all = names(&all).unwrap();
+        assert_eq!(all[0], "realistic");
+        assert!(Model::NAMES.iter().all(|(model, _)| all.contains(model)), "{all:?}");
+        assert!(matches!(names(&args(&["--as", "a/b"])), Err(Failure::Usage(_))));
+    }
+
+    #[test]
+    fn what_is_replaced_is_said_in_one_line_and_the_path_replaces_nothing() {
+        let advice = |words: &[&str]| advice(Path::new("/plugins"), &names(&args(words)).unwrap());
+        let plain = advice(&[]);
+        assert_eq!(plain.lines().count(), 1, "{plain}");
+        let all = advice(&["--all"]);
+        let (first, rest) = all.split_once('\n').unwrap();
+        assert!(first.contains("perspective, orthographic, environment"), "{first}");
+        assert!(first.contains("before pbrt's plugins"), "{first}");
+        assert_eq!(rest, plain);
+        assert!(advice(&["--as", "environment"]).contains("own environment for scenes that name it"));
+
+        // As a shell understands it.
+        let export = plain.strip_prefix("For pbrt: ").unwrap();
+        for (before, after) in [(None, "/plugins"), (Some(""), "/plugins"), (Some("/pbrt"), "/pbrt:/plugins")]
+        {
+            let mut shell = std::process::Command::new("sh");
+            shell
+                .arg("-c")
+                .arg(format!("{export}printf %s \"$PBRT_SEARCHPATH\""))
+                .env_remove("PBRT_SEARCHPATH");
+            let output = shell.envs(before.map(|path| ("PBRT_SEARCHPATH", path))).output().unwrap();
+            assert_eq!(String::from_utf8(output.stdout).unwrap(), after);
+        }
     }
 
     #[test]

@@ -6,7 +6,7 @@ use crate::failure::Failure;
 use realistic::lens::{Lens, pupil::SlopeDisk};
 use realistic::trace::Path;
 use realistic::{imaging::irradiance, sampling::PupilDisk};
-use realistic_lab::outline::{Outline, acceptance};
+use realistic_lab::pupil::{Outline, acceptance};
 use serde_json::{Value, json};
 use std::io::Write as _;
 use std::path::PathBuf;

@@ -2,8 +2,8 @@
 
 use crate::failure::Failure;
 use realistic::lens::refraction::Refraction;
-use realistic_lab::bench::Effort;
-use realistic_lab::refractions::{Operations, errors, operations, times};
+use realistic_lab::accuracy::refractions::{Operations, errors, operations, times};
+use realistic_lab::timing::Effort;
 use serde_json::json;
 use std::io::Write as _;
 use std::time::Duration;

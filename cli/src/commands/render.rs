@@ -1,19 +1,16 @@
 //! `realistic render`: the built-in scene through a lens, or a slide of the lecture.
 
 use crate::failure::Failure;
-use crate::host::autofocus::{Method, Rule};
-use crate::host::camera::Camera;
-use crate::host::effects::Effects;
-use crate::host::image::Format;
-use crate::host::plugin::Plugin;
-use crate::host::scene::Scene;
-use crate::host::slides::Slide;
-use crate::host::studio::{Options, Order, Shot, Studio, parameter_help, stopped_down};
+use crate::host::plugin::{Camera, Plugin};
+use crate::host::scene::effects::Effects;
+use crate::host::scene::props;
+use crate::host::studio::{Method, Options, Order, Rule, Shot, Slide, Studio, parameter_help, stopped_down};
+use crate::image::Format;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-/// What `render` can be told.
+/// The options of `render`.
 #[derive(clap::Args, Debug)]
 #[command(after_help = parameter_help())]
 pub struct Args {
@@ -48,7 +45,7 @@ const MIDDLE: &str = "middle";
 
 const SPP: u32 = 128;
 
-/// Renders, writes the picture and tells what lens it was.
+/// Renders, writes the picture and reports what lens it was.
 ///
 /// # Errors
 /// Bad parameters, no plugin, or a file that cannot be written.
@@ -57,12 +54,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let studio = Studio::open(&args.options)?;
     if let Some(slide) = args.slide {
         let (picture, text) = slide.take(&studio, &args.options)?;
-        picture.write(&args.out, 1.0).map_err(Failure::Other)?;
+        picture.write(&args.out, 1.0)?;
         let text = format!("{text}picture  {}\n", args.out.display());
         return Ok(std::io::stdout().write_all(text.as_bytes())?);
     }
-    let mut parameters = stopped_down(&studio.parameters, args.effects)?;
-    let scene = Scene::new().with(args.effects);
+    let mut parameters = stopped_down(&studio.parameters, &args.effects)?;
+    let scene = props::scene().with(&args.effects);
     if !args.autofocus.is_empty() {
         let zones: Vec<[f32; 4]> =
             args.autofocus.iter().map(|zone| zone.unwrap_or_else(|| middle(studio.size))).collect();
@@ -70,11 +67,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         parameters.filmdistance = Some(studio.autofocus(&parameters, &scene, &zones, rule, method)?);
     }
     let order = Order { spp: args.options.spp.unwrap_or(SPP), wavelengths: args.wavelengths, frame: None };
-    let camera = studio.camera(&parameters, &scene, &order)?;
-    let shot = studio.shoot(&camera, &parameters, &scene, &order)?;
-    shot.picture.write(&args.out, shot.scale).map_err(Failure::Other)?;
+    let shot = studio.take(&parameters, &scene, &order)?;
+    shot.picture.write(&args.out, shot.scale)?;
 
-    let mut text = describe(&studio.plugin, &camera, studio.size)?;
+    let mut text = describe(&studio.plugin, &shot.camera, studio.size)?;
     let _ = writeln!(text, "picture  {}", timing(&order, &shot, studio.threads()));
     let _ = writeln!(text, "         {}", args.out.display());
     Ok(std::io::stdout().write_all(text.as_bytes())?)
@@ -129,8 +125,8 @@ fn timing(order: &Order, shot: &Shot, threads: usize) -> String {
     let rays = tally.rays as f64;
     let colours = order.wavelengths.map_or(String::new(), |count| format!(" at each of {count} wavelengths"));
     format!(
-        "{width}x{height}, {} samples a pixel{colours}, in {:.2} s on {threads} thread{}: {:.2} million rays a \
-         second,\n         {:.0} ns a ray in the lens, {:.1} % of the rays got through it",
+        "{width}x{height}, {} samples per pixel{colours}, in {:.2} s on {threads} thread{}: {:.2} million rays per \
+         second,\n         {:.0} ns per ray in the lens, {:.1} % of the rays got through it",
         order.spp,
         shot.took.as_secs_f64(),
         if threads == 1 { "" } else { "s" },

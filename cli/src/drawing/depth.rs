@@ -1,10 +1,9 @@
 //! The depth of field as a range of distances from the film, on a logarithmic scale.
 
 use super::labels::spread;
-use super::shapes::{Anchor, LARGE, Page, SMALL, Stroke, fitted, text_width};
+use super::shapes::{Anchor, Page, SMALL, Stroke, text_width};
 use super::{COLORS, FAINT, INK};
 use realistic::imaging::depth_of_field::DepthOfField;
-use svg::Document;
 
 /// What is drawn; distances in mm from the film, infinity allowed for all but the nearest.
 #[derive(Clone, Debug)]
@@ -33,7 +32,7 @@ const BAR_AT: f64 = 150.0;
 const NAMES_AT: f64 = 96.0;
 
 /// Draws it.
-pub fn draw(drawing: &Drawing) -> Document {
+pub fn draw(drawing: &Drawing) -> Page {
     let DepthOfField { near, far, hyperfocal } = drawing.depth;
     let marks = [
         ("nearest focus", drawing.nearest, FAINT),
@@ -54,7 +53,7 @@ pub fn draw(drawing: &Drawing) -> Document {
         }
     };
     let mut page = Page::new(WIDTH, HEIGHT);
-    page.text(&fitted(&drawing.title, LARGE, WIDTH - 2.0 * LEFT), [LEFT, 38.0], LARGE, Anchor::Start, INK);
+    page.title(&drawing.title, LEFT, WIDTH - 2.0 * LEFT);
     page.line([[at(near), BAR_AT], [at(far), BAR_AT]], Stroke::new(COLORS[0], 16.0));
     page.line([[LEFT, SCALE_AT], [RIGHT, SCALE_AT]], Stroke::new(INK, 1.0));
     page.line([[RIGHT, SCALE_AT], [INFINITY_AT, SCALE_AT]], Stroke::new(INK, 1.0).dashed("3 5"));
@@ -77,7 +76,7 @@ pub fn draw(drawing: &Drawing) -> Document {
     let confusion = drawing.confusion;
     let foot = format!("sharp: blurred on film to at most {confusion:.4} mm; distances from the film");
     page.text(&foot, [LEFT, HEIGHT - 26.0], SMALL, Anchor::Start, INK);
-    page.finish()
+    page
 }
 
 /// Round distances in a range, 1, 2 and 5 a decade, or 1 alone where that would crowd, with their names.

@@ -6,9 +6,9 @@ use realistic::lens::{
     pupil::{EntrancePupil, ExitPupil, limiting_surface},
 };
 
-/// What kind of thing it is.
+/// The form of what is marked.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Kind {
+pub enum Form {
     /// A point of the axis.
     Point,
     /// A plane across it.
@@ -25,7 +25,7 @@ pub struct Mark {
     /// z in lens space, mm.
     pub z: f64,
     /// What it is.
-    pub kind: Kind,
+    pub form: Form,
 }
 
 /// Everything of this lens that is not at infinity.
@@ -33,10 +33,10 @@ pub fn all(lens: &Lens) -> Vec<Mark> {
     let mut marks = Vec::new();
     if let Ok(optics) = FirstOrder::of(lens) {
         marks = vec![
-            Mark { name: "F", z: optics.front_focal_point, kind: Kind::Point },
-            Mark { name: "P", z: optics.front_principal_plane, kind: Kind::Plane },
-            Mark { name: "P'", z: optics.rear_principal_plane, kind: Kind::Plane },
-            Mark { name: "F'", z: optics.rear_focal_point, kind: Kind::Point },
+            Mark { name: "F", z: optics.front_focal_point, form: Form::Point },
+            Mark { name: "P", z: optics.front_principal_plane, form: Form::Plane },
+            Mark { name: "P'", z: optics.rear_principal_plane, form: Form::Plane },
+            Mark { name: "F'", z: optics.rear_focal_point, form: Form::Point },
         ];
     }
     let limiting = limiting_surface(lens);
@@ -46,7 +46,7 @@ pub fn all(lens: &Lens) -> Vec<Mark> {
         ("entrance pupil", entrance.position(), entrance.diameter()),
         ("exit pupil", exit.position(), exit.diameter()),
     ] {
-        marks.extend(z.map(|z| Mark { name, z, kind: Kind::Pupil(diameter / 2.0) }));
+        marks.extend(z.map(|z| Mark { name, z, form: Form::Pupil(diameter / 2.0) }));
     }
     marks
 }
@@ -73,7 +73,7 @@ mod tests {
 
     #[test]
     fn near_marks_widen_the_drawing_and_far_ones_do_not() {
-        let mark = |z: f64| Mark { name: "F", z, kind: Kind::Point };
+        let mark = |z: f64| Mark { name: "F", z, form: Form::Point };
         assert_eq!(range([-10.0, 0.0], &[mark(-5.0), mark(4.0)]), [-10.0, 4.0]);
         assert_eq!(range([-10.0, 0.0], &[mark(400.0), mark(-12.0), mark(1.0)]), [-12.0, 1.0]);
     }

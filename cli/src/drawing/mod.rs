@@ -1,4 +1,4 @@
-//! Drawings: SVG by hand, PNG by rasterising that same SVG.
+//! Drawings of a lens, a pupil and a depth of field: SVG, and PNG by rasterising that same SVG.
 //!
 //! [`view`] maps millimetres to the page, [`shapes`] has its lines, areas and texts, [`labels`] keeps texts
 //! apart, [`picture`] writes the file; [`section`], [`outline`] and [`depth`] are the drawings, [`glass`], [`rays`]

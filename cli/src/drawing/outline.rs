@@ -1,9 +1,8 @@
 //! The outline of a film point's pupil, with the disks that samples are drawn from.
 
-use super::shapes::{Anchor, LARGE, Page, SMALL, Stroke, fitted, text_width};
+use super::COLORS;
+use super::shapes::{AXIS, Page, Stroke};
 use super::view::View;
-use super::{COLORS, FAINT, INK};
-use svg::Document;
 
 /// What is drawn; all in mm in the rear vertex plane.
 #[derive(Clone, Debug)]
@@ -22,7 +21,7 @@ const HEAD: f64 = 70.0;
 const FOOT: f64 = 80.0;
 
 /// Draws it, seen from the film: x grows to the right, y upward.
-pub fn draw(drawing: &Drawing<'_>) -> Document {
+pub fn draw(drawing: &Drawing<'_>) -> Page {
     let reach = |axis: usize| {
         let disks = drawing.disks.iter().flat_map(|(_, center, radius)| {
             [center[axis] - radius, center[axis] + radius].into_iter().filter(|x| x.is_finite())
@@ -34,17 +33,10 @@ pub fn draw(drawing: &Drawing<'_>) -> Document {
     };
     let view = View::fit([MARGIN, HEAD], WIDTH - 2.0 * MARGIN, [200.0, 700.0], reach(0), reach(1));
     let mut page = Page::new(WIDTH, HEAD + view.frame.height + FOOT);
-    page.text(
-        &fitted(&drawing.title, LARGE, WIDTH - 2.0 * MARGIN),
-        [MARGIN, 38.0],
-        LARGE,
-        Anchor::Start,
-        INK,
-    );
+    page.title(&drawing.title, MARGIN, WIDTH - 2.0 * MARGIN);
     let [[left, right], [low, high]] = [view.across, view.up];
-    let axes = Stroke::new(FAINT, 0.8).dashed("12 3 2 3");
-    page.line([view.at([left, 0.0]), view.at([right, 0.0])], axes);
-    page.line([view.at([0.0, low]), view.at([0.0, high])], axes);
+    page.line([view.at([left, 0.0]), view.at([right, 0.0])], AXIS);
+    page.line([view.at([0.0, low]), view.at([0.0, high])], AXIS);
     if !drawing.edge.is_empty() {
         page.area(drawing.edge.iter().map(|&point| view.at(point)), "#d6e6f2", Stroke::new(COLORS[0], 2.0));
     }
@@ -56,17 +48,12 @@ pub fn draw(drawing: &Drawing<'_>) -> Document {
     let strokes = [Stroke::new(COLORS[2], 1.5).dashed("8 4"), Stroke::new(COLORS[1], 1.5).dashed("3 3")];
     for ((name, center, radius), stroke) in drawing.disks.iter().zip(strokes) {
         if center.iter().chain([radius]).all(|x| x.is_finite()) {
-            page.circle(view.at(*center), radius * view.scale, stroke);
+            page.circle(view.at(*center), radius * view.scale, "none", stroke);
         }
         legend.push((format!("{name}: {radius:.2} mm"), stroke));
     }
-    let mut x = MARGIN + 190.0;
-    for (name, stroke) in legend {
-        page.line([[x, y - 5.0], [x + 26.0, y - 5.0]], stroke);
-        page.text(&name, [x + 34.0, y], SMALL, Anchor::Start, INK);
-        x += 34.0 + text_width(&name, SMALL) + 16.0;
-    }
-    page.finish()
+    page.legend([MARGIN + 190.0, y], legend);
+    page
 }
 
 #[cfg(test)]

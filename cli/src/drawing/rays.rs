@@ -3,9 +3,9 @@
 use realistic::trace::{Path, Ray};
 use realistic::{imaging::field::Field, lens::Lens};
 
-/// A ray's way through the lens, in the plane x = 0.
+/// A ray through the lens, in the plane x = 0.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Way {
+pub struct TracedRay {
     /// (z, y) of the film point and of the points on the surfaces, mm.
     pub points: Vec<[f64; 2]>,
     /// (dz, dy) in which it goes on into the scene; `None` where it is blocked.
@@ -39,7 +39,7 @@ impl Rays {
 
     /// `count` rays of the film point at `height` mm below the axis, spread over the beam that gets
     /// through and a little more; none where the film is dark.
-    pub fn bundle(&self, height: f64, count: u32) -> Vec<Way> {
+    pub fn bundle(&self, height: f64, count: u32) -> Vec<TracedRay> {
         let Some(beam) = self.field.beam(height) else {
             return Vec::new();
         };
@@ -49,26 +49,26 @@ impl Rays {
             .map(|i| {
                 let share = if count > 1 { f64::from(i) / f64::from(count - 1) } else { 0.5 };
                 // The beam belongs to the point above the axis; its mirror image is drawn.
-                self.way(-height, -(low + share * (high - low)))
+                self.trace(-height, -(low + share * (high - low)))
             })
             .collect()
     }
 
-    fn way(&self, height: f64, slope: f64) -> Way {
+    fn trace(&self, height: f64, slope: f64) -> TracedRay {
         let ray = Ray { origin: [0.0, height, self.film], direction: [0.0, slope, 1.0] };
-        let mut way = Way { points: vec![[self.film, height]], onward: None };
+        let mut traced = TracedRay { points: vec![[self.film, height]], onward: None };
         for (number, path) in self.paths.iter().enumerate() {
             let walk = path.walk(ray);
             if walk.surfaces_met == number + 1 {
-                way.points.push([walk.ray.origin[2], walk.ray.origin[1]]);
+                traced.points.push([walk.ray.origin[2], walk.ray.origin[1]]);
             }
             if walk.blocked.is_some() {
-                return way;
+                return traced;
             }
-            way.onward =
-                (number + 1 == self.paths.len()).then_some([walk.ray.direction[2], walk.ray.direction[1]]);
+            let [_, dy, dz] = walk.ray.direction;
+            traced.onward = (number + 1 == self.paths.len()).then_some([dz, dy]);
         }
-        way
+        traced
     }
 }
 
@@ -83,16 +83,16 @@ mod tests {
         for name in catalogue::names() {
             let lens = Lens::at_d_line(&catalogue::find(name).unwrap());
             let film = FirstOrder::of(&lens).unwrap().rear_focal_point;
-            let ways = Rays::new(&lens, film).bundle(3.0, 11);
-            let passed: Vec<bool> = ways.iter().map(|way| way.onward.is_some()).collect();
+            let rays = Rays::new(&lens, film).bundle(3.0, 11);
+            let passed: Vec<bool> = rays.iter().map(|ray| ray.onward.is_some()).collect();
             assert_eq!((passed[0], passed[5], passed[10]), (false, true, false), "{name}: {passed:?}");
-            for way in ways {
-                if let Some([dz, dy]) = way.onward {
-                    assert_eq!(way.points.len(), lens.surfaces.len() + 1);
+            for ray in rays {
+                if let Some([dz, dy]) = ray.onward {
+                    assert_eq!(ray.points.len(), lens.surfaces.len() + 1);
                     // The scene above the axis lies on the film below it.
-                    assert!(dz > 0.0 && dy > 0.0 && way.points[0][1] == -3.0);
+                    assert!(dz > 0.0 && dy > 0.0 && ray.points[0][1] == -3.0);
                 } else {
-                    assert!(way.points.len() <= lens.surfaces.len() + 1);
+                    assert!(ray.points.len() <= lens.surfaces.len() + 1);
                 }
             }
         }

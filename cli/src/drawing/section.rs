@@ -1,9 +1,9 @@
 //! The cross-section of a lens: light comes from the left, the film stands at the right.
 
 use super::labels::spread;
-use super::marks::{self, Kind, Mark};
-use super::rays::{Rays, Way};
-use super::shapes::{Anchor, LARGE, Page, SMALL, Stroke, fitted, text_width};
+use super::marks::{self, Form, Mark};
+use super::rays::{Rays, TracedRay};
+use super::shapes::{AXIS, Anchor, LARGE, LEADER, Page, SMALL, Stroke, fitted, text_width};
 use super::view::View;
 use super::{COLORS, FAINT, INK, glass};
 use realistic::lens::{
@@ -11,7 +11,6 @@ use realistic::lens::{
     first_order::FirstOrder,
     pupil::{EntrancePupil, limiting_surface},
 };
-use svg::Document;
 
 /// What is drawn besides the lens.
 #[derive(Clone, Copy, Debug)]
@@ -37,10 +36,9 @@ const EDGE: Stroke = Stroke::new("#4a6b85", 1.2);
 const BLOCKED: f64 = 0.35;
 /// A pupil as much wider than lens and film makes no drawing higher: its size is told in words.
 const PUPIL_MOST: f64 = 2.0;
-const LEADER: Stroke = Stroke::new(FAINT, 0.8);
 
 /// Draws the lens.
-pub fn draw(lens: &Lens, scene: &Scene<'_>) -> Document {
+pub fn draw(lens: &Lens, scene: &Scene<'_>) -> Page {
     let film = lens.rear().vertex - scene.film_distance;
     let marks = marks::all(lens);
     let view = window(lens, film, scene.film_diagonal, &marks);
@@ -48,7 +46,7 @@ pub fn draw(lens: &Lens, scene: &Scene<'_>) -> Document {
     title(&mut page, lens, scene.title);
 
     let on_page = |points: &[[f64; 2]]| points.iter().map(|&[z, y]| view.at([-z, y])).collect::<Vec<_>>();
-    page.line(on_page(&[[-view.across[0], 0.0], [-view.across[1], 0.0]]), LEADER.dashed("12 3 2 3"));
+    page.line(on_page(&[[-view.across[0], 0.0], [-view.across[1], 0.0]]), AXIS);
     for element in glass::elements(lens) {
         page.area(on_page(&element), GLASS, EDGE);
     }
@@ -69,8 +67,8 @@ pub fn draw(lens: &Lens, scene: &Scene<'_>) -> Document {
     let legend = bundles(&mut page, &view, &Rays::new(lens, film), half, scene.rays);
     page.line(on_page(&[[film, -half], [film, half]]), Stroke::new(INK, 3.0));
     name_marks(&mut page, &view, lens, film, half, &marks);
-    footer(&mut page, &view, &legend);
-    page.finish()
+    footer(&mut page, &view, legend);
+    page
 }
 
 fn stop_bar(lens: &Lens, index: usize) -> f64 {
@@ -89,28 +87,18 @@ fn window(lens: &Lens, film: f64, diagonal: f64, marks: &[Mark]) -> View {
     let length = front - rear;
     let [rear, front] = marks::range([rear - 0.03 * length, front + 0.25 * length], marks);
     let spare = 0.02 * (front - rear);
-    let lens_radius = (0..lens.surfaces.len())
-        .map(|index| {
-            if lens.surfaces[index].is_stop {
-                stop_bar(lens, index)
-            } else {
-                lens.surfaces[index].semi_diameter
-            }
-        })
-        .fold(0.0, f64::max);
-    let radius = lens_radius.max(diagonal / 2.0);
-    let pupils = marks.iter().filter_map(|mark| match mark.kind {
-        Kind::Pupil(pupil) if pupil < PUPIL_MOST * radius => Some(pupil),
+    let radii =
+        lens.surfaces.iter().enumerate().map(|(index, surface)| {
+            if surface.is_stop { stop_bar(lens, index) } else { surface.semi_diameter }
+        });
+    let radius = radii.fold(diagonal / 2.0, f64::max);
+    let pupils = marks.iter().filter_map(|mark| match mark.form {
+        Form::Pupil(pupil) if pupil < PUPIL_MOST * radius => Some(pupil),
         _ => None,
     });
     let up = 1.12 * pupils.fold(radius, f64::max);
-    View::fit(
-        [MARGIN, HEAD],
-        WIDTH - 2.0 * MARGIN,
-        [160.0, 620.0],
-        [-front - spare, -rear + spare],
-        [-up, up],
-    )
+    let across = [-front - spare, -rear + spare];
+    View::fit([MARGIN, HEAD], WIDTH - 2.0 * MARGIN, [160.0, 620.0], across, [-up, up])
 }
 
 fn title(page: &mut Page, lens: &Lens, subtitle: Option<&str>) {
@@ -134,10 +122,10 @@ fn title(page: &mut Page, lens: &Lens, subtitle: Option<&str>) {
 }
 
 /// Draws a bundle on the axis, one at the film's corner (or as far out as there is light) and one
-/// between; returns colours and names.
-fn bundles(page: &mut Page, view: &View, rays: &Rays, half: f64, count: u32) -> Vec<(&'static str, String)> {
+/// between; returns names and how each is drawn.
+fn bundles(page: &mut Page, view: &View, rays: &Rays, half: f64, count: u32) -> Vec<(String, Stroke)> {
     let Some(lit) = rays.lit_radius(half) else {
-        return vec![(FAINT, "no light reaches the film's centre".to_owned())];
+        return vec![("no light reaches the film's centre".to_owned(), Stroke::new(FAINT, 2.0))];
     };
     // Just inside the edge of the light, where there is a beam to draw.
     let (outer, name) =
@@ -148,28 +136,21 @@ fn bundles(page: &mut Page, view: &View, rays: &Rays, half: f64, count: u32) -> 
         (0.7 * outer, COLORS[1], format!("film at {:.1} mm", 0.7 * outer)),
         (outer, COLORS[2], format!("film at {outer:.1}{name}")),
     ] {
-        let ways = rays.bundle(height, count);
+        let mut traced = rays.bundle(height, count);
         // Blocked ones first, so that they lie under the others.
-        for way in ways
-            .iter()
-            .filter(|way| way.onward.is_none())
-            .chain(ways.iter().filter(|way| way.onward.is_some()))
-        {
-            page.line(way_on_page(view, way), stroke(color, way));
+        traced.sort_by_key(|ray| ray.onward.is_some());
+        for ray in &traced {
+            let opacity = if ray.onward.is_some() { 1.0 } else { BLOCKED };
+            page.line(on_page(view, ray), Stroke::new(color, 1.1).faded(opacity));
         }
-        legend.push((color, name));
+        legend.push((name, Stroke::new(color, 2.0)));
     }
     legend
 }
 
-fn stroke(color: &'static str, way: &Way) -> Stroke {
-    let opacity = if way.onward.is_some() { 1.0 } else { BLOCKED };
-    Stroke { opacity, ..Stroke::new(color, 1.1) }
-}
-
-fn way_on_page(view: &View, way: &Way) -> Vec<[f64; 2]> {
-    let mut points: Vec<[f64; 2]> = way.points.iter().map(|&[z, y]| [-z, y]).collect();
-    if let (Some([dz, dy]), Some(&last)) = (way.onward, points.last()) {
+fn on_page(view: &View, ray: &TracedRay) -> Vec<[f64; 2]> {
+    let mut points: Vec<[f64; 2]> = ray.points.iter().map(|&[z, y]| [-z, y]).collect();
+    if let (Some([dz, dy]), Some(&last)) = (ray.onward, points.last()) {
         let out = view.way_out(last, [-dz, dy]);
         points.push([last[0] - out * dz, last[1] + out * dy]);
     }
@@ -197,7 +178,7 @@ fn name_marks(page: &mut Page, view: &View, lens: &Lens, film: f64, half: f64, m
     }
     let (mut under, mut outside) = (Vec::new(), Vec::new());
     for mark in marks {
-        let Mark { name, z, kind } = *mark;
+        let Mark { name, z, form } = *mark;
         if -z < view.across[0] {
             let text = format!("< {name}: {z:.1} mm before the lens");
             outside.push(Label { text, anchor: MARGIN, leader: None });
@@ -205,7 +186,7 @@ fn name_marks(page: &mut Page, view: &View, lens: &Lens, film: f64, half: f64, m
             let text = format!("{name}: {:.1} mm behind the film >", film - z);
             outside.push(Label { text, anchor: WIDTH - MARGIN, leader: None });
         } else {
-            let row = if matches!(kind, Kind::Pupil(_)) { &mut over } else { &mut under };
+            let row = if matches!(form, Form::Pupil(_)) { &mut over } else { &mut under };
             row.push(draw_mark(page, view, mark));
         }
     }
@@ -220,17 +201,17 @@ fn draw_mark(page: &mut Page, view: &View, mark: &Mark) -> Label {
     let axis = view.at([-mark.z, 0.0]);
     let [top, bottom] = [view.frame.top, view.frame.top + view.frame.height];
     let mut text = mark.name.to_owned();
-    let end = match mark.kind {
-        Kind::Point => {
+    let end = match mark.form {
+        Form::Point => {
             page.line([axis, [axis[0], bottom]], LEADER.dashed("2 3"));
-            page.dot(axis, 4.0, INK);
+            page.circle(axis, 4.0, INK, Stroke::new("none", 0.0));
             bottom
         }
-        Kind::Plane => {
+        Form::Plane => {
             page.line([[axis[0], top], [axis[0], bottom]], Stroke::new(INK, 0.9).dashed("7 4"));
             bottom
         }
-        Kind::Pupil(radius) => {
+        Form::Pupil(radius) => {
             let [lower, upper] = [-1.0, 1.0].map(|side| view.at([-mark.z, side * radius])[1]);
             if upper > top {
                 // Two brackets that stand on the pupil's rim and point away from it.
@@ -263,19 +244,12 @@ fn name_row(page: &mut Page, mut row: Vec<Label>, y: f64, near: f64) {
     }
 }
 
-fn footer(page: &mut Page, view: &View, legend: &[(&'static str, String)]) {
+fn footer(page: &mut Page, view: &View, mut legend: Vec<(String, Stroke)>) {
     let y = view.frame.top + view.frame.height + FOOT - 22.0;
     let length = view.round_length(180.0);
     page.scale_bar([MARGIN, y], length * view.scale, length);
-    let mut x = MARGIN + 260.0;
-    for (color, name) in legend {
-        page.line([[x, y - 5.0], [x + 24.0, y - 5.0]], Stroke::new(color, 2.0));
-        page.text(name, [x + 32.0, y], SMALL, Anchor::Start, INK);
-        x += 32.0 + text_width(name, SMALL) + 20.0;
-    }
-    let blocked = Stroke { opacity: BLOCKED, ..Stroke::new(INK, 2.0) };
-    page.line([[x, y - 5.0], [x + 24.0, y - 5.0]], blocked);
-    page.text("lighter: blocked", [x + 32.0, y], SMALL, Anchor::Start, INK);
+    legend.push(("lighter: blocked".to_owned(), Stroke::new(INK, 2.0).faded(BLOCKED)));
+    page.legend([MARGIN + 260.0, y], legend);
 }
 
 #[cfg(test)]

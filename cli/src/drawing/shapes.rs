@@ -1,7 +1,10 @@
-//! Lines, areas and texts of the page.
+//! The page of a drawing: lines, areas and texts in pixels in, an SVG 1.1 file's text or its pixels out.
 
-use svg::Document;
-use svg::node::element::{Circle, Path, Polyline, Rectangle, Text, path::Data};
+use super::{FAINT, INK};
+use crate::image::SrgbImage;
+use crate::image::lettering::outline;
+use std::fmt;
+use tiny_skia::{Color, FillRule, LineJoin, Paint, Path, PathBuilder, Pixmap, StrokeDash, Transform};
 
 /// How a line is drawn.
 #[derive(Clone, Copy, Debug)]
@@ -12,24 +15,34 @@ pub struct Stroke {
     pub width: f64,
     /// 0 to 1.
     pub opacity: f64,
-    /// Lengths of dashes and gaps in pixels; empty for a whole line.
+    /// Lengths of dashes and gaps in pixels; "none" for a whole line.
     pub dashes: &'static str,
 }
 
 impl Stroke {
     /// A whole line.
     pub const fn new(color: &'static str, width: f64) -> Self {
-        Self { color, width, opacity: 1.0, dashes: "" }
+        Self { color, width, opacity: 1.0, dashes: "none" }
     }
 
     /// The same, dashed.
     pub const fn dashed(self, dashes: &'static str) -> Self {
         Self { dashes, ..self }
     }
+
+    /// The same, so much of it that it covers what is under it by this share.
+    pub const fn faded(self, opacity: f64) -> Self {
+        Self { opacity, ..self }
+    }
 }
 
-/// Where a text's given point is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// A line from a text to what it names.
+pub const LEADER: Stroke = Stroke::new(FAINT, 0.8);
+/// The optical axis.
+pub const AXIS: Stroke = LEADER.dashed("12 3 2 3");
+
+/// Where a text's given point is, in SVG's words.
+#[derive(Clone, Copy, Debug)]
 pub enum Anchor {
     /// At its start.
     Start,
@@ -37,113 +50,211 @@ pub enum Anchor {
     Middle,
 }
 
-/// A page under the pen.
+/// What is drawn.
+#[derive(Clone, Debug)]
+enum Outline {
+    /// A line through points.
+    Line(Vec<[f64; 2]>),
+    /// An area with corners.
+    Area(Vec<[f64; 2]>),
+    /// Centre and radius.
+    Circle([f64; 2], f64),
+    /// A text with its given point and its size.
+    Text(String, [f64; 2], f64, Anchor),
+}
+
+/// An outline with its colours.
+#[derive(Clone, Debug)]
+struct Shape {
+    outline: Outline,
+    fill: Option<String>,
+    stroke: Option<Stroke>,
+}
+
+/// A page under the pen; [`Display`](fmt::Display) writes it as an SVG file's text. Colours are `#rrggbb`.
 #[derive(Clone, Debug)]
 pub struct Page {
-    document: Document,
+    size: [f64; 2],
+    ground: String,
+    shapes: Vec<Shape>,
 }
 
 /// A hundredth of a pixel is all that shows.
-fn rounded(points: impl IntoIterator<Item = [f64; 2]>) -> impl Iterator<Item = [f64; 2]> {
-    points.into_iter().map(|point| point.map(|x| (x * 100.0).round() / 100.0))
+fn rounded(points: impl IntoIterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
+    points.into_iter().map(|point| point.map(|x| (x * 100.0).round() / 100.0)).collect()
 }
 
 impl Page {
     /// A white page of this size in pixels.
     pub fn new(width: f64, height: f64) -> Self {
-        let document = Document::new()
-            .set("viewBox", (0, 0, width, height))
-            .set("width", width)
-            .set("height", height)
-            .add(Rectangle::new().set("width", width).set("height", height).set("fill", "white"));
-        Self { document }
+        Self::on("#ffffff".to_owned(), width, height)
     }
 
-    /// The page as it is.
-    pub fn finish(self) -> Document {
-        self.document
+    /// A page of a colour.
+    pub fn on(ground: String, width: f64, height: f64) -> Self {
+        Self { size: [width, height], ground, shapes: Vec::new() }
     }
 
-    fn add(&mut self, node: impl Into<Box<dyn svg::Node>>) {
-        svg::Node::append(&mut self.document, node);
+    fn add(&mut self, outline: Outline, fill: &str, stroke: Option<Stroke>) {
+        let fill = (fill != "none").then(|| fill.to_owned());
+        self.shapes.push(Shape { outline, fill, stroke });
     }
 
     /// A line through points.
-    pub fn line(&mut self, points: impl IntoIterator<Item = [f64; 2]>, stroke: Stroke) {
-        let points: Vec<String> = rounded(points).map(|[x, y]| format!("{x},{y}")).collect();
-        let mut line = Polyline::new()
-            .set("points", points.join(" "))
-            .set("fill", "none")
-            .set("stroke", stroke.color)
-            .set("stroke-width", stroke.width)
-            .set("stroke-linejoin", "round");
-        if stroke.opacity < 1.0 {
-            line = line.set("stroke-opacity", stroke.opacity);
-        }
-        if !stroke.dashes.is_empty() {
-            line = line.set("stroke-dasharray", stroke.dashes);
-        }
-        self.add(line);
+    pub fn line(&mut self, through: impl IntoIterator<Item = [f64; 2]>, stroke: Stroke) {
+        self.add(Outline::Line(rounded(through)), "none", Some(stroke));
     }
 
     /// A filled area with an edge.
-    pub fn area(&mut self, points: impl IntoIterator<Item = [f64; 2]>, fill: &str, stroke: Stroke) {
-        let mut data = Data::new();
-        for (number, [x, y]) in rounded(points).enumerate() {
-            data = if number == 0 { data.move_to((x, y)) } else { data.line_to((x, y)) };
-        }
-        self.add(
-            Path::new()
-                .set("d", data.close())
-                .set("fill", fill)
-                .set("stroke", stroke.color)
-                .set("stroke-width", stroke.width)
-                .set("stroke-linejoin", "round"),
-        );
+    pub fn area(&mut self, corners: impl IntoIterator<Item = [f64; 2]>, fill: &str, stroke: Stroke) {
+        self.add(Outline::Area(rounded(corners)), fill, Some(stroke));
     }
 
-    /// A dot.
-    pub fn dot(&mut self, [x, y]: [f64; 2], radius: f64, fill: &str) {
-        self.add(Circle::new().set("cx", x).set("cy", y).set("r", radius).set("fill", fill));
+    /// A filled disk without an edge.
+    pub fn dot(&mut self, center: [f64; 2], radius: f64, fill: &str) {
+        self.add(Outline::Circle(center, radius), fill, None);
     }
 
-    /// A circle's line.
-    pub fn circle(&mut self, [x, y]: [f64; 2], radius: f64, stroke: Stroke) {
-        self.add(
-            Circle::new()
-                .set("cx", x)
-                .set("cy", y)
-                .set("r", radius)
-                .set("fill", "none")
-                .set("stroke", stroke.color)
-                .set("stroke-width", stroke.width)
-                .set("stroke-dasharray", if stroke.dashes.is_empty() { "none" } else { stroke.dashes }),
-        );
+    /// A circle's line, filled or with `fill` none.
+    pub fn circle(&mut self, center: [f64; 2], radius: f64, fill: &str, stroke: Stroke) {
+        self.add(Outline::Circle(center, radius), fill, Some(stroke));
     }
 
     /// A text on its base line.
-    pub fn text(&mut self, text: &str, [x, y]: [f64; 2], size: f64, anchor: Anchor, fill: &str) {
-        self.add(
-            Text::new(text)
-                .set("x", x)
-                .set("y", y)
-                .set("font-family", "Ubuntu, sans-serif")
-                .set("font-weight", 300)
-                .set("font-size", size)
-                .set("text-anchor", if anchor == Anchor::Start { "start" } else { "middle" })
-                .set("fill", fill),
-        );
+    pub fn text(&mut self, text: &str, point: [f64; 2], size: f64, anchor: Anchor, fill: &str) {
+        self.add(Outline::Text(text.to_owned(), point, size, anchor), fill, None);
+    }
+
+    /// Its pixels at `zoom` pixels a unit; nothing for a page without an area.
+    pub fn pixels(&self, zoom: f32) -> Option<SrgbImage> {
+        let [width, height] = self.size.map(|side| (side as f32 * zoom).round() as u32);
+        let mut pixmap = Pixmap::new(width, height)?;
+        pixmap.fill(color(&self.ground, 1.0));
+        for shape in &self.shapes {
+            shape.paint(&mut pixmap, Transform::from_scale(zoom, zoom));
+        }
+        let pixels = pixmap.pixels().iter().map(|pixel| [pixel.red(), pixel.green(), pixel.blue()]);
+        Some(SrgbImage { size: [width, height], pixels: pixels.collect() })
+    }
+
+    /// The title, as much of it as fits into `room` pixels.
+    pub fn title(&mut self, title: &str, left: f64, room: f64) {
+        self.text(&fitted(title, LARGE, room), [left, 38.0], LARGE, Anchor::Start, INK);
     }
 
     /// A bar of `pixels` that stands for `mm`, its left end at `left`, with its length above it.
     pub fn scale_bar(&mut self, [left, y]: [f64; 2], pixels: f64, mm: f64) {
-        let stroke = Stroke::new(super::INK, 1.5);
-        let tick = 4.0;
-        self.line([[left, y - tick], [left, y + tick]], stroke);
-        self.line([[left, y], [left + pixels, y]], stroke);
-        self.line([[left + pixels, y - tick], [left + pixels, y + tick]], stroke);
-        self.text(&format!("{mm} mm"), [left, y - 9.0], SMALL, Anchor::Start, super::INK);
+        let tick = |x: f64| [[x, y - 4.0], [x, y + 4.0]];
+        for line in [tick(left), [[left, y], [left + pixels, y]], tick(left + pixels)] {
+            self.line(line, Stroke::new(INK, 1.5));
+        }
+        self.text(&format!("{mm} mm"), [left, y - 9.0], SMALL, Anchor::Start, INK);
     }
+
+    /// Lines with their names, from `left` to the right.
+    pub fn legend(&mut self, [mut left, y]: [f64; 2], entries: impl IntoIterator<Item = (String, Stroke)>) {
+        for (name, stroke) in entries {
+            self.line([[left, y - 5.0], [left + 26.0, y - 5.0]], stroke);
+            self.text(&name, [left + 34.0, y], SMALL, Anchor::Start, INK);
+            left += 34.0 + text_width(&name, SMALL) + 18.0;
+        }
+    }
+}
+
+impl fmt::Display for Page {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ([width, height], ground) = (self.size, &self.ground);
+        writeln!(
+            out,
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" \
+             height=\"{height}\">\n<rect width=\"{width}\" height=\"{height}\" fill=\"{ground}\"/>"
+        )?;
+        self.shapes.iter().try_for_each(|shape| writeln!(out, "{shape}"))?;
+        writeln!(out, "</svg>")
+    }
+}
+
+/// As an element of SVG.
+impl fmt::Display for Shape {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let points = |points: &[[f64; 2]]| {
+            points.iter().map(|[x, y]| format!("{x},{y}")).collect::<Vec<_>>().join(" ")
+        };
+        let fill = self.fill.as_deref().unwrap_or("none");
+        match &self.outline {
+            Outline::Line(through) => write!(out, "<polyline points=\"{}\"", points(through))?,
+            Outline::Area(corners) => write!(out, "<polygon points=\"{}\"", points(corners))?,
+            Outline::Circle([x, y], radius) => write!(out, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\"")?,
+            Outline::Text(text, [x, y], size, anchor) => {
+                let text = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+                let anchor = if matches!(anchor, Anchor::Start) { "start" } else { "middle" };
+                return write!(
+                    out,
+                    "<text x=\"{x}\" y=\"{y}\" font-family=\"DejaVu Sans Condensed, sans-serif\" \
+                     font-size=\"{size}\" text-anchor=\"{anchor}\" fill=\"{fill}\">{text}</text>"
+                );
+            }
+        }
+        write!(out, " fill=\"{fill}\"")?;
+        if let Some(Stroke { color, width, opacity, dashes }) = self.stroke {
+            write!(
+                out,
+                " stroke=\"{color}\" stroke-width=\"{width}\" stroke-opacity=\"{opacity}\" \
+                 stroke-dasharray=\"{dashes}\" stroke-linejoin=\"round\""
+            )?;
+        }
+        write!(out, "/>")
+    }
+}
+
+impl Shape {
+    fn path(&self) -> Option<Path> {
+        let mut path = PathBuilder::new();
+        match &self.outline {
+            Outline::Line(points) | Outline::Area(points) => {
+                for (number, [x, y]) in points.iter().map(|point| point.map(|x| x as f32)).enumerate() {
+                    if number == 0 { path.move_to(x, y) } else { path.line_to(x, y) }
+                }
+                if matches!(self.outline, Outline::Area(_)) {
+                    path.close();
+                }
+            }
+            Outline::Circle([x, y], radius) => path.push_circle(*x as f32, *y as f32, *radius as f32),
+            Outline::Text(text, [x, y], size, anchor) => {
+                let (letters, width) = outline(text, *size as f32);
+                let left = if matches!(anchor, Anchor::Start) { 0.0 } else { width / 2.0 };
+                return letters?.transform(Transform::from_translate(*x as f32 - left, *y as f32));
+            }
+        }
+        path.finish()
+    }
+
+    fn paint(&self, pixmap: &mut Pixmap, zoom: Transform) {
+        let Some(path) = self.path() else { return };
+        let mut paint = Paint { anti_alias: true, ..Paint::default() };
+        if let Some(fill) = &self.fill {
+            paint.set_color(color(fill, 1.0));
+            pixmap.fill_path(&path, &paint, FillRule::Winding, zoom, None);
+        }
+        if let Some(stroke) = self.stroke {
+            paint.set_color(color(stroke.color, stroke.opacity));
+            let dashes = stroke.dashes.split(' ').filter_map(|length| length.parse().ok()).collect();
+            let line = tiny_skia::Stroke {
+                width: stroke.width as f32,
+                line_join: LineJoin::Round,
+                dash: StrokeDash::new(dashes, 0.0),
+                ..tiny_skia::Stroke::default()
+            };
+            pixmap.stroke_path(&path, &paint, &line, zoom, None);
+        }
+    }
+}
+
+/// The colour of `#rrggbb`.
+fn color(text: &str, opacity: f64) -> Color {
+    let bits = u32::from_str_radix(text.trim_start_matches('#'), 16).unwrap_or(0);
+    let [_, red, green, blue] = bits.to_be_bytes();
+    Color::from_rgba8(red, green, blue, (255.0 * opacity).round() as u8)
 }
 
 /// Font size of labels.

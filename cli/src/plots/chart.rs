@@ -1,15 +1,15 @@
-//! A log-log chart: cost to the right, error upward, names at the marks or at the lines' ends.
+//! A log-log chart: cost to the right, error upward, names at the marks or at the lines' ends; a page's SVG out.
 
+use super::PALETTE;
 use super::axis::Scale;
 use super::placement::{Area, beside};
 use crate::drawing::labels::spread;
 use crate::drawing::shapes::{Anchor, Page, Stroke, text_width};
 use crate::drawing::{FAINT, INK};
-use svg::Document;
 
 /// The form of a mark.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shape {
+#[derive(Clone, Copy, Debug)]
+pub enum Symbol {
     /// A disk.
     Disk,
     /// A square.
@@ -24,8 +24,12 @@ pub enum Shape {
     Cross,
 }
 
+/// The forms of marks, one a series.
+pub const SYMBOLS: [Symbol; 6] =
+    [Symbol::Disk, Symbol::Square, Symbol::Triangle, Symbol::Diamond, Symbol::Drop, Symbol::Cross];
+
 /// A point of a series.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Mark {
     /// Cost and error.
     pub at: [f64; 2],
@@ -45,7 +49,7 @@ pub struct Series {
     /// Colour.
     pub color: &'static str,
     /// Form of its marks.
-    pub shape: Shape,
+    pub symbol: Symbol,
     /// Joined by a line, of these dashes.
     pub line: Option<&'static str>,
     /// By rising cost.
@@ -53,7 +57,7 @@ pub struct Series {
 }
 
 /// A chart.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Chart {
     /// Above everything.
     pub title: String,
@@ -75,15 +79,39 @@ const LINE: f64 = 17.0;
 const LEFT: f64 = 70.0;
 const TOP: f64 = 62.0;
 
+impl Series {
+    /// The `number`th of a chart's series of single marks.
+    pub fn marks(name: &str, number: usize, marks: impl Iterator<Item = Mark>) -> Self {
+        Self {
+            name: name.to_owned(),
+            color: PALETTE[number % PALETTE.len()],
+            symbol: SYMBOLS[number % SYMBOLS.len()],
+            line: None,
+            marks: marks.collect(),
+        }
+    }
+
+    /// One line, in the colour of the `color`th and the dashes of the `dash`th of their kinds.
+    pub fn line(name: String, color: usize, dash: usize, points: impl Iterator<Item = [f64; 2]>) -> Self {
+        // Whole or dashed strokes: the first thing that tells two apart.
+        const DASHES: [&str; 3] = ["none", "6 4", "2 3"];
+        Self {
+            name,
+            color: PALETTE[color % PALETTE.len()],
+            symbol: SYMBOLS[dash % SYMBOLS.len()],
+            line: Some(DASHES[dash % DASHES.len()]),
+            marks: points.map(|at| Mark { at, ..Mark::default() }).collect(),
+        }
+    }
+}
+
 impl Chart {
     /// Draws it.
-    pub fn draw(&self) -> Document {
-        let lines: Vec<&Series> =
-            self.series.iter().filter(|s| s.line.is_some() && !s.marks.is_empty()).collect();
+    pub fn draw(&self) -> Page {
+        let (lines, keys): (Vec<&Series>, Vec<&Series>) =
+            self.series.iter().filter(|s| !s.marks.is_empty()).partition(|s| s.line.is_some());
         let beside_lines = lines.iter().map(|s| text_width(&s.name, SIZE)).fold(0.0, f64::max);
         let right = WIDTH - if lines.is_empty() { 24.0 } else { beside_lines + 34.0 };
-        let keys: Vec<&Series> =
-            self.series.iter().filter(|s| s.line.is_none() && !s.marks.is_empty()).collect();
         let key_rows = key_rows(&keys, right - LEFT);
         let bottom = HEIGHT - 56.0 - LINE * key_rows.len() as f64;
         let marks = || self.series.iter().flat_map(|s| &s.marks);
@@ -131,7 +159,7 @@ impl Chart {
                 page.text(&series.name, [LEFT + left + 16.0, at], SIZE, Anchor::Start, INK);
             }
         }
-        page.finish()
+        page
     }
 
     /// Draws the Pareto front of the marks on it as a staircase, and says where it is.
@@ -149,7 +177,7 @@ impl Chart {
         }
         if let Some(&[_, last]) = corners.last() {
             corners.push([right, last]);
-            page.line(corners.iter().copied(), Stroke { opacity: 0.55, ..Stroke::new(FAINT, 5.0) });
+            page.line(corners.iter().copied(), Stroke::new(FAINT, 5.0).faded(0.55));
         }
         let piece = |pair: &[[f64; 2]]| Area {
             from: [0, 1].map(|i| pair[0][i].min(pair[1][i]) - 3.0),
@@ -181,9 +209,8 @@ impl Chart {
         let sizes: Vec<_> = named.iter().map(|(.., name)| [text_width(name, SIZE), LINE]).collect();
         for ((series, at, name), area) in named.iter().zip(beside(&marks, &sizes, frame, &obstacles)) {
             let nearest = area.nearest(*at);
-            let distance = ((nearest[0] - at[0]).powi(2) + (nearest[1] - at[1]).powi(2)).sqrt();
-            if distance > 16.0 {
-                page.line([*at, nearest], Stroke { opacity: 0.6, ..Stroke::new(series.color, 0.8) });
+            if (nearest[0] - at[0]).hypot(nearest[1] - at[1]) > 16.0 {
+                page.line([*at, nearest], Stroke::new(series.color, 0.8).faded(0.6));
             }
             page.text(name, [area.center()[0], area.to[1] - 5.0], SIZE, Anchor::Middle, series.color);
         }
@@ -194,8 +221,7 @@ impl Chart {
 fn grid(page: &mut Page, x: Scale, y: Scale) {
     let [left, right] = x.pixels;
     let [bottom, top] = y.pixels;
-    let faint =
-        |strong: bool| Stroke { opacity: if strong { 0.35 } else { 0.12 }, ..Stroke::new(FAINT, 1.0) };
+    let faint = |strong: bool| Stroke::new(FAINT, 1.0).faded(if strong { 0.35 } else { 0.12 });
     for tick in x.ticks(58.0) {
         let at = x.place(tick.value);
         page.line([[at, bottom], [at, top]], faint(tick.label.is_some()));
@@ -224,10 +250,7 @@ fn line_ends(page: &mut Page, lines: &[&Series], place: &dyn Fn(&Mark) -> [f64; 
     let places = spread(&anchors, &heights, [frame.from[1], frame.to[1]]);
     for ((series, at), y) in ends.iter().zip(places) {
         let text = frame.to[0] + 24.0;
-        page.line(
-            [*at, [frame.to[0], at[1]], [text - 4.0, y]],
-            Stroke { opacity: 0.5, ..Stroke::new(series.color, 0.8) },
-        );
+        page.line([*at, [frame.to[0], at[1]], [text - 4.0, y]], Stroke::new(series.color, 0.8).faded(0.5));
         page.text(&series.name, [text, y + 5.0], SIZE, Anchor::Start, series.color);
     }
 }
@@ -253,22 +276,22 @@ fn key_rows<'a>(series: &[&'a Series], width: f64) -> Vec<Vec<(f64, &'a Series)>
 /// A mark, filled or hollow.
 fn symbol(page: &mut Page, series: &Series, [x, y]: [f64; 2], filled: bool) {
     let r = 5.0;
-    let corners: Vec<[f64; 2]> = match series.shape {
-        Shape::Disk => (0..16)
+    let corners: Vec<[f64; 2]> = match series.symbol {
+        Symbol::Disk => (0..16)
             .map(|i| f64::from(i) * std::f64::consts::TAU / 16.0)
             .map(|a| [r * a.cos(), r * a.sin()])
             .collect(),
-        Shape::Square => vec![[-r, -r], [r, -r], [r, r], [-r, r]],
-        Shape::Triangle => vec![[0.0, -1.2 * r], [1.15 * r, 0.9 * r], [-1.15 * r, 0.9 * r]],
-        Shape::Diamond => vec![[0.0, -1.3 * r], [1.3 * r, 0.0], [0.0, 1.3 * r], [-1.3 * r, 0.0]],
-        Shape::Cross => {
+        Symbol::Square => vec![[-r, -r], [r, -r], [r, r], [-r, r]],
+        Symbol::Triangle => vec![[0.0, -1.2 * r], [1.15 * r, 0.9 * r], [-1.15 * r, 0.9 * r]],
+        Symbol::Diamond => vec![[0.0, -1.3 * r], [1.3 * r, 0.0], [0.0, 1.3 * r], [-1.3 * r, 0.0]],
+        Symbol::Cross => {
             let arm = [[-1.3, -0.45], [-0.45, -0.45], [-0.45, -1.3]];
             // A quarter of its outline, four times turned.
             let turned = |quarter: u32, [x, y]: [f64; 2]| (0..quarter).fold([x, y], |[x, y], _| [-y, x]);
             (0..4).flat_map(|q| arm.map(|corner| turned(q, corner).map(|x| r * x))).collect()
         }
-        Shape::Drop => vec![[0.0, 1.2 * r], [1.15 * r, -0.9 * r], [-1.15 * r, -0.9 * r]],
+        Symbol::Drop => vec![[0.0, 1.2 * r], [1.15 * r, -0.9 * r], [-1.15 * r, -0.9 * r]],
     };
-    let fill = if filled { series.color } else { "white" };
+    let fill = if filled { series.color } else { "#ffffff" };
     page.area(corners.iter().map(|[dx, dy]| [x + dx, y + dy]), fill, Stroke::new(series.color, 1.6));
 }

@@ -45,8 +45,7 @@ const TURNS: u32 = 24;
 /// Small areas along the line from a mark to its name, without what lies within the mark.
 fn leader(mark: [f64; 2], place: &Area) -> Vec<Area> {
     let end = place.nearest(mark);
-    let length = ((end[0] - mark[0]).powi(2) + (end[1] - mark[1]).powi(2)).sqrt();
-    let steps = (length / 3.0) as usize;
+    let steps = ((end[0] - mark[0]).hypot(end[1] - mark[1]) / 3.0) as usize;
     let at = |step: usize| [0, 1].map(|i| mark[i] + (end[i] - mark[i]) * step as f64 / steps as f64);
     (4..steps).map(|step| Area::about(at(step), [2.0, 2.0])).collect()
 }

@@ -1,10 +1,6 @@
 //! Cases of whole lenses: how many interfaces, what scale, which stop, where the film is, and
 //! coordinates at the ends of the number range.
 
-use crate::stability::{
-    build::{Row, bundle, catalogue, lens},
-    case::Case,
-};
 use realistic::{
     lens::{
         Lens,
@@ -12,14 +8,15 @@ use realistic::{
         pupil::{EntrancePupil, ExitPupil},
     },
     trace::{
-        Direction::{self, FilmToScene, SceneToFilm},
+        Direction::{FilmToScene, SceneToFilm},
         Path, Ray,
     },
 };
 
-fn case(group: &'static str, name: String, lens: Lens, direction: Direction, rays: Vec<Ray>) -> Case {
-    Case { name, group, lens, direction, rays, closed_form: None }
-}
+use super::{
+    case::Case,
+    lenses::{Row, SIDES, bundle, catalogue, lens},
+};
 
 /// Film from the rear vertex plane to 1e6 mm behind it, at the focal plane among them.
 pub fn film_places() -> Vec<Case> {
@@ -36,10 +33,10 @@ pub fn film_places() -> Vec<Case> {
         ] {
             let heights = [0.0, 0.1 * distance.min(focus), (0.5 * distance).min(17.5)];
             let rays = bundle(&lens, FilmToScene, distance, &heights, aim);
-            cases.push(case("film", format!("{name}, film at {place}"), lens.clone(), FilmToScene, rays));
+            cases.push(Case::new("film", format!("{name}, film at {place}"), &lens, FilmToScene, rays));
         }
         let distant = bundle(&lens, SceneToFilm, 1e7, &[0.0, 1e6, 4e6], lens.front().semi_diameter);
-        cases.push(case("film", format!("{name}, object at 10 km"), lens, SceneToFilm, distant));
+        cases.push(Case::new("film", format!("{name}, object at 10 km"), &lens, SceneToFilm, distant));
     }
     cases
 }
@@ -55,7 +52,7 @@ pub fn telecentric() -> Vec<Case> {
     [("film", FilmToScene, 60.0, 12.0), ("scene", SceneToFilm, 100.0, 4.0)]
         .map(|(side, direction, distance, aim)| {
             let rays = bundle(&shape, direction, distance, &[0.0, 2.0, 9.0], aim);
-            case("telecentric", format!("{name}, from the {side}"), shape.clone(), direction, rays)
+            Case::new("telecentric", format!("{name}, from the {side}"), &shape, direction, rays)
         })
         .into()
 }
@@ -67,13 +64,14 @@ pub fn stops() -> Vec<Case> {
     pinhole.surfaces[stop].semi_diameter = 50.0 / 1e5 / 2.0;
     let focus = FirstOrder::of(&pinhole).expect("not afocal").back_focal_distance();
     let (film, through) = central_rays(&pinhole, stop, focus);
-    let mut cases = vec![case("stop", "f/1e5 from the film".to_owned(), pinhole.clone(), FilmToScene, film)];
-    cases.push(case("stop", "f/1e5 from the scene".to_owned(), pinhole, SceneToFilm, through));
     // A ball of index 2 images infinity on its own back: focal length equal to the radius.
     let ball = lens("ball", &[(10.0, 20.0, 2.0, 10.0), (-10.0, 0.0, 1.0, 10.0)]);
     let rays = bundle(&ball, SceneToFilm, 1e4, &[0.0, 1e3], 9.99);
-    cases.push(case("stop", "f/0.5, a ball of index 2".to_owned(), ball, SceneToFilm, rays));
-    cases
+    vec![
+        Case::new("stop", "f/1e5 from the film", &pinhole, FilmToScene, film),
+        Case::new("stop", "f/1e5 from the scene", &pinhole, SceneToFilm, through),
+        Case::new("stop", "f/0.5, a ball of index 2", &ball, SceneToFilm, rays),
+    ]
 }
 
 /// Rays from the film, at `back` behind the lens, and from the scene, about those that the thick lens has
@@ -109,13 +107,8 @@ pub fn fisheyes() -> Vec<Case> {
     ];
     let lens = lens("fisheye", &rows);
     let film = bundle(&lens, FilmToScene, 12.0, &[0.0, 4.0, 8.0, 10.0, 12.0, 14.0], 5.0);
-    let mut cases = vec![case(
-        "fisheye",
-        "beyond 90 degrees from the film".to_owned(),
-        lens.clone(),
-        FilmToScene,
-        film.clone(),
-    )];
+    let name = "beyond 90 degrees from the film";
+    let mut cases = vec![Case::new("fisheye", name, &lens, FilmToScene, film.clone())];
     let path = Path::<f64>::film_to_scene(&lens);
     let leaving: Vec<Ray> = film.iter().filter_map(|&ray| path.trace(ray).ok()).collect();
     for distance in [1.0, 1e3, 1e6] {
@@ -124,7 +117,7 @@ pub fn fisheyes() -> Vec<Case> {
             direction: ray.direction.map(|d| -d),
         });
         let name = format!("beyond 90 degrees from {distance:e} mm");
-        cases.push(case("fisheye", name, lens.clone(), SceneToFilm, back.collect()));
+        cases.push(Case::new("fisheye", name, &lens, SceneToFilm, back.collect()));
     }
     cases
 }
@@ -133,19 +126,14 @@ pub fn fisheyes() -> Vec<Case> {
 pub fn counts() -> Vec<Case> {
     let mut cases = Vec::new();
     for count in [1, 2, 50, 200] {
-        let rows: Vec<Row> = (0..count)
-            .map(|i| match i % 2 {
-                0 => (60.0, 3.0, 1.5, 6.0),
-                _ => (-60.0, 5.0, 1.0, 6.0),
-            })
-            .collect();
-        let mut rows = rows;
+        let singlet = [(60.0, 3.0, 1.5, 6.0), (-60.0, 5.0, 1.0, 6.0)];
+        let mut rows: Vec<Row> = singlet.into_iter().cycle().take(count).collect();
         rows.last_mut().expect("one row or more").1 = 0.0;
-        for (side, direction) in [("scene", SceneToFilm), ("film", FilmToScene)] {
+        for (side, direction) in SIDES {
             let name = format!("{count} interfaces from the {side}");
             let shape = lens(&name, &rows);
             let rays = bundle(&shape, direction, 50.0, &[0.0, 1.0], 2.0);
-            cases.push(case("count", name, shape, direction, rays));
+            cases.push(Case::new("count", name, &shape, direction, rays));
         }
     }
     cases
@@ -156,15 +144,11 @@ pub fn scales() -> Vec<Case> {
     let mut cases = Vec::new();
     for factor in [1e-6, 1.0, 1e6] {
         let lens = catalogue("dgauss.50mm", factor);
-        for (side, direction, aim) in [("scene", SceneToFilm, 12.0), ("film", FilmToScene, 9.0)] {
+        for (side, direction) in SIDES {
+            let aim = if direction == SceneToFilm { 12.0 } else { 9.0 };
             let rays = bundle(&lens, direction, 38.0 * factor, &[0.0, 10.0 * factor], aim * factor);
-            cases.push(case(
-                "scale",
-                format!("dgauss x {factor:e} from the {side}"),
-                lens.clone(),
-                direction,
-                rays,
-            ));
+            let name = format!("dgauss x {factor:e} from the {side}");
+            cases.push(Case::new("scale", name, &lens, direction, rays));
         }
     }
     cases
@@ -185,7 +169,8 @@ pub fn tiny_coordinates() -> Vec<Case> {
                 }
             }
         }
-        cases.push(case("tiny", format!("{name}, coordinates of 0 to 1e-7"), lens, FilmToScene, rays));
+        let name = format!("{name}, coordinates of 0 to 1e-7");
+        cases.push(Case::new("tiny", name, &lens, FilmToScene, rays));
     }
     cases
 }

@@ -1,13 +1,14 @@
 //! One case: a lens, rays, the exact answer, and the bound that every tracer has to keep.
 
-use crate::stability::kernel::Kernel;
-use crate::{
-    condition::{Condition, Conditioned, Trail},
-    reference::{DoubleDouble, ExactRay},
-};
 use realistic::{
     lens::Lens,
     trace::{Direction, Ray, Real},
+};
+
+use super::tracers::Tracer;
+use crate::reference::{
+    DoubleDouble, ExactRay,
+    condition::{Condition, Conditioned, Trail},
 };
 
 /// A lens and rays through it.
@@ -34,15 +35,15 @@ pub struct CaseResult {
     pub name: String,
     /// Its group.
     pub group: &'static str,
-    /// The tracer.
-    pub kernel: &'static str,
+    /// The tracer's name.
+    pub tracer: &'static str,
     /// What `ratio` may be at most.
     pub bound: f64,
     /// Largest error in direction, rad.
     pub worst_error_rad: f64,
     /// Largest error in position, mm.
     pub worst_error_mm: f64,
-    /// The largest condition number in direction of the rays: see [`condition`](crate::condition).
+    /// The largest condition number in direction of the rays: see [`condition`](crate::reference::condition).
     pub condition: f64,
     /// The largest of error / (condition x epsilon) over the rays, in direction or position. Of order
     /// one: the tracer is backward stable.
@@ -50,7 +51,7 @@ pub struct CaseResult {
     /// Rays that pass for the tracer and not in truth, or the other way about, though no decision was
     /// within [`MARGIN`] epsilon.
     pub disagreements: usize,
-    /// Rays that were judged.
+    /// Rays that were evaluated.
     pub rays: usize,
     /// Rays that were nearer to a decision than that, and left out.
     pub undecided: usize,
@@ -58,16 +59,23 @@ pub struct CaseResult {
     pub holds: bool,
 }
 
-/// A ray is judged where its decisions are at least this many epsilon away, in units of the disturbance
+/// A ray is evaluated where its decisions are at least this many epsilon away, in units of the disturbance
 /// that rounding so far amounts to. Single precision was seen to decide wrongly up to 74 away, three times in a million
-/// rays: where two weak surfaces meet at the vertex and cross near the rim.
+/// rays: where two weak surfaces meet at the vertex and cross near the edge of the aperture.
 pub const MARGIN: f64 = 80.0;
 
-/// What error / (condition x epsilon) may be. A step of the index from 4, the highest here, to 1 forms
-/// n'² - n² cos² I with 16 times the rounding of what is left; at ordinary glass the ratio is below 1.
-pub const BOUND: f64 = 16.0;
-
 impl Case {
+    /// A case whose answer the reference gives.
+    pub fn new(
+        group: &'static str,
+        name: impl Into<String>,
+        lens: &Lens,
+        direction: Direction,
+        rays: Vec<Ray>,
+    ) -> Self {
+        Self { name: name.into(), group, lens: lens.clone(), direction, rays, closed_form: None }
+    }
+
     /// The exact answers with their condition numbers.
     pub fn trails(&self) -> Vec<Trail> {
         let conditioned = Conditioned::new(&self.lens, self.direction);
@@ -80,19 +88,19 @@ impl Case {
 
     /// Puts a tracer to the test; `trails` are this case's own.
     /// `None` where it cannot trace this lens.
-    pub fn run(&self, kernel: &Kernel, trails: &[Trail]) -> Option<CaseResult> {
-        let outcomes = (kernel.prepare)(&self.lens, self.direction)?(&self.rays);
+    pub fn run(&self, tracer: &Tracer, trails: &[Trail]) -> Option<CaseResult> {
+        let outcomes = (tracer.prepare)(&self.lens, self.direction)?(&self.rays);
         let exit = match self.direction {
             Direction::FilmToScene => self.lens.front().vertex,
             Direction::SceneToFilm => self.lens.rear().vertex,
         };
         let size: f64 =
             self.lens.surfaces.iter().map(|surface| surface.semi_diameter + surface.thickness).sum();
-        let mut result = CaseResult::new(self.name.clone(), self.group, kernel.name, kernel.bound);
+        let mut result = CaseResult::new(self.name.clone(), self.group, tracer.name, tracer.bound);
         for ((ray, trail), got) in self.rays.iter().zip(trails).zip(outcomes) {
             result.holds &= got.is_none_or(|ray| is_sound(&ray));
-            let condition = trail.condition(kernel.norm);
-            if !(condition.margin > MARGIN * kernel.epsilon) {
+            let condition = trail.condition(tracer.norm);
+            if !(condition.margin > MARGIN * tracer.epsilon) {
                 result.undecided += 1;
                 continue;
             }
@@ -100,24 +108,24 @@ impl Case {
             match (got, trail.exact) {
                 (Some(got), Ok(exact)) => {
                     let start = ray.origin.iter().fold(size, |most: f64, x| most.max(x.abs()));
-                    result.add(&got, &exact, condition, kernel.epsilon, (exit, start));
+                    result.add(&got, &exact, condition, tracer.epsilon, (exit, start));
                 }
                 (None, Err(_)) => {}
                 _ => result.disagreements += 1,
             }
         }
-        result.judge();
+        result.evaluate();
         Some(result)
     }
 }
 
 impl CaseResult {
     /// A result of no rays yet.
-    pub(super) fn new(name: String, group: &'static str, kernel: &'static str, bound: f64) -> Self {
+    pub(super) fn new(name: String, group: &'static str, tracer: &'static str, bound: f64) -> Self {
         Self {
             name,
             group,
-            kernel,
+            tracer,
             bound,
             worst_error_rad: 0.0,
             worst_error_mm: 0.0,
@@ -130,8 +138,9 @@ impl CaseResult {
         }
     }
 
-    /// Takes in the result of another part of the same case.
-    pub(super) fn merge(&mut self, part: &Self) {
+    /// Takes in the result of another part of the same case, or of another case of a group.
+    pub(crate) fn merge(&mut self, part: &Self) {
+        self.bound = self.bound.max(part.bound);
         self.worst_error_rad = self.worst_error_rad.max(part.worst_error_rad);
         self.worst_error_mm = self.worst_error_mm.max(part.worst_error_mm);
         self.condition = self.condition.max(part.condition);
@@ -140,10 +149,10 @@ impl CaseResult {
         self.rays += part.rays;
         self.undecided += part.undecided;
         self.holds &= part.holds;
-        self.judge();
+        self.evaluate();
     }
 
-    fn judge(&mut self) {
+    fn evaluate(&mut self) {
         self.holds &= self.ratio <= self.bound && self.disagreements == 0;
     }
 

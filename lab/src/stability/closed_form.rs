@@ -1,14 +1,15 @@
 //! Lenses whose rays are known in closed form, evaluated in extended precision.
 
-use crate::reference::{DoubleDouble, ExactRay};
-use crate::stability::{
-    build::{Row, lens},
-    case::Case,
-};
 use realistic::trace::{
     Direction::{FilmToScene, SceneToFilm},
     Ray, Real,
 };
+
+use super::{
+    case::Case,
+    lenses::{Row, lens},
+};
+use crate::reference::{DoubleDouble, ExactRay};
 
 fn exact(number: f64) -> DoubleDouble {
     DoubleDouble::from_f64(number)
@@ -39,13 +40,10 @@ pub fn plates() -> Vec<Case> {
             answers.push(ExactRay { point: [x, exact(0.5), ZERO], direction });
         }
         let name = format!("plate of {thickness:e} mm, n = {n}");
+        let rows = [plane(thickness, n), plane(0.0, 1.0)];
         cases.push(Case {
-            lens: lens(&name, &[plane(thickness, n), plane(0.0, 1.0)]),
-            name,
-            group: "closed form",
-            direction: SceneToFilm,
-            rays,
             closed_form: Some(answers),
+            ..Case::new("closed form", name.as_str(), &lens(&name, &rows), SceneToFilm, rays)
         });
     }
     cases
@@ -74,15 +72,9 @@ pub fn aplanatic_meniscus() -> Vec<Case> {
         let point = [to_sphere * sine, ZERO, image + to_sphere * direction[2]];
         answers.push(ExactRay { point, direction });
     }
-    let name = "aplanatic meniscus".to_owned();
-    vec![Case {
-        lens: lens(&name, &rows),
-        name,
-        group: "closed form",
-        direction: FilmToScene,
-        rays,
-        closed_form: Some(answers),
-    }]
+    let name = "aplanatic meniscus";
+    let case = Case::new("closed form", name, &lens(name, &rows), FilmToScene, rays);
+    vec![Case { closed_form: Some(answers), ..case }]
 }
 
 /// Concentric shells: n r sin I is the same all the way (Bouguer's formula, Born and Wolf, section 3.2.1),
@@ -100,26 +92,22 @@ pub fn shells() -> Vec<Case> {
             .collect()
     };
     vec![
-        shell_case("4 strong shells".to_owned(), &[(8.0, 1.5), (6.0, 2.0), (5.0, 1.25), (4.0, 3.0)], 3.9),
-        shell_case("Luneburg's lens in 32 steps".to_owned(), &luneburg(32, 16.0), 0.4),
-        shell_case("Luneburg's lens in 128 steps".to_owned(), &luneburg(128, 16.0), 0.1),
-        shell_case(
-            "Luneburg's lens in 128 steps, 1e-6 times the size".to_owned(),
-            &luneburg(128, 16e-6),
-            0.1e-6,
-        ),
+        shell_case("4 strong shells", &[(8.0, 1.5), (6.0, 2.0), (5.0, 1.25), (4.0, 3.0)], 3.9),
+        shell_case("Luneburg's lens in 32 steps", &luneburg(32, 16.0), 0.4),
+        shell_case("Luneburg's lens in 128 steps", &luneburg(128, 16.0), 0.1),
+        shell_case("Luneburg's lens in 128 steps, 1e-6 times the size", &luneburg(128, 16e-6), 0.1e-6),
     ]
 }
 
 /// The front halves of shells of these (outer radius, index), met by rays parallel to the axis up to
 /// `reach` from it.
-fn shell_case(name: String, shells: &[(f64, f64)], reach: f64) -> Case {
+fn shell_case(name: &str, shells: &[(f64, f64)], reach: f64) -> Case {
     let rows: Vec<Row> = shells
         .iter()
         .enumerate()
         .map(|(i, &(radius, n))| (radius, shells.get(i + 1).map_or(0.0, |next| radius - next.0), n, radius))
         .collect();
-    let lens = lens(&name, &rows);
+    let lens = lens(name, &rows);
     let (mut rays, mut answers) = (Vec::new(), Vec::new());
     for i in 0..8 {
         let height = reach * f64::from(i) / 8.0;
@@ -143,5 +131,5 @@ fn shell_case(name: String, shells: &[(f64, f64)], reach: f64) -> Case {
         let point = [radius_last * normal_sine, ZERO, sag];
         answers.push(ExactRay { point, direction: [-sine, ZERO, -cos] });
     }
-    Case { lens, name, group: "closed form", direction: SceneToFilm, rays, closed_form: Some(answers) }
+    Case { closed_form: Some(answers), ..Case::new("closed form", name, &lens, SceneToFilm, rays) }
 }

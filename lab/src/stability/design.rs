@@ -1,18 +1,20 @@
 //! What is derived from a lens without exact rays: focal length, pupil and focus, against first-order
 //! optics in extended precision.
 
-use crate::reference::DoubleDouble;
-use crate::stability::{
-    assemblies,
-    build::{catalogue, lens},
-    case::{BOUND, CaseResult},
-    stiff,
-};
 use realistic::{
     imaging::focus::Focus,
     lens::{Lens, first_order::FirstOrder, pupil::ExitPupil},
     trace::Real,
 };
+
+use super::{
+    assemblies,
+    case::CaseResult,
+    lenses::{catalogue, lens},
+    stiff,
+    tracers::BOUND,
+};
+use crate::reference::DoubleDouble;
 
 type Coefficients = [[DoubleDouble; 2]; 2];
 
@@ -67,8 +69,8 @@ impl Matrix {
 const IDENTITY: Coefficients =
     [[DoubleDouble::ONE, DoubleDouble::ZERO], [DoubleDouble::ZERO, DoubleDouble::ONE]];
 
-fn judged(name: String, kernel: &'static str, got: f64, exact: DoubleDouble, condition: f64) -> CaseResult {
-    let mut result = CaseResult::new(name, "design", kernel, BOUND);
+fn evaluated(name: String, what: &'static str, got: f64, exact: DoubleDouble, condition: f64) -> CaseResult {
+    let mut result = CaseResult::new(name, "design", what, BOUND);
     let error = (DoubleDouble::from_f64(got) - exact).to_f64().abs();
     result.rays = 1;
     result.worst_error_mm = error;
@@ -113,18 +115,19 @@ pub fn first_order() -> Vec<CaseResult> {
         let named = |what: &str| format!("{what}: {}", lens.name);
         let one = DoubleDouble::from_f64(1.0);
         let condition = matrix.condition(1, 0);
-        results.push(judged(named("focal length"), "first order", own.focal_length, one / power, condition));
+        results.push(evaluated(
+            named("focal length"),
+            "first order",
+            own.focal_length,
+            one / power,
+            condition,
+        ));
         // Kept as a place in lens space: the distance has the rounding of the last vertex's place.
         let back = matrix.exact[0][0] / power;
         let place = own.rear_vertex.abs() / back.to_f64().abs();
         let condition = condition + matrix.condition(0, 0) + place;
-        results.push(judged(
-            named("back focal distance"),
-            "first order",
-            own.back_focal_distance(),
-            back,
-            condition,
-        ));
+        let (name, got) = (named("back focal distance"), own.back_focal_distance());
+        results.push(evaluated(name, "first order", got, back, condition));
         let Some(stop) = lens.stop_index() else { continue };
         let pupil = ExitPupil::of_surface(&lens, stop);
         let film = lens.rear().vertex - 60.0;
@@ -136,7 +139,7 @@ pub fn first_order() -> Vec<CaseResult> {
         let radius = if radius < DoubleDouble::ZERO { -radius } else { radius };
         let condition = 1.0 + size / spread.to_f64().abs();
         let got = pupil.slopes(0.0, 0.0, film).radius;
-        results.push(judged(named("exit pupil's angle"), "first order", got, radius, condition));
+        results.push(evaluated(named("exit pupil's angle"), "first order", got, radius, condition));
     }
     results
 }
@@ -167,13 +170,8 @@ pub fn focus() -> Vec<CaseResult> {
                 back
             };
             let condition = matrix.condition(0, 0) + matrix.condition(1, 0) + length / answer.to_f64().abs();
-            results.push(judged(
-                format!("focus at {distance:e} mm: {name}"),
-                "focus",
-                got,
-                answer,
-                condition,
-            ));
+            let name = format!("focus at {distance:e} mm: {name}");
+            results.push(evaluated(name, "focus", got, answer, condition));
         }
     }
     results

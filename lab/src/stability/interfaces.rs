@@ -1,16 +1,17 @@
 //! Cases of one and two interfaces: curvature, rims, critical angles, steps of the index, gaps.
 
-use crate::stability::{
-    build::{Row, bundle, lens, parallel},
-    case::Case,
-};
 use realistic::trace::{
     Direction::{self, FilmToScene, SceneToFilm},
     Ray,
 };
 
-fn case(group: &'static str, name: String, rows: &[Row], direction: Direction, rays: Vec<Ray>) -> Case {
-    Case { lens: lens(&name, rows), name, group, direction, rays, closed_form: None }
+use super::{
+    case::Case,
+    lenses::{Row, SIDES, bundle, lens, parallel},
+};
+
+fn case(group: &'static str, name: &str, rows: &[Row], direction: Direction, rays: Vec<Ray>) -> Case {
+    Case::new(group, name, &lens(name, rows), direction, rays)
 }
 
 /// |R| from 1e-3 to 1e30 mm and plane, both ways round, from 40 mm and from 1000 mm.
@@ -29,7 +30,7 @@ pub fn radii() -> Vec<Case> {
                 let shape = lens(&name, rows);
                 let mut rays = bundle(&shape, direction, 40.0, &[0.0, 3.0], semi);
                 rays.extend(bundle(&shape, direction, 1000.0, &[0.0, 300.0], semi));
-                cases.push(case("radius", name, rows, direction, rays));
+                cases.push(case("radius", &name, rows, direction, rays));
             }
         }
     }
@@ -48,60 +49,45 @@ pub fn rims() -> Vec<Case> {
         let slope = 4.0_f64.powi(i) - 1.0;
         Ray { origin: [0.0, 0.0, -radius - 1.0], direction: [slope, 0.3 * slope, 1.0] }
     });
-    let beside = |sign: f64| {
-        heights.map(|height| Ray { origin: [height, 0.0, 30.0], direction: [1e-3, 1e-2, -sign.abs()] })
-    };
-    vec![
-        case(
-            "rim",
-            "parallel to the rim of a convex hemisphere".into(),
-            &alone(1.0),
-            SceneToFilm,
-            parallel(inward.clone()),
-        ),
-        case(
-            "rim",
-            "parallel to the rim of a concave hemisphere".into(),
-            &alone(-1.0),
-            SceneToFilm,
-            parallel(inward),
-        ),
-        case(
-            "rim",
-            "oblique past the rim of a hemisphere".into(),
-            &alone(1.0),
-            SceneToFilm,
-            beside(1.0).into(),
-        ),
-        case(
-            "rim",
-            "from near the centre of a hemisphere".into(),
-            &[(radius, 10.5, 1.5, radius), (0.5, 0.0, 1.0, 0.5)],
-            FilmToScene,
-            from_centre.collect(),
-        ),
+    let beside = heights.map(|height| Ray { origin: [height, 0.0, 30.0], direction: [1e-3, 1e-2, -1.0] });
+    let near_centre = [(radius, 10.5, 1.5, radius), (0.5, 0.0, 1.0, 0.5)];
+    let [convex, concave] = [1.0, -1.0].map(alone);
+    [
+        ("parallel to the rim of a convex hemisphere", &convex[..], parallel(inward.clone())),
+        ("parallel to the rim of a concave hemisphere", &concave, parallel(inward)),
+        ("oblique past the rim of a hemisphere", &convex, beside.into()),
     ]
+    .map(|(name, rows, rays)| case("rim", name, rows, SceneToFilm, rays))
+    .into_iter()
+    .chain([case(
+        "rim",
+        "from near the centre of a hemisphere",
+        &near_centre,
+        FilmToScene,
+        from_centre.collect(),
+    )])
+    .collect()
 }
 
 /// Rays that meet a plane and a weak sphere up to 1e-9 rad from along it, and go on inside at the critical
 /// angle or leave at it.
 pub fn grazing() -> Vec<Case> {
-    let rays = |sense: f64| -> Vec<Ray> {
+    let rays = |sign: f64| -> Vec<Ray> {
         let slopes = (1..=9).flat_map(|i| [1.0, 3.0].map(|digit| digit * 10.0_f64.powi(i)));
-        let ray = |slope: f64| Ray { origin: [1.0 - slope, 0.3, -sense], direction: [slope, 0.1, sense] };
+        let ray = |slope: f64| Ray { origin: [1.0 - slope, 0.3, -sign], direction: [slope, 0.1, sign] };
         slopes.map(ray).collect()
     };
     let wide = |radius: f64| [(radius, 0.0, 1.5, 5.0)];
     let mut cases = vec![
-        case("grazing", "a plane from the scene".into(), &wide(f64::INFINITY), SceneToFilm, rays(-1.0)),
-        case("grazing", "a sphere of 1e12 mm from the scene".into(), &wide(1e12), SceneToFilm, rays(-1.0)),
+        case("grazing", "a plane from the scene", &wide(f64::INFINITY), SceneToFilm, rays(-1.0)),
+        case("grazing", "a sphere of 1e12 mm from the scene", &wide(1e12), SceneToFilm, rays(-1.0)),
     ];
     // The way back: from inside, toward the plane at the critical angle but for as little.
     let critical = (1.0_f64 / 1.5).asin();
     let inside = (1..=10).flat_map(|i| [-1.0, 1.0].map(|side| critical + side * 10.0_f64.powi(-i)));
     let back = inside
         .map(|angle| Ray { origin: [-angle.tan(), 0.2, -1.0], direction: [angle.sin(), 0.0, angle.cos()] });
-    let name = "out of a plane at the critical angle".to_owned();
+    let name = "out of a plane at the critical angle";
     cases.push(case("grazing", name, &wide(f64::INFINITY), FilmToScene, back.collect()));
     cases
 }
@@ -120,13 +106,8 @@ pub fn critical_angles() -> Vec<Case> {
             }
         }
         let rows = [(radius, 20.0, n, radius), (f64::INFINITY, 0.0, 1.0, radius)];
-        cases.push(case(
-            "critical angle",
-            format!("n = {n}, parallel rays into a sphere"),
-            &rows,
-            FilmToScene,
-            rays,
-        ));
+        let name = format!("n = {n}, parallel rays into a sphere");
+        cases.push(case("critical angle", &name, &rows, FilmToScene, rays));
     }
     cases
 }
@@ -138,10 +119,10 @@ pub fn index_steps() -> Vec<Case> {
         let singlet = [(12.0, 4.0, 1.0 + step, 5.0), (-15.0, 0.0, 1.0, 5.0)];
         let cemented = [(12.0, 4.0, 1.5, 5.0), (-15.0, 2.0, 1.5 + step, 5.0), (30.0, 0.0, 1.0, 5.0)];
         for (kind, rows) in [("singlet", &singlet[..]), ("cemented", &cemented[..])] {
-            for (side, direction) in [("scene", SceneToFilm), ("film", FilmToScene)] {
+            for (side, direction) in SIDES {
                 let name = format!("step {step:e}, {kind} from the {side}");
                 let rays = bundle(&lens(&name, rows), direction, 40.0, &[0.0, 8.0], 5.0);
-                cases.push(case("index step", name, rows, direction, rays));
+                cases.push(case("index step", &name, rows, direction, rays));
             }
         }
     }
@@ -171,12 +152,12 @@ pub fn gaps() -> Vec<Case> {
     all.extend([1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6].map(|gap| (format!("gap {gap:e} mm"), air(gap, 30.0))));
     let mut cases = Vec::new();
     for (name, rows) in all {
-        for (side, direction) in [("scene", SceneToFilm), ("film", FilmToScene)] {
+        for (side, direction) in SIDES {
             let name = format!("{name} from the {side}");
             let shape = lens(&name, &rows);
             let mut rays = bundle(&shape, direction, 40.0, &[0.0, 1e-3, 3.0], 4.9);
             rays.extend(bundle(&shape, direction, 60.0, &[0.0], 1e-4));
-            cases.push(case("gap", name, &rows, direction, rays));
+            cases.push(case("gap", &name, &rows, direction, rays));
         }
     }
     cases

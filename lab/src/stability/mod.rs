@@ -2,8 +2,8 @@
 //!
 //! | part | what it holds |
 //! |---|---|
-//! | [`case`] | a case, and how a tracer is judged by it |
-//! | [`kernel`] | the tracers by name; a new one is a line there |
+//! | [`tracers`] | the tracers by name; a new one is a line there |
+//! | [`case`] | a case, and how a tracer is evaluated by it |
 //! | [`interfaces`], [`assemblies`], [`stiff`] | cases whose answer the reference gives |
 //! | [`closed_form`] | cases whose answer a formula gives |
 //! | [`design`] | focal length, pupil and focus of stiff lenses |
@@ -11,33 +11,33 @@
 //!
 //! [`run`] goes through all of it. The figure to read is [`CaseResult::ratio`]: the error over what a
 //! perfect tracer of that precision must expect from the case's
-//! [condition number](crate::condition).
+//! [condition number](crate::reference::condition).
 
 pub mod assemblies;
-mod build;
 pub mod case;
 pub mod closed_form;
 pub mod design;
 pub mod interfaces;
-pub mod kernel;
+mod lenses;
 pub mod random;
 pub mod stiff;
+pub mod tracers;
 
 use std::ops::ControlFlow;
 
-pub use case::{BOUND, Case, CaseResult, MARGIN};
-pub use kernel::{Kernel, kernels};
+pub use case::{Case, CaseResult, MARGIN};
+pub use tracers::{BOUND, Tracer, tracers};
 
 /// How much of the random part is run; the rest is the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Effort {
+pub struct Extent {
     /// Random lenses that are compared with the reference, a hundred rays each.
     pub lenses: usize,
     /// Rays through random lenses in cameras, about.
     pub rays: u64,
 }
 
-impl Effort {
+impl Extent {
     /// A few seconds.
     pub const QUICK: Self = Self { lenses: 300, rays: 1_000_000 };
     /// A few minutes.
@@ -87,34 +87,34 @@ pub fn cases() -> Vec<Case> {
 
 /// Runs everything on all cores. `progress` is called from this thread between parts, and ends the run with
 /// [`ControlFlow::Break`]; what is done by then is returned.
-pub fn run(effort: Effort, progress: &mut dyn FnMut(Progress<'_>) -> ControlFlow<()>) -> Vec<CaseResult> {
+pub fn run(extent: Extent, progress: &mut dyn FnMut(Progress<'_>) -> ControlFlow<()>) -> Vec<CaseResult> {
     let mut results = Vec::new();
     // A stopped run is a shorter one: the results so far are the answer either way.
-    let _ = run_parts(effort, &mut results, progress);
+    let _ = run_parts(extent, &mut results, progress);
     results
 }
 
 fn run_parts(
-    effort: Effort,
+    extent: Extent,
     results: &mut Vec<CaseResult>,
     progress: &mut dyn FnMut(Progress<'_>) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
-    let (cases, kernels) = (cases(), kernels());
+    let (cases, tracers) = (cases(), tracers());
     // The cases are a twentieth, the two random parts the rest.
     for (number, case) in cases.iter().enumerate() {
         progress(Progress { name: &case.name, done: 0.05 * number as f64 / cases.len() as f64 })?;
         let trails = case.trails();
-        results.extend(kernels.iter().filter_map(|kernel| case.run(kernel, &trails)));
+        results.extend(tracers.iter().filter_map(|tracer| case.run(tracer, &trails)));
     }
     results.extend(design::first_order());
     results.extend(design::focus());
 
-    let mut against = random::none_yet(&kernels);
+    let mut against = random::none_yet(&tracers);
     for part in 0..PARTS {
         let done = 0.05 + 0.45 * part as f64 / PARTS as f64;
         progress(Progress { name: "random lenses against the reference", done })?;
         for found in on_all_cores(part, |seed, workers| {
-            random::against_reference(seed, effort.lenses.div_ceil(PARTS * workers), &kernels)
+            random::against_reference(seed, extent.lenses.div_ceil(PARTS * workers), &tracers)
         }) {
             against.iter_mut().zip(&found).for_each(|(all, part)| all.merge(part));
         }
@@ -122,7 +122,7 @@ fn run_parts(
     results.extend(against);
 
     let mut survey = random::Survey::default();
-    let lenses = effort.rays.div_ceil((PARTS * RAYS_EACH) as u64) as usize;
+    let lenses = extent.rays.div_ceil((PARTS * RAYS_EACH) as u64) as usize;
     for part in 0..PARTS {
         let done = 0.5 + 0.5 * part as f64 / PARTS as f64;
         progress(Progress { name: "rays through random cameras", done })?;

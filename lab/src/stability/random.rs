@@ -2,12 +2,11 @@
 
 use std::fmt::Write;
 
-use crate::stability::{
-    case::{Case, CaseResult, is_sound},
-    kernel::Kernel,
-};
+use crate::BLOCK;
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus as Random;
 use realistic::{
-    camera::{BLOCK, Host, Outcome, Parameters, Raster, RayBlock, RealisticCamera, Sample, SampleBlock},
+    camera::{Host, Outcome, Parameters, Raster, RayBlock, RealisticCamera, Sample, SampleBlock},
     lens::Lens,
     prescription::read,
     trace::{
@@ -16,74 +15,50 @@ use realistic::{
     },
 };
 
-/// A generator of random numbers: Weyl sequence and mixer (G. L. Steele, D. Lea and C. H. Flood, "Fast
-/// splittable pseudorandom number generators", 2014).
-#[derive(Clone, Debug)]
-pub struct Random(u64);
+use super::{
+    case::{Case, CaseResult, is_sound},
+    tracers::Tracer,
+};
 
-impl Random {
-    /// A stream of its own for each seed.
-    pub fn new(seed: u64) -> Self {
-        Self(seed.wrapping_mul(0xd134_2543_de82_ef95))
-    }
-
-    /// Uniform in [0, 1).
-    pub fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// Uniform in [from, to).
-    fn between(&mut self, from: f64, to: f64) -> f64 {
-        from + (to - from) * self.uniform()
-    }
-
-    /// With a uniform logarithm in [from, to).
-    fn scaled(&mut self, from: f64, to: f64) -> f64 {
-        self.between(from.ln(), to.ln()).exp()
-    }
-
-    fn chance(&mut self, probability: f64) -> bool {
-        self.uniform() < probability
-    }
+/// A number with a uniform logarithm in [from, to).
+fn scaled(random: &mut Random, from: f64, to: f64) -> f64 {
+    random.random_range(from.ln()..to.ln()).exp()
 }
 
 /// The text of a random lens of 1 to 16 interfaces: radii from the clear semi-diameter, which makes a
 /// hemisphere, to 1e5 mm and planes; glass of any index, touching elements, at most one stop.
 pub fn lens_text(random: &mut Random) -> String {
-    let count = 1 + (random.uniform().powi(2) * 16.0) as usize;
+    let count = 1 + (random.random::<f64>().powi(2) * 16.0) as usize;
     let mut text = String::new();
     let mut in_air = true;
     let mut may_stop = true;
-    let widest = random.scaled(2.0, 30.0);
+    let widest = scaled(random, 2.0, 30.0);
     for number in 0..count {
-        let semi = widest * random.between(0.4, 1.0);
+        let semi = widest * random.random_range(0.4..1.0);
         let last = number + 1 == count;
-        let air_behind = last || random.chance(if in_air { 0.1 } else { 0.7 });
-        let radius = match random.uniform() {
+        let air_behind = last || random.random_bool(if in_air { 0.1 } else { 0.7 });
+        let radius = match random.random::<f64>() {
             flat if flat < 0.12 => 0.0,
             hemisphere if hemisphere < 0.15 => semi,
-            strong if strong < 0.6 => semi * random.between(1.05, 6.0),
-            _ => semi * random.scaled(1.5, 1e5),
+            strong if strong < 0.6 => semi * random.random_range(1.05..6.0),
+            _ => semi * scaled(random, 1.5, 1e5),
         };
         let is_stop = radius == 0.0 && in_air && air_behind;
         let radius = if is_stop && !may_stop { 5.0 * semi } else { radius };
         may_stop &= !is_stop;
-        let radius = if random.chance(0.5) { radius } else { -radius };
-        let thickness = match random.uniform() {
+        let radius = if random.random_bool(0.5) { radius } else { -radius };
+        let thickness = match random.random::<f64>() {
             _ if last => 0.0,
             none if none < 0.1 => 0.0,
-            small if small < 0.2 => random.scaled(1e-9, 1e-2),
-            _ => random.scaled(0.3, 12.0),
+            small if small < 0.2 => scaled(random, 1e-9, 1e-2),
+            _ => scaled(random, 0.3, 12.0),
         };
         let index = if air_behind {
             1.0
-        } else if random.chance(0.1) {
-            1.0 + random.scaled(1e-7, 3.0)
+        } else if random.random_bool(0.1) {
+            1.0 + scaled(random, 1e-7, 3.0)
         } else {
-            random.between(1.4, 2.0)
+            random.random_range(1.4..2.0)
         };
         in_air = air_behind;
         // Infallible: a string takes whatever is written to it.
@@ -101,7 +76,7 @@ pub fn random_lens(random: &mut Random) -> Lens {
 
 /// Rays at the first surface of a random lens from a few planes, mostly such as get in.
 fn rays(random: &mut Random, lens: &Lens, direction: Direction, count: usize) -> Vec<Ray> {
-    let (surface, sense) = match direction {
+    let (surface, sign) = match direction {
         FilmToScene => (lens.rear(), 1.0),
         SceneToFilm => (lens.front(), -1.0),
     };
@@ -111,13 +86,13 @@ fn rays(random: &mut Random, lens: &Lens, direction: Direction, count: usize) ->
         .map(|number| {
             let semi = surface.semi_diameter;
             if number % PLANE == 0 {
-                distance = rim.abs() + random.scaled(0.1, 200.0);
+                distance = rim.abs() + scaled(random, 0.1, 200.0);
             }
-            let field = 0.5 * distance * random.between(-1.0, 1.0).powi(3);
-            let at = |random: &mut Random| semi * random.between(-0.8, 0.8);
+            let field = 0.5 * distance * random.random_range(-1.0_f64..1.0).powi(3);
+            let at = |random: &mut Random| semi * random.random_range(-0.8..0.8);
             let target = [at(random), at(random)];
-            let origin = [field, field * random.between(-1.0, 1.0), surface.vertex - sense * distance];
-            let direction = [target[0] - origin[0], target[1] - origin[1], sense * distance];
+            let origin = [field, field * random.random_range(-1.0..1.0), surface.vertex - sign * distance];
+            let direction = [target[0] - origin[0], target[1] - origin[1], sign * distance];
             Ray { origin, direction }
         })
         .collect()
@@ -127,26 +102,24 @@ fn rays(random: &mut Random, lens: &Lens, direction: Direction, count: usize) ->
 const PLANE: usize = 20;
 
 /// Results of no random lenses yet, one for each tracer.
-pub fn none_yet(kernels: &[Kernel]) -> Vec<CaseResult> {
+pub fn none_yet(tracers: &[Tracer]) -> Vec<CaseResult> {
     let name = "random lenses, a hundred rays each";
-    kernels
-        .iter()
-        .map(|kernel| CaseResult::new(name.to_owned(), "random", kernel.name, kernel.bound))
-        .collect()
+    let result = |tracer: &Tracer| CaseResult::new(name.to_owned(), "random", tracer.name, tracer.bound);
+    tracers.iter().map(result).collect()
 }
 
 /// `lenses` random lenses with a hundred rays each against the reference, for every tracer.
-pub fn against_reference(seed: u64, lenses: usize, kernels: &[Kernel]) -> Vec<CaseResult> {
-    let mut worst = none_yet(kernels);
-    let mut random = Random::new(seed);
+pub fn against_reference(seed: u64, lenses: usize, tracers: &[Tracer]) -> Vec<CaseResult> {
+    let mut worst = none_yet(tracers);
+    let mut random = Random::seed_from_u64(seed);
     for number in 0..lenses {
         let lens = random_lens(&mut random);
         let direction = if number % 4 == 3 { SceneToFilm } else { FilmToScene };
         let rays = rays(&mut random, &lens, direction, 100);
-        let case = Case { name: String::new(), group: "random", lens, direction, rays, closed_form: None };
+        let case = Case::new("random", "", &lens, direction, rays);
         let trails = case.trails();
-        for (kernel, worst) in kernels.iter().zip(&mut worst) {
-            worst.merge(&case.run(kernel, &trails).expect("a lens file's lens ends in air"));
+        for (tracer, worst) in tracers.iter().zip(&mut worst) {
+            worst.merge(&case.run(tracer, &trails).expect("a lens file's lens ends in air"));
         }
     }
     worst
@@ -187,9 +160,9 @@ impl Survey {
 /// blocks by turns: every ray that leaves must be finite with a unit direction and a finite, positive
 /// weight. The same rays go through the tracer alone, in double precision's terms.
 pub fn through_cameras(seed: u64, lenses: usize, rays: usize) -> Survey {
-    let mut random = Random::new(seed);
+    let mut random = Random::seed_from_u64(seed);
     let mut survey = Survey::default();
-    let (mut samples, mut out) = (Box::new(SampleBlock::new()), Box::new(RayBlock::new()));
+    let (mut samples, mut out) = (Box::new(SampleBlock::<BLOCK>::new()), Box::new(RayBlock::<BLOCK>::new()));
     for number in 0..lenses {
         let camera = random_camera(&mut random, number);
         let path = Path::<f32>::film_to_scene(camera.lens());
@@ -210,6 +183,7 @@ pub fn through_cameras(seed: u64, lenses: usize, rays: usize) -> Survey {
                 }
             }
             survey.rays += count as u64;
+            let out = out.arrays(count);
             for i in 0..count {
                 let weight = out.weight[i];
                 // A block's ray is there where its weight is not 0: one that is not a number must not hide.
@@ -217,8 +191,10 @@ pub fn through_cameras(seed: u64, lenses: usize, rays: usize) -> Survey {
                     continue;
                 }
                 survey.passed += 1;
-                let (origin, direction) =
-                    (out.origin.map(|column| column[i]), out.direction.map(|column| column[i]));
+                let (origin, direction) = (
+                    out.origin.each_ref().map(|column| column[i]),
+                    out.direction.each_ref().map(|column| column[i]),
+                );
                 let [x, y, z] = direction;
                 let is_unit = (x * x + y * y + z * z - 1.0).abs() < 4.0 * f32::EPSILON;
                 let finite = origin.iter().all(|x| x.is_finite());
@@ -234,7 +210,7 @@ pub fn through_cameras(seed: u64, lenses: usize, rays: usize) -> Survey {
 
 /// Numbers all over their ranges, their ends among them.
 fn random_sample(random: &mut Random) -> Sample {
-    let mut number = || match random.uniform() {
+    let mut number = || match random.random::<f64>() {
         zero if zero < 0.01 => 0.0,
         one if one > 0.99 => 1.0,
         other => other as f32,
@@ -250,8 +226,8 @@ fn random_camera(random: &mut Random, number: usize) -> RealisticCamera {
         let mut host = Host::new(Raster { xres: 64, yres: 64 }, None);
         host.lens_text = Some(("random lens".to_owned(), text.into_bytes()));
         let parameters = Parameters {
-            filmdistance: Some(random.scaled(0.1, 300.0)),
-            filmdiag: Some(random.scaled(0.1, 100.0)),
+            filmdistance: Some(scaled(random, 0.1, 300.0)),
+            filmdiag: Some(scaled(random, 0.1, 100.0)),
             pupil: Some(["rear", "rear", "disk", "warped"][number % 4].to_owned()),
             precision: (number / 4 % 2 == 1).then(|| "f32".to_owned()),
             ..Parameters::default()

@@ -1,12 +1,10 @@
 //! Ill-conditioned lenses: small changes of a ray grow a million times and more.
 
-use crate::stability::{
-    build::{Row, lens, parallel},
+use realistic::trace::{Direction::SceneToFilm, Ray};
+
+use super::{
     case::Case,
-};
-use realistic::trace::{
-    Direction::{FilmToScene, SceneToFilm},
-    Ray,
+    lenses::{Row, SIDES, lens, parallel},
 };
 
 /// Telescopes in a row, each magnifying angles ten times and a tenth of the size of the one before:
@@ -37,14 +35,7 @@ pub fn telescopes() -> Vec<Case> {
                 direction: [angle, 0.5 * angle, -1.0],
             }));
         }
-        cases.push(Case {
-            lens: lens(&name, &rows),
-            name,
-            group: "stiff",
-            direction: SceneToFilm,
-            rays,
-            closed_form: None,
-        });
+        cases.push(Case::new("stiff", name.as_str(), &lens(&name, &rows), SceneToFilm, rays));
     }
     cases
 }
@@ -56,7 +47,8 @@ pub fn balls() -> Vec<Case> {
         let ball = [(1.0, 2.0, 1.8, 0.95), (-1.0, gap, 1.0, 0.95)];
         let mut rows: Vec<Row> = ball.into_iter().cycle().take(2 * count).collect();
         rows.last_mut().expect("two rows or more").1 = 0.0;
-        for (side, direction, sign) in [("scene", SceneToFilm, -1.0), ("film", FilmToScene, 1.0)] {
+        for (side, direction) in SIDES {
+            let sign = if direction == SceneToFilm { -1.0 } else { 1.0 };
             let name = format!("{count} balls in a row, gap {gap}, from the {side}");
             let shape = lens(&name, &rows);
             let start = if sign < 0.0 { 2.0 } else { shape.rear().vertex - 2.0 };
@@ -66,7 +58,7 @@ pub fn balls() -> Vec<Case> {
                     Ray { origin: [0.3 * height, 0.2 * height, start], direction: [-0.1 * height, 0.0, sign] }
                 })
                 .collect();
-            cases.push(Case { lens: shape, name, group: "resonator", direction, rays, closed_form: None });
+            cases.push(Case::new("resonator", name, &shape, direction, rays));
         }
     }
     cases

@@ -2,7 +2,8 @@
 //!
 //! It is pbrt-v1's stock camera of this name (M. Pharr and G. Humphreys, *Physically Based Rendering*,
 //! 1st ed. 2004, §6.3): θ = π y/yres from straight up, φ = 2π x/xres from +x toward +z, weight 1, and
-//! `hither` and `yon` as distances from the point.
+//! `hither` and `yon` as distances from the point. Where the camera transform scales or shears, directions are made unit
+//! vectors, which the stock camera's are not then, and the clip range follows.
 
 use std::f32::consts::{PI, TAU};
 

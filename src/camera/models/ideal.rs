@@ -16,8 +16,8 @@ use std::f64::consts::PI;
 
 use crate::{
     camera::{
-        CameraError, Film, Outcome, ParameterError, Sample, WorldRay, parameters::choices::Weighting,
-        placement::Placement, setup::Setup,
+        CameraError, Film, Host, Level, Outcome, ParameterError, Parameters, Sample, WorldRay,
+        focusing::Focusing, parameters::choices::Weighting, placement::Placement, setup::Setup,
     },
     imaging::irradiance::{cos4, film_ray},
     sampling::{DiskMapping, PupilDisk},
@@ -53,8 +53,21 @@ pub struct IdealCamera {
 }
 
 impl IdealCamera {
-    /// Builds the thick lens of a checked set-up, or its thin one.
-    pub(crate) fn from_setup(setup: Setup, thin: bool) -> Result<Self, CameraError> {
+    /// Builds the thick lens of the parameters' lens, or its thin one. `log` receives warnings.
+    ///
+    /// # Errors
+    /// What is wrong, and what to give instead.
+    pub fn build(
+        parameters: &Parameters,
+        host: &Host,
+        thin: bool,
+        log: &mut dyn FnMut(Level, &str),
+    ) -> Result<Self, CameraError> {
+        let setup = Setup::of(parameters, host, Focusing::Paraxial, log)?;
+        Self::from_setup(setup, thin)
+    }
+
+    fn from_setup(setup: Setup, thin: bool) -> Result<Self, CameraError> {
         let Setup { lens, film, film_distance, .. } = setup;
         let first_order = FirstOrder::of(&lens)?;
         let film_z = lens.rear().vertex - film_distance;
@@ -168,10 +181,7 @@ impl IdealCamera {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        camera::{Host, Parameters, Raster},
-        imaging::irradiance::on_axis,
-    };
+    use crate::{camera::Raster, imaging::irradiance::on_axis};
     use crate::{imaging::depth_of_field::DepthOfField, trace::Path};
 
     fn ideal(model: &str, settings: &[(&str, &str)]) -> IdealCamera {

@@ -1,78 +1,37 @@
-//! The realistic camera: a sample in, a ray through every interface of the lens out.
+//! The realistic camera: a sample in, a ray through every interface of the lens out (Kolb, Mitchell and Hanrahan 1995).
 
-use crate::sampling::film_rays::FilmRays;
 use std::{f64::consts::PI, sync::Arc};
 
 use crate::{
     camera::{
-        CameraError, Film,
-        host::Level,
-        parameters::choices::{PupilChoice, Weighting},
+        film::Film,
+        focusing::Focusing,
+        host::{Host, Level},
+        parameters::{
+            CameraError, Parameters,
+            check::choice,
+            choices::{Precision, PupilChoice, Weighting},
+        },
         pipeline::{
-            compiled::Pipeline,
-            few::{Three, Together},
-            film_rays::{Drawing, Sampler},
-            tracer::{Tracer, Walk, Walked},
+            arrays::{RayArrays, RayBlock, SampleArrays},
+            body::CameraBody,
+            compile::compile,
+            tracer::Tracer,
         },
         placement::Placement,
-        planning::{self, Route},
+        ray::{Outcome, Sample, WorldRay},
         setup::Setup,
     },
     imaging::irradiance::{film_ray, on_axis, survey},
-    sampling::{DiskMapping, PupilDisk, WarpedPupil},
-};
-use crate::{
     lens::{
         Lens,
         first_order::FirstOrder,
         pupil::{EntrancePupil, limiting_surface},
     },
-    plan::Plan,
-    trace::{Blocked, Direction, Path, Ray, Real, kernel::Shape},
+    plan::{Arithmetic, Decision, FilmSide, Plan, Task},
+    sampling::{DiskMapping, PupilDisk, PupilSampler, WarpedPupil, film_rays::FilmRays},
+    trace::{Blocked, Direction, Path, Ray, kernel::Grouping},
 };
-
-/// What a host asks with.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Sample {
-    /// Raster x, pixels, growing to the right; may lie outside the raster.
-    pub image_x: f32,
-    /// Raster y, pixels, growing downward; may lie outside the raster.
-    pub image_y: f32,
-    /// First lens number, in [0, 1].
-    pub lens_u: f32,
-    /// Second lens number, in [0, 1].
-    pub lens_v: f32,
-    /// Time number, in [0, 1].
-    pub time: f32,
-}
-
-/// A ray in world space.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WorldRay {
-    /// Origin, world units.
-    pub origin: [f32; 3],
-    /// Unit direction.
-    pub direction: [f32; 3],
-    /// Where along the ray it begins.
-    pub mint: f32,
-    /// Where along the ray it ends.
-    pub maxt: f32,
-    /// Time.
-    pub time: f32,
-}
-
-/// What becomes of a sample.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Outcome {
-    /// A ray and its weight, positive.
-    Ray(WorldRay, f32),
-    /// The lens blocks it: weight 0.
-    Blocked(Blocked),
-    /// The lens numbers fell outside the disk ([`DiskMapping::Rejection`]): draw new ones.
-    Redraw,
-    /// The shutter is closed over the film point at this time: weight 0.
-    Shut,
-}
 
 /// A camera with a real lens. Immutable, and may be shared between threads.
 #[derive(Clone, Debug)]
@@ -81,17 +40,13 @@ pub struct RealisticCamera {
     /// `None` for an afocal lens.
     first_order: Option<FirstOrder>,
     fnumber: f64,
-    film: Film,
-    film_z: f64,
     focus_distance: Option<f64>,
-    pub(crate) tracer: Tracer,
+    body: CameraBody,
     /// The disk that holds every pupil.
     rear: PupilDisk,
-    mapping: DiskMapping,
-    /// The weight of a ray is this times cos⁴ and the slope area it stands for; `None`: it is 1.
-    weight: Option<f64>,
-    units_per_mm: f64,
-    placement: Placement,
+    tracer: Arc<dyn Tracer>,
+    /// Whether rays traced side by side take less time than one after the other.
+    gains_side_by_side: bool,
     plan: Plan,
 }
 
@@ -100,84 +55,48 @@ const MISSED_SHARE: f64 = 1e-3;
 /// Rays across the rear element in measuring that share.
 const SURVEY_RAYS: u32 = 64;
 
+type Log<'a> = &'a mut dyn FnMut(Level, &str);
+
 impl RealisticCamera {
-    /// Builds the camera of a checked set-up. `log` receives warnings.
-    pub(crate) fn from_setup(setup: Setup, log: &mut dyn FnMut(Level, &str)) -> Result<Self, CameraError> {
-        let (lens, film, film_distance) = (setup.lens.clone(), setup.film, setup.film_distance);
-        let first_order = FirstOrder::of(&lens).ok();
-        let film_z = lens.rear().vertex - film_distance;
-        let rim = -lens.rear().sagitta(lens.rear().semi_diameter);
-        let rear = PupilDisk::rear(&lens, film_z, film.reach())
-            .ok_or(CameraError::FilmInLens { film_distance, rim: rim.max(0.0) })?;
-        // So near the glass that the pupil fills a hemisphere to the last digit, or on film that large, the pupil's
-        // area in slopes, of which the weights are made, leaves the number range.
-        representable(rear.slope_area())?;
-        let path = Path::new(&lens, Direction::FilmToScene, setup.refraction);
-        let exit = PupilDisk::exit(&lens, film_z);
-        let sampler = match setup.pupil {
-            PupilChoice::Rear => Sampler::Disk(rear),
-            PupilChoice::Disk => {
-                warn_of_missed_share(&path, film_z, &film, rear, exit, log);
-                Sampler::Disk(exit)
-            }
-            PupilChoice::Warped => {
-                let drift = exit.seen_from([1.0, 0.0]).center[0];
-                let pupil = WarpedPupil::new(&path, film_z, film.reach(), rear, drift);
-                tell_of_cover(&pupil, log);
-                Sampler::Warped(Arc::new(pupil))
-            }
+    /// Builds a camera of the model "lens". `log` receives warnings.
+    ///
+    /// # Errors
+    /// What is wrong, and what to give instead.
+    pub fn build(parameters: &Parameters, host: &Host, log: Log<'_>) -> Result<Self, CameraError> {
+        choice("model", parameters.model.as_deref(), &[("lens", ())])?;
+        let setup = Setup::of(parameters, host, Focusing::Exact, log)?;
+        Self::from_setup(setup, log)
+    }
+
+    /// Builds the camera of a checked set-up, each part once, in the order of the light.
+    fn from_setup(setup: Setup, log: Log<'_>) -> Result<Self, CameraError> {
+        let first_order = FirstOrder::of(&setup.lens).ok();
+        let path = Path::new(&setup.lens, Direction::FilmToScene, setup.refraction);
+        let film_z = setup.lens.rear().vertex - setup.film_distance;
+        let rear = rear_disk(&setup, film_z)?;
+        let exit = PupilDisk::exit(&setup.lens, film_z);
+        let sampler = pupil_sampler(&setup, &path, film_z, [rear, exit], log);
+        let weight = weight_factor(&setup, &path, film_z, &sampler, [rear, exit])?;
+        let body = CameraBody {
+            film: setup.film,
+            film_z,
+            mapping: setup.mapping,
+            sampler,
+            weight,
+            placement: setup.placement.clone(),
+            units_per_mm: setup.mm_per_unit.recip(),
         };
-        let weight = match setup.weighting {
-            Weighting::Radiometric => Some(1.0),
-            Weighting::Assignment => {
-                let disk = if let Sampler::Disk(disk) = &sampler { disk } else { &exit };
-                Some(disk.area().ok_or(CameraError::PupilAtInfinity)?.recip())
-            }
-            Weighting::Relative => {
-                // Over the disk in use, so that the mean on the axis is 1 with either pupil.
-                let reach = if let Sampler::Disk(disk) = &sampler { disk } else { &rear };
-                let mean = on_axis(&path, film_z, reach.seen_from([0.0; 2]).radius);
-                if mean <= 0.0 {
-                    return Err(CameraError::DarkAxis { lens: lens.name });
-                }
-                Some(mean.recip())
-            }
-            Weighting::None => None,
-        };
-        let largest = if let Sampler::Disk(disk) = &sampler { disk } else { &rear }.slope_area();
-        // The factor by itself, too, times π: single precision multiplies areas over π by it.
-        representable(weight.map_or(1.0, |weight| (weight * largest).max(weight * PI)))?;
-        let entrance = EntrancePupil::of_surface(&lens, limiting_surface(&lens));
-        let units_per_mm = setup.mm_per_unit.recip();
-        let side = planning::FilmSide { film: &film, film_z, sampler: &sampler };
-        let (route, mut plan) = planning::plan(&setup, &lens, &side, log);
-        planning::describe_drawing(&mut plan, &side, setup.mapping, lens.wavelength);
-        setup.placement.describe(&mut plan);
-        let (drawn, placed) = ((&film, setup.mapping, &sampler), (&setup.placement, units_per_mm));
-        let drawing = || Drawing::new(&film, setup.mapping, &sampler);
-        let tracer = match route {
-            Route::Double(lens) => {
-                Tracer::Double(Pipeline::new((lens, film_z), drawn, weight, placed).into())
-            }
-            Route::Single(lens) => {
-                Tracer::Single(Pipeline::new((lens, film_z), drawn, weight, placed).into())
-            }
-            Route::Walk(path) => Tracer::Walk(Walk { drawing: drawing(), path }.into()),
-            Route::WalkSingle(path) => Tracer::WalkSingle(Walk { drawing: drawing(), path }.into()),
-        };
+        let (tracer, gains_side_by_side, plan) = plan_and_compile(&setup, &path, &body, log);
+        let entrance = EntrancePupil::of_surface(&setup.lens, limiting_surface(&setup.lens));
         Ok(Self {
             fnumber: focal_length(first_order).abs() / entrance.diameter(),
-            lens,
+            lens: setup.lens,
             first_order,
-            film,
-            film_z,
             focus_distance: setup.focus_distance,
-            tracer,
+            body,
             rear,
-            mapping: setup.mapping,
-            weight,
-            units_per_mm,
-            placement: setup.placement,
+            tracer,
+            gains_side_by_side,
             plan,
         })
     }
@@ -194,66 +113,74 @@ impl RealisticCamera {
         } else if area_per_pi.is_nan() {
             Outcome::Blocked(Blocked::Clipped)
         } else {
-            Outcome::Blocked(self.tracer.reason(self.film_z, point, slopes))
+            Outcome::Blocked(self.tracer.reason(film_ray(point, self.body.film_z, slopes)))
         }
     }
 
     /// The ray of a sample with its weight, positive; `None` where there is none.
-    #[inline(always)]
     pub fn ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
-        let (asked, mut numbers) = (Together::from(sample), [[0.0]; 7]);
-        match &self.tracer {
-            Tracer::Double(pipeline) => pipeline.few(Shape::One, &asked, &mut numbers),
-            Tracer::Single(pipeline) => pipeline.few(Shape::One, &asked, &mut numbers),
-            Tracer::Walk(walk) => return self.walk(walk, &{ *sample }),
-            Tracer::WalkSingle(walk) => return self.walk(walk, &{ *sample }),
-        }
-        let [ox, oy, oz, dx, dy, dz, weight] = numbers.map(|[number]| number);
-        let ([mint, maxt], time) = (self.placement.clip, self.placement.time(sample.time));
-        let (origin, direction) = ([ox, oy, oz], [dx, dy, dz]);
-        (weight > 0.0).then_some((WorldRay { origin, direction, mint, maxt, time }, weight))
+        let (mut ray, mut weight) = Default::default();
+        self.trace_one(sample, &mut ray, &mut weight);
+        (weight > 0.0).then_some((ray, weight))
     }
 
-    /// [`RealisticCamera::ray`] of three film points with the lens and time numbers of `sample`, traced
-    /// side by side.
+    /// [`RealisticCamera::ray`] of many samples, the same to the last bit. Where there is no ray the weight is 0, and
+    /// the other numbers are left as they are.
+    ///
+    /// # Panics
+    /// The arrays differ in length.
+    pub fn rays(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
+        let n = samples.checked_len();
+        assert_eq!(n, rays.checked_len(), "a batch needs as much room as it has samples");
+        self.trace_arrays(samples, rays);
+    }
+
+    /// Writes a sample's ray and its weight; 0, and no ray, where there is none.
+    #[inline(always)]
+    pub(crate) fn trace_one(&self, sample: &Sample, ray: &mut WorldRay, weight: &mut f32) {
+        self.tracer.trace(Grouping::One, &SampleArrays::of_one(sample), &mut RayArrays::of_one(ray, weight));
+        if *weight > 0.0 {
+            let placement = &self.body.placement;
+            [ray.mint, ray.maxt] = placement.clip;
+            ray.time = placement.time(sample.time);
+        }
+    }
+
+    /// Traces up to four samples of one time side by side; `false`, and nothing done, where that takes as long as one
+    /// after the other.
     #[inline]
-    pub fn three(&self, sample: &Sample, image: [[f32; 2]; 3], rays: &mut Three) {
-        let [a, b, c] = image;
-        let four = [a, b, c, c];
-        let asked = Together {
-            image_x: four.map(|[x, _]| x),
-            image_y: four.map(|[_, y]| y),
-            lens: [sample.lens_u, sample.lens_v],
-            time: [sample.time; 4],
-        };
-        (rays.clip, rays.time) = (self.placement.clip, self.placement.time(sample.time));
-        match &self.tracer {
-            Tracer::Double(pipeline) => pipeline.few(Shape::Quad, &asked, &mut rays.numbers),
-            Tracer::Single(pipeline) => pipeline.few(Shape::Quad, &asked, &mut rays.numbers),
-            Tracer::Walk(_) | Tracer::WalkSingle(_) => {
-                for (i, [image_x, image_y]) in image.into_iter().enumerate() {
-                    rays.set(i, self.ray(&Sample { image_x, image_y, ..*sample }));
-                }
+    pub(crate) fn trace_side_by_side(&self, samples: &SampleArrays<'_>, rays: &mut RayBlock<4>) -> bool {
+        if self.gains_side_by_side {
+            self.tracer.trace(Grouping::Quad, samples, &mut rays.arrays(samples.time.len()));
+            let placement = &self.body.placement;
+            rays.set_range_and_time(placement.clip, placement.time(samples.time[0]));
+        }
+        self.gains_side_by_side
+    }
+
+    /// [`RealisticCamera::rays`] of arrays that have one length.
+    #[inline]
+    pub(crate) fn trace_arrays(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
+        self.tracer.trace(Grouping::Wide, samples, rays);
+        let placement = &self.body.placement;
+        let RayArrays { mint, maxt, time, weight, .. } = rays;
+        for (array, end) in [(mint, placement.clip[0]), (maxt, placement.clip[1])] {
+            if let Some(array) = array {
+                fill(array, weight, weight, |_| end);
             }
         }
+        if let Some(time) = time {
+            fill(time, weight, samples.time, |number| placement.time(number));
+        }
     }
 
-    /// The ray that a walk has found, in world space and with its weight.
-    #[inline(never)]
-    fn walk<R: Real>(&self, walk: &Walk<R>, sample: &Sample) -> Option<(WorldRay, f32)> {
-        let Walked { ray, share } = walk.one(self.film_z, sample)?;
-        let weight = self.weight.map_or(1.0, |weight| weight * share) as f32;
-        // However small, it is not that of a blocked ray.
-        Some((self.to_world(ray, sample.time), weight.max(f32::MIN_POSITIVE)))
-    }
-
-    /// Whether a point of the unit disk, which is none, asks for new lens numbers.
+    /// Whether a point of the unit disk, which is none, asks for a new lens sample.
     fn asks_again(&self, disk: [f64; 2]) -> bool {
-        self.mapping == DiskMapping::Rejection && disk.iter().any(|x| x.is_nan())
+        self.body.mapping == DiskMapping::Rejection && disk.iter().any(|x| x.is_nan())
     }
 
     /// A ray that stands in for a blocked one where a host needs a complete ray all the same:
-    /// the thick lens's ray of the same film point and lens numbers, or the straight one where the lens is afocal.
+    /// the thick lens's ray of the same film point and lens sample, or the straight one where the lens is afocal.
     pub fn substitute(&self, sample: &Sample) -> WorldRay {
         let axial = Ray { origin: [0.0; 3], direction: [0.0, 0.0, 1.0] };
         let FilmRays { point, disk, slopes, area_per_pi } = self.tracer.film_ray(sample);
@@ -264,15 +191,11 @@ impl RealisticCamera {
         } else {
             (point, slopes)
         };
-        let ray = film_ray(point, self.film_z, slopes);
+        let CameraBody { film_z, placement, units_per_mm, .. } = &self.body;
+        let ray = film_ray(point, *film_z, slopes);
         let ray = self.first_order.map_or_else(|| straight(ray), |lens| lens.transfer(ray));
         let finite = ray.origin.iter().chain(&ray.direction).all(|x| x.is_finite());
-        self.to_world(if finite { ray } else { axial }, sample.time)
-    }
-
-    #[inline(always)]
-    fn to_world(&self, ray: Ray, time: f32) -> WorldRay {
-        self.placement.world_ray(ray, self.units_per_mm, time)
+        placement.world_ray(if finite { ray } else { axial }, *units_per_mm, sample.time)
     }
 
     /// What the camera keeps and leaves out.
@@ -287,12 +210,12 @@ impl RealisticCamera {
 
     /// The film.
     pub fn film(&self) -> &Film {
-        &self.film
+        &self.body.film
     }
 
     /// Last vertex to film, mm.
     pub fn film_distance(&self) -> f64 {
-        self.lens.rear().vertex - self.film_z
+        self.lens.rear().vertex - self.body.film_z
     }
 
     /// Film plane to the plane in focus, mm; infinity when focused there or beyond, `None` when no
@@ -302,7 +225,7 @@ impl RealisticCamera {
     }
 
     pub(crate) fn placement(&self) -> &Placement {
-        &self.placement
+        &self.body.placement
     }
 
     /// Effective focal length, mm; infinite for an afocal lens.
@@ -320,6 +243,16 @@ fn focal_length(lens: Option<FirstOrder>) -> f64 {
     lens.map_or(f64::INFINITY, |lens| lens.focal_length)
 }
 
+/// Writes what `number` makes of each of `of`, where there is a ray. Without a branch, so that the compiler makes vectors
+/// of it.
+#[inline(always)]
+fn fill(array: &mut [f32], weight: &[f32], of: &[f32], number: impl Fn(f32) -> f32) {
+    for ((to, weight), of) in array.iter_mut().zip(weight).zip(of) {
+        let number = number(*of);
+        *to = if *weight > 0.0 { number } else { *to };
+    }
+}
+
 /// A ray as it reaches the front vertex plane where nothing bends it, with a unit direction.
 fn straight(Ray { origin: [x, y, z], direction: [dx, dy, dz] }: Ray) -> Ray {
     let (sx, sy) = (dx / dz, dy / dz);
@@ -327,20 +260,128 @@ fn straight(Ray { origin: [x, y, z], direction: [dx, dy, dz] }: Ray) -> Ray {
     Ray { origin: [x - sx * z, y - sy * z, 0.0], direction: [sx / norm, sy / norm, 1.0 / norm] }
 }
 
-/// Whether a weight can be told to a host, which takes floats.
+/// The disk that holds every ray from the film through the rear surface.
+fn rear_disk(setup: &Setup, film_z: f64) -> Result<PupilDisk, CameraError> {
+    let surface = setup.lens.rear();
+    let rim = -surface.sagitta(surface.semi_diameter);
+    let film_distance = setup.film_distance;
+    let rear = PupilDisk::rear(&setup.lens, film_z, setup.film.reach())
+        .ok_or(CameraError::FilmInLens { film_distance, rim: rim.max(0.0) })?;
+    // So near the glass that the pupil fills a hemisphere to the last digit, or on film that large, the pupil's
+    // area in slopes, of which the weights are made, leaves the number range.
+    representable(rear.slope_area())?;
+    Ok(rear)
+}
+
+/// What lens samples are mapped to.
+fn pupil_sampler(
+    setup: &Setup,
+    path: &Path,
+    film_z: f64,
+    [rear, exit]: [PupilDisk; 2],
+    log: Log<'_>,
+) -> PupilSampler {
+    match setup.pupil {
+        PupilChoice::Rear => PupilSampler::Disk(rear),
+        PupilChoice::Disk => {
+            warn_of_missed_share(path, film_z, &setup.film, rear, exit, log);
+            PupilSampler::Disk(exit)
+        }
+        PupilChoice::Warped => {
+            let shift = exit.seen_from([1.0, 0.0]).center[0];
+            let pupil = WarpedPupil::new(path, film_z, setup.film.reach(), rear, shift);
+            report_cover(&pupil, log);
+            PupilSampler::Warped(Arc::new(pupil))
+        }
+    }
+}
+
+/// What a ray's cos⁴ and slope area are multiplied by to be its weight; `None` for the weight 1.
+fn weight_factor(
+    setup: &Setup,
+    path: &Path,
+    film_z: f64,
+    sampler: &PupilSampler,
+    [rear, exit]: [PupilDisk; 2],
+) -> Result<Option<f64>, CameraError> {
+    let weight = match setup.weighting {
+        Weighting::Radiometric => Some(1.0),
+        Weighting::Assignment => {
+            Some(sampler.disk().unwrap_or(&exit).area().ok_or(CameraError::PupilAtInfinity)?.recip())
+        }
+        Weighting::Relative => {
+            // Over the disk in use, so that the mean on the axis is 1 with either pupil.
+            let reach = sampler.disk().unwrap_or(&rear).seen_from([0.0; 2]).radius;
+            let mean = on_axis(path, film_z, reach);
+            if mean <= 0.0 {
+                return Err(CameraError::DarkAxis { lens: setup.lens.name.clone() });
+            }
+            Some(mean.recip())
+        }
+        Weighting::None => None,
+    };
+    let largest = sampler.disk().unwrap_or(&rear).slope_area();
+    // The factor by itself, too, times π: single precision multiplies areas over π by it.
+    representable(weight.map_or(1.0, |weight| (weight * largest).max(weight * PI)))?;
+    Ok(weight)
+}
+
+/// Decides how rays are traced, compiles what traces them, and says what was kept and left out.
+fn plan_and_compile(
+    setup: &Setup,
+    path: &Path,
+    body: &CameraBody,
+    log: Log<'_>,
+) -> (Arc<dyn Tracer>, bool, Plan) {
+    let mut plan = Plan::default();
+    let task = Task {
+        lens: &setup.lens,
+        path,
+        film: FilmSide {
+            z: body.film_z,
+            reach: body.film.reach(),
+            corner: body.film.point(0.0, 0.0),
+            pixel: body.film.pixel(),
+            mapping: body.mapping,
+            sampler: &body.sampler,
+        },
+        in_focus: body.film_z + setup.focus_distance.unwrap_or(f64::INFINITY),
+        refraction: setup.refraction,
+        precision: match setup.precision {
+            Precision::Auto => None,
+            Precision::Double => Some(Arithmetic::F64),
+            Precision::Single => Some(Arithmetic::F32),
+        },
+        tolerance: setup.tolerance,
+        leave_out: setup.leave_out,
+    };
+    let decision = Decision::of(&task, &mut plan);
+    for warning in &decision.warnings {
+        log(Level::Warning, warning);
+    }
+    if let Some(choice) = plan.choice() {
+        log(Level::Info, &choice.sentence());
+    }
+    let tracer = compile(&decision, &setup.lens, path, body, &mut plan);
+    task.film.describe(&mut plan, setup.lens.wavelength);
+    body.placement.describe(&mut plan);
+    (tracer, decision.tracing.gains_side_by_side(), plan)
+}
+
+/// Whether a weight is a number to a host, which takes floats.
 fn representable(weight: f64) -> Result<(), CameraError> {
     if (weight as f32).is_finite() { Ok(()) } else { Err(CameraError::Weight { weight }) }
 }
 
 /// Says where the warped pupil had to be given up.
-fn tell_of_cover(pupil: &WarpedPupil, log: &mut dyn FnMut(Level, &str)) {
+fn report_cover(pupil: &WarpedPupil, log: Log<'_>) {
     let covered = pupil.build_report().covered;
     if covered > 0.0 {
         log(
             Level::Info,
             &format!(
                 "pupil \"warped\": over {:.1} % of the film's radius the pupil is in pieces, or of no shape that \
-                 a fan of straight lines reaches, and samples are drawn from the rear element's disk there: \
+                 a fan of straight lines reaches, and the rear element's disk is sampled there: \
                  unbiased, with more of them blocked",
                 100.0 * covered
             ),
@@ -354,7 +395,7 @@ fn warn_of_missed_share(
     film: &Film,
     rear: PupilDisk,
     disk: PupilDisk,
-    log: &mut dyn FnMut(Level, &str),
+    log: Log<'_>,
 ) {
     let missed = |height: f64| {
         let point = [0.0, height];

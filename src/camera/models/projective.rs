@@ -3,7 +3,8 @@
 //! They are pbrt-v1's stock cameras of these names (M. Pharr and G. Humphreys, *Physically Based
 //! Rendering*, 1st ed. 2004, §6.2): the same parameters and defaults, the ray's origin on the near plane,
 //! its end at the far plane (perspective) or at the length between the planes (orthographic), weight 1,
-//! and the stock cameras' single-precision arithmetic, operation for operation.
+//! and the stock cameras' single-precision arithmetic, operation for operation. Where the camera transform scales or
+//! shears, directions are made unit vectors, which the stock cameras' are not then, and the clip range follows.
 
 use super::spaces::{Projection, ScreenWindow};
 use crate::{

@@ -35,30 +35,26 @@ pub(crate) fn out_of_range(parameter: &'static str, value: f64, range: &str) -> 
     ParameterError::Range { name: parameter, value, range: range.to_owned() }.into()
 }
 
-/// Two parameters of which the first may not exceed the second; as floats, so that what a ray carries
-/// is finite, but for a far end where `open_ended`.
-pub(crate) fn interval(
-    (low_name, low, low_default): (&'static str, Option<f64>, f64),
-    (high_name, high, high_default): (&'static str, Option<f64>, f64),
-    least: Option<f64>,
-    open_ended: bool,
+/// A number that is a finite float, which a ray may carry.
+pub(crate) fn finite_float(parameter: &'static str, value: f64) -> Result<f32, CameraError> {
+    let float = value as f32;
+    if float.is_finite() { Ok(float) } else { Err(out_of_range(parameter, value, "a finite float")) }
+}
+
+/// Two distances along a ray as floats: the first finite and 0 or more, the second no less, or infinite.
+pub(crate) fn clip_range(
+    (low_name, low): (&'static str, f64),
+    (high_name, high): (&'static str, f64),
 ) -> Result<[f32; 2], CameraError> {
-    let low = low.unwrap_or(low_default);
-    let high = high.unwrap_or(high_default);
-    let is_finite = |value: f64| (value as f32).is_finite();
-    if !is_finite(low) {
-        return Err(out_of_range(low_name, low, "a finite float"));
-    }
-    if !(is_finite(high) || open_ended && !high.is_nan()) {
+    let from = finite_float(low_name, low)?;
+    if high.is_nan() {
         return Err(out_of_range(high_name, high, "a finite float"));
     }
-    if let Some(least) = least
-        && low < least
-    {
-        return Err(out_of_range(low_name, low, &format!("{least} or more")));
+    if low < 0.0 {
+        return Err(out_of_range(low_name, low, "0 or more"));
     }
     if high < low {
         return Err(out_of_range(high_name, high, &format!("at least \"{low_name}\", which is {low}")));
     }
-    Ok([low as f32, high as f32])
+    Ok([from, high as f32])
 }

@@ -23,7 +23,8 @@ pub(crate) enum Weighting {
     /// The mean over lens samples is film irradiance for unit radiance.
     #[default]
     Radiometric,
-    /// The assignment's cos⁴/Z².
+    /// The assignment's cos⁴/Z²: radiometric over an area that is the same for all film points. For a disk it is the
+    /// area samples are taken from; for the warped pupil, whose area varies, the paraxial exit pupil's.
     Assignment,
     /// Relative to the mean on the axis.
     Relative,

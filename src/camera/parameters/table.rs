@@ -162,8 +162,8 @@ parameters! {
     hither: Float, "world units along the ray where it begins (default 1e-3)";
     yon: Float, "world units along the ray where it ends (default 1e30)";
     shutteropen: Float, "time at which the shutter opens (default 0)";
-    shutterclose: Float, "time at which the shutter closes (default 1)";
-    weighting: Text, "\"radiometric\" (default), \"assignment\", \"relative\" or \"none\"";
+    shutterclose: Float, "time at which the shutter closes (default 1); before `shutteropen`, time runs backward, as in pbrt";
+    weighting: Text, "\"radiometric\" (default), \"assignment\" (over the area of `pupil`'s disk; with \"warped\" of the paraxial exit pupil), \"relative\" or \"none\"";
     simpleweighting: Bool, "pbrt-v3's name: true is weighting \"relative\", false is \"radiometric\"";
     pupil: Text, "where lens samples are drawn: \"warped\" (default: the true pupil of each film point), \"rear\" or \"disk\"";
     disk: Text, "how lens samples map to the disk: \"concentric\" (default), \"polar\" or \"rejection\"";

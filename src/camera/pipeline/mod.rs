@@ -1,8 +1,9 @@
-//! From samples to world rays: film ray, trace, weight and world ray, for one sample, three, or many.
+//! From samples to world rays: film ray, trace, weight and world ray, for one sample, a few, or many.
 
-pub(crate) mod batch;
-pub(crate) mod block;
-pub(crate) mod compiled;
-pub(crate) mod few;
-pub(crate) mod film_rays;
+pub(crate) mod arrays;
+pub(crate) mod body;
+pub(crate) mod compile;
+mod film_sampling;
+mod lanes;
 pub(crate) mod tracer;
+mod walk;

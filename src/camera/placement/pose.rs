@@ -4,6 +4,7 @@ use glam::{DMat3, DVec3};
 
 use super::shutter::time_number;
 use crate::camera::{CameraMotion, CameraToWorld, WorldRay};
+use crate::plan::Plan;
 use crate::trace::{
     Ray, Real,
     kernel::{Cpu, Lanes, Precision},
@@ -15,7 +16,7 @@ pub(crate) struct Placement {
     pub to_world: CameraMotion,
     /// World units along a ray: where it begins and ends.
     pub clip: [f32; 2],
-    /// When the shutter opens and closes.
+    /// When the shutter opens and closes, in either order: time runs from the first to the second.
     pub shutter: [f32; 2],
 }
 
@@ -53,6 +54,54 @@ impl Placement {
         let (direction, stretch) = to_world.direction_single(direction);
         let [mint, maxt] = range.map(|length| length * stretch);
         WorldRay { origin: to_world.point_single(origin), direction, mint, maxt, time }
+    }
+
+    /// Adds what is kept and left out of time and the place in the world to a plan.
+    pub(crate) fn describe(&self, plan: &mut Plan) {
+        let [open, close] = self.shutter;
+        if open == close {
+            plan.left_out(
+                "interpolation of time",
+                "the shutter opens and closes at once",
+                "one time for all rays",
+            );
+        } else {
+            plan.kept(
+                "interpolation of time",
+                format!("the shutter is open from {open} to {close}"),
+                "a ray has its own time",
+            );
+        }
+        match &self.to_world {
+            CameraMotion::Moving(_) => {
+                plan.kept(
+                    "interpolation of the motion",
+                    "the camera moves while the shutter is open",
+                    "a transform per ray",
+                );
+            }
+            CameraMotion::Still(to_world) => {
+                plan.left_out(
+                    "interpolation of the motion",
+                    "the camera stands still",
+                    "one transform for all rays",
+                );
+                if to_world.is_identity() {
+                    plan.left_out("camera to world", "it is the identity", "rays stay as they are");
+                } else {
+                    plan.kept(
+                        "camera to world",
+                        "it is not the identity",
+                        "a 3 x 3 matrix and a move; nothing is divided by w",
+                    );
+                    plan.kept(
+                        "making directions unit vectors",
+                        "entries are floats: even a rotation is one to 1e-7 only",
+                        "unit directions",
+                    );
+                }
+            }
+        }
     }
 }
 

@@ -3,7 +3,8 @@
 //! The times are fractions of the interval from `shutteropen` to `shutterclose`, in which a host draws its
 //! samples evenly; the mean of S over them, the shutter's efficiency (1 for a global one, 1 - ramp for a leaf, the
 //! slit's share for a focal-plane one), times the interval is the effective exposure time (S. F. Ray, *Applied
-//! Photographic Optics*, 3rd ed. 2002, ch. 61).
+//! Photographic Optics*, 3rd ed. 2002, ch. 61). Where `shutterclose` is the earlier, time runs backward, as with pbrt's
+//! stock cameras, and the fractions with it.
 
 use crate::camera::{CameraError, Parameters, parameters::check};
 

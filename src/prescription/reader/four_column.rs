@@ -1,27 +1,36 @@
 //! A row of the assignment's and pbrt's table: radius, thickness, index, clear diameter.
 
-use super::{Glasses, Medium, RawInterface, Row, Rows, index, is_stop_word, radius};
-use crate::prescription::LensFileError;
+use super::{
+    glasses::Glasses,
+    lines::{Line, Lines},
+    surface_row::SurfaceRow,
+    values::{index, is_stop_word, radius},
+};
+use crate::prescription::{LensFileError, interfaces::Medium};
 
 const COLUMNS: &str = "a row has four values: radius, thickness, refractive index, clear diameter";
 
-pub(super) fn interface(rows: &Rows, glasses: &Glasses, row: &Row) -> Result<RawInterface, LensFileError> {
-    let [first, thickness, medium, diameter] = row.words.as_slice() else {
-        let hint = if row.words.len() > 5 { " (a decimal comma? write 1.5, not 1,5)" } else { "" };
-        return Err(rows.error(
-            &row.words[0],
-            &format!("{} value(s); {COLUMNS}, or five in a table with V-numbers{hint}", row.words.len()),
+/// Reads one row.
+///
+/// # Errors
+/// The first word that cannot stand where it does.
+pub(super) fn row(lines: &Lines, glasses: &Glasses, line: &Line) -> Result<SurfaceRow, LensFileError> {
+    let [first, thickness, medium, diameter] = line.words.as_slice() else {
+        let hint = if line.words.len() > 5 { " (a decimal comma? write 1.5, not 1,5)" } else { "" };
+        return Err(lines.error(
+            &line.words[0],
+            &format!("{} value(s); {COLUMNS}, or five in a table with V-numbers{hint}", line.words.len()),
         ));
     };
     let says_stop = is_stop_word(first);
-    Ok(RawInterface {
-        radius: if says_stop { f64::INFINITY } else { radius(rows, first)? },
+    Ok(SurfaceRow {
+        radius: if says_stop { f64::INFINITY } else { radius(lines, first)? },
         says_stop,
-        thickness: rows.number(thickness, "a thickness in mm")?,
-        medium: match glasses.find(rows, medium)? {
+        thickness: lines.number(thickness, "a thickness in mm")?,
+        medium: match glasses.find(lines, medium)? {
             Some(glass) => glass,
-            None => index(rows, medium)?.map_or(Medium::Air, |n_d| Medium::Glass { n_d, abbe: None }),
+            None => index(lines, medium)?.map_or(Medium::Air, |n_d| Medium::Glass { n_d, abbe: None }),
         },
-        diameter: rows.number(diameter, "a clear diameter in mm")?,
+        diameter: lines.number(diameter, "a clear diameter in mm")?,
     })
 }

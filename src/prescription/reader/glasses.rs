@@ -2,11 +2,15 @@
 //! order, C in µm². Each constant bears its name, so that a data sheet's order cannot be mistaken. A row of the
 //! table then has the name where others have the refractive index.
 
-use super::{Medium, Row, Rows, Word};
-use crate::message::short;
-use crate::prescription::{
-    LensFileError, Sellmeier,
-    glass::{C_LINE, D_LINE, F_LINE, VALID_WAVELENGTHS, refractive_index},
+use super::lines::{Line, Lines, Word};
+use crate::{
+    message::short,
+    prescription::{
+        LensFileError,
+        glass::{C_LINE, D_LINE, F_LINE, VALID_WAVELENGTHS, refractive_index},
+        interfaces::{Medium, Sellmeier},
+        limits::{MAX_INTERFACES, MAX_NAME_BYTES, beginning},
+    },
 };
 
 const FORM: &str = "a glass is defined by: glass NAME sellmeier B1=… C1=… B2=… C2=… B3=… C3=… (C in µm²)";
@@ -16,28 +20,30 @@ const FORM: &str = "a glass is defined by: glass NAME sellmeier B1=… C1=… B2
 pub(super) struct Glasses(Vec<(String, Medium)>);
 
 impl Glasses {
-    /// Takes the lines that define a glass out of the rows.
-    pub(super) fn take(rows: &mut Rows) -> Result<Self, LensFileError> {
-        let is_glass = |row: &Row| row.words[0].text.eq_ignore_ascii_case("glass");
-        let (definitions, table) = std::mem::take(&mut rows.rows).into_iter().partition(is_glass);
-        rows.rows = table;
+    /// Takes the lines that define a glass out of the others.
+    pub(super) fn take(lines: &mut Lines) -> Result<Self, LensFileError> {
+        let is_glass = |line: &Line| line.words[0].text.eq_ignore_ascii_case("glass");
+        let (definitions, table) = std::mem::take(&mut lines.lines).into_iter().partition(is_glass);
+        lines.lines = table;
         let mut glasses = Self::default();
-        let definitions: Vec<Row> = definitions;
-        for row in &definitions {
-            let (name, constants) = glasses.definition(rows, row)?;
+        let definitions: Vec<Line> = definitions;
+        lines.at_most(&definitions, &format!("a lens file defines at most {MAX_INTERFACES} glasses"))?;
+        for line in &definitions {
+            let (name, constants) = glasses.definition(lines, line)?;
             glasses.0.push((name.text.clone(), Medium::Sellmeier(constants)));
         }
         Ok(glasses)
     }
 
     /// The medium of a name in the index column; `None` when the word is to be read as a number.
-    pub(super) fn find(&self, rows: &Rows, word: &Word) -> Result<Option<Medium>, LensFileError> {
+    pub(super) fn find(&self, lines: &Lines, word: &Word) -> Result<Option<Medium>, LensFileError> {
         if let Some((_, medium)) = self.0.iter().find(|(name, _)| *name == word.text) {
             return Ok(Some(*medium));
         }
         if !is_name(&word.text) || word.text.parse::<f64>().is_ok() {
             return Ok(None);
         }
+        check_length(lines, word)?;
         let known = match self.0.as_slice() {
             [] => "the file defines none".to_owned(),
             some => {
@@ -46,49 +52,50 @@ impl Glasses {
             }
         };
         let text = &word.text;
-        Err(rows.error(word, &format!("\"{text}\" is no refractive index and no glass: {known}; {FORM}")))
+        Err(lines.error(word, &format!("\"{text}\" is no refractive index and no glass: {known}; {FORM}")))
     }
 
-    fn definition<'a>(&self, rows: &Rows, row: &'a Row) -> Result<(&'a Word, Sellmeier), LensFileError> {
-        let [glass, name, formula, words @ ..] = row.words.as_slice() else {
-            return Err(rows.error(&row.words[0], FORM));
+    fn definition<'a>(&self, lines: &Lines, line: &'a Line) -> Result<(&'a Word, Sellmeier), LensFileError> {
+        let [glass, name, formula, words @ ..] = line.words.as_slice() else {
+            return Err(lines.error(&line.words[0], FORM));
         };
         if !is_name(&name.text) || name.text.parse::<f64>().is_ok() {
             let text = format!("\"{}\" is no name for a glass: it begins with a letter; {FORM}", name.text);
-            return Err(rows.error(name, &text));
+            return Err(lines.error(name, &text));
         }
+        check_length(lines, name)?;
         if self.0.iter().any(|(known, _)| *known == name.text) {
-            return Err(rows.error(name, &format!("glass \"{}\" is defined twice", name.text)));
+            return Err(lines.error(name, &format!("glass \"{}\" is defined twice", name.text)));
         }
         if !formula.text.eq_ignore_ascii_case("sellmeier") {
-            return Err(rows.error(formula, &format!("no formula is called \"{}\"; {FORM}", formula.text)));
+            return Err(lines.error(formula, &format!("no formula is called \"{}\"; {FORM}", formula.text)));
         }
         let mut constants = [None; 6];
         for word in words {
-            let (place, number) = constant(rows, word)?;
+            let (place, number) = constant(lines, word)?;
             if constants[place].replace(number).is_some() {
-                return Err(rows.error(word, &format!("\"{}\": given twice; {FORM}", word.text)));
+                return Err(lines.error(word, &format!("\"{}\": given twice; {FORM}", word.text)));
             }
         }
         let [Some(b1), Some(b2), Some(b3), Some(c1), Some(c2), Some(c3)] = constants else {
-            return Err(rows.error(glass, &format!("{} of six constants; {FORM}", words.len())));
+            return Err(lines.error(glass, &format!("{} of six constants; {FORM}", words.len())));
         };
         let constants = Sellmeier { b: [b1, b2, b3], c: [c1, c2, c3] };
-        check(constants).map_err(|wrong| rows.error(name, &wrong))?;
+        check(constants).map_err(|wrong| lines.error(name, &wrong))?;
         Ok((name, constants))
     }
 }
 
 /// Where a constant such as `B1=1.04` stands among B1, B2, B3, C1, C2, C3, and its value.
-fn constant(rows: &Rows, word: &Word) -> Result<(usize, f64), LensFileError> {
+fn constant(lines: &Lines, word: &Word) -> Result<(usize, f64), LensFileError> {
     const NAMES: [&str; 6] = ["B1", "B2", "B3", "C1", "C2", "C3"];
     let split = word.text.split_once('=');
     let place = split.and_then(|(name, _)| NAMES.iter().position(|known| known.eq_ignore_ascii_case(name)));
     let (Some((name, number)), Some(place)) = (split, place) else {
-        return Err(rows.error(word, &format!("\"{}\" is no constant such as B1=1.04; {FORM}", word.text)));
+        return Err(lines.error(word, &format!("\"{}\" is no constant such as B1=1.04; {FORM}", word.text)));
     };
     let value = Word { text: number.to_owned(), line: word.line, column: word.column + name.len() + 1 };
-    Ok((place, rows.number(&value, "a constant of Sellmeier's formula")?))
+    Ok((place, lines.number(&value, "a constant of Sellmeier's formula")?))
 }
 
 /// That the constants are a glass's in the range in which they will be used.
@@ -110,6 +117,16 @@ fn check(constants: Sellmeier) -> Result<(), String> {
     Ok(())
 }
 
+fn check_length(lines: &Lines, name: &Word) -> Result<(), LensFileError> {
+    let length = name.text.len();
+    if length <= MAX_NAME_BYTES {
+        return Ok(());
+    }
+    let text = beginning(&name.text);
+    let message = format!("\"{text}\" has {length} bytes; a glass's name has at most {MAX_NAME_BYTES}");
+    Err(lines.error(name, &message))
+}
+
 /// Whether a word can be a glass's name: it begins with a letter and is none of the table's own words.
 fn is_name(text: &str) -> bool {
     text.starts_with(|first: char| first.is_ascii_alphabetic()) && !text.eq_ignore_ascii_case("stop")
@@ -118,7 +135,7 @@ fn is_name(text: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::prescription::reader::{Prescription, read};
+    use crate::prescription::{Prescription, reader::read};
 
     const BK7: &str = "glass N-BK7 sellmeier B1=1.03961212 B2=0.231792344 B3=1.01046945 \
                        C1=0.00600069867 C2=0.0200179144 C3=103.560653\n";

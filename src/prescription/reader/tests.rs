@@ -1,7 +1,10 @@
 //! Every accepted spelling and every refusal, the latter as its user would read it.
 
 use super::*;
-use crate::prescription::catalogue;
+use crate::prescription::{
+    catalogue,
+    interfaces::{Medium, Shape},
+};
 
 const SINGLET: &str = "20 5 1.5 10\n-20 30 1 10\n";
 
@@ -113,4 +116,64 @@ fn impossible_interfaces_are_refused() {
     refused("20 5 1.5 60 10\nstop 2 9\n-20 0 9\nstop 1 1.5 60 9", "2:1", &["air on both sides"]);
     refused("20 5 1.5 60 10\n-20 1 - 60 9", "2:9", &["V-number without a refractive index"]);
     refused("20 5 1.5 -3 10\n-20 1 9", "1:10", &["V-number is positive"]);
+}
+
+/// A lens of so many interfaces.
+fn stack(interfaces: usize) -> String {
+    assert!(interfaces.is_multiple_of(2));
+    "90 1 1.5 10\n-90 1 1 10\n".repeat(interfaces / 2)
+}
+
+#[test]
+fn a_lens_has_at_most_a_thousand_interfaces() {
+    assert_eq!(ok(stack(MAX_INTERFACES).as_bytes()).interfaces.len(), 1000);
+    // Comments and the focal length are no interfaces.
+    assert_eq!(ok(format!("# title\n50\n{}", stack(1000)).as_bytes()).interfaces.len(), 1000);
+    refused(&stack(1002), "1001:1", &["row 1001 of 1002", "at most 1000 interfaces"]);
+    let five = stack(1002).replace("1.5", "1.5 60").replace(" 1 10", " 10");
+    refused(&format!("# title\n{five}"), "1002:1", &["at most 1000 interfaces"]);
+    // What is beyond the limit is not looked at.
+    refused(&format!("{}x y z", stack(1000)), "1001:1", &["row 1001 of 1001"]);
+}
+
+#[test]
+fn a_file_defines_at_most_a_thousand_glasses() {
+    let glasses = |number: usize| -> String {
+        let line = |i| format!("glass g{i} sellmeier B1=1 C1=0 B2=0 C2=0 B3=0 C3=0\n");
+        (0..number).map(line).collect()
+    };
+    ok(format!("{}20 5 g999 10\n-20 0 1 10", glasses(1000)).as_bytes());
+    let text = format!("{}20 5 g999 10\n-20 0 1 10", glasses(1001));
+    refused(&text, "1001:1", &["row 1001 of 1001", "at most 1000 glasses"]);
+}
+
+#[test]
+fn a_name_has_at_most_255_bytes() {
+    let file = |glass: &str, used: &str| {
+        format!("glass {glass} sellmeier B1=1 C1=0 B2=0 C2=0 B3=0 C3=0\n20 5 {used} 10\n-20 0 1 10")
+    };
+    let longest = "g".repeat(MAX_NAME_BYTES);
+    ok(file(&longest, &longest).as_bytes());
+    let longer = format!("{longest}g");
+    refused(&file(&longer, "1.5"), "1:7", &["has 256 bytes", "at most 255"]);
+    refused(&file("g", &longer), "2:6", &["has 256 bytes", "at most 255"]);
+    let huge = "g".repeat(900_000);
+    let message = read("lens.dat", file("g", &huge).as_bytes()).expect_err("too long").to_string();
+    assert!(message.len() < 200, "{} bytes", message.len());
+
+    assert_eq!(read(&format!("some/where/{longest}"), SINGLET.as_bytes()).expect("a lens").name, longest);
+    let message = read(&huge, SINGLET.as_bytes()).expect_err("too long").to_string();
+    assert!(message.contains("900000 bytes") && message.len() < 200, "{message}");
+}
+
+#[test]
+fn a_text_has_at_most_a_mebibyte() {
+    let mut text = SINGLET.as_bytes().to_vec();
+    text.resize(MAX_FILE_BYTES as usize, b'\n');
+    assert_eq!(ok(&text).interfaces.len(), 2);
+    text.push(b'\n');
+    let lines = MAX_FILE_BYTES as usize - SINGLET.len() + 3;
+    let message = read("lens.dat", &text).expect_err("too large").to_string();
+    assert!(message.starts_with(&format!("lens.dat:{lines}:1: ")), "{message}");
+    assert!(message.contains("at most 1048576 bytes (1 MiB)"), "{message}");
 }

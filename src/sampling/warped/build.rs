@@ -5,11 +5,11 @@ use std::cell::Cell;
 
 use super::{
     outline::{Guess, Outline, direction},
-    row::{CELLS, Knots, Row, TRACE_EVERY},
-    search::{Crossing, Hints},
+    search::{Crossing, EdgeFinder, Hints},
+    slice::{CELLS, Knots, Slice, TRACE_EVERY},
     view::{Limit, View},
 };
-use crate::{lens::pupil::SlopeDisk, sampling::PupilDisk, trace::Path};
+use crate::{lens::pupil::SlopeDisk, sampling::pupil_disk::PupilDisk, trace::Path};
 
 /// Intervals of film radius that the table begins with.
 pub(crate) const COARSE: usize = 8;
@@ -18,7 +18,7 @@ pub(crate) const DEPTH: u32 = 6;
 /// Smallest intervals.
 pub(crate) const FINE: usize = COARSE << DEPTH;
 
-/// What may be left of a misfit in an interval's middle when that is made a row: a quarter for smooth
+/// What may be left of a misfit in an interval's middle when that is made a slice: a quarter for smooth
 /// outlines, a little more where a corner moves along.
 const AFTER_HALVING: f64 = 0.3;
 /// The same where a corner comes or goes anywhere within the interval, a quarter of it from the end
@@ -53,7 +53,7 @@ pub(crate) struct Builder<'a> {
     /// A disk that holds every pupil.
     pub cover: PupilDisk,
     /// Film radius times this is about the slope to the pupil's centre.
-    pub drift: f64,
+    pub shift: f64,
     pub rays: Cell<u32>,
     hints: Hints,
     knots: Knots,
@@ -61,12 +61,12 @@ pub(crate) struct Builder<'a> {
     vanishing: Cell<f64>,
 }
 
-/// A stretch of film radius between two rows.
+/// A stretch of film radius between two slices.
 pub(crate) struct Interval {
     /// In units of the smallest interval.
     pub from: usize,
     pub to: usize,
-    pub rows: [Row; 2],
+    pub slices: [Slice; 2],
 }
 
 /// Everything that the table keeps.
@@ -79,13 +79,13 @@ pub(crate) struct Layout {
 }
 
 impl<'a> Builder<'a> {
-    pub fn new(path: &'a Path, film: f64, reach: f64, cover: PupilDisk, drift: f64) -> Self {
+    pub fn new(path: &'a Path, film: f64, reach: f64, cover: PupilDisk, shift: f64) -> Self {
         Self {
             path,
             film,
             reach,
             cover,
-            drift,
+            shift,
             rays: Cell::new(0),
             hints: Hints::new(path.surfaces()),
             knots: Knots::new(),
@@ -93,23 +93,27 @@ impl<'a> Builder<'a> {
         }
     }
 
-    fn view(&self, height: f64, width: f64) -> View<'_> {
-        View { path: self.path, film: self.film, height, width, rays: &self.rays, hints: &self.hints }
+    fn view(&self, height: f64, width_scale: f64) -> View<'_> {
+        View { path: self.path, film: self.film, height, width_scale, rays: &self.rays }
+    }
+
+    fn finder<'b>(&'b self, view: &'b View<'b>) -> EdgeFinder<'b> {
+        EdgeFinder { view, hints: &self.hints }
     }
 
     fn cover_at(&self, height: f64) -> SlopeDisk {
         self.cover.seen_from([height, 0.0])
     }
 
-    fn cover_row(&self, height: f64) -> Row {
+    fn cover_slice(&self, height: f64) -> Slice {
         let center = self.cover.seen_from([1.0, 0.0]).center[0];
-        Row::disk(height, center, self.cover_at(height).radius, false)
+        Slice::disk(height, center, self.cover_at(height).radius, false)
     }
 
     pub fn layout(&self) -> Layout {
-        let vanishing = self.vanishing_row().filter(|row| !self.leaks_beyond(row.height));
+        let vanishing = self.vanishing_slice().filter(|slice| !self.leaks_beyond(slice.height));
         let dark_beyond = vanishing.is_some();
-        let end = vanishing.as_ref().map_or(self.reach, |row| row.height);
+        let end = vanishing.as_ref().map_or(self.reach, |slice| slice.height);
         if dark_beyond {
             self.vanishing.set(end);
         }
@@ -117,8 +121,8 @@ impl<'a> Builder<'a> {
             let s = place as f64 / FINE as f64;
             end * if dark_beyond { s * (2.0 - s) } else { s }
         };
-        let coarse = self.coarse_rows(&height, vanishing);
-        let axis_area = coarse[0].as_ref().map_or(0.0, |row| row.area);
+        let coarse = self.coarse_slices(&height, vanishing);
+        let axis_area = coarse[0].as_ref().map_or(0.0, |slice| slice.area);
         let mut intervals = Vec::new();
         for (number, pair) in coarse.windows(2).enumerate() {
             let (from, to) = (number << DEPTH, (number + 1) << DEPTH);
@@ -132,23 +136,23 @@ impl<'a> Builder<'a> {
     }
 
     fn covered(&self, height: &impl Fn(usize) -> f64, [from, to]: [usize; 2]) -> Interval {
-        Interval { from, to, rows: [from, to].map(|place| self.cover_row(height(place))) }
+        Interval { from, to, slices: [from, to].map(|place| self.cover_slice(height(place))) }
     }
 
     /// The radius at which the pupil has shrunk to a point, where that lies within reach, or so little beyond that the
     /// pupil is a sliver there.
-    fn vanishing_row(&self) -> Option<Row> {
+    fn vanishing_slice(&self) -> Option<Slice> {
         let scale = self.cover_at(0.0).radius;
         let mut inside = (0.0, 0.0);
         for step in 1..=COARSE + 1 {
             let height = self.reach * step as f64 / COARSE as f64;
-            let guess = if inside.0 > 0.0 { inside.1 * height / inside.0 } else { self.drift * height };
+            let guess = if inside.0 > 0.0 { inside.1 * height / inside.0 } else { self.shift * height };
             let (slope, excess) = self.view(height, 1.0).innermost(guess, scale, true);
             if excess < 0.0 {
                 inside = (height, slope);
                 continue;
             }
-            let ratio = if inside.0 > 0.0 { inside.1 / inside.0 } else { self.drift };
+            let ratio = if inside.0 > 0.0 { inside.1 / inside.0 } else { self.shift };
             let best = Cell::new(ratio);
             let margin = |height: f64| {
                 let (slope, excess) = self.view(height, 1.0).innermost(best.get() * height, scale, false);
@@ -165,9 +169,9 @@ impl<'a> Builder<'a> {
                 inside = (beside, best.get() * beside);
                 continue;
             }
-            return Some(Row {
-                squeeze: (1.0 - LEAST_WIDTH) / (end * end),
-                ..Row::disk(end, best.get(), 0.0, true)
+            return Some(Slice {
+                narrowing: (1.0 - LEAST_WIDTH) / (end * end),
+                ..Slice::disk(end, best.get(), 0.0, true)
             });
         }
         None
@@ -191,21 +195,26 @@ impl<'a> Builder<'a> {
         })
     }
 
-    /// The rows at the ends of the coarse intervals; `None` where only a cover will do.
-    fn coarse_rows(&self, height: &impl Fn(usize) -> f64, mut vanishing: Option<Row>) -> Vec<Option<Row>> {
-        let mut rows: Vec<Option<Row>> = Vec::with_capacity(COARSE + 1);
-        rows.push(self.axial_row());
-        let axis_area = rows[0].as_ref().map_or(0.0, |row| row.area);
+    /// The slices at the ends of the coarse intervals; `None` where only a cover will do.
+    fn coarse_slices(
+        &self,
+        height: &impl Fn(usize) -> f64,
+        mut vanishing: Option<Slice>,
+    ) -> Vec<Option<Slice>> {
+        let mut slices: Vec<Option<Slice>> = Vec::with_capacity(COARSE + 1);
+        slices.push(self.axial_slice());
+        let axis_area = slices[0].as_ref().map_or(0.0, |slice| slice.area);
         for number in 1..=COARSE {
             if number == COARSE && vanishing.is_some() {
-                rows.push(vanishing.take());
+                slices.push(vanishing.take());
                 break;
             }
             let height = height(number << DEPTH);
-            let row = rows[number - 1].as_ref().and_then(|before| {
-                let view = self.view(height, before.width());
-                let drift = if number == 1 { self.drift } else { before.center };
-                let [guess, reach] = [drift * height, self.cover_at(height).radius].map(|x| x / view.width);
+            let slice = slices[number - 1].as_ref().and_then(|before| {
+                let view = self.view(height, before.width_scale());
+                let shift = if number == 1 { self.shift } else { before.center };
+                let [guess, reach] =
+                    [shift * height, self.cover_at(height).radius].map(|x| x / view.width_scale);
                 let (inside, excess) = view.innermost(guess, reach, true);
                 if !(excess < 0.0) {
                     return None;
@@ -213,23 +222,23 @@ impl<'a> Builder<'a> {
                 let outline = self.outline(&view, inside, before)?;
                 (!self.is_in_pieces(&view, &outline)).then(|| self.fit(&view, &outline, axis_area))
             });
-            rows.push(row);
+            slices.push(slice);
         }
-        if let [Some(axis), Some(next), ..] = rows.as_mut_slice() {
-            (axis.center, axis.squeeze) = (next.center, next.squeeze);
+        if let [Some(axis), Some(next), ..] = slices.as_mut_slice() {
+            (axis.center, axis.narrowing) = (next.center, next.narrowing);
         }
-        rows
+        slices
     }
 
     /// The pupil on the axis: a disk, if it is whole.
-    fn axial_row(&self) -> Option<Row> {
+    fn axial_slice(&self) -> Option<Slice> {
         let view = self.view(0.0, 1.0);
         let reach = self.cover_at(0.0).radius;
         let guess = Crossing { radius: reach, limit: Limit::Optics, steepness: 1.0 };
         if !(view.excess([0.0, 0.0]).value <= 0.0) {
             return None;
         }
-        let edge = view.crossings(0.0, std::iter::once(([1.0, 0.0], guess)))?[0].radius;
+        let edge = self.finder(&view).crossings(0.0, std::iter::once(([1.0, 0.0], guess)))?[0].radius;
         const SCAN: u32 = 32;
         let place = |i: u32| (f64::from(i) + 0.5) / f64::from(SCAN);
         let within: Vec<_> = (0..SCAN).map(|i| [edge * place(i), 0.0]).collect();
@@ -237,11 +246,11 @@ impl<'a> Builder<'a> {
         let beyond = BESIDE * edge;
         let outside: Vec<_> = (0..SCAN).map(|i| [beyond + (reach - beyond) * place(i), 0.0]).collect();
         let ring = beyond < reach && view.pass(&outside).contains(&true);
-        (!hole && !ring).then(|| Row::disk(0.0, 0.0, edge, true))
+        (!hole && !ring).then(|| Slice::disk(0.0, 0.0, edge, true))
     }
 
     /// The outline at `view`, expected to look like `like`.
-    fn outline(&self, view: &View<'_>, inside: f64, like: &Row) -> Option<Outline> {
+    fn outline(&self, view: &View<'_>, inside: f64, like: &Slice) -> Option<Outline> {
         let points: Vec<(f64, f64)> = (0..=CELLS)
             .step_by(TRACE_EVERY)
             .map(|knot| {
@@ -256,19 +265,19 @@ impl<'a> Builder<'a> {
             .collect();
         let rising = points.windows(2).all(|pair| pair[0].0 < pair[1].0);
         if rising {
-            return Outline::trace(view, &Guess { inside, points: &points });
+            return Outline::trace(self.finder(view), &Guess { inside, points: &points });
         }
         let even: Vec<_> =
             (0..=CELLS).step_by(TRACE_EVERY).map(|knot| (self.knots.angles[knot], points[0].1)).collect();
-        Outline::trace(view, &Guess { inside, points: &even })
+        Outline::trace(self.finder(view), &Guess { inside, points: &even })
     }
 
-    fn fit(&self, view: &View<'_>, outline: &Outline, axis_area: f64) -> Row {
+    fn fit(&self, view: &View<'_>, outline: &Outline, axis_area: f64) -> Slice {
         // Where the pupil vanishes at H, √(1 - h²/H²) is about its width over its height. Half of that keeps τ above 0
-        // between the rows, too; where it does not vanish nothing is squeezed.
-        let lune = (1.0 - (view.height / self.vanishing.get()).powi(2)).max(0.0).sqrt();
-        let least = if lune < 1.0 { lune / 2.0 } else { 1.0 };
-        Row::fit(view, outline, &self.knots, axis_area, least)
+        // between the slices, too; where it does not vanish nothing is narrowed.
+        let crescent = (1.0 - (view.height / self.vanishing.get()).powi(2)).max(0.0).sqrt();
+        let least = if crescent < 1.0 { crescent / 2.0 } else { 1.0 };
+        Slice::fit(view, outline, &self.knots, axis_area, least)
     }
 
     /// A coarse look for holes inside the outline, and for light that gets through outside it.
@@ -285,7 +294,7 @@ impl<'a> Builder<'a> {
             let edge = outline.radius(angle, &mut cursor);
             let at = |radius: f64| [outline.center + radius * dx, radius * dy];
             // Along the half-line to where it leaves the cover.
-            let (offset, dx) = (view.width * outline.center - cover.center[0], view.width * dx);
+            let (offset, dx) = (view.width_scale * outline.center - cover.center[0], view.width_scale * dx);
             let (along, square) = (offset * dx, dx * dx + dy * dy);
             let inside = cover.radius.powi(2) - offset * offset;
             let end = ((along * along + square * inside).max(0.0).sqrt() - along) / square;
@@ -297,29 +306,29 @@ impl<'a> Builder<'a> {
         view.pass(&within).contains(&false) || view.pass(&beyond).contains(&true)
     }
 
-    /// Halves an interval until its ends foretell its middle.
+    /// Halves an interval until its ends predict its middle.
     fn refine(
         &self,
         height: &impl Fn(usize) -> f64,
         [from, to]: [usize; 2],
-        [a, b]: [&Row; 2],
+        [a, b]: [&Slice; 2],
         axis_area: f64,
         intervals: &mut Vec<Interval>,
     ) {
         if to - from < 2 {
             intervals.push(match b.area {
                 0.0 => last_sliver([from, to], a, b),
-                _ => Interval { from, to, rows: [a.clone(), b.clone()] },
+                _ => Interval { from, to, slices: [a.clone(), b.clone()] },
             });
             return;
         }
         let place = usize::midpoint(from, to);
         let middle = height(place);
-        let foretold = a.between(b, middle);
-        let view = self.view(middle, foretold.width());
-        let reach = foretold.factors[0][0].abs();
-        let (inside, depth) = view.innermost(foretold.center * middle / view.width, reach, true);
-        let outline = if depth < 0.0 { self.outline(&view, inside, &foretold) } else { None };
+        let predicted = a.between(b, middle);
+        let view = self.view(middle, predicted.width_scale());
+        let reach = predicted.factors[0][0].abs();
+        let (inside, depth) = view.innermost(predicted.center * middle / view.width_scale, reach, true);
+        let outline = if depth < 0.0 { self.outline(&view, inside, &predicted) } else { None };
         let Some(outline) = outline else {
             intervals.push(if b.area == 0.0 && a.area < SLIVER * axis_area {
                 last_sliver([from, to], a, b)
@@ -328,44 +337,44 @@ impl<'a> Builder<'a> {
             });
             return;
         };
-        let row = self.fit(&view, &outline, axis_area);
-        let same_corners = a.corners == b.corners && a.corners == row.corners;
+        let slice = self.fit(&view, &outline, axis_area);
+        let same_corners = a.corners == b.corners && a.corners == slice.corners;
         let part = if same_corners { AFTER_HALVING } else { WITH_NEW_CORNERS };
-        let (missed, excess) = row.misfit(&foretold, &outline, &self.knots, part);
+        let (missed, excess) = slice.misfit(&predicted, &outline, &self.knots, part);
         if missed > HOPELESS && to - from == 2 && a.area > SLIVER * axis_area {
             intervals.push(self.covered(height, [from, to]));
-        } else if missed > MISSED || excess > EXCESS.max(4.0 * row.margin) {
-            self.refine(height, [from, place], [a, &row], axis_area, intervals);
-            self.refine(height, [place, to], [&row, b], axis_area, intervals);
+        } else if missed > MISSED || excess > EXCESS.max(4.0 * slice.margin) {
+            self.refine(height, [from, place], [a, &slice], axis_area, intervals);
+            self.refine(height, [place, to], [&slice, b], axis_area, intervals);
         } else {
-            intervals.push(Interval { from, to: place, rows: [a.clone(), row.clone()] });
-            intervals.push(Interval { from: place, to, rows: [row, b.clone()] });
+            intervals.push(Interval { from, to: place, slices: [a.clone(), slice.clone()] });
+            intervals.push(Interval { from: place, to, slices: [slice, b.clone()] });
         }
     }
 }
 
 /// The last interval before the pupil vanishes. Its height falls faster than evenly; a map that keeps
 /// half its size covers that.
-fn last_sliver([from, to]: [usize; 2], a: &Row, b: &Row) -> Interval {
+fn last_sliver([from, to]: [usize; 2], a: &Slice, b: &Slice) -> Interval {
     let mut end = b.clone();
     end.factors = a.factors.iter().map(|m| m.map(|x| x / 2.0)).collect();
-    Interval { from, to, rows: [a.clone(), end] }
+    Interval { from, to, slices: [a.clone(), end] }
 }
 
-/// C/h and the squeeze on the axis, where nothing tells them: even in h, so by extrapolation in h² from the next two
-/// rows.
+/// C/h and the narrowing on the axis, where nothing tells them: even in h, so by extrapolation in h² from the next two
+/// slices.
 fn center_on_axis(intervals: &mut [Interval]) {
     let [first, second, ..] = intervals else { return };
-    let [axis, one] = &mut first.rows;
-    let two = &second.rows[1];
+    let [axis, one] = &mut first.slices;
+    let two = &second.slices[1];
     if axis.fitted && one.fitted && two.fitted {
         let (h1, h2) = (one.height * one.height, two.height * two.height);
         let on_axis = |one: f64, two: f64| one - (two - one) * h1 / (h2 - h1);
-        // The squeeze not below 0: the map would leave the disks of `WarpedPupil::bands`.
-        (axis.center, axis.squeeze) =
-            (on_axis(one.center, two.center), on_axis(one.squeeze, two.squeeze).max(0.0));
+        // The narrowing not below 0: the map would leave the disks of `WarpedPupil::bands`.
+        (axis.center, axis.narrowing) =
+            (on_axis(one.center, two.center), on_axis(one.narrowing, two.narrowing).max(0.0));
     } else {
-        (axis.center, axis.squeeze) = (one.center, one.squeeze);
+        (axis.center, axis.narrowing) = (one.center, one.narrowing);
     }
 }
 
@@ -409,19 +418,19 @@ mod tests {
         for name in catalogue::names() {
             for stop in [1.0, 0.5, 0.1, 0.01] {
                 let mut lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
-                let row = lens.stop_index().expect("a stop");
-                lens.surfaces[row].semi_diameter *= stop;
+                let slice = lens.stop_index().expect("a stop");
+                lens.surfaces[slice].semi_diameter *= stop;
                 let focus = Focus::new(&lens).expect("focal");
                 let film = lens.rear().vertex - focus.film_distance(f64::INFINITY).expect("reachable");
                 let path = Path::film_to_scene(&lens);
                 let cover = PupilDisk::rear(&lens, film, 100.0).expect("behind the lens");
-                let drift = PupilDisk::exit(&lens, film).seen_from([1.0, 0.0]).center[0];
+                let shift = PupilDisk::exit(&lens, film).seen_from([1.0, 0.0]).center[0];
                 let Layout { dark_beyond, intervals, .. } =
-                    Builder::new(&path, film, 100.0, cover, drift).layout();
+                    Builder::new(&path, film, 100.0, cover, shift).layout();
                 assert!(dark_beyond, "{name} {stop}");
-                for row in intervals.iter().flat_map(|interval| &interval.rows) {
-                    let squeezed = row.squeeze >= 0.0 && row.width() > 0.0;
-                    assert!(squeezed, "{name} {stop} at {}: {}", row.height, row.squeeze);
+                for slice in intervals.iter().flat_map(|interval| &interval.slices) {
+                    let narrowed = slice.narrowing >= 0.0 && slice.width_scale() > 0.0;
+                    assert!(narrowed, "{name} {stop} at {}: {}", slice.height, slice.narrowing);
                 }
             }
         }

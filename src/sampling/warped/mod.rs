@@ -17,14 +17,14 @@
 //! ```
 //!
 //! with the conjugate of M where b < 0, the pupil being symmetric: turning the film point turns the
-//! pupil under a disk that stays, so that for fixed lens numbers the slope is continuous over
+//! pupil under a disk that stays, so that for fixed lens samples the slope is continuous over
 //! the film, through the axis too, where M is the same in every direction. A round pupil is exactly
 //! round. The map's Jacobian is |M|² + Im(conj(M) dM/dφ), with dq/dφ = |d|²/(|a| + |b|)²: the exact
 //! density of what is drawn, whatever the table, so that the only bias is the share of the
 //! pupil that the map does not reach.
 //!
-//! Toward the radius at which it vanishes a pupil becomes a lune ever higher than wide, between whose knots the map
-//! would bulge by a part of its height. There M takes the disk to a pupil as wide as high, which is then squeezed along
+//! Toward the radius at which it vanishes a pupil becomes a crescent ever higher than wide, between whose knots the map
+//! would bulge by a part of its height. There M takes the disk to a pupil as wide as high, which is then narrowed along
 //! p to τ = 1 - λ(h) h² of its size: M d - λ (M d · p) p in the place of M d, τ times the density. λ is tabulated, too.
 //!
 //! One evaluation takes one or two roots, a division, no trigonometry and three times four neighbouring
@@ -36,24 +36,24 @@
 
 mod build;
 mod outline;
-mod row;
 mod search;
+mod slice;
 mod view;
 
 use std::f64::consts::PI;
 
 use self::{
     build::{Builder, FINE, Layout},
-    row::CELLS,
+    slice::CELLS,
 };
-use super::{Drawn, PupilDisk, pupil_disk::LaneDisk};
-use crate::sampling::film_rays::FilmRays;
-use crate::{
-    plan::apertures::Band,
-    trace::{
-        Path, Real,
-        kernel::{Compiled, Cpu, Lanes, Portable, Scalar, Simd},
-    },
+use super::{
+    band::Band,
+    film_rays::FilmRays,
+    pupil_disk::{LaneDisk, PupilDisk, PupilSample},
+};
+use crate::trace::{
+    Path, Real,
+    kernel::{Compiled, Cpu, Lanes, Portable, Scalar, Simd},
 };
 
 /// The true pupil of every point of a film. Immutable once built.
@@ -64,14 +64,14 @@ pub struct WarpedPupil {
     /// Whether the pupil has vanished at the end; film radius is then tabulated in
     /// s = 1 - sqrt(1 - h/end), in which the shrinking outline is smooth.
     dark_beyond: bool,
-    /// Two pairs of each smallest interval of s: where in the table the row below it begins, and the reciprocal of that
-    /// row's width in smallest intervals; c there, and c's step to the next row.
+    /// Two pairs of each smallest interval of s: where in the table the slice below it begins, and the reciprocal of that
+    /// slice's width in smallest intervals; c there, and c's step to the next slice.
     cells: Vec<[f32; 2]>,
-    /// Two pairs of each smallest interval where the pupil vanishes, else none: λ at the row below, and its step to the
-    /// next row; c's bend between the rows, for in h it goes straight and in s it does not, and a 0 that fills the
+    /// Two pairs of each smallest interval where the pupil vanishes, else none: λ at the slice below, and its step to the
+    /// next slice; c's bend between the slices, for in h it goes straight and in s it does not, and a 0 that fills the
     /// pair.
-    squeezes: Vec<[f32; 2]>,
-    /// Rows of [`STRIDE`]: M's knots.
+    narrowings: Vec<[f32; 2]>,
+    /// Slices of [`STRIDE`]: M's knots.
     table: Vec<[f32; 2]>,
     cover: PupilDisk,
     build: BuildReport,
@@ -81,7 +81,7 @@ pub struct WarpedPupil {
 const ROOT: f64 = 8.0;
 const _: () = assert!((ROOT * ROOT) as usize == CELLS / 2);
 
-/// Pairs a row.
+/// Pairs a slice.
 const STRIDE: usize = CELLS + 1;
 /// Rings of [`WarpedPupil::bands`].
 const BANDS: usize = 4;
@@ -90,7 +90,7 @@ const BANDS: usize = 4;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BuildReport {
     /// Film radii in the table.
-    pub rows: usize,
+    pub slices: usize,
     /// Rays traced.
     pub rays: u32,
     /// Share of the film radius over which the rear element's disk is used instead of an outline.
@@ -99,10 +99,10 @@ pub struct BuildReport {
 
 impl WarpedPupil {
     /// Tabulates the pupils of film points up to `reach` mm from the axis, on film at `film` (z in
-    /// lens space). `cover` is a disk that holds them all; `drift` an estimate of the slope to the
+    /// lens space). `cover` is a disk that holds them all; `shift` an estimate of the slope to the
     /// pupil's centre over the film radius, 1/mm.
-    pub fn new(path: &Path, film: f64, reach: f64, cover: PupilDisk, drift: f64) -> Self {
-        let builder = Builder::new(path, film, reach, cover, drift);
+    pub fn new(path: &Path, film: f64, reach: f64, cover: PupilDisk, shift: f64) -> Self {
+        let builder = Builder::new(path, film, reach, cover, shift);
         let layout = builder.layout();
         Self::pack(layout, cover, builder.rays.get())
     }
@@ -111,36 +111,36 @@ impl WarpedPupil {
         let Layout { end, dark_beyond, intervals } = layout;
         let mut table: Vec<[f32; 2]> = Vec::with_capacity((intervals.len() + 1) * STRIDE);
         let mut cells = Vec::with_capacity(2 * FINE);
-        let mut squeezes = Vec::new();
+        let mut narrowings = Vec::new();
         let mut covered = 0.0;
         let mut joined: Option<bool> = None;
         for interval in &intervals {
-            let [low, high] = &interval.rows;
-            // A row serves the intervals on both its sides, unless only one of them is covered.
+            let [low, high] = &interval.slices;
+            // A slice serves the intervals on both its sides, unless only one of them is covered.
             if joined == Some(low.fitted) {
                 table.truncate(table.len() - STRIDE);
             }
             let width = interval.to - interval.from;
-            let [from, to] = [low, high].map(|row| row.center as f32);
+            let [from, to] = [low, high].map(|slice| slice.center as f32);
             let cell = [[table.len() as f32, (width as f32).recip()], [from, to - from]];
             cells.extend(std::iter::repeat_n(cell, width).flatten());
             if dark_beyond {
-                let [squeeze, next] = [low, high].map(|row| row.squeeze as f32);
+                let [narrowing, next] = [low, high].map(|slice| slice.narrowing as f32);
                 // h is s (2 - s) of the end: (h - h₀)/(h₁ - h₀) of an interval is t + t (1 - t) width/(2 - s₀ - s₁).
                 let bend = width as f32 / (2 * FINE - interval.from - interval.to) as f32;
-                let cell = [[squeeze, next - squeeze], [bend * (to - from), 0.0]];
-                squeezes.extend(std::iter::repeat_n(cell, width).flatten());
+                let cell = [[narrowing, next - narrowing], [bend * (to - from), 0.0]];
+                narrowings.extend(std::iter::repeat_n(cell, width).flatten());
             }
-            for row in [low, high] {
-                table.extend(row.factors.iter().map(|factor| factor.map(|x| x as f32)));
+            for slice in [low, high] {
+                table.extend(slice.factors.iter().map(|factor| factor.map(|x| x as f32)));
             }
             joined = Some(high.fitted);
             if !low.fitted {
                 covered += (high.height - low.height) / end;
             }
         }
-        let build = BuildReport { rows: table.len() / STRIDE, rays, covered };
-        Self { end, dark_beyond, cells, squeezes, table, cover, build }
+        let build = BuildReport { slices: table.len() / STRIDE, rays, covered };
+        Self { end, dark_beyond, cells, narrowings, table, cover, build }
     }
 
     /// What building the table took.
@@ -167,13 +167,13 @@ impl WarpedPupil {
                 let mut band =
                     Band { radii: [height(from), height(to)], center: [f64::MAX, f64::MIN], radius: 0.0 };
                 for cell in self.cells[2 * from..2 * to].chunks_exact(2) {
-                    let (row, [center, step]) = (cell[0][0] as usize, cell[1].map(f64::from));
+                    let (slice, [center, step]) = (cell[0][0] as usize, cell[1].map(f64::from));
                     band.center = [
                         band.center[0].min(center).min(center + step),
                         band.center[1].max(center).max(center + step),
                     ];
-                    // The row below and the one above.
-                    let knots = self.table[row..row + 2 * STRIDE].iter();
+                    // The slice below and the one above.
+                    let knots = self.table[slice..slice + 2 * STRIDE].iter();
                     let longest = knots.map(|m| m[0] * m[0] + m[1] * m[1]).fold(0.0, f32::max);
                     band.radius = band.radius.max(f64::from(longest).sqrt() * (1.0 + ROUNDING));
                 }
@@ -184,31 +184,31 @@ impl WarpedPupil {
 
     /// The slope that the point `disk` of the unit disk stands for at a film point, mm; `None` where the
     /// film is dark.
-    pub fn draw(&self, film: [f64; 2], disk: [f64; 2]) -> Option<Drawn> {
-        let mut drawn = Drawn { slopes: [0.0; 2], area: f64::NAN };
+    pub fn sample(&self, film: [f64; 2], disk: [f64; 2]) -> Option<PupilSample> {
+        let mut drawn = PupilSample { slopes: [0.0; 2], area: f64::NAN };
         Simd::best().run(One { pupil: self, film, disk, drawn: &mut drawn });
         (!drawn.area.is_nan()).then_some(drawn)
     }
 
     /// What a draw in a precision computes with.
-    pub(crate) fn frame<S: Scalar>(&self) -> Frame<S> {
+    pub(crate) fn lane_pupil<S: Scalar>(&self) -> LanePupil<S> {
         let fine = FINE as f64;
         let scale = if self.dark_beyond { fine * fine } else { fine } / self.end;
-        Frame { scale: S::from_f64(scale), cover: self.cover.lane_disk() }
+        LanePupil { scale: S::from_f64(scale), cover: self.cover.lane_disk() }
     }
 
-    /// [`WarpedPupil::draw`] in lanes: gives rays their slopes and area. Where there is nothing to draw the area is
+    /// [`WarpedPupil::sample`] in lanes: gives rays their slopes and area. Where there is nothing to draw the area is
     /// NaN.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn lanes<L: Lanes, const U: usize>(
         &self,
         cpu: Cpu<L>,
-        frame: &Frame<L::Scalar>,
+        constants: &LanePupil<L::Scalar>,
         rays: &mut [FilmRays<L>; U],
     ) {
-        let mut radii = [self.radius(cpu, frame, &rays[0]); U];
+        let mut radii = [self.radius(cpu, constants, &rays[0]); U];
         for u in 1..U {
-            radii[u] = self.radius(cpu, frame, &rays[u]);
+            radii[u] = self.radius(cpu, constants, &rays[u]);
         }
         let mut places = [self.place(cpu, &rays[0], &radii[0]); U];
         for u in 1..U {
@@ -221,16 +221,21 @@ impl WarpedPupil {
         }
         if !all_inside {
             for u in 0..U {
-                self.cover(cpu, frame, radii[u].inside, &mut rays[u]);
+                self.cover(cpu, constants, radii[u].inside, &mut rays[u]);
             }
         }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn radius<L: Lanes>(&self, cpu: Cpu<L>, frame: &Frame<L::Scalar>, ray: &FilmRays<L>) -> Radius<L> {
+    fn radius<L: Lanes>(
+        &self,
+        cpu: Cpu<L>,
+        constants: &LanePupil<L::Scalar>,
+        ray: &FilmRays<L>,
+    ) -> Radius<L> {
         let [x, y] = ray.point;
         let height = y.mul_add(y, x * x).sqrt();
-        let scale = L::splat(cpu, frame.scale);
+        let scale = L::splat(cpu, constants.scale);
         let s = if self.dark_beyond {
             let end = L::splat(cpu, L::Scalar::from_f64((FINE * FINE) as f64));
             L::splat(cpu, L::Scalar::from_f64(FINE as f64)) - height.neg_mul_add(scale, end).sqrt()
@@ -245,8 +250,8 @@ impl WarpedPupil {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn place<L: Lanes>(&self, cpu: Cpu<L>, ray: &FilmRays<L>, radius: &Radius<L>) -> Place<L> {
         let ([x, y], [u, v]) = (ray.point, ray.disk);
-        let [[row, per_width, center, center_step]] = L::look_up::<1, 2>(&self.cells, radius.place, [0]);
-        // A row begins at a multiple of its width, a power of 2.
+        let [[slice, per_width, center, center_step]] = L::look_up::<1, 2>(&self.cells, radius.place, [0]);
+        // A slice begins at a multiple of its width, a power of 2.
         let part = radius.s.mul_sub(per_width, (radius.place * per_width).trunc());
         // The disk's point in the frame of the film point, mirrored into the upper half.
         let (a, b) = (v.mul_add(y, u * x), u.neg_mul_add(y, v * x));
@@ -257,17 +262,17 @@ impl WarpedPupil {
         let place = along.neg_mul_add(root, L::splat(cpu, L::Scalar::from_f64(ROOT * ROOT)));
         let knot = place.smaller(L::splat(cpu, L::Scalar::from_f64((CELLS - 1) as f64))).trunc();
         let mut center = part.mul_add(center_step, center);
-        let mut squeeze = L::splat(cpu, L::Scalar::ZERO);
-        if !self.squeezes.is_empty() {
-            let [[at, step, bend, _]] = L::look_up::<1, 2>(&self.squeezes, radius.place, [0]);
-            squeeze = part.mul_add(step, at);
+        let mut narrowing = L::splat(cpu, L::Scalar::ZERO);
+        if !self.narrowings.is_empty() {
+            let [[at, step, bend, _]] = L::look_up::<1, 2>(&self.narrowings, radius.place, [0]);
+            narrowing = part.mul_add(step, at);
             center = part.neg_mul_add(part, part).mul_add(bend, center);
         }
         Place {
             part,
             center,
-            squeeze,
-            first: knot + row,
+            narrowing,
+            first: knot + slice,
             offset: place - knot,
             turn: aside.mul_add(aside, along * along),
             below: b.less(L::splat(cpu, L::Scalar::ZERO)),
@@ -276,7 +281,7 @@ impl WarpedPupil {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn aim<L: Lanes>(&self, cpu: Cpu<L>, place: &Place<L>, ray: &mut FilmRays<L>) {
-        let Place { part, center, squeeze, first, offset, turn, below } = *place;
+        let Place { part, center, narrowing, first, offset, turn, below } = *place;
         let ([x, y], [u, v]) = (ray.point, ray.disk);
         let [mut pairs, above] = L::look_up::<2, 1>(&self.table, first, [0, STRIDE]);
         let mut k = 0;
@@ -290,28 +295,34 @@ impl WarpedPupil {
         let twist = im.neg_mul_add(re_step, re * im_step);
         let jacobian = twist.mul_add(turn, im.mul_add(im, re * re));
         let im = L::select(below, L::splat(cpu, L::Scalar::ZERO) - im, im);
-        if self.squeezes.is_empty() {
+        if self.narrowings.is_empty() {
             ray.slopes =
                 [im.neg_mul_add(v, re.mul_add(u, center * x)), im.mul_add(u, re.mul_add(v, center * y))];
             ray.area_per_pi = jacobian;
             return;
         }
         let (across, up) = (im.neg_mul_add(v, re * u), im.mul_add(u, re * v));
-        let shift = squeeze.neg_mul_add(up.mul_add(y, across * x), center);
+        let shift = narrowing.neg_mul_add(up.mul_add(y, across * x), center);
         ray.slopes = [shift.mul_add(x, across), shift.mul_add(y, up)];
         let one = L::splat(cpu, L::Scalar::ONE);
-        ray.area_per_pi = jacobian * squeeze.neg_mul_add(ray.radius_squared(), one);
+        ray.area_per_pi = jacobian * narrowing.neg_mul_add(ray.radius_squared(), one);
     }
 
     /// Draws from the cover what film points beyond the table ask for, or nothing where film is dark there.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn cover<L: Lanes>(&self, cpu: Cpu<L>, frame: &Frame<L::Scalar>, inside: L::Mask, ray: &mut FilmRays<L>) {
+    fn cover<L: Lanes>(
+        &self,
+        cpu: Cpu<L>,
+        constants: &LanePupil<L::Scalar>,
+        inside: L::Mask,
+        ray: &mut FilmRays<L>,
+    ) {
         if self.dark_beyond {
             ray.area_per_pi =
                 L::select(inside, ray.area_per_pi, L::splat(cpu, L::Scalar::from_f64(f64::NAN)));
             return;
         }
-        let (slopes, area) = frame.cover.lanes(cpu, ray.point, ray.disk);
+        let (slopes, area) = constants.cover.lanes(cpu, ray.point, ray.disk);
         for (to, slope) in ray.slopes.iter_mut().zip(slopes) {
             *to = L::select(inside, *to, slope);
         }
@@ -333,13 +344,13 @@ struct Radius<L: Lanes> {
 /// Where in the table samples lie.
 #[derive(Clone, Copy)]
 struct Place<L: Lanes> {
-    /// Of the way from one row to the next.
+    /// Of the way from one slice to the next.
     part: L,
     /// c.
     center: L,
     /// λ.
-    squeeze: L,
-    /// Where in the table the knot before the direction stands, in the row before the film radius.
+    narrowing: L,
+    /// Where in the table the knot before the direction stands, in the slice before the film radius.
     first: L,
     /// From there to the direction, in knots.
     offset: L,
@@ -351,7 +362,7 @@ struct Place<L: Lanes> {
 
 /// What a draw computes with, in its precision.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Frame<S> {
+pub(crate) struct LanePupil<S> {
     /// Smallest intervals a mm; where film is dark beyond, times their number.
     scale: S,
     cover: LaneDisk<S>,
@@ -362,7 +373,7 @@ struct One<'a> {
     pupil: &'a WarpedPupil,
     film: [f64; 2],
     disk: [f64; 2],
-    drawn: &'a mut Drawn,
+    drawn: &'a mut PupilSample,
 }
 
 impl Compiled for One<'_> {
@@ -371,8 +382,8 @@ impl Compiled for One<'_> {
         let ([x, y], [u, v]) = (self.film, self.disk);
         let (point, disk) = ([Portable([x]), Portable([y])], [Portable([u]), Portable([v])]);
         let mut rays = [FilmRays { point, disk, slopes: disk, area_per_pi: Portable([0.0]) }];
-        self.pupil.lanes(Cpu::any(), &self.pupil.frame(), &mut rays);
+        self.pupil.lanes(Portable::cpu(), &self.pupil.lane_pupil(), &mut rays);
         let [FilmRays { slopes: [Portable([sx]), Portable([sy])], area_per_pi: Portable([area]), .. }] = rays;
-        *self.drawn = Drawn { slopes: [sx, sy], area: PI * area };
+        *self.drawn = PupilSample { slopes: [sx, sy], area: PI * area };
     }
 }

@@ -4,8 +4,8 @@
 use std::f64::consts::PI;
 
 use super::{
-    search::Crossing,
-    view::{Limit, View},
+    search::{Crossing, EdgeFinder},
+    view::Limit,
 };
 
 /// A point of the outline.
@@ -21,7 +21,7 @@ struct Point {
 
 /// The points of an outline while it is traced.
 struct Trace<'a> {
-    view: &'a View<'a>,
+    finder: EdgeFinder<'a>,
     center: f64,
     /// By angle; the ends are mirrored at 0 and π for the sake of interpolation. A corner stands
     /// twice, as the end of each of its arcs.
@@ -76,18 +76,22 @@ const MEETING_STEPS: u32 = 30;
 const CORNER_STEPS: u32 = 8;
 
 impl Outline {
-    /// Traces the outline of the pupil that `view` sees. `None` where a half-line has no edge.
-    pub fn trace(view: &View<'_>, guess: &Guess<'_>) -> Option<Self> {
+    /// Traces the outline of the pupil that `finder` searches. `None` where a half-line has no edge.
+    pub fn trace(finder: EdgeFinder<'_>, guess: &Guess<'_>) -> Option<Self> {
         let &(_, right) = guess.points.first()?;
         let &(_, left) = guess.points.last()?;
         let start = |radius| Crossing { radius, limit: Limit::Optics, steepness: 1.0 };
         let both = [([1.0, 0.0], start(right)), ([-1.0, 0.0], start(left))];
-        let [right, left] = view.crossings(guess.inside, both.into_iter())?[..] else { return None };
+        let [right, left] = finder.crossings(guess.inside, both.into_iter())?[..] else { return None };
         let center = guess.inside + (right.radius - left.radius) / 2.0;
         let half = f64::midpoint(right.radius, left.radius);
-        let found =
-            trace_between(view, center, guess.points, [right, left].map(|c| Crossing { radius: half, ..c }))?;
-        let mut trace = Trace { view, center, points: Vec::with_capacity(64), corners: Vec::new() };
+        let found = trace_between(
+            finder,
+            center,
+            guess.points,
+            [right, left].map(|c| Crossing { radius: half, ..c }),
+        )?;
+        let mut trace = Trace { finder, center, points: Vec::with_capacity(64), corners: Vec::new() };
         trace.mirror_start(&found);
         let first = trace.points.len();
         for (i, pair) in found.windows(2).enumerate() {
@@ -177,7 +181,7 @@ impl Trace<'_> {
             let radius = extend(&begun, angle).max(extend(&coming, angle)).recip();
             (direction(angle), Crossing { radius, ..if angle < meeting { from.1 } else { to.1 } })
         };
-        let crossings = self.view.crossings(self.center, angles.into_iter().map(hint))?;
+        let crossings = self.finder.crossings(self.center, angles.into_iter().map(hint))?;
         let mut places = vec![from];
         places.extend(angles.into_iter().zip(crossings));
         places.extend_from_slice(ahead);
@@ -246,7 +250,7 @@ impl Trace<'_> {
 /// The half-lines of an outline, at the angles of `expected`, between the `ends`, which are known. Every fourth first;
 /// what the expectation is off by there it is likely off by between them.
 fn trace_between(
-    view: &View<'_>,
+    finder: EdgeFinder<'_>,
     center: f64,
     expected: &[(f64, f64)],
     ends: [Crossing; 2],
@@ -275,7 +279,7 @@ fn trace_between(
             (direction(expected[i].0), Crossing { radius, steepness, ..nearer })
         };
         let half_lines: Vec<_> = places.iter().map(hint).collect();
-        let edges = view.crossings(center, half_lines.into_iter())?;
+        let edges = finder.crossings(center, half_lines.into_iter())?;
         for (place, edge) in places.into_iter().zip(edges) {
             found[place] = Some(edge);
         }

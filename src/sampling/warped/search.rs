@@ -38,7 +38,7 @@ struct Known {
 }
 
 /// A search along one half-line. The excess is the largest of one smooth function a limit, so that each limit has its
-/// own secant, and the edge is the nearest that one of them foretells.
+/// own secant, and the edge is the nearest that one of them predicts.
 struct Search {
     direction: [f64; 2],
     guess: Crossing,
@@ -99,9 +99,9 @@ impl Search {
         };
         let step = value / steepness;
         let edge = radius - step * radius;
-        let foretold =
+        let predicted =
             self.known.iter().map(|known| known.edge).filter(|&edge| edge > inside && edge < outside);
-        let others = foretold.fold(f64::INFINITY, f64::min);
+        let others = predicted.fold(f64::INFINITY, f64::min);
         // Where rays are lost within the aperture, its own edge lies outside the bracket and is none of the pupil's.
         let is_between = edge > 0.0 && edge >= inside && edge <= others.min((1.0 + ACCURACY) * outside);
         if step.abs() * doubt <= ACCURACY && is_between {
@@ -149,7 +149,15 @@ impl Hints {
     }
 }
 
-impl View<'_> {
+/// The searches of one film point's pupil.
+#[derive(Clone, Copy)]
+pub(crate) struct EdgeFinder<'a> {
+    pub view: &'a View<'a>,
+    /// What searches of any film point know from one another.
+    pub hints: &'a Hints,
+}
+
+impl EdgeFinder<'_> {
     /// The edge along half-lines from (`center`, 0), which lies inside: unit directions, and about where.
     /// `None` when one of them has none.
     pub fn crossings(
@@ -169,7 +177,7 @@ impl View<'_> {
                 let Search { direction: [dx, dy], radius, .. } = searches[i];
                 [center + radius * dx, radius * dy]
             }));
-            self.excesses(&slopes, &mut found);
+            self.view.excesses(&slopes, &mut found);
             let mut excesses = found.iter();
             let mut nowhere = false;
             open.retain(|&i| {

@@ -5,10 +5,12 @@
 
 use std::cell::Cell;
 
-use super::search::Hints;
 use crate::{
     imaging::irradiance::film_ray,
-    trace::{Clearance, Path},
+    trace::{
+        Path,
+        kernel::{Available, Clearance, clearances},
+    },
 };
 
 /// The lens from one film point.
@@ -19,11 +21,9 @@ pub(crate) struct View<'a> {
     /// Distance from the axis, mm.
     pub height: f64,
     /// τ, in units of which sx counts.
-    pub width: f64,
+    pub width_scale: f64,
     /// Rays traced so far, for the build's account.
     pub rays: &'a Cell<u32>,
-    /// What searches know from one another.
-    pub hints: &'a Hints,
 }
 
 /// What stops the rays beyond a point of the edge.
@@ -54,12 +54,12 @@ impl View<'_> {
     /// [`View::excess`] of many.
     pub fn excesses(&self, slopes: &[[f64; 2]], found: &mut Vec<Excess>) {
         self.rays.set(self.rays.get() + slopes.len() as u32);
-        let ray = |&[x, y]: &[f64; 2]| film_ray([self.height, 0.0], self.film, [self.width * x, y]);
+        let ray = |&[x, y]: &[f64; 2]| film_ray([self.height, 0.0], self.film, [self.width_scale * x, y]);
         let rays: Vec<_> = slopes.iter().map(ray).collect();
-        let mut clearances = Vec::with_capacity(rays.len());
-        self.path.clearances(&rays, &mut clearances);
+        let mut ratios = Vec::with_capacity(rays.len());
+        clearances(Available::best(), self.path, &rays, &mut ratios);
         found.clear();
-        found.extend(clearances.into_iter().map(|clearance| match clearance {
+        found.extend(ratios.into_iter().map(|clearance| match clearance {
             Some(Clearance { ratio, surface }) => {
                 Excess { value: ratio - 1.0, limit: Limit::Aperture(surface) }
             }

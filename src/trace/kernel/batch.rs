@@ -1,12 +1,11 @@
 //! Rays in and out of the algorithm: structure of arrays, any number, any alignment.
 
 use super::{
-    Traced,
-    instances::each_further,
-    lanes::{Cpu, Lanes, Scalar},
-    march::{End, Start},
+    lanes::{Cpu, Lanes, Scalar, each_further},
+    ray::{End, Start},
+    rays::{LensRays, PlaneRays, Traced},
 };
-use crate::trace::Real;
+use crate::numeric::Real;
 
 /// Where rays are to start.
 #[derive(Clone, Copy, Debug)]
@@ -14,7 +13,7 @@ pub struct Approach {
     /// z of the plane, lens space, mm.
     pub entry: f64,
     /// 1 for travel toward +z, -1 for the other.
-    pub sense: f64,
+    pub travel_sign: f64,
 }
 
 /// Where a batch's rays come from and go to.
@@ -55,69 +54,20 @@ pub trait Batch<S: Scalar> {
     );
 }
 
-/// Rays that start on a plane across the axis, as structure of arrays of one length: a film's.
-#[derive(Clone, Copy, Debug)]
-pub struct PlaneRays<'a, S> {
-    /// z of the plane in lens space, mm.
-    pub plane: f64,
-    /// x of each ray on the plane, mm.
-    pub x: &'a [S],
-    /// y of each ray on the plane, mm.
-    pub y: &'a [S],
-    /// dx/dz of each ray.
-    pub slope_x: &'a [S],
-    /// dy/dz of each ray.
-    pub slope_y: &'a [S],
-}
-
-/// Rays in lens space, as structure of arrays of one length.
-#[derive(Debug)]
-pub struct LensRays<'a, S> {
-    /// A point on each: x, y and z, mm.
-    pub origin: [&'a mut [S]; 3],
-    /// Their directions.
-    pub direction: [&'a mut [S]; 3],
-    /// Written only: cos⁴ of the angle between the axis and the ray before the lens, at least the
-    /// smallest normal number, for a ray that gets through; 0 for a blocked one.
-    pub weight: &'a mut [S],
-}
-
-impl<S> PlaneRays<'_, S> {
-    /// The number of rays.
-    ///
-    /// # Panics
-    /// The arrays differ in length.
-    pub(in crate::trace) fn checked_len(&self) -> usize {
-        let n = self.x.len();
-        let same = [self.y, self.slope_x, self.slope_y].iter().all(|array| array.len() == n);
-        assert!(same, "the arrays of a batch must have one length");
-        n
+/// Writes rays behind a lens into arrays, from place `at` on.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn store<S: Scalar, L: Lanes<Scalar = S>>(
+    rays: &mut LensRays<'_, S>,
+    cpu: Cpu<L>,
+    at: usize,
+    cos2: L,
+    end: End<L>,
+) {
+    for axis in 0..3 {
+        end.origin[axis].or_zero(end.passed).store(&mut rays.origin[axis][at..]);
+        end.direction[axis].or_zero(end.passed).store(&mut rays.direction[axis][at..]);
     }
-}
-
-impl<S> LensRays<'_, S> {
-    /// The number of rays.
-    ///
-    /// # Panics
-    /// The arrays differ in length.
-    pub(in crate::trace) fn checked_len(&self) -> usize {
-        let n = self.weight.len();
-        let same = self.origin.iter().chain(&self.direction).all(|array| array.len() == n);
-        assert!(same, "the arrays of a batch must have one length");
-        n
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn take<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, cos2: L, end: End<L>)
-    where
-        S: Scalar,
-    {
-        for axis in 0..3 {
-            end.origin[axis].or_zero(end.passed).store(&mut self.origin[axis][at..]);
-            end.direction[axis].or_zero(end.passed).store(&mut self.direction[axis][at..]);
-        }
-        weight(cpu, cos2, end.passed).store(&mut self.weight[at..]);
-    }
+    weight(cpu, cos2, end.passed).store(&mut rays.weight[at..]);
 }
 
 #[cfg_attr(not(debug_assertions), inline(always))]
@@ -129,30 +79,30 @@ fn weight<L: Lanes>(cpu: Cpu<L>, cos2: L, passed: L::Mask) -> L {
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub fn from_plane<L: Lanes>(
     cpu: Cpu<L>,
-    Approach { entry, sense }: Approach,
+    Approach { entry, travel_sign }: Approach,
     plane: f64,
     [x, y]: [L; 2],
     [sx, sy]: [L; 2],
 ) -> Start<L> {
     let one = L::splat(cpu, L::Scalar::ONE);
-    let way = L::splat(cpu, L::Scalar::from_f64(entry - plane));
-    let sense = L::splat(cpu, L::Scalar::from_f64(sense));
+    let moved = L::splat(cpu, L::Scalar::from_f64(entry - plane));
+    let travel_sign = L::splat(cpu, L::Scalar::from_f64(travel_sign));
     let stretch = sy.mul_add(sy, sx.mul_add(sx, one));
     // The reciprocal first: the first surface needs it before the cosine.
     let cos2 = one / stretch;
-    let (x, y) = (way.mul_add(sx, x), way.mul_add(sy, y));
-    let slopes = [sx * sense, sy * sense];
-    Start::Flat { x, y, slopes, stretch, cos2, way: way * sense }
+    let (x, y) = (moved.mul_add(sx, x), moved.mul_add(sy, y));
+    let slopes = [sx * travel_sign, sy * travel_sign];
+    Start::Flat { x, y, slopes, stretch, cos2, moved: moved * travel_sign }
 }
 
 /// A batch from a plane.
-pub struct FromPlane<'a, 'b, 'c, S> {
+pub struct PlaneBatch<'a, 'b, 'c, S> {
     pub from: &'a PlaneRays<'b, S>,
     pub to: &'a mut LensRays<'c, S>,
     pub n: usize,
 }
 
-impl<S: Scalar> Batch<S> for FromPlane<'_, '_, '_, S> {
+impl<S: Scalar> Batch<S> for PlaneBatch<'_, '_, '_, S> {
     type Carry<L: Lanes<Scalar = S>> = ();
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -170,12 +120,12 @@ impl<S: Scalar> Batch<S> for FromPlane<'_, '_, '_, S> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn finish<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, cos2: L, (): (), end: End<L>) {
-        self.to.take(cpu, at, cos2, end);
+        store(self.to, cpu, at, cos2, end);
     }
 }
 
 /// A few rays from a plane, held by value.
-pub struct Few<S, const N: usize> {
+pub struct RaysByValue<S, const N: usize> {
     pub plane: f64,
     pub point: [[S; N]; 2],
     pub slopes: [[S; N]; 2],
@@ -183,7 +133,7 @@ pub struct Few<S, const N: usize> {
     pub out: [[S; N]; 7],
 }
 
-impl<S: Scalar, const N: usize> Few<S, N> {
+impl<S: Scalar, const N: usize> RaysByValue<S, N> {
     pub fn new(plane: f64, points: [[S; 2]; N], slopes: [[S; 2]; N]) -> Self {
         let turned = |pairs: [[S; 2]; N]| [pairs.map(|[x, _]| x), pairs.map(|[_, y]| y)];
         Self { plane, point: turned(points), slopes: turned(slopes), out: [[S::ZERO; N]; 7] }
@@ -195,7 +145,7 @@ impl<S: Scalar, const N: usize> Few<S, N> {
     }
 }
 
-impl<S: Scalar, const N: usize> Batch<S> for Few<S, N> {
+impl<S: Scalar, const N: usize> Batch<S> for RaysByValue<S, N> {
     type Carry<L: Lanes<Scalar = S>> = ();
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -222,12 +172,12 @@ impl<S: Scalar, const N: usize> Batch<S> for Few<S, N> {
 }
 
 /// Any rays, traced in place.
-pub struct InPlace<'a, 'b, S> {
+pub struct InPlaceBatch<'a, 'b, S> {
     pub rays: &'a mut LensRays<'b, S>,
     pub n: usize,
 }
 
-impl<S: Scalar> Batch<S> for InPlace<'_, '_, S> {
+impl<S: Scalar> Batch<S> for InPlaceBatch<'_, '_, S> {
     type Carry<L: Lanes<Scalar = S>> = ();
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -240,14 +190,14 @@ impl<S: Scalar> Batch<S> for InPlace<'_, '_, S> {
         let LensRays { origin: [x, y, z], direction: [dx, dy, dz], .. } = &*self.rays;
         let [x, y, z] = [L::load(cpu, &x[at..]), L::load(cpu, &y[at..]), L::load(cpu, &z[at..])];
         let [dx, dy, dz] = [L::load(cpu, &dx[at..]), L::load(cpu, &dy[at..]), L::load(cpu, &dz[at..])];
-        let sense = L::splat(cpu, S::from_f64(approach.sense));
-        let minus_z = (L::splat(cpu, S::from_f64(approach.entry)) - z) * sense;
-        (anywhere(cpu, [x, y, minus_z], [dx, dy, dz * sense]), ())
+        let travel_sign = L::splat(cpu, S::from_f64(approach.travel_sign));
+        let minus_z = (L::splat(cpu, S::from_f64(approach.entry)) - z) * travel_sign;
+        (anywhere(cpu, [x, y, minus_z], [dx, dy, dz * travel_sign]), ())
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn finish<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, cos2: L, (): (), end: End<L>) {
-        self.rays.take(cpu, at, cos2, end);
+        store(self.rays, cpu, at, cos2, end);
     }
 }
 

@@ -1,17 +1,33 @@
-//! [`Path::clearances`] in lanes: the kernel's formulas (see `march`) for a table that has every aperture
-//! as a height, and with the largest height over its aperture carried along. Both roots at once and no division keep
-//! the time that few rays take short; what that costs in digits a search of an edge does not need. No multiply-add is
-//! fused, which processors without the instruction would do slowly.
+//! How near rays come to being clipped: a smooth measure of what [`Path::walk`] answers with yes or no, for searches
+//! of a pupil's edge.
+//!
+//! In lanes: the kernel's formulas (see `ray`) for a path that has every aperture as a height, with the largest height
+//! over its aperture carried along. Both roots at once and no division keep the time that few rays take short; what
+//! that costs in digits a search of an edge does not need. No multiply-add is fused, which processors without the
+//! instruction would do slowly.
 
 use super::{
     Available, Simd,
     lanes::{Cpu, Lanes, Portable},
 };
-use crate::trace::{
-    Clearance, Path, Ray,
-    path::Step,
-    walk::{State, unit},
+use crate::{
+    lens::Ray,
+    numeric::unit,
+    trace::{
+        path::Path,
+        surface::{PathSurface, State},
+    },
 };
+
+/// The aperture that a ray comes nearest to, or reaches farthest beyond.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clearance {
+    /// The ray's distance from the axis there over the clear semi-diameter; at most 1 for a ray that
+    /// gets through.
+    pub ratio: f64,
+    /// The surface, counted along the travel.
+    pub surface: usize,
+}
 
 /// Rays of a packet.
 const PACKET: usize = 8;
@@ -19,13 +35,13 @@ const PACKET: usize = 8;
 /// exact to this many times fewer digits.
 const WEAK: f64 = 1e-5;
 
-/// Appends what becomes of each ray.
-pub(in crate::trace) fn clearances(
-    simd: Available,
-    path: &Path<f64>,
-    rays: &[Ray],
-    found: &mut Vec<Option<Clearance>>,
-) {
+/// Appends the largest ratio of height to clear semi-diameter along each of several rays, traced side by side,
+/// where no aperture stops them.
+///
+/// A ray that stops for another reason (it misses a surface, is reflected, turns back) has the ratio so far if that is
+/// more than 1, else none: `None` and a ratio of more than 1 together are what [`Path::walk`] blocks. Refraction is by
+/// the fused form, whatever the path's.
+pub fn clearances(simd: Available, path: &Path<f64>, rays: &[Ray], found: &mut Vec<Option<Clearance>>) {
     for rays in rays.chunks(PACKET) {
         let mut packet = Packet::enter(path, rays);
         match simd.simd() {
@@ -35,7 +51,7 @@ pub(in crate::trace) fn clearances(
             #[cfg(target_arch = "x86_64")]
             // SAFETY: as above.
             Simd::Avx2 => unsafe { avx2(path, &mut packet) },
-            _ => packet.trace::<Portable<f64, 4>>(Cpu::any(), path),
+            _ => packet.trace::<Portable<f64, 4>>(Portable::cpu(), path),
         }
         let lanes = packet.largest.iter().zip(packet.surface).zip(packet.open).take(rays.len());
         found.extend(lanes.map(|((&largest, surface), open)| {
@@ -132,7 +148,7 @@ fn dot<L: Lanes>(a: [L; 3], b: [L; 3]) -> L {
 impl<L: Lanes<Scalar = f64>> Probe<L> {
     /// Takes the rays to the next surface and through it.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn pass(&mut self, cpu: Cpu<L>, step: &Step<f64>, number: f64, backward: bool) {
+    fn pass(&mut self, cpu: Cpu<L>, step: &PathSurface<f64>, number: f64, backward: bool) {
         let (zero, one) = (L::splat(cpu, 0.0), L::splat(cpu, 1.0));
         let c = L::splat(cpu, step.curvature);
         let [vx, vy, vz] = self.v;
@@ -191,6 +207,37 @@ mod tests {
                     assert!(ask(simd, packet) == expected, "{name} {simd:?} {packet}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn a_ray_gets_through_exactly_where_no_ratio_exceeds_1() {
+        for name in catalogue::names() {
+            let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
+            let path = Path::<f64>::film_to_scene(&lens);
+            let film = lens.rear().vertex - 1.1 * lens.rear().semi_diameter;
+            let mut rays = Vec::new();
+            for i in 0..40 {
+                for j in 0..40 {
+                    for height in [0.0, 3.0, 12.0] {
+                        let at = |k: i32| 2.5 * (f64::from(k) / 39.0 - 0.5);
+                        rays.push(Ray { origin: [height, 0.0, film], direction: [at(i), at(j), 1.0] });
+                    }
+                }
+            }
+            let mut clearances = Vec::new();
+            super::clearances(Available::best(), &path, &rays, &mut clearances);
+            let (mut through, mut clipped, mut stopped) = (0, 0, 0);
+            for (ray, clearance) in rays.into_iter().zip(clearances) {
+                let passes = clearance.is_some_and(|clearance| clearance.ratio <= 1.0);
+                assert_eq!(passes, path.trace(ray).is_ok(), "{name} {ray:?} {clearance:?}");
+                match clearance {
+                    Some(_) if passes => through += 1,
+                    Some(_) => clipped += 1,
+                    None => stopped += 1,
+                }
+            }
+            assert!(through > 20 && clipped > 20, "{name}: {through} {clipped} {stopped}");
         }
     }
 }

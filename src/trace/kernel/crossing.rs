@@ -5,7 +5,7 @@
 
 /// The part of a surface inside its clear aperture, in a frame at its vertex with the axis along the travel.
 #[derive(Clone, Copy, Debug)]
-pub struct Cap {
+pub struct ClearPart {
     /// 1/radius, positive when the centre lies ahead.
     pub curvature: f64,
     /// Clear semi-diameter.
@@ -24,19 +24,19 @@ pub struct Tests {
 /// Gaps count from this part of the lengths involved, far above the rounding of single precision.
 const MARGIN: f64 = 1e-5;
 
-impl Cap {
+impl ClearPart {
     fn sagitta(self, height: f64) -> f64 {
         let c = self.curvature;
         c * height * height / (1.0 + (1.0 - (c * height).powi(2)).max(0.0).sqrt())
     }
 
-    /// The least and the greatest z of the cap.
+    /// The least and the greatest z of the part.
     fn extent(self) -> [f64; 2] {
         let rim = self.sagitta(self.semi_diameter);
         [rim.min(0.0), rim.max(0.0)]
     }
 
-    /// Whether the whole cap, whose vertex lies `ahead` of the ball's, is inside the ball whose near
+    /// Whether the whole part, whose vertex lies `ahead` of the ball's, is inside the ball whose near
     /// pole is at the origin and whose centre lies on the same side; a half space where it is flat.
     fn is_inside(self, ball: f64, ahead: f64) -> bool {
         let (height, margin) = (self.semi_diameter, MARGIN * (self.semi_diameter + ahead));
@@ -44,7 +44,7 @@ impl Cap {
             return false;
         }
         // The difference of two sagittae is monotonic in height, so that the rim and the vertex decide.
-        let near = Cap { curvature: ball, semi_diameter: height }.sagitta(height);
+        let near = ClearPart { curvature: ball, semi_diameter: height }.sagitta(height);
         let rim = ahead + self.sagitta(height);
         let inside_near = ahead > margin && rim > near + margin;
         let far = if ball > 0.0 { 2.0 / ball } else { f64::INFINITY };
@@ -52,11 +52,11 @@ impl Cap {
     }
 }
 
-/// The tests that rays need from the cap `from` to the cap `to`, whose vertex lies `distance` ahead.
-pub fn tests(from: Cap, to: Cap, distance: f64) -> Tests {
+/// The tests that rays need from the part `from` to the part `to`, whose vertex lies `distance` ahead.
+pub fn tests(from: ClearPart, to: ClearPart, distance: f64) -> Tests {
     // A ray leaving `from` into a ball does not come from inside it, and so can meet what is inside
     // only ahead; seen backward, the same holds for the ball that it leaves at `to`.
-    let reversed = Cap { curvature: -from.curvature, ..from };
+    let reversed = ClearPart { curvature: -from.curvature, ..from };
     let ahead = to.is_inside(from.curvature, distance) || reversed.is_inside(-to.curvature, distance);
     // Where every point of `to` lies ahead in z, t and Vz have the same sign.
     let apart = leaves_room(from, to, distance);
@@ -64,7 +64,7 @@ pub fn tests(from: Cap, to: Cap, distance: f64) -> Tests {
 }
 
 /// Whether all of `to` lies farther along the axis than all of `from`.
-pub fn leaves_room(from: Cap, to: Cap, distance: f64) -> bool {
+pub fn leaves_room(from: ClearPart, to: ClearPart, distance: f64) -> bool {
     let margin = MARGIN * (from.semi_diameter + to.semi_diameter + distance);
     distance + to.extent()[0] > from.extent()[1] + margin
 }
@@ -73,32 +73,41 @@ pub fn leaves_room(from: Cap, to: Cap, distance: f64) -> bool {
 mod tests {
     use super::*;
 
-    fn cap(radius: f64, semi_diameter: f64) -> Cap {
-        Cap { curvature: radius.recip(), semi_diameter }
+    fn clear_part(radius: f64, semi_diameter: f64) -> ClearPart {
+        ClearPart { curvature: radius.recip(), semi_diameter }
     }
 
     #[test]
     fn nothing_is_left_to_test_between_planes_and_in_a_thick_biconvex_element() {
         let none = Tests { forward: false, onward: false };
-        let plane = Cap { curvature: 0.0, semi_diameter: 10.0 };
+        let plane = ClearPart { curvature: 0.0, semi_diameter: 10.0 };
         assert_eq!(tests(plane, plane, 0.1), none);
-        assert_eq!(tests(cap(20.0, 5.0), cap(-20.0, 5.0), 3.0), none);
+        assert_eq!(tests(clear_part(20.0, 5.0), clear_part(-20.0, 5.0), 3.0), none);
     }
 
     #[test]
     fn a_meniscus_needs_the_direction_and_crossing_surfaces_both() {
-        assert_eq!(tests(cap(20.0, 8.0), cap(22.0, 8.0), 1.0), Tests { forward: true, onward: false });
+        assert_eq!(
+            tests(clear_part(20.0, 8.0), clear_part(22.0, 8.0), 1.0),
+            Tests { forward: true, onward: false }
+        );
         // The rims of a biconvex element that is too thin, and touching vertices.
-        assert_eq!(tests(cap(20.0, 12.0), cap(-20.0, 12.0), 2.0), Tests { forward: true, onward: true });
-        assert_eq!(tests(cap(20.0, 8.0), cap(20.0, 8.0), 0.0), Tests { forward: true, onward: true });
+        assert_eq!(
+            tests(clear_part(20.0, 12.0), clear_part(-20.0, 12.0), 2.0),
+            Tests { forward: true, onward: true }
+        );
+        assert_eq!(
+            tests(clear_part(20.0, 8.0), clear_part(20.0, 8.0), 0.0),
+            Tests { forward: true, onward: true }
+        );
     }
 
     #[test]
     fn a_small_ball_proves_nothing_about_what_lies_beyond_it() {
-        let beyond = tests(cap(1.0, 0.5), cap(-20.0, 4.0), 5.0);
-        assert!(!tests(cap(1.0, 0.5), cap(-1.0, 0.5), 1.9).onward);
+        let beyond = tests(clear_part(1.0, 0.5), clear_part(-20.0, 4.0), 5.0);
+        assert!(!tests(clear_part(1.0, 0.5), clear_part(-1.0, 0.5), 1.9).onward);
         assert!(beyond.forward || !beyond.onward);
-        assert!(!cap(-20.0, 0.5).is_inside(1.0, 5.0));
-        assert!(!cap(20.0, 4.0).is_inside(1.0, 0.5));
+        assert!(!clear_part(-20.0, 0.5).is_inside(1.0, 5.0));
+        assert!(!clear_part(20.0, 4.0).is_inside(1.0, 0.5));
     }
 }

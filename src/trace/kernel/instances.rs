@@ -1,4 +1,4 @@
-//! The algorithm compiled for each set of instructions: thin functions, one a set and a shape of call.
+//! The algorithm compiled for each set of instructions: thin functions, one a set and a grouping of call.
 //!
 //! Everything below them is inlined into them, which is what compiles it for their instructions. In
 //! builds with debug assertions it is not: the same numbers, slowly, and LLVM 22 overflows its stack
@@ -11,10 +11,11 @@ use super::lanes::{
 };
 use super::{
     Available, Simd,
-    batch::{Approach, Batch, Few, FromPlane, InPlace},
-    lanes::{Cpu, Lanes, Portable, Scalar},
-    march::{End, Ray, Start, march},
+    batch::{Approach, Batch, InPlaceBatch, PlaneBatch, RaysByValue},
+    lanes::{Cpu, Lanes, Portable, Scalar, each_further},
+    ray::{End, Start},
     table::Table,
+    trace::trace,
 };
 
 /// The vectors of one precision.
@@ -32,29 +33,29 @@ pub trait Vectors: Scalar {
     const AMPLIFICATION: f64;
 
     /// Rays from a plane.
-    fn from_plane(simd: Available, table: &Table<Self>, batch: &mut FromPlane<'_, '_, '_, Self>);
+    fn from_plane(simd: Available, table: &Table<Self>, batch: &mut PlaneBatch<'_, '_, '_, Self>);
     /// Rays from anywhere, in place.
-    fn in_place(simd: Available, table: &Table<Self>, batch: &mut InPlace<'_, '_, Self>);
+    fn in_place(simd: Available, table: &Table<Self>, batch: &mut InPlaceBatch<'_, '_, Self>);
     /// One ray, for latency.
-    fn one(simd: Available, table: &Table<Self>, batch: &mut Few<Self, 1>);
+    fn one(simd: Available, table: &Table<Self>, batch: &mut RaysByValue<Self, 1>);
     /// Up to four rays, for latency.
-    fn quad(simd: Available, table: &Table<Self>, batch: &mut Few<Self, 4>);
+    fn quad(simd: Available, table: &Table<Self>, batch: &mut RaysByValue<Self, 4>);
 }
 
 /// The algorithm's instances of one precision, compiled here and not where they are used.
 macro_rules! compile {
     () => {
-        fn from_plane(simd: Available, table: &Table<Self>, batch: &mut FromPlane<'_, '_, '_, Self>) {
-            run(simd, Shape::Wide, table, batch);
+        fn from_plane(simd: Available, table: &Table<Self>, batch: &mut PlaneBatch<'_, '_, '_, Self>) {
+            run(simd, Grouping::Wide, table, batch);
         }
-        fn in_place(simd: Available, table: &Table<Self>, batch: &mut InPlace<'_, '_, Self>) {
-            run(simd, Shape::Wide, table, batch);
+        fn in_place(simd: Available, table: &Table<Self>, batch: &mut InPlaceBatch<'_, '_, Self>) {
+            run(simd, Grouping::Wide, table, batch);
         }
-        fn one(simd: Available, table: &Table<Self>, batch: &mut Few<Self, 1>) {
-            run(simd, Shape::One, table, batch);
+        fn one(simd: Available, table: &Table<Self>, batch: &mut RaysByValue<Self, 1>) {
+            run(simd, Grouping::One, table, batch);
         }
-        fn quad(simd: Available, table: &Table<Self>, batch: &mut Few<Self, 4>) {
-            run(simd, Shape::Quad, table, batch);
+        fn quad(simd: Available, table: &Table<Self>, batch: &mut RaysByValue<Self, 4>) {
+            run(simd, Grouping::Quad, table, batch);
         }
     };
 }
@@ -88,26 +89,6 @@ const INTERLEAVED: usize = 4;
 /// call a lane: one lane is as quick, and is the code that single rays take.
 const PORTABLE: usize = if cfg!(target_arch = "x86_64") { 1 } else { 4 };
 
-/// Does the same for each number from 1 to 3 that is below `$n`, written out: where the work is long the compiler keeps
-/// the loop, and leaves what it indexes in memory and copied about.
-macro_rules! each_further {
-    ($u:ident < $n:ident, $work:block) => {
-        if $n > 1 {
-            let $u = 1;
-            $work
-        }
-        if $n > 2 {
-            let $u = 2;
-            $work
-        }
-        if $n > 3 {
-            let $u = 3;
-            $work
-        }
-    };
-}
-pub(super) use each_further;
-
 /// What rays are taken through in lanes.
 pub trait Optics<S: Scalar> {
     /// Where they start.
@@ -123,7 +104,7 @@ pub trait Optics<S: Scalar> {
 impl<S: Scalar> Optics<S> for Table<S> {
     #[inline(always)]
     fn approach(&self) -> Approach {
-        Approach { entry: self.entry, sense: self.sense }
+        Approach { entry: self.entry, travel_sign: self.travel_sign }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -132,22 +113,13 @@ impl<S: Scalar> Optics<S> for Table<S> {
         cpu: Cpu<L>,
         starts: [Start<L>; U],
     ) -> [(End<L>, L); U] {
-        let mut rays = [Ray::enter(cpu, self, starts[0]); U];
-        each_further!(u < U, {
-            rays[u] = Ray::enter(cpu, self, starts[u]);
-        });
-        march(cpu, self, &mut rays);
-        let mut ended = [(rays[0].leave(cpu, self), rays[0].cos2); U];
-        each_further!(u < U, {
-            ended[u] = (rays[u].leave(cpu, self), rays[u].cos2);
-        });
-        ended
+        trace(cpu, self, starts)
     }
 }
 
 /// How a batch is cut up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shape {
+pub enum Grouping {
     /// The widest vectors, for throughput.
     Wide,
     /// Vectors of four, one after the other, for the latency of up to four rays.
@@ -158,31 +130,36 @@ pub enum Shape {
 
 /// Traces a batch.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub fn run<S: Vectors, O: Optics<S>, B: Batch<S>>(simd: Available, shape: Shape, optics: &O, batch: &mut B) {
+pub fn run<S: Vectors, O: Optics<S>, B: Batch<S>>(
+    simd: Available,
+    grouping: Grouping,
+    optics: &O,
+    batch: &mut B,
+) {
     #[cfg(target_arch = "x86_64")]
     match simd.simd() {
         // SAFETY: the processor has these instructions.
-        Simd::Avx512 if shape == Shape::Wide => return unsafe { avx512(optics, batch) },
+        Simd::Avx512 if grouping == Grouping::Wide => return unsafe { avx512(optics, batch) },
         // SAFETY: as above; what has AVX-512 has AVX2.
         Simd::Avx512 | Simd::Avx2 => unsafe {
-            return match shape {
-                Shape::Wide => avx2(optics, batch),
-                Shape::Quad => avx2_quad(optics, batch),
-                Shape::One => fma_one(optics, batch),
+            return match grouping {
+                Grouping::Wide => avx2(optics, batch),
+                Grouping::Quad => avx2_quad(optics, batch),
+                Grouping::One => fma_one(optics, batch),
             };
         },
         Simd::Portable => {}
     }
-    match shape {
-        Shape::Wide | Shape::Quad => portable::<PORTABLE, _, _, _>(optics, batch),
-        Shape::One => portable::<1, _, _, _>(optics, batch),
+    match grouping {
+        Grouping::Wide | Grouping::Quad => portable::<PORTABLE, _, _, _>(optics, batch),
+        Grouping::One => portable::<1, _, _, _>(optics, batch),
     }
 }
 
 /// Not inlined, so that all calls of one width share it.
 #[inline(never)]
 fn portable<const LANES: usize, S: Vectors, O: Optics<S>, B: Batch<S>>(optics: &O, batch: &mut B) {
-    each::<Portable<S, LANES>, 1, _, _>(Cpu::any(), optics, batch);
+    each::<Portable<S, LANES>, 1, _, _>(Portable::cpu(), optics, batch);
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -209,7 +186,7 @@ fn avx2_quad<S: Vectors, O: Optics<S>, B: Batch<S>>(optics: &O, batch: &mut B) {
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
 fn fma_one<S: Vectors, O: Optics<S>, B: Batch<S>>(optics: &O, batch: &mut B) {
-    each::<Portable<S, 1>, 1, _, _>(Cpu::any(), optics, batch);
+    each::<Portable<S, 1>, 1, _, _>(Portable::cpu(), optics, batch);
 }
 
 /// Traces a batch `U` vectors at a time, what is left one at a time.

@@ -1,7 +1,7 @@
 //! The fast kernel: many rays at once, one quickly, all exactly.
 //!
 //! A [`Kernel`] is a lens compiled for one direction and one precision. It traces by the same
-//! algorithm whatever the shape of the call and the processor's registers, and **gives the same bits
+//! algorithm whatever the grouping of the call and the processor's registers, and **gives the same bits
 //! in all of them**: every operation is correctly rounded, fused multiply-add and square root included.
 //! Where the library is compiled for a processor without FMA instructions and finds none at run
 //! time, fused multiply-adds are function calls: ten times slower, still the same bits.
@@ -12,58 +12,39 @@
 
 mod batch;
 mod clearance;
-mod columns;
 mod crossing;
-mod drift;
 mod instances;
 mod lanes;
-mod march;
+mod ray;
+mod rays;
+mod rounding;
 mod simd;
-mod sphere;
 mod surface;
 mod table;
+mod trace;
 
-pub use batch::{LensRays, PlaneRays};
-pub(super) use clearance::clearances;
-pub use columns::Columns;
+pub use clearance::Clearance;
+pub(crate) use clearance::clearances;
 pub use instances::Vectors as Precision;
-pub(super) use simd::Available;
+pub use rays::{LensRays, PlaneRays, RayArrays, Traced};
+pub(crate) use simd::Available;
 pub use simd::{Compiled, Simd};
 
-use self::batch::InPlace;
+use self::batch::InPlaceBatch;
 pub(crate) use self::{
-    batch::{Approach, Batch, Few, FromPlane, from_plane},
-    instances::{Optics, Shape, run},
+    batch::{Approach, Batch, PlaneBatch, RaysByValue, from_plane},
+    instances::{Grouping, Optics, run},
     lanes::{Cpu, Lanes, Portable, Scalar},
-    march::{End, Start},
+    ray::{End, Start},
     table::Table,
 };
-use super::{Blocked, Direction, Path, Ray, Real};
-use crate::lens::{Lens, refraction::Refraction};
-
-/// A ray that got through a lens, in lens space.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Traced<S> {
-    /// The point on the last surface, mm.
-    pub origin: [S; 3],
-    /// The unit direction behind it.
-    pub direction: [S; 3],
-    /// cos⁴ of the angle between the axis and the ray before the lens; positive.
-    pub weight: S,
-}
-
-impl<S: Real> Traced<S> {
-    /// Of the numbers of origin, direction and weight; `None` for the weight 0, a blocked ray's.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn of([x, y, z, dx, dy, dz, weight]: [S; 7]) -> Option<Self> {
-        (weight > S::ZERO).then_some(Self { origin: [x, y, z], direction: [dx, dy, dz], weight })
-    }
-
-    /// In double precision.
-    pub fn ray(&self) -> Ray {
-        Ray { origin: self.origin.map(S::to_f64), direction: self.direction.map(S::to_f64) }
-    }
-}
+use crate::{
+    lens::{Lens, Ray, refraction::Refraction},
+    trace::{
+        path::{Direction, Path},
+        surface::Blocked,
+    },
+};
 
 /// A lens compiled for tracing rays in one direction with numbers of type `S`: `f64` or `f32`.
 ///
@@ -114,7 +95,7 @@ impl<S: Precision> Kernel<S> {
     /// and dy/dz; `None` where the lens blocks it.
     #[inline]
     pub fn trace_one(&self, plane: f64, point: [S; 2], slopes: [S; 2]) -> Option<Traced<S>> {
-        let mut one = Few::new(plane, [point], [slopes]);
+        let mut one = RaysByValue::new(plane, [point], [slopes]);
         S::one(self.simd, &self.table, &mut one);
         one.traced(0)
     }
@@ -130,7 +111,7 @@ impl<S: Precision> Kernel<S> {
     ) -> [Option<Traced<S>>; 3] {
         let [a, b, c] = points;
         let [s, t, u] = slopes;
-        let mut four = Few::new(plane, [a, b, c, a], [s, t, u, s]);
+        let mut four = RaysByValue::new(plane, [a, b, c, a], [s, t, u, s]);
         S::quad(self.simd, &self.table, &mut four);
         [0, 1, 2].map(|i| four.traced(i))
     }
@@ -142,7 +123,7 @@ impl<S: Precision> Kernel<S> {
     pub fn trace_batch(&self, from: &PlaneRays<'_, S>, to: &mut LensRays<'_, S>) {
         let n = from.checked_len();
         assert_eq!(n, to.checked_len(), "a batch needs as much room as it has rays");
-        S::from_plane(self.simd, &self.table, &mut FromPlane { from, to, n });
+        S::from_plane(self.simd, &self.table, &mut PlaneBatch { from, to, n });
     }
 
     /// Many rays, each from anywhere before the first surface with a direction of any length but 0; the
@@ -152,13 +133,13 @@ impl<S: Precision> Kernel<S> {
     /// The arrays differ in length.
     pub fn trace_in_place(&self, rays: &mut LensRays<'_, S>) {
         let n = rays.checked_len();
-        S::in_place(self.simd, &self.table, &mut InPlace { rays, n });
+        S::in_place(self.simd, &self.table, &mut InPlaceBatch { rays, n });
     }
 
     /// Traces a batch that makes and takes its rays in vectors.
     #[inline(always)]
-    pub(crate) fn trace(&self, shape: Shape, batch: &mut impl Batch<S>) {
-        run(self.simd, shape, &self.table, batch);
+    pub(crate) fn trace(&self, grouping: Grouping, batch: &mut impl Batch<S>) {
+        run(self.simd, grouping, &self.table, batch);
     }
 
     /// Why a ray is blocked, by the scalar walk. Where the walk in double precision lets it through it

@@ -1,7 +1,7 @@
 //! A surface as the kernel's table is made of it: its numbers in the frame of the travel, and what of it is proven.
 
-use super::crossing::{self, Cap, Tests};
-use crate::trace::path;
+use super::crossing::{self, ClearPart, Tests};
+use crate::trace::surface::PathSurface;
 
 /// |R| up to this many times the clear semi-diameter and the way there counts as strongly curved:
 /// without the division t has an error of rounding times R. As few as leave the catalogue's lenses, whose weakest
@@ -11,7 +11,7 @@ const STRONG: f64 = 45.0;
 const STEEP: f64 = 0.02;
 
 /// One surface as the compiler sees it.
-pub struct Surface {
+pub struct CompiledSurface {
     pub c: f64,
     pub n: f64,
     pub index_step: f64,
@@ -27,7 +27,7 @@ pub struct Surface {
     pub is_still: bool,
 }
 
-impl Surface {
+impl CompiledSurface {
     pub fn is_strong(&self) -> bool {
         self.c.abs() * STRONG * (self.semi + self.distance) >= 1.0
     }
@@ -37,30 +37,33 @@ impl Surface {
     }
 }
 
-/// The surfaces of a path. `sense` is that of the table, `epsilon` the precision's rounding unit, `tested` says whose
+/// The surfaces of a path. `travel_sign` is that of the table, `epsilon` the precision's rounding unit, `tested` says whose
 /// apertures are to be tested.
 pub fn surfaces(
-    steps: &[path::Step<f64>],
-    sense: f64,
+    steps: &[PathSurface<f64>],
+    travel_sign: f64,
     epsilon: f64,
     tested: impl Fn(usize) -> bool,
-) -> Vec<Surface> {
-    let mut surfaces: Vec<Surface> = Vec::with_capacity(steps.len());
-    let cap = |step: &path::Step<f64>| Cap { curvature: step.curvature, semi_diameter: step.aperture.sqrt() };
-    let mut moved: Option<Cap> = None;
+) -> Vec<CompiledSurface> {
+    let mut surfaces: Vec<CompiledSurface> = Vec::with_capacity(steps.len());
+    let clear_part = |step: &PathSurface<f64>| ClearPart {
+        curvature: step.curvature,
+        semi_diameter: step.aperture.sqrt(),
+    };
+    let mut moved: Option<ClearPart> = None;
     let mut distance = 0.0;
     for (i, step) in steps.iter().enumerate() {
         distance += step.distance;
-        let here = cap(step);
-        let beside = |step: &path::Step<f64>| step.curvature == 0.0 && step.index_step == 0.0;
+        let here = clear_part(step);
+        let beside = |step: &PathSurface<f64>| step.curvature == 0.0 && step.index_step == 0.0;
         let room_after =
-            steps.get(i + 1).is_some_and(|next| crossing::leaves_room(here, cap(next), next.distance));
+            steps.get(i + 1).is_some_and(|next| crossing::leaves_room(here, clear_part(next), next.distance));
         let room_before = moved.is_some_and(|moved| crossing::leaves_room(moved, here, distance));
         let is_still = beside(step) && room_before && room_after;
         // At the first surface where the ray began decides, which is not known here. From the scene a
         // sphere may be met going backward: a fisheye sees behind itself.
-        let unknown = Tests { forward: sense > 0.0 || step.curvature == 0.0, onward: true };
-        surfaces.push(Surface {
+        let unknown = Tests { forward: travel_sign > 0.0 || step.curvature == 0.0, onward: true };
+        surfaces.push(CompiledSurface {
             c: step.curvature,
             n: step.n,
             index_step: step.index_step,

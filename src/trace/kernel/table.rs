@@ -4,27 +4,27 @@
 
 use super::{
     crossing::Tests,
-    drift::{Drift, Reach},
     lanes::Scalar,
-    surface::{Surface, surfaces},
+    rounding::{AxialStep, RoundingGrowth},
+    surface::{CompiledSurface, surfaces},
 };
 use crate::trace::{Direction, Path};
 
 /// What a ray is told of its height z above the vertex it was last at: -z' in the frame of the next
 /// vertex is `factor` times what it carries, plus `offset`.
 #[derive(Clone, Copy, Debug)]
-pub struct Handover<S> {
+pub struct Transfer<S> {
     pub factor: S,
     pub offset: S,
 }
 
 /// The aperture test of a sphere.
 #[derive(Clone, Copy, Debug)]
-pub enum Rim<S> {
+pub enum ApertureTest<S> {
     /// x² + y² <= a².
     Height(S),
     /// N_z >= sqrt(1 - c² a²), which rejects the far hemisphere, too.
-    Slope(S),
+    NormalZ(S),
     /// No ray that all other tests let through fails.
     Untested,
 }
@@ -32,7 +32,7 @@ pub enum Rim<S> {
 /// A sphere met from anywhere: the curvature form of the quadratic.
 #[derive(Clone, Copy, Debug)]
 pub struct Sphere<S> {
-    pub handover: Handover<S>,
+    pub transfer: Transfer<S>,
     /// -c, c/2, -2 c n², 1/(c n²).
     pub minus_c: S,
     pub half_c: S,
@@ -45,8 +45,8 @@ pub struct Sphere<S> {
     /// The ray is moved to the vertex plane first.
     pub far: bool,
     /// N_z is handed on, for a link; else z.
-    pub hands_slope: bool,
-    pub rim: Rim<S>,
+    pub carries_normal: bool,
+    pub aperture_test: ApertureTest<S>,
     pub tests: Tests,
     /// How far behind a hit may lie by rounding alone, in units of V.
     pub slack: S,
@@ -57,7 +57,7 @@ pub struct Sphere<S> {
 /// A plane with an index step, or a stop that its neighbours reach into.
 #[derive(Clone, Copy, Debug)]
 pub struct Plane<S> {
-    pub handover: Handover<S>,
+    pub transfer: Transfer<S>,
     pub index_step: S,
     /// a².
     pub aperture: S,
@@ -70,7 +70,7 @@ pub struct Plane<S> {
 /// A stop: only a test.
 #[derive(Clone, Copy, Debug)]
 pub struct Stop<S> {
-    pub handover: Handover<S>,
+    pub transfer: Transfer<S>,
     /// a².
     pub aperture: S,
 }
@@ -92,10 +92,10 @@ pub struct Link<S> {
     /// 1/n².
     pub per_n2: S,
     pub per_cn2: S,
-    pub rim: Rim<S>,
+    pub aperture_test: ApertureTest<S>,
     /// Vz > 0 is to be tested.
     pub forward: bool,
-    /// n' < n: total reflection is possible, and then the only way to miss.
+    /// n' < n: total reflection is possible, and then the only form to miss.
     pub rarer: bool,
 }
 
@@ -107,7 +107,7 @@ pub enum Step<S> {
     Plane(Plane<S>),
     Stop(Stop<S>),
     /// V is made n long: 3/2 and -1/(2 n²), V (3/2 - V·V/(2 n²)) has the length n.
-    Renewal([S; 2]),
+    Renormalise([S; 2]),
 }
 
 /// A lens compiled for one direction.
@@ -116,19 +116,19 @@ pub struct Table<S> {
     /// The first is never a link or a stop; a ray enters it in its vertex's frame.
     pub steps: Box<[Step<S>]>,
     /// From the last surface to lens space: z there is `exit.factor` times what the ray carries, plus `exit.offset`.
-    pub exit: Handover<S>,
+    pub exit: Transfer<S>,
     /// 3/(2 n) and -1/(2 n³) of the last medium: D = V (`unit[0]` + `unit[1]` V·V) is a unit vector.
     pub unit: [S; 2],
     /// z of the first vertex in lens space.
     pub entry: f64,
     /// +1 toward the scene, -1 toward the film.
-    pub sense: f64,
+    pub travel_sign: f64,
 }
 
 /// Distance over |R| beyond which a ray moves to the vertex plane first: f loses that factor in digits.
 const FAR: f64 = 4.0;
-/// Roundings of [`Drift`] that are let be. The catalogue's lenses come to 60 at most.
-const DRIFT: f64 = 64.0;
+/// Roundings of [`RoundingGrowth`] that are let be. The catalogue's lenses come to 60 at most.
+const MOST_GROWTH: f64 = 64.0;
 /// Largest semi-diameter over |R| at which a ray through it can reach the far hemisphere of a surface that is
 /// not steep, inside its clear aperture, only by travelling backward.
 const NARROW: f64 = 6.0;
@@ -137,61 +137,62 @@ impl<S: Scalar> Table<S> {
     /// Compiles a path. Links are made up to the given amplification of rounding. `tested` says of a surface, counted
     /// along the path, whether its aperture is to be tested; leaving a test out changes no bit of what passes.
     pub fn new(path: &Path<f64>, amplification: f64, tested: impl Fn(usize) -> bool) -> Self {
-        let sense = match path.direction {
+        let travel_sign = match path.direction {
             Direction::FilmToScene => 1.0,
             Direction::SceneToFilm => -1.0,
         };
-        let surfaces = surfaces(&path.steps, sense, S::EPSILON, tested);
+        let surfaces = surfaces(&path.steps, travel_sign, S::EPSILON, tested);
         let mut steps = Vec::with_capacity(surfaces.len());
-        let ways = ways(&surfaces, amplification);
+        let forms = forms(&surfaces, amplification);
         // The last surface that moved the ray, and whether it hands N_z on.
-        let mut last: Option<(&Surface, bool)> = None;
+        let mut last: Option<(&CompiledSurface, bool)> = None;
         for (i, surface) in surfaces.iter().enumerate() {
-            let handover = handover(last, surface.distance);
+            let transfer = transfer(last, surface.distance);
             if surface.is_still {
                 if surface.tested {
                     let aperture = S::from_f64(surface.aperture);
-                    steps.push(Step::Stop(Stop { handover, aperture }));
+                    steps.push(Step::Stop(Stop { transfer, aperture }));
                 }
                 continue;
             }
-            let hands_slope = ways[i + 1..].iter().find_map(|way| match way {
-                Way::Still => None,
-                way => Some(matches!(way, Way::Link(_))),
+            let carries_normal = forms[i + 1..].iter().find_map(|form| match form {
+                StepForm::Still => None,
+                form => Some(matches!(form, StepForm::Link(_))),
             });
-            let hands_slope = hands_slope.unwrap_or(false);
-            let (step, hands_slope) = match ways[i] {
-                Way::Still => continue,
-                Way::Link(link) => (Step::Link(link.to()), true),
-                Way::Plane => (Step::Plane(plane(surface, handover)), false),
-                Way::Sphere { far } => {
-                    (Step::Sphere(sphere(surface, handover, far, hands_slope)), hands_slope)
+            let carries_normal = carries_normal.unwrap_or(false);
+            let (step, carries_normal) = match forms[i] {
+                StepForm::Still => continue,
+                StepForm::Link(link) => (Step::Link(link.to()), true),
+                StepForm::Plane => (Step::Plane(plane(surface, transfer)), false),
+                StepForm::Sphere { far } => {
+                    (Step::Sphere(sphere(surface, transfer, far, carries_normal)), carries_normal)
                 }
             };
-            if last.is_some() && matches!(ways[i], Way::Sphere { far: true }) {
-                steps.push(Step::Renewal([S::from_f64(1.5), S::from_f64(-0.5 / (surface.n * surface.n))]));
+            if last.is_some() && matches!(forms[i], StepForm::Sphere { far: true }) {
+                steps
+                    .push(Step::Renormalise([S::from_f64(1.5), S::from_f64(-0.5 / (surface.n * surface.n))]));
             }
             steps.push(step);
-            last = Some((surface, hands_slope));
+            last = Some((surface, carries_normal));
         }
         let n = path.steps.last().map_or(1.0, |step| step.n_after);
         let (factor, offset) = match last {
-            Some((surface, true)) => (-sense / surface.c, path.exit + sense / surface.c),
-            _ => (sense, path.exit),
+            Some((surface, true)) => (-travel_sign / surface.c, path.exit + travel_sign / surface.c),
+            _ => (travel_sign, path.exit),
         };
         Self {
             steps: steps.into(),
-            exit: Handover { factor: S::from_f64(factor), offset: S::from_f64(offset) },
+            exit: Transfer { factor: S::from_f64(factor), offset: S::from_f64(offset) },
             unit: [S::from_f64(1.5 / n), S::from_f64(-0.5 / n.powi(3))],
             entry: path.entry,
-            sense,
+            travel_sign,
         }
     }
 }
 
 /// How a ray gets to a surface.
 #[derive(Clone, Copy)]
-enum Way {
+enum StepForm {
     /// Not at all: the surface is only a test.
     Still,
     Plane,
@@ -203,62 +204,64 @@ enum Way {
 
 /// Chooses for each surface: a link where there is one; and where what the kernel takes for granted would have
 /// drifted too far off, a sphere that is reached anew from its vertex plane.
-fn ways(surfaces: &[Surface], amplification: f64) -> Vec<Way> {
-    let mut last: Option<(&Surface, Drift)> = None;
-    let mut ways = Vec::with_capacity(surfaces.len());
+fn forms(surfaces: &[CompiledSurface], amplification: f64) -> Vec<StepForm> {
+    let mut last: Option<(&CompiledSurface, RoundingGrowth)> = None;
+    let mut forms = Vec::with_capacity(surfaces.len());
     for surface in surfaces {
         if surface.is_still {
-            ways.push(Way::Still);
+            forms.push(StepForm::Still);
             continue;
         }
-        let Surface { c, n, index_step, distance, .. } = *surface;
+        let CompiledSurface { c, n, index_step, distance, .. } = *surface;
         let reach =
-            Reach { distance: c * distance, index_ratio: (1.0 + index_step / (n * n)).sqrt().recip() };
+            AxialStep { distance: c * distance, index_ratio: (1.0 + index_step / (n * n)).sqrt().recip() };
         let far = reach.distance.abs() > FAR;
-        let (way, drift) = match last {
-            Some((_, drift)) if c == 0.0 => (Way::Plane, drift.through_plane(reach.index_ratio)),
-            None if c == 0.0 => (Way::Plane, Drift::NONE),
-            None => (Way::Sphere { far }, Drift::NONE),
-            Some((last, drift)) => {
-                let (way, drift) = match link(last, surface, amplification) {
-                    Some(link) => (Way::Link(link), drift.through_link(reach, link.rho, link.alpha.abs())),
-                    None => (Way::Sphere { far }, drift.through_sphere(reach)),
+        let (form, growth) = match last {
+            Some((_, growth)) if c == 0.0 => (StepForm::Plane, growth.through_plane(reach.index_ratio)),
+            None if c == 0.0 => (StepForm::Plane, RoundingGrowth::NONE),
+            None => (StepForm::Sphere { far }, RoundingGrowth::NONE),
+            Some((last, growth)) => {
+                let (form, growth) = match link(last, surface, amplification) {
+                    Some(link) => {
+                        (StepForm::Link(link), growth.through_link(reach, link.rho, link.alpha.abs()))
+                    }
+                    None => (StepForm::Sphere { far }, growth.through_sphere(reach)),
                 };
-                if matches!(way, Way::Sphere { far: true }) || drift.size() > DRIFT {
-                    (Way::Sphere { far: true }, Drift::NONE)
+                if matches!(form, StepForm::Sphere { far: true }) || growth.size() > MOST_GROWTH {
+                    (StepForm::Sphere { far: true }, RoundingGrowth::NONE)
                 } else {
-                    (way, drift)
+                    (form, growth)
                 }
             }
         };
-        ways.push(way);
-        last = Some((surface, drift));
+        forms.push(form);
+        last = Some((surface, growth));
     }
-    ways
+    forms
 }
 
-fn handover<S: Scalar>(last: Option<(&Surface, bool)>, distance: f64) -> Handover<S> {
+fn transfer<S: Scalar>(last: Option<(&CompiledSurface, bool)>, distance: f64) -> Transfer<S> {
     let (factor, offset) = match last {
         Some((last, true)) => (last.c.recip(), distance - last.c.recip()),
         _ => (-1.0, distance),
     };
-    Handover { factor: S::from_f64(factor), offset: S::from_f64(offset) }
+    Transfer { factor: S::from_f64(factor), offset: S::from_f64(offset) }
 }
 
-fn rim<S: Scalar>(surface: &Surface) -> Rim<S> {
+fn aperture_test<S: Scalar>(surface: &CompiledSurface) -> ApertureTest<S> {
     if !surface.tested {
-        Rim::Untested
+        ApertureTest::Untested
     } else if surface.is_steep() {
         // Beyond the equator the sphere is no part of the surface.
-        Rim::Slope(S::from_f64((1.0 - (surface.c * surface.semi).powi(2)).max(0.0).sqrt()))
+        ApertureTest::NormalZ(S::from_f64((1.0 - (surface.c * surface.semi).powi(2)).max(0.0).sqrt()))
     } else {
-        Rim::Height(S::from_f64(surface.aperture))
+        ApertureTest::Height(S::from_f64(surface.aperture))
     }
 }
 
-fn plane<S: Scalar>(surface: &Surface, handover: Handover<S>) -> Plane<S> {
+fn plane<S: Scalar>(surface: &CompiledSurface, transfer: Transfer<S>) -> Plane<S> {
     Plane {
-        handover,
+        transfer,
         index_step: S::from_f64(surface.index_step),
         aperture: S::from_f64(surface.aperture),
         tested: surface.tested,
@@ -267,11 +270,16 @@ fn plane<S: Scalar>(surface: &Surface, handover: Handover<S>) -> Plane<S> {
     }
 }
 
-fn sphere<S: Scalar>(surface: &Surface, handover: Handover<S>, far: bool, hands_slope: bool) -> Sphere<S> {
-    let Surface { c, n, .. } = *surface;
+fn sphere<S: Scalar>(
+    surface: &CompiledSurface,
+    transfer: Transfer<S>,
+    far: bool,
+    carries_normal: bool,
+) -> Sphere<S> {
+    let CompiledSurface { c, n, .. } = *surface;
     let strong = surface.is_strong();
     Sphere {
-        handover,
+        transfer,
         minus_c: S::from_f64(-c),
         half_c: S::from_f64(c / 2.0),
         minus_2cn2: S::from_f64(-2.0 * c * n * n),
@@ -279,18 +287,18 @@ fn sphere<S: Scalar>(surface: &Surface, handover: Handover<S>, far: bool, hands_
         index_step: S::from_f64(surface.index_step),
         strong,
         far,
-        hands_slope,
-        rim: rim(surface),
+        carries_normal,
+        aperture_test: aperture_test(surface),
         tests: surface.tests,
         slack: S::from_f64(surface.slack),
-        plain: strong && !far && hands_slope && surface.is_steep() && !surface.tests.onward,
+        plain: strong && !far && carries_normal && surface.is_steep() && !surface.tests.onward,
     }
 }
 
 /// The link between two surfaces, where there is one: both strongly curved, nothing left to prove but the
 /// direction, and rounding amplified by no more than `limit`.
-fn link(last: &Surface, surface: &Surface, limit: f64) -> Option<Link<f64>> {
-    let Surface { c, n, distance: d, .. } = *surface;
+fn link(last: &CompiledSurface, surface: &CompiledSurface, limit: f64) -> Option<Link<f64>> {
+    let CompiledSurface { c, n, distance: d, .. } = *surface;
     let curved = last.c != 0.0 && c != 0.0 && last.is_strong() && surface.is_strong();
     let near_side = surface.is_steep() || last.semi * c.abs() < NARROW;
     if !(curved && near_side) || surface.tests.onward {
@@ -310,7 +318,7 @@ fn link(last: &Surface, surface: &Surface, limit: f64) -> Option<Link<f64>> {
         minus_c: -c,
         per_n2: (n * n).recip(),
         per_cn2: (c * n * n).recip(),
-        rim: rim(surface),
+        aperture_test: aperture_test(surface),
         forward: surface.tests.forward,
         rarer: surface.index_step < 0.0,
     })
@@ -327,13 +335,41 @@ impl Link<f64> {
             minus_c: S::from_f64(self.minus_c),
             per_n2: S::from_f64(self.per_n2),
             per_cn2: S::from_f64(self.per_cn2),
-            rim: match self.rim {
-                Rim::Height(limit) => Rim::Height(S::from_f64(limit)),
-                Rim::Slope(limit) => Rim::Slope(S::from_f64(limit)),
-                Rim::Untested => Rim::Untested,
+            aperture_test: match self.aperture_test {
+                ApertureTest::Height(limit) => ApertureTest::Height(S::from_f64(limit)),
+                ApertureTest::NormalZ(limit) => ApertureTest::NormalZ(S::from_f64(limit)),
+                ApertureTest::Untested => ApertureTest::Untested,
             },
             forward: self.forward,
             rarer: self.rarer,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        lens::{Lens, refraction::Refraction},
+        prescription::{catalogue, read},
+    };
+
+    fn renormalisations(lens: &Lens, direction: Direction) -> usize {
+        let path = Path::new(lens, direction, Refraction::Fused);
+        let table = Table::<f64>::new(&path, 25.0, |_| true);
+        table.steps.iter().filter(|step| matches!(step, Step::Sphere(sphere) if sphere.far)).count()
+    }
+
+    #[test]
+    fn rows_of_balls_are_reached_anew_and_no_lens_of_the_catalogue_is() {
+        let row = "1 2 1.8 1.9\n-1 4 1 1.9\n".repeat(7) + "1 2 1.8 1.9\n-1 0 1 1.9";
+        let balls = Lens::at_d_line(&read("balls", row.as_bytes()).expect("a lens"));
+        for direction in [Direction::FilmToScene, Direction::SceneToFilm] {
+            assert!(renormalisations(&balls, direction) >= 3);
+            for name in catalogue::names() {
+                let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
+                assert_eq!(renormalisations(&lens, direction), 0, "{name}");
+            }
         }
     }
 }

@@ -3,17 +3,17 @@
 //! Written over the kernel's vectors, of which every operation is correctly rounded, so that one ray and many
 //! have the same bits.
 
-use super::{Polynomial, terms::sum};
+use super::{fit::Polynomial, terms::sum};
 use crate::trace::kernel::{
-    Approach, Available, Batch, Cpu, End, Few, FromPlane, Lanes, LensRays, Optics, PlaneRays, Precision,
-    Shape, Start, Traced, run,
+    Approach, Available, Batch, Cpu, End, Grouping, Lanes, LensRays, Optics, PlaneBatch, PlaneRays,
+    Precision, RaysByValue, Start, Traced, run,
 };
 
 /// A lens as polynomials that traces as a [`Kernel`](crate::trace::kernel::Kernel) does: one ray, three or many,
 /// with the same bits.
 ///
 /// A ray is blocked where it leaves the front surface outside the clear aperture, or passes one of the surfaces of
-/// [`Polynomial::with_rims`] outside its own; other apertures are not looked at. Immutable; may be shared between
+/// [`Polynomial::with_apertures`] outside its own; other apertures are not looked at. Immutable; may be shared between
 /// threads.
 #[derive(Clone, Debug)]
 pub struct PolynomialLens<S> {
@@ -22,8 +22,8 @@ pub struct PolynomialLens<S> {
     degree: usize,
     /// A, B, C, D by monomial.
     terms: Vec<[S; 4]>,
-    /// E and F of each rim by monomial.
-    rims: Vec<Vec<[S; 2]>>,
+    /// E and F of each aperture by monomial.
+    apertures: Vec<Vec<[S; 2]>>,
     film_scale: S,
     pupil_scale: S,
     vergence: S,
@@ -36,16 +36,19 @@ pub struct PolynomialLens<S> {
 impl<S: Precision> PolynomialLens<S> {
     /// Rounds the coefficients to `S`.
     pub fn new(polynomial: &Polynomial) -> Self {
-        let Polynomial { order, frame, terms, front, rims } = polynomial;
+        let Polynomial { order, scaling, terms, front, apertures } = polynomial;
         let round = S::from_f64;
         Self {
-            film: frame.film,
+            film: scaling.film,
             degree: (order - 1) / 2,
             terms: terms.iter().map(|term| term.map(round)).collect(),
-            rims: rims.iter().map(|rim| rim.terms.iter().map(|term| term.map(round)).collect()).collect(),
-            film_scale: round(frame.film_scale),
-            pupil_scale: round(frame.pupil_scale),
-            vergence: round(frame.vergence),
+            apertures: apertures
+                .iter()
+                .map(|aperture| aperture.terms.iter().map(|term| term.map(round)).collect())
+                .collect(),
+            film_scale: round(scaling.film_scale),
+            pupil_scale: round(scaling.pupil_scale),
+            vergence: round(scaling.vergence),
             curvature: round(front.curvature),
             aperture: round(front.semi_diameter.powi(2)),
             simd: Available::best(),
@@ -56,8 +59,8 @@ impl<S: Precision> PolynomialLens<S> {
     /// dy/dz; `None` where the lens blocks it.
     #[inline]
     pub fn trace_one(&self, point: [S; 2], slopes: [S; 2]) -> Option<Traced<S>> {
-        let mut one = Few::new(self.film, [point], [slopes]);
-        self.trace(Shape::One, &mut one);
+        let mut one = RaysByValue::new(self.film, [point], [slopes]);
+        self.trace(Grouping::One, &mut one);
         one.traced(0)
     }
 
@@ -70,13 +73,13 @@ impl<S: Precision> PolynomialLens<S> {
         let from = &PlaneRays { plane: self.film, ..*from };
         let n = from.checked_len();
         assert_eq!(n, to.checked_len(), "a batch needs as much room as it has rays");
-        self.trace(Shape::Wide, &mut FromPlane { from, to, n });
+        self.trace(Grouping::Wide, &mut PlaneBatch { from, to, n });
     }
 
     /// Traces a batch that makes and takes its rays in vectors.
     #[inline(always)]
-    pub(crate) fn trace(&self, shape: Shape, batch: &mut impl Batch<S>) {
-        run(self.simd, shape, self, batch);
+    pub(crate) fn trace(&self, grouping: Grouping, batch: &mut impl Batch<S>) {
+        run(self.simd, grouping, self, batch);
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -104,8 +107,8 @@ impl<S: Precision> PolynomialLens<S> {
         let (qx, qy) = (d.mul_add(px, c * x), d.mul_add(py, c * y));
         let height = oy.mul_add(oy, ox * ox);
         let mut passed = height.less_equal(L::splat(cpu, self.aperture));
-        for rim in &self.rims {
-            let [e, f] = sum(cpu, rim, self.degree, [u, v, w]);
+        for aperture in &self.apertures {
+            let [e, f] = sum(cpu, aperture, self.degree, [u, v, w]);
             let (rx, ry) = (f.mul_add(px, e * x), f.mul_add(py, e * y));
             passed = L::both(passed, ry.mul_add(ry, rx * rx).less_equal(one));
         }
@@ -131,7 +134,7 @@ impl<S: Precision> PolynomialLens<S> {
 impl<S: Precision> Optics<S> for PolynomialLens<S> {
     #[inline(always)]
     fn approach(&self) -> Approach {
-        Approach { entry: self.film, sense: 1.0 }
+        Approach { entry: self.film, travel_sign: 1.0 }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]

@@ -83,11 +83,11 @@ impl Case {
     /// Share of the map that passes and share of the pupil that it misses, by bisection for
     /// the true edge along `n` half-lines.
     pub fn fit(&self, point: [f64; 2], n: u32) -> (f64, f64) {
-        let center = self.pupil.draw(point, [0.0; 2]).expect("lit").slopes;
+        let center = self.pupil.sample(point, [0.0; 2]).expect("lit").slopes;
         let rim: Vec<[f64; 3]> = (0..=n)
             .map(|i| {
                 let phi = TAU * (f64::from(i) + 0.31) / f64::from(n);
-                let [x, y] = self.pupil.draw(point, [phi.cos(), phi.sin()]).expect("lit").slopes;
+                let [x, y] = self.pupil.sample(point, [phi.cos(), phi.sin()]).expect("lit").slopes;
                 let (dx, dy) = (x - center[0], y - center[1]);
                 let at = |k: f64| self.passes(point, [center[0] + k * dx, center[1] + k * dy]);
                 let (mut low, mut high) = (0.0, 2.0);
@@ -118,7 +118,7 @@ impl Case {
     /// Where along the half-line from the disk's centre toward `rim` the map leaves the pupil, at most 1.
     fn edge(&self, point: [f64; 2], rim: [f64; 2]) -> f64 {
         let at = |r: f64| {
-            let slopes = self.pupil.draw(point, rim.map(|x| r * x)).expect("lit").slopes;
+            let slopes = self.pupil.sample(point, rim.map(|x| r * x)).expect("lit").slopes;
             self.passes(point, slopes)
         };
         if at(1.0) {
@@ -142,7 +142,7 @@ impl Case {
             let rim = [phi.cos(), phi.sin()];
             let edge = self.edge(point, rim);
             let integrand = |r: f64| {
-                let drawn = self.pupil.draw(point, rim.map(|x| r * x)).expect("lit");
+                let drawn = self.pupil.sample(point, rim.map(|x| r * x)).expect("lit");
                 drawn.area * cos4(drawn.slopes) * 2.0 * r
             };
             simpson(0.0, edge, integrand)
@@ -187,10 +187,10 @@ impl Case {
 
     /// A disk of slopes a little larger than what the map reaches.
     pub fn surroundings(&self, point: [f64; 2]) -> SlopeDisk {
-        let center = self.pupil.draw(point, [0.0; 2]).expect("lit").slopes;
+        let center = self.pupil.sample(point, [0.0; 2]).expect("lit").slopes;
         let radius = (0..64).map(|i| {
             let phi = TAU * f64::from(i) / 64.0;
-            let [x, y] = self.pupil.draw(point, [phi.cos(), phi.sin()]).expect("lit").slopes;
+            let [x, y] = self.pupil.sample(point, [phi.cos(), phi.sin()]).expect("lit").slopes;
             (x - center[0]).hypot(y - center[1])
         });
         SlopeDisk { center, radius: 1.2 * radius.fold(0.0, f64::max) }
@@ -202,7 +202,7 @@ impl Case {
         let (mut sum, mut squares) = (0.0, 0.0);
         for (u, v) in grid(n) {
             let disk = DiskMapping::Concentric.map(u, v).expect("never rejects");
-            let Some(drawn) = self.pupil.draw(point, disk) else { continue };
+            let Some(drawn) = self.pupil.sample(point, disk) else { continue };
             if self.passes(point, drawn.slopes) {
                 let weight = drawn.area * cos4(drawn.slopes);
                 sum += weight;

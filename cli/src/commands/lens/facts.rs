@@ -1,4 +1,5 @@
-//! What first-order optics says of a lens, in words and as JSON.
+//! What first-order optics says of a lens: a list of facts, each once in words for a reader and once as JSON for a
+//! program. Terms as in M. Born and E. Wolf, *Principles of Optics*, chapter 4.
 
 use realistic::prescription::Prescription;
 use realistic::{
@@ -9,193 +10,197 @@ use realistic::{
         pupil::{EntrancePupil, ExitPupil, limiting_surface},
     },
 };
-use serde_json::{Value, json};
-use std::fmt::Write as _;
+use serde_json::{Map, Value, json};
 
-/// A pupil: place and size; a pupil at infinity has neither.
-#[derive(Clone, Copy, Debug)]
-pub struct Pupil {
-    /// z in lens space, mm.
-    pub z: f64,
-    /// mm.
-    pub diameter: f64,
-}
-
-/// The facts.
+/// One fact.
 #[derive(Debug)]
-pub struct Facts {
-    /// `None` for an afocal lens.
-    pub first_order: Option<FirstOrder>,
-    /// Row of the stop, from 1 at the scene side.
-    pub stop_row: Option<usize>,
-    /// Row that limits the axial beam of a distant object.
-    pub limiting_row: usize,
-    /// Image of the limiting row seen from the scene; `None` at infinity.
-    pub entrance: Option<Pupil>,
-    /// Image of the limiting row seen from the film; `None` at infinity.
-    pub exit: Option<Pupil>,
-    /// Focal length, without its sign, over entrance pupil diameter.
-    pub f_number: Option<f64>,
-    film: Option<FilmFacts>,
-    wavelength: f64,
+struct Fact {
+    name: &'static str,
+    /// In words; `None` where there is nothing to say.
+    text: Option<String>,
+    /// An object of what it consists of; null is what does not exist or lies at infinity.
+    json: Value,
 }
 
+/// The facts of a lens.
 #[derive(Debug)]
-struct FilmFacts {
-    distance: f64,
-    diagonal: f64,
-    paraxial_field: Option<f64>,
-    real_field: Option<f64>,
-    lit_radius: Option<f64>,
-}
+pub struct Facts(Vec<Fact>);
 
 /// A pupil farther away than this many focal lengths is one at infinity with rounding errors.
 const AT_INFINITY: f64 = 1e9;
 
 impl Facts {
-    /// The facts of a lens with film `film_distance` mm behind the last vertex, if it has a place.
-    pub fn of(lens: &Lens, film_distance: Option<f64>, diagonal: f64) -> Self {
-        let first_order = FirstOrder::of(lens).ok();
-        let limiting = limiting_surface(lens);
-        let entrance = EntrancePupil::of_surface(lens, limiting);
-        let exit = ExitPupil::of_surface(lens, limiting);
-        let size = first_order.map_or(lens.front().semi_diameter, |optics| optics.focal_length.abs());
-        // 0 is added for its sign: a pupil in the front vertex is not at -0 mm.
-        let pupil = |z: Option<f64>, diameter: f64| {
-            z.filter(|z| z.abs() < AT_INFINITY * size).map(|z| Pupil { z: z + 0.0, diameter })
-        };
-        let entrance = pupil(entrance.position(), entrance.diameter());
-        let film = film_distance.map(|distance| {
-            let field = Field::new(lens, lens.rear().vertex - distance);
-            FilmFacts {
-                distance,
-                diagonal,
-                paraxial_field: first_order.map(|optics| field::paraxial(optics.focal_length, diagonal)),
-                real_field: field.real(diagonal),
-                lit_radius: field.lit_radius(diagonal / 2.0),
-            }
-        });
-        Self {
-            f_number: first_order
-                .zip(entrance)
-                .map(|(optics, pupil)| optics.focal_length.abs() / pupil.diameter),
-            first_order,
-            stop_row: lens.stop_index().map(|index| index + 1),
-            limiting_row: limiting + 1,
-            entrance,
-            exit: pupil(exit.position(), exit.diameter()),
-            film,
-            wavelength: lens.wavelength,
-        }
+    /// The facts of a lens with film `film_distance` mm behind the last vertex, if it has a place, of a `diagonal`
+    /// in mm.
+    pub fn of(prescription: &Prescription, lens: &Lens, film_distance: Option<f64>, diagonal: f64) -> Self {
+        let optics = FirstOrder::of(lens).ok();
+        let Prescription { name, title, stated_focal_length: stated, .. } = prescription;
+        let mut facts = vec![
+            Fact { name: "lens", text: Some(name.clone()), json: json!({ "name": name }) },
+            Fact { name: "title", text: title.clone(), json: json!({ "title": title }) },
+            Fact {
+                name: "wavelength",
+                text: Some(format!("{} nm", lens.wavelength)),
+                json: json!({ "wavelength_nm": lens.wavelength }),
+            },
+        ];
+        facts.extend(first_order(optics, *stated));
+        facts.extend(pupils(lens, optics));
+        facts.extend(film(lens, optics, film_distance, diagonal));
+        Self(facts)
     }
 
     /// As JSON, without the table.
-    pub fn json(&self, prescription: &Prescription) -> Value {
-        let optics = self.first_order;
-        let film = self.film.as_ref();
-        json!({
-            "name": prescription.name,
-            "title": prescription.title,
-            "wavelength_nm": self.wavelength,
-            "stated_focal_length_mm": prescription.stated_focal_length,
-            "focal_length_mm": optics.map(|o| o.focal_length),
-            "back_focal_distance_mm": optics.map(|o| o.back_focal_distance()),
-            "front_focal_point_z_mm": optics.map(|o| o.front_focal_point),
-            "rear_focal_point_z_mm": optics.map(|o| o.rear_focal_point),
-            "front_principal_plane_z_mm": optics.map(|o| o.front_principal_plane),
-            "rear_principal_plane_z_mm": optics.map(|o| o.rear_principal_plane),
-            "front_nodal_point_z_mm": optics.map(|o| o.front_principal_plane),
-            "rear_nodal_point_z_mm": optics.map(|o| o.rear_principal_plane),
-            "entrance_pupil_z_mm": self.entrance.map(|p| p.z),
-            "entrance_pupil_diameter_mm": self.entrance.map(|p| p.diameter),
-            "exit_pupil_z_mm": self.exit.map(|p| p.z),
-            "exit_pupil_diameter_mm": self.exit.map(|p| p.diameter),
-            "f_number": self.f_number,
-            "stop_row": self.stop_row,
-            "limiting_row": self.limiting_row,
-            "film_distance_mm": film.map(|f| f.distance),
-            "film_diagonal_mm": film.map(|f| f.diagonal),
-            "field_of_view_paraxial_deg": film.and_then(|f| f.paraxial_field).map(f64::to_degrees),
-            "field_of_view_deg": film.and_then(|f| f.real_field).map(f64::to_degrees),
-            "lit_film_radius_mm": film.and_then(|f| f.lit_radius),
-        })
+    pub fn json(&self) -> Value {
+        let parts = self.0.iter().filter_map(|fact| fact.json.as_object());
+        Value::Object(parts.flatten().map(|(key, value)| (key.clone(), value.clone())).collect::<Map<_, _>>())
     }
 
     /// In words, without the table.
-    pub fn text(&self, prescription: &Prescription) -> String {
-        let mut text = format!("lens              {}\n", prescription.name);
-        let mut line = |name: &str, value: &str| {
-            let _ = writeln!(text, "{name:<17} {value}");
-        };
-        if let Some(title) = &prescription.title {
-            line("title", title);
-        }
-        line("wavelength", &format!("{} nm", self.wavelength));
-        match self.first_order {
-            None => line("focal length", "none: the lens is afocal, parallel rays leave it parallel"),
-            Some(optics) => {
-                let stated = prescription.stated_focal_length;
-                let stated = stated.map_or_else(String::new, |f| format!(" (the file states {f} mm)"));
-                line("focal length", &format!("{:.4} mm{stated}", optics.focal_length));
-                line("back focal dist.", &format!("{:.4} mm", optics.back_focal_distance()));
-                let both = |front: f64, rear: f64| format!("z = {front:.4} mm (scene), {rear:.4} mm (film)");
-                line("focal points", &both(optics.front_focal_point, optics.rear_focal_point));
-                let planes = both(optics.front_principal_plane, optics.rear_principal_plane);
-                line("principal planes", &planes);
-                line("nodal points", &format!("{planes}, air being on both sides"));
-            }
-        }
-        let pupil = |pupil: Option<Pupil>| {
-            pupil.map_or_else(
-                || "at infinity".to_owned(),
-                |p| format!("z = {:.4} mm, diameter {:.4} mm", p.z, p.diameter),
-            )
-        };
-        line("entrance pupil", &pupil(self.entrance));
-        line("exit pupil", &pupil(self.exit));
-        let fnumber = self.f_number.map_or_else(|| "none".to_owned(), |number| format!("{number:.4}"));
-        line("f-number", &fnumber);
-        line("stop", &self.stop());
-        match &self.film {
-            Some(film) => {
-                line("film", &format!("{:.4} mm behind the last vertex", film.distance));
-                line("field of view", &film.field());
-            }
-            None => line("film", "has no place: the lens makes no real image of a distant object"),
-        }
-        text
-    }
-
-    fn stop(&self) -> String {
-        let limiting = self.limiting_row;
-        match self.stop_row {
-            None => format!("no stop row; row {limiting} limits the axial beam"),
-            Some(stop) if stop == limiting => format!("row {stop}"),
-            Some(stop) => {
-                format!("row {stop}, but row {limiting} limits the axial beam: pupils and f-number are its")
-            }
-        }
+    pub fn text(&self) -> String {
+        let lines = self.0.iter().filter_map(|fact| Some((fact.name, fact.text.as_ref()?)));
+        lines.map(|(name, text)| format!("{name:<17} {text}\n")).collect()
     }
 }
 
-impl FilmFacts {
-    fn field(&self) -> String {
-        let degrees = |angle: Option<f64>| {
-            angle.map_or_else(|| "none".to_owned(), |angle| format!("{:.3} degrees", angle.to_degrees()))
-        };
-        let corner = match (self.real_field, self.lit_radius) {
-            (Some(_), _) => format!("{} by the corner's chief ray", degrees(self.real_field)),
-            (None, Some(radius)) => {
-                format!("the corner is dark: film gets light up to {radius:.3} mm from the axis")
-            }
-            (None, None) => "the film is dark".to_owned(),
-        };
-        format!(
-            "on a diagonal of {} mm: {} paraxial (2 atan d/2f); {corner}",
-            self.diagonal,
-            degrees(self.paraxial_field)
-        )
-    }
+/// Focal length and cardinal points; air being on both sides, the nodal points are the principal ones.
+fn first_order(optics: Option<FirstOrder>, stated: Option<f64>) -> [Fact; 5] {
+    let said = |say: &dyn Fn(FirstOrder) -> String| optics.map(say);
+    let both = |front: f64, rear: f64| format!("z = {front:.4} mm (scene), {rear:.4} mm (film)");
+    let planes = |o: FirstOrder| both(o.front_principal_plane, o.rear_principal_plane);
+    let (front, rear) = (optics.map(|o| o.front_principal_plane), optics.map(|o| o.rear_principal_plane));
+    let in_file = stated.map_or_else(String::new, |f| format!(" (the file states {f} mm)"));
+    let focal_length = said(&|o| format!("{:.4} mm{in_file}", o.focal_length));
+    let afocal = || "none: the lens is afocal, parallel rays leave it parallel".to_owned();
+    [
+        Fact {
+            name: "focal length",
+            text: focal_length.or_else(|| Some(afocal())),
+            json: json!({
+                "focal_length_mm": optics.map(|o| o.focal_length),
+                "stated_focal_length_mm": stated,
+            }),
+        },
+        Fact {
+            name: "back focal dist.",
+            text: said(&|o| format!("{:.4} mm", o.back_focal_distance())),
+            json: json!({ "back_focal_distance_mm": optics.map(|o| o.back_focal_distance()) }),
+        },
+        Fact {
+            name: "focal points",
+            text: said(&|o| both(o.front_focal_point, o.rear_focal_point)),
+            json: json!({
+                "front_focal_point_z_mm": optics.map(|o| o.front_focal_point),
+                "rear_focal_point_z_mm": optics.map(|o| o.rear_focal_point),
+            }),
+        },
+        Fact {
+            name: "principal planes",
+            text: said(&planes),
+            json: json!({ "front_principal_plane_z_mm": front, "rear_principal_plane_z_mm": rear }),
+        },
+        Fact {
+            name: "nodal points",
+            text: said(&|o| planes(o) + ", air being on both sides"),
+            json: json!({ "front_nodal_point_z_mm": front, "rear_nodal_point_z_mm": rear }),
+        },
+    ]
+}
+
+/// Pupils, f-number (focal length, without its sign, over entrance pupil diameter) and what limits the beam.
+fn pupils(lens: &Lens, optics: Option<FirstOrder>) -> [Fact; 4] {
+    let limiting = limiting_surface(lens);
+    let entrance = EntrancePupil::of_surface(lens, limiting);
+    let exit = ExitPupil::of_surface(lens, limiting);
+    let size = optics.map_or(lens.front().semi_diameter, |optics| optics.focal_length.abs());
+    // Place and diameter. 0 is added for its sign: a pupil in the front vertex is not at -0 mm.
+    let pupil = |z: Option<f64>, diameter: f64| {
+        z.filter(|z| z.abs() < AT_INFINITY * size).map(|z| (z + 0.0, diameter))
+    };
+    let said = |pupil: Option<(f64, f64)>| {
+        pupil.map_or("at infinity".to_owned(), |(z, d)| format!("z = {z:.4} mm, diameter {d:.4} mm"))
+    };
+    let entrance = pupil(entrance.position(), entrance.diameter());
+    let exit = pupil(exit.position(), exit.diameter());
+    let f_number = optics.zip(entrance).map(|(optics, (_, diameter))| optics.focal_length.abs() / diameter);
+    let (limiting, stop) = (limiting + 1, lens.stop_index().map(|index| index + 1));
+    let stop_text = match stop {
+        None => format!("no stop row; row {limiting} limits the axial beam"),
+        Some(stop) if stop == limiting => format!("row {stop}"),
+        Some(stop) => {
+            format!("row {stop}, but row {limiting} limits the axial beam: pupils and f-number are its")
+        }
+    };
+    [
+        Fact {
+            name: "entrance pupil",
+            text: Some(said(entrance)),
+            json: json!({
+                "entrance_pupil_z_mm": entrance.map(|p| p.0),
+                "entrance_pupil_diameter_mm": entrance.map(|p| p.1),
+            }),
+        },
+        Fact {
+            name: "exit pupil",
+            text: Some(said(exit)),
+            json: json!({
+                "exit_pupil_z_mm": exit.map(|p| p.0),
+                "exit_pupil_diameter_mm": exit.map(|p| p.1),
+            }),
+        },
+        Fact {
+            name: "f-number",
+            text: Some(f_number.map_or("none".to_owned(), |number| format!("{number:.4}"))),
+            json: json!({ "f_number": f_number }),
+        },
+        Fact {
+            name: "stop",
+            text: Some(stop_text),
+            json: json!({ "stop_row": stop, "limiting_row": limiting }),
+        },
+    ]
+}
+
+/// Film, and the field of view on a `diagonal` of it in mm.
+fn film(lens: &Lens, optics: Option<FirstOrder>, film_distance: Option<f64>, diagonal: f64) -> [Fact; 2] {
+    let paraxial = film_distance.and(optics).map(|optics| field::paraxial(optics.focal_length, diagonal));
+    let field = film_distance.map(|distance| Field::new(lens, lens.rear().vertex - distance));
+    let real = field.as_ref().and_then(|field| field.real(diagonal));
+    let lit = field.as_ref().and_then(|field| field.lit_radius(diagonal / 2.0));
+    let degrees =
+        |angle: Option<f64>| angle.map_or("none".to_owned(), |a| format!("{:.3} degrees", a.to_degrees()));
+    let corner = match (real, lit) {
+        (Some(_), _) => format!("{} by the corner's chief ray", degrees(real)),
+        (None, Some(radius)) => {
+            format!("the corner is dark: film gets light up to {radius:.3} mm from the axis")
+        }
+        (None, None) => "the film is dark".to_owned(),
+    };
+    let nowhere = || "has no place: the lens makes no real image of a distant object".to_owned();
+    let place = film_distance.map(|distance| format!("{distance:.4} mm behind the last vertex"));
+    let view = || {
+        let paraxial = degrees(paraxial);
+        format!("on a diagonal of {diagonal} mm: {paraxial} paraxial (2 atan d/2f); {corner}")
+    };
+    [
+        Fact {
+            name: "film",
+            text: place.or_else(|| Some(nowhere())),
+            json: json!({
+                "film_distance_mm": film_distance,
+                "film_diagonal_mm": film_distance.map(|_| diagonal),
+            }),
+        },
+        Fact {
+            name: "field of view",
+            text: film_distance.map(|_| view()),
+            json: json!({
+                "field_of_view_paraxial_deg": paraxial.map(f64::to_degrees),
+                "field_of_view_deg": real.map(f64::to_degrees),
+                "lit_film_radius_mm": lit,
+            }),
+        },
+    ]
 }
 
 #[cfg(test)]
@@ -203,20 +208,18 @@ mod tests {
     use super::*;
     use realistic::prescription::read;
 
-    fn facts(table: &str, film: Option<f64>) -> (Prescription, Facts) {
+    fn facts(table: &str, film: Option<f64>) -> Facts {
         let prescription = read("test", table.as_bytes()).unwrap();
-        let lens = Lens::at_d_line(&prescription);
-        let facts = Facts::of(&lens, film, 35.0);
-        (prescription, facts)
+        Facts::of(&prescription, &Lens::at_d_line(&prescription), film, 35.0)
     }
 
     #[test]
     fn a_pupil_at_infinity_is_said_in_words_and_null_in_json() {
         // A thin lens with a stop in its front focal plane: f = 1/(0.5 (1/20 + 1/20)) = 20.
-        let (prescription, facts) = facts("0 20 0 4\n20 0 1.5 20\n-20 0 1 20\n", Some(20.0));
-        assert_eq!(facts.stop_row, Some(1));
-        assert!(facts.text(&prescription).contains("exit pupil        at infinity"));
-        let json = facts.json(&prescription);
+        let facts = facts("0 20 0 4\n20 0 1.5 20\n-20 0 1 20\n", Some(20.0));
+        assert!(facts.text().contains("exit pupil        at infinity"));
+        let json = facts.json();
+        assert_eq!(json["stop_row"], 1);
         assert_eq!((&json["exit_pupil_z_mm"], &json["exit_pupil_diameter_mm"]), (&Value::Null, &Value::Null));
         assert!((json["focal_length_mm"].as_f64().unwrap() - 20.0).abs() < 1e-12);
         assert!((json["f_number"].as_f64().unwrap() - 5.0).abs() < 1e-12);
@@ -224,16 +227,16 @@ mod tests {
 
     #[test]
     fn the_row_that_limits_is_named_when_it_is_not_the_stop() {
-        let (prescription, other) = facts("20 3 1.5 6\n-20 1 1 10\n0 0 0 20\n", Some(20.0));
-        assert!(other.text(&prescription).contains("row 3, but row 1 limits"));
-        let (prescription, none) = facts("20 3 1.5 6\n-20 0 1 10\n", Some(20.0));
-        assert!(none.text(&prescription).contains("no stop row; row 1 limits"));
+        let other = facts("20 3 1.5 6\n-20 1 1 10\n0 0 0 20\n", Some(20.0));
+        assert!(other.text().contains("row 3, but row 1 limits"));
+        let none = facts("20 3 1.5 6\n-20 0 1 10\n", Some(20.0));
+        assert!(none.text().contains("no stop row; row 1 limits"));
     }
 
     #[test]
     fn an_afocal_lens_is_reported_without_a_focal_length() {
-        let (prescription, facts) = facts("0 3 1.5 10\n0 0 1 10\n", None);
-        assert!(facts.text(&prescription).contains("afocal"));
-        assert_eq!(facts.json(&prescription)["focal_length_mm"], Value::Null);
+        let facts = facts("0 3 1.5 10\n0 0 1 10\n", None);
+        assert!(facts.text().contains("afocal"));
+        assert_eq!(facts.json()["focal_length_mm"], Value::Null);
     }
 }

@@ -33,13 +33,13 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         // A lens that makes no image is worth a report without one.
         place => place.ok(),
     };
-    let facts = Facts::of(&lens, film_distance, args.film.diagonal);
+    let facts = Facts::of(&prescription, &lens, film_distance, args.film.diagonal);
     let text = if args.json {
-        let mut value = facts.json(&prescription);
+        let mut value = facts.json();
         value["rows"] = table::json(&prescription, &lens);
         format!("{value:#}\n")
     } else {
-        facts.text(&prescription) + "\n" + &table::text(&prescription, &lens)
+        facts.text() + "\n" + &table::text(&prescription, &lens)
     };
     Ok(std::io::stdout().write_all(text.as_bytes())?)
 }

@@ -45,13 +45,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let savings = savings::Savings::measure(&order)?;
     let text = if args.json {
         let mut value = as_json(plan);
-        {
-            value["measured"] = savings.json();
-        }
+        value["measured"] = savings.json();
         format!("{value:#}\n")
     } else {
-        let text = plan.to_string();
-        text + &savings.text()
+        plan.to_string() + &savings.text()
     };
     Ok(std::io::stdout().write_all(text.as_bytes())?)
 }
@@ -106,13 +103,13 @@ fn as_json(plan: &Plan) -> Value {
         let candidates: Vec<Value> = choice
             .candidates
             .iter()
-            .map(|Candidate { model, cost, verdict }| {
+            .map(|Candidate { tracing, cost, verdict }| {
                 let errors = match verdict {
                     Verdict::Chosen(errors) | Verdict::Rejected(errors) => Some(errors),
                     Verdict::Excluded(_) | Verdict::Untried => None,
                 };
                 json!({
-                    "model": model.name(),
+                    "model": tracing.to_string(),
                     "ordered_by_ns_a_ray": cost,
                     "chosen": matches!(verdict, Verdict::Chosen(_)),
                     "verdict": verdict.text(),

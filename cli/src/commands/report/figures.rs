@@ -1,15 +1,15 @@
-//! The figures of the report: which results each chart shows.
+//! The figures of the report: measured results in, sections with their charts out.
 
-use super::stability_figures;
 use crate::plots::PALETTE;
-use crate::plots::chart::{Chart, Mark, Series, Shape};
-use realistic_lab::irradiance;
-use realistic_lab::picture;
-use realistic_lab::pupil_table;
-use realistic_lab::ray_map::{self, Family, Measured, Spread};
-use realistic_lab::statistics::pareto_front;
-use realistic_lab::suite::Results;
-use realistic_lab::table::Table;
+use crate::plots::chart::{Chart, Mark, Series};
+use realistic_lab::accuracy::methods::Family;
+use realistic_lab::accuracy::pupils::{self, Coverage};
+use realistic_lab::accuracy::ray_map::{self, RayErrors};
+use realistic_lab::accuracy::suite::{Results, stability_table};
+use realistic_lab::results::statistics::{Spread, pareto_front};
+use realistic_lab::results::table::Table;
+use realistic_lab::{accuracy::irradiance, picture, reference::condition::Norm, stability};
+use std::collections::BTreeSet;
 
 /// A chart with the name of its files.
 pub struct Figure {
@@ -19,7 +19,7 @@ pub struct Figure {
     pub chart: Chart,
 }
 
-/// Charts that answer one question, one a lens.
+/// Charts that answer one question.
 pub struct Section {
     /// Its place in the page.
     pub anchor: &'static str,
@@ -35,10 +35,10 @@ pub struct Section {
     pub summary: Option<Table>,
 }
 
-/// A section as its line in the table below.
-type Kind = (&'static str, &'static str, &'static str, &'static str, fn(&Results, &str) -> Chart);
+/// Anchor, title, text and table of a section with a chart for each lens.
+type ByLens = (&'static str, &'static str, &'static str, &'static str, fn(&Results, &str) -> Chart);
 
-const KINDS: &[Kind] = &[
+const BY_LENS: &[ByLens] = &[
     ("pixels", "The ray map: pixels", IN_PIXELS, "ray-map", in_pixels),
     ("direction", "The ray map: direction", DIRECTION, "ray-map", direction),
     ("position", "The ray map: position", POSITION, "ray-map", position),
@@ -57,23 +57,23 @@ const KINDS: &[Kind] = &[
 ];
 
 const IN_PIXELS: &str = "How far from its film point a ray belongs that leaves the lens where the method says, \
-    against the time a ray takes. A mark is the 99.9 % quantile; its thin line reaches from the median to the worst \
+    against the time per ray. A mark is the 99.9 % quantile; its thin line reaches from the median to the worst \
     ray. Filled marks and the grey staircase are the Pareto front: nothing else is both faster and nearer. The dotted \
     lines are one pixel and a hundredth. A number by itself is a polynomial's order; those in batches are in f32 but \
     where f64 is said. \"one\" and \"three\" are rays traced at once, f32x16 is a batch on registers of 16 numbers.";
-const DIRECTION: &str = "Angle between the ray that leaves the lens and the exact one, against the time a ray \
-    takes; marks as above.";
+const DIRECTION: &str = "Angle between the ray that leaves the lens and the exact one, against the time per ray; \
+    marks as above.";
 const POSITION: &str = "Distance between the ray that leaves the lens and the exact point on the front surface, \
-    against the time a ray takes. Marks as above; the front is that of this chart.";
+    against the time per ray. Marks as above; the front is that of this chart.";
 const IRRADIANCE: &str = "RMS relative error of the estimate of film irradiance under a flat field, over the lit ones \
     of five film points from the centre to the corner and independent repetitions, against time, sample numbers \
-    included. Whole lines draw on the rear element's disk, dashed ones on the thick lens's exit pupil, whose bias \
-    makes them level off, dotted ones on the true pupil (warped). In brackets: the exponent of the noise as a power \
+    included. Whole lines sample the rear element's disk, dashed ones the thick lens's exit pupil, whose bias \
+    makes them level off, dotted ones the true pupil (warped). In brackets: the exponent of the noise as a power \
     of the number of samples (-0.5 is Monte Carlo).";
 const MAPPING: &str =
-    "The same, drawn on the rear element's disk, for the three ways from lens numbers to the disk.";
+    "The same, on the rear element's disk, for the three ways from lens samples (u, v) to the disk.";
 const ESTIMATOR: &str = "RMS error of a picture (chequerboard, lights out of focus, sky) over its mean, against \
-    time on one core, for 1, 4, 16, ... samples a pixel; the f64 walk under every sampler. In brackets: the fitted \
+    time on one core, for 1, 4, 16, ... samples per pixel; the f64 walk under every sampler. In brackets: the fitted \
     exponent.";
 const PUPILS: &str = "What each way to know the pupil misses of it, and which share of its samples the lens blocks, \
     against the time to build its table: the rear element's disk, the thick lens's exit pupil (disk), boxes for rings \
@@ -84,116 +84,70 @@ const SET_UP: &str = "Error of fitted polynomials on fresh rays (99.9 % quantile
 const PICTURE: &str = "RMS error of the same picture against time on one core, for whole ways to render, with \
     Sobol' numbers: \"blocks\" are a batch host's, \"0.1 pixel\" is the cheapest model that the planner allows at that \
     tolerance, the others ask for one ray at a time. What models or samples the pupil wrongly levels off at its bias.";
+const STABILITY: &str = "Extreme cases with known answers: a mark is a case, its error over what a perfect tracer must \
+    expect from the condition number of the case and its own rounding unit. A figure of order one, whatever the \
+    condition, is a backward stable tracer; what is below 1e-6, or exact, stands there. The dotted lines are the \
+    bounds that the tests hold. A kernel's points are as good as the size of the surface that they lie on, those of a \
+    walk as good as their own distance from the vertex: the condition numbers are reckoned so. Kernels that give the \
+    same bits are drawn once. The table has the worst of each group, the CSV every case.";
 
 /// Every section with its charts.
 pub fn all(results: &Results) -> Vec<Section> {
-    let by_lens = KINDS.iter().map(|&(anchor, title, text, table, draw)| Section {
-        anchor,
-        title,
-        text,
-        table,
-        figures: results
-            .lenses
-            .iter()
-            .map(|lens| Figure { file: format!("{anchor}-{lens}"), chart: draw(results, lens) })
-            .collect(),
-        summary: summary(results, anchor),
+    let by_lens = BY_LENS.iter().map(|&(anchor, title, text, table, draw)| {
+        let figure = |lens: &&str| Figure {
+            file: format!("{anchor}-{lens}"),
+            chart: Chart { title: (*lens).to_owned(), ..draw(results, lens) },
+        };
+        let figures = results.lenses.iter().map(figure).collect();
+        let summary = match anchor {
+            "pixels" => Some(ray_map::table(&results.ray_map)),
+            "pupils" => Some(pupils::table(&results.pupils)),
+            _ => None,
+        };
+        Section { anchor, title, text, table, figures, summary }
     });
-    by_lens.chain([stability_figures::section(results)]).collect()
+    by_lens.chain([of_stability(results)]).collect()
 }
 
-/// The table under a section's charts.
-fn summary(results: &Results, anchor: &str) -> Option<Table> {
-    match anchor {
-        "pixels" => Some(ray_map::table(&results.ray_map)),
-        "pupils" => Some(pupil_table::table(&results.pupils)),
-        _ => None,
-    }
-}
-
-/// The forms of marks, one a series.
-pub const SHAPES: [Shape; 6] =
-    [Shape::Disk, Shape::Square, Shape::Triangle, Shape::Diamond, Shape::Drop, Shape::Cross];
-
-fn scatter(results: &Results, lens: &str, spread: fn(&Measured) -> Spread) -> Vec<Series> {
-    let own: Vec<&Measured> = results.ray_map.iter().filter(|m| m.lens == lens).collect();
+/// Ray errors against time, in the units of `error`.
+fn scatter(results: &Results, lens: &str, error: &'static str, spread: fn(&RayErrors) -> Spread) -> Chart {
+    let own: Vec<&RayErrors> = results.ray_map.iter().filter(|m| m.lens == lens).collect();
     let points: Vec<_> = own.iter().map(|m| (m.time.median, spread(m).most)).collect();
     let front = pareto_front(&points);
-    let series = |(number, (name, family)): (usize, &(&str, Family))| Series {
-        name: (*name).to_owned(),
-        color: PALETTE[number % PALETTE.len()],
-        shape: SHAPES[number % SHAPES.len()],
-        line: None,
-        marks: own
-            .iter()
-            .zip(&front)
-            .filter(|(m, _)| m.method.family == *family)
-            .map(|(m, &on_front)| {
-                let Spread { median, most, worst } = spread(m);
-                Mark {
-                    at: [m.time.median * 1e9, most],
-                    reach: Some([median, worst]),
-                    name: Some(label(m)),
-                    on_front,
-                }
-            })
-            .collect(),
+    let mark = |(m, &on_front): (&&RayErrors, &bool)| {
+        let Spread { median, most, worst } = spread(m);
+        // Of a polynomial the order will do: its colour and form say the rest.
+        let name = m.method.name.strip_prefix("order ").unwrap_or(m.method.name);
+        Mark {
+            at: [m.time.median * 1e9, most],
+            reach: Some([median, worst]),
+            name: Some(name.trim_end_matches(", f32").replace(", ", " ")),
+            on_front,
+        }
     };
-    Family::NAMES.iter().enumerate().map(series).collect()
-}
-
-/// A method's name beside its mark: of a polynomial the order will do, its colour and form say the rest.
-fn label(m: &Measured) -> String {
-    let name = m.method.name;
-    name.strip_prefix("order ").unwrap_or(name).trim_end_matches(", f32").replace(", ", " ")
+    let series = Family::NAMES.iter().enumerate().map(|(number, (name, family))| {
+        let own = own.iter().zip(&front).filter(|(m, _)| m.method.family == *family);
+        Series::marks(name, number, own.map(mark))
+    });
+    Chart { cost: "time per ray, ns", error, series: series.collect(), ..Chart::default() }
 }
 
 fn in_pixels(results: &Results, lens: &str) -> Chart {
-    Chart {
-        title: lens.to_owned(),
-        cost: "time a ray, ns",
-        error: "error, pixels",
-        levels: vec![(1.0, "one pixel".to_owned()), (0.01, "a hundredth of a pixel".to_owned())],
-        series: scatter(results, lens, |m| m.pixels),
-    }
+    let levels = vec![(1.0, "one pixel".to_owned()), (0.01, "a hundredth of a pixel".to_owned())];
+    Chart { levels, ..scatter(results, lens, "error, pixels", |m| m.pixels) }
 }
 
 fn direction(results: &Results, lens: &str) -> Chart {
-    Chart {
-        title: lens.to_owned(),
-        cost: "time a ray, ns",
-        error: "direction error, rad",
-        levels: Vec::new(),
-        series: scatter(results, lens, |m| m.direction),
-    }
+    scatter(results, lens, "direction error, rad", |m| m.direction)
 }
 
 fn position(results: &Results, lens: &str) -> Chart {
-    Chart {
-        title: lens.to_owned(),
-        cost: "time a ray, ns",
-        error: "position error, mm",
-        levels: Vec::new(),
-        series: scatter(results, lens, |m| m.position),
-    }
-}
-
-/// Lines in whole or dashed strokes: the first thing that tells two apart.
-const DASHES: [&str; 3] = ["none", "6 4", "2 3"];
-
-/// One line, in the colour of the `color`th and the dashes of the `dash`th of their kinds.
-fn line(name: String, color: usize, dash: usize, points: impl Iterator<Item = [f64; 2]>) -> Series {
-    Series {
-        name,
-        color: PALETTE[color % PALETTE.len()],
-        shape: SHAPES[dash % SHAPES.len()],
-        line: Some(DASHES[dash % DASHES.len()]),
-        marks: points.map(|at| Mark { at, reach: None, name: None, on_front: false }).collect(),
-    }
+    scatter(results, lens, "position error, mm", |m| m.position)
 }
 
 /// Marks what no other mark of the chart beats.
-fn with_front(mut series: Vec<Series>) -> Vec<Series> {
+fn with_front(series: impl Iterator<Item = Series>) -> Vec<Series> {
+    let mut series: Vec<Series> = series.collect();
     let points: Vec<_> = series.iter().flat_map(|s| &s.marks).map(|m| (m.at[0], m.at[1])).collect();
     let front = pareto_front(&points);
     series.iter_mut().flat_map(|s| &mut s.marks).zip(front).for_each(|(mark, on)| mark.on_front = on);
@@ -219,15 +173,10 @@ fn flat_field(
     let series = curves.map(|curve| {
         let name = format!("{}, {} ({:.2})", dashed_by(curve), curve.sequence, curve.slope);
         let points = curve.points.iter().map(|p| [p.time * 1e6, p.error]);
-        line(name, rank(&mut colors, curve.sequence), rank(&mut dashes, dashed_by(curve)), points)
+        Series::line(name, rank(&mut colors, curve.sequence), rank(&mut dashes, dashed_by(curve)), points)
     });
-    Chart {
-        title: lens.to_owned(),
-        cost: "time an estimate, µs",
-        error: "RMS relative error",
-        levels: Vec::new(),
-        series: with_front(series.collect()),
-    }
+    let (cost, error) = ("time per estimate, µs", "RMS relative error");
+    Chart { cost, error, series: with_front(series), ..Chart::default() }
 }
 
 fn by_sequence(results: &Results, lens: &str) -> Chart {
@@ -235,41 +184,35 @@ fn by_sequence(results: &Results, lens: &str) -> Chart {
 }
 
 fn by_mapping(results: &Results, lens: &str) -> Chart {
-    let shown = ["random", "Sobol'"];
-    flat_field(
-        results,
-        lens,
-        |curve| curve.pupil == "rear" && shown.contains(&curve.sequence),
-        |curve| curve.disk,
-    )
+    let shown = |c: &irradiance::Curve| c.pupil == "rear" && ["random", "Sobol'"].contains(&c.sequence);
+    flat_field(results, lens, shown, |curve| curve.disk)
 }
 
-fn pictures(lens: &str, curves: &[picture::Curve], estimators: bool) -> Chart {
-    let (mut colors, mut dashes) = (Vec::new(), Vec::new());
+/// Errors of pictures against time; `line` gives a curve's name, colour and dashes.
+fn pictures<'a>(
+    lens: &str,
+    curves: &'a [picture::Curve],
+    mut line: impl FnMut(usize, &'a picture::Curve) -> (String, usize, usize),
+) -> Chart {
     let series = curves.iter().filter(|c| c.lens == lens).enumerate().map(|(number, curve)| {
-        let points = curve.points.iter().map(|p| [p.time * 1e3, p.error]);
-        if estimators {
-            let name = format!("{} ({:.2})", curve.name, curve.slope);
-            line(name, rank(&mut colors, curve.second), rank(&mut dashes, curve.first), points)
-        } else {
-            line(curve.first.to_owned(), number, number / PALETTE.len(), points)
-        }
+        let (name, color, dash) = line(number, curve);
+        Series::line(name, color, dash, curve.points.iter().map(|p| [p.time * 1e3, p.error]))
     });
-    Chart {
-        title: lens.to_owned(),
-        cost: "time on one core, ms",
-        error: "RMS error over the mean",
-        levels: Vec::new(),
-        series: with_front(series.collect()),
-    }
+    let (cost, error) = ("time on one core, ms", "RMS error over the mean");
+    Chart { cost, error, series: with_front(series), ..Chart::default() }
 }
 
 fn estimators(results: &Results, lens: &str) -> Chart {
-    pictures(lens, &results.estimators, true)
+    let (mut colors, mut dashes) = (Vec::new(), Vec::new());
+    pictures(lens, &results.estimators, |_, curve| {
+        let name = format!("{} ({:.2})", curve.name, curve.slope);
+        (name, rank(&mut colors, curve.second), rank(&mut dashes, curve.first))
+    })
 }
 
 fn renderers(results: &Results, lens: &str) -> Chart {
-    let mut chart = pictures(lens, &results.renderers, false);
+    let line = |number, curve: &picture::Curve| (curve.first.to_owned(), number, number / PALETTE.len());
+    let mut chart = pictures(lens, &results.renderers, line);
     let floor = results.floors.iter().find(|(name, _)| *name == lens);
     let lowest = chart.series.iter().flat_map(|s| &s.marks).map(|m| m.at[1]).fold(f64::INFINITY, f64::min);
     let floor = floor.filter(|(_, error)| *error > lowest / 4.0);
@@ -278,56 +221,76 @@ fn renderers(results: &Results, lens: &str) -> Chart {
 }
 
 fn set_up(results: &Results, lens: &str) -> Chart {
-    let mut series: Vec<Series> = Vec::new();
-    let mut names = Vec::new();
-    for m in results.set_up.iter().filter(|m| m.lens == lens) {
-        let number = rank(&mut names, m.family);
-        if number == series.len() {
-            series.push(line(m.family.to_owned(), number, 0, std::iter::empty()));
-        }
-        let mark = Mark { at: [m.time * 1e3, m.direction.most], reach: None, name: None, on_front: false };
-        series[number].marks.push(mark);
-    }
-    Chart {
-        title: lens.to_owned(),
-        cost: "time to build, ms",
-        error: "direction error, rad",
-        levels: Vec::new(),
-        series: with_front(series),
-    }
+    let own = || results.set_up.iter().filter(|m| m.lens == lens);
+    let mut orders: Vec<&str> = own().map(|m| m.order).collect();
+    orders.dedup();
+    let series = orders.iter().enumerate().map(|(number, order)| {
+        let points = own().filter(|m| m.order == *order).map(|m| [m.time * 1e3, m.direction.most]);
+        Series::line((*order).to_owned(), number, 0, points)
+    });
+    let (cost, error) = ("time to build, ms", "direction error, rad");
+    Chart { cost, error, series: with_front(series), ..Chart::default() }
 }
 
-/// Shares below this are shown as this.
-const LEAST_SHARE: f64 = 1e-6;
-/// Building times below this, ms, likewise.
-const LEAST_TIME: f64 = 1e-3;
-
 fn pupils(results: &Results, lens: &str) -> Chart {
-    let own: Vec<_> = results.pupils.iter().filter(|m| m.lens == lens).collect();
-    let series = |name: &str, number: usize, share: fn(&pupil_table::Measured) -> f64| Series {
-        name: name.to_owned(),
-        color: PALETTE[number],
-        shape: SHAPES[number],
-        line: None,
-        marks: own
-            .iter()
-            .map(|m| Mark {
-                at: [(m.time * 1e3).max(LEAST_TIME), share(m).max(LEAST_SHARE)],
-                reach: None,
-                name: Some(m.name.to_owned()),
-                on_front: false,
-            })
-            .collect(),
+    // What is less is shown as this: a share, and a time in ms.
+    const LEAST: (f64, f64) = (1e-6, 1e-3);
+    let series = |name: &str, number: usize, share: fn(&Coverage) -> f64| {
+        let marks = results.pupils.iter().filter(|m| m.lens == lens).map(|m| Mark {
+            at: [(m.time * 1e3).max(LEAST.1), share(m).max(LEAST.0)],
+            name: Some(m.name.to_owned()),
+            ..Mark::default()
+        });
+        Series::marks(name, number, marks)
     };
-    let series = [
+    let series = vec![
         series("share of the pupil missed", 0, |m| m.missed),
         series("share of the samples blocked", 1, |m| m.excess),
     ];
-    Chart {
-        title: lens.to_owned(),
-        cost: "time to build, ms",
-        error: "share",
-        levels: Vec::new(),
-        series: series.into(),
+    Chart { cost: "time to build, ms", error: "share", series, ..Chart::default() }
+}
+
+/// Stability cases by their condition number: of which tracers, and the bounds that are drawn.
+fn cases(results: &Results, title: &str, shown: &[&'static str], levels: Vec<(f64, String)>) -> Chart {
+    // Marks that would cover each other all but for a pixel are drawn once, exact ones as this ratio.
+    const GRAIN: f64 = 20.0;
+    const EXACT: f64 = 1e-6;
+    let mut drawn = BTreeSet::new();
+    let series = shown.iter().enumerate().map(|(number, &tracer)| {
+        // What is evaluated by rays without number has no condition number; it is in the table.
+        let own = results.stability.iter().filter(|case| case.tracer == tracer && case.condition > 0.0);
+        let places = own
+            .map(|case| [case.condition, case.ratio.max(EXACT)])
+            .filter(|at| drawn.insert((number, at.map(|x| (x.log10() * GRAIN).round() as i64))));
+        Series::marks(tracer, number, places.map(|at| Mark { at, ..Mark::default() }))
+    });
+    let (cost, error) = ("condition number of the ray map", "error / (condition x epsilon)");
+    Chart { title: title.to_owned(), cost, error, levels, series: series.collect() }
+}
+
+/// The section of stability with its three charts.
+fn of_stability(results: &Results) -> Section {
+    let tracers = stability::tracers();
+    let of = |norm: Norm| tracers.iter().filter(move |t| t.norm == norm);
+    let named = |norm| of(norm).filter(|t| t.like == t.name).map(|t| t.name).collect::<Vec<_>>();
+    let level = |bound: f64| (bound, format!("bound, {bound}"));
+    let mut walk_levels = vec![level(stability::BOUND)];
+    let looser = of(Norm::Own).filter(|t| t.bound > stability::BOUND);
+    walk_levels.extend(looser.map(|t| (t.bound, format!("bound of {}, {}", t.name, t.bound))));
+    let kernel_bound = of(Norm::Surface).map(|t| t.bound).fold(f64::INFINITY, f64::min);
+    let (design, design_levels) = (["first order", "focus"], vec![level(stability::BOUND)]);
+    let charts = [
+        ("walks", cases(results, "walks", &named(Norm::Own), walk_levels)),
+        ("kernels", cases(results, "compiled kernels", &named(Norm::Surface), vec![level(kernel_bound)])),
+        ("design", cases(results, "focal length, pupil and focus", &design, design_levels)),
+    ];
+    let figure = |(name, chart)| Figure { file: format!("stability-{name}"), chart };
+    Section {
+        anchor: "stability",
+        title: "Stability on stiff and extreme cases",
+        text: STABILITY,
+        table: "stability",
+        figures: charts.map(figure).into(),
+        summary: Some(stability_table(&results.stability_by_group())),
     }
 }

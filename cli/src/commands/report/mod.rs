@@ -3,14 +3,14 @@
 mod advice;
 mod conclusions;
 mod figures;
+mod findings;
 mod page;
-mod stability_figures;
 
 use crate::drawing::picture;
 use crate::failure::Failure;
 use indicatif::{ProgressBar, ProgressStyle};
-use realistic_lab::machine;
-use realistic_lab::suite::{Results, Suite};
+use realistic_lab::accuracy::suite::{Results, Suite};
+use realistic_lab::timing::machine;
 use std::fs::File;
 use std::io::{ErrorKind, IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
@@ -85,18 +85,14 @@ fn make_folder(folder: &Path) -> Result<(), Failure> {
         }
         Err(error) => Err(error),
     }
-    .map_err(|error| cannot_write(&page, &error))
-}
-
-fn cannot_write(path: &Path, error: &std::io::Error) -> Failure {
-    Failure::Other(format!("cannot write {}: {error}; give --out another path", path.display()))
+    .map_err(|error| Failure::cannot_write(&page, &error))
 }
 
 /// Writes tables, plots and page.
 fn write(results: &Results, suite: &Suite, took: Duration, folder: &Path) -> Result<(), Failure> {
     let save = |name: &str, text: &str| {
         let path = folder.join(name);
-        std::fs::write(&path, text).map_err(|error| cannot_write(&path, &error))
+        std::fs::write(&path, text).map_err(|error| Failure::cannot_write(&path, &error))
     };
     for table in results.tables() {
         save(&format!("{}.csv", table.name), &table.to_csv())?;
@@ -115,24 +111,23 @@ fn write(results: &Results, suite: &Suite, took: Duration, folder: &Path) -> Res
 mod tests {
     use super::*;
     use realistic::camera::Raster;
-    use realistic_lab::{bench::Effort, irradiance, picture, pupil_table, ray_map, set_up, stability};
+    use realistic_lab::accuracy::{
+        irradiance::SampleCounts, pupils::PupilCounts, ray_map::RayCounts, set_up::FitCounts,
+    };
+    use realistic_lab::{picture, stability, timing::Effort};
 
     /// As little as gives every figure something to show.
     fn tiny() -> Suite {
         let effort = Effort { rounds: 1, least: Duration::from_micros(20) };
+        let raster = Raster { xres: 6, yres: 4 };
         Suite {
             lenses: vec!["dgauss.50mm"],
-            ray_map: ray_map::Size { rays: 60, block: 32, effort },
-            irradiance: irradiance::Size { exponent: 2, repeats: 2, survey: 60, effort },
-            picture: picture::Size {
-                raster: Raster { xres: 6, yres: 4 },
-                exponent: 2,
-                reference: 16,
-                repeats: 1,
-            },
-            set_up: set_up::Size { rays: 40, repeats: 1 },
-            pupils: pupil_table::Size { points: 2, repeats: 1 },
-            stability: stability::Effort { lenses: 1, rays: 1 },
+            ray_map: RayCounts { rays: 60, block: 32, effort },
+            irradiance: SampleCounts { exponent: 2, repeats: 2, survey: 60, effort },
+            picture: picture::Size { raster, exponent: 2, reference: 16, repeats: 1 },
+            set_up: FitCounts { rays: 40, repeats: 1 },
+            pupils: PupilCounts { points: 2, repeats: 1 },
+            stability: stability::Extent { lenses: 1, rays: 1 },
         }
     }
 

@@ -1,10 +1,11 @@
 //! The page: one HTML file that needs nothing but the files beside it.
 
-use super::advice::{advice, seconds};
+use super::advice::advice;
 use super::conclusions::{answers, sentences};
 use super::figures::Section;
-use realistic_lab::suite::{Results, Suite};
-use realistic_lab::table::{Cell, Table};
+use super::findings::seconds;
+use realistic_lab::accuracy::suite::{Results, Suite};
+use realistic_lab::results::table::{Cell, Table};
 use std::fmt::Write as _;
 use std::time::Duration;
 

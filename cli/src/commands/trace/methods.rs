@@ -1,11 +1,16 @@
-//! The methods of `trace` by name: one line of the table each.
+//! The methods of `trace` by name: a lens and a direction of travel in, a function that takes a ray as far as it
+//! gets out.
 
 use realistic::lens::{Lens, LensError, first_order::FirstOrder, refraction::Refraction};
 use realistic::trace::kernel::{Precision, Simd};
-use realistic::trace::{Blocked, Direction, KernelRays, Path, Ray, Real};
+use realistic::trace::{Blocked, Direction, Path, Ray, Real};
+use realistic_lab::kernel_rays::KernelRays;
 
 /// Takes a ray as far as it gets: the ray there and why it stopped, if it did.
 pub type Tracer = dyn Fn(Ray) -> (Ray, Option<Blocked>);
+
+/// Makes a lens ready for rays in one direction.
+type Make = fn(&Lens, Direction) -> Result<Box<Tracer>, LensError>;
 
 /// A way of tracing.
 #[derive(Debug)]
@@ -14,71 +19,43 @@ pub struct Method {
     pub name: &'static str,
     /// One line about it.
     pub help: &'static str,
-    /// Makes a lens ready for rays in one direction.
-    pub make: fn(&Lens, Direction) -> Result<Box<Tracer>, LensError>,
+    /// Makes a lens ready.
+    pub make: Make,
 }
+
+const fn method(name: &'static str, help: &'static str, make: Make) -> Method {
+    Method { name, help, make }
+}
+
+const BATCH_F64: &str = "the kernel's batches in double precision, on the widest registers (REALISTIC_SIMD)";
+const ONE_F64: &str = "the kernel's single ray in double precision, as a camera traces one";
+const OTHER: &str = "as f64, refracted by the \"other method\" of the same comparison";
+const THICK: &str = "the thick lens: from principal plane to principal plane, without apertures; the point is where \
+                     the ray leaves the vertex plane";
+const THIN: &str = "as thick, with both principal planes where the film's side has its own (P')";
 
 /// Every method, the default first.
 pub const METHODS: &[Method] = &[
-    Method {
-        name: "f64",
-        help: "exact rays in double precision",
-        make: |lens, to| exact::<f64>(lens, to, Refraction::Fused),
-    },
-    Method {
-        name: "f32",
-        help: "exact rays in single precision",
-        make: |lens, to| exact::<f32>(lens, to, Refraction::Fused),
-    },
-    Method {
-        name: "batch-f64",
-        help: "the kernel's batches in double precision, on the widest registers (REALISTIC_SIMD)",
-        make: |lens, to| compiled::<f64>(lens, to, |rays, ray| rays.batch(&[ray])[0]),
-    },
-    Method {
-        name: "batch-f32",
-        help: "the same in single precision",
-        make: |lens, to| compiled::<f32>(lens, to, |rays, ray| rays.batch(&[ray])[0]),
-    },
-    Method {
-        name: "one-f64",
-        help: "the kernel's single ray in double precision, as a camera traces one",
-        make: |lens, to| compiled::<f64>(lens, to, KernelRays::one),
-    },
-    Method {
-        name: "one-f32",
-        help: "the same in single precision",
-        make: |lens, to| compiled::<f32>(lens, to, KernelRays::one),
-    },
-    Method {
-        name: "heckbert",
-        help: "as f64, refracted by Heckbert's method",
-        make: |lens, to| exact::<f64>(lens, to, Refraction::Heckbert),
-    },
-    Method {
-        name: "whitted",
-        help: "as f64, refracted by Whitted's method",
-        make: |lens, to| exact::<f64>(lens, to, Refraction::Whitted),
-    },
-    Method {
-        name: "other",
-        help: "as f64, refracted by the \"other method\" of the same comparison",
-        make: |lens, to| exact::<f64>(lens, to, Refraction::Other),
-    },
-    Method {
-        name: "thick",
-        help: "the thick lens: from principal plane to principal plane, without rims; the point is where \
-               the ray leaves the vertex plane",
-        make: |lens, to| Ok(thick(FirstOrder::of(lens)?, to)),
-    },
-    Method {
-        name: "thin",
-        help: "as thick, with both principal planes where the film's side has its own (P')",
-        make: |lens, to| {
-            let lens = FirstOrder::of(lens)?;
-            Ok(thick(lens.thin_at(lens.rear_principal_plane), to))
-        },
-    },
+    method("f64", "exact rays in double precision", |lens, to| exact::<f64>(lens, to, Refraction::Fused)),
+    method("f32", "exact rays in single precision", |lens, to| exact::<f32>(lens, to, Refraction::Fused)),
+    method("batch-f64", BATCH_F64, |lens, to| compiled::<f64>(lens, to, |rays, ray| rays.batch(&[ray])[0])),
+    method("batch-f32", "the same in single precision", |lens, to| {
+        compiled::<f32>(lens, to, |rays, ray| rays.batch(&[ray])[0])
+    }),
+    method("one-f64", ONE_F64, |lens, to| compiled::<f64>(lens, to, KernelRays::one)),
+    method("one-f32", "the same in single precision", |lens, to| compiled::<f32>(lens, to, KernelRays::one)),
+    method("heckbert", "as f64, refracted by Heckbert's method", |lens, to| {
+        exact::<f64>(lens, to, Refraction::Heckbert)
+    }),
+    method("whitted", "as f64, refracted by Whitted's method", |lens, to| {
+        exact::<f64>(lens, to, Refraction::Whitted)
+    }),
+    method("other", OTHER, |lens, to| exact::<f64>(lens, to, Refraction::Other)),
+    method("thick", THICK, |lens, to| Ok(thick(FirstOrder::of(lens)?, to))),
+    method("thin", THIN, |lens, to| {
+        let lens = FirstOrder::of(lens)?;
+        Ok(thick(lens.thin_at(lens.rear_principal_plane), to))
+    }),
 ];
 
 /// The method of that name.
@@ -104,7 +81,7 @@ fn exact<R: Real + 'static>(
     }))
 }
 
-/// The kernel, in one of its ways; of a blocked ray the walk says how far it got and why.
+/// The compiled kernel; of a blocked ray the walk says how far it got and why.
 fn compiled<S: Precision + Real + 'static>(
     lens: &Lens,
     direction: Direction,

@@ -1,13 +1,13 @@
 //! `realistic trace`: rays through a lens, a line in, a line out.
 
+mod lines;
 mod methods;
-mod rows;
 
 use crate::choice::{LensChoice, not_negative};
 use crate::failure::Failure;
+use lines::{Line, read_line, write_ray};
 use methods::{METHODS, Method};
 use realistic::trace::Direction;
-use rows::{Row, read_row, write_row};
 use std::io::{self, BufRead, BufReader, BufWriter, Write};
 
 /// What `trace` can be told.
@@ -95,15 +95,15 @@ fn copy(
         if length == 0 {
             break;
         }
-        let row = read_row(&line, film, first).map_err(|(column, expected)| {
+        let row = read_line(&line, film, first).map_err(|(column, expected)| {
             Failure::Other(format!("standard input:{number}:{column}: {expected}"))
         })?;
         match row {
-            Row::Empty => continue,
-            Row::Header => writeln!(output, "x,y,z,dx,dy,dz,status")?,
-            Row::Ray(ray) => {
+            Line::Empty => continue,
+            Line::Header => writeln!(output, "x,y,z,dx,dy,dz,status")?,
+            Line::Ray(ray) => {
                 let (ray, blocked) = tracer(ray);
-                write_row(output, ray, blocked)?;
+                write_ray(output, ray, blocked)?;
             }
         }
         first = false;

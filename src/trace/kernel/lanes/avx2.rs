@@ -158,14 +158,6 @@ avx2!(
             Self::load(cpu, from)
         }
         #[inline(always)]
-        fn load_fresh(cpu: Cpu<Self>, from: &[f32]) -> Self {
-            match from.first_chunk() {
-                // SAFETY: `Cpu` says that the instructions are there.
-                Some(four) => Self(unsafe { one_by_one(four) }),
-                None => Self::load(cpu, from),
-            }
-        }
-        #[inline(always)]
         fn store_single(self, to: &mut [f32]) {
             self.store(to);
         }
@@ -269,13 +261,6 @@ avx2!(
             Self(unsafe { _mm256_cvtps_pd(numbers) })
         }
         #[inline(always)]
-        fn load_fresh(_: Cpu<Self>, from: &[f32]) -> Self {
-            // SAFETY: `Cpu` says that the processor has AVX2, which is what `F32x4` needs.
-            let F32x4(numbers) = F32x4::load_fresh(unsafe { Cpu::assume() }, from);
-            // SAFETY: as above.
-            Self(unsafe { _mm256_cvtps_pd(numbers) })
-        }
-        #[inline(always)]
         fn store_single(self, to: &mut [f32]) {
             // SAFETY: a vector exists only where `Cpu` did.
             F32x4(unsafe { _mm256_cvtpd_ps(self.0) }).store(to);
@@ -333,24 +318,6 @@ unsafe fn first_of_8(n: usize) -> __m256i {
 unsafe fn first_of_4_doubles(n: usize) -> __m256i {
     // SAFETY: the caller's promise.
     unsafe { first_of_8(2 * n) }
-}
-
-/// Four numbers, each loaded by itself: volatile, or the compiler would make one load of them.
-///
-/// # Safety
-/// The processor has AVX2.
-#[inline(always)]
-unsafe fn one_by_one(from: &[f32; 4]) -> __m128 {
-    let [a, b, c, d] = from;
-    // SAFETY: references to numbers that there are; the instruction is there.
-    unsafe {
-        _mm_setr_ps(
-            (&raw const *a).read_volatile(),
-            (&raw const *b).read_volatile(),
-            (&raw const *c).read_volatile(),
-            (&raw const *d).read_volatile(),
-        )
-    }
 }
 
 /// `STEP` (1 or 2) times some places, up to a last one.

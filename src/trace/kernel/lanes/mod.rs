@@ -9,16 +9,16 @@ pub mod avx2;
 pub mod avx512;
 mod portable;
 mod scalar;
+mod unrolled;
 
 use std::{
     marker::PhantomData,
     ops::{Add, Div, Mul, Sub},
 };
 
-use crate::trace::Real;
-
 pub use portable::Portable;
 pub use scalar::Scalar;
+pub(in crate::trace) use unrolled::each_further;
 
 /// The knowledge that this processor has the instructions of `L`, without which no vector is made.
 pub struct Cpu<L>(PhantomData<fn() -> L>);
@@ -39,14 +39,6 @@ impl<L> Cpu<L> {
     /// compiled for those instructions.
     #[inline(always)]
     pub unsafe fn assume() -> Self {
-        Self(PhantomData)
-    }
-}
-
-impl<S: Scalar, const N: usize> Cpu<Portable<S, N>> {
-    /// Every processor has what this one needs.
-    #[inline(always)]
-    pub fn any() -> Self {
         Self(PhantomData)
     }
 }
@@ -104,19 +96,6 @@ pub trait Lanes:
 
     /// [`Lanes::load`] of single-precision numbers.
     fn load_single(cpu: Cpu<Self>, from: &[f32]) -> Self;
-    /// [`Lanes::load_single`] of numbers that were just stored one by one: each is loaded by itself where they are
-    /// four, because a wide load would wait until all of them have left the store buffer.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn load_fresh(cpu: Cpu<Self>, from: &[f32]) -> Self {
-        Self::load_single(cpu, from)
-    }
-    /// A single-precision number just stored, in every lane; loaded by itself as in [`Lanes::load_fresh`].
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn splat_fresh(cpu: Cpu<Self>, from: &f32) -> Self {
-        // SAFETY: a reference to a number that there is.
-        let number = unsafe { (&raw const *from).read_volatile() };
-        Self::splat(cpu, Self::Scalar::from_f64(number.into()))
-    }
     /// [`Lanes::store`] rounded to single precision.
     fn store_single(self, to: &mut [f32]);
     /// [`Lanes::store_single`] of the lanes where the mask is true.

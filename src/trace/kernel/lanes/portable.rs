@@ -8,6 +8,15 @@ use super::{Cpu, Lanes, Scalar, store_bits};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Portable<S, const N: usize>(pub [S; N]);
 
+impl<S: Scalar, const N: usize> Portable<S, N> {
+    /// The proof that a processor has what this vector needs: every one has.
+    #[inline(always)]
+    pub fn cpu() -> Cpu<Self> {
+        // SAFETY: no instructions but those that the library is compiled for.
+        unsafe { Cpu::assume() }
+    }
+}
+
 // Loops and not closures: a closure that is not inlined would be compiled for another processor than
 // the function it stands in.
 macro_rules! lanes {

@@ -1,0 +1,82 @@
+//! What the conclusions are read off the results with: the fastest method that serves a need, the curve that is
+//! soonest below an error, and times in words.
+
+use realistic_lab::accuracy::ray_map::RayErrors;
+use realistic_lab::accuracy::suite::Results;
+
+/// Error at the 99.9 % quantile, pixels, that a need allows.
+pub const PIXELS: [f64; 3] = [1.0, 0.1, 0.01];
+/// Error of a direction, rad, that counts as double precision.
+pub const DOUBLE: f64 = 1e-12;
+/// A model is worth naming where it takes less than this part of the exact kernel's time.
+pub const WORTH: f64 = 0.9;
+
+/// A time with a unit that keeps it readable.
+pub fn seconds(time: f64) -> String {
+    let (number, unit) = match time {
+        t if t < 1e-6 => (t * 1e9, "ns"),
+        t if t < 1e-3 => (t * 1e6, "µs"),
+        t if t < 1.0 => (t * 1e3, "ms"),
+        t => (t, "s"),
+    };
+    let digits = if number < 10.0 { 1 } else { 0 };
+    format!("{number:.digits$} {unit}")
+}
+
+/// Whether the method traces to double precision.
+pub fn is_exact(m: &RayErrors) -> bool {
+    m.direction.worst <= DOUBLE
+}
+
+/// The fastest of the methods wanted on a lens.
+pub fn fastest<'a>(
+    results: &'a Results,
+    lens: &str,
+    wanted: impl Fn(&RayErrors) -> bool,
+) -> Option<&'a RayErrors> {
+    let own = results.ray_map.iter().filter(|m| m.lens == lens && wanted(m));
+    own.min_by(|a, b| a.time.median.total_cmp(&b.time.median))
+}
+
+/// The curve that first gets and stays below an error, and when, between its points by the power law through
+/// them.
+pub fn soonest<T>(curves: impl Iterator<Item = (T, Vec<(f64, f64)>)>, error: f64) -> Option<(T, f64)> {
+    let reached = curves.filter_map(|(name, points)| Some((name, time_to(&points, error)?)));
+    reached.min_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// When a curve of (time, error) reaches an error for good; `None` where it does not.
+pub fn time_to(points: &[(f64, f64)], error: f64) -> Option<f64> {
+    let last_above = points.iter().rposition(|(_, own)| *own > error);
+    let Some(above) = last_above else {
+        return points.first().map(|(time, _)| *time);
+    };
+    let (&(t0, e0), &(t1, e1)) = (points.get(above)?, points.get(above + 1)?);
+    let share = (e0 / error).ln() / (e0 / e1).ln();
+    Some(t0 * (t1 / t0).powf(share))
+}
+
+/// Whether all results hold, in words.
+pub fn all_hold(failed: usize) -> String {
+    if failed == 0 { "all hold".to_owned() } else { format!("{failed} do not hold") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_readable() {
+        assert_eq!([5.2e-9, 1.5e-7, 2.34e-4, 12.0].map(seconds), ["5.2 ns", "150 ns", "234 µs", "12 s"]);
+    }
+
+    #[test]
+    fn the_time_to_an_error_lies_on_the_power_law_between_points() {
+        let points = [(1.0, 1.0), (4.0, 0.5), (16.0, 0.25)];
+        assert!((time_to(&points, 0.3535533905932738).expect("reached") - 8.0).abs() < 1e-9);
+        assert_eq!(time_to(&points, 2.0), Some(1.0));
+        assert_eq!(time_to(&points, 0.1), None);
+        // It counts where the curve stays below.
+        assert!(time_to(&[(1.0, 0.1), (2.0, 1.0), (4.0, 0.1)], 0.2).expect("reached") > 2.0);
+    }
+}

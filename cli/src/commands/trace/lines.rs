@@ -1,0 +1,123 @@
+//! The lines of `trace`: text to a ray, and a ray to text.
+
+use realistic::trace::{Blocked, Ray};
+use std::io::{self, Write};
+
+/// What a line of input is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Line {
+    /// Nothing but space or a comment.
+    Empty,
+    /// Names of columns.
+    Header,
+    /// A ray.
+    Ray(Ray),
+}
+
+const NAMES: [&str; 6] = ["x", "y", "z", "dx", "dy", "dz"];
+
+/// What is wrong: the column in bytes, counted from 1, and what was expected there.
+type Wrong = (usize, String);
+
+/// Reads a line. `film` is the z that an empty z stands for; `may_be_header` holds until the first
+/// line that is not empty.
+pub fn read_line(line: &[u8], film: Option<f64>, may_be_header: bool) -> Result<Line, Wrong> {
+    let end = line.iter().position(|&byte| byte == b'#').unwrap_or(line.len());
+    let text = std::str::from_utf8(&line[..end])
+        .map_err(|error| (error.valid_up_to() + 1, "not text; expected a ray, x,y,z,dx,dy,dz".to_owned()))?;
+    // Editors that mark UTF-8 put this before the first line.
+    let (text, shift) = text.strip_prefix('\u{feff}').map_or((text, 0), |rest| (rest, 3));
+    if text.trim().is_empty() {
+        return Ok(Line::Empty);
+    }
+    let mut numbers = [0.0; 6];
+    let mut count = 0;
+    let mut start = 0;
+    for field in text.split(',') {
+        let column = shift + start + 1 + (field.len() - field.trim_start().len());
+        start += field.len() + 1;
+        let word = field.trim();
+        let Some(&name) = NAMES.get(count) else {
+            return Err((column, "expected the line's end after six values, x,y,z,dx,dy,dz".to_owned()));
+        };
+        numbers[count] = match word.parse::<f64>() {
+            Ok(number) if number.is_finite() => number,
+            Err(_) if count == 0 && may_be_header && word.starts_with(char::is_alphabetic) => {
+                return Ok(Line::Header);
+            }
+            Err(_) if word.is_empty() && name == "z" => film.ok_or_else(|| {
+                (
+                    column,
+                    "z is empty; expected a number in mm, or the film's place by --film-distance".to_owned(),
+                )
+            })?,
+            _ => return Err((column, format!("expected a finite number for {name}, got \"{word}\""))),
+        };
+        count += 1;
+    }
+    if count < NAMES.len() {
+        let column = shift + text.trim_end().len() + 1;
+        return Err((column, format!("the line ends; expected , and a number for {}", NAMES[count])));
+    }
+    let [x, y, z, dx, dy, dz] = numbers;
+    if [dx, dy, dz] == [0.0; 3] {
+        return Err((1 + shift, "the direction dx,dy,dz is 0,0,0; expected one of some length".to_owned()));
+    }
+    Ok(Line::Ray(Ray { origin: [x, y, z], direction: [dx, dy, dz] }))
+}
+
+/// Writes a line.
+pub fn write_ray(output: &mut impl Write, ray: Ray, blocked: Option<Blocked>) -> io::Result<()> {
+    for number in ray.origin.iter().chain(&ray.direction) {
+        write!(output, "{number:.16e},")?;
+    }
+    match blocked {
+        None => writeln!(output, "ok"),
+        Some(reason) => writeln!(output, "{reason}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_is_six_numbers() {
+        let row = read_line(b" 1, 2 ,-3e0,\t0,0,+.5\r\n", None, true).unwrap();
+        assert_eq!(row, Line::Ray(Ray { origin: [1.0, 2.0, -3.0], direction: [0.0, 0.0, 0.5] }));
+        assert_eq!(read_line(b"\xef\xbb\xbfx,y,z\n", None, true), Ok(Line::Header));
+    }
+
+    #[test]
+    fn what_is_wrong_is_named_with_its_column() {
+        let wrong = |line: &[u8]| read_line(line, None, false).unwrap_err();
+        for (line, column, part) in [
+            (&b"x,y,z,dx,dy,dz"[..], 1, "for x"),
+            (b"1,2,,0,0,1", 5, "--film-distance"),
+            (b"1,2,3,0,0,", 11, "for dz, got \"\""),
+            (b"1,2,3,0,0", 10, "for dz"),
+            (b"1,2,3,0,0,1,ok", 13, "six"),
+            (b"1, nan,3,0,0,1", 4, "finite"),
+            (b"1,inf,3,0,0,1", 3, "finite"),
+            (b"1,2,3,0,0,0", 1, "0,0,0"),
+            (b"1,\xff,3,0,0,0", 3, "text"),
+        ] {
+            let (at, expected) = wrong(line);
+            assert_eq!(at, column, "{expected}");
+            assert!(expected.contains(part), "{expected}");
+        }
+        // Not a header: infinity is a number, though not one for a ray.
+        assert!(read_line(b"inf,0,0,0,0,1", None, true).is_err());
+    }
+
+    #[test]
+    fn seventeen_digits_bring_every_double_back() {
+        let direction = [0.1, f64::MIN_POSITIVE / 3.0, -1.0 / 3.0];
+        let ray = Ray { origin: [1e300, -0.0, 2.0_f64.sqrt()], direction };
+        let mut line = Vec::new();
+        write_ray(&mut line, ray, Some(Blocked::TurnedBack)).unwrap();
+        let text = String::from_utf8(line).unwrap();
+        let values = text.strip_suffix(",turned_back\n").unwrap();
+        assert_eq!(read_line(values.as_bytes(), None, false), Ok(Line::Ray(ray)));
+    }
+}

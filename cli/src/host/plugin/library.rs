@@ -1,0 +1,194 @@
+//! The loaded library, and the functions found in it by name.
+
+use crate::failure::Failure;
+use libloading::Library;
+use realistic::abi::{REALISTIC_ABI_VERSION, realistic_camera, realistic_camera_info, realistic_options};
+use realistic::abi::{realistic_contrast, realistic_distance, realistic_zone};
+use realistic::abi::{realistic_ray, realistic_sample};
+use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
+use std::error::Error as _;
+use std::ffi::{CStr, c_char, c_void};
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// Why a plugin or a camera could not be had.
+#[derive(Debug, Error)]
+pub enum PluginError {
+    /// No file in any of the places.
+    #[error(
+        "the plugin was not found; looked for {looked}. In the project's folder `cargo build --release -p realistic` \
+         makes it as target/release/{}: put it into one of these places, or name it by --plugin or REALISTIC_PLUGIN",
+        file_name()
+    )]
+    NotFound {
+        /// The places, in order.
+        looked: String,
+    },
+    /// The loader refused the file, or a function is missing in it.
+    #[error(
+        "cannot load the plugin {path}: {reason}. `cargo build --release -p realistic` makes a fresh one"
+    )]
+    Load {
+        /// The file.
+        path: String,
+        /// What the loader says.
+        reason: String,
+    },
+    /// The plugin lacks what later versions of the ABI added.
+    #[error(
+        "the plugin {path} speaks version {found} of the C ABI and this program needs version \
+         {REALISTIC_ABI_VERSION} or later: `cargo build --release -p realistic` makes a fresh one, and --plugin PATH names another"
+    )]
+    Version {
+        /// The file.
+        path: String,
+        /// What it says it speaks.
+        found: u32,
+    },
+    /// The plugin's own words for a failed call.
+    #[error("{0}")]
+    Refused(String),
+}
+
+/// The plugin's file name as cargo gives it.
+pub fn file_name() -> String {
+    format!("{DLL_PREFIX}realistic{DLL_SUFFIX}")
+}
+
+impl From<PluginError> for Failure {
+    fn from(error: PluginError) -> Self {
+        Self::Other(error.to_string())
+    }
+}
+
+macro_rules! functions {
+    ($($name:ident: $symbol:literal, fn($($type:ty),*) $(-> $result:ty)?;)*) => {
+        /// The exported functions, valid for as long as the library stays loaded.
+        pub struct Functions { $(pub $name: unsafe extern "C" fn($($type),*) $(-> $result)?,)* }
+
+        impl Functions {
+            /// # Safety
+            /// The library's functions of these names have these signatures.
+            unsafe fn resolve(library: &Library) -> Result<Self, libloading::Error> {
+                // SAFETY: the caller's promise; the table is kept beside the library.
+                unsafe { Ok(Self { $($name: *library.get($symbol)?,)* }) }
+            }
+        }
+    };
+}
+
+functions! {
+    version: b"realistic_version", fn() -> *const c_char;
+    last_error: b"realistic_last_error", fn() -> *const c_char;
+    options_init: b"realistic_options_init", fn(*mut realistic_options, u32) -> i32;
+    camera_new: b"realistic_camera_new",
+        fn(*const realistic_options, *mut *mut realistic_camera) -> i32;
+    camera_free: b"realistic_camera_free", fn(*mut realistic_camera);
+    camera_get_info: b"realistic_camera_get_info",
+        fn(*const realistic_camera, *mut realistic_camera_info) -> i32;
+    camera_get_lens_name: b"realistic_camera_get_lens_name",
+        fn(*const realistic_camera, *mut c_char, usize, *mut usize) -> i32;
+    camera_generate_rays: b"realistic_camera_generate_rays",
+        fn(*const realistic_camera, usize, *const realistic_sample, usize,
+           *mut realistic_ray, usize, *mut f32, *mut i32) -> i32;
+    autofocus: b"realistic_autofocus",
+        fn(*const realistic_options, *const realistic_zone, usize, i32, realistic_distance,
+           realistic_contrast, *mut c_void, *mut f64) -> i32;
+}
+
+/// A loaded plugin. Cameras and autofocus call its functions.
+pub struct Plugin {
+    pub functions: Functions,
+    path: PathBuf,
+    // Dropped last: the functions live in it.
+    _library: Library,
+}
+
+impl Plugin {
+    /// Loads a plugin and checks that it speaks this host's ABI, or a later one, which only adds to it.
+    ///
+    /// # Errors
+    /// The loader refuses the file, a function is missing, or the plugin's ABI is older than this host's.
+    pub fn load(path: &Path) -> Result<Self, PluginError> {
+        let name = path.display().to_string();
+        let failed = |error: libloading::Error| PluginError::Load {
+            path: name.clone(),
+            // The outer error names only the loader's function.
+            reason: error.source().map_or(error.to_string(), ToString::to_string),
+        };
+        // A path without a slash would send the loader through the system's directories.
+        let exact = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+        // SAFETY: loading runs the library's initialisers, which are Rust's own; the user
+        // named or built this file.
+        let library = unsafe { Library::new(exact) }.map_err(failed)?;
+        // SAFETY: this signature is the one promise that every version of the ABI keeps.
+        let found = unsafe {
+            let abi_version =
+                library.get::<unsafe extern "C" fn() -> u32>(b"realistic_abi_version").map_err(failed)?;
+            abi_version()
+        };
+        if !is_served_by(found) {
+            return Err(PluginError::Version { path: name, found });
+        }
+        // SAFETY: the version says that the functions of the header are there with its signatures.
+        let functions = unsafe { Functions::resolve(&library) }.map_err(failed)?;
+        Ok(Self { functions, path: path.to_path_buf(), _library: library })
+    }
+
+    /// The file that was loaded.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The plugin's own version.
+    pub fn version(&self) -> String {
+        // SAFETY: a static string that ends in NUL.
+        unsafe { text((self.functions.version)()) }
+    }
+
+    /// What a call's status means, in the plugin's own words.
+    pub fn check(&self, status: i32) -> Result<(), PluginError> {
+        if status == 0 {
+            return Ok(());
+        }
+        // SAFETY: the message lives until this thread's next call.
+        let message = unsafe { text((self.functions.last_error)()) };
+        Err(PluginError::Refused(match message.as_str() {
+            "" => format!("the plugin failed with status {status} and gave no message"),
+            _ => message,
+        }))
+    }
+}
+
+/// Whether a plugin that speaks version `found` of the ABI has all that this host calls.
+fn is_served_by(found: u32) -> bool {
+    found >= REALISTIC_ABI_VERSION
+}
+
+/// # Safety
+/// `pointer` is NULL or a string that ends in NUL.
+pub unsafe fn text(pointer: *const c_char) -> String {
+    if pointer.is_null() {
+        return String::new();
+    }
+    // SAFETY: the caller's promise.
+    unsafe { CStr::from_ptr(pointer) }.to_string_lossy().into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_later_abi_serves_and_an_older_one_does_not() {
+        assert!(is_served_by(REALISTIC_ABI_VERSION) && is_served_by(REALISTIC_ABI_VERSION + 1));
+        assert!(!is_served_by(REALISTIC_ABI_VERSION - 1));
+    }
+
+    #[test]
+    fn what_is_no_library_is_refused_with_its_name() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        let error = Plugin::load(file.path()).err().unwrap().to_string();
+        assert!(error.contains("cannot load the plugin"), "{error}");
+    }
+}

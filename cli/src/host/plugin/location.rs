@@ -1,0 +1,38 @@
+//! Where the plugin lies: as the user says, in the build that the program belongs to, or where it was installed.
+
+use super::library::{PluginError, file_name};
+use std::path::{Path, PathBuf};
+
+/// The variable that names the plugin where `--plugin` does not.
+const VARIABLE: &str = "REALISTIC_PLUGIN";
+
+/// The plugin's file: what `given` names, else `REALISTIC_PLUGIN`, else the first that is there of the program's
+/// own places.
+///
+/// # Errors
+/// No such file.
+pub fn find(given: Option<&Path>) -> Result<PathBuf, PluginError> {
+    let named = given.map(Path::to_path_buf);
+    let variable = || std::env::var_os(VARIABLE).filter(|path| !path.is_empty()).map(PathBuf::from);
+    let program = std::env::current_exe().unwrap_or_default();
+    first_of(match named.or_else(variable) {
+        Some(path) => vec![path],
+        None => places(program.parent().unwrap_or(Path::new("."))),
+    })
+}
+
+/// Where a program in this folder looks. In a target folder the copy in `deps/` comes first: cargo writes it
+/// whenever it builds the library for anything, and puts one beside the program only when asked for the library.
+fn places(folder: &Path) -> Vec<PathBuf> {
+    let deps = folder.join("deps");
+    let in_build = deps.is_dir().then_some(deps);
+    // The program's own unit tests run in deps/.
+    let installed = [folder.to_path_buf(), folder.join("../lib")];
+    in_build.into_iter().chain(installed).map(|place| place.join(file_name())).collect()
+}
+
+fn first_of(places: Vec<PathBuf>) -> Result<PathBuf, PluginError> {
+    let looked = || places.iter().map(|place| place.display().to_string()).collect::<Vec<_>>().join(", ");
+    let found = places.iter().find(|place| place.is_file()).cloned();
+    found.ok_or_else(|| PluginError::NotFound { looked: looked() })
+}

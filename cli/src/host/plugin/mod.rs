@@ -1,0 +1,10 @@
+//! The plugin as a renderer sees it: a shared library, its functions by name, and cameras made by them.
+
+mod camera;
+mod library;
+mod location;
+mod options;
+
+pub use camera::{Camera, Warn, c_options, generate};
+pub use library::{Plugin, PluginError};
+pub use location::find;

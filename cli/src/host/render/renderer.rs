@@ -1,0 +1,228 @@
+//! Rendering: tiles over all cores, and every pixel the mean over its samples.
+
+use super::shade::{ShadingSample, radiance};
+use crate::host::plugin::PluginError;
+use crate::host::scene::Scene;
+use crate::host::scene::shapes::Ray;
+use crate::image::Picture;
+use glam::Vec3;
+use indicatif::ProgressBar;
+use rand::{Rng, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rayon::prelude::*;
+use realistic::abi::{realistic_ray, realistic_sample};
+use realistic_lab::render::{self, Integrand, RaySource, Tally, Window};
+use realistic_lab::sequence::{Point, Sequence, strata};
+
+/// Side of a tile in pixels.
+const TILE: u32 = 16;
+
+/// How to render.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// The top left pixel: not 0, 0 for a window into the camera's picture.
+    pub corner: [u32; 2],
+    /// Samples per pixel.
+    pub spp: u32,
+    /// Pictures with the same seed are the same, whatever the number of threads.
+    pub seed: u64,
+    /// Millimetres of the scene to a world unit of the camera.
+    pub mm_per_unit: f32,
+}
+
+/// Renders the scene on the current thread pool.
+///
+/// # Errors
+/// The camera's own.
+pub fn render<C: Sync>(
+    camera: &C,
+    scene: &Scene,
+    settings: &Settings,
+    progress: &ProgressBar,
+) -> Result<(Picture, Tally), PluginError>
+where
+    for<'a> &'a C: RaySource<Error = PluginError>,
+{
+    let [width, height] = settings.size;
+    let across = width.div_ceil(TILE);
+    let tiles = across * height.div_ceil(TILE);
+    progress.set_length(u64::from(tiles));
+    let done = (0..tiles).into_par_iter().map(|index| {
+        let place = [index % across * TILE, index / across * TILE];
+        let size = [0, 1].map(|axis| TILE.min(settings.size[axis] - place[axis]));
+        let corner = [0, 1].map(|axis| settings.corner[axis] + place[axis]);
+        let mut view = View::new(scene, settings, index);
+        let window = Window { corner, size };
+        let (pixels, tally) = render::render(&mut &*camera, &mut view, window, settings.spp as usize)?;
+        progress.inc(1);
+        let pixels = pixels.into_iter().map(|pixel| pixel.map(|value| value as f32)).collect();
+        Ok((place, Picture { size, pixels }, tally))
+    });
+    let mut picture = Picture::plain(settings.size, [0.0; 3]);
+    let mut total = Tally::default();
+    for (place, part, tally) in done.collect::<Result<Vec<_>, PluginError>>()? {
+        picture.paste(&part, place);
+        total.add(&tally);
+    }
+    Ok((picture, total))
+}
+
+/// The scene as one tile samples it. Each pair of coordinates is well spread over the pixel, the lens, the sun or
+/// the facets, and independent of the others.
+struct View<'a> {
+    scene: &'a Scene,
+    mm_per_unit: f32,
+    random: Xoshiro256PlusPlus,
+    pairs: [Vec<Point>; 4],
+    times: Vec<f32>,
+    /// Of every sample of the batch.
+    shading: Vec<ShadingSample>,
+}
+
+impl<'a> View<'a> {
+    fn new(scene: &'a Scene, settings: &Settings, index: u32) -> Self {
+        let spp = settings.spp as usize;
+        // An odd multiple keeps neighbouring seeds from sharing tiles.
+        let seed = settings.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ u64::from(index);
+        Self {
+            scene,
+            mm_per_unit: settings.mm_per_unit,
+            random: Xoshiro256PlusPlus::seed_from_u64(seed),
+            pairs: std::array::from_fn(|_| vec![Point::default(); spp]),
+            times: vec![0.0; spp],
+            shading: Vec::new(),
+        }
+    }
+}
+
+impl Integrand<3> for View<'_> {
+    fn place(&mut self, [x, y]: [u32; 2], first: usize, samples: &mut [realistic_sample]) {
+        for pair in &mut self.pairs {
+            Sequence::Sobol.fill(self.random.next_u32(), 2, pair);
+        }
+        strata(self.random.next_u32(), &mut self.times);
+        self.shading.truncate(first);
+        for (number, sample) in samples.iter_mut().enumerate() {
+            let [film, lens, light, facet] =
+                self.pairs.each_ref().map(|pair| [pair[number][0], pair[number][1]]);
+            *sample = realistic_sample {
+                image_x: x as f32 + film[0],
+                image_y: y as f32 + film[1],
+                lens_u: lens[0],
+                lens_v: lens[1],
+                time: self.times[number],
+            };
+            self.shading.push(ShadingSample { light, facet });
+        }
+    }
+
+    fn radiance(&self, number: usize, ray: &realistic_ray) -> [f32; 3] {
+        let ray = Ray {
+            origin: Vec3::from_array(ray.o) * self.mm_per_unit,
+            direction: Vec3::from_array(ray.d),
+            time: ray.time,
+        };
+        radiance(self.scene, &ray, self.shading[number]).to_array()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::host::scene::props;
+
+    /// A pinhole at the origin, 60 degrees wide; its left half is blocked on demand.
+    struct Pinhole {
+        size: [u32; 2],
+        half_blocked: bool,
+    }
+
+    impl RaySource for &Pinhole {
+        type Error = PluginError;
+
+        fn rays(
+            &mut self,
+            samples: &[realistic_sample],
+            rays: &mut [realistic_ray],
+            weights: &mut [f32],
+        ) -> Result<(), PluginError> {
+            let [width, height] = self.size.map(|side| side as f32);
+            for ((sample, ray), weight) in samples.iter().zip(rays).zip(weights) {
+                let x = (sample.image_x / width - 0.5) * 1.2;
+                let y = (0.5 - sample.image_y / height) * 1.2 * height / width;
+                ray.o = [0.0; 3];
+                ray.d = Vec3::new(x, y, 1.0).normalize().to_array();
+                ray.time = sample.time;
+                *weight = if self.half_blocked && sample.lens_u < 0.5 { 0.0 } else { 1.0 };
+            }
+            Ok(())
+        }
+    }
+
+    fn rendered(threads: usize, half_blocked: bool, spp: u32) -> (Picture, Tally) {
+        pictured(&props::scene(), threads, half_blocked, spp)
+    }
+
+    fn pictured(scene: &Scene, threads: usize, half_blocked: bool, spp: u32) -> (Picture, Tally) {
+        let settings = Settings { size: [37, 21], corner: [0; 2], spp, seed: 7, mm_per_unit: 1.0 };
+        let camera = Pinhole { size: settings.size, half_blocked };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| render(&camera, scene, &settings, &ProgressBar::hidden())).unwrap()
+    }
+
+    fn with(effects: &str) -> Scene {
+        props::scene().with(&effects.parse().unwrap())
+    }
+
+    #[test]
+    fn without_effects_the_picture_is_that_of_a_scene_that_has_none() {
+        let mut plain = props::scene();
+        plain.floor_roughness = 0.0;
+        plain.sun.radius = 0.0;
+        for ball in &mut plain.balls {
+            ball.shape.velocity = Vec3::ZERO;
+            ball.material.roughness = 0.0;
+        }
+        assert_eq!(pictured(&with("none"), 1, false, 4).0, pictured(&plain, 1, false, 4).0);
+        assert_eq!(pictured(&with("all"), 1, false, 4).0, rendered(1, false, 4).0);
+        for effect in ["gloss", "translucency", "soft-shadow", "motion"] {
+            let (picture, _) = pictured(&with(effect), 1, false, 4);
+            assert_ne!(picture, pictured(&plain, 1, false, 4).0, "{effect}");
+        }
+    }
+
+    #[test]
+    fn a_window_shows_its_part_of_the_picture() {
+        let [corner, size] = [[16, 5], [20, 16]];
+        let camera = Pinhole { size: [37, 21], half_blocked: false };
+        let settings = Settings { size, corner, spp: 256, seed: 7, mm_per_unit: 1.0 };
+        let scene = with("none");
+        let (part, _) = render(&camera, &scene, &settings, &ProgressBar::hidden()).unwrap();
+        let (whole, _) = pictured(&scene, 1, false, 256);
+        let mut error = 0.0;
+        for (index, pixel) in (0..).zip(&part.pixels) {
+            let [x, y] = [corner[0] + index % size[0], corner[1] + index / size[0]];
+            error += (pixel[1] - whole.pixels[(y * 37 + x) as usize][1]).abs();
+        }
+        assert!(error / (part.pixels.len() as f32) < 0.02, "{error}");
+    }
+
+    #[test]
+    fn the_number_of_threads_and_their_order_change_no_pixel() {
+        let (one, _) = rendered(1, false, 4);
+        let (three, _) = rendered(3, false, 4);
+        assert_eq!(one, three);
+        assert!(one.pixels.iter().flatten().all(|value| *value > 0.0));
+    }
+
+    #[test]
+    fn blocked_rays_count_in_the_mean() {
+        let sum = |picture: &Picture| picture.pixels.iter().flatten().sum::<f32>();
+        let (whole, _) = rendered(2, false, 64);
+        let (half, tally) = rendered(2, true, 64);
+        assert_eq!(tally.passed * 2, tally.rays);
+        assert!((sum(&half) / sum(&whole) - 0.5).abs() < 0.01);
+    }
+}

@@ -1,0 +1,74 @@
+//! The effects of distributed ray tracing, each of which can be left out (R. L. Cook, T. Porter
+//! and L. Carpenter, "Distributed Ray Tracing", *Computer Graphics* 18(3), SIGGRAPH 1984).
+
+use clap::ValueEnum;
+use std::str::FromStr;
+
+/// One of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Effect {
+    /// Reflections spread by rough surfaces.
+    Gloss,
+    /// What is seen through rough glass spread by it.
+    Translucency,
+    /// Penumbras, by a light that has an extent.
+    SoftShadow,
+    /// Depth of field, by a lens at the stop asked for; without it the lens is stopped down.
+    Dof,
+    /// Motion blur, by balls that move while the shutter is open.
+    Motion,
+}
+
+/// Those that a picture has; with none of them it is ray tracing as it was before.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Effects(Vec<Effect>);
+
+impl Effects {
+    /// These and no others.
+    pub fn only(effects: &[Effect]) -> Self {
+        Self(effects.into())
+    }
+
+    /// Whether it is among them.
+    pub fn has(&self, effect: Effect) -> bool {
+        self.0.contains(&effect)
+    }
+}
+
+impl FromStr for Effects {
+    type Err = String;
+
+    /// Names with commas between them, or "none" or "all".
+    fn from_str(text: &str) -> Result<Self, String> {
+        let named = |name: &str| {
+            Effect::from_str(name.trim(), false).map_err(|_| {
+                format!(
+                    "there is no effect \"{name}\"; write some of gloss, translucency, soft-shadow, dof \
+                     and motion with commas between them, or none, or all"
+                )
+            })
+        };
+        match text {
+            "none" => Ok(Self::only(&[])),
+            "all" => Ok(Self::only(Effect::value_variants())),
+            names => names.split(',').map(named).collect::<Result<_, _>>().map(Self),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn effects_go_by_name_and_a_wrong_name_is_answered_with_the_right_ones() {
+        assert_eq!("gloss, motion".parse(), Ok(Effects::only(&[Effect::Gloss, Effect::Motion])));
+        assert_eq!("none".parse(), Ok(Effects::only(&[])));
+        let all: Effects = "all".parse().unwrap();
+        assert!(Effect::value_variants().iter().all(|effect| all.has(*effect)));
+        for wrong in ["", "glos", "gloss,", "gloss;motion", "gloss,none"] {
+            let message = wrong.parse::<Effects>().unwrap_err();
+            assert!(message.contains("soft-shadow"), "{message}");
+        }
+    }
+}

@@ -1,0 +1,36 @@
+//! What is printed on things in a scene: a drawing, looked up as a texture.
+
+use crate::drawing::shapes::Page;
+use crate::image::{Picture, SrgbImage};
+use glam::{Vec2, Vec3};
+
+/// A drawing as linear colours, [`Print::TEXELS`] each way to one of its units.
+#[derive(Debug)]
+pub struct Print {
+    texture: Picture,
+}
+
+impl Print {
+    const TEXELS: f32 = 8.0;
+
+    /// Prints a page.
+    pub fn of(page: &Page) -> Self {
+        let empty = SrgbImage { size: [1; 2], pixels: vec![[0; 3]] };
+        Self { texture: Picture::from(&page.pixels(Self::TEXELS).unwrap_or(empty)) }
+    }
+
+    /// The colour at a place on the page, x to the right and y down from its top left corner: bilinear, and
+    /// beyond the edges that of the edge.
+    pub fn colour(&self, at: Vec2) -> Vec3 {
+        let last = Vec2::from(self.texture.size.map(|side| (side - 1) as f32));
+        let place = (at * Self::TEXELS - 0.5).clamp(Vec2::ZERO, last);
+        let (low, high) = (place.floor(), (place.floor() + 1.0).min(last));
+        let texel = |x: f32, y: f32| {
+            let index = y as usize * self.texture.size[0] as usize + x as usize;
+            Vec3::from_array(self.texture.pixels[index])
+        };
+        let part = place - low;
+        let [above, below] = [low.y, high.y].map(|y| texel(low.x, y).lerp(texel(high.x, y), part.x));
+        above.lerp(below, part.y)
+    }
+}

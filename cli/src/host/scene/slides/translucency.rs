@@ -1,0 +1,48 @@
+//! Translucency: a sheet of frosted glass before a card that nearly touches it and things
+//! farther behind.
+
+use super::super::objects::{Ball, Board, Finish, Material};
+use super::super::pose::tilted;
+use super::super::props;
+use super::super::shapes::Panel;
+use super::super::world::Scene;
+use glam::{Vec2, Vec3};
+
+/// Where the sheet stands.
+const STAGE: f32 = 800.0;
+
+pub fn scene() -> Scene {
+    let ball = |x: f32, z: f32, radius: f32, colour: [f32; 3]| {
+        Ball::standing([x, z], radius, Material::new(colour, Finish::Matte))
+    };
+    let sheet = Board {
+        panel: Panel { corner: Vec3::new(-60.0, 120.0, STAGE), size: Vec2::new(270.0, 272.0) },
+        print: None,
+        material: Material::new([0.90, 0.96, 0.95], Finish::Sheet).rough(0.13),
+    };
+    let bar = |x: f32, y: f32, width: f32, height: f32| Board {
+        panel: Panel { corner: Vec3::new(x, y, STAGE - 1.0), size: Vec2::new(width, height) },
+        print: None,
+        material: Material::new([0.05, 0.045, 0.04], Finish::Matte),
+    };
+    let frame = [
+        bar(-66.0, 126.0, 282.0, 6.0),
+        bar(-66.0, 126.0, 6.0, 281.0),
+        bar(210.0, 126.0, 6.0, 281.0),
+        bar(-66.0, -149.0, 282.0, 6.0),
+    ];
+    let near = props::card("near", Vec3::new(-185.0, 20.0, STAGE + 40.0), 190.0);
+    let far = props::card("far", Vec3::new(70.0, 80.0, STAGE + 500.0), 230.0);
+    Scene {
+        balls: vec![
+            ball(60.0, STAGE + 90.0, 45.0, [0.66, 0.11, 0.07]),
+            ball(175.0, STAGE + 240.0, 50.0, [0.76, 0.39, 0.05]),
+            ball(-240.0, STAGE + 420.0, 80.0, [0.02, 0.33, 0.35]),
+        ],
+        boards: [sheet].into_iter().chain(frame).chain(near).chain(far).collect(),
+        lamps: Vec::new(),
+        pose: tilted(3.0, [0.0, 10.0, 0.0]),
+        subject: |_, _| STAGE + 40.0,
+        ..props::scene()
+    }
+}

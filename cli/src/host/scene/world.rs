@@ -1,0 +1,106 @@
+//! A scene as a renderer sees it: the nearest surface that a ray intersects, and what hides the light.
+//! Millimetres, the lens' front vertex at the origin, +z into the scene, +x to the right,
+//! +y up.
+
+use super::effects::{Effect, Effects};
+use super::objects::{Ball, Board, FLOOR, Finish, Lamps, Material};
+use super::pose::Pose;
+use super::shapes::{Hit, Ray, Shape};
+use super::sky::Sun;
+use glam::Vec3;
+
+/// The whole scene.
+#[derive(Clone)]
+pub struct Scene {
+    /// The colour and finish of the floor.
+    pub floor: fn(Vec3) -> Material,
+    /// Roughness of the floor.
+    pub floor_roughness: f32,
+    /// Balls, which alone may move.
+    pub balls: Vec<Ball>,
+    /// Boards.
+    pub boards: Vec<Board>,
+    /// Lamps, at rest.
+    pub lamps: Vec<Lamps>,
+    /// The light.
+    pub sun: Sun,
+    /// Where the camera stands.
+    pub pose: Pose,
+    /// How far before the camera that is which a lens of this focal length and film diagonal would be focused on.
+    pub subject: fn(f64, f64) -> f32,
+}
+
+impl Scene {
+    /// The same scene with nothing but these effects: where one is off, reflectors or glass are
+    /// polished, the sun is a point, or the balls rest. (Depth of field is the camera's.)
+    pub fn with(mut self, effects: &Effects) -> Self {
+        let balls = self.balls.iter_mut().map(|ball| &mut ball.material);
+        for material in balls.chain(self.boards.iter_mut().map(|board| &mut board.material)) {
+            let kept = match material.finish {
+                Finish::Glass | Finish::Sheet => effects.has(Effect::Translucency),
+                _ => effects.has(Effect::Gloss),
+            };
+            if !kept {
+                material.roughness = 0.0;
+            }
+        }
+        if !effects.has(Effect::Gloss) {
+            self.floor_roughness = 0.0;
+        }
+        if !effects.has(Effect::SoftShadow) {
+            self.sun.radius = 0.0;
+        }
+        if !effects.has(Effect::Motion) {
+            self.balls.iter_mut().for_each(|ball| ball.shape.velocity = Vec3::ZERO);
+        }
+        self
+    }
+
+    /// The nearest surface that a ray intersects beyond `from`.
+    pub fn nearest(&self, ray: &Ray, from: f32) -> Option<(Hit, Material)> {
+        let mut best: Option<(Hit, Material)> = None;
+        let mut nearer = |shape: &dyn Shape, material: &dyn Fn(&Hit) -> Material| {
+            let to = best.map_or(f32::INFINITY, |(hit, _)| hit.distance);
+            if let Some(hit) = shape.intersect(ray, from, to) {
+                best = Some((hit, material(&hit)));
+            }
+        };
+        let rough = self.floor_roughness;
+        nearer(&FLOOR, &|hit| (self.floor)(ray.at(hit.distance)).rough(rough));
+        for ball in &self.balls {
+            nearer(&ball.shape, &|hit| ball.material(hit.normal));
+        }
+        for board in &self.boards {
+            nearer(&board.panel, &|hit| board.material(ray.at(hit.distance)));
+        }
+        let lamps = self.lamps.iter().filter(|group| group.bounds.intersects(ray));
+        for lamp in lamps.flat_map(|group| &group.lamps) {
+            nearer(&lamp.shape, &|_| lamp.material);
+        }
+        best
+    }
+
+    /// The part of the light that comes through along a ray from far away.
+    pub fn light_through(&self, ray: &Ray, from: f32) -> f32 {
+        let blocks = |shape: &dyn Shape| shape.intersect(ray, from, f32::INFINITY).is_some();
+        let through = |material: &Material| match material.finish {
+            Finish::Glass => 0.55,
+            Finish::Sheet => 0.85,
+            _ => 0.0,
+        };
+        let boards = self.boards.iter().filter(|board| blocks(&board.panel)).map(|board| &board.material);
+        let balls = self.balls.iter().filter(|ball| blocks(&ball.shape)).map(|ball| &ball.material);
+        boards.chain(balls).map(through).product()
+    }
+
+    /// The part of the sky that the balls leave free over a point at a time.
+    pub fn open_sky(&self, point: Vec3, normal: Vec3, time: f32) -> f32 {
+        let free = |ball: &Ball| {
+            let towards = ball.shape.centre_at(time) - point;
+            let square = ball.shape.radius * ball.shape.radius;
+            let distance = towards.length_squared().max(square);
+            1.0 - normal.dot(towards).max(0.0) / distance.sqrt() * square / distance
+        };
+        self.balls.iter().map(free).product()
+    }
+}

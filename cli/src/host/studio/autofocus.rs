@@ -1,0 +1,176 @@
+//! Autofocus as a host offers it: the plugin asks for distances in the scene, or for the contrast
+//! of trial pictures, and this answers.
+
+use crate::host::plugin::{self, Plugin, PluginError, Warn};
+use crate::host::render::{Settings, render};
+use crate::host::scene::Scene;
+use crate::host::scene::shapes::Ray;
+use crate::image::Picture;
+use glam::Vec3;
+use indicatif::ProgressBar;
+use rayon::ThreadPool;
+use realistic::abi::{realistic_camera, realistic_ray, realistic_sample, realistic_zone};
+use realistic::camera::Parameters;
+use realistic_lab::render::RaySource;
+use std::ffi::c_void;
+
+/// What the plugin is to ask for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Method {
+    /// How far it is along a few rays
+    Distance,
+    /// How much contrast pictures of trial cameras have
+    Contrast,
+}
+
+/// How several zones make one focus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Rule {
+    /// The zone that sees the nearest thing
+    Nearest,
+    /// The zone nearest the middle of the picture
+    Centre,
+    /// The mean film distance
+    Average,
+}
+
+/// Everything that the callbacks need.
+pub struct Autofocus<'a> {
+    /// Where cameras come from.
+    pub plugin: &'a Plugin,
+    /// Threads for the trial pictures.
+    pub pool: &'a ThreadPool,
+    /// What is looked at.
+    pub scene: &'a Scene,
+    /// Parameters of the camera, without a focus.
+    pub parameters: &'a Parameters,
+    /// Width and height of the picture.
+    pub size: [u32; 2],
+}
+
+impl Autofocus<'_> {
+    /// The film distance, mm, that focuses the zones, given as left, top, width and height.
+    ///
+    /// # Errors
+    /// The plugin's own: nothing to focus on, or a zone outside the picture.
+    pub fn film_distance(
+        &self,
+        zones: &[[f32; 4]],
+        rule: Rule,
+        method: Method,
+        warn: Warn<'_>,
+    ) -> Result<f64, PluginError> {
+        let (options, _strings) =
+            plugin::c_options(self.plugin, self.parameters, self.size, &self.scene.pose, &warn)?;
+        let zone = |&[left, top, width, height]: &[f32; 4]| realistic_zone {
+            left,
+            top,
+            right: left + width,
+            bottom: top + height,
+        };
+        let zones: Vec<realistic_zone> = zones.iter().map(zone).collect();
+        let mut found = f64::NAN;
+        let user = std::ptr::from_ref(self).cast_mut().cast();
+        // SAFETY: the options, the zones, `warn` and `self` live until the end of this function; the
+        // callbacks take `user` for what it is.
+        let status = unsafe {
+            (self.plugin.functions.autofocus)(
+                &options,
+                zones.as_ptr(),
+                zones.len(),
+                rule as i32,
+                (method == Method::Distance).then_some(distance),
+                (method == Method::Contrast).then_some(contrast),
+                user,
+                &mut found,
+            )
+        };
+        self.plugin.check(status)?;
+        Ok(found)
+    }
+
+    fn mm_per_unit(&self) -> f32 {
+        self.parameters.mmperunit.unwrap_or(1.0) as f32
+    }
+
+    fn distance(&self, ray: &realistic_ray) -> f64 {
+        let mm = self.mm_per_unit();
+        let origin = Vec3::from_array(ray.o) * mm;
+        let ray = Ray { origin, direction: Vec3::from_array(ray.d), time: ray.time };
+        self.scene.nearest(&ray, 0.0).map_or(f64::INFINITY, |(hit, _)| f64::from(hit.distance / mm))
+    }
+
+    /// The mean square difference of neighbouring pixels' brightness, relative to the mean, in small
+    /// pictures of the zone. Of two pictures with independent noise the differences are
+    /// multiplied: what is noise alone cancels, and a blurred trial with few rays does not win by it.
+    fn contrast(&self, camera: *const realistic_camera, zone: &realistic_zone) -> Result<f64, PluginError> {
+        const RAYS: u32 = 16_384;
+        /// What the eye takes for even.
+        const VISIBLE: f64 = 0.01;
+        let corner = [zone.left, zone.top].map(|side| side as u32);
+        let end = [zone.right, zone.bottom].map(|side| side.ceil() as u32);
+        let size = [0, 1].map(|axis| end[axis] - corner[axis]);
+        let spp = (RAYS / (size[0] * size[1])).clamp(2, 64);
+        let trial = Trial { plugin: self.plugin, camera };
+        let look = |seed: u64| {
+            let settings = Settings { size, corner, spp, seed, mm_per_unit: self.mm_per_unit() };
+            let (picture, _) =
+                self.pool.install(|| render(&trial, self.scene, &settings, &ProgressBar::hidden()))?;
+            Ok::<_, PluginError>(brightness(&picture))
+        };
+        let (one, two) = (look(1)?, look(2)?);
+        let mean = one.iter().chain(&two).sum::<f64>() / (2 * one.len()) as f64;
+        let steps = |values: &[f64]| {
+            let rows = values.chunks_exact(size[0] as usize);
+            let beside = rows.flat_map(|row| row.windows(2)).map(|pair| pair[1] - pair[0]);
+            let below = values.iter().zip(values.iter().skip(size[0] as usize)).map(|(a, b)| a - b);
+            beside.chain(below).collect::<Vec<f64>>()
+        };
+        let product: f64 = steps(&one).iter().zip(steps(&two)).map(|(a, b)| a * b).sum();
+        let contrast = product / one.len() as f64 / (mean * mean);
+        Ok(if contrast > VISIBLE * VISIBLE { contrast } else { 0.0 })
+    }
+}
+
+/// By its square root, so that a lamp does not outshine everything.
+fn brightness(picture: &Picture) -> Vec<f64> {
+    let light = |[r, g, b]: &[f32; 3]| f64::from((0.2126 * r + 0.7152 * g + 0.0722 * b).max(0.0).sqrt());
+    picture.pixels.iter().map(light).collect()
+}
+
+/// The plugin's camera during a callback.
+struct Trial<'a> {
+    plugin: &'a Plugin,
+    camera: *const realistic_camera,
+}
+
+// SAFETY: the ABI says that rays may be asked for from any number of threads.
+unsafe impl Sync for Trial<'_> {}
+
+impl RaySource for &Trial<'_> {
+    type Error = PluginError;
+
+    fn rays(
+        &mut self,
+        samples: &[realistic_sample],
+        rays: &mut [realistic_ray],
+        weights: &mut [f32],
+    ) -> Result<(), PluginError> {
+        // SAFETY: the camera is the plugin's and lives until the callback returns.
+        unsafe { plugin::generate(self.plugin, self.camera, samples, rays, weights) }
+    }
+}
+
+unsafe extern "C" fn distance(user: *mut c_void, ray: *const realistic_ray) -> f64 {
+    // SAFETY: `user` is what `film_distance` passed, and the plugin passes a ray.
+    unsafe { (*user.cast::<Autofocus<'_>>()).distance(&*ray) }
+}
+
+unsafe extern "C" fn contrast(
+    user: *mut c_void,
+    camera: *const realistic_camera,
+    zone: *const realistic_zone,
+) -> f64 {
+    // SAFETY: as above, with a camera and a zone.
+    unsafe { (*user.cast::<Autofocus<'_>>()).contrast(camera, &*zone) }.unwrap_or(f64::NAN)
+}

@@ -1,0 +1,144 @@
+//! Focusing on a thing in the scene, and metering, with nothing but rays: as a photographer
+//! does through the lens.
+
+use crate::host::plugin::{Camera, Plugin, PluginError, Warn};
+use crate::host::scene::{LEVEL, Scene};
+use realistic::abi::{realistic_ray, realistic_sample};
+use realistic::camera::Parameters;
+use realistic_lab::render::RaySource;
+use std::sync::Arc;
+
+/// Builds the camera, focused on the scene's subject unless the parameters say where.
+///
+/// # Errors
+/// The plugin refuses.
+pub fn build(
+    plugin: &Arc<Plugin>,
+    parameters: &Parameters,
+    size: [u32; 2],
+    scene: &Scene,
+    warn: Warn<'_>,
+) -> Result<Camera, PluginError> {
+    let mut parameters = parameters.clone();
+    if parameters.focusdistance.is_none() && parameters.filmdistance.is_none() {
+        parameters.focusdistance = distance(plugin, &parameters, size, scene)?;
+    }
+    Camera::new(plugin, &parameters, size, &scene.pose, warn)
+}
+
+/// The focus distance that puts the subject into focus; `None` for a camera without focus.
+/// It counts from the film, which moves with it and lies behind a lens of unknown length:
+/// so look where the rays of a focused camera meet, and correct by the difference.
+fn distance(
+    plugin: &Arc<Plugin>,
+    parameters: &Parameters,
+    size: [u32; 2],
+    scene: &Scene,
+) -> Result<Option<f64>, PluginError> {
+    const LENS_LENGTH_GUESS: f64 = 100.0;
+    const CORRECTIONS: u32 = 3;
+    let silent: Warn<'_> = &|_| ();
+    let mm = parameters.mmperunit.unwrap_or(1.0);
+    let info = Camera::new(plugin, parameters, size, &LEVEL, silent)?.info()?;
+    let subject = f64::from((scene.subject)(info.focal_length_mm, info.film_diagonal_mm));
+    let mut trial = parameters.clone();
+    let mut distance = subject + LENS_LENGTH_GUESS;
+    for _ in 0..CORRECTIONS {
+        trial.focusdistance = Some(distance / mm);
+        let camera = Camera::new(plugin, &trial, size, &LEVEL, silent).map_err(|error| {
+            PluginError::Refused(format!(
+                "focusing on the scene's subject, {subject} mm before the lens: {error} (give \
+                 --param focusdistance=… or filmdistance=… to focus elsewhere)"
+            ))
+        })?;
+        let Some(meeting) = AxialRays::of(&camera, size)?.meeting() else {
+            return Ok(None);
+        };
+        distance += subject - meeting * mm;
+    }
+    Ok(Some(distance / mm))
+}
+
+/// Rays from the middle of the film through the whole lens.
+pub struct AxialRays {
+    rays: Vec<realistic_ray>,
+    weights: Vec<f32>,
+}
+
+impl AxialRays {
+    /// Asks the camera for them.
+    ///
+    /// # Errors
+    /// The plugin's own.
+    pub fn of(mut camera: impl RaySource<Error = PluginError>, size: [u32; 2]) -> Result<Self, PluginError> {
+        const SIDE: u8 = 64;
+        let steps = || (0..SIDE).map(|step| (f32::from(step) + 0.5) / f32::from(SIDE));
+        let [image_x, image_y] = size.map(|side| side as f32 / 2.0);
+        let samples: Vec<_> = steps()
+            .flat_map(|lens_u| steps().map(move |lens_v| (lens_u, lens_v)))
+            .map(|(lens_u, lens_v)| realistic_sample { image_x, image_y, lens_u, lens_v, time: 0.5 })
+            .collect();
+        let mut rays = vec![realistic_ray::default(); samples.len()];
+        let mut weights = vec![0.0; samples.len()];
+        camera.rays(&samples, &mut rays, &mut weights)?;
+        Ok(Self { rays, weights })
+    }
+
+    /// The mean weight: the film's irradiance for a scene of radiance 1.
+    pub fn mean_weight(&self) -> f32 {
+        self.weights.iter().sum::<f32>() / self.weights.len() as f32
+    }
+
+    /// The z, world units, at which their spot is smallest as seen from the lens; `None`
+    /// when they start as one. The fit is linear in 1/z: far away nothing goes wrong.
+    fn meeting(&self) -> Option<f64> {
+        let (mut size, mut turn) = (0.0, 0.0);
+        for (ray, weight) in self.rays.iter().zip(&self.weights) {
+            let [x, y, z] = ray.o.map(f64::from);
+            let [dx, dy, dz] = ray.d.map(f64::from);
+            let weight = f64::from(*weight);
+            if weight > 0.0 && dz > 0.0 {
+                let slope = [dx / dz, dy / dz];
+                let foot = [x - slope[0] * z, y - slope[1] * z];
+                size += weight * (foot[0] * foot[0] + foot[1] * foot[1]);
+                turn -= weight * (slope[0] * foot[0] + slope[1] * foot[1]);
+            }
+        }
+        (size > 0.0).then(|| size / turn)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A lens of radius 10 at z = 0 that sends every ray to (0, 0, 500).
+    struct Perfect;
+
+    impl RaySource for Perfect {
+        type Error = PluginError;
+
+        fn rays(
+            &mut self,
+            samples: &[realistic_sample],
+            rays: &mut [realistic_ray],
+            weights: &mut [f32],
+        ) -> Result<(), PluginError> {
+            for ((sample, ray), weight) in samples.iter().zip(rays).zip(weights) {
+                let [x, y] = [sample.lens_u, sample.lens_v].map(|u| 20.0 * u - 10.0);
+                let length = (x * x + y * y + 250_000.0).sqrt();
+                ray.o = [x, y, 0.0];
+                ray.d = [-x / length, -y / length, 500.0 / length];
+                *weight = if sample.lens_u < 0.5 { 0.0 } else { 2.0 };
+            }
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn rays_meet_where_the_lens_sends_them() {
+        let rays = AxialRays::of(Perfect, [30, 20]).unwrap();
+        assert!((rays.meeting().unwrap() - 500.0).abs() < 1e-3);
+        assert_eq!(rays.mean_weight(), 1.0);
+    }
+}

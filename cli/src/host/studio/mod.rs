@@ -1,0 +1,10 @@
+//! Taking pictures of scenes: what the user asks for, focusing and metering, and the lecture's slides.
+
+mod autofocus;
+mod focus;
+mod session;
+mod slides;
+
+pub use autofocus::{Method, Rule};
+pub use session::{Options, Order, Shot, Studio, parameter_help, stopped_down};
+pub use slides::Slide;

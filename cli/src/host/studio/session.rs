@@ -1,0 +1,299 @@
+//! What every command that takes pictures needs: from options, a loaded plugin, parameters and threads; with
+//! these, from a scene, a picture.
+
+use super::autofocus::{Autofocus, Method, Rule};
+use super::focus::{self, AxialRays};
+use crate::choice::{set_parameters, size, warn};
+use crate::failure::Failure;
+use crate::host::plugin::{self, Camera, Plugin};
+use crate::host::render::{Settings, render, spectrum};
+use crate::host::scene::Scene;
+use crate::host::scene::effects::{Effect, Effects};
+use crate::image::Picture;
+use indicatif::{ProgressBar, ProgressStyle};
+use rayon::ThreadPool;
+use realistic::camera::{PARAMETERS, Parameters};
+use realistic::prescription::catalogue;
+use realistic_lab::render::Tally;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// What the commands that take pictures have in common.
+#[derive(clap::Args, Debug)]
+pub struct Options {
+    /// Lens: a file, or a name of the catalogue; NAME@35mm scales it to that focal length
+    /// [default: dgauss.50mm]
+    #[arg(long, value_name = "LENS")]
+    pub lens: Option<String>,
+    /// Size of the picture in pixels
+    #[arg(long, value_name = "WxH", default_value = "480x320", value_parser = size)]
+    pub size: [u32; 2],
+    /// Samples per pixel [default: 128; for a slide or a stack of pictures 64]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16_384))]
+    pub spp: Option<u32>,
+    /// A camera parameter; may be given again for others (names and units below)
+    #[arg(long = "param", value_name = "NAME=VALUE")]
+    parameters: Vec<String>,
+    /// Threads to render with [default: one per core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Brightness of a .png in stops; 0 shows a white card on the axis as it is
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true)]
+    exposure: f32,
+    /// The plugin to load [default: the one built with this program]
+    #[arg(long, value_name = "FILE")]
+    plugin: Option<PathBuf>,
+    /// Seed of the random numbers; the same gives the same picture with any number of threads
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+}
+
+/// Everything but the scene and the camera.
+pub struct Studio {
+    /// Where cameras come from.
+    pub plugin: Arc<Plugin>,
+    /// What the user says of the camera.
+    pub parameters: Parameters,
+    /// Width and height of a picture in pixels.
+    pub size: [u32; 2],
+    pool: ThreadPool,
+    progress: ProgressBar,
+    warned: Mutex<Vec<String>>,
+    exposure: f32,
+    seed: u64,
+}
+
+/// What to take a picture of, and how.
+#[derive(Clone, Copy, Debug)]
+pub struct Order {
+    /// Samples per pixel.
+    pub spp: u32,
+    /// Pictures, each at its own wavelength, that make one; `None` for one at the lens' own.
+    pub wavelengths: Option<u32>,
+    /// What the picture is a part of; `None` for a whole one.
+    pub frame: Option<Frame>,
+}
+
+/// A larger picture of which only a part is rendered.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame {
+    /// Its width and height in pixels.
+    pub size: [u32; 2],
+    /// Where the part's top left corner lies in it.
+    pub corner: [u32; 2],
+}
+
+/// A picture taken.
+pub struct Shot {
+    /// What took it: the camera at the lens' own wavelength.
+    pub camera: Camera,
+    /// Irradiance on the film.
+    pub picture: Picture,
+    /// What takes it to the screen's values.
+    pub scale: f32,
+    /// The rays.
+    pub tally: Tally,
+    /// How long it took.
+    pub took: Duration,
+}
+
+impl Studio {
+    /// Loads the plugin and reads the parameters. The lens is the default one unless named.
+    ///
+    /// # Errors
+    /// Bad parameters, or no plugin.
+    pub fn open(options: &Options) -> Result<Self, Failure> {
+        let parameters = gather(options.lens.as_deref(), &options.parameters)?;
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(options.threads.map_or(0, usize::from))
+            .build()
+            .map_err(|error| Failure::Other(format!("{error}; give fewer --threads")))?;
+        Ok(Self {
+            plugin: Arc::new(Plugin::load(&plugin::find(options.plugin.as_deref())?)?),
+            parameters,
+            size: options.size,
+            pool,
+            progress: progress_bar(),
+            warned: Mutex::default(),
+            exposure: options.exposure,
+            seed: options.seed,
+        })
+    }
+
+    /// Gives the user a warning, once: several pictures have the same.
+    pub fn warn(&self, message: &str) {
+        let mut warned = self.warned.lock().unwrap_or_else(PoisonError::into_inner);
+        if warned.iter().any(|before| before == message) {
+            return;
+        }
+        warned.push(message.to_owned());
+        self.progress.suspend(|| warn(message));
+    }
+
+    /// Threads that render.
+    pub fn threads(&self) -> usize {
+        self.pool.current_num_threads()
+    }
+
+    /// The film distance, mm, that focuses zones of the picture, each left, top, width and height.
+    ///
+    /// # Errors
+    /// The plugin's own.
+    pub fn autofocus(
+        &self,
+        parameters: &Parameters,
+        scene: &Scene,
+        zones: &[[f32; 4]],
+        rule: Rule,
+        method: Method,
+    ) -> Result<f64, Failure> {
+        let autofocus =
+            Autofocus { plugin: &self.plugin, pool: &self.pool, scene, parameters, size: self.size };
+        Ok(autofocus.film_distance(zones, rule, method, &|message| self.warn(message))?)
+    }
+
+    /// Takes a picture with the camera of these parameters, focused on the scene's subject unless they say where.
+    ///
+    /// # Errors
+    /// The plugin's own.
+    pub fn take(&self, parameters: &Parameters, scene: &Scene, order: &Order) -> Result<Shot, Failure> {
+        let frame = order.frame.unwrap_or(Frame { size: self.size, corner: [0; 2] });
+        let warn = |message: &str| self.warn(message);
+        let camera = focus::build(&self.plugin, parameters, frame.size, scene, &warn)?;
+        let settings = Settings {
+            size: self.size,
+            corner: frame.corner,
+            spp: order.spp,
+            seed: self.seed,
+            mm_per_unit: parameters.mmperunit.unwrap_or(1.0) as f32,
+        };
+        let render = |camera: &Camera| self.pool.install(|| render(camera, scene, &settings, &self.progress));
+        let start = Instant::now();
+        let (picture, tally) = match order.wavelengths {
+            None => render(&camera)?,
+            Some(count) => {
+                let mut whole = (Picture::plain(self.size, [0.0; 3]), Tally::default());
+                for (wavelength, band) in spectrum::bands(count) {
+                    let there = at_wavelength(parameters, &camera, wavelength, count)?;
+                    // What there is to warn of was said of the first camera.
+                    let camera = Camera::new(&self.plugin, &there, frame.size, &scene.pose, &|_| ())?;
+                    let (picture, tally) = render(&camera)?;
+                    spectrum::add(&mut whole.0, band, &picture);
+                    whole.1.add(&tally);
+                }
+                whole
+            }
+        };
+        let took = start.elapsed();
+        self.progress.finish_and_clear();
+        let scale = self.exposure.exp2() / white_level(&camera, parameters, frame.size)?;
+        Ok(Shot { camera, picture, scale, tally, took })
+    }
+}
+
+/// The same camera at one of several wavelengths, its film where the lens is in focus at its own wavelength.
+fn at_wavelength(
+    parameters: &Parameters,
+    camera: &Camera,
+    wavelength: f64,
+    count: u32,
+) -> Result<Parameters, Failure> {
+    if let Some(wavelength) = parameters.wavelength {
+        return Err(Failure::Usage(format!(
+            "a picture in {count} wavelengths has no single \"wavelength\" ({wavelength} nm); leave \
+             --param wavelength out, or --wavelengths"
+        )));
+    }
+    let film_distance = Some(camera.info()?.film_distance_mm);
+    let wavelength = Some(wavelength);
+    Ok(Parameters { wavelength, focusdistance: None, filmdistance: film_distance, ..parameters.clone() })
+}
+
+/// The parameters with the lens stopped down where depth of field is not wanted.
+///
+/// # Errors
+/// The user says how far the lens is stopped down.
+pub fn stopped_down(parameters: &Parameters, effects: &Effects) -> Result<Parameters, Failure> {
+    const SMALL: f64 = 22.0;
+    let mut parameters = parameters.clone();
+    if effects.has(Effect::Dof) {
+        return Ok(parameters);
+    }
+    if parameters.fnumber.is_some() || parameters.aperture_diameter.is_some() {
+        return Err(Failure::Usage(
+            "without depth of field the lens is stopped down as far as it needs to be; leave out \
+             \"fnumber\" and \"aperture_diameter\", or add dof to --effects"
+                .to_owned(),
+        ));
+    }
+    parameters.fnumber = Some(SMALL);
+    Ok(parameters)
+}
+
+/// The film's irradiance where the scene has radiance 1.
+fn white_level(camera: &Camera, parameters: &Parameters, size: [u32; 2]) -> Result<f32, Failure> {
+    let info = camera.info()?;
+    let radiometric = match (&parameters.weighting, parameters.simpleweighting) {
+        (Some(name), _) => name == "radiometric",
+        (None, simple) => simple != Some(true),
+    };
+    // By the lens' own number, not by metering: what a lens loses shows.
+    if radiometric && info.fnumber > 0.0 && info.fnumber.is_finite() {
+        let fnumber = info.fnumber as f32;
+        return Ok(std::f32::consts::FRAC_PI_4 / (fnumber * fnumber));
+    }
+    let metered = AxialRays::of(camera, size)?.mean_weight();
+    Ok(if metered > 0.0 { metered } else { 1.0 })
+}
+
+fn gather(lens: Option<&str>, given: &[String]) -> Result<Parameters, Failure> {
+    let mut parameters = Parameters::default();
+    set_parameters(&mut parameters, given)?;
+    match (lens, &parameters.specfile) {
+        (Some(lens), Some(file)) => {
+            return Err(Failure::Usage(format!(
+                "--lens \"{lens}\" and parameter \"specfile\" (\"{file}\") say the same thing; give \
+                 one of them"
+            )));
+        }
+        (None, Some(_)) => {}
+        (lens, None) => parameters.specfile = Some(lens.unwrap_or(catalogue::DEFAULT).to_owned()),
+    }
+    Ok(parameters)
+}
+
+/// Draws on standard error, and only when that is a terminal.
+fn progress_bar() -> ProgressBar {
+    let style = ProgressStyle::with_template("rendering {bar:40} {percent:>3} %  {eta} left")
+        .unwrap_or_else(|_| ProgressStyle::default_bar());
+    // Of no tiles at all it would show itself full before the rendering starts.
+    ProgressBar::new(1).with_style(style)
+}
+
+/// Help on what --param takes.
+pub fn parameter_help() -> String {
+    let mut text = String::from("Parameters for --param:\n");
+    for row in PARAMETERS {
+        let _ = writeln!(text, "  {:<18} {}", row.name, row.help);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_lens_goes_with_the_parameters() {
+        let lens = |named: Option<&str>, given: &[&str]| {
+            let given: Vec<String> = given.iter().map(|text| (*text).to_owned()).collect();
+            gather(named, &given).ok().and_then(|parameters| parameters.specfile)
+        };
+        assert_eq!(lens(None, &["filmdistance=40.5"]).as_deref(), Some(catalogue::DEFAULT));
+        assert_eq!(lens(Some("a.dat"), &[]).as_deref(), Some("a.dat"));
+        assert_eq!(lens(None, &["lensfile=b.dat"]).as_deref(), Some("b.dat"));
+        assert_eq!(lens(Some("a.dat"), &["lensfile=b.dat"]), None);
+    }
+}

@@ -1,0 +1,160 @@
+//! The lecture's slides: for each effect a small scene, taken without it, with few samples, and
+//! with many (after R. L. Cook, T. Porter and L. Carpenter, "Distributed Ray Tracing", 1984).
+
+use super::session::{Frame, Options, Order, Studio, stopped_down};
+use crate::failure::Failure;
+use crate::host::scene::effects::Effect::{self, Dof, Gloss, Motion, SoftShadow, Translucency};
+use crate::host::scene::effects::Effects;
+use crate::host::scene::slides::{colour, gloss, motion, soft_shadow, translucency};
+use crate::host::scene::{Scene, props};
+use crate::image::{Picture, Sheet};
+use std::fmt::Write as _;
+
+/// A slide.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Slide {
+    /// Blurred reflections
+    Gloss,
+    /// What is seen through frosted glass
+    Translucency,
+    /// Penumbras
+    SoftShadow,
+    /// Depth of field of a lens stopped down and wide open
+    Dof,
+    /// Balls that move while the shutter is open
+    Motion,
+    /// The four lenses of Kolb's figure from one place
+    Lenses,
+    /// Colour errors of a lens, by one, few and many wavelengths
+    Colour,
+}
+
+/// Few enough to see the noise.
+const FEW: u32 = 4;
+/// Enough not to see it.
+const MANY: u32 = 64;
+
+/// One picture of a slide.
+struct Panel {
+    label: String,
+    effects: Effects,
+    order: Order,
+    /// Camera parameters of this picture, which the user may not give too.
+    parameters: Vec<(&'static str, String)>,
+    /// Times the default exposure.
+    exposure: f32,
+}
+
+impl Panel {
+    fn new(label: impl Into<String>, effects: &[Effect], spp: u32) -> Self {
+        let order = Order { spp, wavelengths: None, frame: None };
+        let effects = Effects::only(effects);
+        Self { label: label.into(), effects, order, parameters: Vec::new(), exposure: 1.0 }
+    }
+
+    fn set(mut self, name: &'static str, value: impl ToString) -> Self {
+        self.parameters.push((name, value.to_string()));
+        self
+    }
+}
+
+impl Slide {
+    /// Takes the slide's pictures and puts them on one sheet, in values for the screen; with a line
+    /// of text for each.
+    ///
+    /// # Errors
+    /// The user gives what is the slide's to choose, or the camera's own.
+    pub fn take(self, studio: &Studio, options: &Options) -> Result<(Picture, String), Failure> {
+        let many = options.spp.unwrap_or(MANY);
+        let (scene, panels) = self.panels(many, studio.size);
+        let columns = if self == Self::Lenses { 2 } else { panels.len() as u32 };
+        let mut sheet = Sheet::new(studio.size, panels.len() as u32, columns);
+        let mut text = String::new();
+        for panel in &panels {
+            let mut parameters = studio.parameters.clone();
+            for (name, value) in &panel.parameters {
+                if *name == "specfile" {
+                    if options.lens.is_some() {
+                        return Err(Failure::Usage(
+                            "this slide has its own lenses; leave out --lens".to_owned(),
+                        ));
+                    }
+                    parameters.specfile = None;
+                }
+                parameters.set_from_text(name, value)?;
+            }
+            let parameters = stopped_down(&parameters, &panel.effects)?;
+            let scene = scene.clone().with(&panel.effects);
+            let shot = studio.take(&parameters, &scene, &panel.order)?;
+            sheet.add(&panel.label, &shot.picture, shot.scale * panel.exposure);
+            let info = shot.camera.info()?;
+            let _ = writeln!(
+                text,
+                "{:<24} {}: {:.1} mm, f/{:.2}, {} samples per pixel in {:.2} s",
+                panel.label,
+                shot.camera.lens_name()?,
+                info.focal_length_mm,
+                info.fnumber,
+                panel.order.spp,
+                shot.took.as_secs_f64()
+            );
+        }
+        Ok((sheet.into_picture(), text))
+    }
+
+    /// The scene and the pictures to take of it, with up to `many` samples per pixel.
+    fn panels(self, many: u32, size: [u32; 2]) -> (Scene, Vec<Panel>) {
+        match self {
+            // A large lamp's picture in rough metal has less noise than a point's.
+            Self::Gloss => (gloss::scene(), three(&[SoftShadow], &[Gloss, SoftShadow], many)),
+            Self::Translucency => (translucency::scene(), three(&[], &[Translucency], many)),
+            Self::SoftShadow => (soft_shadow::scene(), three(&[], &[SoftShadow], many)),
+            Self::Dof => (props::scene(), three(&[], &[Dof], many)),
+            Self::Motion => (motion::scene(), three(&[], &[Motion], many)),
+            Self::Lenses => (props::scene(), lenses(many)),
+            Self::Colour => (colour::scene(), colours(many, size)),
+        }
+    }
+}
+
+/// Without what is shown, and with it by few and by many samples.
+fn three(off: &[Effect], shown: &[Effect], many: u32) -> Vec<Panel> {
+    let on = |spp: u32| Panel::new(format!("{spp} samples"), shown, spp);
+    vec![Panel::new("off", off, many), on(FEW.min(many)), on(many)]
+}
+
+/// The four lenses of Kolb's figure 6, from one place: a telephoto, a wide-angle lens, a double Gauss
+/// and a fisheye, scaled to its focal lengths.
+fn lenses(spp: u32) -> Vec<Panel> {
+    let lens = |label: &str, name: &str, diagonal: f64| {
+        Panel::new(label, &[SoftShadow, Dof], spp).set("specfile", name).set("filmdiag", diagonal)
+    };
+    vec![
+        lens("200 mm telephoto", "telephoto.250mm@200mm", 43.3),
+        lens("35 mm wide-angle", "wide.22mm@35mm", 43.3),
+        lens("50 mm double Gauss", "dgauss.50mm", 43.3),
+        lens("16 mm fisheye", "fisheye.10mm@16mm", 48.0),
+    ]
+}
+
+/// The corner of a large picture, by one wavelength and by several.
+fn colours(many: u32, size: [u32; 2]) -> Vec<Panel> {
+    /// Times the panel's size, the whole picture's.
+    const ZOOM: u32 = 16;
+    let panel = |label: &str, wavelengths: Option<u32>| {
+        let spp = (2 * many / wavelengths.unwrap_or(1)).clamp(1, many);
+        let mut panel = Panel::new(label, &[Dof], spp)
+            .set("specfile", "dgauss.100mm")
+            .set("filmdiag", 43.3)
+            .set("fnumber", 5.6);
+        let [width, height] = size;
+        panel.order.wavelengths = wavelengths;
+        panel.order.frame = Some(Frame {
+            size: [ZOOM * width, ZOOM * height],
+            corner: [width * (ZOOM - 1) - width / 4, height / 4],
+        });
+        panel.exposure = 2.0;
+        panel
+    };
+    vec![panel("587.6 nm", None), panel("3 wavelengths", Some(3)), panel("12 wavelengths", Some(12))]
+}

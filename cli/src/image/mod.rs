@@ -1,0 +1,10 @@
+//! Pictures: their pixels, their files, the letters in them, and several on one sheet.
+
+pub mod lettering;
+mod picture;
+mod sheet;
+mod srgb;
+
+pub use picture::{Format, Picture};
+pub use sheet::Sheet;
+pub use srgb::{Colours, SrgbImage, hex};

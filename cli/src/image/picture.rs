@@ -1,0 +1,141 @@
+//! Pictures and the two files that they go to: PNG for eyes, EXR for numbers.
+
+use super::srgb::{Colours, SrgbImage, decode, encode};
+use crate::failure::Failure;
+use std::fmt::Display;
+use std::path::Path;
+
+/// Linear colour, rows from the top, each from the left.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// One colour per pixel.
+    pub pixels: Vec<[f32; 3]>,
+}
+
+/// What a file's ending asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// 8 bits a channel, sRGB, values above 1 clipped.
+    Png,
+    /// 32-bit floats, linear, as they are.
+    Exr,
+}
+
+impl Format {
+    /// The format for a path.
+    ///
+    /// # Errors
+    /// The ending is neither; the message names both.
+    pub fn of(path: &Path) -> Result<Self, String> {
+        let ending = path.extension().and_then(|ending| ending.to_str());
+        match ending.map(str::to_ascii_lowercase).as_deref() {
+            Some("png") => Ok(Self::Png),
+            Some("exr") => Ok(Self::Exr),
+            _ => Err(format!("\"{}\" must end in .png (8-bit sRGB) or .exr (linear floats)", path.display())),
+        }
+    }
+}
+
+impl From<&SrgbImage> for Picture {
+    fn from(image: &SrgbImage) -> Self {
+        Self { size: image.size, pixels: image.pixels.iter().map(|colour| colour.map(decode)).collect() }
+    }
+}
+
+impl Picture {
+    /// A picture of one colour.
+    pub fn plain(size: [u32; 2], colour: [f32; 3]) -> Self {
+        Self { size, pixels: vec![colour; size[0] as usize * size[1] as usize] }
+    }
+
+    /// Puts another picture, which must fit, into this one with its top left corner at a pixel.
+    pub fn paste(&mut self, other: &Self, [left, top]: [u32; 2]) {
+        let [width, length] = [self.size[0] as usize, other.size[0] as usize];
+        for (y, row) in other.pixels.chunks_exact(length.max(1)).enumerate() {
+            let start = (top as usize + y) * width + left as usize;
+            self.pixels[start..start + length].copy_from_slice(row);
+        }
+    }
+
+    /// Writes the file. `scale` takes the values to the screen's: PNG only.
+    ///
+    /// # Errors
+    /// The file cannot be written; the message names it.
+    pub fn write(&self, path: &Path, scale: f32) -> Result<(), Failure> {
+        let failed = |error: &dyn Display| Failure::cannot_write(path, error);
+        let [width, height] = self.size.map(|side| side as usize);
+        match Format::of(path).map_err(Failure::Usage)? {
+            Format::Png => self.shown(scale).write(path, Colours::All).map_err(|error| failed(&error)),
+            Format::Exr => {
+                exr::prelude::write_rgb_file(path, width, height, |x, y| self.pixels[y * width + x].into())
+                    .map_err(|error| failed(&error))
+            }
+        }
+    }
+
+    /// What the screen shows of it: values times `scale`.
+    pub fn shown(&self, scale: f32) -> SrgbImage {
+        let encode = |colour: &[f32; 3]| colour.map(|value| encode(value * scale));
+        SrgbImage { size: self.size, pixels: self.pixels.iter().map(encode).collect() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs::File;
+
+    fn sample() -> Picture {
+        Picture {
+            size: [3, 2],
+            pixels: vec![
+                [0.0, 0.5, 1.0],
+                [2.0, -1.0, 0.25],
+                [0.1, 0.2, 0.3],
+                [1e-3, 0.0, 9.0],
+                [0.7, 0.7, 0.7],
+                [0.214, 0.0, 0.0],
+            ],
+        }
+    }
+
+    #[test]
+    fn png_comes_back() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.PNG");
+        sample().write(&path, 0.5).unwrap();
+        let file = std::io::BufReader::new(File::open(&path).unwrap());
+        let mut reader = png::Decoder::new(file).read_info().unwrap();
+        let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut bytes).unwrap();
+        assert_eq!([info.width, info.height], [3, 2]);
+        assert_eq!(bytes[3..6], [255, 0, 99]);
+        assert_eq!(bytes[11], 255);
+        let expected: Vec<u8> = sample().pixels.as_flattened().iter().map(|v| encode(v * 0.5)).collect();
+        assert_eq!(bytes, expected);
+    }
+
+    #[test]
+    fn exr_keeps_the_values() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.exr");
+        sample().write(&path, 0.5).unwrap();
+        let read = exr::prelude::read_first_rgba_layer_from_file(
+            &path,
+            |size, _| vec![vec![[0.0_f32; 3]; size.width()]; size.height()],
+            |rows, at, (r, g, b, _): (f32, f32, f32, f32)| rows[at.y()][at.x()] = [r, g, b],
+        )
+        .unwrap();
+        assert_eq!(read.layer_data.channel_data.pixels.concat(), sample().pixels);
+    }
+
+    #[test]
+    fn other_endings_are_refused_by_naming_the_two() {
+        for path in ["a.jpg", "a", ".png"] {
+            let message = Format::of(Path::new(path)).unwrap_err();
+            assert!(message.contains(".png") && message.contains(".exr"), "{message}");
+        }
+    }
+}

@@ -1,0 +1,141 @@
+//! The commands that take and draw the lecture's pictures.
+
+use super::realistic;
+use std::path::Path;
+
+fn picture(directory: &Path, arguments: &[&str]) -> Vec<u8> {
+    let output = realistic(directory, arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    let out = arguments.iter().position(|argument| *argument == "--out").unwrap();
+    std::fs::read(directory.join(arguments[out + 1])).unwrap()
+}
+
+#[test]
+fn every_slide_is_the_same_with_any_number_of_threads() {
+    let dir = tempfile::tempdir().unwrap();
+    for slide in ["gloss", "translucency", "soft-shadow", "dof", "motion", "lenses", "colour"] {
+        let take = |threads: &str, out: &str| {
+            let command = ["render", "--slide", slide, "--size", "36x24", "--spp", "8"];
+            picture(dir.path(), &[&command[..], &["--threads", threads, "--out", out]].concat())
+        };
+        assert_eq!(take("1", "one.png"), take("2", "two.png"), "{slide}");
+    }
+}
+
+#[test]
+fn the_default_effects_are_those_of_the_plain_picture() {
+    let dir = tempfile::tempdir().unwrap();
+    let small = ["render", "--size", "36x24", "--spp", "4", "--out"];
+    let taken = |more: &[&str]| picture(dir.path(), &[&small[..], more].concat());
+    let plain = taken(&["plain.exr"]);
+    assert_eq!(plain, taken(&["same.exr", "--effects", "soft-shadow,dof"]));
+    for effects in ["none", "dof", "soft-shadow,dof,gloss", "soft-shadow,dof,motion"] {
+        assert_ne!(plain, taken(&["other.exr", "--effects", effects]), "{effects}");
+    }
+}
+
+#[test]
+fn a_lens_without_v_numbers_has_no_colour_errors() {
+    let dir = tempfile::tempdir().unwrap();
+    let small = ["render", "--size", "36x24", "--spp", "4", "--lens", "dgauss.50mm", "--out"];
+    let taken = |out: &str, more: &[&str]| {
+        picture(dir.path(), &[&small[..], &[out], more].concat());
+        exr::prelude::read_first_rgba_layer_from_file(
+            dir.path().join(out),
+            |size, _| vec![[0.0_f32; 3]; size.width() * size.height()],
+            |pixels, at, (r, g, b, _): (f32, f32, f32, f32)| pixels[at.y() * 36 + at.x()] = [r, g, b],
+        )
+        .unwrap()
+        .layer_data
+        .channel_data
+        .pixels
+    };
+    let plain = taken("plain.exr", &[]);
+    let spectral = taken("spectral.exr", &["--wavelengths", "5"]);
+    for (a, b) in plain.as_flattened().iter().zip(spectral.as_flattened()) {
+        assert!((a - b).abs() < 1e-3 * (a.abs() + 0.1), "{a} and {b}");
+    }
+}
+
+#[test]
+fn a_focus_stack_is_numbered_and_has_a_contact_sheet() {
+    let dir = tempfile::tempdir().unwrap();
+    let stack =
+        ["focus-stack", "--from", "700", "--to", "inf", "--count", "3", "--size", "36x24", "--spp", "2"];
+    let output = realistic(dir.path(), &stack);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    for file in ["focus-01.png", "focus-02.png", "focus-03.png", "contact.png"] {
+        assert!(dir.path().join(file).is_file(), "{file}");
+    }
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("700 mm") && text.contains("infinity"), "{text}");
+}
+
+#[test]
+fn autofocus_on_the_card_focuses_on_the_card() {
+    let dir = tempfile::tempdir().unwrap();
+    let focus = |more: &[&str]| {
+        let output = realistic(dir.path(), &[&["render", "--spp", "1"], more].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let text = String::from_utf8(output.stdout).unwrap();
+        let line = text.lines().find(|line| line.starts_with("focus")).unwrap().to_owned();
+        line.split_whitespace().nth(1).unwrap().parse::<f64>().unwrap()
+    };
+    // The card stands 1000 mm before the lens, which is 68 mm long with the film.
+    let card = ["--autofocus", "60,180,60,50"];
+    assert!((focus(&card) - 1068.0).abs() < 5.0);
+    assert!((focus(&[&card[..], &["--autofocus-by", "contrast"]].concat()) - 1068.0).abs() < 60.0);
+    let both = ["--autofocus", "230,140,40,40", "--autofocus", "60,180,60,50", "--autofocus-rule"];
+    assert!((focus(&[&both[..], &["nearest"]].concat()) - 1068.0).abs() < 5.0);
+    assert!((focus(&[&both[..], &["centre"]].concat()) - 8068.0).abs() < 50.0);
+}
+
+#[test]
+fn the_disks_are_drawn_and_the_wrong_one_is_told() {
+    let dir = tempfile::tempdir().unwrap();
+    let output = realistic(dir.path(), &["disks"]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(dir.path().join("disks.png").is_file());
+    let p = |name: &str| {
+        let line = text.lines().find(|line| line.starts_with(name)).unwrap();
+        line.split_whitespace().last().unwrap().parse::<f64>().unwrap()
+    };
+    assert!(p("wrong") < 1e-6);
+    assert!(["concentric", "polar", "rejection"].map(p).iter().all(|p| *p > 1e-3));
+}
+
+#[test]
+fn what_cannot_be_is_refused_with_what_to_do() {
+    let dir = tempfile::tempdir().unwrap();
+    for (arguments, words) in [
+        (&["render", "--slide", "glos"][..], "soft-shadow"),
+        (&["render", "--slide", "gloss", "--effects", "dof"], "--effects"),
+        (&["render", "--slide", "lenses", "--lens", "wide.22mm"], "--lens"),
+        (&["render", "--slide", "gloss", "--param", "fnumber=4"], "fnumber"),
+        (&["render", "--effects", "blur"], "translucency"),
+        (&["render", "--effects", "gloss", "--param", "aperture_diameter=4"], "dof"),
+        (&["render", "--wavelengths", "2"], "3..=256"),
+        (&["render", "--wavelengths", "3", "--param", "wavelength=500"], "wavelength"),
+        (&["render", "--autofocus", "1,2,3"], "LEFT,TOP,WIDTH,HEIGHT"),
+        (&["render", "--autofocus", "1,2,3,0"], "LEFT,TOP,WIDTH,HEIGHT"),
+        (&["render", "--autofocus", "470,2,30,10"], "0 to 480"),
+        (&["render", "--autofocus", "--param", "filmdistance=40"], "filmdistance"),
+        (&["render", "--autofocus-rule", "centre"], "--autofocus"),
+        (&["render", "--autofocus", "--autofocus-rule", "best"], "nearest"),
+        (&["render", "--autofocus", "--autofocus-by", "sonar"], "contrast"),
+        (&["focus-stack", "--from", "900", "--to", "800"], "nearer"),
+        (&["focus-stack", "--from", "0", "--to", "800"], "positive number"),
+        (&["focus-stack", "--from", "50", "--to", "800"], "nearest"),
+        (&["focus-stack", "--from", "500", "--to", "800", "--count", "1"], "2..=999"),
+        (&["focus-stack", "--from", "500", "--to", "800", "--out", "missing"], "mkdir -p"),
+        (&["focus-stack", "--from", "500", "--to", "800", "--param", "focusdistance=3"], "focusdistance"),
+        (&["disks", "--out", "disks.jpg"], ".png"),
+        (&["disks", "--out", "missing/disks.png"], "missing"),
+    ] {
+        let output = realistic(dir.path(), arguments);
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert!(!output.status.success(), "{arguments:?}");
+        assert!(text.contains(words), "{arguments:?}: {text}");
+    }
+    assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 0, "nothing was written");
+}

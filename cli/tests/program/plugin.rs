@@ -1,0 +1,96 @@
+//! Where the program finds its plugin: in the build it belongs to, beside it when installed, and where a flag or a variable says.
+
+use std::env::consts::{DLL_PREFIX, DLL_SUFFIX, EXE_SUFFIX};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn library() -> String {
+    format!("{DLL_PREFIX}realistic{DLL_SUFFIX}")
+}
+
+/// The plugin of this build.
+fn built() -> PathBuf {
+    Path::new(env!("CARGO_BIN_EXE_realistic")).with_file_name("deps").join(library())
+}
+
+/// A copy of the program in a folder of its own.
+fn program_in(folder: &Path) -> PathBuf {
+    fs::create_dir_all(folder).unwrap();
+    let copy = folder.join(format!("realistic{EXE_SUFFIX}"));
+    fs::copy(env!("CARGO_BIN_EXE_realistic"), &copy).unwrap();
+    copy
+}
+
+fn put(source: impl AsRef<[u8]>, file: &Path) {
+    fs::create_dir_all(file.parent().unwrap()).unwrap();
+    fs::write(file, source).unwrap();
+}
+
+/// Renders a small picture.
+fn render(program: &Path, variable: Option<&Path>, more: &[&str]) -> Output {
+    let mut command = Command::new(program);
+    let out = program.with_file_name("picture.png");
+    command.args(["render", "--size", "6x4", "--spp", "1", "--out"]).arg(out).args(more);
+    match variable {
+        Some(path) => command.env("REALISTIC_PLUGIN", path),
+        None => command.env_remove("REALISTIC_PLUGIN"),
+    };
+    command.output().unwrap()
+}
+
+/// The plugin that a rendering says it took.
+fn taken(output: &Output) -> PathBuf {
+    assert!(output.status.success(), "{}", refusal(output));
+    let text = String::from_utf8_lossy(&output.stdout);
+    let line = text.lines().find_map(|line| line.strip_prefix("plugin")).unwrap();
+    PathBuf::from(line.trim().rsplit_once(", version").unwrap().0).canonicalize().unwrap()
+}
+
+fn refusal(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+#[test]
+fn in_a_target_folder_a_stale_plugin_beside_the_program_is_not_taken() {
+    let target = tempfile::tempdir().unwrap();
+    let program = program_in(target.path());
+    let fresh = target.path().join("deps").join(library());
+    put(fs::read(built()).unwrap(), &fresh);
+    // Written last: its time says nothing.
+    put("left behind by an older build", &target.path().join(library()));
+    assert_eq!(taken(&render(&program, None, &[])), fresh.canonicalize().unwrap());
+}
+
+#[test]
+fn an_installed_program_takes_the_plugin_beside_it_or_in_lib() {
+    let root = tempfile::tempdir().unwrap();
+    let program = program_in(&root.path().join("bin"));
+    let message = refusal(&render(&program, None, &[]));
+    for words in ["cargo build --release -p realistic", "../lib", "--plugin", "REALISTIC_PLUGIN"] {
+        assert!(message.contains(words), "{message}");
+    }
+    let plugin = fs::read(built()).unwrap();
+    for folder in ["lib", "bin"] {
+        let file = root.path().join(folder).join(library());
+        put(&plugin, &file);
+        assert_eq!(taken(&render(&program, None, &[])), file.canonicalize().unwrap());
+    }
+}
+
+#[test]
+fn the_flag_comes_before_the_variable_and_the_variable_before_all_other_places() {
+    let root = tempfile::tempdir().unwrap();
+    let program = program_in(root.path());
+    put("no plugin", &root.path().join(library()));
+    let [flag, variable] = ["flag.so", "variable.so"].map(|name| root.path().join(name));
+    let missing = refusal(&render(&program, Some(&variable), &[]));
+    assert!(missing.contains("variable.so") && !missing.contains("../lib"), "{missing}");
+    for file in [&flag, &variable] {
+        put(fs::read(built()).unwrap(), file);
+    }
+    assert_eq!(taken(&render(&program, Some(&variable), &[])), variable.canonicalize().unwrap());
+    let given = ["--plugin", flag.to_str().unwrap()];
+    assert_eq!(taken(&render(&program, Some(&variable), &given)), flag.canonicalize().unwrap());
+    assert_eq!(taken(&render(&program, Some(Path::new("")), &given)), flag.canonicalize().unwrap());
+}

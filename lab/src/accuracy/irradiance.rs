@@ -1,0 +1,228 @@
+//! The estimator: film irradiance under a flat field of radiance 1, against time.
+
+use realistic::{
+    camera::{CameraError, Parameters, Sample},
+    imaging::irradiance::survey,
+};
+
+use crate::{
+    results::{
+        statistics::log_slope,
+        table::{Table, row},
+    },
+    sampler::{DISKS, PUPILS, Single, camera},
+    sequence::Sequence,
+    subject::{PIXELS, Subject},
+    timing::{Effort, interleaved},
+};
+
+/// Film points, as shares of the half-diagonal toward a corner.
+pub const FIELDS: [f64; 5] = [0.0, 0.3, 0.55, 0.75, 0.95];
+
+/// How much is measured.
+#[derive(Clone, Copy, Debug)]
+pub struct SampleCounts {
+    /// The largest number of samples is 4 to this.
+    pub exponent: u32,
+    /// Independent repetitions.
+    pub repeats: u32,
+    /// Rays across the rear element for the exact values.
+    pub survey: u32,
+    /// How long to time.
+    pub effort: Effort,
+}
+
+/// One estimator at one number of samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// Samples per estimate.
+    pub samples: usize,
+    /// Time per estimate, seconds.
+    pub time: f64,
+    /// RMS of the relative error over film points and repetitions.
+    pub error: f64,
+    /// RMS of the deviation from the estimator's own mean.
+    pub noise: f64,
+}
+
+/// One estimator on one lens.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// The lens.
+    pub lens: String,
+    /// How the pupil is sampled.
+    pub pupil: &'static str,
+    /// How the disk is.
+    pub disk: &'static str,
+    /// Where the numbers come from.
+    pub sequence: &'static str,
+    /// By rising number of samples.
+    pub points: Vec<Estimate>,
+    /// Exponent of the noise as a power of the number of samples.
+    pub slope: f64,
+    /// RMS over the film points of the mean relative error that is left with many samples.
+    pub bias: f64,
+}
+
+impl Curve {
+    /// Time, seconds, and error of every point.
+    pub fn errors(&self) -> Vec<(f64, f64)> {
+        self.points.iter().map(|p| (p.time, p.error)).collect()
+    }
+}
+
+/// Raster coordinates of a film point.
+fn raster(field: f64) -> [f32; 2] {
+    [PIXELS.xres, PIXELS.yres].map(|side| (f64::from(side) / 2.0 * (1.0 + field)) as f32)
+}
+
+/// The film points that get light, with their irradiance by brute force.
+fn exact(subject: &Subject, rays: u32) -> Vec<(f64, f64)> {
+    let at = |field: f64| {
+        let [x, y] = raster(field);
+        let point = subject.film.point(x.into(), y.into());
+        let cover = subject.rear.seen_from(point);
+        survey(&subject.path, subject.film_z, point, cover, cover, rays).irradiance
+    };
+    FIELDS.map(|field| (field, at(field))).into_iter().filter(|(_, irradiance)| *irradiance > 0.0).collect()
+}
+
+fn estimate(camera: &Single, [image_x, image_y]: [f32; 2], points: &[[f32; 4]]) -> f64 {
+    let (mut sum, mut count) = (0.0, 0_u32);
+    for &[lens_u, lens_v, ..] in points {
+        let sample = Sample { image_x, image_y, lens_u, lens_v, time: 0.0 };
+        if let Some((.., weight)) = camera.shoot(&sample) {
+            sum += f64::from(weight);
+            count += 1;
+        }
+    }
+    sum / f64::from(count.max(1))
+}
+
+/// Every estimator on one lens.
+///
+/// # Errors
+/// A camera cannot be built.
+pub fn measure(subject: &Subject, counts: SampleCounts) -> Result<Vec<Curve>, CameraError> {
+    let exact = exact(subject, counts.survey);
+    let mut curves = Vec::new();
+    let mut cameras = Vec::new();
+    for &pupil in PUPILS {
+        for &disk in DISKS {
+            let given =
+                Parameters { pupil: Some(pupil.into()), disk: Some(disk.into()), ..Default::default() };
+            let camera = camera(&subject.lens.name, PIXELS, given)?;
+            for (sequence, placed) in Sequence::NAMES {
+                let samples = (1..=counts.exponent).map(|power| 4_usize.pow(power));
+                let points: Vec<_> = samples
+                    .map(|samples| precision(&camera, placed, &exact, samples, counts.repeats))
+                    .collect();
+                let noise: Vec<_> = points.iter().map(|p| (p.samples as f64, p.noise)).collect();
+                let last = points.last().expect("at least four samples");
+                curves.push(Curve {
+                    lens: subject.lens.name.clone(),
+                    pupil,
+                    disk,
+                    sequence,
+                    slope: log_slope(&noise).unwrap_or(f64::NAN),
+                    bias: (last.error.powi(2) - last.noise.powi(2)).max(0.0).sqrt(),
+                    points,
+                });
+            }
+            cameras.push(camera);
+        }
+    }
+    time(&cameras, counts.effort, &mut curves);
+    Ok(curves)
+}
+
+/// Error and noise; the time comes later, for all together.
+fn precision(
+    camera: &Single,
+    placed: Sequence,
+    exact: &[(f64, f64)],
+    samples: usize,
+    repeats: u32,
+) -> Estimate {
+    let mut points = vec![[0.0; 4]; samples];
+    let (mut error, mut noise) = (0.0, 0.0);
+    for (number, (field, exact)) in exact.iter().enumerate() {
+        let relative: Vec<f64> = (0..repeats)
+            .map(|repeat| {
+                placed.fill(repeat * FIELDS.len() as u32 + number as u32 + 1, 2, &mut points);
+                estimate(camera, raster(*field), &points) / exact - 1.0
+            })
+            .collect();
+        let count = f64::from(repeats);
+        let mean = relative.iter().sum::<f64>() / count;
+        error += relative.iter().map(|e| e * e).sum::<f64>() / count;
+        noise += relative.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0);
+    }
+    let root = |sum: f64| (sum / exact.len() as f64).sqrt();
+    Estimate { samples, time: f64::NAN, error: root(error), noise: root(noise) }
+}
+
+/// Times a sample of every curve, its lens samples included.
+fn time(cameras: &[Single], effort: Effort, curves: &mut [Curve]) {
+    const BLOCK: usize = 1024;
+    let pairs = cameras.iter().flat_map(|camera| Sequence::NAMES.map(|(_, placed)| (camera, placed)));
+    let tasks = pairs.map(|(camera, placed)| {
+        let (mut points, mut turn) = (vec![[0.0; 4]; BLOCK], 0);
+        let task = move || {
+            turn += 1;
+            placed.fill(turn, 2, &mut points);
+            let field = FIELDS[turn as usize % FIELDS.len()];
+            std::hint::black_box(estimate(camera, raster(field), &points));
+        };
+        Box::new(task) as Box<dyn FnMut()>
+    });
+    for (curve, timing) in curves.iter_mut().zip(interleaved(tasks, effort)) {
+        for point in &mut curve.points {
+            point.time = timing.median / BLOCK as f64 * point.samples as f64;
+        }
+    }
+}
+
+/// The results as a table.
+pub fn table(curves: &[Curve]) -> Table {
+    let points = curves.iter().flat_map(|curve| curve.points.iter().map(move |point| (curve, point)));
+    let rows = points.map(|(c, p)| {
+        let names = row![c.lens.as_str(), c.pupil, c.disk, c.sequence];
+        [names, row![p.samples, p.time * 1e6, p.error, p.noise, c.slope, c.bias]].concat()
+    });
+    Table::of("irradiance", "lens pupil disk sequence samples time_us rms_error noise slope bias", rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use realistic::prescription::catalogue;
+    use std::time::Duration;
+
+    #[test]
+    fn the_rear_disk_is_unbiased_and_random_noise_falls_as_the_root() {
+        let subject = Subject::new(&catalogue::find("dgauss.50mm").expect("listed")).expect("focuses");
+        let effort = Effort { rounds: 1, least: Duration::from_micros(10) };
+        let counts = SampleCounts { exponent: 5, repeats: 8, survey: 300, effort };
+        let curves = measure(&subject, counts).expect("cameras");
+        assert_eq!(curves.len(), PUPILS.len() * DISKS.len() * Sequence::NAMES.len());
+        for curve in &curves {
+            assert!(curve.points.iter().all(|p| p.time > 0.0));
+            if curve.sequence == "random" {
+                assert!((curve.slope + 0.5).abs() < 0.1, "{curve:?}");
+            }
+            // Wide open the thick lens's pupil lacks about a tenth of the light on the axis.
+            let last = curve.points.last().expect("some");
+            match curve.pupil {
+                "disk" => assert!(curve.bias > 0.01, "{curve:?}"),
+                _ => assert!(last.error < 1.5 * last.noise, "{curve:?}"),
+            }
+        }
+        let noise = |sequence| {
+            let curve =
+                curves.iter().find(|c| (c.pupil, c.disk, c.sequence) == ("rear", "concentric", sequence));
+            curve.expect("measured").points.last().expect("some").noise
+        };
+        assert!(noise("Sobol'") < noise("random") / 2.0);
+    }
+}

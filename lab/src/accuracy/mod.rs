@@ -1,0 +1,10 @@
+//! Lenses in, error against run time out: rays by every method, polynomials and pupils by the size of their tables,
+//! film irradiance by every sampler, refraction by every formula; and all of a report in one run ([`suite`]).
+
+pub mod irradiance;
+pub mod methods;
+pub mod pupils;
+pub mod ray_map;
+pub mod refractions;
+pub mod set_up;
+pub mod suite;

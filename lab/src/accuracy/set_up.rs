@@ -1,0 +1,88 @@
+//! Set-up: what it costs to fit polynomials to a lens, by the number of rays, and how exact they are then.
+
+use realistic::trace::{
+    Direction, Ray,
+    kernel::Traced,
+    polynomial::{Polynomial, PolynomialLens},
+};
+
+use crate::{
+    reference::Reference,
+    results::{
+        statistics::{Spread, median},
+        table::{Table, row},
+    },
+    subject::Subject,
+    timing::repeated,
+};
+
+/// How much is measured.
+#[derive(Clone, Copy, Debug)]
+pub struct FitCounts {
+    /// Rays whose errors are taken.
+    pub rays: usize,
+    /// Builds whose median time counts.
+    pub repeats: usize,
+}
+
+/// The orders that are fitted, with their names.
+const ORDERS: [(&str, usize); 5] =
+    [("order 3", 3), ("order 5", 5), ("order 7", 7), ("order 9", 9), ("order 11", 11)];
+/// Rays that each is fitted to.
+const FITS: [usize; 6] = [125, 250, 500, 1000, 2000, 4000];
+
+/// Polynomials of an order fitted to a number of rays.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fit {
+    /// The lens.
+    pub lens: String,
+    /// The order's name.
+    pub order: &'static str,
+    /// Rays that they are fitted to.
+    pub rays: usize,
+    /// Coefficients.
+    pub kept: usize,
+    /// Time to build them, seconds.
+    pub time: f64,
+    /// Angle to the exact direction on fresh rays, rad.
+    pub direction: Spread,
+}
+
+/// Every order and number of rays on one lens, where these determine it.
+pub fn measure(subject: &Subject, counts: FitCounts) -> Vec<Fit> {
+    let reference = Reference::new(&subject.lens, Direction::FilmToScene);
+    let rays = subject.rays(counts.rays, 1);
+    let pairs: Vec<_> = rays.iter().filter_map(|ray| Some((*ray, reference.trace(*ray).ok()?))).collect();
+    let fit = |((name, order), rays): ((&'static str, usize), usize)| {
+        let (built, times) = repeated(counts.repeats, || {
+            let model = Polynomial::fit(&subject.lens, subject.film_z, &subject.rays(rays, 0), order).ok()?;
+            Some((PolynomialLens::<f64>::new(&model), model.coefficients()))
+        });
+        let (lens, kept) = built?;
+        let error = |(ray, exact): &(Ray, crate::reference::ExactRay)| {
+            let ([x, y, _], [dx, dy, dz]) = (ray.origin, ray.direction);
+            Some(exact.direction_error(&Traced::ray(&lens.trace_one([x, y], [dx / dz, dy / dz])?)))
+        };
+        let direction = Spread::of(&pairs.iter().filter_map(error).collect::<Vec<_>>());
+        Some(Fit {
+            lens: subject.lens.name.clone(),
+            order: name,
+            rays,
+            kept,
+            time: median(&times),
+            direction,
+        })
+    };
+    ORDERS.into_iter().flat_map(|order| FITS.map(|rays| (order, rays))).filter_map(fit).collect()
+}
+
+/// The results as a table.
+pub fn table(results: &[Fit]) -> Table {
+    let columns = "lens model size unit numbers_kept build_ms direction_median_rad direction_999_rad \
+                   direction_max_rad";
+    let rows = results.iter().map(|m| {
+        let direction = row![m.direction.median, m.direction.most, m.direction.worst];
+        [row![m.lens.as_str(), m.order, m.rays, "rays", m.kept, m.time * 1e3], direction].concat()
+    });
+    Table::of("set-up", columns, rows)
+}

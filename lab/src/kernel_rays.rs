@@ -1,0 +1,234 @@
+//! Rays as programs have them, in double precision and from anywhere, through the kernel.
+//!
+//! A camera gives the kernel rays from its film, in the kernel's own numbers. What comes from far away is
+//! brought near the lens here, so that the kernel's numbers keep the digits of the lens and not those of
+//! the distance.
+
+use realistic::{
+    lens::{Lens, refraction::Refraction},
+    numeric::unit,
+    trace::{
+        Blocked, Direction, Path, Ray, Real,
+        kernel::{Kernel, PlaneRays, Precision, RayArrays, Simd, Traced},
+    },
+};
+
+/// Squared cosine of the angle to the axis below which a ray meets the first vertex plane too far out for
+/// that to be the place to start from.
+const STEEP: f64 = 0.01;
+
+/// A lens compiled for rays given one a struct.
+#[derive(Clone, Debug)]
+pub struct KernelRays<S> {
+    kernel: Kernel<S>,
+    path: Path<f64>,
+    /// z of the first vertex, lens space, mm.
+    entry: f64,
+    /// 1 for travel toward +z, -1 for the other.
+    travel_sign: f64,
+    /// How far before the first vertex plane a ray from farther away sets out, mm.
+    near: f64,
+}
+
+/// A ray from a plane across the axis.
+#[derive(Clone, Copy, Debug)]
+struct FromPlane {
+    plane: f64,
+    point: [f64; 2],
+    slopes: [f64; 2],
+}
+
+impl<S: Precision + Real> KernelRays<S> {
+    /// Compiles a lens for the instructions named; `None` where the processor lacks them.
+    pub fn new(lens: &Lens, direction: Direction, simd: Simd) -> Option<Self> {
+        let kernel = Kernel::with_simd(lens, direction, simd)?;
+        let (first, travel_sign) = match direction {
+            Direction::FilmToScene => (lens.rear(), 1.0),
+            Direction::SceneToFilm => (lens.front(), -1.0),
+        };
+        let path = Path::new(lens, direction, Refraction::Fused);
+        Some(Self { kernel, path, entry: first.vertex, travel_sign, near: first.semi_diameter })
+    }
+
+    /// One ray, as a camera traces a single one: the ray as it leaves, a unit vector in double precision,
+    /// or `None` where it is blocked.
+    pub fn one(&self, ray: Ray) -> Option<Ray> {
+        match self.on_plane(&ray) {
+            Some(FromPlane { plane, point, slopes }) => {
+                self.kernel.trace_one(plane, narrow(point), narrow(slopes)).map(widen)
+            }
+            None => self.in_place(&[ray])[0],
+        }
+    }
+
+    /// Three rays at once where they set out from one plane, as a ray and its two differentials do.
+    pub fn three(&self, rays: [Ray; 3]) -> [Option<Ray>; 3] {
+        let [Some(a), Some(b), Some(c)] = rays.map(|ray| self.on_plane(&ray)) else {
+            return rays.map(|ray| self.one(ray));
+        };
+        if a.plane != b.plane || a.plane != c.plane {
+            return rays.map(|ray| self.one(ray));
+        }
+        let (points, slopes) = ([a.point, b.point, c.point], [a.slopes, b.slopes, c.slopes]);
+        self.kernel.trace_triple(a.plane, points.map(narrow), slopes.map(narrow)).map(|ray| ray.map(widen))
+    }
+
+    /// Many rays in batches, one a plane that they set out from.
+    pub fn batch(&self, rays: &[Ray]) -> Vec<Option<Ray>> {
+        let mut out = vec![None; rays.len()];
+        let mut anywhere = Vec::new();
+        let mut planes: Vec<(f64, Vec<(usize, FromPlane)>)> = Vec::new();
+        for (number, ray) in rays.iter().enumerate() {
+            match self.on_plane(ray) {
+                None => anywhere.push(number),
+                Some(start) => match planes.iter_mut().find(|(plane, _)| *plane == start.plane) {
+                    Some((_, starts)) => starts.push((number, start)),
+                    None => planes.push((start.plane, vec![(number, start)])),
+                },
+            }
+        }
+        for (plane, starts) in planes {
+            let column = |of: &dyn Fn(&FromPlane) -> f64| -> Vec<S> {
+                starts.iter().map(|(_, start)| S::from_f64(of(start))).collect()
+            };
+            let [x, y] = [0, 1].map(|i| column(&|start| start.point[i]));
+            let [slope_x, slope_y] = [0, 1].map(|i| column(&|start| start.slopes[i]));
+            let from = PlaneRays { plane, x: &x, y: &y, slope_x: &slope_x, slope_y: &slope_y };
+            let mut columns = RayArrays::new(starts.len());
+            self.kernel.trace_batch(&from, &mut columns.rays());
+            for (i, (number, _)) in starts.iter().enumerate() {
+                out[*number] = columns.get(i).map(widen);
+            }
+        }
+        let rest: Vec<Ray> = anywhere.iter().map(|&number| rays[number]).collect();
+        for (number, ray) in anywhere.into_iter().zip(self.in_place(&rest)) {
+            out[number] = ray;
+        }
+        out
+    }
+
+    /// Many rays in one batch, each from where it begins.
+    pub fn in_place(&self, rays: &[Ray]) -> Vec<Option<Ray>> {
+        let mut columns = RayArrays::new(rays.len());
+        for (i, ray) in rays.iter().enumerate() {
+            let Ray { origin, direction } = self.near(ray);
+            columns.put(i, origin, direction);
+        }
+        self.kernel.trace_in_place(&mut columns.rays());
+        (0..rays.len()).map(|i| columns.get(i).map(widen)).collect()
+    }
+
+    /// Why a ray is blocked.
+    pub fn reason(&self, ray: Ray) -> Blocked {
+        self.kernel.reason(ray)
+    }
+
+    /// The ray as one from a plane: its own, or one near the lens where it comes from farther away. `None`
+    /// where it travels along the first vertex plane, or back from it.
+    fn on_plane(&self, ray: &Ray) -> Option<FromPlane> {
+        let travel_sign = self.travel_sign;
+        let direction = unit(ray.direction);
+        let slopes = [direction[0] / direction[2], direction[1] / direction[2]];
+        let (entry, _) = self.path.to_entry(*ray);
+        let before = travel_sign * (self.entry - ray.origin[2]);
+        let along = travel_sign * direction[2];
+        // On the vertex plane, or on the way there.
+        if !(along > 0.0 && along * along > STEEP && (entry[2] == 0.0 || before <= self.near)) {
+            return None;
+        }
+        if before <= self.near {
+            let [x, y, plane] = ray.origin;
+            return Some(FromPlane { plane, point: [x, y], slopes });
+        }
+        let back = -travel_sign * self.near;
+        let point = [0, 1].map(|i| entry[i] + back * slopes[i]);
+        Some(FromPlane { plane: self.entry + back, point, slopes })
+    }
+
+    /// The ray with an origin near the lens where it comes from afar.
+    fn near(&self, ray: &Ray) -> Ray {
+        let travel_sign = self.travel_sign;
+        let direction = unit(ray.direction);
+        let (entry, moved) = self.path.to_entry(*ray);
+        let size = entry.iter().map(|x| x * x).sum::<f64>().sqrt() + self.near;
+        // What is not a number stays as it is, and is blocked.
+        if !(moved > 4.0 * size) {
+            return Ray { direction, ..*ray };
+        }
+        let [x, y, z] = entry;
+        let at = [x, y, self.entry + travel_sign * z];
+        Ray { origin: [0, 1, 2].map(|i| at[i] - 2.0 * size * direction[i]), direction }
+    }
+}
+
+fn narrow<S: Real>(pair: [f64; 2]) -> [S; 2] {
+    pair.map(S::from_f64)
+}
+
+fn widen<S: Real>(traced: Traced<S>) -> Ray {
+    let Ray { origin, direction } = traced.ray();
+    Ray { origin, direction: unit(direction) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use realistic::prescription::catalogue;
+
+    /// Rays from both sides, near and far, some of which are blocked.
+    fn rays(lens: &Lens, direction: Direction) -> Vec<Ray> {
+        let (first, travel_sign) = match direction {
+            Direction::FilmToScene => (lens.rear(), 1.0),
+            Direction::SceneToFilm => (lens.front(), -1.0),
+        };
+        let at = |i: i32, n: i32| f64::from(i * n % 101) / 50.0 - 1.0;
+        (0..400)
+            .map(|i| {
+                let distance = [0.8, 3.0, 3.0, 1e3, 1e7][i as usize % 5] * first.semi_diameter;
+                let target = [at(i, 13) * first.semi_diameter, at(i, 37) * first.semi_diameter];
+                let from = [0.2 * distance * at(i, 7), 0.2 * distance * at(i, 59)];
+                let origin = [from[0], from[1], first.vertex - travel_sign * distance];
+                let direction = [target[0] - from[0], target[1] - from[1], travel_sign * distance];
+                Ray { origin, direction }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn every_way_in_agrees_with_the_walk_to_the_digits_of_its_numbers() {
+        fn check<S: Precision + Real>(bound: f64) {
+            let mut passed = 0;
+            for name in catalogue::names() {
+                let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
+                for direction in [Direction::FilmToScene, Direction::SceneToFilm] {
+                    let rays = rays(&lens, direction);
+                    let path = Path::<f64>::new(&lens, direction, Refraction::Fused);
+                    let traced =
+                        KernelRays::<S>::new(&lens, direction, Simd::Portable).expect("always there");
+                    let ones: Vec<_> = rays.iter().map(|&ray| traced.one(ray)).collect();
+                    let threes: Vec<_> = rays
+                        .chunks_exact(3)
+                        .flat_map(|three| traced.three([three[0], three[1], three[2]]))
+                        .collect();
+                    assert_eq!(traced.batch(&rays), ones, "{name}");
+                    assert_eq!(threes, ones[..threes.len()], "{name}");
+                    for outcomes in [ones, traced.in_place(&rays)] {
+                        for (ray, got) in rays.iter().zip(outcomes) {
+                            let (Ok(exact), Some(got)) = (path.trace(*ray), got) else { continue };
+                            passed += 1;
+                            for i in 0..3 {
+                                let error = (got.direction[i] - exact.direction[i]).abs();
+                                assert!(error < bound, "{name} {ray:?}: {error}");
+                                let error = (got.origin[i] - exact.origin[i]).abs();
+                                assert!(error < 100.0 * bound, "{name} {ray:?}: {error}");
+                            }
+                        }
+                    }
+                }
+            }
+            assert!(passed > 1000, "{passed}");
+        }
+        check::<f64>(1e-12);
+        check::<f32>(1e-5);
+    }
+}

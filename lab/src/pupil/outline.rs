@@ -1,0 +1,282 @@
+//! The outline of the true pupil that one film point sees: which slopes get through the lens.
+//!
+//! A grid of rays finds the open region, its area's centre and its pieces; from the centre the edge is
+//! found along equally spaced directions, each to the last bit. The true pupil is an intersection
+//! of warped disks and usually star-shaped about its centre; where it is not, the outline is the
+//! outermost edge and says so.
+
+use std::f64::consts::{PI, TAU};
+
+use realistic::imaging::irradiance::{cos4, film_ray};
+use realistic::{
+    lens::pupil::SlopeDisk,
+    trace::{Path, Real},
+};
+
+/// The pupil of a film point, in slopes (dx/dz, dy/dz) at that point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outline {
+    /// Area-weighted centre.
+    pub center: [f64; 2],
+    /// Points of the edge, at equally spaced angles about the centre, counter-clockwise from +x.
+    pub points: Vec<[f64; 2]>,
+    /// Connected pieces of the open region, as far as the grid tells them apart.
+    pub pieces: usize,
+    /// Whether every direction from the centre leaves the region once.
+    pub star_shaped: bool,
+    /// Area in slope.
+    pub slope_area: f64,
+    /// Film irradiance for unit radiance, ∫ cos⁴ d(slope)² over the region.
+    pub irradiance: f64,
+}
+
+/// Cells across the disk in the first search.
+const GRID: usize = 192;
+/// Steps along a direction in looking for more than one edge.
+const STEPS: u32 = 96;
+
+impl Outline {
+    /// The pupil of the film point `point` on film at `film` (z in lens space, mm), which lies in `cover`,
+    /// with `directions` (3 or more) points of its edge. `None` where no ray gets through.
+    pub fn of<R: Real>(
+        path: &Path<R>,
+        film: f64,
+        point: [f64; 2],
+        cover: SlopeDisk,
+        directions: usize,
+    ) -> Option<Self> {
+        Self::of_region(cover, directions, |slopes| path.trace(film_ray(point, film, slopes)).is_ok())
+    }
+
+    fn of_region(cover: SlopeDisk, directions: usize, passes: impl Fn([f64; 2]) -> bool) -> Option<Self> {
+        let grid = Grid::of(cover, &passes);
+        let center = grid.center()?;
+        let mut star_shaped = passes(center);
+        let radii: Vec<f64> = (0..directions)
+            .map(|i| {
+                let (sin, cos) = (TAU * i as f64 / directions as f64).sin_cos();
+                let at = |radius: f64| [center[0] + radius * cos, center[1] + radius * sin];
+                // Everything lies within the cover, whatever the centre.
+                let end = chord(cover, center, [cos, sin]);
+                let step = |i: u32| end * f64::from(i) / f64::from(STEPS);
+                let open: Vec<bool> = (0..=STEPS).map(|i| passes(at(step(i)))).collect();
+                star_shaped &= open.windows(2).filter(|pair| pair[0] != pair[1]).count() <= 1;
+                match open.iter().rposition(|&open| open) {
+                    Some(last) if last < open.len() - 1 => {
+                        let last = last as u32;
+                        edge(step(last), step(last + 1), |radius| passes(at(radius)))
+                    }
+                    Some(_) => end,
+                    None => 0.0,
+                }
+            })
+            .collect();
+        let at = |i: usize, radius: f64| {
+            let (sin, cos) = (TAU * i as f64 / directions as f64).sin_cos();
+            [center[0] + radius * cos, center[1] + radius * sin]
+        };
+        let points = radii.iter().enumerate().map(|(i, &radius)| at(i, radius)).collect();
+        let (slope_area, irradiance) =
+            if star_shaped { integrals(center, &radii) } else { (grid.slope_area(), grid.irradiance()) };
+        Some(Self { center, points, pieces: grid.pieces(), star_shaped, slope_area, irradiance })
+    }
+}
+
+/// Area and irradiance of a star-shaped region: trapezoids in angle, Simpson's rule along each radius.
+fn integrals(center: [f64; 2], radii: &[f64]) -> (f64, f64) {
+    const PARTS: u32 = 64;
+    let step = TAU / radii.len() as f64;
+    let (mut area, mut irradiance) = (0.0, 0.0);
+    for (i, radius) in radii.iter().enumerate() {
+        let (sin, cos) = (step * i as f64).sin_cos();
+        area += step * radius * radius / 2.0;
+        for part in 0..=PARTS {
+            let weight = if part % PARTS == 0 { 1.0 } else { f64::from(2 + 2 * (part % 2)) };
+            let r = radius * f64::from(part) / f64::from(PARTS);
+            let cos4 = cos4([center[0] + r * cos, center[1] + r * sin]);
+            irradiance += step * weight / f64::from(3 * PARTS) * radius * r * cos4;
+        }
+    }
+    (area, irradiance)
+}
+
+/// The place between `inside` and `outside` up to which a region reaches, to the last bit; where its edge is
+/// crossed more than once, one of the crossings.
+fn edge(mut inside: f64, mut outside: f64, holds: impl Fn(f64) -> bool) -> f64 {
+    loop {
+        let middle = f64::midpoint(inside, outside);
+        if middle == inside || middle == outside {
+            return inside;
+        }
+        *(if holds(middle) { &mut inside } else { &mut outside }) = middle;
+    }
+}
+
+/// Distance from `from`, in the disk, to its edge in the unit `direction`.
+fn chord(disk: SlopeDisk, from: [f64; 2], direction: [f64; 2]) -> f64 {
+    let [x, y] = [from[0] - disk.center[0], from[1] - disk.center[1]];
+    let along = x * direction[0] + y * direction[1];
+    let outside = x * x + y * y - disk.radius * disk.radius;
+    -along + (along * along - outside).max(0.0).sqrt()
+}
+
+/// Which cells of a square grid over the disk are open.
+struct Grid {
+    cover: SlopeDisk,
+    open: Vec<bool>,
+}
+
+impl Grid {
+    fn of(cover: SlopeDisk, passes: impl Fn([f64; 2]) -> bool) -> Self {
+        let mut grid = Self { cover, open: Vec::new() };
+        grid.open = (0..GRID * GRID)
+            .map(|cell| {
+                let slopes = grid.slopes(cell);
+                let offset = [slopes[0] - cover.center[0], slopes[1] - cover.center[1]];
+                offset.iter().map(|d| d * d).sum::<f64>() <= cover.radius * cover.radius && passes(slopes)
+            })
+            .collect();
+        grid
+    }
+
+    fn step(&self) -> f64 {
+        2.0 * self.cover.radius / GRID as f64
+    }
+
+    fn slopes(&self, cell: usize) -> [f64; 2] {
+        let at = |i: usize| (i as f64 + 0.5) * self.step() - self.cover.radius;
+        [self.cover.center[0] + at(cell % GRID), self.cover.center[1] + at(cell / GRID)]
+    }
+
+    fn cells(&self) -> impl Iterator<Item = [f64; 2]> {
+        self.open.iter().enumerate().filter(|&(_, &open)| open).map(|(cell, _)| self.slopes(cell))
+    }
+
+    fn center(&self) -> Option<[f64; 2]> {
+        let (mut sum, mut count) = ([0.0; 2], 0.0);
+        for [x, y] in self.cells() {
+            sum = [sum[0] + x, sum[1] + y];
+            count += 1.0;
+        }
+        (count > 0.0).then(|| sum.map(|sum| sum / count))
+    }
+
+    fn slope_area(&self) -> f64 {
+        self.cells().count() as f64 * self.step() * self.step()
+    }
+
+    fn irradiance(&self) -> f64 {
+        self.cells().map(cos4).sum::<f64>() * self.step() * self.step()
+    }
+
+    /// Pieces that touch neither along an edge nor at a corner.
+    fn pieces(&self) -> usize {
+        let mut left = self.open.clone();
+        let mut pieces = 0;
+        let mut todo = Vec::new();
+        for start in 0..left.len() {
+            if !left[start] {
+                continue;
+            }
+            pieces += 1;
+            left[start] = false;
+            todo.push(start);
+            while let Some(cell) = todo.pop() {
+                let (x, y) = (cell % GRID, cell / GRID);
+                for y in y.saturating_sub(1)..=(y + 1).min(GRID - 1) {
+                    for x in x.saturating_sub(1)..=(x + 1).min(GRID - 1) {
+                        let near = y * GRID + x;
+                        if left[near] {
+                            left[near] = false;
+                            todo.push(near);
+                        }
+                    }
+                }
+            }
+        }
+        pieces
+    }
+}
+
+/// Share of a disk's area that a region in it covers: the acceptance of samples taken in that disk.
+pub fn acceptance(slope_area: f64, disk: SlopeDisk) -> f64 {
+    slope_area / (PI * disk.radius * disk.radius)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use realistic::{
+        imaging::irradiance,
+        lens::{Lens, first_order::FirstOrder},
+        prescription::{catalogue, read},
+        sampling::PupilDisk,
+    };
+
+    fn pupil(lens: &Lens, radius: f64) -> (Path, f64, SlopeDisk, Option<Outline>) {
+        let film = FirstOrder::of(lens).expect("focal").rear_focal_point;
+        let cover = PupilDisk::rear(lens, film, radius).expect("behind").seen_from([radius, 0.0]);
+        let path = Path::film_to_scene(lens);
+        let outline = Outline::of(&path, film, [radius, 0.0], cover, 360);
+        (path, film, cover, outline)
+    }
+
+    #[test]
+    fn a_bare_stop_behind_the_glass_is_a_circle() {
+        // Light reaches the stop first: its own edge is the pupil.
+        let lens = read("t", b"60 3 1.5 30\n-60 5 1 30\n0 0 0 8\n").expect("a lens");
+        let lens = Lens::at_d_line(&lens);
+        let (_, film, _, outline) = pupil(&lens, 6.0);
+        let outline = outline.expect("lit");
+        let distance = lens.rear().vertex - film;
+        assert!(outline.star_shaped && outline.pieces == 1);
+        for [x, y] in &outline.points {
+            let [x, y] = [6.0 + x * distance, y * distance];
+            assert!((x.hypot(y) - 4.0).abs() < 1e-9, "({x}, {y})");
+        }
+        let area = PI * 16.0 / (distance * distance);
+        assert!((outline.slope_area / area - 1.0).abs() < 1e-4, "{} {area}", outline.slope_area);
+    }
+
+    #[test]
+    fn the_irradiance_is_that_of_the_grid_and_on_the_axis_the_exact_one() {
+        for name in catalogue::names() {
+            let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
+            for radius in [0.0, 4.0, 9.0] {
+                let (path, film, cover, outline) = pupil(&lens, radius);
+                let outline = outline.expect("lit");
+                assert!(outline.star_shaped && outline.pieces == 1, "{name} at {radius}");
+                let survey = irradiance::survey(&path, film, [radius, 0.0], cover, cover, 256);
+                let error = (outline.irradiance / survey.irradiance - 1.0).abs();
+                assert!(error < 4e-3, "{name} at {radius}: {error}");
+                if radius == 0.0 {
+                    let exact = irradiance::on_axis(&path, film, cover.radius);
+                    assert!((outline.irradiance / exact - 1.0).abs() < 1e-6, "{name}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn dark_film_has_no_outline() {
+        let lens = Lens::at_d_line(&catalogue::find("fisheye.10mm").expect("listed"));
+        assert_eq!(pupil(&lens, 40.0).3, None);
+    }
+
+    #[test]
+    fn two_pieces_and_a_ring_are_told_apart_from_a_disk() {
+        let cover = SlopeDisk { center: [0.0, 0.0], radius: 1.0 };
+        let pieces = |passes: fn([f64; 2]) -> bool| Grid::of(cover, passes).pieces();
+        assert_eq!(pieces(|[x, y]| x.hypot(y) < 0.5), 1);
+        assert_eq!(pieces(|[x, _]| x.abs() > 0.3), 2);
+        assert_eq!(pieces(|_| false), 0);
+        let ring = |[x, y]: [f64; 2]| (0.3..0.6).contains(&x.hypot(y));
+        let outline = Outline::of_region(cover, 90, ring).expect("open");
+        assert!(!outline.star_shaped && outline.pieces == 1);
+        assert!((outline.slope_area / (PI * 0.27) - 1.0).abs() < 0.02);
+        assert!(outline.points.iter().all(|[x, y]| (x.hypot(*y) - 0.6).abs() < 0.01), "the outer edge");
+        let disk = |[x, y]: [f64; 2]| (x - 0.2).hypot(y) < 0.5;
+        let outline = Outline::of_region(cover, 90, disk).expect("open");
+        assert!(outline.star_shaped && (acceptance(outline.slope_area, cover) - 0.25).abs() < 1e-3);
+    }
+}

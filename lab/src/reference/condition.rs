@@ -1,0 +1,328 @@
+//! How much a lens amplifies rounding: the condition number of the ray map.
+//!
+//! Any tracer that rounds disturbs the ray a little at every interface. The best that can be asked of
+//! one is *backward stability*: that its result is the exact result of a ray disturbed by about ε at
+//! the entry and at every interface, and no more. So the disturbances are carried through the exact
+//! Jacobian of each interface (dual numbers: W. K. Clifford, "Preliminary sketch of biquaternions",
+//! 1871; A. Griewank and A. Walther, *Evaluating Derivatives*, 2008, §3.1) and summed as independent
+//! ones (N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, §1.5 and §3.8).
+//!
+//! **The norms.** A disturbance of size 1 is one radian in direction, and in position the point's own
+//! distance from the vertex, in each component: what rounding does to the numbers that the point is kept
+//! in ([`Trail::own`], for the walks). A tracer that forms its points from other numbers of the
+//! surface's size (the compiled kernels, from plane to plane and from sphere to sphere) rounds by that
+//! size also where the point lies on the axis: for it a disturbance of position is at least the clear
+//! semi-diameter ([`Trail::surface`]). An interface's radius, index and place are rounded, too; that moves its
+//! point and turns its ray by as much and needs no terms of its own. The condition number in direction is then the
+//! root of the summed squares of the resulting direction errors, in rad per unit; the one in position the same in
+//! mm per unit. Times ε they are the errors that a perfect tracer of that precision must expect.
+
+use realistic::{
+    lens::{Lens, Surface, refraction::Refraction},
+    trace::{Blocked, Direction, Path, Ray, Real},
+};
+
+use super::{
+    double_double::{DoubleDouble, Vector, dot, in_range, vector},
+    dual::{Dual, N},
+    exact::ExactRay,
+};
+
+type Matrix = [[f64; N]; N];
+
+/// What exact arithmetic says of a ray, and how well posed the question was.
+#[derive(Clone, Copy, Debug)]
+pub struct Trail {
+    /// The ray at the last surface, in the frame of its vertex, or why there is none.
+    pub exact: Result<ExactRay, Blocked>,
+    /// For disturbances of points relative to themselves.
+    pub own: Condition,
+    /// For disturbances of points relative to the surfaces.
+    pub surface: Condition,
+}
+
+/// How much disturbances grow along a ray.
+#[derive(Clone, Copy, Debug)]
+pub struct Condition {
+    /// Condition number in direction, rad per unit; of a blocked ray, up to where it is blocked.
+    pub direction: f64,
+    /// Condition number in position, mm per unit.
+    pub position: f64,
+    /// How far the ray was from the other outcome at the nearest of its decisions, in units of the
+    /// disturbance there: at less than a few ε a tracer cannot know.
+    pub margin: f64,
+}
+
+/// What a disturbance of a point is relative to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Norm {
+    /// The point's own distance from the vertex.
+    Own,
+    /// The clear semi-diameter, or that distance where it is larger.
+    Surface,
+}
+
+impl Norm {
+    const BOTH: [Self; 2] = [Self::Own, Self::Surface];
+
+    fn size(self, distance: f64, semi_diameter: f64) -> f64 {
+        match self {
+            Self::Own => distance,
+            Self::Surface => distance.max(semi_diameter),
+        }
+    }
+}
+
+impl Trail {
+    /// The condition in a norm.
+    pub fn condition(&self, norm: Norm) -> &Condition {
+        match norm {
+            Norm::Own => &self.own,
+            Norm::Surface => &self.surface,
+        }
+    }
+}
+
+/// A lens made ready for exact rays with their condition numbers.
+#[derive(Clone, Debug)]
+pub struct Conditioned {
+    interfaces: Vec<Interface>,
+    sign: f64,
+    entry: f64,
+}
+
+/// One interface by itself, in the frame of its vertex.
+#[derive(Clone, Debug)]
+struct Interface {
+    /// From the vertex before; 0 for the first.
+    distance: f64,
+    curvature: f64,
+    semi_diameter: f64,
+    /// (n'/n)² - 1.
+    index_step: f64,
+    exact: Path<DoubleDouble>,
+    dual: Path<Dual>,
+}
+
+/// How much wider than its clear aperture an interface is made.
+const OPEN: f64 = 1e6;
+
+impl Conditioned {
+    /// Makes a lens ready for rays in one direction.
+    pub fn new(lens: &Lens, direction: Direction) -> Self {
+        let forward = direction == Direction::SceneToFilm;
+        let count = lens.surfaces.len();
+        let at = |number: usize| if forward { number } else { count - 1 - number };
+        let interface = |number: usize| {
+            let surface = lens.surfaces[at(number)];
+            let distance = match number {
+                0 => 0.0,
+                _ => lens.surfaces[at(number).min(at(number - 1))].thickness,
+            };
+            let (n, n_after) = match forward {
+                true => (surface.n_scene, surface.n_film),
+                false => (surface.n_film, surface.n_scene),
+            };
+            // The clear aperture is tested here, so that a clipped ray's point is known all the same.
+            let semi_diameter = OPEN * surface.semi_diameter;
+            let alone = Surface { vertex: 0.0, thickness: 0.0, semi_diameter, ..surface };
+            let alone = Lens { surfaces: vec![alone], ..lens.clone() };
+            Interface {
+                distance,
+                curvature: if forward { surface.curvature } else { -surface.curvature },
+                semi_diameter: surface.semi_diameter,
+                index_step: (n_after - n) * (n_after + n) / (n * n),
+                exact: Path::new(&alone, direction, Refraction::Fused),
+                dual: Path::new(&alone, direction, Refraction::Fused),
+            }
+        };
+        let sign = if forward { -1.0 } else { 1.0 };
+        Self { interfaces: (0..count).map(interface).collect(), sign, entry: lens.surfaces[at(0)].vertex }
+    }
+
+    /// Takes a ray, its numbers taken as exact, through the lens.
+    pub fn follow(&self, ray: Ray) -> Trail {
+        let [x, y, z] = vector(ray.origin);
+        let direction = unit(vector(in_range(ray.direction)));
+        let origin = [x, y, z - DoubleDouble::from_f64(self.entry)];
+        // From afar only what reaches the lens counts: the disturbance is that of the ray's point nearest
+        // the vertex, where that lies ahead, and the ray begins a little before it.
+        let ahead = -dot(origin, direction);
+        let nearest = moved(origin, direction, ahead);
+        let lead = ahead.to_f64().clamp(0.0, 2.0 * (norm(nearest) + self.interfaces[0].semi_diameter));
+        let size = if lead > 0.0 { norm(nearest) } else { norm(origin) };
+        let point = if lead < ahead.to_f64() {
+            moved(nearest, direction, DoubleDouble::from_f64(-lead))
+        } else {
+            origin
+        };
+        let mut now = ExactRay { point, direction };
+        let mut doubts = Norm::BOTH.map(|norm| {
+            let mut spread = Spread::default();
+            spread.disturb(norm.size(size, self.interfaces[0].semi_diameter), 1.0);
+            Doubt { norm, spread: spread.through(&transfer(-lead)), margin: f64::INFINITY }
+        });
+        let mut exact = None;
+        for (number, interface) in self.interfaces.iter().enumerate() {
+            now.point[2] = now.point[2] - DoubleDouble::from_f64(self.sign * interface.distance);
+            let onward = self.sign * now.direction[2].to_f64();
+            // A fisheye's front is met from the scene going backward, too.
+            if number > 0 || self.sign > 0.0 {
+                doubts
+                    .iter_mut()
+                    .for_each(|doubt| doubt.narrow(onward.abs() / (1.0 + doubt.spread.direction())));
+                if onward <= 0.0 {
+                    exact = Some(Blocked::TurnedBack);
+                    break;
+                }
+            }
+            doubts.iter_mut().for_each(|doubt| {
+                doubt.narrow(interface.margin(&now, self.sign, &doubt.spread));
+            });
+            let after = match interface.exact.trace_in_full(now.point, now.direction) {
+                Ok((point, direction)) => ExactRay { point, direction },
+                Err(reason) => {
+                    exact = Some(reason);
+                    break;
+                }
+            };
+            let Some(jacobian) = interface.jacobian(&now) else {
+                // So near a decision that double precision, which the derivatives have, takes the other.
+                doubts.iter_mut().for_each(|doubt| doubt.narrow(0.0));
+                exact = Some(Blocked::Missed);
+                break;
+            };
+            now = after;
+            let height = (now.point[0] * now.point[0] + now.point[1] * now.point[1]).sqrt();
+            let semi_diameter = DoubleDouble::from_f64(interface.semi_diameter);
+            let inside = ((semi_diameter - height) / semi_diameter).to_f64();
+            for doubt in &mut doubts {
+                doubt.spread = doubt.spread.through(&jacobian);
+                doubt.spread.disturb(doubt.norm.size(norm(after.point), interface.semi_diameter), 1.0);
+                doubt.narrow(inside.abs() / (1.0 + doubt.spread.position() / interface.semi_diameter));
+            }
+            if inside < 0.0 {
+                exact = Some(Blocked::Clipped);
+                break;
+            }
+        }
+        let [own, surface] = doubts.map(|doubt| Condition {
+            direction: doubt.spread.direction(),
+            position: doubt.spread.position(),
+            margin: doubt.margin,
+        });
+        Trail { exact: exact.map_or(Ok(now), Err), own, surface }
+    }
+}
+
+/// What is known of the disturbances in one norm.
+struct Doubt {
+    norm: Norm,
+    spread: Spread,
+    margin: f64,
+}
+
+impl Doubt {
+    fn narrow(&mut self, margin: f64) {
+        self.margin = self.margin.min(margin);
+    }
+}
+
+impl Interface {
+    /// The Jacobian of the ray after the interface by the ray before it; `None` where double precision
+    /// takes the ray for blocked.
+    fn jacobian(&self, before: &ExactRay) -> Option<Matrix> {
+        let seeded = |v: Vector, first: usize| -> [Dual; 3] {
+            std::array::from_fn(|i| {
+                let slopes = std::array::from_fn(|j| f64::from(u8::from(j == first + i)));
+                Dual { value: v[i].to_f64(), slopes }
+            })
+        };
+        let (point, direction) =
+            self.dual.trace_in_full(seeded(before.point, 0), seeded(before.direction, 3)).ok()?;
+        let rows: Matrix =
+            std::array::from_fn(|i| if i < 3 { point[i].slopes } else { direction[i - 3].slopes });
+        rows.iter().flatten().all(|slope| slope.is_finite()).then_some(rows)
+    }
+
+    /// How far the ray is from missing the sphere, from meeting it beyond its equator or behind
+    /// itself, and from total reflection, in units of the disturbance.
+    fn margin(&self, before: &ExactRay, sign: f64, spread: &Spread) -> f64 {
+        let exact = DoubleDouble::from_f64;
+        let (p, d, c) = (before.point, before.direction, exact(self.curvature));
+        let (z, dz) = (exact(sign) * p[2], exact(sign) * d[2]);
+        let f = c * dot(p, p) - z - z;
+        let g = dz - c * dot(p, d);
+        let cosine_squared = g * g - c * f;
+        let distance = norm(p);
+        let doubt = spread.position() + distance * spread.direction();
+        let angle_doubt = 1.0 + spread.direction() + self.curvature.abs() * doubt;
+        let met = cosine_squared.to_f64().abs() / angle_doubt;
+        if cosine_squared < DoubleDouble::ZERO {
+            return met;
+        }
+        let e = cosine_squared.sqrt();
+        let t = if g > DoubleDouble::ZERO { f / (g + e) } else { (g - e) / c };
+        // A walk lets a hit lie 512 ε of these lengths behind the ray's point, for rays that begin on a surface.
+        let allowed = 16.0 * (self.semi_diameter + self.distance);
+        let ahead = t.to_f64().abs() / (allowed + doubt / e.to_f64());
+        let equator = (exact(1.0) - c * (z + t * dz)).to_f64().abs() / (angle_doubt / e.to_f64());
+        let refracted = (cosine_squared + exact(self.index_step)).to_f64().abs() / angle_doubt;
+        met.min(ahead).min(equator).min(refracted)
+    }
+}
+
+/// The disturbances so far as a covariance matrix.
+#[derive(Clone, Copy, Debug, Default)]
+struct Spread(Matrix);
+
+impl Spread {
+    /// Adds independent disturbances of every coordinate of the point and the direction.
+    fn disturb(&mut self, position: f64, direction: f64) {
+        for i in 0..N {
+            let size = if i < 3 { position } else { direction };
+            self.0[i][i] += size * size;
+        }
+    }
+
+    fn through(&self, jacobian: &Matrix) -> Self {
+        let product = |a: &Matrix, b: &dyn Fn(usize, usize) -> f64| -> Matrix {
+            std::array::from_fn(|i| std::array::from_fn(|j| (0..N).map(|k| a[i][k] * b(k, j)).sum()))
+        };
+        let half = product(jacobian, &|k, j| self.0[k][j]);
+        Self(product(&half, &|k, j| jacobian[j][k]))
+    }
+
+    fn trace(&self, from: usize) -> f64 {
+        (from..from + 3).map(|i| self.0[i][i]).sum::<f64>().sqrt()
+    }
+
+    /// Root of the summed squares of the position's disturbances, mm.
+    fn position(&self) -> f64 {
+        self.trace(0)
+    }
+
+    /// The same of the direction's, rad.
+    fn direction(&self) -> f64 {
+        self.trace(3)
+    }
+}
+
+/// The Jacobian of moving a ray's point on by `distance`.
+fn transfer(distance: f64) -> Matrix {
+    let entry = |i, j| if i == j { 1.0 } else { distance * f64::from(u8::from(i + 3 == j)) };
+    std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)))
+}
+
+fn moved(point: Vector, direction: Vector, distance: DoubleDouble) -> Vector {
+    std::array::from_fn(|i| point[i] + distance * direction[i])
+}
+
+fn norm(v: Vector) -> f64 {
+    dot(v, v).to_f64().sqrt()
+}
+
+fn unit(v: Vector) -> Vector {
+    let length = dot(v, v).sqrt();
+    v.map(|x| x / length)
+}

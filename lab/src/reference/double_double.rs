@@ -1,0 +1,103 @@
+//! Numbers of 106 bits, vectors of them, and how they round.
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use realistic::trace::Real;
+use twofloat::TwoFloat;
+
+/// A number of 106 bits: the unevaluated sum of two doubles (T. J. Dekker, "A floating-point technique
+/// for extending the available precision", 1971).
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub struct DoubleDouble(TwoFloat);
+
+macro_rules! operator {
+    ($($trait:ident $method:ident),*) => {$(
+        impl $trait for DoubleDouble {
+            type Output = Self;
+            fn $method(self, other: Self) -> Self {
+                Self($trait::$method(self.0, other.0))
+            }
+        }
+    )*};
+}
+
+operator!(Add add, Sub sub, Mul mul);
+
+impl Div for DoubleDouble {
+    type Output = Self;
+    /// Long division in three digits of a double each. twofloat's own forms the remainder without a fused
+    /// multiply-add, and its quotients hold no more than a double's digits.
+    fn div(self, other: Self) -> Self {
+        let (a, b) = (self.0, other.0);
+        let first = a.hi() / b.hi();
+        if first == 0.0 || !first.is_finite() {
+            return Self(TwoFloat::from(first));
+        }
+        let rest = a - b * first;
+        let second = rest.hi() / b.hi();
+        let third = (rest - b * second).hi() / b.hi();
+        Self(TwoFloat::new_add(first, second) + third)
+    }
+}
+
+impl Neg for DoubleDouble {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self(-self.0)
+    }
+}
+
+impl Real for DoubleDouble {
+    const ZERO: Self = Self(TwoFloat::from_f64(0.0));
+    const ONE: Self = Self(TwoFloat::from_f64(1.0));
+    /// 2^-104: a few units in the last place of the type's own operations.
+    const EPSILON: f64 = f64::EPSILON * f64::EPSILON;
+
+    fn from_f64(number: f64) -> Self {
+        Self(TwoFloat::from(number))
+    }
+
+    fn to_f64(self) -> f64 {
+        self.0.hi()
+    }
+
+    fn sqrt(self) -> Self {
+        let root = self.0.hi().sqrt();
+        if !(root > 0.0 && root.is_finite()) {
+            return Self(TwoFloat::from(root));
+        }
+        // One step of Newton's iteration doubles the root's digits.
+        Self((self.0 - TwoFloat::new_mul(root, root)) / (2.0 * root) + root)
+    }
+}
+
+/// A point or a direction.
+pub(crate) type Vector = [DoubleDouble; 3];
+
+pub(crate) fn vector(v: [f64; 3]) -> Vector {
+    v.map(DoubleDouble::from_f64)
+}
+
+pub(crate) fn dot(a: Vector, b: Vector) -> DoubleDouble {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+pub(crate) fn cross(a: Vector, b: Vector) -> Vector {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+pub(crate) fn difference(a: Vector, b: Vector) -> Vector {
+    [0, 1, 2].map(|i| a[i] - b[i])
+}
+
+/// The length to a double's digits.
+pub(crate) fn norm(v: Vector) -> f64 {
+    v.iter().map(|x| x.to_f64().powi(2)).sum::<f64>().sqrt()
+}
+
+/// A direction as long as no power of its components overflows: a power of two times it, which is exact.
+pub(crate) fn in_range(v: [f64; 3]) -> [f64; 3] {
+    let largest = v.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let factor = if largest > 1e100 { 2f64.powi(-600) } else { 2f64.powi(600) };
+    if (1e-100..=1e100).contains(&largest) { v } else { v.map(|x| x * factor) }
+}

@@ -1,0 +1,162 @@
+//! The renderer of the program and of the laboratory: camera rays and the light along them in, the mean over
+//! every pixel's samples out. Whoever calls chooses the camera, the samples, the scene and the threads.
+
+use realistic::abi::{realistic_ray, realistic_sample};
+use std::time::{Duration, Instant};
+
+/// Where camera rays come from.
+pub trait RaySource {
+    /// Why there are no rays.
+    type Error;
+
+    /// One ray and one weight for every sample; the slices are equally long. Weight 0: the ray was blocked.
+    ///
+    /// # Errors
+    /// The camera's own.
+    fn rays(
+        &mut self,
+        samples: &[realistic_sample],
+        rays: &mut [realistic_ray],
+        weights: &mut [f32],
+    ) -> Result<(), Self::Error>;
+}
+
+/// How a pixel is sampled, and the light that its rays find.
+pub trait Integrand<const CHANNELS: usize> {
+    /// Places the samples of a pixel (column, row). They are the batch's samples from number `first` on.
+    fn place(&mut self, pixel: [u32; 2], first: usize, samples: &mut [realistic_sample]);
+
+    /// Radiance along the ray of the batch's sample `number`.
+    fn radiance(&self, number: usize, ray: &realistic_ray) -> [f32; CHANNELS];
+}
+
+/// Part of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Window {
+    /// Its top left pixel.
+    pub corner: [u32; 2],
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+}
+
+/// What a rendering did.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Tally {
+    /// Rays asked for.
+    pub rays: u64,
+    /// Rays that got through the lens.
+    pub passed: u64,
+    /// Time spent in the camera, summed over threads.
+    pub in_camera: Duration,
+}
+
+impl Tally {
+    /// Counts another rendering in.
+    pub fn add(&mut self, other: &Self) {
+        self.rays += other.rays;
+        self.passed += other.passed;
+        self.in_camera += other.in_camera;
+    }
+}
+
+/// Samples in one call of the camera, unless a pixel alone has more.
+const BATCH: usize = 2048;
+
+/// Renders a window with `spp` samples per pixel (at least 1) on this thread: its pixels row by row. A blocked
+/// ray counts as black.
+///
+/// # Errors
+/// The camera's own.
+pub fn render<S: RaySource + ?Sized, const CHANNELS: usize>(
+    camera: &mut S,
+    integrand: &mut impl Integrand<CHANNELS>,
+    window: Window,
+    spp: usize,
+) -> Result<(Vec<[f64; CHANNELS]>, Tally), S::Error> {
+    let [[left, top], [width, height]] = [window.corner, window.size];
+    let places: Vec<[u32; 2]> =
+        (top..top + height).flat_map(|y| (left..left + width).map(move |x| [x, y])).collect();
+    let room = (BATCH / spp).clamp(1, places.len().max(1)) * spp;
+    let mut samples = vec![realistic_sample::default(); room];
+    let mut rays = vec![realistic_ray::default(); room];
+    let mut weights = vec![0.0; room];
+    let mut pixels = Vec::with_capacity(places.len());
+    let mut tally = Tally::default();
+    for places in places.chunks(room / spp) {
+        let count = places.len() * spp;
+        for ((first, samples), place) in (0..).step_by(spp).zip(samples.chunks_exact_mut(spp)).zip(places) {
+            integrand.place(*place, first, samples);
+        }
+        let (rays, weights) = (&mut rays[..count], &mut weights[..count]);
+        let start = Instant::now();
+        camera.rays(&samples[..count], rays, weights)?;
+        tally.in_camera += start.elapsed();
+        tally.rays += count as u64;
+        for first in (0..count).step_by(spp) {
+            let mut sum = [0.0; CHANNELS];
+            for number in (first..first + spp).filter(|&number| weights[number] != 0.0) {
+                tally.passed += 1;
+                for (sum, light) in sum.iter_mut().zip(integrand.radiance(number, &rays[number])) {
+                    *sum += f64::from(weights[number] * light);
+                }
+            }
+            pixels.push(sum.map(|sum| sum / spp as f64));
+        }
+    }
+    Ok((pixels, tally))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::convert::Infallible;
+
+    /// Blocks every ray of odd columns.
+    struct Even;
+
+    impl RaySource for Even {
+        type Error = Infallible;
+
+        fn rays(
+            &mut self,
+            samples: &[realistic_sample],
+            rays: &mut [realistic_ray],
+            weights: &mut [f32],
+        ) -> Result<(), Infallible> {
+            for ((sample, ray), weight) in samples.iter().zip(rays).zip(weights) {
+                ray.o = [sample.image_x, sample.image_y, 0.0];
+                *weight = if sample.image_x % 2.0 == 0.0 { 0.5 } else { 0.0 };
+            }
+            Ok(())
+        }
+    }
+
+    /// The ray's place and the sample's number within its pixel.
+    struct Places(usize);
+
+    impl Integrand<3> for Places {
+        fn place(&mut self, [x, y]: [u32; 2], first: usize, samples: &mut [realistic_sample]) {
+            assert_eq!((samples.len(), first % self.0), (self.0, 0));
+            samples.fill(realistic_sample { image_x: x as f32, image_y: y as f32, ..Default::default() });
+        }
+
+        fn radiance(&self, number: usize, ray: &realistic_ray) -> [f32; 3] {
+            [ray.o[0], ray.o[1], (number % self.0) as f32]
+        }
+    }
+
+    #[test]
+    fn every_pixel_is_the_mean_over_its_own_samples_in_any_number_of_calls() {
+        let window = Window { corner: [4, 7], size: [3, 5] };
+        for spp in [1, 3, 700, 2049] {
+            let Ok((pixels, tally)) = render(&mut Even, &mut Places(spp), window, spp);
+            let rays = 15 * spp as u64;
+            assert_eq!((pixels.len(), tally.rays, tally.passed), (15, rays, rays / 3 * 2));
+            for (pixel, place) in pixels.iter().zip(0_u32..) {
+                let [x, y] = [4 + place % 3, 7 + place / 3].map(f64::from);
+                let mean = [x, y, (spp as f64 - 1.0) / 2.0].map(|value| value / 2.0);
+                assert_eq!(*pixel, if x % 2.0 == 0.0 { mean } else { [0.0; 3] });
+            }
+        }
+    }
+}

@@ -1,0 +1,4 @@
+//! Numbers in, figures out: quantiles, slopes and Pareto fronts, and tables as comma-separated files.
+
+pub mod statistics;
+pub mod table;

@@ -1,0 +1,94 @@
+//! The little statistics that a work-precision diagram needs: numbers in, a quantile, an exponent or a front out.
+
+/// The value below which the share `q` in [0, 1] of the numbers lies, by linear interpolation; NaN of none.
+pub fn quantile(numbers: &[f64], q: f64) -> f64 {
+    let mut sorted = numbers.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let Some(last) = sorted.len().checked_sub(1) else {
+        return f64::NAN;
+    };
+    let at = q * last as f64;
+    let below = at.floor() as usize;
+    let above = (below + 1).min(last);
+    sorted[below] + (at - below as f64) * (sorted[above] - sorted[below])
+}
+
+/// The middle value.
+pub fn median(numbers: &[f64]) -> f64 {
+    quantile(numbers, 0.5)
+}
+
+/// Median, 99.9 % quantile and maximum of an error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread {
+    /// Half of the rays are better.
+    pub median: f64,
+    /// One in a thousand is worse.
+    pub most: f64,
+    /// The worst ray.
+    pub worst: f64,
+}
+
+impl Spread {
+    /// Of some errors.
+    pub fn of(errors: &[f64]) -> Self {
+        let [median, most, worst] = [0.5, 0.999, 1.0].map(|q| quantile(errors, q));
+        Self { median, most, worst }
+    }
+}
+
+/// The exponent s of the power law y = c x^s that fits positive points best in the logarithms; `None`
+/// for fewer than two different x.
+pub fn log_slope(points: &[(f64, f64)]) -> Option<f64> {
+    let logs: Vec<_> =
+        points.iter().filter(|(x, y)| *x > 0.0 && *y > 0.0).map(|(x, y)| (x.ln(), y.ln())).collect();
+    let count = logs.len() as f64;
+    let mean = logs.iter().fold((0.0, 0.0), |(sx, sy), (x, y)| (sx + x / count, sy + y / count));
+    let (mut product, mut square) = (0.0, 0.0);
+    for (x, y) in &logs {
+        product += (x - mean.0) * (y - mean.1);
+        square += (x - mean.0).powi(2);
+    }
+    (square > 0.0).then(|| product / square)
+}
+
+/// Which of the points (cost, error) no other point beats: none is as good in both and better in one.
+pub fn pareto_front(points: &[(f64, f64)]) -> Vec<bool> {
+    points
+        .iter()
+        .map(|&(cost, error)| {
+            !points.iter().any(|&(c, e)| c <= cost && e <= error && (c < cost || e < error))
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_interpolate_and_do_not_care_for_order() {
+        let numbers = [3.0, 1.0, 2.0, 5.0, 4.0];
+        assert_eq!((quantile(&numbers, 0.0), median(&numbers), quantile(&numbers, 1.0)), (1.0, 3.0, 5.0));
+        assert_eq!(quantile(&numbers, 0.125), 1.5);
+        assert!(median(&[]).is_nan());
+    }
+
+    #[test]
+    fn the_slope_of_a_power_law_is_its_exponent() {
+        let points: Vec<_> = (1..9).map(|i| f64::from(1 << i)).map(|x| (x, 3.0 * x.powf(-0.75))).collect();
+        assert!((log_slope(&points).expect("a slope") + 0.75).abs() < 1e-12);
+        assert_eq!(log_slope(&points[..1]), None);
+    }
+
+    #[test]
+    fn the_front_holds_what_nothing_beats() {
+        let points = [(1.0, 9.0), (2.0, 5.0), (2.0, 6.0), (3.0, 7.0), (4.0, 1.0), (4.0, 1.0), (9.0, 1.0)];
+        assert_eq!(pareto_front(&points), [true, true, false, false, true, true, false]);
+        // By another way: along rising cost the front's errors only fall.
+        let mut front: Vec<_> =
+            points.into_iter().zip(pareto_front(&points)).filter(|p| p.1).map(|p| p.0).collect();
+        front.sort_by(|a, b| a.0.total_cmp(&b.0));
+        assert!(front.windows(2).all(|pair| pair[1].1 < pair[0].1 || pair[1] == pair[0]));
+    }
+}

@@ -1,0 +1,81 @@
+//! Lenses and bundles of rays for the cases.
+
+use std::f64::consts::TAU;
+
+use realistic::{
+    lens::Lens,
+    prescription::{Interface, Medium, Prescription, Shape},
+    trace::{Direction, Ray},
+};
+
+/// Where light comes from, with its name.
+pub const SIDES: [(&str, Direction); 2] =
+    [("scene", Direction::SceneToFilm), ("film", Direction::FilmToScene)];
+
+/// A row of a lens: radius (infinite: plane), thickness, index behind, clear semi-diameter; mm.
+pub type Row = (f64, f64, f64, f64);
+
+/// The lens of these rows, scene side first. A last medium other than air is taken as it is.
+pub fn lens(name: &str, rows: &[Row]) -> Lens {
+    let mut in_front = Medium::Air;
+    let interfaces = rows
+        .iter()
+        .map(|&(radius, thickness, n, semi_diameter)| {
+            let medium = if n == 1.0 { Medium::Air } else { Medium::Glass { n_d: n, abbe: None } };
+            let shape = if radius.is_finite() {
+                Shape::Sphere { radius }
+            } else if in_front == Medium::Air && medium == Medium::Air {
+                Shape::Stop
+            } else {
+                Shape::Plane
+            };
+            in_front = medium;
+            Interface { shape, thickness, medium, semi_diameter }
+        })
+        .collect();
+    Lens::at_d_line(&Prescription {
+        name: name.to_owned(),
+        title: None,
+        interfaces,
+        nominal_film_distance: None,
+        stated_focal_length: None,
+    })
+}
+
+/// A lens of the catalogue with every length multiplied by `factor`.
+pub fn catalogue(name: &str, factor: f64) -> Lens {
+    let prescription = realistic::prescription::catalogue::find(name).expect("a lens of the catalogue");
+    Lens::at_d_line(&prescription.scaled(factor))
+}
+
+/// Rays from points at the given heights in the plane `distance` mm before the first surface to
+/// points of that surface's vertex plane: the centre and rings out to `aim` mm, at azimuths that share
+/// no symmetry with the points.
+pub fn bundle(lens: &Lens, direction: Direction, distance: f64, heights: &[f64], aim: f64) -> Vec<Ray> {
+    let (entry, sign) = match direction {
+        Direction::FilmToScene => (lens.rear().vertex, 1.0),
+        Direction::SceneToFilm => (lens.front().vertex, -1.0),
+    };
+    let start = entry - sign * distance;
+    let mut rays = Vec::new();
+    for &height in heights {
+        let origin = [0.6 * height, -0.8 * height, start];
+        for ring in 0..=6_u32 {
+            for spoke in 0..if ring == 0 { 1 } else { 7_u32 } {
+                let radius = aim * f64::from(ring) / 6.0;
+                let (sine, cosine) = (TAU * (f64::from(spoke) + 0.1 * f64::from(ring)) / 7.0).sin_cos();
+                let direction = [radius * cosine - origin[0], radius * sine - origin[1], sign * distance];
+                rays.push(Ray { origin, direction });
+            }
+        }
+    }
+    rays
+}
+
+/// Rays from the scene parallel to the axis at these heights.
+pub fn parallel(heights: impl IntoIterator<Item = f64>) -> Vec<Ray> {
+    heights
+        .into_iter()
+        .map(|height| Ray { origin: [0.6 * height, -0.8 * height, 30.0], direction: [0.0, 0.0, -1.0] })
+        .collect()
+}

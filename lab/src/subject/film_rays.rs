@@ -1,0 +1,59 @@
+//! Rays from a film as the kernels take them in batches, and what becomes of them.
+
+use realistic::trace::{
+    Ray, Real,
+    kernel::{LensRays, PlaneRays},
+};
+
+/// Rays from a plane across the axis as structure of arrays, with room for the rays behind the lens.
+#[derive(Clone, Debug)]
+pub struct FilmRays<S> {
+    /// z of the film plane, lens space, mm.
+    pub plane: f64,
+    /// x, y (mm), dx/dz, dy/dz.
+    from: [Vec<S>; 4],
+    /// x, y, z (mm) and dx, dy, dz behind the lens, and the weight, 0 for a blocked ray.
+    to: [Vec<S>; 7],
+}
+
+impl<S: Real> FilmRays<S> {
+    /// These rays, which set out from `plane` toward +z.
+    pub fn new(plane: f64, rays: &[Ray]) -> Self {
+        let column = |of: fn(&Ray) -> f64| rays.iter().map(|ray| S::from_f64(of(ray))).collect();
+        let from = [
+            column(|ray| ray.origin[0]),
+            column(|ray| ray.origin[1]),
+            column(|ray| ray.direction[0] / ray.direction[2]),
+            column(|ray| ray.direction[1] / ray.direction[2]),
+        ];
+        Self { plane, from, to: std::array::from_fn(|_| vec![S::ZERO; rays.len()]) }
+    }
+
+    /// How many rays there are.
+    pub fn count(&self) -> usize {
+        self.from[0].len()
+    }
+
+    /// Point and slopes of a ray at the film.
+    pub fn at_film(&self, i: usize) -> ([S; 2], [S; 2]) {
+        let [x, y, slope_x, slope_y] = self.from.each_ref().map(|column| column[i]);
+        ([x, y], [slope_x, slope_y])
+    }
+
+    /// Takes all rays through a lens, `size` (1 or more) in a call.
+    pub fn trace(&mut self, size: usize, trace: impl Fn(&PlaneRays<'_, S>, &mut LensRays<'_, S>)) {
+        for start in (0..self.count()).step_by(size) {
+            let part = start..self.count().min(start + size);
+            let [x, y, slope_x, slope_y] = self.from.each_ref().map(|column| &column[part.clone()]);
+            let from = PlaneRays { plane: self.plane, x, y, slope_x, slope_y };
+            let [ox, oy, oz, dx, dy, dz, weight] = self.to.each_mut().map(|column| &mut column[part.clone()]);
+            trace(&from, &mut LensRays { origin: [ox, oy, oz], direction: [dx, dy, dz], weight });
+        }
+    }
+
+    /// A ray behind the lens; `None` for one that is blocked.
+    pub fn traced(&self, i: usize) -> Option<Ray> {
+        let [x, y, z, dx, dy, dz, weight] = self.to.each_ref().map(|column| column[i].to_f64());
+        (weight > 0.0).then_some(Ray { origin: [x, y, z], direction: [dx, dy, dz] })
+    }
+}

@@ -1,0 +1,91 @@
+//! A lens with the film that it is evaluated on, and rays between the two.
+
+mod film_rays;
+mod passing_rays;
+pub mod quasirandom;
+
+pub use film_rays::FilmRays;
+pub use passing_rays::passing_rays;
+
+use realistic::{
+    camera::{Film, Raster},
+    imaging::{
+        focus::{Focus, FocusError},
+        image_scale::ImageScale,
+    },
+    lens::{Lens, first_order::FirstOrder},
+    prescription::Prescription,
+    sampling::{PupilDisk, WarpedPupil},
+    trace::{Path, Ray, polynomial::Polynomial},
+};
+
+/// A lens focused at infinity on a film.
+#[derive(Clone, Debug)]
+pub struct Subject {
+    /// At the d line and the file's stop.
+    pub lens: Lens,
+    /// The film.
+    pub film: Film,
+    /// z of the film plane, lens space, mm.
+    pub film_z: f64,
+    /// The thick lens.
+    pub first_order: FirstOrder,
+    /// The rear element's disk, through which all light comes.
+    pub rear: PupilDisk,
+    /// The thick lens's exit pupil.
+    pub exit: PupilDisk,
+    /// The image's scale over the film.
+    pub scale: ImageScale,
+    /// The exact rays.
+    pub path: Path<f64>,
+}
+
+/// Diagonal of the film of every subject, mm.
+pub const FILM_DIAGONAL: f64 = 35.0;
+/// Pixels of the film in which errors are counted.
+pub const PIXELS: Raster = Raster { xres: 1920, yres: 1280 };
+/// Rays that polynomials are fitted to.
+const FIT_RAYS: usize = 2000;
+
+impl Subject {
+    /// Focuses the lens at infinity on 35 mm film.
+    ///
+    /// # Errors
+    /// The lens cannot focus, or not on film behind it.
+    pub fn new(prescription: &Prescription) -> Result<Self, FocusError> {
+        let lens = Lens::at_d_line(prescription);
+        let first_order = FirstOrder::of(&lens)?;
+        let film_z = lens.rear().vertex - Focus::new(&lens)?.film_distance(f64::INFINITY)?;
+        let film = Film::new(PIXELS, FILM_DIAGONAL);
+        let dark = || FocusError::Dark { lens: lens.name.clone() };
+        let rear = PupilDisk::rear(&lens, film_z, film.reach()).ok_or_else(dark)?;
+        let scale = ImageScale::new(&lens, film_z, film.diagonal() / 2.0, f64::INFINITY).ok_or_else(dark)?;
+        let exit = PupilDisk::exit(&lens, film_z);
+        let path = Path::film_to_scene(&lens);
+        Ok(Self { lens, film, film_z, first_order, rear, exit, scale, path })
+    }
+
+    /// Rays that get through, spread over film and pupil.
+    pub fn rays(&self, count: usize, seed: u32) -> Vec<Ray> {
+        passing_rays(&self.path, self.film_z, self.film.diagonal() / 2.0, self.rear, count, seed)
+    }
+
+    /// How far from its film point a ray that leaves as `other` belongs, in pixels; `from` is the ray on the
+    /// film's side and `exact` the one that it becomes.
+    pub fn pixels(&self, from: &Ray, exact: &Ray, other: &Ray) -> f64 {
+        let [x, y, _] = from.origin;
+        self.scale.film_error([x, y], exact, other) / self.film.pixel()
+    }
+
+    /// Polynomials of an order (3, 5, ... 11) fitted to 2000 of the subject's own rays.
+    pub fn fit(&self, order: usize) -> Polynomial {
+        Polynomial::fit(&self.lens, self.film_z, &self.rays(FIT_RAYS, 0), order)
+            .expect("the rays are spread over film and pupil")
+    }
+
+    /// The true pupil's table as a camera makes it.
+    pub fn warped_pupil(&self) -> WarpedPupil {
+        let shift = self.exit.seen_from([1.0, 0.0]).center[0];
+        WarpedPupil::new(&self.path, self.film_z, self.film.reach(), self.rear, shift)
+    }
+}

@@ -1,0 +1,135 @@
+//! Tasks timed in turns.
+//!
+//! Every task is timed in pairs with the first one, right after it, in rounds that go forward and
+//! backward through the tasks; its time is the median of the ratios times the median of the
+//! first. Times are those for which this thread had the processor. A clock that drifts or a neighbour that
+//! comes and goes changes both of a pair. Each measurement repeats its task until it lasts a given least time,
+//! found in a warm-up.
+
+use std::time::Duration;
+
+use super::clock::now;
+use crate::results::statistics::{median, quantile};
+
+/// How long to measure.
+#[derive(Clone, Copy, Debug)]
+pub struct Effort {
+    /// Pairs per task.
+    pub rounds: usize,
+    /// Least time of one measurement.
+    pub least: Duration,
+}
+
+/// What one call of a task takes, seconds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Timing {
+    /// The median.
+    pub median: f64,
+    /// Lower quartile.
+    pub low: f64,
+    /// Upper quartile.
+    pub high: f64,
+}
+
+impl Timing {
+    /// The time of one of `count` equal parts.
+    pub fn per(self, count: usize) -> Self {
+        let [median, low, high] = [self.median, self.low, self.high].map(|time| time / count as f64);
+        Self { median, low, high }
+    }
+}
+
+/// A task and how often one measurement calls it.
+struct Repeated<'a> {
+    task: Box<dyn FnMut() + 'a>,
+    calls: u32,
+}
+
+impl<'a> Repeated<'a> {
+    /// Calls the task until the caches and the clock are warm and a measurement lasts long enough.
+    fn warmed_up(task: Box<dyn FnMut() + 'a>, least: Duration) -> Self {
+        let mut own = Self { task, calls: 1 };
+        loop {
+            let took = own.seconds() * f64::from(own.calls);
+            if took >= least.as_secs_f64() {
+                return own;
+            }
+            let factor = (1.2 * least.as_secs_f64() / took.max(1e-9)).clamp(1.5, 100.0);
+            own.calls = (f64::from(own.calls) * factor).ceil() as u32;
+        }
+    }
+
+    fn seconds(&mut self) -> f64 {
+        let start = now();
+        (0..self.calls).for_each(|_| (self.task)());
+        (now() - start).as_secs_f64() / f64::from(self.calls)
+    }
+}
+
+/// Times every task against the first, which is its own yardstick; none of none.
+pub fn interleaved<'a>(
+    tasks: impl IntoIterator<Item = Box<dyn FnMut() + 'a>>,
+    effort: Effort,
+) -> Vec<Timing> {
+    let mut tasks: Vec<_> = tasks.into_iter().map(|task| Repeated::warmed_up(task, effort.least)).collect();
+    let mut standards = Vec::new();
+    let mut ratios = vec![Vec::with_capacity(effort.rounds); tasks.len()];
+    for round in 0..effort.rounds {
+        for turn in 0..tasks.len() {
+            let number = if round % 2 == 0 { turn } else { tasks.len() - 1 - turn };
+            let standard = tasks[0].seconds();
+            ratios[number].push(tasks[number].seconds() / standard);
+            standards.push(standard);
+        }
+    }
+    let standard = median(&standards);
+    let timing = |ratios: Vec<f64>| {
+        let [low, median, high] = [0.25, 0.5, 0.75].map(|q| standard * quantile(&ratios, q));
+        Timing { median, low, high }
+    };
+    ratios.into_iter().map(timing).collect()
+}
+
+/// Calls a task `times` (1 or more) times: its last result, and the seconds of every call.
+pub fn repeated<T>(times: usize, mut task: impl FnMut() -> T) -> (T, Vec<f64>) {
+    let mut seconds = Vec::with_capacity(times);
+    let mut timed = || {
+        let start = now();
+        let result = task();
+        seconds.push((now() - start).as_secs_f64());
+        result
+    };
+    let mut last = timed();
+    (1..times).for_each(|_| last = timed());
+    (last, seconds)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_task_is_called_and_gets_a_positive_time_between_its_quartiles() {
+        let (mut a, mut b) = (0_u32, 0_u32);
+        let effort = Effort { rounds: 3, least: Duration::from_micros(20) };
+        let tasks: [Box<dyn FnMut() + '_>; 2] = [Box::new(|| a += 1), Box::new(|| b += 1)];
+        let timings = interleaved(tasks, effort);
+        assert!(a > 6 && b > 3);
+        assert_eq!(timings.len(), 2);
+        for timing in timings {
+            assert!(timing.low > 0.0 && timing.low <= timing.median && timing.median <= timing.high);
+        }
+        assert!(interleaved([], effort).is_empty());
+    }
+
+    #[test]
+    fn every_call_is_timed() {
+        let mut calls = 0;
+        let (last, seconds) = repeated(3, || {
+            calls += 1;
+            calls
+        });
+        assert_eq!((last, seconds.len()), (3, 3));
+        assert!(seconds.iter().all(|&time| time >= 0.0));
+    }
+}

@@ -1,0 +1,59 @@
+//! A bench's table: contestants that do the same amount of work in, their times in Markdown out.
+
+use std::time::Duration;
+
+use super::bench::{Effort, Timing, interleaved};
+
+/// Contestants that do the same amount of work, timed in turns against the first.
+#[derive(Default)]
+pub struct Contest<'a> {
+    names: Vec<String>,
+    tasks: Vec<Box<dyn FnMut() + 'a>>,
+}
+
+impl<'a> Contest<'a> {
+    /// Enters what this processor can run.
+    pub fn enter(&mut self, name: impl Into<String>, task: impl Into<Option<Box<dyn FnMut() + 'a>>>) {
+        if let Some(task) = task.into() {
+            self.names.push(name.into());
+            self.tasks.push(task);
+        }
+    }
+
+    /// Prints each contestant's median and lower quartile over its `work` pieces, in ns, and how many times faster
+    /// than the first it is.
+    pub fn print(self, unit: &str, work: usize, effort: Effort) {
+        println!("| {unit} | median | lower quartile | times the first |\n|---|---|---|---|");
+        let timings: Vec<Timing> =
+            interleaved(self.tasks, effort).into_iter().map(|timing| timing.per(work)).collect();
+        for (name, timing) in self.names.iter().zip(&timings) {
+            let times = timings[0].median / timing.median;
+            println!("| {name} | {:.2} | {:.2} | {times:.2} |", timing.median * 1e9, timing.low * 1e9);
+        }
+    }
+}
+
+/// What a bench is told: `--test` for as little as shows that it runs, and a part of a lens's name.
+#[derive(Clone, Debug)]
+pub struct BenchArguments {
+    /// How long to time.
+    pub effort: Effort,
+    filter: Option<String>,
+}
+
+impl BenchArguments {
+    /// From the command line; `rounds` are those of a whole run.
+    pub fn from_command_line(rounds: usize) -> Self {
+        let arguments: Vec<_> = std::env::args().skip(1).collect();
+        let rounds = if arguments.iter().any(|argument| argument == "--test") { 1 } else { rounds };
+        Self {
+            effort: Effort { rounds, least: Duration::from_micros(200) },
+            filter: arguments.into_iter().find(|argument| !argument.starts_with('-')),
+        }
+    }
+
+    /// Whether a lens is asked for.
+    pub fn wants(&self, lens: &str) -> bool {
+        self.filter.as_ref().is_none_or(|filter| lens.contains(filter.as_str()))
+    }
+}

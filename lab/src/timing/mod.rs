@@ -1,0 +1,9 @@
+//! Tasks in, seconds out: run times on a machine that does other things, too, and what machine it is.
+
+mod bench;
+mod clock;
+mod contest;
+pub mod machine;
+
+pub use bench::{Effort, Timing, interleaved, repeated};
+pub use contest::{BenchArguments, Contest};

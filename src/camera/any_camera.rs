@@ -1,0 +1,330 @@
+//! The camera that a host holds: one of the models, with its shutter.
+
+use super::{
+    film::Film,
+    host::{Host, Level},
+    model::Model,
+    models::{
+        environment::EnvironmentCamera, ideal::IdealCamera, lens::RealisticCamera,
+        projective::ProjectiveCamera, textbook,
+    },
+    parameters::{CameraError, Parameters, check::choice},
+    pipeline::arrays::{BLOCK, RayArrays, RayBlock, SampleArrays},
+    placement::{Placement, shutter::Shutter},
+    ray::{Outcome, Sample, WorldRay},
+};
+use crate::{lens::Lens, plan::Plan, trace::Blocked};
+
+#[derive(Clone, Debug)]
+enum Optics {
+    Lens(Box<RealisticCamera>),
+    Ideal(Box<IdealCamera>),
+    Projective(Box<ProjectiveCamera>),
+    Environment(Box<EnvironmentCamera>),
+}
+
+/// A camera of any model. Immutable, and may be shared between threads.
+#[derive(Clone, Debug)]
+pub struct Camera {
+    optics: Optics,
+    shutter: Shutter,
+    yres: f32,
+}
+
+impl Camera {
+    /// Builds a camera of the model that the parameters name. `log` receives warnings, among them the
+    /// parameters that the model does not use.
+    ///
+    /// # Errors
+    /// What is wrong, and what to give instead.
+    pub fn build(
+        parameters: &Parameters,
+        host: &Host,
+        log: &mut dyn FnMut(Level, &str),
+    ) -> Result<Self, CameraError> {
+        let model = choice("model", parameters.model.as_deref(), &Model::NAMES)?;
+        let shutter = Shutter::of(parameters)?;
+        warn_of_unused(model, shutter, parameters, log);
+        let optics = match model {
+            Model::Lens => Optics::Lens(RealisticCamera::build(parameters, host, log)?.into()),
+            Model::Thick | Model::Thin => {
+                Optics::Ideal(IdealCamera::build(parameters, host, model == Model::Thin, log)?.into())
+            }
+            Model::Perspective => Optics::Projective(textbook::perspective(parameters, host, log)?.into()),
+            Model::Orthographic => Optics::Projective(textbook::orthographic(parameters, host, log)?.into()),
+            Model::Environment => Optics::Environment(textbook::environment(parameters, host, log)?.into()),
+        };
+        Ok(Self { optics, shutter, yres: host.raster.yres as f32 })
+    }
+
+    /// The ray of a sample with its weight, or why there is none. The weight is the model's times what the
+    /// shutter lets through to the film point at the sample's time.
+    pub fn generate(&self, sample: &Sample) -> Outcome {
+        let Some(share) = self.share(sample.image_y, sample.time) else {
+            return Outcome::Shut;
+        };
+        match self.through_optics(sample) {
+            Outcome::Ray(ray, weight) => Outcome::Ray(ray, dimmed(weight, share)),
+            other => other,
+        }
+    }
+
+    /// [`Camera::generate`] without the reason where there is no ray, which is faster.
+    pub fn ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
+        match &self.optics {
+            Optics::Lens(camera) if self.shutter == Shutter::Global => camera.ray(sample),
+            _ => self.any_ray(sample),
+        }
+    }
+
+    /// [`Camera::ray`] of many samples, the same to the last bit. Where there is no ray the weight is 0, and the
+    /// other numbers are left as they are.
+    ///
+    /// # Panics
+    /// The arrays differ in length.
+    pub fn rays(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
+        let n = samples.checked_len();
+        assert_eq!(n, rays.checked_len(), "a batch needs as much room as it has samples");
+        match self.as_lens() {
+            Some(camera) if self.shutter == Shutter::Global => camera.trace_arrays(samples, rays),
+            Some(camera) => self.through_shutter(camera, samples, rays),
+            None => (0..n).for_each(|i| rays.set(i, self.any_ray(&samples.get(i)))),
+        }
+    }
+
+    /// Writes a sample's ray and its weight; 0, and no ray, where there is none.
+    #[inline(always)]
+    pub(crate) fn trace_one(&self, sample: &Sample, ray: &mut WorldRay, weight: &mut f32) {
+        match &self.optics {
+            Optics::Lens(camera) if self.shutter == Shutter::Global => camera.trace_one(sample, ray, weight),
+            _ => match self.any_ray(sample) {
+                Some(found) => (*ray, *weight) = found,
+                None => *weight = 0.0,
+            },
+        }
+    }
+
+    /// [`Camera::ray`] through any optics and shutter.
+    #[inline(never)]
+    fn any_ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
+        match &self.optics {
+            Optics::Lens(camera) => {
+                let share = self.share(sample.image_y, sample.time)?;
+                camera.ray(sample).map(|(ray, weight)| (ray, dimmed(weight, share)))
+            }
+            _ => match self.generate(sample) {
+                Outcome::Ray(ray, weight) => Some((ray, weight)),
+                Outcome::Blocked(_) | Outcome::Redraw | Outcome::Shut => None,
+            },
+        }
+    }
+
+    /// [`Camera::ray`] of up to four samples of one time, traced side by side; `false`, and nothing done, where that
+    /// takes as long as one after the other.
+    #[inline]
+    pub(crate) fn trace_side_by_side(&self, samples: &SampleArrays<'_>, rays: &mut RayBlock<4>) -> bool {
+        let traced = self.as_lens().is_some_and(|camera| camera.trace_side_by_side(samples, rays));
+        if traced && self.shutter != Shutter::Global {
+            let weights = rays.arrays(samples.time.len()).weight;
+            for ((weight, image_y), time) in weights.iter_mut().zip(samples.image_y).zip(samples.time) {
+                let share = self.share(*image_y, *time).filter(|_| *weight > 0.0);
+                *weight = share.map_or(0.0, |share| dimmed(*weight, share));
+            }
+        }
+        traced
+    }
+
+    /// [`Camera::rays`] by blocks, of which only what the shutter lets through is handed on.
+    fn through_shutter(
+        &self,
+        camera: &RealisticCamera,
+        samples: &SampleArrays<'_>,
+        rays: &mut RayArrays<'_>,
+    ) {
+        let mut block = RayBlock::<BLOCK>::new();
+        let n = samples.image_x.len();
+        for first in (0..n).step_by(BLOCK) {
+            let count = BLOCK.min(n - first);
+            camera.trace_arrays(&samples.part(first, count), &mut block.arrays(count));
+            for i in 0..count {
+                let share = self.share(samples.image_y[first + i], samples.time[first + i]);
+                let ray = block.get(i).and_then(|(ray, weight)| Some((ray, dimmed(weight, share?))));
+                rays.set(first + i, ray);
+            }
+        }
+    }
+
+    /// What the shutter lets through; `None` where it is closed.
+    fn share(&self, image_y: f32, time: f32) -> Option<f32> {
+        if self.shutter == Shutter::Global {
+            return Some(1.0);
+        }
+        let share = self.shutter.transmission(image_y / self.yres, time);
+        (share != 0.0).then_some(share)
+    }
+
+    fn through_optics(&self, sample: &Sample) -> Outcome {
+        let outcome = match &self.optics {
+            Optics::Lens(camera) => return camera.generate(sample),
+            Optics::Ideal(camera) => camera.generate(sample),
+            Optics::Projective(camera) => camera.generate(sample),
+            Optics::Environment(camera) => Outcome::Ray(camera.ray(sample), 1.0),
+        };
+        match outcome {
+            Outcome::Ray(ray, weight) if !is_sound(&ray, weight) => Outcome::Blocked(Blocked::Missed),
+            sound => sound,
+        }
+    }
+
+    /// A ray that stands in where there is none and a host needs a complete ray all the same: of the
+    /// same film point, by the thick lens or through the middle of the lens.
+    pub fn substitute(&self, sample: &Sample) -> WorldRay {
+        match &self.optics {
+            Optics::Lens(camera) => camera.substitute(sample),
+            Optics::Ideal(camera) => camera.central(sample),
+            Optics::Projective(camera) => camera.central(sample),
+            Optics::Environment(camera) => camera.ray(sample),
+        }
+    }
+
+    fn placement(&self) -> &Placement {
+        match &self.optics {
+            Optics::Lens(camera) => camera.placement(),
+            Optics::Ideal(camera) => camera.placement(),
+            Optics::Projective(camera) => camera.placement(),
+            Optics::Environment(camera) => camera.placement(),
+        }
+    }
+
+    /// What the camera keeps and leaves out.
+    pub fn plan(&self) -> Plan {
+        match &self.optics {
+            Optics::Lens(camera) => camera.plan().clone(),
+            _ => {
+                let mut plan = Plan::default();
+                self.placement().describe(&mut plan);
+                plan
+            }
+        }
+    }
+
+    /// When the shutter begins to open and has closed, in the host's unit of time.
+    pub fn shutter_interval(&self) -> [f32; 2] {
+        self.placement().shutter
+    }
+
+    /// `hither` and `yon` as they are in use, world units.
+    pub fn clip(&self) -> [f32; 2] {
+        self.placement().clip
+    }
+
+    /// The camera of [`Model::Lens`].
+    pub fn as_lens(&self) -> Option<&RealisticCamera> {
+        match &self.optics {
+            Optics::Lens(camera) => Some(camera),
+            _ => None,
+        }
+    }
+
+    /// The lens at the wavelength and stop in use; `None` for a model without a prescription.
+    pub fn lens(&self) -> Option<&Lens> {
+        self.of_lens(RealisticCamera::lens, IdealCamera::lens)
+    }
+
+    /// The film; `None` for a model without a prescription.
+    pub fn film(&self) -> Option<&Film> {
+        self.of_lens(RealisticCamera::film, IdealCamera::film)
+    }
+
+    /// Effective focal length, mm; `None` for a model without a prescription.
+    pub fn focal_length(&self) -> Option<f64> {
+        self.of_lens(RealisticCamera::focal_length, IdealCamera::focal_length)
+    }
+
+    /// Focal length over entrance pupil diameter; `None` for a model without a prescription.
+    pub fn fnumber(&self) -> Option<f64> {
+        self.of_lens(RealisticCamera::fnumber, IdealCamera::fnumber)
+    }
+
+    /// Last vertex to film, mm; `None` for a model without a prescription.
+    pub fn film_distance(&self) -> Option<f64> {
+        self.of_lens(RealisticCamera::film_distance, IdealCamera::film_distance)
+    }
+
+    /// Film plane to the plane in focus, mm; infinity when focused there or beyond; `None` when nothing
+    /// in front of the lens is, and for a model without a prescription.
+    pub fn focus_distance(&self) -> Option<f64> {
+        self.of_lens(RealisticCamera::focus_distance, IdealCamera::focus_distance).flatten()
+    }
+
+    fn of_lens<'a, T>(
+        &'a self,
+        lens: fn(&'a RealisticCamera) -> T,
+        ideal: fn(&'a IdealCamera) -> T,
+    ) -> Option<T> {
+        match &self.optics {
+            Optics::Lens(camera) => Some(lens(camera)),
+            Optics::Ideal(camera) => Some(ideal(camera)),
+            Optics::Projective(_) | Optics::Environment(_) => None,
+        }
+    }
+}
+
+/// Whether these are a ray's numbers: those of image points that are none, or far out of any image, are not.
+/// The real lens blocks them.
+fn is_sound(ray: &WorldRay, weight: f32) -> bool {
+    let [x, y, z] = ray.direction;
+    // What overflowed on its way to a unit vector is 0 or no number.
+    let is_unit = x * x + y * y + z * z > 0.5;
+    is_unit && weight > 0.0 && weight.is_finite() && ray.origin.iter().all(|part| part.is_finite())
+}
+
+/// A positive weight behind the shutter. However small, it is not that of a blocked ray.
+fn dimmed(weight: f32, share: f32) -> f32 {
+    (weight * share).max(f32::MIN_POSITIVE)
+}
+
+fn warn_of_unused(model: Model, shutter: Shutter, given: &Parameters, log: &mut dyn FnMut(Level, &str)) {
+    let unused: Vec<&str> = given.given().filter(|name| !model.uses(name)).collect();
+    if !unused.is_empty() {
+        let names: Vec<String> = unused.iter().map(|name| format!("\"{name}\"")).collect();
+        log(Level::Warning, &format!("model \"{}\" does not use {}", model.name(), names.join(", ")));
+    }
+    for (name, is_given, is_used, kind) in [
+        ("shutterramp", given.shutterramp.is_some(), matches!(shutter, Shutter::Leaf { .. }), "leaf"),
+        (
+            "shutterslit",
+            given.shutterslit.is_some(),
+            matches!(shutter, Shutter::FocalPlane { .. }),
+            "focal-plane",
+        ),
+    ] {
+        if is_given && !is_used {
+            log(Level::Warning, &format!("\"{name}\" is used with \"shutter\" \"{kind}\" only"));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::Raster;
+
+    #[test]
+    fn what_is_no_image_point_makes_no_ray_of_any_model() {
+        for (name, _) in Model::NAMES {
+            let parameters = Parameters { model: Some(name.to_owned()), ..Parameters::default() };
+            let host = Host::new(Raster { xres: 40, yres: 30 }, None);
+            let camera = Camera::build(&parameters, &host, &mut |_, text| panic!("{text}")).expect("built");
+            let sample = Sample { image_x: 20.0, image_y: 15.0, lens_u: 0.5, lens_v: 0.5, time: 0.0 };
+            assert!(matches!(camera.generate(&sample), Outcome::Ray(..)), "{name}");
+            for number in [f32::NAN, f32::INFINITY, -f32::INFINITY] {
+                for strange in [Sample { image_x: number, ..sample }, Sample { image_y: number, ..sample }] {
+                    let outcome = camera.generate(&strange);
+                    assert!(matches!(outcome, Outcome::Blocked(_)), "{name} {strange:?}: {outcome:?}");
+                    assert_eq!(camera.ray(&strange), None, "{name} {strange:?}");
+                }
+            }
+        }
+    }
+}

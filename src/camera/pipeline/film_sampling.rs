@@ -1,0 +1,134 @@
+//! From samples to rays that leave the film, in lanes of either precision: raster point to film point, lens sample to
+//! the unit disk, and that to the pupil.
+
+use std::sync::Arc;
+
+use crate::{
+    camera::{film::Film, ray::Sample},
+    sampling::{
+        DiskMapping, PupilSampler, WarpedPupil, disk::Turns, film_rays::FilmRays, pupil_disk::LaneDisk,
+        warped::LanePupil,
+    },
+    trace::kernel::{Compiled, Cpu, Lanes, Portable, Simd},
+};
+
+/// A film and its pupil, ready for sampling in the precision `S`.
+#[derive(Clone, Debug)]
+pub(crate) struct FilmSampling<S> {
+    /// Raster coordinates of the axis, in mm.
+    middle: [S; 2],
+    pixel: S,
+    mapping: DiskMapping,
+    pupil: Pupil<S>,
+}
+
+/// [`PupilSampler`], with what the precision computes with.
+#[derive(Clone, Debug)]
+enum Pupil<S> {
+    Disk(LaneDisk<S>),
+    Warped(Arc<WarpedPupil>, LanePupil<S>),
+}
+
+/// Raster points and lens samples.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SampleLanes<L> {
+    pub image: [L; 2],
+    pub lens: [L; 2],
+}
+
+impl<S: Turns> FilmSampling<S> {
+    pub fn new(film: &Film, mapping: DiskMapping, sampler: &PupilSampler) -> Self {
+        let pupil = match sampler {
+            PupilSampler::Disk(disk) => Pupil::Disk(disk.lane_disk()),
+            PupilSampler::Warped(pupil) => Pupil::Warped(pupil.clone(), pupil.lane_pupil()),
+        };
+        Self {
+            middle: film.middle().map(|x| S::from_f64(x * film.pixel())),
+            pixel: S::from_f64(film.pixel()),
+            mapping,
+            pupil,
+        }
+    }
+
+    /// The film rays of `U` vectors of samples, side by side, so that one's look-ups overlap another's arithmetic.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn lanes<L: Lanes<Scalar = S>, const U: usize>(
+        &self,
+        cpu: Cpu<L>,
+        samples: &[SampleLanes<L>; U],
+    ) -> [FilmRays<L>; U] {
+        let mut rays = [self.unaimed(cpu, &samples[0]); U];
+        for u in 1..U {
+            rays[u] = self.unaimed(cpu, &samples[u]);
+        }
+        match &self.pupil {
+            Pupil::Disk(pupil) => {
+                for ray in &mut rays {
+                    (ray.slopes, ray.area_per_pi) = pupil.lanes(cpu, ray.point, ray.disk);
+                }
+            }
+            Pupil::Warped(pupil, frame) => pupil.lanes(cpu, frame, &mut rays),
+        }
+        rays
+    }
+
+    /// All of a film ray but its direction.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn unaimed<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, samples: &SampleLanes<L>) -> FilmRays<L> {
+        let (point, disk) = (self.point(cpu, samples.image), self.mapping.lanes(cpu, samples.lens));
+        FilmRays { point, disk, slopes: disk, area_per_pi: point[0] }
+    }
+
+    /// [`Film::point`].
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn point<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, [x, y]: [L; 2]) -> [L; 2] {
+        let pixel = L::splat(cpu, self.pixel);
+        [x.neg_mul_add(pixel, L::splat(cpu, self.middle[0])), y.mul_sub(pixel, L::splat(cpu, self.middle[1]))]
+    }
+
+    /// The square of a sample's film radius, mm², as [`FilmRays::radius_squared`] has it in lanes of any width.
+    pub fn radius_squared(&self, sample: &Sample) -> S {
+        let point = self.point(Portable::cpu(), lane(sample).image);
+        let ray = FilmRays { point, disk: point, slopes: point, area_per_pi: point[0] };
+        let Portable([square]) = ray.radius_squared();
+        square
+    }
+
+    /// The film ray of one sample.
+    pub fn one(&self, sample: &Sample) -> FilmRays<f64> {
+        let none = [f64::NAN; 2];
+        let mut ray = FilmRays { point: none, disk: none, slopes: none, area_per_pi: f64::NAN };
+        Simd::best().run(One { film: self, sample, ray: &mut ray });
+        ray
+    }
+}
+
+/// A sample as vectors of one lane.
+fn lane<S: Turns>(sample: &Sample) -> SampleLanes<Portable<S, 1>> {
+    let Sample { image_x, image_y, lens_u, lens_v, .. } = *sample;
+    let [x, y, u, v] =
+        [image_x, image_y, lens_u, lens_v].map(|number| Portable([S::from_f64(number.into())]));
+    SampleLanes { image: [x, y], lens: [u, v] }
+}
+
+/// One film ray by the processor's own fused multiplications.
+struct One<'a, S> {
+    film: &'a FilmSampling<S>,
+    sample: &'a Sample,
+    ray: &'a mut FilmRays<f64>,
+}
+
+impl<S: Turns> Compiled for One<'_, S> {
+    #[inline(always)]
+    fn run(self) {
+        let [FilmRays { point, disk, slopes, area_per_pi }] =
+            self.film.lanes(Portable::cpu(), &[lane(self.sample)]);
+        let wide = |pair: [Portable<S, 1>; 2]| pair.map(|Portable([number])| number.to_f64());
+        *self.ray = FilmRays {
+            point: wide(point),
+            disk: wide(disk),
+            slopes: wide(slopes),
+            area_per_pi: area_per_pi.0[0].to_f64(),
+        };
+    }
+}

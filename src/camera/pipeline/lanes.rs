@@ -1,0 +1,223 @@
+//! A camera's whole arithmetic in one precision: film ray, trace, weight and world ray in one pass of vectors.
+//!
+//! One sample, a few and many take the same way, in vectors of another width.
+
+use std::{cell::Cell, f64::consts::PI};
+
+use super::{
+    arrays::{RayArrays, SampleArrays},
+    body::CameraBody,
+    film_sampling::{FilmSampling, SampleLanes},
+    tracer::Tracer,
+};
+use crate::{
+    camera::{placement::ToWorld, ray::Sample},
+    sampling::{disk::Turns, film_rays::FilmRays},
+    trace::{
+        Blocked, Ray,
+        kernel::{Approach, Batch, Cpu, End, Grouping, Kernel, Lanes, Precision, Start, from_plane},
+        polynomial::PolynomialLens,
+    },
+};
+
+/// What takes lanes of rays through a lens.
+pub(crate) trait LensOptics<S>: Send + Sync {
+    /// Traces a batch.
+    fn trace(&self, shape: Grouping, batch: &mut impl Batch<S>)
+    where
+        S: Precision;
+}
+
+impl<S: Precision + Send + Sync> LensOptics<S> for Kernel<S> {
+    #[inline(always)]
+    fn trace(&self, shape: Grouping, batch: &mut impl Batch<S>) {
+        Kernel::trace(self, shape, batch);
+    }
+}
+
+impl<S: Precision + Send + Sync> LensOptics<S> for PolynomialLens<S> {
+    #[inline(always)]
+    fn trace(&self, shape: Grouping, batch: &mut impl Batch<S>) {
+        PolynomialLens::trace(self, shape, batch);
+    }
+}
+
+/// A camera compiled for a precision and a way through the lens. The shape of a call does not change a bit of its
+/// results.
+pub(crate) struct Pipeline<S, O> {
+    film: FilmSampling<S>,
+    film_z: f64,
+    whole: Kernel<S>,
+    /// What serves rays from film points within a radius in the place of the whole lens, and the square of that, mm².
+    fast: Option<(O, S)>,
+    /// The weight of a ray is this times cos⁴ and the slope area it stands for, over π; `None`: it is 1.
+    weight: Option<S>,
+    to_world: ToWorld<S>,
+}
+
+impl<S: Turns, O: LensOptics<S>> Pipeline<S, O> {
+    /// `fast` serves film points up to a radius in mm; a host that asks for points beyond gets the `whole` lens there.
+    pub fn new(whole: Kernel<S>, fast: Option<(O, f64)>, body: &CameraBody) -> Self {
+        Self {
+            film: body.film_sampling(),
+            film_z: body.film_z,
+            whole,
+            fast: fast.map(|(optics, reach)| (optics, S::from_f64(reach * reach))),
+            weight: body.weight.map(|weight| S::from_f64(PI * weight)),
+            to_world: body.to_world(),
+        }
+    }
+
+    /// Traces anew, by the whole lens, those samples whose film points lie out of the fast way's range.
+    #[cold]
+    fn trace_out_of_range(&self, within: S, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
+        for i in 0..rays.weight.len() {
+            // Not "greater": a film point that is not a number is out of range, too.
+            if !(self.film.radius_squared(&samples.get(i)) <= within) {
+                let (samples, mut rays) = (samples.part(i, 1), rays.place(i));
+                self.whole.trace(Grouping::One, &mut Job::new(self, &samples, &mut rays, None));
+            }
+        }
+    }
+}
+
+impl<S: Turns + Send + Sync, O: LensOptics<S>> Tracer for Pipeline<S, O> {
+    fn trace(&self, shape: Grouping, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
+        let Some((optics, within)) = &self.fast else {
+            return self.whole.trace(shape, &mut Job::new(self, samples, rays, None));
+        };
+        let mut job = Job::new(self, samples, &mut *rays, Some(*within));
+        optics.trace(shape, &mut job);
+        if job.is_out_of_range.get() {
+            self.trace_out_of_range(*within, samples, rays);
+        }
+    }
+
+    fn film_ray(&self, sample: &Sample) -> FilmRays<f64> {
+        self.film.one(sample)
+    }
+
+    fn reason(&self, ray: Ray) -> Blocked {
+        self.whole.reason(ray)
+    }
+}
+
+/// Samples on their way to world rays.
+struct Job<'a, 'b, 'c, S, O> {
+    pipeline: &'a Pipeline<S, O>,
+    samples: &'a SampleArrays<'b>,
+    rays: &'a mut RayArrays<'c>,
+    /// The square of the film radius up to which the optics serves, mm²; `None` for any.
+    within: Option<S>,
+    /// Set where a film point lies beyond.
+    is_out_of_range: Cell<bool>,
+}
+
+impl<'a, 'b, 'c, S: Turns, O> Job<'a, 'b, 'c, S, O> {
+    #[inline(always)]
+    fn new(
+        pipeline: &'a Pipeline<S, O>,
+        samples: &'a SampleArrays<'b>,
+        rays: &'a mut RayArrays<'c>,
+        within: Option<S>,
+    ) -> Self {
+        Self { pipeline, samples, rays, within, is_out_of_range: Cell::new(false) }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn load<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, at: usize) -> SampleLanes<L> {
+        let SampleArrays { image_x, image_y, lens_u, lens_v, .. } = *self.samples;
+        SampleLanes {
+            image: [L::load_single(cpu, &image_x[at..]), L::load_single(cpu, &image_y[at..])],
+            lens: [L::load_single(cpu, &lens_u[at..]), L::load_single(cpu, &lens_v[at..])],
+        }
+    }
+
+    /// Takes their areas from film rays out of range: the fast way must not write what the whole lens may block.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn check_range<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, rays: &mut [FilmRays<L>]) {
+        let Some(within) = self.within else { return };
+        let within = L::splat(cpu, within);
+        for ray in rays {
+            let is_within = ray.radius_squared().less_equal(within);
+            if !L::all(is_within) {
+                self.is_out_of_range.set(true);
+                let none = L::splat(cpu, S::from_f64(f64::NAN));
+                ray.area_per_pi = L::select(is_within, ray.area_per_pi, none);
+            }
+        }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn begin<L: Lanes<Scalar = S>>(
+        &self,
+        cpu: Cpu<L>,
+        approach: Approach,
+        ray: &FilmRays<L>,
+    ) -> (Start<L>, L) {
+        (from_plane(cpu, approach, self.pipeline.film_z, ray.point, ray.slopes), ray.area_per_pi)
+    }
+}
+
+impl<S: Turns, O> Batch<S> for Job<'_, '_, '_, S, O> {
+    /// The slope area that a ray stands for, over π.
+    type Carry<L: Lanes<Scalar = S>> = L;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn len(&self) -> usize {
+        self.rays.weight.len()
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn start<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, approach: Approach, at: usize) -> (Start<L>, L) {
+        let [start] = self.start_all(cpu, approach, at);
+        start
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn start_all<L: Lanes<Scalar = S>, const U: usize>(
+        &self,
+        cpu: Cpu<L>,
+        approach: Approach,
+        first: usize,
+    ) -> [(Start<L>, L); U] {
+        let mut samples = [self.load(cpu, first); U];
+        for (u, samples) in samples.iter_mut().enumerate().skip(1) {
+            *samples = self.load(cpu, first + u * L::WIDTH);
+        }
+        let mut rays = self.pipeline.film.lanes(cpu, &samples);
+        self.check_range(cpu, &mut rays);
+        let mut starts = [self.begin(cpu, approach, &rays[0]); U];
+        for u in 1..U {
+            starts[u] = self.begin(cpu, approach, &rays[u]);
+        }
+        starts
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn finish<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, cos2: L, area: L, end: End<L>) {
+        let passed = L::both(end.passed, area.less_equal(area));
+        let weight = match self.pipeline.weight {
+            // However small, the weight of a ray that passes is not that of a blocked one.
+            Some(weight) => ((cos2 * cos2) * (area * L::splat(cpu, weight)))
+                .larger(L::splat(cpu, S::from_f64(f32::MIN_POSITIVE.into()))),
+            None => L::splat(cpu, S::ONE),
+        };
+        let [origin, direction] =
+            self.pipeline.to_world.lanes(cpu, end.origin, end.direction, &self.samples.time[at..]);
+        if L::all(passed) {
+            // Which is known before the rays are: whoever only asks whether there are some need not wait.
+            weight.store_single(&mut self.rays.weight[at..]);
+            for axis in 0..3 {
+                origin[axis].store_single(&mut self.rays.origin[axis][at..]);
+                direction[axis].store_single(&mut self.rays.direction[axis][at..]);
+            }
+        } else {
+            weight.or_zero(passed).store_single(&mut self.rays.weight[at..]);
+            for axis in 0..3 {
+                origin[axis].store_single_where(passed, &mut self.rays.origin[axis][at..]);
+                direction[axis].store_single_where(passed, &mut self.rays.direction[axis][at..]);
+            }
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! The lens traced surface after surface by a named method of refraction: one ray at a time, sampled in double precision.
+
+use std::f64::consts::PI;
+
+use super::{
+    arrays::{RayArrays, SampleArrays},
+    body::CameraBody,
+    film_sampling::FilmSampling,
+    tracer::Tracer,
+};
+use crate::{
+    camera::ray::{Sample, WorldRay},
+    imaging::irradiance::{cos4, film_ray},
+    sampling::film_rays::FilmRays,
+    trace::{Blocked, Path, Ray, Real, kernel::Grouping},
+};
+
+/// A camera that walks its rays through the lens in numbers of type `R`.
+pub(crate) struct Walk<R> {
+    film: FilmSampling<f64>,
+    path: Path<R>,
+    body: CameraBody,
+}
+
+impl<R: Real> Walk<R> {
+    /// `path` leads from the film to the scene.
+    pub fn new(path: Path<R>, body: &CameraBody) -> Self {
+        Self { film: body.film_sampling(), path, body: body.clone() }
+    }
+
+    fn one(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
+        let FilmRays { point, slopes, area_per_pi, .. } = self.film.one(sample);
+        if area_per_pi.is_nan() {
+            return None;
+        }
+        let CameraBody { film_z, weight, placement, units_per_mm, .. } = &self.body;
+        let ray = self.path.trace(film_ray(point, *film_z, slopes)).ok()?;
+        let weight = weight.map_or(1.0, |weight| weight * (PI * area_per_pi * cos4(slopes))) as f32;
+        // However small, it is not that of a blocked ray.
+        Some((placement.world_ray(ray, *units_per_mm, sample.time), weight.max(f32::MIN_POSITIVE)))
+    }
+}
+
+impl<R: Real + Send + Sync> Tracer for Walk<R> {
+    fn trace(&self, _: Grouping, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
+        (0..rays.weight.len()).for_each(|i| rays.set(i, self.one(&samples.get(i))));
+    }
+
+    fn film_ray(&self, sample: &Sample) -> FilmRays<f64> {
+        self.film.one(sample)
+    }
+
+    fn reason(&self, ray: Ray) -> Blocked {
+        self.path.trace(ray).err().unwrap_or(Blocked::Clipped)
+    }
+}

@@ -1,0 +1,243 @@
+//! How far off a way to trace is, on rays all over a film and its pupil, against the exact trace in double precision.
+
+use super::{
+    quantile::upper_bound,
+    strata,
+    task::{FilmSide, Task},
+    tracing::Arithmetic,
+};
+use crate::{
+    imaging::image_scale::ImageScale,
+    numeric::quasirandom::STEPS,
+    sampling::PupilSample,
+    trace::{
+        Blocked, Direction, Ray,
+        kernel::{Kernel, LensRays, PlaneRays, Precision, RayArrays},
+        polynomial::{Polynomial, PolynomialLens},
+    },
+};
+
+/// The measured errors of a way to trace.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Errors {
+    /// Bound of the 99.9 % quantile, pixels; infinite where too many rays are blocked by one and not by the other.
+    pub pixels: f64,
+    /// Rays looked at.
+    pub rays: usize,
+    /// Rays that it lets through and the lens does not, or the other way round.
+    pub mismatches: usize,
+    /// Sum of the errors of the weights over the sum of the weights.
+    pub light: f64,
+}
+
+impl Errors {
+    /// Of what the others are measured by.
+    pub(super) const NONE: Self = Self { pixels: 0.0, rays: 0, mismatches: 0, light: 0.0 };
+}
+
+/// Rays that get through which suffice for a bound.
+const ENOUGH: usize = 9000;
+/// Sets of rays sampled for them at most.
+const MOST_SEEDS: usize = 4;
+/// Apertures that polynomials may test besides the front's.
+const APERTURES: usize = 4;
+/// Part of the rays that may be blocked by apertures that the polynomials do not know.
+const OVERLOOKED: f64 = 5e-5;
+
+/// Rays at the film and what they stand for, as structure of arrays.
+#[derive(Default)]
+struct Rays {
+    /// x, y, dx/dz, dy/dz.
+    columns: [Vec<f64>; 4],
+    area: Vec<f64>,
+}
+
+impl Rays {
+    fn push(&mut self, [x, y]: [f64; 2], PupilSample { slopes: [sx, sy], area }: PupilSample) {
+        for (column, number) in self.columns.iter_mut().zip([x, y, sx, sy]) {
+            column.push(number);
+        }
+        self.area.push(area);
+    }
+
+    fn len(&self) -> usize {
+        self.area.len()
+    }
+
+    fn ray(&self, i: usize, film: f64) -> Ray {
+        let [x, y, sx, sy] = [0, 1, 2, 3].map(|column: usize| self.columns[column][i]);
+        Ray { origin: [x, y, film], direction: [sx, sy, 1.0] }
+    }
+
+    fn traced<S: Precision>(
+        &self,
+        film: f64,
+        trace: impl FnOnce(&PlaneRays<'_, S>, &mut LensRays<'_, S>),
+    ) -> RayArrays<S> {
+        let columns =
+            self.columns.each_ref().map(|column| column.iter().map(|&x| S::from_f64(x)).collect::<Vec<S>>());
+        let [x, y, slope_x, slope_y] = &columns;
+        let mut out = RayArrays::new(self.len());
+        trace(&PlaneRays { plane: film, x, y, slope_x, slope_y }, &mut out.rays());
+        out
+    }
+}
+
+/// Everything that candidates are evaluated with.
+pub(super) struct Evaluation<'a> {
+    task: &'a Task<'a>,
+    scale: ImageScale,
+    rays: Rays,
+    exact: RayArrays<f64>,
+    /// Surfaces other than the front whose apertures block rays, counted from the scene.
+    pub blocking: Vec<usize>,
+}
+
+impl<'a> Evaluation<'a> {
+    /// Samples the film and traces its rays.
+    ///
+    /// # Errors
+    /// Why nothing can be measured.
+    pub fn new(task: &'a Task<'a>) -> Result<Self, String> {
+        let film = &task.film;
+        let scale = ImageScale::new(task.lens, film.z, film.reach, task.in_focus).ok_or(
+            "the film is dark in the middle, or so little of it lit that the image's scale cannot be told",
+        )?;
+        let kernel = Kernel::<f64>::new(task.lens, Direction::FilmToScene);
+        let mut rays = Rays::default();
+        let mut seed = 0;
+        let (exact, passing) = loop {
+            seed += 1;
+            for numbers in strata::numbers(seed as u64) {
+                if let Some((point, drawn)) = film.sample(numbers) {
+                    rays.push(point, drawn);
+                }
+            }
+            let exact = rays.traced(film.z, |from, to| kernel.trace_batch(from, to));
+            let passing = (0..rays.len()).filter(|&i| exact.get(i).is_some()).count();
+            let hopeless = passing < ENOUGH / MOST_SEEDS;
+            if passing >= ENOUGH || hopeless || seed == MOST_SEEDS {
+                break (exact, passing);
+            }
+        };
+        if passing < ENOUGH {
+            let share = 100.0 * passing as f64 / rays.len() as f64;
+            return Err(format!(
+                "only {share:.1} % of the rays that are sampled get through, too few to tell; with \"pupil\" \
+                 \"warped\" nearly all do"
+            ));
+        }
+        let blocking = blocking(task, &rays, &exact);
+        Ok(Self { task, scale, rays, exact, blocking })
+    }
+
+    fn errors<S: Precision>(&self, model: &RayArrays<S>) -> Errors {
+        let (mut mismatches, mut light, mut wrong) = (0, 0.0, 0.0);
+        let mut errors = Vec::with_capacity(self.rays.len());
+        for i in 0..self.rays.len() {
+            let (exact, other) = (self.exact.get(i), model.get(i));
+            let weight = exact.map_or(0.0, |ray| ray.weight);
+            let others = other.map_or(0.0, |ray| ray.weight.to_f64());
+            light += weight * self.rays.area[i];
+            wrong += (others - weight).abs() * self.rays.area[i];
+            match (exact, other) {
+                (Some(exact), Some(other)) => {
+                    let point = [self.rays.columns[0][i], self.rays.columns[1][i]];
+                    let error =
+                        self.scale.film_error(point, &exact.ray(), &other.ray()) / self.task.film.pixel;
+                    errors.push(if error.is_nan() { f64::INFINITY } else { error });
+                }
+                (None, None) => {}
+                _ => {
+                    mismatches += 1;
+                    errors.push(f64::INFINITY);
+                }
+            }
+        }
+        // Film points in single precision are rounded to it.
+        let rounding = if S::EPSILON > f64::EPSILON { 2.0 * S::EPSILON } else { 0.0 };
+        let pixels = upper_bound(&mut errors) + rounding * self.task.film.reach / self.task.film.pixel;
+        Errors { rays: errors.len(), pixels, mismatches, light: wrong / light }
+    }
+
+    /// Polynomials of an order fitted to rays, and their errors.
+    ///
+    /// # Errors
+    /// Why there are none.
+    pub fn polynomials(
+        &self,
+        order: usize,
+        fitted: &[Ray],
+        arithmetic: Arithmetic,
+    ) -> Result<(Polynomial, Errors), String> {
+        let (lens, film) = (self.task.lens, self.task.film.z);
+        let polynomial = Polynomial::with_apertures(lens, film, fitted, order, &self.blocking)
+            .map_err(|error| error.to_string())?;
+        let errors = match arithmetic {
+            Arithmetic::F64 => self.errors_of::<f64>(&polynomial),
+            Arithmetic::F32 => self.errors_of::<f32>(&polynomial),
+        };
+        Ok((polynomial, errors))
+    }
+
+    fn errors_of<S: Precision>(&self, polynomial: &Polynomial) -> Errors {
+        let lens = PolynomialLens::<S>::new(polynomial);
+        self.errors(&self.rays.traced(self.task.film.z, |from, to| lens.trace_batch(from, to)))
+    }
+
+    /// The errors of the exact trace in single precision.
+    pub fn single(&self) -> Errors {
+        let kernel = Kernel::<f32>::new(self.task.lens, Direction::FilmToScene);
+        self.errors(&self.rays.traced(self.task.film.z, |from, to| kernel.trace_batch(from, to)))
+    }
+}
+
+/// The surfaces whose apertures block more of the rays than may be overlooked.
+fn blocking(task: &Task<'_>, rays: &Rays, exact: &RayArrays<f64>) -> Vec<usize> {
+    /// Blocked rays looked at.
+    const MOST: usize = 2000;
+    let last = task.lens.surfaces.len() - 1;
+    let mut counts: Vec<(usize, usize)> = (0..=last).map(|surface| (0, surface)).collect();
+    let blocked = (0..rays.len()).filter(|&i| exact.get(i).is_none());
+    let looked_at = blocked.clone().take(MOST).count();
+    for i in blocked.take(MOST) {
+        let walk = task.path.walk(rays.ray(i, task.film.z));
+        if walk.blocked == Some(Blocked::Clipped) && walk.surfaces_met > 0 {
+            counts[last + 1 - walk.surfaces_met].0 += 1;
+        }
+    }
+    // The front's costs nothing to know.
+    counts.remove(0);
+    counts.sort_unstable();
+    let mut overlooked = OVERLOOKED * rays.len() as f64;
+    if looked_at == MOST {
+        overlooked = 0.0;
+    }
+    let mut left_out = 0.0;
+    let blocking = counts.into_iter().filter(|&(count, _)| {
+        left_out += count as f64;
+        count > 0 && left_out > overlooked
+    });
+    let mut blocking: Vec<usize> = blocking.map(|(_, surface)| surface).collect();
+    blocking.reverse();
+    blocking.truncate(APERTURES);
+    blocking
+}
+
+/// Rays to fit polynomials to: denser toward the film's and the pupil's edge, where errors of a fit are
+/// largest, as Chebyshev's nodes are.
+pub(super) fn fit_rays(film: &FilmSide<'_>, count: usize) -> Vec<Ray> {
+    use std::f64::consts::{FRAC_PI_2, TAU};
+    (0..count)
+        .filter_map(|number| {
+            let [h, turn, r, phi] = STEPS.map(|step| (0.5 + (number as f64 + 1.0) * step).fract());
+            let polar = |radius: f64, turn: f64| {
+                let (sin, cos) = (TAU * turn).sin_cos();
+                [radius * cos, radius * sin]
+            };
+            let point = polar(film.reach * (FRAC_PI_2 * h).sin(), turn);
+            let slopes = film.sampler.sample(point, polar((FRAC_PI_2 * r).sin(), phi))?.slopes;
+            Some(Ray { origin: [point[0], point[1], film.z], direction: [slopes[0], slopes[1], 1.0] })
+        })
+        .collect()
+}

@@ -1,0 +1,104 @@
+//! A lens as a table of interfaces: the model that every reader fills and [`crate::lens`] is made from.
+
+/// What fills the space behind an interface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Medium {
+    /// Refractive index exactly 1.
+    Air,
+    /// A glass known by two numbers of its catalogue.
+    Glass {
+        /// Refractive index at the d line, 587.56 nm; more than 1.
+        n_d: f64,
+        /// Abbe number (n_d - 1)/(n_F - n_C); positive. `None`: the index is the same at
+        /// every wavelength.
+        abbe: Option<f64>,
+    },
+    /// A glass known by its dispersion formula.
+    Sellmeier(Sellmeier),
+}
+
+/// The six constants of Sellmeier's formula n² = 1 + Σ B λ²/(λ² - C), λ in µm (W. Sellmeier 1871; in this
+/// form in every glass maker's catalogue).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sellmeier {
+    /// B1, B2, B3.
+    pub b: [f64; 3],
+    /// C1, C2, C3 in µm².
+    pub c: [f64; 3],
+}
+
+/// The figure of an interface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shape {
+    /// A sphere; the radius in mm is not 0, and positive when the centre lies on the film's side.
+    Sphere {
+        /// Signed radius of curvature, mm.
+        radius: f64,
+    },
+    /// A plane with glass on at least one side.
+    Plane,
+    /// The aperture stop: a plane in air.
+    Stop,
+}
+
+/// One interface of a lens: a row of the table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interface {
+    /// Its figure.
+    pub shape: Shape,
+    /// Distance along the axis to the next vertex, mm, 0 or more. The last interface's is 0:
+    /// see [`Prescription::nominal_film_distance`].
+    pub thickness: f64,
+    /// The medium on the film's side.
+    pub medium: Medium,
+    /// Clear semi-diameter, mm, positive.
+    pub semi_diameter: f64,
+}
+
+/// A lens as a table of interfaces, checked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Prescription {
+    /// A short name: the catalogue's, or the file's name.
+    pub name: String,
+    /// The first comment of the file, if it has one.
+    pub title: Option<String>,
+    /// The interfaces, scene side first; at least one.
+    pub interfaces: Vec<Interface>,
+    /// The last row's thickness where it is not 0: the distance from the last vertex to the
+    /// film that the file proposes, mm.
+    pub nominal_film_distance: Option<f64>,
+    /// The focal length that the file states on a line of its own, mm. Never used in
+    /// computing; kept for reports.
+    pub stated_focal_length: Option<f64>,
+}
+
+impl Prescription {
+    /// Row number of the stop, counted from 0 at the scene side.
+    pub fn stop_index(&self) -> Option<usize> {
+        self.interfaces.iter().position(|interface| interface.shape == Shape::Stop)
+    }
+
+    /// The same lens with every length multiplied by `factor` (positive and finite).
+    pub fn scaled(&self, factor: f64) -> Self {
+        let mut scaled = self.clone();
+        for interface in &mut scaled.interfaces {
+            interface.thickness *= factor;
+            interface.semi_diameter *= factor;
+            if let Shape::Sphere { radius } = &mut interface.shape {
+                *radius *= factor;
+            }
+        }
+        scaled.nominal_film_distance = self.nominal_film_distance.map(|length| length * factor);
+        scaled.stated_focal_length = self.stated_focal_length.map(|length| length * factor);
+        scaled
+    }
+
+    /// Whether any glass has an Abbe number or Sellmeier's constants, so that the wavelength matters.
+    pub fn is_dispersive(&self) -> bool {
+        self.interfaces.iter().any(|interface| match interface.medium {
+            Medium::Air => false,
+            Medium::Glass { abbe, .. } => abbe.is_some(),
+            Medium::Sellmeier(_) => true,
+        })
+    }
+}

@@ -1,0 +1,16 @@
+//! How large a lens file may be. What is larger is refused before anything is computed from it: no real lens comes near
+//! these limits, and a file from elsewhere must not keep its reader busy.
+
+/// The most bytes of a lens file, 1 MiB. Real ones have a few thousand.
+pub const MAX_FILE_BYTES: u64 = 1 << 20;
+
+/// The most interfaces of a lens, and the most glasses that a lens file defines.
+pub const MAX_INTERFACES: usize = 1000;
+
+/// The most bytes of a lens's name (of a file: its name without the directories) and of a glass's.
+pub const MAX_NAME_BYTES: usize = 255;
+
+/// The beginning of a name that is too long to be shown whole.
+pub(super) fn beginning(name: &str) -> String {
+    name.chars().take(32).chain("...".chars()).collect()
+}

@@ -1,0 +1,135 @@
+//! Text to lines of words that know where they stand: what a reader of any format begins with.
+
+use std::borrow::Cow;
+
+use crate::prescription::{error::LensFileError, limits::MAX_INTERFACES};
+
+/// One value of the table.
+#[derive(Clone, Debug)]
+pub(super) struct Word {
+    pub text: String,
+    pub line: usize,
+    /// In bytes, counted from 1.
+    pub column: usize,
+}
+
+/// One line that has values; never empty.
+#[derive(Clone, Debug)]
+pub(super) struct Line {
+    pub words: Vec<Word>,
+}
+
+/// The lines of a file that have values.
+#[derive(Debug)]
+pub(super) struct Lines {
+    file: String,
+    pub lines: Vec<Line>,
+    /// The text of the first comment that has any.
+    pub title: Option<String>,
+    /// How many lines the file has, with those that have no values.
+    count: usize,
+}
+
+impl Lines {
+    pub(super) fn split(file: &str, bytes: &[u8]) -> Result<Self, LensFileError> {
+        let mut all = Self { file: file.to_owned(), lines: Vec::new(), title: None, count: 0 };
+        for (number, line) in decoded(bytes).split(|&byte| byte == b'\n').enumerate() {
+            all.count = number + 1;
+            let data_end = line.iter().position(|&byte| byte == b'#').unwrap_or(line.len());
+            let (data, comment) = line.split_at(data_end);
+            if all.title.is_none() {
+                let text = String::from_utf8_lossy(comment);
+                let text = text.trim_matches(|c: char| c == '#' || c.is_whitespace());
+                all.title = (!text.is_empty()).then(|| text.to_owned());
+            }
+            let words = all.words(all.count, data)?;
+            if !words.is_empty() {
+                all.lines.push(Line { words });
+            }
+        }
+        Ok(all)
+    }
+
+    fn words(&self, line: usize, data: &[u8]) -> Result<Vec<Word>, LensFileError> {
+        let is_separator = |byte: u8| byte == b',' || byte.is_ascii_whitespace();
+        let mut words = Vec::new();
+        let mut at = 0;
+        let mut comma: Option<usize> = None;
+        while at < data.len() {
+            if is_separator(data[at]) {
+                if data[at] == b',' {
+                    if comma.is_some() || words.is_empty() {
+                        return Err(self.error_at(
+                            line,
+                            at + 1,
+                            "nothing stands before this comma; expected a value (- for one left out)",
+                        ));
+                    }
+                    comma = Some(at);
+                }
+                at += 1;
+                continue;
+            }
+            comma = None;
+            let end = data[at..].iter().position(|&byte| is_separator(byte)).map_or(data.len(), |n| at + n);
+            let text = std::str::from_utf8(&data[at..end])
+                .ok()
+                .filter(|text| text.chars().all(|c| !c.is_control()))
+                .ok_or_else(|| {
+                    self.error_at(line, at + 1, "not text; expected a number (comments begin with #)")
+                })?;
+            words.push(Word { text: text.to_owned(), line, column: at + 1 });
+            at = end;
+        }
+        match comma {
+            Some(at) => Err(self.error_at(
+                line,
+                at + 1,
+                "nothing stands after this comma; expected a value (- for one left out)",
+            )),
+            None => Ok(words),
+        }
+    }
+
+    /// The finite number that a word spells.
+    pub(super) fn number(&self, word: &Word, expected: &str) -> Result<f64, LensFileError> {
+        let wrong =
+            |what: &str| self.error(word, &format!("\"{}\" is {what}; expected {expected}", word.text));
+        let number: f64 = word.text.parse().map_err(|_| wrong("not a number"))?;
+        if number.is_finite() { Ok(number) } else { Err(wrong("not finite")) }
+    }
+
+    /// That there are at most [`MAX_INTERFACES`] lines of one kind.
+    pub(super) fn at_most(&self, some: &[Line], limit: &str) -> Result<(), LensFileError> {
+        some.get(MAX_INTERFACES).map_or(Ok(()), |beyond| {
+            let message = format!("row {} of {}; {limit}", MAX_INTERFACES + 1, some.len());
+            Err(self.error(&beyond.words[0], &message))
+        })
+    }
+
+    pub(super) fn error(&self, word: &Word, message: &str) -> LensFileError {
+        self.error_at(word.line, word.column, message)
+    }
+
+    pub(super) fn error_at_end(&self, message: &str) -> LensFileError {
+        self.error_at(self.count, 1, message)
+    }
+
+    fn error_at(&self, line: usize, column: usize, message: &str) -> LensFileError {
+        LensFileError { file: self.file.clone(), line, column, message: message.to_owned() }
+    }
+}
+
+/// The bytes as UTF-8 where a byte-order mark says what they are, else as they stand.
+fn decoded(bytes: &[u8]) -> Cow<'_, [u8]> {
+    let utf16 = |bytes: &[u8], unit: fn([u8; 2]) -> u16| {
+        let units: Vec<u16> = bytes.chunks_exact(2).map(|pair| unit([pair[0], pair[1]])).collect();
+        Cow::Owned(String::from_utf16_lossy(&units).into_bytes())
+    };
+    match bytes {
+        [0xEF, 0xBB, 0xBF, rest @ ..] => Cow::Borrowed(rest),
+        [0xFF, 0xFE, rest @ ..] => utf16(rest, u16::from_le_bytes),
+        [0xFE, 0xFF, rest @ ..] => utf16(rest, u16::from_be_bytes),
+        _ => Cow::Borrowed(bytes),
+    }
+}

@@ -1,0 +1,353 @@
+//! Rays in lanes on their moved through a lens, and what each kind of step does to them.
+//!
+//! In the frame of a surface's vertex, axis along the travel, V = n D, c = 1/R (positive when the
+//! centre lies ahead), N = (-c x, -c y, 1 - c z) and K = n'² - n²:
+//!
+//! - f = (c/2)(x² + y² + z²) - z, g = N·V at the ray's point, e = √(g² - 2 c n² f) = n cos I and
+//!   e' = √(e² + K) = n' cos I' at the hit, t V away, t = (g - e)/(c n²) = 2 f/(g + e);
+//! - V' = V + (e' - e) N.
+//!
+//! Both roots are taken at once, in parallel, and nothing is divided on a strongly curved surface.
+//! A ray that a surface blocks goes on with whatever numbers it has; the mask knows.
+
+use super::{
+    lanes::{Cpu, Lanes, Scalar},
+    table::{ApertureTest, Link, Plane, Sphere, Step, Stop, Table, Transfer},
+};
+use crate::numeric::Real;
+
+/// Rays ready for the first surface, in its vertex's frame.
+#[derive(Clone, Copy)]
+pub enum Start<L> {
+    /// On the vertex plane, n = 1.
+    Flat {
+        x: L,
+        y: L,
+        /// s = (Vx, Vy)/Vz.
+        slopes: [L; 2],
+        /// 1 + s².
+        stretch: L,
+        /// Vz² = 1/(1 + s²).
+        cos2: L,
+        /// How far along the axis the ray was moved on from where it began.
+        moved: L,
+    },
+    /// Anywhere.
+    Anywhere {
+        x: L,
+        y: L,
+        minus_z: L,
+        v: [L; 3],
+        /// How far the ray was moved on from where it began, in units of V.
+        lead: L,
+    },
+}
+
+/// Rays behind the last surface, in lens space; anything in blocked lanes.
+#[derive(Clone, Copy)]
+pub struct End<L: Lanes> {
+    pub origin: [L; 3],
+    /// Unit vectors.
+    pub direction: [L; 3],
+    pub passed: L::Mask,
+}
+
+/// Rays on their moved.
+#[derive(Clone, Copy)]
+pub struct RayLanes<L: Lanes> {
+    pub x: L,
+    pub y: L,
+    pub vx: L,
+    pub vy: L,
+    pub vz: L,
+    /// z above the last vertex, or N_z there, as the table has it.
+    pub height: L,
+    /// e' behind the last surface.
+    pub root: L,
+    passed: L::Mask,
+    /// The squared cosine to the axis with which they set out.
+    pub cos2: L,
+}
+
+/// How a link's limit is told: [`ApertureTest`] as a constant.
+pub const UNTESTED: u8 = 0;
+pub const HEIGHT: u8 = 1;
+pub const NORMAL_Z: u8 = 2;
+
+impl<L: Lanes> RayLanes<L> {
+    /// Through the first surface.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn enter(cpu: Cpu<L>, table: &Table<L::Scalar>, start: Start<L>) -> Self {
+        let zero = L::splat(cpu, L::Scalar::ZERO);
+        match (&table.steps[0], start) {
+            (Step::Sphere(sphere), Start::Flat { x, y, slopes, stretch, cos2, moved }) => {
+                let vz = cos2.sqrt();
+                let mut ray = Self::at(cpu, [x, y], [slopes[0] * vz, slopes[1] * vz, vz], cos2);
+                ray.first_sphere(cpu, sphere, slopes, stretch, moved);
+                ray
+            }
+            (Step::Plane(plane), Start::Flat { x, y, slopes, cos2, moved, .. }) => {
+                let vz = cos2.sqrt();
+                let mut ray = Self::at(cpu, [x, y], [slopes[0] * vz, slopes[1] * vz, vz], cos2);
+                ray.plane::<true>(cpu, plane, zero, Some(moved));
+                ray
+            }
+            (Step::Sphere(sphere), Start::Anywhere { x, y, minus_z, v, lead }) => {
+                let mut ray = Self::at(cpu, [x, y], v, v[2] * v[2]);
+                if sphere.tests.forward {
+                    ray.go_forward(cpu);
+                }
+                ray.sphere::<false>(cpu, sphere, minus_z, Some(lead));
+                ray
+            }
+            (Step::Plane(plane), Start::Anywhere { x, y, minus_z, v, lead }) => {
+                let mut ray = Self::at(cpu, [x, y], v, v[2] * v[2]);
+                ray.plane::<false>(cpu, plane, minus_z, Some(lead));
+                ray
+            }
+            (Step::Link(_) | Step::Stop(_) | Step::Renormalise(_), _) => {
+                unreachable!("the first step meets the ray anywhere")
+            }
+        }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn at(cpu: Cpu<L>, [x, y]: [L; 2], [vx, vy, vz]: [L; 3], cos2: L) -> Self {
+        let zero = L::splat(cpu, L::Scalar::ZERO);
+        Self { x, y, vx, vy, vz, height: zero, root: zero, passed: zero.less_equal(zero), cos2 }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn keep(&mut self, mask: L::Mask) {
+        self.passed = L::both(self.passed, mask);
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn go_forward(&mut self, cpu: Cpu<L>) {
+        self.keep(L::splat(cpu, L::Scalar::ZERO).less(self.vz));
+    }
+
+    /// The root's argument must be a number well above 0: neither missed nor totally reflected.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn keep_root(&mut self, cpu: Cpu<L>, square: L) {
+        self.keep(L::splat(cpu, L::Scalar::NO_SQUARE).less(square));
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn minus_z(&self, cpu: Cpu<L>, transfer: &Transfer<L::Scalar>) -> L {
+        self.height.mul_add(L::splat(cpu, transfer.factor), L::splat(cpu, transfer.offset))
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn height_squared(&self) -> L {
+        self.y.mul_add(self.y, self.x * self.x)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn advance(&mut self, t: L) {
+        self.x = t.mul_add(self.vx, self.x);
+        self.y = t.mul_add(self.vy, self.y);
+    }
+
+    /// V + G N.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn bend(&mut self, minus_c: L, gain: L, normal_z: L) {
+        let k = minus_c * gain;
+        self.vx = k.mul_add(self.x, self.vx);
+        self.vy = k.mul_add(self.y, self.vy);
+        self.vz = gain.mul_add(normal_z, self.vz);
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn link<const TEST: u8, const RARER: bool>(
+        &mut self,
+        cpu: Cpu<L>,
+        link: &Link<L::Scalar>,
+        limit: L::Scalar,
+    ) {
+        let (alpha, rho) = (L::splat(cpu, link.alpha), L::splat(cpu, link.rho));
+        let minus_2phi =
+            self.height.mul_add(L::splat(cpu, link.minus_2phi1), L::splat(cpu, link.minus_2phi0));
+        let g = alpha.mul_add(self.vz, rho * self.root);
+        let square = g.mul_add(g, minus_2phi);
+        // Not square + K: the two roots then need not wait for each other.
+        let square_after = g.mul_add(g, minus_2phi + L::splat(cpu, link.index_step));
+        let [before, after] = L::sqrt_pair(square, square_after);
+        let delta = g - before;
+        let normal_z =
+            delta.neg_mul_add(self.vz * L::splat(cpu, link.per_n2), rho.mul_add(self.height, alpha));
+        self.advance(delta * L::splat(cpu, link.per_cn2));
+        self.bend(L::splat(cpu, link.minus_c), after - before, normal_z);
+        (self.height, self.root) = (normal_z, after);
+        self.keep_root(cpu, if RARER { square_after } else { square });
+        match TEST {
+            NORMAL_Z => self.keep(L::splat(cpu, limit).less_equal(normal_z)),
+            HEIGHT => self.keep(self.height_squared().less_equal(L::splat(cpu, limit))),
+            _ => {}
+        }
+    }
+
+    /// `PLAIN`: the sphere is (see [`Sphere::plain`]).
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn sphere<const PLAIN: bool>(
+        &mut self,
+        cpu: Cpu<L>,
+        sphere: &Sphere<L::Scalar>,
+        mut minus_z: L,
+        lead: Option<L>,
+    ) {
+        let minus_c = L::splat(cpu, sphere.minus_c);
+        let mut lead = lead.unwrap_or(L::splat(cpu, L::Scalar::ZERO));
+        if !PLAIN && sphere.far {
+            let t = minus_z / self.vz;
+            self.advance(t);
+            (minus_z, lead) = (L::splat(cpu, L::Scalar::ZERO), t);
+        }
+        let across = self.y.mul_add(self.vy, self.x * self.vx);
+        let along = minus_z.neg_mul_add(self.vz, across);
+        let half_c = L::splat(cpu, sphere.half_c);
+        let f = half_c.mul_add(minus_z.mul_add(minus_z, self.height_squared()), minus_z);
+        let g = minus_c.mul_add(along, self.vz);
+        let minus_2phi = f * L::splat(cpu, sphere.minus_2cn2);
+        let square = g.mul_add(g, minus_2phi);
+        let square_after = g.mul_add(g, minus_2phi + L::splat(cpu, sphere.index_step));
+        let [before, after] = L::sqrt_pair(square, square_after);
+        let strong = (g - before) * L::splat(cpu, sphere.per_cn2);
+        let t = if PLAIN || sphere.strong {
+            strong
+        } else {
+            L::select(L::splat(cpu, L::Scalar::ZERO).less(g), (f + f) / (g + before), strong)
+        };
+        self.advance(t);
+        self.pass::<PLAIN>(cpu, sphere, t.mul_sub(self.vz, minus_z), [square, square_after], [before, after]);
+        if !PLAIN && sphere.tests.onward {
+            self.keep(L::splat(cpu, -sphere.slack).less_equal(lead + t));
+        }
+    }
+
+    /// A sphere met from its vertex plane with slopes s. With G = g/Vz = 1 - c (x, y)·s and
+    /// E² = (e/Vz)² = G² - 2 c n² f (1 + s²), z = t Vz = (G - E) Vz²/(c n²): nothing waits for Vz, itself a root.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn first_sphere(
+        &mut self,
+        cpu: Cpu<L>,
+        sphere: &Sphere<L::Scalar>,
+        [sx, sy]: [L; 2],
+        stretch: L,
+        moved: L,
+    ) {
+        let zero = L::splat(cpu, L::Scalar::ZERO);
+        if sphere.tests.forward {
+            self.go_forward(cpu);
+        }
+        let across = self.y.mul_add(sy, self.x * sx);
+        let g = L::splat(cpu, sphere.minus_c).mul_add(across, L::splat(cpu, L::Scalar::ONE));
+        let f = L::splat(cpu, sphere.half_c) * self.height_squared();
+        let stretched = stretch.mul_add(f * L::splat(cpu, sphere.minus_2cn2), g * g);
+        let square = stretched * self.cos2;
+        let square_after = stretched.mul_add(self.cos2, L::splat(cpu, sphere.index_step));
+        let [e, after] = L::sqrt_pair(stretched, square_after);
+        let strong = (g - e) * (self.cos2 * L::splat(cpu, sphere.per_cn2));
+        let z = if sphere.strong { strong } else { L::select(zero.less(g), (f + f) / (g + e), strong) };
+        self.x = z.mul_add(sx, self.x);
+        self.y = z.mul_add(sy, self.y);
+        // Vz goes on to change: the test's slack is in units of the one before.
+        let slack = self.vz * L::splat(cpu, -sphere.slack);
+        self.pass::<false>(cpu, sphere, z, [square, square_after], [e * self.vz, after]);
+        if sphere.tests.onward {
+            self.keep(slack.less_equal(moved + z));
+        }
+    }
+
+    /// Through a sphere's aperture at the height `z` and on behind it.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn pass<const PLAIN: bool>(
+        &mut self,
+        cpu: Cpu<L>,
+        sphere: &Sphere<L::Scalar>,
+        z: L,
+        [square, square_after]: [L; 2],
+        [before, after]: [L; 2],
+    ) {
+        let minus_c = L::splat(cpu, sphere.minus_c);
+        let normal_z = minus_c.mul_add(z, L::splat(cpu, L::Scalar::ONE));
+        self.bend(minus_c, after - before, normal_z);
+        (self.height, self.root) = (if PLAIN || sphere.carries_normal { normal_z } else { z }, after);
+        self.keep_root(cpu, if sphere.index_step < L::Scalar::ZERO { square_after } else { square });
+        let least =
+            if let ApertureTest::NormalZ(least) = sphere.aperture_test { least } else { L::Scalar::ZERO };
+        self.keep(L::splat(cpu, least).less_equal(normal_z));
+        if !PLAIN && let ApertureTest::Height(most) = sphere.aperture_test {
+            self.keep(self.height_squared().less_equal(L::splat(cpu, most)));
+        }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn plane<const FLAT: bool>(
+        &mut self,
+        cpu: Cpu<L>,
+        plane: &Plane<L::Scalar>,
+        minus_z: L,
+        lead: Option<L>,
+    ) {
+        let zero = L::splat(cpu, L::Scalar::ZERO);
+        let mut t = zero;
+        if !FLAT {
+            t = minus_z / self.vz;
+            self.advance(t);
+        }
+        if plane.tested {
+            self.keep(self.height_squared().less_equal(L::splat(cpu, plane.aperture)));
+        }
+        let square = self.vz * self.vz;
+        let square_after = self.vz.mul_add(self.vz, L::splat(cpu, plane.index_step));
+        self.keep_root(cpu, if plane.index_step < L::Scalar::ZERO { square_after } else { square });
+        if plane.tests.forward {
+            self.go_forward(cpu);
+        }
+        if plane.tests.onward {
+            let slack = L::splat(cpu, -plane.slack);
+            let slack = if FLAT { self.vz * slack } else { slack };
+            self.keep(slack.less_equal(lead.unwrap_or(zero) + t));
+        }
+        self.root = square_after.sqrt();
+        self.vz = self.root;
+        self.height = zero;
+    }
+
+    /// |z (Vx, Vy) + Vz (x, y)| <= a Vz, z the moved to the stop: no move and no division.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn stop(&mut self, cpu: Cpu<L>, stop: &Stop<L::Scalar>) {
+        let ahead = self.minus_z(cpu, &stop.transfer);
+        let x = ahead.mul_add(self.vx, self.x * self.vz);
+        let y = ahead.mul_add(self.vy, self.y * self.vz);
+        let limit = (self.vz * self.vz) * L::splat(cpu, stop.aperture);
+        self.keep(y.mul_add(y, x * x).less_equal(limit));
+    }
+
+    /// One step of Newton's iteration for what V is to be multiplied with; V has the length n but for rounding.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn factor(&self, cpu: Cpu<L>, length: [L::Scalar; 2]) -> L {
+        let square = self.vz.mul_add(self.vz, self.vy.mul_add(self.vy, self.vx * self.vx));
+        square.mul_add(L::splat(cpu, length[1]), L::splat(cpu, length[0]))
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn scale_to(&mut self, cpu: Cpu<L>, length: [L::Scalar; 2]) {
+        let factor = self.factor(cpu, length);
+        (self.vx, self.vy, self.vz) = (self.vx * factor, self.vy * factor, self.vz * factor);
+    }
+
+    /// To lens space, the direction made a unit vector by one step of Newton's iteration: V is one but for rounding.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn leave(self, cpu: Cpu<L>, table: &Table<L::Scalar>) -> End<L> {
+        let z = self.height.mul_add(L::splat(cpu, table.exit.factor), L::splat(cpu, table.exit.offset));
+        let factor = self.factor(cpu, table.unit);
+        let along = factor * L::splat(cpu, L::Scalar::from_f64(table.travel_sign));
+        End {
+            origin: [self.x, self.y, z],
+            direction: [self.vx * factor, self.vy * factor, self.vz * along],
+            passed: self.passed,
+        }
+    }
+}

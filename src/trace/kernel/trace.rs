@@ -1,0 +1,106 @@
+//! The algorithm: vectors of rays taken through a table step by step, each step for all of them.
+
+use super::{
+    lanes::{Cpu, Lanes, each_further},
+    ray::{End, HEIGHT, NORMAL_Z, RayLanes, Start, UNTESTED},
+    table::{ApertureTest, Link, Step, Table},
+};
+use crate::numeric::Real;
+
+/// From where the rays start to where they end, each vector with its squared cosine to the axis before the lens.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub fn trace<L: Lanes, const U: usize>(
+    cpu: Cpu<L>,
+    table: &Table<L::Scalar>,
+    starts: [Start<L>; U],
+) -> [(End<L>, L); U] {
+    let mut rays = [RayLanes::enter(cpu, table, starts[0]); U];
+    each_further!(u < U, {
+        rays[u] = RayLanes::enter(cpu, table, starts[u]);
+    });
+    trace_steps(cpu, table, &mut rays);
+    let mut ended = [(rays[0].leave(cpu, table), rays[0].cos2); U];
+    each_further!(u < U, {
+        ended[u] = (rays[u].leave(cpu, table), rays[u].cos2);
+    });
+    ended
+}
+
+/// Takes vectors of rays through all surfaces but the first, each surface for all of them.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn trace_steps<L: Lanes, const U: usize>(cpu: Cpu<L>, table: &Table<L::Scalar>, rays: &mut [RayLanes<L>; U]) {
+    // Loops and not closures, here and below: a closure that is not inlined would be compiled for
+    // another processor than the function it stands in.
+    for step in &table.steps[1..] {
+        match step {
+            Step::Link(link) => {
+                if link.forward {
+                    for ray in &mut *rays {
+                        ray.go_forward(cpu);
+                    }
+                }
+                let none = L::Scalar::ZERO;
+                match (link.aperture_test, link.rarer) {
+                    (ApertureTest::NormalZ(least), false) => {
+                        cross::<L, U, NORMAL_Z, false>(cpu, link, least, rays)
+                    }
+                    (ApertureTest::NormalZ(least), true) => {
+                        cross::<L, U, NORMAL_Z, true>(cpu, link, least, rays)
+                    }
+                    (ApertureTest::Height(most), false) => {
+                        cross::<L, U, HEIGHT, false>(cpu, link, most, rays)
+                    }
+                    (ApertureTest::Height(most), true) => cross::<L, U, HEIGHT, true>(cpu, link, most, rays),
+                    (ApertureTest::Untested, false) => cross::<L, U, UNTESTED, false>(cpu, link, none, rays),
+                    (ApertureTest::Untested, true) => cross::<L, U, UNTESTED, true>(cpu, link, none, rays),
+                }
+            }
+            Step::Stop(stop) => {
+                for ray in &mut *rays {
+                    ray.stop(cpu, stop);
+                }
+            }
+            Step::Sphere(sphere) => {
+                if sphere.tests.forward {
+                    for ray in &mut *rays {
+                        ray.go_forward(cpu);
+                    }
+                }
+                if sphere.plain {
+                    for ray in &mut *rays {
+                        let minus_z = ray.minus_z(cpu, &sphere.transfer);
+                        ray.sphere::<true>(cpu, sphere, minus_z, None);
+                    }
+                } else {
+                    for ray in &mut *rays {
+                        let minus_z = ray.minus_z(cpu, &sphere.transfer);
+                        ray.sphere::<false>(cpu, sphere, minus_z, None);
+                    }
+                }
+            }
+            Step::Renormalise(length) => {
+                for ray in &mut *rays {
+                    ray.scale_to(cpu, *length);
+                }
+            }
+            Step::Plane(plane) => {
+                for ray in &mut *rays {
+                    let minus_z = ray.minus_z(cpu, &plane.transfer);
+                    ray.plane::<false>(cpu, plane, minus_z, None);
+                }
+            }
+        }
+    }
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn cross<L: Lanes, const U: usize, const TEST: u8, const RARER: bool>(
+    cpu: Cpu<L>,
+    link: &Link<L::Scalar>,
+    limit: L::Scalar,
+    rays: &mut [RayLanes<L>; U],
+) {
+    for ray in rays {
+        ray.link::<TEST, RARER>(cpu, link, limit);
+    }
+}

@@ -1,0 +1,184 @@
+//! Fitting the polynomials: a lens and rays from its film in; their coefficients out, by linear least squares.
+
+use thiserror::Error;
+
+use super::{least_squares::Equations, terms::exponents};
+use crate::{
+    lens::{Lens, Ray, Surface},
+    trace::Path,
+};
+
+/// The orders that can be fitted.
+pub const ORDERS: [usize; 7] = [1, 3, 5, 7, 9, 11, 13];
+
+/// Why no polynomials can be fitted.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum FitError {
+    /// The order is not one of [`ORDERS`].
+    #[error("polynomials of order {0} are not to be had: give an odd order from 1 to 13")]
+    Order(usize),
+    /// The rays do not determine the coefficients.
+    #[error(
+        "{passing} passing rays do not determine the polynomials of order {order}; give at least \
+         {needed}, spread over film and pupil"
+    )]
+    Undetermined {
+        /// The order.
+        order: usize,
+        /// Rays given that get through.
+        passing: usize,
+        /// Rays that suffice where they are well spread.
+        needed: usize,
+    },
+}
+
+/// Position and slopes of a ray in the film plane.
+type AtFilm = ([f64; 2], [f64; 2]);
+
+/// From a ray at the film to the polynomials' variables.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Scaling {
+    /// z of the film, lens space, mm.
+    pub film: f64,
+    /// 1/mm: from film position to the slope away from the pupil's centre.
+    pub vergence: f64,
+    /// 1 over the largest film height, 1/mm.
+    pub film_scale: f64,
+    /// 1 over the largest slope about the pupil's centre.
+    pub pupil_scale: f64,
+}
+
+impl Scaling {
+    /// Fits film and pupil of the rays, which are given as positions and slopes at the film.
+    fn of(film: f64, rays: &[AtFilm]) -> Self {
+        let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
+        let (product, square) =
+            rays.iter().fold((0.0, 0.0), |(p, s), &(x, slope)| (p + dot(x, slope), s + dot(x, x)));
+        let vergence = if square > 0.0 { -product / square } else { 0.0 };
+        let largest = |length: &dyn Fn(&AtFilm) -> f64| {
+            let most = rays.iter().map(length).fold(0.0, f64::max).sqrt();
+            if most > 0.0 { most.recip() } else { 1.0 }
+        };
+        let about = |x: [f64; 2], s: [f64; 2]| [s[0] + vergence * x[0], s[1] + vergence * x[1]];
+        Self {
+            film,
+            vergence,
+            film_scale: largest(&|&(x, _)| dot(x, x)),
+            pupil_scale: largest(&|&(x, s)| dot(about(x, s), about(x, s))),
+        }
+    }
+
+    fn at_film(ray: &Ray, film: f64) -> AtFilm {
+        let [x, y, z] = ray.origin;
+        let [dx, dy, dz] = ray.direction;
+        let slopes = [dx / dz, dy / dz];
+        ([x + slopes[0] * (film - z), y + slopes[1] * (film - z)], slopes)
+    }
+
+    /// Scaled film position, scaled pupil position, and their invariants in [-1, 1].
+    fn variables(&self, x: [f64; 2], slopes: [f64; 2]) -> ([f64; 2], [f64; 2], [f64; 3]) {
+        let p = [0, 1].map(|i| (slopes[i] + self.vergence * x[i]) * self.pupil_scale);
+        let x = x.map(|x| x * self.film_scale);
+        let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
+        (x, p, [2.0 * dot(x, x) - 1.0, dot(x, p), 2.0 * dot(p, p) - 1.0])
+    }
+}
+
+/// A lens as polynomials of one order, film to scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Polynomial {
+    pub(super) order: usize,
+    pub(super) scaling: Scaling,
+    /// A, B, C, D by monomial, in Horner's order.
+    pub(super) terms: Vec<[f64; 4]>,
+    pub(super) front: Surface,
+    pub(super) apertures: Vec<AperturePolynomial>,
+}
+
+/// Where a ray passes a surface, as polynomials: E x + F p, in units of the clear semi-diameter.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct AperturePolynomial {
+    /// E and F by monomial.
+    pub terms: Vec<[f64; 2]>,
+}
+
+impl Polynomial {
+    /// Fits the polynomials to those of `rays` that pass `lens`: rays in lens space that start at or cross
+    /// the film plane `film` (z, mm). They are to cover the film and pupil in use evenly; outside
+    /// what they cover the polynomials mean nothing.
+    ///
+    /// # Errors
+    /// An order that does not exist, or rays that do not determine the coefficients.
+    pub fn fit(lens: &Lens, film: f64, rays: &[Ray], order: usize) -> Result<Self, FitError> {
+        Self::with_apertures(lens, film, rays, order, &[])
+    }
+
+    /// [`Polynomial::fit`] with where rays pass the surfaces `apertures`, counted from the scene: what
+    /// [`PolynomialLens`] blocks rays by. The front surface's needs none.
+    ///
+    /// # Errors
+    /// As [`Polynomial::fit`].
+    pub fn with_apertures(
+        lens: &Lens,
+        film: f64,
+        rays: &[Ray],
+        order: usize,
+        apertures: &[usize],
+    ) -> Result<Self, FitError> {
+        if !ORDERS.contains(&order) {
+            return Err(FitError::Order(order));
+        }
+        let degree = (order - 1) / 2;
+        let path = Path::<f64>::film_to_scene(lens);
+        let (inputs, targets): (Vec<_>, Vec<_>) =
+            rays.iter().filter_map(|ray| Some((Scaling::at_film(ray, film), path.trace(*ray).ok()?))).unzip();
+        let scaling = Scaling::of(film, &inputs);
+        let exponents = exponents(degree);
+        let count = exponents.len();
+        // A vector gives an equation for each of its two components.
+        let mut equations = Equations::new(2 * inputs.len(), 2 * count);
+        let mut sides = vec![vec![0.0; 2 * inputs.len()]; 2 + apertures.len()];
+        let last = lens.surfaces.len() - 1;
+        for (number, (&(x, slopes), target)) in inputs.iter().zip(&targets).enumerate() {
+            path.intersections(film, x, slopes, |met| {
+                if let Some(aperture) = apertures.iter().position(|&aperture| aperture == last - met.surface)
+                {
+                    let scale = lens.surfaces[apertures[aperture]].semi_diameter.recip();
+                    let side = &mut sides[2 + aperture][2 * number..2 * number + 2];
+                    side.iter_mut().zip(met.point).for_each(|(side, at)| *side = at * scale);
+                }
+                !apertures.is_empty()
+            });
+            let (x, p, [u, v, w]) = scaling.variables(x, slopes);
+            let [dx, dy, dz] = target.direction;
+            let projected = [dx / (1.0 + dz), dy / (1.0 + dz)];
+            for axis in 0..2 {
+                let row = 2 * number + axis;
+                for (column, [i, j, k]) in exponents.iter().enumerate() {
+                    let monomial = u.powi(*i as i32) * v.powi(*j as i32) * w.powi(*k as i32);
+                    equations.set(row, column, monomial * x[axis]);
+                    equations.set(row, count + column, monomial * p[axis]);
+                }
+                sides[0][row] = target.origin[axis];
+                sides[1][row] = projected[axis];
+            }
+        }
+        let undetermined = || FitError::Undetermined { order, passing: inputs.len(), needed: 4 * count };
+        let solved = equations.solve(sides).ok_or_else(undetermined)?;
+        let terms = (0..count)
+            .map(|i| [solved[0][i], solved[0][count + i], solved[1][i], solved[1][count + i]])
+            .collect();
+        let apertures = solved[2..]
+            .iter()
+            .map(|solved| AperturePolynomial {
+                terms: (0..count).map(|i| [solved[i], solved[count + i]]).collect(),
+            })
+            .collect();
+        Ok(Self { order, scaling, terms, front: *lens.front(), apertures })
+    }
+
+    /// Coefficients in all, those of the apertures included.
+    pub fn coefficients(&self) -> usize {
+        (4 + 2 * self.apertures.len()) * self.terms.len()
+    }
+}
