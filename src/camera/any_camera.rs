@@ -122,6 +122,7 @@ impl Camera {
     /// [`Camera::ray`] of up to four samples of one time, traced side by side; `false`, and nothing done, where that
     /// takes as long as one after the other.
     #[inline]
+    #[cfg_attr(not(realistic_shim), expect(dead_code, reason = "only a pbrt-v1 host asks for three at once"))]
     pub(crate) fn trace_side_by_side(&self, samples: &SampleArrays<'_>, rays: &mut RayBlock<4>) -> bool {
         let traced = self.as_lens().is_some_and(|camera| camera.trace_side_by_side(samples, rays));
         if traced && self.shutter != Shutter::Global {
