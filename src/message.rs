@@ -1,4 +1,4 @@
-//! Computed numbers in messages for people.
+//! Computed numbers in messages for people: few digits, and never outside the range that they state.
 
 /// A number with six significant digits at most, and far from 1 with a power of ten.
 pub fn short(number: f64) -> String {

@@ -195,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn every_way_in_agrees_with_the_walk_to_the_digits_of_its_numbers() {
+    fn every_entry_agrees_with_the_walk_to_the_digits_of_its_numbers() {
         fn check<S: Precision + Real>(bound: f64) {
             let mut passed = 0;
             for name in catalogue::names() {

@@ -17,7 +17,7 @@ use std::cell::RefCell;
 use glam::Vec4;
 
 use super::handle::Handle;
-use crate::camera::{RayBlock, Sample, SampleArrays, WorldRay};
+use crate::camera::{RayBlock, Sample, SampleBlock, WorldRay};
 
 /// The bits of image x and y.
 type Image = [u32; 2];
@@ -122,11 +122,7 @@ impl Expected {
             Vec4::splat(sample.lens_v),
             Vec4::splat(sample.time),
         ];
-        let [image_x, image_y, lens_u, lens_v, time] = vectors.each_ref().map(|vector| {
-            let numbers: &[f32; 4] = vector.as_ref();
-            numbers.as_slice()
-        });
-        let samples = SampleArrays { image_x, image_y, lens_u, lens_v, time };
+        let samples = SampleBlock::from(vectors.map(|vector| vector.to_array()));
         let traced = handle.camera().trace_side_by_side(&samples, &mut self.rays);
         if traced {
             let [_, next, last] = points.map(|point| point.map(f32::to_bits));
@@ -160,6 +156,11 @@ fn host_points(sample: &Sample) -> [[f32; 2]; 3] {
 
 #[cfg(test)]
 mod tests {
+    use rand_xoshiro::{
+        SplitMix64,
+        rand_core::{Rng, SeedableRng},
+    };
+
     use super::*;
     use crate::camera::{Host, Parameters, Raster};
 
@@ -190,16 +191,11 @@ mod tests {
         [ox, oy, oz, dx, dy, dz, mint, maxt, time, weight].map(f32::to_bits)
     }
 
-    /// SplitMix64 (G. Steele, D. Lea and C. Flood, OOPSLA 2014).
-    struct Random(u64);
+    struct Random(SplitMix64);
 
     impl Random {
         fn below(&mut self, end: usize) -> usize {
-            self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-            let mut bits = self.0;
-            bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-            bits = (bits ^ (bits >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-            ((bits ^ (bits >> 31)) % end as u64) as usize
+            (self.0.next_u64() % end as u64) as usize
         }
 
         /// In [0, 1], both ends among them.
@@ -238,7 +234,7 @@ mod tests {
 
     /// Calls of both cameras in random order; how many.
     fn play(cameras: [&Handle; 2], seed: u64) -> usize {
-        let mut random = Random(seed);
+        let mut random = Random(SplitMix64::seed_from_u64(seed));
         let mut done = 0;
         for _ in 0..400 {
             let mut queues = [calls(&mut random), calls(&mut random)];

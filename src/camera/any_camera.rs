@@ -9,7 +9,7 @@ use super::{
         projective::ProjectiveCamera, textbook,
     },
     parameters::{CameraError, Parameters, check::choice},
-    pipeline::arrays::{BLOCK, RayArrays, RayBlock, SampleArrays},
+    pipeline::arrays::{BLOCK, RayArrays, RayBlock, SampleArrays, SampleBlock, SampleStore},
     placement::{Placement, shutter::Shutter},
     ray::{Outcome, Sample, WorldRay},
 };
@@ -119,16 +119,16 @@ impl Camera {
         }
     }
 
-    /// [`Camera::ray`] of up to four samples of one time, traced side by side; `false`, and nothing done, where that
+    /// [`Camera::ray`] of four samples of one time, traced side by side; `false`, and nothing done, where that
     /// takes as long as one after the other.
     #[inline]
     #[cfg_attr(not(realistic_shim), expect(dead_code, reason = "only a pbrt-v1 host asks for three at once"))]
-    pub(crate) fn trace_side_by_side(&self, samples: &SampleArrays<'_>, rays: &mut RayBlock<4>) -> bool {
+    pub(crate) fn trace_side_by_side(&self, samples: &SampleBlock<4>, rays: &mut RayBlock<4>) -> bool {
         let traced = self.as_lens().is_some_and(|camera| camera.trace_side_by_side(samples, rays));
         if traced && self.shutter != Shutter::Global {
-            let weights = rays.arrays(samples.time.len()).weight;
-            for ((weight, image_y), time) in weights.iter_mut().zip(samples.image_y).zip(samples.time) {
-                let share = self.share(*image_y, *time).filter(|_| *weight > 0.0);
+            for (i, weight) in rays.arrays(4).weight.iter_mut().enumerate() {
+                let Sample { image_y, time, .. } = samples.sample(i);
+                let share = self.share(image_y, time).filter(|_| *weight > 0.0);
                 *weight = share.map_or(0.0, |share| dimmed(*weight, share));
             }
         }

@@ -1,4 +1,7 @@
-//! Field of view: the angle in the scene that the film's diagonal takes in.
+//! Field of view: the angle in the scene that the film's diagonal takes in, and how far from the axis film gets light.
+//!
+//! A lens and its film's place in; the beam of slopes that a film point receives and its chief ray out, in the plane
+//! through the axis (R. Kingslake, *Optics in Photography*, ch. 1).
 
 use crate::lens::{Lens, pupil::limiting_surface};
 use crate::{
@@ -40,7 +43,7 @@ impl Field {
     /// For film at `film` (z in lens space, mm, behind the whole lens).
     pub fn new(lens: &Lens, film: f64) -> Self {
         let stop = lens.stop_index().unwrap_or_else(|| limiting_surface(lens));
-        // A ray that a rim behind the stop clips has no chief ray's right to be traced on.
+        // A ray that an aperture behind the stop clips is no chief ray, and is not traced on.
         let behind = Lens { surfaces: lens.surfaces[stop..].to_vec(), ..lens.clone() };
         let rear = lens.rear();
         let rim = rear.sagitta(rear.semi_diameter);
@@ -77,7 +80,7 @@ impl Field {
             None => [self.through_pinhole(height, at)?; 2].into(),
         };
         let (step, holds) = (at(1) - at(0), |slope: f64| self.passes(height, slope));
-        Some(Beam { low: edge(first, first - step, holds), high: edge(last, last + step, holds) })
+        Some(Beam { low: edge(first, first - step, 0.0, holds), high: edge(last, last + step, 0.0, holds) })
     }
 
     /// The slope through the centre of a stop so narrow that it lies between two slopes of a scan.
@@ -129,13 +132,9 @@ impl Field {
         if self.beam(radius).is_some() {
             return Some(radius);
         }
-        let (mut lit, mut dark) = (0.0, radius);
-        // A micrometre is finer than the scan tells.
-        while dark - lit > 1e-3 * radius.min(1.0) {
-            let middle = f64::midpoint(lit, dark);
-            if self.beam(middle).is_some() { lit = middle } else { dark = middle }
-        }
-        Some(lit)
+        // A micrometre is finer than the scan resolves.
+        let width = 1e-3 * radius.min(1.0);
+        Some(edge(0.0, radius, width, |height| self.beam(height).is_some()))
     }
 }
 

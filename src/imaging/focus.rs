@@ -201,7 +201,7 @@ impl Focus {
         while passes(blocked) && blocked < 8.0 {
             blocked *= 1.125;
         }
-        let margin = edge(0.0, blocked, passes);
+        let margin = edge(0.0, blocked, 0.0, passes);
         // Uniform over the pupil is uniform in the square of the fraction.
         let (mut product, mut square) = (0.0, 0.0);
         for (area, weight) in self.rule {

@@ -24,7 +24,7 @@ pub struct ImageScale {
 
 /// Entries from the axis to the reach.
 const ENTRIES: u32 = 33;
-/// Turn about the axis by which the sagittal scale is told, rad.
+/// Turn about the axis by which the sagittal scale is measured, rad.
 const TURN: f64 = 1e-3;
 
 impl ImageScale {
@@ -65,7 +65,7 @@ impl ImageScale {
     /// `exact`: the distance between the points in which the two meet the plane in focus (seen at right angles
     /// to the exact ray), brought back to the film by the scale there. For a plane at infinity that is the
     /// angle between the two. Directions are unit vectors; the origins may lie anywhere on their rays. A ray
-    /// that leaves backward is judged by its angle, for it meets no plane.
+    /// that leaves backward is measured by its angle, for it meets no plane.
     pub fn film_error(&self, film_point: [f64; 2], exact: &Ray, other: &Ray) -> f64 {
         let [x, y] = film_point;
         let radius = (x * x + y * y).sqrt();

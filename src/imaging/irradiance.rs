@@ -32,7 +32,7 @@ pub fn on_axis<R: Real>(path: &Path<R>, film: f64, reach: f64) -> f64 {
     for i in 1..=SCAN {
         let (from, to) = (at(i - 1), at(i));
         if passes(to) != open {
-            let boundary = disk(edge(from, to, |slope| passes(slope) == open));
+            let boundary = disk(edge(from, to, 0.0, |slope| passes(slope) == open));
             total += if open { boundary } else { -boundary };
             open = !open;
         }

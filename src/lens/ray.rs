@@ -1,4 +1,5 @@
-//! A ray in lens space.
+//! A ray in lens space: origin at the vertex of the first interface, +z toward the scene, +x image right, +y image up,
+//! millimetres. What tracing takes and gives.
 
 /// A ray in lens space.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,7 +3,7 @@
 //! The limits come from the stability cases: within them the error of an f32 tracer in direction stays
 //! below 1e-4 rad away from total reflection, and ordinary lenses stay below 1e-6.
 //! The amplification is summed over all surfaces, so that their number counts; what the compiled kernels' rounding does
-//! beyond that (`trace::kernel`'s drift) is bounded when a lens is compiled.
+//! beyond that (`trace::kernel`'s growth of rounding) is bounded when a lens is compiled.
 
 use thiserror::Error;
 

@@ -1,4 +1,7 @@
 //! A lens at one wavelength and one stop: the surfaces that rays meet.
+//!
+//! A prescription and a wavelength in; vertices, curvatures, refractive indices and clear apertures out, in lens space.
+//! Everything below [`crate::lens`] works on this and no longer asks what the glass was.
 
 use thiserror::Error;
 
@@ -192,7 +195,7 @@ mod tests {
 
     #[test]
     fn surfaces_that_cross_are_found_where_their_sagittae_add_up() {
-        // Two caps of 10 mm radius and half a millimetre each: h² = 2 · 10 · 0.5 - 0.5².
+        // Two surfaces of 10 mm radius and half a millimetre each: h² = 2 · 10 · 0.5 - 0.5².
         let crossed = |diameter: f64| {
             let text =
                 format!("20 5 1.5 5\n10 0.4 1 {diameter}\n0 0.6 1 4\n-10 2 1.5 {diameter}\n20 0 1 5\n");

@@ -1,4 +1,5 @@
-//! Point sets of low discrepancy.
+//! Point sets of low discrepancy: the additive recurrence of M. Roberts ("The Unreasonable Effectiveness of Quasirandom
+//! Sequences", 2018), which needs no table and no seed.
 
 /// Fractional parts of multiples of these fill the four-dimensional unit cube evenly: the powers of 1/g, g > 1
 /// with g^5 = g + 1 (M. Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences", 2018).

@@ -1,4 +1,5 @@
-//! The numbers that rays are traced in.
+//! The numbers that rays are traced in: one trait over f64 and f32, which the laboratory extends to wider ones, and the
+//! proofs of a plan to intervals.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 

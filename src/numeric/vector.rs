@@ -1,4 +1,5 @@
-//! Vectors of three components: the products and lengths that a trace needs, with their digits kept.
+//! Vectors of three components: the products and lengths that a trace needs, with their digits kept where a plain
+//! expression would lose them.
 
 use super::Real;
 

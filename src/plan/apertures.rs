@@ -344,14 +344,14 @@ mod tests {
     }
 
     #[test]
-    fn a_rim_far_out_is_redundant_and_one_that_cuts_is_not() {
-        let lens = |rim: &str| {
-            let text = format!("30 4 1.6 16\n-60 2 1 16\n0 3 1 6\n80 4 1.5 {rim}\n-50 0 1 40\n");
+    fn an_edge_far_out_is_redundant_and_one_that_cuts_is_not() {
+        let lens = |diameter: &str| {
+            let text = format!("30 4 1.6 16\n-60 2 1 16\n0 3 1 6\n80 4 1.5 {diameter}\n-50 0 1 40\n");
             Lens::at_d_line(&read("lens", text.as_bytes()).expect("a lens"))
         };
         let bands = [Band { radii: [0.0, 6.0], center: [-0.02; 2], radius: 0.15 }];
-        let of = |rim: &str| {
-            let lens = lens(rim);
+        let of = |diameter: &str| {
+            let lens = lens(diameter);
             Apertures::of(&lens, &Path::film_to_scene(&lens), lens.rear().vertex - 40.0, &bands)
         };
         assert!(!of("36").is_needed(3), "{:?}", of("36"));

@@ -91,7 +91,7 @@ fn needed_tests(task: &Task<'_>, plan: &mut Plan) -> (Option<Vec<bool>>, f64) {
     if tested.iter().all(|needed| *needed) {
         plan.kept(
             "aperture tests of all surfaces",
-            "rays come to each rim, or no bound keeps them from it",
+            "rays come to the edge of each, or no bound keeps them from it",
             "exact",
         );
         return (None, reach);
@@ -102,7 +102,7 @@ fn needed_tests(task: &Task<'_>, plan: &mut Plan) -> (Option<Vec<bool>>, f64) {
         let surfaces = if numbers.len() == 1 { "test of surface" } else { "tests of surfaces" };
         plan.kept(
             &format!("aperture {surfaces} {}", numbers.join(", ")),
-            "rays come to the rim, or no bound keeps them from it",
+            "rays come to its edge, or no bound keeps them from it",
             "exact",
         );
     }

@@ -101,7 +101,7 @@ impl<'a> Evaluation<'a> {
     pub fn new(task: &'a Task<'a>) -> Result<Self, String> {
         let film = &task.film;
         let scale = ImageScale::new(task.lens, film.z, film.reach, task.in_focus).ok_or(
-            "the film is dark in the middle, or so little of it lit that the image's scale cannot be told",
+            "the film is dark in the middle, or so little of it lit that the image's scale cannot be measured",
         )?;
         let kernel = Kernel::<f64>::new(task.lens, Direction::FilmToScene);
         let mut rays = Rays::default();

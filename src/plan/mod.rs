@@ -11,6 +11,7 @@ pub(crate) mod apertures;
 pub mod choice;
 mod cost;
 mod decide;
+mod describe;
 mod evaluate;
 mod items;
 mod quantile;
@@ -20,6 +21,7 @@ mod tracing;
 
 pub use choice::Choice;
 pub(crate) use decide::Decision;
+pub(crate) use describe::describe_sampling;
 pub use evaluate::Errors;
 pub use items::{Item, Plan};
 pub(crate) use task::{FilmSide, Task};

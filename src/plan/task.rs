@@ -1,6 +1,6 @@
 //! What a plan is made for: a lens, the film behind it, where its pupil is sampled, and the error that is tolerated.
 
-use super::{items::Plan, tracing::Arithmetic};
+use super::tracing::Arithmetic;
 use crate::{
     lens::{Lens, refraction::Refraction},
     sampling::{Band, DiskMapping, PupilSample, PupilSampler},
@@ -69,49 +69,5 @@ impl FilmSide<'_> {
                 (0..RINGS).map(band).collect()
             }
         }
-    }
-
-    /// Adds what is kept and left out of sampling, and what is made only when asked for, to a plan for one
-    /// wavelength, nm.
-    pub fn describe(&self, plan: &mut Plan, wavelength: f64) {
-        match self.sampler {
-            PupilSampler::Warped(pupil) => {
-                let report = pupil.build_report();
-                let (end, why) = match pupil.image_radius() {
-                    Some(end) => (end, "the end of the image circle"),
-                    None => (self.reach, "the raster's corner and its filter"),
-                };
-                plan.kept(
-                    &format!("pupil table up to {end:.3} mm from the axis"),
-                    why,
-                    format!("{} film radii, {} rays", report.slices, report.rays),
-                );
-                if pupil.image_radius().is_some_and(|end| end < self.reach) {
-                    plan.left_out(
-                        &format!("pupil of film beyond {end:.3} mm"),
-                        "no light reaches it",
-                        "weight 0 for the price of a comparison",
-                    );
-                }
-            }
-            PupilSampler::Disk(_) => {
-                plan.left_out("pupil table", "a disk is sampled", "no time to build it");
-            }
-        }
-        if self.mapping == DiskMapping::Rejection {
-            plan.kept("asking again", "disk \"rejection\"", "some samples are asked for twice");
-        }
-        plan.left_out(
-            "dispersion",
-            format!("one wavelength, {wavelength} nm, is asked for"),
-            "each surface has one index",
-        );
-        plan.left_out("differentials", "traced only for a host that asks three times a sample", "no time");
-        plan.left_out(
-            "reasons of blocked rays",
-            "found by a second trace of those that a caller asks about",
-            "no time",
-        );
-        plan.left_out("statistics", "nothing counts rays", "no time");
     }
 }

@@ -1,4 +1,5 @@
-//! The lenses that are built in, by name. Each file says where its numbers come from.
+//! The lenses that are built in, by name: the files of `lenses/`, embedded. A name in, its prescription out. Each file
+//! says where its numbers come from.
 
 use super::{interfaces::Prescription, reader::read};
 

@@ -1,4 +1,4 @@
-//! What is wrong with a lens file, and where.
+//! What is wrong with a lens file, and where: the one error of every reader.
 
 use thiserror::Error;
 

@@ -1,4 +1,4 @@
-//! Dispersion: the refractive index of a medium at a wavelength.
+//! Dispersion: the refractive index of a medium at a wavelength (nm), by Cauchy's formula from n_d and the Abbe number, or by Sellmeier's (M. Born and E. Wolf, *Principles of Optics*, §2.3.4).
 
 use super::interfaces::{Medium, Sellmeier};
 

@@ -1,4 +1,6 @@
-//! A lens as a table of interfaces: the model that every reader fills and [`crate::lens`] is made from.
+//! A lens as a table of interfaces: the model that the reader of every format fills and [`crate::lens`] is made from.
+//!
+//! Lengths are millimetres; interfaces stand scene side first; each names the medium behind it, on the film's side.
 
 /// What fills the space behind an interface.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,4 +1,5 @@
-//! Finding a lens: a file as given, a file along a search path, or a catalogue name.
+//! Finding a lens by the name that a caller gives: a file as given, a file along a search path, or a lens of the
+//! catalogue, and the focal length (`NAME@35mm`) that it is to be scaled to.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};

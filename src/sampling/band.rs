@@ -1,6 +1,6 @@
-//! A ring of the film with the slopes that are sampled there: what a plan needs to know of a sampler.
+//! A ring of the film with the slopes that are sampled there: what a proof needs to know of a sampler.
 
-/// A ring of the film, and the disk of slopes that holds what is drawn there.
+/// A ring of the film, and the disk of slopes that holds what is sampled there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Band {
     /// Film radii, mm.

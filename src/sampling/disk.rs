@@ -1,11 +1,13 @@
-//! From two lens samples in [0, 1] to a point of the unit disk.
+//! From a lens sample (u, v) in [0, 1]² to a point of the unit disk: Shirley and Chiu's concentric map, the polar one,
+//! or rejection. Over lanes of either precision, with series in the place of sine and cosine, so that one sample has the
+//! bits of a batch's.
 
 use crate::trace::{
     Real,
     kernel::{Compiled, Cpu, Lanes, Portable, Precision, Scalar, Simd},
 };
 
-/// How lens samples map to the unit disk.
+/// How lens samples (u, v) map to the unit disk.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DiskMapping {
     /// Shirley and Chiu's concentric map ("A Low Distortion Map Between Disk and Square",
@@ -23,11 +25,11 @@ impl DiskMapping {
     pub const NAMES: [(&'static str, Self); 3] =
         [("concentric", Self::Concentric), ("polar", Self::Polar), ("rejection", Self::Rejection)];
 
-    /// The point of the unit disk for the numbers `u` and `v`, which are taken into [0, 1] first;
+    /// The point of the unit disk for the lens sample (`u`, `v`), which are taken into [0, 1] first;
     /// `None` where [`DiskMapping::Rejection`] asks for another lens sample.
     pub fn map(self, u: f64, v: f64) -> Option<[f64; 2]> {
         let mut point = [f64::NAN; 2];
-        Simd::best().run(One { mapping: self, numbers: [u, v], point: &mut point });
+        Simd::best().run(OnePoint { mapping: self, sample: [u, v], point: &mut point });
         let outside = self == Self::Rejection && point.iter().any(|x| x.is_nan());
         (!outside).then_some(point)
     }
@@ -64,17 +66,17 @@ impl DiskMapping {
 }
 
 /// One point by the processor's own fused multiplications.
-struct One<'a> {
+struct OnePoint<'a> {
     mapping: DiskMapping,
-    numbers: [f64; 2],
+    sample: [f64; 2],
     point: &'a mut [f64; 2],
 }
 
-impl Compiled for One<'_> {
+impl Compiled for OnePoint<'_> {
     #[inline(always)]
     fn run(self) {
         let [Portable([u]), Portable([v])] =
-            self.mapping.lanes(Portable::cpu(), [Portable([self.numbers[0]]), Portable([self.numbers[1]])]);
+            self.mapping.lanes(Portable::cpu(), [Portable([self.sample[0]]), Portable([self.sample[1]])]);
         *self.point = [u, v];
     }
 }

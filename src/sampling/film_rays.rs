@@ -1,4 +1,5 @@
-//! Rays that leave the film, in lanes: where they begin, where they head, and what they stand for.
+//! Rays that leave the film, in lanes: what a sampler fills in, slopes and the area of the pupil that each sample stands
+//! for, and a tracer takes up.
 
 use crate::trace::kernel::Lanes;
 
@@ -7,7 +8,7 @@ use crate::trace::kernel::Lanes;
 pub struct FilmRays<L> {
     /// Where they begin, mm.
     pub point: [L; 2],
-    /// The points of the unit disk that they stand for; NaN where new lens samples are asked for.
+    /// The points of the unit disk that they stand for; NaN where another lens sample is asked for.
     pub disk: [L; 2],
     pub slopes: [L; 2],
     /// The slope area that each stands for, over π; NaN where there is none.

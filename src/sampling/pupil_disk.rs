@@ -1,4 +1,4 @@
-//! The disk that lens samples are drawn from, as ray slopes at the film.
+//! The disk that lens samples (u, v) are mapped to, as ray slopes at the film.
 //!
 //! A disk of radius R in a plane at axial distance Z from the film is, seen from a film point, a disk
 //! of slopes of radius R/Z about the slope to its centre; dA/Z² = d(slope)². In slopes a disk at
@@ -17,7 +17,7 @@ use crate::{
 /// A pupil whose distance is more than 1/this times that of the front vertex from the film is at infinity.
 const TELECENTRIC: f64 = 1e-12;
 
-/// A slope drawn from a pupil.
+/// A slope sampled in a pupil.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PupilSample {
     /// dx/dz and dy/dz of the ray at the film.
@@ -27,7 +27,7 @@ pub struct PupilSample {
     pub area: f64,
 }
 
-/// A disk about the axis, in which every film point's lens samples are drawn.
+/// A disk about the axis, to which every film point's lens samples are mapped.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PupilDisk {
     /// 1/Z, 1/mm; 0 for a disk at infinity, negative behind the film.
@@ -89,7 +89,7 @@ impl PupilDisk {
         PupilSample { slopes: [x + radius * u, y + radius * v], area: self.slope_area() }
     }
 
-    /// The disk as lanes draw from it.
+    /// The disk as lanes sample it.
     pub(crate) fn lane_disk<S: Scalar>(&self) -> LaneDisk<S> {
         LaneDisk {
             shift: S::from_f64(-self.vergence),

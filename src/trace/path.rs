@@ -28,7 +28,7 @@ pub struct Walk {
     pub blocked: Option<Blocked>,
 }
 
-/// What [`Path::intersections`] tells of a surface.
+/// Where a ray meets a surface: what [`Path::intersections`] reports.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Intersection<R> {
     /// The surface, counted along the travel.
@@ -256,11 +256,14 @@ impl<R: Real> Path<R> {
         [sx, sy]: [R; 2],
         mut go_on: impl FnMut(Intersection<R>) -> bool,
     ) -> bool {
-        let way = R::from_f64(self.travel_sign() * (self.entry - film));
+        let moved = R::from_f64(self.travel_sign() * (self.entry - film));
         let length = (R::ONE + sx * sx + sy * sy).sqrt();
         let vz = self.steps[0].n / length;
-        let mut state =
-            State { p: [x + way * sx, y + way * sy, R::ZERO], v: [sx * vz, sy * vz, vz], lead: way * length };
+        let mut state = State {
+            p: [x + moved * sx, y + moved * sy, R::ZERO],
+            v: [sx * vz, sy * vz, vz],
+            lead: moved * length,
+        };
         self.steps.iter().enumerate().all(|(surface, step)| {
             state.p[2] = state.p[2] - step.distance;
             if !self.is_forward(&state, surface) || step.meet(&mut state).is_err() {

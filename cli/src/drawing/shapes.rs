@@ -197,11 +197,13 @@ impl fmt::Display for Shape {
         }
         write!(out, " fill=\"{fill}\"")?;
         if let Some(Stroke { color, width, opacity, dashes }) = self.stroke {
-            write!(
-                out,
-                " stroke=\"{color}\" stroke-width=\"{width}\" stroke-opacity=\"{opacity}\" \
-                 stroke-dasharray=\"{dashes}\" stroke-linejoin=\"round\""
-            )?;
+            write!(out, " stroke=\"{color}\" stroke-width=\"{width}\" stroke-linejoin=\"round\"")?;
+            if opacity < 1.0 {
+                write!(out, " stroke-opacity=\"{opacity}\"")?;
+            }
+            if dashes != "none" {
+                write!(out, " stroke-dasharray=\"{dashes}\"")?;
+            }
         }
         write!(out, "/>")
     }

@@ -6,27 +6,7 @@ use super::placement::{Area, beside};
 use crate::drawing::labels::spread;
 use crate::drawing::shapes::{Anchor, Page, Stroke, text_width};
 use crate::drawing::{FAINT, INK};
-
-/// The form of a mark.
-#[derive(Clone, Copy, Debug)]
-pub enum Symbol {
-    /// A disk.
-    Disk,
-    /// A square.
-    Square,
-    /// A triangle.
-    Triangle,
-    /// A square on its corner.
-    Diamond,
-    /// A triangle on its corner.
-    Drop,
-    /// Two bars.
-    Cross,
-}
-
-/// The forms of marks, one a series.
-pub const SYMBOLS: [Symbol; 6] =
-    [Symbol::Disk, Symbol::Square, Symbol::Triangle, Symbol::Diamond, Symbol::Drop, Symbol::Cross];
+use std::f64::consts::TAU;
 
 /// A point of a series.
 #[derive(Clone, Debug, Default)]
@@ -48,8 +28,8 @@ pub struct Series {
     pub name: String,
     /// Colour.
     pub color: &'static str,
-    /// Form of its marks.
-    pub symbol: Symbol,
+    /// The number of its marks' form.
+    pub symbol: usize,
     /// Joined by a line, of these dashes.
     pub line: Option<&'static str>,
     /// By rising cost.
@@ -85,7 +65,7 @@ impl Series {
         Self {
             name: name.to_owned(),
             color: PALETTE[number % PALETTE.len()],
-            symbol: SYMBOLS[number % SYMBOLS.len()],
+            symbol: number,
             line: None,
             marks: marks.collect(),
         }
@@ -98,7 +78,7 @@ impl Series {
         Self {
             name,
             color: PALETTE[color % PALETTE.len()],
-            symbol: SYMBOLS[dash % SYMBOLS.len()],
+            symbol: dash,
             line: Some(DASHES[dash % DASHES.len()]),
             marks: points.map(|at| Mark { at, ..Mark::default() }).collect(),
         }
@@ -273,25 +253,25 @@ fn key_rows<'a>(series: &[&'a Series], width: f64) -> Vec<Vec<(f64, &'a Series)>
     rows
 }
 
-/// A mark, filled or hollow.
+/// A mark, filled or hollow: a disk, a square, a triangle, a diamond, a triangle on its corner, a cross.
 fn symbol(page: &mut Page, series: &Series, [x, y]: [f64; 2], filled: bool) {
-    let r = 5.0;
-    let corners: Vec<[f64; 2]> = match series.symbol {
-        Symbol::Disk => (0..16)
-            .map(|i| f64::from(i) * std::f64::consts::TAU / 16.0)
-            .map(|a| [r * a.cos(), r * a.sin()])
-            .collect(),
-        Symbol::Square => vec![[-r, -r], [r, -r], [r, r], [-r, r]],
-        Symbol::Triangle => vec![[0.0, -1.2 * r], [1.15 * r, 0.9 * r], [-1.15 * r, 0.9 * r]],
-        Symbol::Diamond => vec![[0.0, -1.3 * r], [1.3 * r, 0.0], [0.0, 1.3 * r], [-1.3 * r, 0.0]],
-        Symbol::Cross => {
-            let arm = [[-1.3, -0.45], [-0.45, -0.45], [-0.45, -1.3]];
-            // A quarter of its outline, four times turned.
-            let turned = |quarter: u32, [x, y]: [f64; 2]| (0..quarter).fold([x, y], |[x, y], _| [-y, x]);
-            (0..4).flat_map(|q| arm.map(|corner| turned(q, corner).map(|x| r * x))).collect()
+    let polygon = |corners: u32, first: f64, radius: f64| -> Vec<[f64; 2]> {
+        let angles = (0..corners).map(|i| (f64::from(i) / f64::from(corners) + first) * TAU);
+        angles.map(|angle| [x + radius * angle.cos(), y + radius * angle.sin()]).collect()
+    };
+    let corners = match series.symbol % 6 {
+        0 => polygon(16, 0.0, 5.0),
+        1 => polygon(4, 0.125, 7.0),
+        2 => polygon(3, 0.75, 6.5),
+        3 => polygon(4, 0.0, 6.5),
+        4 => polygon(3, 0.25, 6.5),
+        _ => {
+            // The inner corners lie between the ends of the arms.
+            let (inner, outer) = (polygon(4, 0.125, 3.2), polygon(8, 0.053, 6.9));
+            let ends = polygon(8, -0.053, 6.9);
+            (0..4).flat_map(|arm| [ends[2 * arm], outer[2 * arm], inner[arm]]).collect()
         }
-        Symbol::Drop => vec![[0.0, 1.2 * r], [1.15 * r, -0.9 * r], [-1.15 * r, -0.9 * r]],
     };
     let fill = if filled { series.color } else { "#ffffff" };
-    page.area(corners.iter().map(|[dx, dy]| [x + dx, y + dy]), fill, Stroke::new(series.color, 1.6));
+    page.area(corners, fill, Stroke::new(series.color, 1.6));
 }

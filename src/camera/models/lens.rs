@@ -13,7 +13,7 @@ use crate::{
             choices::{Precision, PupilChoice, Weighting},
         },
         pipeline::{
-            arrays::{RayArrays, RayBlock, SampleArrays},
+            arrays::{OneRay, RayArrays, RayBlock, SampleArrays, SampleBlock, SampleStore},
             body::CameraBody,
             compile::compile,
             tracer::Tracer,
@@ -28,9 +28,9 @@ use crate::{
         first_order::FirstOrder,
         pupil::{EntrancePupil, limiting_surface},
     },
-    plan::{Arithmetic, Decision, FilmSide, Plan, Task},
+    plan::{Arithmetic, Decision, FilmSide, Plan, Task, describe_sampling},
     sampling::{DiskMapping, PupilDisk, PupilSampler, WarpedPupil, film_rays::FilmRays},
-    trace::{Blocked, Direction, Path, Ray, kernel::Grouping},
+    trace::{Blocked, Direction, Path, Ray},
 };
 
 /// A camera with a real lens. Immutable, and may be shared between threads.
@@ -138,7 +138,7 @@ impl RealisticCamera {
     /// Writes a sample's ray and its weight; 0, and no ray, where there is none.
     #[inline(always)]
     pub(crate) fn trace_one(&self, sample: &Sample, ray: &mut WorldRay, weight: &mut f32) {
-        self.tracer.trace(Grouping::One, &SampleArrays::of_one(sample), &mut RayArrays::of_one(ray, weight));
+        self.tracer.one(sample, &mut OneRay { ray: &mut *ray, weight: &mut *weight });
         if *weight > 0.0 {
             let placement = &self.body.placement;
             [ray.mint, ray.maxt] = placement.clip;
@@ -146,14 +146,14 @@ impl RealisticCamera {
         }
     }
 
-    /// Traces up to four samples of one time side by side; `false`, and nothing done, where that takes as long as one
+    /// Traces four samples of one time side by side; `false`, and nothing done, where that takes as long as one
     /// after the other.
     #[inline]
-    pub(crate) fn trace_side_by_side(&self, samples: &SampleArrays<'_>, rays: &mut RayBlock<4>) -> bool {
+    pub(crate) fn trace_side_by_side(&self, samples: &SampleBlock<4>, rays: &mut RayBlock<4>) -> bool {
         if self.gains_side_by_side {
-            self.tracer.trace(Grouping::Quad, samples, &mut rays.arrays(samples.time.len()));
+            self.tracer.four(samples, rays);
             let placement = &self.body.placement;
-            rays.set_range_and_time(placement.clip, placement.time(samples.time[0]));
+            rays.set_range_and_time(placement.clip, placement.time(samples.sample(0).time));
         }
         self.gains_side_by_side
     }
@@ -161,7 +161,7 @@ impl RealisticCamera {
     /// [`RealisticCamera::rays`] of arrays that have one length.
     #[inline]
     pub(crate) fn trace_arrays(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
-        self.tracer.trace(Grouping::Wide, samples, rays);
+        self.tracer.many(samples, rays);
         let placement = &self.body.placement;
         let RayArrays { mint, maxt, time, weight, .. } = rays;
         for (array, end) in [(mint, placement.clip[0]), (maxt, placement.clip[1])] {
@@ -363,7 +363,7 @@ fn plan_and_compile(
         log(Level::Info, &choice.sentence());
     }
     let tracer = compile(&decision, &setup.lens, path, body, &mut plan);
-    task.film.describe(&mut plan, setup.lens.wavelength);
+    describe_sampling(&task.film, setup.lens.wavelength, &mut plan);
     body.placement.describe(&mut plan);
     (tracer, decision.tracing.gains_side_by_side(), plan)
 }

@@ -1,4 +1,7 @@
-//! Samples and rays as structure of arrays: a caller's own, one sample's as arrays of one, and blocks of a fixed size.
+//! Samples and rays as structure of arrays: a caller's own, blocks of a fixed size, and one sample's as arrays of one.
+//!
+//! Lanes load and store all three by [`SampleStore`] and [`RayStore`]; where the number is known when the library is
+//! compiled, no length is checked.
 
 use std::{array, slice};
 
@@ -7,6 +10,66 @@ use crate::camera::ray::{Sample, WorldRay};
 /// Samples that are copied into arrays at once: few enough for the first cache, and a whole number of times three of
 /// any vectors.
 pub(crate) const BLOCK: usize = 384;
+
+/// Samples that lanes load.
+pub(crate) trait SampleStore {
+    /// How many there are.
+    fn len(&self) -> usize;
+    /// Image x and y, lens u and v, time: one of these five.
+    fn array(&self, number: usize) -> &[f32];
+    /// The sample at a place.
+    #[inline(always)]
+    fn sample(&self, i: usize) -> Sample {
+        let [image_x, image_y, lens_u, lens_v, time] = array::from_fn(|number| self.array(number)[i]);
+        Sample { image_x, image_y, lens_u, lens_v, time }
+    }
+}
+
+/// Room for rays that lanes store.
+pub(crate) trait RayStore {
+    /// Origin's and direction's x, y and z, weight: one of these seven.
+    fn array(&mut self, number: usize) -> &mut [f32];
+    /// Puts origin, direction and weight of a ray at a place; of none, the weight 0 alone.
+    fn put(&mut self, i: usize, ray: Option<(WorldRay, f32)>) {
+        if let Some((WorldRay { origin, direction, .. }, _)) = ray {
+            for axis in 0..3 {
+                self.array(axis)[i] = origin[axis];
+                self.array(3 + axis)[i] = direction[axis];
+            }
+        }
+        self.array(6)[i] = ray.map_or(0.0, |(_, weight)| weight);
+    }
+}
+
+impl SampleStore for Sample {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        1
+    }
+
+    #[inline(always)]
+    fn array(&self, number: usize) -> &[f32] {
+        let Self { image_x, image_y, lens_u, lens_v, time } = self;
+        slice::from_ref([image_x, image_y, lens_u, lens_v, time][number])
+    }
+}
+
+/// Room for one ray, of which range and time are not the lanes' business.
+pub(crate) struct OneRay<'a> {
+    pub ray: &'a mut WorldRay,
+    pub weight: &'a mut f32,
+}
+
+impl RayStore for OneRay<'_> {
+    #[inline(always)]
+    fn array(&mut self, number: usize) -> &mut [f32] {
+        slice::from_mut(match number {
+            0..3 => &mut self.ray.origin[number],
+            3..6 => &mut self.ray.direction[number - 3],
+            _ => self.weight,
+        })
+    }
+}
 
 /// Samples, as structure of arrays of one length.
 #[derive(Clone, Copy, Debug)]
@@ -23,16 +86,7 @@ pub struct SampleArrays<'a> {
     pub time: &'a [f32],
 }
 
-impl<'a> SampleArrays<'a> {
-    /// Arrays of one.
-    #[inline(always)]
-    pub(crate) fn of_one(sample: &'a Sample) -> Self {
-        let Sample { image_x, image_y, lens_u, lens_v, time } = sample;
-        let [image_x, image_y, lens_u, lens_v, time] =
-            [image_x, image_y, lens_u, lens_v, time].map(slice::from_ref);
-        Self { image_x, image_y, lens_u, lens_v, time }
-    }
-
+impl SampleArrays<'_> {
     /// The number of samples.
     ///
     /// # Panics
@@ -50,13 +104,7 @@ impl<'a> SampleArrays<'a> {
     /// There is none.
     #[inline]
     pub fn get(&self, i: usize) -> Sample {
-        Sample {
-            image_x: self.image_x[i],
-            image_y: self.image_y[i],
-            lens_u: self.lens_u[i],
-            lens_v: self.lens_v[i],
-            time: self.time[i],
-        }
+        self.sample(i)
     }
 
     /// Those from `first` on, `count` of them.
@@ -88,16 +136,7 @@ pub struct RayArrays<'a> {
     pub weight: &'a mut [f32],
 }
 
-impl<'a> RayArrays<'a> {
-    /// Arrays of one, for all but its range and time.
-    #[inline(always)]
-    pub(crate) fn of_one(ray: &'a mut WorldRay, weight: &'a mut f32) -> Self {
-        let WorldRay { origin: [ox, oy, oz], direction: [dx, dy, dz], .. } = ray;
-        let [ox, oy, oz, dx, dy, dz, weight] = [ox, oy, oz, dx, dy, dz, weight].map(slice::from_mut);
-        let (origin, direction) = ([ox, oy, oz], [dx, dy, dz]);
-        Self { origin, direction, mint: None, maxt: None, time: None, weight }
-    }
-
+impl RayArrays<'_> {
     /// The number of rays.
     ///
     /// # Panics
@@ -111,38 +150,42 @@ impl<'a> RayArrays<'a> {
         n
     }
 
-    /// One place of all but range and time.
-    pub(crate) fn place(&mut self, i: usize) -> RayArrays<'_> {
-        RayArrays {
-            origin: self.origin.each_mut().map(|array| slice::from_mut(&mut array[i])),
-            direction: self.direction.each_mut().map(|array| slice::from_mut(&mut array[i])),
-            mint: None,
-            maxt: None,
-            time: None,
-            weight: slice::from_mut(&mut self.weight[i]),
-        }
-    }
-
     /// Puts a ray, or none, at a place.
     ///
     /// # Panics
     /// There is no such place.
     #[inline]
     pub fn set(&mut self, i: usize, ray: Option<(WorldRay, f32)>) {
-        let Some((WorldRay { origin, direction, mint, maxt, time }, weight)) = ray else {
-            self.weight[i] = 0.0;
-            return;
-        };
-        for axis in 0..3 {
-            self.origin[axis][i] = origin[axis];
-            self.direction[axis][i] = direction[axis];
-        }
+        self.put(i, ray);
+        let Some((WorldRay { mint, maxt, time, .. }, _)) = ray else { return };
         for (array, number) in [(&mut self.mint, mint), (&mut self.maxt, maxt), (&mut self.time, time)] {
             if let Some(array) = array {
                 array[i] = number;
             }
         }
-        self.weight[i] = weight;
+    }
+}
+
+impl SampleStore for SampleArrays<'_> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.image_x.len()
+    }
+
+    #[inline(always)]
+    fn array(&self, number: usize) -> &[f32] {
+        [self.image_x, self.image_y, self.lens_u, self.lens_v, self.time][number]
+    }
+}
+
+impl RayStore for RayArrays<'_> {
+    #[inline(always)]
+    fn array(&mut self, number: usize) -> &mut [f32] {
+        match number {
+            0..3 => self.origin[number],
+            3..6 => self.direction[number - 3],
+            _ => self.weight,
+        }
     }
 }
 
@@ -178,6 +221,26 @@ impl<const N: usize> SampleBlock<N> {
     }
 }
 
+impl<const N: usize> From<[[f32; N]; 5]> for SampleBlock<N> {
+    /// Image x and y, lens u and v, time.
+    #[inline(always)]
+    fn from(arrays: [[f32; N]; 5]) -> Self {
+        Self(arrays)
+    }
+}
+
+impl<const N: usize> SampleStore for SampleBlock<N> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        N
+    }
+
+    #[inline(always)]
+    fn array(&self, number: usize) -> &[f32] {
+        &self.0[number]
+    }
+}
+
 impl<const N: usize> Default for SampleBlock<N> {
     fn default() -> Self {
         Self::new()
@@ -200,7 +263,7 @@ impl<const N: usize> RayBlock<N> {
     /// `n` is more than `N`.
     #[inline(always)]
     pub fn arrays(&mut self, n: usize) -> RayArrays<'_> {
-        let [ox, oy, oz, dx, dy, dz, mint, maxt, time, weight] =
+        let [ox, oy, oz, dx, dy, dz, weight, mint, maxt, time] =
             self.0.each_mut().map(|array| &mut array[..n]);
         let [mint, maxt, time] = [mint, maxt, time].map(Some);
         RayArrays { origin: [ox, oy, oz], direction: [dx, dy, dz], mint, maxt, time, weight }
@@ -209,7 +272,7 @@ impl<const N: usize> RayBlock<N> {
     /// Gives every ray this range and time.
     #[inline(always)]
     pub(crate) fn set_range_and_time(&mut self, [mint, maxt]: [f32; 2], time: f32) {
-        for (array, number) in self.0[6..9].iter_mut().zip([mint, maxt, time]) {
+        for (array, number) in self.0[7..].iter_mut().zip([mint, maxt, time]) {
             *array = [number; N];
         }
     }
@@ -220,7 +283,7 @@ impl<const N: usize> RayBlock<N> {
     /// The place is not below `N`.
     #[inline(always)]
     pub fn weight(&self, i: usize) -> f32 {
-        self.0[9][i]
+        self.0[6][i]
     }
 
     /// The ray at a place, with its weight.
@@ -231,8 +294,15 @@ impl<const N: usize> RayBlock<N> {
     pub fn get(&self, i: usize) -> Option<(WorldRay, f32)> {
         let weight = self.weight(i);
         let [origin, direction, [mint, maxt, time]] =
-            array::from_fn(|k| [self.0[3 * k][i], self.0[3 * k + 1][i], self.0[3 * k + 2][i]]);
+            [0, 3, 7].map(|first: usize| array::from_fn(|k| self.0[first + k][i]));
         (weight > 0.0).then_some((WorldRay { origin, direction, mint, maxt, time }, weight))
+    }
+}
+
+impl<const N: usize> RayStore for RayBlock<N> {
+    #[inline(always)]
+    fn array(&mut self, number: usize) -> &mut [f32] {
+        &mut self.0[number]
     }
 }
 

@@ -5,7 +5,7 @@
 use std::{cell::Cell, f64::consts::PI};
 
 use super::{
-    arrays::{RayArrays, SampleArrays},
+    arrays::{OneRay, RayArrays, RayBlock, RayStore, SampleArrays, SampleBlock, SampleStore},
     body::CameraBody,
     film_sampling::{FilmSampling, SampleLanes},
     tracer::Tracer,
@@ -23,26 +23,26 @@ use crate::{
 /// What takes lanes of rays through a lens.
 pub(crate) trait LensOptics<S>: Send + Sync {
     /// Traces a batch.
-    fn trace(&self, shape: Grouping, batch: &mut impl Batch<S>)
+    fn trace(&self, grouping: Grouping, batch: &mut impl Batch<S>)
     where
         S: Precision;
 }
 
 impl<S: Precision + Send + Sync> LensOptics<S> for Kernel<S> {
     #[inline(always)]
-    fn trace(&self, shape: Grouping, batch: &mut impl Batch<S>) {
-        Kernel::trace(self, shape, batch);
+    fn trace(&self, grouping: Grouping, batch: &mut impl Batch<S>) {
+        Kernel::trace(self, grouping, batch);
     }
 }
 
 impl<S: Precision + Send + Sync> LensOptics<S> for PolynomialLens<S> {
     #[inline(always)]
-    fn trace(&self, shape: Grouping, batch: &mut impl Batch<S>) {
-        PolynomialLens::trace(self, shape, batch);
+    fn trace(&self, grouping: Grouping, batch: &mut impl Batch<S>) {
+        PolynomialLens::trace(self, grouping, batch);
     }
 }
 
-/// A camera compiled for a precision and a way through the lens. The shape of a call does not change a bit of its
+/// A camera compiled for a precision and a way through the lens. How a call is grouped does not change a bit of its
 /// results.
 pub(crate) struct Pipeline<S, O> {
     film: FilmSampling<S>,
@@ -68,29 +68,46 @@ impl<S: Turns, O: LensOptics<S>> Pipeline<S, O> {
         }
     }
 
+    /// The way of every sample, however many they are.
+    #[inline(always)]
+    fn trace(&self, grouping: Grouping, samples: &impl SampleStore, rays: &mut impl RayStore) {
+        let Some((optics, within)) = &self.fast else {
+            return self.whole.trace(grouping, &mut Job::new(self, samples, rays, None));
+        };
+        let mut job = Job::new(self, samples, &mut *rays, Some(*within));
+        optics.trace(grouping, &mut job);
+        if job.is_out_of_range.get() {
+            self.trace_out_of_range(*within, samples, rays);
+        }
+    }
+
     /// Traces anew, by the whole lens, those samples whose film points lie out of the fast way's range.
     #[cold]
-    fn trace_out_of_range(&self, within: S, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
-        for i in 0..rays.weight.len() {
+    fn trace_out_of_range(&self, within: S, samples: &impl SampleStore, rays: &mut impl RayStore) {
+        for i in 0..samples.len() {
+            let sample = samples.sample(i);
             // Not "greater": a film point that is not a number is out of range, too.
-            if !(self.film.radius_squared(&samples.get(i)) <= within) {
-                let (samples, mut rays) = (samples.part(i, 1), rays.place(i));
-                self.whole.trace(Grouping::One, &mut Job::new(self, &samples, &mut rays, None));
+            if !(self.film.radius_squared(&sample) <= within) {
+                let (mut ray, mut weight) = Default::default();
+                let mut one = OneRay { ray: &mut ray, weight: &mut weight };
+                self.whole.trace(Grouping::One, &mut Job::new(self, &sample, &mut one, None));
+                rays.put(i, (weight > 0.0).then_some((ray, weight)));
             }
         }
     }
 }
 
 impl<S: Turns + Send + Sync, O: LensOptics<S>> Tracer for Pipeline<S, O> {
-    fn trace(&self, shape: Grouping, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
-        let Some((optics, within)) = &self.fast else {
-            return self.whole.trace(shape, &mut Job::new(self, samples, rays, None));
-        };
-        let mut job = Job::new(self, samples, &mut *rays, Some(*within));
-        optics.trace(shape, &mut job);
-        if job.is_out_of_range.get() {
-            self.trace_out_of_range(*within, samples, rays);
-        }
+    fn one(&self, sample: &Sample, ray: &mut OneRay<'_>) {
+        self.trace(Grouping::One, sample, ray);
+    }
+
+    fn four(&self, samples: &SampleBlock<4>, rays: &mut RayBlock<4>) {
+        self.trace(Grouping::Quad, samples, rays);
+    }
+
+    fn many(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
+        self.trace(Grouping::Wide, samples, rays);
     }
 
     fn film_ray(&self, sample: &Sample) -> FilmRays<f64> {
@@ -103,33 +120,33 @@ impl<S: Turns + Send + Sync, O: LensOptics<S>> Tracer for Pipeline<S, O> {
 }
 
 /// Samples on their way to world rays.
-struct Job<'a, 'b, 'c, S, O> {
+struct Job<'a, S, O, I, R> {
     pipeline: &'a Pipeline<S, O>,
-    samples: &'a SampleArrays<'b>,
-    rays: &'a mut RayArrays<'c>,
+    samples: &'a I,
+    rays: &'a mut R,
     /// The square of the film radius up to which the optics serves, mm²; `None` for any.
     within: Option<S>,
     /// Set where a film point lies beyond.
     is_out_of_range: Cell<bool>,
 }
 
-impl<'a, 'b, 'c, S: Turns, O> Job<'a, 'b, 'c, S, O> {
+impl<'a, S: Turns, O, I: SampleStore, R> Job<'a, S, O, I, R> {
     #[inline(always)]
-    fn new(
-        pipeline: &'a Pipeline<S, O>,
-        samples: &'a SampleArrays<'b>,
-        rays: &'a mut RayArrays<'c>,
-        within: Option<S>,
-    ) -> Self {
+    fn new(pipeline: &'a Pipeline<S, O>, samples: &'a I, rays: &'a mut R, within: Option<S>) -> Self {
         Self { pipeline, samples, rays, within, is_out_of_range: Cell::new(false) }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn load<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, at: usize) -> SampleLanes<L> {
-        let SampleArrays { image_x, image_y, lens_u, lens_v, .. } = *self.samples;
         SampleLanes {
-            image: [L::load_single(cpu, &image_x[at..]), L::load_single(cpu, &image_y[at..])],
-            lens: [L::load_single(cpu, &lens_u[at..]), L::load_single(cpu, &lens_v[at..])],
+            image: [
+                L::load_single(cpu, &self.samples.array(0)[at..]),
+                L::load_single(cpu, &self.samples.array(1)[at..]),
+            ],
+            lens: [
+                L::load_single(cpu, &self.samples.array(2)[at..]),
+                L::load_single(cpu, &self.samples.array(3)[at..]),
+            ],
         }
     }
 
@@ -159,13 +176,13 @@ impl<'a, 'b, 'c, S: Turns, O> Job<'a, 'b, 'c, S, O> {
     }
 }
 
-impl<S: Turns, O> Batch<S> for Job<'_, '_, '_, S, O> {
+impl<S: Turns, O, I: SampleStore, R: RayStore> Batch<S> for Job<'_, S, O, I, R> {
     /// The slope area that a ray stands for, over π.
     type Carry<L: Lanes<Scalar = S>> = L;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn len(&self) -> usize {
-        self.rays.weight.len()
+        self.samples.len()
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -204,19 +221,17 @@ impl<S: Turns, O> Batch<S> for Job<'_, '_, '_, S, O> {
             None => L::splat(cpu, S::ONE),
         };
         let [origin, direction] =
-            self.pipeline.to_world.lanes(cpu, end.origin, end.direction, &self.samples.time[at..]);
+            self.pipeline.to_world.lanes(cpu, end.origin, end.direction, &self.samples.array(4)[at..]);
+        weight.or_zero(passed).store_single(&mut self.rays.array(6)[at..]);
         if L::all(passed) {
-            // Which is known before the rays are: whoever only asks whether there are some need not wait.
-            weight.store_single(&mut self.rays.weight[at..]);
             for axis in 0..3 {
-                origin[axis].store_single(&mut self.rays.origin[axis][at..]);
-                direction[axis].store_single(&mut self.rays.direction[axis][at..]);
+                origin[axis].store_single(&mut self.rays.array(axis)[at..]);
+                direction[axis].store_single(&mut self.rays.array(3 + axis)[at..]);
             }
         } else {
-            weight.or_zero(passed).store_single(&mut self.rays.weight[at..]);
             for axis in 0..3 {
-                origin[axis].store_single_where(passed, &mut self.rays.origin[axis][at..]);
-                direction[axis].store_single_where(passed, &mut self.rays.direction[axis][at..]);
+                origin[axis].store_single_where(passed, &mut self.rays.array(axis)[at..]);
+                direction[axis].store_single_where(passed, &mut self.rays.array(3 + axis)[at..]);
             }
         }
     }

@@ -2,18 +2,23 @@
 
 use std::fmt;
 
-use super::arrays::{RayArrays, SampleArrays};
+use super::arrays::{OneRay, RayArrays, RayBlock, SampleArrays, SampleBlock};
 use crate::{
     camera::ray::Sample,
     sampling::film_rays::FilmRays,
-    trace::{Blocked, Ray, kernel::Grouping},
+    trace::{Blocked, Ray},
 };
 
 /// A lens between a film and the world, compiled for one way of tracing.
 pub(crate) trait Tracer: Send + Sync {
-    /// Writes origins, directions and weights of samples' rays, in arrays that all have one length. Of a ray that is
-    /// blocked only the weight is written, 0. The shape changes no bit.
-    fn trace(&self, shape: Grouping, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>);
+    /// Writes origin, direction and weight of a sample's ray. Of a blocked one only the weight is written, 0.
+    fn one(&self, sample: &Sample, ray: &mut OneRay<'_>);
+
+    /// [`Tracer::one`] of four samples side by side, the same to the last bit.
+    fn four(&self, samples: &SampleBlock<4>, rays: &mut RayBlock<4>);
+
+    /// [`Tracer::one`] of many samples, the same to the last bit, in arrays that all have one length.
+    fn many(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>);
 
     /// The film ray that a sample asks for.
     fn film_ray(&self, sample: &Sample) -> FilmRays<f64>;

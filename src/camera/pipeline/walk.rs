@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::{
-    arrays::{RayArrays, SampleArrays},
+    arrays::{OneRay, RayArrays, RayBlock, RayStore, SampleArrays, SampleBlock, SampleStore},
     body::CameraBody,
     film_sampling::FilmSampling,
     tracer::Tracer,
@@ -12,7 +12,7 @@ use crate::{
     camera::ray::{Sample, WorldRay},
     imaging::irradiance::{cos4, film_ray},
     sampling::film_rays::FilmRays,
-    trace::{Blocked, Path, Ray, Real, kernel::Grouping},
+    trace::{Blocked, Path, Ray, Real},
 };
 
 /// A camera that walks its rays through the lens in numbers of type `R`.
@@ -28,7 +28,7 @@ impl<R: Real> Walk<R> {
         Self { film: body.film_sampling(), path, body: body.clone() }
     }
 
-    fn one(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
+    fn ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
         let FilmRays { point, slopes, area_per_pi, .. } = self.film.one(sample);
         if area_per_pi.is_nan() {
             return None;
@@ -39,11 +39,23 @@ impl<R: Real> Walk<R> {
         // However small, it is not that of a blocked ray.
         Some((placement.world_ray(ray, *units_per_mm, sample.time), weight.max(f32::MIN_POSITIVE)))
     }
+
+    fn each(&self, samples: &impl SampleStore, rays: &mut impl RayStore) {
+        (0..samples.len()).for_each(|i| rays.put(i, self.ray(&samples.sample(i))));
+    }
 }
 
 impl<R: Real + Send + Sync> Tracer for Walk<R> {
-    fn trace(&self, _: Grouping, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
-        (0..rays.weight.len()).for_each(|i| rays.set(i, self.one(&samples.get(i))));
+    fn one(&self, sample: &Sample, ray: &mut OneRay<'_>) {
+        self.each(sample, ray);
+    }
+
+    fn four(&self, samples: &SampleBlock<4>, rays: &mut RayBlock<4>) {
+        self.each(samples, rays);
+    }
+
+    fn many(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
+        self.each(samples, rays);
     }
 
     fn film_ray(&self, sample: &Sample) -> FilmRays<f64> {

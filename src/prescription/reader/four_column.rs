@@ -1,4 +1,5 @@
-//! A row of the assignment's and pbrt's table: radius, thickness, index, clear diameter.
+//! A line of the assignment's and pbrt's table: radius, thickness, refractive index, clear diameter (mm). A line in, a
+//! row out; what its neighbours have to say is checked later.
 
 use super::{
     glasses::Glasses,

@@ -1,4 +1,5 @@
-//! The values that the columns of a table hold, read the same way in every column format.
+//! The values that the columns of a table hold, read the same way in every column format: a word in, a radius, an index
+//! or a complaint that names its line and column out.
 
 use super::lines::{Lines, Word};
 use crate::prescription::LensFileError;

@@ -1,5 +1,6 @@
-//! Builds the table: outlines at as many film radii as it takes for the ones between to be
-//! interpolated.
+//! Builds the table: a path and the film's place in; outlines at as many film radii as it takes for the ones between to
+//! be interpolated out. Intervals of film radius are halved until the middle is predicted by its ends (adaptive
+//! subdivision); where no outline fits the rear element's disk stands in.
 
 use std::cell::Cell;
 
@@ -361,7 +362,7 @@ fn last_sliver([from, to]: [usize; 2], a: &Slice, b: &Slice) -> Interval {
     Interval { from, to, slices: [a.clone(), end] }
 }
 
-/// C/h and the narrowing on the axis, where nothing tells them: even in h, so by extrapolation in h² from the next two
+/// C/h and the narrowing on the axis, where they cannot be measured: even in h, so by extrapolation in h² from the next two
 /// slices.
 fn center_on_axis(intervals: &mut [Interval]) {
     let [first, second, ..] = intervals else { return };
@@ -379,7 +380,7 @@ fn center_on_axis(intervals: &mut [Interval]) {
 }
 
 /// A root of `f` in `[a, b]`, where it is negative at `a` and positive at `b`, to `tolerance` relative: the
-/// end at which it is positive.
+/// end at which it is positive. Not `numeric::root`, for the reason that [`super::outline`]'s meeting of arcs has.
 fn root_to(mut a: f64, mut b: f64, tolerance: f64, f: impl Fn(f64) -> f64) -> f64 {
     let (mut fa, mut fb) = (f(a), f(b));
     if fa >= 0.0 {
@@ -414,12 +415,12 @@ mod tests {
     use crate::{imaging::focus::Focus, lens::Lens, prescription::catalogue};
 
     #[test]
-    fn no_row_is_squeezed_to_nothing_or_stretched() {
+    fn no_slice_is_narrowed_to_nothing_or_stretched() {
         for name in catalogue::names() {
             for stop in [1.0, 0.5, 0.1, 0.01] {
                 let mut lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
-                let slice = lens.stop_index().expect("a stop");
-                lens.surfaces[slice].semi_diameter *= stop;
+                let stop_index = lens.stop_index().expect("a stop");
+                lens.surfaces[stop_index].semi_diameter *= stop;
                 let focus = Focus::new(&lens).expect("focal");
                 let film = lens.rear().vertex - focus.film_distance(f64::INFINITY).expect("reachable");
                 let path = Path::film_to_scene(&lens);

@@ -1,4 +1,4 @@
-//! The warped pupil: lens samples drawn from the true pupil of each film point.
+//! The warped pupil: lens samples (u, v) mapped to the true pupil of each film point.
 //!
 //! The pupil of a film point at distance h from the axis, in slopes at the film and turned so that the
 //! point lies on the +x axis, is the image of the unit disk under
@@ -20,7 +20,7 @@
 //! pupil under a disk that stays, so that for fixed lens samples the slope is continuous over
 //! the film, through the axis too, where M is the same in every direction. A round pupil is exactly
 //! round. The map's Jacobian is |M|² + Im(conj(M) dM/dφ), with dq/dφ = |d|²/(|a| + |b|)²: the exact
-//! density of what is drawn, whatever the table, so that the only bias is the share of the
+//! density of what is sampled, whatever the table, so that the only bias is the share of the
 //! pupil that the map does not reach.
 //!
 //! Toward the radius at which it vanishes a pupil becomes a crescent ever higher than wide, between whose knots the map
@@ -28,7 +28,7 @@
 //! p to τ = 1 - λ(h) h² of its size: M d - λ (M d · p) p in the place of M d, τ times the density. λ is tabulated, too.
 //!
 //! One evaluation takes one or two roots, a division, no trigonometry and three times four neighbouring
-//! floats, four times with λ. It is written once, over lanes of either precision: a single draw has the bits of a
+//! floats, four times with λ. It is written once, over lanes of either precision: a single sample has the bits of a
 //! batch's.
 //!
 //! Where no such map fits (a pupil in pieces, with holes, or of an edge that no half-line meets once)
@@ -65,7 +65,8 @@ pub struct WarpedPupil {
     /// s = 1 - sqrt(1 - h/end), in which the shrinking outline is smooth.
     dark_beyond: bool,
     /// Two pairs of each smallest interval of s: where in the table the slice below it begins, and the reciprocal of that
-    /// slice's width in smallest intervals; c there, and c's step to the next slice.
+    /// slice's width in smallest intervals; c there, and c's step to the next slice. The place is a float, too: one load
+    /// brings all four, and it is added to the knot's number before it is looked up.
     cells: Vec<[f32; 2]>,
     /// Two pairs of each smallest interval where the pupil vanishes, else none: λ at the slice below, and its step to the
     /// next slice; c's bend between the slices, for in h it goes straight and in s it does not, and a 0 that fills the
@@ -83,6 +84,8 @@ const _: () = assert!((ROOT * ROOT) as usize == CELLS / 2);
 
 /// Pairs a slice.
 const STRIDE: usize = CELLS + 1;
+// Places in the table are exact in single precision.
+const _: () = assert!(2 * FINE * STRIDE < 1 << f32::MANTISSA_DIGITS);
 /// Rings of [`WarpedPupil::bands`].
 const BANDS: usize = 4;
 
@@ -153,7 +156,7 @@ impl WarpedPupil {
         self.dark_beyond.then_some(self.end)
     }
 
-    /// Rings of the film with disks of slopes that hold everything drawn there.
+    /// Rings of the film with disks of slopes that hold everything sampled there.
     pub fn bands(&self) -> Vec<Band> {
         /// Each holds every slope that single precision can make of the table.
         const ROUNDING: f64 = 1e-5;
@@ -185,19 +188,19 @@ impl WarpedPupil {
     /// The slope that the point `disk` of the unit disk stands for at a film point, mm; `None` where the
     /// film is dark.
     pub fn sample(&self, film: [f64; 2], disk: [f64; 2]) -> Option<PupilSample> {
-        let mut drawn = PupilSample { slopes: [0.0; 2], area: f64::NAN };
-        Simd::best().run(One { pupil: self, film, disk, drawn: &mut drawn });
-        (!drawn.area.is_nan()).then_some(drawn)
+        let mut sample = PupilSample { slopes: [0.0; 2], area: f64::NAN };
+        Simd::best().run(OneSample { pupil: self, film, disk, found: &mut sample });
+        (!sample.area.is_nan()).then_some(sample)
     }
 
-    /// What a draw in a precision computes with.
+    /// What sampling computes with, in the precision of the lanes.
     pub(crate) fn lane_pupil<S: Scalar>(&self) -> LanePupil<S> {
         let fine = FINE as f64;
         let scale = if self.dark_beyond { fine * fine } else { fine } / self.end;
         LanePupil { scale: S::from_f64(scale), cover: self.cover.lane_disk() }
     }
 
-    /// [`WarpedPupil::sample`] in lanes: gives rays their slopes and area. Where there is nothing to draw the area is
+    /// [`WarpedPupil::sample`] in lanes: gives rays their slopes and area. Where there is nothing to sample the area is
     /// NaN.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn lanes<L: Lanes, const U: usize>(
@@ -308,7 +311,7 @@ impl WarpedPupil {
         ray.area_per_pi = jacobian * narrowing.neg_mul_add(ray.radius_squared(), one);
     }
 
-    /// Draws from the cover what film points beyond the table ask for, or nothing where film is dark there.
+    /// Samples the cover what film points beyond the table ask for, or nothing where film is dark there.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn cover<L: Lanes>(
         &self,
@@ -360,7 +363,7 @@ struct Place<L: Lanes> {
     below: L::Mask,
 }
 
-/// What a draw computes with, in its precision.
+/// What sampling computes with, in its precision.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LanePupil<S> {
     /// Smallest intervals a mm; where film is dark beyond, times their number.
@@ -368,15 +371,15 @@ pub(crate) struct LanePupil<S> {
     cover: LaneDisk<S>,
 }
 
-/// One draw by the processor's own fused multiplications.
-struct One<'a> {
+/// One sample by the processor's own fused multiplications.
+struct OneSample<'a> {
     pupil: &'a WarpedPupil,
     film: [f64; 2],
     disk: [f64; 2],
-    drawn: &'a mut PupilSample,
+    found: &'a mut PupilSample,
 }
 
-impl Compiled for One<'_> {
+impl Compiled for OneSample<'_> {
     #[inline(always)]
     fn run(self) {
         let ([x, y], [u, v]) = (self.film, self.disk);
@@ -384,6 +387,6 @@ impl Compiled for One<'_> {
         let mut rays = [FilmRays { point, disk, slopes: disk, area_per_pi: Portable([0.0]) }];
         self.pupil.lanes(Portable::cpu(), &self.pupil.lane_pupil(), &mut rays);
         let [FilmRays { slopes: [Portable([sx]), Portable([sy])], area_per_pi: Portable([area]), .. }] = rays;
-        *self.drawn = PupilSample { slopes: [sx, sy], area: PI * area };
+        *self.found = PupilSample { slopes: [sx, sy], area: PI * area };
     }
 }

@@ -1,7 +1,7 @@
-//! The pupil's edge as one film point sees it, found with few rays.
+//! The pupil of one film point, ray by ray: slopes in, how far outside every aperture their rays are out.
 //!
 //! The film point lies at (h, 0); its pupil is symmetric about the sx axis of slopes. A pupil much higher than wide is
-//! seen as wide as high: sx counts in units of τ, here and in the outline.
+//! seen as wide as high: sx counts in units of the width scale τ, here and in the outline.
 
 use std::cell::Cell;
 

@@ -1,4 +1,5 @@
-//! Rays in and out of the algorithm: structure of arrays, any number, any alignment.
+//! Rays in and out of the algorithm, a vector at a time: [`Batch`] is what a caller implements who makes its rays itself
+//! (a camera its samples), and the batches here load them from arrays, of any number and alignment.
 
 use super::{
     lanes::{Cpu, Lanes, Scalar, each_further},
@@ -124,7 +125,7 @@ impl<S: Scalar> Batch<S> for PlaneBatch<'_, '_, '_, S> {
     }
 }
 
-/// A few rays from a plane, held by value.
+/// `N` rays from a plane, held by value: one for its latency, four for a ray and its differentials.
 pub struct RaysByValue<S, const N: usize> {
     pub plane: f64,
     pub point: [[S; N]; 2],

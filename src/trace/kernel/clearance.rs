@@ -84,7 +84,7 @@ struct Packet {
     lead: [f64; PACKET],
     /// 1 for a ray that goes on, else 0.
     open: [f64; PACKET],
-    /// Square of the largest ratio, and its surface.
+    /// Square of the largest ratio, and its surface, a float so that one mask selects both.
     largest: [f64; PACKET],
     surface: [f64; PACKET],
 }

@@ -1,4 +1,5 @@
-//! What the shapes of two neighbouring surfaces prove about the rays between them.
+//! What the shapes of two neighbouring surfaces prove about the rays between them, so that tests that no ray can fail are
+//! left out of the table. Two surfaces and their distance in; the [`Tests`] that remain out.
 //!
 //! A ray is turned back where its next surface lies behind it (t < 0) or it no longer travels
 //! forward (Vz <= 0). It leaves a surface, and crosses the next one, toward the side ahead.

@@ -1,8 +1,5 @@
-//! The algorithm compiled for each set of instructions: thin functions, one a set and a grouping of call.
-//!
-//! Everything below them is inlined into them, which is what compiles it for their instructions. In
-//! builds with debug assertions it is not: the same numbers, slowly, and LLVM 22 overflows its stack
-//! on functions of that size when it also describes them to a debugger.
+//! The algorithm compiled for each set of instructions: thin functions, one a set and a grouping of rays, into which
+//! everything below them is inlined (see the room's own page).
 
 #[cfg(target_arch = "x86_64")]
 use super::Simd;

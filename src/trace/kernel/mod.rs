@@ -9,6 +9,16 @@
 //! [`Path::walk`] is its oracle, and says why a blocked ray is blocked ([`Kernel::reason`]). The two agree
 //! but for rays within rounding of an edge. Squares of n cos I below 2^-256 (double precision) or 2^-64 (single) count
 //! as 0 and block.
+//!
+//! What follows what: `surface` gathers what is known of each surface, with what `crossing` proves from its neighbours'
+//! shapes; `table` makes a step of each, within the growth of rounding that `rounding` allows; a `batch` makes rays as
+//! vectors of `lanes`; `trace` takes them through the steps, each of which is a method in `ray`; `instances` compiles
+//! all that once for each set of instructions in `simd`. `clearance` is a second, smaller loop for searches.
+//!
+//! On `#[cfg_attr(not(debug_assertions), inline(always))]`, which stands at every function below `instances`: a vector
+//! operation is compiled for a processor only inside a function that is, so that all of them must be inlined into the
+//! thin functions there. With debug assertions they are called instead, with the same bits: described to a debugger,
+//! functions of that size overflow LLVM's stack. An attribute cannot be given a name of its own in stable Rust.
 
 mod batch;
 mod clearance;

@@ -69,7 +69,7 @@ pub struct RayLanes<L: Lanes> {
     pub cos2: L,
 }
 
-/// How a link's limit is told: [`ApertureTest`] as a constant.
+/// A link's [`ApertureTest`] as a constant.
 pub const UNTESTED: u8 = 0;
 pub const HEIGHT: u8 = 1;
 pub const NORMAL_Z: u8 = 2;

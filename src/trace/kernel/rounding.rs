@@ -4,7 +4,7 @@
 //! three numbers more than a ray has, with roundings of their own, and an error in them is carried on by a matrix
 //! that is not the lens's: in a row of balls two diameters apart it grows sevenfold a ball where the ray map grows
 //! 2.6-fold. On the axis, where no ray nearby changes them to first order, that matrix is simple; the table follows
-//! it and has V made a vector of length n again before the growth matters.
+//! it and has V made a vector of length n again before the error matters.
 
 /// Independent disturbances of N_z, Vz/n and e'/n' behind a surface, as a covariance matrix, in units of the rounding.
 #[derive(Clone, Copy, Debug)]

@@ -1,4 +1,5 @@
-//! Which instructions the kernel uses.
+//! Which instructions the kernel uses: found once a process, lowered by the environment variable `REALISTIC_SIMD`. An
+//! [`Available`] is the proof that the processor has them, without which no compiled instance is called.
 
 use std::sync::OnceLock;
 

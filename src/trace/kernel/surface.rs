@@ -1,4 +1,5 @@
-//! A surface as the kernel's table is made of it: its numbers in the frame of the travel, and what of it is proven.
+//! A surface as the kernel's table is made of it: its numbers in the frame of the travel, and which tests its neighbours'
+//! shapes leave open. A path's surfaces in; [`CompiledSurface`]s out, of which `table` chooses steps.
 
 use super::crossing::{self, ClearPart, Tests};
 use crate::trace::surface::PathSurface;
@@ -7,7 +8,7 @@ use crate::trace::surface::PathSurface;
 /// without the division t has an error of rounding times R. As few as leave the catalogue's lenses, whose weakest
 /// surface comes to 43, without one.
 const STRONG: f64 = 45.0;
-/// From this (a/R)² the rim is told by N_z, which has too few digits below.
+/// From this (a/R)² the aperture is tested by N_z, which has too few digits below.
 const STEEP: f64 = 0.02;
 
 /// One surface as the compiler sees it.

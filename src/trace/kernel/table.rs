@@ -1,5 +1,7 @@
 //! A lens compiled into steps: what each surface asks of a ray, chosen when the lens is built.
 //!
+//! A path in; [`Table`] out, the constants of one [`Step`] a surface. From one strongly curved sphere to the next it is a
+//! [`Link`], the cheapest; a sphere met from afar, from a plane or where a link would amplify rounding is a [`Sphere`].
 //! Thresholds are ratios of a step's own lengths, so that a scaled lens makes the same choices.
 
 use super::{
@@ -10,8 +12,8 @@ use super::{
 };
 use crate::trace::{Direction, Path};
 
-/// What a ray is told of its height z above the vertex it was last at: -z' in the frame of the next
-/// vertex is `factor` times what it carries, plus `offset`.
+/// From one vertex's frame to the next's: -z' there is `factor` times the height that a ray carries (z above the vertex
+/// it was last at, or N_z), plus `offset`.
 #[derive(Clone, Copy, Debug)]
 pub struct Transfer<S> {
     pub factor: S,
@@ -44,13 +46,13 @@ pub struct Sphere<S> {
     pub strong: bool,
     /// The ray is moved to the vertex plane first.
     pub far: bool,
-    /// N_z is handed on, for a link; else z.
+    /// The ray carries N_z on, for a link; else z.
     pub carries_normal: bool,
     pub aperture_test: ApertureTest<S>,
     pub tests: Tests,
     /// How far behind a hit may lie by rounding alone, in units of V.
     pub slack: S,
-    /// Nothing but a strongly curved surface, told by N_z, that rays meet going on: what most spheres are.
+    /// Nothing but a strongly curved surface, its aperture tested by N_z, that rays meet going on: what most spheres are.
     pub plain: bool,
 }
 
@@ -202,8 +204,8 @@ enum StepForm {
     Link(Link<f64>),
 }
 
-/// Chooses for each surface: a link where there is one; and where what the kernel takes for granted would have
-/// drifted too far off, a sphere that is reached anew from its vertex plane.
+/// Chooses for each surface: a link where there is one; and where what the kernel takes for granted would be
+/// too far off, a sphere that is reached anew from its vertex plane.
 fn forms(surfaces: &[CompiledSurface], amplification: f64) -> Vec<StepForm> {
     let mut last: Option<(&CompiledSurface, RoundingGrowth)> = None;
     let mut forms = Vec::with_capacity(surfaces.len());

@@ -1,4 +1,5 @@
-//! Fitting the polynomials: a lens and rays from its film in; their coefficients out, by linear least squares.
+//! Fitting the polynomials: a lens and rays from its film in; their coefficients out, by linear least squares over the
+//! rays that get through. The variables are scaled to the unit disk so that the equations stay well conditioned.
 
 use thiserror::Error;
 

@@ -1,4 +1,4 @@
-//! Polynomials in three variables, several at once, by nested Horner schemes.
+//! Polynomials in three variables, several at once, by nested Horner schemes, over lanes.
 
 use crate::trace::{
     Real,

@@ -22,6 +22,10 @@ struct Fact {
     json: Value,
 }
 
+fn fact(name: &'static str, text: impl Into<Option<String>>, json: Value) -> Fact {
+    Fact { name, text: text.into(), json }
+}
+
 /// The facts of a lens.
 #[derive(Debug)]
 pub struct Facts(Vec<Fact>);
@@ -36,13 +40,13 @@ impl Facts {
         let optics = FirstOrder::of(lens).ok();
         let Prescription { name, title, stated_focal_length: stated, .. } = prescription;
         let mut facts = vec![
-            Fact { name: "lens", text: Some(name.clone()), json: json!({ "name": name }) },
-            Fact { name: "title", text: title.clone(), json: json!({ "title": title }) },
-            Fact {
-                name: "wavelength",
-                text: Some(format!("{} nm", lens.wavelength)),
-                json: json!({ "wavelength_nm": lens.wavelength }),
-            },
+            fact("lens", name.clone(), json!({ "name": name })),
+            fact("title", title.clone(), json!({ "title": title })),
+            fact(
+                "wavelength",
+                format!("{} nm", lens.wavelength),
+                json!({ "wavelength_nm": lens.wavelength }),
+            ),
         ];
         facts.extend(first_order(optics, *stated));
         facts.extend(pupils(lens, optics));
@@ -73,37 +77,37 @@ fn first_order(optics: Option<FirstOrder>, stated: Option<f64>) -> [Fact; 5] {
     let focal_length = said(&|o| format!("{:.4} mm{in_file}", o.focal_length));
     let afocal = || "none: the lens is afocal, parallel rays leave it parallel".to_owned();
     [
-        Fact {
-            name: "focal length",
-            text: focal_length.or_else(|| Some(afocal())),
-            json: json!({
+        fact(
+            "focal length",
+            focal_length.unwrap_or_else(afocal),
+            json!({
                 "focal_length_mm": optics.map(|o| o.focal_length),
                 "stated_focal_length_mm": stated,
             }),
-        },
-        Fact {
-            name: "back focal dist.",
-            text: said(&|o| format!("{:.4} mm", o.back_focal_distance())),
-            json: json!({ "back_focal_distance_mm": optics.map(|o| o.back_focal_distance()) }),
-        },
-        Fact {
-            name: "focal points",
-            text: said(&|o| both(o.front_focal_point, o.rear_focal_point)),
-            json: json!({
+        ),
+        fact(
+            "back focal dist.",
+            said(&|o| format!("{:.4} mm", o.back_focal_distance())),
+            json!({ "back_focal_distance_mm": optics.map(|o| o.back_focal_distance()) }),
+        ),
+        fact(
+            "focal points",
+            said(&|o| both(o.front_focal_point, o.rear_focal_point)),
+            json!({
                 "front_focal_point_z_mm": optics.map(|o| o.front_focal_point),
                 "rear_focal_point_z_mm": optics.map(|o| o.rear_focal_point),
             }),
-        },
-        Fact {
-            name: "principal planes",
-            text: said(&planes),
-            json: json!({ "front_principal_plane_z_mm": front, "rear_principal_plane_z_mm": rear }),
-        },
-        Fact {
-            name: "nodal points",
-            text: said(&|o| planes(o) + ", air being on both sides"),
-            json: json!({ "front_nodal_point_z_mm": front, "rear_nodal_point_z_mm": rear }),
-        },
+        ),
+        fact(
+            "principal planes",
+            said(&planes),
+            json!({ "front_principal_plane_z_mm": front, "rear_principal_plane_z_mm": rear }),
+        ),
+        fact(
+            "nodal points",
+            said(&|o| planes(o) + ", air being on both sides"),
+            json!({ "front_nodal_point_z_mm": front, "rear_nodal_point_z_mm": rear }),
+        ),
     ]
 }
 
@@ -132,32 +136,28 @@ fn pupils(lens: &Lens, optics: Option<FirstOrder>) -> [Fact; 4] {
         }
     };
     [
-        Fact {
-            name: "entrance pupil",
-            text: Some(said(entrance)),
-            json: json!({
+        fact(
+            "entrance pupil",
+            said(entrance),
+            json!({
                 "entrance_pupil_z_mm": entrance.map(|p| p.0),
                 "entrance_pupil_diameter_mm": entrance.map(|p| p.1),
             }),
-        },
-        Fact {
-            name: "exit pupil",
-            text: Some(said(exit)),
-            json: json!({
+        ),
+        fact(
+            "exit pupil",
+            said(exit),
+            json!({
                 "exit_pupil_z_mm": exit.map(|p| p.0),
                 "exit_pupil_diameter_mm": exit.map(|p| p.1),
             }),
-        },
-        Fact {
-            name: "f-number",
-            text: Some(f_number.map_or("none".to_owned(), |number| format!("{number:.4}"))),
-            json: json!({ "f_number": f_number }),
-        },
-        Fact {
-            name: "stop",
-            text: Some(stop_text),
-            json: json!({ "stop_row": stop, "limiting_row": limiting }),
-        },
+        ),
+        fact(
+            "f-number",
+            f_number.map_or("none".to_owned(), |number| format!("{number:.4}")),
+            json!({ "f_number": f_number }),
+        ),
+        fact("stop", stop_text, json!({ "stop_row": stop, "limiting_row": limiting })),
     ]
 }
 
@@ -183,23 +183,23 @@ fn film(lens: &Lens, optics: Option<FirstOrder>, film_distance: Option<f64>, dia
         format!("on a diagonal of {diagonal} mm: {paraxial} paraxial (2 atan d/2f); {corner}")
     };
     [
-        Fact {
-            name: "film",
-            text: place.or_else(|| Some(nowhere())),
-            json: json!({
+        fact(
+            "film",
+            place.unwrap_or_else(nowhere),
+            json!({
                 "film_distance_mm": film_distance,
                 "film_diagonal_mm": film_distance.map(|_| diagonal),
             }),
-        },
-        Fact {
-            name: "field of view",
-            text: film_distance.map(|_| view()),
-            json: json!({
+        ),
+        fact(
+            "field of view",
+            film_distance.map(|_| view()),
+            json!({
                 "field_of_view_paraxial_deg": paraxial.map(f64::to_degrees),
                 "field_of_view_deg": real.map(f64::to_degrees),
                 "lit_film_radius_mm": lit,
             }),
-        },
+        ),
     ]
 }
 

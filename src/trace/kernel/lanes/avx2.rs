@@ -1,4 +1,5 @@
-//! Registers of 128 and 256 bits, for processors with AVX2 and FMA.
+//! Registers of 128 and 256 bits, for processors with AVX2 and FMA: one intrinsic an operation, in macros over the
+//! register's names.
 
 use std::{
     arch::x86_64::*,

@@ -297,6 +297,11 @@ impl F64x8 {
 
 #[cfg(test)]
 mod tests {
+    use rand_xoshiro::{
+        SplitMix64,
+        rand_core::{Rng, SeedableRng},
+    };
+
     use super::*;
 
     #[test]
@@ -311,10 +316,10 @@ mod tests {
             F64x8::load(cpu, &numbers).computed_sqrt().store(&mut roots);
             assert_eq!(roots, numbers.map(f64::sqrt), "{numbers:?}");
         };
-        let mut bits = 0x9E37_79B9_7F4A_7C15_u64;
+        let mut random = SplitMix64::seed_from_u64(1);
         for _ in 0..200_000 {
             check(std::array::from_fn(|_| {
-                bits = bits.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                let bits = random.next_u64();
                 // Mantissa at random, exponent from -255 to 0.
                 f64::from_bits((bits >> 12) | ((768 + (bits & 255)) << 52))
             }));

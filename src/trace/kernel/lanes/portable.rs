@@ -1,4 +1,5 @@
-//! Arrays of numbers: the instance for any processor, and with one lane the scalar one.
+//! Arrays of numbers: the instance for any processor, and with one lane the scalar one. Its fused multiply-adds are
+//! instructions where the caller is compiled for them, else calls: the same bits.
 
 use std::ops::{Add, Div, Mul, Sub};
 

@@ -1,4 +1,4 @@
-//! The numbers in the lanes: what an instance asks of f64 and f32.
+//! The numbers in the lanes: what an instance asks of f64 and f32 beyond [`Real`].
 
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::{_mm_cvttsd_si32, _mm_cvttss_si32, _mm_set_sd, _mm_set_ss};
