@@ -7,7 +7,6 @@ use crate::camera::Camera;
 /// A host's members of a camera; nobody reads them in a C-made camera. The end of `realistic_shim_parts`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
-#[cfg_attr(not(realistic_shim), expect(dead_code, reason = "only a pbrt-v1 host has such members"))]
 pub struct HostPart {
     /// The host's film, which the camera deletes in the end; NULL for none.
     pub film: *mut c_void,

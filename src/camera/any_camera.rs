@@ -134,6 +134,7 @@ impl Camera {
     /// [`Camera::ray`] of four samples of one time, traced side by side; `false`, and nothing done, where that
     /// takes as long as one after the other.
     #[inline]
+    #[cfg_attr(not(realistic_shim), expect(dead_code, reason = "only a pbrt-v1 host asks for three at once"))]
     pub(crate) fn trace_side_by_side(&self, samples: &SampleBlock<4>, rays: &mut RayBlock<4>) -> bool {
         let traced = self.as_lens().is_some_and(|camera| camera.trace_side_by_side(samples, rays));
         if traced && self.shutter != Shutter::Global {

@@ -4,7 +4,7 @@
 mod c_abi;
 #[path = "../../fuzz/bodies/lens_text.rs"]
 mod lens_text;
-use super::support;
+use super::properties;
 
 use proptest::prelude::*;
 
@@ -50,7 +50,7 @@ fn bytes(size: usize) -> impl Strategy<Value = Vec<u8>> {
 fn many(strategy: impl Strategy<Value = Vec<u8>>, least: u32, body: fn(&[u8]) -> bool) {
     const CASES: u32 = 4000;
     let accepted = std::cell::Cell::new(0);
-    proptest::test_runner::TestRunner::new(support::cases(CASES))
+    proptest::test_runner::TestRunner::new(properties::cases(CASES))
         .run(&strategy, |data| {
             accepted.set(accepted.get() + u32::from(body(&data)));
             Ok(())

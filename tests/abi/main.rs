@@ -6,5 +6,5 @@ mod header;
 mod hosts;
 mod models;
 mod parameters;
-#[path = "../truth/support/mod.rs"]
-mod support;
+#[path = "../truth/support/properties.rs"]
+mod properties;

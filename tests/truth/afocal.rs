@@ -21,7 +21,7 @@ fn camera(text: &str, more: &[(&str, &str)]) -> RealisticCamera {
 fn rays_through_a_pinhole_are_straight() {
     for pupil in ["warped", "rear", "disk"] {
         let camera = camera(PINHOLE, &[("pupil", pupil)]);
-        let mut random = Random(1);
+        let mut random = Random::new(1);
         for _ in 0..500 {
             let image = [random.next() * 400.0, random.next() * 300.0].map(|x| x as f32);
             let lens = [random.next(), random.next()].map(|x| x as f32);

@@ -63,7 +63,7 @@ fn cameras() -> Vec<(&'static str, Camera)> {
 
 /// Samples all over the film and its margin and some far beyond, with numbers of 0, 1 and one that is none.
 fn samples(n: usize) -> Vec<realistic_sample> {
-    let mut random = Random(5);
+    let mut random = Random::new(5);
     let mut number = || ((1.02 * random.next() - 0.01) as f32).clamp(0.0, 1.0);
     let mut samples: Vec<_> = (0..n)
         .map(|_| realistic_sample {

@@ -342,7 +342,7 @@ fn metres_are_millimetres_seen_from_afar() {
     let metres = camera(&[("mmperunit", "1000"), ("focusdistance", "2")]);
     let millimetres = camera(&[("focusdistance", "2000")]);
     assert_eq!(metres.film_distance(), millimetres.film_distance());
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     for _ in 0..2000 {
         let image = [400.0 * random.next() as f32, 300.0 * random.next() as f32];
         let lens = [random.next() as f32, random.next() as f32];
@@ -376,7 +376,7 @@ fn mirrored_and_scaled_transforms_carry_the_rays() {
         let linear = |v: [f32; 3]| -> [f64; 3] {
             std::array::from_fn(|row| (0..3).map(|i| f64::from(rows[4 * row + i]) * f64::from(v[i])).sum())
         };
-        let mut random = Random(2);
+        let mut random = Random::new(2);
         let mut passed = 0;
         for _ in 0..1000 {
             let image = [400.0 * random.next() as f32, 300.0 * random.next() as f32];
@@ -450,7 +450,7 @@ fn two_cameras_do_not_know_each_other_even_in_threads() {
 }
 
 fn rays_of(camera: &RealisticCamera) -> Vec<Outcome> {
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     let mut next = || random.next() as f32;
     (0..500).map(|_| camera.generate(&sample([400.0 * next(), 300.0 * next()], [next(), next()]))).collect()
 }
@@ -487,7 +487,7 @@ fn what_lies_right_and_up_is_seen_right_and_up() {
         for (image, right, up) in
             [([300.0, 100.0], 1.0, 1.0), ([300.0, 200.0], 1.0, -1.0), ([100.0, 90.0], -1.0, 1.0)]
         {
-            let mut random = Random(4);
+            let mut random = Random::new(4);
             let mut seen = 0;
             for _ in 0..500 {
                 let Some((ray, _)) = ray(&camera, image, [random.next() as f32, random.next() as f32]) else {
@@ -511,7 +511,7 @@ fn the_film_diagonal_spans_the_raster_and_the_lens_its_angle() {
     let [x, y] = camera.film().point(0.0, 0.0);
     assert!((x.hypot(y) - 17.5).abs() < 1e-12);
     assert!((camera.film().pixel() * f64::from(RASTER.xres).hypot(RASTER.yres.into()) - 35.0).abs() < 1e-12);
-    let mut random = Random(5);
+    let mut random = Random::new(5);
     let slopes: Vec<f64> = (0..20_000)
         .filter_map(|_| ray(&camera, [0.0, 0.0], [random.next() as f32, random.next() as f32]))
         .map(|(ray, _)| f64::from(ray.direction[0].hypot(ray.direction[1]) / ray.direction[2]))

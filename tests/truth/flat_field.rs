@@ -33,7 +33,7 @@ fn brute_force(camera: &RealisticCamera, image: [f32; 2], inside: impl Fn([f64; 
     let at = |i: u32| (f64::from(i) + 0.5) * step - half;
     let mut sums = [0.0, 0.0];
     // A point anywhere in its cell: midpoints would count a circle's symmetric edge eight times the same way.
-    let mut random = Random(12);
+    let mut random = Random::new(12);
     for (i, j) in (0..N).flat_map(|i| (0..N).map(move |j| (i, j))) {
         let [px, py] = [i, j].map(|i| at(i) + step * (random.next() - 0.5));
         let direction = [px - x, py - y, distance];
@@ -56,7 +56,7 @@ fn brute_force(camera: &RealisticCamera, image: [f32; 2], inside: impl Fn([f64; 
 fn mean_weight(camera: &RealisticCamera, image: [f32; 2], seed: u64) -> [f64; 2] {
     const SHIFTS: u32 = 16;
     const STRATA: u32 = 96;
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let means: Vec<f64> = (0..SHIFTS)
         .map(|_| {
             let (mut sum, mut count) = (0.0, 0.0);
@@ -173,7 +173,7 @@ fn the_weightings_stand_in_the_ratios_that_they_claim() {
             _ => ExitPupil::of_lens(&lens, film).position().expect("a finite pupil") - film,
         };
         let on_axis = mean_weight(&radiometric, FIELD[0], 4)[0];
-        let mut random = Random(5);
+        let mut random = Random::new(5);
         let mut passed = 0;
         for _ in 0..2000 {
             let image = [400.0 * random.next() as f32, 300.0 * random.next() as f32];

@@ -20,7 +20,7 @@ fn film_rays(lens: &Lens, seed: u64, count: usize) -> impl Iterator<Item = Ray> 
     let focal = realistic::lens::first_order::FirstOrder::of(lens).expect("focal");
     let film = rear.vertex - 1.01 * focal.back_focal_distance();
     let (vertex, radius, half) = (rear.vertex, rear.semi_diameter, 0.4 * focal.focal_length.min(45.0));
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     (0..count).map(move |_| {
         let point = [half * random.signed(), half * random.signed(), film];
         let aim = [radius * random.signed(), radius * random.signed(), vertex];
@@ -82,7 +82,7 @@ fn a_ray_that_starts_on_the_first_surface_but_for_rounding_meets_it() {
     let lens = lens_of("-9.8 14.4 1 17.9\n184 3 1 18.4\n189.4 1.26 2.05 18.9\n-144.4 0 1 14.4\n");
     let wide = widened(&lens);
     let (out, back) = (Path::<f64>::film_to_scene(&lens), Path::<f64>::scene_to_film(&wide));
-    let mut random = Random(13);
+    let mut random = Random::new(13);
     let mut count = 0;
     while count < 20_000 {
         let point = [10.0 * random.signed(), 10.0 * random.signed(), -50.0];
@@ -251,7 +251,7 @@ fn turning_film_point_and_pupil_point_turns_the_ray() {
     for name in catalogue::names() {
         let lens = lens(name);
         let path = Path::<f64>::film_to_scene(&widened(&lens));
-        let mut random = Random(8);
+        let mut random = Random::new(8);
         for (film, scene) in passing(&lens, 9, 2000) {
             let (sin, cos) = (TAU * random.next()).sin_cos();
             let turn = |[x, y, z]: [f64; 3]| [cos * x - sin * y, sin * x + cos * y, z];

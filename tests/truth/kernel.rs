@@ -1,6 +1,6 @@
 //! The kernel in every instance: against exact arithmetic, against the walk, and against itself bit for bit.
 
-use super::tables;
+use super::{support::Random, tables};
 
 use realistic::{
     lens::{Lens, Surface, pupil::ExitPupil},
@@ -115,22 +115,9 @@ fn one<S: Checked>(kernel: &Kernel<S>, plane: f64, [x, y, sx, sy]: [S; 4]) -> [S
     })
 }
 
-/// Numbers in [0, 1) that are the same every time (SplitMix64).
-struct Numbers(u64);
-
-impl Numbers {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
-
 /// z of a film behind the lens, and `n` rays from it through a disk somewhat larger than the rear element.
 fn film<S: Checked>(lens: &Lens, n: usize) -> (f64, Film<S>) {
-    let (rear, mut numbers) = (lens.rear(), Numbers(n as u64));
+    let (rear, mut numbers) = (lens.rear(), Random::new(n as u64));
     let distance = 2.5 * rear.semi_diameter;
     let rays = (0..n).map(|_| {
         let [u, v, x, y] = std::array::from_fn(|_| numbers.next());
@@ -262,7 +249,7 @@ fn a_batch_has_the_bits_of_single_rays_for_any_number_and_alignment<S: Checked>(
 fn rays_from_anywhere_have_the_same_bits_in_every_instance<S: Checked>(simd: Simd) {
     for lens in every_lens() {
         for direction in [Direction::FilmToScene, Direction::SceneToFilm] {
-            let mut numbers = Numbers(1);
+            let mut numbers = Random::new(1);
             let mut number = |scale: f64| (2.0 * numbers.next() - 1.0) * scale;
             let length = 2.0 * lens.front().semi_diameter - lens.rear().vertex;
             let rays: Vec<_> = (0..500)
@@ -397,7 +384,7 @@ fn double_gauss_errors<S: Checked>(simd: Simd) -> Vec<f64> {
     let lens = lens("dgauss.50mm", 587.56);
     let plane = lens.rear().vertex - 36.1;
     let pupil = ExitPupil::of_lens(&lens, plane);
-    let (mut numbers, path) = (Numbers(5), Path::<f64>::film_to_scene(&lens));
+    let (mut numbers, path) = (Random::new(5), Path::<f64>::film_to_scene(&lens));
     let film: Film<S> = (0..50_000)
         .map(|_| {
             let [x, y, u, v] = std::array::from_fn(|_| numbers.next());

@@ -38,7 +38,7 @@ fn rays(camera: &RealisticCamera, samples: &[Sample]) -> Vec<Option<(WorldRay, f
 /// The 99.9 % quantile of the errors on fresh rays, pixels; a ray that only one lets through counts as infinite.
 fn quantile_of_errors(exact: &RealisticCamera, model: &RealisticCamera, seed: u64) -> f64 {
     const RAYS: usize = 40_000;
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let samples: Vec<Sample> = (0..RAYS).map(|_| random_sample(&mut random, 0.0)).collect();
     let lens = exact.lens();
     let film = lens.rear().vertex - exact.film_distance();
@@ -113,7 +113,7 @@ fn the_light_is_the_exact_cameras_to_a_thousandth() {
     let given = [("specfile", "dgauss.50mm"), ("fnumber", "5.6")];
     let exact = camera(&host(), &given);
     let model = camera(&host(), &[given[0], given[1], ("tolerance", "1")]);
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     let samples: Vec<Sample> = (0..100_000).map(|_| random_sample(&mut random, 0.0)).collect();
     let light = |camera: &RealisticCamera| {
         rays(camera, &samples).iter().flatten().map(|(_, weight)| f64::from(*weight)).sum::<f64>()
@@ -158,7 +158,7 @@ fn without_a_tolerance_the_plan_changes_no_bit() {
                 .iter()
                 .filter(|item| item.what.starts_with("aperture test") && !item.kept)
                 .count();
-            let mut random = Random(11);
+            let mut random = Random::new(11);
             // Some far outside of the raster, for which the plan was not made.
             let samples: Vec<Sample> = (0..6000)
                 .map(|i| random_sample(&mut random, if i % 10 == 0 { 200.0 } else { 2.0 }))
@@ -178,7 +178,7 @@ fn without_a_tolerance_the_plan_changes_no_bit() {
 fn one_and_many_rays_have_the_same_bits_with_every_model() {
     for (fnumber, tolerance) in [("8", "0.003"), ("8", "0.1"), ("2.8", "0.01"), ("22", "1")] {
         let camera = camera(&host(), &[("fnumber", fnumber), ("tolerance", tolerance)]);
-        let mut random = Random(2);
+        let mut random = Random::new(2);
         let samples: Vec<Sample> =
             (0..3001).map(|i| random_sample(&mut random, if i % 50 == 0 { 300.0 } else { 1.0 })).collect();
         for (sample, many) in samples.iter().zip(rays(&camera, &samples)) {
@@ -201,7 +201,7 @@ fn a_plane_that_neither_bends_nor_clips_changes_nothing_and_is_left_out() {
         camera.plan().items().iter().any(|item| item.what.contains("altogether") && !item.kept)
     };
     assert!(gone(&with) && !gone(&without), "{}", with.plan());
-    let mut random = Random(4);
+    let mut random = Random::new(4);
     let samples: Vec<Sample> = (0..5000).map(|_| random_sample(&mut random, 2.0)).collect();
     let found = rays(&with, &samples);
     assert!(found.iter().flatten().count() > 1000);

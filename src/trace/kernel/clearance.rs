@@ -6,8 +6,10 @@
 //! that costs in digits a search of an edge does not need. No multiply-add is fused, which processors without the
 //! instruction would do slowly.
 
+#[cfg(any(test, target_arch = "x86_64"))]
+use super::Simd;
 use super::{
-    Available, Simd,
+    Available,
     lanes::{Cpu, Lanes, Portable},
 };
 use crate::{

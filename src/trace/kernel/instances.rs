@@ -2,12 +2,14 @@
 //! everything below them is inlined (see the room's own page).
 
 #[cfg(target_arch = "x86_64")]
+use super::Simd;
+#[cfg(target_arch = "x86_64")]
 use super::lanes::{
     avx2::{F32x4, F32x8, F64x4},
     avx512::{F32x16, F64x8},
 };
 use super::{
-    Available, Simd,
+    Available,
     batch::{Approach, Batch, InPlaceBatch, PlaneBatch, RaysByValue},
     lanes::{Cpu, Lanes, Portable, Scalar, each_further},
     ray::{End, Start},
@@ -81,6 +83,7 @@ impl Vectors for f32 {
 
 /// Vectors traced side by side, so that one's roots overlap another's multiplications: measured; three to eight are
 /// within 7 %.
+#[cfg(target_arch = "x86_64")]
 const INTERLEAVED: usize = 4;
 /// Lanes of the portable batch. An x86-64 processor that comes here has no fused multiply-add, which is then a function
 /// call a lane: one lane is as quick, and is the code that single rays take.
@@ -127,6 +130,7 @@ pub enum Grouping {
 
 /// Traces a batch.
 #[cfg_attr(not(debug_assertions), inline(always))]
+#[cfg_attr(not(target_arch = "x86_64"), expect(unused_variables, reason = "one set of instructions only"))]
 pub fn run<S: Vectors, O: Optics<S>, B: Batch<S>>(
     simd: Available,
     grouping: Grouping,

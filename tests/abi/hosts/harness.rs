@@ -1,7 +1,5 @@
 //! Builds hosts in C and C++, the pbrt-v1 one for both `std::string` ABIs, and runs them with the plugin.
 
-#![allow(dead_code)]
-
 use std::env;
 use std::ffi::{OsStr, OsString};
 use std::fs;

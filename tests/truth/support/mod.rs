@@ -1,21 +1,17 @@
 //! What several test files need: lenses, cameras from text, and random numbers that are the same
 //! in every run.
 
-#![allow(dead_code)]
+mod properties;
 
-use proptest::test_runner::{Config, RngSeed};
+use rand::{RngExt as _, SeedableRng as _};
+use rand_xoshiro::SplitMix64;
 use realistic::{
     camera::{Host, Outcome, Parameters, Raster, RealisticCamera, Sample, WorldRay},
     lens::Lens,
     prescription::{catalogue, read},
 };
 
-/// So many cases of a property, the same in every run; `PROPTEST_RNG_SEED` gives others.
-pub fn cases(cases: u32) -> Config {
-    let default = Config::default();
-    let rng_seed = if default.rng_seed == RngSeed::Random { RngSeed::Fixed(1) } else { default.rng_seed };
-    Config { cases, rng_seed, failure_persistence: None, ..default }
-}
+pub use properties::cases;
 
 /// The lenses of Kolb, Mitchell and Hanrahan's figure, and a film diagonal (mm) that each lights
 /// into the corners.
@@ -78,17 +74,18 @@ pub fn ray(camera: &RealisticCamera, image: [f32; 2], lens: [f32; 2]) -> Option<
     }
 }
 
-/// Numbers in [0, 1): Steele, Lea and Flood's SplitMix64 (OOPSLA 2014).
-pub struct Random(pub u64);
+/// Numbers in [0, 1).
+pub struct Random(SplitMix64);
 
 impl Random {
+    /// Those of a seed.
+    pub fn new(seed: u64) -> Self {
+        Self(SplitMix64::seed_from_u64(seed))
+    }
+
     /// The next one.
     pub fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut bits = self.0;
-        bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((bits ^ (bits >> 31)) >> 11) as f64 * (-53.0_f64).exp2()
+        self.0.random()
     }
 
     /// The next one, in [-1, 1).

@@ -1,0 +1,10 @@
+//! How often a property is tried.
+
+use proptest::test_runner::{Config, RngSeed};
+
+/// So many cases of a property, the same in every run; `PROPTEST_RNG_SEED` gives others.
+pub fn cases(cases: u32) -> Config {
+    let default = Config::default();
+    let rng_seed = if default.rng_seed == RngSeed::Random { RngSeed::Fixed(1) } else { default.rng_seed };
+    Config { cases, rng_seed, failure_persistence: None, ..default }
+}
