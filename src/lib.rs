@@ -6,7 +6,6 @@
 //!
 //! | module | what it does |
 //! |---|---|
-//! | [`numeric`] | roots, minima, quadrature, vectors: the tools of the modules below |
 //! | [`prescription`] | lens files to tables of interfaces and glasses; the built-in catalogue |
 //! | [`lens`] | a lens at one wavelength and stop: surfaces, refraction, thick lens and pupils |
 //! | [`trace`] | exact rays through the lens, with the reason where one stops |
@@ -24,7 +23,7 @@ pub mod camera;
 pub mod imaging;
 pub mod lens;
 mod message;
-pub mod numeric;
+mod numeric;
 pub mod plan;
 pub mod prescription;
 pub mod sampling;

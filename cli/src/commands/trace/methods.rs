@@ -4,7 +4,7 @@
 use realistic::lens::{Lens, LensError, first_order::FirstOrder, refraction::Refraction};
 use realistic::trace::kernel::{Precision, Simd};
 use realistic::trace::{Blocked, Direction, Path, Ray, Real};
-use realistic_lab::kernel_rays::KernelRays;
+use realistic_lab::kernel_rays::{KernelRays, unit};
 
 /// Takes a ray as far as it gets: the ray there and why it stopped, if it did.
 pub type Tracer = dyn Fn(Ray) -> (Ray, Option<Blocked>);
@@ -109,13 +109,6 @@ fn thick(optics: FirstOrder, direction: Direction) -> Box<Tracer> {
         let finite = out.origin.iter().chain(&out.direction).all(|number| number.is_finite());
         if finite { (out, None) } else { (input, Some(Blocked::Missed)) }
     })
-}
-
-fn unit(direction: [f64; 3]) -> [f64; 3] {
-    let largest = direction.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-    let scaled = direction.map(|x| x / largest);
-    let length = scaled.iter().map(|x| x * x).sum::<f64>().sqrt();
-    scaled.map(|x| x / length)
 }
 
 #[cfg(test)]
