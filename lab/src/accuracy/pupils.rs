@@ -35,9 +35,12 @@ struct Built {
     rays: usize,
 }
 
+/// Makes the pupil of a lens ready.
+type Build = fn(&Subject) -> Built;
+
 /// What is compared: the two disks, boxes for rings of the film as in M. Pharr, W. Jakob and G. Humphreys,
 /// *Physically Based Rendering*, 3rd ed., section 6.4.5, and the warped pupil.
-const PUPILS: [(&str, fn(&Subject) -> Built); 7] = [
+const PUPILS: [(&str, Build); 7] = [
     ("rear", |subject| disk(subject.rear)),
     ("disk", |subject| disk(subject.exit)),
     ("4 boxes", |subject| boxes(subject, 4)),
