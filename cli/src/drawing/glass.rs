@@ -1,8 +1,8 @@
-//! Outlines of a lens's elements, in mm as (z, y).
+//! Outlines of a lens's elements: a lens in, closed lines in mm as (z, y) out.
 
 use realistic::lens::{Lens, Surface};
 
-/// Points of a surface's arc, from its lower rim to the upper one.
+/// Points of a surface's arc, from its lower edge to the upper one.
 pub fn arc(surface: &Surface) -> Vec<[f64; 2]> {
     const HALF: i32 = 48;
     (-HALF..=HALF)

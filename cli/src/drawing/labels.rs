@@ -1,4 +1,5 @@
-//! Texts in a row, each as near as may be to what it names and none over another.
+//! Texts in a row, each as near as may be to what it names and none over another: wanted places and widths in, the
+//! places that isotonic regression gives out.
 
 /// Space between two texts, pixels.
 const GAP: f64 = 14.0;

@@ -1,4 +1,5 @@
-//! Rays as lines: their points on every surface, found by tracing to each in turn.
+//! Rays as lines: a lens and film in, for every ray of a bundle its points on every surface out, found by tracing to
+//! each in turn.
 
 use realistic::trace::{Path, Ray};
 use realistic::{imaging::field::Field, lens::Lens};

@@ -1,4 +1,5 @@
-//! From millimetres to the page, at one scale both ways.
+//! From millimetres to the page, at one scale both ways: a window of lens space and a part of the page in, the page's
+//! point of any point out.
 
 /// A part of the page, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,4 +1,4 @@
-//! Logarithmic scales and their ticks.
+//! Logarithmic scales: numbers in, places in pixels and ticks with their labels out.
 
 /// From positive numbers to pixels, by their logarithm.
 #[derive(Clone, Copy, Debug, PartialEq)]

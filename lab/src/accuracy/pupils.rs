@@ -1,5 +1,5 @@
 //! Set-up of the pupil: what it costs to know where light gets through, by the size of the tables, and how
-//! well each then covers the true pupil.
+//! well each then covers the true pupil, as areas of polygons in slope about the true pupil's centre.
 
 use realistic::{imaging::irradiance::film_ray, lens::pupil::SlopeDisk, sampling::PupilDisk};
 
@@ -35,7 +35,7 @@ struct Built {
     rays: usize,
 }
 
-/// Makes it known for a lens.
+/// Makes the pupil of a lens ready.
 type Build = fn(&Subject) -> Built;
 
 /// What is compared: the two disks, boxes for rings of the film as in M. Pharr, W. Jakob and G. Humphreys,

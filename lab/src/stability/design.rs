@@ -1,5 +1,6 @@
 //! What is derived from a lens without exact rays: focal length, pupil and focus, against first-order
-//! optics in extended precision.
+//! optics in extended precision: ray-transfer matrices as products of shears, whose disturbances are carried through
+//! (N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, section 3.8).
 
 use realistic::{
     imaging::focus::Focus,

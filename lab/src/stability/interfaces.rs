@@ -1,4 +1,5 @@
-//! Cases of one and two interfaces: curvature, rims, critical angles, steps of the index, gaps.
+//! Cases of one and two interfaces: curvature, the edges of hemispheres, critical angles, steps of the index, gaps.
+//! Nothing in, [`Case`]s out, whose answer the reference gives.
 
 use realistic::trace::{
     Direction::{self, FilmToScene, SceneToFilm},

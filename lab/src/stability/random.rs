@@ -1,4 +1,6 @@
-//! Random lenses: whatever passes the checks of a lens file, and rays from anywhere behind it.
+//! Random lenses: whatever passes the checks of a lens file, and rays from anywhere behind it. A seed in, the worst
+//! error of every tracer against the reference out ([`against_reference`]), or what whole cameras made of such lenses
+//! return that is no ray ([`through_cameras`]).
 
 use std::fmt::Write;
 

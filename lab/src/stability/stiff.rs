@@ -1,4 +1,5 @@
-//! Ill-conditioned lenses: small changes of a ray grow a million times and more.
+//! Ill-conditioned lenses, telescopes and balls in a row: small changes of a ray grow a million times and more.
+//! Nothing in, [`Case`]s out, whose answer the reference gives.
 
 use realistic::trace::{Direction::SceneToFilm, Ray};
 

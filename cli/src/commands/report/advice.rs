@@ -1,4 +1,4 @@
-//! Which method for which need, in a few sentences about all the lenses together.
+//! Which method for which need: results in, a few sentences about all the lenses together out.
 
 use super::findings::{PIXELS, WORTH, all_hold, fastest, is_exact, seconds, soonest};
 use realistic_lab::accuracy::methods::Family;

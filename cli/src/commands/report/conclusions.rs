@@ -1,4 +1,4 @@
-//! Which method for which need, read off the results.
+//! Which method for which need, read off the results: a table of needs by lens, and sentences about each lens.
 
 use super::findings::{PIXELS, WORTH, all_hold, fastest, is_exact, seconds, soonest, time_to};
 use realistic_lab::accuracy::irradiance::Curve;
