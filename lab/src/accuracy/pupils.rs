@@ -35,7 +35,7 @@ struct Built {
     rays: usize,
 }
 
-/// Makes it known for a lens.
+/// Makes the pupil of a lens ready.
 type Build = fn(&Subject) -> Built;
 
 /// What is compared: the two disks, boxes for rings of the film as in M. Pharr, W. Jakob and G. Humphreys,
