@@ -42,7 +42,8 @@ pub struct Options {
     /// Brightness of a .png in stops; 0 shows a white card on the axis as it is
     #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true)]
     exposure: f32,
-    /// The plugin to load [default: the one built with this program]
+    /// The plugin to load [default: what REALISTIC_PLUGIN names, else that of this program's build, else the one
+    /// beside this program or in ../lib]
     #[arg(long, value_name = "FILE")]
     plugin: Option<PathBuf>,
     /// Seed of the random numbers; the same gives the same picture with any number of threads
