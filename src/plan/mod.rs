@@ -1,6 +1,6 @@
 //! What a camera needs for its film, pupil and place, and what is left out.
 //!
-//! In goes a [`Task`] (lens, film side, pupil sampler, precision and tolerance asked for); out come one decision,
+//! In goes a `Task` (lens, film side, pupil sampler, precision and tolerance asked for); out come one decision,
 //! [`Tracing`], and a [`Plan`] that says what was kept and left out, and why. What it leaves out changes no bit of any
 //! ray: aperture tests that no ray can fail (proven with bounds), surfaces that then do nothing, the interpolation of a
 //! motion in a closed shutter. A tolerance above 0 allows a cheaper model of the lens, too ([`choice`]), whose

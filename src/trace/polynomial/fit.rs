@@ -115,7 +115,7 @@ impl Polynomial {
     }
 
     /// [`Polynomial::fit`] with where rays pass the surfaces `apertures`, counted from the scene: what
-    /// [`PolynomialLens`] blocks rays by. The front surface's needs none.
+    /// [`PolynomialLens`](super::PolynomialLens) blocks rays by. The front surface's needs none.
     ///
     /// # Errors
     /// As [`Polynomial::fit`].
