@@ -4,21 +4,22 @@
 
 use std::error::Error;
 
-use realistic::camera::{Host, Outcome, Parameters, Raster, RealisticCamera, Sample};
+use realistic::camera::{Camera, Outcome, Sample, Weighting};
 
-const RASTER: Raster = Raster { xres: 64, yres: 48 };
+const WIDTH: u32 = 64;
+const HEIGHT: u32 = 48;
 const LENS: u32 = 8;
 
 /// The picture as a PGM file.
 pub fn picture() -> Result<Vec<u8>, Box<dyn Error>> {
-    let mut parameters = Parameters::default();
-    parameters.set_from_text("specfile", "dgauss.50mm")?;
-    parameters.set_from_text("weighting", "relative")?;
-    let host = Host::new(RASTER, None);
-    let camera = RealisticCamera::build(&parameters, &host, &mut |_, text| eprintln!("{text}"))?;
+    let camera = Camera::builder()
+        .lens("dgauss.50mm")
+        .weighting(Weighting::Relative)
+        .resolution(WIDTH, HEIGHT)
+        .build_with_log(&mut |_, text| eprintln!("{text}"))?;
 
-    let mut file = format!("P5\n{} {}\n255\n", RASTER.xres, RASTER.yres).into_bytes();
-    for (y, x) in (0..RASTER.yres).flat_map(|y| (0..RASTER.xres).map(move |x| (y, x))) {
+    let mut file = format!("P5\n{WIDTH} {HEIGHT}\n255\n").into_bytes();
+    for (y, x) in (0..HEIGHT).flat_map(|y| (0..WIDTH).map(move |x| (y, x))) {
         let middle = |i: u32| i as f32 + 0.5;
         let mut sum = 0.0;
         for i in 0..LENS * LENS {

@@ -1,6 +1,6 @@
 /* realistic: a real camera for renderers. MIT OR Apache-2.0.
  *
- * Made by cbindgen from src/abi; `REALISTIC_WRITE_HEADER=1 cargo test --test header` makes it again.
+ * Made by cbindgen from src/abi; `REALISTIC_WRITE_HEADER=1 cargo test --test abi header` makes it again.
  *
  * Conventions. Functions that can fail return a realistic_status, 0 for success; the text is then got
  * from realistic_last_error() on the same thread. Outputs are written last and stay untouched on
@@ -150,7 +150,7 @@ enum realistic_reason
      */
     REALISTIC_REASON_TURNED_BACK = 4,
     /*
-     With `disk` "rejection": the lens numbers fell outside the disk. Draw new ones; the sample
+     With `disk` "rejection": the lens sample fell outside the disk. Draw another; this one
      does not count.
      */
     REALISTIC_REASON_REDRAW = 5,
@@ -181,7 +181,7 @@ typedef void (*realistic_log)(void *user, int32_t level, const char *message);
 /*
  What a camera is built from. Start from `realistic_options_init`, which sets every
  field to "not given": NaN for numbers, NULL for strings, -1 for booleans.
- The fields bear the names of the parameters (README, "Parameters").
+ A field that is a parameter (README, "Parameters") says what it is, its values or range, and its default.
  */
 typedef struct realistic_options {
     /*
@@ -197,7 +197,8 @@ typedef struct realistic_options {
      */
     int32_t yres;
     /*
-     `simpleweighting`: -1 not given, 0 false, 1 true.
+     Parameter `simpleweighting`: pbrt-v3's name for `weighting`, true for "relative" and false for "radiometric".
+     -1: not given; 0: false; 1: true.
      */
     int32_t simpleweighting;
     /*
@@ -222,76 +223,86 @@ typedef struct realistic_options {
      */
     size_t lens_text_size;
     /*
-     Parameter `model`.
+     Parameter `model`: what the camera is a model of: "lens", "thick", "thin", "perspective", "orthographic" or
+     "environment"; default "lens".
      */
     const char *model;
     /*
-     Parameter `specfile`.
+     Parameter `specfile`: lens file, or a catalogue name such as "wide.22mm" or "wide.22mm@35mm"; default
+     "dgauss.50mm".
      */
     const char *specfile;
     /*
-     Parameter `weighting`. `assignment` divides `radiometric` by an area, and so its exposure depends on `pupil`: with
-     `rear` the area of the rear element's disk, with `disk` and `warped` that of the paraxial exit pupil.
+     Parameter `weighting`: how a ray's weight is measured: "radiometric", "assignment", "relative" or "none";
+     default "radiometric". `assignment` divides `radiometric` by an area, and so its exposure depends on `pupil`:
+     with `rear` the area of the rear element's disk, with `disk` and `warped` that of the paraxial exit pupil.
      */
     const char *weighting;
     /*
-     Parameter `pupil`.
+     Parameter `pupil`: where lens samples lie, in the true pupil of each film point, the rear element's disk, or
+     the thick-lens exit pupil: "warped", "rear" or "disk"; default "warped".
      */
     const char *pupil;
     /*
-     Parameter `disk`.
+     Parameter `disk`: how lens samples map to the disk: "concentric", "polar" or "rejection"; default
+     "concentric".
      */
     const char *disk;
     /*
-     Parameter `refraction`.
+     Parameter `refraction`: method of refraction: "fused", "heckbert", "whitted" or "other"; default "fused".
      */
     const char *refraction;
     /*
-     Parameter `precision`.
+     Parameter `precision`: what rays are traced in, double, single, or ("auto") double or what `tolerance` allows:
+     "auto", "f64", "f32", "double" or "single"; default "auto".
      */
     const char *precision;
     /*
-     Parameter `filmdistance`, mm.
+     Parameter `filmdistance`: from the last vertex to the film: positive, in mm; default the lens file's, or
+     focused at `focusdistance`.
      */
     double filmdistance;
     /*
-     Parameter `focusdistance`, world units.
+     Parameter `focusdistance`: from the film plane to the plane in focus, or inf, instead of `filmdistance`:
+     positive, in world units; default infinity.
      */
     double focusdistance;
     /*
-     Parameter `aperture_diameter`, mm.
+     Parameter `aperture_diameter`: clear diameter of the stop: positive, in mm; default the file's.
      */
     double aperture_diameter;
     /*
-     Parameter `fnumber`.
+     Parameter `fnumber`: focal length over entrance pupil diameter, instead of `aperture_diameter`: positive.
      */
     double fnumber;
     /*
-     Parameter `filmdiag`, mm.
+     Parameter `filmdiag`: diagonal of the film: positive, in mm; default 35.
      */
     double filmdiag;
     /*
-     Parameter `hither`, world units.
+     Parameter `hither`: where a ray begins, along it: 0 or more and finite, in world units; default 1e-3.
      */
     double hither;
     /*
-     Parameter `yon`, world units.
+     Parameter `yon`: where a ray ends, along it, from `hither` on: 0 or more, in world units; default 1e30.
      */
     double yon;
     /*
-     Parameter `shutteropen`.
+     Parameter `shutteropen`: time at which the shutter opens: a finite number; default 0.
      */
     double shutteropen;
     /*
-     Parameter `shutterclose`. Before `shutteropen`, time runs backward, as in pbrt.
+     Parameter `shutterclose`: time at which the shutter closes; before `shutteropen`, time runs backward, as in
+     pbrt: a finite number; default 1.
      */
     double shutterclose;
     /*
-     Parameter `wavelength`, nm.
+     Parameter `wavelength`: wavelength, for lenses with V-numbers or Sellmeier's constants: from 300 to 2000 nm;
+     default 587.56.
      */
     double wavelength;
     /*
-     Parameter `mmperunit`, mm a world unit.
+     Parameter `mmperunit`: length of a world unit: positive, from 1e-15 to 1e30 mm a world unit; default 1.
      */
     double mmperunit;
     /*
@@ -308,43 +319,52 @@ typedef struct realistic_options {
      */
     double transformend;
     /*
-     Parameter `shutter`.
+     Parameter `shutter`: what the shutter lets through, by film point and time: "global", "leaf" or "focal-plane";
+     default "global".
      */
     const char *shutter;
     /*
-     Parameter `lensplane`.
+     Parameter `lensplane`: where that thin lens lies, as in pbrt 1.05, or as in older versions and on the
+     lecture's slide: "eye" or "hither"; default "eye".
      */
     const char *lensplane;
     /*
-     Parameter `shutterramp`.
+     Parameter `shutterramp`: share of the shutter's interval in which a leaf shutter opens, and closes: more than
+     0 and at most 0.5 of the interval; default 0.25.
      */
     double shutterramp;
     /*
-     Parameter `shutterslit`.
+     Parameter `shutterslit`: share of the shutter's interval for which a focal-plane shutter exposes each row:
+     more than 0 and at most 1 of the interval; default 0.25.
      */
     double shutterslit;
     /*
-     Parameter `fov`, degrees.
+     Parameter `fov`: angle across the shorter side of the image: from 0.0001 to less than 180 degrees; default 90.
      */
     double fov;
     /*
-     Parameter `screenwindow`. All NaN: not given.
+     Parameter `screenwindow`: x from, x to, y from, y to of the part of the screen that becomes the image: from
+     -1e15 to 1e15; default by the aspect ratio. All NaN: not given.
      */
     double screenwindow[4];
     /*
-     Parameter `frameaspectratio`.
+     Parameter `frameaspectratio`: width over height of the screen window: positive, from 1e-15 to 1e15; default
+     the image's.
      */
     double frameaspectratio;
     /*
-     Parameter `lensradius`, world units.
+     Parameter `lensradius`: radius of the projection's thin lens: 0 (a pinhole) or more, up to 1e15 world units;
+     default 0.
      */
     double lensradius;
     /*
-     Parameter `focaldistance`, world units.
+     Parameter `focaldistance`: from the eye to the plane of focus of a lens of `lensradius`, more than `hither`: a
+     number, in world units; default 1e30.
      */
     double focaldistance;
     /*
-     Parameter `tolerance`, pixels.
+     Parameter `tolerance`: by how much 99.9 % of the rays may be off, for a faster model of the lens: 0 (exact) or
+     more and finite, in pixels; default 0.
      */
     double tolerance;
 } realistic_options;
@@ -398,16 +418,16 @@ typedef struct realistic_sample {
      */
     float image_y;
     /*
-     First lens number, in [0, 1].
+     u of the lens sample (u, v), in [0, 1].
      */
     float lens_u;
     /*
-     Second lens number, in [0, 1].
+     v of the lens sample (u, v), in [0, 1].
      */
     float lens_v;
     /*
-     Time number in [0, 1]: 0 is the shutter's opening, 1 its closing. Of numbers outside, as of lens numbers,
-     the nearest inside is taken.
+     Time as a fraction of the shutter's interval: 0 is its opening, 1 its closing. Outside [0, 1], as of u and v,
+     the nearest number inside is taken.
      */
     float time;
 } realistic_sample;
@@ -490,13 +510,13 @@ typedef struct realistic_zone {
 } realistic_zone;
 
 /*
- Tells the distance along a ray from its origin to the first surface, world units: infinity for
+ Returns the distance along a ray from its origin to the first surface, world units: infinity for
  none, and NaN or a number that is not above 0 for "not known". It must return, without an exception.
  */
 typedef double (*realistic_distance)(void *user, const struct realistic_ray *ray);
 
 /*
- Tells how much contrast the picture of a trial camera has in a zone, in any measure that is 0 or
+ Returns how much contrast the picture of a trial camera has in a zone, in any measure that is 0 or
  more and highest where the picture is sharpest (the mean square difference of neighbouring
  pixels, say): NaN for "not known". It should use the same random numbers for every camera. The camera
  lives until the callback returns. It must return, without an exception.
@@ -654,7 +674,7 @@ realistic_status realistic_camera_generate_rays_soa(const struct realistic_camer
  Autofocus: finds the film distance, mm, to be given as `filmdistance`, at which the camera of
  `options` has in focus what it sees in `n` zones of the picture. `rule` is a
  `realistic_autofocus_rule`. The host gives one of the two callbacks and NULL for the other:
- with `distance` a few rays a zone are asked about, with `contrast` some tens to hundreds of trial cameras are built,
+ with `distance` some rays per zone are asked about, with `contrast` some tens to hundreds of trial cameras are built,
  from infinity to the nearest distance that the lens can focus. Zones that give no answer do not count. `options`
  must leave `filmdistance` and `focusdistance` open. The callback is called on this thread, with `user` as it is.
 

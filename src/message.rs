@@ -1,4 +1,25 @@
-//! Computed numbers in messages for people: few digits, and never outside the range that they state.
+//! Messages for people: how serious they are, and the names and computed numbers in them, with few digits and never
+//! outside the range that they state.
+
+/// How serious a message is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Level {
+    /// Worth knowing.
+    Info,
+    /// The camera is built, and something is not as asked.
+    Warning,
+    /// The camera is not built.
+    Error,
+}
+
+/// Names to choose from, in a sentence: `"a", "b" or "c"`.
+pub fn quoted(names: &[&str]) -> String {
+    let names: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
+    match &names[..] {
+        [first @ .., last] if !first.is_empty() => format!("{} or {last}", first.join(", ")),
+        _ => names.concat(),
+    }
+}
 
 /// A number with six significant digits at most, and far from 1 with a power of ten.
 pub fn short(number: f64) -> String {
@@ -41,6 +62,12 @@ mod tests {
         ] {
             assert_eq!(short(number), text);
         }
+    }
+
+    #[test]
+    fn names_are_offered_as_a_sentence_does() {
+        let offers = [&["a"][..], &["a", "b"], &["a", "b", "c"]].map(quoted);
+        assert_eq!(offers, ["\"a\"", "\"a\" or \"b\"", "\"a\", \"b\" or \"c\""]);
     }
 
     #[test]

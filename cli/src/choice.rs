@@ -1,12 +1,12 @@
-//! What several commands are told in the same words: the lens, and the film.
+//! What several commands are told in the same words: the lens, and the film. What they take, and the camera that they
+//! make of it, are the library's to say.
 
 use crate::failure::Failure;
-use realistic::camera::{Film, LensSetup, Level, Parameters, Raster, open_lens};
-use realistic::prescription::{Prescription, SearchPath};
-use realistic::{
-    imaging::focus::{Focus, FocusError},
-    lens::Lens,
+use realistic::camera::{
+    CameraError, Film, Host, Level, Parameter, Parameters, Raster, film_distance, open_lens,
 };
+use realistic::lens::Lens;
+use realistic::prescription::Prescription;
 use std::io::Write as _;
 
 /// Which lens, at which stop and wavelength.
@@ -15,15 +15,25 @@ pub struct LensChoice {
     /// Lens: a file, or a name of the catalogue; NAME@35mm scales it to that focal length
     #[arg(value_name = "LENS")]
     lens: String,
-    /// Wavelength in nm, 300 to 2000, for lenses with V-numbers or Sellmeier's constants [default: 587.56]
-    #[arg(long, value_name = "NM", allow_negative_numbers = true)]
+    #[arg(long, value_name = "NM", allow_negative_numbers = true, help = help("wavelength"))]
     wavelength: Option<f64>,
-    /// Diameter of the stop in mm [default: the file's]
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, conflicts_with = "fnumber")]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, help = help("aperture_diameter"),
+          conflicts_with = "fnumber")]
     aperture_diameter: Option<f64>,
-    /// Focal length over entrance pupil diameter, instead of a stop diameter
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, help = help("fnumber"))]
     fnumber: Option<f64>,
+}
+
+/// The table's row of a parameter that is a flag, too.
+fn row(name: &str) -> &'static Parameter {
+    Parameters::find(name).expect("a parameter of the table")
+}
+
+/// What the table says about it, as help on the flag.
+fn help(name: &str) -> String {
+    let text = row(name).description().replace('`', "");
+    let (first, rest) = text.split_at(1);
+    first.to_uppercase() + rest
 }
 
 impl LensChoice {
@@ -40,13 +50,11 @@ impl LensChoice {
     /// # Errors
     /// As [`open_lens`].
     pub fn open(&self) -> Result<(Prescription, Lens), Failure> {
-        let setup = LensSetup {
-            wavelength: self.wavelength,
-            aperture_diameter: self.aperture_diameter,
-            fnumber: self.fnumber,
-        };
-        let mut log = |_: Level, message: &str| warn(message);
-        open_lens(&self.lens, &SearchPath::from_environment(), setup, &mut log)
+        let mut parameters = Parameters::default();
+        self.give(&mut parameters);
+        // A lens needs no film.
+        let host = Host::new(Raster { xres: 1, yres: 1 }, None);
+        open_lens(&parameters, &host, &mut |_: Level, message: &str| warn(message))
             .map_err(|error| Failure::Other(error.to_string()))
     }
 }
@@ -86,7 +94,7 @@ pub struct FilmSize {
         long = "filmdiag",
         value_name = "MM",
         allow_negative_numbers = true,
-        default_value_t = Film::DEFAULT_DIAGONAL,
+        default_value = row("filmdiag").default,
         value_parser = positive
     )]
     pub diagonal: f64,
@@ -136,31 +144,16 @@ impl FilmPlace {
     /// Last vertex to film, mm.
     ///
     /// # Errors
-    /// The lens cannot focus as asked.
+    /// As [`film_distance`].
     pub fn film_distance(&self, lens: &Lens) -> Result<f64, Failure> {
-        let placed = self.film_distance.or(lens.nominal_film_distance.filter(|_| self.distance.is_none()));
-        placed.map_or_else(
-            || {
-                let distance = self.distance.unwrap_or(f64::INFINITY);
-                Focus::new(lens).and_then(|focus| focus.film_distance(distance)).map_err(|error| {
-                    Failure::Other(match &error {
-                        FocusError::TooNear { .. } => error.to_string(),
-                        _ => format!("{error}; --film-distance puts the film behind it all the same"),
-                    })
-                })
-            },
-            Ok,
-        )
+        let mut parameters = Parameters::default();
+        self.give(&mut parameters);
+        film_distance(&parameters, lens).map_err(|error| in_flags(&error))
     }
 
     /// The failure of film that would lie in the rear element.
     pub fn in_lens(lens: &Lens, film_distance: f64) -> Failure {
-        let rim = -lens.rear().sagitta(lens.rear().semi_diameter);
-        Failure::Other(format!(
-            "film distance {film_distance:.4} mm: the film would touch the rear element, whose rim reaches {:.4} mm \
-             behind the last vertex; give a larger --film-distance",
-            rim.max(0.0)
-        ))
+        in_flags(&CameraError::film_in_lens(lens, film_distance))
     }
 
     /// Whether the film's place was asked for.
@@ -169,22 +162,29 @@ impl FilmPlace {
     }
 }
 
+/// A camera's error in the words of the flags.
+fn in_flags(error: &CameraError) -> Failure {
+    Failure::Other(error.to_string().replace("\"filmdistance\"", "--film-distance"))
+}
+
+/// The number of a flag if it is in the range of a parameter.
+fn in_range(text: &str, parameter: &str) -> Option<f64> {
+    text.parse().ok().and_then(|number| row(parameter).check(number).ok())
+}
+
 /// A positive finite number of a flag.
 pub fn positive(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|number: &f64| *number > 0.0 && number.is_finite());
-    number.ok_or_else(|| "write a positive number".to_owned())
+    in_range(text, "filmdistance").ok_or_else(|| "write a positive number".to_owned())
 }
 
 /// A distance of a flag: positive, and `inf` for infinity.
 pub fn distance(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|number: &f64| *number > 0.0);
-    number.ok_or_else(|| "write a positive number of mm, or inf".to_owned())
+    in_range(text, "focusdistance").ok_or_else(|| "write a positive number of mm, or inf".to_owned())
 }
 
 /// 0 or a positive finite number of a flag.
 pub fn not_negative(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|number: &f64| *number >= 0.0 && number.is_finite());
-    number.ok_or_else(|| "write 0 or a positive number".to_owned())
+    in_range(text, "tolerance").ok_or_else(|| "write 0 or a positive number".to_owned())
 }
 
 /// `WxH` in pixels.
@@ -202,6 +202,7 @@ pub fn size(text: &str) -> Result<[u32; 2], String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use realistic::camera::Pupil;
 
     #[test]
     fn sizes_are_two_numbers_of_pixels() {
@@ -232,7 +233,7 @@ mod tests {
             other => panic!("{other:?}"),
         };
         let parameters = set(&["filmdistance=40.5", "pupil=disk"]).unwrap();
-        assert_eq!((parameters.filmdistance, parameters.pupil.as_deref()), (Some(40.5), Some("disk")));
+        assert_eq!((parameters.filmdistance, parameters.pupil), (Some(40.5), Some(Pupil::Disk)));
         assert!(refusal(&["fokus=3"]).contains("focusdistance"));
         assert!(refusal(&["filmdiag"]).contains("NAME=VALUE"));
         assert!(refusal(&["filmdiag=large"]).contains("a number"));

@@ -23,7 +23,7 @@
 
 use thiserror::Error;
 
-use realistic::camera::{Camera, CameraError, Host, Level, Outcome, Parameters, Sample, WorldRay};
+use realistic::camera::{Camera, CameraError, Host, Level, Outcome, Parameters, Sample, Weighting, WorldRay};
 
 use crate::subject::quasirandom::spread;
 
@@ -133,7 +133,7 @@ impl Measurement {
         if bands == 0 || !(from < to) {
             return Err(MeasurementError::Bands { from, to });
         }
-        let radiometric = parameters.weighting.as_deref().is_none_or(|name| name == "radiometric")
+        let radiometric = parameters.weighting.is_none_or(|weighting| weighting == Weighting::Radiometric)
             && parameters.simpleweighting != Some(true);
         let width = (to - from) / f64::from(bands);
         let band = |i: u32| {

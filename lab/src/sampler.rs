@@ -29,9 +29,7 @@ pub fn camera(lens: &str, raster: Raster, given: Parameters) -> Result<Single, C
         focusdistance: Some(f64::INFINITY),
         ..given
     };
-    let named = parameters.disk.as_deref();
-    let mapping = DiskMapping::NAMES.iter().find(|(name, _)| named == Some(*name));
-    let mapping = mapping.map_or(DiskMapping::default(), |(_, mapping)| *mapping);
+    let mapping = parameters.disk.unwrap_or_default();
     let camera = RealisticCamera::build(&parameters, &Host::new(raster, None), &mut |_, _| {})?;
     Ok(Single { camera, mapping })
 }

@@ -11,6 +11,7 @@ use realistic::{
         single_precision::{Unfit, f32_is_fit},
     },
     prescription::{catalogue, read},
+    sampling::DiskMapping,
     trace::{Direction, Path, Ray},
 };
 use realistic_lab::stability::{self, Case, CaseResult, Extent, Tracer, random, tracers};
@@ -215,12 +216,9 @@ fn a_tiny_lens_far_behind_the_first_has_its_own_focal_length() {
 #[test]
 fn lens_samples_at_the_ends_of_their_range_make_sound_rays() {
     for name in catalogue::names() {
-        for disk in ["concentric", "polar"] {
-            let parameters = Parameters {
-                specfile: Some(name.to_owned()),
-                disk: Some(disk.to_owned()),
-                ..Parameters::default()
-            };
+        for disk in [DiskMapping::Concentric, DiskMapping::Polar] {
+            let parameters =
+                Parameters { specfile: Some(name.to_owned()), disk: Some(disk), ..Parameters::default() };
             let host = Host::new(Raster { xres: 300, yres: 200 }, None);
             let camera = RealisticCamera::build(&parameters, &host, &mut |_, _| {}).expect("a camera");
             for lens_u in [0.0, f32::MIN_POSITIVE, 0.5, 1.0 - f32::EPSILON / 2.0, 1.0] {

@@ -38,13 +38,13 @@ pub enum realistic_autofocus_rule {
     Average = 2,
 }
 
-/// Tells the distance along a ray from its origin to the first surface, world units: infinity for
+/// Returns the distance along a ray from its origin to the first surface, world units: infinity for
 /// none, and NaN or a number that is not above 0 for "not known". It must return, without an exception.
 #[allow(non_camel_case_types)]
 pub type realistic_distance =
     Option<unsafe extern "C" fn(user: *mut c_void, ray: *const realistic_ray) -> f64>;
 
-/// Tells how much contrast the picture of a trial camera has in a zone, in any measure that is 0 or
+/// Returns how much contrast the picture of a trial camera has in a zone, in any measure that is 0 or
 /// more and highest where the picture is sharpest (the mean square difference of neighbouring
 /// pixels, say): NaN for "not known". It should use the same random numbers for every camera. The camera
 /// lives until the callback returns. It must return, without an exception.
@@ -60,7 +60,7 @@ pub type realistic_contrast = Option<
 /// Autofocus: finds the film distance, mm, to be given as `filmdistance`, at which the camera of
 /// `options` has in focus what it sees in `n` zones of the picture. `rule` is a
 /// `realistic_autofocus_rule`. The host gives one of the two callbacks and NULL for the other:
-/// with `distance` a few rays a zone are asked about, with `contrast` some tens to hundreds of trial cameras are built,
+/// with `distance` some rays per zone are asked about, with `contrast` some tens to hundreds of trial cameras are built,
 /// from infinity to the nearest distance that the lens can focus. Zones that give no answer do not count. `options`
 /// must leave `filmdistance` and `focusdistance` open. The callback is called on this thread, with `user` as it is.
 ///
@@ -147,7 +147,7 @@ fn rule_of(number: i32) -> Result<Rule, Failure> {
     }
 }
 
-/// A camera for one look, whose warnings were told already.
+/// A camera for one look, whose warnings were logged already.
 struct Trial(*mut realistic_camera);
 
 impl Trial {

@@ -142,7 +142,7 @@ pub fn value<T>(fallback: T, body: impl FnOnce() -> Result<T, Failure>) -> T {
     })
 }
 
-/// Runs `body` for a call a ray, which has no time for more than a fallback.
+/// Runs `body` for a call per ray, which has no time for more than a fallback.
 #[inline]
 pub fn ray<T>(fallback: T, body: impl FnOnce() -> T) -> T {
     match catch_unwind(AssertUnwindSafe(body)) {

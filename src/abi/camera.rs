@@ -56,7 +56,7 @@ pub(super) fn make(
     object::new(handle, &host).ok_or_else(boundary::out_of_memory)
 }
 
-/// Tells the caller a message.
+/// Hands a message to the caller's log.
 pub(super) fn log(callback: realistic_log, user: *mut c_void, level: Level, text: &str) {
     if let Some(callback) = callback {
         let text = boundary::c_string(text);
@@ -169,7 +169,7 @@ pub unsafe extern "C" fn realistic_camera_plan(
     })
 }
 
-/// Copies a text with a closing NUL, cut to `capacity` bytes, and tells its whole length without the NUL.
+/// Copies a text with a closing NUL, cut to `capacity` bytes, and writes its whole length without the NUL.
 ///
 /// # Safety
 /// `buffer` is NULL or has `capacity` writable bytes; `length` is NULL or writable.

@@ -8,7 +8,7 @@ use super::boundary::{self, Failure, realistic_status};
 use super::plugin;
 use super::types::realistic_options;
 use crate::camera::{
-    CameraError, CameraMotion, CameraToWorld, DEFAULT_INTERVAL, Host, Parameters, Raster, Value,
+    CameraError, CameraMotion, CameraToWorld, Host, ParameterError, Parameters, Raster, Value,
 };
 use crate::prescription::MAX_FILE_BYTES;
 
@@ -17,51 +17,47 @@ const FIRST_SIZE: usize = offset_of!(realistic_options, camera_to_world_end);
 
 const IDENTITY: [f32; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
-impl Default for realistic_options {
-    fn default() -> Self {
-        Self {
-            struct_size: size_of::<Self>() as u32,
-            xres: 0,
-            yres: 0,
-            simpleweighting: -1,
-            camera_to_world: IDENTITY,
-            log: None,
-            log_user: null_mut(),
-            lens_text: null(),
-            lens_text_size: 0,
-            model: null(),
-            specfile: null(),
-            weighting: null(),
-            pupil: null(),
-            disk: null(),
-            refraction: null(),
-            precision: null(),
-            filmdistance: f64::NAN,
-            focusdistance: f64::NAN,
-            aperture_diameter: f64::NAN,
-            fnumber: f64::NAN,
-            filmdiag: f64::NAN,
-            hither: f64::NAN,
-            yon: f64::NAN,
-            shutteropen: f64::NAN,
-            shutterclose: f64::NAN,
-            wavelength: f64::NAN,
-            mmperunit: f64::NAN,
-            camera_to_world_end: [f32::NAN; 16],
-            transformstart: f64::NAN,
-            transformend: f64::NAN,
-            shutter: null(),
-            lensplane: null(),
-            shutterramp: f64::NAN,
-            shutterslit: f64::NAN,
-            fov: f64::NAN,
-            screenwindow: [f64::NAN; 4],
-            frameaspectratio: f64::NAN,
-            lensradius: f64::NAN,
-            focaldistance: f64::NAN,
-            tolerance: f64::NAN,
+/// The fields that are parameters by kind: what stands for "not given", and how they are read by name.
+macro_rules! parameter_fields {
+    (texts: $($text:ident)*; numbers: $($number:ident)*;) => {
+        impl Default for realistic_options {
+            fn default() -> Self {
+                Self {
+                    struct_size: size_of::<Self>() as u32,
+                    xres: 0,
+                    yres: 0,
+                    simpleweighting: -1,
+                    camera_to_world: IDENTITY,
+                    log: None,
+                    log_user: null_mut(),
+                    lens_text: null(),
+                    lens_text_size: 0,
+                    camera_to_world_end: [f32::NAN; 16],
+                    transformstart: f64::NAN,
+                    transformend: f64::NAN,
+                    screenwindow: [f64::NAN; 4],
+                    $($text: null(),)*
+                    $($number: f64::NAN,)*
+                }
+            }
         }
-    }
+
+        impl realistic_options {
+            fn texts(&self) -> impl IntoIterator<Item = (&'static str, *const c_char)> {
+                [$((stringify!($text), self.$text)),*]
+            }
+
+            fn numbers(&self) -> impl IntoIterator<Item = (&'static str, f64)> {
+                [$((stringify!($number), self.$number)),*]
+            }
+        }
+    };
+}
+
+parameter_fields! {
+    texts: model specfile weighting pupil disk refraction precision shutter lensplane;
+    numbers: filmdistance focusdistance aperture_diameter fnumber filmdiag hither yon shutteropen shutterclose
+        wavelength mmperunit shutterramp shutterslit fov frameaspectratio lensradius focaldistance tolerance;
 }
 
 /// Sets every field to "not given" and the transform to the identity. `struct_size` is
@@ -140,57 +136,23 @@ impl realistic_options {
     /// The strings are NULL or end in NUL.
     pub(super) unsafe fn parameters(&self) -> Result<Parameters, Failure> {
         let mut parameters = Parameters::default();
-        let mut set = |name: &'static str, value: Value<'_>| {
-            parameters
-                .set(name, value)
-                .map_err(|error| Failure::new(realistic_status::InvalidParameter, error.to_string()))
-        };
-        for (name, text) in [
-            ("model", self.model),
-            ("specfile", self.specfile),
-            ("weighting", self.weighting),
-            ("pupil", self.pupil),
-            ("disk", self.disk),
-            ("refraction", self.refraction),
-            ("precision", self.precision),
-            ("shutter", self.shutter),
-            ("lensplane", self.lensplane),
-        ] {
+        for (name, text) in self.texts() {
             // SAFETY: the caller's promise.
             if let Some(text) = unsafe { text_at(name, text) }? {
-                set(name, Value::Text(text))?;
+                parameters.set(name, Value::Text(text))?;
             }
         }
-        for (name, number) in [
-            ("filmdistance", self.filmdistance),
-            ("focusdistance", self.focusdistance),
-            ("aperture_diameter", self.aperture_diameter),
-            ("fnumber", self.fnumber),
-            ("filmdiag", self.filmdiag),
-            ("hither", self.hither),
-            ("yon", self.yon),
-            ("shutteropen", self.shutteropen),
-            ("shutterclose", self.shutterclose),
-            ("wavelength", self.wavelength),
-            ("mmperunit", self.mmperunit),
-            ("shutterramp", self.shutterramp),
-            ("shutterslit", self.shutterslit),
-            ("fov", self.fov),
-            ("frameaspectratio", self.frameaspectratio),
-            ("lensradius", self.lensradius),
-            ("focaldistance", self.focaldistance),
-            ("tolerance", self.tolerance),
-        ] {
-            if !number.is_nan() {
-                set(name, Value::Float(number))?;
+        for (name, number) in self.numbers() {
+            if let Some(number) = given(number) {
+                parameters.set(name, Value::Float(number))?;
             }
         }
         if !self.screenwindow.iter().all(|side| side.is_nan()) {
-            set("screenwindow", Value::Four(self.screenwindow))?;
+            parameters.set("screenwindow", Value::Four(self.screenwindow))?;
         }
         match self.simpleweighting {
             -1 => {}
-            0 | 1 => set("simpleweighting", Value::Bool(self.simpleweighting == 1))?,
+            0 | 1 => parameters.set("simpleweighting", Value::Bool(self.simpleweighting == 1))?,
             other => {
                 let text = format!("parameter \"simpleweighting\" is {other}; it must be -1, 0 or 1");
                 return Err(Failure::new(realistic_status::InvalidParameter, text));
@@ -226,7 +188,7 @@ impl realistic_options {
 
 impl realistic_options {
     fn motion(&self) -> Result<CameraMotion, Failure> {
-        let transform = |rows| CameraToWorld::from_rows(rows).map_err(CameraError::Transform);
+        let transform = |rows| CameraToWorld::from_rows(rows).map_err(CameraError::from);
         let start = transform(&self.camera_to_world)?;
         if self.camera_to_world_end.iter().all(|entry| entry.is_nan()) {
             if self.transformstart.is_nan() && self.transformend.is_nan() {
@@ -239,18 +201,31 @@ impl realistic_options {
             ));
         }
         let end = transform(&self.camera_to_world_end)?;
-        // The first that is a number.
-        let time = |choices: [f64; 3]| choices.into_iter().find(|time| !time.is_nan()).unwrap_or_default();
-        let [open, close] = DEFAULT_INTERVAL;
-        let start_time = time([self.transformstart, self.shutteropen, open]);
-        let end_time = time([self.transformend, self.shutterclose, close]);
+        let shutter = Parameters {
+            shutteropen: given(self.shutteropen),
+            shutterclose: given(self.shutterclose),
+            ..Parameters::default()
+        };
+        let start_time = given(self.transformstart).map_or_else(|| shutter.shutteropen(), Ok)?;
+        let end_time = given(self.transformend).map_or_else(|| shutter.shutterclose(), Ok)?;
         let mut ends = [(start, start_time), (end, end_time)];
         if end_time < start_time && self.transformstart.is_nan() && self.transformend.is_nan() {
             // The shutter's time runs backward, from the first transform's to the second's.
             ends.reverse();
         }
         let [earlier, later] = ends;
-        CameraMotion::between(earlier, later).map_err(|wrong| CameraError::Transform(wrong).into())
+        Ok(CameraMotion::between(earlier, later).map_err(CameraError::from)?)
+    }
+}
+
+/// A number that is given.
+fn given(number: f64) -> Option<f64> {
+    (!number.is_nan()).then_some(number)
+}
+
+impl From<ParameterError> for Failure {
+    fn from(error: ParameterError) -> Self {
+        CameraError::from(error).into()
     }
 }
 

@@ -59,11 +59,11 @@ unsafe fn create(
     };
     let mut parameters = read_parameters(&params)?;
     if parameters.model.is_none() {
-        parameters.model = plugin::plugin_path().as_deref().and_then(model_named).map(str::to_owned);
+        parameters.model = plugin::plugin_path().as_deref().and_then(model_named);
     }
     let (xres, yres) = resolution;
     let mut host = Host::new(options::raster(xres, yres)?, plugin::directory());
-    let to_world = CameraToWorld::from_rows(&transform.inverse).map_err(CameraError::Transform)?;
+    let to_world = CameraToWorld::from_rows(&transform.inverse).map_err(CameraError::from)?;
     host.to_world = to_world.into();
     host.can_redraw = false;
     let handle = Handle::build(&parameters, &host, &mut say)?;
@@ -77,9 +77,8 @@ fn say(level: Level, text: &str) {
 }
 
 /// The model that the file is named after: `environment.so` is "environment".
-fn model_named(plugin: &Path) -> Option<&'static str> {
-    let name = plugin.file_stem()?.to_str()?;
-    Model::NAMES.into_iter().map(|(model, _)| model).find(|&model| model == name)
+fn model_named(plugin: &Path) -> Option<Model> {
+    plugin.file_stem()?.to_str()?.parse().ok()
 }
 
 /// Reads every parameter of ours from the host. Only our names are looked up: the rest
@@ -180,8 +179,8 @@ mod tests {
 
     #[test]
     fn a_file_name_tells_the_model() {
-        assert_eq!(model_named(Path::new("/plugins/environment.so")), Some("environment"));
-        assert_eq!(model_named(Path::new("thin.so")), Some("thin"));
+        assert_eq!(model_named(Path::new("/plugins/environment.so")), Some(Model::Environment));
+        assert_eq!(model_named(Path::new("thin.so")), Some(Model::Thin));
         assert_eq!(model_named(Path::new("/lens/realistic.so")), None);
         assert_eq!(model_named(Path::new("librealistic.so")), None);
     }

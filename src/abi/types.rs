@@ -25,12 +25,12 @@ pub struct realistic_sample {
     pub image_x: f32,
     /// Raster y in pixels: 0 is the top edge of the image, `yres` the bottom one.
     pub image_y: f32,
-    /// First lens number, in [0, 1].
+    /// u of the lens sample (u, v), in [0, 1].
     pub lens_u: f32,
-    /// Second lens number, in [0, 1].
+    /// v of the lens sample (u, v), in [0, 1].
     pub lens_v: f32,
-    /// Time number in [0, 1]: 0 is the shutter's opening, 1 its closing. Of numbers outside, as of lens numbers,
-    /// the nearest inside is taken.
+    /// Time as a fraction of the shutter's interval: 0 is its opening, 1 its closing. Outside [0, 1], as of u and v,
+    /// the nearest number inside is taken.
     pub time: f32,
 }
 
@@ -67,7 +67,7 @@ pub enum realistic_reason {
     Reflected = 3,
     /// The next surface lies behind it, or it travels backward.
     TurnedBack = 4,
-    /// With `disk` "rejection": the lens numbers fell outside the disk. Draw new ones; the sample
+    /// With `disk` "rejection": the lens sample fell outside the disk. Draw another; this one
     /// does not count.
     Redraw = 5,
     /// The shutter is closed over this film point at this time.
@@ -120,7 +120,7 @@ pub(super) fn level_number(level: Level) -> i32 {
 
 /// What a camera is built from. Start from `realistic_options_init`, which sets every
 /// field to "not given": NaN for numbers, NULL for strings, -1 for booleans.
-/// The fields bear the names of the parameters (README, "Parameters").
+/// A field that is a parameter (README, "Parameters") says what it is, its values or range, and its default.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 #[allow(non_camel_case_types)]
@@ -131,7 +131,8 @@ pub struct realistic_options {
     pub xres: i32,
     /// Image height in pixels, 1 or more. No default.
     pub yres: i32,
-    /// `simpleweighting`: -1 not given, 0 false, 1 true.
+    /// Parameter `simpleweighting`: pbrt-v3's name for `weighting`, true for "relative" and false for "radiometric".
+    /// -1: not given; 0: false; 1: true.
     pub simpleweighting: i32,
     /// Row-major 4x4 matrix for column vectors that takes camera space (world units, +z forward,
     /// +x right, +y up) to world space. `realistic_options_init` sets the identity.
@@ -144,42 +145,52 @@ pub struct realistic_options {
     pub lens_text: *const c_char,
     /// Bytes at `lens_text`; at most 1,048,576 (1 MiB), as of any lens file.
     pub lens_text_size: usize,
-    /// Parameter `model`.
+    /// Parameter `model`: what the camera is a model of: "lens", "thick", "thin", "perspective", "orthographic" or
+    /// "environment"; default "lens".
     pub model: *const c_char,
-    /// Parameter `specfile`.
+    /// Parameter `specfile`: lens file, or a catalogue name such as "wide.22mm" or "wide.22mm@35mm"; default
+    /// "dgauss.50mm".
     pub specfile: *const c_char,
-    /// Parameter `weighting`. `assignment` divides `radiometric` by an area, and so its exposure depends on `pupil`: with
-    /// `rear` the area of the rear element's disk, with `disk` and `warped` that of the paraxial exit pupil.
+    /// Parameter `weighting`: how a ray's weight is measured: "radiometric", "assignment", "relative" or "none";
+    /// default "radiometric". `assignment` divides `radiometric` by an area, and so its exposure depends on `pupil`:
+    /// with `rear` the area of the rear element's disk, with `disk` and `warped` that of the paraxial exit pupil.
     pub weighting: *const c_char,
-    /// Parameter `pupil`.
+    /// Parameter `pupil`: where lens samples lie, in the true pupil of each film point, the rear element's disk, or
+    /// the thick-lens exit pupil: "warped", "rear" or "disk"; default "warped".
     pub pupil: *const c_char,
-    /// Parameter `disk`.
+    /// Parameter `disk`: how lens samples map to the disk: "concentric", "polar" or "rejection"; default
+    /// "concentric".
     pub disk: *const c_char,
-    /// Parameter `refraction`.
+    /// Parameter `refraction`: method of refraction: "fused", "heckbert", "whitted" or "other"; default "fused".
     pub refraction: *const c_char,
-    /// Parameter `precision`.
+    /// Parameter `precision`: what rays are traced in, double, single, or ("auto") double or what `tolerance` allows:
+    /// "auto", "f64", "f32", "double" or "single"; default "auto".
     pub precision: *const c_char,
-    /// Parameter `filmdistance`, mm.
+    /// Parameter `filmdistance`: from the last vertex to the film: positive, in mm; default the lens file's, or
+    /// focused at `focusdistance`.
     pub filmdistance: f64,
-    /// Parameter `focusdistance`, world units.
+    /// Parameter `focusdistance`: from the film plane to the plane in focus, or inf, instead of `filmdistance`:
+    /// positive, in world units; default infinity.
     pub focusdistance: f64,
-    /// Parameter `aperture_diameter`, mm.
+    /// Parameter `aperture_diameter`: clear diameter of the stop: positive, in mm; default the file's.
     pub aperture_diameter: f64,
-    /// Parameter `fnumber`.
+    /// Parameter `fnumber`: focal length over entrance pupil diameter, instead of `aperture_diameter`: positive.
     pub fnumber: f64,
-    /// Parameter `filmdiag`, mm.
+    /// Parameter `filmdiag`: diagonal of the film: positive, in mm; default 35.
     pub filmdiag: f64,
-    /// Parameter `hither`, world units.
+    /// Parameter `hither`: where a ray begins, along it: 0 or more and finite, in world units; default 1e-3.
     pub hither: f64,
-    /// Parameter `yon`, world units.
+    /// Parameter `yon`: where a ray ends, along it, from `hither` on: 0 or more, in world units; default 1e30.
     pub yon: f64,
-    /// Parameter `shutteropen`.
+    /// Parameter `shutteropen`: time at which the shutter opens: a finite number; default 0.
     pub shutteropen: f64,
-    /// Parameter `shutterclose`. Before `shutteropen`, time runs backward, as in pbrt.
+    /// Parameter `shutterclose`: time at which the shutter closes; before `shutteropen`, time runs backward, as in
+    /// pbrt: a finite number; default 1.
     pub shutterclose: f64,
-    /// Parameter `wavelength`, nm.
+    /// Parameter `wavelength`: wavelength, for lenses with V-numbers or Sellmeier's constants: from 300 to 2000 nm;
+    /// default 587.56.
     pub wavelength: f64,
-    /// Parameter `mmperunit`, mm a world unit.
+    /// Parameter `mmperunit`: length of a world unit: positive, from 1e-15 to 1e30 mm a world unit; default 1.
     pub mmperunit: f64,
     /// For a camera that moves: `camera_to_world` holds at `transformstart` and this one at `transformend`, and
     /// between the two a move, a rotation and a stretch are interpolated. All NaN: the camera stands still.
@@ -188,25 +199,34 @@ pub struct realistic_options {
     pub transformstart: f64,
     /// The time of `camera_to_world_end`. NaN: `shutterclose`.
     pub transformend: f64,
-    /// Parameter `shutter`.
+    /// Parameter `shutter`: what the shutter lets through, by film point and time: "global", "leaf" or "focal-plane";
+    /// default "global".
     pub shutter: *const c_char,
-    /// Parameter `lensplane`.
+    /// Parameter `lensplane`: where that thin lens lies, as in pbrt 1.05, or as in older versions and on the
+    /// lecture's slide: "eye" or "hither"; default "eye".
     pub lensplane: *const c_char,
-    /// Parameter `shutterramp`.
+    /// Parameter `shutterramp`: share of the shutter's interval in which a leaf shutter opens, and closes: more than
+    /// 0 and at most 0.5 of the interval; default 0.25.
     pub shutterramp: f64,
-    /// Parameter `shutterslit`.
+    /// Parameter `shutterslit`: share of the shutter's interval for which a focal-plane shutter exposes each row:
+    /// more than 0 and at most 1 of the interval; default 0.25.
     pub shutterslit: f64,
-    /// Parameter `fov`, degrees.
+    /// Parameter `fov`: angle across the shorter side of the image: from 0.0001 to less than 180 degrees; default 90.
     pub fov: f64,
-    /// Parameter `screenwindow`. All NaN: not given.
+    /// Parameter `screenwindow`: x from, x to, y from, y to of the part of the screen that becomes the image: from
+    /// -1e15 to 1e15; default by the aspect ratio. All NaN: not given.
     pub screenwindow: [f64; 4],
-    /// Parameter `frameaspectratio`.
+    /// Parameter `frameaspectratio`: width over height of the screen window: positive, from 1e-15 to 1e15; default
+    /// the image's.
     pub frameaspectratio: f64,
-    /// Parameter `lensradius`, world units.
+    /// Parameter `lensradius`: radius of the projection's thin lens: 0 (a pinhole) or more, up to 1e15 world units;
+    /// default 0.
     pub lensradius: f64,
-    /// Parameter `focaldistance`, world units.
+    /// Parameter `focaldistance`: from the eye to the plane of focus of a lens of `lensradius`, more than `hither`: a
+    /// number, in world units; default 1e30.
     pub focaldistance: f64,
-    /// Parameter `tolerance`, pixels.
+    /// Parameter `tolerance`: by how much 99.9 % of the rays may be off, for a faster model of the lens: 0 (exact) or
+    /// more and finite, in pixels; default 0.
     pub tolerance: f64,
 }
 

@@ -1,17 +1,19 @@
 //! The camera that a host holds: one of the models, with its shutter.
 
 use super::{
+    builder::CameraBuilder,
     film::Film,
     host::{Host, Level},
     model::Model,
     models::{
         environment::EnvironmentCamera, ideal::IdealCamera, lens::RealisticCamera,
-        projective::ProjectiveCamera, textbook,
+        projective::ProjectiveCamera, stock_cameras,
     },
-    parameters::{CameraError, Parameters, check::choice},
+    parameters::{CameraError, Parameters},
     pipeline::arrays::{BLOCK, RayArrays, RayBlock, SampleArrays, SampleBlock, SampleStore},
     placement::{Placement, shutter::Shutter},
     ray::{Outcome, Sample, WorldRay},
+    setup,
 };
 use crate::{lens::Lens, plan::Plan, trace::Blocked};
 
@@ -32,6 +34,11 @@ pub struct Camera {
 }
 
 impl Camera {
+    /// A camera to be described by methods and then built.
+    pub fn builder() -> CameraBuilder<Self> {
+        CameraBuilder::new(Self::build)
+    }
+
     /// Builds a camera of the model that the parameters name. `log` receives warnings, among them the
     /// parameters that the model does not use.
     ///
@@ -42,17 +49,22 @@ impl Camera {
         host: &Host,
         log: &mut dyn FnMut(Level, &str),
     ) -> Result<Self, CameraError> {
-        let model = choice("model", parameters.model.as_deref(), &Model::NAMES)?;
-        let shutter = Shutter::of(parameters)?;
+        let (model, shutter) = (parameters.model(), setup::shutter(parameters)?);
         warn_of_unused(model, shutter, parameters, log);
         let optics = match model {
             Model::Lens => Optics::Lens(RealisticCamera::build(parameters, host, log)?.into()),
             Model::Thick | Model::Thin => {
                 Optics::Ideal(IdealCamera::build(parameters, host, model == Model::Thin, log)?.into())
             }
-            Model::Perspective => Optics::Projective(textbook::perspective(parameters, host, log)?.into()),
-            Model::Orthographic => Optics::Projective(textbook::orthographic(parameters, host, log)?.into()),
-            Model::Environment => Optics::Environment(textbook::environment(parameters, host, log)?.into()),
+            Model::Perspective => {
+                Optics::Projective(stock_cameras::perspective(parameters, host, log)?.into())
+            }
+            Model::Orthographic => {
+                Optics::Projective(stock_cameras::orthographic(parameters, host, log)?.into())
+            }
+            Model::Environment => {
+                Optics::Environment(stock_cameras::environment(parameters, host, log)?.into())
+            }
         };
         Ok(Self { optics, shutter, yres: host.raster.yres as f32 })
     }
@@ -286,10 +298,10 @@ fn dimmed(weight: f32, share: f32) -> f32 {
 }
 
 fn warn_of_unused(model: Model, shutter: Shutter, given: &Parameters, log: &mut dyn FnMut(Level, &str)) {
-    let unused: Vec<&str> = given.given().filter(|name| !model.uses(name)).collect();
-    if !unused.is_empty() {
-        let names: Vec<String> = unused.iter().map(|name| format!("\"{name}\"")).collect();
-        log(Level::Warning, &format!("model \"{}\" does not use {}", model.name(), names.join(", ")));
+    let unused = given.given().filter(|row| !row.models.contains(&model));
+    let names: Vec<String> = unused.map(|row| format!("\"{}\"", row.name)).collect();
+    if !names.is_empty() {
+        log(Level::Warning, &format!("model \"{model}\" does not use {}", names.join(", ")));
     }
     for (name, is_given, is_used, kind) in [
         ("shutterramp", given.shutterramp.is_some(), matches!(shutter, Shutter::Leaf { .. }), "leaf"),
@@ -313,8 +325,8 @@ mod tests {
 
     #[test]
     fn what_is_no_image_point_makes_no_ray_of_any_model() {
-        for (name, _) in Model::NAMES {
-            let parameters = Parameters { model: Some(name.to_owned()), ..Parameters::default() };
+        for (name, model) in Model::NAMES {
+            let parameters = Parameters { model: Some(model), ..Parameters::default() };
             let host = Host::new(Raster { xres: 40, yres: 30 }, None);
             let camera = Camera::build(&parameters, &host, &mut |_, text| panic!("{text}")).expect("built");
             let sample = Sample { image_x: 20.0, image_y: 15.0, lens_u: 0.5, lens_v: 0.5, time: 0.0 };

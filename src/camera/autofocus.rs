@@ -1,6 +1,6 @@
 //! Autofocus: the film distance that brings what the host sees in some zones of the film into focus.
 //!
-//! A host that can tell a ray's distance is asked for a few rays through each zone
+//! A host that can measure a ray's distance is asked about some rays through each zone
 //! ([`by_distance`]); one that can only look at pictures is asked how much contrast trial
 //! cameras show ([`Search`]). Zones that give no answer do not count; of the others a [`Rule`]
 //! makes one film distance.
@@ -8,10 +8,15 @@
 use thiserror::Error;
 
 use super::{
-    CameraError, Host, Level, Outcome, ParameterError, Parameters, Raster, RealisticCamera, Sample, WorldRay,
+    film::Raster,
+    host::Host,
+    models::lens::RealisticCamera,
+    parameters::{CameraError, ParameterError, Parameters},
+    ray::{Outcome, Sample, WorldRay},
 };
 use crate::{
     imaging::focus::{Focus, FocusError},
+    message::Level,
     numeric::minimum,
 };
 
@@ -38,12 +43,6 @@ pub enum Rule {
     Centre,
     /// The mean of the zones' film distances, which favours near things as focusing does.
     Average,
-}
-
-impl Rule {
-    /// Every rule by name.
-    pub const NAMES: [(&'static str, Self); 3] =
-        [("nearest", Self::Nearest), ("centre", Self::Centre), ("average", Self::Average)];
 }
 
 /// Why there is no film distance.
@@ -155,10 +154,10 @@ fn start(
 
 /// Rays across a zone, each way.
 const GRID: u16 = 5;
-/// Lens numbers that are tried for each, the first that get through being taken.
+/// Lens samples that are tried for each, the first that gets through being taken.
 const TRIES: u16 = 64;
 
-/// The film distance, mm, by the distances that `distance` tells: for a ray in world space, along it to
+/// The film distance, mm, by the distances that `distance` gives: for a ray in world space, along it to
 /// the first surface in world units; infinity for none, and NaN or what is not positive for "I do
 /// not know". A zone's depth is the median over its rays.
 ///
@@ -174,7 +173,7 @@ pub fn by_distance(
     log: &mut dyn FnMut(Level, &str),
 ) -> Result<f64, AutofocusError> {
     let (camera, focus) = start(parameters, host, zones, log)?;
-    let mm_per_unit = parameters.mmperunit.unwrap_or(1.0);
+    let mm_per_unit = parameters.mmperunit().map_err(CameraError::from)?;
     let mut answers = Vec::with_capacity(zones.len());
     let mut too_near = None;
     for zone in zones {
@@ -298,7 +297,7 @@ impl Search {
         Ok(Self { zones: zones.to_vec(), raster: host.raster, nearest, infinity, steps })
     }
 
-    /// The film distance, mm, with the most contrast. `contrast` tells for each zone of
+    /// The film distance, mm, with the most contrast. `contrast` measures in each zone of
     /// the picture with the film there how much it has: 0 or more, NaN for "I do not know".
     /// First the whole way from infinity to the nearest distance, then closer about each zone's best.
     ///

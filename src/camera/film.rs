@@ -22,9 +22,6 @@ pub struct Film {
 const FILTER_MARGIN: f64 = 3.0;
 
 impl Film {
-    /// Diagonal of the film where none is given, mm.
-    pub const DEFAULT_DIAGONAL: f64 = 35.0;
-
     /// A film with this diagonal in mm, positive.
     pub fn new(raster: Raster, diagonal: f64) -> Self {
         let (x, y) = (f64::from(raster.xres), f64::from(raster.yres));

@@ -2,19 +2,13 @@
 
 use std::path::PathBuf;
 
-use super::{CameraMotion, CameraToWorld, Raster};
+use super::{
+    film::Raster,
+    placement::{motion::CameraMotion, transform::CameraToWorld},
+};
 use crate::prescription::SearchPath;
 
-/// How serious a message is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Level {
-    /// Worth knowing.
-    Info,
-    /// The camera is built, and something is not as asked.
-    Warning,
-    /// The camera is not built.
-    Error,
-}
+pub use crate::message::Level;
 
 /// What a host brings besides parameters.
 #[derive(Clone, Debug)]
@@ -27,7 +21,7 @@ pub struct Host {
     pub search: SearchPath,
     /// A lens file's text in the place of `specfile`, with the name it goes by in messages.
     pub lens_text: Option<(String, Vec<u8>)>,
-    /// Whether the host can draw new lens numbers for a sample.
+    /// Whether the host can give a sample another (u, v).
     pub can_redraw: bool,
     /// Whether the camera leaves out what its film and place do not need; false is for comparisons. Without
     /// a tolerance the rays have the same bits.

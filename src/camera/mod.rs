@@ -1,15 +1,14 @@
 //! Cameras: film, weights, transforms, and what a host gets a ray from.
 //!
-//! A [`Camera`] is built once from [`Parameters`], a [`Raster`] and a camera-to-world transform, is
-//! immutable from then on, and turns a [`Sample`] into a ray in world space with its weight. It is one of
-//! the models of [`Model`].
+//! A [`Camera`] is built once, by [`Camera::builder`] or from [`Parameters`] that a host gives by name and a [`Host`],
+//! is immutable from then on, and turns a [`Sample`] into a ray in world space with its weight. It is one of the
+//! models of [`Model`].
 
 mod any_camera;
 pub mod autofocus;
+pub(crate) mod builder;
 pub(crate) mod film;
-pub(crate) mod focusing;
 pub(crate) mod host;
-pub(crate) mod lens_setup;
 pub(crate) mod model;
 pub mod models;
 pub(crate) mod parameters;
@@ -19,22 +18,23 @@ pub(crate) mod ray;
 pub(crate) mod setup;
 
 pub use any_camera::Camera;
+pub use builder::CameraBuilder;
 pub use film::{Film, Raster};
 pub use host::{Host, Level};
-pub use lens_setup::{LensSetup, open_lens};
 pub use model::Model;
 pub use models::{
-    environment::EnvironmentCamera,
-    ideal::IdealCamera,
-    lens::RealisticCamera,
-    projective::{LensPlane, ProjectiveCamera},
+    environment::EnvironmentCamera, ideal::IdealCamera, lens::RealisticCamera, projective::ProjectiveCamera,
 };
-pub use parameters::{CameraError, Kind, PARAMETERS, Parameter, ParameterError, Parameters, Value};
+pub use parameters::{
+    CameraError, Interval, Kind, LensPlane, PARAMETERS, Parameter, ParameterError, Parameters, Precision,
+    Pupil, Range, UnknownName, Value, Weighting,
+};
 pub(crate) use pipeline::arrays::BLOCK;
 pub use pipeline::arrays::{RayArrays, RayBlock, SampleArrays, SampleBlock};
 pub use placement::{
     motion::{CameraMotion, Moving},
-    shutter::{DEFAULT_INTERVAL, Shutter},
-    transform::CameraToWorld,
+    shutter::Shutter,
+    transform::{CameraToWorld, TransformError},
 };
 pub use ray::{Outcome, Sample, WorldRay};
+pub use setup::{film_distance, open_lens};

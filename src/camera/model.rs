@@ -1,4 +1,4 @@
-//! The models of a camera, and the parameters that each uses.
+//! The models of a camera, by name.
 
 /// What a camera is a model of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -28,35 +28,4 @@ impl Model {
         ("orthographic", Self::Orthographic),
         ("environment", Self::Environment),
     ];
-
-    /// The model's name.
-    pub fn name(self) -> &'static str {
-        Self::NAMES.iter().find(|(_, model)| *model == self).map_or("", |(name, _)| name)
-    }
-
-    /// Whether the model does something with a parameter.
-    pub fn uses(self, parameter: &str) -> bool {
-        if EVERY_MODEL.contains(&parameter) {
-            return true;
-        }
-        let projective = PROJECTIVE.contains(&parameter);
-        match self {
-            Self::Lens => !projective && parameter != "fov",
-            Self::Thick | Self::Thin => Self::Lens.uses(parameter) && !TRACING.contains(&parameter),
-            Self::Perspective => projective || matches!(parameter, "fov" | "disk"),
-            Self::Orthographic => projective || parameter == "disk",
-            Self::Environment => false,
-        }
-    }
 }
-
-/// The parameters that every model uses.
-const EVERY_MODEL: [&str; 8] =
-    ["model", "hither", "yon", "shutteropen", "shutterclose", "shutter", "shutterramp", "shutterslit"];
-
-/// The parameters of the two projections.
-const PROJECTIVE: [&str; 5] =
-    ["screenwindow", "frameaspectratio", "lensradius", "focaldistance", "lensplane"];
-
-/// The parameters that only a lens whose interfaces are traced uses.
-const TRACING: [&str; 4] = ["pupil", "refraction", "precision", "tolerance"];

@@ -44,6 +44,6 @@ fn the_header_is_up_to_date() {
     let checked_in = std::fs::read_to_string(&path).unwrap_or_default();
     assert!(
         checked_in == made,
-        "include/realistic.h is not what src/abi says; run `REALISTIC_WRITE_HEADER=1 cargo test --test header`"
+        "include/realistic.h is not what src/abi says; run `REALISTIC_WRITE_HEADER=1 cargo test --test abi header`"
     );
 }

@@ -5,5 +5,6 @@ mod header;
 #[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
 mod hosts;
 mod models;
+mod parameters;
 #[path = "../truth/support/properties.rs"]
 mod properties;

@@ -8,9 +8,8 @@ use realistic::abi::{
     realistic_contrast, realistic_distance, realistic_last_error, realistic_options, realistic_ray,
     realistic_sample, realistic_status, realistic_zone,
 };
-use realistic::camera::{LensSetup, Level, open_lens};
+use realistic::camera::{Host, Parameters, Raster, open_lens};
 use realistic::imaging::focus::Focus;
-use realistic::prescription::SearchPath;
 
 const LEFT: realistic_zone = realistic_zone { left: 30.0, top: 90.0, right: 50.0, bottom: 110.0 };
 const MIDDLE: realistic_zone = realistic_zone { left: 140.0, top: 90.0, right: 160.0, bottom: 110.0 };
@@ -61,9 +60,9 @@ unsafe extern "C" fn walls(_: *mut c_void, ray: *const realistic_ray) -> f64 {
 
 /// The film distance for a plane at `z` mm before the front vertex, from focusing alone.
 fn expected(z: f64) -> f64 {
-    let mut log = |_: Level, _: &str| ();
-    let (_, lens) =
-        open_lens("dgauss.50mm", &SearchPath::from_environment(), LensSetup::default(), &mut log).unwrap();
+    let parameters = Parameters { specfile: Some("dgauss.50mm".to_owned()), ..Parameters::default() };
+    let host = Host::new(Raster { xres: 1, yres: 1 }, None);
+    let (_, lens) = open_lens(&parameters, &host, &mut |_, _| ()).unwrap();
     let focus = Focus::new(&lens).unwrap();
     let from_film = |film: f64| z - lens.rear().vertex + film;
     (0..40).fold(40.0, |film, _| focus.film_distance(from_film(film)).unwrap())

@@ -5,7 +5,7 @@ use super::support;
 use std::f64::consts::PI;
 
 use realistic::{
-    camera::{Camera, CameraToWorld, Host, Outcome, Parameters, RealisticCamera, Sample, Value},
+    camera::{CameraToWorld, Host, Outcome, Parameters, RealisticCamera, Sample, Value},
     lens::{
         Lens,
         first_order::FirstOrder,
@@ -65,8 +65,7 @@ fn a_value_out_of_range_is_told_with_its_parameter_and_range() {
     }
     refused(&[("simpleweighting", "yes")], &["\"simpleweighting\" takes true or false", "yes"]);
     let mut odd = Parameters::default();
-    odd.set_from_text("model", "Odd").expect("any text");
-    let message = Camera::build(&odd, &host(), &mut |_, _| ()).expect_err("no such model").to_string();
+    let message = odd.set_from_text("model", "Odd").expect_err("no such model").to_string();
     assert!(message.contains("\"model\" is \"Odd\"") && message.contains("\"lens\""), "{message}");
     refused(&[("flimdiag", "35")], &["\"flimdiag\"", "filmdiag", "specfile"]);
 }

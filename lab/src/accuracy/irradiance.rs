@@ -1,7 +1,7 @@
 //! The estimator: film irradiance under a flat field of radiance 1, against time.
 
 use realistic::{
-    camera::{CameraError, Parameters, Sample},
+    camera::{CameraError, Parameters, Sample, Value},
     imaging::irradiance::survey,
 };
 
@@ -109,8 +109,9 @@ pub fn measure(subject: &Subject, counts: SampleCounts) -> Result<Vec<Curve>, Ca
     let mut cameras = Vec::new();
     for &pupil in PUPILS {
         for &disk in DISKS {
-            let given =
-                Parameters { pupil: Some(pupil.into()), disk: Some(disk.into()), ..Default::default() };
+            let mut given = Parameters::default();
+            given.set("pupil", Value::Text(pupil))?;
+            given.set("disk", Value::Text(disk))?;
             let camera = camera(&subject.lens.name, PIXELS, given)?;
             for (sequence, placed) in Sequence::NAMES {
                 let samples = (1..=counts.exponent).map(|power| 4_usize.pow(power));

@@ -64,7 +64,7 @@ impl Outline {
                 match open.iter().rposition(|&open| open) {
                     Some(last) if last < open.len() - 1 => {
                         let last = last as u32;
-                        edge(step(last), step(last + 1), 0.0, |radius| passes(at(radius)))
+                        edge(step(last), step(last + 1), |radius| passes(at(radius)))
                     }
                     Some(_) => end,
                     None => 0.0,

@@ -6,7 +6,9 @@ use crate::BLOCK;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus as Random;
 use realistic::{
-    camera::{Host, Outcome, Parameters, Raster, RayBlock, RealisticCamera, Sample, SampleBlock},
+    camera::{
+        Host, Outcome, Parameters, Precision, Pupil, Raster, RayBlock, RealisticCamera, Sample, SampleBlock,
+    },
     lens::Lens,
     prescription::read,
     trace::{
@@ -228,8 +230,8 @@ fn random_camera(random: &mut Random, number: usize) -> RealisticCamera {
         let parameters = Parameters {
             filmdistance: Some(scaled(random, 0.1, 300.0)),
             filmdiag: Some(scaled(random, 0.1, 100.0)),
-            pupil: Some(["rear", "rear", "disk", "warped"][number % 4].to_owned()),
-            precision: (number / 4 % 2 == 1).then(|| "f32".to_owned()),
+            pupil: Some([Pupil::Rear, Pupil::Rear, Pupil::Disk, Pupil::Warped][number % 4]),
+            precision: (number / 4 % 2 == 1).then_some(Precision::Single),
             ..Parameters::default()
         };
         if let Ok(camera) = RealisticCamera::build(&parameters, &host, &mut |_, _| {}) {

@@ -7,7 +7,11 @@
 
 use std::f32::consts::{PI, TAU};
 
-use crate::camera::{Raster, Sample, WorldRay, placement::Placement};
+use crate::camera::{
+    film::Raster,
+    placement::Placement,
+    ray::{Sample, WorldRay},
+};
 
 /// A camera that looks in every direction. Immutable, and may be shared between threads.
 #[derive(Clone, Debug)]

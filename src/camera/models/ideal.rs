@@ -16,8 +16,12 @@ use std::f64::consts::PI;
 
 use crate::{
     camera::{
-        CameraError, Film, Host, Level, Outcome, ParameterError, Parameters, Sample, WorldRay,
-        focusing::Focusing, parameters::choices::Weighting, placement::Placement, setup::Setup,
+        film::Film,
+        host::Host,
+        parameters::{CameraError, ParameterError, Parameters, Weighting},
+        placement::Placement,
+        ray::{Outcome, Sample, WorldRay},
+        setup::{Focusing, Setup},
     },
     imaging::irradiance::{cos4, film_ray},
     sampling::{DiskMapping, PupilDisk},
@@ -28,7 +32,7 @@ use crate::{
         first_order::FirstOrder,
         pupil::{EntrancePupil, limiting_surface},
     },
-    message::{short, short_above},
+    message::{Level, short, short_above},
 };
 
 /// A camera with an ideal lens. Immutable, and may be shared between threads.
@@ -64,10 +68,6 @@ impl IdealCamera {
         log: &mut dyn FnMut(Level, &str),
     ) -> Result<Self, CameraError> {
         let setup = Setup::of(parameters, host, Focusing::Paraxial, log)?;
-        Self::from_setup(setup, thin)
-    }
-
-    fn from_setup(setup: Setup, thin: bool) -> Result<Self, CameraError> {
         let Setup { lens, film, film_distance, .. } = setup;
         let first_order = FirstOrder::of(&lens)?;
         let film_z = lens.rear().vertex - film_distance;

@@ -4,14 +4,11 @@ use std::{f64::consts::PI, sync::Arc};
 
 use crate::{
     camera::{
+        builder::CameraBuilder,
         film::Film,
-        focusing::Focusing,
         host::{Host, Level},
-        parameters::{
-            CameraError, Parameters,
-            check::choice,
-            choices::{Precision, PupilChoice, Weighting},
-        },
+        model::Model,
+        parameters::{CameraError, ParameterError, Parameters, Precision, Pupil, Weighting},
         pipeline::{
             arrays::{OneRay, RayArrays, RayBlock, SampleArrays, SampleBlock, SampleStore},
             body::CameraBody,
@@ -20,7 +17,7 @@ use crate::{
         },
         placement::Placement,
         ray::{Outcome, Sample, WorldRay},
-        setup::Setup,
+        setup::{Focusing, Setup},
     },
     imaging::irradiance::{film_ray, on_axis, survey},
     lens::{
@@ -58,12 +55,21 @@ const SURVEY_RAYS: u32 = 64;
 type Log<'a> = &'a mut dyn FnMut(Level, &str);
 
 impl RealisticCamera {
+    /// A camera of the model "lens" to be described by methods and then built.
+    pub fn builder() -> CameraBuilder<Self> {
+        CameraBuilder::new(Self::build)
+    }
+
     /// Builds a camera of the model "lens". `log` receives warnings.
     ///
     /// # Errors
     /// What is wrong, and what to give instead.
     pub fn build(parameters: &Parameters, host: &Host, log: Log<'_>) -> Result<Self, CameraError> {
-        choice("model", parameters.model.as_deref(), &[("lens", ())])?;
+        let model = parameters.model();
+        if model != Model::Lens {
+            let (value, range) = (format!("\"{model}\""), "\"lens\"".to_owned());
+            return Err(ParameterError::Range { name: "model", value, range }.into());
+        }
         let setup = Setup::of(parameters, host, Focusing::Exact, log)?;
         Self::from_setup(setup, log)
     }
@@ -262,11 +268,8 @@ fn straight(Ray { origin: [x, y, z], direction: [dx, dy, dz] }: Ray) -> Ray {
 
 /// The disk that holds every ray from the film through the rear surface.
 fn rear_disk(setup: &Setup, film_z: f64) -> Result<PupilDisk, CameraError> {
-    let surface = setup.lens.rear();
-    let rim = -surface.sagitta(surface.semi_diameter);
-    let film_distance = setup.film_distance;
     let rear = PupilDisk::rear(&setup.lens, film_z, setup.film.reach())
-        .ok_or(CameraError::FilmInLens { film_distance, rim: rim.max(0.0) })?;
+        .ok_or_else(|| CameraError::film_in_lens(&setup.lens, setup.film_distance))?;
     // So near the glass that the pupil fills a hemisphere to the last digit, or on film that large, the pupil's
     // area in slopes, of which the weights are made, leaves the number range.
     representable(rear.slope_area())?;
@@ -282,12 +285,12 @@ fn pupil_sampler(
     log: Log<'_>,
 ) -> PupilSampler {
     match setup.pupil {
-        PupilChoice::Rear => PupilSampler::Disk(rear),
-        PupilChoice::Disk => {
+        Pupil::Rear => PupilSampler::Disk(rear),
+        Pupil::Disk => {
             warn_of_missed_share(path, film_z, &setup.film, rear, exit, log);
             PupilSampler::Disk(exit)
         }
-        PupilChoice::Warped => {
+        Pupil::Warped => {
             let shift = exit.seen_from([1.0, 0.0]).center[0];
             let pupil = WarpedPupil::new(path, film_z, setup.film.reach(), rear, shift);
             report_cover(&pupil, log);

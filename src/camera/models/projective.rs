@@ -8,29 +8,18 @@
 
 use super::spaces::{Projection, ScreenWindow};
 use crate::{
-    camera::{Outcome, Raster, Sample, WorldRay, placement::Placement},
+    camera::{
+        film::Raster,
+        parameters::LensPlane,
+        placement::Placement,
+        ray::{Outcome, Sample, WorldRay},
+    },
     sampling::{DiskMapping, disk::concentric_single},
 };
 
-/// The plane that a thin lens lies in, of the two that differ by the distance `hither`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum LensPlane {
-    /// At the eye, z = 0. Where a ray through the lens meets the near plane, it is (F - hither)/F of its lens
-    /// point away from the central ray: pbrt 1.05.
-    #[default]
-    Eye,
-    /// In the near plane itself, where rays begin: older versions of pbrt, and the lecture's slide.
-    Hither,
-}
-
-impl LensPlane {
-    /// Every plane with the name that the parameter `lensplane` uses.
-    pub const NAMES: [(&'static str, Self); 2] = [("eye", Self::Eye), ("hither", Self::Hither)];
-}
-
 /// Which of the two projections.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Kind {
+pub(crate) enum Projecting {
     /// Parallel rays along z.
     Orthographic,
     /// Rays from the eye; the angle, in degrees, spans [-1, 1] on the screen.
@@ -51,7 +40,7 @@ pub(crate) struct ThinLens {
 /// A camera with a projection matrix. Immutable, and may be shared between threads.
 #[derive(Clone, Debug)]
 pub struct ProjectiveCamera {
-    kind: Kind,
+    projecting: Projecting,
     raster_to_camera: Projection,
     lens: Option<ThinLens>,
     placement: Placement,
@@ -59,19 +48,19 @@ pub struct ProjectiveCamera {
 
 impl ProjectiveCamera {
     pub(crate) fn new(
-        kind: Kind,
+        projecting: Projecting,
         window: ScreenWindow,
         raster: Raster,
         lens: Option<ThinLens>,
         placement: Placement,
     ) -> Self {
         let [near, far] = placement.clip;
-        let to_screen = match kind {
-            Kind::Orthographic => Projection::orthographic(near, far),
-            Kind::Perspective { fov } => Projection::perspective(fov, near, far),
+        let to_screen = match projecting {
+            Projecting::Orthographic => Projection::orthographic(near, far),
+            Projecting::Perspective { fov } => Projection::perspective(fov, near, far),
         };
         let raster_to_camera = Projection::raster_to_camera(&to_screen, window, raster);
-        Self { kind, raster_to_camera, lens, placement }
+        Self { projecting, raster_to_camera, lens, placement }
     }
 
     pub(crate) fn placement(&self) -> &Placement {
@@ -103,9 +92,9 @@ impl ProjectiveCamera {
     fn ray(&self, sample: &Sample, lens: Option<(&ThinLens, [f32; 2])>) -> WorldRay {
         let [hither, yon] = self.placement.clip;
         let mut o = self.raster_to_camera.point([sample.image_x, sample.image_y, 0.0]);
-        let mut d = match self.kind {
-            Kind::Orthographic => [0.0, 0.0, 1.0],
-            Kind::Perspective { .. } => o,
+        let mut d = match self.projecting {
+            Projecting::Orthographic => [0.0, 0.0, 1.0],
+            Projecting::Perspective { .. } => o,
         };
         if let Some((&ThinLens { radius, focal_distance, plane, .. }, point)) = lens {
             let [u, v] = point.map(|part| part * radius);
@@ -120,9 +109,9 @@ impl ProjectiveCamera {
             d = std::array::from_fn(|i| focus[i] - o[i]);
         }
         let d = unit(d);
-        let end = match self.kind {
-            Kind::Orthographic => yon - hither,
-            Kind::Perspective { .. } => (yon - hither) / d[2],
+        let end = match self.projecting {
+            Projecting::Orthographic => yon - hither,
+            Projecting::Perspective { .. } => (yon - hither) / d[2],
         };
         self.placement.world_ray_single(o, d, [0.0, end], sample.time)
     }
@@ -147,9 +136,9 @@ mod tests {
 
     const RASTER: Raster = Raster { xres: 200, yres: 100 };
 
-    fn camera(kind: Kind, lens: Option<ThinLens>, clip: [f32; 2]) -> ProjectiveCamera {
+    fn camera(projecting: Projecting, lens: Option<ThinLens>, clip: [f32; 2]) -> ProjectiveCamera {
         let placement = Placement { to_world: CameraToWorld::IDENTITY.into(), clip, shutter: [0.0, 1.0] };
-        ProjectiveCamera::new(kind, ScreenWindow::of_aspect(2.0), RASTER, lens, placement)
+        ProjectiveCamera::new(projecting, ScreenWindow::of_aspect(2.0), RASTER, lens, placement)
     }
 
     fn ray(camera: &ProjectiveCamera, image: [f32; 2], lens: [f32; 2]) -> WorldRay {
@@ -181,7 +170,7 @@ mod tests {
 
     #[test]
     fn perspective_rays_pass_through_the_eye_and_run_from_hither_to_yon() {
-        let camera = camera(Kind::Perspective { fov: 90.0 }, None, [0.5, 20.0]);
+        let camera = camera(Projecting::Perspective { fov: 90.0 }, None, [0.5, 20.0]);
         for (image, slope) in
             [([100.0, 50.0], [0.0, 0.0]), ([200.0, 0.0], [2.0, 1.0]), ([0.0, 75.0], [-2.0, -0.5])]
         {
@@ -195,9 +184,9 @@ mod tests {
 
     #[test]
     fn a_lens_focused_at_infinity_sends_parallel_rays() {
-        for kind in [Kind::Perspective { fov: 60.0 }, Kind::Orthographic] {
+        for projecting in [Projecting::Perspective { fov: 60.0 }, Projecting::Orthographic] {
             let far = ThinLens { focal_distance: 1e30, ..LENS };
-            let [pinhole, lens] = [None, Some(far)].map(|lens| camera(kind, lens, [0.5, 20.0]));
+            let [pinhole, lens] = [None, Some(far)].map(|lens| camera(projecting, lens, [0.5, 20.0]));
             for numbers in NUMBERS {
                 let (a, b) = (ray(&pinhole, [20.0, 90.0], numbers), ray(&lens, [20.0, 90.0], numbers));
                 let apart: f32 = a.direction.iter().zip(b.direction).map(|(a, b)| (a - b).abs()).sum();
@@ -208,7 +197,7 @@ mod tests {
 
     #[test]
     fn orthographic_rays_are_parallel() {
-        let camera = camera(Kind::Orthographic, None, [0.5, 20.0]);
+        let camera = camera(Projecting::Orthographic, None, [0.5, 20.0]);
         for (image, place) in [([100.0, 50.0], [0.0, 0.0]), ([200.0, 0.0], [2.0, 1.0])] {
             let ray = ray(&camera, image, [0.1, 0.9]);
             assert_eq!(ray.direction, [0.0, 0.0, 1.0]);
@@ -219,9 +208,9 @@ mod tests {
 
     #[test]
     fn every_ray_of_a_pixel_meets_the_same_point_in_the_plane_of_focus() {
-        for kind in [Kind::Perspective { fov: 60.0 }, Kind::Orthographic] {
+        for projecting in [Projecting::Perspective { fov: 60.0 }, Projecting::Orthographic] {
             for plane in [LensPlane::Eye, LensPlane::Hither] {
-                let camera = camera(kind, Some(ThinLens { plane, ..LENS }), [0.5, 20.0]);
+                let camera = camera(projecting, Some(ThinLens { plane, ..LENS }), [0.5, 20.0]);
                 for image in [[100.0, 50.0], [20.0, 90.0]] {
                     let expected = at_depth(
                         &camera.central(&Sample {
@@ -243,7 +232,7 @@ mod tests {
     fn the_lens_lies_in_the_plane_that_is_asked_for() {
         for (plane, depth) in [(LensPlane::Eye, 0.0), (LensPlane::Hither, 0.5)] {
             let lens = ThinLens { plane, ..LENS };
-            let camera = camera(Kind::Perspective { fov: 60.0 }, Some(lens), [0.5, 20.0]);
+            let camera = camera(Projecting::Perspective { fov: 60.0 }, Some(lens), [0.5, 20.0]);
             for numbers in NUMBERS {
                 let unit = concentric_single(numbers[0], numbers[1]);
                 near(at_depth(&ray(&camera, [100.0, 50.0], numbers), depth), unit.map(|part| part * 0.25));
@@ -254,7 +243,7 @@ mod tests {
     #[test]
     fn rejected_lens_numbers_are_asked_for_again() {
         let lens = ThinLens { mapping: DiskMapping::Rejection, ..LENS };
-        let camera = camera(Kind::Orthographic, Some(lens), [0.5, 20.0]);
+        let camera = camera(Projecting::Orthographic, Some(lens), [0.5, 20.0]);
         assert_eq!(camera.generate(&Sample::default()), Outcome::Redraw);
     }
 }

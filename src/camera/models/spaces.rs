@@ -36,7 +36,7 @@
 //! that the rays made with them have its bits (M. Pharr and G. Humphreys, *Physically Based Rendering*,
 //! 1st ed. 2004, §6.1-6.2). A transform knows whether it is affine; the affine ones divide nothing.
 
-use crate::camera::Raster;
+use crate::camera::film::Raster;
 
 /// A transform between two of the spaces, and its inverse.
 #[derive(Clone, Copy, Debug, PartialEq)]

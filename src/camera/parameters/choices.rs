@@ -1,8 +1,24 @@
-//! What text parameters choose among, with the names that users write.
+//! The values of parameters that choose among names, each with its one list of names, the default first.
+//!
+//! Display writes the name that users write; `FromStr` reads it. [`DiskMapping`], [`Refraction`] and [`Shutter`] have
+//! their lists where they are defined.
 
-/// Where lens samples are drawn.
+use std::{fmt, mem::discriminant, str::FromStr};
+
+use super::{
+    error::{ParameterError, UnknownName},
+    range::Range,
+    value::{Kind, Setting, Value},
+};
+use crate::{
+    camera::{model::Model, placement::shutter::Shutter},
+    lens::refraction::Refraction,
+    sampling::DiskMapping,
+};
+
+/// Where a ray's second point is sampled: in what stands for the pupil.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum PupilChoice {
+pub enum Pupil {
     /// The true pupil of each film point.
     #[default]
     Warped,
@@ -12,27 +28,29 @@ pub(crate) enum PupilChoice {
     Disk,
 }
 
-impl PupilChoice {
+impl Pupil {
+    /// Every pupil with its name.
     pub const NAMES: [(&'static str, Self); 3] =
         [("warped", Self::Warped), ("rear", Self::Rear), ("disk", Self::Disk)];
 }
 
 /// How a ray's weight is measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Weighting {
-    /// The mean over lens samples is film irradiance for unit radiance.
+pub enum Weighting {
+    /// A cos⁴θ'/Z²: the mean over lens samples is film irradiance for unit radiance.
     #[default]
     Radiometric,
     /// The assignment's cos⁴/Z²: radiometric over an area that is the same for all film points. For a disk it is the
     /// area samples are taken from; for the warped pupil, whose area varies, the paraxial exit pupil's.
     Assignment,
-    /// Relative to the mean on the axis.
+    /// Radiometric over its mean on the axis.
     Relative,
     /// 1 for a ray that gets through.
     None,
 }
 
 impl Weighting {
+    /// Every weighting with its name.
     pub const NAMES: [(&'static str, Self); 4] = [
         ("radiometric", Self::Radiometric),
         ("assignment", Self::Assignment),
@@ -41,9 +59,9 @@ impl Weighting {
     ];
 }
 
-/// What the trace computes with.
+/// What rays are traced in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Precision {
+pub enum Precision {
     /// Double, or what the tolerance allows.
     #[default]
     Auto,
@@ -54,6 +72,7 @@ pub(crate) enum Precision {
 }
 
 impl Precision {
+    /// Every precision with its names, of which it is written by the first.
     pub const NAMES: [(&'static str, Self); 5] = [
         ("auto", Self::Auto),
         ("f64", Self::Double),
@@ -61,4 +80,95 @@ impl Precision {
         ("double", Self::Double),
         ("single", Self::Single),
     ];
+}
+
+/// The plane that the thin lens of a projection lies in, of the two that differ by the distance `hither`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LensPlane {
+    /// At the eye, z = 0. Where a ray through the lens meets the near plane, it is (F - hither)/F of its lens
+    /// point away from the central ray: pbrt 1.05.
+    #[default]
+    Eye,
+    /// In the near plane itself, where rays begin: older versions of pbrt, and the lecture's slide.
+    Hither,
+}
+
+impl LensPlane {
+    /// Every plane with its name.
+    pub const NAMES: [(&'static str, Self); 2] = [("eye", Self::Eye), ("hither", Self::Hither)];
+}
+
+macro_rules! named {
+    ($($choice:ty),*) => {$(
+        impl fmt::Display for $choice {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                let own = Self::NAMES.iter().find(|(_, choice)| discriminant(choice) == discriminant(self));
+                f.pad(own.map_or("", |(name, _)| name))
+            }
+        }
+
+        impl FromStr for $choice {
+            type Err = UnknownName;
+
+            fn from_str(given: &str) -> Result<Self, UnknownName> {
+                let choice = Self::NAMES.iter().find(|(name, _)| *name == given).map(|&(_, choice)| choice);
+                choice.ok_or_else(|| UnknownName { given: given.to_owned(), known: Self::RANGE.in_words("") })
+            }
+        }
+
+        impl Setting for $choice {
+            const KIND: Kind = Kind::Text;
+            const RANGE: Range = Range::Names(&names(&Self::NAMES));
+
+            fn of(name: &'static str, value: Value<'_>) -> Result<Self, ParameterError> {
+                match value {
+                    Value::Text(text) => text.parse().map_err(|unknown| ParameterError::unknown(name, unknown)),
+                    other => Err(other.refused(name, Self::KIND)),
+                }
+            }
+        }
+    )*};
+}
+
+named![Model, Pupil, Weighting, Precision, LensPlane, DiskMapping, Refraction, Shutter];
+
+const fn names<T: Copy, const N: usize>(list: &[(&'static str, T); N]) -> [&'static str; N] {
+    let mut names = [""; N];
+    let mut i = 0;
+    while i < N {
+        names[i] = list[i].0;
+        i += 1;
+    }
+    names
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_written_is_read_and_the_default_stands_first() {
+        fn check<T>(names: &[(&str, T)])
+        where
+            T: Copy + Default + PartialEq + fmt::Debug + fmt::Display + FromStr<Err = UnknownName>,
+        {
+            assert_eq!(names[0].1, T::default());
+            for (name, choice) in names {
+                assert_eq!(name.parse(), Ok(*choice));
+                assert_eq!(choice.to_string().parse(), Ok(*choice));
+            }
+            let error = "Odd".parse::<T>().expect_err("no such name").to_string();
+            assert!(error.contains("\"Odd\" is not") && error.contains(names[1].0), "{error}");
+        }
+        check(&Model::NAMES);
+        check(&Pupil::NAMES);
+        check(&Weighting::NAMES);
+        check(&Precision::NAMES);
+        check(&LensPlane::NAMES);
+        check(&DiskMapping::NAMES);
+        check(&Refraction::NAMES);
+        check(&Shutter::NAMES);
+        assert_eq!(LensPlane::Hither.to_string(), "hither");
+        assert_eq!(Shutter::Leaf { ramp: 0.4 }.to_string(), "leaf");
+    }
 }

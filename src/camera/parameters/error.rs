@@ -1,14 +1,80 @@
-//! Why a camera cannot be built.
+//! Why a parameter is refused, and why a camera cannot be built.
 
 use thiserror::Error;
 
-use crate::camera::ParameterError;
 use crate::{
+    camera::placement::transform::TransformError,
     imaging::focus::FocusError,
-    lens::LensError,
+    lens::{Lens, LensError, open::OpenError},
     message::{short, short_above},
     prescription::SourceError,
 };
+
+/// A name that is none of those to choose from.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("\"{given}\" is not {known}")]
+pub struct UnknownName {
+    /// The name that was given.
+    pub given: String,
+    /// Those that are known, in quotes.
+    pub known: String,
+}
+
+/// Why a parameter was refused. The text names the parameter, the value and the range.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum ParameterError {
+    /// No parameter has this name.
+    #[error("no parameter is called \"{name}\"; the names are {names}")]
+    Unknown {
+        /// The name that was given.
+        name: String,
+        /// Every known name.
+        names: String,
+    },
+    /// The value is of another kind.
+    #[error("parameter \"{name}\" takes {expected}, not {given}")]
+    Kind {
+        /// The parameter.
+        name: &'static str,
+        /// What it takes.
+        expected: &'static str,
+        /// What was given.
+        given: String,
+    },
+    /// The value is of the right kind and outside the range.
+    #[error("parameter \"{name}\" is {value}; it must be {range}")]
+    Range {
+        /// The parameter.
+        name: &'static str,
+        /// The value given.
+        value: String,
+        /// The valid range in words, with the unit.
+        range: String,
+    },
+    /// Two names for one thing were given together.
+    #[error("\"{first}\" and \"{second}\" say the same thing in two ways; give one of them")]
+    Both {
+        /// One of the two.
+        first: &'static str,
+        /// The other.
+        second: &'static str,
+    },
+}
+
+impl ParameterError {
+    /// The error of a number outside its range, which is given in words.
+    pub(crate) fn out_of_range(name: &'static str, value: f64, range: &str) -> Self {
+        let plain = value.to_string();
+        // More than the digits of a number are the zeros of one very large or very small.
+        let value = if plain.len() > 24 { format!("{value:e}") } else { plain };
+        Self::Range { name, value, range: range.to_owned() }
+    }
+
+    /// The error of a name that is none of those to choose from.
+    pub(super) fn unknown(name: &'static str, UnknownName { given, known }: UnknownName) -> Self {
+        Self::Range { name, value: format!("\"{given}\""), range: known }
+    }
+}
 
 /// Why a camera cannot be built. The text says what to change.
 #[derive(Debug, Error)]
@@ -30,15 +96,15 @@ pub enum CameraError {
     NoFilmDistance(FocusError),
     /// The film would cut into the lens.
     #[error(
-        "film distance {} mm: the film would touch the rear element, whose rim reaches \
+        "film distance {} mm: the film would touch the rear element, whose edge reaches \
          {} mm behind the last vertex; give a larger \"filmdistance\"",
-        short(*film_distance), short_above(*rim)
+        short(*film_distance), short_above(*edge)
     )]
     FilmInLens {
         /// Film distance, mm.
         film_distance: f64,
-        /// How far the rear rim lies behind the last vertex, mm.
-        rim: f64,
+        /// How far the edge of the rear element's clear aperture lies behind the last vertex, mm.
+        edge: f64,
     },
     /// A weight is asked for that does not exist for this pupil.
     #[error(
@@ -64,9 +130,9 @@ pub enum CameraError {
         /// The larger of a ray's weight and of the factor it is made with.
         weight: f64,
     },
-    /// The camera transform is no affine transform.
+    /// The camera transform is no affine transform, or no motion leads from one to the other.
     #[error("the camera transform {0}")]
-    Transform(&'static str),
+    Transform(#[from] TransformError),
     /// The raster has no pixels.
     #[error("the image is {xres} x {yres} pixels; both must be 1 or more")]
     Raster {
@@ -75,4 +141,21 @@ pub enum CameraError {
         /// Pixels down.
         yres: i32,
     },
+}
+
+impl CameraError {
+    /// The error of film so near that it would touch the rear element.
+    pub fn film_in_lens(lens: &Lens, film_distance: f64) -> Self {
+        let edge = -lens.rear().sagitta(lens.rear().semi_diameter);
+        Self::FilmInLens { film_distance, edge: edge.max(0.0) }
+    }
+}
+
+impl From<OpenError> for CameraError {
+    fn from(error: OpenError) -> Self {
+        match error {
+            OpenError::Source(error) => error.into(),
+            OpenError::Lens(error) => error.into(),
+        }
+    }
 }

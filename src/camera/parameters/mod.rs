@@ -1,9 +1,17 @@
-//! The parameters of a camera, the checks of their values, and the errors that name them.
+//! The parameters of a camera, after which pbrt's `ParamSet`, the C options, the command line and the builder are made.
+//!
+//! In come values by name ([`Parameters::set`], which reads text) or by field; out go typed values, checked against
+//! the one table that also says each one's unit, range, default, models and help. What takes two or more parameters
+//! to decide is the set-up's.
 
-pub(crate) mod check;
-pub(crate) mod choices;
-pub(crate) mod error;
-pub(crate) mod table;
+mod choices;
+mod error;
+mod range;
+mod table;
+mod value;
 
-pub use error::CameraError;
-pub use table::{Kind, PARAMETERS, Parameter, ParameterError, Parameters, Value};
+pub use choices::{LensPlane, Precision, Pupil, Weighting};
+pub use error::{CameraError, ParameterError, UnknownName};
+pub use range::{Interval, Range};
+pub use table::{PARAMETERS, Parameter, Parameters};
+pub use value::{Kind, Value};

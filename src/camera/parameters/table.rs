@@ -1,23 +1,22 @@
-//! The parameters of a camera: one table of names, kinds, units and help that the
-//! pbrt `ParamSet`, the C options and the command line all read, and the values given.
+//! The table of parameters, and the values that a caller gave.
 
-use thiserror::Error;
+use std::ops::Bound::{Excluded, Included};
 
-/// What a parameter's value is made of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// One finite number.
-    Float,
-    /// One string.
-    Text,
-    /// `true` or `false`.
-    Bool,
-    /// Four numbers.
-    Four,
-}
+use super::{
+    choices::{LensPlane, Precision, Pupil, Weighting},
+    error::ParameterError,
+    range::{Interval, Range},
+    value::{Kind, Setting, Value},
+};
+use crate::{
+    camera::{model::Model, placement::shutter::Shutter},
+    lens::refraction::Refraction,
+    prescription::glass::VALID_WAVELENGTHS,
+    sampling::DiskMapping,
+};
 
 /// One row of the parameter table.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter {
     /// The name as pbrt's scene files, the C options and `--param` spell it.
     pub name: &'static str,
@@ -25,87 +24,113 @@ pub struct Parameter {
     pub alias: Option<&'static str>,
     /// What kind of value it takes.
     pub kind: Kind,
-    /// Unit, default and meaning in one line.
+    /// The unit of its numbers; empty for none.
+    pub unit: &'static str,
+    /// Which values of its kind it takes.
+    pub range: Range,
+    /// The value that counts where none is given, or in words where it comes from; empty for none.
+    pub default: &'static str,
+    /// The models that use it; another warns that it does not.
+    pub models: &'static [Model],
+    /// What it is, in one sentence.
     pub help: &'static str,
 }
 
-/// A value on its way into [`Parameters::set`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Value<'a> {
-    /// For [`Kind::Float`].
-    Float(f64),
-    /// For [`Kind::Text`].
-    Text(&'a str),
-    /// For [`Kind::Bool`].
-    Bool(bool),
-    /// For [`Kind::Four`].
-    Four([f64; 4]),
+impl Parameter {
+    /// Meaning, range with unit, and default in one line.
+    pub fn description(&self) -> String {
+        let mut text = self.help.to_owned();
+        let range = self.range.in_words(self.unit);
+        if !range.is_empty() {
+            text += &format!(": {range}");
+        }
+        match self.default {
+            "" => text,
+            name if self.kind == Kind::Text => text + &format!("; default \"{name}\""),
+            words => text + &format!("; default {words}"),
+        }
+    }
+
+    /// A number, which must be in the range.
+    ///
+    /// # Errors
+    /// The number is out of range.
+    pub fn check(&self, number: f64) -> Result<f64, ParameterError> {
+        match &self.range {
+            Range::Numbers(interval) if !interval.contains(number) => {
+                Err(ParameterError::out_of_range(self.name, number, &self.range.in_words(self.unit)))
+            }
+            _ => Ok(number),
+        }
+    }
+
+    /// The number that counts where none is given.
+    fn default_number(&self) -> f64 {
+        self.default.parse().expect("a test reads every default that is a number")
+    }
 }
 
-/// Why a parameter was refused. The text names the parameter, the value and the range.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum ParameterError {
-    /// No parameter has this name.
-    #[error("no parameter is called \"{name}\"; the names are {names}")]
-    Unknown {
-        /// The name that was given.
-        name: String,
-        /// Every known name.
-        names: String,
-    },
-    /// The value is of another kind.
-    #[error("parameter \"{name}\" takes {expected}, not {given}")]
-    Kind {
-        /// The parameter.
-        name: &'static str,
-        /// What it takes.
-        expected: &'static str,
-        /// What was given.
-        given: String,
-    },
-    /// The value is of the right kind and outside the range.
-    #[error("parameter \"{name}\" is {value}; it must be {range}")]
-    Range {
-        /// The parameter.
-        name: &'static str,
-        /// The value given.
-        value: String,
-        /// The valid range in words, with the unit.
-        range: String,
-    },
-    /// Two names for one thing were given together.
-    #[error("\"{first}\" and \"{second}\" say the same thing in two ways; give one of them")]
-    Both {
-        /// One of the two.
-        first: &'static str,
-        /// The other.
-        second: &'static str,
-    },
-}
+use Model::{Environment, Lens, Orthographic, Perspective, Thick, Thin};
+const EVERY: &[Model] = &[Lens, Thick, Thin, Perspective, Orthographic, Environment];
+const LENSES: &[Model] = &[Lens, Thick, Thin];
+const TRACED: &[Model] = &[Lens];
+const PERSPECTIVE: &[Model] = &[Perspective];
+const THIN_LENSES: &[Model] = &[Perspective, Orthographic];
+const SAMPLED: &[Model] = &[Lens, Thick, Thin, Perspective, Orthographic];
 
+use Interval as I;
+const POSITIVE: I = I::POSITIVE;
+const NOT_NEGATIVE: I = I::new(Included(0.0), Excluded(f64::INFINITY));
+const DISTANCE: I = I::new(Excluded(0.0), Included(f64::INFINITY));
+const NEAR: I = NOT_NEGATIVE.single();
+const FAR: I = I::between(0.0, f64::INFINITY).single();
+const TIME: I = I::FINITE.single();
+const WAVELENGTH: I = I::between(*VALID_WAVELENGTHS.start(), *VALID_WAVELENGTHS.end());
+/// Between an electron and the known universe; beyond, a ray's origin could leave the range of floats.
+const MM_PER_UNIT: I = I::between(1e-15, 1e30);
+const PIXELS: I = NOT_NEGATIVE.where_zero_is("exact");
+const LEAF_SHARE: I = I::new(Excluded(0.0), Included(0.5));
+const SLIT_SHARE: I = I::new(Excluded(0.0), Included(1.0));
+const ANGLE: I = I::new(Included(1e-4), Excluded(180.0)).single();
+/// The farthest that a screen window may reach, and the largest lens: products of floats stay floats.
+const LARGEST_SIDE: f64 = 1e15;
+const SIDE: I = I::between(-LARGEST_SIDE, LARGEST_SIDE);
+const ASPECT: I = I::between(1.0 / LARGEST_SIDE, LARGEST_SIDE);
+const RADIUS: I = I::between(0.0, LARGEST_SIDE).where_zero_is("a pinhole");
+const ANY: I = I::between(f64::NEG_INFINITY, f64::INFINITY);
+
+/// Makes the table, the structure of values and their accessors. A row: the name, perhaps an alias, and the type,
+/// perhaps with an interval; the unit; `=` a default of that type, or `or` words for where the value comes from; the
+/// models and the help.
 macro_rules! parameters {
-    ($($(#[$doc:meta])* $field:ident: $kind:ident $(alias $alias:literal)?, $help:literal;)*) => {
+    ($($field:ident $(or $alias:literal)?: $type:tt $(in $range:ident)?, $unit:literal, $how:tt $default:literal, $models:ident, $help:literal;)*) => {
         /// Every parameter, in the order in which help texts list them.
         pub const PARAMETERS: &[Parameter] = &[$(Parameter {
             name: stringify!($field),
-            alias: parameters!(@alias $($alias)?),
-            kind: Kind::$kind,
+            alias: parameters!(@some $($alias)?),
+            kind: <$type as Setting>::KIND,
+            unit: $unit,
+            range: parameters!(@range $type $($range)?),
+            default: $default,
+            models: $models,
             help: $help,
         },)*];
 
-        /// The values a caller gave. `None` keeps the default.
+        /// The values that a caller gave; `None` keeps the default. They are checked when a camera is built.
         #[derive(Clone, Debug, Default, PartialEq)]
         pub struct Parameters {
-            $(#[doc = $help] pub $field: Option<parameters!(@type $kind)>,)*
+            $(#[doc = $help] pub $field: Option<$type>,)*
             /// Parameters that were set by their alias.
             #[doc(hidden)]
             pub by_alias: Vec<&'static str>,
         }
 
         impl Parameters {
+            $(parameters!(@read $how $field $type $($range)?);)*
+
             fn store(&mut self, name: &'static str, value: Value<'_>) -> Result<(), ParameterError> {
                 match name {
-                    $(stringify!($field) => self.$field = Some(parameters!(@take $kind name value)),)*
+                    $(stringify!($field) => self.$field = Some(Setting::of(name, value)?),)*
                     _ => unreachable!("the name comes from the table"),
                 }
                 Ok(())
@@ -119,98 +144,86 @@ macro_rules! parameters {
             }
         }
     };
-    (@alias) => { None };
-    (@alias $alias:literal) => { Some($alias) };
-    (@type Float) => { f64 };
-    (@type Text) => { String };
-    (@type Bool) => { bool };
-    (@type Four) => { [f64; 4] };
-    (@take Float $name:ident $value:ident) => {
-        match $value {
-            Value::Float(number) => number,
-            other => return Err(other.refused($name, "a number")),
+    (@some) => { None };
+    (@some $alias:literal) => { Some($alias) };
+    (@range $type:tt) => { <$type as Setting>::RANGE };
+    (@range $type:tt $interval:ident) => { Range::Numbers($interval) };
+
+    (@read = $field:ident f64 $interval:ident) => {
+        /// The number, checked, or the default.
+        pub(crate) fn $field(&self) -> Result<f64, ParameterError> {
+            let row = Self::row(stringify!($field));
+            self.$field.map_or_else(|| Ok(row.default_number()), |number| row.check(number))
         }
     };
-    (@take Text $name:ident $value:ident) => {
-        match $value {
-            Value::Text(text) => text.to_owned(),
-            other => return Err(other.refused($name, "a string")),
+    (@read or $field:ident f64 $interval:ident) => {
+        /// The number, checked, if it is given.
+        pub(crate) fn $field(&self) -> Result<Option<f64>, ParameterError> {
+            self.$field.map(|number| Self::row(stringify!($field)).check(number)).transpose()
         }
     };
-    (@take Bool $name:ident $value:ident) => {
-        match $value {
-            Value::Bool(truth) => truth,
-            other => return Err(other.refused($name, "true or false")),
+    (@read = $field:ident $choice:ident) => {
+        /// The choice, or the default.
+        pub(crate) fn $field(&self) -> $choice {
+            self.$field.unwrap_or_default()
         }
     };
-    (@take Four $name:ident $value:ident) => {
-        match $value {
-            Value::Four(numbers) => numbers,
-            other => return Err(other.refused($name, "four numbers")),
-        }
-    };
+    (@read or $($other:tt)*) => {};
 }
 
 parameters! {
-    model: Text, "what to build: \"lens\" (default), \"thick\", \"thin\", \"perspective\", \"orthographic\" or \"environment\"";
-    specfile: Text alias "lensfile", "lens file, or a catalogue name such as \"dgauss.50mm\" (default) or \"wide.22mm@35mm\"";
-    filmdistance: Float, "mm from the last vertex to the film (default: focus at `focusdistance`)";
-    focusdistance: Float, "world units from the film plane to the plane in focus (default: infinity)";
-    aperture_diameter: Float alias "aperturediameter", "mm, clear diameter of the stop (default: the file's)";
-    fnumber: Float, "focal length over entrance pupil diameter, instead of `aperture_diameter`";
-    filmdiag: Float, "mm, diagonal of the film (default 35)";
-    hither: Float, "world units along the ray where it begins (default 1e-3)";
-    yon: Float, "world units along the ray where it ends (default 1e30)";
-    shutteropen: Float, "time at which the shutter opens (default 0)";
-    shutterclose: Float, "time at which the shutter closes (default 1); before `shutteropen`, time runs backward, as in pbrt";
-    weighting: Text, "\"radiometric\" (default), \"assignment\" (over the area of `pupil`'s disk; with \"warped\" of the paraxial exit pupil), \"relative\" or \"none\"";
-    simpleweighting: Bool, "pbrt-v3's name: true is weighting \"relative\", false is \"radiometric\"";
-    pupil: Text, "where lens samples are drawn: \"warped\" (default: the true pupil of each film point), \"rear\" or \"disk\"";
-    disk: Text, "how lens samples map to the disk: \"concentric\" (default), \"polar\" or \"rejection\"";
-    refraction: Text, "\"fused\" (default), \"heckbert\", \"whitted\" or \"other\"";
-    wavelength: Float, "nm (default 587.56), for lenses with V-numbers or Sellmeier's constants";
-    mmperunit: Float, "millimetres a world unit (default 1)";
-    precision: Text, "arithmetic of the trace: \"auto\" (default), \"f64\" (or \"double\"), \"f32\" (or \"single\")";
-    tolerance: Float, "pixels that 99.9 % of the rays may be off, for a faster model of the lens (0: exact)";
-    shutter: Text, "\"global\" (default), \"leaf\" or \"focal-plane\": what it lets through, by film point and time";
-    shutterramp: Float, "share of the shutter's interval in which a leaf shutter opens, and closes (default 0.25)";
-    shutterslit: Float, "share of the shutter's interval that a focal-plane shutter exposes each row for (default 0.25)";
-    fov: Float, "degrees across the shorter side of the image, perspective (default 90)";
-    screenwindow: Four, "x from, x to, y from, y to: the part of the screen that becomes the image (default: by the aspect ratio)";
-    frameaspectratio: Float, "width over height of the screen window (default: the image's)";
-    lensradius: Float, "world units, of the thin lens of perspective and orthographic (default 0: a pinhole)";
-    focaldistance: Float, "world units from the eye to the plane of focus, with `lensradius` (default 1e30)";
-    lensplane: Text, "where that thin lens lies: \"eye\" (default, as in pbrt 1.05) or \"hither\" (older, and the lecture's slide)";
-    af_zones: Text, "accepted from course scenes and not used: this host offers no autofocus";
-}
-
-impl Value<'_> {
-    fn refused(self, name: &'static str, expected: &'static str) -> ParameterError {
-        let given = match self {
-            Value::Float(number) => format!("the number {number}"),
-            Value::Text(text) => format!("the string \"{text}\""),
-            Value::Bool(truth) => format!("the boolean {truth}"),
-            Value::Four(numbers) => format!("the numbers {numbers:?}"),
-        };
-        ParameterError::Kind { name, expected, given }
-    }
+    model: Model, "", = "lens", EVERY, "what the camera is a model of";
+    specfile or "lensfile": String, "", or "dgauss.50mm", LENSES, "lens file, or a catalogue name such as \"wide.22mm\" or \"wide.22mm@35mm\"";
+    filmdistance: f64 in POSITIVE, "mm", or "the lens file's, or focused at `focusdistance`", LENSES, "from the last vertex to the film";
+    focusdistance: f64 in DISTANCE, "world units", or "infinity", LENSES, "from the film plane to the plane in focus, or inf, instead of `filmdistance`";
+    aperture_diameter or "aperturediameter": f64 in POSITIVE, "mm", or "the file's", LENSES, "clear diameter of the stop";
+    fnumber: f64 in POSITIVE, "", or "", LENSES, "focal length over entrance pupil diameter, instead of `aperture_diameter`";
+    filmdiag: f64 in POSITIVE, "mm", = "35", LENSES, "diagonal of the film";
+    hither: f64 in NEAR, "world units", = "1e-3", EVERY, "where a ray begins, along it";
+    yon: f64 in FAR, "world units", = "1e30", EVERY, "where a ray ends, along it, from `hither` on";
+    shutteropen: f64 in TIME, "", = "0", EVERY, "time at which the shutter opens";
+    shutterclose: f64 in TIME, "", = "1", EVERY, "time at which the shutter closes; before `shutteropen`, time runs backward, as in pbrt";
+    weighting: Weighting, "", = "radiometric", LENSES, "how a ray's weight is measured";
+    simpleweighting: bool, "", or "", LENSES, "pbrt-v3's name for `weighting`, true for \"relative\" and false for \"radiometric\"";
+    pupil: Pupil, "", = "warped", TRACED, "where lens samples lie, in the true pupil of each film point, the rear element's disk, or the thick-lens exit pupil";
+    disk: DiskMapping, "", = "concentric", SAMPLED, "how lens samples map to the disk";
+    refraction: Refraction, "", = "fused", TRACED, "method of refraction";
+    wavelength: f64 in WAVELENGTH, "nm", = "587.56", LENSES, "wavelength, for lenses with V-numbers or Sellmeier's constants";
+    mmperunit: f64 in MM_PER_UNIT, "mm a world unit", = "1", LENSES, "length of a world unit";
+    precision: Precision, "", = "auto", TRACED, "what rays are traced in, double, single, or (\"auto\") double or what `tolerance` allows";
+    tolerance: f64 in PIXELS, "pixels", = "0", TRACED, "by how much 99.9 % of the rays may be off, for a faster model of the lens";
+    shutter: Shutter, "", = "global", EVERY, "what the shutter lets through, by film point and time";
+    shutterramp: f64 in LEAF_SHARE, "of the interval", = "0.25", EVERY, "share of the shutter's interval in which a leaf shutter opens, and closes";
+    shutterslit: f64 in SLIT_SHARE, "of the interval", = "0.25", EVERY, "share of the shutter's interval for which a focal-plane shutter exposes each row";
+    fov: f64 in ANGLE, "degrees", = "90", PERSPECTIVE, "angle across the shorter side of the image";
+    screenwindow: [f64; 4] in SIDE, "", or "by the aspect ratio", THIN_LENSES, "x from, x to, y from, y to of the part of the screen that becomes the image";
+    frameaspectratio: f64 in ASPECT, "", or "the image's", THIN_LENSES, "width over height of the screen window";
+    lensradius: f64 in RADIUS, "world units", = "0", THIN_LENSES, "radius of the projection's thin lens";
+    focaldistance: f64 in ANY, "world units", = "1e30", THIN_LENSES, "from the eye to the plane of focus of a lens of `lensradius`, more than `hither`";
+    lensplane: LensPlane, "", = "eye", THIN_LENSES, "where that thin lens lies, as in pbrt 1.05, or as in older versions and on the lecture's slide";
+    af_zones: String, "", or "", LENSES, "accepted from course scenes and not used, for this host offers no autofocus";
 }
 
 impl Parameters {
-    /// The names of the parameters that are given.
-    pub fn given(&self) -> impl Iterator<Item = &'static str> {
-        PARAMETERS.iter().map(|row| row.name).filter(|name| self.is_set(name))
-    }
-
     /// The table's row for a name or an alias.
     pub fn find(name: &str) -> Option<&'static Parameter> {
         PARAMETERS.iter().find(|row| row.name == name || row.alias == Some(name))
     }
 
+    /// The row of a name that is in the table.
+    pub(crate) fn row(name: &str) -> &'static Parameter {
+        Self::find(name).expect("the name comes from the table")
+    }
+
+    /// The rows of the parameters that are given.
+    pub fn given(&self) -> impl Iterator<Item = &'static Parameter> {
+        PARAMETERS.iter().filter(|row| self.is_set(row.name))
+    }
+
     /// Sets one parameter by name or alias.
     ///
     /// # Errors
-    /// The name is unknown, the value is of another kind or not finite, or the parameter
+    /// The name is unknown, the value is of another kind, NaN or a name that there is not, or the parameter
     /// was given already under its other name. Given again under the same name, the last one counts.
     pub fn set(&mut self, name: &str, value: Value<'_>) -> Result<(), ParameterError> {
         let row = Self::find(name).ok_or_else(|| ParameterError::Unknown {
@@ -223,12 +236,7 @@ impl Parameters {
         {
             return Err(ParameterError::Both { first: row.name, second: alias });
         }
-        let not_a_number = match value {
-            Value::Float(number) => number.is_nan(),
-            Value::Four(numbers) => numbers.iter().any(|number| number.is_nan()),
-            Value::Text(_) | Value::Bool(_) => false,
-        };
-        if not_a_number {
+        if value.has_nan() {
             return Err(ParameterError::Range {
                 name: row.name,
                 value: "not a number".to_owned(),
@@ -247,25 +255,61 @@ impl Parameters {
     /// # Errors
     /// As [`Parameters::set`]; also when the text is not a value of the parameter's kind.
     pub fn set_from_text(&mut self, name: &str, text: &str) -> Result<(), ParameterError> {
-        let value = match Self::find(name).map(|row| row.kind) {
-            Some(Kind::Float) => match text.parse() {
-                Ok(number) => Value::Float(number),
-                Err(_) => Value::Text(text),
-            },
-            Some(Kind::Bool) => match text {
-                "true" => Value::Bool(true),
-                "false" => Value::Bool(false),
-                _ => Value::Text(text),
-            },
-            Some(Kind::Four) => {
-                let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
-                match numbers.map(<[f64; 4]>::try_from) {
-                    Ok(Ok(numbers)) => Value::Four(numbers),
-                    _ => Value::Text(text),
-                }
+        let kind = Self::find(name).map_or(Kind::Text, |row| row.kind);
+        self.set(name, Value::from_text(kind, text))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_default_is_a_value_that_the_parameter_takes() {
+        let unset = Parameters::default();
+        assert_eq!(unset.given().count(), 0);
+        for row in PARAMETERS {
+            let mut given = Parameters::default();
+            let is_number = row.default.parse::<f64>().is_ok();
+            if is_number || row.kind == Kind::Text && !row.default.is_empty() {
+                given.set_from_text(row.name, row.default).expect("the default");
+                assert_eq!(given.given().map(|row| row.name).collect::<Vec<_>>(), [row.name]);
             }
-            Some(Kind::Text) | None => Value::Text(text),
-        };
-        self.set(name, value)
+            if is_number {
+                let number = row.default.parse().expect("a number");
+                assert_eq!(row.check(number), Ok(number), "{}", row.name);
+            }
+        }
+        let numbers = [
+            unset.filmdiag(),
+            unset.hither(),
+            unset.yon(),
+            unset.shutteropen(),
+            unset.shutterclose(),
+            unset.wavelength(),
+            unset.mmperunit(),
+            unset.tolerance(),
+            unset.shutterramp(),
+            unset.shutterslit(),
+            unset.fov(),
+            unset.lensradius(),
+            unset.focaldistance(),
+        ];
+        let expected = [35.0, 1e-3, 1e30, 0.0, 1.0, 587.56, 1.0, 0.0, 0.25, 0.25, 90.0, 0.0, 1e30];
+        assert_eq!(numbers.map(|number| number.expect("in range")), expected);
+        assert_eq!(
+            (unset.model(), unset.pupil(), unset.precision()),
+            (Model::Lens, Pupil::Warped, Precision::Auto)
+        );
+    }
+
+    #[test]
+    fn names_and_aliases_are_each_one_parameters() {
+        let names: Vec<&str> =
+            PARAMETERS.iter().flat_map(|row| [Some(row.name), row.alias]).flatten().collect();
+        for (i, name) in names.iter().enumerate() {
+            assert!(!names[..i].contains(name), "{name}");
+            assert!(Parameters::find(name).is_some_and(|row| row.name == *name || row.alias == Some(*name)));
+        }
     }
 }

@@ -1,4 +1,6 @@
 //! Where the camera stands, how it moves, and when its shutter is open.
+//!
+//! In come rays in camera space and times as fractions of the shutter's interval, out go rays in world space.
 
 pub(crate) mod motion;
 mod pose;

@@ -11,7 +11,7 @@ use std::borrow::Cow;
 
 use glam::{DMat3, DQuat, DVec3};
 
-use crate::camera::CameraToWorld;
+use super::transform::{CameraToWorld, TransformError};
 
 /// Camera space to world space at any time.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,19 +50,17 @@ impl CameraMotion {
     /// A turn by half a circle can go either way round, and takes one of the two.
     ///
     /// # Errors
-    /// What keeps the two from being ends of one motion, in words.
+    /// [`TransformError::Times`] or [`TransformError::Mirrored`].
     pub fn between(
         (from, start): (CameraToWorld, f64),
         (to, end): (CameraToWorld, f64),
-    ) -> Result<Self, &'static str> {
+    ) -> Result<Self, TransformError> {
         let duration = end - start;
         if !(duration > 0.0 && duration.is_finite()) {
-            return Err("must hold at an earlier time than its end does");
+            return Err(TransformError::Times);
         }
         if (from.linear().determinant() < 0.0) != (to.linear().determinant() < 0.0) {
-            return Err(
-                "and its end are mirror images of each other, and no motion leads from one to the other",
-            );
+            return Err(TransformError::Mirrored);
         }
         if from == to {
             return Ok(Self::Still(from));
@@ -195,8 +193,8 @@ mod tests {
     fn what_is_no_motion_is_refused_in_words() {
         let mirrored = placed(DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0)), DVec3::ZERO);
         let refusal = |to, end| CameraMotion::between((CameraToWorld::IDENTITY, 0.0), (to, end));
-        assert!(refusal(mirrored, 1.0).expect_err("mirrored").contains("mirror images"));
-        assert!(refusal(mirrored, 0.0).expect_err("no time").contains("earlier time"));
+        assert!(refusal(mirrored, 1.0).expect_err("mirrored").to_string().contains("mirror images"));
+        assert!(refusal(mirrored, 0.0).expect_err("no time").to_string().contains("earlier time"));
         assert!(matches!(refusal(CameraToWorld::IDENTITY, 1.0), Ok(CameraMotion::Still(_))));
     }
 }

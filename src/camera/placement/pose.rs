@@ -2,8 +2,8 @@
 
 use glam::{DMat3, DVec3};
 
-use super::shutter::time_number;
-use crate::camera::{CameraMotion, CameraToWorld, WorldRay};
+use super::{motion::CameraMotion, shutter::time_number, transform::CameraToWorld};
+use crate::camera::ray::WorldRay;
 use crate::plan::Plan;
 use crate::trace::{
     Ray, Real,
@@ -21,7 +21,7 @@ pub(crate) struct Placement {
 }
 
 impl Placement {
-    /// The time that a time number stands for, which is taken into [0, 1] first. In this form both ends are met
+    /// The time that a fraction of the shutter's interval is, taken into [0, 1] first. In this form both ends are met
     /// exactly.
     pub fn time(&self, number: f32) -> f32 {
         let [open, close] = self.shutter;
@@ -170,7 +170,7 @@ impl<S: Precision> ToWorld<S> {
         }))
     }
 
-    /// Origins and unit directions in world space of lens-space rays of these time numbers.
+    /// Origins and unit directions in world space of lens-space rays at these fractions of the shutter's interval.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn lanes<L: Lanes<Scalar = S>>(
         &self,

@@ -6,11 +6,6 @@
 //! Photographic Optics*, 3rd ed. 2002, ch. 61). Where `shutterclose` is the earlier, time runs backward, as with pbrt's
 //! stock cameras, and the fractions with it.
 
-use crate::camera::{CameraError, Parameters, parameters::check};
-
-/// When the shutter opens and closes unless the caller says so.
-pub const DEFAULT_INTERVAL: [f64; 2] = [0.0, 1.0];
-
 /// A kind of shutter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Shutter {
@@ -32,27 +27,12 @@ pub enum Shutter {
 }
 
 impl Shutter {
-    /// Share of the interval that a leaf shutter takes to open, where none is given.
-    const DEFAULT_RAMP: f64 = 0.25;
-    /// Share of the interval that each row is exposed for, where none is given.
-    const DEFAULT_SLIT: f64 = 0.25;
-
-    /// The shutter that the parameters describe.
-    pub(crate) fn of(given: &Parameters) -> Result<Self, CameraError> {
-        type Make = fn(&Parameters) -> Result<Shutter, CameraError>;
-        let kinds: [(&str, Make); 3] = [
-            ("global", |_| Ok(Self::Global)),
-            ("leaf", |given| {
-                let ramp = given.shutterramp.unwrap_or(Self::DEFAULT_RAMP);
-                share("shutterramp", ramp, 0.5).map(|ramp| Self::Leaf { ramp })
-            }),
-            ("focal-plane", |given| {
-                let slit = given.shutterslit.unwrap_or(Self::DEFAULT_SLIT);
-                share("shutterslit", slit, 1.0).map(|slit| Self::FocalPlane { slit })
-            }),
-        ];
-        check::choice("shutter", given.shutter.as_deref(), &kinds)?(given)
-    }
+    /// Every shutter with its name and, where none is given, its share of the interval.
+    pub const NAMES: [(&'static str, Self); 3] = [
+        ("global", Self::Global),
+        ("leaf", Self::Leaf { ramp: 0.25 }),
+        ("focal-plane", Self::FocalPlane { slit: 0.25 }),
+    ];
 
     /// S at a film point `down` of the way from the picture's top to its bottom, at `time` of the interval; 0 to
     /// 1. Film points and times outside [0, 1] count as the nearest inside.
@@ -69,18 +49,9 @@ impl Shutter {
     }
 }
 
-/// A host's time number taken into [0, 1]; one that is no number counts as 0.
+/// A host's fraction of the shutter's interval taken into [0, 1]; NaN counts as 0.
 pub(crate) fn time_number(number: f32) -> f32 {
     if number > 0.0 { number.min(1.0) } else { 0.0 }
-}
-
-fn share(parameter: &'static str, value: f64, most: f64) -> Result<f32, CameraError> {
-    if value > 0.0 && value <= most {
-        Ok(value as f32)
-    } else {
-        let range = format!("more than 0 and at most {most}, a share of the shutter's interval");
-        Err(check::out_of_range(parameter, value, &range))
-    }
 }
 
 #[cfg(test)]
@@ -126,18 +97,5 @@ mod tests {
             assert_eq!(slit.transmission(down, shut), 0.0);
         }
         assert_eq!([slit.transmission(0.0, 0.0), slit.transmission(1.0, 1.0)], [1.0, 1.0]);
-    }
-
-    #[test]
-    fn a_share_out_of_range_is_told_with_the_range() {
-        let with = |name: &str, number: &str, kind: &str| {
-            let mut given = Parameters::default();
-            given.set_from_text("shutter", kind).expect("a text");
-            given.set_from_text(name, number).expect("a number");
-            Shutter::of(&given).expect_err("refused").to_string()
-        };
-        assert!(with("shutterramp", "0.6", "leaf").contains("at most 0.5"));
-        assert!(with("shutterslit", "0", "focal-plane").contains("shutterslit"));
-        assert!(with("shutterslit", "0.5", "curtain").contains("\"focal-plane\""));
     }
 }

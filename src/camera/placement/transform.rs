@@ -1,6 +1,33 @@
 //! Camera space to world space.
 
 use glam::{DMat3, DVec3};
+use thiserror::Error;
+
+/// Why matrices are no place of a camera: goes on from "the camera transform".
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum TransformError {
+    /// An entry is NaN or infinite.
+    #[error("has an entry that is not finite")]
+    NotFinite,
+    /// The last row is another than 0 0 0 1.
+    #[error("is not affine: its last row must be 0 0 0 1")]
+    NotAffine,
+    /// An entry is so large that what the matrix makes could leave single precision.
+    #[error("has an entry above 1e15, which leaves single precision no room: scale the world")]
+    TooLarge,
+    /// One axis is stretched so much more than another that little is left of that one.
+    #[error("is all but singular: it stretches one axis more than 1e15 times another")]
+    NearlySingular,
+    /// It has no inverse.
+    #[error("is singular: it flattens space")]
+    Singular,
+    /// Of two, the second does not hold at a later time.
+    #[error("must hold at an earlier time than its end does")]
+    Times,
+    /// Of two, one mirrors and the other does not.
+    #[error("and its end are mirror images of each other, and no motion leads from one to the other")]
+    Mirrored,
+}
 
 /// An affine transform from camera space (world units) to world space.
 ///
@@ -30,24 +57,24 @@ impl CameraToWorld {
     /// From a row-major 4x4 matrix for column vectors. Mirrored and scaled ones are fine.
     ///
     /// # Errors
-    /// What keeps the matrix from being an invertible affine transform, in words.
-    pub fn from_rows(m: &[f32; 16]) -> Result<Self, &'static str> {
+    /// What keeps the matrix from being an invertible affine transform with room in single precision.
+    pub fn from_rows(m: &[f32; 16]) -> Result<Self, TransformError> {
         let m = m.map(f64::from);
         if m.iter().any(|entry| !entry.is_finite()) {
-            return Err("has an entry that is not finite");
+            return Err(TransformError::NotFinite);
         }
         if m[12..] != [0.0, 0.0, 0.0, 1.0] {
-            return Err("is not affine: its last row must be 0 0 0 1");
+            return Err(TransformError::NotAffine);
         }
         if m.iter().any(|entry| entry.abs() > LARGEST) {
-            return Err("has an entry above 1e15, which leaves single precision no room: scale the world");
+            return Err(TransformError::TooLarge);
         }
         let linear = DMat3::from_cols_array(&[m[0], m[4], m[8], m[1], m[5], m[9], m[2], m[6], m[10]]);
         let origin = DVec3::new(m[3], m[7], m[11]);
         let lengths = linear.to_cols_array_2d().map(|column| DVec3::from(column).length());
         let [shortest, longest] = [f64::min, f64::max].map(|pick| lengths.into_iter().reduce(pick));
         if longest > shortest.map(|length| length * FLATTEST) {
-            return Err("is all but singular: it stretches one axis more than 1e15 times another");
+            return Err(TransformError::NearlySingular);
         }
         // Each column's length is taken out, so that a small scale is not mistaken for a
         // flattened space.
@@ -57,7 +84,7 @@ impl CameraToWorld {
             linear.z_axis.normalize_or_zero(),
         );
         if normalized.determinant().abs() < 1e-9 {
-            return Err("is singular: it flattens space");
+            return Err(TransformError::Singular);
         }
         Ok(Self::from_parts(linear, origin))
     }
@@ -188,12 +215,12 @@ mod tests {
             rows[index] = entry;
             CameraToWorld::from_rows(&rows)
         };
-        assert!(with(3, f32::NAN).expect_err("NaN").contains("not finite"));
-        assert!(with(12, 1.0).expect_err("projective").contains("last row"));
-        assert!(with(5, 0.0).expect_err("flat").contains("singular"));
+        assert!(with(3, f32::NAN).expect_err("NaN").to_string().contains("not finite"));
+        assert!(with(12, 1.0).expect_err("projective").to_string().contains("last row"));
+        assert!(with(5, 0.0).expect_err("flat").to_string().contains("singular"));
         assert!(with(5, 1e-12).is_ok());
-        assert!(with(5, 1e-16).expect_err("all but flat").contains("singular"));
-        assert!(with(3, 1e16).expect_err("far away").contains("above 1e15"));
+        assert!(with(5, 1e-16).expect_err("all but flat").to_string().contains("singular"));
+        assert!(with(3, 1e16).expect_err("far away").to_string().contains("above 1e15"));
         assert_eq!(with(0, 1.0), Ok(CameraToWorld::IDENTITY));
     }
 }

@@ -50,15 +50,15 @@ pub fn fill(options: &mut realistic_options, given: &Parameters) -> Result<Vec<C
     }
     let mut strings = Vec::new();
     for (field, value) in [
-        (&mut options.model, &given.model),
-        (&mut options.specfile, &given.specfile),
-        (&mut options.weighting, &given.weighting),
-        (&mut options.pupil, &given.pupil),
-        (&mut options.disk, &given.disk),
-        (&mut options.refraction, &given.refraction),
-        (&mut options.precision, &given.precision),
-        (&mut options.shutter, &given.shutter),
-        (&mut options.lensplane, &given.lensplane),
+        (&mut options.model, given.model.map(|name| name.to_string())),
+        (&mut options.specfile, given.specfile.clone()),
+        (&mut options.weighting, given.weighting.map(|name| name.to_string())),
+        (&mut options.pupil, given.pupil.map(|name| name.to_string())),
+        (&mut options.disk, given.disk.map(|name| name.to_string())),
+        (&mut options.refraction, given.refraction.map(|name| name.to_string())),
+        (&mut options.precision, given.precision.map(|name| name.to_string())),
+        (&mut options.shutter, given.shutter.map(|name| name.to_string())),
+        (&mut options.lensplane, given.lensplane.map(|name| name.to_string())),
     ] {
         if let Some(value) = value {
             let string = CString::new(value.as_str()).map_err(|_| {
@@ -83,7 +83,7 @@ mod tests {
             let mut options: realistic_options = unsafe { std::mem::zeroed() };
             let before = format!("{options:?}");
             let mut given = Parameters::default();
-            let known = ["1", "true", "1,2,3,4"];
+            let known = ["1", "true", "1,2,3,4", row.default];
             assert!(known.iter().any(|text| given.set_from_text(row.name, text).is_ok()), "{}", row.name);
             match fill(&mut options, &given) {
                 Ok(_strings) => assert_ne!(before, format!("{options:?}"), "{}", row.name),

@@ -12,7 +12,7 @@ use crate::host::scene::effects::{Effect, Effects};
 use crate::image::Picture;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPool;
-use realistic::camera::{PARAMETERS, Parameters};
+use realistic::camera::{PARAMETERS, Parameters, Weighting};
 use realistic::prescription::catalogue;
 use realistic_lab::render::Tally;
 use std::fmt::Write as _;
@@ -236,7 +236,7 @@ pub fn stopped_down(parameters: &Parameters, effects: &Effects) -> Result<Parame
 fn white_level(camera: &Camera, parameters: &Parameters, size: [u32; 2]) -> Result<f32, Failure> {
     let info = camera.info()?;
     let radiometric = match (&parameters.weighting, parameters.simpleweighting) {
-        (Some(name), _) => name == "radiometric",
+        (Some(weighting), _) => *weighting == Weighting::Radiometric,
         (None, simple) => simple != Some(true),
     };
     // By the lens' own number, not by metering: what a lens loses shows.
@@ -276,7 +276,7 @@ fn progress_bar() -> ProgressBar {
 pub fn parameter_help() -> String {
     let mut text = String::from("Parameters for --param:\n");
     for row in PARAMETERS {
-        let _ = writeln!(text, "  {:<18} {}", row.name, row.help);
+        let _ = writeln!(text, "  {:<18} {}", row.name, row.description());
     }
     text
 }

@@ -1,14 +1,20 @@
-//! From parameters to the cameras without a prescription: perspective, orthographic, environment.
+//! From parameters to the cameras without a prescription, as pbrt-v1 has them in stock: perspective, orthographic,
+//! environment.
 
 use super::{
-    projective::{Kind, LensPlane, ThinLens},
+    environment::EnvironmentCamera,
+    projective::{Projecting, ProjectiveCamera, ThinLens},
     spaces::ScreenWindow,
 };
-use crate::camera::{
-    CameraError, EnvironmentCamera, Host, Level, Parameters, ProjectiveCamera,
-    parameters::check::{choice, out_of_range},
-    placement::Placement,
-    setup,
+use crate::{
+    camera::{
+        film::Raster,
+        host::Host,
+        parameters::{CameraError, ParameterError, Parameters},
+        placement::Placement,
+        setup::{disk_mapping, placement, raster},
+    },
+    message::Level,
 };
 
 /// The least `hither` that pbrt's stock cameras take, world units.
@@ -18,126 +24,115 @@ const LARGEST_YON: f64 = 1e30;
 /// A distance to the plane of focus that stands for infinity, world units.
 const FOCUSED_AT_INFINITY: f64 = 1e30;
 
-/// The least field of view, degrees.
-const LEAST_FOV: f64 = 1e-4;
-/// The farthest that a screen window may reach, and the largest lens: products of floats stay floats.
-const LARGEST_SIDE: f64 = 1e15;
-
 type Log<'a> = &'a mut dyn FnMut(Level, &str);
 
+/// The camera of model "perspective".
 pub(crate) fn perspective(
     given: &Parameters,
     host: &Host,
     log: Log<'_>,
 ) -> Result<ProjectiveCamera, CameraError> {
-    let fov = given.fov.unwrap_or(90.0);
-    if !(fov >= LEAST_FOV && (fov as f32) < 180.0) {
-        let range = format!("from {LEAST_FOV} to less than 180 degrees");
-        return Err(out_of_range("fov", fov, &range));
-    }
-    projective(Kind::Perspective { fov: fov as f32 }, given, host, log)
+    projective(Projecting::Perspective { fov: given.fov()? as f32 }, given, host, log)
 }
 
+/// The camera of model "orthographic".
 pub(crate) fn orthographic(
     given: &Parameters,
     host: &Host,
     log: Log<'_>,
 ) -> Result<ProjectiveCamera, CameraError> {
-    projective(Kind::Orthographic, given, host, log)
+    projective(Projecting::Orthographic, given, host, log)
 }
 
+/// The camera of model "environment".
 pub(crate) fn environment(
     given: &Parameters,
     host: &Host,
     log: Log<'_>,
 ) -> Result<EnvironmentCamera, CameraError> {
-    Ok(EnvironmentCamera::new(host.raster, placement(given, host, log)?))
+    Ok(EnvironmentCamera::new(raster(host)?, stock_placement(given, host, log)?))
 }
 
 fn projective(
-    kind: Kind,
+    projecting: Projecting,
     given: &Parameters,
     host: &Host,
     log: Log<'_>,
 ) -> Result<ProjectiveCamera, CameraError> {
-    let placement = placement(given, host, log)?;
+    let raster = raster(host)?;
+    let placement = stock_placement(given, host, log)?;
     let [hither, yon] = placement.clip;
     if !(hither < yon) {
-        return Err(out_of_range("yon", yon.into(), &format!("more than \"hither\", which is {hither}")));
+        let range = format!("more than \"hither\", which is {hither}");
+        return Err(ParameterError::out_of_range("yon", yon.into(), &range).into());
     }
-    let window = window(given, host)?;
+    let window = window(given, raster)?;
     let lens = thin_lens(given, host, hither)?;
-    Ok(ProjectiveCamera::new(kind, window, host.raster, lens, placement))
+    Ok(ProjectiveCamera::new(projecting, window, raster, lens, placement))
 }
 
-fn placement(given: &Parameters, host: &Host, log: Log<'_>) -> Result<Placement, CameraError> {
-    let mut clip = given.clone();
-    if let Some(hither) = clip.hither.as_mut()
-        && *hither < LEAST_HITHER
-    {
-        log(Level::Warning, &format!("\"hither\" {hither} is used as {LEAST_HITHER}, as pbrt does"));
-        *hither = LEAST_HITHER;
-    }
-    clip.yon = clip.yon.map(|yon| yon.min(LARGEST_YON));
-    setup::placement(&clip, host)
+/// The placement with the clip range taken into what the stock cameras allow.
+fn stock_placement(given: &Parameters, host: &Host, log: Log<'_>) -> Result<Placement, CameraError> {
+    let hither = match given.hither {
+        Some(hither) if hither < LEAST_HITHER => {
+            log(Level::Warning, &format!("\"hither\" {hither} is used as {LEAST_HITHER}, as pbrt does"));
+            LEAST_HITHER
+        }
+        _ => given.hither()?,
+    };
+    placement([hither, given.yon()?.min(LARGEST_YON)], given, host)
 }
 
-fn window(given: &Parameters, host: &Host) -> Result<ScreenWindow, CameraError> {
-    if let Some(aspect) = given.frameaspectratio
-        && !(LARGEST_SIDE.recip()..=LARGEST_SIDE).contains(&aspect)
-    {
-        return Err(out_of_range("frameaspectratio", aspect, "positive, from 1e-15 to 1e15"));
-    }
+fn window(given: &Parameters, raster: Raster) -> Result<ScreenWindow, ParameterError> {
+    let aspect = given.frameaspectratio()?;
     if let Some(window @ [x0, x1, y0, y1]) = given.screenwindow {
-        if x0 == x1 || y0 == y1 || window.iter().any(|side| side.abs() > LARGEST_SIDE || side.is_nan()) {
-            return Err(crate::camera::ParameterError::Range {
-                name: "screenwindow",
+        let row = Parameters::row("screenwindow");
+        if x0 == x1 || y0 == y1 || window.iter().any(|side| row.check(*side).is_err()) {
+            return Err(ParameterError::Range {
+                name: row.name,
                 value: format!("{x0} {x1} {y0} {y1}"),
-                range: "x from, x to, y from, y to, with some width and height, each at most 1e15 from 0"
-                    .to_owned(),
-            }
-            .into());
+                range: format!(
+                    "x from, x to, y from, y to, with some width and height, each {}",
+                    row.range.in_words("")
+                ),
+            });
         }
         return Ok(ScreenWindow(window.map(|side| side as f32)));
     }
-    let image = host.raster.xres as f32 / host.raster.yres as f32;
-    Ok(ScreenWindow::of_aspect(given.frameaspectratio.map_or(image, |aspect| aspect as f32)))
+    let image = raster.xres as f32 / raster.yres as f32;
+    Ok(ScreenWindow::of_aspect(aspect.map_or(image, |aspect| aspect as f32)))
 }
 
-fn thin_lens(given: &Parameters, host: &Host, hither: f32) -> Result<Option<ThinLens>, CameraError> {
-    let plane = choice("lensplane", given.lensplane.as_deref(), &LensPlane::NAMES)?;
-    let radius = given.lensradius.unwrap_or(0.0);
-    if !(0.0..=LARGEST_SIDE).contains(&radius) {
-        return Err(out_of_range("lensradius", radius, "0 (a pinhole) or more, up to 1e15 world units"));
-    }
-    let focal_distance = given.focaldistance.unwrap_or(FOCUSED_AT_INFINITY).min(FOCUSED_AT_INFINITY);
+fn thin_lens(given: &Parameters, host: &Host, hither: f32) -> Result<Option<ThinLens>, ParameterError> {
+    let radius = given.lensradius()?;
+    let focal_distance = given.focaldistance()?.min(FOCUSED_AT_INFINITY);
     if radius > 0.0 && !(focal_distance as f32 > hither) {
         let range = format!("more than \"hither\", which is {hither}, in world units");
-        return Err(out_of_range("focaldistance", focal_distance, &range));
+        return Err(ParameterError::out_of_range("focaldistance", focal_distance, &range));
     }
+    let (plane, mapping) = (given.lensplane(), disk_mapping(given, host)?);
+    let (radius, focal_distance) = (radius as f32, focal_distance as f32);
     // A radius that single precision rounds to 0 is a pinhole.
-    Ok((radius as f32 > 0.0).then_some(ThinLens {
-        radius: radius as f32,
-        focal_distance: focal_distance as f32,
-        plane,
-        mapping: setup::disk_mapping(given, host)?,
-    }))
+    Ok((radius > 0.0).then_some(ThinLens { radius, focal_distance, plane, mapping }))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{Camera, Raster};
+    use crate::camera::Camera;
 
     fn build(settings: &[(&str, &str)]) -> (Result<Camera, String>, Vec<String>) {
-        let mut given = Parameters::default();
-        for (name, text) in settings {
-            given.set_from_text(name, text).expect("the kind of value it takes");
-        }
         let mut said = Vec::new();
         let host = Host::new(Raster { xres: 40, yres: 20 }, None);
-        let camera = Camera::build(&given, &host, &mut |_, text| said.push(text.to_owned()));
-        (camera.map_err(|error| error.to_string()), said)
+        let mut camera = || {
+            let mut given = Parameters::default();
+            for (name, text) in settings {
+                given.set_from_text(name, text)?;
+            }
+            Camera::build(&given, &host, &mut |_, text| said.push(text.to_owned()))
+        };
+        let camera = camera().map_err(|error| error.to_string());
+        (camera, said)
     }
 
     #[track_caller]

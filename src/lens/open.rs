@@ -1,43 +1,47 @@
-//! The lens that a caller names: found, scaled, at its wavelength and stopped down.
+//! Opening a lens: from a file's or catalogue's name to the lens at a wavelength and stop.
+//!
+//! The first-order data that scaling and f-numbers need are of `first_order` and `pupil`.
+
+use thiserror::Error;
 
 use super::{
-    CameraError, Level, ParameterError,
-    parameters::check::{out_of_range, positive},
+    Lens, LensError,
+    first_order::FirstOrder,
+    pupil::{EntrancePupil, limiting_surface},
 };
 use crate::{
-    lens::{
-        Lens, LensError,
-        first_order::FirstOrder,
-        pupil::{EntrancePupil, limiting_surface},
-    },
-    message::short,
-    prescription::{
-        LensSource, Prescription, SearchPath,
-        glass::{D_LINE, VALID_WAVELENGTHS},
-    },
+    message::{Level, short},
+    prescription::{LensSource, Prescription, SearchPath, SourceError, glass::D_LINE},
 };
 
-/// What decides which lens is used and at which stop.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct LensSetup {
-    /// nm; `None` for the d line.
-    pub wavelength: Option<f64>,
-    /// Diameter of the stop, mm.
-    pub aperture_diameter: Option<f64>,
-    /// Focal length over entrance pupil diameter.
-    pub fnumber: Option<f64>,
+/// How far a lens is stopped down.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum StopSize {
+    /// As its prescription has it.
+    #[default]
+    Listed,
+    /// To a clear diameter of the stop, mm, positive; a wider one than the prescription's warns and changes nothing.
+    Diameter(f64),
+    /// To a focal length over entrance pupil diameter, positive; a lower one than the lens's warns and changes nothing.
+    FNumber(f64),
 }
 
-/// Finds, reads, scales and stops down the lens that a caller names.
+/// Why a lens cannot be opened.
+#[derive(Debug, Error)]
+pub enum OpenError {
+    /// No lens could be read.
+    #[error(transparent)]
+    Source(#[from] SourceError),
+    /// The lens cannot be scaled or stopped down as asked, or its glasses have no such wavelength.
+    #[error(transparent)]
+    Lens(#[from] LensError),
+}
+
+/// Finds and reads the lens of a name, scaled to the focal length that the name may carry.
 ///
 /// # Errors
-/// No such lens, a file that is not a lens, a lens that cannot be scaled or stopped down as asked.
-pub fn open_lens(
-    name: &str,
-    search: &SearchPath,
-    setup: LensSetup,
-    log: &mut dyn FnMut(Level, &str),
-) -> Result<(Prescription, Lens), CameraError> {
+/// No such lens, a file that is not a lens, or an afocal lens to be scaled.
+pub fn find(name: &str, search: &SearchPath) -> Result<Prescription, OpenError> {
     let source = LensSource::parse(name, search)?;
     let mut prescription = source.load(search)?;
     if let Some(focal_length) = source.focal_length() {
@@ -45,21 +49,20 @@ pub fn open_lens(
         prescription = prescription.scaled(focal_length / own.abs());
         prescription.name = name.to_owned();
     }
-    let lens = set_up_lens(&prescription, setup, log)?;
-    Ok((prescription, lens))
+    Ok(prescription)
 }
 
-/// A prescription at a wavelength and stop.
-pub(crate) fn set_up_lens(
+/// A prescription at a wavelength, nm, in [`VALID_WAVELENGTHS`](crate::prescription::glass::VALID_WAVELENGTHS), and
+/// stop. `log` receives warnings.
+///
+/// # Errors
+/// A glass has no index at the wavelength, or the lens cannot be stopped down as asked.
+pub fn set_up(
     prescription: &Prescription,
-    setup: LensSetup,
+    wavelength: f64,
+    stop: StopSize,
     log: &mut dyn FnMut(Level, &str),
-) -> Result<Lens, CameraError> {
-    let wavelength = setup.wavelength.unwrap_or(D_LINE);
-    if !VALID_WAVELENGTHS.contains(&wavelength) {
-        let (from, to) = (VALID_WAVELENGTHS.start(), VALID_WAVELENGTHS.end());
-        return Err(out_of_range("wavelength", wavelength, &format!("from {from} to {to} nm")));
-    }
+) -> Result<Lens, LensError> {
     if wavelength != D_LINE && !prescription.is_dispersive() {
         let name = &prescription.name;
         let text = format!(
@@ -70,7 +73,7 @@ pub(crate) fn set_up_lens(
     let mut lens = Lens::new(prescription, wavelength);
     if let Some(row) = lens.surfaces.iter().position(|surface| !(surface.n_film >= 1.0)) {
         let (lens, index) = (lens.name, lens.surfaces[row].n_film);
-        return Err(LensError::Index { lens, row: row + 1, index, wavelength }.into());
+        return Err(LensError::Index { lens, row: row + 1, index, wavelength });
     }
     if let Some(([first, second], height)) = lens.crossed_surfaces() {
         let text = format!(
@@ -83,25 +86,22 @@ pub(crate) fn set_up_lens(
         );
         log(Level::Warning, &text);
     }
-    match (setup.aperture_diameter, setup.fnumber) {
-        (Some(_), Some(_)) => {
-            Err(ParameterError::Both { first: "fnumber", second: "aperture_diameter" }.into())
-        }
-        (Some(diameter), None) => stop_to_diameter(&mut lens, diameter, log).map(|()| lens),
-        (None, Some(number)) => stop_to_fnumber(&mut lens, number, log).map(|()| lens),
-        (None, None) => Ok(lens),
+    match stop {
+        StopSize::Listed => {}
+        StopSize::Diameter(diameter) => stop_to_diameter(&mut lens, diameter, log)?,
+        StopSize::FNumber(number) => stop_to_fnumber(&mut lens, number, log)?,
     }
+    Ok(lens)
 }
 
 fn stop_to_diameter(
     lens: &mut Lens,
     diameter: f64,
     log: &mut dyn FnMut(Level, &str),
-) -> Result<(), CameraError> {
+) -> Result<(), LensError> {
     let Some(stop) = lens.stop_index() else {
-        return Err(LensError::NoStop { lens: lens.name.clone() }.into());
+        return Err(LensError::NoStop { lens: lens.name.clone() });
     };
-    positive("aperture_diameter", diameter, "mm")?;
     let widest = 2.0 * lens.surfaces[stop].semi_diameter;
     if diameter > widest {
         let text = format!(
@@ -115,12 +115,7 @@ fn stop_to_diameter(
     Ok(())
 }
 
-fn stop_to_fnumber(
-    lens: &mut Lens,
-    number: f64,
-    log: &mut dyn FnMut(Level, &str),
-) -> Result<(), CameraError> {
-    positive("fnumber", number, "")?;
+fn stop_to_fnumber(lens: &mut Lens, number: f64, log: &mut dyn FnMut(Level, &str)) -> Result<(), LensError> {
     let focal_length = FirstOrder::of(lens)?.focal_length.abs();
     let widest = focal_length / EntrancePupil::of_surface(lens, limiting_surface(lens)).diameter();
     if number < widest {

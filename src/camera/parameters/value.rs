@@ -1,0 +1,113 @@
+//! Values on their way from a host to parameters: by kind, from text, and to the type that a parameter has.
+
+use super::{error::ParameterError, range::Range};
+
+/// What a parameter's value is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// One number.
+    Float,
+    /// One string.
+    Text,
+    /// `true` or `false`.
+    Bool,
+    /// Four numbers.
+    Four,
+}
+
+impl Kind {
+    /// What a value of this kind is, for messages.
+    pub(super) fn words(self) -> &'static str {
+        match self {
+            Self::Float => "a number",
+            Self::Text => "a string",
+            Self::Bool => "true or false",
+            Self::Four => "four numbers",
+        }
+    }
+}
+
+/// A value for [`Parameters::set`](super::Parameters::set).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Value<'a> {
+    /// For [`Kind::Float`].
+    Float(f64),
+    /// For [`Kind::Text`].
+    Text(&'a str),
+    /// For [`Kind::Bool`].
+    Bool(bool),
+    /// For [`Kind::Four`].
+    Four([f64; 4]),
+}
+
+impl<'a> Value<'a> {
+    /// The value of a kind that a text stands for, four numbers with commas between them; the text itself where it
+    /// stands for none.
+    pub(super) fn from_text(kind: Kind, text: &'a str) -> Self {
+        let value = match kind {
+            Kind::Float => text.parse().ok().map(Value::Float),
+            Kind::Bool => text.parse().ok().map(Value::Bool),
+            Kind::Four => {
+                let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
+                numbers.ok().and_then(|numbers| numbers.try_into().ok()).map(Value::Four)
+            }
+            Kind::Text => None,
+        };
+        value.unwrap_or(Value::Text(text))
+    }
+
+    pub(super) fn has_nan(&self) -> bool {
+        match self {
+            Value::Float(number) => number.is_nan(),
+            Value::Four(numbers) => numbers.iter().any(|number| number.is_nan()),
+            Value::Text(_) | Value::Bool(_) => false,
+        }
+    }
+
+    /// The error of a parameter that takes another kind.
+    pub(super) fn refused(self, name: &'static str, kind: Kind) -> ParameterError {
+        let given = match self {
+            Value::Float(number) => format!("the number {number}"),
+            Value::Text(text) => format!("the string \"{text}\""),
+            Value::Bool(truth) => format!("the boolean {truth}"),
+            Value::Four(numbers) => format!("the numbers {numbers:?}"),
+        };
+        ParameterError::Kind { name, expected: kind.words(), given }
+    }
+}
+
+/// A type that parameters have.
+pub(super) trait Setting: Sized {
+    /// The kind of value that it is made from.
+    const KIND: Kind;
+    /// Which values of that kind make one.
+    const RANGE: Range = Range::Any;
+
+    /// What a value of parameter `name` makes.
+    ///
+    /// # Errors
+    /// The value is of another kind, or out of range.
+    fn of(name: &'static str, value: Value<'_>) -> Result<Self, ParameterError>;
+}
+
+macro_rules! settings {
+    ($($type:ty: $kind:ident($value:ident) => $made:expr;)*) => {$(
+        impl Setting for $type {
+            const KIND: Kind = Kind::$kind;
+
+            fn of(name: &'static str, value: Value<'_>) -> Result<Self, ParameterError> {
+                match value {
+                    Value::$kind($value) => Ok($made),
+                    other => Err(other.refused(name, Self::KIND)),
+                }
+            }
+        }
+    )*};
+}
+
+settings! {
+    f64: Float(number) => number;
+    String: Text(text) => text.to_owned();
+    bool: Bool(truth) => truth;
+    [f64; 4]: Four(numbers) => numbers;
+}

@@ -1,0 +1,70 @@
+//! Where the film stands: at the distance that is given, or where it focuses a plane.
+
+use crate::{
+    camera::parameters::CameraError,
+    imaging::focus::{Focus, FocusError},
+    lens::{Lens, LensError, first_order::FirstOrder},
+};
+
+/// Which optics puts the film where the lens is to be focused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Focusing {
+    /// Exact rays.
+    Exact,
+    /// First-order optics.
+    Paraxial,
+}
+
+/// Where the film is asked to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum FilmPlace {
+    /// Where the lens file has it, or else focused at infinity.
+    Nominal,
+    /// So many mm behind the last vertex.
+    At(f64),
+    /// Focused on a plane so many mm in front of the film; infinity counts.
+    FocusedOn(f64),
+}
+
+/// Film distance and distance in focus, both mm.
+pub(super) fn place_film(
+    lens: &Lens,
+    place: FilmPlace,
+    focusing: Focusing,
+) -> Result<(f64, Option<f64>), CameraError> {
+    let focus = Focus::new(lens);
+    let object = match (place, lens.nominal_film_distance) {
+        (FilmPlace::At(distance), _) | (FilmPlace::Nominal, Some(distance)) => {
+            let in_focus = match focusing {
+                // A lens that cannot focus still takes pictures with its film where the caller puts it.
+                Focusing::Exact => focus.ok().and_then(|focus| focus.object_distance(distance)),
+                Focusing::Paraxial => FirstOrder::of(lens)?.object_distance(distance),
+            };
+            return Ok((distance, in_focus));
+        }
+        (FilmPlace::FocusedOn(distance), _) => distance,
+        (FilmPlace::Nominal, None) => f64::INFINITY,
+    };
+    let focus = focus.map_err(|error| match (focusing, &error) {
+        // The thick lens and the thin one have a focal length or are nothing.
+        (Focusing::Paraxial, FocusError::Lens(LensError::Afocal { .. })) => error.into(),
+        _ => CameraError::NoFilmDistance(error),
+    })?;
+    let film_distance = match focusing {
+        Focusing::Exact => focus.film_distance(object)?,
+        Focusing::Paraxial => paraxial_film_distance(lens, &focus, object)?,
+    };
+    Ok((film_distance, Some(object)))
+}
+
+fn paraxial_film_distance(lens: &Lens, focus: &Focus, distance: f64) -> Result<f64, FocusError> {
+    if let Some(film_distance) = focus.paraxial_film_distance(distance) {
+        return Ok(film_distance);
+    }
+    // Object and image are nearest to each other at magnification 1.
+    let first_order = FirstOrder::of(lens)?;
+    let film_distance = first_order.back_focal_distance() + first_order.focal_length;
+    let object = first_order.front_focal_point + first_order.focal_length;
+    let nearest = object - first_order.rear_vertex + film_distance;
+    Err(FocusError::TooNear { lens: lens.name.clone(), distance, nearest, film_distance })
+}

@@ -1,0 +1,138 @@
+//! The set-up of the models with a lens file: the lens, the film in its place, and what the camera is to be.
+
+use super::{
+    common::{disk_mapping, placement, raster},
+    focusing::{FilmPlace, Focusing, place_film},
+};
+use crate::{
+    camera::{
+        film::Film,
+        host::Host,
+        parameters::{CameraError, ParameterError, Parameters, Precision, Pupil, Weighting},
+        placement::Placement,
+    },
+    lens::{
+        Lens,
+        open::{StopSize, find, set_up},
+        refraction::Refraction,
+    },
+    message::Level,
+    prescription::{Prescription, SourceError, catalogue, read},
+    sampling::DiskMapping,
+};
+
+/// Everything that a camera with a prescription is made of.
+#[derive(Clone, Debug)]
+pub(crate) struct Setup {
+    pub lens: Lens,
+    pub film: Film,
+    /// Last vertex to film, mm.
+    pub film_distance: f64,
+    /// Film to the plane in focus, mm.
+    pub focus_distance: Option<f64>,
+    pub refraction: Refraction,
+    pub pupil: Pupil,
+    pub mapping: DiskMapping,
+    pub weighting: Weighting,
+    pub precision: Precision,
+    /// Pixels; 0: exact.
+    pub tolerance: f64,
+    pub leave_out: bool,
+    pub mm_per_unit: f64,
+    pub placement: Placement,
+}
+
+impl Setup {
+    /// Reads and checks the parameters that these models use.
+    pub(crate) fn of(
+        given: &Parameters,
+        host: &Host,
+        focusing: Focusing,
+        log: &mut dyn FnMut(Level, &str),
+    ) -> Result<Self, CameraError> {
+        if given.af_zones.is_some() {
+            log(
+                Level::Warning,
+                "\"af_zones\" is not used: this host offers no autofocus; give \"focusdistance\" (world \
+                 units from the film) or \"filmdistance\" (mm)",
+            );
+        }
+        let film = Film::new(raster(host)?, given.filmdiag()?);
+        let mm_per_unit = given.mmperunit()?;
+        let (_, lens) = open_lens(given, host, log)?;
+        let (film_distance, focus_distance) = place_film(&lens, film_place(given)?, focusing)?;
+        Ok(Self {
+            lens,
+            film,
+            film_distance,
+            focus_distance,
+            refraction: given.refraction(),
+            pupil: given.pupil(),
+            mapping: disk_mapping(given, host)?,
+            weighting: weighting(given)?,
+            precision: given.precision(),
+            tolerance: given.tolerance()?,
+            leave_out: host.leave_out,
+            mm_per_unit,
+            placement: placement([given.hither()?, given.yon()?], given, host)?,
+        })
+    }
+}
+
+/// Finds the lens of `specfile` (or the host's `lens_text`), and sets it up at `wavelength` and the stop of
+/// `aperture_diameter` or `fnumber`. Other parameters are not looked at. `log` receives warnings.
+///
+/// # Errors
+/// No such lens, a file that is not a lens, a value out of range, or a lens that cannot be scaled or stopped down as
+/// asked.
+pub fn open_lens(
+    given: &Parameters,
+    host: &Host,
+    log: &mut dyn FnMut(Level, &str),
+) -> Result<(Prescription, Lens), CameraError> {
+    let prescription = match (&host.lens_text, &given.specfile) {
+        (Some(_), Some(_)) => return Err(both("specfile", "lens_text").into()),
+        (Some((name, text)), None) => read(name, text).map_err(SourceError::from)?,
+        (None, name) => find(name.as_deref().unwrap_or(catalogue::DEFAULT), &host.search)?,
+    };
+    let wavelength = given.wavelength()?;
+    let stop = match (given.aperture_diameter()?, given.fnumber()?) {
+        (Some(_), Some(_)) => return Err(both("fnumber", "aperture_diameter").into()),
+        (Some(diameter), None) => StopSize::Diameter(diameter),
+        (None, Some(number)) => StopSize::FNumber(number),
+        (None, None) => StopSize::Listed,
+    };
+    let lens = set_up(&prescription, wavelength, stop, log)?;
+    Ok((prescription, lens))
+}
+
+/// The distance from the last vertex to the film, mm, for `filmdistance` or `focusdistance` (world units of
+/// `mmperunit`), by exact rays; where neither is given, the lens file's, or focused at infinity.
+///
+/// # Errors
+/// A value out of range, both distances, or a lens that cannot focus there.
+pub fn film_distance(given: &Parameters, lens: &Lens) -> Result<f64, CameraError> {
+    place_film(lens, film_place(given)?, Focusing::Exact).map(|(film_distance, _)| film_distance)
+}
+
+fn film_place(given: &Parameters) -> Result<FilmPlace, ParameterError> {
+    Ok(match (given.filmdistance()?, given.focusdistance()?) {
+        (Some(_), Some(_)) => return Err(both("filmdistance", "focusdistance")),
+        (Some(distance), None) => FilmPlace::At(distance),
+        (None, Some(distance)) => FilmPlace::FocusedOn(distance * given.mmperunit()?),
+        (None, None) => FilmPlace::Nominal,
+    })
+}
+
+fn weighting(given: &Parameters) -> Result<Weighting, ParameterError> {
+    match (given.weighting, given.simpleweighting) {
+        (Some(_), Some(_)) => Err(both("weighting", "simpleweighting")),
+        (None, Some(true)) => Ok(Weighting::Relative),
+        (None, Some(false)) => Ok(Weighting::Radiometric),
+        (_, None) => Ok(given.weighting()),
+    }
+}
+
+fn both(first: &'static str, second: &'static str) -> ParameterError {
+    ParameterError::Both { first, second }
+}
