@@ -2,9 +2,9 @@
 //!
 //! `types` are the structures by layout, `boundary` keeps panics inside, `object` makes and
 //! recognises the cameras that a host holds, `handle` is the camera in them and `host_part` what a pbrt-v1 host keeps
-//! there, `triples` serves such a host's calls; `library`, `options`, `camera`, `ray`, `batch` and `autofocus` export what a C caller uses; `plugin`
-//! knows the file this was loaded from; `shim` speaks to the C++ face and `pbrt` is the entry of a pbrt-v1 host
-//! (both only where `pbrt-shim/` is built).
+//! there; `library`, `options`, `camera`, `ray`, `batch` and `autofocus` export what a C caller uses; `plugin` knows the
+//! file this was loaded from; `pbrt` is the entry of a pbrt-v1 host and serves its calls (only where `pbrt-shim/` is
+//! built).
 
 mod autofocus;
 mod batch;
@@ -19,10 +19,6 @@ mod options;
 mod pbrt;
 mod plugin;
 mod ray;
-#[cfg(realistic_shim)]
-mod shim;
-#[cfg(realistic_shim)]
-mod triples;
 mod types;
 
 pub use autofocus::*;

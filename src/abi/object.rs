@@ -10,7 +10,10 @@ pub use implementation::{delete, handle_of, new};
 
 #[cfg(realistic_shim)]
 mod implementation {
-    use super::super::{boundary, shim, triples};
+    use super::super::{
+        boundary,
+        pbrt::{shim, triples},
+    };
     use super::{Handle, HostPart, realistic_camera};
     use crate::camera::{Sample, WorldRay};
     use std::ffi::c_void;

@@ -3,16 +3,21 @@
 
 #[path = "../../camera/c_camera.rs"]
 mod c_camera;
-#[path = "../../kernel/contest.rs"]
-mod contest;
 
-use std::{ffi::CString, fs, hint::black_box, path::Path, sync::Arc, time::Instant};
+use std::{
+    ffi::CString,
+    fs,
+    hint::black_box,
+    path::Path,
+    sync::Arc,
+    time::{Duration, Instant},
+};
 
 #[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
 use c_camera::triple;
 use c_camera::{Camera, chain, moved, samples};
-use contest::Contest;
 use realistic::abi::*;
+use realistic_lab::timing::{Contest, Effort};
 use rs_pbrt::{
     cameras::realistic::RealisticCamera,
     core::{
@@ -76,35 +81,52 @@ fn compare(lens: &str, file: &Path) {
         samples.iter().map(|sample| ours.one(sample)).collect(),
     ];
     println!("\n## {lens}, {SAMPLES} samples all over the film, {film_distance:.4} mm behind the lens\n");
-    let mut contest = Contest::new(SAMPLES, "ns a sample");
-    contest.enter("rs_pbrt, `generate_ray`", || {
-        chain(&peer_samples, |sample, carry| {
-            trace(
-                peer,
-                &CameraSample { p_film: Point2f { x: sample.p_film.x + carry, ..sample.p_film }, ..*sample },
-            )
-        });
-    });
-    contest.enter("realistic, `realistic_generate_ray`", || {
-        chain(&samples, |sample, carry| ours.one(&moved(sample, carry)));
-    });
-    contest.enter("rs_pbrt, `generate_ray_differential`", || {
-        chain(&peer_samples, |sample, carry| {
-            let p_film = Point2f { x: sample.p_film.x + carry, ..sample.p_film };
-            let mut ray = Ray::default();
-            black_box(peer.generate_ray_differential(&CameraSample { p_film, ..*sample }, &mut ray))
-        });
-    });
+    let mut contest = Contest::default();
+    contest.enter(
+        "rs_pbrt, `generate_ray`",
+        task(|| {
+            chain(&peer_samples, |sample, carry| {
+                trace(
+                    peer,
+                    &CameraSample {
+                        p_film: Point2f { x: sample.p_film.x + carry, ..sample.p_film },
+                        ..*sample
+                    },
+                )
+            });
+        }),
+    );
+    contest.enter(
+        "realistic, `realistic_generate_ray`",
+        task(|| {
+            chain(&samples, |sample, carry| ours.one(&moved(sample, carry)));
+        }),
+    );
+    contest.enter(
+        "rs_pbrt, `generate_ray_differential`",
+        task(|| {
+            chain(&peer_samples, |sample, carry| {
+                let p_film = Point2f { x: sample.p_film.x + carry, ..sample.p_film };
+                let mut ray = Ray::default();
+                black_box(peer.generate_ray_differential(&CameraSample { p_film, ..*sample }, &mut ray))
+            });
+        }),
+    );
     #[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
-    contest.enter("realistic, three calls through the vtable", || {
-        chain(&samples, |sample, carry| {
-            let [first, right, below] = triple(&moved(sample, carry));
-            let weight = ours.host(&first);
-            black_box(ours.host(&right) + ours.host(&below));
-            weight
-        });
-    });
-    let medians = contest.run(ROUNDS);
+    contest.enter(
+        "realistic, three calls through the vtable",
+        task(|| {
+            chain(&samples, |sample, carry| {
+                let [first, right, below] = triple(&moved(sample, carry));
+                let weight = ours.host(&first);
+                black_box(ours.host(&right) + ours.host(&below));
+                weight
+            });
+        }),
+    );
+    let effort = Effort { rounds: ROUNDS, least: Duration::from_micros(200) };
+    let medians: Vec<f64> =
+        contest.print("ns per sample", SAMPLES, effort).iter().map(|timing| timing.median * 1e9).collect();
 
     println!("\n| | rs_pbrt | realistic | ratio |\n|---|---|---|---|");
     let accepted = weights.each_ref().map(|w| w.iter().filter(|&&w| w > 0.0).count() as f64 / SAMPLES as f64);
@@ -113,7 +135,7 @@ fn compare(lens: &str, file: &Path) {
         println!("| {what} | {a:.digits$} | {b:.digits$} | {:.2} |", a / b);
     };
     row("share of samples that pass", accepted, 4);
-    row("ns a ray that passes", [medians[0] / accepted[0], medians[1] / accepted[1]], 1);
+    row("ns per ray that passes", [medians[0] / accepted[0], medians[1] / accepted[1]], 1);
     row("from lens file to first ray, ms", [peer_start * 1e3, starts[ROUNDS / 2] * 1e3], 2);
     row("mean weight (the same, if the cameras are)", mean, 4);
     let variance = [0, 1].map(|i| {
@@ -163,4 +185,9 @@ fn peer_sample(sample: &realistic_sample) -> CameraSample {
         p_lens: Point2f { x: sample.lens_u, y: sample.lens_v },
         time: sample.time,
     }
+}
+
+/// A contestant.
+fn task<'a>(work: impl FnMut() + 'a) -> Box<dyn FnMut() + 'a> {
+    Box::new(work)
 }

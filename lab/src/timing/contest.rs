@@ -21,8 +21,8 @@ impl<'a> Contest<'a> {
     }
 
     /// Prints each contestant's median and lower quartile over its `work` pieces, in ns, and how many times faster
-    /// than the first it is.
-    pub fn print(self, unit: &str, work: usize, effort: Effort) {
+    /// than the first it is. Returns the times, per piece.
+    pub fn print(self, unit: &str, work: usize, effort: Effort) -> Vec<Timing> {
         println!("| {unit} | median | lower quartile | times the first |\n|---|---|---|---|");
         let timings: Vec<Timing> =
             interleaved(self.tasks, effort).into_iter().map(|timing| timing.per(work)).collect();
@@ -30,6 +30,7 @@ impl<'a> Contest<'a> {
             let times = timings[0].median / timing.median;
             println!("| {name} | {:.2} | {:.2} | {times:.2} |", timing.median * 1e9, timing.low * 1e9);
         }
+        timings
     }
 }
 

@@ -1,6 +1,6 @@
 //! What leaving out saves: cameras built with and without their plan in, times measured on the spot and in turns out.
 
-use super::Order;
+use super::order::Order;
 use crate::failure::Failure;
 use realistic::camera::{RayBlock, RealisticCamera, Sample, SampleBlock};
 use realistic_lab::BLOCK;

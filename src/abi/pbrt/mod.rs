@@ -1,4 +1,8 @@
-//! The entry of a pbrt-v1 host: `CreateCamera`.
+//! The entry of a pbrt-v1 host, `CreateCamera`: its parameters, transform and film in, a camera of its own layout out.
+//! `shim` speaks to the C++ face; `triples` serves the host's calls.
+
+pub(super) mod shim;
+pub(super) mod triples;
 
 use std::ffi::c_void;
 use std::path::Path;
@@ -8,10 +12,10 @@ use super::boundary::{self, Failure, realistic_status};
 use super::handle::Handle;
 use super::host_part::HostPart;
 use super::object;
-use super::shim::{self, FindError, Given, HostKind, ParamSet};
 use super::types::realistic_camera;
 use super::{options, plugin};
 use crate::camera::{CameraError, CameraToWorld, Host, Kind, Level, Model, PARAMETERS, Parameters, Value};
+use shim::{FindError, Given, HostKind, ParamSet};
 
 /// What a pbrt-v1 host calls to make a camera: takes the host's `const ParamSet &`,
 /// `const Transform &` (world to camera) and `Film *`, and returns the host's `Camera *`.

@@ -4,14 +4,14 @@ use std::ffi::{c_char, c_void};
 use std::ptr::{NonNull, null};
 use std::slice;
 
-use super::boundary;
-use super::host_part::HostPart;
-use super::types::level_number;
+use crate::abi::boundary;
+use crate::abi::host_part::HostPart;
+use crate::abi::types::level_number;
 use crate::camera::Level;
 
 /// `realistic_shim_parts`.
 #[repr(C)]
-pub(super) struct Parts {
+pub(in crate::abi) struct Parts {
     pub rust: *mut c_void,
     pub generate: unsafe extern "C" fn(*const c_void, *const c_void, *mut c_void) -> f32,
     pub release: unsafe extern "C" fn(*mut c_void),
@@ -19,7 +19,7 @@ pub(super) struct Parts {
 }
 
 /// Bytes of a host's members between a camera's vtable pointer and its Rust part: `REALISTIC_SHIM_HOST_MEMBERS`.
-pub(super) const HOST_MEMBERS: usize = 56;
+pub(in crate::abi) const HOST_MEMBERS: usize = 56;
 
 /// `realistic_shim_found`.
 #[repr(C)]
@@ -56,7 +56,7 @@ unsafe extern "C" {
 }
 
 /// A camera object with a host's vtable and members, or NULL when memory is out.
-pub(super) fn camera_new(parts: &Parts) -> *mut c_void {
+pub(in crate::abi) fn camera_new(parts: &Parts) -> *mut c_void {
     // SAFETY: the parts are read during the call only.
     unsafe { realistic_shim_camera_new(parts) }
 }
@@ -65,7 +65,7 @@ pub(super) fn camera_new(parts: &Parts) -> *mut c_void {
 ///
 /// # Safety
 /// `camera` is NULL or of [`camera_new`], and nobody uses it any more.
-pub(super) unsafe fn camera_delete(camera: *mut c_void) {
+pub(in crate::abi) unsafe fn camera_delete(camera: *mut c_void) {
     // SAFETY: the caller's promise.
     unsafe { realistic_shim_camera_delete(camera) }
 }
