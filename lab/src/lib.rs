@@ -9,21 +9,16 @@
 //! | [`reference`] | double-double rays, and the condition number of a ray |
 //! | [`subject`] | a lens with film behind it, and rays that get through |
 //! | [`pupil`] | the outline of the true pupil; how evenly points lie in a disk |
-//! | [`accuracy`] | error against run time: rays, film irradiance, pupils; all of a report in one run |
+//! | [`render`] | the renderer that the program uses, too, and a scene that is a formula |
+//! | [`accuracy`] | error against run time: rays, film irradiance, pupils, pictures; all of a report in one run |
 //! | [`stability`] | extreme lenses and rays with known answers, for every tracer |
 
 pub mod accuracy;
-pub mod kernel_rays;
 pub mod measurement;
-pub mod picture;
 pub mod pupil;
 pub mod reference;
 pub mod render;
-pub mod renderers;
 pub mod results;
-pub mod sampler;
-pub mod scene;
-pub mod sequence;
 pub mod stability;
 pub mod subject;
 pub mod timing;

@@ -6,12 +6,12 @@ use realistic::{
 };
 
 use crate::{
+    accuracy::cameras::{DISKS, PUPILS, Single, camera},
+    render::sequence::Sequence,
     results::{
         statistics::log_slope,
         table::{Table, row},
     },
-    sampler::{DISKS, PUPILS, Single, camera},
-    sequence::Sequence,
     subject::{PIXELS, Subject},
     timing::{Effort, interleaved},
 };

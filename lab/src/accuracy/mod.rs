@@ -1,10 +1,13 @@
 //! Lenses in, error against run time out: rays by every method, polynomials and pupils by the size of their tables,
-//! film irradiance by every sampler, refraction by every formula; and all of a report in one run ([`suite`]).
+//! film irradiance by every sampler, pictures by every source of rays, refraction by every formula; and all of a report in one run ([`suite`]).
 
+pub mod cameras;
 pub mod irradiance;
 pub mod methods;
+pub mod pictures;
 pub mod pupils;
 pub mod ray_map;
+pub mod ray_sources;
 pub mod refractions;
 pub mod set_up;
 pub mod suite;

@@ -17,7 +17,7 @@ use super::{
     set_up::{self, FitCounts},
 };
 use crate::{
-    picture,
+    accuracy::pictures,
     results::table::{Table, row},
     stability::{self, CaseResult},
     subject::Subject,
@@ -37,7 +37,7 @@ pub struct Suite {
     /// Film irradiance.
     pub irradiance: SampleCounts,
     /// Rendered pictures.
-    pub picture: picture::Size,
+    pub picture: pictures::Size,
     /// Set-up.
     pub set_up: FitCounts,
     /// The pupil's tables.
@@ -55,7 +55,7 @@ impl Suite {
             lenses: LENSES.to_vec(),
             ray_map: RayCounts { rays: 20_000, block: 2048, effort },
             irradiance: SampleCounts { exponent: 7, repeats: 24, survey: 2000, effort },
-            picture: picture::Size { raster, exponent: 4, reference: 4096, repeats: 3 },
+            picture: pictures::Size { raster, exponent: 4, reference: 4096, repeats: 3 },
             set_up: FitCounts { rays: 5000, repeats: 9 },
             pupils: PupilCounts { points: 48, repeats: 5 },
             stability: stability::Extent::FULL,
@@ -70,7 +70,7 @@ impl Suite {
             lenses: LENSES.to_vec(),
             ray_map: RayCounts { rays: 4000, block: 2048, effort },
             irradiance: SampleCounts { exponent: 5, repeats: 12, survey: 800, effort },
-            picture: picture::Size { raster, exponent: 3, reference: 1024, repeats: 2 },
+            picture: pictures::Size { raster, exponent: 3, reference: 1024, repeats: 2 },
             set_up: FitCounts { rays: 1000, repeats: 3 },
             pupils: PupilCounts { points: 12, repeats: 1 },
             stability: stability::Extent::QUICK,
@@ -92,7 +92,7 @@ impl Suite {
             tell("film irradiance");
             results.irradiance.extend(irradiance::measure(&subject, self.irradiance)?);
             tell("pictures");
-            let pictures = picture::measure(&subject, self.picture)?;
+            let pictures = pictures::measure(&subject, self.picture)?;
             results.estimators.extend(pictures.estimators);
             results.renderers.extend(pictures.renderers);
             results.floors.push((name, pictures.floor));
@@ -134,9 +134,9 @@ pub struct Results {
     /// Estimates of film irradiance.
     pub irradiance: Vec<irradiance::Curve>,
     /// Pictures by sampler and sequence.
-    pub estimators: Vec<picture::Curve>,
+    pub estimators: Vec<pictures::Curve>,
     /// Pictures by renderer.
-    pub renderers: Vec<picture::Curve>,
+    pub renderers: Vec<pictures::Curve>,
     /// The reference pictures' own errors.
     pub floors: Vec<(&'static str, f64)>,
     /// Build times.
@@ -153,14 +153,14 @@ impl Results {
         vec![
             ray_map::table(&self.ray_map),
             irradiance::table(&self.irradiance),
-            picture::table(
+            pictures::table(
                 "estimators",
                 "lens pupil sequence samples time_ms rms_error slope",
                 &self.estimators,
             ),
             set_up::table(&self.set_up),
             pupils::table(&self.pupils),
-            picture::table(
+            pictures::table(
                 "renderers",
                 "lens renderer sequence samples time_ms rms_error slope",
                 &self.renderers,

@@ -1,6 +1,6 @@
 //! The tracers that are put to the test, by name: a lens and a direction in, a function from rays to rays out.
 
-use crate::kernel_rays::KernelRays;
+use crate::subject::kernel_rays::KernelRays;
 use realistic::{
     lens::{Lens, refraction::Refraction},
     trace::{

@@ -1,6 +1,7 @@
 //! A lens with the film that it is evaluated on, and rays between the two.
 
 mod film_rays;
+pub mod kernel_rays;
 mod passing_rays;
 pub mod quasirandom;
 

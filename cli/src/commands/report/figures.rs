@@ -8,7 +8,7 @@ use realistic_lab::accuracy::ray_map::{self, RayErrors};
 use realistic_lab::accuracy::suite::{Results, stability_table};
 use realistic_lab::results::statistics::{Spread, pareto_front};
 use realistic_lab::results::table::Table;
-use realistic_lab::{accuracy::irradiance, picture, reference::condition::Norm, stability};
+use realistic_lab::{accuracy::irradiance, accuracy::pictures, reference::condition::Norm, stability};
 use std::collections::BTreeSet;
 
 /// A chart with the name of its files.
@@ -191,8 +191,8 @@ fn by_mapping(results: &Results, lens: &str) -> Chart {
 /// Errors of pictures against time; `line` gives a curve's name, colour and dashes.
 fn pictures<'a>(
     lens: &str,
-    curves: &'a [picture::Curve],
-    mut line: impl FnMut(usize, &'a picture::Curve) -> (String, usize, usize),
+    curves: &'a [pictures::Curve],
+    mut line: impl FnMut(usize, &'a pictures::Curve) -> (String, usize, usize),
 ) -> Chart {
     let series = curves.iter().filter(|c| c.lens == lens).enumerate().map(|(number, curve)| {
         let (name, color, dash) = line(number, curve);
@@ -211,7 +211,7 @@ fn estimators(results: &Results, lens: &str) -> Chart {
 }
 
 fn renderers(results: &Results, lens: &str) -> Chart {
-    let line = |number, curve: &picture::Curve| (curve.first.to_owned(), number, number / PALETTE.len());
+    let line = |number, curve: &pictures::Curve| (curve.first.to_owned(), number, number / PALETTE.len());
     let mut chart = pictures(lens, &results.renderers, line);
     let floor = results.floors.iter().find(|(name, _)| *name == lens);
     let lowest = chart.series.iter().flat_map(|s| &s.marks).map(|m| m.at[1]).fold(f64::INFINITY, f64::min);

@@ -114,7 +114,7 @@ mod tests {
     use realistic_lab::accuracy::{
         irradiance::SampleCounts, pupils::PupilCounts, ray_map::RayCounts, set_up::FitCounts,
     };
-    use realistic_lab::{picture, stability, timing::Effort};
+    use realistic_lab::{accuracy::pictures, stability, timing::Effort};
 
     /// As little as gives every figure something to show.
     fn tiny() -> Suite {
@@ -124,7 +124,7 @@ mod tests {
             lenses: vec!["dgauss.50mm"],
             ray_map: RayCounts { rays: 60, block: 32, effort },
             irradiance: SampleCounts { exponent: 2, repeats: 2, survey: 60, effort },
-            picture: picture::Size { raster, exponent: 2, reference: 16, repeats: 1 },
+            picture: pictures::Size { raster, exponent: 2, reference: 16, repeats: 1 },
             set_up: FitCounts { rays: 40, repeats: 1 },
             pupils: PupilCounts { points: 2, repeats: 1 },
             stability: stability::Extent { lenses: 1, rays: 1 },

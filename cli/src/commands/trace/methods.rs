@@ -4,7 +4,7 @@
 use realistic::lens::{Lens, LensError, first_order::FirstOrder, refraction::Refraction};
 use realistic::trace::kernel::{Precision, Simd};
 use realistic::trace::{Blocked, Direction, Path, Ray, Real};
-use realistic_lab::kernel_rays::{KernelRays, unit};
+use realistic_lab::subject::kernel_rays::{KernelRays, unit};
 
 /// Takes a ray as far as it gets: the ray there and why it stopped, if it did.
 pub type Tracer = dyn Fn(Ray) -> (Ray, Option<Blocked>);

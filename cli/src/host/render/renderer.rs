@@ -11,8 +11,8 @@ use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 use realistic::abi::{realistic_ray, realistic_sample};
+use realistic_lab::render::sequence::{Point, Sequence, strata};
 use realistic_lab::render::{self, Integrand, RaySource, Tally, Window};
-use realistic_lab::sequence::{Point, Sequence, strata};
 
 /// Side of a tile in pixels.
 const TILE: u32 = 16;

@@ -1,15 +1,15 @@
 //! Rendered pictures: RMS error to a long reference, against time on one core.
 
 use crate::{
+    accuracy::cameras::PUPILS,
+    accuracy::ray_sources::{RENDERERS, Source, single},
+    render::formula_scene::Scene,
+    render::sequence::{Point, Sequence},
     render::{Integrand, Window, render},
-    renderers::{RENDERERS, Source, single},
     results::{
         statistics::{log_slope, median},
         table::{Table, row},
     },
-    sampler::PUPILS,
-    scene::Scene,
-    sequence::{Point, Sequence},
     subject::Subject,
     timing::repeated,
 };

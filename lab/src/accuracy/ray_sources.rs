@@ -3,8 +3,8 @@
 
 use crate::{
     BLOCK,
+    accuracy::cameras::{Shot, Single, camera},
     render::RaySource,
-    sampler::{Shot, Single, camera},
     subject::{FILM_DIAGONAL, Subject},
 };
 use realistic::{

@@ -1,0 +1,8 @@
+//! The renderer that the program and the laboratory share: samples of a picture in, their rays asked of a [`RaySource`],
+//! what an [`Integrand`] makes of them summed up by pixel out. And the laboratory's own scene, a formula.
+
+pub mod formula_scene;
+mod renderer;
+pub mod sequence;
+
+pub use renderer::*;
