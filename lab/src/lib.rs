@@ -6,7 +6,7 @@
 //! |---|---|
 //! | [`results`] | quantiles and fronts of numbers, and the tables that they are written as |
 //! | [`timing`] | run times on a busy machine, and what the machine is |
-//! | [`reference`] | double-double rays, and the condition number of a ray |
+//! | [`mod@reference`] | double-double rays, and the condition number of a ray |
 //! | [`subject`] | a lens with film behind it, and rays that get through |
 //! | [`pupil`] | the outline of the true pupil; how evenly points lie in a disk |
 //! | [`render`] | the renderer that the program uses, too, and a scene that is a formula |

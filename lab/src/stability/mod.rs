@@ -2,7 +2,7 @@
 //!
 //! | part | what it holds |
 //! |---|---|
-//! | [`tracers`] | the tracers by name; a new one is a line there |
+//! | [`mod@tracers`] | the tracers by name; a new one is a line there |
 //! | [`case`] | a case, and how a tracer is evaluated by it |
 //! | [`interfaces`], [`assemblies`], [`stiff`] | cases whose answer the reference gives |
 //! | [`closed_form`] | cases whose answer a formula gives |
