@@ -1,5 +1,7 @@
 //! A camera without its lens: the film and what is sampled there, what a ray weighs, and where the camera stands.
 
+use std::f64::consts::PI;
+
 use super::film_sampling::FilmSampling;
 use crate::{
     camera::{
@@ -29,8 +31,24 @@ impl CameraBody {
         FilmSampling::new(&self.film, self.mapping, &self.sampler)
     }
 
-    /// The world's side in a precision.
-    pub fn to_world<S: Turns>(&self) -> ToWorld<S> {
-        ToWorld::new(&self.placement, self.units_per_mm)
+    /// All of it in a precision.
+    pub fn lane_body<S: Turns>(&self) -> LaneBody<S> {
+        LaneBody {
+            film: self.film_sampling(),
+            film_z: self.film_z,
+            weight: self.weight.map(|weight| S::from_f64(PI * weight)),
+            to_world: ToWorld::new(&self.placement, self.units_per_mm),
+        }
     }
+}
+
+/// [`CameraBody`], for lanes of a precision: the same type whatever the lens is traced by, so that what is compiled for it
+/// is compiled once.
+pub(crate) struct LaneBody<S> {
+    pub film: FilmSampling<S>,
+    /// z of the film, lens space, mm.
+    pub film_z: f64,
+    /// The weight of a ray is this times cos⁴ and the slope area it stands for, over π; `None`: it is 1.
+    pub weight: Option<S>,
+    pub to_world: ToWorld<S>,
 }

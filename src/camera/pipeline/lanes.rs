@@ -2,16 +2,16 @@
 //!
 //! One sample, a few and many take the same way, in vectors of another width.
 
-use std::{cell::Cell, f64::consts::PI};
+use std::cell::Cell;
 
 use super::{
     arrays::{OneRay, RayArrays, RayBlock, RayStore, SampleArrays, SampleBlock, SampleStore},
-    body::CameraBody,
-    film_sampling::{FilmSampling, SampleLanes},
+    body::{CameraBody, LaneBody},
+    film_sampling::SampleLanes,
     tracer::Tracer,
 };
 use crate::{
-    camera::{placement::ToWorld, ray::Sample},
+    camera::ray::Sample,
     sampling::{disk::Turns, film_rays::FilmRays},
     trace::{
         Blocked, Ray,
@@ -45,26 +45,19 @@ impl<S: Precision + Send + Sync> LensOptics<S> for PolynomialLens<S> {
 /// A camera compiled for a precision and a way through the lens. How a call is grouped does not change a bit of its
 /// results.
 pub(crate) struct Pipeline<S, O> {
-    film: FilmSampling<S>,
-    film_z: f64,
+    body: LaneBody<S>,
     whole: Kernel<S>,
     /// What serves rays from film points within a radius in the place of the whole lens, and the square of that, mm².
     fast: Option<(O, S)>,
-    /// The weight of a ray is this times cos⁴ and the slope area it stands for, over π; `None`: it is 1.
-    weight: Option<S>,
-    to_world: ToWorld<S>,
 }
 
 impl<S: Turns, O: LensOptics<S>> Pipeline<S, O> {
     /// `fast` serves film points up to a radius in mm; a host that asks for points beyond gets the `whole` lens there.
     pub fn new(whole: Kernel<S>, fast: Option<(O, f64)>, body: &CameraBody) -> Self {
         Self {
-            film: body.film_sampling(),
-            film_z: body.film_z,
+            body: body.lane_body(),
             whole,
             fast: fast.map(|(optics, reach)| (optics, S::from_f64(reach * reach))),
-            weight: body.weight.map(|weight| S::from_f64(PI * weight)),
-            to_world: body.to_world(),
         }
     }
 
@@ -72,9 +65,9 @@ impl<S: Turns, O: LensOptics<S>> Pipeline<S, O> {
     #[inline(always)]
     fn trace(&self, grouping: Grouping, samples: &impl SampleStore, rays: &mut impl RayStore) {
         let Some((optics, within)) = &self.fast else {
-            return self.whole.trace(grouping, &mut Job::new(self, samples, rays, None));
+            return self.whole.trace(grouping, &mut Job::new(&self.body, samples, rays, None));
         };
-        let mut job = Job::new(self, samples, &mut *rays, Some(*within));
+        let mut job = Job::new(&self.body, samples, &mut *rays, Some(*within));
         optics.trace(grouping, &mut job);
         if job.is_out_of_range.get() {
             self.trace_out_of_range(*within, samples, rays);
@@ -87,10 +80,10 @@ impl<S: Turns, O: LensOptics<S>> Pipeline<S, O> {
         for i in 0..samples.len() {
             let sample = samples.sample(i);
             // Not "greater": a film point that is not a number is out of range, too.
-            if !(self.film.radius_squared(&sample) <= within) {
+            if !(self.body.film.radius_squared(&sample) <= within) {
                 let (mut ray, mut weight) = Default::default();
                 let mut one = OneRay { ray: &mut ray, weight: &mut weight };
-                self.whole.trace(Grouping::One, &mut Job::new(self, &sample, &mut one, None));
+                self.whole.trace(Grouping::One, &mut Job::new(&self.body, &sample, &mut one, None));
                 rays.put(i, (weight > 0.0).then_some((ray, weight)));
             }
         }
@@ -111,7 +104,7 @@ impl<S: Turns + Send + Sync, O: LensOptics<S>> Tracer for Pipeline<S, O> {
     }
 
     fn film_ray(&self, sample: &Sample) -> FilmRays<f64> {
-        self.film.one(sample)
+        self.body.film.one(sample)
     }
 
     fn reason(&self, ray: Ray) -> Blocked {
@@ -120,8 +113,8 @@ impl<S: Turns + Send + Sync, O: LensOptics<S>> Tracer for Pipeline<S, O> {
 }
 
 /// Samples on their way to world rays.
-struct Job<'a, S, O, I, R> {
-    pipeline: &'a Pipeline<S, O>,
+struct Job<'a, S, I, R> {
+    body: &'a LaneBody<S>,
     samples: &'a I,
     rays: &'a mut R,
     /// The square of the film radius up to which the optics serves, mm²; `None` for any.
@@ -130,10 +123,10 @@ struct Job<'a, S, O, I, R> {
     is_out_of_range: Cell<bool>,
 }
 
-impl<'a, S: Turns, O, I: SampleStore, R> Job<'a, S, O, I, R> {
+impl<'a, S: Turns, I: SampleStore, R> Job<'a, S, I, R> {
     #[inline(always)]
-    fn new(pipeline: &'a Pipeline<S, O>, samples: &'a I, rays: &'a mut R, within: Option<S>) -> Self {
-        Self { pipeline, samples, rays, within, is_out_of_range: Cell::new(false) }
+    fn new(body: &'a LaneBody<S>, samples: &'a I, rays: &'a mut R, within: Option<S>) -> Self {
+        Self { body, samples, rays, within, is_out_of_range: Cell::new(false) }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -172,11 +165,11 @@ impl<'a, S: Turns, O, I: SampleStore, R> Job<'a, S, O, I, R> {
         approach: Approach,
         ray: &FilmRays<L>,
     ) -> (Start<L>, L) {
-        (from_plane(cpu, approach, self.pipeline.film_z, ray.point, ray.slopes), ray.area_per_pi)
+        (from_plane(cpu, approach, self.body.film_z, ray.point, ray.slopes), ray.area_per_pi)
     }
 }
 
-impl<S: Turns, O, I: SampleStore, R: RayStore> Batch<S> for Job<'_, S, O, I, R> {
+impl<S: Turns, I: SampleStore, R: RayStore> Batch<S> for Job<'_, S, I, R> {
     /// The slope area that a ray stands for, over π.
     type Carry<L: Lanes<Scalar = S>> = L;
 
@@ -202,7 +195,7 @@ impl<S: Turns, O, I: SampleStore, R: RayStore> Batch<S> for Job<'_, S, O, I, R> 
         for (u, samples) in samples.iter_mut().enumerate().skip(1) {
             *samples = self.load(cpu, first + u * L::WIDTH);
         }
-        let mut rays = self.pipeline.film.lanes(cpu, &samples);
+        let mut rays = self.body.film.lanes(cpu, &samples);
         self.check_range(cpu, &mut rays);
         let mut starts = [self.begin(cpu, approach, &rays[0]); U];
         for u in 1..U {
@@ -214,14 +207,14 @@ impl<S: Turns, O, I: SampleStore, R: RayStore> Batch<S> for Job<'_, S, O, I, R> 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn finish<L: Lanes<Scalar = S>>(&mut self, cpu: Cpu<L>, at: usize, cos2: L, area: L, end: End<L>) {
         let passed = L::both(end.passed, area.less_equal(area));
-        let weight = match self.pipeline.weight {
+        let weight = match self.body.weight {
             // However small, the weight of a ray that passes is not that of a blocked one.
             Some(weight) => ((cos2 * cos2) * (area * L::splat(cpu, weight)))
                 .larger(L::splat(cpu, S::from_f64(f32::MIN_POSITIVE.into()))),
             None => L::splat(cpu, S::ONE),
         };
         let [origin, direction] =
-            self.pipeline.to_world.lanes(cpu, end.origin, end.direction, &self.samples.array(4)[at..]);
+            self.body.to_world.lanes(cpu, end.origin, end.direction, &self.samples.array(4)[at..]);
         weight.or_zero(passed).store_single(&mut self.rays.array(6)[at..]);
         if L::all(passed) {
             for axis in 0..3 {

@@ -1,5 +1,6 @@
 //! The algorithm compiled for each set of instructions: thin functions, one a set and a grouping of rays, into which
-//! everything below them is inlined (see the room's own page).
+//! everything below them is inlined (see the room's own page), but for what is compiled apart for all of them
+//! ([`Lanes::apart`]).
 
 #[cfg(target_arch = "x86_64")]
 use super::Simd;

@@ -17,8 +17,9 @@
 //!
 //! On `#[cfg_attr(not(debug_assertions), inline(always))]`, which stands at every function below `instances`: a vector
 //! operation is compiled for a processor only inside a function that is, so that all of them must be inlined into the
-//! thin functions there. With debug assertions they are called instead, with the same bits: described to a debugger,
-//! functions of that size overflow LLVM's stack. An attribute cannot be given a name of its own in stable Rust.
+//! thin functions there, or into the function of its own that `Lanes::apart` makes. With debug assertions they are
+//! called instead, with the same bits: described to a debugger, functions of that size overflow LLVM's stack. An
+//! attribute cannot be given a name of its own in stable Rust.
 
 mod batch;
 mod clearance;

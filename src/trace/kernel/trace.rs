@@ -3,6 +3,7 @@
 use super::{
     lanes::{Cpu, Lanes, each_further},
     ray::{End, HEIGHT, NORMAL_Z, RayLanes, Start, UNTESTED},
+    simd::Compiled,
     table::{ApertureTest, Link, Step, Table},
 };
 use crate::numeric::Real;
@@ -18,12 +19,32 @@ pub fn trace<L: Lanes, const U: usize>(
     each_further!(u < U, {
         rays[u] = RayLanes::enter(cpu, table, starts[u]);
     });
-    trace_steps(cpu, table, &mut rays);
+    // Vectors side by side are more than the registers hold, and in memory already. One alone stays in them: apart, it
+    // would take a tenth longer.
+    if U > 1 {
+        L::apart(cpu, Steps { cpu, table, rays: &mut rays });
+    } else {
+        trace_steps(cpu, table, &mut rays);
+    }
     let mut ended = [(rays[0].leave(cpu, table), rays[0].cos2); U];
     each_further!(u < U, {
         ended[u] = (rays[u].leave(cpu, table), rays[u].cos2);
     });
     ended
+}
+
+/// [`trace_steps`] to be compiled apart.
+struct Steps<'a, L: Lanes, const U: usize> {
+    cpu: Cpu<L>,
+    table: &'a Table<L::Scalar>,
+    rays: &'a mut [RayLanes<L>; U],
+}
+
+impl<L: Lanes, const U: usize> Compiled for Steps<'_, L, U> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run(self) {
+        trace_steps(self.cpu, self.table, self.rays);
+    }
 }
 
 /// Takes vectors of rays through all surfaces but the first, each surface for all of them.

@@ -6,7 +6,7 @@ use std::{
     ops::{Add, Div, Mul, Sub},
 };
 
-use super::{Cpu, Lanes, register, store_bits};
+use super::{Compiled, Cpu, Lanes, register, store_bits};
 
 macro_rules! avx2 {
     ($name:ident, $scalar:ty, $register:ty, $width:literal, $set:ident, $load:ident, $store:ident,
@@ -31,6 +31,7 @@ macro_rules! avx2 {
             $fnmadd,
             $register,
             $places,
+            "avx2,fma",
             {
                 #[inline(always)]
                 fn sqrt_pair(a: Self, b: Self) -> [Self; 2] {

@@ -12,7 +12,7 @@ use std::{
 };
 
 use super::{
-    Cpu, Lanes,
+    Compiled, Cpu, Lanes,
     avx2::{F32x8, pairs_of_8, places_of_8},
     register,
 };
@@ -40,6 +40,7 @@ macro_rules! avx512 {
             $fnmadd,
             $mask,
             $places,
+            "avx512f,avx2,fma",
             {
                 #[inline(always)]
                 fn sqrt_pair(a: Self, b: Self) -> [Self; 2] {

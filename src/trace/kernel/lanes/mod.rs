@@ -20,6 +20,8 @@ pub use portable::Portable;
 pub use scalar::Scalar;
 pub(in crate::trace) use unrolled::each_further;
 
+use super::simd::Compiled;
+
 /// The knowledge that this processor has the instructions of `L`, without which no vector is made.
 pub struct Cpu<L>(PhantomData<fn() -> L>);
 
@@ -130,6 +132,10 @@ pub trait Lanes:
     /// There are two pairs from each place on.
     unsafe fn pairs(table: *const [f32; 2], places: &Self::Places) -> [Self; 4];
 
+    /// Does work in a function of its own, compiled for these vectors' instructions once for all who call it. Where
+    /// vectors have no instructions of their own, it is inlined.
+    fn apart(cpu: Cpu<Self>, work: impl Compiled);
+
     /// Whether the mask is true in every lane.
     #[inline(always)]
     fn all(mask: Self::Mask) -> bool {
@@ -166,7 +172,7 @@ fn store_bits(lanes: &[f32], mut bits: u32, to: &mut [f32]) {
 macro_rules! register {
     ($name:ident, $scalar:ty, $register:ty, $width:literal, $set:ident, $load:ident, $store:ident,
      $add:ident, $sub:ident, $mul:ident, $div:ident, $fmadd:ident, $fmsub:ident, $fnmadd:ident,
-     $mask:ty, $places:ty, { $($rest:item)* }) => {
+     $mask:ty, $places:ty, $features:literal, { $($rest:item)* }) => {
         #[doc = concat!(stringify!($width), " lanes of ", stringify!($scalar), " in one register.")]
         #[derive(Clone, Copy)]
         #[repr(transparent)]
@@ -220,6 +226,16 @@ macro_rules! register {
             fn neg_mul_add(self, b: Self, c: Self) -> Self {
                 // SAFETY: a vector exists only where `Cpu` did.
                 Self(unsafe { $fnmadd(self.0, b.0, c.0) })
+            }
+            #[inline(always)]
+            fn apart(_: Cpu<Self>, work: impl Compiled) {
+                #[inline(never)]
+                #[target_feature(enable = $features)]
+                fn run(work: impl Compiled) {
+                    work.run();
+                }
+                // SAFETY: `Cpu` says that the instructions are there.
+                unsafe { run(work) };
             }
             $($rest)*
         }

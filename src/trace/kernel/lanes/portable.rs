@@ -3,7 +3,7 @@
 
 use std::ops::{Add, Div, Mul, Sub};
 
-use super::{Cpu, Lanes, Scalar, store_bits};
+use super::{Compiled, Cpu, Lanes, Scalar, store_bits};
 
 /// `N` lanes in an array.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,6 +64,10 @@ impl<S: Scalar, const N: usize> Lanes for Portable<S, N> {
     fn store(self, to: &mut [S]) {
         let n = to.len().min(N);
         to[..n].copy_from_slice(&self.0[..n]);
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn apart(_: Cpu<Self>, work: impl Compiled) {
+        work.run();
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn mul_add(self, b: Self, c: Self) -> Self {
