@@ -1,5 +1,5 @@
 /* A C99 host: loads the library with dlopen, uses every function of the header, and prints what it
- * got for tests/c_host.rs to judge. It knows of the library only what realistic.h says. */
+ * got for tests/abi/hosts/c_host.rs to check. It knows of the library only what realistic.h says. */
 
 #define _POSIX_C_SOURCE 200809L
 #define REALISTIC_PBRT_ENTRY
