@@ -1,6 +1,6 @@
 //! A camera's whole arithmetic in one precision: film ray, trace, weight and world ray in one pass of vectors.
 //!
-//! One sample, a few and many take the same way, in vectors of another width.
+//! One sample, four and many take the same way, in vectors of another width.
 
 use std::{cell::Cell, f64::consts::PI};
 
@@ -15,7 +15,7 @@ use crate::{
     sampling::{disk::Turns, film_rays::FilmRays},
     trace::{
         Blocked, Ray,
-        kernel::{Approach, Batch, Cpu, End, Grouping, Kernel, Lanes, Precision, Start, from_plane},
+        kernel::{Approach, Batch, Cpu, End, Grouping, Kernel, KernelScalar, Lanes, Start, from_plane},
         polynomial::PolynomialLens,
     },
 };
@@ -25,17 +25,17 @@ pub(crate) trait LensOptics<S>: Send + Sync {
     /// Traces a batch.
     fn trace(&self, grouping: Grouping, batch: &mut impl Batch<S>)
     where
-        S: Precision;
+        S: KernelScalar;
 }
 
-impl<S: Precision + Send + Sync> LensOptics<S> for Kernel<S> {
+impl<S: KernelScalar + Send + Sync> LensOptics<S> for Kernel<S> {
     #[inline(always)]
     fn trace(&self, grouping: Grouping, batch: &mut impl Batch<S>) {
         Kernel::trace(self, grouping, batch);
     }
 }
 
-impl<S: Precision + Send + Sync> LensOptics<S> for PolynomialLens<S> {
+impl<S: KernelScalar + Send + Sync> LensOptics<S> for PolynomialLens<S> {
     #[inline(always)]
     fn trace(&self, grouping: Grouping, batch: &mut impl Batch<S>) {
         PolynomialLens::trace(self, grouping, batch);
@@ -50,7 +50,8 @@ pub(crate) struct Pipeline<S, O> {
     whole: Kernel<S>,
     /// What serves rays from film points within a radius in the place of the whole lens, and the square of that, mm².
     fast: Option<(O, S)>,
-    /// The weight of a ray is this times cos⁴ and the slope area it stands for, over π; `None`: it is 1.
+    /// The weight of a ray is this times cos⁴ and the slope area it stands for, over π; `None`: it is 1. The sampler
+    /// divides areas by π, so that a disk's is its radius squared; [`Pipeline::new`] puts the π back, into this factor.
     weight: Option<S>,
     to_world: ToWorld<S>,
 }

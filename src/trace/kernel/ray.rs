@@ -149,7 +149,7 @@ impl<L: Lanes> RayLanes<L> {
         self.y = t.mul_add(self.vy, self.y);
     }
 
-    /// V + G N.
+    /// Snell's law in optical direction cosines: V' = V + G N, with G = n' cos I' - n cos I.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn bend(&mut self, minus_c: L, gain: L, normal_z: L) {
         let k = minus_c * gain;
