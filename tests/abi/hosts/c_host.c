@@ -352,7 +352,7 @@ static void do_rays(void) {
     camera = build(&o);
     compare(camera);
     api.camera_free(camera);
-    /* A steep plano-convex lens reflects; a wide gap with small rims lets rays miss the sphere. Its true pupil spares
+    /* A steep plano-convex lens reflects; a wide gap with small apertures lets rays miss the sphere. Its true pupil spares
      * most of them. */
     o = options();
     o.lens_text = "0 6 1.9 30\n-8 3 1 15.9\n6 4 1.9 11.9\n0 0 1 30\n", o.lens_text_size = strlen(o.lens_text);
