@@ -14,7 +14,7 @@ use realistic::{
     sampling::PupilDisk,
     trace::{
         Direction, Path, Ray, Real,
-        kernel::{Kernel, LensRays, PlaneRays, Precision},
+        kernel::{Kernel, KernelScalar, LensRays, PlaneRays},
         polynomial::{Polynomial, PolynomialLens},
     },
 };
@@ -81,7 +81,7 @@ const MODELS: [(usize, usize); 15] = [
     (11, 0),
 ];
 
-fn batch<S: Precision + Real + 'static>(
+fn batch<S: KernelScalar + Real + 'static>(
     film: f64,
     rays: &[Ray],
     trace: impl Fn(&PlaneRays<'_, S>, &mut LensRays<'_, S>) + 'static,

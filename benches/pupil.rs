@@ -15,17 +15,17 @@ const CORNER: f64 = 17.5;
 fn main() {
     println!(
         "| lens | stop | acceptance worst / mean | missed worst / mean | variance axis / half / corner | \
-         build ms median / least | rays | rows | ns per sample |"
+         build ms median / least | rays | slices | ns per sample |"
     );
     println!("|---|---|---|---|---|---|---|---|---|");
-    let points: Vec<[f64; 2]> = spread(0.0).take(DRAWS).collect();
+    let points: Vec<[f64; 2]> = spread(0.0).take(SAMPLES).collect();
     let mut ends = Vec::new();
     for name in LENSES {
         for stop in STOPS {
             let case = Case::of(name, stop);
             let (_, build) =
-                repeated(15, || WarpedPupil::new(&case.path, case.film, REACH, case.cover, case.drift));
-            let (_, draws) = repeated(9, || black_box(draw_all(&case.pupil, &points)));
+                repeated(15, || WarpedPupil::new(&case.path, case.film, REACH, case.cover, case.pupil_shift));
+            let (_, sampling) = repeated(9, || black_box(sample_all(&case.pupil, &points)));
             let limit = case.lit_radius(CORNER);
             let fields: Vec<(f64, f64)> = (0..40)
                 .map(|i| {
@@ -54,7 +54,7 @@ fn main() {
                 quantile(&build, 0.0) * 1e3,
                 report.rays,
                 report.slices,
-                quantile(&draws, 0.0) * 1e9 / DRAWS as f64,
+                quantile(&sampling, 0.0) * 1e9 / SAMPLES as f64,
             );
         }
     }
@@ -82,15 +82,15 @@ fn stop_name(stop: Option<f64>) -> String {
     stop.map_or("full".to_owned(), |number| format!("f/{number}"))
 }
 
-const DRAWS: usize = 100_000;
+const SAMPLES: usize = 100_000;
 
 /// Samples all over the film.
-fn draw_all(pupil: &WarpedPupil, points: &[[f64; 2]]) -> f64 {
+fn sample_all(pupil: &WarpedPupil, points: &[[f64; 2]]) -> f64 {
     points
         .iter()
         .filter_map(|[x, y]| {
             pupil.sample([24.0 * (x - 0.5), 24.0 * (y - 0.5)], [1.4 * y - 0.7, 1.4 * x - 0.7])
         })
-        .map(|drawn| drawn.area + drawn.slopes[0])
+        .map(|sample| sample.area + sample.slopes[0])
         .sum()
 }

@@ -302,7 +302,7 @@ typedef struct realistic_options {
      */
     double wavelength;
     /*
-     Parameter `mmperunit`: length of a world unit: positive, from 1e-15 to 1e30 mm a world unit; default 1.
+     Parameter `mmperunit`: length of a world unit: positive, from 1e-15 to 1e30 mm per world unit; default 1.
      */
     double mmperunit;
     /*

@@ -80,7 +80,7 @@ fn calls(lens: &str, effort: Effort) {
         contest.enter(name, Box::new(calls) as Box<dyn FnMut()>);
     }
     #[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
-    for (name, camera) in [("vtable, three calls a sample", &camera), ("the same, f32", &single)] {
+    for (name, camera) in [("vtable, three calls per sample", &camera), ("the same, f32", &single)] {
         let triples = &triples;
         let calls = move || chain(triples, |sample, carry| camera.host(&moved(sample, carry)));
         contest.enter(name, Box::new(calls) as Box<dyn FnMut()>);

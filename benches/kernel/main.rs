@@ -1,4 +1,4 @@
-//! What a ray costs: one, three at once, and many, against the textbook walk and what the processor
+//! What a ray costs: one, three at once, and many, against the walk with Heckbert's refraction and what the processor
 //! can do at best, all in one run.
 //!
 //! `cargo bench --bench kernel` (under a minute; with `-- dgauss` one lens). Every figure is a median over rounds
@@ -13,7 +13,7 @@ use realistic::{
     lens::refraction::Refraction,
     trace::{
         Direction, Path,
-        kernel::{Kernel, Precision, Simd},
+        kernel::{Kernel, KernelScalar, Simd},
     },
 };
 use realistic_lab::{
@@ -42,7 +42,7 @@ fn main() {
 fn one_at_a_time(scene: &Scene, effort: Effort) {
     let rays = scene.rays(CHAIN);
     let mut contest = Contest::default();
-    for (name, method) in [("textbook walk (Heckbert)", Refraction::Heckbert), ("walk", Refraction::Fused)] {
+    for (name, method) in [("walk (Heckbert)", Refraction::Heckbert), ("walk", Refraction::Fused)] {
         let path = Path::<f64>::new(&scene.lens, Direction::FilmToScene, method);
         let rays = rays.clone();
         let chain = move || {
@@ -76,7 +76,7 @@ fn one_at_a_time(scene: &Scene, effort: Effort) {
     contest.print("ns per call", CHAIN, effort);
 }
 
-fn triple<S: Precision + 'static>(scene: &Scene, tiny: f64) -> Box<dyn FnMut()> {
+fn triple<S: KernelScalar + 'static>(scene: &Scene, tiny: f64) -> Box<dyn FnMut()> {
     let kernel = Kernel::<S>::new(&scene.lens, Direction::FilmToScene);
     let film = FilmRays::<S>::new(scene.film, &scene.rays(CHAIN));
     let (pixel, tiny) = (S::from_f64(0.01), S::from_f64(tiny));
@@ -102,7 +102,7 @@ fn many(scene: &Scene, effort: Effort) {
             let _ = black_box(path.trace(*ray));
         }
     };
-    contest.enter("textbook walk (Heckbert)", Box::new(walk) as Box<dyn FnMut()>);
+    contest.enter("walk (Heckbert)", Box::new(walk) as Box<dyn FnMut()>);
     for simd in Simd::ALL {
         contest.enter(format!("f32 {}", simd.name()), batch::<f32>(scene, simd));
         contest.enter(format!("f64 {}", simd.name()), batch::<f64>(scene, simd));
@@ -110,7 +110,7 @@ fn many(scene: &Scene, effort: Effort) {
     contest.print("ns per ray", BATCH, effort);
 }
 
-fn batch<S: Precision + 'static>(scene: &Scene, simd: Simd) -> Option<Box<dyn FnMut()>> {
+fn batch<S: KernelScalar + 'static>(scene: &Scene, simd: Simd) -> Option<Box<dyn FnMut()>> {
     let kernel = Kernel::<S>::with_simd(&scene.lens, Direction::FilmToScene, simd)?;
     let mut film = FilmRays::<S>::new(scene.film, &scene.rays(BATCH));
     Some(Box::new(move || black_box(&mut film).trace(BATCH, |from, to| kernel.trace_batch(from, to))))

@@ -1,12 +1,12 @@
 //! The command line of `realistic`, and a small renderer that loads the plugin as a
 //! stranger would: through the dynamic loader and the C ABI, not through the crate.
 
-mod choice;
 mod commands;
 mod drawing;
 mod failure;
 mod host;
 mod image;
+mod lens_and_film;
 mod plots;
 
 use clap::{Parser, Subcommand};

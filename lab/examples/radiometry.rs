@@ -31,7 +31,7 @@ const RASTER: Raster = Raster { xres: 301, yres: 201 };
 /// mm.
 const FILM_DIAGONAL: f64 = 35.0;
 const CENTER: [u32; 2] = [150, 100];
-/// Rays a pixel and band.
+/// Rays per pixel and band.
 const SAMPLES: u32 = 1 << 14;
 /// Rays across the grid that finds the vignetting.
 const GRID: u32 = 400;

@@ -151,7 +151,7 @@ impl Measurement {
         Ok(Self { bands: (0..bands).map(band).collect::<Result<_, _>>()? })
     }
 
-    /// R of a pixel (column, row) by `samples` samples a band: joules times the sensor's response, for
+    /// R of a pixel (column, row) by `samples` samples per band: joules times the sensor's response, for
     /// `radiance` in W/(m² sr nm) along a ray at a wavelength in nm and the shutter's times in seconds.
     pub fn response(
         &self,

@@ -6,7 +6,7 @@ use realistic::{
     sampling::PupilDisk,
     trace::{
         Path, Ray, Real,
-        kernel::Precision,
+        kernel::KernelScalar,
         polynomial::{FitError, Polynomial, PolynomialLens},
     },
 };
@@ -100,7 +100,7 @@ fn near_the_axis_they_are_the_thick_lens() {
 }
 
 /// The rays behind the lens, by a batch.
-fn batch<S: Precision + Real>(film: f64, polynomial: &Polynomial, rays: &[Ray]) -> FilmRays<S> {
+fn batch<S: KernelScalar + Real>(film: f64, polynomial: &Polynomial, rays: &[Ray]) -> FilmRays<S> {
     let lens = PolynomialLens::<S>::new(polynomial);
     let mut rays = FilmRays::new(film, rays);
     rays.trace(rays.count(), |from, to| lens.trace_batch(from, to));
@@ -129,8 +129,8 @@ fn a_lens_of_polynomials_blocks_where_the_apertures_do_and_changes_no_other_ray(
     let subject = Subject::new("dgauss.50mm");
     let path = Path::<f64>::film_to_scene(&subject.lens);
     let last = subject.lens.surfaces.len() - 1;
-    let fit = |rims: &[usize]| {
-        Polynomial::with_apertures(&subject.lens, subject.film, &subject.rays(1500, 0), 9, rims)
+    let fit = |apertures: &[usize]| {
+        Polynomial::with_apertures(&subject.lens, subject.film, &subject.rays(1500, 0), 9, apertures)
             .map(|polynomial| PolynomialLens::<f64>::new(&polynomial))
             .expect("enough rays")
     };

@@ -9,7 +9,7 @@ use realistic::{
     prescription::{catalogue, read},
     trace::{
         Direction, Path, Ray, Real,
-        kernel::{Kernel, Precision},
+        kernel::{Kernel, KernelScalar},
     },
 };
 use realistic_lab::{
@@ -251,7 +251,7 @@ fn the_tables_of_exact_arithmetic_agree_to_their_last_digits() {
 
 /// Errors in direction (rad) of a kernel on rays from the whole film through the whole rear element, and on how many
 /// rays it and the reference disagree whether they pass.
-fn errors<S: Precision + Real>(lens: &Lens, count: usize) -> (Vec<f64>, usize) {
+fn errors<S: KernelScalar + Real>(lens: &Lens, count: usize) -> (Vec<f64>, usize) {
     let kernel = Kernel::<S>::new(lens, Direction::FilmToScene);
     let reference = Reference::new(lens, Direction::FilmToScene);
     let distance = FirstOrder::of(lens).expect("focal").back_focal_distance();

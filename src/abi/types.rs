@@ -190,7 +190,7 @@ pub struct realistic_options {
     /// Parameter `wavelength`: wavelength, for lenses with V-numbers or Sellmeier's constants: from 300 to 2000 nm;
     /// default 587.56.
     pub wavelength: f64,
-    /// Parameter `mmperunit`: length of a world unit: positive, from 1e-15 to 1e30 mm a world unit; default 1.
+    /// Parameter `mmperunit`: length of a world unit: positive, from 1e-15 to 1e30 mm per world unit; default 1.
     pub mmperunit: f64,
     /// For a camera that moves: `camera_to_world` holds at `transformstart` and this one at `transformend`, and
     /// between the two a move, a rotation and a stretch are interpolated. All NaN: the camera stands still.

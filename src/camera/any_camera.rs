@@ -17,8 +17,9 @@ use super::{
 };
 use crate::{lens::Lens, plan::Plan, trace::Blocked};
 
+/// The camera itself, of any model.
 #[derive(Clone, Debug)]
-enum Optics {
+enum AnyModel {
     Lens(Box<RealisticCamera>),
     Ideal(Box<IdealCamera>),
     Projective(Box<ProjectiveCamera>),
@@ -28,7 +29,7 @@ enum Optics {
 /// A camera of any model. Immutable, and may be shared between threads.
 #[derive(Clone, Debug)]
 pub struct Camera {
-    optics: Optics,
+    optics: AnyModel,
     shutter: Shutter,
     yres: f32,
 }
@@ -52,18 +53,18 @@ impl Camera {
         let (model, shutter) = (parameters.model(), setup::shutter(parameters)?);
         warn_of_unused(model, shutter, parameters, log);
         let optics = match model {
-            Model::Lens => Optics::Lens(RealisticCamera::build(parameters, host, log)?.into()),
+            Model::Lens => AnyModel::Lens(RealisticCamera::build(parameters, host, log)?.into()),
             Model::Thick | Model::Thin => {
-                Optics::Ideal(IdealCamera::build(parameters, host, model == Model::Thin, log)?.into())
+                AnyModel::Ideal(IdealCamera::build(parameters, host, model == Model::Thin, log)?.into())
             }
             Model::Perspective => {
-                Optics::Projective(stock_cameras::perspective(parameters, host, log)?.into())
+                AnyModel::Projective(stock_cameras::perspective(parameters, host, log)?.into())
             }
             Model::Orthographic => {
-                Optics::Projective(stock_cameras::orthographic(parameters, host, log)?.into())
+                AnyModel::Projective(stock_cameras::orthographic(parameters, host, log)?.into())
             }
             Model::Environment => {
-                Optics::Environment(stock_cameras::environment(parameters, host, log)?.into())
+                AnyModel::Environment(stock_cameras::environment(parameters, host, log)?.into())
             }
         };
         Ok(Self { optics, shutter, yres: host.raster.yres as f32 })
@@ -84,7 +85,7 @@ impl Camera {
     /// [`Camera::generate`] without the reason where there is no ray, which is faster.
     pub fn ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
         match &self.optics {
-            Optics::Lens(camera) if self.shutter == Shutter::Global => camera.ray(sample),
+            AnyModel::Lens(camera) if self.shutter == Shutter::Global => camera.ray(sample),
             _ => self.any_ray(sample),
         }
     }
@@ -108,7 +109,9 @@ impl Camera {
     #[inline(always)]
     pub(crate) fn trace_one(&self, sample: &Sample, ray: &mut WorldRay, weight: &mut f32) {
         match &self.optics {
-            Optics::Lens(camera) if self.shutter == Shutter::Global => camera.trace_one(sample, ray, weight),
+            AnyModel::Lens(camera) if self.shutter == Shutter::Global => {
+                camera.trace_one(sample, ray, weight)
+            }
             _ => match self.any_ray(sample) {
                 Some(found) => (*ray, *weight) = found,
                 None => *weight = 0.0,
@@ -120,14 +123,16 @@ impl Camera {
     #[inline(never)]
     fn any_ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
         match &self.optics {
-            Optics::Lens(camera) => {
+            AnyModel::Lens(camera) => {
                 let share = self.share(sample.image_y, sample.time)?;
                 camera.ray(sample).map(|(ray, weight)| (ray, dimmed(weight, share)))
             }
-            _ => match self.generate(sample) {
-                Outcome::Ray(ray, weight) => Some((ray, weight)),
-                Outcome::Blocked(_) | Outcome::Redraw | Outcome::Shut => None,
-            },
+            AnyModel::Ideal(_) | AnyModel::Projective(_) | AnyModel::Environment(_) => {
+                match self.generate(sample) {
+                    Outcome::Ray(ray, weight) => Some((ray, weight)),
+                    Outcome::Blocked(_) | Outcome::Redraw | Outcome::Shut => None,
+                }
+            }
         }
     }
 
@@ -178,10 +183,10 @@ impl Camera {
 
     fn through_optics(&self, sample: &Sample) -> Outcome {
         let outcome = match &self.optics {
-            Optics::Lens(camera) => return camera.generate(sample),
-            Optics::Ideal(camera) => camera.generate(sample),
-            Optics::Projective(camera) => camera.generate(sample),
-            Optics::Environment(camera) => Outcome::Ray(camera.ray(sample), 1.0),
+            AnyModel::Lens(camera) => return camera.generate(sample),
+            AnyModel::Ideal(camera) => camera.generate(sample),
+            AnyModel::Projective(camera) => camera.generate(sample),
+            AnyModel::Environment(camera) => Outcome::Ray(camera.ray(sample), 1.0),
         };
         match outcome {
             Outcome::Ray(ray, weight) if !is_sound(&ray, weight) => Outcome::Blocked(Blocked::Missed),
@@ -193,27 +198,27 @@ impl Camera {
     /// same film point, by the thick lens or through the middle of the lens.
     pub fn substitute(&self, sample: &Sample) -> WorldRay {
         match &self.optics {
-            Optics::Lens(camera) => camera.substitute(sample),
-            Optics::Ideal(camera) => camera.central(sample),
-            Optics::Projective(camera) => camera.central(sample),
-            Optics::Environment(camera) => camera.ray(sample),
+            AnyModel::Lens(camera) => camera.substitute(sample),
+            AnyModel::Ideal(camera) => camera.central(sample),
+            AnyModel::Projective(camera) => camera.central(sample),
+            AnyModel::Environment(camera) => camera.ray(sample),
         }
     }
 
     fn placement(&self) -> &Placement {
         match &self.optics {
-            Optics::Lens(camera) => camera.placement(),
-            Optics::Ideal(camera) => camera.placement(),
-            Optics::Projective(camera) => camera.placement(),
-            Optics::Environment(camera) => camera.placement(),
+            AnyModel::Lens(camera) => camera.placement(),
+            AnyModel::Ideal(camera) => camera.placement(),
+            AnyModel::Projective(camera) => camera.placement(),
+            AnyModel::Environment(camera) => camera.placement(),
         }
     }
 
     /// What the camera keeps and leaves out.
     pub fn plan(&self) -> Plan {
         match &self.optics {
-            Optics::Lens(camera) => camera.plan().clone(),
-            _ => {
+            AnyModel::Lens(camera) => camera.plan().clone(),
+            AnyModel::Ideal(_) | AnyModel::Projective(_) | AnyModel::Environment(_) => {
                 let mut plan = Plan::default();
                 self.placement().describe(&mut plan);
                 plan
@@ -234,8 +239,8 @@ impl Camera {
     /// The camera of [`Model::Lens`].
     pub fn as_lens(&self) -> Option<&RealisticCamera> {
         match &self.optics {
-            Optics::Lens(camera) => Some(camera),
-            _ => None,
+            AnyModel::Lens(camera) => Some(camera),
+            AnyModel::Ideal(_) | AnyModel::Projective(_) | AnyModel::Environment(_) => None,
         }
     }
 
@@ -276,9 +281,9 @@ impl Camera {
         ideal: fn(&'a IdealCamera) -> T,
     ) -> Option<T> {
         match &self.optics {
-            Optics::Lens(camera) => Some(lens(camera)),
-            Optics::Ideal(camera) => Some(ideal(camera)),
-            Optics::Projective(_) | Optics::Environment(_) => None,
+            AnyModel::Lens(camera) => Some(lens(camera)),
+            AnyModel::Ideal(camera) => Some(ideal(camera)),
+            AnyModel::Projective(_) | AnyModel::Environment(_) => None,
         }
     }
 }

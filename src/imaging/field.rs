@@ -46,9 +46,10 @@ impl Field {
         // A ray that an aperture behind the stop clips is no chief ray, and is not traced on.
         let behind = Lens { surfaces: lens.surfaces[stop..].to_vec(), ..lens.clone() };
         let rear = lens.rear();
-        let rim = rear.sagitta(rear.semi_diameter);
-        // The rear surface seen from the film: a rim toward the film looks larger by perspective.
-        let rear_radius = rear.semi_diameter * 1.0_f64.max((rear.vertex - film) / (rear.vertex + rim - film));
+        let edge_sagitta = rear.sagitta(rear.semi_diameter);
+        // The rear surface seen from the film: an edge toward the film looks larger by perspective.
+        let rear_radius =
+            rear.semi_diameter * 1.0_f64.max((rear.vertex - film) / (rear.vertex + edge_sagitta - film));
         Self {
             path: Path::film_to_scene(lens),
             to_stop: Path::film_to_scene(&behind),
@@ -71,7 +72,7 @@ impl Field {
     /// is dark. Where they are several intervals, from the lowest to the highest.
     pub fn beam(&self, height: f64) -> Option<Beam> {
         let distance = self.rear - self.film;
-        // Off the axis a rim in front of or behind the vertex shows shifted: half the reach more.
+        // Off the axis an edge in front of or behind the vertex shows shifted: half the reach more.
         let reach = self.rear_radius + 0.5 * height.abs();
         let at = |i: u32| (reach * (2.0 * (f64::from(i) + 0.5) / f64::from(SCAN) - 1.0) - height) / distance;
         let passing = |&i: &u32| self.passes(height, at(i));

@@ -1,4 +1,4 @@
-//! Refraction at a surface, four ways.
+//! Refraction at a surface by Snell's law, n sin I = n' sin I', four ways.
 //!
 //! The first three are those of P. Heckbert and P. Hanrahan's comparison ("Derivation of
 //! Refraction Formulas" in A. Glassner, ed., *An Introduction to Ray Tracing*, 1989), written

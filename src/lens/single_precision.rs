@@ -9,7 +9,7 @@ use thiserror::Error;
 
 use super::{Lens, first_order::Abcd};
 
-/// Why a lens is nothing for single precision.
+/// Why a lens is unfit for single precision.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum Unfit {
     /// Its squares leave the number range.
@@ -26,11 +26,12 @@ pub enum Unfit {
         /// n' - n.
         step: f64,
     },
-    /// Rays meet the rim at grazing incidence.
+    /// Rays meet the edge of the clear aperture at grazing incidence.
     #[error(
-        "surface {surface} is a hemisphere to 1 - {nearness:.1e} of its rim, where f32 loses the angle; use f64"
+        "surface {surface} is a hemisphere to 1 - {nearness:.1e} at the edge of its aperture, where f32 loses the angle; \
+         use f64"
     )]
-    Rim {
+    Grazing {
         /// Counted from the scene, from 0.
         surface: usize,
         /// 1 - (semi-diameter/|R|)².
@@ -80,7 +81,7 @@ pub fn f32_is_fit(lens: &Lens) -> Result<(), Unfit> {
         }
         let nearness = 1.0 - (semi_diameter * surface.curvature).powi(2);
         if nearness < LEAST_NEARNESS {
-            return Err(Unfit::Rim { surface: number, nearness });
+            return Err(Unfit::Grazing { surface: number, nearness });
         }
         narrowest = narrowest.min(semi_diameter);
         longest = longest.max(semi_diameter).max(surface.thickness);
@@ -123,9 +124,9 @@ mod tests {
         tiny = lens("dgauss.50mm", 1.0);
         tiny.surfaces[5].semi_diameter = 1e-4;
         assert!(matches!(f32_is_fit(&tiny), Err(Unfit::Lengths { .. })));
-        let mut rim = lens("dgauss.50mm", 1.0);
-        rim.surfaces[0].semi_diameter = rim.surfaces[0].radius;
-        assert!(matches!(f32_is_fit(&rim), Err(Unfit::Rim { surface: 0, .. })));
+        let mut hemisphere = lens("dgauss.50mm", 1.0);
+        hemisphere.surfaces[0].semi_diameter = hemisphere.surfaces[0].radius;
+        assert!(matches!(f32_is_fit(&hemisphere), Err(Unfit::Grazing { surface: 0, .. })));
         let mut weak = lens("dgauss.50mm", 1.0);
         weak.surfaces[0].n_film = 1.0 + 1e-6;
         assert!(matches!(f32_is_fit(&weak), Err(Unfit::IndexStep { surface: 0, .. })));

@@ -170,7 +170,7 @@ impl Lens {
                     let gap = |height: f64| distance + first.sagitta(height) - surface.sagitta(height);
                     // It only grows or only shrinks with height.
                     let reach = first.semi_diameter.min(surface.semi_diameter);
-                    // Rims that touch touch but for rounding.
+                    // Edges that touch do so but for rounding.
                     if gap(reach) < -1e-6 * reach {
                         return Some(([before, i], root(0.0, reach, gap)));
                     }

@@ -205,9 +205,9 @@ fn limiting(path: &Path, film: f64, bands: &[Band]) -> Vec<bool> {
                 let radius = band.radius * ring;
                 let slopes = [band.center[1] * height + radius * cos, radius * sin];
                 let mut ratios = vec![f64::INFINITY; count];
-                path.intersections(film, [height, 0.0], slopes, |visit| {
-                    ratios[visit.surface] = visit.ratio;
-                    visit.ratio < 4.0
+                path.intersections(film, [height, 0.0], slopes, |intersection| {
+                    ratios[intersection.surface] = intersection.ratio;
+                    intersection.ratio < 4.0
                 });
                 rays.push(ratios);
             }
@@ -276,11 +276,11 @@ mod tests {
             let slopes = [center * height + band.radius * u / length, band.radius * v / length];
             let mut found = f64::NEG_INFINITY;
             let mut passes = true;
-            let met_all = path.intersections(film, [height, 0.0], slopes, |visit| {
-                if visit.surface == last - surface {
-                    found = visit.ratio;
+            let met_all = path.intersections(film, [height, 0.0], slopes, |intersection| {
+                if intersection.surface == last - surface {
+                    found = intersection.ratio;
                 } else {
-                    passes &= visit.ratio <= 1.0;
+                    passes &= intersection.ratio <= 1.0;
                 }
                 passes
             });

@@ -34,7 +34,7 @@ impl Decision {
         let single = task.precision == Some(Arithmetic::F32);
         let unfit = if single { f32_is_fit(task.lens).err() } else { None };
         if let Some(unfit) = &unfit {
-            warnings.push(format!("\"precision\" \"f32\" is nothing for this lens: {unfit}"));
+            warnings.push(format!("\"precision\" \"f32\" cannot trace this lens: {unfit}"));
         }
         let is_named = task.precision.is_some() || task.refraction != Refraction::Fused;
         if task.tolerance > 0.0 && task.leave_out && is_named {

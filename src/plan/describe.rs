@@ -37,7 +37,7 @@ pub(crate) fn describe_sampling(film: &FilmSide<'_>, wavelength: f64, plan: &mut
         format!("one wavelength, {wavelength} nm, is asked for"),
         "each surface has one index",
     );
-    plan.left_out("differentials", "traced only for a host that asks three times a sample", "no time");
+    plan.left_out("differentials", "traced only for a host that asks three times per sample", "no time");
     plan.left_out(
         "reasons of blocked rays",
         "found by a second trace of those that a caller asks about",

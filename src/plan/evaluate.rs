@@ -12,7 +12,7 @@ use crate::{
     sampling::PupilSample,
     trace::{
         Blocked, Direction, Ray,
-        kernel::{Kernel, LensRays, PlaneRays, Precision, RayArrays},
+        kernel::{Kernel, KernelScalar, LensRays, PlaneRays, RayBuffer},
         polynomial::{Polynomial, PolynomialLens},
     },
 };
@@ -69,15 +69,15 @@ impl Rays {
         Ray { origin: [x, y, film], direction: [sx, sy, 1.0] }
     }
 
-    fn traced<S: Precision>(
+    fn traced<S: KernelScalar>(
         &self,
         film: f64,
         trace: impl FnOnce(&PlaneRays<'_, S>, &mut LensRays<'_, S>),
-    ) -> RayArrays<S> {
+    ) -> RayBuffer<S> {
         let columns =
             self.columns.each_ref().map(|column| column.iter().map(|&x| S::from_f64(x)).collect::<Vec<S>>());
         let [x, y, slope_x, slope_y] = &columns;
-        let mut out = RayArrays::new(self.len());
+        let mut out = RayBuffer::new(self.len());
         trace(&PlaneRays { plane: film, x, y, slope_x, slope_y }, &mut out.rays());
         out
     }
@@ -88,7 +88,7 @@ pub(super) struct Evaluation<'a> {
     task: &'a Task<'a>,
     scale: ImageScale,
     rays: Rays,
-    exact: RayArrays<f64>,
+    exact: RayBuffer<f64>,
     /// Surfaces other than the front whose apertures block rays, counted from the scene.
     pub blocking: Vec<usize>,
 }
@@ -108,9 +108,9 @@ impl<'a> Evaluation<'a> {
         let mut seed = 0;
         let (exact, passing) = loop {
             seed += 1;
-            for numbers in strata::numbers(seed as u64) {
-                if let Some((point, drawn)) = film.sample(numbers) {
-                    rays.push(point, drawn);
+            for sample in strata::numbers(seed as u64) {
+                if let Some((point, sample)) = film.sample(sample) {
+                    rays.push(point, sample);
                 }
             }
             let exact = rays.traced(film.z, |from, to| kernel.trace_batch(from, to));
@@ -131,7 +131,7 @@ impl<'a> Evaluation<'a> {
         Ok(Self { task, scale, rays, exact, blocking })
     }
 
-    fn errors<S: Precision>(&self, model: &RayArrays<S>) -> Errors {
+    fn errors<S: KernelScalar>(&self, model: &RayBuffer<S>) -> Errors {
         let (mut mismatches, mut light, mut wrong) = (0, 0.0, 0.0);
         let mut errors = Vec::with_capacity(self.rays.len());
         for i in 0..self.rays.len() {
@@ -180,7 +180,7 @@ impl<'a> Evaluation<'a> {
         Ok((polynomial, errors))
     }
 
-    fn errors_of<S: Precision>(&self, polynomial: &Polynomial) -> Errors {
+    fn errors_of<S: KernelScalar>(&self, polynomial: &Polynomial) -> Errors {
         let lens = PolynomialLens::<S>::new(polynomial);
         self.errors(&self.rays.traced(self.task.film.z, |from, to| lens.trace_batch(from, to)))
     }
@@ -193,7 +193,7 @@ impl<'a> Evaluation<'a> {
 }
 
 /// The surfaces whose apertures block more of the rays than may be overlooked.
-fn blocking(task: &Task<'_>, rays: &Rays, exact: &RayArrays<f64>) -> Vec<usize> {
+fn blocking(task: &Task<'_>, rays: &Rays, exact: &RayBuffer<f64>) -> Vec<usize> {
     /// Blocked rays looked at.
     const MOST: usize = 2000;
     let last = task.lens.surfaces.len() - 1;

@@ -50,8 +50,8 @@ impl FilmSide<'_> {
     /// The film point, mm, and the pupil sample that four numbers in [0, 1] stand for; `None` where there is none.
     pub fn sample(&self, [x, y, u, v]: [f64; 4]) -> Option<([f64; 2], PupilSample)> {
         let point = [(1.0 - 2.0 * x) * self.corner[0], (1.0 - 2.0 * y) * self.corner[1]];
-        let drawn = self.sampler.sample(point, self.mapping.map(u, v)?)?;
-        Some((point, drawn))
+        let sample = self.sampler.sample(point, self.mapping.map(u, v)?)?;
+        Some((point, sample))
     }
 
     /// Rings of the film with the slopes that are sampled there.

@@ -4,7 +4,7 @@
 
 use crate::trace::{
     Real,
-    kernel::{Compiled, Cpu, Lanes, Portable, Precision, Scalar, Simd},
+    kernel::{Compiled, Cpu, KernelScalar, Lanes, Portable, Scalar, Simd},
 };
 
 /// How lens samples (u, v) map to the unit disk.
@@ -107,7 +107,7 @@ where
 }
 
 /// Numbers with series for angles in eighths of a turn.
-pub(crate) trait Turns: Precision + 'static {
+pub(crate) trait Turns: KernelScalar + 'static {
     /// cos(π/4 √z) in powers of z, z in [0, 1]: its Chebyshev expansion, cut where the rest is below the rounding.
     const COS: &'static [Self];
     /// sin(π/4 √z)/√z.
@@ -165,7 +165,7 @@ fn series<L: Lanes>(cpu: Cpu<L>, z: L, square: L, coefficients: &[L::Scalar]) ->
 }
 
 /// [`DiskMapping::Concentric`] in single precision, sector by sector as pbrt-v1 computes it: the
-/// textbook cameras have its bits. `u` and `v` in [0, 1].
+/// stock cameras have its bits. `u` and `v` in [0, 1].
 pub(crate) fn concentric_single(u: f32, v: f32) -> [f32; 2] {
     let (a, b) = (2.0 * u - 1.0, 2.0 * v - 1.0);
     if a == 0.0 && b == 0.0 {

@@ -40,20 +40,22 @@ impl PupilDisk {
     /// The rear element's disk in the rear vertex plane, for film at `film` (z in lens space) asked
     /// for rays up to `reach` mm from the axis.
     ///
-    /// Where the rear surface's rim lies in front of or behind its vertex the disk is as much larger
+    /// Where the edge of the rear surface lies in front of or behind its vertex the disk is as much larger
     /// than the clear aperture as it takes to hold every ray from such film through the surface.
     /// `None` when the film is not behind the whole surface.
     pub fn rear(lens: &Lens, film: f64, reach: f64) -> Option<Self> {
         let rear = lens.rear();
         let distance = rear.vertex - film;
-        let rim = rear.sagitta(rear.semi_diameter);
-        if !(distance > 0.0 && distance + rim > 0.0) {
+        let edge_sagitta = rear.sagitta(rear.semi_diameter);
+        if !(distance > 0.0 && distance + edge_sagitta > 0.0) {
             return None;
         }
         // A point of the surface at height r and sagitta s projects from film height h to
-        // (r Z + h s)/(Z + s). Over the surface and the film that is largest in size at the rim, for
-        // h on the rim's side where s > 0 and on the other side where s < 0, or at s = 0.
-        let projected = |height: f64| (rear.semi_diameter * distance + height * rim.abs()) / (distance + rim);
+        // (r Z + h s)/(Z + s). Over the surface and the film that is largest in size at the edge, for
+        // h on that edge's side where s > 0 and on the other side where s < 0, or at s = 0.
+        let projected = |height: f64| {
+            (rear.semi_diameter * distance + height * edge_sagitta.abs()) / (distance + edge_sagitta)
+        };
         let radius = rear.semi_diameter.max(projected(0.0)).max(projected(reach));
         Some(Self { vergence: distance.recip(), slope_radius: radius / distance })
     }
@@ -135,7 +137,7 @@ mod tests {
 
     #[test]
     fn the_rear_disk_holds_every_ray_from_the_film_through_the_rear_surface() {
-        // The rim before the vertex (radius < 0), behind it (> 0), and in its plane.
+        // The edge before the vertex (radius < 0), behind it (> 0), and in its plane.
         for row in ["-12 0 1 16", "12 0 1 16", "0 0 1 16"] {
             let lens =
                 Lens::at_d_line(&read("lens", format!("30 4 1.6 16\n{row}").as_bytes()).expect("a lens"));

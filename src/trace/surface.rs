@@ -141,7 +141,7 @@ impl<R: Real> PathSurface<R> {
         self.refract(state, method)
     }
 
-    /// Refracts the ray at the point of this surface where it is.
+    /// Refracts the ray, by Snell's law, at the point of this surface where it is.
     #[inline(always)]
     pub fn refract(&self, state: &mut State<R>, method: Refraction) -> Result<(), Blocked> {
         let State { p: [x, y, z], v, .. } = state;

@@ -105,9 +105,9 @@ def check_truth_tables():
                 if far.any():
                     report(f"{table} ({far.sum()} from afar) by {program}", max(difference(
                         results[far], expected[ok][far])), LIMIT_FAR)
-            judged = [k for k, s in enumerate(status) if s != "turned_back"]
-            wrong = [(k, status[k], verdicts[k]) for k in judged if status[k] != verdicts[k]]
-            report(f"{table}: other verdicts by rayoptics, of {len(judged)}", len(wrong), 0)
+            evaluated = [k for k, s in enumerate(status) if s != "turned_back"]
+            wrong = [(k, status[k], verdicts[k]) for k in evaluated if status[k] != verdicts[k]]
+            report(f"{table}: other verdicts by rayoptics, of {len(evaluated)}", len(wrong), 0)
             for k, here, there in wrong:
                 print(f"    row {k + 1}: {here}, rayoptics {there}")
 
@@ -133,7 +133,7 @@ def check_return():
         report(f"truth_{name}: exact trace and back, direction", worst, LIMIT_EXACT)
 
 
-def march(system: list[Interface], y, slope, first: int, last: int):
+def transfer(system: list[Interface], y, slope, first: int, last: int):
     """A paraxial ray met at `first` with this height and slope before it; its height there and slope behind `last`."""
     reduced = slope * system[first].scene_index
     for k in range(first, last + 1):
@@ -148,9 +148,9 @@ def exact_first_order(lens: Lens) -> dict:
     def half(system: list[Interface], stop: int):
         """Focal length, focal distance and image of the stop on the side the light goes to."""
         end = len(system) - 1
-        y, slope = march(system, mpf(1), mpf(0), 0, end)
-        centre, centre_slope = march(system, mpf(0), mpf(1), stop, end)
-        rim, rim_slope = march(system, system[stop].semi, mpf(0), stop, end)
+        y, slope = transfer(system, mpf(1), mpf(0), 0, end)
+        centre, centre_slope = transfer(system, mpf(0), mpf(1), stop, end)
+        rim, rim_slope = transfer(system, system[stop].semi, mpf(0), stop, end)
         pupil = -centre / centre_slope
         return -1 / slope, -y / slope, pupil, 2 * abs(rim + pupil * rim_slope)
 

@@ -19,7 +19,7 @@ HEADER = """\
 #   rear_principal_plane     last vertex -> rear (film-side) principal plane
 #   entrance_pupil_position  first vertex -> paraxial image of the stop row in scene space
 #   exit_pupil_position      last vertex -> paraxial image of the stop row in film space
-#   *_pupil_diameter         paraxial image of the stop row's clear diameter, whatever other rims may cut off
+#   *_pupil_diameter         paraxial image of the stop row's clear diameter, whatever other apertures may cut off
 #   f_number                 focal_length / entrance_pupil_diameter
 """
 QUANTITIES = ("focal_length", "back_focal_distance", "front_focal_distance", "front_principal_plane",

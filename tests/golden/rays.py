@@ -1,6 +1,6 @@
 """Real rays from the scene to the film by optiland and by rayoptics; writes rays_<program>.csv.
 
-Both tables hold the same input rays, all of which pass every rim.  Lens space has +z toward the scene and both
+Both tables hold the same input rays, all of which pass every aperture.  Lens space has +z toward the scene and both
 programs have it toward the image, so z and dz change sign on the way in and on the way out (programs.py).
 """
 
@@ -19,7 +19,7 @@ HALF_FIELD = {"dgauss.50mm": 20.0, "wide.22mm": 36.0, "telephoto.250mm": 4.0, "f
               "dgauss.100mm": 20.0, "planar": 18.0, "crossed": 5.0}
 FIELDS = (0.0, 0.3, 0.7, 1.0)
 RAYS_A_FIELD = 15
-# Away from the rims by this much, relative: that a table of unclipped rays is one for every program.
+# Away from the edges of apertures by this much, relative: that a table of unclipped rays is one for every program.
 SMALLEST_MARGIN = 1e-4
 
 

@@ -6,13 +6,13 @@ Lens space: origin at the front vertex of the first interface, +z toward the sce
 The lens data are taken as the doubles nearest to the printed decimals, because that is the lens a program that
 parses the file really has; from there on nothing is rounded.
 
-A ray is judged at each interface in this order, and the first verdict stands:
+A ray is evaluated at each interface in this order, and the first verdict stands:
   turned_back  its z-direction no longer leads onward
   missed       it does not meet the interface's sphere
   turned_back  the meeting point lies behind the ray's present point
   clipped      the meeting point is farther from the axis than half the clear diameter
   reflected    total internal reflection
-Of the sphere's two crossings the one that counts is where the ray crosses it in the sense in which it crosses the
+Of the sphere's two crossings the one that counts is where the ray crosses it in the direction in which it crosses the
 vertex.  Where that point lies on the hemisphere away from the vertex there is no agreed name for what happens, and
 such a ray is left out of the tables.
 """
@@ -75,7 +75,7 @@ def trace(system: list[Interface], origin, direction, toward_scene: bool, clip: 
     d = tuple(mpf(v) for v in direction)
     length = sqrt(dot(d, d))
     d = tuple(v / length for v in d)
-    sense = 1 if toward_scene else -1
+    travel_sign = 1 if toward_scene else -1
     margin, heights = mpf(1), {}
 
     def blocked(status):
@@ -85,13 +85,13 @@ def trace(system: list[Interface], origin, direction, toward_scene: bool, clip: 
     for k in reversed(order) if toward_scene else order:
         vertex, radius, scene_index, film_index, semi = system[k]
         margin = min(margin, abs(d[2]))
-        if sense * d[2] <= 0:
+        if travel_sign * d[2] <= 0:
             return blocked("turned_back")
 
         scale = abs(p[2] - vertex) + semi
         if mp.isinf(radius):
             t = (vertex - p[2]) / d[2]
-            normal = (mpf(0), mpf(0), mpf(sense))
+            normal = (mpf(0), mpf(0), mpf(travel_sign))
             hit = (p[0] + t * d[0], p[1] + t * d[1], vertex)
         else:
             centre = vertex - radius
@@ -103,17 +103,17 @@ def trace(system: list[Interface], origin, direction, toward_scene: bool, clip: 
             margin = min(margin, abs(disc) / radius ** 2)
             if disc < 0:
                 return blocked("missed")
-            side = sense if radius > 0 else -sense
+            side = travel_sign if radius > 0 else -travel_sign
             t = side * sqrt(disc) - b
             h = tuple(q[i] + t * d[i] for i in range(3))
             hit = (h[0], h[1], h[2] + centre)
-            normal = tuple(sense * v / radius for v in h)  # along the ray
+            normal = tuple(travel_sign * v / radius for v in h)  # along the ray
 
         margin = min(margin, abs(t) / scale)
         if t < 0:
             return blocked("turned_back")
         margin = min(margin, abs(normal[2]))
-        if sense * normal[2] <= 0:
+        if travel_sign * normal[2] <= 0:
             return blocked(FAR_SIDE)
 
         height = sqrt(hit[0] ** 2 + hit[1] ** 2)

@@ -6,11 +6,14 @@
 //! - a folder holds at most fourteen files and folders;
 //! - `unsafe` stands only where the processor's instructions or another language are met.
 //!
+//! Of the pages: every file and every test that they name exists.
+//!
 //! What stands under `#[cfg(test)]` is left out: a test may look anywhere. A re-export (`pub use`) is no arrow of its
 //! own: who imports the name has an arrow to the file that it comes from.
 
 mod arrows;
 mod lecture;
+mod paths;
 mod source;
 
 use std::path::Path;

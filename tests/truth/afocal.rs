@@ -72,8 +72,8 @@ fn every_choice_works_without_a_focal_length() {
             assert_eq!(camera.focus_distance(), None);
             assert!(ray(&camera, [200.0, 150.0], [0.5, 0.5]).is_some(), "{name} {given:?}");
             // What a pbrt host gets for a blocked ray.
-            let stray = sample([9000.0, 150.0], [0.5, 0.5]);
-            let direction = camera.substitute(&stray).direction;
+            let out_of_range = sample([9000.0, 150.0], [0.5, 0.5]);
+            let direction = camera.substitute(&out_of_range).direction;
             assert!(
                 (direction.iter().map(|x| x * x).sum::<f32>() - 1.0).abs() < 1e-5,
                 "{name}: {direction:?}"

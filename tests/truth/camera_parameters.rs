@@ -35,7 +35,7 @@ fn a_value_out_of_range_is_told_with_its_parameter_and_range() {
         ("filmdistance", "mm"),
         ("filmdiag", "mm"),
         ("aperture_diameter", "mm"),
-        ("mmperunit", "mm a world unit"),
+        ("mmperunit", "mm per world unit"),
         ("fnumber", ""),
     ] {
         for value in ["0", "-1", "inf", "-inf"] {
@@ -82,7 +82,7 @@ fn what_would_put_infinities_into_rays_is_refused() {
         refused(&[(name, value)], &[&format!("\"{name}\" is"), "finite"]);
     }
     refused(&[("hither", "inf")], &["\"hither\" is inf", "finite"]);
-    refused(&[("mmperunit", "1e-310")], &["\"mmperunit\"", "mm a world unit"]);
+    refused(&[("mmperunit", "1e-310")], &["\"mmperunit\"", "mm per world unit"]);
     // The largest numbers stand for infinity in a scene.
     assert_eq!(clip(&camera(&[("yon", "inf")])), [1e-3, f32::INFINITY]);
     assert_eq!(clip(&camera(&[("yon", "1e300")])), [1e-3, f32::INFINITY]);

@@ -177,8 +177,8 @@ fn the_weightings_stand_in_the_ratios_that_they_claim() {
         let mut passed = 0;
         for _ in 0..2000 {
             let image = [400.0 * random.next() as f32, 300.0 * random.next() as f32];
-            let numbers = [random.next() as f32, random.next() as f32];
-            let weight = |camera: &RealisticCamera| match camera.generate(&sample(image, numbers)) {
+            let lens_sample = [random.next() as f32, random.next() as f32];
+            let weight = |camera: &RealisticCamera| match camera.generate(&sample(image, lens_sample)) {
                 Outcome::Ray(_, weight) => Some(f64::from(weight)),
                 _ => None,
             };
@@ -190,8 +190,9 @@ fn the_weightings_stand_in_the_ratios_that_they_claim() {
             };
             passed += 1;
             let seen = disk.seen_from(radiometric.film().point(image[0].into(), image[1].into()));
-            let [u, v] =
-                DiskMapping::Concentric.map(numbers[0].into(), numbers[1].into()).expect("never redraws");
+            let [u, v] = DiskMapping::Concentric
+                .map(lens_sample[0].into(), lens_sample[1].into())
+                .expect("never redraws");
             let [sx, sy] = [seen.center[0] + seen.radius * u, seen.center[1] + seen.radius * v];
             let literal = (1.0 + sx * sx + sy * sy).powi(-2) / (z * z);
             let [literally, relatively] = [&assignment, &relative].map(|c| weight(c).expect("it passes"));

@@ -6,13 +6,13 @@ use realistic::{
     lens::{Lens, Surface, pupil::ExitPupil},
     trace::{
         Direction, Path, Ray, Real,
-        kernel::{Kernel, LensRays, PlaneRays, Precision, Simd},
+        kernel::{Kernel, KernelScalar, LensRays, PlaneRays, Simd},
     },
 };
 use tables::{LENSES, difference, lens, numbers, outcome, ray, table};
 
 /// What the checks ask of a precision: bounds, and bits to compare.
-trait Checked: Precision + std::fmt::Debug {
+trait Checked: KernelScalar + std::fmt::Debug {
     /// Rows of the tables with a smaller margin may go either way.
     const MARGIN: f64;
     /// Largest errors of position (mm) and direction (rad) over all golden lenses.

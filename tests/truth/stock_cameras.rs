@@ -1,4 +1,4 @@
-//! The textbook cameras against rays of pbrt 1.05's stock plugins (`golden/stock_cameras.txt`), for camera transforms
+//! The stock cameras of the library against rays of pbrt 1.05's stock plugins (`golden/stock_cameras.txt`), for camera transforms
 //! that only turn, move and mirror. Those that scale or shear make directions of other lengths of the stock cameras' rays, and
 //! unit vectors of ours.
 
@@ -55,7 +55,7 @@ fn build(line: &str, matrix: &[f32; 16]) -> Stock {
 }
 
 #[test]
-fn the_textbook_cameras_have_the_stock_cameras_rays() {
+fn the_stock_cameras_have_the_rays_of_pbrts_own() {
     let cameras = stock();
     assert_eq!(cameras.len(), 15);
     for Stock { name, camera, trigonometric, rays } in cameras {

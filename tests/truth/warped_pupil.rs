@@ -108,8 +108,8 @@ fn densities_are_positive_up_to_the_last_film_point() {
             for i in 0..33 {
                 let phi = TAU * f64::from(i) / 64.0;
                 // The image ends where rounding has it.
-                let Some(drawn) = case.pupil.sample([height, 0.0], [phi.cos(), phi.sin()]) else { continue };
-                assert!(drawn.area > 0.0 && drawn.area.is_finite(), "{stop:?} at {height}: {drawn:?}");
+                let Some(sample) = case.pupil.sample([height, 0.0], [phi.cos(), phi.sin()]) else { continue };
+                assert!(sample.area > 0.0 && sample.area.is_finite(), "{stop:?} at {height}: {sample:?}");
             }
         }
     }
@@ -283,8 +283,8 @@ fn there_are_no_jumps_where_film_radii_are_tabulated() {
             let s = f64::from(cell) / 512.0;
             let height = end.map_or(REACH * s, |end| end * s * (2.0 - s));
             for disk in [[0.5, 0.5], [-0.9, 0.1], [0.2, -0.95]] {
-                let draw = |h: f64| case.pupil.sample([0.0, h], disk).expect("lit");
-                let (below, above) = (draw(height * (1.0 - 1e-12)), draw(height * (1.0 + 1e-12)));
+                let sample = |h: f64| case.pupil.sample([0.0, h], disk).expect("lit");
+                let (below, above) = (sample(height * (1.0 - 1e-12)), sample(height * (1.0 + 1e-12)));
                 let jump = (0..2).map(|i| (below.slopes[i] - above.slopes[i]).abs()).fold(0.0, f64::max);
                 assert!(jump < 1e-9, "{name} at {height}: {jump:e}");
                 assert!((below.area / above.area - 1.0).abs() < 1e-7, "{name} at {height}");
@@ -310,7 +310,7 @@ fn turning_film_point_and_lens_point_turns_the_slope() {
 }
 
 #[test]
-fn beyond_the_image_circle_nothing_is_drawn_and_nothing_would_pass() {
+fn beyond_the_image_circle_nothing_is_sampled_and_nothing_would_pass() {
     let case = Case::of("fisheye.10mm", None);
     let end = case.pupil.image_radius().expect("an image circle");
     for height in [1.0001 * end, 1.05 * end, CORNER] {
@@ -395,7 +395,7 @@ fn random_numbers() -> impl FnMut() -> f64 {
 }
 
 #[test]
-fn single_precision_draws_and_weighs_as_double_precision_does() {
+fn single_precision_samples_and_weighs_as_double_precision_does() {
     for name in LENSES {
         let [single, double] = ["f32", "f64"].map(|precision| {
             let mut given = Parameters::default();

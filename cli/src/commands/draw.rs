@@ -1,8 +1,8 @@
 //! `realistic draw`: the cross-section of a lens.
 
-use crate::choice::{FilmPlace, FilmSize, LensChoice};
 use crate::drawing::{picture, section};
 use crate::failure::Failure;
+use crate::lens_and_film::{FilmPlace, FilmSize, LensChoice};
 use realistic::lens::{Lens, first_order::FirstOrder};
 use std::io::Write as _;
 use std::path::PathBuf;
@@ -16,7 +16,7 @@ pub struct Args {
     place: FilmPlace,
     #[command(flatten)]
     film: FilmSize,
-    /// Rays a bundle, spread over the beam that gets through and a little beyond
+    /// Rays per bundle, spread over the beam that gets through and a little beyond
     #[arg(long, value_name = "N", default_value_t = 11, value_parser = clap::value_parser!(u32).range(1..=999))]
     rays: u32,
     /// Drawing to write, .svg or .png [default: the lens's name with .svg]
@@ -34,8 +34,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         Err(failure) if args.place.is_given() => return Err(failure),
         place => place.unwrap_or_else(|_| stand_in(&lens)),
     };
-    let rim = lens.rear().sagitta(lens.rear().semi_diameter);
-    if film_distance + rim <= 0.0 {
+    let edge_sagitta = lens.rear().sagitta(lens.rear().semi_diameter);
+    if film_distance + edge_sagitta <= 0.0 {
         return Err(FilmPlace::in_lens(&lens, film_distance));
     }
     let scene = section::Scene {

@@ -1,8 +1,8 @@
 //! `realistic focus`: film distance for an object distance or the other way, and depth of field.
 
-use crate::choice::{FilmChoice, LensChoice, distance, positive};
 use crate::drawing::{depth, picture};
 use crate::failure::Failure;
+use crate::lens_and_film::{FilmChoice, LensChoice, distance, positive};
 use realistic::{
     imaging::{
         depth_of_field::DepthOfField,

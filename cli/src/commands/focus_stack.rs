@@ -1,11 +1,11 @@
 //! `realistic focus-stack`: the same picture focused from near to far.
 
-use crate::choice::distance;
 use crate::failure::Failure;
 use crate::host::scene::effects::{Effect, Effects};
 use crate::host::scene::props;
 use crate::host::studio::{Options, Order, Studio, parameter_help};
 use crate::image::Sheet;
+use crate::lens_and_film::distance;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::PathBuf;

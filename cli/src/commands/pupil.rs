@@ -1,8 +1,8 @@
 //! `realistic pupil`: the part of the lens through which a film point gets its light.
 
-use crate::choice::{FilmChoice, FilmPlace, LensChoice, not_negative};
 use crate::drawing::{outline as drawing, picture};
 use crate::failure::Failure;
+use crate::lens_and_film::{FilmChoice, FilmPlace, LensChoice, not_negative};
 use realistic::lens::{Lens, pupil::SlopeDisk};
 use realistic::trace::Path;
 use realistic::{imaging::irradiance, sampling::PupilDisk};
@@ -67,7 +67,7 @@ struct Sight {
     rear: SlopeDisk,
     disk: SlopeDisk,
     outline: Option<Outline>,
-    /// Share of samples that get through, drawn in either disk.
+    /// Share of samples that get through, sampled in either disk.
     rear_acceptance: f64,
     disk_acceptance: f64,
     /// Share of the irradiance that comes from outside the exit pupil's disk.

@@ -78,7 +78,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Ticks a second of the processor's time-stamp counter.
+/// Ticks per second of the processor's time-stamp counter.
 fn reference_clock() -> Option<f64> {
     #[cfg(target_arch = "x86_64")]
     {

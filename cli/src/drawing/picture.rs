@@ -32,7 +32,7 @@ pub fn write(page: &Page, path: &Path) -> Result<(), Failure> {
 mod tests {
     use crate::drawing::shapes::{Anchor, Page, SMALL, text_width};
 
-    /// RayArrays of the first and last dark pixel.
+    /// Columns of the first and last dark pixel.
     fn ink(text: &str) -> Option<(usize, usize)> {
         let mut page = Page::new(900.0, 40.0);
         page.text(text, [10.0, 25.0], SMALL, Anchor::Start, "#000000");

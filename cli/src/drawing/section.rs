@@ -21,7 +21,7 @@ pub struct Scene<'a> {
     pub film_distance: f64,
     /// Diagonal of the film, mm.
     pub film_diagonal: f64,
-    /// Rays a bundle.
+    /// Rays per bundle.
     pub rays: u32,
 }
 

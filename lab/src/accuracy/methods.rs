@@ -6,7 +6,7 @@ use realistic::{
     lens::{first_order::FirstOrder, refraction::Refraction},
     trace::{
         Direction, Path, Ray, Real,
-        kernel::{Kernel, LensRays, PlaneRays, Precision, Simd, Traced},
+        kernel::{Kernel, KernelScalar, LensRays, PlaneRays, Simd, Traced},
         polynomial::PolynomialLens,
     },
 };
@@ -167,14 +167,14 @@ fn at_film<S: Real>(subject: &Subject, rays: &[Ray]) -> Vec<([S; 2], [S; 2])> {
     (0..rays.len()).map(|i| film_rays.at_film(i)).collect()
 }
 
-fn one<S: Precision + Real + 'static>(subject: &Subject, rays: &[Ray]) -> Prepared {
+fn one<S: KernelScalar + Real + 'static>(subject: &Subject, rays: &[Ray]) -> Prepared {
     let (kernel, plane) = (Kernel::<S>::new(&subject.lens, Direction::FilmToScene), subject.film_z);
     let trace = move |[(point, slopes)]: [([S; 2], [S; 2]); 1]| [kernel.trace_one(plane, point, slopes)];
     groups(&at_film(subject, rays), trace, Traced::ray)
 }
 
 /// A ray and its two differentials at a time.
-fn three<S: Precision + Real + 'static>(subject: &Subject, rays: &[Ray]) -> Prepared {
+fn three<S: KernelScalar + Real + 'static>(subject: &Subject, rays: &[Ray]) -> Prepared {
     let (kernel, plane) = (Kernel::<S>::new(&subject.lens, Direction::FilmToScene), subject.film_z);
     let trace = move |three: [([S; 2], [S; 2]); 3]| {
         kernel.trace_triple(plane, three.map(|ray| ray.0), three.map(|ray| ray.1))
@@ -207,13 +207,13 @@ impl<S: Real, F: Fn(&PlaneRays<'_, S>, &mut LensRays<'_, S>)> Runner for Batches
     }
 }
 
-fn kernels<S: Precision + Real + 'static>(subject: &Subject, rays: &[Ray], simd: Simd) -> Prepared {
+fn kernels<S: KernelScalar + Real + 'static>(subject: &Subject, rays: &[Ray], simd: Simd) -> Prepared {
     let kernel = Kernel::<S>::with_simd(&subject.lens, Direction::FilmToScene, simd)?;
     let trace = move |from: &PlaneRays<'_, S>, to: &mut LensRays<'_, S>| kernel.trace_batch(from, to);
     Some(Box::new(Batches { trace, rays: FilmRays::new(subject.film_z, rays) }))
 }
 
-fn polynomials<S: Precision + Real + 'static>(subject: &Subject, rays: &[Ray], order: usize) -> Prepared {
+fn polynomials<S: KernelScalar + Real + 'static>(subject: &Subject, rays: &[Ray], order: usize) -> Prepared {
     let lens = PolynomialLens::<S>::new(&subject.fit(order));
     let trace = move |from: &PlaneRays<'_, S>, to: &mut LensRays<'_, S>| lens.trace_batch(from, to);
     Some(Box::new(Batches { trace, rays: FilmRays::new(subject.film_z, rays) }))

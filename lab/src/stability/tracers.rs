@@ -5,7 +5,7 @@ use realistic::{
     lens::{Lens, refraction::Refraction},
     trace::{
         Direction, Path, Ray, Real,
-        kernel::{Precision, Simd},
+        kernel::{KernelScalar, Simd},
     },
 };
 
@@ -98,8 +98,8 @@ fn walked<R: Lane>(lens: &Lens, direction: Direction, refraction: Refraction) ->
 }
 
 /// What kernels compute with.
-trait Lane: Precision + Real + Send + Sync + 'static {}
-impl<S: Precision + Real + Send + Sync + 'static> Lane for S {}
+trait Lane: KernelScalar + Real + Send + Sync + 'static {}
+impl<S: KernelScalar + Real + Send + Sync + 'static> Lane for S {}
 
 /// A kernel for a lens with air on the side that rays come from: the only kind that a lens file makes.
 fn compiled<S: Lane>(lens: &Lens, direction: Direction, simd: Simd) -> Option<KernelRays<S>> {

@@ -8,7 +8,7 @@ use realistic::{
     lens::{Lens, refraction::Refraction},
     trace::{
         Blocked, Direction, Path, Ray, Real,
-        kernel::{Kernel, PlaneRays, Precision, RayArrays, Simd, Traced},
+        kernel::{Kernel, KernelScalar, PlaneRays, RayBuffer, Simd, Traced},
     },
 };
 
@@ -37,7 +37,7 @@ struct FromPlane {
     slopes: [f64; 2],
 }
 
-impl<S: Precision + Real> KernelRays<S> {
+impl<S: KernelScalar + Real> KernelRays<S> {
     /// Compiles a lens for the instructions named; `None` where the processor lacks them.
     pub fn new(lens: &Lens, direction: Direction, simd: Simd) -> Option<Self> {
         let kernel = Kernel::with_simd(lens, direction, simd)?;
@@ -93,7 +93,7 @@ impl<S: Precision + Real> KernelRays<S> {
             let [x, y] = [0, 1].map(|i| column(&|start| start.point[i]));
             let [slope_x, slope_y] = [0, 1].map(|i| column(&|start| start.slopes[i]));
             let from = PlaneRays { plane, x: &x, y: &y, slope_x: &slope_x, slope_y: &slope_y };
-            let mut columns = RayArrays::new(starts.len());
+            let mut columns = RayBuffer::new(starts.len());
             self.kernel.trace_batch(&from, &mut columns.rays());
             for (i, (number, _)) in starts.iter().enumerate() {
                 out[*number] = columns.get(i).map(widen);
@@ -108,7 +108,7 @@ impl<S: Precision + Real> KernelRays<S> {
 
     /// Many rays in one batch, each from where it begins.
     pub fn in_place(&self, rays: &[Ray]) -> Vec<Option<Ray>> {
-        let mut columns = RayArrays::new(rays.len());
+        let mut columns = RayBuffer::new(rays.len());
         for (i, ray) in rays.iter().enumerate() {
             let Ray { origin, direction } = self.near(ray);
             columns.put(i, origin, direction);
@@ -204,7 +204,7 @@ mod tests {
 
     #[test]
     fn every_entry_agrees_with_the_walk_to_the_digits_of_its_numbers() {
-        fn check<S: Precision + Real>(bound: f64) {
+        fn check<S: KernelScalar + Real>(bound: f64) {
             let mut passed = 0;
             for name in catalogue::names() {
                 let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));

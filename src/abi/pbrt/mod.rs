@@ -118,7 +118,7 @@ fn read_one(
         Kind::Text => HostKind::String,
         Kind::Bool => HostKind::Bool,
     };
-    // The host keeps a set a kind and finds nothing under another: a parameter of the
+    // The host keeps one set per kind and finds nothing under another: a parameter of the
     // wrong kind would silently keep its default.
     for other in HostKind::ALL.into_iter().filter(|&other| other != wanted) {
         if params.find(name, other).map_err(no_look_up)?.is_some() {

@@ -1,4 +1,4 @@
-//! A pbrt-v1 host's calls. It asks three times a sample: at (x, y), at (x + 1, y) and at (x, y + 1), with the same lens
+//! A pbrt-v1 host's calls. It asks three times per sample: at (x, y), at (x + 1, y) and at (x, y + 1), with the same lens
 //! and time sample. The first call traces all three side by side; the next two find theirs here.
 //!
 //! What is kept belongs to a thread, a camera (by its serial number) and the very floats that the host
@@ -27,16 +27,16 @@ struct Expected {
     /// The camera's serial number; 0 for none.
     serial: u64,
     /// Lens and time samples, by their bits.
-    numbers: [u32; 3],
+    lens_and_time: [u32; 3],
     /// Of the second and the third ray.
     images: [Image; 2],
-    /// The fourth is nobody's.
+    /// The fourth is not used.
     rays: RayBlock<4>,
 }
 
 thread_local! {
     static EXPECTED: RefCell<Expected> = const {
-        RefCell::new(Expected { serial: 0, numbers: [0; 3], images: [[0; 2]; 2], rays: RayBlock::new() })
+        RefCell::new(Expected { serial: 0, lens_and_time: [0; 3], images: [[0; 2]; 2], rays: RayBlock::new() })
     };
 }
 
@@ -95,7 +95,7 @@ impl Expected {
     /// Which of the rays is the sample's.
     #[inline(always)]
     fn place(&self, handle: &Handle, sample: &Sample) -> Option<usize> {
-        if self.serial != handle.serial() || !alike(self.numbers, numbers(sample)) {
+        if self.serial != handle.serial() || !alike(self.lens_and_time, lens_and_time(sample)) {
             return None;
         }
         let image = [sample.image_x, sample.image_y].map(f32::to_bits);
@@ -112,7 +112,7 @@ impl Expected {
     /// Traces a sample and those expected after it; `false` where the camera gains nothing from that.
     #[inline(always)]
     fn trace(&mut self, handle: &Handle, sample: &Sample) -> bool {
-        // Should tracing panic, what is here then is nobody's.
+        // Should tracing panic, what is here then belongs to no camera.
         self.serial = 0;
         let points @ [[x, y], [right, _], [back, below]] = host_points(sample);
         let vectors = [
@@ -126,7 +126,8 @@ impl Expected {
         let traced = handle.camera().trace_side_by_side(&samples, &mut self.rays);
         if traced {
             let [_, next, last] = points.map(|point| point.map(f32::to_bits));
-            (self.serial, self.numbers, self.images) = (handle.serial(), numbers(sample), [next, last]);
+            (self.serial, self.lens_and_time, self.images) =
+                (handle.serial(), lens_and_time(sample), [next, last]);
         }
         traced
     }
@@ -142,7 +143,7 @@ fn alike<const N: usize>(a: [u32; N], b: [u32; N]) -> bool {
     difference == 0
 }
 
-fn numbers(sample: &Sample) -> [u32; 3] {
+fn lens_and_time(sample: &Sample) -> [u32; 3] {
     [sample.lens_u, sample.lens_v, sample.time].map(f32::to_bits)
 }
 

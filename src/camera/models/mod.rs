@@ -1,4 +1,8 @@
 //! The camera models: the real lens, the thick and thin one, and cameras like those that pbrt has in stock.
+//!
+//! To add a model: its file here; its variant and name in `camera/model.rs`; its parameters in
+//! `camera/parameters/table.rs`, where every row says which models use it; and its camera in `camera/any_camera.rs`,
+//! whose matches on the model the compiler then finds.
 
 pub(crate) mod environment;
 pub(crate) mod ideal;

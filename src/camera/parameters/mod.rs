@@ -4,14 +4,14 @@
 //! the one table that also says each one's unit, range, default, models and help. What takes two or more parameters
 //! to decide is the set-up's.
 
-mod choices;
 mod error;
+mod named;
 mod range;
 mod table;
 mod value;
 
-pub use choices::{LensPlane, Precision, Pupil, Weighting};
 pub use error::{CameraError, ParameterError, UnknownName};
+pub use named::{LensPlane, Precision, Pupil, Weighting};
 pub use range::{Interval, Range};
 pub use table::{PARAMETERS, Parameter, Parameters};
 pub use value::{Kind, Value};

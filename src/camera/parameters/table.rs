@@ -3,8 +3,8 @@
 use std::ops::Bound::{Excluded, Included};
 
 use super::{
-    choices::{LensPlane, Precision, Pupil, Weighting},
     error::ParameterError,
+    named::{LensPlane, Precision, Pupil, Weighting},
     range::{Interval, Range},
     value::{Kind, Setting, Value},
 };
@@ -189,7 +189,7 @@ parameters! {
     disk: DiskMapping, "", = "concentric", SAMPLED, "how lens samples map to the disk";
     refraction: Refraction, "", = "fused", TRACED, "method of refraction";
     wavelength: f64 in WAVELENGTH, "nm", = "587.56", LENSES, "wavelength, for lenses with V-numbers or Sellmeier's constants";
-    mmperunit: f64 in MM_PER_UNIT, "mm a world unit", = "1", LENSES, "length of a world unit";
+    mmperunit: f64 in MM_PER_UNIT, "mm per world unit", = "1", LENSES, "length of a world unit";
     precision: Precision, "", = "auto", TRACED, "what rays are traced in, double, single, or (\"auto\") double or what `tolerance` allows";
     tolerance: f64 in PIXELS, "pixels", = "0", TRACED, "by how much 99.9 % of the rays may be off, for a faster model of the lens";
     shutter: Shutter, "", = "global", EVERY, "what the shutter lets through, by film point and time";
@@ -263,6 +263,7 @@ impl Parameters {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::prescription::catalogue;
 
     #[test]
     fn every_default_is_a_value_that_the_parameter_takes() {
@@ -301,6 +302,28 @@ mod tests {
             (unset.model(), unset.pupil(), unset.precision()),
             (Model::Lens, Pupil::Warped, Precision::Auto)
         );
+    }
+
+    #[test]
+    fn a_name_that_is_not_given_is_the_default_of_the_table() {
+        let unset = Parameters::default();
+        let names = [
+            ("model", unset.model().to_string()),
+            ("specfile", catalogue::DEFAULT.to_owned()),
+            ("weighting", unset.weighting().to_string()),
+            ("pupil", unset.pupil().to_string()),
+            ("disk", unset.disk().to_string()),
+            ("refraction", unset.refraction().to_string()),
+            ("precision", unset.precision().to_string()),
+            ("shutter", unset.shutter().to_string()),
+            ("lensplane", unset.lensplane().to_string()),
+        ];
+        for (name, counts) in &names {
+            assert_eq!(Parameters::row(name).default, counts, "{name}");
+        }
+        let rows = PARAMETERS.iter().filter(|row| row.kind == Kind::Text && !row.default.is_empty());
+        assert!(rows.map(|row| row.name).eq(names.iter().map(|(name, _)| *name)));
+        assert_eq!(catalogue::names().next(), Some(catalogue::DEFAULT));
     }
 
     #[test]

@@ -48,7 +48,8 @@ pub(crate) struct LaneBody<S> {
     pub film: FilmSampling<S>,
     /// z of the film, lens space, mm.
     pub film_z: f64,
-    /// The weight of a ray is this times cos⁴ and the slope area it stands for, over π; `None`: it is 1.
+    /// The weight of a ray is this times cos⁴ and the slope area it stands for, over π; `None`: it is 1. The sampler
+    /// divides areas by π, so that a disk's is its radius squared; the π comes back in this factor.
     pub weight: Option<S>,
     pub to_world: ToWorld<S>,
 }

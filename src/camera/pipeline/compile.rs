@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{body::CameraBody, lanes::Pipeline, tracer::Tracer, walk::Walk};
+use super::{body::CameraBody, lanes::Pipeline, tracer::Tracer, walk::WalkTracer};
 use crate::{
     lens::Lens,
     plan::{Arithmetic, Decision, Plan, Tracing},
@@ -33,9 +33,9 @@ pub(crate) fn compile(
         Tracing::Polynomials { fit, arithmetic: Arithmetic::F32, .. } => {
             polynomials::<f32>(lens, fit, *reach, body)
         }
-        Tracing::Refracted(_, Arithmetic::F64) => Arc::new(Walk::new(path.clone(), body)),
+        Tracing::Refracted(_, Arithmetic::F64) => Arc::new(WalkTracer::new(path.clone(), body)),
         Tracing::Refracted(refraction, Arithmetic::F32) => {
-            Arc::new(Walk::new(Path::<f32>::new(lens, Direction::FilmToScene, *refraction), body))
+            Arc::new(WalkTracer::new(Path::<f32>::new(lens, Direction::FilmToScene, *refraction), body))
         }
     }
 }

@@ -19,12 +19,12 @@ pub(crate) struct FilmSampling<S> {
     middle: [S; 2],
     pixel: S,
     mapping: DiskMapping,
-    pupil: Pupil<S>,
+    pupil: LanePupilSampler<S>,
 }
 
 /// [`PupilSampler`], with what the precision computes with.
 #[derive(Clone, Debug)]
-enum Pupil<S> {
+enum LanePupilSampler<S> {
     Disk(LaneDisk<S>),
     Warped(Arc<WarpedPupil>, LanePupil<S>),
 }
@@ -39,8 +39,8 @@ pub(crate) struct SampleLanes<L> {
 impl<S: Turns> FilmSampling<S> {
     pub fn new(film: &Film, mapping: DiskMapping, sampler: &PupilSampler) -> Self {
         let pupil = match sampler {
-            PupilSampler::Disk(disk) => Pupil::Disk(disk.lane_disk()),
-            PupilSampler::Warped(pupil) => Pupil::Warped(pupil.clone(), pupil.lane_pupil()),
+            PupilSampler::Disk(disk) => LanePupilSampler::Disk(disk.lane_disk()),
+            PupilSampler::Warped(pupil) => LanePupilSampler::Warped(pupil.clone(), pupil.lane_pupil()),
         };
         Self {
             middle: film.middle().map(|x| S::from_f64(x * film.pixel())),
@@ -62,12 +62,12 @@ impl<S: Turns> FilmSampling<S> {
             rays[u] = self.unaimed(cpu, &samples[u]);
         }
         match &self.pupil {
-            Pupil::Disk(pupil) => {
+            LanePupilSampler::Disk(pupil) => {
                 for ray in &mut rays {
                     (ray.slopes, ray.area_per_pi) = pupil.lanes(cpu, ray.point, ray.disk);
                 }
             }
-            Pupil::Warped(pupil, frame) => pupil.lanes(cpu, frame, &mut rays),
+            LanePupilSampler::Warped(pupil, frame) => pupil.lanes(cpu, frame, &mut rays),
         }
         rays
     }

@@ -1,6 +1,6 @@
 //! A camera's whole arithmetic in one precision: film ray, trace, weight and world ray in one pass of vectors.
 //!
-//! One sample, a few and many take the same way, in vectors of another width.
+//! One sample, four and many take the same way, in vectors of another width.
 
 use std::cell::Cell;
 
@@ -15,7 +15,7 @@ use crate::{
     sampling::{disk::Turns, film_rays::FilmRays},
     trace::{
         Blocked, Ray,
-        kernel::{Approach, Batch, Cpu, End, Grouping, Kernel, Lanes, Precision, Start, from_plane},
+        kernel::{Approach, Batch, Cpu, End, Grouping, Kernel, KernelScalar, Lanes, Start, from_plane},
         polynomial::PolynomialLens,
     },
 };
@@ -25,17 +25,17 @@ pub(crate) trait LensOptics<S>: Send + Sync {
     /// Traces a batch.
     fn trace(&self, grouping: Grouping, batch: &mut impl Batch<S>)
     where
-        S: Precision;
+        S: KernelScalar;
 }
 
-impl<S: Precision + Send + Sync> LensOptics<S> for Kernel<S> {
+impl<S: KernelScalar + Send + Sync> LensOptics<S> for Kernel<S> {
     #[inline(always)]
     fn trace(&self, grouping: Grouping, batch: &mut impl Batch<S>) {
         Kernel::trace(self, grouping, batch);
     }
 }
 
-impl<S: Precision + Send + Sync> LensOptics<S> for PolynomialLens<S> {
+impl<S: KernelScalar + Send + Sync> LensOptics<S> for PolynomialLens<S> {
     #[inline(always)]
     fn trace(&self, grouping: Grouping, batch: &mut impl Batch<S>) {
         PolynomialLens::trace(self, grouping, batch);

@@ -1,4 +1,4 @@
-//! From samples to world rays: film ray, trace, weight and world ray, for one sample, a few, or many.
+//! From samples to world rays: film ray, trace, weight and world ray, for one sample, four, or many.
 
 pub(crate) mod arrays;
 pub(crate) mod body;

@@ -16,13 +16,13 @@ use crate::{
 };
 
 /// A camera that walks its rays through the lens in numbers of type `R`.
-pub(crate) struct Walk<R> {
+pub(crate) struct WalkTracer<R> {
     film: FilmSampling<f64>,
     path: Path<R>,
     body: CameraBody,
 }
 
-impl<R: Real> Walk<R> {
+impl<R: Real> WalkTracer<R> {
     /// `path` leads from the film to the scene.
     pub fn new(path: Path<R>, body: &CameraBody) -> Self {
         Self { film: body.film_sampling(), path, body: body.clone() }
@@ -45,7 +45,7 @@ impl<R: Real> Walk<R> {
     }
 }
 
-impl<R: Real + Send + Sync> Tracer for Walk<R> {
+impl<R: Real + Send + Sync> Tracer for WalkTracer<R> {
     fn one(&self, sample: &Sample, ray: &mut OneRay<'_>) {
         self.each(sample, ray);
     }

@@ -7,7 +7,7 @@ use crate::camera::ray::WorldRay;
 use crate::plan::Plan;
 use crate::trace::{
     Ray, Real,
-    kernel::{Cpu, Lanes, Precision},
+    kernel::{Cpu, KernelScalar, Lanes},
 };
 
 /// A camera's place in the world, and the part of a ray and of time that it sees.
@@ -139,7 +139,7 @@ pub(crate) struct Still<S> {
     keeps_angles: bool,
 }
 
-impl<S: Precision> ToWorld<S> {
+impl<S: KernelScalar> ToWorld<S> {
     pub fn new(placement: &Placement, units_per_mm: f64) -> Self {
         let to_world = match &placement.to_world {
             CameraMotion::Still(to_world) => to_world,
@@ -193,7 +193,7 @@ impl<S: Precision> ToWorld<S> {
     }
 }
 
-impl<S: Precision> Still<S> {
+impl<S: KernelScalar> Still<S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn lanes<L: Lanes<Scalar = S>>(
         &self,
@@ -237,7 +237,7 @@ fn one_by_one<L: Lanes>(
     time_numbers: &[f32],
 ) -> [[L; 3]; 2]
 where
-    L::Scalar: Precision,
+    L::Scalar: KernelScalar,
 {
     let mut numbers = [[[L::Scalar::ZERO; MOST_LANES]; 3]; 2];
     let mut placed = rays;
@@ -257,7 +257,7 @@ where
     placed
 }
 
-fn place_one<S: Precision>(
+fn place_one<S: KernelScalar>(
     placement: &Placement,
     units_per_mm: f64,
     lane: usize,

@@ -11,6 +11,11 @@
 //! A glass whose dispersion formula is known is defined on a line of its own and named in the index column
 //! (see [`glasses`]).
 //!
+//! To add a format: a file here that makes a `SurfaceRow` of a line, its branch in [`read`], tests in `tests`, a
+//! file among those that `tests/abi/fuzz_bodies.rs` mutates, and the formats' description in the README. A format that is no table of
+//! columns branches off before `Lines::split`, which takes any text for words and numbers, and makes a [`Prescription`]
+//! by itself, within the same limits.
+//!
 //! Values are separated by spaces, tabs or one comma; `#` begins a comment; the first row may be
 //! one number, the focal length.
 //!

@@ -82,7 +82,7 @@ pub struct WarpedPupil {
 const ROOT: f64 = 8.0;
 const _: () = assert!((ROOT * ROOT) as usize == CELLS / 2);
 
-/// Pairs a slice.
+/// Pairs per slice.
 const STRIDE: usize = CELLS + 1;
 // Places in the table are exact in single precision.
 const _: () = assert!(2 * FINE * STRIDE < 1 << f32::MANTISSA_DIGITS);

@@ -174,6 +174,7 @@ impl<L: Lanes<Scalar = f64>> Probe<L> {
         let more = L::both(met, self.largest.less(ratio));
         self.largest = L::select(more, ratio, self.largest);
         self.surface = L::select(more, L::splat(cpu, number), self.surface);
+        // Snell's law, as `RayLanes::bend`: V' = V + (n' cos I' - n cos I) N.
         let bend = after - before;
         let across = c * bend;
         self.v = [vx - across * x, vy - across * y, vz + bend * slope];

@@ -33,8 +33,8 @@ impl ClearPart {
 
     /// The least and the greatest z of the part.
     fn extent(self) -> [f64; 2] {
-        let rim = self.sagitta(self.semi_diameter);
-        [rim.min(0.0), rim.max(0.0)]
+        let edge_sagitta = self.sagitta(self.semi_diameter);
+        [edge_sagitta.min(0.0), edge_sagitta.max(0.0)]
     }
 
     /// Whether the whole part, whose vertex lies `ahead` of the ball's, is inside the ball whose near
@@ -44,12 +44,12 @@ impl ClearPart {
         if !(ball * height < 1.0 && ball >= 0.0) {
             return false;
         }
-        // The difference of two sagittae is monotonic in height, so that the rim and the vertex decide.
+        // The difference of two sagittae is monotonic in height, so that the edge and the vertex decide.
         let near = ClearPart { curvature: ball, semi_diameter: height }.sagitta(height);
-        let rim = ahead + self.sagitta(height);
-        let inside_near = ahead > margin && rim > near + margin;
+        let edge = ahead + self.sagitta(height);
+        let inside_near = ahead > margin && edge > near + margin;
         let far = if ball > 0.0 { 2.0 / ball } else { f64::INFINITY };
-        inside_near && ahead < far - margin && rim < far - near - margin
+        inside_near && ahead < far - margin && edge < far - near - margin
     }
 }
 
@@ -92,7 +92,7 @@ mod tests {
             tests(clear_part(20.0, 8.0), clear_part(22.0, 8.0), 1.0),
             Tests { forward: true, onward: false }
         );
-        // The rims of a biconvex element that is too thin, and touching vertices.
+        // The edges of a biconvex element that is too thin, and touching vertices.
         assert_eq!(
             tests(clear_part(20.0, 12.0), clear_part(-20.0, 12.0), 2.0),
             Tests { forward: true, onward: true }

@@ -19,7 +19,7 @@ use super::{
 };
 
 /// The vectors of one precision.
-pub trait Vectors: Scalar {
+pub trait KernelScalar: Scalar {
     /// Four lanes of AVX2's.
     #[cfg(target_arch = "x86_64")]
     type Quad: Lanes<Scalar = Self>;
@@ -60,7 +60,7 @@ macro_rules! compile {
     };
 }
 
-impl Vectors for f64 {
+impl KernelScalar for f64 {
     #[cfg(target_arch = "x86_64")]
     type Quad = F64x4;
     #[cfg(target_arch = "x86_64")]
@@ -71,7 +71,7 @@ impl Vectors for f64 {
     compile!();
 }
 
-impl Vectors for f32 {
+impl KernelScalar for f32 {
     #[cfg(target_arch = "x86_64")]
     type Quad = F32x4;
     #[cfg(target_arch = "x86_64")]
@@ -87,7 +87,7 @@ impl Vectors for f32 {
 #[cfg(target_arch = "x86_64")]
 const INTERLEAVED: usize = 4;
 /// Lanes of the portable batch. An x86-64 processor that comes here has no fused multiply-add, which is then a function
-/// call a lane: one lane is as quick, and is the code that single rays take.
+/// call per lane: one lane is as quick, and is the code that single rays take.
 const PORTABLE: usize = if cfg!(target_arch = "x86_64") { 1 } else { 4 };
 
 /// What rays are taken through in lanes.
@@ -132,7 +132,7 @@ pub enum Grouping {
 /// Traces a batch.
 #[cfg_attr(not(debug_assertions), inline(always))]
 #[cfg_attr(not(target_arch = "x86_64"), expect(unused_variables, reason = "one set of instructions only"))]
-pub fn run<S: Vectors, O: Optics<S>, B: Batch<S>>(
+pub fn run<S: KernelScalar, O: Optics<S>, B: Batch<S>>(
     simd: Available,
     grouping: Grouping,
     optics: &O,
@@ -160,34 +160,34 @@ pub fn run<S: Vectors, O: Optics<S>, B: Batch<S>>(
 
 /// Not inlined, so that all calls of one width share it.
 #[inline(never)]
-fn portable<const LANES: usize, S: Vectors, O: Optics<S>, B: Batch<S>>(optics: &O, batch: &mut B) {
+fn portable<const LANES: usize, S: KernelScalar, O: Optics<S>, B: Batch<S>>(optics: &O, batch: &mut B) {
     each::<Portable<S, LANES>, 1, _, _>(Portable::cpu(), optics, batch);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx2,fma")]
-fn avx512<S: Vectors, O: Optics<S>, B: Batch<S>>(optics: &O, batch: &mut B) {
+fn avx512<S: KernelScalar, O: Optics<S>, B: Batch<S>>(optics: &O, batch: &mut B) {
     // SAFETY: this function is called only where the processor has what it is compiled for.
     each::<S::Avx512, INTERLEAVED, _, _>(unsafe { Cpu::assume() }, optics, batch);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-fn avx2<S: Vectors, O: Optics<S>, B: Batch<S>>(optics: &O, batch: &mut B) {
+fn avx2<S: KernelScalar, O: Optics<S>, B: Batch<S>>(optics: &O, batch: &mut B) {
     // SAFETY: as in `avx512`.
     each::<S::Avx2, INTERLEAVED, _, _>(unsafe { Cpu::assume() }, optics, batch);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-fn avx2_quad<S: Vectors, O: Optics<S>, B: Batch<S>>(optics: &O, batch: &mut B) {
+fn avx2_quad<S: KernelScalar, O: Optics<S>, B: Batch<S>>(optics: &O, batch: &mut B) {
     // SAFETY: as in `avx512`.
     each::<S::Quad, 1, _, _>(unsafe { Cpu::assume() }, optics, batch);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-fn fma_one<S: Vectors, O: Optics<S>, B: Batch<S>>(optics: &O, batch: &mut B) {
+fn fma_one<S: KernelScalar, O: Optics<S>, B: Batch<S>>(optics: &O, batch: &mut B) {
     each::<Portable<S, 1>, 1, _, _>(Portable::cpu(), optics, batch);
 }
 

@@ -36,8 +36,8 @@ mod trace;
 
 pub use clearance::Clearance;
 pub(crate) use clearance::clearances;
-pub use instances::Vectors as Precision;
-pub use rays::{LensRays, PlaneRays, RayArrays, Traced};
+pub use instances::KernelScalar;
+pub use rays::{LensRays, PlaneRays, RayBuffer, Traced};
 pub(crate) use simd::Available;
 pub use simd::{Compiled, Simd};
 
@@ -67,7 +67,7 @@ pub struct Kernel<S> {
     simd: Available,
 }
 
-impl<S: Precision> Kernel<S> {
+impl<S: KernelScalar> Kernel<S> {
     /// Compiles a lens for the best instructions that there are ([`Simd::best`]).
     pub fn new(lens: &Lens, direction: Direction) -> Self {
         Self::compile(lens, direction, Available::best(), |_| true)
@@ -154,7 +154,7 @@ impl<S: Precision> Kernel<S> {
     }
 
     /// Why a ray is blocked, by the scalar walk. Where the walk in double precision lets it through it
-    /// passes within rounding of a rim, and is [`Blocked::Clipped`].
+    /// passes within rounding of the edge of a clear aperture, and is [`Blocked::Clipped`].
     pub fn reason(&self, ray: Ray) -> Blocked {
         self.path.walk(ray).blocked.unwrap_or(Blocked::Clipped)
     }

@@ -1,4 +1,4 @@
-//! Rays in lanes on their moved through a lens, and what each kind of step does to them.
+//! Rays in lanes on their way through a lens, and what each kind of step does to them.
 //!
 //! In the frame of a surface's vertex, axis along the travel, V = n D, c = 1/R (positive when the
 //! centre lies ahead), N = (-c x, -c y, 1 - c z) and K = n'² - n²:
@@ -52,7 +52,7 @@ pub struct End<L: Lanes> {
     pub passed: L::Mask,
 }
 
-/// Rays on their moved.
+/// Rays on their way.
 #[derive(Clone, Copy)]
 pub struct RayLanes<L: Lanes> {
     pub x: L,
@@ -149,7 +149,7 @@ impl<L: Lanes> RayLanes<L> {
         self.y = t.mul_add(self.vy, self.y);
     }
 
-    /// V + G N.
+    /// Snell's law in optical direction cosines: V' = V + G N, with G = n' cos I' - n cos I.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn bend(&mut self, minus_c: L, gain: L, normal_z: L) {
         let k = minus_c * gain;
@@ -315,7 +315,7 @@ impl<L: Lanes> RayLanes<L> {
         self.height = zero;
     }
 
-    /// |z (Vx, Vy) + Vz (x, y)| <= a Vz, z the moved to the stop: no move and no division.
+    /// |z (Vx, Vy) + Vz (x, y)| <= a Vz, z the distance along the axis to the stop: no move and no division.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn stop(&mut self, cpu: Cpu<L>, stop: &Stop<L::Scalar>) {
         let ahead = self.minus_z(cpu, &stop.transfer);

@@ -84,9 +84,9 @@ impl<S: Real> Traced<S> {
 
 /// Room for rays as structure of arrays: x, y, z of origin and direction, and the weight.
 #[derive(Clone, Debug)]
-pub struct RayArrays<S>([Vec<S>; 7]);
+pub struct RayBuffer<S>([Vec<S>; 7]);
 
-impl<S: Real> RayArrays<S> {
+impl<S: Real> RayBuffer<S> {
     /// Room for so many rays, all 0.
     pub fn new(count: usize) -> Self {
         Self(std::array::from_fn(|_| vec![S::ZERO; count]))

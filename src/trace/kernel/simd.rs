@@ -1,4 +1,4 @@
-//! Which instructions the kernel uses: found once a process, lowered by the environment variable `REALISTIC_SIMD`. An
+//! Which instructions the kernel uses: found once per process, lowered by the environment variable `REALISTIC_SIMD`. An
 //! [`Available`] is the proof that the processor has them, without which no compiled instance is called.
 
 use std::sync::OnceLock;
@@ -83,7 +83,7 @@ impl Simd {
     }
 
     /// The most capable set that the processor has and the environment variable `REALISTIC_SIMD`
-    /// (`portable`, `avx2`, `avx512`) allows; any other value allows all. Found once a process.
+    /// (`portable`, `avx2`, `avx512`) allows; any other value allows all. Found once per process.
     pub fn best() -> Self {
         Available::best().simd()
     }

@@ -5,8 +5,8 @@
 
 use super::{fit::Polynomial, terms::sum};
 use crate::trace::kernel::{
-    Approach, Available, Batch, Cpu, End, Grouping, Lanes, LensRays, Optics, PlaneBatch, PlaneRays,
-    Precision, RaysByValue, Start, Traced, run,
+    Approach, Available, Batch, Cpu, End, Grouping, KernelScalar, Lanes, LensRays, Optics, PlaneBatch,
+    PlaneRays, RaysByValue, Start, Traced, run,
 };
 
 /// A lens as polynomials that traces as a [`Kernel`](crate::trace::kernel::Kernel) does: one ray, three or many,
@@ -33,7 +33,7 @@ pub struct PolynomialLens<S> {
     simd: Available,
 }
 
-impl<S: Precision> PolynomialLens<S> {
+impl<S: KernelScalar> PolynomialLens<S> {
     /// Rounds the coefficients to `S`.
     pub fn new(polynomial: &Polynomial) -> Self {
         let Polynomial { order, scaling, terms, front, apertures } = polynomial;
@@ -131,7 +131,7 @@ impl<S: Precision> PolynomialLens<S> {
     }
 }
 
-impl<S: Precision> Optics<S> for PolynomialLens<S> {
+impl<S: KernelScalar> Optics<S> for PolynomialLens<S> {
     #[inline(always)]
     fn approach(&self) -> Approach {
         Approach { entry: self.film, travel_sign: 1.0 }

@@ -1,5 +1,5 @@
 /* A C99 host: loads the library with dlopen, uses every function of the header, and prints what it
- * got for tests/c_host.rs to judge. It knows of the library only what realistic.h says. */
+ * got for tests/abi/hosts/c_host.rs to check. It knows of the library only what realistic.h says. */
 
 #define _POSIX_C_SOURCE 200809L
 #define REALISTIC_PBRT_ENTRY
@@ -352,7 +352,7 @@ static void do_rays(void) {
     camera = build(&o);
     compare(camera);
     api.camera_free(camera);
-    /* A steep plano-convex lens reflects; a wide gap with small rims lets rays miss the sphere. Its true pupil spares
+    /* A steep plano-convex lens reflects; a wide gap with small apertures lets rays miss the sphere. Its true pupil spares
      * most of them. */
     o = options();
     o.lens_text = "0 6 1.9 30\n-8 3 1 15.9\n6 4 1.9 11.9\n0 0 1 30\n", o.lens_text_size = strlen(o.lens_text);

@@ -1,5 +1,5 @@
 // A C++11 host of realistic.hpp, linked with the library (REALISTIC_LINKED) or loading it; prints what
-// it got for tests/cpp_host.rs to judge.
+// it got for tests/abi/hosts/cpp_host.rs to check.
 
 #include "realistic.hpp"
 #include "realistic.hpp" // twice: the guard holds

@@ -17,7 +17,7 @@ fn run(abi: Abi, action: &str, arguments: &[&str]) -> harness::Report {
     Run::new(abi, &plugin, action).with_all(arguments).run()
 }
 
-/// Film points and lens numbers all over a 30x20 film, its edges and beyond them.
+/// Film points and lens samples all over a 30x20 film, its edges and beyond them.
 fn samples() -> Vec<String> {
     let lens = ["0,0", "1,1", "0,1", "1,0", "0.5,0.5", "0.25,0.75", "0.9,0.1", "0.03,0.4"];
     let film = ["15,10", "0,0", "30,20", "7.5,3.25", "-2,-2", "33,23", "15,0", "29.9,10"];
@@ -92,7 +92,7 @@ fn a_blocked_ray_is_zero_outside_and_tiny_in_the_vtable() {
 
 #[test]
 fn every_ray_in_the_vtable_is_complete() {
-    // Film points beyond the film, lens numbers and times exactly 0 and 1.
+    // Film points beyond the film, lens samples and times exactly 0 and 1.
     for abi in Abi::BOTH {
         let shutter = ["float:shutteropen=2", "float:shutterclose=6", "float:hither=0.125"];
         let samples = samples();
@@ -227,7 +227,7 @@ fn transforms_place_the_rays() {
 
 #[test]
 fn raster_right_and_down_are_right_and_down_in_the_scene() {
-    // The same lens numbers, so that only the film point differs.
+    // The same lens samples, so that only the film point differs.
     for abi in Abi::BOTH {
         let lens = "0.5,0.5,0";
         let points = ["15,10", "25,10", "15,17"].map(|point| format!("sample={point},{lens}"));
@@ -383,7 +383,7 @@ fn a_copy_named_after_a_model_takes_that_model() {
 }
 
 #[test]
-fn the_textbook_cameras_take_a_hosts_parameters() {
+fn the_stock_cameras_take_a_hosts_parameters() {
     for abi in Abi::BOTH {
         let (_directory, plugin) = installed("orthographic.so");
         let window = "float:screenwindow=-3,3,-2,2";

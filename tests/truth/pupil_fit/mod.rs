@@ -31,7 +31,7 @@ pub struct Case {
     pub path: Path,
     pub film: f64,
     pub cover: PupilDisk,
-    pub drift: f64,
+    pub pupil_shift: f64,
     pub pupil: WarpedPupil,
 }
 
@@ -65,9 +65,9 @@ impl Case {
         let film = lens.rear().vertex - distance;
         let path = Path::film_to_scene(lens);
         let cover = PupilDisk::rear(lens, film, reach).expect("film behind the lens");
-        let drift = PupilDisk::exit(lens, film).seen_from([1.0, 0.0]).center[0];
-        let pupil = WarpedPupil::new(&path, film, reach, cover, drift);
-        Self { path, film, cover, drift, pupil }
+        let pupil_shift = PupilDisk::exit(lens, film).seen_from([1.0, 0.0]).center[0];
+        let pupil = WarpedPupil::new(&path, film, reach, cover, pupil_shift);
+        Self { path, film, cover, pupil_shift, pupil }
     }
 
     /// Whether a ray gets through.
@@ -142,8 +142,8 @@ impl Case {
             let rim = [phi.cos(), phi.sin()];
             let edge = self.edge(point, rim);
             let integrand = |r: f64| {
-                let drawn = self.pupil.sample(point, rim.map(|x| r * x)).expect("lit");
-                drawn.area * cos4(drawn.slopes) * 2.0 * r
+                let sample = self.pupil.sample(point, rim.map(|x| r * x)).expect("lit");
+                sample.area * cos4(sample.slopes) * 2.0 * r
             };
             simpson(0.0, edge, integrand)
         };
@@ -197,14 +197,14 @@ impl Case {
     }
 
     /// Mean and relative variance of one flat-field sample's weight, blocked ones being 0, on `n` x `n` lens
-    /// numbers.
+    /// samples.
     pub fn weight(&self, point: [f64; 2], n: u32) -> (f64, f64) {
         let (mut sum, mut squares) = (0.0, 0.0);
         for (u, v) in grid(n) {
             let disk = DiskMapping::Concentric.map(u, v).expect("never rejects");
-            let Some(drawn) = self.pupil.sample(point, disk) else { continue };
-            if self.passes(point, drawn.slopes) {
-                let weight = drawn.area * cos4(drawn.slopes);
+            let Some(sample) = self.pupil.sample(point, disk) else { continue };
+            if self.passes(point, sample.slopes) {
+                let weight = sample.area * cos4(sample.slopes);
                 sum += weight;
                 squares += weight * weight;
             }

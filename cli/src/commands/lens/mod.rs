@@ -3,8 +3,8 @@
 mod facts;
 mod table;
 
-use crate::choice::{FilmPlace, FilmSize, LensChoice};
 use crate::failure::Failure;
+use crate::lens_and_film::{FilmPlace, FilmSize, LensChoice};
 use facts::Facts;
 use std::io::Write as _;
 

@@ -82,5 +82,5 @@ pub fn text(prescription: &Prescription, lens: &Lens) -> String {
             row.sag,
         );
     }
-    text + "sag: the rim lies so many mm on the scene's side of the vertex\n"
+    text + "sag: the edge of the clear aperture lies so many mm on the scene's side of the vertex\n"
 }

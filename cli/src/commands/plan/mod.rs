@@ -5,8 +5,8 @@ mod savings;
 
 pub use order::Args;
 
-use crate::choice::warn;
 use crate::failure::Failure;
+use crate::lens_and_film::warn;
 use order::Order;
 use realistic::camera::Level;
 use realistic::plan::choice::{Candidate, Verdict};

@@ -1,7 +1,7 @@
 //! What `realistic plan` is asked for: arguments in, cameras out.
 
-use crate::choice::{FilmChoice, FilmPlace, LensChoice, not_negative, set_parameters};
 use crate::failure::Failure;
+use crate::lens_and_film::{FilmChoice, FilmPlace, LensChoice, not_negative, set_parameters};
 use realistic::camera::{CameraError, Host, Level, Parameters, Raster, RealisticCamera};
 
 /// What `plan` can be told.

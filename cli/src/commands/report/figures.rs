@@ -66,8 +66,8 @@ const DIRECTION: &str = "Angle between the ray that leaves the lens and the exac
 const POSITION: &str = "Distance between the ray that leaves the lens and the exact point on the front surface, \
     against the time per ray. Marks as above; the front is that of this chart.";
 const IRRADIANCE: &str = "RMS relative error of the estimate of film irradiance under a flat field, over the lit ones \
-    of five film points from the centre to the corner and independent repetitions, against time, sample numbers \
-    included. Whole lines sample the rear element's disk, dashed ones the thick lens's exit pupil, whose bias \
+    of five film points from the centre to the corner and independent repetitions, against time, that of \
+    the lens samples included. Whole lines sample the rear element's disk, dashed ones the thick lens's exit pupil, whose bias \
     makes them level off, dotted ones the true pupil (warped). In brackets: the exponent of the noise as a power \
     of the number of samples (-0.5 is Monte Carlo).";
 const MAPPING: &str =

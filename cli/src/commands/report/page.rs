@@ -150,7 +150,7 @@ fn method(html: &mut String, results: &Results, suite: &Suite, facts: &[(&str, S
          brought back to the film by the scale that the lens's own chief rays have there, meridional and sagittal. \
          Irradiance: {repeats} repetitions at 5 film points on a half-diagonal, less those that get no light; exact \
          values by {survey} x {survey} rays over the rear disk. Pictures: {x} x {y} pixels against a mean of two of \
-         {reference} samples a pixel, whose own RMS errors are {floors}.</p>\n<p>The whole took {took}.</p>\n",
+         {reference} samples per pixel, whose own RMS errors are {floors}.</p>\n<p>The whole took {took}.</p>\n",
         least = seconds(ray_map.effort.least.as_secs_f64()),
         rounds = ray_map.effort.rounds,
         block = ray_map.block,

@@ -2,7 +2,7 @@
 //! gets out.
 
 use realistic::lens::{Lens, LensError, first_order::FirstOrder, refraction::Refraction};
-use realistic::trace::kernel::{Precision, Simd};
+use realistic::trace::kernel::{KernelScalar, Simd};
 use realistic::trace::{Blocked, Direction, Path, Ray, Real};
 use realistic_lab::subject::kernel_rays::{KernelRays, unit};
 
@@ -82,7 +82,7 @@ fn exact<R: Real + 'static>(
 }
 
 /// The compiled kernel; of a blocked ray the walk says how far it got and why.
-fn compiled<S: Precision + Real + 'static>(
+fn compiled<S: KernelScalar + Real + 'static>(
     lens: &Lens,
     direction: Direction,
     trace: fn(&KernelRays<S>, Ray) -> Option<Ray>,
@@ -97,12 +97,12 @@ fn compiled<S: Precision + Real + 'static>(
 
 fn thick(optics: FirstOrder, direction: Direction) -> Box<Tracer> {
     Box::new(move |ray| {
-        let (sense, out) = match direction {
+        let (travel_sign, out) = match direction {
             Direction::FilmToScene => (1.0, optics.transfer(ray)),
             Direction::SceneToFilm => (-1.0, optics.transfer_to_film(ray)),
         };
         let input = Ray { direction: unit(ray.direction), ..ray };
-        if !(sense * ray.direction[2] > 0.0) {
+        if !(travel_sign * ray.direction[2] > 0.0) {
             return (input, Some(Blocked::TurnedBack));
         }
         // Only what is too large or too oblique for a double gets here.

@@ -3,8 +3,8 @@
 mod lines;
 mod methods;
 
-use crate::choice::{LensChoice, not_negative};
 use crate::failure::Failure;
+use crate::lens_and_film::{LensChoice, not_negative};
 use lines::{Line, read_line, write_ray};
 use methods::{METHODS, Method};
 use realistic::trace::Direction;

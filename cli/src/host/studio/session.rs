@@ -3,13 +3,13 @@
 
 use super::autofocus::{Autofocus, Method, Rule};
 use super::focus::{self, AxialRays};
-use crate::choice::{set_parameters, size, warn};
 use crate::failure::Failure;
 use crate::host::plugin::{self, Camera, Plugin};
 use crate::host::render::{Settings, render, spectrum};
 use crate::host::scene::Scene;
 use crate::host::scene::effects::{Effect, Effects};
 use crate::image::Picture;
+use crate::lens_and_film::{set_parameters, size, warn};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPool;
 use realistic::camera::{PARAMETERS, Parameters, Weighting};

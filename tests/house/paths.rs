@@ -1,0 +1,70 @@
+//! The files that the project's pages speak of exist.
+//!
+//! In come ARCHITECTURE.md, README.md, docs/lecture.md and the README.md of every folder; a path in one of them is a
+//! word with a slash and an extension that this tree has. It is meant from the root, from `src/`, or from the page's
+//! own folder.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+const EXTENSIONS: [&str; 11] = ["rs", "c", "cpp", "h", "hpp", "md", "dat", "txt", "py", "toml", "sh"];
+
+/// What looks like a path and is a pattern.
+const PATTERNS: [&str; 1] = ["lenses/*.dat"];
+
+/// The paths in a page's text, each once.
+fn paths(text: &str) -> Vec<&str> {
+    let breaks = |c: char| c.is_whitespace() || "`'\"()[]<>{}|,;#".contains(c);
+    let words = text.split(breaks).map(|word| word.trim_end_matches(['.', ':', '!', '?']));
+    let is_path = |word: &&str| {
+        let extension = word.rsplit('/').next().and_then(|file| file.rsplit_once('.')).map(|(_, last)| last);
+        word.contains('/')
+            && !word.contains("://")
+            && extension.is_some_and(|last| EXTENSIONS.contains(&last))
+    };
+    let mut found: Vec<&str> = words.filter(is_path).collect();
+    found.sort_unstable();
+    found.dedup();
+    found
+}
+
+/// The pages below a folder that are called README.md.
+fn read_me(folder: &Path, pages: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).expect("a directory").flatten() {
+        let (path, name) = (entry.path(), entry.file_name());
+        if path.is_dir() && name != "target" && !name.to_string_lossy().starts_with('.') {
+            read_me(&path, pages);
+        } else if name == "README.md" {
+            pages.push(path);
+        }
+    }
+}
+
+#[test]
+fn every_path_in_a_page_exists() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut pages = vec![root.join("ARCHITECTURE.md"), root.join("docs/lecture.md")];
+    read_me(root, &mut pages);
+    let (mut checked, mut dead) = (0, Vec::new());
+    for page in pages {
+        let text = fs::read_to_string(&page).expect("text");
+        let own = page.parent().expect("a folder");
+        for path in paths(&text).into_iter().filter(|path| !PATTERNS.contains(path)) {
+            checked += 1;
+            if ![root, &root.join("src"), own].iter().any(|folder| folder.join(path).is_file()) {
+                dead.push(format!("{}: {path}", page.strip_prefix(root).expect("below the root").display()));
+            }
+        }
+    }
+    super::nothing(&dead);
+    assert!(checked > 60, "only {checked} paths are named");
+}
+
+#[test]
+fn a_path_is_told_from_other_words() {
+    let text = "See `a/b.rs`, [c](../d/e.md#part) and (f/g.txt). Not and/or, h.rs, https://i.org/j.md, k/l, m/n.o5, \
+                12/34.5 or p.q/r; but s/t.toml: and a/b.rs again.";
+    assert_eq!(paths(text), ["../d/e.md", "a/b.rs", "f/g.txt", "s/t.toml"]);
+}
