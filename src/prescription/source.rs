@@ -201,8 +201,8 @@ mod tests {
     fn a_name_may_carry_a_focal_length() {
         let nowhere = SearchPath::default();
         let source = LensSource::parse("dgauss.50mm@35mm", &nowhere).expect("valid");
-        assert_eq!((source.table, source.focal_length()), ("dgauss.50mm", Some(35.0)));
-        assert_eq!(LensSource::parse("dgauss.50mm", &nowhere).expect("valid").focal_length(), None);
+        assert_eq!((source.table, source.focal_length), ("dgauss.50mm", Some(35.0)));
+        assert_eq!(LensSource::parse("dgauss.50mm", &nowhere).expect("valid").focal_length, None);
         for wrong in ["dgauss.50mm@", "dgauss.50mm@35", "dgauss.50mm@-3mm", "dgauss.50mm@0mm", "x@infmm"] {
             let message = LensSource::parse(wrong, &nowhere).expect_err(wrong).to_string();
             assert!(message.contains("\"dgauss.50mm@35mm\""), "{message}");
