@@ -33,12 +33,11 @@ mod surface;
 mod table;
 mod trace;
 
-pub use clearance::Clearance;
-pub(crate) use clearance::clearances;
+pub(crate) use clearance::{Clearance, clearances};
 pub use instances::Vectors as Precision;
 pub use rays::{LensRays, PlaneRays, RayArrays, Traced};
-pub(crate) use simd::Available;
-pub use simd::{Compiled, Simd};
+pub use simd::Simd;
+pub(crate) use simd::{Available, Compiled};
 
 use self::batch::InPlaceBatch;
 pub(crate) use self::{
