@@ -3,7 +3,7 @@
 //! A lens and its film's place in; the beam of slopes that a film point receives and its chief ray out, in the plane
 //! through the axis (R. Kingslake, *Optics in Photography*, ch. 1).
 
-use crate::lens::{Lens, pupil::limiting_surface};
+use crate::lens::{Lens, film_ray, pupil::limiting_surface};
 use crate::{
     numeric::{edge, root},
     trace::{Path, Ray},
@@ -61,7 +61,7 @@ impl Field {
     }
 
     fn ray(&self, height: f64, slope: f64) -> Ray {
-        Ray { origin: [0.0, height, self.film], direction: [0.0, slope, 1.0] }
+        film_ray([0.0, height], self.film, [0.0, slope])
     }
 
     fn passes(&self, height: f64, slope: f64) -> bool {

@@ -4,20 +4,10 @@
 use std::f64::consts::PI;
 
 use crate::{
-    lens::pupil::SlopeDisk,
+    lens::{cos4, film_ray, pupil::SlopeDisk},
     numeric::edge,
-    trace::{Path, Ray, Real},
+    trace::{Path, Real},
 };
-
-/// The ray from a film point with the given slopes dx/dz and dy/dz.
-pub fn film_ray([x, y]: [f64; 2], film: f64, slopes: [f64; 2]) -> Ray {
-    Ray { origin: [x, y, film], direction: [slopes[0], slopes[1], 1.0] }
-}
-
-/// cos⁴ of the angle between the axis and a ray of these slopes.
-pub fn cos4([sx, sy]: [f64; 2]) -> f64 {
-    (1.0 + sx * sx + sy * sy).powi(-2)
-}
 
 /// Irradiance on the axis for film at `film`, exact but for rounding: the pupil is a disk there
 /// (or rings), whose edges are found along one radius of at most `reach` in slope.

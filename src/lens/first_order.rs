@@ -119,12 +119,6 @@ impl FirstOrder {
         self.rear_vertex - self.rear_focal_point
     }
 
-    /// Distance from the last vertex to the paraxial image of the axial point at `z` (lens
-    /// space; infinite for a distant object), mm: Newton's equation x x' = f² (Born and Wolf, §4.3.1).
-    pub fn image_distance(&self, z: f64) -> f64 {
-        self.back_focal_distance() + self.focal_length * self.focal_length / (z - self.front_focal_point)
-    }
-
     /// The thin lens of the same focal length in the plane z = `plane` (lens space).
     #[must_use]
     pub fn thin_at(&self, plane: f64) -> Self {

@@ -11,5 +11,5 @@ pub mod refraction;
 pub mod single_precision;
 mod surfaces;
 
-pub use ray::Ray;
+pub use ray::{Ray, cos4, film_ray};
 pub use surfaces::{Lens, LensError, Surface};

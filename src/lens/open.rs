@@ -44,7 +44,7 @@ pub enum OpenError {
 pub fn find(name: &str, search: &SearchPath) -> Result<Prescription, OpenError> {
     let source = LensSource::parse(name, search)?;
     let mut prescription = source.load(search)?;
-    if let Some(focal_length) = source.focal_length() {
+    if let Some(focal_length) = source.focal_length {
         let own = FirstOrder::of(&Lens::at_d_line(&prescription))?.focal_length;
         prescription = prescription.scaled(focal_length / own.abs());
         prescription.name = name.to_owned();

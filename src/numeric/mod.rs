@@ -1,7 +1,6 @@
 //! The few numerical tools that several rooms need, and [`Real`], the numbers that rays are traced in. Knows nothing
 //! of lenses; each file says which book or paper it follows.
 
-mod gamma;
 mod minimum;
 mod quadrature;
 pub mod quasirandom;
@@ -9,7 +8,6 @@ mod real;
 mod root;
 mod vector;
 
-pub use gamma::upper_gamma;
 pub use minimum::minimum;
 pub use quadrature::{GAUSS_POINTS, gauss_legendre};
 pub use real::Real;

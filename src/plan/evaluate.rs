@@ -8,6 +8,7 @@ use super::{
 };
 use crate::{
     imaging::image_scale::ImageScale,
+    lens::film_ray,
     numeric::quasirandom::STEPS,
     sampling::PupilSample,
     trace::{
@@ -66,7 +67,7 @@ impl Rays {
 
     fn ray(&self, i: usize, film: f64) -> Ray {
         let [x, y, sx, sy] = [0, 1, 2, 3].map(|column: usize| self.columns[column][i]);
-        Ray { origin: [x, y, film], direction: [sx, sy, 1.0] }
+        film_ray([x, y], film, [sx, sy])
     }
 
     fn traced<S: KernelScalar>(
@@ -237,7 +238,7 @@ pub(super) fn fit_rays(film: &FilmSide<'_>, count: usize) -> Vec<Ray> {
             };
             let point = polar(film.reach * (FRAC_PI_2 * h).sin(), turn);
             let slopes = film.sampler.sample(point, polar((FRAC_PI_2 * r).sin(), phi))?.slopes;
-            Some(Ray { origin: [point[0], point[1], film.z], direction: [slopes[0], slopes[1], 1.0] })
+            Some(film_ray(point, film.z, slopes))
         })
         .collect()
 }

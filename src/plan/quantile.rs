@@ -1,7 +1,5 @@
 //! What a sample says of a high quantile, with confidence.
 
-use crate::numeric::upper_gamma;
-
 /// The quantile that errors are held to: one ray in a thousand may be worse.
 pub const QUANTILE: f64 = 0.999;
 /// How likely a bound may turn out too low.
@@ -17,13 +15,24 @@ const RISK: f64 = 2e-3;
 /// Distribution of the Number of Successes in Independent Trials", 1956).
 pub fn upper_bound(samples: &mut [f64]) -> f64 {
     let beyond = samples.len() as f64 * (1.0 - QUANTILE);
-    // P(fewer than k) = Q(k, mean) of Poisson's distribution.
-    let k = (1..).take_while(|&k| upper_gamma(f64::from(k), beyond) <= RISK).count();
+    let k = rare_counts(beyond);
     let Some(from_the_top) = k.checked_sub(1) else {
         return f64::INFINITY;
     };
     let place = samples.len() - 1 - from_the_top;
     *samples.select_nth_unstable_by(place, f64::total_cmp).1
+}
+
+/// The largest k such that a number with Poisson's distribution of this mean (at most some 700, where e^-mean still is
+/// a number) is less than k with a probability of at most [`RISK`]: P(fewer than k) = Σ e^-mean mean^i/i! over i < k.
+fn rare_counts(mean: f64) -> usize {
+    let (mut term, mut sum, mut k) = ((-mean).exp(), 0.0, 0);
+    while sum + term <= RISK {
+        sum += term;
+        k += 1;
+        term *= mean / k as f64;
+    }
+    k
 }
 
 #[cfg(test)]

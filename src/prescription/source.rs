@@ -44,12 +44,12 @@ impl SearchPath {
 }
 
 /// What a caller's lens name says: which table, and the focal length it is to be scaled to.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct LensSource<'a> {
     /// A file or a catalogue name.
     pub table: &'a str,
-    /// The text between `@` and `mm` in `NAME@35mm`.
-    focal_length: Option<&'a str>,
+    /// The focal length that the lens is to be scaled to, mm: the number of `NAME@35mm`, positive and finite.
+    pub focal_length: Option<f64>,
 }
 
 /// Why no lens could be had.
@@ -117,16 +117,11 @@ impl<'a> LensSource<'a> {
         if search.find(name).is_some() {
             return Ok(plain);
         }
-        let focal_length = scale.strip_suffix("mm").map(str::trim);
-        match focal_length.and_then(|number| number.parse::<f64>().ok()) {
-            Some(length) if length > 0.0 && length.is_finite() => Ok(Self { table, focal_length }),
-            _ => Err(SourceError::FocalLength { name: name.to_owned() }),
+        let number = scale.strip_suffix("mm").and_then(|number| number.trim().parse().ok());
+        match number.filter(|&length: &f64| length > 0.0 && length.is_finite()) {
+            Some(length) => Ok(Self { table, focal_length: Some(length) }),
+            None => Err(SourceError::FocalLength { name: name.to_owned() }),
         }
-    }
-
-    /// The focal length that the lens is to be scaled to, mm.
-    pub fn focal_length(&self) -> Option<f64> {
-        self.focal_length.and_then(|number| number.parse().ok())
     }
 
     /// Finds and reads the table: a file as given, then along `search`, then the catalogue.
@@ -206,8 +201,8 @@ mod tests {
     fn a_name_may_carry_a_focal_length() {
         let nowhere = SearchPath::default();
         let source = LensSource::parse("dgauss.50mm@35mm", &nowhere).expect("valid");
-        assert_eq!((source.table, source.focal_length()), ("dgauss.50mm", Some(35.0)));
-        assert_eq!(LensSource::parse("dgauss.50mm", &nowhere).expect("valid").focal_length(), None);
+        assert_eq!((source.table, source.focal_length), ("dgauss.50mm", Some(35.0)));
+        assert_eq!(LensSource::parse("dgauss.50mm", &nowhere).expect("valid").focal_length, None);
         for wrong in ["dgauss.50mm@", "dgauss.50mm@35", "dgauss.50mm@-3mm", "dgauss.50mm@0mm", "x@infmm"] {
             let message = LensSource::parse(wrong, &nowhere).expect_err(wrong).to_string();
             assert!(message.contains("\"dgauss.50mm@35mm\""), "{message}");

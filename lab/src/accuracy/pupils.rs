@@ -1,7 +1,10 @@
 //! Set-up of the pupil: what it costs to know where light gets through, by the size of the tables, and how
 //! well each then covers the true pupil, as areas of polygons in slope about the true pupil's centre.
 
-use realistic::{imaging::irradiance::film_ray, lens::pupil::SlopeDisk, sampling::PupilDisk};
+use realistic::{
+    lens::{film_ray, pupil::SlopeDisk},
+    sampling::PupilDisk,
+};
 
 use crate::{
     pupil::Outline,

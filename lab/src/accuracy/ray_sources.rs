@@ -10,7 +10,7 @@ use crate::{
 use realistic::{
     abi::{realistic_ray, realistic_sample},
     camera::{CameraError, Film, Parameters, Raster, RayBlock, Sample, SampleBlock},
-    imaging::irradiance::{cos4, film_ray},
+    lens::{cos4, film_ray},
     sampling::{DiskMapping, PupilDisk, PupilSample},
     trace::{Ray, kernel::Traced, polynomial::PolynomialLens},
 };

@@ -7,7 +7,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use realistic::imaging::irradiance::{cos4, film_ray};
+use realistic::lens::{cos4, film_ray};
 use realistic::{
     lens::pupil::SlopeDisk,
     trace::{Path, Real},

@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use realistic::{
-    imaging::irradiance::film_ray,
+    lens::film_ray,
     sampling::{DiskMapping, PupilDisk},
     trace::{Path, Ray, Real},
 };

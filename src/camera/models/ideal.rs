@@ -23,12 +23,11 @@ use crate::{
         ray::{Outcome, Sample, WorldRay},
         setup::{Focusing, Setup},
     },
-    imaging::irradiance::{cos4, film_ray},
     sampling::{DiskMapping, PupilDisk},
 };
 use crate::{
     lens::{
-        Lens,
+        Lens, cos4, film_ray,
         first_order::FirstOrder,
         pupil::{EntrancePupil, limiting_surface},
     },

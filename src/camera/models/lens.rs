@@ -19,9 +19,9 @@ use crate::{
         ray::{Outcome, Sample, WorldRay},
         setup::{Focusing, Setup},
     },
-    imaging::irradiance::{film_ray, on_axis, survey},
+    imaging::irradiance::{on_axis, survey},
     lens::{
-        Lens,
+        Lens, film_ray,
         first_order::FirstOrder,
         pupil::{EntrancePupil, limiting_surface},
     },

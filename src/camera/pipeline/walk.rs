@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     camera::ray::{Sample, WorldRay},
-    imaging::irradiance::{cos4, film_ray},
+    lens::{cos4, film_ray},
     sampling::film_rays::FilmRays,
     trace::{Blocked, Path, Ray, Real},
 };

@@ -5,6 +5,7 @@
 use std::cell::Cell;
 
 use super::{
+    illinois::{Closing, illinois},
     outline::{Guess, Outline, direction},
     search::{Crossing, EdgeFinder, Hints},
     slice::{CELLS, Knots, Slice, TRACE_EVERY},
@@ -163,7 +164,7 @@ impl<'a> Builder<'a> {
                 }
                 excess.min(1.0)
             };
-            let end = root_to(inside.0.max(1e-9 * height), height, 1e-9, margin);
+            let end = illinois(inside.0.max(1e-9 * height), height, Closing::Bracket(1e-9), margin);
             // From a guess far off a search may have missed a small pupil; from one this near it does not.
             let beside = (1.0 + BESIDE_THE_END) * end;
             if margin(beside) < 0.0 {
@@ -377,36 +378,6 @@ fn center_on_axis(intervals: &mut [Interval]) {
     } else {
         (axis.center, axis.narrowing) = (one.center, one.narrowing);
     }
-}
-
-/// A root of `f` in `[a, b]`, where it is negative at `a` and positive at `b`, to `tolerance` relative: the
-/// end at which it is positive. Not `numeric::root`, for the reason that [`super::outline`]'s meeting of arcs has.
-fn root_to(mut a: f64, mut b: f64, tolerance: f64, f: impl Fn(f64) -> f64) -> f64 {
-    let (mut fa, mut fb) = (f(a), f(b));
-    if fa >= 0.0 {
-        return a;
-    }
-    let mut last_was_inside = None;
-    while b - a > tolerance * b {
-        let secant = b - fb * (b - a) / (fb - fa);
-        // A little beyond the secant's answer, so that the bracket closes from both sides.
-        let x = secant.clamp(a + 0.01 * (b - a), b - 0.01 * (b - a));
-        let fx = f(x);
-        let inside = fx < 0.0;
-        if inside {
-            (a, fa) = (x, fx);
-            if last_was_inside == Some(true) {
-                fb /= 2.0;
-            }
-        } else {
-            (b, fb) = (x, fx);
-            if last_was_inside == Some(false) {
-                fa /= 2.0;
-            }
-        }
-        last_was_inside = Some(inside);
-    }
-    b
 }
 
 #[cfg(test)]

@@ -35,6 +35,7 @@
 //! the table holds the rear element's disk, and what falls beside the pupil is blocked.
 
 mod build;
+mod illinois;
 mod outline;
 mod search;
 mod slice;

@@ -4,6 +4,7 @@
 use std::f64::consts::PI;
 
 use super::{
+    illinois::{Closing, illinois},
     search::{Crossing, EdgeFinder},
     view::Limit,
 };
@@ -68,10 +69,8 @@ pub(crate) struct Guess<'a> {
 
 /// Interval of angles in which a corner is pinned down before the arcs are simply extended to meet.
 const CORNER_BRACKET: f64 = 4e-2;
-/// How near to where two arcs meet a search for it ends.
-const MEETING_ACCURACY: f64 = 1e-6;
-/// Steps that it may take.
-const MEETING_STEPS: u32 = 30;
+/// Where a search for where two arcs meet ends: about as near as a corner has to be known.
+const MEETING: Closing = Closing::Step { width: 1e-6, most: 30 };
 /// Searches a corner may cost.
 const CORNER_STEPS: u32 = 8;
 
@@ -163,7 +162,7 @@ impl Trace<'_> {
         let (low, high) = (from.0, to.0);
         let width = high - low;
         let crosses = gap(low) * gap(high) < 0.0;
-        let meeting = if crosses { meeting(low, high, gap) } else { f64::midpoint(low, high) };
+        let meeting = if crosses { illinois(low, high, MEETING, gap) } else { f64::midpoint(low, high) };
         if steps == 0 || width < CORNER_BRACKET {
             let radius = f64::midpoint(extend(&begun, meeting), extend(&coming, meeting)).recip();
             self.corners.push((meeting, radius));
@@ -286,27 +285,6 @@ fn trace_between(
         stride = step;
     }
     expected.iter().zip(found).map(|(&(angle, _), edge)| Some((angle, edge?))).collect()
-}
-
-/// Where a gap of different signs at the ends closes, by the Illinois method: as near as a corner has to be
-/// known.
-fn meeting(mut a: f64, mut b: f64, gap: impl Fn(f64) -> f64) -> f64 {
-    let (mut at_a, mut at_b) = (gap(a), gap(b));
-    for _ in 0..MEETING_STEPS {
-        let x = b - at_b * (b - a) / (at_b - at_a);
-        let at_x = gap(x);
-        if at_x * at_b < 0.0 {
-            (a, at_a) = (b, at_b);
-        } else {
-            at_a /= 2.0;
-        }
-        let step = (x - b).abs();
-        (b, at_b) = (x, at_x);
-        if step < MEETING_ACCURACY || at_b == 0.0 {
-            break;
-        }
-    }
-    b
 }
 
 /// Unit vector of an angle.

@@ -10,7 +10,7 @@ use super::{
 
 /// Knots between the lens direction along the film point's and the opposite one, less one.
 pub(crate) const CELLS: usize = 128;
-/// Every so manieth knot's angle is traced.
+/// The edge is traced at every knot whose number is a multiple of this.
 pub(crate) const TRACE_EVERY: usize = 8;
 
 /// How much larger than the outline the map is made, relative, for what interpolation leaves out.

@@ -6,7 +6,7 @@
 use std::cell::Cell;
 
 use crate::{
-    imaging::irradiance::film_ray,
+    lens::film_ray,
     trace::{
         Path,
         kernel::{Available, Clearance, clearances},

@@ -23,7 +23,7 @@ use crate::{
 
 /// The aperture that a ray comes nearest to, or reaches farthest beyond.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Clearance {
+pub(crate) struct Clearance {
     /// The ray's distance from the axis there over the clear semi-diameter; at most 1 for a ray that
     /// gets through.
     pub ratio: f64,
@@ -43,7 +43,12 @@ const WEAK: f64 = 1e-5;
 /// A ray that stops for another reason (it misses a surface, is reflected, turns back) has the ratio so far if that is
 /// more than 1, else none: `None` and a ratio of more than 1 together are what [`Path::walk`] blocks. Refraction is by
 /// the fused form, whatever the path's.
-pub fn clearances(simd: Available, path: &Path<f64>, rays: &[Ray], found: &mut Vec<Option<Clearance>>) {
+pub(crate) fn clearances(
+    simd: Available,
+    path: &Path<f64>,
+    rays: &[Ray],
+    found: &mut Vec<Option<Clearance>>,
+) {
     for rays in rays.chunks(PACKET) {
         let mut packet = Packet::enter(path, rays);
         match simd.simd() {

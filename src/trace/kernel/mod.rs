@@ -34,12 +34,11 @@ mod surface;
 mod table;
 mod trace;
 
-pub use clearance::Clearance;
-pub(crate) use clearance::clearances;
+pub(crate) use clearance::{Clearance, clearances};
 pub use instances::KernelScalar;
 pub use rays::{LensRays, PlaneRays, RayBuffer, Traced};
-pub(crate) use simd::Available;
-pub use simd::{Compiled, Simd};
+pub use simd::Simd;
+pub(crate) use simd::{Available, Compiled};
 
 use self::batch::InPlaceBatch;
 pub(crate) use self::{

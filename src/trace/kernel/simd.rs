@@ -39,7 +39,7 @@ impl Available {
 }
 
 /// Simple loops to be compiled for each set of instructions: see [`Simd::run`].
-pub trait Compiled {
+pub(crate) trait Compiled {
     /// Does it. To be marked `#[inline(always)]`, and what it calls to be inlined into it.
     fn run(self);
 }
@@ -90,7 +90,7 @@ impl Simd {
 
     /// Does work with these instructions, or with none but the portable ones where the processor lacks
     /// them. The results are the same to the last bit: the compiler fuses no operations.
-    pub fn run(self, work: impl Compiled) {
+    pub(crate) fn run(self, work: impl Compiled) {
         #[cfg(target_arch = "x86_64")]
         match self.available().map(Available::simd) {
             // SAFETY: the processor has these instructions.

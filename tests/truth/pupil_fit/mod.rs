@@ -5,12 +5,9 @@
 use std::f64::consts::{PI, TAU};
 
 use realistic::{
-    imaging::{
-        focus::Focus,
-        irradiance::{cos4, film_ray},
-    },
+    imaging::focus::Focus,
     lens::{
-        Lens,
+        Lens, cos4, film_ray,
         first_order::FirstOrder,
         pupil::{self, SlopeDisk},
     },
