@@ -133,8 +133,7 @@ impl Measurement {
         if bands == 0 || !(from < to) {
             return Err(MeasurementError::Bands { from, to });
         }
-        let radiometric = parameters.weighting.is_none_or(|weighting| weighting == Weighting::Radiometric)
-            && parameters.simpleweighting != Some(true);
+        let radiometric = parameters.weighting() == Ok(Weighting::Radiometric);
         let width = (to - from) / f64::from(bands);
         let band = |i: u32| {
             let wavelength = from + (f64::from(i) + 0.5) * width;

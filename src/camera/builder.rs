@@ -4,10 +4,13 @@ use super::{
     film::Raster,
     host::Host,
     model::Model,
-    parameters::{CameraError, LensPlane, Parameters, Precision, Pupil, Weighting},
+    parameters::{CameraError, LensPlane, Parameters, Pupil, Weighting},
     placement::{motion::CameraMotion, shutter::Shutter},
 };
-use crate::{lens::refraction::Refraction, message::Level, prescription::SearchPath, sampling::DiskMapping};
+use crate::{
+    lens::refraction::Refraction, message::Level, plan::Precision, prescription::SearchPath,
+    sampling::DiskMapping,
+};
 
 /// A camera to be built: [`Camera::builder`](super::Camera::builder). What is not called keeps the default of [`PARAMETERS`](super::PARAMETERS);
 /// only [`resolution`](Self::resolution) has none.
@@ -88,8 +91,8 @@ impl<C> CameraBuilder<C> {
         wavelength(nm: f64) => parameters.wavelength = Some(nm);
         /// Length of a world unit, mm.
         mm_per_unit(mm: f64) => parameters.mmperunit = Some(mm);
-        /// What rays are traced in.
-        precision(precision: Precision) => parameters.precision = Some(precision);
+        /// What rays are traced in; by default double, or what the tolerance allows.
+        precision(precision: Precision) => parameters.precision = Some(Some(precision));
         /// Pixels by which 99.9 % of the rays may be off.
         tolerance(pixels: f64) => parameters.tolerance = Some(pixels);
         /// Degrees across the shorter side of the image, of [`Model::Perspective`].

@@ -8,7 +8,7 @@ use crate::{
         film::Film,
         host::{Host, Level},
         model::Model,
-        parameters::{CameraError, ParameterError, Parameters, Precision, Pupil, Weighting},
+        parameters::{CameraError, ParameterError, Parameters, Pupil, Weighting},
         pipeline::{
             arrays::{OneRay, RayArrays, RayBlock, SampleArrays, SampleBlock, SampleStore},
             body::CameraBody,
@@ -25,7 +25,7 @@ use crate::{
         first_order::FirstOrder,
         pupil::{EntrancePupil, limiting_surface},
     },
-    plan::{Arithmetic, Decision, FilmSide, Plan, Task, describe_sampling},
+    plan::{Decision, FilmSide, Plan, Task, describe_sampling},
     sampling::{DiskMapping, PupilDisk, PupilSampler, WarpedPupil, film_rays::FilmRays},
     trace::{Blocked, Direction, Path, Ray},
 };
@@ -350,11 +350,7 @@ fn plan_and_compile(
         },
         in_focus: body.film_z + setup.focus_distance.unwrap_or(f64::INFINITY),
         refraction: setup.refraction,
-        precision: match setup.precision {
-            Precision::Auto => None,
-            Precision::Double => Some(Arithmetic::F64),
-            Precision::Single => Some(Arithmetic::F32),
-        },
+        precision: setup.precision,
         tolerance: setup.tolerance,
         leave_out: setup.leave_out,
     };

@@ -8,7 +8,7 @@ use crate::{
     camera::{
         film::Film,
         host::Host,
-        parameters::{CameraError, ParameterError, Parameters, Precision, Pupil, Weighting},
+        parameters::{CameraError, ParameterError, Parameters, Pupil, Weighting},
         placement::Placement,
     },
     lens::{
@@ -17,6 +17,7 @@ use crate::{
         refraction::Refraction,
     },
     message::Level,
+    plan::Precision,
     prescription::{Prescription, SourceError, catalogue, read},
     sampling::DiskMapping,
 };
@@ -34,7 +35,7 @@ pub(crate) struct Setup {
     pub pupil: Pupil,
     pub mapping: DiskMapping,
     pub weighting: Weighting,
-    pub precision: Precision,
+    pub precision: Option<Precision>,
     /// Pixels; 0: exact.
     pub tolerance: f64,
     pub leave_out: bool,
@@ -69,7 +70,7 @@ impl Setup {
             refraction: given.refraction(),
             pupil: given.pupil(),
             mapping: disk_mapping(given, host)?,
-            weighting: weighting(given)?,
+            weighting: given.weighting()?,
             precision: given.precision(),
             tolerance: given.tolerance()?,
             leave_out: host.leave_out,
@@ -122,15 +123,6 @@ fn film_place(given: &Parameters) -> Result<FilmPlace, ParameterError> {
         (None, Some(distance)) => FilmPlace::FocusedOn(distance * given.mmperunit()?),
         (None, None) => FilmPlace::Nominal,
     })
-}
-
-fn weighting(given: &Parameters) -> Result<Weighting, ParameterError> {
-    match (given.weighting, given.simpleweighting) {
-        (Some(_), Some(_)) => Err(both("weighting", "simpleweighting")),
-        (None, Some(true)) => Ok(Weighting::Relative),
-        (None, Some(false)) => Ok(Weighting::Radiometric),
-        (_, None) => Ok(given.weighting()),
-    }
 }
 
 fn both(first: &'static str, second: &'static str) -> ParameterError {
