@@ -23,7 +23,9 @@
 
 use thiserror::Error;
 
-use realistic::camera::{Camera, CameraError, Host, Level, Outcome, Parameters, Sample, Weighting, WorldRay};
+use realistic::camera::{
+    Camera, CameraError, Host, Level, Log, Outcome, Parameters, Sample, Weighting, WorldRay,
+};
 
 use crate::subject::quasirandom::spread;
 
@@ -128,7 +130,7 @@ impl Measurement {
         host: &Host,
         [from, to]: [f64; 2],
         bands: u32,
-        log: &mut dyn FnMut(Level, &str),
+        log: Log<'_>,
     ) -> Result<Self, MeasurementError> {
         if bands == 0 || !(from < to) {
             return Err(MeasurementError::Bands { from, to });
@@ -140,7 +142,7 @@ impl Measurement {
             let mut parameters = parameters.clone();
             parameters.wavelength = Some(wavelength);
             let mut silent = |_: Level, _: &str| {};
-            let log: &mut dyn FnMut(Level, &str) = if i == 0 { &mut *log } else { &mut silent };
+            let log: Log<'_> = if i == 0 { &mut *log } else { &mut silent };
             let camera = Camera::build(&parameters, host, log)?;
             if !radiometric || camera.film().is_none() {
                 return Err(MeasurementError::NotRadiometric);

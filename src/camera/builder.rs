@@ -1,6 +1,7 @@
 //! The way that Rust callers describe a camera: typed settings, one method each, and what a host brings.
 
 use super::{
+    any_camera::Camera,
     film::Raster,
     host::Host,
     model::Model,
@@ -8,7 +9,7 @@ use super::{
     placement::{motion::CameraMotion, shutter::Shutter},
 };
 use crate::{
-    lens::refraction::Refraction, message::Level, plan::Precision, prescription::SearchPath,
+    lens::refraction::Refraction, message::Log, plan::Precision, prescription::SearchPath,
     sampling::DiskMapping,
 };
 
@@ -29,14 +30,10 @@ use crate::{
 /// # Ok::<(), realistic::camera::CameraError>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct CameraBuilder<C> {
+pub struct CameraBuilder {
     parameters: Parameters,
     host: Host,
-    make: Make<C>,
 }
-
-/// Builds a camera of parameters, with messages for the log.
-type Make<C> = fn(&Parameters, &Host, &mut dyn FnMut(Level, &str)) -> Result<C, CameraError>;
 
 macro_rules! settings {
     ($($(#[$doc:meta])* $method:ident($argument:ident: $type:ty) => $($field:ident).+ = $value:expr;)*) => {$(
@@ -49,13 +46,15 @@ macro_rules! settings {
     )*};
 }
 
-impl<C> CameraBuilder<C> {
-    /// Nothing described yet.
-    pub(crate) fn new(make: Make<C>) -> Self {
+impl Camera {
+    /// A camera to be described by methods and then built.
+    pub fn builder() -> CameraBuilder {
         let host = Host::new(Raster { xres: 0, yres: 0 }, None);
-        Self { parameters: Parameters::default(), host, make }
+        CameraBuilder { parameters: Parameters::default(), host }
     }
+}
 
+impl CameraBuilder {
     settings! {
         /// What the camera is a model of.
         model(model: Model) => parameters.model = Some(model);
@@ -146,7 +145,7 @@ impl<C> CameraBuilder<C> {
     ///
     /// # Errors
     /// What is wrong, and what to give instead.
-    pub fn build(&self) -> Result<C, CameraError> {
+    pub fn build(&self) -> Result<Camera, CameraError> {
         self.build_with_log(&mut |_, _| ())
     }
 
@@ -154,15 +153,15 @@ impl<C> CameraBuilder<C> {
     ///
     /// # Errors
     /// What is wrong, and what to give instead.
-    pub fn build_with_log(&self, log: &mut dyn FnMut(Level, &str)) -> Result<C, CameraError> {
-        (self.make)(&self.parameters, &self.host, log)
+    pub fn build_with_log(&self, log: Log<'_>) -> Result<Camera, CameraError> {
+        Camera::build(&self.parameters, &self.host, log)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{Camera, Outcome, Sample};
+    use crate::camera::{Outcome, Sample};
 
     const SAMPLE: Sample = Sample { image_x: 30.0, image_y: 5.0, lens_u: 0.4, lens_v: 0.8, time: 0.4 };
 
@@ -214,7 +213,7 @@ mod tests {
 
     #[test]
     fn what_is_wrong_is_told_as_for_parameters_by_name() {
-        let refused = |builder: CameraBuilder<Camera>| builder.build().expect_err("refused").to_string();
+        let refused = |builder: CameraBuilder| builder.build().expect_err("refused").to_string();
         assert!(refused(Camera::builder()).contains("0 x 0 pixels"));
         let small = Camera::builder().resolution(4, 3);
         let both = refused(small.clone().fnumber(8.0).aperture_diameter(3.0));

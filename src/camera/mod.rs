@@ -21,7 +21,7 @@ pub use crate::plan::Precision;
 pub use any_camera::Camera;
 pub use builder::CameraBuilder;
 pub use film::{Film, Raster};
-pub use host::{Host, Level};
+pub use host::{Host, Level, Log};
 pub use model::Model;
 pub use models::{
     environment::EnvironmentCamera, ideal::IdealCamera, lens::RealisticCamera, projective::ProjectiveCamera,

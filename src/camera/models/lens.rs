@@ -4,9 +4,8 @@ use std::{f64::consts::PI, sync::Arc};
 
 use crate::{
     camera::{
-        builder::CameraBuilder,
         film::Film,
-        host::{Host, Level},
+        host::{Host, Level, Log},
         model::Model,
         parameters::{CameraError, ParameterError, Parameters, Pupil, Weighting},
         pipeline::{
@@ -52,14 +51,7 @@ const MISSED_SHARE: f64 = 1e-3;
 /// Rays across the rear element in measuring that share.
 const SURVEY_RAYS: u32 = 64;
 
-type Log<'a> = &'a mut dyn FnMut(Level, &str);
-
 impl RealisticCamera {
-    /// A camera of the model "lens" to be described by methods and then built.
-    pub fn builder() -> CameraBuilder<Self> {
-        CameraBuilder::new(Self::build)
-    }
-
     /// Builds a camera of the model "lens". `log` receives warnings.
     ///
     /// # Errors

@@ -16,7 +16,7 @@ use crate::{
         open::{StopSize, find, set_up},
         refraction::Refraction,
     },
-    message::Level,
+    message::{Level, Log},
     plan::Precision,
     prescription::{Prescription, SourceError, catalogue, read},
     sampling::DiskMapping,
@@ -49,7 +49,7 @@ impl Setup {
         given: &Parameters,
         host: &Host,
         focusing: Focusing,
-        log: &mut dyn FnMut(Level, &str),
+        log: Log<'_>,
     ) -> Result<Self, CameraError> {
         if given.af_zones.is_some() {
             log(
@@ -86,11 +86,7 @@ impl Setup {
 /// # Errors
 /// No such lens, a file that is not a lens, a value out of range, or a lens that cannot be scaled or stopped down as
 /// asked.
-pub fn open_lens(
-    given: &Parameters,
-    host: &Host,
-    log: &mut dyn FnMut(Level, &str),
-) -> Result<(Prescription, Lens), CameraError> {
+pub fn open_lens(given: &Parameters, host: &Host, log: Log<'_>) -> Result<(Prescription, Lens), CameraError> {
     let prescription = match (&host.lens_text, &given.specfile) {
         (Some(_), Some(_)) => return Err(both("specfile", "lens_text").into()),
         (Some((name, text)), None) => read(name, text).map_err(SourceError::from)?,
