@@ -12,6 +12,9 @@ pub enum Level {
     Error,
 }
 
+/// Receives messages.
+pub type Log<'a> = &'a mut dyn FnMut(Level, &str);
+
 /// Names to choose from, in a sentence: `"a", "b" or "c"`.
 pub fn quoted(names: &[&str]) -> String {
     let names: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();

@@ -23,7 +23,9 @@
 
 use thiserror::Error;
 
-use realistic::camera::{Camera, CameraError, Host, Level, Outcome, Parameters, Sample, Weighting, WorldRay};
+use realistic::camera::{
+    Camera, CameraError, Host, Level, Log, Outcome, Parameters, Sample, Weighting, WorldRay,
+};
 
 use crate::subject::quasirandom::spread;
 
@@ -128,20 +130,19 @@ impl Measurement {
         host: &Host,
         [from, to]: [f64; 2],
         bands: u32,
-        log: &mut dyn FnMut(Level, &str),
+        log: Log<'_>,
     ) -> Result<Self, MeasurementError> {
         if bands == 0 || !(from < to) {
             return Err(MeasurementError::Bands { from, to });
         }
-        let radiometric = parameters.weighting.is_none_or(|weighting| weighting == Weighting::Radiometric)
-            && parameters.simpleweighting != Some(true);
+        let radiometric = parameters.weighting() == Ok(Weighting::Radiometric);
         let width = (to - from) / f64::from(bands);
         let band = |i: u32| {
             let wavelength = from + (f64::from(i) + 0.5) * width;
             let mut parameters = parameters.clone();
             parameters.wavelength = Some(wavelength);
             let mut silent = |_: Level, _: &str| {};
-            let log: &mut dyn FnMut(Level, &str) = if i == 0 { &mut *log } else { &mut silent };
+            let log: Log<'_> = if i == 0 { &mut *log } else { &mut silent };
             let camera = Camera::build(&parameters, host, log)?;
             if !radiometric || camera.film().is_none() {
                 return Err(MeasurementError::NotRadiometric);

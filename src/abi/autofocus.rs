@@ -7,7 +7,7 @@ use super::camera;
 use super::object;
 use super::options;
 use super::types::{realistic_camera, realistic_options, realistic_ray};
-use crate::camera::autofocus::{AutofocusError, Rule, Search, Zone, by_distance};
+use crate::camera::autofocus::{Rule, Search, Zone, by_distance};
 use crate::camera::{Host, Parameters};
 
 /// A rectangle of the picture in pixels; (0, 0) is the picture's top left corner.
@@ -123,8 +123,7 @@ pub unsafe extern "C" fn realistic_autofocus(
                 ));
             }
             (Some(_), Some(_)) => {
-                return Err(Failure::new(
-                    realistic_status::InvalidParameter,
+                return Err(Failure::invalid(
                     "autofocus takes a distance or a contrast callback, not both; give NULL for one",
                 ));
             }
@@ -140,10 +139,9 @@ fn rule_of(number: i32) -> Result<Rule, Failure> {
         0 => Ok(Rule::Nearest),
         1 => Ok(Rule::Centre),
         2 => Ok(Rule::Average),
-        _ => Err(Failure::new(
-            realistic_status::InvalidParameter,
-            format!("autofocus rule {number} is unknown; give 0 (nearest), 1 (centre) or 2 (average)"),
-        )),
+        _ => Err(Failure::invalid(format!(
+            "autofocus rule {number} is unknown; give 0 (nearest), 1 (centre) or 2 (average)"
+        ))),
     }
 }
 
@@ -175,18 +173,5 @@ impl From<Zone> for realistic_zone {
     fn from(zone: Zone) -> Self {
         let Zone { left, top, right, bottom } = zone;
         Self { left, top, right, bottom }
-    }
-}
-
-impl From<AutofocusError> for Failure {
-    fn from(error: AutofocusError) -> Self {
-        let status = match error {
-            AutofocusError::Camera(error) => return error.into(),
-            AutofocusError::Nothing { .. } => realistic_status::UnreachableFocus,
-            AutofocusError::NoZones { .. } | AutofocusError::Zone { .. } => {
-                realistic_status::InvalidParameter
-            }
-        };
-        Self::new(status, error.to_string())
     }
 }

@@ -234,5 +234,5 @@ fn stride(name: &str, given: usize, size: usize, n: usize) -> Result<usize, Fail
     } else {
         return Ok(stride);
     };
-    Err(Failure::new(realistic_status::InvalidParameter, wrong))
+    Err(Failure::invalid(wrong))
 }

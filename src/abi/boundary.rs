@@ -86,6 +86,11 @@ impl Failure {
     pub fn new(status: realistic_status, message: impl Into<String>) -> Self {
         Self { status, message: message.into() }
     }
+
+    /// A parameter is wrong.
+    pub fn invalid(message: impl Into<String>) -> Self {
+        Self::new(realistic_status::InvalidParameter, message)
+    }
 }
 
 /// A pointer that must not be NULL is.

@@ -9,7 +9,7 @@ use super::host_part::HostPart;
 use super::object;
 use super::options::{self, check_size};
 use super::types::{level_number, realistic_camera, realistic_camera_info, realistic_log, realistic_options};
-use crate::camera::{Film, Host, Level, Parameters};
+use crate::camera::{Film, Host, Level, Log, Parameters};
 
 /// Bytes of the first version of `realistic_camera_info`.
 const FIRST_INFO_SIZE: usize = size_of::<realistic_camera_info>();
@@ -46,7 +46,7 @@ pub unsafe extern "C" fn realistic_camera_new(
 pub(super) fn make(
     parameters: &Parameters,
     host: &Host,
-    log: &mut dyn FnMut(Level, &str),
+    log: Log<'_>,
 ) -> Result<*mut realistic_camera, Failure> {
     let handle = Handle::build(parameters, host, log)?;
     let [open, _] = handle.camera().shutter_interval();

@@ -4,10 +4,9 @@ use std::mem::offset_of;
 #[cfg(realistic_shim)]
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::boundary::{Failure, realistic_status};
+use super::boundary::Failure;
 use super::types::{realistic_ray, realistic_reason, realistic_sample};
-use crate::camera::{Camera, CameraError, Host, Level, Outcome, Parameters, Sample, WorldRay};
-use crate::imaging::focus::FocusError;
+use crate::camera::{Camera, Host, Log, Outcome, Parameters, Sample, WorldRay};
 use crate::trace::Blocked;
 
 /// A built camera. Immutable.
@@ -27,11 +26,7 @@ impl Handle {
     ///
     /// # Errors
     /// What is wrong, and what to give instead.
-    pub fn build(
-        parameters: &Parameters,
-        host: &Host,
-        log: &mut dyn FnMut(Level, &str),
-    ) -> Result<Self, Failure> {
+    pub fn build(parameters: &Parameters, host: &Host, log: Log<'_>) -> Result<Self, Failure> {
         let camera = Camera::build(parameters, host, log)?;
         Ok(Self {
             camera,
@@ -91,25 +86,5 @@ impl From<Blocked> for realistic_reason {
             Blocked::Reflected => Self::Reflected,
             Blocked::TurnedBack => Self::TurnedBack,
         }
-    }
-}
-
-impl From<CameraError> for Failure {
-    fn from(error: CameraError) -> Self {
-        let status = match &error {
-            CameraError::Source(_) => realistic_status::LensFile,
-            CameraError::Focus(FocusError::TooNear { .. }) => realistic_status::UnreachableFocus,
-            CameraError::Parameter(_)
-            | CameraError::Lens(_)
-            | CameraError::Focus(_)
-            | CameraError::NoFilmDistance(_)
-            | CameraError::FilmInLens { .. }
-            | CameraError::PupilAtInfinity
-            | CameraError::DarkAxis { .. }
-            | CameraError::Weight { .. }
-            | CameraError::Transform(_)
-            | CameraError::Raster { .. } => realistic_status::InvalidParameter,
-        };
-        Self::new(status, error.to_string())
     }
 }

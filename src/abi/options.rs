@@ -5,11 +5,9 @@ use std::mem::{offset_of, size_of};
 use std::ptr::{null, null_mut};
 
 use super::boundary::{self, Failure, realistic_status};
-use super::plugin;
+use super::library::plugin_directory;
 use super::types::realistic_options;
-use crate::camera::{
-    CameraError, CameraMotion, CameraToWorld, Host, ParameterError, Parameters, Raster, Value,
-};
+use crate::camera::{CameraError, CameraMotion, CameraToWorld, Host, Parameters, Raster, Value};
 use crate::prescription::MAX_FILE_BYTES;
 
 /// Bytes of the first version of `realistic_options`; later ones only add at the end.
@@ -155,7 +153,7 @@ impl realistic_options {
             0 | 1 => parameters.set("simpleweighting", Value::Bool(self.simpleweighting == 1))?,
             other => {
                 let text = format!("parameter \"simpleweighting\" is {other}; it must be -1, 0 or 1");
-                return Err(Failure::new(realistic_status::InvalidParameter, text));
+                return Err(Failure::invalid(text));
             }
         }
         Ok(parameters)
@@ -166,7 +164,7 @@ impl realistic_options {
     /// # Safety
     /// `lens_text` is NULL or points to `lens_text_size` bytes.
     pub(super) unsafe fn host(&self) -> Result<Host, Failure> {
-        let mut host = Host::new(raster(self.xres, self.yres)?, plugin::directory());
+        let mut host = Host::new(raster(self.xres, self.yres)?, plugin_directory());
         host.to_world = self.motion()?;
         if !self.lens_text.is_null() {
             // A length that was never set, or is that of another thing, must not be read to its end.
@@ -184,9 +182,7 @@ impl realistic_options {
         }
         Ok(host)
     }
-}
 
-impl realistic_options {
     fn motion(&self) -> Result<CameraMotion, Failure> {
         let transform = |rows| CameraToWorld::from_rows(rows).map_err(CameraError::from);
         let start = transform(&self.camera_to_world)?;
@@ -194,8 +190,7 @@ impl realistic_options {
             if self.transformstart.is_nan() && self.transformend.is_nan() {
                 return Ok(start.into());
             }
-            return Err(Failure::new(
-                realistic_status::InvalidParameter,
+            return Err(Failure::invalid(
                 "transformstart and transformend are the times of a moving camera's two transforms; give \
                  camera_to_world_end as well",
             ));
@@ -223,12 +218,6 @@ fn given(number: f64) -> Option<f64> {
     (!number.is_nan()).then_some(number)
 }
 
-impl From<ParameterError> for Failure {
-    fn from(error: ParameterError) -> Self {
-        CameraError::from(error).into()
-    }
-}
-
 /// The raster of signed resolutions, as both C and pbrt give them.
 pub(super) fn raster(xres: i32, yres: i32) -> Result<Raster, Failure> {
     match (u32::try_from(xres), u32::try_from(yres)) {
@@ -244,9 +233,10 @@ unsafe fn text_at<'a>(name: &str, text: *const c_char) -> Result<Option<&'a str>
         return Ok(None);
     }
     // SAFETY: not NULL, and the caller's promise.
-    unsafe { CStr::from_ptr(text) }.to_str().map(Some).map_err(|_| {
-        Failure::new(realistic_status::InvalidParameter, format!("parameter \"{name}\" is not UTF-8 text"))
-    })
+    unsafe { CStr::from_ptr(text) }
+        .to_str()
+        .map(Some)
+        .map_err(|_| Failure::invalid(format!("parameter \"{name}\" is not UTF-8 text")))
 }
 
 #[cfg(test)]

@@ -1,9 +1,8 @@
 //! The camera that a host holds: one of the models, with its shutter.
 
 use super::{
-    builder::CameraBuilder,
     film::Film,
-    host::{Host, Level},
+    host::{Host, Log},
     model::Model,
     models::{
         environment::EnvironmentCamera, ideal::IdealCamera, lens::RealisticCamera,
@@ -35,27 +34,18 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// A camera to be described by methods and then built.
-    pub fn builder() -> CameraBuilder<Self> {
-        CameraBuilder::new(Self::build)
-    }
-
     /// Builds a camera of the model that the parameters name. `log` receives warnings, among them the
     /// parameters that the model does not use.
     ///
     /// # Errors
     /// What is wrong, and what to give instead.
-    pub fn build(
-        parameters: &Parameters,
-        host: &Host,
-        log: &mut dyn FnMut(Level, &str),
-    ) -> Result<Self, CameraError> {
+    pub fn build(parameters: &Parameters, host: &Host, log: Log<'_>) -> Result<Self, CameraError> {
         let (model, shutter) = (parameters.model(), setup::shutter(parameters)?);
-        warn_of_unused(model, shutter, parameters, log);
+        setup::warn_of_unused(model, shutter, parameters, log);
         let optics = match model {
             Model::Lens => AnyModel::Lens(RealisticCamera::build(parameters, host, log)?.into()),
             Model::Thick | Model::Thin => {
-                AnyModel::Ideal(IdealCamera::build(parameters, host, model == Model::Thin, log)?.into())
+                AnyModel::Ideal(IdealCamera::build(parameters, host, model, log)?.into())
             }
             Model::Perspective => {
                 AnyModel::Projective(stock_cameras::perspective(parameters, host, log)?.into())
@@ -300,27 +290,6 @@ fn is_sound(ray: &WorldRay, weight: f32) -> bool {
 /// A positive weight behind the shutter. However small, it is not that of a blocked ray.
 fn dimmed(weight: f32, share: f32) -> f32 {
     (weight * share).max(f32::MIN_POSITIVE)
-}
-
-fn warn_of_unused(model: Model, shutter: Shutter, given: &Parameters, log: &mut dyn FnMut(Level, &str)) {
-    let unused = given.given().filter(|row| !row.models.contains(&model));
-    let names: Vec<String> = unused.map(|row| format!("\"{}\"", row.name)).collect();
-    if !names.is_empty() {
-        log(Level::Warning, &format!("model \"{model}\" does not use {}", names.join(", ")));
-    }
-    for (name, is_given, is_used, kind) in [
-        ("shutterramp", given.shutterramp.is_some(), matches!(shutter, Shutter::Leaf { .. }), "leaf"),
-        (
-            "shutterslit",
-            given.shutterslit.is_some(),
-            matches!(shutter, Shutter::FocalPlane { .. }),
-            "focal-plane",
-        ),
-    ] {
-        if is_given && !is_used {
-            log(Level::Warning, &format!("\"{name}\" is used with \"shutter\" \"{kind}\" only"));
-        }
-    }
 }
 
 #[cfg(test)]

@@ -16,7 +16,7 @@ use super::{
 };
 use crate::{
     imaging::focus::{Focus, FocusError},
-    message::Level,
+    message::Log,
     numeric::minimum,
 };
 
@@ -136,7 +136,7 @@ fn start(
     parameters: &Parameters,
     host: &Host,
     zones: &[Zone],
-    log: &mut dyn FnMut(Level, &str),
+    log: Log<'_>,
 ) -> Result<(RealisticCamera, Focus), AutofocusError> {
     check(zones, host.raster)?;
     for (name, given) in
@@ -170,7 +170,7 @@ pub fn by_distance(
     zones: &[Zone],
     rule: Rule,
     mut distance: impl FnMut(&WorldRay) -> f64,
-    log: &mut dyn FnMut(Level, &str),
+    log: Log<'_>,
 ) -> Result<f64, AutofocusError> {
     let (camera, focus) = start(parameters, host, zones, log)?;
     let mm_per_unit = parameters.mmperunit().map_err(CameraError::from)?;
@@ -287,7 +287,7 @@ impl Search {
         parameters: &Parameters,
         host: &Host,
         zones: &[Zone],
-        log: &mut dyn FnMut(Level, &str),
+        log: Log<'_>,
     ) -> Result<Self, AutofocusError> {
         let (camera, focus) = start(parameters, host, zones, log)?;
         let (infinity, nearest) = (camera.film_distance(), focus.nearest().film_distance);

@@ -1,13 +1,17 @@
 //! The way that Rust callers describe a camera: typed settings, one method each, and what a host brings.
 
 use super::{
+    any_camera::Camera,
     film::Raster,
     host::Host,
     model::Model,
-    parameters::{CameraError, LensPlane, Parameters, Precision, Pupil, Weighting},
+    parameters::{CameraError, LensPlane, Parameters, Pupil, Weighting},
     placement::{motion::CameraMotion, shutter::Shutter},
 };
-use crate::{lens::refraction::Refraction, message::Level, prescription::SearchPath, sampling::DiskMapping};
+use crate::{
+    lens::refraction::Refraction, message::Log, plan::Precision, prescription::SearchPath,
+    sampling::DiskMapping,
+};
 
 /// A camera to be built: [`Camera::builder`](super::Camera::builder). What is not called keeps the default of [`PARAMETERS`](super::PARAMETERS);
 /// only [`resolution`](Self::resolution) has none.
@@ -26,14 +30,10 @@ use crate::{lens::refraction::Refraction, message::Level, prescription::SearchPa
 /// # Ok::<(), realistic::camera::CameraError>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct CameraBuilder<C> {
+pub struct CameraBuilder {
     parameters: Parameters,
     host: Host,
-    make: Make<C>,
 }
-
-/// Builds a camera of parameters, with messages for the log.
-type Make<C> = fn(&Parameters, &Host, &mut dyn FnMut(Level, &str)) -> Result<C, CameraError>;
 
 macro_rules! settings {
     ($($(#[$doc:meta])* $method:ident($argument:ident: $type:ty) => $($field:ident).+ = $value:expr;)*) => {$(
@@ -46,13 +46,15 @@ macro_rules! settings {
     )*};
 }
 
-impl<C> CameraBuilder<C> {
-    /// Nothing described yet.
-    pub(crate) fn new(make: Make<C>) -> Self {
+impl Camera {
+    /// A camera to be described by methods and then built.
+    pub fn builder() -> CameraBuilder {
         let host = Host::new(Raster { xres: 0, yres: 0 }, None);
-        Self { parameters: Parameters::default(), host, make }
+        CameraBuilder { parameters: Parameters::default(), host }
     }
+}
 
+impl CameraBuilder {
     settings! {
         /// What the camera is a model of.
         model(model: Model) => parameters.model = Some(model);
@@ -88,8 +90,8 @@ impl<C> CameraBuilder<C> {
         wavelength(nm: f64) => parameters.wavelength = Some(nm);
         /// Length of a world unit, mm.
         mm_per_unit(mm: f64) => parameters.mmperunit = Some(mm);
-        /// What rays are traced in.
-        precision(precision: Precision) => parameters.precision = Some(precision);
+        /// What rays are traced in; by default double, or what the tolerance allows.
+        precision(precision: Precision) => parameters.precision = Some(Some(precision));
         /// Pixels by which 99.9 % of the rays may be off.
         tolerance(pixels: f64) => parameters.tolerance = Some(pixels);
         /// Degrees across the shorter side of the image, of [`Model::Perspective`].
@@ -143,7 +145,7 @@ impl<C> CameraBuilder<C> {
     ///
     /// # Errors
     /// What is wrong, and what to give instead.
-    pub fn build(&self) -> Result<C, CameraError> {
+    pub fn build(&self) -> Result<Camera, CameraError> {
         self.build_with_log(&mut |_, _| ())
     }
 
@@ -151,15 +153,15 @@ impl<C> CameraBuilder<C> {
     ///
     /// # Errors
     /// What is wrong, and what to give instead.
-    pub fn build_with_log(&self, log: &mut dyn FnMut(Level, &str)) -> Result<C, CameraError> {
-        (self.make)(&self.parameters, &self.host, log)
+    pub fn build_with_log(&self, log: Log<'_>) -> Result<Camera, CameraError> {
+        Camera::build(&self.parameters, &self.host, log)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{Camera, Outcome, Sample};
+    use crate::camera::{Outcome, Sample};
 
     const SAMPLE: Sample = Sample { image_x: 30.0, image_y: 5.0, lens_u: 0.4, lens_v: 0.8, time: 0.4 };
 
@@ -211,7 +213,7 @@ mod tests {
 
     #[test]
     fn what_is_wrong_is_told_as_for_parameters_by_name() {
-        let refused = |builder: CameraBuilder<Camera>| builder.build().expect_err("refused").to_string();
+        let refused = |builder: CameraBuilder| builder.build().expect_err("refused").to_string();
         assert!(refused(Camera::builder()).contains("0 x 0 pixels"));
         let small = Camera::builder().resolution(4, 3);
         let both = refused(small.clone().fnumber(8.0).aperture_diameter(3.0));

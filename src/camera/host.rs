@@ -8,7 +8,7 @@ use super::{
 };
 use crate::prescription::SearchPath;
 
-pub use crate::message::Level;
+pub use crate::message::{Level, Log};
 
 /// What a host brings besides parameters.
 #[derive(Clone, Debug)]

@@ -17,17 +17,18 @@ pub(crate) mod placement;
 pub(crate) mod ray;
 pub(crate) mod setup;
 
+pub use crate::plan::Precision;
 pub use any_camera::Camera;
 pub use builder::CameraBuilder;
 pub use film::{Film, Raster};
-pub use host::{Host, Level};
+pub use host::{Host, Level, Log};
 pub use model::Model;
 pub use models::{
     environment::EnvironmentCamera, ideal::IdealCamera, lens::RealisticCamera, projective::ProjectiveCamera,
 };
 pub use parameters::{
-    CameraError, Interval, Kind, LensPlane, PARAMETERS, Parameter, ParameterError, Parameters, Precision,
-    Pupil, Range, UnknownName, Value, Weighting,
+    CameraError, Interval, Kind, LensPlane, PARAMETERS, Parameter, ParameterError, Parameters, Pupil, Range,
+    UnknownName, Value, Weighting,
 };
 pub(crate) use pipeline::arrays::BLOCK;
 pub use pipeline::arrays::{RayArrays, RayBlock, SampleArrays, SampleBlock};

@@ -10,7 +10,7 @@ use super::{
     pupil::{EntrancePupil, limiting_surface},
 };
 use crate::{
-    message::{Level, short},
+    message::{Level, Log, short},
     prescription::{LensSource, Prescription, SearchPath, SourceError, glass::D_LINE},
 };
 
@@ -61,7 +61,7 @@ pub fn set_up(
     prescription: &Prescription,
     wavelength: f64,
     stop: StopSize,
-    log: &mut dyn FnMut(Level, &str),
+    log: Log<'_>,
 ) -> Result<Lens, LensError> {
     if wavelength != D_LINE && !prescription.is_dispersive() {
         let name = &prescription.name;
@@ -94,11 +94,7 @@ pub fn set_up(
     Ok(lens)
 }
 
-fn stop_to_diameter(
-    lens: &mut Lens,
-    diameter: f64,
-    log: &mut dyn FnMut(Level, &str),
-) -> Result<(), LensError> {
+fn stop_to_diameter(lens: &mut Lens, diameter: f64, log: Log<'_>) -> Result<(), LensError> {
     let Some(stop) = lens.stop_index() else {
         return Err(LensError::NoStop { lens: lens.name.clone() });
     };
@@ -115,7 +111,7 @@ fn stop_to_diameter(
     Ok(())
 }
 
-fn stop_to_fnumber(lens: &mut Lens, number: f64, log: &mut dyn FnMut(Level, &str)) -> Result<(), LensError> {
+fn stop_to_fnumber(lens: &mut Lens, number: f64, log: Log<'_>) -> Result<(), LensError> {
     let focal_length = FirstOrder::of(lens)?.focal_length.abs();
     let widest = focal_length / EntrancePupil::of_surface(lens, limiting_surface(lens)).diameter();
     if number < widest {

@@ -14,7 +14,7 @@ use super::{
     evaluate::{Errors, Evaluation, fit_rays},
     quantile::QUANTILE,
     task::Task,
-    tracing::{Arithmetic, Tracing},
+    tracing::{Precision, Tracing},
 };
 use crate::{
     lens::single_precision::f32_is_fit,
@@ -70,20 +70,20 @@ impl Choice {
         let evaluation = Evaluation::new(task);
         let apertures = evaluation.as_ref().map_or(0, |evaluation| evaluation.blocking.len());
         let mut candidates = candidates(task, unfit.is_none(), apertures);
-        let mut chosen = Tracing::Exact(Arithmetic::F64);
+        let mut chosen = Tracing::Exact(Precision::F64);
         for candidate in &mut candidates {
             let found = match (candidate.tracing, &evaluation) {
-                (Tracing::Exact(Arithmetic::F64), _) => Ok((Tracing::Exact(Arithmetic::F64), Errors::NONE)),
+                (Tracing::Exact(Precision::F64), _) => Ok((Tracing::Exact(Precision::F64), Errors::NONE)),
                 (_, Err(why)) => Err(why.clone()),
-                (Tracing::Exact(Arithmetic::F32), Ok(evaluation)) => match &unfit {
+                (Tracing::Exact(Precision::F32), Ok(evaluation)) => match &unfit {
                     Some(unfit) => Err(unfit.clone()),
-                    None => Ok((Tracing::Exact(Arithmetic::F32), evaluation.single())),
+                    None => Ok((Tracing::Exact(Precision::F32), evaluation.single())),
                 },
-                (Tracing::Polynomials { order, arithmetic, .. }, Ok(evaluation)) => {
+                (Tracing::Polynomials { order, precision, .. }, Ok(evaluation)) => {
                     let rays = fit_rays(&task.film, RAYS_PER_MONOMIAL * monomials(order) + 50);
                     evaluation
-                        .polynomials(order, &rays, arithmetic)
-                        .map(|(fit, errors)| (Tracing::Polynomials { order, arithmetic, fit }, errors))
+                        .polynomials(order, &rays, precision)
+                        .map(|(fit, errors)| (Tracing::Polynomials { order, precision, fit }, errors))
                 }
                 (Tracing::Refracted(..), _) => unreachable!("a named refraction is no candidate"),
             };
@@ -116,7 +116,7 @@ impl Choice {
             return String::new();
         };
         let tracing = candidate.tracing;
-        if tracing == Tracing::Exact(Arithmetic::F64) {
+        if tracing == Tracing::Exact(Precision::F64) {
             return format!(
                 "tolerance {} pixels: {tracing}, for no cheaper model stays below it",
                 short(self.tolerance)
@@ -137,17 +137,17 @@ impl Choice {
 /// apertures that block rays, and the kernel in either precision.
 fn candidates(task: &Task<'_>, fit: bool, apertures: usize) -> Vec<Candidate> {
     let (simd, surfaces) = (Simd::best(), task.lens.surfaces.len());
-    let arithmetic = if fit { Arithmetic::F32 } else { Arithmetic::F64 };
-    let exact = cost::kernel(simd, Arithmetic::F64, surfaces);
+    let precision = if fit { Precision::F32 } else { Precision::F64 };
+    let exact = cost::kernel(simd, Precision::F64, surfaces);
     let polynomials = ORDERS.iter().map(|&order| {
-        let cost = cost::polynomials(simd, arithmetic, monomials(order), apertures);
-        (Tracing::Polynomials { order, arithmetic, fit: () }, cost)
+        let cost = cost::polynomials(simd, precision, monomials(order), apertures);
+        (Tracing::Polynomials { order, precision, fit: () }, cost)
     });
-    let single = (Tracing::Exact(Arithmetic::F32), cost::kernel(simd, Arithmetic::F32, surfaces));
+    let single = (Tracing::Exact(Precision::F32), cost::kernel(simd, Precision::F32, surfaces));
     let mut candidates: Vec<Candidate> = polynomials
         .chain([single])
         .filter(|(_, cost)| *cost < exact)
-        .chain([(Tracing::Exact(Arithmetic::F64), exact)])
+        .chain([(Tracing::Exact(Precision::F64), exact)])
         .map(|(tracing, cost)| Candidate { tracing, cost, verdict: Verdict::Untried })
         .collect();
     candidates.sort_by(|a, b| a.cost.total_cmp(&b.cost));

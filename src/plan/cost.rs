@@ -4,7 +4,7 @@
 //! `benches/record`: only their order counts, which is the processor's width's. A clock at build time would
 //! make a picture depend on what else the machine did.
 
-use super::tracing::Arithmetic::{self, F32, F64};
+use super::tracing::Precision::{self, F32, F64};
 use crate::trace::kernel::Simd;
 
 /// What is counted: nanoseconds for none of it, and for each.
@@ -21,8 +21,8 @@ impl Line {
 }
 
 /// The exact trace, by the number of surfaces.
-pub fn kernel(simd: Simd, arithmetic: Arithmetic, surfaces: usize) -> f64 {
-    let line = match (simd, arithmetic) {
+pub fn kernel(simd: Simd, precision: Precision, surfaces: usize) -> f64 {
+    let line = match (simd, precision) {
         (Simd::Avx512, F32) => Line { none: 1.2, each: 0.44 },
         (Simd::Avx512, F64) => Line { none: 3.3, each: 0.83 },
         (Simd::Avx2, F32) => Line { none: 1.7, each: 0.57 },
@@ -33,8 +33,8 @@ pub fn kernel(simd: Simd, arithmetic: Arithmetic, surfaces: usize) -> f64 {
 }
 
 /// Polynomials, by the monomials of each and the polynomials: four, and two for each aperture.
-pub fn polynomials(simd: Simd, arithmetic: Arithmetic, monomials: usize, apertures: usize) -> f64 {
-    let line = match (simd, arithmetic) {
+pub fn polynomials(simd: Simd, precision: Precision, monomials: usize, apertures: usize) -> f64 {
+    let line = match (simd, precision) {
         (Simd::Avx512, F32) => Line { none: 1.9, each: 0.0175 },
         (Simd::Avx512, F64) => Line { none: 3.8, each: 0.035 },
         (Simd::Avx2, F32) => Line { none: 2.9, each: 0.034 },

@@ -8,7 +8,7 @@ use super::{
     choice::Choice,
     items::Plan,
     task::Task,
-    tracing::{Arithmetic, Tracing},
+    tracing::{Precision, Tracing},
 };
 use crate::{
     lens::{refraction::Refraction, single_precision::f32_is_fit},
@@ -31,7 +31,7 @@ impl Decision {
     /// Decides, and writes into `plan` what is kept and left out, and why.
     pub fn of(task: &Task<'_>, plan: &mut Plan) -> Self {
         let mut warnings = Vec::new();
-        let single = task.precision == Some(Arithmetic::F32);
+        let single = task.precision == Some(Precision::F32);
         let unfit = if single { f32_is_fit(task.lens).err() } else { None };
         if let Some(unfit) = &unfit {
             warnings.push(format!("\"precision\" \"f32\" cannot trace this lens: {unfit}"));
@@ -44,7 +44,7 @@ impl Decision {
                     .to_owned(),
             );
         }
-        let named = Tracing::Exact(task.precision.unwrap_or(Arithmetic::F64));
+        let named = Tracing::Exact(task.precision.unwrap_or(Precision::F64));
         let tracing = match (task.refraction, task.leave_out) {
             (Refraction::Fused, true) if task.tolerance > 0.0 && !is_named => {
                 let (choice, chosen) = Choice::of(task);
@@ -52,14 +52,14 @@ impl Decision {
                 chosen
             }
             (Refraction::Fused, _) => named,
-            (refraction, _) => Tracing::Refracted(refraction, task.precision.unwrap_or(Arithmetic::F64)),
+            (refraction, _) => Tracing::Refracted(refraction, task.precision.unwrap_or(Precision::F64)),
         };
         let (mut reach, mut tested) = (task.film.reach, None);
         match &tracing {
-            Tracing::Exact(arithmetic) if task.leave_out => {
-                let error = if *arithmetic == Arithmetic::F64 { "1e-15" } else { "1e-7" };
+            Tracing::Exact(precision) if task.leave_out => {
+                let error = if *precision == Precision::F64 { "1e-15" } else { "1e-7" };
                 plan.kept(
-                    &format!("exact trace in {arithmetic}"),
+                    &format!("exact trace in {precision}"),
                     "every surface is met",
                     format!("errors of {error} rad"),
                 );

@@ -4,7 +4,7 @@ use super::{
     quantile::upper_bound,
     strata,
     task::{FilmSide, Task},
-    tracing::Arithmetic,
+    tracing::Precision,
 };
 use crate::{
     imaging::image_scale::ImageScale,
@@ -169,14 +169,14 @@ impl<'a> Evaluation<'a> {
         &self,
         order: usize,
         fitted: &[Ray],
-        arithmetic: Arithmetic,
+        precision: Precision,
     ) -> Result<(Polynomial, Errors), String> {
         let (lens, film) = (self.task.lens, self.task.film.z);
         let polynomial = Polynomial::with_apertures(lens, film, fitted, order, &self.blocking)
             .map_err(|error| error.to_string())?;
-        let errors = match arithmetic {
-            Arithmetic::F64 => self.errors_of::<f64>(&polynomial),
-            Arithmetic::F32 => self.errors_of::<f32>(&polynomial),
+        let errors = match precision {
+            Precision::F64 => self.errors_of::<f64>(&polynomial),
+            Precision::F32 => self.errors_of::<f32>(&polynomial),
         };
         Ok((polynomial, errors))
     }

@@ -25,4 +25,4 @@ pub(crate) use describe::describe_sampling;
 pub use evaluate::Errors;
 pub use items::{Item, Plan};
 pub(crate) use task::{FilmSide, Task};
-pub use tracing::{Arithmetic, Tracing};
+pub use tracing::{Precision, Tracing};

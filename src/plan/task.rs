@@ -1,6 +1,6 @@
 //! What a plan is made for: a lens, the film behind it, where its pupil is sampled, and the error that is tolerated.
 
-use super::tracing::Arithmetic;
+use super::tracing::Precision;
 use crate::{
     lens::{Lens, refraction::Refraction},
     sampling::{Band, DiskMapping, PupilSample, PupilSampler},
@@ -39,7 +39,7 @@ pub(crate) struct Task<'a> {
     /// The method of refraction asked for.
     pub refraction: Refraction,
     /// The precision asked for; `None` leaves it to the tolerance.
-    pub precision: Option<Arithmetic>,
+    pub precision: Option<Precision>,
     /// The error that is tolerated, pixels; 0 for none.
     pub tolerance: f64,
     /// Whether anything may be left out.

@@ -6,31 +6,42 @@ use std::fmt;
 
 use crate::lens::refraction::Refraction;
 
-/// What rays are computed with.
+/// What rays are computed in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Arithmetic {
+pub enum Precision {
     /// Double precision.
     F64,
     /// Single precision.
     F32,
 }
 
+impl Precision {
+    /// What may be asked for, by name; `None` leaves the precision to the plan. A precision is written by its first name.
+    pub const NAMES: [(&'static str, Option<Self>); 5] = [
+        ("auto", None),
+        ("f64", Some(Self::F64)),
+        ("f32", Some(Self::F32)),
+        ("double", Some(Self::F64)),
+        ("single", Some(Self::F32)),
+    ];
+}
+
 /// A way to take rays through a lens. `Fit` is what polynomials are once they are fitted; a candidate has none yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tracing<Fit = ()> {
     /// Every surface, by the compiled kernel.
-    Exact(Arithmetic),
+    Exact(Precision),
     /// The whole lens by polynomials.
     Polynomials {
         /// Their order: odd; of order 1, the thick lens.
         order: usize,
         /// What they are evaluated in.
-        arithmetic: Arithmetic,
+        precision: Precision,
         /// Their coefficients.
         fit: Fit,
     },
     /// Surface after surface by a named method of refraction, one ray at a time.
-    Refracted(Refraction, Arithmetic),
+    Refracted(Refraction, Precision),
 }
 
 impl<Fit> Tracing<Fit> {
@@ -40,12 +51,10 @@ impl<Fit> Tracing<Fit> {
     }
 }
 
-impl fmt::Display for Arithmetic {
+impl fmt::Display for Precision {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Self::F64 => "f64",
-            Self::F32 => "f32",
-        })
+        let own = Self::NAMES.iter().find(|(_, precision)| *precision == Some(*self));
+        f.pad(own.map_or("", |(name, _)| name))
     }
 }
 
@@ -53,12 +62,12 @@ impl fmt::Display for Arithmetic {
 impl<Fit> fmt::Display for Tracing<Fit> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let name = match self {
-            Self::Exact(arithmetic) => format!("exact, {arithmetic}"),
-            Self::Polynomials { order: 1, arithmetic, .. } => format!("thick lens, {arithmetic}"),
-            Self::Polynomials { order, arithmetic, .. } => {
-                format!("polynomials of order {order}, {arithmetic}")
+            Self::Exact(precision) => format!("exact, {precision}"),
+            Self::Polynomials { order: 1, precision, .. } => format!("thick lens, {precision}"),
+            Self::Polynomials { order, precision, .. } => {
+                format!("polynomials of order {order}, {precision}")
             }
-            Self::Refracted(refraction, arithmetic) => format!("{refraction:?}, {arithmetic}"),
+            Self::Refracted(refraction, precision) => format!("{refraction:?}, {precision}"),
         };
         f.pad(&name)
     }

@@ -6,7 +6,7 @@ use super::support;
 use realistic::{
     camera::{CameraMotion, CameraToWorld, Host, RayBlock, RealisticCamera, Sample, SampleBlock, WorldRay},
     imaging::image_scale::ImageScale,
-    plan::{Arithmetic, Tracing, choice::Verdict},
+    plan::{Precision, Tracing, choice::Verdict},
     trace::{Ray, kernel::Simd},
 };
 use support::{LENSES, Random, build, host, host_with};
@@ -83,7 +83,7 @@ fn fresh_rays_stay_within_the_stated_error() {
                 let (candidate, errors) = choice.chosen().expect("one is always chosen");
                 assert!(errors.pixels <= tolerance.parse::<f64>().expect("a number"), "{given:?}");
                 models.push(candidate.tracing);
-                if candidate.tracing == Tracing::Exact(Arithmetic::F64) {
+                if candidate.tracing == Tracing::Exact(Precision::F64) {
                     continue;
                 }
                 let fresh = quantile_of_errors(&exact, &model, 7);
@@ -98,10 +98,10 @@ fn fresh_rays_stay_within_the_stated_error() {
     }
     // Not all of one kind, or little was tested. Without vectors little is cheaper than the exact trace.
     if Simd::best() != Simd::Portable {
-        assert!(models.contains(&Tracing::Exact(Arithmetic::F32)));
+        assert!(models.contains(&Tracing::Exact(Precision::F32)));
         for order in [5, 7] {
             assert!(
-                models.contains(&Tracing::Polynomials { order, arithmetic: Arithmetic::F32, fit: () }),
+                models.contains(&Tracing::Polynomials { order, precision: Precision::F32, fit: () }),
                 "order {order}"
             );
         }
@@ -243,12 +243,11 @@ fn what_single_precision_cannot_hold_is_not_given_to_it() {
             assert!(
                 !matches!(
                     chosen.tracing,
-                    Tracing::Exact(Arithmetic::F32)
-                        | Tracing::Polynomials { arithmetic: Arithmetic::F32, .. }
+                    Tracing::Exact(Precision::F32) | Tracing::Polynomials { precision: Precision::F32, .. }
                 ),
                 "{why}: {choice}"
             );
-            let single = Tracing::Exact(Arithmetic::F32);
+            let single = Tracing::Exact(Precision::F32);
             for candidate in choice.candidates.iter().filter(|candidate| candidate.tracing == single) {
                 assert!(
                     matches!(candidate.verdict, Verdict::Excluded(_) | Verdict::Untried),

@@ -233,7 +233,7 @@ fn random_camera(random: &mut Random, number: usize) -> RealisticCamera {
             filmdistance: Some(scaled(random, 0.1, 300.0)),
             filmdiag: Some(scaled(random, 0.1, 100.0)),
             pupil: Some([Pupil::Rear, Pupil::Rear, Pupil::Disk, Pupil::Warped][number % 4]),
-            precision: (number / 4 % 2 == 1).then_some(Precision::Single),
+            precision: (number / 4 % 2 == 1).then_some(Some(Precision::F32)),
             ..Parameters::default()
         };
         if let Ok(camera) = RealisticCamera::build(&parameters, &host, &mut |_, _| {}) {

@@ -13,7 +13,7 @@ use super::handle::Handle;
 use super::host_part::HostPart;
 use super::object;
 use super::types::realistic_camera;
-use super::{options, plugin};
+use super::{library, options};
 use crate::camera::{CameraError, CameraToWorld, Host, Kind, Level, Model, PARAMETERS, Parameters, Value};
 use shim::{FindError, Given, HostKind, ParamSet};
 
@@ -63,10 +63,10 @@ unsafe fn create(
     };
     let mut parameters = read_parameters(&params)?;
     if parameters.model.is_none() {
-        parameters.model = plugin::plugin_path().as_deref().and_then(model_named);
+        parameters.model = library::plugin_path().as_deref().and_then(model_named);
     }
     let (xres, yres) = resolution;
-    let mut host = Host::new(options::raster(xres, yres)?, plugin::directory());
+    let mut host = Host::new(options::raster(xres, yres)?, library::plugin_directory());
     let to_world = CameraToWorld::from_rows(&transform.inverse).map_err(CameraError::from)?;
     host.to_world = to_world.into();
     host.can_redraw = false;
@@ -98,11 +98,7 @@ fn read_parameters(params: &ParamSet<'_>) -> Result<Parameters, Failure> {
             }
         }
     }
-    if complaints.is_empty() {
-        Ok(parameters)
-    } else {
-        Err(Failure::new(realistic_status::InvalidParameter, complaints.join("\n")))
-    }
+    if complaints.is_empty() { Ok(parameters) } else { Err(Failure::invalid(complaints.join("\n"))) }
 }
 
 /// Reads one name. The outer error ends the whole reading; the inner one is about this

@@ -18,6 +18,7 @@ use crate::{
     camera::{
         film::Film,
         host::Host,
+        model::Model,
         parameters::{CameraError, ParameterError, Parameters, Weighting},
         placement::Placement,
         ray::{Outcome, Sample, WorldRay},
@@ -31,7 +32,7 @@ use crate::{
         first_order::FirstOrder,
         pupil::{EntrancePupil, limiting_surface},
     },
-    message::{Level, short, short_above},
+    message::{Log, short, short_above},
 };
 
 /// A camera with an ideal lens. Immutable, and may be shared between threads.
@@ -56,15 +57,15 @@ pub struct IdealCamera {
 }
 
 impl IdealCamera {
-    /// Builds the thick lens of the parameters' lens, or its thin one. `log` receives warnings.
+    /// Builds the thick lens of the parameters' lens, or for [`Model::Thin`] its thin one. `log` receives warnings.
     ///
     /// # Errors
     /// What is wrong, and what to give instead.
     pub fn build(
         parameters: &Parameters,
         host: &Host,
-        thin: bool,
-        log: &mut dyn FnMut(Level, &str),
+        model: Model,
+        log: Log<'_>,
     ) -> Result<Self, CameraError> {
         let setup = Setup::of(parameters, host, Focusing::Paraxial, log)?;
         let Setup { lens, film, film_distance, .. } = setup;
@@ -72,7 +73,7 @@ impl IdealCamera {
         let film_z = lens.rear().vertex - film_distance;
         let pupil = PupilDisk::exit(&lens, film_z);
         let entrance = EntrancePupil::of_surface(&lens, limiting_surface(&lens));
-        let (imaging, film_z, pupil) = if thin {
+        let (imaging, film_z, pupil) = if model == Model::Thin {
             let image_distance = first_order.rear_principal_plane - film_z;
             if !(image_distance > 0.0) {
                 let least = first_order.back_focal_distance() - first_order.focal_length;
@@ -189,8 +190,10 @@ mod tests {
             parameters.set_from_text(name, text).expect("valid");
         }
         let host = Host::new(Raster { xres: 300, yres: 200 }, None);
-        IdealCamera::build(&parameters, &host, model == "thin", &mut |_, text| panic!("{text}"))
-            .expect("built")
+        IdealCamera::build(&parameters, &host, model.parse().expect("listed"), &mut |_, text| {
+            panic!("{text}")
+        })
+        .expect("built")
     }
 
     fn sample(image: [f32; 2], lens: [f32; 2]) -> Sample {

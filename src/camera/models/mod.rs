@@ -7,6 +7,7 @@
 pub(crate) mod environment;
 pub(crate) mod ideal;
 pub(crate) mod lens;
+mod lens_parts;
 pub(crate) mod projective;
 pub mod spaces;
 pub(crate) mod stock_cameras;

@@ -14,7 +14,7 @@ use crate::{
         placement::Placement,
         setup::{disk_mapping, placement, raster},
     },
-    message::Level,
+    message::{Level, Log},
 };
 
 /// The least `hither` that pbrt's stock cameras take, world units.
@@ -23,8 +23,6 @@ const LEAST_HITHER: f64 = 1e-4;
 const LARGEST_YON: f64 = 1e30;
 /// A distance to the plane of focus that stands for infinity, world units.
 const FOCUSED_AT_INFINITY: f64 = 1e30;
-
-type Log<'a> = &'a mut dyn FnMut(Level, &str);
 
 /// The camera of model "perspective".
 pub(crate) fn perspective(

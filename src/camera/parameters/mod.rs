@@ -11,7 +11,7 @@ mod table;
 mod value;
 
 pub use error::{CameraError, ParameterError, UnknownName};
-pub use named::{LensPlane, Precision, Pupil, Weighting};
+pub use named::{LensPlane, Pupil, Weighting};
 pub use range::{Interval, Range};
 pub use table::{PARAMETERS, Parameter, Parameters};
 pub use value::{Kind, Value};

@@ -1,7 +1,7 @@
 //! The values of parameters that choose among names, each with its one list of names, the default first.
 //!
-//! Display writes the name that users write; `FromStr` reads it. [`DiskMapping`], [`Refraction`] and [`Shutter`] have
-//! their lists where they are defined.
+//! Display writes the name that users write; `FromStr` reads it. [`DiskMapping`], [`Refraction`], [`Shutter`] and
+//! [`Precision`] have their lists where they are defined.
 
 use std::{fmt, mem::discriminant, str::FromStr};
 
@@ -13,6 +13,7 @@ use super::{
 use crate::{
     camera::{model::Model, placement::shutter::Shutter},
     lens::refraction::Refraction,
+    plan::Precision,
     sampling::DiskMapping,
 };
 
@@ -59,29 +60,6 @@ impl Weighting {
     ];
 }
 
-/// What rays are traced in.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Precision {
-    /// Double, or what the tolerance allows.
-    #[default]
-    Auto,
-    /// Double.
-    Double,
-    /// Single.
-    Single,
-}
-
-impl Precision {
-    /// Every precision with its names, of which it is written by the first.
-    pub const NAMES: [(&'static str, Self); 5] = [
-        ("auto", Self::Auto),
-        ("f64", Self::Double),
-        ("f32", Self::Single),
-        ("double", Self::Double),
-        ("single", Self::Single),
-    ];
-}
-
 /// The plane that the thin lens of a projection lies in, of the two that differ by the distance `hither`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LensPlane {
@@ -111,8 +89,7 @@ macro_rules! named {
             type Err = UnknownName;
 
             fn from_str(given: &str) -> Result<Self, UnknownName> {
-                let choice = Self::NAMES.iter().find(|(name, _)| *name == given).map(|&(_, choice)| choice);
-                choice.ok_or_else(|| UnknownName { given: given.to_owned(), known: Self::RANGE.in_words("") })
+                find(&Self::NAMES, given)
             }
         }
 
@@ -121,16 +98,41 @@ macro_rules! named {
             const RANGE: Range = Range::Names(&names(&Self::NAMES));
 
             fn of(name: &'static str, value: Value<'_>) -> Result<Self, ParameterError> {
-                match value {
-                    Value::Text(text) => text.parse().map_err(|unknown| ParameterError::unknown(name, unknown)),
-                    other => Err(other.refused(name, Self::KIND)),
-                }
+                choose(&Self::NAMES, name, value)
             }
         }
     )*};
 }
 
-named![Model, Pupil, Weighting, Precision, LensPlane, DiskMapping, Refraction, Shutter];
+named![Model, Pupil, Weighting, LensPlane, DiskMapping, Refraction, Shutter];
+
+/// A precision, or `None` for "auto".
+impl Setting for Option<Precision> {
+    const KIND: Kind = Kind::Text;
+    const RANGE: Range = Range::Names(&names(&Precision::NAMES));
+
+    fn of(name: &'static str, value: Value<'_>) -> Result<Self, ParameterError> {
+        choose(&Precision::NAMES, name, value)
+    }
+}
+
+/// What has this name in a list.
+fn find<T: Setting + Copy>(list: &[(&str, T)], given: &str) -> Result<T, UnknownName> {
+    let choice = list.iter().find(|(name, _)| *name == given).map(|&(_, choice)| choice);
+    choice.ok_or_else(|| UnknownName { given: given.to_owned(), known: T::RANGE.in_words("") })
+}
+
+/// What a value of parameter `name` chooses from a list.
+fn choose<T: Setting + Copy>(
+    list: &[(&str, T)],
+    name: &'static str,
+    value: Value<'_>,
+) -> Result<T, ParameterError> {
+    match value {
+        Value::Text(text) => find(list, text).map_err(|unknown| ParameterError::unknown(name, unknown)),
+        other => Err(other.refused(name, T::KIND)),
+    }
+}
 
 const fn names<T: Copy, const N: usize>(list: &[(&'static str, T); N]) -> [&'static str; N] {
     let mut names = [""; N];
@@ -163,11 +165,15 @@ mod tests {
         check(&Model::NAMES);
         check(&Pupil::NAMES);
         check(&Weighting::NAMES);
-        check(&Precision::NAMES);
         check(&LensPlane::NAMES);
         check(&DiskMapping::NAMES);
         check(&Refraction::NAMES);
         check(&Shutter::NAMES);
+        for (name, precision) in Precision::NAMES {
+            assert_eq!(Setting::of("precision", Value::Text(name)), Ok(precision));
+            let written = precision.map_or("auto".to_owned(), |precision| precision.to_string());
+            assert_eq!(Setting::of("precision", Value::Text(&written)), Ok(precision));
+        }
         assert_eq!(LensPlane::Hither.to_string(), "hither");
         assert_eq!(Shutter::Leaf { ramp: 0.4 }.to_string(), "leaf");
     }

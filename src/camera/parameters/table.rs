@@ -4,13 +4,14 @@ use std::ops::Bound::{Excluded, Included};
 
 use super::{
     error::ParameterError,
-    named::{LensPlane, Precision, Pupil, Weighting},
+    named::{LensPlane, Pupil, Weighting},
     range::{Interval, Range},
     value::{Kind, Setting, Value},
 };
 use crate::{
     camera::{model::Model, placement::shutter::Shutter},
     lens::refraction::Refraction,
+    plan::Precision,
     prescription::glass::VALID_WAVELENGTHS,
     sampling::DiskMapping,
 };
@@ -171,6 +172,9 @@ macro_rules! parameters {
     (@read or $($other:tt)*) => {};
 }
 
+/// `None` stands for "auto".
+type AskedPrecision = Option<Precision>;
+
 parameters! {
     model: Model, "", = "lens", EVERY, "what the camera is a model of";
     specfile or "lensfile": String, "", or "dgauss.50mm", LENSES, "lens file, or a catalogue name such as \"wide.22mm\" or \"wide.22mm@35mm\"";
@@ -183,14 +187,14 @@ parameters! {
     yon: f64 in FAR, "world units", = "1e30", EVERY, "where a ray ends, along it, from `hither` on";
     shutteropen: f64 in TIME, "", = "0", EVERY, "time at which the shutter opens";
     shutterclose: f64 in TIME, "", = "1", EVERY, "time at which the shutter closes; before `shutteropen`, time runs backward, as in pbrt";
-    weighting: Weighting, "", = "radiometric", LENSES, "how a ray's weight is measured";
+    weighting: Weighting, "", or "radiometric", LENSES, "how a ray's weight is measured";
     simpleweighting: bool, "", or "", LENSES, "pbrt-v3's name for `weighting`, true for \"relative\" and false for \"radiometric\"";
     pupil: Pupil, "", = "warped", TRACED, "where lens samples lie, in the true pupil of each film point, the rear element's disk, or the thick-lens exit pupil";
     disk: DiskMapping, "", = "concentric", SAMPLED, "how lens samples map to the disk";
     refraction: Refraction, "", = "fused", TRACED, "method of refraction";
     wavelength: f64 in WAVELENGTH, "nm", = "587.56", LENSES, "wavelength, for lenses with V-numbers or Sellmeier's constants";
     mmperunit: f64 in MM_PER_UNIT, "mm per world unit", = "1", LENSES, "length of a world unit";
-    precision: Precision, "", = "auto", TRACED, "what rays are traced in, double, single, or (\"auto\") double or what `tolerance` allows";
+    precision: AskedPrecision, "", = "auto", TRACED, "what rays are traced in, double, single, or (\"auto\") double or what `tolerance` allows";
     tolerance: f64 in PIXELS, "pixels", = "0", TRACED, "by how much 99.9 % of the rays may be off, for a faster model of the lens";
     shutter: Shutter, "", = "global", EVERY, "what the shutter lets through, by film point and time";
     shutterramp: f64 in LEAF_SHARE, "of the interval", = "0.25", EVERY, "share of the shutter's interval in which a leaf shutter opens, and closes";
@@ -218,6 +222,18 @@ impl Parameters {
     /// The rows of the parameters that are given.
     pub fn given(&self) -> impl Iterator<Item = &'static Parameter> {
         PARAMETERS.iter().filter(|row| self.is_set(row.name))
+    }
+
+    /// How a ray's weight is measured, by either of its two names, or the default.
+    ///
+    /// # Errors
+    /// Both names are given.
+    pub fn weighting(&self) -> Result<Weighting, ParameterError> {
+        match (self.weighting, self.simpleweighting) {
+            (Some(_), Some(_)) => Err(ParameterError::Both { first: "weighting", second: "simpleweighting" }),
+            (None, Some(true)) => Ok(Weighting::Relative),
+            (weighting, _) => Ok(weighting.unwrap_or_default()),
+        }
     }
 
     /// Sets one parameter by name or alias.
@@ -298,10 +314,7 @@ mod tests {
         ];
         let expected = [35.0, 1e-3, 1e30, 0.0, 1.0, 587.56, 1.0, 0.0, 0.25, 0.25, 90.0, 0.0, 1e30];
         assert_eq!(numbers.map(|number| number.expect("in range")), expected);
-        assert_eq!(
-            (unset.model(), unset.pupil(), unset.precision()),
-            (Model::Lens, Pupil::Warped, Precision::Auto)
-        );
+        assert_eq!((unset.model(), unset.pupil(), unset.precision()), (Model::Lens, Pupil::Warped, None));
     }
 
     #[test]
@@ -310,11 +323,11 @@ mod tests {
         let names = [
             ("model", unset.model().to_string()),
             ("specfile", catalogue::DEFAULT.to_owned()),
-            ("weighting", unset.weighting().to_string()),
+            ("weighting", unset.weighting().expect("one name").to_string()),
             ("pupil", unset.pupil().to_string()),
             ("disk", unset.disk().to_string()),
             ("refraction", unset.refraction().to_string()),
-            ("precision", unset.precision().to_string()),
+            ("precision", unset.precision().map_or("auto".to_owned(), |precision| precision.to_string())),
             ("shutter", unset.shutter().to_string()),
             ("lensplane", unset.lensplane().to_string()),
         ];

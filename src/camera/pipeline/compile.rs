@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::{body::CameraBody, lanes::Pipeline, tracer::Tracer, walk::WalkTracer};
 use crate::{
     lens::Lens,
-    plan::{Arithmetic, Decision, Plan, Tracing},
+    plan::{Decision, Plan, Precision, Tracing},
     sampling::disk::Turns,
     trace::{
         Direction, Path,
@@ -25,16 +25,16 @@ pub(crate) fn compile(
 ) -> Arc<dyn Tracer> {
     let Decision { tracing, reach, tested, .. } = decision;
     match tracing {
-        Tracing::Exact(Arithmetic::F64) => exact::<f64>(lens, tested.as_deref(), *reach, body, plan),
-        Tracing::Exact(Arithmetic::F32) => exact::<f32>(lens, tested.as_deref(), *reach, body, plan),
-        Tracing::Polynomials { fit, arithmetic: Arithmetic::F64, .. } => {
+        Tracing::Exact(Precision::F64) => exact::<f64>(lens, tested.as_deref(), *reach, body, plan),
+        Tracing::Exact(Precision::F32) => exact::<f32>(lens, tested.as_deref(), *reach, body, plan),
+        Tracing::Polynomials { fit, precision: Precision::F64, .. } => {
             polynomials::<f64>(lens, fit, *reach, body)
         }
-        Tracing::Polynomials { fit, arithmetic: Arithmetic::F32, .. } => {
+        Tracing::Polynomials { fit, precision: Precision::F32, .. } => {
             polynomials::<f32>(lens, fit, *reach, body)
         }
-        Tracing::Refracted(_, Arithmetic::F64) => Arc::new(WalkTracer::new(path.clone(), body)),
-        Tracing::Refracted(refraction, Arithmetic::F32) => {
+        Tracing::Refracted(_, Precision::F64) => Arc::new(WalkTracer::new(path.clone(), body)),
+        Tracing::Refracted(refraction, Precision::F32) => {
             Arc::new(WalkTracer::new(Path::<f32>::new(lens, Direction::FilmToScene, *refraction), body))
         }
     }

@@ -5,6 +5,8 @@
 pub(crate) mod motion;
 mod pose;
 pub(crate) mod shutter;
+mod to_world;
 pub(crate) mod transform;
 
-pub(crate) use pose::*;
+pub(crate) use pose::Placement;
+pub(crate) use to_world::ToWorld;

@@ -3,7 +3,8 @@
 use crate::{
     camera::{
         film::Raster,
-        host::Host,
+        host::{Host, Level, Log},
+        model::Model,
         parameters::{CameraError, ParameterError, Parameters},
         placement::{Placement, shutter::Shutter},
     },
@@ -60,6 +61,28 @@ pub(crate) fn disk_mapping(given: &Parameters, host: &Host) -> Result<DiskMappin
         });
     }
     Ok(mapping)
+}
+
+/// Warns of what is given and the model or its shutter does not use.
+pub(crate) fn warn_of_unused(model: Model, shutter: Shutter, given: &Parameters, log: Log<'_>) {
+    let unused = given.given().filter(|row| !row.models.contains(&model));
+    let names: Vec<String> = unused.map(|row| format!("\"{}\"", row.name)).collect();
+    if !names.is_empty() {
+        log(Level::Warning, &format!("model \"{model}\" does not use {}", names.join(", ")));
+    }
+    for (name, is_given, is_used, kind) in [
+        ("shutterramp", given.shutterramp.is_some(), matches!(shutter, Shutter::Leaf { .. }), "leaf"),
+        (
+            "shutterslit",
+            given.shutterslit.is_some(),
+            matches!(shutter, Shutter::FocalPlane { .. }),
+            "focal-plane",
+        ),
+    ] {
+        if is_given && !is_used {
+            log(Level::Warning, &format!("\"{name}\" is used with \"shutter\" \"{kind}\" only"));
+        }
+    }
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ mod common;
 mod focusing;
 mod prescribed;
 
-pub(crate) use common::{disk_mapping, placement, raster, shutter};
+pub(crate) use common::{disk_mapping, placement, raster, shutter, warn_of_unused};
 pub(crate) use focusing::Focusing;
 pub(crate) use prescribed::Setup;
 pub use prescribed::{film_distance, open_lens};

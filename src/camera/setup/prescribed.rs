@@ -8,7 +8,7 @@ use crate::{
     camera::{
         film::Film,
         host::Host,
-        parameters::{CameraError, ParameterError, Parameters, Precision, Pupil, Weighting},
+        parameters::{CameraError, ParameterError, Parameters, Pupil, Weighting},
         placement::Placement,
     },
     lens::{
@@ -16,7 +16,8 @@ use crate::{
         open::{StopSize, find, set_up},
         refraction::Refraction,
     },
-    message::Level,
+    message::{Level, Log},
+    plan::Precision,
     prescription::{Prescription, SourceError, catalogue, read},
     sampling::DiskMapping,
 };
@@ -34,7 +35,7 @@ pub(crate) struct Setup {
     pub pupil: Pupil,
     pub mapping: DiskMapping,
     pub weighting: Weighting,
-    pub precision: Precision,
+    pub precision: Option<Precision>,
     /// Pixels; 0: exact.
     pub tolerance: f64,
     pub leave_out: bool,
@@ -48,7 +49,7 @@ impl Setup {
         given: &Parameters,
         host: &Host,
         focusing: Focusing,
-        log: &mut dyn FnMut(Level, &str),
+        log: Log<'_>,
     ) -> Result<Self, CameraError> {
         if given.af_zones.is_some() {
             log(
@@ -69,7 +70,7 @@ impl Setup {
             refraction: given.refraction(),
             pupil: given.pupil(),
             mapping: disk_mapping(given, host)?,
-            weighting: weighting(given)?,
+            weighting: given.weighting()?,
             precision: given.precision(),
             tolerance: given.tolerance()?,
             leave_out: host.leave_out,
@@ -85,11 +86,7 @@ impl Setup {
 /// # Errors
 /// No such lens, a file that is not a lens, a value out of range, or a lens that cannot be scaled or stopped down as
 /// asked.
-pub fn open_lens(
-    given: &Parameters,
-    host: &Host,
-    log: &mut dyn FnMut(Level, &str),
-) -> Result<(Prescription, Lens), CameraError> {
+pub fn open_lens(given: &Parameters, host: &Host, log: Log<'_>) -> Result<(Prescription, Lens), CameraError> {
     let prescription = match (&host.lens_text, &given.specfile) {
         (Some(_), Some(_)) => return Err(both("specfile", "lens_text").into()),
         (Some((name, text)), None) => read(name, text).map_err(SourceError::from)?,
@@ -122,15 +119,6 @@ fn film_place(given: &Parameters) -> Result<FilmPlace, ParameterError> {
         (None, Some(distance)) => FilmPlace::FocusedOn(distance * given.mmperunit()?),
         (None, None) => FilmPlace::Nominal,
     })
-}
-
-fn weighting(given: &Parameters) -> Result<Weighting, ParameterError> {
-    match (given.weighting, given.simpleweighting) {
-        (Some(_), Some(_)) => Err(both("weighting", "simpleweighting")),
-        (None, Some(true)) => Ok(Weighting::Relative),
-        (None, Some(false)) => Ok(Weighting::Radiometric),
-        (_, None) => Ok(given.weighting()),
-    }
 }
 
 fn both(first: &'static str, second: &'static str) -> ParameterError {

@@ -39,7 +39,7 @@ impl Available {
 }
 
 /// Simple loops to be compiled for each set of instructions: see [`Simd::run`].
-pub(crate) trait Compiled {
+pub trait Compiled {
     /// Does it. To be marked `#[inline(always)]`, and what it calls to be inlined into it.
     fn run(self);
 }

@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use crate::lens_and_film::{FilmChoice, FilmPlace, LensChoice, not_negative, set_parameters};
-use realistic::camera::{CameraError, Host, Level, Parameters, Raster, RealisticCamera};
+use realistic::camera::{CameraError, Host, Log, Parameters, Raster, RealisticCamera};
 
 /// What `plan` can be told.
 #[derive(clap::Args, Debug)]
@@ -55,12 +55,7 @@ impl Order {
     ///
     /// # Errors
     /// It cannot be built.
-    pub fn camera(
-        &self,
-        leave_out: bool,
-        tolerance: f64,
-        log: &mut dyn FnMut(Level, &str),
-    ) -> Result<RealisticCamera, Failure> {
+    pub fn camera(&self, leave_out: bool, tolerance: f64, log: Log<'_>) -> Result<RealisticCamera, Failure> {
         let parameters = Parameters { tolerance: Some(tolerance), ..self.parameters.clone() };
         let host = Host { leave_out, ..self.host.clone() };
         RealisticCamera::build(&parameters, &host, log).map_err(|error| match error {

@@ -56,7 +56,10 @@ pub fn fill(options: &mut realistic_options, given: &Parameters) -> Result<Vec<C
         (&mut options.pupil, given.pupil.map(|name| name.to_string())),
         (&mut options.disk, given.disk.map(|name| name.to_string())),
         (&mut options.refraction, given.refraction.map(|name| name.to_string())),
-        (&mut options.precision, given.precision.map(|name| name.to_string())),
+        (
+            &mut options.precision,
+            given.precision.map(|asked| asked.map_or("auto".to_owned(), |name| name.to_string())),
+        ),
         (&mut options.shutter, given.shutter.map(|name| name.to_string())),
         (&mut options.lensplane, given.lensplane.map(|name| name.to_string())),
     ] {

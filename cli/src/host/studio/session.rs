@@ -236,10 +236,7 @@ pub fn stopped_down(parameters: &Parameters, effects: &Effects) -> Result<Parame
 /// The film's irradiance where the scene has radiance 1.
 fn white_level(camera: &Camera, parameters: &Parameters, size: [u32; 2]) -> Result<f32, Failure> {
     let info = camera.info()?;
-    let radiometric = match (&parameters.weighting, parameters.simpleweighting) {
-        (Some(weighting), _) => *weighting == Weighting::Radiometric,
-        (None, simple) => simple != Some(true),
-    };
+    let radiometric = parameters.weighting() == Ok(Weighting::Radiometric);
     // By the lens' own number, not by metering: what a lens loses shows.
     if radiometric && info.fnumber > 0.0 && info.fnumber.is_finite() {
         let fnumber = info.fnumber as f32;

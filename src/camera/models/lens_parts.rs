@@ -1,0 +1,175 @@
+//! The parts of the realistic camera, each made once of its set-up: the rear element's disk, the pupil sampler, the
+//! factor of the weights, and what traces the rays; with warnings of what the user should know of them.
+
+use std::{f64::consts::PI, sync::Arc};
+
+use crate::{
+    camera::{
+        film::Film,
+        host::{Level, Log},
+        parameters::{CameraError, Pupil, Weighting},
+        pipeline::{body::CameraBody, compile::compile, tracer::Tracer},
+        setup::Setup,
+    },
+    imaging::irradiance::{on_axis, survey},
+    plan::{Decision, FilmSide, Plan, Task, describe_sampling},
+    sampling::{PupilDisk, PupilSampler, WarpedPupil},
+    trace::Path,
+};
+
+/// Share of the irradiance that the thick-lens exit pupil may miss without a warning.
+const MISSED_SHARE: f64 = 1e-3;
+/// Rays across the rear element in measuring that share.
+const SURVEY_RAYS: u32 = 64;
+
+/// The disk that holds every ray from the film through the rear surface.
+pub(super) fn rear_disk(setup: &Setup, film_z: f64) -> Result<PupilDisk, CameraError> {
+    let rear = PupilDisk::rear(&setup.lens, film_z, setup.film.reach())
+        .ok_or_else(|| CameraError::film_in_lens(&setup.lens, setup.film_distance))?;
+    // So near the glass that the pupil fills a hemisphere to the last digit, or on film that large, the pupil's
+    // area in slopes, of which the weights are made, leaves the number range.
+    representable(rear.slope_area())?;
+    Ok(rear)
+}
+
+/// What lens samples are mapped to.
+pub(super) fn pupil_sampler(
+    setup: &Setup,
+    path: &Path,
+    film_z: f64,
+    [rear, exit]: [PupilDisk; 2],
+    log: Log<'_>,
+) -> PupilSampler {
+    match setup.pupil {
+        Pupil::Rear => PupilSampler::Disk(rear),
+        Pupil::Disk => {
+            warn_of_missed_share(path, film_z, &setup.film, rear, exit, log);
+            PupilSampler::Disk(exit)
+        }
+        Pupil::Warped => {
+            let shift = exit.seen_from([1.0, 0.0]).center[0];
+            let pupil = WarpedPupil::new(path, film_z, setup.film.reach(), rear, shift);
+            report_cover(&pupil, log);
+            PupilSampler::Warped(Arc::new(pupil))
+        }
+    }
+}
+
+/// What a ray's cos⁴ and slope area are multiplied by to be its weight; `None` for the weight 1.
+pub(super) fn weight_factor(
+    setup: &Setup,
+    path: &Path,
+    film_z: f64,
+    sampler: &PupilSampler,
+    [rear, exit]: [PupilDisk; 2],
+) -> Result<Option<f64>, CameraError> {
+    let weight = match setup.weighting {
+        Weighting::Radiometric => Some(1.0),
+        Weighting::Assignment => {
+            Some(sampler.disk().unwrap_or(&exit).area().ok_or(CameraError::PupilAtInfinity)?.recip())
+        }
+        Weighting::Relative => {
+            // Over the disk in use, so that the mean on the axis is 1 with either pupil.
+            let reach = sampler.disk().unwrap_or(&rear).seen_from([0.0; 2]).radius;
+            let mean = on_axis(path, film_z, reach);
+            if mean <= 0.0 {
+                return Err(CameraError::DarkAxis { lens: setup.lens.name.clone() });
+            }
+            Some(mean.recip())
+        }
+        Weighting::None => None,
+    };
+    let largest = sampler.disk().unwrap_or(&rear).slope_area();
+    // The factor by itself, too, times π: single precision multiplies areas over π by it.
+    representable(weight.map_or(1.0, |weight| (weight * largest).max(weight * PI)))?;
+    Ok(weight)
+}
+
+/// Decides how rays are traced, compiles what traces them, and says what was kept and left out.
+pub(super) fn plan_and_compile(
+    setup: &Setup,
+    path: &Path,
+    body: &CameraBody,
+    log: Log<'_>,
+) -> (Arc<dyn Tracer>, bool, Plan) {
+    let mut plan = Plan::default();
+    let task = Task {
+        lens: &setup.lens,
+        path,
+        film: FilmSide {
+            z: body.film_z,
+            reach: body.film.reach(),
+            corner: body.film.point(0.0, 0.0),
+            pixel: body.film.pixel(),
+            mapping: body.mapping,
+            sampler: &body.sampler,
+        },
+        in_focus: body.film_z + setup.focus_distance.unwrap_or(f64::INFINITY),
+        refraction: setup.refraction,
+        precision: setup.precision,
+        tolerance: setup.tolerance,
+        leave_out: setup.leave_out,
+    };
+    let decision = Decision::of(&task, &mut plan);
+    for warning in &decision.warnings {
+        log(Level::Warning, warning);
+    }
+    if let Some(choice) = plan.choice() {
+        log(Level::Info, &choice.sentence());
+    }
+    let tracer = compile(&decision, &setup.lens, path, body, &mut plan);
+    describe_sampling(&task.film, setup.lens.wavelength, &mut plan);
+    body.placement.describe(&mut plan);
+    (tracer, decision.tracing.gains_side_by_side(), plan)
+}
+
+/// Whether a weight is a number to a host, which takes floats.
+fn representable(weight: f64) -> Result<(), CameraError> {
+    if (weight as f32).is_finite() { Ok(()) } else { Err(CameraError::Weight { weight }) }
+}
+
+/// Says where the warped pupil had to be given up.
+fn report_cover(pupil: &WarpedPupil, log: Log<'_>) {
+    let covered = pupil.build_report().covered;
+    if covered > 0.0 {
+        log(
+            Level::Info,
+            &format!(
+                "pupil \"warped\": over {:.1} % of the film's radius the pupil is in pieces, or of no shape that \
+                 a fan of straight lines reaches, and the rear element's disk is sampled there: \
+                 unbiased, with more of them blocked",
+                100.0 * covered
+            ),
+        );
+    }
+}
+
+fn warn_of_missed_share(
+    path: &Path,
+    film_z: f64,
+    film: &Film,
+    rear: PupilDisk,
+    disk: PupilDisk,
+    log: Log<'_>,
+) {
+    let missed = |height: f64| {
+        let point = [0.0, height];
+        let cover = rear.seen_from(point);
+        let survey = survey(path, film_z, point, cover, disk.seen_from(point), SURVEY_RAYS);
+        if survey.irradiance > 0.0 { 1.0 - survey.inside / survey.irradiance } else { 0.0 }
+    };
+    let corner = film.diagonal() / 2.0;
+    let [axis, middle, edge] = [0.0, 0.5, 1.0].map(|field| missed(field * corner));
+    if axis.max(middle).max(edge) > MISSED_SHARE {
+        log(
+            Level::Warning,
+            &format!(
+                "pupil \"disk\" misses part of the true pupil: {:.1} % of the light on the axis, {:.1} % \
+                 half way to the corner, {:.1} % in the corner; pupil \"warped\" misses none",
+                100.0 * axis,
+                100.0 * middle,
+                100.0 * edge
+            ),
+        );
+    }
+}

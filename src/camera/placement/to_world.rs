@@ -1,0 +1,165 @@
+//! From lens space to world space: the same transform as the placement's, in the precision and width of lanes.
+
+use glam::DMat3;
+
+use super::{motion::CameraMotion, pose::Placement, transform::CameraToWorld};
+use crate::trace::{
+    Ray, Real,
+    kernel::{Cpu, KernelScalar, Lanes},
+};
+
+/// From lens space, mm, to world space, in the precision of lanes.
+#[derive(Clone, Debug)]
+pub(crate) enum ToWorld<S> {
+    /// Camera space is world space, and its unit the millimetre.
+    Same,
+    /// Camera space is world space, of which so many units are a millimetre.
+    Scaled(S),
+    /// The same at every time.
+    Still(Box<Still<S>>),
+    /// Another at each ray's time.
+    Moving { placement: Placement, units_per_mm: f64 },
+}
+
+/// An affine transform, by its rows.
+#[derive(Clone, Debug)]
+pub(crate) struct Still<S> {
+    point: [[S; 4]; 3],
+    direction: [[S; 3]; 3],
+    /// Directions come out as unit vectors but for rounding.
+    keeps_angles: bool,
+}
+
+impl<S: KernelScalar> ToWorld<S> {
+    pub fn new(placement: &Placement, units_per_mm: f64) -> Self {
+        let to_world = match &placement.to_world {
+            CameraMotion::Still(to_world) => to_world,
+            CameraMotion::Moving(_) => return Self::Moving { placement: placement.clone(), units_per_mm },
+        };
+        if *to_world == CameraToWorld::IDENTITY {
+            let same = units_per_mm == 1.0;
+            return if same { Self::Same } else { Self::Scaled(S::from_f64(units_per_mm)) };
+        }
+        let (linear, origin) = (to_world.linear(), to_world.origin());
+        let keeps_angles = to_world.keeps_angles();
+        // Where directions are made unit vectors afterwards, any scale does that leaves their squares in range.
+        let scale = if keeps_angles {
+            to_world.scale()
+        } else {
+            linear.to_cols_array().into_iter().fold(0.0, |a, b| b.abs().max(a))
+        };
+        let (point, direction) = (linear * units_per_mm, linear * scale.recip());
+        let row = |matrix: &DMat3, row: usize| matrix.row(row).to_array().map(S::from_f64);
+        let with_move = |k: usize| {
+            let [x, y, z] = row(&point, k);
+            [x, y, z, S::from_f64(origin[k])]
+        };
+        Self::Still(Box::new(Still {
+            point: [0, 1, 2].map(with_move),
+            direction: [0, 1, 2].map(|k| row(&direction, k)),
+            keeps_angles,
+        }))
+    }
+
+    /// Origins and unit directions in world space of lens-space rays at these fractions of the shutter's interval.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn lanes<L: Lanes<Scalar = S>>(
+        &self,
+        cpu: Cpu<L>,
+        origin: [L; 3],
+        direction: [L; 3],
+        time_numbers: &[f32],
+    ) -> [[L; 3]; 2] {
+        match self {
+            Self::Same => [origin, direction],
+            Self::Scaled(units_per_mm) => {
+                let scale = L::splat(cpu, *units_per_mm);
+                [[origin[0] * scale, origin[1] * scale, origin[2] * scale], direction]
+            }
+            Self::Still(still) => still.lanes(cpu, origin, direction),
+            Self::Moving { placement, units_per_mm } => {
+                one_by_one(cpu, placement, *units_per_mm, [origin, direction], time_numbers)
+            }
+        }
+    }
+}
+
+impl<S: KernelScalar> Still<S> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn lanes<L: Lanes<Scalar = S>>(
+        &self,
+        cpu: Cpu<L>,
+        [x, y, z]: [L; 3],
+        [dx, dy, dz]: [L; 3],
+    ) -> [[L; 3]; 2] {
+        let (mut origin, mut direction) = ([x; 3], [dx; 3]);
+        let mut row = 0;
+        while row < 3 {
+            let [a, b, c, d] = self.point[row];
+            let sum = z.mul_add(L::splat(cpu, c), L::splat(cpu, d));
+            origin[row] = x.mul_add(L::splat(cpu, a), y.mul_add(L::splat(cpu, b), sum));
+            let [a, b, c] = self.direction[row];
+            direction[row] =
+                dx.mul_add(L::splat(cpu, a), dy.mul_add(L::splat(cpu, b), dz * L::splat(cpu, c)));
+            row += 1;
+        }
+        let [u, v, w] = direction;
+        let square = w.mul_add(w, v.mul_add(v, u * u));
+        let factor = if self.keeps_angles {
+            // A step of Newton's iteration.
+            square.neg_mul_add(L::splat(cpu, S::from_f64(0.5)), L::splat(cpu, S::from_f64(1.5)))
+        } else {
+            L::splat(cpu, S::ONE) / square.sqrt()
+        };
+        [origin, [u * factor, v * factor, w * factor]]
+    }
+}
+
+/// The most lanes of any vector.
+const MOST_LANES: usize = 16;
+
+/// Rays put into the world of a moving camera.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn one_by_one<L: Lanes>(
+    cpu: Cpu<L>,
+    placement: &Placement,
+    units_per_mm: f64,
+    rays: [[L; 3]; 2],
+    time_numbers: &[f32],
+) -> [[L; 3]; 2]
+where
+    L::Scalar: KernelScalar,
+{
+    let mut numbers = [[[L::Scalar::ZERO; MOST_LANES]; 3]; 2];
+    let mut placed = rays;
+    for part in 0..2 {
+        for axis in 0..3 {
+            rays[part][axis].store(&mut numbers[part][axis][..L::WIDTH]);
+        }
+    }
+    for (lane, number) in time_numbers.iter().take(L::WIDTH).enumerate() {
+        place_one(placement, units_per_mm, lane, *number, &mut numbers);
+    }
+    for part in 0..2 {
+        for axis in 0..3 {
+            placed[part][axis] = L::load(cpu, &numbers[part][axis][..L::WIDTH]);
+        }
+    }
+    placed
+}
+
+fn place_one<S: KernelScalar>(
+    placement: &Placement,
+    units_per_mm: f64,
+    lane: usize,
+    time_number: f32,
+    numbers: &mut [[[S; MOST_LANES]; 3]; 2],
+) {
+    let [origin, direction] = numbers.each_ref().map(|part| part.each_ref().map(|axis| axis[lane].to_f64()));
+    let ray = placement.world_ray(Ray { origin, direction }, units_per_mm, time_number);
+    for (part, placed) in numbers.iter_mut().zip([ray.origin, ray.direction]) {
+        for (axis, number) in part.iter_mut().zip(placed) {
+            axis[lane] = S::from_f64(number.into());
+        }
+    }
+}
