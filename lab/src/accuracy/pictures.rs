@@ -65,7 +65,7 @@ fn picture(
 ) -> Vec<f64> {
     let mut pictured = Pictured { scene, sequence, seed, width: raster.xres, points: Vec::new() };
     let window = Window { corner: [0; 2], size: [raster.xres, raster.yres] };
-    let Ok((pixels, _)) = render(camera.as_mut(), &mut pictured, window, samples);
+    let Ok((pixels, _)) = render(camera, &mut pictured, window, samples);
     pixels.into_iter().flatten().collect()
 }
 
