@@ -50,6 +50,26 @@ macro_rules! parameter_fields {
             fn numbers(&self) -> impl IntoIterator<Item = (&'static str, f64)> {
                 [$((stringify!($number), self.$number)),*]
             }
+
+            /// Fills in the fields of the parameters that are given and leaves the rest: the inverse of what the
+            /// library does with a caller's options. `text` keeps a text for as long as the options are in use and
+            /// points to it. `af_zones` has no field.
+            ///
+            /// # Errors
+            /// Those of `text`.
+            pub fn fill<E>(
+                &mut self,
+                given: &Parameters,
+                mut text: impl FnMut(String) -> Result<*const c_char, E>,
+            ) -> Result<(), E> {
+                $(if let Some(value) = &given.$text {
+                    self.$text = text(value.to_string())?;
+                })*
+                $(self.$number = given.$number.unwrap_or(self.$number);)*
+                self.simpleweighting = given.simpleweighting.map_or(self.simpleweighting, i32::from);
+                self.screenwindow = given.screenwindow.unwrap_or(self.screenwindow);
+                Ok(())
+            }
         }
     };
 }
