@@ -17,7 +17,7 @@ const IDENTITY: [f32; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1
 
 /// The fields that are parameters by kind: what stands for "not given", and how they are read by name.
 macro_rules! parameter_fields {
-    (texts: $($text:ident)*; numbers: $($number:ident)*;) => {
+    (texts: $($text:ident)*; texts_or_auto: $($auto:ident)*; numbers: $($number:ident)*;) => {
         impl Default for realistic_options {
             fn default() -> Self {
                 Self {
@@ -35,6 +35,7 @@ macro_rules! parameter_fields {
                     transformend: f64::NAN,
                     screenwindow: [f64::NAN; 4],
                     $($text: null(),)*
+                    $($auto: null(),)*
                     $($number: f64::NAN,)*
                 }
             }
@@ -42,18 +43,42 @@ macro_rules! parameter_fields {
 
         impl realistic_options {
             fn texts(&self) -> impl IntoIterator<Item = (&'static str, *const c_char)> {
-                [$((stringify!($text), self.$text)),*]
+                [$((stringify!($text), self.$text),)* $((stringify!($auto), self.$auto)),*]
             }
 
             fn numbers(&self) -> impl IntoIterator<Item = (&'static str, f64)> {
                 [$((stringify!($number), self.$number)),*]
+            }
+
+            /// Fills in the fields of the parameters that are given and leaves the rest: the inverse of what the
+            /// library does with a caller's options. `text` keeps a text for as long as the options are in use and
+            /// points to it. `af_zones` has no field.
+            ///
+            /// # Errors
+            /// Those of `text`.
+            pub fn fill<E>(
+                &mut self,
+                given: &Parameters,
+                mut text: impl FnMut(String) -> Result<*const c_char, E>,
+            ) -> Result<(), E> {
+                $(if let Some(value) = &given.$text {
+                    self.$text = text(value.to_string())?;
+                })*
+                $(if let Some(value) = &given.$auto {
+                    self.$auto = text(value.map_or_else(|| "auto".to_owned(), |value| value.to_string()))?;
+                })*
+                $(self.$number = given.$number.unwrap_or(self.$number);)*
+                self.simpleweighting = given.simpleweighting.map_or(self.simpleweighting, i32::from);
+                self.screenwindow = given.screenwindow.unwrap_or(self.screenwindow);
+                Ok(())
             }
         }
     };
 }
 
 parameter_fields! {
-    texts: model specfile weighting pupil disk refraction precision shutter lensplane;
+    texts: model specfile weighting pupil disk refraction shutter lensplane;
+    texts_or_auto: precision;
     numbers: filmdistance focusdistance aperture_diameter fnumber filmdiag hither yon shutteropen shutterclose
         wavelength mmperunit shutterramp shutterslit fov frameaspectratio lensradius focaldistance tolerance;
 }

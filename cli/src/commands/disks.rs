@@ -1,9 +1,8 @@
 //! `realistic disks`: the ways to sample a disk, side by side.
 
-use super::render::{picture_path, writable};
 use crate::drawing::shapes::{Anchor, Page};
 use crate::failure::Failure;
-use crate::image::{Picture, Sheet, SrgbImage, hex};
+use crate::image::{Picture, Sheet, SrgbImage, hex, picture_path, writable};
 use glam::Vec3;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;

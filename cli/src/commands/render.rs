@@ -5,10 +5,10 @@ use crate::host::plugin::{Camera, Plugin};
 use crate::host::scene::effects::Effects;
 use crate::host::scene::props;
 use crate::host::studio::{Method, Options, Order, Rule, Shot, Slide, Studio, parameter_help, stopped_down};
-use crate::image::Format;
+use crate::image::{picture_path, writable};
 use std::fmt::Write as _;
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// The options of `render`.
 #[derive(clap::Args, Debug)]
@@ -76,21 +76,6 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     Ok(std::io::stdout().write_all(text.as_bytes())?)
 }
 
-/// Whether the folder of a file to be written is there, before the work is done.
-///
-/// # Errors
-/// There is none.
-pub fn writable(file: &Path) -> Result<(), Failure> {
-    match file.parent().filter(|parent| !parent.as_os_str().is_empty()) {
-        Some(folder) if !folder.is_dir() => Err(Failure::Other(format!(
-            "cannot write {}: there is no directory {}; create it or give --out another path",
-            file.display(),
-            folder.display()
-        ))),
-        _ => Ok(()),
-    }
-}
-
 fn describe(plugin: &Plugin, camera: &Camera, size: [u32; 2]) -> Result<String, Failure> {
     let (lens, info) = (camera.lens_name()?, camera.info()?);
     let [width, height] = size.map(f64::from);
@@ -152,12 +137,4 @@ fn zone(text: &str) -> Result<Option<[f32; 4]>, String> {
         Ok(zone) if text.split(',').count() == 4 && zone[2] > 0.0 && zone[3] > 0.0 => Ok(Some(zone)),
         _ => Err("write LEFT,TOP,WIDTH,HEIGHT in pixels of the picture, as in 200,140,80,40".to_owned()),
     }
-}
-
-/// A path whose ending says what to write.
-///
-/// # Errors
-/// The ending is none of the two that can be written.
-pub fn picture_path(text: &str) -> Result<PathBuf, String> {
-    Format::of(Path::new(text)).map(|_| PathBuf::from(text))
 }

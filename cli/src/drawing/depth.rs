@@ -1,5 +1,6 @@
 //! The depth of field as a range of distances from the film, on a logarithmic scale.
 
+use super::axis::Scale;
 use super::labels::spread;
 use super::shapes::{Anchor, Page, SMALL, Stroke, text_width};
 use super::{COLORS, FAINT, INK};
@@ -45,19 +46,16 @@ pub fn draw(drawing: &Drawing) -> Page {
         || marks.iter().map(|mark| mark.1).filter(|distance| distance.is_finite() && *distance > 0.0);
     let low = finite().fold(f64::MAX, f64::min) / 1.25;
     let high = finite().fold(f64::MIN_POSITIVE, f64::max) * 1.25;
+    let scale = Scale { range: [low, high], pixels: [LEFT, RIGHT] };
     let at = |distance: f64| {
-        if distance.is_finite() {
-            LEFT + (distance / low).ln() / (high / low).ln() * (RIGHT - LEFT)
-        } else {
-            INFINITY_AT
-        }
+        if distance.is_finite() { scale.place(distance) } else { INFINITY_AT }
     };
     let mut page = Page::new(WIDTH, HEIGHT);
     page.title(&drawing.title, LEFT, WIDTH - 2.0 * LEFT);
     page.line([[at(near), BAR_AT], [at(far), BAR_AT]], Stroke::new(COLORS[0], 16.0));
     page.line([[LEFT, SCALE_AT], [RIGHT, SCALE_AT]], Stroke::new(INK, 1.0));
     page.line([[RIGHT, SCALE_AT], [INFINITY_AT, SCALE_AT]], Stroke::new(INK, 1.0).dashed("3 5"));
-    for (distance, name) in ticks(low, high) {
+    for (distance, name) in ticks(&scale) {
         page.line([[at(distance), SCALE_AT], [at(distance), SCALE_AT + 7.0]], Stroke::new(INK, 1.0));
         page.text(&name, [at(distance), SCALE_AT + 26.0], SMALL, Anchor::Middle, INK);
     }
@@ -79,16 +77,11 @@ pub fn draw(drawing: &Drawing) -> Page {
     page
 }
 
-/// Round distances in a range, 1, 2 and 5 a decade, or 1 alone where that would crowd, with their names.
-fn ticks(low: f64, high: f64) -> Vec<(f64, String)> {
-    let decades = (high / low).log10();
-    let steps: &[f64] = if decades < 2.5 { &[1.0, 2.0, 5.0] } else { &[1.0] };
-    let exponents = low.log10().floor() as i32..=high.log10().ceil() as i32;
-    exponents
-        .flat_map(|exponent| steps.iter().map(move |step| step * 10_f64.powi(exponent)))
-        .filter(|distance| (low..=high).contains(distance))
-        .map(|distance| (distance, metres(distance)))
-        .collect()
+/// Round distances in the scale's range, 1, 2 and 5 a decade, or 1 alone where that would crowd, with their names.
+fn ticks(scale: &Scale) -> impl Iterator<Item = (f64, String)> {
+    const ROOM: f64 = 40.0;
+    let labelled = scale.ticks(ROOM).into_iter().filter(|tick| tick.label.is_some());
+    labelled.map(|tick| (tick.value, metres(tick.value)))
 }
 
 fn metres(distance: f64) -> String {
@@ -121,6 +114,8 @@ mod tests {
 
     #[test]
     fn ticks_are_round_and_inside() {
+        let ticks =
+            |low, high| ticks(&Scale { range: [low, high], pixels: [LEFT, RIGHT] }).collect::<Vec<_>>();
         let names: Vec<String> = ticks(450.0, 6000.0).into_iter().map(|(_, name)| name).collect();
         assert_eq!(names, ["0.5 m", "1 m", "2 m", "5 m"]);
         assert!(ticks(100.0, 1e8).iter().all(|(distance, _)| distance.log10().fract() == 0.0));

@@ -5,6 +5,6 @@ mod picture;
 mod sheet;
 mod srgb;
 
-pub use picture::{Format, Picture};
+pub use picture::{Picture, picture_path, writable};
 pub use sheet::Sheet;
 pub use srgb::{Colours, SrgbImage, hex};

@@ -3,7 +3,7 @@
 use super::srgb::{Colours, SrgbImage, decode, encode};
 use crate::failure::Failure;
 use std::fmt::Display;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Linear colour, rows from the top, each from the left.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,6 +35,29 @@ impl Format {
             Some("exr") => Ok(Self::Exr),
             _ => Err(format!("\"{}\" must end in .png (8-bit sRGB) or .exr (linear floats)", path.display())),
         }
+    }
+}
+
+/// A path whose ending says what to write.
+///
+/// # Errors
+/// The ending is none of the two that can be written.
+pub fn picture_path(text: &str) -> Result<PathBuf, String> {
+    Format::of(Path::new(text)).map(|_| PathBuf::from(text))
+}
+
+/// Whether the folder of a file to be written is there, before the work is done.
+///
+/// # Errors
+/// There is none.
+pub fn writable(file: &Path) -> Result<(), Failure> {
+    match file.parent().filter(|parent| !parent.as_os_str().is_empty()) {
+        Some(folder) if !folder.is_dir() => Err(Failure::Other(format!(
+            "cannot write {}: there is no directory {}; create it or give --out another path",
+            file.display(),
+            folder.display()
+        ))),
+        _ => Ok(()),
     }
 }
 

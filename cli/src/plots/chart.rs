@@ -1,8 +1,8 @@
 //! A log-log chart: cost to the right, error upward, names at the marks or at the lines' ends; a page's SVG out.
 
 use super::PALETTE;
-use super::axis::Scale;
 use super::placement::{Area, beside};
+use crate::drawing::axis::Scale;
 use crate::drawing::labels::spread;
 use crate::drawing::shapes::{Anchor, Page, Stroke, text_width};
 use crate::drawing::{FAINT, INK};

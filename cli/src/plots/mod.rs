@@ -1,8 +1,7 @@
 //! Work-precision diagrams: log-log charts, every mark or line with its name beside it.
 //!
-//! [`axis`] has scales and ticks, [`placement`] keeps names apart, [`chart`] draws.
+//! [`placement`] keeps names apart, [`chart`] draws.
 
-pub mod axis;
 pub mod chart;
 pub mod placement;
 

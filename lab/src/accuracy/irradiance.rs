@@ -7,11 +7,9 @@ use realistic::{
 
 use crate::{
     accuracy::cameras::{DISKS, PUPILS, Single, camera},
+    accuracy::curve::{Curve, Estimate},
     render::sequence::Sequence,
-    results::{
-        statistics::log_slope,
-        table::{Table, row},
-    },
+    results::table::{Table, row},
     subject::{PIXELS, Subject},
     timing::{Effort, interleaved},
 };
@@ -30,45 +28,6 @@ pub struct SampleCounts {
     pub survey: u32,
     /// How long to time.
     pub effort: Effort,
-}
-
-/// One estimator at one number of samples.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimate {
-    /// Samples per estimate.
-    pub samples: usize,
-    /// Time per estimate, seconds.
-    pub time: f64,
-    /// RMS of the relative error over film points and repetitions.
-    pub error: f64,
-    /// RMS of the deviation from the estimator's own mean.
-    pub noise: f64,
-}
-
-/// One estimator on one lens.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Curve {
-    /// The lens.
-    pub lens: String,
-    /// How the pupil is sampled.
-    pub pupil: &'static str,
-    /// How the disk is.
-    pub disk: &'static str,
-    /// Where the numbers come from.
-    pub sequence: &'static str,
-    /// By rising number of samples.
-    pub points: Vec<Estimate>,
-    /// Exponent of the noise as a power of the number of samples.
-    pub slope: f64,
-    /// RMS over the film points of the mean relative error that is left with many samples.
-    pub bias: f64,
-}
-
-impl Curve {
-    /// Time, seconds, and error of every point.
-    pub fn errors(&self) -> Vec<(f64, f64)> {
-        self.points.iter().map(|p| (p.time, p.error)).collect()
-    }
 }
 
 /// Raster coordinates of a film point.
@@ -118,17 +77,7 @@ pub fn measure(subject: &Subject, counts: SampleCounts) -> Result<Vec<Curve>, Ca
                 let points: Vec<_> = samples
                     .map(|samples| precision(&camera, placed, &exact, samples, counts.repeats))
                     .collect();
-                let noise: Vec<_> = points.iter().map(|p| (p.samples as f64, p.noise)).collect();
-                let last = points.last().expect("at least four samples");
-                curves.push(Curve {
-                    lens: subject.lens.name.clone(),
-                    pupil,
-                    disk,
-                    sequence,
-                    slope: log_slope(&noise).unwrap_or(f64::NAN),
-                    bias: (last.error.powi(2) - last.noise.powi(2)).max(0.0).sqrt(),
-                    points,
-                });
+                curves.push(Curve { lens: subject.lens.name.clone(), pupil, disk, sequence, points });
             }
             cameras.push(camera);
         }
@@ -189,7 +138,7 @@ pub fn table(curves: &[Curve]) -> Table {
     let points = curves.iter().flat_map(|curve| curve.points.iter().map(move |point| (curve, point)));
     let rows = points.map(|(c, p)| {
         let names = row![c.lens.as_str(), c.pupil, c.disk, c.sequence];
-        [names, row![p.samples, p.time * 1e6, p.error, p.noise, c.slope, c.bias]].concat()
+        [names, row![p.samples, p.time * 1e6, p.error, p.noise, c.slope(), c.bias()]].concat()
     });
     Table::of("irradiance", "lens pupil disk sequence samples time_us rms_error noise slope bias", rows)
 }
@@ -210,12 +159,12 @@ mod tests {
         for curve in &curves {
             assert!(curve.points.iter().all(|p| p.time > 0.0));
             if curve.sequence == "random" {
-                assert!((curve.slope + 0.5).abs() < 0.1, "{curve:?}");
+                assert!((curve.slope() + 0.5).abs() < 0.1, "{curve:?}");
             }
             // Wide open the thick lens's pupil lacks about a tenth of the light on the axis.
             let last = curve.points.last().expect("some");
             match curve.pupil {
-                "disk" => assert!(curve.bias > 0.01, "{curve:?}"),
+                "disk" => assert!(curve.bias() > 0.01, "{curve:?}"),
                 _ => assert!(last.error < 1.5 * last.noise, "{curve:?}"),
             }
         }

@@ -12,6 +12,7 @@ use realistic::{
 };
 
 use crate::{
+    BLOCK,
     reference::DoubleDouble,
     subject::{FilmRays, Subject},
 };
@@ -194,12 +195,9 @@ struct Batches<S, F> {
     rays: FilmRays<S>,
 }
 
-/// Rays per call, about as many as a camera's block has.
-const CALL: usize = 384;
-
 impl<S: Real, F: Fn(&PlaneRays<'_, S>, &mut LensRays<'_, S>)> Runner for Batches<S, F> {
     fn run(&mut self) {
-        self.rays.trace(CALL, &self.trace);
+        self.rays.trace(BLOCK, &self.trace);
     }
 
     fn ray(&self, index: usize) -> Option<Ray> {

@@ -2,6 +2,7 @@
 //! film irradiance by every sampler, pictures by every source of rays, refraction by every formula; and all of a report in one run ([`suite`]).
 
 pub mod cameras;
+pub mod curve;
 pub mod irradiance;
 pub mod methods;
 pub mod pictures;

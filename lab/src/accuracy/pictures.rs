@@ -2,12 +2,13 @@
 
 use crate::{
     accuracy::cameras::PUPILS,
+    accuracy::curve::{Curve, Estimate},
     accuracy::ray_sources::{RENDERERS, Source, single},
     render::formula_scene::Scene,
     render::sequence::{Point, Sequence},
     render::{Integrand, Window, render},
     results::{
-        statistics::{log_slope, median},
+        statistics::median,
         table::{Table, row},
     },
     subject::Subject,
@@ -65,47 +66,12 @@ fn picture(
 ) -> Vec<f64> {
     let mut pictured = Pictured { scene, sequence, seed, width: raster.xres, points: Vec::new() };
     let window = Window { corner: [0; 2], size: [raster.xres, raster.yres] };
-    let Ok((pixels, _)) = render(camera.as_mut(), &mut pictured, window, samples);
+    let Ok((pixels, _)) = render(camera, &mut pictured, window, samples);
     pixels.into_iter().flatten().collect()
 }
 
 fn rms(a: &[f64], b: &[f64]) -> f64 {
     (a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len() as f64).sqrt()
-}
-
-/// One picture.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Precision {
-    /// Samples per pixel.
-    pub samples: usize,
-    /// Time on one core, seconds.
-    pub time: f64,
-    /// RMS error to the reference over its mean.
-    pub error: f64,
-}
-
-/// One renderer on one lens.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Curve {
-    /// The lens.
-    pub lens: String,
-    /// Its name: a sampler and a sequence, or a renderer.
-    pub name: String,
-    /// How the pupil is sampled, or the renderer's name.
-    pub first: &'static str,
-    /// Where the samples come from.
-    pub second: &'static str,
-    /// By rising samples per pixel.
-    pub points: Vec<Precision>,
-    /// Exponent of the error as a power of the samples.
-    pub slope: f64,
-}
-
-impl Curve {
-    /// Time, seconds, and error of every point.
-    pub fn errors(&self) -> Vec<(f64, f64)> {
-        self.points.iter().map(|p| (p.time, p.error)).collect()
-    }
 }
 
 /// The pictures of one lens.
@@ -131,7 +97,7 @@ pub fn measure(subject: &Subject, size: Size) -> Result<Pictures, CameraError> {
     let (one, two) = (half(1001), half(1002));
     let reference: Vec<f64> = one.iter().zip(&two).map(|(a, b)| f64::midpoint(*a, *b)).collect();
     let mean = reference.iter().sum::<f64>() / reference.len() as f64;
-    let curve = |camera: &mut Source, first: &'static str, second: &'static str, sequence: Sequence| {
+    let curve = |camera: &mut Source, pupil: &'static str, name: &'static str, sequence: Sequence| {
         let points: Vec<_> = (0..=size.exponent)
             .map(|power| {
                 let samples = 4_usize.pow(power);
@@ -143,18 +109,10 @@ pub fn measure(subject: &Subject, size: Size) -> Result<Pictures, CameraError> {
                     errors.push(rms(&pixels, &reference).powi(2));
                 }
                 let error = (errors.iter().sum::<f64>() / errors.len() as f64).sqrt() / mean;
-                Precision { samples, time: median(&times), error }
+                Estimate { samples, time: median(&times), error, noise: error }
             })
             .collect();
-        let slope = log_slope(&points.iter().map(|p| (p.samples as f64, p.error)).collect::<Vec<_>>());
-        Curve {
-            lens: subject.lens.name.clone(),
-            name: format!("{first}, {second}"),
-            first,
-            second,
-            points,
-            slope: slope.unwrap_or(f64::NAN),
-        }
+        Curve { lens: subject.lens.name.clone(), pupil, disk: "concentric", sequence: name, points }
     };
     let mut estimators = Vec::new();
     for &pupil in PUPILS {
@@ -174,7 +132,8 @@ pub fn measure(subject: &Subject, size: Size) -> Result<Pictures, CameraError> {
 /// Curves as a table, whose second heading is what tells them apart.
 pub fn table(name: &'static str, columns: &'static str, curves: &[Curve]) -> Table {
     let points = curves.iter().flat_map(|curve| curve.points.iter().map(move |point| (curve, point)));
-    let rows = points
-        .map(|(c, p)| row![c.lens.as_str(), c.first, c.second, p.samples, p.time * 1e3, p.error, c.slope]);
+    let rows = points.map(|(c, p)| {
+        row![c.lens.as_str(), c.pupil, c.sequence, p.samples, p.time * 1e3, p.error, c.slope()]
+    });
     Table::of(name, columns, rows)
 }

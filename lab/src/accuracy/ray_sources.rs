@@ -4,11 +4,11 @@
 use crate::{
     BLOCK,
     accuracy::cameras::{Shot, Single, camera},
-    render::RaySource,
+    render::Rays,
     subject::{FILM_DIAGONAL, Subject},
 };
 use realistic::{
-    abi::{realistic_ray, realistic_sample},
+    abi::realistic_sample,
     camera::{CameraError, Film, Parameters, Raster, RayBlock, Sample, SampleBlock},
     lens::{cos4, film_ray},
     sampling::{DiskMapping, PupilDisk, PupilSample},
@@ -17,7 +17,7 @@ use realistic::{
 use std::convert::Infallible;
 
 /// A source of camera rays, of whatever kind.
-pub type Source = Box<dyn RaySource<Error = Infallible>>;
+pub type Source = Box<dyn FnMut(Rays<'_>) -> Result<(), Infallible>>;
 
 fn sample(of: &realistic_sample) -> Sample {
     let realistic_sample { image_x, image_y, lens_u, lens_v, time } = *of;
@@ -68,59 +68,30 @@ pub fn single(subject: &Subject, raster: Raster, given: &str) -> Result<Source, 
 /// A camera with these parameters that is asked for blocks.
 fn blocks(subject: &Subject, raster: Raster, given: &str) -> Result<Source, CameraError> {
     let camera = camera_of(subject, raster, given)?;
-    Ok(Box::new(Blocks { camera, samples: SampleBlock::<BLOCK>::new(), rays: RayBlock::<BLOCK>::new() }))
-}
-
-/// A camera that is asked for blocks, and room for one.
-struct Blocks {
-    camera: Single,
-    samples: SampleBlock<BLOCK>,
-    rays: RayBlock<BLOCK>,
-}
-
-impl RaySource for Blocks {
-    type Error = Infallible;
-
-    fn rays(
-        &mut self,
-        samples: &[realistic_sample],
-        rays: &mut [realistic_ray],
-        weights: &mut [f32],
-    ) -> Result<(), Infallible> {
+    let (mut block, mut traced) = (SampleBlock::<BLOCK>::new(), RayBlock::<BLOCK>::new());
+    Ok(Box::new(move |Rays { samples, rays, weights }| {
         let out = rays.chunks_mut(BLOCK).zip(weights.chunks_mut(BLOCK));
         for (samples, (rays, weights)) in samples.chunks(BLOCK).zip(out) {
-            samples.iter().enumerate().for_each(|(i, of)| self.samples.set(i, &sample(of)));
-            self.camera.rays(&self.samples.arrays(samples.len()), &mut self.rays.arrays(samples.len()));
+            samples.iter().enumerate().for_each(|(i, of)| block.set(i, &sample(of)));
+            camera.rays(&block.arrays(samples.len()), &mut traced.arrays(samples.len()));
             for (i, (ray, weight)) in rays.iter_mut().zip(weights).enumerate() {
-                let shot = self.rays.get(i).map(|(ray, weight)| (ray.origin, ray.direction, weight));
+                let shot = traced.get(i).map(|(ray, weight)| (ray.origin, ray.direction, weight));
                 (ray.o, ray.d, *weight) = shot.unwrap_or_default();
             }
         }
         Ok(())
-    }
-}
-
-/// Sample after sample.
-struct Each<F>(F);
-
-impl<F: Fn(&Sample) -> Option<Shot>> RaySource for Each<F> {
-    type Error = Infallible;
-
-    fn rays(
-        &mut self,
-        samples: &[realistic_sample],
-        rays: &mut [realistic_ray],
-        weights: &mut [f32],
-    ) -> Result<(), Infallible> {
-        for ((of, ray), weight) in samples.iter().zip(rays).zip(weights) {
-            (ray.o, ray.d, *weight) = (self.0)(&sample(of)).unwrap_or_default();
-        }
-        Ok(())
-    }
+    }))
 }
 
 fn each(shoot: impl Fn(&Sample) -> Option<Shot> + 'static) -> Source {
-    Box::new(Each(shoot))
+    Box::new(move |rays| {
+        rays.fill(|of, ray| {
+            let weight;
+            (ray.o, ray.d, weight) = shoot(&sample(of)).unwrap_or_default();
+            weight
+        });
+        Ok(())
+    })
 }
 
 /// Where in the pupil a model's rays go.

@@ -11,6 +11,7 @@ use realistic::{
 };
 
 use super::{
+    curve::Curve,
     irradiance::{self, SampleCounts},
     pupils::{self, PupilCounts},
     ray_map::{self, RayCounts},
@@ -132,11 +133,11 @@ pub struct Results {
     /// Errors and times of rays.
     pub ray_map: Vec<ray_map::RayErrors>,
     /// Estimates of film irradiance.
-    pub irradiance: Vec<irradiance::Curve>,
+    pub irradiance: Vec<Curve>,
     /// Pictures by sampler and sequence.
-    pub estimators: Vec<pictures::Curve>,
+    pub estimators: Vec<Curve>,
     /// Pictures by renderer.
-    pub renderers: Vec<pictures::Curve>,
+    pub renderers: Vec<Curve>,
     /// The reference pictures' own errors.
     pub floors: Vec<(&'static str, f64)>,
     /// Build times.

@@ -1,4 +1,4 @@
-//! The renderer that the program and the laboratory share: samples of a picture in, their rays asked of a [`RaySource`],
+//! The renderer that the program and the laboratory share: samples of a picture in, their [`Rays`] asked of a camera,
 //! what an [`Integrand`] makes of them summed up by pixel out. And the laboratory's own scene, a formula.
 
 pub mod formula_scene;

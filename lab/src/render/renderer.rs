@@ -4,21 +4,23 @@
 use realistic::abi::{realistic_ray, realistic_sample};
 use std::time::{Duration, Instant};
 
-/// Where camera rays come from.
-pub trait RaySource {
-    /// Why there are no rays.
-    type Error;
+/// One call for camera rays, each slice as long as the others: what is asked of a source of rays.
+pub struct Rays<'a> {
+    /// Which are wanted.
+    pub samples: &'a [realistic_sample],
+    /// A ray for every sample.
+    pub rays: &'a mut [realistic_ray],
+    /// A weight for every sample; 0: the ray was blocked.
+    pub weights: &'a mut [f32],
+}
 
-    /// One ray and one weight for every sample; the slices are equally long. Weight 0: the ray was blocked.
-    ///
-    /// # Errors
-    /// The camera's own.
-    fn rays(
-        &mut self,
-        samples: &[realistic_sample],
-        rays: &mut [realistic_ray],
-        weights: &mut [f32],
-    ) -> Result<(), Self::Error>;
+impl Rays<'_> {
+    /// Sample after sample: `shoot` fills in a ray and gives its weight.
+    pub fn fill(self, mut shoot: impl FnMut(&realistic_sample, &mut realistic_ray) -> f32) {
+        for ((sample, ray), weight) in self.samples.iter().zip(self.rays).zip(self.weights) {
+            *weight = shoot(sample, ray);
+        }
+    }
 }
 
 /// How a pixel is sampled, and the light that its rays find.
@@ -67,12 +69,12 @@ const BATCH: usize = 2048;
 ///
 /// # Errors
 /// The camera's own.
-pub fn render<S: RaySource + ?Sized, const CHANNELS: usize>(
-    camera: &mut S,
+pub fn render<E, const CHANNELS: usize>(
+    mut camera: impl FnMut(Rays<'_>) -> Result<(), E>,
     integrand: &mut impl Integrand<CHANNELS>,
     window: Window,
     spp: usize,
-) -> Result<(Vec<[f64; CHANNELS]>, Tally), S::Error> {
+) -> Result<(Vec<[f64; CHANNELS]>, Tally), E> {
     let [[left, top], [width, height]] = [window.corner, window.size];
     let places: Vec<[u32; 2]> =
         (top..top + height).flat_map(|y| (left..left + width).map(move |x| [x, y])).collect();
@@ -87,9 +89,9 @@ pub fn render<S: RaySource + ?Sized, const CHANNELS: usize>(
         for ((first, samples), place) in (0..).step_by(spp).zip(samples.chunks_exact_mut(spp)).zip(places) {
             integrand.place(*place, first, samples);
         }
-        let (rays, weights) = (&mut rays[..count], &mut weights[..count]);
+        let (samples, rays, weights) = (&samples[..count], &mut rays[..count], &mut weights[..count]);
         let start = Instant::now();
-        camera.rays(&samples[..count], rays, weights)?;
+        camera(Rays { samples, rays, weights })?;
         tally.in_camera += start.elapsed();
         tally.rays += count as u64;
         for first in (0..count).step_by(spp) {
@@ -112,23 +114,12 @@ mod tests {
     use std::convert::Infallible;
 
     /// Blocks every ray of odd columns.
-    struct Even;
-
-    impl RaySource for Even {
-        type Error = Infallible;
-
-        fn rays(
-            &mut self,
-            samples: &[realistic_sample],
-            rays: &mut [realistic_ray],
-            weights: &mut [f32],
-        ) -> Result<(), Infallible> {
-            for ((sample, ray), weight) in samples.iter().zip(rays).zip(weights) {
-                ray.o = [sample.image_x, sample.image_y, 0.0];
-                *weight = if sample.image_x % 2.0 == 0.0 { 0.5 } else { 0.0 };
-            }
-            Ok(())
-        }
+    fn even(rays: Rays<'_>) -> Result<(), Infallible> {
+        rays.fill(|sample, ray| {
+            ray.o = [sample.image_x, sample.image_y, 0.0];
+            if sample.image_x % 2.0 == 0.0 { 0.5 } else { 0.0 }
+        });
+        Ok(())
     }
 
     /// The ray's place and the sample's number within its pixel.
@@ -149,7 +140,7 @@ mod tests {
     fn every_pixel_is_the_mean_over_its_own_samples_in_any_number_of_calls() {
         let window = Window { corner: [4, 7], size: [3, 5] };
         for spp in [1, 3, 700, 2049] {
-            let Ok((pixels, tally)) = render(&mut Even, &mut Places(spp), window, spp);
+            let Ok((pixels, tally)) = render(even, &mut Places(spp), window, spp);
             let rays = 15 * spp as u64;
             assert_eq!((pixels.len(), tally.rays, tally.passed), (15, rays, rays / 3 * 2));
             for (pixel, place) in pixels.iter().zip(0_u32..) {

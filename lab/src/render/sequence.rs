@@ -3,6 +3,8 @@
 use rand::{Rng, RngExt, SeedableRng, seq::SliceRandom};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
+use crate::subject::quasirandom::steps;
+
 /// Coordinates of a sample at the most: two for the lens, two for the pixel.
 pub const DIMENSIONS: usize = 4;
 
@@ -52,12 +54,10 @@ impl Sequence {
                 }
             }
             Self::Recurrence => {
-                let ratio = golden(dimensions);
+                let steps = if dimensions == 2 { &steps::<2>()[..] } else { &steps::<DIMENSIONS>()[..] };
                 let shift: [f64; DIMENSIONS] = random.random();
                 for (index, point) in points.iter_mut().enumerate() {
-                    let mut step = 1.0;
-                    for d in 0..dimensions {
-                        step /= ratio;
+                    for (d, step) in steps.iter().enumerate() {
                         point[d] = (((index as f64 * step + shift[d]).fract()) as f32).min(BELOW_ONE);
                     }
                 }
@@ -103,11 +103,6 @@ pub fn strata(seed: u32, numbers: &mut [f32]) {
         *number = ((index as f32 + random.random::<f32>()) / count).min(end);
     }
     numbers.shuffle(&mut random);
-}
-
-/// The positive root of g^(d + 1) = g + 1 for d = 2 and 4.
-fn golden(dimensions: usize) -> f64 {
-    if dimensions == 2 { 1.324_717_957_244_746 } else { 1.167_303_978_261_418_7 }
 }
 
 /// Direction numbers of Joe and Kuo's first four dimensions: degree of the primitive polynomial, its
@@ -183,14 +178,6 @@ mod tests {
             let mut others = vec![[0.0; 4]; 4096];
             sequence.fill(4, 4, &mut others);
             assert_ne!(points, others, "{name}");
-        }
-    }
-
-    #[test]
-    fn the_generalised_golden_ratios_are_roots() {
-        for d in [2, 4] {
-            let g = golden(d);
-            assert!((g.powi(d as i32 + 1) - g - 1.0).abs() < 1e-14);
         }
     }
 

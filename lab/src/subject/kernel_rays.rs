@@ -60,18 +60,6 @@ impl<S: KernelScalar + Real> KernelRays<S> {
         }
     }
 
-    /// Three rays at once where they set out from one plane, as a ray and its two differentials do.
-    pub fn three(&self, rays: [Ray; 3]) -> [Option<Ray>; 3] {
-        let [Some(a), Some(b), Some(c)] = rays.map(|ray| self.on_plane(&ray)) else {
-            return rays.map(|ray| self.one(ray));
-        };
-        if a.plane != b.plane || a.plane != c.plane {
-            return rays.map(|ray| self.one(ray));
-        }
-        let (points, slopes) = ([a.point, b.point, c.point], [a.slopes, b.slopes, c.slopes]);
-        self.kernel.trace_triple(a.plane, points.map(narrow), slopes.map(narrow)).map(|ray| ray.map(widen))
-    }
-
     /// Many rays in batches, one a plane that they set out from.
     pub fn batch(&self, rays: &[Ray]) -> Vec<Option<Ray>> {
         let mut out = vec![None; rays.len()];
@@ -214,12 +202,7 @@ mod tests {
                     let traced =
                         KernelRays::<S>::new(&lens, direction, Simd::Portable).expect("always there");
                     let ones: Vec<_> = rays.iter().map(|&ray| traced.one(ray)).collect();
-                    let threes: Vec<_> = rays
-                        .chunks_exact(3)
-                        .flat_map(|three| traced.three([three[0], three[1], three[2]]))
-                        .collect();
                     assert_eq!(traced.batch(&rays), ones, "{name}");
-                    assert_eq!(threes, ones[..threes.len()], "{name}");
                     for outcomes in [ones, traced.in_place(&rays)] {
                         for (ray, got) in rays.iter().zip(outcomes) {
                             let exact = path.trace(*ray);

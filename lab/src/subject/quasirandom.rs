@@ -8,7 +8,8 @@ pub fn spread<const N: usize>(shift: f64) -> impl Iterator<Item = [f64; N]> {
     (0_u32..).map(move |number| steps.map(|step| (shift + (f64::from(number) + 0.5) * step).fract()))
 }
 
-fn steps<const N: usize>() -> [f64; N] {
+/// The powers of 1/g by which the coordinates step.
+pub fn steps<const N: usize>() -> [f64; N] {
     // The iteration's errors shrink by more than 1/(N + 1) each time.
     let g = (0..60).fold(1.5_f64, |g, _| (g + 1.0).powf(1.0 / (N as f64 + 1.0)));
     std::array::from_fn(|i| g.powi(-(i as i32 + 1)))
@@ -23,6 +24,8 @@ mod tests {
         let [a, b, c, d, e] = steps::<5>();
         assert!((a.powi(-6) - 1.0 / a - 1.0).abs() < 1e-13 && (a * a - b).abs() < 1e-15);
         assert!((a * b - c).abs() < 1e-15 && (a * c - d).abs() < 1e-15 && (a * d - e).abs() < 1e-15);
+        let residual = |step: f64, n: i32| (step.powi(-n - 1) - 1.0 / step - 1.0).abs();
+        assert!(residual(steps::<2>()[0], 2) < 1e-13 && residual(steps::<4>()[0], 4) < 1e-13);
         for i in 0..5 {
             let mean = spread::<5>(0.0).take(4096).map(|point| point[i]).sum::<f64>() / 4096.0;
             assert!((mean - 0.5).abs() < 2e-3, "{i}: {mean}");

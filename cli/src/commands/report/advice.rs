@@ -120,7 +120,7 @@ fn pictures(results: &Results) -> Option<String> {
         let own = || results.renderers.iter().filter(|c| c.lens == **lens);
         // What the exact way that gets nearest reaches, with a little room.
         let least = own().filter_map(|c| c.points.last()).map(|p| p.error).fold(f64::INFINITY, f64::min);
-        soonest(own().map(|c| (c.first, c.errors())), 1.1 * least)
+        soonest(own().map(|c| (c.pupil, c.errors())), 1.1 * least)
     };
     let bests: Vec<_> = results.lenses.iter().filter_map(best).map(|(name, _)| name).collect();
     let (name, wins) = most_frequent(bests.iter().copied())?;

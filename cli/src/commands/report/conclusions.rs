@@ -1,7 +1,7 @@
 //! Which method for which need, read off the results: a table of needs by lens, and sentences about each lens.
 
 use super::findings::{PIXELS, WORTH, all_hold, fastest, is_exact, seconds, soonest, time_to};
-use realistic_lab::accuracy::irradiance::Curve;
+use realistic_lab::accuracy::curve::Curve;
 use realistic_lab::accuracy::methods::Family;
 use realistic_lab::accuracy::ray_map::RayErrors;
 use realistic_lab::accuracy::suite::Results;
@@ -52,7 +52,7 @@ pub fn answers(results: &Results) -> Vec<Answer> {
     for error in PICTURE {
         answer(format!("the picture within {} % of its mean", 100.0 * error), &|lens| {
             let curves = results.renderers.iter().filter(|c| c.lens == lens);
-            soonest_in_words(curves.map(|c| (c.first.to_owned(), c.errors())), error)
+            soonest_in_words(curves.map(|c| (c.pupil.to_owned(), c.errors())), error)
         });
     }
     answers
@@ -170,7 +170,7 @@ fn estimators(results: &Results, lens: &str) -> Option<String> {
     let last = random.points.last()?;
     let saved =
         |curve: &Curve| time_to(&curve.errors(), last.error).map(|time| format!("1/{:.0}", last.time / time));
-    let bias = match 100.0 * biased.bias {
+    let bias = match 100.0 * biased.bias() {
         small if small < 0.1 => "less than 0.1 % off".to_owned(),
         percent => format!("{percent:.1} % off"),
     };
@@ -183,9 +183,9 @@ fn estimators(results: &Results, lens: &str) -> Option<String> {
         last.samples,
         saved(rear)?,
         saved(warped)?,
-        random.slope,
-        rear.slope,
-        warped.slope,
+        random.slope(),
+        rear.slope(),
+        warped.slope(),
     ))
 }
 

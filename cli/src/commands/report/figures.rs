@@ -8,7 +8,7 @@ use realistic_lab::accuracy::ray_map::{self, RayErrors};
 use realistic_lab::accuracy::suite::{Results, stability_table};
 use realistic_lab::results::statistics::{Spread, pareto_front};
 use realistic_lab::results::table::Table;
-use realistic_lab::{accuracy::irradiance, accuracy::pictures, reference::condition::Norm, stability};
+use realistic_lab::{accuracy::curve::Curve, reference::condition::Norm, stability};
 use std::collections::BTreeSet;
 
 /// A chart with the name of its files.
@@ -162,57 +162,55 @@ fn rank<'a>(seen: &mut Vec<&'a str>, word: &'a str) -> usize {
     })
 }
 
-fn flat_field(
-    results: &Results,
-    lens: &str,
-    wanted: impl Fn(&irradiance::Curve) -> bool,
-    dashed_by: fn(&irradiance::Curve) -> &'static str,
+/// Axes of the charts of light against time: units a second, and what they are called.
+type Axes = (f64, &'static str, &'static str);
+const FLAT_FIELD: Axes = (1e6, "time per estimate, µs", "RMS relative error");
+const WHOLE: Axes = (1e3, "time on one core, ms", "RMS error over the mean");
+
+/// Errors of curves against time; `line` gives a curve's name, colour and dashes.
+fn lines<'a>(
+    (second, cost, error): Axes,
+    curves: impl Iterator<Item = &'a Curve>,
+    mut line: impl FnMut(usize, &'a Curve) -> (String, usize, usize),
 ) -> Chart {
-    let (mut colors, mut dashes) = (Vec::new(), Vec::new());
-    let curves = results.irradiance.iter().filter(|c| c.lens == lens && wanted(c));
-    let series = curves.map(|curve| {
-        let name = format!("{}, {} ({:.2})", dashed_by(curve), curve.sequence, curve.slope);
-        let points = curve.points.iter().map(|p| [p.time * 1e6, p.error]);
-        Series::line(name, rank(&mut colors, curve.sequence), rank(&mut dashes, dashed_by(curve)), points)
-    });
-    let (cost, error) = ("time per estimate, µs", "RMS relative error");
-    Chart { cost, error, series: with_front(series), ..Chart::default() }
-}
-
-fn by_sequence(results: &Results, lens: &str) -> Chart {
-    flat_field(results, lens, |curve| curve.disk == "concentric", |curve| curve.pupil)
-}
-
-fn by_mapping(results: &Results, lens: &str) -> Chart {
-    let shown = |c: &irradiance::Curve| c.pupil == "rear" && ["random", "Sobol'"].contains(&c.sequence);
-    flat_field(results, lens, shown, |curve| curve.disk)
-}
-
-/// Errors of pictures against time; `line` gives a curve's name, colour and dashes.
-fn pictures<'a>(
-    lens: &str,
-    curves: &'a [pictures::Curve],
-    mut line: impl FnMut(usize, &'a pictures::Curve) -> (String, usize, usize),
-) -> Chart {
-    let series = curves.iter().filter(|c| c.lens == lens).enumerate().map(|(number, curve)| {
+    let series = curves.enumerate().map(|(number, curve)| {
         let (name, color, dash) = line(number, curve);
-        Series::line(name, color, dash, curve.points.iter().map(|p| [p.time * 1e3, p.error]))
+        Series::line(name, color, dash, curve.points.iter().map(|p| [p.time * second, p.error]))
     });
-    let (cost, error) = ("time on one core, ms", "RMS error over the mean");
     Chart { cost, error, series: with_front(series), ..Chart::default() }
 }
 
-fn estimators(results: &Results, lens: &str) -> Chart {
+/// The same with a colour for each sequence.
+fn samplers<'a>(
+    axes: Axes,
+    curves: impl Iterator<Item = &'a Curve>,
+    dashed_by: fn(&Curve) -> &'static str,
+) -> Chart {
     let (mut colors, mut dashes) = (Vec::new(), Vec::new());
-    pictures(lens, &results.estimators, |_, curve| {
-        let name = format!("{} ({:.2})", curve.name, curve.slope);
-        (name, rank(&mut colors, curve.second), rank(&mut dashes, curve.first))
+    lines(axes, curves, |_, curve| {
+        let name = format!("{}, {} ({:.2})", dashed_by(curve), curve.sequence, curve.slope());
+        (name, rank(&mut colors, curve.sequence), rank(&mut dashes, dashed_by(curve)))
     })
 }
 
+fn by_sequence(results: &Results, lens: &str) -> Chart {
+    let shown = results.irradiance.iter().filter(|c| c.lens == lens && c.disk == "concentric");
+    samplers(FLAT_FIELD, shown, |curve| curve.pupil)
+}
+
+fn by_mapping(results: &Results, lens: &str) -> Chart {
+    let shown =
+        |c: &&Curve| c.lens == lens && c.pupil == "rear" && ["random", "Sobol'"].contains(&c.sequence);
+    samplers(FLAT_FIELD, results.irradiance.iter().filter(shown), |curve| curve.disk)
+}
+
+fn estimators(results: &Results, lens: &str) -> Chart {
+    samplers(WHOLE, results.estimators.iter().filter(|c| c.lens == lens), |curve| curve.pupil)
+}
+
 fn renderers(results: &Results, lens: &str) -> Chart {
-    let line = |number, curve: &pictures::Curve| (curve.first.to_owned(), number, number / PALETTE.len());
-    let mut chart = pictures(lens, &results.renderers, line);
+    let line = |number, curve: &Curve| (curve.pupil.to_owned(), number, number / PALETTE.len());
+    let mut chart = lines(WHOLE, results.renderers.iter().filter(|c| c.lens == lens), line);
     let floor = results.floors.iter().find(|(name, _)| *name == lens);
     let lowest = chart.series.iter().flat_map(|s| &s.marks).map(|m| m.at[1]).fold(f64::INFINITY, f64::min);
     let floor = floor.filter(|(_, error)| *error > lowest / 4.0);

@@ -3,9 +3,8 @@
 use super::library::{Plugin, PluginError, text};
 use super::options;
 use realistic::abi::{realistic_camera, realistic_camera_info, realistic_options};
-use realistic::abi::{realistic_ray, realistic_sample};
 use realistic::camera::Parameters;
-use realistic_lab::render::RaySource;
+use realistic_lab::render::Rays;
 use std::ffi::{CString, c_char, c_void};
 use std::mem::MaybeUninit;
 use std::sync::Arc;
@@ -76,19 +75,14 @@ impl Camera {
             Ok(text(start))
         }
     }
-}
 
-impl RaySource for &Camera {
-    type Error = PluginError;
-
-    fn rays(
-        &mut self,
-        samples: &[realistic_sample],
-        rays: &mut [realistic_ray],
-        weights: &mut [f32],
-    ) -> Result<(), PluginError> {
+    /// One ray and one weight for every sample.
+    ///
+    /// # Errors
+    /// The plugin's own.
+    pub fn rays(&self, rays: Rays<'_>) -> Result<(), PluginError> {
         // SAFETY: the handle is this plugin's and alive.
-        unsafe { generate(&self.plugin, self.handle, samples, rays, weights) }
+        unsafe { generate(&self.plugin, self.handle, rays) }
     }
 }
 
@@ -99,9 +93,7 @@ impl RaySource for &Camera {
 pub unsafe fn generate(
     plugin: &Plugin,
     camera: *const realistic_camera,
-    samples: &[realistic_sample],
-    rays: &mut [realistic_ray],
-    weights: &mut [f32],
+    Rays { samples, rays, weights }: Rays<'_>,
 ) -> Result<(), PluginError> {
     assert!(samples.len() == rays.len() && samples.len() == weights.len());
     let generate = plugin.functions.camera_generate_rays;

@@ -18,59 +18,14 @@ pub fn fill(options: &mut realistic_options, given: &Parameters) -> Result<Vec<C
                 .to_owned(),
         ));
     }
-    if let Some(simple) = given.simpleweighting {
-        options.simpleweighting = i32::from(simple);
-    }
-    for (field, value) in [
-        (&mut options.filmdistance, given.filmdistance),
-        (&mut options.focusdistance, given.focusdistance),
-        (&mut options.aperture_diameter, given.aperture_diameter),
-        (&mut options.fnumber, given.fnumber),
-        (&mut options.filmdiag, given.filmdiag),
-        (&mut options.hither, given.hither),
-        (&mut options.yon, given.yon),
-        (&mut options.shutteropen, given.shutteropen),
-        (&mut options.shutterclose, given.shutterclose),
-        (&mut options.wavelength, given.wavelength),
-        (&mut options.mmperunit, given.mmperunit),
-        (&mut options.shutterramp, given.shutterramp),
-        (&mut options.shutterslit, given.shutterslit),
-        (&mut options.fov, given.fov),
-        (&mut options.frameaspectratio, given.frameaspectratio),
-        (&mut options.lensradius, given.lensradius),
-        (&mut options.focaldistance, given.focaldistance),
-        (&mut options.tolerance, given.tolerance),
-    ] {
-        if let Some(value) = value {
-            *field = value;
-        }
-    }
-    if let Some(window) = given.screenwindow {
-        options.screenwindow = window;
-    }
     let mut strings = Vec::new();
-    for (field, value) in [
-        (&mut options.model, given.model.map(|name| name.to_string())),
-        (&mut options.specfile, given.specfile.clone()),
-        (&mut options.weighting, given.weighting.map(|name| name.to_string())),
-        (&mut options.pupil, given.pupil.map(|name| name.to_string())),
-        (&mut options.disk, given.disk.map(|name| name.to_string())),
-        (&mut options.refraction, given.refraction.map(|name| name.to_string())),
-        (
-            &mut options.precision,
-            given.precision.map(|asked| asked.map_or("auto".to_owned(), |name| name.to_string())),
-        ),
-        (&mut options.shutter, given.shutter.map(|name| name.to_string())),
-        (&mut options.lensplane, given.lensplane.map(|name| name.to_string())),
-    ] {
-        if let Some(value) = value {
-            let string = CString::new(value.as_str()).map_err(|_| {
-                PluginError::Refused(format!("{value:?} holds a zero byte, which no name may"))
-            })?;
-            *field = string.as_ptr();
-            strings.push(string);
-        }
-    }
+    options.fill(given, |value| {
+        let string = CString::new(value.as_str())
+            .map_err(|_| PluginError::Refused(format!("{value:?} holds a zero byte, which no name may")))?;
+        let start = string.as_ptr();
+        strings.push(string);
+        Ok(start)
+    })?;
     Ok(strings)
 }
 

@@ -12,7 +12,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 use realistic::abi::{realistic_ray, realistic_sample};
 use realistic_lab::render::sequence::{Point, Sequence, strata};
-use realistic_lab::render::{self, Integrand, RaySource, Tally, Window};
+use realistic_lab::render::{self, Integrand, Rays, Tally, Window};
 
 /// Side of a tile in pixels.
 const TILE: u32 = 16;
@@ -36,15 +36,12 @@ pub struct Settings {
 ///
 /// # Errors
 /// The camera's own.
-pub fn render<C: Sync>(
-    camera: &C,
+pub fn render(
+    camera: impl Fn(Rays<'_>) -> Result<(), PluginError> + Sync,
     scene: &Scene,
     settings: &Settings,
     progress: &ProgressBar,
-) -> Result<(Picture, Tally), PluginError>
-where
-    for<'a> &'a C: RaySource<Error = PluginError>,
-{
+) -> Result<(Picture, Tally), PluginError> {
     let [width, height] = settings.size;
     let across = width.div_ceil(TILE);
     let tiles = across * height.div_ceil(TILE);
@@ -55,7 +52,7 @@ where
         let corner = [0, 1].map(|axis| settings.corner[axis] + place[axis]);
         let mut view = View::new(scene, settings, index);
         let window = Window { corner, size };
-        let (pixels, tally) = render::render(&mut &*camera, &mut view, window, settings.spp as usize)?;
+        let (pixels, tally) = render::render(&camera, &mut view, window, settings.spp as usize)?;
         progress.inc(1);
         let pixels = pixels.into_iter().map(|pixel| pixel.map(|value| value as f32)).collect();
         Ok((place, Picture { size, pixels }, tally))
@@ -139,24 +136,17 @@ mod tests {
         half_blocked: bool,
     }
 
-    impl RaySource for &Pinhole {
-        type Error = PluginError;
-
-        fn rays(
-            &mut self,
-            samples: &[realistic_sample],
-            rays: &mut [realistic_ray],
-            weights: &mut [f32],
-        ) -> Result<(), PluginError> {
+    impl Pinhole {
+        fn rays(&self, rays: Rays<'_>) -> Result<(), PluginError> {
             let [width, height] = self.size.map(|side| side as f32);
-            for ((sample, ray), weight) in samples.iter().zip(rays).zip(weights) {
+            rays.fill(|sample, ray| {
                 let x = (sample.image_x / width - 0.5) * 1.2;
                 let y = (0.5 - sample.image_y / height) * 1.2 * height / width;
                 ray.o = [0.0; 3];
                 ray.d = Vec3::new(x, y, 1.0).normalize().to_array();
                 ray.time = sample.time;
-                *weight = if self.half_blocked && sample.lens_u < 0.5 { 0.0 } else { 1.0 };
-            }
+                if self.half_blocked && sample.lens_u < 0.5 { 0.0 } else { 1.0 }
+            });
             Ok(())
         }
     }
@@ -169,7 +159,7 @@ mod tests {
         let settings = Settings { size: [37, 21], corner: [0; 2], spp, seed: 7, mm_per_unit: 1.0 };
         let camera = Pinhole { size: settings.size, half_blocked };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| render(&camera, scene, &settings, &ProgressBar::hidden())).unwrap()
+        pool.install(|| render(|rays| camera.rays(rays), scene, &settings, &ProgressBar::hidden())).unwrap()
     }
 
     fn with(effects: &str) -> Scene {
@@ -199,7 +189,7 @@ mod tests {
         let camera = Pinhole { size: [37, 21], half_blocked: false };
         let settings = Settings { size, corner, spp: 256, seed: 7, mm_per_unit: 1.0 };
         let scene = with("none");
-        let (part, _) = render(&camera, &scene, &settings, &ProgressBar::hidden()).unwrap();
+        let (part, _) = render(|rays| camera.rays(rays), &scene, &settings, &ProgressBar::hidden()).unwrap();
         let (whole, _) = pictured(&scene, 1, false, 256);
         let mut error = 0.0;
         for (index, pixel) in (0..).zip(&part.pixels) {

@@ -9,9 +9,9 @@ use crate::image::Picture;
 use glam::Vec3;
 use indicatif::ProgressBar;
 use rayon::ThreadPool;
-use realistic::abi::{realistic_camera, realistic_ray, realistic_sample, realistic_zone};
+use realistic::abi::{realistic_camera, realistic_ray, realistic_zone};
 use realistic::camera::Parameters;
-use realistic_lab::render::RaySource;
+use realistic_lab::render::Rays;
 use std::ffi::c_void;
 
 /// What the plugin is to ask for.
@@ -114,8 +114,8 @@ impl Autofocus<'_> {
         let trial = Trial { plugin: self.plugin, camera };
         let look = |seed: u64| {
             let settings = Settings { size, corner, spp, seed, mm_per_unit: self.mm_per_unit() };
-            let (picture, _) =
-                self.pool.install(|| render(&trial, self.scene, &settings, &ProgressBar::hidden()))?;
+            let render = || render(|rays| trial.rays(rays), self.scene, &settings, &ProgressBar::hidden());
+            let (picture, _) = self.pool.install(render)?;
             Ok::<_, PluginError>(brightness(&picture))
         };
         let (one, two) = (look(1)?, look(2)?);
@@ -147,17 +147,10 @@ struct Trial<'a> {
 // SAFETY: the ABI says that rays may be asked for from any number of threads.
 unsafe impl Sync for Trial<'_> {}
 
-impl RaySource for &Trial<'_> {
-    type Error = PluginError;
-
-    fn rays(
-        &mut self,
-        samples: &[realistic_sample],
-        rays: &mut [realistic_ray],
-        weights: &mut [f32],
-    ) -> Result<(), PluginError> {
+impl Trial<'_> {
+    fn rays(&self, rays: Rays<'_>) -> Result<(), PluginError> {
         // SAFETY: the camera is the plugin's and lives until the callback returns.
-        unsafe { plugin::generate(self.plugin, self.camera, samples, rays, weights) }
+        unsafe { plugin::generate(self.plugin, self.camera, rays) }
     }
 }
 

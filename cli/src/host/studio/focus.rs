@@ -5,7 +5,7 @@ use crate::host::plugin::{Camera, Plugin, PluginError, Warn};
 use crate::host::scene::{LEVEL, Scene};
 use realistic::abi::{realistic_ray, realistic_sample};
 use realistic::camera::Parameters;
-use realistic_lab::render::RaySource;
+use realistic_lab::render::Rays;
 use std::sync::Arc;
 
 /// Builds the camera, focused on the scene's subject unless the parameters say where.
@@ -51,7 +51,7 @@ fn distance(
                  --param focusdistance=… or filmdistance=… to focus elsewhere)"
             ))
         })?;
-        let Some(meeting) = AxialRays::of(&camera, size)?.meeting() else {
+        let Some(meeting) = AxialRays::of(|rays| camera.rays(rays), size)?.meeting() else {
             return Ok(None);
         };
         distance += subject - meeting * mm;
@@ -70,7 +70,10 @@ impl AxialRays {
     ///
     /// # Errors
     /// The plugin's own.
-    pub fn of(mut camera: impl RaySource<Error = PluginError>, size: [u32; 2]) -> Result<Self, PluginError> {
+    pub fn of(
+        camera: impl FnOnce(Rays<'_>) -> Result<(), PluginError>,
+        size: [u32; 2],
+    ) -> Result<Self, PluginError> {
         const SIDE: u8 = 64;
         let steps = || (0..SIDE).map(|step| (f32::from(step) + 0.5) / f32::from(SIDE));
         let [image_x, image_y] = size.map(|side| side as f32 / 2.0);
@@ -80,7 +83,7 @@ impl AxialRays {
             .collect();
         let mut rays = vec![realistic_ray::default(); samples.len()];
         let mut weights = vec![0.0; samples.len()];
-        camera.rays(&samples, &mut rays, &mut weights)?;
+        camera(Rays { samples: &samples, rays: &mut rays, weights: &mut weights })?;
         Ok(Self { rays, weights })
     }
 
@@ -113,31 +116,20 @@ mod tests {
     use super::*;
 
     /// A lens of radius 10 at z = 0 that sends every ray to (0, 0, 500).
-    struct Perfect;
-
-    impl RaySource for Perfect {
-        type Error = PluginError;
-
-        fn rays(
-            &mut self,
-            samples: &[realistic_sample],
-            rays: &mut [realistic_ray],
-            weights: &mut [f32],
-        ) -> Result<(), PluginError> {
-            for ((sample, ray), weight) in samples.iter().zip(rays).zip(weights) {
-                let [x, y] = [sample.lens_u, sample.lens_v].map(|u| 20.0 * u - 10.0);
-                let length = (x * x + y * y + 250_000.0).sqrt();
-                ray.o = [x, y, 0.0];
-                ray.d = [-x / length, -y / length, 500.0 / length];
-                *weight = if sample.lens_u < 0.5 { 0.0 } else { 2.0 };
-            }
-            Ok(())
-        }
+    fn perfect(rays: Rays<'_>) -> Result<(), PluginError> {
+        rays.fill(|sample, ray| {
+            let [x, y] = [sample.lens_u, sample.lens_v].map(|u| 20.0 * u - 10.0);
+            let length = (x * x + y * y + 250_000.0).sqrt();
+            ray.o = [x, y, 0.0];
+            ray.d = [-x / length, -y / length, 500.0 / length];
+            if sample.lens_u < 0.5 { 0.0 } else { 2.0 }
+        });
+        Ok(())
     }
 
     #[test]
     fn rays_meet_where_the_lens_sends_them() {
-        let rays = AxialRays::of(Perfect, [30, 20]).unwrap();
+        let rays = AxialRays::of(perfect, [30, 20]).unwrap();
         assert!((rays.meeting().unwrap() - 500.0).abs() < 1e-3);
         assert_eq!(rays.mean_weight(), 1.0);
     }

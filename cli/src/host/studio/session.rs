@@ -170,7 +170,9 @@ impl Studio {
             seed: self.seed,
             mm_per_unit: parameters.mmperunit.unwrap_or(1.0) as f32,
         };
-        let render = |camera: &Camera| self.pool.install(|| render(camera, scene, &settings, &self.progress));
+        let render = |camera: &Camera| {
+            self.pool.install(|| render(|rays| camera.rays(rays), scene, &settings, &self.progress))
+        };
         let start = Instant::now();
         let (picture, tally) = match order.wavelengths {
             None => render(&camera)?,
@@ -242,7 +244,7 @@ fn white_level(camera: &Camera, parameters: &Parameters, size: [u32; 2]) -> Resu
         let fnumber = info.fnumber as f32;
         return Ok(std::f32::consts::FRAC_PI_4 / (fnumber * fnumber));
     }
-    let metered = AxialRays::of(camera, size)?.mean_weight();
+    let metered = AxialRays::of(|rays| camera.rays(rays), size)?.mean_weight();
     Ok(if metered > 0.0 { metered } else { 1.0 })
 }
 
