@@ -1,293 +1,107 @@
-//! Registers of 128 and 256 bits, for processors with AVX2 and FMA: one intrinsic an operation, in macros over the
-//! register's names.
+//! Registers of 128 and 256 bits, for processors with AVX2 and FMA: for each a table of its intrinsics.
 
 use std::{
     arch::x86_64::*,
     ops::{Add, Div, Mul, Sub},
 };
 
-use super::{Compiled, Cpu, Lanes, register, store_bits};
+use super::{
+    Compiled, Cpu, Lanes, apart, double_precision, intrinsics, methods, register, single_precision,
+    store_bits,
+};
 
-macro_rules! avx2 {
-    ($name:ident, $scalar:ty, $register:ty, $width:literal, $set:ident, $load:ident, $store:ident,
-     $load_first:ident, $store_first:ident, $first:ident,
-     $add:ident, $sub:ident, $mul:ident, $div:ident, $fmadd:ident, $fmsub:ident, $fnmadd:ident,
-     $sqrt:ident, $cmp:ident, $and:ident, $blend:ident, $max:ident, $min:ident, $andnot:ident, $round:ident,
-     $movemask:ident, $places:ty, { $($single:item)* }) => {
-        register!(
-            $name,
-            $scalar,
-            $register,
-            $width,
-            $set,
-            $load,
-            $store,
-            $add,
-            $sub,
-            $mul,
-            $div,
-            $fmadd,
-            $fmsub,
-            $fnmadd,
-            $register,
-            $places,
-            "avx2,fma",
-            {
-                #[inline(always)]
-                fn sqrt_pair(a: Self, b: Self) -> [Self; 2] {
-                    [a.sqrt(), b.sqrt()]
-                }
-                #[inline(always)]
-                fn sqrt(self) -> Self {
-                    // SAFETY: a vector exists only where `Cpu` did.
-                    Self(unsafe { $sqrt(self.0) })
-                }
-                #[inline(always)]
-                fn less(self, b: Self) -> Self::Mask {
-                    // SAFETY: a vector exists only where `Cpu` did.
-                    unsafe { $cmp::<_CMP_LT_OQ>(self.0, b.0) }
-                }
-                #[inline(always)]
-                fn less_equal(self, b: Self) -> Self::Mask {
-                    // SAFETY: a vector exists only where `Cpu` did.
-                    unsafe { $cmp::<_CMP_LE_OQ>(self.0, b.0) }
-                }
-                #[inline(always)]
-                fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask {
-                    // SAFETY: masks come from comparing vectors, which exist only where `Cpu` did.
-                    unsafe { $and(a, b) }
-                }
-                #[inline(always)]
-                fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
-                    // SAFETY: a vector exists only where `Cpu` did.
-                    Self(unsafe { $blend(no.0, yes.0, mask) })
-                }
-                #[inline(always)]
-                fn or_zero(self, mask: Self::Mask) -> Self {
-                    // SAFETY: a vector exists only where `Cpu` did.
-                    Self(unsafe { $and(self.0, mask) })
-                }
-                #[inline(always)]
-                fn abs(self) -> Self {
-                    // SAFETY: a vector exists only where `Cpu` did.
-                    Self(unsafe { $andnot($set(-0.0), self.0) })
-                }
-                #[inline(always)]
-                fn trunc(self) -> Self {
-                    // SAFETY: a vector exists only where `Cpu` did.
-                    Self(unsafe { $round::<{ _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC }>(self.0) })
-                }
-                #[inline(always)]
-                fn larger(self, b: Self) -> Self {
-                    // SAFETY: a vector exists only where `Cpu` did.
-                    Self(unsafe { $max(self.0, b.0) })
-                }
-                #[inline(always)]
-                fn smaller(self, b: Self) -> Self {
-                    // SAFETY: a vector exists only where `Cpu` did.
-                    Self(unsafe { $min(self.0, b.0) })
-                }
-                #[inline(always)]
-                fn bits(mask: Self::Mask) -> u32 {
-                    // SAFETY: masks come from comparing vectors, which exist only where `Cpu` did.
-                    unsafe { $movemask(mask) as u32 }
-                }
-                #[inline(always)]
-                fn store_single_where(self, mask: Self::Mask, to: &mut [f32]) {
-                    let mut single = [0.0; $width];
-                    self.store_single(&mut single);
-                    store_bits(&single, Self::bits(mask), to);
-                }
-                $($single)*
-            }
-        );
+/// Masks that are registers, too, with all bits of a lane set where it is true; and, by such bits, numbers without their
+/// sign.
+macro_rules! register_masks {
+    ($width:literal in $mask:ident: and $and:ident, select $blend:ident, bits $movemask:ident;
+     abs $andnot:ident($sign:expr);) => {
+        type Mask = $mask;
 
-        impl $name {
-            /// Fewer numbers than there are lanes, and zeros.
-            ///
-            /// # Safety
-            /// The processor has AVX2.
-            #[inline(always)]
-            unsafe fn load_first(from: &[$scalar]) -> Self {
-                // SAFETY: the instructions are there, and so are the numbers that the mask names.
-                Self(unsafe { $load_first(from.as_ptr(), $first(from.len())) })
-            }
-
-            /// As many numbers as there is room for, fewer than there are lanes.
-            ///
-            /// # Safety
-            /// The processor has AVX2.
-            #[inline(always)]
-            unsafe fn store_first(self, to: &mut [$scalar]) {
-                // SAFETY: the instructions are there, and so is the room that the mask names.
-                unsafe { $store_first(to.as_mut_ptr(), $first(to.len()), self.0) };
-            }
+        methods! {
+            fn both(a: $mask, b: $mask) -> $mask = $and(a, b);
+            fn select(mask: $mask, yes: Self, no: Self) -> Self = Self($blend(no.0, yes.0, mask));
+            fn or_zero(self, mask: $mask) -> Self = Self($and(self.0, mask));
+            fn bits(mask: $mask) -> u32 = $movemask(mask) as u32;
+            fn abs(self) -> Self = Self($andnot($sign, self.0));
+        }
+        #[inline(always)]
+        fn store_single_where(self, mask: $mask, to: &mut [f32]) {
+            let mut single = [0.0; $width];
+            self.store_single(&mut single);
+            store_bits(&single, Self::bits(mask), to);
         }
     };
 }
 
-avx2!(
-    F32x4,
-    f32,
-    __m128,
-    4,
-    _mm_set1_ps,
-    _mm_loadu_ps,
-    _mm_storeu_ps,
-    _mm_maskload_ps,
-    _mm_maskstore_ps,
-    first_of_4,
-    _mm_add_ps,
-    _mm_sub_ps,
-    _mm_mul_ps,
-    _mm_div_ps,
-    _mm_fmadd_ps,
-    _mm_fmsub_ps,
-    _mm_fnmadd_ps,
-    _mm_sqrt_ps,
-    _mm_cmp_ps,
-    _mm_and_ps,
-    _mm_blendv_ps,
-    _mm_max_ps,
-    _mm_min_ps,
-    _mm_andnot_ps,
-    _mm_round_ps,
-    _mm_movemask_ps,
-    [usize; 4],
-    {
-        #[inline(always)]
-        fn load_single(cpu: Cpu<Self>, from: &[f32]) -> Self {
-            Self::load(cpu, from)
-        }
-        #[inline(always)]
-        fn store_single(self, to: &mut [f32]) {
-            self.store(to);
-        }
-        #[inline(always)]
-        fn places<const STEP: usize>(self, last: usize) -> Self::Places {
-            // SAFETY: a vector exists only where `Cpu` did.
-            unsafe { places_of_4::<STEP>(_mm_cvttps_epi32(self.0), last) }
-        }
-        #[inline(always)]
-        unsafe fn pairs(table: *const [f32; 2], places: &Self::Places) -> [Self; 4] {
-            // SAFETY: places are those of a vector, which exists only where `Cpu` did; and the caller's promise.
-            let [a, b, c, d] = unsafe { pairs_of_4(table, places) };
-            [Self(a), Self(b), Self(c), Self(d)]
-        }
+register! {
+    F32x4, 4 lanes of f32 in __m128:
+    Add add _mm_add_ps, Sub sub _mm_sub_ps, Mul mul _mm_mul_ps, Div div _mm_div_ps
+}
+
+impl Lanes for F32x4 {
+    apart!("avx2,fma");
+    intrinsics! {
+        4 lanes of f32: splat _mm_set1_ps;
+        load _mm_loadu_ps, else from => _mm_maskload_ps(from.as_ptr(), first_of_4(from.len()));
+        store _mm_storeu_ps, else to, lanes => _mm_maskstore_ps(to.as_mut_ptr(), first_of_4(to.len()), lanes);
+        mul_add _mm_fmadd_ps, mul_sub _mm_fmsub_ps, neg_mul_add _mm_fnmadd_ps;
+        sqrt _mm_sqrt_ps, trunc _mm_round_ps, larger _mm_max_ps, smaller _mm_min_ps, compare _mm_cmp_ps;
     }
-);
-avx2!(
-    F32x8,
-    f32,
-    __m256,
-    8,
-    _mm256_set1_ps,
-    _mm256_loadu_ps,
-    _mm256_storeu_ps,
-    _mm256_maskload_ps,
-    _mm256_maskstore_ps,
-    first_of_8,
-    _mm256_add_ps,
-    _mm256_sub_ps,
-    _mm256_mul_ps,
-    _mm256_div_ps,
-    _mm256_fmadd_ps,
-    _mm256_fmsub_ps,
-    _mm256_fnmadd_ps,
-    _mm256_sqrt_ps,
-    _mm256_cmp_ps,
-    _mm256_and_ps,
-    _mm256_blendv_ps,
-    _mm256_max_ps,
-    _mm256_min_ps,
-    _mm256_andnot_ps,
-    _mm256_round_ps,
-    _mm256_movemask_ps,
-    [u32; 8],
-    {
-        #[inline(always)]
-        fn load_single(cpu: Cpu<Self>, from: &[f32]) -> Self {
-            Self::load(cpu, from)
-        }
-        #[inline(always)]
-        fn store_single(self, to: &mut [f32]) {
-            self.store(to);
-        }
-        #[inline(always)]
-        fn places<const STEP: usize>(self, last: usize) -> Self::Places {
-            // SAFETY: a vector exists only where `Cpu` did.
-            unsafe { places_of_8::<STEP>(_mm256_cvttps_epi32(self.0), last) }
-        }
-        #[inline(always)]
-        unsafe fn pairs(table: *const [f32; 2], places: &Self::Places) -> [Self; 4] {
-            // SAFETY: places are those of a vector, which exists only where `Cpu` did; and the caller's promise.
-            let [a, b, c, d] = unsafe { pairs_of_8(table, places) };
-            [Self(a), Self(b), Self(c), Self(d)]
-        }
+    register_masks! {
+        4 in __m128: and _mm_and_ps, select _mm_blendv_ps, bits _mm_movemask_ps;
+        abs _mm_andnot_ps(_mm_set1_ps(-0.0));
     }
-);
-avx2!(
-    F64x4,
-    f64,
-    __m256d,
-    4,
-    _mm256_set1_pd,
-    _mm256_loadu_pd,
-    _mm256_storeu_pd,
-    _mm256_maskload_pd,
-    _mm256_maskstore_pd,
-    first_of_4_doubles,
-    _mm256_add_pd,
-    _mm256_sub_pd,
-    _mm256_mul_pd,
-    _mm256_div_pd,
-    _mm256_fmadd_pd,
-    _mm256_fmsub_pd,
-    _mm256_fnmadd_pd,
-    _mm256_sqrt_pd,
-    _mm256_cmp_pd,
-    _mm256_and_pd,
-    _mm256_blendv_pd,
-    _mm256_max_pd,
-    _mm256_min_pd,
-    _mm256_andnot_pd,
-    _mm256_round_pd,
-    _mm256_movemask_pd,
-    [usize; 4],
-    {
-        #[inline(always)]
-        fn load_single(_: Cpu<Self>, from: &[f32]) -> Self {
-            // SAFETY: `Cpu` says that the processor has AVX2, which is what `F32x4` needs.
-            let F32x4(numbers) = F32x4::load(unsafe { Cpu::assume() }, from);
-            // SAFETY: as above.
-            Self(unsafe { _mm256_cvtps_pd(numbers) })
-        }
-        #[inline(always)]
-        fn store_single(self, to: &mut [f32]) {
-            // SAFETY: a vector exists only where `Cpu` did.
-            F32x4(unsafe { _mm256_cvtpd_ps(self.0) }).store(to);
-        }
-        #[inline(always)]
-        fn places<const STEP: usize>(self, last: usize) -> Self::Places {
-            // SAFETY: a vector exists only where `Cpu` did.
-            unsafe { places_of_4::<STEP>(_mm256_cvttpd_epi32(self.0), last) }
-        }
-        #[inline(always)]
-        unsafe fn pairs(table: *const [f32; 2], places: &Self::Places) -> [Self; 4] {
-            // SAFETY: places are those of a vector, which exists only where `Cpu` did; and the caller's promise.
-            let [a, b, c, d] = unsafe { pairs_of_4(table, places) };
-            // SAFETY: as above.
-            unsafe {
-                [
-                    Self(_mm256_cvtps_pd(a)),
-                    Self(_mm256_cvtps_pd(b)),
-                    Self(_mm256_cvtps_pd(c)),
-                    Self(_mm256_cvtps_pd(d)),
-                ]
-            }
-        }
+    single_precision! { [usize; 4]: places_of_4(_mm_cvttps_epi32), pairs_of_4 }
+}
+
+register! {
+    F32x8, 8 lanes of f32 in __m256:
+    Add add _mm256_add_ps, Sub sub _mm256_sub_ps, Mul mul _mm256_mul_ps, Div div _mm256_div_ps
+}
+
+impl Lanes for F32x8 {
+    apart!("avx2,fma");
+    intrinsics! {
+        8 lanes of f32: splat _mm256_set1_ps;
+        load _mm256_loadu_ps, else from => _mm256_maskload_ps(from.as_ptr(), first_of_8(from.len()));
+        store _mm256_storeu_ps,
+            else to, lanes => _mm256_maskstore_ps(to.as_mut_ptr(), first_of_8(to.len()), lanes);
+        mul_add _mm256_fmadd_ps, mul_sub _mm256_fmsub_ps, neg_mul_add _mm256_fnmadd_ps;
+        sqrt _mm256_sqrt_ps, trunc _mm256_round_ps, larger _mm256_max_ps, smaller _mm256_min_ps,
+            compare _mm256_cmp_ps;
     }
-);
+    register_masks! {
+        8 in __m256: and _mm256_and_ps, select _mm256_blendv_ps, bits _mm256_movemask_ps;
+        abs _mm256_andnot_ps(_mm256_set1_ps(-0.0));
+    }
+    single_precision! { [u32; 8]: places_of_8(_mm256_cvttps_epi32), pairs_of_8 }
+}
+
+register! {
+    F64x4, 4 lanes of f64 in __m256d:
+    Add add _mm256_add_pd, Sub sub _mm256_sub_pd, Mul mul _mm256_mul_pd, Div div _mm256_div_pd
+}
+
+impl Lanes for F64x4 {
+    apart!("avx2,fma");
+    intrinsics! {
+        4 lanes of f64: splat _mm256_set1_pd;
+        load _mm256_loadu_pd, else from => _mm256_maskload_pd(from.as_ptr(), first_of_4_doubles(from.len()));
+        store _mm256_storeu_pd,
+            else to, lanes => _mm256_maskstore_pd(to.as_mut_ptr(), first_of_4_doubles(to.len()), lanes);
+        mul_add _mm256_fmadd_pd, mul_sub _mm256_fmsub_pd, neg_mul_add _mm256_fnmadd_pd;
+        sqrt _mm256_sqrt_pd, trunc _mm256_round_pd, larger _mm256_max_pd, smaller _mm256_min_pd,
+            compare _mm256_cmp_pd;
+    }
+    register_masks! {
+        4 in __m256d: and _mm256_and_pd, select _mm256_blendv_pd, bits _mm256_movemask_pd;
+        abs _mm256_andnot_pd(_mm256_set1_pd(-0.0));
+    }
+    double_precision! {
+        [usize; 4]: places_of_4(_mm256_cvttpd_epi32), pairs_of_4;
+        F32x4 widened _mm256_cvtps_pd, rounded _mm256_cvtpd_ps
+    }
+}
 
 /// Eight lanes of a mask that are set and eight that are not: from the place 8 - n on, n are.
 const ONES_AND_ZEROS: [i32; 16] = [-1, -1, -1, -1, -1, -1, -1, -1, 0, 0, 0, 0, 0, 0, 0, 0];

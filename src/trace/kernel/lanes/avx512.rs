@@ -12,255 +12,126 @@ use std::{
 };
 
 use super::{
-    Compiled, Cpu, Lanes,
+    Compiled, Cpu, Lanes, apart,
     avx2::{F32x8, pairs_of_8, places_of_8},
-    register,
+    double_precision, intrinsics, methods, register, single_precision,
 };
 
-macro_rules! avx512 {
-    ($name:ident, $scalar:ty, $register:ty, $width:literal, $mask:ty, $set:ident, $load:ident, $store:ident,
-     $load_first:ident, $store_first:ident,
-     $add:ident, $sub:ident, $mul:ident, $div:ident, $fmadd:ident, $fmsub:ident, $fnmadd:ident,
-     $sqrt:ident, $cmp:ident, $blend:ident, $move:ident, $second:ident, $max:ident, $min:ident, $abs:ident,
-     $round:ident, $places:ty, { $($single:item)* }) => {
-        register!(
-            $name,
-            $scalar,
-            $register,
-            $width,
-            $set,
-            $load,
-            $store,
-            $add,
-            $sub,
-            $mul,
-            $div,
-            $fmadd,
-            $fmsub,
-            $fnmadd,
-            $mask,
-            $places,
-            "avx512f,avx2,fma",
-            {
-                #[inline(always)]
-                fn sqrt_pair(a: Self, b: Self) -> [Self; 2] {
-                    [a.sqrt(), b.$second()]
-                }
-                #[inline(always)]
-                fn sqrt(self) -> Self {
-                    // SAFETY: a vector exists only where `Cpu` did.
-                    Self(unsafe { $sqrt(self.0) })
-                }
-                #[inline(always)]
-                fn less(self, b: Self) -> Self::Mask {
-                    // SAFETY: a vector exists only where `Cpu` did.
-                    unsafe { $cmp::<_CMP_LT_OQ>(self.0, b.0) }
-                }
-                #[inline(always)]
-                fn less_equal(self, b: Self) -> Self::Mask {
-                    // SAFETY: a vector exists only where `Cpu` did.
-                    unsafe { $cmp::<_CMP_LE_OQ>(self.0, b.0) }
-                }
-                #[inline(always)]
-                fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask {
-                    a & b
-                }
-                #[inline(always)]
-                fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
-                    // SAFETY: a vector exists only where `Cpu` did.
-                    Self(unsafe { $blend(mask, no.0, yes.0) })
-                }
-                #[inline(always)]
-                fn or_zero(self, mask: Self::Mask) -> Self {
-                    // SAFETY: a vector exists only where `Cpu` did.
-                    Self(unsafe { $move(mask, self.0) })
-                }
-                #[inline(always)]
-                fn abs(self) -> Self {
-                    // SAFETY: a vector exists only where `Cpu` did.
-                    Self(unsafe { $abs(self.0) })
-                }
-                #[inline(always)]
-                fn trunc(self) -> Self {
-                    // SAFETY: a vector exists only where `Cpu` did.
-                    Self(unsafe { $round::<{ _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC }>(self.0) })
-                }
-                #[inline(always)]
-                fn larger(self, b: Self) -> Self {
-                    // SAFETY: a vector exists only where `Cpu` did.
-                    Self(unsafe { $max(self.0, b.0) })
-                }
-                #[inline(always)]
-                fn smaller(self, b: Self) -> Self {
-                    // SAFETY: a vector exists only where `Cpu` did.
-                    Self(unsafe { $min(self.0, b.0) })
-                }
-                #[inline(always)]
-                fn bits(mask: Self::Mask) -> u32 {
-                    mask.into()
-                }
-                $($single)*
-            }
-        );
+/// Masks that are numbers with a bit for each lane.
+macro_rules! bit_masks {
+    ($mask:ident: select $blend:ident, or_zero $move:ident; abs $abs:ident;) => {
+        type Mask = $mask;
 
-        impl $name {
-            /// Fewer numbers than there are lanes, and zeros.
-            ///
-            /// # Safety
-            /// The processor has AVX-512F.
-            #[inline(always)]
-            unsafe fn load_first(from: &[$scalar]) -> Self {
-                // SAFETY: the instruction is there, and so are the numbers that the mask names.
-                Self(unsafe { $load_first(!(<$mask>::MAX << from.len()), from.as_ptr()) })
-            }
-
-            /// As many numbers as there is room for, fewer than there are lanes.
-            ///
-            /// # Safety
-            /// The processor has AVX-512F.
-            #[inline(always)]
-            unsafe fn store_first(self, to: &mut [$scalar]) {
-                // SAFETY: the instruction is there, and so is the room that the mask names.
-                unsafe { $store_first(to.as_mut_ptr(), !(<$mask>::MAX << to.len()), self.0) };
-            }
+        methods! {
+            fn select(mask: $mask, yes: Self, no: Self) -> Self = Self($blend(mask, no.0, yes.0));
+            fn or_zero(self, mask: $mask) -> Self = Self($move(mask, self.0));
+            fn abs(self) -> Self = Self($abs(self.0));
+        }
+        #[inline(always)]
+        fn both(a: $mask, b: $mask) -> $mask {
+            a & b
+        }
+        #[inline(always)]
+        fn bits(mask: $mask) -> u32 {
+            mask.into()
         }
     };
 }
 
-avx512!(
-    F32x16,
-    f32,
-    __m512,
-    16,
-    __mmask16,
-    _mm512_set1_ps,
-    _mm512_loadu_ps,
-    _mm512_storeu_ps,
-    _mm512_maskz_loadu_ps,
-    _mm512_mask_storeu_ps,
-    _mm512_add_ps,
-    _mm512_sub_ps,
-    _mm512_mul_ps,
-    _mm512_div_ps,
-    _mm512_fmadd_ps,
-    _mm512_fmsub_ps,
-    _mm512_fnmadd_ps,
-    _mm512_sqrt_ps,
-    _mm512_cmp_ps_mask,
-    _mm512_mask_blend_ps,
-    _mm512_maskz_mov_ps,
-    sqrt,
-    _mm512_max_ps,
-    _mm512_min_ps,
-    _mm512_abs_ps,
-    _mm512_roundscale_ps,
-    [[u32; 8]; 2],
-    {
-        #[inline(always)]
-        fn load_single(cpu: Cpu<Self>, from: &[f32]) -> Self {
-            Self::load(cpu, from)
-        }
-        #[inline(always)]
-        fn store_single(self, to: &mut [f32]) {
-            self.store(to);
-        }
-        #[inline(always)]
-        fn store_single_where(self, mask: Self::Mask, to: &mut [f32]) {
-            let room = if to.len() >= 16 { u16::MAX } else { !(u16::MAX << to.len()) };
-            // SAFETY: a vector exists only where `Cpu` did; nothing is written but what there is room for.
-            unsafe { _mm512_mask_storeu_ps(to.as_mut_ptr(), mask & room, self.0) };
-        }
-        #[inline(always)]
-        fn places<const STEP: usize>(self, last: usize) -> Self::Places {
-            // SAFETY: a vector exists only where `Cpu` did; what has AVX-512 has AVX2.
-            unsafe {
-                let all = _mm512_cvttps_epi32(self.0);
-                let [low, high] = [_mm512_castsi512_si256(all), _mm512_extracti64x4_epi64::<1>(all)];
-                [places_of_8::<STEP>(low, last), places_of_8::<STEP>(high, last)]
-            }
-        }
-        #[inline(always)]
-        unsafe fn pairs(table: *const [f32; 2], places: &Self::Places) -> [Self; 4] {
-            // SAFETY: places are those of a vector, which exists only where `Cpu` did; and the caller's promise.
-            unsafe {
-                let ([a, b, c, d], [e, f, g, h]) =
-                    (pairs_of_8(table, &places[0]), pairs_of_8(table, &places[1]));
-                [Self(joined(a, e)), Self(joined(b, f)), Self(joined(c, g)), Self(joined(d, h))]
-            }
+register! {
+    F32x16, 16 lanes of f32 in __m512:
+    Add add _mm512_add_ps, Sub sub _mm512_sub_ps, Mul mul _mm512_mul_ps, Div div _mm512_div_ps
+}
+
+impl Lanes for F32x16 {
+    apart!("avx512f,avx2,fma");
+    intrinsics! {
+        16 lanes of f32: splat _mm512_set1_ps;
+        load _mm512_loadu_ps, else from => _mm512_maskz_loadu_ps(!(u16::MAX << from.len()), from.as_ptr());
+        store _mm512_storeu_ps,
+            else to, lanes => _mm512_mask_storeu_ps(to.as_mut_ptr(), !(u16::MAX << to.len()), lanes);
+        mul_add _mm512_fmadd_ps, mul_sub _mm512_fmsub_ps, neg_mul_add _mm512_fnmadd_ps;
+        sqrt _mm512_sqrt_ps, trunc _mm512_roundscale_ps, larger _mm512_max_ps, smaller _mm512_min_ps,
+            compare _mm512_cmp_ps_mask;
+    }
+    bit_masks! {
+        __mmask16: select _mm512_mask_blend_ps, or_zero _mm512_maskz_mov_ps; abs _mm512_abs_ps;
+    }
+    single_precision! { [[u32; 8]; 2]: places_of_16(_mm512_cvttps_epi32), pairs_of_16 }
+
+    #[inline(always)]
+    fn store_single_where(self, mask: Self::Mask, to: &mut [f32]) {
+        let room = if to.len() >= 16 { u16::MAX } else { !(u16::MAX << to.len()) };
+        // SAFETY: a vector exists only where `Cpu` did; nothing is written but what there is room for.
+        unsafe { _mm512_mask_storeu_ps(to.as_mut_ptr(), mask & room, self.0) };
+    }
+}
+
+register! {
+    F64x8, 8 lanes of f64 in __m512d:
+    Add add _mm512_add_pd, Sub sub _mm512_sub_pd, Mul mul _mm512_mul_pd, Div div _mm512_div_pd
+}
+
+impl Lanes for F64x8 {
+    apart!("avx512f,avx2,fma");
+    intrinsics! {
+        8 lanes of f64: splat _mm512_set1_pd;
+        load _mm512_loadu_pd, else from => _mm512_maskz_loadu_pd(!(u8::MAX << from.len()), from.as_ptr());
+        store _mm512_storeu_pd,
+            else to, lanes => _mm512_mask_storeu_pd(to.as_mut_ptr(), !(u8::MAX << to.len()), lanes);
+        mul_add _mm512_fmadd_pd, mul_sub _mm512_fmsub_pd, neg_mul_add _mm512_fnmadd_pd;
+        sqrt _mm512_sqrt_pd, trunc _mm512_roundscale_pd, larger _mm512_max_pd, smaller _mm512_min_pd,
+            compare _mm512_cmp_pd_mask;
+    }
+    bit_masks! {
+        __mmask8: select _mm512_mask_blend_pd, or_zero _mm512_maskz_mov_pd; abs _mm512_abs_pd;
+    }
+    double_precision! {
+        [u32; 8]: places_of_8(_mm512_cvttpd_epi32), pairs_of_8;
+        F32x8 widened _mm512_cvtps_pd, rounded _mm512_cvtpd_ps
+    }
+
+    #[inline(always)]
+    fn sqrt_pair(a: Self, b: Self) -> [Self; 2] {
+        [a.sqrt(), b.computed_sqrt()]
+    }
+    #[inline(always)]
+    fn store_single_where(self, mask: Self::Mask, to: &mut [f32]) {
+        let room = if to.len() >= 8 { u8::MAX } else { !(u8::MAX << to.len()) };
+        // SAFETY: a vector exists only where `Cpu` did; nothing is written but what there is room for.
+        unsafe {
+            let single = _mm512_castps256_ps512(_mm512_cvtpd_ps(self.0));
+            _mm512_mask_storeu_ps(to.as_mut_ptr(), (mask & room).into(), single);
         }
     }
-);
-avx512!(
-    F64x8,
-    f64,
-    __m512d,
-    8,
-    __mmask8,
-    _mm512_set1_pd,
-    _mm512_loadu_pd,
-    _mm512_storeu_pd,
-    _mm512_maskz_loadu_pd,
-    _mm512_mask_storeu_pd,
-    _mm512_add_pd,
-    _mm512_sub_pd,
-    _mm512_mul_pd,
-    _mm512_div_pd,
-    _mm512_fmadd_pd,
-    _mm512_fmsub_pd,
-    _mm512_fnmadd_pd,
-    _mm512_sqrt_pd,
-    _mm512_cmp_pd_mask,
-    _mm512_mask_blend_pd,
-    _mm512_maskz_mov_pd,
-    computed_sqrt,
-    _mm512_max_pd,
-    _mm512_min_pd,
-    _mm512_abs_pd,
-    _mm512_roundscale_pd,
-    [u32; 8],
-    {
-        #[inline(always)]
-        fn load_single(_: Cpu<Self>, from: &[f32]) -> Self {
-            // SAFETY: `Cpu` says that the processor has AVX-512F, and with it AVX2, which is what `F32x8` needs.
-            let F32x8(numbers) = F32x8::load(unsafe { Cpu::assume() }, from);
-            // SAFETY: as above.
-            Self(unsafe { _mm512_cvtps_pd(numbers) })
-        }
-        #[inline(always)]
-        fn store_single(self, to: &mut [f32]) {
-            // SAFETY: a vector exists only where `Cpu` did.
-            F32x8(unsafe { _mm512_cvtpd_ps(self.0) }).store(to);
-        }
-        #[inline(always)]
-        fn store_single_where(self, mask: Self::Mask, to: &mut [f32]) {
-            let room = if to.len() >= 8 { u8::MAX } else { !(u8::MAX << to.len()) };
-            // SAFETY: a vector exists only where `Cpu` did; nothing is written but what there is room for.
-            unsafe {
-                let single = _mm512_castps256_ps512(_mm512_cvtpd_ps(self.0));
-                _mm512_mask_storeu_ps(to.as_mut_ptr(), (mask & room).into(), single);
-            }
-        }
-        #[inline(always)]
-        fn places<const STEP: usize>(self, last: usize) -> Self::Places {
-            // SAFETY: a vector exists only where `Cpu` did; what has AVX-512 has AVX2.
-            unsafe { places_of_8::<STEP>(_mm512_cvttpd_epi32(self.0), last) }
-        }
-        #[inline(always)]
-        unsafe fn pairs(table: *const [f32; 2], places: &Self::Places) -> [Self; 4] {
-            // SAFETY: places are those of a vector, which exists only where `Cpu` did; and the caller's promise.
-            let [a, b, c, d] = unsafe { pairs_of_8(table, places) };
-            // SAFETY: as above.
-            unsafe {
-                [
-                    Self(_mm512_cvtps_pd(a)),
-                    Self(_mm512_cvtps_pd(b)),
-                    Self(_mm512_cvtps_pd(c)),
-                    Self(_mm512_cvtps_pd(d)),
-                ]
-            }
-        }
+}
+
+/// `STEP` (1 or 2) times some places, up to a last one, stored.
+///
+/// # Safety
+/// The processor has AVX-512F.
+#[inline(always)]
+unsafe fn places_of_16<const STEP: usize>(places: __m512i, last: usize) -> [[u32; 8]; 2] {
+    // SAFETY: the instructions are there; what has AVX-512 has AVX2.
+    unsafe {
+        let [low, high] = [_mm512_castsi512_si256(places), _mm512_extracti64x4_epi64::<1>(places)];
+        [places_of_8::<STEP>(low, last), places_of_8::<STEP>(high, last)]
     }
-);
+}
+
+/// Two pairs at each of sixteen places, transposed.
+///
+/// # Safety
+/// The processor has AVX-512F, and there are such pairs.
+#[inline(always)]
+unsafe fn pairs_of_16(table: *const [f32; 2], places: &[[u32; 8]; 2]) -> [__m512; 4] {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let [a, b, c, d] = pairs_of_8(table, &places[0]);
+        let [e, f, g, h] = pairs_of_8(table, &places[1]);
+        [joined(a, e), joined(b, f), joined(c, g), joined(d, h)]
+    }
+}
 
 /// Two halves as one.
 ///

@@ -16,11 +16,10 @@ use std::{
     ops::{Add, Div, Mul, Sub},
 };
 
+use super::simd::Compiled;
 pub use portable::Portable;
 pub use scalar::Scalar;
 pub(in crate::trace) use unrolled::each_further;
-
-use super::simd::Compiled;
 
 /// The knowledge that this processor has the instructions of `L`, without which no vector is made.
 pub struct Cpu<L>(PhantomData<fn() -> L>);
@@ -70,9 +69,15 @@ pub trait Lanes:
     fn mul_sub(self, b: Self, c: Self) -> Self;
     /// `c - self * b`, rounded once.
     fn neg_mul_add(self, b: Self, c: Self) -> Self;
+    /// Does work in a function of its own, compiled for these vectors' instructions once for all who call it. Where
+    /// vectors have no instructions of their own, it is inlined.
+    fn apart(cpu: Cpu<Self>, work: impl Compiled);
     /// The square roots of two vectors; NaN below 0. Of numbers at most [`Scalar::NO_SQUARE`] above
     /// 0, of 0 and of infinity it may be NaN.
-    fn sqrt_pair(a: Self, b: Self) -> [Self; 2];
+    #[inline(always)]
+    fn sqrt_pair(a: Self, b: Self) -> [Self; 2] {
+        [a.sqrt(), b.sqrt()]
+    }
     /// The square root; NaN below 0.
     fn sqrt(self) -> Self;
     /// Without the sign.
@@ -132,10 +137,6 @@ pub trait Lanes:
     /// There are two pairs from each place on.
     unsafe fn pairs(table: *const [f32; 2], places: &Self::Places) -> [Self; 4];
 
-    /// Does work in a function of its own, compiled for these vectors' instructions once for all who call it. Where
-    /// vectors have no instructions of their own, it is inlined.
-    fn apart(cpu: Cpu<Self>, work: impl Compiled);
-
     /// Whether the mask is true in every lane.
     #[inline(always)]
     fn all(mask: Self::Mask) -> bool {
@@ -167,89 +168,156 @@ fn store_bits(lanes: &[f32], mut bits: u32, to: &mut [f32]) {
     }
 }
 
-/// What the three families of registers have in common: wrappers of one instruction each.
+/// Methods that are an intrinsic or two each, one a line: only such as ask no more than that the processor has them.
+#[cfg(target_arch = "x86_64")]
+macro_rules! methods {
+    ($(fn $method:ident $(<const $number:ident: usize>)? ($($parameters:tt)*) -> $result:ty = $value:expr;)*) => {$(
+        #[inline(always)]
+        fn $method$(<const $number: usize>)?($($parameters)*) -> $result {
+            // SAFETY: `Cpu` says that the instructions are there; a vector, and a mask from comparing vectors, exists
+            // only where `Cpu` did.
+            unsafe { $value }
+        }
+    )*};
+}
+
+/// A vector in one register, and its operators.
 #[cfg(target_arch = "x86_64")]
 macro_rules! register {
-    ($name:ident, $scalar:ty, $register:ty, $width:literal, $set:ident, $load:ident, $store:ident,
-     $add:ident, $sub:ident, $mul:ident, $div:ident, $fmadd:ident, $fmsub:ident, $fnmadd:ident,
-     $mask:ty, $places:ty, $features:literal, { $($rest:item)* }) => {
+    ($name:ident, $width:literal lanes of $scalar:ident in $register:ident:
+     $($trait:ident $method:ident $intrinsic:ident),*) => {
         #[doc = concat!(stringify!($width), " lanes of ", stringify!($scalar), " in one register.")]
         #[derive(Clone, Copy)]
         #[repr(transparent)]
         pub struct $name(pub(super) $register);
 
-        register!(@operator $name, Add, add, $add);
-        register!(@operator $name, Sub, sub, $sub);
-        register!(@operator $name, Mul, mul, $mul);
-        register!(@operator $name, Div, div, $div);
+        $(impl $trait for $name {
+            type Output = Self;
+            methods! { fn $method(self, b: Self) -> Self = Self($intrinsic(self.0, b.0)); }
+        })*
+    };
+}
 
-        impl Lanes for $name {
-            type Scalar = $scalar;
-            type Mask = $mask;
-            type Places = $places;
-            const WIDTH: usize = $width;
+/// The methods that are the same in all families of registers, over the names of the intrinsics. What stands behind
+/// `else` is for fewer numbers than there are lanes: it reads and writes no others, and loads zeros in their place.
+#[cfg(target_arch = "x86_64")]
+macro_rules! intrinsics {
+    ($width:literal lanes of $scalar:ident: splat $set:ident;
+     load $load:ident, else $from:ident => $load_first:expr;
+     store $store:ident, else $to:ident, $lanes:ident => $store_first:expr;
+     mul_add $fmadd:ident, mul_sub $fmsub:ident, neg_mul_add $fnmadd:ident;
+     sqrt $sqrt:ident, trunc $round:ident, larger $max:ident, smaller $min:ident, compare $compare:ident;) => {
+        type Scalar = $scalar;
+        const WIDTH: usize = $width;
 
-            #[inline(always)]
-            fn splat(_: Cpu<Self>, number: $scalar) -> Self {
-                // SAFETY: `Cpu` says that the instruction is there.
-                Self(unsafe { $set(number) })
+        methods! {
+            fn splat(_: Cpu<Self>, number: $scalar) -> Self = Self($set(number));
+            fn mul_add(self, b: Self, c: Self) -> Self = Self($fmadd(self.0, b.0, c.0));
+            fn mul_sub(self, b: Self, c: Self) -> Self = Self($fmsub(self.0, b.0, c.0));
+            fn neg_mul_add(self, b: Self, c: Self) -> Self = Self($fnmadd(self.0, b.0, c.0));
+            fn sqrt(self) -> Self = Self($sqrt(self.0));
+            fn trunc(self) -> Self = Self($round::<{ _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC }>(self.0));
+            fn larger(self, b: Self) -> Self = Self($max(self.0, b.0));
+            fn smaller(self, b: Self) -> Self = Self($min(self.0, b.0));
+            fn less(self, b: Self) -> Self::Mask = $compare::<_CMP_LT_OQ>(self.0, b.0);
+            fn less_equal(self, b: Self) -> Self::Mask = $compare::<_CMP_LE_OQ>(self.0, b.0);
+        }
+        #[inline(always)]
+        fn load(_: Cpu<Self>, $from: &[$scalar]) -> Self {
+            if $from.len() >= $width {
+                // SAFETY: `Cpu` says that the instruction is there; the slice is long enough and need not be aligned.
+                return Self(unsafe { $load($from.as_ptr()) });
             }
-            #[inline(always)]
-            fn load(_: Cpu<Self>, from: &[$scalar]) -> Self {
-                if from.len() >= $width {
-                    // SAFETY: as above; the slice is long enough and need not be aligned.
-                    return Self(unsafe { $load(from.as_ptr()) });
-                }
-                // SAFETY: as above; not one number more is read than there are.
-                unsafe { Self::load_first(from) }
+            // SAFETY: as above; not one number more is read than there are.
+            Self(unsafe { $load_first })
+        }
+        #[inline(always)]
+        fn store(self, $to: &mut [$scalar]) {
+            let $lanes = self.0;
+            if $to.len() >= $width {
+                // SAFETY: a vector exists only where `Cpu` did; the slice is long enough.
+                return unsafe { $store($to.as_mut_ptr(), $lanes) };
             }
-            #[inline(always)]
-            fn store(self, to: &mut [$scalar]) {
-                if to.len() >= $width {
-                    // SAFETY: a vector exists only where `Cpu` did; the slice is long enough.
-                    return unsafe { $store(to.as_mut_ptr(), self.0) };
-                }
-                // SAFETY: as above; nothing is written but what there is room for.
-                unsafe { self.store_first(to) };
-            }
-            #[inline(always)]
-            fn mul_add(self, b: Self, c: Self) -> Self {
-                // SAFETY: a vector exists only where `Cpu` did.
-                Self(unsafe { $fmadd(self.0, b.0, c.0) })
-            }
-            #[inline(always)]
-            fn mul_sub(self, b: Self, c: Self) -> Self {
-                // SAFETY: a vector exists only where `Cpu` did.
-                Self(unsafe { $fmsub(self.0, b.0, c.0) })
-            }
-            #[inline(always)]
-            fn neg_mul_add(self, b: Self, c: Self) -> Self {
-                // SAFETY: a vector exists only where `Cpu` did.
-                Self(unsafe { $fnmadd(self.0, b.0, c.0) })
-            }
-            #[inline(always)]
-            fn apart(_: Cpu<Self>, work: impl Compiled) {
-                #[inline(never)]
-                #[target_feature(enable = $features)]
-                fn run(work: impl Compiled) {
-                    work.run();
-                }
-                // SAFETY: `Cpu` says that the instructions are there.
-                unsafe { run(work) };
-            }
-            $($rest)*
+            // SAFETY: as above; nothing is written but what there is room for.
+            unsafe { $store_first };
         }
     };
-    (@operator $name:ident, $trait:ident, $method:ident, $instruction:ident) => {
-        impl $trait for $name {
-            type Output = Self;
-            #[inline(always)]
-            fn $method(self, other: Self) -> Self {
-                // SAFETY: a vector exists only where `Cpu` did.
-                Self(unsafe { $instruction(self.0, other.0) })
+}
+
+/// Single-precision numbers to and from vectors of them.
+#[cfg(target_arch = "x86_64")]
+macro_rules! single_precision {
+    ($type:ty: $places_of:ident($truncated:ident), $pairs_of:ident) => {
+        type Places = $type;
+
+        #[inline(always)]
+        fn load_single(cpu: Cpu<Self>, from: &[f32]) -> Self {
+            Self::load(cpu, from)
+        }
+        #[inline(always)]
+        fn store_single(self, to: &mut [f32]) {
+            self.store(to);
+        }
+        methods! {
+            fn places<const STEP: usize>(self, last: usize) -> $type = $places_of::<STEP>($truncated(self.0), last);
+        }
+        #[inline(always)]
+        unsafe fn pairs(table: *const [f32; 2], places: &$type) -> [Self; 4] {
+            // SAFETY: places are those of a vector, which exists only where `Cpu` did; and the caller's promise.
+            let [a, b, c, d] = unsafe { $pairs_of(table, places) };
+            [Self(a), Self(b), Self(c), Self(d)]
+        }
+    };
+}
+
+/// Single-precision numbers to and from vectors of double precision, by way of `$single`, which is half as wide.
+#[cfg(target_arch = "x86_64")]
+macro_rules! double_precision {
+    ($type:ty: $places_of:ident($truncated:ident), $pairs_of:ident;
+     $single:ident widened $widened:ident, rounded $rounded:ident) => {
+        type Places = $type;
+
+        #[inline(always)]
+        fn load_single(_: Cpu<Self>, from: &[f32]) -> Self {
+            // SAFETY: `Cpu` says that the processor has what this vector needs, and so what the narrower one does.
+            let $single(numbers) = $single::load(unsafe { Cpu::assume() }, from);
+            // SAFETY: as above.
+            Self(unsafe { $widened(numbers) })
+        }
+        #[inline(always)]
+        fn store_single(self, to: &mut [f32]) {
+            // SAFETY: a vector exists only where `Cpu` did.
+            $single(unsafe { $rounded(self.0) }).store(to);
+        }
+        methods! {
+            fn places<const STEP: usize>(self, last: usize) -> $type = $places_of::<STEP>($truncated(self.0), last);
+        }
+        #[inline(always)]
+        unsafe fn pairs(table: *const [f32; 2], places: &$type) -> [Self; 4] {
+            // SAFETY: places are those of a vector, which exists only where `Cpu` did; and the caller's promise.
+            unsafe {
+                let [a, b, c, d] = $pairs_of(table, places);
+                [Self($widened(a)), Self($widened(b)), Self($widened(c)), Self($widened(d))]
             }
         }
     };
 }
+
+/// [`Lanes::apart`] for the instructions named.
 #[cfg(target_arch = "x86_64")]
-use register;
+macro_rules! apart {
+    ($features:literal) => {
+        #[inline(always)]
+        fn apart(_: Cpu<Self>, work: impl Compiled) {
+            #[inline(never)]
+            #[target_feature(enable = $features)]
+            fn run(work: impl Compiled) {
+                work.run();
+            }
+            // SAFETY: `Cpu` says that the instructions are there.
+            unsafe { run(work) };
+        }
+    };
+}
+#[cfg(target_arch = "x86_64")]
+use {apart, double_precision, intrinsics, methods, register, single_precision};

@@ -32,14 +32,21 @@ macro_rules! lanes {
     }};
 }
 
+/// Methods that do the same in each lane, one a line.
+macro_rules! methods {
+    ($(fn $method:ident $(<const $number:ident: usize>)? ($($parameters:tt)*) -> $result:ty = $value:expr;)*) => {$(
+        #[cfg_attr(not(debug_assertions), inline(always))]
+        fn $method$(<const $number: usize>)?($($parameters)*) -> $result {
+            $value
+        }
+    )*};
+}
+
 macro_rules! operators {
     ($($trait:ident $method:ident $operator:tt),*) => {$(
         impl<S: Scalar, const N: usize> $trait for Portable<S, N> {
             type Output = Self;
-            #[cfg_attr(not(debug_assertions), inline(always))]
-            fn $method(self, b: Self) -> Self {
-                Self(lanes!(self.0, i => self.0[i] $operator b.0[i]))
-            }
+            methods! { fn $method(self, b: Self) -> Self = Self(lanes!(self.0, i => self.0[i] $operator b.0[i])); }
         }
     )*};
 }
@@ -52,13 +59,35 @@ impl<S: Scalar, const N: usize> Lanes for Portable<S, N> {
     type Places = [usize; N];
     const WIDTH: usize = N;
 
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn splat(_: Cpu<Self>, number: S) -> Self {
-        Self([number; N])
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn load(_: Cpu<Self>, from: &[S]) -> Self {
-        Self(lanes!([S::ZERO; N], i => if i < from.len() { from[i] } else { S::ZERO }))
+    methods! {
+        fn splat(_: Cpu<Self>, number: S) -> Self = Self([number; N]);
+        fn load(_: Cpu<Self>, from: &[S]) -> Self =
+            Self(lanes!([S::ZERO; N], i => if i < from.len() { from[i] } else { S::ZERO }));
+        fn mul_add(self, b: Self, c: Self) -> Self =
+            Self(lanes!(self.0, i => self.0[i].fused(b.0[i], c.0[i])));
+        fn mul_sub(self, b: Self, c: Self) -> Self =
+            Self(lanes!(self.0, i => self.0[i].fused(b.0[i], -c.0[i])));
+        fn neg_mul_add(self, b: Self, c: Self) -> Self =
+            Self(lanes!(self.0, i => (-self.0[i]).fused(b.0[i], c.0[i])));
+        fn sqrt(self) -> Self = Self(lanes!(self.0, i => self.0[i].sqrt()));
+        fn less(self, b: Self) -> Self::Mask = lanes!([false; N], i => self.0[i] < b.0[i]);
+        fn less_equal(self, b: Self) -> Self::Mask = lanes!([false; N], i => self.0[i] <= b.0[i]);
+        fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask = lanes!(a, i => a[i] & b[i]);
+        fn select(mask: Self::Mask, yes: Self, no: Self) -> Self =
+            Self(lanes!(no.0, i => if mask[i] { yes.0[i] } else { no.0[i] }));
+        fn or_zero(self, mask: Self::Mask) -> Self =
+            Self(lanes!(self.0, i => if mask[i] { self.0[i] } else { S::ZERO }));
+        fn abs(self) -> Self =
+            Self(lanes!(self.0, i => if S::ZERO < self.0[i] { self.0[i] } else { S::ZERO - self.0[i] }));
+        fn trunc(self) -> Self = Self(lanes!(self.0, i => self.0[i].whole()));
+        fn larger(self, b: Self) -> Self =
+            Self(lanes!(b.0, i => if b.0[i] < self.0[i] { self.0[i] } else { b.0[i] }));
+        fn smaller(self, b: Self) -> Self =
+            Self(lanes!(b.0, i => if self.0[i] < b.0[i] { self.0[i] } else { b.0[i] }));
+        fn load_single(_: Cpu<Self>, from: &[f32]) -> Self =
+            Self(lanes!([S::ZERO; N], i => if i < from.len() { S::from_f64(from[i].into()) } else { S::ZERO }));
+        fn places<const STEP: usize>(self, last: usize) -> Self::Places =
+            lanes!([0; N], i => (STEP * self.0[i].index()).min(last));
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn store(self, to: &mut [S]) {
@@ -70,18 +99,6 @@ impl<S: Scalar, const N: usize> Lanes for Portable<S, N> {
         work.run();
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn mul_add(self, b: Self, c: Self) -> Self {
-        Self(lanes!(self.0, i => self.0[i].fused(b.0[i], c.0[i])))
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn mul_sub(self, b: Self, c: Self) -> Self {
-        Self(lanes!(self.0, i => self.0[i].fused(b.0[i], -c.0[i])))
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn neg_mul_add(self, b: Self, c: Self) -> Self {
-        Self(lanes!(self.0, i => (-self.0[i]).fused(b.0[i], c.0[i])))
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
     fn sqrt_pair(mut a: Self, mut b: Self) -> [Self; 2] {
         let mut i = 0;
         while i < N {
@@ -91,46 +108,6 @@ impl<S: Scalar, const N: usize> Lanes for Portable<S, N> {
         [a, b]
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn sqrt(self) -> Self {
-        Self(lanes!(self.0, i => self.0[i].sqrt()))
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn less(self, b: Self) -> Self::Mask {
-        lanes!([false; N], i => self.0[i] < b.0[i])
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn less_equal(self, b: Self) -> Self::Mask {
-        lanes!([false; N], i => self.0[i] <= b.0[i])
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask {
-        lanes!(a, i => a[i] & b[i])
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
-        Self(lanes!(no.0, i => if mask[i] { yes.0[i] } else { no.0[i] }))
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn or_zero(self, mask: Self::Mask) -> Self {
-        Self(lanes!(self.0, i => if mask[i] { self.0[i] } else { S::ZERO }))
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn abs(self) -> Self {
-        Self(lanes!(self.0, i => if S::ZERO < self.0[i] { self.0[i] } else { S::ZERO - self.0[i] }))
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn trunc(self) -> Self {
-        Self(lanes!(self.0, i => self.0[i].whole()))
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn larger(self, b: Self) -> Self {
-        Self(lanes!(b.0, i => if b.0[i] < self.0[i] { self.0[i] } else { b.0[i] }))
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn smaller(self, b: Self) -> Self {
-        Self(lanes!(b.0, i => if self.0[i] < b.0[i] { self.0[i] } else { b.0[i] }))
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
     fn bits(mask: Self::Mask) -> u32 {
         let (mut bits, mut i) = (0, 0);
         while i < N {
@@ -138,10 +115,6 @@ impl<S: Scalar, const N: usize> Lanes for Portable<S, N> {
             i += 1;
         }
         bits
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn load_single(_: Cpu<Self>, from: &[f32]) -> Self {
-        Self(lanes!([S::ZERO; N], i => if i < from.len() { S::from_f64(from[i].into()) } else { S::ZERO }))
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn store_single(self, to: &mut [f32]) {
@@ -157,10 +130,6 @@ impl<S: Scalar, const N: usize> Lanes for Portable<S, N> {
         let mut single = [0.0; N];
         self.store_single(&mut single);
         store_bits(&single, Self::bits(mask), to);
-    }
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn places<const STEP: usize>(self, last: usize) -> Self::Places {
-        lanes!([0; N], i => (STEP * self.0[i].index()).min(last))
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     unsafe fn pairs(table: *const [f32; 2], places: &Self::Places) -> [Self; 4] {

@@ -25,74 +25,57 @@ pub trait Scalar: Real {
     fn sqrt_pair(a: Self, b: Self) -> [Self; 2];
 }
 
-impl Scalar for f64 {
-    // 2^-256
-    const NO_SQUARE: Self = f64::from_bits((1023 - 256) << 52);
-    const LEAST: Self = f64::MIN_POSITIVE;
+/// What f64 and f32 differ in: where squares count as 0, how digits are cut off, and two square roots.
+macro_rules! scalar {
+    ($type:ident, $no_square:expr, $truncate:ident($set:ident), [$a:ident, $b:ident] => $roots:expr) => {
+        impl Scalar for $type {
+            const NO_SQUARE: Self = $type::from_bits($no_square);
+            const LEAST: Self = $type::MIN_POSITIVE;
 
-    #[inline(always)]
-    fn fused(self, b: Self, c: Self) -> Self {
-        self.mul_add(b, c)
-    }
+            #[inline(always)]
+            fn fused(self, b: Self, c: Self) -> Self {
+                self.mul_add(b, c)
+            }
 
-    #[inline(always)]
-    fn whole(self) -> Self {
-        self.trunc()
-    }
+            #[inline(always)]
+            fn whole(self) -> Self {
+                self.trunc()
+            }
 
-    #[inline(always)]
-    fn index(self) -> usize {
-        // `as` would add two comparisons, which whoever waits for the look-up waits for.
-        #[cfg(target_arch = "x86_64")]
-        // SAFETY: every such processor has SSE2.
-        return unsafe { _mm_cvttsd_si32(_mm_set_sd(self)) } as u32 as usize;
-        #[cfg(not(target_arch = "x86_64"))]
-        return self as u32 as usize;
-    }
+            #[inline(always)]
+            fn index(self) -> usize {
+                // `as` would add two comparisons, which whoever waits for the look-up waits for.
+                #[cfg(target_arch = "x86_64")]
+                // SAFETY: every such processor has SSE2.
+                return unsafe { $truncate($set(self)) } as u32 as usize;
+                #[cfg(not(target_arch = "x86_64"))]
+                return self as u32 as usize;
+            }
 
-    #[inline(always)]
-    fn sqrt_pair(a: Self, b: Self) -> [Self; 2] {
-        #[cfg(target_arch = "x86_64")]
-        {
-            use std::arch::x86_64::{_mm_cvtsd_f64, _mm_set_pd, _mm_sqrt_pd, _mm_unpackhi_pd};
-            // SAFETY: every x86-64 has SSE2.
-            unsafe {
-                let roots = _mm_sqrt_pd(_mm_set_pd(b, a));
-                [_mm_cvtsd_f64(roots), _mm_cvtsd_f64(_mm_unpackhi_pd(roots, roots))]
+            #[inline(always)]
+            fn sqrt_pair($a: Self, $b: Self) -> [Self; 2] {
+                $roots
             }
         }
-        #[cfg(not(target_arch = "x86_64"))]
-        [a.sqrt(), b.sqrt()]
-    }
+    };
 }
 
-impl Scalar for f32 {
-    // 2^-64
-    const NO_SQUARE: Self = f32::from_bits((127 - 64) << 23);
-    const LEAST: Self = f32::MIN_POSITIVE;
+// 2^-256 and 2^-64.
+scalar!(f64, (1023 - 256) << 52, _mm_cvttsd_si32(_mm_set_sd), [a, b] => sqrt_pair(a, b));
+scalar!(f32, (127 - 64) << 23, _mm_cvttss_si32(_mm_set_ss), [a, b] => [a.sqrt(), b.sqrt()]);
 
-    #[inline(always)]
-    fn fused(self, b: Self, c: Self) -> Self {
-        self.mul_add(b, c)
+/// Two square roots by one instruction where the processor has one.
+#[inline(always)]
+fn sqrt_pair(a: f64, b: f64) -> [f64; 2] {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::{_mm_cvtsd_f64, _mm_set_pd, _mm_sqrt_pd, _mm_unpackhi_pd};
+        // SAFETY: every x86-64 has SSE2.
+        unsafe {
+            let roots = _mm_sqrt_pd(_mm_set_pd(b, a));
+            [_mm_cvtsd_f64(roots), _mm_cvtsd_f64(_mm_unpackhi_pd(roots, roots))]
+        }
     }
-
-    #[inline(always)]
-    fn whole(self) -> Self {
-        self.trunc()
-    }
-
-    #[inline(always)]
-    fn index(self) -> usize {
-        // `as` would add two comparisons, which whoever waits for the look-up waits for.
-        #[cfg(target_arch = "x86_64")]
-        // SAFETY: every such processor has SSE2.
-        return unsafe { _mm_cvttss_si32(_mm_set_ss(self)) } as u32 as usize;
-        #[cfg(not(target_arch = "x86_64"))]
-        return self as u32 as usize;
-    }
-
-    #[inline(always)]
-    fn sqrt_pair(a: Self, b: Self) -> [Self; 2] {
-        [a.sqrt(), b.sqrt()]
-    }
+    #[cfg(not(target_arch = "x86_64"))]
+    [a.sqrt(), b.sqrt()]
 }
