@@ -7,7 +7,9 @@ use std::ptr::{null, null_mut};
 use super::boundary::{self, Failure, realistic_status};
 use super::library::plugin_directory;
 use super::types::realistic_options;
-use crate::camera::{CameraError, CameraMotion, CameraToWorld, Host, Parameters, Raster, Value};
+use crate::camera::{
+    CameraError, CameraMotion, CameraToWorld, Host, Parameters, Raster, Value, parameters::Written,
+};
 use crate::prescription::MAX_FILE_BYTES;
 
 /// Bytes of the first version of `realistic_options`; later ones only add at the end.
@@ -17,7 +19,7 @@ const IDENTITY: [f32; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1
 
 /// The fields that are parameters by kind: what stands for "not given", and how they are read by name.
 macro_rules! parameter_fields {
-    (texts: $($text:ident)*; texts_or_auto: $($auto:ident)*; numbers: $($number:ident)*;) => {
+    (texts: $($text:ident)*; numbers: $($number:ident)*;) => {
         impl Default for realistic_options {
             fn default() -> Self {
                 Self {
@@ -35,7 +37,6 @@ macro_rules! parameter_fields {
                     transformend: f64::NAN,
                     screenwindow: [f64::NAN; 4],
                     $($text: null(),)*
-                    $($auto: null(),)*
                     $($number: f64::NAN,)*
                 }
             }
@@ -43,7 +44,7 @@ macro_rules! parameter_fields {
 
         impl realistic_options {
             fn texts(&self) -> impl IntoIterator<Item = (&'static str, *const c_char)> {
-                [$((stringify!($text), self.$text),)* $((stringify!($auto), self.$auto)),*]
+                [$((stringify!($text), self.$text)),*]
             }
 
             fn numbers(&self) -> impl IntoIterator<Item = (&'static str, f64)> {
@@ -62,10 +63,7 @@ macro_rules! parameter_fields {
                 mut text: impl FnMut(String) -> Result<*const c_char, E>,
             ) -> Result<(), E> {
                 $(if let Some(value) = &given.$text {
-                    self.$text = text(value.to_string())?;
-                })*
-                $(if let Some(value) = &given.$auto {
-                    self.$auto = text(value.map_or_else(|| "auto".to_owned(), |value| value.to_string()))?;
+                    self.$text = text(value.written())?;
                 })*
                 $(self.$number = given.$number.unwrap_or(self.$number);)*
                 self.simpleweighting = given.simpleweighting.map_or(self.simpleweighting, i32::from);
@@ -77,8 +75,7 @@ macro_rules! parameter_fields {
 }
 
 parameter_fields! {
-    texts: model specfile weighting pupil disk refraction shutter lensplane;
-    texts_or_auto: precision;
+    texts: model specfile weighting pupil disk refraction precision shutter lensplane;
     numbers: filmdistance focusdistance aperture_diameter fnumber filmdiag hither yon shutteropen shutterclose
         wavelength mmperunit shutterramp shutterslit fov frameaspectratio lensradius focaldistance tolerance;
 }

@@ -14,4 +14,5 @@ pub use error::{CameraError, ParameterError, UnknownName};
 pub use named::{LensPlane, Pupil, Weighting};
 pub use range::{Interval, Range};
 pub use table::{PARAMETERS, Parameter, Parameters};
+pub(crate) use value::Written;
 pub use value::{Kind, Value};

@@ -8,7 +8,7 @@ use std::{fmt, mem::discriminant, str::FromStr};
 use super::{
     error::{ParameterError, UnknownName},
     range::Range,
-    value::{Kind, Setting, Value},
+    value::{Kind, Setting, Value, Written},
 };
 use crate::{
     camera::{model::Model, placement::shutter::Shutter},
@@ -101,6 +101,12 @@ macro_rules! named {
                 choose(&Self::NAMES, name, value)
             }
         }
+
+        impl Written for $choice {
+            fn written(&self) -> String {
+                self.to_string()
+            }
+        }
     )*};
 }
 
@@ -113,6 +119,12 @@ impl Setting for Option<Precision> {
 
     fn of(name: &'static str, value: Value<'_>) -> Result<Self, ParameterError> {
         choose(&Precision::NAMES, name, value)
+    }
+}
+
+impl Written for Option<Precision> {
+    fn written(&self) -> String {
+        self.map_or_else(|| "auto".to_owned(), |precision| precision.to_string())
     }
 }
 
@@ -171,8 +183,7 @@ mod tests {
         check(&Shutter::NAMES);
         for (name, precision) in Precision::NAMES {
             assert_eq!(Setting::of("precision", Value::Text(name)), Ok(precision));
-            let written = precision.map_or("auto".to_owned(), |precision| precision.to_string());
-            assert_eq!(Setting::of("precision", Value::Text(&written)), Ok(precision));
+            assert_eq!(Setting::of("precision", Value::Text(&precision.written())), Ok(precision));
         }
         assert_eq!(LensPlane::Hither.to_string(), "hither");
         assert_eq!(Shutter::Leaf { ramp: 0.4 }.to_string(), "leaf");

@@ -279,7 +279,7 @@ impl Parameters {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::prescription::catalogue;
+    use crate::{camera::parameters::value::Written, prescription::catalogue};
 
     #[test]
     fn every_default_is_a_value_that_the_parameter_takes() {
@@ -327,7 +327,7 @@ mod tests {
             ("pupil", unset.pupil().to_string()),
             ("disk", unset.disk().to_string()),
             ("refraction", unset.refraction().to_string()),
-            ("precision", unset.precision().map_or("auto".to_owned(), |precision| precision.to_string())),
+            ("precision", unset.precision().written()),
             ("shutter", unset.shutter().to_string()),
             ("lensplane", unset.lensplane().to_string()),
         ];

@@ -90,6 +90,18 @@ pub(super) trait Setting: Sized {
     fn of(name: &'static str, value: Value<'_>) -> Result<Self, ParameterError>;
 }
 
+/// A type that parameters of the kind [`Kind::Text`] have, as a text: the inverse of [`Setting::of`].
+pub trait Written {
+    /// The text that makes it.
+    fn written(&self) -> String;
+}
+
+impl Written for String {
+    fn written(&self) -> String {
+        self.clone()
+    }
+}
+
 macro_rules! settings {
     ($($type:ty: $kind:ident($value:ident) => $made:expr;)*) => {$(
         impl Setting for $type {
