@@ -79,8 +79,8 @@ impl Camera {
         }
     }
 
-    /// [`Camera::ray`] of many samples, the same to the last bit. Where there is no ray the weight is 0, and the
-    /// other numbers are left as they are.
+    /// [`Camera::ray`] of many samples, the same to the last bit; with a tolerance, each within it. Where there is no ray
+    /// the weight is 0, and the other numbers are left as they are.
     ///
     /// # Panics
     /// The arrays differ in length.

@@ -1,8 +1,6 @@
 //! The realistic camera: a sample in, a ray through every interface of the lens out (Kolb, Mitchell and Hanrahan 1995).
 
-use std::sync::Arc;
-
-use super::lens_parts::{plan_and_compile, pupil_sampler, rear_disk, weight_factor};
+use super::lens_parts::{Tracers, plan_and_compile, pupil_sampler, rear_disk, weight_factor};
 use crate::{
     camera::{
         host::{Host, Log},
@@ -11,7 +9,6 @@ use crate::{
         pipeline::{
             arrays::{OneRay, RayArrays, RayBlock, SampleArrays, SampleBlock, SampleStore},
             body::CameraBody,
-            tracer::Tracer,
         },
         placement::Placement,
         ray::{Outcome, Sample, WorldRay},
@@ -30,7 +27,7 @@ pub struct RealisticCamera {
     body: CameraBody,
     /// The disk that holds every pupil.
     rear: PupilDisk,
-    tracer: Arc<dyn Tracer>,
+    tracers: Tracers,
     plan: Plan,
 }
 
@@ -64,10 +61,10 @@ impl RealisticCamera {
             placement: setup.placement.clone(),
             units_per_mm: setup.mm_per_unit.recip(),
         };
-        let (tracer, plan) = plan_and_compile(&setup, &path, &body, log);
+        let (tracers, plan) = plan_and_compile(&setup, &path, &body, log);
         // Where the film stands once its place in lens space is rounded.
         let film_distance = setup.facts.lens.rear().vertex - film_z;
-        Ok(Self { facts: Facts { film_distance, ..setup.facts }, body, rear, tracer, plan })
+        Ok(Self { facts: Facts { film_distance, ..setup.facts }, body, rear, tracers, plan })
     }
 
     /// The ray of a sample, or why there is none. Finding out why costs more than a ray does; where
@@ -76,13 +73,13 @@ impl RealisticCamera {
         if let Some((ray, weight)) = self.ray(sample) {
             return Outcome::Ray(ray, weight);
         }
-        let FilmRays { point, disk, slopes, area_per_pi } = self.tracer.film_ray(sample);
+        let FilmRays { point, disk, slopes, area_per_pi } = self.tracers.one.film_ray(sample);
         if self.asks_again(disk) {
             Outcome::Redraw
         } else if area_per_pi.is_nan() {
             Outcome::Blocked(Blocked::Clipped)
         } else {
-            Outcome::Blocked(self.tracer.reason(film_ray(point, self.body.film_side.z, slopes)))
+            Outcome::Blocked(self.tracers.one.reason(film_ray(point, self.body.film_side.z, slopes)))
         }
     }
 
@@ -93,8 +90,8 @@ impl RealisticCamera {
         (weight > 0.0).then_some((ray, weight))
     }
 
-    /// [`RealisticCamera::ray`] of many samples, the same to the last bit. Where there is no ray the weight is 0, and
-    /// the other numbers are left as they are.
+    /// [`RealisticCamera::ray`] of many samples, the same to the last bit; with a tolerance, each within it. Where there is
+    /// no ray the weight is 0, and the other numbers are left as they are.
     ///
     /// # Panics
     /// The arrays differ in length.
@@ -107,7 +104,7 @@ impl RealisticCamera {
     /// Writes a sample's ray and its weight; 0, and no ray, where there is none.
     #[inline(always)]
     pub(crate) fn trace_one(&self, sample: &Sample, ray: &mut WorldRay, weight: &mut f32) {
-        self.tracer.one(sample, &mut OneRay { ray: &mut *ray, weight: &mut *weight });
+        self.tracers.one.one(sample, &mut OneRay { ray: &mut *ray, weight: &mut *weight });
         if *weight > 0.0 {
             let placement = &self.body.placement;
             [ray.mint, ray.maxt] = placement.clip;
@@ -119,7 +116,7 @@ impl RealisticCamera {
     /// after the other.
     #[inline]
     pub(crate) fn trace_side_by_side(&self, samples: &SampleBlock<4>, rays: &mut RayBlock<4>) -> bool {
-        let traced = self.tracer.four(samples, rays);
+        let traced = self.tracers.one.four(samples, rays);
         if traced {
             let placement = &self.body.placement;
             rays.set_range_and_time(placement.clip, placement.time(samples.sample(0).time));
@@ -130,7 +127,7 @@ impl RealisticCamera {
     /// [`RealisticCamera::rays`] of arrays that have one length.
     #[inline]
     pub(crate) fn trace_arrays(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
-        self.tracer.many(samples, rays);
+        self.tracers.many.many(samples, rays);
         let placement = &self.body.placement;
         let RayArrays { mint, maxt, time, weight, .. } = rays;
         for (array, end) in [(mint, placement.clip[0]), (maxt, placement.clip[1])] {
@@ -152,7 +149,7 @@ impl RealisticCamera {
     /// the thick lens's ray of the same film point and lens sample, or the straight one where the lens is afocal.
     pub fn substitute(&self, sample: &Sample) -> WorldRay {
         let axial = Ray { origin: [0.0; 3], direction: [0.0, 0.0, 1.0] };
-        let FilmRays { point, disk, slopes, area_per_pi } = self.tracer.film_ray(sample);
+        let FilmRays { point, disk, slopes, area_per_pi } = self.tracers.one.film_ray(sample);
         let (point, slopes) = if self.asks_again(disk) {
             Default::default()
         } else if area_per_pi.is_nan() {
