@@ -9,8 +9,3 @@ pub const MAX_INTERFACES: usize = 1000;
 
 /// The most bytes of a lens's name (of a file: its name without the directories) and of a glass's.
 pub const MAX_NAME_BYTES: usize = 255;
-
-/// The beginning of a name that is too long to be shown whole.
-pub(super) fn beginning(name: &str) -> String {
-    name.chars().take(32).chain("...".chars()).collect()
-}

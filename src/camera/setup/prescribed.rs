@@ -11,6 +11,7 @@ use crate::{
         parameters::{CameraError, ParameterError, Parameters, Pupil, Weighting},
         placement::Placement,
     },
+    imaging::focus::FocusError,
     lens::{
         Lens,
         open::{StopSize, find, set_up},
@@ -61,7 +62,8 @@ impl Setup {
         let film = Film::new(raster(host)?, given.filmdiag()?);
         let mm_per_unit = given.mmperunit()?;
         let (_, lens) = open_lens(given, host, log)?;
-        let (film_distance, focus_distance) = place_film(&lens, film_place(given)?, focusing)?;
+        let (film_distance, focus_distance) =
+            place_film(&lens, film_place(given)?, focusing).map_err(|error| with_units(error, given))?;
         Ok(Self {
             lens,
             film,
@@ -119,6 +121,16 @@ fn film_place(given: &Parameters) -> Result<FilmPlace, ParameterError> {
         (None, Some(distance)) => FilmPlace::FocusedOn(distance * given.mmperunit()?),
         (None, None) => FilmPlace::Nominal,
     })
+}
+
+/// Names the unit of `focusdistance` where a scene in metres, say, leaves it out.
+fn with_units(error: CameraError, parameters: &Parameters) -> CameraError {
+    match (error, parameters.focusdistance, parameters.mmperunit) {
+        (CameraError::Focus(error @ FocusError::TooNear { .. }), Some(given), None) => {
+            CameraError::TooNear { error, given }
+        }
+        (error, ..) => error,
+    }
 }
 
 fn both(first: &'static str, second: &'static str) -> ParameterError {
