@@ -56,7 +56,8 @@ fn a_lens_is_piped_in_wherever_one_is_named() {
         assert_eq!(succeeds(&with("-"), SINGLET), named);
     }
     let out = dir.path().join("a.png");
-    let render = |lens| ["render", "--size", "6x4", "--spp", "1", "--lens", lens, "--out", out.to_str().unwrap()];
+    let render =
+        |lens| ["render", "--size", "6x4", "--spp", "1", "--lens", lens, "--out", out.to_str().unwrap()];
     succeeds(&render(file), "");
     let named = fs::read(&out).unwrap();
     succeeds(&render("-"), SINGLET);

@@ -3,6 +3,8 @@
 mod files;
 mod pictures;
 mod plugin;
+#[cfg(target_os = "linux")]
+mod release;
 mod reports;
 
 use std::io::Write;
