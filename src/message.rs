@@ -33,8 +33,8 @@ pub fn cut(text: &str) -> String {
     }
 }
 
-/// The name that a misspelt one was meant to be: of those that differ by the fewest letters left out, put in or
-/// changed, where that is at most a third of them, the first.
+/// The name that a misspelt one was meant to be: of those that differ by the fewest letters left out, put in, changed
+/// or swapped, where that is at most a third of them, the first.
 pub fn nearest<'a>(given: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let given: Vec<char> = given.chars().take(64).map(|letter| letter.to_ascii_lowercase()).collect();
     let near = names.into_iter().filter_map(|name| {
@@ -44,16 +44,21 @@ pub fn nearest<'a>(given: &str, names: impl IntoIterator<Item = &'a str>) -> Opt
     near.min_by_key(|(apart, _)| *apart).map(|(_, name)| name)
 }
 
-/// V. I. Levenshtein's distance (1966), row by row.
+/// How many letters have to be left out, put in, changed or swapped with the next (F. J. Damerau 1964), row by row.
 fn letters_apart(given: &[char], name: &str) -> usize {
-    let mut row: Vec<usize> = (0..=given.len()).collect();
-    for (index, letter) in name.chars().enumerate() {
-        let mut diagonal = std::mem::replace(&mut row[0], index + 1);
-        for (place, own) in given.iter().enumerate() {
-            let changed = diagonal + usize::from(*own != letter);
-            diagonal = row[place + 1];
-            row[place + 1] = changed.min(diagonal + 1).min(row[place] + 1);
+    let name: Vec<char> = name.chars().collect();
+    let (mut above, mut row) = (Vec::new(), (0..=given.len()).collect::<Vec<usize>>());
+    for (i, letter) in name.iter().enumerate() {
+        let mut next = vec![i + 1];
+        for (j, own) in given.iter().enumerate() {
+            let changed = row[j] + usize::from(own != letter);
+            let mut least = changed.min(row[j + 1] + 1).min(next[j] + 1);
+            if i > 0 && j > 0 && *own == name[i - 1] && given[j - 1] == *letter {
+                least = least.min(above[j - 1] + 1);
+            }
+            next.push(least);
         }
+        (above, row) = (row, next);
     }
     row[given.len()]
 }
@@ -131,7 +136,7 @@ mod tests {
     #[test]
     fn numbers_in_columns_are_never_zeros_alone() {
         let said =
-            [36.132_458, 1e-9, -0.000_04, 0.000_05, 1e-17, -0.0, 1e308, 20_224.938].map(|x| fixed(x, 4));
+            [36.132_458, 1e-9, -0.000_04, 0.000_06, 1e-17, -0.0, 1e308, 20_224.938].map(|x| fixed(x, 4));
         assert_eq!(
             said,
             ["36.1325", "1.0000e-9", "-4.0000e-5", "0.0001", "0.0000", "-0.0000", "1.0000e308", "20224.9380"]
@@ -151,7 +156,7 @@ mod tests {
         assert_eq!(near("focusdistnace"), Some("focusdistance"));
         assert_eq!(near("FilmDistance"), Some("filmdistance"));
         assert_eq!(near("focus_distance"), Some("focusdistance"));
-        assert_eq!([near("fnumbr"), near("fow")], [Some("fnumber"), Some("fov")]);
+        assert_eq!([near("fnubmer"), near("fow")], [Some("fnumber"), Some("fov")]);
         assert_eq!([near("exposure"), near(""), near("xy")], [None; 3]);
         assert_eq!(near(&"f".repeat(1_000_000)), None);
     }

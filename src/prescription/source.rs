@@ -10,7 +10,7 @@ use super::{
     catalogue,
     error::LensFileError,
     interfaces::Prescription,
-    limits::{MAX_FILE_BYTES, MAX_NAME_BYTES},
+    limits::{MAX_FILE_BYTES, MAX_NAME_BYTES, MAX_PATH_BYTES},
     reader::read,
 };
 
@@ -153,7 +153,8 @@ pub enum SourceError {
     },
     /// The name is longer than any file's.
     #[error(
-        "lens \"{start}...\": the name has {length} bytes; the name of a lens or of a lens file has at most {MAX_NAME_BYTES}"
+        "lens \"{start}...\": the name has {length} bytes; the name of a lens or of a lens file has at most {MAX_NAME_BYTES}, with \
+         its directories {MAX_PATH_BYTES}"
     )]
     NameTooLong {
         /// The name's beginning.
@@ -173,14 +174,14 @@ impl<'a> LensSource<'a> {
     /// Splits `NAME@35mm`; a name without `@`, or that of a file as given or along `search`, is a table alone.
     ///
     /// # Errors
-    /// What follows the `@` is not `<positive number>mm`; the name, without directories, has more than
-    /// [`MAX_NAME_BYTES`] bytes.
+    /// What follows the `@` is not `<positive number>mm`; the name has more than [`MAX_NAME_BYTES`] bytes without
+    /// directories or [`MAX_PATH_BYTES`] with them.
     pub fn parse(name: &'a str, search: &SearchPath) -> Result<Self, SourceError> {
         let own = name.rsplit('/').next().unwrap_or(name);
-        if own.len() > MAX_NAME_BYTES {
+        if own.len() > MAX_NAME_BYTES || name.len() > MAX_PATH_BYTES {
             return Err(SourceError::NameTooLong {
-                start: own.chars().take(32).collect(),
-                length: own.len(),
+                start: name.chars().take(32).collect(),
+                length: name.len(),
             });
         }
         let plain = Self { table: name, focal_length: None };
@@ -267,7 +268,7 @@ mod tests {
             LensSource::parse(&format!("{longest}/{longest}"), &nowhere).is_ok(),
             "directories do not count"
         );
-        for name in [format!("{longest}n"), format!("/{longest}n"), "n".repeat(900_000)] {
+        for name in [format!("{longest}n"), format!("/{longest}n"), "n".repeat(900_000), "n/".repeat(2049)] {
             let message = LensSource::parse(&name, &nowhere).expect_err("too long").to_string();
             assert!(message.contains("at most 255") && message.len() < 200, "{message}");
         }

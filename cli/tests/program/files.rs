@@ -78,7 +78,7 @@ fn a_lens_is_piped_in_wherever_one_is_named() {
 #[test]
 fn an_exposure_that_is_no_number_is_refused() {
     for stops in ["nan", "inf", "-inf"] {
-        let told = fails(&["render", "--exposure", stops], "", 2);
+        let told = fails(&["render", &format!("--exposure={stops}")], "", 2);
         assert!(told.contains("--exposure") && told.contains("write a finite number"), "{told}");
     }
 }
