@@ -212,7 +212,8 @@ fn candidates(task: &Task<'_>, fit: bool, apertures: usize) -> Vec<Candidate> {
         let cost = |entry| cost::polynomials(simd, entry, precision, monomials(order), apertures);
         candidate(Tracing::Polynomials { order, precision, fit: () }, Entry::ALL.map(cost))
     });
-    let exact = [Precision::F32, Precision::F64].map(|precision| {
+    // Where both cost the same, the exact one.
+    let exact = [Precision::F64, Precision::F32].map(|precision| {
         let cost = |entry| cost::exact(simd, entry, precision, surfaces);
         candidate(Tracing::Exact(precision), Entry::ALL.map(cost))
     });
