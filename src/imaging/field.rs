@@ -34,6 +34,8 @@ pub struct Field {
 
 /// Rays across the rear element in a search for those that get through.
 const SCAN: u32 = 1024;
+/// Of which so many are traced at once.
+const PART: u32 = 64;
 
 /// The slopes dy/dz at which the rays of a film point in the plane through the axis get through.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,29 +100,26 @@ impl Field {
     fn scanned(&self, height: f64) -> Option<Beam> {
         let at = |i: u32| self.scan(height, i);
         // The kernel says which may; within rounding of an edge the path has the last word.
-        let may = self.may_pass(height);
-        let passing = |&i: &u32| may[i as usize] && self.passes(height, at(i));
-        let (low, high) = match (0..SCAN).find(passing) {
-            Some(first) => (at(first), at((first..SCAN).rev().find(passing)?)),
+        let passes = |i: &u32| self.passes(height, at(*i));
+        let parts = || (0..SCAN / PART).map(|part| self.may_pass(height, part * PART));
+        let (low, high) = match parts().find_map(|slopes| slopes.into_iter().find(passes)) {
+            Some(first) => {
+                (at(first), at(parts().rev().find_map(|slopes| slopes.into_iter().rev().find(passes))?))
+            }
             None => [self.through_pinhole(height, at)?; 2].into(),
         };
         Some(Beam { low, high })
     }
 
-    /// Which slopes of the scan the kernel lets through.
-    fn may_pass(&self, height: f64) -> Vec<bool> {
-        let slopes: Vec<f64> = (0..SCAN).map(|i| self.scan(height, i)).collect();
-        let [across, along] = [0.0, height].map(|at| vec![at; slopes.len()]);
-        let mut out = RayBuffer::new(slopes.len());
-        let from = PlaneRays {
-            plane: self.film,
-            x: &across,
-            y: &along,
-            slope_x: &vec![0.0; slopes.len()],
-            slope_y: &slopes,
-        };
+    /// Which slopes of a part of the scan the kernel lets through.
+    fn may_pass(&self, height: f64, first: u32) -> Vec<u32> {
+        const COUNT: usize = PART as usize;
+        let slopes: [f64; COUNT] = std::array::from_fn(|i| self.scan(height, first + i as u32));
+        let mut out = RayBuffer::new(COUNT);
+        let (x, y) = (&[0.0; COUNT], &[height; COUNT]);
+        let from = PlaneRays { plane: self.film, x, y, slope_x: x, slope_y: &slopes };
         self.kernel.trace_batch(&from, &mut out.rays());
-        (0..slopes.len()).map(|i| out.get(i).is_some()).collect()
+        (0..PART).filter(|&i| out.get(i as usize).is_some()).map(|i| first + i).collect()
     }
 
     /// The slope through the centre of a stop so narrow that it lies between two slopes of a scan.

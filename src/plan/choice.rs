@@ -63,7 +63,7 @@ pub struct Choice {
 }
 
 /// Rays that polynomials are fitted to, for each monomial of the largest that may be chosen.
-const RAYS_PER_MONOMIAL: usize = 5;
+const RAYS_PER_MONOMIAL: usize = 4;
 /// What the weights' errors may sum up to, as a part of the light.
 const LIGHT: f64 = 1e-3;
 /// How many times cheaper polynomials must be than what they take the place of: a processor of the same kind may be as
