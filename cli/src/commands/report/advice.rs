@@ -135,18 +135,20 @@ fn tracers(results: &Results) -> Option<String> {
     let failed = results.stability.iter().filter(|c| !c.holds).count();
     let tracers = stability::tracers();
     let is_compiled = |name: &str| tracers.iter().any(|t| t.name == name && t.norm == Norm::Surface);
-    let worst = |compiled: bool| {
-        let own = results.stability.iter().filter(|c| is_compiled(c.tracer) == compiled);
-        own.map(|c| c.ratio).fold(0.0, f64::max)
+    let worst = |compiled: bool, random: bool| {
+        let own = results.stability.iter().filter(|c| (c.group == "random") == random);
+        own.filter(|c| is_compiled(c.tracer) == compiled).map(|c| c.ratio).fold(0.0, f64::max)
     };
     (!results.stability.is_empty()).then(|| {
         format!(
-            "Stability: of {} results of extreme cases {}. The worst error / (condition x epsilon) is {:.1} for the \
-             compiled kernels and {:.1} for the walks.",
+            "Stability: of {} results of extreme cases {}. The worst error / (condition x epsilon) of the \
+             compiled kernels is {:.1} on the named cases and {:.1} on random lenses, of the walks {:.1} and {:.1}.",
             results.stability.len(),
             all_hold(failed),
-            worst(true),
-            worst(false),
+            worst(true, false),
+            worst(true, true),
+            worst(false, false),
+            worst(false, true),
         )
     })
 }

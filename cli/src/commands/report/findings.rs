@@ -92,6 +92,49 @@ pub fn all_hold(failed: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use realistic_lab::methods::METHODS;
+    use realistic_lab::results::statistics::Spread;
+    use realistic_lab::timing::Timing;
+
+    /// A method that takes so many ns and is so many pixels off.
+    fn measured(name: &str, time: f64, pixels: f64, lost: usize) -> RayErrors {
+        let method = *METHODS.iter().find(|method| method.name == name).unwrap();
+        let [median, low, high] = [1.0, 0.9, 1.1].map(|share| share * time * 1e-9);
+        let spread = Spread { median: pixels / 2.0, most: pixels, worst: 2.0 * pixels };
+        RayErrors {
+            lens: "a lens".to_owned(),
+            method,
+            time: Timing { median, low, high },
+            direction: spread,
+            position: spread,
+            pixels: spread,
+            lost,
+            on_front: false,
+        }
+    }
+
+    #[test]
+    fn of_a_tie_the_nearest_is_taken_and_the_others_are_named() {
+        let rays = [
+            measured("order 3, f32", 4.8, 0.5, 0),
+            measured("f32x16", 5.0, 0.001, 0),
+            measured("order 5, f32", 4.9, 0.1, 0),
+            measured("f64x8", 11.0, 1e-9, 0),
+            measured("thick lens", 1.0, 0.9, 3),
+        ];
+        let named = |pixels: f64| {
+            let choice = cheapest(&rays, "a lens", |m| m.pixels.most <= pixels).unwrap();
+            let ties: Vec<_> = choice.ties.iter().map(|m| m.method.name).collect();
+            (choice.best.method.name, ties, is_model(choice.best))
+        };
+        assert_eq!(named(1.0), ("f32x16", vec!["order 3, f32", "order 5, f32"], false));
+        assert_eq!(named(1e-6), ("f64x8", vec![], false));
+        assert!(cheapest(&rays, "a lens", |m| m.pixels.most < 1e-12).is_none());
+        // One that is faster by more than a tie is named though others are nearer.
+        let rays = [measured("order 3, f32", 4.0, 0.5, 0), measured("f32x16", 5.0, 0.001, 0)];
+        let choice = cheapest(&rays, "a lens", |_| true).unwrap();
+        assert!(is_model(choice.best) && choice.ties.is_empty());
+    }
 
     #[test]
     fn times_are_readable() {
