@@ -66,15 +66,15 @@ impl Suite {
 
     /// Under a minute, likewise.
     pub fn quick(scene: pictures::Scene) -> Self {
-        let effort = Effort { rounds: 9, least: Duration::from_millis(1) };
+        let effort = Effort { rounds: 7, least: Duration::from_micros(400) };
         let raster = Raster { xres: 36, yres: 24 };
         Self {
             lenses: LENSES.to_vec(),
-            ray_map: RayCounts { rays: 4000, block: 2048, effort },
-            irradiance: SampleCounts { exponent: 5, repeats: 12, survey: 800, effort },
-            picture: pictures::Size { scene, raster, exponent: 3, reference: 1024, repeats: 2 },
-            set_up: FitCounts { rays: 1000, repeats: 3 },
-            pupils: PupilCounts { points: 12, repeats: 1 },
+            ray_map: RayCounts { rays: 3000, block: 1024, effort },
+            irradiance: SampleCounts { exponent: 5, repeats: 8, survey: 500, effort },
+            picture: pictures::Size { scene, raster, exponent: 3, reference: 512, repeats: 1 },
+            set_up: FitCounts { rays: 600, repeats: 2 },
+            pupils: PupilCounts { points: 8, repeats: 1 },
             stability: stability::Extent::QUICK,
         }
     }

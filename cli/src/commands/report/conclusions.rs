@@ -163,9 +163,10 @@ fn savings(results: &Results, lens: &str) -> Option<String> {
     let (low, high) = shares.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
     (low <= high).then(|| {
         format!(
-            "What the plan leaves out without a tolerance saves {:.1} to {:.1} % of a camera ray's time.",
-            100.0 * low,
-            100.0 * high
+            "What the plan leaves out without a tolerance changes a camera ray's time by {:+.1} to {:+.1} %{}.",
+            -100.0 * high,
+            -100.0 * low,
+            if high <= 1.0 - 1.0 / TIE { ", a tie everywhere" } else { "" },
         )
     })
 }
