@@ -179,7 +179,10 @@ impl Camera {
             AnyModel::Environment(camera) => Outcome::Ray(camera.ray(sample), 1.0),
         };
         match outcome {
-            Outcome::Ray(ray, weight) if !is_sound(&ray, weight) => Outcome::Blocked(Blocked::Missed),
+            // The real lens blocks these as well.
+            Outcome::Ray(ray, weight) if !(ray.is_sound() && weight > 0.0 && weight.is_finite()) => {
+                Outcome::Blocked(Blocked::Missed)
+            }
             sound => sound,
         }
     }
@@ -276,15 +279,6 @@ impl Camera {
             AnyModel::Projective(_) | AnyModel::Environment(_) => None,
         }
     }
-}
-
-/// Whether these are a ray's numbers: those of image points that are none, or far out of any image, are not.
-/// The real lens blocks them.
-fn is_sound(ray: &WorldRay, weight: f32) -> bool {
-    let [x, y, z] = ray.direction;
-    // What overflowed on its way to a unit vector is 0 or no number.
-    let is_unit = x * x + y * y + z * z > 0.5;
-    is_unit && weight > 0.0 && weight.is_finite() && ray.origin.iter().all(|part| part.is_finite())
 }
 
 /// A positive weight behind the shutter. However small, it is not that of a blocked ray.
