@@ -187,6 +187,13 @@ pub fn not_negative(text: &str) -> Result<f64, String> {
     in_range(text, "tolerance").ok_or_else(|| "write 0 or a positive number".to_owned())
 }
 
+/// Stops of exposure: between them a white card and a candle in a cave.
+pub fn stops(text: &str) -> Result<f32, String> {
+    const MOST: f32 = 60.0;
+    let stops = text.parse().ok().filter(|stops: &f32| stops.abs() <= MOST);
+    stops.ok_or_else(|| format!("write a number of stops from -{MOST} to {MOST}"))
+}
+
 /// `WxH` in pixels.
 pub fn size(text: &str) -> Result<[u32; 2], String> {
     const LARGEST: u32 = 16_384;
@@ -209,6 +216,14 @@ mod tests {
         assert_eq!(size("480x320"), Ok([480, 320]));
         for text in ["480", "0x3", "3x", "3x-1", "99999x3", "3x3x3"] {
             assert!(size(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn an_exposure_is_a_number() {
+        assert_eq!((stops("-1.5"), stops("0")), (Ok(-1.5), Ok(0.0)));
+        for text in ["nan", "inf", "-1e3", "bright"] {
+            assert!(stops(text).is_err(), "{text}");
         }
     }
 

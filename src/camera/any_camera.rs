@@ -2,6 +2,7 @@
 
 use super::{
     film::Film,
+    first_look::warn_of_darkness,
     host::{Host, Log},
     model::Model,
     models::{
@@ -57,7 +58,9 @@ impl Camera {
                 AnyModel::Environment(stock_cameras::environment(parameters, host, log)?.into())
             }
         };
-        Ok(Self { optics, shutter, yres: host.raster.yres as f32 })
+        let camera = Self { optics, shutter, yres: host.raster.yres as f32 };
+        warn_of_darkness(host.raster, |sample| camera.through_optics(sample), log);
+        Ok(camera)
     }
 
     /// The ray of a sample with its weight, or why there is none. The weight is the model's times what the
@@ -188,14 +191,15 @@ impl Camera {
     }
 
     /// A ray that stands in where there is none and a host needs a complete ray all the same: of the
-    /// same film point, by the thick lens or through the middle of the lens.
+    /// same film point, by the thick lens or through the middle of the lens; where the film point is none, straight ahead.
     pub fn substitute(&self, sample: &Sample) -> WorldRay {
-        match &self.optics {
+        let ray = match &self.optics {
             AnyModel::Lens(camera) => camera.substitute(sample),
             AnyModel::Ideal(camera) => camera.central(sample),
             AnyModel::Projective(camera) => camera.central(sample),
             AnyModel::Environment(camera) => camera.ray(sample),
-        }
+        };
+        if ray.is_sound() { ray } else { self.placement().axial_ray(sample.time) }
     }
 
     fn placement(&self) -> &Placement {

@@ -26,6 +26,9 @@ pub enum StopSize {
     FNumber(f64),
 }
 
+/// The smallest stop over the widest: the squares of slopes through it are still far from the end of single precision.
+const SMALLEST_STOP: f64 = 1e-12;
+
 /// Why a lens cannot be opened.
 #[derive(Debug, Error)]
 pub enum OpenError {
@@ -105,6 +108,9 @@ fn stop_to_diameter(lens: &mut Lens, diameter: f64, log: Log<'_>) -> Result<(), 
             short(widest)
         );
         log(Level::Warning, &text);
+    } else if diameter < SMALLEST_STOP * widest {
+        let (lens, limit) = (lens.name.clone(), SMALLEST_STOP * widest);
+        return Err(LensError::StopTooSmall { lens, name: "aperture_diameter", given: diameter, limit });
     } else {
         lens.surfaces[stop].semi_diameter = diameter / 2.0;
     }
@@ -120,6 +126,10 @@ fn stop_to_fnumber(lens: &mut Lens, number: f64, log: Log<'_>) -> Result<(), Len
             &format!("\"fnumber\" {number} is faster than the lens; f/{} is used", short(widest)),
         );
         return Ok(());
+    }
+    if number * SMALLEST_STOP > widest {
+        let (lens, limit) = (lens.name.clone(), widest / SMALLEST_STOP);
+        return Err(LensError::StopTooSmall { lens, name: "fnumber", given: number, limit });
     }
     let surface = lens.stop_index().unwrap_or_else(|| limiting_surface(lens));
     // The entrance pupil grows in proportion to the aperture that it images.

@@ -12,7 +12,7 @@ use crate::{
         placement::Placement,
     },
     lens::{
-        Lens,
+        Lens, Surface,
         open::{StopSize, find, set_up},
         refraction::Refraction,
     },
@@ -61,7 +61,8 @@ impl Setup {
         let film = Film::new(raster(host)?, given.filmdiag()?);
         let mm_per_unit = given.mmperunit()?;
         let (_, lens) = open_lens(given, host, log)?;
-        let (film_distance, focus_distance) = place_film(&lens, film_place(given)?, focusing)?;
+        let (film_distance, focus_distance) = place_film(&lens, film_place(given)?, focusing, log)?;
+        check_reach(&lens, film_distance, mm_per_unit)?;
         Ok(Self {
             lens,
             film,
@@ -109,7 +110,24 @@ pub fn open_lens(given: &Parameters, host: &Host, log: Log<'_>) -> Result<(Presc
 /// # Errors
 /// A value out of range, both distances, or a lens that cannot focus there.
 pub fn film_distance(given: &Parameters, lens: &Lens) -> Result<f64, CameraError> {
-    place_film(lens, film_place(given)?, Focusing::Exact).map(|(film_distance, _)| film_distance)
+    place_film(lens, film_place(given)?, Focusing::Exact, &mut |_, _| ())
+        .map(|(film_distance, _)| film_distance)
+}
+
+/// World units that a camera may reach from its front vertex: a transform may stretch them 1e15 times, and they still are
+/// floats.
+const FARTHEST: f64 = 1e22;
+/// The same in mm: squares of lengths stay in range.
+const FARTHEST_MM: f64 = 1e50;
+
+/// Whether points of the lens and the film are numbers to a host, which takes floats.
+fn check_reach(lens: &Lens, film_distance: f64, mm_per_unit: f64) -> Result<(), CameraError> {
+    let of_surface = |surface: &Surface| surface.vertex.abs() + surface.semi_diameter;
+    let reach = lens.surfaces.iter().map(of_surface).fold(film_distance, f64::max);
+    if reach <= FARTHEST_MM && reach / mm_per_unit <= FARTHEST {
+        return Ok(());
+    }
+    Err(CameraError::TooFar { lens: lens.name.clone(), reach, units: reach / mm_per_unit })
 }
 
 fn film_place(given: &Parameters) -> Result<FilmPlace, ParameterError> {

@@ -9,7 +9,7 @@ use crate::host::render::{Settings, render, spectrum};
 use crate::host::scene::Scene;
 use crate::host::scene::effects::{Effect, Effects};
 use crate::image::Picture;
-use crate::lens_and_film::{set_parameters, size, warn};
+use crate::lens_and_film::{set_parameters, size, stops, warn};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPool;
 use realistic::camera::{PARAMETERS, Parameters, Weighting};
@@ -40,7 +40,7 @@ pub struct Options {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     /// Brightness of a .png in stops; 0 shows a white card on the axis as it is
-    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "STOPS", default_value = "0", allow_negative_numbers = true, value_parser = stops)]
     exposure: f32,
     /// The plugin to load [default: what REALISTIC_PLUGIN names, else that of this program's build, else the one
     /// beside this program or in ../lib]
