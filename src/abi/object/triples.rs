@@ -16,7 +16,8 @@ use std::cell::RefCell;
 
 use glam::Vec4;
 
-use crate::abi::{float_environment::Environment, handle::Handle};
+use super::handle::Handle;
+use crate::abi::float_environment::Environment;
 use crate::camera::{RayBlock, Sample, SampleBlock, WorldRay};
 
 /// The bits of image x and y.
