@@ -236,3 +236,32 @@ mod machine {
         unsafe { function(data) }
     }
 }
+
+#[cfg(all(test, target_arch = "x86_64", unix))]
+mod tests {
+    use super::*;
+
+    /// Rounding upward, invalid operations trap.
+    const STRANGE: u32 = 0x5F00;
+
+    #[test]
+    fn a_body_runs_in_the_default_environment_and_the_hosts_comes_back_even_after_a_panic() {
+        let own = read();
+        let bodies: [fn() -> u32; 2] = [read, || panic!("with {:x}", read())];
+        for body in bodies {
+            set_flags(STRANGE);
+            let inside = [catch_unwind(|| in_default(body)), catch_unwind(|| for_ray(body))];
+            let after = read();
+            set_flags(own);
+            assert_eq!(after, STRANGE);
+            for inside in inside {
+                match inside {
+                    Ok(control) => assert!(is_default(control)),
+                    Err(panic) => {
+                        assert_eq!(panic.downcast_ref(), Some(&"with 1f80".to_owned()));
+                    }
+                }
+            }
+        }
+    }
+}
