@@ -90,17 +90,3 @@ extern "C" int32_t REALISTIC_PASTE(realistic_shim_find_, REALISTIC_STRING_SUFFIX
     return REALISTIC_SHIM_NO_HOST;
 #endif
 }
-
-// The host's global string, which only a host of this std::string has: its look-up functions say which that is.
-extern "C" const char *REALISTIC_PASTE(realistic_shim_scene_file_, REALISTIC_STRING_SUFFIX)(size_t *size) {
-#if _GLIBCXX_USE_CXX11_ABI == REALISTIC_STRING_NEW
-    const void *file = finder<float>(float_symbol) ? dlsym(RTLD_DEFAULT, REALISTIC_SCENE_FILE) : nullptr;
-    if (file != nullptr) {
-        const std::string &name = *static_cast<const std::string *>(file);
-        *size = name.size();
-        return name.data();
-    }
-#endif
-    *size = 0;
-    return nullptr;
-}

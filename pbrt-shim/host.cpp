@@ -9,8 +9,6 @@
 extern "C" {
 int32_t realistic_shim_find_new(const void *, int32_t, const char *, size_t, realistic_shim_found *);
 int32_t realistic_shim_find_old(const void *, int32_t, const char *, size_t, realistic_shim_found *);
-const char *realistic_shim_scene_file_new(size_t *);
-const char *realistic_shim_scene_file_old(size_t *);
 }
 
 extern "C" int32_t realistic_shim_find(const void *params, int32_t kind, const char *name, size_t name_size,
@@ -20,11 +18,6 @@ extern "C" int32_t realistic_shim_find(const void *params, int32_t kind, const c
         result = realistic_shim_find_old(params, kind, name, name_size, out);
     }
     return result;
-}
-
-extern "C" const char *realistic_shim_scene_file(size_t *size) {
-    const char *name = realistic_shim_scene_file_new(size);
-    return name != nullptr ? name : realistic_shim_scene_file_old(size);
 }
 
 extern "C" void realistic_shim_message(int32_t level, const char *text) {

@@ -67,10 +67,6 @@ typedef struct realistic_shim_found {
 int32_t realistic_shim_find(const void *params, int32_t kind, const char *name, size_t name_size,
                             realistic_shim_found *out);
 
-/* The file that the host is reading, by its global `current_file`: `*size` bytes, which the host's next file replaces.
- * NULL where there is none. */
-const char *realistic_shim_scene_file(size_t *size);
-
 /* Says something by the host's functions; on stderr when the process has none.
  * Level 0: information, 1: warning, 2: error. */
 void realistic_shim_message(int32_t level, const char *text);

@@ -27,10 +27,10 @@ impl SearchPath {
         Self(directories)
     }
 
-    /// Adds one more directory, looked in last, unless it is there already.
+    /// Adds one more directory, looked in last.
     #[must_use]
     pub fn then(mut self, directory: Option<&Path>) -> Self {
-        self.0.extend(directory.filter(|new| !self.0.iter().any(|old| old == new)).map(Path::to_owned));
+        self.0.extend(directory.map(Path::to_owned));
         self
     }
 

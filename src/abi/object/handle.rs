@@ -4,8 +4,9 @@ use std::mem::offset_of;
 #[cfg(realistic_shim)]
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use crate::abi::boundary::Failure;
 use crate::abi::types::{realistic_ray, realistic_reason, realistic_sample};
-use crate::camera::{Camera, CameraError, Host, Log, Outcome, Parameters, Sample, WorldRay};
+use crate::camera::{Camera, Host, Log, Outcome, Parameters, Sample, WorldRay};
 use crate::trace::Blocked;
 
 /// A built camera. Immutable.
@@ -25,7 +26,7 @@ impl Handle {
     ///
     /// # Errors
     /// What is wrong, and what to give instead.
-    pub fn build(parameters: &Parameters, host: &Host, log: Log<'_>) -> Result<Self, CameraError> {
+    pub fn build(parameters: &Parameters, host: &Host, log: Log<'_>) -> Result<Self, Failure> {
         let camera = Camera::build(parameters, host, log)?;
         Ok(Self {
             camera,

@@ -4,7 +4,7 @@
 mod shim;
 
 use std::ffi::c_void;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::ptr::null_mut;
 
 use super::boundary::{self, Failure, realistic_status};
@@ -12,7 +12,6 @@ use super::object::{self, Handle, HostPart};
 use super::types::realistic_camera;
 use super::{library, options};
 use crate::camera::{CameraError, CameraToWorld, Host, Kind, Level, Model, PARAMETERS, Parameters, Value};
-use crate::prescription::SourceError;
 use shim::{FindError, Given, HostKind, ParamSet};
 
 /// What a pbrt-v1 host calls to make a camera: takes the host's `const ParamSet &`,
@@ -64,31 +63,13 @@ unsafe fn create(
         parameters.model = library::plugin_path().as_deref().and_then(model_named);
     }
     let (xres, yres) = resolution;
-    let mut host = Host::new(options::raster(xres, yres)?, None);
-    host.search = host.search.then(scene_directory().as_deref()).then(library::plugin_directory().as_deref());
+    let mut host = Host::new(options::raster(xres, yres)?, library::plugin_directory());
     let to_world = CameraToWorld::from_rows(&transform.inverse).map_err(CameraError::from)?;
     host.to_world = to_world.into();
     host.can_redraw = false;
-    let handle = Handle::build(&parameters, &host, &mut say).map_err(not_built)?;
+    let handle = Handle::build(&parameters, &host, &mut say)?;
     let host = HostPart::of(handle.camera(), film, transform.matrix, transform.inverse);
     object::new(handle, &host).ok_or_else(boundary::out_of_memory)
-}
-
-/// The directory of the scene file that the host is reading, unless it is the working directory.
-fn scene_directory() -> Option<PathBuf> {
-    let directory = shim::scene_file()?.parent()?.to_owned();
-    (!directory.as_os_str().is_empty()).then_some(directory)
-}
-
-/// Why there is no camera, with what a user of this host must know of finding files.
-fn not_built(error: CameraError) -> Failure {
-    let is_not_found = matches!(error, CameraError::Source(SourceError::NotFound { .. }));
-    let mut failure = Failure::from(error);
-    if is_not_found {
-        failure.message +=
-            "; a plugin does not see the scene's SearchPath: give the path, or set PBRT_SEARCHPATH";
-    }
-    failure
 }
 
 /// Says something through the host, and who says it.

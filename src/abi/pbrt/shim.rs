@@ -1,9 +1,7 @@
 //! What the C++ face reads of a host: the functions of `pbrt-shim/shim.h` and thin wrappers of them. The cameras that
 //! it makes are in `abi/object`.
 
-use std::ffi::{OsStr, c_char, c_void};
-use std::os::unix::ffi::OsStrExt;
-use std::path::PathBuf;
+use std::ffi::{c_char, c_void};
 use std::ptr::{NonNull, null};
 use std::slice;
 
@@ -40,7 +38,6 @@ unsafe extern "C" {
         name_size: usize,
         out: *mut RawFound,
     ) -> i32;
-    fn realistic_shim_scene_file(size: *mut usize) -> *const c_char;
     fn realistic_shim_message(level: i32, text: *const c_char);
 }
 
@@ -199,17 +196,6 @@ unsafe fn slice_of<'a, T>(pointer: *const T, count: usize) -> &'a [T] {
     }
     // SAFETY: the caller's promise.
     unsafe { slice::from_raw_parts(pointer, count) }
-}
-
-/// The file that the host is reading; `None` where it does not say.
-pub fn scene_file() -> Option<PathBuf> {
-    let mut size = 0;
-    // SAFETY: the size is written; the name is copied before the host reads on.
-    let name = unsafe {
-        let name = realistic_shim_scene_file(&mut size);
-        slice_of(name.cast::<u8>(), size)
-    };
-    (!name.is_empty()).then(|| PathBuf::from(OsStr::from_bytes(name)))
 }
 
 /// Says something through the host's own message functions; on stderr when it has none.

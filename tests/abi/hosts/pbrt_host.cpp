@@ -5,7 +5,6 @@
 // Arguments, in any order after the plugin's path and the action:
 //   float:NAME=1,2  integer:NAME=1  bool:NAME=true  string:NAME=a|b    the scene's parameters
 //   res=WxH  w2c=16 numbers  sample=x,y,u,v,time (many)  spp=N  traps=1 (floating-point exceptions)
-//   scene=FILE
 // Prints one `key values…` a line; the tests read these.
 
 #include <cfloat>
@@ -77,9 +76,6 @@ template <class T> struct Items {
         list.clear();
     }
 };
-
-// The scene file that is being read, as the renderer names it for its messages.
-std::string current_file;
 
 class ParamSet {
 public:
@@ -242,8 +238,6 @@ void take(Request *request, const std::string &argument) {
         std::sscanf(value.c_str(), "%dx%d", &request->x, &request->y);
     } else if (key == "traps") {
         feenableexcept(FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW);
-    } else if (key == "scene") {
-        current_file = value;
     } else if (key == "spp") {
         request->spp = std::atoi(value.c_str());
     } else if (key == "w2c") {

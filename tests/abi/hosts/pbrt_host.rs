@@ -347,32 +347,6 @@ fn a_lens_file_is_found_here_along_the_search_path_and_beside_the_plugin() {
 }
 
 #[test]
-fn a_lens_file_is_found_beside_the_scene_that_the_host_reads() {
-    let (plugins, plugin) = installed("realistic.so");
-    let (here, scenes) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-    fs::write(scenes.path().join("beside.dat"), LENS).unwrap();
-    let scene = format!("scene={}/glass.pbrt", scenes.path().display());
-    for abi in Abi::BOTH {
-        let look = |scene: &str, file: &str| {
-            let arguments = [scene, &format!("string:specfile={file}"), "float:filmdistance=58"];
-            Run::new(abi, &plugin, "rays")
-                .with_all(arguments)
-                .in_directory(here.path())
-                .env("PBRT_SEARCHPATH", plugins.path())
-                .run()
-        };
-        look(&scene, "beside.dat").clean();
-        for scene in ["scene=", "scene=glass.pbrt"] {
-            look(scene, "beside.dat").refused(&["beside.dat", "working directory"]);
-        }
-        let lost = look(&scene, "nowhere.dat");
-        lost.refused(&[&scenes.path().display().to_string(), "does not see the scene's SearchPath"]);
-        let plugins = plugins.path().display().to_string();
-        assert_eq!(lost.one("error").matches(&plugins).count(), 1, "{}", lost.one("error"));
-    }
-}
-
-#[test]
 fn what_nobody_knows_stays_the_hosts_to_report() {
     for abi in Abi::BOTH {
         let report = run(abi, "rays", &["float:flimdistance=3", "float:filmdistance=40"]);
