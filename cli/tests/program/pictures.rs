@@ -115,7 +115,6 @@ fn what_cannot_be_is_refused_with_what_to_do() {
         (&["render", "--effects", "blur"], "translucency"),
         (&["render", "--effects", "gloss", "--param", "aperture_diameter=4"], "dof"),
         (&["render", "--wavelengths", "2"], "3..=256"),
-        (&["render", "--exposure", "nan"], "-60 to 60"),
         (&["render", "--wavelengths", "3", "--param", "wavelength=500"], "wavelength"),
         (&["render", "--autofocus", "1,2,3"], "LEFT,TOP,WIDTH,HEIGHT"),
         (&["render", "--autofocus", "1,2,3,0"], "LEFT,TOP,WIDTH,HEIGHT"),
