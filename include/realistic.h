@@ -183,8 +183,8 @@ typedef struct realistic_camera realistic_camera;
 
 /*
  Receives a message while a camera is being built. `level`: 0 information, 1 warning; 2, an error, is reserved, for
- errors are returned. `message` is UTF-8, ends in NUL, and lives until the callback returns. It must return: an exception
- that leaves it, or a `longjmp`, ends the process (`realistic.hpp` catches what its callbacks throw).
+ errors are returned. `message` is UTF-8, ends in NUL, and lives until the callback returns. It must return: an
+ exception that leaves it ends the process (`realistic.hpp` catches what its callbacks throw).
  */
 typedef void (*realistic_log)(void *user, int32_t level, const char *message);
 
