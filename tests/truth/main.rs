@@ -10,6 +10,7 @@ mod golden;
 mod invariants;
 mod kernel;
 mod misprints;
+mod messages;
 mod odd_samples;
 mod plan;
 mod pupil_fit;
