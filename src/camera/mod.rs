@@ -7,6 +7,7 @@
 mod any_camera;
 pub mod autofocus;
 pub(crate) mod builder;
+mod first_look;
 pub(crate) mod host;
 pub(crate) mod model;
 pub mod models;
