@@ -15,19 +15,28 @@ fn word(bytes: &mut Bytes<'_>, words: &[&'static CStr]) -> *const std::ffi::c_ch
     }
 }
 
-/// The options, whose lens text lies in the data, and the size of the picture in pixels.
+/// The options; their lens text lies in the data.
 pub fn options(bytes: &mut Bytes<'_>) -> realistic_options {
-    let mut options = realistic_options::default();
-    options.specfile = word(
-        bytes,
-        &[c"wide.22mm", c"telephoto.250mm", c"fisheye.10mm@1e9mm", c"dgauss.100mm", c"@mm", c"fisheye.10mm"],
-    );
-    options.weighting = word(bytes, &[c"radiometric", c"assignment", c"relative", c"none", c"?"]);
-    options.pupil = word(bytes, &[c"rear", c"disk", c"warped", c""]);
-    options.disk = word(bytes, &[c"concentric", c"polar", c"rejection", c"\xFF"]);
-    options.refraction = word(bytes, &[c"fused", c"heckbert", c"whitted", c"other"]);
-    options.precision = word(bytes, &[c"f64", c"f32", c"auto"]);
-    options.shutter = word(bytes, &[c"global", c"leaf", c"focal-plane", c"slow"]);
+    let mut options = realistic_options {
+        specfile: word(
+            bytes,
+            &[
+                c"wide.22mm",
+                c"telephoto.250mm",
+                c"fisheye.10mm@1e9mm",
+                c"dgauss.100mm",
+                c"@mm",
+                c"fisheye.10mm",
+            ],
+        ),
+        weighting: word(bytes, &[c"radiometric", c"assignment", c"relative", c"none", c"?"]),
+        pupil: word(bytes, &[c"rear", c"disk", c"warped", c""]),
+        disk: word(bytes, &[c"concentric", c"polar", c"rejection", c"\xFF"]),
+        refraction: word(bytes, &[c"fused", c"heckbert", c"whitted", c"other"]),
+        precision: word(bytes, &[c"f64", c"f32", c"auto"]),
+        shutter: word(bytes, &[c"global", c"leaf", c"focal-plane", c"slow"]),
+        ..realistic_options::default()
+    };
     (options.xres, options.yres) = match bytes.choice(4) {
         0 => (i32::from_le_bytes(bytes.take()), i32::from_le_bytes(bytes.take())),
         _ => (40, 30),
