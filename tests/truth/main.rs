@@ -11,6 +11,7 @@ mod invariants;
 mod kernel;
 mod odd_samples;
 mod plan;
+mod pupil_everywhere;
 mod pupil_fit;
 mod stock_cameras;
 mod support;
