@@ -6,6 +6,8 @@
 //!
 //! | module | what it does |
 //! |---|---|
+//! | [`message`] | warnings and errors for people: levels, and names and numbers in them |
+//! | [`numeric`] | vectors, roots and quadrature that several rooms need |
 //! | [`prescription`] | lens files to tables of interfaces and glasses; the built-in catalogue |
 //! | [`lens`] | a lens at one wavelength and stop: surfaces, refraction, thick lens and pupils |
 //! | [`trace`] | exact rays through the lens, with the reason where one stops |
@@ -22,8 +24,8 @@ pub mod abi;
 pub mod camera;
 pub mod imaging;
 pub mod lens;
-mod message;
-mod numeric;
+pub mod message;
+pub mod numeric;
 pub mod plan;
 pub mod prescription;
 pub mod sampling;

@@ -3,8 +3,7 @@
 use std::{mem::size_of, slice};
 
 use super::boundary::{self, Failure, realistic_status};
-use super::handle::Handle;
-use super::object;
+use super::object::{self, Handle};
 use super::types::{
     realistic_camera, realistic_ray, realistic_rays_soa, realistic_reason, realistic_sample,
     realistic_samples_soa,
@@ -76,6 +75,7 @@ pub unsafe extern "C" fn realistic_camera_generate_rays_soa(
         let handle = handle.ok_or_else(boundary::not_a_camera)?;
         let samples = samples.ok_or_else(|| boundary::null("samples"))?;
         let rays = rays.ok_or_else(|| boundary::null("rays"))?;
+        boundary::fits_memory(n, size_of::<f32>())?;
         if n == 0 {
             return Ok(());
         }
@@ -227,12 +227,9 @@ fn required<T>(name: &str, array: *const T) -> Result<(), Failure> {
 
 fn stride(name: &str, given: usize, size: usize, n: usize) -> Result<usize, Failure> {
     let stride = if given == 0 { size } else { given };
-    let wrong = if stride < size {
-        format!("{name} is {given}; it must be 0 or at least {size} bytes")
-    } else if stride.checked_mul(n).is_none_or(|bytes| isize::try_from(bytes).is_err()) {
-        format!("n is {n}: no memory holds so many elements of {stride} bytes")
-    } else {
-        return Ok(stride);
-    };
-    Err(Failure::invalid(wrong))
+    if stride < size {
+        return Err(Failure::invalid(format!("{name} is {given}; it must be 0 or at least {size} bytes")));
+    }
+    boundary::fits_memory(n, stride)?;
+    Ok(stride)
 }

@@ -1,7 +1,7 @@
 //! The camera that a host holds: one of the models, with its shutter.
 
 use super::{
-    film::Film,
+    first_look::warn_of_darkness,
     host::{Host, Log},
     model::Model,
     models::{
@@ -12,9 +12,9 @@ use super::{
     pipeline::arrays::{BLOCK, RayArrays, RayBlock, SampleArrays, SampleBlock, SampleStore},
     placement::{Placement, shutter::Shutter},
     ray::{Outcome, Sample, WorldRay},
-    setup,
+    setup::{self, Facts},
 };
-use crate::{lens::Lens, plan::Plan, trace::Blocked};
+use crate::{plan::Plan, trace::Blocked};
 
 /// The camera itself, of any model.
 #[derive(Clone, Debug)]
@@ -57,7 +57,9 @@ impl Camera {
                 AnyModel::Environment(stock_cameras::environment(parameters, host, log)?.into())
             }
         };
-        Ok(Self { optics, shutter, yres: host.raster.yres as f32 })
+        let camera = Self { optics, shutter, yres: host.raster.yres as f32 };
+        warn_of_darkness(host.raster, |sample| camera.through_optics(sample), log);
+        Ok(camera)
     }
 
     /// The ray of a sample with its weight, or why there is none. The weight is the model's times what the
@@ -179,20 +181,24 @@ impl Camera {
             AnyModel::Environment(camera) => Outcome::Ray(camera.ray(sample), 1.0),
         };
         match outcome {
-            Outcome::Ray(ray, weight) if !is_sound(&ray, weight) => Outcome::Blocked(Blocked::Missed),
+            // The real lens blocks these as well.
+            Outcome::Ray(ray, weight) if !(ray.is_sound() && weight > 0.0 && weight.is_finite()) => {
+                Outcome::Blocked(Blocked::Missed)
+            }
             sound => sound,
         }
     }
 
     /// A ray that stands in where there is none and a host needs a complete ray all the same: of the
-    /// same film point, by the thick lens or through the middle of the lens.
+    /// same film point, by the thick lens or through the middle of the lens; where the film point is none, straight ahead.
     pub fn substitute(&self, sample: &Sample) -> WorldRay {
-        match &self.optics {
+        let ray = match &self.optics {
             AnyModel::Lens(camera) => camera.substitute(sample),
             AnyModel::Ideal(camera) => camera.central(sample),
             AnyModel::Projective(camera) => camera.central(sample),
             AnyModel::Environment(camera) => camera.ray(sample),
-        }
+        };
+        if ray.is_sound() { ray } else { self.placement().axial_ray(sample.time) }
     }
 
     fn placement(&self) -> &Placement {
@@ -234,57 +240,14 @@ impl Camera {
         }
     }
 
-    /// The lens at the wavelength and stop in use; `None` for a model without a prescription.
-    pub fn lens(&self) -> Option<&Lens> {
-        self.of_lens(RealisticCamera::lens, IdealCamera::lens)
-    }
-
-    /// The film; `None` for a model without a prescription.
-    pub fn film(&self) -> Option<&Film> {
-        self.of_lens(RealisticCamera::film, IdealCamera::film)
-    }
-
-    /// Effective focal length, mm; `None` for a model without a prescription.
-    pub fn focal_length(&self) -> Option<f64> {
-        self.of_lens(RealisticCamera::focal_length, IdealCamera::focal_length)
-    }
-
-    /// Focal length over entrance pupil diameter; `None` for a model without a prescription.
-    pub fn fnumber(&self) -> Option<f64> {
-        self.of_lens(RealisticCamera::fnumber, IdealCamera::fnumber)
-    }
-
-    /// Last vertex to film, mm; `None` for a model without a prescription.
-    pub fn film_distance(&self) -> Option<f64> {
-        self.of_lens(RealisticCamera::film_distance, IdealCamera::film_distance)
-    }
-
-    /// Film plane to the plane in focus, mm; infinity when focused there or beyond; `None` when nothing
-    /// in front of the lens is, and for a model without a prescription.
-    pub fn focus_distance(&self) -> Option<f64> {
-        self.of_lens(RealisticCamera::focus_distance, IdealCamera::focus_distance).flatten()
-    }
-
-    fn of_lens<'a, T>(
-        &'a self,
-        lens: fn(&'a RealisticCamera) -> T,
-        ideal: fn(&'a IdealCamera) -> T,
-    ) -> Option<T> {
+    /// The lens and the film, and what is known of them; `None` for a model without a prescription.
+    pub fn facts(&self) -> Option<&Facts> {
         match &self.optics {
-            AnyModel::Lens(camera) => Some(lens(camera)),
-            AnyModel::Ideal(camera) => Some(ideal(camera)),
+            AnyModel::Lens(camera) => Some(camera.facts()),
+            AnyModel::Ideal(camera) => Some(camera.facts()),
             AnyModel::Projective(_) | AnyModel::Environment(_) => None,
         }
     }
-}
-
-/// Whether these are a ray's numbers: those of image points that are none, or far out of any image, are not.
-/// The real lens blocks them.
-fn is_sound(ray: &WorldRay, weight: f32) -> bool {
-    let [x, y, z] = ray.direction;
-    // What overflowed on its way to a unit vector is 0 or no number.
-    let is_unit = x * x + y * y + z * z > 0.5;
-    is_unit && weight > 0.0 && weight.is_finite() && ray.origin.iter().all(|part| part.is_finite())
 }
 
 /// A positive weight behind the shutter. However small, it is not that of a blocked ray.

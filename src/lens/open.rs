@@ -1,6 +1,5 @@
-//! Opening a lens: from a file's or catalogue's name to the lens at a wavelength and stop.
-//!
-//! The first-order data that scaling and f-numbers need are of `first_order` and `pupil`.
+//! Opening a lens: from a file's or catalogue's name to the lens at a wavelength and stop, with its first-order optics,
+//! which scaling and f-numbers need and everything behind takes from here.
 
 use thiserror::Error;
 
@@ -10,7 +9,7 @@ use super::{
     pupil::{EntrancePupil, limiting_surface},
 };
 use crate::{
-    message::{Level, Log, short},
+    message::{Level, Log, as_given, short},
     prescription::{LensSource, Prescription, SearchPath, SourceError, glass::D_LINE},
 };
 
@@ -26,6 +25,9 @@ pub enum StopSize {
     FNumber(f64),
 }
 
+/// The smallest stop over the widest: the squares of slopes through it are still far from the end of single precision.
+const SMALLEST_STOP: f64 = 1e-12;
+
 /// Why a lens cannot be opened.
 #[derive(Debug, Error)]
 pub enum OpenError {
@@ -35,6 +37,24 @@ pub enum OpenError {
     /// The lens cannot be scaled or stopped down as asked, or its glasses have no such wavelength.
     #[error(transparent)]
     Lens(#[from] LensError),
+}
+
+/// A lens with its first-order optics, computed once.
+#[derive(Clone, Debug)]
+pub struct OpenLens {
+    /// The lens.
+    pub lens: Lens,
+    /// Its cardinal points, or that it is afocal.
+    pub first_order: Result<FirstOrder, LensError>,
+    /// Its entrance pupil for a distant object.
+    pub entrance: EntrancePupil,
+}
+
+impl OpenLens {
+    /// Computes the first-order optics of a lens.
+    pub fn new(lens: Lens) -> Self {
+        Self { first_order: FirstOrder::of(&lens), entrance: EntrancePupil::of_lens(&lens), lens }
+    }
 }
 
 /// Finds and reads the lens of a name, scaled to the focal length that the name may carry.
@@ -62,7 +82,10 @@ pub fn set_up(
     wavelength: f64,
     stop: StopSize,
     log: Log<'_>,
-) -> Result<Lens, LensError> {
+) -> Result<OpenLens, LensError> {
+    for remark in &prescription.remarks {
+        log(Level::Warning, remark);
+    }
     if wavelength != D_LINE && !prescription.is_dispersive() {
         let name = &prescription.name;
         let text = format!(
@@ -86,12 +109,16 @@ pub fn set_up(
         );
         log(Level::Warning, &text);
     }
+    // Cardinal points ask nothing of the stop.
+    let first_order = FirstOrder::of(&lens);
     match stop {
         StopSize::Listed => {}
         StopSize::Diameter(diameter) => stop_to_diameter(&mut lens, diameter, log)?,
-        StopSize::FNumber(number) => stop_to_fnumber(&mut lens, number, log)?,
+        StopSize::FNumber(number) => {
+            stop_to_fnumber(&mut lens, first_order.clone()?.focal_length.abs(), number, log)?;
+        }
     }
-    Ok(lens)
+    Ok(OpenLens { first_order, entrance: EntrancePupil::of_lens(&lens), lens })
 }
 
 fn stop_to_diameter(lens: &mut Lens, diameter: f64, log: Log<'_>) -> Result<(), LensError> {
@@ -101,25 +128,32 @@ fn stop_to_diameter(lens: &mut Lens, diameter: f64, log: Log<'_>) -> Result<(), 
     let widest = 2.0 * lens.surfaces[stop].semi_diameter;
     if diameter > widest {
         let text = format!(
-            "\"aperture_diameter\" {diameter} mm is wider than the lens's stop; {} mm is used",
+            "\"aperture_diameter\" {} mm is wider than the lens's stop; {} mm is used",
+            as_given(diameter),
             short(widest)
         );
         log(Level::Warning, &text);
+    } else if diameter < SMALLEST_STOP * widest {
+        let (lens, limit) = (lens.name.clone(), SMALLEST_STOP * widest);
+        return Err(LensError::StopTooSmall { lens, name: "aperture_diameter", given: diameter, limit });
     } else {
         lens.surfaces[stop].semi_diameter = diameter / 2.0;
     }
     Ok(())
 }
 
-fn stop_to_fnumber(lens: &mut Lens, number: f64, log: Log<'_>) -> Result<(), LensError> {
-    let focal_length = FirstOrder::of(lens)?.focal_length.abs();
-    let widest = focal_length / EntrancePupil::of_surface(lens, limiting_surface(lens)).diameter();
+fn stop_to_fnumber(lens: &mut Lens, focal_length: f64, number: f64, log: Log<'_>) -> Result<(), LensError> {
+    let widest = focal_length / EntrancePupil::of_lens(lens).diameter();
     if number < widest {
         log(
             Level::Warning,
-            &format!("\"fnumber\" {number} is faster than the lens; f/{} is used", short(widest)),
+            &format!("\"fnumber\" {} is faster than the lens; f/{} is used", as_given(number), short(widest)),
         );
         return Ok(());
+    }
+    if number * SMALLEST_STOP > widest {
+        let (lens, limit) = (lens.name.clone(), widest / SMALLEST_STOP);
+        return Err(LensError::StopTooSmall { lens, name: "fnumber", given: number, limit });
     }
     let surface = lens.stop_index().unwrap_or_else(|| limiting_surface(lens));
     // The entrance pupil grows in proportion to the aperture that it images.

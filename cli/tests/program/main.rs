@@ -1,7 +1,10 @@
 //! The built program, as its user runs it.
 
+mod files;
 mod pictures;
 mod plugin;
+#[cfg(target_os = "linux")]
+mod release;
 mod reports;
 
 use std::io::Write;

@@ -1,17 +1,15 @@
 //! The entry of a pbrt-v1 host, `CreateCamera`: its parameters, transform and film in, a camera of its own layout out.
-//! `shim` speaks to the C++ face; `triples` serves the host's calls.
+//! `shim` reads what the host gives, `names` which of it is misspelt. The cameras that it makes, and the host's calls of them, are in `abi/object`.
 
-pub(super) mod shim;
-pub(super) mod triples;
+mod names;
+mod shim;
 
 use std::ffi::c_void;
 use std::path::Path;
 use std::ptr::null_mut;
 
 use super::boundary::{self, Failure, realistic_status};
-use super::handle::Handle;
-use super::host_part::HostPart;
-use super::object;
+use super::object::{self, Handle, HostPart};
 use super::types::realistic_camera;
 use super::{library, options};
 use crate::camera::{CameraError, CameraToWorld, Host, Kind, Level, Model, PARAMETERS, Parameters, Value};
@@ -45,6 +43,9 @@ pub unsafe extern "C" fn CreateCamera(
     })
 }
 
+/// What a host's user may take for a place where lens files are looked for.
+const NOT_SEEN: &str = " (a scene's SearchPath cannot be seen from a plugin)";
+
 /// # Safety
 /// As [`CreateCamera`].
 unsafe fn create(
@@ -62,6 +63,9 @@ unsafe fn create(
         )
     };
     let mut parameters = read_parameters(&params)?;
+    for hint in names::misspelt(&params.text().unwrap_or_default()) {
+        say(Level::Warning, &hint);
+    }
     if parameters.model.is_none() {
         parameters.model = library::plugin_path().as_deref().and_then(model_named);
     }
@@ -70,6 +74,8 @@ unsafe fn create(
     let to_world = CameraToWorld::from_rows(&transform.inverse).map_err(CameraError::from)?;
     host.to_world = to_world.into();
     host.can_redraw = false;
+    let scene = shim::scene_file();
+    host.search = host.search.first(scene.as_deref().and_then(Path::parent)).without(NOT_SEEN);
     let handle = Handle::build(&parameters, &host, &mut say)?;
     let host = HostPart::of(handle.camera(), film, transform.matrix, transform.inverse);
     object::new(handle, &host).ok_or_else(boundary::out_of_memory)

@@ -1,25 +1,14 @@
-//! Speaks to the C++ face: the functions of `pbrt-shim/shim.h` and thin wrappers of them.
+//! What the C++ face reads of a host: the functions of `pbrt-shim/shim.h` and thin wrappers of them. The cameras that
+//! it makes are in `abi/object`.
 
 use std::ffi::{c_char, c_void};
+use std::path::PathBuf;
 use std::ptr::{NonNull, null};
 use std::slice;
 
 use crate::abi::boundary;
-use crate::abi::host_part::HostPart;
 use crate::abi::types::level_number;
 use crate::camera::Level;
-
-/// `realistic_shim_parts`.
-#[repr(C)]
-pub(in crate::abi) struct Parts {
-    pub rust: *mut c_void,
-    pub generate: unsafe extern "C" fn(*const c_void, *const c_void, *mut c_void) -> f32,
-    pub release: unsafe extern "C" fn(*mut c_void),
-    pub host: HostPart,
-}
-
-/// Bytes of a host's members between a camera's vtable pointer and its Rust part: `REALISTIC_SHIM_HOST_MEMBERS`.
-pub(in crate::abi) const HOST_MEMBERS: usize = 56;
 
 /// `realistic_shim_found`.
 #[repr(C)]
@@ -36,13 +25,14 @@ const INT: i32 = 1;
 const BOOL: i32 = 2;
 const STRING: i32 = 3;
 
+const PARAMETERS: i32 = 0;
+const SCENE_FILE: i32 = 1;
+
 const ABSENT: i32 = 0;
 const FOUND: i32 = 1;
 const NO_HOST: i32 = 2;
 
 unsafe extern "C" {
-    fn realistic_shim_camera_new(parts: *const Parts) -> *mut c_void;
-    fn realistic_shim_camera_delete(camera: *mut c_void);
     fn realistic_shim_transform(transform: *const c_void, matrix: *mut f32, inverse: *mut f32) -> i32;
     fn realistic_shim_film_resolution(film: *const c_void, x: *mut i32, y: *mut i32) -> i32;
     fn realistic_shim_find(
@@ -52,22 +42,13 @@ unsafe extern "C" {
         name_size: usize,
         out: *mut RawFound,
     ) -> i32;
+    fn realistic_shim_text(
+        params: *const c_void,
+        which: i32,
+        take: unsafe extern "C" fn(*mut c_void, *const c_char, usize),
+        user: *mut c_void,
+    ) -> i32;
     fn realistic_shim_message(level: i32, text: *const c_char);
-}
-
-/// A camera object with a host's vtable and members, or NULL when memory is out.
-pub(in crate::abi) fn camera_new(parts: &Parts) -> *mut c_void {
-    // SAFETY: the parts are read during the call only.
-    unsafe { realistic_shim_camera_new(parts) }
-}
-
-/// Deletes a camera object as a host does.
-///
-/// # Safety
-/// `camera` is NULL or of [`camera_new`], and nobody uses it any more.
-pub(in crate::abi) unsafe fn camera_delete(camera: *mut c_void) {
-    // SAFETY: the caller's promise.
-    unsafe { realistic_shim_camera_delete(camera) }
 }
 
 /// The floats of a host's transform: row-major, for column vectors.
@@ -213,6 +194,30 @@ impl<'a> ParamSet<'a> {
             }
         }))
     }
+}
+
+impl ParamSet<'_> {
+    /// Every parameter as a scene file writes it, where the host can say so: in a text of its own making.
+    pub fn text(&self) -> Option<String> {
+        text(self.pointer.as_ptr(), PARAMETERS)
+    }
+}
+
+/// The path of the scene file that the host is reading, where it can be known.
+pub fn scene_file() -> Option<PathBuf> {
+    text(null(), SCENE_FILE).map(PathBuf::from)
+}
+
+/// `params` is of a [`ParamSet`], or NULL for what is no set's.
+fn text(params: *const c_void, which: i32) -> Option<String> {
+    unsafe extern "C" fn take(user: *mut c_void, text: *const c_char, size: usize) {
+        // SAFETY: `user` is the string below, and the C++ face passes a text of that size.
+        unsafe { (*user.cast::<String>()).push_str(&String::from_utf8_lossy(slice_of(text.cast(), size))) };
+    }
+    let mut found = String::new();
+    // SAFETY: the set is valid by `ParamSet::new`'s promise; `take` and the string are used during the call.
+    let result = unsafe { realistic_shim_text(params, which, take, (&raw mut found).cast()) };
+    (result == FOUND).then_some(found)
 }
 
 /// A slice that may be empty with a NULL pointer.

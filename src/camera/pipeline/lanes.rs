@@ -95,8 +95,9 @@ impl<S: Turns + Send + Sync, O: LensOptics<S>> Tracer for Pipeline<S, O> {
         self.trace(Grouping::One, sample, ray);
     }
 
-    fn four(&self, samples: &SampleBlock<4>, rays: &mut RayBlock<4>) {
+    fn four(&self, samples: &SampleBlock<4>, rays: &mut RayBlock<4>) -> bool {
         self.trace(Grouping::Quad, samples, rays);
+        true
     }
 
     fn many(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
@@ -213,6 +214,7 @@ impl<S: Turns, I: SampleStore, R: RayStore> Batch<S> for Job<'_, S, I, R> {
                 .larger(L::splat(cpu, S::from_f64(f32::MIN_POSITIVE.into()))),
             None => L::splat(cpu, S::ONE),
         };
+        let passed = L::both(passed, weight.less_equal(L::splat(cpu, S::from_f64(f32::MAX.into()))));
         let [origin, direction] =
             self.body.to_world.lanes(cpu, end.origin, end.direction, &self.samples.array(4)[at..]);
         weight.or_zero(passed).store_single(&mut self.rays.array(6)[at..]);

@@ -2,6 +2,7 @@
 
 use super::{
     common::{disk_mapping, placement, raster},
+    facts::Facts,
     focusing::{FilmPlace, Focusing, place_film},
 };
 use crate::{
@@ -11,9 +12,10 @@ use crate::{
         parameters::{CameraError, ParameterError, Parameters, Pupil, Weighting},
         placement::Placement,
     },
+    imaging::focus::FocusError,
     lens::{
-        Lens,
-        open::{StopSize, find, set_up},
+        Lens, Surface,
+        open::{OpenLens, StopSize, find, set_up},
         refraction::Refraction,
     },
     message::{Level, Log},
@@ -25,12 +27,7 @@ use crate::{
 /// Everything that a camera with a prescription is made of.
 #[derive(Clone, Debug)]
 pub(crate) struct Setup {
-    pub lens: Lens,
-    pub film: Film,
-    /// Last vertex to film, mm.
-    pub film_distance: f64,
-    /// Film to the plane in focus, mm.
-    pub focus_distance: Option<f64>,
+    pub facts: Facts,
     pub refraction: Refraction,
     pub pupil: Pupil,
     pub mapping: DiskMapping,
@@ -60,13 +57,13 @@ impl Setup {
         }
         let film = Film::new(raster(host)?, given.filmdiag()?);
         let mm_per_unit = given.mmperunit()?;
-        let (_, lens) = open_lens(given, host, log)?;
-        let (film_distance, focus_distance) = place_film(&lens, film_place(given)?, focusing)?;
+        let (_, optics) = open(given, host, log)?;
+        let (film_distance, focus_distance) = place_film(&optics, film_place(given)?, focusing, log)
+            .map_err(|error| with_units(error, given))?;
+        let OpenLens { lens, first_order, entrance } = optics;
+        check_reach(&lens, film_distance, mm_per_unit)?;
         Ok(Self {
-            lens,
-            film,
-            film_distance,
-            focus_distance,
+            facts: Facts { lens, first_order, entrance, film, film_distance, focus_distance },
             refraction: given.refraction(),
             pupil: given.pupil(),
             mapping: disk_mapping(given, host)?,
@@ -87,6 +84,10 @@ impl Setup {
 /// No such lens, a file that is not a lens, a value out of range, or a lens that cannot be scaled or stopped down as
 /// asked.
 pub fn open_lens(given: &Parameters, host: &Host, log: Log<'_>) -> Result<(Prescription, Lens), CameraError> {
+    open(given, host, log).map(|(prescription, optics)| (prescription, optics.lens))
+}
+
+fn open(given: &Parameters, host: &Host, log: Log<'_>) -> Result<(Prescription, OpenLens), CameraError> {
     let prescription = match (&host.lens_text, &given.specfile) {
         (Some(_), Some(_)) => return Err(both("specfile", "lens_text").into()),
         (Some((name, text)), None) => read(name, text).map_err(SourceError::from)?,
@@ -99,8 +100,8 @@ pub fn open_lens(given: &Parameters, host: &Host, log: Log<'_>) -> Result<(Presc
         (None, Some(number)) => StopSize::FNumber(number),
         (None, None) => StopSize::Listed,
     };
-    let lens = set_up(&prescription, wavelength, stop, log)?;
-    Ok((prescription, lens))
+    let optics = set_up(&prescription, wavelength, stop, log)?;
+    Ok((prescription, optics))
 }
 
 /// The distance from the last vertex to the film, mm, for `filmdistance` or `focusdistance` (world units of
@@ -109,7 +110,24 @@ pub fn open_lens(given: &Parameters, host: &Host, log: Log<'_>) -> Result<(Presc
 /// # Errors
 /// A value out of range, both distances, or a lens that cannot focus there.
 pub fn film_distance(given: &Parameters, lens: &Lens) -> Result<f64, CameraError> {
-    place_film(lens, film_place(given)?, Focusing::Exact).map(|(film_distance, _)| film_distance)
+    place_film(&OpenLens::new(lens.clone()), film_place(given)?, Focusing::Exact, &mut |_, _| ())
+        .map(|(film_distance, _)| film_distance)
+}
+
+/// World units that a camera may reach from its front vertex: a transform may stretch them 1e15 times, and they still are
+/// floats.
+const FARTHEST: f64 = 1e22;
+/// The same in mm: squares of lengths stay in range.
+const FARTHEST_MM: f64 = 1e50;
+
+/// Whether points of the lens and the film are numbers to a host, which takes floats.
+fn check_reach(lens: &Lens, film_distance: f64, mm_per_unit: f64) -> Result<(), CameraError> {
+    let of_surface = |surface: &Surface| surface.vertex.abs() + surface.semi_diameter;
+    let reach = lens.surfaces.iter().map(of_surface).fold(film_distance, f64::max);
+    if reach <= FARTHEST_MM && reach / mm_per_unit <= FARTHEST {
+        return Ok(());
+    }
+    Err(CameraError::TooFar { lens: lens.name.clone(), reach, units: reach / mm_per_unit })
 }
 
 fn film_place(given: &Parameters) -> Result<FilmPlace, ParameterError> {
@@ -119,6 +137,16 @@ fn film_place(given: &Parameters) -> Result<FilmPlace, ParameterError> {
         (None, Some(distance)) => FilmPlace::FocusedOn(distance * given.mmperunit()?),
         (None, None) => FilmPlace::Nominal,
     })
+}
+
+/// Names the unit of `focusdistance` where a scene in metres, say, leaves it out.
+fn with_units(error: CameraError, parameters: &Parameters) -> CameraError {
+    match (error, parameters.focusdistance, parameters.mmperunit) {
+        (CameraError::Focus(error @ FocusError::TooNear { .. }), Some(given), None) => {
+            CameraError::TooNear { error, given }
+        }
+        (error, ..) => error,
+    }
 }
 
 fn both(first: &'static str, second: &'static str) -> ParameterError {

@@ -8,6 +8,8 @@ mod page;
 
 use crate::drawing::picture;
 use crate::failure::Failure;
+use crate::files;
+use crate::host::scene::chequers;
 use indicatif::{ProgressBar, ProgressStyle};
 use realistic_lab::accuracy::suite::{Results, Suite};
 use realistic_lab::timing::machine;
@@ -33,7 +35,7 @@ pub struct Args {
 /// A folder or file cannot be written.
 pub fn run(args: &Args) -> Result<(), Failure> {
     make_folder(&args.out)?;
-    let suite = if args.quick { Suite::quick() } else { Suite::full() };
+    let suite = if args.quick { Suite::quick(chequers::radiance) } else { Suite::full(chequers::radiance) };
     let progress = ProgressBar::new_spinner();
     progress.set_style(ProgressStyle::with_template("{elapsed} {msg}").expect("a valid template"));
     let start = Instant::now();
@@ -92,7 +94,7 @@ fn make_folder(folder: &Path) -> Result<(), Failure> {
 fn write(results: &Results, suite: &Suite, took: Duration, folder: &Path) -> Result<(), Failure> {
     let save = |name: &str, text: &str| {
         let path = folder.join(name);
-        std::fs::write(&path, text).map_err(|error| Failure::cannot_write(&path, &error))
+        files::save(&path, text.as_bytes()).map_err(|error| Failure::cannot_write(&path, &error))
     };
     for table in results.tables() {
         save(&format!("{}.csv", table.name), &table.to_csv())?;
@@ -124,7 +126,13 @@ mod tests {
             lenses: vec!["dgauss.50mm"],
             ray_map: RayCounts { rays: 60, block: 32, effort },
             irradiance: SampleCounts { exponent: 2, repeats: 2, survey: 60, effort },
-            picture: pictures::Size { raster, exponent: 2, reference: 16, repeats: 1 },
+            picture: pictures::Size {
+                scene: chequers::radiance,
+                raster,
+                exponent: 2,
+                reference: 16,
+                repeats: 1,
+            },
             set_up: FitCounts { rays: 40, repeats: 1 },
             pupils: PupilCounts { points: 2, repeats: 1 },
             stability: stability::Extent { lenses: 1, rays: 1 },

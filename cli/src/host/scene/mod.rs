@@ -1,6 +1,8 @@
-//! The scenes that the program renders: shapes, materials and light by formula, and what stands where.
+//! Every scene that is rendered: shapes, materials and light by formula, and what stands where; `chequers` alone is
+//! one formula, for the report, which times cameras.
 
 mod card;
+pub mod chequers;
 pub mod effects;
 mod objects;
 mod pose;
@@ -11,6 +13,8 @@ pub mod sky;
 pub mod slides;
 mod world;
 
-pub use objects::{Finish, Material};
-pub use pose::LEVEL;
+pub use objects::{Ball, Board, FLOOR, Finish, Lamps, Material, Paint};
+pub use pose::{LEVEL, tilted};
+pub use shapes::Sphere;
+pub use sky::Sun;
 pub use world::Scene;
