@@ -13,6 +13,7 @@ mod messages;
 mod misprints;
 mod odd_samples;
 mod plan;
+mod pupil_everywhere;
 mod pupil_fit;
 mod stock_cameras;
 mod support;

@@ -37,9 +37,13 @@
 mod build;
 mod illinois;
 mod outline;
+mod pieces;
+mod report;
 mod search;
 mod slice;
 mod view;
+
+pub use report::{BuildReport, GivenUp, NoFan};
 
 use std::f64::consts::PI;
 
@@ -77,6 +81,7 @@ pub struct WarpedPupil {
     table: Vec<[f32; 2]>,
     cover: PupilDisk,
     build: BuildReport,
+    given_up: Vec<GivenUp>,
 }
 
 /// Its square is half the knots' intervals: those that pass while q grows by 1.
@@ -90,17 +95,6 @@ const _: () = assert!(2 * FINE * STRIDE < 1 << f32::MANTISSA_DIGITS);
 /// Rings of [`WarpedPupil::bands`].
 const BANDS: usize = 4;
 
-/// What building the table took, and what it could not fit.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct BuildReport {
-    /// Film radii in the table.
-    pub slices: usize,
-    /// Rays traced.
-    pub rays: u32,
-    /// Share of the film radius over which the rear element's disk is used instead of an outline.
-    pub covered: f64,
-}
-
 impl WarpedPupil {
     /// Tabulates the pupils of film points up to `reach` mm from the axis, on film at `film` (z in
     /// lens space). `cover` is a disk that holds them all; `shift` an estimate of the slope to the
@@ -108,11 +102,11 @@ impl WarpedPupil {
     pub fn new(path: &Path, film: f64, reach: f64, cover: PupilDisk, shift: f64) -> Self {
         let builder = Builder::new(path, film, reach, cover, shift);
         let layout = builder.layout();
-        Self::pack(layout, cover, builder.rays.get())
+        Self::pack(layout, cover, builder.tracer.rays())
     }
 
     fn pack(layout: Layout, cover: PupilDisk, rays: u32) -> Self {
-        let Layout { end, dark_beyond, intervals } = layout;
+        let Layout { end, dark_beyond, intervals, given_up } = layout;
         let mut table: Vec<[f32; 2]> = Vec::with_capacity((intervals.len() + 1) * STRIDE);
         let mut cells = Vec::with_capacity(2 * FINE);
         let mut narrowings = Vec::new();
@@ -144,12 +138,17 @@ impl WarpedPupil {
             }
         }
         let build = BuildReport { slices: table.len() / STRIDE, rays, covered };
-        Self { end, dark_beyond, cells, narrowings, table, cover, build }
+        Self { end, dark_beyond, cells, narrowings, table, cover, build, given_up }
     }
 
     /// What building the table took.
     pub fn build_report(&self) -> BuildReport {
         self.build
+    }
+
+    /// The film radii, outward, at which the rear element's disk is sampled instead of the pupil.
+    pub fn given_up(&self) -> &[GivenUp] {
+        &self.given_up
     }
 
     /// The film radius from which on no light arrives, mm, where that lies within reach or at most an eighth beyond.
