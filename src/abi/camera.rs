@@ -4,12 +4,10 @@ use std::ffi::{c_char, c_void};
 use std::mem::size_of;
 
 use super::boundary::{self, Failure, realistic_status};
-use super::handle::Handle;
-use super::host_part::HostPart;
-use super::object;
+use super::object::{self, Handle, HostPart};
 use super::options::{self, check_size};
 use super::types::{level_number, realistic_camera, realistic_camera_info, realistic_log, realistic_options};
-use crate::camera::{Film, Host, Level, Log, Parameters};
+use crate::camera::{Facts, Host, Level, Log, Parameters};
 
 /// Bytes of the first version of `realistic_camera_info`.
 const FIRST_INFO_SIZE: usize = size_of::<realistic_camera_info>();
@@ -102,14 +100,15 @@ pub unsafe extern "C" fn realistic_camera_get_info(
         let struct_size = unsafe { (&raw const (*info).struct_size).read_unaligned() };
         let current = size_of::<realistic_camera_info>();
         check_size("realistic_camera_info", struct_size, FIRST_INFO_SIZE, current)?;
+        let facts = camera.facts();
         let filled = realistic_camera_info {
             struct_size,
-            interfaces: camera.lens().map_or(0, |lens| lens.surfaces.len() as u32),
-            focal_length_mm: camera.focal_length().unwrap_or(f64::NAN),
-            fnumber: camera.fnumber().unwrap_or(f64::NAN),
-            film_distance_mm: camera.film_distance().unwrap_or(f64::NAN),
-            focus_distance_mm: camera.focus_distance().unwrap_or(f64::NAN),
-            film_diagonal_mm: camera.film().map_or(f64::NAN, Film::diagonal),
+            interfaces: facts.map_or(0, |facts| facts.lens.surfaces.len() as u32),
+            focal_length_mm: facts.map_or(f64::NAN, Facts::focal_length),
+            fnumber: facts.map_or(f64::NAN, Facts::fnumber),
+            film_distance_mm: facts.map_or(f64::NAN, |facts| facts.film_distance),
+            focus_distance_mm: facts.and_then(|facts| facts.focus_distance).unwrap_or(f64::NAN),
+            film_diagonal_mm: facts.map_or(f64::NAN, |facts| facts.film.diagonal()),
         };
         // SAFETY: the caller's promise; the check allows no more than `filled` has.
         unsafe {
@@ -140,7 +139,7 @@ pub unsafe extern "C" fn realistic_camera_get_lens_name(
     boundary::status(|| {
         // SAFETY: the caller's promise.
         let camera = unsafe { object::handle_of(camera) }.ok_or_else(boundary::not_a_camera)?.camera();
-        let name = camera.lens().map_or("", |lens| &lens.name);
+        let name = camera.facts().map_or("", |facts| &facts.lens.name);
         // SAFETY: the caller's promise.
         unsafe { give_text(name, buffer, capacity, length) }
     })

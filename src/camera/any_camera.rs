@@ -1,7 +1,6 @@
 //! The camera that a host holds: one of the models, with its shutter.
 
 use super::{
-    film::Film,
     host::{Host, Log},
     model::Model,
     models::{
@@ -12,9 +11,9 @@ use super::{
     pipeline::arrays::{BLOCK, RayArrays, RayBlock, SampleArrays, SampleBlock, SampleStore},
     placement::{Placement, shutter::Shutter},
     ray::{Outcome, Sample, WorldRay},
-    setup,
+    setup::{self, Facts},
 };
-use crate::{lens::Lens, plan::Plan, trace::Blocked};
+use crate::{plan::Plan, trace::Blocked};
 
 /// The camera itself, of any model.
 #[derive(Clone, Debug)]
@@ -234,45 +233,11 @@ impl Camera {
         }
     }
 
-    /// The lens at the wavelength and stop in use; `None` for a model without a prescription.
-    pub fn lens(&self) -> Option<&Lens> {
-        self.of_lens(RealisticCamera::lens, IdealCamera::lens)
-    }
-
-    /// The film; `None` for a model without a prescription.
-    pub fn film(&self) -> Option<&Film> {
-        self.of_lens(RealisticCamera::film, IdealCamera::film)
-    }
-
-    /// Effective focal length, mm; `None` for a model without a prescription.
-    pub fn focal_length(&self) -> Option<f64> {
-        self.of_lens(RealisticCamera::focal_length, IdealCamera::focal_length)
-    }
-
-    /// Focal length over entrance pupil diameter; `None` for a model without a prescription.
-    pub fn fnumber(&self) -> Option<f64> {
-        self.of_lens(RealisticCamera::fnumber, IdealCamera::fnumber)
-    }
-
-    /// Last vertex to film, mm; `None` for a model without a prescription.
-    pub fn film_distance(&self) -> Option<f64> {
-        self.of_lens(RealisticCamera::film_distance, IdealCamera::film_distance)
-    }
-
-    /// Film plane to the plane in focus, mm; infinity when focused there or beyond; `None` when nothing
-    /// in front of the lens is, and for a model without a prescription.
-    pub fn focus_distance(&self) -> Option<f64> {
-        self.of_lens(RealisticCamera::focus_distance, IdealCamera::focus_distance).flatten()
-    }
-
-    fn of_lens<'a, T>(
-        &'a self,
-        lens: fn(&'a RealisticCamera) -> T,
-        ideal: fn(&'a IdealCamera) -> T,
-    ) -> Option<T> {
+    /// The lens and the film, and what is known of them; `None` for a model without a prescription.
+    pub fn facts(&self) -> Option<&Facts> {
         match &self.optics {
-            AnyModel::Lens(camera) => Some(lens(camera)),
-            AnyModel::Ideal(camera) => Some(ideal(camera)),
+            AnyModel::Lens(camera) => Some(camera.facts()),
+            AnyModel::Ideal(camera) => Some(camera.facts()),
             AnyModel::Projective(_) | AnyModel::Environment(_) => None,
         }
     }

@@ -45,6 +45,12 @@ pub enum Rule {
     Average,
 }
 
+impl Rule {
+    /// Every rule with its name, in the order of their numbers in the C ABI.
+    pub const NAMES: [(&'static str, Self); 3] =
+        [("nearest", Self::Nearest), ("centre", Self::Centre), ("average", Self::Average)];
+}
+
 /// Why there is no film distance.
 #[derive(Debug, Error)]
 pub enum AutofocusError {
@@ -148,7 +154,7 @@ fn start(
     }
     let at_infinity = Parameters { focusdistance: Some(f64::INFINITY), ..parameters.clone() };
     let camera = RealisticCamera::build(&at_infinity, host, log)?;
-    let focus = Focus::new(camera.lens())?;
+    let focus = camera.facts().focus()?;
     Ok((camera, focus))
 }
 
@@ -211,8 +217,8 @@ fn film_distance(focus: &Focus, camera: &RealisticCamera, depth: f64) -> Result<
     const REPETITIONS: u32 = 60;
     // Film distances count from the last vertex, depths from the first: the film moves, so the
     // distance from it is found by repetition, which contracts as (f/depth)².
-    let length = -camera.lens().rear().vertex;
-    let mut film = camera.film_distance();
+    let length = -camera.facts().lens.rear().vertex;
+    let mut film = camera.facts().film_distance;
     for _ in 0..REPETITIONS {
         let next = focus.film_distance(depth + length + film)?;
         let moved = (next - film).abs();
@@ -290,8 +296,8 @@ impl Search {
         log: Log<'_>,
     ) -> Result<Self, AutofocusError> {
         let (camera, focus) = start(parameters, host, zones, log)?;
-        let (infinity, nearest) = (camera.film_distance(), focus.nearest().film_distance);
-        let step = BLUR_STEP * camera.film().pixel() * camera.fnumber();
+        let (infinity, nearest) = (camera.facts().film_distance, focus.nearest().film_distance);
+        let step = BLUR_STEP * camera.facts().film.pixel() * camera.facts().fnumber();
         let steps = ((nearest - infinity) / step).ceil();
         let steps = (steps as u32).clamp(*STEPS.start(), *STEPS.end());
         Ok(Self { zones: zones.to_vec(), raster: host.raster, nearest, infinity, steps })

@@ -26,7 +26,7 @@ use crate::{
 ///     .weighting(Weighting::Relative)
 ///     .resolution(300, 200)
 ///     .build()?;
-/// assert_eq!(camera.focus_distance(), Some(10_000.0));
+/// assert_eq!(camera.facts().expect("a lens").focus_distance, Some(10_000.0));
 /// # Ok::<(), realistic::camera::CameraError>(())
 /// ```
 #[derive(Clone, Debug)]

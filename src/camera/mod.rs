@@ -7,7 +7,6 @@
 mod any_camera;
 pub mod autofocus;
 pub(crate) mod builder;
-pub(crate) mod film;
 pub(crate) mod host;
 pub(crate) mod model;
 pub mod models;
@@ -18,6 +17,7 @@ pub(crate) mod ray;
 pub(crate) mod setup;
 
 pub use crate::plan::Precision;
+pub(crate) use crate::sampling::film;
 pub use any_camera::Camera;
 pub use builder::CameraBuilder;
 pub use film::{Film, Raster};
@@ -37,4 +37,4 @@ pub use placement::{
     transform::{CameraToWorld, TransformError},
 };
 pub use ray::{Outcome, Sample, WorldRay};
-pub use setup::{film_distance, open_lens};
+pub use setup::{Facts, film_distance, open_lens};

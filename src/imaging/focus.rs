@@ -9,11 +9,7 @@
 
 use thiserror::Error;
 
-use crate::lens::{
-    Lens, LensError,
-    first_order::FirstOrder,
-    pupil::{EntrancePupil, limiting_surface},
-};
+use crate::lens::{Lens, LensError, first_order::FirstOrder, pupil::EntrancePupil};
 use crate::{
     message::{short, short_above},
     numeric::{edge, gauss_legendre, minimum, root},
@@ -72,12 +68,19 @@ pub struct Conjugates {
 }
 
 impl Focus {
-    /// Prepares focusing.
+    /// [`Focus::of`] a lens whose first-order optics are not known yet.
     ///
     /// # Errors
-    /// The lens is afocal or diverging, or passes no light along its axis.
+    /// As [`Focus::of`].
     pub fn new(lens: &Lens) -> Result<Self, FocusError> {
-        let first_order = FirstOrder::of(lens)?;
+        Self::of(lens, FirstOrder::of(lens)?, EntrancePupil::of_lens(lens))
+    }
+
+    /// Prepares focusing by a lens with these cardinal points and this entrance pupil.
+    ///
+    /// # Errors
+    /// The lens is diverging, or passes no light along its axis.
+    pub fn of(lens: &Lens, first_order: FirstOrder, entrance: EntrancePupil) -> Result<Self, FocusError> {
         if first_order.focal_length < 0.0 {
             let focal_length = first_order.focal_length;
             return Err(LensError::Diverging { lens: lens.name.clone(), focal_length }.into());
@@ -85,7 +88,7 @@ impl Focus {
         let focus = Self {
             lens: lens.name.clone(),
             first_order,
-            entrance: EntrancePupil::of_surface(lens, limiting_surface(lens)),
+            entrance,
             path: Path::scene_to_film(lens),
             start: lens.front().sagitta(lens.front().semi_diameter).max(0.0),
             rule: gauss_legendre(),

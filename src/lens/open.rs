@@ -1,6 +1,5 @@
-//! Opening a lens: from a file's or catalogue's name to the lens at a wavelength and stop.
-//!
-//! The first-order data that scaling and f-numbers need are of `first_order` and `pupil`.
+//! Opening a lens: from a file's or catalogue's name to the lens at a wavelength and stop, with its first-order optics,
+//! which scaling and f-numbers need and everything behind takes from here.
 
 use thiserror::Error;
 
@@ -37,6 +36,24 @@ pub enum OpenError {
     Lens(#[from] LensError),
 }
 
+/// A lens with its first-order optics, computed once.
+#[derive(Clone, Debug)]
+pub struct OpenLens {
+    /// The lens.
+    pub lens: Lens,
+    /// Its cardinal points, or that it is afocal.
+    pub first_order: Result<FirstOrder, LensError>,
+    /// Its entrance pupil for a distant object.
+    pub entrance: EntrancePupil,
+}
+
+impl OpenLens {
+    /// Computes the first-order optics of a lens.
+    pub fn new(lens: Lens) -> Self {
+        Self { first_order: FirstOrder::of(&lens), entrance: EntrancePupil::of_lens(&lens), lens }
+    }
+}
+
 /// Finds and reads the lens of a name, scaled to the focal length that the name may carry.
 ///
 /// # Errors
@@ -62,7 +79,7 @@ pub fn set_up(
     wavelength: f64,
     stop: StopSize,
     log: Log<'_>,
-) -> Result<Lens, LensError> {
+) -> Result<OpenLens, LensError> {
     if wavelength != D_LINE && !prescription.is_dispersive() {
         let name = &prescription.name;
         let text = format!(
@@ -86,12 +103,16 @@ pub fn set_up(
         );
         log(Level::Warning, &text);
     }
+    // Cardinal points ask nothing of the stop.
+    let first_order = FirstOrder::of(&lens);
     match stop {
         StopSize::Listed => {}
         StopSize::Diameter(diameter) => stop_to_diameter(&mut lens, diameter, log)?,
-        StopSize::FNumber(number) => stop_to_fnumber(&mut lens, number, log)?,
+        StopSize::FNumber(number) => {
+            stop_to_fnumber(&mut lens, first_order.clone()?.focal_length.abs(), number, log);
+        }
     }
-    Ok(lens)
+    Ok(OpenLens { first_order, entrance: EntrancePupil::of_lens(&lens), lens })
 }
 
 fn stop_to_diameter(lens: &mut Lens, diameter: f64, log: Log<'_>) -> Result<(), LensError> {
@@ -111,19 +132,17 @@ fn stop_to_diameter(lens: &mut Lens, diameter: f64, log: Log<'_>) -> Result<(), 
     Ok(())
 }
 
-fn stop_to_fnumber(lens: &mut Lens, number: f64, log: Log<'_>) -> Result<(), LensError> {
-    let focal_length = FirstOrder::of(lens)?.focal_length.abs();
-    let widest = focal_length / EntrancePupil::of_surface(lens, limiting_surface(lens)).diameter();
+fn stop_to_fnumber(lens: &mut Lens, focal_length: f64, number: f64, log: Log<'_>) {
+    let widest = focal_length / EntrancePupil::of_lens(lens).diameter();
     if number < widest {
         log(
             Level::Warning,
             &format!("\"fnumber\" {number} is faster than the lens; f/{} is used", short(widest)),
         );
-        return Ok(());
+        return;
     }
     let surface = lens.stop_index().unwrap_or_else(|| limiting_surface(lens));
     // The entrance pupil grows in proportion to the aperture that it images.
     let imaged = EntrancePupil::of_surface(lens, surface).diameter();
     lens.surfaces[surface].semi_diameter *= focal_length / number / imaged;
-    Ok(())
 }

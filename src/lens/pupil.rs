@@ -106,6 +106,11 @@ impl EntrancePupil {
         }
     }
 
+    /// The lens's entrance pupil for a distant object: the image of the aperture of [`limiting_surface`].
+    pub fn of_lens(lens: &Lens) -> Self {
+        Self::of_surface(lens, limiting_surface(lens))
+    }
+
     /// z of the pupil plane in lens space, mm; `None` when the pupil is at infinity.
     pub fn position(&self) -> Option<f64> {
         let z = -self.from_slope / self.from_height;

@@ -80,7 +80,7 @@ impl Choice {
                     None => Ok((Tracing::Exact(Precision::F32), evaluation.single())),
                 },
                 (Tracing::Polynomials { order, precision, .. }, Ok(evaluation)) => {
-                    let rays = fit_rays(&task.film, RAYS_PER_MONOMIAL * monomials(order) + 50);
+                    let rays = fit_rays(task.film_side, RAYS_PER_MONOMIAL * monomials(order) + 50);
                     evaluation
                         .polynomials(order, &rays, precision)
                         .map(|(fit, errors)| (Tracing::Polynomials { order, precision, fit }, errors))

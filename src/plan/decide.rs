@@ -54,7 +54,7 @@ impl Decision {
             (Refraction::Fused, _) => named,
             (refraction, _) => Tracing::Refracted(refraction, task.precision.unwrap_or(Precision::F64)),
         };
-        let (mut reach, mut tested) = (task.film.reach, None);
+        let (mut reach, mut tested) = (task.film_side.film.reach(), None);
         match &tracing {
             Tracing::Exact(precision) if task.leave_out => {
                 let error = if *precision == Precision::F64 { "1e-15" } else { "1e-7" };
@@ -84,8 +84,8 @@ impl Decision {
 
 /// Which apertures rays from the film can fail, `None` where that is all; and up to which film radius it holds, mm.
 fn needed_tests(task: &Task<'_>, plan: &mut Plan) -> (Option<Vec<bool>>, f64) {
-    let bands = task.film.bands();
-    let apertures = Apertures::of(task.lens, task.path, task.film.z, &bands);
+    let bands = task.film_side.bands();
+    let apertures = Apertures::of(task.lens, task.path, task.film_side.z, &bands);
     let tested: Vec<bool> = (0..task.lens.surfaces.len()).map(|i| apertures.is_needed(i)).collect();
     let reach = bands.last().map_or(0.0, |band| band.radii[1]);
     if tested.iter().all(|needed| *needed) {

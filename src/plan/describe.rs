@@ -4,20 +4,20 @@ use super::{items::Plan, task::FilmSide};
 use crate::sampling::{DiskMapping, PupilSampler};
 
 /// Adds to a plan what is kept and left out of sampling, and what is made only when asked for. The wavelength in nm.
-pub(crate) fn describe_sampling(film: &FilmSide<'_>, wavelength: f64, plan: &mut Plan) {
-    match film.sampler {
+pub(crate) fn describe_sampling(side: &FilmSide, wavelength: f64, plan: &mut Plan) {
+    match &side.sampler {
         PupilSampler::Warped(pupil) => {
             let report = pupil.build_report();
             let (end, why) = match pupil.image_radius() {
                 Some(end) => (end, "the end of the image circle"),
-                None => (film.reach, "the raster's corner and its filter"),
+                None => (side.film.reach(), "the raster's corner and its filter"),
             };
             plan.kept(
                 &format!("pupil table up to {end:.3} mm from the axis"),
                 why,
                 format!("{} film radii, {} rays", report.slices, report.rays),
             );
-            if pupil.image_radius().is_some_and(|end| end < film.reach) {
+            if pupil.image_radius().is_some_and(|end| end < side.film.reach()) {
                 plan.left_out(
                     &format!("pupil of film beyond {end:.3} mm"),
                     "no light reaches it",
@@ -29,7 +29,7 @@ pub(crate) fn describe_sampling(film: &FilmSide<'_>, wavelength: f64, plan: &mut
             plan.left_out("pupil table", "a disk is sampled", "no time to build it");
         }
     }
-    if film.mapping == DiskMapping::Rejection {
+    if side.mapping == DiskMapping::Rejection {
         plan.kept("asking again", "disk \"rejection\"", "some samples are asked for twice");
     }
     plan.left_out(

@@ -12,8 +12,8 @@ use crate::{
     numeric::quasirandom::STEPS,
     sampling::PupilSample,
     trace::{
-        Blocked, Direction, Ray,
-        kernel::{Kernel, KernelScalar, LensRays, PlaneRays, RayBuffer},
+        Blocked, Ray,
+        kernel::{KernelScalar, LensRays, PlaneRays, RayBuffer},
         polynomial::{Polynomial, PolynomialLens},
     },
 };
@@ -100,21 +100,21 @@ impl<'a> Evaluation<'a> {
     /// # Errors
     /// Why nothing can be measured.
     pub fn new(task: &'a Task<'a>) -> Result<Self, String> {
-        let film = &task.film;
-        let scale = ImageScale::new(task.lens, film.z, film.reach, task.in_focus).ok_or(
+        let side = task.film_side;
+        let scale = ImageScale::new(task.lens, side.z, side.film.reach(), task.in_focus).ok_or(
             "the film is dark in the middle, or so little of it lit that the image's scale cannot be measured",
         )?;
-        let kernel = Kernel::<f64>::new(task.lens, Direction::FilmToScene);
+        let kernel = task.kernels.double();
         let mut rays = Rays::default();
         let mut seed = 0;
         let (exact, passing) = loop {
             seed += 1;
             for sample in strata::numbers(seed as u64) {
-                if let Some((point, sample)) = film.sample(sample) {
+                if let Some((point, sample)) = side.sample(sample) {
                     rays.push(point, sample);
                 }
             }
-            let exact = rays.traced(film.z, |from, to| kernel.trace_batch(from, to));
+            let exact = rays.traced(side.z, |from, to| kernel.trace_batch(from, to));
             let passing = (0..rays.len()).filter(|&i| exact.get(i).is_some()).count();
             let hopeless = passing < ENOUGH / MOST_SEEDS;
             if passing >= ENOUGH || hopeless || seed == MOST_SEEDS {
@@ -133,6 +133,7 @@ impl<'a> Evaluation<'a> {
     }
 
     fn errors<S: KernelScalar>(&self, model: &RayBuffer<S>) -> Errors {
+        let film = &self.task.film_side.film;
         let (mut mismatches, mut light, mut wrong) = (0, 0.0, 0.0);
         let mut errors = Vec::with_capacity(self.rays.len());
         for i in 0..self.rays.len() {
@@ -144,8 +145,7 @@ impl<'a> Evaluation<'a> {
             match (exact, other) {
                 (Some(exact), Some(other)) => {
                     let point = [self.rays.columns[0][i], self.rays.columns[1][i]];
-                    let error =
-                        self.scale.film_error(point, &exact.ray(), &other.ray()) / self.task.film.pixel;
+                    let error = self.scale.film_error(point, &exact.ray(), &other.ray()) / film.pixel();
                     errors.push(if error.is_nan() { f64::INFINITY } else { error });
                 }
                 (None, None) => {}
@@ -157,7 +157,7 @@ impl<'a> Evaluation<'a> {
         }
         // Film points in single precision are rounded to it.
         let rounding = if S::EPSILON > f64::EPSILON { 2.0 * S::EPSILON } else { 0.0 };
-        let pixels = upper_bound(&mut errors) + rounding * self.task.film.reach / self.task.film.pixel;
+        let pixels = upper_bound(&mut errors) + rounding * film.reach() / film.pixel();
         Errors { rays: errors.len(), pixels, mismatches, light: wrong / light }
     }
 
@@ -171,7 +171,7 @@ impl<'a> Evaluation<'a> {
         fitted: &[Ray],
         precision: Precision,
     ) -> Result<(Polynomial, Errors), String> {
-        let (lens, film) = (self.task.lens, self.task.film.z);
+        let (lens, film) = (self.task.lens, self.task.film_side.z);
         let polynomial = Polynomial::with_apertures(lens, film, fitted, order, &self.blocking)
             .map_err(|error| error.to_string())?;
         let errors = match precision {
@@ -183,13 +183,13 @@ impl<'a> Evaluation<'a> {
 
     fn errors_of<S: KernelScalar>(&self, polynomial: &Polynomial) -> Errors {
         let lens = PolynomialLens::<S>::new(polynomial);
-        self.errors(&self.rays.traced(self.task.film.z, |from, to| lens.trace_batch(from, to)))
+        self.errors(&self.rays.traced(self.task.film_side.z, |from, to| lens.trace_batch(from, to)))
     }
 
     /// The errors of the exact trace in single precision.
     pub fn single(&self) -> Errors {
-        let kernel = Kernel::<f32>::new(self.task.lens, Direction::FilmToScene);
-        self.errors(&self.rays.traced(self.task.film.z, |from, to| kernel.trace_batch(from, to)))
+        let kernel = self.task.kernels.single();
+        self.errors(&self.rays.traced(self.task.film_side.z, |from, to| kernel.trace_batch(from, to)))
     }
 }
 
@@ -202,7 +202,7 @@ fn blocking(task: &Task<'_>, rays: &Rays, exact: &RayBuffer<f64>) -> Vec<usize> 
     let blocked = (0..rays.len()).filter(|&i| exact.get(i).is_none());
     let looked_at = blocked.clone().take(MOST).count();
     for i in blocked.take(MOST) {
-        let walk = task.path.walk(rays.ray(i, task.film.z));
+        let walk = task.path.walk(rays.ray(i, task.film_side.z));
         if walk.blocked == Some(Blocked::Clipped) && walk.surfaces_met > 0 {
             counts[last + 1 - walk.surfaces_met].0 += 1;
         }
@@ -227,7 +227,7 @@ fn blocking(task: &Task<'_>, rays: &Rays, exact: &RayBuffer<f64>) -> Vec<usize> 
 
 /// Rays to fit polynomials to: denser toward the film's and the pupil's edge, where errors of a fit are
 /// largest, as Chebyshev's nodes are.
-pub(super) fn fit_rays(film: &FilmSide<'_>, count: usize) -> Vec<Ray> {
+pub(super) fn fit_rays(side: &FilmSide, count: usize) -> Vec<Ray> {
     use std::f64::consts::{FRAC_PI_2, TAU};
     (0..count)
         .filter_map(|number| {
@@ -236,9 +236,9 @@ pub(super) fn fit_rays(film: &FilmSide<'_>, count: usize) -> Vec<Ray> {
                 let (sin, cos) = (TAU * turn).sin_cos();
                 [radius * cos, radius * sin]
             };
-            let point = polar(film.reach * (FRAC_PI_2 * h).sin(), turn);
-            let slopes = film.sampler.sample(point, polar((FRAC_PI_2 * r).sin(), phi))?.slopes;
-            Some(film_ray(point, film.z, slopes))
+            let point = polar(side.film.reach() * (FRAC_PI_2 * h).sin(), turn);
+            let slopes = side.sampler.sample(point, polar((FRAC_PI_2 * r).sin(), phi))?.slopes;
+            Some(film_ray(point, side.z, slopes))
         })
         .collect()
 }

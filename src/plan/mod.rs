@@ -24,5 +24,5 @@ pub(crate) use decide::Decision;
 pub(crate) use describe::describe_sampling;
 pub use evaluate::Errors;
 pub use items::{Item, Plan};
-pub(crate) use task::{FilmSide, Task};
+pub(crate) use task::{FilmSide, Kernels, Task};
 pub use tracing::{Precision, Tracing};

@@ -44,13 +44,6 @@ pub enum Tracing<Fit = ()> {
     Refracted(Refraction, Precision),
 }
 
-impl<Fit> Tracing<Fit> {
-    /// Whether rays traced side by side take less time than one after the other.
-    pub(crate) fn gains_side_by_side(&self) -> bool {
-        !matches!(self, Self::Refracted(..))
-    }
-}
-
 impl fmt::Display for Precision {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let own = Self::NAMES.iter().find(|(_, precision)| *precision == Some(*self));

@@ -165,7 +165,7 @@ fn course_scenes_and_clamped_apertures_warn_and_go_on() {
     let (wide, clamped) = build(&host(), &[("aperture_diameter", "30")]).expect("a camera");
     let [clamped] = &clamped[..] else { panic!("{clamped:?}") };
     assert!(clamped.contains("30 mm") && clamped.contains("17.1 mm is used"), "{clamped}");
-    assert_eq!(wide.fnumber(), camera(&[]).fnumber());
+    assert_eq!(wide.facts().fnumber(), camera(&[]).facts().fnumber());
     let [fast] = &warnings(&[("fnumber", "1")])[..] else { panic!("one warning") };
     assert!(fast.contains("faster than the lens"), "{fast}");
     let [mute] = &warnings(&[("wavelength", "450")])[..] else { panic!("one warning") };
@@ -182,12 +182,12 @@ fn fnumber_sets_the_entrance_pupil() {
         for number in ["5.6", "8", "22"] {
             let camera = build(&host(), &[("specfile", name), ("fnumber", number)]).expect("a camera").0;
             let number: f64 = number.parse().expect("a number");
-            let lens = camera.lens();
+            let lens = &camera.facts().lens;
             let pupil = EntrancePupil::of_surface(lens, limiting_surface(lens));
             let f = FirstOrder::of(lens).expect("focal").focal_length;
-            let widest = camera_of(name).fnumber();
+            let widest = camera_of(name).facts().fnumber();
             assert!((f / pupil.diameter() / number.max(widest) - 1.0).abs() < 1e-12, "{name} f/{number}");
-            assert!((camera.fnumber() / number.max(widest) - 1.0).abs() < 1e-12);
+            assert!((camera.facts().fnumber() / number.max(widest) - 1.0).abs() < 1e-12);
             if number > widest {
                 assert!(lens.surfaces[limiting_surface(lens)].is_stop, "{name} f/{number}");
             }
@@ -203,9 +203,9 @@ fn fnumber_sets_the_entrance_pupil() {
     }
     let without_stop =
         build(&host_with("20 5 1.5 10\n-20 30 1 10\n"), &[("fnumber", "8")]).expect("a camera").0;
-    assert!((without_stop.fnumber() - 8.0).abs() < 1e-12);
+    assert!((without_stop.facts().fnumber() - 8.0).abs() < 1e-12);
     let of_diameter = camera(&[("aperture_diameter", "8.55")]);
-    assert_eq!(of_diameter.lens().surfaces[5].semi_diameter, 8.55 / 2.0);
+    assert_eq!(of_diameter.facts().lens.surfaces[5].semi_diameter, 8.55 / 2.0);
 }
 
 fn camera_of(name: &str) -> RealisticCamera {
@@ -217,9 +217,9 @@ fn a_diverging_lens_has_a_positive_f_number() {
     let host = host_with("-20 3 1.5 10\n20 0 1 10\n");
     let given = [("filmdistance", "30"), ("fnumber", "8")];
     let camera = build(&host, &given).expect("a camera with its film where it is put").0;
-    assert!(camera.focal_length() < 0.0);
-    assert!((camera.fnumber() - 8.0).abs() < 1e-12, "{}", camera.fnumber());
-    assert_eq!(camera.focus_distance(), None);
+    assert!(camera.facts().focal_length() < 0.0);
+    assert!((camera.facts().fnumber() - 8.0).abs() < 1e-12, "{}", camera.facts().fnumber());
+    assert_eq!(camera.facts().focus_distance, None);
 }
 
 #[test]
@@ -227,35 +227,41 @@ fn a_lens_scales_to_exactly_the_focal_length_asked_for() {
     for name in catalogue::names() {
         for focal_length in [35.0, 0.1, 1234.5] {
             let camera = camera_of(&format!("{name}@{focal_length}mm"));
-            assert!((camera.focal_length() / focal_length - 1.0).abs() < 1e-14, "{name}@{focal_length}");
+            assert!(
+                (camera.facts().focal_length() / focal_length - 1.0).abs() < 1e-14,
+                "{name}@{focal_length}"
+            );
         }
     }
     let scaled = camera(&[("specfile", "dgauss.100mm@35mm")]);
     let own = camera(&[("specfile", "dgauss.100mm")]);
-    let ratio = scaled.film_distance() / own.film_distance();
-    assert!((ratio - 35.0 / own.focal_length()).abs() < 1e-14, "the nominal film distance scales, too");
+    let ratio = scaled.facts().film_distance / own.facts().film_distance;
+    assert!(
+        (ratio - 35.0 / own.facts().focal_length()).abs() < 1e-14,
+        "the nominal film distance scales, too"
+    );
 }
 
 #[test]
 fn the_nominal_film_distance_serves_where_none_is_given() {
-    assert_eq!(camera(&[("specfile", "dgauss.100mm")]).film_distance(), 72.228);
+    assert_eq!(camera(&[("specfile", "dgauss.100mm")]).facts().film_distance, 72.228);
     let off = camera(&[("specfile", "dgauss.100mm"), ("filmdistance", "80")]);
-    assert!((off.film_distance() - 80.0).abs() < 1e-12);
+    assert!((off.facts().film_distance - 80.0).abs() < 1e-12);
     let focused = camera(&[("specfile", "dgauss.100mm"), ("focusdistance", "inf")]);
-    assert!((focused.film_distance() - 72.228).abs() > 1e-6);
-    assert_eq!(focused.focus_distance(), Some(f64::INFINITY));
+    assert!((focused.facts().film_distance - 72.228).abs() > 1e-6);
+    assert_eq!(focused.facts().focus_distance, Some(f64::INFINITY));
     // A file without one is focused at infinity.
-    assert_eq!(camera(&[]).focus_distance(), Some(f64::INFINITY));
-    assert_eq!(camera(&[]).film_distance(), camera(&[("focusdistance", "inf")]).film_distance());
+    assert_eq!(camera(&[]).facts().focus_distance, Some(f64::INFINITY));
+    assert_eq!(camera(&[]).facts().film_distance, camera(&[("focusdistance", "inf")]).facts().film_distance);
 }
 
 /// Heights at the film and slopes of the bundle that an axial point `distance` mm from the film (or
 /// infinity) sends through the entrance pupil, uniform over the pupil.
 fn bundle(camera: &RealisticCamera, distance: f64) -> Vec<(f64, f64)> {
     const RAYS: u32 = 4000;
-    let lens = camera.lens();
+    let lens = &camera.facts().lens;
     let path = Path::<f64>::scene_to_film(lens);
-    let film = lens.rear().vertex - camera.film_distance();
+    let film = lens.rear().vertex - camera.facts().film_distance;
     let pupil = EntrancePupil::of_surface(lens, limiting_surface(lens));
     let (plane, radius) = (pupil.position().expect("finite"), pupil.diameter() / 2.0);
     let aimed = |height: f64| {
@@ -288,11 +294,11 @@ fn a_bundle_from_the_plane_in_focus_is_sharpest_on_the_film() {
             for fnumber in ["8", "16"] {
                 let camera = camera(&[("specfile", name), ("focusdistance", distance), ("fnumber", fnumber)]);
                 let distance: f64 = distance.parse().expect("a number");
-                assert_eq!(camera.focus_distance(), Some(distance));
+                assert_eq!(camera.facts().focus_distance, Some(distance));
                 let bundle = bundle(&camera, distance);
                 let here = rms(&bundle, 0.0);
                 // The depth of focus is about N times the spot's diameter.
-                let f = camera.focal_length();
+                let f = camera.facts().focal_length();
                 for shift in [-2e-4 * f, -4e-5 * f, 4e-5 * f, 2e-4 * f] {
                     let there = rms(&bundle, shift);
                     assert!(here < there, "{name} {distance} f/{fnumber}: {here} and {shift} mm off {there}");
@@ -313,11 +319,11 @@ fn ten_kilometres_and_infinity_are_as_exact_as_a_metre() {
         let at =
             |distance: &str| camera(&[("specfile", name), ("focusdistance", distance), ("fnumber", "16")]);
         let (infinity, far) = (at("inf"), at("1e7"));
-        let first_order = FirstOrder::of(far.lens()).expect("focal");
-        let shift = far.film_distance() - infinity.film_distance();
+        let first_order = FirstOrder::of(&far.facts().lens).expect("focal");
+        let shift = far.facts().film_distance - infinity.facts().film_distance;
         let expected = first_order.focal_length.powi(2) / 1e7;
         assert!((shift / expected - 1.0).abs() < 1e-2, "{name}: {shift:e}, {expected:e}");
-        let near = at("1e15").film_distance() - infinity.film_distance();
+        let near = at("1e15").facts().film_distance - infinity.facts().film_distance;
         assert!(near.abs() < 1e-9 && near >= 0.0, "{name}: {near:e}");
     }
 }
@@ -341,7 +347,7 @@ fn too_near_names_the_nearest_and_the_nearest_works() {
 fn metres_are_millimetres_seen_from_afar() {
     let metres = camera(&[("mmperunit", "1000"), ("focusdistance", "2")]);
     let millimetres = camera(&[("focusdistance", "2000")]);
-    assert_eq!(metres.film_distance(), millimetres.film_distance());
+    assert_eq!(metres.facts().film_distance, millimetres.facts().film_distance);
     let mut random = Random::new(1);
     for _ in 0..2000 {
         let image = [400.0 * random.next() as f32, 300.0 * random.next() as f32];
@@ -507,10 +513,12 @@ fn what_lies_right_and_up_is_seen_right_and_up() {
 fn the_film_diagonal_spans_the_raster_and_the_lens_its_angle() {
     // 50 mm and 35 mm diagonal: a corner looks 17.5/50 aside at infinity, but for distortion.
     let camera = camera(&[("fnumber", "16"), ("filmdiag", "35")]);
-    assert_eq!(camera.film().diagonal(), 35.0);
-    let [x, y] = camera.film().point(0.0, 0.0);
+    assert_eq!(camera.facts().film.diagonal(), 35.0);
+    let [x, y] = camera.facts().film.point(0.0, 0.0);
     assert!((x.hypot(y) - 17.5).abs() < 1e-12);
-    assert!((camera.film().pixel() * f64::from(RASTER.xres).hypot(RASTER.yres.into()) - 35.0).abs() < 1e-12);
+    assert!(
+        (camera.facts().film.pixel() * f64::from(RASTER.xres).hypot(RASTER.yres.into()) - 35.0).abs() < 1e-12
+    );
     let mut random = Random::new(5);
     let slopes: Vec<f64> = (0..20_000)
         .filter_map(|_| ray(&camera, [0.0, 0.0], [random.next() as f32, random.next() as f32]))
@@ -518,7 +526,7 @@ fn the_film_diagonal_spans_the_raster_and_the_lens_its_angle() {
         .collect();
     assert!(slopes.len() > 20, "{}", slopes.len());
     let mean = slopes.iter().sum::<f64>() / slopes.len() as f64;
-    assert!((mean / (17.5 / camera.focal_length()) - 1.0).abs() < 0.03, "{mean}");
+    assert!((mean / (17.5 / camera.facts().focal_length()) - 1.0).abs() < 0.03, "{mean}");
     assert!((mean.atan() * 180.0 / PI - 19.3).abs() < 0.6);
 }
 
@@ -543,7 +551,7 @@ fn refractions_agree_and_single_precision_is_near() {
     // A wavelength moves the focus of a lens with V-numbers.
     let red = Lens::new(&catalogue::find("dgauss.100mm").expect("listed"), 656.27);
     let focal_length = |lens: &Lens| FirstOrder::of(lens).expect("focal").focal_length;
-    let of_camera = camera(&[("specfile", "dgauss.100mm"), ("wavelength", "656.27")]).focal_length();
+    let of_camera = camera(&[("specfile", "dgauss.100mm"), ("wavelength", "656.27")]).facts().focal_length();
     assert_eq!(of_camera, focal_length(&red));
     assert_ne!(of_camera, focal_length(&lens("dgauss.100mm")));
 }

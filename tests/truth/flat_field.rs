@@ -17,16 +17,16 @@ use support::{LENSES, Random, build, camera, host, host_with, lens, lens_of, sam
 const FIELD: [[f32; 2]; 3] = [[200.0, 150.0], [100.0, 75.0], [0.0, 0.0]];
 
 fn film_z(camera: &RealisticCamera) -> f64 {
-    camera.lens().rear().vertex - camera.film_distance()
+    camera.facts().lens.rear().vertex - camera.facts().film_distance
 }
 
 /// The integral over a square about the rear element in the rear vertex plane, all of it and the part
 /// whose slopes satisfy `inside`.
 fn brute_force(camera: &RealisticCamera, image: [f32; 2], inside: impl Fn([f64; 2]) -> bool) -> [f64; 2] {
     const N: u32 = 900;
-    let (lens, film) = (camera.lens(), film_z(camera));
+    let (lens, film) = (&camera.facts().lens, film_z(camera));
     let path = Path::<f64>::film_to_scene(lens);
-    let [x, y] = camera.film().point(image[0].into(), image[1].into());
+    let [x, y] = camera.facts().film.point(image[0].into(), image[1].into());
     let distance = lens.rear().vertex - film;
     let half = 1.6 * lens.rear().semi_diameter;
     let step = 2.0 * half / f64::from(N);
@@ -98,9 +98,9 @@ fn rear_gives_the_whole_irradiance_and_disk_the_part_through_the_disk() {
         };
         let (rear, disk) = (of("rear"), of("disk"));
         let film = film_z(&rear);
-        let exit = ExitPupil::of_lens(rear.lens(), film);
+        let exit = ExitPupil::of_lens(&rear.facts().lens, film);
         for (number, image) in FIELD.into_iter().enumerate() {
-            let [x, y] = rear.film().point(image[0].into(), image[1].into());
+            let [x, y] = rear.facts().film.point(image[0].into(), image[1].into());
             let seen = exit.slopes(x, y, film);
             let inside = |[sx, sy]: [f64; 2]| (sx - seen.center[0]).hypot(sy - seen.center[1]) <= seen.radius;
             let [whole, part] = brute_force(&rear, image, inside);
@@ -128,10 +128,10 @@ fn a_rear_element_that_bulges_away_from_the_film_is_sampled_to_its_rim() {
 /// surface, with no plane and no disk.
 fn over_the_sphere(camera: &RealisticCamera, image: [f32; 2]) -> f64 {
     const N: u32 = 600;
-    let (lens, film) = (camera.lens(), film_z(camera));
+    let (lens, film) = (&camera.facts().lens, film_z(camera));
     let path = Path::<f64>::film_to_scene(lens);
     let rear = lens.rear();
-    let [x, y] = camera.film().point(image[0].into(), image[1].into());
+    let [x, y] = camera.facts().film.point(image[0].into(), image[1].into());
     let step = 2.0 * rear.semi_diameter / f64::from(N);
     let at = |i: u32| (f64::from(i) + 0.5) * step - rear.semi_diameter;
     let mut sum = 0.0;
@@ -165,7 +165,9 @@ fn the_weightings_stand_in_the_ratios_that_they_claim() {
             ["radiometric", "assignment", "relative", "none"].map(of);
         let (lens, film) = (lens("dgauss.50mm"), film_z(&radiometric));
         let disk = match pupil {
-            "rear" => PupilDisk::rear(&lens, film, radiometric.film().reach()).expect("film behind the lens"),
+            "rear" => {
+                PupilDisk::rear(&lens, film, radiometric.facts().film.reach()).expect("film behind the lens")
+            }
             _ => PupilDisk::exit(&lens, film),
         };
         let z = match pupil {
@@ -189,7 +191,7 @@ fn the_weightings_stand_in_the_ratios_that_they_claim() {
                 continue;
             };
             passed += 1;
-            let seen = disk.seen_from(radiometric.film().point(image[0].into(), image[1].into()));
+            let seen = disk.seen_from(radiometric.facts().film.point(image[0].into(), image[1].into()));
             let [u, v] = DiskMapping::Concentric
                 .map(lens_sample[0].into(), lens_sample[1].into())
                 .expect("never redraws");
@@ -243,17 +245,17 @@ fn a_pupil_at_infinity_or_behind_the_film_is_sampled_in_slopes() {
         let of = |pupil| build(&host, &[("pupil", pupil), ("filmdiag", "8")]).expect("a camera").0;
         let (rear, disk) = (of("rear"), of("disk"));
         let film = film_z(&rear);
-        let vergence = ExitPupil::of_lens(rear.lens(), film).vergence(film);
+        let vergence = ExitPupil::of_lens(&rear.facts().lens, film).vergence(film);
         match place {
             "at infinity" => assert!(vergence.abs() < 1e-12, "{vergence}"),
             "behind the film" => assert!(vergence < -1e-3, "{vergence}"),
             _ => assert!(vergence > 1e-3, "{vergence}"),
         }
         for (number, image) in FIELD.into_iter().enumerate() {
-            let [x, y] = rear.film().point(image[0].into(), image[1].into());
-            let seen = ExitPupil::of_lens(rear.lens(), film).slopes(x, y, film);
+            let [x, y] = rear.facts().film.point(image[0].into(), image[1].into());
+            let seen = ExitPupil::of_lens(&rear.facts().lens, film).slopes(x, y, film);
             let inside = |[sx, sy]: [f64; 2]| (sx - seen.center[0]).hypot(sy - seen.center[1]) <= seen.radius;
-            let grid = fine_grid(rear.lens(), film, [x, y], seen.center, 1.3 * seen.radius, inside);
+            let grid = fine_grid(&rear.facts().lens, film, [x, y], seen.center, 1.3 * seen.radius, inside);
             let whole = mean_weight(&rear, image, 8);
             agree(&format!("{place}, disk, field {number}"), mean_weight(&disk, image, 9), grid[1]);
             assert!((whole[0] - grid[0]).abs() < 5.0 * whole[1] + 1e-3 * grid[0], "{whole:?} {grid:?}");

@@ -505,8 +505,8 @@ proptest! {
         match build(&host_with(&table), &given) {
             Err(refusal) => prop_assert!(refusal.len() > 20, "{}", refusal),
             Ok((camera, _)) => {
-                prop_assert!(camera.film_distance().is_finite() && camera.film_distance() > 0.0);
-                prop_assert!(camera.focus_distance().is_none_or(|d| d > 0.0), "{:?}", camera.focus_distance());
+                prop_assert!(camera.facts().film_distance.is_finite() && camera.facts().film_distance > 0.0);
+                prop_assert!(camera.facts().focus_distance.is_none_or(|d| d > 0.0), "{:?}", camera.facts().focus_distance);
                 for (x, y, u, v) in samples {
                     let sample = sample([x, y], [u, v]);
                     let substitute = camera.substitute(&sample);

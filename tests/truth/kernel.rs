@@ -508,8 +508,8 @@ fn leaving_aperture_tests_out_changes_no_bit_of_what_passes_and_blocks_less() {
         let lens = lens(name, 587.56);
         let whole = Kernel::<f64>::new(&lens, Direction::FilmToScene);
         let last = lens.surfaces.len() - 1;
-        let open = Kernel::<f64>::testing(&lens, Direction::FilmToScene, |_| false);
-        let ends = Kernel::<f64>::testing(&lens, Direction::FilmToScene, |i| i == 0 || i == last);
+        let open = whole.testing(|_| false);
+        let ends = whole.testing(|i| i == 0 || i == last);
         let plane = lens.rear().vertex - 40.0;
         for i in 0..30 {
             for j in 0..30 {

@@ -40,10 +40,10 @@ fn quantile_of_errors(exact: &RealisticCamera, model: &RealisticCamera, seed: u6
     const RAYS: usize = 40_000;
     let mut random = Random::new(seed);
     let samples: Vec<Sample> = (0..RAYS).map(|_| random_sample(&mut random, 0.0)).collect();
-    let lens = exact.lens();
-    let film = lens.rear().vertex - exact.film_distance();
-    let in_focus = film + exact.focus_distance().unwrap_or(f64::INFINITY);
-    let scale = ImageScale::new(lens, film, exact.film().reach(), in_focus).expect("lit");
+    let lens = &exact.facts().lens;
+    let film = lens.rear().vertex - exact.facts().film_distance;
+    let in_focus = film + exact.facts().focus_distance.unwrap_or(f64::INFINITY);
+    let scale = ImageScale::new(lens, film, exact.facts().film.reach(), in_focus).expect("lit");
     let ray = |ray: &WorldRay| {
         let direction = ray.direction.map(f64::from);
         let norm = direction.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -55,8 +55,8 @@ fn quantile_of_errors(exact: &RealisticCamera, model: &RealisticCamera, seed: u6
         .zip(&samples)
         .filter_map(|((exact_ray, other), sample)| match (exact_ray, other) {
             (Some((a, _)), Some((b, _))) => {
-                let point = exact.film().point(sample.image_x.into(), sample.image_y.into());
-                Some(scale.film_error(point, &ray(a), &ray(&b)) / exact.film().pixel())
+                let point = exact.facts().film.point(sample.image_x.into(), sample.image_y.into());
+                Some(scale.film_error(point, &ray(a), &ray(&b)) / exact.facts().film.pixel())
             }
             (None, None) => None,
             _ => Some(f64::INFINITY),

@@ -169,8 +169,8 @@ pub fn through_cameras(seed: u64, lenses: usize, rays: usize) -> Survey {
     let (mut samples, mut out) = (Box::new(SampleBlock::<BLOCK>::new()), Box::new(RayBlock::<BLOCK>::new()));
     for number in 0..lenses {
         let camera = random_camera(&mut random, number);
-        let path = Path::<f32>::film_to_scene(camera.lens());
-        let start = camera.lens().rear().vertex - 50.0;
+        let path = Path::<f32>::film_to_scene(&camera.facts().lens);
+        let start = camera.facts().lens.rear().vertex - 50.0;
         for from in (0..rays).step_by(BLOCK) {
             let count = BLOCK.min(rays - from);
             (0..count).for_each(|i| samples.set(i, &random_sample(&mut random)));

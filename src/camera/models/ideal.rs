@@ -16,34 +16,24 @@ use std::f64::consts::PI;
 
 use crate::{
     camera::{
-        film::Film,
         host::Host,
         model::Model,
         parameters::{CameraError, ParameterError, Parameters, Weighting},
         placement::Placement,
         ray::{Outcome, Sample, WorldRay},
-        setup::{Focusing, Setup},
+        setup::{Facts, Focusing, Setup},
     },
     sampling::{DiskMapping, PupilDisk},
 };
 use crate::{
-    lens::{
-        Lens, cos4, film_ray,
-        first_order::FirstOrder,
-        pupil::{EntrancePupil, limiting_surface},
-    },
+    lens::{cos4, film_ray, first_order::FirstOrder},
     message::{Log, short, short_above},
 };
 
 /// A camera with an ideal lens. Immutable, and may be shared between threads.
 #[derive(Clone, Debug)]
 pub struct IdealCamera {
-    lens: Lens,
-    first_order: FirstOrder,
-    fnumber: f64,
-    film: Film,
-    film_distance: f64,
-    focus_distance: Option<f64>,
+    facts: Facts,
     /// The optics that rays follow: the lens's, or with its principal planes in one.
     imaging: FirstOrder,
     film_z: f64,
@@ -68,18 +58,16 @@ impl IdealCamera {
         log: Log<'_>,
     ) -> Result<Self, CameraError> {
         let setup = Setup::of(parameters, host, Focusing::Paraxial, log)?;
-        let Setup { lens, film, film_distance, .. } = setup;
-        let first_order = FirstOrder::of(&lens)?;
-        let film_z = lens.rear().vertex - film_distance;
-        let pupil = PupilDisk::exit(&lens, film_z);
-        let entrance = EntrancePupil::of_surface(&lens, limiting_surface(&lens));
+        let facts = setup.facts;
+        let (first_order, film_z) = (facts.first_order.clone()?, facts.film_z());
+        let pupil = PupilDisk::exit(&facts.lens, film_z);
         let (imaging, film_z, pupil) = if model == Model::Thin {
             let image_distance = first_order.rear_principal_plane - film_z;
             if !(image_distance > 0.0) {
                 let least = first_order.back_focal_distance() - first_order.focal_length;
                 return Err(ParameterError::Range {
                     name: "filmdistance",
-                    value: short(film_distance),
+                    value: short(facts.film_distance),
                     range: format!("more than {} mm, where the thin lens lies", short_above(least)),
                 }
                 .into());
@@ -101,12 +89,7 @@ impl IdealCamera {
             Weighting::None => (1.0, false),
         };
         Ok(Self {
-            fnumber: first_order.focal_length / entrance.diameter(),
-            lens,
-            first_order,
-            film,
-            film_distance,
-            focus_distance: setup.focus_distance,
+            facts,
             imaging,
             film_z,
             pupil,
@@ -135,7 +118,7 @@ impl IdealCamera {
 
     /// The ray through a point of the pupil's unit disk, and its slopes at the film.
     fn ray(&self, sample: &Sample, [u, v]: [f64; 2]) -> (WorldRay, [f64; 2]) {
-        let point = self.film.point(sample.image_x.into(), sample.image_y.into());
+        let point = self.facts.film.point(sample.image_x.into(), sample.image_y.into());
         let disk = self.pupil.seen_from(point);
         let slopes = [disk.center[0] + disk.radius * u, disk.center[1] + disk.radius * v];
         let ray = self.imaging.transfer(film_ray(point, self.film_z, slopes));
@@ -146,35 +129,9 @@ impl IdealCamera {
         &self.placement
     }
 
-    /// The lens whose first-order properties these are.
-    pub fn lens(&self) -> &Lens {
-        &self.lens
-    }
-
-    /// The film.
-    pub fn film(&self) -> &Film {
-        &self.film
-    }
-
-    /// Last vertex of the real lens to film, mm.
-    pub fn film_distance(&self) -> f64 {
-        self.film_distance
-    }
-
-    /// Film plane to the plane in focus, mm; infinity when focused there or beyond, `None` when no
-    /// object in front of the lens is in focus.
-    pub fn focus_distance(&self) -> Option<f64> {
-        self.focus_distance
-    }
-
-    /// Effective focal length, mm.
-    pub fn focal_length(&self) -> f64 {
-        self.first_order.focal_length
-    }
-
-    /// Focal length over entrance pupil diameter at the stop in use.
-    pub fn fnumber(&self) -> f64 {
-        self.fnumber
+    /// The lens whose first-order properties these are, and the film.
+    pub fn facts(&self) -> &Facts {
+        &self.facts
     }
 }
 
@@ -220,7 +177,7 @@ mod tests {
         for model in ["thick", "thin"] {
             for lens in LENSES {
                 let camera = ideal(model, &[("specfile", lens), ("focusdistance", "2500")]);
-                let plane = camera.lens.rear().vertex - camera.film_distance + 2500.0;
+                let plane = camera.facts.film_z() + 2500.0;
                 for image in [[150.0, 100.0], [10.0, 20.0], [250.0, 199.0]] {
                     let center = at_depth(&camera.central(&sample(image, [0.5; 2])), plane);
                     for numbers in PUPIL {
@@ -238,7 +195,7 @@ mod tests {
         for lens in LENSES {
             let [thick, thin] =
                 ["thick", "thin"].map(|model| ideal(model, &[("specfile", lens), ("focusdistance", "3000")]));
-            let plane = thick.lens.rear().vertex - thick.film_distance + 3000.0;
+            let plane = thick.facts.film_z() + 3000.0;
             for image in [[10.0, 20.0], [250.0, 199.0]] {
                 let [a, b] =
                     [&thick, &thin].map(|camera| at_depth(&camera.central(&sample(image, [0.5; 2])), plane));
@@ -251,7 +208,7 @@ mod tests {
     fn a_pupils_rim_on_film_is_the_pupils_rim_in_the_scene() {
         // Through the exit pupil's rim on the film's side is through the entrance pupil's in the scene.
         let camera = ideal("thick", &[("fnumber", "5.6")]);
-        let pupil = EntrancePupil::of_surface(&camera.lens, limiting_surface(&camera.lens));
+        let pupil = camera.facts.entrance;
         let place = pupil.position().expect("finite");
         for image in [[150.0, 100.0], [20.0, 40.0]] {
             for numbers in [[1.0, 0.5], [0.5, 1.0], [0.0, 0.5]] {
@@ -266,8 +223,8 @@ mod tests {
         for lens in LENSES {
             for model in ["thick", "thin"] {
                 let camera = ideal(model, &[("specfile", lens), ("fnumber", "22")]);
-                let real = Path::<f64>::film_to_scene(&camera.lens);
-                let film = camera.lens.rear().vertex - camera.film_distance;
+                let real = Path::<f64>::film_to_scene(&camera.facts.lens);
+                let film = camera.facts.film_z();
                 let exact = on_axis(&real, film, 4.0 * camera.pupil.slope_radius());
                 let n = 64_u8;
                 let mut mean = 0.0;
@@ -286,14 +243,14 @@ mod tests {
     fn at_the_limits_of_the_depth_of_field_a_point_is_a_circle_of_confusion() {
         const CONFUSION: f64 = 0.03;
         let camera = ideal("thick", &[("focusdistance", "2500"), ("fnumber", "8")]);
-        let film = camera.lens.rear().vertex - camera.film_distance;
-        let entrance = EntrancePupil::of_surface(&camera.lens, limiting_surface(&camera.lens));
-        let range = DepthOfField::of(&camera.lens, &entrance, camera.film_distance, 2500.0, CONFUSION)
+        let film = camera.facts.film_z();
+        let Facts { lens, entrance, film_distance, .. } = &camera.facts;
+        let range = DepthOfField::of(lens, entrance, *film_distance, 2500.0, CONFUSION)
             .expect("not afocal")
             .expect("a pupil at a finite distance");
         let focus = film + 2500.0;
         let height = |image: f32| at_depth(&camera.central(&sample([image, 100.0], [0.5; 2])), focus)[0];
-        let magnification = 100.0 * camera.film.pixel() / (height(200.0) - height(100.0));
+        let magnification = 100.0 * camera.facts.film.pixel() / (height(200.0) - height(100.0));
         let pupil = entrance.position().expect("finite");
         for limit in [range.near, range.far] {
             let plane = film + limit;

@@ -5,7 +5,6 @@ use std::sync::Arc;
 use super::lens_parts::{plan_and_compile, pupil_sampler, rear_disk, weight_factor};
 use crate::{
     camera::{
-        film::Film,
         host::{Host, Log},
         model::Model,
         parameters::{CameraError, ParameterError, Parameters},
@@ -16,14 +15,10 @@ use crate::{
         },
         placement::Placement,
         ray::{Outcome, Sample, WorldRay},
-        setup::{Focusing, Setup},
+        setup::{Facts, Focusing, Setup},
     },
-    lens::{
-        Lens, film_ray,
-        first_order::FirstOrder,
-        pupil::{EntrancePupil, limiting_surface},
-    },
-    plan::Plan,
+    lens::film_ray,
+    plan::{FilmSide, Plan},
     sampling::{DiskMapping, PupilDisk, film_rays::FilmRays},
     trace::{Blocked, Direction, Path, Ray},
 };
@@ -31,17 +26,11 @@ use crate::{
 /// A camera with a real lens. Immutable, and may be shared between threads.
 #[derive(Clone, Debug)]
 pub struct RealisticCamera {
-    lens: Lens,
-    /// `None` for an afocal lens.
-    first_order: Option<FirstOrder>,
-    fnumber: f64,
-    focus_distance: Option<f64>,
+    facts: Facts,
     body: CameraBody,
     /// The disk that holds every pupil.
     rear: PupilDisk,
     tracer: Arc<dyn Tracer>,
-    /// Whether rays traced side by side take less time than one after the other.
-    gains_side_by_side: bool,
     plan: Plan,
 }
 
@@ -62,35 +51,23 @@ impl RealisticCamera {
 
     /// Builds the camera of a checked set-up, each part once, in the order of the light.
     fn from_setup(setup: Setup, log: Log<'_>) -> Result<Self, CameraError> {
-        let first_order = FirstOrder::of(&setup.lens).ok();
-        let path = Path::new(&setup.lens, Direction::FilmToScene, setup.refraction);
-        let film_z = setup.lens.rear().vertex - setup.film_distance;
+        let Facts { lens, film, .. } = &setup.facts;
+        let path = Path::new(lens, Direction::FilmToScene, setup.refraction);
+        let film_z = setup.facts.film_z();
         let rear = rear_disk(&setup, film_z)?;
-        let exit = PupilDisk::exit(&setup.lens, film_z);
+        let exit = PupilDisk::exit(lens, film_z);
         let sampler = pupil_sampler(&setup, &path, film_z, [rear, exit], log);
         let weight = weight_factor(&setup, &path, film_z, &sampler, [rear, exit])?;
         let body = CameraBody {
-            film: setup.film,
-            film_z,
-            mapping: setup.mapping,
-            sampler,
+            film_side: FilmSide { film: *film, z: film_z, mapping: setup.mapping, sampler },
             weight,
             placement: setup.placement.clone(),
             units_per_mm: setup.mm_per_unit.recip(),
         };
-        let (tracer, gains_side_by_side, plan) = plan_and_compile(&setup, &path, &body, log);
-        let entrance = EntrancePupil::of_surface(&setup.lens, limiting_surface(&setup.lens));
-        Ok(Self {
-            fnumber: focal_length(first_order).abs() / entrance.diameter(),
-            lens: setup.lens,
-            first_order,
-            focus_distance: setup.focus_distance,
-            body,
-            rear,
-            tracer,
-            gains_side_by_side,
-            plan,
-        })
+        let (tracer, plan) = plan_and_compile(&setup, &path, &body, log);
+        // Where the film stands once its place in lens space is rounded.
+        let film_distance = setup.facts.lens.rear().vertex - film_z;
+        Ok(Self { facts: Facts { film_distance, ..setup.facts }, body, rear, tracer, plan })
     }
 
     /// The ray of a sample, or why there is none. Finding out why costs more than a ray does; where
@@ -105,7 +82,7 @@ impl RealisticCamera {
         } else if area_per_pi.is_nan() {
             Outcome::Blocked(Blocked::Clipped)
         } else {
-            Outcome::Blocked(self.tracer.reason(film_ray(point, self.body.film_z, slopes)))
+            Outcome::Blocked(self.tracer.reason(film_ray(point, self.body.film_side.z, slopes)))
         }
     }
 
@@ -142,12 +119,12 @@ impl RealisticCamera {
     /// after the other.
     #[inline]
     pub(crate) fn trace_side_by_side(&self, samples: &SampleBlock<4>, rays: &mut RayBlock<4>) -> bool {
-        if self.gains_side_by_side {
-            self.tracer.four(samples, rays);
+        let traced = self.tracer.four(samples, rays);
+        if traced {
             let placement = &self.body.placement;
             rays.set_range_and_time(placement.clip, placement.time(samples.sample(0).time));
         }
-        self.gains_side_by_side
+        traced
     }
 
     /// [`RealisticCamera::rays`] of arrays that have one length.
@@ -168,7 +145,7 @@ impl RealisticCamera {
 
     /// Whether a point of the unit disk, which is none, asks for a new lens sample.
     fn asks_again(&self, disk: [f64; 2]) -> bool {
-        self.body.mapping == DiskMapping::Rejection && disk.iter().any(|x| x.is_nan())
+        self.body.film_side.mapping == DiskMapping::Rejection && disk.iter().any(|x| x.is_nan())
     }
 
     /// A ray that stands in for a blocked one where a host needs a complete ray all the same:
@@ -183,9 +160,9 @@ impl RealisticCamera {
         } else {
             (point, slopes)
         };
-        let CameraBody { film_z, placement, units_per_mm, .. } = &self.body;
-        let ray = film_ray(point, *film_z, slopes);
-        let ray = self.first_order.map_or_else(|| straight(ray), |lens| lens.transfer(ray));
+        let CameraBody { film_side, placement, units_per_mm, .. } = &self.body;
+        let ray = film_ray(point, film_side.z, slopes);
+        let ray = self.facts.first_order.as_ref().map_or_else(|_| straight(ray), |lens| lens.transfer(ray));
         let finite = ray.origin.iter().chain(&ray.direction).all(|x| x.is_finite());
         placement.world_ray(if finite { ray } else { axial }, *units_per_mm, sample.time)
     }
@@ -195,44 +172,14 @@ impl RealisticCamera {
         &self.plan
     }
 
-    /// The lens, at the wavelength and stop in use.
-    pub fn lens(&self) -> &Lens {
-        &self.lens
-    }
-
-    /// The film.
-    pub fn film(&self) -> &Film {
-        &self.body.film
-    }
-
-    /// Last vertex to film, mm.
-    pub fn film_distance(&self) -> f64 {
-        self.lens.rear().vertex - self.body.film_z
-    }
-
-    /// Film plane to the plane in focus, mm; infinity when focused there or beyond, `None` when no
-    /// object in front of the lens is in focus.
-    pub fn focus_distance(&self) -> Option<f64> {
-        self.focus_distance
+    /// The lens and the film.
+    pub fn facts(&self) -> &Facts {
+        &self.facts
     }
 
     pub(crate) fn placement(&self) -> &Placement {
         &self.body.placement
     }
-
-    /// Effective focal length, mm; infinite for an afocal lens.
-    pub fn focal_length(&self) -> f64 {
-        focal_length(self.first_order)
-    }
-
-    /// Focal length over entrance pupil diameter at the stop in use; infinite for an afocal lens.
-    pub fn fnumber(&self) -> f64 {
-        self.fnumber
-    }
-}
-
-fn focal_length(lens: Option<FirstOrder>) -> f64 {
-    lens.map_or(f64::INFINITY, |lens| lens.focal_length)
 }
 
 /// Writes what `number` makes of each of `of`, where there is a ray. Without a branch, so that the compiler makes vectors

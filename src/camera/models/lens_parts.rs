@@ -9,10 +9,10 @@ use crate::{
         host::{Level, Log},
         parameters::{CameraError, Pupil, Weighting},
         pipeline::{body::CameraBody, compile::compile, tracer::Tracer},
-        setup::Setup,
+        setup::{Facts, Setup},
     },
     imaging::irradiance::{on_axis, survey},
-    plan::{Decision, FilmSide, Plan, Task, describe_sampling},
+    plan::{Decision, Kernels, Plan, Task, describe_sampling},
     sampling::{PupilDisk, PupilSampler, WarpedPupil},
     trace::Path,
 };
@@ -24,8 +24,9 @@ const SURVEY_RAYS: u32 = 64;
 
 /// The disk that holds every ray from the film through the rear surface.
 pub(super) fn rear_disk(setup: &Setup, film_z: f64) -> Result<PupilDisk, CameraError> {
-    let rear = PupilDisk::rear(&setup.lens, film_z, setup.film.reach())
-        .ok_or_else(|| CameraError::film_in_lens(&setup.lens, setup.film_distance))?;
+    let Facts { lens, film, film_distance, .. } = &setup.facts;
+    let rear = PupilDisk::rear(lens, film_z, film.reach())
+        .ok_or_else(|| CameraError::film_in_lens(lens, *film_distance))?;
     // So near the glass that the pupil fills a hemisphere to the last digit, or on film that large, the pupil's
     // area in slopes, of which the weights are made, leaves the number range.
     representable(rear.slope_area())?;
@@ -43,12 +44,12 @@ pub(super) fn pupil_sampler(
     match setup.pupil {
         Pupil::Rear => PupilSampler::Disk(rear),
         Pupil::Disk => {
-            warn_of_missed_share(path, film_z, &setup.film, rear, exit, log);
+            warn_of_missed_share(path, film_z, &setup.facts.film, rear, exit, log);
             PupilSampler::Disk(exit)
         }
         Pupil::Warped => {
             let shift = exit.seen_from([1.0, 0.0]).center[0];
-            let pupil = WarpedPupil::new(path, film_z, setup.film.reach(), rear, shift);
+            let pupil = WarpedPupil::new(path, film_z, setup.facts.film.reach(), rear, shift);
             report_cover(&pupil, log);
             PupilSampler::Warped(Arc::new(pupil))
         }
@@ -73,7 +74,7 @@ pub(super) fn weight_factor(
             let reach = sampler.disk().unwrap_or(&rear).seen_from([0.0; 2]).radius;
             let mean = on_axis(path, film_z, reach);
             if mean <= 0.0 {
-                return Err(CameraError::DarkAxis { lens: setup.lens.name.clone() });
+                return Err(CameraError::DarkAxis { lens: setup.facts.lens.name.clone() });
             }
             Some(mean.recip())
         }
@@ -91,20 +92,15 @@ pub(super) fn plan_and_compile(
     path: &Path,
     body: &CameraBody,
     log: Log<'_>,
-) -> (Arc<dyn Tracer>, bool, Plan) {
+) -> (Arc<dyn Tracer>, Plan) {
+    let (lens, kernels) = (&setup.facts.lens, Kernels::new(path));
     let mut plan = Plan::default();
     let task = Task {
-        lens: &setup.lens,
+        lens,
         path,
-        film: FilmSide {
-            z: body.film_z,
-            reach: body.film.reach(),
-            corner: body.film.point(0.0, 0.0),
-            pixel: body.film.pixel(),
-            mapping: body.mapping,
-            sampler: &body.sampler,
-        },
-        in_focus: body.film_z + setup.focus_distance.unwrap_or(f64::INFINITY),
+        kernels: &kernels,
+        film_side: &body.film_side,
+        in_focus: body.film_side.z + setup.facts.focus_distance.unwrap_or(f64::INFINITY),
         refraction: setup.refraction,
         precision: setup.precision,
         tolerance: setup.tolerance,
@@ -117,10 +113,10 @@ pub(super) fn plan_and_compile(
     if let Some(choice) = plan.choice() {
         log(Level::Info, &choice.sentence());
     }
-    let tracer = compile(&decision, &setup.lens, path, body, &mut plan);
-    describe_sampling(&task.film, setup.lens.wavelength, &mut plan);
+    let tracer = compile(&decision, lens, path, &kernels, body, &mut plan);
+    describe_sampling(&body.film_side, lens.wavelength, &mut plan);
     body.placement.describe(&mut plan);
-    (tracer, decision.tracing.gains_side_by_side(), plan)
+    (tracer, plan)
 }
 
 /// Whether a weight is a number to a host, which takes floats.

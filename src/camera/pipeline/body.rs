@@ -4,21 +4,15 @@ use std::f64::consts::PI;
 
 use super::film_sampling::FilmSampling;
 use crate::{
-    camera::{
-        film::Film,
-        placement::{Placement, ToWorld},
-    },
-    sampling::{DiskMapping, PupilSampler, disk::Turns},
+    camera::placement::{Placement, ToWorld},
+    plan::FilmSide,
+    sampling::disk::Turns,
 };
 
 /// What stands before and behind the lens.
 #[derive(Clone, Debug)]
 pub(crate) struct CameraBody {
-    pub film: Film,
-    /// z of the film, lens space, mm.
-    pub film_z: f64,
-    pub mapping: DiskMapping,
-    pub sampler: PupilSampler,
+    pub film_side: FilmSide,
     /// The weight of a ray is this times cos⁴ and the slope area it stands for; `None`: it is 1.
     pub weight: Option<f64>,
     pub placement: Placement,
@@ -28,14 +22,14 @@ pub(crate) struct CameraBody {
 impl CameraBody {
     /// The film's side in a precision.
     pub fn film_sampling<S: Turns>(&self) -> FilmSampling<S> {
-        FilmSampling::new(&self.film, self.mapping, &self.sampler)
+        FilmSampling::new(&self.film_side)
     }
 
     /// All of it in a precision.
     pub fn lane_body<S: Turns>(&self) -> LaneBody<S> {
         LaneBody {
             film: self.film_sampling(),
-            film_z: self.film_z,
+            film_z: self.film_side.z,
             weight: self.weight.map(|weight| S::from_f64(PI * weight)),
             to_world: ToWorld::new(&self.placement, self.units_per_mm),
         }

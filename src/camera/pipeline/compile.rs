@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::{body::CameraBody, lanes::Pipeline, tracer::Tracer, walk::WalkTracer};
 use crate::{
     lens::Lens,
-    plan::{Decision, Plan, Precision, Tracing},
+    plan::{Decision, Kernels, Plan, Precision, Tracing},
     sampling::disk::Turns,
     trace::{
         Direction, Path,
@@ -14,24 +14,25 @@ use crate::{
     },
 };
 
-/// What traces the rays of a lens as decided; the surfaces that thereby go altogether are added to the plan. `path` is the
-/// lens from film to scene.
+/// What traces the rays of a lens as decided; the surfaces that thereby go altogether are added to the plan. `path` and
+/// `kernels` are the lens from film to scene.
 pub(crate) fn compile(
     decision: &Decision,
     lens: &Lens,
     path: &Path,
+    kernels: &Kernels<'_>,
     body: &CameraBody,
     plan: &mut Plan,
 ) -> Arc<dyn Tracer> {
     let Decision { tracing, reach, tested, .. } = decision;
     match tracing {
-        Tracing::Exact(Precision::F64) => exact::<f64>(lens, tested.as_deref(), *reach, body, plan),
-        Tracing::Exact(Precision::F32) => exact::<f32>(lens, tested.as_deref(), *reach, body, plan),
+        Tracing::Exact(Precision::F64) => exact(kernels.double(), tested.as_deref(), *reach, body, plan),
+        Tracing::Exact(Precision::F32) => exact(kernels.single(), tested.as_deref(), *reach, body, plan),
         Tracing::Polynomials { fit, precision: Precision::F64, .. } => {
-            polynomials::<f64>(lens, fit, *reach, body)
+            polynomials(kernels.double(), fit, *reach, body)
         }
         Tracing::Polynomials { fit, precision: Precision::F32, .. } => {
-            polynomials::<f32>(lens, fit, *reach, body)
+            polynomials(kernels.single(), fit, *reach, body)
         }
         Tracing::Refracted(_, Precision::F64) => Arc::new(WalkTracer::new(path.clone(), body)),
         Tracing::Refracted(refraction, Precision::F32) => {
@@ -41,27 +42,25 @@ pub(crate) fn compile(
 }
 
 fn exact<S: Turns + Send + Sync>(
-    lens: &Lens,
+    whole: &Kernel<S>,
     tested: Option<&[bool]>,
     reach: f64,
     body: &CameraBody,
     plan: &mut Plan,
 ) -> Arc<dyn Tracer> {
-    let whole = Kernel::<S>::new(lens, Direction::FilmToScene);
     let fast = tested.map(|tested| {
-        let kernel = Kernel::testing(lens, Direction::FilmToScene, |surface| tested[surface]);
+        let kernel = whole.testing(|surface| tested[surface]);
         plan.surfaces_left_out(whole.steps() - kernel.steps(), whole.steps());
         (kernel, reach)
     });
-    Arc::new(Pipeline::new(whole, fast, body))
+    Arc::new(Pipeline::new(whole.clone(), fast, body))
 }
 
 fn polynomials<S: Turns + Send + Sync>(
-    lens: &Lens,
+    whole: &Kernel<S>,
     fit: &Polynomial,
     reach: f64,
     body: &CameraBody,
 ) -> Arc<dyn Tracer> {
-    let whole = Kernel::<S>::new(lens, Direction::FilmToScene);
-    Arc::new(Pipeline::new(whole, Some((PolynomialLens::<S>::new(fit), reach)), body))
+    Arc::new(Pipeline::new(whole.clone(), Some((PolynomialLens::<S>::new(fit), reach)), body))
 }

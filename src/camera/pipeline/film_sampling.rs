@@ -4,7 +4,8 @@
 use std::sync::Arc;
 
 use crate::{
-    camera::{film::Film, ray::Sample},
+    camera::ray::Sample,
+    plan::FilmSide,
     sampling::{
         DiskMapping, PupilSampler, WarpedPupil, disk::Turns, film_rays::FilmRays, pupil_disk::LaneDisk,
         warped::LanePupil,
@@ -37,7 +38,7 @@ pub(crate) struct SampleLanes<L> {
 }
 
 impl<S: Turns> FilmSampling<S> {
-    pub fn new(film: &Film, mapping: DiskMapping, sampler: &PupilSampler) -> Self {
+    pub fn new(FilmSide { film, mapping, sampler, .. }: &FilmSide) -> Self {
         let pupil = match sampler {
             PupilSampler::Disk(disk) => LanePupilSampler::Disk(disk.lane_disk()),
             PupilSampler::Warped(pupil) => LanePupilSampler::Warped(pupil.clone(), pupil.lane_pupil()),
@@ -45,7 +46,7 @@ impl<S: Turns> FilmSampling<S> {
         Self {
             middle: film.middle().map(|x| S::from_f64(x * film.pixel())),
             pixel: S::from_f64(film.pixel()),
-            mapping,
+            mapping: *mapping,
             pupil,
         }
     }
@@ -79,7 +80,7 @@ impl<S: Turns> FilmSampling<S> {
         FilmRays { point, disk, slopes: disk, area_per_pi: point[0] }
     }
 
-    /// [`Film::point`].
+    /// [`Film::point`](crate::sampling::film::Film::point).
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn point<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, [x, y]: [L; 2]) -> [L; 2] {
         let pixel = L::splat(cpu, self.pixel);

@@ -95,8 +95,9 @@ impl<S: Turns + Send + Sync, O: LensOptics<S>> Tracer for Pipeline<S, O> {
         self.trace(Grouping::One, sample, ray);
     }
 
-    fn four(&self, samples: &SampleBlock<4>, rays: &mut RayBlock<4>) {
+    fn four(&self, samples: &SampleBlock<4>, rays: &mut RayBlock<4>) -> bool {
         self.trace(Grouping::Quad, samples, rays);
+        true
     }
 
     fn many(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {

@@ -14,8 +14,9 @@ pub(crate) trait Tracer: Send + Sync {
     /// Writes origin, direction and weight of a sample's ray. Of a blocked one only the weight is written, 0.
     fn one(&self, sample: &Sample, ray: &mut OneRay<'_>);
 
-    /// [`Tracer::one`] of four samples side by side, the same to the last bit.
-    fn four(&self, samples: &SampleBlock<4>, rays: &mut RayBlock<4>);
+    /// [`Tracer::one`] of four samples side by side, the same to the last bit; `false`, and nothing done, where that takes
+    /// as long as one after the other.
+    fn four(&self, samples: &SampleBlock<4>, rays: &mut RayBlock<4>) -> bool;
 
     /// [`Tracer::one`] of many samples, the same to the last bit, in arrays that all have one length.
     fn many(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>);

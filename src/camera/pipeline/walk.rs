@@ -33,8 +33,8 @@ impl<R: Real> WalkTracer<R> {
         if area_per_pi.is_nan() {
             return None;
         }
-        let CameraBody { film_z, weight, placement, units_per_mm, .. } = &self.body;
-        let ray = self.path.trace(film_ray(point, *film_z, slopes)).ok()?;
+        let CameraBody { film_side, weight, placement, units_per_mm } = &self.body;
+        let ray = self.path.trace(film_ray(point, film_side.z, slopes)).ok()?;
         let weight = weight.map_or(1.0, |weight| weight * (PI * area_per_pi * cos4(slopes))) as f32;
         // However small, it is not that of a blocked ray.
         Some((placement.world_ray(ray, *units_per_mm, sample.time), weight.max(f32::MIN_POSITIVE)))
@@ -50,8 +50,8 @@ impl<R: Real + Send + Sync> Tracer for WalkTracer<R> {
         self.each(sample, ray);
     }
 
-    fn four(&self, samples: &SampleBlock<4>, rays: &mut RayBlock<4>) {
-        self.each(samples, rays);
+    fn four(&self, _: &SampleBlock<4>, _: &mut RayBlock<4>) -> bool {
+        false
     }
 
     fn many(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {

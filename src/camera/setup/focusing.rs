@@ -3,7 +3,7 @@
 use crate::{
     camera::parameters::CameraError,
     imaging::focus::{Focus, FocusError},
-    lens::{Lens, LensError, first_order::FirstOrder},
+    lens::{LensError, first_order::FirstOrder, open::OpenLens},
 };
 
 /// Which optics puts the film where the lens is to be focused.
@@ -28,43 +28,48 @@ pub(super) enum FilmPlace {
 
 /// Film distance and distance in focus, both mm.
 pub(super) fn place_film(
-    lens: &Lens,
+    optics: &OpenLens,
     place: FilmPlace,
     focusing: Focusing,
 ) -> Result<(f64, Option<f64>), CameraError> {
-    let focus = Focus::new(lens);
+    let OpenLens { lens, first_order, entrance } = optics;
+    let focus = || Focus::of(lens, first_order.clone()?, *entrance);
     let object = match (place, lens.nominal_film_distance) {
         (FilmPlace::At(distance), _) | (FilmPlace::Nominal, Some(distance)) => {
             let in_focus = match focusing {
                 // A lens that cannot focus still takes pictures with its film where the caller puts it.
-                Focusing::Exact => focus.ok().and_then(|focus| focus.object_distance(distance)),
-                Focusing::Paraxial => FirstOrder::of(lens)?.object_distance(distance),
+                Focusing::Exact => focus().ok().and_then(|focus| focus.object_distance(distance)),
+                Focusing::Paraxial => first_order.clone()?.object_distance(distance),
             };
             return Ok((distance, in_focus));
         }
         (FilmPlace::FocusedOn(distance), _) => distance,
         (FilmPlace::Nominal, None) => f64::INFINITY,
     };
-    let focus = focus.map_err(|error| match (focusing, &error) {
+    let focus = focus().map_err(|error| match (focusing, &error) {
         // The thick lens and the thin one have a focal length or are nothing.
         (Focusing::Paraxial, FocusError::Lens(LensError::Afocal { .. })) => error.into(),
         _ => CameraError::NoFilmDistance(error),
     })?;
     let film_distance = match focusing {
         Focusing::Exact => focus.film_distance(object)?,
-        Focusing::Paraxial => paraxial_film_distance(lens, &focus, object)?,
+        Focusing::Paraxial => paraxial_film_distance(&lens.name, &first_order.clone()?, &focus, object)?,
     };
     Ok((film_distance, Some(object)))
 }
 
-fn paraxial_film_distance(lens: &Lens, focus: &Focus, distance: f64) -> Result<f64, FocusError> {
+fn paraxial_film_distance(
+    lens: &str,
+    first_order: &FirstOrder,
+    focus: &Focus,
+    distance: f64,
+) -> Result<f64, FocusError> {
     if let Some(film_distance) = focus.paraxial_film_distance(distance) {
         return Ok(film_distance);
     }
     // Object and image are nearest to each other at magnification 1.
-    let first_order = FirstOrder::of(lens)?;
     let film_distance = first_order.back_focal_distance() + first_order.focal_length;
     let object = first_order.front_focal_point + first_order.focal_length;
     let nearest = object - first_order.rear_vertex + film_distance;
-    Err(FocusError::TooNear { lens: lens.name.clone(), distance, nearest, film_distance })
+    Err(FocusError::TooNear { lens: lens.to_owned(), distance, nearest, film_distance })
 }

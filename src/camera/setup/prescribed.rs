@@ -2,6 +2,7 @@
 
 use super::{
     common::{disk_mapping, placement, raster},
+    facts::Facts,
     focusing::{FilmPlace, Focusing, place_film},
 };
 use crate::{
@@ -13,7 +14,7 @@ use crate::{
     },
     lens::{
         Lens,
-        open::{StopSize, find, set_up},
+        open::{OpenLens, StopSize, find, set_up},
         refraction::Refraction,
     },
     message::{Level, Log},
@@ -25,12 +26,7 @@ use crate::{
 /// Everything that a camera with a prescription is made of.
 #[derive(Clone, Debug)]
 pub(crate) struct Setup {
-    pub lens: Lens,
-    pub film: Film,
-    /// Last vertex to film, mm.
-    pub film_distance: f64,
-    /// Film to the plane in focus, mm.
-    pub focus_distance: Option<f64>,
+    pub facts: Facts,
     pub refraction: Refraction,
     pub pupil: Pupil,
     pub mapping: DiskMapping,
@@ -60,13 +56,11 @@ impl Setup {
         }
         let film = Film::new(raster(host)?, given.filmdiag()?);
         let mm_per_unit = given.mmperunit()?;
-        let (_, lens) = open_lens(given, host, log)?;
-        let (film_distance, focus_distance) = place_film(&lens, film_place(given)?, focusing)?;
+        let (_, optics) = open(given, host, log)?;
+        let (film_distance, focus_distance) = place_film(&optics, film_place(given)?, focusing)?;
+        let OpenLens { lens, first_order, entrance } = optics;
         Ok(Self {
-            lens,
-            film,
-            film_distance,
-            focus_distance,
+            facts: Facts { lens, first_order, entrance, film, film_distance, focus_distance },
             refraction: given.refraction(),
             pupil: given.pupil(),
             mapping: disk_mapping(given, host)?,
@@ -87,6 +81,10 @@ impl Setup {
 /// No such lens, a file that is not a lens, a value out of range, or a lens that cannot be scaled or stopped down as
 /// asked.
 pub fn open_lens(given: &Parameters, host: &Host, log: Log<'_>) -> Result<(Prescription, Lens), CameraError> {
+    open(given, host, log).map(|(prescription, optics)| (prescription, optics.lens))
+}
+
+fn open(given: &Parameters, host: &Host, log: Log<'_>) -> Result<(Prescription, OpenLens), CameraError> {
     let prescription = match (&host.lens_text, &given.specfile) {
         (Some(_), Some(_)) => return Err(both("specfile", "lens_text").into()),
         (Some((name, text)), None) => read(name, text).map_err(SourceError::from)?,
@@ -99,8 +97,8 @@ pub fn open_lens(given: &Parameters, host: &Host, log: Log<'_>) -> Result<(Presc
         (None, Some(number)) => StopSize::FNumber(number),
         (None, None) => StopSize::Listed,
     };
-    let lens = set_up(&prescription, wavelength, stop, log)?;
-    Ok((prescription, lens))
+    let optics = set_up(&prescription, wavelength, stop, log)?;
+    Ok((prescription, optics))
 }
 
 /// The distance from the last vertex to the film, mm, for `filmdistance` or `focusdistance` (world units of
@@ -109,7 +107,8 @@ pub fn open_lens(given: &Parameters, host: &Host, log: Log<'_>) -> Result<(Presc
 /// # Errors
 /// A value out of range, both distances, or a lens that cannot focus there.
 pub fn film_distance(given: &Parameters, lens: &Lens) -> Result<f64, CameraError> {
-    place_film(lens, film_place(given)?, Focusing::Exact).map(|(film_distance, _)| film_distance)
+    place_film(&OpenLens::new(lens.clone()), film_place(given)?, Focusing::Exact)
+        .map(|(film_distance, _)| film_distance)
 }
 
 fn film_place(given: &Parameters) -> Result<FilmPlace, ParameterError> {

@@ -69,25 +69,31 @@ pub struct Kernel<S> {
 impl<S: KernelScalar> Kernel<S> {
     /// Compiles a lens for the best instructions that there are ([`Simd::best`]).
     pub fn new(lens: &Lens, direction: Direction) -> Self {
-        Self::compile(lens, direction, Available::best(), |_| true)
+        Self::along(&Path::new(lens, direction, Refraction::Fused))
     }
 
-    /// [`Kernel::new`] that tests the apertures of only those surfaces, counted from the scene, that `tested`
+    /// [`Kernel::new`] of a path that there is already.
+    pub(crate) fn along(path: &Path) -> Self {
+        Self::compile(path.clone(), Available::best(), |_| true)
+    }
+
+    /// The same lens, tested for the apertures of only those surfaces, counted from the scene, that `tested`
     /// names. Rays that pass every aperture keep their bits; one that passes all but an aperture left out is not
     /// blocked.
-    pub fn testing(lens: &Lens, direction: Direction, tested: impl Fn(usize) -> bool) -> Self {
-        let last = lens.surfaces.len() - 1;
-        let along = |i| if direction == Direction::FilmToScene { last - i } else { i };
-        Self::compile(lens, direction, Available::best(), |i| tested(along(i)))
+    #[must_use]
+    pub fn testing(&self, tested: impl Fn(usize) -> bool) -> Self {
+        let last = self.path.surfaces() - 1;
+        let from_scene = |i| if self.path.direction == Direction::FilmToScene { last - i } else { i };
+        Self::compile(self.path.clone(), self.simd, |i| tested(from_scene(i)))
     }
 
     /// Compiles a lens for the instructions named; `None` where the processor lacks them.
     pub fn with_simd(lens: &Lens, direction: Direction, simd: Simd) -> Option<Self> {
-        simd.available().map(|simd| Self::compile(lens, direction, simd, |_| true))
+        let path = || Path::new(lens, direction, Refraction::Fused);
+        simd.available().map(|simd| Self::compile(path(), simd, |_| true))
     }
 
-    fn compile(lens: &Lens, direction: Direction, simd: Available, tested: impl Fn(usize) -> bool) -> Self {
-        let path = Path::new(lens, direction, Refraction::Fused);
+    fn compile(path: Path, simd: Available, tested: impl Fn(usize) -> bool) -> Self {
         Self { table: Table::new(&path, S::AMPLIFICATION, tested), path, simd }
     }
 

@@ -10,15 +10,17 @@
 //! Away from the axis it falls by the fourth power of the cosine and by vignetting, which rays through the
 //! lens from a grid of directions give apart from the camera's own sampling.
 
+mod measurement;
+
 use std::f64::consts::PI;
 
+use measurement::{Energy, Measurement, MeasurementError, ResponseTable};
 use realistic::lens::pupil::SlopeDisk;
 use realistic::trace::Path;
 use realistic::{
     camera::{CameraError, Film, Host, Parameters, Raster, RealisticCamera, Value, WorldRay},
     imaging::irradiance::survey,
 };
-use realistic_lab::measurement::{Energy, Measurement, MeasurementError, ResponseTable};
 
 /// Radiance of the wall, W/(m² sr).
 pub const RADIANCE: f64 = 100.0;
@@ -132,7 +134,7 @@ pub fn against_field(lens: &str, fnumber: f64, places: u32) -> Result<Vec<Place>
     let place = |i: u32| {
         let column = CENTER[0] + i * CENTER[0] / places;
         let center = f64::from(column) + 0.5;
-        let [x, y] = camera.film().point(center, f64::from(CENTER[1]) + 0.5);
+        let [x, y] = camera.facts().film.point(center, f64::from(CENTER[1]) + 0.5);
         let height = x.hypot(y);
         let measured = measurement.irradiance([column, CENTER[1]], SAMPLES, wall) / on_axis;
         Place { height, measured, computed: vignetting(height) / vignetting(0.0) }
@@ -143,9 +145,9 @@ pub fn against_field(lens: &str, fnumber: f64, places: u32) -> Result<Vec<Place>
 /// Irradiance for unit radiance by film height, mm, from a grid of directions that holds every ray
 /// through the rear element.
 fn vignetting(camera: &RealisticCamera) -> impl Fn(f64) -> f64 {
-    let lens = camera.lens().clone();
+    let lens = camera.facts().lens.clone();
     let path: Path = Path::film_to_scene(&lens);
-    let distance = camera.film_distance();
+    let distance = camera.facts().film_distance;
     let film = lens.rear().vertex - distance;
     move |height| {
         let rim = lens.rear().semi_diameter;

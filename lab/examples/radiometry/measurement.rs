@@ -27,7 +27,7 @@ use realistic::camera::{
     Camera, CameraError, Host, Level, Log, Outcome, Parameters, Sample, Weighting, WorldRay,
 };
 
-use crate::subject::quasirandom::spread;
+use realistic_lab::subject::quasirandom::spread;
 
 /// P(x, λ): what the sensor reads for a joule of light at a film point and wavelength.
 pub trait SensorResponse {
@@ -144,7 +144,7 @@ impl Measurement {
             let mut silent = |_: Level, _: &str| {};
             let log: Log<'_> = if i == 0 { &mut *log } else { &mut silent };
             let camera = Camera::build(&parameters, host, log)?;
-            if !radiometric || camera.film().is_none() {
+            if !radiometric || camera.facts().is_none() {
                 return Err(MeasurementError::NotRadiometric);
             }
             Ok(Band { wavelength, width, camera })
@@ -163,7 +163,7 @@ impl Measurement {
     ) -> f64 {
         let exposure = |band: &Band| {
             let [open, close] = band.camera.shutter_interval();
-            let area = band.camera.film().map_or(0.0, |film| (film.pixel() * 1e-3).powi(2));
+            let area = band.camera.facts().map_or(0.0, |facts| (facts.film.pixel() * 1e-3).powi(2));
             // A shutter whose time runs backward is open for as long.
             area * f64::from(close - open).abs()
         };
@@ -200,7 +200,8 @@ impl Band {
             };
             match self.camera.generate(&sample) {
                 Outcome::Ray(ray, weight) => {
-                    let point = self.camera.film().map_or([0.0; 2], |film| film.point(image[0], image[1]));
+                    let point =
+                        self.camera.facts().map_or([0.0; 2], |facts| facts.film.point(image[0], image[1]));
                     let response = sensor.response(point, self.wavelength);
                     sum += f64::from(weight) * response * radiance(&ray, self.wavelength);
                     count += 1;

@@ -1,0 +1,50 @@
+//! What a camera with a prescription is: its lens, its film, and what first-order optics says of them.
+
+use crate::{
+    imaging::focus::{Focus, FocusError},
+    lens::{Lens, LensError, first_order::FirstOrder, pupil::EntrancePupil},
+    sampling::film::Film,
+};
+
+/// A lens and the film behind it.
+#[derive(Clone, Debug)]
+pub struct Facts {
+    /// The lens, at the wavelength and stop in use.
+    pub lens: Lens,
+    /// Its cardinal points, or that it is afocal.
+    pub first_order: Result<FirstOrder, LensError>,
+    /// Its entrance pupil for a distant object.
+    pub entrance: EntrancePupil,
+    /// The film.
+    pub film: Film,
+    /// Last vertex to film, mm.
+    pub film_distance: f64,
+    /// Film plane to the plane in focus, mm; infinity when focused there or beyond, `None` when no object in front of
+    /// the lens is in focus.
+    pub focus_distance: Option<f64>,
+}
+
+impl Facts {
+    /// Effective focal length, mm; negative for a diverging lens, infinite for an afocal one.
+    pub fn focal_length(&self) -> f64 {
+        self.first_order.as_ref().map_or(f64::INFINITY, |first_order| first_order.focal_length)
+    }
+
+    /// Focal length, without its sign, over entrance pupil diameter at the stop in use; infinite for an afocal lens.
+    pub fn fnumber(&self) -> f64 {
+        self.focal_length().abs() / self.entrance.diameter()
+    }
+
+    /// z of the film, lens space, mm.
+    pub fn film_z(&self) -> f64 {
+        self.lens.rear().vertex - self.film_distance
+    }
+
+    /// Prepares focusing.
+    ///
+    /// # Errors
+    /// The lens is afocal or diverging, or passes no light along its axis.
+    pub fn focus(&self) -> Result<Focus, FocusError> {
+        Focus::of(&self.lens, self.first_order.clone()?, self.entrance)
+    }
+}
