@@ -4,12 +4,22 @@
 //! A block stays in the first cache. Samples and rays change between structures and arrays four at a time, as 4 x 4
 //! matrices transposed in registers; nothing is cleared that is not used, so that few samples cost little.
 
-use std::{array, mem::MaybeUninit, slice};
+use std::{
+    array,
+    mem::{MaybeUninit, offset_of},
+    slice,
+};
 
 use glam::Mat4;
 
-use crate::abi::types::{realistic_ray, realistic_sample};
-use crate::camera::{RayArrays, Sample, SampleArrays, WorldRay};
+use super::super::{
+    object::Handle,
+    types::{
+        REALISTIC_HAS_RX, REALISTIC_HAS_RY, realistic_ray, realistic_ray_differential, realistic_reason,
+        realistic_sample,
+    },
+};
+use crate::camera::{Camera, NeighbourArrays, RayArrays, Sample, SampleArrays, WorldRay};
 
 /// Samples per block: with their rays and differentials half of a first cache of 32 KiB.
 pub(super) const BLOCK: usize = 128;
@@ -20,6 +30,75 @@ const FOUR: usize = 4;
 pub(super) type SampleRoom = Room<5>;
 /// The numbers of rays: origin, direction, where each begins and ends, time, weight.
 pub(super) type RayRoom = Room<10>;
+/// The numbers of neighbours: origin, direction, weight.
+type NeighbourRoom = Room<7>;
+
+/// Room for rays and their neighbours.
+pub(super) struct DifferentialRoom {
+    pub rays: RayRoom,
+    /// To the right, and below.
+    pub neighbours: [NeighbourRoom; 2],
+}
+
+/// Room for what becomes of a block's samples.
+pub(super) trait Outcomes {
+    /// Room of which nothing is set.
+    fn new() -> Self;
+    /// Sets the numbers of `n` outcomes to 0, up to [`BLOCK`].
+    fn clear(&mut self, n: usize);
+    /// Takes what becomes of samples.
+    fn trace(&mut self, camera: &Camera, samples: &SampleArrays<'_>);
+    /// The weights of `n` samples.
+    fn weights(&self, n: usize) -> &[f32];
+}
+
+impl Outcomes for RayRoom {
+    #[inline(always)]
+    fn new() -> Self {
+        Room::new()
+    }
+
+    #[inline(always)]
+    fn clear(&mut self, n: usize) {
+        Room::clear(self, n);
+    }
+
+    #[inline(always)]
+    fn trace(&mut self, camera: &Camera, samples: &SampleArrays<'_>) {
+        camera.rays(samples, &mut self.rays(samples.image_x.len()));
+    }
+
+    #[inline(always)]
+    fn weights(&self, n: usize) -> &[f32] {
+        let [.., weights] = self.arrays(n);
+        weights
+    }
+}
+
+impl Outcomes for DifferentialRoom {
+    #[inline(always)]
+    fn new() -> Self {
+        Self { rays: Room::new(), neighbours: [Room::new(), Room::new()] }
+    }
+
+    #[inline(always)]
+    fn clear(&mut self, n: usize) {
+        self.rays.clear(n);
+        self.neighbours.iter_mut().for_each(|room| room.clear(n));
+    }
+
+    #[inline(always)]
+    fn trace(&mut self, camera: &Camera, samples: &SampleArrays<'_>) {
+        let n = samples.image_x.len();
+        let [mut rx, mut ry] = self.neighbours.each_mut().map(|room| room.neighbours(n));
+        camera.ray_differentials(samples, &mut self.rays.rays(n), &mut rx, &mut ry);
+    }
+
+    #[inline(always)]
+    fn weights(&self, n: usize) -> &[f32] {
+        self.rays.weights(n)
+    }
+}
 
 /// Room for the arrays of a block.
 pub(super) struct Room<const ARRAYS: usize> {
@@ -72,6 +151,12 @@ impl<const ARRAYS: usize> Room<ARRAYS> {
         array::from_fn(|k| unsafe { self.arrays[array][begin + k].assume_init() })
     }
 
+    /// Four numbers of four arrays each from the place `begin` on, turned: the first of each, the second, and so on.
+    #[inline(always)]
+    fn rows(&self, arrays: [usize; 4], begin: usize) -> [[f32; 4]; FOUR] {
+        transposed(arrays.map(|array| self.four(array, begin)))
+    }
+
     /// Sets four numbers of an array from the place `begin` on, a multiple of four.
     #[inline(always)]
     fn set_four(&mut self, array: usize, begin: usize, numbers: [f32; FOUR]) {
@@ -95,6 +180,103 @@ impl RayRoom {
         let [ox, oy, oz, dx, dy, dz, mint, maxt, time, weight] = self.arrays_mut(n);
         let [mint, maxt, time] = [mint, maxt, time].map(Some);
         RayArrays { origin: [ox, oy, oz], direction: [dx, dy, dz], mint, maxt, time, weight }
+    }
+}
+
+impl RayRoom {
+    /// Which of the four samples from `begin` on have a ray and lie below `n`.
+    #[inline(always)]
+    fn are_rays(&self, begin: usize, n: usize) -> [bool; FOUR] {
+        let weight = self.four(9, begin);
+        array::from_fn(|k| begin + k < n && weight[k] > 0.0)
+    }
+}
+
+impl NeighbourRoom {
+    /// The first `n` neighbours.
+    #[inline(always)]
+    fn neighbours(&mut self, n: usize) -> NeighbourArrays<'_> {
+        let [ox, oy, oz, dx, dy, dz, weight] = self.arrays_mut(n);
+        NeighbourArrays { origin: [ox, oy, oz], direction: [dx, dy, dz], weight }
+    }
+}
+
+/// What becomes of `n` samples, block by block: `read` reads samples, `write` takes what became of them.
+///
+/// # Safety
+/// `weights` has room for `n` elements; `reasons` too, or it is NULL.
+#[inline(always)]
+pub(super) unsafe fn in_blocks<O: Outcomes>(
+    handle: &Handle,
+    n: usize,
+    read: impl Fn(usize, usize, &mut SampleRoom),
+    write: impl Fn(usize, usize, &O),
+    weights: *mut f32,
+    reasons: *mut realistic_reason,
+) {
+    let (mut samples, mut outcomes) = (SampleRoom::new(), O::new());
+    samples.clear(n);
+    outcomes.clear(n);
+    for first in (0..n).step_by(BLOCK) {
+        let count = BLOCK.min(n - first);
+        read(first, count, &mut samples);
+        let asked = samples.samples(count);
+        outcomes.trace(handle.camera(), &asked);
+        write(first, count, &outcomes);
+        let weight = outcomes.weights(count);
+        // SAFETY: the caller's promise; weights need not be aligned.
+        unsafe {
+            weights.add(first).cast::<u8>().copy_from(weight.as_ptr().cast(), size_of_val(weight));
+            let reasons = if reasons.is_null() { reasons } else { reasons.add(first) };
+            give_reasons(handle, reasons, |i| (asked.get(i), weight[i]), count);
+        }
+    }
+}
+
+/// Why samples have the weights that they have, where a caller asks. Found out apart, because it costs more than a ray.
+///
+/// # Safety
+/// `reasons` is NULL or has room for `n` elements.
+pub(super) unsafe fn give_reasons(
+    handle: &Handle,
+    reasons: *mut realistic_reason,
+    of: impl Fn(usize) -> (Sample, f32),
+    n: usize,
+) {
+    if reasons.is_null() {
+        return;
+    }
+    for i in 0..n {
+        let (sample, weight) = of(i);
+        let reason = if weight > 0.0 { realistic_reason::Ok } else { handle.reason(&sample) };
+        // SAFETY: the caller's promise.
+        unsafe { reasons.add(i).write_unaligned(reason) };
+    }
+}
+
+/// Copies `count` samples from `first` on out of arrays that nothing aligns.
+///
+/// # Safety
+/// There are so many in each array.
+pub(super) unsafe fn read_columns(from: [*const f32; 5], first: usize, count: usize, room: &mut SampleRoom) {
+    for (from, to) in from.iter().zip(room.arrays_mut(count)) {
+        for (i, number) in to.iter_mut().enumerate() {
+            // SAFETY: the caller's promise.
+            *number = unsafe { from.add(first + i).read_unaligned() };
+        }
+    }
+}
+
+/// Copies columns to arrays that nothing aligns, from place `first` on, where there is a weight; to none that is NULL.
+///
+/// # Safety
+/// Each array that is not NULL has room for so many.
+pub(super) unsafe fn write_columns(to: &[*mut f32], first: usize, columns: &[&[f32]], weight: &[f32]) {
+    for (to, from) in to.iter().zip(columns).filter(|(to, _)| !to.is_null()) {
+        for (i, number) in from.iter().enumerate().filter(|(i, _)| weight[*i] > 0.0) {
+            // SAFETY: the caller's promise.
+            unsafe { to.add(first + i).write_unaligned(*number) };
+        }
     }
 }
 
@@ -163,23 +345,86 @@ impl RayStructures {
     #[inline(always)]
     pub(super) unsafe fn write(self, first: usize, n: usize, room: &RayRoom) {
         for begin in (0..n).step_by(FOUR) {
-            let [head, tail] = [[0, 1, 2, 3], [4, 5, 6, 7]]
-                .map(|arrays| transposed(arrays.map(|array| room.four(array, begin))));
-            let [time, weight] = [8, 9].map(|array| room.four(array, begin));
-            let put = |k: usize| {
-                // SAFETY: the caller's promise; a ray is nine numbers one after the other.
-                unsafe {
-                    let to = self.at(first + begin + k).cast::<f32>();
-                    to.cast::<[f32; 4]>().write_unaligned(head[k]);
-                    to.add(4).cast::<[f32; 4]>().write_unaligned(tail[k]);
-                    to.add(8).write_unaligned(time[k]);
+            let [head, tail] = [[0, 1, 2, 3], [4, 5, 6, 7]].map(|arrays| room.rows(arrays, begin));
+            let time = room.four(8, begin);
+            let is_ray = room.are_rays(begin, n);
+            // So many turns are written out, and what was turned stays in registers.
+            for k in 0..FOUR {
+                if is_ray[k] {
+                    // SAFETY: the caller's promise; a ray is nine numbers one after the other.
+                    unsafe {
+                        let to = self.at(first + begin + k).cast::<f32>();
+                        to.cast::<[f32; 4]>().write_unaligned(head[k]);
+                        to.add(4).cast::<[f32; 4]>().write_unaligned(tail[k]);
+                        to.add(8).write_unaligned(time[k]);
+                    }
                 }
-            };
-            if begin + FOUR <= n && weight.iter().all(|&weight| weight > 0.0) {
-                // Written out, what was transposed stays in registers.
-                (put(0), put(1), put(2), put(3));
-            } else {
-                (0..FOUR.min(n - begin)).filter(|&k| weight[k] > 0.0).for_each(put);
+            }
+        }
+    }
+}
+
+/// Rays with differentials as a caller's structures: the first, and the bytes from one to the next.
+#[derive(Clone, Copy)]
+pub(super) struct DifferentialStructures {
+    pub first: *mut realistic_ray_differential,
+    pub stride: usize,
+}
+
+// What is written as rows of four.
+const _: () = {
+    assert!(offset_of!(realistic_ray_differential, rx_o) == offset_of!(realistic_ray_differential, ray) + 36);
+    assert!(
+        offset_of!(realistic_ray_differential, rx_d) == offset_of!(realistic_ray_differential, rx_o) + 12
+    );
+    assert!(
+        offset_of!(realistic_ray_differential, ry_o) == offset_of!(realistic_ray_differential, rx_o) + 24
+    );
+    assert!(
+        offset_of!(realistic_ray_differential, ry_d) == offset_of!(realistic_ray_differential, rx_o) + 36
+    );
+};
+
+impl DifferentialStructures {
+    /// The rays, without their neighbours.
+    ///
+    /// # Safety
+    /// There is room for one.
+    unsafe fn rays(self) -> RayStructures {
+        // SAFETY: the caller's promise.
+        RayStructures { first: unsafe { &raw mut (*self.first).ray }, stride: self.stride }
+    }
+
+    /// Writes those of the first `n` rays of a block that have a weight with their neighbours, from place `first` on.
+    ///
+    /// # Safety
+    /// There is room for so many.
+    #[inline(always)]
+    pub(super) unsafe fn write(self, first: usize, n: usize, room: &DifferentialRoom) {
+        let DifferentialRoom { rays, neighbours: [rx, ry] } = room;
+        // SAFETY: the caller's promise.
+        unsafe { self.rays().write(first, n, rays) };
+        for begin in (0..n).step_by(FOUR) {
+            let head = rx.rows([0, 1, 2, 3], begin);
+            let middle =
+                transposed([(rx, 4), (rx, 5), (ry, 0), (ry, 1)].map(|(room, k)| room.four(k, begin)));
+            let tail = ry.rows([2, 3, 4, 5], begin);
+            let [has_rx, has_ry] = [rx, ry].map(|room| room.four(6, begin).map(|weight| weight > 0.0));
+            let is_ray = rays.are_rays(begin, n);
+            for k in 0..FOUR {
+                if is_ray[k] {
+                    let has =
+                        u32::from(has_rx[k]) * REALISTIC_HAS_RX + u32::from(has_ry[k]) * REALISTIC_HAS_RY;
+                    // SAFETY: the caller's promise; the neighbours are twelve numbers one after the other.
+                    unsafe {
+                        let to = self.first.byte_add((first + begin + k) * self.stride);
+                        (&raw mut (*to).has).write_unaligned(has);
+                        let to = (&raw mut (*to).rx_o).cast::<f32>();
+                        to.cast::<[f32; 4]>().write_unaligned(head[k]);
+                        to.add(4).cast::<[f32; 4]>().write_unaligned(middle[k]);
+                        to.add(8).cast::<[f32; 4]>().write_unaligned(tail[k]);
+                    }
+                }
             }
         }
     }
