@@ -147,14 +147,14 @@ impl<const ARRAYS: usize> Room<ARRAYS> {
     #[inline(always)]
     fn four(&self, array: usize, begin: usize) -> [f32; FOUR] {
         assert!(begin + FOUR <= self.set && begin <= BLOCK - FOUR);
-        // SAFETY: the first `set` numbers are set, a multiple of four.
-        array::from_fn(|k| unsafe { self.arrays[array][begin + k].assume_init() })
+        // SAFETY: the first `set` numbers are set.
+        unsafe { self.arrays[array].as_ptr().add(begin).cast::<[f32; FOUR]>().read_unaligned() }
     }
 
     /// Four numbers of four arrays each from the place `begin` on, turned: the first of each, the second, and so on.
     #[inline(always)]
-    fn rows(&self, arrays: [usize; 4], begin: usize) -> [[f32; 4]; FOUR] {
-        transposed(arrays.map(|array| self.four(array, begin)))
+    fn rows(&self, [a, b, c, d]: [usize; 4], begin: usize) -> [[f32; 4]; FOUR] {
+        transposed([self.four(a, begin), self.four(b, begin), self.four(c, begin), self.four(d, begin)])
     }
 
     /// Sets four numbers of an array from the place `begin` on, a multiple of four.
@@ -184,11 +184,11 @@ impl RayRoom {
 }
 
 impl RayRoom {
-    /// Which of the four samples from `begin` on have a ray and lie below `n`.
+    /// Whether the four samples from `begin` on all have a ray and lie below `n`.
     #[inline(always)]
-    fn are_rays(&self, begin: usize, n: usize) -> [bool; FOUR] {
-        let weight = self.four(9, begin);
-        array::from_fn(|k| begin + k < n && weight[k] > 0.0)
+    fn are_rays(&self, begin: usize, n: usize) -> bool {
+        let [a, b, c, d] = self.four(9, begin).map(|weight| weight > 0.0);
+        begin + FOUR <= n && (a & b & c & d)
     }
 }
 
@@ -304,17 +304,29 @@ impl SampleStructures {
     /// There are so many.
     #[inline(always)]
     pub(super) unsafe fn read(self, first: usize, n: usize, room: &mut SampleRoom) {
-        for begin in (0..n).step_by(FOUR) {
-            // In the place of samples beyond the last, the last.
+        let whole = n - n % FOUR;
+        for begin in (0..whole).step_by(FOUR) {
+            // SAFETY: the caller's promise; a sample begins with the four numbers that are turned.
+            unsafe {
+                let a = self.at(first + begin);
+                let (b, c, d) =
+                    (a.byte_add(self.stride), a.byte_add(2 * self.stride), a.byte_add(3 * self.stride));
+                let row = |sample: *const Sample| sample.cast::<[f32; 4]>().read_unaligned();
+                let time = |sample: *const Sample| (&raw const (*sample).time).read_unaligned();
+                let [image_x, image_y, lens_u, lens_v] = transposed([row(a), row(b), row(c), row(d)]);
+                room.set_four(0, begin, image_x);
+                room.set_four(1, begin, image_y);
+                room.set_four(2, begin, lens_u);
+                room.set_four(3, begin, lens_v);
+                room.set_four(4, begin, [time(a), time(b), time(c), time(d)]);
+            }
+        }
+        for place in whole..n {
             // SAFETY: the caller's promise.
-            let four = [0, 1, 2, 3].map(|k| unsafe { self.at(first + (begin + k).min(n - 1)) });
-            // SAFETY: as above; a sample begins with these four numbers.
-            let rows = four.map(|sample| unsafe { sample.cast::<[f32; 4]>().read_unaligned() });
-            // SAFETY: as above.
-            let times = four.map(|sample| unsafe { (&raw const (*sample).time).read_unaligned() });
-            let [image_x, image_y, lens_u, lens_v] = transposed(rows);
-            for (array, numbers) in [image_x, image_y, lens_u, lens_v, times].into_iter().enumerate() {
-                room.set_four(array, begin, numbers);
+            let sample = unsafe { self.at(first + place).read_unaligned() };
+            let Sample { image_x, image_y, lens_u, lens_v, time } = sample;
+            for (array, number) in [image_x, image_y, lens_u, lens_v, time].into_iter().enumerate() {
+                room.arrays[array][place] = MaybeUninit::new(number);
             }
         }
     }
@@ -345,21 +357,40 @@ impl RayStructures {
     #[inline(always)]
     pub(super) unsafe fn write(self, first: usize, n: usize, room: &RayRoom) {
         for begin in (0..n).step_by(FOUR) {
-            let [head, tail] = [[0, 1, 2, 3], [4, 5, 6, 7]].map(|arrays| room.rows(arrays, begin));
-            let time = room.four(8, begin);
-            let is_ray = room.are_rays(begin, n);
-            // So many turns are written out, and what was turned stays in registers.
-            for k in 0..FOUR {
-                if is_ray[k] {
-                    // SAFETY: the caller's promise; a ray is nine numbers one after the other.
-                    unsafe {
-                        let to = self.at(first + begin + k).cast::<f32>();
-                        to.cast::<[f32; 4]>().write_unaligned(head[k]);
-                        to.add(4).cast::<[f32; 4]>().write_unaligned(tail[k]);
-                        to.add(8).write_unaligned(time[k]);
-                    }
-                }
+            if !room.are_rays(begin, n) {
+                // SAFETY: the caller's promise.
+                unsafe { self.write_some(first, begin, n, room) };
+                continue;
             }
+            let (head, tail, time) =
+                (room.rows([0, 1, 2, 3], begin), room.rows([4, 5, 6, 7], begin), room.four(8, begin));
+            let put = |k: usize, [head, tail]: [[f32; 4]; 2], time: f32| {
+                // SAFETY: the caller's promise; a ray is nine numbers one after the other.
+                unsafe {
+                    let to = self.at(first + begin + k).cast::<f32>();
+                    to.cast::<[f32; 4]>().write_unaligned(head);
+                    to.add(4).cast::<[f32; 4]>().write_unaligned(tail);
+                    to.add(8).write_unaligned(time);
+                }
+            };
+            put(0, [head[0], tail[0]], time[0]);
+            put(1, [head[1], tail[1]], time[1]);
+            put(2, [head[2], tail[2]], time[2]);
+            put(3, [head[3], tail[3]], time[3]);
+        }
+    }
+
+    /// Writes those of four rays that there are. Apart, so that where there are all, what was turned stays in registers.
+    ///
+    /// # Safety
+    /// There is room for them.
+    #[inline(never)]
+    unsafe fn write_some(self, first: usize, begin: usize, n: usize, room: &RayRoom) {
+        let numbers: [[f32; FOUR]; 10] = array::from_fn(|array| room.four(array, begin));
+        for k in (0..FOUR.min(n - begin)).filter(|&k| numbers[9][k] > 0.0) {
+            let [ray @ .., _] = numbers.map(|numbers| numbers[k]);
+            // SAFETY: the caller's promise; a ray is nine numbers one after the other.
+            unsafe { self.at(first + begin + k).cast::<[f32; 9]>().write_unaligned(ray) };
         }
     }
 }
@@ -407,14 +438,13 @@ impl DifferentialStructures {
         for begin in (0..n).step_by(FOUR) {
             let head = rx.rows([0, 1, 2, 3], begin);
             let middle =
-                transposed([(rx, 4), (rx, 5), (ry, 0), (ry, 1)].map(|(room, k)| room.four(k, begin)));
+                transposed([rx.four(4, begin), rx.four(5, begin), ry.four(0, begin), ry.four(1, begin)]);
             let tail = ry.rows([2, 3, 4, 5], begin);
-            let [has_rx, has_ry] = [rx, ry].map(|room| room.four(6, begin).map(|weight| weight > 0.0));
-            let is_ray = rays.are_rays(begin, n);
+            let (rx, ry, weight) = (rx.four(6, begin), ry.four(6, begin), rays.four(9, begin));
             for k in 0..FOUR {
-                if is_ray[k] {
+                if begin + k < n && weight[k] > 0.0 {
                     let has =
-                        u32::from(has_rx[k]) * REALISTIC_HAS_RX + u32::from(has_ry[k]) * REALISTIC_HAS_RY;
+                        u32::from(rx[k] > 0.0) * REALISTIC_HAS_RX + u32::from(ry[k] > 0.0) * REALISTIC_HAS_RY;
                     // SAFETY: the caller's promise; the neighbours are twelve numbers one after the other.
                     unsafe {
                         let to = self.first.byte_add((first + begin + k) * self.stride);

@@ -19,6 +19,7 @@ use super::{
         RayRoom, RayStructures, SampleStructures, give_reasons, in_blocks, read_columns, write_columns,
     },
 };
+use crate::camera::WorldRay;
 
 /// Rays of `n` samples. Element i lies `i * stride` bytes from the first, so that arrays of a host's own
 /// larger structures can be passed (pbrt-v1: 88 for `Sample`, 36 for `Ray`); a stride of 0 means tightly packed.
@@ -122,7 +123,13 @@ unsafe fn all_of_arrays(
     // SAFETY: the caller's promise, and all is aligned.
     unsafe {
         let (asked, mut found) = (sample_arrays(samples, n), ray_arrays(rays, n));
-        handle.camera().rays(&asked, &mut found);
+        if n == 1 {
+            let (mut ray, mut weight) = (WorldRay::default(), 0.0);
+            handle.camera().trace_one(&asked.get(0), &mut ray, &mut weight);
+            found.set_fresh(0, &ray, weight);
+        } else {
+            handle.camera().rays(&asked, &mut found);
+        }
         give_reasons(handle, rays.reason, |i| (asked.get(i), found.weight[i]), n);
     }
 }
