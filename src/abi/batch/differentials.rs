@@ -16,10 +16,8 @@ use super::{
         RAYS, SAMPLES, are_aligned, columns_of, neighbour_arrays, ray_arrays, rays_of, required,
         required_arrays, sample_arrays, samples_of, stride,
     },
-    blocks::{
-        DifferentialRoom, DifferentialStructures, SampleStructures, give_reasons, in_blocks, read_columns,
-        write_columns,
-    },
+    blocks::{DifferentialRoom, give_reasons, in_blocks, read_columns, write_columns},
+    structures::{DifferentialStructures, SampleStructures},
 };
 
 /// Rays with differentials of `n` samples, the same as by `realistic_generate_ray_differential`. Strides, alignment,

@@ -5,6 +5,7 @@ mod arrays;
 mod blocks;
 mod differentials;
 mod rays;
+mod structures;
 
 pub use differentials::{
     realistic_camera_generate_ray_differentials, realistic_camera_generate_ray_differentials_soa,

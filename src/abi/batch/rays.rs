@@ -15,9 +15,8 @@ use super::{
         RAYS, SAMPLES, are_aligned, columns_of, ray_arrays, rays_of, required, required_arrays,
         sample_arrays, samples_of, stride,
     },
-    blocks::{
-        RayRoom, RayStructures, SampleStructures, give_reasons, in_blocks, read_columns, write_columns,
-    },
+    blocks::{RayRoom, give_reasons, in_blocks, read_columns, write_columns},
+    structures::{RayStructures, SampleStructures},
 };
 use crate::camera::WorldRay;
 
