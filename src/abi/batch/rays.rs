@@ -18,7 +18,7 @@ use super::{
     blocks::{RayRoom, give_reasons, in_blocks, read_columns, write_columns},
     structures::{RayStructures, SampleStructures},
 };
-use crate::camera::WorldRay;
+use crate::camera::{Sample, WorldRay};
 
 /// Rays of `n` samples. Element i lies `i * stride` bytes from the first, so that arrays of a host's own
 /// larger structures can be passed (pbrt-v1: 88 for `Sample`, 36 for `Ray`); a stride of 0 means tightly packed.
@@ -114,6 +114,10 @@ unsafe fn all_of_arrays(
     samples: &realistic_samples_soa,
     rays: &realistic_rays_soa,
 ) {
+    if n == 1 {
+        // SAFETY: the caller's promise.
+        return unsafe { one_of_arrays(handle, samples, rays) };
+    }
     let is_aligned = samples_of(samples).iter().all(|array| array.is_aligned()) && are_aligned(rays);
     if !is_aligned {
         // SAFETY: the caller's promise.
@@ -122,14 +126,39 @@ unsafe fn all_of_arrays(
     // SAFETY: the caller's promise, and all is aligned.
     unsafe {
         let (asked, mut found) = (sample_arrays(samples, n), ray_arrays(rays, n));
-        if n == 1 {
-            let (mut ray, mut weight) = (WorldRay::default(), 0.0);
-            handle.camera().trace_one(&asked.get(0), &mut ray, &mut weight);
-            found.set_fresh(0, &ray, weight);
-        } else {
-            handle.camera().rays(&asked, &mut found);
-        }
+        handle.camera().rays(&asked, &mut found);
         give_reasons(handle, rays.reason, |i| (asked.get(i), found.weight[i]), n);
+    }
+}
+
+/// [`all_of_arrays`] of one sample, as a call of its own.
+///
+/// # Safety
+/// As there.
+unsafe fn one_of_arrays(handle: &Handle, samples: &realistic_samples_soa, rays: &realistic_rays_soa) {
+    let (mut ray, mut weight) = (WorldRay::default(), 0.0);
+    // SAFETY: the caller's promise; nothing needs to be aligned.
+    unsafe {
+        let sample = Sample {
+            image_x: samples.image_x.read_unaligned(),
+            image_y: samples.image_y.read_unaligned(),
+            lens_u: samples.lens_u.read_unaligned(),
+            lens_v: samples.lens_v.read_unaligned(),
+            time: samples.time.read_unaligned(),
+        };
+        handle.camera().trace_one(&sample, &mut ray, &mut weight);
+        rays.weight.write_unaligned(weight);
+        if weight > 0.0 {
+            let WorldRay { origin: [ox, oy, oz], direction: [dx, dy, dz], mint, maxt, time } = ray;
+            for (array, number) in
+                columns_of(rays).into_iter().zip([ox, oy, oz, dx, dy, dz, mint, maxt, time])
+            {
+                if !array.is_null() {
+                    array.write_unaligned(number);
+                }
+            }
+        }
+        give_reasons(handle, rays.reason, |_| (sample, weight), 1);
     }
 }
 

@@ -162,33 +162,19 @@ impl RayArrays<'_> {
         n
     }
 
-    /// Puts a ray with its weight, or none for the weight 0, at a place, number by number: see [`RayStore::copy`].
-    #[inline(always)]
-    pub(crate) fn set_fresh(&mut self, i: usize, ray: &WorldRay, weight: f32) {
-        self.weight[i] = weight;
-        if weight > 0.0 {
-            for axis in 0..3 {
-                self.origin[axis][i] = ray.origin[axis];
-                self.direction[axis][i] = ray.direction[axis];
-            }
-            for (array, number) in
-                [(&mut self.mint, ray.mint), (&mut self.maxt, ray.maxt), (&mut self.time, ray.time)]
-            {
-                if let Some(array) = array {
-                    array[i] = number;
-                }
-            }
-        }
-    }
-
     /// Puts a ray, or none, at a place.
     ///
     /// # Panics
     /// There is no such place.
     #[inline]
     pub fn set(&mut self, i: usize, ray: Option<(WorldRay, f32)>) {
-        let (ray, weight) = ray.unwrap_or_default();
-        self.set_fresh(i, &ray, weight);
+        self.put(i, ray);
+        let Some((WorldRay { mint, maxt, time, .. }, _)) = ray else { return };
+        for (array, number) in [(&mut self.mint, mint), (&mut self.maxt, maxt), (&mut self.time, time)] {
+            if let Some(array) = array {
+                array[i] = number;
+            }
+        }
     }
 }
 
