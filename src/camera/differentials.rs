@@ -107,20 +107,27 @@ impl NeighbourArrays<'_> {
         found: &mut RayBlock<AT_ONCE>,
     ) {
         let part = first..first + count;
-        let RayArrays { origin, direction, weight: found_weight, .. } = found.arrays(count);
+        let RayArrays { origin, direction, weight, .. } = found.arrays(count);
         let own = &rays.weight[part.clone()];
-        let to = self.origin.iter_mut().chain(&mut self.direction);
-        let of_rays = rays.origin.iter().chain(&rays.direction);
-        for ((to, found), ray) in to.zip(origin.iter().chain(&direction)).zip(of_rays) {
-            let (to, ray) = (&mut to[part.clone()], &ray[part.clone()]);
-            // Without a branch, so that the compiler makes vectors of it.
-            for i in 0..count {
-                let neighbour = if found_weight[i] > 0.0 { found[i] } else { ray[i] };
-                to[i] = if own[i] > 0.0 { neighbour } else { to[i] };
-            }
+        for axis in 0..3 {
+            let (to, of_ray) = (&mut self.origin[axis][part.clone()], &rays.origin[axis][part.clone()]);
+            choose(to, origin[axis], of_ray, weight, own);
+            let (to, of_ray) = (&mut self.direction[axis][part.clone()], &rays.direction[axis][part.clone()]);
+            choose(to, direction[axis], of_ray, weight, own);
         }
-        for (i, to) in self.weight[part].iter_mut().enumerate() {
-            *to = if own[i] > 0.0 { found_weight[i] } else { 0.0 };
+        for ((to, weight), own) in self.weight[part].iter_mut().zip(&*weight).zip(own) {
+            *to = if *own > 0.0 { *weight } else { 0.0 };
         }
+    }
+}
+
+/// Writes the neighbour's number where there is one, else the ray's; where there is no ray either, nothing. Without a
+/// branch, so that the compiler makes vectors of it.
+#[inline(always)]
+fn choose(to: &mut [f32], neighbour: &[f32], ray: &[f32], weight: &[f32], own: &[f32]) {
+    for ((((to, neighbour), ray), weight), own) in to.iter_mut().zip(neighbour).zip(ray).zip(weight).zip(own)
+    {
+        let number = if *weight > 0.0 { *neighbour } else { *ray };
+        *to = if *own > 0.0 { number } else { *to };
     }
 }
