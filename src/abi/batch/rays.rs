@@ -149,10 +149,13 @@ unsafe fn one_of_arrays(handle: &Handle, samples: &realistic_samples_soa, rays: 
         handle.camera().trace_one(&sample, &mut ray, &mut weight);
         rays.weight.write_unaligned(weight);
         if weight > 0.0 {
-            let WorldRay { origin: [ox, oy, oz], direction: [dx, dy, dz], mint, maxt, time } = ray;
-            for (array, number) in
-                columns_of(rays).into_iter().zip([ox, oy, oz, dx, dy, dz, mint, maxt, time])
-            {
+            // Number by number, as they were just written: a wider load would wait for them.
+            let [ox, oy, oz, dx, dy, dz, mint, maxt, time] = columns_of(rays);
+            for (axis, (o, d)) in [(ox, dx), (oy, dy), (oz, dz)].into_iter().enumerate() {
+                o.write_unaligned((&raw const ray.origin[axis]).read_volatile());
+                d.write_unaligned((&raw const ray.direction[axis]).read_volatile());
+            }
+            for (array, number) in [(mint, ray.mint), (maxt, ray.maxt), (time, ray.time)] {
                 if !array.is_null() {
                     array.write_unaligned(number);
                 }
