@@ -6,7 +6,13 @@
  * from realistic_last_error() on the same thread. Outputs are written last and stay untouched on
  * failure. Handles come from a _new function and go to the matching _free, which takes NULL. A
  * camera is immutable: any number of threads may ask it for rays. Strings are UTF-8 and end in NUL.
- * No call prints, panics or throws across this boundary. */
+ * No call panics or throws across this boundary. None prints, but for CreateCamera in a process without pbrt's
+ * Error function, which says on standard error why it fails, and a defect of the library, which Rust reports there.
+ *
+ * Floating point. Calls compute in the default environment (to nearest, no trap, subnormal numbers kept) whatever
+ * the caller's is, so that rays are the same to the bit, and leave the caller's control word as it is. Building, batches and
+ * autofocus restore its flags; a single ray may raise inexact and underflow and no other. Callbacks are
+ * called in the default environment. (x86-64 and AArch64; elsewhere calls compute in the caller's.) */
 
 #ifndef REALISTIC_H
 #define REALISTIC_H
@@ -26,7 +32,9 @@
 
 /*
  The version of the C ABI that this header describes. It grows when something is added;
- nothing is ever taken away or renumbered.
+ nothing is ever taken away or renumbered. Version 2 states what version 1 had come to: the fields of
+ `realistic_options` from `camera_to_world_end` on, `realistic_autofocus` and `realistic_camera_plan`; and it
+ adds rays with differentials.
  */
 #define REALISTIC_ABI_VERSION 2
 
@@ -88,7 +96,7 @@ enum realistic_status
      */
     REALISTIC_STATUS_OK = 0,
     /*
-     A pointer that must not be NULL is NULL.
+     A pointer that must not be NULL is NULL; where it is the camera's, see `REALISTIC_STATUS_NOT_A_CAMERA`.
      */
     REALISTIC_STATUS_NULL_POINTER = 1,
     /*
@@ -108,7 +116,7 @@ enum realistic_status
      */
     REALISTIC_STATUS_UNREACHABLE_FOCUS = 5,
     /*
-     A file other than the lens description cannot be read or written.
+     Reserved, and not returned by this version: a file other than the lens description cannot be read or written.
      */
     REALISTIC_STATUS_IO = 6,
     /*
@@ -116,15 +124,17 @@ enum realistic_status
      */
     REALISTIC_STATUS_PANIC = 7,
     /*
-     The pointer is to no camera of this library.
+     The pointer is NULL, or to no camera of this library.
      */
     REALISTIC_STATUS_NOT_A_CAMERA = 8,
     /*
-     Memory is out.
+     Memory is out for what a caller's number asks for (the zones of an autofocus) or for the camera object. Where
+     it is out for anything less, the process ends, as with most of Rust.
      */
     REALISTIC_STATUS_OUT_OF_MEMORY = 9,
     /*
-     The process lacks what the call needs, such as a host's functions.
+     Reserved, and not returned by this version: the process lacks what the call needs. (`CreateCamera` returns NULL
+     where a host's functions are missing, and `realistic.hpp` throws this for a library older than itself.)
      */
     REALISTIC_STATUS_UNSUPPORTED = 10,
 };
@@ -188,8 +198,9 @@ typedef int32_t realistic_reason;
 typedef struct realistic_camera realistic_camera;
 
 /*
- Receives a message while a camera is being built. `level`: 0 information, 1 warning, 2 error.
- `message` is UTF-8, ends in NUL, and lives until the callback returns.
+ Receives a message while a camera is being built. `level`: 0 information, 1 warning; 2, an error, is reserved, for
+ errors are returned. `message` is UTF-8, ends in NUL, and lives until the callback returns. It must return: an
+ exception that leaves it ends the process (`realistic.hpp` catches what its callbacks throw).
  */
 typedef void (*realistic_log)(void *user, int32_t level, const char *message);
 
@@ -566,7 +577,8 @@ typedef struct realistic_zone {
 
 /*
  Returns the distance along a ray from its origin to the first surface, world units: infinity for
- none, and NaN or a number that is not above 0 for "not known". It must return, without an exception.
+ none, and NaN or a number that is not above 0 for "not known". It must return, without an exception (as a
+ `realistic_log` must).
  */
 typedef double (*realistic_distance)(void *user, const struct realistic_ray *ray);
 
@@ -810,7 +822,8 @@ extern "C" {
 #endif
 /* What a pbrt-v1 host calls: takes its const ParamSet &, const Transform & (world to camera) and
  * Film *, and returns its Camera *, which the host deletes. NULL when there is none; the reason went to the
- * host's Error function. */
+ * host's Error function (where there is none, to standard error) and is realistic_last_error(). Rays that the host asks
+ * for through its own vtable may raise floating-point flags, but do not trap. */
 realistic_camera *CreateCamera(const void *params, const void *world2cam, void *film);
 /* realistic_generate_ray under the name that the assignment gives it. */
 float GenerateRay(const realistic_camera *camera, const realistic_sample *sample,

@@ -6,7 +6,9 @@ use std::path::PathBuf;
 use super::boundary::{realistic_status, with_last_message};
 
 /// The version of the C ABI that this header describes. It grows when something is added;
-/// nothing is ever taken away or renumbered.
+/// nothing is ever taken away or renumbered. Version 2 states what version 1 had come to: the fields of
+/// `realistic_options` from `camera_to_world_end` on, `realistic_autofocus` and `realistic_camera_plan`; and it
+/// adds rays with differentials.
 pub const REALISTIC_ABI_VERSION: u32 = 2;
 
 /// The library can be loaded by a pbrt-v1 host (`CreateCamera` is there).

@@ -136,8 +136,9 @@ pub struct realistic_rays_soa {
     pub reason: *mut realistic_reason,
 }
 
-/// Receives a message while a camera is being built. `level`: 0 information, 1 warning, 2 error.
-/// `message` is UTF-8, ends in NUL, and lives until the callback returns.
+/// Receives a message while a camera is being built. `level`: 0 information, 1 warning; 2, an error, is reserved, for
+/// errors are returned. `message` is UTF-8, ends in NUL, and lives until the callback returns. It must return: an
+/// exception that leaves it ends the process (`realistic.hpp` catches what its callbacks throw).
 #[allow(non_camel_case_types)]
 pub type realistic_log = Option<unsafe extern "C" fn(user: *mut c_void, level: i32, message: *const c_char)>;
 
@@ -146,6 +147,7 @@ pub(super) fn level_number(level: Level) -> i32 {
     match level {
         Level::Info => 0,
         Level::Warning => 1,
+        // Of a pbrt-v1 host.
         Level::Error => 2,
     }
 }

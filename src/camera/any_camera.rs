@@ -2,6 +2,7 @@
 
 use super::{
     differentials::{self, AT_ONCE, Moved, NeighbourArrays, RayDifferential, Side},
+    first_look::warn_of_darkness,
     host::{Host, Log},
     model::Model,
     models::{
@@ -57,7 +58,9 @@ impl Camera {
                 AnyModel::Environment(stock_cameras::environment(parameters, host, log)?.into())
             }
         };
-        Ok(Self { optics, shutter, yres: host.raster.yres as f32 })
+        let camera = Self { optics, shutter, yres: host.raster.yres as f32 };
+        warn_of_darkness(host.raster, |sample| camera.through_optics(sample), log);
+        Ok(camera)
     }
 
     /// The ray of a sample with its weight, or why there is none. The weight is the model's times what the
@@ -261,20 +264,24 @@ impl Camera {
             AnyModel::Environment(camera) => Outcome::Ray(camera.ray(sample), 1.0),
         };
         match outcome {
-            Outcome::Ray(ray, weight) if !is_sound(&ray, weight) => Outcome::Blocked(Blocked::Missed),
+            // The real lens blocks these as well.
+            Outcome::Ray(ray, weight) if !(ray.is_sound() && weight > 0.0 && weight.is_finite()) => {
+                Outcome::Blocked(Blocked::Missed)
+            }
             sound => sound,
         }
     }
 
     /// A ray that stands in where there is none and a host needs a complete ray all the same: of the
-    /// same film point, by the thick lens or through the middle of the lens.
+    /// same film point, by the thick lens or through the middle of the lens; where the film point is none, straight ahead.
     pub fn substitute(&self, sample: &Sample) -> WorldRay {
-        match &self.optics {
+        let ray = match &self.optics {
             AnyModel::Lens(camera) => camera.substitute(sample),
             AnyModel::Ideal(camera) => camera.central(sample),
             AnyModel::Projective(camera) => camera.central(sample),
             AnyModel::Environment(camera) => camera.ray(sample),
-        }
+        };
+        if ray.is_sound() { ray } else { self.placement().axial_ray(sample.time) }
     }
 
     fn placement(&self) -> &Placement {
@@ -324,15 +331,6 @@ impl Camera {
             AnyModel::Projective(_) | AnyModel::Environment(_) => None,
         }
     }
-}
-
-/// Whether these are a ray's numbers: those of image points that are none, or far out of any image, are not.
-/// The real lens blocks them.
-fn is_sound(ray: &WorldRay, weight: f32) -> bool {
-    let [x, y, z] = ray.direction;
-    // What overflowed on its way to a unit vector is 0 or no number.
-    let is_unit = x * x + y * y + z * z > 0.5;
-    is_unit && weight > 0.0 && weight.is_finite() && ray.origin.iter().all(|part| part.is_finite())
 }
 
 /// A positive weight behind the shutter. However small, it is not that of a blocked ray.

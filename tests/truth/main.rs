@@ -9,6 +9,8 @@ mod flat_field;
 mod golden;
 mod invariants;
 mod kernel;
+mod messages;
+mod misprints;
 mod odd_samples;
 mod plan;
 mod pupil_fit;

@@ -95,12 +95,9 @@ pub(super) fn required<T>(name: &str, array: *const T) -> Result<(), Failure> {
 /// The bytes from one element to the next: those given, or for 0 the `size` of one.
 pub(super) fn stride(name: &str, given: usize, size: usize, n: usize) -> Result<usize, Failure> {
     let stride = if given == 0 { size } else { given };
-    let wrong = if stride < size {
-        format!("{name} is {given}; it must be 0 or at least {size} bytes")
-    } else if stride.checked_mul(n).is_none_or(|bytes| isize::try_from(bytes).is_err()) {
-        format!("n is {n}: no memory holds so many elements of {stride} bytes")
-    } else {
-        return Ok(stride);
-    };
-    Err(Failure::invalid(wrong))
+    if stride < size {
+        return Err(Failure::invalid(format!("{name} is {given}; it must be 0 or at least {size} bytes")));
+    }
+    boundary::fits_memory(n, stride)?;
+    Ok(stride)
 }

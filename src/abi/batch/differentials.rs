@@ -97,6 +97,7 @@ pub unsafe extern "C" fn realistic_camera_generate_ray_differentials_soa(
         let rays = rays.ok_or_else(|| boundary::null("rays"))?;
         let rx = rx.ok_or_else(|| boundary::null("rx"))?;
         let ry = ry.ok_or_else(|| boundary::null("ry"))?;
+        boundary::fits_memory(n, size_of::<f32>())?;
         if n == 0 {
             return Ok(());
         }

@@ -95,6 +95,7 @@ pub unsafe extern "C" fn realistic_camera_generate_rays_soa(
         let handle = handle.ok_or_else(boundary::not_a_camera)?;
         let samples = samples.ok_or_else(|| boundary::null("samples"))?;
         let rays = rays.ok_or_else(|| boundary::null("rays"))?;
+        boundary::fits_memory(n, size_of::<f32>())?;
         if n == 0 {
             return Ok(());
         }

@@ -221,6 +221,7 @@ impl<S: Turns, I: SampleStore, R: RayStore> Batch<S> for Job<'_, S, I, R> {
                 .larger(L::splat(cpu, S::from_f64(f32::MIN_POSITIVE.into()))),
             None => L::splat(cpu, S::ONE),
         };
+        let passed = L::both(passed, weight.less_equal(L::splat(cpu, S::from_f64(f32::MAX.into()))));
         let [origin, direction] =
             self.body.to_world.lanes(cpu, end.origin, end.direction, &self.samples.array(4)[at..]);
         weight.or_zero(passed).store_single(&mut self.rays.array(6)[at..]);

@@ -121,6 +121,8 @@ pub struct Table<S> {
     pub exit: Transfer<S>,
     /// 3/(2 n) and -1/(2 n³) of the last medium: D = V (`unit[0]` + `unit[1]` V·V) is a unit vector.
     pub unit: [S; 2],
+    /// n of the last medium.
+    pub last_index: S,
     /// z of the first vertex in lens space.
     pub entry: f64,
     /// +1 toward the scene, -1 toward the film.
@@ -186,6 +188,7 @@ impl<S: Scalar> Table<S> {
             steps: steps.into(),
             exit: Transfer { factor: S::from_f64(factor), offset: S::from_f64(offset) },
             unit: [S::from_f64(1.5 / n), S::from_f64(-0.5 / n.powi(3))],
+            last_index: S::from_f64(n),
             entry: path.entry,
             travel_sign,
         }

@@ -42,6 +42,8 @@ static struct {
     realistic_status (*differentials_soa)(const realistic_camera *, size_t, const realistic_samples_soa *,
                                           const realistic_rays_soa *, const realistic_rays_soa *,
                                           const realistic_rays_soa *);
+    realistic_status (*autofocus)(const realistic_options *, const realistic_zone *, size_t, int32_t,
+                                  realistic_distance, realistic_contrast, void *, double *);
 } api;
 
 static void resolve(void *library, const char *name, void *function) {
@@ -78,6 +80,7 @@ static void load(const char *path) {
     resolve(library, "realistic_generate_ray_differential", &api.differential);
     resolve(library, "realistic_camera_generate_ray_differentials", &api.differentials);
     resolve(library, "realistic_camera_generate_ray_differentials_soa", &api.differentials_soa);
+    resolve(library, "realistic_autofocus", &api.autofocus);
 }
 
 /* "status name NUMBER MESSAGE", the message on one line. */
@@ -496,6 +499,29 @@ static void do_null(void) {
     api.camera_free(camera);
 }
 
+static double unasked(void *user, const realistic_ray *ray) {
+    (void)user, (void)ray;
+    printf("asked\n");
+    return 1000;
+}
+
+/* Numbers of elements that no memory holds, or no machine has. */
+static void do_counts(void) {
+    realistic_options o = options();
+    realistic_camera *camera = build(&o);
+    float in[1] = {20}, out[1] = {7};
+    realistic_samples_soa soa_in = {in, in, in, in, in};
+    realistic_rays_soa soa_out = {out, out, out, out, out, out, NULL, NULL, NULL, out, NULL};
+    report("soa-endless", api.rays_soa(camera, SIZE_MAX / 4 - 1, &soa_in, &soa_out));
+    realistic_zone zone = {0, 0, 40, 30};
+    double film = 7;
+    report("zones-endless", api.autofocus(&o, &zone, SIZE_MAX / 4 - 1, 0, unasked, NULL, NULL, &film));
+    report("zones-many", api.autofocus(&o, &zone, (size_t)1 << 50, 0, unasked, NULL, NULL, &film));
+    report("zones-null", api.autofocus(&o, NULL, 1, 0, unasked, NULL, NULL, &film));
+    printf("kept %g %g\n", (double)out[0], film);
+    api.camera_free(camera);
+}
+
 struct work {
     const realistic_camera *camera;
     int number;
@@ -548,7 +574,7 @@ int main(int count, char **argument) {
     static const struct { const char *name; void (*run)(void); } actions[] = {
         {"library", do_library}, {"refusals", do_refusals}, {"info", do_info}, {"log", do_log}, {"plan", do_plan},
         {"rays", do_rays},       {"differentials", do_differentials},
-              {"null", do_null},         {"threads", do_threads},
+        {"null", do_null},       {"threads", do_threads}, {"counts", do_counts},
     };
     if (count != 3) return 1;
     load(argument[1]);

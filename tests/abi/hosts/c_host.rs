@@ -13,11 +13,23 @@ fn source(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
 }
 
+const LIBRARIES: [&str; 3] = ["-ldl", "-lpthread", "-lm"];
+
 fn run(action: &str) -> Report {
     static HOST: OnceLock<PathBuf> = OnceLock::new();
     let host = HOST.get_or_init(|| {
-        let libraries = ["-ldl", "-lpthread", "-lm"];
-        compile_with(&c_compiler(), &C99, &source("tests/abi/hosts/c_host.c"), "c_host", &libraries)
+        compile_with(&c_compiler(), &C99, &source("tests/abi/hosts/c_host.c"), "c_host", &LIBRARIES)
+    });
+    Run::of(host, &harness::plugin(), action).run()
+}
+
+/// The same program compiled with the header of version 1.
+fn run_old(action: &str) -> Report {
+    static HOST: OnceLock<PathBuf> = OnceLock::new();
+    let host = HOST.get_or_init(|| {
+        let include = format!("-I{}", source("tests/abi/hosts/version_1").display());
+        let flags: Vec<&str> = [include.as_str()].into_iter().chain(C99).collect();
+        compile_with(&c_compiler(), &flags, &source("tests/abi/hosts/c_host.c"), "c_host_1", &LIBRARIES)
     });
     Run::of(host, &harness::plugin(), action).run()
 }
@@ -40,7 +52,9 @@ const SIZE: i32 = 2;
 const PARAMETER: i32 = 3;
 const LENS: i32 = 4;
 const UNREACHABLE: i32 = 5;
+const PANIC: i32 = 7;
 const NOT_OURS: i32 = 8;
+const MEMORY: i32 = 9;
 
 #[test]
 fn the_library_says_what_it_is() {
@@ -54,6 +68,62 @@ fn the_library_says_what_it_is() {
     assert_eq!(names[1], "0 ok");
     assert_eq!(names.iter().filter(|name| name.ends_with("unknown status")).count(), 3);
     assert_eq!(names.iter().collect::<std::collections::HashSet<_>>().len(), 14);
+}
+
+#[test]
+fn a_host_of_the_first_header_gets_what_it_got() {
+    let [old, new] = [run_old("library"), run("library")];
+    assert_eq!(old.numbers("abi"), [2.0, 1.0], "the library's, and the header's");
+    assert_eq!(old.all("name"), new.all("name"));
+    for action in ["rays", "info", "plan", "log", "refusals", "null"] {
+        let [old, new] = [run_old(action), run(action)];
+        assert_eq!(old.out, new.out, "{action}");
+        assert!(old.out.len() > 100, "{action}: {}", old.out);
+    }
+}
+
+#[test]
+fn numbers_of_elements_that_no_memory_holds_are_refused() {
+    let report = run("counts");
+    said(&report, "soa-endless", PARAMETER, &["n is 4611686018427387902", "elements of 4 bytes"]);
+    said(&report, "zones-endless", PARAMETER, &["n is 4611686018427387902", "elements of 16 bytes"]);
+    said(&report, "zones-many", MEMORY, &["memory is out"]);
+    said(&report, "zones-null", NULL, &["zones is NULL"]);
+    assert_eq!(report.one("kept"), "7 7");
+    assert_eq!(report.all("asked"), [""; 0]);
+}
+
+#[test]
+fn every_status_of_the_header_is_returned_or_reserved() {
+    let header = std::fs::read_to_string(source("include/realistic.h")).unwrap();
+    let listed = header.split("enum realistic_status\n").nth(1).and_then(|rest| rest.split("};").next());
+    let (mut is_reserved, mut returned) = (false, Vec::new());
+    for line in listed.expect("the enumeration").lines() {
+        if let Some((name, number)) = line.trim().strip_suffix(',').and_then(|line| line.split_once(" = ")) {
+            if !is_reserved {
+                returned.push((number.parse::<i32>().unwrap(), name));
+            }
+            is_reserved = false;
+        }
+        is_reserved |= line.contains("Reserved");
+    }
+    let reports = ["refusals", "null", "counts"].map(run);
+    let seen = |number: i32| {
+        let is_it = |line: &str| line.split(' ').nth(1) == Some(&number.to_string());
+        reports.iter().any(|report| report.out.lines().any(is_it))
+    };
+    assert_eq!(returned.len(), 9, "{returned:?}");
+    for (number, name) in returned {
+        // Only a defect gives it: a unit test of the boundary makes one.
+        assert!(number == PANIC || seen(number), "{name} is never returned");
+    }
+}
+
+#[test]
+fn no_call_prints() {
+    for action in ["library", "refusals", "info", "plan", "log", "rays", "null", "threads", "counts"] {
+        assert_eq!(run(action).err, "", "{action}");
+    }
 }
 
 #[test]
