@@ -1,6 +1,7 @@
 //! The camera that a host holds: one of the models, with its shutter.
 
 use super::{
+    differentials::{self, AT_ONCE, Moved, NeighbourArrays, RayDifferential, Side},
     first_look::warn_of_darkness,
     host::{Host, Log},
     model::Model,
@@ -131,7 +132,10 @@ impl Camera {
     /// [`Camera::ray`] of four samples of one time, traced side by side; `false`, and nothing done, where that
     /// takes as long as one after the other.
     #[inline]
-    #[cfg_attr(not(realistic_shim), expect(dead_code, reason = "only a pbrt-v1 host asks for three at once"))]
+    #[cfg_attr(
+        not(realistic_shim),
+        expect(dead_code, reason = "only a pbrt-v1 host asks for any three at once")
+    )]
     pub(crate) fn trace_side_by_side(&self, samples: &SampleBlock<4>, rays: &mut RayBlock<4>) -> bool {
         let traced = self.as_lens().is_some_and(|camera| camera.trace_side_by_side(samples, rays));
         if traced && self.shutter != Shutter::Global {
@@ -142,6 +146,85 @@ impl Camera {
             }
         }
         traced
+    }
+
+    /// The ray of a sample with its weight, and those of the same lens and time sample one pixel to the right and one
+    /// pixel down: the bits of [`Camera::ray`] for samples at image x + 1 and at y + 1. There is a neighbour where the
+    /// lens lets it through, whether the shutter is open there or not. `None` where the sample has no ray.
+    pub fn ray_differential(&self, sample: &Sample) -> Option<(RayDifferential, f32)> {
+        let mut rays = RayBlock::new();
+        self.trace_neighbours(sample, &mut rays);
+        let [own, rx, ry] = [0, 1, 2].map(|place| rays.get(place));
+        let [rx, ry] = [rx, ry].map(|found| found.map(|(ray, _)| ray));
+        own.map(|(ray, weight)| (RayDifferential { ray, rx, ry }, weight))
+    }
+
+    /// [`Camera::ray_differential`] of many samples, the same to the last bit. Where there is no ray the three weights
+    /// are 0, and the other numbers are left as they are; where a neighbour is missing its weight is 0, and the
+    /// ray's own origin and direction stand in its place.
+    ///
+    /// # Panics
+    /// The arrays differ in length.
+    pub fn ray_differentials(
+        &self,
+        samples: &SampleArrays<'_>,
+        rays: &mut RayArrays<'_>,
+        rx: &mut NeighbourArrays<'_>,
+        ry: &mut NeighbourArrays<'_>,
+    ) {
+        self.rays(samples, rays);
+        let n = samples.checked_len();
+        let same = [&*rx, ry].iter().all(|neighbours| neighbours.checked_len() == n);
+        assert!(same, "a batch needs as much room as it has samples");
+        let (mut moved, mut found) = (Moved::new(), RayBlock::new());
+        for first in (0..n).step_by(AT_ONCE) {
+            let count = AT_ONCE.min(n - first);
+            let part = samples.part(first, count);
+            self.rays_of_optics(&moved.to(Side::Right, &part), &mut found.arrays(count));
+            rx.take(first, count, rays, &mut found);
+            self.rays_of_optics(&moved.to(Side::Below, &part), &mut found.arrays(count));
+            ry.take(first, count, rays, &mut found);
+        }
+    }
+
+    /// Traces a sample and its neighbours, into places 0, 1 (right) and 2 (below); the weight is 0 where there is no ray.
+    pub(crate) fn trace_neighbours(&self, sample: &Sample, rays: &mut RayBlock<4>) {
+        let samples @ [own, right, below] = differentials::samples_of(sample);
+        let block = differentials::at_points(
+            &own,
+            [own.image_x, right.image_x, own.image_x, own.image_x],
+            [own.image_y, own.image_y, below.image_y, own.image_y],
+        );
+        let traced = self.as_lens().is_some_and(|camera| camera.trace_side_by_side(&block, rays));
+        if !traced {
+            for (place, sample) in samples.iter().enumerate() {
+                rays.arrays(4).set(place, self.ray_of_optics(sample));
+            }
+        }
+        if self.shutter != Shutter::Global {
+            let share = self.share(own.image_y, own.time);
+            let weight = &mut rays.arrays(4).weight[0];
+            *weight = share.filter(|_| *weight > 0.0).map_or(0.0, |share| dimmed(*weight, share));
+        }
+    }
+
+    /// [`Camera::ray`] with the shutter open.
+    fn ray_of_optics(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
+        if let AnyModel::Lens(camera) = &self.optics {
+            return camera.ray(sample);
+        }
+        match self.through_optics(sample) {
+            Outcome::Ray(ray, weight) => Some((ray, weight)),
+            Outcome::Blocked(_) | Outcome::Redraw | Outcome::Shut => None,
+        }
+    }
+
+    /// [`Camera::rays`] with the shutter open, of arrays that have one length.
+    fn rays_of_optics(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
+        match &self.optics {
+            AnyModel::Lens(camera) => camera.trace_arrays(samples, rays),
+            _ => (0..samples.len()).for_each(|i| rays.set(i, self.ray_of_optics(&samples.get(i)))),
+        }
     }
 
     /// [`Camera::rays`] by blocks, of which only what the shutter lets through is handed on.

@@ -101,7 +101,14 @@ impl<S: Turns + Send + Sync, O: LensOptics<S>> Tracer for Pipeline<S, O> {
     }
 
     fn many(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
-        self.trace(Grouping::Wide, samples, rays);
+        match samples.len() {
+            n @ 1..=4 => {
+                let mut found = RayBlock::<4>::new();
+                self.four(&SampleBlock::first_of(samples), &mut found);
+                (0..n).for_each(|i| rays.copy(i, &mut found, i));
+            }
+            _ => self.trace(Grouping::Wide, samples, rays),
+        }
     }
 
     fn film_ray(&self, sample: &Sample) -> FilmRays<f64> {
