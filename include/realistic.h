@@ -6,7 +6,13 @@
  * from realistic_last_error() on the same thread. Outputs are written last and stay untouched on
  * failure. Handles come from a _new function and go to the matching _free, which takes NULL. A
  * camera is immutable: any number of threads may ask it for rays. Strings are UTF-8 and end in NUL.
- * No call prints, panics or throws across this boundary. */
+ * No call panics or throws across this boundary. None prints, but for CreateCamera in a process without pbrt's
+ * Error function, which says on standard error why it fails, and a defect of the library, which Rust reports there.
+ *
+ * Floating point. Calls compute in the default environment (to nearest, no trap, subnormal numbers kept) whatever
+ * the caller's is, so that rays are the same to the bit, and leave the caller's control word as it is. Building, batches and
+ * autofocus restore its flags; a single ray may raise inexact and underflow and no other. Callbacks are
+ * called in the default environment. (x86-64 and AArch64; elsewhere calls compute in the caller's.) */
 
 #ifndef REALISTIC_H
 #define REALISTIC_H
@@ -15,10 +21,22 @@
 #include <stdint.h>
 
 /*
- The version of the C ABI that this header describes. It grows when something is added;
- nothing is ever taken away or renumbered.
+ A bit of `has` in `realistic_ray_differential`: there is a ray one pixel to the right.
  */
-#define REALISTIC_ABI_VERSION 1
+#define REALISTIC_HAS_RX 1
+
+/*
+ A bit of `has` in `realistic_ray_differential`: there is a ray one pixel down.
+ */
+#define REALISTIC_HAS_RY 2
+
+/*
+ The version of the C ABI that this header describes. It grows when something is added;
+ nothing is ever taken away or renumbered. Version 2 states what version 1 had come to: the fields of
+ `realistic_options` from `camera_to_world_end` on, `realistic_autofocus` and `realistic_camera_plan`; and it
+ adds rays with differentials.
+ */
+#define REALISTIC_ABI_VERSION 2
 
 /*
  The library can be loaded by a pbrt-v1 host (`CreateCamera` is there).
@@ -61,6 +79,11 @@
 #define REALISTIC_CAPABILITY_PLAN 128
 
 /*
+ Rays can be asked for with their differentials (`realistic_generate_ray_differential`).
+ */
+#define REALISTIC_CAPABILITY_DIFFERENTIALS 256
+
+/*
  How a call of the C ABI ended. The numbers are part of the ABI and never change.
  */
 enum realistic_status
@@ -73,7 +96,7 @@ enum realistic_status
      */
     REALISTIC_STATUS_OK = 0,
     /*
-     A pointer that must not be NULL is NULL.
+     A pointer that must not be NULL is NULL; where it is the camera's, see `REALISTIC_STATUS_NOT_A_CAMERA`.
      */
     REALISTIC_STATUS_NULL_POINTER = 1,
     /*
@@ -93,7 +116,7 @@ enum realistic_status
      */
     REALISTIC_STATUS_UNREACHABLE_FOCUS = 5,
     /*
-     A file other than the lens description cannot be read or written.
+     Reserved, and not returned by this version: a file other than the lens description cannot be read or written.
      */
     REALISTIC_STATUS_IO = 6,
     /*
@@ -101,15 +124,17 @@ enum realistic_status
      */
     REALISTIC_STATUS_PANIC = 7,
     /*
-     The pointer is to no camera of this library.
+     The pointer is NULL, or to no camera of this library.
      */
     REALISTIC_STATUS_NOT_A_CAMERA = 8,
     /*
-     Memory is out.
+     Memory is out for what a caller's number asks for (the zones of an autofocus) or for the camera object. Where
+     it is out for anything less, the process ends, as with most of Rust.
      */
     REALISTIC_STATUS_OUT_OF_MEMORY = 9,
     /*
-     The process lacks what the call needs, such as a host's functions.
+     Reserved, and not returned by this version: the process lacks what the call needs. (`CreateCamera` returns NULL
+     where a host's functions are missing, and `realistic.hpp` throws this for a library older than itself.)
      */
     REALISTIC_STATUS_UNSUPPORTED = 10,
 };
@@ -173,8 +198,9 @@ typedef int32_t realistic_reason;
 typedef struct realistic_camera realistic_camera;
 
 /*
- Receives a message while a camera is being built. `level`: 0 information, 1 warning, 2 error.
- `message` is UTF-8, ends in NUL, and lives until the callback returns.
+ Receives a message while a camera is being built. `level`: 0 information, 1 warning; 2, an error, is reserved, for
+ errors are returned. `message` is UTF-8, ends in NUL, and lives until the callback returns. It must return: an
+ exception that leaves it ends the process (`realistic.hpp` catches what its callbacks throw).
  */
 typedef void (*realistic_log)(void *user, int32_t level, const char *message);
 
@@ -460,6 +486,46 @@ typedef struct realistic_ray {
 } realistic_ray;
 
 /*
+ A ray with its differentials: beside the ray of a sample those of the same lens and time sample one pixel to the right
+ (image x + 1) and one pixel down (image y + 1).
+
+ Bit `REALISTIC_HAS_RX` of `has` says that the lens lets the ray to the right through, whether the shutter is open
+ there or not, and `REALISTIC_HAS_RY` the one below. Where a bit is 0 that neighbour is blocked, and the ray's own
+ origin and direction stand in its place: a footprint of no width, with numbers that are safe to use.
+ */
+typedef struct realistic_ray_differential {
+    /*
+     `sizeof(realistic_ray_differential)` of the caller's header. Set by the caller and never written; of a batch only
+     the first element's is read.
+     */
+    uint32_t struct_size;
+    /*
+     Which neighbours there are: `REALISTIC_HAS_RX`, `REALISTIC_HAS_RY`, both (3) or none (0).
+     */
+    uint32_t has;
+    /*
+     The ray.
+     */
+    struct realistic_ray ray;
+    /*
+     Origin of the ray to the right, world units.
+     */
+    float rx_o[3];
+    /*
+     Its direction, unit length.
+     */
+    float rx_d[3];
+    /*
+     Origin of the ray below, world units.
+     */
+    float ry_o[3];
+    /*
+     Its direction, unit length.
+     */
+    float ry_d[3];
+} realistic_ray_differential;
+
+/*
  Samples as structure of arrays; the members of `realistic_sample`.
  */
 typedef struct realistic_samples_soa {
@@ -511,7 +577,8 @@ typedef struct realistic_zone {
 
 /*
  Returns the distance along a ray from its origin to the first surface, world units: infinity for
- none, and NaN or a number that is not above 0 for "not known". It must return, without an exception.
+ none, and NaN or a number that is not above 0 for "not known". It must return, without an exception (as a
+ `realistic_log` must).
  */
 typedef double (*realistic_distance)(void *user, const struct realistic_ray *ray);
 
@@ -638,6 +705,22 @@ float realistic_generate_ray(const struct realistic_camera *camera,
                              struct realistic_ray *ray);
 
 /*
+ One ray with its differentials: the ray of the sample, and those of the same lens and time sample one pixel to the
+ right and one pixel down, in little more than the time of one. They have the bits that `realistic_generate_ray` gives
+ for samples at `image_x` + 1 and at `image_y` + 1. `ray->struct_size` must be set.
+
+ Returns the weight of the sample's ray, positive. Returns exactly 0, and leaves `ray` as it is, where
+ `realistic_generate_ray` does, and when `ray->struct_size` is none that this library knows.
+
+ # Safety
+ `camera` is NULL or points to an object of at least 8 bytes that lives during the call;
+ `sample` and `ray` are NULL or valid, `ray` for its `struct_size` bytes.
+ */
+float realistic_generate_ray_differential(const struct realistic_camera *camera,
+                                          const struct realistic_sample *sample,
+                                          struct realistic_ray_differential *ray);
+
+/*
  Rays of `n` samples. Element i lies `i * stride` bytes from the first, so that arrays of a host's own
  larger structures can be passed (pbrt-v1: 88 for `Sample`, 36 for `Ray`); a stride of 0 means tightly packed.
  Nothing needs to be aligned beyond a byte.
@@ -669,6 +752,41 @@ realistic_status realistic_camera_generate_rays_soa(const struct realistic_camer
                                                     size_t n,
                                                     const struct realistic_samples_soa *samples,
                                                     const struct realistic_rays_soa *rays);
+
+/*
+ Rays with differentials of `n` samples, the same as by `realistic_generate_ray_differential`. Strides, alignment,
+ `weights` and `reasons` as in `realistic_camera_generate_rays`. `struct_size` must be set in the first of `rays`; a
+ `ray_stride` of 0 is that size.
+
+ # Safety
+ `camera` is NULL or a live camera of this library; the arrays have room for `n` elements.
+ */
+realistic_status realistic_camera_generate_ray_differentials(const struct realistic_camera *camera,
+                                                             size_t n,
+                                                             const struct realistic_sample *samples,
+                                                             size_t sample_stride,
+                                                             struct realistic_ray_differential *rays,
+                                                             size_t ray_stride,
+                                                             float *weights,
+                                                             realistic_reason *reasons);
+
+/*
+ Rays with differentials of `n` samples given and taken as structure of arrays: `rays` as in
+ `realistic_camera_generate_rays_soa`, `rx` one pixel to the right, `ry` one pixel down. Of `rx` and `ry` the origins,
+ directions and weights are written, and the other arrays may be NULL: where a weight is positive there is that
+ neighbour; where the lens blocks it the weight is 0 and the ray's own origin and direction stand in its place; where
+ the ray itself is blocked the three weights are 0 and the other numbers are left as they are.
+
+ # Safety
+ `camera` is NULL or a live camera of this library; `samples`, `rays`, `rx` and `ry` are NULL or valid, and
+ their arrays are NULL or have room for `n` elements and do not overlap.
+ */
+realistic_status realistic_camera_generate_ray_differentials_soa(const struct realistic_camera *camera,
+                                                                 size_t n,
+                                                                 const struct realistic_samples_soa *samples,
+                                                                 const struct realistic_rays_soa *rays,
+                                                                 const struct realistic_rays_soa *rx,
+                                                                 const struct realistic_rays_soa *ry);
 
 /*
  Autofocus: finds the film distance, mm, to be given as `filmdistance`, at which the camera of
@@ -704,7 +822,8 @@ extern "C" {
 #endif
 /* What a pbrt-v1 host calls: takes its const ParamSet &, const Transform & (world to camera) and
  * Film *, and returns its Camera *, which the host deletes. NULL when there is none; the reason went to the
- * host's Error function. */
+ * host's Error function (where there is none, to standard error) and is realistic_last_error(). Rays that the host asks
+ * for through its own vtable may raise floating-point flags, but do not trap. */
 realistic_camera *CreateCamera(const void *params, const void *world2cam, void *film);
 /* realistic_generate_ray under the name that the assignment gives it. */
 float GenerateRay(const realistic_camera *camera, const realistic_sample *sample,

@@ -5,6 +5,7 @@
 //! `cargo bench --bench camera` (with `-- dgauss` one lens). Medians over interleaved rounds.
 
 mod c_camera;
+mod calls;
 
 use std::{
     ffi::{CStr, CString},
@@ -16,11 +17,11 @@ use std::{
 
 #[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
 use c_camera::triple;
-use c_camera::{Camera, chain, moved, samples};
+use c_camera::{Arrays, Camera, chain, moved, samples};
 use realistic::{abi::*, prescription::catalogue};
 use realistic_lab::{
     results::statistics::quantile,
-    timing::{BenchArguments, Contest, Effort, repeated},
+    timing::{BenchArguments, Contest, Effort, LARGE_LENSES, repeated},
 };
 
 /// Samples of a round; three calls each through the vtable.
@@ -32,22 +33,25 @@ const MIDDLE: [f32; 2] = [250.0, 750.0];
 
 fn main() {
     let arguments = BenchArguments::from_command_line(41);
-    let lenses = || catalogue::names().filter(|name| arguments.wants(name));
-    for name in lenses().filter(|name| TIMED.contains(name)) {
+    let lenses = || lenses().filter(|(name, _)| arguments.wants(name));
+    for (name, lens) in lenses().filter(|(name, _)| *name != "dgauss.100mm") {
         println!("\n## {name}");
-        calls(name, arguments.effort);
+        calls(lens, arguments.effort);
     }
     println!("\n## From a lens's name to the first ray\n");
     println!("| lens | warped pupil, ms: median | least | pupil \"rear\", ms: median | least |");
     println!("|---|---|---|---|---|");
-    for name in lenses() {
-        let [warped, rear] = [c"warped", c"rear"].map(|pupil| start(name, pupil, arguments.effort.rounds));
+    for (name, lens) in lenses() {
+        let [warped, rear] = [c"warped", c"rear"].map(|pupil| start(lens, pupil, arguments.effort.rounds));
         println!("| {name} | {:.2} | {:.2} | {:.3} | {:.3} |", warped[0], warped[1], rear[0], rear[1]);
     }
 }
 
-/// The lenses of the assignment.
-const TIMED: [&str; 4] = ["dgauss.50mm", "wide.22mm", "telephoto.250mm", "fisheye.10mm"];
+/// Every lens by its name and what is given for `specfile`: the catalogue's, and two of the size that people have. The
+/// double Gauss of 100 mm costs a ray what that of 50 mm does.
+fn lenses() -> impl Iterator<Item = (&'static str, &'static str)> {
+    catalogue::names().map(|name| (name, name)).chain(LARGE_LENSES)
+}
 
 /// The camera of a lens, with what else it is given.
 fn camera(lens: &str, give: impl FnOnce(&mut realistic_options)) -> Camera {
@@ -112,45 +116,10 @@ fn calls(lens: &str, effort: Effort) {
         contest.enter(format!("batch, arrays, {name}"), Box::new(arrays) as Box<dyn FnMut()>);
     }
     contest.print("ns per call or ray", SAMPLES, effort);
+    calls::print(lens, [("f64", &camera), ("f32", &single)], &samples, effort);
     for (name, camera) in [("f64", &camera), ("f32", &single)] {
         let [one, two] = [1, 2].map(|threads| throughput(camera, &samples, threads, effort.rounds));
         println!("\nbatch, arrays, {name}: two threads at once do {:.2} times the work of one", two / one);
-    }
-}
-
-/// Samples and rays as structure of arrays.
-struct Arrays {
-    asked: [Vec<f32>; 5],
-    found: [Vec<f32>; 7],
-}
-
-impl Arrays {
-    fn new(samples: &[realistic_sample]) -> Self {
-        let column = |part: fn(&realistic_sample) -> f32| samples.iter().map(part).collect::<Vec<f32>>();
-        Self {
-            asked: [
-                column(|sample| sample.image_x),
-                column(|sample| sample.image_y),
-                column(|sample| sample.lens_u),
-                column(|sample| sample.lens_v),
-                column(|sample| sample.time),
-            ],
-            found: std::array::from_fn(|_| vec![0.0; samples.len()]),
-        }
-    }
-
-    fn generate(&mut self, camera: &Camera) {
-        let [image_x, image_y, lens_u, lens_v, time] = self.asked.each_ref().map(|array| array.as_ptr());
-        let asked = realistic_samples_soa { image_x, image_y, lens_u, lens_v, time };
-        let [ox, oy, oz, dx, dy, dz, weight] = self.found.each_mut().map(|array| array.as_mut_ptr());
-        let none = null_mut();
-        let (mint, maxt, time, reason) = (none, none, none, null_mut());
-        let rays = realistic_rays_soa { ox, oy, oz, dx, dy, dz, mint, maxt, time, weight, reason };
-        let n = self.asked[0].len();
-        // SAFETY: every array that is there has room.
-        let status = unsafe { realistic_camera_generate_rays_soa(camera.0, n, &asked, &rays) };
-        assert_eq!(status, realistic_status::Ok);
-        black_box(&self.found);
     }
 }
 

@@ -1,7 +1,7 @@
 //! What a ray costs: one, three at once, and many, against the walk with Heckbert's refraction and what the processor
 //! can do at best, all in one run.
 //!
-//! `cargo bench --bench kernel` (under a minute; with `-- dgauss` one lens). Every figure is a median over rounds
+//! `cargo bench --bench kernel` (over a minute; with `-- dgauss` one lens). Every figure is a median over rounds
 //! in which all contestants take turns, so that a busy machine disturbs them alike.
 
 mod limits;

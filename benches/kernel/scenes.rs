@@ -2,11 +2,11 @@
 
 use realistic::{
     lens::{Lens, Surface},
-    prescription::catalogue,
+    prescription::{Prescription, catalogue, read},
     sampling::PupilDisk,
     trace::{Path, Ray},
 };
-use realistic_lab::subject::passing_rays;
+use realistic_lab::{subject::passing_rays, timing::LARGE_LENSES};
 
 /// A lens and where its film is.
 pub struct Scene {
@@ -25,12 +25,17 @@ impl Scene {
     }
 }
 
-/// The four lenses of the assignment, and one of 26 surfaces.
+/// The four lenses of the assignment, two of the size that people have, and one of 26 surfaces.
 pub fn all() -> Vec<Scene> {
-    let film = |name, distance: f64| {
-        let lens = Lens::at_d_line(&catalogue::find(name).expect("a catalogue lens"));
+    let scene = |name, prescription: &Prescription, distance: f64| {
+        let lens = Lens::at_d_line(prescription);
         let film = lens.rear().vertex - distance;
         Scene { name, lens, film }
+    };
+    let film = |name, distance| scene(name, &catalogue::find(name).expect("a catalogue lens"), distance);
+    let large = |(name, path): (&'static str, &str), distance| {
+        let file = std::fs::read(path).expect("it is in the repository");
+        scene(name, &read(name, &file).expect("a lens"), distance)
     };
     let many = many_surfaces(26);
     let behind = many.rear().vertex - 60.0;
@@ -39,6 +44,8 @@ pub fn all() -> Vec<Scene> {
         film("wide.22mm", 14.3),
         film("telephoto.250mm", 105.0),
         film("fisheye.10mm", 23.2),
+        large(LARGE_LENSES[0], 35.9),
+        large(LARGE_LENSES[1], 35.3),
         Scene { name: "26 surfaces", lens: many, film: behind },
     ]
 }

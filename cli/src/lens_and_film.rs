@@ -185,14 +185,20 @@ impl FilmPlace {
         film_distance(&parameters, lens).map_err(|error| in_flags(&error))
     }
 
+    /// The same; `None` for a lens that makes no image, where no place was asked for.
+    ///
+    /// # Errors
+    /// As [`film_distance`], where one was.
+    pub fn film_distance_if_any(&self, lens: &Lens) -> Result<Option<f64>, Failure> {
+        match self.film_distance(lens) {
+            Err(failure) if self.film_distance.is_some() || self.distance.is_some() => Err(failure),
+            place => Ok(place.ok()),
+        }
+    }
+
     /// The failure of film that would lie in the rear element.
     pub fn in_lens(lens: &Lens, film_distance: f64) -> Failure {
         in_flags(&CameraError::film_in_lens(lens, film_distance))
-    }
-
-    /// Whether the film's place was asked for.
-    pub fn is_given(&self) -> bool {
-        self.film_distance.is_some() || self.distance.is_some()
     }
 }
 

@@ -39,7 +39,8 @@ pub enum realistic_autofocus_rule {
 }
 
 /// Returns the distance along a ray from its origin to the first surface, world units: infinity for
-/// none, and NaN or a number that is not above 0 for "not known". It must return, without an exception.
+/// none, and NaN or a number that is not above 0 for "not known". It must return, without an exception (as a
+/// `realistic_log` must).
 #[allow(non_camel_case_types)]
 pub type realistic_distance =
     Option<unsafe extern "C" fn(user: *mut c_void, ray: *const realistic_ray) -> f64>;
@@ -95,8 +96,7 @@ pub unsafe extern "C" fn realistic_autofocus(
             (options, options.parameters()?, options.host()?)
         };
         // SAFETY: not NULL, and the caller's promise.
-        let zones: Vec<Zone> =
-            unsafe { std::slice::from_raw_parts(zones, n) }.iter().copied().map(Zone::from).collect();
+        let zones = unsafe { copied(zones, n) }?;
         let mut log = |level, text: &str| camera::log(options.log, options.log_user, level, text);
         let found = match (distance, contrast) {
             (Some(distance), None) => {
@@ -132,6 +132,19 @@ pub unsafe extern "C" fn realistic_autofocus(
         unsafe { film_distance_mm.write(found) };
         Ok(())
     })
+}
+
+/// A caller's zones.
+///
+/// # Safety
+/// `zones` has `n` elements, whatever their alignment.
+unsafe fn copied(zones: *const realistic_zone, n: usize) -> Result<Vec<Zone>, Failure> {
+    boundary::fits_memory(n, size_of::<realistic_zone>())?;
+    let mut copies = Vec::new();
+    copies.try_reserve_exact(n).map_err(|_| boundary::out_of_memory())?;
+    // SAFETY: the caller's promise.
+    copies.extend((0..n).map(|i| Zone::from(unsafe { zones.add(i).read_unaligned() })));
+    Ok(copies)
 }
 
 fn rule_of(number: i32) -> Result<Rule, Failure> {

@@ -1,13 +1,15 @@
 //! The one way out of this library: every exported function runs its body through here,
 //! so that no panic reaches a host and the reason of the last failure can be asked for.
 //!
-//! A panic that is caught still prints through the process's panic hook. The hook belongs
-//! to the whole program when the library is linked into one, so it is left alone.
+//! A panic that is caught still prints through the process's panic hook, as the header says: a defect
+//! should not pass in silence, and the hook belongs to the whole program when the library is linked into one.
 
 use std::any::Any;
 use std::cell::RefCell;
 use std::ffi::{CStr, CString};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use super::float_environment;
 
 /// How a call of the C ABI ended. The numbers are part of the ABI and never change.
 #[allow(non_camel_case_types)]
@@ -16,7 +18,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 pub enum realistic_status {
     /// It worked.
     Ok = 0,
-    /// A pointer that must not be NULL is NULL.
+    /// A pointer that must not be NULL is NULL; where it is the camera's, see `REALISTIC_STATUS_NOT_A_CAMERA`.
     NullPointer = 1,
     /// A `struct_size` is none that this library knows.
     StructSize = 2,
@@ -26,15 +28,17 @@ pub enum realistic_status {
     LensFile = 4,
     /// The lens cannot be focused at the distance asked for.
     UnreachableFocus = 5,
-    /// A file other than the lens description cannot be read or written.
+    /// Reserved, and not returned by this version: a file other than the lens description cannot be read or written.
     Io = 6,
     /// A defect of this library: a panic was caught.
     Panic = 7,
-    /// The pointer is to no camera of this library.
+    /// The pointer is NULL, or to no camera of this library.
     NotACamera = 8,
-    /// Memory is out.
+    /// Memory is out for what a caller's number asks for (the zones of an autofocus) or for the camera object. Where
+    /// it is out for anything less, the process ends, as with most of Rust.
     OutOfMemory = 9,
-    /// The process lacks what the call needs, such as a host's functions.
+    /// Reserved, and not returned by this version: the process lacks what the call needs. (`CreateCamera` returns NULL
+    /// where a host's functions are missing, and `realistic.hpp` throws this for a library older than itself.)
     Unsupported = 10,
 }
 
@@ -103,6 +107,17 @@ pub fn not_a_camera() -> Failure {
     Failure::new(realistic_status::NotACamera, "this is no camera of this library (or it is NULL)")
 }
 
+/// Whether `n` elements of so many bytes can lie in memory at all.
+///
+/// # Errors
+/// They cannot: `n` was never set, or is that of another thing.
+pub fn fits_memory(n: usize, bytes: usize) -> Result<(), Failure> {
+    if n.checked_mul(bytes).is_some_and(|all| isize::try_from(all).is_ok()) {
+        return Ok(());
+    }
+    Err(Failure::invalid(format!("n is {n}: no memory holds so many elements of {bytes} bytes")))
+}
+
 /// Memory is out.
 pub fn out_of_memory() -> Failure {
     Failure::new(realistic_status::OutOfMemory, "memory is out")
@@ -112,14 +127,15 @@ thread_local! {
     static LAST_MESSAGE: RefCell<CString> = RefCell::new(CString::default());
 }
 
-/// Runs `body`; a panic in it becomes a [`Failure`].
+/// Runs `body` in the default floating-point environment; a panic in it becomes a [`Failure`].
 ///
 /// # Errors
 /// What `body` returns, or [`realistic_status::Panic`].
 pub fn catch<T>(body: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
     // Unwind safety: what a body leaves half done is its own (outputs are written last);
     // the library's shared state is immutable.
-    catch_unwind(AssertUnwindSafe(body)).unwrap_or_else(|payload| {
+    let body = AssertUnwindSafe(|| float_environment::in_default(body));
+    catch_unwind(body).unwrap_or_else(|payload| {
         Err(Failure::new(
             realistic_status::Panic,
             format!("a defect of this library was caught: {}", describe(payload)),

@@ -17,6 +17,7 @@ impl From<CameraError> for Failure {
             | CameraError::NoFilmDistance(_)
             | CameraError::FilmInLens { .. }
             | CameraError::PupilAtInfinity
+            | CameraError::TooFar { .. }
             | CameraError::DarkAxis { .. }
             | CameraError::Weight { .. }
             | CameraError::Transform(_)

@@ -1,14 +1,16 @@
 //! The C ABI: the only exported functions, and the only place that takes raw pointers.
 //!
-//! `types` are the structures by layout, `boundary` keeps panics inside, `failure` gives errors their status, `object`
-//! makes, recognises and serves the cameras that a host holds; `library`, `options`, `camera`, `ray`, `batch` and
-//! `autofocus` export what a C caller uses; `pbrt` is the entry of a pbrt-v1 host (only where `pbrt-shim/` is built).
+//! `types` are the structures by layout, `boundary` keeps panics inside, `float_environment` the host's traps and
+//! rounding outside, `failure` gives errors their status, `object` makes, recognises and serves the cameras that a host
+//! holds; `library`, `options`, `camera`, `ray`, `batch` and `autofocus` export what a C caller uses; `pbrt` is the entry
+//! of a pbrt-v1 host (only where `pbrt-shim/` is built).
 
 mod autofocus;
 mod batch;
 mod boundary;
 mod camera;
 mod failure;
+mod float_environment;
 mod library;
 mod object;
 mod options;
@@ -25,5 +27,5 @@ pub use library::*;
 pub use options::*;
 #[cfg(realistic_shim)]
 pub use pbrt::CreateCamera;
-pub use ray::{GenerateRay, realistic_generate_ray};
+pub use ray::{GenerateRay, realistic_generate_ray, realistic_generate_ray_differential};
 pub use types::*;

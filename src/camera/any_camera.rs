@@ -1,6 +1,8 @@
 //! The camera that a host holds: one of the models, with its shutter.
 
 use super::{
+    differentials::{self, AT_ONCE, Moved, NeighbourArrays, RayDifferential, Side},
+    first_look::warn_of_darkness,
     host::{Host, Log},
     model::Model,
     models::{
@@ -56,7 +58,9 @@ impl Camera {
                 AnyModel::Environment(stock_cameras::environment(parameters, host, log)?.into())
             }
         };
-        Ok(Self { optics, shutter, yres: host.raster.yres as f32 })
+        let camera = Self { optics, shutter, yres: host.raster.yres as f32 };
+        warn_of_darkness(host.raster, |sample| camera.through_optics(sample), log);
+        Ok(camera)
     }
 
     /// The ray of a sample with its weight, or why there is none. The weight is the model's times what the
@@ -128,7 +132,10 @@ impl Camera {
     /// [`Camera::ray`] of four samples of one time, traced side by side; `false`, and nothing done, where that
     /// takes as long as one after the other.
     #[inline]
-    #[cfg_attr(not(realistic_shim), expect(dead_code, reason = "only a pbrt-v1 host asks for three at once"))]
+    #[cfg_attr(
+        not(realistic_shim),
+        expect(dead_code, reason = "only a pbrt-v1 host asks for any three at once")
+    )]
     pub(crate) fn trace_side_by_side(&self, samples: &SampleBlock<4>, rays: &mut RayBlock<4>) -> bool {
         let traced = self.as_lens().is_some_and(|camera| camera.trace_side_by_side(samples, rays));
         if traced && self.shutter != Shutter::Global {
@@ -139,6 +146,85 @@ impl Camera {
             }
         }
         traced
+    }
+
+    /// The ray of a sample with its weight, and those of the same lens and time sample one pixel to the right and one
+    /// pixel down: the bits of [`Camera::ray`] for samples at image x + 1 and at y + 1. There is a neighbour where the
+    /// lens lets it through, whether the shutter is open there or not. `None` where the sample has no ray.
+    pub fn ray_differential(&self, sample: &Sample) -> Option<(RayDifferential, f32)> {
+        let mut rays = RayBlock::new();
+        self.trace_neighbours(sample, &mut rays);
+        let [own, rx, ry] = [0, 1, 2].map(|place| rays.get(place));
+        let [rx, ry] = [rx, ry].map(|found| found.map(|(ray, _)| ray));
+        own.map(|(ray, weight)| (RayDifferential { ray, rx, ry }, weight))
+    }
+
+    /// [`Camera::ray_differential`] of many samples, the same to the last bit. Where there is no ray the three weights
+    /// are 0, and the other numbers are left as they are; where a neighbour is missing its weight is 0, and the
+    /// ray's own origin and direction stand in its place.
+    ///
+    /// # Panics
+    /// The arrays differ in length.
+    pub fn ray_differentials(
+        &self,
+        samples: &SampleArrays<'_>,
+        rays: &mut RayArrays<'_>,
+        rx: &mut NeighbourArrays<'_>,
+        ry: &mut NeighbourArrays<'_>,
+    ) {
+        self.rays(samples, rays);
+        let n = samples.checked_len();
+        let same = [&*rx, ry].iter().all(|neighbours| neighbours.checked_len() == n);
+        assert!(same, "a batch needs as much room as it has samples");
+        let (mut moved, mut found) = (Moved::new(), RayBlock::new());
+        for first in (0..n).step_by(AT_ONCE) {
+            let count = AT_ONCE.min(n - first);
+            let part = samples.part(first, count);
+            self.rays_of_optics(&moved.to(Side::Right, &part), &mut found.arrays(count));
+            rx.take(first, count, rays, &mut found);
+            self.rays_of_optics(&moved.to(Side::Below, &part), &mut found.arrays(count));
+            ry.take(first, count, rays, &mut found);
+        }
+    }
+
+    /// Traces a sample and its neighbours, into places 0, 1 (right) and 2 (below); the weight is 0 where there is no ray.
+    pub(crate) fn trace_neighbours(&self, sample: &Sample, rays: &mut RayBlock<4>) {
+        let samples @ [own, right, below] = differentials::samples_of(sample);
+        let block = differentials::at_points(
+            &own,
+            [own.image_x, right.image_x, own.image_x, own.image_x],
+            [own.image_y, own.image_y, below.image_y, own.image_y],
+        );
+        let traced = self.as_lens().is_some_and(|camera| camera.trace_side_by_side(&block, rays));
+        if !traced {
+            for (place, sample) in samples.iter().enumerate() {
+                rays.arrays(4).set(place, self.ray_of_optics(sample));
+            }
+        }
+        if self.shutter != Shutter::Global {
+            let share = self.share(own.image_y, own.time);
+            let weight = &mut rays.arrays(4).weight[0];
+            *weight = share.filter(|_| *weight > 0.0).map_or(0.0, |share| dimmed(*weight, share));
+        }
+    }
+
+    /// [`Camera::ray`] with the shutter open.
+    fn ray_of_optics(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
+        if let AnyModel::Lens(camera) = &self.optics {
+            return camera.ray(sample);
+        }
+        match self.through_optics(sample) {
+            Outcome::Ray(ray, weight) => Some((ray, weight)),
+            Outcome::Blocked(_) | Outcome::Redraw | Outcome::Shut => None,
+        }
+    }
+
+    /// [`Camera::rays`] with the shutter open, of arrays that have one length.
+    fn rays_of_optics(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
+        match &self.optics {
+            AnyModel::Lens(camera) => camera.trace_arrays(samples, rays),
+            _ => (0..samples.len()).for_each(|i| rays.set(i, self.ray_of_optics(&samples.get(i)))),
+        }
     }
 
     /// [`Camera::rays`] by blocks, of which only what the shutter lets through is handed on.
@@ -178,20 +264,24 @@ impl Camera {
             AnyModel::Environment(camera) => Outcome::Ray(camera.ray(sample), 1.0),
         };
         match outcome {
-            Outcome::Ray(ray, weight) if !is_sound(&ray, weight) => Outcome::Blocked(Blocked::Missed),
+            // The real lens blocks these as well.
+            Outcome::Ray(ray, weight) if !(ray.is_sound() && weight > 0.0 && weight.is_finite()) => {
+                Outcome::Blocked(Blocked::Missed)
+            }
             sound => sound,
         }
     }
 
     /// A ray that stands in where there is none and a host needs a complete ray all the same: of the
-    /// same film point, by the thick lens or through the middle of the lens.
+    /// same film point, by the thick lens or through the middle of the lens; where the film point is none, straight ahead.
     pub fn substitute(&self, sample: &Sample) -> WorldRay {
-        match &self.optics {
+        let ray = match &self.optics {
             AnyModel::Lens(camera) => camera.substitute(sample),
             AnyModel::Ideal(camera) => camera.central(sample),
             AnyModel::Projective(camera) => camera.central(sample),
             AnyModel::Environment(camera) => camera.ray(sample),
-        }
+        };
+        if ray.is_sound() { ray } else { self.placement().axial_ray(sample.time) }
     }
 
     fn placement(&self) -> &Placement {
@@ -241,15 +331,6 @@ impl Camera {
             AnyModel::Projective(_) | AnyModel::Environment(_) => None,
         }
     }
-}
-
-/// Whether these are a ray's numbers: those of image points that are none, or far out of any image, are not.
-/// The real lens blocks them.
-fn is_sound(ray: &WorldRay, weight: f32) -> bool {
-    let [x, y, z] = ray.direction;
-    // What overflowed on its way to a unit vector is 0 or no number.
-    let is_unit = x * x + y * y + z * z > 0.5;
-    is_unit && weight > 0.0 && weight.is_finite() && ray.origin.iter().all(|part| part.is_finite())
 }
 
 /// A positive weight behind the shutter. However small, it is not that of a blocked ray.

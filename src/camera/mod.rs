@@ -7,6 +7,8 @@
 mod any_camera;
 pub mod autofocus;
 pub(crate) mod builder;
+pub(crate) mod differentials;
+mod first_look;
 pub(crate) mod host;
 pub(crate) mod model;
 pub mod models;
@@ -20,6 +22,7 @@ pub use crate::plan::Precision;
 pub(crate) use crate::sampling::film;
 pub use any_camera::Camera;
 pub use builder::CameraBuilder;
+pub use differentials::{NeighbourArrays, RayDifferential};
 pub use film::{Film, Raster};
 pub use host::{Host, Level, Log};
 pub use model::Model;
@@ -30,7 +33,6 @@ pub use parameters::{
     CameraError, Interval, Kind, LensPlane, PARAMETERS, Parameter, ParameterError, Parameters, Pupil, Range,
     UnknownName, Value, Weighting,
 };
-pub(crate) use pipeline::arrays::BLOCK;
 pub use pipeline::arrays::{RayArrays, RayBlock, SampleArrays, SampleBlock};
 pub use placement::{
     motion::{CameraMotion, Moving},

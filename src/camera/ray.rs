@@ -34,6 +34,16 @@ pub struct WorldRay {
     pub time: f32,
 }
 
+impl WorldRay {
+    /// Whether these are a ray's numbers: a finite origin, a unit direction. Those of image points that are none, or far
+    /// out of any image, are not.
+    pub(crate) fn is_sound(&self) -> bool {
+        let [x, y, z] = self.direction;
+        // Lengths are 1 to 1e-6, and the square is off by three roundings.
+        (x * x + y * y + z * z - 1.0).abs() < 1.6e-6 && self.origin.iter().all(|part| part.is_finite())
+    }
+}
+
 /// What becomes of a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outcome {

@@ -56,6 +56,19 @@ pub struct Focus {
     /// z of a plane that lies before the whole first surface.
     start: f64,
     rule: [(f64, f64); crate::numeric::GAUSS_POINTS],
+    /// Of the axial point at infinity.
+    at_infinity: BestImage,
+}
+
+/// Where an axial point's bundle is narrowest.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct BestImage {
+    /// From the last vertex, mm.
+    distance: f64,
+    /// RMS radius of the bundle there, mm.
+    spot: f64,
+    /// The largest share of the entrance pupil's radius that gets through.
+    margin: f64,
 }
 
 /// An object distance and the film distance that focuses it, both mm.
@@ -85,18 +98,20 @@ impl Focus {
             let focal_length = first_order.focal_length;
             return Err(LensError::Diverging { lens: lens.name.clone(), focal_length }.into());
         }
-        let focus = Self {
+        let mut focus = Self {
             lens: lens.name.clone(),
             first_order,
             entrance,
             path: Path::scene_to_film(lens),
             start: lens.front().sagitta(lens.front().semi_diameter).max(0.0),
             rule: gauss_legendre(),
+            at_infinity: BestImage::default(),
         };
         if focus.image_side(0.0, 0.0).is_none() {
             return Err(FocusError::Dark { lens: lens.name.clone() });
         }
-        if focus.best_image_distance(0.0) <= 0.0 {
+        focus.at_infinity = focus.best_image(0.0);
+        if focus.at_infinity.distance <= 0.0 {
             let focal_length = first_order.focal_length;
             return Err(LensError::Diverging { lens: lens.name.clone(), focal_length }.into());
         }
@@ -112,7 +127,7 @@ impl Focus {
         // 1 + u (D(u) - 1/u - distance): positive at infinity, negative past the root.
         let residual = |u: f64| 1.0 + u * (self.distance_with(u, 0.0) - distance);
         if distance == f64::INFINITY {
-            return Ok(self.best_image_distance(0.0));
+            return Ok(self.at_infinity.distance);
         }
         // The paraxial branch's end serves nearly always and saves the search for the true one.
         let mut end = 1.0 / self.first_order.focal_length;
@@ -196,9 +211,25 @@ impl Focus {
             + self.best_image_distance(u)
     }
 
+    /// Effective focal length, mm.
+    pub fn focal_length(&self) -> f64 {
+        self.first_order.focal_length
+    }
+
+    /// How sharp the image of the axial point at infinity is at its best: RMS radius of the spot, and radius of the
+    /// parallel bundle that makes it, mm.
+    pub fn axial_spot(&self) -> [f64; 2] {
+        let BestImage { spot, margin, .. } = self.at_infinity;
+        [spot, margin * self.entrance.diameter() / 2.0]
+    }
+
     /// Distance from the last vertex to the plane where the bundle of the axial point u has its
     /// smallest RMS radius, mm.
     fn best_image_distance(&self, u: f64) -> f64 {
+        self.best_image(u).distance
+    }
+
+    fn best_image(&self, u: f64) -> BestImage {
         let passes = |fraction: f64| self.image_side(u, fraction).is_some();
         let mut blocked = 1.0;
         while passes(blocked) && blocked < 8.0 {
@@ -206,14 +237,16 @@ impl Focus {
         }
         let margin = edge(0.0, blocked, 0.0, passes);
         // Uniform over the pupil is uniform in the square of the fraction.
-        let (mut product, mut square) = (0.0, 0.0);
+        let (mut heights, mut product, mut square) = (0.0, 0.0, 0.0);
         for (area, weight) in self.rule {
             if let Some((height, slope)) = self.image_side(u, margin * area.sqrt()) {
+                heights += weight * height * height;
                 product += weight * height * slope;
                 square += weight * slope * slope;
             }
         }
-        -product / square
+        let distance = -product / square;
+        BestImage { distance, spot: (heights + distance * product).max(0.0).sqrt(), margin }
     }
 
     /// Height in the rear vertex plane and slope dy/ds, s toward the film, of the ray from the axial

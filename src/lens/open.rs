@@ -25,6 +25,9 @@ pub enum StopSize {
     FNumber(f64),
 }
 
+/// The smallest stop over the widest: the squares of slopes through it are still far from the end of single precision.
+const SMALLEST_STOP: f64 = 1e-12;
+
 /// Why a lens cannot be opened.
 #[derive(Debug, Error)]
 pub enum OpenError {
@@ -112,7 +115,7 @@ pub fn set_up(
         StopSize::Listed => {}
         StopSize::Diameter(diameter) => stop_to_diameter(&mut lens, diameter, log)?,
         StopSize::FNumber(number) => {
-            stop_to_fnumber(&mut lens, first_order.clone()?.focal_length.abs(), number, log);
+            stop_to_fnumber(&mut lens, first_order.clone()?.focal_length.abs(), number, log)?;
         }
     }
     Ok(OpenLens { first_order, entrance: EntrancePupil::of_lens(&lens), lens })
@@ -130,23 +133,31 @@ fn stop_to_diameter(lens: &mut Lens, diameter: f64, log: Log<'_>) -> Result<(), 
             short(widest)
         );
         log(Level::Warning, &text);
+    } else if diameter < SMALLEST_STOP * widest {
+        let (lens, limit) = (lens.name.clone(), SMALLEST_STOP * widest);
+        return Err(LensError::StopTooSmall { lens, name: "aperture_diameter", given: diameter, limit });
     } else {
         lens.surfaces[stop].semi_diameter = diameter / 2.0;
     }
     Ok(())
 }
 
-fn stop_to_fnumber(lens: &mut Lens, focal_length: f64, number: f64, log: Log<'_>) {
+fn stop_to_fnumber(lens: &mut Lens, focal_length: f64, number: f64, log: Log<'_>) -> Result<(), LensError> {
     let widest = focal_length / EntrancePupil::of_lens(lens).diameter();
     if number < widest {
         log(
             Level::Warning,
             &format!("\"fnumber\" {} is faster than the lens; f/{} is used", as_given(number), short(widest)),
         );
-        return;
+        return Ok(());
+    }
+    if number * SMALLEST_STOP > widest {
+        let (lens, limit) = (lens.name.clone(), widest / SMALLEST_STOP);
+        return Err(LensError::StopTooSmall { lens, name: "fnumber", given: number, limit });
     }
     let surface = lens.stop_index().unwrap_or_else(|| limiting_surface(lens));
     // The entrance pupil grows in proportion to the aperture that it images.
     let imaged = EntrancePupil::of_surface(lens, surface).diameter();
     lens.surfaces[surface].semi_diameter *= focal_length / number / imaged;
+    Ok(())
 }

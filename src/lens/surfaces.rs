@@ -71,6 +71,21 @@ pub enum LensError {
         /// The lens.
         lens: String,
     },
+    /// The stop was to be closed so far that the arithmetic cannot tell it from a point.
+    #[error(
+        "\"{name}\" is {}; it must be {} {}, at which the stop of lens \"{lens}\" is 1e-12 times as wide as it can be",
+        short(*given), if *name == "fnumber" { "at most" } else { "at least" }, short(*limit)
+    )]
+    StopTooSmall {
+        /// The lens.
+        lens: String,
+        /// The parameter.
+        name: &'static str,
+        /// Its value.
+        given: f64,
+        /// The least that it may be, or for an f-number the most.
+        limit: f64,
+    },
     /// The V-number of a glass gives it an index below that of air.
     #[error(
         "lens \"{lens}\", interface {row}: at {wavelength} nm the V-number gives index {}, which is \

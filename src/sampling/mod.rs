@@ -15,4 +15,4 @@ pub use band::Band;
 pub use disk::DiskMapping;
 pub use pupil_disk::{PupilDisk, PupilSample};
 pub(crate) use pupil_sampler::PupilSampler;
-pub use warped::{BuildReport, WarpedPupil};
+pub use warped::{BuildReport, GivenUp, NoFan, WarpedPupil};

@@ -1,7 +1,9 @@
 //! What the fuzz targets check (`fuzz/bodies`), on random bytes and on mutations of what is right.
 
-#[path = "../../fuzz/bodies/c_abi.rs"]
+#[path = "../../fuzz/bodies/c_abi/mod.rs"]
 mod c_abi;
+#[path = "../../fuzz/bodies/contract.rs"]
+mod contract;
 #[path = "../../fuzz/bodies/lens_text.rs"]
 mod lens_text;
 use super::properties;

@@ -11,7 +11,8 @@ extern \"C\" {
 #endif
 /* What a pbrt-v1 host calls: takes its const ParamSet &, const Transform & (world to camera) and
  * Film *, and returns its Camera *, which the host deletes. NULL when there is none; the reason went to the
- * host's Error function. */
+ * host's Error function (where there is none, to standard error) and is realistic_last_error(). Rays that the host asks
+ * for through its own vtable may raise floating-point flags, but do not trap. */
 realistic_camera *CreateCamera(const void *params, const void *world2cam, void *film);
 /* realistic_generate_ray under the name that the assignment gives it. */
 float GenerateRay(const realistic_camera *camera, const realistic_sample *sample,
@@ -28,7 +29,17 @@ fn the_header_is_up_to_date() {
     let config =
         cbindgen::Config::from_file(root.join("include/cbindgen.toml")).expect("a valid configuration");
     let mut builder = cbindgen::Builder::new().with_config(config);
-    for file in ["types", "boundary", "library", "options", "camera", "ray", "batch", "autofocus"] {
+    for file in [
+        "types",
+        "boundary",
+        "library",
+        "options",
+        "camera",
+        "ray",
+        "batch/rays",
+        "batch/differentials",
+        "autofocus",
+    ] {
         builder = builder.with_src(root.join(format!("src/abi/{file}.rs")));
     }
     let mut made = Vec::new();

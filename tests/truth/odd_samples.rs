@@ -2,8 +2,10 @@
 
 use super::support;
 
-use realistic::camera::{Camera, Outcome, Parameters, Sample};
-use support::host;
+use realistic::camera::{
+    Camera, CameraToWorld, Level, Outcome, Parameters, RayBlock, Sample, SampleBlock, WorldRay,
+};
+use support::{Random, host, host_with};
 
 #[test]
 fn numbers_that_are_none_make_no_ray_of_any_model() {
@@ -35,4 +37,206 @@ fn numbers_that_are_none_make_no_ray_of_any_model() {
             }
         }
     }
+}
+
+/// Any bits.
+fn any_bits(random: &mut Random) -> f32 {
+    f32::from_bits((random.next() * 2_f64.powi(32)) as u32)
+}
+
+/// A sample in or around the picture, far out of it, or of any bits.
+fn any_sample(random: &mut Random) -> Sample {
+    let far = if random.next() < 0.2 { 10_f64.powf(30.0 * random.next()) } else { 1.0 };
+    let numbers = [400.0 * far, 300.0 * far, 1.0, 1.0, 1.0].map(|scale| {
+        let number = (scale * (1.2 * random.next() - 0.1)) as f32;
+        if random.next() < 0.05 { any_bits(random) } else { number }
+    });
+    let [image_x, image_y, lens_u, lens_v, time] = numbers;
+    Sample { image_x, image_y, lens_u, lens_v, time }
+}
+
+/// Any size between two powers of ten.
+fn size(random: &mut Random, from: f64, to: f64) -> f64 {
+    10_f64.powf(from + (to - from) * random.next())
+}
+
+/// The text of a lens of up to seven surfaces that may be of any size and index, or no lens at all.
+fn any_lens(random: &mut Random) -> String {
+    let scale = if random.next() < 0.3 { size(random, -20.0, 30.0) } else { 1.0 };
+    let count = 1 + (6.0 * random.next()) as usize;
+    let mut text = String::new();
+    for row in 0..=count {
+        let semi = scale * size(random, 0.3, 1.3);
+        let radius = if random.next() < 0.15 {
+            0.0
+        } else {
+            semi * size(random, 0.03, 3.0) * random.signed().signum()
+        };
+        let index = match random.next() {
+            _ if row == count => 1.0,
+            high if high < 0.05 => size(random, 0.5, 3.0),
+            air if air < 0.5 => 1.0,
+            _ => 1.3 + 0.7 * random.next(),
+        };
+        let thickness = scale * size(random, -1.0, 1.0);
+        text += &format!("{radius:e} {thickness:e} {index} {:e}\n", 2.0 * semi);
+    }
+    text
+}
+
+/// Parameters that are sometimes far from what anybody would give.
+fn any_parameters(random: &mut Random) -> Vec<(&'static str, String)> {
+    let mut pick = |name, choices: &[&str]| {
+        (name, choices[(random.next() * choices.len() as f64) as usize % choices.len()].to_owned())
+    };
+    let mut given = vec![
+        pick(
+            "model",
+            &["lens", "lens", "lens", "thick", "thin", "perspective", "orthographic", "environment"],
+        ),
+        pick("pupil", &["warped", "rear", "disk"]),
+        pick("disk", &["concentric", "polar", "rejection"]),
+        pick("precision", &["auto", "f64", "f32"]),
+        pick("weighting", &["radiometric", "radiometric", "assignment", "relative", "none"]),
+        pick("refraction", &["fused", "fused", "fused", "heckbert", "whitted", "other"]),
+        pick("shutter", &["global", "global", "leaf", "focal-plane"]),
+        pick("filmdiag", &["35", "35", "1e-3", "1e4", "1e12", "1e30", "1e-30"]),
+        pick("mmperunit", &["1", "1", "1000", "1e-15", "1e30"]),
+        pick("lensradius", &["0", "1", "1e15"]),
+    ];
+    for (name, share, from, to) in [
+        ("filmdistance", 0.6, 0.0, 2.0),
+        ("filmdistance", 0.1, -10.0, 30.0),
+        ("fnumber", 0.3, 0.0, 13.0),
+        ("tolerance", 0.05, -2.0, 1.0),
+        ("shutteropen", 0.1, -3.0, 38.0),
+        ("shutterclose", 0.1, -3.0, 38.0),
+        ("fov", 0.1, -3.9, 2.2),
+    ] {
+        if random.next() < share {
+            given.push((name, format!("{:e}", size(random, from, to))));
+        }
+    }
+    given
+}
+
+/// A transform whose axes may be turned, mirrored, sheared and of sizes far apart.
+fn any_transform(random: &mut Random) -> Option<CameraToWorld> {
+    let scale = if random.next() < 0.3 { size(random, -14.0, 14.0) } else { 1.0 };
+    let uneven = if random.next() < 0.3 { 12.0 } else { 0.2 };
+    let mut rows = [0.0_f32; 16];
+    for (i, entry) in rows[..12].iter_mut().enumerate() {
+        let stretch = if i % 4 == 3 { 1e3 } else { size(random, -uneven, 0.0) };
+        *entry = (scale * stretch * random.signed()) as f32;
+    }
+    rows[15] = 1.0;
+    CameraToWorld::from_rows(&rows).ok()
+}
+
+/// A ray as a host may rely on it.
+fn assert_sound(ray: &WorldRay, weight: f32, of: &dyn std::fmt::Debug) {
+    let length = ray.direction.iter().map(|&part| f64::from(part).powi(2)).sum::<f64>().sqrt();
+    assert!((length - 1.0).abs() < 1e-6, "length {length}: {ray:?} {of:?}");
+    assert!(ray.origin.iter().all(|part| part.is_finite()) && ray.time.is_finite(), "{ray:?} {of:?}");
+    assert!(weight > 0.0 && weight.is_finite(), "weight {weight}: {ray:?} {of:?}");
+}
+
+#[test]
+fn every_camera_that_builds_makes_a_sound_ray_or_none_of_any_bits() {
+    const CAMERAS: usize = 1500;
+    const SAMPLES: usize = 200;
+    let mut random = Random::new(11);
+    let (mut built, mut passed) = (0, 0);
+    for _ in 0..CAMERAS {
+        let given = any_parameters(&mut random);
+        let mut host = match random.next() {
+            listed if listed < 0.3 => host(),
+            _ => host_with(&any_lens(&mut random)),
+        };
+        if random.next() < 0.3
+            && let Some(to_world) = any_transform(&mut random)
+        {
+            host.to_world = to_world.into();
+        }
+        let mut parameters = Parameters::default();
+        for (name, text) in &given {
+            parameters.set_from_text(name, text).expect("a parameter");
+        }
+        let Ok(camera) = Camera::build(&parameters, &host, &mut |_, _| {}) else { continue };
+        built += 1;
+        let (mut samples, mut rays) = (SampleBlock::<SAMPLES>::new(), RayBlock::<SAMPLES>::new());
+        for i in 0..SAMPLES {
+            samples.set(i, &any_sample(&mut random));
+        }
+        camera.rays(&samples.arrays(SAMPLES), &mut rays.arrays(SAMPLES));
+        for i in 0..SAMPLES {
+            let sample = samples.arrays(SAMPLES).get(i);
+            let of = (&sample, &given, &host.lens_text, &host.to_world);
+            let found = camera.ray(&sample);
+            assert_eq!(found, rays.get(i), "one and many {of:?}");
+            if let Some((ray, weight)) = found {
+                assert_sound(&ray, weight, &of);
+                passed += 1;
+            }
+            // Through a pbrt-v1 host's vtable this one has a weight, too.
+            assert_sound(&camera.substitute(&sample), f32::MIN_POSITIVE, &of);
+        }
+    }
+    assert!(built > CAMERAS / 4 && passed > built * SAMPLES / 10, "{built} cameras, {passed} rays");
+}
+
+#[test]
+fn what_is_not_representable_is_refused_or_blocked() {
+    let refused = |given: &[(&str, &str)]| support::build(&host(), given).expect_err("refused");
+    let far = refused(&[("specfile", "dgauss.50mm@1e150mm"), ("filmdiag", "1e149")]);
+    assert!(far.contains("not representable") && far.contains("mmperunit"), "{far}");
+    let far = refused(&[("specfile", "dgauss.50mm@1e9mm"), ("filmdiag", "1e8"), ("mmperunit", "1e-15")]);
+    assert!(far.contains("world units"), "{far}");
+    // Single precision bends light by an index of 78 to directions that are no unit vectors.
+    let diamond = host_with("20 5 78 10\n-20 30 1 10");
+    let given = [("precision", "f32"), ("filmdistance", "30")];
+    let (camera, _) = support::build(&diamond, &given).expect("built, with a warning");
+    let mut random = Random::new(3);
+    let mut passed = 0;
+    for _ in 0..20_000 {
+        let sample = support::sample(
+            [400.0, 300.0].map(|side| (side * random.next()) as f32),
+            [random.next() as f32, random.next() as f32],
+        );
+        if let Some((ray, weight)) = camera.ray(&sample) {
+            assert_sound(&ray, weight, &sample);
+            passed += 1;
+        }
+    }
+    assert!(passed > 10_000, "{passed}");
+    // Film points 3e9 pictures away, seen through a plane-parallel front.
+    let plate = host_with(
+        "-3674.57 1.74089 1.42 19.6531\n0 0.16657 1 8.02708\n0 3.27299 1.552 5.75938\n31.5972 1 1 10.5482",
+    );
+    let given = [("pupil", "disk"), ("filmdistance", "30")];
+    let (camera, _) = support::build(&plate, &given).expect("built, with a warning");
+    for _ in 0..200_000 {
+        let image = [400.0, 300.0].map(|side| (3e9 * side * random.signed()) as f32);
+        let sample = support::sample(image, [random.next() as f32, random.next() as f32]);
+        if let Some((ray, weight)) = camera.ray(&sample) {
+            assert_sound(&ray, weight, &sample);
+        }
+    }
+}
+
+#[test]
+fn a_camera_that_no_ray_passes_says_so() {
+    // A stop of a micrometre before a lens of 20 mm, and the whole of that sampled.
+    let dark = host_with("0 30 1 1e-3\n30 5 1.5 20\n-30 30 1 20");
+    let given = [("filmdistance", "30"), ("pupil", "rear")];
+    let mut parameters = Parameters::default();
+    for (name, text) in given {
+        parameters.set_from_text(name, text).expect("a parameter");
+    }
+    let mut said = Vec::new();
+    Camera::build(&parameters, &dark, &mut |level, text| said.push((level, text.to_owned()))).expect("built");
+    let warned = |(level, text): &(Level, String)| {
+        *level == Level::Warning && text.contains("no ray gets through") && text.contains("clipped")
+    };
+    assert!(said.iter().any(warned), "{said:?}");
 }

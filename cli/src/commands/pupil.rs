@@ -45,7 +45,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         let name = lens.name.rsplit('/').next().unwrap_or(&lens.name);
         let edge: Vec<[f64; 2]> = sight.edge();
         let drawn = drawing::Drawing {
-            title: format!("{name}: the pupil of the film point at {} mm", args.film_radius),
+            title: format!("{name}: the pupil of the film point at {} mm", as_given(args.film_radius)),
             edge: &edge,
             disks: disks.map(|(name, disk)| (name, sight.on_plane(disk.center), disk.radius * film_distance)),
         };

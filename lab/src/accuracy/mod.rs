@@ -1,9 +1,11 @@
-//! Lenses in, error against run time out: rays by every method, polynomials and pupils by the size of their tables,
-//! film irradiance by every sampler, pictures by every source of rays, refraction by every formula; and all of a report in one run ([`suite`]).
+//! Lenses in, error against run time out: rays by every method, polynomials and pupils by the size of their tables, film irradiance by
+//! every sampler, pictures by every source of rays, refraction by every formula, and what plans save; and all of a report
+//! in one run ([`suite`]).
 
 pub mod cameras;
 pub mod curve;
 pub mod irradiance;
+pub mod leaving_out;
 pub mod pictures;
 pub mod pupils;
 pub mod ray_map;

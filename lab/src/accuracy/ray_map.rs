@@ -3,10 +3,10 @@
 use realistic::trace::{Direction, Ray};
 
 use crate::{
-    methods::{METHODS, Method, block},
+    methods::{Family, METHODS, Method, block},
     reference::{ExactRay, Reference},
     results::{
-        statistics::{Spread, pareto_front},
+        statistics::{Spread, TIE, pareto_front},
         table::{Cell, Table, row},
     },
     subject::Subject,
@@ -31,7 +31,8 @@ pub struct RayErrors {
     pub pixels: Spread,
     /// Rays that the reference passes and this method blocks.
     pub lost: usize,
-    /// Whether no other method is both faster and nearer, by time and the 99.9 % quantile of the direction.
+    /// Whether no other method is nearer and faster or as fast but for a tie ([`TIE`]), by time and the 99.9 % quantile
+    /// of the direction.
     pub on_front: bool,
 }
 
@@ -46,14 +47,20 @@ pub struct RayCounts {
     pub effort: Effort,
 }
 
-/// Errors and times of every method on one lens.
-pub fn measure(subject: &Subject, counts: RayCounts) -> Vec<RayErrors> {
+/// Errors and times of every method on one lens, or but for the slow walks: all but the exact one, against which others
+/// are timed.
+pub fn measure(subject: &Subject, counts: RayCounts, with_walks: bool) -> Vec<RayErrors> {
     let rays = subject.rays(counts.rays, 1);
     let reference = Reference::new(&subject.lens, Direction::FilmToScene);
     let exact: Vec<_> = rays.iter().map(|ray| reference.trace(*ray).ok()).collect();
     let timed = &rays[..counts.block.min(rays.len())];
+    let chosen = METHODS
+        .iter()
+        .enumerate()
+        .filter(|(number, method)| with_walks || *number == 0 || method.family() != Family::Walk)
+        .map(|(_, method)| method);
     let (methods, runners): (Vec<_>, Vec<_>) =
-        METHODS.iter().filter_map(|method| Some((*method, block::prepare(method, subject, timed)?))).unzip();
+        chosen.filter_map(|method| Some((*method, block::prepare(method, subject, timed)?))).unzip();
     let tasks = runners.into_iter().map(|mut runner| Box::new(move || runner.run()) as Box<dyn FnMut()>);
     let timings = interleaved(tasks, counts.effort);
     let errors = |(method, timing): (Method, Timing)| {
@@ -78,12 +85,12 @@ pub fn measure(subject: &Subject, counts: RayCounts) -> Vec<RayErrors> {
     };
     let mut all: Vec<RayErrors> = methods.into_iter().zip(timings).map(errors).collect();
     let points: Vec<_> = all.iter().map(|m| (m.time.median, m.direction.most)).collect();
-    all.iter_mut().zip(pareto_front(&points)).for_each(|(m, on)| m.on_front = on);
+    all.iter_mut().zip(pareto_front(&points, TIE)).for_each(|(m, on)| m.on_front = on);
     all
 }
 
-/// The results as a table.
-pub fn table(results: &[RayErrors]) -> Table {
+/// The results as a table of that name.
+pub fn table(name: &'static str, results: &[RayErrors]) -> Table {
     let columns = "lens method family time_ns time_low_ns time_high_ns direction_median_rad direction_999_rad \
                    direction_max_rad position_median_mm position_999_mm position_max_mm median_pixels \
                    error_999_pixels max_pixels lost_rays on_front";
@@ -94,5 +101,5 @@ pub fn table(results: &[RayErrors]) -> Table {
         let errors = [m.direction, m.position, m.pixels].map(spread).concat();
         [names, time, errors, row![m.lost, m.on_front]].concat()
     });
-    Table::of("ray-map", columns, rows)
+    Table::of(name, columns, rows)
 }

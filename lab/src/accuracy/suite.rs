@@ -13,6 +13,7 @@ use realistic::{
 use super::{
     curve::Curve,
     irradiance::{self, SampleCounts},
+    leaving_out,
     pupils::{self, PupilCounts},
     ray_map::{self, RayCounts},
     set_up::{self, FitCounts},
@@ -65,15 +66,15 @@ impl Suite {
 
     /// Under a minute, likewise.
     pub fn quick(scene: pictures::Scene) -> Self {
-        let effort = Effort { rounds: 9, least: Duration::from_millis(1) };
+        let effort = Effort { rounds: 7, least: Duration::from_micros(400) };
         let raster = Raster { xres: 36, yres: 24 };
         Self {
             lenses: LENSES.to_vec(),
-            ray_map: RayCounts { rays: 4000, block: 2048, effort },
-            irradiance: SampleCounts { exponent: 5, repeats: 12, survey: 800, effort },
-            picture: pictures::Size { scene, raster, exponent: 3, reference: 1024, repeats: 2 },
-            set_up: FitCounts { rays: 1000, repeats: 3 },
-            pupils: PupilCounts { points: 12, repeats: 1 },
+            ray_map: RayCounts { rays: 3000, block: 1024, effort },
+            irradiance: SampleCounts { exponent: 5, repeats: 8, survey: 500, effort },
+            picture: pictures::Size { scene, raster, exponent: 3, reference: 512, repeats: 1 },
+            set_up: FitCounts { rays: 600, repeats: 2 },
+            pupils: PupilCounts { points: 8, repeats: 1 },
             stability: stability::Extent::QUICK,
         }
     }
@@ -89,7 +90,12 @@ impl Suite {
             let prescription = catalogue::find(name).ok_or(SuiteError::Unknown(name))?;
             let subject = Subject::new(&prescription)?;
             tell("ray map");
-            results.ray_map.extend(ray_map::measure(&subject, self.ray_map));
+            results.ray_map.extend(ray_map::measure(&subject, self.ray_map, true));
+            tell("ray map, stopped down");
+            let stopped_down = Subject::stopped_down(&prescription)?;
+            results.stopped_down.extend(ray_map::measure(&stopped_down, self.ray_map, false));
+            tell("leaving out");
+            results.leaving_out.extend(leaving_out::measure(name, self.ray_map.effort)?);
             tell("film irradiance");
             results.irradiance.extend(irradiance::measure(&subject, self.irradiance)?);
             tell("pictures");
@@ -132,6 +138,10 @@ pub struct Results {
     pub lenses: Vec<&'static str>,
     /// Errors and times of rays.
     pub ray_map: Vec<ray_map::RayErrors>,
+    /// The same with the stop at f/8 ([`STOPPED_DOWN`](crate::subject::STOPPED_DOWN)), without the slow walks.
+    pub stopped_down: Vec<ray_map::RayErrors>,
+    /// What plans save.
+    pub leaving_out: Vec<leaving_out::Saving>,
     /// Estimates of film irradiance.
     pub irradiance: Vec<Curve>,
     /// Pictures by sampler and sequence.
@@ -152,7 +162,9 @@ impl Results {
     /// Every table, in the order of the report.
     pub fn tables(&self) -> Vec<Table> {
         vec![
-            ray_map::table(&self.ray_map),
+            ray_map::table("ray-map", &self.ray_map),
+            ray_map::table("stopped-down", &self.stopped_down),
+            leaving_out::table(&self.leaving_out),
             irradiance::table(&self.irradiance),
             pictures::table(
                 "estimators",

@@ -25,8 +25,8 @@ pub trait Runner {
     fn ray(&self, index: usize) -> Option<Ray>;
 }
 
-/// A method ready for a block of rays; `None` where the processor lacks the instructions, or the method is none for
-/// rays from a film.
+/// A method ready for a block of rays; `None` where the processor lacks the instructions, `REALISTIC_SIMD` turns them off,
+/// or the method is none for rays from a film.
 pub type Prepared = Option<Box<dyn Runner>>;
 
 /// Makes a method ready for a block of rays.
@@ -139,7 +139,9 @@ impl<S: Real, F: Fn(&PlaneRays<'_, S>, &mut LensRays<'_, S>)> Runner for Batches
 }
 
 fn kernels<S: KernelScalar + Real + 'static>(subject: &Subject, rays: &[Ray], simd: Simd) -> Prepared {
-    let kernel = Kernel::<S>::with_simd(&subject.lens, Direction::FilmToScene, simd)?;
+    // Those that `REALISTIC_SIMD` turns off have no part: nothing else here has them then.
+    let allowed = (simd <= Simd::best()).then_some(simd)?;
+    let kernel = Kernel::<S>::with_simd(&subject.lens, Direction::FilmToScene, allowed)?;
     let trace = move |from: &PlaneRays<'_, S>, to: &mut LensRays<'_, S>| kernel.trace_batch(from, to);
     Some(Box::new(Batches { trace, rays: FilmRays::new(subject.film_z, rays) }))
 }

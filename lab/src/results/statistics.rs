@@ -52,14 +52,41 @@ pub fn log_slope(points: &[(f64, f64)]) -> Option<f64> {
     (square > 0.0).then(|| product / square)
 }
 
-/// Which of the points (cost, error) no other point beats: none is as good in both and better in one.
-pub fn pareto_front(points: &[(f64, f64)]) -> Vec<bool> {
-    points
-        .iter()
-        .map(|&(cost, error)| {
-            !points.iter().any(|&(c, e)| c <= cost && e <= error && (c < cost || e < error))
-        })
-        .collect()
+/// Run times whose ratio is less than this are a tie: so far apart the same code was timed in two places of memory, or on
+/// a busy machine.
+pub const TIE: f64 = 1.1;
+
+/// Which of the points (cost, error) no other point beats: none is as good in both and better in one, none that is
+/// nearer costs less than `tie` times as much, and none that is cheaper is less than `tie` times as far off. With a `tie`
+/// of 1 that is the Pareto front.
+pub fn pareto_front(points: &[(f64, f64)], tie: f64) -> Vec<bool> {
+    let mut order: Vec<usize> = (0..points.len()).collect();
+    order.sort_by(|&a, &b| {
+        let ((cost_a, error_a), (cost_b, error_b)) = (points[a], points[b]);
+        error_a.total_cmp(&error_b).then(cost_a.total_cmp(&cost_b))
+    });
+    // From the nearest to the cheapest, each step has to save more than a tie; and back, to gain more than one.
+    let cheaper = kept(points, order, |last, next| last.0 > tie * next.0);
+    let both = kept(points, cheaper.into_iter().rev(), |last, next| last.1 >= tie * next.1);
+    (0..points.len()).map(|number| both.contains(&number)).collect()
+}
+
+/// Those of the numbered points, in their order, that are far enough from the last one kept, or the same.
+fn kept(
+    points: &[(f64, f64)],
+    numbers: impl IntoIterator<Item = usize>,
+    far: impl Fn((f64, f64), (f64, f64)) -> bool,
+) -> Vec<usize> {
+    let mut kept: Vec<usize> = Vec::new();
+    for number in numbers {
+        let is_next = kept
+            .last()
+            .is_none_or(|&last| points[last] == points[number] || far(points[last], points[number]));
+        if is_next {
+            kept.push(number);
+        }
+    }
+    kept
 }
 
 #[cfg(test)]
@@ -84,11 +111,22 @@ mod tests {
     #[test]
     fn the_front_holds_what_nothing_beats() {
         let points = [(1.0, 9.0), (2.0, 5.0), (2.0, 6.0), (3.0, 7.0), (4.0, 1.0), (4.0, 1.0), (9.0, 1.0)];
-        assert_eq!(pareto_front(&points), [true, true, false, false, true, true, false]);
+        assert_eq!(pareto_front(&points, 1.0), [true, true, false, false, true, true, false]);
         // By another way: along rising cost the front's errors only fall.
         let mut front: Vec<_> =
-            points.into_iter().zip(pareto_front(&points)).filter(|p| p.1).map(|p| p.0).collect();
+            points.into_iter().zip(pareto_front(&points, 1.0)).filter(|p| p.1).map(|p| p.0).collect();
         front.sort_by(|a, b| a.0.total_cmp(&b.0));
         assert!(front.windows(2).all(|pair| pair[1].1 < pair[0].1 || pair[1] == pair[0]));
+    }
+
+    #[test]
+    fn what_saves_less_than_a_tie_is_not_on_the_front() {
+        // The second is nearer than the first and costs 5 % more; the last three are each 9 % from the next.
+        let points = [(1.0, 9.0), (1.05, 5.0), (2.0, 3.0), (2.18, 2.0), (2.38, 1.0)];
+        assert_eq!(pareto_front(&points, TIE), [false, true, true, false, true]);
+        assert_eq!(pareto_front(&points, 1.0), [true; 5]);
+        // Forty times the time for nothing but rounding.
+        assert_eq!(pareto_front(&[(12.0, 1.0e-12), (480.0, 0.95e-12)], TIE), [true, false]);
+        assert_eq!(pareto_front(&[], TIE), Vec::<bool>::new());
     }
 }

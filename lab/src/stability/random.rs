@@ -25,7 +25,7 @@ use super::{
 };
 
 /// A number with a uniform logarithm in [from, to).
-fn scaled(random: &mut Random, from: f64, to: f64) -> f64 {
+pub fn scaled(random: &mut Random, from: f64, to: f64) -> f64 {
     random.random_range(from.ln()..to.ln()).exp()
 }
 

@@ -14,7 +14,7 @@ use realistic::{
         focus::{Focus, FocusError},
         image_scale::ImageScale,
     },
-    lens::{Lens, first_order::FirstOrder},
+    lens::{Lens, first_order::FirstOrder, pupil::EntrancePupil},
     prescription::Prescription,
     sampling::{PupilDisk, WarpedPupil},
     trace::{Path, Ray, polynomial::Polynomial},
@@ -43,6 +43,8 @@ pub struct Subject {
 
 /// Diagonal of the film of every subject, mm.
 pub const FILM_DIAGONAL: f64 = 35.0;
+/// The f-number of [`Subject::stopped_down`].
+pub const STOPPED_DOWN: f64 = 8.0;
 /// Pixels of the film in which errors are counted.
 pub const PIXELS: Raster = Raster { xres: 1920, yres: 1280 };
 /// Rays that polynomials are fitted to.
@@ -55,7 +57,24 @@ impl Subject {
     /// The lens cannot focus, or not on film behind it.
     pub fn new(prescription: &Prescription) -> Result<Self, FocusError> {
         let lens = Lens::at_d_line(prescription);
+        Self::of(FirstOrder::of(&lens)?, lens)
+    }
+
+    /// [`Subject::new`] with the stop at f/8 ([`STOPPED_DOWN`]).
+    ///
+    /// # Errors
+    /// As there.
+    pub fn stopped_down(prescription: &Prescription) -> Result<Self, FocusError> {
+        let mut lens = Lens::at_d_line(prescription);
         let first_order = FirstOrder::of(&lens)?;
+        let stop = lens.stop_index().ok_or_else(|| FocusError::Dark { lens: lens.name.clone() })?;
+        // The entrance pupil grows in proportion to the aperture that it images.
+        let pupil = EntrancePupil::of_surface(&lens, stop).diameter();
+        lens.surfaces[stop].semi_diameter *= (first_order.focal_length.abs() / STOPPED_DOWN / pupil).min(1.0);
+        Self::of(first_order, lens)
+    }
+
+    fn of(first_order: FirstOrder, lens: Lens) -> Result<Self, FocusError> {
         let film_z = lens.rear().vertex - Focus::new(&lens)?.film_distance(f64::INFINITY)?;
         let film = Film::new(PIXELS, FILM_DIAGONAL);
         let dark = || FocusError::Dark { lens: lens.name.clone() };

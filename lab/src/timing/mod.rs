@@ -6,4 +6,4 @@ mod contest;
 pub mod machine;
 
 pub use bench::{Effort, Timing, interleaved, repeated};
-pub use contest::{BenchArguments, Contest};
+pub use contest::{BenchArguments, Contest, LARGE_LENSES};

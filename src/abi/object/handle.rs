@@ -46,10 +46,11 @@ impl Handle {
         self.serial
     }
 
-    /// What becomes of a sample, in the ABI's words.
+    /// Why a sample that a batch blocks has no ray, in the ABI's words.
     pub fn reason(&self, sample: &Sample) -> realistic_reason {
         match self.camera.generate(sample) {
-            Outcome::Ray(..) => realistic_reason::Ok,
+            // Another tracer, which a tolerance allows single calls, lets it through: it is that near an edge.
+            Outcome::Ray(..) => realistic_reason::Clipped,
             Outcome::Blocked(reason) => reason.into(),
             Outcome::Redraw => realistic_reason::Redraw,
             Outcome::Shut => realistic_reason::Shut,

@@ -9,15 +9,14 @@
 //! load waits until all that it covers has left the store buffer, and so for everything before: the call before. The
 //! host has just written its sample number by number, and an optimising compiler likes to read four at once.
 //! Here is the place that minds it: the sample is read number by number ([`read`]), kept numbers are compared
-//! so ([`alike`]), and what vectors will load is stored as vectors ([`Vec4`]). A C caller's sample needs no such care:
+//! so ([`alike`]), and what vectors will load is stored as vectors ([`at_points`]). A C caller's sample needs no such care:
 //! each of its numbers is first touched in the compiled tracer, by itself.
 
 use std::cell::RefCell;
 
-use glam::Vec4;
-
 use super::handle::Handle;
-use crate::camera::{RayBlock, Sample, SampleBlock, WorldRay};
+use crate::abi::float_environment::Environment;
+use crate::camera::{RayBlock, Sample, WorldRay, differentials::at_points};
 
 /// The bits of image x and y.
 type Image = [u32; 2];
@@ -45,13 +44,14 @@ thread_local! {
 /// weight 0.
 #[inline(always)]
 pub fn generate(handle: &Handle, sample: &Sample, ray: &mut WorldRay) -> f32 {
+    let host = Environment::read();
     let served = EXPECTED
         .try_with(|expected| {
             let mut expected = expected.try_borrow_mut().ok()?;
             let sample = read(sample);
             let place = match expected.place(handle, &sample) {
                 Some(place) => place,
-                None => expected.trace(handle, &sample).then_some(0)?,
+                None => host.for_triple(|| expected.trace(handle, &sample)).then_some(0)?,
             };
             let Some((found, weight)) = expected.rays.get(place) else { return Some(0.0) };
             *ray = found;
@@ -61,23 +61,23 @@ pub fn generate(handle: &Handle, sample: &Sample, ray: &mut WorldRay) -> f32 {
         .flatten();
     match served {
         Some(weight) if weight > 0.0 => weight,
-        Some(_) => substitute(handle, sample, ray),
-        None => alone(handle, sample, ray),
+        Some(_) => substitute(host, handle, sample, ray),
+        None => alone(host, handle, sample, ray),
     }
 }
 
 /// [`generate`] without a look at other samples.
 #[inline(never)]
-fn alone(handle: &Handle, sample: &Sample, ray: &mut WorldRay) -> f32 {
+fn alone(host: Environment, handle: &Handle, sample: &Sample, ray: &mut WorldRay) -> f32 {
     let mut weight = 0.0;
-    handle.camera().trace_one(sample, ray, &mut weight);
-    if weight > 0.0 { weight } else { substitute(handle, sample, ray) }
+    host.for_triple(|| handle.camera().trace_one(sample, ray, &mut weight));
+    if weight > 0.0 { weight } else { substitute(host, handle, sample, ray) }
 }
 
 /// The ray that stands in for a blocked one, and its weight.
 #[inline(never)]
-fn substitute(handle: &Handle, sample: &Sample, ray: &mut WorldRay) -> f32 {
-    *ray = handle.camera().substitute(sample);
+fn substitute(host: Environment, handle: &Handle, sample: &Sample, ray: &mut WorldRay) -> f32 {
+    *ray = host.for_triple(|| handle.camera().substitute(sample));
     f32::MIN_POSITIVE
 }
 
@@ -115,14 +115,7 @@ impl Expected {
         // Should tracing panic, what is here then belongs to no camera.
         self.serial = 0;
         let points @ [[x, y], [right, _], [back, below]] = host_points(sample);
-        let vectors = [
-            Vec4::new(x, right, back, back),
-            Vec4::new(y, y, below, below),
-            Vec4::splat(sample.lens_u),
-            Vec4::splat(sample.lens_v),
-            Vec4::splat(sample.time),
-        ];
-        let samples = SampleBlock::from(vectors.map(|vector| vector.to_array()));
+        let samples = at_points(sample, [x, right, back, back], [y, y, below, below]);
         let traced = handle.camera().trace_side_by_side(&samples, &mut self.rays);
         if traced {
             let [_, next, last] = points.map(|point| point.map(f32::to_bits));

@@ -13,7 +13,7 @@ use crate::{
     },
     imaging::irradiance::{on_axis, survey},
     plan::{Decision, Kernels, Plan, Task, describe_sampling},
-    sampling::{PupilDisk, PupilSampler, WarpedPupil},
+    sampling::{GivenUp, NoFan, PupilDisk, PupilSampler, WarpedPupil},
     trace::Path,
 };
 
@@ -49,8 +49,9 @@ pub(super) fn pupil_sampler(
         }
         Pupil::Warped => {
             let shift = exit.seen_from([1.0, 0.0]).center[0];
-            let pupil = WarpedPupil::new(path, film_z, setup.facts.film.reach(), rear, shift);
-            report_cover(&pupil, log);
+            let reach = setup.facts.film.reach();
+            let pupil = WarpedPupil::new(path, film_z, reach, rear, shift);
+            report_given_up(&pupil, reach, log);
             PupilSampler::Warped(Arc::new(pupil))
         }
     }
@@ -135,20 +136,49 @@ fn representable(weight: f64) -> Result<(), CameraError> {
     if (weight as f32).is_finite() { Ok(()) } else { Err(CameraError::Weight { weight }) }
 }
 
-/// Says where the warped pupil had to be given up.
-fn report_cover(pupil: &WarpedPupil, log: Log<'_>) {
-    let covered = pupil.build_report().covered;
-    if covered > 0.0 {
+/// Width of a ring of film over the film's radius below which nobody sees the noise in it.
+const NARROW: f64 = 1e-3;
+
+/// Says which film radii the warped pupil had to give up, why, and what is left.
+fn report_given_up(pupil: &WarpedPupil, film_reach: f64, log: Log<'_>) {
+    const REAR: &str = "the rear element's disk";
+    let whole = pupil.image_radius().unwrap_or(film_reach);
+    for &GivenUp { radii: [from, to], reason, acceptance } in pupil.given_up() {
+        let (what, why) = match reason {
+            NoFan::InPieces => (REAR, "light gets through in several pieces there, or round a hole"),
+            NoFan::Shape => {
+                (REAR, "the pupil there is of no shape that a fan of straight lines reaches, or jumps")
+            }
+            NoFan::Fast => ("a larger shape", "the pupil changes faster there than a table of it can follow"),
+            NoFan::NoLight => (REAR, "no light was found there in the plane of the axis"),
+            NoFan::Spent => (REAR, "this lens took all the rays that building a pupil may take"),
+        };
+        let left = if acceptance > 0.0 {
+            format!("of its samples {} % or more get through", percent(acceptance))
+        } else {
+            "of its samples none of those tried got through".to_owned()
+        };
+        let advice = if from > 0.0 {
+            format!("more samples per pixel there, or \"filmdiag\" up to {:.2}, avoid it", 2.0 * from)
+        } else {
+            "more samples per pixel make up for it".to_owned()
+        };
+        // So narrow a ring nobody sees.
+        let level = if to - from < NARROW * whole { Level::Info } else { Level::Warning };
         log(
-            Level::Info,
+            level,
             &format!(
-                "pupil \"warped\": over {:.1} % of the film's radius the pupil is in pieces, or of no shape that \
-                 a fan of straight lines reaches, and the rear element's disk is sampled there: \
-                 unbiased, with more of them blocked",
-                100.0 * covered
+                "pupil \"warped\": from {from:.2} to {to:.2} mm from the axis {what} is sampled in the pupil's place, \
+                 because {why}; {left}: the picture is right, but noisier there; {advice}"
             ),
         );
     }
+}
+
+/// A share in per cent, with two digits where it is small.
+fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    if percent < 1.0 { format!("{percent:.2}") } else { format!("{percent:.0}") }
 }
 
 fn warn_of_missed_share(

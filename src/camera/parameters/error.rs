@@ -117,6 +117,20 @@ pub enum CameraError {
         /// How far the edge of the rear element's clear aperture lies behind the last vertex, mm.
         edge: f64,
     },
+    /// The lens or the film reaches so far that rays' origins are no floats.
+    #[error(
+        "lens \"{lens}\" and film reach {} mm, {} world units, and rays of that size are not representable; \
+         check the units of the lens file, mm, its scale and \"mmperunit\"",
+        short(*reach), short(*units)
+    )]
+    TooFar {
+        /// The lens.
+        lens: String,
+        /// From the front vertex, mm.
+        reach: f64,
+        /// The same in world units.
+        units: f64,
+    },
     /// A weight is asked for that does not exist for this pupil.
     #[error(
         "weighting \"assignment\" divides by the area of the exit pupil, which is at infinity; \

@@ -101,7 +101,14 @@ impl<S: Turns + Send + Sync, O: LensOptics<S>> Tracer for Pipeline<S, O> {
     }
 
     fn many(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
-        self.trace(Grouping::Wide, samples, rays);
+        match samples.len() {
+            n @ 1..=4 => {
+                let mut found = RayBlock::<4>::new();
+                self.four(&SampleBlock::first_of(samples), &mut found);
+                (0..n).for_each(|i| rays.copy(i, &mut found, i));
+            }
+            _ => self.trace(Grouping::Wide, samples, rays),
+        }
     }
 
     fn film_ray(&self, sample: &Sample) -> FilmRays<f64> {
@@ -214,6 +221,7 @@ impl<S: Turns, I: SampleStore, R: RayStore> Batch<S> for Job<'_, S, I, R> {
                 .larger(L::splat(cpu, S::from_f64(f32::MIN_POSITIVE.into()))),
             None => L::splat(cpu, S::ONE),
         };
+        let passed = L::both(passed, weight.less_equal(L::splat(cpu, S::from_f64(f32::MAX.into()))));
         let [origin, direction] =
             self.body.to_world.lanes(cpu, end.origin, end.direction, &self.samples.array(4)[at..]);
         weight.or_zero(passed).store_single(&mut self.rays.array(6)[at..]);

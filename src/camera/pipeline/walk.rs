@@ -36,8 +36,9 @@ impl<R: Real> WalkTracer<R> {
         let CameraBody { film_side, weight, placement, units_per_mm } = &self.body;
         let ray = self.path.trace(film_ray(point, film_side.z, slopes)).ok()?;
         let weight = weight.map_or(1.0, |weight| weight * (PI * area_per_pi * cos4(slopes))) as f32;
-        // However small, it is not that of a blocked ray.
-        Some((placement.world_ray(ray, *units_per_mm, sample.time), weight.max(f32::MIN_POSITIVE)))
+        let ray = placement.world_ray(ray, *units_per_mm, sample.time);
+        // However small, the weight is not that of a blocked ray.
+        (ray.is_sound() && weight.is_finite()).then_some((ray, weight.max(f32::MIN_POSITIVE)))
     }
 
     fn each(&self, samples: &impl SampleStore, rays: &mut impl RayStore) {

@@ -37,6 +37,11 @@ impl Placement {
         WorldRay { origin, direction, mint: self.clip[0], maxt: self.clip[1], time }
     }
 
+    /// The world-space ray from camera space's origin straight ahead.
+    pub fn axial_ray(&self, time_number: f32) -> WorldRay {
+        self.world_ray(Ray { origin: [0.0; 3], direction: [0.0, 0.0, 1.0] }, 1.0, time_number)
+    }
+
     /// The world-space ray of a camera-space one in world units, in single precision and in the order
     /// of pbrt's sums; `range` is where it begins and ends in camera space.
     pub fn world_ray_single(

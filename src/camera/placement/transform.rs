@@ -44,6 +44,9 @@ pub struct CameraToWorld {
 /// single-precision entries.
 const RIGID: f64 = 1e-5;
 
+/// The same for directions that are taken as they come: they are unit vectors to 1e-6 then.
+const RIGID_SINGLE: f64 = 5e-7;
+
 /// Largest entry that a matrix may have: the squares of what it makes stay in the range of single precision.
 const LARGEST: f64 = 1e15;
 /// By how much one axis may be stretched more than another.
@@ -92,7 +95,7 @@ impl CameraToWorld {
     /// An invertible matrix and where it takes the origin.
     pub(crate) fn from_parts(linear: DMat3, origin: DVec3) -> Self {
         let is_identity = linear == DMat3::IDENTITY && origin == DVec3::ZERO;
-        let is_rigid = (linear.transpose() * linear).abs_diff_eq(DMat3::IDENTITY, RIGID);
+        let is_rigid = (linear.transpose() * linear).abs_diff_eq(DMat3::IDENTITY, RIGID_SINGLE);
         Self { linear, origin, is_identity, is_rigid }
     }
 

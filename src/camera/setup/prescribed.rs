@@ -14,7 +14,7 @@ use crate::{
     },
     imaging::focus::FocusError,
     lens::{
-        Lens,
+        Lens, Surface,
         open::{OpenLens, StopSize, find, set_up},
         refraction::Refraction,
     },
@@ -58,9 +58,10 @@ impl Setup {
         let film = Film::new(raster(host)?, given.filmdiag()?);
         let mm_per_unit = given.mmperunit()?;
         let (_, optics) = open(given, host, log)?;
-        let (film_distance, focus_distance) =
-            place_film(&optics, film_place(given)?, focusing).map_err(|error| with_units(error, given))?;
+        let (film_distance, focus_distance) = place_film(&optics, film_place(given)?, focusing, log)
+            .map_err(|error| with_units(error, given))?;
         let OpenLens { lens, first_order, entrance } = optics;
+        check_reach(&lens, film_distance, mm_per_unit)?;
         Ok(Self {
             facts: Facts { lens, first_order, entrance, film, film_distance, focus_distance },
             refraction: given.refraction(),
@@ -109,8 +110,24 @@ fn open(given: &Parameters, host: &Host, log: Log<'_>) -> Result<(Prescription, 
 /// # Errors
 /// A value out of range, both distances, or a lens that cannot focus there.
 pub fn film_distance(given: &Parameters, lens: &Lens) -> Result<f64, CameraError> {
-    place_film(&OpenLens::new(lens.clone()), film_place(given)?, Focusing::Exact)
+    place_film(&OpenLens::new(lens.clone()), film_place(given)?, Focusing::Exact, &mut |_, _| ())
         .map(|(film_distance, _)| film_distance)
+}
+
+/// World units that a camera may reach from its front vertex: a transform may stretch them 1e15 times, and they still are
+/// floats.
+const FARTHEST: f64 = 1e22;
+/// The same in mm: squares of lengths stay in range.
+const FARTHEST_MM: f64 = 1e50;
+
+/// Whether points of the lens and the film are numbers to a host, which takes floats.
+fn check_reach(lens: &Lens, film_distance: f64, mm_per_unit: f64) -> Result<(), CameraError> {
+    let of_surface = |surface: &Surface| surface.vertex.abs() + surface.semi_diameter;
+    let reach = lens.surfaces.iter().map(of_surface).fold(film_distance, f64::max);
+    if reach <= FARTHEST_MM && reach / mm_per_unit <= FARTHEST {
+        return Ok(());
+    }
+    Err(CameraError::TooFar { lens: lens.name.clone(), reach, units: reach / mm_per_unit })
 }
 
 fn film_place(given: &Parameters) -> Result<FilmPlace, ParameterError> {

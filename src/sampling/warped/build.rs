@@ -1,15 +1,17 @@
 //! Builds the table: a path and the film's place in; outlines at as many film radii as it takes for the ones between to
 //! be interpolated out. Intervals of film radius are halved until the middle is predicted by its ends (adaptive
-//! subdivision); where no outline fits the rear element's disk stands in.
+//! subdivision), also toward a radius whose pupil has no outline that fits; there the rear element's disk stands in.
 
-use std::cell::Cell;
+use std::{cell::Cell, collections::BTreeMap, rc::Rc};
 
 use super::{
     illinois::{Closing, illinois},
-    outline::{Guess, Outline, direction},
-    search::{Crossing, EdgeFinder, Hints},
-    slice::{CELLS, Knots, Slice, TRACE_EVERY},
-    view::{Limit, View},
+    outline::{Guess, Outline},
+    pieces::{BESIDE, half_disk, is_in_pieces},
+    report::{GivenUp, NoFan},
+    search::{Crossing, EdgeFinder, HalfLine, Hints},
+    slice::{CELLS, Knots, Place, Slice, TRACE_EVERY},
+    view::{Limit, Tracer, View},
 };
 use crate::{lens::pupil::SlopeDisk, sampling::pupil_disk::PupilDisk, trace::Path};
 
@@ -28,10 +30,16 @@ const AFTER_HALVING: f64 = 0.3;
 const WITH_NEW_CORNERS: f64 = 1.0;
 /// Share of the pupil that interpolation may then miss before the halves are halved again.
 const MISSED: f64 = 6e-5;
+/// The same where halves cannot be halved again, before the map is made larger: a bound, for where a corner comes or goes
+/// within the halves most of it is not missed.
+const MISSED_AT_LAST: f64 = 3e-4;
 /// The same for what the interpolated shape has too much, which costs acceptance.
 const EXCESS: f64 = 3e-3;
-/// Share missed at the greatest depth above which the outline is given up for the rear disk.
-const HOPELESS: f64 = 0.02;
+/// How much larger than interpolated a map may be made, relative, where the pupil changes faster than the narrowest
+/// intervals; beyond, the rear disk stands in.
+const MOST_GROWTH: f64 = 3.0;
+/// Share of the samples that may be lost there without a word.
+const UNNAMED: f64 = 0.004;
 
 /// Part of the pupil on the axis below which a pupil about to vanish is no longer worth an outline.
 const SLIVER: f64 = 1e-3;
@@ -42,21 +50,18 @@ const LEAST_WIDTH: f64 = 1e-6;
 /// How far beyond the radius at which a pupil seems to vanish it has to be dark, too, relative.
 const BESIDE_THE_END: f64 = 1e-6;
 
-/// Distance from the centre over the edge's from which light that gets through is another piece's.
-const BESIDE: f64 = 1.001;
+/// Width, in smallest intervals, up to which nothing is sought between two radii that have no map.
+const BLIND: usize = FINE / 32;
 
 /// What the table is built from.
 pub(crate) struct Builder<'a> {
-    pub path: &'a Path,
-    /// z of the film.
-    pub film: f64,
+    pub tracer: Tracer<'a>,
     /// Largest film radius asked for, mm.
     pub reach: f64,
     /// A disk that holds every pupil.
     pub cover: PupilDisk,
     /// Film radius times this is about the slope to the pupil's centre.
     pub shift: f64,
-    pub rays: Cell<u32>,
     hints: Hints,
     knots: Knots,
     /// The film radius at which the pupil vanishes, mm; infinite where that lies beyond reach.
@@ -68,7 +73,7 @@ pub(crate) struct Interval {
     /// In units of the smallest interval.
     pub from: usize,
     pub to: usize,
-    pub slices: [Slice; 2],
+    pub slices: [Rc<Slice>; 2],
 }
 
 /// Everything that the table keeps.
@@ -78,17 +83,48 @@ pub(crate) struct Layout {
     /// Whether no light reaches the film beyond the end.
     pub dark_beyond: bool,
     pub intervals: Vec<Interval>,
+    pub given_up: Vec<GivenUp>,
+}
+
+/// A film radius's map, or why it has none.
+type Node = Result<Rc<Slice>, NoFan>;
+
+/// A stretch of film radius that is not filled yet, between two radii that may have maps.
+struct Gap {
+    ends: [usize; 2],
+    nodes: [Node; 2],
+}
+
+/// What is expected at a film radius.
+struct Expected<'a, 'b> {
+    view: View<'a>,
+    /// A slope on the meridian that the pupil is expected to hold, and how far around that it is sought, in units of τ.
+    around: [f64; 2],
+    like: &'b Slice,
+}
+
+/// What was found there: the outline, its map, and where on the outline the map's knots lie.
+type Traced = (Outline, Rc<Slice>, Vec<Place>);
+
+/// The table as it grows.
+struct Table<H> {
+    /// Film radius, mm, of a number of smallest intervals.
+    height: H,
+    /// Area of the pupil on the axis, slope².
+    axis_area: f64,
+    intervals: Vec<Interval>,
+    given_up: Vec<GivenUp>,
+    /// How much larger than the pupil the maps at numbers of smallest intervals are to be made, relative, by knot.
+    growth: BTreeMap<usize, Vec<f64>>,
 }
 
 impl<'a> Builder<'a> {
     pub fn new(path: &'a Path, film: f64, reach: f64, cover: PupilDisk, shift: f64) -> Self {
         Self {
-            path,
-            film,
+            tracer: Tracer::new(path, film),
             reach,
             cover,
             shift,
-            rays: Cell::new(0),
             hints: Hints::new(path.surfaces()),
             knots: Knots::new(),
             vanishing: Cell::new(f64::INFINITY),
@@ -96,11 +132,11 @@ impl<'a> Builder<'a> {
     }
 
     fn view(&self, height: f64, width_scale: f64) -> View<'_> {
-        View { path: self.path, film: self.film, height, width_scale, rays: &self.rays }
+        View { tracer: &self.tracer, height, width_scale }
     }
 
-    fn finder<'b>(&'b self, view: &'b View<'b>) -> EdgeFinder<'b> {
-        EdgeFinder { view, hints: &self.hints }
+    fn finder(&self) -> EdgeFinder<'_> {
+        EdgeFinder { tracer: &self.tracer, hints: &self.hints }
     }
 
     fn cover_at(&self, height: f64) -> SlopeDisk {
@@ -125,20 +161,70 @@ impl<'a> Builder<'a> {
         };
         let coarse = self.coarse_slices(&height, vanishing);
         let axis_area = coarse[0].as_ref().map_or(0.0, |slice| slice.area);
-        let mut intervals = Vec::new();
-        for (number, pair) in coarse.windows(2).enumerate() {
-            let (from, to) = (number << DEPTH, (number + 1) << DEPTH);
-            match pair {
-                [Some(a), Some(b)] => self.refine(&height, [from, to], [a, b], axis_area, &mut intervals),
-                _ => intervals.push(self.covered(&height, [from, to])),
+        let mut table =
+            Table { height, axis_area, intervals: Vec::new(), given_up: Vec::new(), growth: BTreeMap::new() };
+        let gap = |(number, pair): (usize, &[Node])| Gap {
+            ends: [number << DEPTH, (number + 1) << DEPTH],
+            nodes: [pair[0].clone(), pair[1].clone()],
+        };
+        let mut gaps: Vec<Gap> = coarse.windows(2).enumerate().map(gap).collect();
+        drop(coarse);
+        // All gaps of a width at once, so that their rays are traced side by side.
+        while !gaps.is_empty() {
+            gaps = self.halve(gaps, &mut table);
+        }
+        let Table { mut intervals, mut given_up, growth, .. } = table;
+        intervals.sort_by_key(|interval| interval.from);
+        for Interval { from, to, slices } in &mut intervals {
+            for (slice, place) in slices.iter_mut().zip([*from, *to]) {
+                if let (Some(growth), true) = (growth.get(&place), slice.fitted) {
+                    Rc::make_mut(slice).grow(growth);
+                }
             }
         }
+        given_up.sort_by(|a, b| a.radii[0].total_cmp(&b.radii[0]));
         center_on_axis(&mut intervals);
-        Layout { end, dark_beyond, intervals }
+        Layout { end, dark_beyond, intervals, given_up: self.joined(given_up) }
     }
 
-    fn covered(&self, height: &impl Fn(usize) -> f64, [from, to]: [usize; 2]) -> Interval {
-        Interval { from, to, slices: [from, to].map(|place| self.cover_slice(height(place))) }
+    /// Gives an interval up.
+    fn cover<H: Fn(usize) -> f64>(&self, [from, to]: [usize; 2], reason: NoFan, table: &mut Table<H>) {
+        let radii = [from, to].map(&table.height);
+        table.intervals.push(Interval {
+            from,
+            to,
+            slices: radii.map(|height| Rc::new(self.cover_slice(height))),
+        });
+        table.given_up.push(GivenUp { radii, reason, acceptance: 0.0 });
+    }
+
+    /// Neighbours given up for the same reason as one, with what is left of the acceptance.
+    fn joined(&self, given_up: Vec<GivenUp>) -> Vec<GivenUp> {
+        let mut joined: Vec<GivenUp> = Vec::new();
+        for new in given_up {
+            match joined.last_mut() {
+                Some(last) if last.reason == new.reason && last.radii[1] == new.radii[0] => {
+                    last.radii[1] = new.radii[1];
+                    last.acceptance = last.acceptance.min(new.acceptance);
+                }
+                _ => joined.push(new),
+            }
+        }
+        let covered = joined.iter_mut().filter(|given_up| given_up.reason != NoFan::Fast);
+        for GivenUp { radii: [from, to], acceptance, .. } in covered {
+            let shares = [*from, f64::midpoint(*from, *to), *to].map(|height| self.cover_acceptance(height));
+            let least = shares.into_iter().filter(|&share| share > 0.0).fold(f64::INFINITY, f64::min);
+            *acceptance = if least.is_finite() { least } else { 0.0 };
+        }
+        joined
+    }
+
+    /// Share of the cover's disk that gets through, by a grid.
+    fn cover_acceptance(&self, height: f64) -> f64 {
+        let cover = self.cover_at(height);
+        let slopes = half_disk(40, cover);
+        let passed = self.view(height, 1.0).pass(&slopes).into_iter().filter(|&passes| passes).count();
+        passed as f64 / slopes.len() as f64
     }
 
     /// The radius at which the pupil has shrunk to a point, where that lies within reach, or so little beyond that the
@@ -186,61 +272,102 @@ impl<'a> Builder<'a> {
         if end >= self.reach {
             return false;
         }
-        let at = |k: u32| 2.0 * (f64::from(k) + 0.5) / f64::from(GRID) - 1.0;
-        let grid = (0..GRID).flat_map(|i| (GRID / 2..GRID).map(move |j| [at(i), at(j)]));
-        let disk: Vec<_> = grid.filter(|[x, y]| x * x + y * y <= 1.0).collect();
         (1..=RADII).any(|i| {
             let height = end + (self.reach - end) * f64::from(i) / f64::from(RADII);
-            let cover = self.cover_at(height);
-            let slopes = disk.iter().map(|[x, y]| [cover.center[0] + cover.radius * x, cover.radius * y]);
-            self.view(height, 1.0).pass(&slopes.collect::<Vec<_>>()).contains(&true)
+            self.view(height, 1.0).pass(&half_disk(GRID, self.cover_at(height))).contains(&true)
         })
     }
 
-    /// The slices at the ends of the coarse intervals; `None` where only a cover will do.
-    fn coarse_slices(
-        &self,
-        height: &impl Fn(usize) -> f64,
-        mut vanishing: Option<Slice>,
-    ) -> Vec<Option<Slice>> {
-        let mut slices: Vec<Option<Slice>> = Vec::with_capacity(COARSE + 1);
-        slices.push(self.axial_slice());
-        let axis_area = slices[0].as_ref().map_or(0.0, |slice| slice.area);
-        for number in 1..=COARSE {
-            if number == COARSE && vanishing.is_some() {
-                slices.push(vanishing.take());
-                break;
-            }
+    /// The maps at the ends of the coarse intervals, each sought from the nearest one found, first from the axis outward
+    /// and then back.
+    fn coarse_slices(&self, height: &impl Fn(usize) -> f64, vanishing: Option<Slice>) -> Vec<Node> {
+        let axis = self.axial_slice().map(Rc::new);
+        let axis_area = axis.as_ref().map_or(0.0, |slice| slice.area);
+        let mut nodes: Vec<Node> = vec![axis];
+        let ends = if vanishing.is_some() { COARSE - 1 } else { COARSE };
+        for number in 1..=ends {
             let height = height(number << DEPTH);
-            let slice = slices[number - 1].as_ref().and_then(|before| {
-                let view = self.view(height, before.width_scale());
-                let shift = if number == 1 { self.shift } else { before.center };
-                let [guess, reach] =
-                    [shift * height, self.cover_at(height).radius].map(|x| x / view.width_scale);
-                let (inside, excess) = view.innermost(guess, reach, true);
-                if !(excess < 0.0) {
-                    return None;
-                }
-                let outline = self.outline(&view, inside, before)?;
-                (!self.is_in_pieces(&view, &outline)).then(|| self.fit(&view, &outline, axis_area))
-            });
-            slices.push(slice);
+            let before = nodes.iter().rev().find_map(|node| node.as_deref().ok());
+            let whole = self.cover_slice(height);
+            nodes.push(self.slice_like(height, before.unwrap_or(&whole), axis_area));
         }
-        if let [Some(axis), Some(next), ..] = slices.as_mut_slice() {
+        nodes.extend(vanishing.map(|slice| Ok(Rc::new(slice))));
+        for number in (1..=ends).rev() {
+            let beyond = nodes[number + 1..].iter().find_map(|node| node.clone().ok());
+            if let (Err(NoFan::Shape | NoFan::NoLight), Some(beyond)) = (&nodes[number], beyond)
+                && beyond.area > 0.0
+            {
+                nodes[number] = self.slice_like(height(number << DEPTH), &beyond, axis_area);
+            }
+        }
+        if let [Ok(axis), Ok(next), ..] = nodes.as_mut_slice() {
+            let axis = Rc::make_mut(axis);
             (axis.center, axis.narrowing) = (next.center, next.narrowing);
         }
-        slices
+        nodes
+    }
+
+    /// The map at a film radius, sought from one at another, with a look for other pieces.
+    fn slice_like(&self, height: f64, like: &Slice, axis_area: f64) -> Node {
+        let (outline, slice, _) = self.traced(&[self.expected_like(height, like)], axis_area).remove(0)?;
+        let view = self.view(height, like.width_scale());
+        let in_pieces = is_in_pieces(&view, &outline, slice.area, self.cover_at(height));
+        if in_pieces { Err(NoFan::InPieces) } else { Ok(slice) }
+    }
+
+    fn expected_like<'b>(&self, height: f64, like: &'b Slice) -> Expected<'_, 'b> {
+        let view = self.view(height, like.width_scale());
+        // On the axis itself the direction in which the centre moves is not known.
+        let shift = if like.height > 0.0 { like.center } else { self.shift };
+        let around = [shift * height, self.cover_at(height).radius].map(|x| x / view.width_scale);
+        Expected { view, around, like }
+    }
+
+    /// What is found at several film radii.
+    fn traced(&self, expected: &[Expected<'_, '_>], axis_area: f64) -> Vec<Result<Traced, NoFan>> {
+        let mut inside = Vec::with_capacity(expected.len());
+        let centers = expected.iter().map(|Expected { view, around, .. }| view.ray([around[0], 0.0]));
+        self.tracer.excesses(centers, &mut inside);
+        let inside: Vec<Option<f64>> = expected
+            .iter()
+            .zip(inside)
+            .map(|(&Expected { view, around: [guess, reach], .. }, at_guess)| {
+                if at_guess.value < 0.0 {
+                    return Some(guess);
+                }
+                let near = view.innermost(guess, reach, true);
+                let (inside, excess) = if near.1 < 0.0 { near } else { view.scanned(guess, reach, true) };
+                (excess < 0.0).then_some(inside)
+            })
+            .collect();
+        let mut guesses = Vec::with_capacity(expected.len());
+        for (&Expected { view, like, .. }, &inside) in expected.iter().zip(&inside) {
+            guesses.extend(inside.map(|inside| Guess { view, inside, points: self.half_lines(like) }));
+        }
+        let mut outlines = Outline::trace(self.finder(), &guesses).into_iter();
+        let result = |(expected, inside): (&Expected<'_, '_>, Option<f64>)| {
+            let outline = match inside {
+                Some(_) => outlines.next().flatten().ok_or(NoFan::Shape),
+                None => Err(NoFan::NoLight),
+            };
+            let outline =
+                outline.map_err(|reason| if self.tracer.is_spent() { NoFan::Spent } else { reason })?;
+            let (slice, places) = self.fit(&expected.view, &outline, axis_area);
+            Ok((outline, Rc::new(slice), places))
+        };
+        expected.iter().zip(inside).map(result).collect()
     }
 
     /// The pupil on the axis: a disk, if it is whole.
-    fn axial_slice(&self) -> Option<Slice> {
+    fn axial_slice(&self) -> Result<Slice, NoFan> {
         let view = self.view(0.0, 1.0);
         let reach = self.cover_at(0.0).radius;
         let guess = Crossing { radius: reach, limit: Limit::Optics, steepness: 1.0 };
         if !(view.excess([0.0, 0.0]).value <= 0.0) {
-            return None;
+            return Err(NoFan::NoLight);
         }
-        let edge = self.finder(&view).crossings(0.0, std::iter::once(([1.0, 0.0], guess)))?[0].radius;
+        let half_line = HalfLine { view: &view, center: 0.0, direction: [1.0, 0.0], guess };
+        let edge = self.finder().crossings(std::iter::once(half_line))[0].ok_or(NoFan::Shape)?.radius;
         const SCAN: u32 = 32;
         let place = |i: u32| (f64::from(i) + 0.5) / f64::from(SCAN);
         let within: Vec<_> = (0..SCAN).map(|i| [edge * place(i), 0.0]).collect();
@@ -248,11 +375,11 @@ impl<'a> Builder<'a> {
         let beyond = BESIDE * edge;
         let outside: Vec<_> = (0..SCAN).map(|i| [beyond + (reach - beyond) * place(i), 0.0]).collect();
         let ring = beyond < reach && view.pass(&outside).contains(&true);
-        (!hole && !ring).then(|| Slice::disk(0.0, 0.0, edge, true))
+        if hole || ring { Err(NoFan::InPieces) } else { Ok(Slice::disk(0.0, 0.0, edge, true)) }
     }
 
-    /// The outline at `view`, expected to look like `like`.
-    fn outline(&self, view: &View<'_>, inside: f64, like: &Slice) -> Option<Outline> {
+    /// Angles and distances at which an outline that looks like `like` is traced.
+    fn half_lines(&self, like: &Slice) -> Vec<(f64, f64)> {
         let points: Vec<(f64, f64)> = (0..=CELLS)
             .step_by(TRACE_EVERY)
             .map(|knot| {
@@ -267,14 +394,12 @@ impl<'a> Builder<'a> {
             .collect();
         let rising = points.windows(2).all(|pair| pair[0].0 < pair[1].0);
         if rising {
-            return Outline::trace(self.finder(view), &Guess { inside, points: &points });
+            return points;
         }
-        let even: Vec<_> =
-            (0..=CELLS).step_by(TRACE_EVERY).map(|knot| (self.knots.angles[knot], points[0].1)).collect();
-        Outline::trace(self.finder(view), &Guess { inside, points: &even })
+        (0..=CELLS).step_by(TRACE_EVERY).map(|knot| (self.knots.angles[knot], points[0].1)).collect()
     }
 
-    fn fit(&self, view: &View<'_>, outline: &Outline, axis_area: f64) -> Slice {
+    fn fit(&self, view: &View<'_>, outline: &Outline, axis_area: f64) -> (Slice, Vec<Place>) {
         // Where the pupil vanishes at H, √(1 - h²/H²) is about its width over its height. Half of that keeps τ above 0
         // between the slices, too; where it does not vanish nothing is narrowed.
         let crescent = (1.0 - (view.height / self.vanishing.get()).powi(2)).max(0.0).sqrt();
@@ -282,85 +407,147 @@ impl<'a> Builder<'a> {
         Slice::fit(view, outline, &self.knots, axis_area, least)
     }
 
-    /// A coarse look for holes inside the outline, and for light that gets through outside it.
-    fn is_in_pieces(&self, view: &View<'_>, outline: &Outline) -> bool {
-        const RAYS: u32 = 12;
-        const WITHIN: u32 = 3;
-        const BEYOND: u32 = 8;
-        let cover = self.cover_at(view.height);
-        let mut cursor = 0;
-        let (mut within, mut beyond) = (Vec::new(), Vec::new());
-        for i in 0..RAYS {
-            let angle = std::f64::consts::PI * (f64::from(i) + 0.5) / f64::from(RAYS);
-            let [dx, dy] = direction(angle);
-            let edge = outline.radius(angle, &mut cursor);
-            let at = |radius: f64| [outline.center + radius * dx, radius * dy];
-            // Along the half-line to where it leaves the cover.
-            let (offset, dx) = (view.width_scale * outline.center - cover.center[0], view.width_scale * dx);
-            let (along, square) = (offset * dx, dx * dx + dy * dy);
-            let inside = cover.radius.powi(2) - offset * offset;
-            let end = ((along * along + square * inside).max(0.0).sqrt() - along) / square;
-            let place = |k: u32, n: u32| (f64::from(k) + 0.5) / f64::from(n);
-            within.extend((0..WITHIN).map(|k| at(edge * place(k, WITHIN))));
-            let radii = (0..BEYOND).map(|k| edge + (end - edge) * place(k, BEYOND));
-            beyond.extend(radii.filter(|&radius| radius > BESIDE * edge).map(at));
+    /// Fills gaps, or halves them: between two maps until these predict the one in the middle, else until what has no map
+    /// is narrowed down. The halves that are left.
+    fn halve<H: Fn(usize) -> f64>(&self, gaps: Vec<Gap>, table: &mut Table<H>) -> Vec<Gap> {
+        let gaps: Vec<Gap> = gaps.into_iter().filter_map(|gap| self.unless_done(gap, table)).collect();
+        let middles: Vec<f64> =
+            gaps.iter().map(|gap| (table.height)(usize::midpoint(gap.ends[0], gap.ends[1]))).collect();
+        let like: Vec<Slice> =
+            gaps.iter().zip(&middles).map(|(gap, &middle)| self.predicted(gap, middle)).collect();
+        let expected: Vec<Expected<'_, '_>> = gaps
+            .iter()
+            .zip(&middles)
+            .zip(&like)
+            .map(|((gap, &middle), like)| {
+                if let [Ok(_), Ok(_)] = gap.nodes {
+                    let view = self.view(middle, like.width_scale());
+                    let around = [like.center * middle / view.width_scale, like.factors[0][0].abs()];
+                    Expected { view, around, like }
+                } else {
+                    self.expected_like(middle, like)
+                }
+            })
+            .collect();
+        let found = self.traced(&expected, table.axis_area);
+        let mut left = Vec::new();
+        for ((gap, expected), found) in gaps.into_iter().zip(&expected).zip(found) {
+            let Expected { view, like, .. } = expected;
+            let Gap { ends: [from, to], nodes: [a, b] } = gap;
+            let place = usize::midpoint(from, to);
+            let cover = self.cover_at(view.height);
+            let has_pieces =
+                |outline: &Outline, slice: &Slice| is_in_pieces(view, outline, slice.area, cover);
+            let middle = match (found, &a, &b) {
+                (Ok((outline, slice, places)), Ok(a), Ok(b)) => {
+                    // The ends of the widest were looked at, and their middles are.
+                    if to - from == FINE / COARSE && has_pieces(&outline, &slice) {
+                        Err(NoFan::InPieces)
+                    } else if self.fits([from, to], [a, b], (&slice, like, &outline, &places), table) {
+                        continue;
+                    } else {
+                        Ok(slice)
+                    }
+                }
+                (Ok((outline, slice, _)), ..) if has_pieces(&outline, &slice) => Err(NoFan::InPieces),
+                (Ok((_, slice, _)), ..) => Ok(slice),
+                (Err(_), Ok(a), Ok(b)) if b.area == 0.0 && a.area < SLIVER * table.axis_area => {
+                    table.intervals.push(last_sliver([from, to], a, b));
+                    continue;
+                }
+                (Err(reason), Ok(a), Ok(b)) => {
+                    // The prediction may be at fault.
+                    let mut found = Err(reason);
+                    for known in [a, b] {
+                        if found.is_err() && known.area > 0.0 {
+                            found = self.slice_like(view.height, known, table.axis_area);
+                        }
+                    }
+                    found
+                }
+                (Err(reason), ..) => Err(reason),
+            };
+            left.push(Gap { ends: [from, place], nodes: [a, middle.clone()] });
+            left.push(Gap { ends: [place, to], nodes: [middle, b] });
         }
-        view.pass(&within).contains(&false) || view.pass(&beyond).contains(&true)
+        left
     }
 
-    /// Halves an interval until its ends predict its middle.
-    fn refine(
-        &self,
-        height: &impl Fn(usize) -> f64,
-        [from, to]: [usize; 2],
-        [a, b]: [&Slice; 2],
-        axis_area: f64,
-        intervals: &mut Vec<Interval>,
-    ) {
-        if to - from < 2 {
-            intervals.push(match b.area {
-                0.0 => last_sliver([from, to], a, b),
-                _ => Interval { from, to, slices: [a.clone(), b.clone()] },
-            });
-            return;
-        }
-        let place = usize::midpoint(from, to);
-        let middle = height(place);
-        let predicted = a.between(b, middle);
-        let view = self.view(middle, predicted.width_scale());
-        let reach = predicted.factors[0][0].abs();
-        let (inside, depth) = view.innermost(predicted.center * middle / view.width_scale, reach, true);
-        let outline = if depth < 0.0 { self.outline(&view, inside, &predicted) } else { None };
-        let Some(outline) = outline else {
-            intervals.push(if b.area == 0.0 && a.area < SLIVER * axis_area {
-                last_sliver([from, to], a, b)
-            } else {
-                self.covered(height, [from, to])
-            });
-            return;
+    /// Fills a gap that is not to be halved.
+    fn unless_done<H: Fn(usize) -> f64>(&self, gap: Gap, table: &mut Table<H>) -> Option<Gap> {
+        let Gap { ends: [from, to], nodes } = &gap;
+        let width = to - from;
+        let reason = match nodes {
+            [Ok(a), Ok(b)] if width == 1 => {
+                table.intervals.push(match b.area {
+                    0.0 => last_sliver(gap.ends, a, b),
+                    _ => Interval { from: *from, to: *to, slices: [a.clone(), b.clone()] },
+                });
+                return None;
+            }
+            _ if self.tracer.is_spent() => NoFan::Spent,
+            [Err(reason), Err(_)] if width <= BLIND => *reason,
+            [Err(reason), _] | [_, Err(reason)] if width == 1 => *reason,
+            _ => return Some(gap),
         };
-        let slice = self.fit(&view, &outline, axis_area);
+        self.cover(gap.ends, reason, table);
+        None
+    }
+
+    /// What the middle of a gap is expected to look like.
+    fn predicted(&self, gap: &Gap, middle: f64) -> Slice {
+        match &gap.nodes {
+            [Ok(a), Ok(b)] => a.between(b, middle),
+            [Ok(known), _] | [_, Ok(known)] if known.area > 0.0 => Slice::clone(known),
+            _ => self.cover_slice(middle),
+        }
+    }
+
+    /// Fills an interval whose ends predict its middle well enough, or whose middle nothing predicts. Of the middle its map
+    /// and what was predicted, its outline, and where on that the map's knots lie.
+    fn fits<H: Fn(usize) -> f64>(
+        &self,
+        [from, to]: [usize; 2],
+        [a, b]: [&Rc<Slice>; 2],
+        (slice, predicted, outline, places): (&Rc<Slice>, &Slice, &Outline, &[Place]),
+        table: &mut Table<H>,
+    ) -> bool {
         let same_corners = a.corners == b.corners && a.corners == slice.corners;
         let part = if same_corners { AFTER_HALVING } else { WITH_NEW_CORNERS };
-        let (missed, excess) = slice.misfit(&predicted, &outline, &self.knots, part);
-        if missed > HOPELESS && to - from == 2 && a.area > SLIVER * axis_area {
-            intervals.push(self.covered(height, [from, to]));
-        } else if missed > MISSED || excess > EXCESS.max(4.0 * slice.margin) {
-            self.refine(height, [from, place], [a, &slice], axis_area, intervals);
-            self.refine(height, [place, to], [&slice, b], axis_area, intervals);
-        } else {
-            intervals.push(Interval { from, to: place, slices: [a.clone(), slice.clone()] });
-            intervals.push(Interval { from: place, to, slices: [slice, b.clone()] });
+        let (missed, excess) = slice.misfit(predicted, outline, places, &self.knots, part);
+        let good = missed <= MISSED && excess <= EXCESS.max(4.0 * slice.margin);
+        if !good && (to - from > 2 || b.area == 0.0) {
+            return false;
         }
+        let place = usize::midpoint(from, to);
+        if missed > MISSED_AT_LAST {
+            // The halves cannot be halved: what they would miss is sampled with some that is blocked.
+            let (growth, outside) = slice.growth(predicted, outline, places, &self.knots, part);
+            if growth.iter().copied().fold(0.0, f64::max) > MOST_GROWTH {
+                self.cover([from, to], NoFan::Shape, table);
+                return true;
+            }
+            for place in [from, place, to] {
+                let all = table.growth.entry(place).or_insert_with(|| vec![0.0; CELLS + 1]);
+                all.iter_mut().zip(&growth).for_each(|(all, new)| *all = new.max(*all));
+            }
+            if outside > UNNAMED {
+                let radii = [from, to].map(&table.height);
+                table.given_up.push(GivenUp { radii, reason: NoFan::Fast, acceptance: 1.0 - outside });
+            }
+        }
+        table.intervals.push(Interval { from, to: place, slices: [a.clone(), slice.clone()] });
+        table.intervals.push(Interval { from: place, to, slices: [slice.clone(), b.clone()] });
+        true
     }
 }
 
 /// The last interval before the pupil vanishes. Its height falls faster than evenly; a map that keeps
 /// half its size covers that.
-fn last_sliver([from, to]: [usize; 2], a: &Slice, b: &Slice) -> Interval {
+fn last_sliver([from, to]: [usize; 2], a: &Rc<Slice>, b: &Slice) -> Interval {
     let mut end = b.clone();
     end.factors = a.factors.iter().map(|m| m.map(|x| x / 2.0)).collect();
-    Interval { from, to, slices: [a.clone(), end] }
+    Interval { from, to, slices: [a.clone(), Rc::new(end)] }
 }
 
 /// C/h and the narrowing on the axis, where they cannot be measured: even in h, so by extrapolation in h² from the next two
@@ -368,6 +555,7 @@ fn last_sliver([from, to]: [usize; 2], a: &Slice, b: &Slice) -> Interval {
 fn center_on_axis(intervals: &mut [Interval]) {
     let [first, second, ..] = intervals else { return };
     let [axis, one] = &mut first.slices;
+    let axis = Rc::make_mut(axis);
     let two = &second.slices[1];
     if axis.fitted && one.fitted && two.fitted {
         let (h1, h2) = (one.height * one.height, two.height * two.height);

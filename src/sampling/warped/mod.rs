@@ -37,9 +37,13 @@
 mod build;
 mod illinois;
 mod outline;
+mod pieces;
+mod report;
 mod search;
 mod slice;
 mod view;
+
+pub use report::{BuildReport, GivenUp, NoFan};
 
 use std::f64::consts::PI;
 
@@ -54,7 +58,7 @@ use super::{
 };
 use crate::trace::{
     Path, Real,
-    kernel::{Compiled, Cpu, Lanes, Portable, Scalar, Simd},
+    kernel::{Compiled, Cpu, Indexed, Lanes, Portable, Scalar, Simd},
 };
 
 /// The true pupil of every point of a film. Immutable once built.
@@ -65,10 +69,9 @@ pub struct WarpedPupil {
     /// Whether the pupil has vanished at the end; film radius is then tabulated in
     /// s = 1 - sqrt(1 - h/end), in which the shrinking outline is smooth.
     dark_beyond: bool,
-    /// Two pairs of each smallest interval of s: where in the table the slice below it begins, and the reciprocal of that
-    /// slice's width in smallest intervals; c there, and c's step to the next slice. The place is a float, too: one load
-    /// brings all four, and it is added to the knot's number before it is looked up.
-    cells: Vec<[f32; 2]>,
+    /// Of each smallest interval of s: where in the table the slice below it begins; the reciprocal of that slice's width
+    /// in smallest intervals; c there, and c's step to the next slice.
+    cells: Vec<Indexed>,
     /// Two pairs of each smallest interval where the pupil vanishes, else none: λ at the slice below, and its step to the
     /// next slice; c's bend between the slices, for in h it goes straight and in s it does not, and a 0 that fills the
     /// pair.
@@ -77,6 +80,7 @@ pub struct WarpedPupil {
     table: Vec<[f32; 2]>,
     cover: PupilDisk,
     build: BuildReport,
+    given_up: Vec<GivenUp>,
 }
 
 /// Its square is half the knots' intervals: those that pass while q grows by 1.
@@ -85,21 +89,10 @@ const _: () = assert!((ROOT * ROOT) as usize == CELLS / 2);
 
 /// Pairs per slice.
 const STRIDE: usize = CELLS + 1;
-// Places in the table are exact in single precision.
-const _: () = assert!(2 * FINE * STRIDE < 1 << f32::MANTISSA_DIGITS);
+// Sums of places are as lanes have them.
+const _: () = assert!(2 * FINE * STRIDE < 1 << 31);
 /// Rings of [`WarpedPupil::bands`].
 const BANDS: usize = 4;
-
-/// What building the table took, and what it could not fit.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct BuildReport {
-    /// Film radii in the table.
-    pub slices: usize,
-    /// Rays traced.
-    pub rays: u32,
-    /// Share of the film radius over which the rear element's disk is used instead of an outline.
-    pub covered: f64,
-}
 
 impl WarpedPupil {
     /// Tabulates the pupils of film points up to `reach` mm from the axis, on film at `film` (z in
@@ -108,13 +101,13 @@ impl WarpedPupil {
     pub fn new(path: &Path, film: f64, reach: f64, cover: PupilDisk, shift: f64) -> Self {
         let builder = Builder::new(path, film, reach, cover, shift);
         let layout = builder.layout();
-        Self::pack(layout, cover, builder.rays.get())
+        Self::pack(layout, cover, builder.tracer.rays())
     }
 
     fn pack(layout: Layout, cover: PupilDisk, rays: u32) -> Self {
-        let Layout { end, dark_beyond, intervals } = layout;
+        let Layout { end, dark_beyond, intervals, given_up } = layout;
         let mut table: Vec<[f32; 2]> = Vec::with_capacity((intervals.len() + 1) * STRIDE);
-        let mut cells = Vec::with_capacity(2 * FINE);
+        let mut cells = Vec::with_capacity(FINE);
         let mut narrowings = Vec::new();
         let mut covered = 0.0;
         let mut joined: Option<bool> = None;
@@ -126,8 +119,8 @@ impl WarpedPupil {
             }
             let width = interval.to - interval.from;
             let [from, to] = [low, high].map(|slice| slice.center as f32);
-            let cell = [[table.len() as f32, (width as f32).recip()], [from, to - from]];
-            cells.extend(std::iter::repeat_n(cell, width).flatten());
+            let numbers = [(width as f32).recip(), from, to - from];
+            cells.extend(std::iter::repeat_n(Indexed { index: table.len() as u32, numbers }, width));
             if dark_beyond {
                 let [narrowing, next] = [low, high].map(|slice| slice.narrowing as f32);
                 // h is s (2 - s) of the end: (h - h₀)/(h₁ - h₀) of an interval is t + t (1 - t) width/(2 - s₀ - s₁).
@@ -144,12 +137,17 @@ impl WarpedPupil {
             }
         }
         let build = BuildReport { slices: table.len() / STRIDE, rays, covered };
-        Self { end, dark_beyond, cells, narrowings, table, cover, build }
+        Self { end, dark_beyond, cells, narrowings, table, cover, build, given_up }
     }
 
     /// What building the table took.
     pub fn build_report(&self) -> BuildReport {
         self.build
+    }
+
+    /// The film radii, outward, at which the rear element's disk is sampled instead of the pupil.
+    pub fn given_up(&self) -> &[GivenUp] {
+        &self.given_up
     }
 
     /// The film radius from which on no light arrives, mm, where that lies within reach or at most an eighth beyond.
@@ -170,8 +168,8 @@ impl WarpedPupil {
                 let [from, to] = [number, number + 1].map(|number| number * FINE / BANDS);
                 let mut band =
                     Band { radii: [height(from), height(to)], center: [f64::MAX, f64::MIN], radius: 0.0 };
-                for cell in self.cells[2 * from..2 * to].chunks_exact(2) {
-                    let (slice, [center, step]) = (cell[0][0] as usize, cell[1].map(f64::from));
+                for cell in &self.cells[from..to] {
+                    let (slice, [_, center, step]) = (cell.index as usize, cell.numbers.map(f64::from));
                     band.center = [
                         band.center[0].min(center).min(center + step),
                         band.center[1].max(center).max(center + step),
@@ -254,7 +252,8 @@ impl WarpedPupil {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn place<L: Lanes>(&self, cpu: Cpu<L>, ray: &FilmRays<L>, radius: &Radius<L>) -> Place<L> {
         let ([x, y], [u, v]) = (ray.point, ray.disk);
-        let [[slice, per_width, center, center_step]] = L::look_up::<1, 2>(&self.cells, radius.place, [0]);
+        let interval = radius.place.whole();
+        let (slice, [per_width, center, center_step]) = L::look_up_indexed(&self.cells, interval);
         // A slice begins at a multiple of its width, a power of 2.
         let part = radius.s.mul_sub(per_width, (radius.place * per_width).trunc());
         // The disk's point in the frame of the film point, mirrored into the upper half.
@@ -268,7 +267,7 @@ impl WarpedPupil {
         let mut center = part.mul_add(center_step, center);
         let mut narrowing = L::splat(cpu, L::Scalar::ZERO);
         if !self.narrowings.is_empty() {
-            let [[at, step, bend, _]] = L::look_up::<1, 2>(&self.narrowings, radius.place, [0]);
+            let [[at, step, bend, _]] = L::look_up::<1, 2>(&self.narrowings, interval, [0]);
             narrowing = part.mul_add(step, at);
             center = part.neg_mul_add(part, part).mul_add(bend, center);
         }
@@ -276,7 +275,7 @@ impl WarpedPupil {
             part,
             center,
             narrowing,
-            first: knot + slice,
+            first: L::add_places(knot.whole(), slice),
             offset: place - knot,
             turn: aside.mul_add(aside, along * along),
             below: b.less(L::splat(cpu, L::Scalar::ZERO)),
@@ -355,7 +354,7 @@ struct Place<L: Lanes> {
     /// λ.
     narrowing: L,
     /// Where in the table the knot before the direction stands, in the slice before the film radius.
-    first: L,
+    first: L::Places,
     /// From there to the direction, in knots.
     offset: L,
     /// d(knots)/dφ.

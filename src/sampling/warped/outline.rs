@@ -1,12 +1,12 @@
-//! The outline of one film point's pupil: points of its edge about a centre, joined by smooth arcs, one
+//! The outlines of film points' pupils, traced side by side: points of an edge about a centre, joined by smooth arcs, one
 //! a limiting aperture, that meet in corners found exactly.
 
 use std::f64::consts::PI;
 
 use super::{
     illinois::{Closing, illinois},
-    search::{Crossing, EdgeFinder},
-    view::Limit,
+    search::{Crossing, EdgeFinder, HalfLine},
+    view::{Limit, View},
 };
 
 /// A point of the outline.
@@ -18,16 +18,6 @@ struct Point {
     /// sinusoid in it.
     inverse: f64,
     limit: Limit,
-}
-
-/// The points of an outline while it is traced.
-struct Trace<'a> {
-    finder: EdgeFinder<'a>,
-    center: f64,
-    /// By angle; the ends are mirrored at 0 and π for the sake of interpolation. A corner stands
-    /// twice, as the end of each of its arcs.
-    points: Vec<Point>,
-    corners: Vec<(f64, f64)>,
 }
 
 /// The half of a pupil's outline with sy >= 0.
@@ -61,10 +51,12 @@ impl Piece {
 
 /// Where to look for an outline.
 pub(crate) struct Guess<'a> {
+    pub view: View<'a>,
     /// sx of a point that lies inside.
     pub inside: f64,
-    /// Angles at which the outline is to be traced, from 0 to π, and the distance expected there.
-    pub points: &'a [(f64, f64)],
+    /// Angles at which the outline is to be traced, from 0 to π, and the distance expected there: as many for all
+    /// outlines that are traced together.
+    pub points: Vec<(f64, f64)>,
 }
 
 /// Interval of angles in which a corner is pinned down before the arcs are simply extended to meet.
@@ -75,37 +67,14 @@ const MEETING: Closing = Closing::Step { width: 1e-6, most: 30 };
 const CORNER_STEPS: u32 = 8;
 
 impl Outline {
-    /// Traces the outline of the pupil that `finder` searches. `None` where a half-line has no edge.
-    pub fn trace(finder: EdgeFinder<'_>, guess: &Guess<'_>) -> Option<Self> {
-        let &(_, right) = guess.points.first()?;
-        let &(_, left) = guess.points.last()?;
-        let start = |radius| Crossing { radius, limit: Limit::Optics, steepness: 1.0 };
-        let both = [([1.0, 0.0], start(right)), ([-1.0, 0.0], start(left))];
-        let [right, left] = finder.crossings(guess.inside, both.into_iter())?[..] else { return None };
-        let center = guess.inside + (right.radius - left.radius) / 2.0;
-        let half = f64::midpoint(right.radius, left.radius);
-        let found = trace_between(
-            finder,
-            center,
-            guess.points,
-            [right, left].map(|c| Crossing { radius: half, ..c }),
-        )?;
-        let mut trace = Trace { finder, center, points: Vec::with_capacity(64), corners: Vec::new() };
-        trace.mirror_start(&found);
-        let first = trace.points.len();
-        for (i, pair) in found.windows(2).enumerate() {
-            trace.push(pair[0]);
-            if pair[0].1.limit != pair[1].1.limit {
-                let ahead = &found[i + 1..found.len().min(i + 4)];
-                trace.find_corner(pair[0], ahead, CORNER_STEPS)?;
-            }
+    /// Traces the outlines of several pupils. `None` for one of which a half-line has no edge.
+    pub fn trace(finder: EdgeFinder<'_>, guesses: &[Guess<'_>]) -> Vec<Option<Self>> {
+        let mut traces = Trace::begin(finder, guesses);
+        for [step, stride] in [[4, usize::MAX], [2, 4], [1, 2]] {
+            trace_between(finder, &mut traces, step, stride);
         }
-        trace.push(found[found.len() - 1]);
-        let last = trace.points.len() - 1;
-        trace.mirror_end();
-        let piece = |i: usize| (trace.points[i].angle < trace.points[i + 1].angle).then(|| trace.piece(i));
-        let pieces = (first..last).filter_map(piece).collect();
-        Some(Self { center, pieces, corners: trace.corners })
+        find_corners(finder, &mut traces);
+        traces.into_iter().map(|trace| trace.map(Trace::outline)).collect()
     }
 
     /// Distance of the edge from the centre at `angle` in [0, π]. `cursor` is where the last
@@ -121,170 +90,288 @@ impl Outline {
     }
 }
 
-impl Trace<'_> {
-    fn push(&mut self, (angle, crossing): (f64, Crossing)) {
-        self.points.push(Point { angle, inverse: crossing.radius.recip(), limit: crossing.limit });
+/// An outline while it is traced.
+struct Trace<'a> {
+    guess: &'a Guess<'a>,
+    center: f64,
+    /// At the angles of the guess.
+    traced: Vec<Option<Crossing>>,
+    /// By angle from 0 to π. A corner stands twice, as the end of each of its arcs.
+    found: Vec<(f64, Crossing)>,
+    /// Where an arc ends and the next begins: from `found` of this number to the next, and the searches that the corner
+    /// may still cost.
+    gaps: Vec<(usize, u32)>,
+    corners: Vec<(f64, f64)>,
+}
+
+impl<'a> Trace<'a> {
+    /// Finds both ends of each of the chords on the meridian.
+    fn begin(finder: EdgeFinder<'_>, guesses: &'a [Guess<'a>]) -> Vec<Option<Self>> {
+        let start = |radius| Crossing { radius, limit: Limit::Optics, steepness: 1.0 };
+        let ends = guesses.iter().flat_map(|Guess { view, inside, points }| {
+            let along = |direction, (_, radius): (f64, f64)| HalfLine {
+                view,
+                center: *inside,
+                direction,
+                guess: start(radius),
+            };
+            [along([1.0, 0.0], points[0]), along([-1.0, 0.0], points[points.len() - 1])]
+        });
+        let ends = finder.crossings(ends);
+        let trace = |(guess, ends): (&'a Guess<'a>, &[Option<Crossing>])| {
+            let &[Some(right), Some(left)] = ends else { return None };
+            let radius = f64::midpoint(right.radius, left.radius);
+            let mut traced = vec![None; guess.points.len()];
+            traced[0] = Some(Crossing { radius, ..right });
+            traced[guess.points.len() - 1] = Some(Crossing { radius, ..left });
+            Some(Self {
+                guess,
+                center: guess.inside + (right.radius - left.radius) / 2.0,
+                traced,
+                found: Vec::with_capacity(32),
+                gaps: Vec::new(),
+                corners: Vec::new(),
+            })
+        };
+        guesses.iter().zip(ends.chunks_exact(2)).map(trace).collect()
     }
 
-    fn mirror_start(&mut self, found: &[(f64, Crossing)]) {
-        let limit = found[0].1.limit;
-        let arc = found[1..].iter().take(2).take_while(|p| p.1.limit == limit);
-        let mirrored: Vec<_> = arc.map(|&(angle, crossing)| (-angle, crossing)).collect();
-        mirrored.into_iter().rev().for_each(|point| self.push(point));
+    fn half_line(&self, angle: f64, guess: Crossing) -> HalfLine<'a> {
+        HalfLine { view: &self.guess.view, center: self.center, direction: direction(angle), guess }
     }
 
-    fn mirror_end(&mut self) {
-        let Some((last, arc)) = self.points.split_last() else { return };
-        let limit = last.limit;
-        let mirrored: Vec<_> = arc
-            .iter()
-            .rev()
-            .take(2)
-            .take_while(|point| point.limit == limit)
-            .map(|point| Point { angle: 2.0 * PI - point.angle, ..*point })
-            .collect();
-        self.points.extend(mirrored);
+    /// Where the edge is expected at the `i`th angle, from what was found at multiples of `stride` on both sides: what
+    /// the expectation is off by there it is likely off by between them.
+    fn expected(&self, i: usize, stride: usize) -> Option<Crossing> {
+        let points = &self.guess.points;
+        let before = i - i % stride;
+        let after = before.saturating_add(stride).min(points.len() - 1);
+        let known = |k: usize| self.traced[k].map(|edge| (edge, edge.radius / points[k].1));
+        let ((low, low_ratio), (high, high_ratio)) = (known(before)?, known(after)?);
+        let part = (i - before) as f64 / (after - before) as f64;
+        let radius = points[i].1 * (low_ratio + part * (high_ratio - low_ratio));
+        let nearer = if part <= 0.5 { low } else { high };
+        let steepness = if low.limit == high.limit {
+            low.steepness + part * (high.steepness - low.steepness)
+        } else {
+            nearer.steepness
+        };
+        Some(Crossing { radius, steepness, ..nearer })
     }
 
-    /// Adds what lies between the last point, `from`, and the first of `ahead`, whose limit is
-    /// another.
-    fn find_corner(&mut self, from: (f64, Crossing), ahead: &[(f64, Crossing)], steps: u32) -> Option<()> {
-        let to = ahead[0];
-        let begun: Vec<Point> =
-            self.points.iter().rev().take(3).take_while(|p| p.limit == from.1.limit).copied().collect();
-        let coming: Vec<Point> = ahead
-            .iter()
-            .take(3)
-            .take_while(|p| p.1.limit == to.1.limit)
-            .map(|&(angle, c)| Point { angle, inverse: c.radius.recip(), limit: c.limit })
-            .collect();
+    /// Points of one arc, at most three, from the `i`th of what was found backward or forward.
+    fn arc(&self, i: usize, forward: bool) -> Vec<Point> {
+        let limit = self.found[i].1.limit;
+        let own = |found: &&(f64, Crossing)| found.1.limit == limit;
+        let point = |&(angle, crossing): &(f64, Crossing)| Point::new(angle, crossing);
+        if forward {
+            self.found[i..].iter().take(3).take_while(own).map(point).collect()
+        } else {
+            self.found[..=i].iter().rev().take(3).take_while(own).map(point).collect()
+        }
+    }
+
+    /// Where the arcs on both sides of the gap after the `i`th point meet, or its middle where they do not.
+    fn meeting(&self, i: usize) -> Meeting {
+        let (begun, coming) = (self.arc(i, false), self.arc(i + 1, true));
         let gap = |angle: f64| extend(&begun, angle) - extend(&coming, angle);
-        let (low, high) = (from.0, to.0);
-        let width = high - low;
+        let (low, high) = (self.found[i].0, self.found[i + 1].0);
         let crosses = gap(low) * gap(high) < 0.0;
-        let meeting = if crosses { illinois(low, high, MEETING, gap) } else { f64::midpoint(low, high) };
-        if steps == 0 || width < CORNER_BRACKET {
-            let radius = f64::midpoint(extend(&begun, meeting), extend(&coming, meeting)).recip();
-            self.corners.push((meeting, radius));
-            self.push((meeting, Crossing { radius, ..from.1 }));
-            self.push((meeting, Crossing { radius, ..to.1 }));
-            return Some(());
-        }
-        // On both sides of where the arcs are expected to meet.
-        let margin = if crosses { 0.45 * CORNER_BRACKET } else { width / 6.0 };
-        let angles = [
-            (meeting - margin).clamp(low + 0.1 * width, high - 0.3 * width),
-            (meeting + margin).clamp(low + 0.3 * width, high - 0.1 * width),
-        ];
-        let hint = |angle: f64| {
-            let radius = extend(&begun, angle).max(extend(&coming, angle)).recip();
-            (direction(angle), Crossing { radius, ..if angle < meeting { from.1 } else { to.1 } })
-        };
-        let crossings = self.finder.crossings(self.center, angles.into_iter().map(hint))?;
-        let mut places = vec![from];
-        places.extend(angles.into_iter().zip(crossings));
-        places.extend_from_slice(ahead);
-        for i in 0..angles.len() + 1 {
-            if i > 0 {
-                self.push(places[i]);
-            }
-            if places[i].1.limit != places[i + 1].1.limit {
-                self.find_corner(places[i], &places[i + 1..], steps - 1)?;
-            }
-        }
-        Some(())
+        let angle = if crosses { illinois(low, high, MEETING, gap) } else { f64::midpoint(low, high) };
+        Meeting { angle, crosses, arcs: [begun, coming] }
     }
 
-    /// The arc between the points `i` and `i + 1`, through four of its points or as many as there are.
-    fn piece(&self, i: usize) -> Piece {
-        let (from, to) = (self.points[i].angle, self.points[i + 1].angle);
-        let belongs = |point: &&Point| point.limit == self.points[i].limit;
-        // Points much closer to one another than the stretch is long would multiply their errors.
-        let apart = 0.25 * (to - from);
-        let spaced = |start: f64| {
-            let mut last = start;
-            move |point: &&Point| {
-                let far = (point.angle - last).abs() >= apart;
-                if far {
-                    last = point.angle;
-                }
-                far
+    /// Closes the gaps that are narrow enough; angles and expectations for two searches in each of the others.
+    fn close_gaps(&mut self) -> Vec<(f64, Crossing)> {
+        let mut wanted = Vec::new();
+        let mut open = Vec::new();
+        // Points that come in after the `i`th move those after it.
+        let mut moved = 0;
+        for (i, steps) in std::mem::take(&mut self.gaps) {
+            let i = i + moved;
+            let Meeting { angle: meeting, crosses, arcs: [begun, coming] } = self.meeting(i);
+            let ((low, from), (high, to)) = (self.found[i], self.found[i + 1]);
+            let width = high - low;
+            if steps == 0 || width < CORNER_BRACKET {
+                let radius = f64::midpoint(extend(&begun, meeting), extend(&coming, meeting)).recip();
+                self.corners.push((meeting, radius));
+                let ends = [from, to].map(|end| (meeting, Crossing { radius, ..end }));
+                self.found.splice(i + 1..i + 1, ends);
+                moved += 2;
+                continue;
             }
-        };
-        let below: Vec<&Point> =
-            self.points[..i].iter().rev().take_while(belongs).filter(spaced(from)).take(2).collect();
-        let above: Vec<&Point> =
-            self.points[i + 2..].iter().take_while(belongs).filter(spaced(to)).take(2).collect();
-        // One on each side where the arc goes on to both, else two on the one.
-        let (low, high) = (below.len().min(2 - above.len().min(1)), above.len().min(2 - below.len().min(1)));
-        let stencil = [&self.points[i], &self.points[i + 1]];
-        let stencil =
-            stencil.into_iter().chain(below[..low].iter().copied()).chain(above[..high].iter().copied());
-        // Newton's divided differences, then their products multiplied out about `from`.
-        let mut node = [0.0; 4];
-        let mut difference = [0.0; 4];
-        let mut count = 0;
-        for point in stencil {
-            (node[count], difference[count]) = (point.angle - from, point.inverse);
-            count += 1;
-        }
-        for order in 1..count {
-            for k in (order..count).rev() {
-                difference[k] = (difference[k] - difference[k - 1]) / (node[k] - node[k - order]);
-            }
-        }
-        let mut cubic = [difference[3], 0.0, 0.0, 0.0];
-        for k in (0..3).rev() {
-            cubic = [
-                difference[k] - node[k] * cubic[0],
-                cubic[0] - node[k] * cubic[1],
-                cubic[1] - node[k] * cubic[2],
-                cubic[2] - node[k] * cubic[3],
+            // On both sides of where the arcs are expected to meet.
+            let margin = if crosses { 0.45 * CORNER_BRACKET } else { width / 6.0 };
+            let angles = [
+                (meeting - margin).clamp(low + 0.1 * width, high - 0.3 * width),
+                (meeting + margin).clamp(low + 0.3 * width, high - 0.1 * width),
             ];
+            wanted.extend(angles.map(|angle| {
+                let radius = extend(&begun, angle).max(extend(&coming, angle)).recip();
+                (angle, Crossing { radius, ..if angle < meeting { from } else { to } })
+            }));
+            open.push((i, steps));
         }
-        Piece { from, to, cubic }
+        self.gaps = open;
+        wanted
+    }
+
+    /// Takes in what was found by two searches in each gap.
+    fn take_in(&mut self, found: &[(f64, Crossing)]) {
+        let mut gaps = Vec::new();
+        for (number, ((i, steps), pair)) in
+            std::mem::take(&mut self.gaps).into_iter().zip(found.chunks_exact(2)).enumerate()
+        {
+            let i = i + 2 * number;
+            self.found.splice(i + 1..i + 1, pair.iter().copied());
+            let differs = |&k: &usize| self.found[k].1.limit != self.found[k + 1].1.limit;
+            gaps.extend((i..i + 3).filter(differs).map(|k| (k, steps - 1)));
+        }
+        self.gaps = gaps;
+    }
+
+    /// The smooth pieces through all that was found.
+    fn outline(mut self) -> Outline {
+        self.corners.sort_by(|a, b| a.0.total_cmp(&b.0));
+        // Mirrored at 0 and π for the sake of interpolation.
+        let count = self.found.len();
+        let mirrored = |point: Point, about: f64| Point { angle: 2.0 * about - point.angle, ..point };
+        let start = self.arc(0, true).into_iter().skip(1).rev().map(|point| mirrored(point, 0.0));
+        let mut points: Vec<Point> = start.collect();
+        let first = points.len();
+        points.extend(self.found.iter().map(|&(angle, crossing)| Point::new(angle, crossing)));
+        let last = points.len() - 1;
+        points.extend(self.arc(count - 1, false).into_iter().skip(1).map(|point| mirrored(point, PI)));
+        let pieces = (first..last).filter(|&i| points[i].angle < points[i + 1].angle);
+        Outline {
+            center: self.center,
+            pieces: pieces.map(|i| piece(&points, i)).collect(),
+            corners: self.corners,
+        }
     }
 }
 
-/// The half-lines of an outline, at the angles of `expected`, between the `ends`, which are known. Every fourth first;
-/// what the expectation is off by there it is likely off by between them.
-fn trace_between(
-    finder: EdgeFinder<'_>,
-    center: f64,
-    expected: &[(f64, f64)],
-    ends: [Crossing; 2],
-) -> Option<Vec<(f64, Crossing)>> {
-    let last = expected.len() - 1;
-    let mut found: Vec<Option<Crossing>> = vec![None; expected.len()];
-    (found[0], found[last]) = (Some(ends[0]), Some(ends[1]));
-    let mut stride = last;
-    for step in [4, 2, 1] {
-        let places: Vec<usize> = (step..last).step_by(step).filter(|&i| found[i].is_none()).collect();
-        let hint = |&i: &usize| {
-            let before = i - i % stride;
-            let after = (before + stride).min(last);
-            let known = [before, after].map(|k| found[k].map(|edge| (edge, edge.radius / expected[k].1)));
-            let [Some((low, low_ratio)), Some((high, high_ratio))] = known else {
-                return (direction(expected[i].0), ends[0]);
-            };
-            let part = (i - before) as f64 / (after - before) as f64;
-            let radius = expected[i].1 * (low_ratio + part * (high_ratio - low_ratio));
-            let nearer = if part <= 0.5 { low } else { high };
-            let steepness = if low.limit == high.limit {
-                low.steepness + part * (high.steepness - low.steepness)
-            } else {
-                nearer.steepness
-            };
-            (direction(expected[i].0), Crossing { radius, steepness, ..nearer })
-        };
-        let half_lines: Vec<_> = places.iter().map(hint).collect();
-        let edges = finder.crossings(center, half_lines.into_iter())?;
-        for (place, edge) in places.into_iter().zip(edges) {
-            found[place] = Some(edge);
-        }
-        stride = step;
+/// Where two arcs meet.
+struct Meeting {
+    angle: f64,
+    /// Whether they do, or the angle is but the middle between them.
+    crosses: bool,
+    /// Points of the arc before, and of the one after.
+    arcs: [Vec<Point>; 2],
+}
+
+impl Point {
+    fn new(angle: f64, crossing: Crossing) -> Self {
+        Self { angle, inverse: crossing.radius.recip(), limit: crossing.limit }
     }
-    expected.iter().zip(found).map(|(&(angle, _), edge)| Some((angle, edge?))).collect()
+}
+
+/// Finds the edge at every `step`th angle where it is not known yet; it is at multiples of `stride`, and at the ends. An
+/// outline of which a half-line has no edge ends here.
+fn trace_between(finder: EdgeFinder<'_>, traces: &mut [Option<Trace<'_>>], step: usize, stride: usize) {
+    let mut places = Vec::new();
+    let mut half_lines = Vec::new();
+    for (number, trace) in traces.iter().enumerate() {
+        let Some(trace) = trace else { continue };
+        let last = trace.traced.len() - 1;
+        for i in (step..last).step_by(step).filter(|&i| trace.traced[i].is_none()) {
+            let Some(expected) = trace.expected(i, stride.min(last)) else { continue };
+            places.push((number, i));
+            half_lines.push(trace.half_line(trace.guess.points[i].0, expected));
+        }
+    }
+    let edges = finder.crossings(half_lines.into_iter());
+    for ((number, i), edge) in places.into_iter().zip(edges) {
+        match (&mut traces[number], edge) {
+            (Some(trace), Some(edge)) => trace.traced[i] = Some(edge),
+            (trace, _) => *trace = None,
+        }
+    }
+}
+
+/// Finds the corners of outlines whose half-lines are all traced.
+fn find_corners(finder: EdgeFinder<'_>, traces: &mut [Option<Trace<'_>>]) {
+    for trace in traces.iter_mut().flatten() {
+        let found = trace.guess.points.iter().zip(&trace.traced);
+        trace.found = found.filter_map(|(&(angle, _), edge)| edge.map(|edge| (angle, edge))).collect();
+        let differs = |&i: &usize| trace.found[i].1.limit != trace.found[i + 1].1.limit;
+        trace.gaps = (0..trace.found.len() - 1).filter(differs).map(|i| (i, CORNER_STEPS)).collect();
+    }
+    loop {
+        let wanted: Vec<Vec<(f64, Crossing)>> =
+            traces.iter_mut().map(|trace| trace.as_mut().map_or_else(Vec::new, Trace::close_gaps)).collect();
+        if wanted.iter().all(Vec::is_empty) {
+            return;
+        }
+        let half_lines: Vec<HalfLine<'_>> = traces
+            .iter()
+            .zip(&wanted)
+            .flat_map(|(trace, wanted)| {
+                let along = |&(angle, guess): &(f64, Crossing)| Some(trace.as_ref()?.half_line(angle, guess));
+                wanted.iter().filter_map(along)
+            })
+            .collect();
+        let mut edges = finder.crossings(half_lines.into_iter()).into_iter();
+        for (trace, wanted) in traces.iter_mut().zip(&wanted) {
+            let edges: Vec<Option<Crossing>> = edges.by_ref().take(wanted.len()).collect();
+            let found: Vec<(f64, Crossing)> =
+                wanted.iter().zip(&edges).filter_map(|(&(angle, _), &edge)| Some((angle, edge?))).collect();
+            if found.len() < wanted.len() {
+                *trace = None;
+            } else if let Some(trace) = trace {
+                trace.take_in(&found);
+            }
+        }
+    }
+}
+
+/// The arc between the points `i` and `i + 1`, through four of its points or as many as there are.
+fn piece(points: &[Point], i: usize) -> Piece {
+    let (from, to) = (points[i].angle, points[i + 1].angle);
+    let belongs = |point: &&Point| point.limit == points[i].limit;
+    // Points much closer to one another than the stretch is long would multiply their errors.
+    let apart = 0.25 * (to - from);
+    let spaced = |start: f64| {
+        let mut last = start;
+        move |point: &&Point| {
+            let far = (point.angle - last).abs() >= apart;
+            if far {
+                last = point.angle;
+            }
+            far
+        }
+    };
+    let below: Vec<&Point> =
+        points[..i].iter().rev().take_while(belongs).filter(spaced(from)).take(2).collect();
+    let above: Vec<&Point> = points[i + 2..].iter().take_while(belongs).filter(spaced(to)).take(2).collect();
+    // One on each side where the arc goes on to both, else two on the one.
+    let (low, high) = (below.len().min(2 - above.len().min(1)), above.len().min(2 - below.len().min(1)));
+    let stencil = [&points[i], &points[i + 1]];
+    let stencil =
+        stencil.into_iter().chain(below[..low].iter().copied()).chain(above[..high].iter().copied());
+    // Newton's divided differences, then their products multiplied out about `from`.
+    let mut node = [0.0; 4];
+    let mut difference = [0.0; 4];
+    let mut count = 0;
+    for point in stencil {
+        (node[count], difference[count]) = (point.angle - from, point.inverse);
+        count += 1;
+    }
+    for order in 1..count {
+        for k in (order..count).rev() {
+            difference[k] = (difference[k] - difference[k - 1]) / (node[k] - node[k - order]);
+        }
+    }
+    let mut cubic = [difference[3], 0.0, 0.0, 0.0];
+    for k in (0..3).rev() {
+        cubic = [
+            difference[k] - node[k] * cubic[0],
+            cubic[0] - node[k] * cubic[1],
+            cubic[1] - node[k] * cubic[2],
+            cubic[2] - node[k] * cubic[3],
+        ];
+    }
+    Piece { from, to, cubic }
 }
 
 /// Unit vector of an angle.

@@ -1,5 +1,5 @@
-//! Searches for the pupil's edge along half-lines, several side by side: a view and directions in, distances of the edge
-//! and what limits there out.
+//! Searches for the pupil's edge along half-lines, as many side by side as there are, of one film point or of several:
+//! where they start in, distances of the edge and what limits there out.
 //!
 //! Not [`crate::numeric::root`]: the excess is the largest of one smooth function an aperture, which has kinks that a
 //! secant over all of them falls for, and what neighbours know (the distance, and how steep their limit is) leaves
@@ -7,7 +7,7 @@
 
 use std::cell::Cell;
 
-use super::view::{Excess, Limit, View};
+use super::view::{Excess, Limit, Tracer, View};
 
 /// A point of the edge along a half-line of slopes.
 #[derive(Clone, Copy, Debug)]
@@ -42,11 +42,22 @@ struct Known {
     edge: f64,
 }
 
+/// A half-line from a slope inside the pupil of one film point.
+#[derive(Clone, Copy)]
+pub(crate) struct HalfLine<'a> {
+    pub view: &'a View<'a>,
+    /// sx of where it starts; sy is 0 there.
+    pub center: f64,
+    /// A unit vector.
+    pub direction: [f64; 2],
+    /// About where the edge lies.
+    pub guess: Crossing,
+}
+
 /// A search along one half-line. The excess is the largest of one smooth function a limit, so that each limit has its
 /// own secant, and the edge is the nearest that one of them predicts.
-struct Search {
-    direction: [f64; 2],
-    guess: Crossing,
+struct Search<'a> {
+    half_line: HalfLine<'a>,
     /// Where the next ray goes.
     radius: f64,
     /// The bracket.
@@ -65,12 +76,11 @@ enum Next {
     Nowhere,
 }
 
-impl Search {
-    fn new(direction: [f64; 2], guess: Crossing) -> Self {
+impl<'a> Search<'a> {
+    fn new(half_line: HalfLine<'a>) -> Self {
         Self {
-            direction,
-            guess,
-            radius: guess.radius,
+            half_line,
+            radius: half_line.guess.radius,
             inside: 0.0,
             outside: f64::INFINITY,
             limit: Limit::Optics,
@@ -81,7 +91,7 @@ impl Search {
 
     /// Learns what became of the ray at `radius`. `hint` is a steepness that the ray's limit had elsewhere.
     fn learn(&mut self, excess: Excess, hint: Option<f64>) -> Next {
-        let Self { guess, radius, .. } = *self;
+        let Self { half_line: HalfLine { guess, .. }, radius, .. } = *self;
         let Excess { value, limit } = excess;
         if value <= 0.0 {
             self.inside = radius;
@@ -154,37 +164,28 @@ impl Hints {
     }
 }
 
-/// The searches of one film point's pupil.
+/// What traces the rays of searches, and what they know from one another.
 #[derive(Clone, Copy)]
 pub(crate) struct EdgeFinder<'a> {
-    pub view: &'a View<'a>,
-    /// What searches of any film point know from one another.
+    pub tracer: &'a Tracer<'a>,
     pub hints: &'a Hints,
 }
 
 impl EdgeFinder<'_> {
-    /// The edge along half-lines from (`center`, 0), which lies inside: unit directions, and about where.
-    /// `None` when one of them has none.
-    pub fn crossings(
-        &self,
-        center: f64,
-        half_lines: impl Iterator<Item = ([f64; 2], Crossing)>,
-    ) -> Option<Vec<Crossing>> {
-        let mut searches: Vec<Search> =
-            half_lines.map(|(direction, guess)| Search::new(direction, guess)).collect();
+    /// The edge along each of the half-lines; `None` where one has none, or the rays are spent.
+    pub fn crossings<'b>(&self, half_lines: impl Iterator<Item = HalfLine<'b>>) -> Vec<Option<Crossing>> {
+        let mut searches: Vec<Search<'b>> = half_lines.map(Search::new).collect();
         let mut edges = vec![None; searches.len()];
         let mut open: Vec<usize> = (0..searches.len()).collect();
-        let mut slopes = Vec::with_capacity(open.len());
         let mut found = Vec::with_capacity(open.len());
-        while !open.is_empty() {
-            slopes.clear();
-            slopes.extend(open.iter().map(|&i| {
-                let Search { direction: [dx, dy], radius, .. } = searches[i];
-                [center + radius * dx, radius * dy]
-            }));
-            self.view.excesses(&slopes, &mut found);
+        while !open.is_empty() && !self.tracer.is_spent() {
+            let rays = open.iter().map(|&i| {
+                let Search { half_line: HalfLine { view, center, direction: [dx, dy], .. }, radius, .. } =
+                    searches[i];
+                view.ray([center + radius * dx, radius * dy])
+            });
+            self.tracer.excesses(rays, &mut found);
             let mut excesses = found.iter();
-            let mut nowhere = false;
             open.retain(|&i| {
                 match excesses.next().map(|&excess| searches[i].learn(excess, self.hints.of(excess.limit))) {
                     Some(Next::Ray) => true,
@@ -193,16 +194,10 @@ impl EdgeFinder<'_> {
                         edges[i] = Some(edge);
                         false
                     }
-                    Some(Next::Nowhere) | None => {
-                        nowhere = true;
-                        false
-                    }
+                    Some(Next::Nowhere) | None => false,
                 }
             });
-            if nowhere {
-                return None;
-            }
         }
-        edges.into_iter().collect()
+        edges
     }
 }

@@ -74,8 +74,15 @@ impl Slice {
     }
 
     /// The map onto an outline that takes equal areas of the disk to equal areas, narrowed to the outline's width over
-    /// its height where that lies between `least` and 1. The pupil on the axis has `axis_area`.
-    pub fn fit(view: &View<'_>, outline: &Outline, knots: &Knots, axis_area: f64, least: f64) -> Self {
+    /// its height where that lies between `least` and 1; and where on the outline the knots lie. The pupil on the axis
+    /// has `axis_area`.
+    pub fn fit(
+        view: &View<'_>,
+        outline: &Outline,
+        knots: &Knots,
+        axis_area: f64,
+        least: f64,
+    ) -> (Self, Vec<Place>) {
         let mut sectors = Vec::with_capacity(outline.pieces.len());
         let mut total = 0.0;
         for &piece in &outline.pieces {
@@ -86,23 +93,21 @@ impl Slice {
         let area = 2.0 * view.width_scale * total;
         let margin = MARGIN * (VANISHING * axis_area / area).sqrt().clamp(1.0, MARGIN.recip());
         let mut number = 0;
-        let mut radii = Vec::with_capacity(CELLS + 1);
-        let mut angles = Vec::with_capacity(CELLS + 1);
+        let mut places = Vec::with_capacity(CELLS + 1);
         for (knot, &phi) in knots.angles.iter().enumerate() {
             let target = total * phi / PI;
             while number + 1 < sectors.len() && target > sectors[number].before + sectors[number].area {
                 number += 1;
             }
-            let angle = match knot {
-                0 => 0.0,
-                CELLS => PI,
-                _ => sectors[number].angle(target),
-            };
-            radii.push(sectors[number].piece.radius(angle));
-            angles.push(angle);
+            places.push(match knot {
+                0 => sectors[number].place(0.0, [1.0, 0.0]),
+                CELLS => sectors[number].place(PI, [-1.0, 0.0]),
+                _ => sectors[number].place_of_area(target),
+            });
         }
-        reach_corners(outline, &angles, &mut radii);
-        let points = angles.iter().zip(&radii).map(|(&angle, radius)| direction(angle).map(|x| x * radius));
+        let mut radii: Vec<f64> = places.iter().map(|place| place.radius).collect();
+        reach_corners(outline, &places, &mut radii);
+        let points = places.iter().zip(&radii).map(|(place, radius)| place.direction.map(|x| x * radius));
         let points: Vec<[f64; 2]> = points.collect();
         let highest = points.iter().fold(f64::MIN_POSITIVE, |most, point| most.max(point[1]));
         let width = (view.width_scale * points[0][0] / highest).clamp(least, 1.0);
@@ -112,7 +117,7 @@ impl Slice {
             [x * cos + y * sin, y * cos - x * sin]
         };
         let height = view.height;
-        Self {
+        let slice = Self {
             height,
             center: view.width_scale * outline.center / height,
             narrowing: (1.0 - width) / (height * height),
@@ -121,7 +126,8 @@ impl Slice {
             corners: outline.corners.len(),
             margin,
             fitted: true,
-        }
+        };
+        (slice, places)
     }
 
     /// τ.
@@ -157,30 +163,83 @@ impl Slice {
     }
 
     /// Shares of the outline's area that this slice would miss, and that it would have too much, had it
-    /// `part` of the difference that `shape` has from it. The outline's x counts in units of the shape's τ.
-    pub fn misfit(&self, shape: &Self, outline: &Outline, knots: &Knots, part: f64) -> (f64, f64) {
+    /// `part` of the difference that `shape` has from it. The outline's x counts in units of the shape's τ; its knots
+    /// lie at `places`.
+    pub fn misfit(
+        &self,
+        shape: &Self,
+        outline: &Outline,
+        places: &[Place],
+        knots: &Knots,
+        part: f64,
+    ) -> (f64, f64) {
         let (mut missed, mut excess) = (0.0, 0.0);
-        let shift = shape.center * shape.height / shape.width_scale() - outline.center;
-        let mut cursor = 0;
-        for (knot, &direction) in knots.directions.iter().enumerate() {
-            let [x, y] = shape.point(knot, direction);
-            let x = x + shift;
-            let edge = (1.0 + self.margin) * outline.radius(y.max(0.0).atan2(x), &mut cursor);
-            let difference = part * (1.0 - (x * x + y * y) / (edge * edge)) - 2.0 * self.margin;
+        for (knot, ratio) in self.ratios(shape, outline, places, knots).enumerate() {
+            let difference = part * (1.0 - ratio * ratio) - 2.0 * self.margin;
             let share = if knot == 0 || knot == CELLS { 0.5 } else { 1.0 } / CELLS as f64;
             missed += share * difference.max(0.0);
             excess += share * (-difference).max(0.0);
         }
         (missed, excess)
     }
+
+    /// At each knot how much larger `shape` has to be made, relative, to hold the outline, had it `part` of the difference;
+    /// and the share of it that then lies outside. As in [`Slice::misfit`].
+    pub fn growth(
+        &self,
+        shape: &Self,
+        outline: &Outline,
+        places: &[Place],
+        knots: &Knots,
+        part: f64,
+    ) -> (Vec<f64>, f64) {
+        let ratios: Vec<f64> = self.ratios(shape, outline, places, knots).collect();
+        let needed: Vec<f64> =
+            ratios.iter().map(|ratio| (part * (ratio.recip() - 1.0) - self.margin).max(0.0)).collect();
+        // The neighbours, too: the shape is known at the knots only.
+        let around = |knot: usize| &needed[knot.saturating_sub(1)..(knot + 2).min(needed.len())];
+        let growth: Vec<f64> =
+            (0..needed.len()).map(|knot| around(knot).iter().copied().fold(0.0, f64::max)).collect();
+        let outside = growth.iter().zip(&ratios).map(|(growth, ratio)| {
+            let reached = (1.0 + growth + self.margin) * (1.0 + part * (ratio - 1.0));
+            (1.0 - reached.powi(-2)).max(0.0)
+        });
+        let outside = outside.sum::<f64>() / growth.len() as f64;
+        (growth, outside)
+    }
+
+    /// At each knot the distance of `shape` from the outline's centre over that of the outline, made larger by the margin.
+    fn ratios(
+        &self,
+        shape: &Self,
+        outline: &Outline,
+        places: &[Place],
+        knots: &Knots,
+    ) -> impl Iterator<Item = f64> {
+        let shift = shape.center * shape.height / shape.width_scale() - outline.center;
+        let mut cursor = 0;
+        knots.directions.iter().zip(places).enumerate().map(move |(knot, (&direction, place))| {
+            let [x, y] = shape.point(knot, direction);
+            let x = x + shift;
+            let edge = (1.0 + self.margin) * outline.radius(place.angle_of([x, y]), &mut cursor);
+            (x * x + y * y).sqrt() / edge
+        })
+    }
+
+    /// Makes the map larger at the knots, relative.
+    pub fn grow(&mut self, growth: &[f64]) {
+        for (factor, growth) in self.factors.iter_mut().zip(growth) {
+            *factor = factor.map(|x| x * (1.0 + growth));
+        }
+    }
 }
 
 /// Between two knots the map runs nearly straight and would cut a corner off: moves both knots out
 /// until it no longer does.
-fn reach_corners(outline: &Outline, angles: &[f64], radii: &mut [f64]) {
+fn reach_corners(outline: &Outline, places: &[Place], radii: &mut [f64]) {
     for &(corner, radius) in &outline.corners {
-        let knot = angles.partition_point(|&angle| angle <= corner).clamp(1, CELLS) - 1;
-        let ([a, b], [r, s]) = ([angles[knot], angles[knot + 1]], [radii[knot], radii[knot + 1]]);
+        let knot = places.partition_point(|place| place.angle <= corner).clamp(1, CELLS) - 1;
+        let ([a, b], [r, s]) = ([places[knot].angle, places[knot + 1].angle], [radii[knot], radii[knot + 1]]);
         // Where the chord crosses the corner's direction, by the areas of triangles.
         let chord = r * s * (b - a).sin() / (r * (corner - a).sin() + s * (b - corner).sin());
         let growth = radius / chord;
@@ -191,9 +250,37 @@ fn reach_corners(outline: &Outline, angles: &[f64], radii: &mut [f64]) {
     }
 }
 
+/// A point of the outline, about its centre.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Place {
+    angle: f64,
+    /// The angle's unit vector.
+    direction: [f64; 2],
+    radius: f64,
+}
+
+impl Place {
+    /// The angle, in [0, π], of a point that lies in about the same direction.
+    fn angle_of(&self, [x, y]: [f64; 2]) -> f64 {
+        /// Tangent up to which four terms of the arctangent's series are as good as the function.
+        const NEAR: f64 = 0.1;
+        let ([cos, sin], y) = (self.direction, y.max(0.0));
+        let (across, along) = (cos * y - sin * x, cos * x + sin * y);
+        if !(across.abs() < NEAR * along) {
+            return y.atan2(x);
+        }
+        let t = across / along;
+        let square = t * t;
+        let turn = t * (1.0 - square * (1.0 / 3.0 - square * (0.2 - square / 7.0)));
+        (self.angle + turn).clamp(0.0, PI)
+    }
+}
+
 /// A piece of the outline with what it encloses.
 struct Sector {
     piece: Piece,
+    /// Where it begins, as a unit vector.
+    start: [f64; 2],
     /// radius²/2 at both ends and in the middle.
     density: [f64; 3],
     /// Area up to its beginning, and its own.
@@ -207,11 +294,15 @@ impl Sector {
         let Piece { from, to, .. } = piece;
         let density = [from, f64::midpoint(from, to), to].map(|angle| piece.radius(angle).powi(2) / 2.0);
         let area = (to - from) * (density[0] + 4.0 * density[1] + density[2]) / 6.0;
-        Self { piece, density, before, area }
+        Self { piece, start: direction(from), density, before, area }
     }
 
-    /// The angle up to which the outline encloses `target`.
-    fn angle(&self, target: f64) -> f64 {
+    fn place(&self, angle: f64, direction: [f64; 2]) -> Place {
+        Place { angle, direction, radius: self.piece.radius(angle) }
+    }
+
+    /// Where the outline encloses `target`.
+    fn place_of_area(&self, target: f64) -> Place {
         let [a, m, b] = self.density;
         let width = self.piece.to - self.piece.from;
         let wanted = (target - self.before) / width;
@@ -222,6 +313,26 @@ impl Sector {
             let area = x * (a + x * (p / 2.0 + x * q / 3.0));
             x = (x - (area - wanted) / (a + x * (p + x * q))).clamp(0.0, 1.0);
         }
-        self.piece.from + width * x
+        let turn = width * x;
+        self.place(self.piece.from + turn, turned(self.start, turn))
     }
+}
+
+/// A unit vector turned by an angle of at least 0, by the series of cosine and sine where those are as good.
+fn turned([x, y]: [f64; 2], angle: f64) -> [f64; 2] {
+    /// Their next terms are below 1e-15.
+    const SMALL: f64 = 0.22;
+    let (sin, cos) = if angle < SMALL {
+        let square = angle * angle;
+        let cos = 1.0
+            - square / 2.0
+                * (1.0
+                    - square / 12.0 * (1.0 - square / 30.0 * (1.0 - square / 56.0 * (1.0 - square / 90.0))));
+        let sin = angle
+            * (1.0 - square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0 * (1.0 - square / 72.0))));
+        (sin, cos)
+    } else {
+        angle.sin_cos()
+    };
+    [x * cos - y * sin, x * sin + y * cos]
 }

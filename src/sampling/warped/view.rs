@@ -5,25 +5,67 @@
 
 use std::cell::Cell;
 
-use crate::{
-    lens::film_ray,
-    trace::{
-        Path,
-        kernel::{Available, Clearance, clearances},
-    },
+use crate::trace::{
+    Path,
+    kernel::{Available, Clearance, MeridianRay, clearances},
 };
 
-/// The lens from one film point.
-pub(crate) struct View<'a> {
+/// Rays that are counted as one packet: what few registers of any processor take.
+const GROUP: usize = 8;
+/// Packets that a table may take: some 30 us an interface where they take 2.5 ns each.
+const MOST_PACKETS: u32 = 12_000;
+
+/// Traces rays for searches, and counts them.
+pub(crate) struct Tracer<'a> {
     pub path: &'a Path,
     /// z of the film.
     pub film: f64,
+    simd: Available,
+    rays: Cell<u32>,
+    /// Groups of rays traced, full or not: what the time depends on, whatever the width of the registers.
+    packets: Cell<u32>,
+}
+
+impl<'a> Tracer<'a> {
+    pub fn new(path: &'a Path, film: f64) -> Self {
+        Self { path, film, simd: Available::best(), rays: Cell::new(0), packets: Cell::new(0) }
+    }
+
+    /// Rays traced so far.
+    pub fn rays(&self) -> u32 {
+        self.rays.get()
+    }
+
+    /// Whether all the rays that a table may take were traced. Counted, not timed: the same lens gets the same table.
+    pub fn is_spent(&self) -> bool {
+        self.packets.get() >= MOST_PACKETS
+    }
+
+    /// How far outside every aperture each of the rays is.
+    pub fn excesses(&self, rays: impl ExactSizeIterator<Item = MeridianRay>, found: &mut Vec<Excess>) {
+        let count = rays.len();
+        self.rays.set(self.rays.get() + count as u32);
+        self.packets.set(self.packets.get() + count.div_ceil(GROUP) as u32);
+        found.clear();
+        clearances(self.simd, self.path, self.film, rays, |clearance| {
+            found.push(match clearance {
+                Some(Clearance { ratio, surface }) => {
+                    Excess { value: ratio - 1.0, limit: Limit::Aperture(surface) }
+                }
+                None => Excess { value: f64::INFINITY, limit: Limit::Optics },
+            });
+        });
+    }
+}
+
+/// The lens from one film point.
+#[derive(Clone, Copy)]
+pub(crate) struct View<'a> {
+    pub tracer: &'a Tracer<'a>,
     /// Distance from the axis, mm.
     pub height: f64,
     /// τ, in units of which sx counts.
     pub width_scale: f64,
-    /// Rays traced so far, for the build's account.
-    pub rays: &'a Cell<u32>,
 }
 
 /// What stops the rays beyond a point of the edge.
@@ -53,18 +95,12 @@ impl View<'_> {
 
     /// [`View::excess`] of many.
     pub fn excesses(&self, slopes: &[[f64; 2]], found: &mut Vec<Excess>) {
-        self.rays.set(self.rays.get() + slopes.len() as u32);
-        let ray = |&[x, y]: &[f64; 2]| film_ray([self.height, 0.0], self.film, [self.width_scale * x, y]);
-        let rays: Vec<_> = slopes.iter().map(ray).collect();
-        let mut ratios = Vec::with_capacity(rays.len());
-        clearances(Available::best(), self.path, &rays, &mut ratios);
-        found.clear();
-        found.extend(ratios.into_iter().map(|clearance| match clearance {
-            Some(Clearance { ratio, surface }) => {
-                Excess { value: ratio - 1.0, limit: Limit::Aperture(surface) }
-            }
-            None => Excess { value: f64::INFINITY, limit: Limit::Optics },
-        }));
+        self.tracer.excesses(slopes.iter().map(|&slopes| self.ray(slopes)), found);
+    }
+
+    /// The ray of these slopes.
+    pub fn ray(&self, [x, y]: [f64; 2]) -> MeridianRay {
+        MeridianRay { height: self.height, slopes: [self.width_scale * x, y] }
     }
 
     /// Which of the rays of these slopes get through.
@@ -78,28 +114,41 @@ impl View<'_> {
     /// `reach`, and its excess: where that is positive, the pupil is empty. With `any` the search
     /// ends at the first slope inside.
     pub fn innermost(&self, guess: f64, reach: f64, any: bool) -> (f64, f64) {
-        const GRID: u32 = 24;
-        let mut found = Vec::new();
-        let mut least_of = |places: &[f64], best: (f64, f64)| {
-            let slopes: Vec<_> = places.iter().map(|&s| [s, 0.0]).collect();
-            self.excesses(&slopes, &mut found);
-            let found = places.iter().zip(&found).map(|(&s, excess)| (s, excess.value));
-            found.fold(best, |best, new| if new.1 < best.1 { new } else { best })
-        };
-        let done = |best: (f64, f64)| any && best.1 < 0.0;
-        let mut best = (guess, self.excess([guess, 0.0]).value);
-        let mut width = 0.02 * reach;
-        if !done(best) && best.1 == f64::INFINITY {
-            // Nothing to descend along: a coarse scan first.
-            width = 2.0 * reach / f64::from(GRID);
-            let grid: Vec<_> = (0..=GRID).map(|i| guess - reach + width * f64::from(i)).collect();
-            best = least_of(&grid, best);
+        match self.least_of(&[guess]) {
+            // Nothing to descend along.
+            nowhere if nowhere.1 == f64::INFINITY => self.scanned(guess, reach, any),
+            start => self.descended(start, 0.02 * reach, reach, any),
         }
-        while width > 1e-9 * reach && !done(best) {
-            let before = best.1;
-            best = least_of(&[best.0 - width, best.0 + width], best);
-            width *= if best.1 < before { 2.0 } else { 0.4 };
+    }
+
+    /// The same after a coarse scan.
+    pub fn scanned(&self, guess: f64, reach: f64, any: bool) -> (f64, f64) {
+        const GRID: u32 = 24;
+        let width = 2.0 * reach / f64::from(GRID);
+        let grid: Vec<_> = (0..=GRID).map(|i| guess - reach + width * f64::from(i)).collect();
+        self.descended(self.least_of(&grid), width, reach, any)
+    }
+
+    /// Where on the meridian a descent of the excess from a slope and its excess ends.
+    fn descended(&self, mut best: (f64, f64), mut width: f64, reach: f64, any: bool) -> (f64, f64) {
+        while width > 1e-9 * reach && !(any && best.1 < 0.0) {
+            let beside = self.least_of(&[best.0 - width, best.0 + width]);
+            if beside.1 < best.1 {
+                best = beside;
+                width *= 2.0;
+            } else {
+                width *= 0.4;
+            }
         }
         best
+    }
+
+    /// Of some slopes on the meridian the one with the least excess, and that.
+    fn least_of(&self, places: &[f64]) -> (f64, f64) {
+        let slopes: Vec<_> = places.iter().map(|&s| [s, 0.0]).collect();
+        let mut found = Vec::with_capacity(slopes.len());
+        self.excesses(&slopes, &mut found);
+        let found = places.iter().zip(&found).map(|(&s, excess)| (s, excess.value));
+        found.fold((places[0], f64::INFINITY), |best, new| if new.1 < best.1 { new } else { best })
     }
 }

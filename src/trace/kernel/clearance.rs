@@ -12,14 +12,7 @@ use super::{
     Available,
     lanes::{Cpu, Lanes, Portable},
 };
-use crate::{
-    lens::Ray,
-    numeric::unit,
-    trace::{
-        path::Path,
-        surface::{PathSurface, State},
-    },
-};
+use crate::trace::{path::Path, surface::PathSurface};
 
 /// The aperture that a ray comes nearest to, or reaches farthest beyond.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,13 +25,22 @@ pub(crate) struct Clearance {
 }
 
 /// Rays of a packet.
-const PACKET: usize = 8;
+const PACKET: usize = 32;
 /// Clear semi-diameter over radius up to which a surface is met as a plane nearly is, with a division: beyond, t is
 /// exact to this many times fewer digits.
 const WEAK: f64 = 1e-5;
 
-/// Appends the largest ratio of height to clear semi-diameter along each of several rays, traced side by side,
-/// where no aperture stops them.
+/// A ray from the film, whose point lies on the x axis.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MeridianRay {
+    /// The film point's x, mm.
+    pub height: f64,
+    /// dx/dz and dy/dz.
+    pub slopes: [f64; 2],
+}
+
+/// Tells `found`, in order, the largest ratio of height to clear semi-diameter along each of several rays, traced side
+/// by side, where no aperture stops them. The path goes from film to scene; the film lies at z = `film`, behind it.
 ///
 /// A ray that stops for another reason (it misses a surface, is reflected, turns back) has the ratio so far if that is
 /// more than 1, else none: `None` and a ratio of more than 1 together are what [`Path::walk`] blocks. Refraction is by
@@ -46,11 +48,12 @@ const WEAK: f64 = 1e-5;
 pub(crate) fn clearances(
     simd: Available,
     path: &Path<f64>,
-    rays: &[Ray],
-    found: &mut Vec<Option<Clearance>>,
+    film: f64,
+    mut rays: impl Iterator<Item = MeridianRay>,
+    mut found: impl FnMut(Option<Clearance>),
 ) {
-    for rays in rays.chunks(PACKET) {
-        let mut packet = Packet::enter(path, rays);
+    let mut packet = Packet::new(path.entry - film);
+    while packet.fill(&mut rays) > 0 {
         match simd.simd() {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: the processor has these instructions.
@@ -60,11 +63,11 @@ pub(crate) fn clearances(
             Simd::Avx2 => unsafe { avx2(path, &mut packet) },
             _ => packet.trace::<Portable<f64, 4>>(Portable::cpu(), path),
         }
-        let lanes = packet.largest.iter().zip(packet.surface).zip(packet.open).take(rays.len());
-        found.extend(lanes.map(|((&largest, surface), open)| {
-            (open > 0.0 || largest > 1.0)
-                .then(|| Clearance { ratio: largest.sqrt(), surface: surface as usize })
-        }));
+        let lanes = packet.largest.iter().zip(packet.surface).zip(packet.open).take(packet.count);
+        for ((&largest, surface), open) in lanes {
+            let known = open > 0.0 || largest > 1.0;
+            found(known.then(|| Clearance { ratio: largest.sqrt(), surface: surface.to_bits() as usize }));
+        }
     }
 }
 
@@ -84,56 +87,79 @@ fn avx2(path: &Path<f64>, packet: &mut Packet) {
 
 /// Rays as structure of arrays: where they set out, and what became of them.
 struct Packet {
-    p: [[f64; PACKET]; 3],
-    v: [[f64; PACKET]; 3],
-    lead: [f64; PACKET],
-    /// 1 for a ray that goes on, else 0.
+    /// From the film to the first vertex, mm.
+    distance: f64,
+    /// Rays in it; the lanes after them hold whatever was there before.
+    count: usize,
+    height: [f64; PACKET],
+    slopes: [[f64; PACKET]; 2],
+    /// 1 for a ray that got through but for apertures, else 0.
     open: [f64; PACKET],
-    /// Square of the largest ratio, and its surface, a float so that one mask selects both.
+    /// Square of the largest ratio.
     largest: [f64; PACKET],
+    /// Its surface, whole numbers as the bits of floats: one mask selects both, and nothing computes with them.
     surface: [f64; PACKET],
 }
 
 impl Packet {
-    fn enter(path: &Path<f64>, rays: &[Ray]) -> Self {
+    fn new(distance: f64) -> Self {
         let zero = [0.0; PACKET];
-        let mut packet =
-            Self { p: [zero; 3], v: [zero; 3], lead: zero, open: zero, largest: zero, surface: zero };
-        for (i, ray) in rays.iter().enumerate() {
-            let direction = unit(ray.direction);
-            let State { p, v, lead } = path.enter(*ray, direction);
-            for axis in 0..3 {
-                (packet.p[axis][i], packet.v[axis][i]) = (p[axis], v[axis]);
-            }
-            packet.lead[i] = lead;
-            let finite = p.iter().chain(&direction).all(|x| x.is_finite());
-            packet.open[i] = if finite { 1.0 } else { 0.0 };
-        }
-        packet
+        Self { distance, count: 0, height: zero, slopes: [zero; 2], open: zero, largest: zero, surface: zero }
     }
 
+    /// Takes as many rays as there is room for; how many.
+    fn fill(&mut self, rays: &mut impl Iterator<Item = MeridianRay>) -> usize {
+        self.count = 0;
+        for (i, ray) in rays.take(PACKET).enumerate() {
+            self.height[i] = ray.height;
+            (self.slopes[0][i], self.slopes[1][i]) = (ray.slopes[0], ray.slopes[1]);
+            self.count = i + 1;
+        }
+        self.count
+    }
+
+    /// Several registers' rays in turns: each of them waits for its own square roots.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn trace<L: Lanes<Scalar = f64>>(&mut self, cpu: Cpu<L>, path: &Path<f64>) {
         let mut at = 0;
-        while at < PACKET {
-            let [[x, y, z], [vx, vy, vz]] = [&self.p, &self.v];
-            // No closures: one that is not inlined would be compiled for another processor than this function.
-            let mut lanes = Probe {
-                p: [L::load(cpu, &x[at..]), L::load(cpu, &y[at..]), L::load(cpu, &z[at..])],
-                v: [L::load(cpu, &vx[at..]), L::load(cpu, &vy[at..]), L::load(cpu, &vz[at..])],
-                lead: L::load(cpu, &self.lead[at..]),
-                open: L::load(cpu, &self.open[at..]),
-                largest: L::splat(cpu, 0.0),
-                surface: L::splat(cpu, 0.0),
+        while at < self.count {
+            at += if self.count - at <= L::WIDTH {
+                self.trace_some::<L, 1>(cpu, path, at)
+            } else if self.count - at <= 2 * L::WIDTH {
+                self.trace_some::<L, 2>(cpu, path, at)
+            } else {
+                self.trace_some::<L, 4>(cpu, path, at)
             };
-            for (number, step) in path.steps.iter().enumerate() {
-                lanes.pass(cpu, step, number as f64, path.may_start_backward(number));
-            }
-            lanes.open.store(&mut self.open[at..]);
-            lanes.largest.store(&mut self.largest[at..]);
-            lanes.surface.store(&mut self.surface[at..]);
-            at += L::WIDTH;
         }
+    }
+
+    /// Traces the rays of `U` registers from the one `at` on; how many they are.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn trace_some<L: Lanes<Scalar = f64>, const U: usize>(
+        &mut self,
+        cpu: Cpu<L>,
+        path: &Path<f64>,
+        at: usize,
+    ) -> usize {
+        let n = path.steps[0].n;
+        // No closures: one that is not inlined would be compiled for another processor than this function.
+        let mut probes = [Probe::enter(cpu, self, n, at); U];
+        for (u, probe) in probes.iter_mut().enumerate().skip(1) {
+            *probe = Probe::enter(cpu, self, n, at + u * L::WIDTH);
+        }
+        for (number, step) in path.steps.iter().enumerate() {
+            let number = f64::from_bits(number as u64);
+            for probe in &mut probes {
+                probe.pass(cpu, step, number);
+            }
+        }
+        for (u, probe) in probes.iter().enumerate() {
+            let at = at + u * L::WIDTH;
+            probe.open.store(&mut self.open[at..]);
+            probe.largest.store(&mut self.largest[at..]);
+            probe.surface.store(&mut self.surface[at..]);
+        }
+        U * L::WIDTH
     }
 }
 
@@ -153,9 +179,28 @@ fn dot<L: Lanes>(a: [L; 3], b: [L; 3]) -> L {
 }
 
 impl<L: Lanes<Scalar = f64>> Probe<L> {
+    /// The rays of one register, from the one `at` on, on the first vertex plane: at any slope, for an edge needs few
+    /// digits. `n` is the index there.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn enter(cpu: Cpu<L>, packet: &Packet, n: f64, at: usize) -> Self {
+        let (zero, one, distance) = (L::splat(cpu, 0.0), L::splat(cpu, 1.0), L::splat(cpu, packet.distance));
+        let height = L::load(cpu, &packet.height[at..]);
+        let [sx, sy] = [L::load(cpu, &packet.slopes[0][at..]), L::load(cpu, &packet.slopes[1][at..])];
+        let length = (one + sx * sx + sy * sy).sqrt();
+        let vz = L::splat(cpu, n) / length;
+        Self {
+            p: [height + sx * distance, sy * distance, zero],
+            v: [sx * vz, sy * vz, vz],
+            lead: distance * length,
+            open: one,
+            largest: zero,
+            surface: zero,
+        }
+    }
+
     /// Takes the rays to the next surface and through it.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn pass(&mut self, cpu: Cpu<L>, step: &PathSurface<f64>, number: f64, backward: bool) {
+    fn pass(&mut self, cpu: Cpu<L>, step: &PathSurface<f64>, number: f64) {
         let (zero, one) = (L::splat(cpu, 0.0), L::splat(cpu, 1.0));
         let c = L::splat(cpu, step.curvature);
         let [vx, vy, vz] = self.v;
@@ -174,7 +219,7 @@ impl<L: Lanes<Scalar = f64>> Probe<L> {
         let slope = one - c * z;
         let onward = L::both(L::splat(cpu, -step.slack).less_equal(self.lead + t), zero.less_equal(slope));
         let met = L::both(L::both(zero.less(square), onward), zero.less(self.open));
-        let met = if backward { met } else { L::both(met, zero.less(vz)) };
+        let met = L::both(met, zero.less(vz));
         let ratio = (x * x + y * y) * L::splat(cpu, step.aperture.recip());
         let more = L::both(met, self.largest.less(ratio));
         self.largest = L::select(more, ratio, self.largest);
@@ -192,7 +237,10 @@ impl<L: Lanes<Scalar = f64>> Probe<L> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{lens::Lens, prescription::catalogue};
+    use crate::{
+        lens::{Lens, film_ray},
+        prescription::catalogue,
+    };
 
     #[test]
     fn every_instance_and_every_packet_gives_the_same_bits() {
@@ -201,17 +249,19 @@ mod tests {
             let path = Path::<f64>::film_to_scene(&lens);
             let film = lens.rear().vertex - 1.1 * lens.rear().semi_diameter;
             let at = |k: u32| 2.5 * (f64::from(k) / 22.0 - 0.5);
-            let slopes = (0..23 * 23).map(|k| [at(k % 23), at(k / 23), 1.0]);
-            let rays: Vec<_> = slopes.map(|direction| Ray { origin: [3.0, 0.0, film], direction }).collect();
+            let ray = |k: u32| MeridianRay { height: 3.0, slopes: [at(k % 23), at(k / 23)] };
+            let rays: Vec<_> = (0..23 * 23).map(ray).collect();
             let ask = |simd, packet: usize| {
                 let mut found = Vec::new();
-                rays.chunks(packet).for_each(|rays| clearances(simd, &path, rays, &mut found));
+                for rays in rays.chunks(packet) {
+                    clearances(simd, &path, film, rays.iter().copied(), |clearance| found.push(clearance));
+                }
                 found
             };
             let expected = ask(Simd::Portable.available().expect("always there"), 1);
             assert!(expected.contains(&None) && expected.iter().flatten().any(|found| found.ratio < 1.0));
             for simd in Simd::ALL.into_iter().filter_map(Simd::available) {
-                for packet in [3, PACKET, rays.len()] {
+                for packet in [3, 7, 15, PACKET, rays.len()] {
                     assert!(ask(simd, packet) == expected, "{name} {simd:?} {packet}");
                 }
             }
@@ -229,16 +279,19 @@ mod tests {
                 for j in 0..40 {
                     for height in [0.0, 3.0, 12.0] {
                         let at = |k: i32| 2.5 * (f64::from(k) / 39.0 - 0.5);
-                        rays.push(Ray { origin: [height, 0.0, film], direction: [at(i), at(j), 1.0] });
+                        rays.push(MeridianRay { height, slopes: [at(i), at(j)] });
                     }
                 }
             }
             let mut clearances = Vec::new();
-            super::clearances(Available::best(), &path, &rays, &mut clearances);
+            super::clearances(Available::best(), &path, film, rays.iter().copied(), |clearance| {
+                clearances.push(clearance);
+            });
             let (mut through, mut clipped, mut stopped) = (0, 0, 0);
             for (ray, clearance) in rays.into_iter().zip(clearances) {
                 let passes = clearance.is_some_and(|clearance| clearance.ratio <= 1.0);
-                assert_eq!(passes, path.trace(ray).is_ok(), "{name} {ray:?} {clearance:?}");
+                let traced = path.trace(film_ray([ray.height, 0.0], film, ray.slopes));
+                assert_eq!(passes, traced.is_ok(), "{name} {ray:?} {clearance:?}");
                 match clearance {
                     Some(_) if passes => through += 1,
                     Some(_) => clipped += 1,

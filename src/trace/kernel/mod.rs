@@ -34,7 +34,7 @@ mod surface;
 mod table;
 mod trace;
 
-pub(crate) use clearance::{Clearance, clearances};
+pub(crate) use clearance::{Clearance, MeridianRay, clearances};
 pub use instances::KernelScalar;
 pub use rays::{LensRays, PlaneRays, RayBuffer, Traced};
 pub use simd::Simd;
@@ -44,7 +44,7 @@ use self::batch::InPlaceBatch;
 pub(crate) use self::{
     batch::{Approach, Batch, PlaneBatch, RaysByValue, from_plane},
     instances::{Grouping, Optics, run},
-    lanes::{Cpu, Lanes, Portable, Scalar},
+    lanes::{Cpu, Indexed, Lanes, Portable, Scalar},
     ray::{End, Start},
     table::Table,
 };

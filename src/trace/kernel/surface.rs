@@ -4,10 +4,10 @@
 use super::crossing::{self, ClearPart, Tests};
 use crate::trace::surface::PathSurface;
 
-/// |R| up to this many times the clear semi-diameter and the way there counts as strongly curved:
-/// without the division t has an error of rounding times R. As few as leave the catalogue's lenses, whose weakest
-/// surface comes to 43, without one.
-const STRONG: f64 = 45.0;
+/// |R|/n up to this many times the clear semi-diameter counts as strongly curved: without the division t has an error of
+/// rounding times |R|/n, however near the surface is. As few as leave the catalogue's lenses, whose weakest surface comes
+/// to 25.5 from the film, without a division.
+const STRONG: f64 = 26.0;
 /// From this (a/R)² the aperture is tested by N_z, which has too few digits below.
 const STEEP: f64 = 0.02;
 
@@ -30,7 +30,7 @@ pub struct CompiledSurface {
 
 impl CompiledSurface {
     pub fn is_strong(&self) -> bool {
-        self.c.abs() * STRONG * (self.semi + self.distance) >= 1.0
+        self.c.abs() * STRONG * self.n * self.semi >= 1.0
     }
 
     pub fn is_steep(&self) -> bool {

@@ -121,6 +121,8 @@ pub struct Table<S> {
     pub exit: Transfer<S>,
     /// 3/(2 n) and -1/(2 n³) of the last medium: D = V (`unit[0]` + `unit[1]` V·V) is a unit vector.
     pub unit: [S; 2],
+    /// n of the last medium.
+    pub last_index: S,
     /// z of the first vertex in lens space.
     pub entry: f64,
     /// +1 toward the scene, -1 toward the film.
@@ -131,6 +133,8 @@ pub struct Table<S> {
 const FAR: f64 = 4.0;
 /// Roundings of [`RoundingGrowth`] that are let be. The catalogue's lenses come to 60 at most.
 const MOST_GROWTH: f64 = 64.0;
+/// Rounding of t in clear semi-diameters that a link may have. The catalogue's lenses come to 27.6 from the film.
+const LINK_ROUNDING: f64 = 28.0;
 /// Largest semi-diameter over |R| at which a ray through it can reach the far hemisphere of a surface that is
 /// not steep, inside its clear aperture, only by travelling backward.
 const NARROW: f64 = 6.0;
@@ -186,6 +190,7 @@ impl<S: Scalar> Table<S> {
             steps: steps.into(),
             exit: Transfer { factor: S::from_f64(factor), offset: S::from_f64(offset) },
             unit: [S::from_f64(1.5 / n), S::from_f64(-0.5 / n.powi(3))],
+            last_index: S::from_f64(n),
             entry: path.entry,
             travel_sign,
         }
@@ -298,7 +303,7 @@ fn sphere<S: Scalar>(
 }
 
 /// The link between two surfaces, where there is one: both strongly curved, nothing left to prove but the
-/// direction, and rounding amplified by no more than `limit`.
+/// direction, and rounding amplified by no more than `limit`, and on the way there by no more than [`LINK_ROUNDING`].
 fn link(last: &CompiledSurface, surface: &CompiledSurface, limit: f64) -> Option<Link<f64>> {
     let CompiledSurface { c, n, distance: d, .. } = *surface;
     let curved = last.c != 0.0 && c != 0.0 && last.is_strong() && surface.is_strong();
@@ -310,8 +315,11 @@ fn link(last: &CompiledSurface, surface: &CompiledSurface, limit: f64) -> Option
     let alpha = 1.0 + c * d - rho;
     let phi1 = c * n * n * alpha / last.c;
     let phi0 = c * n * n * (d + c * d * d / 2.0 - alpha / last.c);
-    let worst = phi1.abs().max(phi0.abs()).max(alpha.abs() * n).max(rho.abs() * n);
-    (worst <= limit).then(|| Link {
+    let phi = phi1.abs().max(phi0.abs());
+    let along = alpha.abs().max(rho.abs()) * n;
+    // t is the difference of g and e over c n². φ, itself of two terms nearly equal, is rounded twice as much as g.
+    let rounding = along.max(2.0 * phi) / (c.abs() * n * n * surface.semi);
+    (along.max(phi) <= limit && rounding <= LINK_ROUNDING).then(|| Link {
         alpha,
         rho,
         minus_2phi0: -2.0 * phi0,

@@ -13,11 +13,23 @@ fn source(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
 }
 
+const LIBRARIES: [&str; 3] = ["-ldl", "-lpthread", "-lm"];
+
 fn run(action: &str) -> Report {
     static HOST: OnceLock<PathBuf> = OnceLock::new();
     let host = HOST.get_or_init(|| {
-        let libraries = ["-ldl", "-lpthread", "-lm"];
-        compile_with(&c_compiler(), &C99, &source("tests/abi/hosts/c_host.c"), "c_host", &libraries)
+        compile_with(&c_compiler(), &C99, &source("tests/abi/hosts/c_host.c"), "c_host", &LIBRARIES)
+    });
+    Run::of(host, &harness::plugin(), action).run()
+}
+
+/// The same program compiled with the header of version 1.
+fn run_old(action: &str) -> Report {
+    static HOST: OnceLock<PathBuf> = OnceLock::new();
+    let host = HOST.get_or_init(|| {
+        let include = format!("-I{}", source("tests/abi/hosts/version_1").display());
+        let flags: Vec<&str> = [include.as_str()].into_iter().chain(C99).collect();
+        compile_with(&c_compiler(), &flags, &source("tests/abi/hosts/c_host.c"), "c_host_1", &LIBRARIES)
     });
     Run::of(host, &harness::plugin(), action).run()
 }
@@ -40,20 +52,78 @@ const SIZE: i32 = 2;
 const PARAMETER: i32 = 3;
 const LENS: i32 = 4;
 const UNREACHABLE: i32 = 5;
+const PANIC: i32 = 7;
 const NOT_OURS: i32 = 8;
+const MEMORY: i32 = 9;
 
 #[test]
 fn the_library_says_what_it_is() {
     let report = run("library");
-    assert_eq!(report.numbers("abi"), [1.0, 1.0]);
+    assert_eq!(report.numbers("abi"), [2.0, 2.0]);
     assert_eq!(report.one("version"), env!("CARGO_PKG_VERSION"));
     // The bits of the first version stay; later ones add.
-    assert_eq!(report.number("capabilities") as u64 & 15, 15);
+    assert_eq!(report.number("capabilities") as u64 & (256 + 15), 256 + 15);
     assert_eq!(report.one("empty"), "[]");
     let names = report.all("name");
     assert_eq!(names[1], "0 ok");
     assert_eq!(names.iter().filter(|name| name.ends_with("unknown status")).count(), 3);
     assert_eq!(names.iter().collect::<std::collections::HashSet<_>>().len(), 14);
+}
+
+#[test]
+fn a_host_of_the_first_header_gets_what_it_got() {
+    let [old, new] = [run_old("library"), run("library")];
+    assert_eq!(old.numbers("abi"), [2.0, 1.0], "the library's, and the header's");
+    assert_eq!(old.all("name"), new.all("name"));
+    for action in ["rays", "info", "plan", "log", "refusals", "null"] {
+        let [old, new] = [run_old(action), run(action)];
+        assert_eq!(old.out, new.out, "{action}");
+        assert!(old.out.len() > 100, "{action}: {}", old.out);
+    }
+}
+
+#[test]
+fn numbers_of_elements_that_no_memory_holds_are_refused() {
+    let report = run("counts");
+    said(&report, "soa-endless", PARAMETER, &["n is 4611686018427387902", "elements of 4 bytes"]);
+    said(&report, "zones-endless", PARAMETER, &["n is 4611686018427387902", "elements of 16 bytes"]);
+    said(&report, "zones-many", MEMORY, &["memory is out"]);
+    said(&report, "zones-null", NULL, &["zones is NULL"]);
+    assert_eq!(report.one("kept"), "7 7");
+    assert_eq!(report.all("asked"), [""; 0]);
+}
+
+#[test]
+fn every_status_of_the_header_is_returned_or_reserved() {
+    let header = std::fs::read_to_string(source("include/realistic.h")).unwrap();
+    let listed = header.split("enum realistic_status\n").nth(1).and_then(|rest| rest.split("};").next());
+    let (mut is_reserved, mut returned) = (false, Vec::new());
+    for line in listed.expect("the enumeration").lines() {
+        if let Some((name, number)) = line.trim().strip_suffix(',').and_then(|line| line.split_once(" = ")) {
+            if !is_reserved {
+                returned.push((number.parse::<i32>().unwrap(), name));
+            }
+            is_reserved = false;
+        }
+        is_reserved |= line.contains("Reserved");
+    }
+    let reports = ["refusals", "null", "counts"].map(run);
+    let seen = |number: i32| {
+        let is_it = |line: &str| line.split(' ').nth(1) == Some(&number.to_string());
+        reports.iter().any(|report| report.out.lines().any(is_it))
+    };
+    assert_eq!(returned.len(), 9, "{returned:?}");
+    for (number, name) in returned {
+        // Only a defect gives it: a unit test of the boundary makes one.
+        assert!(number == PANIC || seen(number), "{name} is never returned");
+    }
+}
+
+#[test]
+fn no_call_prints() {
+    for action in ["library", "refusals", "info", "plan", "log", "rays", "null", "threads", "counts"] {
+        assert_eq!(run(action).err, "", "{action}");
+    }
 }
 
 #[test]
@@ -132,6 +202,25 @@ fn the_callback_gets_the_warnings_and_nothing_else() {
     assert!(logged[0].starts_with("1 ") && logged[0].contains("aperture_diameter"), "{logged:?}");
     assert!(logged[1].starts_with("1 ") && logged[1].contains("\"disk\" misses"), "{logged:?}");
     assert_eq!(report.err, "", "nothing is printed");
+}
+
+#[test]
+fn a_ray_with_differentials_is_three_rays() {
+    let report = run("differentials");
+    assert_eq!(report.one("differences"), "0 0 0 0");
+    for what in ["many", "soa"] {
+        assert_eq!(report.all(what), ["0 "], "{what}");
+    }
+    // By what neighbours there are: none, one to the right, one below, both; and no ray at all.
+    let counts: Vec<u32> = report.numbers("neighbours").into_iter().map(|count| count as u32).collect();
+    assert_eq!(counts.iter().sum::<u32>(), 3000);
+    assert!(counts[1] > 0 && counts[2] > 0 && counts[3] > 2000 && counts[4] > 0, "{counts:?}");
+    assert_eq!(report.one("zero"), "0 0 0 0");
+    assert_eq!(report.one("touched"), "0");
+    said(&report, "size", SIZE, &["realistic_ray_differential.struct_size is 91", "92"]);
+    said(&report, "short", PARAMETER, &["ray_stride is 91", "92"]);
+    said(&report, "no-rx", NULL, &["rx is NULL"]);
+    said(&report, "no-ry-dz", NULL, &["ry.dz is NULL"]);
 }
 
 #[test]

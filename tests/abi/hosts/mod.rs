@@ -3,6 +3,7 @@
 mod c_host;
 mod cpp_host;
 mod examples;
+mod float_host;
 mod harness;
 mod layout;
 mod pbrt_host;

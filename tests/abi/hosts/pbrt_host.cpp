@@ -5,6 +5,7 @@
 // Arguments, in any order after the plugin's path and the action:
 //   float:NAME=1,2  integer:NAME=1  bool:NAME=true  string:NAME=a|b    the scene's parameters
 //   file=PATH of the scene  res=WxH  w2c=16 numbers  sample=x,y,u,v,time (many)  spp=N
+//   traps=1: floating-point exceptions trap
 // Prints one `key values…` a line; the tests read these.
 
 #include <cfloat>
@@ -16,6 +17,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <dlfcn.h>
+#include <fenv.h>
 #include <limits>
 #include <sstream>
 #include <string>
@@ -254,6 +256,8 @@ void take(Request *request, const std::string &argument) {
     std::string key = argument.substr(0, equals), value = argument.substr(equals + 1);
     if (key == "res") {
         std::sscanf(value.c_str(), "%dx%d", &request->x, &request->y);
+    } else if (key == "traps") {
+        feenableexcept(FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW);
     } else if (key == "file") {
         current_file = value;
     } else if (key == "spp") {

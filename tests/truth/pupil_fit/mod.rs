@@ -2,6 +2,9 @@
 //! bench.
 #![allow(dead_code, reason = "each of the two uses a part")]
 
+pub mod lenses;
+pub mod survey;
+
 use std::f64::consts::{PI, TAU};
 
 use realistic::{
@@ -27,6 +30,7 @@ pub const REACH: f64 = 17.6;
 pub struct Case {
     pub path: Path,
     pub film: f64,
+    pub reach: f64,
     pub cover: PupilDisk,
     pub pupil_shift: f64,
     pub pupil: WarpedPupil,
@@ -59,12 +63,32 @@ impl Case {
 
     /// The same with a table that reaches to another film radius, mm.
     pub fn with_reach(lens: &Lens, distance: f64, reach: f64) -> Self {
+        Self::try_reach(lens, distance, reach).expect("film behind the lens")
+    }
+
+    /// The same; `None` where the film is not behind the lens.
+    pub fn try_reach(lens: &Lens, distance: f64, reach: f64) -> Option<Self> {
         let film = lens.rear().vertex - distance;
         let path = Path::film_to_scene(lens);
-        let cover = PupilDisk::rear(lens, film, reach).expect("film behind the lens");
+        let cover = PupilDisk::rear(lens, film, reach)?;
         let pupil_shift = PupilDisk::exit(lens, film).seen_from([1.0, 0.0]).center[0];
         let pupil = WarpedPupil::new(&path, film, reach, cover, pupil_shift);
-        Self { path, film, cover, pupil_shift, pupil }
+        Some(Self { path, film, reach, cover, pupil_shift, pupil })
+    }
+
+    /// The pupil, built once more.
+    pub fn again(&self) -> WarpedPupil {
+        WarpedPupil::new(&self.path, self.film, self.reach, self.cover, self.pupil_shift)
+    }
+
+    /// Share of the samples of a film point that gets through, on `n` by `n` lens samples; `None` where film is dark.
+    pub fn acceptance(&self, point: [f64; 2], n: u32) -> Option<f64> {
+        let mut passed = 0;
+        for (u, v) in grid(n) {
+            let disk = DiskMapping::Concentric.map(u, v).expect("never rejects");
+            passed += u32::from(self.passes(point, self.pupil.sample(point, disk)?.slopes));
+        }
+        Some(f64::from(passed) / f64::from(n * n))
     }
 
     /// Whether a ray gets through.

@@ -1,11 +1,12 @@
 //! Which method for which need: results in, a few sentences about all the lenses together out.
 
-use super::findings::{PIXELS, WORTH, all_hold, fastest, is_exact, seconds, soonest};
+use super::findings::{PIXELS, all_hold, cheapest, fastest, is_exact, is_model, seconds, soonest};
 use realistic_lab::accuracy::ray_map::RayErrors;
 use realistic_lab::accuracy::suite::Results;
 use realistic_lab::methods::Family;
 use realistic_lab::reference::condition::Norm;
 use realistic_lab::stability;
+use realistic_lab::subject::STOPPED_DOWN;
 
 /// The advice.
 pub fn advice(results: &Results) -> Vec<String> {
@@ -23,7 +24,7 @@ fn range(times: impl Iterator<Item = f64> + Clone) -> String {
 
 /// The rows of the method that is the fastest on most lenses of those wanted.
 fn usual(results: &Results, wanted: impl Fn(&RayErrors) -> bool) -> Option<Vec<&RayErrors>> {
-    let name = |lens: &&str| fastest(results, lens, &wanted).map(|m| m.method.name);
+    let name = |lens: &&str| fastest(&results.ray_map, lens, &wanted).map(|m| m.method.name);
     let name = most_frequent(results.lenses.iter().filter_map(name))?.0;
     Some(results.ray_map.iter().filter(|m| m.method.name == name).collect())
 }
@@ -67,19 +68,16 @@ fn single_rays(results: &Results) -> Option<String> {
     })
 }
 
-/// Where a model that leaves surfaces out is worth it.
+/// Where a model that leaves surfaces out is worth it: where the table below names one.
 fn models(results: &Results) -> Option<String> {
-    let gain = |lens: &str, pixels: f64| {
-        let time = |families: &[Family]| {
-            let serves = |m: &RayErrors| m.pixels.most <= pixels && families.contains(&m.method.family());
-            fastest(results, lens, serves).map_or(f64::INFINITY, |m| m.time.median)
-        };
-        let model = time(&[Family::Gaussian, Family::PolynomialBatch]);
-        let kernel = time(&[Family::KernelBatch]);
-        (model < WORTH * kernel).then_some(kernel / model)
+    let gain = |rays: &[RayErrors], lens: &str, pixels: f64| {
+        let best = cheapest(rays, lens, |m| m.pixels.most <= pixels)?.best;
+        let kernel =
+            fastest(rays, lens, |m| m.method.family() == Family::KernelBatch && m.pixels.most <= pixels);
+        is_model(best).then(|| kernel.map_or(f64::INFINITY, |m| m.time.median) / best.time.median)
     };
-    let at = |pixels: &f64| {
-        let gains: Vec<f64> = results.lenses.iter().filter_map(|lens| gain(lens, *pixels)).collect();
+    let at = |rays: &[RayErrors], pixels: f64| {
+        let gains: Vec<f64> = results.lenses.iter().filter_map(|lens| gain(rays, lens, pixels)).collect();
         let most = gains.iter().copied().fold(0.0, f64::max);
         let lenses = results.lenses.len();
         match gains.len() {
@@ -87,11 +85,13 @@ fn models(results: &Results) -> Option<String> {
             n => format!("within {pixels} pixel on {n} of {lenses} lenses, up to {most:.1} times"),
         }
     };
+    let all = |rays: &[RayErrors]| PIXELS.map(|pixels| at(rays, pixels)).join("; ");
     (!results.lenses.is_empty()).then(|| {
-        let all: Vec<String> = PIXELS.iter().map(at).collect();
         format!(
-            "A polynomial or the thick lens in batches is faster than the exact kernel {}.",
-            all.join("; ")
+            "In batches, a polynomial or the thick lens is faster than the exact kernel by more than a tie: wide open \
+             {}. At f/{STOPPED_DOWN} {}.",
+            all(&results.ray_map),
+            all(&results.stopped_down),
         )
     })
 }
@@ -135,18 +135,20 @@ fn tracers(results: &Results) -> Option<String> {
     let failed = results.stability.iter().filter(|c| !c.holds).count();
     let tracers = stability::tracers();
     let is_compiled = |name: &str| tracers.iter().any(|t| t.name == name && t.norm == Norm::Surface);
-    let worst = |compiled: bool| {
-        let own = results.stability.iter().filter(|c| is_compiled(c.tracer) == compiled);
-        own.map(|c| c.ratio).fold(0.0, f64::max)
+    let worst = |compiled: bool, random: bool| {
+        let own = results.stability.iter().filter(|c| (c.group == "random") == random);
+        own.filter(|c| is_compiled(c.tracer) == compiled).map(|c| c.ratio).fold(0.0, f64::max)
     };
     (!results.stability.is_empty()).then(|| {
         format!(
-            "Stability: of {} results of extreme cases {}. The worst error / (condition x epsilon) is {:.1} for the \
-             compiled kernels and {:.1} for the walks.",
+            "Stability: of {} results of extreme cases {}. The worst error / (condition x epsilon) of the \
+             compiled kernels is {:.1} on the named cases and {:.1} on random lenses, of the walks {:.1} and {:.1}.",
             results.stability.len(),
             all_hold(failed),
-            worst(true),
-            worst(false),
+            worst(true, false),
+            worst(true, true),
+            worst(false, false),
+            worst(false, true),
         )
     })
 }

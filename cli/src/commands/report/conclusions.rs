@@ -1,11 +1,13 @@
 //! Which method for which need, read off the results: a table of needs by lens, and sentences about each lens.
 
-use super::findings::{PIXELS, WORTH, all_hold, fastest, is_exact, seconds, soonest, time_to};
+use super::findings::{PIXELS, all_hold, cheapest, fastest, is_exact, seconds, soonest, time_to};
 use realistic_lab::accuracy::curve::Curve;
 use realistic_lab::accuracy::ray_map::RayErrors;
 use realistic_lab::accuracy::suite::Results;
 use realistic_lab::methods::Family;
+use realistic_lab::results::statistics::TIE;
 use realistic_lab::stability;
+use realistic_lab::subject::STOPPED_DOWN;
 
 /// A need, and what serves it on every lens.
 pub struct Answer {
@@ -26,21 +28,25 @@ pub fn answers(results: &Results) -> Vec<Answer> {
     let mut answer = |need: String, of: &dyn Fn(&str) -> String| {
         answers.push(Answer { need, by_lens: results.lenses.iter().map(|lens| of(lens)).collect() });
     };
-    for pixels in PIXELS {
-        answer(format!("rays in batches, 99.9 % within {pixels} pixel"), &|lens| {
-            method(results, lens, |m| m.pixels.most <= pixels)
-        });
-    }
-    for pixels in PIXELS {
-        answer(format!("one ray at a time, 99.9 % within {pixels} pixel"), &|lens| {
-            method(results, lens, |m| alone(m) && m.pixels.most <= pixels)
-        });
+    for (stop, rays) in
+        [(String::new(), &results.ray_map), (format!(" at f/{STOPPED_DOWN}"), &results.stopped_down)]
+    {
+        for pixels in PIXELS {
+            answer(format!("rays in batches{stop}, 99.9 % within {pixels} pixel"), &|lens| {
+                method(rays, lens, |m| m.pixels.most <= pixels)
+            });
+        }
+        for pixels in PIXELS {
+            answer(format!("one ray at a time{stop}, 99.9 % within {pixels} pixel"), &|lens| {
+                method(rays, lens, |m| alone(m) && m.pixels.most <= pixels)
+            });
+        }
     }
     answer("rays in batches to double precision (1e-12 rad)".to_owned(), &|lens| {
-        method(results, lens, is_exact)
+        method(&results.ray_map, lens, is_exact)
     });
     answer("one ray at a time to double precision".to_owned(), &|lens| {
-        method(results, lens, |m| alone(m) && is_exact(m))
+        method(&results.ray_map, lens, |m| alone(m) && is_exact(m))
     });
     for error in IRRADIANCE {
         answer(format!("film irradiance within {} %", 100.0 * error), &|lens| {
@@ -63,11 +69,19 @@ fn alone(m: &RayErrors) -> bool {
     !m.method.family().in_batches() && !m.method.name.starts_with("three")
 }
 
-/// The fastest method that serves and loses no ray, in words.
-fn method(results: &Results, lens: &str, serves: impl Fn(&RayErrors) -> bool) -> String {
-    let Some(m) = fastest(results, lens, |m| m.lost == 0 && serves(m)) else {
+/// The cheapest method that serves and loses no ray, in words, and what ties with it.
+fn method(rays: &[RayErrors], lens: &str, serves: impl Fn(&RayErrors) -> bool) -> String {
+    let Some(choice) = cheapest(rays, lens, serves) else {
         return "none of these".to_owned();
     };
+    let ties: Vec<String> = choice.ties.iter().map(|m| in_words(m)).collect();
+    match ties.is_empty() {
+        true => in_words(choice.best),
+        false => format!("{} (a tie with {})", in_words(choice.best), ties.join("; ")),
+    }
+}
+
+fn in_words(m: &RayErrors) -> String {
     let family = match m.method.family() {
         Family::Polynomial => "polynomial of ",
         Family::PolynomialBatch => "batch polynomial of ",
@@ -87,7 +101,10 @@ fn soonest_in_words(curves: impl Iterator<Item = (String, Vec<(f64, f64)>)>, err
 /// What the figures say of each lens, and of stability, in sentences under headings.
 pub fn sentences(results: &Results) -> Vec<(&str, Vec<String>)> {
     let of_lens = |lens| {
-        [kernels, polynomials, pupils, estimators].iter().filter_map(|say| say(results, lens)).collect()
+        [kernels, polynomials, savings, pupils, estimators]
+            .iter()
+            .filter_map(|say| say(results, lens))
+            .collect()
     };
     let lenses = results.lenses.iter().map(|&lens| (lens, of_lens(lens)));
     lenses.chain([("stability", stability(results))]).collect()
@@ -95,7 +112,7 @@ pub fn sentences(results: &Results) -> Vec<(&str, Vec<String>)> {
 
 /// What compiling a lens gains.
 fn kernels(results: &Results, lens: &str) -> Option<String> {
-    let own = |wanted: &dyn Fn(&RayErrors) -> bool| fastest(results, lens, wanted);
+    let own = |wanted: &dyn Fn(&RayErrors) -> bool| fastest(&results.ray_map, lens, wanted);
     let walk = own(&|m| m.method.family() == Family::Walk && is_exact(m))?;
     let one = own(&|m| m.method.name.starts_with("one") && is_exact(m))?;
     let batch = own(&|m| m.method.family() == Family::KernelBatch && is_exact(m))?;
@@ -120,22 +137,37 @@ fn kernels(results: &Results, lens: &str) -> Option<String> {
 
 /// Up to where polynomials are worth it.
 fn polynomials(results: &Results, lens: &str) -> Option<String> {
-    let kernel = fastest(results, lens, |m| m.method.family() == Family::KernelBatch)?;
+    let kernel = fastest(&results.ray_map, lens, |m| m.method.family() == Family::KernelBatch)?;
     let polynomials =
         results.ray_map.iter().filter(|m| m.lens == lens && m.method.family() == Family::PolynomialBatch);
     let faster = polynomials
-        .filter(|m| m.time.median < WORTH * kernel.time.median)
+        .filter(|m| TIE * m.time.median <= kernel.time.median)
         .min_by(|a, b| a.pixels.most.total_cmp(&b.pixels.most));
     Some(match faster {
         Some(best) => format!(
-            "Of the polynomials in batches {} is the most exact that is still faster than the exact kernel: {:.1} \
-             times, at {:.1e} pixel against {:.1e}.",
+            "Wide open, of the polynomials in batches {} is the most exact that is still faster than the exact kernel: \
+             {:.1} times, at {:.1e} pixel against {:.1e}.",
             best.method.name,
             kernel.time.median / best.time.median,
             best.pixels.most,
             kernel.pixels.most,
         ),
-        None => "No polynomial in batches is faster than the exact kernel.".to_owned(),
+        None => "Wide open, no polynomial in batches is faster than the exact kernel by more than a tie."
+            .to_owned(),
+    })
+}
+
+/// What the plan saves.
+fn savings(results: &Results, lens: &str) -> Option<String> {
+    let shares = results.leaving_out.iter().filter(|saving| saving.lens == lens).map(|s| s.share()[1]);
+    let (low, high) = shares.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+    (low <= high).then(|| {
+        format!(
+            "What the plan leaves out without a tolerance changes a camera ray's time by {:+.1} to {:+.1} %{}.",
+            -100.0 * high,
+            -100.0 * low,
+            if high <= 1.0 - 1.0 / TIE { ", a tie everywhere" } else { "" },
+        )
     })
 }
 

@@ -1,15 +1,14 @@
-//! What the conclusions are read off the results with: the fastest method that serves a need, the curve that is
-//! soonest below an error, and times in words.
+//! What the conclusions are read off the results with: the cheapest method that serves a need and what ties with it, the
+//! curve that is soonest below an error, and times in words.
 
 use realistic_lab::accuracy::ray_map::RayErrors;
-use realistic_lab::accuracy::suite::Results;
+use realistic_lab::methods::Family;
+use realistic_lab::results::statistics::TIE;
 
 /// Error at the 99.9 % quantile, pixels, that a need allows.
 pub const PIXELS: [f64; 3] = [1.0, 0.1, 0.01];
 /// Error of a direction, rad, that counts as double precision.
 pub const DOUBLE: f64 = 1e-12;
-/// A model is worth naming where it takes less than this part of the exact kernel's time.
-pub const WORTH: f64 = 0.9;
 
 /// A time with a unit that keeps it readable.
 pub fn seconds(time: f64) -> String {
@@ -28,14 +27,43 @@ pub fn is_exact(m: &RayErrors) -> bool {
     m.direction.worst <= DOUBLE
 }
 
+/// Whether the method is a model that leaves surfaces out.
+pub fn is_model(m: &RayErrors) -> bool {
+    matches!(m.method.family(), Family::Gaussian | Family::Polynomial | Family::PolynomialBatch)
+}
+
 /// The fastest of the methods wanted on a lens.
 pub fn fastest<'a>(
-    results: &'a Results,
+    rays: &'a [RayErrors],
     lens: &str,
     wanted: impl Fn(&RayErrors) -> bool,
 ) -> Option<&'a RayErrors> {
-    let own = results.ray_map.iter().filter(|m| m.lens == lens && wanted(m));
+    let own = rays.iter().filter(|m| m.lens == lens && wanted(m));
     own.min_by(|a, b| a.time.median.total_cmp(&b.time.median))
+}
+
+/// The method to take for a need.
+pub struct Choice<'a> {
+    /// The nearest of those whose times tie with the fastest.
+    pub best: &'a RayErrors,
+    /// The others of them, by rising time.
+    pub ties: Vec<&'a RayErrors>,
+}
+
+/// The cheapest of the methods wanted on a lens that lose no ray. All that the page says of what is cheaper goes by this,
+/// and so by one threshold, [`TIE`].
+pub fn cheapest<'a>(
+    rays: &'a [RayErrors],
+    lens: &str,
+    wanted: impl Fn(&RayErrors) -> bool,
+) -> Option<Choice<'a>> {
+    let serves = |m: &&RayErrors| m.lens == lens && m.lost == 0 && wanted(m);
+    let least = rays.iter().filter(serves).map(|m| m.time.median).fold(f64::INFINITY, f64::min);
+    let mut ties: Vec<_> = rays.iter().filter(serves).filter(|m| m.time.median < TIE * least).collect();
+    ties.sort_by(|a, b| a.time.median.total_cmp(&b.time.median));
+    let nearest = (0..ties.len()).min_by(|&a, &b| ties[a].pixels.most.total_cmp(&ties[b].pixels.most))?;
+    let best = ties.remove(nearest);
+    Some(Choice { best, ties })
 }
 
 /// The curve that first gets and stays below an error, and when, between its points by the power law through
@@ -64,6 +92,49 @@ pub fn all_hold(failed: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use realistic_lab::methods::METHODS;
+    use realistic_lab::results::statistics::Spread;
+    use realistic_lab::timing::Timing;
+
+    /// A method that takes so many ns and is so many pixels off.
+    fn measured(name: &str, time: f64, pixels: f64, lost: usize) -> RayErrors {
+        let method = *METHODS.iter().find(|method| method.name == name).unwrap();
+        let [median, low, high] = [1.0, 0.9, 1.1].map(|share| share * time * 1e-9);
+        let spread = Spread { median: pixels / 2.0, most: pixels, worst: 2.0 * pixels };
+        RayErrors {
+            lens: "a lens".to_owned(),
+            method,
+            time: Timing { median, low, high },
+            direction: spread,
+            position: spread,
+            pixels: spread,
+            lost,
+            on_front: false,
+        }
+    }
+
+    #[test]
+    fn of_a_tie_the_nearest_is_taken_and_the_others_are_named() {
+        let rays = [
+            measured("order 3, f32", 4.8, 0.5, 0),
+            measured("f32x16", 5.0, 0.001, 0),
+            measured("order 5, f32", 4.9, 0.1, 0),
+            measured("f64x8", 11.0, 1e-9, 0),
+            measured("thick lens", 1.0, 0.9, 3),
+        ];
+        let named = |pixels: f64| {
+            let choice = cheapest(&rays, "a lens", |m| m.pixels.most <= pixels).unwrap();
+            let ties: Vec<_> = choice.ties.iter().map(|m| m.method.name).collect();
+            (choice.best.method.name, ties, is_model(choice.best))
+        };
+        assert_eq!(named(1.0), ("f32x16", vec!["order 3, f32", "order 5, f32"], false));
+        assert_eq!(named(1e-6), ("f64x8", vec![], false));
+        assert!(cheapest(&rays, "a lens", |m| m.pixels.most < 1e-12).is_none());
+        // One that is faster by more than a tie is named though others are nearer.
+        let rays = [measured("order 3, f32", 4.0, 0.5, 0), measured("f32x16", 5.0, 0.001, 0)];
+        let choice = cheapest(&rays, "a lens", |_| true).unwrap();
+        assert!(is_model(choice.best) && choice.ties.is_empty());
+    }
 
     #[test]
     fn times_are_readable() {

@@ -110,8 +110,9 @@ fn conclusions(html: &mut String, results: &Results) {
     for sentence in advice(results) {
         let _ = writeln!(html, "<li>{}</li>", escaped(&sentence));
     }
-    *html += "</ul>\n<p>The cheapest of the methods measured here that serves each need, with its time on one \
-        core:</p>\n<div class=\"wide\"><table class=\"needs\">\n<tr><th>need</th>";
+    *html += "</ul>\n<p>The cheapest of the methods measured here that serves each need, with its time on one core. Times within \
+        a tenth of the least are a tie: of those the nearest to the exact ray is named, and the others in brackets. The \
+        same threshold decides what is faster everywhere on this page.</p>\n<div class=\"wide\"><table class=\"needs\">\n<tr><th>need</th>";
     for lens in &results.lenses {
         let _ = write!(html, "<th>{}</th>", escaped(lens));
     }

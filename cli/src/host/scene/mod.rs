@@ -13,6 +13,8 @@ pub mod sky;
 pub mod slides;
 mod world;
 
-pub use objects::{Finish, Material};
-pub use pose::LEVEL;
+pub use objects::{Ball, Board, FLOOR, Finish, Lamps, Material, Paint};
+pub use pose::{LEVEL, tilted};
+pub use shapes::Sphere;
+pub use sky::Sun;
 pub use world::Scene;

@@ -111,6 +111,11 @@ impl FromIterator<Ball> for Lamps {
 }
 
 impl Board {
+    /// One of this size without a print, its top left corner there.
+    pub fn plain(corner: Vec3, size: Vec2, material: Material) -> Self {
+        Self { panel: Panel { corner, size }, print: None, material }
+    }
+
     /// What it is of at a point.
     pub fn material(&self, point: Vec3) -> Material {
         let Some(print) = &self.print else {

@@ -76,14 +76,8 @@ pub fn card(title: &str, corner: Vec3, width: f32) -> [Board; 3] {
 
 /// A flat pole on the floor.
 pub fn pole(x: f32, z: f32, height: f32, width: f32) -> Board {
-    Board {
-        panel: Panel {
-            corner: Vec3::new(x - width / 2.0, FLOOR.height + height, z),
-            size: Vec2::new(width, height),
-        },
-        print: None,
-        material: Material::new([0.11, 0.09, 0.08], Finish::Matte),
-    }
+    let corner = Vec3::new(x - width / 2.0, FLOOR.height + height, z);
+    Board::plain(corner, Vec2::new(width, height), Material::new([0.11, 0.09, 0.08], Finish::Matte))
 }
 
 /// Balls on the floor: x, z, radius, colour, finish.

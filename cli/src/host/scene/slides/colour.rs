@@ -1,10 +1,7 @@
 //! Colour errors: the corner of a picture, with a bright window, stars, and lamps out of focus,
 //! by one wavelength and by several.
 
-use super::super::objects::{Ball, Board, Finish, Lamps, Material};
-use super::super::props;
-use super::super::shapes::{self, Sphere};
-use super::super::world::Scene;
+use super::super::{Ball, Board, Finish, Lamps, Material, Scene, Sphere, props};
 use glam::{Vec2, Vec3};
 
 /// The distance of what is in focus.
@@ -15,28 +12,17 @@ const SHOWN: f32 = 88.0;
 
 pub fn scene() -> Scene {
     let place = |x: f32, y: f32, z: f32| (MIDDLE + Vec2::new(x, y) * SHOWN).extend(STAGE) * (z / STAGE);
+    let lit = |light: [f32; 3]| Material::new(light, Finish::Lamp);
     let lamp = |x: f32, y: f32, z: f32, radius: f32, light: f32| {
-        Ball::new(Sphere::resting(place(x, y, z), radius), Material::new(Vec3::splat(light), Finish::Lamp))
+        Ball::new(Sphere::resting(place(x, y, z), radius), lit([light; 3]))
     };
     let pane = |k: u8| {
         let (x, y) = (f32::from(k % 2), f32::from(k / 2));
-        Board {
-            panel: shapes::Panel {
-                corner: place(-0.44 + 0.17 * x, 0.27 - 0.19 * y, STAGE),
-                size: Vec2::new(0.15, 0.17) * SHOWN,
-            },
-            print: None,
-            material: Material::new(Vec3::splat(0.5), Finish::Lamp),
-        }
+        let corner = place(-0.44 + 0.17 * x, 0.27 - 0.19 * y, STAGE);
+        Board::plain(corner, Vec2::new(0.15, 0.17) * SHOWN, lit([0.5; 3]))
     };
-    let night = Board {
-        panel: shapes::Panel {
-            corner: Vec3::new(-20_000.0, 20_000.0, 12_000.0),
-            size: Vec2::splat(40_000.0),
-        },
-        print: None,
-        material: Material::new([0.004, 0.005, 0.008], Finish::Lamp),
-    };
+    let corner = Vec3::new(-20_000.0, 20_000.0, 12_000.0);
+    let night = Board::plain(corner, Vec2::splat(40_000.0), lit([0.004, 0.005, 0.008]));
     let stars = (0..20_u8).map(|k| {
         let (x, y) = (f32::from(k % 5), f32::from(k / 5));
         lamp(-0.02 + 0.11 * x, 0.28 - 0.1 * y, STAGE, 0.55, 1.6)

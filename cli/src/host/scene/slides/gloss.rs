@@ -1,11 +1,7 @@
 //! Gloss: a card on a floor of brushed metal, which reflects what stands on it sharply and what is
 //! higher up blurred.
 
-use super::super::objects::{Ball, Finish, Material};
-use super::super::pose::tilted;
-use super::super::props;
-use super::super::sky::Sun;
-use super::super::world::Scene;
+use super::super::{Ball, Finish, Material, Scene, Sun, props, tilted};
 use glam::Vec3;
 
 /// Where the card and the balls stand.

@@ -1,12 +1,7 @@
 //! Motion blur: billiard balls, some of them rolling, in the spirit of Cook's "1984". Their shadows
 //! and the reflections of the others in them blur with them.
 
-use super::super::objects::{Ball, Finish, Material, Paint};
-use super::super::pose::tilted;
-use super::super::print::Print;
-use super::super::props;
-use super::super::sky::Sun;
-use super::super::world::Scene;
+use super::super::{Ball, Finish, Material, Paint, Scene, Sun, print::Print, props, tilted};
 use crate::drawing::shapes::{Anchor, Page};
 use crate::image::hex;
 use glam::{Vec2, Vec3};

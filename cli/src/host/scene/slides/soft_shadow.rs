@@ -1,12 +1,7 @@
 //! Soft shadows: posts and balls in the light of a large lamp low at one side. A shadow is sharp
 //! where it begins and widens away from what throws it.
 
-use super::super::objects::{Ball, FLOOR, Finish, Material};
-use super::super::pose::tilted;
-use super::super::props;
-use super::super::shapes::Sphere;
-use super::super::sky::Sun;
-use super::super::world::Scene;
+use super::super::{Ball, FLOOR, Finish, Material, Scene, Sphere, Sun, props, tilted};
 use glam::Vec3;
 
 pub fn scene() -> Scene {

@@ -1,11 +1,7 @@
 //! Translucency: a sheet of frosted glass before a card that nearly touches it and things
 //! farther behind.
 
-use super::super::objects::{Ball, Board, Finish, Material};
-use super::super::pose::tilted;
-use super::super::props;
-use super::super::shapes::Panel;
-use super::super::world::Scene;
+use super::super::{Ball, Board, Finish, Material, Scene, props, tilted};
 use glam::{Vec2, Vec3};
 
 /// Where the sheet stands.
@@ -15,15 +11,11 @@ pub fn scene() -> Scene {
     let ball = |x: f32, z: f32, radius: f32, colour: [f32; 3]| {
         Ball::standing([x, z], radius, Material::new(colour, Finish::Matte))
     };
-    let sheet = Board {
-        panel: Panel { corner: Vec3::new(-60.0, 120.0, STAGE), size: Vec2::new(270.0, 272.0) },
-        print: None,
-        material: Material::new([0.90, 0.96, 0.95], Finish::Sheet).rough(0.13),
-    };
-    let bar = |x: f32, y: f32, width: f32, height: f32| Board {
-        panel: Panel { corner: Vec3::new(x, y, STAGE - 1.0), size: Vec2::new(width, height) },
-        print: None,
-        material: Material::new([0.05, 0.045, 0.04], Finish::Matte),
+    let frosted = Material::new([0.90, 0.96, 0.95], Finish::Sheet).rough(0.13);
+    let sheet = Board::plain(Vec3::new(-60.0, 120.0, STAGE), Vec2::new(270.0, 272.0), frosted);
+    let dark = Material::new([0.05, 0.045, 0.04], Finish::Matte);
+    let bar = |x: f32, y: f32, width: f32, height: f32| {
+        Board::plain(Vec3::new(x, y, STAGE - 1.0), Vec2::new(width, height), dark)
     };
     let frame = [
         bar(-66.0, 126.0, 282.0, 6.0),

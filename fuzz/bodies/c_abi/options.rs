@@ -1,0 +1,98 @@
+//! Camera options of the fuzzer's data: all models, lens texts, shutters, motion, tolerances; words and numbers that are
+//! none among them.
+
+use std::ffi::CStr;
+use std::ptr::null;
+
+use super::bytes::Bytes;
+use realistic::abi::realistic_options;
+
+/// One of the words, or in half of the cases none.
+fn word(bytes: &mut Bytes<'_>, words: &[&'static CStr]) -> *const std::ffi::c_char {
+    match bytes.choice(2 * words.len()) {
+        i if i < words.len() => words[i].as_ptr(),
+        _ => null(),
+    }
+}
+
+/// The options; their lens text lies in the data.
+pub fn options(bytes: &mut Bytes<'_>) -> realistic_options {
+    let mut options = realistic_options {
+        specfile: word(
+            bytes,
+            &[
+                c"wide.22mm",
+                c"telephoto.250mm",
+                c"fisheye.10mm@1e9mm",
+                c"dgauss.100mm",
+                c"@mm",
+                c"fisheye.10mm",
+            ],
+        ),
+        weighting: word(bytes, &[c"radiometric", c"assignment", c"relative", c"none", c"?"]),
+        pupil: word(bytes, &[c"rear", c"disk", c"warped", c""]),
+        disk: word(bytes, &[c"concentric", c"polar", c"rejection", c"\xFF"]),
+        refraction: word(bytes, &[c"fused", c"heckbert", c"whitted", c"other"]),
+        precision: word(bytes, &[c"f64", c"f32", c"auto"]),
+        shutter: word(bytes, &[c"global", c"leaf", c"focal-plane", c"slow"]),
+        ..realistic_options::default()
+    };
+    (options.xres, options.yres) = match bytes.choice(4) {
+        0 => (i32::from_le_bytes(bytes.take()), i32::from_le_bytes(bytes.take())),
+        _ => (40, 30),
+    };
+    options.simpleweighting = [-1, -1, -1, 0, 1, 2][bytes.choice(6)];
+    for number in [
+        &mut options.filmdistance,
+        &mut options.focusdistance,
+        &mut options.aperture_diameter,
+        &mut options.fnumber,
+        &mut options.filmdiag,
+        &mut options.hither,
+        &mut options.yon,
+        &mut options.shutteropen,
+        &mut options.shutterclose,
+        &mut options.wavelength,
+        &mut options.mmperunit,
+        &mut options.tolerance,
+        &mut options.shutterramp,
+        &mut options.shutterslit,
+    ] {
+        *number = bytes.number();
+    }
+    if bytes.choice(4) == 0 {
+        const MODELS: [&CStr; 7] =
+            [c"thick", c"thin", c"perspective", c"orthographic", c"environment", c"lens", c"pinhole"];
+        options.model = MODELS[bytes.choice(MODELS.len())].as_ptr();
+        options.lensplane = [null(), c"eye".as_ptr(), c"hither".as_ptr()][bytes.choice(3)];
+        let [from_x, to_x, from_y, to_y] = &mut options.screenwindow;
+        let window = [from_x, to_x, from_y, to_y];
+        let others = [
+            &mut options.fov,
+            &mut options.frameaspectratio,
+            &mut options.lensradius,
+            &mut options.focaldistance,
+        ];
+        for number in window.into_iter().chain(others) {
+            *number = bytes.number();
+        }
+    }
+    if bytes.choice(8) == 0 {
+        for entry in &mut options.camera_to_world[..12] {
+            *entry = bytes.float(4.0);
+        }
+    }
+    if bytes.choice(8) == 0 {
+        (options.transformstart, options.transformend) = (bytes.number(), bytes.number());
+        options.camera_to_world_end = options.camera_to_world;
+        for entry in &mut options.camera_to_world_end[..12] {
+            *entry += bytes.float(1.0);
+        }
+    }
+    if bytes.choice(2) == 1 {
+        let text = bytes.text(4096);
+        options.lens_text = text.as_ptr().cast();
+        options.lens_text_size = text.len();
+    }
+    options
+}

@@ -1,0 +1,301 @@
+//! A soak of the C ABI: random lenses in random cameras, random bits in samples, and what the header promises checked on
+//! each ray.
+//!
+//! ```text
+//! cargo run --release -p realistic-lab --example soak [RAYS [SEED]]      # default: 1e9 rays
+//! ```
+//!
+//! Half of the lenses are random ones that pass the checks of a lens file, half come from the catalogue, scaled. One
+//! sample in four has random bits in all its members or in one. Every camera is asked as structure of arrays, with and
+//! without reasons, and a part of its samples again one by one.
+
+use std::collections::BTreeMap;
+use std::ffi::{CStr, CString};
+use std::fmt;
+use std::ptr::{null, null_mut};
+use std::time::Instant;
+
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus as Random;
+use realistic::abi::*;
+use realistic_lab::stability::random::{lens_text, scaled};
+
+#[path = "../../fuzz/bodies/contract.rs"]
+mod contract;
+
+/// Samples per call.
+const BATCH: usize = 1 << 14;
+/// Calls per camera.
+const CALLS: u64 = 8;
+/// Of each call's samples these are asked again one by one.
+const SINGLES: usize = 64;
+/// Pixels of the square picture.
+const PIXELS: i32 = 256;
+
+/// What a soak found.
+#[derive(Debug, Default)]
+pub struct Counts {
+    /// Cameras built, and refused with a message.
+    pub cameras: [u64; 2],
+    /// Samples asked for.
+    pub rays: u64,
+    /// Rays with a weight above 0.
+    pub passed: u64,
+    /// Samples by `realistic_reason`, of those asked for with reasons.
+    pub reasons: BTreeMap<i32, u64>,
+    /// Rays that break the header's promises, or differ between two ways of asking.
+    pub violations: u64,
+    /// What the first of these were.
+    pub examples: Vec<String>,
+    /// Bytes of memory in use after a tenth of the rays, and at the end.
+    pub memory: [u64; 2],
+}
+
+impl Counts {
+    fn violation(&mut self, text: String) {
+        self.violations += 1;
+        if self.examples.len() < 10 {
+            self.examples.push(text);
+        }
+    }
+}
+
+impl fmt::Display for Counts {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        const NAMES: [&str; 7] = ["ok", "missed", "clipped", "reflected", "turned back", "redraw", "shut"];
+        let [built, refused] = self.cameras;
+        writeln!(f, "cameras     {built} built, {refused} refused")?;
+        let share = 100.0 * self.passed as f64 / self.rays.max(1) as f64;
+        writeln!(f, "rays        {}, of which {share:.1} % pass", self.rays)?;
+        for (&reason, count) in &self.reasons {
+            let name = usize::try_from(reason).ok().and_then(|i| NAMES.get(i)).unwrap_or(&"no known reason");
+            writeln!(f, "  {name:<12}{count}")?;
+        }
+        let [early, late] = self.memory.map(|bytes| bytes as f64 / 1e6);
+        writeln!(f, "memory      {early:.1} MB after a tenth, {late:.1} MB at the end")?;
+        write!(f, "violations  {}", self.violations)?;
+        self.examples.iter().try_for_each(|example| write!(f, "\n  {example}"))
+    }
+}
+
+/// Room for one batch's samples and rays.
+struct Arrays {
+    samples: [Vec<f32>; 5],
+    rays: [Vec<f32>; 10],
+    reasons: Vec<realistic_reason>,
+}
+
+/// What a ray's place holds before.
+const MARK: realistic_ray = realistic_ray { o: [-7.0; 3], d: [-7.0; 3], mint: -7.0, maxt: -7.0, time: -7.0 };
+
+impl Arrays {
+    fn new() -> Self {
+        Self {
+            samples: std::array::from_fn(|_| vec![0.0; BATCH]),
+            rays: std::array::from_fn(|_| vec![-7.0; BATCH]),
+            reasons: vec![realistic_reason::Ok; BATCH],
+        }
+    }
+
+    fn fill(&mut self, random: &mut Random) {
+        let scale = [PIXELS as f32, PIXELS as f32, 1.0, 1.0, 1.0];
+        for i in 0..BATCH {
+            let wild = match random.random_range(0..20_u8) {
+                0 => 0..5,
+                which @ 1..5 => {
+                    let one = usize::from(which) + random.random_range(0..2_usize) - 1;
+                    one..one + 1
+                }
+                _ => 0..0,
+            };
+            for (member, array) in self.samples.iter_mut().enumerate() {
+                array[i] = if wild.contains(&member) {
+                    f32::from_bits(random.random())
+                } else {
+                    scale[member] * random.random::<f32>()
+                };
+            }
+        }
+        self.rays.iter_mut().for_each(|array| array.fill(-7.0));
+    }
+
+    fn sample(&self, i: usize) -> realistic_sample {
+        let [image_x, image_y, lens_u, lens_v, time] = self.samples.each_ref().map(|array| array[i]);
+        realistic_sample { image_x, image_y, lens_u, lens_v, time }
+    }
+
+    fn ray(&self, i: usize) -> (realistic_ray, f32) {
+        let [ox, oy, oz, dx, dy, dz, weight, mint, maxt, time] = self.rays.each_ref().map(|array| array[i]);
+        (realistic_ray { o: [ox, oy, oz], d: [dx, dy, dz], mint, maxt, time }, weight)
+    }
+
+    fn trace(&mut self, camera: *const realistic_camera, with_reasons: bool) -> realistic_status {
+        let [image_x, image_y, lens_u, lens_v, time] = self.samples.each_ref().map(Vec::as_ptr);
+        let samples = realistic_samples_soa { image_x, image_y, lens_u, lens_v, time };
+        let [ox, oy, oz, dx, dy, dz, weight, mint, maxt, time] = self.rays.each_mut().map(Vec::as_mut_ptr);
+        let reason = if with_reasons { self.reasons.as_mut_ptr() } else { null_mut() };
+        let rays = realistic_rays_soa { ox, oy, oz, dx, dy, dz, mint, maxt, time, weight, reason };
+        // SAFETY: a live camera, and arrays of BATCH elements.
+        unsafe { realistic_camera_generate_rays_soa(camera, BATCH, &samples, &rays) }
+    }
+}
+
+/// A random camera, or `None` where the library refuses the options with a message.
+fn camera(random: &mut Random, counts: &mut Counts) -> Option<*mut realistic_camera> {
+    fn one(random: &mut Random, words: &[&'static CStr]) -> *const std::ffi::c_char {
+        match random.random_range(0..=words.len()) {
+            i if i < words.len() => words[i].as_ptr(),
+            _ => null(),
+        }
+    }
+    let mut options = realistic_options { xres: PIXELS, yres: PIXELS, ..realistic_options::default() };
+    let text = lens_text(random);
+    const LENSES: [&str; 5] = ["dgauss.50mm", "dgauss.100mm", "wide.22mm", "telephoto.250mm", "fisheye.10mm"];
+    let name = LENSES[random.random_range(0..LENSES.len())];
+    let name = match random.random_range(0..4_u8) {
+        0 => format!("{name}@{}mm", scaled(random, 1e-3, 1e5)),
+        _ => name.to_owned(),
+    };
+    let name = CString::new(name).expect("no NUL");
+    options.filmdiag = scaled(random, 5.0, 60.0);
+    if random.random_bool(0.5) {
+        options.lens_text = text.as_ptr().cast();
+        options.lens_text_size = text.len();
+        options.filmdistance = scaled(random, 0.1, 300.0);
+    } else {
+        options.specfile = name.as_ptr();
+        if random.random_bool(0.5) {
+            options.focusdistance = scaled(random, 100.0, 1e6);
+        }
+    }
+    if random.random_bool(0.3) {
+        options.fnumber = scaled(random, 1.0, 64.0);
+    }
+    let no_lens: &[&CStr] = &[c"thick", c"thin", c"perspective", c"orthographic", c"environment"];
+    options.model = if random.random_bool(0.25) { one(random, no_lens) } else { null() };
+    options.pupil = one(random, &[c"rear", c"disk", c"warped"]);
+    options.weighting = one(random, &[c"radiometric", c"assignment", c"relative", c"none"]);
+    options.disk = one(random, &[c"concentric", c"polar", c"rejection"]);
+    options.refraction = one(random, &[c"fused", c"fused", c"heckbert", c"whitted", c"other"]);
+    options.precision = one(random, &[c"f64", c"f32"]);
+    options.shutter = one(random, &[c"global", c"global", c"leaf", c"focal-plane"]);
+    if options.precision.is_null() && random.random_bool(0.2) {
+        options.tolerance = scaled(random, 1e-3, 3.0);
+    }
+    if random.random_bool(0.3) {
+        options.mmperunit = scaled(random, 1e-3, 1e6);
+    }
+    if random.random_bool(0.3) {
+        for entry in &mut options.camera_to_world[..12] {
+            *entry += random.random_range(-0.4..0.4);
+        }
+    }
+    if random.random_bool(0.2) {
+        options.camera_to_world_end = options.camera_to_world;
+        options.camera_to_world_end[3] += 1.0;
+    }
+    let mut camera = null_mut();
+    // SAFETY: the options and the texts live during the call.
+    let status = unsafe { realistic_camera_new(&options, &mut camera) };
+    if status == realistic_status::Ok {
+        counts.cameras[0] += 1;
+        return Some(camera);
+    }
+    counts.cameras[1] += 1;
+    // SAFETY: the message lives until this thread's next failure.
+    let message = unsafe { CStr::from_ptr(realistic_last_error()) };
+    if status == realistic_status::Panic || message.count_bytes() < 10 {
+        counts.violation(format!("{status:?}: {message:?} {options:?} {text:?}"));
+    }
+    None
+}
+
+/// Checks the promises on one batch.
+fn check(camera: *const realistic_camera, arrays: &Arrays, with_reasons: bool, counts: &mut Counts) {
+    for i in 0..BATCH {
+        let (ray, weight) = arrays.ray(i);
+        counts.passed += u64::from(weight > 0.0);
+        if let Some(broken) = contract::broken(&arrays.sample(i), &ray, weight, &MARK) {
+            counts.violation(broken);
+        }
+        if with_reasons {
+            let reason = arrays.reasons[i] as i32;
+            *counts.reasons.entry(reason).or_default() += 1;
+            if (reason == 0) != (weight > 0.0) {
+                counts.violation(format!("reason {reason} with weight {weight}: {:?}", arrays.sample(i)));
+            }
+        }
+    }
+    for i in (0..BATCH).step_by(BATCH / SINGLES) {
+        let (sample, mut ray) = (arrays.sample(i), MARK);
+        // SAFETY: a live camera, sample and ray.
+        let weight = unsafe { realistic_generate_ray(camera, &sample, &mut ray) };
+        if (ray, weight) != arrays.ray(i) {
+            counts.violation(format!(
+                "one by one {ray:?} {weight}, in a batch {:?}: {sample:?}",
+                arrays.ray(i)
+            ));
+        }
+    }
+}
+
+/// Bytes of this process in memory; 0 where the system does not say.
+fn memory() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
+    line.and_then(|line| line.trim().strip_suffix(" kB")?.parse::<u64>().ok()).unwrap_or(0) * 1024
+}
+
+/// Asks for `rays` rays or a few more; `progress` is told what is done so far after each camera.
+pub fn soak(rays: u64, seed: u64, mut progress: impl FnMut(&Counts)) -> Counts {
+    let mut random = Random::seed_from_u64(seed);
+    let (mut counts, mut arrays) = (Counts::default(), Arrays::new());
+    while counts.rays < rays {
+        let Some(camera) = camera(&mut random, &mut counts) else { continue };
+        for call in 0..CALLS {
+            arrays.fill(&mut random);
+            let with_reasons = call == 0;
+            let status = arrays.trace(camera, with_reasons);
+            if status != realistic_status::Ok {
+                counts.violation(format!("a batch ended with {status:?}"));
+            }
+            check(camera, &arrays, with_reasons, &mut counts);
+            counts.rays += BATCH as u64;
+        }
+        // SAFETY: nobody uses the camera any more.
+        unsafe { realistic_camera_free(camera) };
+        if counts.memory[0] == 0 && counts.rays >= rays / 10 {
+            counts.memory[0] = memory();
+        }
+        progress(&counts);
+    }
+    counts.memory[1] = memory();
+    counts
+}
+
+#[cfg_attr(test, expect(dead_code, reason = "the test calls what this calls"))]
+fn main() -> std::process::ExitCode {
+    let mut arguments = std::env::args().skip(1).map(|text| text.parse::<f64>());
+    let (rays, seed) = match (arguments.next().unwrap_or(Ok(1e9)), arguments.next().unwrap_or(Ok(1.0))) {
+        (Ok(rays), Ok(seed)) => (rays as u64, seed as u64),
+        _ => {
+            eprintln!("soak: give the number of rays and a seed, two numbers");
+            return std::process::ExitCode::from(2);
+        }
+    };
+    let start = Instant::now();
+    let mut reported = 0;
+    let counts = soak(rays, seed, |counts| {
+        if counts.rays / 100_000_000 > reported {
+            reported = counts.rays / 100_000_000;
+            eprintln!(
+                "{:.0} s: {} rays, {} violations",
+                start.elapsed().as_secs_f64(),
+                counts.rays,
+                counts.violations
+            );
+        }
+    });
+    println!("seed        {seed}\n{counts}");
+    std::process::ExitCode::from(u8::from(counts.violations > 0))
+}

@@ -1,0 +1,717 @@
+/* realistic: a real camera for renderers. MIT OR Apache-2.0.
+ *
+ * Made by cbindgen from src/abi; `REALISTIC_WRITE_HEADER=1 cargo test --test abi header` makes it again.
+ *
+ * Conventions. Functions that can fail return a realistic_status, 0 for success; the text is then got
+ * from realistic_last_error() on the same thread. Outputs are written last and stay untouched on
+ * failure. Handles come from a _new function and go to the matching _free, which takes NULL. A
+ * camera is immutable: any number of threads may ask it for rays. Strings are UTF-8 and end in NUL.
+ * No call prints, panics or throws across this boundary. */
+
+#ifndef REALISTIC_H
+#define REALISTIC_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/*
+ The version of the C ABI that this header describes. It grows when something is added;
+ nothing is ever taken away or renumbered.
+ */
+#define REALISTIC_ABI_VERSION 1
+
+/*
+ The library can be loaded by a pbrt-v1 host (`CreateCamera` is there).
+ */
+#define REALISTIC_CAPABILITY_PBRT_V1 1
+
+/*
+ Rays can be asked for many at a time.
+ */
+#define REALISTIC_CAPABILITY_BATCH 2
+
+/*
+ Batches tell why a ray is blocked.
+ */
+#define REALISTIC_CAPABILITY_REASONS 4
+
+/*
+ The wavelength matters for lenses with V-numbers or Sellmeier's constants.
+ */
+#define REALISTIC_CAPABILITY_DISPERSION 8
+
+/*
+ `model` may be "thick", "thin", "perspective", "orthographic" and "environment".
+ */
+#define REALISTIC_CAPABILITY_MODELS 16
+
+/*
+ The camera may move (`camera_to_world_end`), and the shutter be other than global.
+ */
+#define REALISTIC_CAPABILITY_MOTION 32
+
+/*
+ `realistic_autofocus` is there.
+ */
+#define REALISTIC_CAPABILITY_AUTOFOCUS 64
+
+/*
+ `tolerance` and `realistic_camera_plan` are there.
+ */
+#define REALISTIC_CAPABILITY_PLAN 128
+
+/*
+ How a call of the C ABI ended. The numbers are part of the ABI and never change.
+ */
+enum realistic_status
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /*
+     It worked.
+     */
+    REALISTIC_STATUS_OK = 0,
+    /*
+     A pointer that must not be NULL is NULL.
+     */
+    REALISTIC_STATUS_NULL_POINTER = 1,
+    /*
+     A `struct_size` is none that this library knows.
+     */
+    REALISTIC_STATUS_STRUCT_SIZE = 2,
+    /*
+     A parameter is unknown, of the wrong kind, out of range or given twice.
+     */
+    REALISTIC_STATUS_INVALID_PARAMETER = 3,
+    /*
+     The lens description is missing or cannot be read.
+     */
+    REALISTIC_STATUS_LENS_FILE = 4,
+    /*
+     The lens cannot be focused at the distance asked for.
+     */
+    REALISTIC_STATUS_UNREACHABLE_FOCUS = 5,
+    /*
+     A file other than the lens description cannot be read or written.
+     */
+    REALISTIC_STATUS_IO = 6,
+    /*
+     A defect of this library: a panic was caught.
+     */
+    REALISTIC_STATUS_PANIC = 7,
+    /*
+     The pointer is to no camera of this library.
+     */
+    REALISTIC_STATUS_NOT_A_CAMERA = 8,
+    /*
+     Memory is out.
+     */
+    REALISTIC_STATUS_OUT_OF_MEMORY = 9,
+    /*
+     The process lacks what the call needs, such as a host's functions.
+     */
+    REALISTIC_STATUS_UNSUPPORTED = 10,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum realistic_status realistic_status;
+#else
+typedef int32_t realistic_status;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/*
+ What became of a sample. The numbers are part of the ABI and never change.
+ */
+enum realistic_reason
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /*
+     The ray gets through.
+     */
+    REALISTIC_REASON_OK = 0,
+    /*
+     It passes beside a surface's sphere.
+     */
+    REALISTIC_REASON_MISSED = 1,
+    /*
+     It meets a surface outside the clear aperture.
+     */
+    REALISTIC_REASON_CLIPPED = 2,
+    /*
+     It is totally reflected.
+     */
+    REALISTIC_REASON_REFLECTED = 3,
+    /*
+     The next surface lies behind it, or it travels backward.
+     */
+    REALISTIC_REASON_TURNED_BACK = 4,
+    /*
+     With `disk` "rejection": the lens sample fell outside the disk. Draw another; this one
+     does not count.
+     */
+    REALISTIC_REASON_REDRAW = 5,
+    /*
+     The shutter is closed over this film point at this time.
+     */
+    REALISTIC_REASON_SHUT = 6,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum realistic_reason realistic_reason;
+#else
+typedef int32_t realistic_reason;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/*
+ A camera. Opaque to C. Immutable once built: rays may be asked for from any number of threads.
+ */
+typedef struct realistic_camera realistic_camera;
+
+/*
+ Receives a message while a camera is being built. `level`: 0 information, 1 warning, 2 error.
+ `message` is UTF-8, ends in NUL, and lives until the callback returns.
+ */
+typedef void (*realistic_log)(void *user, int32_t level, const char *message);
+
+/*
+ What a camera is built from. Start from `realistic_options_init`, which sets every
+ field to "not given": NaN for numbers, NULL for strings, -1 for booleans.
+ A field that is a parameter (README, "Parameters") says what it is, its values or range, and its default.
+ */
+typedef struct realistic_options {
+    /*
+     `sizeof(realistic_options)` of the caller's header.
+     */
+    uint32_t struct_size;
+    /*
+     Image width in pixels, 1 or more. No default.
+     */
+    int32_t xres;
+    /*
+     Image height in pixels, 1 or more. No default.
+     */
+    int32_t yres;
+    /*
+     Parameter `simpleweighting`: pbrt-v3's name for `weighting`, true for "relative" and false for "radiometric".
+     -1: not given; 0: false; 1: true.
+     */
+    int32_t simpleweighting;
+    /*
+     Row-major 4x4 matrix for column vectors that takes camera space (world units, +z forward,
+     +x right, +y up) to world space. `realistic_options_init` sets the identity.
+     */
+    float camera_to_world[16];
+    /*
+     Receives messages; NULL for none.
+     */
+    realistic_log log;
+    /*
+     Handed to `log` as it is.
+     */
+    void *log_user;
+    /*
+     The text of a lens file, `lens_text_size` bytes, read instead of `specfile`; NULL for none.
+     */
+    const char *lens_text;
+    /*
+     Bytes at `lens_text`; at most 1,048,576 (1 MiB), as of any lens file.
+     */
+    size_t lens_text_size;
+    /*
+     Parameter `model`: what the camera is a model of: "lens", "thick", "thin", "perspective", "orthographic" or
+     "environment"; default "lens".
+     */
+    const char *model;
+    /*
+     Parameter `specfile`: lens file, or a catalogue name such as "wide.22mm" or "wide.22mm@35mm"; default
+     "dgauss.50mm".
+     */
+    const char *specfile;
+    /*
+     Parameter `weighting`: how a ray's weight is measured: "radiometric", "assignment", "relative" or "none";
+     default "radiometric". `assignment` divides `radiometric` by an area, and so its exposure depends on `pupil`:
+     with `rear` the area of the rear element's disk, with `disk` and `warped` that of the paraxial exit pupil.
+     */
+    const char *weighting;
+    /*
+     Parameter `pupil`: where lens samples lie, in the true pupil of each film point, the rear element's disk, or
+     the thick-lens exit pupil: "warped", "rear" or "disk"; default "warped".
+     */
+    const char *pupil;
+    /*
+     Parameter `disk`: how lens samples map to the disk: "concentric", "polar" or "rejection"; default
+     "concentric".
+     */
+    const char *disk;
+    /*
+     Parameter `refraction`: method of refraction: "fused", "heckbert", "whitted" or "other"; default "fused".
+     */
+    const char *refraction;
+    /*
+     Parameter `precision`: what rays are traced in, double, single, or ("auto") double or what `tolerance` allows:
+     "auto", "f64", "f32", "double" or "single"; default "auto".
+     */
+    const char *precision;
+    /*
+     Parameter `filmdistance`: from the last vertex to the film: positive, in mm; default the lens file's, or
+     focused at `focusdistance`.
+     */
+    double filmdistance;
+    /*
+     Parameter `focusdistance`: from the film plane to the plane in focus, or inf, instead of `filmdistance`:
+     positive, in world units; default infinity.
+     */
+    double focusdistance;
+    /*
+     Parameter `aperture_diameter`: clear diameter of the stop: positive, in mm; default the file's.
+     */
+    double aperture_diameter;
+    /*
+     Parameter `fnumber`: focal length over entrance pupil diameter, instead of `aperture_diameter`: positive.
+     */
+    double fnumber;
+    /*
+     Parameter `filmdiag`: diagonal of the film: positive, in mm; default 35.
+     */
+    double filmdiag;
+    /*
+     Parameter `hither`: where a ray begins, along it: 0 or more and finite, in world units; default 1e-3.
+     */
+    double hither;
+    /*
+     Parameter `yon`: where a ray ends, along it, from `hither` on: 0 or more, in world units; default 1e30.
+     */
+    double yon;
+    /*
+     Parameter `shutteropen`: time at which the shutter opens: a finite number; default 0.
+     */
+    double shutteropen;
+    /*
+     Parameter `shutterclose`: time at which the shutter closes; before `shutteropen`, time runs backward, as in
+     pbrt: a finite number; default 1.
+     */
+    double shutterclose;
+    /*
+     Parameter `wavelength`: wavelength, for lenses with V-numbers or Sellmeier's constants: from 300 to 2000 nm;
+     default 587.56.
+     */
+    double wavelength;
+    /*
+     Parameter `mmperunit`: length of a world unit: positive, from 1e-15 to 1e30 mm per world unit; default 1.
+     */
+    double mmperunit;
+    /*
+     For a camera that moves: `camera_to_world` holds at `transformstart` and this one at `transformend`, and
+     between the two a move, a rotation and a stretch are interpolated. All NaN: the camera stands still.
+     */
+    float camera_to_world_end[16];
+    /*
+     The time of `camera_to_world`. NaN: `shutteropen`.
+     */
+    double transformstart;
+    /*
+     The time of `camera_to_world_end`. NaN: `shutterclose`.
+     */
+    double transformend;
+    /*
+     Parameter `shutter`: what the shutter lets through, by film point and time: "global", "leaf" or "focal-plane";
+     default "global".
+     */
+    const char *shutter;
+    /*
+     Parameter `lensplane`: where that thin lens lies, as in pbrt 1.05, or as in older versions and on the
+     lecture's slide: "eye" or "hither"; default "eye".
+     */
+    const char *lensplane;
+    /*
+     Parameter `shutterramp`: share of the shutter's interval in which a leaf shutter opens, and closes: more than
+     0 and at most 0.5 of the interval; default 0.25.
+     */
+    double shutterramp;
+    /*
+     Parameter `shutterslit`: share of the shutter's interval for which a focal-plane shutter exposes each row:
+     more than 0 and at most 1 of the interval; default 0.25.
+     */
+    double shutterslit;
+    /*
+     Parameter `fov`: angle across the shorter side of the image: from 0.0001 to less than 180 degrees; default 90.
+     */
+    double fov;
+    /*
+     Parameter `screenwindow`: x from, x to, y from, y to of the part of the screen that becomes the image: from
+     -1e15 to 1e15; default by the aspect ratio. All NaN: not given.
+     */
+    double screenwindow[4];
+    /*
+     Parameter `frameaspectratio`: width over height of the screen window: positive, from 1e-15 to 1e15; default
+     the image's.
+     */
+    double frameaspectratio;
+    /*
+     Parameter `lensradius`: radius of the projection's thin lens: 0 (a pinhole) or more, up to 1e15 world units;
+     default 0.
+     */
+    double lensradius;
+    /*
+     Parameter `focaldistance`: from the eye to the plane of focus of a lens of `lensradius`, more than `hither`: a
+     number, in world units; default 1e30.
+     */
+    double focaldistance;
+    /*
+     Parameter `tolerance`: by how much 99.9 % of the rays may be off, for a faster model of the lens: 0 (exact) or
+     more and finite, in pixels; default 0.
+     */
+    double tolerance;
+} realistic_options;
+
+/*
+ What a built camera is, for a host to print. `realistic_camera_get_info` fills it. A model without a lens
+ (`perspective`, `orthographic`, `environment`) has 0 interfaces and NaN everywhere else.
+ */
+typedef struct realistic_camera_info {
+    /*
+     `sizeof(realistic_camera_info)` of the caller's header.
+     */
+    uint32_t struct_size;
+    /*
+     Interfaces of the lens, the stop included.
+     */
+    uint32_t interfaces;
+    /*
+     Effective focal length, mm; infinite for an afocal lens.
+     */
+    double focal_length_mm;
+    /*
+     Focal length over entrance pupil diameter at the stop in use; infinite for an afocal lens.
+     */
+    double fnumber;
+    /*
+     Last vertex to film, mm.
+     */
+    double film_distance_mm;
+    /*
+     Film plane to the plane in focus, mm along the axis; infinity when focused there or beyond, NaN
+     when no object in front of the lens is in focus.
+     */
+    double focus_distance_mm;
+    /*
+     Film diagonal, mm.
+     */
+    double film_diagonal_mm;
+} realistic_camera_info;
+
+/*
+ One camera sample: the first 20 bytes of pbrt-v1's `Sample`.
+ */
+typedef struct realistic_sample {
+    /*
+     Raster x in pixels: 0 is the left edge of the image, `xres` the right one.
+     */
+    float image_x;
+    /*
+     Raster y in pixels: 0 is the top edge of the image, `yres` the bottom one.
+     */
+    float image_y;
+    /*
+     u of the lens sample (u, v), in [0, 1].
+     */
+    float lens_u;
+    /*
+     v of the lens sample (u, v), in [0, 1].
+     */
+    float lens_v;
+    /*
+     Time as a fraction of the shutter's interval: 0 is its opening, 1 its closing. Outside [0, 1], as of u and v,
+     the nearest number inside is taken.
+     */
+    float time;
+} realistic_sample;
+
+/*
+ One ray in world space: the 36 bytes of pbrt-v1's `Ray`.
+ */
+typedef struct realistic_ray {
+    /*
+     Origin, world units: for `model` "lens" the point where the ray leaves the front interface.
+     */
+    float o[3];
+    /*
+     Direction, unit length.
+     */
+    float d[3];
+    /*
+     Distance from `o` at which the ray begins: `hither`; 0 for the two projections, whose rays begin on the
+     near plane.
+     */
+    float mint;
+    /*
+     Distance from `o` at which the ray ends: `yon`; for the two projections as far as their far plane.
+     */
+    float maxt;
+    /*
+     Time between `shutteropen` and `shutterclose`.
+     */
+    float time;
+} realistic_ray;
+
+/*
+ Samples as structure of arrays; the members of `realistic_sample`.
+ */
+typedef struct realistic_samples_soa {
+    const float *image_x;
+    const float *image_y;
+    const float *lens_u;
+    const float *lens_v;
+    const float *time;
+} realistic_samples_soa;
+
+/*
+ Rays as structure of arrays; the members of `realistic_ray`, with weight and reason.
+ */
+typedef struct realistic_rays_soa {
+    float *ox;
+    float *oy;
+    float *oz;
+    float *dx;
+    float *dy;
+    float *dz;
+    float *mint;
+    float *maxt;
+    float *time;
+    float *weight;
+    realistic_reason *reason;
+} realistic_rays_soa;
+
+/*
+ A rectangle of the picture in pixels; (0, 0) is the picture's top left corner.
+ */
+typedef struct realistic_zone {
+    /*
+     Left edge, 0 or more.
+     */
+    float left;
+    /*
+     Top edge, 0 or more.
+     */
+    float top;
+    /*
+     Right edge, beyond `left` and at most `xres`.
+     */
+    float right;
+    /*
+     Bottom edge, below `top` and at most `yres`.
+     */
+    float bottom;
+} realistic_zone;
+
+/*
+ Returns the distance along a ray from its origin to the first surface, world units: infinity for
+ none, and NaN or a number that is not above 0 for "not known". It must return, without an exception.
+ */
+typedef double (*realistic_distance)(void *user, const struct realistic_ray *ray);
+
+/*
+ Returns how much contrast the picture of a trial camera has in a zone, in any measure that is 0 or
+ more and highest where the picture is sharpest (the mean square difference of neighbouring
+ pixels, say): NaN for "not known". It should use the same random numbers for every camera. The camera
+ lives until the callback returns. It must return, without an exception.
+ */
+typedef double (*realistic_contrast)(void *user,
+                                     const struct realistic_camera *camera,
+                                     const struct realistic_zone *zone);
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+/*
+ The `REALISTIC_ABI_VERSION` that the loaded library was built with. A caller works with any
+ library whose number is not below its own header's.
+ */
+uint32_t realistic_abi_version(void);
+
+/*
+ The library's version, such as "0.1.0"; lives as long as the library.
+ */
+const char *realistic_version(void);
+
+/*
+ The `REALISTIC_CAPABILITY_` bits of the loaded library.
+ */
+uint64_t realistic_capabilities(void);
+
+/*
+ The message of this thread's last failure, in one or more lines of UTF-8; empty when there was none. The
+ pointer holds until the thread's next failing call.
+ */
+const char *realistic_last_error(void);
+
+/*
+ What a status means, in a few words; never NULL. Lives as long as the library.
+ */
+const char *realistic_status_name(int32_t status);
+
+/*
+ Sets every field to "not given" and the transform to the identity. `struct_size` is
+ `sizeof(realistic_options)` of the caller's header. Only `xres` and `yres` must be set after.
+
+ # Safety
+ `options` is NULL or points to `struct_size` writable bytes.
+ */
+realistic_status realistic_options_init(struct realistic_options *options, uint32_t struct_size);
+
+/*
+ Builds a camera. On success `*out` is the camera, to be freed by `realistic_camera_free`; on
+ failure `*out` is untouched and `realistic_last_error` says what to change.
+
+ # Safety
+ `options` is NULL or points to a structure of its `struct_size` bytes whose pointers are NULL or
+ valid; `out` is NULL or writable.
+ */
+realistic_status realistic_camera_new(const struct realistic_options *options,
+                                      struct realistic_camera **out);
+
+/*
+ Frees a camera of `realistic_camera_new`. NULL is fine. A camera of `CreateCamera` is its host's to
+ `delete` and must not come here.
+
+ # Safety
+ `camera` is NULL or a camera of `realistic_camera_new` that nobody uses any more.
+ */
+void realistic_camera_free(struct realistic_camera *camera);
+
+/*
+ Fills `info`, whose `struct_size` the caller has set.
+
+ # Safety
+ `camera` is NULL or a live camera of this library; `info` is NULL or points to a structure of its
+ `struct_size` bytes.
+ */
+realistic_status realistic_camera_get_info(const struct realistic_camera *camera,
+                                           struct realistic_camera_info *info);
+
+/*
+ Copies the lens's name (nothing for a model without a lens) as UTF-8 with a closing NUL into `buffer`, cut to
+ `capacity` bytes, and writes its whole length without the NUL to `*length`. `buffer` may be NULL when `capacity` is
+ 0, and `length` may be NULL.
+
+ # Safety
+ `camera` is NULL or a live camera of this library; `buffer` has `capacity` writable bytes;
+ `length` is NULL or writable.
+ */
+realistic_status realistic_camera_get_lens_name(const struct realistic_camera *camera,
+                                                char *buffer,
+                                                size_t capacity,
+                                                size_t *length);
+
+/*
+ Copies what the camera keeps and leaves out, and which model of the lens a tolerance chose, as lines of UTF-8 text
+ into `buffer`: see `realistic_camera_get_lens_name` for `buffer`, `capacity` and `length`. The text is for people;
+ its wording may change.
+
+ # Safety
+ `camera` is NULL or a live camera of this library; `buffer` has `capacity` writable bytes;
+ `length` is NULL or writable.
+ */
+realistic_status realistic_camera_plan(const struct realistic_camera *camera,
+                                       char *buffer,
+                                       size_t capacity,
+                                       size_t *length);
+
+/*
+ One ray of a camera of this library, made by `CreateCamera` or by `realistic_camera_new`.
+
+ Returns the weight, positive. For a ray that the lens blocks, when a pointer is NULL, and when
+ `camera` is another library's camera, returns exactly 0 and leaves the ray as it is.
+
+ # Safety
+ `camera` is NULL or points to an object of at least 8 bytes that lives during the call;
+ `sample` and `ray` are NULL or valid.
+ */
+float realistic_generate_ray(const struct realistic_camera *camera,
+                             const struct realistic_sample *sample,
+                             struct realistic_ray *ray);
+
+/*
+ Rays of `n` samples. Element i lies `i * stride` bytes from the first, so that arrays of a host's own
+ larger structures can be passed (pbrt-v1: 88 for `Sample`, 36 for `Ray`); a stride of 0 means tightly packed.
+ Nothing needs to be aligned beyond a byte.
+
+ `weights[i]` is 0 for a blocked ray, and `rays[i]` is then left as it is. `reasons` may be NULL. With `n` = 0
+ the arrays may be NULL. The arrays must not overlap.
+
+ # Safety
+ `camera` is NULL or a live camera of this library; the arrays have room for `n` elements.
+ */
+realistic_status realistic_camera_generate_rays(const struct realistic_camera *camera,
+                                                size_t n,
+                                                const struct realistic_sample *samples,
+                                                size_t sample_stride,
+                                                struct realistic_ray *rays,
+                                                size_t ray_stride,
+                                                float *weights,
+                                                realistic_reason *reasons);
+
+/*
+ Rays of `n` samples given and taken as structure of arrays. Blocked rays as in
+ `realistic_camera_generate_rays`. In `rays` the arrays `mint`, `maxt`, `time` and `reason` may be NULL.
+
+ # Safety
+ `camera` is NULL or a live camera of this library; `samples` and `rays` are NULL or valid, and
+ their arrays are NULL or have room for `n` elements and do not overlap.
+ */
+realistic_status realistic_camera_generate_rays_soa(const struct realistic_camera *camera,
+                                                    size_t n,
+                                                    const struct realistic_samples_soa *samples,
+                                                    const struct realistic_rays_soa *rays);
+
+/*
+ Autofocus: finds the film distance, mm, to be given as `filmdistance`, at which the camera of
+ `options` has in focus what it sees in `n` zones of the picture. `rule` is a
+ `realistic_autofocus_rule`. The host gives one of the two callbacks and NULL for the other:
+ with `distance` some rays per zone are asked about, with `contrast` some tens to hundreds of trial cameras are built,
+ from infinity to the nearest distance that the lens can focus. Zones that give no answer do not count. `options`
+ must leave `filmdistance` and `focusdistance` open. The callback is called on this thread, with `user` as it is.
+
+ Fails with `REALISTIC_STATUS_UNREACHABLE_FOCUS`, and leaves `*film_distance_mm` as it is, when no zone has
+ an answer.
+
+ # Safety
+ `options` as for `realistic_camera_new`; `zones` is NULL or has `n` elements; `film_distance_mm` is
+ NULL or writable; the callbacks are functions of their types.
+ */
+realistic_status realistic_autofocus(const struct realistic_options *options,
+                                     const struct realistic_zone *zones,
+                                     size_t n,
+                                     int32_t rule,
+                                     realistic_distance distance,
+                                     realistic_contrast contrast,
+                                     void *user,
+                                     double *film_distance_mm);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#ifdef REALISTIC_PBRT_ENTRY
+#ifdef __cplusplus
+extern "C" {
+#endif
+/* What a pbrt-v1 host calls: takes its const ParamSet &, const Transform & (world to camera) and
+ * Film *, and returns its Camera *, which the host deletes. NULL when there is none; the reason went to the
+ * host's Error function. */
+realistic_camera *CreateCamera(const void *params, const void *world2cam, void *film);
+/* realistic_generate_ray under the name that the assignment gives it. */
+float GenerateRay(const realistic_camera *camera, const realistic_sample *sample,
+                  realistic_ray *ray);
+#ifdef __cplusplus
+}
+#endif
+#endif /* REALISTIC_PBRT_ENTRY */
+
+#endif  /* REALISTIC_H */

@@ -1,0 +1,171 @@
+//! What one film point's pupil truly is, by brute force: whether light gets through at all, in how many pieces, and whether
+//! a fan of half-lines from one point reaches all of it.
+
+use super::Case;
+
+/// Cells across the square that holds the pupil; half as many down, the pupil being symmetric.
+const ACROSS: usize = 160;
+const DOWN: usize = ACROSS / 2;
+/// Centres that a fan is tried from.
+const CENTERS: usize = 24;
+/// Half-lines of such a fan.
+const HALF_LINES: usize = 180;
+
+/// A pupil as cells that pass or do not.
+#[derive(Clone, Debug)]
+pub struct Survey {
+    cells: Vec<bool>,
+    /// Slopes: the sx of the first column's left side, and a cell's width.
+    left: f64,
+    cell: f64,
+}
+
+/// What it was found to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pupil {
+    /// No ray of the survey gets through.
+    Dark,
+    /// In one piece, each half-line from some point of which leaves it once.
+    Fan,
+    /// In one piece, but of no such shape, or with a hole.
+    Bent,
+    /// In more than one piece.
+    Pieces,
+}
+
+impl Survey {
+    /// Of the film point (`height`, 0).
+    pub fn of(case: &Case, height: f64) -> Self {
+        let cover = case.cover.seen_from([height, 0.0]);
+        let mut survey = Self::within(case, height, cover.center[0], cover.radius);
+        // Closer, where the pupil is small.
+        for _ in 0..4 {
+            let Some([left, right, top]) = survey.bounds() else { break };
+            let half = ((right - left) / 2.0).max(top) + survey.cell;
+            if half > 0.8 * survey.half() {
+                break;
+            }
+            survey = Self::within(case, height, f64::midpoint(left, right), half);
+        }
+        survey
+    }
+
+    fn within(case: &Case, height: f64, center: f64, half: f64) -> Self {
+        let (left, cell) = (center - half, 2.0 * half / ACROSS as f64);
+        let passes = |i: usize| {
+            let [x, y] = [i % ACROSS, i / ACROSS].map(|k| (k as f64 + 0.5) * cell);
+            case.passes([height, 0.0], [left + x, y])
+        };
+        Self { cells: (0..ACROSS * DOWN).map(passes).collect(), left, cell }
+    }
+
+    fn half(&self) -> f64 {
+        self.cell * DOWN as f64
+    }
+
+    /// Least and greatest sx and greatest sy of what passes.
+    fn bounds(&self) -> Option<[f64; 3]> {
+        let lit = (0..self.cells.len()).filter(|&i| self.cells[i]);
+        let [first, last, top] = lit.fold([ACROSS, 0, 0], |[first, last, top], i| {
+            [first.min(i % ACROSS), last.max(i % ACROSS + 1), top.max(i / ACROSS + 1)]
+        });
+        let x = |column: usize| self.left + self.cell * column as f64;
+        (first < last).then(|| [x(first), x(last), self.cell * top as f64])
+    }
+
+    /// Share of what passes that lies beside the map of the film point (`height`, 0) by more than two cells.
+    pub fn beside_the_map(&self, case: &Case, height: f64) -> f64 {
+        const RIM: usize = 720;
+        let point = [height, 0.0];
+        let at = |disk: [f64; 2]| case.pupil.sample(point, disk).map(|sample| sample.slopes);
+        let Some(center) = at([0.0; 2]) else { return 1.0 };
+        // The farthest of the rim by its angle about the centre.
+        let mut farthest = [0.0_f64; RIM];
+        for i in 0..4 * RIM {
+            let (sin, cos) = (std::f64::consts::TAU * i as f64 / (4 * RIM) as f64).sin_cos();
+            let Some([x, y]) = at([cos, sin]) else { return 1.0 };
+            let (x, y) = (x - center[0], y - center[1]);
+            let angle = y.atan2(x) / std::f64::consts::TAU + 1.0;
+            let place = (angle * RIM as f64) as usize;
+            for neighbour in [place, place + 1, place + RIM - 1] {
+                farthest[neighbour % RIM] = farthest[neighbour % RIM].max(x.hypot(y));
+            }
+        }
+        let (mut lit, mut beside) = (0, 0);
+        for i in (0..self.cells.len()).filter(|&i| self.cells[i]) {
+            let [x, y] = [i % ACROSS, i / ACROSS].map(|k| (k as f64 + 0.5) * self.cell);
+            let x = self.left + x - center[0];
+            let angle = y.atan2(x) / std::f64::consts::TAU + 1.0;
+            lit += 1;
+            beside +=
+                usize::from(x.hypot(y) > farthest[(angle * RIM as f64) as usize % RIM] + 2.0 * self.cell);
+        }
+        f64::from(beside as u32) / f64::from(lit.max(1) as u32)
+    }
+
+    /// What the cells show.
+    pub fn pupil(&self) -> Pupil {
+        let lit = self.cells.iter().filter(|&&lit| lit).count();
+        let Some(start) = (0..self.cells.len()).find(|&i| self.cells[i]) else { return Pupil::Dark };
+        // A piece off the axis of symmetry has a twin. `find` begins in the row next to that axis.
+        if start >= ACROSS || self.filled(start) < lit {
+            return Pupil::Pieces;
+        }
+        let beginning = (0..ACROSS).filter(|&i| self.cells[i]);
+        let (first, last) = beginning.fold((ACROSS, 0), |(first, last), i| (first.min(i), last.max(i)));
+        let centers = (0..CENTERS).map(|k| {
+            let part = (k as f64 + 0.5) / CENTERS as f64;
+            first as f64 + 0.5 + part * (last - first) as f64
+        });
+        if centers.into_iter().any(|center| self.is_fan(center)) { Pupil::Fan } else { Pupil::Bent }
+    }
+
+    /// How many cells like `start` hang together with it, by edges and corners.
+    fn filled(&self, start: usize) -> usize {
+        let mut seen = vec![false; self.cells.len()];
+        let (mut open, mut count) = (vec![start], 0);
+        seen[start] = true;
+        while let Some(i) = open.pop() {
+            count += 1;
+            let (column, row) = (i % ACROSS, i / ACROSS);
+            for (dx, dy) in (-1..=1).flat_map(|dx: i32| (-1..=1).map(move |dy: i32| (dx, dy))) {
+                let (x, y) = (column as i32 + dx, row as i32 + dy);
+                let inside = (0..ACROSS as i32).contains(&x) && (0..DOWN as i32).contains(&y);
+                if inside {
+                    let next = y as usize * ACROSS + x as usize;
+                    if self.cells[next] == self.cells[start] && !seen[next] {
+                        seen[next] = true;
+                        open.push(next);
+                    }
+                }
+            }
+        }
+        count
+    }
+
+    /// Whether each half-line from a point on the axis of symmetry leaves what passes once, but for a cell or two.
+    fn is_fan(&self, center: f64) -> bool {
+        let lit = |x: f64, y: f64| {
+            let inside = x >= 0.0 && y >= 0.0 && x < ACROSS as f64 && y < DOWN as f64;
+            inside && self.cells[y as usize * ACROSS + x as usize]
+        };
+        (0..HALF_LINES).all(|i| {
+            let (dy, dx) = (std::f64::consts::PI * (i as f64 + 0.5) / HALF_LINES as f64).sin_cos();
+            // Runs of half cells of the other kind.
+            let (mut gap, mut again) = (0, 0);
+            for k in 0..2 * ACROSS + DOWN {
+                let r = 0.5 * k as f64;
+                if lit(center + r * dx, r * dy) {
+                    again = if gap > 3 { again + 1 } else { 0 };
+                    gap = if gap > 3 { gap } else { 0 };
+                    if again > 3 {
+                        return false;
+                    }
+                } else {
+                    gap += 1;
+                }
+            }
+            true
+        })
+    }
+}
