@@ -4,32 +4,56 @@ use super::{
     host::{Host, Log},
     model::Model,
     models::{
-        environment::EnvironmentCamera, ideal::IdealCamera, lens::RealisticCamera,
-        projective::ProjectiveCamera, stock_cameras,
+        ideal::IdealCamera,
+        lens::RealisticCamera,
+        stock_cameras::{self, StockCamera},
     },
     parameters::{CameraError, Parameters},
-    pipeline::arrays::{BLOCK, RayArrays, RayBlock, SampleArrays, SampleBlock, SampleStore},
-    placement::{Placement, shutter::Shutter},
+    pipeline::{
+        arrays::{BLOCK, RayArrays, RayBlock, SampleArrays, SampleBlock, SampleStore},
+        ray_maker::RayMaker,
+    },
+    placement::shutter::Shutter,
     ray::{Outcome, Sample, WorldRay},
     setup::{self, Facts},
 };
-use crate::{plan::Plan, trace::Blocked};
+use crate::{plan::Plan, sampling::DiskMapping, trace::Blocked};
 
 /// The camera itself, of any model.
 #[derive(Clone, Debug)]
 enum AnyModel {
     Lens(Box<RealisticCamera>),
     Ideal(Box<IdealCamera>),
-    Projective(Box<ProjectiveCamera>),
-    Environment(Box<EnvironmentCamera>),
+    Stock(Box<StockCamera>),
 }
 
 /// A camera of any model. Immutable, and may be shared between threads.
 #[derive(Clone, Debug)]
 pub struct Camera {
-    optics: AnyModel,
+    model: AnyModel,
+    rays: RayMaker,
     shutter: Shutter,
-    yres: f32,
+    /// Width and height of the image, pixels.
+    resolution: [f32; 2],
+}
+
+impl AnyModel {
+    fn ray_maker(&self) -> &RayMaker {
+        match self {
+            Self::Lens(camera) => camera.ray_maker(),
+            Self::Ideal(camera) => camera.ray_maker(),
+            Self::Stock(camera) => &camera.rays,
+        }
+    }
+
+    /// How lens samples map to the disk, in a model that blocks no rays; `None` where there is no disk.
+    fn mapping(&self) -> Option<DiskMapping> {
+        match self {
+            Self::Lens(_) => None,
+            Self::Ideal(camera) => Some(camera.mapping()),
+            Self::Stock(camera) => camera.mapping,
+        }
+    }
 }
 
 impl Camera {
@@ -41,42 +65,50 @@ impl Camera {
     pub fn build(parameters: &Parameters, host: &Host, log: Log<'_>) -> Result<Self, CameraError> {
         let (model, shutter) = (parameters.model(), setup::shutter(parameters)?);
         setup::warn_of_unused(model, shutter, parameters, log);
-        let optics = match model {
+        let model = match model {
             Model::Lens => AnyModel::Lens(RealisticCamera::build(parameters, host, log)?.into()),
             Model::Thick | Model::Thin => {
                 AnyModel::Ideal(IdealCamera::build(parameters, host, model, log)?.into())
             }
-            Model::Perspective => {
-                AnyModel::Projective(stock_cameras::perspective(parameters, host, log)?.into())
-            }
+            Model::Perspective => AnyModel::Stock(stock_cameras::perspective(parameters, host, log)?.into()),
             Model::Orthographic => {
-                AnyModel::Projective(stock_cameras::orthographic(parameters, host, log)?.into())
+                AnyModel::Stock(stock_cameras::orthographic(parameters, host, log)?.into())
             }
-            Model::Environment => {
-                AnyModel::Environment(stock_cameras::environment(parameters, host, log)?.into())
-            }
+            Model::Environment => AnyModel::Stock(stock_cameras::environment(parameters, host, log)?.into()),
         };
-        Ok(Self { optics, shutter, yres: host.raster.yres as f32 })
+        let resolution = [host.raster.xres, host.raster.yres].map(|side| side as f32);
+        Ok(Self { rays: model.ray_maker().clone(), model, shutter, resolution })
     }
 
     /// The ray of a sample with its weight, or why there is none. The weight is the model's times what the
     /// shutter lets through to the film point at the sample's time.
     pub fn generate(&self, sample: &Sample) -> Outcome {
-        let Some(share) = self.share(sample.image_y, sample.time) else {
+        if self.share(sample.image_y, sample.time).is_none() {
             return Outcome::Shut;
-        };
-        match self.through_optics(sample) {
-            Outcome::Ray(ray, weight) => Outcome::Ray(ray, dimmed(weight, share)),
-            other => other,
+        }
+        match self.ray(sample) {
+            Some((ray, weight)) => Outcome::Ray(ray, weight),
+            None => self.why_none(sample),
+        }
+    }
+
+    /// Why the model makes no ray of a sample.
+    fn why_none(&self, sample: &Sample) -> Outcome {
+        if let AnyModel::Lens(camera) = &self.model {
+            return camera.generate(sample);
+        }
+        let disk = |mapping: DiskMapping| mapping.map(sample.lens_u.into(), sample.lens_v.into());
+        match self.model.mapping() {
+            Some(mapping) if disk(mapping).is_none() => Outcome::Redraw,
+            _ => Outcome::Blocked(Blocked::Missed),
         }
     }
 
     /// [`Camera::generate`] without the reason where there is no ray, which is faster.
     pub fn ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
-        match &self.optics {
-            AnyModel::Lens(camera) if self.shutter == Shutter::Global => camera.ray(sample),
-            _ => self.any_ray(sample),
-        }
+        let (mut ray, mut weight) = Default::default();
+        self.trace_one(sample, &mut ray, &mut weight);
+        (weight > 0.0).then_some((ray, weight))
     }
 
     /// [`Camera::ray`] of many samples, the same to the last bit. Where there is no ray the weight is 0, and the
@@ -87,40 +119,31 @@ impl Camera {
     pub fn rays(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
         let n = samples.checked_len();
         assert_eq!(n, rays.checked_len(), "a batch needs as much room as it has samples");
-        match self.as_lens() {
-            Some(camera) if self.shutter == Shutter::Global => camera.trace_arrays(samples, rays),
-            Some(camera) => self.through_shutter(camera, samples, rays),
-            None => (0..n).for_each(|i| rays.set(i, self.any_ray(&samples.get(i)))),
+        if self.shutter == Shutter::Global {
+            self.rays.many(samples, rays);
+        } else {
+            self.through_shutter(samples, rays);
         }
     }
 
     /// Writes a sample's ray and its weight; 0, and no ray, where there is none.
     #[inline(always)]
     pub(crate) fn trace_one(&self, sample: &Sample, ray: &mut WorldRay, weight: &mut f32) {
-        match &self.optics {
-            AnyModel::Lens(camera) if self.shutter == Shutter::Global => {
-                camera.trace_one(sample, ray, weight)
-            }
-            _ => match self.any_ray(sample) {
-                Some(found) => (*ray, *weight) = found,
-                None => *weight = 0.0,
-            },
+        if self.shutter == Shutter::Global {
+            self.rays.one(sample, ray, weight);
+        } else {
+            self.one_through_shutter(sample, ray, weight);
         }
     }
 
-    /// [`Camera::ray`] through any optics and shutter.
+    /// [`Camera::trace_one`] through any shutter.
     #[inline(never)]
-    fn any_ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
-        match &self.optics {
-            AnyModel::Lens(camera) => {
-                let share = self.share(sample.image_y, sample.time)?;
-                camera.ray(sample).map(|(ray, weight)| (ray, dimmed(weight, share)))
-            }
-            AnyModel::Ideal(_) | AnyModel::Projective(_) | AnyModel::Environment(_) => {
-                match self.generate(sample) {
-                    Outcome::Ray(ray, weight) => Some((ray, weight)),
-                    Outcome::Blocked(_) | Outcome::Redraw | Outcome::Shut => None,
-                }
+    fn one_through_shutter(&self, sample: &Sample, ray: &mut WorldRay, weight: &mut f32) {
+        *weight = 0.0;
+        if let Some(share) = self.share(sample.image_y, sample.time) {
+            self.rays.one(sample, ray, weight);
+            if *weight > 0.0 {
+                *weight = dimmed(*weight, share);
             }
         }
     }
@@ -130,7 +153,7 @@ impl Camera {
     #[inline]
     #[cfg_attr(not(realistic_shim), expect(dead_code, reason = "only a pbrt-v1 host asks for three at once"))]
     pub(crate) fn trace_side_by_side(&self, samples: &SampleBlock<4>, rays: &mut RayBlock<4>) -> bool {
-        let traced = self.as_lens().is_some_and(|camera| camera.trace_side_by_side(samples, rays));
+        let traced = self.rays.four(samples, rays);
         if traced && self.shutter != Shutter::Global {
             for (i, weight) in rays.arrays(4).weight.iter_mut().enumerate() {
                 let Sample { image_y, time, .. } = samples.sample(i);
@@ -142,17 +165,12 @@ impl Camera {
     }
 
     /// [`Camera::rays`] by blocks, of which only what the shutter lets through is handed on.
-    fn through_shutter(
-        &self,
-        camera: &RealisticCamera,
-        samples: &SampleArrays<'_>,
-        rays: &mut RayArrays<'_>,
-    ) {
+    fn through_shutter(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
         let mut block = RayBlock::<BLOCK>::new();
         let n = samples.image_x.len();
         for first in (0..n).step_by(BLOCK) {
             let count = BLOCK.min(n - first);
-            camera.trace_arrays(&samples.part(first, count), &mut block.arrays(count));
+            self.rays.many(&samples.part(first, count), &mut block.arrays(count));
             for i in 0..count {
                 let share = self.share(samples.image_y[first + i], samples.time[first + i]);
                 let ray = block.get(i).and_then(|(ray, weight)| Some((ray, dimmed(weight, share?))));
@@ -166,90 +184,61 @@ impl Camera {
         if self.shutter == Shutter::Global {
             return Some(1.0);
         }
-        let share = self.shutter.transmission(image_y / self.yres, time);
+        let share = self.shutter.transmission(image_y / self.resolution[1], time);
         (share != 0.0).then_some(share)
     }
 
-    fn through_optics(&self, sample: &Sample) -> Outcome {
-        let outcome = match &self.optics {
-            AnyModel::Lens(camera) => return camera.generate(sample),
-            AnyModel::Ideal(camera) => camera.generate(sample),
-            AnyModel::Projective(camera) => camera.generate(sample),
-            AnyModel::Environment(camera) => Outcome::Ray(camera.ray(sample), 1.0),
-        };
-        match outcome {
-            Outcome::Ray(ray, weight) if !is_sound(&ray, weight) => Outcome::Blocked(Blocked::Missed),
-            sound => sound,
-        }
-    }
-
     /// A ray that stands in where there is none and a host needs a complete ray all the same: of the
-    /// same film point, by the thick lens or through the middle of the lens.
+    /// same film point, by the thick lens or through the middle of the lens; of the image's middle where there is no
+    /// such ray either.
     pub fn substitute(&self, sample: &Sample) -> WorldRay {
-        match &self.optics {
-            AnyModel::Lens(camera) => camera.substitute(sample),
-            AnyModel::Ideal(camera) => camera.central(sample),
-            AnyModel::Projective(camera) => camera.central(sample),
-            AnyModel::Environment(camera) => camera.ray(sample),
+        if let AnyModel::Lens(camera) = &self.model {
+            return camera.substitute(sample);
         }
-    }
-
-    fn placement(&self) -> &Placement {
-        match &self.optics {
-            AnyModel::Lens(camera) => camera.placement(),
-            AnyModel::Ideal(camera) => camera.placement(),
-            AnyModel::Projective(camera) => camera.placement(),
-            AnyModel::Environment(camera) => camera.placement(),
-        }
+        let [lens_u, lens_v] = self.model.mapping().map_or([0.5; 2], DiskMapping::of_middle);
+        let [image_x, image_y] = self.resolution.map(|side| side / 2.0);
+        let through_middle = Sample { lens_u, lens_v, ..*sample };
+        let axial = Sample { image_x, image_y, ..through_middle };
+        let ray = self.rays.ray(&through_middle).or_else(|| self.rays.ray(&axial));
+        ray.map_or_else(WorldRay::default, |(ray, _)| ray)
     }
 
     /// What the camera keeps and leaves out.
     pub fn plan(&self) -> Plan {
-        match &self.optics {
-            AnyModel::Lens(camera) => camera.plan().clone(),
-            AnyModel::Ideal(_) | AnyModel::Projective(_) | AnyModel::Environment(_) => {
-                let mut plan = Plan::default();
-                self.placement().describe(&mut plan);
-                plan
-            }
+        if let AnyModel::Lens(camera) = &self.model {
+            return camera.plan().clone();
         }
+        let mut plan = Plan::default();
+        self.rays.placement().describe(&mut plan);
+        plan
     }
 
     /// When the shutter begins to open and has closed, in the host's unit of time.
     pub fn shutter_interval(&self) -> [f32; 2] {
-        self.placement().shutter
+        self.rays.placement().shutter
     }
 
     /// `hither` and `yon` as they are in use, world units.
     pub fn clip(&self) -> [f32; 2] {
-        self.placement().clip
+        self.rays.placement().clip
     }
 
     /// The camera of [`Model::Lens`].
     pub fn as_lens(&self) -> Option<&RealisticCamera> {
-        match &self.optics {
+        match &self.model {
             AnyModel::Lens(camera) => Some(camera),
-            AnyModel::Ideal(_) | AnyModel::Projective(_) | AnyModel::Environment(_) => None,
+            AnyModel::Ideal(_) | AnyModel::Stock(_) => None,
         }
     }
 
     /// The lens and the film, and what is known of them; `None` for a model without a prescription.
     pub fn facts(&self) -> Option<&Facts> {
-        match &self.optics {
+        match &self.model {
             AnyModel::Lens(camera) => Some(camera.facts()),
             AnyModel::Ideal(camera) => Some(camera.facts()),
-            AnyModel::Projective(_) | AnyModel::Environment(_) => None,
+            AnyModel::Stock(_) => None,
         }
     }
-}
-
-/// Whether these are a ray's numbers: those of image points that are none, or far out of any image, are not.
-/// The real lens blocks them.
-fn is_sound(ray: &WorldRay, weight: f32) -> bool {
-    let [x, y, z] = ray.direction;
-    // What overflowed on its way to a unit vector is 0 or no number.
-    let is_unit = x * x + y * y + z * z > 0.5;
-    is_unit && weight > 0.0 && weight.is_finite() && ray.origin.iter().all(|part| part.is_finite())
 }
 
 /// A positive weight behind the shutter. However small, it is not that of a blocked ray.

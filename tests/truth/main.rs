@@ -9,6 +9,7 @@ mod flat_field;
 mod golden;
 mod invariants;
 mod kernel;
+mod models;
 mod odd_samples;
 mod plan;
 mod pupil_fit;

@@ -8,7 +8,7 @@ use crate::{
         film::Film,
         host::{Level, Log},
         parameters::{CameraError, Pupil, Weighting},
-        pipeline::{body::CameraBody, compile::compile, tracer::Tracer},
+        pipeline::{body::CameraBody, compile::compile, tracer::LensTracer},
         setup::{Facts, Setup},
     },
     imaging::irradiance::{on_axis, survey},
@@ -92,7 +92,7 @@ pub(super) fn plan_and_compile(
     path: &Path,
     body: &CameraBody,
     log: Log<'_>,
-) -> (Arc<dyn Tracer>, Plan) {
+) -> (Arc<dyn LensTracer>, Plan) {
     let (lens, kernels) = (&setup.facts.lens, Kernels::new(path));
     let mut plan = Plan::default();
     let task = Task {
