@@ -6,6 +6,7 @@
 //!
 //! | module | what it does |
 //! |---|---|
+//! | [`numeric`] | vectors, roots and quadrature that several rooms need |
 //! | [`prescription`] | lens files to tables of interfaces and glasses; the built-in catalogue |
 //! | [`lens`] | a lens at one wavelength and stop: surfaces, refraction, thick lens and pupils |
 //! | [`trace`] | exact rays through the lens, with the reason where one stops |
@@ -23,7 +24,7 @@ pub mod camera;
 pub mod imaging;
 pub mod lens;
 mod message;
-mod numeric;
+pub mod numeric;
 pub mod plan;
 pub mod prescription;
 pub mod sampling;

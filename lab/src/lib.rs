@@ -9,12 +9,13 @@
 //! | [`mod@reference`] | double-double rays, and the condition number of a ray |
 //! | [`subject`] | a lens with film behind it, and rays that get through |
 //! | [`pupil`] | the outline of the true pupil; how evenly points lie in a disk |
-//! | [`render`] | the renderer that the program uses, too, and a scene that is a formula |
+//! | [`render`] | the renderer that the program uses, too; its scenes are the program's |
+//! | [`methods`] | every way to take rays through a lens, in one list |
 //! | [`accuracy`] | error against run time: rays, film irradiance, pupils, pictures; all of a report in one run |
 //! | [`stability`] | extreme lenses and rays with known answers, for every tracer |
 
 pub mod accuracy;
-pub mod measurement;
+pub mod methods;
 pub mod pupil;
 pub mod reference;
 pub mod render;

@@ -1,6 +1,6 @@
-//! What `examples/radiometry.rs` prints is what optics says.
+//! What `examples/radiometry` prints is what optics says.
 
-#[path = "../examples/radiometry.rs"]
+#[path = "../examples/radiometry/main.rs"]
 #[allow(dead_code)]
 mod radiometry;
 

@@ -127,12 +127,9 @@ fn where_single_precision_is_fit_its_rays_are() {
         }
         fit += 1;
         let trails = case.trails();
-        for (kernel, most) in [
-            ("walk f32", 1e-5),
-            ("kernel f32, one ray", 1e-4),
-            ("kernel f32, portable", 1e-4),
-            ("kernel f32, anywhere", 1e-4),
-        ] {
+        for (kernel, most) in
+            [("walk f32", 1e-5), ("one f32", 1e-4), ("f32 portable", 1e-4), ("f32 anywhere", 1e-4)]
+        {
             let Some(single) = case.run(&named(kernel), &trails) else { continue };
             assert!(single.worst_error_rad < most, "{}", show(&single));
         }

@@ -135,14 +135,12 @@ pub unsafe extern "C" fn realistic_autofocus(
 }
 
 fn rule_of(number: i32) -> Result<Rule, Failure> {
-    match number {
-        0 => Ok(Rule::Nearest),
-        1 => Ok(Rule::Centre),
-        2 => Ok(Rule::Average),
-        _ => Err(Failure::invalid(format!(
+    let named = usize::try_from(number).ok().and_then(|number| Rule::NAMES.get(number));
+    named.map(|(_, rule)| *rule).ok_or_else(|| {
+        Failure::invalid(format!(
             "autofocus rule {number} is unknown; give 0 (nearest), 1 (centre) or 2 (average)"
-        ))),
-    }
+        ))
+    })
 }
 
 /// A camera for one look, whose warnings were logged already.

@@ -3,8 +3,7 @@
 use std::{mem::size_of, slice};
 
 use super::boundary::{self, Failure, realistic_status};
-use super::handle::Handle;
-use super::object;
+use super::object::{self, Handle};
 use super::types::{
     realistic_camera, realistic_ray, realistic_rays_soa, realistic_reason, realistic_sample,
     realistic_samples_soa,

@@ -4,9 +4,7 @@ use std::ffi::{c_char, c_void};
 use std::mem::size_of;
 
 use super::boundary::{self, Failure, realistic_status};
-use super::handle::Handle;
-use super::host_part::HostPart;
-use super::object;
+use super::object::{self, Handle, HostPart};
 use super::options::{self, check_size};
 use super::types::{level_number, realistic_camera, realistic_camera_info, realistic_log, realistic_options};
 use crate::camera::{Facts, Host, Level, Log, Parameters};

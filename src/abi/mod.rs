@@ -1,17 +1,14 @@
 //! The C ABI: the only exported functions, and the only place that takes raw pointers.
 //!
 //! `types` are the structures by layout, `boundary` keeps panics inside, `failure` gives errors their status, `object`
-//! makes and recognises the cameras that a host holds, `handle` is the camera in them and `host_part` what a pbrt-v1
-//! host keeps there; `library`, `options`, `camera`, `ray`, `batch` and `autofocus` export what a C caller uses; `pbrt`
-//! is the entry of a pbrt-v1 host and serves its calls (only where `pbrt-shim/` is built).
+//! makes, recognises and serves the cameras that a host holds; `library`, `options`, `camera`, `ray`, `batch` and
+//! `autofocus` export what a C caller uses; `pbrt` is the entry of a pbrt-v1 host (only where `pbrt-shim/` is built).
 
 mod autofocus;
 mod batch;
 mod boundary;
 mod camera;
 mod failure;
-mod handle;
-mod host_part;
 mod library;
 mod object;
 mod options;

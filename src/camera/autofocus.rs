@@ -45,6 +45,12 @@ pub enum Rule {
     Average,
 }
 
+impl Rule {
+    /// Every rule with its name, in the order of their numbers in the C ABI.
+    pub const NAMES: [(&'static str, Self); 3] =
+        [("nearest", Self::Nearest), ("centre", Self::Centre), ("average", Self::Average)];
+}
+
 /// Why there is no film distance.
 #[derive(Debug, Error)]
 pub enum AutofocusError {

@@ -3,7 +3,7 @@
 
 mod minimum;
 mod quadrature;
-pub mod quasirandom;
+pub(crate) mod quasirandom;
 mod real;
 mod root;
 mod vector;

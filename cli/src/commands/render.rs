@@ -4,8 +4,9 @@ use crate::failure::Failure;
 use crate::host::plugin::{Camera, Plugin};
 use crate::host::scene::effects::Effects;
 use crate::host::scene::props;
-use crate::host::studio::{Method, Options, Order, Rule, Shot, Slide, Studio, parameter_help, stopped_down};
+use crate::host::studio::{Method, Options, Order, Shot, Slide, Studio, parameter_help, stopped_down};
 use crate::image::{picture_path, writable};
+use realistic::camera::autofocus::Rule;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::PathBuf;
@@ -32,8 +33,9 @@ pub struct Args {
     #[arg(long, value_name = "X,Y,W,H", num_args = 0..=1, conflicts_with = "slide", value_parser = zone,
           default_missing_value = MIDDLE)]
     autofocus: Vec<Option<[f32; 4]>>,
-    /// Which of several autofocus zones counts
-    #[arg(long, value_name = "RULE", default_value = "nearest", requires = "autofocus")]
+    /// Which of several autofocus zones counts: the one that sees what is nearest, the one in the centre of the picture,
+    /// or the average of their film distances
+    #[arg(long, value_name = "nearest|centre|average", default_value = "nearest", requires = "autofocus", value_parser = rule)]
     autofocus_rule: Rule,
     /// What the plugin asks this program for
     #[arg(long, value_name = "METHOD", default_value = "distance", requires = "autofocus")]
@@ -126,6 +128,11 @@ fn middle(size: [u32; 2]) -> [f32; 4] {
     let [width, height] = size.map(|side| (side as f32 / 10.0).ceil());
     let [left, top] = [(size[0], width), (size[1], height)].map(|(side, part)| (side as f32 - part) / 2.0);
     [left.floor(), top.floor(), width, height]
+}
+
+fn rule(text: &str) -> Result<Rule, String> {
+    let named = Rule::NAMES.iter().find(|(name, _)| *name == text).map(|(_, rule)| *rule);
+    named.ok_or_else(|| "the rules are nearest, centre and average".to_owned())
 }
 
 fn zone(text: &str) -> Result<Option<[f32; 4]>, String> {

@@ -2,6 +2,8 @@
 
 mod pictures;
 mod plugin;
+#[cfg(target_os = "linux")]
+mod release;
 mod reports;
 
 use std::io::Write;

@@ -10,7 +10,7 @@ fn library() -> String {
 }
 
 /// The plugin of this build.
-fn built() -> PathBuf {
+pub(super) fn built() -> PathBuf {
     Path::new(env!("CARGO_BIN_EXE_realistic")).with_file_name("deps").join(library())
 }
 
@@ -40,7 +40,7 @@ fn render(program: &Path, variable: Option<&Path>, more: &[&str]) -> Output {
 }
 
 /// The plugin that a rendering says it took.
-fn taken(output: &Output) -> PathBuf {
+pub(super) fn taken(output: &Output) -> PathBuf {
     assert!(output.status.success(), "{}", refusal(output));
     let text = String::from_utf8_lossy(&output.stdout);
     let line = text.lines().find_map(|line| line.strip_prefix("plugin")).unwrap();

@@ -4,7 +4,6 @@
 pub mod cameras;
 pub mod curve;
 pub mod irradiance;
-pub mod methods;
 pub mod pictures;
 pub mod pupils;
 pub mod ray_map;

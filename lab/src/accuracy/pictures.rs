@@ -4,7 +4,6 @@ use crate::{
     accuracy::cameras::PUPILS,
     accuracy::curve::{Curve, Estimate},
     accuracy::ray_sources::{RENDERERS, Source, single},
-    render::formula_scene::Scene,
     render::sequence::{Point, Sequence},
     render::{Integrand, Window, render},
     results::{
@@ -17,9 +16,14 @@ use crate::{
 use realistic::abi::{realistic_ray, realistic_sample};
 use realistic::camera::{CameraError, Raster};
 
+/// What is pictured: radiance toward a ray in lens space, mm, before a lens of this focal length, mm.
+pub type Scene = fn(focal_length: f64, ray: &realistic_ray) -> f32;
+
 /// How much is measured.
 #[derive(Clone, Copy, Debug)]
 pub struct Size {
+    /// What is pictured; cheap, so that the camera's time is seen.
+    pub scene: Scene,
     /// Pixels of the picture.
     pub raster: Raster,
     /// Samples per pixel are 4 to the powers from 0 to this.
@@ -31,15 +35,15 @@ pub struct Size {
 }
 
 /// The scene as a renderer samples it.
-struct Pictured {
-    scene: Scene,
+struct Pictured<F> {
+    scene: F,
     sequence: Sequence,
     seed: u32,
     width: u32,
     points: Vec<Point>,
 }
 
-impl Integrand<1> for Pictured {
+impl<F: Fn(&realistic_ray) -> f32> Integrand<1> for Pictured<F> {
     fn place(&mut self, [x, y]: [u32; 2], _: usize, samples: &mut [realistic_sample]) {
         let seed = self.seed.wrapping_mul(0x9e37_79b9) ^ (y * self.width + x);
         self.points.resize(samples.len(), Point::default());
@@ -51,14 +55,14 @@ impl Integrand<1> for Pictured {
     }
 
     fn radiance(&self, _: usize, ray: &realistic_ray) -> [f32; 1] {
-        [self.scene.radiance(ray.o, ray.d)]
+        [(self.scene)(ray)]
     }
 }
 
 /// A picture's pixels, row by row.
 fn picture(
     camera: &mut Source,
-    scene: Scene,
+    scene: impl Fn(&realistic_ray) -> f32,
     raster: Raster,
     sequence: Sequence,
     samples: usize,
@@ -91,7 +95,7 @@ pub struct Pictures {
 /// A camera cannot be built.
 pub fn measure(subject: &Subject, size: Size) -> Result<Pictures, CameraError> {
     let raster = size.raster;
-    let scene = Scene::new(subject.first_order.focal_length);
+    let scene = |ray: &realistic_ray| (size.scene)(subject.first_order.focal_length, ray);
     let mut exact = single(subject, raster, "pupil=rear")?;
     let mut half = |seed| picture(&mut exact, scene, raster, Sequence::Sobol, size.reference, seed);
     let (one, two) = (half(1001), half(1002));

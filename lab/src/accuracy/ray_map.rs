@@ -2,8 +2,8 @@
 
 use realistic::trace::{Direction, Ray};
 
-use super::methods::{METHODS, Method};
 use crate::{
+    methods::{METHODS, Method, block},
     reference::{ExactRay, Reference},
     results::{
         statistics::{Spread, pareto_front},
@@ -51,13 +51,13 @@ pub fn measure(subject: &Subject, counts: RayCounts) -> Vec<RayErrors> {
     let rays = subject.rays(counts.rays, 1);
     let reference = Reference::new(&subject.lens, Direction::FilmToScene);
     let exact: Vec<_> = rays.iter().map(|ray| reference.trace(*ray).ok()).collect();
-    let block = &rays[..counts.block.min(rays.len())];
+    let timed = &rays[..counts.block.min(rays.len())];
     let (methods, runners): (Vec<_>, Vec<_>) =
-        METHODS.iter().filter_map(|method| Some((*method, (method.prepare)(subject, block)?))).unzip();
+        METHODS.iter().filter_map(|method| Some((*method, block::prepare(method, subject, timed)?))).unzip();
     let tasks = runners.into_iter().map(|mut runner| Box::new(move || runner.run()) as Box<dyn FnMut()>);
     let timings = interleaved(tasks, counts.effort);
     let errors = |(method, timing): (Method, Timing)| {
-        let mut runner = (method.prepare)(subject, &rays).expect("prepared before");
+        let mut runner = block::prepare(&method, subject, &rays).expect("prepared before");
         runner.run();
         let passing =
             || rays.iter().enumerate().zip(&exact).filter_map(|(ray, exact)| Some((ray, exact.as_ref()?)));
@@ -68,7 +68,7 @@ pub fn measure(subject: &Subject, counts: RayCounts) -> Vec<RayErrors> {
         RayErrors {
             lens: subject.lens.name.clone(),
             method,
-            time: timing.per(block.len()),
+            time: timing.per(timed.len()),
             direction: spread(|_, _, exact, ray| exact.direction_error(ray)),
             position: spread(|_, _, exact, ray| exact.distance_from_line(ray)),
             pixels: spread(|subject, from, exact, ray| subject.pixels(from, &exact.nearest(), ray)),
@@ -90,7 +90,7 @@ pub fn table(results: &[RayErrors]) -> Table {
     let rows = results.iter().map(|m| {
         let spread = |s: Spread| row![s.median, s.most, s.worst];
         let time: Vec<Cell> = [m.time.median, m.time.low, m.time.high].map(|time| (time * 1e9).into()).into();
-        let names = row![m.lens.as_str(), m.method.name, m.method.family.name()];
+        let names = row![m.lens.as_str(), m.method.name, m.method.family().name()];
         let errors = [m.direction, m.position, m.pixels].map(spread).concat();
         [names, time, errors, row![m.lost, m.on_front]].concat()
     });

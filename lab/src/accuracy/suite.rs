@@ -48,30 +48,30 @@ pub struct Suite {
 }
 
 impl Suite {
-    /// Minutes: for figures to keep.
-    pub fn full() -> Self {
+    /// Minutes: for figures to keep. The pictures are of `scene`.
+    pub fn full(scene: pictures::Scene) -> Self {
         let effort = Effort { rounds: 31, least: Duration::from_millis(3) };
         let raster = Raster { xres: 72, yres: 48 };
         Self {
             lenses: LENSES.to_vec(),
             ray_map: RayCounts { rays: 20_000, block: 2048, effort },
             irradiance: SampleCounts { exponent: 7, repeats: 24, survey: 2000, effort },
-            picture: pictures::Size { raster, exponent: 4, reference: 4096, repeats: 3 },
+            picture: pictures::Size { scene, raster, exponent: 4, reference: 4096, repeats: 3 },
             set_up: FitCounts { rays: 5000, repeats: 9 },
             pupils: PupilCounts { points: 48, repeats: 5 },
             stability: stability::Extent::FULL,
         }
     }
 
-    /// Under a minute.
-    pub fn quick() -> Self {
+    /// Under a minute, likewise.
+    pub fn quick(scene: pictures::Scene) -> Self {
         let effort = Effort { rounds: 9, least: Duration::from_millis(1) };
         let raster = Raster { xres: 36, yres: 24 };
         Self {
             lenses: LENSES.to_vec(),
             ray_map: RayCounts { rays: 4000, block: 2048, effort },
             irradiance: SampleCounts { exponent: 5, repeats: 12, survey: 800, effort },
-            picture: pictures::Size { raster, exponent: 3, reference: 1024, repeats: 2 },
+            picture: pictures::Size { scene, raster, exponent: 3, reference: 1024, repeats: 2 },
             set_up: FitCounts { rays: 1000, repeats: 3 },
             pupils: PupilCounts { points: 12, repeats: 1 },
             stability: stability::Extent::QUICK,

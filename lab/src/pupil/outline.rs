@@ -10,6 +10,7 @@ use std::f64::consts::{PI, TAU};
 use realistic::lens::{cos4, film_ray};
 use realistic::{
     lens::pupil::SlopeDisk,
+    numeric::edge,
     trace::{Path, Real},
 };
 
@@ -64,7 +65,7 @@ impl Outline {
                 match open.iter().rposition(|&open| open) {
                     Some(last) if last < open.len() - 1 => {
                         let last = last as u32;
-                        edge(step(last), step(last + 1), |radius| passes(at(radius)))
+                        edge(step(last), step(last + 1), 0.0, |radius| passes(at(radius)))
                     }
                     Some(_) => end,
                     None => 0.0,
@@ -98,18 +99,6 @@ fn integrals(center: [f64; 2], radii: &[f64]) -> (f64, f64) {
         }
     }
     (area, irradiance)
-}
-
-/// The place between `inside` and `outside` up to which a region reaches, to the last bit; where its edge is
-/// crossed more than once, one of the crossings.
-fn edge(mut inside: f64, mut outside: f64, holds: impl Fn(f64) -> bool) -> f64 {
-    loop {
-        let middle = f64::midpoint(inside, outside);
-        if middle == inside || middle == outside {
-            return inside;
-        }
-        *(if holds(middle) { &mut inside } else { &mut outside }) = middle;
-    }
 }
 
 /// Distance from `from`, in the disk, to its edge in the unit `direction`.

@@ -19,11 +19,12 @@
 
 use realistic::{
     lens::{Lens, Surface, refraction::Refraction},
+    numeric::in_range,
     trace::{Blocked, Direction, Path, Ray, Real},
 };
 
 use super::{
-    double_double::{DoubleDouble, Vector, dot, in_range, vector},
+    double_double::{DoubleDouble, Vector, dot, vector},
     dual::{Dual, N},
     exact::ExactRay,
 };

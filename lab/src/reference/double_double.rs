@@ -94,10 +94,3 @@ pub(crate) fn difference(a: Vector, b: Vector) -> Vector {
 pub(crate) fn norm(v: Vector) -> f64 {
     v.iter().map(|x| x.to_f64().powi(2)).sum::<f64>().sqrt()
 }
-
-/// A direction as long as no power of its components overflows: a power of two times it, which is exact.
-pub(crate) fn in_range(v: [f64; 3]) -> [f64; 3] {
-    let largest = v.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-    let factor = if largest > 1e100 { 2f64.powi(-600) } else { 2f64.powi(600) };
-    if (1e-100..=1e100).contains(&largest) { v } else { v.map(|x| x * factor) }
-}

@@ -2,10 +2,11 @@
 
 use realistic::{
     lens::{Lens, refraction::Refraction},
+    numeric::in_range,
     trace::{Blocked, Direction, Path, Ray, Real},
 };
 
-use super::double_double::{DoubleDouble, Vector, cross, difference, in_range, norm, vector};
+use super::double_double::{DoubleDouble, Vector, cross, difference, norm, vector};
 
 /// A lens traced in double-double numbers.
 #[derive(Clone, Debug)]

@@ -1,7 +1,6 @@
 //! The renderer that the program and the laboratory share: samples of a picture in, their [`Rays`] asked of a camera,
-//! what an [`Integrand`] makes of them summed up by pixel out. And the laboratory's own scene, a formula.
+//! what an [`Integrand`] makes of them summed up by pixel out.
 
-pub mod formula_scene;
 mod renderer;
 pub mod sequence;
 

@@ -89,7 +89,7 @@ impl Case {
     /// Puts a tracer to the test; `trails` are this case's own.
     /// `None` where it cannot trace this lens.
     pub fn run(&self, tracer: &Tracer, trails: &[Trail]) -> Option<CaseResult> {
-        let outcomes = (tracer.prepare)(&self.lens, self.direction)?(&self.rays);
+        let outcomes = tracer.trace(&self.lens, self.direction, &self.rays)?;
         let exit = match self.direction {
             Direction::FilmToScene => self.lens.front().vertex,
             Direction::SceneToFilm => self.lens.rear().vertex,

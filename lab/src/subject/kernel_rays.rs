@@ -6,6 +6,7 @@
 
 use realistic::{
     lens::{Lens, refraction::Refraction},
+    numeric::unit,
     trace::{
         Blocked, Direction, Path, Ray, Real,
         kernel::{Kernel, KernelScalar, PlaneRays, RayBuffer, Simd, Traced},
@@ -155,15 +156,6 @@ fn narrow<S: Real>(pair: [f64; 2]) -> [S; 2] {
 fn widen<S: Real>(traced: Traced<S>) -> Ray {
     let Ray { origin, direction } = traced.ray();
     Ray { origin, direction: unit(direction) }
-}
-
-/// The unit vector along `v`, whatever the size of its components; NaN for a vector of length 0.
-pub fn unit(v: [f64; 3]) -> [f64; 3] {
-    let largest = v.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-    // Scaled first, so that the squares of very small or large components stay in range.
-    let [x, y, z] = v.map(|x| x / largest);
-    let norm = (x * x + y * y + z * z).sqrt();
-    [x / norm, y / norm, z / norm]
 }
 
 #[cfg(test)]

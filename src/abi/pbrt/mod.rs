@@ -1,17 +1,14 @@
 //! The entry of a pbrt-v1 host, `CreateCamera`: its parameters, transform and film in, a camera of its own layout out.
-//! `shim` speaks to the C++ face; `triples` serves the host's calls.
+//! `shim` reads what the host gives. The cameras that it makes, and the host's calls of them, are in `abi/object`.
 
-pub(super) mod shim;
-pub(super) mod triples;
+mod shim;
 
 use std::ffi::c_void;
 use std::path::Path;
 use std::ptr::null_mut;
 
 use super::boundary::{self, Failure, realistic_status};
-use super::handle::Handle;
-use super::host_part::HostPart;
-use super::object;
+use super::object::{self, Handle, HostPart};
 use super::types::realistic_camera;
 use super::{library, options};
 use crate::camera::{CameraError, CameraToWorld, Host, Kind, Level, Model, PARAMETERS, Parameters, Value};

@@ -1,25 +1,13 @@
-//! Speaks to the C++ face: the functions of `pbrt-shim/shim.h` and thin wrappers of them.
+//! What the C++ face reads of a host: the functions of `pbrt-shim/shim.h` and thin wrappers of them. The cameras that
+//! it makes are in `abi/object`.
 
 use std::ffi::{c_char, c_void};
 use std::ptr::{NonNull, null};
 use std::slice;
 
 use crate::abi::boundary;
-use crate::abi::host_part::HostPart;
 use crate::abi::types::level_number;
 use crate::camera::Level;
-
-/// `realistic_shim_parts`.
-#[repr(C)]
-pub(in crate::abi) struct Parts {
-    pub rust: *mut c_void,
-    pub generate: unsafe extern "C" fn(*const c_void, *const c_void, *mut c_void) -> f32,
-    pub release: unsafe extern "C" fn(*mut c_void),
-    pub host: HostPart,
-}
-
-/// Bytes of a host's members between a camera's vtable pointer and its Rust part: `REALISTIC_SHIM_HOST_MEMBERS`.
-pub(in crate::abi) const HOST_MEMBERS: usize = 56;
 
 /// `realistic_shim_found`.
 #[repr(C)]
@@ -41,8 +29,6 @@ const FOUND: i32 = 1;
 const NO_HOST: i32 = 2;
 
 unsafe extern "C" {
-    fn realistic_shim_camera_new(parts: *const Parts) -> *mut c_void;
-    fn realistic_shim_camera_delete(camera: *mut c_void);
     fn realistic_shim_transform(transform: *const c_void, matrix: *mut f32, inverse: *mut f32) -> i32;
     fn realistic_shim_film_resolution(film: *const c_void, x: *mut i32, y: *mut i32) -> i32;
     fn realistic_shim_find(
@@ -53,21 +39,6 @@ unsafe extern "C" {
         out: *mut RawFound,
     ) -> i32;
     fn realistic_shim_message(level: i32, text: *const c_char);
-}
-
-/// A camera object with a host's vtable and members, or NULL when memory is out.
-pub(in crate::abi) fn camera_new(parts: &Parts) -> *mut c_void {
-    // SAFETY: the parts are read during the call only.
-    unsafe { realistic_shim_camera_new(parts) }
-}
-
-/// Deletes a camera object as a host does.
-///
-/// # Safety
-/// `camera` is NULL or of [`camera_new`], and nobody uses it any more.
-pub(in crate::abi) unsafe fn camera_delete(camera: *mut c_void) {
-    // SAFETY: the caller's promise.
-    unsafe { realistic_shim_camera_delete(camera) }
 }
 
 /// The floats of a host's transform: row-major, for column vectors.

@@ -1,9 +1,9 @@
 //! Which method for which need: results in, a few sentences about all the lenses together out.
 
 use super::findings::{PIXELS, WORTH, all_hold, fastest, is_exact, seconds, soonest};
-use realistic_lab::accuracy::methods::Family;
 use realistic_lab::accuracy::ray_map::RayErrors;
 use realistic_lab::accuracy::suite::Results;
+use realistic_lab::methods::Family;
 use realistic_lab::reference::condition::Norm;
 use realistic_lab::stability;
 
@@ -39,8 +39,8 @@ fn times_of<'a>(rows: &'a [&RayErrors]) -> impl Iterator<Item = f64> + Clone + '
 }
 
 fn batches(results: &Results) -> Option<String> {
-    let fast = usual(results, |m| m.method.family == Family::KernelBatch)?;
-    let exact = usual(results, |m| m.method.family == Family::KernelBatch && is_exact(m))?;
+    let fast = usual(results, |m| m.method.family() == Family::KernelBatch)?;
+    let exact = usual(results, |m| m.method.family() == Family::KernelBatch && is_exact(m))?;
     let error = fast.iter().map(|m| m.pixels.most).fold(0.0, f64::max);
     Some(format!(
         "Many rays at once: the kernel in {}, {} per ray on these lenses, 99.9 % of the rays within {error:.1e} pixel. \
@@ -71,7 +71,7 @@ fn single_rays(results: &Results) -> Option<String> {
 fn models(results: &Results) -> Option<String> {
     let gain = |lens: &str, pixels: f64| {
         let time = |families: &[Family]| {
-            let serves = |m: &RayErrors| m.pixels.most <= pixels && families.contains(&m.method.family);
+            let serves = |m: &RayErrors| m.pixels.most <= pixels && families.contains(&m.method.family());
             fastest(results, lens, serves).map_or(f64::INFINITY, |m| m.time.median)
         };
         let model = time(&[Family::Gaussian, Family::PolynomialBatch]);

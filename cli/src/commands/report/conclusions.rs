@@ -2,9 +2,9 @@
 
 use super::findings::{PIXELS, WORTH, all_hold, fastest, is_exact, seconds, soonest, time_to};
 use realistic_lab::accuracy::curve::Curve;
-use realistic_lab::accuracy::methods::Family;
 use realistic_lab::accuracy::ray_map::RayErrors;
 use realistic_lab::accuracy::suite::Results;
+use realistic_lab::methods::Family;
 use realistic_lab::stability;
 
 /// A need, and what serves it on every lens.
@@ -60,7 +60,7 @@ pub fn answers(results: &Results) -> Vec<Answer> {
 
 /// Whether the method takes a ray by itself.
 fn alone(m: &RayErrors) -> bool {
-    !m.method.family.in_batches() && !m.method.name.starts_with("three")
+    !m.method.family().in_batches() && !m.method.name.starts_with("three")
 }
 
 /// The fastest method that serves and loses no ray, in words.
@@ -68,7 +68,7 @@ fn method(results: &Results, lens: &str, serves: impl Fn(&RayErrors) -> bool) ->
     let Some(m) = fastest(results, lens, |m| m.lost == 0 && serves(m)) else {
         return "none of these".to_owned();
     };
-    let family = match m.method.family {
+    let family = match m.method.family() {
         Family::Polynomial => "polynomial of ",
         Family::PolynomialBatch => "batch polynomial of ",
         Family::Kernel | Family::KernelBatch => "kernel, ",
@@ -96,10 +96,10 @@ pub fn sentences(results: &Results) -> Vec<(&str, Vec<String>)> {
 /// What compiling a lens gains.
 fn kernels(results: &Results, lens: &str) -> Option<String> {
     let own = |wanted: &dyn Fn(&RayErrors) -> bool| fastest(results, lens, wanted);
-    let walk = own(&|m| m.method.family == Family::Walk && is_exact(m))?;
+    let walk = own(&|m| m.method.family() == Family::Walk && is_exact(m))?;
     let one = own(&|m| m.method.name.starts_with("one") && is_exact(m))?;
-    let batch = own(&|m| m.method.family == Family::KernelBatch && is_exact(m))?;
-    let single = own(&|m| m.method.family == Family::KernelBatch && !is_exact(m))?;
+    let batch = own(&|m| m.method.family() == Family::KernelBatch && is_exact(m))?;
+    let single = own(&|m| m.method.family() == Family::KernelBatch && !is_exact(m))?;
     let times = |m: &RayErrors| walk.time.median / m.time.median;
     Some(format!(
         "The kernel traces one ray exactly in {}, {:.0} times faster than the walk ({}); in batches of {} it \
@@ -120,9 +120,9 @@ fn kernels(results: &Results, lens: &str) -> Option<String> {
 
 /// Up to where polynomials are worth it.
 fn polynomials(results: &Results, lens: &str) -> Option<String> {
-    let kernel = fastest(results, lens, |m| m.method.family == Family::KernelBatch)?;
+    let kernel = fastest(results, lens, |m| m.method.family() == Family::KernelBatch)?;
     let polynomials =
-        results.ray_map.iter().filter(|m| m.lens == lens && m.method.family == Family::PolynomialBatch);
+        results.ray_map.iter().filter(|m| m.lens == lens && m.method.family() == Family::PolynomialBatch);
     let faster = polynomials
         .filter(|m| m.time.median < WORTH * kernel.time.median)
         .min_by(|a, b| a.pixels.most.total_cmp(&b.pixels.most));

@@ -2,10 +2,10 @@
 
 use crate::plots::PALETTE;
 use crate::plots::chart::{Chart, Mark, Series};
-use realistic_lab::accuracy::methods::Family;
 use realistic_lab::accuracy::pupils::{self, Coverage};
 use realistic_lab::accuracy::ray_map::{self, RayErrors};
 use realistic_lab::accuracy::suite::{Results, stability_table};
+use realistic_lab::methods::Family;
 use realistic_lab::results::statistics::{Spread, pareto_front};
 use realistic_lab::results::table::Table;
 use realistic_lab::{accuracy::curve::Curve, reference::condition::Norm, stability};
@@ -126,7 +126,7 @@ fn scatter(results: &Results, lens: &str, error: &'static str, spread: fn(&RayEr
         }
     };
     let series = Family::NAMES.iter().enumerate().map(|(number, (name, family))| {
-        let own = own.iter().zip(&front).filter(|(m, _)| m.method.family == *family);
+        let own = own.iter().zip(&front).filter(|(m, _)| m.method.family() == *family);
         Series::marks(name, number, own.map(mark))
     });
     Chart { cost: "time per ray, ns", error, series: series.collect(), ..Chart::default() }

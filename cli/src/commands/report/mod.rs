@@ -8,6 +8,7 @@ mod page;
 
 use crate::drawing::picture;
 use crate::failure::Failure;
+use crate::host::scene::chequers;
 use indicatif::{ProgressBar, ProgressStyle};
 use realistic_lab::accuracy::suite::{Results, Suite};
 use realistic_lab::timing::machine;
@@ -33,7 +34,7 @@ pub struct Args {
 /// A folder or file cannot be written.
 pub fn run(args: &Args) -> Result<(), Failure> {
     make_folder(&args.out)?;
-    let suite = if args.quick { Suite::quick() } else { Suite::full() };
+    let suite = if args.quick { Suite::quick(chequers::radiance) } else { Suite::full(chequers::radiance) };
     let progress = ProgressBar::new_spinner();
     progress.set_style(ProgressStyle::with_template("{elapsed} {msg}").expect("a valid template"));
     let start = Instant::now();
@@ -124,7 +125,13 @@ mod tests {
             lenses: vec!["dgauss.50mm"],
             ray_map: RayCounts { rays: 60, block: 32, effort },
             irradiance: SampleCounts { exponent: 2, repeats: 2, survey: 60, effort },
-            picture: pictures::Size { raster, exponent: 2, reference: 16, repeats: 1 },
+            picture: pictures::Size {
+                scene: chequers::radiance,
+                raster,
+                exponent: 2,
+                reference: 16,
+                repeats: 1,
+            },
             set_up: FitCounts { rays: 40, repeats: 1 },
             pupils: PupilCounts { points: 2, repeats: 1 },
             stability: stability::Extent { lenses: 1, rays: 1 },

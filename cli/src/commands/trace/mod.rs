@@ -1,13 +1,13 @@
 //! `realistic trace`: rays through a lens, a line in, a line out.
 
 mod lines;
-mod methods;
 
 use crate::failure::Failure;
 use crate::lens_and_film::{LensChoice, not_negative};
 use lines::{Line, read_line, write_ray};
-use methods::{METHODS, Method};
-use realistic::trace::Direction;
+use realistic::trace::{Blocked, Direction, Ray};
+use realistic_lab::methods::Method;
+use realistic_lab::methods::any_ray;
 use std::io::{self, BufRead, BufReader, BufWriter, Write};
 
 /// What `trace` can be told.
@@ -17,7 +17,7 @@ pub struct Args {
     #[command(flatten)]
     lens: LensChoice,
     /// How rays are traced; the methods are listed below
-    #[arg(long, value_name = "NAME", default_value = "f64", value_parser = methods::find)]
+    #[arg(long, value_name = "NAME", default_value = "f64", value_parser = Method::find)]
     method: &'static Method,
     /// Where the rays come from
     #[arg(long, value_name = "SIDE", default_value = "film")]
@@ -47,8 +47,8 @@ fn after_help() -> String {
          point given), the unit direction there, 17 significant digits; status ok, or why the ray stopped: \
          missed, clipped, reflected or turned_back.\n\nMethods:\n",
     );
-    for method in METHODS {
-        text += &format!("  {:<9} {}\n", method.name, method.help);
+    for (name, help, _) in Method::offered() {
+        text += &format!("  {name:<9} {help}\n");
     }
     text
 }
@@ -70,10 +70,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         Side::Scene => Direction::SceneToFilm,
     };
     let film = args.film_distance.map(|distance| lens.rear().vertex - distance);
-    let tracer = (args.method.make)(&lens, direction).map_err(|error| Failure::Other(error.to_string()))?;
+    let tracer = any_ray::tracer(args.method, &lens, direction)
+        .map_err(|error| Failure::Other(error.to_string()))?
+        .expect("`trace` offers no method for a film's rays alone");
     let input = BufReader::with_capacity(1 << 16, io::stdin().lock());
     let mut output = BufWriter::with_capacity(1 << 16, io::stdout().lock());
-    let outcome = copy(input, &mut output, film, &*tracer);
+    let outcome = copy(input, &mut output, film, |ray| tracer.one(ray));
     // What was traced before a bad line is wanted all the same.
     output.flush()?;
     outcome
@@ -83,7 +85,7 @@ fn copy(
     mut input: impl BufRead,
     output: &mut impl Write,
     film: Option<f64>,
-    tracer: &methods::Tracer,
+    trace: impl Fn(Ray) -> (Ray, Option<Blocked>),
 ) -> Result<(), Failure> {
     let mut line = Vec::new();
     let mut first = true;
@@ -102,7 +104,7 @@ fn copy(
             Line::Empty => continue,
             Line::Header => writeln!(output, "x,y,z,dx,dy,dz,status")?,
             Line::Ray(ray) => {
-                let (ray, blocked) = tracer(ray);
+                let (ray, blocked) = trace(ray);
                 write_ray(output, ray, blocked)?;
             }
         }
@@ -117,7 +119,7 @@ mod tests {
 
     fn traced(input: &str) -> (String, Result<(), Failure>) {
         let mut output = Vec::new();
-        let outcome = copy(input.as_bytes(), &mut output, Some(-5.0), &|ray| (ray, None));
+        let outcome = copy(input.as_bytes(), &mut output, Some(-5.0), |ray| (ray, None));
         (String::from_utf8(output).unwrap(), outcome)
     }
 

@@ -1,6 +1,8 @@
-//! The scenes that the program renders: shapes, materials and light by formula, and what stands where.
+//! Every scene that is rendered: shapes, materials and light by formula, and what stands where; `chequers` alone is
+//! one formula, for the report, which times cameras.
 
 mod card;
+pub mod chequers;
 pub mod effects;
 mod objects;
 mod pose;

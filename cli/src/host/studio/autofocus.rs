@@ -10,7 +10,7 @@ use glam::Vec3;
 use indicatif::ProgressBar;
 use rayon::ThreadPool;
 use realistic::abi::{realistic_camera, realistic_ray, realistic_zone};
-use realistic::camera::Parameters;
+use realistic::camera::{Parameters, autofocus::Rule};
 use realistic_lab::render::Rays;
 use std::ffi::c_void;
 
@@ -21,17 +21,6 @@ pub enum Method {
     Distance,
     /// How much contrast pictures of trial cameras have
     Contrast,
-}
-
-/// How several zones make one focus.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum Rule {
-    /// The zone that sees the nearest thing
-    Nearest,
-    /// The zone nearest the middle of the picture
-    Centre,
-    /// The mean film distance
-    Average,
 }
 
 /// Everything that the callbacks need.

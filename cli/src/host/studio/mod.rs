@@ -5,6 +5,6 @@ mod focus;
 mod session;
 mod slides;
 
-pub use autofocus::{Method, Rule};
+pub use autofocus::Method;
 pub use session::{Options, Order, Shot, Studio, parameter_help, stopped_down};
 pub use slides::Slide;

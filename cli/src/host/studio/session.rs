@@ -1,7 +1,7 @@
 //! What every command that takes pictures needs: from options, a loaded plugin, parameters and threads; with
 //! these, from a scene, a picture.
 
-use super::autofocus::{Autofocus, Method, Rule};
+use super::autofocus::{Autofocus, Method};
 use super::focus::{self, AxialRays};
 use crate::failure::Failure;
 use crate::host::plugin::{self, Camera, Plugin};
@@ -12,7 +12,7 @@ use crate::image::Picture;
 use crate::lens_and_film::{set_parameters, size, warn};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPool;
-use realistic::camera::{PARAMETERS, Parameters, Weighting};
+use realistic::camera::{PARAMETERS, Parameters, Weighting, autofocus::Rule};
 use realistic::prescription::catalogue;
 use realistic_lab::render::Tally;
 use std::fmt::Write as _;

@@ -3,18 +3,27 @@
 //! Where the C++ face is built the object has a pbrt-v1 host's vtable and members, so that
 //! one kind of camera serves C callers and that host alike. Elsewhere it is a tagged box. Either is recognised by
 //! its first word, without a call.
+//!
+//! `handle` is the camera in an object and `host_part` what a pbrt-v1 host keeps there; `face` makes the objects of the C++
+//! face and `triples` serves that host's calls.
 
-use super::{handle::Handle, host_part::HostPart, types::realistic_camera};
+#[cfg(realistic_shim)]
+mod face;
+mod handle;
+mod host_part;
+#[cfg(realistic_shim)]
+mod triples;
 
+use super::types::realistic_camera;
+
+pub use handle::Handle;
+pub use host_part::HostPart;
 pub use implementation::{delete, handle_of, new};
 
 #[cfg(realistic_shim)]
 mod implementation {
-    use super::super::{
-        boundary,
-        pbrt::{shim, triples},
-    };
-    use super::{Handle, HostPart, realistic_camera};
+    use super::{Handle, HostPart, face, realistic_camera, triples};
+    use crate::abi::boundary;
     use crate::camera::{Sample, WorldRay};
     use std::ffi::c_void;
     use std::ptr::null_mut;
@@ -24,7 +33,7 @@ mod implementation {
     #[repr(C)]
     struct Object {
         vtable: *mut c_void,
-        host: [u8; shim::HOST_MEMBERS],
+        host: [u8; face::HOST_MEMBERS],
         handle: *const Handle,
     }
 
@@ -34,7 +43,7 @@ mod implementation {
     /// Makes a camera object. `None` when memory is out; then the film stays the host's.
     pub fn new(handle: Handle, host: &HostPart) -> Option<*mut realistic_camera> {
         let rust = Box::into_raw(Box::new(handle));
-        let camera = shim::camera_new(&shim::Parts { rust: rust.cast(), generate, release, host: *host });
+        let camera = face::camera_new(&face::Parts { rust: rust.cast(), generate, release, host: *host });
         if camera.is_null() {
             // SAFETY: just made from a box, and no camera took it.
             drop(unsafe { Box::from_raw(rust) });
@@ -74,7 +83,7 @@ mod implementation {
         unsafe {
             let is_ours = handle_of(camera).is_some();
             if is_ours {
-                shim::camera_delete(camera.cast());
+                face::camera_delete(camera.cast());
             }
             is_ours
         }

@@ -4,8 +4,8 @@ use std::mem::offset_of;
 #[cfg(realistic_shim)]
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::boundary::Failure;
-use super::types::{realistic_ray, realistic_reason, realistic_sample};
+use crate::abi::boundary::Failure;
+use crate::abi::types::{realistic_ray, realistic_reason, realistic_sample};
 use crate::camera::{Camera, Host, Log, Outcome, Parameters, Sample, WorldRay};
 use crate::trace::Blocked;
 

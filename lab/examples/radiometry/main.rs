@@ -10,15 +10,17 @@
 //! Away from the axis it falls by the fourth power of the cosine and by vignetting, which rays through the
 //! lens from a grid of directions give apart from the camera's own sampling.
 
+mod measurement;
+
 use std::f64::consts::PI;
 
+use measurement::{Energy, Measurement, MeasurementError, ResponseTable};
 use realistic::lens::pupil::SlopeDisk;
 use realistic::trace::Path;
 use realistic::{
     camera::{CameraError, Film, Host, Parameters, Raster, RealisticCamera, Value, WorldRay},
     imaging::irradiance::survey,
 };
-use realistic_lab::measurement::{Energy, Measurement, MeasurementError, ResponseTable};
 
 /// Radiance of the wall, W/(m² sr).
 pub const RADIANCE: f64 = 100.0;

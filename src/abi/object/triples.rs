@@ -16,7 +16,7 @@ use std::cell::RefCell;
 
 use glam::Vec4;
 
-use crate::abi::handle::Handle;
+use super::handle::Handle;
 use crate::camera::{RayBlock, Sample, SampleBlock, WorldRay};
 
 /// The bits of image x and y.

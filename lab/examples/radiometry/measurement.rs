@@ -27,7 +27,7 @@ use realistic::camera::{
     Camera, CameraError, Host, Level, Log, Outcome, Parameters, Sample, Weighting, WorldRay,
 };
 
-use crate::subject::quasirandom::spread;
+use realistic_lab::subject::quasirandom::spread;
 
 /// P(x, λ): what the sensor reads for a joule of light at a film point and wavelength.
 pub trait SensorResponse {

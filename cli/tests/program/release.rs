@@ -1,0 +1,69 @@
+//! The release archive: packed by its script, unpacked elsewhere, and used without the checkout.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use super::plugin::{built, taken};
+
+/// What a command prints, which must succeed.
+fn succeed(command: &mut Command) -> Output {
+    let output = command.output().unwrap();
+    assert!(output.status.success(), "{command:?}: {}", String::from_utf8_lossy(&output.stderr));
+    output
+}
+
+/// The archive of this build, unpacked.
+fn unpacked(into: &Path) -> PathBuf {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../.ci/release");
+    let packed = into.join("packed");
+    let output = succeed(
+        Command::new(script).arg(&packed).args([Path::new(env!("CARGO_BIN_EXE_realistic")), &built()]),
+    );
+    let archive = PathBuf::from(String::from_utf8(output.stdout).unwrap().trim());
+    succeed(Command::new("tar").arg("-xzf").arg(&archive).arg("-C").arg(into));
+    let name = archive.file_name().unwrap().to_str().unwrap().strip_suffix(".tar.gz").unwrap();
+    // Moved, so that a place noted while packing would be found out.
+    let root = into.join("moved");
+    std::fs::rename(into.join(name), &root).unwrap();
+    root
+}
+
+#[test]
+fn a_release_is_used_without_the_checkout() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = unpacked(folder.path());
+    let elsewhere = folder.path().join("elsewhere");
+    std::fs::create_dir(&elsewhere).unwrap();
+
+    let mut program = Command::new(root.join("bin/realistic"));
+    program.env_clear().current_dir(&elsewhere);
+    let rendered = succeed(program.args(["render", "--size", "6x4", "--spp", "1", "--out", "picture.png"]));
+    assert_eq!(taken(&rendered), root.join("lib/librealistic.so").canonicalize().unwrap());
+
+    let compiler = std::env::var_os("CC").unwrap_or_else(|| "cc".into());
+    let library = root.join("lib");
+    succeed(
+        Command::new(compiler)
+            .arg("-std=c99")
+            .arg("-I")
+            .arg(root.join("include"))
+            .arg(root.join("share/realistic/examples/host.c"))
+            .arg("-L")
+            .arg(&library)
+            .arg("-lrealistic")
+            .arg(format!("-Wl,-rpath,{}", library.display()))
+            .args(["-o", "host"])
+            .current_dir(&elsewhere),
+    );
+    succeed(Command::new(elsewhere.join("host")).arg("vignetting.pgm").env_clear().current_dir(&elsewhere));
+    assert!(std::fs::read(elsewhere.join("vignetting.pgm")).unwrap().starts_with(b"P5"));
+
+    let plugin = std::fs::read(root.join("lib/pbrt/realistic.so")).unwrap();
+    assert!(plugin == std::fs::read(built()).unwrap(), "the plugin for pbrt is not the library");
+    let description = std::fs::read_to_string(root.join("lib/pkgconfig/realistic.pc")).unwrap();
+    assert!(description.contains(&format!("Version: {}", env!("CARGO_PKG_VERSION"))), "{description}");
+    let notices = std::fs::read_to_string(root.join("share/realistic/NOTICES")).unwrap();
+    for part in ["Bitstream", "== glam", "== libc", "== thiserror", "== clap"] {
+        assert!(notices.contains(part), "no notice of {part}");
+    }
+}

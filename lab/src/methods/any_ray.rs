@@ -1,0 +1,193 @@
+//! Methods given rays from anywhere: a lens and a direction of travel in, for each ray in lens space the ray that
+//! leaves the lens out, or how far it got and why it stopped.
+
+use realistic::{
+    lens::{Lens, LensError, first_order::FirstOrder, refraction::Refraction},
+    numeric::unit,
+    trace::{
+        Blocked, Direction, Path, Ray, Real,
+        kernel::{KernelScalar, Simd},
+    },
+};
+
+use super::list::{Method, Number, Way};
+use crate::{reference::DoubleDouble, subject::kernel_rays::KernelRays};
+
+/// A lens in the hands of one method.
+pub trait Tracer: Send + Sync {
+    /// A ray as far as it gets, and why it stops where it does not get through.
+    fn one(&self, ray: Ray) -> (Ray, Option<Blocked>);
+
+    /// The rays after the lens, where they get through.
+    fn all(&self, rays: &[Ray]) -> Vec<Option<Ray>> {
+        let passed = |(ray, blocked): (Ray, Option<Blocked>)| blocked.is_none().then_some(ray);
+        rays.iter().map(|&ray| passed(self.one(ray))).collect()
+    }
+}
+
+/// Makes a lens ready for a method; `None` where the processor lacks the instructions, or the method takes rays from a
+/// film alone.
+///
+/// # Errors
+/// Of first-order optics: the lens has no focal length.
+pub fn tracer(
+    method: &Method,
+    lens: &Lens,
+    direction: Direction,
+) -> Result<Option<Box<dyn Tracer>>, LensError> {
+    match (method.number, method.way) {
+        (Number::F32, way) => tracer_in::<f32>(way, lens, direction),
+        (Number::DoubleDouble, Way::Walk(refraction)) => {
+            Ok(Some(walk::<DoubleDouble>(lens, direction, refraction)))
+        }
+        (_, way) => tracer_in::<f64>(way, lens, direction),
+    }
+}
+
+fn tracer_in<S: KernelScalar + Real + Send + Sync + 'static>(
+    way: Way,
+    lens: &Lens,
+    direction: Direction,
+) -> Result<Option<Box<dyn Tracer>>, LensError> {
+    let compiled = |simd, trace| {
+        Compiled::<S>::new(lens, direction, simd, trace).map(|compiled| Box::new(compiled) as Box<dyn Tracer>)
+    };
+    Ok(match way {
+        Way::Walk(refraction) => Some(walk::<S>(lens, direction, refraction)),
+        Way::ThickLens => Some(Box::new(Thick { optics: FirstOrder::of(lens)?, direction })),
+        Way::ThinLens => {
+            let optics = FirstOrder::of(lens)?;
+            Some(Box::new(Thick { optics: optics.thin_at(optics.rear_principal_plane), direction }))
+        }
+        Way::One => compiled(Simd::best(), |kernel, rays| rays.iter().map(|&ray| kernel.one(ray)).collect()),
+        Way::Batch(simd) => compiled(simd, KernelRays::batch),
+        Way::Widest => compiled(Simd::best(), KernelRays::batch),
+        Way::Anywhere => compiled(Simd::best(), KernelRays::in_place),
+        Way::Three | Way::Polynomial(_) | Way::PolynomialBatch(_) => None,
+    })
+}
+
+fn walk<R: Real + Send + Sync + 'static>(
+    lens: &Lens,
+    direction: Direction,
+    refraction: Refraction,
+) -> Box<dyn Tracer> {
+    Box::new(Path::<R>::new(lens, direction, refraction))
+}
+
+impl<R: Real + Send + Sync> Tracer for Path<R> {
+    fn one(&self, ray: Ray) -> (Ray, Option<Blocked>) {
+        let walk = self.walk(ray);
+        (walk.ray, walk.blocked)
+    }
+}
+
+/// The compiled kernel; of a blocked ray the walk says how far it got.
+struct Compiled<S> {
+    kernel: KernelRays<S>,
+    path: Path<f64>,
+    trace: fn(&KernelRays<S>, &[Ray]) -> Vec<Option<Ray>>,
+}
+
+impl<S: KernelScalar + Real + Send + Sync + 'static> Compiled<S> {
+    fn new(
+        lens: &Lens,
+        direction: Direction,
+        simd: Simd,
+        trace: fn(&KernelRays<S>, &[Ray]) -> Vec<Option<Ray>>,
+    ) -> Option<Self> {
+        let kernel = KernelRays::new(lens, direction, simd)?;
+        Some(Self { kernel, path: Path::new(lens, direction, Refraction::Fused), trace })
+    }
+}
+
+impl<S: KernelScalar + Real + Send + Sync> Tracer for Compiled<S> {
+    fn one(&self, ray: Ray) -> (Ray, Option<Blocked>) {
+        match self.all(&[ray])[0] {
+            Some(traced) => (traced, None),
+            None => (self.path.walk(ray).ray, Some(self.kernel.reason(ray))),
+        }
+    }
+
+    fn all(&self, rays: &[Ray]) -> Vec<Option<Ray>> {
+        (self.trace)(&self.kernel, rays)
+    }
+}
+
+/// First-order optics, without apertures: the point is where the ray leaves the vertex plane.
+struct Thick {
+    optics: FirstOrder,
+    direction: Direction,
+}
+
+impl Tracer for Thick {
+    fn one(&self, ray: Ray) -> (Ray, Option<Blocked>) {
+        let (travel_sign, out) = match self.direction {
+            Direction::FilmToScene => (1.0, self.optics.transfer(ray)),
+            Direction::SceneToFilm => (-1.0, self.optics.transfer_to_film(ray)),
+        };
+        let input = Ray { direction: unit(ray.direction), ..ray };
+        if !(travel_sign * ray.direction[2] > 0.0) {
+            return (input, Some(Blocked::TurnedBack));
+        }
+        // Only what is too large or too oblique for a double gets here.
+        let finite = out.origin.iter().chain(&out.direction).all(|number| number.is_finite());
+        if finite { (out, None) } else { (input, Some(Blocked::Missed)) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use realistic::prescription::catalogue;
+
+    #[test]
+    fn no_method_ever_gives_what_is_not_a_number() {
+        let lens = Lens::at_d_line(&catalogue::find("dgauss.50mm").unwrap());
+        let values = [0.0, -1.0, 1.0, 1e-320, 1e160, -1e308, f64::MAX];
+        for (name, _, method) in Method::offered() {
+            for direction in [Direction::FilmToScene, Direction::SceneToFilm] {
+                let tracer = tracer(method, &lens, direction).unwrap().unwrap();
+                for x in values {
+                    for z in values {
+                        for d in values {
+                            for dz in [-1.0, 1.0, 1e-320, f64::MAX, 0.0] {
+                                if d == 0.0 && dz == 0.0 {
+                                    continue;
+                                }
+                                let ray = Ray { origin: [x, 1.0, z], direction: [d, 0.0, dz] };
+                                let (out, _) = tracer.one(ray);
+                                let all = [out.origin, out.direction];
+                                assert!(
+                                    all.as_flattened().iter().all(|number| number.is_finite()),
+                                    "{name} {ray:?}: {out:?}"
+                                );
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_kernel_s_ways_agree_with_the_walk() {
+        let lens = Lens::at_d_line(&catalogue::find("dgauss.50mm").unwrap());
+        let [exact, others @ ..] = ["f64", "batch-f64", "one-f64", "batch-f32", "one-f32"]
+            .map(|name| tracer(Method::find(name).unwrap(), &lens, Direction::FilmToScene).unwrap().unwrap());
+        let film = lens.rear().vertex - 38.0;
+        let (mut passed, mut blocked) = (0, 0);
+        for i in -20..=20 {
+            let ray = Ray { origin: [4.0, 0.0, film], direction: [f64::from(i) / 40.0 - 0.1, 0.0, 1.0] };
+            let (want, reason) = exact.one(ray);
+            for (number, other) in others.iter().enumerate() {
+                let (got, why) = other.one(ray);
+                assert_eq!(why, reason, "{ray:?}");
+                let bound = if number < 2 { 1e-13 } else { 1e-6 };
+                assert!((got.direction[0] - want.direction[0]).abs() < bound, "{got:?} is not {want:?}");
+            }
+            if reason.is_none() { passed += 1 } else { blocked += 1 }
+        }
+        assert!(passed > 4 && blocked > 4, "{passed} {blocked}");
+    }
+}

@@ -1,0 +1,151 @@
+//! Methods over a block of rays of a [`Subject`], which each holds in a form of its own: made ready once, and then run
+//! as often as its time needs.
+
+use realistic::{
+    lens::{first_order::FirstOrder, refraction::Refraction},
+    trace::{
+        Direction, Path, Ray, Real,
+        kernel::{Kernel, KernelScalar, LensRays, PlaneRays, Simd, Traced},
+        polynomial::PolynomialLens,
+    },
+};
+
+use super::list::{Method, Number, Way};
+use crate::{
+    BLOCK,
+    reference::DoubleDouble,
+    subject::{FilmRays, Subject},
+};
+
+/// A method at work on a block of rays.
+pub trait Runner {
+    /// Takes the whole block through the lens.
+    fn run(&mut self);
+    /// A ray of the last run, if it got through.
+    fn ray(&self, index: usize) -> Option<Ray>;
+}
+
+/// A method ready for a block of rays; `None` where the processor lacks the instructions, or the method is none for
+/// rays from a film.
+pub type Prepared = Option<Box<dyn Runner>>;
+
+/// Makes a method ready for a block of rays.
+pub fn prepare(method: &Method, subject: &Subject, rays: &[Ray]) -> Prepared {
+    match (method.number, method.way) {
+        (Number::F32, way) => prepare_in::<f32>(way, subject, rays),
+        (Number::DoubleDouble, Way::Walk(refraction)) => walk::<DoubleDouble>(subject, rays, refraction),
+        (_, way) => prepare_in::<f64>(way, subject, rays),
+    }
+}
+
+fn prepare_in<S: KernelScalar + Real + 'static>(way: Way, subject: &Subject, rays: &[Ray]) -> Prepared {
+    let optics = subject.first_order;
+    match way {
+        Way::Walk(refraction) => walk::<S>(subject, rays, refraction),
+        Way::ThinLens => first_order(optics.thin_at(optics.rear_principal_plane), rays),
+        Way::ThickLens => first_order(optics, rays),
+        Way::Polynomial(order) => polynomial::<S>(subject, rays, order),
+        Way::PolynomialBatch(order) => polynomials::<S>(subject, rays, order),
+        Way::One => one::<S>(subject, rays),
+        Way::Three => three::<S>(subject, rays),
+        Way::Batch(simd) => kernels::<S>(subject, rays, simd),
+        // Another name for one of those, and no rays from a film.
+        Way::Widest | Way::Anywhere => None,
+    }
+}
+
+/// A map of `N` rays at once, over a block: from the form in which it takes rays to the one in which it gives them.
+struct Groups<const N: usize, I, O, F> {
+    map: F,
+    rays: Vec<[I; N]>,
+    out: Vec<[Option<O>; N]>,
+    read: fn(&O) -> Ray,
+}
+
+impl<const N: usize, I: Copy, O, F: Fn([I; N]) -> [Option<O>; N]> Runner for Groups<N, I, O, F> {
+    fn run(&mut self) {
+        for (rays, out) in self.rays.iter().zip(&mut self.out) {
+            *out = (self.map)(*rays);
+        }
+    }
+
+    fn ray(&self, index: usize) -> Option<Ray> {
+        self.out[index / N][index % N].as_ref().map(self.read)
+    }
+}
+
+/// A map of `N` rays for a block of them; the last group is filled up with its last ray.
+fn groups<const N: usize, I: Copy + 'static, O: 'static>(
+    rays: &[I],
+    map: impl Fn([I; N]) -> [Option<O>; N] + 'static,
+    read: fn(&O) -> Ray,
+) -> Prepared {
+    let group = |part: &[I]| std::array::from_fn(|i| part[i.min(part.len() - 1)]);
+    let rays: Vec<[I; N]> = rays.chunks(N).map(group).collect();
+    let out = rays.iter().map(|_| std::array::from_fn(|_| None)).collect();
+    Some(Box::new(Groups { map, rays, out, read }))
+}
+
+fn first_order(lens: FirstOrder, rays: &[Ray]) -> Prepared {
+    groups(rays, move |[ray]| [Some(lens.transfer(ray))], |ray| *ray)
+}
+
+fn walk<R: Real + 'static>(subject: &Subject, rays: &[Ray], refraction: Refraction) -> Prepared {
+    let path = Path::<R>::new(&subject.lens, Direction::FilmToScene, refraction);
+    groups(rays, move |[ray]| [path.trace(ray).ok()], |ray| *ray)
+}
+
+/// Rays as the kernels take them from a film: point and slopes.
+fn at_film<S: Real>(subject: &Subject, rays: &[Ray]) -> Vec<([S; 2], [S; 2])> {
+    let film_rays = FilmRays::new(subject.film_z, rays);
+    (0..rays.len()).map(|i| film_rays.at_film(i)).collect()
+}
+
+fn one<S: KernelScalar + Real + 'static>(subject: &Subject, rays: &[Ray]) -> Prepared {
+    let (kernel, plane) = (Kernel::<S>::new(&subject.lens, Direction::FilmToScene), subject.film_z);
+    let trace = move |[(point, slopes)]: [([S; 2], [S; 2]); 1]| [kernel.trace_one(plane, point, slopes)];
+    groups(&at_film(subject, rays), trace, Traced::ray)
+}
+
+/// A ray and its two differentials at a time.
+fn three<S: KernelScalar + Real + 'static>(subject: &Subject, rays: &[Ray]) -> Prepared {
+    let (kernel, plane) = (Kernel::<S>::new(&subject.lens, Direction::FilmToScene), subject.film_z);
+    let trace = move |three: [([S; 2], [S; 2]); 3]| {
+        kernel.trace_triple(plane, three.map(|ray| ray.0), three.map(|ray| ray.1))
+    };
+    groups(&at_film(subject, rays), trace, Traced::ray)
+}
+
+fn polynomial<S: KernelScalar + Real + 'static>(subject: &Subject, rays: &[Ray], order: usize) -> Prepared {
+    let lens = PolynomialLens::<S>::new(&subject.fit(order));
+    let trace = move |[(point, slopes)]: [([S; 2], [S; 2]); 1]| [lens.trace_one(point, slopes)];
+    groups(&at_film(subject, rays), trace, Traced::ray)
+}
+
+/// Many rays in a call.
+struct Batches<S, F> {
+    trace: F,
+    rays: FilmRays<S>,
+}
+
+impl<S: Real, F: Fn(&PlaneRays<'_, S>, &mut LensRays<'_, S>)> Runner for Batches<S, F> {
+    fn run(&mut self) {
+        self.rays.trace(BLOCK, &self.trace);
+    }
+
+    fn ray(&self, index: usize) -> Option<Ray> {
+        self.rays.traced(index)
+    }
+}
+
+fn kernels<S: KernelScalar + Real + 'static>(subject: &Subject, rays: &[Ray], simd: Simd) -> Prepared {
+    let kernel = Kernel::<S>::with_simd(&subject.lens, Direction::FilmToScene, simd)?;
+    let trace = move |from: &PlaneRays<'_, S>, to: &mut LensRays<'_, S>| kernel.trace_batch(from, to);
+    Some(Box::new(Batches { trace, rays: FilmRays::new(subject.film_z, rays) }))
+}
+
+fn polynomials<S: KernelScalar + Real + 'static>(subject: &Subject, rays: &[Ray], order: usize) -> Prepared {
+    let lens = PolynomialLens::<S>::new(&subject.fit(order));
+    let trace = move |from: &PlaneRays<'_, S>, to: &mut LensRays<'_, S>| lens.trace_batch(from, to);
+    Some(Box::new(Batches { trace, rays: FilmRays::new(subject.film_z, rays) }))
+}

@@ -1,0 +1,207 @@
+//! The list of all ways to take rays through a lens: first-order optics, polynomials, the compiled kernels in every
+//! instance, and the walk with each refraction.
+
+use realistic::{lens::refraction::Refraction, trace::kernel::Simd};
+
+/// What a method computes in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Number {
+    /// Single precision.
+    F32,
+    /// Double precision.
+    F64,
+    /// Twice double precision: the reference.
+    DoubleDouble,
+}
+
+/// How rays get through the lens.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// Surface by surface.
+    Walk(Refraction),
+    /// The thick lens with both principal planes where the film's is.
+    ThinLens,
+    /// From principal plane to principal plane.
+    ThickLens,
+    /// A polynomial of an order, one ray at a time.
+    Polynomial(usize),
+    /// The same, many rays at once.
+    PolynomialBatch(usize),
+    /// The compiled kernel, one ray at a time, as a camera traces one.
+    One,
+    /// A ray and its two differentials at a time.
+    Three,
+    /// Batches from a plane, by these instructions.
+    Batch(Simd),
+    /// The same by the widest registers (`REALISTIC_SIMD`).
+    Widest,
+    /// Batches of rays each with its own origin.
+    Anywhere,
+}
+
+/// What kind of map a method is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Family {
+    /// First-order optics.
+    Gaussian,
+    /// Polynomials, one ray at a time.
+    Polynomial,
+    /// Polynomials, many rays at once.
+    PolynomialBatch,
+    /// The compiled kernels: one ray or three.
+    Kernel,
+    /// The compiled kernels in batches.
+    KernelBatch,
+    /// Every surface, with any of the lecture's refractions, and the reference.
+    Walk,
+}
+
+impl Family {
+    /// Every family with its name.
+    pub const NAMES: [(&'static str, Self); 6] = [
+        ("first-order optics", Self::Gaussian),
+        ("polynomials", Self::Polynomial),
+        ("polynomials in batches", Self::PolynomialBatch),
+        ("kernel, single rays", Self::Kernel),
+        ("kernel in batches", Self::KernelBatch),
+        ("walk", Self::Walk),
+    ];
+
+    /// The name.
+    pub fn name(self) -> &'static str {
+        Self::NAMES.iter().find(|(_, family)| *family == self).map_or("", |(name, _)| name)
+    }
+
+    /// Whether it needs many rays at once.
+    pub fn in_batches(self) -> bool {
+        matches!(self, Self::PolynomialBatch | Self::KernelBatch)
+    }
+}
+
+/// A way to take rays through a lens, in some precision.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Method {
+    /// Short name, in tables.
+    pub name: &'static str,
+    /// How.
+    pub way: Way,
+    /// In what.
+    pub number: Number,
+    /// What `trace --method` calls it, and a line about it; `None` where it does not offer it.
+    pub option: Option<(&'static str, &'static str)>,
+}
+
+impl Method {
+    /// What kind it is.
+    pub fn family(&self) -> Family {
+        match self.way {
+            Way::Walk(_) => Family::Walk,
+            Way::ThinLens | Way::ThickLens => Family::Gaussian,
+            Way::Polynomial(_) => Family::Polynomial,
+            Way::PolynomialBatch(_) => Family::PolynomialBatch,
+            Way::One | Way::Three => Family::Kernel,
+            Way::Batch(_) | Way::Widest | Way::Anywhere => Family::KernelBatch,
+        }
+    }
+
+    /// The methods that `trace` offers, by its names, with a line about each; the default first.
+    pub fn offered() -> impl Iterator<Item = (&'static str, &'static str, &'static Self)> {
+        METHODS.iter().filter_map(|method| method.option.map(|(name, help)| (name, help, method)))
+    }
+
+    /// The method that `trace` offers by that name.
+    ///
+    /// # Errors
+    /// There is none; the message lists them.
+    pub fn find(name: &str) -> Result<&'static Self, String> {
+        Self::offered().find(|offer| offer.0 == name).map(|offer| offer.2).ok_or_else(|| {
+            let names: Vec<&str> = Self::offered().map(|offer| offer.0).collect();
+            format!("the methods are {}", names.join(", "))
+        })
+    }
+
+    const fn new(name: &'static str, way: Way, number: Number) -> Self {
+        Self { name, way, number, option: None }
+    }
+
+    /// One that `trace` offers.
+    const fn offer(
+        name: &'static str,
+        way: Way,
+        number: Number,
+        option: &'static str,
+        help: &'static str,
+    ) -> Self {
+        Self { option: Some((option, help)), ..Self::new(name, way, number) }
+    }
+}
+
+const WIDEST: &str = "the kernel's batches in double precision, on the widest registers (REALISTIC_SIMD)";
+const ONE: &str = "the kernel's single ray in double precision, as a camera traces one";
+const OTHER: &str = "as f64, refracted by the \"other method\" of the same comparison";
+const THICK: &str = "the thick lens: from principal plane to principal plane, without apertures; the point is where \
+                     the ray leaves the vertex plane";
+const THIN: &str = "as thick, with both principal planes where the film's side has its own (P')";
+
+/// Every method; the first is the exact walk, which all others are timed against.
+pub const METHODS: &[Method] = {
+    use Number::{DoubleDouble, F32, F64};
+    use Refraction::{Fused, Heckbert, Other, Whitted};
+    use Simd::{Avx2, Avx512, Portable};
+    use Way::{Anywhere, Batch, One, Polynomial, PolynomialBatch, ThickLens, ThinLens, Three, Walk, Widest};
+    let new = Method::new;
+    let offer = Method::offer;
+    &[
+        offer("walk f64", Walk(Fused), F64, "f64", "exact rays in double precision"),
+        offer("walk f32", Walk(Fused), F32, "f32", "exact rays in single precision"),
+        offer("batch f64", Widest, F64, "batch-f64", WIDEST),
+        offer("batch f32", Widest, F32, "batch-f32", "the same in single precision"),
+        offer("one f64", One, F64, "one-f64", ONE),
+        offer("one f32", One, F32, "one-f32", "the same in single precision"),
+        offer("heckbert", Walk(Heckbert), F64, "heckbert", "as f64, refracted by Heckbert's method"),
+        offer("whitted", Walk(Whitted), F64, "whitted", "as f64, refracted by Whitted's method"),
+        offer("other", Walk(Other), F64, "other", OTHER),
+        offer("thick lens", ThickLens, F64, "thick", THICK),
+        offer("thin lens", ThinLens, F64, "thin", THIN),
+        new("reference", Walk(Fused), DoubleDouble),
+        new("order 3", Polynomial(3), F64),
+        new("order 5", Polynomial(5), F64),
+        new("order 7", Polynomial(7), F64),
+        new("order 9", Polynomial(9), F64),
+        new("order 11", Polynomial(11), F64),
+        new("order 3, f32", PolynomialBatch(3), F32),
+        new("order 5, f32", PolynomialBatch(5), F32),
+        new("order 7, f32", PolynomialBatch(7), F32),
+        new("order 9, f32", PolynomialBatch(9), F32),
+        new("order 11, f32", PolynomialBatch(11), F32),
+        new("order 11, f64", PolynomialBatch(11), F64),
+        new("three f32", Three, F32),
+        new("three f64", Three, F64),
+        new("f32 portable", Batch(Portable), F32),
+        new("f64 portable", Batch(Portable), F64),
+        new("f32x8", Batch(Avx2), F32),
+        new("f64x4", Batch(Avx2), F64),
+        new("f32x16", Batch(Avx512), F32),
+        new("f64x8", Batch(Avx512), F64),
+        new("f64 anywhere", Anywhere, F64),
+        new("f32 anywhere", Anywhere, F32),
+    ]
+};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_unknown_method_lists_the_known_ones() {
+        assert_eq!(Method::find("f32").map(|method| method.name), Ok("walk f32"));
+        assert!(Method::find("f16").unwrap_err().contains("heckbert"));
+    }
+
+    #[test]
+    fn every_name_stands_once() {
+        for (number, method) in METHODS.iter().enumerate() {
+            assert!(METHODS[..number].iter().all(|other| other.name != method.name), "{}", method.name);
+        }
+    }
+}
