@@ -2,9 +2,11 @@
 //! it, through the C export, and in batches, against the camera that walks with Heckbert's refraction, all in one run;
 //! and what it takes to build a camera.
 //!
-//! `cargo bench --bench camera` (with `-- dgauss` one lens). Medians over interleaved rounds.
+//! `cargo bench --bench camera` (with `-- dgauss` one lens, with `-- models` the models without interfaces). Medians over interleaved rounds.
 
 mod c_camera;
+mod calls;
+mod models;
 
 use std::{
     ffi::{CStr, CString},
@@ -16,7 +18,7 @@ use std::{
 
 #[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
 use c_camera::triple;
-use c_camera::{Camera, chain, moved, samples};
+use c_camera::{Arrays, Camera, chain, moved, samples};
 use realistic::{abi::*, prescription::catalogue};
 use realistic_lab::{
     results::statistics::quantile,
@@ -36,6 +38,10 @@ fn main() {
     for name in lenses().filter(|name| TIMED.contains(name)) {
         println!("\n## {name}");
         calls(name, arguments.effort);
+    }
+    if arguments.wants("models") {
+        println!("\n## Models without interfaces\n");
+        models::print(&samples(SAMPLES, MIDDLE), arguments.effort);
     }
     println!("\n## From a lens's name to the first ray\n");
     println!("| lens | warped pupil, ms: median | least | pupil \"rear\", ms: median | least |");
@@ -112,45 +118,10 @@ fn calls(lens: &str, effort: Effort) {
         contest.enter(format!("batch, arrays, {name}"), Box::new(arrays) as Box<dyn FnMut()>);
     }
     contest.print("ns per call or ray", SAMPLES, effort);
+    calls::print(lens, [("f64", &camera), ("f32", &single)], &samples, effort);
     for (name, camera) in [("f64", &camera), ("f32", &single)] {
         let [one, two] = [1, 2].map(|threads| throughput(camera, &samples, threads, effort.rounds));
         println!("\nbatch, arrays, {name}: two threads at once do {:.2} times the work of one", two / one);
-    }
-}
-
-/// Samples and rays as structure of arrays.
-struct Arrays {
-    asked: [Vec<f32>; 5],
-    found: [Vec<f32>; 7],
-}
-
-impl Arrays {
-    fn new(samples: &[realistic_sample]) -> Self {
-        let column = |part: fn(&realistic_sample) -> f32| samples.iter().map(part).collect::<Vec<f32>>();
-        Self {
-            asked: [
-                column(|sample| sample.image_x),
-                column(|sample| sample.image_y),
-                column(|sample| sample.lens_u),
-                column(|sample| sample.lens_v),
-                column(|sample| sample.time),
-            ],
-            found: std::array::from_fn(|_| vec![0.0; samples.len()]),
-        }
-    }
-
-    fn generate(&mut self, camera: &Camera) {
-        let [image_x, image_y, lens_u, lens_v, time] = self.asked.each_ref().map(|array| array.as_ptr());
-        let asked = realistic_samples_soa { image_x, image_y, lens_u, lens_v, time };
-        let [ox, oy, oz, dx, dy, dz, weight] = self.found.each_mut().map(|array| array.as_mut_ptr());
-        let none = null_mut();
-        let (mint, maxt, time, reason) = (none, none, none, null_mut());
-        let rays = realistic_rays_soa { ox, oy, oz, dx, dy, dz, mint, maxt, time, weight, reason };
-        let n = self.asked[0].len();
-        // SAFETY: every array that is there has room.
-        let status = unsafe { realistic_camera_generate_rays_soa(camera.0, n, &asked, &rays) };
-        assert_eq!(status, realistic_status::Ok);
-        black_box(&self.found);
     }
 }
 

@@ -28,7 +28,6 @@ pub use parameters::{
     CameraError, Interval, Kind, LensPlane, PARAMETERS, Parameter, ParameterError, Parameters, Pupil, Range,
     UnknownName, Value, Weighting,
 };
-pub(crate) use pipeline::arrays::BLOCK;
 pub use pipeline::arrays::{RayArrays, RayBlock, SampleArrays, SampleBlock};
 pub use placement::{
     motion::{CameraMotion, Moving},

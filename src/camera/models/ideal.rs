@@ -14,6 +14,7 @@
 
 use std::{f64::consts::PI, sync::Arc};
 
+use super::lens_parts::representable;
 use crate::{
     camera::{
         host::Host,
@@ -75,6 +76,9 @@ impl IdealCamera {
             Weighting::Relative => Some(pupil.slope_area().recip() + PI.recip()),
             Weighting::None => None,
         };
+        let area = pupil.slope_area();
+        representable(area)?;
+        representable(weight.map_or(1.0, |weight| weight * area.max(PI)))?;
         let body = CameraBody {
             film_side: FilmSide {
                 film: facts.film,

@@ -120,7 +120,7 @@ pub(super) fn plan_and_compile(
 }
 
 /// Whether a weight is a number to a host, which takes floats.
-fn representable(weight: f64) -> Result<(), CameraError> {
+pub(super) fn representable(weight: f64) -> Result<(), CameraError> {
     if (weight as f32).is_finite() { Ok(()) } else { Err(CameraError::Weight { weight }) }
 }
 

@@ -31,6 +31,18 @@ pub(crate) trait RayStore {
     fn array(&mut self, number: usize) -> &mut [f32];
     /// Where rays begin and end, where that is asked for.
     fn range(&mut self) -> [Option<&mut [f32]>; 2];
+    /// Copies origin, direction and weight of a ray from another store, where it has just been written, number by number
+    /// (a wider load would wait for it); of none, the weight 0 alone.
+    #[inline(always)]
+    fn copy(&mut self, i: usize, from: &mut impl RayStore, k: usize) {
+        let weight = from.array(6)[k];
+        self.array(6)[i] = weight;
+        if weight > 0.0 {
+            for number in 0..6 {
+                self.array(number)[i] = from.array(number)[k];
+            }
+        }
+    }
     /// Puts origin, direction and weight of a ray at a place; of none, the weight 0 alone.
     fn put(&mut self, i: usize, ray: Option<(WorldRay, f32)>) {
         if let Some((WorldRay { origin, direction, .. }, _)) = ray {
@@ -209,6 +221,15 @@ impl<const N: usize> SampleBlock<N> {
     /// A block of zeros.
     pub const fn new() -> Self {
         Self([[0.0; N]; 5])
+    }
+
+    /// As many of these samples as there is room for, one or more; beyond them the last.
+    pub(crate) fn first_of(samples: &SampleArrays<'_>) -> Self {
+        let last = samples.len() - 1;
+        Self(array::from_fn(|number| {
+            let numbers = samples.array(number);
+            array::from_fn(|i| numbers[i.min(last)])
+        }))
     }
 
     /// Puts a sample at a place.

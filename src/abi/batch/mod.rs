@@ -1,14 +1,17 @@
 //! Many rays in one call, as pbrt's array of structures and as structure of arrays.
 
+mod blocks;
+
 use std::{mem::size_of, slice};
 
+use self::blocks::{BLOCK, RayRoom, RayStructures, SampleRoom, SampleStructures};
 use super::boundary::{self, Failure, realistic_status};
 use super::object::{self, Handle};
 use super::types::{
     realistic_camera, realistic_ray, realistic_rays_soa, realistic_reason, realistic_sample,
     realistic_samples_soa,
 };
-use crate::camera::{BLOCK, RayArrays, RayBlock, Sample, SampleArrays, SampleBlock, WorldRay};
+use crate::camera::{RayArrays, Sample, SampleArrays};
 
 /// Rays of `n` samples. Element i lies `i * stride` bytes from the first, so that arrays of a host's own
 /// larger structures can be passed (pbrt-v1: 88 for `Sample`, 36 for `Ray`); a stride of 0 means tightly packed.
@@ -41,16 +44,26 @@ pub unsafe extern "C" fn realistic_camera_generate_rays(
         required("samples", samples)?;
         required("rays", rays)?;
         required("weights", weights)?;
-        // SAFETY: element i of each array; the strides leave room for an element and i * stride does not overflow.
+        let samples = SampleStructures { first: samples, stride: sample_stride };
+        let rays = RayStructures { first: rays, stride: ray_stride };
+        // SAFETY: the arrays have room for `n` elements, and i * stride does not overflow.
         unsafe {
-            in_blocks(
-                handle,
-                n,
-                |i| samples.byte_add(i * sample_stride).cast::<Sample>().read_unaligned(),
-                |i, ray| rays.byte_add(i * ray_stride).cast::<WorldRay>().write_unaligned(ray),
-                weights,
-                reasons,
-            );
+            if n == 1 && samples.at(0).is_aligned() && rays.at(0).is_aligned() {
+                let mut weight = 0.0;
+                let sample = &*samples.at(0);
+                handle.camera().trace_one(sample, &mut *rays.at(0), &mut weight);
+                weights.write_unaligned(weight);
+                give_reasons(handle, reasons, |_| (*sample, weight), 1);
+            } else {
+                in_blocks(
+                    handle,
+                    n,
+                    |first, count, room| samples.read(first, count, room),
+                    |first, count, room| rays.write(first, count, room),
+                    weights,
+                    reasons,
+                );
+            }
         }
         Ok(())
     })
@@ -136,12 +149,8 @@ unsafe fn all_of_arrays(
         (SampleArrays { image_x, image_y, lens_u, lens_v, time }, found)
     };
     handle.camera().rays(&asked, &mut found);
-    if !rays.reason.is_null() {
-        for (i, weight) in found.weight.iter().enumerate() {
-            // SAFETY: the caller's promise.
-            unsafe { rays.reason.add(i).write_unaligned(reason(handle, &asked.get(i), *weight)) };
-        }
-    }
+    // SAFETY: the caller's promise.
+    unsafe { give_reasons(handle, rays.reason, |i| (asked.get(i), found.weight[i]), n) };
 }
 
 /// [`all_of_arrays`] by copies.
@@ -156,22 +165,23 @@ unsafe fn all_of_unaligned(
     reasons: *mut realistic_reason,
 ) {
     let [ox, oy, oz, dx, dy, dz, weights, mint, maxt, time] = to;
-    // SAFETY: the caller's promise, and element i of each array.
+    // SAFETY: the caller's promise, and elements `first` to `first + count` of each array.
     unsafe {
         in_blocks(
             handle,
             n,
-            |i| {
-                let [image_x, image_y, lens_u, lens_v, time] =
-                    from.map(|array| array.add(i).read_unaligned());
-                Sample { image_x, image_y, lens_u, lens_v, time }
+            |first, count, room| {
+                for (from, to) in from.iter().zip(room.arrays_mut(count)) {
+                    for (i, number) in to.iter_mut().enumerate() {
+                        *number = from.add(first + i).read_unaligned();
+                    }
+                }
             },
-            |i, ray| {
-                let ([x, y, z], [u, v, w]) = (ray.origin, ray.direction);
-                let numbers = [x, y, z, u, v, w, ray.mint, ray.maxt, ray.time];
-                for (array, number) in [ox, oy, oz, dx, dy, dz, mint, maxt, time].into_iter().zip(numbers) {
-                    if !array.is_null() {
-                        array.add(i).write_unaligned(number);
+            |first, count, room| {
+                let [numbers @ .., weight] = room.arrays(count);
+                for (to, from) in [ox, oy, oz, dx, dy, dz, mint, maxt, time].into_iter().zip(numbers) {
+                    for i in (0..count).filter(|&i| !to.is_null() && weight[i] > 0.0) {
+                        to.add(first + i).write_unaligned(from[i]);
                     }
                 }
             },
@@ -181,41 +191,55 @@ unsafe fn all_of_unaligned(
     }
 }
 
-/// Why a sample has this weight. Found out apart, because it costs more than a ray.
-fn reason(handle: &Handle, sample: &Sample, weight: f32) -> realistic_reason {
-    if weight > 0.0 { realistic_reason::Ok } else { handle.reason(sample) }
+/// Why samples have the weights that they have, where a caller asks. Found out apart, because it costs more than a ray.
+///
+/// # Safety
+/// `reasons` is NULL or has room for `n` elements.
+unsafe fn give_reasons(
+    handle: &Handle,
+    reasons: *mut realistic_reason,
+    of: impl Fn(usize) -> (Sample, f32),
+    n: usize,
+) {
+    if reasons.is_null() {
+        return;
+    }
+    for i in 0..n {
+        let (sample, weight) = of(i);
+        let reason = if weight > 0.0 { realistic_reason::Ok } else { handle.reason(&sample) };
+        // SAFETY: the caller's promise.
+        unsafe { reasons.add(i).write_unaligned(reason) };
+    }
 }
 
-/// Rays of `n` samples, read one after the other and written so, block by block.
+/// Rays of `n` samples, block by block: `read` reads samples, `write` takes what became of them.
 ///
 /// # Safety
 /// `weights` has room for `n` elements; `reasons` too, or it is NULL.
+#[inline(always)]
 unsafe fn in_blocks(
     handle: &Handle,
     n: usize,
-    read: impl Fn(usize) -> Sample,
-    write: impl Fn(usize, WorldRay),
+    read: impl Fn(usize, usize, &mut SampleRoom),
+    write: impl Fn(usize, usize, &RayRoom),
     weights: *mut f32,
     reasons: *mut realistic_reason,
 ) {
-    let (mut samples, mut rays) = (SampleBlock::<BLOCK>::new(), RayBlock::<BLOCK>::new());
+    let (mut samples, mut rays) = (SampleRoom::new(), RayRoom::new());
+    samples.clear(n);
+    rays.clear(n);
     for first in (0..n).step_by(BLOCK) {
         let count = BLOCK.min(n - first);
-        (0..count).for_each(|i| samples.set(i, &read(first + i)));
-        let asked = samples.arrays(count);
-        handle.camera().rays(&asked, &mut rays.arrays(count));
-        for i in 0..count {
-            if let Some((ray, _)) = rays.get(i) {
-                write(first + i, ray);
-            }
-            // SAFETY: the caller's promise.
-            unsafe {
-                weights.add(first + i).write_unaligned(rays.weight(i));
-                if !reasons.is_null() {
-                    let reason = reason(handle, &asked.get(i), rays.weight(i));
-                    reasons.add(first + i).write_unaligned(reason);
-                }
-            }
+        read(first, count, &mut samples);
+        let asked = samples.samples(count);
+        handle.camera().rays(&asked, &mut rays.rays(count));
+        write(first, count, &rays);
+        let [.., weight] = rays.arrays(count);
+        // SAFETY: the caller's promise; weights need not be aligned.
+        unsafe {
+            weights.add(first).cast::<u8>().copy_from(weight.as_ptr().cast(), size_of_val(weight));
+            let reasons = if reasons.is_null() { reasons } else { reasons.add(first) };
+            give_reasons(handle, reasons, |i| (asked.get(i), weight[i]), count);
         }
     }
 }

@@ -1,0 +1,131 @@
+//! Every way of calling beside what it is compared with, the two in turns: whole cameras in batches beside their kernel
+//! alone, arrays of structures beside structure of arrays, and calls of few samples beside the single call.
+
+use std::{hint::black_box, ptr::null_mut};
+
+use realistic::{
+    abi::*,
+    lens::Lens,
+    prescription::catalogue,
+    sampling::PupilDisk,
+    trace::{
+        Direction, Path,
+        kernel::{Kernel, KernelScalar},
+    },
+};
+use realistic_lab::{
+    subject::{FilmRays, passing_rays},
+    timing::{Effort, interleaved},
+};
+
+use super::c_camera::{Arrays, Camera, chain, moved};
+
+/// Bytes from one structure to the next in a pbrt-v1 host: its own `Sample`, and `Ray`.
+const HOST_STRIDES: [usize; 2] = [88, 36];
+/// As many samples as are asked for at once in a small call, and in a large one.
+const SMALL: [usize; 4] = [1, 4, 16, 64];
+const LARGE: usize = 1024;
+
+type Task<'a> = Box<dyn FnMut() + 'a>;
+
+/// One table: for each way what one ray costs, what it costs the way that it is compared with, and the ratio.
+pub fn print(lens: &str, cameras: [(&str, &Camera); 2], samples: &[realistic_sample], effort: Effort) {
+    println!("\n| way | ns per ray | beside | ns per ray | ratio |\n|---|---|---|---|---|");
+    for (precision, camera) in cameras {
+        let row = |way: &str, task: Task<'_>, beside: &str, other: Task<'_>| {
+            let times = interleaved([other, task], effort);
+            let [other, own] = [0, 1].map(|i| times[i].median / samples.len() as f64 * 1e9);
+            println!("| {precision}, {way} | {own:.2} | {beside} | {other:.2} | {:.2} |", own / other);
+        };
+        let kernel = || match precision {
+            "f32" => kernel::<f32>(lens, samples.len()),
+            _ => kernel::<f64>(lens, samples.len()),
+        };
+        row("arrays", arrays(camera, samples, samples.len()), "kernel alone", kernel());
+        for [sample_stride, ray_stride] in [[0, 0], HOST_STRIDES] {
+            let structures = structures(camera, samples, LARGE, [sample_stride, ray_stride]);
+            let way = format!("structures, strides {sample_stride} and {ray_stride}, n = {LARGE}");
+            row(&way, structures, "arrays with range and time", arrays_with_all(camera, samples, LARGE));
+        }
+        for n in SMALL {
+            let one = || one_by_one(camera, samples);
+            row(
+                &format!("structures, n = {n}"),
+                structures(camera, samples, n, [0, 0]),
+                "single call",
+                one(),
+            );
+            row(&format!("arrays, n = {n}"), arrays(camera, samples, n), "single call", one());
+        }
+    }
+}
+
+/// The lens traced by the kernel alone, in one batch.
+fn kernel<S: KernelScalar + 'static>(lens: &str, count: usize) -> Task<'static> {
+    /// Film points up to here, mm.
+    const REACH: f64 = 3.0;
+    let lens = Lens::at_d_line(&catalogue::find(lens).expect("a catalogue lens"));
+    let path = Path::<f64>::film_to_scene(&lens);
+    let film = lens.rear().vertex - lens.nominal_film_distance.unwrap_or(40.0);
+    let cover = PupilDisk::rear(&lens, film, REACH).expect("film behind the lens");
+    let mut rays = FilmRays::<S>::new(film, &passing_rays(&path, film, REACH, cover, count, 0));
+    let kernel = Kernel::<S>::new(&lens, Direction::FilmToScene);
+    Box::new(move || black_box(&mut rays).trace(count, |from, to| kernel.trace_batch(from, to)))
+}
+
+/// Each sample by a call of its own that waits for the one before.
+fn one_by_one<'a>(camera: &'a Camera, samples: &'a [realistic_sample]) -> Task<'a> {
+    Box::new(move || chain(samples, |sample, carry| camera.one(&moved(sample, carry))))
+}
+
+/// Structure of arrays, `n` at a time.
+fn arrays<'a>(camera: &'a Camera, samples: &[realistic_sample], n: usize) -> Task<'a> {
+    let mut arrays = Arrays::new(samples);
+    Box::new(move || arrays.generate_by(camera, n, false))
+}
+
+/// [`arrays`] that asks for range and time, too: what an array of structures gets.
+fn arrays_with_all<'a>(camera: &'a Camera, samples: &[realistic_sample], n: usize) -> Task<'a> {
+    let mut arrays = Arrays::new(samples);
+    Box::new(move || arrays.generate_by(camera, n, true))
+}
+
+/// Array of structures, `n` at a time; a stride of 0 is a tightly packed one.
+fn structures<'a>(
+    camera: &'a Camera,
+    samples: &[realistic_sample],
+    n: usize,
+    strides: [usize; 2],
+) -> Task<'a> {
+    let sizes = [size_of::<realistic_sample>(), size_of::<realistic_ray>()];
+    let [sample_step, ray_step] = [0, 1].map(|i| if strides[i] == 0 { sizes[i] } else { strides[i] });
+    let mut asked = vec![0_u8; sample_step * samples.len()];
+    for (bytes, sample) in asked.chunks_exact_mut(sample_step).zip(samples) {
+        let realistic_sample { image_x, image_y, lens_u, lens_v, time } = *sample;
+        for (bytes, number) in bytes.chunks_exact_mut(4).zip([image_x, image_y, lens_u, lens_v, time]) {
+            bytes.copy_from_slice(&number.to_ne_bytes());
+        }
+    }
+    let mut found = vec![0_u8; ray_step * samples.len()];
+    let mut weights = vec![0.0_f32; samples.len()];
+    let count = samples.len();
+    Box::new(move || {
+        for first in (0..count).step_by(n) {
+            // SAFETY: every array has room.
+            let status = unsafe {
+                realistic_camera_generate_rays(
+                    camera.0,
+                    n.min(count - first),
+                    asked.as_ptr().add(first * sample_step).cast(),
+                    strides[0],
+                    found.as_mut_ptr().add(first * ray_step).cast(),
+                    strides[1],
+                    weights.as_mut_ptr().add(first),
+                    null_mut(),
+                )
+            };
+            assert_eq!(status, realistic_status::Ok);
+        }
+        black_box((&found, &weights));
+    })
+}
