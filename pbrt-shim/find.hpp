@@ -1,6 +1,6 @@
-// The body of the parameter look-up. Included twice, by find_new.cpp and find_old.cpp,
-// which choose the std::string ABI before any standard header and give the function its
-// name: a host of either ABI is then served by functions that mean the same std::string.
+// The body of the parameter look-up, and of the host's own texts. Included twice, by find_new.cpp and find_old.cpp,
+// which choose the std::string ABI before any standard header and give the functions their
+// names: a host of either ABI is then served by functions that mean the same std::string.
 
 #include "shim.h"
 
@@ -18,6 +18,11 @@ constexpr const char *float_symbol = "_ZNK8ParamSet9FindFloatERK" REALISTIC_STRI
 constexpr const char *int_symbol = "_ZNK8ParamSet7FindIntERK" REALISTIC_STRING_MANGLED "Pi";
 constexpr const char *bool_symbol = "_ZNK8ParamSet8FindBoolERK" REALISTIC_STRING_MANGLED "Pi";
 constexpr const char *string_symbol = "_ZNK8ParamSet10FindStringERK" REALISTIC_STRING_MANGLED "Pi";
+
+// The same, of a function that returns the set as text; and a variable. Their names tell by a tag which std::string
+// they are of.
+constexpr const char *text_symbol = "_ZNK8ParamSet8ToString" REALISTIC_STRING_TAG "Ev";
+constexpr const char *file_symbol = REALISTIC_SCENE_FILE;
 
 // Such a function takes its object as the first argument. NULL when the process has none.
 template <class T> using Finder = const T *(*)(const void *, const std::string &, int *);
@@ -87,6 +92,34 @@ extern "C" int32_t REALISTIC_PASTE(realistic_shim_find_, REALISTIC_STRING_SUFFIX
     // This C++ library knows one std::string only, and it is the other one.
     (void)params, (void)kind, (void)name, (void)name_size, (void)out;
     (void)float_symbol, (void)int_symbol, (void)bool_symbol, (void)string_symbol;
+    return REALISTIC_SHIM_NO_HOST;
+#endif
+}
+
+extern "C" int32_t REALISTIC_PASTE(realistic_shim_text_, REALISTIC_STRING_SUFFIX)(const void *params, int32_t which,
+                                                                              realistic_shim_take take, void *user) {
+#if _GLIBCXX_USE_CXX11_ABI == REALISTIC_STRING_NEW
+    // In a process that is no such host, a variable of that name may be anything.
+    if (!finder<float>(float_symbol)) {
+        return REALISTIC_SHIM_NO_HOST;
+    }
+    try {
+        if (which == REALISTIC_SHIM_SCENE_FILE) {
+            if (const std::string *file = static_cast<const std::string *>(dlsym(RTLD_DEFAULT, file_symbol))) {
+                take(user, file->data(), file->size());
+                return REALISTIC_SHIM_FOUND;
+            }
+        } else if (void *symbol = dlsym(RTLD_DEFAULT, text_symbol)) {
+            const std::string text = reinterpret_cast<std::string (*)(const void *)>(symbol)(params);
+            take(user, text.data(), text.size());
+            return REALISTIC_SHIM_FOUND;
+        }
+        return REALISTIC_SHIM_ABSENT;
+    } catch (...) {
+        return REALISTIC_SHIM_FAILED;
+    }
+#else
+    (void)params, (void)which, (void)take, (void)user, (void)text_symbol, (void)file_symbol;
     return REALISTIC_SHIM_NO_HOST;
 #endif
 }

@@ -4,4 +4,6 @@
 #define REALISTIC_STRING_NEW 0
 #define REALISTIC_STRING_SUFFIX old
 #define REALISTIC_STRING_MANGLED "Ss"
+#define REALISTIC_STRING_TAG ""
+#define REALISTIC_SCENE_FILE "current_file"
 #include "find.hpp"

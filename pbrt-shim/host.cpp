@@ -9,6 +9,8 @@
 extern "C" {
 int32_t realistic_shim_find_new(const void *, int32_t, const char *, size_t, realistic_shim_found *);
 int32_t realistic_shim_find_old(const void *, int32_t, const char *, size_t, realistic_shim_found *);
+int32_t realistic_shim_text_new(const void *, int32_t, realistic_shim_take, void *);
+int32_t realistic_shim_text_old(const void *, int32_t, realistic_shim_take, void *);
 }
 
 extern "C" int32_t realistic_shim_find(const void *params, int32_t kind, const char *name, size_t name_size,
@@ -16,6 +18,14 @@ extern "C" int32_t realistic_shim_find(const void *params, int32_t kind, const c
     int32_t result = realistic_shim_find_new(params, kind, name, name_size, out);
     if (result == REALISTIC_SHIM_NO_HOST) {
         result = realistic_shim_find_old(params, kind, name, name_size, out);
+    }
+    return result;
+}
+
+extern "C" int32_t realistic_shim_text(const void *params, int32_t which, realistic_shim_take take, void *user) {
+    int32_t result = realistic_shim_text_new(params, which, take, user);
+    if (result == REALISTIC_SHIM_NO_HOST) {
+        result = realistic_shim_text_old(params, which, take, user);
     }
     return result;
 }

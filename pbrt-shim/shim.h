@@ -67,6 +67,16 @@ typedef struct realistic_shim_found {
 int32_t realistic_shim_find(const void *params, int32_t kind, const char *name, size_t name_size,
                             realistic_shim_found *out);
 
+/* What a text of the host's is about. */
+enum {
+    REALISTIC_SHIM_PARAMETERS = 0, /* every parameter of the set as a scene file writes it */
+    REALISTIC_SHIM_SCENE_FILE = 1  /* the path of the file that the host is reading */
+};
+/* Takes a text during the call. */
+typedef void (*realistic_shim_take)(void *user, const char *text, size_t size);
+/* Hands a text of the host's to `take`, when the process exports it: REALISTIC_SHIM_FOUND, or why not. */
+int32_t realistic_shim_text(const void *params, int32_t which, realistic_shim_take take, void *user);
+
 /* Says something by the host's functions; on stderr when the process has none.
  * Level 0: information, 1: warning, 2: error. */
 void realistic_shim_message(int32_t level, const char *text);

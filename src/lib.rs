@@ -6,6 +6,7 @@
 //!
 //! | module | what it does |
 //! |---|---|
+//! | [`message`] | warnings and errors for people: levels, and names and numbers in them |
 //! | [`numeric`] | vectors, roots and quadrature that several rooms need |
 //! | [`prescription`] | lens files to tables of interfaces and glasses; the built-in catalogue |
 //! | [`lens`] | a lens at one wavelength and stop: surfaces, refraction, thick lens and pupils |
@@ -23,7 +24,7 @@ pub mod abi;
 pub mod camera;
 pub mod imaging;
 pub mod lens;
-mod message;
+pub mod message;
 pub mod numeric;
 pub mod plan;
 pub mod prescription;

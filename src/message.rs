@@ -1,5 +1,5 @@
-//! Messages for people: how serious they are, and the names and computed numbers in them, with few digits and never
-//! outside the range that they state.
+//! Messages for people: how serious they are, and what stands in them: names, the nearest of those that there are to a
+//! misspelt one, texts from elsewhere cut short, and numbers with few digits and never outside the range that they state.
 
 /// How serious a message is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,6 +22,60 @@ pub fn quoted(names: &[&str]) -> String {
         [first @ .., last] if !first.is_empty() => format!("{} or {last}", first.join(", ")),
         _ => names.concat(),
     }
+}
+
+/// The beginning of a text from elsewhere, which may be of any length: as it is up to 40 characters.
+pub fn cut(text: &str) -> String {
+    const MOST: usize = 40;
+    match text.char_indices().nth(MOST) {
+        Some((end, _)) => format!("{}...", &text[..end]),
+        None => text.to_owned(),
+    }
+}
+
+/// The name that a misspelt one was meant to be: of those that differ by the fewest letters left out, put in, changed
+/// or swapped, where that is at most a third of them, the first.
+pub fn nearest<'a>(given: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let given: Vec<char> = given.chars().take(64).map(|letter| letter.to_ascii_lowercase()).collect();
+    let near = names.into_iter().filter_map(|name| {
+        let apart = letters_apart(&given, name);
+        (3 * apart <= given.len().max(name.len())).then_some((apart, name))
+    });
+    near.min_by_key(|(apart, _)| *apart).map(|(_, name)| name)
+}
+
+/// How many letters have to be left out, put in, changed or swapped with the next (F. J. Damerau 1964), row by row.
+fn letters_apart(given: &[char], name: &str) -> usize {
+    let name: Vec<char> = name.chars().collect();
+    let (mut above, mut row) = (Vec::new(), (0..=given.len()).collect::<Vec<usize>>());
+    for (i, letter) in name.iter().enumerate() {
+        let mut next = vec![i + 1];
+        for (j, own) in given.iter().enumerate() {
+            let changed = row[j] + usize::from(own != letter);
+            let mut least = changed.min(row[j + 1] + 1).min(next[j] + 1);
+            if i > 0 && j > 0 && *own == name[i - 1] && given[j - 1] == *letter {
+                least = least.min(above[j - 1] + 1);
+            }
+            next.push(least);
+        }
+        (above, row) = (row, next);
+    }
+    row[given.len()]
+}
+
+/// A number as it was given; one with more zeros than digits with a power of ten.
+pub fn as_given(number: f64) -> String {
+    let plain = number.to_string();
+    if plain.len() > 24 { format!("{number:e}") } else { plain }
+}
+
+/// A number with so many digits behind the point; one that would have only zeros there, or would be longer than a
+/// line, with a power of ten. What is below 1e-12 is rounding's, and 0.
+pub fn fixed(number: f64, digits: usize) -> String {
+    let size = number.abs();
+    let least = 0.5 * 0.1_f64.powi(digits as i32);
+    let has_power = (1e-12..least).contains(&size) || size >= 1e12 && size.is_finite();
+    if has_power { format!("{number:.4e}") } else { format!("{number:.digits$}") }
 }
 
 /// A number with six significant digits at most, and far from 1 with a power of ten.
@@ -71,6 +125,40 @@ mod tests {
     fn names_are_offered_as_a_sentence_does() {
         let offers = [&["a"][..], &["a", "b"], &["a", "b", "c"]].map(quoted);
         assert_eq!(offers, ["\"a\"", "\"a\" or \"b\"", "\"a\", \"b\" or \"c\""]);
+    }
+
+    #[test]
+    fn numbers_that_were_given_are_never_longer_than_a_line() {
+        let said = [1e308, -1e-300, 0.1, 123_456.789, 50.0].map(as_given);
+        assert_eq!(said, ["1e308", "-1e-300", "0.1", "123456.789", "50"]);
+    }
+
+    #[test]
+    fn numbers_in_columns_are_never_zeros_alone() {
+        let said =
+            [36.132_458, 1e-9, -0.000_04, 0.000_06, 1e-17, -0.0, 1e308, 20_224.938].map(|x| fixed(x, 4));
+        assert_eq!(
+            said,
+            ["36.1325", "1.0000e-9", "-4.0000e-5", "0.0001", "0.0000", "-0.0000", "1.0000e308", "20224.9380"]
+        );
+    }
+
+    #[test]
+    fn a_long_text_is_cut_between_two_letters() {
+        assert_eq!(cut("dgauss.50mm"), "dgauss.50mm");
+        assert_eq!(cut(&"ä".repeat(40)), "ä".repeat(40));
+        assert_eq!(cut(&"ä".repeat(900_000)), format!("{}...", "ä".repeat(40)));
+    }
+
+    #[test]
+    fn the_nearest_name_is_a_few_letters_away_or_none() {
+        let near = |given: &str| nearest(given, ["focusdistance", "filmdistance", "fov", "fnumber", "yon"]);
+        assert_eq!(near("focusdistnace"), Some("focusdistance"));
+        assert_eq!(near("FilmDistance"), Some("filmdistance"));
+        assert_eq!(near("focus_distance"), Some("focusdistance"));
+        assert_eq!([near("fnubmer"), near("fow")], [Some("fnumber"), Some("fov")]);
+        assert_eq!([near("exposure"), near(""), near("xy")], [None; 3]);
+        assert_eq!(near(&"f".repeat(1_000_000)), None);
     }
 
     #[test]

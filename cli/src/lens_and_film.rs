@@ -6,13 +6,15 @@ use realistic::camera::{
     CameraError, Film, Host, Level, Parameter, Parameters, Raster, film_distance, open_lens,
 };
 use realistic::lens::Lens;
-use realistic::prescription::Prescription;
-use std::io::Write as _;
+use realistic::message::cut;
+use realistic::prescription::{MAX_FILE_BYTES, Prescription};
+use std::io::{self, Read as _, Write as _};
+use std::sync::OnceLock;
 
 /// Which lens, at which stop and wavelength.
 #[derive(clap::Args, Debug)]
 pub struct LensChoice {
-    /// Lens: a file, or a name of the catalogue; NAME@35mm scales it to that focal length
+    /// Lens: a file, - for standard input, or a name of the catalogue; NAME@35mm scales it to that focal length
     #[arg(value_name = "LENS")]
     lens: String,
     #[arg(long, value_name = "NM", allow_negative_numbers = true, help = help("wavelength"))]
@@ -22,6 +24,23 @@ pub struct LensChoice {
     aperture_diameter: Option<f64>,
     #[arg(long, value_name = "N", allow_negative_numbers = true, help = help("fnumber"))]
     fnumber: Option<f64>,
+}
+
+/// The lens that stands for standard input.
+pub const PIPED: &str = "-";
+
+/// The lens file that comes by standard input, as far as one may be long; read once.
+///
+/// # Errors
+/// It cannot be read.
+pub fn standard_input() -> Result<&'static [u8], String> {
+    static READ: OnceLock<io::Result<Vec<u8>>> = OnceLock::new();
+    let read = READ.get_or_init(|| {
+        let mut bytes = Vec::new();
+        // One more than there may be tells that it is too large.
+        io::stdin().lock().take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes).map(|_| bytes)
+    });
+    read.as_deref().map_err(|error| format!("cannot read a lens from standard input: {error}"))
 }
 
 /// The table's row of a parameter that is a flag, too.
@@ -37,12 +56,26 @@ fn help(name: &str) -> String {
 }
 
 impl LensChoice {
-    /// Gives a camera's parameters this lens.
-    pub fn give(&self, parameters: &mut Parameters) {
-        parameters.specfile = Some(self.lens.clone());
+    /// Whether the lens comes by standard input.
+    pub fn is_piped(&self) -> bool {
+        self.lens == PIPED
+    }
+
+    /// Gives a camera this lens.
+    ///
+    /// # Errors
+    /// Standard input cannot be read.
+    pub fn give(&self, parameters: &mut Parameters, host: &mut Host) -> Result<(), Failure> {
+        if self.is_piped() {
+            host.lens_text =
+                Some(("standard input".to_owned(), standard_input().map_err(Failure::Other)?.to_vec()));
+        } else {
+            parameters.specfile = Some(self.lens.clone());
+        }
         parameters.wavelength = self.wavelength;
         parameters.aperture_diameter = self.aperture_diameter;
         parameters.fnumber = self.fnumber;
+        Ok(())
     }
 
     /// Finds the lens; warnings go to standard error.
@@ -51,9 +84,9 @@ impl LensChoice {
     /// As [`open_lens`].
     pub fn open(&self) -> Result<(Prescription, Lens), Failure> {
         let mut parameters = Parameters::default();
-        self.give(&mut parameters);
         // A lens needs no film.
-        let host = Host::new(Raster { xres: 1, yres: 1 }, None);
+        let mut host = Host::new(Raster { xres: 1, yres: 1 }, None);
+        self.give(&mut parameters, &mut host)?;
         open_lens(&parameters, &host, &mut |_: Level, message: &str| warn(message))
             .map_err(|error| Failure::Other(error.to_string()))
     }
@@ -68,7 +101,8 @@ pub fn set_parameters(parameters: &mut Parameters, given: &[String]) -> Result<(
     for text in given {
         let Some((name, value)) = text.split_once('=') else {
             return Err(Failure::Usage(format!(
-                "--param \"{text}\" has no \"=\"; write --param NAME=VALUE, as in pupil=rear"
+                "--param \"{}\" has no \"=\"; write --param NAME=VALUE, as in pupil=rear",
+                cut(text)
             )));
         };
         if seen.contains(&name) {
@@ -151,14 +185,20 @@ impl FilmPlace {
         film_distance(&parameters, lens).map_err(|error| in_flags(&error))
     }
 
+    /// The same; `None` for a lens that makes no image, where no place was asked for.
+    ///
+    /// # Errors
+    /// As [`film_distance`], where one was.
+    pub fn film_distance_if_any(&self, lens: &Lens) -> Result<Option<f64>, Failure> {
+        match self.film_distance(lens) {
+            Err(failure) if self.film_distance.is_some() || self.distance.is_some() => Err(failure),
+            place => Ok(place.ok()),
+        }
+    }
+
     /// The failure of film that would lie in the rear element.
     pub fn in_lens(lens: &Lens, film_distance: f64) -> Failure {
         in_flags(&CameraError::film_in_lens(lens, film_distance))
-    }
-
-    /// Whether the film's place was asked for.
-    pub fn is_given(&self) -> bool {
-        self.film_distance.is_some() || self.distance.is_some()
     }
 }
 
@@ -170,6 +210,12 @@ fn in_flags(error: &CameraError) -> Failure {
 /// The number of a flag if it is in the range of a parameter.
 fn in_range(text: &str, parameter: &str) -> Option<f64> {
     text.parse().ok().and_then(|number| row(parameter).check(number).ok())
+}
+
+/// A finite number of a flag.
+pub fn finite(text: &str) -> Result<f32, String> {
+    let number = text.parse().ok().filter(|number: &f32| number.is_finite());
+    number.ok_or_else(|| "write a finite number".to_owned())
 }
 
 /// A positive finite number of a flag.
@@ -221,6 +267,15 @@ mod tests {
         }
         assert!(positive("inf").is_err() && not_negative("inf").is_err() && distance("0").is_err());
     }
+
+    #[test]
+    fn what_is_added_to_is_a_finite_number() {
+        assert_eq!((finite("-1.5"), finite("0")), (Ok(-1.5), Ok(0.0)));
+        for text in ["nan", "inf", "-inf", "1e39", "bright"] {
+            assert_eq!(finite(text), Err("write a finite number".to_owned()), "{text}");
+        }
+    }
+
     #[test]
     fn parameters_go_by_name_each_once() {
         let set = |given: &[&str]| {

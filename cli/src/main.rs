@@ -4,6 +4,7 @@
 mod commands;
 mod drawing;
 mod failure;
+mod files;
 mod host;
 mod image;
 mod lens_and_film;

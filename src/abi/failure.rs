@@ -8,7 +8,9 @@ impl From<CameraError> for Failure {
     fn from(error: CameraError) -> Self {
         let status = match &error {
             CameraError::Source(_) => realistic_status::LensFile,
-            CameraError::Focus(FocusError::TooNear { .. }) => realistic_status::UnreachableFocus,
+            CameraError::Focus(FocusError::TooNear { .. }) | CameraError::TooNear { .. } => {
+                realistic_status::UnreachableFocus
+            }
             CameraError::Parameter(_)
             | CameraError::Lens(_)
             | CameraError::Focus(_)

@@ -9,7 +9,7 @@ use super::{
     pupil::{EntrancePupil, limiting_surface},
 };
 use crate::{
-    message::{Level, Log, short},
+    message::{Level, Log, as_given, short},
     prescription::{LensSource, Prescription, SearchPath, SourceError, glass::D_LINE},
 };
 
@@ -80,6 +80,9 @@ pub fn set_up(
     stop: StopSize,
     log: Log<'_>,
 ) -> Result<OpenLens, LensError> {
+    for remark in &prescription.remarks {
+        log(Level::Warning, remark);
+    }
     if wavelength != D_LINE && !prescription.is_dispersive() {
         let name = &prescription.name;
         let text = format!(
@@ -122,7 +125,8 @@ fn stop_to_diameter(lens: &mut Lens, diameter: f64, log: Log<'_>) -> Result<(), 
     let widest = 2.0 * lens.surfaces[stop].semi_diameter;
     if diameter > widest {
         let text = format!(
-            "\"aperture_diameter\" {diameter} mm is wider than the lens's stop; {} mm is used",
+            "\"aperture_diameter\" {} mm is wider than the lens's stop; {} mm is used",
+            as_given(diameter),
             short(widest)
         );
         log(Level::Warning, &text);
@@ -137,7 +141,7 @@ fn stop_to_fnumber(lens: &mut Lens, focal_length: f64, number: f64, log: Log<'_>
     if number < widest {
         log(
             Level::Warning,
-            &format!("\"fnumber\" {number} is faster than the lens; f/{} is used", short(widest)),
+            &format!("\"fnumber\" {} is faster than the lens; f/{} is used", as_given(number), short(widest)),
         );
         return;
     }

@@ -1,7 +1,10 @@
 //! What a plan says of sampling, and of what a camera makes only when asked for.
 
 use super::{items::Plan, task::FilmSide};
-use crate::sampling::{DiskMapping, PupilSampler};
+use crate::{
+    message::fixed,
+    sampling::{DiskMapping, PupilSampler},
+};
 
 /// Adds to a plan what is kept and left out of sampling, and what is made only when asked for. The wavelength in nm.
 pub(crate) fn describe_sampling(side: &FilmSide, wavelength: f64, plan: &mut Plan) {
@@ -13,13 +16,13 @@ pub(crate) fn describe_sampling(side: &FilmSide, wavelength: f64, plan: &mut Pla
                 None => (side.film.reach(), "the raster's corner and its filter"),
             };
             plan.kept(
-                &format!("pupil table up to {end:.3} mm from the axis"),
+                &format!("pupil table up to {} mm from the axis", fixed(end, 3)),
                 why,
                 format!("{} film radii, {} rays", report.slices, report.rays),
             );
             if pupil.image_radius().is_some_and(|end| end < side.film.reach()) {
                 plan.left_out(
-                    &format!("pupil of film beyond {end:.3} mm"),
+                    &format!("pupil of film beyond {} mm", fixed(end, 3)),
                     "no light reaches it",
                     "weight 0 for the price of a comparison",
                 );

@@ -72,6 +72,8 @@ pub struct Prescription {
     /// The focal length that the file states on a line of its own, mm. Never used in
     /// computing; kept for reports.
     pub stated_focal_length: Option<f64>,
+    /// What the reader took in another way than it is written, one sentence each with its place: warnings for the user.
+    pub remarks: Vec<String>,
 }
 
 impl Prescription {

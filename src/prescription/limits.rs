@@ -7,10 +7,8 @@ pub const MAX_FILE_BYTES: u64 = 1 << 20;
 /// The most interfaces of a lens, and the most glasses that a lens file defines.
 pub const MAX_INTERFACES: usize = 1000;
 
+/// The most bytes of a lens file's name with its directories.
+pub const MAX_PATH_BYTES: usize = 4096;
+
 /// The most bytes of a lens's name (of a file: its name without the directories) and of a glass's.
 pub const MAX_NAME_BYTES: usize = 255;
-
-/// The beginning of a name that is too long to be shown whole.
-pub(super) fn beginning(name: &str) -> String {
-    name.chars().take(32).chain("...".chars()).collect()
-}

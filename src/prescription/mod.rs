@@ -22,6 +22,6 @@ mod source;
 
 pub use error::LensFileError;
 pub use interfaces::{Interface, Medium, Prescription, Sellmeier, Shape};
-pub use limits::{MAX_FILE_BYTES, MAX_INTERFACES, MAX_NAME_BYTES};
+pub use limits::{MAX_FILE_BYTES, MAX_INTERFACES, MAX_NAME_BYTES, MAX_PATH_BYTES};
 pub use reader::read;
 pub use source::{LensSource, SearchPath, SourceError};

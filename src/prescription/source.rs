@@ -1,7 +1,7 @@
 //! Finding a lens by the name that a caller gives: a file as given, a file along a search path, or a lens of the
 //! catalogue, and the focal length (`NAME@35mm`) that it is to be scaled to.
 
-use std::io::Read;
+use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
@@ -10,36 +10,101 @@ use super::{
     catalogue,
     error::LensFileError,
     interfaces::Prescription,
-    limits::{MAX_FILE_BYTES, MAX_NAME_BYTES},
+    limits::{MAX_FILE_BYTES, MAX_NAME_BYTES, MAX_PATH_BYTES},
     reader::read,
 };
 
 /// Where relative lens file names are looked for after the working directory, in order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct SearchPath(pub Vec<PathBuf>);
+pub struct SearchPath {
+    /// The directories, each once.
+    directories: Vec<PathBuf>,
+    /// What the user may take for part of it and is not.
+    not_seen: &'static str,
+}
 
 impl SearchPath {
     /// The directories of the environment variable `PBRT_SEARCHPATH` (separated by `:`).
     pub fn from_environment() -> Self {
-        let directories = std::env::var_os("PBRT_SEARCHPATH")
-            .map(|list| std::env::split_paths(&list).filter(|dir| !dir.as_os_str().is_empty()).collect())
-            .unwrap_or_default();
-        Self(directories)
+        let list = std::env::var_os("PBRT_SEARCHPATH").unwrap_or_default();
+        std::env::split_paths(&list).fold(Self::default(), |path, directory| path.then(Some(&directory)))
     }
 
     /// Adds one more directory, looked in last.
     #[must_use]
     pub fn then(mut self, directory: Option<&Path>) -> Self {
-        self.0.extend(directory.map(Path::to_owned));
+        self.directories.extend(self.unknown(directory));
         self
     }
 
+    /// Adds one more directory, looked in first.
+    #[must_use]
+    pub fn first(mut self, directory: Option<&Path>) -> Self {
+        let new = self.unknown(directory);
+        self.directories.splice(..0, new);
+        self
+    }
+
+    /// Names, to be told where no lens is found, what the user may take for part of this path and is not.
+    #[must_use]
+    pub fn without(self, not_seen: &'static str) -> Self {
+        Self { not_seen, ..self }
+    }
+
+    /// A directory that is not among these, nor empty.
+    fn unknown(&self, directory: Option<&Path>) -> Option<PathBuf> {
+        let directory = directory.filter(|directory| !directory.as_os_str().is_empty())?;
+        let place = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        let is_new = self.directories.iter().all(|known| place(known) != place(directory));
+        is_new.then(|| directory.to_owned())
+    }
+
     /// The first file of that name: as given, then in each directory.
-    fn find(&self, name: &str) -> Option<PathBuf> {
+    ///
+    /// # Errors
+    /// There is none: the first thing of that name that is no file, if there is one.
+    fn find(&self, name: &str) -> Result<PathBuf, Option<SourceError>> {
         let given = Path::new(name);
-        std::iter::once(given.to_owned())
-            .chain(self.0.iter().filter(|_| given.is_relative()).map(|directory| directory.join(given)))
-            .find(|path| path.is_file())
+        let directories = self.directories.iter().filter(|_| given.is_relative());
+        let mut no_file = None;
+        for path in
+            std::iter::once(given.to_owned()).chain(directories.map(|directory| directory.join(given)))
+        {
+            match is_file(&path) {
+                Ok(true) => return Ok(path),
+                Ok(false) => {}
+                Err(why) => no_file = no_file.or(Some(SourceError::NoFile { path, why })),
+            }
+        }
+        Err(no_file)
+    }
+}
+
+/// Whether there is a file.
+///
+/// # Errors
+/// There is something else, or it cannot be known: why it cannot be read.
+fn is_file(path: &Path) -> Result<bool, String> {
+    match std::fs::metadata(path) {
+        Ok(found) if found.is_file() => Ok(true),
+        Ok(found) if found.is_dir() => Err("is a directory; give a lens file in it".to_owned()),
+        Ok(_) => Err("is a pipe or a device, which is not waited for; write the lens to a file (the program reads it from \
+                      standard input as \"-\", C callers give its text as lens_text)"
+            .to_owned()),
+        Err(error) => unreachable_file(&error).map_or(Ok(false), Err),
+    }
+}
+
+/// Why a file cannot be looked at; `None` where it is not there.
+fn unreachable_file(error: &std::io::Error) -> Option<String> {
+    match error.kind() {
+        ErrorKind::NotFound | ErrorKind::NotADirectory => None,
+        ErrorKind::PermissionDenied => {
+            Some("is in a directory that this user has no permission to look into".to_owned())
+        }
+        #[cfg(unix)]
+        _ if error.raw_os_error() == Some(libc::ELOOP) => Some("is a loop of symbolic links".to_owned()),
+        _ => Some(format!("cannot be looked at: {error}")),
     }
 }
 
@@ -65,10 +130,18 @@ pub enum SourceError {
     NotFound {
         /// The name as given.
         name: String,
-        /// Where it was looked for.
+        /// Where it was looked for, and where not.
         places: String,
         /// The catalogue's names.
         catalogue: String,
+    },
+    /// There is something of that name, and no file.
+    #[error("lens \"{}\" {why}", path.display())]
+    NoFile {
+        /// What there is.
+        path: PathBuf,
+        /// What it is.
+        why: String,
     },
     /// The file is there and cannot be read.
     #[error("lens file \"{}\" cannot be read: {error}", path.display())]
@@ -80,7 +153,8 @@ pub enum SourceError {
     },
     /// The name is longer than any file's.
     #[error(
-        "lens \"{start}...\": the name has {length} bytes; the name of a lens or of a lens file has at most {MAX_NAME_BYTES}"
+        "lens \"{start}...\": the name has {length} bytes; the name of a lens or of a lens file has at most {MAX_NAME_BYTES}, with \
+         its directories {MAX_PATH_BYTES}"
     )]
     NameTooLong {
         /// The name's beginning.
@@ -100,21 +174,21 @@ impl<'a> LensSource<'a> {
     /// Splits `NAME@35mm`; a name without `@`, or that of a file as given or along `search`, is a table alone.
     ///
     /// # Errors
-    /// What follows the `@` is not `<positive number>mm`; the name, without directories, has more than
-    /// [`MAX_NAME_BYTES`] bytes.
+    /// What follows the `@` is not `<positive number>mm`; the name has more than [`MAX_NAME_BYTES`] bytes without
+    /// directories or [`MAX_PATH_BYTES`] with them.
     pub fn parse(name: &'a str, search: &SearchPath) -> Result<Self, SourceError> {
         let own = name.rsplit('/').next().unwrap_or(name);
-        if own.len() > MAX_NAME_BYTES {
+        if own.len() > MAX_NAME_BYTES || name.len() > MAX_PATH_BYTES {
             return Err(SourceError::NameTooLong {
-                start: own.chars().take(32).collect(),
-                length: own.len(),
+                start: name.chars().take(32).collect(),
+                length: name.len(),
             });
         }
         let plain = Self { table: name, focal_length: None };
         let Some((table, scale)) = name.rsplit_once('@') else {
             return Ok(plain);
         };
-        if search.find(name).is_some() {
+        if search.find(name).is_ok() {
             return Ok(plain);
         }
         let number = scale.strip_suffix("mm").and_then(|number| number.trim().parse().ok());
@@ -127,18 +201,21 @@ impl<'a> LensSource<'a> {
     /// Finds and reads the table: a file as given, then along `search`, then the catalogue.
     ///
     /// # Errors
-    /// No such lens, an unreadable file, or a file that is not a lens.
+    /// No such lens, something else than a file, an unreadable file, or a file that is not a lens.
     pub fn load(&self, search: &SearchPath) -> Result<Prescription, SourceError> {
-        if let Some(path) = search.find(self.table) {
-            return read_file(&path);
-        }
-        catalogue::find(self.table).ok_or_else(|| SourceError::NotFound {
-            name: self.table.to_owned(),
-            places: std::iter::once("the working directory".to_owned())
-                .chain(search.0.iter().map(|dir| dir.display().to_string()))
-                .collect::<Vec<_>>()
-                .join(", "),
-            catalogue: catalogue::names().collect::<Vec<_>>().join(", "),
+        let no_file = match search.find(self.table) {
+            Ok(path) => return read_file(&path),
+            Err(no_file) => no_file,
+        };
+        catalogue::find(self.table).ok_or_else(|| {
+            let directories = search.directories.iter().map(|directory| directory.display().to_string());
+            let places: Vec<String> =
+                std::iter::once("the working directory".to_owned()).chain(directories).collect();
+            no_file.unwrap_or_else(|| SourceError::NotFound {
+                name: self.table.to_owned(),
+                places: places.join(", ") + search.not_seen,
+                catalogue: catalogue::names().collect::<Vec<_>>().join(", "),
+            })
         })
     }
 }
@@ -191,7 +268,7 @@ mod tests {
             LensSource::parse(&format!("{longest}/{longest}"), &nowhere).is_ok(),
             "directories do not count"
         );
-        for name in [format!("{longest}n"), format!("/{longest}n"), "n".repeat(900_000)] {
+        for name in [format!("{longest}n"), format!("/{longest}n"), "n".repeat(900_000), "n/".repeat(2049)] {
             let message = LensSource::parse(&name, &nowhere).expect_err("too long").to_string();
             assert!(message.contains("at most 255") && message.len() < 200, "{message}");
         }
@@ -211,11 +288,12 @@ mod tests {
 
     #[test]
     fn an_unknown_lens_lists_where_it_was_sought_and_the_catalogue() {
-        let search = SearchPath(vec!["/nowhere".into()]);
+        let search = SearchPath::default().then(Some(Path::new("/nowhere"))).without(" (not on the moon)");
         let error =
             LensSource::parse("zoom", &search).expect("a plain name").load(&search).expect_err("unknown");
         let message = error.to_string();
-        for part in ["\"zoom\"", "the working directory", "/nowhere", "telephoto.250mm"] {
+        for part in ["\"zoom\"", "the working directory, /nowhere (not on the moon), and", "telephoto.250mm"]
+        {
             assert!(message.contains(part), "{message} lacks {part}");
         }
     }
@@ -229,5 +307,63 @@ mod tests {
             let lens = LensSource::parse(name, &search).expect("a plain name").load(&search).expect("found");
             assert_eq!(lens.interfaces.len(), 2);
         }
+    }
+
+    #[test]
+    fn a_directory_is_searched_once_and_the_first_before_the_others() {
+        let here = tempfile::tempdir().expect("a temporary directory");
+        let [a, b] = ["a", "b"].map(|name| here.path().join(name));
+        std::fs::create_dir(&a).expect("made");
+        std::fs::create_dir(&b).expect("made");
+        std::fs::write(a.join("lens.dat"), "20 5 1.5 10\n-20 0 1 10\n").expect("written");
+        std::fs::write(b.join("lens.dat"), "# b\n20 5 1.5 10\n-20 0 1 10\n").expect("written");
+        let twice =
+            SearchPath::default().then(Some(&a)).then(Some(&a.join("../a/"))).then(Some(Path::new("")));
+        assert_eq!(twice.directories, [a.as_path()]);
+        let both = twice.first(Some(&b)).first(Some(&a));
+        assert_eq!(both.directories, [b.as_path(), &a]);
+        let source = LensSource::parse("lens.dat", &both).expect("a plain name");
+        assert_eq!(source.load(&both).expect("found").title.as_deref(), Some("b"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_is_no_file_is_told_in_its_own_words_and_not_waited_for() {
+        let here = tempfile::tempdir().expect("a temporary directory");
+        let path = |name: &str| here.path().join(name);
+        std::fs::create_dir(path("directory")).expect("made");
+        std::os::unix::fs::symlink(path("loop"), path("loop")).expect("linked");
+        let made = std::process::Command::new("mkfifo").arg(path("pipe")).status().expect("mkfifo runs");
+        assert!(made.success());
+        let nowhere = SearchPath::default();
+        let message = |name: &Path| {
+            let name = name.to_str().expect("UTF-8");
+            let source = LensSource::parse(name, &nowhere).expect("a plain name");
+            source.load(&nowhere).expect_err("no file").to_string()
+        };
+        for (name, words) in [
+            (path("directory"), "directory\" is a directory; give a lens file in it"),
+            (path("pipe"), "pipe\" is a pipe or a device, which is not waited for; write the lens to a file"),
+            (Path::new("/dev/zero").to_owned(), "lens \"/dev/zero\" is a pipe or a device"),
+            (path("loop"), "loop\" is a loop of symbolic links"),
+            (path("directory/none"), "no lens file \""),
+            (path("loop/none"), "none\" is a loop of symbolic links"),
+        ] {
+            let message = message(&name);
+            assert!(message.contains(words), "{message}");
+        }
+        let denied = unreachable_file(&ErrorKind::PermissionDenied.into());
+        assert_eq!(
+            denied.as_deref(),
+            Some("is in a directory that this user has no permission to look into")
+        );
+        let unreadable =
+            SourceError::Unreadable { path: "a.dat".into(), error: ErrorKind::PermissionDenied.into() };
+        assert_eq!(unreadable.to_string(), "lens file \"a.dat\" cannot be read: permission denied");
+        // A directory of a catalogue's name hides no lens.
+        std::fs::create_dir(path("dgauss.50mm")).expect("made");
+        let search = SearchPath::default().then(Some(here.path()));
+        let source = LensSource::parse("dgauss.50mm", &search).expect("a plain name");
+        assert!(source.load(&search).is_ok());
     }
 }

@@ -344,6 +344,73 @@ fn too_near_names_the_nearest_and_the_nearest_works() {
 }
 
 #[test]
+fn a_metre_taken_for_a_millimetre_names_the_unit() {
+    let message = |given: &[(&str, &str)]| build(&host(), given).expect_err("too near");
+    let told = message(&[("focusdistance", "1")]);
+    let hint = "\"focusdistance\" 1 is in world units, each of 1 mm here: if the scene's are others, give \"mmperunit\", \
+                1000 for metres";
+    assert!(
+        told.starts_with("lens \"dgauss.50mm\" cannot focus at 1 mm from the film;") && told.ends_with(hint),
+        "{told}"
+    );
+    let told = message(&[("focusdistance", "1"), ("mmperunit", "1")]);
+    assert!(!told.contains("mmperunit"), "{told}");
+    build(&host(), &[("focusdistance", "1"), ("mmperunit", "1000")]).expect("a metre");
+}
+
+#[test]
+fn a_misspelt_parameter_is_told_with_the_nearest_name() {
+    for (given, meant) in
+        [("focus_distance", "focusdistance"), ("apperture_diameter", "aperture_diameter"), ("fov2", "fov")]
+    {
+        let end = format!("no parameter is called \"{given}\"; did you mean \"{meant}\"?");
+        let message =
+            Parameters::default().set(given, Value::Float(1.0)).expect_err("no such name").to_string();
+        assert!(message.starts_with(&end), "{message}");
+    }
+    let far = Parameters::default().set_from_text("exposure", "1").expect_err("no such name").to_string();
+    assert!(far.starts_with("no parameter is called \"exposure\"; the names are "), "{far}");
+}
+
+#[test]
+fn no_message_repeats_a_long_text_or_number() {
+    let long = "x".repeat(900_000);
+    let number = format!("1{}", "0".repeat(300));
+    for given in [
+        [("pupil", long.as_str())],
+        [("filmdiag", &long)],
+        [(long.as_str(), "1")],
+        [("mmperunit", "-1e308")],
+        [("filmdistance", "1e308")],
+        [("focusdistance", "1e-300")],
+        [("specfile", &long)],
+        [("pupil", &number)],
+    ] {
+        let mut parameters = Parameters::default();
+        let message = given
+            .iter()
+            .try_for_each(|(name, text)| parameters.set_from_text(name, text))
+            .map_err(|error| error.to_string())
+            .and_then(|()| build(&host(), &given).map(drop).map_err(|error| error.to_string()))
+            .expect_err("refused");
+        assert!(message.len() < 600, "{} bytes: {message:.300}", message.len());
+    }
+    let fast = build(&host(), &[("fnumber", "1e-300")]).expect("a camera").1;
+    assert!(fast[0].contains("\"fnumber\" 1e-300 is faster"), "{fast:?}");
+    let wide = build(&host(), &[("aperture_diameter", "1e308")]).expect("a camera").1;
+    assert!(wide[0].contains("\"aperture_diameter\" 1e308 mm is wider"), "{wide:?}");
+}
+
+#[test]
+fn a_mount_wider_than_its_sphere_is_a_warning() {
+    let host = host_with("0.8146 0.5 1.5 1.64\n-20 0 1 1\n");
+    let (camera, warnings) = build(&host, &[("filmdiag", "1")]).expect("a camera");
+    assert_eq!(camera.facts().lens.front().semi_diameter, 0.8146);
+    let told = "own.dat:1:1: clear diameter 1.64 mm on a sphere of radius 0.8146 mm; 1.6292 mm is used, the whole sphere";
+    assert_eq!(warnings, [told]);
+}
+
+#[test]
 fn metres_are_millimetres_seen_from_afar() {
     let metres = camera(&[("mmperunit", "1000"), ("focusdistance", "2")]);
     let millimetres = camera(&[("focusdistance", "2000")]);

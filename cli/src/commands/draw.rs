@@ -30,10 +30,7 @@ pub struct Args {
 /// No such lens, or a file that cannot be written.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let (prescription, lens) = args.lens.open()?;
-    let film_distance = match args.place.film_distance(&lens) {
-        Err(failure) if args.place.is_given() => return Err(failure),
-        place => place.unwrap_or_else(|_| stand_in(&lens)),
-    };
+    let film_distance = args.place.film_distance_if_any(&lens)?.unwrap_or_else(|| stand_in(&lens));
     let edge_sagitta = lens.rear().sagitta(lens.rear().semi_diameter);
     if film_distance + edge_sagitta <= 0.0 {
         return Err(FilmPlace::in_lens(&lens, film_distance));

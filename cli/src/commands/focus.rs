@@ -3,6 +3,7 @@
 use crate::drawing::{depth, picture};
 use crate::failure::Failure;
 use crate::lens_and_film::{FilmChoice, LensChoice, distance, positive};
+use realistic::message::{as_given, fixed};
 use realistic::{
     imaging::{
         depth_of_field::DepthOfField,
@@ -10,6 +11,7 @@ use realistic::{
     },
     lens::{
         Lens,
+        first_order::FirstOrder,
         pupil::{EntrancePupil, limiting_surface},
     },
 };
@@ -87,10 +89,29 @@ enum Unfocused {
     #[error(transparent)]
     Focus(#[from] FocusError),
     #[error(
-        "with the film {film_distance} mm behind the last vertex nothing in front of the lens is in focus; \
-         infinity needs {infinity:.4} mm, the nearest plane in focus ({near:.2} mm from the film) {nearest:.4} mm"
+        "with the film {} mm behind the last vertex nothing in front of the lens is in focus; \
+         infinity needs {} mm, the nearest plane in focus ({} mm from the film) {} mm",
+        as_given(*film_distance), fixed(*infinity, 4), fixed(*near, 2), fixed(*nearest, 4)
     )]
     NoObject { film_distance: f64, infinity: f64, near: f64, nearest: f64 },
+}
+
+/// Where first-order optics puts the film for the plane in focus. Two places serve a plane; the one behind that of the
+/// nearest plane makes an image larger than the object.
+fn paraxial_film_distance(
+    lens: &Lens,
+    focus: &Focus,
+    focused: Conjugates,
+    nearest: Conjugates,
+) -> Result<Option<f64>, FocusError> {
+    let optics = FirstOrder::of(lens)?;
+    let infinity = optics.back_focal_distance();
+    let near_infinity = focus.paraxial_film_distance(focused.object_distance);
+    Ok(near_infinity.map(|film| {
+        // Of Newton's equation: their distances from the focal point have the product f².
+        let is_other = focused.film_distance > nearest.film_distance;
+        if is_other { infinity + optics.focal_length.powi(2) / (film - infinity) } else { film }
+    }))
 }
 
 impl Answer {
@@ -120,7 +141,7 @@ impl Answer {
         let beyond_infinity = focused.film_distance < infinity * (1.0 - 1e-9);
         Ok(Self {
             beyond_infinity,
-            paraxial: focus.paraxial_film_distance(focused.object_distance),
+            paraxial: paraxial_film_distance(lens, &focus, focused, nearest)?,
             focused,
             nearest,
             confusion,
@@ -149,20 +170,23 @@ impl Answer {
         let Conjugates { object_distance, film_distance } = self.focused;
         let beyond = if self.beyond_infinity {
             "\n                 (the film lies before the image of infinity: nothing is quite sharp)"
+        } else if film_distance > self.nearest.film_distance {
+            ", its image larger than itself"
         } else {
             ""
         };
         let paraxial =
-            self.paraxial.map_or_else(|| "none".to_owned(), |paraxial| format!("{paraxial:.6} mm"));
+            self.paraxial.map_or_else(|| "none".to_owned(), |paraxial| format!("{} mm", fixed(paraxial, 6)));
         let mut text = format!(
             "in focus         {}{beyond}\n\
-             film distance    {film_distance:.6} mm by exact rays, {paraxial} by first-order optics\n\
-             nearest in focus {:.3} mm from the film, with the film at {:.6} mm\n\
-             confusion        {:.6} mm\n",
+             film distance    {} mm by exact rays, {paraxial} by first-order optics\n\
+             nearest in focus {} mm from the film, with the film at {} mm\n\
+             confusion        {} mm\n",
             from_film(object_distance),
-            self.nearest.object_distance,
-            self.nearest.film_distance,
-            self.confusion,
+            fixed(film_distance, 6),
+            fixed(self.nearest.object_distance, 3),
+            fixed(self.nearest.film_distance, 6),
+            fixed(self.confusion, 6),
         );
         text += &match self.depth {
             _ if self.beyond_infinity => String::new(),
@@ -179,5 +203,9 @@ impl Answer {
 }
 
 fn from_film(distance: f64) -> String {
-    if distance.is_finite() { format!("{distance:.3} mm from the film") } else { "infinity".to_owned() }
+    if distance.is_finite() {
+        format!("{} mm from the film", fixed(distance, 3))
+    } else {
+        "infinity".to_owned()
+    }
 }

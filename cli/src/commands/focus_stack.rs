@@ -6,6 +6,7 @@ use crate::host::scene::props;
 use crate::host::studio::{Options, Order, Studio, parameter_help};
 use crate::image::Sheet;
 use crate::lens_and_film::distance;
+use realistic::message::fixed;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::PathBuf;
@@ -71,7 +72,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         let path = args.out.join(format!("focus-{index:0digits$}.png"));
         shot.picture.write(&path, shot.scale)?;
         sheet.add(&label(distance), &shot.picture, shot.scale);
-        let _ = writeln!(text, "{}  focus {}, film {film:.3} mm", path.display(), label(distance));
+        let _ = writeln!(text, "{}  focus {}, film {} mm", path.display(), label(distance), fixed(film, 3));
     }
     let contact = args.out.join("contact.png");
     sheet.into_picture().write(&contact, 1.0)?;
@@ -88,8 +89,8 @@ fn distances(from: f64, to: f64, count: u32) -> impl Iterator<Item = f64> {
 fn label(distance: f64) -> String {
     match distance {
         f64::INFINITY => "infinity".to_owned(),
-        far if far >= 10_000.0 => format!("{:.1} m", far / 1000.0),
-        near => format!("{near:.0} mm"),
+        far if far >= 10_000.0 => format!("{} m", fixed(far / 1000.0, 1)),
+        near => format!("{} mm", fixed(near, 0)),
     }
 }
 

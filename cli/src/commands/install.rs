@@ -4,6 +4,7 @@
 //! that finds one under the name of a camera of its own takes it instead.
 
 use crate::failure::Failure;
+use crate::files;
 use crate::host::plugin;
 use realistic::camera::Model;
 use std::io::Write as _;
@@ -115,12 +116,8 @@ fn install(source: &Path, directory: &Path, names: &[&str], force: bool) -> Resu
         }
     }
     for copy in &copies {
-        // A renderer may be running the old file: it must keep it, so the new one takes its
-        // name and not its contents.
-        let partial = copy.with_extension("so.partial");
-        std::fs::write(&partial, &plugin)
-            .and_then(|()| std::fs::rename(&partial, copy))
-            .map_err(|error| failed(copy, error))?;
+        // A renderer may be running the old file and keeps it: the new one takes its name and not its contents.
+        files::save(copy, &plugin).map_err(|error| failed(copy, error))?;
     }
     Ok(copies)
 }

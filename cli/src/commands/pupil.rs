@@ -4,6 +4,7 @@ use crate::drawing::{outline as drawing, picture};
 use crate::failure::Failure;
 use crate::lens_and_film::{FilmChoice, FilmPlace, LensChoice, not_negative};
 use realistic::lens::{Lens, pupil::SlopeDisk};
+use realistic::message::{as_given, fixed};
 use realistic::trace::Path;
 use realistic::{imaging::irradiance, sampling::PupilDisk};
 use realistic_lab::pupil::{Outline, acceptance};
@@ -44,7 +45,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         let name = lens.name.rsplit('/').next().unwrap_or(&lens.name);
         let edge: Vec<[f64; 2]> = sight.edge();
         let drawn = drawing::Drawing {
-            title: format!("{name}: the pupil of the film point at {} mm", args.film_radius),
+            title: format!("{name}: the pupil of the film point at {} mm", as_given(args.film_radius)),
             edge: &edge,
             disks: disks.map(|(name, disk)| (name, sight.on_plane(disk.center), disk.radius * film_distance)),
         };
@@ -135,8 +136,9 @@ impl Sight {
 
     fn text(&self) -> String {
         let head = format!(
-            "film point        {} mm from the axis, film {:.4} mm behind the last vertex\n",
-            self.radius, self.film_distance
+            "film point        {} mm from the axis, film {} mm behind the last vertex\n",
+            as_given(self.radius),
+            fixed(self.film_distance, 4)
         );
         let Some(outline) = &self.outline else {
             return head + "pupil             empty: no light reaches this film point\n";
@@ -145,7 +147,7 @@ impl Sight {
         let range = |axis: usize| {
             let values = || edge.iter().map(|point| point[axis]);
             let (low, high) = (values().fold(f64::MAX, f64::min), values().fold(f64::MIN, f64::max));
-            format!("{low:.4} to {high:.4}")
+            format!("{} to {}", fixed(low, 4), fixed(high, 4))
         };
         // By symmetry its y is 0, whatever sum rounding leaves.
         let [x, _] = self.on_plane(outline.center);
@@ -156,14 +158,15 @@ impl Sight {
         };
         head + &format!(
             "outline           x from {} mm, y from {} mm in the rear vertex plane\n\
-             \x20                 {shape}; centre at x = {x:.4} mm; all points by --json\n\
-             area              {:.6} mm2 in the rear vertex plane; {:.6e} in slope\n\
+             \x20                 {shape}; centre at x = {} mm; all points by --json\n\
+             area              {} mm2 in the rear vertex plane; {:.6e} in slope\n\
              irradiance        {:.6e} for unit radiance\n\
              acceptance        rear {:.3} %, disk {:.3} % of the samples get through\n\
              missed by disk    {:.3} % of the irradiance\n",
             range(0),
             range(1),
-            self.area(),
+            fixed(x, 4),
+            if self.area() < 1e-6 { format!("{:.6e}", self.area()) } else { fixed(self.area(), 6) },
             outline.slope_area,
             outline.irradiance,
             100.0 * self.rear_acceptance,

@@ -7,6 +7,7 @@ use crate::host::scene::props;
 use crate::host::studio::{Method, Options, Order, Shot, Slide, Studio, parameter_help, stopped_down};
 use crate::image::{picture_path, writable};
 use realistic::camera::autofocus::Rule;
+use realistic::message::fixed;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::PathBuf;
@@ -84,20 +85,20 @@ fn describe(plugin: &Plugin, camera: &Camera, size: [u32; 2]) -> Result<String, 
     let pixel = info.film_diagonal_mm / width.hypot(height);
     Ok(format!(
         "plugin   {}, version {}\n\
-         lens     {lens}: {:.2} mm, f/{:.2}, {} interfaces with the stop\n\
-         film     {:.2} x {:.2} mm (diagonal {:.1} mm), {:.3} mm behind the last vertex\n\
+         lens     {lens}: {} mm, f/{}, {} interfaces with the stop\n\
+         film     {} x {} mm (diagonal {} mm), {} mm behind the last vertex\n\
          focus    {}\n",
         plugin.path().display(),
         plugin.version(),
-        info.focal_length_mm,
-        info.fnumber,
+        fixed(info.focal_length_mm, 2),
+        fixed(info.fnumber, 2),
         info.interfaces,
-        width * pixel,
-        height * pixel,
-        info.film_diagonal_mm,
-        info.film_distance_mm,
+        fixed(width * pixel, 2),
+        fixed(height * pixel, 2),
+        fixed(info.film_diagonal_mm, 1),
+        fixed(info.film_distance_mm, 3),
         if info.focus_distance_mm.is_finite() {
-            format!("{:.1} mm from the film", info.focus_distance_mm)
+            format!("{} mm from the film", fixed(info.focus_distance_mm, 1))
         } else if info.focus_distance_mm.is_nan() {
             "on nothing in front of the lens".to_owned()
         } else {

@@ -5,6 +5,7 @@ use super::labels::spread;
 use super::shapes::{Anchor, Page, SMALL, Stroke, text_width};
 use super::{COLORS, FAINT, INK};
 use realistic::imaging::depth_of_field::DepthOfField;
+use realistic::message::fixed;
 
 /// What is drawn; distances in mm from the film, infinity allowed for all but the nearest.
 #[derive(Clone, Debug)]
@@ -72,7 +73,8 @@ pub fn draw(drawing: &Drawing) -> Page {
         page.text(&names[i], [places[i], NAMES_AT], SMALL, Anchor::Middle, INK);
     }
     let confusion = drawing.confusion;
-    let foot = format!("sharp: blurred on film to at most {confusion:.4} mm; distances from the film");
+    let foot =
+        format!("sharp: blurred on film to at most {} mm; distances from the film", fixed(confusion, 4));
     page.text(&foot, [LEFT, HEIGHT - 26.0], SMALL, Anchor::Start, INK);
     page
 }

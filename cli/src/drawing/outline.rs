@@ -3,6 +3,7 @@
 use super::COLORS;
 use super::shapes::{AXIS, Page, Stroke};
 use super::view::View;
+use realistic::message::fixed;
 
 /// What is drawn; all in mm in the rear vertex plane.
 #[derive(Clone, Debug)]
@@ -50,7 +51,7 @@ pub fn draw(drawing: &Drawing<'_>) -> Page {
         if center.iter().chain([radius]).all(|x| x.is_finite()) {
             page.circle(view.at(*center), radius * view.scale, "none", stroke);
         }
-        legend.push((format!("{name}: {radius:.2} mm"), stroke));
+        legend.push((format!("{name}: {} mm", fixed(*radius, 2)), stroke));
     }
     page.legend([MARGIN + 190.0, y], legend);
     page

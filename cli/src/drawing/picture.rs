@@ -2,6 +2,7 @@
 
 use super::shapes::Page;
 use crate::failure::Failure;
+use crate::files;
 use crate::image::Colours;
 use std::path::{Path, PathBuf};
 
@@ -22,10 +23,10 @@ fn is(path: &Path, ending: &str) -> bool {
 pub fn write(page: &Page, path: &Path) -> Result<(), Failure> {
     let failed = |error: &dyn std::fmt::Display| Failure::cannot_write(path, error);
     if is(path, "svg") {
-        return std::fs::write(path, page.to_string()).map_err(|error| failed(&error));
+        return files::save(path, page.to_string().as_bytes()).map_err(|error| failed(&error));
     }
     let image = page.pixels(1.5).ok_or_else(|| failed(&"the drawing has no size"))?;
-    image.write(path, Colours::Frequent).map_err(|error| failed(&error))
+    files::save(path, &image.png(Colours::Frequent)).map_err(|error| failed(&error))
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@ use realistic::lens::{
     first_order::FirstOrder,
     pupil::{EntrancePupil, limiting_surface},
 };
+use realistic::message::fixed;
 
 /// What is drawn besides the lens.
 #[derive(Clone, Copy, Debug)]
@@ -109,8 +110,9 @@ fn title(page: &mut Page, lens: &Lens, subtitle: Option<&str>) {
         |_| "afocal".to_owned(),
         |optics| {
             let number = optics.focal_length.abs() / entrance.diameter();
-            let number = if number == 0.0 { "no f-number".to_owned() } else { format!("f/{number:.2}") };
-            format!("f = {:.2} mm, {number}", optics.focal_length)
+            let number =
+                if number == 0.0 { "no f-number".to_owned() } else { format!("f/{}", fixed(number, 2)) };
+            format!("f = {} mm, {number}", fixed(optics.focal_length, 2))
         },
     );
     let room = WIDTH - 2.0 * MARGIN;
@@ -133,8 +135,8 @@ fn bundles(page: &mut Page, view: &View, rays: &Rays, half: f64, count: u32) -> 
     let mut legend = Vec::new();
     for (height, color, name) in [
         (0.0, COLORS[0], "on the axis".to_owned()),
-        (0.7 * outer, COLORS[1], format!("film at {:.1} mm", 0.7 * outer)),
-        (outer, COLORS[2], format!("film at {outer:.1}{name}")),
+        (0.7 * outer, COLORS[1], format!("film at {} mm", fixed(0.7 * outer, 1))),
+        (outer, COLORS[2], format!("film at {}{name}", fixed(outer, 1))),
     ] {
         let mut traced = rays.bundle(height, count);
         // Blocked ones first, so that they lie under the others.
@@ -180,10 +182,10 @@ fn name_marks(page: &mut Page, view: &View, lens: &Lens, film: f64, half: f64, m
     for mark in marks {
         let Mark { name, z, form } = *mark;
         if -z < view.across[0] {
-            let text = format!("< {name}: {z:.1} mm before the lens");
+            let text = format!("< {name}: {} mm before the lens", fixed(z, 1));
             outside.push(Label { text, anchor: MARGIN, leader: None });
         } else if -z > view.across[1] {
-            let text = format!("{name}: {:.1} mm behind the film >", film - z);
+            let text = format!("{name}: {} mm behind the film >", fixed(film - z, 1));
             outside.push(Label { text, anchor: WIDTH - MARGIN, leader: None });
         } else {
             let row = if matches!(form, Form::Pupil(_)) { &mut over } else { &mut under };
@@ -222,7 +224,7 @@ fn draw_mark(page: &mut Page, view: &View, mark: &Mark) -> Label {
                 }
                 page.line([[axis[0], upper], [axis[0], top]], LEADER.dashed("2 3"));
             } else {
-                text = format!("{text}, {:.1} mm wide", 2.0 * radius);
+                text = format!("{text}, {} mm wide", fixed(2.0 * radius, 1));
             }
             top
         }

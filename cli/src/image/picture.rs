@@ -2,7 +2,10 @@
 
 use super::srgb::{Colours, SrgbImage, decode, encode};
 use crate::failure::Failure;
+use crate::files;
+use exr::prelude::{Image, SpecificChannels, Vec2, WritableImage as _};
 use std::fmt::Display;
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 /// Linear colour, rows from the top, each from the left.
@@ -88,14 +91,21 @@ impl Picture {
     /// The file cannot be written; the message names it.
     pub fn write(&self, path: &Path, scale: f32) -> Result<(), Failure> {
         let failed = |error: &dyn Display| Failure::cannot_write(path, error);
+        let bytes = match Format::of(path).map_err(Failure::Usage)? {
+            Format::Png => self.shown(scale).png(Colours::All),
+            Format::Exr => self.exr().map_err(|error| failed(&error))?,
+        };
+        files::save(path, &bytes).map_err(|error| failed(&error))
+    }
+
+    /// An EXR file of it.
+    fn exr(&self) -> exr::error::Result<Vec<u8>> {
         let [width, height] = self.size.map(|side| side as usize);
-        match Format::of(path).map_err(Failure::Usage)? {
-            Format::Png => self.shown(scale).write(path, Colours::All).map_err(|error| failed(&error)),
-            Format::Exr => {
-                exr::prelude::write_rgb_file(path, width, height, |x, y| self.pixels[y * width + x].into())
-                    .map_err(|error| failed(&error))
-            }
-        }
+        let channels =
+            SpecificChannels::rgb(|Vec2(x, y)| <(f32, f32, f32)>::from(self.pixels[y * width + x]));
+        let mut file = Cursor::new(Vec::new());
+        Image::from_channels((width, height), channels).write().to_buffered(&mut file)?;
+        Ok(file.into_inner())
     }
 
     /// What the screen shows of it: values times `scale`.

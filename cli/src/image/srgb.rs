@@ -1,9 +1,6 @@
 //! Pictures as a screen and a PNG file have them: 8 bits a channel by the transfer function of IEC 61966-2-1.
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::BufWriter;
-use std::path::Path;
 
 /// 8-bit sRGB, rows from the top, each from the left.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -25,13 +22,16 @@ pub enum Colours {
 }
 
 impl SrgbImage {
-    /// Writes a PNG file.
-    ///
-    /// # Errors
-    /// The file cannot be written.
-    pub fn write(&self, path: &Path, colours: Colours) -> Result<(), png::EncodingError> {
+    /// A PNG file of it.
+    pub fn png(&self, colours: Colours) -> Vec<u8> {
+        let mut file = Vec::new();
+        self.encode(&mut file, colours).expect("memory takes every picture that there is");
+        file
+    }
+
+    fn encode(&self, file: &mut Vec<u8>, colours: Colours) -> Result<(), png::EncodingError> {
         let [width, height] = self.size;
-        let mut encoder = png::Encoder::new(BufWriter::new(File::create(path)?), width, height);
+        let mut encoder = png::Encoder::new(file, width, height);
         encoder.set_depth(png::BitDepth::Eight);
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
         let bytes = match colours {

@@ -1,5 +1,6 @@
 //! The built program, as its user runs it.
 
+mod files;
 mod pictures;
 mod plugin;
 #[cfg(target_os = "linux")]

@@ -1,6 +1,7 @@
 //! The entry of a pbrt-v1 host, `CreateCamera`: its parameters, transform and film in, a camera of its own layout out.
-//! `shim` reads what the host gives. The cameras that it makes, and the host's calls of them, are in `abi/object`.
+//! `shim` reads what the host gives, `names` which of it is misspelt. The cameras that it makes, and the host's calls of them, are in `abi/object`.
 
+mod names;
 mod shim;
 
 use std::ffi::c_void;
@@ -42,6 +43,9 @@ pub unsafe extern "C" fn CreateCamera(
     })
 }
 
+/// What a host's user may take for a place where lens files are looked for.
+const NOT_SEEN: &str = " (a scene's SearchPath cannot be seen from a plugin)";
+
 /// # Safety
 /// As [`CreateCamera`].
 unsafe fn create(
@@ -59,6 +63,9 @@ unsafe fn create(
         )
     };
     let mut parameters = read_parameters(&params)?;
+    for hint in names::misspelt(&params.text().unwrap_or_default()) {
+        say(Level::Warning, &hint);
+    }
     if parameters.model.is_none() {
         parameters.model = library::plugin_path().as_deref().and_then(model_named);
     }
@@ -67,6 +74,8 @@ unsafe fn create(
     let to_world = CameraToWorld::from_rows(&transform.inverse).map_err(CameraError::from)?;
     host.to_world = to_world.into();
     host.can_redraw = false;
+    let scene = shim::scene_file();
+    host.search = host.search.first(scene.as_deref().and_then(Path::parent)).without(NOT_SEEN);
     let handle = Handle::build(&parameters, &host, &mut say)?;
     let host = HostPart::of(handle.camera(), film, transform.matrix, transform.inverse);
     object::new(handle, &host).ok_or_else(boundary::out_of_memory)

@@ -2,6 +2,7 @@
 //! it makes are in `abi/object`.
 
 use std::ffi::{c_char, c_void};
+use std::path::PathBuf;
 use std::ptr::{NonNull, null};
 use std::slice;
 
@@ -24,6 +25,9 @@ const INT: i32 = 1;
 const BOOL: i32 = 2;
 const STRING: i32 = 3;
 
+const PARAMETERS: i32 = 0;
+const SCENE_FILE: i32 = 1;
+
 const ABSENT: i32 = 0;
 const FOUND: i32 = 1;
 const NO_HOST: i32 = 2;
@@ -37,6 +41,12 @@ unsafe extern "C" {
         name: *const c_char,
         name_size: usize,
         out: *mut RawFound,
+    ) -> i32;
+    fn realistic_shim_text(
+        params: *const c_void,
+        which: i32,
+        take: unsafe extern "C" fn(*mut c_void, *const c_char, usize),
+        user: *mut c_void,
     ) -> i32;
     fn realistic_shim_message(level: i32, text: *const c_char);
 }
@@ -184,6 +194,30 @@ impl<'a> ParamSet<'a> {
             }
         }))
     }
+}
+
+impl ParamSet<'_> {
+    /// Every parameter as a scene file writes it, where the host can say so: in a text of its own making.
+    pub fn text(&self) -> Option<String> {
+        text(self.pointer.as_ptr(), PARAMETERS)
+    }
+}
+
+/// The path of the scene file that the host is reading, where it can be known.
+pub fn scene_file() -> Option<PathBuf> {
+    text(null(), SCENE_FILE).map(PathBuf::from)
+}
+
+/// `params` is of a [`ParamSet`], or NULL for what is no set's.
+fn text(params: *const c_void, which: i32) -> Option<String> {
+    unsafe extern "C" fn take(user: *mut c_void, text: *const c_char, size: usize) {
+        // SAFETY: `user` is the string below, and the C++ face passes a text of that size.
+        unsafe { (*user.cast::<String>()).push_str(&String::from_utf8_lossy(slice_of(text.cast(), size))) };
+    }
+    let mut found = String::new();
+    // SAFETY: the set is valid by `ParamSet::new`'s promise; `take` and the string are used during the call.
+    let result = unsafe { realistic_shim_text(params, which, take, (&raw mut found).cast()) };
+    (result == FOUND).then_some(found)
 }
 
 /// A slice that may be empty with a NULL pointer.

@@ -6,13 +6,13 @@ use crate::{
     camera::placement::transform::TransformError,
     imaging::focus::FocusError,
     lens::{Lens, LensError, open::OpenError},
-    message::{short, short_above},
+    message::{as_given, cut, short, short_above},
     prescription::SourceError,
 };
 
 /// A name that is none of those to choose from.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("\"{given}\" is not {known}")]
+#[error("\"{}\" is not {known}", cut(given))]
 pub struct UnknownName {
     /// The name that was given.
     pub given: String,
@@ -24,10 +24,12 @@ pub struct UnknownName {
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ParameterError {
     /// No parameter has this name.
-    #[error("no parameter is called \"{name}\"; the names are {names}")]
+    #[error("no parameter is called \"{}\"; {nearest}the names are {names}", cut(name))]
     Unknown {
         /// The name that was given.
         name: String,
+        /// A question for the name that it was meant to be, if one is near.
+        nearest: String,
         /// Every known name.
         names: String,
     },
@@ -64,15 +66,12 @@ pub enum ParameterError {
 impl ParameterError {
     /// The error of a number outside its range, which is given in words.
     pub(crate) fn out_of_range(name: &'static str, value: f64, range: &str) -> Self {
-        let plain = value.to_string();
-        // More than the digits of a number are the zeros of one very large or very small.
-        let value = if plain.len() > 24 { format!("{value:e}") } else { plain };
-        Self::Range { name, value, range: range.to_owned() }
+        Self::Range { name, value: as_given(value), range: range.to_owned() }
     }
 
     /// The error of a name that is none of those to choose from.
     pub(super) fn unknown(name: &'static str, UnknownName { given, known }: UnknownName) -> Self {
-        Self::Range { name, value: format!("\"{given}\""), range: known }
+        Self::Range { name, value: format!("\"{}\"", cut(&given)), range: known }
     }
 }
 
@@ -91,6 +90,18 @@ pub enum CameraError {
     /// The lens cannot focus there.
     #[error(transparent)]
     Focus(#[from] FocusError),
+    /// The lens cannot focus so near, which may be said in other units than it is meant.
+    #[error(
+        "{error}; \"focusdistance\" {} is in world units, each of 1 mm here: if the scene's are others, give \"mmperunit\", \
+         1000 for metres",
+        as_given(*given)
+    )]
+    TooNear {
+        /// What the lens says.
+        error: FocusError,
+        /// The value of `focusdistance`.
+        given: f64,
+    },
     /// The lens cannot focus, and nobody says where the film is.
     #[error("{0}; \"filmdistance\" puts the film behind it all the same")]
     NoFilmDistance(FocusError),

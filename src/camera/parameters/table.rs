@@ -11,6 +11,7 @@ use super::{
 use crate::{
     camera::{model::Model, placement::shutter::Shutter},
     lens::refraction::Refraction,
+    message::nearest,
     plan::Precision,
     prescription::glass::VALID_WAVELENGTHS,
     sampling::DiskMapping,
@@ -236,6 +237,11 @@ impl Parameters {
         }
     }
 
+    /// The name or alias that a misspelt one was meant to be, if one is near.
+    pub fn nearest(name: &str) -> Option<&'static str> {
+        nearest(name, PARAMETERS.iter().flat_map(|row| std::iter::once(row.name).chain(row.alias)))
+    }
+
     /// Sets one parameter by name or alias.
     ///
     /// # Errors
@@ -244,6 +250,8 @@ impl Parameters {
     pub fn set(&mut self, name: &str, value: Value<'_>) -> Result<(), ParameterError> {
         let row = Self::find(name).ok_or_else(|| ParameterError::Unknown {
             name: name.to_owned(),
+            nearest: Self::nearest(name)
+                .map_or_else(String::new, |name| format!("did you mean \"{name}\"? ")),
             names: PARAMETERS.iter().map(|row| row.name).collect::<Vec<_>>().join(", "),
         })?;
         if let Some(alias) = row.alias

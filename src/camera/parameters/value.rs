@@ -1,6 +1,7 @@
 //! Values on their way from a host to parameters: by kind, from text, and to the type that a parameter has.
 
 use super::{error::ParameterError, range::Range};
+use crate::message::{as_given, cut};
 
 /// What a parameter's value is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,8 +68,8 @@ impl<'a> Value<'a> {
     /// The error of a parameter that takes another kind.
     pub(super) fn refused(self, name: &'static str, kind: Kind) -> ParameterError {
         let given = match self {
-            Value::Float(number) => format!("the number {number}"),
-            Value::Text(text) => format!("the string \"{text}\""),
+            Value::Float(number) => format!("the number {}", as_given(number)),
+            Value::Text(text) => format!("the string \"{}\"", cut(text)),
             Value::Bool(truth) => format!("the boolean {truth}"),
             Value::Four(numbers) => format!("the numbers {numbers:?}"),
         };

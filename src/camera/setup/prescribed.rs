@@ -12,6 +12,7 @@ use crate::{
         parameters::{CameraError, ParameterError, Parameters, Pupil, Weighting},
         placement::Placement,
     },
+    imaging::focus::FocusError,
     lens::{
         Lens,
         open::{OpenLens, StopSize, find, set_up},
@@ -57,7 +58,8 @@ impl Setup {
         let film = Film::new(raster(host)?, given.filmdiag()?);
         let mm_per_unit = given.mmperunit()?;
         let (_, optics) = open(given, host, log)?;
-        let (film_distance, focus_distance) = place_film(&optics, film_place(given)?, focusing)?;
+        let (film_distance, focus_distance) =
+            place_film(&optics, film_place(given)?, focusing).map_err(|error| with_units(error, given))?;
         let OpenLens { lens, first_order, entrance } = optics;
         Ok(Self {
             facts: Facts { lens, first_order, entrance, film, film_distance, focus_distance },
@@ -118,6 +120,16 @@ fn film_place(given: &Parameters) -> Result<FilmPlace, ParameterError> {
         (None, Some(distance)) => FilmPlace::FocusedOn(distance * given.mmperunit()?),
         (None, None) => FilmPlace::Nominal,
     })
+}
+
+/// Names the unit of `focusdistance` where a scene in metres, say, leaves it out.
+fn with_units(error: CameraError, parameters: &Parameters) -> CameraError {
+    match (error, parameters.focusdistance, parameters.mmperunit) {
+        (CameraError::Focus(error @ FocusError::TooNear { .. }), Some(given), None) => {
+            CameraError::TooNear { error, given }
+        }
+        (error, ..) => error,
+    }
 }
 
 fn both(first: &'static str, second: &'static str) -> ParameterError {

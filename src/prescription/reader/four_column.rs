@@ -17,10 +17,9 @@ const COLUMNS: &str = "a row has four values: radius, thickness, refractive inde
 /// The first word that cannot stand where it does.
 pub(super) fn row(lines: &Lines, glasses: &Glasses, line: &Line) -> Result<SurfaceRow, LensFileError> {
     let [first, thickness, medium, diameter] = line.words.as_slice() else {
-        let hint = if line.words.len() > 5 { " (a decimal comma? write 1.5, not 1,5)" } else { "" };
         return Err(lines.error(
             &line.words[0],
-            &format!("{} value(s); {COLUMNS}, or five in a table with V-numbers{hint}", line.words.len()),
+            &format!("{} value(s); {COLUMNS}, or five in a table with V-numbers", line.words.len()),
         ));
     };
     let says_stop = is_stop_word(first);

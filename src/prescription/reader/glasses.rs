@@ -4,12 +4,12 @@
 
 use super::lines::{Line, Lines, Word};
 use crate::{
-    message::short,
+    message::{cut, short},
     prescription::{
         LensFileError,
         glass::{C_LINE, D_LINE, F_LINE, VALID_WAVELENGTHS, refractive_index},
         interfaces::{Medium, Sellmeier},
-        limits::{MAX_INTERFACES, MAX_NAME_BYTES, beginning},
+        limits::{MAX_INTERFACES, MAX_NAME_BYTES},
     },
 };
 
@@ -48,11 +48,10 @@ impl Glasses {
             [] => "the file defines none".to_owned(),
             some => {
                 let names: Vec<&str> = some.iter().map(|(name, _)| name.as_str()).collect();
-                format!("the file defines {}", names.join(", "))
+                format!("the file defines {}", cut(&names.join(", ")))
             }
         };
-        let text = &word.text;
-        Err(lines.error(word, &format!("\"{text}\" is no refractive index and no glass: {known}; {FORM}")))
+        Err(lines.error(word, &format!("\"{word}\" is no refractive index and no glass: {known}; {FORM}")))
     }
 
     fn definition<'a>(&self, lines: &Lines, line: &'a Line) -> Result<(&'a Word, Sellmeier), LensFileError> {
@@ -60,21 +59,21 @@ impl Glasses {
             return Err(lines.error(&line.words[0], FORM));
         };
         if !is_name(&name.text) || name.text.parse::<f64>().is_ok() {
-            let text = format!("\"{}\" is no name for a glass: it begins with a letter; {FORM}", name.text);
+            let text = format!("\"{name}\" is no name for a glass: it begins with a letter; {FORM}");
             return Err(lines.error(name, &text));
         }
         check_length(lines, name)?;
         if self.0.iter().any(|(known, _)| *known == name.text) {
-            return Err(lines.error(name, &format!("glass \"{}\" is defined twice", name.text)));
+            return Err(lines.error(name, &format!("glass \"{name}\" is defined twice")));
         }
         if !formula.text.eq_ignore_ascii_case("sellmeier") {
-            return Err(lines.error(formula, &format!("no formula is called \"{}\"; {FORM}", formula.text)));
+            return Err(lines.error(formula, &format!("no formula is called \"{formula}\"; {FORM}")));
         }
         let mut constants = [None; 6];
         for word in words {
             let (place, number) = constant(lines, word)?;
             if constants[place].replace(number).is_some() {
-                return Err(lines.error(word, &format!("\"{}\": given twice; {FORM}", word.text)));
+                return Err(lines.error(word, &format!("\"{word}\": given twice; {FORM}")));
             }
         }
         let [Some(b1), Some(b2), Some(b3), Some(c1), Some(c2), Some(c3)] = constants else {
@@ -92,7 +91,7 @@ fn constant(lines: &Lines, word: &Word) -> Result<(usize, f64), LensFileError> {
     let split = word.text.split_once('=');
     let place = split.and_then(|(name, _)| NAMES.iter().position(|known| known.eq_ignore_ascii_case(name)));
     let (Some((name, number)), Some(place)) = (split, place) else {
-        return Err(lines.error(word, &format!("\"{}\" is no constant such as B1=1.04; {FORM}", word.text)));
+        return Err(lines.error(word, &format!("\"{word}\" is no constant such as B1=1.04; {FORM}")));
     };
     let value = Word { text: number.to_owned(), line: word.line, column: word.column + name.len() + 1 };
     Ok((place, lines.number(&value, "a constant of Sellmeier's formula")?))
@@ -122,8 +121,7 @@ fn check_length(lines: &Lines, name: &Word) -> Result<(), LensFileError> {
     if length <= MAX_NAME_BYTES {
         return Ok(());
     }
-    let text = beginning(&name.text);
-    let message = format!("\"{text}\" has {length} bytes; a glass's name has at most {MAX_NAME_BYTES}");
+    let message = format!("\"{name}\" has {length} bytes; a glass's name has at most {MAX_NAME_BYTES}");
     Err(lines.error(name, &message))
 }
 

@@ -1,8 +1,11 @@
 //! Text to lines of words that know where they stand: what a reader of any format begins with.
 
-use std::borrow::Cow;
+use std::{borrow::Cow, fmt};
 
-use crate::prescription::{error::LensFileError, limits::MAX_INTERFACES};
+use crate::{
+    message::cut,
+    prescription::{error::LensFileError, limits::MAX_INTERFACES},
+};
 
 /// One value of the table.
 #[derive(Clone, Debug)]
@@ -11,6 +14,13 @@ pub(super) struct Word {
     pub line: usize,
     /// In bytes, counted from 1.
     pub column: usize,
+}
+
+/// As it stands in messages.
+impl fmt::Display for Word {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&cut(&self.text))
+    }
 }
 
 /// One line that has values; never empty.
@@ -28,12 +38,18 @@ pub(super) struct Lines {
     pub title: Option<String>,
     /// How many lines the file has, with those that have no values.
     count: usize,
+    /// The first line that looks as if commas stood in its numbers.
+    decimal_comma: Option<usize>,
 }
 
 impl Lines {
     pub(super) fn split(file: &str, bytes: &[u8]) -> Result<Self, LensFileError> {
-        let mut all = Self { file: file.to_owned(), lines: Vec::new(), title: None, count: 0 };
-        for (number, line) in decoded(bytes).split(|&byte| byte == b'\n').enumerate() {
+        let mut all =
+            Self { file: file.to_owned(), lines: Vec::new(), title: None, count: 0, decimal_comma: None };
+        let bytes = decoded(bytes);
+        // Lines of old Macintosh files end in a carriage return alone.
+        let end = if bytes.contains(&b'\n') { b'\n' } else { b'\r' };
+        for (number, line) in bytes.split(|&byte| byte == end).enumerate() {
             all.count = number + 1;
             let data_end = line.iter().position(|&byte| byte == b'#').unwrap_or(line.len());
             let (data, comment) = line.split_at(data_end);
@@ -41,6 +57,9 @@ impl Lines {
                 let text = String::from_utf8_lossy(comment);
                 let text = text.trim_matches(|c: char| c == '#' || c.is_whitespace());
                 all.title = (!text.is_empty()).then(|| text.to_owned());
+            }
+            if all.decimal_comma.is_none() && has_decimal_commas(data) {
+                all.decimal_comma = Some(all.count);
             }
             let words = all.words(all.count, data)?;
             if !words.is_empty() {
@@ -93,8 +112,7 @@ impl Lines {
 
     /// The finite number that a word spells.
     pub(super) fn number(&self, word: &Word, expected: &str) -> Result<f64, LensFileError> {
-        let wrong =
-            |what: &str| self.error(word, &format!("\"{}\" is {what}; expected {expected}", word.text));
+        let wrong = |what: &str| self.error(word, &format!("\"{word}\" is {what}; expected {expected}"));
         let number: f64 = word.text.parse().map_err(|_| wrong("not a number"))?;
         if number.is_finite() { Ok(number) } else { Err(wrong("not finite")) }
     }
@@ -116,8 +134,22 @@ impl Lines {
     }
 
     fn error_at(&self, line: usize, column: usize, message: &str) -> LensFileError {
-        LensFileError { file: self.file.clone(), line, column, message: message.to_owned() }
+        let mut message = message.to_owned();
+        if let Some(comma) = self.decimal_comma {
+            message += &format!(" (a decimal comma on line {comma}? write 1.5, not 1,5)");
+        }
+        LensFileError { file: self.file.clone(), line, column, message }
     }
+}
+
+/// Whether a line has commas between two digits, and its values have other separators; or more of them than a row has
+/// values.
+fn has_decimal_commas(line: &[u8]) -> bool {
+    let digits_around =
+        |three: &&[u8]| three[1] == b',' && three[0].is_ascii_digit() && three[2].is_ascii_digit();
+    let commas = line.windows(3).filter(digits_around).count();
+    let parts = line.split(|byte| byte.is_ascii_whitespace() || *byte == b';');
+    commas > 0 && (commas > 4 || parts.filter(|part| !part.is_empty() && *part != b",").count() > 1)
 }
 
 /// The bytes as UTF-8 where a byte-order mark says what they are, else as they stand.

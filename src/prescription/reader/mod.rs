@@ -33,8 +33,9 @@ mod values;
 use super::{
     error::LensFileError,
     interfaces::Prescription,
-    limits::{MAX_FILE_BYTES, MAX_INTERFACES, MAX_NAME_BYTES, beginning},
+    limits::{MAX_FILE_BYTES, MAX_INTERFACES, MAX_NAME_BYTES},
 };
+use crate::message::cut;
 use glasses::Glasses;
 use lines::{Line, Lines};
 
@@ -51,7 +52,7 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Prescription, LensFileError> {
     if short_name.len() > MAX_NAME_BYTES {
         let message =
             format!("the lens's name has {} bytes; a name has at most {MAX_NAME_BYTES}", short_name.len());
-        return Err(LensFileError { file: beginning(&short_name), line: 1, column: 1, message });
+        return Err(LensFileError { file: cut(&short_name), line: 1, column: 1, message });
     }
     if let Some(within) = bytes.get(..MAX_FILE_BYTES as usize).filter(|within| within.len() < bytes.len()) {
         let line_start = within.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
@@ -74,7 +75,7 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Prescription, LensFileError> {
     } else {
         table.iter().map(|line| four_column::row(&lines, &glasses, line)).collect::<Result<Vec<_>, _>>()
     }?;
-    let mut interfaces = surface_row::interfaces(&lines, table, rows)?;
+    let (mut interfaces, remarks) = surface_row::interfaces(&lines, table, rows)?;
     let back = std::mem::take(&mut interfaces.last_mut().expect("at least one row").thickness);
     Ok(Prescription {
         name: short_name,
@@ -82,6 +83,7 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Prescription, LensFileError> {
         interfaces,
         nominal_film_distance: (back > 0.0).then_some(back),
         stated_focal_length,
+        remarks: remarks.iter().map(LensFileError::to_string).collect(),
     })
 }
 

@@ -2,9 +2,12 @@
 //! that need a row's neighbours.
 
 use super::lines::{Line, Lines};
-use crate::prescription::{
-    LensFileError,
-    interfaces::{Interface, Medium, Shape},
+use crate::{
+    message::as_given,
+    prescription::{
+        LensFileError,
+        interfaces::{Interface, Medium, Shape},
+    },
 };
 
 /// A row's values before it is known what lies on the interface's scene side.
@@ -19,7 +22,7 @@ pub(super) struct SurfaceRow {
     pub diameter: f64,
 }
 
-/// The interfaces of a lens from its rows, scene side first; `lines` says where each row stands, in the same order.
+/// The interfaces of a lens from its rows, scene side first, and what of them is not as the file has it; `lines` says where each row stands, in the same order.
 ///
 /// # Errors
 /// The first row that cannot be an interface of a lens in air.
@@ -27,9 +30,10 @@ pub(super) fn interfaces(
     file: &Lines,
     lines: &[Line],
     rows: Vec<SurfaceRow>,
-) -> Result<Vec<Interface>, LensFileError> {
+) -> Result<(Vec<Interface>, Vec<LensFileError>), LensFileError> {
     let mut in_front = Medium::Air;
     let mut stop_line = None;
+    let mut remarks = Vec::new();
     let mut interfaces = Vec::with_capacity(rows.len());
     for (line, row) in lines.iter().zip(rows) {
         let place = &line.words[0];
@@ -37,27 +41,34 @@ pub(super) fn interfaces(
         if row.thickness < 0.0 {
             return Err(file.error(
                 place,
-                &format!("thickness {} mm: vertices stand in order, so it is 0 or more", row.thickness),
+                &format!(
+                    "thickness {} mm: vertices stand in order, so it is 0 or more",
+                    as_given(row.thickness)
+                ),
             ));
         }
-        let semi_diameter = row.diameter / 2.0;
+        let mut semi_diameter = row.diameter / 2.0;
         // The half of the smallest number is 0.
         if semi_diameter <= 0.0 {
-            return Err(
-                file.error(place, &format!("clear diameter {} mm: expected a positive number", row.diameter))
-            );
+            return Err(file.error(
+                place,
+                &format!("clear diameter {} mm: expected a positive number", as_given(row.diameter)),
+            ));
         }
         let shape = if row.radius.is_finite() {
-            if semi_diameter > row.radius.abs() {
-                return Err(file.error(
+            let widest = row.radius.abs();
+            if semi_diameter > widest {
+                // Prescriptions list the mount's diameter, too, which may be wider than the whole sphere.
+                remarks.push(file.error(
                     place,
                     &format!(
-                        "clear diameter {} mm on a sphere of radius {} mm: it can be at most {} mm",
-                        row.diameter,
-                        row.radius,
-                        2.0 * row.radius.abs()
+                        "clear diameter {} mm on a sphere of radius {} mm; {} mm is used, the whole sphere",
+                        as_given(row.diameter),
+                        as_given(row.radius),
+                        as_given(2.0 * widest)
                     ),
                 ));
+                semi_diameter = widest;
             }
             Shape::Sphere { radius: row.radius }
         } else if in_air {
@@ -90,5 +101,5 @@ pub(super) fn interfaces(
             "the last interface has glass behind it; the film is in air, so its index must be 0 or 1",
         ));
     }
-    Ok(interfaces)
+    Ok((interfaces, remarks))
 }

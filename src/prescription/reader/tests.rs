@@ -41,6 +41,8 @@ fn spellings_of_one_table_agree() {
         b"50.0\n20 5 1.5 10\n-20 30 1 10\n",
         b"20 5 1.5 - 10\n-20 30 10",
         b"20 5 1.5 - 10\n-20 30 - - 10",
+        b"20 5 1.5 10\r-20 30 1 10\r",
+        b"# two lines\r20 5 1.5 10\r-20 30 1 10",
     ] {
         assert_eq!(ok(text).interfaces, plain, "{}", String::from_utf8_lossy(text));
     }
@@ -110,12 +112,56 @@ fn impossible_interfaces_are_refused() {
     refused("20 -5 1.5 10", "1:1", &["thickness -5 mm", "0 or more"]);
     refused("20 5 1.5 0", "1:1", &["clear diameter 0 mm", "positive"]);
     refused("20 5 1.5 -3", "1:1", &["clear diameter -3 mm"]);
-    refused("20 5 1.5 41", "1:1", &["at most 40 mm"]);
     refused("20 5 1.5 10", "1:1", &["glass behind it", "index must be 0 or 1"]);
     refused("0 1 1 5\n20 5 1.5 10\n-20 1 1 10\n0 0 1 3", "4:1", &["second stop", "line 1"]);
     refused("20 5 1.5 60 10\nstop 2 9\n-20 0 9\nstop 1 1.5 60 9", "2:1", &["air on both sides"]);
     refused("20 5 1.5 60 10\n-20 1 - 60 9", "2:9", &["V-number without a refractive index"]);
     refused("20 5 1.5 -3 10\n-20 1 9", "1:10", &["V-number is positive"]);
+}
+
+#[test]
+fn a_decimal_comma_is_named_with_its_line() {
+    let hint = ["(a decimal comma on line 1? write 1.5, not 1,5)"].as_slice();
+    refused("58,95 7,52 1,67 50,4", "1:1", hint);
+    refused("58,95;7,52;1,67;50,4", "1:9", hint);
+    refused("20,5,1.5,10,3,7", "1:1", hint);
+    // Taken for a row of five columns, the first is right and the second is not.
+    refused("20 5 1,5 10\n-20 30 1 10", "1:8", hint);
+    refused("20\t5,5\t1.5\t10\n-20 30 1 10", "2:1", hint);
+    let message = read("lens.dat", b"20,5,1.5,x").expect_err("refused").to_string();
+    assert!(!message.contains("decimal comma"), "{message}");
+}
+
+#[test]
+fn no_message_repeats_a_long_word_or_number() {
+    let long = "9".repeat(900_000);
+    for text in [
+        format!("x{long} 5 1.5 10"),
+        format!("20 5 1.5 {long}"),
+        "20 -1e308 1.5 10".to_owned(),
+        format!("20 5 1.5 -{}", "9".repeat(300)),
+        format!("glass {long}"),
+        format!("glass x {long}"),
+        format!("glass x sellmeier {long}"),
+        format!("glass x sellmeier B1=1 B1={long}"),
+        format!("{} 5 1.5 10", "20 ".repeat(300_000)),
+    ] {
+        let message = read("lens.dat", text.as_bytes()).expect_err("refused").to_string();
+        assert!(message.len() < 300, "{} bytes: {message:.300}", message.len());
+    }
+}
+
+#[test]
+fn a_mount_wider_than_the_sphere_is_the_whole_sphere_and_told() {
+    let wide = ok(b"0.8146 0.5 1.5 1.64\n-20 30 1 1");
+    assert_eq!(wide.interfaces[0].semi_diameter, 0.8146);
+    assert_eq!(
+        wide.remarks,
+        [
+            "lens.dat:1:1: clear diameter 1.64 mm on a sphere of radius 0.8146 mm; 1.6292 mm is used, the whole sphere"
+        ]
+    );
+    assert_eq!(ok(b"0.8146 0.5 1.5 1.6292\n-20 30 1 1").remarks, [""; 0]);
 }
 
 /// A lens of so many interfaces.

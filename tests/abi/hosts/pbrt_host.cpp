@@ -4,7 +4,7 @@
 //
 // Arguments, in any order after the plugin's path and the action:
 //   float:NAME=1,2  integer:NAME=1  bool:NAME=true  string:NAME=a|b    the scene's parameters
-//   res=WxH  w2c=16 numbers  sample=x,y,u,v,time (many)  spp=N
+//   file=PATH of the scene  res=WxH  w2c=16 numbers  sample=x,y,u,v,time (many)  spp=N
 // Prints one `key values…` a line; the tests read these.
 
 #include <cfloat>
@@ -82,6 +82,7 @@ public:
     const int *FindInt(const std::string &, int *) const;
     const bool *FindBool(const std::string &, int *) const;
     const std::string *FindString(const std::string &, int *) const;
+    std::string ToString() const;
 
     Items<int> ints;
     Items<bool> bools;
@@ -96,6 +97,24 @@ const bool *ParamSet::FindBool(const std::string &name, int *count) const { retu
 const std::string *ParamSet::FindString(const std::string &name, int *count) const {
     return strings.find(name, count);
 }
+
+std::string ParamSet::ToString() const {
+    std::ostringstream text;
+    for (const Item<float> *item : floats.list) {
+        text << "\"float " << item->name << "\" [";
+        for (int i = 0; i < item->count; ++i) text << item->values[i] << ' ';
+        text << "] ";
+    }
+    for (const Item<std::string> *item : strings.list) {
+        text << "\"string " << item->name << "\" [";
+        for (int i = 0; i < item->count; ++i) text << '"' << item->values[i] << "\" ";
+        text << "] ";
+    }
+    return text.str();
+}
+
+// The scene file that is being read.
+std::string current_file;
 
 struct Triple {
     float x, y, z;
@@ -235,6 +254,8 @@ void take(Request *request, const std::string &argument) {
     std::string key = argument.substr(0, equals), value = argument.substr(equals + 1);
     if (key == "res") {
         std::sscanf(value.c_str(), "%dx%d", &request->x, &request->y);
+    } else if (key == "file") {
+        current_file = value;
     } else if (key == "spp") {
         request->spp = std::atoi(value.c_str());
     } else if (key == "w2c") {

@@ -347,11 +347,42 @@ fn a_lens_file_is_found_here_along_the_search_path_and_beside_the_plugin() {
 }
 
 #[test]
+fn a_lens_file_is_found_beside_the_scene_wherever_the_host_was_started() {
+    let (plugins, plugin) = installed("realistic.so");
+    let (here, scenes) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    fs::write(scenes.path().join("scene.dat"), LENS).unwrap();
+    let search = format!("/nonexistent:{0}:{0}/", plugins.path().display());
+    for abi in Abi::BOTH {
+        let look = |scene: &Path, file: &str| {
+            Run::new(abi, &plugin, "rays")
+                .with(format!("file={}", scene.display()))
+                .with(format!("string:specfile={file}"))
+                .with("float:filmdistance=58")
+                .with("sample=15,10,0.5,0.5,0")
+                .in_directory(here.path())
+                .env("PBRT_SEARCHPATH", Path::new(&search))
+                .run()
+        };
+        look(&scenes.path().join("a.pbrt"), "scene.dat").clean();
+        // Each directory is named once, and what is not among them.
+        let places = format!(
+            "no lens file \"none.dat\" in the working directory, {}, /nonexistent, {} (a scene's SearchPath cannot be seen \
+             from a plugin), and no lens",
+            scenes.path().display(),
+            plugins.path().display()
+        );
+        look(&scenes.path().join("a.pbrt"), "none.dat").refused(&[&places]);
+        look(Path::new("<standard input>"), "scene.dat").refused(&["the working directory, /nonexistent, "]);
+    }
+}
+
+#[test]
 fn what_nobody_knows_stays_the_hosts_to_report() {
     for abi in Abi::BOTH {
         let report = run(abi, "rays", &["float:flimdistance=3", "float:filmdistance=40"]);
         assert_eq!(report.one("camera"), "made");
-        assert_eq!(report.one("warning"), "Parameter \"flimdistance\" not used");
+        let hint = "realistic: no parameter is called \"flimdistance\"; did you mean \"filmdistance\"?";
+        assert_eq!(report.all("warning"), [hint, "Parameter \"flimdistance\" not used"]);
         report.ended();
     }
 }

@@ -1,6 +1,7 @@
 //! What first-order optics says of a lens: a list of facts, each once in words for a reader and once as JSON for a
 //! program. Terms as in M. Born and E. Wolf, *Principles of Optics*, chapter 4.
 
+use realistic::message::{as_given, fixed};
 use realistic::prescription::Prescription;
 use realistic::{
     imaging::field::{self, Field},
@@ -70,11 +71,12 @@ impl Facts {
 /// Focal length and cardinal points; air being on both sides, the nodal points are the principal ones.
 fn first_order(optics: Option<FirstOrder>, stated: Option<f64>) -> [Fact; 5] {
     let said = |say: &dyn Fn(FirstOrder) -> String| optics.map(say);
-    let both = |front: f64, rear: f64| format!("z = {front:.4} mm (scene), {rear:.4} mm (film)");
+    let both =
+        |front: f64, rear: f64| format!("z = {} mm (scene), {} mm (film)", fixed(front, 4), fixed(rear, 4));
     let planes = |o: FirstOrder| both(o.front_principal_plane, o.rear_principal_plane);
     let (front, rear) = (optics.map(|o| o.front_principal_plane), optics.map(|o| o.rear_principal_plane));
-    let in_file = stated.map_or_else(String::new, |f| format!(" (the file states {f} mm)"));
-    let focal_length = said(&|o| format!("{:.4} mm{in_file}", o.focal_length));
+    let in_file = stated.map_or_else(String::new, |f| format!(" (the file states {} mm)", as_given(f)));
+    let focal_length = said(&|o| format!("{} mm{in_file}", fixed(o.focal_length, 4)));
     let afocal = || "none: the lens is afocal, parallel rays leave it parallel".to_owned();
     [
         fact(
@@ -87,7 +89,7 @@ fn first_order(optics: Option<FirstOrder>, stated: Option<f64>) -> [Fact; 5] {
         ),
         fact(
             "back focal dist.",
-            said(&|o| format!("{:.4} mm", o.back_focal_distance())),
+            said(&|o| format!("{} mm", fixed(o.back_focal_distance(), 4))),
             json!({ "back_focal_distance_mm": optics.map(|o| o.back_focal_distance()) }),
         ),
         fact(
@@ -122,7 +124,9 @@ fn pupils(lens: &Lens, optics: Option<FirstOrder>) -> [Fact; 4] {
         z.filter(|z| z.abs() < AT_INFINITY * size).map(|z| (z + 0.0, diameter))
     };
     let said = |pupil: Option<(f64, f64)>| {
-        pupil.map_or("at infinity".to_owned(), |(z, d)| format!("z = {z:.4} mm, diameter {d:.4} mm"))
+        pupil.map_or("at infinity".to_owned(), |(z, d)| {
+            format!("z = {} mm, diameter {} mm", fixed(z, 4), fixed(d, 4))
+        })
     };
     let entrance = pupil(entrance.position(), entrance.diameter());
     let exit = pupil(exit.position(), exit.diameter());
@@ -154,7 +158,7 @@ fn pupils(lens: &Lens, optics: Option<FirstOrder>) -> [Fact; 4] {
         ),
         fact(
             "f-number",
-            f_number.map_or("none".to_owned(), |number| format!("{number:.4}")),
+            f_number.map_or("none".to_owned(), |number| fixed(number, 4)),
             json!({ "f_number": f_number }),
         ),
         fact("stop", stop_text, json!({ "stop_row": stop, "limiting_row": limiting })),
@@ -172,15 +176,15 @@ fn film(lens: &Lens, optics: Option<FirstOrder>, film_distance: Option<f64>, dia
     let corner = match (real, lit) {
         (Some(_), _) => format!("{} by the corner's chief ray", degrees(real)),
         (None, Some(radius)) => {
-            format!("the corner is dark: film gets light up to {radius:.3} mm from the axis")
+            format!("the corner is dark: film gets light up to {} mm from the axis", fixed(radius, 3))
         }
         (None, None) => "the film is dark".to_owned(),
     };
     let nowhere = || "has no place: the lens makes no real image of a distant object".to_owned();
-    let place = film_distance.map(|distance| format!("{distance:.4} mm behind the last vertex"));
+    let place = film_distance.map(|distance| format!("{} mm behind the last vertex", fixed(distance, 4)));
     let view = || {
         let paraxial = degrees(paraxial);
-        format!("on a diagonal of {diagonal} mm: {paraxial} paraxial (2 atan d/2f); {corner}")
+        format!("on a diagonal of {} mm: {paraxial} paraxial (2 atan d/2f); {corner}", as_given(diagonal))
     };
     [
         fact(

@@ -28,11 +28,8 @@ pub struct Args {
 /// No such lens, or one that cannot be set up as asked.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let (prescription, lens) = args.lens.open()?;
-    let film_distance = match args.place.film_distance(&lens) {
-        Err(failure) if args.place.is_given() => return Err(failure),
-        // A lens that makes no image is worth a report without one.
-        place => place.ok(),
-    };
+    // A lens that makes no image is worth a report without one.
+    let film_distance = args.place.film_distance_if_any(&lens)?;
     let facts = Facts::of(&prescription, &lens, film_distance, args.film.diagonal);
     let text = if args.json {
         let mut value = facts.json();

@@ -1,6 +1,7 @@
 //! The prescription's table, a row an interface.
 
 use realistic::lens::Lens;
+use realistic::message::fixed;
 use realistic::prescription::{Medium, Prescription, Shape};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -67,19 +68,19 @@ pub fn text(prescription: &Prescription, lens: &Lens) -> String {
         "row", "radius mm", "thickness", "n behind", "V", "diameter", "sag"
     );
     let or_dash = |value: Option<f64>, digits: usize| {
-        value.map_or_else(|| "-".to_owned(), |value| format!("{value:.digits$}"))
+        value.map_or_else(|| "-".to_owned(), |value| fixed(value, digits))
     };
     for (index, row) in rows(prescription, lens).enumerate() {
-        let radius = row.radius.map_or_else(|| row.kind.to_owned(), |radius| format!("{radius:.4}"));
+        let radius = row.radius.map_or_else(|| row.kind.to_owned(), |radius| fixed(radius, 4));
         let _ = writeln!(
             text,
-            "{:>3} {radius:>12} {:>10} {:>9.6} {:>6} {:>10.4} {:>9.4}",
+            "{:>3} {radius:>12} {:>10} {:>9.6} {:>6} {:>10} {:>9}",
             index + 1,
             or_dash(row.thickness, 4),
             row.n,
             or_dash(row.abbe, 2),
-            row.diameter,
-            row.sag,
+            fixed(row.diameter, 4),
+            fixed(row.sag, 4),
         );
     }
     text + "sag: the edge of the clear aperture lies so many mm on the scene's side of the vertex\n"

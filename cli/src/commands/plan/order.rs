@@ -37,13 +37,14 @@ impl Order {
     /// A parameter is refused.
     pub fn of(args: &Args) -> Result<Self, Failure> {
         let mut parameters = Parameters::default();
-        args.lens.give(&mut parameters);
+        let [xres, yres] = args.film.size;
+        let mut host = Host::new(Raster { xres, yres }, None);
+        args.lens.give(&mut parameters, &mut host)?;
         args.place.give(&mut parameters);
         args.film.give(&mut parameters);
         parameters.tolerance = args.tolerance;
         set_parameters(&mut parameters, &args.parameters)?;
-        let [xres, yres] = args.film.size;
-        Ok(Self { parameters, host: Host::new(Raster { xres, yres }, None) })
+        Ok(Self { parameters, host })
     }
 
     /// The tolerance asked for, pixels.

@@ -8,6 +8,7 @@ mod page;
 
 use crate::drawing::picture;
 use crate::failure::Failure;
+use crate::files;
 use crate::host::scene::chequers;
 use indicatif::{ProgressBar, ProgressStyle};
 use realistic_lab::accuracy::suite::{Results, Suite};
@@ -93,7 +94,7 @@ fn make_folder(folder: &Path) -> Result<(), Failure> {
 fn write(results: &Results, suite: &Suite, took: Duration, folder: &Path) -> Result<(), Failure> {
     let save = |name: &str, text: &str| {
         let path = folder.join(name);
-        std::fs::write(&path, text).map_err(|error| Failure::cannot_write(&path, &error))
+        files::save(&path, text.as_bytes()).map_err(|error| Failure::cannot_write(&path, &error))
     };
     for table in results.tables() {
         save(&format!("{}.csv", table.name), &table.to_csv())?;

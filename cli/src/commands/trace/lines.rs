@@ -1,5 +1,6 @@
 //! The lines of `trace`: text to a ray, and a ray to text.
 
+use realistic::message::cut;
 use realistic::trace::{Blocked, Ray};
 use std::io::{self, Write};
 
@@ -51,7 +52,7 @@ pub fn read_line(line: &[u8], film: Option<f64>, may_be_header: bool) -> Result<
                     "z is empty; expected a number in mm, or the film's place by --film-distance".to_owned(),
                 )
             })?,
-            _ => return Err((column, format!("expected a finite number for {name}, got \"{word}\""))),
+            _ => return Err((column, format!("expected a finite number for {name}, got \"{}\"", cut(word)))),
         };
         count += 1;
     }
@@ -95,6 +96,7 @@ mod tests {
             (&b"x,y,z,dx,dy,dz"[..], 1, "for x"),
             (b"1,2,,0,0,1", 5, "--film-distance"),
             (b"1,2,3,0,0,", 11, "for dz, got \"\""),
+            (&[b'1'; 20_000_000], 1, "got \"1111111111111111111111111111111111111111...\""),
             (b"1,2,3,0,0", 10, "for dz"),
             (b"1,2,3,0,0,1,ok", 13, "six"),
             (b"1, nan,3,0,0,1", 4, "finite"),

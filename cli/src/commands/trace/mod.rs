@@ -58,6 +58,9 @@ fn after_help() -> String {
 /// # Errors
 /// No such lens, or a line that is not a ray; the lines before it are traced.
 pub fn run(args: &Args) -> Result<(), Failure> {
+    if args.lens.is_piped() {
+        return Err(Failure::Usage("standard input has the rays; give the lens as a file".to_owned()));
+    }
     let (_, lens) = args.lens.open()?;
     let direction = match args.from {
         Side::Film => Direction::FilmToScene,

@@ -2,6 +2,7 @@
 
 use super::library::{Plugin, PluginError, text};
 use super::options;
+use crate::lens_and_film::{PIPED, standard_input};
 use realistic::abi::{realistic_camera, realistic_camera_info, realistic_options};
 use realistic::camera::Parameters;
 use realistic_lab::render::Rays;
@@ -133,7 +134,13 @@ pub fn c_options(
     plugin.check(unsafe { (plugin.functions.options_init)(raw.as_mut_ptr(), size) })?;
     // SAFETY: it was filled in, and zeros, which it held before, are valid too.
     let mut raw = unsafe { raw.assume_init() };
-    let strings = options::fill(&mut raw, parameters)?;
+    let strings = if parameters.specfile.as_deref() == Some(PIPED) {
+        let text = standard_input().map_err(PluginError::Refused)?;
+        (raw.lens_text, raw.lens_text_size) = (text.as_ptr().cast(), text.len());
+        options::fill(&mut raw, &Parameters { specfile: None, ..parameters.clone() })?
+    } else {
+        options::fill(&mut raw, parameters)?
+    };
     let units = (1.0 / parameters.mmperunit.unwrap_or(1.0)) as f32;
     raw.camera_to_world = *camera_to_world;
     for row in 0..3 {

@@ -9,11 +9,11 @@ use crate::host::render::{Settings, render, spectrum};
 use crate::host::scene::Scene;
 use crate::host::scene::effects::{Effect, Effects};
 use crate::image::Picture;
-use crate::lens_and_film::{set_parameters, size, warn};
+use crate::lens_and_film::{PIPED, finite, set_parameters, size, standard_input, warn};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPool;
 use realistic::camera::{PARAMETERS, Parameters, Weighting, autofocus::Rule};
-use realistic::prescription::catalogue;
+use realistic::prescription::{catalogue, read};
 use realistic_lab::render::Tally;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -23,7 +23,7 @@ use std::time::{Duration, Instant};
 /// What the commands that take pictures have in common.
 #[derive(clap::Args, Debug)]
 pub struct Options {
-    /// Lens: a file, or a name of the catalogue; NAME@35mm scales it to that focal length
+    /// Lens: a file, - for standard input, or a name of the catalogue; NAME@35mm scales it to that focal length
     /// [default: dgauss.50mm]
     #[arg(long, value_name = "LENS")]
     pub lens: Option<String>,
@@ -40,7 +40,7 @@ pub struct Options {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     /// Brightness of a .png in stops; 0 shows a white card on the axis as it is
-    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = finite)]
     exposure: f32,
     /// The plugin to load [default: what REALISTIC_PLUGIN names, else that of this program's build, else the one
     /// beside this program or in ../lib]
@@ -107,6 +107,11 @@ impl Studio {
     /// Bad parameters, or no plugin.
     pub fn open(options: &Options) -> Result<Self, Failure> {
         let parameters = gather(options.lens.as_deref(), &options.parameters)?;
+        if parameters.specfile.as_deref() == Some(PIPED) {
+            // Told here, where what is wrong with it has the name that the user knows it by.
+            let text = standard_input().map_err(Failure::Other)?;
+            read("standard input", text).map_err(|error| Failure::Other(error.to_string()))?;
+        }
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(options.threads.map_or(0, usize::from))
             .build()

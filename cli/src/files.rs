@@ -1,0 +1,72 @@
+//! Writing files: whole or not at all. A disk that is full keeps the old file and gets no half of a new one.
+
+use std::fs::{File, OpenOptions};
+use std::io::{self, Write};
+use std::path::Path;
+
+/// Writes a file: under another name beside it first, which then becomes its name. What is no regular file, such as a
+/// pipe or a device, is written as it stands; a symbolic link stays one.
+///
+/// # Errors
+/// The system's. A file that was there is as it was, and nothing else is left.
+pub fn save(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    let old = match path.metadata() {
+        Ok(found) if !found.is_file() => return File::options().write(true).open(&path)?.write_all(bytes),
+        // Who may not write to a file must not replace it.
+        Ok(_) => Some(OpenOptions::new().append(true).open(&path)?.metadata()?.permissions()),
+        Err(_) => None,
+    };
+    let directory = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".realistic-");
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let mut file = builder.tempfile_in(directory)?;
+    file.write_all(bytes)?;
+    if let Some(permissions) = old {
+        file.as_file().set_permissions(permissions)?;
+    }
+    // Some file systems tell only now that they are full.
+    file.as_file().sync_all()?;
+    file.persist(&path).map_err(|error| error.error)?;
+    Ok(())
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+    use std::fs;
+    use std::os::unix::fs::{PermissionsExt as _, symlink};
+
+    #[test]
+    fn a_file_is_replaced_with_its_permissions_and_a_link_leads_to_it() {
+        let dir = tempfile::tempdir().unwrap();
+        let (file, link) = (dir.path().join("file"), dir.path().join("link"));
+        save(&file, b"one").unwrap();
+        // As any program makes it: by the umask.
+        fs::write(dir.path().join("other"), b"").unwrap();
+        let mode = |path: &Path| path.metadata().unwrap().permissions().mode();
+        assert_eq!(mode(&file), mode(&dir.path().join("other")));
+        fs::set_permissions(&file, fs::Permissions::from_mode(0o640)).unwrap();
+        symlink("file", &link).unwrap();
+        let before = File::open(&file).unwrap();
+        save(&link, b"two").unwrap();
+        assert_eq!(fs::read(&file).unwrap(), b"two");
+        assert_eq!(mode(&file) & 0o777, 0o640);
+        assert!(link.symlink_metadata().unwrap().is_symlink());
+        assert_eq!(io::read_to_string(before).unwrap(), "one", "who has the old file open keeps it");
+        assert_eq!(fs::read_dir(&dir).unwrap().count(), 3);
+    }
+
+    #[test]
+    fn a_full_device_is_an_error_and_a_missing_directory_is_not_made() {
+        let dir = tempfile::tempdir().unwrap();
+        let link = dir.path().join("full.png");
+        symlink("/dev/full", &link).unwrap();
+        assert_eq!(save(&link, &[0; 9]).unwrap_err().kind(), io::ErrorKind::StorageFull);
+        save(Path::new("/dev/null"), b"gone").unwrap();
+        assert!(save(&dir.path().join("none/file"), b"").is_err());
+        assert_eq!(fs::read_dir(&dir).unwrap().count(), 1);
+    }
+}

@@ -1,0 +1,115 @@
+//! Files: what happens to them on a full disk, a lens that is piped in, and numbers of lenses of any size.
+
+use super::{fails, succeeds};
+use std::fs;
+use std::path::Path;
+
+const SINGLET: &str = "20 5 1.5 10\n-20 0 1 10\n";
+
+/// The program where no file may grow beyond a few hundred bytes, as on a disk that is full.
+#[cfg(unix)]
+fn on_a_full_disk(directory: &Path, arguments: &[&str]) -> std::process::Output {
+    let script = "trap '' XFSZ; ulimit -f 1; exec \"$0\" \"$@\"";
+    let mut shell = std::process::Command::new("sh");
+    shell.args(["-c", script, env!("CARGO_BIN_EXE_realistic")]).args(arguments);
+    shell.current_dir(directory).output().unwrap()
+}
+
+#[cfg(unix)]
+#[test]
+fn a_full_disk_keeps_the_old_file_and_leaves_no_part_of_a_new_one() {
+    let (dir, plugins) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let small = ["--size", "60x40", "--spp", "1"];
+    let taken = |arguments: &[&'static str]| [arguments, &small].concat();
+    for (file, arguments) in [
+        ("a.png", taken(&["render", "--out", "a.png"])),
+        ("a.exr", taken(&["render", "--out", "a.exr"])),
+        ("focus-01.png", taken(&["focus-stack", "--from", "700", "--to", "inf", "--count", "2"])),
+        ("a.svg", vec!["draw", "dgauss.50mm", "--out", "a.svg"]),
+        ("b.png", vec!["draw", "dgauss.50mm", "--out", "b.png"]),
+        ("c.svg", vec!["focus", "dgauss.50mm", "--distance", "2000", "--out", "c.svg"]),
+        ("d.svg", vec!["pupil", "dgauss.50mm", "--film-radius", "3", "--out", "d.svg"]),
+        ("disks.png", vec!["disks"]),
+        ("realistic.so", vec!["install", ".", "--force"]),
+    ] {
+        let dir = if file == "realistic.so" { plugins.path() } else { dir.path() };
+        let others = fs::read_dir(dir).unwrap().count();
+        fs::write(dir.join(file), "the old one").unwrap();
+        let output = on_a_full_disk(dir, &arguments);
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {told}");
+        assert!(told.contains(file) && told.contains("too large"), "{arguments:?}: {told}");
+        assert_eq!(fs::read_to_string(dir.join(file)).unwrap(), "the old one", "{arguments:?}");
+        assert_eq!(fs::read_dir(dir).unwrap().count(), others + 1, "{arguments:?}");
+    }
+}
+
+#[test]
+fn a_lens_is_piped_in_wherever_one_is_named() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("singlet.dat");
+    fs::write(&file, SINGLET).unwrap();
+    let file = file.to_str().unwrap();
+    for arguments in [&["lens"][..], &["focus", "--distance", "500"], &["pupil", "--film-radius", "2"]] {
+        let with = |lens| [&arguments[..1], &[lens], &arguments[1..]].concat();
+        let named = succeeds(&with(file), "").replace("singlet.dat", "standard input");
+        assert_eq!(succeeds(&with("-"), SINGLET), named);
+    }
+    let out = dir.path().join("a.png");
+    let render =
+        |lens| ["render", "--size", "6x4", "--spp", "1", "--lens", lens, "--out", out.to_str().unwrap()];
+    succeeds(&render(file), "");
+    let named = fs::read(&out).unwrap();
+    succeeds(&render("-"), SINGLET);
+    assert_eq!(fs::read(&out).unwrap(), named);
+    succeeds(&["plan", "-"], SINGLET);
+
+    for arguments in [&["lens", "-"][..], &render("-")] {
+        let told = fails(arguments, "20 5 1.5 10\n-20 x 1 10\n", 1);
+        assert!(told.contains("standard input:2:5: \"x\" is not a number"), "{told}");
+    }
+    // No more is read than a lens file may have.
+    let told = fails(&["lens", "-"], &"#\n".repeat(3 << 20), 1);
+    assert!(told.contains("standard input:524289:1: ") && told.contains("at most 1048576 bytes"), "{told}");
+    let told = fails(&["trace", "-"], "", 2);
+    assert!(told.contains("standard input has the rays"), "{told}");
+}
+
+#[test]
+fn an_exposure_that_is_no_number_is_refused() {
+    for stops in ["nan", "inf", "-inf"] {
+        let told = fails(&["render", &format!("--exposure={stops}")], "", 2);
+        assert!(told.contains("--exposure") && told.contains("write a finite number"), "{told}");
+    }
+}
+
+#[test]
+fn lenses_and_distances_of_any_size_have_digits_and_few() {
+    let told = succeeds(&["lens", "dgauss.50mm@1e-9mm"], "");
+    assert!(told.contains("focal length      1.0000e-9 mm"), "{told}");
+    assert!(!told.contains("0.0000 mm"), "{told}");
+    let told = succeeds(&["focus", "dgauss.50mm@1e-9mm", "--distance", "1e-8", "--coc", "1e-12"], "");
+    assert!(!told.contains(" 0.000"), "{told}");
+    let told = succeeds(&["focus", "dgauss.50mm", "--distance", "1e308"], "");
+    assert!(told.contains("in focus         1.0000e308 mm from the film"), "{told}");
+    for distance in ["1e-308", "1"] {
+        let told = fails(&["focus", "dgauss.50mm", "--distance", distance], "", 1);
+        assert!(told.contains(&format!("cannot focus at {distance} mm")) && told.len() < 200, "{told}");
+    }
+}
+
+#[test]
+fn first_order_optics_answers_with_the_conjugate_that_was_asked_for() {
+    // By exact rays and by first-order optics, mm.
+    let places = |film: &str| -> [f64; 2] {
+        let told = succeeds(&["focus", "dgauss.50mm", "--film-distance", film], "");
+        let line = told.lines().find(|line| line.starts_with("film distance")).unwrap();
+        let numbers: Vec<f64> = line.split(' ').filter_map(|word| word.parse().ok()).collect();
+        assert_eq!(told.contains("its image larger than itself"), numbers[0] > 86.4, "{told}");
+        numbers.try_into().unwrap()
+    };
+    for film in ["37", "40", "50", "100", "150", "300"] {
+        let [exact, paraxial] = places(film);
+        assert!((exact / paraxial - 1.0).abs() < 0.05, "{exact} {paraxial}");
+    }
+}
