@@ -1,4 +1,5 @@
-/* A picture of a lens's vignetting: the mean weight of each pixel's rays, against the axis.
+/* A picture of a lens's vignetting: the mean weight of each pixel's rays, against the axis; and how much of the scene the
+ * middle pixel covers, by a ray with differentials.
  *
  *     cargo build --release
  *     cc -std=c99 -Iinclude examples/host.c -Ltarget/release -lrealistic -Wl,-rpath,target/release -o host
@@ -6,6 +7,7 @@
  */
 #include "realistic.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -42,6 +44,13 @@ int main(int count, char **arguments) {
             double grey = 255 * sum / (LENS * LENS);
             fputc(grey < 255 ? (int)grey : 255, file);
         }
+    }
+    realistic_sample middle = {WIDTH / 2, HEIGHT / 2, 0.5f, 0.5f, 0};
+    realistic_ray_differential ray;
+    ray.struct_size = sizeof ray;
+    if (realistic_generate_ray_differential(camera, &middle, &ray) > 0 && (ray.has & REALISTIC_HAS_RX) != 0) {
+        printf("a pixel is %.3g mm wide at 10 m\n",
+               fabs(ray.rx_o[0] - ray.ray.o[0] + 1e4 * (ray.rx_d[0] - ray.ray.d[0])));
     }
     realistic_camera_free(camera);
     return fclose(file) == 0 ? EXIT_SUCCESS : EXIT_FAILURE;

@@ -1,4 +1,5 @@
-// A picture of a lens's vignetting: the mean weight of each pixel's rays, against the axis.
+// A picture of a lens's vignetting: the mean weight of each pixel's rays, against the axis; and how much of the scene the
+// middle pixel covers, by a ray with differentials.
 //
 //     cargo build --release
 //     c++ -std=c++11 -Iinclude examples/host.cpp -Ltarget/release -lrealistic -Wl,-rpath,target/release -o host
@@ -7,6 +8,7 @@
 #include "realistic.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
@@ -35,6 +37,11 @@ int main(int count, char **arguments) {
                 for (float weight : weights) sum += weight; // 0 where the lens blocks it
                 file.put(static_cast<char>(static_cast<int>(std::min(255.0, 255 * sum / rays))));
             }
+        }
+        realistic_ray_differential ray;
+        if (camera.generate({width / 2, height / 2, 0.5f, 0.5f, 0}, ray) > 0 && (ray.has & REALISTIC_HAS_RX) != 0) {
+            std::cout << "a pixel is " << std::abs(ray.rx_o[0] - ray.ray.o[0] + 1e4 * (ray.rx_d[0] - ray.ray.d[0]))
+                      << " mm wide at 10 m\n";
         }
         return file.flush() ? EXIT_SUCCESS : EXIT_FAILURE;
     } catch (const realistic::Error &error) {

@@ -15,10 +15,20 @@
 #include <stdint.h>
 
 /*
+ A bit of `has` in `realistic_ray_differential`: there is a ray one pixel to the right.
+ */
+#define REALISTIC_HAS_RX 1
+
+/*
+ A bit of `has` in `realistic_ray_differential`: there is a ray one pixel down.
+ */
+#define REALISTIC_HAS_RY 2
+
+/*
  The version of the C ABI that this header describes. It grows when something is added;
  nothing is ever taken away or renumbered.
  */
-#define REALISTIC_ABI_VERSION 1
+#define REALISTIC_ABI_VERSION 2
 
 /*
  The library can be loaded by a pbrt-v1 host (`CreateCamera` is there).
@@ -59,6 +69,11 @@
  `tolerance` and `realistic_camera_plan` are there.
  */
 #define REALISTIC_CAPABILITY_PLAN 128
+
+/*
+ Rays can be asked for with their differentials (`realistic_generate_ray_differential`).
+ */
+#define REALISTIC_CAPABILITY_DIFFERENTIALS 256
 
 /*
  How a call of the C ABI ended. The numbers are part of the ABI and never change.
@@ -460,6 +475,46 @@ typedef struct realistic_ray {
 } realistic_ray;
 
 /*
+ A ray with its differentials: beside the ray of a sample those of the same lens and time sample one pixel to the right
+ (image x + 1) and one pixel down (image y + 1).
+
+ Bit `REALISTIC_HAS_RX` of `has` says that the lens lets the ray to the right through, whether the shutter is open
+ there or not, and `REALISTIC_HAS_RY` the one below. Where a bit is 0 that neighbour is blocked, and the ray's own
+ origin and direction stand in its place: a footprint of no width, with numbers that are safe to use.
+ */
+typedef struct realistic_ray_differential {
+    /*
+     `sizeof(realistic_ray_differential)` of the caller's header. Set by the caller and never written; of a batch only
+     the first element's is read.
+     */
+    uint32_t struct_size;
+    /*
+     Which neighbours there are: `REALISTIC_HAS_RX`, `REALISTIC_HAS_RY`, both (3) or none (0).
+     */
+    uint32_t has;
+    /*
+     The ray.
+     */
+    struct realistic_ray ray;
+    /*
+     Origin of the ray to the right, world units.
+     */
+    float rx_o[3];
+    /*
+     Its direction, unit length.
+     */
+    float rx_d[3];
+    /*
+     Origin of the ray below, world units.
+     */
+    float ry_o[3];
+    /*
+     Its direction, unit length.
+     */
+    float ry_d[3];
+} realistic_ray_differential;
+
+/*
  Samples as structure of arrays; the members of `realistic_sample`.
  */
 typedef struct realistic_samples_soa {
@@ -638,6 +693,22 @@ float realistic_generate_ray(const struct realistic_camera *camera,
                              struct realistic_ray *ray);
 
 /*
+ One ray with its differentials: the ray of the sample, and those of the same lens and time sample one pixel to the
+ right and one pixel down, in little more than the time of one. They have the bits that `realistic_generate_ray` gives
+ for samples at `image_x` + 1 and at `image_y` + 1. `ray->struct_size` must be set.
+
+ Returns the weight of the sample's ray, positive. Returns exactly 0, and leaves `ray` as it is, where
+ `realistic_generate_ray` does, and when `ray->struct_size` is none that this library knows.
+
+ # Safety
+ `camera` is NULL or points to an object of at least 8 bytes that lives during the call;
+ `sample` and `ray` are NULL or valid, `ray` for its `struct_size` bytes.
+ */
+float realistic_generate_ray_differential(const struct realistic_camera *camera,
+                                          const struct realistic_sample *sample,
+                                          struct realistic_ray_differential *ray);
+
+/*
  Rays of `n` samples. Element i lies `i * stride` bytes from the first, so that arrays of a host's own
  larger structures can be passed (pbrt-v1: 88 for `Sample`, 36 for `Ray`); a stride of 0 means tightly packed.
  Nothing needs to be aligned beyond a byte.
@@ -669,6 +740,41 @@ realistic_status realistic_camera_generate_rays_soa(const struct realistic_camer
                                                     size_t n,
                                                     const struct realistic_samples_soa *samples,
                                                     const struct realistic_rays_soa *rays);
+
+/*
+ Rays with differentials of `n` samples, the same as by `realistic_generate_ray_differential`. Strides, alignment,
+ `weights` and `reasons` as in `realistic_camera_generate_rays`. `struct_size` must be set in the first of `rays`; a
+ `ray_stride` of 0 is that size.
+
+ # Safety
+ `camera` is NULL or a live camera of this library; the arrays have room for `n` elements.
+ */
+realistic_status realistic_camera_generate_ray_differentials(const struct realistic_camera *camera,
+                                                             size_t n,
+                                                             const struct realistic_sample *samples,
+                                                             size_t sample_stride,
+                                                             struct realistic_ray_differential *rays,
+                                                             size_t ray_stride,
+                                                             float *weights,
+                                                             realistic_reason *reasons);
+
+/*
+ Rays with differentials of `n` samples given and taken as structure of arrays: `rays` as in
+ `realistic_camera_generate_rays_soa`, `rx` one pixel to the right, `ry` one pixel down. Of `rx` and `ry` the origins,
+ directions and weights are written, and the other arrays may be NULL: where a weight is positive there is that
+ neighbour; where the lens blocks it the weight is 0 and the ray's own origin and direction stand in its place; where
+ the ray itself is blocked the three weights are 0 and the other numbers are left as they are.
+
+ # Safety
+ `camera` is NULL or a live camera of this library; `samples`, `rays`, `rx` and `ry` are NULL or valid, and
+ their arrays are NULL or have room for `n` elements and do not overlap.
+ */
+realistic_status realistic_camera_generate_ray_differentials_soa(const struct realistic_camera *camera,
+                                                                 size_t n,
+                                                                 const struct realistic_samples_soa *samples,
+                                                                 const struct realistic_rays_soa *rays,
+                                                                 const struct realistic_rays_soa *rx,
+                                                                 const struct realistic_rays_soa *ry);
 
 /*
  Autofocus: finds the film distance, mm, to be given as `filmdistance`, at which the camera of

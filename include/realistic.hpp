@@ -48,6 +48,9 @@ struct Api {
     decltype(&realistic_generate_ray) generate_ray;
     decltype(&realistic_camera_generate_rays) camera_generate_rays;
     decltype(&realistic_camera_generate_rays_soa) camera_generate_rays_soa;
+    decltype(&realistic_generate_ray_differential) generate_ray_differential;
+    decltype(&realistic_camera_generate_ray_differentials) camera_generate_ray_differentials;
+    decltype(&realistic_camera_generate_ray_differentials_soa) camera_generate_ray_differentials_soa;
 
     /* Those that the program is linked with. A program that only loads the library never calls this. */
     static Api linked() {
@@ -56,7 +59,9 @@ struct Api {
                    realistic_camera_new,         realistic_camera_free,
                    realistic_camera_get_info,    realistic_camera_get_lens_name,
                    realistic_camera_plan,        realistic_generate_ray,
-                   realistic_camera_generate_rays, realistic_camera_generate_rays_soa};
+                   realistic_camera_generate_rays, realistic_camera_generate_rays_soa,
+                   realistic_generate_ray_differential, realistic_camera_generate_ray_differentials,
+                   realistic_camera_generate_ray_differentials_soa};
     }
 
     /* Those that `symbol`, called with each name, returns as void pointers. Throws Error when one is missing
@@ -76,6 +81,10 @@ struct Api {
         resolve(symbol, "realistic_generate_ray", api.generate_ray);
         resolve(symbol, "realistic_camera_generate_rays", api.camera_generate_rays);
         resolve(symbol, "realistic_camera_generate_rays_soa", api.camera_generate_rays_soa);
+        resolve(symbol, "realistic_generate_ray_differential", api.generate_ray_differential);
+        resolve(symbol, "realistic_camera_generate_ray_differentials", api.camera_generate_ray_differentials);
+        resolve(symbol, "realistic_camera_generate_ray_differentials_soa",
+                api.camera_generate_ray_differentials_soa);
         return api;
     }
 
@@ -205,6 +214,28 @@ public:
     /* As structure of arrays, of `n` elements each. */
     void generate(const realistic_samples_soa &samples, std::size_t n, const realistic_rays_soa &rays) const {
         api_.check(api_.camera_generate_rays_soa(camera_.get(), n, &samples, &rays));
+    }
+
+    /* The weight of a ray with differentials, whose `struct_size` is set here; 0, and the rest as it was, where the
+     * lens blocks it. */
+    float generate(const realistic_sample &sample, realistic_ray_differential &ray) const noexcept {
+        ray.struct_size = sizeof ray;
+        return api_.generate_ray_differential(camera_.get(), &sample, &ray);
+    }
+
+    /* As `generate` for `n` samples, with differentials; sets `struct_size` of the first of `rays`. */
+    void generate(const realistic_sample *samples, std::size_t n, realistic_ray_differential *rays, float *weights,
+                  realistic_reason *reasons = nullptr, std::size_t sample_stride = 0,
+                  std::size_t ray_stride = 0) const {
+        if (n > 0 && rays != nullptr) rays->struct_size = sizeof *rays;
+        api_.check(api_.camera_generate_ray_differentials(camera_.get(), n, samples, sample_stride, rays, ray_stride,
+                                                          weights, reasons));
+    }
+
+    /* As structure of arrays with differentials, of `n` elements each. */
+    void generate(const realistic_samples_soa &samples, std::size_t n, const realistic_rays_soa &rays,
+                  const realistic_rays_soa &rx, const realistic_rays_soa &ry) const {
+        api_.check(api_.camera_generate_ray_differentials_soa(camera_.get(), n, &samples, &rays, &rx, &ry));
     }
 
     realistic_camera_info info() const {

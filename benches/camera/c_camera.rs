@@ -29,6 +29,16 @@ impl Camera {
         black_box(unsafe { realistic_generate_ray(self.0, sample, &mut ray) })
     }
 
+    /// The weight of one ray with differentials.
+    pub fn differential(&self, sample: &realistic_sample) -> f32 {
+        let struct_size = size_of::<realistic_ray_differential>() as u32;
+        let mut ray = realistic_ray_differential { struct_size, ..Default::default() };
+        // SAFETY: a live camera.
+        let weight = unsafe { realistic_generate_ray_differential(self.0, sample, &mut ray) };
+        black_box(&ray);
+        weight
+    }
+
     /// The first slot of the vtable, as a pbrt-v1 host calls it.
     #[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
     pub fn host(&self, sample: &realistic_sample) -> f32 {

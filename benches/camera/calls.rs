@@ -18,6 +18,8 @@ use realistic_lab::{
     timing::{Effort, interleaved},
 };
 
+#[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
+use super::c_camera::triple;
 use super::c_camera::{Arrays, Camera, chain, moved};
 
 /// Bytes from one structure to the next in a pbrt-v1 host: its own `Sample`, and `Ray`.
@@ -57,6 +59,13 @@ pub fn print(lens: &str, cameras: [(&str, &Camera); 2], samples: &[realistic_sam
             );
             row(&format!("arrays, n = {n}"), arrays(camera, samples, n), "single call", one());
         }
+        let one = || one_by_one(camera, samples);
+        row("with differentials, one call", differential(camera, samples), "single call", one());
+        #[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
+        row("with differentials, vtable, three calls", by_vtable(camera, samples), "single call", one());
+        let rays = || structures(camera, samples, LARGE, [0, 0]);
+        let way = format!("with differentials, structures, n = {LARGE}");
+        row(&way, differentials(camera, samples, LARGE), "the same without", rays());
     }
 }
 
@@ -76,6 +85,48 @@ fn kernel<S: KernelScalar + 'static>(lens: &str, count: usize) -> Task<'static> 
 /// Each sample by a call of its own that waits for the one before.
 fn one_by_one<'a>(camera: &'a Camera, samples: &'a [realistic_sample]) -> Task<'a> {
     Box::new(move || chain(samples, |sample, carry| camera.one(&moved(sample, carry))))
+}
+
+/// Each sample with its differentials by a call of its own that waits for the one before.
+fn differential<'a>(camera: &'a Camera, samples: &'a [realistic_sample]) -> Task<'a> {
+    Box::new(move || chain(samples, |sample, carry| camera.differential(&moved(sample, carry))))
+}
+
+/// Each sample by the three calls of a pbrt-v1 host.
+#[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
+fn by_vtable<'a>(camera: &'a Camera, samples: &'a [realistic_sample]) -> Task<'a> {
+    let calls = move |sample: &realistic_sample, carry| {
+        triple(&moved(sample, carry)).iter().map(|sample| camera.host(sample)).sum::<f32>()
+    };
+    Box::new(move || chain(samples, calls))
+}
+
+/// Array of structures with differentials, `n` at a time.
+fn differentials<'a>(camera: &'a Camera, samples: &'a [realistic_sample], n: usize) -> Task<'a> {
+    let struct_size = size_of::<realistic_ray_differential>() as u32;
+    let mut found = vec![realistic_ray_differential { struct_size, ..Default::default() }; samples.len()];
+    let mut weights = vec![0.0_f32; samples.len()];
+    Box::new(move || {
+        for ((samples, found), weights) in
+            samples.chunks(n).zip(found.chunks_mut(n)).zip(weights.chunks_mut(n))
+        {
+            // SAFETY: every array has room.
+            let status = unsafe {
+                realistic_camera_generate_ray_differentials(
+                    camera.0,
+                    samples.len(),
+                    samples.as_ptr(),
+                    0,
+                    found.as_mut_ptr(),
+                    0,
+                    weights.as_mut_ptr(),
+                    null_mut(),
+                )
+            };
+            assert_eq!(status, realistic_status::Ok);
+        }
+        black_box((&found, &weights));
+    })
 }
 
 /// Structure of arrays, `n` at a time.

@@ -7,7 +7,7 @@ use super::boundary::{realistic_status, with_last_message};
 
 /// The version of the C ABI that this header describes. It grows when something is added;
 /// nothing is ever taken away or renumbered.
-pub const REALISTIC_ABI_VERSION: u32 = 1;
+pub const REALISTIC_ABI_VERSION: u32 = 2;
 
 /// The library can be loaded by a pbrt-v1 host (`CreateCamera` is there).
 pub const REALISTIC_CAPABILITY_PBRT_V1: u64 = 1;
@@ -25,6 +25,8 @@ pub const REALISTIC_CAPABILITY_MOTION: u64 = 32;
 pub const REALISTIC_CAPABILITY_AUTOFOCUS: u64 = 64;
 /// `tolerance` and `realistic_camera_plan` are there.
 pub const REALISTIC_CAPABILITY_PLAN: u64 = 128;
+/// Rays can be asked for with their differentials (`realistic_generate_ray_differential`).
+pub const REALISTIC_CAPABILITY_DIFFERENTIALS: u64 = 256;
 
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "\0");
 
@@ -52,6 +54,7 @@ pub extern "C" fn realistic_capabilities() -> u64 {
         | REALISTIC_CAPABILITY_MOTION
         | REALISTIC_CAPABILITY_AUTOFOCUS
         | REALISTIC_CAPABILITY_PLAN
+        | REALISTIC_CAPABILITY_DIFFERENTIALS
 }
 
 /// The message of this thread's last failure, in one or more lines of UTF-8; empty when there was none. The

@@ -25,5 +25,5 @@ pub use library::*;
 pub use options::*;
 #[cfg(realistic_shim)]
 pub use pbrt::CreateCamera;
-pub use ray::{GenerateRay, realistic_generate_ray};
+pub use ray::{GenerateRay, realistic_generate_ray, realistic_generate_ray_differential};
 pub use types::*;

@@ -52,6 +52,38 @@ pub struct realistic_ray {
     pub time: f32,
 }
 
+/// A ray with its differentials: beside the ray of a sample those of the same lens and time sample one pixel to the right
+/// (image x + 1) and one pixel down (image y + 1).
+///
+/// Bit `REALISTIC_HAS_RX` of `has` says that the lens lets the ray to the right through, whether the shutter is open
+/// there or not, and `REALISTIC_HAS_RY` the one below. Where a bit is 0 that neighbour is blocked, and the ray's own
+/// origin and direction stand in its place: a footprint of no width, with numbers that are safe to use.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[allow(non_camel_case_types)]
+pub struct realistic_ray_differential {
+    /// `sizeof(realistic_ray_differential)` of the caller's header. Set by the caller and never written; of a batch only
+    /// the first element's is read.
+    pub struct_size: u32,
+    /// Which neighbours there are: `REALISTIC_HAS_RX`, `REALISTIC_HAS_RY`, both (3) or none (0).
+    pub has: u32,
+    /// The ray.
+    pub ray: realistic_ray,
+    /// Origin of the ray to the right, world units.
+    pub rx_o: [f32; 3],
+    /// Its direction, unit length.
+    pub rx_d: [f32; 3],
+    /// Origin of the ray below, world units.
+    pub ry_o: [f32; 3],
+    /// Its direction, unit length.
+    pub ry_d: [f32; 3],
+}
+
+/// A bit of `has` in `realistic_ray_differential`: there is a ray one pixel to the right.
+pub const REALISTIC_HAS_RX: u32 = 1;
+/// A bit of `has` in `realistic_ray_differential`: there is a ray one pixel down.
+pub const REALISTIC_HAS_RY: u32 = 2;
+
 /// What became of a sample. The numbers are part of the ABI and never change.
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,7 @@
 //! The camera that a host holds: one of the models, with its shutter.
 
 use super::{
+    differentials::{self, AT_ONCE, Moved, NeighbourArrays, RayDifferential, Side},
     host::{Host, Log},
     model::Model,
     models::{
@@ -151,7 +152,10 @@ impl Camera {
     /// [`Camera::ray`] of four samples of one time, traced side by side; `false`, and nothing done, where that
     /// takes as long as one after the other.
     #[inline]
-    #[cfg_attr(not(realistic_shim), expect(dead_code, reason = "only a pbrt-v1 host asks for three at once"))]
+    #[cfg_attr(
+        not(realistic_shim),
+        expect(dead_code, reason = "only a pbrt-v1 host asks for any three at once")
+    )]
     pub(crate) fn trace_side_by_side(&self, samples: &SampleBlock<4>, rays: &mut RayBlock<4>) -> bool {
         let traced = self.rays.four(samples, rays);
         if traced && self.shutter != Shutter::Global {
@@ -162,6 +166,66 @@ impl Camera {
             }
         }
         traced
+    }
+
+    /// The ray of a sample with its weight, and those of the same lens and time sample one pixel to the right and one
+    /// pixel down: the bits of [`Camera::ray`] for samples at image x + 1 and at y + 1. There is a neighbour where the
+    /// lens lets it through, whether the shutter is open there or not. `None` where the sample has no ray.
+    pub fn ray_differential(&self, sample: &Sample) -> Option<(RayDifferential, f32)> {
+        let mut rays = RayBlock::new();
+        self.trace_neighbours(sample, &mut rays);
+        let [own, rx, ry] = [0, 1, 2].map(|place| rays.get(place));
+        let [rx, ry] = [rx, ry].map(|found| found.map(|(ray, _)| ray));
+        own.map(|(ray, weight)| (RayDifferential { ray, rx, ry }, weight))
+    }
+
+    /// [`Camera::ray_differential`] of many samples, the same to the last bit. Where there is no ray the three weights
+    /// are 0, and the other numbers are left as they are; where a neighbour is missing its weight is 0, and the
+    /// ray's own origin and direction stand in its place.
+    ///
+    /// # Panics
+    /// The arrays differ in length.
+    pub fn ray_differentials(
+        &self,
+        samples: &SampleArrays<'_>,
+        rays: &mut RayArrays<'_>,
+        rx: &mut NeighbourArrays<'_>,
+        ry: &mut NeighbourArrays<'_>,
+    ) {
+        self.rays(samples, rays);
+        let n = samples.checked_len();
+        let same = [&*rx, ry].iter().all(|neighbours| neighbours.checked_len() == n);
+        assert!(same, "a batch needs as much room as it has samples");
+        let (mut moved, mut found) = (Moved::new(), RayBlock::new());
+        for first in (0..n).step_by(AT_ONCE) {
+            let count = AT_ONCE.min(n - first);
+            let part = samples.part(first, count);
+            self.rays.many(&moved.to(Side::Right, &part), &mut found.arrays(count));
+            rx.take(first, count, rays, &mut found);
+            self.rays.many(&moved.to(Side::Below, &part), &mut found.arrays(count));
+            ry.take(first, count, rays, &mut found);
+        }
+    }
+
+    /// Traces a sample and its neighbours, into places 0, 1 (right) and 2 (below); the weight is 0 where there is no ray.
+    pub(crate) fn trace_neighbours(&self, sample: &Sample, rays: &mut RayBlock<4>) {
+        let samples @ [own, right, below] = differentials::samples_of(sample);
+        let block = differentials::at_points(
+            &own,
+            [own.image_x, right.image_x, own.image_x, own.image_x],
+            [own.image_y, own.image_y, below.image_y, own.image_y],
+        );
+        let traced = self.rays.four(&block, rays);
+        if !traced {
+            for (place, sample) in samples.iter().enumerate() {
+                rays.arrays(4).set(place, self.rays.ray(sample));
+            }
+        }
+        if self.shutter != Shutter::Global {
+            let share = self.share(own.image_y, own.time);
+            let weight = &mut rays.arrays(4).weight[0];
+            *weight = share.filter(|_| *weight > 0.0).map_or(0.0, |share| dimmed(*weight, share));
+        }
     }
 
     /// [`Camera::rays`] by blocks, of which only what the shutter lets through is handed on.

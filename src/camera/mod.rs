@@ -7,6 +7,7 @@
 mod any_camera;
 pub mod autofocus;
 pub(crate) mod builder;
+pub(crate) mod differentials;
 pub(crate) mod host;
 pub(crate) mod model;
 pub mod models;
@@ -20,6 +21,7 @@ pub use crate::plan::Precision;
 pub(crate) use crate::sampling::film;
 pub use any_camera::Camera;
 pub use builder::CameraBuilder;
+pub use differentials::{NeighbourArrays, RayDifferential};
 pub use film::{Film, Raster};
 pub use host::{Host, Level, Log};
 pub use model::Model;

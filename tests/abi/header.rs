@@ -28,7 +28,17 @@ fn the_header_is_up_to_date() {
     let config =
         cbindgen::Config::from_file(root.join("include/cbindgen.toml")).expect("a valid configuration");
     let mut builder = cbindgen::Builder::new().with_config(config);
-    for file in ["types", "boundary", "library", "options", "camera", "ray", "batch", "autofocus"] {
+    for file in [
+        "types",
+        "boundary",
+        "library",
+        "options",
+        "camera",
+        "ray",
+        "batch/rays",
+        "batch/differentials",
+        "autofocus",
+    ] {
         builder = builder.with_src(root.join(format!("src/abi/{file}.rs")));
     }
     let mut made = Vec::new();

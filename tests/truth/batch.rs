@@ -104,38 +104,70 @@ fn singles(camera: &Camera, samples: &[realistic_sample]) -> Vec<Bits> {
     samples.iter().map(one).collect()
 }
 
-/// Through arrays of structures at strides with a rest, beginning at an odd byte.
-fn structures(camera: &Camera, samples: &[realistic_sample]) -> (Vec<Bits>, Vec<i32>) {
-    const SAMPLE: usize = 23;
-    const RAY: usize = 41;
+/// Bytes from one sample and one ray to the next: packed, a pbrt-v1 host's, and with a rest. What begins at an odd byte is
+/// aligned nowhere.
+const STRIDES: [[usize; 2]; 3] = [[20, 36], [88, 36], [23, 41]];
+
+/// Room for structures that begins `odd` bytes beyond where they would be aligned.
+struct Structures {
+    bytes: Vec<u8>,
+    start: usize,
+    stride: usize,
+}
+
+impl Structures {
+    fn new<T: Copy>(n: usize, stride: usize, odd: usize, first: impl Fn(usize) -> T) -> Self {
+        let bytes = vec![0_u8; 8 + n * stride];
+        let start = bytes.as_ptr().align_offset(4) + odd;
+        let mut made = Self { bytes, start, stride };
+        for i in 0..n {
+            // SAFETY: there is room, aligned or not.
+            unsafe { made.at::<T>(i).write_unaligned(first(i)) };
+        }
+        made
+    }
+
+    fn at<T>(&mut self, i: usize) -> *mut T {
+        self.bytes[self.start + i * self.stride..].as_mut_ptr().cast()
+    }
+
+    /// All of them.
+    fn all<T: Copy>(&mut self, n: usize) -> Vec<T> {
+        // SAFETY: as in `new`.
+        (0..n).map(|i| unsafe { self.at::<T>(i).read_unaligned() }).collect()
+    }
+}
+
+/// Through arrays of structures at strides, beginning `odd` bytes beyond where they would be aligned. Reasons are 0 where
+/// none is asked for.
+fn structures(
+    camera: &Camera,
+    samples: &[realistic_sample],
+    [sample_stride, ray_stride]: [usize; 2],
+    odd: usize,
+    with_reasons: bool,
+) -> (Vec<Bits>, Vec<i32>) {
     let n = samples.len();
-    let mut from = vec![0_u8; 1 + n * SAMPLE];
-    let mut to = vec![0_u8; 1 + n * RAY];
-    let mut weights = vec![0_u8; 1 + 4 * n];
-    let mut reasons = vec![0_u8; 1 + 4 * n];
+    let mut from = Structures::new(n, sample_stride, odd, |i| samples[i]);
+    let mut to = Structures::new(n, ray_stride, odd, |_| UNTOUCHED);
+    let mut weights = Structures::new(n, 4, odd, |_| 0.0_f32);
+    let mut reasons = Structures::new(n, 4, odd, |_| 0_i32);
     // SAFETY: all places lie inside, and are read and written unaligned.
     unsafe {
-        for (i, sample) in samples.iter().enumerate() {
-            from.as_mut_ptr().add(1 + i * SAMPLE).cast::<realistic_sample>().write_unaligned(*sample);
-            to.as_mut_ptr().add(1 + i * RAY).cast::<realistic_ray>().write_unaligned(UNTOUCHED);
-        }
-        let weights_at = weights.as_mut_ptr().add(1).cast::<f32>();
-        let reasons_at = reasons.as_mut_ptr().add(1).cast::<realistic_reason>();
         let status = realistic_camera_generate_rays(
             camera.0,
             n,
-            from.as_ptr().add(1).cast(),
-            SAMPLE,
-            to.as_mut_ptr().add(1).cast(),
-            RAY,
-            weights_at,
-            reasons_at,
+            from.at(0),
+            sample_stride,
+            to.at(0),
+            ray_stride,
+            weights.at(0),
+            if with_reasons { reasons.at(0) } else { null_mut() },
         );
         assert_eq!(status, realistic_status::Ok);
-        let ray = |i| to.as_ptr().add(1 + i * RAY).cast::<realistic_ray>().read_unaligned();
-        let rays = (0..n).map(|i| bits(&ray(i), weights_at.add(i).read_unaligned())).collect();
-        (rays, (0..n).map(|i| reasons_at.cast::<i32>().add(i).read_unaligned()).collect())
     }
+    let weights = weights.all::<f32>(n);
+    (to.all(n).iter().zip(weights).map(|(ray, weight)| bits(ray, weight)).collect(), reasons.all(n))
 }
 
 /// Room for numbers, of which the first lies `odd` bytes beyond a place where floats are aligned.
@@ -197,23 +229,119 @@ fn arrays(camera: &Camera, samples: &[realistic_sample], odd: usize) -> (Vec<Bit
 #[test]
 fn batches_have_the_bits_of_single_calls_for_any_number() {
     for (name, camera) in cameras() {
-        for n in [0, 1, 2, 13, 255, 256, 257, 1000] {
+        for n in [0, 1, 2, 3, 4, 5, 13, 15, 16, 17, 127, 128, 129, 383, 384, 385, 1000] {
             let samples = samples(n);
             let expected = singles(&camera, &samples);
-            let (rays, _) = structures(&camera, &samples);
-            let columns = [0, 1].map(|odd| arrays(&camera, &samples, odd).0);
-            for i in 0..n {
-                assert_eq!(rays[i], expected[i], "{name}: structure {i} of {n}, {:?}", samples[i]);
-                for (odd, columns) in columns.iter().enumerate() {
-                    assert_eq!(
-                        columns[i], expected[i],
-                        "{name}: arrays {i} of {n} at {odd}, {:?}",
-                        samples[i]
-                    );
+            for odd in [0, 1] {
+                for strides in STRIDES {
+                    let (rays, _) = structures(&camera, &samples, strides, odd, false);
+                    assert!(rays == expected, "{name}: {n} structures at {strides:?} and {odd}");
                 }
+                let (rays, _) = arrays(&camera, &samples, odd);
+                assert!(rays == expected, "{name}: arrays of {n} at {odd}");
             }
         }
     }
+}
+
+/// Ones of differentials that are compared: of a blocked ray only the weight, 0.
+type DifferentialBits = (Bits, u32, [u32; 12]);
+
+fn differential_bits(ray: &realistic_ray_differential, weight: f32) -> DifferentialBits {
+    let numbers = [ray.rx_o, ray.rx_d, ray.ry_o, ray.ry_d];
+    let flat = std::array::from_fn(|i| numbers[i / 3][i % 3].to_bits());
+    (bits(&ray.ray, weight), ray.has, flat)
+}
+
+const UNTOUCHED_DIFFERENTIAL: realistic_ray_differential = realistic_ray_differential {
+    struct_size: size_of::<realistic_ray_differential>() as u32,
+    has: 77,
+    ray: UNTOUCHED,
+    rx_o: [-82.0; 3],
+    rx_d: [-83.0; 3],
+    ry_o: [-84.0; 3],
+    ry_d: [-85.0; 3],
+};
+
+/// By three calls without differentials, the neighbours through `open`: the same camera with its shutter open.
+fn by_three_calls(camera: &Camera, open: &Camera, sample: &realistic_sample) -> DifferentialBits {
+    let (mut found, mut has) = (UNTOUCHED_DIFFERENTIAL, 0);
+    // SAFETY: live cameras.
+    let weight = unsafe { realistic_generate_ray(camera.0, sample, &mut found.ray) };
+    if weight > 0.0 {
+        let mut neighbour = |sample: realistic_sample, bit| {
+            let mut ray = found.ray;
+            // SAFETY: as above.
+            let passes = unsafe { realistic_generate_ray(open.0, &sample, &mut ray) } > 0.0;
+            has |= u32::from(passes) * bit;
+            (ray.o, ray.d)
+        };
+        let (image_x, image_y) = (sample.image_x + 1.0, sample.image_y + 1.0);
+        let rx = neighbour(realistic_sample { image_x, ..*sample }, REALISTIC_HAS_RX);
+        let ry = neighbour(realistic_sample { image_y, ..*sample }, REALISTIC_HAS_RY);
+        ((found.rx_o, found.rx_d), (found.ry_o, found.ry_d)) = (rx, ry);
+        found.has = has;
+    }
+    differential_bits(&found, weight)
+}
+
+/// On the axis, and at many radii beside: those at which pupils are tabulated are powers of 2 of the largest.
+fn along_the_radius() -> Vec<realistic_sample> {
+    let mut samples = samples(400);
+    for (i, sample) in samples.iter_mut().enumerate() {
+        sample.image_y = 15.0;
+        sample.image_x = 20.0 + (i as f32 - 100.0) / 16.0;
+    }
+    samples[0].image_x = 20.0;
+    samples
+}
+
+#[test]
+fn differentials_have_the_bits_of_three_calls() {
+    let mut seen = [0; 4];
+    for ((name, camera), (_, open)) in cameras().into_iter().zip(cameras()) {
+        // Cameras with a shutter have the default's lens.
+        let open = if ["slit", "leaf"].contains(&name) { self::camera(|_| ()) } else { open };
+        let sets = [0, 1, 2, 3, 4, 5, 15, 16, 17, 63, 64, 65, 127, 128, 129, 385].map(samples);
+        for samples in sets.into_iter().chain([along_the_radius()]) {
+            let n = samples.len();
+            let expected: Vec<_> =
+                samples.iter().map(|sample| by_three_calls(&camera, &open, sample)).collect();
+            for (sample, expected) in samples.iter().zip(&expected) {
+                let mut ray = UNTOUCHED_DIFFERENTIAL;
+                // SAFETY: a live camera.
+                let weight = unsafe { realistic_generate_ray_differential(camera.0, sample, &mut ray) };
+                assert_eq!(differential_bits(&ray, weight), *expected, "{name}: {sample:?}");
+                if weight > 0.0 {
+                    seen[ray.has as usize] += 1;
+                }
+            }
+            for (sample_stride, ray_stride, odd) in [(0, 0, 0), (88, 112, 0), (23, 93, 1)] {
+                let [from, to] = [sample_stride.max(20), ray_stride.max(92)];
+                let mut from = Structures::new(n, from, odd, |i| samples[i]);
+                let mut to = Structures::new(n, to, odd, |_| UNTOUCHED_DIFFERENTIAL);
+                let mut weights = Structures::new(n, 4, odd, |_| 0.0_f32);
+                // SAFETY: all places lie inside, and are read and written unaligned.
+                let status = unsafe {
+                    realistic_camera_generate_ray_differentials(
+                        camera.0,
+                        n,
+                        from.at(0),
+                        sample_stride,
+                        to.at(0),
+                        ray_stride,
+                        weights.at(0),
+                        null_mut(),
+                    )
+                };
+                assert_eq!(status, realistic_status::Ok);
+                let rays = to.all::<realistic_ray_differential>(n).into_iter().zip(weights.all::<f32>(n));
+                let rays: Vec<_> = rays.map(|(ray, weight)| differential_bits(&ray, weight)).collect();
+                assert!(rays == expected, "{name}: {n} structures at {sample_stride}, {ray_stride}, {odd}");
+            }
+        }
+    }
+    assert!(seen.iter().all(|&count| count > 20), "{seen:?}");
 }
 
 #[test]
@@ -221,7 +349,7 @@ fn a_reason_says_whether_there_is_a_ray() {
     let mut seen = [0; 7];
     for (name, camera) in cameras() {
         let samples = samples(600);
-        let (rays, reasons) = structures(&camera, &samples);
+        let (rays, reasons) = structures(&camera, &samples, STRIDES[2], 1, true);
         for odd in [0, 1] {
             assert_eq!(arrays(&camera, &samples, odd).1, reasons, "{name}");
         }

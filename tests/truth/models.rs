@@ -221,8 +221,11 @@ fn batch(camera: &Camera, samples: &[Sample]) -> Vec<Option<(WorldRay, f32)>> {
     (0..samples.len()).map(|i| found.get(i)).collect()
 }
 
-/// Every model with its formula.
-fn models() -> Vec<(Vec<(&'static str, &'static str)>, Formula, f64)> {
+/// A model's parameters.
+type Given = Vec<(&'static str, &'static str)>;
+
+/// Every model with its formula, and how many roundings its directions may be off in units of four.
+fn models() -> Vec<(Given, Formula, f64)> {
     let clip = [("hither", "0.5"), ("yon", "20")];
     let with = |more: &[(&'static str, &'static str)]| [&clip[..], more].concat();
     let lens = [("lensradius", "0.25"), ("focaldistance", "4")];

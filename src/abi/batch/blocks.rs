@@ -1,25 +1,92 @@
-//! Structures in, structures out: samples are put into arrays a block at a time, traced as those, and their rays put
-//! back into structures.
+//! Samples and rays block by block: from whatever a caller has into arrays, traced as those, and back.
 //!
-//! A block stays in the first cache. Samples and rays change between structures and arrays four at a time, as 4 x 4
-//! matrices transposed in registers; nothing is cleared that is not used, so that few samples cost little.
+//! A block stays in the first cache; nothing of it is cleared that is not used, so that few samples cost little.
 
-use std::{array, mem::MaybeUninit, slice};
+use std::{mem::MaybeUninit, slice};
 
 use glam::Mat4;
 
-use crate::abi::types::{realistic_ray, realistic_sample};
-use crate::camera::{RayArrays, Sample, SampleArrays, WorldRay};
+use super::super::{object::Handle, types::realistic_reason};
+use crate::camera::{Camera, NeighbourArrays, RayArrays, Sample, SampleArrays};
 
 /// Samples per block: with their rays and differentials half of a first cache of 32 KiB.
 pub(super) const BLOCK: usize = 128;
 /// Samples that are transposed at once.
-const FOUR: usize = 4;
+pub(super) const FOUR: usize = 4;
 
 /// The numbers of samples: image x and y, lens u and v, time.
 pub(super) type SampleRoom = Room<5>;
 /// The numbers of rays: origin, direction, where each begins and ends, time, weight.
 pub(super) type RayRoom = Room<10>;
+/// The numbers of neighbours: origin, direction, weight.
+type NeighbourRoom = Room<7>;
+
+/// Room for rays and their neighbours.
+pub(super) struct DifferentialRoom {
+    pub rays: RayRoom,
+    /// To the right, and below.
+    pub neighbours: [NeighbourRoom; 2],
+}
+
+/// Room for what becomes of a block's samples.
+pub(super) trait Outcomes {
+    /// Room of which nothing is set.
+    fn new() -> Self;
+    /// Sets the numbers of `n` outcomes to 0, up to [`BLOCK`].
+    fn clear(&mut self, n: usize);
+    /// Takes what becomes of samples.
+    fn trace(&mut self, camera: &Camera, samples: &SampleArrays<'_>);
+    /// The weights of `n` samples.
+    fn weights(&self, n: usize) -> &[f32];
+}
+
+impl Outcomes for RayRoom {
+    #[inline(always)]
+    fn new() -> Self {
+        Room::new()
+    }
+
+    #[inline(always)]
+    fn clear(&mut self, n: usize) {
+        Room::clear(self, n);
+    }
+
+    #[inline(always)]
+    fn trace(&mut self, camera: &Camera, samples: &SampleArrays<'_>) {
+        camera.rays(samples, &mut self.rays(samples.image_x.len()));
+    }
+
+    #[inline(always)]
+    fn weights(&self, n: usize) -> &[f32] {
+        let [.., weights] = self.arrays(n);
+        weights
+    }
+}
+
+impl Outcomes for DifferentialRoom {
+    #[inline(always)]
+    fn new() -> Self {
+        Self { rays: Room::new(), neighbours: [Room::new(), Room::new()] }
+    }
+
+    #[inline(always)]
+    fn clear(&mut self, n: usize) {
+        self.rays.clear(n);
+        self.neighbours.iter_mut().for_each(|room| room.clear(n));
+    }
+
+    #[inline(always)]
+    fn trace(&mut self, camera: &Camera, samples: &SampleArrays<'_>) {
+        let n = samples.image_x.len();
+        let [mut rx, mut ry] = self.neighbours.each_mut().map(|room| room.neighbours(n));
+        camera.ray_differentials(samples, &mut self.rays.rays(n), &mut rx, &mut ry);
+    }
+
+    #[inline(always)]
+    fn weights(&self, n: usize) -> &[f32] {
+        self.rays.weights(n)
+    }
+}
 
 /// Room for the arrays of a block.
 pub(super) struct Room<const ARRAYS: usize> {
@@ -66,15 +133,27 @@ impl<const ARRAYS: usize> Room<ARRAYS> {
 
     /// Four numbers of an array from the place `begin` on, a multiple of four.
     #[inline(always)]
-    fn four(&self, array: usize, begin: usize) -> [f32; FOUR] {
+    pub(super) fn four(&self, array: usize, begin: usize) -> [f32; FOUR] {
         assert!(begin + FOUR <= self.set && begin <= BLOCK - FOUR);
-        // SAFETY: the first `set` numbers are set, a multiple of four.
-        array::from_fn(|k| unsafe { self.arrays[array][begin + k].assume_init() })
+        // SAFETY: the first `set` numbers are set.
+        unsafe { self.arrays[array].as_ptr().add(begin).cast::<[f32; FOUR]>().read_unaligned() }
+    }
+
+    /// Four numbers of four arrays each from the place `begin` on, turned: the first of each, the second, and so on.
+    #[inline(always)]
+    pub(super) fn rows(&self, [a, b, c, d]: [usize; 4], begin: usize) -> [[f32; 4]; FOUR] {
+        transposed([self.four(a, begin), self.four(b, begin), self.four(c, begin), self.four(d, begin)])
+    }
+
+    /// Sets one number of an array.
+    #[inline(always)]
+    pub(super) fn set(&mut self, array: usize, place: usize, number: f32) {
+        self.arrays[array][place] = MaybeUninit::new(number);
     }
 
     /// Sets four numbers of an array from the place `begin` on, a multiple of four.
     #[inline(always)]
-    fn set_four(&mut self, array: usize, begin: usize, numbers: [f32; FOUR]) {
+    pub(super) fn set_four(&mut self, array: usize, begin: usize, numbers: [f32; FOUR]) {
         self.arrays[array][begin..begin + FOUR].copy_from_slice(&numbers.map(MaybeUninit::new));
     }
 }
@@ -96,97 +175,105 @@ impl RayRoom {
         let [mint, maxt, time] = [mint, maxt, time].map(Some);
         RayArrays { origin: [ox, oy, oz], direction: [dx, dy, dz], mint, maxt, time, weight }
     }
-}
 
-/// Samples as a caller's structures: the first, and the bytes from one to the next.
-#[derive(Clone, Copy)]
-pub(super) struct SampleStructures {
-    pub first: *const realistic_sample,
-    pub stride: usize,
-}
-
-impl SampleStructures {
-    /// Where the sample `i` lies.
-    ///
-    /// # Safety
-    /// There is one.
+    /// Whether the four samples from `begin` on all have a ray and lie below `n`.
     #[inline(always)]
-    pub(super) unsafe fn at(self, i: usize) -> *const Sample {
-        // SAFETY: the caller's promise.
-        unsafe { self.first.byte_add(i * self.stride).cast() }
+    pub(super) fn are_rays(&self, begin: usize, n: usize) -> bool {
+        let [a, b, c, d] = self.four(9, begin).map(|weight| weight > 0.0);
+        begin + FOUR <= n && (a & b & c & d)
     }
+}
 
-    /// Reads `n` samples from `first` on.
-    ///
-    /// # Safety
-    /// There are so many.
+impl NeighbourRoom {
+    /// The first `n` neighbours.
     #[inline(always)]
-    pub(super) unsafe fn read(self, first: usize, n: usize, room: &mut SampleRoom) {
-        for begin in (0..n).step_by(FOUR) {
-            // In the place of samples beyond the last, the last.
-            // SAFETY: the caller's promise.
-            let four = [0, 1, 2, 3].map(|k| unsafe { self.at(first + (begin + k).min(n - 1)) });
-            // SAFETY: as above; a sample begins with these four numbers.
-            let rows = four.map(|sample| unsafe { sample.cast::<[f32; 4]>().read_unaligned() });
-            // SAFETY: as above.
-            let times = four.map(|sample| unsafe { (&raw const (*sample).time).read_unaligned() });
-            let [image_x, image_y, lens_u, lens_v] = transposed(rows);
-            for (array, numbers) in [image_x, image_y, lens_u, lens_v, times].into_iter().enumerate() {
-                room.set_four(array, begin, numbers);
-            }
+    fn neighbours(&mut self, n: usize) -> NeighbourArrays<'_> {
+        let [ox, oy, oz, dx, dy, dz, weight] = self.arrays_mut(n);
+        NeighbourArrays { origin: [ox, oy, oz], direction: [dx, dy, dz], weight }
+    }
+}
+
+/// What becomes of `n` samples, block by block: `read` reads samples, `write` takes what became of them.
+///
+/// # Safety
+/// `weights` has room for `n` elements; `reasons` too, or it is NULL.
+#[inline(always)]
+pub(super) unsafe fn in_blocks<O: Outcomes>(
+    handle: &Handle,
+    n: usize,
+    read: impl Fn(usize, usize, &mut SampleRoom),
+    write: impl Fn(usize, usize, &O),
+    weights: *mut f32,
+    reasons: *mut realistic_reason,
+) {
+    let (mut samples, mut outcomes) = (SampleRoom::new(), O::new());
+    samples.clear(n);
+    outcomes.clear(n);
+    for first in (0..n).step_by(BLOCK) {
+        let count = BLOCK.min(n - first);
+        read(first, count, &mut samples);
+        let asked = samples.samples(count);
+        outcomes.trace(handle.camera(), &asked);
+        write(first, count, &outcomes);
+        let weight = outcomes.weights(count);
+        // SAFETY: the caller's promise; weights need not be aligned.
+        unsafe {
+            weights.add(first).cast::<u8>().copy_from(weight.as_ptr().cast(), size_of_val(weight));
+            let reasons = if reasons.is_null() { reasons } else { reasons.add(first) };
+            give_reasons(handle, reasons, |i| (asked.get(i), weight[i]), count);
         }
     }
 }
 
-/// Rays as a caller's structures: the first, and the bytes from one to the next.
-#[derive(Clone, Copy)]
-pub(super) struct RayStructures {
-    pub first: *mut realistic_ray,
-    pub stride: usize,
+/// Why samples have the weights that they have, where a caller asks. Found out apart, because it costs more than a ray.
+///
+/// # Safety
+/// `reasons` is NULL or has room for `n` elements.
+pub(super) unsafe fn give_reasons(
+    handle: &Handle,
+    reasons: *mut realistic_reason,
+    of: impl Fn(usize) -> (Sample, f32),
+    n: usize,
+) {
+    if reasons.is_null() {
+        return;
+    }
+    for i in 0..n {
+        let (sample, weight) = of(i);
+        let reason = if weight > 0.0 { realistic_reason::Ok } else { handle.reason(&sample) };
+        // SAFETY: the caller's promise.
+        unsafe { reasons.add(i).write_unaligned(reason) };
+    }
 }
 
-impl RayStructures {
-    /// Where the ray `i` lies.
-    ///
-    /// # Safety
-    /// There is room for one.
-    #[inline(always)]
-    pub(super) unsafe fn at(self, i: usize) -> *mut WorldRay {
-        // SAFETY: the caller's promise.
-        unsafe { self.first.byte_add(i * self.stride).cast() }
+/// Copies `count` samples from `first` on out of arrays that nothing aligns.
+///
+/// # Safety
+/// There are so many in each array.
+pub(super) unsafe fn read_columns(from: [*const f32; 5], first: usize, count: usize, room: &mut SampleRoom) {
+    for (from, to) in from.iter().zip(room.arrays_mut(count)) {
+        for (i, number) in to.iter_mut().enumerate() {
+            // SAFETY: the caller's promise.
+            *number = unsafe { from.add(first + i).read_unaligned() };
+        }
     }
+}
 
-    /// Writes those of the first `n` rays of a block that have a weight, from place `first` on.
-    ///
-    /// # Safety
-    /// There is room for so many.
-    #[inline(always)]
-    pub(super) unsafe fn write(self, first: usize, n: usize, room: &RayRoom) {
-        for begin in (0..n).step_by(FOUR) {
-            let [head, tail] = [[0, 1, 2, 3], [4, 5, 6, 7]]
-                .map(|arrays| transposed(arrays.map(|array| room.four(array, begin))));
-            let [time, weight] = [8, 9].map(|array| room.four(array, begin));
-            let put = |k: usize| {
-                // SAFETY: the caller's promise; a ray is nine numbers one after the other.
-                unsafe {
-                    let to = self.at(first + begin + k).cast::<f32>();
-                    to.cast::<[f32; 4]>().write_unaligned(head[k]);
-                    to.add(4).cast::<[f32; 4]>().write_unaligned(tail[k]);
-                    to.add(8).write_unaligned(time[k]);
-                }
-            };
-            if begin + FOUR <= n && weight.iter().all(|&weight| weight > 0.0) {
-                // Written out, what was transposed stays in registers.
-                (put(0), put(1), put(2), put(3));
-            } else {
-                (0..FOUR.min(n - begin)).filter(|&k| weight[k] > 0.0).for_each(put);
-            }
+/// Copies columns to arrays that nothing aligns, from place `first` on, where there is a weight; to none that is NULL.
+///
+/// # Safety
+/// Each array that is not NULL has room for so many.
+pub(super) unsafe fn write_columns(to: &[*mut f32], first: usize, columns: &[&[f32]], weight: &[f32]) {
+    for (to, from) in to.iter().zip(columns).filter(|(to, _)| !to.is_null()) {
+        for (i, number) in from.iter().enumerate().filter(|(i, _)| weight[*i] > 0.0) {
+            // SAFETY: the caller's promise.
+            unsafe { to.add(first + i).write_unaligned(*number) };
         }
     }
 }
 
 /// The rows of a matrix as its columns.
 #[inline(always)]
-fn transposed(rows: [[f32; 4]; 4]) -> [[f32; 4]; 4] {
+pub(super) fn transposed(rows: [[f32; 4]; 4]) -> [[f32; 4]; 4] {
     Mat4::from_cols_array_2d(&rows).transpose().to_cols_array_2d()
 }

@@ -9,15 +9,13 @@
 //! load waits until all that it covers has left the store buffer, and so for everything before: the call before. The
 //! host has just written its sample number by number, and an optimising compiler likes to read four at once.
 //! Here is the place that minds it: the sample is read number by number ([`read`]), kept numbers are compared
-//! so ([`alike`]), and what vectors will load is stored as vectors ([`Vec4`]). A C caller's sample needs no such care:
+//! so ([`alike`]), and what vectors will load is stored as vectors ([`at_points`]). A C caller's sample needs no such care:
 //! each of its numbers is first touched in the compiled tracer, by itself.
 
 use std::cell::RefCell;
 
-use glam::Vec4;
-
 use super::handle::Handle;
-use crate::camera::{RayBlock, Sample, SampleBlock, WorldRay};
+use crate::camera::{RayBlock, Sample, WorldRay, differentials::at_points};
 
 /// The bits of image x and y.
 type Image = [u32; 2];
@@ -115,14 +113,7 @@ impl Expected {
         // Should tracing panic, what is here then belongs to no camera.
         self.serial = 0;
         let points @ [[x, y], [right, _], [back, below]] = host_points(sample);
-        let vectors = [
-            Vec4::new(x, right, back, back),
-            Vec4::new(y, y, below, below),
-            Vec4::splat(sample.lens_u),
-            Vec4::splat(sample.lens_v),
-            Vec4::splat(sample.time),
-        ];
-        let samples = SampleBlock::from(vectors.map(|vector| vector.to_array()));
+        let samples = at_points(sample, [x, right, back, back], [y, y, below, below]);
         let traced = handle.camera().trace_side_by_side(&samples, &mut self.rays);
         if traced {
             let [_, next, last] = points.map(|point| point.map(f32::to_bits));

@@ -11,7 +11,7 @@ use super::{
     tracer::{LensTracer, Tracer},
 };
 use crate::{
-    camera::ray::{Sample, WorldRay},
+    camera::ray::Sample,
     sampling::{disk::Turns, film_rays::FilmRays},
     trace::{
         Blocked, Ray,
@@ -102,13 +102,7 @@ impl<S: Turns + Send + Sync, O: LensOptics<S>> Tracer for Pipeline<S, O> {
 
     fn many(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
         match samples.len() {
-            1 => {
-                let (mut ray, mut weight) = (WorldRay::default(), 0.0);
-                let mut one = OneRay { ray: &mut ray, weight: &mut weight };
-                self.one(&samples.get(0), &mut one);
-                rays.copy(0, &mut one, 0);
-            }
-            n @ 2..=4 => {
+            n @ 1..=4 => {
                 let mut found = RayBlock::<4>::new();
                 self.four(&SampleBlock::first_of(samples), &mut found);
                 (0..n).for_each(|i| rays.copy(i, &mut found, i));

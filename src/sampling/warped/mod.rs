@@ -54,7 +54,7 @@ use super::{
 };
 use crate::trace::{
     Path, Real,
-    kernel::{Compiled, Cpu, Lanes, Portable, Scalar, Simd},
+    kernel::{Compiled, Cpu, Indexed, Lanes, Portable, Scalar, Simd},
 };
 
 /// The true pupil of every point of a film. Immutable once built.
@@ -65,10 +65,9 @@ pub struct WarpedPupil {
     /// Whether the pupil has vanished at the end; film radius is then tabulated in
     /// s = 1 - sqrt(1 - h/end), in which the shrinking outline is smooth.
     dark_beyond: bool,
-    /// Two pairs of each smallest interval of s: where in the table the slice below it begins, and the reciprocal of that
-    /// slice's width in smallest intervals; c there, and c's step to the next slice. The place is a float, too: one load
-    /// brings all four, and it is added to the knot's number before it is looked up.
-    cells: Vec<[f32; 2]>,
+    /// Of each smallest interval of s: where in the table the slice below it begins; the reciprocal of that slice's width
+    /// in smallest intervals; c there, and c's step to the next slice.
+    cells: Vec<Indexed>,
     /// Two pairs of each smallest interval where the pupil vanishes, else none: λ at the slice below, and its step to the
     /// next slice; c's bend between the slices, for in h it goes straight and in s it does not, and a 0 that fills the
     /// pair.
@@ -85,8 +84,8 @@ const _: () = assert!((ROOT * ROOT) as usize == CELLS / 2);
 
 /// Pairs per slice.
 const STRIDE: usize = CELLS + 1;
-// Places in the table are exact in single precision.
-const _: () = assert!(2 * FINE * STRIDE < 1 << f32::MANTISSA_DIGITS);
+// Sums of places are as lanes have them.
+const _: () = assert!(2 * FINE * STRIDE < 1 << 31);
 /// Rings of [`WarpedPupil::bands`].
 const BANDS: usize = 4;
 
@@ -114,7 +113,7 @@ impl WarpedPupil {
     fn pack(layout: Layout, cover: PupilDisk, rays: u32) -> Self {
         let Layout { end, dark_beyond, intervals } = layout;
         let mut table: Vec<[f32; 2]> = Vec::with_capacity((intervals.len() + 1) * STRIDE);
-        let mut cells = Vec::with_capacity(2 * FINE);
+        let mut cells = Vec::with_capacity(FINE);
         let mut narrowings = Vec::new();
         let mut covered = 0.0;
         let mut joined: Option<bool> = None;
@@ -126,8 +125,8 @@ impl WarpedPupil {
             }
             let width = interval.to - interval.from;
             let [from, to] = [low, high].map(|slice| slice.center as f32);
-            let cell = [[table.len() as f32, (width as f32).recip()], [from, to - from]];
-            cells.extend(std::iter::repeat_n(cell, width).flatten());
+            let numbers = [(width as f32).recip(), from, to - from];
+            cells.extend(std::iter::repeat_n(Indexed { index: table.len() as u32, numbers }, width));
             if dark_beyond {
                 let [narrowing, next] = [low, high].map(|slice| slice.narrowing as f32);
                 // h is s (2 - s) of the end: (h - h₀)/(h₁ - h₀) of an interval is t + t (1 - t) width/(2 - s₀ - s₁).
@@ -170,8 +169,8 @@ impl WarpedPupil {
                 let [from, to] = [number, number + 1].map(|number| number * FINE / BANDS);
                 let mut band =
                     Band { radii: [height(from), height(to)], center: [f64::MAX, f64::MIN], radius: 0.0 };
-                for cell in self.cells[2 * from..2 * to].chunks_exact(2) {
-                    let (slice, [center, step]) = (cell[0][0] as usize, cell[1].map(f64::from));
+                for cell in &self.cells[from..to] {
+                    let (slice, [_, center, step]) = (cell.index as usize, cell.numbers.map(f64::from));
                     band.center = [
                         band.center[0].min(center).min(center + step),
                         band.center[1].max(center).max(center + step),
@@ -254,7 +253,8 @@ impl WarpedPupil {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn place<L: Lanes>(&self, cpu: Cpu<L>, ray: &FilmRays<L>, radius: &Radius<L>) -> Place<L> {
         let ([x, y], [u, v]) = (ray.point, ray.disk);
-        let [[slice, per_width, center, center_step]] = L::look_up::<1, 2>(&self.cells, radius.place, [0]);
+        let interval = radius.place.whole();
+        let (slice, [per_width, center, center_step]) = L::look_up_indexed(&self.cells, interval);
         // A slice begins at a multiple of its width, a power of 2.
         let part = radius.s.mul_sub(per_width, (radius.place * per_width).trunc());
         // The disk's point in the frame of the film point, mirrored into the upper half.
@@ -268,7 +268,7 @@ impl WarpedPupil {
         let mut center = part.mul_add(center_step, center);
         let mut narrowing = L::splat(cpu, L::Scalar::ZERO);
         if !self.narrowings.is_empty() {
-            let [[at, step, bend, _]] = L::look_up::<1, 2>(&self.narrowings, radius.place, [0]);
+            let [[at, step, bend, _]] = L::look_up::<1, 2>(&self.narrowings, interval, [0]);
             narrowing = part.mul_add(step, at);
             center = part.neg_mul_add(part, part).mul_add(bend, center);
         }
@@ -276,7 +276,7 @@ impl WarpedPupil {
             part,
             center,
             narrowing,
-            first: knot + slice,
+            first: L::add_places(knot.whole(), slice),
             offset: place - knot,
             turn: aside.mul_add(aside, along * along),
             below: b.less(L::splat(cpu, L::Scalar::ZERO)),
@@ -355,7 +355,7 @@ struct Place<L: Lanes> {
     /// λ.
     narrowing: L,
     /// Where in the table the knot before the direction stands, in the slice before the film radius.
-    first: L,
+    first: L::Places,
     /// From there to the direction, in knots.
     offset: L,
     /// d(knots)/dφ.

@@ -44,7 +44,7 @@ use self::batch::InPlaceBatch;
 pub(crate) use self::{
     batch::{Approach, Batch, PlaneBatch, RaysByValue, from_plane},
     instances::{Grouping, InVectors, Optics, in_vectors, run},
-    lanes::{Cpu, Lanes, Portable, Scalar},
+    lanes::{Cpu, Indexed, Lanes, Portable, Scalar},
     ray::{End, Start},
     table::Table,
 };

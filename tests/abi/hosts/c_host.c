@@ -36,6 +36,12 @@ static struct {
                              realistic_ray *, size_t, float *, realistic_reason *);
     realistic_status (*rays_soa)(const realistic_camera *, size_t, const realistic_samples_soa *,
                                  const realistic_rays_soa *);
+    float (*differential)(const realistic_camera *, const realistic_sample *, realistic_ray_differential *);
+    realistic_status (*differentials)(const realistic_camera *, size_t, const realistic_sample *, size_t,
+                                      realistic_ray_differential *, size_t, float *, realistic_reason *);
+    realistic_status (*differentials_soa)(const realistic_camera *, size_t, const realistic_samples_soa *,
+                                          const realistic_rays_soa *, const realistic_rays_soa *,
+                                          const realistic_rays_soa *);
 } api;
 
 static void resolve(void *library, const char *name, void *function) {
@@ -69,6 +75,9 @@ static void load(const char *path) {
     resolve(library, "GenerateRay", &api.plain_ray);
     resolve(library, "realistic_camera_generate_rays", &api.rays);
     resolve(library, "realistic_camera_generate_rays_soa", &api.rays_soa);
+    resolve(library, "realistic_generate_ray_differential", &api.differential);
+    resolve(library, "realistic_camera_generate_ray_differentials", &api.differentials);
+    resolve(library, "realistic_camera_generate_ray_differentials_soa", &api.differentials_soa);
 }
 
 /* "status name NUMBER MESSAGE", the message on one line. */
@@ -343,6 +352,92 @@ static void compare(const realistic_camera *camera) {
     printf("sparse-weights %d\n", memcmp(out[9], weight, sizeof weight) != 0);
 }
 
+/* Whether a neighbour is what a call of its own gives, or where that is blocked the ray itself. */
+static int wrong_neighbour(const realistic_camera *camera, const realistic_sample *sample, const realistic_ray *own,
+                           int has, const float *o, const float *d) {
+    realistic_ray ray;
+    int passes = api.ray(camera, sample, &ray) > 0;
+    if (!passes) ray = *own;
+    return passes != (has != 0) || memcmp(ray.o, o, sizeof ray.o) != 0 || memcmp(ray.d, d, sizeof ray.d) != 0;
+}
+
+static void do_differentials(void) {
+    static realistic_sample samples[N];
+    static realistic_ray_differential one[N], many[N];
+    static float weight[N], weights[N], in[5][N], out[24][N];
+    static realistic_reason reason[N];
+    int bad[4] = {0}, counts[5] = {0};
+    realistic_options o = options();
+    o.fnumber = 4;
+    realistic_camera *camera = build(&o);
+    for (unsigned i = 0; i < N; ++i) {
+        realistic_ray single = untouched();
+        realistic_ray_differential *ray = &one[i];
+        samples[i] = sample_at(i);
+        memset(ray, 0x5A, sizeof *ray);
+        many[i] = *ray;
+        ray->struct_size = sizeof *ray;
+        weight[i] = api.differential(camera, &samples[i], ray);
+        float alone = api.ray(camera, &samples[i], &single);
+        bad[0] += differ(&single, &ray->ray, alone, weight[i]);
+        ++counts[weight[i] > 0 ? ray->has & 3 : 4];
+        if (weight[i] > 0) {
+            realistic_sample right = samples[i], below = samples[i];
+            right.image_x += 1, below.image_y += 1;
+            bad[1] += wrong_neighbour(camera, &right, &single, ray->has & REALISTIC_HAS_RX, ray->rx_o, ray->rx_d) +
+                      wrong_neighbour(camera, &below, &single, ray->has & REALISTIC_HAS_RY, ray->ry_o, ray->ry_d);
+        }
+        for (int k = 0; k < 5; ++k) in[k][i] = (&samples[i].image_x)[k];
+    }
+    many[0].struct_size = sizeof many[0];
+    report("many", api.differentials(camera, N, samples, 0, many, 0, weights, reason));
+    realistic_samples_soa from = {in[0], in[1], in[2], in[3], in[4]};
+    realistic_rays_soa to[3];
+    memset(to, 0, sizeof to);
+    for (int k = 0; k < 3; ++k) {
+        float(*column)[N] = out + 7 * k;
+        to[k].ox = column[0], to[k].oy = column[1], to[k].oz = column[2], to[k].dx = column[3];
+        to[k].dy = column[4], to[k].dz = column[5], to[k].weight = column[6];
+    }
+    to[0].time = out[21];
+    report("soa", api.differentials_soa(camera, N, &from, &to[0], &to[1], &to[2]));
+    for (unsigned i = 0; i < N; ++i) {
+        many[i].struct_size = one[i].struct_size;
+        bad[2] += memcmp(&one[i], &many[i], sizeof one[i]) != 0 || weight[i] != weights[i] ||
+                  (weight[i] > 0) != (reason[i] == REALISTIC_REASON_OK);
+        bad[3] += weight[i] != out[6][i];
+        if (!(weight[i] > 0)) {
+            bad[3] += out[13][i] != 0 || out[20][i] != 0 || out[7][i] != 0;
+            continue;
+        }
+        bad[3] += (out[13][i] > 0) != ((one[i].has & REALISTIC_HAS_RX) != 0) ||
+                  (out[20][i] > 0) != ((one[i].has & REALISTIC_HAS_RY) != 0) || out[21][i] != one[i].ray.time;
+        for (int k = 0; k < 3; ++k) {
+            bad[3] += out[k][i] != one[i].ray.o[k] || out[3 + k][i] != one[i].ray.d[k] ||
+                      out[7 + k][i] != one[i].rx_o[k] || out[10 + k][i] != one[i].rx_d[k] ||
+                      out[14 + k][i] != one[i].ry_o[k] || out[17 + k][i] != one[i].ry_d[k];
+        }
+    }
+    printf("differences %d %d %d %d\n", bad[0], bad[1], bad[2], bad[3]);
+    printf("neighbours %d %d %d %d %d\n", counts[0], counts[1], counts[2], counts[3], counts[4]);
+
+    /* What is refused, and left as it is. */
+    realistic_ray_differential ray = one[0], before;
+    ray.struct_size = sizeof ray - 1;
+    before = ray;
+    realistic_sample middle = {20, 15, 0.5f, 0.5f, 0};
+    printf("zero %g %g %g %g\n", api.differential(camera, &middle, &ray), api.differential(NULL, &middle, &ray),
+           api.differential(camera, NULL, &ray), api.differential(camera, &middle, NULL));
+    report("size", api.differentials(camera, 1, &middle, 0, &ray, 0, weights, NULL));
+    printf("touched %d\n", memcmp(&ray, &before, sizeof ray) != 0);
+    ray.struct_size = sizeof ray;
+    report("short", api.differentials(camera, 1, &middle, 0, &ray, sizeof ray - 1, weights, NULL));
+    report("no-rx", api.differentials_soa(camera, 1, &from, &to[0], NULL, &to[2]));
+    to[2].dz = NULL;
+    report("no-ry-dz", api.differentials_soa(camera, 1, &from, &to[0], &to[1], &to[2]));
+    api.camera_free(camera);
+}
+
 static void do_rays(void) {
     realistic_options o = options();
     realistic_camera *camera = build(&o);
@@ -452,7 +547,8 @@ static void do_threads(void) {
 int main(int count, char **argument) {
     static const struct { const char *name; void (*run)(void); } actions[] = {
         {"library", do_library}, {"refusals", do_refusals}, {"info", do_info}, {"log", do_log}, {"plan", do_plan},
-        {"rays", do_rays},       {"null", do_null},         {"threads", do_threads},
+        {"rays", do_rays},       {"differentials", do_differentials},
+              {"null", do_null},         {"threads", do_threads},
     };
     if (count != 3) return 1;
     load(argument[1]);

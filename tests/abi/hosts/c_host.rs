@@ -45,10 +45,10 @@ const NOT_OURS: i32 = 8;
 #[test]
 fn the_library_says_what_it_is() {
     let report = run("library");
-    assert_eq!(report.numbers("abi"), [1.0, 1.0]);
+    assert_eq!(report.numbers("abi"), [2.0, 2.0]);
     assert_eq!(report.one("version"), env!("CARGO_PKG_VERSION"));
     // The bits of the first version stay; later ones add.
-    assert_eq!(report.number("capabilities") as u64 & 15, 15);
+    assert_eq!(report.number("capabilities") as u64 & (256 + 15), 256 + 15);
     assert_eq!(report.one("empty"), "[]");
     let names = report.all("name");
     assert_eq!(names[1], "0 ok");
@@ -132,6 +132,25 @@ fn the_callback_gets_the_warnings_and_nothing_else() {
     assert!(logged[0].starts_with("1 ") && logged[0].contains("aperture_diameter"), "{logged:?}");
     assert!(logged[1].starts_with("1 ") && logged[1].contains("\"disk\" misses"), "{logged:?}");
     assert_eq!(report.err, "", "nothing is printed");
+}
+
+#[test]
+fn a_ray_with_differentials_is_three_rays() {
+    let report = run("differentials");
+    assert_eq!(report.one("differences"), "0 0 0 0");
+    for what in ["many", "soa"] {
+        assert_eq!(report.all(what), ["0 "], "{what}");
+    }
+    // By what neighbours there are: none, one to the right, one below, both; and no ray at all.
+    let counts: Vec<u32> = report.numbers("neighbours").into_iter().map(|count| count as u32).collect();
+    assert_eq!(counts.iter().sum::<u32>(), 3000);
+    assert!(counts[1] > 0 && counts[2] > 0 && counts[3] > 2000 && counts[4] > 0, "{counts:?}");
+    assert_eq!(report.one("zero"), "0 0 0 0");
+    assert_eq!(report.one("touched"), "0");
+    said(&report, "size", SIZE, &["realistic_ray_differential.struct_size is 91", "92"]);
+    said(&report, "short", PARAMETER, &["ray_stride is 91", "92"]);
+    said(&report, "no-rx", NULL, &["rx is NULL"]);
+    said(&report, "no-ry-dz", NULL, &["ry.dz is NULL"]);
 }
 
 #[test]

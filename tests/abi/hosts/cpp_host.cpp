@@ -5,6 +5,7 @@
 #include "realistic.hpp" // twice: the guard holds
 
 #include <cmath>
+#include <cstddef>
 #include <cstdio>
 #include <cstring>
 #include <thread>
@@ -121,6 +122,31 @@ static void cameras(const realistic::Api &api) {
                      one[i].d[2] != out[5][i] || passes != (reasons[i] == REALISTIC_REASON_OK);
     }
     std::printf("rays %d %d\n", different, passed);
+
+    std::vector<realistic_ray_differential> wide(n);
+    std::vector<float> out_wide[3][7];
+    for (auto &arrays : out_wide) {
+        for (auto &array : arrays) array.resize(n);
+    }
+    auto rays_of = [&out_wide](int k) {
+        auto &a = out_wide[k];
+        return realistic_rays_soa{a[0].data(), a[1].data(), a[2].data(), a[3].data(), a[4].data(), a[5].data(),
+                                  nullptr,     nullptr,     nullptr,     a[6].data(), nullptr};
+    };
+    camera.generate(samples.data(), n, wide.data(), weights.data());
+    camera.generate(from, n, rays_of(0), rays_of(1), rays_of(2));
+    int unlike = 0, both = 0;
+    for (unsigned i = 0; i < n; ++i) {
+        realistic_ray_differential ray = wide[i];
+        unlike += camera.generate(samples[i], ray) != weight[i] || weights[i] != weight[i] ||
+                  out_wide[0][6][i] != weight[i];
+        if (!(weight[i] > 0)) continue;
+        unlike += std::memcmp(&ray.has, &wide[i].has, sizeof ray - offsetof(realistic_ray_differential, has)) != 0 ||
+                  std::memcmp(&ray.ray, &one[i], sizeof one[i]) != 0 || out_wide[1][0][i] != ray.rx_o[0] ||
+                  out_wide[2][5][i] != ray.ry_d[2];
+        both += ray.has == (REALISTIC_HAS_RX | REALISTIC_HAS_RY);
+    }
+    std::printf("differentials %d %d\n", unlike, both);
     try {
         camera.generate(nullptr, 1, many.data(), weights.data());
     } catch (const realistic::Error &error) {

@@ -58,6 +58,8 @@ fn a_camera_is_owned_moved_asked_and_given_away() {
         assert!(report.one("log").contains("faster than the lens"));
         let [different, passed] = report.numbers("rays")[..] else { panic!("two numbers") };
         assert!(different == 0.0 && passed > 100.0 && passed < 1990.0, "{different} {passed}");
+        let [unlike, both] = report.numbers("differentials")[..] else { panic!("two numbers") };
+        assert!(unlike == 0.0 && both > 100.0 && both <= passed, "{unlike} {both}");
         assert_eq!(report.one("null"), "1 samples is NULL");
         assert_eq!(report.one("released"), "1");
         assert_eq!(report.one("through"), "thrown by the log");

@@ -10,7 +10,9 @@ use std::path::Path;
 use std::process::Command;
 
 use harness::{Abi, compile};
-use realistic::abi::{realistic_camera_info, realistic_options, realistic_ray, realistic_sample};
+use realistic::abi::{
+    realistic_camera_info, realistic_options, realistic_ray, realistic_ray_differential, realistic_sample,
+};
 
 /// `key` to numbers, from lines of `layout key numbers…`.
 fn table(program: &Path) -> HashMap<String, Vec<usize>> {
@@ -106,6 +108,7 @@ fn the_c_structures_are_as_the_cpp_compiler_lays_them_out() {
     let structures = [
         structure!(realistic_sample: image_x image_y lens_u lens_v time),
         structure!(realistic_ray: o d mint maxt time),
+        structure!(realistic_ray_differential: struct_size has ray rx_o rx_d ry_o ry_d),
         structure!(realistic_options: struct_size xres yres simpleweighting camera_to_world log log_user
             lens_text lens_text_size model specfile weighting pupil disk refraction precision filmdistance
             focusdistance aperture_diameter fnumber filmdiag hither yon shutteropen shutterclose wavelength
@@ -121,6 +124,7 @@ fn the_c_structures_are_as_the_cpp_compiler_lays_them_out() {
         .with_cpp_compat(true)
         .include_item("realistic_sample")
         .include_item("realistic_ray")
+        .include_item("realistic_ray_differential")
         .include_item("realistic_options")
         .include_item("realistic_camera_info")
         .exclude_item("realistic_camera")

@@ -6,8 +6,8 @@ use std::{
 };
 
 use super::{
-    Compiled, Cpu, Lanes, apart, double_precision, intrinsics, methods, register, single_precision,
-    store_bits,
+    Compiled, Cpu, Indexed, Lanes, apart, double_precision, intrinsics, methods, places, register,
+    single_precision, store_bits,
 };
 
 /// Masks that are registers, too, with all bits of a lane set where it is true; and, by such bits, numbers without their
@@ -51,7 +51,9 @@ impl Lanes for F32x4 {
         4 in __m128: and _mm_and_ps, select _mm_blendv_ps, bits _mm_movemask_ps;
         abs _mm_andnot_ps(_mm_set1_ps(-0.0));
     }
-    single_precision! { [usize; 4]: places_of_4(_mm_cvttps_epi32), pairs_of_4 }
+    single_precision! {
+        __m128i: _mm_cvttps_epi32, _mm_castps_si128; add _mm_add_epi32, up to up_to_of_4; pairs_of_4
+    }
 }
 
 register! {
@@ -74,7 +76,9 @@ impl Lanes for F32x8 {
         8 in __m256: and _mm256_and_ps, select _mm256_blendv_ps, bits _mm256_movemask_ps;
         abs _mm256_andnot_ps(_mm256_set1_ps(-0.0));
     }
-    single_precision! { [u32; 8]: places_of_8(_mm256_cvttps_epi32), pairs_of_8 }
+    single_precision! {
+        __m256i: _mm256_cvttps_epi32, _mm256_castps_si256; add _mm256_add_epi32, up to up_to_of_8; pairs_of_8
+    }
 }
 
 register! {
@@ -98,7 +102,7 @@ impl Lanes for F64x4 {
         abs _mm256_andnot_pd(_mm256_set1_pd(-0.0));
     }
     double_precision! {
-        [usize; 4]: places_of_4(_mm256_cvttpd_epi32), pairs_of_4;
+        __m128i: _mm256_cvttpd_epi32, _mm_castps_si128; add _mm_add_epi32, up to up_to_of_4; pairs_of_4;
         F32x4 widened _mm256_cvtps_pd, rounded _mm256_cvtpd_ps
     }
 }
@@ -141,34 +145,25 @@ unsafe fn first_of_4_doubles(n: usize) -> __m256i {
 /// # Safety
 /// The processor has AVX2.
 #[inline(always)]
-unsafe fn places_of_4<const STEP: usize>(places: __m128i, last: usize) -> [usize; 4] {
+unsafe fn up_to_of_4<const STEP: usize>(places: __m128i, last: usize) -> __m128i {
     // SAFETY: the instructions are there.
     unsafe {
         let places = if STEP == 2 { _mm_add_epi32(places, places) } else { places };
-        let places = _mm_min_epu32(places, _mm_set1_epi32(last as i32));
-        [
-            _mm_extract_epi32::<0>(places) as u32 as usize,
-            _mm_extract_epi32::<1>(places) as u32 as usize,
-            _mm_extract_epi32::<2>(places) as u32 as usize,
-            _mm_extract_epi32::<3>(places) as u32 as usize,
-        ]
+        _mm_min_epu32(places, _mm_set1_epi32(last as i32))
     }
 }
 
-/// `STEP` (1 or 2) times some places, up to a last one, stored.
+/// `STEP` (1 or 2) times some places, up to a last one.
 ///
 /// # Safety
 /// The processor has AVX2.
 #[inline(always)]
-pub(super) unsafe fn places_of_8<const STEP: usize>(places: __m256i, last: usize) -> [u32; 8] {
-    let mut stored = [0; 8];
-    // SAFETY: the instructions are there, and the room.
+pub(super) unsafe fn up_to_of_8<const STEP: usize>(places: __m256i, last: usize) -> __m256i {
+    // SAFETY: the instructions are there.
     unsafe {
         let places = if STEP == 2 { _mm256_add_epi32(places, places) } else { places };
-        let places = _mm256_min_epu32(places, _mm256_set1_epi32(last as i32));
-        _mm256_storeu_si256(stored.as_mut_ptr().cast(), places);
+        _mm256_min_epu32(places, _mm256_set1_epi32(last as i32))
     }
-    stored
 }
 
 /// Two pairs at one of eight places. The place is loaded from where it is stored: what the compiler would make of it
@@ -190,10 +185,13 @@ unsafe fn pairs_at(table: *const [f32; 2], places: &[u32; 8], lane: usize) -> __
 /// # Safety
 /// The processor has AVX2, and there are such pairs.
 #[inline(always)]
-unsafe fn pairs_of_4(table: *const [f32; 2], places: &[usize; 4]) -> [__m128; 4] {
+unsafe fn pairs_of_4(table: *const [f32; 2], places: __m128i) -> [__m128; 4] {
     // SAFETY: the caller's promise.
     unsafe {
-        let [a, b, c, d] = *places;
+        let a = _mm_extract_epi32::<0>(places) as u32 as usize;
+        let b = _mm_extract_epi32::<1>(places) as u32 as usize;
+        let c = _mm_extract_epi32::<2>(places) as u32 as usize;
+        let d = _mm_extract_epi32::<3>(places) as u32 as usize;
         let (a, b) = (_mm_loadu_ps(table.add(a).cast()), _mm_loadu_ps(table.add(b).cast()));
         let (c, d) = (_mm_loadu_ps(table.add(c).cast()), _mm_loadu_ps(table.add(d).cast()));
         let (ab, cd) = (_mm_unpacklo_ps(a, b), _mm_unpacklo_ps(c, d));
@@ -212,15 +210,17 @@ unsafe fn pairs_of_4(table: *const [f32; 2], places: &[usize; 4]) -> [__m128; 4]
 /// # Safety
 /// The processor has AVX2, and there are such pairs.
 #[inline(always)]
-pub(super) unsafe fn pairs_of_8(table: *const [f32; 2], places: &[u32; 8]) -> [__m256; 4] {
+pub(super) unsafe fn pairs_of_8(table: *const [f32; 2], places: __m256i) -> [__m256; 4] {
     // SAFETY: the caller's promise.
     unsafe {
+        let mut stored = [0; 8];
+        _mm256_storeu_si256(stored.as_mut_ptr().cast(), places);
         // Lanes that lie four apart side by side, so that transposing within 128 bits leaves them in order.
         macro_rules! rows {
             ($lane:literal) => {
                 _mm256_insertf128_ps::<1>(
-                    _mm256_castps128_ps256(pairs_at(table, places, $lane)),
-                    pairs_at(table, places, $lane + 4),
+                    _mm256_castps128_ps256(pairs_at(table, &stored, $lane)),
+                    pairs_at(table, &stored, $lane + 4),
                 )
             };
         }

@@ -12,9 +12,9 @@ use std::{
 };
 
 use super::{
-    Compiled, Cpu, Lanes, apart,
-    avx2::{F32x8, pairs_of_8, places_of_8},
-    double_precision, intrinsics, methods, register, single_precision,
+    Compiled, Cpu, Indexed, Lanes, apart,
+    avx2::{F32x8, pairs_of_8, up_to_of_8},
+    double_precision, intrinsics, methods, places, register, single_precision,
 };
 
 /// Masks that are numbers with a bit for each lane.
@@ -57,7 +57,9 @@ impl Lanes for F32x16 {
     bit_masks! {
         __mmask16: select _mm512_mask_blend_ps, or_zero _mm512_maskz_mov_ps; abs _mm512_abs_ps;
     }
-    single_precision! { [[u32; 8]; 2]: places_of_16(_mm512_cvttps_epi32), pairs_of_16 }
+    single_precision! {
+        __m512i: _mm512_cvttps_epi32, _mm512_castps_si512; add _mm512_add_epi32, up to up_to_of_16; pairs_of_16
+    }
 
     #[inline(always)]
     fn store_single_where(self, mask: Self::Mask, to: &mut [f32]) {
@@ -87,7 +89,7 @@ impl Lanes for F64x8 {
         __mmask8: select _mm512_mask_blend_pd, or_zero _mm512_maskz_mov_pd; abs _mm512_abs_pd;
     }
     double_precision! {
-        [u32; 8]: places_of_8(_mm512_cvttpd_epi32), pairs_of_8;
+        __m256i: _mm512_cvttpd_epi32, _mm256_castps_si256; add _mm256_add_epi32, up to up_to_of_8; pairs_of_8;
         F32x8 widened _mm512_cvtps_pd, rounded _mm512_cvtpd_ps
     }
 
@@ -106,16 +108,16 @@ impl Lanes for F64x8 {
     }
 }
 
-/// `STEP` (1 or 2) times some places, up to a last one, stored.
+/// `STEP` (1 or 2) times some places, up to a last one.
 ///
 /// # Safety
 /// The processor has AVX-512F.
 #[inline(always)]
-unsafe fn places_of_16<const STEP: usize>(places: __m512i, last: usize) -> [[u32; 8]; 2] {
-    // SAFETY: the instructions are there; what has AVX-512 has AVX2.
+unsafe fn up_to_of_16<const STEP: usize>(places: __m512i, last: usize) -> __m512i {
+    // SAFETY: the instructions are there.
     unsafe {
-        let [low, high] = [_mm512_castsi512_si256(places), _mm512_extracti64x4_epi64::<1>(places)];
-        [places_of_8::<STEP>(low, last), places_of_8::<STEP>(high, last)]
+        let places = if STEP == 2 { _mm512_add_epi32(places, places) } else { places };
+        _mm512_min_epu32(places, _mm512_set1_epi32(last as i32))
     }
 }
 
@@ -124,11 +126,12 @@ unsafe fn places_of_16<const STEP: usize>(places: __m512i, last: usize) -> [[u32
 /// # Safety
 /// The processor has AVX-512F, and there are such pairs.
 #[inline(always)]
-unsafe fn pairs_of_16(table: *const [f32; 2], places: &[[u32; 8]; 2]) -> [__m512; 4] {
-    // SAFETY: the caller's promise.
+unsafe fn pairs_of_16(table: *const [f32; 2], places: __m512i) -> [__m512; 4] {
+    // SAFETY: the caller's promise; what has AVX-512 has AVX2.
     unsafe {
-        let [a, b, c, d] = pairs_of_8(table, &places[0]);
-        let [e, f, g, h] = pairs_of_8(table, &places[1]);
+        let [low, high] = [_mm512_castsi512_si256(places), _mm512_extracti64x4_epi64::<1>(places)];
+        let [a, b, c, d] = pairs_of_8(table, low);
+        let [e, f, g, h] = pairs_of_8(table, high);
         [joined(a, e), joined(b, f), joined(c, g), joined(d, h)]
     }
 }

@@ -3,7 +3,7 @@
 
 use std::ops::{Add, Div, Mul, Sub};
 
-use super::{Compiled, Cpu, Lanes, Scalar, store_bits};
+use super::{Compiled, Cpu, Indexed, Lanes, Scalar, store_bits};
 
 /// `N` lanes in an array.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,8 +95,10 @@ impl<S: Scalar, const N: usize> Lanes for Portable<S, N> {
             Self(lanes!(b.0, i => if self.0[i] < b.0[i] { self.0[i] } else { b.0[i] }));
         fn load_single(_: Cpu<Self>, from: &[f32]) -> Self =
             Self(lanes!([S::ZERO; N], i => if i < from.len() { single::<S, N>(&from[i]) } else { S::ZERO }));
-        fn places<const STEP: usize>(self, last: usize) -> Self::Places =
-            lanes!([0; N], i => (STEP * self.0[i].index()).min(last));
+        fn whole(self) -> Self::Places = lanes!([0; N], i => self.0[i].index());
+        fn add_places(a: Self::Places, b: Self::Places) -> Self::Places = lanes!(a, i => a[i] + b[i]);
+        fn up_to<const STEP: usize>(places: Self::Places, last: usize) -> Self::Places =
+            lanes!(places, i => (STEP * places[i]).min(last));
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn store(self, to: &mut [S]) {
@@ -141,7 +143,7 @@ impl<S: Scalar, const N: usize> Lanes for Portable<S, N> {
         store_bits(&single, Self::bits(mask), to);
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
-    unsafe fn pairs(table: *const [f32; 2], places: &Self::Places) -> [Self; 4] {
+    unsafe fn pairs(table: *const [f32; 2], places: Self::Places) -> [Self; 4] {
         let (mut numbers, mut i) = ([Self([S::ZERO; N]); 4], 0);
         while i < N {
             // SAFETY: the caller's promise.
@@ -153,5 +155,19 @@ impl<S: Scalar, const N: usize> Lanes for Portable<S, N> {
             i += 1;
         }
         numbers
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    unsafe fn indexed(table: *const Indexed, places: Self::Places) -> (Self::Places, [Self; 3]) {
+        let (mut indices, mut numbers, mut i) = ([0; N], [Self([S::ZERO; N]); 3], 0);
+        while i < N {
+            // SAFETY: the caller's promise.
+            let Indexed { index, numbers: [a, b, c] } = unsafe { table.add(places[i] / 2).read() };
+            indices[i] = index as usize;
+            numbers[0].0[i] = S::from_f64(a.into());
+            numbers[1].0[i] = S::from_f64(b.into());
+            numbers[2].0[i] = S::from_f64(c.into());
+            i += 1;
+        }
+        (indices, numbers)
     }
 }

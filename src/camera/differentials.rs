@@ -1,0 +1,133 @@
+//! Rays with differentials (H. Igehy, "Tracing Ray Differentials", SIGGRAPH 1999): beside the ray of a sample those of the
+//! same lens and time sample one pixel to the right and one pixel down, whose distance tells a renderer how large a
+//! footprint to filter textures over. Here is what goes in and comes out; the camera traces all three as one.
+
+use glam::Vec4;
+
+use super::{
+    pipeline::arrays::{RayArrays, RayBlock, SampleArrays, SampleBlock},
+    ray::{Sample, WorldRay},
+};
+
+/// A ray and its neighbours.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RayDifferential {
+    /// The ray of the sample.
+    pub ray: WorldRay,
+    /// The ray of image x + 1; `None` where the lens blocks it.
+    pub rx: Option<WorldRay>,
+    /// The ray of image y + 1; `None` where the lens blocks it.
+    pub ry: Option<WorldRay>,
+}
+
+/// The neighbours of many rays on one side, as structure of arrays of one length.
+#[derive(Debug)]
+pub struct NeighbourArrays<'a> {
+    /// Origins, world units: x, y and z.
+    pub origin: [&'a mut [f32]; 3],
+    /// Unit directions.
+    pub direction: [&'a mut [f32]; 3],
+    /// Positive where there is a neighbour, else 0.
+    pub weight: &'a mut [f32],
+}
+
+/// Rays that are traced at once: four times the widest vectors, and few enough to be cleared for a small batch.
+pub(super) const AT_ONCE: usize = 64;
+
+/// The samples of a ray and its neighbours.
+#[inline(always)]
+pub(super) fn samples_of(sample: &Sample) -> [Sample; 3] {
+    let Sample { image_x, image_y, .. } = *sample;
+    [*sample, Sample { image_x: image_x + 1.0, ..*sample }, Sample { image_y: image_y + 1.0, ..*sample }]
+}
+
+/// A lens and time sample at four image points, stored as the vectors that lanes will load: loads of what was just stored
+/// number by number would have to wait.
+#[inline(always)]
+pub(crate) fn at_points(sample: &Sample, image_x: [f32; 4], image_y: [f32; 4]) -> SampleBlock<4> {
+    let vectors = [
+        Vec4::from_array(image_x),
+        Vec4::from_array(image_y),
+        Vec4::splat(sample.lens_u),
+        Vec4::splat(sample.lens_v),
+        Vec4::splat(sample.time),
+    ];
+    vectors.map(|vector| vector.to_array()).into()
+}
+
+/// Which neighbour.
+#[derive(Clone, Copy)]
+pub(super) enum Side {
+    Right,
+    Below,
+}
+
+/// Up to [`AT_ONCE`] samples moved by a pixel.
+pub(super) struct Moved([f32; AT_ONCE]);
+
+impl Moved {
+    pub const fn new() -> Self {
+        Self([0.0; AT_ONCE])
+    }
+
+    /// The samples, of which there are at most so many, moved to a side.
+    pub fn to<'a>(&'a mut self, side: Side, samples: &SampleArrays<'a>) -> SampleArrays<'a> {
+        let from = match side {
+            Side::Right => samples.image_x,
+            Side::Below => samples.image_y,
+        };
+        let moved = &mut self.0[..from.len()];
+        moved.iter_mut().zip(from).for_each(|(to, from)| *to = from + 1.0);
+        match side {
+            Side::Right => SampleArrays { image_x: moved, ..*samples },
+            Side::Below => SampleArrays { image_y: moved, ..*samples },
+        }
+    }
+}
+
+impl NeighbourArrays<'_> {
+    /// The number of neighbours.
+    ///
+    /// # Panics
+    /// The arrays differ in length.
+    pub(super) fn checked_len(&self) -> usize {
+        let n = self.weight.len();
+        let same = self.origin.iter().chain(&self.direction).all(|array| array.len() == n);
+        assert!(same, "the arrays of a batch must have one length");
+        n
+    }
+
+    /// Takes the neighbours of `count` rays from `first` on: of a ray without one the ray itself, with weight 0; of no ray
+    /// only the weight 0.
+    pub(super) fn take(
+        &mut self,
+        first: usize,
+        count: usize,
+        rays: &RayArrays<'_>,
+        found: &mut RayBlock<AT_ONCE>,
+    ) {
+        let part = first..first + count;
+        let RayArrays { origin, direction, weight, .. } = found.arrays(count);
+        let own = &rays.weight[part.clone()];
+        for axis in 0..3 {
+            let (to, of_ray) = (&mut self.origin[axis][part.clone()], &rays.origin[axis][part.clone()]);
+            choose(to, origin[axis], of_ray, weight, own);
+            let (to, of_ray) = (&mut self.direction[axis][part.clone()], &rays.direction[axis][part.clone()]);
+            choose(to, direction[axis], of_ray, weight, own);
+        }
+        for ((to, weight), own) in self.weight[part].iter_mut().zip(&*weight).zip(own) {
+            *to = if *own > 0.0 { *weight } else { 0.0 };
+        }
+    }
+}
+
+/// Writes the neighbour's number where there is one, else the ray's; where there is no ray either, nothing. Without a
+/// branch, so that the compiler makes vectors of it.
+#[inline(always)]
+fn choose(to: &mut [f32], neighbour: &[f32], ray: &[f32], weight: &[f32], own: &[f32]) {
+    for ((((to, neighbour), ray), weight), own) in to.iter_mut().zip(neighbour).zip(ray).zip(weight).zip(own)
+    {
+        let number = if *weight > 0.0 { *neighbour } else { *ray };
+        *to = if *own > 0.0 { number } else { *to };
+    }
+}
