@@ -302,6 +302,24 @@ fn every_ray_is_the_formulas_and_a_batchs_the_same_to_the_bit() {
 }
 
 #[test]
+fn the_image_is_the_sphere_of_directions() {
+    let camera = camera(&host(Place::World), &[("model", "environment"), ("hither", "0.5"), ("yon", "8")]);
+    for (image, expected) in [
+        ([200.0, 150.0], [-1.0, 0.0, 0.0]),
+        ([0.0, 150.0], [1.0, 0.0, 0.0]),
+        ([100.0, 150.0], [0.0, 0.0, 1.0]),
+        ([300.0, 150.0], [0.0, 0.0, -1.0]),
+        ([130.0, 0.0], [0.0, 1.0, 0.0]),
+        ([130.0, 300.0], [0.0, -1.0, 0.0]),
+    ] {
+        let sample = Sample { image_x: image[0], image_y: image[1], time: 0.25, ..Sample::default() };
+        let (ray, weight) = camera.ray(&sample).expect("a ray");
+        near(&format!("{image:?}"), &ray.direction, &expected, 1.0);
+        assert_eq!((ray.origin, ray.mint, ray.maxt, ray.time, weight), ([0.0; 3], 0.5, 8.0, 0.25, 1.0));
+    }
+}
+
+#[test]
 fn a_sample_without_a_ray_takes_none_from_the_others_of_its_batch() {
     let strange = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 3e38, -3e38];
     for (mut given, _, _) in models() {
