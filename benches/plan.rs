@@ -1,8 +1,9 @@
-//! What a tolerance saves: a ray by each model of a lens, and a camera's batches with tolerances of 0, 0.01, 0.1
-//! and 1 pixel, in one run; and what it takes to build such a camera.
+//! What a tolerance saves: a ray by each model of a lens, one by one and in batches, which `src/plan/cost.rs` has its figures
+//! from; and cameras of the catalogue's lenses at several stops, with tolerances of 0.01, 0.1 and 1 pixel, against the exact
+//! trace in both precisions; and what it takes to build them.
 //!
-//! `cargo bench --bench plan` (with `-- dgauss` one lens). Medians over interleaved rounds. The models' lines are what `src/plan/cost.rs` has its figures from;
-//! `REALISTIC_SIMD=avx2` gives those of narrower registers.
+//! `cargo bench --bench plan` (with `-- dgauss` one lens, with `-- --models` or `-- --cameras` one part). Medians over
+//! interleaved rounds. `REALISTIC_SIMD=avx2` gives those of narrower registers.
 
 use std::hint::black_box;
 
@@ -10,11 +11,12 @@ use realistic::{
     camera::{Host, Parameters, Raster, RayBlock, RealisticCamera, Sample, SampleBlock},
     imaging::focus::Focus,
     lens::Lens,
+    plan::Entry,
     prescription::catalogue,
     sampling::PupilDisk,
     trace::{
         Direction, Path, Ray, Real,
-        kernel::{Kernel, KernelScalar, LensRays, PlaneRays},
+        kernel::{Kernel, KernelScalar, LensRays, PlaneRays, Simd, Traced},
         polynomial::{Polynomial, PolynomialLens},
     },
 };
@@ -22,7 +24,7 @@ use realistic_lab::BLOCK;
 use realistic_lab::{
     results::statistics::median,
     subject::{FilmRays, passing_rays, quasirandom::spread},
-    timing::{BenchArguments, Contest, Effort, repeated},
+    timing::{BenchArguments, Contest, Effort, interleaved, repeated},
 };
 
 /// The lenses of the assignment.
@@ -32,15 +34,22 @@ const BATCH: usize = 2048;
 /// Blocks of a round of the cameras.
 const BLOCKS: usize = 8;
 const RASTER: Raster = Raster { xres: 1920, yres: 1280 };
-const TOLERANCES: [&str; 4] = ["0", "0.01", "0.1", "1"];
+const TOLERANCES: [&str; 3] = ["0.01", "0.1", "1"];
+const STOPS: [Option<&str>; 4] = [None, Some("4"), Some("8"), Some("16")];
 
 fn main() {
     let arguments = BenchArguments::from_command_line(31);
-    for name in LENSES.into_iter().filter(|name| arguments.wants(name)) {
-        println!("\n## {name}: models\n");
-        models(name, arguments.effort);
-        println!("\n## {name}: cameras\n");
-        cameras(name, arguments.effort);
+    let named = |name: &str| std::env::args().any(|argument| argument == name);
+    println!("instructions: {}", Simd::best().name());
+    if !named("--cameras") {
+        for name in LENSES.into_iter().filter(|name| arguments.wants(name)) {
+            println!("\n## {name}: models\n");
+            models(name, arguments.effort);
+        }
+    }
+    if !named("--models") {
+        println!("\n## cameras\n");
+        cameras(&arguments);
     }
 }
 
@@ -51,27 +60,74 @@ fn models(name: &str, effort: Effort) {
     let reach = 10.0;
     let cover = PupilDisk::rear(&lens, film, reach).expect("behind the lens");
     let rays = passing_rays(&Path::<f64>::film_to_scene(&lens), film, reach, cover, BATCH, 0);
-    let mut contest = Contest::default();
-    let direction = Direction::FilmToScene;
-    let kernel = Kernel::<f64>::new(&lens, direction);
-    contest.enter("exact, f64", batch(film, &rays, move |from, to| kernel.trace_batch(from, to)));
-    let kernel = Kernel::<f32>::new(&lens, direction);
-    contest.enter("exact, f32", batch(film, &rays, move |from, to| kernel.trace_batch(from, to)));
+    let (mut many, mut one) = (Contest::default(), Contest::default());
+    exact::<f64>("exact, f64", &lens, film, &rays, [&mut many, &mut one]);
+    exact::<f32>("exact, f32", &lens, film, &rays, [&mut many, &mut one]);
     for (order, apertures) in MODELS {
         let surfaces: Vec<usize> = (1..=apertures).collect();
         let fit = Polynomial::with_apertures(&lens, film, &rays, order, &surfaces).expect("determined");
         let name = format!("order {order}, {apertures} apertures");
-        let single = PolynomialLens::<f32>::new(&fit);
-        let trace = move |from: &PlaneRays<'_, f32>, to: &mut LensRays<'_, f32>| single.trace_batch(from, to);
-        contest.enter(format!("{name}, f32"), batch(film, &rays, trace));
+        polynomials::<f32>(&format!("{name}, f32"), &fit, film, &rays, [&mut many, &mut one]);
         if apertures == 1 {
-            let double = PolynomialLens::<f64>::new(&fit);
-            let trace =
-                move |from: &PlaneRays<'_, f64>, to: &mut LensRays<'_, f64>| double.trace_batch(from, to);
-            contest.enter(format!("{name}, f64"), batch(film, &rays, trace));
+            polynomials::<f64>(&format!("{name}, f64"), &fit, film, &rays, [&mut many, &mut one]);
         }
     }
-    contest.print("ns per ray", BATCH, effort);
+    many.print("ns per ray, batches", BATCH, effort);
+    println!();
+    one.print("ns per ray, one by one", BATCH, effort);
+}
+
+/// Enters the exact trace in batches and one by one.
+fn exact<S: KernelScalar + Real + 'static>(
+    name: &str,
+    lens: &Lens,
+    film: f64,
+    rays: &[Ray],
+    [many, one]: [&mut Contest<'_>; 2],
+) {
+    let kernel = Kernel::<S>::new(lens, Direction::FilmToScene);
+    let same = kernel.clone();
+    many.enter(name, batch::<S>(film, rays, move |from, to| kernel.trace_batch(from, to)));
+    one.enter(name, chain::<S>(film, rays, move |point, slopes| same.trace_one(film, point, slopes)));
+}
+
+/// Enters polynomials in batches and one by one.
+fn polynomials<S: KernelScalar + Real + 'static>(
+    name: &str,
+    fit: &Polynomial,
+    film: f64,
+    rays: &[Ray],
+    [many, one]: [&mut Contest<'_>; 2],
+) {
+    let lens = PolynomialLens::<S>::new(fit);
+    let same = lens.clone();
+    many.enter(name, batch::<S>(film, rays, move |from, to| lens.trace_batch(from, to)));
+    one.enter(name, chain::<S>(film, rays, move |point, slopes| same.trace_one(point, slopes)));
+}
+
+/// Rays one by one, each of which waits for the one before.
+fn chain<S: KernelScalar + Real + 'static>(
+    film: f64,
+    rays: &[Ray],
+    trace: impl Fn([S; 2], [S; 2]) -> Option<Traced<S>> + 'static,
+) -> Box<dyn FnMut()> {
+    let rays: Vec<([S; 2], [S; 2])> = rays
+        .iter()
+        .map(|ray| {
+            let slopes = [0, 1].map(|i| ray.direction[i] / ray.direction[2]);
+            let point = [0, 1].map(|i| ray.origin[i] + slopes[i] * (film - ray.origin[2]));
+            (point.map(S::from_f64), slopes.map(S::from_f64))
+        })
+        .collect();
+    let small = S::from_f64(1e-30);
+    Box::new(move || {
+        let mut carry = S::ZERO;
+        for &([x, y], slopes) in &rays {
+            // Too little to change the sum.
+            carry = trace([x + carry, y], slopes).map_or(S::ZERO, |ray| ray.weight * small);
+        }
+        black_box(carry);
+    })
 }
 
 /// Orders, each with as many apertures as are tested.
@@ -90,9 +146,9 @@ fn batch<S: KernelScalar + Real + 'static>(
     Box::new(move || black_box(&mut rays).trace(BATCH, &trace))
 }
 
-fn camera(lens: &str, tolerance: &str) -> RealisticCamera {
+fn camera(given: &[(&str, &str)]) -> RealisticCamera {
     let mut parameters = Parameters::default();
-    for (name, text) in [("specfile", lens), ("tolerance", tolerance)] {
+    for (name, text) in given {
         parameters.set_from_text(name, text).expect("a parameter");
     }
     RealisticCamera::build(&parameters, &Host::new(RASTER, None), &mut |_, _| ()).expect("a camera")
@@ -110,44 +166,81 @@ fn samples() -> impl Iterator<Item = Sample> {
     })
 }
 
-fn cameras(lens: &str, effort: Effort) {
-    let cameras = TOLERANCES.map(|tolerance| camera(lens, tolerance));
-    for (camera, tolerance) in cameras.iter().zip(TOLERANCES) {
-        let chosen =
-            camera.plan().choice().map_or_else(|| "exact, f64".to_owned(), |choice| choice.sentence());
-        let (_, times) = repeated(effort.rounds.min(9), || self::camera(lens, tolerance));
-        println!("tolerance {tolerance}: {:.2} ms to build; {chosen}", median(&times) * 1e3);
-    }
-    println!();
-    let samples: Vec<Sample> = samples().take(BLOCK * BLOCKS).collect();
-    let (mut many, mut single) = (Contest::default(), Contest::default());
-    for (camera, tolerance) in cameras.iter().zip(TOLERANCES) {
-        let mut blocks: Vec<SampleBlock<BLOCK>> = vec![SampleBlock::<BLOCK>::new(); BLOCKS];
-        for (block, samples) in blocks.iter_mut().zip(samples.chunks(BLOCK)) {
-            samples.iter().enumerate().for_each(|(i, sample)| block.set(i, sample));
+/// A camera with each tolerance at each stop, beside the exact trace in both precisions.
+fn cameras(arguments: &BenchArguments) {
+    let effort = Effort { rounds: arguments.effort.rounds.min(15), ..arguments.effort };
+    println!(
+        "| lens | tolerance | one by one, ns | f32 | f64 | | in batches, ns | f32 | f64 | | ms to build |\n\
+         |---|---|---|---|---|---|---|---|---|---|---|"
+    );
+    // The slowest against single precision and against double, one by one and in batches.
+    let mut worst = [[0.0_f64; 2]; 2];
+    let mut longest = 0.0_f64;
+    for name in catalogue::names().filter(|name| arguments.wants(name)) {
+        for stop in STOPS {
+            let lens = match stop {
+                None => vec![("specfile", name)],
+                Some(number) => vec![("specfile", name), ("fnumber", number)],
+            };
+            let exact =
+                ["f64", "f32"].map(|precision| camera(&[&lens[..], &[("precision", precision)]].concat()));
+            for tolerance in TOLERANCES {
+                let given = [&lens[..], &[("tolerance", tolerance)]].concat();
+                let (model, seconds) = repeated(effort.rounds.min(9), || camera(&given));
+                let build = median(&seconds) * 1e3;
+                longest = longest.max(build);
+                let ways = [&exact[0], &exact[1], &model];
+                let nanoseconds = |tasks: [Box<dyn FnMut() + '_>; 3], rays: usize| {
+                    interleaved(tasks, effort).into_iter().map(|time| time.per(rays).median * 1e9).collect()
+                };
+                let times: [Vec<f64>; 2] = [
+                    nanoseconds(ways.map(one_by_one), BLOCK),
+                    nanoseconds(ways.map(in_batches), BLOCK * BLOCKS),
+                ];
+                let mut cells = String::new();
+                for ((times, entry), worst) in times.iter().zip(Entry::ALL).zip(&mut worst) {
+                    let chosen = model.plan().choice().expect("a tolerance").chosen(entry).0.tracing;
+                    let [double, single, model] = times[..] else { unreachable!("three cameras") };
+                    cells += &format!(
+                        " {chosen} {model:.1} | {single:.1} | {double:.1} | {:.2} |",
+                        single / model
+                    );
+                    *worst = [worst[0].max(model / single), worst[1].max(model / double)];
+                }
+                let stop = stop.map_or("wide open".to_owned(), |number| format!("f/{number}"));
+                println!("| {name}, {stop} | {tolerance} |{cells} {build:.2} |");
+            }
         }
-        let mut rays = RayBlock::<BLOCK>::new();
-        let batches = move || {
-            for block in &blocks {
-                camera.rays(&block.arrays(BLOCK), &mut rays.arrays(BLOCK));
-                black_box(&rays);
-            }
-        };
-        many.enter(format!("tolerance {tolerance}"), Box::new(batches) as Box<dyn FnMut()>);
-        let samples = &samples[..BLOCK];
-        let chain = move || {
-            let mut carry = 0.0;
-            for sample in samples {
-                let mut sample = *sample;
-                // Too little to change the sum.
-                sample.image_x += carry;
-                carry = camera.ray(&sample).map_or(0.0, |(_, weight)| weight * 1e-30);
-            }
-            black_box(carry);
-        };
-        single.enter(format!("tolerance {tolerance}"), Box::new(chain) as Box<dyn FnMut()>);
     }
-    many.print("ns per ray, batches", BLOCK * BLOCKS, effort);
-    println!();
-    single.print("ns per ray, one by one", BLOCK, effort);
+    let [one, many] = worst.map(|[single, double]| format!("{single:.2} times f32, {double:.2} times f64"));
+    println!("\nslowest one by one: {one}; in batches: {many}; longest to build: {longest:.2} ms");
+}
+
+fn in_batches(camera: &RealisticCamera) -> Box<dyn FnMut() + '_> {
+    let samples: Vec<Sample> = samples().take(BLOCK * BLOCKS).collect();
+    let mut blocks: Vec<SampleBlock<BLOCK>> = vec![SampleBlock::<BLOCK>::new(); BLOCKS];
+    for (block, samples) in blocks.iter_mut().zip(samples.chunks(BLOCK)) {
+        samples.iter().enumerate().for_each(|(i, sample)| block.set(i, sample));
+    }
+    let mut rays = RayBlock::<BLOCK>::new();
+    Box::new(move || {
+        for block in &blocks {
+            camera.rays(&block.arrays(BLOCK), &mut rays.arrays(BLOCK));
+            black_box(&rays);
+        }
+    })
+}
+
+fn one_by_one(camera: &RealisticCamera) -> Box<dyn FnMut() + '_> {
+    let samples: Vec<Sample> = samples().take(BLOCK).collect();
+    Box::new(move || {
+        let mut carry = 0.0;
+        for sample in &samples {
+            let mut sample = *sample;
+            // Too little to change the sum.
+            sample.image_x += carry;
+            carry = camera.ray(&sample).map_or(0.0, |(_, weight)| weight * 1e-30);
+        }
+        black_box(carry);
+    })
 }

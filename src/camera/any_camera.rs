@@ -112,8 +112,8 @@ impl Camera {
         (weight > 0.0).then_some((ray, weight))
     }
 
-    /// [`Camera::ray`] of many samples, the same to the last bit. Where there is no ray the weight is 0, and the
-    /// other numbers are left as they are.
+    /// [`Camera::ray`] of many samples, the same to the last bit; with a tolerance, each within it. Where there is no ray
+    /// the weight is 0, and the other numbers are left as they are.
     ///
     /// # Panics
     /// The arrays differ in length.

@@ -6,7 +6,10 @@
 use crate::lens::{Lens, film_ray, pupil::limiting_surface};
 use crate::{
     numeric::{edge, root},
-    trace::{Path, Ray},
+    trace::{
+        Path, Ray,
+        kernel::{Kernel, PlaneRays, RayBuffer},
+    },
 };
 
 /// Field angle of the thick lens for film of this diagonal at the focal plane, radians: 2 atan(d/2f)
@@ -19,6 +22,8 @@ pub fn paraxial(focal_length: f64, diagonal: f64) -> f64 {
 #[derive(Clone, Debug)]
 pub struct Field {
     path: Path,
+    /// The same, for many rays at once.
+    kernel: Kernel<f64>,
     to_stop: Path,
     /// The stop, counted along the travel.
     stop: usize,
@@ -29,6 +34,8 @@ pub struct Field {
 
 /// Rays across the rear element in a search for those that get through.
 const SCAN: u32 = 1024;
+/// Of which so many are traced at once.
+const PART: u32 = 64;
 
 /// The slopes dy/dz at which the rays of a film point in the plane through the axis get through.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,8 +57,10 @@ impl Field {
         // The rear surface seen from the film: an edge toward the film looks larger by perspective.
         let rear_radius =
             rear.semi_diameter * 1.0_f64.max((rear.vertex - film) / (rear.vertex + edge_sagitta - film));
+        let path = Path::film_to_scene(lens);
         Self {
-            path: Path::film_to_scene(lens),
+            kernel: Kernel::along(&path),
+            path,
             to_stop: Path::film_to_scene(&behind),
             stop: lens.surfaces.len() - 1 - stop,
             film,
@@ -71,17 +80,46 @@ impl Field {
     /// The slopes that get through from the film point at `height` mm from the axis, or `None` where it
     /// is dark. Where they are several intervals, from the lowest to the highest.
     pub fn beam(&self, height: f64) -> Option<Beam> {
-        let distance = self.rear - self.film;
+        Some(self.to_edges(height, self.scanned(height)?))
+    }
+
+    /// A scan's beam, to its edges.
+    fn to_edges(&self, height: f64, Beam { low, high }: Beam) -> Beam {
+        let (step, holds) = (self.scan(height, 1) - self.scan(height, 0), |slope| self.passes(height, slope));
+        Beam { low: edge(low, low - step, 0.0, holds), high: edge(high, high + step, 0.0, holds) }
+    }
+
+    /// A slope of the scan.
+    fn scan(&self, height: f64, i: u32) -> f64 {
         // Off the axis an edge in front of or behind the vertex shows shifted: half the reach more.
         let reach = self.rear_radius + 0.5 * height.abs();
-        let at = |i: u32| (reach * (2.0 * (f64::from(i) + 0.5) / f64::from(SCAN) - 1.0) - height) / distance;
-        let passing = |&i: &u32| self.passes(height, at(i));
-        let (first, last) = match (0..SCAN).find(passing) {
-            Some(first) => (at(first), at((first..SCAN).rev().find(passing)?)),
+        (reach * (2.0 * (f64::from(i) + 0.5) / f64::from(SCAN) - 1.0) - height) / (self.rear - self.film)
+    }
+
+    /// The lowest and the highest slope of a scan that get through; of a stop between two of them, its centre's.
+    fn scanned(&self, height: f64) -> Option<Beam> {
+        let at = |i: u32| self.scan(height, i);
+        // The kernel says which may; within rounding of an edge the path has the last word.
+        let passes = |i: &u32| self.passes(height, at(*i));
+        let parts = || (0..SCAN / PART).map(|part| self.may_pass(height, part * PART));
+        let (low, high) = match parts().find_map(|slopes| slopes.into_iter().find(passes)) {
+            Some(first) => {
+                (at(first), at(parts().rev().find_map(|slopes| slopes.into_iter().rev().find(passes))?))
+            }
             None => [self.through_pinhole(height, at)?; 2].into(),
         };
-        let (step, holds) = (at(1) - at(0), |slope: f64| self.passes(height, slope));
-        Some(Beam { low: edge(first, first - step, 0.0, holds), high: edge(last, last + step, 0.0, holds) })
+        Some(Beam { low, high })
+    }
+
+    /// Which slopes of a part of the scan the kernel lets through.
+    fn may_pass(&self, height: f64, first: u32) -> Vec<u32> {
+        const COUNT: usize = PART as usize;
+        let slopes: [f64; COUNT] = std::array::from_fn(|i| self.scan(height, first + i as u32));
+        let mut out = RayBuffer::new(COUNT);
+        let (x, y) = (&[0.0; COUNT], &[height; COUNT]);
+        let from = PlaneRays { plane: self.film, x, y, slope_x: x, slope_y: &slopes };
+        self.kernel.trace_batch(&from, &mut out.rays());
+        (0..PART).filter(|&i| out.get(i as usize).is_some()).map(|i| first + i).collect()
     }
 
     /// The slope through the centre of a stop so narrow that it lies between two slopes of a scan.
@@ -105,16 +143,22 @@ impl Field {
     /// stop's centre, or where vignetting blocks that, the one nearest to it that gets through.
     /// `None` where the film is dark.
     pub fn chief_ray(&self, height: f64) -> Option<Ray> {
-        let Beam { low, high } = self.beam(height)?;
+        let scanned @ Beam { low, high } = self.scanned(height)?;
         let in_stop =
             |slope: f64| self.to_stop.trace(self.ray(height, slope)).map_or(f64::NAN, |ray| ray.origin[1]);
-        let (below, above) = (in_stop(low), in_stop(high));
-        let slope = if below * above < 0.0 {
+        let slope = if in_stop(low) * in_stop(high) < 0.0 {
             root(low, high, in_stop)
-        } else if below.abs() < above.abs() {
-            low
         } else {
-            high
+            // The centre lies within a step of the beam's end, or beyond it.
+            let Beam { low, high } = self.to_edges(height, scanned);
+            let (below, above) = (in_stop(low), in_stop(high));
+            if below * above < 0.0 {
+                root(low, high, in_stop)
+            } else if below.abs() < above.abs() {
+                low
+            } else {
+                high
+            }
         };
         self.path.trace(self.ray(height, slope)).ok()
     }

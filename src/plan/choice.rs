@@ -1,9 +1,9 @@
 //! The cheapest way to trace a lens whose error stays below a tolerance: measured, not assumed.
 //!
-//! Candidates are tried from the cheapest on. Each is evaluated on rays all over the film and its pupil as the
-//! camera samples them, against the exact trace in double precision: by the distance on the film by which a ray
-//! is off ([`film_error`](crate::imaging::image_scale::ImageScale::film_error)), where a ray that one of the two
-//! blocks and the other lets through counts as infinitely far off. What is held below the tolerance is an upper
+//! For either way of calling, candidates are tried from the cheapest on, each once. It is evaluated on rays all over the
+//! film and its pupil as the camera samples them, against the exact trace in double precision: by the distance on the film
+//! by which a ray is off ([`film_error`](crate::imaging::image_scale::ImageScale::film_error)), where a ray that one of the
+//! two blocks and the other lets through counts as infinitely far off. What is held below the tolerance is an upper
 //! bound of the 99.9 % quantile (by order statistics), and the sum of the weights' errors may be no more than a
 //! thousandth of the light.
 
@@ -11,27 +11,29 @@ use std::fmt;
 
 use super::{
     cost,
-    evaluate::{Errors, Evaluation, fit_rays},
+    evaluate::{Errors, Evaluation, TooFarOff},
     quantile::QUANTILE,
     task::Task,
-    tracing::{Precision, Tracing},
+    tracing::{Entry, Precision, Tracing},
 };
 use crate::{
     lens::single_precision::f32_is_fit,
     message::short,
     trace::{
         kernel::Simd,
-        polynomial::{ORDERS, Polynomial, monomials},
+        polynomial::{Fits, ORDERS, Polynomial, monomials},
     },
 };
 
 /// What was found out about a candidate.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {
-    /// The cheapest that is good enough.
-    Chosen(Errors),
-    /// Its errors are too large.
-    Rejected(Errors),
+    /// Good enough.
+    Within(Errors),
+    /// Its rays are too far off.
+    TooFarOff(TooFarOff),
+    /// Its weights are.
+    WrongLight(Errors),
     /// It is not to be had for this lens; why.
     Excluded(String),
     /// One that costs no more was chosen.
@@ -43,135 +45,195 @@ pub enum Verdict {
 pub struct Candidate {
     /// The way.
     pub tracing: Tracing,
-    /// What it costs, ns per ray, by which the candidates are ordered.
-    pub cost: f64,
+    /// What it costs through the lens, ns per ray, one by one and in batches.
+    pub costs: [f64; 2],
     /// What became of it.
     pub verdict: Verdict,
 }
 
-/// The candidates in the order in which they were tried.
+/// The candidates, and those that were chosen.
 #[derive(Clone, Debug)]
 pub struct Choice {
     /// What a ray's error may be, pixels.
     pub tolerance: f64,
-    /// Every way that is cheaper than the exact trace in double precision, and that.
+    /// Every way to trace, the exact ones last.
     pub candidates: Vec<Candidate>,
+    /// Which of them is chosen for rays one by one, and in batches.
+    chosen: [usize; 2],
 }
 
-/// Rays that polynomials are fitted to, for each of a polynomial's monomials.
-const RAYS_PER_MONOMIAL: usize = 6;
+/// Rays that polynomials are fitted to, for each monomial of the largest that may be chosen.
+const RAYS_PER_MONOMIAL: usize = 4;
 /// What the weights' errors may sum up to, as a part of the light.
 const LIGHT: f64 = 1e-3;
+/// How many times cheaper polynomials must be than what they take the place of: a processor of the same kind may be as
+/// much slower at them.
+const MARGIN: f64 = 1.15;
+
+impl Candidate {
+    /// What it costs, ns per ray through the lens.
+    pub fn cost(&self, entry: Entry) -> f64 {
+        self.costs[entry as usize]
+    }
+
+    /// By which candidates are ordered.
+    fn rank(&self, entry: Entry) -> f64 {
+        let margin = if matches!(self.tracing, Tracing::Polynomials { .. }) { MARGIN } else { 1.0 };
+        margin * self.cost(entry)
+    }
+}
 
 impl Choice {
-    /// Tries the candidates from the cheapest on; the exact trace in double precision is the last.
-    pub(crate) fn of(task: &Task<'_>) -> (Self, Tracing<Polynomial>) {
+    /// Tries the candidates from the cheapest on. Besides what was found out, the ways for rays one by one and in batches.
+    pub(crate) fn of(task: &Task<'_>) -> (Self, [Tracing<Polynomial>; 2]) {
         let unfit = f32_is_fit(task.lens).err().map(|unfit| unfit.to_string());
         let evaluation = Evaluation::new(task);
         let apertures = evaluation.as_ref().map_or(0, |evaluation| evaluation.blocking.len());
         let mut candidates = candidates(task, unfit.is_none(), apertures);
-        let mut chosen = Tracing::Exact(Precision::F64);
-        for candidate in &mut candidates {
-            let found = match (candidate.tracing, &evaluation) {
-                (Tracing::Exact(Precision::F64), _) => Ok((Tracing::Exact(Precision::F64), Errors::NONE)),
-                (_, Err(why)) => Err(why.clone()),
-                (Tracing::Exact(Precision::F32), Ok(evaluation)) => match &unfit {
-                    Some(unfit) => Err(unfit.clone()),
-                    None => Ok((Tracing::Exact(Precision::F32), evaluation.single())),
-                },
-                (Tracing::Polynomials { order, precision, .. }, Ok(evaluation)) => {
-                    let rays = fit_rays(task.film_side, RAYS_PER_MONOMIAL * monomials(order) + 50);
-                    evaluation
-                        .polynomials(order, &rays, precision)
-                        .map(|(fit, errors)| (Tracing::Polynomials { order, precision, fit }, errors))
+        let rays = RAYS_PER_MONOMIAL * monomials(largest_order(&candidates, unfit.is_none())) + 50;
+        let mut trial = Trial { unfit, evaluation, rays, fits: None };
+        let mut ways: Vec<Option<Tracing<Polynomial>>> = vec![None; candidates.len()];
+        let chosen = Entry::ALL.map(|entry| {
+            let mut order: Vec<usize> = (0..candidates.len()).collect();
+            order.sort_by(|&a, &b| candidates[a].rank(entry).total_cmp(&candidates[b].rank(entry)));
+            let good_enough = |&number: &usize| {
+                let Candidate { tracing, verdict, .. } = &mut candidates[number];
+                if *verdict == Verdict::Untried {
+                    (*verdict, ways[number]) = trial.of(*tracing, task.tolerance);
                 }
-                (Tracing::Refracted(..), _) => unreachable!("a named refraction is no candidate"),
+                ways[number].is_some()
             };
-            candidate.verdict = match found {
-                Err(why) => Verdict::Excluded(why),
-                Ok((tracing, errors)) if errors.pixels <= task.tolerance && errors.light <= LIGHT => {
-                    chosen = tracing;
-                    Verdict::Chosen(errors)
-                }
-                Ok((_, errors)) => Verdict::Rejected(errors),
-            };
-            if matches!(candidate.verdict, Verdict::Chosen(_)) {
-                break;
-            }
-        }
-        (Self { tolerance: task.tolerance, candidates }, chosen)
+            order.into_iter().find(good_enough).expect("the exact trace in double precision is good enough")
+        });
+        let tracings = chosen.map(|number| ways[number].clone().expect("it is good enough"));
+        (Self { tolerance: task.tolerance, candidates, chosen }, tracings)
     }
 
-    /// The candidate that was chosen, and its errors.
-    pub fn chosen(&self) -> Option<(&Candidate, Errors)> {
-        self.candidates.iter().find_map(|candidate| match candidate.verdict {
-            Verdict::Chosen(errors) => Some((candidate, errors)),
-            _ => None,
-        })
+    /// The candidate that was chosen for a way of calling, and its errors.
+    pub fn chosen(&self, entry: Entry) -> (&Candidate, Errors) {
+        let candidate = &self.candidates[self.chosen[entry as usize]];
+        match candidate.verdict {
+            Verdict::Within(errors) => (candidate, errors),
+            _ => unreachable!("only what is good enough is chosen"),
+        }
     }
 
     /// What was chosen and how far off it is, as a sentence.
     pub fn sentence(&self) -> String {
-        let Some((candidate, errors)) = self.chosen() else {
-            return String::new();
+        let said = |entry| {
+            let (Candidate { tracing, .. }, errors) = self.chosen(entry);
+            if *tracing == Tracing::Exact(Precision::F64) {
+                return format!("{tracing}, for nothing cheaper stays below it");
+            }
+            format!(
+                "{tracing}; {} % of the rays are within {:.2e} pixels of the exact ones, as measured on {} rays",
+                100.0 * QUANTILE,
+                errors.pixels,
+                errors.rays
+            )
         };
-        let tracing = candidate.tracing;
-        if tracing == Tracing::Exact(Precision::F64) {
-            return format!(
-                "tolerance {} pixels: {tracing}, for no cheaper model stays below it",
-                short(self.tolerance)
-            );
+        let tolerance = short(self.tolerance);
+        let [one, many] = self.chosen;
+        if one == many {
+            return format!("tolerance {tolerance} pixels: {}", said(Entry::One));
         }
-        format!(
-            "tolerance {} pixels: {tracing}; {} % of the rays are within {:.2e} pixels of the exact ones, as measured \
-             on {} rays",
-            short(self.tolerance),
-            100.0 * QUANTILE,
-            errors.pixels,
-            errors.rays
-        )
+        let [one, many] = Entry::ALL.map(|entry| format!("{entry}: {}", said(entry)));
+        format!("tolerance {tolerance} pixels, {one}; {many}")
     }
 }
 
-/// Every candidate by its cost: polynomials in single precision where that is `fit` for the lens, with so many
-/// apertures that block rays, and the kernel in either precision.
+/// What candidates are tried with.
+struct Trial<'a> {
+    /// Why single precision cannot trace this lens.
+    unfit: Option<String>,
+    evaluation: Result<Evaluation<'a>, String>,
+    /// Rays that polynomials are fitted to.
+    rays: usize,
+    /// Made when the first polynomials are tried.
+    fits: Option<Fits>,
+}
+
+impl Trial<'_> {
+    /// What becomes of a candidate, and where that is good enough, itself.
+    fn of(&mut self, tracing: Tracing, tolerance: f64) -> (Verdict, Option<Tracing<Polynomial>>) {
+        if tracing == Tracing::Exact(Precision::F64) {
+            return (Verdict::Within(Errors::NONE), Some(Tracing::Exact(Precision::F64)));
+        }
+        let evaluation = match &self.evaluation {
+            Ok(evaluation) => evaluation,
+            Err(why) => return (Verdict::Excluded(why.clone()), None),
+        };
+        let (way, errors) = match (tracing, &self.unfit) {
+            (Tracing::Polynomials { order, precision, .. }, _) => {
+                let fits = self.fits.get_or_insert_with(|| evaluation.fits(self.rays));
+                match fits.order(order) {
+                    Err(why) => return (Verdict::Excluded(why.to_string()), None),
+                    Ok(fit) => {
+                        let errors = evaluation.polynomials(&fit, precision, tolerance);
+                        (Tracing::Polynomials { order, precision, fit }, errors)
+                    }
+                }
+            }
+            (Tracing::Exact(precision), None) => (Tracing::Exact(precision), evaluation.single(tolerance)),
+            (Tracing::Exact(_), Some(unfit)) => return (Verdict::Excluded(unfit.clone()), None),
+            (Tracing::Refracted(..), _) => unreachable!("a named refraction is no candidate"),
+        };
+        match errors {
+            Err(too_far_off) => (Verdict::TooFarOff(too_far_off), None),
+            Ok(errors) if errors.light > LIGHT => (Verdict::WrongLight(errors), None),
+            Ok(errors) => (Verdict::Within(errors), Some(way)),
+        }
+    }
+}
+
+/// The largest order that may be tried before the exact trace in single precision, where that is `fit` for the lens, else in
+/// double.
+fn largest_order(candidates: &[Candidate], fit: bool) -> usize {
+    let precision = if fit { Precision::F32 } else { Precision::F64 };
+    let exact = candidates.iter().find(|candidate| candidate.tracing == Tracing::Exact(precision));
+    let before =
+        |candidate: &Candidate, entry| exact.is_some_and(|exact| candidate.rank(entry) < exact.rank(entry));
+    let orders = candidates.iter().filter_map(|candidate| match candidate.tracing {
+        Tracing::Polynomials { order, .. } if Entry::ALL.iter().any(|&entry| before(candidate, entry)) => {
+            Some(order)
+        }
+        _ => None,
+    });
+    orders.max().unwrap_or(1)
+}
+
+/// Every way: polynomials in single precision where that is `fit` for the lens, with so many apertures that block rays, and
+/// the kernel in either precision.
 fn candidates(task: &Task<'_>, fit: bool, apertures: usize) -> Vec<Candidate> {
     let (simd, surfaces) = (Simd::best(), task.lens.surfaces.len());
     let precision = if fit { Precision::F32 } else { Precision::F64 };
-    let exact = cost::kernel(simd, Precision::F64, surfaces);
+    let candidate = |tracing, costs| Candidate { tracing, costs, verdict: Verdict::Untried };
     let polynomials = ORDERS.iter().map(|&order| {
-        let cost = cost::polynomials(simd, precision, monomials(order), apertures);
-        (Tracing::Polynomials { order, precision, fit: () }, cost)
+        let cost = |entry| cost::polynomials(simd, entry, precision, monomials(order), apertures);
+        candidate(Tracing::Polynomials { order, precision, fit: () }, Entry::ALL.map(cost))
     });
-    let single = (Tracing::Exact(Precision::F32), cost::kernel(simd, Precision::F32, surfaces));
-    let mut candidates: Vec<Candidate> = polynomials
-        .chain([single])
-        .filter(|(_, cost)| *cost < exact)
-        .chain([(Tracing::Exact(Precision::F64), exact)])
-        .map(|(tracing, cost)| Candidate { tracing, cost, verdict: Verdict::Untried })
-        .collect();
-    candidates.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    candidates
+    // Where both cost the same, the exact one.
+    let exact = [Precision::F64, Precision::F32].map(|precision| {
+        let cost = |entry| cost::exact(simd, entry, precision, surfaces);
+        candidate(Tracing::Exact(precision), Entry::ALL.map(cost))
+    });
+    polynomials.chain(exact).collect()
 }
 
 impl Verdict {
     /// In words.
     pub fn text(&self) -> String {
-        let measured = |errors: &Errors| {
-            if errors.pixels.is_finite() {
-                format!("{:.2e} pixels", errors.pixels)
-            } else {
-                format!("{} of {} rays blocked by one only", errors.mismatches, errors.rays)
-            }
-        };
         match self {
-            Self::Chosen(errors) if errors.rays == 0 => {
-                "chosen: it is what the others are measured by".to_owned()
+            Self::Within(errors) if errors.rays == 0 => "it is what the others are measured by".to_owned(),
+            Self::Within(errors) => format!("{:.2e} pixels", errors.pixels),
+            Self::TooFarOff(TooFarOff { beyond, of }) => {
+                format!("not good enough: {beyond} of {of} rays are further off")
             }
-            Self::Chosen(errors) => format!("chosen: {}", measured(errors)),
-            Self::Rejected(errors) => format!("not good enough: {}", measured(errors)),
+            Self::WrongLight(errors) => {
+                format!("not good enough: {:.2} % of the light is wrong", 100.0 * errors.light)
+            }
             Self::Excluded(why) => format!("excluded: {why}"),
-            Self::Untried => "not tried: costs no less than the chosen one".to_owned(),
+            Self::Untried => "not tried: costs no less than the chosen ones".to_owned(),
         }
     }
 }
@@ -180,10 +242,18 @@ impl Verdict {
 impl fmt::Display for Choice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}\n", self.sentence())?;
-        writeln!(f, "{:<32}{:>9}  error: 99.9 % of the rays below", "model", "ns/ray*")?;
-        for Candidate { tracing, cost, verdict } in &self.candidates {
-            writeln!(f, "{tracing:<32}{cost:>9.1}  {}", verdict.text())?;
+        writeln!(
+            f,
+            "{:<28}{:>11}{:>11}  error: 99.9 % of the rays below",
+            "ns/ray*", "one by one", "in batches"
+        )?;
+        for (number, candidate @ Candidate { tracing, verdict, .. }) in self.candidates.iter().enumerate() {
+            let [one, many] = Entry::ALL.map(|entry| {
+                let mark = if self.chosen[entry as usize] == number { "> " } else { "" };
+                format!("{mark}{:.1}", candidate.cost(entry))
+            });
+            writeln!(f, "{tracing:<28}{one:>11}{many:>11}  {}", verdict.text())?;
         }
-        writeln!(f, "* the figure they are ordered by, of another machine")
+        writeln!(f, "> chosen; * through the lens, on another machine: what they are ordered by")
     }
 }

@@ -1,45 +1,66 @@
-//! What a ray costs by each way to trace it, so that the cheapest is tried first.
+//! What a ray costs by each way to trace it, in each way of calling, so that the cheapest is tried first.
 //!
-//! Nanoseconds per ray in batches, as fitted to `cargo bench --bench plan` on one core of the machine of
-//! `benches/record`: only their order counts, which is the processor's width's. A clock at build time would
-//! make a picture depend on what else the machine did.
+//! Nanoseconds through the lens alone, as fitted to the tables of `cargo bench --bench plan` in `benches/record`: for
+//! AVX-512 on a machine that has it, for AVX2 and without either on the same one with `REALISTIC_SIMD`. Only their ratios
+//! count, which are the instructions': a clock at build time would make a picture depend on what else the machine did.
 
-use super::tracing::Precision::{self, F32, F64};
+use super::tracing::{
+    Entry,
+    Precision::{self, F32, F64},
+};
 use crate::trace::kernel::Simd;
 
-/// What is counted: nanoseconds for none of it, and for each.
+/// The exact trace: nanoseconds for no surface, and for each.
 #[derive(Clone, Copy)]
-struct Line {
+struct Exact {
     none: f64,
-    each: f64,
+    surface: f64,
 }
 
-impl Line {
-    fn at(self, count: usize) -> f64 {
-        self.none + self.each * count as f64
-    }
+/// Polynomials: nanoseconds for none, for each coefficient of the rays, and of the apertures.
+#[derive(Clone, Copy)]
+struct Polynomials {
+    none: f64,
+    ray: f64,
+    aperture: f64,
 }
 
-/// The exact trace, by the number of surfaces.
-pub fn kernel(simd: Simd, precision: Precision, surfaces: usize) -> f64 {
-    let line = match (simd, precision) {
-        (Simd::Avx512, F32) => Line { none: 1.2, each: 0.44 },
-        (Simd::Avx512, F64) => Line { none: 3.3, each: 0.83 },
-        (Simd::Avx2, F32) => Line { none: 1.7, each: 0.57 },
-        (Simd::Avx2, F64) => Line { none: 3.5, each: 1.58 },
-        (Simd::Portable, _) => Line { none: 2.0, each: 27.0 },
+/// How many times as much each of more than two apertures takes.
+const CROWD: f64 = 1.6;
+
+/// The exact trace through so many surfaces.
+pub fn exact(simd: Simd, entry: Entry, precision: Precision, surfaces: usize) -> f64 {
+    let Exact { none, surface } = match (simd, entry, precision) {
+        (Simd::Avx512, Entry::Many, F32) => Exact { none: 0.6, surface: 0.25 },
+        (Simd::Avx512, Entry::Many, F64) => Exact { none: 1.0, surface: 0.67 },
+        (Simd::Avx2, Entry::Many, F32) => Exact { none: 0.7, surface: 0.53 },
+        (Simd::Avx2, Entry::Many, F64) => Exact { none: 2.0, surface: 1.15 },
+        (Simd::Avx512 | Simd::Avx2, Entry::One, F32) => Exact { none: 0.0, surface: 9.0 },
+        (Simd::Avx512 | Simd::Avx2, Entry::One, F64) => Exact { none: 0.0, surface: 10.0 },
+        (Simd::Portable, _, _) => Exact { none: 2.0, surface: 27.0 },
     };
-    line.at(surfaces)
+    none + surface * surfaces as f64
 }
 
-/// Polynomials, by the monomials of each and the polynomials: four, and two for each aperture.
-pub fn polynomials(simd: Simd, precision: Precision, monomials: usize, apertures: usize) -> f64 {
-    let line = match (simd, precision) {
-        (Simd::Avx512, F32) => Line { none: 1.9, each: 0.0175 },
-        (Simd::Avx512, F64) => Line { none: 3.8, each: 0.035 },
-        (Simd::Avx2, F32) => Line { none: 2.9, each: 0.034 },
-        (Simd::Avx2, F64) => Line { none: 5.8, each: 0.07 },
-        (Simd::Portable, _) => Line { none: 80.0, each: 3.4 },
+/// Polynomials with so many monomials each, that test so many apertures besides the front's.
+pub fn polynomials(
+    simd: Simd,
+    entry: Entry,
+    precision: Precision,
+    monomials: usize,
+    apertures: usize,
+) -> f64 {
+    let Polynomials { none, ray, aperture } = match (simd, entry, precision) {
+        (Simd::Avx512, Entry::Many, F32) => Polynomials { none: 1.35, ray: 0.0135, aperture: 0.0195 },
+        (Simd::Avx512, Entry::Many, F64) => Polynomials { none: 2.9, ray: 0.028, aperture: 0.039 },
+        (Simd::Avx2, Entry::Many, F32) => Polynomials { none: 2.5, ray: 0.027, aperture: 0.036 },
+        (Simd::Avx2, Entry::Many, F64) => Polynomials { none: 5.4, ray: 0.055, aperture: 0.075 },
+        (Simd::Avx512 | Simd::Avx2, Entry::One, F32) => Polynomials { none: 18.0, ray: 0.15, aperture: 0.31 },
+        (Simd::Avx512 | Simd::Avx2, Entry::One, F64) => Polynomials { none: 35.0, ray: 0.15, aperture: 0.25 },
+        (Simd::Portable, _, _) => Polynomials { none: 80.0, ray: 3.4, aperture: 3.4 },
     };
-    line.at(monomials * (4 + 2 * apertures))
+    // One ray by itself waits for loops that end at more places than a processor foresees.
+    let crowd = if entry == Entry::One && apertures > 2 { CROWD } else { 1.0 };
+    // Four polynomials for the ray, two for each aperture.
+    none + ray * (4 * monomials) as f64 + crowd * aperture * (2 * monomials * apertures) as f64
 }

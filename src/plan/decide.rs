@@ -8,7 +8,7 @@ use super::{
     choice::Choice,
     items::Plan,
     task::Task,
-    tracing::{Precision, Tracing},
+    tracing::{Entry, Precision, Tracing},
 };
 use crate::{
     lens::{refraction::Refraction, single_precision::f32_is_fit},
@@ -17,14 +17,22 @@ use crate::{
 
 /// What was decided.
 pub(crate) struct Decision {
-    /// How rays are traced.
+    /// How rays are traced; where `many` is one, those that are asked for one by one.
+    pub one: Way,
+    /// How those in batches are, where that is another way.
+    pub many: Option<Way>,
+    /// What the user should know, line by line.
+    pub warnings: Vec<String>,
+}
+
+/// A way to trace, as far as it serves.
+pub(crate) struct Way {
+    /// How.
     pub tracing: Tracing<Polynomial>,
     /// Film radius in mm up to which polynomials, or fewer tests, serve; beyond it is the whole lens.
     pub reach: f64,
     /// Which apertures are tested, by surface from the scene, where rays begin within `reach`; `None`: all.
     pub tested: Option<Vec<bool>>,
-    /// What the user should know, line by line.
-    pub warnings: Vec<String>,
 }
 
 impl Decision {
@@ -44,41 +52,67 @@ impl Decision {
                     .to_owned(),
             );
         }
+        let unfit = unfit.map(|unfit| unfit.to_string());
         let named = Tracing::Exact(task.precision.unwrap_or(Precision::F64));
-        let tracing = match (task.refraction, task.leave_out) {
+        let (one, many) = match (task.refraction, task.leave_out) {
             (Refraction::Fused, true) if task.tolerance > 0.0 && !is_named => {
-                let (choice, chosen) = Choice::of(task);
+                let (choice, [one, many]) = Choice::of(task);
                 plan.set_choice(choice);
-                chosen
+                let many = (many != one).then_some(many);
+                (one, many)
             }
-            (Refraction::Fused, _) => named,
-            (refraction, _) => Tracing::Refracted(refraction, task.precision.unwrap_or(Precision::F64)),
+            (Refraction::Fused, _) => (named, None),
+            (refraction, _) => {
+                (Tracing::Refracted(refraction, task.precision.unwrap_or(Precision::F64)), None)
+            }
         };
+        let mut way = |tracing, rays: &str| Way::of(tracing, rays, unfit.as_deref(), task, plan);
+        let (one, many) = match many {
+            None => (way(one, ""), None),
+            Some(many) => {
+                let [first, second] = Entry::ALL.map(|entry| format!(", for rays {entry}"));
+                (way(one, &first), Some(way(many, &second)))
+            }
+        };
+        Self { one, many, warnings }
+    }
+}
+
+impl Way {
+    /// Writes into `plan` what a way of tracing, for the rays named, keeps and leaves out. `unfit` is why `f32`, which is asked
+    /// for, cannot trace the lens.
+    fn of(
+        tracing: Tracing<Polynomial>,
+        rays: &str,
+        unfit: Option<&str>,
+        task: &Task<'_>,
+        plan: &mut Plan,
+    ) -> Self {
         let (mut reach, mut tested) = (task.film_side.film.reach(), None);
         match &tracing {
             Tracing::Exact(precision) if task.leave_out => {
                 let error = if *precision == Precision::F64 { "1e-15" } else { "1e-7" };
                 plan.kept(
-                    &format!("exact trace in {precision}"),
+                    &format!("exact trace in {precision}{rays}"),
                     "every surface is met",
                     format!("errors of {error} rad"),
                 );
                 if let Some(unfit) = unfit {
-                    plan.kept("every aperture test", unfit.to_string(), "no bound holds in f32");
+                    plan.kept("every aperture test", unfit, "no bound holds in f32");
                 } else {
                     (tested, reach) = needed_tests(task, plan);
                 }
             }
-            Tracing::Polynomials { fit, .. } => plan.left_out(
-                "the surfaces, one by one",
+            Tracing::Polynomials { order, fit, .. } => plan.left_out(
+                &format!("the surfaces, one by one{rays}"),
                 "polynomials take their place within the tolerance",
-                format!("{} coefficients", fit.coefficients()),
+                format!("order {order}, {} coefficients", fit.coefficients()),
             ),
             Tracing::Exact(_) | Tracing::Refracted(..) => {
                 plan.kept("every surface and aperture test", "the method of tracing is named", "exact");
             }
         }
-        Self { tracing, reach, tested, warnings }
+        Self { tracing, reach, tested }
     }
 }
 

@@ -1,7 +1,9 @@
 //! How far off a way to trace is, on rays all over a film and its pupil, against the exact trace in double precision.
 
+use std::ops::Range;
+
 use super::{
-    quantile::upper_bound,
+    quantile::{upper_bound, worst},
     strata,
     task::{FilmSide, Task},
     tracing::Precision,
@@ -14,14 +16,14 @@ use crate::{
     trace::{
         Blocked, Ray,
         kernel::{KernelScalar, LensRays, PlaneRays, RayBuffer},
-        polynomial::{Polynomial, PolynomialLens},
+        polynomial::{Fits, Polynomial, PolynomialLens},
     },
 };
 
 /// The measured errors of a way to trace.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Errors {
-    /// Bound of the 99.9 % quantile, pixels; infinite where too many rays are blocked by one and not by the other.
+    /// Bound of the 99.9 % quantile, pixels.
     pub pixels: f64,
     /// Rays looked at.
     pub rays: usize,
@@ -29,6 +31,15 @@ pub struct Errors {
     pub mismatches: usize,
     /// Sum of the errors of the weights over the sum of the weights.
     pub light: f64,
+}
+
+/// Rays of which so many are further off than is tolerated that more of them do not matter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TooFarOff {
+    /// Those that are.
+    pub beyond: usize,
+    /// Rays looked at.
+    pub of: usize,
 }
 
 impl Errors {
@@ -40,6 +51,8 @@ impl Errors {
 const ENOUGH: usize = 9000;
 /// Sets of rays sampled for them at most.
 const MOST_SEEDS: usize = 4;
+/// Rays that a candidate traces before it is asked whether more are worth it.
+const PART: usize = 1024;
 /// Apertures that polynomials may test besides the front's.
 const APERTURES: usize = 4;
 /// Part of the rays that may be blocked by apertures that the polynomials do not know.
@@ -70,15 +83,17 @@ impl Rays {
         film_ray([x, y], film, [sx, sy])
     }
 
+    /// Some of them traced.
     fn traced<S: KernelScalar>(
         &self,
         film: f64,
-        trace: impl FnOnce(&PlaneRays<'_, S>, &mut LensRays<'_, S>),
+        part: Range<usize>,
+        trace: impl Fn(&PlaneRays<'_, S>, &mut LensRays<'_, S>),
     ) -> RayBuffer<S> {
-        let columns =
-            self.columns.each_ref().map(|column| column.iter().map(|&x| S::from_f64(x)).collect::<Vec<S>>());
-        let [x, y, slope_x, slope_y] = &columns;
-        let mut out = RayBuffer::new(self.len());
+        let round =
+            |column: &Vec<f64>| column[part.clone()].iter().map(|&x| S::from_f64(x)).collect::<Vec<S>>();
+        let [x, y, slope_x, slope_y] = &self.columns.each_ref().map(round);
+        let mut out = RayBuffer::new(part.len());
         trace(&PlaneRays { plane: film, x, y, slope_x, slope_y }, &mut out.rays());
         out
     }
@@ -114,7 +129,7 @@ impl<'a> Evaluation<'a> {
                     rays.push(point, sample);
                 }
             }
-            let exact = rays.traced(side.z, |from, to| kernel.trace_batch(from, to));
+            let exact = rays.traced(side.z, 0..rays.len(), |from, to| kernel.trace_batch(from, to));
             let passing = (0..rays.len()).filter(|&i| exact.get(i).is_some()).count();
             let hopeless = passing < ENOUGH / MOST_SEEDS;
             if passing >= ENOUGH || hopeless || seed == MOST_SEEDS {
@@ -132,64 +147,94 @@ impl<'a> Evaluation<'a> {
         Ok(Self { task, scale, rays, exact, blocking })
     }
 
-    fn errors<S: KernelScalar>(&self, model: &RayBuffer<S>) -> Errors {
-        let film = &self.task.film_side.film;
-        let (mut mismatches, mut light, mut wrong) = (0, 0.0, 0.0);
+    /// The errors of a model that traces the rays.
+    ///
+    /// # Errors
+    /// So many of them are off by more than the tolerance, pixels, that the bound of their quantile is, too.
+    fn errors<S: KernelScalar>(
+        &self,
+        tolerance: f64,
+        trace: impl Fn(&PlaneRays<'_, S>, &mut LensRays<'_, S>),
+    ) -> Result<Errors, TooFarOff> {
+        let FilmSide { film, z, .. } = self.task.film_side;
+        // Film points in single precision are rounded to it.
+        let rounding = if S::EPSILON > f64::EPSILON { 2.0 * S::EPSILON } else { 0.0 };
+        let rounding = rounding * film.reach() / film.pixel();
+        // Of fewer rays even fewer may.
+        let too_many = worst(self.rays.len());
+        let (mut mismatches, mut light, mut wrong, mut beyond) = (0, 0.0, 0.0, 0);
         let mut errors = Vec::with_capacity(self.rays.len());
-        for i in 0..self.rays.len() {
-            let (exact, other) = (self.exact.get(i), model.get(i));
-            let weight = exact.map_or(0.0, |ray| ray.weight);
-            let others = other.map_or(0.0, |ray| ray.weight.to_f64());
-            light += weight * self.rays.area[i];
-            wrong += (others - weight).abs() * self.rays.area[i];
-            match (exact, other) {
-                (Some(exact), Some(other)) => {
-                    let point = [self.rays.columns[0][i], self.rays.columns[1][i]];
-                    let error = self.scale.film_error(point, &exact.ray(), &other.ray()) / film.pixel();
-                    errors.push(if error.is_nan() { f64::INFINITY } else { error });
-                }
-                (None, None) => {}
-                _ => {
-                    mismatches += 1;
-                    errors.push(f64::INFINITY);
+        // By parts: of what is far off, the first has enough.
+        for first in (0..self.rays.len()).step_by(PART) {
+            let part = first..self.rays.len().min(first + PART);
+            let model = self.rays.traced(*z, part.clone(), &trace);
+            for i in part {
+                let (exact, other) = (self.exact.get(i), model.get(i - first));
+                let weight = exact.map_or(0.0, |ray| ray.weight);
+                let others = other.map_or(0.0, |ray| ray.weight.to_f64());
+                light += weight * self.rays.area[i];
+                wrong += (others - weight).abs() * self.rays.area[i];
+                let error = match (exact, other) {
+                    (Some(exact), Some(other)) => {
+                        let point = [self.rays.columns[0][i], self.rays.columns[1][i]];
+                        self.scale.film_error(point, &exact.ray(), &other.ray()) / film.pixel()
+                    }
+                    (None, None) => continue,
+                    _ => {
+                        mismatches += 1;
+                        f64::INFINITY
+                    }
+                };
+                errors.push(if error.is_nan() { f64::INFINITY } else { error });
+                if error.is_nan() || error + rounding > tolerance {
+                    beyond += 1;
+                    if beyond >= too_many {
+                        return Err(TooFarOff { beyond, of: errors.len() });
+                    }
                 }
             }
         }
-        // Film points in single precision are rounded to it.
-        let rounding = if S::EPSILON > f64::EPSILON { 2.0 * S::EPSILON } else { 0.0 };
-        let pixels = upper_bound(&mut errors) + rounding * film.reach() / film.pixel();
-        Errors { rays: errors.len(), pixels, mismatches, light: wrong / light }
+        let (rays, pixels) = (errors.len(), upper_bound(&mut errors) + rounding);
+        if pixels > tolerance {
+            return Err(TooFarOff { beyond, of: rays });
+        }
+        Ok(Errors { rays, pixels, mismatches, light: wrong / light })
     }
 
-    /// Polynomials of an order fitted to rays, and their errors.
+    /// Polynomials of every order, to be fitted to so many rays.
+    pub fn fits(&self, rays: usize) -> Fits {
+        let Task { lens, path, film_side, .. } = self.task;
+        Fits::new(lens, path, film_side.z, &fit_rays(film_side, rays), &self.blocking)
+    }
+
+    /// The errors of polynomials.
     ///
     /// # Errors
-    /// Why there are none.
+    /// They are beyond the tolerance, pixels.
     pub fn polynomials(
         &self,
-        order: usize,
-        fitted: &[Ray],
+        fit: &Polynomial,
         precision: Precision,
-    ) -> Result<(Polynomial, Errors), String> {
-        let (lens, film) = (self.task.lens, self.task.film_side.z);
-        let polynomial = Polynomial::with_apertures(lens, film, fitted, order, &self.blocking)
-            .map_err(|error| error.to_string())?;
-        let errors = match precision {
-            Precision::F64 => self.errors_of::<f64>(&polynomial),
-            Precision::F32 => self.errors_of::<f32>(&polynomial),
-        };
-        Ok((polynomial, errors))
+        tolerance: f64,
+    ) -> Result<Errors, TooFarOff> {
+        match precision {
+            Precision::F64 => self.errors_of::<f64>(fit, tolerance),
+            Precision::F32 => self.errors_of::<f32>(fit, tolerance),
+        }
     }
 
-    fn errors_of<S: KernelScalar>(&self, polynomial: &Polynomial) -> Errors {
-        let lens = PolynomialLens::<S>::new(polynomial);
-        self.errors(&self.rays.traced(self.task.film_side.z, |from, to| lens.trace_batch(from, to)))
+    fn errors_of<S: KernelScalar>(&self, fit: &Polynomial, tolerance: f64) -> Result<Errors, TooFarOff> {
+        let lens = PolynomialLens::<S>::new(fit);
+        self.errors(tolerance, |from, to| lens.trace_batch(from, to))
     }
 
     /// The errors of the exact trace in single precision.
-    pub fn single(&self) -> Errors {
+    ///
+    /// # Errors
+    /// They are beyond the tolerance, pixels.
+    pub fn single(&self, tolerance: f64) -> Result<Errors, TooFarOff> {
         let kernel = self.task.kernels.single();
-        self.errors(&self.rays.traced(self.task.film_side.z, |from, to| kernel.trace_batch(from, to)))
+        self.errors(tolerance, |from, to| kernel.trace_batch(from, to))
     }
 }
 
@@ -227,7 +272,7 @@ fn blocking(task: &Task<'_>, rays: &Rays, exact: &RayBuffer<f64>) -> Vec<usize> 
 
 /// Rays to fit polynomials to: denser toward the film's and the pupil's edge, where errors of a fit are
 /// largest, as Chebyshev's nodes are.
-pub(super) fn fit_rays(side: &FilmSide, count: usize) -> Vec<Ray> {
+fn fit_rays(side: &FilmSide, count: usize) -> Vec<Ray> {
     use std::f64::consts::{FRAC_PI_2, TAU};
     (0..count)
         .filter_map(|number| {

@@ -14,13 +14,16 @@ const RISK: f64 = 2e-3;
 /// Probabilities", 1967), and lighter still where the samples are spread over strata (W. Hoeffding, "On the
 /// Distribution of the Number of Successes in Independent Trials", 1956).
 pub fn upper_bound(samples: &mut [f64]) -> f64 {
-    let beyond = samples.len() as f64 * (1.0 - QUANTILE);
-    let k = rare_counts(beyond);
-    let Some(from_the_top) = k.checked_sub(1) else {
+    let Some(from_the_top) = worst(samples.len()).checked_sub(1) else {
         return f64::INFINITY;
     };
     let place = samples.len() - 1 - from_the_top;
     *samples.select_nth_unstable_by(place, f64::total_cmp).1
+}
+
+/// Which of so many samples, counted from the largest on, is the bound: the k of [`upper_bound`]; 0 where they are too few.
+pub fn worst(samples: usize) -> usize {
+    rare_counts(samples as f64 * (1.0 - QUANTILE))
 }
 
 /// The largest k such that a number with Poisson's distribution of this mean (at most some 700, where e^-mean still is

@@ -7,7 +7,7 @@ use rand_xoshiro::{
 };
 
 /// Cells along each of the four axes.
-const SIDE: u32 = 12;
+const SIDE: u32 = 11;
 /// How many there are.
 pub const COUNT: u32 = SIDE * SIDE * SIDE * SIDE;
 

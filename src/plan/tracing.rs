@@ -26,6 +26,30 @@ impl Precision {
     ];
 }
 
+/// How rays are asked for: the call, not their number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Entry {
+    /// By a call for one ray, or for one and its differentials.
+    One,
+    /// By a call for many.
+    Many,
+}
+
+impl Entry {
+    /// Each of them.
+    pub const ALL: [Self; 2] = [Self::One, Self::Many];
+}
+
+/// In the words of a plan.
+impl fmt::Display for Entry {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::One => "one by one",
+            Self::Many => "in batches",
+        })
+    }
+}
+
 /// A way to take rays through a lens. `Fit` is what polynomials are once they are fitted; a candidate has none yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tracing<Fit = ()> {

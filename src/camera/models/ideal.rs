@@ -91,7 +91,11 @@ impl IdealCamera {
             units_per_mm: setup.mm_per_unit.recip(),
         };
         let tracer = Arc::new(IdealTracer::new(&imaging, &body));
-        Ok(Self { facts, mapping: setup.mapping, rays: RayMaker::new(tracer, body.placement) })
+        Ok(Self {
+            facts,
+            mapping: setup.mapping,
+            rays: RayMaker::new(tracer.clone(), tracer, body.placement),
+        })
     }
 
     /// The ray of a sample with its weight, positive; `None` where [`DiskMapping::Rejection`] asks for another lens

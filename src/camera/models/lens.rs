@@ -1,8 +1,6 @@
 //! The realistic camera: a sample in, a ray through every interface of the lens out (Kolb, Mitchell and Hanrahan 1995).
 
-use std::sync::Arc;
-
-use super::lens_parts::{plan_and_compile, pupil_sampler, rear_disk, weight_factor};
+use super::lens_parts::{Tracers, plan_and_compile, pupil_sampler, rear_disk, weight_factor};
 use crate::{
     camera::{
         host::{Host, Log},
@@ -12,7 +10,6 @@ use crate::{
             arrays::{RayArrays, SampleArrays},
             body::CameraBody,
             ray_maker::RayMaker,
-            tracer::LensTracer,
         },
         ray::{Outcome, Sample, WorldRay},
         setup::{Facts, Focusing, Setup},
@@ -30,7 +27,7 @@ pub struct RealisticCamera {
     body: CameraBody,
     /// The disk that holds every pupil.
     rear: PupilDisk,
-    tracer: Arc<dyn LensTracer>,
+    tracers: Tracers,
     rays: RayMaker,
     plan: Plan,
 }
@@ -65,11 +62,11 @@ impl RealisticCamera {
             placement: setup.placement.clone(),
             units_per_mm: setup.mm_per_unit.recip(),
         };
-        let (tracer, plan) = plan_and_compile(&setup, &path, &body, log);
-        let rays = RayMaker::new(tracer.clone(), body.placement.clone());
+        let (tracers, plan) = plan_and_compile(&setup, &path, &body, log);
+        let rays = RayMaker::new(tracers.one.clone(), tracers.many.clone(), body.placement.clone());
         // Where the film stands once its place in lens space is rounded.
         let film_distance = setup.facts.lens.rear().vertex - film_z;
-        Ok(Self { facts: Facts { film_distance, ..setup.facts }, body, rear, tracer, rays, plan })
+        Ok(Self { facts: Facts { film_distance, ..setup.facts }, body, rear, tracers, rays, plan })
     }
 
     /// The ray of a sample, or why there is none. Finding out why costs more than a ray does; where
@@ -78,13 +75,13 @@ impl RealisticCamera {
         if let Some((ray, weight)) = self.ray(sample) {
             return Outcome::Ray(ray, weight);
         }
-        let FilmRays { point, disk, slopes, area_per_pi } = self.tracer.film_ray(sample);
+        let FilmRays { point, disk, slopes, area_per_pi } = self.tracers.one.film_ray(sample);
         if self.asks_again(disk) {
             Outcome::Redraw
         } else if area_per_pi.is_nan() {
             Outcome::Blocked(Blocked::Clipped)
         } else {
-            Outcome::Blocked(self.tracer.reason(film_ray(point, self.body.film_side.z, slopes)))
+            Outcome::Blocked(self.tracers.one.reason(film_ray(point, self.body.film_side.z, slopes)))
         }
     }
 
@@ -93,8 +90,8 @@ impl RealisticCamera {
         self.rays.ray(sample)
     }
 
-    /// [`RealisticCamera::ray`] of many samples, the same to the last bit. Where there is no ray the weight is 0, and
-    /// the other numbers are left as they are.
+    /// [`RealisticCamera::ray`] of many samples, the same to the last bit; with a tolerance, each within it. Where there is
+    /// no ray the weight is 0, and the other numbers are left as they are.
     ///
     /// # Panics
     /// The arrays differ in length.
@@ -113,7 +110,7 @@ impl RealisticCamera {
     /// the thick lens's ray of the same film point and lens sample, or the straight one where the lens is afocal.
     pub fn substitute(&self, sample: &Sample) -> WorldRay {
         let axial = Ray { origin: [0.0; 3], direction: [0.0, 0.0, 1.0] };
-        let FilmRays { point, disk, slopes, area_per_pi } = self.tracer.film_ray(sample);
+        let FilmRays { point, disk, slopes, area_per_pi } = self.tracers.one.film_ray(sample);
         let (point, slopes) = if self.asks_again(disk) {
             Default::default()
         } else if area_per_pi.is_nan() {

@@ -86,13 +86,22 @@ pub(super) fn weight_factor(
     Ok(weight)
 }
 
+/// What traces a camera's rays.
+#[derive(Clone, Debug)]
+pub(super) struct Tracers {
+    /// Those asked for one by one, or with their differentials.
+    pub one: Arc<dyn LensTracer>,
+    /// Those in batches: the same, but where a tolerance lets another be faster.
+    pub many: Arc<dyn LensTracer>,
+}
+
 /// Decides how rays are traced, compiles what traces them, and says what was kept and left out.
 pub(super) fn plan_and_compile(
     setup: &Setup,
     path: &Path,
     body: &CameraBody,
     log: Log<'_>,
-) -> (Arc<dyn LensTracer>, Plan) {
+) -> (Tracers, Plan) {
     let (lens, kernels) = (&setup.facts.lens, Kernels::new(path));
     let mut plan = Plan::default();
     let task = Task {
@@ -113,10 +122,12 @@ pub(super) fn plan_and_compile(
     if let Some(choice) = plan.choice() {
         log(Level::Info, &choice.sentence());
     }
-    let tracer = compile(&decision, lens, path, &kernels, body, &mut plan);
+    let mut traces = |way| compile(way, lens, path, &kernels, body, &mut plan);
+    let one = traces(&decision.one);
+    let many = decision.many.as_ref().map_or_else(|| one.clone(), traces);
     describe_sampling(&body.film_side, lens.wavelength, &mut plan);
     body.placement.describe(&mut plan);
-    (tracer, plan)
+    (Tracers { one, many }, plan)
 }
 
 /// Whether a weight is a number to a host, which takes floats.

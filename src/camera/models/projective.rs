@@ -161,7 +161,8 @@ mod tests {
         let placement = Placement { to_world: CameraToWorld::IDENTITY.into(), clip, shutter: [0.0, 1.0] };
         let window = ScreenWindow::of_aspect(2.0);
         let view = Projective::new(projecting, window, RASTER, lens, clip, placement.reach());
-        RayMaker::new(Arc::new(StockTracer::new(view, &placement)), placement)
+        let tracer = Arc::new(StockTracer::new(view, &placement));
+        RayMaker::new(tracer.clone(), tracer, placement)
     }
 
     fn ray(camera: &RayMaker, image: [f32; 2], lens: [f32; 2]) -> WorldRay {

@@ -41,7 +41,8 @@ pub(crate) struct StockCamera {
 
 impl StockCamera {
     fn new(view: impl View + 'static, mapping: Option<DiskMapping>, placement: Placement) -> Self {
-        Self { rays: RayMaker::new(Arc::new(StockTracer::new(view, &placement)), placement), mapping }
+        let tracer = Arc::new(StockTracer::new(view, &placement));
+        Self { rays: RayMaker::new(tracer.clone(), tracer, placement), mapping }
     }
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::{body::CameraBody, lanes::Pipeline, tracer::LensTracer, walk::WalkTracer};
 use crate::{
     lens::Lens,
-    plan::{Decision, Kernels, Plan, Precision, Tracing},
+    plan::{Kernels, Plan, Precision, Tracing, Way},
     sampling::disk::Turns,
     trace::{
         Direction, Path,
@@ -17,14 +17,14 @@ use crate::{
 /// What traces the rays of a lens as decided; the surfaces that thereby go altogether are added to the plan. `path` and
 /// `kernels` are the lens from film to scene.
 pub(crate) fn compile(
-    decision: &Decision,
+    way: &Way,
     lens: &Lens,
     path: &Path,
     kernels: &Kernels<'_>,
     body: &CameraBody,
     plan: &mut Plan,
 ) -> Arc<dyn LensTracer> {
-    let Decision { tracing, reach, tested, .. } = decision;
+    let Way { tracing, reach, tested } = way;
     match tracing {
         Tracing::Exact(Precision::F64) => exact(kernels.double(), tested.as_deref(), *reach, body, plan),
         Tracing::Exact(Precision::F32) => exact(kernels.single(), tested.as_deref(), *reach, body, plan),

@@ -15,16 +15,19 @@ use crate::camera::{
 /// they are.
 #[derive(Clone, Debug)]
 pub(crate) struct RayMaker {
-    tracer: Arc<dyn Tracer>,
+    /// Of rays one by one, and four side by side.
+    one: Arc<dyn Tracer>,
+    /// Of batches: the same, but where a tolerance lets another be faster.
+    many: Arc<dyn Tracer>,
     placement: Placement,
     /// Where all rays begin and end; `None` where the tracer says it of each.
     range: Option<[f32; 2]>,
 }
 
 impl RayMaker {
-    pub fn new(tracer: Arc<dyn Tracer>, placement: Placement) -> Self {
-        let range = (!tracer.writes_range()).then_some(placement.clip);
-        Self { tracer, placement, range }
+    pub fn new(one: Arc<dyn Tracer>, many: Arc<dyn Tracer>, placement: Placement) -> Self {
+        let range = (!one.writes_range()).then_some(placement.clip);
+        Self { one, many, placement, range }
     }
 
     /// Where the camera stands, its clip range and when its shutter is open.
@@ -42,7 +45,7 @@ impl RayMaker {
     /// Writes a sample's ray and its weight.
     #[inline(always)]
     pub fn one(&self, sample: &Sample, ray: &mut WorldRay, weight: &mut f32) {
-        self.tracer.one(sample, &mut OneRay { ray: &mut *ray, weight: &mut *weight });
+        self.one.one(sample, &mut OneRay { ray: &mut *ray, weight: &mut *weight });
         if *weight > 0.0 {
             if let Some(range) = self.range {
                 [ray.mint, ray.maxt] = range;
@@ -55,7 +58,7 @@ impl RayMaker {
     /// where that takes as long as one after the other.
     #[inline]
     pub fn four(&self, samples: &SampleBlock<4>, rays: &mut RayBlock<4>) -> bool {
-        let made = self.tracer.four(samples, rays);
+        let made = self.one.four(samples, rays);
         if made {
             if let Some(range) = self.range {
                 rays.set_range(range);
@@ -68,7 +71,7 @@ impl RayMaker {
     /// [`RayMaker::one`] of many samples, the same to the last bit, in arrays that all have one length.
     #[inline]
     pub fn many(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
-        self.tracer.many(samples, rays);
+        self.many.many(samples, rays);
         let RayArrays { mint, maxt, time, weight, .. } = rays;
         if let Some([first, last]) = self.range {
             for (array, end) in [(mint, first), (maxt, last)] {

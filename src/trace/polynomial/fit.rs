@@ -3,7 +3,7 @@
 
 use thiserror::Error;
 
-use super::{least_squares::Equations, terms::exponents};
+use super::{least_squares::LeastSquares, terms::exponents};
 use crate::{
     lens::{Lens, Ray, Surface},
     trace::Path,
@@ -126,60 +126,123 @@ impl Polynomial {
         order: usize,
         apertures: &[usize],
     ) -> Result<Self, FitError> {
-        if !ORDERS.contains(&order) {
-            return Err(FitError::Order(order));
-        }
-        let degree = (order - 1) / 2;
-        let path = Path::<f64>::film_to_scene(lens);
-        let (inputs, targets): (Vec<_>, Vec<_>) =
-            rays.iter().filter_map(|ray| Some((Scaling::at_film(ray, film), path.trace(*ray).ok()?))).unzip();
-        let scaling = Scaling::of(film, &inputs);
-        let exponents = exponents(degree);
-        let count = exponents.len();
-        // A vector gives an equation for each of its two components.
-        let mut equations = Equations::new(2 * inputs.len(), 2 * count);
-        let mut sides = vec![vec![0.0; 2 * inputs.len()]; 2 + apertures.len()];
-        let last = lens.surfaces.len() - 1;
-        for (number, (&(x, slopes), target)) in inputs.iter().zip(&targets).enumerate() {
-            path.intersections(film, x, slopes, |met| {
-                if let Some(aperture) = apertures.iter().position(|&aperture| aperture == last - met.surface)
-                {
-                    let scale = lens.surfaces[apertures[aperture]].semi_diameter.recip();
-                    let side = &mut sides[2 + aperture][2 * number..2 * number + 2];
-                    side.iter_mut().zip(met.point).for_each(|(side, at)| *side = at * scale);
-                }
-                !apertures.is_empty()
-            });
-            let (x, p, [u, v, w]) = scaling.variables(x, slopes);
-            let [dx, dy, dz] = target.direction;
-            let projected = [dx / (1.0 + dz), dy / (1.0 + dz)];
-            for axis in 0..2 {
-                let row = 2 * number + axis;
-                for (column, [i, j, k]) in exponents.iter().enumerate() {
-                    let monomial = u.powi(*i as i32) * v.powi(*j as i32) * w.powi(*k as i32);
-                    equations.set(row, column, monomial * x[axis]);
-                    equations.set(row, count + column, monomial * p[axis]);
-                }
-                sides[0][row] = target.origin[axis];
-                sides[1][row] = projected[axis];
-            }
-        }
-        let undetermined = || FitError::Undetermined { order, passing: inputs.len(), needed: 4 * count };
-        let solved = equations.solve(sides).ok_or_else(undetermined)?;
-        let terms = (0..count)
-            .map(|i| [solved[0][i], solved[0][count + i], solved[1][i], solved[1][count + i]])
-            .collect();
-        let apertures = solved[2..]
-            .iter()
-            .map(|solved| AperturePolynomial {
-                terms: (0..count).map(|i| [solved[i], solved[count + i]]).collect(),
-            })
-            .collect();
-        Ok(Self { order, scaling, terms, front: *lens.front(), apertures })
+        Fits::new(lens, &Path::film_to_scene(lens), film, rays, apertures).order(order)
     }
 
     /// Coefficients in all, those of the apertures included.
     pub fn coefficients(&self) -> usize {
         (4 + 2 * self.apertures.len()) * self.terms.len()
+    }
+}
+
+/// Polynomials of every order fitted to one set of rays, each from the work of those below it.
+pub(crate) struct Fits {
+    scaling: Scaling,
+    front: Surface,
+    /// Of every ray that gets through: scaled film and pupil position, and their invariants.
+    variables: Vec<([f64; 2], [f64; 2], [f64; 3])>,
+    /// Where those rays leave the lens, in which direction, and where they pass each aperture.
+    equations: LeastSquares,
+    apertures: usize,
+    /// The exponents that the columns have so far, by total degree; two columns each.
+    exponents: Vec<[usize; 3]>,
+    /// The total degree up to which they go.
+    degree: Option<usize>,
+}
+
+impl Fits {
+    /// Traces the rays, as [`Polynomial::with_apertures`] takes them. `path` is the lens from film to scene.
+    pub fn new(lens: &Lens, path: &Path, film: f64, rays: &[Ray], apertures: &[usize]) -> Self {
+        let (inputs, targets): (Vec<_>, Vec<_>) =
+            rays.iter().filter_map(|ray| Some((Scaling::at_film(ray, film), path.trace(*ray).ok()?))).unzip();
+        let scaling = Scaling::of(film, &inputs);
+        // A vector gives an equation for each of its two components.
+        let mut sides = vec![vec![0.0; 2 * inputs.len()]; 2 + apertures.len()];
+        let last = lens.surfaces.len() - 1;
+        for (number, (&(x, slopes), target)) in inputs.iter().zip(&targets).enumerate() {
+            if !apertures.is_empty() {
+                path.intersections(film, x, slopes, |met| {
+                    if let Some(aperture) =
+                        apertures.iter().position(|&aperture| aperture == last - met.surface)
+                    {
+                        let scale = lens.surfaces[apertures[aperture]].semi_diameter.recip();
+                        let side = &mut sides[2 + aperture][2 * number..2 * number + 2];
+                        side.iter_mut().zip(met.point).for_each(|(side, at)| *side = at * scale);
+                    }
+                    true
+                });
+            }
+            let [dx, dy, dz] = target.direction;
+            let projected = [dx / (1.0 + dz), dy / (1.0 + dz)];
+            for axis in 0..2 {
+                sides[0][2 * number + axis] = target.origin[axis];
+                sides[1][2 * number + axis] = projected[axis];
+            }
+        }
+        Self {
+            scaling,
+            front: *lens.front(),
+            variables: inputs.iter().map(|&(x, slopes)| scaling.variables(x, slopes)).collect(),
+            equations: LeastSquares::new(sides),
+            apertures: apertures.len(),
+            exponents: Vec::new(),
+            degree: None,
+        }
+    }
+
+    /// The polynomials of an order.
+    ///
+    /// # Errors
+    /// As [`Polynomial::fit`].
+    pub fn order(&mut self, order: usize) -> Result<Polynomial, FitError> {
+        if !ORDERS.contains(&order) {
+            return Err(FitError::Order(order));
+        }
+        let degree = (order - 1) / 2;
+        let wanted = exponents(degree);
+        for degree in self.degree.map_or(0, |done| done + 1)..=degree {
+            for &[i, j, k] in wanted.iter().filter(|exponents| exponents.iter().sum::<usize>() == degree) {
+                let undetermined = |_| FitError::Undetermined {
+                    order,
+                    passing: self.variables.len(),
+                    needed: 4 * wanted.len(),
+                };
+                for column in self.columns([i, j, k].map(|exponent| exponent as i32)) {
+                    self.equations.add(column).map_err(undetermined)?;
+                }
+                self.exponents.push([i, j, k]);
+            }
+            self.degree = Some(degree);
+        }
+        let solved = self.equations.solve(2 * wanted.len());
+        let place = |exponents: &[usize; 3]| {
+            2 * self.exponents.iter().position(|other| other == exponents).expect("a column has been added")
+        };
+        let terms = wanted.iter().map(place).map(|at| {
+            let [origin, direction] = [&solved[0], &solved[1]];
+            [origin[at], origin[at + 1], direction[at], direction[at + 1]]
+        });
+        let aperture = |solved: &Vec<f64>| AperturePolynomial {
+            terms: wanted.iter().map(place).map(|at| [solved[at], solved[at + 1]]).collect(),
+        };
+        Ok(Polynomial {
+            order,
+            scaling: self.scaling,
+            terms: terms.collect(),
+            front: self.front,
+            apertures: solved[2..2 + self.apertures].iter().map(aperture).collect(),
+        })
+    }
+
+    /// A monomial times the film position, and times the pupil position.
+    fn columns(&self, [i, j, k]: [i32; 3]) -> [Vec<f64>; 2] {
+        let mut columns = [0, 1].map(|_| Vec::with_capacity(2 * self.variables.len()));
+        for (x, p, [u, v, w]) in &self.variables {
+            let monomial = u.powi(i) * v.powi(j) * w.powi(k);
+            for (column, position) in columns.iter_mut().zip([x, p]) {
+                column.extend(position.map(|part| monomial * part));
+            }
+        }
+        columns
     }
 }

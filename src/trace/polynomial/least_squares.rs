@@ -1,116 +1,175 @@
 //! Linear least squares by Householder reflections (G. Golub, "Numerical methods for solving linear
 //! least squares problems", *Numerische Mathematik* 7, 1965), which lose half the digits that the
-//! normal equations lose.
+//! normal equations lose. Columns are added one after the other, and the first so many of them solved for at any time: an
+//! order of polynomials goes on from the one below.
 
-/// A matrix of equations, column by column.
+use crate::trace::kernel::{Compiled, Simd};
+
+/// Equations in a triangular form that grows with every column.
 #[derive(Clone, Debug)]
-pub(super) struct Equations {
-    rows: usize,
-    columns: Vec<Vec<f64>>,
+pub(super) struct LeastSquares {
+    /// The right-hand sides, turned by every reflection.
+    sides: Vec<Vec<f64>>,
+    columns: Vec<Column>,
 }
+
+/// A column once those before it have turned it: above its own row the triangle's numbers, from there on its reflector.
+#[derive(Clone, Debug)]
+struct Column {
+    numbers: Vec<f64>,
+    /// The triangle's number in its own row.
+    pivot: f64,
+    /// What the reflector is to be multiplied by along it.
+    scale: f64,
+}
+
+/// The columns do not determine the unknowns: one is a combination of others, or there are more of them than equations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Dependent;
 
 /// A column whose remaining length is this small against its whole is a combination of others.
 const DEPENDENT: f64 = 1e-13;
 
-impl Equations {
-    pub fn new(rows: usize, columns: usize) -> Self {
-        Self { rows, columns: vec![vec![0.0; rows]; columns] }
+impl LeastSquares {
+    /// No column yet, and right-hand sides of one length, the number of equations.
+    pub fn new(sides: Vec<Vec<f64>>) -> Self {
+        Self { sides, columns: Vec::new() }
     }
 
-    pub fn set(&mut self, row: usize, column: usize, value: f64) {
-        self.columns[column][row] = value;
+    /// Adds a column, a number for each equation.
+    ///
+    /// # Errors
+    /// It is a combination of those before it.
+    pub fn add(&mut self, mut numbers: Vec<f64>) -> Result<(), Dependent> {
+        let row = self.columns.len();
+        if row >= numbers.len() {
+            return Err(Dependent);
+        }
+        let whole = dot(&numbers, &numbers).sqrt();
+        Simd::best().run(Turn { columns: &self.columns, first: 0, side: &mut numbers });
+        let length = dot(&numbers[row..], &numbers[row..]).sqrt();
+        if !(length > DEPENDENT * whole) {
+            return Err(Dependent);
+        }
+        let pivot = -length.copysign(numbers[row]);
+        // The reflector takes the place of what it makes zero.
+        numbers[row] -= pivot;
+        let scale = -1.0 / (pivot * numbers[row]);
+        self.columns.push(Column { numbers, pivot, scale });
+        for side in &mut self.sides {
+            Simd::best().run(Turn { columns: &self.columns[row..], first: row, side });
+        }
+        Ok(())
     }
 
-    /// The solutions that minimise the sum of squares of the residuals, one for each right-hand side;
-    /// `None` when the columns are not independent.
-    pub fn solve(mut self, mut sides: Vec<Vec<f64>>) -> Option<Vec<Vec<f64>>> {
-        let unknowns = self.columns.len();
-        if self.rows < unknowns {
-            return None;
-        }
-        let mut diagonal = Vec::with_capacity(unknowns);
-        for k in 0..unknowns {
-            let (done, rest) = self.columns.split_at_mut(k + 1);
-            let column = &mut done[k];
-            let whole = norm(column);
-            let length = norm(&column[k..]);
-            if !(length > DEPENDENT * whole) {
-                return None;
+    /// The solutions by the first so many columns that minimise the sum of squares of the residuals, one for each
+    /// right-hand side.
+    ///
+    /// # Panics
+    /// There are not so many.
+    pub fn solve(&self, unknowns: usize) -> Vec<Vec<f64>> {
+        let columns = &self.columns[..unknowns];
+        let substitute = |side: &Vec<f64>| {
+            let mut solution = side[..unknowns].to_vec();
+            for (k, column) in columns.iter().enumerate().rev() {
+                solution[k] /= column.pivot;
+                let known = solution[k];
+                for (other, number) in solution.iter_mut().zip(&column.numbers[..k]) {
+                    *other -= number * known;
+                }
             }
-            let pivot = -length.copysign(column[k]);
-            diagonal.push(pivot);
-            // The reflector takes the place of what it makes zero.
-            column[k] -= pivot;
-            let reflector = &column[k..];
-            let scale = -1.0 / (pivot * reflector[0]);
-            for other in rest.iter_mut().chain(&mut sides) {
-                let other = &mut other[k..];
-                let along = scale * reflector.iter().zip(&*other).map(|(a, b)| a * b).sum::<f64>();
-                other.iter_mut().zip(reflector).for_each(|(b, a)| *b -= along * a);
-            }
-        }
-        Some(sides.into_iter().map(|side| self.substitute(&diagonal, &side)).collect())
-    }
-
-    fn substitute(&self, diagonal: &[f64], side: &[f64]) -> Vec<f64> {
-        let mut solution = side[..diagonal.len()].to_vec();
-        for k in (0..diagonal.len()).rev() {
-            solution[k] /= diagonal[k];
-            for row in 0..k {
-                solution[row] -= self.columns[k][row] * solution[k];
-            }
-        }
-        solution
+            solution
+        };
+        self.sides.iter().map(substitute).collect()
     }
 }
 
-fn norm(vector: &[f64]) -> f64 {
-    vector.iter().map(|x| x * x).sum::<f64>().sqrt()
+/// A right-hand side, or a column to be, turned by columns, the first of which is of the row `first`.
+struct Turn<'a> {
+    columns: &'a [Column],
+    first: usize,
+    side: &'a mut [f64],
+}
+
+impl Compiled for Turn<'_> {
+    #[inline(always)]
+    fn run(self) {
+        for (row, column) in (self.first..).zip(self.columns) {
+            let (reflector, side) = (&column.numbers[row..], &mut self.side[row..]);
+            let along = column.scale * dot(reflector, side);
+            for (number, part) in side.iter_mut().zip(reflector) {
+                *number -= along * part;
+            }
+        }
+    }
+}
+
+/// The scalar product, summed in a fixed number of parts, so that the compiler can make vectors of it.
+#[inline(always)]
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    const PARTS: usize = 16;
+    let mut sums = [0.0; PARTS];
+    let (whole_a, rest_a) = a.as_chunks::<PARTS>();
+    let (whole_b, rest_b) = b.as_chunks::<PARTS>();
+    for (a, b) in whole_a.iter().zip(whole_b) {
+        for i in 0..PARTS {
+            sums[i] += a[i] * b[i];
+        }
+    }
+    let rest: f64 = rest_a.iter().zip(rest_b).map(|(a, b)| a * b).sum();
+    sums.iter().sum::<f64>() + rest
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn powers(rows: usize, columns: usize) -> Equations {
-        let mut equations = Equations::new(rows, columns);
-        for row in 0..rows {
-            let x = 2.0 * row as f64 / (rows - 1) as f64 - 1.0;
-            (0..columns).for_each(|column| equations.set(row, column, x.powi(column as i32)));
-        }
-        equations
+    /// Columns of powers of numbers spread over [-1, 1].
+    fn powers(rows: usize, columns: i32) -> Vec<Vec<f64>> {
+        let at = |row: usize| 2.0 * row as f64 / (rows - 1) as f64 - 1.0;
+        (0..columns).map(|column| (0..rows).map(|row| at(row).powi(column)).collect()).collect()
+    }
+
+    fn solved(columns: &[Vec<f64>], side: &[f64]) -> Result<LeastSquares, Dependent> {
+        let mut equations = LeastSquares::new(vec![side.to_vec()]);
+        columns.iter().try_for_each(|column| equations.add(column.clone()))?;
+        Ok(equations)
     }
 
     #[test]
     fn a_polynomial_is_found_again() {
         let known = [0.5, -2.0, 0.0, 3.0, 1.0];
-        let equations = powers(40, known.len());
-        let side = (0..40).map(|i| (0..5).map(|j| known[j] * equations.columns[j][i]).sum()).collect();
-        let found = equations.solve(vec![side]).expect("independent columns");
+        let columns = powers(40, 5);
+        let side: Vec<f64> = (0..40).map(|i| (0..5).map(|j| known[j] * columns[j][i]).sum()).collect();
+        let found = solved(&columns, &side).expect("independent columns").solve(5);
         for (a, b) in found[0].iter().zip(known) {
             assert!((a - b).abs() < 1e-13, "{a} is not {b}");
         }
     }
 
     #[test]
-    fn the_residual_is_orthogonal_to_every_column() {
-        let equations = powers(30, 4);
+    fn the_residual_is_orthogonal_to_every_column_and_to_those_of_a_part() {
+        let columns = powers(30, 6);
         let side: Vec<f64> = (0..30).map(|i| f64::from(i * i % 7)).collect();
-        let solution = equations.clone().solve(vec![side.clone()]).expect("independent columns");
-        let residual: Vec<f64> = (0..30)
-            .map(|i| side[i] - (0..4).map(|j| solution[0][j] * equations.columns[j][i]).sum::<f64>())
-            .collect();
-        for column in &equations.columns {
-            let product: f64 = residual.iter().zip(column).map(|(a, b)| a * b).sum();
-            assert!(product.abs() < 1e-12, "{product}");
+        let equations = solved(&columns, &side).expect("independent columns");
+        for unknowns in [1, 4, 6] {
+            let [solution] = &equations.solve(unknowns)[..] else { panic!("one side") };
+            assert_eq!(solution.len(), unknowns);
+            let residual: Vec<f64> = (0..30)
+                .map(|i| side[i] - (0..unknowns).map(|j| solution[j] * columns[j][i]).sum::<f64>())
+                .collect();
+            for column in &columns[..unknowns] {
+                let product: f64 = residual.iter().zip(column).map(|(a, b)| a * b).sum();
+                assert!(product.abs() < 1e-12, "{unknowns} columns: {product}");
+            }
         }
     }
 
     #[test]
     fn dependent_columns_and_too_few_rows_have_no_solution() {
         let mut twice = powers(10, 2);
-        twice.columns[1] = twice.columns[0].clone();
-        assert_eq!(twice.solve(vec![vec![1.0; 10]]), None);
-        assert_eq!(powers(3, 5).solve(vec![vec![1.0; 3]]), None);
+        twice[1] = twice[0].clone();
+        assert_eq!(solved(&twice, &[1.0; 10]).err(), Some(Dependent));
+        assert_eq!(solved(&powers(3, 5), &[1.0; 3]).err(), Some(Dependent));
     }
 }

@@ -19,6 +19,7 @@ mod least_squares;
 mod lens;
 mod terms;
 
+pub(crate) use fit::Fits;
 pub use fit::{FitError, ORDERS, Polynomial};
 pub use lens::PolynomialLens;
 pub(crate) use terms::monomials;

@@ -10,7 +10,7 @@ use crate::lens_and_film::warn;
 use order::Order;
 use realistic::camera::Level;
 use realistic::plan::choice::{Candidate, Verdict};
-use realistic::plan::{Item, Plan};
+use realistic::plan::{Entry, Item, Plan};
 use serde_json::{Value, json};
 use std::io::Write as _;
 
@@ -46,20 +46,22 @@ fn as_json(plan: &Plan) -> Value {
         })
         .collect();
     let choice = plan.choice().map(|choice| {
+        let chosen = Entry::ALL.map(|entry| choice.chosen(entry).0.tracing);
         let candidates: Vec<Value> = choice
             .candidates
             .iter()
-            .map(|Candidate { tracing, cost, verdict }| {
+            .map(|Candidate { tracing, costs, verdict }| {
                 let errors = match verdict {
-                    Verdict::Chosen(errors) | Verdict::Rejected(errors) => Some(errors),
-                    Verdict::Excluded(_) | Verdict::Untried => None,
+                    Verdict::Within(errors) | Verdict::WrongLight(errors) => Some(errors),
+                    Verdict::TooFarOff(_) | Verdict::Excluded(_) | Verdict::Untried => None,
                 };
+                let [one, many] = chosen.map(|chosen| chosen == *tracing);
                 json!({
                     "model": tracing.to_string(),
-                    "ordered_by_ns_a_ray": cost,
-                    "chosen": matches!(verdict, Verdict::Chosen(_)),
+                    "ordered_by_ns_a_ray": { "one_by_one": costs[0], "in_batches": costs[1] },
+                    "chosen": { "one_by_one": one, "in_batches": many },
                     "verdict": verdict.text(),
-                    "error_999_pixels": errors.map(|errors| errors.pixels).filter(|pixels| pixels.is_finite()),
+                    "error_999_pixels": errors.map(|errors| errors.pixels),
                     "rays": errors.map(|errors| errors.rays),
                     "mismatches": errors.map(|errors| errors.mismatches),
                     "light_error": errors.map(|errors| errors.light),
