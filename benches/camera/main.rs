@@ -2,10 +2,11 @@
 //! it, through the C export, and in batches, against the camera that walks with Heckbert's refraction, all in one run;
 //! and what it takes to build a camera.
 //!
-//! `cargo bench --bench camera` (with `-- dgauss` one lens). Medians over interleaved rounds.
+//! `cargo bench --bench camera` (with `-- dgauss` one lens, with `-- models` the models without interfaces). Medians over interleaved rounds.
 
 mod c_camera;
 mod calls;
+mod models;
 
 use std::{
     ffi::{CStr, CString},
@@ -37,6 +38,10 @@ fn main() {
     for (name, lens) in lenses().filter(|(name, _)| *name != "dgauss.100mm") {
         println!("\n## {name}");
         calls(lens, arguments.effort);
+    }
+    if arguments.wants("models") {
+        println!("\n## Models without interfaces\n");
+        models::print(&samples(SAMPLES, MIDDLE), arguments.effort);
     }
     println!("\n## From a lens's name to the first ray\n");
     println!("| lens | warped pupil, ms: median | least | pupil \"rear\", ms: median | least |");

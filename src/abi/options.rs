@@ -300,7 +300,7 @@ mod tests {
         let options = realistic_options { camera_to_world_end: end, ..Default::default() };
         let x = |options, time| {
             let motion = moving(options).expect("one motion").to_world;
-            motion.at(time).point_single([0.0; 3])[0]
+            motion.at(time).origin().x as f32
         };
         assert_eq!(x(options, 0.5), 4.0);
         let shutter = realistic_options { shutteropen: 2.0, shutterclose: 6.0, ..options };

@@ -6,32 +6,56 @@ use super::{
     host::{Host, Log},
     model::Model,
     models::{
-        environment::EnvironmentCamera, ideal::IdealCamera, lens::RealisticCamera,
-        projective::ProjectiveCamera, stock_cameras,
+        ideal::IdealCamera,
+        lens::RealisticCamera,
+        stock_cameras::{self, StockCamera},
     },
     parameters::{CameraError, Parameters},
-    pipeline::arrays::{BLOCK, RayArrays, RayBlock, SampleArrays, SampleBlock, SampleStore},
-    placement::{Placement, shutter::Shutter},
+    pipeline::{
+        arrays::{BLOCK, RayArrays, RayBlock, SampleArrays, SampleBlock, SampleStore},
+        ray_maker::RayMaker,
+    },
+    placement::shutter::Shutter,
     ray::{Outcome, Sample, WorldRay},
     setup::{self, Facts},
 };
-use crate::{plan::Plan, trace::Blocked};
+use crate::{plan::Plan, sampling::DiskMapping, trace::Blocked};
 
 /// The camera itself, of any model.
 #[derive(Clone, Debug)]
 enum AnyModel {
     Lens(Box<RealisticCamera>),
     Ideal(Box<IdealCamera>),
-    Projective(Box<ProjectiveCamera>),
-    Environment(Box<EnvironmentCamera>),
+    Stock(Box<StockCamera>),
 }
 
 /// A camera of any model. Immutable, and may be shared between threads.
 #[derive(Clone, Debug)]
 pub struct Camera {
-    optics: AnyModel,
+    model: AnyModel,
+    rays: RayMaker,
     shutter: Shutter,
-    yres: f32,
+    /// Width and height of the image, pixels.
+    resolution: [f32; 2],
+}
+
+impl AnyModel {
+    fn ray_maker(&self) -> &RayMaker {
+        match self {
+            Self::Lens(camera) => camera.ray_maker(),
+            Self::Ideal(camera) => camera.ray_maker(),
+            Self::Stock(camera) => &camera.rays,
+        }
+    }
+
+    /// How lens samples map to the disk, in a model that blocks no rays; `None` where there is no disk.
+    fn mapping(&self) -> Option<DiskMapping> {
+        match self {
+            Self::Lens(_) => None,
+            Self::Ideal(camera) => Some(camera.mapping()),
+            Self::Stock(camera) => camera.mapping,
+        }
+    }
 }
 
 impl Camera {
@@ -43,22 +67,19 @@ impl Camera {
     pub fn build(parameters: &Parameters, host: &Host, log: Log<'_>) -> Result<Self, CameraError> {
         let (model, shutter) = (parameters.model(), setup::shutter(parameters)?);
         setup::warn_of_unused(model, shutter, parameters, log);
-        let optics = match model {
+        let model = match model {
             Model::Lens => AnyModel::Lens(RealisticCamera::build(parameters, host, log)?.into()),
             Model::Thick | Model::Thin => {
                 AnyModel::Ideal(IdealCamera::build(parameters, host, model, log)?.into())
             }
-            Model::Perspective => {
-                AnyModel::Projective(stock_cameras::perspective(parameters, host, log)?.into())
-            }
+            Model::Perspective => AnyModel::Stock(stock_cameras::perspective(parameters, host, log)?.into()),
             Model::Orthographic => {
-                AnyModel::Projective(stock_cameras::orthographic(parameters, host, log)?.into())
+                AnyModel::Stock(stock_cameras::orthographic(parameters, host, log)?.into())
             }
-            Model::Environment => {
-                AnyModel::Environment(stock_cameras::environment(parameters, host, log)?.into())
-            }
+            Model::Environment => AnyModel::Stock(stock_cameras::environment(parameters, host, log)?.into()),
         };
-        let camera = Self { optics, shutter, yres: host.raster.yres as f32 };
+        let resolution = [host.raster.xres, host.raster.yres].map(|side| side as f32);
+        let camera = Self { rays: model.ray_maker().clone(), model, shutter, resolution };
         warn_of_darkness(host.raster, |sample| camera.through_optics(sample), log);
         Ok(camera)
     }
@@ -66,21 +87,29 @@ impl Camera {
     /// The ray of a sample with its weight, or why there is none. The weight is the model's times what the
     /// shutter lets through to the film point at the sample's time.
     pub fn generate(&self, sample: &Sample) -> Outcome {
-        let Some(share) = self.share(sample.image_y, sample.time) else {
+        if self.share(sample.image_y, sample.time).is_none() {
             return Outcome::Shut;
-        };
-        match self.through_optics(sample) {
-            Outcome::Ray(ray, weight) => Outcome::Ray(ray, dimmed(weight, share)),
-            other => other,
+        }
+        self.ray(sample).map_or_else(|| self.why_none(sample), |(ray, weight)| Outcome::Ray(ray, weight))
+    }
+
+    /// Why the model makes no ray of a sample.
+    fn why_none(&self, sample: &Sample) -> Outcome {
+        if let AnyModel::Lens(camera) = &self.model {
+            return camera.generate(sample);
+        }
+        let disk = |mapping: DiskMapping| mapping.map(sample.lens_u.into(), sample.lens_v.into());
+        match self.model.mapping() {
+            Some(mapping) if disk(mapping).is_none() => Outcome::Redraw,
+            _ => Outcome::Blocked(Blocked::Missed),
         }
     }
 
     /// [`Camera::generate`] without the reason where there is no ray, which is faster.
     pub fn ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
-        match &self.optics {
-            AnyModel::Lens(camera) if self.shutter == Shutter::Global => camera.ray(sample),
-            _ => self.any_ray(sample),
-        }
+        let (mut ray, mut weight) = Default::default();
+        self.trace_one(sample, &mut ray, &mut weight);
+        (weight > 0.0).then_some((ray, weight))
     }
 
     /// [`Camera::ray`] of many samples, the same to the last bit; with a tolerance, each within it. Where there is no ray
@@ -91,40 +120,31 @@ impl Camera {
     pub fn rays(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
         let n = samples.checked_len();
         assert_eq!(n, rays.checked_len(), "a batch needs as much room as it has samples");
-        match self.as_lens() {
-            Some(camera) if self.shutter == Shutter::Global => camera.trace_arrays(samples, rays),
-            Some(camera) => self.through_shutter(camera, samples, rays),
-            None => (0..n).for_each(|i| rays.set(i, self.any_ray(&samples.get(i)))),
+        if self.shutter == Shutter::Global {
+            self.rays.many(samples, rays);
+        } else {
+            self.through_shutter(samples, rays);
         }
     }
 
     /// Writes a sample's ray and its weight; 0, and no ray, where there is none.
     #[inline(always)]
     pub(crate) fn trace_one(&self, sample: &Sample, ray: &mut WorldRay, weight: &mut f32) {
-        match &self.optics {
-            AnyModel::Lens(camera) if self.shutter == Shutter::Global => {
-                camera.trace_one(sample, ray, weight)
-            }
-            _ => match self.any_ray(sample) {
-                Some(found) => (*ray, *weight) = found,
-                None => *weight = 0.0,
-            },
+        if self.shutter == Shutter::Global {
+            self.rays.one(sample, ray, weight);
+        } else {
+            self.one_through_shutter(sample, ray, weight);
         }
     }
 
-    /// [`Camera::ray`] through any optics and shutter.
+    /// [`Camera::trace_one`] through any shutter.
     #[inline(never)]
-    fn any_ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
-        match &self.optics {
-            AnyModel::Lens(camera) => {
-                let share = self.share(sample.image_y, sample.time)?;
-                camera.ray(sample).map(|(ray, weight)| (ray, dimmed(weight, share)))
-            }
-            AnyModel::Ideal(_) | AnyModel::Projective(_) | AnyModel::Environment(_) => {
-                match self.generate(sample) {
-                    Outcome::Ray(ray, weight) => Some((ray, weight)),
-                    Outcome::Blocked(_) | Outcome::Redraw | Outcome::Shut => None,
-                }
+    fn one_through_shutter(&self, sample: &Sample, ray: &mut WorldRay, weight: &mut f32) {
+        *weight = 0.0;
+        if let Some(share) = self.share(sample.image_y, sample.time) {
+            self.rays.one(sample, ray, weight);
+            if *weight > 0.0 {
+                *weight = dimmed(*weight, share);
             }
         }
     }
@@ -137,7 +157,7 @@ impl Camera {
         expect(dead_code, reason = "only a pbrt-v1 host asks for any three at once")
     )]
     pub(crate) fn trace_side_by_side(&self, samples: &SampleBlock<4>, rays: &mut RayBlock<4>) -> bool {
-        let traced = self.as_lens().is_some_and(|camera| camera.trace_side_by_side(samples, rays));
+        let traced = self.rays.four(samples, rays);
         if traced && self.shutter != Shutter::Global {
             for (i, weight) in rays.arrays(4).weight.iter_mut().enumerate() {
                 let Sample { image_y, time, .. } = samples.sample(i);
@@ -180,9 +200,9 @@ impl Camera {
         for first in (0..n).step_by(AT_ONCE) {
             let count = AT_ONCE.min(n - first);
             let part = samples.part(first, count);
-            self.rays_of_optics(&moved.to(Side::Right, &part), &mut found.arrays(count));
+            self.rays.many(&moved.to(Side::Right, &part), &mut found.arrays(count));
             rx.take(first, count, rays, &mut found);
-            self.rays_of_optics(&moved.to(Side::Below, &part), &mut found.arrays(count));
+            self.rays.many(&moved.to(Side::Below, &part), &mut found.arrays(count));
             ry.take(first, count, rays, &mut found);
         }
     }
@@ -195,10 +215,10 @@ impl Camera {
             [own.image_x, right.image_x, own.image_x, own.image_x],
             [own.image_y, own.image_y, below.image_y, own.image_y],
         );
-        let traced = self.as_lens().is_some_and(|camera| camera.trace_side_by_side(&block, rays));
+        let traced = self.rays.four(&block, rays);
         if !traced {
             for (place, sample) in samples.iter().enumerate() {
-                rays.arrays(4).set(place, self.ray_of_optics(sample));
+                rays.arrays(4).set(place, self.rays.ray(sample));
             }
         }
         if self.shutter != Shutter::Global {
@@ -208,37 +228,13 @@ impl Camera {
         }
     }
 
-    /// [`Camera::ray`] with the shutter open.
-    fn ray_of_optics(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
-        if let AnyModel::Lens(camera) = &self.optics {
-            return camera.ray(sample);
-        }
-        match self.through_optics(sample) {
-            Outcome::Ray(ray, weight) => Some((ray, weight)),
-            Outcome::Blocked(_) | Outcome::Redraw | Outcome::Shut => None,
-        }
-    }
-
-    /// [`Camera::rays`] with the shutter open, of arrays that have one length.
-    fn rays_of_optics(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
-        match &self.optics {
-            AnyModel::Lens(camera) => camera.trace_arrays(samples, rays),
-            _ => (0..samples.len()).for_each(|i| rays.set(i, self.ray_of_optics(&samples.get(i)))),
-        }
-    }
-
     /// [`Camera::rays`] by blocks, of which only what the shutter lets through is handed on.
-    fn through_shutter(
-        &self,
-        camera: &RealisticCamera,
-        samples: &SampleArrays<'_>,
-        rays: &mut RayArrays<'_>,
-    ) {
+    fn through_shutter(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
         let mut block = RayBlock::<BLOCK>::new();
         let n = samples.image_x.len();
         for first in (0..n).step_by(BLOCK) {
             let count = BLOCK.min(n - first);
-            camera.trace_arrays(&samples.part(first, count), &mut block.arrays(count));
+            self.rays.many(&samples.part(first, count), &mut block.arrays(count));
             for i in 0..count {
                 let share = self.share(samples.image_y[first + i], samples.time[first + i]);
                 let ray = block.get(i).and_then(|(ray, weight)| Some((ray, dimmed(weight, share?))));
@@ -252,83 +248,62 @@ impl Camera {
         if self.shutter == Shutter::Global {
             return Some(1.0);
         }
-        let share = self.shutter.transmission(image_y / self.yres, time);
+        let share = self.shutter.transmission(image_y / self.resolution[1], time);
         (share != 0.0).then_some(share)
     }
 
+    /// [`Camera::generate`] with an open shutter.
     fn through_optics(&self, sample: &Sample) -> Outcome {
-        let outcome = match &self.optics {
-            AnyModel::Lens(camera) => return camera.generate(sample),
-            AnyModel::Ideal(camera) => camera.generate(sample),
-            AnyModel::Projective(camera) => camera.generate(sample),
-            AnyModel::Environment(camera) => Outcome::Ray(camera.ray(sample), 1.0),
-        };
-        match outcome {
-            // The real lens blocks these as well.
-            Outcome::Ray(ray, weight) if !(ray.is_sound() && weight > 0.0 && weight.is_finite()) => {
-                Outcome::Blocked(Blocked::Missed)
-            }
-            sound => sound,
-        }
+        self.rays.ray(sample).map_or_else(|| self.why_none(sample), |(ray, weight)| Outcome::Ray(ray, weight))
     }
 
     /// A ray that stands in where there is none and a host needs a complete ray all the same: of the
     /// same film point, by the thick lens or through the middle of the lens; where the film point is none, straight ahead.
     pub fn substitute(&self, sample: &Sample) -> WorldRay {
-        let ray = match &self.optics {
-            AnyModel::Lens(camera) => camera.substitute(sample),
-            AnyModel::Ideal(camera) => camera.central(sample),
-            AnyModel::Projective(camera) => camera.central(sample),
-            AnyModel::Environment(camera) => camera.ray(sample),
+        let ray = match &self.model {
+            AnyModel::Lens(camera) => Some(camera.substitute(sample)).filter(WorldRay::is_sound),
+            AnyModel::Ideal(_) | AnyModel::Stock(_) => {
+                let [lens_u, lens_v] = self.model.mapping().map_or([0.5; 2], DiskMapping::of_middle);
+                self.rays.ray(&Sample { lens_u, lens_v, ..*sample }).map(|(ray, _)| ray)
+            }
         };
-        if ray.is_sound() { ray } else { self.placement().axial_ray(sample.time) }
-    }
-
-    fn placement(&self) -> &Placement {
-        match &self.optics {
-            AnyModel::Lens(camera) => camera.placement(),
-            AnyModel::Ideal(camera) => camera.placement(),
-            AnyModel::Projective(camera) => camera.placement(),
-            AnyModel::Environment(camera) => camera.placement(),
-        }
+        ray.unwrap_or_else(|| self.rays.placement().axial_ray(sample.time))
     }
 
     /// What the camera keeps and leaves out.
     pub fn plan(&self) -> Plan {
-        match &self.optics {
-            AnyModel::Lens(camera) => camera.plan().clone(),
-            AnyModel::Ideal(_) | AnyModel::Projective(_) | AnyModel::Environment(_) => {
-                let mut plan = Plan::default();
-                self.placement().describe(&mut plan);
-                plan
-            }
+        if let AnyModel::Lens(camera) = &self.model {
+            return camera.plan().clone();
         }
+        let mut plan = Plan::default();
+        self.rays.placement().describe(&mut plan);
+        plan
     }
 
     /// When the shutter begins to open and has closed, in the host's unit of time.
     pub fn shutter_interval(&self) -> [f32; 2] {
-        self.placement().shutter
+        self.rays.placement().shutter
     }
 
     /// `hither` and `yon` as they are in use, world units.
     pub fn clip(&self) -> [f32; 2] {
-        self.placement().clip
+        self.rays.placement().clip
     }
 
     /// The camera of [`Model::Lens`].
     pub fn as_lens(&self) -> Option<&RealisticCamera> {
-        match &self.optics {
+        match &self.model {
             AnyModel::Lens(camera) => Some(camera),
-            AnyModel::Ideal(_) | AnyModel::Projective(_) | AnyModel::Environment(_) => None,
+            AnyModel::Ideal(_) | AnyModel::Stock(_) => None,
         }
     }
 
     /// The lens and the film, and what is known of them; `None` for a model without a prescription.
     pub fn facts(&self) -> Option<&Facts> {
-        match &self.optics {
+        match &self.model {
             AnyModel::Lens(camera) => Some(camera.facts()),
             AnyModel::Ideal(camera) => Some(camera.facts()),
-            AnyModel::Projective(_) | AnyModel::Environment(_) => None,
+            AnyModel::Stock(_) => None,
         }
     }
 }

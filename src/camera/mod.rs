@@ -26,9 +26,7 @@ pub use differentials::{NeighbourArrays, RayDifferential};
 pub use film::{Film, Raster};
 pub use host::{Host, Level, Log};
 pub use model::Model;
-pub use models::{
-    environment::EnvironmentCamera, ideal::IdealCamera, lens::RealisticCamera, projective::ProjectiveCamera,
-};
+pub use models::{ideal::IdealCamera, lens::RealisticCamera};
 pub use parameters::{
     CameraError, Interval, Kind, LensPlane, PARAMETERS, Parameter, ParameterError, Parameters, Pupil, Range,
     UnknownName, Value, Weighting,

@@ -2,6 +2,8 @@
 //! or rejection. Over lanes of either precision, with series in the place of sine and cosine, so that one sample has the
 //! bits of a batch's.
 
+use std::f64::consts::FRAC_2_PI;
+
 use crate::trace::{
     Real,
     kernel::{Compiled, Cpu, KernelScalar, Lanes, Portable, Scalar, Simd},
@@ -32,6 +34,14 @@ impl DiskMapping {
         Simd::best().run(OnePoint { mapping: self, sample: [u, v], point: &mut point });
         let outside = self == Self::Rejection && point.iter().any(|x| x.is_nan());
         (!outside).then_some(point)
+    }
+
+    /// A lens sample of the disk's middle.
+    pub(crate) fn of_middle(self) -> [f32; 2] {
+        match self {
+            Self::Concentric | Self::Rejection => [0.5, 0.5],
+            Self::Polar => [0.0, 0.0],
+        }
     }
 
     /// [`DiskMapping::map`] in lanes; NaN where a new lens sample is asked for.
@@ -89,21 +99,55 @@ where
     let quarters = v * L::splat(cpu, L::Scalar::from_f64(4.0));
     let nearest = (quarters + L::splat(cpu, L::Scalar::from_f64(0.5))).trunc();
     let rest = quarters - nearest;
-    let rest = rest + rest;
+    let [cos, sin] = turned(cpu, nearest, rest + rest);
+    let radius = u.sqrt();
+    [cos * radius, sin * radius]
+}
+
+/// Cosine and sine of angles, radians, of any size: within 2 units in the last place of 1 up to 1000 turns, and the point
+/// that they make always on the unit circle.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(crate) fn cos_sin<L: Lanes>(cpu: Cpu<L>, angle: L) -> [L; 2]
+where
+    L::Scalar: Turns,
+{
+    let (zero, one, four) = (number(cpu, 0.0), number(cpu, 1.0), number(cpu, 4.0));
+    let quarters = angle * number(cpu, FRAC_2_PI);
+    let half = L::select(zero.less_equal(quarters), number(cpu, 0.5), number(cpu, -0.5));
+    let nearest = (quarters + half).trunc();
+    // In eighths of a turn from there, by 4/π in two parts.
+    let high = L::Scalar::from_f64(2.0 * FRAC_2_PI);
+    let low = L::Scalar::from_f64(2.0 * FRAC_2_PI - high.to_f64());
+    let rest = angle.mul_sub(L::splat(cpu, high), nearest + nearest);
+    let rest = angle.mul_add(L::splat(cpu, low), rest);
+    // In this order what is no number stays that.
+    let rest = one.smaller((zero - one).larger(rest));
+    let turns = (nearest * number(cpu, 0.25)).trunc();
+    let nearest = turns.neg_mul_add(four, nearest);
+    turned(cpu, L::select(zero.less_equal(nearest), nearest, nearest + four), rest)
+}
+
+/// Cosine and sine of `nearest` quarters of a turn, 0 to 4, and `rest` eighths, in [-1, 1].
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn turned<L: Lanes>(cpu: Cpu<L>, nearest: L, rest: L) -> [L; 2]
+where
+    L::Scalar: Turns,
+{
     let [cos, sin] = cos_sin_over(cpu, rest * rest);
     let sin = rest * sin;
-    let opposite = (nearest - L::splat(cpu, L::Scalar::from_f64(2.0))).abs();
-    let half = L::splat(cpu, L::Scalar::from_f64(0.5));
-    let odd = L::both(half.less(opposite), opposite.less(L::splat(cpu, L::Scalar::from_f64(1.5))));
-    let left = L::both(half.less(nearest), nearest.less(L::splat(cpu, L::Scalar::from_f64(2.5))));
-    let below = L::both(
-        L::splat(cpu, L::Scalar::from_f64(1.5)).less(nearest),
-        nearest.less(L::splat(cpu, L::Scalar::from_f64(3.5))),
-    );
+    let (one, half) = (number(cpu, 1.0), number(cpu, 0.5));
+    let opposite = (nearest - number(cpu, 2.0)).abs();
+    let odd = L::both(half.less(opposite), opposite.less(number(cpu, 1.5)));
+    let left = L::both(half.less(nearest), nearest.less(number(cpu, 2.5)));
+    let below = L::both(number(cpu, 1.5).less(nearest), nearest.less(number(cpu, 3.5)));
     let (x, y) = (L::select(odd, sin, cos), L::select(odd, cos, sin));
-    let radius = u.sqrt();
-    let minus = L::splat(cpu, L::Scalar::ZERO) - radius;
-    [x * L::select(left, minus, radius), y * L::select(below, minus, radius)]
+    let minus = number(cpu, -1.0);
+    [x * L::select(left, minus, one), y * L::select(below, minus, one)]
+}
+
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn number<L: Lanes>(cpu: Cpu<L>, number: f64) -> L {
+    L::splat(cpu, L::Scalar::from_f64(number))
 }
 
 /// Numbers with series for angles in eighths of a turn.
@@ -164,39 +208,55 @@ fn series<L: Lanes>(cpu: Cpu<L>, z: L, square: L, coefficients: &[L::Scalar]) ->
     one.mul_add(z, other)
 }
 
-/// [`DiskMapping::Concentric`] in single precision, sector by sector as pbrt-v1 computes it: the
-/// stock cameras have its bits. `u` and `v` in [0, 1].
-pub(crate) fn concentric_single(u: f32, v: f32) -> [f32; 2] {
-    let (a, b) = (2.0 * u - 1.0, 2.0 * v - 1.0);
-    if a == 0.0 && b == 0.0 {
-        return [0.0, 0.0];
-    }
-    // The angle in eighths of a turn, from 0 to 8.
-    let (radius, eighths) = match (a >= -b, a > b) {
-        (true, true) => (a, if b > 0.0 { b / a } else { 8.0 + b / a }),
-        (true, false) => (b, 2.0 - a / b),
-        (false, false) => (-a, 4.0 - b / -a),
-        (false, true) => (-b, 6.0 + a / -b),
-    };
-    let angle = eighths * std::f32::consts::FRAC_PI_4;
-    [radius * angle.cos(), radius * angle.sin()]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn the_concentric_map_is_the_same_in_both_precisions() {
-        for i in 0..=40_u8 {
-            for j in 0..=40_u8 {
-                let [u, v] = [i, j].map(|k| f32::from(k) / 40.0);
-                let single = concentric_single(u, v);
-                let double = DiskMapping::Concentric.map(u.into(), v.into()).expect("never rejects");
-                for (single, double) in single.iter().zip(double) {
-                    // An angle near a whole turn has steps of 5e-7.
-                    assert!((f64::from(*single) - double).abs() < 1e-6, "({u}, {v})");
+    fn the_maps_are_the_same_in_both_precisions() {
+        for mapping in [DiskMapping::Concentric, DiskMapping::Polar] {
+            for i in 0..=40_u8 {
+                for j in 0..=40_u8 {
+                    let numbers = [i, j].map(|k| f32::from(k) / 40.0);
+                    let single = mapping.lanes(Portable::cpu(), numbers.map(|number| Portable([number])));
+                    let [u, v] = numbers.map(f64::from);
+                    let double = mapping.map(u, v).expect("never rejects");
+                    for (Portable([single]), double) in single.iter().zip(double) {
+                        assert!((f64::from(*single) - double).abs() < 2e-7, "{mapping:?} ({u}, {v})");
+                    }
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn cosines_and_sines_are_within_two_units_in_the_last_place() {
+        let check = |angle: f32, most: f64| {
+            let [Portable([cos]), Portable([sin])] = cos_sin(Portable::cpu(), Portable([angle]));
+            let (exact_sin, exact_cos) = f64::from(angle).sin_cos();
+            for (got, exact) in [(cos, exact_cos), (sin, exact_sin)] {
+                assert!(
+                    (f64::from(got) - exact).abs() <= most * exact.abs().max(1e-7),
+                    "{angle}: {got} {exact}"
+                );
+            }
+        };
+        for i in -30_000_i16..=30_000 {
+            check(f32::from(i) / 4000.0, 2.0 * f64::from(f32::EPSILON));
+        }
+        // Where a sine or cosine crosses 0 its last place is as small as it is.
+        for quarters in -8_i8..=8 {
+            check(f32::from(quarters) * std::f32::consts::FRAC_PI_2, 4.0 * f64::from(f32::EPSILON));
+        }
+        for angle in [6000.0_f32, -6000.0, 1234.567, 3.4e7, -1e10, 3e38] {
+            let [Portable([cos]), Portable([sin])] = cos_sin(Portable::cpu(), Portable([angle]));
+            assert!((cos * cos + sin * sin - 1.0).abs() < 1e-6, "{angle}: {cos} {sin}");
+            if angle.abs() < 1e4 {
+                let (exact_sin, exact_cos) = f64::from(angle).sin_cos();
+                assert!(
+                    (f64::from(cos) - exact_cos).abs() + (f64::from(sin) - exact_sin).abs() < 4e-7,
+                    "{angle}"
+                );
             }
         }
     }

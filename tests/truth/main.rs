@@ -11,6 +11,7 @@ mod invariants;
 mod kernel;
 mod messages;
 mod misprints;
+mod models;
 mod odd_samples;
 mod plan;
 mod pupil_everywhere;

@@ -12,38 +12,29 @@
 //! The pupil is the lens itself, and as wide as keeps the film's cone of light and so the exposure; with the
 //! lens focused at infinity that is the entrance pupil's diameter, the focal length over the f-number.
 
-use std::f64::consts::PI;
+use std::{f64::consts::PI, sync::Arc};
 
+use super::lens_parts::representable;
 use crate::{
     camera::{
         host::Host,
         model::Model,
         parameters::{CameraError, ParameterError, Parameters, Weighting},
-        placement::Placement,
-        ray::{Outcome, Sample, WorldRay},
+        pipeline::{body::CameraBody, ideal::IdealTracer, ray_maker::RayMaker},
+        ray::{Sample, WorldRay},
         setup::{Facts, Focusing, Setup},
     },
-    sampling::{DiskMapping, PupilDisk},
-};
-use crate::{
-    lens::{cos4, film_ray, first_order::FirstOrder},
     message::{Log, short, short_above},
+    plan::FilmSide,
+    sampling::{DiskMapping, PupilDisk, PupilSampler},
 };
 
 /// A camera with an ideal lens. Immutable, and may be shared between threads.
 #[derive(Clone, Debug)]
 pub struct IdealCamera {
     facts: Facts,
-    /// The optics that rays follow: the lens's, or with its principal planes in one.
-    imaging: FirstOrder,
-    film_z: f64,
-    pupil: PupilDisk,
     mapping: DiskMapping,
-    /// The weight of a ray is this times cos⁴, or this alone.
-    weight: f64,
-    weight_falls_off: bool,
-    units_per_mm: f64,
-    placement: Placement,
+    rays: RayMaker,
 }
 
 impl IdealCamera {
@@ -78,60 +69,52 @@ impl IdealCamera {
         } else {
             (first_order, film_z, pupil)
         };
-        let (weight, weight_falls_off) = match setup.weighting {
-            Weighting::Radiometric => (pupil.slope_area(), true),
-            Weighting::Assignment => {
-                let area = pupil.area().ok_or(CameraError::PupilAtInfinity)?;
-                (pupil.slope_area() / area, true)
-            }
+        let weight = match setup.weighting {
+            Weighting::Radiometric => Some(1.0),
+            Weighting::Assignment => Some(pupil.area().ok_or(CameraError::PupilAtInfinity)?.recip()),
             // ∫ cos⁴ d(slope)² over a disk of radius s is π s²/(1 + s²).
-            Weighting::Relative => (1.0 + pupil.slope_area() / PI, true),
-            Weighting::None => (1.0, false),
+            Weighting::Relative => Some(pupil.slope_area().recip() + PI.recip()),
+            Weighting::None => None,
         };
+        let area = pupil.slope_area();
+        representable(area)?;
+        representable(weight.map_or(1.0, |weight| weight * area.max(PI)))?;
+        let body = CameraBody {
+            film_side: FilmSide {
+                film: facts.film,
+                z: film_z,
+                mapping: setup.mapping,
+                sampler: PupilSampler::Disk(pupil),
+            },
+            weight,
+            placement: setup.placement,
+            units_per_mm: setup.mm_per_unit.recip(),
+        };
+        let tracer = Arc::new(IdealTracer::new(&imaging, &body));
         Ok(Self {
             facts,
-            imaging,
-            film_z,
-            pupil,
             mapping: setup.mapping,
-            weight,
-            weight_falls_off,
-            units_per_mm: setup.mm_per_unit.recip(),
-            placement: setup.placement,
+            rays: RayMaker::new(tracer.clone(), tracer, body.placement),
         })
     }
 
-    /// The ray of a sample. Only [`DiskMapping::Rejection`] can keep it from being one.
-    pub fn generate(&self, sample: &Sample) -> Outcome {
-        let Some(unit) = self.mapping.map(sample.lens_u.into(), sample.lens_v.into()) else {
-            return Outcome::Redraw;
-        };
-        let (ray, slopes) = self.ray(sample, unit);
-        let falloff = if self.weight_falls_off { cos4(slopes) } else { 1.0 };
-        Outcome::Ray(ray, (self.weight * falloff) as f32)
-    }
-
-    /// The ray through the middle of the pupil.
-    pub(crate) fn central(&self, sample: &Sample) -> WorldRay {
-        self.ray(sample, [0.0; 2]).0
-    }
-
-    /// The ray through a point of the pupil's unit disk, and its slopes at the film.
-    fn ray(&self, sample: &Sample, [u, v]: [f64; 2]) -> (WorldRay, [f64; 2]) {
-        let point = self.facts.film.point(sample.image_x.into(), sample.image_y.into());
-        let disk = self.pupil.seen_from(point);
-        let slopes = [disk.center[0] + disk.radius * u, disk.center[1] + disk.radius * v];
-        let ray = self.imaging.transfer(film_ray(point, self.film_z, slopes));
-        (self.placement.world_ray(ray, self.units_per_mm, sample.time), slopes)
-    }
-
-    pub(crate) fn placement(&self) -> &Placement {
-        &self.placement
+    /// The ray of a sample with its weight, positive; `None` where [`DiskMapping::Rejection`] asks for another lens
+    /// sample, and where a sample is none.
+    pub fn ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
+        self.rays.ray(sample)
     }
 
     /// The lens whose first-order properties these are, and the film.
     pub fn facts(&self) -> &Facts {
         &self.facts
+    }
+
+    pub(crate) fn ray_maker(&self) -> &RayMaker {
+        &self.rays
+    }
+
+    pub(crate) fn mapping(&self) -> DiskMapping {
+        self.mapping
     }
 }
 
@@ -158,10 +141,18 @@ mod tests {
     }
 
     fn ray(camera: &IdealCamera, image: [f32; 2], lens: [f32; 2]) -> (WorldRay, f64) {
-        match camera.generate(&sample(image, lens)) {
-            Outcome::Ray(ray, weight) => (ray, weight.into()),
-            other => panic!("{other:?}"),
-        }
+        let (ray, weight) = camera.ray(&sample(image, lens)).expect("a ray");
+        (ray, weight.into())
+    }
+
+    /// The ray through the middle of the pupil.
+    fn central(camera: &IdealCamera, image: [f32; 2]) -> WorldRay {
+        ray(camera, image, [0.5; 2]).0
+    }
+
+    /// The exit pupil's radius in slopes.
+    fn slope_radius(camera: &IdealCamera) -> f64 {
+        PupilDisk::exit(&camera.facts.lens, camera.facts.film_z()).slope_radius()
     }
 
     fn at_depth(ray: &WorldRay, z: f64) -> [f64; 2] {
@@ -179,7 +170,7 @@ mod tests {
                 let camera = ideal(model, &[("specfile", lens), ("focusdistance", "2500")]);
                 let plane = camera.facts.film_z() + 2500.0;
                 for image in [[150.0, 100.0], [10.0, 20.0], [250.0, 199.0]] {
-                    let center = at_depth(&camera.central(&sample(image, [0.5; 2])), plane);
+                    let center = at_depth(&central(&camera, image), plane);
                     for numbers in PUPIL {
                         let point = at_depth(&ray(&camera, image, numbers).0, plane);
                         let apart = (point[0] - center[0]).hypot(point[1] - center[1]);
@@ -197,8 +188,7 @@ mod tests {
                 ["thick", "thin"].map(|model| ideal(model, &[("specfile", lens), ("focusdistance", "3000")]));
             let plane = thick.facts.film_z() + 3000.0;
             for image in [[10.0, 20.0], [250.0, 199.0]] {
-                let [a, b] =
-                    [&thick, &thin].map(|camera| at_depth(&camera.central(&sample(image, [0.5; 2])), plane));
+                let [a, b] = [&thick, &thin].map(|camera| at_depth(&central(camera, image), plane));
                 assert!((a[0] - b[0]).hypot(a[1] - b[1]) < 2e-3, "{lens} {a:?} {b:?}");
             }
         }
@@ -225,7 +215,7 @@ mod tests {
                 let camera = ideal(model, &[("specfile", lens), ("fnumber", "22")]);
                 let real = Path::<f64>::film_to_scene(&camera.facts.lens);
                 let film = camera.facts.film_z();
-                let exact = on_axis(&real, film, 4.0 * camera.pupil.slope_radius());
+                let exact = on_axis(&real, film, 4.0 * slope_radius(&camera));
                 let n = 64_u8;
                 let mut mean = 0.0;
                 for i in 0..n {
@@ -249,7 +239,7 @@ mod tests {
             .expect("not afocal")
             .expect("a pupil at a finite distance");
         let focus = film + 2500.0;
-        let height = |image: f32| at_depth(&camera.central(&sample([image, 100.0], [0.5; 2])), focus)[0];
+        let height = |image: f32| at_depth(&central(&camera, [image, 100.0]), focus)[0];
         let magnification = 100.0 * camera.facts.film.pixel() / (height(200.0) - height(100.0));
         let pupil = entrance.position().expect("finite");
         for limit in [range.near, range.far] {
@@ -267,7 +257,7 @@ mod tests {
         let with = |weighting: &str| {
             let camera = ideal("thick", &[("fnumber", "4"), ("weighting", weighting)]);
             let (_, weight) = ray(&camera, [150.0, 100.0], [1.0, 0.5]);
-            (weight, camera.pupil)
+            (weight, PupilDisk::exit(&camera.facts.lens, camera.facts.film_z()))
         };
         let (radiometric, pupil) = with("radiometric");
         let close = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-6, "{a} {b}");

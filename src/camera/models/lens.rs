@@ -7,10 +7,10 @@ use crate::{
         model::Model,
         parameters::{CameraError, ParameterError, Parameters},
         pipeline::{
-            arrays::{OneRay, RayArrays, RayBlock, SampleArrays, SampleBlock, SampleStore},
+            arrays::{RayArrays, SampleArrays},
             body::CameraBody,
+            ray_maker::RayMaker,
         },
-        placement::Placement,
         ray::{Outcome, Sample, WorldRay},
         setup::{Facts, Focusing, Setup},
     },
@@ -28,6 +28,7 @@ pub struct RealisticCamera {
     /// The disk that holds every pupil.
     rear: PupilDisk,
     tracers: Tracers,
+    rays: RayMaker,
     plan: Plan,
 }
 
@@ -62,9 +63,10 @@ impl RealisticCamera {
             units_per_mm: setup.mm_per_unit.recip(),
         };
         let (tracers, plan) = plan_and_compile(&setup, &path, &body, log);
+        let rays = RayMaker::new(tracers.one.clone(), tracers.many.clone(), body.placement.clone());
         // Where the film stands once its place in lens space is rounded.
         let film_distance = setup.facts.lens.rear().vertex - film_z;
-        Ok(Self { facts: Facts { film_distance, ..setup.facts }, body, rear, tracers, plan })
+        Ok(Self { facts: Facts { film_distance, ..setup.facts }, body, rear, tracers, rays, plan })
     }
 
     /// The ray of a sample, or why there is none. Finding out why costs more than a ray does; where
@@ -85,9 +87,7 @@ impl RealisticCamera {
 
     /// The ray of a sample with its weight, positive; `None` where there is none.
     pub fn ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
-        let (mut ray, mut weight) = Default::default();
-        self.trace_one(sample, &mut ray, &mut weight);
-        (weight > 0.0).then_some((ray, weight))
+        self.rays.ray(sample)
     }
 
     /// [`RealisticCamera::ray`] of many samples, the same to the last bit; with a tolerance, each within it. Where there is
@@ -98,46 +98,7 @@ impl RealisticCamera {
     pub fn rays(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
         let n = samples.checked_len();
         assert_eq!(n, rays.checked_len(), "a batch needs as much room as it has samples");
-        self.trace_arrays(samples, rays);
-    }
-
-    /// Writes a sample's ray and its weight; 0, and no ray, where there is none.
-    #[inline(always)]
-    pub(crate) fn trace_one(&self, sample: &Sample, ray: &mut WorldRay, weight: &mut f32) {
-        self.tracers.one.one(sample, &mut OneRay { ray: &mut *ray, weight: &mut *weight });
-        if *weight > 0.0 {
-            let placement = &self.body.placement;
-            [ray.mint, ray.maxt] = placement.clip;
-            ray.time = placement.time(sample.time);
-        }
-    }
-
-    /// Traces four samples of one time side by side; `false`, and nothing done, where that takes as long as one
-    /// after the other.
-    #[inline]
-    pub(crate) fn trace_side_by_side(&self, samples: &SampleBlock<4>, rays: &mut RayBlock<4>) -> bool {
-        let traced = self.tracers.one.four(samples, rays);
-        if traced {
-            let placement = &self.body.placement;
-            rays.set_range_and_time(placement.clip, placement.time(samples.sample(0).time));
-        }
-        traced
-    }
-
-    /// [`RealisticCamera::rays`] of arrays that have one length.
-    #[inline]
-    pub(crate) fn trace_arrays(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
-        self.tracers.many.many(samples, rays);
-        let placement = &self.body.placement;
-        let RayArrays { mint, maxt, time, weight, .. } = rays;
-        for (array, end) in [(mint, placement.clip[0]), (maxt, placement.clip[1])] {
-            if let Some(array) = array {
-                fill(array, weight, weight, |_| end);
-            }
-        }
-        if let Some(time) = time {
-            fill(time, weight, samples.time, |number| placement.time(number));
-        }
+        self.rays.many(samples, rays);
     }
 
     /// Whether a point of the unit disk, which is none, asks for a new lens sample.
@@ -174,18 +135,8 @@ impl RealisticCamera {
         &self.facts
     }
 
-    pub(crate) fn placement(&self) -> &Placement {
-        &self.body.placement
-    }
-}
-
-/// Writes what `number` makes of each of `of`, where there is a ray. Without a branch, so that the compiler makes vectors
-/// of it.
-#[inline(always)]
-fn fill(array: &mut [f32], weight: &[f32], of: &[f32], number: impl Fn(f32) -> f32) {
-    for ((to, weight), of) in array.iter_mut().zip(weight).zip(of) {
-        let number = number(*of);
-        *to = if *weight > 0.0 { number } else { *to };
+    pub(crate) fn ray_maker(&self) -> &RayMaker {
+        &self.rays
     }
 }
 

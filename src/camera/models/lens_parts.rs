@@ -8,7 +8,7 @@ use crate::{
         film::Film,
         host::{Level, Log},
         parameters::{CameraError, Pupil, Weighting},
-        pipeline::{body::CameraBody, compile::compile, tracer::Tracer},
+        pipeline::{body::CameraBody, compile::compile, tracer::LensTracer},
         setup::{Facts, Setup},
     },
     imaging::irradiance::{on_axis, survey},
@@ -91,9 +91,9 @@ pub(super) fn weight_factor(
 #[derive(Clone, Debug)]
 pub(super) struct Tracers {
     /// Those asked for one by one, or with their differentials.
-    pub one: Arc<dyn Tracer>,
+    pub one: Arc<dyn LensTracer>,
     /// Those in batches: the same, but where a tolerance lets another be faster.
-    pub many: Arc<dyn Tracer>,
+    pub many: Arc<dyn LensTracer>,
 }
 
 /// Decides how rays are traced, compiles what traces them, and says what was kept and left out.
@@ -132,7 +132,7 @@ pub(super) fn plan_and_compile(
 }
 
 /// Whether a weight is a number to a host, which takes floats.
-fn representable(weight: f64) -> Result<(), CameraError> {
+pub(super) fn representable(weight: f64) -> Result<(), CameraError> {
     if (weight as f32).is_finite() { Ok(()) } else { Err(CameraError::Weight { weight }) }
 }
 

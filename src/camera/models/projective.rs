@@ -3,18 +3,20 @@
 //! They are pbrt-v1's stock cameras of these names (M. Pharr and G. Humphreys, *Physically Based
 //! Rendering*, 1st ed. 2004, §6.2): the same parameters and defaults, the ray's origin on the near plane,
 //! its end at the far plane (perspective) or at the length between the planes (orthographic), weight 1,
-//! and the stock cameras' single-precision arithmetic, operation for operation. Where the camera transform scales or
-//! shears, directions are made unit vectors, which the stock cameras' are not then, and the clip range follows.
+//! and, but for the sines and cosines of lens points, the stock cameras' single-precision arithmetic, operation for
+//! operation. Where the camera transform scales or shears, directions are made unit vectors, which the stock cameras'
+//! are not then, and the clip range follows.
 
-use super::spaces::{Projection, ScreenWindow};
+use super::spaces::{NearPlane, Projection, ScreenWindow};
 use crate::{
     camera::{
         film::Raster,
         parameters::LensPlane,
-        placement::Placement,
-        ray::{Outcome, Sample, WorldRay},
+        pipeline::{film_sampling::SampleLanes, stock::View},
+        placement::RangedRays,
     },
-    sampling::{DiskMapping, disk::concentric_single},
+    sampling::DiskMapping,
+    trace::kernel::{Cpu, Lanes},
 };
 
 /// Which of the two projections.
@@ -37,116 +39,138 @@ pub(crate) struct ThinLens {
     pub mapping: DiskMapping,
 }
 
-/// A camera with a projection matrix. Immutable, and may be shared between threads.
+/// Rays from the near plane.
 #[derive(Clone, Debug)]
-pub struct ProjectiveCamera {
-    projecting: Projecting,
-    raster_to_camera: Projection,
+pub(crate) struct Projective {
+    near: NearPlane,
+    perspective: bool,
     lens: Option<ThinLens>,
-    placement: Placement,
+    hither: f32,
+    /// From the near plane to the far one, world units.
+    depth: f32,
+    /// A power of two by which the directions' squares are kept in range, where planes are that far away.
+    scale: Option<f32>,
+    /// The raster x and y up to which all numbers of a ray are finite; negative where none are.
+    most: [f32; 2],
 }
 
-impl ProjectiveCamera {
-    pub(crate) fn new(
+/// The largest ratio of two coordinates of a direction: its square is well within single precision.
+const STEEPEST: f64 = 1e15;
+/// The largest number on the way to a ray.
+const LARGEST: f64 = 1e37;
+
+impl Projective {
+    /// `reach` is how far from the eye a ray may begin, world units, for the camera's placement to make finite numbers of it.
+    pub fn new(
         projecting: Projecting,
         window: ScreenWindow,
         raster: Raster,
         lens: Option<ThinLens>,
-        placement: Placement,
+        [hither, yon]: [f32; 2],
+        reach: f64,
     ) -> Self {
-        let [near, far] = placement.clip;
-        let to_screen = match projecting {
-            Projecting::Orthographic => Projection::orthographic(near, far),
-            Projecting::Perspective { fov } => Projection::perspective(fov, near, far),
+        let to_camera = match projecting {
+            Projecting::Orthographic => Projection::of_orthographic_screen(hither, yon),
+            Projecting::Perspective { fov } => Projection::of_perspective_screen(fov, hither, yon),
         };
-        let raster_to_camera = Projection::raster_to_camera(&to_screen, window, raster);
-        Self { projecting, raster_to_camera, lens, placement }
-    }
-
-    pub(crate) fn placement(&self) -> &Placement {
-        &self.placement
-    }
-
-    /// The ray of a sample, with weight 1.
-    pub fn generate(&self, sample: &Sample) -> Outcome {
-        let Some(lens) = &self.lens else {
-            return Outcome::Ray(self.ray(sample, None), 1.0);
+        let near = Projection::of_raster(window, raster).then(&to_camera).near_plane();
+        let perspective = projecting != Projecting::Orthographic;
+        // Directions are as long as from the near plane to the plane of focus, or from the eye to the near plane.
+        let length = lens.map_or(if perspective { hither } else { 1.0 }, |lens| lens.focal_distance);
+        let scale = (!(1e-10..1e10).contains(&length)).then(|| (-length.log2().floor()).exp2());
+        let (near_z, length) = (f64::from(hither), f64::from(length));
+        let radius = lens.map_or(0.0, |lens| f64::from(lens.radius));
+        let is_finite =
+            near_z.max(radius) < reach / 2.0 && radius < STEEPEST.min(LARGEST / length.powi(2)) * length;
+        let most = match lens {
+            _ if !is_finite => -1.0,
+            None if perspective => reach.min(STEEPEST * near_z) / 2.0,
+            Some(_) if perspective => (reach / 2.0).min(near_z * STEEPEST.min(LARGEST / length)),
+            _ => reach / 2.0,
         };
-        let point = match lens.mapping {
-            DiskMapping::Concentric => Some(concentric_single(sample.lens_u, sample.lens_v)),
-            other => other
-                .map(sample.lens_u.into(), sample.lens_v.into())
-                .map(|point| point.map(|part| part as f32)),
-        };
-        match point {
-            Some(point) => Outcome::Ray(self.ray(sample, Some((lens, point))), 1.0),
-            None => Outcome::Redraw,
-        }
-    }
-
-    /// The ray through the middle of the lens.
-    pub(crate) fn central(&self, sample: &Sample) -> WorldRay {
-        self.ray(sample, None)
-    }
-
-    fn ray(&self, sample: &Sample, lens: Option<(&ThinLens, [f32; 2])>) -> WorldRay {
-        let [hither, yon] = self.placement.clip;
-        let mut o = self.raster_to_camera.point([sample.image_x, sample.image_y, 0.0]);
-        let mut d = match self.projecting {
-            Projecting::Orthographic => [0.0, 0.0, 1.0],
-            Projecting::Perspective { .. } => o,
-        };
-        if let Some((&ThinLens { radius, focal_distance, plane, .. }, point)) = lens {
-            let [u, v] = point.map(|part| part * radius);
-            let along = (focal_distance - hither) / d[2];
-            let focus: [f32; 3] = std::array::from_fn(|i| o[i] + d[i] * along);
-            let shift = match plane {
-                LensPlane::Eye => [u, v].map(|part| part * (focal_distance - hither) / focal_distance),
-                LensPlane::Hither => [u, v],
-            };
-            o[0] += shift[0];
-            o[1] += shift[1];
-            d = std::array::from_fn(|i| focus[i] - o[i]);
-        }
-        let d = unit(d);
-        let end = match self.projecting {
-            Projecting::Orthographic => yon - hither,
-            Projecting::Perspective { .. } => (yon - hither) / d[2],
-        };
-        self.placement.world_ray_single(o, d, [0.0, end], sample.time)
+        Self { near, perspective, lens, hither, depth: yon - hither, scale, most: near.raster_limits(most) }
     }
 }
 
-/// The unit vector along `d`, in the order of pbrt's sums.
-fn unit(d: [f32; 3]) -> [f32; 3] {
-    let square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-    let largest = d[0].abs().max(d[1].abs()).max(d[2].abs());
-    if square == f32::INFINITY && largest.is_finite() {
-        // Toward a plane of focus so far away that its square is no float.
-        return unit(d.map(|part| part / largest));
+impl View for Projective {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn lanes<L: Lanes<Scalar = f32>>(
+        &self,
+        cpu: Cpu<L>,
+        samples: &SampleLanes<L>,
+    ) -> (RangedRays<L>, L::Mask) {
+        let [x, y] = samples.image;
+        let mut passed = L::both(
+            x.abs().less_equal(L::splat(cpu, self.most[0])),
+            y.abs().less_equal(L::splat(cpu, self.most[1])),
+        );
+        let mut origin = self.near.lanes(cpu, samples.image);
+        let (zero, one) = (L::splat(cpu, 0.0), L::splat(cpu, 1.0));
+        let mut direction = if self.perspective { origin } else { [zero, zero, one] };
+        if let Some(ThinLens { radius, focal_distance, plane, mapping }) = self.lens {
+            let [u, v] = mapping.lanes(cpu, samples.lens);
+            // Not where there is none.
+            passed = L::both(passed, (u + v).less_equal(u + v));
+            let (radius, near_to_focus) =
+                (L::splat(cpu, radius), L::splat(cpu, focal_distance - self.hither));
+            let (mut u, mut v) = (u * radius, v * radius);
+            if plane == LensPlane::Eye {
+                let focal_distance = L::splat(cpu, focal_distance);
+                (u, v) = (u * near_to_focus / focal_distance, v * near_to_focus / focal_distance);
+            }
+            let along = near_to_focus / direction[2];
+            let [x, y, z] = origin;
+            let focus = [x + direction[0] * along, y + direction[1] * along, z + direction[2] * along];
+            origin = [x + u, y + v, z];
+            direction = [focus[0] - origin[0], focus[1] - origin[1], focus[2] - z];
+        }
+        if self.perspective || self.lens.is_some() {
+            direction = unit(cpu, direction, self.scale);
+        }
+        let depth = L::splat(cpu, self.depth);
+        let end = if self.perspective { depth / direction[2] } else { depth };
+        (RangedRays { origin, direction, range: [zero, end] }, passed)
     }
-    let inverse = 1.0 / square.sqrt();
-    d.map(|part| part * inverse)
+}
+
+/// The unit vectors along `d`, in the order of pbrt's sums.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn unit<L: Lanes<Scalar = f32>>(cpu: Cpu<L>, [mut x, mut y, mut z]: [L; 3], scale: Option<f32>) -> [L; 3] {
+    if let Some(scale) = scale {
+        let scale = L::splat(cpu, scale);
+        (x, y, z) = (x * scale, y * scale, z * scale);
+    }
+    let inverse = L::splat(cpu, 1.0) / (x * x + y * y + z * z).sqrt();
+    [x * inverse, y * inverse, z * inverse]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::CameraToWorld;
+    use std::sync::Arc;
+
+    use crate::camera::{
+        CameraToWorld, Sample, WorldRay,
+        pipeline::{ray_maker::RayMaker, stock::StockTracer},
+        placement::Placement,
+    };
 
     const RASTER: Raster = Raster { xres: 200, yres: 100 };
 
-    fn camera(projecting: Projecting, lens: Option<ThinLens>, clip: [f32; 2]) -> ProjectiveCamera {
+    fn camera(projecting: Projecting, lens: Option<ThinLens>, clip: [f32; 2]) -> RayMaker {
         let placement = Placement { to_world: CameraToWorld::IDENTITY.into(), clip, shutter: [0.0, 1.0] };
-        ProjectiveCamera::new(projecting, ScreenWindow::of_aspect(2.0), RASTER, lens, placement)
+        let window = ScreenWindow::of_aspect(2.0);
+        let view = Projective::new(projecting, window, RASTER, lens, clip, placement.reach());
+        let tracer = Arc::new(StockTracer::new(view, &placement));
+        RayMaker::new(tracer.clone(), tracer, placement)
     }
 
-    fn ray(camera: &ProjectiveCamera, image: [f32; 2], lens: [f32; 2]) -> WorldRay {
+    fn ray(camera: &RayMaker, image: [f32; 2], lens: [f32; 2]) -> WorldRay {
         let [[image_x, image_y], [lens_u, lens_v]] = [image, lens];
-        match camera.generate(&Sample { image_x, image_y, lens_u, lens_v, time: 0.5 }) {
-            Outcome::Ray(ray, 1.0) => ray,
-            other => panic!("{other:?}"),
-        }
+        let (ray, weight) =
+            camera.ray(&Sample { image_x, image_y, lens_u, lens_v, time: 0.5 }).expect("a ray");
+        assert_eq!(weight, 1.0);
+        ray
     }
 
     /// Where a ray meets the plane z = `depth`.
@@ -210,16 +234,10 @@ mod tests {
     fn every_ray_of_a_pixel_meets_the_same_point_in_the_plane_of_focus() {
         for projecting in [Projecting::Perspective { fov: 60.0 }, Projecting::Orthographic] {
             for plane in [LensPlane::Eye, LensPlane::Hither] {
+                let pinhole = camera(projecting, None, [0.5, 20.0]);
                 let camera = camera(projecting, Some(ThinLens { plane, ..LENS }), [0.5, 20.0]);
                 for image in [[100.0, 50.0], [20.0, 90.0]] {
-                    let expected = at_depth(
-                        &camera.central(&Sample {
-                            image_x: image[0],
-                            image_y: image[1],
-                            ..Sample::default()
-                        }),
-                        4.0,
-                    );
+                    let expected = at_depth(&ray(&pinhole, image, [0.5; 2]), 4.0);
                     for lens in NUMBERS {
                         near(at_depth(&ray(&camera, image, lens), 4.0), expected);
                     }
@@ -234,8 +252,10 @@ mod tests {
             let lens = ThinLens { plane, ..LENS };
             let camera = camera(Projecting::Perspective { fov: 60.0 }, Some(lens), [0.5, 20.0]);
             for numbers in NUMBERS {
-                let unit = concentric_single(numbers[0], numbers[1]);
-                near(at_depth(&ray(&camera, [100.0, 50.0], numbers), depth), unit.map(|part| part * 0.25));
+                let [u, v] = numbers.map(f64::from);
+                let unit = DiskMapping::Concentric.map(u, v).expect("never rejects");
+                let point = unit.map(|part| part as f32 * 0.25);
+                near(at_depth(&ray(&camera, [100.0, 50.0], numbers), depth), point);
             }
         }
     }
@@ -244,6 +264,45 @@ mod tests {
     fn rejected_lens_numbers_are_asked_for_again() {
         let lens = ThinLens { mapping: DiskMapping::Rejection, ..LENS };
         let camera = camera(Projecting::Orthographic, Some(lens), [0.5, 20.0]);
-        assert_eq!(camera.generate(&Sample::default()), Outcome::Redraw);
+        assert_eq!(camera.ray(&Sample::default()), None);
+    }
+
+    #[test]
+    fn as_far_from_the_image_as_there_are_rays_their_numbers_are_finite() {
+        let lens = |radius: f32, focal_distance: f32| Some(ThinLens { radius, focal_distance, ..LENS });
+        let narrow = Projecting::Perspective { fov: 1e-3 };
+        let wide = Projecting::Perspective { fov: 179.99 };
+        for projecting in [Projecting::Orthographic, narrow, wide] {
+            for lens in
+                [None, LENS.into(), lens(1e-20, 1e30), lens(1e18, 1e4), lens(1e18, 1e30), lens(1e34, 2.0)]
+            {
+                for clip in [[1e-4, 1e30], [0.5, 1.0], [1e3, 1e30]] {
+                    if lens.is_some_and(|lens| lens.focal_distance <= clip[0]) {
+                        continue;
+                    }
+                    let camera = camera(projecting, lens, clip);
+                    let mut rays = 0;
+                    for exponent in 0..128 {
+                        for sign in [-1.0, 1.0] {
+                            let far = sign * 1.9 * 2.0_f32.powi(exponent);
+                            for [image_x, image_y] in [[far, 50.0], [100.0, far], [far, far]] {
+                                let sample = Sample { image_x, image_y, lens_u: 1.0, lens_v: 0.3, time: 0.0 };
+                                let Some((ray, _)) = camera.ray(&sample) else { continue };
+                                let square: f32 = ray.direction.iter().map(|x| x * x).sum();
+                                let finite = ray.origin.iter().all(|x| x.is_finite());
+                                assert!(finite && (square - 1.0).abs() < 1e-5, "{sample:?}: {ray:?}");
+                                rays += 1;
+                            }
+                        }
+                    }
+                    // Of a lens that no world holds there is no ray, of any other the image's and those far about.
+                    let odd = |lens: ThinLens| {
+                        lens.radius > 1e33 || lens.radius > 1e17 && lens.focal_distance > 1e20
+                    };
+                    let least = if lens.is_some_and(odd) { 0 } else { 60 };
+                    assert!(rays >= least, "{projecting:?} {lens:?} {clip:?}: {rays}");
+                }
+            }
+        }
     }
 }

@@ -32,114 +32,116 @@
 //! * **NDC** (normalised device coordinates) are fractions of the image, **raster** coordinates are pixels; both
 //!   begin at the top left corner and grow to the right and down.
 //!
-//! Matrices act on column vectors. They are in single precision and multiplied in pbrt-v1's order, so
-//! that the rays made with them have its bits (M. Pharr and G. Humphreys, *Physically Based Rendering*,
-//! 1st ed. 2004, §6.1-6.2). A transform knows whether it is affine; the affine ones divide nothing.
+//! Rays go from right to left, so it is the inverses that a camera needs. Matrices act on column vectors. They are in
+//! single precision and multiplied in pbrt-v1's order, so that the rays made with them have its bits (M. Pharr and
+//! G. Humphreys, *Physically Based Rendering*, 1st ed. 2004, §6.1-6.2).
 
-use crate::camera::film::Raster;
+use crate::{
+    camera::film::Raster,
+    trace::kernel::{Cpu, Lanes},
+};
 
-/// A transform between two of the spaces, and its inverse.
+/// A transform from one of the spaces to one on its left, x and y apart from each other: an affine one, or the inverse of
+/// a perspective projection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Projection {
-    matrix: Rows,
-    inverse: Rows,
-    /// Whether parallels stay parallel, so that no point needs a division.
-    affine: bool,
+    /// x' from x, and what is added.
+    x: [f32; 2],
+    /// y' from y, and what is added.
+    y: [f32; 2],
+    /// z' and w' from z, and what is added.
+    zw: [[f32; 2]; 2],
 }
 
-type Rows = [[f32; 4]; 4];
-
-const LAST_AFFINE: [f32; 4] = [0.0, 0.0, 0.0, 1.0];
-
 impl Projection {
-    fn new(matrix: Rows, inverse: Rows) -> Self {
-        Self { matrix, inverse, affine: matrix[3] == LAST_AFFINE }
-    }
-
     fn scale([x, y, z]: [f32; 3]) -> Self {
-        let rows = |x, y, z| [[x, 0.0, 0.0, 0.0], [0.0, y, 0.0, 0.0], [0.0, 0.0, z, 0.0], LAST_AFFINE];
-        Self::new(rows(x, y, z), rows(x.recip(), y.recip(), z.recip()))
+        Self { x: [x, 0.0], y: [y, 0.0], zw: [[z, 0.0], [0.0, 1.0]] }
     }
 
-    fn translate(by: [f32; 3]) -> Self {
-        let rows =
-            |[x, y, z]: [f32; 3]| [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z], LAST_AFFINE];
-        Self::new(rows(by), rows(by.map(|part| -part)))
+    fn translate([x, y, z]: [f32; 3]) -> Self {
+        Self { x: [1.0, x], y: [1.0, y], zw: [[1.0, z], [0.0, 1.0]] }
     }
 
-    /// Camera space to screen space without perspective: z' = (z - n)/(f - n), x and y as they are.
-    /// Affine. `near` < `far`.
-    pub fn orthographic(near: f32, far: f32) -> Self {
-        Self::translate([0.0, 0.0, -near]).then(&Self::scale([1.0, 1.0, 1.0 / (far - near)]))
+    /// Screen space to camera space without perspective: the inverse of z' = (z - n)/(f - n), x and y as they are.
+    /// `near` < `far`.
+    pub fn of_orthographic_screen(near: f32, far: f32) -> Self {
+        let depth = (1.0 / (far - near)).recip();
+        Self::scale([1.0, 1.0, depth]).then(&Self::translate([0.0, 0.0, near]))
     }
 
-    /// Camera space to screen space with perspective: z' = f (z - n)/(z (f - n)), and x and y divided by z
-    /// and by the tangent of half the angle `fov` (degrees, between 0 and 180) that spans [-1, 1] on the screen.
+    /// Screen space to camera space with perspective: the inverse of z' = f (z - n)/(z (f - n)), and x and y divided
+    /// by z and by the tangent of half the angle `fov` (degrees, between 0 and 180) that spans [-1, 1] on the screen.
     /// 0 < `near` < `far`.
-    pub fn perspective(fov: f32, near: f32, far: f32) -> Self {
+    pub fn of_perspective_screen(fov: f32, near: f32, far: f32) -> Self {
         let per_depth = 1.0 / (far - near);
-        let (a, b) = (far * per_depth, -far * near * per_depth);
-        let [[zz, zw], [wz, ww]] = inverse_of_depth(a, b);
-        let divide = Self::new(
-            [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, a, b], [0.0, 0.0, 1.0, 0.0]],
-            [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, zz, zw], [0.0, 0.0, wz, ww]],
-        );
+        let zw = inverse_of_depth(far * per_depth, -far * near * per_depth);
         let half_angle = (std::f32::consts::PI / 180.0) * fov / 2.0;
-        let magnification = 1.0 / half_angle.tan();
-        divide.then(&Self::scale([magnification, magnification, 1.0]))
+        let tangent = (1.0 / half_angle.tan()).recip();
+        Self::scale([tangent, tangent, 1.0]).then(&Self { x: [1.0, 0.0], y: [1.0, 0.0], zw })
     }
 
-    /// Screen space to NDC. Affine.
-    pub fn screen_to_ndc(window: ScreenWindow) -> Self {
+    /// Raster to screen space, by way of NDC.
+    pub fn of_raster(window: ScreenWindow, raster: Raster) -> Self {
         let ScreenWindow([x0, x1, y0, y1]) = window;
-        Self::translate([-x0, -y1, 0.0]).then(&Self::scale([1.0 / (x1 - x0), 1.0 / (y0 - y1), 1.0]))
-    }
-
-    /// NDC to raster. Affine.
-    pub fn ndc_to_raster(raster: Raster) -> Self {
-        Self::scale([raster.xres as f32, raster.yres as f32, 1.0])
-    }
-
-    /// Screen space to raster. Affine.
-    pub fn screen_to_raster(window: ScreenWindow, raster: Raster) -> Self {
-        Self::screen_to_ndc(window).then(&Self::ndc_to_raster(raster))
-    }
-
-    /// Raster to camera space for a projection of [`Projection::orthographic`] or
-    /// [`Projection::perspective`]: raster points with z = 0 lie on the near plane.
-    pub fn raster_to_camera(camera_to_screen: &Self, window: ScreenWindow, raster: Raster) -> Self {
-        Self::screen_to_raster(window, raster).inverse().then(&camera_to_screen.inverse())
+        let [width, height] = [1.0 / (x1 - x0), 1.0 / (y0 - y1)].map(f32::recip);
+        let of_ndc = Self::scale([width, height, 1.0]).then(&Self::translate([x0, y1, 0.0]));
+        Self::scale([(raster.xres as f32).recip(), (raster.yres as f32).recip(), 1.0]).then(&of_ndc)
     }
 
     /// This transform, then `next`.
     #[must_use]
     pub fn then(&self, next: &Self) -> Self {
-        Self::new(product(&next.matrix, &self.matrix), product(&self.inverse, &next.inverse))
-    }
-
-    /// The way back.
-    #[must_use]
-    pub fn inverse(&self) -> Self {
-        Self::new(self.inverse, self.matrix)
+        let line = |[a, b]: [f32; 2], [c, d]: [f32; 2]| [a * c, a * d + b];
+        let ([a, b], [c, d]) = (next.zw, self.zw);
+        let row = |[p, q]: [f32; 2]| [p * c[0] + q * d[0], p * c[1] + q * d[1]];
+        Self { x: line(next.x, self.x), y: line(next.y, self.y), zw: [row(a), row(b)] }
     }
 
     /// Transforms a point.
     pub fn point(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
-        let row = |m: &[f32; 4]| m[0] * x + m[1] * y + m[2] * z + m[3];
-        let [mx, my, mz, mw] = &self.matrix;
-        let point = [row(mx), row(my), row(mz)];
-        if self.affine {
-            return point;
-        }
-        let inverse = 1.0 / row(mw);
-        point.map(|part| part * inverse)
+        let on = |[a, b]: [f32; 2], x: f32| a * x + b;
+        let inverse = 1.0 / on(self.zw[1], z);
+        [on(self.x, x), on(self.y, y), on(self.zw[0], z)].map(|part| part * inverse)
+    }
+
+    /// The near plane, of a transform from raster to camera space.
+    pub(crate) fn near_plane(&self) -> NearPlane {
+        let [[_, z], [_, w]] = self.zw;
+        let inverse = 1.0 / w;
+        NearPlane { x: self.x, y: self.y, inverse, z: z * inverse }
     }
 }
 
-fn product(a: &Rows, b: &Rows) -> Rows {
-    std::array::from_fn(|i| {
-        std::array::from_fn(|j| a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j] + a[i][3] * b[3][j])
-    })
+/// [`Projection::point`] for raster points, whose z is 0: they lie on the near plane.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NearPlane {
+    x: [f32; 2],
+    y: [f32; 2],
+    /// 1/w.
+    inverse: f32,
+    z: f32,
+}
+
+impl NearPlane {
+    /// The raster x and y, without their signs, up to which camera x and y are at most `most`.
+    pub fn raster_limits(&self, most: f64) -> [f32; 2] {
+        [self.x, self.y].map(|[factor, added]| {
+            let [factor, added, inverse] = [factor, added, self.inverse].map(|part| f64::from(part).abs());
+            ((most / inverse - added) / factor).min(f32::MAX.into()) as f32
+        })
+    }
+
+    /// Camera-space points of raster points, in lanes.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn lanes<L: Lanes<Scalar = f32>>(&self, cpu: Cpu<L>, [x, y]: [L; 2]) -> [L; 3] {
+        let inverse = L::splat(cpu, self.inverse);
+        let [[a, b], [c, d]] = [self.x, self.y];
+        [
+            (L::splat(cpu, a) * x + L::splat(cpu, b)) * inverse,
+            (L::splat(cpu, c) * y + L::splat(cpu, d)) * inverse,
+            L::splat(cpu, self.z),
+        ]
+    }
 }
 
 /// The inverse of the depth part ((a, b), (1, 0)) of the perspective matrix. In exact arithmetic it
@@ -190,12 +192,11 @@ mod tests {
     #[test]
     fn depth_goes_from_0_at_the_near_plane_to_1_at_the_far_one() {
         let (n, f) = (2.0, 10.0);
-        let orthographic = Projection::orthographic(n, f);
-        let perspective = Projection::perspective(90.0, n, f);
-        assert!(orthographic.affine && !perspective.affine);
+        let orthographic = Projection::of_orthographic_screen(n, f);
+        let perspective = Projection::of_perspective_screen(90.0, n, f);
         for z in [2.0, 3.0, 5.0, 10.0] {
-            near(orthographic.point([3.0, -4.0, z]), [3.0, -4.0, (z - n) / (f - n)]);
-            near(perspective.point([3.0, -4.0, z]), [3.0 / z, -4.0 / z, f * (z - n) / (z * (f - n))]);
+            near(orthographic.point([3.0, -4.0, (z - n) / (f - n)]), [3.0, -4.0, z]);
+            near(perspective.point([3.0 / z, -4.0 / z, f * (z - n) / (z * (f - n))]), [3.0, -4.0, z]);
         }
     }
 
@@ -203,8 +204,9 @@ mod tests {
     fn the_field_of_view_spans_the_screen_from_minus_1_to_1() {
         for fov in [10.0_f32, 60.0, 90.0, 120.0] {
             let edge = (fov / 2.0).to_radians().tan() * 7.0;
-            let [x, y, _] = Projection::perspective(fov, 1e-3, 1e30).point([edge, -edge, 7.0]);
-            near([x, y, 0.0], [1.0, -1.0, 0.0]);
+            let (n, f) = (0.5, 20.0);
+            let depth = f * (7.0 - n) / (7.0 * (f - n));
+            near(Projection::of_perspective_screen(fov, n, f).point([1.0, -1.0, depth]), [edge, -edge, 7.0]);
         }
     }
 
@@ -213,40 +215,22 @@ mod tests {
         let window = ScreenWindow::of_aspect(400.0 / 300.0);
         let ScreenWindow([x0, x1, y0, y1]) = window;
         assert_eq!([y0, y1], [-1.0, 1.0]);
-        let ndc = Projection::screen_to_ndc(window);
-        let raster = Projection::screen_to_raster(window, RASTER);
-        assert!(ndc.affine && raster.affine);
-        near(ndc.point([x0, y1, 0.5]), [0.0, 0.0, 0.5]);
-        near(ndc.point([x1, y0, 0.5]), [1.0, 1.0, 0.5]);
-        near(raster.point([x0, y1, 0.0]), [0.0, 0.0, 0.0]);
-        near(raster.point([x1, y0, 1.0]), [400.0, 300.0, 1.0]);
-        near(raster.inverse().point([200.0, 150.0, 0.0]), [0.0, 0.0, 0.0]);
+        let raster = Projection::of_raster(window, RASTER);
+        near(raster.point([0.0, 0.0, 0.0]), [x0, y1, 0.0]);
+        near(raster.point([400.0, 300.0, 1.0]), [x1, y0, 1.0]);
+        near(raster.point([200.0, 150.0, 0.0]), [0.0, 0.0, 0.0]);
         assert_eq!(ScreenWindow::of_aspect(0.5), ScreenWindow([-1.0, 1.0, -2.0, 2.0]));
     }
 
     #[test]
     fn raster_to_camera_puts_the_image_on_the_near_plane() {
-        let window = ScreenWindow::of_aspect(1.0);
-        let square = Raster { xres: 100, yres: 100 };
+        let square = Projection::of_raster(ScreenWindow::of_aspect(1.0), Raster { xres: 100, yres: 100 });
         for (near_plane, far) in [(1e-3, 1e30), (0.5, 3.0), (2.0, 3.0), (5.0, 5.5)] {
-            let to_screen = Projection::perspective(90.0, near_plane, far);
-            let back = Projection::raster_to_camera(&to_screen, window, square);
+            let back = square.then(&Projection::of_perspective_screen(90.0, near_plane, far));
             near(back.point([0.0, 0.0, 0.0]), [-near_plane, near_plane, near_plane]);
             near(back.point([100.0, 50.0, 0.0]), [near_plane, 0.0, near_plane]);
-            let to_screen = Projection::orthographic(near_plane, far);
-            let back = Projection::raster_to_camera(&to_screen, window, square);
-            assert!(back.affine);
+            let back = square.then(&Projection::of_orthographic_screen(near_plane, far));
             near(back.point([100.0, 0.0, 0.0]), [1.0, 1.0, near_plane]);
-        }
-    }
-
-    #[test]
-    fn a_transform_and_its_inverse_undo_each_other() {
-        let window = ScreenWindow([-0.5, 1.5, -1.0, 0.25]);
-        let to_screen = Projection::perspective(50.0, 1.0, 4.0);
-        let there = to_screen.then(&Projection::screen_to_raster(window, RASTER));
-        for point in [[0.1, 0.2, 1.5], [-1.0, 0.7, 2.0], [0.3, -0.6, 3.9]] {
-            near(there.inverse().point(there.point(point)), point);
         }
     }
 }

@@ -1,9 +1,11 @@
 //! From parameters to the cameras without a prescription, as pbrt-v1 has them in stock: perspective, orthographic,
 //! environment.
 
+use std::sync::Arc;
+
 use super::{
-    environment::EnvironmentCamera,
-    projective::{Projecting, ProjectiveCamera, ThinLens},
+    environment::Environment,
+    projective::{Projecting, Projective, ThinLens},
     spaces::ScreenWindow,
 };
 use crate::{
@@ -11,10 +13,15 @@ use crate::{
         film::Raster,
         host::Host,
         parameters::{CameraError, ParameterError, Parameters},
+        pipeline::{
+            ray_maker::RayMaker,
+            stock::{StockTracer, View},
+        },
         placement::Placement,
         setup::{disk_mapping, placement, raster},
     },
     message::{Level, Log},
+    sampling::DiskMapping,
 };
 
 /// The least `hither` that pbrt's stock cameras take, world units.
@@ -24,12 +31,23 @@ const LARGEST_YON: f64 = 1e30;
 /// A distance to the plane of focus that stands for infinity, world units.
 const FOCUSED_AT_INFINITY: f64 = 1e30;
 
+/// A camera without a prescription. Immutable, and may be shared between threads.
+#[derive(Clone, Debug)]
+pub(crate) struct StockCamera {
+    pub rays: RayMaker,
+    /// How lens samples map to the disk; `None` where there is no lens.
+    pub mapping: Option<DiskMapping>,
+}
+
+impl StockCamera {
+    fn new(view: impl View + 'static, mapping: Option<DiskMapping>, placement: Placement) -> Self {
+        let tracer = Arc::new(StockTracer::new(view, &placement));
+        Self { rays: RayMaker::new(tracer.clone(), tracer, placement), mapping }
+    }
+}
+
 /// The camera of model "perspective".
-pub(crate) fn perspective(
-    given: &Parameters,
-    host: &Host,
-    log: Log<'_>,
-) -> Result<ProjectiveCamera, CameraError> {
+pub(crate) fn perspective(given: &Parameters, host: &Host, log: Log<'_>) -> Result<StockCamera, CameraError> {
     projective(Projecting::Perspective { fov: given.fov()? as f32 }, given, host, log)
 }
 
@@ -38,17 +56,14 @@ pub(crate) fn orthographic(
     given: &Parameters,
     host: &Host,
     log: Log<'_>,
-) -> Result<ProjectiveCamera, CameraError> {
+) -> Result<StockCamera, CameraError> {
     projective(Projecting::Orthographic, given, host, log)
 }
 
 /// The camera of model "environment".
-pub(crate) fn environment(
-    given: &Parameters,
-    host: &Host,
-    log: Log<'_>,
-) -> Result<EnvironmentCamera, CameraError> {
-    Ok(EnvironmentCamera::new(raster(host)?, stock_placement(given, host, log)?))
+pub(crate) fn environment(given: &Parameters, host: &Host, log: Log<'_>) -> Result<StockCamera, CameraError> {
+    let (raster, placement) = (raster(host)?, stock_placement(given, host, log)?);
+    Ok(StockCamera::new(Environment::new(raster, placement.clip), None, placement))
 }
 
 fn projective(
@@ -56,7 +71,7 @@ fn projective(
     given: &Parameters,
     host: &Host,
     log: Log<'_>,
-) -> Result<ProjectiveCamera, CameraError> {
+) -> Result<StockCamera, CameraError> {
     let raster = raster(host)?;
     let placement = stock_placement(given, host, log)?;
     let [hither, yon] = placement.clip;
@@ -66,7 +81,8 @@ fn projective(
     }
     let window = window(given, raster)?;
     let lens = thin_lens(given, host, hither)?;
-    Ok(ProjectiveCamera::new(projecting, window, raster, lens, placement))
+    let view = Projective::new(projecting, window, raster, lens, placement.clip, placement.reach());
+    Ok(StockCamera::new(view, lens.map(|lens| lens.mapping), placement))
 }
 
 /// The placement with the clip range taken into what the stock cameras allow.

@@ -29,6 +29,8 @@ pub(crate) trait SampleStore {
 pub(crate) trait RayStore {
     /// Origin's and direction's x, y and z, weight: one of these seven.
     fn array(&mut self, number: usize) -> &mut [f32];
+    /// Where rays begin and end, where that is asked for.
+    fn range(&mut self) -> [Option<&mut [f32]>; 2];
     /// Copies origin, direction and weight of a ray from another store, where it has just been written, number by number
     /// (a wider load would wait for it); of none, the weight 0 alone.
     #[inline(always)]
@@ -66,7 +68,7 @@ impl SampleStore for Sample {
     }
 }
 
-/// Room for one ray, of which range and time are not the lanes' business.
+/// Room for one ray, of which the time is not the lanes' business.
 pub(crate) struct OneRay<'a> {
     pub ray: &'a mut WorldRay,
     pub weight: &'a mut f32,
@@ -80,6 +82,11 @@ impl RayStore for OneRay<'_> {
             3..6 => &mut self.ray.direction[number - 3],
             _ => self.weight,
         })
+    }
+
+    #[inline(always)]
+    fn range(&mut self) -> [Option<&mut [f32]>; 2] {
+        [Some(slice::from_mut(&mut self.ray.mint)), Some(slice::from_mut(&mut self.ray.maxt))]
     }
 }
 
@@ -199,6 +206,11 @@ impl RayStore for RayArrays<'_> {
             _ => self.weight,
         }
     }
+
+    #[inline(always)]
+    fn range(&mut self) -> [Option<&mut [f32]>; 2] {
+        [self.mint.as_deref_mut(), self.maxt.as_deref_mut()]
+    }
 }
 
 /// Up to `N` samples, as structure of arrays.
@@ -290,12 +302,18 @@ impl<const N: usize> RayBlock<N> {
         RayArrays { origin: [ox, oy, oz], direction: [dx, dy, dz], mint, maxt, time, weight }
     }
 
-    /// Gives every ray this range and time.
+    /// Gives every ray this range.
     #[inline(always)]
-    pub(crate) fn set_range_and_time(&mut self, [mint, maxt]: [f32; 2], time: f32) {
-        for (array, number) in self.0[7..].iter_mut().zip([mint, maxt, time]) {
+    pub(crate) fn set_range(&mut self, range: [f32; 2]) {
+        for (array, number) in self.0[7..9].iter_mut().zip(range) {
             *array = [number; N];
         }
+    }
+
+    /// Gives every ray this time.
+    #[inline(always)]
+    pub(crate) fn set_time(&mut self, time: f32) {
+        self.0[9] = [time; N];
     }
 
     /// The weight at a place: 0 where there is no ray.
@@ -324,6 +342,12 @@ impl<const N: usize> RayStore for RayBlock<N> {
     #[inline(always)]
     fn array(&mut self, number: usize) -> &mut [f32] {
         &mut self.0[number]
+    }
+
+    #[inline(always)]
+    fn range(&mut self) -> [Option<&mut [f32]>; 2] {
+        let [.., mint, maxt, _] = &mut self.0;
+        [Some(mint), Some(maxt)]
     }
 }
 

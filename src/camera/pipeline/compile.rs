@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{body::CameraBody, lanes::Pipeline, tracer::Tracer, walk::WalkTracer};
+use super::{body::CameraBody, lanes::Pipeline, tracer::LensTracer, walk::WalkTracer};
 use crate::{
     lens::Lens,
     plan::{Kernels, Plan, Precision, Tracing, Way},
@@ -23,7 +23,7 @@ pub(crate) fn compile(
     kernels: &Kernels<'_>,
     body: &CameraBody,
     plan: &mut Plan,
-) -> Arc<dyn Tracer> {
+) -> Arc<dyn LensTracer> {
     let Way { tracing, reach, tested } = way;
     match tracing {
         Tracing::Exact(Precision::F64) => exact(kernels.double(), tested.as_deref(), *reach, body, plan),
@@ -47,7 +47,7 @@ fn exact<S: Turns + Send + Sync>(
     reach: f64,
     body: &CameraBody,
     plan: &mut Plan,
-) -> Arc<dyn Tracer> {
+) -> Arc<dyn LensTracer> {
     let fast = tested.map(|tested| {
         let kernel = whole.testing(|surface| tested[surface]);
         plan.surfaces_left_out(whole.steps() - kernel.steps(), whole.steps());
@@ -61,6 +61,6 @@ fn polynomials<S: Turns + Send + Sync>(
     fit: &Polynomial,
     reach: f64,
     body: &CameraBody,
-) -> Arc<dyn Tracer> {
+) -> Arc<dyn LensTracer> {
     Arc::new(Pipeline::new(whole.clone(), Some((PolynomialLens::<S>::new(fit), reach)), body))
 }

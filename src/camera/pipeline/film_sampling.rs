@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use super::arrays::SampleStore;
 use crate::{
     camera::ray::Sample,
     plan::FilmSide,
@@ -35,6 +36,23 @@ enum LanePupilSampler<S> {
 pub(crate) struct SampleLanes<L> {
     pub image: [L; 2],
     pub lens: [L; 2],
+}
+
+impl<L: Lanes> SampleLanes<L> {
+    /// A vector of samples from the one numbered `at` on.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn load(cpu: Cpu<L>, samples: &impl SampleStore, at: usize) -> Self {
+        Self {
+            image: [
+                L::load_single(cpu, &samples.array(0)[at..]),
+                L::load_single(cpu, &samples.array(1)[at..]),
+            ],
+            lens: [
+                L::load_single(cpu, &samples.array(2)[at..]),
+                L::load_single(cpu, &samples.array(3)[at..]),
+            ],
+        }
+    }
 }
 
 impl<S: Turns> FilmSampling<S> {

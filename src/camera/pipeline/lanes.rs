@@ -8,7 +8,7 @@ use super::{
     arrays::{OneRay, RayArrays, RayBlock, RayStore, SampleArrays, SampleBlock, SampleStore},
     body::{CameraBody, LaneBody},
     film_sampling::SampleLanes,
-    tracer::Tracer,
+    tracer::{LensTracer, Tracer},
 };
 use crate::{
     camera::ray::Sample,
@@ -110,7 +110,9 @@ impl<S: Turns + Send + Sync, O: LensOptics<S>> Tracer for Pipeline<S, O> {
             _ => self.trace(Grouping::Wide, samples, rays),
         }
     }
+}
 
+impl<S: Turns + Send + Sync, O: LensOptics<S>> LensTracer for Pipeline<S, O> {
     fn film_ray(&self, sample: &Sample) -> FilmRays<f64> {
         self.body.film.one(sample)
     }
@@ -121,7 +123,7 @@ impl<S: Turns + Send + Sync, O: LensOptics<S>> Tracer for Pipeline<S, O> {
 }
 
 /// Samples on their way to world rays.
-struct Job<'a, S, I, R> {
+pub(super) struct Job<'a, S, I, R> {
     body: &'a LaneBody<S>,
     samples: &'a I,
     rays: &'a mut R,
@@ -133,22 +135,8 @@ struct Job<'a, S, I, R> {
 
 impl<'a, S: Turns, I: SampleStore, R> Job<'a, S, I, R> {
     #[inline(always)]
-    fn new(body: &'a LaneBody<S>, samples: &'a I, rays: &'a mut R, within: Option<S>) -> Self {
+    pub fn new(body: &'a LaneBody<S>, samples: &'a I, rays: &'a mut R, within: Option<S>) -> Self {
         Self { body, samples, rays, within, is_out_of_range: Cell::new(false) }
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn load<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, at: usize) -> SampleLanes<L> {
-        SampleLanes {
-            image: [
-                L::load_single(cpu, &self.samples.array(0)[at..]),
-                L::load_single(cpu, &self.samples.array(1)[at..]),
-            ],
-            lens: [
-                L::load_single(cpu, &self.samples.array(2)[at..]),
-                L::load_single(cpu, &self.samples.array(3)[at..]),
-            ],
-        }
     }
 
     /// Takes their areas from film rays out of range: the fast way must not write what the whole lens may block.
@@ -199,9 +187,9 @@ impl<S: Turns, I: SampleStore, R: RayStore> Batch<S> for Job<'_, S, I, R> {
         approach: Approach,
         first: usize,
     ) -> [(Start<L>, L); U] {
-        let mut samples = [self.load(cpu, first); U];
+        let mut samples = [SampleLanes::load(cpu, self.samples, first); U];
         for (u, samples) in samples.iter_mut().enumerate().skip(1) {
-            *samples = self.load(cpu, first + u * L::WIDTH);
+            *samples = SampleLanes::load(cpu, self.samples, first + u * L::WIDTH);
         }
         let mut rays = self.body.film.lanes(cpu, &samples);
         self.check_range(cpu, &mut rays);

@@ -3,7 +3,10 @@
 pub(crate) mod arrays;
 pub(crate) mod body;
 pub(crate) mod compile;
-mod film_sampling;
+pub(crate) mod film_sampling;
+pub(crate) mod ideal;
 mod lanes;
+pub(crate) mod ray_maker;
+pub(crate) mod stock;
 pub(crate) mod tracer;
 mod walk;

@@ -1,4 +1,4 @@
-//! What a camera asks of whatever traces its lens.
+//! What a camera asks of whatever makes its rays.
 
 use std::fmt;
 
@@ -9,9 +9,10 @@ use crate::{
     trace::{Blocked, Ray},
 };
 
-/// A lens between a film and the world, compiled for one way of tracing.
+/// A camera model from sample to world ray, compiled for one way of tracing.
 pub(crate) trait Tracer: Send + Sync {
-    /// Writes origin, direction and weight of a sample's ray. Of a blocked one only the weight is written, 0.
+    /// Writes origin, direction and weight of a sample's ray, and where the model has a say in it its range. Of a blocked
+    /// one only the weight is written, 0.
     fn one(&self, sample: &Sample, ray: &mut OneRay<'_>);
 
     /// [`Tracer::one`] of four samples side by side, the same to the last bit; `false`, and nothing done, where that takes
@@ -21,6 +22,14 @@ pub(crate) trait Tracer: Send + Sync {
     /// [`Tracer::one`] of many samples, the same to the last bit, in arrays that all have one length.
     fn many(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>);
 
+    /// Whether rays get their range here. Else it is the camera's clip range.
+    fn writes_range(&self) -> bool {
+        false
+    }
+}
+
+/// A [`Tracer`] of a lens that blocks rays.
+pub(crate) trait LensTracer: Tracer {
     /// The film ray that a sample asks for.
     fn film_ray(&self, sample: &Sample) -> FilmRays<f64>;
 
@@ -31,5 +40,11 @@ pub(crate) trait Tracer: Send + Sync {
 impl fmt::Debug for dyn Tracer {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("Tracer")
+    }
+}
+
+impl fmt::Debug for dyn LensTracer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("LensTracer")
     }
 }

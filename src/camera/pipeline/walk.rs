@@ -6,7 +6,7 @@ use super::{
     arrays::{OneRay, RayArrays, RayBlock, RayStore, SampleArrays, SampleBlock, SampleStore},
     body::CameraBody,
     film_sampling::FilmSampling,
-    tracer::Tracer,
+    tracer::{LensTracer, Tracer},
 };
 use crate::{
     camera::ray::{Sample, WorldRay},
@@ -58,7 +58,9 @@ impl<R: Real + Send + Sync> Tracer for WalkTracer<R> {
     fn many(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
         self.each(samples, rays);
     }
+}
 
+impl<R: Real + Send + Sync> LensTracer for WalkTracer<R> {
     fn film_ray(&self, sample: &Sample) -> FilmRays<f64> {
         self.film.one(sample)
     }

@@ -5,8 +5,10 @@
 pub(crate) mod motion;
 mod pose;
 pub(crate) mod shutter;
+mod single;
 mod to_world;
 pub(crate) mod transform;
 
 pub(crate) use pose::Placement;
+pub(crate) use single::{RangedRays, SingleToWorld};
 pub(crate) use to_world::ToWorld;

@@ -42,20 +42,11 @@ impl Placement {
         self.world_ray(Ray { origin: [0.0; 3], direction: [0.0, 0.0, 1.0] }, 1.0, time_number)
     }
 
-    /// The world-space ray of a camera-space one in world units, in single precision and in the order
-    /// of pbrt's sums; `range` is where it begins and ends in camera space.
-    pub fn world_ray_single(
-        &self,
-        origin: [f32; 3],
-        direction: [f32; 3],
-        range: [f32; 2],
-        time_number: f32,
-    ) -> WorldRay {
-        let time = self.time(time_number);
-        let to_world = self.to_world.at(time);
-        let (direction, stretch) = to_world.direction_single(direction);
-        let [mint, maxt] = range.map(|length| length * stretch);
-        WorldRay { origin: to_world.point_single(origin), direction, mint, maxt, time }
+    /// How far from camera space's origin a point may lie, world units, for its place in the world to be a finite number in
+    /// single precision.
+    pub fn reach(&self) -> f64 {
+        // In any direction, and added to the origin's coordinates, which are no larger than matrices' other entries.
+        1e37 / self.to_world.largest_entry().max(1.0)
     }
 
     /// Adds what is kept and left out of time and the place in the world to a plan.

@@ -104,6 +104,11 @@ impl CameraToWorld {
         self.is_identity
     }
 
+    /// Whether it only turns, moves and mirrors, but for the rounding of its entries.
+    pub(crate) fn is_rigid(&self) -> bool {
+        self.is_rigid
+    }
+
     /// The matrix without the move.
     pub(crate) fn linear(&self) -> DMat3 {
         self.linear
@@ -147,27 +152,6 @@ impl CameraToWorld {
     pub fn direction(&self, d: DVec3) -> DVec3 {
         if self.is_identity { d } else { (self.linear * d).normalize() }
     }
-
-    /// [`CameraToWorld::point`] in single precision, the sum of each row from left to right, as pbrt
-    /// adds it up: the same bits.
-    pub fn point_single(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
-        let (m, origin) = (self.linear.as_mat3(), self.origin.as_vec3());
-        std::array::from_fn(|row| m.x_axis[row] * x + m.y_axis[row] * y + m.z_axis[row] * z + origin[row])
-    }
-
-    /// World-space direction of a camera-space unit vector in single precision, as
-    /// [`CameraToWorld::point_single`], and how much longer lengths along it are in world space. Of a rigid
-    /// transform it is taken as it comes, and lengths stay.
-    pub fn direction_single(&self, [x, y, z]: [f32; 3]) -> ([f32; 3], f32) {
-        let m = self.linear.as_mat3();
-        let d: [f32; 3] =
-            std::array::from_fn(|row| m.x_axis[row] * x + m.y_axis[row] * y + m.z_axis[row] * z);
-        if self.is_rigid {
-            return (d, 1.0);
-        }
-        let length = DVec3::from(d.map(f64::from)).length();
-        (d.map(|part| (f64::from(part) / length) as f32), length as f32)
-    }
 }
 
 fn to_rows(linear: DMat3, origin: DVec3) -> [f32; 16] {
@@ -196,18 +180,6 @@ mod tests {
         assert_eq!(transform.point(DVec3::new(1.0, 2.0, 3.0)), DVec3::new(3.0, 0.0, 11.0));
         assert_eq!(transform.direction(DVec3::Z), DVec3::NEG_Y);
         assert_eq!(transform.rows(), MATRIX);
-        assert_eq!(transform.point_single([1.0, 2.0, 3.0]), [3.0, 0.0, 11.0]);
-        assert_eq!(transform.direction_single([0.0, 0.0, 1.0]), ([0.0, -1.0, 0.0], 2.0));
-    }
-
-    #[test]
-    fn a_rigid_transform_keeps_the_bits_of_its_sums() {
-        let (s, c) = 0.3_f32.sin_cos();
-        let mut rows = [0.0_f32; 16];
-        [rows[0], rows[1], rows[4], rows[5], rows[10], rows[15]] = [c, -s, s, c, 1.0, 1.0];
-        let transform = CameraToWorld::from_rows(&rows).expect("affine");
-        let (d, stretch) = transform.direction_single([0.6, 0.8, 0.0]);
-        assert_eq!((d, stretch), ([c * 0.6 + -s * 0.8, s * 0.6 + c * 0.8, 0.0], 1.0));
     }
 
     #[test]

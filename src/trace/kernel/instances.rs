@@ -129,102 +129,134 @@ pub enum Grouping {
     One,
 }
 
+impl Grouping {
+    /// The one that takes least time for so many rays.
+    #[inline(always)]
+    pub fn of(rays: usize) -> Self {
+        match rays {
+            0 | 1 => Self::One,
+            2..=4 => Self::Quad,
+            _ => Self::Wide,
+        }
+    }
+}
+
+/// Work on many elements, vectors of them at a time.
+pub trait InVectors<S: Scalar> {
+    /// How many elements.
+    fn len(&self) -> usize;
+    /// Does the work for `U` vectors of elements from the one numbered `first` on. Only the last may reach beyond the last
+    /// element.
+    fn vectors<L: Lanes<Scalar = S>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize);
+}
+
 /// Traces a batch.
 #[cfg_attr(not(debug_assertions), inline(always))]
-#[cfg_attr(not(target_arch = "x86_64"), expect(unused_variables, reason = "one set of instructions only"))]
 pub fn run<S: KernelScalar, O: Optics<S>, B: Batch<S>>(
     simd: Available,
     grouping: Grouping,
     optics: &O,
     batch: &mut B,
 ) {
+    in_vectors(simd, grouping, &mut Traced { optics, batch });
+}
+
+/// Does work in vectors.
+#[cfg_attr(not(debug_assertions), inline(always))]
+#[cfg_attr(not(target_arch = "x86_64"), expect(unused_variables, reason = "one set of instructions only"))]
+pub fn in_vectors<S: KernelScalar, W: InVectors<S>>(simd: Available, grouping: Grouping, work: &mut W) {
     #[cfg(target_arch = "x86_64")]
     match simd.simd() {
         // SAFETY: the processor has these instructions.
-        Simd::Avx512 if grouping == Grouping::Wide => return unsafe { avx512(optics, batch) },
+        Simd::Avx512 if grouping == Grouping::Wide => return unsafe { avx512(work) },
         // SAFETY: as above; what has AVX-512 has AVX2.
         Simd::Avx512 | Simd::Avx2 => unsafe {
             return match grouping {
-                Grouping::Wide => avx2(optics, batch),
-                Grouping::Quad => avx2_quad(optics, batch),
-                Grouping::One => fma_one(optics, batch),
+                Grouping::Wide => avx2(work),
+                Grouping::Quad => avx2_quad(work),
+                Grouping::One => fma_one(work),
             };
         },
         Simd::Portable => {}
     }
     match grouping {
-        Grouping::Wide | Grouping::Quad => portable::<PORTABLE, _, _, _>(optics, batch),
-        Grouping::One => portable::<1, _, _, _>(optics, batch),
+        Grouping::Wide | Grouping::Quad => portable::<PORTABLE, _, _>(work),
+        Grouping::One => portable::<1, _, _>(work),
     }
 }
 
 /// Not inlined, so that all calls of one width share it.
 #[inline(never)]
-fn portable<const LANES: usize, S: KernelScalar, O: Optics<S>, B: Batch<S>>(optics: &O, batch: &mut B) {
-    each::<Portable<S, LANES>, 1, _, _>(Portable::cpu(), optics, batch);
+fn portable<const LANES: usize, S: KernelScalar, W: InVectors<S>>(work: &mut W) {
+    each::<Portable<S, LANES>, 1, _>(Portable::cpu(), work);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx2,fma")]
-fn avx512<S: KernelScalar, O: Optics<S>, B: Batch<S>>(optics: &O, batch: &mut B) {
+fn avx512<S: KernelScalar, W: InVectors<S>>(work: &mut W) {
     // SAFETY: this function is called only where the processor has what it is compiled for.
-    each::<S::Avx512, INTERLEAVED, _, _>(unsafe { Cpu::assume() }, optics, batch);
+    each::<S::Avx512, INTERLEAVED, _>(unsafe { Cpu::assume() }, work);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-fn avx2<S: KernelScalar, O: Optics<S>, B: Batch<S>>(optics: &O, batch: &mut B) {
+fn avx2<S: KernelScalar, W: InVectors<S>>(work: &mut W) {
     // SAFETY: as in `avx512`.
-    each::<S::Avx2, INTERLEAVED, _, _>(unsafe { Cpu::assume() }, optics, batch);
+    each::<S::Avx2, INTERLEAVED, _>(unsafe { Cpu::assume() }, work);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-fn avx2_quad<S: KernelScalar, O: Optics<S>, B: Batch<S>>(optics: &O, batch: &mut B) {
+fn avx2_quad<S: KernelScalar, W: InVectors<S>>(work: &mut W) {
     // SAFETY: as in `avx512`.
-    each::<S::Quad, 1, _, _>(unsafe { Cpu::assume() }, optics, batch);
+    each::<S::Quad, 1, _>(unsafe { Cpu::assume() }, work);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-fn fma_one<S: KernelScalar, O: Optics<S>, B: Batch<S>>(optics: &O, batch: &mut B) {
-    each::<Portable<S, 1>, 1, _, _>(Portable::cpu(), optics, batch);
+fn fma_one<S: KernelScalar, W: InVectors<S>>(work: &mut W) {
+    each::<Portable<S, 1>, 1, _>(Portable::cpu(), work);
 }
 
-/// Traces a batch `U` vectors at a time, what is left one at a time.
+/// Does work `U` vectors at a time, what is left one at a time.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn each<L: Lanes, const U: usize, O: Optics<L::Scalar>, B: Batch<L::Scalar>>(
-    cpu: Cpu<L>,
-    optics: &O,
-    batch: &mut B,
-) {
-    let n = batch.len();
+fn each<L: Lanes, const U: usize, W: InVectors<L::Scalar>>(cpu: Cpu<L>, work: &mut W) {
+    let n = work.len();
     let mut done = 0;
     while U > 1 && n - done >= U * L::WIDTH {
-        block::<L, U, O, B>(cpu, optics, batch, done);
+        work.vectors::<L, U>(cpu, done);
         done += U * L::WIDTH;
     }
     while done < n {
-        block::<L, 1, O, B>(cpu, optics, batch, done);
+        work.vectors::<L, 1>(cpu, done);
         done += L::WIDTH;
     }
 }
 
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn block<L: Lanes, const U: usize, O: Optics<L::Scalar>, B: Batch<L::Scalar>>(
-    cpu: Cpu<L>,
-    optics: &O,
-    batch: &mut B,
-    first: usize,
-) {
-    let begun: [(Start<L>, B::Carry<L>); U] = batch.start_all(cpu, optics.approach(), first);
-    let mut starts = [begun[0].0; U];
-    each_further!(u < U, {
-        starts[u] = begun[u].0;
-    });
-    let ended = optics.through(cpu, starts);
-    batch.finish(cpu, first, ended[0].1, begun[0].1, ended[0].0);
-    each_further!(u < U, {
-        batch.finish(cpu, first + u * L::WIDTH, ended[u].1, begun[u].1, ended[u].0);
-    });
+/// A batch on its way through optics.
+struct Traced<'a, O, B> {
+    optics: &'a O,
+    batch: &'a mut B,
+}
+
+impl<S: Scalar, O: Optics<S>, B: Batch<S>> InVectors<S> for Traced<'_, O, B> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn len(&self) -> usize {
+        self.batch.len()
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn vectors<L: Lanes<Scalar = S>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize) {
+        let Self { optics, batch } = self;
+        let begun: [(Start<L>, B::Carry<L>); U] = batch.start_all(cpu, optics.approach(), first);
+        let mut starts = [begun[0].0; U];
+        each_further!(u < U, {
+            starts[u] = begun[u].0;
+        });
+        let ended = optics.through(cpu, starts);
+        batch.finish(cpu, first, ended[0].1, begun[0].1, ended[0].0);
+        each_further!(u < U, {
+            batch.finish(cpu, first + u * L::WIDTH, ended[u].1, begun[u].1, ended[u].0);
+        });
+    }
 }

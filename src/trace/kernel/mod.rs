@@ -43,7 +43,7 @@ pub(crate) use simd::{Available, Compiled};
 use self::batch::InPlaceBatch;
 pub(crate) use self::{
     batch::{Approach, Batch, PlaneBatch, RaysByValue, from_plane},
-    instances::{Grouping, Optics, run},
+    instances::{Grouping, InVectors, Optics, in_vectors, run},
     lanes::{Cpu, Indexed, Lanes, Portable, Scalar},
     ray::{End, Start},
     table::Table,

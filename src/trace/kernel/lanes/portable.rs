@@ -42,6 +42,15 @@ macro_rules! methods {
     )*};
 }
 
+/// A number of single precision. One lane's is read by itself: the compiler would make one load of a sample's numbers,
+/// which waits where a caller has just stored them one by one.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn single<S: Scalar, const N: usize>(from: &f32) -> S {
+    // SAFETY: a reference to a number that there is.
+    let number = if N == 1 { unsafe { (&raw const *from).read_volatile() } } else { *from };
+    S::from_f64(number.into())
+}
+
 macro_rules! operators {
     ($($trait:ident $method:ident $operator:tt),*) => {$(
         impl<S: Scalar, const N: usize> $trait for Portable<S, N> {
@@ -85,7 +94,7 @@ impl<S: Scalar, const N: usize> Lanes for Portable<S, N> {
         fn smaller(self, b: Self) -> Self =
             Self(lanes!(b.0, i => if self.0[i] < b.0[i] { self.0[i] } else { b.0[i] }));
         fn load_single(_: Cpu<Self>, from: &[f32]) -> Self =
-            Self(lanes!([S::ZERO; N], i => if i < from.len() { S::from_f64(from[i].into()) } else { S::ZERO }));
+            Self(lanes!([S::ZERO; N], i => if i < from.len() { single::<S, N>(&from[i]) } else { S::ZERO }));
         fn whole(self) -> Self::Places = lanes!([0; N], i => self.0[i].index());
         fn add_places(a: Self::Places, b: Self::Places) -> Self::Places = lanes!(a, i => a[i] + b[i]);
         fn up_to<const STEP: usize>(places: Self::Places, last: usize) -> Self::Places =

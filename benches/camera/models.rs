@@ -1,0 +1,131 @@
+//! The models without interfaces, beside a plain pinhole and the exact lens: one call, and batches both ways.
+
+use std::{ffi::CStr, hint::black_box, ptr::null_mut};
+
+use realistic::abi::*;
+use realistic_lab::timing::{Contest, Effort};
+
+use super::c_camera::{Arrays, Camera, chain, moved};
+
+/// Samples in a batch.
+const LARGE: usize = 1024;
+/// Pixels of the image both ways.
+const RESOLUTION: i32 = 1000;
+
+/// A pinhole as a renderer writes it down for itself: a film point, its direction made a unit vector, and the camera's
+/// matrix. By the instructions that every processor has, as a host's C compiler makes it. The sample is read number by
+/// number: two in one load would wait for the caller, who has just stored them one by one.
+#[repr(C)]
+struct Pinhole {
+    to_world: [[f32; 4]; 3],
+    middle: f32,
+    per_pixel: f32,
+}
+
+type PinholeRay = unsafe extern "C" fn(*const Pinhole, *const realistic_sample, *mut realistic_ray) -> f32;
+
+unsafe extern "C" fn pinhole_ray(
+    camera: *const Pinhole,
+    sample: *const realistic_sample,
+    ray: *mut realistic_ray,
+) -> f32 {
+    // SAFETY: the caller's promise: all three are there.
+    let (camera, sample, ray) = unsafe { (&*camera, &*sample, &mut *ray) };
+    // SAFETY: references to numbers that there are.
+    let [x, y] =
+        [&sample.image_x, &sample.image_y].map(|number| unsafe { (&raw const *number).read_volatile() });
+    let (x, y) = ((x - camera.middle) * camera.per_pixel, (camera.middle - y) * camera.per_pixel);
+    let inverse = 1.0 / (x * x + y * y + 1.0).sqrt();
+    let (x, y, z) = (x * inverse, y * inverse, inverse);
+    for (i, [a, b, c, d]) in camera.to_world.into_iter().enumerate() {
+        ray.o[i] = d;
+        ray.d[i] = a * x + b * y + c * z;
+    }
+    (ray.mint, ray.maxt, ray.time) = (0.0, 1e30, sample.time);
+    1.0
+}
+
+/// One table, for cameras that are turned and moved.
+pub fn print(samples: &[realistic_sample], effort: Effort) {
+    let turned = [0.6, 0.0, 0.8, 3.0, 0.0, 1.0, 0.0, -1.0, -0.8, 0.0, 0.6, 5.0, 0.0, 0.0, 0.0, 1.0];
+    let plain = Pinhole {
+        to_world: [0, 4, 8].map(|row| [0, 1, 2, 3].map(|column| turned[row + column])),
+        middle: 500.0,
+        per_pixel: 0.002,
+    };
+    let with = |model: &CStr, radius: f64| {
+        Camera::new(&realistic_options {
+            xres: RESOLUTION,
+            yres: RESOLUTION,
+            model: model.as_ptr(),
+            camera_to_world: turned,
+            lensradius: radius,
+            focaldistance: 5.0,
+            ..realistic_options::default()
+        })
+    };
+    let cameras = [
+        ("perspective", with(c"perspective", 0.0)),
+        ("perspective with a lens", with(c"perspective", 0.1)),
+        ("orthographic", with(c"orthographic", 0.0)),
+        ("environment", with(c"environment", 0.0)),
+        ("thick", with(c"thick", 0.0)),
+        ("thin", with(c"thin", 0.0)),
+        ("lens, exact", with(c"lens", 0.0)),
+    ];
+    let mut contest = Contest::default();
+    // Unknown to the compiler, as a plugin's function is.
+    let pinhole: PinholeRay = black_box(pinhole_ray);
+    let plain = &plain;
+    contest.enter(
+        "a plain pinhole, one call",
+        Box::new(move || {
+            chain(samples, |sample, carry| {
+                let mut ray = realistic_ray::default();
+                // SAFETY: all three are there.
+                black_box(unsafe { pinhole(plain, &moved(sample, carry), &mut ray) })
+            });
+        }) as Box<dyn FnMut()>,
+    );
+    for (name, camera) in &cameras {
+        let one = move || chain(samples, |sample, carry| camera.one(&moved(sample, carry)));
+        contest.enter(format!("{name}, one call"), Box::new(one) as Box<dyn FnMut()>);
+        #[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
+        {
+            let triples: Vec<_> =
+                samples.iter().flat_map(super::c_camera::triple).take(samples.len()).collect();
+            let host = move || chain(&triples, |sample, carry| camera.host(&moved(sample, carry)));
+            contest
+                .enter(format!("{name}, vtable, three calls per sample"), Box::new(host) as Box<dyn FnMut()>);
+        }
+        let mut arrays = Arrays::new(samples);
+        let arrays = move || arrays.generate_by(camera, LARGE, false);
+        contest.enter(format!("{name}, arrays, n = {LARGE}"), Box::new(arrays) as Box<dyn FnMut()>);
+        let (mut rays, mut weights) =
+            (vec![realistic_ray::default(); samples.len()], vec![0.0; samples.len()]);
+        let structures = move || {
+            for ((asked, rays), weights) in
+                samples.chunks(LARGE).zip(rays.chunks_mut(LARGE)).zip(weights.chunks_mut(LARGE))
+            {
+                let (rays, weights) = (rays.as_mut_ptr(), weights.as_mut_ptr());
+                // SAFETY: every array has room.
+                let status = unsafe {
+                    realistic_camera_generate_rays(
+                        camera.0,
+                        asked.len(),
+                        asked.as_ptr(),
+                        0,
+                        rays,
+                        0,
+                        weights,
+                        null_mut(),
+                    )
+                };
+                assert_eq!(status, realistic_status::Ok);
+            }
+            black_box((&rays, &weights));
+        };
+        contest.enter(format!("{name}, structures, n = {LARGE}"), Box::new(structures) as Box<dyn FnMut()>);
+    }
+    contest.print("ns per call or ray", samples.len(), effort);
+}

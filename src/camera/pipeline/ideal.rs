@@ -1,0 +1,116 @@
+//! The thick and the thin lens in lanes: from principal plane to principal plane at equal height, the slope changed by
+//! height/f (Kolb, Mitchell and Hanrahan 1995, §3.2), as [`FirstOrder::transfer`] has it for one ray; the three steps as
+//! one matrix.
+
+use super::{
+    arrays::{OneRay, RayArrays, RayBlock, RayStore, SampleArrays, SampleBlock, SampleStore},
+    body::{CameraBody, LaneBody},
+    lanes::Job,
+    tracer::Tracer,
+};
+use crate::{
+    camera::ray::Sample,
+    lens::first_order::FirstOrder,
+    trace::kernel::{Approach, Available, Cpu, End, Grouping, Lanes, Optics, Start, run},
+};
+
+/// A camera with an ideal lens, in single precision: what a ray goes through are two sums of two products.
+pub(crate) struct IdealTracer {
+    body: LaneBody<f32>,
+    lens: IdealLens,
+    simd: Available,
+}
+
+/// The ray-transfer matrix from the film to the front vertex plane, and the film: its sums are made of double precision's
+/// numbers, so that single precision rounds no more than they need.
+struct IdealLens {
+    film_z: f64,
+    /// Height from height, and from slope (mm).
+    height: [f32; 2],
+    /// Slope from height (1/mm), and from slope.
+    slope: [f32; 2],
+    /// The square of the distance from the axis up to which the origin of a ray is a number to a host, mm².
+    most: f32,
+}
+
+impl IdealTracer {
+    pub fn new(lens: &FirstOrder, body: &CameraBody) -> Self {
+        let (power, film_z) = (lens.focal_length.recip(), body.film_side.z);
+        // To the principal plane on the film's side, and from the other to the front vertex.
+        let (before, after) = (lens.rear_principal_plane - film_z, -lens.front_principal_plane);
+        let slope = [-power, 1.0 - before * power];
+        let height = [1.0 + after * slope[0], before + after * slope[1]];
+        let reach = (body.placement.reach() / body.units_per_mm).min(f32::MAX.sqrt().into());
+        Self {
+            body: body.lane_body(),
+            lens: IdealLens {
+                film_z,
+                height: height.map(|number| number as f32),
+                slope: slope.map(|number| number as f32),
+                most: (reach * reach) as f32,
+            },
+            simd: Available::best(),
+        }
+    }
+
+    #[inline(always)]
+    fn trace(&self, grouping: Grouping, samples: &impl SampleStore, rays: &mut impl RayStore) {
+        run(self.simd, grouping, &self.lens, &mut Job::new(&self.body, samples, rays, None));
+    }
+}
+
+impl Tracer for IdealTracer {
+    fn one(&self, sample: &Sample, ray: &mut OneRay<'_>) {
+        self.trace(Grouping::One, sample, ray);
+    }
+
+    fn four(&self, samples: &SampleBlock<4>, rays: &mut RayBlock<4>) -> bool {
+        self.trace(Grouping::Quad, samples, rays);
+        true
+    }
+
+    fn many(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
+        self.trace(Grouping::of(samples.len()), samples, rays);
+    }
+}
+
+impl IdealLens {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn one<L: Lanes<Scalar = f32>>(&self, cpu: Cpu<L>, start: Start<L>) -> (End<L>, L) {
+        let Start::Flat { x, y, slopes: [sx, sy], cos2, .. } = start else {
+            unreachable!("ideal lenses take rays from the film only");
+        };
+        let [a, b] = self.height;
+        let (a, b) = (L::splat(cpu, a), L::splat(cpu, b));
+        let [c, d] = self.slope;
+        let (c, d) = (L::splat(cpu, c), L::splat(cpu, d));
+        let origin = [x.mul_add(a, sx * b), y.mul_add(a, sy * b), L::splat(cpu, 0.0)];
+        let (sx, sy) = (x.mul_add(c, sx * d), y.mul_add(c, sy * d));
+        let one = L::splat(cpu, 1.0);
+        let norm = one / sy.mul_add(sy, sx.mul_add(sx, one)).sqrt();
+        // What is no number is not less, either. Slopes whose squares are none leave no direction.
+        let far = origin[1].mul_add(origin[1], origin[0] * origin[0]);
+        let passed = L::both(far.less_equal(L::splat(cpu, self.most)), L::splat(cpu, 0.0).less(norm));
+        (End { origin, direction: [sx * norm, sy * norm, norm], passed }, cos2)
+    }
+}
+
+impl Optics<f32> for IdealLens {
+    #[inline(always)]
+    fn approach(&self) -> Approach {
+        Approach { entry: self.film_z, travel_sign: 1.0 }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn through<L: Lanes<Scalar = f32>, const U: usize>(
+        &self,
+        cpu: Cpu<L>,
+        starts: [Start<L>; U],
+    ) -> [(End<L>, L); U] {
+        let mut ended = [self.one(cpu, starts[0]); U];
+        for u in 1..U {
+            ended[u] = self.one(cpu, starts[u]);
+        }
+        ended
+    }
+}

@@ -1,0 +1,97 @@
+//! A camera's rays, complete: one, four, many. What the tracer leaves to do is each ray's range and time.
+
+use std::sync::Arc;
+
+use super::{
+    arrays::{OneRay, RayArrays, RayBlock, SampleArrays, SampleBlock, SampleStore},
+    tracer::Tracer,
+};
+use crate::camera::{
+    placement::Placement,
+    ray::{Sample, WorldRay},
+};
+
+/// What makes the rays of a camera of any model. Where there is no ray the weight is 0, and the other numbers are left as
+/// they are.
+#[derive(Clone, Debug)]
+pub(crate) struct RayMaker {
+    /// Of rays one by one, and four side by side.
+    one: Arc<dyn Tracer>,
+    /// Of batches: the same, but where a tolerance lets another be faster.
+    many: Arc<dyn Tracer>,
+    placement: Placement,
+    /// Where all rays begin and end; `None` where the tracer says it of each.
+    range: Option<[f32; 2]>,
+}
+
+impl RayMaker {
+    pub fn new(one: Arc<dyn Tracer>, many: Arc<dyn Tracer>, placement: Placement) -> Self {
+        let range = (!one.writes_range()).then_some(placement.clip);
+        Self { one, many, placement, range }
+    }
+
+    /// Where the camera stands, its clip range and when its shutter is open.
+    pub fn placement(&self) -> &Placement {
+        &self.placement
+    }
+
+    /// The ray of a sample with its weight, positive; `None` where there is none.
+    pub fn ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
+        let (mut ray, mut weight) = Default::default();
+        self.one(sample, &mut ray, &mut weight);
+        (weight > 0.0).then_some((ray, weight))
+    }
+
+    /// Writes a sample's ray and its weight.
+    #[inline(always)]
+    pub fn one(&self, sample: &Sample, ray: &mut WorldRay, weight: &mut f32) {
+        self.one.one(sample, &mut OneRay { ray: &mut *ray, weight: &mut *weight });
+        if *weight > 0.0 {
+            if let Some(range) = self.range {
+                [ray.mint, ray.maxt] = range;
+            }
+            ray.time = self.placement.time(sample.time);
+        }
+    }
+
+    /// [`RayMaker::one`] of four samples of one time side by side, the same to the last bit; `false`, and nothing done,
+    /// where that takes as long as one after the other.
+    #[inline]
+    pub fn four(&self, samples: &SampleBlock<4>, rays: &mut RayBlock<4>) -> bool {
+        let made = self.one.four(samples, rays);
+        if made {
+            if let Some(range) = self.range {
+                rays.set_range(range);
+            }
+            rays.set_time(self.placement.time(samples.sample(0).time));
+        }
+        made
+    }
+
+    /// [`RayMaker::one`] of many samples, the same to the last bit, in arrays that all have one length.
+    #[inline]
+    pub fn many(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
+        self.many.many(samples, rays);
+        let RayArrays { mint, maxt, time, weight, .. } = rays;
+        if let Some([first, last]) = self.range {
+            for (array, end) in [(mint, first), (maxt, last)] {
+                if let Some(array) = array {
+                    fill(array, weight, weight, |_| end);
+                }
+            }
+        }
+        if let Some(time) = time {
+            fill(time, weight, samples.time, |number| self.placement.time(number));
+        }
+    }
+}
+
+/// Writes what `number` makes of each of `of`, where there is a ray. Without a branch, so that the compiler makes vectors
+/// of it.
+#[inline(always)]
+fn fill(array: &mut [f32], weight: &[f32], of: &[f32], number: impl Fn(f32) -> f32) {
+    for ((to, weight), of) in array.iter_mut().zip(weight).zip(of) {
+        let number = number(*of);
+        *to = if *weight > 0.0 { number } else { *to };
+    }
+}

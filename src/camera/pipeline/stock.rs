@@ -1,0 +1,117 @@
+//! Cameras without a prescription in lanes of single precision, from samples to world rays of weight 1.
+//!
+//! Which samples make a ray is seen from the samples alone, so that a host that asks for the weight waits for no ray.
+
+use super::{
+    arrays::{OneRay, RayArrays, RayBlock, RayStore, SampleArrays, SampleBlock, SampleStore},
+    film_sampling::SampleLanes,
+    tracer::Tracer,
+};
+use crate::{
+    camera::{
+        placement::{Placement, RangedRays, SingleToWorld},
+        ray::Sample,
+    },
+    trace::kernel::{Available, Cpu, Grouping, InVectors, Lanes, in_vectors},
+};
+
+/// What makes a camera-space ray, in world units and with a unit direction, of a sample.
+pub(crate) trait View: Send + Sync {
+    /// In lanes, with the mask of samples that make a ray whose numbers are finite in the world, too.
+    fn lanes<L: Lanes<Scalar = f32>>(
+        &self,
+        cpu: Cpu<L>,
+        samples: &SampleLanes<L>,
+    ) -> (RangedRays<L>, L::Mask);
+}
+
+/// A camera with a view.
+pub(crate) struct StockTracer<V> {
+    view: V,
+    to_world: SingleToWorld,
+    simd: Available,
+}
+
+impl<V: View> StockTracer<V> {
+    pub fn new(view: V, placement: &Placement) -> Self {
+        Self { view, to_world: SingleToWorld::new(placement), simd: Available::best() }
+    }
+
+    #[inline(always)]
+    fn trace(&self, grouping: Grouping, samples: &impl SampleStore, rays: &mut impl RayStore) {
+        in_vectors(self.simd, grouping, &mut Job { camera: self, samples, rays });
+    }
+}
+
+impl<V: View> Tracer for StockTracer<V> {
+    fn one(&self, sample: &Sample, ray: &mut OneRay<'_>) {
+        self.trace(Grouping::One, sample, ray);
+    }
+
+    fn four(&self, samples: &SampleBlock<4>, rays: &mut RayBlock<4>) -> bool {
+        self.trace(Grouping::Quad, samples, rays);
+        true
+    }
+
+    fn many(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
+        self.trace(Grouping::of(samples.len()), samples, rays);
+    }
+
+    fn writes_range(&self) -> bool {
+        true
+    }
+}
+
+/// Samples on their way to world rays.
+struct Job<'a, V, I, R> {
+    camera: &'a StockTracer<V>,
+    samples: &'a I,
+    rays: &'a mut R,
+}
+
+impl<V: View, I: SampleStore, R: RayStore> Job<'_, V, I, R> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn vector<L: Lanes<Scalar = f32>>(&mut self, cpu: Cpu<L>, at: usize) {
+        let StockTracer { view, to_world, .. } = self.camera;
+        let (rays, passed) = view.lanes(cpu, &SampleLanes::load(cpu, self.samples, at));
+        let RangedRays { origin, direction, range } = to_world.lanes(cpu, rays, &self.samples.array(4)[at..]);
+        L::splat(cpu, 1.0).or_zero(passed).store_single(&mut self.rays.array(6)[at..]);
+        for axis in 0..3 {
+            put(origin[axis], passed, &mut self.rays.array(axis)[at..]);
+            put(direction[axis], passed, &mut self.rays.array(3 + axis)[at..]);
+        }
+        let [first, last] = self.rays.range();
+        if let Some(first) = first {
+            put(range[0], passed, &mut first[at..]);
+        }
+        if let Some(last) = last {
+            put(range[1], passed, &mut last[at..]);
+        }
+    }
+}
+
+/// Writes the numbers of rays.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn put<L: Lanes<Scalar = f32>>(numbers: L, passed: L::Mask, to: &mut [f32]) {
+    if L::all(passed) {
+        numbers.store_single(to);
+    } else {
+        numbers.store_single_where(passed, to);
+    }
+}
+
+impl<V: View, I: SampleStore, R: RayStore> InVectors<f32> for Job<'_, V, I, R> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn len(&self) -> usize {
+        self.samples.len()
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn vectors<L: Lanes<Scalar = f32>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize) {
+        let mut u = 0;
+        while u < U {
+            self.vector(cpu, first + u * L::WIDTH);
+            u += 1;
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! From camera space to world space as pbrt's stock cameras do it: in single precision, and each row's sum from left to
+//! right, so that their rays have its bits where the transform only turns, moves and mirrors. Where it scales or shears,
+//! directions are made unit vectors, and ranges follow.
+
+use super::{motion::CameraMotion, pose::Placement, transform::CameraToWorld};
+use crate::trace::kernel::{Cpu, Lanes, Portable};
+
+/// Rays, and where on them they begin and end.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RangedRays<L> {
+    pub origin: [L; 3],
+    pub direction: [L; 3],
+    pub range: [L; 2],
+}
+
+/// The way of a stock camera's rays into the world.
+#[derive(Clone, Debug)]
+pub(crate) enum SingleToWorld {
+    /// The same at every time.
+    Still(Affine),
+    /// Another at each ray's time.
+    Moving(Box<Placement>),
+}
+
+/// An affine transform in single precision.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Affine {
+    linear: [[f32; 3]; 3],
+    origin: [f32; 3],
+    /// A power of two that brings the largest entry near 1; `None` where lengths stay as they are.
+    scale: Option<f32>,
+}
+
+impl SingleToWorld {
+    pub fn new(placement: &Placement) -> Self {
+        match &placement.to_world {
+            CameraMotion::Still(to_world) => Self::Still(Affine::of(to_world)),
+            CameraMotion::Moving(_) => Self::Moving(Box::new(placement.clone())),
+        }
+    }
+
+    /// World-space rays of camera-space ones, which have unit directions, at these fractions of the shutter's interval.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn lanes<L: Lanes<Scalar = f32>>(
+        &self,
+        cpu: Cpu<L>,
+        rays: RangedRays<L>,
+        time_numbers: &[f32],
+    ) -> RangedRays<L> {
+        match self {
+            Self::Still(affine) => affine.lanes(cpu, rays),
+            Self::Moving(placement) => one_by_one(cpu, placement, rays, time_numbers),
+        }
+    }
+}
+
+impl Affine {
+    fn of(to_world: &CameraToWorld) -> Self {
+        let (linear, origin) = (to_world.linear().as_mat3(), to_world.origin().as_vec3());
+        let linear = [0, 1, 2].map(|row| linear.row(row).to_array());
+        let largest = linear.as_flattened().iter().fold(0.0_f32, |most, entry| most.max(entry.abs()));
+        let scale = (!to_world.is_rigid()).then(|| (-largest.log2().floor()).clamp(-100.0, 100.0).exp2());
+        Self { linear, origin: origin.to_array(), scale }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn lanes<L: Lanes<Scalar = f32>>(&self, cpu: Cpu<L>, rays: RangedRays<L>) -> RangedRays<L> {
+        let RangedRays { mut origin, mut direction, mut range } = rays;
+        let ([x, y, z], [dx, dy, dz]) = (origin, direction);
+        let mut row = 0;
+        while row < 3 {
+            let [a, b, c] = self.linear[row];
+            let (a, b, c) = (L::splat(cpu, a), L::splat(cpu, b), L::splat(cpu, c));
+            origin[row] = a * x + b * y + c * z + L::splat(cpu, self.origin[row]);
+            direction[row] = a * dx + b * dy + c * dz;
+            row += 1;
+        }
+        if let Some(scale) = self.scale {
+            let scale = L::splat(cpu, scale);
+            let [u, v, w] = [direction[0] * scale, direction[1] * scale, direction[2] * scale];
+            let length = (u * u + v * v + w * w).sqrt();
+            direction = [u / length, v / length, w / length];
+            let stretch = length / scale;
+            range = [range[0] * stretch, range[1] * stretch];
+        }
+        RangedRays { origin, direction, range }
+    }
+}
+
+/// The most lanes of a vector of single precision.
+const MOST_LANES: usize = 16;
+
+/// Rays put into the world of a moving camera.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn one_by_one<L: Lanes<Scalar = f32>>(
+    cpu: Cpu<L>,
+    placement: &Placement,
+    rays: RangedRays<L>,
+    time_numbers: &[f32],
+) -> RangedRays<L> {
+    let RangedRays { origin: [x, y, z], direction: [u, v, w], range: [first, last] } = rays;
+    let mut vectors = [x, y, z, u, v, w, first, last];
+    let mut numbers = [[0.0; MOST_LANES]; 8];
+    for k in 0..8 {
+        vectors[k].store(&mut numbers[k][..L::WIDTH]);
+    }
+    for (lane, number) in time_numbers.iter().take(L::WIDTH).enumerate() {
+        place_one(placement, *number, lane, &mut numbers);
+    }
+    for k in 0..8 {
+        vectors[k] = L::load(cpu, &numbers[k][..L::WIDTH]);
+    }
+    let [x, y, z, u, v, w, first, last] = vectors;
+    RangedRays { origin: [x, y, z], direction: [u, v, w], range: [first, last] }
+}
+
+/// Puts the ray of one lane into the world at its time.
+#[inline(never)]
+fn place_one(placement: &Placement, time_number: f32, lane: usize, numbers: &mut [[f32; MOST_LANES]; 8]) {
+    let affine = Affine::of(&placement.to_world.at(placement.time(time_number)));
+    let [x, y, z, u, v, w, first, last] = numbers.map(|array| Portable([array[lane]]));
+    let rays = RangedRays { origin: [x, y, z], direction: [u, v, w], range: [first, last] };
+    let RangedRays { origin, direction, range } = affine.lanes(Portable::cpu(), rays);
+    for (array, Portable([number])) in
+        numbers.iter_mut().zip(origin.into_iter().chain(direction).chain(range))
+    {
+        array[lane] = number;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn placed(rows: &[f32; 16], origin: [f32; 3], direction: [f32; 3]) -> RangedRays<f32> {
+        let affine = Affine::of(&CameraToWorld::from_rows(rows).expect("affine"));
+        let one = |number| Portable([number]);
+        let rays = RangedRays {
+            origin: origin.map(one),
+            direction: direction.map(one),
+            range: [one(0.5), one(8.0)],
+        };
+        let RangedRays { origin, direction, range } = affine.lanes(Portable::cpu(), rays);
+        let number = |Portable([number]): Portable<f32, 1>| number;
+        RangedRays { origin: origin.map(number), direction: direction.map(number), range: range.map(number) }
+    }
+
+    #[test]
+    fn a_rigid_transform_keeps_the_bits_of_its_sums() {
+        let (s, c) = 0.3_f32.sin_cos();
+        let mut rows = [0.0_f32; 16];
+        [rows[0], rows[1], rows[4], rows[5], rows[10], rows[15]] = [c, -s, s, c, 1.0, 1.0];
+        let ray = placed(&rows, [1.0, 2.0, 3.0], [0.6, 0.8, 0.0]);
+        assert_eq!(ray.direction, [c * 0.6 + -s * 0.8, s * 0.6 + c * 0.8, 0.0]);
+        assert_eq!((ray.origin, ray.range), ([c + -s * 2.0, s + c * 2.0, 3.0], [0.5, 8.0]));
+    }
+
+    #[test]
+    fn where_space_is_stretched_directions_stay_unit_vectors_and_the_range_follows() {
+        for scale in [1e-20_f32, 0.3, 2.0, 1e14] {
+            let mut rows = [0.0_f32; 16];
+            // A mirror in x, and a turn that takes z to -y.
+            [rows[0], rows[6], rows[9], rows[15]] = [-scale, -scale, scale, 1.0];
+            [rows[3], rows[7], rows[11]] = [5.0, 6.0, 7.0];
+            let ray = placed(&rows, [0.0; 3], [0.6, 0.0, 0.8]);
+            for (got, expected) in ray.direction.iter().zip([-0.6, -0.8, 0.0]) {
+                assert!((got - expected).abs() < 2e-7, "{scale}: {ray:?}");
+            }
+            for (got, expected) in ray.range.iter().zip([0.5, 8.0]) {
+                assert!((got / (expected * scale) - 1.0).abs() < 2e-7, "{scale}: {ray:?}");
+            }
+            assert_eq!(ray.origin, [5.0, 6.0, 7.0]);
+        }
+    }
+}
