@@ -36,12 +36,14 @@ static struct {
                              realistic_ray *, size_t, float *, realistic_reason *);
     realistic_status (*rays_soa)(const realistic_camera *, size_t, const realistic_samples_soa *,
                                  const realistic_rays_soa *);
+#ifdef REALISTIC_HAS_RX /* not in the first header */
     float (*differential)(const realistic_camera *, const realistic_sample *, realistic_ray_differential *);
     realistic_status (*differentials)(const realistic_camera *, size_t, const realistic_sample *, size_t,
                                       realistic_ray_differential *, size_t, float *, realistic_reason *);
     realistic_status (*differentials_soa)(const realistic_camera *, size_t, const realistic_samples_soa *,
                                           const realistic_rays_soa *, const realistic_rays_soa *,
                                           const realistic_rays_soa *);
+#endif
     realistic_status (*autofocus)(const realistic_options *, const realistic_zone *, size_t, int32_t,
                                   realistic_distance, realistic_contrast, void *, double *);
 } api;
@@ -77,9 +79,11 @@ static void load(const char *path) {
     resolve(library, "GenerateRay", &api.plain_ray);
     resolve(library, "realistic_camera_generate_rays", &api.rays);
     resolve(library, "realistic_camera_generate_rays_soa", &api.rays_soa);
+#ifdef REALISTIC_HAS_RX
     resolve(library, "realistic_generate_ray_differential", &api.differential);
     resolve(library, "realistic_camera_generate_ray_differentials", &api.differentials);
     resolve(library, "realistic_camera_generate_ray_differentials_soa", &api.differentials_soa);
+#endif
     resolve(library, "realistic_autofocus", &api.autofocus);
 }
 
@@ -355,6 +359,7 @@ static void compare(const realistic_camera *camera) {
     printf("sparse-weights %d\n", memcmp(out[9], weight, sizeof weight) != 0);
 }
 
+#ifdef REALISTIC_HAS_RX
 /* Whether a neighbour is what a call of its own gives, or where that is blocked the ray itself. */
 static int wrong_neighbour(const realistic_camera *camera, const realistic_sample *sample, const realistic_ray *own,
                            int has, const float *o, const float *d) {
@@ -440,6 +445,7 @@ static void do_differentials(void) {
     report("no-ry-dz", api.differentials_soa(camera, 1, &from, &to[0], &to[1], &to[2]));
     api.camera_free(camera);
 }
+#endif
 
 static void do_rays(void) {
     realistic_options o = options();
@@ -573,7 +579,10 @@ static void do_threads(void) {
 int main(int count, char **argument) {
     static const struct { const char *name; void (*run)(void); } actions[] = {
         {"library", do_library}, {"refusals", do_refusals}, {"info", do_info}, {"log", do_log}, {"plan", do_plan},
-        {"rays", do_rays},       {"differentials", do_differentials},
+#ifdef REALISTIC_HAS_RX
+        {"differentials", do_differentials},
+#endif
+        {"rays", do_rays},
         {"null", do_null},       {"threads", do_threads}, {"counts", do_counts},
     };
     if (count != 3) return 1;
