@@ -13,7 +13,7 @@ fn run(action: &str, rays: &str) -> Report {
         let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/abi/hosts/float_host.c");
         compile_with(&c_compiler(), &C99, &source, "float_host", &["-ldl", "-lm"])
     });
-    Run::of(host, &harness::plugin(), action).with(rays).run()
+    Run::bare(host, &harness::plugin(), action).with(rays).run()
 }
 
 #[track_caller]
@@ -53,7 +53,7 @@ fn a_pbrt_host_in_which_exceptions_trap_renders() {
         // The rear element's disk is wider than the pupil: most rays are blocked, and others stand in for them.
         let model = format!("string:model={model}");
         let arguments = ["traps=1", "string:pupil=rear", &model];
-        let report = Run::new(Abi::New, &plugin, "render").with_all(arguments).run();
+        let report = Run::bare(harness::host(Abi::New), &plugin, "render").with_all(arguments).run();
         assert_eq!(report.number("bad"), 0.0);
         assert_eq!(report.number("zero"), 0.0);
         report.ended();
