@@ -1,17 +1,19 @@
 //! What leaving out saves: the same camera with everything kept and with what its plan proves idle left out, no bit of any
 //! ray different; times per ray in turns out.
 
-use std::hint::black_box;
-
 use realistic::camera::{
-    CameraError, Host, Parameters, Precision, Raster, RayBlock, RealisticCamera, Sample, SampleBlock,
+    CameraError, Host, Parameters, Precision, Raster, RealisticCamera, Sample, SampleBlock,
 };
 
 use crate::{
     BLOCK,
     results::table::{Table, row},
     subject::{FILM_DIAGONAL, PIXELS, STOPPED_DOWN, quasirandom::spread},
-    timing::{Effort, Timing, interleaved},
+    timing::{
+        Effort, Timing,
+        camera_calls::{in_one_call, one_by_one},
+        interleaved,
+    },
 };
 
 /// What one camera saves on one way of asking it.
@@ -72,27 +74,8 @@ pub fn measure(lens: &str, effort: Effort) -> Result<Vec<Saving>, CameraError> {
                 let camera = format!("{stop}, {precision}, {way}");
                 savings.push(Saving { lens: lens.to_owned(), camera, kept, left_out });
             };
-            add(
-                "blocks",
-                timed(&cameras, effort, |camera| {
-                    let mut rays = RayBlock::<BLOCK>::new();
-                    camera.rays(&samples.arrays(BLOCK), &mut rays.arrays(BLOCK));
-                    black_box(&rays);
-                }),
-            );
-            add(
-                "one by one",
-                timed(&cameras, effort, |camera| {
-                    let mut carry = 0.0;
-                    for i in 0..BLOCK {
-                        let mut sample = samples.arrays(BLOCK).get(i);
-                        // Too little to change the sum: each ray waits for the one before.
-                        sample.image_x += carry;
-                        carry = camera.ray(&sample).map_or(0.0, |(_, weight)| weight * 1e-30);
-                    }
-                    black_box(carry);
-                }),
-            );
+            add("blocks", timed(&cameras, effort, |camera| in_one_call(camera, &samples)));
+            add("one by one", timed(&cameras, effort, |camera| one_by_one(camera, &samples)));
         }
     }
     Ok(savings)

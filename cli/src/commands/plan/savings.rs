@@ -2,9 +2,10 @@
 
 use super::order::Order;
 use crate::failure::Failure;
-use realistic::camera::{RayBlock, RealisticCamera, Sample, SampleBlock};
+use realistic::camera::{RealisticCamera, Sample, SampleBlock};
 use realistic_lab::BLOCK;
 use realistic_lab::subject::quasirandom::spread;
+use realistic_lab::timing::camera_calls::{in_one_call, one_by_one};
 use realistic_lab::timing::{Effort, Timing, interleaved};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -43,21 +44,8 @@ impl Savings {
             .map(|&(_, leave_out, tolerance)| build(leave_out, tolerance))
             .collect::<Result<_, _>>()?;
         let samples = samples(order);
-        let batches = timed(&cameras, RAYS, |camera| {
-            let mut rays = RayBlock::<BLOCK>::new();
-            camera.rays(&samples.arrays(BLOCK), &mut rays.arrays(BLOCK));
-            black_box(&rays);
-        });
-        let singles = timed(&cameras, RAYS, |camera| {
-            let mut carry = 0.0;
-            for i in 0..BLOCK {
-                let mut sample = samples.arrays(BLOCK).get(i);
-                // Too little to change the sum: each ray waits for the one before.
-                sample.image_x += carry;
-                carry = camera.ray(&sample).map_or(0.0, |(_, weight)| weight * 1e-30);
-            }
-            black_box(carry);
-        });
+        let batches = timed(&cameras, RAYS, |camera| in_one_call(camera, &samples));
+        let singles = timed(&cameras, RAYS, |camera| one_by_one(camera, &samples));
         let builds = timed(&ways, BUILDS, |&(_, leave_out, tolerance)| {
             black_box(build(leave_out, tolerance).is_ok());
         });
