@@ -133,6 +133,7 @@ impl Lens {
                 let n_film = refractive_index(interface.medium, wavelength);
                 let radius = match interface.shape {
                     Shape::Sphere { radius } => radius,
+                    Shape::Asphere(asphere) => asphere.radius,
                     Shape::Plane | Shape::Stop => f64::INFINITY,
                 };
                 let surface = Surface {

@@ -2,6 +2,8 @@
 //!
 //! Lengths are millimetres; interfaces stand scene side first; each names the medium behind it, on the film's side.
 
+use super::{asphere::Asphere, positions::Positions};
+
 /// What fills the space behind an interface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Medium {
@@ -37,6 +39,8 @@ pub enum Shape {
         /// Signed radius of curvature, mm.
         radius: f64,
     },
+    /// Another surface of revolution.
+    Asphere(Asphere),
     /// A plane with glass on at least one side.
     Plane,
     /// The aperture stop: a plane in air.
@@ -72,6 +76,8 @@ pub struct Prescription {
     /// The focal length that the file states on a line of its own, mm. Never used in
     /// computing; kept for reports.
     pub stated_focal_length: Option<f64>,
+    /// The positions of its moving groups, if it has any; the interfaces have the gaps of the first.
+    pub positions: Option<Positions>,
     /// What the reader took in another way than it is written, one sentence each with its place: warnings for the user.
     pub remarks: Vec<String>,
 }
@@ -88,11 +94,14 @@ impl Prescription {
         for interface in &mut scaled.interfaces {
             interface.thickness *= factor;
             interface.semi_diameter *= factor;
-            if let Shape::Sphere { radius } = &mut interface.shape {
-                *radius *= factor;
+            match &mut interface.shape {
+                Shape::Sphere { radius } => *radius *= factor,
+                Shape::Asphere(asphere) => *asphere = asphere.scaled(factor),
+                Shape::Plane | Shape::Stop => {}
             }
         }
         scaled.nominal_film_distance = self.nominal_film_distance.map(|length| length * factor);
+        scaled.positions = self.positions.as_ref().map(|positions| positions.scaled(factor));
         scaled.stated_focal_length = self.stated_focal_length.map(|length| length * factor);
         scaled
     }

@@ -12,16 +12,20 @@
 //! Lengths are millimetres. Interfaces stand in the order of the file, scene side first. What is read is bounded
 //! by [`MAX_FILE_BYTES`], [`MAX_INTERFACES`] and [`MAX_NAME_BYTES`].
 
+mod asphere;
 pub mod catalogue;
 mod error;
 pub mod glass;
 mod interfaces;
 mod limits;
+mod positions;
 mod reader;
 mod source;
 
+pub use asphere::{Asphere, FIRST_POWER, LAST_POWER};
 pub use error::LensFileError;
 pub use interfaces::{Interface, Medium, Prescription, Sellmeier, Shape};
 pub use limits::{MAX_FILE_BYTES, MAX_INTERFACES, MAX_NAME_BYTES, MAX_PATH_BYTES};
+pub use positions::{Position, Positions};
 pub use reader::read;
 pub use source::{LensSource, SearchPath, SourceError};

@@ -38,6 +38,7 @@ pub fn lens(name: &str, rows: &[Row]) -> Lens {
         title: None,
         interfaces,
         nominal_film_distance: None,
+        positions: None,
         remarks: Vec::new(),
         stated_focal_length: None,
     })

@@ -83,6 +83,7 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Prescription, LensFileError> {
         interfaces,
         nominal_film_distance: (back > 0.0).then_some(back),
         stated_focal_length,
+        positions: None,
         remarks: remarks.iter().map(LensFileError::to_string).collect(),
     })
 }

@@ -13,6 +13,7 @@ fn rows<'a>(prescription: &'a Prescription, lens: &'a Lens) -> impl Iterator<Ite
         move |(index, (interface, surface))| {
             let (kind, radius) = match interface.shape {
                 Shape::Sphere { radius } => ("sphere", Some(radius)),
+                Shape::Asphere(asphere) => ("asphere", Some(asphere.radius)),
                 Shape::Plane => ("plane", None),
                 Shape::Stop => ("stop", None),
             };
