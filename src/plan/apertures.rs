@@ -88,11 +88,13 @@ impl Apertures {
     /// the lens from film to scene.
     pub fn of(lens: &Lens, path: &Path, film: f64, bands: &[Band]) -> Self {
         let count = lens.surfaces.len();
-        let mut search = Search {
-            path: Path::new(lens, Direction::FilmToScene, Refraction::Fused),
-            film,
-            stays: limiting(path, film, bands),
-        };
+        let mut stays = limiting(path, film, bands);
+        if let Some((bladed, _)) = path.blades() {
+            // The bounds are of heights, and the figure of blades is none.
+            stays[bladed] = true;
+        }
+        let mut search =
+            Search { path: Path::new(lens, Direction::FilmToScene, Refraction::Fused), film, stays };
         let mut largest = vec![0.0_f64; count];
         let mut boxes = 0;
         let most = (WORK / count).max(1) as u32;

@@ -13,6 +13,7 @@
 //! by [`MAX_FILE_BYTES`], [`MAX_INTERFACES`] and [`MAX_NAME_BYTES`].
 
 mod asphere;
+mod blades;
 pub mod catalogue;
 mod error;
 pub mod glass;
@@ -24,6 +25,7 @@ mod source;
 mod stated;
 
 pub use asphere::{Asphere, FIRST_POWER, LAST_POWER};
+pub use blades::{BladeConstants, Blades};
 pub use error::LensFileError;
 pub use interfaces::{Interface, Medium, Prescription, Sellmeier, Shape};
 pub use limits::{
