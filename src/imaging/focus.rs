@@ -229,8 +229,23 @@ impl Focus {
         self.best_image(u).distance
     }
 
+    /// Last vertex to the best image of the axial point that lies 1/`vergence` mm in front of the first vertex (0: at
+    /// infinity), mm; negative where it is virtual, and infinite where its bundle leaves the lens parallel.
+    pub fn image_distance(&self, vergence: f64) -> f64 {
+        self.best_image_of(vergence).distance
+    }
+
     fn best_image(&self, u: f64) -> BestImage {
-        let passes = |fraction: f64| self.image_side(u, fraction).is_some();
+        self.best_image_of(self.vergence(u))
+    }
+
+    /// 1 over the distance of the axial point u from the first vertex.
+    fn vergence(&self, u: f64) -> f64 {
+        u / (1.0 + u * self.first_order.front_focal_point)
+    }
+
+    fn best_image_of(&self, vergence: f64) -> BestImage {
+        let passes = |fraction: f64| self.image_side(vergence, fraction).is_some();
         let mut blocked = 1.0;
         while passes(blocked) && blocked < 8.0 {
             blocked *= 1.125;
@@ -239,7 +254,7 @@ impl Focus {
         // Uniform over the pupil is uniform in the square of the fraction.
         let (mut heights, mut product, mut square) = (0.0, 0.0, 0.0);
         for (area, weight) in self.rule {
-            if let Some((height, slope)) = self.image_side(u, margin * area.sqrt()) {
+            if let Some((height, slope)) = self.image_side(vergence, margin * area.sqrt()) {
                 heights += weight * height * height;
                 product += weight * height * slope;
                 square += weight * slope * slope;
@@ -250,9 +265,8 @@ impl Focus {
     }
 
     /// Height in the rear vertex plane and slope dy/ds, s toward the film, of the ray from the axial
-    /// point u that is aimed at `fraction` of the entrance pupil's radius.
-    fn image_side(&self, u: f64, fraction: f64) -> Option<(f64, f64)> {
-        let vergence = u / (1.0 + u * self.first_order.front_focal_point);
+    /// point of this vergence that is aimed at `fraction` of the entrance pupil's radius.
+    fn image_side(&self, vergence: f64, fraction: f64) -> Option<(f64, f64)> {
         let (height, slope) = self.entrance.marginal_ray(vergence, fraction);
         let origin = [0.0, height - slope * self.start, self.start];
         let ray = self.path.trace(Ray { origin, direction: [0.0, slope, -1.0] }).ok()?;

@@ -4,6 +4,7 @@
 //! Lens space throughout: origin at the front vertex, +z toward the scene, millimetres.
 
 pub mod first_order;
+pub mod moving;
 pub mod open;
 pub mod pupil;
 mod ray;

@@ -26,6 +26,6 @@ pub use asphere::{Asphere, FIRST_POWER, LAST_POWER};
 pub use error::LensFileError;
 pub use interfaces::{Interface, Medium, Prescription, Sellmeier, Shape};
 pub use limits::{MAX_FILE_BYTES, MAX_INTERFACES, MAX_NAME_BYTES, MAX_PATH_BYTES};
-pub use positions::{Position, Positions};
+pub use positions::{Layout, LayoutError, Position, Positions};
 pub use reader::read;
 pub use source::{LensSource, SearchPath, SourceError};

@@ -1,0 +1,266 @@
+//! Where the groups of a lens stand: zoomed and focused as the parameters have it. A prescription in, the same with its
+//! groups in place, and its film where they leave it, out.
+
+use super::focusing::Focusing;
+use crate::{
+    camera::parameters::{CameraError, FocusBy, ParameterError, Parameters, Zoom},
+    imaging::focus::Focus,
+    lens::{
+        moving::{FocusTravel, MovingError, MovingGroups},
+        open::OpenLens,
+    },
+    message::{Level, Log},
+    numeric::root,
+    prescription::Prescription,
+};
+
+/// The prescription zoomed to `zoom`, or at its first position, and focused by its groups where `focusby` says so.
+/// `set_up` makes a lens of a prescription at the wavelength and stop in use. Without positions nothing moves.
+pub(super) fn place_groups(
+    prescription: Prescription,
+    given: &Parameters,
+    focusing: Focusing,
+    set_up: impl Fn(&Prescription) -> Result<OpenLens, CameraError>,
+    log: Log<'_>,
+) -> Result<Prescription, CameraError> {
+    let by_groups = given.focusby() == FocusBy::Group;
+    let lens = || prescription.name.clone();
+    let groups = match MovingGroups::of(&prescription) {
+        // The first position is one all the same.
+        Err(error) if given.zoom.is_none() && !by_groups => {
+            log(Level::Warning, &error.to_string());
+            None
+        }
+        groups => groups?,
+    };
+    let travel = match (&groups, &given.zoom) {
+        (Some(groups), None) => groups.first(),
+        (Some(groups), Some(Zoom::FocalLength(focal_length))) => groups.zoomed(*focal_length)?,
+        (Some(groups), Some(Zoom::Position(name))) => groups.named(name)?,
+        (None, Some(_)) => return Err(MovingError::Prime { lens: lens() }.into()),
+        (None, None) if by_groups => return Err(MovingError::NoFocus { lens: lens() }.into()),
+        (None, None) => return Ok(prescription),
+    };
+    if !by_groups {
+        return Ok(travel.at(travel.start()));
+    }
+    if !travel.is_known() {
+        return Err(MovingError::NoFocus { lens: lens() }.into());
+    }
+    if given.filmdistance.is_some() {
+        return Err(CameraError::FilmStays);
+    }
+    match focus_distance(given)? {
+        Some(distance) => GroupFocus::new(&travel, focusing, set_up)?.on(distance),
+        None => Ok(travel.at(travel.start())),
+    }
+}
+
+/// The distance that the groups focus at, mm from the film, where they do and it is given.
+pub(super) fn focus_distance(given: &Parameters) -> Result<Option<f64>, ParameterError> {
+    let distance = given.focusdistance()?.filter(|_| given.focusby() == FocusBy::Group);
+    distance.map(|distance| Ok(distance * given.mmperunit()?)).transpose()
+}
+
+/// Focusing by the groups of a lens, with the film in its place.
+struct GroupFocus<'a, S> {
+    travel: &'a FocusTravel,
+    focusing: Focusing,
+    set_up: S,
+    /// Film distance of a table that has none.
+    film: Option<f64>,
+}
+
+/// The lens at a place of its groups.
+struct Placed {
+    prescription: Prescription,
+    optics: OpenLens,
+    film_distance: f64,
+}
+
+impl<'a, S: Fn(&Prescription) -> Result<OpenLens, CameraError>> GroupFocus<'a, S> {
+    fn new(travel: &'a FocusTravel, focusing: Focusing, set_up: S) -> Result<Self, CameraError> {
+        let mut groups = Self { travel, focusing, set_up, film: None };
+        let first = travel.at(travel.start());
+        if first.nominal_film_distance.is_none() {
+            // Where the first position has its object sharp.
+            groups.film = Some(groups.image(&(groups.set_up)(&first)?, travel.start())?);
+        }
+        Ok(groups)
+    }
+
+    fn at(&self, place: f64) -> Result<Placed, CameraError> {
+        let mut prescription = self.travel.at(place);
+        let optics = (self.set_up)(&prescription)?;
+        let film = prescription.nominal_film_distance.or(self.film);
+        // A table with film at some positions only has none.
+        let film_distance = film.map_or_else(|| self.image(&optics, place), Ok)?;
+        prescription.nominal_film_distance = Some(film_distance);
+        Ok(Placed { prescription, optics, film_distance })
+    }
+
+    /// Last vertex to the image of the axial point of this vergence before the first, mm.
+    fn image(&self, optics: &OpenLens, vergence: f64) -> Result<f64, CameraError> {
+        let OpenLens { lens, first_order, entrance } = optics;
+        let first_order = first_order.clone()?;
+        Ok(match self.focusing {
+            Focusing::Exact => Focus::of(lens, first_order, *entrance)?.image_distance(vergence),
+            Focusing::Paraxial => first_order.image_distance(vergence),
+        })
+    }
+
+    /// How far behind the film the image of the plane `distance` mm in front of the film lies: as the difference of their
+    /// vergences, which passes through 0 once, also where the image is at infinity or virtual.
+    fn beyond_film(&self, place: f64, distance: f64) -> Result<f64, CameraError> {
+        let Placed { optics, film_distance, .. } = self.at(place)?;
+        let object = distance + optics.lens.rear().vertex - film_distance;
+        // A plane in the lens has no image that any film catches.
+        let image = if object > 0.0 { self.image(&optics, object.recip())?.recip() } else { 0.0 };
+        Ok(film_distance.recip() - image)
+    }
+
+    /// The prescription with its groups where they focus on the plane `distance` mm in front of the film.
+    fn on(&self, distance: f64) -> Result<Prescription, CameraError> {
+        let [far, near] = self.travel.range();
+        let beyond = |place| self.beyond_film(place, distance);
+        if !(beyond(far)? >= 0.0 && beyond(near)? <= 0.0) {
+            let in_focus = |place| -> Result<Option<f64>, CameraError> {
+                let Placed { optics: OpenLens { lens, first_order, entrance }, film_distance, .. } =
+                    self.at(place)?;
+                let first_order = first_order?;
+                Ok(match self.focusing {
+                    Focusing::Exact => {
+                        Focus::of(&lens, first_order, entrance)?.object_distance(film_distance)
+                    }
+                    Focusing::Paraxial => first_order.object_distance(film_distance),
+                })
+            };
+            let [farthest, nearest] = [in_focus(far)?, in_focus(near)?];
+            return Err(MovingError::Unreachable {
+                lens: self.travel.at(far).name,
+                distance,
+                nearest: nearest.unwrap_or(0.0),
+                farthest: farthest.unwrap_or(f64::INFINITY),
+            }
+            .into());
+        }
+        let place = root(far, near, |place| beyond(place).unwrap_or(f64::NAN));
+        Ok(self.at(place)?.prescription)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        lens::open::{self, StopSize},
+        prescription::{Position, Positions, catalogue},
+    };
+
+    /// A lens of the catalogue that focuses as a whole, from infinity to half a metre before its first vertex.
+    fn whole_lens(name: &str, film: f64) -> Prescription {
+        let mut prescription = catalogue::find(name).expect("listed");
+        let columns = [(film, None), (film + 6.0, Some(500.0))].map(|(film, object_distance)| Position {
+            gaps: vec![film],
+            object_distance,
+            ..Position::default()
+        });
+        let last = prescription.interfaces.len() - 1;
+        prescription.positions = Some(Positions { gaps: vec![last], columns: columns.to_vec() });
+        prescription
+    }
+
+    fn set_up(prescription: &Prescription) -> Result<OpenLens, CameraError> {
+        Ok(open::set_up(prescription, 587.56, StopSize::FNumber(4.0), &mut |_, _| ())?)
+    }
+
+    fn given(parameters: &[(&str, &str)]) -> Parameters {
+        let mut given = Parameters::default();
+        for (name, text) in parameters {
+            given.set_from_text(name, text).expect("in range");
+        }
+        given
+    }
+
+    fn placed(
+        lens: &Prescription,
+        parameters: &[(&str, &str)],
+        focusing: Focusing,
+    ) -> Result<Prescription, String> {
+        place_groups(lens.clone(), &given(parameters), focusing, set_up, &mut |_, text| panic!("{text}"))
+            .map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn a_lens_that_moves_as_a_whole_is_focused_as_by_its_film() {
+        for (name, film) in [("dgauss.50mm", 36.8), ("telephoto.250mm", 147.0)] {
+            let lens = whole_lens(name, film);
+            let OpenLens { lens: optics, first_order, entrance } = set_up(&lens).expect("a lens");
+            let first_order = first_order.expect("focal");
+            let focus = Focus::of(&optics, first_order, entrance).expect("focal");
+            let [far, near] = MovingGroups::of(&lens).unwrap().unwrap().first().range();
+            let films = [far, near].map(|place| {
+                MovingGroups::of(&lens).unwrap().unwrap().first().at(place).nominal_film_distance.unwrap()
+            });
+            for share in [0.01, 0.2, 0.5, 0.77, 0.99] {
+                let film = films[0] + (films[1] - films[0]) * share;
+                for (focusing, distance) in [
+                    (Focusing::Exact, focus.object_distance(film)),
+                    (Focusing::Paraxial, first_order.object_distance(film)),
+                ] {
+                    let Some(distance) = distance.filter(|distance| distance.is_finite()) else { continue };
+                    let asked = ("focusdistance", &*distance.to_string());
+                    let found = placed(&lens, &[("focusby", "group"), asked], focusing).expect("in reach");
+                    let found = found.nominal_film_distance.expect("placed");
+                    assert!(
+                        (found / film - 1.0).abs() < 1e-10,
+                        "{name} at {distance}: {found} is not {film}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn without_a_distance_the_groups_stand_as_the_table_has_them() {
+        let lens = whole_lens("dgauss.50mm", 36.8);
+        for parameters in [&[("focusby", "group")][..], &[("focusby", "film")], &[]] {
+            assert_eq!(placed(&lens, parameters, Focusing::Exact).unwrap().nominal_film_distance, Some(36.8));
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_is_refused_with_what_can() {
+        let lens = whole_lens("dgauss.50mm", 36.5);
+        let refused = |lens: &Prescription, parameters: &[(&str, &str)]| {
+            placed(lens, parameters, Focusing::Exact).expect_err("refused")
+        };
+        let near = refused(&lens, &[("focusby", "group"), ("focusdistance", "100")]);
+        assert!(near.contains("reaches from ") && near.contains("to infinity"), "{near}");
+        let film = refused(&lens, &[("focusby", "group"), ("filmdistance", "40")]);
+        assert!(film.contains("\"filmdistance\" moves the film"), "{film}");
+        assert!(refused(&lens, &[("zoom", "35")]).contains("one focal length"));
+        let fixed = catalogue::find("dgauss.50mm").expect("listed");
+        assert!(refused(&fixed, &[("zoom", "wide")]).contains("one focal length"));
+        assert!(refused(&fixed, &[("focusby", "group")]).contains("no positions for near objects"));
+        // Too short for its lens: even at the end of the way infinity is imaged behind the film.
+        let short = whole_lens("dgauss.50mm", 20.0);
+        let short = refused(&short, &[("focusby", "group"), ("focusdistance", "inf")]);
+        assert!(short.contains("reaches from "), "{short}");
+    }
+
+    #[test]
+    fn columns_in_no_order_leave_the_first_with_a_warning() {
+        let mut lens = whole_lens("dgauss.50mm", 36.8);
+        lens.positions.as_mut().expect("positions").columns.swap(0, 1);
+        let mut warnings = Vec::new();
+        let opened = |given: &Parameters, warnings: &mut Vec<String>| {
+            place_groups(lens.clone(), given, Focusing::Exact, set_up, &mut |_, text| {
+                warnings.push(text.to_owned())
+            })
+        };
+        assert_eq!(opened(&given(&[]), &mut warnings).expect("as it is"), lens);
+        assert!(warnings.len() == 1 && warnings[0].contains("position 2"), "{warnings:?}");
+        assert!(opened(&given(&[("focusby", "group")]), &mut warnings).is_err());
+    }
+}
