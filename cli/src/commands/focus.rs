@@ -2,7 +2,8 @@
 
 use crate::drawing::{depth, picture};
 use crate::failure::Failure;
-use crate::lens_and_film::{FilmChoice, LensChoice, distance, positive};
+use crate::lens_and_film::{FilmChoice, FilmPlace, LensChoice, distance, focus_by, help, positive};
+use realistic::camera::FocusBy;
 use realistic::message::{as_given, fixed};
 use realistic::{
     imaging::{
@@ -31,6 +32,9 @@ pub struct Args {
     /// Distance in mm from the last vertex to the film, to learn what is in focus
     #[arg(long, value_name = "MM", allow_negative_numbers = true, group = "where", value_parser = positive)]
     film_distance: Option<f64>,
+    #[arg(long = "focusby", value_name = "film|group", help = help("focusby"), value_parser = focus_by,
+          conflicts_with = "film_distance")]
+    focus_by: Option<FocusBy>,
     /// Circle of confusion: the blur on film, in mm, that still counts as sharp
     /// [default: a pixel of the film]
     #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = positive)]
@@ -50,8 +54,17 @@ pub struct Args {
 /// # Errors
 /// The lens cannot focus there; the message says how near it can.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let (_, lens) = args.lens.open()?;
-    let answer = Answer::of(&lens, args).map_err(|error| Failure::Other(error.to_string()))?;
+    let place = FilmPlace::new(None, args.distance, args.focus_by);
+    let (_, lens) = args.lens.open(&place)?;
+    let by_groups = (args.focus_by == Some(FocusBy::Group))
+        .then(|| {
+            Ok::<_, Failure>(ByGroups {
+                nearest: args.lens.group_reach(&place)?[0],
+                film: place.film_distance(&lens)?,
+            })
+        })
+        .transpose()?;
+    let answer = Answer::of(&lens, args, by_groups).map_err(|error| Failure::Other(error.to_string()))?;
     let mut text = if args.json { format!("{:#}\n", answer.json()) } else { answer.text() };
     if let Some(out) = &args.out {
         let depth = answer.depth.ok_or_else(|| {
@@ -74,8 +87,18 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     Ok(std::io::stdout().write_all(text.as_bytes())?)
 }
 
+/// A lens that its groups have focused.
+#[derive(Clone, Copy, Debug)]
+struct ByGroups {
+    /// Last vertex to film, mm.
+    film: f64,
+    /// What is in focus at the end of the groups' way.
+    nearest: Conjugates,
+}
+
 struct Answer {
     focused: Conjugates,
+    by_groups: bool,
     /// Where the film lies before the image of infinity nothing is quite sharp.
     beyond_infinity: bool,
     paraxial: Option<f64>,
@@ -115,12 +138,15 @@ fn paraxial_film_distance(
 }
 
 impl Answer {
-    fn of(lens: &Lens, args: &Args) -> Result<Self, Unfocused> {
+    fn of(lens: &Lens, args: &Args, by_groups: Option<ByGroups>) -> Result<Self, Unfocused> {
         let focus = Focus::new(lens)?;
-        let nearest = focus.nearest();
+        let nearest = by_groups.map_or_else(|| focus.nearest(), |by_groups| by_groups.nearest);
         let infinity = focus.film_distance(f64::INFINITY)?;
-        let focused = match (args.distance, args.film_distance) {
-            (_, Some(film_distance)) => {
+        let focused = match (args.distance, args.film_distance, by_groups) {
+            (Some(object_distance), _, Some(ByGroups { film, .. })) => {
+                Conjugates { object_distance, film_distance: film }
+            }
+            (_, Some(film_distance), _) => {
                 let object_distance = focus.object_distance(film_distance).ok_or(Unfocused::NoObject {
                     film_distance,
                     infinity,
@@ -129,7 +155,7 @@ impl Answer {
                 })?;
                 Conjugates { object_distance, film_distance }
             }
-            (object, None) => {
+            (object, None, _) => {
                 let object_distance = object.unwrap_or(f64::INFINITY);
                 Conjugates { object_distance, film_distance: focus.film_distance(object_distance)? }
             }
@@ -138,10 +164,11 @@ impl Answer {
         let entrance = EntrancePupil::of_surface(lens, limiting_surface(lens));
         let depth =
             DepthOfField::of(lens, &entrance, focused.film_distance, focused.object_distance, confusion);
-        let beyond_infinity = focused.film_distance < infinity * (1.0 - 1e-9);
+        let beyond_infinity = by_groups.is_none() && focused.film_distance < infinity * (1.0 - 1e-9);
         Ok(Self {
             beyond_infinity,
-            paraxial: paraxial_film_distance(lens, &focus, focused, nearest)?,
+            paraxial: paraxial_film_distance(lens, &focus, focused, focus.nearest())?,
+            by_groups: by_groups.is_some(),
             focused,
             nearest,
             confusion,
@@ -175,11 +202,12 @@ impl Answer {
         } else {
             ""
         };
+        let moved = if self.by_groups { "with its groups in place" } else { "by exact rays" };
         let paraxial =
             self.paraxial.map_or_else(|| "none".to_owned(), |paraxial| format!("{} mm", fixed(paraxial, 6)));
         let mut text = format!(
             "in focus         {}{beyond}\n\
-             film distance    {} mm by exact rays, {paraxial} by first-order optics\n\
+             film distance    {} mm {moved}, {paraxial} by first-order optics\n\
              nearest in focus {} mm from the film, with the film at {} mm\n\
              confusion        {} mm\n",
             from_film(object_distance),

@@ -4,7 +4,7 @@
 use super::focusing::Focusing;
 use crate::{
     camera::parameters::{CameraError, FocusBy, ParameterError, Parameters, Zoom},
-    imaging::focus::Focus,
+    imaging::focus::{Conjugates, Focus},
     lens::{
         moving::{FocusTravel, MovingError, MovingGroups},
         open::OpenLens,
@@ -23,9 +23,38 @@ pub(super) fn place_groups(
     set_up: impl Fn(&Prescription) -> Result<OpenLens, CameraError>,
     log: Log<'_>,
 ) -> Result<Prescription, CameraError> {
+    let Some(travel) = travel(&prescription, given, log)? else { return Ok(prescription) };
+    if given.focusby() == FocusBy::Group && given.filmdistance.is_some() {
+        return Err(CameraError::FilmStays);
+    }
+    match focus_distance(given)? {
+        Some(distance) => GroupFocus::new(&travel, focusing, set_up)?.on(distance),
+        None => Ok(travel.at(travel.start())),
+    }
+}
+
+/// The nearest plane and the farthest that the groups of a lens focus on, by exact rays, zoomed as `zoom` says.
+pub(super) fn reach(
+    prescription: &Prescription,
+    given: &Parameters,
+    set_up: impl Fn(&Prescription) -> Result<OpenLens, CameraError>,
+    log: Log<'_>,
+) -> Result<[Conjugates; 2], CameraError> {
+    let no_focus = || MovingError::NoFocus { lens: prescription.name.clone() };
+    let travel = travel(prescription, given, log)?.filter(FocusTravel::is_known).ok_or_else(no_focus)?;
+    GroupFocus::new(&travel, Focusing::Exact, set_up)?.reach()
+}
+
+/// How the groups move as the lens focuses, at `zoom` or its first position; `None` where they do not. One that is to be
+/// focused by its groups says how.
+fn travel(
+    prescription: &Prescription,
+    given: &Parameters,
+    log: Log<'_>,
+) -> Result<Option<FocusTravel>, CameraError> {
     let by_groups = given.focusby() == FocusBy::Group;
     let lens = || prescription.name.clone();
-    let groups = match MovingGroups::of(&prescription) {
+    let groups = match MovingGroups::of(prescription) {
         // The first position is one all the same.
         Err(error) if given.zoom.is_none() && !by_groups => {
             log(Level::Warning, &error.to_string());
@@ -34,26 +63,16 @@ pub(super) fn place_groups(
         groups => groups?,
     };
     let travel = match (&groups, &given.zoom) {
-        (Some(groups), None) => groups.first(),
-        (Some(groups), Some(Zoom::FocalLength(focal_length))) => groups.zoomed(*focal_length)?,
-        (Some(groups), Some(Zoom::Position(name))) => groups.named(name)?,
+        (Some(groups), None) => Some(groups.position(0)),
+        (Some(groups), Some(Zoom::FocalLength(focal_length))) => Some(groups.zoomed(*focal_length)?),
+        (Some(groups), Some(Zoom::Position(name))) => Some(groups.named(name)?),
         (None, Some(_)) => return Err(MovingError::Prime { lens: lens() }.into()),
-        (None, None) if by_groups => return Err(MovingError::NoFocus { lens: lens() }.into()),
-        (None, None) => return Ok(prescription),
+        (None, None) => None,
     };
-    if !by_groups {
-        return Ok(travel.at(travel.start()));
-    }
-    if !travel.is_known() {
+    if by_groups && !travel.as_ref().is_some_and(FocusTravel::is_known) {
         return Err(MovingError::NoFocus { lens: lens() }.into());
     }
-    if given.filmdistance.is_some() {
-        return Err(CameraError::FilmStays);
-    }
-    match focus_distance(given)? {
-        Some(distance) => GroupFocus::new(&travel, focusing, set_up)?.on(distance),
-        None => Ok(travel.at(travel.start())),
-    }
+    Ok(travel)
 }
 
 /// The distance that the groups focus at, mm from the film, where they do and it is given.
@@ -119,30 +138,31 @@ impl<'a, S: Fn(&Prescription) -> Result<OpenLens, CameraError>> GroupFocus<'a, S
         Ok(film_distance.recip() - image)
     }
 
+    /// What is in focus at the near and the far end of the way.
+    fn reach(&self) -> Result<[Conjugates; 2], CameraError> {
+        let at = |place: f64, none: f64| -> Result<Conjugates, CameraError> {
+            let Placed { optics: OpenLens { lens, first_order, entrance }, film_distance, .. } =
+                self.at(place)?;
+            let first_order = first_order?;
+            let in_focus = match self.focusing {
+                Focusing::Exact => Focus::of(&lens, first_order, entrance)?.object_distance(film_distance),
+                Focusing::Paraxial => first_order.object_distance(film_distance),
+            };
+            Ok(Conjugates { object_distance: in_focus.unwrap_or(none), film_distance })
+        };
+        let [far, near] = self.travel.range();
+        // Nearer than the lens itself there is nothing to focus on.
+        Ok([at(near, 0.0)?, at(far, f64::INFINITY)?])
+    }
+
     /// The prescription with its groups where they focus on the plane `distance` mm in front of the film.
     fn on(&self, distance: f64) -> Result<Prescription, CameraError> {
         let [far, near] = self.travel.range();
         let beyond = |place| self.beyond_film(place, distance);
         if !(beyond(far)? >= 0.0 && beyond(near)? <= 0.0) {
-            let in_focus = |place| -> Result<Option<f64>, CameraError> {
-                let Placed { optics: OpenLens { lens, first_order, entrance }, film_distance, .. } =
-                    self.at(place)?;
-                let first_order = first_order?;
-                Ok(match self.focusing {
-                    Focusing::Exact => {
-                        Focus::of(&lens, first_order, entrance)?.object_distance(film_distance)
-                    }
-                    Focusing::Paraxial => first_order.object_distance(film_distance),
-                })
-            };
-            let [farthest, nearest] = [in_focus(far)?, in_focus(near)?];
-            return Err(MovingError::Unreachable {
-                lens: self.travel.at(far).name,
-                distance,
-                nearest: nearest.unwrap_or(0.0),
-                farthest: farthest.unwrap_or(f64::INFINITY),
-            }
-            .into());
+            let [nearest, farthest] = self.reach()?.map(|ends| ends.object_distance);
+            let lens = self.travel.at(far).name;
+            return Err(MovingError::Unreachable { lens, distance, nearest, farthest }.into());
         }
         let place = root(far, near, |place| beyond(place).unwrap_or(f64::NAN));
         Ok(self.at(place)?.prescription)
@@ -198,10 +218,8 @@ mod tests {
             let OpenLens { lens: optics, first_order, entrance } = set_up(&lens).expect("a lens");
             let first_order = first_order.expect("focal");
             let focus = Focus::of(&optics, first_order, entrance).expect("focal");
-            let [far, near] = MovingGroups::of(&lens).unwrap().unwrap().first().range();
-            let films = [far, near].map(|place| {
-                MovingGroups::of(&lens).unwrap().unwrap().first().at(place).nominal_film_distance.unwrap()
-            });
+            let travel = MovingGroups::of(&lens).expect("in order").expect("positions").position(0);
+            let films = travel.range().map(|place| travel.at(place).nominal_film_distance.expect("stated"));
             for share in [0.01, 0.2, 0.5, 0.77, 0.99] {
                 let film = films[0] + (films[1] - films[0]) * share;
                 for (focusing, distance) in [

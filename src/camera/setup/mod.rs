@@ -13,4 +13,4 @@ pub(crate) use common::{disk_mapping, placement, raster, shutter, warn_of_unused
 pub use facts::Facts;
 pub(crate) use focusing::Focusing;
 pub(crate) use prescribed::Setup;
-pub use prescribed::{film_distance, open_lens};
+pub use prescribed::{film_distance, group_reach, open_lens};

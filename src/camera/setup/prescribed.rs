@@ -4,7 +4,7 @@ use super::{
     common::{disk_mapping, placement, raster},
     facts::Facts,
     focusing::{FilmPlace, Focusing, place_film},
-    groups::{focus_distance, place_groups},
+    groups::{focus_distance, place_groups, reach},
 };
 use crate::{
     camera::{
@@ -13,7 +13,7 @@ use crate::{
         parameters::{CameraError, FocusBy, ParameterError, Parameters, Pupil, Weighting},
         placement::Placement,
     },
-    imaging::focus::FocusError,
+    imaging::focus::{Conjugates, FocusError},
     lens::{
         Lens, Surface,
         open::{OpenLens, StopSize, find, set_up},
@@ -98,32 +98,42 @@ fn open(
     focusing: Focusing,
     log: Log<'_>,
 ) -> Result<(Prescription, OpenLens), CameraError> {
-    let prescription = match (&host.lens_text, &given.specfile) {
-        (Some(_), Some(_)) => return Err(both("specfile", "lens_text").into()),
-        (Some((name, text)), None) => read(name, text).map_err(SourceError::from)?,
-        (None, name) => find(name.as_deref().unwrap_or(catalogue::DEFAULT), &host.search)?,
-    };
-    set_up_as(prescription, given, focusing, log)
-}
-
-/// A prescription with its groups, wavelength and stop as the parameters have them.
-fn set_up_as(
-    prescription: Prescription,
-    given: &Parameters,
-    focusing: Focusing,
-    log: Log<'_>,
-) -> Result<(Prescription, OpenLens), CameraError> {
-    let wavelength = given.wavelength()?;
-    let stop = match (given.aperture_diameter()?, given.fnumber()?) {
-        (Some(_), Some(_)) => return Err(both("fnumber", "aperture_diameter").into()),
-        (Some(diameter), None) => StopSize::Diameter(diameter),
-        (None, Some(number)) => StopSize::FNumber(number),
-        (None, None) => StopSize::Listed,
-    };
+    let prescription = read_lens(given, host)?;
+    let (wavelength, stop) = light(given)?;
     let silent = |prescription: &Prescription| Ok(set_up(prescription, wavelength, stop, &mut |_, _| ())?);
     let prescription = place_groups(prescription, given, focusing, silent, log)?;
     let optics = set_up(&prescription, wavelength, stop, log)?;
     Ok((prescription, optics))
+}
+
+fn read_lens(given: &Parameters, host: &Host) -> Result<Prescription, CameraError> {
+    Ok(match (&host.lens_text, &given.specfile) {
+        (Some(_), Some(_)) => return Err(both("specfile", "lens_text").into()),
+        (Some((name, text)), None) => read(name, text).map_err(SourceError::from)?,
+        (None, name) => find(name.as_deref().unwrap_or(catalogue::DEFAULT), &host.search)?,
+    })
+}
+
+/// Wavelength in nm, and how far the lens is stopped down.
+fn light(given: &Parameters) -> Result<(f64, StopSize), ParameterError> {
+    let stop = match (given.aperture_diameter()?, given.fnumber()?) {
+        (Some(_), Some(_)) => return Err(both("fnumber", "aperture_diameter")),
+        (Some(diameter), None) => StopSize::Diameter(diameter),
+        (None, Some(number)) => StopSize::FNumber(number),
+        (None, None) => StopSize::Listed,
+    };
+    Ok((given.wavelength()?, stop))
+}
+
+/// The nearest plane and the farthest that the lens of [`open_lens`] focuses on by its groups, by exact rays, with the film
+/// distance there; `focusby` and `focusdistance` are not looked at.
+///
+/// # Errors
+/// As of [`open_lens`], and a lens whose table does not say how its groups move to focus.
+pub fn group_reach(given: &Parameters, host: &Host) -> Result<[Conjugates; 2], CameraError> {
+    let (wavelength, stop) = light(given)?;
+    let silent = |prescription: &Prescription| Ok(set_up(prescription, wavelength, stop, &mut |_, _| ())?);
+    reach(&read_lens(given, host)?, given, silent, &mut |_, _| ())
 }
 
 /// The distance from the last vertex to the film, mm, for `filmdistance` or `focusdistance` (world units of

@@ -114,11 +114,6 @@ impl<'a> MovingGroups<'a> {
         self.positions.columns[..self.layout.zooms].iter().filter_map(|column| column.name.clone()).collect()
     }
 
-    /// The lens at its first zoom position.
-    pub fn first(&self) -> FocusTravel {
-        self.at_position(0)
-    }
-
     /// The lens at the zoom position of a name.
     ///
     /// # Errors
@@ -127,7 +122,7 @@ impl<'a> MovingGroups<'a> {
         self.must_zoom()?;
         let columns = &self.positions.columns[..self.layout.zooms];
         let zoom = columns.iter().position(|column| column.name.as_deref() == Some(name));
-        zoom.map(|zoom| self.at_position(zoom)).ok_or_else(|| MovingError::Name {
+        zoom.map(|zoom| self.position(zoom)).ok_or_else(|| MovingError::Name {
             given: name.to_owned(),
             range: self.focal_range(),
             names: self.names(),
@@ -139,8 +134,11 @@ impl<'a> MovingGroups<'a> {
         if self.is_zoom() { Ok(()) } else { Err(MovingError::Prime { lens: lens() }) }
     }
 
-    /// The lens at a zoom position.
-    fn at_position(&self, zoom: usize) -> FocusTravel {
+    /// The lens at one of its zoom positions, counted from 0 in the order of the table.
+    ///
+    /// # Panics
+    /// There are no so many.
+    pub fn position(&self, zoom: usize) -> FocusTravel {
         let stands = (0..self.layout.steps).map(|step| self.stands[self.layout.column(zoom, step)].clone());
         let stated = self.positions.columns[zoom].focal_length;
         let stated = stated.or(self.prescription.stated_focal_length.filter(|_| zoom == 0));
@@ -175,7 +173,7 @@ impl<'a> MovingGroups<'a> {
         else {
             // Between an end as it is computed and as the table rounds it.
             let is_short = focal_length < focal(order[0]);
-            return Ok(self.at_position(if is_short { order[0] } else { order[order.len() - 1] }));
+            return Ok(self.position(if is_short { order[0] } else { order[order.len() - 1] }));
         };
         let x: Vec<f64> = order.iter().map(|&zoom| focal(zoom).ln()).collect();
         let curve = |value: &dyn Fn(usize) -> f64| {

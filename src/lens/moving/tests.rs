@@ -98,7 +98,7 @@ fn at_its_positions_a_lens_has_their_numbers_to_the_last_bit() {
         let entrance = EntrancePupil::of_surface(&Lens::at_d_line(&lens), 2).diameter();
         assert!((optics(&lens).focal_length / entrance - 4.0).abs() < 1e-14);
     }
-    let first = groups.first();
+    let first = groups.position(0);
     assert_eq!(first.at(first.start()).interfaces[1].thickness, GAPS[0]);
 }
 
@@ -131,7 +131,7 @@ fn nothing_jumps_as_the_lens_zooms_or_focuses() {
 fn groups_go_a_little_beyond_their_ends_and_never_into_each_other() {
     let prescription = zoom(&[40.0, 2.0], &[39.0, 0.05]);
     let groups = groups(&prescription);
-    let range = groups.first().range();
+    let range = groups.position(0).range();
     assert!((range[0] + 0.1 / 500.0).abs() < 1e-15 && (range[1] - 1.1 / 500.0).abs() < 1e-15, "{range:?}");
     // 1.95 mm to the position, 0.05 more until the lenses touch.
     let close = groups.named("at 2").expect("listed");
