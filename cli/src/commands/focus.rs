@@ -56,15 +56,15 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let place = FilmPlace::new(None, args.distance, args.focus_by);
     let (_, lens) = args.lens.open(&place)?;
-    let by_groups = (args.focus_by == Some(FocusBy::Group))
-        .then(|| {
-            Ok::<_, Failure>(ByGroups {
-                nearest: args.lens.group_reach(&place)?[0],
-                film: place.film_distance(&lens)?,
-            })
-        })
-        .transpose()?;
-    let answer = Answer::of(&lens, args, by_groups).map_err(|error| Failure::Other(error.to_string()))?;
+    let answer = match (args.focus_by, args.distance) {
+        (Some(FocusBy::Group), Some(object_distance)) => {
+            let [nearest, _] = args.lens.group_reach(&place)?;
+            let focused = Conjugates { object_distance, film_distance: place.film_distance(&lens)? };
+            Answer::by_groups(&lens, args, focused, nearest)
+        }
+        _ => Answer::of(&lens, args),
+    };
+    let answer = answer.map_err(|error| Failure::Other(error.to_string()))?;
     let mut text = if args.json { format!("{:#}\n", answer.json()) } else { answer.text() };
     if let Some(out) = &args.out {
         let depth = answer.depth.ok_or_else(|| {
@@ -85,15 +85,6 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         }
     }
     Ok(std::io::stdout().write_all(text.as_bytes())?)
-}
-
-/// A lens that its groups have focused.
-#[derive(Clone, Copy, Debug)]
-struct ByGroups {
-    /// Last vertex to film, mm.
-    film: f64,
-    /// What is in focus at the end of the groups' way.
-    nearest: Conjugates,
 }
 
 struct Answer {
@@ -137,16 +128,28 @@ fn paraxial_film_distance(
     }))
 }
 
+/// The blur that counts as sharp, mm.
+fn confusion(args: &Args) -> f64 {
+    args.coc.unwrap_or_else(|| args.film.film().pixel())
+}
+
+fn depth_of_field(
+    lens: &Lens,
+    focused: Conjugates,
+    confusion: f64,
+) -> Result<Option<DepthOfField>, FocusError> {
+    let entrance = EntrancePupil::of_surface(lens, limiting_surface(lens));
+    let Conjugates { object_distance, film_distance } = focused;
+    Ok(DepthOfField::of(lens, &entrance, film_distance, object_distance, confusion)?)
+}
+
 impl Answer {
-    fn of(lens: &Lens, args: &Args, by_groups: Option<ByGroups>) -> Result<Self, Unfocused> {
+    fn of(lens: &Lens, args: &Args) -> Result<Self, Unfocused> {
         let focus = Focus::new(lens)?;
-        let nearest = by_groups.map_or_else(|| focus.nearest(), |by_groups| by_groups.nearest);
+        let nearest = focus.nearest();
         let infinity = focus.film_distance(f64::INFINITY)?;
-        let focused = match (args.distance, args.film_distance, by_groups) {
-            (Some(object_distance), _, Some(ByGroups { film, .. })) => {
-                Conjugates { object_distance, film_distance: film }
-            }
-            (_, Some(film_distance), _) => {
+        let focused = match (args.distance, args.film_distance) {
+            (_, Some(film_distance)) => {
                 let object_distance = focus.object_distance(film_distance).ok_or(Unfocused::NoObject {
                     film_distance,
                     infinity,
@@ -155,25 +158,42 @@ impl Answer {
                 })?;
                 Conjugates { object_distance, film_distance }
             }
-            (object, None, _) => {
+            (object, None) => {
                 let object_distance = object.unwrap_or(f64::INFINITY);
                 Conjugates { object_distance, film_distance: focus.film_distance(object_distance)? }
             }
         };
-        let confusion = args.coc.unwrap_or_else(|| args.film.film().pixel());
-        let entrance = EntrancePupil::of_surface(lens, limiting_surface(lens));
-        let depth =
-            DepthOfField::of(lens, &entrance, focused.film_distance, focused.object_distance, confusion);
-        let beyond_infinity = by_groups.is_none() && focused.film_distance < infinity * (1.0 - 1e-9);
+        let confusion = confusion(args);
+        let beyond_infinity = focused.film_distance < infinity * (1.0 - 1e-9);
         Ok(Self {
             beyond_infinity,
-            paraxial: paraxial_film_distance(lens, &focus, focused, focus.nearest())?,
-            by_groups: by_groups.is_some(),
+            by_groups: false,
+            paraxial: paraxial_film_distance(lens, &focus, focused, nearest)?,
             focused,
             nearest,
             confusion,
             // First-order depth of field is about a plane in focus, and here is none.
-            depth: depth.map_err(FocusError::Lens)?.filter(|_| !beyond_infinity),
+            depth: depth_of_field(lens, focused, confusion)?.filter(|_| !beyond_infinity),
+        })
+    }
+
+    /// Of a lens whose groups stand where they focus on `focused`, and can focus as near as `nearest`.
+    fn by_groups(
+        lens: &Lens,
+        args: &Args,
+        focused: Conjugates,
+        nearest: Conjugates,
+    ) -> Result<Self, Unfocused> {
+        let confusion = confusion(args);
+        let object = focused.object_distance + lens.rear().vertex - focused.film_distance;
+        Ok(Self {
+            beyond_infinity: false,
+            by_groups: true,
+            paraxial: Some(FirstOrder::of(lens).map_err(FocusError::Lens)?.image_distance(object.recip())),
+            focused,
+            nearest,
+            confusion,
+            depth: depth_of_field(lens, focused, confusion)?,
         })
     }
 

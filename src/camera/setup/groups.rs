@@ -4,8 +4,12 @@
 use super::focusing::Focusing;
 use crate::{
     camera::parameters::{CameraError, FocusBy, ParameterError, Parameters, Zoom},
-    imaging::focus::{Conjugates, Focus},
+    imaging::{
+        axial_image::AxialImage,
+        focus::{Conjugates, FocusError},
+    },
     lens::{
+        first_order::FirstOrder,
         moving::{FocusTravel, MovingError, MovingGroups},
         open::OpenLens,
     },
@@ -93,8 +97,49 @@ struct GroupFocus<'a, S> {
 /// The lens at a place of its groups.
 struct Placed {
     prescription: Prescription,
-    optics: OpenLens,
+    image: Image,
     film_distance: f64,
+}
+
+/// How a lens images points of its axis.
+struct Image {
+    first_order: FirstOrder,
+    /// `None`: by first-order optics.
+    exact: Option<AxialImage>,
+    /// First vertex to last, mm.
+    length: f64,
+}
+
+impl Image {
+    fn of(optics: OpenLens, focusing: Focusing) -> Result<Self, CameraError> {
+        let OpenLens { lens, first_order, entrance } = optics;
+        let exact = (focusing == Focusing::Exact).then(|| AxialImage::of(&lens, entrance));
+        if exact.as_ref().is_some_and(AxialImage::is_dark) {
+            return Err(FocusError::Dark { lens: lens.name }.into());
+        }
+        Ok(Self { first_order: first_order?, exact, length: -lens.rear().vertex })
+    }
+
+    /// Last vertex to the image of the axial point that lies 1/`vergence` mm in front of the first.
+    fn distance(&self, vergence: f64) -> f64 {
+        match &self.exact {
+            Some(exact) => exact.best(vergence).distance,
+            None => self.first_order.image_distance(vergence),
+        }
+    }
+
+    /// How far behind a film `film_distance` mm behind the last vertex that image lies, positive or negative, as a share of
+    /// that distance: it grows steadily as the image goes from inside the lens through the film and infinity to where it is
+    /// virtual, and bundles leave the lens diverging.
+    fn beyond(&self, vergence: f64, film_distance: f64) -> f64 {
+        let image = self.distance(vergence);
+        let is_virtual = image < -self.length || vergence * self.first_order.front_focal_point > 1.0;
+        if image > film_distance || is_virtual {
+            1.0 - film_distance / image
+        } else {
+            image / film_distance - 1.0
+        }
+    }
 }
 
 impl<'a, S: Fn(&Prescription) -> Result<OpenLens, CameraError>> GroupFocus<'a, S> {
@@ -103,56 +148,49 @@ impl<'a, S: Fn(&Prescription) -> Result<OpenLens, CameraError>> GroupFocus<'a, S
         let first = travel.at(travel.start());
         if first.nominal_film_distance.is_none() {
             // Where the first position has its object sharp.
-            groups.film = Some(groups.image(&(groups.set_up)(&first)?, travel.start())?);
+            let image = Image::of((groups.set_up)(&first)?, focusing)?;
+            groups.film = Some(image.distance(travel.start()));
         }
         Ok(groups)
     }
 
     fn at(&self, place: f64) -> Result<Placed, CameraError> {
         let mut prescription = self.travel.at(place);
-        let optics = (self.set_up)(&prescription)?;
+        let image = Image::of((self.set_up)(&prescription)?, self.focusing)?;
         let film = prescription.nominal_film_distance.or(self.film);
-        // A table with film at some positions only has none.
-        let film_distance = film.map_or_else(|| self.image(&optics, place), Ok)?;
+        // A gap that closes on the film leaves none.
+        let film_distance = film.unwrap_or_else(|| image.distance(place));
         prescription.nominal_film_distance = Some(film_distance);
-        Ok(Placed { prescription, optics, film_distance })
+        Ok(Placed { prescription, image, film_distance })
     }
 
-    /// Last vertex to the image of the axial point of this vergence before the first, mm.
-    fn image(&self, optics: &OpenLens, vergence: f64) -> Result<f64, CameraError> {
-        let OpenLens { lens, first_order, entrance } = optics;
-        let first_order = first_order.clone()?;
-        Ok(match self.focusing {
-            Focusing::Exact => Focus::of(lens, first_order, *entrance)?.image_distance(vergence),
-            Focusing::Paraxial => first_order.image_distance(vergence),
-        })
-    }
-
-    /// How far behind the film the image of the plane `distance` mm in front of the film lies: as the difference of their
-    /// vergences, which passes through 0 once, also where the image is at infinity or virtual.
+    /// How far behind the film the image of the plane `distance` mm in front of the film lies.
     fn beyond_film(&self, place: f64, distance: f64) -> Result<f64, CameraError> {
-        let Placed { optics, film_distance, .. } = self.at(place)?;
-        let object = distance + optics.lens.rear().vertex - film_distance;
+        let Placed { image, film_distance, .. } = self.at(place)?;
+        let object = distance - image.length - film_distance;
         // A plane in the lens has no image that any film catches.
-        let image = if object > 0.0 { self.image(&optics, object.recip())?.recip() } else { 0.0 };
-        Ok(film_distance.recip() - image)
+        Ok(if object > 0.0 { image.beyond(object.recip(), film_distance) } else { 1.0 })
     }
 
     /// What is in focus at the near and the far end of the way.
     fn reach(&self) -> Result<[Conjugates; 2], CameraError> {
-        let at = |place: f64, none: f64| -> Result<Conjugates, CameraError> {
-            let Placed { optics: OpenLens { lens, first_order, entrance }, film_distance, .. } =
-                self.at(place)?;
-            let first_order = first_order?;
-            let in_focus = match self.focusing {
-                Focusing::Exact => Focus::of(&lens, first_order, entrance)?.object_distance(film_distance),
-                Focusing::Paraxial => first_order.object_distance(film_distance),
+        let at = |place: f64| -> Result<Conjugates, CameraError> {
+            let Placed { image, film_distance, .. } = self.at(place)?;
+            let beyond = |vergence| image.beyond(vergence, film_distance);
+            // The front focal point has its image at infinity, if it lies in front of the lens.
+            let FirstOrder { front_focal_point: focal_point, focal_length, .. } = image.first_order;
+            let end = if focal_point > 0.0 { focal_point.recip() } else { 1e3 / focal_length.abs() };
+            let from_film = |vergence: f64| vergence.recip() + image.length + film_distance;
+            let object_distance = match (beyond(0.0) >= 0.0, beyond(end) >= 0.0) {
+                (true, _) => f64::INFINITY,
+                (false, true) => from_film(root(0.0, end, beyond)),
+                // Not even what touches the lens.
+                (false, false) => from_film(f64::INFINITY),
             };
-            Ok(Conjugates { object_distance: in_focus.unwrap_or(none), film_distance })
+            Ok(Conjugates { object_distance, film_distance })
         };
         let [far, near] = self.travel.range();
-        // Nearer than the lens itself there is nothing to focus on.
-        Ok([at(near, 0.0)?, at(far, f64::INFINITY)?])
+        Ok([at(near)?, at(far)?])
     }
 
     /// The prescription with its groups where they focus on the plane `distance` mm in front of the film.
@@ -173,8 +211,9 @@ impl<'a, S: Fn(&Prescription) -> Result<OpenLens, CameraError>> GroupFocus<'a, S
 mod tests {
     use super::*;
     use crate::{
+        imaging::focus::Focus,
         lens::open::{self, StopSize},
-        prescription::{Position, Positions, catalogue},
+        prescription::{Position, Positions, catalogue, read},
     };
 
     /// A lens of the catalogue that focuses as a whole, from infinity to half a metre before its first vertex.
@@ -187,6 +226,43 @@ mod tests {
         });
         let last = prescription.interfaces.len() - 1;
         prescription.positions = Some(Positions { gaps: vec![last], columns: columns.to_vec() });
+        prescription
+    }
+
+    /// US 4,392,724 (Y. Hamanishi, Nippon Kogaku 1983), example 1: 105 mm f/2.8 of floating groups, to 1 : 2.
+    const MICRO: &str = "\
+74.5 5 1.77279 37.9
+-1042.7 0.15 1 37.4
+29 5 1.717 34.8
+57 2 1 33.3
+91.28 2 1.7495 32.3
+24.131 13.9866 1 28.6
+-31.19 2 1.68893 27.1
+300 10.5 1.7335 28.5
+-41.983 1.5 1 30.3
+0 1.5 1 29.3932
+310.3 5 1.6935 29.5
+-70.248 8.1258 1 29.1
+-191.637 4 1.59507 24.3
+-55.637 2 1 23.5
+-114.216 1.8 1.79668 21.4
+50.88 1.8 1 20.4
+45.69 6 1.59507 20.0
+-175.85 4.6 1 18.5
+-38.545 2 1.80454 17.0
+-77.213 43.1068 1 17.7
+";
+
+    /// [`MICRO`] with the patent's two positions; the object distance of the second is that of first-order optics.
+    fn micro() -> Prescription {
+        let mut prescription = read("micro", MICRO.as_bytes()).expect("a lens");
+        let columns = [(13.9866, 8.1258, None), (20.682, 34.3666, Some(254.996))];
+        let columns = columns.map(|(front, rear, object_distance)| Position {
+            gaps: vec![front, rear],
+            object_distance,
+            ..Position::default()
+        });
+        prescription.positions = Some(Positions { gaps: vec![5, 11], columns: columns.to_vec() });
         prescription
     }
 
@@ -237,6 +313,41 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn floating_groups_stand_where_the_patent_has_them_for_its_object() {
+        let lens = micro();
+        let close =
+            MovingGroups::of(&lens).expect("in order").expect("positions").position(0).at(1.0 / 254.996);
+        let length: f64 = close.interfaces.iter().map(|interface| interface.thickness).sum();
+        let distance = (254.996 + length + close.nominal_film_distance.expect("stated")).to_string();
+        let asked = [("focusby", "group"), ("focusdistance", &*distance)];
+        // Exact rays through f/4 are in focus a little before the paraxial image: by a hundredth of the way of 26 mm.
+        for (focusing, most) in [(Focusing::Paraxial, 1e-3), (Focusing::Exact, 0.26)] {
+            let found = placed(&lens, &asked, focusing).expect("in reach");
+            for row in [5, 11] {
+                let off = found.interfaces[row].thickness - close.interfaces[row].thickness;
+                assert!(off.abs() < most, "{focusing:?}, row {row}: {off} mm off");
+            }
+            assert_eq!(found.nominal_film_distance, Some(43.1068), "the film stays");
+        }
+    }
+
+    #[test]
+    fn floating_groups_focus_at_any_distance_to_rounding() {
+        let lens = micro();
+        let mut gaps = Vec::new();
+        for distance in [f64::INFINITY, 1e7, 30_000.0, 4000.0, 1234.5, 700.0, 500.0, 420.0, 403.5] {
+            let asked = [("focusby", "group"), ("focusdistance", &*distance.to_string())];
+            let found = placed(&lens, &asked, Focusing::Exact).expect("in reach");
+            let OpenLens { lens: optics, entrance, .. } = set_up(&found).expect("a lens");
+            let object = distance + optics.rear().vertex - 43.1068;
+            let image = AxialImage::of(&optics, entrance).best(object.recip()).distance;
+            assert!((image - 43.1068).abs() < 1e-10, "{distance}: image {image}");
+            gaps.push(found.interfaces[11].thickness);
+        }
+        assert!(gaps.is_sorted_by(|far, near| far < near), "{gaps:?}");
     }
 
     #[test]
