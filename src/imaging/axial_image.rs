@@ -36,7 +36,7 @@ impl AxialImage {
         Self {
             entrance,
             path: Path::scene_to_film(lens),
-            start: lens.front().sagitta(lens.front().semi_diameter).max(0.0),
+            start: lens.front().sagitta_range()[1],
             rear_vertex: lens.rear().vertex,
             rule: gauss_legendre(),
         }

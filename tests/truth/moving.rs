@@ -1,9 +1,10 @@
 //! A zoom lens with moving groups against its patent, by first-order optics and exact rays.
 
-use crate::support::Random;
-use realistic::imaging::focus::Focus;
+use crate::support::{Random, build, host, host_with, ray};
+use realistic::camera::{Camera, FocusBy, Host, Model, RealisticCamera};
+use realistic::imaging::{depth_of_field::DepthOfField, focus::Focus};
 use realistic::lens::{Lens, first_order::FirstOrder, moving::MovingGroups, pupil::EntrancePupil};
-use realistic::prescription::{Position, Positions, Prescription, read};
+use realistic::prescription::{Prescription, read};
 
 /// US 2003/0133200 A1 (S. Sato, Nikon 2003), example 1: 70-200 mm f/2.8, focused by its second group; the last
 /// three positions at a distance of 1.5 m. Clear diameters are derived. Radius, thickness, index behind, clear diameter.
@@ -46,29 +47,28 @@ const ROWS: &str = "\
 -60.14 2 1.84666 34.7
 -641.0882 66.21049 1 34.9
 ";
-/// The interfaces, from 0, behind which the gap changes, and the gaps at each position.
-const GAPS: [(usize, [f64; 6]); 4] = [
-    (4, [14.1595, 14.1595, 14.1595, 4.43994, 4.43994, 4.43994]),
-    (8, [2.52314, 17.06549, 31.15139, 12.24271, 26.78505, 40.87095]),
-    (15, [34.06279, 25.29743, 1.96176, 34.06279, 25.29743, 1.96176]),
-    (20, [7.92945, 2.15247, 11.40223, 7.92945, 2.15247, 11.40223]),
-];
+/// The positions, as a lens file has them. The last three are the patent's for D0 = 1241.9566 mm.
+const POSITIONS: &str = "\
+positions wide middle tele - - -
+gap 5 14.1595 14.1595 14.1595 4.43994 4.43994 4.43994
+gap 9 2.52314 17.06549 31.15139 12.24271 26.78505 40.87095
+gap 16 34.06279 25.29743 1.96176 34.06279 25.29743 1.96176
+gap 21 7.92945 2.15247 11.40223 7.92945 2.15247 11.40223
+focal 71.4 105 196 - - -
+fnumber 2.88 2.88 2.88 - - -
+object inf inf inf 1241.9566 1241.9566 1241.9566
+";
 const FOCAL_LENGTHS: [f64; 3] = [71.4, 105.0, 196.0];
-/// From the first vertex, mm: the patent's D0.
 const NEAR: f64 = 1241.9566;
+/// Last vertex to film, as the table has it.
+const FILM: f64 = 66.21049;
+
+fn text() -> String {
+    format!("{POSITIONS}{ROWS}")
+}
 
 fn zoom_lens() -> Prescription {
-    let mut prescription = read("70-200", ROWS.as_bytes()).expect("a lens");
-    let column = |i: usize| Position {
-        gaps: GAPS.iter().map(|(_, gaps)| gaps[i]).collect(),
-        focal_length: FOCAL_LENGTHS.get(i).copied(),
-        fnumber: (i < 3).then_some(2.88),
-        object_distance: (i >= 3).then_some(NEAR),
-        ..Position::default()
-    };
-    let gaps = GAPS.iter().map(|(row, _)| *row).collect();
-    prescription.positions = Some(Positions { gaps, columns: (0..6).map(column).collect() });
-    prescription
+    read("70-200", text().as_bytes()).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn groups(prescription: &Prescription) -> MovingGroups<'_> {
@@ -85,7 +85,7 @@ fn at_its_positions_the_lens_is_what_the_patent_states() {
         let lens = Lens::at_d_line(&placed);
         let optics = FirstOrder::of(&lens).expect("focal");
         assert!((optics.focal_length / stated - 1.0).abs() < 1e-3, "{}", optics.focal_length);
-        assert!((optics.back_focal_distance() - 66.21049).abs() < 0.03, "{}", optics.back_focal_distance());
+        assert!((optics.back_focal_distance() - FILM).abs() < 0.03, "{}", optics.back_focal_distance());
         assert_eq!(placed.stated_focal_length, Some(stated));
         let stop = lens.stop_index().expect("a stop");
         let fnumber = optics.focal_length / EntrancePupil::of_surface(&lens, stop).diameter();
@@ -96,7 +96,7 @@ fn at_its_positions_the_lens_is_what_the_patent_states() {
         // Focused near, the film still has the image.
         let lens = Lens::at_d_line(&travel.at(NEAR.recip()));
         let image = FirstOrder::of(&lens).expect("focal").image_distance(NEAR.recip());
-        assert!((image - 66.21049).abs() < 0.03, "{stated} mm near: {image}");
+        assert!((image - FILM).abs() < 0.03, "{stated} mm near: {image}");
     }
 }
 
@@ -136,4 +136,120 @@ fn a_focal_length_between_the_positions_is_exact_and_the_film_stays_in_focus() {
             "{focal_length}: near {image}"
         );
     }
+}
+
+fn zoom_host() -> Host {
+    host_with(&text())
+}
+
+/// Distance from the film at which the rays of the film's centre come nearest to each other.
+fn meeting(camera: &RealisticCamera) -> f64 {
+    let (mut heights, mut slopes) = (0.0, 0.0);
+    for i in 0..40 {
+        for j in 0..40 {
+            let lens = [i, j].map(|k| (k as f32 + 0.5) / 40.0);
+            let Some((ray, _)) = ray(camera, [200.0, 150.0], lens) else { continue };
+            let ([x, y, z], [dx, dy, dz]) = (ray.origin.map(f64::from), ray.direction.map(f64::from));
+            let (sx, sy) = (dx / dz, dy / dz);
+            heights += (x - sx * z) * sx + (y - sy * z) * sy;
+            slopes += sx * sx + sy * sy;
+        }
+    }
+    -heights / slopes - camera.facts().film_z()
+}
+
+#[test]
+fn the_groups_focus_anywhere_on_their_way_with_the_film_in_its_place() {
+    let mut random = Random::new(5);
+    for _ in 0..12 {
+        let focal_length = 71.5 * (195.5_f64 / 71.5).powf(random.next());
+        // From 1.5 m on, evenly in its reciprocal.
+        let distance = 1500.0 / (1.0 - 0.97 * random.next());
+        let zoom = focal_length.to_string();
+        let far = build(&zoom_host(), &[("zoom", &zoom), ("fnumber", "4")]).expect("in reach").0;
+        assert!((far.facts().focal_length() / focal_length - 1.0).abs() < 1e-13);
+        assert!((far.facts().fnumber() - 4.0).abs() < 1e-12);
+        let asked = [
+            ("zoom", &*zoom),
+            ("fnumber", "4"),
+            ("focusby", "group"),
+            ("focusdistance", &*distance.to_string()),
+        ];
+        let (camera, warnings) = build(&zoom_host(), &asked).expect("in reach");
+        assert_eq!(warnings, [""; 0]);
+        let facts = camera.facts();
+        assert!((facts.film_distance - far.facts().film_distance).abs() < 1e-9, "the film has moved");
+        assert_eq!(facts.focus_distance, Some(distance));
+        // The other way round, from the film, spherical aberration puts the narrowest place elsewhere: by less than blurs a
+        // point to a fifth of a pixel of a 24 megapixel camera.
+        let sharp = DepthOfField::of(&facts.lens, &facts.entrance, facts.film_distance, distance, 0.03);
+        let sharp = sharp.expect("focal").expect("a pupil");
+        let found = meeting(&camera);
+        assert!((sharp.near..sharp.far).contains(&found), "f = {zoom}: {found} is not {distance}");
+        // By the film's own way of focusing the same plane is in focus.
+        let by_film = facts.focus().ok().and_then(|focus| focus.object_distance(facts.film_distance));
+        assert!((by_film.expect("in front") / distance - 1.0).abs() < 1e-8, "{by_film:?} is not {distance}");
+    }
+}
+
+#[test]
+fn a_position_by_name_has_the_tables_gaps_and_film() {
+    for (name, focal_length) in ["wide", "middle", "tele"].into_iter().zip(FOCAL_LENGTHS) {
+        let (camera, _) = build(&zoom_host(), &[("zoom", name)]).expect("a position");
+        assert_eq!(camera.facts().lens.nominal_film_distance, Some(FILM));
+        assert!((camera.facts().focal_length() / focal_length - 1.0).abs() < 1e-3);
+        assert!((camera.facts().fnumber() - 2.88).abs() < 1e-12);
+    }
+    // Without a word it is the first.
+    let lens = |given: &[(&str, &str)]| build(&zoom_host(), given).expect("a lens").0.facts().lens.clone();
+    assert_eq!(lens(&[]), lens(&[("zoom", "wide")]));
+    assert_eq!(lens(&[]), lens(&[("focusby", "group")]));
+}
+
+#[test]
+fn the_ideal_models_zoom_and_focus_by_groups_too() {
+    let builder = Camera::builder()
+        .lens_text("70-200", text().as_bytes())
+        .zoom(140.0)
+        .focus_by(FocusBy::Group)
+        .focus_distance(2500.0)
+        .resolution(30, 20);
+    for model in [Model::Thick, Model::Thin] {
+        let camera = builder.clone().model(model).build().expect("in reach");
+        let facts = camera.facts().expect("a lens");
+        let in_focus = facts.first_order.clone().expect("focal").object_distance(facts.film_distance);
+        assert!((in_focus.expect("in front") / 2500.0 - 1.0).abs() < 1e-10, "{in_focus:?}");
+        assert!((facts.film_distance - FILM).abs() < 0.3);
+    }
+}
+
+#[test]
+fn what_cannot_be_is_refused_with_the_range_and_what_to_do() {
+    let refused = |host: &Host, given: &[(&str, &str)]| build(host, given).expect_err("refused");
+    for (given, says) in [
+        (&[("zoom", "300")][..], &["zooms from 71.4", "196"][..]),
+        (&[("zoom", "50mm")], &["zooms from 71.4", "196"]),
+        (&[("zoom", "wid")], &["\"wid\"", "from 71.4", "\"wide\", \"middle\" or \"tele\""]),
+        (&[("zoom", "-35")], &["\"zoom\" is -35", "positive"]),
+        (
+            &[("zoom", "wide"), ("focusby", "group"), ("focusdistance", "1000")],
+            &["from 1", "to infinity", "1000 mm"],
+        ),
+        (
+            &[("focusby", "group"), ("filmdistance", "70")],
+            &["\"filmdistance\" moves the film", "\"focusdistance\""],
+        ),
+        (&[("focusby", "groups")], &["\"film\" or \"group\""]),
+    ] {
+        let said = refused(&zoom_host(), given);
+        assert!(says.iter().all(|part| said.contains(part)), "{given:?}: {said}");
+    }
+    assert!(refused(&host(), &[("zoom", "50")]).contains("one focal length"));
+    assert!(refused(&host(), &[("focusby", "group")]).contains("leave out \"focusby\""));
+    // A zoom lens is not scaled.
+    let file = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("zoom-to-scale.dat");
+    std::fs::write(&file, text()).expect("written");
+    let scaled = format!("{}@100mm", file.display());
+    let said = refused(&host(), &[("specfile", &scaled)]);
+    assert!(said.contains("\"zoom\", from 71.4") && said.contains("leave out the @"), "{said}");
 }

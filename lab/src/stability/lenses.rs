@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use realistic::{
     lens::Lens,
-    prescription::{Interface, Medium, Prescription, Shape},
+    prescription::{Interface, Medium, Prescription, Shape, Stated},
     trace::{Direction, Ray},
 };
 
@@ -41,6 +41,8 @@ pub fn lens(name: &str, rows: &[Row]) -> Lens {
         positions: None,
         remarks: Vec::new(),
         stated_focal_length: None,
+        stated: Stated::default(),
+        glasses: Vec::new(),
     })
 }
 

@@ -45,6 +45,8 @@ fn zoom(gaps: &[f64], near: &[f64]) -> Prescription {
         interfaces,
         nominal_film_distance: None,
         stated_focal_length: None,
+        stated: Default::default(),
+        glasses: Default::default(),
         positions: Some(Positions { gaps: vec![1, 4], columns: columns.chain(near).collect() }),
         remarks: Vec::new(),
     }
