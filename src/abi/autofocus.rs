@@ -63,7 +63,7 @@ pub type realistic_contrast = Option<
 /// `realistic_autofocus_rule`. The host gives one of the two callbacks and NULL for the other:
 /// with `distance` some rays per zone are asked about, with `contrast` some tens to hundreds of trial cameras are built,
 /// from infinity to the nearest distance that the lens can focus. Zones that give no answer do not count. `options`
-/// must leave `filmdistance` and `focusdistance` open. The callback is called on this thread, with `user` as it is.
+/// must leave `filmdistance` and `focusdistance` open, and `focusby` "film". The callback is called on this thread, with `user` as it is.
 ///
 /// Fails with `REALISTIC_STATUS_UNREACHABLE_FOCUS`, and leaves `*film_distance_mm` as it is, when no zone has
 /// an answer.

@@ -262,6 +262,12 @@ pub struct realistic_options {
     /// Parameter `tolerance`: by how much 99.9 % of the rays may be off, for a faster model of the lens: 0 (exact) or
     /// more and finite, in pixels; default 0.
     pub tolerance: f64,
+    /// Parameter `focusby`: what moves to focus, the film, or the lens's own groups with the film where the lens file
+    /// has it: "film" or "group"; default "film".
+    pub focusby: *const c_char,
+    /// Parameter `zoom`: focal length of a zoom lens, a number of mm, or the name of one of its positions; without it
+    /// the lens file's first.
+    pub zoom: *const c_char,
 }
 
 /// What a built camera is, for a host to print. `realistic_camera_get_info` fills it. A model without a lens

@@ -32,7 +32,7 @@ pub use limits::{
     MAX_CATALOG_BYTES, MAX_CATALOGS, MAX_FILE_BYTES, MAX_INTERFACES, MAX_NAME_BYTES, MAX_PATH_BYTES,
     MAX_POSITIONS,
 };
-pub use positions::{Position, Positions};
+pub use positions::{Layout, LayoutError, Position, Positions};
 pub use reader::{read, read_with};
 pub use source::{LensSource, SearchPath, SourceError};
 pub use stated::Stated;

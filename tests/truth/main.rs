@@ -12,6 +12,7 @@ mod kernel;
 mod messages;
 mod misprints;
 mod models;
+mod moving;
 mod odd_samples;
 mod plan;
 mod pupil_everywhere;

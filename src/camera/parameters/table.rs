@@ -4,9 +4,10 @@ use std::ops::Bound::{Excluded, Included};
 
 use super::{
     error::ParameterError,
-    named::{LensPlane, Pupil, Weighting},
+    named::{FocusBy, LensPlane, Pupil, Weighting},
     range::{Interval, Range},
     value::{Kind, Setting, Value},
+    zoom::Zoom,
 };
 use crate::{
     camera::{model::Model, placement::shutter::Shutter},
@@ -181,6 +182,8 @@ parameters! {
     specfile or "lensfile": String, "", or "dgauss.50mm", LENSES, "lens file, or a catalogue name such as \"wide.22mm\" or \"wide.22mm@35mm\"";
     filmdistance: f64 in POSITIVE, "mm", or "the lens file's, or focused at `focusdistance`", LENSES, "from the last vertex to the film";
     focusdistance: f64 in DISTANCE, "world units", or "infinity", LENSES, "from the film plane to the plane in focus, or inf, instead of `filmdistance`";
+    focusby: FocusBy, "", = "film", LENSES, "what moves to focus, the film, or the lens's own groups with the film where the lens file has it";
+    zoom: Zoom, "", or "", LENSES, "focal length of a zoom lens, a number of mm, or the name of one of its positions; without it the lens file's first";
     aperture_diameter or "aperturediameter": f64 in POSITIVE, "mm", or "the file's", LENSES, "clear diameter of the stop";
     fnumber: f64 in POSITIVE, "", or "", LENSES, "focal length over entrance pupil diameter, instead of `aperture_diameter`";
     filmdiag: f64 in POSITIVE, "mm", = "35", LENSES, "diagonal of the film";
@@ -331,6 +334,7 @@ mod tests {
         let names = [
             ("model", unset.model().to_string()),
             ("specfile", catalogue::DEFAULT.to_owned()),
+            ("focusby", unset.focusby().to_string()),
             ("weighting", unset.weighting().expect("one name").to_string()),
             ("pupil", unset.pupil().to_string()),
             ("disk", unset.disk().to_string()),

@@ -1,6 +1,7 @@
 //! `realistic lens`: the first-order report of a lens.
 
 mod facts;
+mod positions;
 mod table;
 
 use crate::failure::Failure;
@@ -27,16 +28,18 @@ pub struct Args {
 /// # Errors
 /// No such lens, or one that cannot be set up as asked.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let (prescription, lens) = args.lens.open()?;
+    let (prescription, lens) = args.lens.open(&args.place)?;
     // A lens that makes no image is worth a report without one.
     let film_distance = args.place.film_distance_if_any(&lens)?;
     let facts = Facts::of(&prescription, &lens, film_distance, args.film.diagonal);
+    let positions = positions::all(&prescription, lens.wavelength, args.lens.stop(), args.film.diagonal);
     let text = if args.json {
         let mut value = facts.json();
         value["rows"] = table::json(&prescription, &lens);
+        value["positions"] = positions::json(&positions);
         format!("{value:#}\n")
     } else {
-        facts.text() + "\n" + &table::text(&prescription, &lens)
+        facts.text() + &positions::text(&positions) + "\n" + &table::text(&prescription, &lens)
     };
     Ok(std::io::stdout().write_all(text.as_bytes())?)
 }
