@@ -262,6 +262,9 @@ pub struct realistic_options {
     /// Parameter `tolerance`: by how much 99.9 % of the rays may be off, for a faster model of the lens: 0 (exact) or
     /// more and finite, in pixels; default 0.
     pub tolerance: f64,
+    /// Parameter `glasscatalog`: glass catalogue (AGF) in which glasses that a lens file names are looked up first, before
+    /// catalogues beside the file and the built-in glasses.
+    pub glasscatalog: *const c_char,
 }
 
 /// What a built camera is, for a host to print. `realistic_camera_get_info` fills it. A model without a lens

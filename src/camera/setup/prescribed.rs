@@ -15,12 +15,12 @@ use crate::{
     imaging::focus::FocusError,
     lens::{
         Lens, Surface,
-        open::{OpenLens, StopSize, find, set_up},
+        open::{OpenLens, StopSize, find, misstated, set_up},
         refraction::Refraction,
     },
     message::{Level, Log},
     plan::Precision,
-    prescription::{Prescription, SourceError, catalogue, read},
+    prescription::{Prescription, SourceError, catalogue, glass_library, read_with},
     sampling::DiskMapping,
 };
 
@@ -88,11 +88,18 @@ pub fn open_lens(given: &Parameters, host: &Host, log: Log<'_>) -> Result<(Presc
 }
 
 fn open(given: &Parameters, host: &Host, log: Log<'_>) -> Result<(Prescription, OpenLens), CameraError> {
-    let prescription = match (&host.lens_text, &given.specfile) {
+    let mut prescription = match (&host.lens_text, &given.specfile) {
         (Some(_), Some(_)) => return Err(both("specfile", "lens_text").into()),
-        (Some((name, text)), None) => read(name, text).map_err(SourceError::from)?,
-        (None, name) => find(name.as_deref().unwrap_or(catalogue::DEFAULT), &host.search)?,
+        (Some((name, text)), None) => {
+            let library = glass_library(given.glasscatalog.as_deref(), &host.search)?;
+            read_with(name, text, &library).map_err(SourceError::from)?
+        }
+        (None, name) => {
+            let name = name.as_deref().unwrap_or(catalogue::DEFAULT);
+            find(name, given.glasscatalog.as_deref(), &host.search)?
+        }
     };
+    prescription.remarks.extend(misstated(&prescription));
     let wavelength = given.wavelength()?;
     let stop = match (given.aperture_diameter()?, given.fnumber()?) {
         (Some(_), Some(_)) => return Err(both("fnumber", "aperture_diameter").into()),
