@@ -20,6 +20,11 @@ pub struct Asphere {
 }
 
 impl Asphere {
+    /// The semi-diameter at which the conic ends, mm: half an ellipsoid's width, infinite for what opens for ever.
+    pub fn widest(&self) -> f64 {
+        if self.conic > -1.0 { self.radius.abs() / (1.0 + self.conic).sqrt() } else { f64::INFINITY }
+    }
+
     /// The same figure with every length multiplied by `factor`, positive and finite.
     pub fn scaled(&self, factor: f64) -> Self {
         let mut terms = self.terms;

@@ -50,6 +50,17 @@ pub enum Shape {
     Stop,
 }
 
+impl Shape {
+    /// The largest clear semi-diameter that it can have, mm.
+    pub fn widest(&self) -> f64 {
+        match self {
+            Self::Sphere { radius } => radius.abs(),
+            Self::Asphere(asphere) => asphere.widest(),
+            Self::Plane | Self::Stop => f64::INFINITY,
+        }
+    }
+}
+
 /// One interface of a lens: a row of the table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interface {
