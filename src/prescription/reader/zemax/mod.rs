@@ -147,7 +147,33 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
         positions,
         remarks,
     };
-    Ok(if unit == 1.0 { lens } else { lens.scaled(unit) })
+    let lens = if unit == 1.0 { lens } else { lens.scaled(unit) };
+    if has_range(&lens) {
+        Ok(lens)
+    } else {
+        Err(text.error(object.place, "a length of this lens, in mm, is beyond the range of numbers"))
+    }
+}
+
+/// Whether all lengths are numbers, semi-diameters and distances not 0: units and sums may take them out of range.
+fn has_range(lens: &Prescription) -> bool {
+    let is_length = |length: f64| length > 0.0 && length.is_finite();
+    let interfaces = lens.interfaces.iter().all(|interface| {
+        let shape = match interface.shape {
+            Shape::Sphere { radius } => is_length(radius.abs()) && interface.semi_diameter <= radius.abs(),
+            Shape::Asphere(asphere) => {
+                asphere.radius != 0.0 && asphere.terms.iter().all(|term| term.is_finite())
+            }
+            Shape::Plane | Shape::Stop => true,
+        };
+        shape && interface.thickness.is_finite() && is_length(interface.semi_diameter)
+    });
+    let mut columns = lens.positions.iter().flat_map(|positions| &positions.columns);
+    let columns = columns.all(|column| {
+        let lengths = [column.stop_diameter, column.object_distance, column.focal_length];
+        column.gaps.iter().all(|gap| gap.is_finite()) && lengths.into_iter().flatten().all(is_length)
+    });
+    interfaces && columns && lens.nominal_film_distance.is_none_or(is_length)
 }
 
 /// How many mm the file's unit has.

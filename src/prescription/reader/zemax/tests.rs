@@ -210,6 +210,11 @@ fn a_malformed_file_is_told_where_it_is_wrong() {
     );
     refused(&with("DISZ INFINITY", "DISZ -5"), "10:1", &["expected a positive distance"]);
     refused("NM BK7 2 517642\nCD 1 2 3 4 5 6\n", "1:1", &["catalogue of glasses", "glasscatalog"]);
+    refused(
+        &with("UNIT MM", "UNIT METER").replace("DISZ 30", "DISZ 1e306"),
+        "10:1",
+        &["beyond the range of numbers"],
+    );
     let open = ok(&with("DISZ 30", "DISZ -30"));
     assert_eq!(open.nominal_film_distance, None);
     assert!(open.remarks[0].contains("the image lies in front of the last surface"), "{:?}", open.remarks);
