@@ -19,6 +19,8 @@ pub struct LensChoice {
     /// Lens: a file, - for standard input, or a name of the catalogue; NAME@35mm scales it to that focal length
     #[arg(value_name = "LENS")]
     lens: String,
+    #[arg(long, value_name = "FILE", help = glasscatalog_help())]
+    glasscatalog: Option<String>,
     #[arg(long, value_name = "NM", allow_negative_numbers = true, help = help("wavelength"))]
     wavelength: Option<f64>,
     #[arg(long, value_name = "MM", allow_negative_numbers = true, help = help("aperture_diameter"),
@@ -59,6 +61,46 @@ pub fn help(name: &str) -> String {
     first.to_uppercase() + rest
 }
 
+/// The help on `--glasscatalog`.
+pub fn glasscatalog_help() -> String {
+    help("glasscatalog")
+}
+
+/// Gives a camera a lens: a name, or [`PIPED`].
+fn give_lens(
+    lens: &str,
+    glasscatalog: Option<&str>,
+    parameters: &mut Parameters,
+    host: &mut Host,
+) -> Result<(), Failure> {
+    if lens == PIPED {
+        host.lens_text =
+            Some(("standard input".to_owned(), standard_input().map_err(Failure::Other)?.to_vec()));
+    } else {
+        parameters.specfile = Some(lens.to_owned());
+    }
+    parameters.glasscatalog = glasscatalog.map(str::to_owned);
+    Ok(())
+}
+
+/// Finds a lens, with what else `more` asks for; warnings go to standard error.
+///
+/// # Errors
+/// As [`open_lens`].
+pub fn open(
+    lens: &str,
+    glasscatalog: Option<&str>,
+    more: impl FnOnce(&mut Parameters),
+) -> Result<(Prescription, Lens), Failure> {
+    let mut parameters = Parameters::default();
+    // A lens needs no film.
+    let mut host = Host::new(Raster { xres: 1, yres: 1 }, None);
+    give_lens(lens, glasscatalog, &mut parameters, &mut host)?;
+    more(&mut parameters);
+    open_lens(&parameters, &host, &mut |_: Level, message: &str| warn(message))
+        .map_err(|error| Failure::Other(error.to_string()))
+}
+
 impl LensChoice {
     /// Whether the lens comes by standard input.
     pub fn is_piped(&self) -> bool {
@@ -84,12 +126,7 @@ impl LensChoice {
     /// # Errors
     /// Standard input cannot be read, or the lens be zoomed so.
     pub fn give(&self, parameters: &mut Parameters, host: &mut Host) -> Result<(), Failure> {
-        if self.is_piped() {
-            host.lens_text =
-                Some(("standard input".to_owned(), standard_input().map_err(Failure::Other)?.to_vec()));
-        } else {
-            parameters.specfile = Some(self.lens.clone());
-        }
+        give_lens(&self.lens, self.glasscatalog.as_deref(), parameters, host)?;
         parameters.wavelength = self.wavelength;
         parameters.aperture_diameter = self.aperture_diameter;
         parameters.fnumber = self.fnumber;

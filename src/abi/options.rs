@@ -77,7 +77,7 @@ macro_rules! parameter_fields {
 
 parameter_fields! {
     texts: model specfile weighting pupil disk refraction precision shutter lensplane focusby
-        zoom;
+        zoom glasscatalog;
     numbers: filmdistance focusdistance aperture_diameter fnumber filmdiag hither yon shutteropen shutterclose
         wavelength mmperunit shutterramp shutterslit fov frameaspectratio lensradius focaldistance tolerance;
 }

@@ -268,6 +268,9 @@ pub struct realistic_options {
     /// Parameter `zoom`: focal length of a zoom lens, a number of mm, or the name of one of its positions; without it
     /// the lens file's first.
     pub zoom: *const c_char,
+    /// Parameter `glasscatalog`: glass catalogue (AGF) in which glasses that a lens file names are looked up first, before
+    /// catalogues beside the file and the built-in glasses.
+    pub glasscatalog: *const c_char,
 }
 
 /// What a built camera is, for a host to print. `realistic_camera_get_info` fills it. A model without a lens

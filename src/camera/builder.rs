@@ -60,6 +60,8 @@ impl CameraBuilder {
         model(model: Model) => parameters.model = Some(model);
         /// A lens file or a catalogue name, such as `wide.22mm` or, scaled, `wide.22mm@35mm`.
         lens(name: &str) => parameters.specfile = Some(name.to_owned());
+        /// A glass catalogue (AGF) in which glasses that a lens file names are looked up first.
+        glass_catalogue(file: &str) => parameters.glasscatalog = Some(file.to_owned());
         /// From the last vertex to the film, mm, instead of [`focus_distance`](Self::focus_distance).
         film_distance(mm: f64) => parameters.filmdistance = Some(mm);
         /// From the film plane to the plane in focus, world units; infinity counts.

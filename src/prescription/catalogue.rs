@@ -10,7 +10,32 @@ macro_rules! catalogue {
     };
 }
 
-catalogue!["dgauss.50mm", "dgauss.100mm", "wide.22mm", "telephoto.250mm", "fisheye.10mm"];
+catalogue![
+    "dgauss.50mm",
+    "dgauss.100mm",
+    "wide.22mm",
+    "telephoto.250mm",
+    "fisheye.10mm",
+    "triplet.210mm",
+    "petzval.100mm",
+    "tessar.50mm",
+    "sonnar.50mm",
+    "biotar.100mm",
+    "planar.50mm",
+    "portrait.85mm",
+    "tele.135mm",
+    "telephoto.300mm",
+    "macro.105mm",
+    "retrofocus.35mm",
+    "retrofocus.24mm",
+    "retrofocus.20mm",
+    "ultrawide.14mm",
+    "fisheye.16mm",
+    "fisheye.6mm",
+    "zoom.24-70mm",
+    "zoom.70-200mm",
+    "phone.4mm",
+];
 
 /// The lens that is used when none is named.
 pub const DEFAULT: &str = "dgauss.50mm";

@@ -27,6 +27,7 @@ mod stated;
 pub use asphere::{Asphere, FIRST_POWER, LAST_POWER};
 pub use blades::{BladeConstants, Blades};
 pub use error::LensFileError;
+pub use glass::GlassLibrary;
 pub use interfaces::{Interface, Medium, Prescription, Sellmeier, Shape};
 pub use limits::{
     MAX_CATALOG_BYTES, MAX_CATALOGS, MAX_FILE_BYTES, MAX_INTERFACES, MAX_NAME_BYTES, MAX_PATH_BYTES,
@@ -34,5 +35,5 @@ pub use limits::{
 };
 pub use positions::{Layout, LayoutError, Position, Positions};
 pub use reader::{read, read_with};
-pub use source::{LensSource, SearchPath, SourceError};
+pub use source::{LensSource, SearchPath, SourceError, glass_library};
 pub use stated::Stated;

@@ -180,6 +180,7 @@ type AskedPrecision = Option<Precision>;
 parameters! {
     model: Model, "", = "lens", EVERY, "what the camera is a model of";
     specfile or "lensfile": String, "", or "dgauss.50mm", LENSES, "lens file, or a catalogue name such as \"wide.22mm\" or \"wide.22mm@35mm\"";
+    glasscatalog: String, "", or "", LENSES, "glass catalogue (AGF) in which glasses that a lens file names are looked up first, before catalogues beside the file and the built-in glasses";
     filmdistance: f64 in POSITIVE, "mm", or "the lens file's, or focused at `focusdistance`", LENSES, "from the last vertex to the film";
     focusdistance: f64 in DISTANCE, "world units", or "infinity", LENSES, "from the film plane to the plane in focus, or inf, instead of `filmdistance`";
     focusby: FocusBy, "", = "film", LENSES, "what moves to focus, the film, or the lens's own groups with the film where the lens file has it";

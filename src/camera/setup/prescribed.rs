@@ -16,12 +16,12 @@ use crate::{
     imaging::focus::{Conjugates, FocusError},
     lens::{
         Lens, Surface,
-        open::{OpenLens, StopSize, find, set_up},
+        open::{OpenLens, StopSize, find, misstated, set_up},
         refraction::Refraction,
     },
     message::{Level, Log},
     plan::Precision,
-    prescription::{Prescription, SourceError, catalogue, read},
+    prescription::{Prescription, SourceError, catalogue, glass_library, read_with},
     sampling::DiskMapping,
 };
 
@@ -107,11 +107,17 @@ fn open(
 }
 
 fn read_lens(given: &Parameters, host: &Host) -> Result<Prescription, CameraError> {
-    Ok(match (&host.lens_text, &given.specfile) {
+    let glasses = given.glasscatalog.as_deref();
+    let mut prescription = match (&host.lens_text, &given.specfile) {
         (Some(_), Some(_)) => return Err(both("specfile", "lens_text").into()),
-        (Some((name, text)), None) => read(name, text).map_err(SourceError::from)?,
-        (None, name) => find(name.as_deref().unwrap_or(catalogue::DEFAULT), &host.search)?,
-    })
+        (Some((name, text)), None) => {
+            let library = glass_library(glasses, &host.search)?;
+            read_with(name, text, &library).map_err(SourceError::from)?
+        }
+        (None, name) => find(name.as_deref().unwrap_or(catalogue::DEFAULT), glasses, &host.search)?,
+    };
+    prescription.remarks.extend(misstated(&prescription));
+    Ok(prescription)
 }
 
 /// Wavelength in nm, and how far the lens is stopped down.

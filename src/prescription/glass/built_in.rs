@@ -15,6 +15,7 @@ const ALIASES: &[(&str, &str)] = &[
     ("N-KZFS4HT", "N-KZFS4"),
     ("SILICA", "F_SILICA"),
     ("FUSED_SILICA", "F_SILICA"),
+    ("C79-80", "F_SILICA"),
     ("FLUORITE", "CAF2"),
     ("ACRYLIC", "PMMA"),
     ("PC", "POLYCARB"),

@@ -13,6 +13,7 @@ pub use library::GlassLibrary;
 pub use lines::{C_LINE, D_LINE, F_LINE, VALID_WAVELENGTHS};
 
 use super::interfaces::{Medium, Sellmeier};
+use crate::message::short;
 
 /// Refractive index of `medium` at `wavelength` nm (within [`VALID_WAVELENGTHS`]).
 ///
@@ -30,6 +31,34 @@ pub fn refractive_index(medium: Medium, wavelength: f64) -> f64 {
         Medium::Sellmeier(constants) => sellmeier(constants, wavelength),
         Medium::Formula(formula) => formula.index(wavelength * 1e-3),
     }
+}
+
+/// That a formula gives a glass's indices where they will be used: three terms of Sellmeier's at all of
+/// [`VALID_WAVELENGTHS`], another between F and C.
+///
+/// # Errors
+/// What the constants give instead.
+pub(super) fn check(medium: Medium) -> Result<(), String> {
+    let (shortest, longest) = (*VALID_WAVELENGTHS.start(), *VALID_WAVELENGTHS.end());
+    let mut wavelengths = vec![F_LINE, D_LINE, C_LINE];
+    if let Medium::Sellmeier(constants) = medium {
+        let resonances = [shortest, longest].map(|wavelength| (wavelength * 1e-3).powi(2));
+        if let Some(c) = constants.c.iter().find(|c| (resonances[0]..=resonances[1]).contains(*c)) {
+            return Err(format!(
+                "C = {c} µm² is a resonance at {:.0} nm, between {shortest} and {longest} nm",
+                1e3 * c.sqrt()
+            ));
+        }
+        wavelengths.insert(0, shortest);
+        wavelengths.push(longest);
+    }
+    for wavelength in wavelengths {
+        let index = refractive_index(medium, wavelength);
+        if !(index > 1.0 && index < 5.0) {
+            return Err(format!("the constants give index {} at {wavelength} nm", short(index)));
+        }
+    }
+    Ok(())
 }
 
 /// n² = 1 + Σ B λ²/(λ² - C) with λ in µm; not a number where the sum has no root.

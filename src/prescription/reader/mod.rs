@@ -16,6 +16,7 @@ mod optical_bench;
 mod surfaces;
 mod table;
 mod text;
+mod zemax;
 
 use super::{
     error::LensFileError,
@@ -62,6 +63,13 @@ pub fn read_with(name: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Pre
     let prescription = match Format::of(&bytes) {
         Format::Table => table::read(name, &bytes, library),
         Format::OpticalBench => optical_bench::read(name, &bytes, library),
+        Format::Zemax => zemax::read(name, &bytes, library),
+        Format::GlassCatalogue => Err(LensFileError {
+            file: name.to_owned(),
+            line: 1,
+            column: 1,
+            message: "a catalogue of glasses (AGF), not a lens; give it as \"glasscatalog\"".to_owned(),
+        }),
     }?;
     Ok(Prescription { name: short_name, ..prescription })
 }
@@ -71,21 +79,30 @@ pub fn read_with(name: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Pre
 enum Format {
     Table,
     OpticalBench,
+    Zemax,
+    /// No lens at all.
+    GlassCatalogue,
 }
 
 impl Format {
     /// The format of a text: by a line that only it has.
     fn of(bytes: &[u8]) -> Self {
-        let mut lines = bytes.split(|byte| matches!(byte, b'\n' | b'\r')).map(<[u8]>::trim_ascii);
-        lines
-            .find_map(|line| {
-                if line.to_ascii_lowercase().starts_with(b"[lens data]") {
-                    Some(Self::OpticalBench)
-                } else {
-                    None
-                }
-            })
-            .unwrap_or(Self::Table)
+        let lines = bytes.split(|byte| matches!(byte, b'\n' | b'\r'));
+        let begins = |line: &[u8], word: &str, then: fn(&u8) -> bool| {
+            line.strip_prefix(word.as_bytes()).is_some_and(|rest| rest.first().is_some_and(then))
+        };
+        let known = |line: &[u8]| {
+            if line.trim_ascii().to_ascii_lowercase().starts_with(b"[lens data]") {
+                Some(Self::OpticalBench)
+            } else if begins(line, "SURF ", u8::is_ascii_digit) {
+                Some(Self::Zemax)
+            } else if begins(line, "NM ", |_| true) {
+                Some(Self::GlassCatalogue)
+            } else {
+                None
+            }
+        };
+        lines.into_iter().find_map(known).unwrap_or(Self::Table)
     }
 }
 

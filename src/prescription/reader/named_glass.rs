@@ -1,5 +1,5 @@
-//! Glasses that a file names and gives n_d and V of, too: the glass of the library where both are of one mind, else the
-//! two numbers, which is told once for all of them.
+//! Glasses that a file names and may give n_d and V of, too. A name and two numbers in; the medium, and what is told of
+//! glasses that are not known or have other numbers, once for all of them.
 
 use crate::{
     message::cut,
@@ -22,13 +22,15 @@ pub(super) struct NamedGlasses<'a> {
     known: Vec<(String, Medium)>,
     /// Names that are not known.
     unknown: Vec<String>,
-    /// Names of glasses with other numbers.
+    /// Names of glasses with other numbers, which are used.
     other: Vec<String>,
+    /// Names of glasses with other numbers, which are not used.
+    differs: Vec<String>,
 }
 
 impl<'a> NamedGlasses<'a> {
     pub(super) fn new(library: &'a GlassLibrary) -> Self {
-        Self { library, known: Vec::new(), unknown: Vec::new(), other: Vec::new() }
+        Self { library, known: Vec::new(), unknown: Vec::new(), other: Vec::new(), differs: Vec::new() }
     }
 
     /// The medium of a glass that the file calls `name`, empty for none, with n_d, more than 1, and V, positive.
@@ -57,8 +59,42 @@ impl<'a> NamedGlasses<'a> {
         }
     }
 
+    /// The medium of a glass that the file calls `name`, whatever numbers it gives of it; a glass that is not known is
+    /// that of the numbers, if there are some.
+    ///
+    /// # Errors
+    /// The glass is not known, and there are no numbers: what to do.
+    pub(super) fn by_name(
+        &mut self,
+        name: &str,
+        n_d: Option<f64>,
+        abbe: Option<f64>,
+    ) -> Result<Medium, String> {
+        match (self.library.find(name), n_d) {
+            (Some(Ok(medium)), _) => {
+                if n_d.is_some_and(|n_d| !is_of(medium, n_d, abbe)) {
+                    note(&mut self.differs, name);
+                }
+                Ok(self.use_as(name, medium))
+            }
+            (_, Some(n_d)) => {
+                note(&mut self.unknown, name);
+                Ok(Medium::Glass { n_d, abbe })
+            }
+            (Some(Err(why)), None) => Err(format!("glass \"{}\": {why}", cut(name))),
+            (None, None) => {
+                let nearest = self.library.suggestion(name);
+                let name = cut(name);
+                Err(format!(
+                    "glass \"{name}\" is not known, and the file does not give its n_d{nearest}; put its maker's catalogue \
+                     (AGF) beside the lens file or give it as \"glasscatalog\""
+                ))
+            }
+        }
+    }
+
     /// Keeps the name for reports.
-    pub(super) fn use_as(&mut self, name: &str, medium: Medium) -> Medium {
+    fn use_as(&mut self, name: &str, medium: Medium) -> Medium {
         if self.known.iter().all(|(known, _)| known != name) {
             self.known.push((name.to_owned(), medium));
         }
@@ -69,6 +105,7 @@ impl<'a> NamedGlasses<'a> {
     pub(super) fn told(self, file: &str) -> (Vec<(String, Medium)>, Vec<String>) {
         let told = [
             (self.unknown, "not known; n_d and V of the file are used"),
+            (self.differs, "the file gives another n_d or V; those of the name are used"),
             (self.other, "known with another n_d or V; those of the file are used"),
         ];
         let told = told.iter().filter(|(names, _)| !names.is_empty()).map(|(names, what)| {
@@ -79,6 +116,13 @@ impl<'a> NamedGlasses<'a> {
         });
         (self.known, told.collect())
     }
+}
+
+/// Whether a glass has these numbers, or nearly.
+fn is_of(medium: Medium, n_d: f64, abbe: Option<f64>) -> bool {
+    let [d, f, c] = [D_LINE, F_LINE, C_LINE].map(|line| refractive_index(medium, line));
+    let own = (d - 1.0) / (f - c);
+    (d - n_d).abs() <= INDEX_APART && abbe.is_none_or(|abbe| (abbe - own).abs() <= ABBE_APART * own)
 }
 
 fn note(names: &mut Vec<String>, name: &str) {

@@ -44,6 +44,7 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
             text.error(sections.end, "the section [lens data] has no rows; expected at least one surface")
         );
     };
+    flare_stops(&mut rows);
     let stop = sections.lens.iter().position(|row| role(&row.cell(1)) == Role::Stop);
     let moving = variables.resolve(&text, &mut rows, &gaps, stop)?;
     remarks.extend(moving.remarks);
@@ -114,6 +115,19 @@ fn surface<'t>(
         asphere: None,
     };
     Ok((thickness, surface))
+}
+
+/// A plane in air is a flare stop where another row says that it is the stop.
+fn flare_stops(rows: &mut [SurfaceRow]) {
+    let has_stop = rows.iter().any(|row| row.role == Role::Stop);
+    let mut in_front = Medium::Air;
+    for row in rows.iter_mut().filter(|_| has_stop) {
+        let is_plane = row.radius.is_infinite() && row.asphere.is_none();
+        if is_plane && row.role == Role::Any && in_front == Medium::Air && row.medium == Medium::Air {
+            row.role = Role::FlareStop;
+        }
+        in_front = row.medium;
+    }
 }
 
 fn role(radius: &Cell<'_>) -> Role {

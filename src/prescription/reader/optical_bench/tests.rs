@@ -98,6 +98,13 @@ fn constants_say_which_terms_there_are() {
 }
 
 #[test]
+fn a_plane_in_air_beside_the_stop_is_a_flare_stop() {
+    let named = ok(ZOOM);
+    let unnamed = ok(&ZOOM.replace("3\tFS\t", "3\tInfinity\t"));
+    assert_eq!(unnamed.interfaces, named.interfaces);
+}
+
+#[test]
 fn a_glass_with_other_numbers_than_its_name_keeps_the_numbers() {
     let lens = ok(&ZOOM.replace("1.51680", "1.52"));
     assert_eq!(lens.interfaces[0].medium, Medium::Glass { n_d: 1.52, abbe: Some(64.17) });

@@ -7,13 +7,10 @@ use std::cell::RefCell;
 
 use super::lines::{Line, Lines, Word};
 use crate::{
-    message::{cut, short},
+    message::cut,
     prescription::{
         LensFileError,
-        glass::{
-            C_LINE, D_LINE, F_LINE, Formula, GlassLibrary, HIGHEST_POWER, LOWEST_POWER, VALID_WAVELENGTHS,
-            refractive_index,
-        },
+        glass::{Formula, GlassLibrary, HIGHEST_POWER, LOWEST_POWER, check},
         interfaces::{Medium, Sellmeier},
         limits::{MAX_INTERFACES, MAX_NAME_BYTES},
     },
@@ -114,7 +111,7 @@ impl<'a> Glasses<'a> {
             let message = format!("{} of {missing} constants; {FORM}", words.len());
             lines.error(glass, &message)
         })?;
-        check(medium).map_err(|wrong| lines.error(name, &wrong))?;
+        check(medium).map_err(|wrong| lines.error(name, &format!("{wrong}; {FORM}")))?;
         Ok((name, medium))
     }
 }
@@ -157,30 +154,6 @@ fn medium(formula: &str, constants: &[Option<f64>]) -> Result<Medium, &'static s
     }))
 }
 
-/// That the constants are a glass's where they will be used: three terms of Sellmeier's everywhere, others in the visible.
-fn check(medium: Medium) -> Result<(), String> {
-    let (shortest, longest) = (*VALID_WAVELENGTHS.start(), *VALID_WAVELENGTHS.end());
-    let mut wavelengths = vec![F_LINE, D_LINE, C_LINE];
-    if let Medium::Sellmeier(constants) = medium {
-        let resonances = [shortest, longest].map(|wavelength| (wavelength * 1e-3).powi(2));
-        if let Some(c) = constants.c.iter().find(|c| (resonances[0]..=resonances[1]).contains(*c)) {
-            return Err(format!(
-                "C = {c} µm² is a resonance at {:.0} nm, between {shortest} and {longest} nm; {FORM}",
-                1e3 * c.sqrt()
-            ));
-        }
-        wavelengths.insert(0, shortest);
-        wavelengths.push(longest);
-    }
-    for wavelength in wavelengths {
-        let index = refractive_index(medium, wavelength);
-        if !(index > 1.0 && index < 5.0) {
-            return Err(format!("the constants give index {} at {wavelength} nm; {FORM}", short(index)));
-        }
-    }
-    Ok(())
-}
-
 fn check_length(lines: &Lines, name: &Word) -> Result<(), LensFileError> {
     let length = name.text.len();
     if length <= MAX_NAME_BYTES {
@@ -198,7 +171,7 @@ fn is_name(text: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::prescription::{Prescription, reader::read};
+    use crate::prescription::{Prescription, glass::refractive_index, reader::read};
 
     const BK7: &str = "glass N-BK7 sellmeier B1=1.03961212 B2=0.231792344 B3=1.01046945 \
                        C1=0.00600069867 C2=0.0200179144 C3=103.560653\n";
