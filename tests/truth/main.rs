@@ -4,6 +4,7 @@
 mod afocal;
 mod autofocus;
 mod batch;
+mod blades;
 mod camera_parameters;
 mod catalogue;
 mod flat_field;

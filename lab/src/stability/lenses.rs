@@ -39,6 +39,7 @@ pub fn lens(name: &str, rows: &[Row]) -> Lens {
         interfaces,
         nominal_film_distance: None,
         positions: None,
+        blades: None,
         remarks: Vec::new(),
         stated_focal_length: None,
         stated: Stated::default(),

@@ -122,8 +122,7 @@ pub fn phone_lens() -> Prescription {
         stated: Stated::default(),
         glasses: Vec::new(),
         positions: None,
+        blades: None,
         remarks: Vec::new(),
-        stated: Default::default(),
-        glasses: Vec::new(),
     }
 }

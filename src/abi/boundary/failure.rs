@@ -23,6 +23,8 @@ impl From<CameraError> for Failure {
             | CameraError::TooFar { .. }
             | CameraError::DarkAxis { .. }
             | CameraError::Weight { .. }
+            | CameraError::NoBlades { .. }
+            | CameraError::NoStopForBlades { .. }
             | CameraError::Transform(_)
             | CameraError::Raster { .. } => realistic_status::InvalidParameter,
         };

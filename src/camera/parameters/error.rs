@@ -99,6 +99,18 @@ pub enum CameraError {
          \"focusdistance\", or leave out \"focusby\""
     )]
     FilmStays,
+    /// What blades are like was given, and there are none.
+    #[error("\"{name}\" says what the stop's blades are like, and there are none; give \"blades\", how many")]
+    NoBlades {
+        /// The parameter.
+        name: &'static str,
+    },
+    /// The lens has no stop that blades could stand in.
+    #[error("lens \"{lens}\" has no stop row for \"blades\" to stand in; leave them out")]
+    NoStopForBlades {
+        /// The lens.
+        lens: String,
+    },
     /// The lens cannot focus so near, which may be said in other units than it is meant.
     #[error(
         "{error}; \"focusdistance\" {} is in world units, each of 1 mm here: if the scene's are others, give \"mmperunit\", \

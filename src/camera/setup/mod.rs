@@ -3,6 +3,7 @@
 //! `common` is what every model has, `prescribed` the set-up of the models with a lens file, with the film put in its
 //! place by `focusing` and the lens's groups in theirs by `groups`, of which `facts` is what a user may ask. What only the projections have is read in `models::stock_cameras`.
 
+mod blades;
 mod common;
 mod facts;
 mod focusing;

@@ -1,6 +1,7 @@
 //! The set-up of the models with a lens file: the lens, the film in its place, and what the camera is to be.
 
 use super::{
+    blades::blades,
     common::{disk_mapping, placement, raster},
     facts::Facts,
     focusing::{FilmPlace, Focusing, place_film},
@@ -21,7 +22,7 @@ use crate::{
     },
     message::{Level, Log},
     plan::Precision,
-    prescription::{Prescription, SourceError, catalogue, glass_library, read_with},
+    prescription::{Blades, Prescription, SourceError, catalogue, glass_library, read_with},
     sampling::DiskMapping,
 };
 
@@ -29,6 +30,8 @@ use crate::{
 #[derive(Clone, Debug)]
 pub(crate) struct Setup {
     pub facts: Facts,
+    /// Those in the stop, if it is not round.
+    pub blades: Option<Blades>,
     pub refraction: Refraction,
     pub pupil: Pupil,
     pub mapping: DiskMapping,
@@ -58,7 +61,8 @@ impl Setup {
         }
         let film = Film::new(raster(host)?, given.filmdiag()?);
         let mm_per_unit = given.mmperunit()?;
-        let (_, optics) = open(given, host, focusing, log).map_err(|error| with_units(error, given))?;
+        let (prescription, optics) =
+            open(given, host, focusing, log).map_err(|error| with_units(error, given))?;
         let (film_distance, in_focus) = place_film(&optics, film_place(given)?, focusing, log)
             .map_err(|error| with_units(error, given))?;
         // Where the groups have done it, it was asked for.
@@ -67,6 +71,7 @@ impl Setup {
         check_reach(&lens, film_distance, mm_per_unit)?;
         Ok(Self {
             facts: Facts { lens, first_order, entrance, film, film_distance, focus_distance },
+            blades: blades(given, &prescription)?,
             refraction: given.refraction(),
             pupil: given.pupil(),
             mapping: disk_mapping(given, host)?,

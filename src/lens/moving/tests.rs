@@ -48,6 +48,7 @@ fn zoom(gaps: &[f64], near: &[f64]) -> Prescription {
         stated: Default::default(),
         glasses: Default::default(),
         positions: Some(Positions { gaps: vec![1, 4], columns: columns.chain(near).collect() }),
+        blades: None,
         remarks: Vec::new(),
     }
 }
