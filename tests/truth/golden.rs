@@ -104,6 +104,35 @@ fn first_order_data_agree_with_optiland_and_rayoptics() {
     }
 }
 
+#[test]
+fn files_are_read_as_optiland_and_rayoptics_read_them() {
+    use realistic::prescription::read;
+    let mut rays = 0;
+    for table_file in ["files_optiland.csv", "files_rayoptics.csv"] {
+        for row in table(table_file) {
+            let path = format!("{}/tests/golden/files/{}", env!("CARGO_MANIFEST_DIR"), row[0]);
+            let prescription = read(&row[0], &std::fs::read(&path).expect("a file")).expect("a lens");
+            let lens = Lens::at_d_line(&prescription);
+            let own = FirstOrder::of(&lens).expect("focal");
+            let value = match row[1].as_str() {
+                "focal_length" => own.focal_length,
+                "back_focal_distance" => own.back_focal_distance(),
+                _ => {
+                    let expected = ray(numbers(&row[8..14]));
+                    let got = Path::<f64>::scene_to_film(&lens).trace(ray(numbers(&row[2..8])));
+                    let (p, d) = difference(got.unwrap_or_else(|why| panic!("{row:?}: {why}")), expected);
+                    assert!(p < 1e-10 && d < 1e-12, "{table_file} {row:?}: {p:e} mm, {d:e} rad");
+                    rays += 1;
+                    continue;
+                }
+            };
+            let expected: f64 = row[2].parse().expect("a number");
+            assert!((value / expected - 1.0).abs() < 1e-9, "{table_file} {row:?}: {value}");
+        }
+    }
+    assert_eq!(rays, 150);
+}
+
 /// Focal length and focal points by the lecture's recipe: an exact ray parallel to the axis, at a ten-thousandth of the
 /// smallest clear aperture from it, crosses the axis at the focal point, and meets its own continuation in the principal
 /// plane; one from each side. What is left is the third-order aberration at that height, about 1e-7 of the focal length.
