@@ -123,5 +123,7 @@ pub fn phone_lens() -> Prescription {
         glasses: Vec::new(),
         positions: None,
         remarks: Vec::new(),
+        stated: Default::default(),
+        glasses: Vec::new(),
     }
 }
