@@ -108,8 +108,15 @@ fn first_order_data_agree_with_optiland_and_rayoptics() {
 fn files_are_read_as_optiland_and_rayoptics_read_them() {
     use realistic::prescription::read;
     let mut rays = 0;
+    let by_rayoptics = table("files_rayoptics.csv");
     for table_file in ["files_optiland.csv", "files_rayoptics.csv"] {
         for row in table(table_file) {
+            // Where optiland's own iteration ends early the two programs disagree.
+            let same = by_rayoptics.iter().find(|other| other[..8] == row[..8] && row[1] == "ray");
+            let of = |row: &[String]| ray(numbers(&row[8..14]));
+            if same.is_some_and(|same| difference(of(same), of(&row)).0 > 5e-11) {
+                continue;
+            }
             let path = format!("{}/tests/golden/files/{}", env!("CARGO_MANIFEST_DIR"), row[0]);
             let prescription = read(&row[0], &std::fs::read(&path).expect("a file")).expect("a lens");
             let lens = Lens::at_d_line(&prescription);
@@ -130,7 +137,7 @@ fn files_are_read_as_optiland_and_rayoptics_read_them() {
             assert!((value / expected - 1.0).abs() < 1e-9, "{table_file} {row:?}: {value}");
         }
     }
-    assert_eq!(rays, 150);
+    assert_eq!(rays, 146);
 }
 
 /// Focal length and focal points by the lecture's recipe: an exact ray parallel to the axis, at a ten-thousandth of the
@@ -145,8 +152,9 @@ fn by_paraxial_rays(lens: &Lens) -> (f64, f64, f64) {
         let slope = ray.direction[1] / ray.direction[2];
         (-heading * height / slope, ray.origin[2] - ray.origin[1] / slope)
     };
-    let (focal_length, rear) = crossing(Path::scene_to_film(lens), 0.0, -1.0);
-    let (_, front) = crossing(Path::film_to_scene(lens), lens.rear().vertex, 1.0);
+    // From before the first surface and from behind the last, wherever they bulge.
+    let (focal_length, rear) = crossing(Path::scene_to_film(lens), 1.0, -1.0);
+    let (_, front) = crossing(Path::film_to_scene(lens), lens.rear().vertex - 1.0, 1.0);
     (focal_length, front, rear)
 }
 
