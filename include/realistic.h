@@ -461,6 +461,11 @@ typedef struct realistic_options {
      more and finite, in pixels; default 0.
      */
     double tolerance;
+    /*
+     Parameter `glasscatalog`: glass catalogue (AGF) in which glasses that a lens file names are looked up first, before
+     catalogues beside the file and the built-in glasses.
+     */
+    const char *glasscatalog;
 } realistic_options;
 
 /*

@@ -1,6 +1,6 @@
 //! A telephone's lens: six plastic elements, twelve strong aspheres.
 
-use realistic::prescription::{Asphere, FIRST_POWER, Interface, Medium, Prescription, Shape, Stated};
+use realistic::prescription::{Asphere, FIRST_POWER, Interface, Medium, Prescription, Shape};
 
 /// Radius, thickness, n_d and V behind (0: air), clear diameter, conic constant, and A4, A6, ….
 type Row = (f64, f64, [f64; 2], f64, f64, &'static [f64]);
@@ -119,8 +119,6 @@ pub fn phone_lens() -> Prescription {
         interfaces,
         nominal_film_distance: film,
         stated_focal_length: Some(4.1),
-        stated: Stated::default(),
-        glasses: Vec::new(),
         positions: None,
         blades: None,
         remarks: Vec::new(),

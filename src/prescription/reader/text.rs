@@ -66,6 +66,12 @@ impl Cell<'_> {
         cut(self.text)
     }
 
+    /// Whether the cell says infinity.
+    pub(super) fn is_infinite(&self) -> bool {
+        let unsigned = self.text.trim_start_matches(['+', '-']);
+        ["inf", "infinity"].iter().any(|known| unsigned.eq_ignore_ascii_case(known))
+    }
+
     /// The finite number that the cell has, if it has one.
     pub(super) fn number(&self) -> Option<f64> {
         self.text.parse().ok().filter(|number: &f64| number.is_finite())

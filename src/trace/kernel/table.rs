@@ -396,7 +396,7 @@ mod tests {
         let balls = Lens::at_d_line(&read("balls", row.as_bytes()).expect("a lens"));
         for direction in [Direction::FilmToScene, Direction::SceneToFilm] {
             assert!(renormalisations(&balls, direction) >= 3);
-            for name in catalogue::names() {
+            for name in catalogue::names().take(5) {
                 let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
                 assert_eq!(renormalisations(&lens, direction), 0, "{name}");
             }

@@ -1,5 +1,6 @@
 //! The lenses of the catalogue, a line each.
 
+use crate::drawing::catalogue::Entry;
 use realistic::lens::{Lens, first_order::FirstOrder, pupil::EntrancePupil};
 use realistic::prescription::{Prescription, catalogue};
 use std::fmt::Write as _;
@@ -25,6 +26,21 @@ pub fn text() -> String {
         );
     }
     text
+}
+
+/// The lenses with a line of words each, to be drawn on one page.
+pub fn drawn() -> Vec<Entry> {
+    let entry = |name| {
+        let prescription = catalogue::find(name).expect("listed");
+        let lens = Lens::at_d_line(&prescription);
+        let focused = || FirstOrder::of(&lens).map_or(0.0, |optics| optics.back_focal_distance());
+        Entry {
+            film_distance: prescription.nominal_film_distance.unwrap_or_else(focused),
+            text: prescription.title.unwrap_or_default(),
+            lens,
+        }
+    };
+    catalogue::names().map(entry).collect()
 }
 
 /// The least and the greatest, or the one that there is.

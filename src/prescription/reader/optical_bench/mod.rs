@@ -86,7 +86,7 @@ fn surface<'t>(
         radius: match radius.text {
             _ if role != Role::Any => f64::INFINITY,
             "CG" | "cg" => f64::INFINITY,
-            word if is_infinite(word) => f64::INFINITY,
+            _ if radius.is_infinite() => f64::INFINITY,
             _ => match number(
                 &radius,
                 "a radius in mm, Infinity, AS (stop), FS (flare stop) or CG (cover glass)",
@@ -137,11 +137,6 @@ fn role(radius: &Cell<'_>) -> Role {
         "FS" => Role::FlareStop,
         _ => Role::Any,
     }
-}
-
-fn is_infinite(word: &str) -> bool {
-    let unsigned = word.trim_start_matches(['+', '-']);
-    ["inf", "infinity"].iter().any(|known| unsigned.eq_ignore_ascii_case(known))
 }
 
 /// A glass's name without what collectors add: a remark, a question mark for a doubt.

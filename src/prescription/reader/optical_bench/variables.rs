@@ -2,7 +2,7 @@
 //! name the variables; some are known by their names: `Focal Length`, `F-Number`, `Angle of View`, `Aperture Diameter`,
 //! and the object's distance, `d0` from the first vertex or `S` from the film.
 
-use super::{is_infinite, sections::Row};
+use super::sections::Row;
 use crate::{
     message::{cut, nearest},
     prescription::{
@@ -131,7 +131,7 @@ impl<'a, 't> Variables<'a, 't> {
     fn unknown(&self, text: &Text<'_>, cell: &Cell<'_>) -> LensFileError {
         let names = self.rows.iter().map(|row| row.cell(0).text);
         let hint = nearest(cell.text, names).map_or_else(String::new, |name| format!("; \"{name}\"?"));
-        let message = if is_infinite(cell.text) {
+        let message = if cell.is_infinite() {
             "a thickness without end; a lens's surfaces stand at finite distances".to_owned()
         } else {
             format!(
