@@ -29,6 +29,9 @@ class LibraryHook(BuildHookInterface[Any]):
                 "this package is built from a checkout of the whole project, whose library it carries, and has no "
                 "source distribution: use `pip install ./python` or `pip wheel --no-deps ./python`"
             )
+        if version == "editable":
+            # The source tree has no library: REALISTIC_PLUGIN names one when Python runs.
+            return
         workspace = Path(self.root).parent
         named = os.environ.get("REALISTIC_LIBRARY")
         library = Path(named) if named else build(workspace)
@@ -37,11 +40,10 @@ class LibraryHook(BuildHookInterface[Any]):
         platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
         build_data["tag"] = f"py3-none-{platform}"
         build_data["pure_python"] = False
-        # Both names: the second is what hatchling reads of an editable installation.
-        for key in ("force_include", "force_include_editable"):
-            build_data.setdefault(key, {})[str(library)] = f"realistic/{NAME}"
-            for licence in ("LICENSE-MIT", "LICENSE-APACHE"):
-                build_data[key][str(workspace / licence)] = f"realistic/licenses/{licence}"
+        included = build_data["force_include"]
+        included[str(library)] = f"realistic/{NAME}"
+        for licence in ("LICENSE-MIT", "LICENSE-APACHE"):
+            included[str(workspace / licence)] = f"realistic/licenses/{licence}"
 
 
 def build(workspace: Path) -> Path:

@@ -14,7 +14,8 @@ from collections.abc import Callable
 import numpy as np
 
 import realistic
-from realistic import _abi, rays as engine
+from realistic import _abi
+from realistic import rays as engine
 
 N = 1_000_000
 ROUNDS = 25
@@ -43,7 +44,7 @@ def cases(camera: realistic.Camera) -> dict[str, Callable[[], object]]:
     sample_rows = np.concatenate([xy, uv, np.zeros((N, 1), np.float32)], axis=1)
     ray_rows, weights = np.zeros((N, 9), np.float32), np.zeros(N, np.float32)
 
-    def c_structures() -> None:
+    def c_structures(ray_rows: np.ndarray = ray_rows, weights: np.ndarray = weights) -> None:
         addresses = [array.ctypes.data for array in (sample_rows, ray_rows, weights)]
         assert structures(pointer, N, addresses[0], 20, addresses[1], 36, addresses[2], None) == 0
 
@@ -51,6 +52,7 @@ def cases(camera: realistic.Camera) -> dict[str, Callable[[], object]]:
         "C, columns": lambda: c(out),
         "C, columns, new memory": lambda: c(realistic.Rays.empty(N)),
         "C, structures": c_structures,
+        "C, structures, new memory": lambda: c_structures(np.zeros((N, 9), np.float32), np.zeros(N, np.float32)),
         "columns, out=": lambda: camera.rays(xy_columns, uv_columns, out=out),
         "columns": lambda: camera.rays(xy_columns, uv_columns),
         "(n, 2) in C order, out=": lambda: camera.rays(xy, uv, out=out),
@@ -72,13 +74,15 @@ def main() -> None:
             run()
             taken[name].append((time.thread_time_ns() - begin) / N)
     base = {name: "C, columns" for name in todo}
-    base["C, columns, new memory"] = base["columns"] = base["(n, 2) in C order"] = "C, columns, new memory"
+    of_structures = dict.fromkeys(todo, "C, structures")
+    for name in ("C, columns, new memory", "columns", "(n, 2) in C order"):
+        base[name], of_structures[name] = "C, columns, new memory", "C, structures, new memory"
     for name in ("columns, out= without mint, maxt, time", "(n, 2) in C order, out= (n, 3) in C order"):
         base[name] = "C, columns, no mint, maxt, time"
-    print("| | ns per ray | of the C call with the same output | of C, structures |\n|---|---|---|---|")
+    print("| | ns per ray | of the C call with columns | of the C call with structures |\n|---|---|---|---|")
     for name, times in taken.items():
         ratios = [
-            statistics.median(t / b for t, b in zip(times, taken[other])) for other in (base[name], "C, structures")
+            statistics.median(t / b for t, b in zip(times, taken[other])) for other in (base[name], of_structures[name])
         ]
         print(f"| {name} | {statistics.median(times):.2f} | {ratios[0]:.3f} | {ratios[1]:.3f} |")
 

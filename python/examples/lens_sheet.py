@@ -1,6 +1,6 @@
 """A sheet of plots for a lens: illumination, spots, MTF, distortion.
 
-    python lens_sheet.py dgauss.50mm sheet.png
+python lens_sheet.py dgauss.50mm sheet.png
 """
 
 import sys
@@ -26,4 +26,4 @@ def main(lens: str, out: str) -> None:
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:3])
+    main(sys.argv[1], sys.argv[2])

@@ -1,6 +1,6 @@
 """A small renderer in NumPy: balls on a chequered floor, through a real lens.
 
-    python picture.py dgauss.50mm picture.png
+python picture.py dgauss.50mm picture.png
 """
 
 import sys
@@ -73,9 +73,7 @@ def shade(origin: Array, direction: Array) -> Array:
 
 
 def main(lens: str, out: str, width: int = 450, height: int = 300, side: int = 8) -> None:
-    camera = realistic.Camera(
-        lens, resolution=(width, height), focusdistance=1220.0, weighting="relative"
-    )
+    camera = realistic.Camera(lens, resolution=(width, height), focusdistance=1220.0, weighting="relative")
     random = np.random.default_rng(1)
     y, x = np.mgrid[0:height, 0:width].astype(np.float32)
     corner = np.stack([x.ravel(), y.ravel()]).T
@@ -88,10 +86,10 @@ def main(lens: str, out: str, width: int = 450, height: int = 300, side: int = 8
         passed = rays.weight > 0
         seen = rays[passed]
         picture[passed] += seen.weight[:, None] * shade(seen.origin, seen.direction)
-    picture = (picture / side**2).reshape(height, width, 3)
-    plt.imsave(out, np.clip(picture, 0, 1) ** (1 / 2.2))
+    shown = np.clip(picture / side**2, 0, 1) ** (1 / 2.2)
+    plt.imsave(out, shown.reshape(height, width, 3))
     print(f"{out}: {camera}")
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:3])
+    main(sys.argv[1], sys.argv[2])

@@ -17,7 +17,13 @@ from realistic.bundles import film_plane, in_camera_space
         ({"fov": 60.0, "frameaspectratio": 2.0}, 160 / np.tan(np.pi / 6), 240 / np.tan(np.pi / 6), 319.5, 239.5),
         # x from -1 to 2: the axis is a third across.
         ({"fov": 90.0, "screenwindow": (-1, 2, -1, 1)}, 640 / 3, 240, 640 / 3 - 0.5, 239.5),
-        ({"fov": 60.0, "lensradius": 0.2, "focaldistance": 5.0}, 240 / np.tan(np.pi / 6), 240 / np.tan(np.pi / 6), 319.5, 239.5),
+        (
+            {"fov": 60.0, "lensradius": 0.2, "focaldistance": 5.0},
+            240 / np.tan(np.pi / 6),
+            240 / np.tan(np.pi / 6),
+            319.5,
+            239.5,
+        ),
     ],
 )
 def test_a_perspective_is_its_own_pinhole(parameters, fx, fy, cx, cy):
@@ -43,7 +49,9 @@ def test_the_thin_lens_has_its_focal_length_at_infinity(unit):
 
 
 @pytest.mark.parametrize("model", ["lens", "thick", "thin"])
-@pytest.mark.parametrize(("lens", "length"), [("dgauss.50mm", 32.04), ("telephoto.250mm", 102.78), ("wide.22mm", 33.37114)])
+@pytest.mark.parametrize(
+    ("lens", "length"), [("dgauss.50mm", 32.04), ("telephoto.250mm", 102.78), ("wide.22mm", 33.37114)]
+)
 def test_the_film_plane_is_found(model, lens, length):
     """The lenses' lengths are those of tests/golden (truth_scene_*.csv): where the last vertex lies."""
     camera = Camera(lens, model=model, resolution=(300, 200), mmperunit=10.0)

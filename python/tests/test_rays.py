@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 import realistic
-from realistic import Rays, _abi, rays as engine
+from realistic import Rays, _abi
+from realistic import rays as engine
 
 FIELDS = ("origin", "direction", "weight", "mint", "maxt", "time")
 
@@ -211,10 +212,18 @@ def wrong_out(n):
     frozen.flags.writeable = False
     shared = np.zeros((n, 6), np.float32)
     return [
-        (change(origin=np.zeros((n, 2), np.float32)), ValueError, r"out.origin must have shape \(4, 3\), and has \(4, 2\)"),
+        (
+            change(origin=np.zeros((n, 2), np.float32)),
+            ValueError,
+            r"out.origin must have shape \(4, 3\), and has \(4, 2\)",
+        ),
         (change(weight=np.zeros(n + 1, np.float32)), ValueError, r"out.weight must have shape \(4,\), and has \(5,\)"),
         (change(direction=np.zeros((n, 3), int)), TypeError, "out.direction must hold float32, and has dtype int64"),
-        (change(reason=np.zeros(n, np.float32).astype(bool)), TypeError, "out.reason must hold int32, and has dtype bool"),
+        (
+            change(reason=np.zeros(n, np.float32).astype(bool)),
+            TypeError,
+            "out.reason must hold int32, and has dtype bool",
+        ),
         (change(origin=frozen), ValueError, "out.origin is read-only"),
         (change(direction=None), ValueError, "out.direction must not be None"),
         (change(mint=[0.0] * n), TypeError, "out.mint must be a NumPy array, not list"),

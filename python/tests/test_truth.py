@@ -14,7 +14,11 @@ def stock_cameras(checkout):
             model, width, height, *settings = rest
             parameters = dict(setting.split("=") for setting in settings)
             parameters = {
-                name: [float(n) for n in value.split(",")] if "," in value else value if name == "lensplane" else float(value)
+                name: [float(n) for n in value.split(",")]
+                if "," in value
+                else value
+                if name == "lensplane"
+                else float(value)
                 for name, value in parameters.items()
             }
             rows = []

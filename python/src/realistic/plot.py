@@ -70,7 +70,9 @@ def mtf(camera: Camera, ax: Axes | None = None, *, fields: Sequence[float] = FIE
     for i, field in enumerate(fields):
         ax.plot(frequencies, values[i, 0], color=f"C{i}", label=f"field {field:g}")
         ax.plot(frequencies, values[i, 1], color=f"C{i}", linestyle="--")
-    ax.set(title=f"{_name(camera)}: geometric MTF", xlabel="line pairs per mm on the film", xlim=(0, highest), ylim=(0, 1))
+    ax.set(
+        title=f"{_name(camera)}: geometric MTF", xlabel="line pairs per mm on the film", xlim=(0, highest), ylim=(0, 1)
+    )
     ax.legend(fontsize=8)
     ax.grid(alpha=0.3)
     return ax
