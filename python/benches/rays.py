@@ -1,6 +1,6 @@
 """What `Camera.rays` adds to the C call, for a batch of 1e6 rays of dgauss.50mm in arrays of several layouts.
 
-    python benches/rays.py
+$ python benches/rays.py
 
 Interleaved, thread CPU time, medians of the ratios to the C call that writes the same columns. The C calls go through ctypes
 with pointers made beforehand: the Python around them takes some microseconds of 15 ms.

@@ -1,6 +1,6 @@
 """The pinhole camera that fits a lens best, as OpenCV writes it.
 
-python intrinsics.py wide.22mm
+$ python intrinsics.py wide.22mm
 """
 
 import sys

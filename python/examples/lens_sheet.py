@@ -1,6 +1,6 @@
 """A sheet of plots for a lens: illumination, spots, MTF, distortion.
 
-python lens_sheet.py dgauss.50mm sheet.png
+$ python lens_sheet.py dgauss.50mm sheet.png
 """
 
 import sys

@@ -1,6 +1,6 @@
 """A small renderer in NumPy: balls on a chequered floor, through a real lens.
 
-python picture.py dgauss.50mm picture.png
+$ python picture.py dgauss.50mm picture.png
 """
 
 import sys

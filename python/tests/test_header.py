@@ -7,6 +7,7 @@ import pytest
 
 from realistic import Reason, _abi
 from realistic.autofocus import RULES
+from realistic.lens import SIDES
 from realistic.parameters import ALIASES, NAMES
 
 TYPES = {
@@ -21,6 +22,7 @@ TYPES = {
     "realistic_log": _abi.LOG,
     "float *": ctypes.c_void_p,
     "const float *": ctypes.c_void_p,
+    "double *": ctypes.c_void_p,
     "realistic_reason *": ctypes.c_void_p,
 }
 
@@ -29,6 +31,9 @@ STRUCTURES = {
     "realistic_camera_info": _abi.CameraInfo,
     "realistic_ray": _abi.Ray,
     "realistic_zone": _abi.Zone,
+    "realistic_lens_info": _abi.LensInfo,
+    "realistic_lens_surface": _abi.LensSurface,
+    "realistic_lens_rays": _abi.LensRaysPointers,
     "realistic_samples_soa": _abi.SamplesPointers,
     "realistic_rays_soa": _abi.RaysPointers,
 }
@@ -64,12 +69,13 @@ def test_functions_have_the_headers_arguments(header):
         assert count == len(arguments), name
 
 
-def test_reasons_and_rules_have_the_headers_numbers(header, checkout):
+def test_numbers_are_the_headers(header):
     reasons = dict(re.findall(r"REALISTIC_REASON_(\w+) = (\d+)", header))
     assert {reason.name: str(int(reason)) for reason in Reason} == reasons
-    source = (checkout / "src/abi/autofocus.rs").read_text()
-    rules = re.search(r"give 0 \((\w+)\), 1 \((\w+)\) or 2 \((\w+)\)", source).groups()
-    assert rules == RULES
+    for name, ours in (("AUTOFOCUS_RULE", RULES), ("SIDE", SIDES)):
+        found = re.findall(rf"REALISTIC_{name}_(\w+) = (\d+)", header)
+        assert [(word.upper(), str(i)) for i, word in enumerate(ours)] == found
+    assert int(re.search(r"define REALISTIC_ABI_VERSION (\d+)", header).group(1)) >= _abi.ABI_VERSION
 
 
 def test_parameters_are_those_of_the_readme(checkout):

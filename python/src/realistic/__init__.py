@@ -21,6 +21,7 @@ from .errors import (
     ParameterError,
 )
 from .intrinsics import Intrinsics
+from .lens import Lens, LensRays, Pupils, Surface
 from .parameters import Parameters
 from .rays import Rays, Reason
 
@@ -33,11 +34,15 @@ __all__ = [
     "Error",
     "FocusError",
     "Intrinsics",
+    "Lens",
     "LensFileError",
+    "LensRays",
     "OutOfMemoryError",
     "ParameterError",
     "Parameters",
+    "Pupils",
     "Rays",
     "Reason",
+    "Surface",
     "measure",
 ]

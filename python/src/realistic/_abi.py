@@ -12,7 +12,7 @@ import sys
 from ctypes import POINTER, c_char_p, c_double, c_float, c_int32, c_size_t, c_uint32, c_uint64, c_void_p
 from pathlib import Path
 
-ABI_VERSION = 2
+ABI_VERSION = 3
 """The least version of the C ABI that this package works with."""
 
 LOG = ctypes.CFUNCTYPE(None, c_void_p, c_int32, c_char_p)
@@ -92,6 +92,56 @@ class Zone(ctypes.Structure):
     _fields_ = [("left", c_float), ("top", c_float), ("right", c_float), ("bottom", c_float)]
 
 
+class LensInfo(ctypes.Structure):
+    """`realistic_lens_info`: what first-order optics says of a lens."""
+
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("surfaces", c_uint32),
+        ("stop", c_int32),
+        ("limiting", c_int32),
+        ("wavelength_nm", c_double),
+        ("focal_length_mm", c_double),
+        ("fnumber", c_double),
+        ("back_focal_distance_mm", c_double),
+        ("front_focal_point_mm", c_double),
+        ("rear_focal_point_mm", c_double),
+        ("front_principal_plane_mm", c_double),
+        ("rear_principal_plane_mm", c_double),
+        ("rear_vertex_mm", c_double),
+        ("entrance_pupil_mm", c_double),
+        ("entrance_pupil_diameter_mm", c_double),
+        ("exit_pupil_mm", c_double),
+        ("exit_pupil_diameter_mm", c_double),
+        ("stated_focal_length_mm", c_double),
+        ("nominal_film_distance_mm", c_double),
+    ]
+
+
+class LensSurface(ctypes.Structure):
+    """`realistic_lens_surface`: one surface of a lens."""
+
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("is_stop", c_uint32),
+        ("vertex_mm", c_double),
+        ("radius_mm", c_double),
+        ("thickness_mm", c_double),
+        ("index_scene", c_double),
+        ("index_film", c_double),
+        ("semi_diameter_mm", c_double),
+    ]
+
+
+class LensRaysPointers(ctypes.Structure):
+    """`realistic_lens_rays`: the columns of rays in lens space."""
+
+    _fields_ = [
+        ("struct_size", c_uint32),
+        *[(name, c_void_p) for name in ("ox", "oy", "oz", "dx", "dy", "dz", "reason")],
+    ]
+
+
 class SamplesPointers(ctypes.Structure):
     """`realistic_samples_soa`: the columns of samples."""
 
@@ -133,6 +183,14 @@ FUNCTIONS = {
         _STATUS,
         [c_void_p, c_size_t, POINTER(SamplesPointers), *[POINTER(RaysPointers)] * 3],
     ),
+    "realistic_lens_new": (_STATUS, [POINTER(Options), POINTER(c_void_p)]),
+    "realistic_lens_free": (None, [c_void_p]),
+    "realistic_lens_get_info": (_STATUS, [c_void_p, POINTER(LensInfo)]),
+    "realistic_lens_get_surface": (_STATUS, [c_void_p, c_uint32, POINTER(LensSurface)]),
+    "realistic_lens_get_name": (_STATUS, [c_void_p, c_char_p, c_size_t, POINTER(c_size_t)]),
+    "realistic_lens_focus": (_STATUS, [c_void_p, c_double, POINTER(c_double)]),
+    "realistic_lens_focused_on": (_STATUS, [c_void_p, c_double, POINTER(c_double)]),
+    "realistic_lens_trace": (_STATUS, [c_void_p, c_int32, c_size_t, POINTER(LensRaysPointers)]),
     "realistic_autofocus": (
         _STATUS,
         [POINTER(Options), POINTER(Zone), c_size_t, c_int32, DISTANCE, CONTRAST, c_void_p, POINTER(c_double)],
@@ -178,11 +236,11 @@ def version() -> str:
     return str(library.realistic_version().decode())
 
 
-def text_of(function: ctypes._NamedFuncPointer, camera: int) -> tuple[int, str]:
+def text_of(function: ctypes._NamedFuncPointer, pointer: int) -> tuple[int, str]:
     """The status and the text of a function that copies text into a buffer."""
     length = c_size_t()
-    status = function(camera, None, 0, ctypes.byref(length))
+    status = function(pointer, None, 0, ctypes.byref(length))
     buffer = ctypes.create_string_buffer(length.value + 1)
     if status == 0:
-        status = function(camera, buffer, len(buffer), None)
+        status = function(pointer, buffer, len(buffer), None)
     return status, buffer.value.decode()

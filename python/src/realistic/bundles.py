@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .errors import CameraWarning
+from .lens import Lens
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -132,33 +133,12 @@ def seen_from_pinhole(bundles: Bundles, plane: float) -> tuple[NDArray[np.float6
 
 
 def film_plane(plain: Camera) -> float:
-    """z of the film plane in camera space, world units, negative; of a camera of `in_camera_space` with a lens.
-
-    The C ABI gives the distance from the last vertex to the film, and not the lens's length. But of a camera that is focused
-    on a plane whose z is known, the distance from film to focus tells the rest.
-    """
-    unit = float(plain.parameters.get("mmperunit", 1.0))
-    far = 1000 * abs(plain.focal_length_mm) / unit
-    if plain.parameters.get("model", "lens") == "lens":
-        width, height = plain.resolution
-        middle = [[width / 2 - 0.5, height / 2 - 0.5, width / 2 + 0.5, height / 2 + 0.5]]
-        film_distance = plain.autofocus(middle, distance=lambda o, d: float((far - float(o[2])) / float(d[2])))
-        with quietly(), plain.replace(filmdistance=film_distance) as focused:
-            behind = focused.focus_distance_mm - far * unit - film_distance
-    else:
-        # By first-order optics all rays of a film point meet in one point.
-        with quietly(), plain.replace(focusdistance=far / 50) as focused:
-            behind = focused.focus_distance_mm - _meeting(focused) * unit - focused.film_distance_mm
-    return -(behind + plain.film_distance_mm) / unit
-
-
-def _meeting(plain: Camera) -> float:
-    """z of where the rays from the middle of the picture come nearest to each other, by least squares."""
-    bundle = bundles_of(plain, np.array([plain.resolution], np.float64) / 2, lens_grid(32))
-    at = bundle.at - bundle.mean(bundle.at)[:, None]
-    slope = bundle.slope - bundle.mean(bundle.slope)[:, None]
-    weight = bundle.weight[..., None]
-    return -float((weight * at * slope).sum() / (weight * slope * slope).sum())
+    """z of the film plane in camera space, world units, negative; of a camera of `in_camera_space` with a lens."""
+    given = plain.parameters
+    with quietly():
+        names = ("specfile", "lens_text", "wavelength", "aperture_diameter", "fnumber")
+        lens = Lens(**{name: given[name] for name in names if name in given})
+    return (lens.rear_vertex_mm - plain.film_distance_mm) / float(given.get("mmperunit", 1.0))
 
 
 def plane_in_focus(plain: Camera) -> float:

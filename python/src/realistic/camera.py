@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-import logging
 import warnings
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
@@ -13,7 +12,8 @@ import numpy as np
 from . import autofocus as _autofocus
 from . import intrinsics as _intrinsics
 from . import rays as _rays
-from ._abi import LOG, CameraInfo, Options, library, text_of
+from ._abi import CameraInfo, library, text_of
+from ._handle import Borrowed, Handle, build
 from .errors import CameraWarning, check, warn
 from .parameters import ALIASES, INSTEAD_OF, canonical, matrix_of, options_of, resolution_of
 
@@ -27,25 +27,6 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from .parameters import Parameters
-
-_log = logging.getLogger("realistic")
-
-
-class _Handle:
-    """A camera of the library's, freed with the last reference: a call in another thread holds one, too."""
-
-    def __init__(self, pointer: int) -> None:
-        self.pointer = pointer
-
-    def __del__(self, free: Any = library.realistic_camera_free) -> None:
-        free(self.pointer)
-
-
-class _Borrowed:
-    """A camera that somebody else frees."""
-
-    def __init__(self, pointer: int) -> None:
-        self.pointer = pointer
 
 
 class Camera:
@@ -117,8 +98,9 @@ class Camera:
         for name, time in (("transformstart", transformstart), ("transformend", transformend)):
             if time is not None:
                 self._pose[name] = time
-        self._handle: _Handle | _Borrowed | None = None
-        self._handle, told = _built(options_of(self._parameters, self._resolution, self._pose))
+        self._handle: Handle | Borrowed | None = None
+        options = options_of(self._parameters, self._resolution, self._pose)
+        self._handle, told = build(options, library.realistic_camera_new, library.realistic_camera_free)
         for message in told:
             warn(message)
 
@@ -321,7 +303,7 @@ class Camera:
         def with_trial(pointer: int, zone: tuple[float, float, float, float]) -> float | None:
             trial = Camera.__new__(Camera)
             trial._parameters, trial._resolution, trial._pose = parameters, self._resolution, self._pose
-            trial._handle = _Borrowed(pointer)
+            trial._handle = Borrowed(pointer)
             with trial:
                 return contrast(trial, zone)  # type: ignore[misc]
 
@@ -356,7 +338,7 @@ class Camera:
     def _arguments(self) -> dict[str, Any]:
         return {**self._parameters, **self._pose, "resolution": self._resolution}
 
-    def _live(self) -> _Handle | _Borrowed:
+    def _live(self) -> Handle | Borrowed:
         handle = self._handle
         if handle is None:
             raise ValueError("this camera is closed")
@@ -367,25 +349,6 @@ class Camera:
         info = CameraInfo(struct_size=ctypes.sizeof(CameraInfo))
         check(library.realistic_camera_get_info(handle.pointer, ctypes.byref(info)))
         return info
-
-
-def _built(options: Options) -> tuple[_Handle, list[str]]:
-    """A camera of the library's, and what it warns of."""
-    told: list[str] = []
-
-    @LOG  # type: ignore[untyped-decorator]
-    def log(_user: Any, level: int, message: bytes) -> None:
-        text = message.decode(errors="replace")
-        if level == 0:
-            _log.info(text)
-        else:
-            told.append(text)
-
-    options.log = log
-    pointer = ctypes.c_void_p()
-    check(library.realistic_camera_new(ctypes.byref(options), ctypes.byref(pointer)))
-    assert pointer.value is not None
-    return _Handle(pointer.value), told
 
 
 def _again(arguments: dict[str, Any]) -> Camera:

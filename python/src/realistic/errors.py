@@ -57,6 +57,7 @@ _BY_STATUS: dict[int, type[Error]] = {
     7: DefectError,
     8: DefectError,
     9: OutOfMemoryError,
+    11: DefectError,
 }
 
 

@@ -1,6 +1,6 @@
-"""Plots of a camera's lens with matplotlib: `pip install "./python[plot]"`.
+"""Plots of a lens with matplotlib: `pip install "./python[plot]"`.
 
-Each takes a camera and, if wanted, the axes to draw into, and returns the axes.
+Each takes a camera or a lens and, if wanted, the axes to draw into, and returns the axes.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from .camera import Camera
+    from .lens import Lens
 
 FIELDS = (0.0, 0.5, 0.7, 0.95)
 """Shares of the half diagonal at which lenses are mostly looked at."""
@@ -88,6 +89,56 @@ def distortion(camera: Camera, ax: Axes | None = None) -> Axes:
     ax.set(title=f"{_name(camera)}: distortion", xlabel="percent", ylabel="field, of the half diagonal", ylim=(0, 1))
     ax.grid(alpha=0.3)
     return ax
+
+
+def section(lens: Lens, ax: Axes | None = None) -> Axes:
+    """A lens's cross-section: glass, stop, pupils, principal planes and focal points; the scene is on the left.
+
+    An asphere is drawn as the sphere of its radius at the vertex.
+    """
+    ax = ax or plt.subplots(figsize=(8, 4))[1]
+    surfaces = lens.surfaces
+    outlines = []
+    for surface in surfaces:
+        h = np.linspace(-1, 1, 101) * min(surface.semi_diameter_mm, abs(surface.radius_mm))
+        sag = 0 * h if np.isinf(surface.radius_mm) else _sag(surface.radius_mm, h)
+        # To the right is toward the film.
+        outlines.append((sag - surface.vertex_mm, h))
+    for surface, here, there in zip(surfaces, outlines, outlines[1:]):
+        if surface.index_film > 1:
+            x, y = (np.concatenate([a, b[::-1]]) for a, b in zip(here, there))
+            ax.fill(x, y, facecolor="lightsteelblue", edgecolor="none", alpha=0.7)
+    for surface, (x, y) in zip(surfaces, outlines):
+        if surface.is_stop:
+            outer = 1.25 * max(other.semi_diameter_mm for other in surfaces)
+            for sign in (-1, 1):
+                ax.plot([x[0]] * 2, [sign * surface.semi_diameter_mm, sign * outer], color="black", linewidth=2.5)
+        else:
+            ax.plot(x, y, color="black", linewidth=0.9)
+    pupils = lens.pupils
+    for at, diameter, label, colour in (
+        (pupils.entrance_mm, pupils.entrance_diameter_mm, "entrance pupil", "tab:green"),
+        (pupils.exit_mm, pupils.exit_diameter_mm, "exit pupil", "tab:red"),
+    ):
+        if np.isfinite([at, diameter]).all():
+            ax.plot([-at] * 2, [-diameter / 2, diameter / 2], "--", color=colour, linewidth=1, label=label)
+    for at, label in zip(lens.principal_planes_mm, ("front principal plane", "rear principal plane")):
+        if np.isfinite(at):
+            ax.axvline(-at, color="tab:purple", linewidth=0.7, linestyle=":", label=label)
+    points = [-at for at in lens.focal_points_mm if np.isfinite(at)]
+    ax.plot(points, [0.0] * len(points), "o", color="tab:orange", markersize=4, label="focal points")
+    ax.axhline(0, color="0.6", linewidth=0.6)
+    ax.set_aspect("equal")
+    ax.set(
+        title=f"{lens.name}: f = {lens.focal_length_mm:.4g} mm, f/{lens.fnumber:.3g}", xlabel="mm from the front vertex"
+    )
+    ax.legend(fontsize=7, loc="upper right")
+    return ax
+
+
+def _sag(radius: float, h: NDArray[np.float64]) -> NDArray[np.float64]:
+    """How far toward the film a sphere is at height h, from its vertex."""
+    return radius - np.sign(radius) * np.sqrt(radius * radius - h * h)
 
 
 def _points(camera: Camera, fields: Sequence[float]) -> NDArray[np.float64]:
