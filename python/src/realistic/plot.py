@@ -122,9 +122,9 @@ def section(lens: Lens, ax: Axes | None = None) -> Axes:
     ):
         if np.isfinite([at, diameter]).all():
             ax.plot([-at] * 2, [-diameter / 2, diameter / 2], "--", color=colour, linewidth=1, label=label)
-    for at, label in zip(lens.principal_planes_mm, ("front principal plane", "rear principal plane")):
+    for at, side, line in zip(lens.principal_planes_mm, ("front", "rear"), (":", "-.")):
         if np.isfinite(at):
-            ax.axvline(-at, color="tab:purple", linewidth=0.7, linestyle=":", label=label)
+            ax.axvline(-at, color="tab:purple", linewidth=0.7, linestyle=line, label=f"{side} principal plane")
     points = [-at for at in lens.focal_points_mm if np.isfinite(at)]
     ax.plot(points, [0.0] * len(points), "o", color="tab:orange", markersize=4, label="focal points")
     ax.axhline(0, color="0.6", linewidth=0.6)
