@@ -57,7 +57,8 @@ def build(workspace: Path) -> Path:
     manifest = workspace / "Cargo.toml"
     if not manifest.is_file():
         raise SystemExit(f"{manifest} is not there: the package is built from a checkout of the whole project")
-    target = Path(os.environ.get("CARGO_TARGET_DIR") or workspace / "target") / "python"
+    # pip runs this in another folder than the caller of cargo has in mind.
+    target = workspace / (os.environ.get("CARGO_TARGET_DIR") or "target") / "python"
     command = [cargo, "build", "--release", "--locked", "--package", "realistic", "--lib"]
     command += ["--manifest-path", str(manifest), "--target-dir", str(target)]
     command += ["--message-format", "json-render-diagnostics"]
