@@ -4,6 +4,7 @@ use std::ffi::{c_char, c_void};
 use std::mem::size_of;
 
 use super::boundary::{self, Failure, realistic_status};
+use super::memory;
 use super::object::{self, Handle, HostPart};
 use super::options::{self, check_size};
 use super::types::{level_number, realistic_camera, realistic_camera_info, realistic_log, realistic_options};
@@ -27,6 +28,7 @@ pub unsafe extern "C" fn realistic_camera_new(
         if out.is_null() {
             return Err(boundary::null("out"));
         }
+        memory::for_a_camera()?;
         // SAFETY: the caller's promise.
         let (options, parameters, host) = unsafe {
             let options = options::read(options)?;

@@ -1,7 +1,8 @@
 //! The C ABI: the only exported functions, and the only place that takes raw pointers.
 //!
 //! `types` are the structures by layout, `boundary` keeps panics inside, `float_environment` the host's traps and
-//! rounding outside, `failure` gives errors their status, `object` makes, recognises and serves the cameras that a host
+//! rounding outside, `failure` gives errors their status, `memory` asks whether there is
+//! any, `object` makes, recognises and serves the cameras that a host
 //! holds; `library`, `options`, `camera`, `ray`, `batch` and `autofocus` export what a C caller uses; `pbrt` is the entry
 //! of a pbrt-v1 host (only where `pbrt-shim/` is built).
 
@@ -12,6 +13,7 @@ mod camera;
 mod failure;
 mod float_environment;
 mod library;
+mod memory;
 mod object;
 mod options;
 #[cfg(realistic_shim)]

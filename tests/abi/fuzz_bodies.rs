@@ -1,11 +1,11 @@
 //! What the fuzz targets check (`fuzz/bodies`), on random bytes and on mutations of what is right.
 
 #[path = "../../fuzz/bodies/c_abi/mod.rs"]
-mod c_abi;
+pub mod c_abi;
 #[path = "../../fuzz/bodies/contract.rs"]
 mod contract;
 #[path = "../../fuzz/bodies/lens_text.rs"]
-mod lens_text;
+pub mod lens_text;
 use super::properties;
 
 use proptest::prelude::*;

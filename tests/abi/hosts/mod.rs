@@ -6,4 +6,5 @@ mod examples;
 mod float_host;
 mod harness;
 mod layout;
+mod memory_host;
 mod pbrt_host;
