@@ -91,7 +91,7 @@ pub unsafe extern "C" fn realistic_autofocus(
             return Err(boundary::null("film_distance_mm"));
         }
         let rule = rule_of(rule)?;
-        memory::for_a_camera()?;
+        memory::to_build()?;
         // SAFETY: the caller's promise.
         let (options, parameters, host) = unsafe {
             let options = options::read(options)?;

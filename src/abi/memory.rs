@@ -1,4 +1,4 @@
-//! Whether there is memory for a camera, asked before it is built. Rust's library ends the process where memory is out;
+//! Whether there is memory for a camera or a lens, asked before it is built. Rust's library ends the process where memory is out;
 //! what is found out beforehand becomes an error.
 
 use std::hint::black_box;
@@ -10,11 +10,11 @@ const CAMERA: usize = 8 << 20;
 /// Allocators take pieces of this size from where they take smaller ones.
 const PIECE: usize = 1 << 16;
 
-/// Takes what a camera needs while it is built, and gives it back; nothing is written to it.
+/// Takes what a camera or a lens needs while it is built, and gives it back; nothing is written to it.
 ///
 /// # Errors
 /// Memory is out.
-pub fn for_a_camera() -> Result<(), Failure> {
+pub fn to_build() -> Result<(), Failure> {
     let mut pieces: Vec<Vec<u8>> = Vec::new();
     let is_there = pieces.try_reserve_exact(CAMERA / PIECE).is_ok()
         && (0..CAMERA / PIECE).all(|_| {

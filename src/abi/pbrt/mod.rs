@@ -53,7 +53,7 @@ unsafe fn create(
     world2cam: *const c_void,
     film: *mut c_void,
 ) -> Result<*mut realistic_camera, Failure> {
-    memory::for_a_camera()?;
+    memory::to_build()?;
     let null = |what| Failure::new(realistic_status::NullPointer, format!("the host gave no {what}"));
     // SAFETY: the caller's promise, for each of the three.
     let (params, transform, resolution) = unsafe {

@@ -4,12 +4,13 @@
 //! A panic that is caught still prints through the process's panic hook, as the header says: a defect
 //! should not pass in silence, and the hook belongs to the whole program when the library is linked into one.
 
+mod failure;
+pub(super) mod float_environment;
+
 use std::any::Any;
 use std::cell::RefCell;
 use std::ffi::{CStr, CString};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-
-use super::float_environment;
 
 /// How a call of the C ABI ended. The numbers are part of the ABI and never change.
 #[allow(non_camel_case_types)]
@@ -34,18 +35,20 @@ pub enum realistic_status {
     Panic = 7,
     /// The pointer is NULL, or to no camera of this library.
     NotACamera = 8,
-    /// Memory is out: there are no 8 MiB for a camera to be built, or not what a caller's number asks for (the zones of
+    /// Memory is out: there are no 8 MiB for a camera or a lens to be built, or not what a caller's number asks for (the zones of
     /// an autofocus). Where other threads take the last of it meanwhile, or a message has no room, the process ends, as
     /// with most of Rust.
     OutOfMemory = 9,
     /// Reserved, and not returned by this version: the process lacks what the call needs. (`CreateCamera` returns NULL
     /// where a host's functions are missing, and `realistic.hpp` throws this for a library older than itself.)
     Unsupported = 10,
+    /// The pointer is NULL, or to no lens of this library.
+    NotALens = 11,
 }
 
 impl realistic_status {
     /// Every status.
-    pub(super) const ALL: [Self; 11] = [
+    pub(super) const ALL: [Self; 12] = [
         Self::Ok,
         Self::NullPointer,
         Self::StructSize,
@@ -57,6 +60,7 @@ impl realistic_status {
         Self::NotACamera,
         Self::OutOfMemory,
         Self::Unsupported,
+        Self::NotALens,
     ];
 
     /// What it means, in a few words.
@@ -73,6 +77,7 @@ impl realistic_status {
             Self::NotACamera => c"not a camera of this library",
             Self::OutOfMemory => c"out of memory",
             Self::Unsupported => c"the process lacks what the call needs",
+            Self::NotALens => c"not a lens of this library",
         }
     }
 }
