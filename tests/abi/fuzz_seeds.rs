@@ -13,14 +13,22 @@ const CATALOGUE: [&[u8]; 5] = [
     include_bytes!("../../lenses/wide.22mm.dat"),
 ];
 
-/// Small ones: a focal length, commas, words for planes and stops, a glass by name, line ends of old, UTF-16.
-const SMALL: [&[u8]; 6] = [
+/// Small ones: a focal length, commas, words for planes and stops, glasses by name, line ends of old, an asphere, a zoom as
+/// Optical Bench has it, UTF-16.
+const SMALL: [&[u8]; 8] = [
     b"\xEF\xBB\xBF50\r\n20,5,1.5,10 # \xDF\r\n-20 30 0 10",
     b"30 4 1.6 12\n-30 2 0 12\nstop 3 0 8\ninf 2 1.5 12\n-25 40 1 12\n",
     b"30 4 1.62 60.3 12\n-40 1 12\nstop 2 8\ninf 2 1.7 30 12\n-25 40 12\n",
     b"glass BK7 sellmeier B1=1.03961212 C1=0.00600069867 B2=0.231792344 C2=0.0200179144 B3=1.01046945 C3=103.560653\n\
       30 4 BK7 12\n-30 2 0 12\n0 25 0 8\n",
     b"20 5 1.5 10\r-20 3 1 10\r0 1 1 8\r",
+    b"20 5 N-BK7 10\n-20 30 1 10\nasphere 1 conic=-1.2 A4=1e-5 A20=-3e-30\n",
+    b"[descriptive data]\ntitle\tA zoom\n[constants]\nScaled\t50\t100\n[variable distances]\n\
+      Focal Length\t28.0\t50.0\nF-Number\t2.8\t4\nAngle of View\t75.2\t46.4\nd0\tInfinity\tInfinity\n\
+      d3\t3.0\t9.0\nBf\t40.0\t35.0\nAperture Diameter\t6.2\t6.8\n\
+      [lens data]\n1\t20.0\t5.0\t1.51680\t10.0\t64.17\tN-BK7\tSCHOTT\n2\t-20\t1\t\t10\n3\tFS\td3\t\t9\t\n\
+      4AS\tAS\t1\t\t6.5\n5\t30\t2\t1.6\t8\t40\tXQ7?\n6\t-30\t1\t\t8\n7\tCG\t1.5\t1.52\t30\t64.1\n\
+      8\tInfinity\tBf\t\t30\n[aspherical data]\n2\t-20\t-0.5\t1e-5\t\t2e-9\t\n",
     b"\xFF\xFE2\x000\x00 \x005\x00 \x001\x00.\x005\x00 \x001\x000\x00\n\x00-\x002\x000\x00 \x003\x00 \x001\x00 \x009\x00",
 ];
 

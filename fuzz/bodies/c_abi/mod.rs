@@ -3,6 +3,7 @@
 
 mod bytes;
 mod differentials;
+mod lens;
 mod options;
 
 use std::ffi::{CStr, c_void};
@@ -42,6 +43,7 @@ pub fn run(data: &[u8]) -> bool {
     assert_ne!(status, realistic_status::Panic, "{message} {options:?}");
     if status != realistic_status::Ok {
         assert!(camera.is_null() && message.len() > 10, "{message} {options:?}");
+        lens::check(&options, &mut bytes);
         return false;
     }
     let asked = Asked { camera, samples: &samples, options: &options };
@@ -53,6 +55,7 @@ pub fn run(data: &[u8]) -> bool {
     differentials::check(camera, &samples, &singles, MARK, may_differ, &mut bytes, &options);
     // SAFETY: nobody uses the camera any more.
     unsafe { realistic_camera_free(camera) };
+    lens::check(&options, &mut bytes);
     true
 }
 
