@@ -6,5 +6,5 @@ mod examples;
 mod float_host;
 mod harness;
 mod layout;
-mod memory_host;
+mod memory;
 mod pbrt_host;

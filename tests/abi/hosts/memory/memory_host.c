@@ -1,5 +1,5 @@
 /* A host that runs out of memory: builds cameras with ever less of it to be had. It counts what the process allocates
- * while rays are asked for, too. memory_host.rs runs it: PLUGIN ACTION. */
+ * while rays are asked for, too. mod.rs runs it: PLUGIN ACTION. */
 
 #define _GNU_SOURCE
 #include "realistic.h"

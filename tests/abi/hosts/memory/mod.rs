@@ -10,7 +10,7 @@ use harness::{C99, Report, Run, c_compiler, compile_with};
 fn run(action: &str) -> Report {
     static HOST: OnceLock<PathBuf> = OnceLock::new();
     let host = HOST.get_or_init(|| {
-        let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/abi/hosts/memory_host.c");
+        let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/abi/hosts/memory/memory_host.c");
         // Exported, the host's counting functions stand before the C library's for the plugin, too.
         let flags: Vec<&str> = C99.into_iter().chain(["-rdynamic", "-fno-builtin"]).collect();
         compile_with(&c_compiler(), &flags, &source, "memory_host", &["-ldl"])
