@@ -137,16 +137,6 @@ impl Seed {
         to.0
     }
 
-    /// What Miri has the time for: cameras without a lens.
-    fn few() -> Vec<Self> {
-        let projection = Self { model: Some(2), ..Self::default() };
-        vec![
-            projection.clone(),
-            Self { moves: true, ..projection.clone() },
-            Self { model: Some(4), ..projection },
-        ]
-    }
-
     /// One camera of each kind.
     fn all() -> Vec<Self> {
         let plain = Self::default();
@@ -194,10 +184,8 @@ impl Seed {
 
 #[test]
 fn the_seeds_of_the_fuzzers_are_lenses_and_cameras() {
-    let lenses = CATALOGUE.into_iter().chain(SMALL).take(if cfg!(miri) { 0 } else { usize::MAX });
-    let lenses: Vec<Vec<u8>> = lenses.map(<[u8]>::to_vec).collect();
-    let cameras = if cfg!(miri) { Seed::few() } else { Seed::all() };
-    let cameras: Vec<_> = cameras.iter().enumerate().map(|(number, seed)| seed.bytes(number)).collect();
+    let lenses: Vec<Vec<u8>> = CATALOGUE.into_iter().chain(SMALL).map(<[u8]>::to_vec).collect();
+    let cameras: Vec<_> = Seed::all().iter().enumerate().map(|(number, seed)| seed.bytes(number)).collect();
     if let Some(folder) = std::env::var_os("REALISTIC_WRITE_SEEDS") {
         for (target, seeds) in [("lens_text", &lenses), ("c_abi", &cameras)] {
             let folder = std::path::Path::new(&folder).join(target);
