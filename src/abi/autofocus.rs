@@ -4,6 +4,7 @@ use std::ffi::c_void;
 
 use super::boundary::{self, Failure, realistic_status};
 use super::camera;
+use super::memory;
 use super::object;
 use super::options;
 use super::types::{realistic_camera, realistic_options, realistic_ray};
@@ -90,6 +91,7 @@ pub unsafe extern "C" fn realistic_autofocus(
             return Err(boundary::null("film_distance_mm"));
         }
         let rule = rule_of(rule)?;
+        memory::to_build()?;
         // SAFETY: the caller's promise.
         let (options, parameters, host) = unsafe {
             let options = options::read(options)?;

@@ -82,7 +82,7 @@ pub extern "C" fn realistic_status_name(status: i32) -> *const c_char {
 
 /// The file that this code was loaded from: the plugin's `.so`, as the host named it when
 /// it loaded it, or the program when the library is linked into one.
-#[cfg(unix)]
+#[cfg(all(unix, not(miri)))]
 pub(super) fn plugin_path() -> Option<PathBuf> {
     use std::ffi::{CStr, OsStr, c_void};
     use std::os::unix::ffi::OsStrExt;
@@ -101,8 +101,8 @@ pub(super) fn plugin_path() -> Option<PathBuf> {
     Some(PathBuf::from(OsStr::from_bytes(name.to_bytes())))
 }
 
-/// Not known on this platform.
-#[cfg(not(unix))]
+/// Not known on this platform, or to Miri, which has no loader.
+#[cfg(any(miri, not(unix)))]
 pub(super) fn plugin_path() -> Option<PathBuf> {
     None
 }
@@ -112,7 +112,7 @@ pub(super) fn plugin_directory() -> Option<PathBuf> {
     plugin_path()?.parent().map(PathBuf::from)
 }
 
-#[cfg(all(test, target_os = "linux"))]
+#[cfg(all(test, target_os = "linux", not(miri)))]
 mod tests {
     #[test]
     fn linked_into_a_program_it_is_the_program() {

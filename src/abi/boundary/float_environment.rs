@@ -94,7 +94,7 @@ unsafe extern "C" fn run<T, F: FnOnce() -> T>(call: *mut c_void) {
     call.result = call.body.take().map(|body| catch_unwind(AssertUnwindSafe(body)));
 }
 
-#[cfg(all(target_arch = "x86_64", unix))]
+#[cfg(all(target_arch = "x86_64", unix, not(miri)))]
 mod machine {
     use std::arch::asm;
     use std::ffi::c_void;
@@ -151,7 +151,7 @@ mod machine {
     }
 }
 
-#[cfg(target_arch = "aarch64")]
+#[cfg(all(target_arch = "aarch64", not(miri)))]
 mod machine {
     use std::arch::asm;
     use std::ffi::c_void;
@@ -212,8 +212,8 @@ mod machine {
     }
 }
 
-/// Where nobody has tried it, bodies run in the host's environment.
-#[cfg(not(any(all(target_arch = "x86_64", unix), target_arch = "aarch64")))]
+/// Where nobody has tried it, and under Miri, which has no assembly, bodies run in the host's environment.
+#[cfg(any(miri, not(any(all(target_arch = "x86_64", unix), target_arch = "aarch64"))))]
 mod machine {
     use std::ffi::c_void;
 
@@ -237,7 +237,7 @@ mod machine {
     }
 }
 
-#[cfg(all(test, target_arch = "x86_64", unix))]
+#[cfg(all(test, target_arch = "x86_64", unix, not(miri)))]
 mod tests {
     use super::*;
 

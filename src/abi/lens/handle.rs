@@ -3,7 +3,7 @@
 use super::super::{
     boundary::{self, Failure, realistic_status},
     camera::log,
-    options,
+    memory, options,
     types::realistic_options,
 };
 use crate::{
@@ -99,6 +99,7 @@ pub unsafe extern "C" fn realistic_lens_new(
         if out.is_null() {
             return Err(boundary::null("out"));
         }
+        memory::to_build()?;
         // SAFETY: the caller's promise.
         let (options, parameters, host) = unsafe {
             let options = options::read(options)?;
