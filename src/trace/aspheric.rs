@@ -156,13 +156,26 @@ impl<R: Real> Aspheric<R> {
         Ok(())
     }
 
-    /// How far from `start` on the vertex plane, in units of V, the ray first crosses the surface after `from`.
+    /// How far from `start`, in units of V, the ray first crosses the surface after `from`.
     pub fn first_crossing(&self, start: [R; 3], v: [R; 3], from: R) -> Result<R, Blocked> {
         let line = Line { start, v };
         match self.newton(&line, from) {
             Some(t) => Ok(t),
             None => self.follow(&line, from),
         }
+    }
+
+    /// G and N·V on a ray, as the steps of Newton's iteration need them.
+    pub fn residual(&self, start: [R; 3], v: [R; 3], t: R) -> [R; 2] {
+        let contact = self.contact(&Line { start, v }, t);
+        [contact.residual, contact.facing]
+    }
+
+    /// z at the squared distance u from the axis; not a number where the conic has ended.
+    pub fn height(&self, u: R) -> R {
+        let [terms, _] = self.terms(u);
+        let bent = self.curvature * u;
+        bent / (R::ONE + (R::ONE - self.kappa * self.curvature * bent).sqrt()) + terms
     }
 
     /// Where Newton's iteration leads, if that is proven to be the first crossing after `from`.
@@ -216,7 +229,7 @@ impl<R: Real> Aspheric<R> {
         let across = vx * vx + vy * vy;
         let bend = number(self.bend.along) + number(self.bend.across) * across;
         let bend = if bend > R::ZERO { bend } else { R::ZERO };
-        let end = number(self.extent[1]) / vz;
+        let end = (number(self.extent[1]) - line.start[2]) / vz;
         let outside = |contact: &Contact<R>| !(contact.height_squared <= self.rim);
         let mut t = from;
         for step in 0..FOLLOWED {

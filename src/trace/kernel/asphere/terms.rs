@@ -50,7 +50,7 @@ impl<S: Scalar> Terms<S> {
 
 /// A polynomial and its derivative, by Horner's rule.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn nested<L: Lanes, const U: usize>(cpu: Cpu<L>, coefficients: &[L::Scalar], at: &[L; U]) -> [[L; U]; 2] {
+pub fn nested<L: Lanes, const U: usize>(cpu: Cpu<L>, coefficients: &[L::Scalar], at: &[L; U]) -> [[L; U]; 2] {
     let first = L::splat(cpu, coefficients[0]);
     let (mut value, mut slope) = ([first; U], [L::splat(cpu, L::Scalar::ZERO); U]);
     for &coefficient in &coefficients[1..] {
