@@ -27,9 +27,11 @@ pub struct Aspheric<R> {
     pub curvature: R,
     /// 1 + k.
     pub kappa: R,
-    /// A2, A4, …, as far as there are any.
+    /// The square of a power of two near the rim's radius: with s = u/unit all numbers of the terms stay in range.
+    pub unit: R,
+    /// The terms of even powers are s times this polynomial in s, as far as there are any; mm.
     pub even: Vec<R>,
-    /// A3, A5, …, as far as there are any.
+    /// Those of odd powers are s √s times this one.
     pub odd: Vec<R>,
     /// The square of the rim's radius: beyond it T goes on as a paraboloid.
     pub rim: R,
@@ -75,21 +77,29 @@ impl Bend {
     const REACH: f64 = 3.0;
 
     /// For the conic of curvature `c` and `kappa` = 1 + k with terms of these bounds, z along the travel, in a medium of
-    /// index `n`; the terms' curvature is at least `least`, and `low` is the surface's least z.
-    fn of(c: f64, kappa: f64, rim: f64, bounds: &Bounds, [least, low]: [f64; 2], n: f64) -> Self {
+    /// index `n`; the terms' curvature lies between `least` and `most`, and `low` is the surface's least z.
+    fn of(
+        [c, kappa]: [f64; 2],
+        rim: f64,
+        bounds: &Bounds,
+        [least, most]: [f64; 2],
+        low: f64,
+        n: f64,
+    ) -> Self {
         // Out to 3 radii the paraboloid beyond the rim triples the slope and adds (3² - 1)/2 of slope times radius.
         let slope = Self::REACH * bounds.terms_slope;
         let terms = bounds.terms + (Self::REACH * Self::REACH - 1.0) / 2.0 * bounds.terms_slope * rim;
         let reach = Self::REACH * rim;
         let root = 1.0 - kappa * (c * reach).powi(2);
         // The surface's own w, of which a point before it has less.
-        let most = match c > 0.0 {
+        let high = match c > 0.0 {
             true if root >= 0.0 => c * reach * reach / (1.0 + root.sqrt()),
             true => (kappa * c).recip(),
             false => 0.0,
         };
-        let q = (1.0 - kappa * c * most).abs().max((1.0 - kappa * c * (low - terms)).abs());
-        let hollow = (-least).max(0.0);
+        let [q_low, q_high] = [low - terms, high].map(|w| 1.0 - kappa * c * w);
+        let q = q_low.abs().max(q_high.abs());
+        let hollow = if q_low < 0.0 { most.max(-least) } else { (-least).max(0.0) };
         if kappa <= 0.0 {
             // The conic's second derivatives lie between 0 and c; times q, for the test has g and not g/q.
             return Self { along: 0.0, across: q * ((-c).max(0.0) + hollow) };
@@ -105,11 +115,13 @@ impl<R: Real> Aspheric<R> {
         let sign = if forward { 1.0 } else { -1.0 };
         let Figure { asphere, rim, bounds } = figure;
         let signed = |[low, high]: [f64; 2]| if forward { [low, high] } else { [-high, -low] };
-        let (extent, [least, _]) = (signed(bounds.sagitta), signed(bounds.terms_curvature));
+        let (extent, terms_curvature) = (signed(bounds.sagitta), signed(bounds.terms_curvature));
         let c = sign * asphere.radius.recip();
+        let length = 2.0_f64.powi(rim.log2().floor() as i32);
         let column = |first: usize| -> Vec<R> {
-            let mut column: Vec<f64> =
-                asphere.terms.iter().skip(first - FIRST_POWER).step_by(2).map(|term| sign * term).collect();
+            let powers = (first as i32..).step_by(2);
+            let terms = powers.zip(asphere.terms.iter().skip(first - FIRST_POWER).step_by(2));
+            let mut column: Vec<f64> = terms.map(|(power, term)| sign * term * length.powi(power)).collect();
             while column.last() == Some(&0.0) || column.last() == Some(&-0.0) {
                 column.pop();
             }
@@ -123,10 +135,11 @@ impl<R: Real> Aspheric<R> {
         Self {
             curvature,
             kappa: R::ONE + R::from_f64(asphere.conic),
+            unit: R::from_f64(length * length),
             even: column(FIRST_POWER),
             odd: column(FIRST_POWER + 1),
             rim: R::from_f64(*rim) * R::from_f64(*rim),
-            bend: Bend::of(c, 1.0 + asphere.conic, *rim, bounds, [least, extent[0]], n),
+            bend: Bend::of([c, 1.0 + asphere.conic], *rim, bounds, terms_curvature, extent[0], n),
             extent: [extent[0] - margin, extent[1] + margin],
             tolerance: 64.0 * R::EPSILON * size,
             size: *rim,
@@ -303,15 +316,17 @@ impl<R: Real> Aspheric<R> {
             // On both sides of the rim, or not a number.
             u / R::ZERO
         };
-        let [even, even_slope] = nested(&self.even, inside);
-        let mut value = inside * even;
-        let mut slope = even + inside * even_slope;
+        let part = inside / self.unit;
+        let [even, even_slope] = nested(&self.even, part);
+        let mut value = part * even;
+        let mut slope = even + part * even_slope;
         if !self.odd.is_empty() {
-            // r u O(u), and d(r u)/du = 3 r/2.
-            let (r, [odd, odd_slope]) = (inside.sqrt(), nested(&self.odd, inside));
-            value = value + r * inside * odd;
-            slope = slope + r * (R::from_f64(1.5) * odd + inside * odd_slope);
+            // d(s √s O)/ds = √s (3 O/2 + s O').
+            let (root, [odd, odd_slope]) = (part.sqrt(), nested(&self.odd, part));
+            value = value + root * part * odd;
+            slope = slope + root * (R::from_f64(1.5) * odd + part * odd_slope);
         }
+        let slope = slope / self.unit;
         [value + slope * (u - inside), slope]
     }
 

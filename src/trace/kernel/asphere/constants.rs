@@ -36,6 +36,10 @@ pub struct Asphere<S> {
     pub kappa_c: S,
     pub half_kappa_c: S,
     pub terms: Terms<S>,
+    /// 2/unit: twice ds/du.
+    pub two_per_unit: S,
+    /// The square of the rim's radius.
+    pub rim: S,
     /// φ'' <= `bend` + `bend_across` (Vx² + Vy²).
     pub bend: S,
     pub bend_across: S,
@@ -114,7 +118,9 @@ impl<S: Scalar> Asphere<S> {
             half_c: round(c / 2.0),
             kappa_c: round(kappa * c),
             half_kappa_c: round(kappa * c / 2.0),
-            terms: Terms::new(&aspheric.even, &aspheric.odd, aspheric.rim),
+            terms: Terms::new(aspheric),
+            two_per_unit: round(2.0 / aspheric.unit),
+            rim: round(aspheric.rim),
             bend: round(bend.along),
             bend_across: round(bend.across),
             tolerance: round(tolerance),

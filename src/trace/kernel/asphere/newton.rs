@@ -127,16 +127,18 @@ impl<S: Scalar> Asphere<S> {
         t: &mut [L; U],
     ) {
         let (rim, start) = (L::splat(cpu, self.terms.rim), L::splat(cpu, self.common.start));
-        let half = L::splat(cpu, S::from_f64(0.5));
-        let (mut u, mut along) = ([start; U], [start; U]);
+        let (per_unit, half) = (L::splat(cpu, self.terms.per_unit), L::splat(cpu, S::from_f64(0.5)));
+        let (mut s, mut along) = ([start; U], [start; U]);
         for i in 0..U {
             along[i] = t[i].mul_add(ways[i].across, ways[i].along);
-            u[i] = t[i].mul_add(along[i] + ways[i].along, ways[i].u).smaller(rim);
+            let u = t[i].mul_add(along[i] + ways[i].along, ways[i].u);
+            s[i] = (u * per_unit).smaller(rim);
         }
-        let [twice, slope] = nested(cpu, coefficients, &u);
+        let [twice, slope] = nested(cpu, coefficients, &s);
         for i in 0..U {
             let below = twice[i].mul_sub(half, t[i].mul_add(rays[i].vz, start));
-            t[i] = t[i] + below / slope[i].neg_mul_add(along[i], rays[i].vz);
+            let facing = slope[i].neg_mul_add(along[i] * per_unit, rays[i].vz);
+            t[i] = t[i] + below / facing;
         }
     }
 
@@ -150,12 +152,14 @@ impl<S: Scalar> Asphere<S> {
         t: &[L; U],
     ) -> [Contact<L>; U] {
         let (one, start) = (L::splat(cpu, S::ONE), L::splat(cpu, self.common.start));
-        let (mut u, mut along) = ([start; U], [start; U]);
+        let (per_unit, two_per_unit) = (L::splat(cpu, self.terms.per_unit), L::splat(cpu, self.two_per_unit));
+        let (mut u, mut s, mut along) = ([start; U], [start; U], [start; U]);
         for i in 0..U {
             along[i] = t[i].mul_add(ways[i].across, ways[i].along);
             u[i] = t[i].mul_add(along[i] + ways[i].along, ways[i].u);
+            s[i] = u[i] * per_unit;
         }
-        let [terms, slope] = self.terms.at(cpu, &u);
+        let [terms, slope] = self.terms.at(cpu, &s);
         let (c, half_c) = (L::splat(cpu, self.c), L::splat(cpu, self.half_c));
         let (kappa_c, half_kappa_c) = (L::splat(cpu, self.kappa_c), L::splat(cpu, self.half_kappa_c));
         let mut contacts = [Contact { m: c, q: one, facing: one, residual: one }; U];
@@ -164,7 +168,7 @@ impl<S: Scalar> Asphere<S> {
             let w = t[i].mul_add(vz, start - terms[i]);
             let q = w.neg_mul_add(kappa_c, one);
             let residual = u[i].mul_sub(half_c, w * w.neg_mul_add(half_kappa_c, one));
-            let m = (q + q).mul_add(slope[i], c);
+            let m = (q * two_per_unit).mul_add(slope[i], c);
             contacts[i] = Contact { m, q, facing: m.neg_mul_add(along[i], q * vz), residual };
         }
         contacts
@@ -184,7 +188,7 @@ impl<S: Scalar> Asphere<S> {
         let bend = across.mul_add(L::splat(cpu, self.bend_across), L::splat(cpu, self.bend));
         let way = t - from;
         let there = contact.residual.abs().less_equal(L::splat(cpu, self.tolerance));
-        let near = (way * way * across).less_equal(L::splat(cpu, self.terms.rim));
+        let near = (way * way * across).less_equal(L::splat(cpu, self.rim));
         let first = (bend * way).less(contact.facing + contact.facing);
         let ahead = L::both(zero.less(contact.q), zero.less(contact.facing));
         L::both(L::both(L::both(there, near), L::both(first, ahead)), zero.less_equal(way))

@@ -1,7 +1,7 @@
 //! How many steps, and of which kind, Newton's iteration takes at a surface: found when the lens is compiled, by taking
 //! sample rays through it.
 //!
-//! The first steps need no more digits than they have themselves: they go by a polynomial in u that stays near the whole
+//! The first steps need no more digits than they have themselves: they go by a polynomial in s that stays near the whole
 //! profile and costs a fraction. The last ones go by the surface. The cheapest plan is taken that brings rays to a grid
 //! of places, at incidences that lenses have, within the tolerance; a ray that needs more steps gets them, as each is
 //! tested.
@@ -11,7 +11,7 @@ use crate::trace::aspheric::Aspheric;
 /// What Newton's iteration does for every ray.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// Of polynomials near twice the profile, the coefficients of u^0, u^1, …: a step by each.
+    /// Of polynomials near twice the profile, the coefficients of s^0, s^1, …: a step by each.
     pub approximants: Vec<Vec<f64>>,
     /// Steps by the surface itself.
     pub exact: usize,
@@ -53,8 +53,8 @@ impl Plan {
         for coefficients in &self.approximants {
             let (at, along) = ([x + t * v[0], y + t * v[1]], |[x, y]: [f64; 2]| x * v[0] + y * v[1]);
             let u = at[0] * at[0] + at[1] * at[1];
-            let [twice, slope] = polynomial(coefficients, u.min(aspheric.rim));
-            t -= (start + t * v[2] - twice / 2.0) / (v[2] - slope * along(at));
+            let [twice, slope] = polynomial(coefficients, u.min(aspheric.rim) / aspheric.unit);
+            t -= (start + t * v[2] - twice / 2.0) / (v[2] - slope * along(at) / aspheric.unit);
         }
         for _ in 0..self.exact {
             let [residual, facing] = aspheric.residual([*x, *y, start], *v, t);
@@ -88,22 +88,23 @@ fn samples(aspheric: &Aspheric<f64>, start: f64) -> Vec<Sample> {
     samples
 }
 
-/// A polynomial of this degree in u near twice the profile: through it at Chebyshev's places from the axis to the rim
+/// A polynomial of this degree in s near twice the profile: through it at Chebyshev's places from the axis to the rim
 /// (Newton's divided differences).
 fn near(aspheric: &Aspheric<f64>, degree: usize) -> Vec<f64> {
     let count = degree + 1;
     let place = |i: usize| {
         let angle = std::f64::consts::PI * (i as f64 + 0.5) / count as f64;
-        aspheric.rim * (1.0 - angle.cos()) / 2.0
+        aspheric.rim / aspheric.unit * (1.0 - angle.cos()) / 2.0
     };
     let places: Vec<f64> = (0..count).map(place).collect();
-    let mut differences: Vec<f64> = places.iter().map(|&u| 2.0 * aspheric.height(u)).collect();
+    let mut differences: Vec<f64> =
+        places.iter().map(|&s| 2.0 * aspheric.height(s * aspheric.unit)).collect();
     for order in 1..count {
         for i in (order..count).rev() {
             differences[i] = (differences[i] - differences[i - 1]) / (places[i] - places[i - order]);
         }
     }
-    // Horner's rule for the sum of differences times products of (u - place).
+    // Horner's rule for the sum of differences times products of (s - place).
     let mut coefficients = vec![0.0; count];
     for (difference, place) in differences.iter().zip(&places).rev() {
         for i in (0..count).rev() {
@@ -114,6 +115,6 @@ fn near(aspheric: &Aspheric<f64>, degree: usize) -> Vec<f64> {
     coefficients
 }
 
-fn polynomial(coefficients: &[f64], u: f64) -> [f64; 2] {
-    coefficients.iter().rev().fold([0.0; 2], |[value, slope], a| [value * u + a, slope * u + value])
+fn polynomial(coefficients: &[f64], s: f64) -> [f64; 2] {
+    coefficients.iter().rev().fold([0.0; 2], |[value, slope], a| [value * s + a, slope * s + value])
 }
