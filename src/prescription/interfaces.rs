@@ -2,7 +2,7 @@
 //!
 //! Lengths are millimetres; interfaces stand scene side first; each names the medium behind it, on the film's side.
 
-use super::{asphere::Asphere, positions::Positions};
+use super::{asphere::Asphere, glass::formula::Formula, positions::Positions, stated::Stated};
 
 /// What fills the space behind an interface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,8 +17,10 @@ pub enum Medium {
         /// every wavelength.
         abbe: Option<f64>,
     },
-    /// A glass known by its dispersion formula.
+    /// A glass known by Sellmeier's formula with three terms.
     Sellmeier(Sellmeier),
+    /// A glass known by another formula.
+    Formula(Formula),
 }
 
 /// The six constants of Sellmeier's formula n² = 1 + Σ B λ²/(λ² - C), λ in µm (W. Sellmeier 1871; in this
@@ -41,7 +43,8 @@ pub enum Shape {
     },
     /// Another surface of revolution.
     Asphere(Asphere),
-    /// A plane with glass on at least one side.
+    /// A plane with glass on at least one side; or in air, where it is a flare stop: its clear aperture limits rays, and it
+    /// is not the aperture stop.
     Plane,
     /// The aperture stop: a plane in air.
     Stop,
@@ -87,6 +90,10 @@ pub struct Prescription {
     /// The focal length that the file states on a line of its own, mm. Never used in
     /// computing; kept for reports.
     pub stated_focal_length: Option<f64>,
+    /// What else the file states of the lens.
+    pub stated: Stated,
+    /// The glasses that the file gives by a name, each once.
+    pub glasses: Vec<(String, Medium)>,
     /// The positions of its moving groups, if it has any; the interfaces have the gaps of the first.
     pub positions: Option<Positions>,
     /// What the reader took in another way than it is written, one sentence each with its place: warnings for the user.
@@ -117,12 +124,12 @@ impl Prescription {
         scaled
     }
 
-    /// Whether any glass has an Abbe number or Sellmeier's constants, so that the wavelength matters.
+    /// Whether any glass has an Abbe number or a dispersion formula, so that the wavelength matters.
     pub fn is_dispersive(&self) -> bool {
         self.interfaces.iter().any(|interface| match interface.medium {
             Medium::Air => false,
             Medium::Glass { abbe, .. } => abbe.is_some(),
-            Medium::Sellmeier(_) => true,
+            Medium::Sellmeier(_) | Medium::Formula(_) => true,
         })
     }
 }

@@ -1,7 +1,7 @@
 //! Lens descriptions: what a designer's table says, before any optics.
 //!
 //! [`Prescription`] is the model; [`read`] makes one from the text of a lens file
-//! in either of two table formats (see `reader`); [`catalogue`] holds the lenses that
+//! in any of the formats that are read (see `reader`); [`catalogue`] holds the lenses that
 //! are built in; [`LensSource`] finds a lens by file or name; [`glass`] says what a medium's index is at a
 //! wavelength.
 //!
@@ -21,11 +21,16 @@ mod limits;
 mod positions;
 mod reader;
 mod source;
+mod stated;
 
 pub use asphere::{Asphere, FIRST_POWER, LAST_POWER};
 pub use error::LensFileError;
 pub use interfaces::{Interface, Medium, Prescription, Sellmeier, Shape};
-pub use limits::{MAX_FILE_BYTES, MAX_INTERFACES, MAX_NAME_BYTES, MAX_PATH_BYTES};
+pub use limits::{
+    MAX_CATALOG_BYTES, MAX_CATALOGS, MAX_FILE_BYTES, MAX_INTERFACES, MAX_NAME_BYTES, MAX_PATH_BYTES,
+    MAX_POSITIONS,
+};
 pub use positions::{Position, Positions};
-pub use reader::read;
+pub use reader::{read, read_with};
 pub use source::{LensSource, SearchPath, SourceError};
+pub use stated::Stated;

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use realistic::{
     lens::Lens,
-    prescription::{Interface, Medium, Prescription, Shape},
+    prescription::{Interface, Medium, Prescription, Shape, Stated},
     trace::{Direction, Ray},
 };
 
@@ -53,6 +53,8 @@ pub fn lens_of(name: &str, rows: &[Figured]) -> Lens {
         positions: None,
         remarks: Vec::new(),
         stated_focal_length: None,
+        stated: Stated::default(),
+        glasses: Vec::new(),
     })
 }
 
