@@ -1,8 +1,9 @@
-//! What an asphere costs, in spheres: a telephone's lens of twelve strong aspheres against the same lens with spheres in
-//! their place, both less what their planes and the way in and out take.
+//! What an asphere costs, in spheres: a telephone's lens of twelve strong aspheres against a double Gauss of ten spheres,
+//! both less what two planes and the way in and out take.
 
 use realistic::{
-    lens::{Lens, Surface},
+    lens::Lens,
+    prescription::catalogue,
     trace::kernel::{KernelScalar, Simd},
 };
 use realistic_lab::{
@@ -17,30 +18,33 @@ pub fn print(arguments: &BenchArguments) {
     if !arguments.wants("phone.4mm") {
         return;
     }
-    let lens = Lens::at_d_line(&phone_lens());
-    println!("\n## Aspheres: {}, 12 of them", lens.name);
+    println!("\n## Aspheres: phone.4mm has 12 of them, dgauss.50mm 10 spheres");
     for simd in Simd::ALL.into_iter().filter(|simd| simd.is_available()) {
-        print_for::<f32>(&lens, simd, &format!("f32 {}", simd.name()), arguments);
-        print_for::<f64>(&lens, simd, &format!("f64 {}", simd.name()), arguments);
+        print_for::<f32>(simd, &format!("f32 {}", simd.name()), arguments);
+        print_for::<f64>(simd, &format!("f64 {}", simd.name()), arguments);
     }
 }
 
-fn print_for<S: KernelScalar + 'static>(lens: &Lens, simd: Simd, name: &str, arguments: &BenchArguments) {
-    let film = lens.rear().vertex - 0.0971;
-    let scene = |lens: Lens| Scene { name: "phone.4mm", lens, film, reach: 2.5 };
-    let spheres = lens.surfaces.iter().map(|surface| Surface { figure: None, ..*surface }).collect();
-    let planes = lens.surfaces.iter().filter(|surface| surface.curvature == 0.0).copied().collect();
-    let mut contest = Contest::default();
-    let rays = scene(lens.clone()).film_rays::<S>(BATCH);
-    let mut enter = |name: &str, surfaces: Vec<Surface>| {
-        let lens = Lens { surfaces, ..lens.clone() };
-        contest.enter(name, batch::<S>(&lens, rays.clone(), simd));
+fn print_for<S: KernelScalar + 'static>(simd: Simd, name: &str, arguments: &BenchArguments) {
+    let scene = |lens: Lens, distance: f64, reach: f64| {
+        let film = lens.rear().vertex - distance;
+        Scene { name: "", lens, film, reach }
     };
+    let phone = Lens::at_d_line(&phone_lens());
+    let gauss = Lens::at_d_line(&catalogue::find("dgauss.50mm").expect("a catalogue lens"));
+    let planes = phone.surfaces.iter().filter(|surface| surface.curvature == 0.0).copied().collect();
+    let planes = Lens { surfaces: planes, ..phone.clone() };
+    let mut contest = Contest::default();
+    for (name, scene) in [
+        ("12 aspheres, 2 planes, stop", scene(phone, 0.0971, 2.5)),
+        ("10 spheres, stop", scene(gauss, 36.1, 3.0)),
+        ("2 planes, stop", scene(planes, 0.0971, 0.5)),
+    ] {
+        contest.enter(name, batch::<S>(&scene.lens, scene.film_rays(BATCH), simd));
+    }
     println!("\n{name}\n");
-    enter("aspheres", lens.surfaces.clone());
-    enter("spheres", spheres);
-    enter("the planes alone", planes);
     let times = contest.print("ns per ray", BATCH, arguments.effort);
     let [aspheres, spheres, planes] = [0, 1, 2].map(|i| times[i].median);
-    println!("\nan asphere takes as long as {:.1} spheres", (aspheres - planes) / (spheres - planes));
+    let ratio = (aspheres - planes) / 12.0 / ((spheres - planes) / 10.0);
+    println!("\nan asphere takes as long as {ratio:.1} spheres");
 }

@@ -9,13 +9,13 @@
 //! before it where it left the last surface, or at the height of this one's lowest point if that comes later. Newton's
 //! iteration may find a later crossing; that it did not is proven for each ray. Let φ grow along the ray from negative
 //! before the surface to 0 on it, with φ'' <= H all the way: then φ <= -φ'(t*) (t* - t) + H (t* - t)²/2 is negative from
-//! t* back to t* - 2 φ'(t*)/H, and no crossing lies there. φ is -G, or for an open conic (κ <= 0) w minus the conic's
-//! sagitta, whose φ' is g/q. Where that proves nothing, the ray is followed from its start in steps that the same bound
-//! allows, which cannot leap over a crossing.
+//! t* back to t* - 2 φ'(t*)/H, and no crossing lies there. φ is z less the surface's height at (x, y), with φ' = g/q and
+//! H = -(least curvature) (Vx² + Vy²); near the rim of a half ellipsoid, where that grows without bound, -G. Where that proves
+//! nothing, the ray is followed from its start in steps that the same bound allows, which cannot leap over a crossing.
 
 use super::state::{Blocked, State};
 use crate::{
-    lens::{Bounds, Figure},
+    lens::Figure,
     numeric::{Real, dot},
     prescription::FIRST_POWER,
 };
@@ -46,13 +46,16 @@ pub struct Aspheric<R> {
     n: f64,
 }
 
-/// Bounds of how the surface bends away from a ray, as the proof of the first crossing needs them, out to [`Bend::REACH`]
-/// times the rim's radius.
+/// Bounds of how the surface bends away from a ray, as the proof of the first crossing needs them: φ'' <= `along` +
+/// `across` (Vx² + Vy²).
 #[derive(Clone, Copy, Debug)]
 pub struct Bend {
-    /// φ'' <= `along` + `across` (Vx² + Vy²) for the φ whose φ' is g, or g/q times something that is at most q.
     pub along: f64,
     pub across: f64,
+    /// Whether φ is the height above the surface; else it is -G.
+    pub by_height: bool,
+    /// How far from the axis that holds, squared.
+    pub reach: f64,
 }
 
 /// The surface near a point of a ray.
@@ -69,44 +72,68 @@ struct Contact<R> {
 
 /// Steps of Newton's iteration at most: double-double numbers take 8 on a telephone's lens.
 const STEPS: u32 = 24;
+/// By how much rounding may put a point beyond the square of a distance.
+const BESIDE: f64 = 1.0 + 1e-6;
 /// Steps at most where a ray is followed.
 const FOLLOWED: u32 = 256;
 
 impl Bend {
-    /// How far out the bounds hold, in radii of the rim.
+    /// How far out the bounds hold at most, in radii of the rim.
     const REACH: f64 = 3.0;
+    /// Below this 1 - κ c² r² at the rim, near an ellipsoid's half, heights bend too much.
+    const STEEP: f64 = 0.05;
 
-    /// For the conic of curvature `c` and `kappa` = 1 + k with terms of these bounds, z along the travel, in a medium of
-    /// index `n`; the terms' curvature lies between `least` and `most`, and `low` is the surface's least z.
-    fn of(
-        [c, kappa]: [f64; 2],
-        rim: f64,
-        bounds: &Bounds,
-        [least, most]: [f64; 2],
-        low: f64,
-        n: f64,
-    ) -> Self {
+    /// For a figure of curvature `c` and `kappa` = 1 + k, z along the travel, in a medium of index `n`.
+    fn of([c, kappa]: [f64; 2], rim: f64, bounds: &TravelBounds, n: f64) -> Self {
+        let root_squared = |reach: f64| 1.0 - kappa * (c * reach).powi(2);
+        let at_rim = root_squared(rim);
+        if kappa > 0.0 && at_rim < Self::STEEP {
+            return Self::of_half([c, kappa], rim, bounds, n);
+        }
+        // Where an ellipsoid ends earlier, half way there.
+        let ends = (1.0 - at_rim / 4.0) / (kappa * (c * rim).powi(2));
+        let reach = if kappa > 0.0 { ends.sqrt().clamp(1.0, Self::REACH) } else { Self::REACH };
+        // Beyond the rim a paraboloid stands on the conic, whose curvatures c/√… and c/√…³ only grow or only shrink.
+        let conic = [rim, reach * rim].map(|r| root_squared(r).sqrt());
+        let least = conic.iter().flat_map(|root| [c / root, c / root.powi(3)]).fold(f64::INFINITY, f64::min);
+        let beyond = if c == 0.0 { 0.0 } else { least } + bounds.rim_curvature;
+        Self {
+            along: 0.0,
+            across: (-bounds.curvature.min(beyond)).max(0.0),
+            by_height: true,
+            reach: (reach * rim).powi(2),
+        }
+    }
+
+    /// By -G'' = -c (Vx² + Vy² + κ w'²) + q w'', w' = Vz - dT/dr dr/dt, which stays finite at the end of a half ellipsoid.
+    fn of_half([c, kappa]: [f64; 2], rim: f64, bounds: &TravelBounds, n: f64) -> Self {
         // Out to 3 radii the paraboloid beyond the rim triples the slope and adds (3² - 1)/2 of slope times radius.
         let slope = Self::REACH * bounds.terms_slope;
         let terms = bounds.terms + (Self::REACH * Self::REACH - 1.0) / 2.0 * bounds.terms_slope * rim;
-        let reach = Self::REACH * rim;
-        let root = 1.0 - kappa * (c * reach).powi(2);
-        // The surface's own w, of which a point before it has less.
-        let high = match c > 0.0 {
-            true if root >= 0.0 => c * reach * reach / (1.0 + root.sqrt()),
-            true => (kappa * c).recip(),
-            false => 0.0,
-        };
-        let [q_low, q_high] = [low - terms, high].map(|w| 1.0 - kappa * c * w);
-        let q = q_low.abs().max(q_high.abs());
+        // A point before the conic has less w than that, and there 0 <= q <= 1.
+        let q_low = 1.0 - kappa * c * (bounds.extent[0] - terms);
+        let [least, most] = bounds.terms_curvature;
         let hollow = if q_low < 0.0 { most.max(-least) } else { (-least).max(0.0) };
-        if kappa <= 0.0 {
-            // The conic's second derivatives lie between 0 and c; times q, for the test has g and not g/q.
-            return Self { along: 0.0, across: q * ((-c).max(0.0) + hollow) };
+        Self {
+            // |w'| <= |Vz| + slope √(Vx² + Vy²) <= n √(1 + slope²).
+            along: (-c * kappa).max(0.0) * n * n * (1.0 + slope * slope),
+            across: q_low.abs().max(1.0) * hollow - c,
+            by_height: false,
+            reach: (Self::REACH * rim).powi(2),
         }
-        // -G'' = -c (Vx² + Vy² + κ w'²) + q w'', |w'| <= |Vz| + slope √(Vx² + Vy²) <= n √(1 + slope²).
-        Self { along: (-c * kappa).max(0.0) * n * n * (1.0 + slope * slope), across: q * hollow - c }
     }
+}
+
+/// A figure's bounds with z along the travel.
+struct TravelBounds {
+    extent: [f64; 2],
+    /// The least curvature.
+    curvature: f64,
+    /// That of the terms' paraboloid beyond the rim.
+    rim_curvature: f64,
+    terms: f64,
+    terms_slope: f64,
+    terms_curvature: [f64; 2],
 }
 
 impl<R: Real> Aspheric<R> {
@@ -115,7 +142,15 @@ impl<R: Real> Aspheric<R> {
         let sign = if forward { 1.0 } else { -1.0 };
         let Figure { asphere, rim, bounds } = figure;
         let signed = |[low, high]: [f64; 2]| if forward { [low, high] } else { [-high, -low] };
-        let (extent, terms_curvature) = (signed(bounds.sagitta), signed(bounds.terms_curvature));
+        let extent = signed(bounds.sagitta);
+        let travel_bounds = TravelBounds {
+            extent,
+            curvature: signed(bounds.curvature)[0],
+            rim_curvature: sign * figure.rim_curvature(),
+            terms: bounds.terms,
+            terms_slope: bounds.terms_slope,
+            terms_curvature: signed(bounds.terms_curvature),
+        };
         let c = sign * asphere.radius.recip();
         let length = 2.0_f64.powi(rim.log2().floor() as i32);
         let column = |first: usize| -> Vec<R> {
@@ -139,7 +174,7 @@ impl<R: Real> Aspheric<R> {
             even: column(FIRST_POWER),
             odd: column(FIRST_POWER + 1),
             rim: R::from_f64(*rim) * R::from_f64(*rim),
-            bend: Bend::of([c, 1.0 + asphere.conic], *rim, bounds, terms_curvature, extent[0], n),
+            bend: Bend::of([c, 1.0 + asphere.conic], *rim, &travel_bounds, n),
             extent: [extent[0] - margin, extent[1] + margin],
             tolerance: 64.0 * R::EPSILON * size,
             size: *rim,
@@ -228,9 +263,12 @@ impl<R: Real> Aspheric<R> {
         let [vx, vy, _] = line.v;
         let across = vx * vx + vy * vy;
         let bend = number(self.bend.along) + number(self.bend.across) * across;
+        let bend = if self.bend.by_height { bend * contact.q } else { bend };
         let way = t - from;
-        // Where the ray moves by no more than the rim's radius the bounds hold.
-        let near = contact.height_squared <= number(4.0) * self.rim && way * way * across <= self.rim;
+        // On a line the distance from the axis is largest at an end.
+        let [x, y, _] = line.at(from);
+        let reach = number(self.bend.reach);
+        let near = contact.height_squared <= reach && x * x + y * y <= reach;
         let first = way >= zero && bend * way < contact.facing + contact.facing;
         (near && first && contact.q > zero && contact.facing > zero).then_some(t)
     }
@@ -244,12 +282,11 @@ impl<R: Real> Aspheric<R> {
         let bend = if bend > R::ZERO { bend } else { R::ZERO };
         let end = (number(self.extent[1]) - line.start[2]) / vz;
         let outside = |contact: &Contact<R>| !(contact.height_squared <= self.rim);
-        let mut t = from;
+        let mut t = self.entry(line, from)?;
         for step in 0..FOLLOWED {
             let contact = self.contact(line, t);
-            let beyond = number(Bend::REACH * Bend::REACH) * self.rim;
-            // Out of the surface's height, or beside its half of the conic.
-            if !(t <= end && contact.height_squared <= beyond) {
+            // Out of the surface's height, or far beside it.
+            if !(t <= end && contact.height_squared <= number(self.bend.reach * BESIDE)) {
                 return Err(if outside(&contact) { Blocked::Clipped } else { Blocked::Missed });
             }
             if !(contact.q > R::ZERO) {
@@ -277,9 +314,23 @@ impl<R: Real> Aspheric<R> {
         Err(Blocked::Missed)
     }
 
+    /// Where the ray, from `from` on, first comes as near to the axis as the bounds hold.
+    fn entry(&self, line: &Line<R>, from: R) -> Result<R, Blocked> {
+        let reach = R::from_f64(self.bend.reach);
+        let [x, y, _] = line.at(from);
+        if x * x + y * y <= reach {
+            return Ok(from);
+        }
+        let ([x, y, _], [vx, vy, _]) = (line.start, line.v);
+        let (across, along) = (vx * vx + vy * vy, x * vx + y * vy);
+        let entry = -(along + (along * along - across * (x * x + y * y - reach)).sqrt()) / across;
+        // Negated so that a ray that never does is blocked, too.
+        if !(entry > from) { Err(Blocked::Clipped) } else { Ok(entry) }
+    }
+
     /// -φ and φ' of the φ that [`Bend`] bounds.
     fn measure(&self, line: &Line<R>, t: R, contact: &Contact<R>) -> (R, R) {
-        if self.kappa > R::ZERO {
+        if !self.bend.by_height {
             return (contact.residual, contact.facing);
         }
         let [x, y, z] = line.at(t);

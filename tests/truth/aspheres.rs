@@ -2,7 +2,7 @@
 
 use realistic::{
     lens::{Lens, first_order::FirstOrder},
-    prescription::{Asphere, FIRST_POWER, Interface, Medium, Prescription, Shape},
+    prescription::{Asphere, FIRST_POWER, Interface, Medium, Prescription, Shape, Stated},
     trace::{
         Blocked, Direction, Path, Ray,
         kernel::{Kernel, KernelScalar, RayBuffer, Simd},
@@ -34,6 +34,8 @@ pub fn lens(rows: &[(Shape, f64, f64, f64)]) -> Lens {
         stated_focal_length: None,
         positions: None,
         remarks: Vec::new(),
+        stated: Stated::default(),
+        glasses: Vec::new(),
     })
 }
 

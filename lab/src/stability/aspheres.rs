@@ -67,8 +67,7 @@ fn known(name: String, lens: &Lens, rays: Vec<Ray>, answers: Vec<ExactRay>) -> C
 pub fn hyperboloids() -> Vec<Case> {
     let case = |n: f64| {
         let (radius, thickness, semi) = (20.0, 30.0, 24.0);
-        let rows =
-            [(Shape::Plane, thickness, n, semi), (asphere(-radius, -n * n, &[]), 0.0, 1.0, semi)];
+        let rows = [(Shape::Plane, thickness, n, semi), (asphere(-radius, -n * n, &[]), 0.0, 1.0, semi)];
         let (rays, points) = heights(semi);
         let focus = -(exact(radius) / exact(n - 1.0));
         let answer = |&[x, y]: &[f64; 2]| {
@@ -114,7 +113,8 @@ pub fn paraboloids() -> Vec<Case> {
         for (opposite, adjacent, hypotenuse) in triples {
             for x in [-3.0, 0.0, 1.0, 4.0] {
                 // The point (x, y) of the vertex plane; z = -(x² + y²)/(2 R) at t further on.
-                let (sine, cosine) = (exact(opposite) / exact(hypotenuse), exact(adjacent) / exact(hypotenuse));
+                let (sine, cosine) =
+                    (exact(opposite) / exact(hypotenuse), exact(adjacent) / exact(hypotenuse));
                 let y = 1.0;
                 let origin = [x - 4.0 * opposite, y, 4.0 * adjacent];
                 rays.push(Ray { origin, direction: [opposite, 0.0, -adjacent] });
@@ -140,7 +140,8 @@ pub fn paraboloids() -> Vec<Case> {
 pub fn planes_with_a_term() -> Vec<Case> {
     let case = |(power, term): (usize, f64)| {
         let (n, semi) = (1.5, 6.0);
-        let lens = lens_of("a plane with a term", &[(asphere(f64::INFINITY, 0.0, &[(power, term)]), 0.0, n, semi)]);
+        let lens =
+            lens_of("a plane with a term", &[(asphere(f64::INFINITY, 0.0, &[(power, term)]), 0.0, n, semi)]);
         let (rays, points) = heights(semi);
         let answer = |&[x, y]: &[f64; 2]| {
             let r = distance([x, y]);

@@ -122,7 +122,8 @@ fn every_status_of_the_header_is_returned_or_reserved() {
 
 #[test]
 fn no_call_prints() {
-    for action in ["library", "refusals", "info", "plan", "log", "rays", "null", "threads", "counts", "lens"] {
+    for action in ["library", "refusals", "info", "plan", "log", "rays", "null", "threads", "counts", "lens"]
+    {
         assert_eq!(run(action).err, "", "{action}");
     }
 }

@@ -38,11 +38,12 @@ pub struct Asphere<S> {
     pub terms: Terms<S>,
     /// 2/unit: twice ds/du.
     pub two_per_unit: S,
-    /// The square of the rim's radius.
-    pub rim: S,
-    /// φ'' <= `bend` + `bend_across` (Vx² + Vy²).
+    /// φ'' <= `bend` + `bend_across` (Vx² + Vy²), as far from the axis as `reach`, squared; for φ' = g/q where
+    /// `by_height`, else g.
     pub bend: S,
     pub bend_across: S,
+    pub by_height: bool,
+    pub reach: S,
     pub tolerance: S,
     /// Steps of Newton's iteration that every ray is given: by polynomials near twice the profile, coefficients of the
     /// highest power first, then by the surface.
@@ -120,9 +121,10 @@ impl<S: Scalar> Asphere<S> {
             half_kappa_c: round(kappa * c / 2.0),
             terms: Terms::new(aspheric),
             two_per_unit: round(2.0 / aspheric.unit),
-            rim: round(aspheric.rim),
             bend: round(bend.along),
             bend_across: round(bend.across),
+            by_height: bend.by_height,
+            reach: round(bend.reach),
             tolerance: round(tolerance),
             approximants: plan.approximants.iter().map(reversed).collect(),
             exact_steps: plan.exact,

@@ -29,6 +29,8 @@ struct Way<L> {
 /// The surface near a point of each ray.
 #[derive(Clone, Copy)]
 struct Contact<L> {
+    /// x² + y².
+    u: L,
     m: L,
     q: L,
     /// N·V.
@@ -162,14 +164,14 @@ impl<S: Scalar> Asphere<S> {
         let [terms, slope] = self.terms.at(cpu, &s);
         let (c, half_c) = (L::splat(cpu, self.c), L::splat(cpu, self.half_c));
         let (kappa_c, half_kappa_c) = (L::splat(cpu, self.kappa_c), L::splat(cpu, self.half_kappa_c));
-        let mut contacts = [Contact { m: c, q: one, facing: one, residual: one }; U];
+        let mut contacts = [Contact { u: one, m: c, q: one, facing: one, residual: one }; U];
         for i in 0..U {
             let vz = rays[i].vz;
             let w = t[i].mul_add(vz, start - terms[i]);
             let q = w.neg_mul_add(kappa_c, one);
             let residual = u[i].mul_sub(half_c, w * w.neg_mul_add(half_kappa_c, one));
             let m = (q * two_per_unit).mul_add(slope[i], c);
-            contacts[i] = Contact { m, q, facing: m.neg_mul_add(along[i], q * vz), residual };
+            contacts[i] = Contact { u: u[i], m, q, facing: m.neg_mul_add(along[i], q * vz), residual };
         }
         contacts
     }
@@ -184,11 +186,14 @@ impl<S: Scalar> Asphere<S> {
         t: L,
     ) -> L::Mask {
         let zero = L::splat(cpu, S::ZERO);
-        let Way { across, from, .. } = *way;
+        let (Way { u, along, across, from }, reach) = (*way, L::splat(cpu, self.reach));
         let bend = across.mul_add(L::splat(cpu, self.bend_across), L::splat(cpu, self.bend));
+        let bend = if self.by_height { bend * contact.q } else { bend };
         let way = t - from;
         let there = contact.residual.abs().less_equal(L::splat(cpu, self.tolerance));
-        let near = (way * way * across).less_equal(L::splat(cpu, self.rim));
+        // On a line the distance from the axis is largest at an end.
+        let u_from = from.mul_add(from.mul_add(across, along + along), u);
+        let near = L::both(u_from.less_equal(reach), contact.u.less_equal(reach));
         let first = (bend * way).less(contact.facing + contact.facing);
         let ahead = L::both(zero.less(contact.q), zero.less(contact.facing));
         L::both(L::both(L::both(there, near), L::both(first, ahead)), zero.less_equal(way))
