@@ -239,8 +239,8 @@ impl<R: Real> Aspheric<R> {
                 return None;
             }
             let step = contact.residual / contact.facing;
-            // Twice near, so that derivatives carried along are near, too.
-            is_close = steps > 0 && step.magnitude() <= close;
+            // The steps after the second show that it converges; of a range, its middle does.
+            is_close = steps > 0 && step.to_f64().abs() <= close;
             let step = if step > longest { longest } else { step };
             t = (t + if step < -longest { -longest } else { step }).estimate();
             steps += 1;
@@ -289,20 +289,18 @@ impl<R: Real> Aspheric<R> {
             if !(t <= end && contact.height_squared <= number(self.bend.reach * BESIDE)) {
                 return Err(if outside(&contact) { Blocked::Clipped } else { Blocked::Missed });
             }
-            if !(contact.q > R::ZERO) {
+            // Far below the surface q may have any sign, and G with it; heights do not.
+            let (before, facing) = self.measure(line, t, &contact);
+            if !(self.bend.by_height || contact.q > R::ZERO) {
                 return Err(Blocked::Missed);
             }
-            let before = contact.residual;
-            if before.magnitude() <= self.tolerance && contact.facing > R::ZERO {
-                let t = t + before / contact.facing;
-                let contact = self.contact(line, t);
-                return Ok(t + contact.residual / contact.facing);
+            if before.magnitude() <= self.tolerance && facing > R::ZERO {
+                return self.settle(line, t);
             }
             if step == 0 && !(before > R::ZERO) {
                 return Err(if outside(&contact) { Blocked::Clipped } else { Blocked::TurnedBack });
             }
             // The way to where a parabola of this bend meets 0.
-            let (before, facing) = self.measure(line, t, &contact);
             let two = number(2.0);
             let root = (facing * facing + two * bend * before).sqrt();
             let way = two * before / (facing + root);
@@ -312,6 +310,16 @@ impl<R: Real> Aspheric<R> {
             t = t + way;
         }
         Err(Blocked::Missed)
+    }
+
+    /// The crossing within rounding of a place on the ray.
+    fn settle(&self, line: &Line<R>, mut t: R) -> Result<R, Blocked> {
+        for _ in 0..2 {
+            let contact = self.contact(line, t);
+            t = t + contact.residual / contact.facing;
+        }
+        // The conic's other half or sheet is no part of the surface.
+        if self.contact(line, t).q > R::ZERO { Ok(t) } else { Err(Blocked::Missed) }
     }
 
     /// Where the ray, from `from` on, first comes as near to the axis as the bounds hold.
@@ -363,10 +371,34 @@ impl<R: Real> Aspheric<R> {
             u
         } else if u > self.rim {
             self.rim
+        } else if R::IS_RANGE {
+            return self.terms_about_the_rim(u);
         } else {
-            // On both sides of the rim, or not a number.
-            u / R::ZERO
+            // Not a number.
+            u
         };
+        let [value, slope] = self.terms_inside(inside);
+        [value + slope * (u - inside), slope]
+    }
+
+    /// The same of a range with numbers on both sides of the rim: by Taylor's theorem the terms go off from the paraboloid
+    /// beyond it by at most |d²T/du²| (u - u_rim)²/2, and their derivative by |d²T/du²| (u - u_rim).
+    fn terms_about_the_rim(&self, u: R) -> [R; 2] {
+        let over = (u - self.rim).magnitude();
+        let (unit, rim) = (self.unit.to_f64(), self.rim.to_f64());
+        let part = (rim + over) / unit;
+        let bend = |terms: &[R], first: f64| -> f64 {
+            let powers = (0..).map(|i| first + f64::from(i));
+            let sizes = powers.zip(terms).map(|(power, term)| (power, term.magnitude()));
+            sizes.map(|(power, size)| power * (power - 1.0) * size * part.powf(power - 2.0)).sum()
+        };
+        let bend = 1.001 * (bend(&self.even, 1.0) + bend(&self.odd, 1.5)) / (unit * unit);
+        let [value, slope] = self.terms_inside(u);
+        [value.within(bend * over * over / 2.0), slope.within(bend * over)]
+    }
+
+    /// T and dT/du at u inside the rim.
+    fn terms_inside(&self, inside: R) -> [R; 2] {
         let part = inside / self.unit;
         let [even, even_slope] = nested(&self.even, part);
         let mut value = part * even;
@@ -377,8 +409,7 @@ impl<R: Real> Aspheric<R> {
             value = value + root * part * odd;
             slope = slope + root * (R::from_f64(1.5) * odd + part * odd_slope);
         }
-        let slope = slope / self.unit;
-        [value + slope * (u - inside), slope]
+        [value, slope / self.unit]
     }
 
     /// The unit normal at a point of the surface, on the side ahead.

