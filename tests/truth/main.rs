@@ -2,6 +2,7 @@
 //! brute force.
 
 mod afocal;
+mod aspheres;
 mod autofocus;
 mod batch;
 mod blades;
