@@ -59,6 +59,7 @@ fn many_surfaces(n: u16) -> Lens {
             vertex: -2.5 * f64::from(i),
             radius,
             curvature: radius.recip(),
+            figure: None,
             thickness: if i + 1 < n { 2.5 } else { 0.0 },
             n_scene: glass.0,
             n_film: glass.1,

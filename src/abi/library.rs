@@ -8,8 +8,8 @@ use super::boundary::{realistic_status, with_last_message};
 /// The version of the C ABI that this header describes. It grows when something is added;
 /// nothing is ever taken away or renumbered. Version 2 states what version 1 had come to: the fields of
 /// `realistic_options` from `camera_to_world_end` on, `realistic_autofocus` and `realistic_camera_plan`; and it
-/// adds rays with differentials.
-pub const REALISTIC_ABI_VERSION: u32 = 2;
+/// adds rays with differentials. Version 3 adds lenses without a film (`realistic_lens_new`).
+pub const REALISTIC_ABI_VERSION: u32 = 3;
 
 /// The library can be loaded by a pbrt-v1 host (`CreateCamera` is there).
 pub const REALISTIC_CAPABILITY_PBRT_V1: u64 = 1;
@@ -29,6 +29,8 @@ pub const REALISTIC_CAPABILITY_AUTOFOCUS: u64 = 64;
 pub const REALISTIC_CAPABILITY_PLAN: u64 = 128;
 /// Rays can be asked for with their differentials (`realistic_generate_ray_differential`).
 pub const REALISTIC_CAPABILITY_DIFFERENTIALS: u64 = 256;
+/// A lens can be opened without a film, and asked what it is (`realistic_lens_new`).
+pub const REALISTIC_CAPABILITY_LENS: u64 = 512;
 
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "\0");
 
@@ -57,6 +59,7 @@ pub extern "C" fn realistic_capabilities() -> u64 {
         | REALISTIC_CAPABILITY_AUTOFOCUS
         | REALISTIC_CAPABILITY_PLAN
         | REALISTIC_CAPABILITY_DIFFERENTIALS
+        | REALISTIC_CAPABILITY_LENS
 }
 
 /// The message of this thread's last failure, in one or more lines of UTF-8; empty when there was none. The

@@ -103,7 +103,7 @@ impl Focus {
             first_order,
             entrance,
             path: Path::scene_to_film(lens),
-            start: lens.front().sagitta(lens.front().semi_diameter).max(0.0),
+            start: lens.front().sagitta_range()[1],
             rule: gauss_legendre(),
             at_infinity: BestImage::default(),
         };

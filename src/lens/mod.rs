@@ -3,6 +3,7 @@
 //!
 //! Lens space throughout: origin at the front vertex, +z toward the scene, millimetres.
 
+mod figure;
 pub mod first_order;
 pub mod open;
 pub mod pupil;
@@ -11,5 +12,6 @@ pub mod refraction;
 pub mod single_precision;
 mod surfaces;
 
+pub use figure::{Bounds, Figure};
 pub use ray::{Ray, cos4, film_ray};
 pub use surfaces::{Lens, LensError, Surface};

@@ -79,7 +79,7 @@ pub fn f32_is_fit(lens: &Lens) -> Result<(), Unfit> {
         if step != 0.0 && step.abs() < LEAST_INDEX_STEP {
             return Err(Unfit::IndexStep { surface: number, step });
         }
-        let nearness = 1.0 - (semi_diameter * surface.curvature).powi(2);
+        let nearness = surface.least_cosine_squared();
         if nearness < LEAST_NEARNESS {
             return Err(Unfit::Grazing { surface: number, nearness });
         }

@@ -1,7 +1,10 @@
 //! A lens made ready for tracing in one direction, and rays through it surface by surface, with the reason where one
 //! stops. This is the oracle of the fast kernel, in numbers of any type.
 
-use super::surface::{Blocked, PathSurface, State};
+use super::{
+    state::{Blocked, State},
+    surface::PathSurface,
+};
 use crate::{
     lens::{Lens, Ray, refraction::Refraction},
     numeric::{Real, cross, difference_of_products, dot, in_range, unit},
@@ -269,9 +272,9 @@ impl<R: Real> Path<R> {
             if !self.is_forward(&state, surface) || step.meet(&mut state).is_err() {
                 return false;
             }
-            let [x, y, z] = state.p;
+            let [x, y, _] = state.p;
             let ratio = (x * x + y * y) / step.aperture;
-            let normal = R::ONE - step.curvature * z;
+            let [_, _, normal] = step.normal(state.p);
             go_on(Intersection { surface, point: [x, y], ratio, normal })
                 && step.refract(&mut state, self.refraction).is_ok()
         })

@@ -4,6 +4,7 @@ mod fuzz_bodies;
 mod header;
 #[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
 mod hosts;
+mod lens;
 mod models;
 mod parameters;
 #[path = "../truth/support/properties.rs"]

@@ -348,6 +348,7 @@ fn close_rays_meet_where_coddington_says() {
             vertex: 0.0,
             radius,
             curvature: 1.0 / radius,
+            figure: None,
             thickness: 0.0,
             n_scene: 1.0,
             n_film: n,

@@ -31,7 +31,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let (prescription, lens) = args.lens.open()?;
     let film_distance = args.place.film_distance_if_any(&lens)?.unwrap_or_else(|| stand_in(&lens));
-    let edge_sagitta = lens.rear().sagitta(lens.rear().semi_diameter);
+    let [edge_sagitta, _] = lens.rear().sagitta_range();
     if film_distance + edge_sagitta <= 0.0 {
         return Err(FilmPlace::in_lens(&lens, film_distance));
     }
@@ -52,7 +52,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 /// A lens that makes no image still lets light through to film somewhere behind it.
 fn stand_in(lens: &Lens) -> f64 {
     let rear = lens.rear();
-    let room = -2.0 * rear.sagitta(rear.semi_diameter);
+    let room = -2.0 * rear.sagitta_range()[0];
     let size = FirstOrder::of(lens).map_or(2.0 * rear.semi_diameter, |optics| optics.focal_length.abs());
     size.min(4.0 * rear.semi_diameter).max(room)
 }

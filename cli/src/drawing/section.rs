@@ -81,7 +81,10 @@ fn stop_bar(lens: &Lens, index: usize) -> f64 {
 /// The window, across in -z.
 fn window(lens: &Lens, film: f64, diagonal: f64, marks: &[Mark]) -> View {
     let ends = |edge: fn(f64, f64) -> f64, start: f64| {
-        lens.surfaces.iter().flat_map(|s| [s.vertex, s.vertex + s.sagitta(s.semi_diameter)]).fold(start, edge)
+        lens.surfaces
+            .iter()
+            .flat_map(|s| s.sagitta_range().map(|sagitta| s.vertex + sagitta))
+            .fold(start, edge)
     };
     let (rear, front) = (ends(f64::min, film), ends(f64::max, 0.0));
     // Room for the rays to be seen going.

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use realistic::{
     lens::Lens,
-    prescription::{Interface, Medium, Prescription, Shape},
+    prescription::{Interface, Medium, Prescription, Shape, Stated},
     trace::{Direction, Ray},
 };
 
@@ -38,8 +38,11 @@ pub fn lens(name: &str, rows: &[Row]) -> Lens {
         title: None,
         interfaces,
         nominal_film_distance: None,
+        positions: None,
         remarks: Vec::new(),
         stated_focal_length: None,
+        stated: Stated::default(),
+        glasses: Vec::new(),
     })
 }
 

@@ -15,7 +15,7 @@
 use std::cell::RefCell;
 
 use super::handle::Handle;
-use crate::abi::float_environment::for_triple;
+use crate::abi::boundary::float_environment::for_triple;
 use crate::camera::{RayBlock, Sample, WorldRay, differentials::at_points};
 
 /// The bits of image x and y.

@@ -171,8 +171,9 @@ pub enum CameraError {
 impl CameraError {
     /// The error of film so near that it would touch the rear element.
     pub fn film_in_lens(lens: &Lens, film_distance: f64) -> Self {
-        let edge = -lens.rear().sagitta(lens.rear().semi_diameter);
-        Self::FilmInLens { film_distance, edge: edge.max(0.0) }
+        // Not `-0`: a plane reaches no farther than its vertex.
+        let edge = 0.0 - lens.rear().sagitta_range()[0];
+        Self::FilmInLens { film_distance, edge }
     }
 }
 

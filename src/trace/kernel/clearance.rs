@@ -52,6 +52,10 @@ pub(crate) fn clearances(
     mut rays: impl Iterator<Item = MeridianRay>,
     mut found: impl FnMut(Option<Clearance>),
 ) {
+    if path.steps.iter().any(|step| step.aspheric.is_some()) {
+        rays.for_each(|ray| found(along(path, film, ray)));
+        return;
+    }
     let mut packet = Packet::new(path.entry - film);
     while packet.fill(&mut rays) > 0 {
         match simd.simd() {
@@ -69,6 +73,18 @@ pub(crate) fn clearances(
             found(known.then(|| Clearance { ratio: largest.sqrt(), surface: surface.to_bits() as usize }));
         }
     }
+}
+
+/// The same of one ray, by the walk: through aspheres, which lanes here do not have.
+fn along(path: &Path<f64>, film: f64, MeridianRay { height, slopes }: MeridianRay) -> Option<Clearance> {
+    let mut most = Clearance { ratio: 0.0, surface: 0 };
+    let through = path.intersections(film, [height, 0.0], slopes, |intersection| {
+        if intersection.ratio > most.ratio {
+            most = Clearance { ratio: intersection.ratio, surface: intersection.surface };
+        }
+        true
+    });
+    (through || most.ratio > 1.0).then(|| Clearance { ratio: most.ratio.sqrt(), ..most })
 }
 
 #[cfg(target_arch = "x86_64")]

@@ -4,9 +4,12 @@
 //! have the same bits.
 
 use super::{fit::Polynomial, terms::sum};
-use crate::trace::kernel::{
-    Approach, Available, Batch, Cpu, End, Grouping, KernelScalar, Lanes, LensRays, Optics, PlaneBatch,
-    PlaneRays, RaysByValue, Start, Traced, run,
+use crate::trace::{
+    aspheric::Aspheric,
+    kernel::{
+        Approach, Available, Batch, Cpu, End, Grouping, KernelScalar, Lanes, LensRays, Optics, PlaneBatch,
+        PlaneRays, Profile, RaysByValue, Start, Traced, run,
+    },
 };
 
 /// A lens as polynomials that traces as a [`Kernel`](crate::trace::kernel::Kernel) does: one ray, three or many,
@@ -30,6 +33,8 @@ pub struct PolynomialLens<S> {
     /// The front surface's curvature, and the square of its clear semi-diameter, mm².
     curvature: S,
     aperture: S,
+    /// The whole front surface where it is an asphere, z along the travel.
+    profile: Option<Profile<S>>,
     simd: Available,
 }
 
@@ -51,6 +56,7 @@ impl<S: KernelScalar> PolynomialLens<S> {
             vergence: round(scaling.vergence),
             curvature: round(front.curvature),
             aperture: round(front.semi_diameter.powi(2)),
+            profile: front.figure.map(|figure| Profile::new(&Aspheric::new(&figure, false, front.n_film))),
             simd: Available::best(),
         }
     }
@@ -114,7 +120,10 @@ impl<S: KernelScalar> PolynomialLens<S> {
         }
         let bent = L::splat(cpu, self.curvature) * height;
         let root = (L::splat(cpu, self.curvature).neg_mul_add(bent, one)).sqrt();
-        let oz = zero - bent / (one + root);
+        let oz = match &self.profile {
+            None => zero - bent / (one + root),
+            Some(profile) => profile.height(cpu, height),
+        };
         let scale = two / qy.mul_add(qy, qx.mul_add(qx, one));
         // A number that is none blocks, too.
         passed = L::both(passed, oz.less_equal(oz));

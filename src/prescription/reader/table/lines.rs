@@ -1,6 +1,6 @@
-//! Text to lines of words that know where they stand: what a reader of any format begins with.
+//! Text to lines of words that know where they stand: what a table of columns is read from.
 
-use std::{borrow::Cow, fmt};
+use std::fmt;
 
 use crate::{
     message::cut,
@@ -42,11 +42,18 @@ pub(super) struct Lines {
     decimal_comma: Option<usize>,
 }
 
+impl Word {
+    /// Whether it is this word, in capitals or not.
+    pub(super) fn is(&self, word: &str) -> bool {
+        self.text.eq_ignore_ascii_case(word)
+    }
+}
+
 impl Lines {
+    /// Of decoded bytes; comments may be in any encoding.
     pub(super) fn split(file: &str, bytes: &[u8]) -> Result<Self, LensFileError> {
         let mut all =
             Self { file: file.to_owned(), lines: Vec::new(), title: None, count: 0, decimal_comma: None };
-        let bytes = decoded(bytes);
         // Lines of old Macintosh files end in a carriage return alone.
         let end = if bytes.contains(&b'\n') { b'\n' } else { b'\r' };
         for (number, line) in bytes.split(|&byte| byte == end).enumerate() {
@@ -129,6 +136,31 @@ impl Lines {
         self.error_at(word.line, word.column, message)
     }
 
+    /// Takes the lines out that begin with one of these words, in capitals or not.
+    pub(super) fn take(&mut self, keywords: &[&str]) -> Vec<Line> {
+        let is_taken = |line: &Line| keywords.iter().any(|keyword| line.words[0].is(keyword));
+        let (taken, rest) = std::mem::take(&mut self.lines).into_iter().partition(is_taken);
+        self.lines = rest;
+        taken
+    }
+
+    /// The number of a constant such as `B1=1.04`, and which of `names` it is.
+    pub(super) fn constant(
+        &self,
+        word: &Word,
+        names: &[String],
+        expected: &str,
+    ) -> Result<(usize, f64), LensFileError> {
+        let split = word.text.split_once('=');
+        let place =
+            split.and_then(|(name, _)| names.iter().position(|known| known.eq_ignore_ascii_case(name)));
+        let (Some((name, number)), Some(place)) = (split, place) else {
+            return Err(self.error(word, &format!("\"{word}\" is no constant such as {expected}")));
+        };
+        let value = Word { text: number.to_owned(), line: word.line, column: word.column + name.len() + 1 };
+        Ok((place, self.number(&value, &format!("a constant such as {expected}"))?))
+    }
+
     pub(super) fn error_at_end(&self, message: &str) -> LensFileError {
         self.error_at(self.count, 1, message)
     }
@@ -150,18 +182,4 @@ fn has_decimal_commas(line: &[u8]) -> bool {
     let commas = line.windows(3).filter(digits_around).count();
     let parts = line.split(|byte| byte.is_ascii_whitespace() || *byte == b';');
     commas > 0 && (commas > 4 || parts.filter(|part| !part.is_empty() && *part != b",").count() > 1)
-}
-
-/// The bytes as UTF-8 where a byte-order mark says what they are, else as they stand.
-fn decoded(bytes: &[u8]) -> Cow<'_, [u8]> {
-    let utf16 = |bytes: &[u8], unit: fn([u8; 2]) -> u16| {
-        let units: Vec<u16> = bytes.chunks_exact(2).map(|pair| unit([pair[0], pair[1]])).collect();
-        Cow::Owned(String::from_utf16_lossy(&units).into_bytes())
-    };
-    match bytes {
-        [0xEF, 0xBB, 0xBF, rest @ ..] => Cow::Borrowed(rest),
-        [0xFF, 0xFE, rest @ ..] => utf16(rest, u16::from_le_bytes),
-        [0xFE, 0xFF, rest @ ..] => utf16(rest, u16::from_be_bytes),
-        _ => Cow::Borrowed(bytes),
-    }
 }

@@ -1,6 +1,6 @@
 //! Why a camera or its focus is refused: errors of the rooms below in, out a failure with the ABI's status.
 
-use super::boundary::{Failure, realistic_status};
+use super::{Failure, realistic_status};
 use crate::camera::{CameraError, ParameterError, autofocus::AutofocusError};
 use crate::imaging::focus::FocusError;
 

@@ -5,10 +5,13 @@
 use super::{
     glasses::Glasses,
     lines::{Line, Lines, Word},
-    surface_row::SurfaceRow,
-    values::{index, is_stop_word, radius},
+    values::{index, radius, role},
 };
-use crate::prescription::{LensFileError, interfaces::Medium};
+use crate::prescription::{
+    LensFileError,
+    interfaces::Medium,
+    reader::surfaces::{Role, SurfaceRow},
+};
 
 const COLUMNS: &str = "a five-column table has rows of five values (glass: radius, thickness, n_d, V-number, \
      clear diameter), three (air: radius, thickness, diameter) or two (the stop: thickness, diameter)";
@@ -19,14 +22,16 @@ const COLUMNS: &str = "a five-column table has rows of five values (glass: radiu
 /// The first word that cannot stand where it does.
 pub(super) fn row(
     lines: &Lines,
-    glasses: &Glasses,
+    glasses: &Glasses<'_>,
     line: &Line,
     is_last: bool,
 ) -> Result<SurfaceRow, LensFileError> {
-    let (says_stop, words) = match line.words.split_first() {
-        Some((first, rest)) if is_stop_word(first) => (true, rest),
-        _ => (line.words.len() == 2, line.words.as_slice()),
+    let (said, words) = match line.words.split_first() {
+        Some((first, rest)) if role(first) != Role::Any => (role(first), rest),
+        _ if line.words.len() == 2 => (Role::Stop, line.words.as_slice()),
+        _ => (Role::Any, line.words.as_slice()),
     };
+    let says_stop = said != Role::Any;
     let (curvature, thickness, glass, diameter) = match words {
         [radius, thickness, n_d, abbe, diameter] => (Some(radius), thickness, Some((n_d, abbe)), diameter),
         [thickness, n_d, abbe, diameter] if says_stop => (None, thickness, Some((n_d, abbe)), diameter),
@@ -43,19 +48,20 @@ pub(super) fn row(
         }
     };
     let medium = glass.map_or(Ok(Medium::Air), |(n_d, abbe)| medium(lines, glasses, n_d, abbe))?;
-    let (radius, says_stop) = match curvature {
-        Some(word) if !left_out(word) => (radius(lines, word)?, says_stop),
-        _ => (f64::INFINITY, true),
+    let (radius, role) = match curvature {
+        Some(word) if !left_out(word) => (radius(lines, word)?, said),
+        _ if said == Role::Any => (f64::INFINITY, Role::Stop),
+        _ => (f64::INFINITY, said),
     };
     let thickness = match thickness {
         word if left_out(word) && is_last => 0.0,
         word => lines.number(word, "a thickness in mm")?,
     };
     let diameter = lines.number(diameter, "a clear diameter in mm")?;
-    Ok(SurfaceRow { radius, says_stop, thickness, medium, diameter })
+    Ok(SurfaceRow { radius, role, thickness, medium, diameter, asphere: None })
 }
 
-fn medium(lines: &Lines, glasses: &Glasses, n_d: &Word, abbe: &Word) -> Result<Medium, LensFileError> {
+fn medium(lines: &Lines, glasses: &Glasses<'_>, n_d: &Word, abbe: &Word) -> Result<Medium, LensFileError> {
     if !left_out(n_d)
         && let Some(glass) = glasses.find(lines, n_d)?
     {

@@ -1,6 +1,6 @@
 //! Every accepted spelling and every refusal, the latter as its user would read it.
 
-use super::*;
+use crate::prescription::{MAX_FILE_BYTES, MAX_INTERFACES, MAX_NAME_BYTES, Prescription, reader::read};
 use crate::prescription::{
     catalogue,
     interfaces::{Medium, Shape},
@@ -222,4 +222,155 @@ fn a_text_has_at_most_a_mebibyte() {
     let message = read("lens.dat", &text).expect_err("too large").to_string();
     assert!(message.starts_with(&format!("lens.dat:{lines}:1: ")), "{message}");
     assert!(message.contains("at most 1048576 bytes (1 MiB)"), "{message}");
+}
+
+const ASPHERE: &str = "20 5 1.5 10\n-20 30 1 10\nasphere 1 conic=-1.2 A4=1e-5 A20=-3e-30\n";
+
+#[test]
+fn a_row_can_have_a_figure() {
+    let lens = ok(ASPHERE.as_bytes());
+    let Shape::Asphere(asphere) = lens.interfaces[0].shape else { panic!("{lens:?}") };
+    assert_eq!((asphere.radius, asphere.conic), (20.0, -1.2));
+    let terms: Vec<f64> = asphere.terms.into_iter().filter(|term| *term != 0.0).collect();
+    assert_eq!((asphere.terms[2], asphere.terms[18], terms.len()), (1e-5, -3e-30, 2));
+    assert_eq!(lens.interfaces[1].shape, Shape::Sphere { radius: -20.0 });
+    // The line may stand anywhere, its words in any order and capitals or not; a polynomial on a plane has no radius.
+    let other = ok(b"ASPHERE 1 a20=-3e-30 a4=1e-5 Conic=-1.2\n20 5 1.5 - 10\n-20 30 10");
+    assert_eq!(other.interfaces, lens.interfaces);
+    let corrector = ok(b"inf 5 1.5 10\ninf 30 1 10\nasphere 2 A2=1e-3 A3=0");
+    let Shape::Asphere(asphere) = corrector.interfaces[1].shape else { panic!("{corrector:?}") };
+    assert_eq!((asphere.radius, asphere.terms[0]), (f64::INFINITY, 1e-3));
+}
+
+#[test]
+fn a_figure_that_is_a_sphere_or_a_plane_is_one() {
+    let plain = ok(b"20 5 1.5 10\ninf 30 1 10").interfaces;
+    let figured = ok(b"20 5 1.5 10\ninf 30 1 10\nasphere 1 conic=0 A4=0\nasphere 2 conic=-3\n");
+    assert_eq!(figured.interfaces, plain);
+}
+
+#[test]
+fn a_mount_wider_than_the_conic_is_the_whole_conic_and_told() {
+    let wide = ok(b"10 5 1.5 30\n-20 30 1 10\nasphere 1 conic=3");
+    assert_eq!(wide.interfaces[0].semi_diameter, 5.0);
+    assert!(
+        wide.remarks[0]
+            .ends_with("on a conic of radius 10 mm and constant 3; 10 mm is used, the whole conic")
+    );
+    for endless in ["-1", "-2.5"] {
+        let text = format!("10 5 1.5 30\n-20 30 1 10\nasphere 1 conic={endless}");
+        assert_eq!(ok(text.as_bytes()).interfaces[0].semi_diameter, 15.0, "{endless}");
+    }
+}
+
+#[test]
+fn a_wrong_figure_is_told_where_it_stands() {
+    let with = |line: &str| format!("20 5 1.5 10\n-20 30 1 10\n{line}\n");
+    refused(&with("asphere"), "3:1", &["asphere ROW conic=", "A2 to A20"]);
+    refused(&with("asphere 1"), "3:1", &["no constants"]);
+    refused(&with("asphere 3 A4=1"), "3:9", &["\"3\" is no row", "rows 1 to 2"]);
+    refused(&with("asphere one A4=1"), "3:9", &["\"one\" is no row"]);
+    refused(&with("asphere 1 A1=1"), "3:11", &["\"A1=1\" is no constant such as A4=1e-5"]);
+    refused(&with("asphere 1 A21=1"), "3:11", &["no constant"]);
+    refused(&with("asphere 1 1e-5"), "3:11", &["no constant"]);
+    refused(&with("asphere 1 A4=x"), "3:14", &["\"x\" is not a number"]);
+    refused(&with("asphere 1 conic=inf"), "3:17", &["not finite"]);
+    refused(&with("asphere 1 A4=1 a4=1"), "3:16", &["given twice"]);
+    refused(&with("asphere 1 A4=1\nasphere 1 A6=1"), "4:9", &["row 1 is given twice"]);
+    refused(&with("apshere 1 A4=1"), "3:1", &["no line begins with \"apshere\"", "\"asphere\"?"]);
+    refused("20 5 1.5 10\n-20 1 1 10\nstop 30 1 5\nasphere 3 A4=1", "3:1", &["stop is a plane in air"]);
+    refused(
+        "20 5 1.5 10\n-20 1 1 10\n0 30 1 5\nasphere 3 A4=1",
+        "3:1",
+        &["between air and air bends no ray"],
+    );
+}
+
+#[test]
+fn a_flare_stop_is_a_plane_in_air_and_not_the_stop() {
+    let four = ok(b"flare 1 1 9\n20 5 1.5 10\n-20 2 1 10\nstop 3 1 7\nflare 30 1 12\n");
+    let shapes: Vec<Shape> = four.interfaces.iter().map(|interface| interface.shape).collect();
+    let (sphere, other) = (Shape::Sphere { radius: 20.0 }, Shape::Sphere { radius: -20.0 });
+    assert_eq!(shapes, [Shape::Plane, sphere, other, Shape::Stop, Shape::Plane]);
+    assert_eq!(four.nominal_film_distance, Some(30.0));
+    let five = ok(b"Flare 1 9\n20 5 1.5 - 10\n-20 2 10\nstop 3 7\nflare 30 - - 12\n");
+    assert_eq!(five.interfaces, four.interfaces);
+    refused("20 5 1.5 10\nflare 2 1.6 9\n-20 0 1 9", "2:1", &["air on both sides"]);
+}
+
+const ZOOM: &str = "20 5 1.5 60 10\n-20 3 - - 10\nstop 1 - - 6\n30 2 1.6 40 8\n-30 40 - - 8\n\
+    positions wide middle tele\ngap 2 3 5.5 9\nfilm 40 38 35\nstopdiameter 6 6.5 -\nfocal 28 35 50.5\n\
+    fnumber 2.8 - 4\nobject inf 500 inf\nfield 75 63.4 -\nyear 1999\n";
+
+#[test]
+fn groups_that_move_stand_in_columns() {
+    let lens = ok(ZOOM.as_bytes());
+    let positions = lens.positions.expect("three");
+    assert_eq!(positions.gaps, [1, 4]);
+    let [wide, middle, tele] = positions.columns.as_slice() else { panic!("{positions:?}") };
+    assert_eq!((wide.name.as_deref(), wide.gaps.as_slice()), (Some("wide"), [3.0, 40.0].as_slice()));
+    assert_eq!(
+        (middle.focal_length, middle.fnumber, middle.object_distance),
+        (Some(35.0), None, Some(500.0))
+    );
+    assert_eq!((middle.stop_diameter, tele.stop_diameter), (Some(6.5), None));
+    assert_eq!((tele.gaps.as_slice(), tele.fnumber), ([9.0, 35.0].as_slice(), Some(4.0)));
+    assert_eq!(lens.stated_focal_length, Some(28.0));
+    assert_eq!(lens.stated.fields, [Some(75.0), Some(63.4), None]);
+    assert_eq!((lens.stated.year, lens.stated.fnumber), (Some(1999), None));
+    assert_eq!((lens.interfaces[1].thickness, lens.nominal_film_distance), (3.0, Some(40.0)));
+    // A position needs no name.
+    let unnamed = ok(ZOOM.replace("wide middle tele", "- - -").as_bytes()).positions.expect("three");
+    assert!(unnamed.columns.iter().all(|column| column.name.is_none()));
+}
+
+#[test]
+fn a_lens_without_positions_states_its_facts_once() {
+    let lens = ok(b"20 5 1.5 10\n-20 30 1 10\nfocal 20.3\nfnumber 2\nfield 45\nyear 1961\n");
+    assert_eq!(lens.stated_focal_length, Some(20.3));
+    assert_eq!((lens.stated.fnumber, lens.stated.year), (Some(2.0), Some(1961)));
+    assert_eq!((lens.stated.fields, lens.positions), (vec![Some(45.0)], None));
+    let with = |line: &str| format!("20 5 1.5 10\n-20 30 1 10\n{line}\n");
+    refused(&with("focal"), "3:1", &["no values behind \"focal\""]);
+    refused(&with("focal 1 2"), "3:9", &["2 value(s) of \"focal\"; expected one value"]);
+    refused(&format!("50\n{}", with("focal 50")), "4:1", &["give it once"]);
+    refused(&with("fnumber -2"), "3:9", &["is positive"]);
+    refused(&with("field 361"), "3:7", &["at most 360 degrees"]);
+    refused(&with("year 75"), "3:6", &["\"75\" is no year"]);
+    refused(&with("year 1975 1976"), "3:11", &["one year"]);
+    refused(&with("year 1975\nyear 1976"), "4:1", &["a second line \"year\""]);
+    refused(&with("object 500"), "3:1", &["no line names the positions", "positions wide tele"]);
+    refused(&with("gap 1 5"), "3:1", &["no line names the positions"]);
+}
+
+#[test]
+fn a_wrong_column_is_told_where_it_stands() {
+    let with = |from: &str, to: &str| ZOOM.replace(from, to);
+    refused(
+        &with("gap 2 3 5.5 9", "gap 2 3 5.5"),
+        "7:1",
+        &["2 value(s) of \"gap\"", "3 values, one per position"],
+    );
+    refused(&with("gap 2 3 5.5 9", "gap 2 3 5.5 9 1"), "7:15", &["4 value(s)"]);
+    refused(&with("gap 2 3 5.5 9", "gap 2 3 - 9"), "7:9", &["\"-\" is not a number", "thickness in mm"]);
+    refused(&with("gap 2 3 5.5 9", "gap 2 3 -5.5 9"), "7:9", &["0 or more"]);
+    refused(&with("gap 2 3 5.5 9", "gap 6 3 5.5 9"), "7:5", &["\"6\" is no row", "rows 1 to 5"]);
+    refused(
+        &with("gap 2 3 5.5 9", "gap 2 3.1 5.5 9"),
+        "7:7",
+        &["row 2 of the table has thickness 3", "first position"],
+    );
+    refused(&with("film", "gap 5 40 38 35\nfilm"), "9:1", &["row 5 is given twice"]);
+    refused(&with("film", "gap 2 3 5 9\nfilm"), "8:1", &["row 2 is given twice"]);
+    refused(
+        &with("stopdiameter 6 ", "stopdiameter 7 "),
+        "9:14",
+        &["row 3 of the table has clear diameter 6"],
+    );
+    refused(&with("stop 1 - - 6", "flare 1 - - 6"), "9:1", &["no stop"]);
+    refused(&with("middle", "wide"), "6:16", &["two positions are called \"wide\""]);
+    refused(&with("object inf 500", "object 0 500"), "12:8", &["is positive"]);
+    refused(&with("positions", "position"), "6:1", &["\"positions\"?"]);
+    let many = format!("positions{}", " -".repeat(crate::prescription::MAX_POSITIONS + 1));
+    refused(&with("positions wide middle tele", &many), "6:211", &["101 positions", "at most 100"]);
 }

@@ -1,8 +1,8 @@
-//! The values that the columns of a table hold, read the same way in every column format: a word in, a radius, an index
+//! The values that the columns of a table hold, read the same way whether it has four or five: a word in, a radius, an index
 //! or a complaint that names its line and column out.
 
 use super::lines::{Lines, Word};
-use crate::prescription::LensFileError;
+use crate::prescription::{LensFileError, reader::surfaces::Role};
 
 /// The radius column, the same in both formats: a number, 0 and `inf` being planes.
 pub(super) fn radius(lines: &Lines, word: &Word) -> Result<f64, LensFileError> {
@@ -26,6 +26,13 @@ pub(super) fn index(lines: &Lines, word: &Word) -> Result<Option<f64>, LensFileE
     }
 }
 
-pub(super) fn is_stop_word(word: &Word) -> bool {
-    word.text.eq_ignore_ascii_case("stop")
+/// What the word in the radius column says the row to be, where it is no radius.
+pub(super) fn role(word: &Word) -> Role {
+    if word.is("stop") {
+        Role::Stop
+    } else if word.is("flare") {
+        Role::FlareStop
+    } else {
+        Role::Any
+    }
 }

@@ -4,12 +4,13 @@
 //! A panic that is caught still prints through the process's panic hook, as the header says: a defect
 //! should not pass in silence, and the hook belongs to the whole program when the library is linked into one.
 
+mod failure;
+pub(super) mod float_environment;
+
 use std::any::Any;
 use std::cell::RefCell;
 use std::ffi::{CStr, CString};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-
-use super::float_environment;
 
 /// How a call of the C ABI ended. The numbers are part of the ABI and never change.
 #[allow(non_camel_case_types)]
@@ -40,11 +41,13 @@ pub enum realistic_status {
     /// Reserved, and not returned by this version: the process lacks what the call needs. (`CreateCamera` returns NULL
     /// where a host's functions are missing, and `realistic.hpp` throws this for a library older than itself.)
     Unsupported = 10,
+    /// The pointer is NULL, or to no lens of this library.
+    NotALens = 11,
 }
 
 impl realistic_status {
     /// Every status.
-    pub(super) const ALL: [Self; 11] = [
+    pub(super) const ALL: [Self; 12] = [
         Self::Ok,
         Self::NullPointer,
         Self::StructSize,
@@ -56,6 +59,7 @@ impl realistic_status {
         Self::NotACamera,
         Self::OutOfMemory,
         Self::Unsupported,
+        Self::NotALens,
     ];
 
     /// What it means, in a few words.
@@ -72,6 +76,7 @@ impl realistic_status {
             Self::NotACamera => c"not a camera of this library",
             Self::OutOfMemory => c"out of memory",
             Self::Unsupported => c"the process lacks what the call needs",
+            Self::NotALens => c"not a lens of this library",
         }
     }
 }

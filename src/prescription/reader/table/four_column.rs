@@ -4,10 +4,13 @@
 use super::{
     glasses::Glasses,
     lines::{Line, Lines},
-    surface_row::SurfaceRow,
-    values::{index, is_stop_word, radius},
+    values::{index, radius, role},
 };
-use crate::prescription::{LensFileError, interfaces::Medium};
+use crate::prescription::{
+    LensFileError,
+    interfaces::Medium,
+    reader::surfaces::{Role, SurfaceRow},
+};
 
 const COLUMNS: &str = "a row has four values: radius, thickness, refractive index, clear diameter";
 
@@ -15,22 +18,23 @@ const COLUMNS: &str = "a row has four values: radius, thickness, refractive inde
 ///
 /// # Errors
 /// The first word that cannot stand where it does.
-pub(super) fn row(lines: &Lines, glasses: &Glasses, line: &Line) -> Result<SurfaceRow, LensFileError> {
+pub(super) fn row(lines: &Lines, glasses: &Glasses<'_>, line: &Line) -> Result<SurfaceRow, LensFileError> {
     let [first, thickness, medium, diameter] = line.words.as_slice() else {
         return Err(lines.error(
             &line.words[0],
             &format!("{} value(s); {COLUMNS}, or five in a table with V-numbers", line.words.len()),
         ));
     };
-    let says_stop = is_stop_word(first);
+    let role = role(first);
     Ok(SurfaceRow {
-        radius: if says_stop { f64::INFINITY } else { radius(lines, first)? },
-        says_stop,
+        radius: if role == Role::Any { radius(lines, first)? } else { f64::INFINITY },
+        role,
         thickness: lines.number(thickness, "a thickness in mm")?,
         medium: match glasses.find(lines, medium)? {
             Some(glass) => glass,
             None => index(lines, medium)?.map_or(Medium::Air, |n_d| Medium::Glass { n_d, abbe: None }),
         },
         diameter: lines.number(diameter, "a clear diameter in mm")?,
+        asphere: None,
     })
 }
