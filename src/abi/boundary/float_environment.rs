@@ -38,26 +38,11 @@ pub fn for_ray<T>(body: impl FnOnce() -> T) -> T {
     result
 }
 
-/// The host's environment as it was read, once for several bodies.
+/// [`for_ray`] that leaves flags raised, for to look at them is to wait for the ray.
 #[cfg(realistic_shim)]
-#[derive(Clone, Copy)]
-pub struct Environment {
-    is_default: bool,
-}
-
-#[cfg(realistic_shim)]
-impl Environment {
-    /// Reads it, which waits for the arithmetic before: better soon than between two traces that can overlap.
-    #[inline(always)]
-    pub fn read() -> Self {
-        Self { is_default: is_default(read()) }
-    }
-
-    /// [`for_ray`] that leaves flags raised, for to look at them is to wait for the ray.
-    #[inline(always)]
-    pub fn for_triple<T>(self, body: impl FnOnce() -> T) -> T {
-        if self.is_default { body() } else { apart(body) }
-    }
+#[inline(always)]
+pub fn for_triple<T>(body: impl FnOnce() -> T) -> T {
+    if is_default(read()) { body() } else { apart(body) }
 }
 
 /// [`in_default`] in an environment of the host's own.
