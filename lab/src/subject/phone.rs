@@ -121,5 +121,7 @@ pub fn phone_lens() -> Prescription {
         stated_focal_length: Some(4.1),
         positions: None,
         remarks: Vec::new(),
+        stated: Default::default(),
+        glasses: Vec::new(),
     }
 }
