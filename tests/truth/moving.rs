@@ -2,7 +2,7 @@
 
 use crate::support::{Random, build, host, host_with, ray};
 use realistic::camera::{Camera, FocusBy, Host, Model, RealisticCamera};
-use realistic::imaging::{depth_of_field::DepthOfField, focus::Focus};
+use realistic::imaging::{axial_image::AxialImage, depth_of_field::DepthOfField, focus::Focus};
 use realistic::lens::{Lens, first_order::FirstOrder, moving::MovingGroups, pupil::EntrancePupil};
 use realistic::prescription::{Prescription, read};
 
@@ -75,6 +75,12 @@ fn groups(prescription: &Prescription) -> MovingGroups<'_> {
     MovingGroups::of(prescription).expect("in order").expect("positions")
 }
 
+/// Where exact rays through the open lens image a point.
+fn image(prescription: &Prescription, vergence: f64) -> Option<f64> {
+    let lens = Lens::at_d_line(prescription);
+    Some(AxialImage::of(&lens, EntrancePupil::of_lens(&lens)).best(vergence).distance)
+}
+
 #[test]
 fn at_its_positions_the_lens_is_what_the_patent_states() {
     let prescription = zoom_lens();
@@ -117,17 +123,16 @@ fn a_focal_length_between_the_positions_is_exact_and_the_film_stays_in_focus() {
     let mut random = Random::new(12);
     for _ in 0..60 {
         let focal_length = short * (long / short).powf(random.next());
-        let travel = groups.zoomed(focal_length).expect("in range");
+        let travel = groups.zoomed(focal_length, image).expect("in range");
         let placed = travel.at(travel.start());
         let own = FirstOrder::of(&Lens::at_d_line(&placed)).expect("focal").focal_length;
         assert!((own / focal_length - 1.0).abs() < 1e-14, "{own} is not {focal_length}");
         let off = off(&placed);
-        // A quarter of the depth of focus at f/2.88 for a circle of 0.03 mm.
         assert!(
-            (least - 0.02..most + 0.02).contains(&off),
+            (least - 1e-9..most + 1e-9).contains(&off),
             "{focal_length}: {off}, at the positions {listed:?}"
         );
-        // Near, too: the groups' way there is between the positions' ways.
+        // Near, too, within the depth of focus for a circle of 0.05 mm: the groups' way there is between the positions' ways.
         let [_, near] = travel.range();
         let near = near / 1.1;
         let image = FirstOrder::of(&Lens::at_d_line(&travel.at(near))).expect("focal").image_distance(near);
@@ -198,7 +203,9 @@ fn a_position_by_name_has_the_tables_gaps_and_film() {
         let (camera, _) = build(&zoom_host(), &[("zoom", name)]).expect("a position");
         assert_eq!(camera.facts().lens.nominal_film_distance, Some(FILM));
         assert!((camera.facts().focal_length() / focal_length - 1.0).abs() < 1e-3);
-        assert!((camera.facts().fnumber() - 2.88).abs() < 1e-12);
+        // At the long end the clear diameters of the front elements limit the beam a little.
+        let most = if name == "tele" { 3.0 } else { 2.88 + 1e-12 };
+        assert!((2.88 - 1e-12..most).contains(&camera.facts().fnumber()), "{}", camera.facts().fnumber());
     }
     // Without a word it is the first.
     let lens = |given: &[(&str, &str)]| build(&zoom_host(), given).expect("a lens").0.facts().lens.clone();
@@ -227,9 +234,9 @@ fn the_ideal_models_zoom_and_focus_by_groups_too() {
 fn what_cannot_be_is_refused_with_the_range_and_what_to_do() {
     let refused = |host: &Host, given: &[(&str, &str)]| build(host, given).expect_err("refused");
     for (given, says) in [
-        (&[("zoom", "300")][..], &["zooms from 71.4", "196"][..]),
-        (&[("zoom", "50mm")], &["zooms from 71.4", "196"]),
-        (&[("zoom", "wid")], &["\"wid\"", "from 71.4", "\"wide\", \"middle\" or \"tele\""]),
+        (&[("zoom", "300")][..], &["zooms from 71.39", "196"][..]),
+        (&[("zoom", "50mm")], &["zooms from 71.39", "196"]),
+        (&[("zoom", "wid")], &["\"wid\"", "from 71.39", "\"wide\", \"middle\" or \"tele\""]),
         (&[("zoom", "-35")], &["\"zoom\" is -35", "positive"]),
         (
             &[("zoom", "wide"), ("focusby", "group"), ("focusdistance", "1000")],
@@ -251,5 +258,5 @@ fn what_cannot_be_is_refused_with_the_range_and_what_to_do() {
     std::fs::write(&file, text()).expect("written");
     let scaled = format!("{}@100mm", file.display());
     let said = refused(&host(), &[("specfile", &scaled)]);
-    assert!(said.contains("\"zoom\", from 71.4") && said.contains("leave out the @"), "{said}");
+    assert!(said.contains("\"zoom\", from 71.39") && said.contains("leave out the @"), "{said}");
 }

@@ -61,12 +61,6 @@ pub fn options(bytes: &mut Bytes<'_>) -> realistic_options {
         *number = bytes.number();
     }
     if bytes.choice(4) == 0 {
-        // Positions of a lens text have these names, or none.
-        const ZOOMS: [&CStr; 5] = [c"wide", c"tele", c"35", c"70mm", c"-1"];
-        options.zoom = ZOOMS[bytes.choice(ZOOMS.len())].as_ptr();
-        options.focusby = [null(), c"film".as_ptr(), c"group".as_ptr()][bytes.choice(3)];
-    }
-    if bytes.choice(4) == 0 {
         const MODELS: [&CStr; 7] =
             [c"thick", c"thin", c"perspective", c"orthographic", c"environment", c"lens", c"pinhole"];
         options.model = MODELS[bytes.choice(MODELS.len())].as_ptr();
@@ -94,6 +88,12 @@ pub fn options(bytes: &mut Bytes<'_>) -> realistic_options {
         for entry in &mut options.camera_to_world_end[..12] {
             *entry += bytes.float(1.0);
         }
+    }
+    if bytes.choice(4) == 0 {
+        // Positions of a lens text have these names, or none.
+        const ZOOMS: [&CStr; 5] = [c"wide", c"tele", c"35", c"70mm", c"-1"];
+        options.zoom = ZOOMS[bytes.choice(ZOOMS.len())].as_ptr();
+        options.focusby = [null(), c"film".as_ptr(), c"group".as_ptr()][bytes.choice(3)];
     }
     if bytes.choice(2) == 1 {
         let text = bytes.text(4096);

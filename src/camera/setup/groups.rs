@@ -9,6 +9,7 @@ use crate::{
         focus::{Conjugates, FocusError},
     },
     lens::{
+        Lens,
         first_order::FirstOrder,
         moving::{FocusTravel, MovingError, MovingGroups},
         open::OpenLens,
@@ -27,7 +28,7 @@ pub(super) fn place_groups(
     set_up: impl Fn(&Prescription) -> Result<OpenLens, CameraError>,
     log: Log<'_>,
 ) -> Result<Prescription, CameraError> {
-    let Some(travel) = travel(&prescription, given, log)? else { return Ok(prescription) };
+    let Some(travel) = travel(&prescription, given, focusing, log)? else { return Ok(prescription) };
     if given.focusby() == FocusBy::Group && given.filmdistance.is_some() {
         return Err(CameraError::FilmStays);
     }
@@ -45,7 +46,9 @@ pub(super) fn reach(
     log: Log<'_>,
 ) -> Result<[Conjugates; 2], CameraError> {
     let no_focus = || MovingError::NoFocus { lens: prescription.name.clone() };
-    let travel = travel(prescription, given, log)?.filter(FocusTravel::is_known).ok_or_else(no_focus)?;
+    let travel = travel(prescription, given, Focusing::Exact, log)?
+        .filter(FocusTravel::is_known)
+        .ok_or_else(no_focus)?;
     GroupFocus::new(&travel, Focusing::Exact, set_up)?.reach()
 }
 
@@ -54,6 +57,7 @@ pub(super) fn reach(
 fn travel(
     prescription: &Prescription,
     given: &Parameters,
+    focusing: Focusing,
     log: Log<'_>,
 ) -> Result<Option<FocusTravel>, CameraError> {
     let by_groups = given.focusby() == FocusBy::Group;
@@ -66,9 +70,14 @@ fn travel(
         }
         groups => groups?,
     };
+    // The film of a lens stands where it does, whatever the light.
+    let image = |prescription: &Prescription, vergence: f64| {
+        let image = Image::of(OpenLens::new(Lens::at_d_line(prescription)), focusing).ok()?;
+        Some(image.distance(vergence)).filter(|distance| distance.is_finite())
+    };
     let travel = match (&groups, &given.zoom) {
         (Some(groups), None) => Some(groups.position(0)),
-        (Some(groups), Some(Zoom::FocalLength(focal_length))) => Some(groups.zoomed(*focal_length)?),
+        (Some(groups), Some(Zoom::FocalLength(focal_length))) => Some(groups.zoomed(*focal_length, image)?),
         (Some(groups), Some(Zoom::Position(name))) => Some(groups.named(name)?),
         (None, Some(_)) => return Err(MovingError::Prime { lens: lens() }.into()),
         (None, None) => None,

@@ -151,12 +151,19 @@ impl<'a> MovingGroups<'a> {
     }
 
     /// The lens where its focal length (without its sign, focused on the farthest object of the table) is `focal_length`
-    /// mm, positive. Between the columns the film distance is that of the image of that object, and as far off it as the
-    /// table's is at the columns, so that the lens is as sharp between them as at them. The stop's diameter is interpolated.
+    /// mm, positive. Between the columns the film follows the image of that object, as far off it as the table's is at the
+    /// columns, so that the lens is as sharp between them as at them. The stop's diameter is interpolated.
+    ///
+    /// `image` says how far behind the last vertex, mm, a lens images the axial point of a vergence, 1/mm in front of its
+    /// first vertex; `None` where it has no image.
     ///
     /// # Errors
     /// The lens does not zoom, or not so far, or its focal lengths do not rise or fall steadily.
-    pub fn zoomed(&self, focal_length: f64) -> Result<FocusTravel, MovingError> {
+    pub fn zoomed(
+        &self,
+        focal_length: f64,
+        image: impl Fn(&Prescription, f64) -> Option<f64>,
+    ) -> Result<FocusTravel, MovingError> {
         self.must_zoom()?;
         let range = self.focal_range();
         let optics = self.steady()?;
@@ -184,46 +191,44 @@ impl<'a> MovingGroups<'a> {
             (0..self.positions.gaps.len()).map(|gap| curve(&|zoom| column(zoom).gaps[gap])).collect()
         };
         let gaps = gaps_at(0);
-        let optics_at = |x: f64| {
+        let excess = |x: f64| {
             let stand = Stand { gaps: values(&gaps, x), ..self.stands[0].clone() };
-            FirstOrder::of(&Lens::at_d_line(&self.placed(&stand))).ok()
+            let optics = FirstOrder::of(&Lens::at_d_line(&self.placed(&stand)));
+            optics.map_or(f64::NAN, |optics| (optics.focal_length.abs() / focal_length).ln())
         };
-        let excess =
-            |x| optics_at(x).map_or(f64::NAN, |optics| (optics.focal_length.abs() / focal_length).ln());
-        let x = root(focal(segment[0]).ln(), focal(segment[1]).ln(), excess);
+        let x_of = |zoom: usize| focal(zoom).ln();
+        let place = root(x_of(segment[0]), x_of(segment[1]), excess);
 
         let interpolated = |step: usize, value: &dyn Fn(&Stand) -> Option<f64>| {
             let of = |zoom| value(&self.stands[self.layout.column(zoom, step)]);
             (0..self.layout.zooms)
                 .all(|zoom| of(zoom).is_some())
-                .then(|| curve(&|zoom| of(zoom).unwrap_or(0.0)).at(x))
+                .then(|| curve(&|zoom| of(zoom).unwrap_or(0.0)).at(place))
         };
-        let image = |zoom: usize| optics[zoom].image_distance(self.stands[zoom].vergence);
         let mut stands: Vec<Stand> = Vec::new();
         for step in 0..self.layout.steps {
             // Differences from one step to the next keep the steps in their order.
             let vergence = match stands.last() {
-                None => curve(&|zoom| self.stands[zoom].vergence).at(x),
+                None => curve(&|zoom| self.stands[zoom].vergence).at(place),
                 Some(before) => {
                     let of = |zoom, step| self.stands[self.layout.column(zoom, step)].vergence;
-                    before.vergence + curve(&|zoom| of(zoom, step) - of(zoom, step - 1)).at(x)
+                    before.vergence + curve(&|zoom| of(zoom, step) - of(zoom, step - 1)).at(place)
                 }
             };
-            let film = interpolated(step, &|stand| stand.film_distance);
-            let sharp = interpolated(0, &|stand| stand.film_distance).and(optics_at(x)).map(|optics| {
-                let off = curve(&|zoom| self.stands[zoom].film_distance.unwrap_or(0.0) - image(zoom)).at(x);
-                optics.image_distance(self.stands[0].vergence) + off
+            stands.push(Stand {
+                gaps: values(&gaps_at(step), place),
+                film_distance: interpolated(step, &|stand| stand.film_distance),
+                stop_diameter: interpolated(step, &|stand| stand.stop_diameter),
+                vergence,
             });
-            let film_distance = match (film, sharp) {
-                (Some(film), Some(sharp)) => {
-                    let moved = film - interpolated(0, &|stand| stand.film_distance).unwrap_or(film);
-                    Some(sharp + moved).filter(|distance| *distance > 0.0)
-                }
-                _ => None,
-            };
-            let gaps = if step == 0 { values(&gaps, x) } else { values(&gaps_at(step), x) };
-            let stop_diameter = interpolated(step, &|stand| stand.stop_diameter);
-            stands.push(Stand { gaps, film_distance, stop_diameter, vergence });
+        }
+        let off = |stand: &Stand| Some(stand.film_distance? - image(&self.placed(stand), stand.vergence)?);
+        let listed: Option<Vec<f64>> = order.iter().map(|&zoom| off(&self.stands[zoom])).collect();
+        if let (Some(listed), Some(own)) = (listed, off(&stands[0])) {
+            let moved = Monotone::new(x, listed).at(place) - own;
+            for stand in &mut stands {
+                stand.film_distance = stand.film_distance.map(|film| film + moved).filter(|film| *film > 0.0);
+            }
         }
         Ok(self.travel(stands, None))
     }

@@ -59,6 +59,11 @@ fn optics(prescription: &Prescription) -> FirstOrder {
     FirstOrder::of(&Lens::at_d_line(prescription)).expect("focal")
 }
 
+/// Where first-order optics images a point.
+fn image(prescription: &Prescription, vergence: f64) -> Option<f64> {
+    Some(optics(prescription).image_distance(vergence))
+}
+
 fn groups(prescription: &Prescription) -> MovingGroups<'_> {
     MovingGroups::of(prescription).expect("in order").expect("positions")
 }
@@ -72,7 +77,7 @@ fn any_focal_length_between_the_positions_is_the_lenss_to_rounding() {
         assert!((short - known(40.0)[0]).abs() < 1e-12 && (long - known(2.0)[0]).abs() < 1e-12);
         for i in 0..=500 {
             let focal_length = short + (long - short) * f64::from(i) / 500.0;
-            let zoomed = groups.zoomed(focal_length.min(long)).expect("in range");
+            let zoomed = groups.zoomed(focal_length.min(long), image).expect("in range");
             let lens = zoomed.at(zoomed.start());
             assert!((optics(&lens).focal_length / focal_length - 1.0).abs() < 1e-14, "{focal_length}");
             // The one gap of this lens follows, and so does its film.
@@ -110,7 +115,7 @@ fn nothing_jumps_as_the_lens_zooms_or_focuses() {
     let prescription = zoom(&GAPS, &[39.0, 21.5, 9.9, 1.7]);
     let groups = groups(&prescription);
     let numbers = |focal_length: f64, share: f64| {
-        let travel = groups.zoomed(focal_length).expect("in range");
+        let travel = groups.zoomed(focal_length, image).expect("in range");
         let [far, near] = travel.range();
         let lens = travel.at(far + (near - far) * share);
         let film = lens.nominal_film_distance.expect("stated");
@@ -150,7 +155,7 @@ fn what_is_out_of_range_or_of_no_position_is_told_with_what_there_is() {
     let groups = groups(&prescription);
     let [short, long] = groups.focal_range();
     for off in [short * 0.999, long * 1.001, 1e300] {
-        let refused = groups.zoomed(off).expect_err("out of range").to_string();
+        let refused = groups.zoomed(off, image).expect_err("out of range").to_string();
         assert!(refused.contains("zooms from 77.1429 to 168.75 mm"), "{refused}");
     }
     let refused = groups.named("at 3").expect_err("no position").to_string();
@@ -160,13 +165,13 @@ fn what_is_out_of_range_or_of_no_position_is_told_with_what_there_is() {
     );
     let prime = zoom(&GAPS[..1], &GAPS[1..2]);
     let prime = MovingGroups::of(&prime).expect("in order").expect("positions");
-    for refused in [prime.zoomed(100.0), prime.named("at 40")] {
+    for refused in [prime.zoomed(100.0, image), prime.named("at 40")] {
         assert!(refused.expect_err("a prime").to_string().contains("one focal length"));
     }
     // To and fro: 22 mm and 30 mm lie on both sides of 10 mm.
     let wandering = zoom(&[40.0, 10.0, 22.0], &[]);
     let wandering = MovingGroups::of(&wandering).expect("in order").expect("positions");
-    let refused = wandering.zoomed(100.0).expect_err("ambiguous").to_string();
+    let refused = wandering.zoomed(100.0, image).expect_err("ambiguous").to_string();
     assert!(refused.contains("do not rise or fall") && refused.contains("\"at 10\""), "{refused}");
     assert!(wandering.named("at 22").is_ok());
 }
@@ -180,7 +185,7 @@ fn a_focal_length_that_the_table_rounds_outward_is_its_positions() {
     columns[3].focal_length = Some(200.0);
     let groups = groups(&prescription);
     assert_eq!(groups.focal_range()[0], 77.0);
-    let widest = groups.zoomed(77.0).expect("stated");
+    let widest = groups.zoomed(77.0, image).expect("stated");
     assert_eq!(widest.at(widest.start()).interfaces[1].thickness, 40.0);
-    assert!(groups.zoomed(199.0).is_err() && groups.zoomed(76.9).is_err());
+    assert!(groups.zoomed(199.0, image).is_err() && groups.zoomed(76.9, image).is_err());
 }
