@@ -34,7 +34,8 @@
  The version of the C ABI that this header describes. It grows when something is added;
  nothing is ever taken away or renumbered. Version 2 states what version 1 had come to: the fields of
  `realistic_options` from `camera_to_world_end` on, `realistic_autofocus` and `realistic_camera_plan`; and it
- adds rays with differentials. Version 3 adds lenses without a film (`realistic_lens_new`).
+ adds rays with differentials. Version 3 adds lenses without a film (`realistic_lens_new`),
+ and `focusby` and `zoom`.
  */
 #define REALISTIC_ABI_VERSION 3
 
@@ -87,6 +88,11 @@
  A lens can be opened without a film, and asked what it is (`realistic_lens_new`).
  */
 #define REALISTIC_CAPABILITY_LENS 512
+
+/*
+ `zoom` and `focusby` are there, for lenses whose groups move.
+ */
+#define REALISTIC_CAPABILITY_MOVING_GROUPS 1024
 
 /*
  How a call of the C ABI ended. The numbers are part of the ABI and never change.
@@ -463,10 +469,35 @@ typedef struct realistic_options {
      */
     double tolerance;
     /*
+     Parameter `focusby`: what moves to focus, the film, or the lens's own groups with the film where the lens file
+     has it: "film" or "group"; default "film".
+     */
+    const char *focusby;
+    /*
+     Parameter `zoom`: focal length of a zoom lens, a number of mm, or the name of one of its positions; without it
+     the lens file's first.
+     */
+    const char *zoom;
+    /*
      Parameter `glasscatalog`: glass catalogue (AGF) in which glasses that a lens file names are looked up first, before
      catalogues beside the file and the built-in glasses.
      */
     const char *glasscatalog;
+    /*
+     Parameter `blades`: how many blades the stop has, 3 or more, whose corners lie on the circle of its clear
+     diameter: 0 (a round stop) or more, up to 32; default the lens file's, or 0.
+     */
+    double blades;
+    /*
+     Parameter `bladerotation`: where the first corner of the blades lies, from image right toward image up: a finite
+     number, in degrees; default the lens file's, or 0.
+     */
+    double bladerotation;
+    /*
+     Parameter `bladecurvature`: curvature of the blades' edges over that of the circle: 0 is straight, 1 the circle:
+     0 or more, up to 1; default the lens file's, or 0.
+     */
+    double bladecurvature;
 } realistic_options;
 
 /*
@@ -1028,7 +1059,7 @@ realistic_status realistic_camera_generate_ray_differentials_soa(const struct re
  `realistic_autofocus_rule`. The host gives one of the two callbacks and NULL for the other:
  with `distance` some rays per zone are asked about, with `contrast` some tens to hundreds of trial cameras are built,
  from infinity to the nearest distance that the lens can focus. Zones that give no answer do not count. `options`
- must leave `filmdistance` and `focusdistance` open. The callback is called on this thread, with `user` as it is.
+ must leave `filmdistance` and `focusdistance` open, and `focusby` "film". The callback is called on this thread, with `user` as it is.
 
  Fails with `REALISTIC_STATUS_UNREACHABLE_FOCUS`, and leaves `*film_distance_mm` as it is, when no zone has
  an answer.
@@ -1047,7 +1078,7 @@ realistic_status realistic_autofocus(const struct realistic_options *options,
                                      double *film_distance_mm);
 
 /*
- Opens a lens: the one that `specfile` names or `lens_text` describes, at `wavelength` and the stop of
+ Opens a lens: the one that `specfile` names or `lens_text` describes, at `wavelength`, `zoom` and the stop of
  `aperture_diameter` or `fnumber`, as for a camera; `log` receives warnings. `xres`, `yres` and `camera_to_world` are not
  looked at, and any other parameter that is given is refused, for it would change nothing. On success `*out` is the
  lens, to be freed by `realistic_lens_free`; on failure `*out` is untouched and `realistic_last_error` says what to

@@ -83,6 +83,7 @@ struct Seed {
     /// Some of the numbers of a model, by their place.
     model_numbers: Vec<(usize, f64)>,
     moves: bool,
+    blades: Option<usize>,
     text: Option<&'static [u8]>,
     autofocus: Option<bool>,
 }
@@ -117,6 +118,13 @@ impl Seed {
         if self.moves {
             [0.0, 1.0].iter().for_each(|&time| to.number(time));
             (0..12).for_each(|entry| to.float(if entry == 3 { 0.5 } else { 0.0 }));
+        }
+        // Neither zoomed nor focused by its groups.
+        to.choice(1);
+        to.choice(usize::from(self.blades.is_none()));
+        if let Some(blades) = self.blades {
+            to.choice(blades);
+            [30.0, 0.5].iter().for_each(|&number| to.number(number));
         }
         to.choice(usize::from(self.text.is_some()));
         if let Some(text) = self.text {
@@ -169,6 +177,7 @@ impl Seed {
         all.extend((0..6).map(|model| Self { model: Some(model), ..plain.clone() }));
         let thin_lens = vec![(4, 40.0), (6, 0.5), (7, 100.0)];
         all.push(Self { model: Some(2), model_numbers: thin_lens, ..plain.clone() });
+        all.push(Self { blades: Some(1), ..plain.clone() });
         all.push(Self { moves: true, ..plain.clone() });
         all.push(Self { moves: true, numbers: vec![(TOLERANCE, 0.125)], ..plain.clone() });
         all.extend([true, false].map(|by_contrast| Self { autofocus: Some(by_contrast), ..plain.clone() }));

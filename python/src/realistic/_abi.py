@@ -63,6 +63,12 @@ class Options(ctypes.Structure):
         ("lensradius", c_double),
         ("focaldistance", c_double),
         ("tolerance", c_double),
+        ("focusby", c_char_p),
+        ("zoom", c_char_p),
+        ("glasscatalog", c_char_p),
+        ("blades", c_double),
+        ("bladerotation", c_double),
+        ("bladecurvature", c_double),
     ]
 
 

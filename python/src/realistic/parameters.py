@@ -31,16 +31,28 @@ class Parameters(TypedDict, total=False):
     """The text of a lens file, read instead of `specfile`; at most 1 MiB."""
     model: str | None
     """"lens" (default), "thick", "thin", "perspective", "orthographic" or "environment"."""
+    glasscatalog: str | os.PathLike[str] | None
+    """A glass catalogue (AGF), in which glasses that a lens file names are looked up first."""
     filmdistance: float | None
     """From the last vertex to the film, mm; default the lens file's, or focused at `focusdistance`."""
     focusdistance: float | None
     """From the film plane to the plane in focus, world units, or inf (default); instead of `filmdistance`."""
+    focusby: str | None
+    """What moves to focus: "film" (default), or "group", the lens's own groups."""
+    zoom: str | None
+    """Of a zoom lens: a focal length in mm ("35"), or a position's name; default the lens file's first position."""
     aperture_diameter: float | None
     """Clear diameter of the stop, mm; default the lens file's."""
     aperturediameter: float | None
     """Another name of `aperture_diameter`."""
     fnumber: float | None
     """Focal length over entrance pupil diameter; instead of `aperture_diameter`."""
+    blades: float | None
+    """How many blades the stop has, 3 to 32, or 0 for a round one; default the lens file's, or 0."""
+    bladerotation: float | None
+    """Where the blades' first corner lies, degrees from image right toward image up; default the lens file's, or 0."""
+    bladecurvature: float | None
+    """Curvature of the blades' edges over that of the circle, 0 to 1; default the lens file's, or 0."""
     filmdiag: float | None
     """Diagonal of the film, mm; default 35."""
     hither: float | None

@@ -27,7 +27,8 @@ pub struct realistic_lens {
 }
 
 /// The parameters that say which lens, and how it is set.
-const PARAMETERS: [&str; 5] = ["specfile", "wavelength", "zoom", "aperture_diameter", "fnumber"];
+const PARAMETERS: [&str; 6] =
+    ["specfile", "glasscatalog", "wavelength", "zoom", "aperture_diameter", "fnumber"];
 
 /// A lens with what callers ask of it again and again.
 #[derive(Debug)]
