@@ -332,7 +332,7 @@ mod tests {
 
     #[test]
     fn no_search_finds_a_ray_beyond_a_proven_bound() {
-        let (mut proven, mut of_aspheres) = (0, 0);
+        let mut proven = 0;
         for name in names() {
             for stop in [1.0, 0.2] {
                 let (lens, film, both) = subject(name, stop);
@@ -341,7 +341,6 @@ mod tests {
                     for (surface, bound) in apertures.redundant.iter().enumerate() {
                         let Some(bound) = bound else { continue };
                         proven += 1;
-                        of_aspheres += u32::from(name == ASPHERIC);
                         let found = highest(&lens, film, bands, surface).max(0.0).sqrt();
                         assert!(
                             found <= *bound,
@@ -351,7 +350,7 @@ mod tests {
                 }
             }
         }
-        assert!(proven > 20 && of_aspheres > 2, "{proven}, {of_aspheres}: hardly anything is proven");
+        assert!(proven > 20, "{proven}: hardly anything is proven");
     }
 
     #[test]
