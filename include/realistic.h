@@ -133,8 +133,9 @@ enum realistic_status
      */
     REALISTIC_STATUS_NOT_A_CAMERA = 8,
     /*
-     Memory is out for what a caller's number asks for (the zones of an autofocus) or for the camera object. Where
-     it is out for anything less, the process ends, as with most of Rust.
+     Memory is out: there are no 8 MiB for a camera or a lens to be built, or not what a caller's number asks for
+     (the zones of an autofocus). Where other threads take the last of it meanwhile, or a message has no room, the
+     process ends, as with most of Rust.
      */
     REALISTIC_STATUS_OUT_OF_MEMORY = 9,
     /*

@@ -5,6 +5,7 @@ use std::mem::size_of;
 
 use super::boundary::{self, Failure, realistic_status};
 use super::exchange::{give, give_text};
+use super::memory;
 use super::object::{self, Handle, HostPart};
 use super::options;
 use super::types::{level_number, realistic_camera, realistic_camera_info, realistic_log, realistic_options};
@@ -28,6 +29,7 @@ pub unsafe extern "C" fn realistic_camera_new(
         if out.is_null() {
             return Err(boundary::null("out"));
         }
+        memory::to_build()?;
         // SAFETY: the caller's promise.
         let (options, parameters, host) = unsafe {
             let options = options::read(options)?;

@@ -76,9 +76,11 @@ macro_rules! parameter_fields {
 }
 
 parameter_fields! {
-    texts: model specfile weighting pupil disk refraction precision shutter lensplane glasscatalog;
+    texts: model specfile weighting pupil disk refraction precision shutter lensplane focusby
+        zoom glasscatalog;
     numbers: filmdistance focusdistance aperture_diameter fnumber filmdiag hither yon shutteropen shutterclose
-        wavelength mmperunit shutterramp shutterslit fov frameaspectratio lensradius focaldistance tolerance;
+        wavelength mmperunit shutterramp shutterslit fov frameaspectratio lensradius focaldistance tolerance
+        blades bladerotation bladecurvature;
 }
 
 /// Sets every field to "not given" and the transform to the identity. `struct_size` is

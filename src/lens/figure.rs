@@ -6,7 +6,7 @@
 //! **The bounds are proven.** The aperture is cut into rings. On a ring of half width h about r a polynomial p is within
 //! |p'(r)| h + B h²/2 of p(r), where B = Σ i (i - 1) |`a_i`| R^(i - 2) at the ring's outer radius R is at least |p''|
 //! (Taylor's theorem, the remainder bounded term by term). The conic's sagitta and slope only grow in size with r, so that
-//! a ring's edges bound them. What rounding adds is allowed for, relative to the sum of the terms' sizes.
+//! a ring's edges bound them, and its curvatures only grow or only shrink. What rounding adds is allowed for, relative to the sum of the terms' sizes.
 
 use crate::prescription::{Asphere, FIRST_POWER};
 
@@ -29,6 +29,9 @@ pub struct Bounds {
     pub sagitta: [f64; 2],
     /// The greatest |dz/dr|; infinite at the edge of an ellipsoid's half.
     pub slope: f64,
+    /// The least and the greatest of the curvatures d²z/dr² and (dz/dr)/r, 1/mm: of the second derivatives in any
+    /// direction across the axis.
+    pub curvature: [f64; 2],
     /// The greatest |T|, mm.
     pub terms: f64,
     /// The greatest |dT/dr|.
@@ -60,12 +63,16 @@ impl Figure {
         self.asphere.radius.recip() + 2.0 * self.asphere.terms[0]
     }
 
+    /// The curvature (dT/dr)/r of the paraboloid beyond the rim, 1/mm.
+    pub fn rim_curvature(&self) -> f64 {
+        terms(&self.asphere, self.rim)[1] / self.rim
+    }
+
     /// z at the distance `height` from the axis, mm. Where the conic has no such point, that of its edge.
     pub fn sagitta(&self, height: f64) -> f64 {
-        let [terms, terms_slope] = terms(&self.asphere, height.min(self.rim));
-        // With u = r² the paraboloid is T(u) + dT/du (u - u_rim), and dT/du = T'/(2 r).
+        let [terms, _] = terms(&self.asphere, height.min(self.rim));
         let beyond = if height > self.rim {
-            terms_slope * (height - self.rim) * (height + self.rim) / (2.0 * self.rim)
+            self.rim_curvature() * (height - self.rim) * (height + self.rim) / 2.0
         } else {
             0.0
         };
@@ -87,6 +94,7 @@ impl Bounds {
         let mut bounds = Self {
             sagitta: [0.0; 2],
             slope: 0.0,
+            curvature: [f64::INFINITY, f64::NEG_INFINITY],
             terms: 0.0,
             terms_slope: 0.0,
             terms_curvature: [f64::INFINITY, f64::NEG_INFINITY],
@@ -105,8 +113,10 @@ impl Bounds {
             bounds.slope = bounds.slope.max(largest(sum(conic_slope, term_slope)));
             bounds.terms = bounds.terms.max(largest(term));
             bounds.terms_slope = bounds.terms_slope.max(largest(term_slope));
-            for curvature in &curvatures {
-                bounds.terms_curvature = wider(bounds.terms_curvature, curvature.range(edges));
+            for (curvature, conic) in curvatures.iter().zip(conic_curvatures(asphere, edges)) {
+                let terms = curvature.range(edges);
+                bounds.terms_curvature = wider(bounds.terms_curvature, terms);
+                bounds.curvature = wider(bounds.curvature, sum(ordered(conic), terms));
             }
         }
         bounds
@@ -160,6 +170,12 @@ fn conic_sagitta(asphere: &Asphere, r: f64) -> f64 {
 fn conic_slope(asphere: &Asphere, r: f64) -> f64 {
     let c = asphere.radius.recip();
     if c == 0.0 { 0.0 } else { c * r / conic_root(asphere, r) }
+}
+
+/// A conic's (dz/dr)/r and d²z/dr² at two distances from the axis.
+fn conic_curvatures(asphere: &Asphere, edges: [f64; 2]) -> [[f64; 2]; 2] {
+    let c = asphere.radius.recip();
+    [1, 3].map(|power| edges.map(|r| if c == 0.0 { 0.0 } else { c / conic_root(asphere, r).powi(power) }))
 }
 
 /// √(1 - (1 + k) c² r²): z of the conic's normal but for its length.
@@ -217,6 +233,9 @@ mod tests {
                 let curvature = if r > 0.0 { slope / r } else { 2.0 * asphere.terms[0] };
                 let [least, most] = bounds.terms_curvature;
                 assert!(least <= curvature && curvature <= most, "{figure:?} at {r}");
+                let whole = if r > 0.0 { whole_slope / r } else { figure.vertex_curvature() };
+                let [least, most] = bounds.curvature;
+                assert!(least <= whole * (1.0 + 1e-12) && whole * (1.0 - 1e-12) <= most, "{figure:?} at {r}");
                 found = [found[0].min(z), found[1].max(z)];
                 steepest = steepest.max(whole_slope.abs());
             }

@@ -5,6 +5,7 @@
 
 mod figure;
 pub mod first_order;
+pub mod moving;
 pub mod open;
 pub mod pupil;
 mod ray;

@@ -6,6 +6,7 @@ use thiserror::Error;
 use super::{
     Lens, LensError,
     first_order::FirstOrder,
+    moving::{MovingError, MovingGroups},
     pupil::{EntrancePupil, limiting_surface},
 };
 use crate::{
@@ -37,6 +38,9 @@ pub enum OpenError {
     /// The lens cannot be scaled or stopped down as asked, or its glasses have no such wavelength.
     #[error(transparent)]
     Lens(#[from] LensError),
+    /// The lens zooms and is not scaled.
+    #[error(transparent)]
+    Moving(#[from] MovingError),
 }
 
 /// A lens with its first-order optics, computed once.
@@ -61,11 +65,14 @@ impl OpenLens {
 /// which glasses are looked up first.
 ///
 /// # Errors
-/// No such lens or catalogue, a file that is not a lens, or an afocal lens to be scaled.
+/// No such lens or catalogue, a file that is not a lens, or an afocal or a zoom lens to be scaled.
 pub fn find(name: &str, glasses: Option<&str>, search: &SearchPath) -> Result<Prescription, OpenError> {
     let source = LensSource::parse(name, search)?;
     let mut prescription = source.load(search, glass_library(glasses, search)?)?;
     if let Some(focal_length) = source.focal_length {
+        if let Some(groups) = MovingGroups::of(&prescription)?.filter(MovingGroups::is_zoom) {
+            return Err(MovingError::Scaled { given: name.to_owned(), range: groups.focal_range() }.into());
+        }
         let own = FirstOrder::of(&Lens::at_d_line(&prescription))?.focal_length;
         prescription = prescription.scaled(focal_length / own.abs());
         prescription.name = name.to_owned();

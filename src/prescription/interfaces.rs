@@ -2,7 +2,9 @@
 //!
 //! Lengths are millimetres; interfaces stand scene side first; each names the medium behind it, on the film's side.
 
-use super::{asphere::Asphere, glass::formula::Formula, positions::Positions, stated::Stated};
+use super::{
+    asphere::Asphere, blades::Blades, glass::formula::Formula, positions::Positions, stated::Stated,
+};
 
 /// What fills the space behind an interface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,6 +96,8 @@ pub struct Prescription {
     pub stated: Stated,
     /// The glasses that the file gives by a name, each once.
     pub glasses: Vec<(String, Medium)>,
+    /// The blades in its stop, if the file says so; else the stop is round.
+    pub blades: Option<Blades>,
     /// The positions of its moving groups, if it has any; the interfaces have the gaps of the first.
     pub positions: Option<Positions>,
     /// What the reader took in another way than it is written, one sentence each with its place: warnings for the user.

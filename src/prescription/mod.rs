@@ -13,6 +13,7 @@
 //! by [`MAX_FILE_BYTES`], [`MAX_INTERFACES`] and [`MAX_NAME_BYTES`].
 
 mod asphere;
+mod blades;
 pub mod catalogue;
 mod error;
 pub mod glass;
@@ -24,6 +25,7 @@ mod source;
 mod stated;
 
 pub use asphere::{Asphere, FIRST_POWER, LAST_POWER};
+pub use blades::{BladeConstants, Blades};
 pub use error::LensFileError;
 pub use glass::GlassLibrary;
 pub use interfaces::{Interface, Medium, Prescription, Sellmeier, Shape};
@@ -31,7 +33,7 @@ pub use limits::{
     MAX_CATALOG_BYTES, MAX_CATALOGS, MAX_FILE_BYTES, MAX_INTERFACES, MAX_NAME_BYTES, MAX_PATH_BYTES,
     MAX_POSITIONS,
 };
-pub use positions::{Position, Positions};
+pub use positions::{Layout, LayoutError, Position, Positions};
 pub use reader::{read, read_with};
 pub use source::{LensSource, SearchPath, SourceError, glass_library};
 pub use stated::Stated;

@@ -6,6 +6,7 @@
 //! other order and their curvatures turned round. [`kernel::Kernel`] is the same lens compiled for speed.
 
 mod aspheric;
+mod blades;
 pub mod kernel;
 mod path;
 pub mod polynomial;

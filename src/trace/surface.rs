@@ -11,6 +11,7 @@
 
 use super::{
     aspheric::Aspheric,
+    blades::StopFigure,
     state::{Blocked, State},
 };
 use crate::{
@@ -43,6 +44,8 @@ pub struct PathSurface<R> {
     pub index_step: R,
     /// Square of the clear semi-diameter.
     pub aperture: R,
+    /// The figure that a stop's blades leave open, inside the clear aperture.
+    pub blades: Option<Box<StopFigure<R>>>,
     /// How far behind the ray's point a hit may lie by rounding alone, in units of V.
     pub slack: R,
 }
@@ -70,6 +73,7 @@ impl<R: Real> PathSurface<R> {
             n_after: R::from_f64(n_after),
             index_step,
             aperture: R::from_f64(semi_diameter) * R::from_f64(semi_diameter),
+            blades: None,
             slack: R::from_f64(slack),
         }
     }
@@ -117,7 +121,9 @@ impl<R: Real> PathSurface<R> {
     #[inline(always)]
     pub fn pass(&self, state: &mut State<R>, method: Refraction) -> Result<(), Blocked> {
         let [x, y, _] = state.p;
-        if !(x * x + y * y <= self.aperture) {
+        if !(x * x + y * y <= self.aperture)
+            || self.blades.as_ref().is_some_and(|figure| !figure.passes([x, y]))
+        {
             return Err(Blocked::Clipped);
         }
         self.refract(state, method)

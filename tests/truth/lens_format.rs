@@ -1,6 +1,6 @@
 //! `docs/lens-format.md`: every example in it is a lens, and every text of its table of errors is refused as it says.
 
-use realistic::prescription::{Prescription, Shape, read};
+use realistic::prescription::{Blades, Prescription, Shape, read};
 
 const TEXT: &str = include_str!("../../docs/lens-format.md");
 
@@ -15,7 +15,9 @@ fn lenses() -> Vec<Prescription> {
 #[test]
 fn every_example_is_a_lens() {
     let lenses = lenses();
-    let [double_gauss, two, doublet, singlet, zoom] = lenses.as_slice() else { panic!("{}", lenses.len()) };
+    let [double_gauss, two, doublet, singlet, iris, zoom] = lenses.as_slice() else {
+        panic!("{}", lenses.len())
+    };
     assert!(lenses.iter().all(|lens| lens.title.is_some() && lens.remarks.is_empty()));
     assert_eq!(
         double_gauss.interfaces,
@@ -24,6 +26,7 @@ fn every_example_is_a_lens() {
     assert_eq!((two.interfaces.len(), two.stop_index()), (5, Some(2)));
     assert_eq!(doublet.glasses.len(), 2);
     assert!(matches!(singlet.interfaces[1].shape, Shape::Asphere(asphere) if asphere.conic == -2.25));
+    assert_eq!(iris.blades, Some(Blades { count: 7, rotation: 12.0, curvature: 0.25 }));
     let positions = zoom.positions.as_ref().expect("three");
     assert_eq!((positions.columns.len(), positions.gaps.as_slice()), (3, [1, 4].as_slice()));
     assert_eq!(positions.columns[2].object_distance, Some(400.0));

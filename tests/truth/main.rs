@@ -2,8 +2,10 @@
 //! brute force.
 
 mod afocal;
+mod aspheres;
 mod autofocus;
 mod batch;
+mod blades;
 mod camera_parameters;
 mod catalogue;
 mod flat_field;
@@ -14,6 +16,7 @@ mod lens_format;
 mod messages;
 mod misprints;
 mod models;
+mod moving;
 mod odd_samples;
 mod plan;
 mod pupil_everywhere;

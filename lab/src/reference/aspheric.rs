@@ -16,6 +16,8 @@ use super::{
 #[derive(Clone, Debug)]
 pub(super) struct Aspheric {
     figure: Figure,
+    /// 1 for light toward the scene, -1 for the other.
+    sign: f64,
     /// The interface with one index on both sides: a ray goes on as it came.
     unbent: Path<DoubleDouble>,
 }
@@ -48,7 +50,8 @@ impl Aspheric {
         let n = if direction == Direction::SceneToFilm { surface.n_scene } else { surface.n_film };
         let surfaces = vec![Surface { n_scene: n, n_film: n, ..surface }];
         let unbent = Lens { surfaces, ..alone.clone() };
-        Self { figure: *figure, unbent: Path::new(&unbent, direction, Refraction::Fused) }
+        let sign = if direction == Direction::SceneToFilm { -1.0 } else { 1.0 };
+        Self { figure: *figure, sign, unbent: Path::new(&unbent, direction, Refraction::Fused) }
     }
 
     /// Σ |`A_i`| r^i and Σ i |`A_i`| r^(i - 1): what rounding of the terms moves and tilts the surface by.
@@ -79,6 +82,18 @@ impl Aspheric {
             }
             Err(_) => Met::Nowhere { nearest: self.nearest(before) },
         }
+    }
+
+    /// How far from the surface along the axis, mm, the ray is where it may first meet it, at its own point or at the height
+    /// of the surface's lowest one where that comes later; infinite inside the rim, where it is before the surface then.
+    pub fn start(&self, before: &ExactRay) -> f64 {
+        let [p, d]: [[f64; 3]; 2] = [before.point, before.direction].map(|v| v.map(Real::to_f64));
+        let [low, high] = self.figure.bounds.sagitta;
+        let lowest = if self.sign > 0.0 { -high } else { -low };
+        let t = ((lowest - p[2]) / d[2]).max(0.0);
+        let [x, y, z]: [f64; 3] = std::array::from_fn(|i| p[i] + t * d[i]);
+        let r = x.hypot(y);
+        if r < 0.999 * self.figure.rim { f64::INFINITY } else { (z + self.figure.sagitta(r)).abs() }
     }
 
     fn slope(&self, r: f64) -> f64 {

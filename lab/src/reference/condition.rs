@@ -286,16 +286,19 @@ impl Interface {
     /// The same for an asphere.
     fn margin_at(&self, aspheric: &Aspheric, before: &ExactRay, spread: &Spread) -> f64 {
         let doubt = spread.position() + norm(before.point) * spread.direction();
-        match aspheric.met(before) {
+        // As for a sphere.
+        let allowed = 16.0 * (self.semi_diameter + self.distance);
+        let start = aspheric.start(before) / (allowed + doubt);
+        let hit = match aspheric.met(before) {
             Met::At { cosine, steepness, way } => {
                 let angle_doubt = 1.0 + spread.direction() + steepness * doubt;
-                let allowed = 16.0 * (self.semi_diameter + self.distance);
                 let met = cosine * cosine / angle_doubt;
                 let ahead = way / (allowed + doubt / cosine);
                 met.min(ahead).min((cosine * cosine + self.index_step).abs() / angle_doubt)
             }
-            Met::Nowhere { nearest } => nearest / (self.semi_diameter + doubt),
-        }
+            Met::Nowhere { nearest } => nearest / (allowed + doubt),
+        };
+        hit.min(start)
     }
 }
 

@@ -120,8 +120,9 @@ pub fn phone_lens() -> Prescription {
         nominal_film_distance: film,
         stated_focal_length: Some(4.1),
         positions: None,
-        remarks: Vec::new(),
         stated: Default::default(),
         glasses: Vec::new(),
+        blades: None,
+        remarks: Vec::new(),
     }
 }

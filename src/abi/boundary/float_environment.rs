@@ -38,26 +38,11 @@ pub fn for_ray<T>(body: impl FnOnce() -> T) -> T {
     result
 }
 
-/// The host's environment as it was read, once for several bodies.
+/// [`for_ray`] that leaves flags raised, for to look at them is to wait for the ray.
 #[cfg(realistic_shim)]
-#[derive(Clone, Copy)]
-pub struct Environment {
-    is_default: bool,
-}
-
-#[cfg(realistic_shim)]
-impl Environment {
-    /// Reads it, which waits for the arithmetic before: better soon than between two traces that can overlap.
-    #[inline(always)]
-    pub fn read() -> Self {
-        Self { is_default: is_default(read()) }
-    }
-
-    /// [`for_ray`] that leaves flags raised, for to look at them is to wait for the ray.
-    #[inline(always)]
-    pub fn for_triple<T>(self, body: impl FnOnce() -> T) -> T {
-        if self.is_default { body() } else { apart(body) }
-    }
+#[inline(always)]
+pub fn for_triple<T>(body: impl FnOnce() -> T) -> T {
+    if is_default(read()) { body() } else { apart(body) }
 }
 
 /// [`in_default`] in an environment of the host's own.
@@ -94,7 +79,7 @@ unsafe extern "C" fn run<T, F: FnOnce() -> T>(call: *mut c_void) {
     call.result = call.body.take().map(|body| catch_unwind(AssertUnwindSafe(body)));
 }
 
-#[cfg(all(target_arch = "x86_64", unix))]
+#[cfg(all(target_arch = "x86_64", unix, not(miri)))]
 mod machine {
     use std::arch::asm;
     use std::ffi::c_void;
@@ -151,7 +136,7 @@ mod machine {
     }
 }
 
-#[cfg(target_arch = "aarch64")]
+#[cfg(all(target_arch = "aarch64", not(miri)))]
 mod machine {
     use std::arch::asm;
     use std::ffi::c_void;
@@ -212,8 +197,8 @@ mod machine {
     }
 }
 
-/// Where nobody has tried it, bodies run in the host's environment.
-#[cfg(not(any(all(target_arch = "x86_64", unix), target_arch = "aarch64")))]
+/// Where nobody has tried it, and under Miri, which has no assembly, bodies run in the host's environment.
+#[cfg(any(miri, not(any(all(target_arch = "x86_64", unix), target_arch = "aarch64"))))]
 mod machine {
     use std::ffi::c_void;
 
@@ -237,7 +222,7 @@ mod machine {
     }
 }
 
-#[cfg(all(test, target_arch = "x86_64", unix))]
+#[cfg(all(test, target_arch = "x86_64", unix, not(miri)))]
 mod tests {
     use super::*;
 

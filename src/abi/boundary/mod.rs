@@ -35,8 +35,9 @@ pub enum realistic_status {
     Panic = 7,
     /// The pointer is NULL, or to no camera of this library.
     NotACamera = 8,
-    /// Memory is out for what a caller's number asks for (the zones of an autofocus) or for the camera object. Where
-    /// it is out for anything less, the process ends, as with most of Rust.
+    /// Memory is out: there are no 8 MiB for a camera or a lens to be built, or not what a caller's number asks for
+    /// (the zones of an autofocus). Where other threads take the last of it meanwhile, or a message has no room, the
+    /// process ends, as with most of Rust.
     OutOfMemory = 9,
     /// Reserved, and not returned by this version: the process lacks what the call needs. (`CreateCamera` returns NULL
     /// where a host's functions are missing, and `realistic.hpp` throws this for a library older than itself.)

@@ -3,7 +3,7 @@
 use super::super::{
     boundary::{self, Failure, realistic_status},
     camera::log,
-    options,
+    memory, options,
     types::realistic_options,
 };
 use crate::{
@@ -27,7 +27,7 @@ pub struct realistic_lens {
 }
 
 /// The parameters that say which lens, and how it is set.
-const PARAMETERS: [&str; 4] = ["specfile", "wavelength", "aperture_diameter", "fnumber"];
+const PARAMETERS: [&str; 5] = ["specfile", "wavelength", "zoom", "aperture_diameter", "fnumber"];
 
 /// A lens with what callers ask of it again and again.
 #[derive(Debug)]
@@ -81,7 +81,7 @@ struct Tagged {
     lens: OpenedLens,
 }
 
-/// Opens a lens: the one that `specfile` names or `lens_text` describes, at `wavelength` and the stop of
+/// Opens a lens: the one that `specfile` names or `lens_text` describes, at `wavelength`, `zoom` and the stop of
 /// `aperture_diameter` or `fnumber`, as for a camera; `log` receives warnings. `xres`, `yres` and `camera_to_world` are not
 /// looked at, and any other parameter that is given is refused, for it would change nothing. On success `*out` is the
 /// lens, to be freed by `realistic_lens_free`; on failure `*out` is untouched and `realistic_last_error` says what to
@@ -99,6 +99,7 @@ pub unsafe extern "C" fn realistic_lens_new(
         if out.is_null() {
             return Err(boundary::null("out"));
         }
+        memory::to_build()?;
         // SAFETY: the caller's promise.
         let (options, parameters, host) = unsafe {
             let options = options::read(options)?;

@@ -74,12 +74,7 @@ pub(super) fn interfaces(
         let figure = row.asphere.filter(|asphere| !is_conic_alone(asphere) || asphere.conic != 0.0);
         let is_plane = row.radius.is_infinite() && figure.is_none_or(|figure| is_conic_alone(&figure));
         let shape = if !is_plane {
-            let conic = figure.map_or(0.0, |figure| figure.conic);
-            if let Some(widest) = whole(row.radius, conic).filter(|widest| semi_diameter > *widest) {
-                remarks.push(at(number, &too_wide(row, conic, widest)));
-                semi_diameter = widest;
-            }
-            match figure {
+            let shape = match figure {
                 Some(_) if row.role != Role::Any => {
                     return Err(at(
                         number,
@@ -91,7 +86,13 @@ pub(super) fn interfaces(
                 }
                 Some(asphere) => Shape::Asphere(Asphere { radius: row.radius, ..asphere }),
                 None => Shape::Sphere { radius: row.radius },
+            };
+            let widest = shape.widest();
+            if semi_diameter > widest {
+                remarks.push(at(number, &too_wide(row, figure.map_or(0.0, |figure| figure.conic), widest)));
+                semi_diameter = widest;
             }
+            shape
         } else if in_air && row.role == Role::FlareStop {
             Shape::Plane
         } else if in_air {
@@ -127,16 +128,6 @@ pub(super) fn interfaces(
 /// Whether a figure has no terms, so that it is a conic.
 fn is_conic_alone(asphere: &Asphere) -> bool {
     asphere.terms.iter().all(|term| *term == 0.0)
-}
-
-/// How far from the axis a conic reaches, mm: a sphere to its radius; `None` without end.
-fn whole(radius: f64, conic: f64) -> Option<f64> {
-    let reach = radius.abs() / (1.0 + conic).sqrt();
-    if conic == 0.0 {
-        Some(radius.abs())
-    } else {
-        Some(reach).filter(|reach| reach.is_finite() && *reach > 0.0)
-    }
 }
 
 /// That a mount's diameter, which prescriptions list, too, is wider than the whole surface.

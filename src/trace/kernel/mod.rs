@@ -22,7 +22,7 @@
 //! attribute cannot be given a name of its own in stable Rust.
 
 mod asphere;
-mod batch;
+mod blades;
 mod clearance;
 mod crossing;
 mod instances;
@@ -41,13 +41,14 @@ pub use rays::{LensRays, PlaneRays, RayBuffer, Traced};
 pub use simd::Simd;
 pub(crate) use simd::{Available, Compiled};
 
-use self::batch::InPlaceBatch;
+use self::rays::batch::InPlaceBatch;
 pub(crate) use self::{
     asphere::Profile,
-    batch::{Approach, Batch, PlaneBatch, RaysByValue, from_plane},
+    blades::power,
     instances::{Grouping, InVectors, Optics, in_vectors, run},
     lanes::{Cpu, Indexed, Lanes, Portable, Scalar},
     ray::{End, Start},
+    rays::batch::{Approach, Batch, PlaneBatch, RaysByValue, from_plane},
     table::Table,
 };
 use crate::{

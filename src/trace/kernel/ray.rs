@@ -121,7 +121,7 @@ impl<L: Lanes> RayLanes<L> {
                 asphere.trace(cpu, &mut rays, [minus_z], [lead]);
                 rays[0]
             }
-            (Step::Link(_) | Step::Stop(_) | Step::Renormalise(_), _) => {
+            (Step::Link(_) | Step::Stop(_) | Step::Blades(_) | Step::Renormalise(_), _) => {
                 unreachable!("the first step meets the ray anywhere")
             }
         }

@@ -2,7 +2,7 @@
 //! shapes leave open. A path's surfaces in; [`CompiledSurface`]s out, of which `table` chooses steps.
 
 use super::crossing::{self, ClearPart, Tests};
-use crate::trace::{aspheric::Aspheric, surface::PathSurface};
+use crate::trace::{aspheric::Aspheric, blades::StopFigure, surface::PathSurface};
 
 /// |R|/n up to this many times the clear semi-diameter counts as strongly curved: without the division t has an error of
 /// rounding times |R|/n, however near the surface is. As few as leave the catalogue's lenses, whose weakest surface comes
@@ -34,6 +34,8 @@ pub struct CompiledSurface<'a> {
     pub tests: Tests,
     /// Whether the aperture is to be tested.
     pub tested: bool,
+    /// The figure that blades leave open in it, which is always tested.
+    pub blades: Option<&'a StopFigure<f64>>,
     /// Only a test, which does not move the ray.
     pub is_still: bool,
 }
@@ -87,7 +89,9 @@ pub fn surfaces(
             slack: step.slack * (epsilon / f64::EPSILON),
             distance,
             tests: moved.map_or(unknown, |moved| crossing::tests(moved, here, distance)),
-            tested: tested(i),
+            // The figure lies inside the circle.
+            tested: tested(i) && step.blades.is_none(),
+            blades: step.blades.as_deref(),
             is_still,
         });
         if !is_still {

@@ -6,6 +6,7 @@
 
 use super::{
     asphere::{Asphere, Conic},
+    blades::BladedStop,
     crossing::Tests,
     lanes::Scalar,
     rounding::{AxialStep, RoundingGrowth},
@@ -101,6 +102,8 @@ pub enum Step<S> {
     Link(Link<S>),
     Plane(Plane<S>),
     Stop(Stop<S>),
+    /// The figure of a stop with blades: only a test.
+    Blades(BladedStop<S>),
     /// A conic section of revolution.
     Conic(Conic<S>),
     /// A surface with terms. Apart, so that the other steps stay small.
@@ -156,6 +159,7 @@ impl<S: Scalar> Table<S> {
                     let aperture = S::from_f64(surface.aperture);
                     steps.push(Step::Stop(Stop { transfer, aperture }));
                 }
+                steps.extend(surface.blades.map(|figure| Step::Blades(BladedStop::new(figure, transfer))));
                 continue;
             }
             let carries_normal = forms[i + 1..].iter().find_map(|form| match form {
@@ -183,6 +187,8 @@ impl<S: Scalar> Table<S> {
             }
             steps.push(step);
             last = Some((surface, carries_normal));
+            let here = self::transfer(last, 0.0);
+            steps.extend(surface.blades.map(|figure| Step::Blades(BladedStop::new(figure, here))));
         }
         let n = path.steps.last().map_or(1.0, |step| step.n_after);
         let (factor, offset) = match last {

@@ -81,6 +81,11 @@ fn trace_steps<L: Lanes, const U: usize>(cpu: Cpu<L>, table: &Table<L::Scalar>, 
                     ray.stop(cpu, stop);
                 }
             }
+            Step::Blades(stop) => {
+                for ray in &mut *rays {
+                    ray.blades(cpu, stop);
+                }
+            }
             Step::Sphere(sphere) => {
                 if sphere.tests.forward {
                     for ray in &mut *rays {

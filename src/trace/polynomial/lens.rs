@@ -3,12 +3,16 @@
 //! Written over the kernel's vectors, of which every operation is correctly rounded, so that one ray and many
 //! have the same bits.
 
-use super::{fit::Polynomial, terms::sum};
+use super::{
+    fit::{AperturePolynomial, Polynomial},
+    terms::sum,
+};
 use crate::trace::{
     aspheric::Aspheric,
+    blades::StopFigure,
     kernel::{
         Approach, Available, Batch, Cpu, End, Grouping, KernelScalar, Lanes, LensRays, Optics, PlaneBatch,
-        PlaneRays, Profile, RaysByValue, Start, Traced, run,
+        PlaneRays, Profile, RaysByValue, Start, Traced, power, run,
     },
 };
 
@@ -25,8 +29,8 @@ pub struct PolynomialLens<S> {
     degree: usize,
     /// A, B, C, D by monomial.
     terms: Vec<[S; 4]>,
-    /// E and F of each aperture by monomial.
-    apertures: Vec<Vec<[S; 2]>>,
+    /// E and F of each aperture by monomial, and the figure that blades leave open in it.
+    apertures: Vec<(Vec<[S; 2]>, Option<StopFigure<S>>)>,
     film_scale: S,
     pupil_scale: S,
     vergence: S,
@@ -49,7 +53,10 @@ impl<S: KernelScalar> PolynomialLens<S> {
             terms: terms.iter().map(|term| term.map(round)).collect(),
             apertures: apertures
                 .iter()
-                .map(|aperture| aperture.terms.iter().map(|term| term.map(round)).collect())
+                .map(|AperturePolynomial { terms, blades }| {
+                    let figure = blades.map(|blades| StopFigure::new(blades, 1.0));
+                    (terms.iter().map(|term| term.map(round)).collect(), figure)
+                })
                 .collect(),
             film_scale: round(scaling.film_scale),
             pupil_scale: round(scaling.pupil_scale),
@@ -113,10 +120,17 @@ impl<S: KernelScalar> PolynomialLens<S> {
         let (qx, qy) = (d.mul_add(px, c * x), d.mul_add(py, c * y));
         let height = oy.mul_add(oy, ox * ox);
         let mut passed = height.less_equal(L::splat(cpu, self.aperture));
-        for aperture in &self.apertures {
-            let [e, f] = sum(cpu, aperture, self.degree, [u, v, w]);
+        for (terms, figure) in &self.apertures {
+            let [e, f] = sum(cpu, terms, self.degree, [u, v, w]);
             let (rx, ry) = (f.mul_add(px, e * x), f.mul_add(py, e * y));
-            passed = L::both(passed, ry.mul_add(ry, rx * rx).less_equal(one));
+            let passes = match figure {
+                None => ry.mul_add(ry, rx * rx).less_equal(one),
+                Some(figure) => {
+                    let (power, limit) = power(cpu, figure, [rx, ry], one);
+                    power.less_equal(limit)
+                }
+            };
+            passed = L::both(passed, passes);
         }
         let bent = L::splat(cpu, self.curvature) * height;
         let root = (L::splat(cpu, self.curvature).neg_mul_add(bent, one)).sqrt();

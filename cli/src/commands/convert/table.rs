@@ -2,7 +2,7 @@
 //! number is written with as many digits as tell it from its neighbours.
 
 use realistic::prescription::{
-    Asphere, FIRST_POWER, Interface, Medium, Positions, Prescription, Shape,
+    Asphere, Blades, FIRST_POWER, Interface, Medium, Positions, Prescription, Shape,
     glass::{Formula, HIGHEST_POWER, LOWEST_POWER},
 };
 use std::fmt::Write as _;
@@ -37,6 +37,11 @@ pub fn write(lens: &Prescription) -> String {
     }
     if let Some(positions) = &lens.positions {
         write_positions(&mut text, positions, lens.interfaces.len());
+    }
+    if let Some(Blades { count, rotation, curvature }) = lens.blades {
+        let [rotation, curvature] = [rotation, curvature].map(number);
+        let blades = [count.to_string(), format!("rotation={rotation} curvature={curvature}")];
+        line(&mut text, "blades", &blades);
     }
     let names = glass_names(lens);
     for (name, medium) in &names {

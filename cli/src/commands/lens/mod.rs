@@ -2,6 +2,7 @@
 
 mod facts;
 mod list;
+mod positions;
 mod table;
 
 use crate::drawing::{catalogue, picture};
@@ -43,16 +44,18 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         }
         (Some(None), _) | (None, None) => return Ok(std::io::stdout().write_all(list::text().as_bytes())?),
     };
-    let (prescription, lens) = choice.open()?;
+    let (prescription, lens) = choice.open(&args.place)?;
     // A lens that makes no image is worth a report without one.
     let film_distance = args.place.film_distance_if_any(&lens)?;
     let facts = Facts::of(&prescription, &lens, film_distance, args.film.diagonal);
+    let positions = positions::all(&prescription, lens.wavelength, choice.stop(), args.film.diagonal);
     let text = if args.json {
         let mut value = facts.json();
         value["rows"] = table::json(&prescription, &lens);
+        value["positions"] = positions::json(&positions);
         format!("{value:#}\n")
     } else {
-        facts.text() + "\n" + &table::text(&prescription, &lens)
+        facts.text() + &positions::text(&positions) + "\n" + &table::text(&prescription, &lens)
     };
     Ok(std::io::stdout().write_all(text.as_bytes())?)
 }

@@ -63,6 +63,7 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
         stated: moving.stated,
         glasses,
         positions: moving.positions,
+        blades: None,
         remarks,
     })
 }

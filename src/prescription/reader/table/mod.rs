@@ -1,5 +1,5 @@
 //! The project's own table: text to lines of words ([`lines`]), lines that begin with a keyword ([`glasses`],
-//! [`aspheres`], [`columns`]), and the others to rows, one file for each kind of table ([`four_column`],
+//! [`aspheres`], [`blades`], [`columns`]), and the others to rows, one file for each kind of table ([`four_column`],
 //! [`five_column`]). Its grammar stands in `docs/lens-format.md`.
 //!
 //! Two kinds of table are read. **Four columns**, as the assignment and pbrt have it: radius,
@@ -10,6 +10,7 @@
 //! values.
 
 mod aspheres;
+mod blades;
 mod columns;
 mod five_column;
 mod four_column;
@@ -21,7 +22,10 @@ use super::surfaces;
 use crate::{
     message::nearest,
     prescription::{
-        error::LensFileError, glass::GlassLibrary, interfaces::Prescription, limits::MAX_INTERFACES,
+        error::LensFileError,
+        glass::GlassLibrary,
+        interfaces::{Prescription, Shape},
+        limits::MAX_INTERFACES,
     },
 };
 use columns::Columns;
@@ -36,6 +40,7 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
     let mut lines = Lines::split(file, bytes)?;
     let glasses = Glasses::take(&mut lines, library)?;
     let aspheres = aspheres::take(&mut lines)?;
+    let blades = blades::take(&mut lines)?;
     let columns = Columns::take(&mut lines)?;
     misspelt_keyword(&lines)?;
     let (mut stated_focal_length, table) = leading_focal_length(&lines)?;
@@ -52,6 +57,11 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
     let (positions, stated) = columns.read(&lines, &rows, &mut stated_focal_length)?;
     let at = |row: usize, message: &str| lines.error(&table[row].words[0], message);
     let (mut interfaces, remarks) = surfaces::interfaces(&rows, &at)?;
+    if let Some((keyword, _)) = &blades
+        && !interfaces.iter().any(|interface| interface.shape == Shape::Stop)
+    {
+        return Err(lines.error(keyword, "blades stand in the stop, and the table has none"));
+    }
     let back = std::mem::take(&mut interfaces.last_mut().expect("at least one row").thickness);
     Ok(Prescription {
         name: String::new(),
@@ -62,6 +72,7 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
         stated,
         glasses: glasses.used(),
         positions,
+        blades: blades.map(|(_, blades)| blades),
         remarks: remarks.iter().map(LensFileError::to_string).collect(),
     })
 }
@@ -83,7 +94,7 @@ fn leading_focal_length(lines: &Lines) -> Result<(Option<f64>, &[Line]), LensFil
 
 /// That no line begins with nearly a keyword.
 fn misspelt_keyword(lines: &Lines) -> Result<(), LensFileError> {
-    let keywords = || ["glass", "asphere"].into_iter().chain(columns::KEYWORDS);
+    let keywords = || ["glass", "asphere", "blades"].into_iter().chain(columns::KEYWORDS);
     for line in &lines.lines {
         let word = &line.words[0];
         let is_own = ["stop", "flare", "inf", "infinity", "nan"].iter().any(|own| word.is(own));

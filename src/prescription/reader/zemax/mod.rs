@@ -145,6 +145,7 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
         stated,
         glasses,
         positions,
+        blades: None,
         remarks,
     };
     let lens = if unit == 1.0 { lens } else { lens.scaled(unit) };

@@ -19,7 +19,7 @@ impl<L: Lanes> RayLanes<L> {
     pub fn conic(&mut self, cpu: Cpu<L>, conic: &Conic<L::Scalar>, minus_z: L, lead: L) {
         let (zero, one) = (L::splat(cpu, L::Scalar::ZERO), L::splat(cpu, L::Scalar::ONE));
         let c = L::splat(cpu, conic.c);
-        let from = self.reach_vertex_plane(cpu, &conic.common, minus_z, lead);
+        let from = self.reach_plane(cpu, &conic.common, minus_z, lead);
         let along = self.y.mul_add(self.vy, self.x * self.vx);
         let g = c.neg_mul_add(along, self.vz);
         let a = (self.vz * self.vz).mul_add(L::splat(cpu, conic.ck), L::splat(cpu, conic.cn2));
@@ -38,12 +38,13 @@ impl<L: Lanes> RayLanes<L> {
         self.bend_at(cpu, &conic.common, [c, q], e, square_of_normal);
     }
 
-    /// Moves rays to the vertex plane, -z away; from where on they may meet the surface, in units of V from there.
+    /// Moves rays to the plane from which the surface is approached; from where on they may meet it, in units of V from
+    /// there. The vertex lies `minus_z` ahead.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn reach_vertex_plane(&mut self, cpu: Cpu<L>, common: &Common<L::Scalar>, minus_z: L, lead: L) -> L {
+    pub fn reach_plane(&mut self, cpu: Cpu<L>, common: &Common<L::Scalar>, minus_z: L, lead: L) -> L {
         self.go_forward(cpu);
         let inverse = L::splat(cpu, L::Scalar::ONE) / self.vz;
-        let to_plane = minus_z * inverse;
+        let to_plane = (minus_z + L::splat(cpu, common.start)) * inverse;
         self.advance(to_plane);
         let last = L::splat(cpu, -common.slack) - (lead + to_plane);
         last.larger(L::splat(cpu, common.lowest) * inverse)

@@ -1,48 +1,56 @@
-//! The terms T of a surface and dT/du, u = r², in lanes, for several vectors side by side.
+//! The terms T of a surface and dT/ds, s = u/unit, u = r², in lanes, for several vectors side by side.
 
 use super::super::lanes::{Cpu, Lanes, Scalar};
-use crate::numeric::Real;
+use crate::{numeric::Real, trace::aspheric::Aspheric};
 
-/// T as two polynomials in u, the one of the even powers and the other of the odd ones over r³.
+/// T as two polynomials in s, that of the even powers and that of the odd ones over s √s.
 #[derive(Clone, Debug)]
 pub struct Terms<S> {
     /// Coefficients, the highest power's first; at least one.
     even: Box<[S]>,
     odd: Box<[S]>,
-    /// The square of the rim's radius.
+    /// s at the rim.
     pub rim: S,
+    /// 1/unit, a power of two.
+    pub per_unit: S,
 }
 
 impl<S: Scalar> Terms<S> {
-    /// Of the coefficients of u, u², … and of r u, r u², …, inside a rim of this radius squared.
-    pub fn new(even: &[f64], odd: &[f64], rim: f64) -> Self {
+    /// Of a surface.
+    pub fn new(aspheric: &Aspheric<f64>) -> Self {
         let reversed = |terms: &[f64]| terms.iter().rev().map(|&term| S::from_f64(term)).collect::<Vec<_>>();
-        let mut even = reversed(even);
+        let mut even = reversed(&aspheric.even);
         even.push(S::ZERO);
-        Self { even: even.into(), odd: reversed(odd).into(), rim: S::from_f64(rim) }
+        Self {
+            even: even.into(),
+            odd: reversed(&aspheric.odd).into(),
+            rim: S::from_f64(aspheric.rim / aspheric.unit),
+            per_unit: S::from_f64(aspheric.unit.recip()),
+        }
     }
 
-    /// T and dT/du at each u; beyond the rim, of the paraboloid that goes on there.
+    /// T and dT/ds at each s; beyond the rim, of the paraboloid that goes on there.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn at<L: Lanes<Scalar = S>, const U: usize>(&self, cpu: Cpu<L>, u: &[L; U]) -> [[L; U]; 2] {
+    pub fn at<L: Lanes<Scalar = S>, const U: usize>(&self, cpu: Cpu<L>, s: &[L; U]) -> [[L; U]; 2] {
         let rim = L::splat(cpu, self.rim);
-        let mut inside = *u;
+        let mut inside = *s;
         for i in 0..U {
-            inside[i] = u[i].smaller(rim);
+            inside[i] = s[i].smaller(rim);
         }
         let [mut value, mut slope] = nested(cpu, &self.even, &inside);
         if !self.odd.is_empty() {
+            // d(s √s O)/ds = √s (3 O/2 + s O').
             let [odd, odd_slope] = nested(cpu, &self.odd, &inside);
             let three_halves = L::splat(cpu, S::from_f64(1.5));
             for i in 0..U {
-                let r = inside[i].sqrt();
-                value[i] = (r * inside[i]).mul_add(odd[i], value[i]);
-                let by_u = inside[i].mul_add(odd_slope[i], three_halves * odd[i]);
-                slope[i] = r.mul_add(by_u, slope[i]);
+                let root = inside[i].sqrt();
+                value[i] = (root * inside[i]).mul_add(odd[i], value[i]);
+                let by_root = inside[i].mul_add(odd_slope[i], three_halves * odd[i]);
+                slope[i] = root.mul_add(by_root, slope[i]);
             }
         }
         for i in 0..U {
-            value[i] = (u[i] - inside[i]).mul_add(slope[i], value[i]);
+            value[i] = (s[i] - inside[i]).mul_add(slope[i], value[i]);
         }
         [value, slope]
     }
@@ -50,7 +58,7 @@ impl<S: Scalar> Terms<S> {
 
 /// A polynomial and its derivative, by Horner's rule.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn nested<L: Lanes, const U: usize>(cpu: Cpu<L>, coefficients: &[L::Scalar], at: &[L; U]) -> [[L; U]; 2] {
+pub fn nested<L: Lanes, const U: usize>(cpu: Cpu<L>, coefficients: &[L::Scalar], at: &[L; U]) -> [[L; U]; 2] {
     let first = L::splat(cpu, coefficients[0]);
     let (mut value, mut slope) = ([first; U], [L::splat(cpu, L::Scalar::ZERO); U]);
     for &coefficient in &coefficients[1..] {

@@ -2,9 +2,11 @@
 //! (a camera its samples), and the batches here load them from arrays, of any number and alignment.
 
 use super::{
-    lanes::{Cpu, Lanes, Scalar, each_further},
-    ray::{End, Start},
-    rays::{LensRays, PlaneRays, Traced},
+    super::{
+        lanes::{Cpu, Lanes, Scalar, each_further},
+        ray::{End, Start},
+    },
+    LensRays, PlaneRays, Traced,
 };
 use crate::numeric::Real;
 

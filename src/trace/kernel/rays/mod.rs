@@ -1,6 +1,8 @@
 //! Rays before and behind a lens as callers hold them: structures of arrays of the caller's, arrays of one's own, and
 //! one ray.
 
+pub(super) mod batch;
+
 use std::ops::Range;
 
 use crate::{lens::Ray, numeric::Real};
