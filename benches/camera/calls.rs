@@ -73,7 +73,8 @@ pub fn print(lens: &str, cameras: [(&str, &Camera); 2], samples: &[realistic_sam
 fn kernel<S: KernelScalar + 'static>(lens: &str, count: usize) -> Task<'static> {
     /// Film points up to here, mm.
     const REACH: f64 = 3.0;
-    let prescription = open::find(lens, &SearchPath::from_environment()).expect("a catalogue lens or a file");
+    let prescription =
+        open::find(lens, None, &SearchPath::from_environment()).expect("a catalogue lens or a file");
     let lens = Lens::at_d_line(&prescription);
     let path = Path::<f64>::film_to_scene(&lens);
     let film = lens.rear().vertex - lens.nominal_film_distance.unwrap_or(40.0);

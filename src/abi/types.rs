@@ -268,9 +268,6 @@ pub struct realistic_options {
     /// Parameter `zoom`: focal length of a zoom lens, a number of mm, or the name of one of its positions; without it
     /// the lens file's first.
     pub zoom: *const c_char,
-    /// Parameter `glasscatalog`: glass catalogue (AGF) in which glasses that a lens file names are looked up first, before
-    /// catalogues beside the file and the built-in glasses.
-    pub glasscatalog: *const c_char,
     /// Parameter `blades`: how many blades the stop has, 3 or more, whose corners lie on the circle of its clear
     /// diameter: 0 (a round stop) or more, up to 32; default the lens file's, or 0.
     pub blades: f64,
@@ -280,6 +277,9 @@ pub struct realistic_options {
     /// Parameter `bladecurvature`: curvature of the blades' edges over that of the circle: 0 is straight, 1 the circle:
     /// 0 or more, up to 1; default the lens file's, or 0.
     pub bladecurvature: f64,
+    /// Parameter `glasscatalog`: glass catalogue (AGF) in which glasses that a lens file names are looked up first, before
+    /// catalogues beside the file and the built-in glasses.
+    pub glasscatalog: *const c_char,
 }
 
 /// What a built camera is, for a host to print. `realistic_camera_get_info` fills it. A model without a lens

@@ -119,7 +119,9 @@ fn files_are_read_as_optiland_and_rayoptics_read_them() {
             }
             let path = format!("{}/tests/golden/files/{}", env!("CARGO_MANIFEST_DIR"), row[0]);
             let prescription = read(&row[0], &std::fs::read(&path).expect("a file")).expect("a lens");
-            let lens = Lens::at_d_line(&prescription);
+            let mut lens = Lens::at_d_line(&prescription);
+            // The programs' rays are not clipped.
+            lens.surfaces.iter_mut().for_each(|surface| surface.semi_diameter *= 1.5);
             let own = FirstOrder::of(&lens).expect("focal");
             let value = match row[1].as_str() {
                 "focal_length" => own.focal_length,
