@@ -19,6 +19,8 @@ from rayoptics.raytr.raytrace import trace as rayoptics_trace
 
 FOLDER = Path(__file__).parent / "files"
 WAVELENGTH = 587.56
+# Where rayoptics has a glass of two numbers at exactly its n_d, as we have at 587.56 nm.
+RAYOPTICS_D = 587.5618
 # File, unit in mm, half field in degrees, radius of the beam at the first vertex in mm.
 FILES = (("aspheres.zmx", 1.0, 8.0, 5.0), ("inches.zmx", 25.4, 10.0, 3.5), ("bench.txt", 1.0, 8.0, 5.0))
 
@@ -65,8 +67,11 @@ def by_optiland(path: Path, unit: float, inputs: np.ndarray) -> tuple[list[float
 
 
 def by_rayoptics(path: Path, unit: float, inputs: np.ndarray) -> tuple[list[float], np.ndarray]:
-    model = open_model(str(path)) if path.suffix == ".zmx" else read_bench(sections(path))
-    model["optical_spec"]["wvls"] = WvlSpec([(WAVELENGTH, 1.0)], ref_wl=0)
+    if path.suffix == ".zmx":
+        model, wavelength = open_model(str(path)), WAVELENGTH
+    else:
+        model, wavelength = read_bench(sections(path)), RAYOPTICS_D
+    model["optical_spec"]["wvls"] = WvlSpec([(wavelength, 1.0)], ref_wl=0)
     # From its customary infinity of 1e10 the program computes first-order data to six digits only.
     sequence = model["seq_model"]
     sequence.gaps[0].thi = 1000.0
@@ -79,7 +84,7 @@ def by_rayoptics(path: Path, unit: float, inputs: np.ndarray) -> tuple[list[floa
     rear_vertex = -sum(gap.thi for gap in sequence.gaps[1:rear])
     found = []
     for x, y, z, dx, dy, dz in inputs:
-        path_, _, _ = rayoptics_trace(sequence, np.array([x, y, -z]) / unit, np.array([dx, dy, -dz]), WAVELENGTH,
+        path_, _, _ = rayoptics_trace(sequence, np.array([x, y, -z]) / unit, np.array([dx, dy, -dz]), wavelength,
                                       intersect_obj=False)
         (px, py, pz), (ux, uy, uz) = path_[rear][:2]
         found.append([px * unit, py * unit, (rear_vertex - pz) * unit, ux, uy, -uz])

@@ -1,29 +1,11 @@
 //! A stop with blades, in lanes: a test of [`StopFigure`]'s inequality, without a move of the rays and without a division.
 
 use super::{
-    lanes::{Cpu, Lanes, Scalar},
+    lanes::{Cpu, Lanes},
     ray::RayLanes,
-    surface::Transfer,
+    table::BladedStop,
 };
 use crate::{numeric::Real, trace::blades::StopFigure};
-
-/// The figure in the plane of a stop.
-#[derive(Clone, Debug)]
-pub struct BladedStop<S> {
-    pub transfer: Transfer<S>,
-    pub figure: StopFigure<S>,
-}
-
-impl<S: Scalar> BladedStop<S> {
-    /// The figure of a path's stop, which the transfer leads to.
-    pub fn new(figure: &StopFigure<f64>, transfer: Transfer<S>) -> Self {
-        let round = S::from_f64;
-        let StopFigure { blades, normals, bulge, slant, limit } = figure;
-        let normals = normals.iter().map(|normal| normal.map(round)).collect();
-        let [bulge, slant, limit] = [bulge, slant, limit].map(|number| round(*number));
-        Self { transfer, figure: StopFigure { blades: *blades, normals, bulge, slant, limit } }
-    }
-}
 
 impl<L: Lanes> RayLanes<L> {
     /// At P = z (Vx, Vy)/Vz + (x, y), z the distance along the axis to the stop; all of it times Vz².

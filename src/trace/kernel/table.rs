@@ -6,13 +6,12 @@
 
 use super::{
     asphere::{Asphere, Conic},
-    blades::BladedStop,
     crossing::Tests,
     lanes::Scalar,
     rounding::{AxialStep, RoundingGrowth},
     surface::{CompiledSurface, Transfer, surfaces},
 };
-use crate::trace::{Direction, Path, aspheric::Aspheric};
+use crate::trace::{Direction, Path, aspheric::Aspheric, blades::StopFigure};
 
 /// The aperture test of a sphere.
 #[derive(Clone, Copy, Debug)]
@@ -69,6 +68,24 @@ pub struct Stop<S> {
     pub transfer: Transfer<S>,
     /// a².
     pub aperture: S,
+}
+
+/// The figure that blades leave open in the plane of a stop: only a test.
+#[derive(Clone, Debug)]
+pub struct BladedStop<S> {
+    pub transfer: Transfer<S>,
+    pub figure: StopFigure<S>,
+}
+
+impl<S: Scalar> BladedStop<S> {
+    /// The figure of a path's stop, which the transfer leads to.
+    pub fn new(figure: &StopFigure<f64>, transfer: Transfer<S>) -> Self {
+        let round = S::from_f64;
+        let StopFigure { blades, normals, bulge, slant, limit } = figure;
+        let normals = normals.iter().map(|normal| normal.map(round)).collect();
+        let [bulge, slant, limit] = [bulge, slant, limit].map(|number| round(*number));
+        Self { transfer, figure: StopFigure { blades: *blades, normals, bulge, slant, limit } }
+    }
 }
 
 /// From one strongly curved sphere to the next.

@@ -87,7 +87,7 @@ mod tests {
         let line =
             |name: &str| text.lines().find(|line| line.split_whitespace().next() == Some(name)).unwrap();
         let words: Vec<&str> = line("dgauss.100mm").split_whitespace().collect();
-        assert_eq!(words[1..3], ["100.7", "2.0"], "{words:?}");
+        assert_eq!(words[1..3], ["100.7", "2.1"], "{words:?}");
         assert_eq!(range([3.0, 2.0].into_iter(), 1), "2.0-3.0");
         assert_eq!(range([2.01, 2.0].into_iter(), 1), "2.0");
         assert_eq!(range(std::iter::empty(), 1), "-");
