@@ -479,11 +479,6 @@ typedef struct realistic_options {
      */
     const char *zoom;
     /*
-     Parameter `glasscatalog`: glass catalogue (AGF) in which glasses that a lens file names are looked up first, before
-     catalogues beside the file and the built-in glasses.
-     */
-    const char *glasscatalog;
-    /*
      Parameter `blades`: how many blades the stop has, 3 or more, whose corners lie on the circle of its clear
      diameter: 0 (a round stop) or more, up to 32; default the lens file's, or 0.
      */
@@ -498,6 +493,11 @@ typedef struct realistic_options {
      0 or more, up to 1; default the lens file's, or 0.
      */
     double bladecurvature;
+    /*
+     Parameter `glasscatalog`: glass catalogue (AGF) in which glasses that a lens file names are looked up first, before
+     catalogues beside the file and the built-in glasses.
+     */
+    const char *glasscatalog;
 } realistic_options;
 
 /*
