@@ -29,8 +29,7 @@ pub struct PolynomialLens<S> {
     degree: usize,
     /// A, B, C, D by monomial.
     terms: Vec<[S; 4]>,
-    /// E and F of each aperture by monomial, and the figure that blades leave open in it.
-    apertures: Vec<(Vec<[S; 2]>, Option<StopFigure<S>>)>,
+    apertures: Vec<Aperture<S>>,
     film_scale: S,
     pupil_scale: S,
     vergence: S,
@@ -40,6 +39,15 @@ pub struct PolynomialLens<S> {
     /// The whole front surface where it is an asphere, z along the travel.
     profile: Option<Profile<S>>,
     simd: Available,
+}
+
+/// An aperture that rays are tested against.
+#[derive(Clone, Debug)]
+struct Aperture<S> {
+    /// E and F by monomial.
+    terms: Vec<[S; 2]>,
+    /// The figure that blades leave open in it.
+    figure: Option<StopFigure<S>>,
 }
 
 impl<S: KernelScalar> PolynomialLens<S> {
@@ -53,9 +61,9 @@ impl<S: KernelScalar> PolynomialLens<S> {
             terms: terms.iter().map(|term| term.map(round)).collect(),
             apertures: apertures
                 .iter()
-                .map(|AperturePolynomial { terms, blades }| {
-                    let figure = blades.map(|blades| StopFigure::new(blades, 1.0));
-                    (terms.iter().map(|term| term.map(round)).collect(), figure)
+                .map(|AperturePolynomial { terms, blades }| Aperture {
+                    terms: terms.iter().map(|term| term.map(round)).collect(),
+                    figure: blades.map(|blades| StopFigure::new(blades, 1.0)),
                 })
                 .collect(),
             film_scale: round(scaling.film_scale),
@@ -120,7 +128,7 @@ impl<S: KernelScalar> PolynomialLens<S> {
         let (qx, qy) = (d.mul_add(px, c * x), d.mul_add(py, c * y));
         let height = oy.mul_add(oy, ox * ox);
         let mut passed = height.less_equal(L::splat(cpu, self.aperture));
-        for (terms, figure) in &self.apertures {
+        for Aperture { terms, figure } in &self.apertures {
             let [e, f] = sum(cpu, terms, self.degree, [u, v, w]);
             let (rx, ry) = (f.mul_add(px, e * x), f.mul_add(py, e * y));
             let passes = match figure {
