@@ -22,6 +22,8 @@ pub(crate) struct Clearance {
     pub ratio: f64,
     /// The surface, counted along the travel.
     pub surface: usize,
+    /// Whether the ray stops for another reason, too, farther on.
+    pub lost: bool,
 }
 
 /// Rays of a packet.
@@ -65,8 +67,9 @@ pub(crate) fn clearances(
         }
         let lanes = packet.largest.iter().zip(packet.surface).zip(packet.open).take(packet.count);
         for ((&largest, surface), open) in lanes {
-            let known = open > 0.0 || largest > 1.0;
-            found(known.then(|| Clearance { ratio: largest.sqrt(), surface: surface.to_bits() as usize }));
+            let lost = open == 0.0;
+            let surface = surface.to_bits() as usize;
+            found((!lost || largest > 1.0).then(|| Clearance { ratio: largest.sqrt(), surface, lost }));
         }
     }
 }
