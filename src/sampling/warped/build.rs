@@ -30,8 +30,9 @@ const AFTER_HALVING: f64 = 0.3;
 const WITH_NEW_CORNERS: f64 = 1.0;
 /// Share of the pupil that interpolation may then miss before the halves are halved again.
 const MISSED: f64 = 6e-5;
-/// Share from which on the map is made larger instead, as it is where halves cannot be halved again.
-const GROWN: f64 = 4e-5;
+/// The same where halves cannot be halved again, before the map is made larger: a bound, for where a corner comes or goes
+/// within the halves most of it is not missed.
+const MISSED_AT_LAST: f64 = 3e-4;
 /// The same for what the interpolated shape has too much, which costs acceptance.
 const EXCESS: f64 = 3e-3;
 /// How much larger than interpolated a map may be made, relative, where the pupil changes faster than the narrowest
@@ -482,8 +483,8 @@ impl<'a> Builder<'a> {
         let place = usize::midpoint(from, to);
         // What the shape has too much where halves cannot be halved again.
         let mut blocked = if good { 0.0 } else { excess };
-        if missed > GROWN {
-            // What would be missed is sampled with some that is blocked.
+        if !good && missed > MISSED_AT_LAST {
+            // What the halves would miss is sampled with some that is blocked.
             let (growth, outside) = slice.growth(predicted, outline, places, &self.knots, part);
             if growth.iter().copied().fold(0.0, f64::max) > MOST_GROWTH {
                 self.cover([from, to], NoFan::Shape, table);

@@ -119,8 +119,9 @@ impl WarpedPupil {
                 table.truncate(table.len() - STRIDE);
             }
             let width = interval.to - interval.from;
-            let from = low.center as f32;
-            let step = (high.center - low.center) as f32;
+            let [from, to] = [low, high].map(|slice| slice.center as f32);
+            // Where the rest below is added, too, else without a jump to the next slice's float.
+            let step = if dark_beyond { (high.center - low.center) as f32 } else { to - from };
             let numbers = [(width as f32).recip(), from, step];
             cells.extend(std::iter::repeat_n(Indexed { index: table.len() as u32, numbers }, width));
             if dark_beyond {

@@ -65,6 +65,9 @@ impl Field<'_> {
                 excess.min(1.0)
             };
             let end = illinois(inside.0.max(1e-9 * height), height, Closing::Bracket(ACCURACY), margin);
+            if self.tracer.is_spent() {
+                return None;
+            }
             let beside = (1.0 + BESIDE) * end;
             // What was followed may be one of several pieces, or so small that it was lost from a guess far off.
             let lit = if margin(beside) < 0.0 { Some(best.get() * beside) } else { self.lit_slope(beside) };

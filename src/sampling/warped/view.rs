@@ -139,7 +139,8 @@ impl View<'_> {
         const BELOW: usize = GROUP / 2 - 1;
         let enough = if any { 0.5 } else { 1e-3 };
         let mut found = Vec::with_capacity(GROUP);
-        while width > 1e-9 * reach && best.1 < f64::INFINITY && !(any && best.1 < 0.0) {
+        let is_open = |(_, least): (f64, f64)| least < f64::INFINITY && !(any && least < 0.0);
+        while width > 1e-9 * reach && is_open(best) && !self.tracer.is_spent() {
             self.excesses(&LOOKS.map(|part| [best.0 + part * width, 0.0]), &mut found);
             let looks = LOOKS.iter().zip(&found);
             let (least, part) =
