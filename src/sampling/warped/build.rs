@@ -476,7 +476,7 @@ impl<'a> Builder<'a> {
         let same_corners = a.corners == b.corners && a.corners == slice.corners;
         let part = if same_corners { AFTER_HALVING } else { WITH_NEW_CORNERS };
         let (missed, excess) = slice.misfit(predicted, outline, places, &self.knots, part);
-        let good = missed <= MISSED && excess <= EXCESS.max(4.0 * slice.margin);
+        let good = missed <= MISSED && excess <= EXCESS.max(2.5 * slice.margin);
         if !good && (to - from > 2 || b.area == 0.0) {
             return false;
         }
