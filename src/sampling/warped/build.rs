@@ -63,6 +63,8 @@ pub(crate) struct Builder<'a> {
     knots: Knots,
     /// The film radius at which the pupil vanishes, mm; infinite where that lies beyond reach.
     vanishing: Cell<f64>,
+    /// Area of the pupil on the axis, slope²; 0 until it is known.
+    axis_area: Cell<f64>,
 }
 
 /// A stretch of film radius between two slices.
@@ -107,8 +109,6 @@ type Traced = (Outline, Rc<Slice>, Vec<Place>);
 struct Table<H> {
     /// Film radius, mm, of a number of smallest intervals.
     height: H,
-    /// Area of the pupil on the axis, slope².
-    axis_area: f64,
     intervals: Vec<Interval>,
     given_up: Vec<GivenUp>,
     /// How much larger than the pupil the maps at numbers of smallest intervals are to be made, relative, by knot.
@@ -125,6 +125,7 @@ impl<'a> Builder<'a> {
             hints: Hints::new(path.surfaces()),
             knots: Knots::new(),
             vanishing: Cell::new(f64::INFINITY),
+            axis_area: Cell::new(0.0),
         }
     }
 
@@ -161,9 +162,8 @@ impl<'a> Builder<'a> {
             end * if dark_beyond { s * (2.0 - s) } else { s }
         };
         let coarse = self.coarse_slices(&height, vanishing);
-        let axis_area = coarse[0].as_ref().map_or(0.0, |slice| slice.area);
         let mut table =
-            Table { height, axis_area, intervals: Vec::new(), given_up: Vec::new(), growth: BTreeMap::new() };
+            Table { height, intervals: Vec::new(), given_up: Vec::new(), growth: BTreeMap::new() };
         let gap = |(number, pair): (usize, &[Node])| Gap {
             ends: [number << DEPTH, (number + 1) << DEPTH],
             nodes: [pair[0].clone(), pair[1].clone()],
@@ -232,6 +232,7 @@ impl<'a> Builder<'a> {
     /// and then back.
     fn coarse_slices(&self, height: &impl Fn(usize) -> f64, vanishing: Option<Slice>) -> Vec<Node> {
         let axis = self.axial_slice().map(Rc::new);
+        self.axis_area.set(axis.as_ref().map_or(0.0, |slice| slice.area));
         let mut nodes: Vec<Node> = vec![axis];
         let ends = if vanishing.is_some() { COARSE - 1 } else { COARSE };
         for number in 1..=ends {
@@ -367,7 +368,7 @@ impl<'a> Builder<'a> {
 
     fn fit(&self, view: &View<'_>, outline: &Outline) -> (Slice, Vec<Place>) {
         let crescent = (1.0 - (view.height / self.vanishing.get()).powi(2)).max(0.0).sqrt();
-        Slice::fit(view, outline, &self.knots, crescent)
+        Slice::fit(view, outline, &self.knots, crescent, self.axis_area.get())
     }
 
     /// Fills gaps, or halves them: between two maps until these predict the one in the middle, else until what has no map
@@ -414,7 +415,7 @@ impl<'a> Builder<'a> {
                 }
                 (Ok((outline, slice, _)), ..) if has_pieces(&outline, &slice) => Err(NoFan::InPieces),
                 (Ok((_, slice, _)), ..) => Ok(slice),
-                (Err(_), Ok(a), Ok(b)) if b.area == 0.0 && a.area < SLIVER * table.axis_area => {
+                (Err(_), Ok(a), Ok(b)) if b.area == 0.0 && a.area < SLIVER * self.axis_area.get() => {
                     table.intervals.push(last_sliver([from, to], a, b));
                     continue;
                 }
@@ -476,7 +477,7 @@ impl<'a> Builder<'a> {
         let same_corners = a.corners == b.corners && a.corners == slice.corners;
         let part = if same_corners { AFTER_HALVING } else { WITH_NEW_CORNERS };
         let (missed, excess) = slice.misfit(predicted, outline, places, &self.knots, part);
-        let good = missed <= MISSED && excess <= EXCESS.max(2.5 * slice.margin);
+        let good = missed <= MISSED && excess <= EXCESS.max(4.0 * slice.margin);
         if !good && (to - from > 2 || b.area == 0.0) {
             return false;
         }

@@ -69,8 +69,8 @@ const CORNER_BRACKET: f64 = 4e-2;
 const MEETING: Closing = Closing::Step { width: 1e-6, most: 30 };
 /// Searches a corner may cost.
 const CORNER_STEPS: u32 = 8;
-/// How far an arc may be off between two points, relative: half the table's margin.
-const OFF: f64 = 3e-4;
+/// How far an arc may be off between two points, relative, before it gets more points.
+const OFF: f64 = 3e-3;
 /// Share of the pupil that may be in doubt between two points that many points are put between no more.
 const DOUBT: f64 = 1e-5;
 /// The same in all: beyond, no fan fits.

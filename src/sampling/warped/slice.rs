@@ -15,9 +15,10 @@ pub(crate) const TRACE_EVERY: usize = 8;
 
 /// How much larger than the outline the map is made, relative, for what interpolation leaves out.
 const MARGIN: f64 = 6e-4;
-/// Toward the radius H at which the pupil vanishes the margin grows, where √(1 - h²/H²) is below this (the last half
-/// per cent of the image), as slices lie ever farther apart for the pupil's size; at most so many times.
-const VANISHING: f64 = 0.1;
+/// Where the pupil has shrunk below this part of the one on the axis the margin grows as its width shrinks, for slices lie
+/// too far apart there; at most so many times, and no more than this over √(1 - h²/H²), where it vanishes at H.
+const SHRUNK: f64 = 0.002;
+const VANISHING: f64 = 0.25;
 const MOST_MARGIN: f64 = 7.0;
 
 /// The disk's directions at the knots: pseudo-angles q = 1 - cos/(|cos| + sin) in equal steps from
@@ -79,8 +80,14 @@ impl Slice {
 
     /// The map onto an outline that takes equal areas of the disk to equal areas, narrowed to the outline's width over
     /// its height where that is below 1; and where on the outline the knots lie. Where the pupil vanishes at H,
-    /// `crescent` is √(1 - h²/H²), else 1.
-    pub fn fit(view: &View<'_>, outline: &Outline, knots: &Knots, crescent: f64) -> (Self, Vec<Place>) {
+    /// `crescent` is √(1 - h²/H²), else 1. The pupil on the axis has `axis_area`.
+    pub fn fit(
+        view: &View<'_>,
+        outline: &Outline,
+        knots: &Knots,
+        crescent: f64,
+        axis_area: f64,
+    ) -> (Self, Vec<Place>) {
         let mut sectors = Vec::with_capacity(outline.pieces.len());
         let mut total = 0.0;
         for &piece in &outline.pieces {
@@ -89,7 +96,8 @@ impl Slice {
             sectors.push(sector);
         }
         let area = 2.0 * view.width_scale * total;
-        let margin = MARGIN * (VANISHING / crescent).clamp(1.0, MOST_MARGIN);
+        let growth = (SHRUNK * axis_area / area).sqrt().min(VANISHING / crescent);
+        let margin = MARGIN * growth.clamp(1.0, MOST_MARGIN);
         // Where the pupil vanishes that is about its width over its height. Half of it keeps τ above 0 between the slices,
         // too; where it does not vanish nothing is narrowed.
         let least = if crescent < 1.0 { crescent / 2.0 } else { 1.0 };
