@@ -34,9 +34,10 @@
  The version of the C ABI that this header describes. It grows when something is added;
  nothing is ever taken away or renumbered. Version 2 states what version 1 had come to: the fields of
  `realistic_options` from `camera_to_world_end` on, `realistic_autofocus` and `realistic_camera_plan`; and it
- adds rays with differentials.
+ adds rays with differentials. Version 3 adds lenses without a film (`realistic_lens_new`),
+ and `focusby` and `zoom`.
  */
-#define REALISTIC_ABI_VERSION 2
+#define REALISTIC_ABI_VERSION 3
 
 /*
  The library can be loaded by a pbrt-v1 host (`CreateCamera` is there).
@@ -84,6 +85,16 @@
 #define REALISTIC_CAPABILITY_DIFFERENTIALS 256
 
 /*
+ A lens can be opened without a film, and asked what it is (`realistic_lens_new`).
+ */
+#define REALISTIC_CAPABILITY_LENS 512
+
+/*
+ `zoom` and `focusby` are there, for lenses whose groups move.
+ */
+#define REALISTIC_CAPABILITY_MOVING_GROUPS 1024
+
+/*
  How a call of the C ABI ended. The numbers are part of the ABI and never change.
  */
 enum realistic_status
@@ -128,8 +139,9 @@ enum realistic_status
      */
     REALISTIC_STATUS_NOT_A_CAMERA = 8,
     /*
-     Memory is out for what a caller's number asks for (the zones of an autofocus) or for the camera object. Where
-     it is out for anything less, the process ends, as with most of Rust.
+     Memory is out: there are no 8 MiB for a camera or a lens to be built, or not what a caller's number asks for
+     (the zones of an autofocus). Where other threads take the last of it meanwhile, or a message has no room, the
+     process ends, as with most of Rust.
      */
     REALISTIC_STATUS_OUT_OF_MEMORY = 9,
     /*
@@ -137,6 +149,10 @@ enum realistic_status
      where a host's functions are missing, and `realistic.hpp` throws this for a library older than itself.)
      */
     REALISTIC_STATUS_UNSUPPORTED = 10,
+    /*
+     The pointer is NULL, or to no lens of this library.
+     */
+    REALISTIC_STATUS_NOT_A_LENS = 11,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -193,9 +209,68 @@ typedef int32_t realistic_reason;
 #endif // __cplusplus
 
 /*
+ How several zones make one film distance. The numbers are part of the ABI and never change.
+ */
+enum realistic_autofocus_rule
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /*
+     The zone that sees the nearest thing.
+     */
+    REALISTIC_AUTOFOCUS_RULE_NEAREST = 0,
+    /*
+     The zone nearest the middle of the picture among those that have an answer.
+     */
+    REALISTIC_AUTOFOCUS_RULE_CENTRE = 1,
+    /*
+     The mean of the zones' film distances.
+     */
+    REALISTIC_AUTOFOCUS_RULE_AVERAGE = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum realistic_autofocus_rule realistic_autofocus_rule;
+#else
+typedef int32_t realistic_autofocus_rule;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/*
+ The side of a lens that rays come from. The numbers are part of the ABI and never change.
+ */
+enum realistic_side
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /*
+     From behind the lens; rays travel toward +z.
+     */
+    REALISTIC_SIDE_FILM = 0,
+    /*
+     From in front of it; rays travel toward -z.
+     */
+    REALISTIC_SIDE_SCENE = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum realistic_side realistic_side;
+#else
+typedef int32_t realistic_side;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/*
  A camera. Opaque to C. Immutable once built: rays may be asked for from any number of threads.
  */
 typedef struct realistic_camera realistic_camera;
+
+/*
+ A lens at one wavelength and stop. Opaque to C. Immutable once built: any number of threads may use it.
+ */
+typedef struct realistic_lens realistic_lens;
 
 /*
  Receives a message while a camera is being built. `level`: 0 information, 1 warning; 2, an error, is reserved, for
@@ -393,6 +468,36 @@ typedef struct realistic_options {
      more and finite, in pixels; default 0.
      */
     double tolerance;
+    /*
+     Parameter `focusby`: what moves to focus, the film, or the lens's own groups with the film where the lens file
+     has it: "film" or "group"; default "film".
+     */
+    const char *focusby;
+    /*
+     Parameter `zoom`: focal length of a zoom lens, a number of mm, or the name of one of its positions; without it
+     the lens file's first.
+     */
+    const char *zoom;
+    /*
+     Parameter `glasscatalog`: glass catalogue (AGF) in which glasses that a lens file names are looked up first, before
+     catalogues beside the file and the built-in glasses.
+     */
+    const char *glasscatalog;
+    /*
+     Parameter `blades`: how many blades the stop has, 3 or more, whose corners lie on the circle of its clear
+     diameter: 0 (a round stop) or more, up to 32; default the lens file's, or 0.
+     */
+    double blades;
+    /*
+     Parameter `bladerotation`: where the first corner of the blades lies, from image right toward image up: a finite
+     number, in degrees; default the lens file's, or 0.
+     */
+    double bladerotation;
+    /*
+     Parameter `bladecurvature`: curvature of the blades' edges over that of the circle: 0 is straight, 1 the circle:
+     0 or more, up to 1; default the lens file's, or 0.
+     */
+    double bladecurvature;
 } realistic_options;
 
 /*
@@ -591,6 +696,166 @@ typedef double (*realistic_distance)(void *user, const struct realistic_ray *ray
 typedef double (*realistic_contrast)(void *user,
                                      const struct realistic_camera *camera,
                                      const struct realistic_zone *zone);
+
+/*
+ What first-order optics says of a lens (M. Born and E. Wolf, *Principles of Optics*, chapter 4). Air being on both sides,
+ the nodal points are the principal points. z is a place in lens space, mm; infinity stands for one at infinity.
+ `realistic_lens_get_info` fills it.
+ */
+typedef struct realistic_lens_info {
+    /*
+     `sizeof(realistic_lens_info)` of the caller's header.
+     */
+    uint32_t struct_size;
+    /*
+     How many surfaces it has, the stop included.
+     */
+    uint32_t surfaces;
+    /*
+     The stop's number, counted from 0 at the scene side; -1 for a lens without one.
+     */
+    int32_t stop;
+    /*
+     The number of the surface whose aperture limits the beam of a distant point on the axis.
+     */
+    int32_t limiting;
+    /*
+     Wavelength, nm.
+     */
+    double wavelength_nm;
+    /*
+     Effective focal length, mm; negative for a diverging lens, infinite for an afocal one.
+     */
+    double focal_length_mm;
+    /*
+     Focal length, without its sign, over the entrance pupil's diameter.
+     */
+    double fnumber;
+    /*
+     Last vertex to the film-side focal point, mm; NaN for an afocal lens, as the next four.
+     */
+    double back_focal_distance_mm;
+    /*
+     z of the scene-side focal point.
+     */
+    double front_focal_point_mm;
+    /*
+     z of the film-side focal point.
+     */
+    double rear_focal_point_mm;
+    /*
+     z of the scene-side principal plane.
+     */
+    double front_principal_plane_mm;
+    /*
+     z of the film-side principal plane.
+     */
+    double rear_principal_plane_mm;
+    /*
+     z of the last vertex; 0 or less.
+     */
+    double rear_vertex_mm;
+    /*
+     z of the entrance pupil.
+     */
+    double entrance_pupil_mm;
+    /*
+     Diameter of the entrance pupil, mm; infinite for a pupil at infinity.
+     */
+    double entrance_pupil_diameter_mm;
+    /*
+     z of the exit pupil.
+     */
+    double exit_pupil_mm;
+    /*
+     Diameter of the exit pupil, mm; infinite for a pupil at infinity.
+     */
+    double exit_pupil_diameter_mm;
+    /*
+     The focal length that the lens's description states, mm; NaN where it states none.
+     */
+    double stated_focal_length_mm;
+    /*
+     The film distance that the lens's description proposes, from the last vertex, mm; NaN where it proposes none.
+     */
+    double nominal_film_distance_mm;
+} realistic_lens_info;
+
+/*
+ One surface of a lens. `realistic_lens_get_surface` fills it.
+ */
+typedef struct realistic_lens_surface {
+    /*
+     `sizeof(realistic_lens_surface)` of the caller's header.
+     */
+    uint32_t struct_size;
+    /*
+     1 for the aperture stop, else 0.
+     */
+    uint32_t is_stop;
+    /*
+     z of its vertex, mm; 0 for the first, never positive.
+     */
+    double vertex_mm;
+    /*
+     Radius of curvature, mm: positive with the centre on the film's side, infinite for a plane.
+     */
+    double radius_mm;
+    /*
+     Distance to the next vertex, mm; 0 for the last.
+     */
+    double thickness_mm;
+    /*
+     Refractive index on the scene's side.
+     */
+    double index_scene;
+    /*
+     Refractive index on the film's side.
+     */
+    double index_film;
+    /*
+     Clear semi-diameter, mm.
+     */
+    double semi_diameter_mm;
+} realistic_lens_surface;
+
+/*
+ Rays in lens space as structure of arrays, one number per ray in each: a point on it, mm, and its direction.
+ */
+typedef struct realistic_lens_rays {
+    /*
+     `sizeof(realistic_lens_rays)` of the caller's header.
+     */
+    uint32_t struct_size;
+    /*
+     x of a point on each ray.
+     */
+    double *ox;
+    /*
+     y.
+     */
+    double *oy;
+    /*
+     z.
+     */
+    double *oz;
+    /*
+     x of each direction, of any length but 0.
+     */
+    double *dx;
+    /*
+     y.
+     */
+    double *dy;
+    /*
+     z.
+     */
+    double *dz;
+    /*
+     What became of each ray; may be NULL.
+     */
+    realistic_reason *reason;
+} realistic_lens_rays;
 
 #ifdef __cplusplus
 extern "C" {
@@ -794,7 +1059,7 @@ realistic_status realistic_camera_generate_ray_differentials_soa(const struct re
  `realistic_autofocus_rule`. The host gives one of the two callbacks and NULL for the other:
  with `distance` some rays per zone are asked about, with `contrast` some tens to hundreds of trial cameras are built,
  from infinity to the nearest distance that the lens can focus. Zones that give no answer do not count. `options`
- must leave `filmdistance` and `focusdistance` open. The callback is called on this thread, with `user` as it is.
+ must leave `filmdistance` and `focusdistance` open, and `focusby` "film". The callback is called on this thread, with `user` as it is.
 
  Fails with `REALISTIC_STATUS_UNREACHABLE_FOCUS`, and leaves `*film_distance_mm` as it is, when no zone has
  an answer.
@@ -811,6 +1076,96 @@ realistic_status realistic_autofocus(const struct realistic_options *options,
                                      realistic_contrast contrast,
                                      void *user,
                                      double *film_distance_mm);
+
+/*
+ Opens a lens: the one that `specfile` names or `lens_text` describes, at `wavelength`, `zoom` and the stop of
+ `aperture_diameter` or `fnumber`, as for a camera; `log` receives warnings. `xres`, `yres` and `camera_to_world` are not
+ looked at, and any other parameter that is given is refused, for it would change nothing. On success `*out` is the
+ lens, to be freed by `realistic_lens_free`; on failure `*out` is untouched and `realistic_last_error` says what to
+ change.
+
+ # Safety
+ `options` is NULL or points to a structure of its `struct_size` bytes whose pointers are NULL or
+ valid; `out` is NULL or writable.
+ */
+realistic_status realistic_lens_new(const struct realistic_options *options,
+                                    struct realistic_lens **out);
+
+/*
+ Frees a lens. NULL is fine.
+
+ # Safety
+ `lens` is NULL or a lens of `realistic_lens_new` that nobody uses any more.
+ */
+void realistic_lens_free(struct realistic_lens *lens);
+
+/*
+ Fills `info`, whose `struct_size` the caller has set.
+
+ # Safety
+ `lens` is NULL or a live lens; `info` is NULL or points to a structure of its `struct_size` bytes.
+ */
+realistic_status realistic_lens_get_info(const struct realistic_lens *lens,
+                                         struct realistic_lens_info *info);
+
+/*
+ Fills `surface`, whose `struct_size` the caller has set, with surface `number`, counted from 0 at the scene side.
+
+ # Safety
+ `lens` is NULL or a live lens; `surface` is NULL or points to a structure of its `struct_size` bytes.
+ */
+realistic_status realistic_lens_get_surface(const struct realistic_lens *lens,
+                                            uint32_t number,
+                                            struct realistic_lens_surface *surface);
+
+/*
+ Copies the lens's name: see `realistic_camera_get_lens_name` for `buffer`, `capacity` and `length`.
+
+ # Safety
+ `lens` is NULL or a live lens; `buffer` has `capacity` writable bytes; `length` is NULL or writable.
+ */
+realistic_status realistic_lens_get_name(const struct realistic_lens *lens,
+                                         char *buffer,
+                                         size_t capacity,
+                                         size_t *length);
+
+/*
+ The film distance, from the last vertex in mm, at which a point on the axis `object_distance_mm` in front of the **film**
+ is sharpest: where its bundle of exact rays at the lens's stop and wavelength has the smallest RMS spot. Infinity is a
+ distance. `REALISTIC_STATUS_UNREACHABLE_FOCUS`, and in the message the nearest distance, where the lens cannot.
+
+ # Safety
+ `lens` is NULL or a live lens; `film_distance_mm` is NULL or writable.
+ */
+realistic_status realistic_lens_focus(const struct realistic_lens *lens,
+                                      double object_distance_mm,
+                                      double *film_distance_mm);
+
+/*
+ The distance from the film, mm along the axis, of what film `film_distance_mm` behind the last vertex shows sharp;
+ infinity for what lies there or, NaN, where nothing in front of the lens is in focus.
+
+ # Safety
+ `lens` is NULL or a live lens; `object_distance_mm` is NULL or writable.
+ */
+realistic_status realistic_lens_focused_on(const struct realistic_lens *lens,
+                                           double film_distance_mm,
+                                           double *object_distance_mm);
+
+/*
+ Takes `n` rays through the lens from side `from` (`realistic_side`) and puts in their place the points where they leave
+ the last surface and their unit directions there. A blocked ray ends on the last surface that it met, with the
+ direction behind it, or, where it met none, stays as it was but for the length of its direction; `reason` says why. A
+ start may lie anywhere before the lens. Numbers that are not finite, or a direction of length 0, count as
+ `REALISTIC_REASON_MISSED`, and such a ray stays as it was. The arrays must not overlap; nothing needs to be aligned.
+
+ # Safety
+ `lens` is NULL or a live lens; `rays` is NULL or valid, and its arrays are NULL or have room for `n` elements.
+ */
+realistic_status realistic_lens_trace(const struct realistic_lens *lens,
+                                      int32_t from,
+                                      size_t n,
+                                      const struct realistic_lens_rays *rays);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -14,6 +14,7 @@
 
 #include "realistic.h"
 
+#include <cmath>
 #include <cstring>
 #include <exception>
 #include <functional>
@@ -51,6 +52,16 @@ struct Api {
     decltype(&realistic_generate_ray_differential) generate_ray_differential;
     decltype(&realistic_camera_generate_ray_differentials) camera_generate_ray_differentials;
     decltype(&realistic_camera_generate_ray_differentials_soa) camera_generate_ray_differentials_soa;
+    decltype(&realistic_autofocus) autofocus;
+    decltype(&realistic_capabilities) capabilities;
+    decltype(&realistic_lens_new) lens_new;
+    decltype(&realistic_lens_free) lens_free;
+    decltype(&realistic_lens_get_info) lens_get_info;
+    decltype(&realistic_lens_get_surface) lens_get_surface;
+    decltype(&realistic_lens_get_name) lens_get_name;
+    decltype(&realistic_lens_focus) lens_focus;
+    decltype(&realistic_lens_focused_on) lens_focused_on;
+    decltype(&realistic_lens_trace) lens_trace;
 
     /* Those that the program is linked with. A program that only loads the library never calls this. */
     static Api linked() {
@@ -61,7 +72,12 @@ struct Api {
                    realistic_camera_plan,        realistic_generate_ray,
                    realistic_camera_generate_rays, realistic_camera_generate_rays_soa,
                    realistic_generate_ray_differential, realistic_camera_generate_ray_differentials,
-                   realistic_camera_generate_ray_differentials_soa};
+                   realistic_camera_generate_ray_differentials_soa,
+                   realistic_autofocus,          realistic_capabilities,
+                   realistic_lens_new,           realistic_lens_free,
+                   realistic_lens_get_info,      realistic_lens_get_surface,
+                   realistic_lens_get_name,      realistic_lens_focus,
+                   realistic_lens_focused_on,    realistic_lens_trace};
     }
 
     /* Those that `symbol`, called with each name, returns as void pointers. Throws Error when one is missing
@@ -85,6 +101,16 @@ struct Api {
         resolve(symbol, "realistic_camera_generate_ray_differentials", api.camera_generate_ray_differentials);
         resolve(symbol, "realistic_camera_generate_ray_differentials_soa",
                 api.camera_generate_ray_differentials_soa);
+        resolve(symbol, "realistic_autofocus", api.autofocus);
+        resolve(symbol, "realistic_capabilities", api.capabilities);
+        resolve(symbol, "realistic_lens_new", api.lens_new);
+        resolve(symbol, "realistic_lens_free", api.lens_free);
+        resolve(symbol, "realistic_lens_get_info", api.lens_get_info);
+        resolve(symbol, "realistic_lens_get_surface", api.lens_get_surface);
+        resolve(symbol, "realistic_lens_get_name", api.lens_get_name);
+        resolve(symbol, "realistic_lens_focus", api.lens_focus);
+        resolve(symbol, "realistic_lens_focused_on", api.lens_focused_on);
+        resolve(symbol, "realistic_lens_trace", api.lens_trace);
         return api;
     }
 
@@ -113,14 +139,18 @@ private:
     }
 };
 
-/* What a camera is built from; owns its strings. What is not set keeps the library's default. */
+/* What a camera or a lens is made from; owns its strings. What is not set keeps the library's default. */
 class Options {
 public:
-    /* Gets level (0 information, 1 warning, 2 error) and message while a camera is being built. What it
-     * throws comes out of Camera's constructor. */
+    /* Gets level (0 information, 1 warning, 2 error) and message while a camera or a lens is being made. What it
+     * throws comes out of the constructor. */
     using Log = std::function<void(int32_t, const char *)>;
 
     Options(int32_t xres, int32_t yres) : Options(xres, yres, Api::linked()) {}
+
+    /* Of a lens, which has no film. */
+    Options() : Options(0, 0) {}
+    explicit Options(const Api &api) : Options(0, 0, api) {}
 
     Options(int32_t xres, int32_t yres, const Api &api) : api_(api) {
         api_.check(api_.options_init(&raw_, sizeof raw_));
@@ -165,14 +195,98 @@ public:
 
     const realistic_options &raw() const noexcept { return raw_; }
 
+    /* Zones of the picture in, the film distance in mm out: see realistic_autofocus. One of the two callbacks is
+     * given: `distance` gets a ray and returns how far along it the first surface is, `contrast` gets a camera, not to
+     * be kept, and a zone. What they throw comes out of here. */
+    double autofocus(const std::vector<realistic_zone> &zones, realistic_autofocus_rule rule,
+                     std::function<double(const realistic_ray &)> distance,
+                     std::function<double(const realistic_camera *, const realistic_zone &)> contrast = nullptr) const {
+        Zones asked{distance, contrast, nullptr};
+        double film_distance = 0;
+        realistic_status status = listened(*this, [&](const realistic_options *raw) {
+            return api_.autofocus(raw, zones.data(), zones.size(), rule, distance ? Zones::ask_distance : nullptr,
+                                  contrast ? Zones::ask_contrast : nullptr, &asked, &film_distance);
+        });
+        if (asked.thrown) std::rethrow_exception(asked.thrown);
+        api_.check(status);
+        return film_distance;
+    }
+
 private:
     friend class Camera;
+    friend class Lens;
 
     const char *keep(const std::string &value) {
         /* Each string lies in a box of its own, so that the options can move. */
         strings_.emplace_back(new std::string(value));
         return strings_.back()->c_str();
     }
+
+    /* A text that a function copies into a buffer. */
+    template <class Function, class Handle>
+    static std::string text(const Api &api, Function function, const Handle *handle) {
+        std::size_t length = 0;
+        api.check(function(handle, nullptr, 0, &length));
+        std::vector<char> buffer(length + 1);
+        api.check(function(handle, buffer.data(), buffer.size(), nullptr));
+        return std::string(buffer.data(), length);
+    }
+
+    /* Calls with the options, their log in place, and throws what that threw. An exception must not fly through the
+     * library: it waits until the call is over. */
+    template <class Call> static realistic_status listened(const Options &options, Call call) {
+        Listener listener{options.log_, nullptr};
+        realistic_options raw = options.raw_;
+        if (options.log_) {
+            raw.log = listen;
+            raw.log_user = &listener;
+        }
+        realistic_status status = call(&raw);
+        if (listener.thrown) std::rethrow_exception(listener.thrown);
+        return status;
+    }
+
+    struct Listener {
+        const Log &log;
+        std::exception_ptr thrown;
+    };
+
+    static void listen(void *user, int32_t level, const char *message) {
+        Listener &listener = *static_cast<Listener *>(user);
+        if (listener.thrown) return;
+        try {
+            listener.log(level, message);
+        } catch (...) {
+            listener.thrown = std::current_exception();
+        }
+    }
+
+    /* What autofocus asks; once something was thrown it hears of nothing in sight. */
+    struct Zones {
+        const std::function<double(const realistic_ray &)> &distance;
+        const std::function<double(const realistic_camera *, const realistic_zone &)> &contrast;
+        std::exception_ptr thrown;
+
+        template <class Ask> double asked(double nothing, Ask ask) {
+            if (thrown) return nothing;
+            try {
+                return ask();
+            } catch (...) {
+                thrown = std::current_exception();
+                return nothing;
+            }
+        }
+
+        static double ask_distance(void *user, const realistic_ray *ray) {
+            Zones &zones = *static_cast<Zones *>(user);
+            return zones.asked(HUGE_VAL, [&] { return zones.distance(*ray); });
+        }
+
+        static double ask_contrast(void *user, const realistic_camera *camera, const realistic_zone *zone) {
+            Zones &zones = *static_cast<Zones *>(user);
+            return zones.asked(0, [&] { return zones.contrast(camera, *zone); });
+        }
+    };
 
     Api api_;
     realistic_options raw_;
@@ -185,16 +299,12 @@ class Camera {
 public:
     /* Throws Error with the reason, and what to change. */
     explicit Camera(const Options &options) : api_(options.api_), camera_(nullptr, options.api_.camera_free) {
-        Listener listener{options.log_, nullptr};
-        realistic_options raw = options.raw_;
-        if (options.log_) {
-            raw.log = listen;
-            raw.log_user = &listener;
-        }
-        realistic_camera *camera = nullptr;
-        realistic_status status = api_.camera_new(&raw, &camera);
-        camera_.reset(camera);
-        if (listener.thrown) std::rethrow_exception(listener.thrown);
+        realistic_status status = Options::listened(options, [this](const realistic_options *raw) {
+            realistic_camera *camera = nullptr;
+            realistic_status status = api_.camera_new(raw, &camera);
+            camera_.reset(camera);
+            return status;
+        });
         api_.check(status);
     }
 
@@ -245,10 +355,10 @@ public:
         return info;
     }
 
-    std::string lens_name() const { return text(api_.camera_get_lens_name); }
+    std::string lens_name() const { return Options::text(api_, api_.camera_get_lens_name, camera_.get()); }
 
     /* What the camera keeps and leaves out, and which model of the lens a tolerance chose: lines for people. */
-    std::string plan() const { return text(api_.camera_plan); }
+    std::string plan() const { return Options::text(api_, api_.camera_plan, camera_.get()); }
 
     /* The handle for realistic.h's functions, still owned here; NULL once moved from. */
     const realistic_camera *get() const noexcept { return camera_.get(); }
@@ -257,32 +367,66 @@ public:
     realistic_camera *release() noexcept { return camera_.release(); }
 
 private:
-    template <class Function> std::string text(Function function) const {
-        std::size_t length = 0;
-        api_.check(function(camera_.get(), nullptr, 0, &length));
-        std::vector<char> buffer(length + 1);
-        api_.check(function(camera_.get(), buffer.data(), buffer.size(), nullptr));
-        return std::string(buffer.data(), length);
+    Api api_;
+    std::unique_ptr<realistic_camera, decltype(&realistic_camera_free)> camera_;
+};
+
+/* A lens without a film, in lens space: origin at the first vertex, +z toward the scene, mm. Can be moved, not copied;
+ * any number of threads may use it. */
+class Lens {
+public:
+    /* Throws Error with the reason, and what to change. */
+    explicit Lens(const Options &options) : api_(options.api_), lens_(nullptr, options.api_.lens_free) {
+        realistic_status status = Options::listened(options, [this](const realistic_options *raw) {
+            realistic_lens *lens = nullptr;
+            realistic_status status = api_.lens_new(raw, &lens);
+            lens_.reset(lens);
+            return status;
+        });
+        api_.check(status);
     }
 
-    struct Listener {
-        const Options::Log &log;
-        std::exception_ptr thrown;
-    };
+    realistic_lens_info info() const {
+        realistic_lens_info info;
+        info.struct_size = sizeof info;
+        api_.check(api_.lens_get_info(lens_.get(), &info));
+        return info;
+    }
 
-    /* An exception must not fly through the library: it waits until the call is over. */
-    static void listen(void *user, int32_t level, const char *message) {
-        Listener &listener = *static_cast<Listener *>(user);
-        if (listener.thrown) return;
-        try {
-            listener.log(level, message);
-        } catch (...) {
-            listener.thrown = std::current_exception();
-        }
+    /* Surface `number`, counted from 0 at the scene side. */
+    realistic_lens_surface surface(uint32_t number) const {
+        realistic_lens_surface surface;
+        surface.struct_size = sizeof surface;
+        api_.check(api_.lens_get_surface(lens_.get(), number, &surface));
+        return surface;
+    }
+
+    std::string name() const { return Options::text(api_, api_.lens_get_name, lens_.get()); }
+
+    /* Film distance, mm from the last vertex, that is sharp for an object so many mm from the film. */
+    double focus(double object_distance_mm) const { return conjugate(api_.lens_focus, object_distance_mm); }
+
+    /* What film so many mm behind the last vertex shows sharp, mm from the film; NaN where nothing is. */
+    double focused_on(double film_distance_mm) const { return conjugate(api_.lens_focused_on, film_distance_mm); }
+
+    /* Takes `n` rays through the lens, in place; sets `struct_size` of `rays`. */
+    void trace(realistic_side from, std::size_t n, realistic_lens_rays rays) const {
+        rays.struct_size = sizeof rays;
+        api_.check(api_.lens_trace(lens_.get(), from, n, &rays));
+    }
+
+    /* The handle for realistic.h's functions, still owned here; NULL once moved from. */
+    const realistic_lens *get() const noexcept { return lens_.get(); }
+
+private:
+    template <class Function> double conjugate(Function function, double distance) const {
+        double found = 0;
+        api_.check(function(lens_.get(), distance, &found));
+        return found;
     }
 
     Api api_;
-    std::unique_ptr<realistic_camera, decltype(&realistic_camera_free)> camera_;
+    std::unique_ptr<realistic_lens, decltype(&realistic_lens_free)> lens_;
 };
 
 } // namespace realistic

@@ -5,8 +5,8 @@ use std::{hint::black_box, ptr::null_mut};
 
 use realistic::{
     abi::*,
-    lens::Lens,
-    prescription::catalogue,
+    lens::{Lens, open},
+    prescription::SearchPath,
     sampling::PupilDisk,
     trace::{
         Direction, Path,
@@ -73,7 +73,9 @@ pub fn print(lens: &str, cameras: [(&str, &Camera); 2], samples: &[realistic_sam
 fn kernel<S: KernelScalar + 'static>(lens: &str, count: usize) -> Task<'static> {
     /// Film points up to here, mm.
     const REACH: f64 = 3.0;
-    let lens = Lens::at_d_line(&catalogue::find(lens).expect("a catalogue lens"));
+    let prescription =
+        open::find(lens, None, &SearchPath::from_environment()).expect("a catalogue lens or a file");
+    let lens = Lens::at_d_line(&prescription);
     let path = Path::<f64>::film_to_scene(&lens);
     let film = lens.rear().vertex - lens.nominal_film_distance.unwrap_or(40.0);
     let cover = PupilDisk::rear(&lens, film, REACH).expect("film behind the lens");

@@ -4,13 +4,14 @@
 //! `cargo bench --bench kernel` (over a minute; with `-- dgauss` one lens). Every figure is a median over rounds
 //! in which all contestants take turns, so that a busy machine disturbs them alike.
 
+mod aspheres;
 mod limits;
 mod scenes;
 
 use std::hint::black_box;
 
 use realistic::{
-    lens::refraction::Refraction,
+    lens::{Lens, refraction::Refraction},
     trace::{
         Direction, Path,
         kernel::{Kernel, KernelScalar, Simd},
@@ -34,6 +35,7 @@ fn main() {
         one_at_a_time(scene, arguments.effort);
         many(scene, arguments.effort);
     }
+    aspheres::print(&arguments);
     println!("\n## What the processor can do at best");
     limits::print(arguments.effort.rounds);
 }
@@ -104,14 +106,20 @@ fn many(scene: &Scene, effort: Effort) {
     };
     contest.enter("walk (Heckbert)", Box::new(walk) as Box<dyn FnMut()>);
     for simd in Simd::ALL {
-        contest.enter(format!("f32 {}", simd.name()), batch::<f32>(scene, simd));
-        contest.enter(format!("f64 {}", simd.name()), batch::<f64>(scene, simd));
+        contest
+            .enter(format!("f32 {}", simd.name()), batch::<f32>(&scene.lens, scene.film_rays(BATCH), simd));
+        contest
+            .enter(format!("f64 {}", simd.name()), batch::<f64>(&scene.lens, scene.film_rays(BATCH), simd));
     }
     contest.print("ns per ray", BATCH, effort);
 }
 
-fn batch<S: KernelScalar + 'static>(scene: &Scene, simd: Simd) -> Option<Box<dyn FnMut()>> {
-    let kernel = Kernel::<S>::with_simd(&scene.lens, Direction::FilmToScene, simd)?;
-    let mut film = FilmRays::<S>::new(scene.film, &scene.rays(BATCH));
+/// The kernel on rays of a film, of which it takes its own copy.
+pub fn batch<S: KernelScalar + 'static>(
+    lens: &Lens,
+    mut film: FilmRays<S>,
+    simd: Simd,
+) -> Option<Box<dyn FnMut()>> {
+    let kernel = Kernel::<S>::with_simd(lens, Direction::FilmToScene, simd)?;
     Some(Box::new(move || black_box(&mut film).trace(BATCH, |from, to| kernel.trace_batch(from, to))))
 }

@@ -4,9 +4,12 @@ use realistic::{
     lens::{Lens, Surface},
     prescription::{Prescription, catalogue, read},
     sampling::PupilDisk,
-    trace::{Path, Ray},
+    trace::{Path, Ray, kernel::KernelScalar},
 };
-use realistic_lab::{subject::passing_rays, timing::LARGE_LENSES};
+use realistic_lab::{
+    subject::{FilmRays, passing_rays},
+    timing::LARGE_LENSES,
+};
 
 /// A lens and where its film is.
 pub struct Scene {
@@ -14,23 +17,32 @@ pub struct Scene {
     pub lens: Lens,
     /// z of the film, mm.
     pub film: f64,
+    /// How far from the axis rays start, mm.
+    pub reach: f64,
 }
 
 impl Scene {
-    /// `count` rays through the whole pupil from film up to 3 mm off the axis.
+    /// `count` rays through the whole pupil.
     pub fn rays(&self, count: usize) -> Vec<Ray> {
-        const REACH: f64 = 3.0;
-        let cover = PupilDisk::rear(&self.lens, self.film, REACH).expect("film behind the lens");
-        passing_rays(&Path::<f64>::film_to_scene(&self.lens), self.film, REACH, cover, count, 0)
+        let cover = PupilDisk::rear(&self.lens, self.film, self.reach).expect("film behind the lens");
+        passing_rays(&Path::<f64>::film_to_scene(&self.lens), self.film, self.reach, cover, count, 0)
+    }
+
+    /// The same as a batch.
+    pub fn film_rays<S: KernelScalar>(&self, count: usize) -> FilmRays<S> {
+        FilmRays::new(self.film, &self.rays(count))
     }
 }
+
+/// From how far off the axis rays start that get through every lens here, mm.
+const REACH: f64 = 3.0;
 
 /// The four lenses of the assignment, two of the size that people have, and one of 26 surfaces.
 pub fn all() -> Vec<Scene> {
     let scene = |name, prescription: &Prescription, distance: f64| {
         let lens = Lens::at_d_line(prescription);
         let film = lens.rear().vertex - distance;
-        Scene { name, lens, film }
+        Scene { name, lens, film, reach: REACH }
     };
     let film = |name, distance| scene(name, &catalogue::find(name).expect("a catalogue lens"), distance);
     let large = |(name, path): (&'static str, &str), distance| {
@@ -46,7 +58,7 @@ pub fn all() -> Vec<Scene> {
         film("fisheye.10mm", 23.2),
         large(LARGE_LENSES[0], 35.9),
         large(LARGE_LENSES[1], 35.3),
-        Scene { name: "26 surfaces", lens: many, film: behind },
+        Scene { name: "26 surfaces", lens: many, film: behind, reach: REACH },
     ]
 }
 
@@ -59,6 +71,7 @@ fn many_surfaces(n: u16) -> Lens {
             vertex: -2.5 * f64::from(i),
             radius,
             curvature: radius.recip(),
+            figure: None,
             thickness: if i + 1 < n { 2.5 } else { 0.0 },
             n_scene: glass.0,
             n_film: glass.1,

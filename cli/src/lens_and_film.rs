@@ -3,9 +3,11 @@
 
 use crate::failure::Failure;
 use realistic::camera::{
-    CameraError, Film, Host, Level, Parameter, Parameters, Raster, film_distance, open_lens,
+    CameraError, Film, FocusBy, Host, Level, Parameter, Parameters, Raster, UnknownName, film_distance,
+    group_reach, open_lens,
 };
-use realistic::lens::Lens;
+use realistic::imaging::focus::Conjugates;
+use realistic::lens::{Lens, open::StopSize};
 use realistic::message::cut;
 use realistic::prescription::{MAX_FILE_BYTES, Prescription};
 use std::io::{self, Read as _, Write as _};
@@ -17,6 +19,8 @@ pub struct LensChoice {
     /// Lens: a file, - for standard input, or a name of the catalogue; NAME@35mm scales it to that focal length
     #[arg(value_name = "LENS")]
     lens: String,
+    #[arg(long, value_name = "FILE", help = glasscatalog_help())]
+    glasscatalog: Option<String>,
     #[arg(long, value_name = "NM", allow_negative_numbers = true, help = help("wavelength"))]
     wavelength: Option<f64>,
     #[arg(long, value_name = "MM", allow_negative_numbers = true, help = help("aperture_diameter"),
@@ -24,6 +28,8 @@ pub struct LensChoice {
     aperture_diameter: Option<f64>,
     #[arg(long, value_name = "N", allow_negative_numbers = true, help = help("fnumber"))]
     fnumber: Option<f64>,
+    #[arg(long, value_name = "MM or NAME", allow_negative_numbers = true, help = help("zoom"))]
+    zoom: Option<String>,
 }
 
 /// The lens that stands for standard input.
@@ -49,10 +55,50 @@ fn row(name: &str) -> &'static Parameter {
 }
 
 /// What the table says about it, as help on the flag.
-fn help(name: &str) -> String {
+pub fn help(name: &str) -> String {
     let text = row(name).description().replace('`', "");
     let (first, rest) = text.split_at(1);
     first.to_uppercase() + rest
+}
+
+/// The help on `--glasscatalog`.
+pub fn glasscatalog_help() -> String {
+    help("glasscatalog")
+}
+
+/// Gives a camera a lens: a name, or [`PIPED`].
+fn give_lens(
+    lens: &str,
+    glasscatalog: Option<&str>,
+    parameters: &mut Parameters,
+    host: &mut Host,
+) -> Result<(), Failure> {
+    if lens == PIPED {
+        host.lens_text =
+            Some(("standard input".to_owned(), standard_input().map_err(Failure::Other)?.to_vec()));
+    } else {
+        parameters.specfile = Some(lens.to_owned());
+    }
+    parameters.glasscatalog = glasscatalog.map(str::to_owned);
+    Ok(())
+}
+
+/// Finds a lens, with what else `more` asks for; warnings go to standard error.
+///
+/// # Errors
+/// As [`open_lens`].
+pub fn open(
+    lens: &str,
+    glasscatalog: Option<&str>,
+    more: impl FnOnce(&mut Parameters),
+) -> Result<(Prescription, Lens), Failure> {
+    let mut parameters = Parameters::default();
+    // A lens needs no film.
+    let mut host = Host::new(Raster { xres: 1, yres: 1 }, None);
+    give_lens(lens, glasscatalog, &mut parameters, &mut host)?;
+    more(&mut parameters);
+    open_lens(&parameters, &host, &mut |_: Level, message: &str| warn(message))
+        .map_err(|error| Failure::Other(error.to_string()))
 }
 
 impl LensChoice {
@@ -61,34 +107,61 @@ impl LensChoice {
         self.lens == PIPED
     }
 
+    /// How far it is to be stopped down.
+    pub fn stop(&self) -> StopSize {
+        match (self.aperture_diameter, self.fnumber) {
+            (Some(diameter), _) => StopSize::Diameter(diameter),
+            (None, Some(number)) => StopSize::FNumber(number),
+            (None, None) => StopSize::Listed,
+        }
+    }
+
+    /// Whether it is to be zoomed.
+    pub fn is_zoomed(&self) -> bool {
+        self.zoom.is_some()
+    }
+
     /// Gives a camera this lens.
     ///
     /// # Errors
-    /// Standard input cannot be read.
+    /// Standard input cannot be read, or the lens be zoomed so.
     pub fn give(&self, parameters: &mut Parameters, host: &mut Host) -> Result<(), Failure> {
-        if self.is_piped() {
-            host.lens_text =
-                Some(("standard input".to_owned(), standard_input().map_err(Failure::Other)?.to_vec()));
-        } else {
-            parameters.specfile = Some(self.lens.clone());
-        }
+        give_lens(&self.lens, self.glasscatalog.as_deref(), parameters, host)?;
         parameters.wavelength = self.wavelength;
         parameters.aperture_diameter = self.aperture_diameter;
         parameters.fnumber = self.fnumber;
+        if let Some(zoom) = &self.zoom {
+            parameters.set_from_text("zoom", zoom)?;
+        }
         Ok(())
     }
 
-    /// Finds the lens; warnings go to standard error.
+    /// Finds the lens, focused by its groups where `place` says so; warnings go to standard error.
     ///
     /// # Errors
     /// As [`open_lens`].
-    pub fn open(&self) -> Result<(Prescription, Lens), Failure> {
+    pub fn open(&self, place: &FilmPlace) -> Result<(Prescription, Lens), Failure> {
+        let (parameters, host) = self.camera(place)?;
+        open_lens(&parameters, &host, &mut |_: Level, message: &str| warn(message))
+            .map_err(|error| in_flags(&error))
+    }
+
+    /// The nearest plane and the farthest that its groups focus on.
+    ///
+    /// # Errors
+    /// As [`group_reach`].
+    pub fn group_reach(&self, place: &FilmPlace) -> Result<[Conjugates; 2], Failure> {
+        let (parameters, host) = self.camera(place)?;
+        group_reach(&parameters, &host).map_err(|error| in_flags(&error))
+    }
+
+    fn camera(&self, place: &FilmPlace) -> Result<(Parameters, Host), Failure> {
         let mut parameters = Parameters::default();
         // A lens needs no film.
         let mut host = Host::new(Raster { xres: 1, yres: 1 }, None);
         self.give(&mut parameters, &mut host)?;
-        open_lens(&parameters, &host, &mut |_: Level, message: &str| warn(message))
-            .map_err(|error| Failure::Other(error.to_string()))
+        place.give(&mut parameters);
+        Ok((parameters, host))
     }
 }
 
@@ -157,8 +230,8 @@ impl FilmChoice {
     }
 }
 
-/// Where the film is.
-#[derive(clap::Args, Debug)]
+/// Where the film is, and what moves to focus.
+#[derive(clap::Args, Clone, Copy, Debug, Default)]
 pub struct FilmPlace {
     /// Distance in mm from the last vertex to the film [default: the file's, or focused at infinity]
     #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = positive, conflicts_with = "distance")]
@@ -166,13 +239,26 @@ pub struct FilmPlace {
     /// Focus here instead: distance in mm from the film to the object, or inf
     #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = distance)]
     distance: Option<f64>,
+    #[arg(long = "focusby", value_name = "film|group", help = help("focusby"), value_parser = focus_by)]
+    focus_by: Option<FocusBy>,
 }
 
 impl FilmPlace {
+    /// A place by the flags that a command names in its own way.
+    pub fn new(film_distance: Option<f64>, distance: Option<f64>, focus_by: Option<FocusBy>) -> Self {
+        Self { film_distance, distance, focus_by }
+    }
+
+    /// Whether anything of it is given.
+    pub fn is_given(&self) -> bool {
+        self.film_distance.is_some() || self.distance.is_some() || self.focus_by.is_some()
+    }
+
     /// Gives a camera's parameters this place, in world units of a millimetre.
     pub fn give(&self, parameters: &mut Parameters) {
         parameters.filmdistance = self.film_distance;
         parameters.focusdistance = self.distance;
+        parameters.focusby = self.focus_by;
     }
 
     /// Last vertex to film, mm.
@@ -191,7 +277,7 @@ impl FilmPlace {
     /// As [`film_distance`], where one was.
     pub fn film_distance_if_any(&self, lens: &Lens) -> Result<Option<f64>, Failure> {
         match self.film_distance(lens) {
-            Err(failure) if self.film_distance.is_some() || self.distance.is_some() => Err(failure),
+            Err(failure) if self.is_given() => Err(failure),
             place => Ok(place.ok()),
         }
     }
@@ -204,7 +290,10 @@ impl FilmPlace {
 
 /// A camera's error in the words of the flags.
 fn in_flags(error: &CameraError) -> Failure {
-    Failure::Other(error.to_string().replace("\"filmdistance\"", "--film-distance"))
+    let text = error.to_string();
+    Failure::Other(
+        text.replace("\"filmdistance\"", "--film-distance").replace("\"focusdistance\"", "--distance"),
+    )
 }
 
 /// The number of a flag if it is in the range of a parameter.
@@ -231,6 +320,11 @@ pub fn distance(text: &str) -> Result<f64, String> {
 /// 0 or a positive finite number of a flag.
 pub fn not_negative(text: &str) -> Result<f64, String> {
     in_range(text, "tolerance").ok_or_else(|| "write 0 or a positive number".to_owned())
+}
+
+/// What moves to focus.
+pub fn focus_by(text: &str) -> Result<FocusBy, String> {
+    text.parse().map_err(|error: UnknownName| error.to_string())
 }
 
 /// `WxH` in pixels.

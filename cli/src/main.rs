@@ -11,7 +11,7 @@ mod lens_and_film;
 mod plots;
 
 use clap::{Parser, Subcommand};
-use commands::{disks, draw, focus, focus_stack, install, lens, plan, pupil, render, trace};
+use commands::{convert, disks, draw, focus, focus_stack, install, lens, plan, pupil, render, trace};
 use commands::{refractions, report};
 use failure::Failure;
 use std::io::Write;
@@ -41,6 +41,8 @@ enum Command {
     Render(render::Args),
     /// Report a lens: focal length, focal points, pupils, field of view, its table
     Lens(lens::Args),
+    /// Write a lens, read from a file of any format, as the project's own table
+    Convert(convert::Args),
     /// Draw a lens's cross-section, to scale, with traced rays
     Draw(draw::Args),
     /// Trace rays: one a line on standard input, one a line on standard output
@@ -79,6 +81,7 @@ fn main() -> ExitCode {
         None => render::run(&cli.render),
         Some(Command::Render(args)) => render::run(args),
         Some(Command::Lens(args)) => lens::run(args),
+        Some(Command::Convert(args)) => convert::run(args),
         Some(Command::Draw(args)) => draw::run(args),
         Some(Command::Trace(args)) => trace::run(args),
         Some(Command::Focus(args)) => focus::run(args),

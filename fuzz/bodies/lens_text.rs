@@ -1,6 +1,6 @@
 //! Any bytes are a lens that can be traced, or an error at a place in them.
 
-use realistic::prescription::{Shape, read};
+use realistic::prescription::{GlassLibrary, Shape, read};
 use realistic::trace::{Path, Ray};
 use realistic::{
     imaging::focus::Focus,
@@ -9,6 +9,10 @@ use realistic::{
 
 /// Panics where the reader breaks its word. True where the bytes are a lens.
 pub fn run(data: &[u8]) -> bool {
+    // The same bytes as a catalogue of glasses: glasses, or an error.
+    if let Err(error) = GlassLibrary::default().add("fuzz", data) {
+        assert!(error.line >= 1 && error.column >= 1 && !error.message.is_empty());
+    }
     let prescription = match read("fuzz", data) {
         Ok(prescription) => prescription,
         Err(error) => {

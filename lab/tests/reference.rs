@@ -85,6 +85,16 @@ fn an_aplanatic_sphere_images_its_point_without_error() {
 }
 
 #[test]
+fn aspheres_refract_as_their_closed_forms_say() {
+    use stability::aspheres;
+    let cases = [aspheres::hyperboloids(), aspheres::ellipsoids(), aspheres::paraboloids()];
+    let (position, direction) = against_closed_form(cases.concat());
+    assert!(position < 1e-28 && direction < 1e-28, "{position:e}, {direction:e} rad");
+    let (position, direction) = against_closed_form(aspheres::planes_with_a_term());
+    assert!(position < 1e-28 && direction < 1e-28, "{position:e}, {direction:e} rad");
+}
+
+#[test]
 fn concentric_shells_turn_a_ray_as_bouguer_says() {
     let (position, direction) = against_closed_form(closed_form::shells());
     assert!(position < 1e-29 && direction < 1e-29, "{position:e}, {direction:e} rad");

@@ -4,6 +4,7 @@ use std::ffi::c_void;
 
 use super::boundary::{self, Failure, realistic_status};
 use super::camera;
+use super::memory;
 use super::object;
 use super::options;
 use super::types::{realistic_camera, realistic_options, realistic_ray};
@@ -63,7 +64,7 @@ pub type realistic_contrast = Option<
 /// `realistic_autofocus_rule`. The host gives one of the two callbacks and NULL for the other:
 /// with `distance` some rays per zone are asked about, with `contrast` some tens to hundreds of trial cameras are built,
 /// from infinity to the nearest distance that the lens can focus. Zones that give no answer do not count. `options`
-/// must leave `filmdistance` and `focusdistance` open. The callback is called on this thread, with `user` as it is.
+/// must leave `filmdistance` and `focusdistance` open, and `focusby` "film". The callback is called on this thread, with `user` as it is.
 ///
 /// Fails with `REALISTIC_STATUS_UNREACHABLE_FOCUS`, and leaves `*film_distance_mm` as it is, when no zone has
 /// an answer.
@@ -90,6 +91,7 @@ pub unsafe extern "C" fn realistic_autofocus(
             return Err(boundary::null("film_distance_mm"));
         }
         let rule = rule_of(rule)?;
+        memory::to_build()?;
         // SAFETY: the caller's promise.
         let (options, parameters, host) = unsafe {
             let options = options::read(options)?;

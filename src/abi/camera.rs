@@ -4,8 +4,10 @@ use std::ffi::{c_char, c_void};
 use std::mem::size_of;
 
 use super::boundary::{self, Failure, realistic_status};
+use super::exchange::{give, give_text};
+use super::memory;
 use super::object::{self, Handle, HostPart};
-use super::options::{self, check_size};
+use super::options;
 use super::types::{level_number, realistic_camera, realistic_camera_info, realistic_log, realistic_options};
 use crate::camera::{Facts, Host, Level, Log, Parameters};
 
@@ -27,6 +29,7 @@ pub unsafe extern "C" fn realistic_camera_new(
         if out.is_null() {
             return Err(boundary::null("out"));
         }
+        memory::to_build()?;
         // SAFETY: the caller's promise.
         let (options, parameters, host) = unsafe {
             let options = options::read(options)?;
@@ -93,16 +96,9 @@ pub unsafe extern "C" fn realistic_camera_get_info(
     boundary::status(|| {
         // SAFETY: the caller's promise.
         let camera = unsafe { object::handle_of(camera) }.ok_or_else(boundary::not_a_camera)?.camera();
-        if info.is_null() {
-            return Err(boundary::null("info"));
-        }
-        // SAFETY: not NULL; the first field is always there.
-        let struct_size = unsafe { (&raw const (*info).struct_size).read_unaligned() };
-        let current = size_of::<realistic_camera_info>();
-        check_size("realistic_camera_info", struct_size, FIRST_INFO_SIZE, current)?;
         let facts = camera.facts();
         let filled = realistic_camera_info {
-            struct_size,
+            struct_size: size_of::<realistic_camera_info>() as u32,
             interfaces: facts.map_or(0, |facts| facts.lens.surfaces.len() as u32),
             focal_length_mm: facts.map_or(f64::NAN, Facts::focal_length),
             fnumber: facts.map_or(f64::NAN, Facts::fnumber),
@@ -110,15 +106,8 @@ pub unsafe extern "C" fn realistic_camera_get_info(
             focus_distance_mm: facts.and_then(|facts| facts.focus_distance).unwrap_or(f64::NAN),
             film_diagonal_mm: facts.map_or(f64::NAN, |facts| facts.film.diagonal()),
         };
-        // SAFETY: the caller's promise; the check allows no more than `filled` has.
-        unsafe {
-            std::ptr::copy_nonoverlapping(
-                (&raw const filled).cast::<u8>(),
-                info.cast::<u8>(),
-                struct_size as usize,
-            );
-        }
-        Ok(())
+        // SAFETY: the caller's promise.
+        unsafe { give("realistic_camera_info", FIRST_INFO_SIZE, &filled, "info", info) }
     })
 }
 
@@ -166,32 +155,4 @@ pub unsafe extern "C" fn realistic_camera_plan(
         // SAFETY: the caller's promise.
         unsafe { give_text(&text, buffer, capacity, length) }
     })
-}
-
-/// Copies a text with a closing NUL, cut to `capacity` bytes, and writes its whole length without the NUL.
-///
-/// # Safety
-/// `buffer` is NULL or has `capacity` writable bytes; `length` is NULL or writable.
-unsafe fn give_text(
-    text: &str,
-    buffer: *mut c_char,
-    capacity: usize,
-    length: *mut usize,
-) -> Result<(), Failure> {
-    if buffer.is_null() && capacity > 0 {
-        return Err(boundary::null("buffer"));
-    }
-    if let Some(room) = capacity.checked_sub(1) {
-        let cut = text.floor_char_boundary(room);
-        // SAFETY: `cut` and the NUL fit into `capacity`.
-        unsafe {
-            std::ptr::copy_nonoverlapping(text.as_ptr(), buffer.cast::<u8>(), cut);
-            buffer.add(cut).write(0);
-        }
-    }
-    if !length.is_null() {
-        // SAFETY: the caller's promise.
-        unsafe { length.write(text.len()) };
-    }
-    Ok(())
 }

@@ -8,8 +8,9 @@ use super::boundary::{realistic_status, with_last_message};
 /// The version of the C ABI that this header describes. It grows when something is added;
 /// nothing is ever taken away or renumbered. Version 2 states what version 1 had come to: the fields of
 /// `realistic_options` from `camera_to_world_end` on, `realistic_autofocus` and `realistic_camera_plan`; and it
-/// adds rays with differentials.
-pub const REALISTIC_ABI_VERSION: u32 = 2;
+/// adds rays with differentials. Version 3 adds lenses without a film (`realistic_lens_new`),
+/// and `focusby` and `zoom`.
+pub const REALISTIC_ABI_VERSION: u32 = 3;
 
 /// The library can be loaded by a pbrt-v1 host (`CreateCamera` is there).
 pub const REALISTIC_CAPABILITY_PBRT_V1: u64 = 1;
@@ -29,6 +30,10 @@ pub const REALISTIC_CAPABILITY_AUTOFOCUS: u64 = 64;
 pub const REALISTIC_CAPABILITY_PLAN: u64 = 128;
 /// Rays can be asked for with their differentials (`realistic_generate_ray_differential`).
 pub const REALISTIC_CAPABILITY_DIFFERENTIALS: u64 = 256;
+/// A lens can be opened without a film, and asked what it is (`realistic_lens_new`).
+pub const REALISTIC_CAPABILITY_LENS: u64 = 512;
+/// `zoom` and `focusby` are there, for lenses whose groups move.
+pub const REALISTIC_CAPABILITY_MOVING_GROUPS: u64 = 1024;
 
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "\0");
 
@@ -57,6 +62,8 @@ pub extern "C" fn realistic_capabilities() -> u64 {
         | REALISTIC_CAPABILITY_AUTOFOCUS
         | REALISTIC_CAPABILITY_PLAN
         | REALISTIC_CAPABILITY_DIFFERENTIALS
+        | REALISTIC_CAPABILITY_LENS
+        | REALISTIC_CAPABILITY_MOVING_GROUPS
 }
 
 /// The message of this thread's last failure, in one or more lines of UTF-8; empty when there was none. The
@@ -75,7 +82,7 @@ pub extern "C" fn realistic_status_name(status: i32) -> *const c_char {
 
 /// The file that this code was loaded from: the plugin's `.so`, as the host named it when
 /// it loaded it, or the program when the library is linked into one.
-#[cfg(unix)]
+#[cfg(all(unix, not(miri)))]
 pub(super) fn plugin_path() -> Option<PathBuf> {
     use std::ffi::{CStr, OsStr, c_void};
     use std::os::unix::ffi::OsStrExt;
@@ -94,8 +101,8 @@ pub(super) fn plugin_path() -> Option<PathBuf> {
     Some(PathBuf::from(OsStr::from_bytes(name.to_bytes())))
 }
 
-/// Not known on this platform.
-#[cfg(not(unix))]
+/// Not known on this platform, or to Miri, which has no loader.
+#[cfg(any(miri, not(unix)))]
 pub(super) fn plugin_path() -> Option<PathBuf> {
     None
 }
@@ -105,7 +112,7 @@ pub(super) fn plugin_directory() -> Option<PathBuf> {
     plugin_path()?.parent().map(PathBuf::from)
 }
 
-#[cfg(all(test, target_os = "linux"))]
+#[cfg(all(test, target_os = "linux", not(miri)))]
 mod tests {
     #[test]
     fn linked_into_a_program_it_is_the_program() {

@@ -1,17 +1,18 @@
 //! The C ABI: the only exported functions, and the only place that takes raw pointers.
 //!
-//! `types` are the structures by layout, `boundary` keeps panics inside, `float_environment` the host's traps and
-//! rounding outside, `failure` gives errors their status, `object` makes, recognises and serves the cameras that a host
-//! holds; `library`, `options`, `camera`, `ray`, `batch` and `autofocus` export what a C caller uses; `pbrt` is the entry
-//! of a pbrt-v1 host (only where `pbrt-shim/` is built).
+//! `types` are the structures by layout, `boundary` keeps panics inside and the host's traps and rounding outside, and
+//! gives errors their status; `memory` asks whether there is any; `exchange` copies to and from a caller's memory; `object`
+//! makes, recognises and serves the cameras that a host holds; `library`, `options`, `camera`, `ray`, `batch`, `autofocus`
+//! and `lens` export what a C caller uses; `pbrt` is the entry of a pbrt-v1 host (only where `pbrt-shim/` is built).
 
 mod autofocus;
 mod batch;
 mod boundary;
 mod camera;
-mod failure;
-mod float_environment;
+mod exchange;
+mod lens;
 mod library;
+mod memory;
 mod object;
 mod options;
 #[cfg(realistic_shim)]
@@ -23,6 +24,7 @@ pub use autofocus::*;
 pub use batch::*;
 pub use boundary::realistic_status;
 pub use camera::*;
+pub use lens::*;
 pub use library::*;
 pub use options::*;
 #[cfg(realistic_shim)]

@@ -5,6 +5,7 @@ use std::mem::{offset_of, size_of};
 use std::ptr::{null, null_mut};
 
 use super::boundary::{self, Failure, realistic_status};
+use super::exchange::check_size;
 use super::library::plugin_directory;
 use super::types::realistic_options;
 use crate::camera::{
@@ -75,9 +76,11 @@ macro_rules! parameter_fields {
 }
 
 parameter_fields! {
-    texts: model specfile weighting pupil disk refraction precision shutter lensplane;
+    texts: model specfile weighting pupil disk refraction precision shutter lensplane focusby
+        zoom glasscatalog;
     numbers: filmdistance focusdistance aperture_diameter fnumber filmdiag hither yon shutteropen shutterclose
-        wavelength mmperunit shutterramp shutterslit fov frameaspectratio lensradius focaldistance tolerance;
+        wavelength mmperunit shutterramp shutterslit fov frameaspectratio lensradius focaldistance tolerance
+        blades bladerotation bladecurvature;
 }
 
 /// Sets every field to "not given" and the transform to the identity. `struct_size` is
@@ -107,27 +110,6 @@ pub unsafe extern "C" fn realistic_options_init(
         }
         Ok(())
     })
-}
-
-/// Whether a caller's structure is one that this library knows.
-pub(super) fn check_size(what: &str, given: u32, first: usize, current: usize) -> Result<(), Failure> {
-    let size = given as usize;
-    if size < first {
-        return Err(Failure::new(
-            realistic_status::StructSize,
-            format!("{what}.struct_size is {size}; set it to sizeof({what}), {current} in this library"),
-        ));
-    }
-    if size > current {
-        return Err(Failure::new(
-            realistic_status::StructSize,
-            format!(
-                "{what}.struct_size is {size}, and this library knows {current} bytes: it is older than \
-                 the header that the caller was compiled with"
-            ),
-        ));
-    }
-    Ok(())
 }
 
 /// A caller's options in this version's shape.
@@ -188,21 +170,41 @@ impl realistic_options {
     pub(super) unsafe fn host(&self) -> Result<Host, Failure> {
         let mut host = Host::new(raster(self.xres, self.yres)?, plugin_directory());
         host.to_world = self.motion()?;
-        if !self.lens_text.is_null() {
-            // A length that was never set, or is that of another thing, must not be read to its end.
-            if self.lens_text_size as u64 > MAX_FILE_BYTES {
-                let text = format!(
-                    "lens_text_size is {}; a lens file has at most {MAX_FILE_BYTES} bytes",
-                    self.lens_text_size
-                );
-                return Err(Failure::new(realistic_status::LensFile, text));
-            }
-            // SAFETY: not NULL, and the caller's promise.
-            let text =
-                unsafe { std::slice::from_raw_parts(self.lens_text.cast::<u8>(), self.lens_text_size) };
-            host.lens_text = Some(("lens_text".to_owned(), text.to_vec()));
-        }
+        // SAFETY: the caller's promise.
+        host.lens_text = unsafe { self.lens_text() }?;
         Ok(host)
+    }
+
+    /// The host of a caller who wants a lens and no camera: any raster serves.
+    ///
+    /// # Safety
+    /// As [`realistic_options::host`].
+    pub(super) unsafe fn lens_host(&self) -> Result<Host, Failure> {
+        let mut host = Host::new(Raster { xres: 1, yres: 1 }, plugin_directory());
+        // SAFETY: the caller's promise.
+        host.lens_text = unsafe { self.lens_text() }?;
+        Ok(host)
+    }
+
+    /// The text of a lens file, and what messages call it.
+    ///
+    /// # Safety
+    /// `lens_text` is NULL or points to `lens_text_size` bytes.
+    unsafe fn lens_text(&self) -> Result<Option<(String, Vec<u8>)>, Failure> {
+        if self.lens_text.is_null() {
+            return Ok(None);
+        }
+        // A length that was never set, or is that of another thing, must not be read to its end.
+        if self.lens_text_size as u64 > MAX_FILE_BYTES {
+            let text = format!(
+                "lens_text_size is {}; a lens file has at most {MAX_FILE_BYTES} bytes",
+                self.lens_text_size
+            );
+            return Err(Failure::new(realistic_status::LensFile, text));
+        }
+        // SAFETY: not NULL, and the caller's promise.
+        let text = unsafe { std::slice::from_raw_parts(self.lens_text.cast::<u8>(), self.lens_text_size) };
+        Ok(Some(("lens_text".to_owned(), text.to_vec())))
     }
 
     fn motion(&self) -> Result<CameraMotion, Failure> {

@@ -1,7 +1,6 @@
 //! One ray of a camera, however it was made.
 
 use super::boundary;
-use super::float_environment;
 use super::object;
 use super::types::{
     REALISTIC_HAS_RX, REALISTIC_HAS_RY, realistic_camera, realistic_ray, realistic_ray_differential,
@@ -31,7 +30,7 @@ pub unsafe extern "C" fn realistic_generate_ray(
             (object::handle_of(camera), sample.cast::<Sample>().as_ref(), ray.cast::<WorldRay>().as_mut())
         };
         if let (Some(handle), Some(sample), Some(ray)) = parts {
-            float_environment::for_ray(|| handle.camera().trace_one(sample, ray, &mut weight));
+            boundary::float_environment::for_ray(|| handle.camera().trace_one(sample, ray, &mut weight));
         }
         true
     });

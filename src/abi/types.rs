@@ -262,6 +262,24 @@ pub struct realistic_options {
     /// Parameter `tolerance`: by how much 99.9 % of the rays may be off, for a faster model of the lens: 0 (exact) or
     /// more and finite, in pixels; default 0.
     pub tolerance: f64,
+    /// Parameter `focusby`: what moves to focus, the film, or the lens's own groups with the film where the lens file
+    /// has it: "film" or "group"; default "film".
+    pub focusby: *const c_char,
+    /// Parameter `zoom`: focal length of a zoom lens, a number of mm, or the name of one of its positions; without it
+    /// the lens file's first.
+    pub zoom: *const c_char,
+    /// Parameter `blades`: how many blades the stop has, 3 or more, whose corners lie on the circle of its clear
+    /// diameter: 0 (a round stop) or more, up to 32; default the lens file's, or 0.
+    pub blades: f64,
+    /// Parameter `bladerotation`: where the first corner of the blades lies, from image right toward image up: a finite
+    /// number, in degrees; default the lens file's, or 0.
+    pub bladerotation: f64,
+    /// Parameter `bladecurvature`: curvature of the blades' edges over that of the circle: 0 is straight, 1 the circle:
+    /// 0 or more, up to 1; default the lens file's, or 0.
+    pub bladecurvature: f64,
+    /// Parameter `glasscatalog`: glass catalogue (AGF) in which glasses that a lens file names are looked up first, before
+    /// catalogues beside the file and the built-in glasses.
+    pub glasscatalog: *const c_char,
 }
 
 /// What a built camera is, for a host to print. `realistic_camera_get_info` fills it. A model without a lens

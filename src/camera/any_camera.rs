@@ -196,14 +196,32 @@ impl Camera {
         let n = samples.checked_len();
         let same = [&*rx, ry].iter().all(|neighbours| neighbours.checked_len() == n);
         assert!(same, "a batch needs as much room as it has samples");
-        let (mut moved, mut found) = (Moved::new(), RayBlock::new());
+        let mut moved = Moved::new();
         for first in (0..n).step_by(AT_ONCE) {
             let count = AT_ONCE.min(n - first);
             let part = samples.part(first, count);
-            self.rays.many(&moved.to(Side::Right, &part), &mut found.arrays(count));
-            rx.take(first, count, rays, &mut found);
-            self.rays.many(&moved.to(Side::Below, &part), &mut found.arrays(count));
-            ry.take(first, count, rays, &mut found);
+            self.neighbours(&moved.to(Side::Right, &part), first, rays, rx);
+            self.neighbours(&moved.to(Side::Below, &part), first, rays, ry);
+        }
+    }
+
+    /// Traces the neighbours of the rays from `first` on that there are, one for each of these samples.
+    #[inline]
+    fn neighbours(
+        &self,
+        samples: &SampleArrays<'_>,
+        first: usize,
+        rays: &RayArrays<'_>,
+        to: &mut NeighbourArrays<'_>,
+    ) {
+        let count = samples.image_x.len();
+        if differentials::are_rays(&rays.weight[first..first + count]) {
+            self.rays.many(samples, &mut to.part(first, count));
+            to.complete(first, count, rays);
+        } else {
+            let mut found = RayBlock::new();
+            self.rays.many(samples, &mut found.arrays(count));
+            to.take(first, count, rays, &mut found);
         }
     }
 
@@ -288,6 +306,12 @@ impl Camera {
     /// `hither` and `yon` as they are in use, world units.
     pub fn clip(&self) -> [f32; 2] {
         self.rays.placement().clip
+    }
+
+    /// Where all rays begin and end, world units; `None` where each has a range of its own.
+    #[inline]
+    pub(crate) fn range(&self) -> Option<[f32; 2]> {
+        self.rays.range()
     }
 
     /// The camera of [`Model::Lens`].

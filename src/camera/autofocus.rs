@@ -11,7 +11,7 @@ use super::{
     film::Raster,
     host::Host,
     models::lens::RealisticCamera,
-    parameters::{CameraError, ParameterError, Parameters},
+    parameters::{CameraError, FocusBy, ParameterError, Parameters},
     ray::{Outcome, Sample, WorldRay},
 };
 use crate::{
@@ -81,6 +81,12 @@ pub enum AutofocusError {
         /// Pixels down.
         yres: u32,
     },
+    /// The lens was to be focused by its groups.
+    #[error(
+        "autofocus finds a film distance, and \"focusby\" \"group\" leaves the film where the lens file has it; leave out \
+         \"focusby\", or give \"focusdistance\" instead of autofocus"
+    )]
+    ByGroup,
     /// No zone gave an answer.
     #[error(
         "autofocus found nothing to focus on in {zones} zone(s): {missing}; put a zone on an object with \
@@ -145,6 +151,9 @@ fn start(
     log: Log<'_>,
 ) -> Result<(RealisticCamera, Focus), AutofocusError> {
     check(zones, host.raster)?;
+    if parameters.focusby() == FocusBy::Group {
+        return Err(AutofocusError::ByGroup);
+    }
     for (name, given) in
         [("filmdistance", parameters.filmdistance), ("focusdistance", parameters.focusdistance)]
     {

@@ -5,7 +5,7 @@ use super::{
     film::Raster,
     host::Host,
     model::Model,
-    parameters::{CameraError, LensPlane, Parameters, Pupil, Weighting},
+    parameters::{CameraError, FocusBy, LensPlane, Parameters, Pupil, Weighting, Zoom},
     placement::{motion::CameraMotion, shutter::Shutter},
 };
 use crate::{
@@ -60,10 +60,16 @@ impl CameraBuilder {
         model(model: Model) => parameters.model = Some(model);
         /// A lens file or a catalogue name, such as `wide.22mm` or, scaled, `wide.22mm@35mm`.
         lens(name: &str) => parameters.specfile = Some(name.to_owned());
+        /// A glass catalogue (AGF) in which glasses that a lens file names are looked up first.
+        glass_catalogue(file: &str) => parameters.glasscatalog = Some(file.to_owned());
         /// From the last vertex to the film, mm, instead of [`focus_distance`](Self::focus_distance).
         film_distance(mm: f64) => parameters.filmdistance = Some(mm);
         /// From the film plane to the plane in focus, world units; infinity counts.
         focus_distance(units: f64) => parameters.focusdistance = Some(units);
+        /// What moves to focus at [`focus_distance`](Self::focus_distance).
+        focus_by(what: FocusBy) => parameters.focusby = Some(what);
+        /// How far a zoom lens is zoomed: a focal length in mm, or the name of one of its positions.
+        zoom(zoom: impl Into<Zoom>) => parameters.zoom = Some(zoom.into());
         /// Clear diameter of the stop, mm.
         aperture_diameter(mm: f64) => parameters.aperture_diameter = Some(mm);
         /// Focal length over entrance pupil diameter, instead of [`aperture_diameter`](Self::aperture_diameter).

@@ -31,8 +31,8 @@ pub struct NeighbourArrays<'a> {
     pub weight: &'a mut [f32],
 }
 
-/// Rays that are traced at once: four times the widest vectors, and few enough to be cleared for a small batch.
-pub(super) const AT_ONCE: usize = 64;
+/// Rays that are traced at once: few enough for the first cache, and eight times the widest vectors.
+pub(super) const AT_ONCE: usize = 128;
 
 /// The samples of a ray and its neighbours.
 #[inline(always)]
@@ -97,6 +97,28 @@ impl NeighbourArrays<'_> {
         n
     }
 
+    /// Room for `count` neighbours from `first` on.
+    pub(super) fn part(&mut self, first: usize, count: usize) -> RayArrays<'_> {
+        let part = first..first + count;
+        let [origin, direction] = [&mut self.origin, &mut self.direction]
+            .map(|axes| axes.each_mut().map(|axis| &mut axis[part.clone()]));
+        RayArrays { origin, direction, mint: None, maxt: None, time: None, weight: &mut self.weight[part] }
+    }
+
+    /// Puts the ray itself in the place of each neighbour that there is none, of `count` rays from `first` on.
+    pub(super) fn complete(&mut self, first: usize, count: usize, rays: &RayArrays<'_>) {
+        let part = first..first + count;
+        if are_rays(&self.weight[part.clone()]) {
+            return;
+        }
+        for i in part.filter(|&i| self.weight[i] == 0.0) {
+            for axis in 0..3 {
+                self.origin[axis][i] = rays.origin[axis][i];
+                self.direction[axis][i] = rays.direction[axis][i];
+            }
+        }
+    }
+
     /// Takes the neighbours of `count` rays from `first` on: of a ray without one the ray itself, with weight 0; of no ray
     /// only the weight 0.
     pub(super) fn take(
@@ -119,6 +141,12 @@ impl NeighbourArrays<'_> {
             *to = if *own > 0.0 { *weight } else { 0.0 };
         }
     }
+}
+
+/// Whether all weights are those of rays. Without a branch, so that the compiler makes vectors of it.
+#[inline(always)]
+pub(super) fn are_rays(weight: &[f32]) -> bool {
+    weight.iter().fold(true, |all, weight| all & (*weight > 0.0))
 }
 
 /// Writes the neighbour's number where there is one, else the ray's; where there is no ray either, nothing. Without a

@@ -28,8 +28,8 @@ pub use host::{Host, Level, Log};
 pub use model::Model;
 pub use models::{ideal::IdealCamera, lens::RealisticCamera};
 pub use parameters::{
-    CameraError, Interval, Kind, LensPlane, PARAMETERS, Parameter, ParameterError, Parameters, Pupil, Range,
-    UnknownName, Value, Weighting,
+    CameraError, FocusBy, Interval, Kind, LensPlane, PARAMETERS, Parameter, ParameterError, Parameters,
+    Pupil, Range, UnknownName, Value, Weighting, Zoom,
 };
 pub use pipeline::arrays::{RayArrays, RayBlock, SampleArrays, SampleBlock};
 pub use placement::{
@@ -38,4 +38,4 @@ pub use placement::{
     transform::{CameraToWorld, TransformError},
 };
 pub use ray::{Outcome, Sample, WorldRay};
-pub use setup::{Facts, film_distance, open_lens};
+pub use setup::{Facts, film_distance, group_reach, open_lens};

@@ -9,11 +9,11 @@
 
 use thiserror::Error;
 
+use super::axial_image::{AxialImage, BestImage};
 use crate::lens::{Lens, LensError, first_order::FirstOrder, pupil::EntrancePupil};
 use crate::{
     message::{short, short_above},
-    numeric::{edge, gauss_legendre, minimum, root},
-    trace::{Path, Ray},
+    numeric::{minimum, root},
 };
 
 /// Why no film distance can be given.
@@ -52,23 +52,9 @@ pub struct Focus {
     lens: String,
     first_order: FirstOrder,
     entrance: EntrancePupil,
-    path: Path,
-    /// z of a plane that lies before the whole first surface.
-    start: f64,
-    rule: [(f64, f64); crate::numeric::GAUSS_POINTS],
+    image: AxialImage,
     /// Of the axial point at infinity.
     at_infinity: BestImage,
-}
-
-/// Where an axial point's bundle is narrowest.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct BestImage {
-    /// From the last vertex, mm.
-    distance: f64,
-    /// RMS radius of the bundle there, mm.
-    spot: f64,
-    /// The largest share of the entrance pupil's radius that gets through.
-    margin: f64,
 }
 
 /// An object distance and the film distance that focuses it, both mm.
@@ -98,19 +84,12 @@ impl Focus {
             let focal_length = first_order.focal_length;
             return Err(LensError::Diverging { lens: lens.name.clone(), focal_length }.into());
         }
-        let mut focus = Self {
-            lens: lens.name.clone(),
-            first_order,
-            entrance,
-            path: Path::scene_to_film(lens),
-            start: lens.front().sagitta(lens.front().semi_diameter).max(0.0),
-            rule: gauss_legendre(),
-            at_infinity: BestImage::default(),
-        };
-        if focus.image_side(0.0, 0.0).is_none() {
+        let image = AxialImage::of(lens, entrance);
+        if image.is_dark() {
             return Err(FocusError::Dark { lens: lens.name.clone() });
         }
-        focus.at_infinity = focus.best_image(0.0);
+        let at_infinity = image.best(0.0);
+        let focus = Self { lens: lens.name.clone(), first_order, entrance, image, at_infinity };
         if focus.at_infinity.distance <= 0.0 {
             let focal_length = first_order.focal_length;
             return Err(LensError::Diverging { lens: lens.name.clone(), focal_length }.into());
@@ -230,34 +209,11 @@ impl Focus {
     }
 
     fn best_image(&self, u: f64) -> BestImage {
-        let passes = |fraction: f64| self.image_side(u, fraction).is_some();
-        let mut blocked = 1.0;
-        while passes(blocked) && blocked < 8.0 {
-            blocked *= 1.125;
-        }
-        let margin = edge(0.0, blocked, 0.0, passes);
-        // Uniform over the pupil is uniform in the square of the fraction.
-        let (mut heights, mut product, mut square) = (0.0, 0.0, 0.0);
-        for (area, weight) in self.rule {
-            if let Some((height, slope)) = self.image_side(u, margin * area.sqrt()) {
-                heights += weight * height * height;
-                product += weight * height * slope;
-                square += weight * slope * slope;
-            }
-        }
-        let distance = -product / square;
-        BestImage { distance, spot: (heights + distance * product).max(0.0).sqrt(), margin }
+        self.image.best(self.vergence(u))
     }
 
-    /// Height in the rear vertex plane and slope dy/ds, s toward the film, of the ray from the axial
-    /// point u that is aimed at `fraction` of the entrance pupil's radius.
-    fn image_side(&self, u: f64, fraction: f64) -> Option<(f64, f64)> {
-        let vergence = u / (1.0 + u * self.first_order.front_focal_point);
-        let (height, slope) = self.entrance.marginal_ray(vergence, fraction);
-        let origin = [0.0, height - slope * self.start, self.start];
-        let ray = self.path.trace(Ray { origin, direction: [0.0, slope, -1.0] }).ok()?;
-        let slope = ray.direction[1] / -ray.direction[2];
-        let height = ray.origin[1] + slope * (ray.origin[2] - self.first_order.rear_vertex);
-        Some((height, slope))
+    /// 1 over the distance of the axial point u from the first vertex.
+    fn vergence(&self, u: f64) -> f64 {
+        u / (1.0 + u * self.first_order.front_focal_point)
     }
 }

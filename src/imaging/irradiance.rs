@@ -5,15 +5,28 @@ use std::f64::consts::PI;
 
 use crate::{
     lens::{cos4, film_ray, pupil::SlopeDisk},
-    numeric::edge,
+    numeric::{edge, gauss_legendre},
     trace::{Path, Real},
 };
 
 /// Irradiance on the axis for film at `film`, exact but for rounding: the pupil is a disk there
-/// (or rings), whose edges are found along one radius of at most `reach` in slope.
+/// (or rings), whose edges are found along one radius of at most `reach` in slope; with blades along some, from a corner
+/// to the middle of an edge.
 pub fn on_axis<R: Real>(path: &Path<R>, film: f64, reach: f64) -> f64 {
+    let Some((_, blades)) = path.blades() else {
+        return along_radius(path, film, reach, 0.0);
+    };
+    let from = blades.rotation.to_radians();
+    let sector = PI / f64::from(blades.count);
+    let radii = gauss_legendre();
+    radii.iter().map(|(at, share)| share * along_radius(path, film, reach, from + at * sector)).sum()
+}
+
+/// What [`on_axis`] comes to for a pupil that is everywhere as in the direction `azimuth`, in radians.
+fn along_radius<R: Real>(path: &Path<R>, film: f64, reach: f64, azimuth: f64) -> f64 {
     const SCAN: u32 = 512;
-    let passes = |slope: f64| path.trace(film_ray([0.0; 2], film, [slope, 0.0])).is_ok();
+    let (sine, cosine) = azimuth.sin_cos();
+    let passes = |slope: f64| path.trace(film_ray([0.0; 2], film, [slope * cosine, slope * sine])).is_ok();
     // ∫ cos⁴ d(slope)² over a disk.
     let disk = |slope: f64| PI * slope * slope / (1.0 + slope * slope);
     let at = |i: u32| reach * f64::from(i) / f64::from(SCAN);

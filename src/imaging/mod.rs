@@ -3,6 +3,7 @@
 //! A lens and a film's place in; distances (mm), angles (radians) and scales out. Nothing here knows of a raster, a
 //! sampler or a camera.
 
+pub mod axial_image;
 pub mod depth_of_field;
 pub mod field;
 pub mod focus;

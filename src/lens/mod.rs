@@ -3,7 +3,9 @@
 //!
 //! Lens space throughout: origin at the front vertex, +z toward the scene, millimetres.
 
+mod figure;
 pub mod first_order;
+pub mod moving;
 pub mod open;
 pub mod pupil;
 mod ray;
@@ -11,5 +13,6 @@ pub mod refraction;
 pub mod single_precision;
 mod surfaces;
 
+pub use figure::{Bounds, Figure};
 pub use ray::{Ray, cos4, film_ray};
 pub use surfaces::{Lens, LensError, Surface};

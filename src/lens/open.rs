@@ -6,11 +6,12 @@ use thiserror::Error;
 use super::{
     Lens, LensError,
     first_order::FirstOrder,
+    moving::{MovingError, MovingGroups},
     pupil::{EntrancePupil, limiting_surface},
 };
 use crate::{
-    message::{Level, Log, as_given, short},
-    prescription::{LensSource, Prescription, SearchPath, SourceError, glass::D_LINE},
+    message::{Level, Log, as_given, fixed, short},
+    prescription::{LensSource, Prescription, SearchPath, SourceError, glass::D_LINE, glass_library},
 };
 
 /// How far a lens is stopped down.
@@ -37,6 +38,9 @@ pub enum OpenError {
     /// The lens cannot be scaled or stopped down as asked, or its glasses have no such wavelength.
     #[error(transparent)]
     Lens(#[from] LensError),
+    /// The lens zooms and is not scaled.
+    #[error(transparent)]
+    Moving(#[from] MovingError),
 }
 
 /// A lens with its first-order optics, computed once.
@@ -57,19 +61,38 @@ impl OpenLens {
     }
 }
 
-/// Finds and reads the lens of a name, scaled to the focal length that the name may carry.
+/// Finds and reads the lens of a name, scaled to the focal length that the name may carry; `glasses` is a glass catalogue in
+/// which glasses are looked up first.
 ///
 /// # Errors
-/// No such lens, a file that is not a lens, or an afocal lens to be scaled.
-pub fn find(name: &str, search: &SearchPath) -> Result<Prescription, OpenError> {
+/// No such lens or catalogue, a file that is not a lens, or an afocal or a zoom lens to be scaled.
+pub fn find(name: &str, glasses: Option<&str>, search: &SearchPath) -> Result<Prescription, OpenError> {
     let source = LensSource::parse(name, search)?;
-    let mut prescription = source.load(search)?;
+    let mut prescription = source.load(search, glass_library(glasses, search)?)?;
     if let Some(focal_length) = source.focal_length {
+        if let Some(groups) = MovingGroups::of(&prescription)?.filter(MovingGroups::is_zoom) {
+            return Err(MovingError::Scaled { given: name.to_owned(), range: groups.focal_range() }.into());
+        }
         let own = FirstOrder::of(&Lens::at_d_line(&prescription))?.focal_length;
         prescription = prescription.scaled(focal_length / own.abs());
         prescription.name = name.to_owned();
     }
     Ok(prescription)
+}
+
+/// That a lens has another focal length than its file states, by more than a hundredth: a number of the file may be
+/// misprinted, or its diameters, units or signs be taken for others.
+pub fn misstated(prescription: &Prescription) -> Option<String> {
+    let stated = prescription.stated_focal_length?;
+    let own = FirstOrder::of(&Lens::at_d_line(prescription)).ok()?.focal_length;
+    ((own - stated).abs() > 0.01 * stated).then(|| {
+        format!(
+            "lens \"{}\": the file states a focal length of {} mm, and its surfaces have one of {} mm",
+            prescription.name,
+            as_given(stated),
+            fixed(own, 3)
+        )
+    })
 }
 
 /// A prescription at a wavelength, nm, in [`VALID_WAVELENGTHS`](crate::prescription::glass::VALID_WAVELENGTHS), and
@@ -89,7 +112,7 @@ pub fn set_up(
     if wavelength != D_LINE && !prescription.is_dispersive() {
         let name = &prescription.name;
         let text = format!(
-            "lens \"{name}\" has neither V-numbers nor Sellmeier constants: wavelength {wavelength} nm changes nothing"
+            "lens \"{name}\" has neither V-numbers nor dispersion formulas: wavelength {wavelength} nm changes nothing"
         );
         log(Level::Warning, &text);
     }

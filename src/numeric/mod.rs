@@ -2,6 +2,7 @@
 //! of lenses; each file says which book or paper it follows.
 
 mod minimum;
+mod monotone;
 mod quadrature;
 pub(crate) mod quasirandom;
 mod real;
@@ -9,6 +10,7 @@ mod root;
 mod vector;
 
 pub use minimum::minimum;
+pub use monotone::Monotone;
 pub use quadrature::{GAUSS_POINTS, gauss_legendre};
 pub use real::Real;
 pub use root::{edge, root};

@@ -26,6 +26,23 @@ pub trait Real:
     /// The square root, NaN below 0.
     #[must_use]
     fn sqrt(self) -> Self;
+
+    /// Whether a value stands for every number of a range, so that an iteration has to prove where its limit is.
+    const IS_RANGE: bool = false;
+    /// At least the absolute value.
+    fn magnitude(self) -> f64 {
+        self.to_f64().abs()
+    }
+    /// Of a range, a narrower one near it that an iteration may go on from; of a number, itself.
+    #[must_use]
+    fn estimate(self) -> Self {
+        self
+    }
+    /// Of a range, all that lies within `rest` of it; of a number, itself.
+    #[must_use]
+    fn within(self, _rest: f64) -> Self {
+        self
+    }
 }
 
 macro_rules! real {

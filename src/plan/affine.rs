@@ -155,6 +155,21 @@ impl Real for Affine {
         self.mid
     }
 
+    const IS_RANGE: bool = true;
+
+    fn magnitude(self) -> f64 {
+        let [low, high] = self.range();
+        high.max(-low)
+    }
+
+    fn estimate(self) -> Self {
+        Self { rest: 0.0, ..self }
+    }
+
+    fn within(self, rest: f64) -> Self {
+        Self { rest: self.rest + rest, ..self }.rounded()
+    }
+
     fn sqrt(self) -> Self {
         let [low, high] = self.range();
         if !(low > 0.0 && high.is_finite()) {

@@ -205,7 +205,7 @@ fn largest_order(candidates: &[Candidate], fit: bool) -> usize {
 /// Every way: polynomials in single precision where that is `fit` for the lens, with so many apertures that block rays, and
 /// the kernel in either precision.
 fn candidates(task: &Task<'_>, fit: bool, apertures: usize) -> Vec<Candidate> {
-    let (simd, surfaces) = (Simd::best(), task.lens.surfaces.len());
+    let (simd, surfaces) = (Simd::best(), cost::in_spheres(task.lens));
     let precision = if fit { Precision::F32 } else { Precision::F64 };
     let candidate = |tracing, costs| Candidate { tracing, costs, verdict: Verdict::Untried };
     let polynomials = ORDERS.iter().map(|&order| {

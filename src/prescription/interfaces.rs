@@ -2,6 +2,10 @@
 //!
 //! Lengths are millimetres; interfaces stand scene side first; each names the medium behind it, on the film's side.
 
+use super::{
+    asphere::Asphere, blades::Blades, glass::formula::Formula, positions::Positions, stated::Stated,
+};
+
 /// What fills the space behind an interface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Medium {
@@ -15,8 +19,10 @@ pub enum Medium {
         /// every wavelength.
         abbe: Option<f64>,
     },
-    /// A glass known by its dispersion formula.
+    /// A glass known by Sellmeier's formula with three terms.
     Sellmeier(Sellmeier),
+    /// A glass known by another formula.
+    Formula(Formula),
 }
 
 /// The six constants of Sellmeier's formula n² = 1 + Σ B λ²/(λ² - C), λ in µm (W. Sellmeier 1871; in this
@@ -37,10 +43,24 @@ pub enum Shape {
         /// Signed radius of curvature, mm.
         radius: f64,
     },
-    /// A plane with glass on at least one side.
+    /// Another surface of revolution.
+    Asphere(Asphere),
+    /// A plane with glass on at least one side; or in air, where it is a flare stop: its clear aperture limits rays, and it
+    /// is not the aperture stop.
     Plane,
     /// The aperture stop: a plane in air.
     Stop,
+}
+
+impl Shape {
+    /// The largest clear semi-diameter that it can have, mm.
+    pub fn widest(&self) -> f64 {
+        match self {
+            Self::Sphere { radius } => radius.abs(),
+            Self::Asphere(asphere) => asphere.widest(),
+            Self::Plane | Self::Stop => f64::INFINITY,
+        }
+    }
 }
 
 /// One interface of a lens: a row of the table.
@@ -72,6 +92,14 @@ pub struct Prescription {
     /// The focal length that the file states on a line of its own, mm. Never used in
     /// computing; kept for reports.
     pub stated_focal_length: Option<f64>,
+    /// What else the file states of the lens.
+    pub stated: Stated,
+    /// The glasses that the file gives by a name, each once.
+    pub glasses: Vec<(String, Medium)>,
+    /// The blades in its stop, if the file says so; else the stop is round.
+    pub blades: Option<Blades>,
+    /// The positions of its moving groups, if it has any; the interfaces have the gaps of the first.
+    pub positions: Option<Positions>,
     /// What the reader took in another way than it is written, one sentence each with its place: warnings for the user.
     pub remarks: Vec<String>,
 }
@@ -88,21 +116,24 @@ impl Prescription {
         for interface in &mut scaled.interfaces {
             interface.thickness *= factor;
             interface.semi_diameter *= factor;
-            if let Shape::Sphere { radius } = &mut interface.shape {
-                *radius *= factor;
+            match &mut interface.shape {
+                Shape::Sphere { radius } => *radius *= factor,
+                Shape::Asphere(asphere) => *asphere = asphere.scaled(factor),
+                Shape::Plane | Shape::Stop => {}
             }
         }
         scaled.nominal_film_distance = self.nominal_film_distance.map(|length| length * factor);
+        scaled.positions = self.positions.as_ref().map(|positions| positions.scaled(factor));
         scaled.stated_focal_length = self.stated_focal_length.map(|length| length * factor);
         scaled
     }
 
-    /// Whether any glass has an Abbe number or Sellmeier's constants, so that the wavelength matters.
+    /// Whether any glass has an Abbe number or a dispersion formula, so that the wavelength matters.
     pub fn is_dispersive(&self) -> bool {
         self.interfaces.iter().any(|interface| match interface.medium {
             Medium::Air => false,
             Medium::Glass { abbe, .. } => abbe.is_some(),
-            Medium::Sellmeier(_) => true,
+            Medium::Sellmeier(_) | Medium::Formula(_) => true,
         })
     }
 }

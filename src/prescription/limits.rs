@@ -12,3 +12,12 @@ pub const MAX_PATH_BYTES: usize = 4096;
 
 /// The most bytes of a lens's name (of a file: its name without the directories) and of a glass's.
 pub const MAX_NAME_BYTES: usize = 255;
+
+/// The most bytes of a glass catalogue, 8 MiB. The largest makers' have one or two.
+pub const MAX_CATALOG_BYTES: u64 = 8 << 20;
+
+/// The most catalogues that are looked into beside a lens file.
+pub const MAX_CATALOGS: usize = 16;
+
+/// The most positions of a lens's moving groups.
+pub const MAX_POSITIONS: usize = 100;

@@ -1,7 +1,7 @@
 //! Lens descriptions: what a designer's table says, before any optics.
 //!
 //! [`Prescription`] is the model; [`read`] makes one from the text of a lens file
-//! in either of two table formats (see `reader`); [`catalogue`] holds the lenses that
+//! in any of the formats that are read (see `reader`); [`catalogue`] holds the lenses that
 //! are built in; [`LensSource`] finds a lens by file or name; [`glass`] says what a medium's index is at a
 //! wavelength.
 //!
@@ -12,16 +12,28 @@
 //! Lengths are millimetres. Interfaces stand in the order of the file, scene side first. What is read is bounded
 //! by [`MAX_FILE_BYTES`], [`MAX_INTERFACES`] and [`MAX_NAME_BYTES`].
 
+mod asphere;
+mod blades;
 pub mod catalogue;
 mod error;
 pub mod glass;
 mod interfaces;
 mod limits;
+mod positions;
 mod reader;
 mod source;
+mod stated;
 
+pub use asphere::{Asphere, FIRST_POWER, LAST_POWER};
+pub use blades::{BladeConstants, Blades};
 pub use error::LensFileError;
+pub use glass::GlassLibrary;
 pub use interfaces::{Interface, Medium, Prescription, Sellmeier, Shape};
-pub use limits::{MAX_FILE_BYTES, MAX_INTERFACES, MAX_NAME_BYTES, MAX_PATH_BYTES};
-pub use reader::read;
-pub use source::{LensSource, SearchPath, SourceError};
+pub use limits::{
+    MAX_CATALOG_BYTES, MAX_CATALOGS, MAX_FILE_BYTES, MAX_INTERFACES, MAX_NAME_BYTES, MAX_PATH_BYTES,
+    MAX_POSITIONS,
+};
+pub use positions::{Layout, LayoutError, Position, Positions};
+pub use reader::{read, read_with};
+pub use source::{LensSource, SearchPath, SourceError, glass_library};
+pub use stated::Stated;

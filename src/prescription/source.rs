@@ -6,12 +6,15 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use crate::message::cut;
+
 use super::{
     catalogue,
     error::LensFileError,
+    glass::GlassLibrary,
     interfaces::Prescription,
-    limits::{MAX_FILE_BYTES, MAX_NAME_BYTES, MAX_PATH_BYTES},
-    reader::read,
+    limits::{MAX_CATALOG_BYTES, MAX_FILE_BYTES, MAX_NAME_BYTES, MAX_PATH_BYTES},
+    reader::read_with,
 };
 
 /// Where relative lens file names are looked for after the working directory, in order.
@@ -57,6 +60,14 @@ impl SearchPath {
         let place = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
         let is_new = self.directories.iter().all(|known| place(known) != place(directory));
         is_new.then(|| directory.to_owned())
+    }
+
+    /// Where it looks, for messages.
+    fn in_words(&self) -> String {
+        let directories = self.directories.iter().map(|directory| directory.display().to_string());
+        let places: Vec<String> =
+            std::iter::once("the working directory".to_owned()).chain(directories).collect();
+        places.join(", ") + self.not_seen
     }
 
     /// The first file of that name: as given, then in each directory.
@@ -135,6 +146,14 @@ pub enum SourceError {
         /// The catalogue's names.
         catalogue: String,
     },
+    /// No glass catalogue of that name.
+    #[error("no glass catalogue \"{name}\" in {places}")]
+    NoCatalogue {
+        /// The name as given.
+        name: String,
+        /// Where it was looked for, and where not.
+        places: String,
+    },
     /// There is something of that name, and no file.
     #[error("lens \"{}\" {why}", path.display())]
     NoFile {
@@ -198,39 +217,55 @@ impl<'a> LensSource<'a> {
         }
     }
 
-    /// Finds and reads the table: a file as given, then along `search`, then the catalogue.
+    /// Finds and reads the table: a file as given, then along `search`, then the catalogue. Glasses that it names are
+    /// looked up in `library`, and in catalogues beside the file.
     ///
     /// # Errors
     /// No such lens, something else than a file, an unreadable file, or a file that is not a lens.
-    pub fn load(&self, search: &SearchPath) -> Result<Prescription, SourceError> {
+    pub fn load(&self, search: &SearchPath, library: GlassLibrary) -> Result<Prescription, SourceError> {
         let no_file = match search.find(self.table) {
-            Ok(path) => return read_file(&path),
+            Ok(path) => return read_file(&path, library),
             Err(no_file) => no_file,
         };
         catalogue::find(self.table).ok_or_else(|| {
-            let directories = search.directories.iter().map(|directory| directory.display().to_string());
-            let places: Vec<String> =
-                std::iter::once("the working directory".to_owned()).chain(directories).collect();
             no_file.unwrap_or_else(|| SourceError::NotFound {
                 name: self.table.to_owned(),
-                places: places.join(", ") + search.not_seen,
+                places: search.in_words(),
                 catalogue: catalogue::names().collect::<Vec<_>>().join(", "),
             })
         })
     }
 }
 
-fn read_file(path: &Path) -> Result<Prescription, SourceError> {
-    let unreadable = |error| SourceError::Unreadable { path: path.to_owned(), error };
-    let bytes = std::fs::File::open(path).and_then(bounded).map_err(unreadable)?;
-    Ok(read(&path.display().to_string(), &bytes)?)
+/// The glasses of a catalogue, a file as given or along `search`, for [`LensSource::load`]; without a name the built-in ones.
+///
+/// # Errors
+/// No such file, an unreadable one, or one that is no catalogue.
+pub fn glass_library(name: Option<&str>, search: &SearchPath) -> Result<GlassLibrary, SourceError> {
+    let mut library = GlassLibrary::default();
+    if let Some(name) = name {
+        let none = || SourceError::NoCatalogue { name: cut(name), places: search.in_words() };
+        let path = search.find(name).map_err(|no_file| no_file.unwrap_or_else(none))?;
+        library.add(&path.display().to_string(), &bytes_of(&path, MAX_CATALOG_BYTES)?)?;
+    }
+    Ok(library)
 }
 
-/// All bytes up to one more than a lens file may have, by which [`read`] knows that it is too large. A size asked for
+fn read_file(path: &Path, library: GlassLibrary) -> Result<Prescription, SourceError> {
+    let bytes = bytes_of(path, MAX_FILE_BYTES)?;
+    Ok(read_with(&path.display().to_string(), &bytes, &library.beside(path))?)
+}
+
+fn bytes_of(path: &Path, most: u64) -> Result<Vec<u8>, SourceError> {
+    let unreadable = |error| SourceError::Unreadable { path: path.to_owned(), error };
+    std::fs::File::open(path).and_then(|file| bounded(file, most)).map_err(unreadable)
+}
+
+/// All bytes up to one more than a file may have, by which its reader knows that it is too large. A size asked for
 /// beforehand would hold for a file that nobody changes, and for none of `/proc`.
-fn bounded(source: impl Read) -> std::io::Result<Vec<u8>> {
+fn bounded(source: impl Read, most: u64) -> std::io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    source.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes)?;
+    source.take(most + 1).read_to_end(&mut bytes)?;
     Ok(bytes)
 }
 
@@ -240,9 +275,10 @@ mod tests {
 
     #[test]
     fn a_file_is_read_up_to_the_limit_whatever_its_size_was_said_to_be() {
-        let endless = bounded(std::io::repeat(b'#')).expect("bytes");
+        let endless = bounded(std::io::repeat(b'#'), MAX_FILE_BYTES).expect("bytes");
         assert_eq!(endless.len() as u64, MAX_FILE_BYTES + 1);
-        let message = read("endless", &endless).expect_err("too large").to_string();
+        let message =
+            read_with("endless", &endless, &GlassLibrary::default()).expect_err("too large").to_string();
         assert!(message.starts_with("endless:1:1048577: "), "{message}");
 
         let directory = tempfile::tempdir().expect("a temporary directory");
@@ -250,10 +286,13 @@ mod tests {
         let mut text = b"20 5 1.5 10\n-20 0 1 10\n#".to_vec();
         text.resize(MAX_FILE_BYTES as usize, b' ');
         std::fs::write(&path, &text).expect("written");
-        assert_eq!(read_file(&path).expect("as large as may be").interfaces.len(), 2);
+        assert_eq!(
+            read_file(&path, GlassLibrary::default()).expect("as large as may be").interfaces.len(),
+            2
+        );
         text.push(b' ');
         std::fs::write(&path, &text).expect("written");
-        let message = read_file(&path).expect_err("a byte too large").to_string();
+        let message = read_file(&path, GlassLibrary::default()).expect_err("a byte too large").to_string();
         let at = format!("lens.dat:3:{}: ", MAX_FILE_BYTES - 22);
         assert!(message.contains(&at) && message.contains("1048576 bytes"), "{message}");
         assert!(!message.contains("cannot be read"), "{message}");
@@ -289,8 +328,10 @@ mod tests {
     #[test]
     fn an_unknown_lens_lists_where_it_was_sought_and_the_catalogue() {
         let search = SearchPath::default().then(Some(Path::new("/nowhere"))).without(" (not on the moon)");
-        let error =
-            LensSource::parse("zoom", &search).expect("a plain name").load(&search).expect_err("unknown");
+        let error = LensSource::parse("zoom", &search)
+            .expect("a plain name")
+            .load(&search, GlassLibrary::default())
+            .expect_err("unknown");
         let message = error.to_string();
         for part in ["\"zoom\"", "the working directory, /nowhere (not on the moon), and", "telephoto.250mm"]
         {
@@ -304,9 +345,41 @@ mod tests {
         let search = SearchPath::default().then(Some(directory.path()));
         for name in ["dgauss.50mm", "dgauss@home"] {
             std::fs::write(directory.path().join(name), "20 5 1.5 10\n-20 0 1 10\n").expect("written");
-            let lens = LensSource::parse(name, &search).expect("a plain name").load(&search).expect("found");
+            let lens = LensSource::parse(name, &search)
+                .expect("a plain name")
+                .load(&search, GlassLibrary::default())
+                .expect("found");
             assert_eq!(lens.interfaces.len(), 2);
         }
+    }
+
+    #[test]
+    fn a_catalogue_beside_the_file_or_by_name_says_what_a_glass_is() {
+        let here = tempfile::tempdir().expect("a temporary directory");
+        let lens = here.path().join("lens.dat");
+        std::fs::write(&lens, "20 5 OWN1 10\n-20 0 1 10\n").expect("written");
+        let name = lens.to_str().expect("UTF-8");
+        let load = |library: GlassLibrary| {
+            let nowhere = SearchPath::default();
+            LensSource::parse(name, &nowhere).expect("a plain name").load(&nowhere, library)
+        };
+        let message = load(GlassLibrary::default()).expect_err("unknown").to_string();
+        assert!(message.contains("no known glass"), "{message}");
+        let glass = |b1: &str| format!("NM OWN1 2 0 1.5 60\nCD {b1} 0.006 0.23 0.02 1.01 103\n");
+        std::fs::write(here.path().join("b.AGF"), glass("1.1")).expect("written");
+        let beside = load(GlassLibrary::default()).expect("known").interfaces[0].medium;
+        std::fs::write(here.path().join("other"), glass("1.2")).expect("written");
+        let search = SearchPath::default().then(Some(here.path()));
+        let given = load(glass_library(Some("other"), &search).expect("a catalogue")).expect("known");
+        assert_ne!(given.interfaces[0].medium, beside);
+        let message = glass_library(Some("none"), &search).expect_err("no file").to_string();
+        assert!(message.starts_with("no glass catalogue \"none\" in the working directory, "), "{message}");
+        let message = glass_library(Some("lens.dat"), &search).expect_err("no catalogue").to_string();
+        assert!(
+            message.contains("lens.dat:1:1: no glass; a glass catalogue (AGF) has lines NM"),
+            "{message}"
+        );
+        assert!(glass_library(Some(here.path().to_str().expect("UTF-8")), &search).is_err());
     }
 
     #[test]
@@ -323,7 +396,7 @@ mod tests {
         let both = twice.first(Some(&b)).first(Some(&a));
         assert_eq!(both.directories, [b.as_path(), &a]);
         let source = LensSource::parse("lens.dat", &both).expect("a plain name");
-        assert_eq!(source.load(&both).expect("found").title.as_deref(), Some("b"));
+        assert_eq!(source.load(&both, GlassLibrary::default()).expect("found").title.as_deref(), Some("b"));
     }
 
     #[cfg(unix)]
@@ -339,7 +412,7 @@ mod tests {
         let message = |name: &Path| {
             let name = name.to_str().expect("UTF-8");
             let source = LensSource::parse(name, &nowhere).expect("a plain name");
-            source.load(&nowhere).expect_err("no file").to_string()
+            source.load(&nowhere, GlassLibrary::default()).expect_err("no file").to_string()
         };
         for (name, words) in [
             (path("directory"), "directory\" is a directory; give a lens file in it"),
@@ -364,6 +437,6 @@ mod tests {
         std::fs::create_dir(path("dgauss.50mm")).expect("made");
         let search = SearchPath::default().then(Some(here.path()));
         let source = LensSource::parse("dgauss.50mm", &search).expect("a plain name");
-        assert!(source.load(&search).is_ok());
+        assert!(source.load(&search, GlassLibrary::default()).is_ok());
     }
 }

@@ -46,17 +46,22 @@ impl PupilDisk {
     pub fn rear(lens: &Lens, film: f64, reach: f64) -> Option<Self> {
         let rear = lens.rear();
         let distance = rear.vertex - film;
-        let edge_sagitta = rear.sagitta(rear.semi_diameter);
-        if !(distance > 0.0 && distance + edge_sagitta > 0.0) {
+        // Of a sphere only the edge counts; of an asphere any place, as if all heights stood at its edge.
+        let ends = match rear.figure {
+            None => [rear.sagitta(rear.semi_diameter); 2],
+            Some(_) => rear.sagitta_range(),
+        };
+        if !(distance > 0.0 && distance + ends[0] > 0.0) {
             return None;
         }
         // A point of the surface at height r and sagitta s projects from film height h to
         // (r Z + h s)/(Z + s). Over the surface and the film that is largest in size at the edge, for
         // h on that edge's side where s > 0 and on the other side where s < 0, or at s = 0.
-        let projected = |height: f64| {
-            (rear.semi_diameter * distance + height * edge_sagitta.abs()) / (distance + edge_sagitta)
+        let projected = |height: f64, sagitta: f64| {
+            (rear.semi_diameter * distance + height * sagitta.abs()) / (distance + sagitta)
         };
-        let radius = rear.semi_diameter.max(projected(0.0)).max(projected(reach));
+        let [low, high] = ends.map(|end| projected(0.0, end).max(projected(reach, end)));
+        let radius = rear.semi_diameter.max(low).max(high);
         Some(Self { vergence: distance.recip(), slope_radius: radius / distance })
     }
 

@@ -5,13 +5,16 @@
 //! counts its own axis forward, so that scene to film is film to scene with the surfaces in the
 //! other order and their curvatures turned round. [`kernel::Kernel`] is the same lens compiled for speed.
 
+mod aspheric;
+mod blades;
 pub mod kernel;
 mod path;
 pub mod polynomial;
+mod state;
 mod surface;
 
 pub(crate) use path::Intersection;
 pub use path::{Direction, Path, Walk};
-pub use surface::Blocked;
+pub use state::Blocked;
 
 pub use crate::{lens::Ray, numeric::Real};

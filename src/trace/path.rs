@@ -1,10 +1,15 @@
 //! A lens made ready for tracing in one direction, and rays through it surface by surface, with the reason where one
 //! stops. This is the oracle of the fast kernel, in numbers of any type.
 
-use super::surface::{Blocked, PathSurface, State};
+use super::{
+    blades::StopFigure,
+    state::{Blocked, State},
+    surface::PathSurface,
+};
 use crate::{
     lens::{Lens, Ray, refraction::Refraction},
     numeric::{Real, cross, difference_of_products, dot, in_range, unit},
+    prescription::Blades,
 };
 
 /// Which way rays travel.
@@ -81,6 +86,26 @@ impl<R: Real> Path<R> {
             .collect();
         let (entry, exit) = (surfaces[0].vertex, surfaces[surfaces.len() - 1].vertex);
         Self { steps, direction, refraction, entry, exit }
+    }
+
+    /// The same path with blades in the stop of the lens that it was made of, if that has one.
+    #[must_use]
+    pub(crate) fn with_blades(mut self, lens: &Lens, blades: Option<Blades>) -> Self {
+        if let (Some(blades), Some(stop)) = (blades, lens.stop_index()) {
+            let along = match self.direction {
+                Direction::FilmToScene => self.steps.len() - 1 - stop,
+                Direction::SceneToFilm => stop,
+            };
+            self.steps[along].blades =
+                Some(Box::new(StopFigure::new(blades, lens.surfaces[stop].semi_diameter)));
+        }
+        self
+    }
+
+    /// The surface that has blades, counted along the path, and they, if there is one.
+    pub(crate) fn blades(&self) -> Option<(usize, Blades)> {
+        let blades = |step: &PathSurface<R>| step.blades.as_ref().map(|figure| figure.blades);
+        self.steps.iter().enumerate().find_map(|(along, step)| Some((along, blades(step)?)))
     }
 
     /// How many surfaces there are.
@@ -269,9 +294,9 @@ impl<R: Real> Path<R> {
             if !self.is_forward(&state, surface) || step.meet(&mut state).is_err() {
                 return false;
             }
-            let [x, y, z] = state.p;
+            let [x, y, _] = state.p;
             let ratio = (x * x + y * y) / step.aperture;
-            let normal = R::ONE - step.curvature * z;
+            let [_, _, normal] = step.normal(state.p);
             go_on(Intersection { surface, point: [x, y], ratio, normal })
                 && step.refract(&mut state, self.refraction).is_ok()
         })

@@ -7,10 +7,13 @@
 //! t = 2 f/(g + e), where f is the left side at P, g = N·V there, and e = sqrt(g² - 2 c n² f) is
 //! n cos I at the hit.
 //! Of the two roots this is the one at which the ray crosses toward the side ahead, so the
-//! near side of the sphere is met whether its centre lies ahead or behind.
+//! near side of the sphere is met whether its centre lies ahead or behind. Aspheres are met in `aspheric`.
 
-use thiserror::Error;
-
+use super::{
+    aspheric::Aspheric,
+    blades::StopFigure,
+    state::{Blocked, State},
+};
 use crate::{
     lens::{
         Surface,
@@ -19,44 +22,20 @@ use crate::{
     numeric::{Real, dot},
 };
 
-/// Why a ray does not get through.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Error)]
-pub enum Blocked {
-    /// It passes beside a surface's sphere.
-    #[error("missed")]
-    Missed,
-    /// It meets a surface outside the clear aperture.
-    #[error("clipped")]
-    Clipped,
-    /// It is totally reflected.
-    #[error("reflected")]
-    Reflected,
-    /// The next surface lies behind it, or it travels backward.
-    #[error("turned_back")]
-    TurnedBack,
-}
-
 /// Distance to the vertex over radius of curvature beyond which the ray is first moved to the
 /// vertex plane: the sphere's equation loses that factor in digits at the ray's start.
 const FAR: f64 = 2.0;
 
-/// Position and V = n D in the frame of the current vertex.
-#[derive(Clone, Copy)]
-pub struct State<R> {
-    pub p: [R; 3],
-    pub v: [R; 3],
-    /// How far the ray was moved on from where it last was on a surface, or began, in units of V.
-    pub lead: R,
-}
-
 /// What one surface asks of a ray, in a frame whose axis points along the travel and whose
 /// origin is the surface's vertex.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct PathSurface<R> {
     /// From the previous surface's vertex to this one's; 0 for the first.
     pub distance: R,
     /// 1/radius; positive when the centre lies ahead.
     pub curvature: R,
+    /// The whole of a surface that is neither a sphere nor a plane.
+    pub aspheric: Option<Box<Aspheric<R>>>,
     /// Refractive index before.
     pub n: R,
     /// Refractive index after.
@@ -65,6 +44,8 @@ pub struct PathSurface<R> {
     pub index_step: R,
     /// Square of the clear semi-diameter.
     pub aperture: R,
+    /// The figure that a stop's blades leave open, inside the clear aperture.
+    pub blades: Option<Box<StopFigure<R>>>,
     /// How far behind the ray's point a hit may lie by rounding alone, in units of V.
     pub slack: R,
 }
@@ -87,10 +68,12 @@ impl<R: Real> PathSurface<R> {
         Self {
             distance: R::from_f64(distance),
             curvature: if forward { curvature } else { -curvature },
+            aspheric: surface.figure.map(|figure| Box::new(Aspheric::new(&figure, forward, n))),
             n: R::from_f64(n),
             n_after: R::from_f64(n_after),
             index_step,
             aperture: R::from_f64(semi_diameter) * R::from_f64(semi_diameter),
+            blades: None,
             slack: R::from_f64(slack),
         }
     }
@@ -100,6 +83,9 @@ impl<R: Real> PathSurface<R> {
     // the narrow stores before it, at every surface.
     #[inline(always)]
     pub fn meet(&self, state: &mut State<R>) -> Result<(), Blocked> {
+        if let Some(aspheric) = &self.aspheric {
+            return aspheric.meet(state, self.slack);
+        }
         let State { p, v, lead } = state;
         let c = self.curvature;
         let advance = |p: &mut [R; 3], t: R| (0..3).for_each(|i| p[i] = p[i] + t * v[i]);
@@ -135,18 +121,29 @@ impl<R: Real> PathSurface<R> {
     #[inline(always)]
     pub fn pass(&self, state: &mut State<R>, method: Refraction) -> Result<(), Blocked> {
         let [x, y, _] = state.p;
-        if !(x * x + y * y <= self.aperture) {
+        if !(x * x + y * y <= self.aperture)
+            || self.blades.as_ref().is_some_and(|figure| !figure.passes([x, y]))
+        {
             return Err(Blocked::Clipped);
         }
         self.refract(state, method)
     }
 
+    /// The unit normal at a point of this surface, toward the side ahead.
+    #[inline(always)]
+    pub fn normal(&self, point: [R; 3]) -> [R; 3] {
+        if let Some(aspheric) = &self.aspheric {
+            return aspheric.normal(point);
+        }
+        let ([x, y, z], c) = (point, self.curvature);
+        [-c * x, -c * y, R::ONE - c * z]
+    }
+
     /// Refracts the ray, by Snell's law, at the point of this surface where it is.
     #[inline(always)]
     pub fn refract(&self, state: &mut State<R>, method: Refraction) -> Result<(), Blocked> {
-        let State { p: [x, y, z], v, .. } = state;
-        let c = self.curvature;
-        let normal = [-c * *x, -c * *y, R::ONE - c * *z];
+        let normal = self.normal(state.p);
+        let v = &mut state.v;
         let e = dot(normal, *v);
         if !(e * e + self.index_step > R::ZERO) {
             return Err(Blocked::Reflected);

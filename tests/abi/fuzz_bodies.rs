@@ -1,19 +1,23 @@
 //! What the fuzz targets check (`fuzz/bodies`), on random bytes and on mutations of what is right.
 
 #[path = "../../fuzz/bodies/c_abi/mod.rs"]
-mod c_abi;
+pub mod c_abi;
 #[path = "../../fuzz/bodies/contract.rs"]
 mod contract;
 #[path = "../../fuzz/bodies/lens_text.rs"]
-mod lens_text;
+pub mod lens_text;
 use super::properties;
 
 use proptest::prelude::*;
 
-const FILES: [&[u8]; 4] = [
+const FILES: [&[u8]; 8] = [
     include_bytes!("../../lenses/dgauss.100mm.dat"),
     include_bytes!("../../lenses/dgauss.50mm.dat"),
     include_bytes!("../../lenses/fisheye.10mm.dat"),
+    include_bytes!("../../lenses/zoom.24-70mm.dat"),
+    include_bytes!("../golden/files/bench.txt"),
+    include_bytes!("../golden/files/aspheres.zmx"),
+    b"NM N-SK16 2 0 1.62041 60.32\nCD 1.34317774 0.00704687339 0.241144399 0.0229005 0.994317969 92.7508526\n",
     b"\xEF\xBB\xBF50\r\n20,5,1.5,10 # \xDF\r\n-20 30 0 10",
 ];
 
@@ -73,4 +77,25 @@ fn any_options_are_a_camera_that_answers_in_numbers_or_an_error_with_a_message()
     let with_text = (proptest::collection::vec(any::<u8>(), 320), mutated())
         .prop_map(|(options, text)| [options, text].concat());
     many(with_text, 100, c_abi::run);
+}
+
+/// The smallest set of inputs that reaches what the fuzzer has reached (`fuzz/README.md` says how it is made).
+fn corpus(target: &str) -> Vec<Vec<u8>> {
+    let folder = tempfile::tempdir().unwrap();
+    let archive = format!("{}/fuzz/corpus/{target}.tar.gz", env!("CARGO_MANIFEST_DIR"));
+    let mut tar = std::process::Command::new("tar");
+    let status = tar.args(["-xzf", &archive, "-C"]).arg(folder.path()).status().expect("tar runs");
+    assert!(status.success(), "{archive}");
+    let files = std::fs::read_dir(folder.path()).unwrap();
+    files.map(|file| std::fs::read(file.unwrap().path()).unwrap()).collect()
+}
+
+#[test]
+fn what_the_fuzzers_have_reached_is_reached_again() {
+    for (target, body) in [("lens_text", lens_text::run as fn(&[u8]) -> bool), ("c_abi", c_abi::run)] {
+        let corpus = corpus(target);
+        let accepted = corpus.iter().filter(|input| body(input)).count();
+        println!("{target}: {} inputs, {accepted} accepted", corpus.len());
+        assert!(corpus.len() >= 100 && accepted >= 40, "{target}: {accepted} of {}", corpus.len());
+    }
 }

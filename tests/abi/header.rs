@@ -31,7 +31,7 @@ fn the_header_is_up_to_date() {
     let mut builder = cbindgen::Builder::new().with_config(config);
     for file in [
         "types",
-        "boundary",
+        "boundary/mod",
         "library",
         "options",
         "camera",
@@ -39,6 +39,10 @@ fn the_header_is_up_to_date() {
         "batch/rays",
         "batch/differentials",
         "autofocus",
+        "lens/handle",
+        "lens/facts",
+        "lens/focus",
+        "lens/trace",
     ] {
         builder = builder.with_src(root.join(format!("src/abi/{file}.rs")));
     }

@@ -1,9 +1,11 @@
 //! The C ABI as its hosts use it: C, C++, Rust and a pbrt-v1 host, the header, and arbitrary input.
 
 mod fuzz_bodies;
+mod fuzz_seeds;
 mod header;
 #[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
 mod hosts;
+mod lens;
 mod models;
 mod parameters;
 #[path = "../truth/support/properties.rs"]

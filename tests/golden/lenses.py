@@ -127,18 +127,31 @@ class Lens:
     def at(self, wavelength: float) -> "Lens":
         """The lens with its indices at another wavelength (nm)."""
         rows = tuple(
-            row if row.abbe is None else Row(row.radius, row.thickness, cauchy(row.index, row.abbe, wavelength),
+            row if row.abbe is None else Row(row.radius, row.thickness, two_numbers(row.index, row.abbe, wavelength),
                                             row.diameter, row.abbe)
             for row in self.rows)
         return Lens(self.name, rows, wavelength)
 
 
-def cauchy(n_d: float, abbe: float, wavelength: float) -> float:
-    """n = A + B / wavelength^2, fixed by n_d and by n_F - n_C = (n_d - 1) / V."""
+# The partial dispersions of glasses by their Abbe numbers: src/prescription/glass/two_numbers.rs.
+_FITTED = (-0.2555, 1.583, -0.2678, 25.43)
+
+
+def two_numbers(n_d: float, abbe: float, wavelength: float) -> float:
+    """The index by n_d and V: n_F - n_C = (n_d - 1) / V, and the partial dispersions of glasses with that V."""
     if wavelength == D_LINE:
         return n_d  # not to lose the last bit of the catalogue value
-    b = (n_d - 1.0) / abbe / (F_LINE ** -2 - C_LINE ** -2)
-    return n_d + b * (wavelength ** -2 - D_LINE ** -2)
+
+    def basis(nanometres: float) -> tuple[float, float, float]:
+        square = (nanometres * 1e-3) ** 2
+        return 1.0 / square, square, 1.0 / (square - 0.028)
+
+    inverse = 1.0 / min(max(abbe, 17.0), 96.0)
+    here, d, f, c = (basis(line) for line in (wavelength, D_LINE, F_LINE, C_LINE))
+    cauchy = (here[0] - d[0]) / (f[0] - c[0])
+    line, pole = (here[i] - d[i] - (f[i] - c[i]) * cauchy for i in (1, 2))
+    p0, p1, q0, q1 = _FITTED
+    return n_d + (n_d - 1.0) / abbe * (cauchy + (p0 + p1 * inverse) * line + (q0 + q1 * inverse) * pole)
 
 
 def _parse(name: str, text: str) -> Lens:

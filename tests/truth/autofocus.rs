@@ -50,6 +50,14 @@ fn ask(
     }
 }
 
+#[test]
+fn a_lens_that_its_groups_focus_is_refused_with_what_to_do() {
+    let by_groups = realistic_options { focusby: c"group".as_ptr(), ..options() };
+    let asked = ask(&by_groups, &[MIDDLE], 0, Some(walls), None);
+    assert_eq!((asked.status, asked.film_distance), (realistic_status::InvalidParameter, -1.0));
+    assert!(asked.message.contains("leave out \"focusby\""), "{}", asked.message);
+}
+
 /// A wall at z = 1000; at the right of the picture, x < 100, one at z = 600.
 unsafe extern "C" fn walls(_: *mut c_void, ray: *const realistic_ray) -> f64 {
     // SAFETY: the library passes a ray.

@@ -1,9 +1,14 @@
 //! The kernel in every instance: against exact arithmetic, against the walk, and against itself bit for bit.
 
-use super::{support::Random, tables};
+use super::{
+    aspheres::{asphere, lens as aspheric_lens},
+    support::Random,
+    tables,
+};
 
 use realistic::{
-    lens::{Lens, Surface, pupil::ExitPupil},
+    lens::{Figure, Lens, Surface, pupil::ExitPupil},
+    prescription::Shape,
     trace::{
         Direction, Path, Ray, Real,
         kernel::{Kernel, KernelScalar, LensRays, PlaneRays, Simd},
@@ -140,6 +145,7 @@ fn many_surfaces(n: usize, scale: f64) -> Lens {
         vertex: -2.5 * scale * i as f64,
         radius: radius(i),
         curvature: radius(i).recip(),
+        figure: None,
         thickness: if i + 1 < n { 2.5 * scale } else { 0.0 },
         n_scene: if (n - i).is_multiple_of(2) { 1.0 } else { 1.6 },
         n_film: if (n - i).is_multiple_of(2) { 1.6 } else { 1.0 },
@@ -154,9 +160,30 @@ fn many_surfaces(n: usize, scale: f64) -> Lens {
     }
 }
 
+/// Eight surfaces of every kind of figure: conics, even and odd terms, waves, planes, a sphere.
+fn aspheres() -> Lens {
+    let figures = [
+        asphere(120.0, -1.0, &[]),
+        asphere(f64::INFINITY, 0.0, &[(4, 2e-5), (6, -1e-7)]),
+        asphere(90.0, -3.0, &[(4, -4e-6), (6, 3e-8), (8, -1e-10)]),
+        asphere(-80.0, 2.0, &[]),
+        asphere(-150.0, 1.5, &[(2, 1e-4), (3, -2e-5), (5, 3e-7)]),
+        asphere(60.0, 0.0, &[]),
+        asphere(f64::INFINITY, 0.0, &[(3, 1e-4), (4, -2e-5)]),
+        asphere(100.0, -5.0, &[(4, 1e-5), (10, -1e-13), (20, 1e-25)]),
+    ];
+    let glass = |i: usize| if i.is_multiple_of(2) { 1.6 } else { 1.0 };
+    let rows: Vec<_> = figures
+        .iter()
+        .enumerate()
+        .map(|(i, figure)| (Shape::Asphere(*figure), 4.0, glass(i), 12.0))
+        .collect();
+    aspheric_lens(&rows)
+}
+
 fn every_lens() -> Vec<Lens> {
     let named = LENSES.map(|name| lens(name, 587.56));
-    named.into_iter().chain([1, 2, 26, 200].map(|n| many_surfaces(n, 1.0))).collect()
+    named.into_iter().chain([1, 2, 26, 200].map(|n| many_surfaces(n, 1.0))).chain([aspheres()]).collect()
 }
 
 fn golden_rays_end_where_exact_arithmetic_says<S: Checked>(simd: Simd) {
@@ -314,6 +341,7 @@ fn exact_grazing_and_the_exact_critical_angle_block<S: Checked>(simd: Simd) {
         vertex,
         radius,
         curvature: radius.recip(),
+        figure: None,
         thickness: 0.0,
         n_scene,
         n_film,
@@ -363,6 +391,9 @@ fn a_lens_scaled_by_powers_of_two_gives_scaled_bits<S: Checked>(simd: Simd) {
                 surface.curvature /= scale;
                 surface.thickness *= scale;
                 surface.semi_diameter *= scale;
+                surface.figure = surface
+                    .figure
+                    .and_then(|figure| Figure::new(&figure.asphere.scaled(scale), surface.semi_diameter));
             }
             let times = S::from_f64(scale);
             let film: Film<S> = film.iter().map(|&[x, y, sx, sy]| [x * times, y * times, sx, sy]).collect();

@@ -2,16 +2,21 @@
 //! brute force.
 
 mod afocal;
+mod aspheres;
 mod autofocus;
 mod batch;
+mod blades;
 mod camera_parameters;
+mod catalogue;
 mod flat_field;
 mod golden;
 mod invariants;
 mod kernel;
+mod lens_format;
 mod messages;
 mod misprints;
 mod models;
+mod moving;
 mod odd_samples;
 mod plan;
 mod pupil_everywhere;

@@ -1,9 +1,11 @@
 //! `realistic draw`: the cross-section of a lens.
 
-use crate::drawing::{picture, section};
+use crate::drawing::{picture, positions, section, shapes::Page};
 use crate::failure::Failure;
 use crate::lens_and_film::{FilmPlace, FilmSize, LensChoice};
-use realistic::lens::{Lens, first_order::FirstOrder};
+use realistic::lens::{Lens, first_order::FirstOrder, moving::MovingGroups, open::set_up};
+use realistic::message::fixed;
+use realistic::prescription::Prescription;
 use std::io::Write as _;
 use std::path::PathBuf;
 
@@ -29,11 +31,25 @@ pub struct Args {
 /// # Errors
 /// No such lens, or a file that cannot be written.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let (prescription, lens) = args.lens.open()?;
-    let film_distance = args.place.film_distance_if_any(&lens)?.unwrap_or_else(|| stand_in(&lens));
-    let edge_sagitta = lens.rear().sagitta(lens.rear().semi_diameter);
+    let (prescription, lens) = args.lens.open(&args.place)?;
+    let page = match at_all_positions(args, &prescription, &lens) {
+        Some(page) => page,
+        None => at_one(args, &prescription, &lens)?,
+    };
+    let out = args.out.clone().unwrap_or_else(|| {
+        let name = prescription.name.rsplit('/').next().unwrap_or_default();
+        PathBuf::from(format!("{name}.svg"))
+    });
+    picture::write(&page, &out)?;
+    Ok(writeln!(std::io::stdout(), "{}", out.display())?)
+}
+
+/// The lens as it is asked for.
+fn at_one(args: &Args, prescription: &Prescription, lens: &Lens) -> Result<Page, Failure> {
+    let film_distance = args.place.film_distance_if_any(lens)?.unwrap_or_else(|| stand_in(lens));
+    let [edge_sagitta, _] = lens.rear().sagitta_range();
     if film_distance + edge_sagitta <= 0.0 {
-        return Err(FilmPlace::in_lens(&lens, film_distance));
+        return Err(FilmPlace::in_lens(lens, film_distance));
     }
     let scene = section::Scene {
         title: prescription.title.as_deref(),
@@ -41,18 +57,47 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         film_diagonal: args.film.diagonal,
         rays: args.rays,
     };
-    let out = args.out.clone().unwrap_or_else(|| {
-        let name = prescription.name.rsplit('/').next().unwrap_or_default();
-        PathBuf::from(format!("{name}.svg"))
-    });
-    picture::write(&section::draw(&lens, &scene), &out)?;
-    Ok(writeln!(std::io::stdout(), "{}", out.display())?)
+    Ok(section::draw(lens, &scene))
+}
+
+/// A lens with positions at each of them, where nobody asks for one.
+fn at_all_positions(args: &Args, prescription: &Prescription, lens: &Lens) -> Option<Page> {
+    if args.lens.is_zoomed() || args.place.is_given() {
+        return None;
+    }
+    let listed = prescription.positions.as_ref().filter(|positions| positions.columns.len() > 1)?;
+    let (groups, layout) = (MovingGroups::of(prescription).ok()??, listed.layout().ok()?);
+    let panel = |(column, position): (usize, &realistic::prescription::Position)| {
+        let placed = groups.position(column % layout.zooms).at(position.vergence());
+        // What is to be said of the stop has been.
+        let lens = set_up(&placed, lens.wavelength, args.lens.stop(), &mut |_, _| ()).ok()?.lens;
+        let image = || FirstOrder::of(&lens).ok().map(|optics| optics.image_distance(position.vergence()));
+        let film_distance =
+            lens.nominal_film_distance.or_else(image).filter(|film| *film > 0.0 && film.is_finite());
+        let object = position
+            .object_distance
+            .map_or_else(|| "infinity".to_owned(), |distance| format!("{} mm before it", fixed(distance, 0)));
+        let name = position.name.clone().unwrap_or_else(|| format!("position {}", column + 1));
+        Some(positions::Panel {
+            film_distance: film_distance.unwrap_or_else(|| stand_in(&lens)),
+            name: format!("{name}, object at {object}"),
+            lens,
+        })
+    };
+    let panels: Option<Vec<positions::Panel>> = listed.columns.iter().enumerate().map(panel).collect();
+    let scene = positions::Scene {
+        title: prescription.title.as_deref(),
+        gaps: &listed.gaps,
+        film_diagonal: args.film.diagonal,
+        rays: args.rays,
+    };
+    Some(positions::draw(&panels?, &scene))
 }
 
 /// A lens that makes no image still lets light through to film somewhere behind it.
 fn stand_in(lens: &Lens) -> f64 {
     let rear = lens.rear();
-    let room = -2.0 * rear.sagitta(rear.semi_diameter);
+    let room = -2.0 * rear.sagitta_range()[0];
     let size = FirstOrder::of(lens).map_or(2.0 * rear.semi_diameter, |optics| optics.focal_length.abs());
     size.min(4.0 * rear.semi_diameter).max(room)
 }

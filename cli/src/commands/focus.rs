@@ -2,7 +2,8 @@
 
 use crate::drawing::{depth, picture};
 use crate::failure::Failure;
-use crate::lens_and_film::{FilmChoice, LensChoice, distance, positive};
+use crate::lens_and_film::{FilmChoice, FilmPlace, LensChoice, distance, focus_by, help, positive};
+use realistic::camera::FocusBy;
 use realistic::message::{as_given, fixed};
 use realistic::{
     imaging::{
@@ -31,6 +32,9 @@ pub struct Args {
     /// Distance in mm from the last vertex to the film, to learn what is in focus
     #[arg(long, value_name = "MM", allow_negative_numbers = true, group = "where", value_parser = positive)]
     film_distance: Option<f64>,
+    #[arg(long = "focusby", value_name = "film|group", help = help("focusby"), value_parser = focus_by,
+          conflicts_with = "film_distance")]
+    focus_by: Option<FocusBy>,
     /// Circle of confusion: the blur on film, in mm, that still counts as sharp
     /// [default: a pixel of the film]
     #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = positive)]
@@ -50,8 +54,17 @@ pub struct Args {
 /// # Errors
 /// The lens cannot focus there; the message says how near it can.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let (_, lens) = args.lens.open()?;
-    let answer = Answer::of(&lens, args).map_err(|error| Failure::Other(error.to_string()))?;
+    let place = FilmPlace::new(None, args.distance, args.focus_by);
+    let (_, lens) = args.lens.open(&place)?;
+    let answer = match (args.focus_by, args.distance) {
+        (Some(FocusBy::Group), Some(object_distance)) => {
+            let [nearest, _] = args.lens.group_reach(&place)?;
+            let focused = Conjugates { object_distance, film_distance: place.film_distance(&lens)? };
+            Answer::by_groups(&lens, args, focused, nearest)
+        }
+        _ => Answer::of(&lens, args),
+    };
+    let answer = answer.map_err(|error| Failure::Other(error.to_string()))?;
     let mut text = if args.json { format!("{:#}\n", answer.json()) } else { answer.text() };
     if let Some(out) = &args.out {
         let depth = answer.depth.ok_or_else(|| {
@@ -76,6 +89,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 
 struct Answer {
     focused: Conjugates,
+    by_groups: bool,
     /// Where the film lies before the image of infinity nothing is quite sharp.
     beyond_infinity: bool,
     paraxial: Option<f64>,
@@ -114,6 +128,21 @@ fn paraxial_film_distance(
     }))
 }
 
+/// The blur that counts as sharp, mm.
+fn confusion(args: &Args) -> f64 {
+    args.coc.unwrap_or_else(|| args.film.film().pixel())
+}
+
+fn depth_of_field(
+    lens: &Lens,
+    focused: Conjugates,
+    confusion: f64,
+) -> Result<Option<DepthOfField>, FocusError> {
+    let entrance = EntrancePupil::of_surface(lens, limiting_surface(lens));
+    let Conjugates { object_distance, film_distance } = focused;
+    Ok(DepthOfField::of(lens, &entrance, film_distance, object_distance, confusion)?)
+}
+
 impl Answer {
     fn of(lens: &Lens, args: &Args) -> Result<Self, Unfocused> {
         let focus = Focus::new(lens)?;
@@ -134,19 +163,37 @@ impl Answer {
                 Conjugates { object_distance, film_distance: focus.film_distance(object_distance)? }
             }
         };
-        let confusion = args.coc.unwrap_or_else(|| args.film.film().pixel());
-        let entrance = EntrancePupil::of_surface(lens, limiting_surface(lens));
-        let depth =
-            DepthOfField::of(lens, &entrance, focused.film_distance, focused.object_distance, confusion);
+        let confusion = confusion(args);
         let beyond_infinity = focused.film_distance < infinity * (1.0 - 1e-9);
         Ok(Self {
             beyond_infinity,
+            by_groups: false,
             paraxial: paraxial_film_distance(lens, &focus, focused, nearest)?,
             focused,
             nearest,
             confusion,
             // First-order depth of field is about a plane in focus, and here is none.
-            depth: depth.map_err(FocusError::Lens)?.filter(|_| !beyond_infinity),
+            depth: depth_of_field(lens, focused, confusion)?.filter(|_| !beyond_infinity),
+        })
+    }
+
+    /// Of a lens whose groups stand where they focus on `focused`, and can focus as near as `nearest`.
+    fn by_groups(
+        lens: &Lens,
+        args: &Args,
+        focused: Conjugates,
+        nearest: Conjugates,
+    ) -> Result<Self, Unfocused> {
+        let confusion = confusion(args);
+        let object = focused.object_distance + lens.rear().vertex - focused.film_distance;
+        Ok(Self {
+            beyond_infinity: false,
+            by_groups: true,
+            paraxial: Some(FirstOrder::of(lens).map_err(FocusError::Lens)?.image_distance(object.recip())),
+            focused,
+            nearest,
+            confusion,
+            depth: depth_of_field(lens, focused, confusion)?,
         })
     }
 
@@ -175,11 +222,12 @@ impl Answer {
         } else {
             ""
         };
+        let moved = if self.by_groups { "with its groups in place" } else { "by exact rays" };
         let paraxial =
             self.paraxial.map_or_else(|| "none".to_owned(), |paraxial| format!("{} mm", fixed(paraxial, 6)));
         let mut text = format!(
             "in focus         {}{beyond}\n\
-             film distance    {} mm by exact rays, {paraxial} by first-order optics\n\
+             film distance    {} mm {moved}, {paraxial} by first-order optics\n\
              nearest in focus {} mm from the film, with the film at {} mm\n\
              confusion        {} mm\n",
             from_film(object_distance),

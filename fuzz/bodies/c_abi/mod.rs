@@ -2,6 +2,8 @@
 //! nothing breaks.
 
 mod bytes;
+mod differentials;
+mod lens;
 mod options;
 
 use std::ffi::{CStr, c_void};
@@ -41,6 +43,7 @@ pub fn run(data: &[u8]) -> bool {
     assert_ne!(status, realistic_status::Panic, "{message} {options:?}");
     if status != realistic_status::Ok {
         assert!(camera.is_null() && message.len() > 10, "{message} {options:?}");
+        lens::check(&options, &mut bytes);
         return false;
     }
     let asked = Asked { camera, samples: &samples, options: &options };
@@ -48,8 +51,11 @@ pub fn run(data: &[u8]) -> bool {
     let singles = asked.singles();
     asked.in_structures(&singles, &mut bytes);
     asked.in_arrays(&singles, &mut bytes);
+    let may_differ = options.tolerance > 0.0;
+    differentials::check(camera, &samples, &singles, MARK, may_differ, &mut bytes, &options);
     // SAFETY: nobody uses the camera any more.
     unsafe { realistic_camera_free(camera) };
+    lens::check(&options, &mut bytes);
     true
 }
 
@@ -221,18 +227,37 @@ fn autofocus(options: &realistic_options, bytes: &mut Bytes<'_>) {
         answer.swap(0, 1);
         answer[0]
     }
+    unsafe extern "C" fn contrast(
+        user: *mut c_void,
+        camera: *const realistic_camera,
+        zone: *const realistic_zone,
+    ) -> f64 {
+        // SAFETY: zone and camera live during the call, as does what `distance` uses.
+        unsafe {
+            let mut ray = MARK;
+            let middle = realistic_sample {
+                image_x: ((*zone).left + (*zone).right) / 2.0,
+                image_y: ((*zone).top + (*zone).bottom) / 2.0,
+                lens_u: 0.75,
+                lens_v: 0.5,
+                time: 0.5,
+            };
+            let weight = realistic_generate_ray(camera, &middle, &mut ray);
+            if weight > 0.0 { f64::from(weight) } else { distance(user, &ray) }
+        }
+    }
     let (rule, mut found) = (bytes.choice(4) as i32 - 1, f64::NAN);
+    let by_contrast = bytes.choice(4) == 0;
     // SAFETY: options, zones, answers and room for the result live during the call.
     let status = unsafe {
-        let user = answer.as_mut_ptr().cast();
         realistic_autofocus(
             options,
             zones.as_ptr(),
             zones.len(),
             rule,
-            Some(distance),
-            None,
-            user,
+            (!by_contrast).then_some(distance as _),
+            by_contrast.then_some(contrast as _),
+            answer.as_mut_ptr().cast(),
             &mut found,
         )
     };

@@ -89,6 +89,16 @@ pub fn options(bytes: &mut Bytes<'_>) -> realistic_options {
             *entry += bytes.float(1.0);
         }
     }
+    if bytes.choice(4) == 0 {
+        // Positions of a lens text have these names, or none.
+        const ZOOMS: [&CStr; 5] = [c"wide", c"tele", c"35", c"70mm", c"-1"];
+        options.zoom = ZOOMS[bytes.choice(ZOOMS.len())].as_ptr();
+        options.focusby = [null(), c"film".as_ptr(), c"group".as_ptr()][bytes.choice(3)];
+    }
+    if bytes.choice(4) == 0 {
+        options.blades = [5.0, 7.0, 0.0, 32.0, 2.5][bytes.choice(5)];
+        (options.bladerotation, options.bladecurvature) = (bytes.number(), bytes.number());
+    }
     if bytes.choice(2) == 1 {
         let text = bytes.text(4096);
         options.lens_text = text.as_ptr().cast();

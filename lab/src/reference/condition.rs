@@ -13,7 +13,8 @@
 //! surface's size (the compiled kernels, from plane to plane and from sphere to sphere) rounds by that
 //! size also where the point lies on the axis: for it a disturbance of position is at least the clear
 //! semi-diameter ([`Trail::surface`]). An interface's radius, index and place are rounded, too; that moves its
-//! point and turns its ray by as much and needs no terms of its own. The condition number in direction is then the
+//! point and turns its ray by as much and needs no terms of its own. An asphere's terms may be many times what they add up
+//! to: their rounding moves the surface by Σ |`A_i`| r^i and tilts it by Σ i |`A_i`| r^(i - 1), and does count. The condition number in direction is then the
 //! root of the summed squares of the resulting direction errors, in rad per unit; the one in position the same in
 //! mm per unit. Times ε they are the errors that a perfect tracer of that precision must expect.
 
@@ -24,6 +25,7 @@ use realistic::{
 };
 
 use super::{
+    aspheric::{Aspheric, Met},
     double_double::{DoubleDouble, Vector, dot, vector},
     dual::{Dual, N},
     exact::ExactRay,
@@ -98,6 +100,7 @@ struct Interface {
     /// From the vertex before; 0 for the first.
     distance: f64,
     curvature: f64,
+    aspheric: Option<Aspheric>,
     semi_diameter: f64,
     /// (n'/n)² - 1.
     index_step: f64,
@@ -131,6 +134,7 @@ impl Conditioned {
             Interface {
                 distance,
                 curvature: if forward { surface.curvature } else { -surface.curvature },
+                aspheric: surface.figure.map(|figure| Aspheric::new(&figure, &alone, direction)),
                 semi_diameter: surface.semi_diameter,
                 index_step: (n_after - n) * (n_after + n) / (n * n),
                 exact: Path::new(&alone, direction, Refraction::Fused),
@@ -200,6 +204,10 @@ impl Conditioned {
             for doubt in &mut doubts {
                 doubt.spread = doubt.spread.through(&jacobian);
                 doubt.spread.disturb(doubt.norm.size(norm(after.point), interface.semi_diameter), 1.0);
+                if let Some(aspheric) = &interface.aspheric {
+                    let [moved, tilted] = aspheric.rounding(height.to_f64());
+                    doubt.spread.disturb(moved, interface.index_step.abs() * tilted);
+                }
                 doubt.narrow(inside.abs() / (1.0 + doubt.spread.position() / interface.semi_diameter));
             }
             if inside < 0.0 {
@@ -249,6 +257,9 @@ impl Interface {
     /// How far the ray is from missing the sphere, from meeting it beyond its equator or behind
     /// itself, and from total reflection, in units of the disturbance.
     fn margin(&self, before: &ExactRay, sign: f64, spread: &Spread) -> f64 {
+        if let Some(aspheric) = &self.aspheric {
+            return self.margin_at(aspheric, before, spread);
+        }
         let exact = DoubleDouble::from_f64;
         let (p, d, c) = (before.point, before.direction, exact(self.curvature));
         let (z, dz) = (exact(sign) * p[2], exact(sign) * d[2]);
@@ -270,6 +281,24 @@ impl Interface {
         let equator = (exact(1.0) - c * (z + t * dz)).to_f64().abs() / (angle_doubt / e.to_f64());
         let refracted = (cosine_squared + exact(self.index_step)).to_f64().abs() / angle_doubt;
         met.min(ahead).min(equator).min(refracted)
+    }
+
+    /// The same for an asphere.
+    fn margin_at(&self, aspheric: &Aspheric, before: &ExactRay, spread: &Spread) -> f64 {
+        let doubt = spread.position() + norm(before.point) * spread.direction();
+        // As for a sphere.
+        let allowed = 16.0 * (self.semi_diameter + self.distance);
+        let start = aspheric.start(before) / (allowed + doubt);
+        let hit = match aspheric.met(before) {
+            Met::At { cosine, steepness, way } => {
+                let angle_doubt = 1.0 + spread.direction() + steepness * doubt;
+                let met = cosine * cosine / angle_doubt;
+                let ahead = way / (allowed + doubt / cosine);
+                met.min(ahead).min((cosine * cosine + self.index_step).abs() / angle_doubt)
+            }
+            Met::Nowhere { nearest } => nearest / (allowed + doubt),
+        };
+        hit.min(start)
     }
 }
 

@@ -1,6 +1,7 @@
 //! A lens and rays in, exact rays out: the walk in double-double numbers of 106 bits, and how much the lens
 //! amplifies rounding.
 
+mod aspheric;
 pub mod condition;
 mod double_double;
 mod dual;

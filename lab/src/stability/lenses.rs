@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use realistic::{
     lens::Lens,
-    prescription::{Interface, Medium, Prescription, Shape},
+    prescription::{Interface, Medium, Prescription, Shape, Stated},
     trace::{Direction, Ray},
 };
 
@@ -17,29 +17,45 @@ pub type Row = (f64, f64, f64, f64);
 
 /// The lens of these rows, scene side first. A last medium other than air is taken as it is.
 pub fn lens(name: &str, rows: &[Row]) -> Lens {
-    let mut in_front = Medium::Air;
-    let interfaces = rows
+    let mut behind = 1.0;
+    let figured: Vec<Figured> = rows
         .iter()
         .map(|&(radius, thickness, n, semi_diameter)| {
-            let medium = if n == 1.0 { Medium::Air } else { Medium::Glass { n_d: n, abbe: None } };
             let shape = if radius.is_finite() {
                 Shape::Sphere { radius }
-            } else if in_front == Medium::Air && medium == Medium::Air {
+            } else if behind == 1.0 && n == 1.0 {
                 Shape::Stop
             } else {
                 Shape::Plane
             };
-            in_front = medium;
-            Interface { shape, thickness, medium, semi_diameter }
+            behind = n;
+            (shape, thickness, n, semi_diameter)
         })
         .collect();
+    lens_of(name, &figured)
+}
+
+/// A row with any figure in the place of the radius.
+pub type Figured = (Shape, f64, f64, f64);
+
+/// The lens of rows with figures.
+pub fn lens_of(name: &str, rows: &[Figured]) -> Lens {
+    let interface = |&(shape, thickness, n, semi_diameter): &Figured| {
+        let medium = if n == 1.0 { Medium::Air } else { Medium::Glass { n_d: n, abbe: None } };
+        Interface { shape, thickness, medium, semi_diameter }
+    };
+    let interfaces = rows.iter().map(interface).collect();
     Lens::at_d_line(&Prescription {
         name: name.to_owned(),
         title: None,
         interfaces,
         nominal_film_distance: None,
+        positions: None,
+        blades: None,
         remarks: Vec::new(),
         stated_focal_length: None,
+        stated: Stated::default(),
+        glasses: Vec::new(),
     })
 }
 

@@ -6,6 +6,7 @@
 //! | [`case`] | a case, and how a tracer is evaluated by it |
 //! | [`interfaces`], [`assemblies`], [`stiff`] | cases whose answer the reference gives |
 //! | [`closed_form`] | cases whose answer a formula gives |
+//! | [`aspheres`] | the same of aspheres, and their rims |
 //! | [`design`] | focal length, pupil and focus of stiff lenses |
 //! | [`random`] | lenses and rays at random |
 //!
@@ -13,6 +14,7 @@
 //! perfect tracer of that precision must expect from the case's
 //! [condition number](crate::reference::condition).
 
+pub mod aspheres;
 pub mod assemblies;
 pub mod case;
 pub mod closed_form;
@@ -79,6 +81,12 @@ pub fn cases() -> Vec<Case> {
         closed_form::plates,
         closed_form::aplanatic_meniscus,
         closed_form::shells,
+        aspheres::hyperboloids,
+        aspheres::ellipsoids,
+        aspheres::paraboloids,
+        aspheres::planes_with_a_term,
+        aspheres::rims,
+        aspheres::phone,
     ]
     .into_iter()
     .flat_map(|cases| cases())
@@ -109,17 +117,19 @@ fn run_parts(
     results.extend(design::first_order());
     results.extend(design::focus());
 
-    let mut against = random::none_yet(&tracers);
-    for part in 0..PARTS {
-        let done = 0.05 + 0.45 * part as f64 / PARTS as f64;
-        progress(Progress { name: "random lenses against the reference", done })?;
-        for found in on_all_cores(part, |seed, workers| {
-            random::against_reference(seed, extent.lenses.div_ceil(PARTS * workers), &tracers)
-        }) {
-            against.iter_mut().zip(&found).for_each(|(all, part)| all.merge(part));
+    for (number, kind) in random::Kind::ALL.into_iter().enumerate() {
+        let mut against = random::none_yet(kind, &tracers);
+        for part in 0..PARTS {
+            let done = 0.05 + 0.225 * (number as f64 + part as f64 / PARTS as f64);
+            progress(Progress { name: "random lenses against the reference", done })?;
+            for found in on_all_cores(part, |seed, workers| {
+                random::against_reference(kind, seed, extent.lenses.div_ceil(PARTS * workers), &tracers)
+            }) {
+                against.iter_mut().zip(&found).for_each(|(all, part)| all.merge(part));
+            }
         }
+        results.extend(against);
     }
-    results.extend(against);
 
     let mut survey = random::Survey::default();
     let lenses = extent.rays.div_ceil((PARTS * RAYS_EACH) as u64) as usize;

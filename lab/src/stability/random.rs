@@ -12,7 +12,7 @@ use realistic::{
         Host, Outcome, Parameters, Precision, Pupil, Raster, RayBlock, RealisticCamera, Sample, SampleBlock,
     },
     lens::Lens,
-    prescription::read,
+    prescription::{Asphere, FIRST_POWER, Shape, read},
     trace::{
         Direction::{self, FilmToScene, SceneToFilm},
         Path, Ray,
@@ -78,6 +78,64 @@ pub fn random_lens(random: &mut Random) -> Lens {
     Lens::at_d_line(&prescription.unwrap_or_else(|error| panic!("{error}\n{text}")))
 }
 
+/// A random lens of which most spheres and planes have become aspheres: conics of every kind, terms that reach up to a
+/// seventh of the clear semi-diameter at its edge.
+pub fn random_aspheric_lens(random: &mut Random) -> Lens {
+    let text = lens_text(random);
+    let mut prescription =
+        read("random lens", text.as_bytes()).unwrap_or_else(|error| panic!("{error}\n{text}"));
+    for interface in &mut prescription.interfaces {
+        let radius = match interface.shape {
+            Shape::Sphere { radius } => radius,
+            Shape::Plane => f64::INFINITY,
+            Shape::Asphere(_) | Shape::Stop => continue,
+        };
+        if random.random_bool(0.3) {
+            continue;
+        }
+        let mut asphere = Asphere { radius, conic: 0.0, terms: [0.0; 19] };
+        asphere.conic = match random.random::<f64>() {
+            sphere if sphere < 0.2 => 0.0,
+            paraboloid if paraboloid < 0.3 => -1.0,
+            _ => random.random_range(-6.0..2.0),
+        };
+        if asphere.widest() < interface.semi_diameter {
+            asphere.conic = -asphere.conic.abs() - 1.0;
+        }
+        for _ in 0..random.random_range(0..6) {
+            let even = random.random_bool(0.8);
+            let power = if even { 2 * random.random_range(2..=10) } else { random.random_range(2..=20) };
+            let size = scaled(random, 1e-5, 0.15);
+            let sign = if random.random_bool(0.5) { 1.0 } else { -1.0 };
+            let term = sign * size * interface.semi_diameter.powi(1 - power as i32);
+            asphere.terms[power - FIRST_POWER] = term;
+        }
+        interface.shape = Shape::Asphere(asphere);
+    }
+    Lens::at_d_line(&prescription)
+}
+
+/// What random lenses are made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Spheres and planes.
+    Spheres,
+    /// Aspheres, mostly.
+    Aspheres,
+}
+
+impl Kind {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Spheres, Self::Aspheres];
+
+    fn lens(self, random: &mut Random) -> Lens {
+        match self {
+            Self::Spheres => random_lens(random),
+            Self::Aspheres => random_aspheric_lens(random),
+        }
+    }
+}
+
 /// Rays at the first surface of a random lens from a few planes, mostly such as get in.
 fn rays(random: &mut Random, lens: &Lens, direction: Direction, count: usize) -> Vec<Ray> {
     let (surface, sign) = match direction {
@@ -106,18 +164,21 @@ fn rays(random: &mut Random, lens: &Lens, direction: Direction, count: usize) ->
 const PLANE: usize = 20;
 
 /// Results of no random lenses yet, one for each tracer.
-pub fn none_yet(tracers: &[Tracer]) -> Vec<CaseResult> {
-    let name = "random lenses, a hundred rays each";
+pub fn none_yet(kind: Kind, tracers: &[Tracer]) -> Vec<CaseResult> {
+    let name = match kind {
+        Kind::Spheres => "random lenses, a hundred rays each",
+        Kind::Aspheres => "random aspheric lenses, a hundred rays each",
+    };
     let result = |tracer: &Tracer| CaseResult::new(name.to_owned(), "random", tracer.name, tracer.bound);
     tracers.iter().map(result).collect()
 }
 
 /// `lenses` random lenses with a hundred rays each against the reference, for every tracer.
-pub fn against_reference(seed: u64, lenses: usize, tracers: &[Tracer]) -> Vec<CaseResult> {
-    let mut worst = none_yet(tracers);
+pub fn against_reference(kind: Kind, seed: u64, lenses: usize, tracers: &[Tracer]) -> Vec<CaseResult> {
+    let mut worst = none_yet(kind, tracers);
     let mut random = Random::seed_from_u64(seed);
     for number in 0..lenses {
-        let lens = random_lens(&mut random);
+        let lens = kind.lens(&mut random);
         let direction = if number % 4 == 3 { SceneToFilm } else { FilmToScene };
         let rays = rays(&mut random, &lens, direction, 100);
         let case = Case::new("random", "", &lens, direction, rays);

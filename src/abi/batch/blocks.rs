@@ -32,8 +32,8 @@ pub(super) struct DifferentialRoom {
 pub(super) trait Outcomes {
     /// Room of which nothing is set.
     fn new() -> Self;
-    /// Sets the numbers of `n` outcomes to 0, up to [`BLOCK`].
-    fn clear(&mut self, n: usize);
+    /// Sets the numbers of `n` outcomes, up to [`BLOCK`]: the range to the camera's, if all its rays have one; the rest to 0.
+    fn clear(&mut self, camera: &Camera, n: usize);
     /// Takes what becomes of samples.
     fn trace(&mut self, camera: &Camera, samples: &SampleArrays<'_>);
     /// The weights of `n` samples.
@@ -47,13 +47,14 @@ impl Outcomes for RayRoom {
     }
 
     #[inline(always)]
-    fn clear(&mut self, n: usize) {
-        Room::clear(self, n);
+    fn clear(&mut self, camera: &Camera, n: usize) {
+        let [mint, maxt] = camera.range().unwrap_or_default();
+        self.set_all(n, [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, mint, maxt, 0.0, 0.0]);
     }
 
     #[inline(always)]
     fn trace(&mut self, camera: &Camera, samples: &SampleArrays<'_>) {
-        camera.rays(samples, &mut self.rays(samples.image_x.len()));
+        camera.rays(samples, &mut self.rays(camera, samples.image_x.len()));
     }
 
     #[inline(always)]
@@ -70,16 +71,16 @@ impl Outcomes for DifferentialRoom {
     }
 
     #[inline(always)]
-    fn clear(&mut self, n: usize) {
-        self.rays.clear(n);
-        self.neighbours.iter_mut().for_each(|room| room.clear(n));
+    fn clear(&mut self, camera: &Camera, n: usize) {
+        self.rays.clear(camera, n);
+        self.neighbours.iter_mut().for_each(|room| room.set_all(n, [0.0; 7]));
     }
 
     #[inline(always)]
     fn trace(&mut self, camera: &Camera, samples: &SampleArrays<'_>) {
         let n = samples.image_x.len();
         let [mut rx, mut ry] = self.neighbours.each_mut().map(|room| room.neighbours(n));
-        camera.ray_differentials(samples, &mut self.rays.rays(n), &mut rx, &mut ry);
+        camera.ray_differentials(samples, &mut self.rays.rays(camera, n), &mut rx, &mut ry);
     }
 
     #[inline(always)]
@@ -102,14 +103,14 @@ impl<const ARRAYS: usize> Room<ARRAYS> {
         Self { arrays: [[MaybeUninit::uninit(); BLOCK]; ARRAYS], set: 0 }
     }
 
-    /// Sets `n` numbers of each array to 0, up to [`BLOCK`].
+    /// Sets `n` numbers of each array, up to [`BLOCK`]: to these.
     #[inline(always)]
-    pub(super) fn clear(&mut self, n: usize) {
+    fn set_all(&mut self, n: usize, numbers: [f32; ARRAYS]) {
         let set = n.min(BLOCK).next_multiple_of(FOUR);
         // Written out: few numbers are not worth a call for each array.
         for begin in (0..set).step_by(FOUR) {
-            for array in 0..ARRAYS {
-                self.set_four(array, begin, [0.0; FOUR]);
+            for (array, number) in numbers.into_iter().enumerate() {
+                self.set_four(array, begin, [number; FOUR]);
             }
         }
         self.set = set;
@@ -168,11 +169,13 @@ impl SampleRoom {
 }
 
 impl RayRoom {
-    /// The first `n` rays.
+    /// The first `n` rays; without a range where that of all rays stands there already.
     #[inline(always)]
-    pub(super) fn rays(&mut self, n: usize) -> RayArrays<'_> {
+    fn rays(&mut self, camera: &Camera, n: usize) -> RayArrays<'_> {
         let [ox, oy, oz, dx, dy, dz, mint, maxt, time, weight] = self.arrays_mut(n);
-        let [mint, maxt, time] = [mint, maxt, time].map(Some);
+        let has_one = camera.range().is_some();
+        let [mint, maxt] = [mint, maxt].map(|array| (!has_one).then_some(array));
+        let time = Some(time);
         RayArrays { origin: [ox, oy, oz], direction: [dx, dy, dz], mint, maxt, time, weight }
     }
 
@@ -207,8 +210,8 @@ pub(super) unsafe fn in_blocks<O: Outcomes>(
     reasons: *mut realistic_reason,
 ) {
     let (mut samples, mut outcomes) = (SampleRoom::new(), O::new());
-    samples.clear(n);
-    outcomes.clear(n);
+    samples.set_all(n, [0.0; 5]);
+    outcomes.clear(handle.camera(), n);
     for first in (0..n).step_by(BLOCK) {
         let count = BLOCK.min(n - first);
         read(first, count, &mut samples);

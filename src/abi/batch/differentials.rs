@@ -5,8 +5,8 @@ use std::mem::size_of;
 use super::{
     super::{
         boundary::{self, realistic_status},
+        exchange::check_size,
         object::{self, Handle},
-        options::check_size,
         types::{
             realistic_camera, realistic_ray_differential, realistic_rays_soa, realistic_reason,
             realistic_sample, realistic_samples_soa,

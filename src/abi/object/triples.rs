@@ -15,7 +15,7 @@
 use std::cell::RefCell;
 
 use super::handle::Handle;
-use crate::abi::float_environment::Environment;
+use crate::abi::boundary::float_environment::for_triple;
 use crate::camera::{RayBlock, Sample, WorldRay, differentials::at_points};
 
 /// The bits of image x and y.
@@ -44,14 +44,14 @@ thread_local! {
 /// weight 0.
 #[inline(always)]
 pub fn generate(handle: &Handle, sample: &Sample, ray: &mut WorldRay) -> f32 {
-    let host = Environment::read();
     let served = EXPECTED
         .try_with(|expected| {
             let mut expected = expected.try_borrow_mut().ok()?;
             let sample = read(sample);
             let place = match expected.place(handle, &sample) {
                 Some(place) => place,
-                None => host.for_triple(|| expected.trace(handle, &sample)).then_some(0)?,
+                // Only here, for to read the host's floating-point environment takes as long as to find a ray.
+                None => for_triple(|| expected.trace(handle, &sample)).then_some(0)?,
             };
             let Some((found, weight)) = expected.rays.get(place) else { return Some(0.0) };
             *ray = found;
@@ -61,23 +61,23 @@ pub fn generate(handle: &Handle, sample: &Sample, ray: &mut WorldRay) -> f32 {
         .flatten();
     match served {
         Some(weight) if weight > 0.0 => weight,
-        Some(_) => substitute(host, handle, sample, ray),
-        None => alone(host, handle, sample, ray),
+        Some(_) => substitute(handle, sample, ray),
+        None => alone(handle, sample, ray),
     }
 }
 
 /// [`generate`] without a look at other samples.
 #[inline(never)]
-fn alone(host: Environment, handle: &Handle, sample: &Sample, ray: &mut WorldRay) -> f32 {
+fn alone(handle: &Handle, sample: &Sample, ray: &mut WorldRay) -> f32 {
     let mut weight = 0.0;
-    host.for_triple(|| handle.camera().trace_one(sample, ray, &mut weight));
-    if weight > 0.0 { weight } else { substitute(host, handle, sample, ray) }
+    for_triple(|| handle.camera().trace_one(sample, ray, &mut weight));
+    if weight > 0.0 { weight } else { substitute(handle, sample, ray) }
 }
 
 /// The ray that stands in for a blocked one, and its weight.
 #[inline(never)]
-fn substitute(host: Environment, handle: &Handle, sample: &Sample, ray: &mut WorldRay) -> f32 {
-    *ray = host.for_triple(|| handle.camera().substitute(sample));
+fn substitute(handle: &Handle, sample: &Sample, ray: &mut WorldRay) -> f32 {
+    *ray = for_triple(|| handle.camera().substitute(sample));
     f32::MIN_POSITIVE
 }
 

@@ -11,7 +11,7 @@ use std::ptr::null_mut;
 use super::boundary::{self, Failure, realistic_status};
 use super::object::{self, Handle, HostPart};
 use super::types::realistic_camera;
-use super::{library, options};
+use super::{library, memory, options};
 use crate::camera::{CameraError, CameraToWorld, Host, Kind, Level, Model, PARAMETERS, Parameters, Value};
 use shim::{FindError, Given, HostKind, ParamSet};
 
@@ -53,6 +53,7 @@ unsafe fn create(
     world2cam: *const c_void,
     film: *mut c_void,
 ) -> Result<*mut realistic_camera, Failure> {
+    memory::to_build()?;
     let null = |what| Failure::new(realistic_status::NullPointer, format!("the host gave no {what}"));
     // SAFETY: the caller's promise, for each of the three.
     let (params, transform, resolution) = unsafe {

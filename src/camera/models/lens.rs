@@ -55,6 +55,8 @@ impl RealisticCamera {
         let rear = rear_disk(&setup, film_z)?;
         let exit = PupilDisk::exit(lens, film_z);
         let sampler = pupil_sampler(&setup, &path, film_z, [rear, exit], log);
+        // The pupil is that of the whole circle, and what of it the blades cover is blocked.
+        let path = path.with_blades(lens, setup.blades);
         let weight = weight_factor(&setup, &path, film_z, &sampler, [rear, exit])?;
         let body = CameraBody {
             film_side: FilmSide { film: *film, z: film_z, mapping: setup.mapping, sampler },

@@ -5,7 +5,7 @@ use thiserror::Error;
 use crate::{
     camera::placement::transform::TransformError,
     imaging::focus::FocusError,
-    lens::{Lens, LensError, open::OpenError},
+    lens::{Lens, LensError, moving::MovingError, open::OpenError},
     message::{as_given, cut, short, short_above},
     prescription::SourceError,
 };
@@ -90,6 +90,27 @@ pub enum CameraError {
     /// The lens cannot focus there.
     #[error(transparent)]
     Focus(#[from] FocusError),
+    /// The groups of the lens cannot stand as asked.
+    #[error(transparent)]
+    Moving(#[from] MovingError),
+    /// The film was to be moved and to stay.
+    #[error(
+        "\"filmdistance\" moves the film, and \"focusby\" \"group\" leaves it where the lens file has it; give \
+         \"focusdistance\", or leave out \"focusby\""
+    )]
+    FilmStays,
+    /// What blades are like was given, and there are none.
+    #[error("\"{name}\" says what the stop's blades are like, and there are none; give \"blades\", how many")]
+    NoBlades {
+        /// The parameter.
+        name: &'static str,
+    },
+    /// The lens has no stop that blades could stand in.
+    #[error("lens \"{lens}\" has no stop row for \"blades\" to stand in; leave them out")]
+    NoStopForBlades {
+        /// The lens.
+        lens: String,
+    },
     /// The lens cannot focus so near, which may be said in other units than it is meant.
     #[error(
         "{error}; \"focusdistance\" {} is in world units, each of 1 mm here: if the scene's are others, give \"mmperunit\", \
@@ -171,8 +192,9 @@ pub enum CameraError {
 impl CameraError {
     /// The error of film so near that it would touch the rear element.
     pub fn film_in_lens(lens: &Lens, film_distance: f64) -> Self {
-        let edge = -lens.rear().sagitta(lens.rear().semi_diameter);
-        Self::FilmInLens { film_distance, edge: edge.max(0.0) }
+        // Not `-0`: a plane reaches no farther than its vertex.
+        let edge = 0.0 - lens.rear().sagitta_range()[0];
+        Self::FilmInLens { film_distance, edge }
     }
 }
 
@@ -181,6 +203,7 @@ impl From<OpenError> for CameraError {
         match error {
             OpenError::Source(error) => error.into(),
             OpenError::Lens(error) => error.into(),
+            OpenError::Moving(error) => error.into(),
         }
     }
 }

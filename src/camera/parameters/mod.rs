@@ -9,10 +9,12 @@ mod named;
 mod range;
 mod table;
 mod value;
+mod zoom;
 
 pub use error::{CameraError, ParameterError, UnknownName};
-pub use named::{LensPlane, Pupil, Weighting};
+pub use named::{FocusBy, LensPlane, Pupil, Weighting};
 pub use range::{Interval, Range};
 pub use table::{PARAMETERS, Parameter, Parameters};
 pub(crate) use value::Written;
 pub use value::{Kind, Value};
+pub use zoom::Zoom;

@@ -60,6 +60,21 @@ impl Weighting {
     ];
 }
 
+/// What moves to focus.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FocusBy {
+    /// The film, behind a lens that stays as it is.
+    #[default]
+    Film,
+    /// The lens's own groups, as its positions say, with the film where the lens file has it.
+    Group,
+}
+
+impl FocusBy {
+    /// Both with their names.
+    pub const NAMES: [(&'static str, Self); 2] = [("film", Self::Film), ("group", Self::Group)];
+}
+
 /// The plane that the thin lens of a projection lies in, of the two that differ by the distance `hither`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LensPlane {
@@ -110,7 +125,7 @@ macro_rules! named {
     )*};
 }
 
-named![Model, Pupil, Weighting, LensPlane, DiskMapping, Refraction, Shutter];
+named![Model, FocusBy, Pupil, Weighting, LensPlane, DiskMapping, Refraction, Shutter];
 
 /// A precision, or `None` for "auto".
 impl Setting for Option<Precision> {
@@ -175,6 +190,7 @@ mod tests {
             assert!(error.contains("\"Odd\" is not") && error.contains(names[1].0), "{error}");
         }
         check(&Model::NAMES);
+        check(&FocusBy::NAMES);
         check(&Pupil::NAMES);
         check(&Weighting::NAMES);
         check(&LensPlane::NAMES);

@@ -4,9 +4,10 @@ use std::ops::Bound::{Excluded, Included};
 
 use super::{
     error::ParameterError,
-    named::{LensPlane, Pupil, Weighting},
+    named::{FocusBy, LensPlane, Pupil, Weighting},
     range::{Interval, Range},
     value::{Kind, Setting, Value},
+    zoom::Zoom,
 };
 use crate::{
     camera::{model::Model, placement::shutter::Shutter},
@@ -99,6 +100,9 @@ const LARGEST_SIDE: f64 = 1e15;
 const SIDE: I = I::between(-LARGEST_SIDE, LARGEST_SIDE);
 const ASPECT: I = I::between(1.0 / LARGEST_SIDE, LARGEST_SIDE);
 const RADIUS: I = I::between(0.0, LARGEST_SIDE).where_zero_is("a pinhole");
+const BLADES: I = I::between(0.0, 32.0).where_zero_is("a round stop");
+const TURN: I = I::FINITE;
+const SHARE: I = I::between(0.0, 1.0);
 const ANY: I = I::between(f64::NEG_INFINITY, f64::INFINITY);
 
 /// Makes the table, the structure of values and their accessors. A row: the name, perhaps an alias, and the type,
@@ -179,10 +183,16 @@ type AskedPrecision = Option<Precision>;
 parameters! {
     model: Model, "", = "lens", EVERY, "what the camera is a model of";
     specfile or "lensfile": String, "", or "dgauss.50mm", LENSES, "lens file, or a catalogue name such as \"wide.22mm\" or \"wide.22mm@35mm\"";
+    glasscatalog: String, "", or "", LENSES, "glass catalogue (AGF) in which glasses that a lens file names are looked up first, before catalogues beside the file and the built-in glasses";
     filmdistance: f64 in POSITIVE, "mm", or "the lens file's, or focused at `focusdistance`", LENSES, "from the last vertex to the film";
     focusdistance: f64 in DISTANCE, "world units", or "infinity", LENSES, "from the film plane to the plane in focus, or inf, instead of `filmdistance`";
+    focusby: FocusBy, "", = "film", LENSES, "what moves to focus, the film, or the lens's own groups with the film where the lens file has it";
+    zoom: Zoom, "", or "", LENSES, "focal length of a zoom lens, a number of mm, or the name of one of its positions; without it the lens file's first";
     aperture_diameter or "aperturediameter": f64 in POSITIVE, "mm", or "the file's", LENSES, "clear diameter of the stop";
     fnumber: f64 in POSITIVE, "", or "", LENSES, "focal length over entrance pupil diameter, instead of `aperture_diameter`";
+    blades: f64 in BLADES, "", or "the lens file's, or 0", TRACED, "how many blades the stop has, 3 or more, whose corners lie on the circle of its clear diameter";
+    bladerotation: f64 in TURN, "degrees", or "the lens file's, or 0", TRACED, "where the first corner of the blades lies, from image right toward image up";
+    bladecurvature: f64 in SHARE, "", or "the lens file's, or 0", TRACED, "curvature of the blades' edges over that of the circle: 0 is straight, 1 the circle";
     filmdiag: f64 in POSITIVE, "mm", = "35", LENSES, "diagonal of the film";
     hither: f64 in NEAR, "world units", = "1e-3", EVERY, "where a ray begins, along it";
     yon: f64 in FAR, "world units", = "1e30", EVERY, "where a ray ends, along it, from `hither` on";
@@ -331,6 +341,7 @@ mod tests {
         let names = [
             ("model", unset.model().to_string()),
             ("specfile", catalogue::DEFAULT.to_owned()),
+            ("focusby", unset.focusby().to_string()),
             ("weighting", unset.weighting().expect("one name").to_string()),
             ("pupil", unset.pupil().to_string()),
             ("disk", unset.disk().to_string()),

@@ -36,7 +36,9 @@ pub(crate) fn compile(
         }
         Tracing::Refracted(_, Precision::F64) => Arc::new(WalkTracer::new(path.clone(), body)),
         Tracing::Refracted(refraction, Precision::F32) => {
-            Arc::new(WalkTracer::new(Path::<f32>::new(lens, Direction::FilmToScene, *refraction), body))
+            let single = Path::<f32>::new(lens, Direction::FilmToScene, *refraction);
+            let blades = path.blades().map(|(_, blades)| blades);
+            Arc::new(WalkTracer::new(single.with_blades(lens, blades), body))
         }
     }
 }

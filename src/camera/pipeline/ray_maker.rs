@@ -35,6 +35,12 @@ impl RayMaker {
         &self.placement
     }
 
+    /// Where all rays begin and end; `None` where each has a range of its own.
+    #[inline]
+    pub fn range(&self) -> Option<[f32; 2]> {
+        self.range
+    }
+
     /// The ray of a sample with its weight, positive; `None` where there is none.
     pub fn ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
         let (mut ray, mut weight) = Default::default();

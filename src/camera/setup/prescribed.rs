@@ -1,26 +1,28 @@
 //! The set-up of the models with a lens file: the lens, the film in its place, and what the camera is to be.
 
 use super::{
+    blades::blades,
     common::{disk_mapping, placement, raster},
     facts::Facts,
     focusing::{FilmPlace, Focusing, place_film},
+    groups::{focus_distance, place_groups, reach},
 };
 use crate::{
     camera::{
         film::Film,
         host::Host,
-        parameters::{CameraError, ParameterError, Parameters, Pupil, Weighting},
+        parameters::{CameraError, FocusBy, ParameterError, Parameters, Pupil, Weighting},
         placement::Placement,
     },
-    imaging::focus::FocusError,
+    imaging::focus::{Conjugates, FocusError},
     lens::{
         Lens, Surface,
-        open::{OpenLens, StopSize, find, set_up},
+        open::{OpenLens, StopSize, find, misstated, set_up},
         refraction::Refraction,
     },
     message::{Level, Log},
     plan::Precision,
-    prescription::{Prescription, SourceError, catalogue, read},
+    prescription::{Blades, Prescription, SourceError, catalogue, glass_library, read_with},
     sampling::DiskMapping,
 };
 
@@ -28,6 +30,8 @@ use crate::{
 #[derive(Clone, Debug)]
 pub(crate) struct Setup {
     pub facts: Facts,
+    /// Those in the stop, if it is not round.
+    pub blades: Option<Blades>,
     pub refraction: Refraction,
     pub pupil: Pupil,
     pub mapping: DiskMapping,
@@ -57,13 +61,17 @@ impl Setup {
         }
         let film = Film::new(raster(host)?, given.filmdiag()?);
         let mm_per_unit = given.mmperunit()?;
-        let (_, optics) = open(given, host, log)?;
-        let (film_distance, focus_distance) = place_film(&optics, film_place(given)?, focusing, log)
+        let (prescription, optics) =
+            open(given, host, focusing, log).map_err(|error| with_units(error, given))?;
+        let (film_distance, in_focus) = place_film(&optics, film_place(given)?, focusing, log)
             .map_err(|error| with_units(error, given))?;
+        // Where the groups have done it, it was asked for.
+        let focus_distance = focus_distance(given)?.or(in_focus);
         let OpenLens { lens, first_order, entrance } = optics;
         check_reach(&lens, film_distance, mm_per_unit)?;
         Ok(Self {
             facts: Facts { lens, first_order, entrance, film, film_distance, focus_distance },
+            blades: blades(given, &prescription)?,
             refraction: given.refraction(),
             pupil: given.pupil(),
             mapping: disk_mapping(given, host)?,
@@ -77,35 +85,71 @@ impl Setup {
     }
 }
 
-/// Finds the lens of `specfile` (or the host's `lens_text`), and sets it up at `wavelength` and the stop of
-/// `aperture_diameter` or `fnumber`. Other parameters are not looked at. `log` receives warnings.
+/// Finds the lens of `specfile` (or the host's `lens_text`), and sets it up at `wavelength`, `zoom` and the stop of
+/// `aperture_diameter` or `fnumber`; where `focusby` is its groups, focused at `focusdistance`. The prescription has the
+/// groups where they stand, beside the positions that its file lists. Other parameters are not looked at. `log` receives
+/// warnings.
 ///
 /// # Errors
-/// No such lens, a file that is not a lens, a value out of range, or a lens that cannot be scaled or stopped down as
-/// asked.
+/// No such lens, a file that is not a lens, a value out of range, or a lens that cannot be scaled, zoomed, focused or
+/// stopped down as asked.
 pub fn open_lens(given: &Parameters, host: &Host, log: Log<'_>) -> Result<(Prescription, Lens), CameraError> {
-    open(given, host, log).map(|(prescription, optics)| (prescription, optics.lens))
+    open(given, host, Focusing::Exact, log).map(|(prescription, optics)| (prescription, optics.lens))
 }
 
-fn open(given: &Parameters, host: &Host, log: Log<'_>) -> Result<(Prescription, OpenLens), CameraError> {
-    let prescription = match (&host.lens_text, &given.specfile) {
-        (Some(_), Some(_)) => return Err(both("specfile", "lens_text").into()),
-        (Some((name, text)), None) => read(name, text).map_err(SourceError::from)?,
-        (None, name) => find(name.as_deref().unwrap_or(catalogue::DEFAULT), &host.search)?,
-    };
-    let wavelength = given.wavelength()?;
-    let stop = match (given.aperture_diameter()?, given.fnumber()?) {
-        (Some(_), Some(_)) => return Err(both("fnumber", "aperture_diameter").into()),
-        (Some(diameter), None) => StopSize::Diameter(diameter),
-        (None, Some(number)) => StopSize::FNumber(number),
-        (None, None) => StopSize::Listed,
-    };
+fn open(
+    given: &Parameters,
+    host: &Host,
+    focusing: Focusing,
+    log: Log<'_>,
+) -> Result<(Prescription, OpenLens), CameraError> {
+    let prescription = read_lens(given, host)?;
+    let (wavelength, stop) = light(given)?;
+    let silent = |prescription: &Prescription| Ok(set_up(prescription, wavelength, stop, &mut |_, _| ())?);
+    let prescription = place_groups(prescription, given, focusing, silent, log)?;
     let optics = set_up(&prescription, wavelength, stop, log)?;
     Ok((prescription, optics))
 }
 
+fn read_lens(given: &Parameters, host: &Host) -> Result<Prescription, CameraError> {
+    let glasses = given.glasscatalog.as_deref();
+    let mut prescription = match (&host.lens_text, &given.specfile) {
+        (Some(_), Some(_)) => return Err(both("specfile", "lens_text").into()),
+        (Some((name, text)), None) => {
+            let library = glass_library(glasses, &host.search)?;
+            read_with(name, text, &library).map_err(SourceError::from)?
+        }
+        (None, name) => find(name.as_deref().unwrap_or(catalogue::DEFAULT), glasses, &host.search)?,
+    };
+    prescription.remarks.extend(misstated(&prescription));
+    Ok(prescription)
+}
+
+/// Wavelength in nm, and how far the lens is stopped down.
+fn light(given: &Parameters) -> Result<(f64, StopSize), ParameterError> {
+    let stop = match (given.aperture_diameter()?, given.fnumber()?) {
+        (Some(_), Some(_)) => return Err(both("fnumber", "aperture_diameter")),
+        (Some(diameter), None) => StopSize::Diameter(diameter),
+        (None, Some(number)) => StopSize::FNumber(number),
+        (None, None) => StopSize::Listed,
+    };
+    Ok((given.wavelength()?, stop))
+}
+
+/// The nearest plane and the farthest that the lens of [`open_lens`] focuses on by its groups, by exact rays, with the film
+/// distance there; `focusby` and `focusdistance` are not looked at.
+///
+/// # Errors
+/// As of [`open_lens`], and a lens whose table does not say how its groups move to focus.
+pub fn group_reach(given: &Parameters, host: &Host) -> Result<[Conjugates; 2], CameraError> {
+    let (wavelength, stop) = light(given)?;
+    let silent = |prescription: &Prescription| Ok(set_up(prescription, wavelength, stop, &mut |_, _| ())?);
+    reach(&read_lens(given, host)?, given, silent, &mut |_, _| ())
+}
+
 /// The distance from the last vertex to the film, mm, for `filmdistance` or `focusdistance` (world units of
-/// `mmperunit`), by exact rays; where neither is given, the lens file's, or focused at infinity.
+/// `mmperunit`), by exact rays; where neither is given, or the groups of the lens have been focused instead (`focusby`),
+/// the lens file's, or focused at infinity.
 ///
 /// # Errors
 /// A value out of range, both distances, or a lens that cannot focus there.
@@ -133,6 +177,7 @@ fn check_reach(lens: &Lens, film_distance: f64, mm_per_unit: f64) -> Result<(), 
 fn film_place(given: &Parameters) -> Result<FilmPlace, ParameterError> {
     Ok(match (given.filmdistance()?, given.focusdistance()?) {
         (Some(_), Some(_)) => return Err(both("filmdistance", "focusdistance")),
+        _ if given.focusby() == FocusBy::Group => FilmPlace::Nominal,
         (Some(distance), None) => FilmPlace::At(distance),
         (None, Some(distance)) => FilmPlace::FocusedOn(distance * given.mmperunit()?),
         (None, None) => FilmPlace::Nominal,

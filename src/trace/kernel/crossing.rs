@@ -11,6 +11,8 @@ pub struct ClearPart {
     pub curvature: f64,
     /// Clear semi-diameter.
     pub semi_diameter: f64,
+    /// The least and the greatest z of a part that is neither a sphere's nor a plane's.
+    pub aspheric: Option<[f64; 2]>,
 }
 
 /// Which tests a ray between two surfaces still needs.
@@ -33,6 +35,9 @@ impl ClearPart {
 
     /// The least and the greatest z of the part.
     fn extent(self) -> [f64; 2] {
+        if let Some(extent) = self.aspheric {
+            return extent;
+        }
         let edge_sagitta = self.sagitta(self.semi_diameter);
         [edge_sagitta.min(0.0), edge_sagitta.max(0.0)]
     }
@@ -45,7 +50,7 @@ impl ClearPart {
             return false;
         }
         // The difference of two sagittae is monotonic in height, so that the edge and the vertex decide.
-        let near = ClearPart { curvature: ball, semi_diameter: height }.sagitta(height);
+        let near = ClearPart { curvature: ball, semi_diameter: height, aspheric: None }.sagitta(height);
         let edge = ahead + self.sagitta(height);
         let inside_near = ahead > margin && edge > near + margin;
         let far = if ball > 0.0 { 2.0 / ball } else { f64::INFINITY };
@@ -58,7 +63,9 @@ pub fn tests(from: ClearPart, to: ClearPart, distance: f64) -> Tests {
     // A ray leaving `from` into a ball does not come from inside it, and so can meet what is inside
     // only ahead; seen backward, the same holds for the ball that it leaves at `to`.
     let reversed = ClearPart { curvature: -from.curvature, ..from };
-    let ahead = to.is_inside(from.curvature, distance) || reversed.is_inside(-to.curvature, distance);
+    let both_balls = from.aspheric.or(to.aspheric).is_none();
+    let inside = || to.is_inside(from.curvature, distance) || reversed.is_inside(-to.curvature, distance);
+    let ahead = both_balls && inside();
     // Where every point of `to` lies ahead in z, t and Vz have the same sign.
     let apart = leaves_room(from, to, distance);
     Tests { forward: !(ahead && apart), onward: !(ahead || apart) }
@@ -75,13 +82,13 @@ mod tests {
     use super::*;
 
     fn clear_part(radius: f64, semi_diameter: f64) -> ClearPart {
-        ClearPart { curvature: radius.recip(), semi_diameter }
+        ClearPart { curvature: radius.recip(), semi_diameter, aspheric: None }
     }
 
     #[test]
     fn nothing_is_left_to_test_between_planes_and_in_a_thick_biconvex_element() {
         let none = Tests { forward: false, onward: false };
-        let plane = ClearPart { curvature: 0.0, semi_diameter: 10.0 };
+        let plane = ClearPart { curvature: 0.0, semi_diameter: 10.0, aspheric: None };
         assert_eq!(tests(plane, plane, 0.1), none);
         assert_eq!(tests(clear_part(20.0, 5.0), clear_part(-20.0, 5.0), 3.0), none);
     }

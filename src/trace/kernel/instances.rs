@@ -11,9 +11,9 @@ use super::lanes::{
 };
 use super::{
     Available,
-    batch::{Approach, Batch, InPlaceBatch, PlaneBatch, RaysByValue},
     lanes::{Cpu, Lanes, Portable, Scalar, each_further},
     ray::{End, Start},
+    rays::batch::{Approach, Batch, InPlaceBatch, PlaneBatch, RaysByValue},
     table::Table,
     trace::trace,
 };

@@ -12,8 +12,8 @@
 //!
 //! What follows what: `surface` gathers what is known of each surface, with what `crossing` proves from its neighbours'
 //! shapes; `table` makes a step of each, within the growth of rounding that `rounding` allows; a `batch` makes rays as
-//! vectors of `lanes`; `trace` takes them through the steps, each of which is a method in `ray`; `instances` compiles
-//! all that once for each set of instructions in `simd`. `clearance` is a second, smaller loop for searches.
+//! vectors of `lanes`; `trace` takes them through the steps, each of which is a method in `ray` or, for what is no sphere,
+//! in `asphere`; `instances` compiles all that once for each set of instructions in `simd`. `clearance` is a second, smaller loop for searches.
 //!
 //! On `#[cfg_attr(not(debug_assertions), inline(always))]`, which stands at every function below `instances`: a vector
 //! operation is compiled for a processor only inside a function that is, so that all of them must be inlined into the
@@ -21,7 +21,8 @@
 //! called instead, with the same bits: described to a debugger, functions of that size overflow LLVM's stack. An
 //! attribute cannot be given a name of its own in stable Rust.
 
-mod batch;
+mod asphere;
+mod blades;
 mod clearance;
 mod crossing;
 mod instances;
@@ -40,19 +41,21 @@ pub use rays::{LensRays, PlaneRays, RayBuffer, Traced};
 pub use simd::Simd;
 pub(crate) use simd::{Available, Compiled};
 
-use self::batch::InPlaceBatch;
+use self::rays::batch::InPlaceBatch;
 pub(crate) use self::{
-    batch::{Approach, Batch, PlaneBatch, RaysByValue, from_plane},
+    asphere::Profile,
+    blades::power,
     instances::{Grouping, InVectors, Optics, in_vectors, run},
     lanes::{Cpu, Indexed, Lanes, Portable, Scalar},
     ray::{End, Start},
+    rays::batch::{Approach, Batch, PlaneBatch, RaysByValue, from_plane},
     table::Table,
 };
 use crate::{
     lens::{Lens, Ray, refraction::Refraction},
     trace::{
         path::{Direction, Path},
-        surface::Blocked,
+        state::Blocked,
     },
 };
 

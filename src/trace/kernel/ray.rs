@@ -12,7 +12,8 @@
 
 use super::{
     lanes::{Cpu, Lanes, Scalar},
-    table::{ApertureTest, Link, Plane, Sphere, Step, Stop, Table, Transfer},
+    surface::Transfer,
+    table::{ApertureTest, Link, Plane, Sphere, Step, Stop, Table},
 };
 use crate::numeric::Real;
 
@@ -109,8 +110,34 @@ impl<L: Lanes> RayLanes<L> {
                 ray.plane::<false>(cpu, plane, minus_z, Some(lead));
                 ray
             }
-            (Step::Link(_) | Step::Stop(_) | Step::Renormalise(_), _) => {
+            (Step::Conic(conic), start) => {
+                let (mut ray, minus_z, lead) = Self::on_way(cpu, start);
+                ray.conic(cpu, conic, minus_z, lead);
+                ray
+            }
+            (Step::Asphere(asphere), start) => {
+                let (ray, minus_z, lead) = Self::on_way(cpu, start);
+                let mut rays = [ray];
+                asphere.trace(cpu, &mut rays, [minus_z], [lead]);
+                rays[0]
+            }
+            (Step::Link(_) | Step::Stop(_) | Step::Blades(_) | Step::Renormalise(_), _) => {
                 unreachable!("the first step meets the ray anywhere")
+            }
+        }
+    }
+
+    /// A ray on its way to the first surface, with -z there and how far it was moved on, in units of V.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn on_way(cpu: Cpu<L>, start: Start<L>) -> (Self, L, L) {
+        match start {
+            Start::Flat { x, y, slopes, cos2, moved, .. } => {
+                let vz = cos2.sqrt();
+                let ray = Self::at(cpu, [x, y], [slopes[0] * vz, slopes[1] * vz, vz], cos2);
+                (ray, L::splat(cpu, L::Scalar::ZERO), moved / vz)
+            }
+            Start::Anywhere { x, y, minus_z, v, lead } => {
+                (Self::at(cpu, [x, y], v, v[2] * v[2]), minus_z, lead)
             }
         }
     }
@@ -124,6 +151,12 @@ impl<L: Lanes> RayLanes<L> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn keep(&mut self, mask: L::Mask) {
         self.passed = L::both(self.passed, mask);
+    }
+
+    /// The rays that have passed so far, a bit each.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn passed_bits(&self) -> u32 {
+        L::bits(self.passed)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]

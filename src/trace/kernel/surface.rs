@@ -2,7 +2,7 @@
 //! shapes leave open. A path's surfaces in; [`CompiledSurface`]s out, of which `table` chooses steps.
 
 use super::crossing::{self, ClearPart, Tests};
-use crate::trace::surface::PathSurface;
+use crate::trace::{aspheric::Aspheric, blades::StopFigure, surface::PathSurface};
 
 /// |R|/n up to this many times the clear semi-diameter counts as strongly curved: without the division t has an error of
 /// rounding times |R|/n, however near the surface is. As few as leave the catalogue's lenses, whose weakest surface comes
@@ -11,9 +11,19 @@ const STRONG: f64 = 26.0;
 /// From this (a/R)² the aperture is tested by N_z, which has too few digits below.
 const STEEP: f64 = 0.02;
 
+/// From one vertex's frame to the next's: -z' there is `factor` times the height that a ray carries (z above the vertex
+/// it was last at, or N_z), plus `offset`.
+#[derive(Clone, Copy, Debug)]
+pub struct Transfer<S> {
+    pub factor: S,
+    pub offset: S,
+}
+
 /// One surface as the compiler sees it.
-pub struct CompiledSurface {
+pub struct CompiledSurface<'a> {
     pub c: f64,
+    /// The whole of a surface that is neither a sphere nor a plane.
+    pub aspheric: Option<&'a Aspheric<f64>>,
     pub n: f64,
     pub index_step: f64,
     pub aperture: f64,
@@ -24,11 +34,13 @@ pub struct CompiledSurface {
     pub tests: Tests,
     /// Whether the aperture is to be tested.
     pub tested: bool,
+    /// The figure that blades leave open in it, which is always tested.
+    pub blades: Option<&'a StopFigure<f64>>,
     /// Only a test, which does not move the ray.
     pub is_still: bool,
 }
 
-impl CompiledSurface {
+impl CompiledSurface<'_> {
     pub fn is_strong(&self) -> bool {
         self.c.abs() * STRONG * self.n * self.semi >= 1.0
     }
@@ -45,18 +57,21 @@ pub fn surfaces(
     travel_sign: f64,
     epsilon: f64,
     tested: impl Fn(usize) -> bool,
-) -> Vec<CompiledSurface> {
-    let mut surfaces: Vec<CompiledSurface> = Vec::with_capacity(steps.len());
+) -> Vec<CompiledSurface<'_>> {
+    let mut surfaces: Vec<CompiledSurface<'_>> = Vec::with_capacity(steps.len());
     let clear_part = |step: &PathSurface<f64>| ClearPart {
         curvature: step.curvature,
         semi_diameter: step.aperture.sqrt(),
+        aspheric: step.aspheric.as_ref().map(|aspheric| aspheric.extent),
     };
     let mut moved: Option<ClearPart> = None;
     let mut distance = 0.0;
     for (i, step) in steps.iter().enumerate() {
         distance += step.distance;
         let here = clear_part(step);
-        let beside = |step: &PathSurface<f64>| step.curvature == 0.0 && step.index_step == 0.0;
+        let beside = |step: &PathSurface<f64>| {
+            step.curvature == 0.0 && step.index_step == 0.0 && step.aspheric.is_none()
+        };
         let room_after =
             steps.get(i + 1).is_some_and(|next| crossing::leaves_room(here, clear_part(next), next.distance));
         let room_before = moved.is_some_and(|moved| crossing::leaves_room(moved, here, distance));
@@ -66,6 +81,7 @@ pub fn surfaces(
         let unknown = Tests { forward: travel_sign > 0.0 || step.curvature == 0.0, onward: true };
         surfaces.push(CompiledSurface {
             c: step.curvature,
+            aspheric: step.aspheric.as_deref(),
             n: step.n,
             index_step: step.index_step,
             aperture: step.aperture,
@@ -73,7 +89,9 @@ pub fn surfaces(
             slack: step.slack * (epsilon / f64::EPSILON),
             distance,
             tests: moved.map_or(unknown, |moved| crossing::tests(moved, here, distance)),
-            tested: tested(i),
+            // The figure lies inside the circle.
+            tested: tested(i) && step.blades.is_none(),
+            blades: step.blades.as_deref(),
             is_still,
         });
         if !is_still {

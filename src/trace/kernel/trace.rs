@@ -81,6 +81,11 @@ fn trace_steps<L: Lanes, const U: usize>(cpu: Cpu<L>, table: &Table<L::Scalar>, 
                     ray.stop(cpu, stop);
                 }
             }
+            Step::Blades(stop) => {
+                for ray in &mut *rays {
+                    ray.blades(cpu, stop);
+                }
+            }
             Step::Sphere(sphere) => {
                 if sphere.tests.forward {
                     for ray in &mut *rays {
@@ -98,6 +103,20 @@ fn trace_steps<L: Lanes, const U: usize>(cpu: Cpu<L>, table: &Table<L::Scalar>, 
                         ray.sphere::<false>(cpu, sphere, minus_z, None);
                     }
                 }
+            }
+            Step::Conic(conic) => {
+                for ray in &mut *rays {
+                    let minus_z = ray.minus_z(cpu, &conic.transfer);
+                    ray.conic(cpu, conic, minus_z, L::splat(cpu, L::Scalar::ZERO));
+                }
+            }
+            Step::Asphere(asphere) => {
+                let zero = L::splat(cpu, L::Scalar::ZERO);
+                let mut minus_z = [zero; U];
+                for (ray, minus_z) in rays.iter().zip(&mut minus_z) {
+                    *minus_z = ray.minus_z(cpu, &asphere.transfer);
+                }
+                asphere.trace(cpu, rays, minus_z, [zero; U]);
             }
             Step::Renormalise(length) => {
                 for ray in &mut *rays {

@@ -6,6 +6,7 @@ use thiserror::Error;
 use super::{least_squares::LeastSquares, terms::exponents};
 use crate::{
     lens::{Lens, Ray, Surface},
+    prescription::Blades,
     trace::Path,
 };
 
@@ -101,6 +102,8 @@ pub struct Polynomial {
 pub(super) struct AperturePolynomial {
     /// E and F by monomial.
     pub terms: Vec<[f64; 2]>,
+    /// The blades in it.
+    pub blades: Option<Blades>,
 }
 
 impl Polynomial {
@@ -143,7 +146,8 @@ pub(crate) struct Fits {
     variables: Vec<([f64; 2], [f64; 2], [f64; 3])>,
     /// Where those rays leave the lens, in which direction, and where they pass each aperture.
     equations: LeastSquares,
-    apertures: usize,
+    /// The blades in each.
+    apertures: Vec<Option<Blades>>,
     /// The exponents that the columns have so far, by total degree; two columns each.
     exponents: Vec<[usize; 3]>,
     /// The total degree up to which they go.
@@ -159,6 +163,9 @@ impl Fits {
         // A vector gives an equation for each of its two components.
         let mut sides = vec![vec![0.0; 2 * inputs.len()]; 2 + apertures.len()];
         let last = lens.surfaces.len() - 1;
+        let blades_in = |aperture: usize| {
+            path.blades().filter(|(along, _)| aperture == last - along).map(|(_, blades)| blades)
+        };
         for (number, (&(x, slopes), target)) in inputs.iter().zip(&targets).enumerate() {
             if !apertures.is_empty() {
                 path.intersections(film, x, slopes, |met| {
@@ -184,7 +191,7 @@ impl Fits {
             front: *lens.front(),
             variables: inputs.iter().map(|&(x, slopes)| scaling.variables(x, slopes)).collect(),
             equations: LeastSquares::new(sides),
-            apertures: apertures.len(),
+            apertures: apertures.iter().copied().map(blades_in).collect(),
             exponents: Vec::new(),
             degree: None,
         }
@@ -222,15 +229,16 @@ impl Fits {
             let [origin, direction] = [&solved[0], &solved[1]];
             [origin[at], origin[at + 1], direction[at], direction[at + 1]]
         });
-        let aperture = |solved: &Vec<f64>| AperturePolynomial {
+        let aperture = |(solved, blades): (&Vec<f64>, &Option<Blades>)| AperturePolynomial {
             terms: wanted.iter().map(place).map(|at| [solved[at], solved[at + 1]]).collect(),
+            blades: *blades,
         };
         Ok(Polynomial {
             order,
             scaling: self.scaling,
             terms: terms.collect(),
             front: self.front,
-            apertures: solved[2..2 + self.apertures].iter().map(aperture).collect(),
+            apertures: solved[2..].iter().zip(&self.apertures).map(aperture).collect(),
         })
     }
 

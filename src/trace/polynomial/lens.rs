@@ -3,10 +3,17 @@
 //! Written over the kernel's vectors, of which every operation is correctly rounded, so that one ray and many
 //! have the same bits.
 
-use super::{fit::Polynomial, terms::sum};
-use crate::trace::kernel::{
-    Approach, Available, Batch, Cpu, End, Grouping, KernelScalar, Lanes, LensRays, Optics, PlaneBatch,
-    PlaneRays, RaysByValue, Start, Traced, run,
+use super::{
+    fit::{AperturePolynomial, Polynomial},
+    terms::sum,
+};
+use crate::trace::{
+    aspheric::Aspheric,
+    blades::StopFigure,
+    kernel::{
+        Approach, Available, Batch, Cpu, End, Grouping, KernelScalar, Lanes, LensRays, Optics, PlaneBatch,
+        PlaneRays, Profile, RaysByValue, Start, Traced, power, run,
+    },
 };
 
 /// A lens as polynomials that traces as a [`Kernel`](crate::trace::kernel::Kernel) does: one ray, three or many,
@@ -22,14 +29,16 @@ pub struct PolynomialLens<S> {
     degree: usize,
     /// A, B, C, D by monomial.
     terms: Vec<[S; 4]>,
-    /// E and F of each aperture by monomial.
-    apertures: Vec<Vec<[S; 2]>>,
+    /// E and F of each aperture by monomial, and the figure that blades leave open in it.
+    apertures: Vec<(Vec<[S; 2]>, Option<StopFigure<S>>)>,
     film_scale: S,
     pupil_scale: S,
     vergence: S,
     /// The front surface's curvature, and the square of its clear semi-diameter, mm².
     curvature: S,
     aperture: S,
+    /// The whole front surface where it is an asphere, z along the travel.
+    profile: Option<Profile<S>>,
     simd: Available,
 }
 
@@ -44,13 +53,17 @@ impl<S: KernelScalar> PolynomialLens<S> {
             terms: terms.iter().map(|term| term.map(round)).collect(),
             apertures: apertures
                 .iter()
-                .map(|aperture| aperture.terms.iter().map(|term| term.map(round)).collect())
+                .map(|AperturePolynomial { terms, blades }| {
+                    let figure = blades.map(|blades| StopFigure::new(blades, 1.0));
+                    (terms.iter().map(|term| term.map(round)).collect(), figure)
+                })
                 .collect(),
             film_scale: round(scaling.film_scale),
             pupil_scale: round(scaling.pupil_scale),
             vergence: round(scaling.vergence),
             curvature: round(front.curvature),
             aperture: round(front.semi_diameter.powi(2)),
+            profile: front.figure.map(|figure| Profile::new(&Aspheric::new(&figure, false, front.n_film))),
             simd: Available::best(),
         }
     }
@@ -107,14 +120,24 @@ impl<S: KernelScalar> PolynomialLens<S> {
         let (qx, qy) = (d.mul_add(px, c * x), d.mul_add(py, c * y));
         let height = oy.mul_add(oy, ox * ox);
         let mut passed = height.less_equal(L::splat(cpu, self.aperture));
-        for aperture in &self.apertures {
-            let [e, f] = sum(cpu, aperture, self.degree, [u, v, w]);
+        for (terms, figure) in &self.apertures {
+            let [e, f] = sum(cpu, terms, self.degree, [u, v, w]);
             let (rx, ry) = (f.mul_add(px, e * x), f.mul_add(py, e * y));
-            passed = L::both(passed, ry.mul_add(ry, rx * rx).less_equal(one));
+            let passes = match figure {
+                None => ry.mul_add(ry, rx * rx).less_equal(one),
+                Some(figure) => {
+                    let (power, limit) = power(cpu, figure, [rx, ry], one);
+                    power.less_equal(limit)
+                }
+            };
+            passed = L::both(passed, passes);
         }
         let bent = L::splat(cpu, self.curvature) * height;
         let root = (L::splat(cpu, self.curvature).neg_mul_add(bent, one)).sqrt();
-        let oz = zero - bent / (one + root);
+        let oz = match &self.profile {
+            None => zero - bent / (one + root),
+            Some(profile) => profile.height(cpu, height),
+        };
         let scale = two / qy.mul_add(qy, qx.mul_add(qx, one));
         // A number that is none blocks, too.
         passed = L::both(passed, oz.less_equal(oz));

@@ -44,6 +44,9 @@ static struct {
                                           const realistic_rays_soa *, const realistic_rays_soa *,
                                           const realistic_rays_soa *);
 #endif
+#ifdef REALISTIC_CAPABILITY_LENS /* not in the second header */
+    realistic_status (*lens_focus)(const realistic_lens *, double, double *);
+#endif
     realistic_status (*autofocus)(const realistic_options *, const realistic_zone *, size_t, int32_t,
                                   realistic_distance, realistic_contrast, void *, double *);
 } api;
@@ -85,6 +88,9 @@ static void load(const char *path) {
     resolve(library, "realistic_camera_generate_ray_differentials_soa", &api.differentials_soa);
 #endif
     resolve(library, "realistic_autofocus", &api.autofocus);
+#ifdef REALISTIC_CAPABILITY_LENS
+    resolve(library, "realistic_lens_focus", &api.lens_focus);
+#endif
 }
 
 /* "status name NUMBER MESSAGE", the message on one line. */
@@ -142,13 +148,14 @@ static void do_refusals(void) {
     realistic_options o;
     report("init-null", api.options_init(NULL, sizeof o));
     report("init-small", api.options_init(&o, 4));
-    report("init-large", api.options_init(&o, sizeof o + 8));
+    /* More than any library knows, whichever header this is. */
+    report("init-large", api.options_init(&o, 4096));
     refuse("options-null", NULL);
     o = options();
     report("out-null", api.camera_new(&o, NULL));
     o.struct_size = 8;
     refuse("size-small", &o);
-    o.struct_size = sizeof o + 8;
+    o.struct_size = 4096;
     refuse("size-large", &o);
     o.struct_size = 0;
     refuse("size-zero", &o);
@@ -466,6 +473,15 @@ static void do_rays(void) {
     api.camera_free(camera);
 }
 
+#ifdef REALISTIC_CAPABILITY_LENS
+static void do_lens(void) {
+    double foreign[16] = {1, 2, 3}, film_distance = 7;
+    report("no-lens", api.lens_focus((realistic_lens *)(void *)foreign, 900, &film_distance));
+    report("null-lens", api.lens_focus(NULL, 900, &film_distance));
+    printf("kept %g\n", film_distance);
+}
+#endif
+
 static void do_null(void) {
     realistic_options o = options();
     realistic_camera *camera = build(&o);
@@ -583,6 +599,9 @@ int main(int count, char **argument) {
         {"differentials", do_differentials},
 #endif
         {"rays", do_rays},
+#ifdef REALISTIC_CAPABILITY_LENS
+        {"lens", do_lens},
+#endif
         {"null", do_null},       {"threads", do_threads}, {"counts", do_counts},
     };
     if (count != 3) return 1;

@@ -55,25 +55,26 @@ const UNREACHABLE: i32 = 5;
 const PANIC: i32 = 7;
 const NOT_OURS: i32 = 8;
 const MEMORY: i32 = 9;
+const NOT_A_LENS: i32 = 11;
 
 #[test]
 fn the_library_says_what_it_is() {
     let report = run("library");
-    assert_eq!(report.numbers("abi"), [2.0, 2.0]);
+    assert_eq!(report.numbers("abi"), [3.0, 3.0]);
     assert_eq!(report.one("version"), env!("CARGO_PKG_VERSION"));
     // The bits of the first version stay; later ones add.
     assert_eq!(report.number("capabilities") as u64 & (256 + 15), 256 + 15);
     assert_eq!(report.one("empty"), "[]");
     let names = report.all("name");
     assert_eq!(names[1], "0 ok");
-    assert_eq!(names.iter().filter(|name| name.ends_with("unknown status")).count(), 3);
+    assert_eq!(names.iter().filter(|name| name.ends_with("unknown status")).count(), 2);
     assert_eq!(names.iter().collect::<std::collections::HashSet<_>>().len(), 14);
 }
 
 #[test]
 fn a_host_of_the_first_header_gets_what_it_got() {
     let [old, new] = [run_old("library"), run("library")];
-    assert_eq!(old.numbers("abi"), [2.0, 1.0], "the library's, and the header's");
+    assert_eq!(old.numbers("abi"), [3.0, 1.0], "the library's, and the header's");
     assert_eq!(old.all("name"), new.all("name"));
     for action in ["rays", "info", "plan", "log", "refusals", "null"] {
         let [old, new] = [run_old(action), run(action)];
@@ -107,12 +108,12 @@ fn every_status_of_the_header_is_returned_or_reserved() {
         }
         is_reserved |= line.contains("Reserved");
     }
-    let reports = ["refusals", "null", "counts"].map(run);
+    let reports = ["refusals", "null", "counts", "lens"].map(run);
     let seen = |number: i32| {
         let is_it = |line: &str| line.split(' ').nth(1) == Some(&number.to_string());
         reports.iter().any(|report| report.out.lines().any(is_it))
     };
-    assert_eq!(returned.len(), 9, "{returned:?}");
+    assert_eq!(returned.len(), 10, "{returned:?}");
     for (number, name) in returned {
         // Only a defect gives it: a unit test of the boundary makes one.
         assert!(number == PANIC || seen(number), "{name} is never returned");
@@ -121,7 +122,8 @@ fn every_status_of_the_header_is_returned_or_reserved() {
 
 #[test]
 fn no_call_prints() {
-    for action in ["library", "refusals", "info", "plan", "log", "rays", "null", "threads", "counts"] {
+    for action in ["library", "refusals", "info", "plan", "log", "rays", "null", "threads", "counts", "lens"]
+    {
         assert_eq!(run(action).err, "", "{action}");
     }
 }
@@ -273,6 +275,14 @@ fn null_foreign_and_empty_are_answered() {
     said(&report, "soa-no-lens-v", NULL, &["samples.lens_v is NULL"]);
     said(&report, "soa-no-dy", NULL, &["rays.dy is NULL"]);
     assert!(report.one("free-foreign").contains("no camera of this library"));
+}
+
+#[test]
+fn what_is_no_lens_is_told_from_one() {
+    let report = run("lens");
+    said(&report, "no-lens", NOT_A_LENS, &["no lens of this library"]);
+    said(&report, "null-lens", NOT_A_LENS, &["NULL"]);
+    assert_eq!(report.one("kept"), "7");
 }
 
 #[test]

@@ -163,11 +163,55 @@ static void cameras(const realistic::Api &api) {
     }
 }
 
+static void lenses(const realistic::Api &api) {
+    realistic::Options options(api);
+    options.set(&realistic_options::specfile, "wide.22mm").set(&realistic_options::fnumber, 8);
+    realistic::Lens opened(options);
+    realistic::Lens lens = std::move(opened);
+    realistic_lens_info info = lens.info();
+    std::printf("lens %s %.17g %.17g %u\n", lens.name().c_str(), info.focal_length_mm, info.fnumber,
+                static_cast<unsigned>(info.surfaces));
+    std::printf("stop %d\n", lens.surface(static_cast<uint32_t>(info.stop)).is_stop == 1);
+    std::printf("focus %.17g\n", lens.focused_on(lens.focus(1000)));
+    double at[6] = {0, 0, 50, 0, 0, -1};
+    realistic_reason reason;
+    lens.trace(REALISTIC_SIDE_SCENE, 1, {0, at, at + 1, at + 2, at + 3, at + 4, at + 5, &reason});
+    std::printf("axis %d %.17g %.17g\n", static_cast<int>(reason), at[2] - info.rear_vertex_mm, at[5]);
+    try {
+        lens.surface(99);
+    } catch (const realistic::Error &error) {
+        std::printf("none %d %s\n", static_cast<int>(error.status()), error.what());
+    }
+    std::printf("capable %d\n", (api.capabilities() & REALISTIC_CAPABILITY_LENS) != 0);
+
+    realistic::Options camera(40, 30, api);
+    std::vector<realistic_zone> zones = {{10, 10, 30, 20}};
+    double film = camera.autofocus(zones, REALISTIC_AUTOFOCUS_RULE_CENTRE, [](const realistic_ray &ray) {
+        return (800 - ray.o[2]) / ray.d[2];
+    });
+    camera.set(&realistic_options::filmdistance, film);
+    std::printf("autofocus %.17g\n", Owner(camera).info().focus_distance_mm);
+    try {
+        camera.autofocus(zones, REALISTIC_AUTOFOCUS_RULE_CENTRE,
+                         [](const realistic_ray &) -> double { throw std::logic_error("thrown by the callback"); });
+    } catch (const realistic::Error &) {
+        std::printf("refused for its film distance\n");
+    }
+    realistic::Options again(40, 30, api);
+    try {
+        again.autofocus(zones, REALISTIC_AUTOFOCUS_RULE_CENTRE,
+                        [](const realistic_ray &) -> double { throw std::logic_error("thrown by the callback"); });
+    } catch (const std::logic_error &error) {
+        std::printf("through %s\n", error.what());
+    }
+}
+
 int main(int count, char **argument) {
     if (count != 3) return 1;
     realistic::Api functions = api(argument[1]);
     if (std::strcmp(argument[2], "refusals") == 0) refusals(functions);
     if (std::strcmp(argument[2], "cameras") == 0) cameras(functions);
+    if (std::strcmp(argument[2], "lenses") == 0) lenses(functions);
 #ifdef REALISTIC_LINKED
     // Where the program is linked nothing need be said of the library.
     std::printf("linked %s\n", Owner(realistic::Options(4, 3)).lens_name().c_str());

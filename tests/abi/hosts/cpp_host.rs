@@ -67,6 +67,26 @@ fn a_camera_is_owned_moved_asked_and_given_away() {
 }
 
 #[test]
+fn a_lens_is_asked_without_a_film_and_autofocus_by_a_function() {
+    for report in runs("lenses") {
+        let lens: Vec<&str> = report.one("lens").split(' ').collect();
+        assert_eq!((lens[0], lens[3]), ("wide.22mm", "13"));
+        let number = |at: usize| lens[at].parse::<f64>().unwrap();
+        assert!((number(1) - 22.0).abs() < 0.5 && (number(2) - 8.0).abs() < 1e-9, "{lens:?}");
+        assert_eq!(report.one("stop"), "1");
+        assert!((report.number("focus") - 1000.0).abs() < 1e-6);
+        assert_eq!(report.numbers("axis"), [0.0, 0.0, -1.0]);
+        assert!(report.one("none").starts_with("3 surface 99: the lens has 13"));
+        assert_eq!(report.one("capable"), "1");
+        // The plane lies 800 mm in front of the lens, and the film behind that.
+        let focused = report.number("autofocus");
+        assert!((800.0..1000.0).contains(&focused), "{focused}");
+        assert_eq!(report.one("refused"), "for its film distance");
+        assert_eq!(report.one("through"), "thrown by the callback");
+    }
+}
+
+#[test]
 fn a_linked_program_names_no_library_and_a_loading_one_hears_what_is_missing() {
     let [loading, linked] = runs("none");
     assert_eq!(linked.one("linked"), "dgauss.50mm");

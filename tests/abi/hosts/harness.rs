@@ -1,4 +1,7 @@
 //! Builds hosts in C and C++, the pbrt-v1 one for both `std::string` ABIs, and runs them with the plugin.
+//!
+//! With `REALISTIC_SANITIZE`, a compiler's `-fsanitize=` word, they are built with that sanitizer, and with
+//! `REALISTIC_HOSTS_PLUGIN` they load that plugin: `.ci/sanitize` sets both.
 
 use std::env;
 use std::ffi::{OsStr, OsString};
@@ -53,11 +56,15 @@ pub fn compile_with(
     libraries: &[&str],
 ) -> PathBuf {
     let directory = Path::new(env!("CARGO_TARGET_TMPDIR"));
-    let program = directory.join(name);
+    let sanitizer = env::var("REALISTIC_SANITIZE").ok();
+    let name = format!("{name}{}", sanitizer.as_deref().unwrap_or_default());
+    let program = directory.join(&name);
     // Under another name first: two test processes may do this at once.
     let fresh = directory.join(format!("{name}-{}", process::id()));
     let output = Command::new(compiler)
         .args(flags)
+        .args(sanitizer.map(|word| format!("-fsanitize={word}")))
+        .args(["-fno-sanitize=vptr", "-fno-sanitize-recover=all"])
         .arg("-I")
         .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("include"))
         .arg(source)
@@ -85,8 +92,11 @@ pub fn closed_host() -> PathBuf {
     compile(&source(), "pbrt_host_closed", &[])
 }
 
-/// The plugin that Cargo built for these tests: it lies beside them.
+/// The plugin that Cargo built for these tests, which lies beside them, or the one that is asked for.
 pub fn plugin() -> PathBuf {
+    if let Some(asked_for) = env::var_os("REALISTIC_HOSTS_PLUGIN") {
+        return asked_for.into();
+    }
     let beside = env::current_exe().unwrap().parent().unwrap().join("librealistic.so");
     assert!(beside.is_file(), "{} is missing", beside.display());
     beside

@@ -113,7 +113,8 @@ fn the_c_structures_are_as_the_cpp_compiler_lays_them_out() {
             lens_text lens_text_size model specfile weighting pupil disk refraction precision filmdistance
             focusdistance aperture_diameter fnumber filmdiag hither yon shutteropen shutterclose wavelength
             mmperunit camera_to_world_end transformstart transformend shutter lensplane shutterramp
-            shutterslit fov screenwindow frameaspectratio lensradius focaldistance tolerance),
+            shutterslit fov screenwindow frameaspectratio lensradius focaldistance tolerance focusby
+            zoom),
         structure!(realistic_camera_info: struct_size interfaces focal_length_mm fnumber film_distance_mm
             focus_distance_mm film_diagonal_mm),
     ];

@@ -6,4 +6,5 @@ mod examples;
 mod float_host;
 mod harness;
 mod layout;
+mod memory;
 mod pbrt_host;

@@ -13,6 +13,7 @@ fn rows<'a>(prescription: &'a Prescription, lens: &'a Lens) -> impl Iterator<Ite
         move |(index, (interface, surface))| {
             let (kind, radius) = match interface.shape {
                 Shape::Sphere { radius } => ("sphere", Some(radius)),
+                Shape::Asphere(asphere) => ("asphere", Some(asphere.radius)),
                 Shape::Plane => ("plane", None),
                 Shape::Stop => ("stop", None),
             };
@@ -24,7 +25,7 @@ fn rows<'a>(prescription: &'a Prescription, lens: &'a Lens) -> impl Iterator<Ite
                 n: surface.n_film,
                 abbe: match interface.medium {
                     Medium::Glass { abbe, .. } => abbe,
-                    Medium::Air | Medium::Sellmeier(_) => None,
+                    Medium::Air | Medium::Sellmeier(_) | Medium::Formula(_) => None,
                 },
                 diameter: 2.0 * surface.semi_diameter,
                 // A plane's is 0 without a sign.

@@ -3,7 +3,7 @@
 mod lines;
 
 use crate::failure::Failure;
-use crate::lens_and_film::{LensChoice, not_negative};
+use crate::lens_and_film::{FilmPlace, LensChoice, not_negative};
 use lines::{Line, read_line, write_ray};
 use realistic::trace::{Blocked, Direction, Ray};
 use realistic_lab::methods::Method;
@@ -61,7 +61,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if args.lens.is_piped() {
         return Err(Failure::Usage("standard input has the rays; give the lens as a file".to_owned()));
     }
-    let (_, lens) = args.lens.open()?;
+    let (_, lens) = args.lens.open(&FilmPlace::default())?;
     let direction = match args.from {
         Side::Film => Direction::FilmToScene,
         Side::Scene if args.film_distance.is_some() => {

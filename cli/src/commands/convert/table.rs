@@ -1,0 +1,276 @@
+//! A prescription as the text of the project's own table (`docs/lens-format.md`), which reads back to the same bits: every
+//! number is written with as many digits as tell it from its neighbours.
+
+use realistic::prescription::{
+    Asphere, Blades, FIRST_POWER, Interface, Medium, Positions, Prescription, Shape,
+    glass::{Formula, HIGHEST_POWER, LOWEST_POWER},
+};
+use std::fmt::Write as _;
+
+/// The text.
+pub fn write(lens: &Prescription) -> String {
+    let mut text = String::new();
+    // The first comment is the title: without one there are no comments at all.
+    if let Some(title) = &lens.title {
+        let _ = writeln!(text, "# {title}");
+        for remark in &lens.remarks {
+            let _ = writeln!(text, "# as it was read: {}", remark.replace(['\n', '\r'], " "));
+        }
+    }
+    let columns = lens.positions.as_ref().map_or(&[][..], |positions| &positions.columns);
+    // With positions, the first one's focal length is the lens's unless another is stated.
+    match (lens.stated_focal_length, columns.first()) {
+        (Some(length), Some(first)) if first.focal_length != Some(length) => {
+            let _ = writeln!(text, "{}", number(length));
+        }
+        (Some(length), None) => line(&mut text, "focal", &[number(length)]),
+        _ => {}
+    }
+    if let Some(year) = lens.stated.year {
+        line(&mut text, "year", &[year.to_string()]);
+    }
+    if let Some(fnumber) = lens.stated.fnumber {
+        line(&mut text, "fnumber", &[number(fnumber)]);
+    }
+    if !lens.stated.fields.is_empty() {
+        line(&mut text, "field", &lens.stated.fields.iter().copied().map(or_dash).collect::<Vec<_>>());
+    }
+    if let Some(positions) = &lens.positions {
+        write_positions(&mut text, positions, lens.interfaces.len());
+    }
+    if let Some(Blades { count, rotation, curvature }) = lens.blades {
+        let [rotation, curvature] = [rotation, curvature].map(number);
+        let blades = [count.to_string(), format!("rotation={rotation} curvature={curvature}")];
+        line(&mut text, "blades", &blades);
+    }
+    let names = glass_names(lens);
+    for (name, medium) in &names {
+        line(&mut text, "glass", &[name.clone(), definition(*medium)]);
+    }
+    for (row, interface) in lens.interfaces.iter().enumerate() {
+        if let Shape::Asphere(asphere) = &interface.shape {
+            line(&mut text, "asphere", &[(row + 1).to_string(), constants(asphere)]);
+        }
+    }
+    if lens.title.is_some() {
+        text += "# radius, thickness, n_d or glass, V-number, clear diameter\n";
+    }
+    let last = lens.interfaces.len() - 1;
+    let mut in_front = Medium::Air;
+    for (row, interface) in lens.interfaces.iter().enumerate() {
+        let thickness =
+            if row < last { interface.thickness } else { lens.nominal_film_distance.unwrap_or(0.0) };
+        let [n_d, abbe] = medium_cells(interface.medium, &names);
+        let cells = [
+            radius(interface, in_front),
+            number(thickness),
+            n_d,
+            abbe,
+            number(2.0 * interface.semi_diameter),
+        ];
+        let _ = writeln!(text, "{}", cells.join("  "));
+        in_front = interface.medium;
+    }
+    text
+}
+
+fn line(text: &mut String, keyword: &str, values: &[String]) {
+    let _ = writeln!(text, "{keyword} {}", values.join(" "));
+}
+
+/// The shortest digits that read back to the same number.
+fn number(number: f64) -> String {
+    let digits = format!("{number:?}");
+    digits.strip_suffix(".0").unwrap_or(&digits).to_owned()
+}
+
+fn or_dash(value: Option<f64>) -> String {
+    value.map_or_else(|| "-".to_owned(), number)
+}
+
+fn write_positions(text: &mut String, positions: &Positions, rows: usize) {
+    let columns = &positions.columns;
+    let each = |cell: &dyn Fn(&realistic::prescription::Position) -> String| {
+        columns.iter().map(cell).collect::<Vec<_>>()
+    };
+    line(text, "positions", &each(&|column| column.name.clone().unwrap_or_else(|| "-".to_owned())));
+    for (i, &row) in positions.gaps.iter().enumerate() {
+        let keyword = if row + 1 == rows { "film".to_owned() } else { format!("gap {}", row + 1) };
+        line(text, &keyword, &each(&|column| number(column.gaps[i])));
+    }
+    if columns.iter().any(|column| column.stop_diameter.is_some()) {
+        line(text, "stopdiameter", &each(&|column| or_dash(column.stop_diameter)));
+    }
+    if columns.iter().any(|column| column.focal_length.is_some()) {
+        line(text, "focal", &each(&|column| or_dash(column.focal_length)));
+    }
+    if columns.iter().any(|column| column.fnumber.is_some()) {
+        line(text, "fnumber", &each(&|column| or_dash(column.fnumber)));
+    }
+    if columns.iter().any(|column| column.object_distance.is_some()) {
+        let object = |distance: Option<f64>| distance.map_or_else(|| "inf".to_owned(), number);
+        line(text, "object", &each(&|column| object(column.object_distance)));
+    }
+}
+
+/// The glasses that have a formula, each under a name that a table can have: the lens's own where it is a word that begins
+/// with a letter.
+fn glass_names(lens: &Prescription) -> Vec<(String, Medium)> {
+    let mut names: Vec<(String, Medium)> = Vec::new();
+    for interface in &lens.interfaces {
+        let medium = interface.medium;
+        let has_formula = matches!(medium, Medium::Sellmeier(_) | Medium::Formula(_));
+        if !has_formula || names.iter().any(|(_, known)| *known == medium) {
+            continue;
+        }
+        let own = lens.glasses.iter().find(|(_, known)| *known == medium).map(|(name, _)| name.as_str());
+        let is_taken = |name: &str, names: &[(String, Medium)]| names.iter().any(|(known, _)| known == name);
+        let own = own.filter(|name| is_word(name) && !is_taken(name, &names));
+        let name = own.map_or_else(
+            || (1..).map(|i| format!("glass-{i}")).find(|name| !is_taken(name, &names)).expect("one is free"),
+            str::to_owned,
+        );
+        names.push((name, medium));
+    }
+    names
+}
+
+/// Whether a table takes a word for the name of a glass.
+fn is_word(name: &str) -> bool {
+    let is_plain = |c: char| !c.is_whitespace() && !c.is_control() && !matches!(c, ',' | '#');
+    name.starts_with(|c: char| c.is_ascii_alphabetic())
+        && name.chars().all(is_plain)
+        && name.parse::<f64>().is_err()
+        && !name.eq_ignore_ascii_case("stop")
+}
+
+/// The formula of a glass with its constants.
+fn definition(medium: Medium) -> String {
+    let named = |name: &str, value: f64| format!("{name}={}", number(value));
+    let numbered = |letter: char, values: &[f64]| {
+        (1..).zip(values).map(|(i, value)| named(&format!("{letter}{i}"), *value)).collect()
+    };
+    let (formula, constants): (&str, Vec<String>) = match medium {
+        Medium::Sellmeier(three) => {
+            ("sellmeier", [numbered('B', &three.b), numbered('C', &three.c)].concat())
+        }
+        Medium::Formula(Formula::Sellmeier { rest: [a, d], b, c }) => {
+            let rest = vec![named("A", a), named("D", d)];
+            ("sellmeier", [rest, numbered('B', &b), numbered('C', &c)].concat())
+        }
+        Medium::Formula(Formula::Polynomial(by_power)) => {
+            let powers = (LOWEST_POWER..=HIGHEST_POWER).step_by(2);
+            (
+                "polynomial",
+                powers.zip(by_power).map(|(power, value)| named(&format!("A{power}"), value)).collect(),
+            )
+        }
+        Medium::Formula(Formula::Conrady(constants)) => (
+            "conrady",
+            ["A", "B", "C"].iter().zip(constants).map(|(name, value)| named(name, value)).collect(),
+        ),
+        Medium::Formula(Formula::Herzberger(constants)) => {
+            let names = ["A", "B", "C", "D", "E", "F"];
+            ("herzberger", names.iter().zip(constants).map(|(name, value)| named(name, value)).collect())
+        }
+        Medium::Air | Medium::Glass { .. } => unreachable!("only glasses with formulas are defined"),
+    };
+    format!("{formula} {}", constants.join(" "))
+}
+
+/// The conic constant and the terms that are not 0.
+fn constants(asphere: &Asphere) -> String {
+    let terms = (FIRST_POWER..).zip(asphere.terms).filter(|(_, term)| *term != 0.0);
+    let terms = terms.map(|(power, term)| format!(" A{power}={}", number(term)));
+    format!("conic={}{}", number(asphere.conic), terms.collect::<String>())
+}
+
+fn radius(interface: &Interface, in_front: Medium) -> String {
+    match interface.shape {
+        Shape::Sphere { radius } => number(radius),
+        Shape::Asphere(asphere) if asphere.radius.is_infinite() => "inf".to_owned(),
+        Shape::Asphere(asphere) => number(asphere.radius),
+        Shape::Stop => "stop".to_owned(),
+        Shape::Plane if in_front == Medium::Air && interface.medium == Medium::Air => "flare".to_owned(),
+        Shape::Plane => "inf".to_owned(),
+    }
+}
+
+/// The cells of index and V-number.
+fn medium_cells(medium: Medium, names: &[(String, Medium)]) -> [String; 2] {
+    let dash = || "-".to_owned();
+    match medium {
+        Medium::Air => [dash(), dash()],
+        Medium::Glass { n_d, abbe } => [number(n_d), or_dash(abbe)],
+        Medium::Sellmeier(_) | Medium::Formula(_) => {
+            let name = names.iter().find(|(_, known)| *known == medium).map(|(name, _)| name.clone());
+            [name.expect("every glass with a formula has a name"), dash()]
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use realistic::prescription::{GlassLibrary, catalogue, read, read_with};
+
+    /// What is read back, to the bit (`{:?}` tells -0 from 0), but for the name, what is told, and names of glasses.
+    fn bits(lens: &Prescription) -> String {
+        let lens =
+            Prescription { name: String::new(), remarks: Vec::new(), glasses: Vec::new(), ..lens.clone() };
+        format!("{lens:?}")
+    }
+
+    #[track_caller]
+    fn there_and_back(lens: &Prescription) {
+        let text = write(lens);
+        let back = read("own.dat", text.as_bytes()).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        assert_eq!(bits(&back), bits(lens), "{text}");
+        assert!(back.remarks.is_empty(), "{:?}", back.remarks);
+    }
+
+    #[test]
+    fn every_lens_of_the_catalogue_reads_back_to_the_same_bits() {
+        for name in catalogue::names() {
+            let lens = catalogue::find(name).unwrap();
+            there_and_back(&lens);
+            there_and_back(&lens.scaled(1.0 / 3.0));
+        }
+    }
+
+    #[test]
+    fn all_that_a_table_can_say_reads_back() {
+        let text = "flare 1 - - 9.1\n20 5 own - 10\n-20.1 0.7 poly - 10\ninf 2e-17 1.6 - 10\n21 3 - - 10\nstop 1 - - 6\n\
+            inf 1 con - 8\n30 2 her - 8\n-30 2 ext - 8\n-31 40 - - 8\n\
+            glass own sellmeier B1=1.1 B2=0.2 B3=1 C1=0.006 C2=0.02 C3=103\nglass poly polynomial A0=2.3 A2=-0.01 A-2=0.01\n\
+            glass con conrady A=1.5 B=0.01 C=0.001\nglass her herzberger A=1.5 B=0.01 C=0.001 D=-0.01 E=0 F=0\n\
+            glass ext sellmeier A=1.1 B1=1.2 C1=0.01 D=-0.01\nasphere 7 conic=-3.3 A2=1e-3 A3=1e-5 A20=-1e-40\n\
+            asphere 2 conic=-1.1\npositions wide - tele\ngap 5 3 5.5 9\nfilm 40 38 35\nstopdiameter 6 6.5 -\nfocal - 35 50.5\n\
+            fnumber 2.8 - 4\nobject inf 500 inf\nfield 75 63.4 -\nyear 1999\n";
+        let lens = read("all.dat", text.as_bytes()).unwrap();
+        there_and_back(&lens);
+        there_and_back(&Prescription { title: Some("A title, with # and more".to_owned()), ..lens });
+        for single in [
+            "50\n20 5 1.5 - 10\n-20 - - - 10",
+            "20 5 1.5 60 10\n-20 30 - - 10\nfocal 20\nfnumber 4\nfield 30",
+        ] {
+            there_and_back(&read("single.dat", single.as_bytes()).unwrap());
+        }
+    }
+
+    #[test]
+    fn glasses_of_catalogues_are_defined_in_the_table() {
+        let agf = "NM 7X 1 0 1.5 60\nCD 2.3 -0.01 0.01 0.0002 0 0\nNM A,B 9 0 1.5 60\nCD 1 1.25 0.01 1 100\n";
+        let mut library = GlassLibrary::default();
+        library.add("x.agf", agf.as_bytes()).unwrap();
+        let zmx = "SURF 0\n  DISZ INFINITY\nSURF 1\n  CURV 0.05\n  DISZ 4\n  GLAS 7X 0 0\n  DIAM 5\nSURF 2\n  CURV -0.05\n  DISZ 1\n  \
+            GLAS A,B 0 0\n  DIAM 5\nSURF 3\n  CURV 0\n  DISZ 1\n  GLAS N-BK7 0 0\n  DIAM 5\nSURF 4\n  CURV 0\n  DISZ 30\n  DIAM 5\nSURF 5\n";
+        let lens = read_with("x.zmx", zmx.as_bytes(), &library).unwrap();
+        let text = write(&lens);
+        assert!(
+            text.contains("glass glass-1 polynomial") && text.contains("glass N-BK7 sellmeier B1="),
+            "{text}"
+        );
+        there_and_back(&lens);
+    }
+}

@@ -1,0 +1,95 @@
+//! The lenses of the catalogue, a line each.
+
+use crate::drawing::catalogue::Entry;
+use realistic::lens::{Lens, first_order::FirstOrder, pupil::EntrancePupil};
+use realistic::prescription::{Prescription, catalogue};
+use std::fmt::Write as _;
+
+/// The list as text. Focal lengths are computed at the first position and stated at the others; f-numbers and fields of
+/// view are stated, or computed where the file states none.
+pub fn text() -> String {
+    let mut text = format!(
+        "{:<20} {:>12} {:>9} {:>12} {:>10} {:>5}  {}\n",
+        "name", "focal mm", "f/", "field deg", "interfaces", "year", "what it is"
+    );
+    for name in catalogue::names() {
+        let lens = catalogue::find(name).expect("listed");
+        let _ = writeln!(
+            text,
+            "{name:<20} {:>12} {:>9} {:>12} {:>10} {:>5}  {}",
+            focal_lengths(&lens),
+            fnumbers(&lens),
+            range(lens.stated.fields.iter().copied().flatten(), 1),
+            lens.interfaces.len(),
+            lens.stated.year.map_or_else(|| "-".to_owned(), |year| year.to_string()),
+            lens.title.as_deref().unwrap_or("-"),
+        );
+    }
+    text
+}
+
+/// The lenses with a line of words each, to be drawn on one page.
+pub fn drawn() -> Vec<Entry> {
+    let entry = |name| {
+        let prescription = catalogue::find(name).expect("listed");
+        let lens = Lens::at_d_line(&prescription);
+        let focused = || FirstOrder::of(&lens).map_or(0.0, |optics| optics.back_focal_distance());
+        Entry {
+            film_distance: prescription.nominal_film_distance.unwrap_or_else(focused),
+            text: prescription.title.unwrap_or_default(),
+            lens,
+        }
+    };
+    catalogue::names().map(entry).collect()
+}
+
+/// The least and the greatest, or the one that there is.
+fn range(values: impl Iterator<Item = f64>, digits: usize) -> String {
+    let (mut least, mut greatest) = (f64::INFINITY, f64::NEG_INFINITY);
+    for value in values {
+        (least, greatest) = (least.min(value), greatest.max(value));
+    }
+    let [least, greatest] = [least, greatest].map(|value| format!("{value:.digits$}"));
+    match (least.as_str(), least == greatest) {
+        ("inf", _) => "-".to_owned(),
+        (_, true) => least,
+        (_, false) => format!("{least}-{greatest}"),
+    }
+}
+
+fn focal_lengths(lens: &Prescription) -> String {
+    let own = FirstOrder::of(&Lens::at_d_line(lens)).ok().map(|optics| optics.focal_length);
+    let others = lens.positions.iter().flat_map(|positions| &positions.columns[1..]);
+    range(own.into_iter().chain(others.filter_map(|column| column.focal_length)), 1)
+}
+
+fn fnumbers(lens: &Prescription) -> String {
+    let columns = lens.positions.iter().flat_map(|positions| &positions.columns);
+    let stated: Vec<f64> =
+        lens.stated.fnumber.into_iter().chain(columns.filter_map(|column| column.fnumber)).collect();
+    if !stated.is_empty() {
+        return range(stated.into_iter(), 1);
+    }
+    let lens = Lens::at_d_line(lens);
+    let computed =
+        FirstOrder::of(&lens).ok().map(|o| o.focal_length.abs() / EntrancePupil::of_lens(&lens).diameter());
+    range(computed.into_iter(), 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_lens_has_a_line_with_its_numbers() {
+        let text = text();
+        assert_eq!(text.lines().count(), catalogue::names().count() + 1);
+        let line =
+            |name: &str| text.lines().find(|line| line.split_whitespace().next() == Some(name)).unwrap();
+        let words: Vec<&str> = line("dgauss.100mm").split_whitespace().collect();
+        assert_eq!(words[1..3], ["100.7", "2.1"], "{words:?}");
+        assert_eq!(range([3.0, 2.0].into_iter(), 1), "2.0-3.0");
+        assert_eq!(range([2.01, 2.0].into_iter(), 1), "2.0");
+        assert_eq!(range(std::iter::empty(), 1), "-");
+    }
+}

@@ -1,0 +1,105 @@
+//! The positions of a lens whose groups move, a line each: what its table states, and what is computed of the lens there.
+
+use realistic::imaging::field::Field;
+use realistic::lens::{
+    first_order::FirstOrder,
+    moving::MovingGroups,
+    open::{StopSize, set_up},
+    pupil::EntrancePupil,
+};
+use realistic::message::{as_given, fixed};
+use realistic::prescription::{Position, Prescription};
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+
+/// A position, and what the lens is at it.
+pub struct Line<'a> {
+    stated: &'a Position,
+    focal_length: Option<f64>,
+    f_number: Option<f64>,
+    film_distance: Option<f64>,
+    /// Full field on the film's diagonal by the corner's chief ray, radians.
+    field: Option<f64>,
+}
+
+/// Every position in the order of the table, at a wavelength in nm and a stop; the field is that of a film `diagonal` in mm. None for a
+/// lens without positions, and where their order tells nothing (a warning has said so).
+pub fn all(prescription: &Prescription, wavelength: f64, stop: StopSize, diagonal: f64) -> Vec<Line<'_>> {
+    let (Ok(Some(groups)), Some(positions)) = (MovingGroups::of(prescription), &prescription.positions)
+    else {
+        return Vec::new();
+    };
+    let zooms = positions.layout().map_or(1, |layout| layout.zooms);
+    positions
+        .columns
+        .iter()
+        .enumerate()
+        .filter_map(|(column, stated)| {
+            let placed = groups.position(column % zooms).at(stated.vergence());
+            // What is to be said of the stop has been.
+            let lens = set_up(&placed, wavelength, stop, &mut |_, _| ()).ok()?.lens;
+            let optics = FirstOrder::of(&lens).ok();
+            let film_distance =
+                lens.nominal_film_distance.or(optics.map(|optics| optics.image_distance(stated.vergence())));
+            let film_distance = film_distance.filter(|distance| distance.is_finite() && *distance > 0.0);
+            Some(Line {
+                stated,
+                focal_length: optics.map(|optics| optics.focal_length),
+                f_number: optics
+                    .map(|optics| optics.focal_length.abs() / EntrancePupil::of_lens(&lens).diameter()),
+                film_distance,
+                field: film_distance
+                    .and_then(|distance| Field::new(&lens, lens.rear().vertex - distance).real(diagonal)),
+            })
+        })
+        .collect()
+}
+
+/// As JSON.
+pub fn json(lines: &[Line<'_>]) -> Value {
+    lines
+        .iter()
+        .map(|line| {
+            json!({
+                "name": line.stated.name,
+                "focal_length_mm": line.focal_length,
+                "stated_focal_length_mm": line.stated.focal_length,
+                "f_number": line.f_number,
+                "stated_f_number": line.stated.fnumber,
+                "object_distance_from_first_vertex_mm": line.stated.object_distance,
+                "film_distance_mm": line.film_distance,
+                "field_of_view_deg": line.field.map(f64::to_degrees),
+                "gaps_mm": line.stated.gaps,
+            })
+        })
+        .collect()
+}
+
+/// As text; nothing without positions.
+pub fn text(lines: &[Line<'_>]) -> String {
+    if lines.is_empty() {
+        return String::new();
+    }
+    let number =
+        |value: Option<f64>, digits| value.map_or_else(|| "-".to_owned(), |value| fixed(value, digits));
+    let stated = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), as_given);
+    let mut text = format!(
+        "\n{:<16} {:>12} {:>8} {:>9} {:>8} {:>12} {:>10} {:>8}\n",
+        "position", "focal length", "stated", "f-number", "stated", "object", "film", "field"
+    );
+    for line in lines {
+        let _ = writeln!(
+            text,
+            "{:<16} {:>12} {:>8} {:>9} {:>8} {:>12} {:>10} {:>8}",
+            line.stated.name.as_deref().unwrap_or("-"),
+            number(line.focal_length, 4),
+            stated(line.stated.focal_length),
+            number(line.f_number, 3),
+            stated(line.stated.fnumber),
+            line.stated.object_distance.map_or_else(|| "infinity".to_owned(), |distance| fixed(distance, 2)),
+            number(line.film_distance, 4),
+            number(line.field.map(f64::to_degrees), 3),
+        );
+    }
+    text + "lengths in mm, the object's from the first vertex; field in degrees, across the film's diagonal\n"
+}

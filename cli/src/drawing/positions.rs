@@ -1,0 +1,126 @@
+//! A lens whose groups move, at several positions above each other: at one scale, the films one under another, and lines
+//! from each to the next along which the groups go.
+
+use super::rays::Rays;
+use super::section::{self, MARGIN, WIDTH};
+use super::shapes::{Anchor, LEADER, Page, SMALL, Stroke};
+use super::view::{Frame, View};
+use super::{FAINT, INK};
+use realistic::lens::Lens;
+
+/// A position.
+#[derive(Clone, Debug)]
+pub struct Panel {
+    /// The lens there.
+    pub lens: Lens,
+    /// What it is called.
+    pub name: String,
+    /// Last vertex to film, mm.
+    pub film_distance: f64,
+}
+
+/// What is drawn besides the lens.
+#[derive(Clone, Copy, Debug)]
+pub struct Scene<'a> {
+    /// The lens file's title.
+    pub title: Option<&'a str>,
+    /// The surfaces behind which a gap changes.
+    pub gaps: &'a [usize],
+    /// Diagonal of the film, mm.
+    pub film_diagonal: f64,
+    /// Rays per bundle.
+    pub rays: u32,
+}
+
+/// Title and subtitle.
+const HEAD: f64 = 84.0;
+/// Over each position, for its name and the lines from the one above.
+const BETWEEN: f64 = 46.0;
+const FOOT: f64 = 80.0;
+/// How high a position may be.
+const HEIGHTS: [f64; 2] = [100.0, 300.0];
+
+/// Draws the positions, at least one.
+pub fn draw(panels: &[Panel], scene: &Scene<'_>) -> Page {
+    let half = scene.film_diagonal / 2.0;
+    let film = |panel: &Panel| panel.lens.rear().vertex - panel.film_distance;
+    // Counted from the film, to the left.
+    let reach = |panel: &Panel| {
+        let surfaces = panel.lens.surfaces.iter();
+        let front =
+            surfaces.flat_map(|s| [s.vertex, s.vertex + s.sagitta(s.semi_diameter)]).fold(0.0, f64::max);
+        front - film(panel)
+    };
+    let length = panels.iter().map(reach).fold(0.0, f64::max);
+    let up = panels.iter().flat_map(|panel| {
+        let lens = &panel.lens;
+        let bar =
+            |index: usize| if lens.surfaces[index].is_stop { section::stop_bar(lens, index) } else { 0.0 };
+        (0..lens.surfaces.len()).map(move |index| lens.surfaces[index].semi_diameter.max(bar(index)))
+    });
+    let up = 1.08 * up.fold(half, f64::max);
+    let across = [-1.2 * length, 0.04 * length];
+    let shared = View::fit([MARGIN, 0.0], WIDTH - 2.0 * MARGIN, HEIGHTS, across, [-up, up]);
+    let step = BETWEEN + shared.frame.height;
+    let mut page = Page::new(WIDTH, HEAD + panels.len() as f64 * step + FOOT);
+    let first = &panels[0].lens;
+    section::title(&mut page, first, &format!("{} positions", panels.len()), scene.title);
+
+    let views: Vec<View> = panels
+        .iter()
+        .enumerate()
+        .map(|(row, panel)| View {
+            frame: Frame { top: HEAD + row as f64 * step + BETWEEN, ..shared.frame },
+            across: shared.across.map(|x| x - film(panel)),
+            ..shared
+        })
+        .collect();
+    let mut legend = Vec::new();
+    for (panel, view) in panels.iter().zip(&views) {
+        let text = format!("{}:  {}", panel.name, section::numbers(&panel.lens));
+        page.text(&text, [MARGIN, view.frame.top - 8.0], SMALL, Anchor::Start, INK);
+        section::body(&mut page, view, &panel.lens);
+        let rays = Rays::new(&panel.lens, film(panel));
+        legend = section::bundles(&mut page, view, &rays, half, scene.rays);
+        section::film_line(&mut page, view, film(panel), half);
+    }
+    // The first vertex of each group; the last gap is the film's.
+    let last = first.surfaces.len() - 1;
+    let groups = std::iter::once(0).chain(scene.gaps.iter().filter(|gap| **gap < last).map(|gap| gap + 1));
+    for surface in groups {
+        let axis = |panel: &Panel, view: &View| view.at([-panel.lens.surfaces[surface].vertex, 0.0]);
+        for (pair, view) in panels.windows(2).zip(views.windows(2)) {
+            let ends = [0, 1].map(|i| axis(&pair[i], &view[i]));
+            page.line(ends, LEADER.dashed("3 3"));
+        }
+    }
+    let y = HEAD + panels.len() as f64 * step + FOOT - 22.0;
+    let bar = shared.round_length(180.0);
+    page.scale_bar([MARGIN, y], bar * shared.scale, bar);
+    legend.push(("a group's way".to_owned(), Stroke::new(FAINT, 1.0).dashed("3 3")));
+    page.legend([MARGIN + 260.0, y], legend);
+    page
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use realistic::prescription::catalogue;
+
+    #[test]
+    fn positions_stand_above_each_other_with_their_films_in_line() {
+        let lens = Lens::at_d_line(&catalogue::find("dgauss.50mm").unwrap());
+        let panel =
+            |name: &str, film_distance| Panel { lens: lens.clone(), name: name.to_owned(), film_distance };
+        let panels = [panel("far", 36.0), panel("near", 46.0)];
+        let scene = Scene { title: Some("a title"), gaps: &[2, 9], film_diagonal: 35.0, rays: 5 };
+        let text = draw(&panels, &scene).to_string();
+        assert!(text.contains("far:") && text.contains("near:") && text.contains("2 positions"));
+        assert!(!text.contains("NaN") && !text.contains("inf"));
+        // The films are the thickest lines.
+        let films: Vec<&str> = text.lines().filter(|line| line.contains("stroke-width=\"3\"")).collect();
+        let x = |line: &str| line.split('"').nth(1).unwrap().split(',').next().unwrap().to_owned();
+        assert_eq!(films.len(), 2);
+        assert_eq!(x(films[0]), x(films[1]));
+    }
+}

@@ -1,0 +1,120 @@
+//! Rays with differentials: the bits of single rays one pixel to the right and below, one by one and in batches.
+
+use std::ptr::null_mut;
+
+use super::bytes::Bytes;
+use realistic::abi::*;
+
+const SIZE: usize = size_of::<realistic_ray_differential>();
+
+/// What a ray's place holds before.
+fn mark(ray: realistic_ray) -> realistic_ray_differential {
+    realistic_ray_differential {
+        struct_size: SIZE as u32,
+        has: 0x5555,
+        ray,
+        rx_o: [-7.0; 3],
+        rx_d: [-7.0; 3],
+        ry_o: [-7.0; 3],
+        ry_d: [-7.0; 3],
+    }
+}
+
+/// Panics with `what` where rays with differentials of the samples are not the rays of single calls, or a batch of them
+/// is not them one by one; `may_differ` where a batch may have a tracer of its own, `unasked` what a ray's place holds
+/// before.
+pub fn check(
+    camera: *const realistic_camera,
+    samples: &[realistic_sample],
+    singles: &[(realistic_ray, f32)],
+    unasked: realistic_ray,
+    may_differ: bool,
+    bytes: &mut Bytes<'_>,
+    what: &dyn std::fmt::Debug,
+) {
+    let one = |(sample, single): (&realistic_sample, &(realistic_ray, f32))| {
+        let mut ray = mark(unasked);
+        // SAFETY: a live camera, sample and ray.
+        let weight = unsafe { realistic_generate_ray_differential(camera, sample, &mut ray) };
+        assert!((ray.ray, weight) == *single, "{sample:?} {ray:?} {weight} {single:?} {what:?}");
+        if weight == 0.0 {
+            assert!(ray == mark(unasked), "a blocked ray wrote to its place: {sample:?} {ray:?} {what:?}");
+        } else {
+            neighbours(camera, sample, &ray, what);
+        }
+        (ray, weight)
+    };
+    let found: Vec<_> = samples.iter().zip(singles).map(one).collect();
+    batch(camera, samples, &found, unasked, may_differ, bytes, what);
+}
+
+/// The two neighbours of a ray that passes are single rays of their own samples, or the ray itself.
+fn neighbours(
+    camera: *const realistic_camera,
+    sample: &realistic_sample,
+    ray: &realistic_ray_differential,
+    what: &dyn std::fmt::Debug,
+) {
+    let right = realistic_sample { image_x: sample.image_x + 1.0, ..*sample };
+    let below = realistic_sample { image_y: sample.image_y + 1.0, ..*sample };
+    for (at, bit, o, d) in
+        [(right, REALISTIC_HAS_RX, ray.rx_o, ray.rx_d), (below, REALISTIC_HAS_RY, ray.ry_o, ray.ry_d)]
+    {
+        let mut alone = ray.ray;
+        // SAFETY: a live camera, sample and ray.
+        let weight = unsafe { realistic_generate_ray(camera, &at, &mut alone) };
+        let has = ray.has & bit != 0;
+        // A neighbour over which the shutter is closed is there, and blocked as a ray of its own.
+        let is_right = match (has, weight > 0.0) {
+            (true, true) => (o, d) == (alone.o, alone.d),
+            (true, false) => {
+                let length = d.iter().map(|&d| f64::from(d).powi(2)).sum::<f64>().sqrt();
+                o.iter().all(|o| o.is_finite()) && (length - 1.0).abs() <= 1e-6
+            }
+            (false, passes) => !passes && (o, d) == (ray.ray.o, ray.ray.d),
+        };
+        assert!(is_right && ray.has <= 3, "{sample:?} {ray:?} {alone:?} {weight} {what:?}");
+    }
+}
+
+/// A batch of them, of any stride, at any address.
+fn batch(
+    camera: *const realistic_camera,
+    samples: &[realistic_sample],
+    found: &[(realistic_ray_differential, f32)],
+    unasked: realistic_ray,
+    may_differ: bool,
+    bytes: &mut Bytes<'_>,
+    what: &dyn std::fmt::Debug,
+) {
+    let stride = [0, SIZE, SIZE + 3, 128][bytes.choice(4)];
+    let offset = bytes.choice(4);
+    let step = stride.max(SIZE);
+    let mut room = vec![0xA5_u8; offset + step * samples.len()];
+    let mut weights = vec![-1.0; samples.len()];
+    // SAFETY: a live camera; arrays with room for the samples' number of elements, from the offset on.
+    let status = unsafe {
+        let rays = room.as_mut_ptr().add(offset);
+        for i in 0..samples.len() {
+            rays.add(step * i).cast::<realistic_ray_differential>().write_unaligned(mark(unasked));
+        }
+        realistic_camera_generate_ray_differentials(
+            camera,
+            samples.len(),
+            samples.as_ptr(),
+            0,
+            rays.cast(),
+            stride,
+            weights.as_mut_ptr(),
+            null_mut(),
+        )
+    };
+    assert_eq!(status, realistic_status::Ok);
+    for (i, expected) in found.iter().enumerate() {
+        let place = &room[offset + step * i..offset + step * (i + 1)];
+        // SAFETY: written above.
+        let ray = unsafe { place.as_ptr().cast::<realistic_ray_differential>().read_unaligned() };
+        assert!(may_differ || (ray, weights[i]) == *expected, "{i} {ray:?} {expected:?} {what:?}");
+        assert!(place[SIZE..].iter().all(|&byte| byte == 0xA5), "wrote between two rays");
+    }
+}

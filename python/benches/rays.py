@@ -1,0 +1,91 @@
+"""What `Camera.rays` adds to the C call, for a batch of 1e6 rays of dgauss.50mm in arrays of several layouts.
+
+$ python benches/rays.py
+
+Interleaved, thread CPU time, medians of the ratios to the C call that writes the same columns. The C calls go through ctypes
+with pointers made beforehand: the Python around them takes some microseconds of 15 ms.
+"""
+
+import ctypes
+import statistics
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+import realistic
+from realistic import _abi
+from realistic import rays as engine
+
+N = 1_000_000
+ROUNDS = 25
+
+
+def cases(camera: realistic.Camera) -> dict[str, Callable[[], object]]:
+    random = np.random.default_rng(1)
+    xy = random.random((N, 2), np.float32) * np.float32(camera.resolution)
+    uv = random.random((N, 2), np.float32)
+    xy_columns, uv_columns = np.asfortranarray(xy), np.asfortranarray(uv)
+    xy_double, uv_double = xy.astype(float), uv.astype(float)
+    pointer = camera._live().pointer
+
+    samples = engine._Samples(xy_columns, uv_columns, np.zeros(N, np.float32))
+    asked = _abi.SamplesPointers(*samples.columns())
+    out, lean = realistic.Rays.empty(N), realistic.Rays.empty(N)
+    lean.mint = lean.maxt = lean.time = None
+    rows = realistic.Rays(np.zeros((N, 3), np.float32), np.zeros((N, 3), np.float32), np.zeros(N, np.float32))
+
+    def c(target: realistic.Rays) -> None:
+        found = _abi.RaysPointers(*engine._Target(target, N, None).columns())
+        assert _abi.library.realistic_camera_generate_rays_soa(pointer, N, asked, found) == 0
+
+    structures = _abi.library.realistic_camera_generate_rays
+    structures.argtypes = [ctypes.c_void_p, *[ctypes.c_size_t, ctypes.c_void_p] * 3, ctypes.c_void_p]
+    sample_rows = np.concatenate([xy, uv, np.zeros((N, 1), np.float32)], axis=1)
+    ray_rows, weights = np.zeros((N, 9), np.float32), np.zeros(N, np.float32)
+
+    def c_structures(ray_rows: np.ndarray = ray_rows, weights: np.ndarray = weights) -> None:
+        addresses = [array.ctypes.data for array in (sample_rows, ray_rows, weights)]
+        assert structures(pointer, N, addresses[0], 20, addresses[1], 36, addresses[2], None) == 0
+
+    return {
+        "C, columns": lambda: c(out),
+        "C, columns, new memory": lambda: c(realistic.Rays.empty(N)),
+        "C, structures": c_structures,
+        "C, structures, new memory": lambda: c_structures(np.zeros((N, 9), np.float32), np.zeros(N, np.float32)),
+        "columns, out=": lambda: camera.rays(xy_columns, uv_columns, out=out),
+        "columns": lambda: camera.rays(xy_columns, uv_columns),
+        "(n, 2) in C order, out=": lambda: camera.rays(xy, uv, out=out),
+        "(n, 2) in C order": lambda: camera.rays(xy, uv),
+        "float64, out=": lambda: camera.rays(xy_double, uv_double, out=out),
+        "C, columns, no mint, maxt, time": lambda: c(lean),
+        "columns, out= without mint, maxt, time": lambda: camera.rays(xy_columns, uv_columns, out=lean),
+        "(n, 2) in C order, out= (n, 3) in C order": lambda: camera.rays(xy, uv, out=rows),
+    }
+
+
+def main() -> None:
+    camera = realistic.Camera("dgauss.50mm", resolution=(1920, 1280), focusdistance=1000.0)
+    todo = cases(camera)
+    taken: dict[str, list[float]] = {name: [] for name in todo}
+    for _ in range(ROUNDS):
+        for name, run in todo.items():
+            begin = time.thread_time_ns()
+            run()
+            taken[name].append((time.thread_time_ns() - begin) / N)
+    base = {name: "C, columns" for name in todo}
+    of_structures = dict.fromkeys(todo, "C, structures")
+    for name in ("C, columns, new memory", "columns", "(n, 2) in C order"):
+        base[name], of_structures[name] = "C, columns, new memory", "C, structures, new memory"
+    for name in ("columns, out= without mint, maxt, time", "(n, 2) in C order, out= (n, 3) in C order"):
+        base[name] = "C, columns, no mint, maxt, time"
+    print("| | ns per ray | of the C call with columns | of the C call with structures |\n|---|---|---|---|")
+    for name, times in taken.items():
+        ratios = [
+            statistics.median(t / b for t, b in zip(times, taken[other])) for other in (base[name], of_structures[name])
+        ]
+        print(f"| {name} | {statistics.median(times):.2f} | {ratios[0]:.3f} | {ratios[1]:.3f} |")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,48 @@
+"""A real camera for renderers, in the manner of NumPy.
+
+>>> import numpy as np, realistic
+>>> camera = realistic.Camera("dgauss.50mm", resolution=(1920, 1280), focusdistance=1000.0)
+>>> rng = np.random.default_rng(0)
+>>> rays = camera.rays(rng.random((1000, 2)) * camera.resolution, rng.random((1000, 2)))
+>>> rays.origin.shape, rays.direction.shape, rays.weight.shape
+((1000, 3), (1000, 3), (1000,))
+"""
+
+from . import measure
+from ._abi import version
+from .camera import Camera
+from .errors import (
+    CameraWarning,
+    DefectError,
+    Error,
+    FocusError,
+    LensFileError,
+    OutOfMemoryError,
+    ParameterError,
+)
+from .intrinsics import Intrinsics
+from .lens import Lens, LensRays, Pupils, Surface
+from .parameters import Parameters
+from .rays import Rays, Reason
+
+__version__ = version()
+
+__all__ = [
+    "Camera",
+    "CameraWarning",
+    "DefectError",
+    "Error",
+    "FocusError",
+    "Intrinsics",
+    "Lens",
+    "LensFileError",
+    "LensRays",
+    "OutOfMemoryError",
+    "ParameterError",
+    "Parameters",
+    "Pupils",
+    "Rays",
+    "Reason",
+    "Surface",
+    "measure",
+]

@@ -1,0 +1,252 @@
+"""The C ABI (`include/realistic.h`) through ctypes: its structures, functions and constants, and the library's file.
+
+Every other module calls the library through `library` of this one. ctypes lets go of the interpreter's lock during a
+call. `tests/test_header.py` compares what stands here with the header.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import sys
+from ctypes import POINTER, c_char_p, c_double, c_float, c_int32, c_size_t, c_uint32, c_uint64, c_void_p
+from pathlib import Path
+
+ABI_VERSION = 3
+"""The least version of the C ABI that this package works with."""
+
+LOG = ctypes.CFUNCTYPE(None, c_void_p, c_int32, c_char_p)
+"""`realistic_log`."""
+
+
+class Options(ctypes.Structure):
+    """`realistic_options`: what a camera is built from."""
+
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("xres", c_int32),
+        ("yres", c_int32),
+        ("simpleweighting", c_int32),
+        ("camera_to_world", c_float * 16),
+        ("log", LOG),
+        ("log_user", c_void_p),
+        ("lens_text", c_char_p),
+        ("lens_text_size", c_size_t),
+        ("model", c_char_p),
+        ("specfile", c_char_p),
+        ("weighting", c_char_p),
+        ("pupil", c_char_p),
+        ("disk", c_char_p),
+        ("refraction", c_char_p),
+        ("precision", c_char_p),
+        ("filmdistance", c_double),
+        ("focusdistance", c_double),
+        ("aperture_diameter", c_double),
+        ("fnumber", c_double),
+        ("filmdiag", c_double),
+        ("hither", c_double),
+        ("yon", c_double),
+        ("shutteropen", c_double),
+        ("shutterclose", c_double),
+        ("wavelength", c_double),
+        ("mmperunit", c_double),
+        ("camera_to_world_end", c_float * 16),
+        ("transformstart", c_double),
+        ("transformend", c_double),
+        ("shutter", c_char_p),
+        ("lensplane", c_char_p),
+        ("shutterramp", c_double),
+        ("shutterslit", c_double),
+        ("fov", c_double),
+        ("screenwindow", c_double * 4),
+        ("frameaspectratio", c_double),
+        ("lensradius", c_double),
+        ("focaldistance", c_double),
+        ("tolerance", c_double),
+        ("focusby", c_char_p),
+        ("zoom", c_char_p),
+        ("glasscatalog", c_char_p),
+        ("blades", c_double),
+        ("bladerotation", c_double),
+        ("bladecurvature", c_double),
+    ]
+
+
+class CameraInfo(ctypes.Structure):
+    """`realistic_camera_info`: what a built camera is."""
+
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("interfaces", c_uint32),
+        ("focal_length_mm", c_double),
+        ("fnumber", c_double),
+        ("film_distance_mm", c_double),
+        ("focus_distance_mm", c_double),
+        ("film_diagonal_mm", c_double),
+    ]
+
+
+class Ray(ctypes.Structure):
+    """`realistic_ray`: one ray in world space."""
+
+    _fields_ = [("o", c_float * 3), ("d", c_float * 3), ("mint", c_float), ("maxt", c_float), ("time", c_float)]
+
+
+class Zone(ctypes.Structure):
+    """`realistic_zone`: a rectangle of the picture in pixels."""
+
+    _fields_ = [("left", c_float), ("top", c_float), ("right", c_float), ("bottom", c_float)]
+
+
+class LensInfo(ctypes.Structure):
+    """`realistic_lens_info`: what first-order optics says of a lens."""
+
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("surfaces", c_uint32),
+        ("stop", c_int32),
+        ("limiting", c_int32),
+        ("wavelength_nm", c_double),
+        ("focal_length_mm", c_double),
+        ("fnumber", c_double),
+        ("back_focal_distance_mm", c_double),
+        ("front_focal_point_mm", c_double),
+        ("rear_focal_point_mm", c_double),
+        ("front_principal_plane_mm", c_double),
+        ("rear_principal_plane_mm", c_double),
+        ("rear_vertex_mm", c_double),
+        ("entrance_pupil_mm", c_double),
+        ("entrance_pupil_diameter_mm", c_double),
+        ("exit_pupil_mm", c_double),
+        ("exit_pupil_diameter_mm", c_double),
+        ("stated_focal_length_mm", c_double),
+        ("nominal_film_distance_mm", c_double),
+    ]
+
+
+class LensSurface(ctypes.Structure):
+    """`realistic_lens_surface`: one surface of a lens."""
+
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("is_stop", c_uint32),
+        ("vertex_mm", c_double),
+        ("radius_mm", c_double),
+        ("thickness_mm", c_double),
+        ("index_scene", c_double),
+        ("index_film", c_double),
+        ("semi_diameter_mm", c_double),
+    ]
+
+
+class LensRaysPointers(ctypes.Structure):
+    """`realistic_lens_rays`: the columns of rays in lens space."""
+
+    _fields_ = [
+        ("struct_size", c_uint32),
+        *[(name, c_void_p) for name in ("ox", "oy", "oz", "dx", "dy", "dz", "reason")],
+    ]
+
+
+class SamplesPointers(ctypes.Structure):
+    """`realistic_samples_soa`: the columns of samples."""
+
+    _fields_ = [(name, c_void_p) for name in ("image_x", "image_y", "lens_u", "lens_v", "time")]
+
+
+class RaysPointers(ctypes.Structure):
+    """`realistic_rays_soa`: the columns of rays."""
+
+    _fields_ = [
+        (name, c_void_p) for name in ("ox", "oy", "oz", "dx", "dy", "dz", "mint", "maxt", "time", "weight", "reason")
+    ]
+
+
+DISTANCE = ctypes.CFUNCTYPE(c_double, c_void_p, POINTER(Ray))
+"""`realistic_distance`."""
+
+CONTRAST = ctypes.CFUNCTYPE(c_double, c_void_p, c_void_p, POINTER(Zone))
+"""`realistic_contrast`."""
+
+_STATUS = c_int32
+
+FUNCTIONS = {
+    "realistic_abi_version": (c_uint32, []),
+    "realistic_version": (c_char_p, []),
+    "realistic_capabilities": (c_uint64, []),
+    "realistic_last_error": (c_char_p, []),
+    "realistic_options_init": (_STATUS, [POINTER(Options), c_uint32]),
+    "realistic_camera_new": (_STATUS, [POINTER(Options), POINTER(c_void_p)]),
+    "realistic_camera_free": (None, [c_void_p]),
+    "realistic_camera_get_info": (_STATUS, [c_void_p, POINTER(CameraInfo)]),
+    "realistic_camera_get_lens_name": (_STATUS, [c_void_p, c_char_p, c_size_t, POINTER(c_size_t)]),
+    "realistic_camera_plan": (_STATUS, [c_void_p, c_char_p, c_size_t, POINTER(c_size_t)]),
+    "realistic_camera_generate_rays_soa": (
+        _STATUS,
+        [c_void_p, c_size_t, POINTER(SamplesPointers), POINTER(RaysPointers)],
+    ),
+    "realistic_camera_generate_ray_differentials_soa": (
+        _STATUS,
+        [c_void_p, c_size_t, POINTER(SamplesPointers), *[POINTER(RaysPointers)] * 3],
+    ),
+    "realistic_lens_new": (_STATUS, [POINTER(Options), POINTER(c_void_p)]),
+    "realistic_lens_free": (None, [c_void_p]),
+    "realistic_lens_get_info": (_STATUS, [c_void_p, POINTER(LensInfo)]),
+    "realistic_lens_get_surface": (_STATUS, [c_void_p, c_uint32, POINTER(LensSurface)]),
+    "realistic_lens_get_name": (_STATUS, [c_void_p, c_char_p, c_size_t, POINTER(c_size_t)]),
+    "realistic_lens_focus": (_STATUS, [c_void_p, c_double, POINTER(c_double)]),
+    "realistic_lens_focused_on": (_STATUS, [c_void_p, c_double, POINTER(c_double)]),
+    "realistic_lens_trace": (_STATUS, [c_void_p, c_int32, c_size_t, POINTER(LensRaysPointers)]),
+    "realistic_autofocus": (
+        _STATUS,
+        [POINTER(Options), POINTER(Zone), c_size_t, c_int32, DISTANCE, CONTRAST, c_void_p, POINTER(c_double)],
+    ),
+}
+"""Result and arguments of the functions that are called."""
+
+
+def library_file() -> Path:
+    """Where the library is: the file that the variable REALISTIC_PLUGIN names, else the one in this package."""
+    named = os.environ.get("REALISTIC_PLUGIN")
+    if named:
+        return Path(named)
+    name = {"darwin": "librealistic.dylib", "win32": "realistic.dll"}.get(sys.platform, "librealistic.so")
+    return Path(__file__).parent / name
+
+
+def _load() -> ctypes.CDLL:
+    file = library_file()
+    if not file.exists():
+        raise ImportError(
+            f"realistic's library is not at {file}: install the package (`pip install ./python` in a checkout), or "
+            "name a built library in the variable REALISTIC_PLUGIN"
+        )
+    try:
+        loaded = ctypes.CDLL(str(file))
+        for name, (result, arguments) in FUNCTIONS.items():
+            function = getattr(loaded, name)
+            function.restype, function.argtypes = result, arguments
+    except (OSError, AttributeError) as error:
+        raise ImportError(f"{file} is not a library that this package can use: {error}") from error
+    version = loaded.realistic_abi_version()
+    if version < ABI_VERSION:
+        raise ImportError(f"{file} has version {version} of the C ABI; this package needs {ABI_VERSION} or later")
+    return loaded
+
+
+library = _load()
+
+
+def version() -> str:
+    """The library's version, such as "0.1.0"."""
+    return str(library.realistic_version().decode())
+
+
+def text_of(function: ctypes._NamedFuncPointer, pointer: int) -> tuple[int, str]:
+    """The status and the text of a function that copies text into a buffer."""
+    length = c_size_t()
+    status = function(pointer, None, 0, ctypes.byref(length))
+    buffer = ctypes.create_string_buffer(length.value + 1)
+    if status == 0:
+        status = function(pointer, buffer, len(buffer), None)
+    return status, buffer.value.decode()

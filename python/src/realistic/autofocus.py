@@ -1,0 +1,71 @@
+"""Autofocus: a scene that is asked for distances or for contrast, and the film distance that follows."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ._abi import CONTRAST, DISTANCE, Options, Zone, library
+from .errors import check
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+RULES = ("nearest", "centre", "average")
+"""`realistic_autofocus_rule`, by its numbers."""
+
+
+def film_distance(
+    options: Options,
+    zones: ArrayLike,
+    rule: str,
+    distance: Callable[[NDArray[np.float32], NDArray[np.float32]], float | None] | None,
+    contrast: Callable[[int, tuple[float, float, float, float]], float | None] | None,
+) -> float:
+    """The film distance, mm; `contrast` gets the address of a camera. See `Camera.autofocus`."""
+    if rule not in RULES:
+        raise ValueError(f"rule is {rule!r}; give one of {', '.join(map(repr, RULES))}")
+    rows = np.asarray(zones, np.float32)
+    if rows.ndim != 2 or rows.shape[1] != 4:
+        raise ValueError(f"zones must have shape (n, 4): left, top, right, bottom; this array has {rows.shape}")
+    failures: list[BaseException] = []
+
+    def answer(ask: Callable[..., float | None], *arguments: Any) -> float:
+        """No exception may pass through the library; after the first nothing more is asked."""
+        if failures:
+            return float("nan")
+        try:
+            found = ask(*arguments)
+            return float("nan") if found is None else float(found)
+        except BaseException as failure:  # An interrupt, too, is raised again below.
+            failures.append(failure)
+            return float("nan")
+
+    @DISTANCE  # type: ignore[untyped-decorator]
+    def on_distance(_user: Any, ray: Any) -> float:
+        o, d = ray.contents.o, ray.contents.d
+        return answer(distance, np.array(o, np.float32), np.array(d, np.float32))  # type: ignore[arg-type]
+
+    @CONTRAST  # type: ignore[untyped-decorator]
+    def on_contrast(_user: Any, camera: int, zone: Any) -> float:
+        z = zone.contents
+        return answer(contrast, camera, (z.left, z.top, z.right, z.bottom))  # type: ignore[arg-type]
+
+    found = ctypes.c_double()
+    status = library.realistic_autofocus(
+        ctypes.byref(options),
+        (Zone * len(rows))(*(Zone(*row.tolist()) for row in rows)),
+        len(rows),
+        RULES.index(rule),
+        on_distance if distance is not None else DISTANCE(),
+        on_contrast if contrast is not None else CONTRAST(),
+        None,
+        ctypes.byref(found),
+    )
+    if failures:
+        raise failures[0]
+    check(status)
+    return found.value

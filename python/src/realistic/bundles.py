@@ -1,0 +1,153 @@
+"""Bundles: for some film points, the rays through the whole pupil, in camera space.
+
+What fits or measures a camera asks here. A ray is kept as the line x(z) = at + slope * z.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .errors import CameraWarning
+from .lens import Lens
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from .camera import Camera
+
+
+@dataclass(eq=False)
+class Bundles:
+    """The rays of `m` lens samples from each of `n` film points.
+
+    Attributes
+    ----------
+    at : ndarray (n, m, 2)
+        Where a ray's line meets the plane z = 0 of camera space, world units.
+    slope : ndarray (n, m, 2)
+        Its dx/dz and dy/dz.
+    weight : ndarray (n, m)
+        Its weight; 0 where it is blocked or does not travel forward.
+    """
+
+    at: NDArray[np.float64]
+    slope: NDArray[np.float64]
+    weight: NDArray[np.float64]
+
+    @property
+    def has_light(self) -> NDArray[np.bool_]:
+        """Film points from which some ray gets out, shape (n,)."""
+        light: NDArray[np.bool_] = self.weight.sum(axis=1) > 0
+        return light
+
+    def mean(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The weighted mean over the lens samples, (n, 2) of (n, m, 2); NaN without light."""
+        weight = self.weight[..., None]
+        with np.errstate(invalid="ignore"):
+            mean: NDArray[np.float64] = (values * weight).sum(axis=1) / weight.sum(axis=1)
+        return mean
+
+    def points(self, z: float) -> NDArray[np.float64]:
+        """Where the rays meet the plane z, or their slopes where z is infinite: (n, m, 2)."""
+        return self.slope if np.isinf(z) else self.at + self.slope * z
+
+
+@contextmanager
+def quietly() -> Iterator[None]:
+    """Without the warnings of cameras that differ from a caller's in what he does not see: his own has given them."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", CameraWarning)
+        yield
+
+
+def in_camera_space(camera: Camera) -> Camera:
+    """The same camera at rest at the origin, with its shutter open everywhere."""
+    plain = dict.fromkeys(
+        ("camera_to_world", "camera_to_world_end", "transformstart", "transformend", "shutter", "shutterramp")
+    )
+    with quietly():
+        return camera.replace(**plain, shutterslit=None)
+
+
+def lens_grid(side: int) -> NDArray[np.float32]:
+    """Lens samples in the middles of `side` times `side` cells, (side², 2)."""
+    middles = (np.arange(side, dtype=np.float32) + np.float32(0.5)) / np.float32(side)
+    u, v = np.meshgrid(middles, middles)
+    return np.stack([u.ravel(), v.ravel()]).T
+
+
+def film_grid(resolution: tuple[int, int], most: int) -> NDArray[np.float64]:
+    """Film points from edge to edge of the picture, at most `most` along the longer side, (n, 2)."""
+    longer = max(resolution)
+    x, y = (np.linspace(0, size, max(2, round(most * size / longer))) for size in resolution)
+    return np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+
+
+def bundles_of(plain: Camera, image_xy: NDArray[np.float64], lens_uv: NDArray[np.float32]) -> Bundles:
+    """The bundles of film points (n, 2), with the same lens samples (m, 2) for each."""
+    rays = plain.rays(image_xy[:, None, :], lens_uv[None, :, :])
+    origin, direction = rays.origin.astype(np.float64), rays.direction.astype(np.float64)
+    forward = (rays.weight > 0) & (direction[..., 2] > 0)
+    # A film point that sees something at or behind its own side has no mean in a plane.
+    forward &= ~np.any((rays.weight > 0) & (direction[..., 2] <= 0), axis=1, keepdims=True)
+    dz = np.where(forward, direction[..., 2], 1.0)[..., None]
+    slope = np.where(forward[..., None], direction[..., :2] / dz, 0.0)
+    at = np.where(forward[..., None], origin[..., :2] - slope * origin[..., 2:], 0.0)
+    return Bundles(at, slope, np.where(forward, rays.weight, 0.0).astype(np.float64))
+
+
+def plane_at(plain: Camera, distance: float | None) -> float:
+    """z in camera space of a plane of the scene, which is given as `focusdistance` is; None: the plane in focus.
+
+    Raises
+    ------
+    ValueError
+        For a distance that is not positive.
+    """
+    if distance is None:
+        return plane_in_focus(plain)
+    if not distance > 0:
+        raise ValueError(f"distance is {distance}; it must be positive, in world units")
+    return distance + film_plane(plain) if plain.interfaces > 0 and np.isfinite(distance) else float(distance)
+
+
+def seen_from_pinhole(bundles: Bundles, plane: float) -> tuple[NDArray[np.float64], float]:
+    """Where the mean ray of each film point meets the plane, as (dx/dz, dy/dz) seen from the pinhole, and its z.
+
+    The pinhole is the point of the axis that the mean rays pass nearest: the lens's entrance pupil.
+    """
+    at, slope = bundles.mean(bundles.at), bundles.mean(bundles.slope)
+    seen = bundles.has_light
+    pinhole = -float((at * slope)[seen].sum() / (slope * slope)[seen].sum())
+    if np.isinf(plane):
+        return slope, pinhole
+    if plane <= pinhole:
+        raise ValueError(f"the plane to be seen lies {pinhole - plane:g} behind the pinhole; give a greater distance")
+    return (at + slope * plane) / (plane - pinhole), pinhole
+
+
+def film_plane(plain: Camera) -> float:
+    """z of the film plane in camera space, world units, negative; of a camera of `in_camera_space` with a lens."""
+    given = plain.parameters
+    with quietly():
+        names = ("specfile", "lens_text", "wavelength", "aperture_diameter", "fnumber")
+        lens = Lens(**{name: given[name] for name in names if name in given})
+    return (lens.rear_vertex_mm - plain.film_distance_mm) / float(given.get("mmperunit", 1.0))
+
+
+def plane_in_focus(plain: Camera) -> float:
+    """z of the plane in focus in camera space, world units; infinite when focused there, and for a pinhole."""
+    if plain.interfaces > 0:
+        focus = plain.focus_distance_mm
+        if not np.isfinite(focus):
+            return float("inf")
+        return film_plane(plain) + focus / float(plain.parameters.get("mmperunit", 1.0))
+    if plain.parameters.get("lensradius", 0.0) > 0:
+        return float(plain.parameters.get("focaldistance", np.inf))
+    return float("inf")

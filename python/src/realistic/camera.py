@@ -1,0 +1,358 @@
+"""The camera: built from parameters, asked for rays."""
+
+from __future__ import annotations
+
+import ctypes
+import warnings
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import autofocus as _autofocus
+from . import intrinsics as _intrinsics
+from . import rays as _rays
+from ._abi import CameraInfo, library, text_of
+from ._handle import Borrowed, Handle, build
+from .errors import CameraWarning, check, warn
+from .parameters import ALIASES, INSTEAD_OF, canonical, matrix_of, options_of, resolution_of
+
+if TYPE_CHECKING:
+    import os
+    from types import TracebackType
+
+    from numpy.typing import ArrayLike, NDArray
+
+    # Every checker of types knows this module; nothing needs it to run.
+    from typing_extensions import Unpack
+
+    from .parameters import Parameters
+
+
+class Camera:
+    """A real camera: rays start on the film, pass every surface of a lens and leave for the scene.
+
+    Parameters
+    ----------
+    specfile : str or path-like, optional
+        A lens file, or a name of the catalogue: "dgauss.50mm" (default), "dgauss.100mm", "wide.22mm",
+        "telephoto.250mm", "fisheye.10mm"; "NAME@35mm" scales one to a focal length of 35 mm.
+    resolution : (int, int)
+        Width and height of the picture in pixels.
+    camera_to_world : array_like (4, 4), optional
+        Takes camera space (world units; +z forward, +x right, +y up; for a lens the origin is its front vertex) to world
+        space, for column vectors. Default: the identity.
+    camera_to_world_end : array_like (4, 4), optional
+        For a camera that moves: its pose at `transformend`; `camera_to_world` is the one at `transformstart`.
+    transformstart, transformend : float, optional
+        The times of the two poses; default `shutteropen` and `shutterclose`.
+    **parameters
+        Those of `realistic.Parameters`, by the names that they have everywhere: `focusdistance`, `fnumber`, `filmdiag`,
+        `mmperunit`, `model` and so on. None is the same as leaving one out.
+
+    Raises
+    ------
+    realistic.Error
+        In the library's words: `ParameterError`, `LensFileError`, `FocusError`.
+    TypeError, ValueError
+        For what no C structure can hold: an unknown name, text for a number, NaN, a matrix of another shape.
+
+    Warns
+    -----
+    realistic.CameraWarning
+        What the library has to say about the lens, at the caller's line. What it tells for information goes to the
+        logger "realistic".
+
+    Notes
+    -----
+    A camera never changes; any number of threads may ask it for rays. It can be pickled: what is sent are its parameters,
+    and the other process builds it again, from a lens file of the same name if there is one. `close`, or leaving a `with`
+    block, gives its memory back; so does deleting it.
+
+    Examples
+    --------
+    >>> import numpy as np, realistic
+    >>> camera = realistic.Camera("dgauss.50mm", resolution=(1920, 1280), focusdistance=1000.0)
+    >>> rays = camera.rays(np.array([[960.0, 640.0]]), np.array([[0.5, 0.5]]))
+    >>> round(float(rays.direction[0, 2]), 6)
+    1.0
+    """
+
+    def __init__(
+        self,
+        specfile: str | os.PathLike[str] | None = None,
+        *,
+        resolution: Iterable[int],
+        camera_to_world: ArrayLike | None = None,
+        camera_to_world_end: ArrayLike | None = None,
+        transformstart: float | None = None,
+        transformend: float | None = None,
+        **parameters: Unpack[Parameters],
+    ) -> None:
+        self._parameters = canonical({"specfile": specfile, **parameters})
+        self._resolution = resolution_of(resolution)
+        self._pose: dict[str, Any] = {}
+        for name, matrix in (("camera_to_world", camera_to_world), ("camera_to_world_end", camera_to_world_end)):
+            if matrix is not None:
+                self._pose[name] = matrix_of(name, matrix)
+        for name, time in (("transformstart", transformstart), ("transformend", transformend)):
+            if time is not None:
+                self._pose[name] = time
+        self._handle: Handle | Borrowed | None = None
+        options = options_of(self._parameters, self._resolution, self._pose)
+        self._handle, told = build(options, library.realistic_camera_new, library.realistic_camera_free)
+        for message in told:
+            warn(message)
+
+    # What it is.
+
+    @property
+    def resolution(self) -> tuple[int, int]:
+        """Width and height of the picture, pixels."""
+        return self._resolution
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """The parameters that were given, by their own names."""
+        return dict(self._parameters)
+
+    @property
+    def lens_name(self) -> str:
+        """The lens's name; empty for a model without a lens."""
+        handle = self._live()
+        status, text = text_of(library.realistic_camera_get_lens_name, handle.pointer)
+        check(status)
+        return text
+
+    @property
+    def interfaces(self) -> int:
+        """Interfaces of the lens, the stop included; 0 for a model without a lens."""
+        return int(self._info().interfaces)
+
+    @property
+    def focal_length_mm(self) -> float:
+        """Effective focal length; infinite for an afocal lens, NaN for a model without a lens."""
+        return float(self._info().focal_length_mm)
+
+    @property
+    def fnumber(self) -> float:
+        """Focal length over entrance pupil diameter at the stop in use; NaN for a model without a lens."""
+        return float(self._info().fnumber)
+
+    @property
+    def film_distance_mm(self) -> float:
+        """From the last vertex to the film; NaN for a model without a lens."""
+        return float(self._info().film_distance_mm)
+
+    @property
+    def focus_distance_mm(self) -> float:
+        """From the film plane to the plane in focus; infinity when focused there or beyond.
+
+        NaN when nothing in front of the lens is in focus, and for a model without a lens.
+        """
+        return float(self._info().focus_distance_mm)
+
+    @property
+    def film_diagonal_mm(self) -> float:
+        """Film diagonal; NaN for a model without a lens."""
+        return float(self._info().film_diagonal_mm)
+
+    @property
+    def film_size_mm(self) -> tuple[float, float]:
+        """Width and height of the film; its pixels are square."""
+        width, height = self._resolution
+        scale = self.film_diagonal_mm / float(np.hypot(width, height))
+        return width * scale, height * scale
+
+    def plan(self) -> str:
+        """What the camera keeps and leaves out, and which model of the lens a tolerance chose; text for people."""
+        handle = self._live()
+        status, text = text_of(library.realistic_camera_plan, handle.pointer)
+        check(status)
+        return text
+
+    # What it does.
+
+    def rays(
+        self,
+        image_xy: ArrayLike,
+        lens_uv: ArrayLike,
+        time: ArrayLike | None = None,
+        *,
+        out: _rays.Rays | None = None,
+        reasons: bool = False,
+        differentials: bool = False,
+    ) -> _rays.Rays:
+        """The rays of samples.
+
+        Parameters
+        ----------
+        image_xy : array_like (n, 2)
+            Raster position in pixels: (0, 0) is the top left corner of the picture, `resolution` the bottom right one;
+            pixel (i, j)'s centre is (i + 0.5, j + 0.5).
+        lens_uv : array_like (n, 2)
+            Lens sample (u, v), each in [0, 1]; outside, the nearest number inside is taken.
+        time : array_like (n,), optional
+            Fraction of the shutter's interval, in [0, 1]; default 0, its opening.
+        out : Rays, optional
+            Where to write; what of it is None is not written. `Rays.empty` makes one.
+        reasons : bool
+            Whether to tell what became of each sample, in `reason`.
+        differentials : bool
+            Whether to give the rays one pixel to the right and one pixel down, too, in `rx` and `ry`.
+
+        Returns
+        -------
+        Rays
+            `out`, if it was given. New arrays lie in memory number by number, `origin[:, 0]` without gaps.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For arrays of another dtype or shape, with what they have; for a camera that is closed.
+
+        Notes
+        -----
+        The three inputs are broadcast together: `n` may be any shape, a single (u, v) serve for all film points.
+
+        Numbers are traced from float32; another dtype is converted. Nothing is copied of a float32 array whose columns lie
+        without gaps (an array (2, n), transposed); other arrays, (n, 2) in C order among them, are copied block by block,
+        at about a nanosecond per ray. A sample with NaN or infinity in it is blocked. Out of arrays that share memory with
+        the input, or with each other in part, the former work and the latter are an error.
+        """
+        handle = self._live()
+        return _rays.trace(handle.pointer, image_xy, lens_uv, time, out, reasons, differentials)
+
+    def replace(self, **changes: Any) -> Camera:
+        """Another camera with some arguments changed; None takes one away.
+
+        A parameter takes the place of the one that says the same: `fnumber` of `aperture_diameter`, `filmdistance` of
+        `focusdistance`.
+        """
+        arguments = self._arguments()
+        for name in changes:
+            own = ALIASES.get(name, name)
+            for displaced in {own, *INSTEAD_OF.get(own, ())}:
+                arguments.pop(displaced, None)
+        return Camera(**{**arguments, **changes})
+
+    def intrinsics(self, distance: float | None = None, *, coefficients: int = 5) -> _intrinsics.Intrinsics:
+        """The pinhole matrix and OpenCV's distortion that fit best, with the residual in pixels.
+
+        Parameters
+        ----------
+        distance : float, optional
+            The plane of the scene for which to fit, as `focusdistance`: world units from the film plane (for model
+            "perspective" from the eye), or inf. Default: the plane in focus.
+        coefficients : int
+            How many coefficients of distortion: 5 (k1, k2, p1, p2, k3), 4, 2 or 0. The others are 0.
+
+        Returns
+        -------
+        Intrinsics
+            In OpenCV's conventions, which it states.
+
+        Raises
+        ------
+        ValueError
+            For model "orthographic" or "environment"; for a plane behind the pinhole; where next to nothing is seen.
+
+        Notes
+        -----
+        Some 1,000 film points from edge to edge, 256 rays from each, weighted as the camera weights them. No polynomial of
+        OpenCV's holds a fisheye: see `residual_max`, and `coverage` for film points that see sideways or nothing.
+        """
+        self._live()
+        return _intrinsics.fit(self, distance, coefficients)
+
+    def autofocus(
+        self,
+        zones: ArrayLike,
+        *,
+        distance: Callable[[NDArray[np.float32], NDArray[np.float32]], float | None] | None = None,
+        contrast: Callable[[Camera, tuple[float, float, float, float]], float | None] | None = None,
+        rule: str = "nearest",
+    ) -> float:
+        """The film distance, mm, at which what the camera sees in some zones is in focus.
+
+        `camera.replace(filmdistance=camera.autofocus(...))` is the camera focused there.
+
+        Parameters
+        ----------
+        zones : array_like (n, 4)
+            Left, top, right and bottom edge of each zone, pixels.
+        distance : callable, optional
+            Gets a ray's origin (3,) and direction (3,) and returns how far along it the first surface is, world units: inf
+            for none, None for "not known". It is asked for some rays per zone.
+        contrast : callable, optional
+            Gets a trial camera, which lives until it returns, and a zone; returns how much contrast that camera's picture
+            has there, 0 or more, None for "not known". It is asked for tens to hundreds of cameras. Give this or `distance`.
+        rule : str
+            Of several zones: "nearest" takes the one that sees the nearest thing, "centre" the one nearest the middle of
+            the picture, "average" the mean of their film distances.
+
+        Raises
+        ------
+        realistic.FocusError
+            When no zone has an answer.
+        """
+        parameters = {**self._parameters}
+        for name in ("filmdistance", "focusdistance"):
+            parameters.pop(name, None)
+
+        def with_trial(pointer: int, zone: tuple[float, float, float, float]) -> float | None:
+            trial = Camera.__new__(Camera)
+            trial._parameters, trial._resolution, trial._pose = parameters, self._resolution, self._pose
+            trial._handle = Borrowed(pointer)
+            with trial:
+                return contrast(trial, zone)  # type: ignore[misc]
+
+        self._live()
+        options = options_of(parameters, self._resolution, self._pose)
+        ask = with_trial if contrast is not None else None
+        return _autofocus.film_distance(options, zones, rule, distance, ask)
+
+    def close(self) -> None:
+        """Gives the camera's memory back, once calls in other threads are through; a second time does nothing."""
+        self._handle = None
+
+    def __enter__(self) -> Camera:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        given = dict(self._parameters)
+        words = [repr(given.pop("specfile"))] if "specfile" in given else []
+        words.append(f"resolution={self._resolution}")
+        words += [f"{name}={value if name != 'lens_text' else '...'!r}" for name, value in given.items()]
+        words += [f"{name}=..." for name in self._pose]
+        return f"Camera({', '.join(words)})"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _again, (self._arguments(),)
+
+    def _arguments(self) -> dict[str, Any]:
+        return {**self._parameters, **self._pose, "resolution": self._resolution}
+
+    def _live(self) -> Handle | Borrowed:
+        handle = self._handle
+        if handle is None:
+            raise ValueError("this camera is closed")
+        return handle
+
+    def _info(self) -> CameraInfo:
+        handle = self._live()
+        info = CameraInfo(struct_size=ctypes.sizeof(CameraInfo))
+        check(library.realistic_camera_get_info(handle.pointer, ctypes.byref(info)))
+        return info
+
+
+def _again(arguments: dict[str, Any]) -> Camera:
+    """A pickled camera. What there is to warn of was told when it was first built."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", CameraWarning)
+        return Camera(**arguments)

@@ -1,0 +1,78 @@
+"""What can go wrong, as exceptions and warnings in the library's own words."""
+
+from __future__ import annotations
+
+import sys
+import warnings
+
+from ._abi import library
+
+
+class Error(Exception):
+    """The library refused what it was asked for; the message says what to change.
+
+    Attributes
+    ----------
+    status : int
+        The `realistic_status` of the C ABI.
+    """
+
+    status: int = -1
+
+
+class ParameterError(Error, ValueError):
+    """A parameter is unknown, of the wrong kind, out of range or given twice."""
+
+
+class LensFileError(Error, ValueError, OSError):
+    """The lens description is missing or cannot be read; the message has file, line and column.
+
+    A `ValueError` and an `OSError`, as `io.UnsupportedOperation` is: the library has one status for both.
+    """
+
+
+class FocusError(Error, ValueError):
+    """The lens cannot be focused at the distance asked for, or no zone of an autofocus has an answer."""
+
+
+class OutOfMemoryError(Error, MemoryError):
+    """Memory is out for what was asked for."""
+
+
+class DefectError(Error, RuntimeError):
+    """A defect of the library or of this package; please report it."""
+
+
+class CameraWarning(UserWarning):
+    """The library built a camera and has something to say about it."""
+
+
+# By the numbers of `realistic_status`, which never change; another number is a plain `Error`.
+_BY_STATUS: dict[int, type[Error]] = {
+    1: DefectError,
+    2: DefectError,
+    3: ParameterError,
+    4: LensFileError,
+    5: FocusError,
+    7: DefectError,
+    8: DefectError,
+    9: OutOfMemoryError,
+    11: DefectError,
+}
+
+
+def check(status: int) -> None:
+    """Raises the exception of a status that is not 0, with the message of this thread's last failure."""
+    if status != 0:
+        message = library.realistic_last_error().decode(errors="replace")
+        error = _BY_STATUS.get(status, Error)(message)
+        error.status = status
+        raise error
+
+
+def warn(message: str) -> None:
+    """Warns at the line outside this package that the call came from."""
+    level, frame = 1, sys._getframe()
+    while frame is not None and frame.f_globals.get("__name__", "").partition(".")[0] == "realistic":
+        level, frame = level + 1, frame.f_back  # type: ignore[assignment]
+    warnings.warn(message, CameraWarning, stacklevel=level)

@@ -1,0 +1,155 @@
+"""The pinhole camera with OpenCV's distortion that fits a real one best.
+
+From each film point of a grid the mean ray of the pupil is followed to a plane of the scene; least squares find the
+projection that takes where they meet it back to the film points (the model of OpenCV's calib3d: Brown, "Decentering
+distortion of lenses", Photogrammetric Engineering 32, 1966).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .bundles import bundles_of, film_grid, in_camera_space, lens_grid, plane_at, seen_from_pinhole
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from .camera import Camera
+
+
+@dataclass(frozen=True, eq=False)
+class Intrinsics:
+    """A pinhole camera with distortion, in OpenCV's conventions.
+
+    Pixel (i, j)'s centre is at (i, j), half a pixel less than in `image_xy` of `Camera.rays`. OpenCV's camera has +x right,
+    +y **down** and +z forward, and its origin is the pinhole; camera space here has +y up.
+
+    Attributes
+    ----------
+    matrix : ndarray (3, 3)
+        [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], pixels.
+    distortion : ndarray (5,)
+        k1, k2, p1, p2, k3.
+    residual_rms, residual_max : float
+        How far the film points are from where the fit puts them, pixels.
+    position : ndarray (3,)
+        The pinhole in camera space, world units: for a lens the entrance pupil.
+    distance : float
+        From the pinhole to the plane of the scene that the fit holds for, world units; mostly infinity or the plane in
+        focus.
+    coverage : float
+        Share of the picture's film points that a ray goes forward from; the others had no part in the fit.
+    """
+
+    matrix: NDArray[np.float64]
+    distortion: NDArray[np.float64]
+    residual_rms: float
+    residual_max: float
+    position: NDArray[np.float64]
+    distance: float
+    coverage: float
+
+    def project(self, points: ArrayLike) -> NDArray[np.float64]:
+        """Pixels (n, 2) of points (n, 3) in OpenCV's camera axes, as `cv2.projectPoints` has them."""
+        points = np.asarray(points, np.float64)
+        xy = points[..., :2] / points[..., 2:]
+        pinhole = [self.matrix[0, 0], self.matrix[1, 1], self.matrix[0, 2], self.matrix[1, 2]]
+        return _project(np.concatenate([pinhole, self.distortion]), xy)
+
+
+# Of fx, fy, cx, cy, k1, k2, p1, p2, k3 those that are fitted for so many coefficients.
+_FITTED = {0: (0, 1, 2, 3), 2: (0, 1, 2, 3, 4, 5), 4: (0, 1, 2, 3, 4, 5, 6, 7), 5: (0, 1, 2, 3, 4, 5, 6, 7, 8)}
+
+
+def fit(camera: Camera, distance: float | None, coefficients: int) -> Intrinsics:
+    """See `Camera.intrinsics`."""
+    model = camera.parameters.get("model", "lens")
+    if model in ("orthographic", "environment"):
+        raise ValueError(f'model "{model}" has no pinhole; intrinsics are those of a lens or a perspective')
+    if coefficients not in _FITTED:
+        raise ValueError(f"coefficients is {coefficients}; give 0, 2 (k1, k2), 4 (and p1, p2) or 5 (and k3)")
+    with in_camera_space(camera) as plain:
+        image_xy = film_grid(camera.resolution, 33)
+        bundles = bundles_of(plain, image_xy, lens_grid(16))
+        plane = plane_at(plain, distance)
+    seen = bundles.has_light
+    if np.count_nonzero(seen) < 8:
+        raise ValueError("too few film points see anything forward of the camera for a fit")
+    xy, pinhole = seen_from_pinhole(bundles, plane)
+    xy = xy[seen] * [1.0, -1.0]
+    pixels = image_xy[seen] - 0.5
+
+    numbers = _least_squares(xy, pixels, np.array(_FITTED[coefficients]))
+    off = np.hypot(*(_project(numbers, xy) - pixels).T)
+    fx, fy, cx, cy = numbers[:4]
+    return Intrinsics(
+        matrix=np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]]),
+        distortion=numbers[4:],
+        residual_rms=float(np.sqrt(np.mean(off**2))),
+        residual_max=float(off.max()),
+        position=np.array([0.0, 0.0, pinhole]),
+        distance=plane - pinhole,
+        coverage=float(np.mean(seen)),
+    )
+
+
+def _project(numbers: NDArray[np.float64], xy: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Pixels of points in the plane z = 1; `numbers` are fx, fy, cx, cy, k1, k2, p1, p2, k3."""
+    fx, fy, cx, cy, k1, k2, p1, p2, k3 = numbers
+    x, y = xy[..., 0], xy[..., 1]
+    r2 = x * x + y * y
+    radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
+    u = x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x)
+    v = y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y
+    return np.stack([fx * u + cx, fy * v + cy], axis=-1)
+
+
+def _slopes(numbers: NDArray[np.float64], xy: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The derivatives of `_project` by its nine numbers, (2n, 9): first those of u, then those of v."""
+    fx, fy, _, _, k1, k2, p1, p2, k3 = numbers
+    x, y = xy[:, 0], xy[:, 1]
+    r2 = x * x + y * y
+    zero, one = np.zeros_like(x), np.ones_like(x)
+    radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
+    u = x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x)
+    v = y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y
+    xr, yr = fx * x * r2, fy * y * r2
+    of_u = [u, zero, one, zero, xr, xr * r2, fx * 2 * x * y, fx * (r2 + 2 * x * x), xr * r2 * r2]
+    of_v = [zero, v, zero, one, yr, yr * r2, fy * (r2 + 2 * y * y), fy * 2 * x * y, yr * r2 * r2]
+    return np.concatenate([np.stack(of_u, axis=1), np.stack(of_v, axis=1)])
+
+
+def _least_squares(
+    xy: NDArray[np.float64], pixels: NDArray[np.float64], fitted: NDArray[np.intp]
+) -> NDArray[np.float64]:
+    """Gauss and Newton's iteration, with steps halved until they help; begins without distortion."""
+
+    def residual(numbers: NDArray[np.float64]) -> NDArray[np.float64]:
+        return (pixels - _project(numbers, xy)).T.ravel()
+
+    numbers = np.zeros(9)
+    for k in range(2):
+        columns = np.stack([xy[:, k], np.ones(len(xy))], axis=1)
+        numbers[k], numbers[2 + k] = np.linalg.lstsq(columns, pixels[:, k], rcond=None)[0]
+    left = residual(numbers)
+    for _ in range(100):
+        jacobian = _slopes(numbers, xy)[:, fitted]
+        # Columns differ by orders of magnitude: r to the seventh beside one.
+        scale = np.linalg.norm(jacobian, axis=0)
+        step = np.zeros(9)
+        step[fitted] = np.linalg.lstsq(jacobian / scale, left, rcond=None)[0] / scale
+        for _ in range(40):
+            trial = residual(numbers + step)
+            if trial @ trial < left @ left:
+                break
+            step /= 2
+        else:
+            return numbers
+        gain = 1 - (trial @ trial) / (left @ left)
+        numbers, left = numbers + step, trial
+        if gain < 1e-12:
+            return numbers
+    return numbers

@@ -1,0 +1,298 @@
+"""A lens without a film: first-order data, surfaces, focus, and exact rays either way."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+import os
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from ._abi import LensInfo, LensRaysPointers, LensSurface, library, text_of
+from ._handle import Handle, build
+from .errors import check, warn
+from .parameters import canonical, options_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from numpy.typing import ArrayLike, NDArray
+
+SIDES = ("film", "scene")
+"""`realistic_side`, by its numbers."""
+
+
+class Pupils(NamedTuple):
+    """The images of the stop, by first-order optics; mm, z in lens space."""
+
+    entrance_mm: float
+    entrance_diameter_mm: float
+    exit_mm: float
+    exit_diameter_mm: float
+
+
+class Surface(NamedTuple):
+    """A surface of a lens; mm, z in lens space."""
+
+    vertex_mm: float
+    """z of its vertex; 0 for the first, never positive."""
+    radius_mm: float
+    """Radius of curvature: positive with the centre on the film's side, infinite for a plane."""
+    thickness_mm: float
+    """Distance to the next vertex; 0 for the last."""
+    index_scene: float
+    """Refractive index on the scene's side."""
+    index_film: float
+    """Refractive index on the film's side."""
+    semi_diameter_mm: float
+    """Clear semi-diameter."""
+    is_stop: bool
+    """Whether it is the aperture stop."""
+
+
+@dataclass(eq=False, repr=False)
+class LensRays:
+    """Rays that were taken through a lens.
+
+    Attributes
+    ----------
+    origin : ndarray (n, 3) of float64
+        Where each ray leaves the last surface, mm in lens space; for a blocked ray the last surface that it met.
+    direction : ndarray (n, 3) of float64
+        Unit vectors.
+    reason : ndarray (n,) of int32
+        A `Reason` each; 0 for a ray that gets through.
+    """
+
+    origin: NDArray[np.float64]
+    direction: NDArray[np.float64]
+    reason: NDArray[np.int32]
+
+    @property
+    def passed(self) -> NDArray[np.bool_]:
+        """Which rays get through, (n,)."""
+        return self.reason == 0
+
+    def __len__(self) -> int:
+        return len(self.reason)
+
+    def __repr__(self) -> str:
+        return f"<LensRays {self.reason.shape}, {np.count_nonzero(self.passed)} of {self.reason.size} get through>"
+
+
+class Lens:
+    """A lens at one wavelength and stop.
+
+    Lens space has its origin at the front vertex, +z toward the scene, +x right and +y up; millimetres.
+
+    Parameters
+    ----------
+    specfile : str or path-like, optional
+        A lens file or a name of the catalogue, as for `Camera`; default "dgauss.50mm". Also `lensfile`.
+    lens_text : str or bytes, optional
+        The text of a lens file, instead.
+    wavelength : float, optional
+        nm, from 300 to 2000; default 587.56.
+    aperture_diameter, fnumber : float, optional
+        The stop's clear diameter in mm, or focal length over entrance pupil diameter; default the lens file's.
+
+    Raises
+    ------
+    realistic.Error
+        In the library's words, as for `Camera`.
+
+    Examples
+    --------
+    >>> import realistic
+    >>> lens = realistic.Lens("wide.22mm@22mm", fnumber=8)
+    >>> round(lens.focal_length_mm, 9), round(lens.fnumber, 9)
+    (22.0, 8.0)
+    """
+
+    def __init__(
+        self,
+        specfile: str | os.PathLike[str] | None = None,
+        *,
+        lens_text: str | bytes | None = None,
+        lensfile: str | os.PathLike[str] | None = None,
+        wavelength: float | None = None,
+        aperture_diameter: float | None = None,
+        fnumber: float | None = None,
+    ) -> None:
+        self._parameters = canonical(
+            {
+                "specfile": specfile,
+                "lens_text": lens_text,
+                "lensfile": lensfile,
+                "wavelength": wavelength,
+                "aperture_diameter": aperture_diameter,
+                "fnumber": fnumber,
+            }
+        )
+        # The library does not look at the resolution.
+        options = options_of(self._parameters, (1, 1), {})
+        self._handle: Handle
+        self._handle, told = build(options, library.realistic_lens_new, library.realistic_lens_free)
+        for message in told:
+            warn(message)
+        self._info = LensInfo(struct_size=ctypes.sizeof(LensInfo))
+        check(library.realistic_lens_get_info(self._handle.pointer, ctypes.byref(self._info)))
+
+    @property
+    def name(self) -> str:
+        """Its name: the catalogue's, or the file's."""
+        status, text = text_of(library.realistic_lens_get_name, self._handle.pointer)
+        check(status)
+        return text
+
+    @property
+    def wavelength_nm(self) -> float:
+        """The wavelength."""
+        return float(self._info.wavelength_nm)
+
+    @property
+    def focal_length_mm(self) -> float:
+        """Effective focal length; negative for a diverging lens, infinite for an afocal one."""
+        return float(self._info.focal_length_mm)
+
+    @property
+    def fnumber(self) -> float:
+        """Focal length, without its sign, over the entrance pupil's diameter."""
+        return float(self._info.fnumber)
+
+    @property
+    def back_focal_distance_mm(self) -> float:
+        """From the last vertex to the film-side focal point; NaN for an afocal lens."""
+        return float(self._info.back_focal_distance_mm)
+
+    @property
+    def focal_points_mm(self) -> tuple[float, float]:
+        """z of the scene-side and of the film-side focal point; NaN for an afocal lens."""
+        return float(self._info.front_focal_point_mm), float(self._info.rear_focal_point_mm)
+
+    @property
+    def principal_planes_mm(self) -> tuple[float, float]:
+        """z of the scene-side and of the film-side principal plane; NaN for an afocal lens."""
+        return float(self._info.front_principal_plane_mm), float(self._info.rear_principal_plane_mm)
+
+    @property
+    def rear_vertex_mm(self) -> float:
+        """z of the last vertex; 0 or less."""
+        return float(self._info.rear_vertex_mm)
+
+    @property
+    def pupils(self) -> Pupils:
+        """Entrance and exit pupil."""
+        info = self._info
+        return Pupils(
+            info.entrance_pupil_mm, info.entrance_pupil_diameter_mm, info.exit_pupil_mm, info.exit_pupil_diameter_mm
+        )
+
+    @property
+    def nominal_film_distance_mm(self) -> float:
+        """The film distance that the lens file proposes, from the last vertex; NaN where it proposes none."""
+        return float(self._info.nominal_film_distance_mm)
+
+    @property
+    def surfaces(self) -> tuple[Surface, ...]:
+        """The surfaces from the scene's side, the stop among them."""
+        found = []
+        for number in range(self._info.surfaces):
+            surface = LensSurface(struct_size=ctypes.sizeof(LensSurface))
+            check(library.realistic_lens_get_surface(self._handle.pointer, number, ctypes.byref(surface)))
+            found.append(
+                Surface(
+                    vertex_mm=surface.vertex_mm,
+                    radius_mm=surface.radius_mm,
+                    thickness_mm=surface.thickness_mm,
+                    index_scene=surface.index_scene,
+                    index_film=surface.index_film,
+                    semi_diameter_mm=surface.semi_diameter_mm,
+                    is_stop=bool(surface.is_stop),
+                )
+            )
+        return tuple(found)
+
+    def focus(self, distance_mm: float) -> float:
+        """The film distance, mm from the last vertex, that shows sharp what is `distance_mm` in front of the film.
+
+        Of exact rays: where the RMS spot of the point on the axis is smallest. Infinity is a distance.
+
+        Raises
+        ------
+        realistic.FocusError
+            Where the lens cannot focus, with the nearest distance that it can.
+        """
+        found = ctypes.c_double()
+        check(library.realistic_lens_focus(self._handle.pointer, distance_mm, ctypes.byref(found)))
+        return found.value
+
+    def focused_on(self, film_distance_mm: float) -> float:
+        """How far in front of the film, mm, what it shows sharp is: the reverse of `focus`; NaN for nothing."""
+        found = ctypes.c_double()
+        check(library.realistic_lens_focused_on(self._handle.pointer, film_distance_mm, ctypes.byref(found)))
+        return found.value
+
+    def trace(self, origins: ArrayLike, directions: ArrayLike, *, side: str = "scene") -> LensRays:
+        """Takes rays through the lens.
+
+        Parameters
+        ----------
+        origins : array_like (n, 3)
+            A point on each ray, mm in lens space; anywhere before the lens.
+        directions : array_like (n, 3)
+            Of any length but 0: toward -z from the scene's side, toward +z from the film's. The two are broadcast together.
+        side : str
+            Where rays come from, "scene" or "film".
+
+        Returns
+        -------
+        LensRays
+            New arrays. A ray with NaN or infinity in it counts as missed.
+        """
+        if side not in SIDES:
+            raise ValueError(f'side is {side!r}; give "scene" or "film"')
+        given = []
+        for name, array in (("origins", np.asarray(origins)), ("directions", np.asarray(directions))):
+            if not np.can_cast(array.dtype, np.float64, "same_kind"):
+                raise TypeError(f"{name} must hold real numbers, and has dtype {array.dtype}")
+            if array.ndim == 0 or array.shape[-1] != 3:
+                raise ValueError(f"{name} must have shape (n, 3), and has {array.shape}")
+            given.append(array)
+        try:
+            shape = np.broadcast_shapes(*(array.shape[:-1] for array in given))
+        except ValueError:
+            raise ValueError(
+                f"the rays are not equally many: origins {given[0].shape}, directions {given[1].shape}"
+            ) from None
+        n = math.prod(shape)
+        # The library writes over what it is given, number by number.
+        numbers = np.empty((6, n))
+        for row, array in zip((0, 3), given):
+            numbers[row : row + 3] = np.broadcast_to(array, (*shape, 3)).reshape(n, 3).T
+        reason = np.zeros(n, np.int32)
+        columns: list[Any] = [row.ctypes.data for row in (*numbers, reason)]
+        pointers = LensRaysPointers(ctypes.sizeof(LensRaysPointers), *columns)
+        check(library.realistic_lens_trace(self._handle.pointer, SIDES.index(side), n, ctypes.byref(pointers)))
+        return LensRays(numbers[0:3].T.reshape(*shape, 3), numbers[3:6].T.reshape(*shape, 3), reason.reshape(shape))
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draws the cross-section with matplotlib; see `realistic.plot.section`."""
+        from .plot import section
+
+        return section(self, ax)
+
+    def __repr__(self) -> str:
+        given = dict(self._parameters)
+        words = [repr(given.pop("specfile"))] if "specfile" in given else []
+        words += [f"{name}={value if name != 'lens_text' else '...'!r}" for name, value in given.items()]
+        return f"Lens({', '.join(words)})"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _again, (self._parameters,)
+
+
+def _again(parameters: dict[str, Any]) -> Lens:
+    """A pickled lens."""
+    return Lens(**parameters)

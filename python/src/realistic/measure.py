@@ -1,0 +1,175 @@
+"""What a camera's rays tell about its lens: illumination, spots, MTF, distortion; as arrays.
+
+Film points are raster positions in pixels, as `image_xy` of `Camera.rays`. All is geometric optics: without diffraction.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .bundles import bundles_of, in_camera_space, lens_grid, plane_at, seen_from_pinhole
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from .camera import Camera
+
+
+def relative_illumination(camera: Camera, image_xy: ArrayLike, *, side: int = 32) -> NDArray[np.float64]:
+    """The film's irradiance under an even light, over that in the middle of the picture.
+
+    Parameters
+    ----------
+    image_xy : array_like (n, 2)
+        Film points, pixels.
+    side : int
+        `side`² lens samples for each.
+
+    Returns
+    -------
+    ndarray (n,)
+        1 in the middle; 0 where nothing gets through.
+    """
+    with in_camera_space(camera) as plain, plain.replace(weighting="radiometric") as lit:
+        middle = np.array([camera.resolution], np.float64) / 2
+        points = np.concatenate([middle, np.asarray(image_xy, np.float64)])
+        weight = lit.rays(points[:, None, :], lens_grid(side)[None, :, :]).weight
+    light = weight.mean(axis=1, dtype=np.float64)
+    if light[0] == 0:
+        raise ValueError("no light gets to the middle of the picture")
+    relative: NDArray[np.float64] = light[1:] / light[0]
+    return relative
+
+
+@dataclass(frozen=True, eq=False)
+class Spots:
+    """Where the rays of object points meet the film.
+
+    Attributes
+    ----------
+    offset : ndarray (n, m, 2)
+        From the middle of each spot, pixels to the right and down.
+    weight : ndarray (n, m)
+        The rays' weights; 0 for one that is blocked.
+    """
+
+    offset: NDArray[np.float64]
+    weight: NDArray[np.float64]
+
+    @property
+    def rms(self) -> NDArray[np.float64]:
+        """The root of the mean square distance from the middle, pixels, (n,); NaN where there is no light."""
+        square = (self.offset**2).sum(axis=2)
+        with np.errstate(invalid="ignore"):
+            rms: NDArray[np.float64] = np.sqrt((square * self.weight).sum(axis=1) / self.weight.sum(axis=1))
+        return rms
+
+
+def spots(camera: Camera, image_xy: ArrayLike, *, distance: float | None = None, side: int = 32) -> Spots:
+    """The spots of object points that are imaged to some film points.
+
+    Rays are traced from the film to a plane of the scene. By as much as they miss there what their mean meets, in terms of
+    what a pixel's step on the film does there, the object point's ray would miss on the film: right to first order in the
+    size of the spot.
+
+    Parameters
+    ----------
+    image_xy : array_like (n, 2)
+        Film points, pixels.
+    distance : float, optional
+        The plane, as `focusdistance`; default the plane in focus.
+    side : int
+        `side`² lens samples for each.
+    """
+    points = np.asarray(image_xy, np.float64)
+    lens_uv = lens_grid(side)
+    with in_camera_space(camera) as plain:
+        plane = plane_at(plain, distance)
+        bundles = bundles_of(plain, points, lens_uv)
+        meets = bundles.points(plane)
+        columns = []
+        for axis in range(2):
+            # Two pixels to either side, as far as the picture goes.
+            low, high = points.copy(), points.copy()
+            low[:, axis] = np.maximum(points[:, axis] - 2, 0)
+            high[:, axis] = np.minimum(points[:, axis] + 2, camera.resolution[axis])
+            there, here = (bundles_of(plain, each, lens_uv) for each in (high, low))
+            moved = there.mean(there.points(plane)) - here.mean(here.points(plane))
+            columns.append(moved / (high - low)[:, axis, None])
+    lit = bundles.has_light
+    per_pixel = np.stack(columns, axis=-1)
+    offset = np.full_like(meets, np.nan)
+    missed = meets[lit] - bundles.mean(meets)[lit][:, None]
+    offset[lit] = -np.linalg.solve(per_pixel[lit][:, None], missed[..., None])[..., 0]
+    return Spots(np.where(bundles.weight[..., None] > 0, offset, 0.0), bundles.weight)
+
+
+def mtf(
+    camera: Camera,
+    image_xy: ArrayLike,
+    frequencies: ArrayLike,
+    *,
+    distance: float | None = None,
+    side: int = 64,
+) -> NDArray[np.float64]:
+    """The geometric modulation transfer function.
+
+    Parameters
+    ----------
+    image_xy : array_like (n, 2)
+        Film points, pixels.
+    frequencies : array_like (k,)
+        Line pairs per mm on the film. Above some side / (width of the spot in mm) the samples are too few.
+    distance : float, optional
+        The plane of the scene, as `focusdistance`; default the plane in focus.
+    side : int
+        `side`² lens samples for each film point.
+
+    Returns
+    -------
+    ndarray (n, 2, k)
+        From 1 at frequency 0. First tangential: the pattern changes along the line from the picture's middle; then sagittal:
+        across it.
+    """
+    found = spots(camera, image_xy, distance=distance, side=side)
+    mm = found.offset * (camera.film_size_mm[0] / camera.resolution[0])
+    radial = np.asarray(image_xy, np.float64) - np.array(camera.resolution) / 2
+    length = np.hypot(*radial.T)
+    # In the middle both are the same but for the lens samples; any direction will do.
+    radial = np.where(length[:, None] > 0, radial / np.maximum(length, 1e-300)[:, None], [0.0, 1.0])
+    across = np.stack([-radial[:, 1], radial[:, 0]], axis=-1)
+    along = np.stack([(mm * way[:, None]).sum(axis=2) for way in (radial, across)], axis=1)
+    waves = np.exp(-2j * np.pi * along[..., None] * np.asarray(frequencies, np.float64))
+    weight = found.weight[:, None, :, None]
+    with np.errstate(invalid="ignore"):
+        transfer: NDArray[np.float64] = np.abs((waves * weight).sum(axis=2)) / weight.sum(axis=2)
+    return transfer
+
+
+def distortion(camera: Camera, radii: ArrayLike, *, distance: float | None = None) -> NDArray[np.float64]:
+    """By how much points of a plane of the scene are imaged farther out than near the axis's scale would have it.
+
+    Parameters
+    ----------
+    radii : array_like (n,)
+        Distances from the picture's middle along its diagonal, pixels; positive.
+    distance : float, optional
+        The plane, as `focusdistance`; default the plane in focus.
+
+    Returns
+    -------
+    ndarray (n,)
+        (r - r') / r', where r' is the radius without distortion: negative is a barrel, positive a pincushion. NaN where
+        there is no light.
+    """
+    width, height = camera.resolution
+    diagonal = np.array([width, height]) / np.hypot(width, height)
+    r = np.concatenate([[np.hypot(width, height) / 100], np.asarray(radii, np.float64)])
+    with in_camera_space(camera) as plain:
+        bundles = bundles_of(plain, np.array([width, height]) / 2 + r[:, None] * diagonal, lens_grid(16))
+        tangent = np.hypot(*seen_from_pinhole(bundles, plane_at(plain, distance))[0].T)
+    relative: NDArray[np.float64] = (r / tangent)[1:] / (r / tangent)[0] - 1
+    return relative

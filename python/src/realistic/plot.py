@@ -1,0 +1,151 @@
+"""Plots of a lens with matplotlib: `pip install "./python[plot]"`.
+
+Each takes a camera or a lens and, if wanted, the axes to draw into, and returns the axes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from . import measure
+from .bundles import film_grid
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from numpy.typing import NDArray
+
+    from .camera import Camera
+    from .lens import Lens
+
+FIELDS = (0.0, 0.5, 0.7, 0.95)
+"""Shares of the half diagonal at which lenses are mostly looked at."""
+
+
+def illumination(camera: Camera, ax: Axes | None = None) -> Axes:
+    """The relative illumination over the picture, as a map with lines of equal illumination."""
+    ax = ax or plt.subplots()[1]
+    width, height = camera.resolution
+    points = film_grid(camera.resolution, 49)
+    rows = len(np.unique(points[:, 1]))
+    values = measure.relative_illumination(camera, points, side=16).reshape(rows, -1)
+    shown = ax.imshow(values, cmap="gray", vmin=0, vmax=max(1.0, float(values.max())), extent=(0, width, height, 0))
+    x, y = (points[:, k].reshape(rows, -1) for k in range(2))
+    lines = ax.contour(x, y, values, levels=np.arange(0.1, 1.0, 0.1), colors="tab:orange", linewidths=0.8)
+    ax.clabel(lines, fmt="%.1f", fontsize=7)
+    ax.figure.colorbar(shown, ax=ax, label="relative illumination", shrink=0.7)
+    ax.set(title=f"{_name(camera)}: illumination", xlabel="pixels", ylabel="pixels")
+    return ax
+
+
+def spots(camera: Camera, ax: Axes | None = None, *, fields: Sequence[float] = FIELDS) -> Axes:
+    """Spot diagrams side by side, of points of the plane in focus that are imaged from the middle to the corner.
+
+    `fields` are shares of the half diagonal toward the upper right corner.
+    """
+    ax = ax or plt.subplots()[1]
+    found = measure.spots(camera, _points(camera, fields), side=24)
+    micrometres = 1000 * camera.film_size_mm[0] / camera.resolution[0]
+    lit = found.weight > 0
+    reach = max((float(np.abs(found.offset[lit]).max()) * micrometres) if lit.any() else 0.0, 1e-3)
+    for i, (field, rms) in enumerate(zip(fields, found.rms)):
+        offset = found.offset[i][lit[i]] * micrometres
+        ax.scatter(offset[:, 0] + 2.4 * reach * i, -offset[:, 1], s=1.5, linewidths=0, color="tab:blue")
+        label = f"field {field:g}\nRMS {rms * micrometres:.1f} µm"
+        ax.annotate(label, (2.4 * reach * i, -1.1 * reach), ha="center", va="top", fontsize=8)
+    ax.set_xlim(-1.3 * reach, 2.4 * reach * (len(fields) - 1) + 1.3 * reach)
+    ax.set_ylim(-1.9 * reach, 1.2 * reach)
+    ax.set_aspect("equal")
+    ax.set(title=f"{_name(camera)}: spots", ylabel="µm on the film", xticks=[])
+    return ax
+
+
+def mtf(camera: Camera, ax: Axes | None = None, *, fields: Sequence[float] = FIELDS, highest: float = 60.0) -> Axes:
+    """The geometric MTF up to `highest` line pairs per mm, tangential (drawn through) and sagittal (dashed)."""
+    ax = ax or plt.subplots()[1]
+    frequencies = np.linspace(0, highest, 121)
+    values = measure.mtf(camera, _points(camera, fields), frequencies)
+    for i, field in enumerate(fields):
+        ax.plot(frequencies, values[i, 0], color=f"C{i}", label=f"field {field:g}")
+        ax.plot(frequencies, values[i, 1], color=f"C{i}", linestyle="--")
+    ax.set(
+        title=f"{_name(camera)}: geometric MTF", xlabel="line pairs per mm on the film", xlim=(0, highest), ylim=(0, 1)
+    )
+    ax.legend(fontsize=8)
+    ax.grid(alpha=0.3)
+    return ax
+
+
+def distortion(camera: Camera, ax: Axes | None = None) -> Axes:
+    """The distortion over the field, in percent."""
+    ax = ax or plt.subplots()[1]
+    half = float(np.hypot(*camera.resolution)) / 2
+    fields = np.linspace(0.02, 1.0, 50)
+    ax.plot(100 * measure.distortion(camera, fields * half), fields)
+    ax.axvline(0, color="0.7", linewidth=0.8)
+    ax.set(title=f"{_name(camera)}: distortion", xlabel="percent", ylabel="field, of the half diagonal", ylim=(0, 1))
+    ax.grid(alpha=0.3)
+    return ax
+
+
+def section(lens: Lens, ax: Axes | None = None) -> Axes:
+    """A lens's cross-section: glass, stop, pupils, principal planes and focal points; the scene is on the left.
+
+    An asphere is drawn as the sphere of its radius at the vertex.
+    """
+    ax = ax or plt.subplots(figsize=(8, 4))[1]
+    surfaces = lens.surfaces
+    outlines = []
+    for surface in surfaces:
+        h = np.linspace(-1, 1, 101) * min(surface.semi_diameter_mm, abs(surface.radius_mm))
+        sag = 0 * h if np.isinf(surface.radius_mm) else _sag(surface.radius_mm, h)
+        # To the right is toward the film.
+        outlines.append((sag - surface.vertex_mm, h))
+    for surface, here, there in zip(surfaces, outlines, outlines[1:]):
+        if surface.index_film > 1:
+            x, y = (np.concatenate([a, b[::-1]]) for a, b in zip(here, there))
+            ax.fill(x, y, facecolor="lightsteelblue", edgecolor="none", alpha=0.7)
+    for surface, (x, y) in zip(surfaces, outlines):
+        if surface.is_stop:
+            outer = 1.25 * max(other.semi_diameter_mm for other in surfaces)
+            for sign in (-1, 1):
+                ax.plot([x[0]] * 2, [sign * surface.semi_diameter_mm, sign * outer], color="black", linewidth=2.5)
+        else:
+            ax.plot(x, y, color="black", linewidth=0.9)
+    pupils = lens.pupils
+    for at, diameter, label, colour in (
+        (pupils.entrance_mm, pupils.entrance_diameter_mm, "entrance pupil", "tab:green"),
+        (pupils.exit_mm, pupils.exit_diameter_mm, "exit pupil", "tab:red"),
+    ):
+        if np.isfinite([at, diameter]).all():
+            ax.plot([-at] * 2, [-diameter / 2, diameter / 2], "--", color=colour, linewidth=1, label=label)
+    for at, side, line in zip(lens.principal_planes_mm, ("front", "rear"), (":", "-.")):
+        if np.isfinite(at):
+            ax.axvline(-at, color="tab:purple", linewidth=0.7, linestyle=line, label=f"{side} principal plane")
+    points = [-at for at in lens.focal_points_mm if np.isfinite(at)]
+    ax.plot(points, [0.0] * len(points), "o", color="tab:orange", markersize=4, label="focal points")
+    ax.axhline(0, color="0.6", linewidth=0.6)
+    ax.set_aspect("equal")
+    ax.set(
+        title=f"{lens.name}: f = {lens.focal_length_mm:.4g} mm, f/{lens.fnumber:.3g}", xlabel="mm from the front vertex"
+    )
+    ax.legend(fontsize=7, loc="upper right")
+    return ax
+
+
+def _sag(radius: float, h: NDArray[np.float64]) -> NDArray[np.float64]:
+    """How far toward the film a sphere is at height h, from its vertex."""
+    return radius - np.sign(radius) * np.sqrt(radius * radius - h * h)
+
+
+def _points(camera: Camera, fields: Sequence[float]) -> NDArray[np.float64]:
+    """Film points from the picture's middle toward its upper right corner."""
+    half = np.array(camera.resolution) / 2
+    return half + np.asarray(fields, np.float64)[:, None] * half * [1.0, -1.0]
+
+
+def _name(camera: Camera) -> str:
+    return f"{camera.lens_name}, f/{camera.fnumber:.3g}"

@@ -1,0 +1,52 @@
+"""The examples run as their first lines say, away from the checkout; so do the documentation's code and docstrings."""
+
+import doctest
+import importlib
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import realistic
+
+
+def examples(checkout):
+    return sorted((checkout / "python/examples").glob("*.py"))
+
+
+@pytest.mark.parametrize("name", ["intrinsics", "lens_sheet", "picture"])
+def test_an_example_runs_as_it_says(checkout, tmp_path, name):
+    assert name in {file.stem for file in examples(checkout)}
+    file = checkout / f"python/examples/{name}.py"
+    _, script, *arguments = re.search(r"^\$ (python .*)$", file.read_text(), re.M).group(1).split()
+    assert script == file.name
+    done = subprocess.run([sys.executable, str(file), *arguments], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout
+    for argument in arguments:
+        if argument.endswith(".png"):
+            content = (tmp_path / argument).read_bytes()
+            assert content.startswith(b"\x89PNG") and len(content) > 20_000
+
+
+def test_every_example_is_tested(checkout):
+    assert [file.stem for file in examples(checkout)] == ["intrinsics", "lens_sheet", "picture"]
+
+
+def test_the_documentations_code_runs(checkout, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for page in ("README.md", "docs/python.md", "python/README.md"):
+        blocks = re.findall(r"```python\n(.*?)```", (checkout / page).read_text(), re.S)
+        assert blocks
+        names = {}
+        for block in blocks:
+            exec(compile(block, page, "exec"), names)
+
+
+@pytest.mark.parametrize("name", sorted(file.stem for file in Path(realistic.__file__).parent.glob("[!_]*.py")))
+def test_docstrings_are_true(name):
+    module = importlib.import_module(f"realistic.{name}")
+    assert doctest.testmod(module).failed == 0
+    assert doctest.testmod(realistic).failed == 0

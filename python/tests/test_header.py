@@ -1,0 +1,91 @@
+"""What the package says of the C ABI and of the parameters is what the header and the README say."""
+
+import ctypes
+import re
+
+import pytest
+
+from realistic import Reason, _abi
+from realistic.autofocus import RULES
+from realistic.lens import SIDES
+from realistic.parameters import ALIASES, NAMES
+
+TYPES = {
+    "uint32_t": ctypes.c_uint32,
+    "int32_t": ctypes.c_int32,
+    "float": ctypes.c_float,
+    "double": ctypes.c_double,
+    "size_t": ctypes.c_size_t,
+    "const char *": ctypes.c_char_p,
+    "void *": ctypes.c_void_p,
+    "realistic_log ": _abi.LOG,
+    "realistic_log": _abi.LOG,
+    "float *": ctypes.c_void_p,
+    "const float *": ctypes.c_void_p,
+    "double *": ctypes.c_void_p,
+    "realistic_reason *": ctypes.c_void_p,
+}
+
+STRUCTURES = {
+    "realistic_options": _abi.Options,
+    "realistic_camera_info": _abi.CameraInfo,
+    "realistic_ray": _abi.Ray,
+    "realistic_zone": _abi.Zone,
+    "realistic_lens_info": _abi.LensInfo,
+    "realistic_lens_surface": _abi.LensSurface,
+    "realistic_lens_rays": _abi.LensRaysPointers,
+    "realistic_samples_soa": _abi.SamplesPointers,
+    "realistic_rays_soa": _abi.RaysPointers,
+}
+
+
+@pytest.fixture(scope="module")
+def header(checkout):
+    text = (checkout / "include/realistic.h").read_text()
+    return re.sub(r"/\*.*?\*/", "", text, flags=re.S)
+
+
+@pytest.mark.parametrize("name", STRUCTURES)
+def test_structures_have_the_headers_fields(header, name):
+    body = re.search(rf"typedef struct {name} {{(.*?)}} {name};", header, re.S).group(1)
+    fields = []
+    for declaration in body.split(";"):
+        if not declaration.strip():
+            continue
+        kind, field, count = re.fullmatch(r"\s*(.*?[ *])(\w+)(?:\[(\d+)\])?\s*", declaration, re.S).groups()
+        kind = TYPES[kind.strip()]
+        fields.append((field, kind * int(count) if count else kind))
+    # Later versions may have more at the end; struct_size says how much a caller knows.
+    ours = STRUCTURES[name]._fields_
+    assert fields[: len(ours)] == ours
+    if fields[0][0] != "struct_size":
+        assert len(fields) == len(ours)
+
+
+def test_functions_have_the_headers_arguments(header):
+    for name, (_, arguments) in _abi.FUNCTIONS.items():
+        found = re.search(rf"\b{name}\((.*?)\);", header, re.S).group(1)
+        count = 0 if found.strip() == "void" else found.count(",") + 1
+        assert count == len(arguments), name
+
+
+def test_numbers_are_the_headers(header):
+    reasons = dict(re.findall(r"REALISTIC_REASON_(\w+) = (\d+)", header))
+    assert {reason.name: str(int(reason)) for reason in Reason} == reasons
+    for name, ours in (("AUTOFOCUS_RULE", RULES), ("SIDE", SIDES)):
+        found = re.findall(rf"REALISTIC_{name}_(\w+) = (\d+)", header)
+        assert [(word.upper(), str(i)) for i, word in enumerate(ours)] == found
+    assert int(re.search(r"define REALISTIC_ABI_VERSION (\d+)", header).group(1)) >= _abi.ABI_VERSION
+
+
+def test_parameters_are_those_of_the_readme(checkout):
+    table = (checkout / "README.md").read_text().partition("\n## Parameters\n")[2].partition("\n### ")[0]
+    rows = [re.findall(r"`(\w+)`", row.split("|")[1]) for row in table.splitlines() if row.startswith("| `")]
+    named = {name for row in rows for name in row}
+    # What pbrt's scenes may have and nothing uses.
+    named -= {"af_zones"}
+    assert len(named) > 25
+    assert NAMES - {"lens_text"} == named
+    assert {alias: row[0] for row in rows for alias in row[1:]} == ALIASES
+    fields = {name for name, *_ in _abi.Options._fields_}
+    assert NAMES - set(ALIASES) <= fields

@@ -1,0 +1,187 @@
+"""The lens against exact arithmetic and two optics programs (tests/golden)."""
+
+import csv
+import pickle
+import warnings
+
+import matplotlib
+import numpy as np
+import pytest
+
+import realistic
+from realistic import Lens
+
+CATALOGUE = ["dgauss.50mm", "dgauss.100mm", "wide.22mm", "telephoto.250mm", "fisheye.10mm"]
+
+
+def lens_called(checkout, name):
+    return Lens(name if name in CATALOGUE else checkout / f"tests/golden/{name}.dat")
+
+
+@pytest.mark.parametrize("side", ["film", "scene"])
+@pytest.mark.parametrize("name", [*CATALOGUE, "planar", "crossed"])
+def test_rays_are_those_of_exact_arithmetic(checkout, name, side):
+    table = checkout / f"tests/golden/truth_{'scene_' if side == 'scene' else ''}{name}.csv"
+    rows = list(csv.DictReader(table.read_text().splitlines()))
+    given = np.array([[float(row[k]) for k in ("x", "y", "z", "dx", "dy", "dz")] for row in rows])
+    with warnings.catch_warnings():
+        # The surfaces of one of these lenses cross, on purpose.
+        warnings.simplefilter("ignore", realistic.CameraWarning)
+        lens = lens_called(checkout, name)
+    found = lens.trace(given[:, :3], given[:, 3:], side=side)
+    status = [realistic.Reason(reason).name.lower() for reason in found.reason]
+    assert status == [row["status"] for row in rows]
+    passed = [row for row in rows if row["status"] == "ok"]
+    assert len(passed) >= 30
+    origin = np.array([[float(row[k]) for k in ("ox", "oy", "oz")] for row in passed])
+    direction = np.array([[float(row[k]) for k in ("ux", "uy", "uz")] for row in passed])
+    np.testing.assert_allclose(found.direction[found.passed], direction, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(found.origin[found.passed], origin, rtol=0, atol=2e-13)
+
+
+@pytest.mark.parametrize("program", ["optiland", "rayoptics"])
+def test_rays_are_those_of_two_optics_programs(checkout, program):
+    rows = list(csv.DictReader((checkout / f"tests/golden/rays_{program}.csv").read_text().splitlines()))
+    compared = 0
+    for name in CATALOGUE:
+        # At other wavelengths the table has indices of its own.
+        own = [row for row in rows if row["lens"] == name and row["wavelength_nm"] == "587.56"]
+        columns = ("x", "y", "z", "dx", "dy", "dz", "ox", "oy", "oz", "ux", "uy", "uz")
+        numbers = np.array([[float(row[k]) for k in columns] for row in own])
+        found = Lens(name).trace(numbers[:, 0:3], numbers[:, 3:6])
+        # The programs do not clip.
+        np.testing.assert_allclose(found.origin[found.passed], numbers[found.passed, 6:9], rtol=0, atol=2e-13)
+        np.testing.assert_allclose(found.direction[found.passed], numbers[found.passed, 9:12], rtol=0, atol=1e-14)
+        compared += np.count_nonzero(found.passed)
+    assert compared > 100
+
+
+def test_first_order_data_are_those_of_two_optics_programs(checkout):
+    lines = (checkout / "tests/golden/first_order.csv").read_text().splitlines()
+    compared = 0
+    for line in lines:
+        if not line or line[0] in "#l":
+            continue
+        name, wavelength, _program, _version, quantity, value = line.split(",")
+        if wavelength != "587.56":
+            # The table has indices of its own there.
+            continue
+        # The table's pupils are images of the stop, whatever else may limit the beam: half of it does alone.
+        stop = next(surface for surface in Lens(name).surfaces if surface.is_stop)
+        lens = Lens(name, aperture_diameter=stop.semi_diameter_mm)
+        # The table counts from a vertex toward the film, lens space from the front vertex toward the scene.
+        found = {
+            "focal_length": lens.focal_length_mm,
+            "back_focal_distance": lens.back_focal_distance_mm,
+            "front_focal_distance": -lens.focal_points_mm[0],
+            "front_principal_plane": -lens.principal_planes_mm[0],
+            "rear_principal_plane": lens.rear_vertex_mm - lens.principal_planes_mm[1],
+            "entrance_pupil_position": -lens.pupils.entrance_mm,
+            "entrance_pupil_diameter": 2 * lens.pupils.entrance_diameter_mm,
+            "exit_pupil_position": lens.rear_vertex_mm - lens.pupils.exit_mm,
+            "exit_pupil_diameter": 2 * lens.pupils.exit_diameter_mm,
+            "f_number": lens.fnumber / 2,
+        }[quantity]
+        assert found == pytest.approx(float(value), rel=1e-11, abs=1e-10 * abs(lens.focal_length_mm)), line
+        compared += 1
+    assert compared == 100
+
+
+def test_surfaces_are_those_of_the_file():
+    lens = Lens(lens_text="20 5 1.5 10\n-40 2 1 8\n0 3 0 6\n-30 4 1.7 12\n50 0 1 12\n")
+    assert [surface.radius_mm for surface in lens.surfaces] == [20, -40, np.inf, -30, 50]
+    assert [surface.vertex_mm for surface in lens.surfaces] == [0, -5, -7, -10, -14]
+    assert [surface.thickness_mm for surface in lens.surfaces] == [5, 2, 3, 4, 0]
+    assert [surface.index_film for surface in lens.surfaces] == [1.5, 1, 1, 1.7, 1]
+    assert [surface.index_scene for surface in lens.surfaces] == [1, 1.5, 1, 1, 1.7]
+    assert [surface.semi_diameter_mm for surface in lens.surfaces] == [5, 4, 3, 6, 6]
+    assert [surface.is_stop for surface in lens.surfaces] == [False, False, True, False, False]
+    assert lens.rear_vertex_mm == -14 and lens.wavelength_nm == 587.56
+
+
+def test_focus_there_and_back():
+    lens = Lens("telephoto.250mm", fnumber=8)
+    for distance in (3000.0, 20_000.0, np.inf):
+        film = lens.focus(distance)
+        assert lens.focused_on(film) == pytest.approx(distance, rel=1e-9)
+        camera = realistic.Camera("telephoto.250mm", resolution=(3, 2), fnumber=8, focusdistance=distance)
+        assert camera.film_distance_mm == pytest.approx(film, rel=1e-12)
+    with pytest.raises(realistic.FocusError, match="nearest"):
+        lens.focus(100.0)
+
+
+def test_a_camera_ray_is_a_ray_of_its_lens(samples):
+    """Traced back from where it leaves the lens, it comes to its film point."""
+    camera = realistic.Camera("wide.22mm", resolution=(300, 200), focusdistance=900.0)
+    lens = Lens("wide.22mm")
+    image_xy, lens_uv = samples(camera, 400)
+    rays = camera.rays(image_xy, lens_uv)
+    passed = rays.weight > 0
+    back = lens.trace(rays.origin + rays.direction, -rays.direction)
+    # Single precision may move a ray across an edge.
+    same = passed & back.passed
+    assert same.sum() > 0.98 * passed.sum()
+    film = lens.rear_vertex_mm - camera.film_distance_mm
+    t = (film - back.origin[:, 2]) / back.direction[:, 2]
+    meets = back.origin[:, :2] + back.direction[:, :2] * t[:, None]
+    # The film is upside down.
+    wanted = (image_xy / 300 - [0.5, 1 / 3]) * camera.film_size_mm[0] * [-1, 1]
+    np.testing.assert_allclose(meets[same], wanted[same], atol=2e-4)
+
+
+def test_arrays_of_every_kind_are_right_or_refused():
+    lens = Lens()
+    origins = np.array([[0, 0, 10], [1, 2, 10], [0, 100, 10]], np.float32)
+    wanted = lens.trace(origins, [0, 0, -1])
+    assert wanted.origin.shape == (3, 3) and repr(wanted) == "<LensRays (3,), 2 of 3 get through>" and len(wanted) == 3
+    for same in (origins.astype(int), np.asfortranarray(origins), origins.tolist(), origins[::-1][::-1]):
+        found = lens.trace(same, [[0, 0, -2]] * 3)
+        np.testing.assert_array_equal(found.origin, wanted.origin)
+        np.testing.assert_array_equal(found.reason, wanted.reason)
+    assert lens.trace(origins[:, None], np.zeros((4, 3)) - [0, 0, 1]).direction.shape == (3, 4, 3)
+    assert lens.trace([0, 0, 10], [0, 0, -1]).reason.shape == ()
+    assert lens.trace(np.zeros((0, 3)), np.zeros((0, 3))).origin.shape == (0, 3)
+    assert (lens.trace([[0, 0, np.nan], [0, 0, 1]], [[0, 0, -1], [0, 0, 0]]).reason == realistic.Reason.MISSED).all()
+    for arguments, error, words in (
+        ((origins[:, :2], [0, 0, -1]), ValueError, r"origins must have shape \(n, 3\), and has \(3, 2\)"),
+        ((origins, np.zeros((2, 3))), ValueError, r"origins \(3, 3\), directions \(2, 3\)"),
+        ((origins * 1j, [0, 0, -1]), TypeError, "origins .* complex64"),
+        ((origins, [0, 0, "a"]), TypeError, "directions .* dtype <U"),
+    ):
+        with pytest.raises(error, match=words):
+            lens.trace(*arguments)
+    with pytest.raises(ValueError, match='give "scene" or "film"'):
+        lens.trace(origins, [0, 0, -1], side="left")
+
+
+def test_bad_lenses_are_refused():
+    with pytest.raises(realistic.LensFileError, match="no lens file"):
+        Lens("no-such-lens")
+    with pytest.raises(realistic.ParameterError, match="two ways"):
+        Lens(fnumber=4, aperture_diameter=3)
+    with pytest.raises(ValueError, match="wavelength"):
+        Lens(wavelength=20)
+
+
+def test_a_lens_can_be_pickled_and_told():
+    lens = Lens("wide.22mm", fnumber=8)
+    assert repr(pickle.loads(pickle.dumps(lens))) == repr(lens) == "Lens('wide.22mm', fnumber=8)"
+    assert lens.name == "wide.22mm" and np.isnan(lens.nominal_film_distance_mm)
+
+
+@pytest.mark.parametrize("name", CATALOGUE)
+def test_the_cross_section_is_drawn(name):
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    lens = Lens(name)
+    ax = lens.plot()
+    assert ax.get_title().startswith(name)
+    glasses = sum(surface.index_film > 1 for surface in lens.surfaces)
+    assert len(ax.patches) == glasses > 3
+    # A surface's line goes through its vertex and bends toward its centre.
+    surface = lens.surfaces[0]
+    x, y = ax.lines[0].get_data()
+    assert x[50] == pytest.approx(0) and (x[0] > 0) == (surface.radius_mm > 0) and y[0] == -surface.semi_diameter_mm
+    ax.figure.canvas.draw()
+    plt.close(ax.figure)

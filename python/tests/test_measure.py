@@ -1,0 +1,122 @@
+"""Measures against closed forms, and against the other way of asking."""
+
+import matplotlib
+import numpy as np
+import pytest
+
+from realistic import Camera, measure
+
+
+def thin(**parameters):
+    return Camera("dgauss.50mm", model="thin", resolution=(600, 400), **parameters)
+
+
+def bessel1(x):
+    """J1 by its integral."""
+    tau = (np.arange(4000) + 0.5) * np.pi / 4000
+    return np.cos(tau - np.asarray(x)[..., None] * np.sin(tau)).mean(axis=-1)
+
+
+def test_a_defocused_thin_lens_has_the_spot_of_a_disk():
+    """Focused at infinity, R wide and f from the film, it images a point at g as a disk of radius R f / g."""
+    # The disk is even where every sample weighs the same.
+    camera = thin(fnumber=4, weighting="none")
+    f, distance = camera.focal_length_mm, 3000.0
+    # From the film to the thin lens there is f, less half of the 5.4 mm by which the principal planes lie crossed
+    # (tests/golden/first_order.csv).
+    radius = (f / 8) * f / (distance - f + 2.7)
+    points = [[300, 200], [420, 120]]
+    pixel = camera.film_size_mm[0] / 600
+    found = measure.spots(camera, points, distance=distance, side=64)
+    np.testing.assert_allclose(found.rms * pixel, radius / np.sqrt(2), rtol=2e-3)
+    frequencies = np.array([5.0, 20.0, 60.0])
+    x = 2 * np.pi * frequencies * radius
+    transfer = measure.mtf(camera, points, frequencies, distance=distance)
+    np.testing.assert_allclose(transfer, np.broadcast_to(np.abs(2 * bessel1(x) / x), (2, 2, 3)), atol=3e-3)
+    np.testing.assert_allclose(measure.mtf(camera, points, [0.0]), 1, rtol=1e-12)
+    # In focus there is a point.
+    assert (measure.spots(camera, points).rms < 1e-3).all()
+
+
+def test_a_small_stop_darkens_by_the_fourth_power_of_the_cosine():
+    camera = thin(fnumber=32)
+    points = np.array([[300, 200], [450, 200], [599, 399]])
+    pixel = camera.film_size_mm[0] / 600
+    angle = np.arctan(np.hypot(*((points - [300, 200]) * pixel).T) / camera.focal_length_mm)
+    found = measure.relative_illumination(camera, points)
+    np.testing.assert_allclose(found, np.cos(angle) ** 4, rtol=1e-3)
+    np.testing.assert_allclose(measure.relative_illumination(camera.replace(weighting="none"), points), found)
+
+
+def test_ideal_lenses_do_not_distort():
+    for camera in (thin(), thin(focusdistance=800.0), Camera(model="perspective", resolution=(600, 400), fov=40.0)):
+        np.testing.assert_allclose(measure.distortion(camera, [50.0, 200.0, 350.0]), 0, atol=5e-6)
+
+
+def test_the_distortion_is_that_of_the_intrinsics():
+    camera = Camera("wide.22mm", resolution=(1920, 1280), fnumber=8)
+    found = camera.intrinsics()
+    k1, k2, _, _, k3 = found.distortion
+    tangent = np.array([0.2, 0.4, 0.6])
+    factor = 1 + tangent**2 * (k1 + tangent**2 * (k2 + tangent**2 * k3))
+    radii = found.matrix[0, 0] * tangent * factor
+    np.testing.assert_allclose(measure.distortion(camera, radii), factor - 1, atol=2e-4)
+
+
+def test_spots_are_where_rays_of_one_object_point_meet_the_film():
+    """Brute force: for each lens sample the film point is searched for whose ray meets the object point."""
+    camera = Camera("dgauss.50mm", resolution=(1920, 1280), focusdistance=2000.0)
+    start = np.array([1500.0, 300.0])
+    found = measure.spots(camera, [start], side=8)
+    lit = found.weight[0] > 0
+    middles = (np.arange(8) + 0.5) / 8
+    uv = np.stack(np.meshgrid(middles, middles), axis=-1).reshape(-1, 2)[lit]
+    plane = camera.intrinsics()
+    z = plane.position[2] + plane.distance
+
+    def meets(image_xy):
+        rays = camera.rays(image_xy, uv)
+        assert (rays.weight > 0).all()
+        o, d = rays.origin.astype(float), rays.direction.astype(float)
+        return o[:, :2] + d[:, :2] * ((z - o[:, 2:]) / d[:, 2:])
+
+    weight = found.weight[0, lit, None]
+    target = (meets(np.broadcast_to(start, uv.shape)) * weight).sum(axis=0) / weight.sum()
+    image_xy = np.broadcast_to(start, uv.shape).copy()
+    for _ in range(6):
+        here = meets(image_xy)
+        slopes = np.stack([meets(image_xy + step) - here for step in np.eye(2) * 4], axis=-1) / 4
+        image_xy += np.linalg.solve(slopes, (target - here)[..., None])[..., 0]
+    size = found.rms[0]
+    assert size > 1
+    assert np.abs(image_xy - start - found.offset[0, lit]).max() < 0.05 * size
+
+
+def test_where_there_is_no_light_there_is_no_spot():
+    camera = Camera("fisheye.10mm", resolution=(1920, 1280))
+    corner = [[2.0, 2.0]]
+    assert measure.relative_illumination(camera, corner) == 0
+    found = measure.spots(camera, corner)
+    assert np.isnan(found.rms).all() and not found.offset.any()
+    assert np.isnan(measure.mtf(camera, corner, [10.0])).all()
+    assert np.isnan(measure.distortion(camera, [1150.0])).all()
+
+
+@pytest.mark.parametrize("lens", ["dgauss.50mm", "fisheye.10mm"])
+def test_every_plot_draws_what_is_measured(lens):
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    from realistic import plot
+
+    camera = Camera(lens, resolution=(300, 200))
+    for draw in (plot.illumination, plot.spots, plot.mtf, plot.distortion):
+        ax = draw(camera)
+        assert lens in ax.get_title()
+        ax.figure.canvas.draw()
+        plt.close(ax.figure)
+    ax = plot.distortion(camera, ax=plt.subplots()[1])
+    x, y = ax.lines[0].get_data()
+    half = np.hypot(300, 200) / 2
+    np.testing.assert_allclose(x, 100 * measure.distortion(camera, y * half), equal_nan=True)
+    plt.close(ax.figure)

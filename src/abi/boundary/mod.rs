@@ -1,0 +1,259 @@
+//! The one way out of this library: every exported function runs its body through here,
+//! so that no panic reaches a host and the reason of the last failure can be asked for.
+//!
+//! A panic that is caught still prints through the process's panic hook, as the header says: a defect
+//! should not pass in silence, and the hook belongs to the whole program when the library is linked into one.
+
+mod failure;
+pub(super) mod float_environment;
+
+use std::any::Any;
+use std::cell::RefCell;
+use std::ffi::{CStr, CString};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// How a call of the C ABI ended. The numbers are part of the ABI and never change.
+#[allow(non_camel_case_types)]
+#[repr(i32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum realistic_status {
+    /// It worked.
+    Ok = 0,
+    /// A pointer that must not be NULL is NULL; where it is the camera's, see `REALISTIC_STATUS_NOT_A_CAMERA`.
+    NullPointer = 1,
+    /// A `struct_size` is none that this library knows.
+    StructSize = 2,
+    /// A parameter is unknown, of the wrong kind, out of range or given twice.
+    InvalidParameter = 3,
+    /// The lens description is missing or cannot be read.
+    LensFile = 4,
+    /// The lens cannot be focused at the distance asked for.
+    UnreachableFocus = 5,
+    /// Reserved, and not returned by this version: a file other than the lens description cannot be read or written.
+    Io = 6,
+    /// A defect of this library: a panic was caught.
+    Panic = 7,
+    /// The pointer is NULL, or to no camera of this library.
+    NotACamera = 8,
+    /// Memory is out: there are no 8 MiB for a camera or a lens to be built, or not what a caller's number asks for
+    /// (the zones of an autofocus). Where other threads take the last of it meanwhile, or a message has no room, the
+    /// process ends, as with most of Rust.
+    OutOfMemory = 9,
+    /// Reserved, and not returned by this version: the process lacks what the call needs. (`CreateCamera` returns NULL
+    /// where a host's functions are missing, and `realistic.hpp` throws this for a library older than itself.)
+    Unsupported = 10,
+    /// The pointer is NULL, or to no lens of this library.
+    NotALens = 11,
+}
+
+impl realistic_status {
+    /// Every status.
+    pub(super) const ALL: [Self; 12] = [
+        Self::Ok,
+        Self::NullPointer,
+        Self::StructSize,
+        Self::InvalidParameter,
+        Self::LensFile,
+        Self::UnreachableFocus,
+        Self::Io,
+        Self::Panic,
+        Self::NotACamera,
+        Self::OutOfMemory,
+        Self::Unsupported,
+        Self::NotALens,
+    ];
+
+    /// What it means, in a few words.
+    pub(super) fn name(self) -> &'static CStr {
+        match self {
+            Self::Ok => c"ok",
+            Self::NullPointer => c"a pointer is NULL",
+            Self::StructSize => c"struct_size is not of this library",
+            Self::InvalidParameter => c"invalid parameter",
+            Self::LensFile => c"lens description missing or not readable",
+            Self::UnreachableFocus => c"the lens cannot focus there",
+            Self::Io => c"a file cannot be read or written",
+            Self::Panic => c"a defect of the library was caught",
+            Self::NotACamera => c"not a camera of this library",
+            Self::OutOfMemory => c"out of memory",
+            Self::Unsupported => c"the process lacks what the call needs",
+            Self::NotALens => c"not a lens of this library",
+        }
+    }
+}
+
+/// Why a call failed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Failure {
+    /// The number the caller gets.
+    pub status: realistic_status,
+    /// One line for a person.
+    pub message: String,
+}
+
+impl Failure {
+    /// A failure with its message.
+    pub fn new(status: realistic_status, message: impl Into<String>) -> Self {
+        Self { status, message: message.into() }
+    }
+
+    /// A parameter is wrong.
+    pub fn invalid(message: impl Into<String>) -> Self {
+        Self::new(realistic_status::InvalidParameter, message)
+    }
+}
+
+/// A pointer that must not be NULL is.
+pub fn null(what: &str) -> Failure {
+    Failure::new(realistic_status::NullPointer, format!("{what} is NULL"))
+}
+
+/// A pointer is NULL or to something else than a camera of this library.
+pub fn not_a_camera() -> Failure {
+    Failure::new(realistic_status::NotACamera, "this is no camera of this library (or it is NULL)")
+}
+
+/// Whether `n` elements of so many bytes can lie in memory at all.
+///
+/// # Errors
+/// They cannot: `n` was never set, or is that of another thing.
+pub fn fits_memory(n: usize, bytes: usize) -> Result<(), Failure> {
+    if n.checked_mul(bytes).is_some_and(|all| isize::try_from(all).is_ok()) {
+        return Ok(());
+    }
+    Err(Failure::invalid(format!("n is {n}: no memory holds so many elements of {bytes} bytes")))
+}
+
+/// Memory is out.
+pub fn out_of_memory() -> Failure {
+    Failure::new(realistic_status::OutOfMemory, "memory is out")
+}
+
+thread_local! {
+    static LAST_MESSAGE: RefCell<CString> = RefCell::new(CString::default());
+}
+
+/// Runs `body` in the default floating-point environment; a panic in it becomes a [`Failure`].
+///
+/// # Errors
+/// What `body` returns, or [`realistic_status::Panic`].
+pub fn catch<T>(body: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
+    // Unwind safety: what a body leaves half done is its own (outputs are written last);
+    // the library's shared state is immutable.
+    let body = AssertUnwindSafe(|| float_environment::in_default(body));
+    catch_unwind(body).unwrap_or_else(|payload| {
+        Err(Failure::new(
+            realistic_status::Panic,
+            format!("a defect of this library was caught: {}", describe(payload)),
+        ))
+    })
+}
+
+/// Runs `body` for an exported function that returns a status, and remembers a failure.
+pub fn status(body: impl FnOnce() -> Result<(), Failure>) -> realistic_status {
+    match catch(body) {
+        Ok(()) => realistic_status::Ok,
+        Err(failure) => {
+            remember(&failure);
+            failure.status
+        }
+    }
+}
+
+/// Runs `body` for an exported function that returns a value, and remembers a failure,
+/// which is returned as `fallback`.
+pub fn value<T>(fallback: T, body: impl FnOnce() -> Result<T, Failure>) -> T {
+    catch(body).unwrap_or_else(|failure| {
+        remember(&failure);
+        fallback
+    })
+}
+
+/// Runs `body` for a call per ray, which has no time for more than a fallback.
+#[inline]
+pub fn ray<T>(fallback: T, body: impl FnOnce() -> T) -> T {
+    match catch_unwind(AssertUnwindSafe(body)) {
+        Ok(value) => value,
+        Err(payload) => {
+            describe(payload);
+            fallback
+        }
+    }
+}
+
+/// Makes a failure's message this thread's last one.
+pub fn remember(failure: &Failure) {
+    let message = c_string(&failure.message);
+    // At the end of a thread the cell may be gone already; then nobody can ask for it.
+    let _ = LAST_MESSAGE.try_with(|last| *last.borrow_mut() = message);
+}
+
+/// Reads this thread's last message. Its pointer holds until the next failure.
+pub fn with_last_message<T>(read: impl FnOnce(&CString) -> T) -> Option<T> {
+    LAST_MESSAGE.try_with(|last| read(&last.borrow())).ok()
+}
+
+/// Text for C: a NUL inside, where C would stop reading, becomes a space.
+pub fn c_string(text: &str) -> CString {
+    CString::new(text.replace('\0', " ")).unwrap_or_default()
+}
+
+/// The message of a panic. A payload of any other type is leaked: its destructor might
+/// panic in turn, and that would be one too many.
+fn describe(payload: Box<dyn Any + Send>) -> String {
+    match payload.downcast::<&'static str>() {
+        Ok(text) => (*text).to_owned(),
+        Err(payload) => match payload.downcast::<String>() {
+            Ok(text) => *text,
+            Err(payload) => {
+                std::mem::forget(payload);
+                "no message".to_owned()
+            }
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn last() -> String {
+        with_last_message(|text| text.to_str().unwrap().to_owned()).unwrap()
+    }
+
+    #[test]
+    fn a_panic_becomes_a_status_and_a_message() {
+        assert_eq!(status(|| panic!("row {}", 7)), realistic_status::Panic);
+        assert!(last().contains("row 7"));
+        assert_eq!(value(3, || panic!("plain")), 3);
+        assert!(last().contains("plain"));
+        assert_eq!(ray(0.0_f32, || panic!("in a ray")), 0.0);
+    }
+
+    #[test]
+    fn a_payload_whose_destructor_panics_is_harmless() {
+        struct Bomb;
+        impl Drop for Bomb {
+            fn drop(&mut self) {
+                panic!("dropped");
+            }
+        }
+        assert_eq!(ray(1, || std::panic::panic_any(Bomb)), 1);
+        assert_eq!(status(|| std::panic::panic_any(Bomb)), realistic_status::Panic);
+    }
+
+    #[test]
+    fn success_keeps_the_last_message_and_a_nul_does_not_cut_it() {
+        let failure = Failure::new(realistic_status::Io, "a\0b");
+        assert_eq!(status(|| Err(failure)), realistic_status::Io);
+        assert_eq!(status(|| Ok(())), realistic_status::Ok);
+        assert_eq!(last(), "a b");
+    }
+
+    #[test]
+    fn the_numbers_stay() {
+        for (number, status) in realistic_status::ALL.into_iter().enumerate() {
+            assert_eq!(status as usize, number);
+        }
+    }
+}

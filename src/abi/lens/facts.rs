@@ -1,0 +1,176 @@
+//! What a lens is: first-order optics, pupils and surfaces.
+
+use std::ffi::c_char;
+
+use super::{
+    super::{
+        boundary::{self, Failure, realistic_status},
+        exchange::{give, give_text},
+    },
+    handle::{OpenedLens, opened, realistic_lens},
+};
+
+/// What first-order optics says of a lens (M. Born and E. Wolf, *Principles of Optics*, chapter 4). Air being on both sides,
+/// the nodal points are the principal points. z is a place in lens space, mm; infinity stands for one at infinity.
+/// `realistic_lens_get_info` fills it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+#[allow(non_camel_case_types)]
+pub struct realistic_lens_info {
+    /// `sizeof(realistic_lens_info)` of the caller's header.
+    pub struct_size: u32,
+    /// How many surfaces it has, the stop included.
+    pub surfaces: u32,
+    /// The stop's number, counted from 0 at the scene side; -1 for a lens without one.
+    pub stop: i32,
+    /// The number of the surface whose aperture limits the beam of a distant point on the axis.
+    pub limiting: i32,
+    /// Wavelength, nm.
+    pub wavelength_nm: f64,
+    /// Effective focal length, mm; negative for a diverging lens, infinite for an afocal one.
+    pub focal_length_mm: f64,
+    /// Focal length, without its sign, over the entrance pupil's diameter.
+    pub fnumber: f64,
+    /// Last vertex to the film-side focal point, mm; NaN for an afocal lens, as the next four.
+    pub back_focal_distance_mm: f64,
+    /// z of the scene-side focal point.
+    pub front_focal_point_mm: f64,
+    /// z of the film-side focal point.
+    pub rear_focal_point_mm: f64,
+    /// z of the scene-side principal plane.
+    pub front_principal_plane_mm: f64,
+    /// z of the film-side principal plane.
+    pub rear_principal_plane_mm: f64,
+    /// z of the last vertex; 0 or less.
+    pub rear_vertex_mm: f64,
+    /// z of the entrance pupil.
+    pub entrance_pupil_mm: f64,
+    /// Diameter of the entrance pupil, mm; infinite for a pupil at infinity.
+    pub entrance_pupil_diameter_mm: f64,
+    /// z of the exit pupil.
+    pub exit_pupil_mm: f64,
+    /// Diameter of the exit pupil, mm; infinite for a pupil at infinity.
+    pub exit_pupil_diameter_mm: f64,
+    /// The focal length that the lens's description states, mm; NaN where it states none.
+    pub stated_focal_length_mm: f64,
+    /// The film distance that the lens's description proposes, from the last vertex, mm; NaN where it proposes none.
+    pub nominal_film_distance_mm: f64,
+}
+
+/// One surface of a lens. `realistic_lens_get_surface` fills it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+#[allow(non_camel_case_types)]
+pub struct realistic_lens_surface {
+    /// `sizeof(realistic_lens_surface)` of the caller's header.
+    pub struct_size: u32,
+    /// 1 for the aperture stop, else 0.
+    pub is_stop: u32,
+    /// z of its vertex, mm; 0 for the first, never positive.
+    pub vertex_mm: f64,
+    /// Radius of curvature, mm: positive with the centre on the film's side, infinite for a plane.
+    pub radius_mm: f64,
+    /// Distance to the next vertex, mm; 0 for the last.
+    pub thickness_mm: f64,
+    /// Refractive index on the scene's side.
+    pub index_scene: f64,
+    /// Refractive index on the film's side.
+    pub index_film: f64,
+    /// Clear semi-diameter, mm.
+    pub semi_diameter_mm: f64,
+}
+
+/// Fills `info`, whose `struct_size` the caller has set.
+///
+/// # Safety
+/// `lens` is NULL or a live lens; `info` is NULL or points to a structure of its `struct_size` bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn realistic_lens_get_info(
+    lens: *const realistic_lens,
+    info: *mut realistic_lens_info,
+) -> realistic_status {
+    // SAFETY: the caller's promise.
+    boundary::status(|| unsafe {
+        let filled = info_of(opened(lens)?);
+        give("realistic_lens_info", size_of::<realistic_lens_info>(), &filled, "info", info)
+    })
+}
+
+fn info_of(opened: &OpenedLens) -> realistic_lens_info {
+    let OpenedLens { lens, first_order, entrance, exit, .. } = opened;
+    let optics = first_order.as_ref().ok();
+    let of = |place: fn(&crate::lens::first_order::FirstOrder) -> f64| optics.map_or(f64::NAN, place);
+    let focal_length = optics.map_or(f64::INFINITY, |optics| optics.focal_length);
+    realistic_lens_info {
+        struct_size: size_of::<realistic_lens_info>() as u32,
+        surfaces: lens.surfaces.len() as u32,
+        stop: lens.stop_index().map_or(-1, |stop| stop as i32),
+        limiting: opened.limiting as i32,
+        wavelength_nm: lens.wavelength,
+        focal_length_mm: focal_length,
+        fnumber: focal_length.abs() / entrance.diameter(),
+        back_focal_distance_mm: of(|optics| optics.back_focal_distance()),
+        front_focal_point_mm: of(|optics| optics.front_focal_point),
+        rear_focal_point_mm: of(|optics| optics.rear_focal_point),
+        front_principal_plane_mm: of(|optics| optics.front_principal_plane),
+        rear_principal_plane_mm: of(|optics| optics.rear_principal_plane),
+        rear_vertex_mm: lens.rear().vertex,
+        entrance_pupil_mm: entrance.position().unwrap_or(f64::INFINITY),
+        entrance_pupil_diameter_mm: entrance.diameter(),
+        exit_pupil_mm: exit.position().unwrap_or(f64::INFINITY),
+        exit_pupil_diameter_mm: exit.diameter(),
+        stated_focal_length_mm: opened.stated_focal_length.unwrap_or(f64::NAN),
+        nominal_film_distance_mm: lens.nominal_film_distance.unwrap_or(f64::NAN),
+    }
+}
+
+/// Fills `surface`, whose `struct_size` the caller has set, with surface `number`, counted from 0 at the scene side.
+///
+/// # Safety
+/// `lens` is NULL or a live lens; `surface` is NULL or points to a structure of its `struct_size` bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn realistic_lens_get_surface(
+    lens: *const realistic_lens,
+    number: u32,
+    surface: *mut realistic_lens_surface,
+) -> realistic_status {
+    boundary::status(|| {
+        // SAFETY: the caller's promise.
+        let surfaces = unsafe { opened(lens) }?.lens.surfaces.as_slice();
+        let Some(found) = surfaces.get(number as usize) else {
+            return Err(Failure::invalid(format!(
+                "surface {number}: the lens has {}, counted from 0 at the scene side",
+                surfaces.len()
+            )));
+        };
+        let filled = realistic_lens_surface {
+            struct_size: size_of::<realistic_lens_surface>() as u32,
+            is_stop: found.is_stop.into(),
+            vertex_mm: found.vertex,
+            radius_mm: found.radius,
+            thickness_mm: found.thickness,
+            index_scene: found.n_scene,
+            index_film: found.n_film,
+            semi_diameter_mm: found.semi_diameter,
+        };
+        // SAFETY: the caller's promise.
+        unsafe {
+            give("realistic_lens_surface", size_of::<realistic_lens_surface>(), &filled, "surface", surface)
+        }
+    })
+}
+
+/// Copies the lens's name: see `realistic_camera_get_lens_name` for `buffer`, `capacity` and `length`.
+///
+/// # Safety
+/// `lens` is NULL or a live lens; `buffer` has `capacity` writable bytes; `length` is NULL or writable.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn realistic_lens_get_name(
+    lens: *const realistic_lens,
+    buffer: *mut c_char,
+    capacity: usize,
+    length: *mut usize,
+) -> realistic_status {
+    // SAFETY: the caller's promise.
+    boundary::status(|| unsafe { give_text(&opened(lens)?.lens.name, buffer, capacity, length) })
+}

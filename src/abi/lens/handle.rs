@@ -1,0 +1,171 @@
+//! Lenses made and freed, and the check that a pointer is to one.
+
+use super::super::{
+    boundary::{self, Failure, realistic_status},
+    camera::log,
+    memory, options,
+    types::realistic_options,
+};
+use crate::{
+    camera::{Parameters, open_lens},
+    imaging::focus::{Focus, FocusError},
+    lens::{
+        Lens, LensError,
+        first_order::FirstOrder,
+        pupil::{EntrancePupil, ExitPupil, limiting_surface},
+    },
+    prescription::Prescription,
+    trace::{Direction, Path, kernel::Kernel},
+};
+
+/// A lens at one wavelength and stop. Opaque to C. Immutable once built: any number of threads may use it.
+// Not `repr(C)`, so that the header only declares it.
+#[allow(non_camel_case_types)]
+pub struct realistic_lens {
+    _opaque: [u8; 0],
+    _pinned: core::marker::PhantomData<(*mut u8, core::marker::PhantomPinned)>,
+}
+
+/// The parameters that say which lens, and how it is set.
+const PARAMETERS: [&str; 6] =
+    ["specfile", "glasscatalog", "wavelength", "zoom", "aperture_diameter", "fnumber"];
+
+/// A lens with what callers ask of it again and again.
+#[derive(Debug)]
+pub(super) struct OpenedLens {
+    pub lens: Lens,
+    pub stated_focal_length: Option<f64>,
+    pub first_order: Result<FirstOrder, LensError>,
+    pub limiting: usize,
+    pub entrance: EntrancePupil,
+    pub exit: ExitPupil,
+    pub focus: Result<Focus, FocusError>,
+    /// Rays that come from the film and from the scene.
+    pub ways: [Way; 2],
+}
+
+/// A lens made ready for rays in one direction.
+#[derive(Debug)]
+pub(super) struct Way {
+    pub path: Path,
+    pub kernel: Kernel<f64>,
+}
+
+impl Way {
+    fn new(lens: &Lens, direction: Direction) -> Self {
+        Self { path: Path::new(lens, direction, Default::default()), kernel: Kernel::new(lens, direction) }
+    }
+}
+
+impl OpenedLens {
+    fn new(prescription: &Prescription, lens: Lens) -> Self {
+        let limiting = limiting_surface(&lens);
+        Self {
+            stated_focal_length: prescription.stated_focal_length,
+            first_order: FirstOrder::of(&lens),
+            limiting,
+            entrance: EntrancePupil::of_surface(&lens, limiting),
+            exit: ExitPupil::of_surface(&lens, limiting),
+            focus: Focus::new(&lens),
+            ways: [Direction::FilmToScene, Direction::SceneToFilm].map(|way| Way::new(&lens, way)),
+            lens,
+        }
+    }
+}
+
+/// Its address is the tag; it must not share one with another constant.
+static TAG: u8 = 0x4c;
+
+#[repr(C)]
+struct Tagged {
+    tag: *const u8,
+    lens: OpenedLens,
+}
+
+/// Opens a lens: the one that `specfile` names or `lens_text` describes, at `wavelength`, `zoom` and the stop of
+/// `aperture_diameter` or `fnumber`, as for a camera; `log` receives warnings. `xres`, `yres` and `camera_to_world` are not
+/// looked at, and any other parameter that is given is refused, for it would change nothing. On success `*out` is the
+/// lens, to be freed by `realistic_lens_free`; on failure `*out` is untouched and `realistic_last_error` says what to
+/// change.
+///
+/// # Safety
+/// `options` is NULL or points to a structure of its `struct_size` bytes whose pointers are NULL or
+/// valid; `out` is NULL or writable.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn realistic_lens_new(
+    options: *const realistic_options,
+    out: *mut *mut realistic_lens,
+) -> realistic_status {
+    boundary::status(|| {
+        if out.is_null() {
+            return Err(boundary::null("out"));
+        }
+        memory::to_build()?;
+        // SAFETY: the caller's promise.
+        let (options, parameters, host) = unsafe {
+            let options = options::read(options)?;
+            (options, options.parameters()?, options.lens_host()?)
+        };
+        only_of_a_lens(&parameters)?;
+        let mut log = |level, text: &str| log(options.log, options.log_user, level, text);
+        let (prescription, lens) = open_lens(&parameters, &host, &mut log)?;
+        let lens = Box::new(Tagged { tag: &raw const TAG, lens: OpenedLens::new(&prescription, lens) });
+        // SAFETY: not NULL, and the caller's promise.
+        unsafe { out.write_unaligned(Box::into_raw(lens).cast()) };
+        Ok(())
+    })
+}
+
+/// Refuses what only a camera has.
+fn only_of_a_lens(parameters: &Parameters) -> Result<(), Failure> {
+    match parameters.given().find(|row| !PARAMETERS.contains(&row.name)) {
+        Some(row) => Err(Failure::invalid(format!(
+            "parameter \"{}\" is a camera's; a lens without a film takes {}",
+            row.name,
+            PARAMETERS.join(", ")
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// Frees a lens. NULL is fine.
+///
+/// # Safety
+/// `lens` is NULL or a lens of `realistic_lens_new` that nobody uses any more.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn realistic_lens_free(lens: *mut realistic_lens) {
+    boundary::value((), || {
+        if lens.is_null() {
+            return Ok(());
+        }
+        // SAFETY: the caller's promise; the tag says that it came from a box.
+        unsafe {
+            opened(lens)?;
+            (*lens.cast::<Tagged>()).tag = std::ptr::null();
+            drop(Box::from_raw(lens.cast::<Tagged>()));
+        }
+        Ok(())
+    });
+}
+
+/// The lens at a caller's pointer.
+///
+/// # Errors
+/// It is NULL or to something else.
+///
+/// # Safety
+/// `lens` is NULL or a live lens of `realistic_lens_new`, or a pointer can be read there.
+pub(super) unsafe fn opened<'a>(lens: *const realistic_lens) -> Result<&'a OpenedLens, Failure> {
+    let tagged = lens.cast::<Tagged>();
+    // SAFETY: the caller's promise; past the tag only when the object is ours.
+    let is_ours =
+        !tagged.is_null() && tagged.is_aligned() && unsafe { *tagged.cast::<*const u8>() == &raw const TAG };
+    if !is_ours {
+        return Err(Failure::new(
+            realistic_status::NotALens,
+            "this is no lens of this library (or it is NULL)",
+        ));
+    }
+    // SAFETY: ours, as the tag says.
+    Ok(unsafe { &(*tagged).lens })
+}

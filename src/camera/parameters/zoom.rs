@@ -1,0 +1,80 @@
+//! How far a zoom lens is zoomed, as a user says it: a focal length or the name of a position.
+
+use super::{
+    error::ParameterError,
+    value::{Kind, Setting, Value, Written},
+};
+use crate::message::as_given;
+
+/// How far a zoom lens is zoomed.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Zoom {
+    /// To this focal length, mm, positive and finite, between those of its positions.
+    FocalLength(f64),
+    /// To the zoom position of this name.
+    Position(String),
+}
+
+/// Of a text, what reads as a finite number, with or without "mm" behind it, is a focal length; anything else is a name.
+impl Setting for Zoom {
+    const KIND: Kind = Kind::Text;
+
+    fn of(name: &'static str, value: Value<'_>) -> Result<Self, ParameterError> {
+        let Value::Text(text) = value else { return Err(value.refused(name, Self::KIND)) };
+        let text = text.trim();
+        let number = text.strip_suffix("mm").unwrap_or(text).trim_end().parse();
+        match number.ok().filter(|number: &f64| number.is_finite()) {
+            Some(number) if number > 0.0 => Ok(Self::FocalLength(number)),
+            Some(number) => {
+                let range = "a positive focal length in mm, or the name of a position";
+                Err(ParameterError::out_of_range(name, number, range))
+            }
+            None => Ok(Self::Position(text.to_owned())),
+        }
+    }
+}
+
+impl Written for Zoom {
+    fn written(&self) -> String {
+        match self {
+            Self::FocalLength(number) => as_given(*number),
+            Self::Position(name) => name.clone(),
+        }
+    }
+}
+
+impl From<f64> for Zoom {
+    fn from(focal_length: f64) -> Self {
+        Self::FocalLength(focal_length)
+    }
+}
+
+impl From<&str> for Zoom {
+    fn from(name: &str) -> Self {
+        Self::Position(name.to_owned())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_is_a_focal_length_and_anything_else_a_name() {
+        let zoom = |text| Zoom::of("zoom", Value::Text(text));
+        for (text, focal_length) in [("35", 35.0), ("35mm", 35.0), (" 1.5e2 mm ", 150.0), ("24.7", 24.7)] {
+            assert_eq!(zoom(text), Ok(Zoom::FocalLength(focal_length)), "{text}");
+        }
+        for name in ["wide", "f35", "inf", "NaN", "35 mm close", ""] {
+            assert_eq!(zoom(name), Ok(Zoom::Position(name.to_owned())));
+        }
+        for text in ["0", "-35", "-0.0mm"] {
+            let refused = zoom(text).expect_err("not positive").to_string();
+            assert!(refused.contains("\"zoom\"") && refused.contains("positive"), "{refused}");
+        }
+        for text in ["35", "0.1", "150.25", "wide"] {
+            assert_eq!(zoom(text).expect("a zoom").written(), text);
+        }
+        assert!(Zoom::of("zoom", Value::Float(35.0)).is_err());
+    }
+}

@@ -1,0 +1,282 @@
+//! The figure of an aspheric surface: its sagitta and slope, and bounds of both over its clear aperture.
+//!
+//! A prescription's conic and terms with a clear semi-diameter in; numbers for first-order optics, tracing and drawings
+//! out. z is counted from the vertex plane toward the film, r from the axis, T(r) = Σ `A_i` r^i.
+//!
+//! **The bounds are proven.** The aperture is cut into rings. On a ring of half width h about r a polynomial p is within
+//! |p'(r)| h + B h²/2 of p(r), where B = Σ i (i - 1) |`a_i`| R^(i - 2) at the ring's outer radius R is at least |p''|
+//! (Taylor's theorem, the remainder bounded term by term). The conic's sagitta and slope only grow in size with r, so that
+//! a ring's edges bound them, and its curvatures only grow or only shrink. What rounding adds is allowed for, relative to the sum of the terms' sizes.
+
+use crate::prescription::{Asphere, FIRST_POWER};
+
+/// An aspheric figure with its rim. Beyond the rim T goes on as the paraboloid that touches it there, so that a ray that
+/// passes beside the surface still meets it somewhere near, where its height says that it is clipped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Figure {
+    /// The conic and the terms.
+    pub asphere: Asphere,
+    /// The clear semi-diameter that the prescription gives, mm: where the rim is.
+    pub rim: f64,
+    /// What holds from the axis to the rim.
+    pub bounds: Bounds,
+}
+
+/// Bounds of an aspheric figure from the axis to its rim.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// The least and the greatest z, mm.
+    pub sagitta: [f64; 2],
+    /// The greatest |dz/dr|; infinite at the edge of an ellipsoid's half.
+    pub slope: f64,
+    /// The least and the greatest of the curvatures d²z/dr² and (dz/dr)/r, 1/mm: of the second derivatives in any
+    /// direction across the axis.
+    pub curvature: [f64; 2],
+    /// The greatest |T|, mm.
+    pub terms: f64,
+    /// The greatest |dT/dr|.
+    pub terms_slope: f64,
+    /// The least and the greatest of T's curvatures d²T/dr² and (dT/dr)/r, 1/mm.
+    pub terms_curvature: [f64; 2],
+    /// The greatest Σ |`A_i`| r^i, mm: what T's rounding is relative to.
+    pub terms_size: f64,
+}
+
+/// Rings into which the aperture is cut.
+const RINGS: u32 = 64;
+/// What rounding may add to a polynomial, relative to the sum of its terms' sizes: some hundred operations' worth.
+const ROUNDING: f64 = 128.0 * f64::EPSILON;
+
+impl Figure {
+    /// The figure with this clear semi-diameter; `None` where it is a sphere or a plane.
+    pub fn new(asphere: &Asphere, semi_diameter: f64) -> Option<Self> {
+        let is_plain = asphere.conic == 0.0 || asphere.radius.is_infinite();
+        if is_plain && asphere.terms.iter().all(|term| *term == 0.0) {
+            return None;
+        }
+        let bounds = Bounds::of(asphere, semi_diameter);
+        Some(Self { asphere: *asphere, rim: semi_diameter, bounds })
+    }
+
+    /// The curvature at the vertex, which first-order optics goes by, 1/mm.
+    pub fn vertex_curvature(&self) -> f64 {
+        self.asphere.radius.recip() + 2.0 * self.asphere.terms[0]
+    }
+
+    /// The curvature (dT/dr)/r of the paraboloid beyond the rim, 1/mm.
+    pub fn rim_curvature(&self) -> f64 {
+        terms(&self.asphere, self.rim)[1] / self.rim
+    }
+
+    /// z at the distance `height` from the axis, mm. Where the conic has no such point, that of its edge.
+    pub fn sagitta(&self, height: f64) -> f64 {
+        let [terms, _] = terms(&self.asphere, height.min(self.rim));
+        let beyond = if height > self.rim {
+            self.rim_curvature() * (height - self.rim) * (height + self.rim) / 2.0
+        } else {
+            0.0
+        };
+        conic_sagitta(&self.asphere, height) + terms + beyond
+    }
+}
+
+impl Bounds {
+    fn of(asphere: &Asphere, rim: f64) -> Self {
+        let weighted = |weight: fn(f64) -> f64, shift: usize| -> Vec<f64> {
+            let terms = (FIRST_POWER..).zip(&asphere.terms);
+            let mut coefficients = vec![0.0; FIRST_POWER - shift];
+            coefficients.extend(terms.map(|(power, term)| weight(power as f64) * term));
+            coefficients
+        };
+        let terms = Polynomial(weighted(|_| 1.0, 0));
+        let slope = Polynomial(weighted(|i| i, 1));
+        let curvatures = [weighted(|i| i, 2), weighted(|i| i * (i - 1.0), 2)].map(Polynomial);
+        let mut bounds = Self {
+            sagitta: [0.0; 2],
+            slope: 0.0,
+            curvature: [f64::INFINITY, f64::NEG_INFINITY],
+            terms: 0.0,
+            terms_slope: 0.0,
+            terms_curvature: [f64::INFINITY, f64::NEG_INFINITY],
+            terms_size: terms.size(rim),
+        };
+        let wider = |[low, high]: [f64; 2], [from, to]: [f64; 2]| [low.min(from), high.max(to)];
+        let largest = |[low, high]: [f64; 2]| high.max(-low);
+        for ring in 0..RINGS {
+            let edges = [ring, ring + 1].map(|i| rim * f64::from(i) / f64::from(RINGS));
+            let ordered = |[a, b]: [f64; 2]| [a.min(b), a.max(b)];
+            let sum = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a + c, b + d];
+            let (term, term_slope) = (terms.range(edges), slope.range(edges));
+            let conic = ordered(edges.map(|r| conic_sagitta(asphere, r)));
+            let conic_slope = ordered(edges.map(|r| conic_slope(asphere, r)));
+            let steepest = largest(sum(conic_slope, term_slope));
+            bounds.slope = bounds.slope.max(steepest);
+            // By the mean value theorem no farther from the middle's z than the steepest slope takes it, which is less where
+            // conic and terms cancel.
+            let middle = f64::midpoint(edges[0], edges[1]);
+            let z = conic_sagitta(asphere, middle) + self::terms(asphere, middle)[0];
+            let around = steepest * (edges[1] - middle) + ROUNDING * bounds.terms_size;
+            let [low, high] = sum(conic, term);
+            bounds.sagitta = wider(bounds.sagitta, [low.max(z - around), high.min(z + around)]);
+            bounds.terms = bounds.terms.max(largest(term));
+            bounds.terms_slope = bounds.terms_slope.max(largest(term_slope));
+            for (curvature, conic) in curvatures.iter().zip(conic_curvatures(asphere, edges)) {
+                let terms = curvature.range(edges);
+                bounds.terms_curvature = wider(bounds.terms_curvature, terms);
+                bounds.curvature = wider(bounds.curvature, sum(ordered(conic), terms));
+            }
+        }
+        bounds
+    }
+}
+
+/// The coefficients of r^0, r^1, ….
+struct Polynomial(Vec<f64>);
+
+impl Polynomial {
+    /// Σ |`a_i`| r^i.
+    fn size(&self, r: f64) -> f64 {
+        self.0.iter().rev().fold(0.0, |sum, a| sum * r + a.abs())
+    }
+
+    /// What it stays between on a ring.
+    fn range(&self, [from, to]: [f64; 2]) -> [f64; 2] {
+        let (middle, half) = (f64::midpoint(from, to), (to - from) / 2.0);
+        let (mut value, mut slope, mut bend) = (0.0, 0.0, 0.0);
+        // Horner's rule, for the derivatives alongside: (p, p') by the coefficients, p''/2 by their sizes.
+        let (mut size, mut size_slope) = (0.0, 0.0);
+        for a in self.0.iter().rev() {
+            slope = slope * middle + value;
+            value = value * middle + a;
+            bend = bend * to + size_slope;
+            size_slope = size_slope * to + size;
+            size = size * to + a.abs();
+        }
+        let spread = slope.abs() * half + bend * half * half + ROUNDING * (size + size_slope * half);
+        [value - spread, value + spread]
+    }
+}
+
+/// T and dT/dr at r.
+fn terms(asphere: &Asphere, r: f64) -> [f64; 2] {
+    let mut value = 0.0;
+    let mut slope = 0.0;
+    let powers = std::iter::repeat_n(&0.0, FIRST_POWER).chain(&asphere.terms);
+    for term in powers.rev() {
+        slope = slope * r + value;
+        value = value * r + term;
+    }
+    [value, slope]
+}
+
+fn conic_sagitta(asphere: &Asphere, r: f64) -> f64 {
+    let c = asphere.radius.recip();
+    c * r * r / (1.0 + conic_root(asphere, r))
+}
+
+fn conic_slope(asphere: &Asphere, r: f64) -> f64 {
+    let c = asphere.radius.recip();
+    if c == 0.0 { 0.0 } else { c * r / conic_root(asphere, r) }
+}
+
+/// A conic's (dz/dr)/r and d²z/dr² at two distances from the axis.
+fn conic_curvatures(asphere: &Asphere, edges: [f64; 2]) -> [[f64; 2]; 2] {
+    let c = asphere.radius.recip();
+    [1, 3].map(|power| edges.map(|r| if c == 0.0 { 0.0 } else { c / conic_root(asphere, r).powi(power) }))
+}
+
+/// √(1 - (1 + k) c² r²): z of the conic's normal but for its length.
+fn conic_root(asphere: &Asphere, r: f64) -> f64 {
+    let bent = r / asphere.radius;
+    (1.0 - (1.0 + asphere.conic) * bent * bent).max(0.0).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A surface of a telephone's lens that turns back near its rim (US 2016/0341934 A1, example 11, surface 12), and odd
+    /// terms, and conics of every kind.
+    fn figures() -> Vec<Figure> {
+        let with = |radius, conic, terms: &[(usize, f64)], rim| {
+            let mut asphere = Asphere { radius, conic, terms: [0.0; 19] };
+            for &(power, term) in terms {
+                asphere.terms[power - FIRST_POWER] = term;
+            }
+            Figure::new(&asphere, rim).expect("an asphere")
+        };
+        let gull = [
+            (4, -0.174_274),
+            (6, 0.047_487_6),
+            (8, -0.008_975_72),
+            (10, 0.000_661_592),
+            (12, 2.912_23e-5),
+            (14, -4.361_44e-6),
+        ];
+        vec![
+            with(1.681, -0.830_780_6, &gull, 2.235),
+            with(f64::INFINITY, 0.0, &[(4, 1e-3)], 5.0),
+            with(20.0, 0.0, &[(2, 1e-3), (3, -2e-4), (5, 1e-5), (20, 1e-18)], 8.0),
+            with(-10.0, -1.0, &[], 9.0),
+            with(-10.0, -3.0, &[], 30.0),
+            with(10.0, 2.0, &[], 10.0 / 3.0_f64.sqrt()),
+        ]
+    }
+
+    #[test]
+    fn every_height_lies_inside_the_bounds_and_they_are_not_much_wider() {
+        for figure in figures() {
+            let Figure { asphere, rim, bounds } = figure;
+            let mut found = [f64::INFINITY, f64::NEG_INFINITY];
+            let mut steepest = 0.0_f64;
+            for i in 0..=20_000 {
+                let r = rim * f64::from(i) / 20_000.0;
+                let z = figure.sagitta(r);
+                let [t, slope] = terms(&asphere, r);
+                let whole_slope = slope + conic_slope(&asphere, r);
+                assert!(bounds.sagitta[0] <= z && z <= bounds.sagitta[1], "{figure:?} at {r}");
+                assert!(t.abs() <= bounds.terms && slope.abs() <= bounds.terms_slope);
+                assert!(whole_slope.abs() <= bounds.slope);
+                let curvature = if r > 0.0 { slope / r } else { 2.0 * asphere.terms[0] };
+                let [least, most] = bounds.terms_curvature;
+                assert!(least <= curvature && curvature <= most, "{figure:?} at {r}");
+                let whole = if r > 0.0 { whole_slope / r } else { figure.vertex_curvature() };
+                let [least, most] = bounds.curvature;
+                let rounding = 1e-12 * whole.abs();
+                assert!(least <= whole + rounding && whole - rounding <= most, "{figure:?} at {r}");
+                found = [found[0].min(z), found[1].max(z)];
+                steepest = steepest.max(whole_slope.abs());
+            }
+            let depth = found[1] - found[0];
+            let [low, high] = bounds.sagitta;
+            assert!(high - low < 1.05 * depth, "{figure:?}: {low} {high}, {found:?}");
+            assert!(bounds.slope < 1.2 * steepest || steepest > 10.0, "{} {steepest}", bounds.slope);
+        }
+    }
+
+    #[test]
+    fn sagittae_are_those_of_the_formula_and_go_on_smoothly_beyond_the_rim() {
+        for figure in figures() {
+            let Figure { asphere, rim, .. } = figure;
+            let r = 0.7 * rim;
+            let c = asphere.radius.recip();
+            let conic = c * r * r / (1.0 + (1.0 - (1.0 + asphere.conic) * c * c * r * r).sqrt());
+            let powers = (FIRST_POWER as i32..).zip(&asphere.terms);
+            let expected = conic + powers.map(|(power, term)| term * r.powi(power)).sum::<f64>();
+            assert!((figure.sagitta(r) - expected).abs() < 1e-14 * rim);
+            // But for the conic, which may end there.
+            let terms_at = |r: f64| figure.sagitta(r) - conic_sagitta(&asphere, r);
+            let h = 1e-6 * rim;
+            let [before, after] = [terms_at(rim) - terms_at(rim - h), terms_at(rim + h) - terms_at(rim)];
+            assert!((before - after).abs() < 1e-9 * rim, "{before} {after}");
+        }
+    }
+
+    #[test]
+    fn a_sphere_written_as_an_asphere_is_a_sphere() {
+        let sphere = Asphere { radius: 12.0, conic: 0.0, terms: [0.0; 19] };
+        assert_eq!(Figure::new(&sphere, 5.0), None);
+        assert_eq!(Figure::new(&Asphere { radius: f64::INFINITY, conic: -1.0, ..sphere }, 5.0), None);
+        assert!(Figure::new(&Asphere { conic: -1.0, ..sphere }, 5.0).is_some());
+    }
+}

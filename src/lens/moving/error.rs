@@ -1,0 +1,111 @@
+//! Why the groups of a lens cannot stand as asked. Each text names the range that there is.
+
+use thiserror::Error;
+
+use crate::{
+    message::{cut, quoted, short},
+    prescription::LayoutError,
+};
+
+/// Why the groups of a lens cannot stand as asked.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum MovingError {
+    /// The table's columns are in no order that can be told.
+    #[error("the positions of lens \"{lens}\" cannot be zoomed or focused between: {error}")]
+    Layout {
+        /// The lens.
+        lens: String,
+        /// What is out of order.
+        error: LayoutError,
+    },
+    /// The lens does not zoom.
+    #[error("lens \"{lens}\" has one focal length, so \"zoom\" has nothing to set; leave it out")]
+    Prime {
+        /// The lens.
+        lens: String,
+    },
+    /// A zoom lens was to be scaled.
+    #[error(
+        "\"{given}\" would scale a zoom lens, which has no one focal length; leave out the @ and what follows, and give \
+         \"zoom\", from {} to {} mm",
+        short(range[0]), short(range[1])
+    )]
+    Scaled {
+        /// The name with its scale.
+        given: String,
+        /// The focal lengths that the lens itself has, mm.
+        range: [f64; 2],
+    },
+    /// The lens does not zoom so far.
+    #[error("\"zoom\" is {} mm; lens \"{lens}\" zooms from {} to {} mm", short(*given), short(range[0]), short(range[1]))]
+    OutOfRange {
+        /// The lens.
+        lens: String,
+        /// The focal length asked for, mm.
+        given: f64,
+        /// Those that there are, mm.
+        range: [f64; 2],
+    },
+    /// No zoom position has this name.
+    #[error(
+        "\"zoom\" is \"{}\"; it must be a focal length from {} to {} mm{}",
+        cut(given), short(range[0]), short(range[1]), or_names(names)
+    )]
+    Name {
+        /// The name asked for.
+        given: String,
+        /// The focal lengths that there are, mm.
+        range: [f64; 2],
+        /// The names that there are.
+        names: Vec<String>,
+    },
+    /// A focal length does not tell how far the lens is zoomed.
+    #[error(
+        "the focal lengths of lens \"{lens}\", {} mm, do not rise or fall from each position to the next, so none of them \
+         says where the groups stand{}",
+        focal_lengths.iter().map(|f| short(*f)).collect::<Vec<_>>().join(", "), or_names(names)
+    )]
+    Unsteady {
+        /// The lens.
+        lens: String,
+        /// At the zoom positions, mm, infinite where the lens is afocal.
+        focal_lengths: Vec<f64>,
+        /// The positions' names.
+        names: Vec<String>,
+    },
+    /// The table has no position for a near object.
+    #[error(
+        "lens \"{lens}\" lists no positions for near objects, so how its groups move to focus is not known; leave out \
+         \"focusby\", and the film moves instead"
+    )]
+    NoFocus {
+        /// The lens.
+        lens: String,
+    },
+    /// The groups do not go so far or so near.
+    #[error(
+        "lens \"{lens}\", focused by its groups, reaches from {} mm to {}, counted from the film; it cannot focus at {} mm. \
+         Without \"focusby\" the film moves instead",
+        short(*nearest), or_infinity(*farthest), short(*distance)
+    )]
+    Unreachable {
+        /// The lens.
+        lens: String,
+        /// Distance asked for, mm from the film.
+        distance: f64,
+        /// The nearest that it reaches, mm from the film.
+        nearest: f64,
+        /// The farthest, mm from the film.
+        farthest: f64,
+    },
+}
+
+/// Names that may be given instead, for the end of a sentence.
+fn or_names(names: &[String]) -> String {
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    if names.is_empty() { String::new() } else { format!(", or the name of a position: {}", quoted(&names)) }
+}
+
+fn or_infinity(distance: f64) -> String {
+    if distance == f64::INFINITY { "infinity".to_owned() } else { short(distance) + " mm" }
+}

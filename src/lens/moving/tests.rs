@@ -1,0 +1,191 @@
+//! Two thin lenses in air, of which everything is known: f = f1 f2/(f1 + f2 - d), back focus f (f1 - d)/f1 (E. Hecht,
+//! *Optics*, §6.1).
+
+use super::*;
+use crate::prescription::{Interface, Medium, Position, Shape};
+
+/// A thin lens and a stop that touches it.
+fn thin(focal_length: f64) -> [Interface; 2] {
+    let glass = Medium::Glass { n_d: 1.5, abbe: None };
+    let surface = |radius: f64, medium| Interface {
+        shape: Shape::Sphere { radius },
+        thickness: 0.0,
+        medium,
+        semi_diameter: 5.0,
+    };
+    // (n - 1)(1/R + 1/R) = 1/f.
+    [surface(focal_length, glass), surface(-focal_length, Medium::Air)]
+}
+
+const F: [f64; 2] = [-90.0, 60.0];
+
+/// Focal length and back focus at a distance between the two.
+fn known(gap: f64) -> [f64; 2] {
+    let focal_length = F[0] * F[1] / (F[0] + F[1] - gap);
+    [focal_length, focal_length * (F[0] - gap) / F[0]]
+}
+
+/// The two with positions at these gaps, each with its true back focus as its film distance; then, where `near` is not empty,
+/// with these gaps for objects at 500 mm, the film where it was.
+fn zoom(gaps: &[f64], near: &[f64]) -> Prescription {
+    let stop = Interface { shape: Shape::Stop, thickness: 0.0, medium: Medium::Air, semi_diameter: 8.0 };
+    let interfaces: Vec<Interface> = thin(F[0]).into_iter().chain([stop]).chain(thin(F[1])).collect();
+    let column = |gap: f64, film: f64, object_distance: Option<f64>| Position {
+        name: Some(format!("at {gap}")),
+        gaps: vec![gap, film],
+        fnumber: Some(4.0),
+        object_distance,
+        ..Position::default()
+    };
+    let columns = gaps.iter().map(|&gap| column(gap, known(gap)[1], None));
+    let near = gaps.iter().zip(near).map(|(&gap, &near)| column(near, known(gap)[1], Some(500.0)));
+    Prescription {
+        name: "two".to_owned(),
+        title: None,
+        interfaces,
+        nominal_film_distance: None,
+        stated_focal_length: None,
+        stated: Default::default(),
+        glasses: Default::default(),
+        positions: Some(Positions { gaps: vec![1, 4], columns: columns.chain(near).collect() }),
+        blades: None,
+        remarks: Vec::new(),
+    }
+}
+
+const GAPS: [f64; 4] = [40.0, 22.0, 10.0, 2.0];
+
+fn optics(prescription: &Prescription) -> FirstOrder {
+    FirstOrder::of(&Lens::at_d_line(prescription)).expect("focal")
+}
+
+/// Where first-order optics images a point.
+fn image(prescription: &Prescription, vergence: f64) -> Option<f64> {
+    Some(optics(prescription).image_distance(vergence))
+}
+
+fn groups(prescription: &Prescription) -> MovingGroups<'_> {
+    MovingGroups::of(prescription).expect("in order").expect("positions")
+}
+
+#[test]
+fn any_focal_length_between_the_positions_is_the_lenss_to_rounding() {
+    for gaps in [GAPS.to_vec(), GAPS.iter().rev().copied().collect(), vec![GAPS[0], GAPS[3]]] {
+        let prescription = zoom(&gaps, &[]);
+        let groups = groups(&prescription);
+        let [short, long] = groups.focal_range();
+        assert!((short - known(40.0)[0]).abs() < 1e-12 && (long - known(2.0)[0]).abs() < 1e-12);
+        for i in 0..=500 {
+            let focal_length = short + (long - short) * f64::from(i) / 500.0;
+            let zoomed = groups.zoomed(focal_length.min(long), image).expect("in range");
+            let lens = zoomed.at(zoomed.start());
+            assert!((optics(&lens).focal_length / focal_length - 1.0).abs() < 1e-14, "{focal_length}");
+            // The one gap of this lens follows, and so does its film.
+            let gap = F[0] + F[1] - F[0] * F[1] / focal_length;
+            assert!((lens.interfaces[1].thickness - gap).abs() < 1e-11, "{focal_length}");
+            let film = lens.nominal_film_distance.expect("stated");
+            assert!((film - known(gap)[1]).abs() < 1e-10, "{focal_length}: {film}");
+        }
+    }
+}
+
+#[test]
+fn at_its_positions_a_lens_has_their_numbers_to_the_last_bit() {
+    let prescription = zoom(&GAPS, &[39.0, 21.5, 9.9, 1.7]);
+    let groups = groups(&prescription);
+    let columns = &prescription.positions.as_ref().expect("positions").columns;
+    for (zoom, gap) in GAPS.into_iter().enumerate() {
+        let named = groups.named(&format!("at {gap}")).expect("listed");
+        for step in 0..2 {
+            let column = &columns[groups.layout.column(zoom, step)];
+            let lens = named.at(column.vergence());
+            assert_eq!(lens.interfaces[1].thickness, column.gaps[0]);
+            assert_eq!(lens.nominal_film_distance, Some(column.gaps[1]));
+        }
+        let lens = named.at(named.start());
+        let entrance = EntrancePupil::of_surface(&Lens::at_d_line(&lens), 2).diameter();
+        assert!((optics(&lens).focal_length / entrance - 4.0).abs() < 1e-14);
+    }
+    let first = groups.position(0);
+    assert_eq!(first.at(first.start()).interfaces[1].thickness, GAPS[0]);
+}
+
+#[test]
+fn nothing_jumps_as_the_lens_zooms_or_focuses() {
+    let prescription = zoom(&GAPS, &[39.0, 21.5, 9.9, 1.7]);
+    let groups = groups(&prescription);
+    let numbers = |focal_length: f64, share: f64| {
+        let travel = groups.zoomed(focal_length, image).expect("in range");
+        let [far, near] = travel.range();
+        let lens = travel.at(far + (near - far) * share);
+        let film = lens.nominal_film_distance.expect("stated");
+        [lens.interfaces[1].thickness, film, lens.interfaces[2].semi_diameter]
+    };
+    const STEP: f64 = 1e-5;
+    // The slope from the left and that from the right, at the inner positions, where pieces meet, and elsewhere.
+    for gap in [22.0, 10.0, 15.0, 30.0] {
+        let at = known(gap)[0];
+        for share in [0.0, 0.3, 1.0] {
+            let [left, middle, right] = [-STEP, 0.0, STEP].map(|off| numbers(at * (1.0 + off), share));
+            for i in 0..3 {
+                let slopes = [middle[i] - left[i], right[i] - middle[i]].map(|rise| rise / STEP);
+                assert!((slopes[0] - slopes[1]).abs() < 0.02, "{gap} {share} {i}: {slopes:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn groups_go_a_little_beyond_their_ends_and_never_into_each_other() {
+    let prescription = zoom(&[40.0, 2.0], &[39.0, 0.05]);
+    let groups = groups(&prescription);
+    let range = groups.position(0).range();
+    assert!((range[0] + 0.1 / 500.0).abs() < 1e-15 && (range[1] - 1.1 / 500.0).abs() < 1e-15, "{range:?}");
+    // 1.95 mm to the position, 0.05 more until the lenses touch.
+    let close = groups.named("at 2").expect("listed");
+    let [_, near] = close.range();
+    assert!((near * 500.0 - 2.0 / 1.95).abs() < 1e-12, "{near}");
+    let touching = close.at(near).interfaces[1].thickness;
+    assert!((0.0..1e-12).contains(&touching));
+}
+
+#[test]
+fn what_is_out_of_range_or_of_no_position_is_told_with_what_there_is() {
+    let prescription = zoom(&GAPS, &[]);
+    let groups = groups(&prescription);
+    let [short, long] = groups.focal_range();
+    for off in [short * 0.999, long * 1.001, 1e300] {
+        let refused = groups.zoomed(off, image).expect_err("out of range").to_string();
+        assert!(refused.contains("zooms from 77.1429 to 168.75 mm"), "{refused}");
+    }
+    let refused = groups.named("at 3").expect_err("no position").to_string();
+    assert!(
+        refused.contains("from 77.1429 to 168.75 mm") && refused.contains("\"at 40\", \"at 22\""),
+        "{refused}"
+    );
+    let prime = zoom(&GAPS[..1], &GAPS[1..2]);
+    let prime = MovingGroups::of(&prime).expect("in order").expect("positions");
+    for refused in [prime.zoomed(100.0, image), prime.named("at 40")] {
+        assert!(refused.expect_err("a prime").to_string().contains("one focal length"));
+    }
+    // To and fro: 22 mm and 30 mm lie on both sides of 10 mm.
+    let wandering = zoom(&[40.0, 10.0, 22.0], &[]);
+    let wandering = MovingGroups::of(&wandering).expect("in order").expect("positions");
+    let refused = wandering.zoomed(100.0, image).expect_err("ambiguous").to_string();
+    assert!(refused.contains("do not rise or fall") && refused.contains("\"at 10\""), "{refused}");
+    assert!(wandering.named("at 22").is_ok());
+}
+
+#[test]
+fn a_focal_length_that_the_table_rounds_outward_is_its_positions() {
+    let mut prescription = zoom(&GAPS, &[]);
+    let columns = &mut prescription.positions.as_mut().expect("positions").columns;
+    columns[0].focal_length = Some(77.0);
+    // Not the lens's at all.
+    columns[3].focal_length = Some(200.0);
+    let groups = groups(&prescription);
+    assert_eq!(groups.focal_range()[0], 77.0);
+    let widest = groups.zoomed(77.0, image).expect("stated");
+    assert_eq!(widest.at(widest.start()).interfaces[1].thickness, 40.0);
+    assert!(groups.zoomed(199.0, image).is_err() && groups.zoomed(76.9, image).is_err());
+}

@@ -1,0 +1,130 @@
+//! The blades of an iris: the figure that they leave open in the plane of the stop.
+
+use std::{f64::consts::PI, ops::RangeInclusive};
+
+/// A stop with blades: a figure of as many equal arcs, whose corners lie on the circle of the stop's clear diameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Blades {
+    /// How many blades, in [`Blades::COUNTS`].
+    pub count: u32,
+    /// Where the first corner lies, in degrees from +x (image right) toward +y (image up).
+    pub rotation: f64,
+    /// Curvature of the arcs over that of the circle, in [0, 1]: 0 is a polygon, 1 the circle.
+    pub curvature: f64,
+}
+
+impl Blades {
+    /// How many blades there may be. With more the figure is a circle to within half a per cent of its radius.
+    pub const COUNTS: RangeInclusive<u32> = 3..=32;
+
+    /// The cosine and sine of half the angle from corner to corner.
+    fn half_angle(&self) -> (f64, f64) {
+        let (sine, cosine) = (PI / f64::from(self.count)).sin_cos();
+        (cosine, sine)
+    }
+
+    /// The figure's inequality. In units of the stop's radius, with m the largest of the products of a point with
+    /// [`Blades::normals`], the point is inside where `bulge` (x² + y²) + `slant` m <= `bulge` + `slant` cos(π/n): half
+    /// the power of the point against the arc on its side, which for straight blades is the distance to the edge.
+    pub fn constants(&self) -> BladeConstants {
+        let (cosine, sine) = self.half_angle();
+        let c = self.curvature;
+        // 0 for the circle, of which the arcs have the centre.
+        let slant = ((1.0 - (c * sine).powi(2)).sqrt() - c * cosine).max(0.0);
+        let bulge = c / 2.0;
+        BladeConstants { bulge, slant, limit: bulge + slant * cosine }
+    }
+
+    /// The directions from the stop's centre to the middle of each blade's edge.
+    pub fn normals(&self) -> impl Iterator<Item = [f64; 2]> {
+        let first = self.rotation.to_radians();
+        let step = PI / f64::from(self.count);
+        (0..self.count).map(move |blade| {
+            let (sine, cosine) = (first + f64::from(2 * blade + 1) * step).sin_cos();
+            [cosine, sine]
+        })
+    }
+
+    /// The figure's area over the circle's.
+    pub fn share(&self) -> f64 {
+        let (cosine, sine) = self.half_angle();
+        let c = self.curvature;
+        // Between an edge's chord and its arc, by the arc's half angle; straight blades have none.
+        let segment = if c > 0.0 {
+            let half = (c * sine).asin();
+            (half - half.sin() * half.cos()) / (c * c)
+        } else {
+            0.0
+        };
+        f64::from(self.count) * (sine * cosine + segment) / PI
+    }
+}
+
+/// The numbers of a figure's inequality: see [`Blades::constants`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BladeConstants {
+    /// Half the arcs' curvature.
+    pub bulge: f64,
+    /// How much of the test is the straight edge's.
+    pub slant: f64,
+    /// What the sum may come to.
+    pub limit: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn is_inside(blades: &Blades, [x, y]: [f64; 2]) -> bool {
+        let BladeConstants { bulge, slant, limit } = blades.constants();
+        let along = blades.normals().map(|[nx, ny]| nx * x + ny * y).fold(f64::NEG_INFINITY, f64::max);
+        bulge * (x * x + y * y) + slant * along <= limit
+    }
+
+    /// The distance of the figure's edge from the centre in a direction, by bisection.
+    fn edge(blades: &Blades, degrees: f64) -> f64 {
+        let (sine, cosine) = degrees.to_radians().sin_cos();
+        let (mut inside, mut outside) = (0.0, 2.0);
+        for _ in 0..60 {
+            let middle = f64::midpoint(inside, outside);
+            *(if is_inside(blades, [middle * cosine, middle * sine]) { &mut inside } else { &mut outside }) =
+                middle;
+        }
+        inside
+    }
+
+    #[test]
+    fn corners_lie_on_the_circle_and_edges_where_geometry_has_them() {
+        for count in [3, 5, 7, 8, 32] {
+            for curvature in [0.0, 0.3, 0.9, 1.0] {
+                let blades = Blades { count, rotation: 11.0, curvature };
+                let half = 180.0 / f64::from(count);
+                for corner in 0..count {
+                    let degrees = 11.0 + f64::from(2 * corner) * half;
+                    assert!((edge(&blades, degrees) - 1.0).abs() < 1e-12, "{blades:?}");
+                }
+                let chord = half.to_radians().cos();
+                // The arc's sagitta over the chord, of radius 1/c.
+                let width = half.to_radians().sin();
+                let sagitta = curvature * width * width / (1.0 + (1.0 - (curvature * width).powi(2)).sqrt());
+                assert!((edge(&blades, 11.0 + half) - chord - sagitta).abs() < 1e-12, "{blades:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_share_of_the_circle_is_the_integral_of_the_figure() {
+        for (count, curvature) in [(3, 0.0), (6, 0.0), (7, 0.4), (5, 1.0)] {
+            let blades = Blades { count, rotation: 0.0, curvature };
+            let steps = 4000;
+            let sector = 180.0 / f64::from(count);
+            let mean: f64 = (0..steps)
+                .map(|i| edge(&blades, (f64::from(i) + 0.5) / f64::from(steps) * sector).powi(2))
+                .sum::<f64>()
+                / f64::from(steps);
+            assert!((mean - blades.share()).abs() < 1e-7, "{blades:?}: {mean} {}", blades.share());
+        }
+        let triangle = Blades { count: 3, rotation: 0.0, curvature: 0.0 }.share();
+        assert!((triangle - 27.0_f64.sqrt() / 4.0 / PI).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,92 @@
+//! A row of the five-column table of W. J. Smith, *Modern Lens Design* (McGraw-Hill, 1992):
+//! radius, thickness, n_d, V-number, clear diameter, with the values left out that air and the
+//! stop do not have.
+
+use super::{
+    glasses::Glasses,
+    lines::{Line, Lines, Word},
+    values::{index, radius, role},
+};
+use crate::prescription::{
+    LensFileError,
+    interfaces::Medium,
+    reader::surfaces::{Role, SurfaceRow},
+};
+
+const COLUMNS: &str = "a five-column table has rows of five values (glass: radius, thickness, n_d, V-number, \
+     clear diameter), three (air: radius, thickness, diameter) or two (the stop: thickness, diameter)";
+
+/// Reads one row.
+///
+/// # Errors
+/// The first word that cannot stand where it does.
+pub(super) fn row(
+    lines: &Lines,
+    glasses: &Glasses<'_>,
+    line: &Line,
+    is_last: bool,
+) -> Result<SurfaceRow, LensFileError> {
+    let (said, words) = match line.words.split_first() {
+        Some((first, rest)) if role(first) != Role::Any => (role(first), rest),
+        _ if line.words.len() == 2 => (Role::Stop, line.words.as_slice()),
+        _ => (Role::Any, line.words.as_slice()),
+    };
+    let says_stop = said != Role::Any;
+    let (curvature, thickness, glass, diameter) = match words {
+        [radius, thickness, n_d, abbe, diameter] => (Some(radius), thickness, Some((n_d, abbe)), diameter),
+        [thickness, n_d, abbe, diameter] if says_stop => (None, thickness, Some((n_d, abbe)), diameter),
+        [radius, thickness, diameter] if !says_stop => (Some(radius), thickness, None, diameter),
+        [thickness, diameter] => (None, thickness, None, diameter),
+        [_, _, _, _] => {
+            return Err(lines.error(
+                &line.words[0],
+                &format!("four values can be read in two ways; {COLUMNS}: write - for a value left out"),
+            ));
+        }
+        _ => {
+            return Err(lines.error(&line.words[0], &format!("{} value(s); {COLUMNS}", line.words.len())));
+        }
+    };
+    let medium = glass.map_or(Ok(Medium::Air), |(n_d, abbe)| medium(lines, glasses, n_d, abbe))?;
+    let (radius, role) = match curvature {
+        Some(word) if !left_out(word) => (radius(lines, word)?, said),
+        _ if said == Role::Any => (f64::INFINITY, Role::Stop),
+        _ => (f64::INFINITY, said),
+    };
+    let thickness = match thickness {
+        word if left_out(word) && is_last => 0.0,
+        word => lines.number(word, "a thickness in mm")?,
+    };
+    let diameter = lines.number(diameter, "a clear diameter in mm")?;
+    Ok(SurfaceRow { radius, role, thickness, medium, diameter, asphere: None })
+}
+
+fn medium(lines: &Lines, glasses: &Glasses<'_>, n_d: &Word, abbe: &Word) -> Result<Medium, LensFileError> {
+    if !left_out(n_d)
+        && let Some(glass) = glasses.find(lines, n_d)?
+    {
+        return if left_out(abbe) {
+            Ok(glass)
+        } else {
+            Err(lines.error(abbe, "the glass's formula says what a V-number would; write - for the V-number"))
+        };
+    }
+    let index = if left_out(n_d) { None } else { index(lines, n_d)? };
+    match (index, left_out(abbe)) {
+        (None, true) => Ok(Medium::Air),
+        (None, false) => Err(lines.error(abbe, "a V-number without a refractive index; write - for air")),
+        (Some(n_d), true) => Ok(Medium::Glass { n_d, abbe: None }),
+        (Some(n_d), false) => {
+            let number = lines.number(abbe, "a V-number")?;
+            if number > 0.0 {
+                Ok(Medium::Glass { n_d, abbe: Some(number) })
+            } else {
+                Err(lines.error(abbe, "a V-number is positive; write - if it is not known"))
+            }
+        }
+    }
+}
+
+fn left_out(word: &Word) -> bool {
+    word.text == "-"
+}

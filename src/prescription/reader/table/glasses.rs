@@ -1,0 +1,271 @@
+//! Glasses by name: lines `glass NAME sellmeier B1=… C1=… B2=… C2=… B3=… C3=…` that define one, the constants in any
+//! order, C in µm², or with another formula of [`Formula`]; each constant bears its name, so that a data sheet's order
+//! cannot be mistaken. A row of the table then has the name where others have the refractive index; glasses of the
+//! library need no definition.
+
+use std::cell::RefCell;
+
+use super::lines::{Line, Lines, Word};
+use crate::{
+    message::cut,
+    prescription::{
+        LensFileError,
+        glass::{Formula, GlassLibrary, HIGHEST_POWER, LOWEST_POWER, check},
+        interfaces::{Medium, Sellmeier},
+        limits::{MAX_INTERFACES, MAX_NAME_BYTES},
+    },
+};
+
+const FORM: &str = "a glass is defined by: glass NAME sellmeier B1=… C1=… B2=… C2=… B3=… C3=… (C in µm²)";
+
+/// The glasses that a file can name.
+#[derive(Debug)]
+pub(super) struct Glasses<'a> {
+    /// Those that it defines.
+    defined: Vec<(String, Medium)>,
+    library: &'a GlassLibrary,
+    used: RefCell<Vec<(String, Medium)>>,
+}
+
+impl<'a> Glasses<'a> {
+    /// Takes the lines that define a glass out of the others.
+    pub(super) fn take(lines: &mut Lines, library: &'a GlassLibrary) -> Result<Self, LensFileError> {
+        let definitions = lines.take(&["glass"]);
+        let mut glasses = Self { defined: Vec::new(), library, used: RefCell::default() };
+        lines.at_most(&definitions, &format!("a lens file defines at most {MAX_INTERFACES} glasses"))?;
+        for line in &definitions {
+            let (name, medium) = glasses.definition(lines, line)?;
+            glasses.defined.push((name.text.clone(), medium));
+        }
+        Ok(glasses)
+    }
+
+    /// The medium of a name in the index column; `None` when the word is to be read as a number.
+    pub(super) fn find(&self, lines: &Lines, word: &Word) -> Result<Option<Medium>, LensFileError> {
+        if let Some((_, medium)) = self.defined.iter().find(|(name, _)| *name == word.text) {
+            return Ok(Some(self.use_as(word, *medium)));
+        }
+        if word.text.parse::<f64>().is_ok() {
+            return Ok(None);
+        }
+        if word.text.len() <= MAX_NAME_BYTES
+            && let Some(found) = self.library.find(&word.text)
+        {
+            let unusable = |why: String| lines.error(word, &format!("glass \"{word}\": {why}"));
+            return found.map(|medium| Some(self.use_as(word, medium))).map_err(unusable);
+        }
+        if !is_name(&word.text) {
+            return Ok(None);
+        }
+        check_length(lines, word)?;
+        let known = match self.defined.as_slice() {
+            [] => "the file defines none".to_owned(),
+            some => {
+                let names: Vec<&str> = some.iter().map(|(name, _)| name.as_str()).collect();
+                format!("the file defines {}", cut(&names.join(", ")))
+            }
+        };
+        let nearest = self.library.suggestion(&word.text);
+        let message =
+            format!("\"{word}\" is no refractive index and no known glass: {known}{nearest}; {FORM}");
+        Err(lines.error(word, &message))
+    }
+
+    /// The glasses that rows named.
+    pub(super) fn used(self) -> Vec<(String, Medium)> {
+        self.used.into_inner()
+    }
+
+    fn use_as(&self, name: &Word, medium: Medium) -> Medium {
+        let mut used = self.used.borrow_mut();
+        if used.iter().all(|(known, _)| *known != name.text) {
+            used.push((name.text.clone(), medium));
+        }
+        medium
+    }
+
+    fn definition<'l>(&self, lines: &Lines, line: &'l Line) -> Result<(&'l Word, Medium), LensFileError> {
+        let [glass, name, formula, words @ ..] = line.words.as_slice() else {
+            return Err(lines.error(&line.words[0], FORM));
+        };
+        if !is_name(&name.text) || name.text.parse::<f64>().is_ok() {
+            let text = format!("\"{name}\" is no name for a glass: it begins with a letter; {FORM}");
+            return Err(lines.error(name, &text));
+        }
+        check_length(lines, name)?;
+        if self.defined.iter().any(|(known, _)| *known == name.text) {
+            return Err(lines.error(name, &format!("glass \"{name}\" is defined twice")));
+        }
+        let Some(names) = constants_of(&formula.text) else {
+            let known = "formulas are sellmeier, polynomial, conrady and herzberger";
+            return Err(lines.error(formula, &format!("no formula is called \"{formula}\"; {known}; {FORM}")));
+        };
+        let mut constants = vec![None; names.len()];
+        for word in words {
+            let (place, number) = lines.constant(word, &names, &format!("{}=1.04; {FORM}", names[0]))?;
+            if constants[place].replace(number).is_some() {
+                return Err(lines.error(word, &format!("\"{word}\": given twice; {FORM}")));
+            }
+        }
+        let medium = medium(&formula.text, &constants).map_err(|missing| {
+            let message = format!("{} of {missing} constants; {FORM}", words.len());
+            lines.error(glass, &message)
+        })?;
+        check(medium).map_err(|wrong| lines.error(name, &format!("{wrong}; {FORM}")))?;
+        Ok((name, medium))
+    }
+}
+
+/// The names of a formula's constants.
+fn constants_of(formula: &str) -> Option<Vec<String>> {
+    let names = |names: &[&str]| Some(names.iter().map(|name| (*name).to_owned()).collect());
+    match formula.to_ascii_lowercase().as_str() {
+        "sellmeier" => names(&["B1", "B2", "B3", "C1", "C2", "C3", "B4", "B5", "C4", "C5", "A", "D"]),
+        "polynomial" => Some((LOWEST_POWER..=HIGHEST_POWER).step_by(2).map(|p| format!("A{p}")).collect()),
+        "conrady" => names(&["A", "B", "C"]),
+        "herzberger" => names(&["A", "B", "C", "D", "E", "F"]),
+        _ => None,
+    }
+}
+
+/// The medium of a formula and its constants in the order of [`constants_of`].
+///
+/// # Errors
+/// Constants are missing: how many there are to be.
+fn medium(formula: &str, constants: &[Option<f64>]) -> Result<Medium, &'static str> {
+    let every = |missing| constants.iter().copied().collect::<Option<Vec<f64>>>().ok_or(missing);
+    let or = |place: usize, default: f64| constants[place].unwrap_or(default);
+    Ok(Medium::Formula(match formula.to_ascii_lowercase().as_str() {
+        "sellmeier" if constants[6..].iter().all(Option::is_none) => {
+            let [Some(b1), Some(b2), Some(b3), Some(c1), Some(c2), Some(c3)] = constants[..6] else {
+                return Err("six");
+            };
+            return Ok(Medium::Sellmeier(Sellmeier { b: [b1, b2, b3], c: [c1, c2, c3] }));
+        }
+        // With a constant beside those of three terms, any may be left out.
+        "sellmeier" => Formula::Sellmeier {
+            rest: [or(10, 1.0), or(11, 0.0)],
+            b: [0, 1, 2, 6, 7].map(|place| or(place, 0.0)),
+            c: [3, 4, 5, 8, 9].map(|place| or(place, 0.0)),
+        },
+        "conrady" => Formula::Conrady(every("three")?.try_into().expect("three")),
+        "herzberger" => Formula::Herzberger(every("six")?.try_into().expect("six")),
+        _ => Formula::Polynomial(std::array::from_fn(|place| or(place, 0.0))),
+    }))
+}
+
+fn check_length(lines: &Lines, name: &Word) -> Result<(), LensFileError> {
+    let length = name.text.len();
+    if length <= MAX_NAME_BYTES {
+        return Ok(());
+    }
+    let message = format!("\"{name}\" has {length} bytes; a glass's name has at most {MAX_NAME_BYTES}");
+    Err(lines.error(name, &message))
+}
+
+/// Whether a word can be a glass's name: it begins with a letter and is none of the table's own words.
+fn is_name(text: &str) -> bool {
+    text.starts_with(|first: char| first.is_ascii_alphabetic()) && !text.eq_ignore_ascii_case("stop")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::prescription::{Prescription, glass::refractive_index, reader::read};
+
+    const BK7: &str = "glass N-BK7 sellmeier B1=1.03961212 B2=0.231792344 B3=1.01046945 \
+                       C1=0.00600069867 C2=0.0200179144 C3=103.560653\n";
+
+    fn ok(text: &str) -> Prescription {
+        read("lens.dat", text.as_bytes()).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    #[track_caller]
+    fn refused(text: &str, at: &str, parts: &[&str]) {
+        let message = read("lens.dat", text.as_bytes()).expect_err("refused").to_string();
+        assert!(message.starts_with(&format!("lens.dat:{at}: ")), "{message}");
+        for part in parts {
+            assert!(message.contains(part), "{message} lacks {part:?}");
+        }
+    }
+
+    #[test]
+    fn a_named_glass_stands_in_the_index_column_of_either_table() {
+        let four = ok(&format!("{BK7}20 5 N-BK7 10\n-20 30 1 10\n"));
+        let Medium::Sellmeier(constants) = four.interfaces[0].medium else { panic!("{four:?}") };
+        assert_eq!((constants.b[1], constants.c[2]), (0.231792344, 103.560653));
+        assert!(four.is_dispersive());
+        for text in [
+            format!("20 5 N-BK7 - 10\n-20 30 10\n{BK7}"),
+            format!("# title\n50\n{BK7}20 5 N-BK7 - 10\n-20 30 - - 10"),
+            format!("20 5 N-BK7 10\n{}-20 30 1 10", BK7.replace(' ', ", ").to_ascii_uppercase()),
+        ] {
+            assert_eq!(ok(&text).interfaces, four.interfaces, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_built_in_glass_needs_no_definition_and_an_own_one_comes_before_it() {
+        let rows = "20 5 n-bk7 10\n-20 30 1 10\n";
+        let built_in = ok(rows);
+        assert_eq!(built_in.interfaces, ok(&format!("{BK7}{}", rows.to_uppercase())).interfaces);
+        assert_eq!(built_in.glasses, [("n-bk7".to_owned(), built_in.interfaces[0].medium)]);
+        let own = ok(&format!("{}{}", BK7.replace("1.0396", "1.0397"), rows.to_uppercase()));
+        assert_ne!(own.interfaces[0].medium, built_in.interfaces[0].medium);
+        // A name may begin with a digit where it is known.
+        assert!(ok("20 5 480R 10\n-20 30 1 10").is_dispersive());
+    }
+
+    #[test]
+    fn every_formula_can_be_written() {
+        let index = |definition: &str| {
+            let lens = ok(&format!("glass x {definition}\n20 5 x 10\n-20 30 1 10"));
+            refractive_index(lens.interfaces[0].medium, 500.0)
+        };
+        // At 0.5 µm, where λ² = 1/4: by hand.
+        let near = |definition: &str, square: f64| {
+            let index = index(definition);
+            assert!((index * index - square).abs() < 1e-12, "{definition}: {index}");
+        };
+        near("sellmeier A=2 D=-0.4 B1=0.6 C1=0.01 B4=0.5 C4=0.05", 2.0 - 0.1 + 0.15 / 0.24 + 0.125 / 0.2);
+        near("polynomial A0=2 A2=0.4 A-2=0.01 A-12=1e-7 A6=0.064", 2.0 + 0.1 + 0.04 + 4.096e-4 + 0.001);
+        let conrady = index("conrady A=1.5 B=0.01 C=0.001");
+        assert!((conrady - (1.5 + 0.02 + 0.001 * 2_f64.powf(3.5))).abs() < 1e-12, "{conrady}");
+        let herzberger = index("herzberger A=1.5 B=0.01 C=0.001 D=-0.01 E=0.001 F=0.001");
+        let l: f64 = 1.0 / 0.222;
+        let expected = 1.5 + 0.01 * l + 0.001 * l * l - 0.0025 + 6.25e-5 + 1.5625e-5;
+        assert!((herzberger - expected).abs() < 1e-12, "{herzberger}");
+        refused("glass x conrady A=1 B=1\n20 5 x 10\n-20 30 1 10", "1:1", &["2 of three constants"]);
+        refused(
+            "glass x polynomial A3=1\n20 5 x 10\n-20 30 1 10",
+            "1:20",
+            &["no constant such as A-12=1.04"],
+        );
+        refused("glass x polynomial A0=0.5\n20 5 x 10\n-20 30 1 10", "1:7", &["index 0.707"]);
+    }
+
+    #[test]
+    fn a_wrong_definition_is_told_where_it_stands() {
+        let rows = "20 5 N-BK7 10\n-20 30 1 10\n";
+        let with = |from: &str, to: &str| format!("{}{rows}", BK7.replace(from, to));
+        let unknown = rows.replace("N-BK7", "N-BK77");
+        let nearest = "the nearest that is known is N-BK7";
+        refused(
+            &unknown,
+            "1:6",
+            &["\"N-BK77\"", "no known glass", "defines none", nearest, "glass NAME sellmeier"],
+        );
+        refused(&format!("{BK7}{unknown}"), "2:6", &["\"N-BK77\"", "defines N-BK7"]);
+        refused(&with(" C3=103.560653", ""), "1:1", &["5 of six constants"]);
+        refused(&with("B2=", "B1="), "1:37", &["given twice"]);
+        refused(&with("B2=", ""), "1:37", &["no constant such as B1=1.04"]);
+        refused(&with("B2=0", "B2=x"), "1:40", &["not a number"]);
+        refused(&with("sellmeier", "schott"), "1:13", &["\"schott\"", "sellmeier"]);
+        refused(&with("N-BK7", "7"), "1:7", &["no name"]);
+        refused(&with("C3=103.560653", "C3=0.35"), "1:7", &["resonance at 592 nm"]);
+        refused(&with("B1=1.03961212", "B1=-3"), "1:7", &["index NaN"]);
+        refused(&format!("{BK7}{BK7}{rows}"), "2:7", &["defined twice"]);
+        refused(&format!("glass\n{rows}"), "1:1", &["glass NAME sellmeier"]);
+        refused(&format!("{BK7}20 5 N-BK7 64.2 10\n-20 30 - - 10"), "2:12", &["write - for the V-number"]);
+    }
+}

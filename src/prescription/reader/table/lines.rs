@@ -1,0 +1,185 @@
+//! Text to lines of words that know where they stand: what a table of columns is read from.
+
+use std::fmt;
+
+use crate::{
+    message::cut,
+    prescription::{error::LensFileError, limits::MAX_INTERFACES},
+};
+
+/// One value of the table.
+#[derive(Clone, Debug)]
+pub(super) struct Word {
+    pub text: String,
+    pub line: usize,
+    /// In bytes, counted from 1.
+    pub column: usize,
+}
+
+/// As it stands in messages.
+impl fmt::Display for Word {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&cut(&self.text))
+    }
+}
+
+/// One line that has values; never empty.
+#[derive(Clone, Debug)]
+pub(super) struct Line {
+    pub words: Vec<Word>,
+}
+
+/// The lines of a file that have values.
+#[derive(Debug)]
+pub(super) struct Lines {
+    file: String,
+    pub lines: Vec<Line>,
+    /// The text of the first comment that has any.
+    pub title: Option<String>,
+    /// How many lines the file has, with those that have no values.
+    count: usize,
+    /// The first line that looks as if commas stood in its numbers.
+    decimal_comma: Option<usize>,
+}
+
+impl Word {
+    /// Whether it is this word, in capitals or not.
+    pub(super) fn is(&self, word: &str) -> bool {
+        self.text.eq_ignore_ascii_case(word)
+    }
+}
+
+impl Lines {
+    /// Of decoded bytes; comments may be in any encoding.
+    pub(super) fn split(file: &str, bytes: &[u8]) -> Result<Self, LensFileError> {
+        let mut all =
+            Self { file: file.to_owned(), lines: Vec::new(), title: None, count: 0, decimal_comma: None };
+        // Lines of old Macintosh files end in a carriage return alone.
+        let end = if bytes.contains(&b'\n') { b'\n' } else { b'\r' };
+        for (number, line) in bytes.split(|&byte| byte == end).enumerate() {
+            all.count = number + 1;
+            let data_end = line.iter().position(|&byte| byte == b'#').unwrap_or(line.len());
+            let (data, comment) = line.split_at(data_end);
+            if all.title.is_none() {
+                let text = String::from_utf8_lossy(comment);
+                let text = text.trim_matches(|c: char| c == '#' || c.is_whitespace());
+                all.title = (!text.is_empty()).then(|| text.to_owned());
+            }
+            if all.decimal_comma.is_none() && has_decimal_commas(data) {
+                all.decimal_comma = Some(all.count);
+            }
+            let words = all.words(all.count, data)?;
+            if !words.is_empty() {
+                all.lines.push(Line { words });
+            }
+        }
+        Ok(all)
+    }
+
+    fn words(&self, line: usize, data: &[u8]) -> Result<Vec<Word>, LensFileError> {
+        let is_separator = |byte: u8| byte == b',' || byte.is_ascii_whitespace();
+        let mut words = Vec::new();
+        let mut at = 0;
+        let mut comma: Option<usize> = None;
+        while at < data.len() {
+            if is_separator(data[at]) {
+                if data[at] == b',' {
+                    if comma.is_some() || words.is_empty() {
+                        return Err(self.error_at(
+                            line,
+                            at + 1,
+                            "nothing stands before this comma; expected a value (- for one left out)",
+                        ));
+                    }
+                    comma = Some(at);
+                }
+                at += 1;
+                continue;
+            }
+            comma = None;
+            let end = data[at..].iter().position(|&byte| is_separator(byte)).map_or(data.len(), |n| at + n);
+            let text = std::str::from_utf8(&data[at..end])
+                .ok()
+                .filter(|text| text.chars().all(|c| !c.is_control()))
+                .ok_or_else(|| {
+                    self.error_at(line, at + 1, "not text; expected a number (comments begin with #)")
+                })?;
+            words.push(Word { text: text.to_owned(), line, column: at + 1 });
+            at = end;
+        }
+        match comma {
+            Some(at) => Err(self.error_at(
+                line,
+                at + 1,
+                "nothing stands after this comma; expected a value (- for one left out)",
+            )),
+            None => Ok(words),
+        }
+    }
+
+    /// The finite number that a word spells.
+    pub(super) fn number(&self, word: &Word, expected: &str) -> Result<f64, LensFileError> {
+        let wrong = |what: &str| self.error(word, &format!("\"{word}\" is {what}; expected {expected}"));
+        let number: f64 = word.text.parse().map_err(|_| wrong("not a number"))?;
+        if number.is_finite() { Ok(number) } else { Err(wrong("not finite")) }
+    }
+
+    /// That there are at most [`MAX_INTERFACES`] lines of one kind.
+    pub(super) fn at_most(&self, some: &[Line], limit: &str) -> Result<(), LensFileError> {
+        some.get(MAX_INTERFACES).map_or(Ok(()), |beyond| {
+            let message = format!("row {} of {}; {limit}", MAX_INTERFACES + 1, some.len());
+            Err(self.error(&beyond.words[0], &message))
+        })
+    }
+
+    pub(super) fn error(&self, word: &Word, message: &str) -> LensFileError {
+        self.error_at(word.line, word.column, message)
+    }
+
+    /// Takes the lines out that begin with one of these words, in capitals or not.
+    pub(super) fn take(&mut self, keywords: &[&str]) -> Vec<Line> {
+        let is_taken = |line: &Line| keywords.iter().any(|keyword| line.words[0].is(keyword));
+        let (taken, rest) = std::mem::take(&mut self.lines).into_iter().partition(is_taken);
+        self.lines = rest;
+        taken
+    }
+
+    /// The number of a constant such as `B1=1.04`, and which of `names` it is.
+    pub(super) fn constant(
+        &self,
+        word: &Word,
+        names: &[String],
+        expected: &str,
+    ) -> Result<(usize, f64), LensFileError> {
+        let split = word.text.split_once('=');
+        let place =
+            split.and_then(|(name, _)| names.iter().position(|known| known.eq_ignore_ascii_case(name)));
+        let (Some((name, number)), Some(place)) = (split, place) else {
+            return Err(self.error(word, &format!("\"{word}\" is no constant such as {expected}")));
+        };
+        let value = Word { text: number.to_owned(), line: word.line, column: word.column + name.len() + 1 };
+        Ok((place, self.number(&value, &format!("a constant such as {expected}"))?))
+    }
+
+    pub(super) fn error_at_end(&self, message: &str) -> LensFileError {
+        self.error_at(self.count, 1, message)
+    }
+
+    fn error_at(&self, line: usize, column: usize, message: &str) -> LensFileError {
+        let mut message = message.to_owned();
+        if let Some(comma) = self.decimal_comma {
+            message += &format!(" (a decimal comma on line {comma}? write 1.5, not 1,5)");
+        }
+        LensFileError { file: self.file.clone(), line, column, message }
+    }
+}
+
+/// Whether a line has commas between two digits, and its values have other separators; or more of them than a row has
+/// values.
+fn has_decimal_commas(line: &[u8]) -> bool {
+    let digits_around =
+        |three: &&[u8]| three[1] == b',' && three[0].is_ascii_digit() && three[2].is_ascii_digit();
+    let commas = line.windows(3).filter(digits_around).count();
+    let parts = line.split(|byte| byte.is_ascii_whitespace() || *byte == b';');
+    commas > 0 && (commas > 4 || parts.filter(|part| !part.is_empty() && *part != b",").count() > 1)
+}

@@ -1,0 +1,112 @@
+//! The project's own table: text to lines of words ([`lines`]), lines that begin with a keyword ([`glasses`],
+//! [`aspheres`], [`blades`], [`columns`]), and the others to rows, one file for each kind of table ([`four_column`],
+//! [`five_column`]). Its grammar stands in `docs/lens-format.md`.
+//!
+//! Two kinds of table are read. **Four columns**, as the assignment and pbrt have it: radius,
+//! thickness, refractive index, clear diameter in every row. **Five columns**, as Smith's
+//! *Modern Lens Design* prints it: radius, thickness, n_d, V-number, clear diameter for glass;
+//! radius, thickness, diameter for air; thickness and diameter, or the word `stop` and the two,
+//! for the stop; `-` stands for a value left out. A file is of the second kind if any row has five
+//! values.
+
+mod aspheres;
+mod blades;
+mod columns;
+mod five_column;
+mod four_column;
+mod glasses;
+mod lines;
+mod values;
+
+use super::surfaces;
+use crate::{
+    message::nearest,
+    prescription::{
+        error::LensFileError,
+        glass::GlassLibrary,
+        interfaces::{Prescription, Shape},
+        limits::MAX_INTERFACES,
+    },
+};
+use columns::Columns;
+use glasses::Glasses;
+use lines::{Line, Lines};
+
+/// Reads a table from decoded bytes; `file` is its name in messages.
+///
+/// # Errors
+/// The first place at which the text is not a lens.
+pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Prescription, LensFileError> {
+    let mut lines = Lines::split(file, bytes)?;
+    let glasses = Glasses::take(&mut lines, library)?;
+    let aspheres = aspheres::take(&mut lines)?;
+    let blades = blades::take(&mut lines)?;
+    let columns = Columns::take(&mut lines)?;
+    misspelt_keyword(&lines)?;
+    let (mut stated_focal_length, table) = leading_focal_length(&lines)?;
+    let Some(last) = table.last() else {
+        return Err(lines.error_at_end("the file has no rows; expected at least one interface"));
+    };
+    lines.at_most(table, &format!("a lens has at most {MAX_INTERFACES} interfaces"))?;
+    let mut rows = if table.iter().any(|line| line.words.len() == 5) {
+        table.iter().map(|line| five_column::row(&lines, &glasses, line, std::ptr::eq(line, last))).collect()
+    } else {
+        table.iter().map(|line| four_column::row(&lines, &glasses, line)).collect::<Result<Vec<_>, _>>()
+    }?;
+    aspheres::apply(&lines, &aspheres, &mut rows)?;
+    let (positions, stated) = columns.read(&lines, &rows, &mut stated_focal_length)?;
+    let at = |row: usize, message: &str| lines.error(&table[row].words[0], message);
+    let (mut interfaces, remarks) = surfaces::interfaces(&rows, &at)?;
+    if let Some((keyword, _)) = &blades
+        && !interfaces.iter().any(|interface| interface.shape == Shape::Stop)
+    {
+        return Err(lines.error(keyword, "blades stand in the stop, and the table has none"));
+    }
+    let back = std::mem::take(&mut interfaces.last_mut().expect("at least one row").thickness);
+    Ok(Prescription {
+        name: String::new(),
+        title: lines.title.clone(),
+        interfaces,
+        nominal_film_distance: (back > 0.0).then_some(back),
+        stated_focal_length,
+        stated,
+        glasses: glasses.used(),
+        positions,
+        blades: blades.map(|(_, blades)| blades),
+        remarks: remarks.iter().map(LensFileError::to_string).collect(),
+    })
+}
+
+/// The focal length on a first line of its own, and the lines of the table.
+fn leading_focal_length(lines: &Lines) -> Result<(Option<f64>, &[Line]), LensFileError> {
+    match lines.lines.split_first() {
+        Some((first, rest)) if first.words.len() == 1 => {
+            let word = &first.words[0];
+            let length = lines.number(word, "a focal length in mm on a line of its own")?;
+            if length <= 0.0 {
+                return Err(lines.error(word, "a focal length on a line of its own must be positive"));
+            }
+            Ok((Some(length), rest))
+        }
+        _ => Ok((None, &lines.lines)),
+    }
+}
+
+/// That no line begins with nearly a keyword.
+fn misspelt_keyword(lines: &Lines) -> Result<(), LensFileError> {
+    let keywords = || ["glass", "asphere", "blades"].into_iter().chain(columns::KEYWORDS);
+    for line in &lines.lines {
+        let word = &line.words[0];
+        let is_own = ["stop", "flare", "inf", "infinity", "nan"].iter().any(|own| word.is(own));
+        if !is_own
+            && word.text.starts_with(|first: char| first.is_ascii_alphabetic())
+            && let Some(keyword) = nearest(&word.text, keywords())
+        {
+            return Err(lines.error(word, &format!("no line begins with \"{word}\"; \"{keyword}\"?")));
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;

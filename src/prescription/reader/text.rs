@@ -1,0 +1,99 @@
+//! Bytes to text: what encodings lens files come in, and where in a file something stands.
+
+use std::borrow::Cow;
+
+use crate::{message::cut, prescription::error::LensFileError};
+
+/// A line and a column in bytes, both counted from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Place {
+    pub line: usize,
+    pub column: usize,
+}
+
+/// The bytes as UTF-8 where a byte-order mark says what they are, else as they stand.
+pub(super) fn decoded(bytes: &[u8]) -> Cow<'_, [u8]> {
+    let utf16 = |bytes: &[u8], unit: fn([u8; 2]) -> u16| {
+        let units: Vec<u16> = bytes.chunks_exact(2).map(|pair| unit([pair[0], pair[1]])).collect();
+        Cow::Owned(String::from_utf16_lossy(&units).into_bytes())
+    };
+    match bytes {
+        [0xEF, 0xBB, 0xBF, rest @ ..] => Cow::Borrowed(rest),
+        [0xFF, 0xFE, rest @ ..] => utf16(rest, u16::from_le_bytes),
+        [0xFE, 0xFF, rest @ ..] => utf16(rest, u16::from_be_bytes),
+        _ => Cow::Borrowed(bytes),
+    }
+}
+
+/// The lines of a text, for the formats that are no table of columns.
+#[derive(Debug)]
+pub(super) struct Text<'a> {
+    /// As the caller named it.
+    pub file: &'a str,
+    text: Cow<'a, str>,
+}
+
+impl<'a> Text<'a> {
+    /// Of [`decoded`] bytes; what is not UTF-8 is taken for Latin-1.
+    pub(super) fn new(file: &'a str, bytes: &'a [u8]) -> Self {
+        let text = std::str::from_utf8(bytes)
+            .map_or_else(|_| Cow::Owned(bytes.iter().map(|&byte| char::from(byte)).collect()), Cow::Borrowed);
+        Self { file, text }
+    }
+
+    /// The lines, counted from 1; they end in a line feed, both or, in old files, a carriage return alone.
+    pub(super) fn lines(&self) -> impl Iterator<Item = (usize, &str)> {
+        let end = if self.text.contains('\n') { '\n' } else { '\r' };
+        (1..).zip(self.text.split(end).map(|line| line.trim_end_matches('\r')))
+    }
+
+    pub(super) fn error(&self, place: Place, message: impl Into<String>) -> LensFileError {
+        let Place { line, column } = place;
+        LensFileError { file: self.file.to_owned(), line, column, message: message.into() }
+    }
+}
+
+/// A piece of a line, without the spaces around it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cell<'a> {
+    pub text: &'a str,
+    pub place: Place,
+}
+
+impl Cell<'_> {
+    /// As it stands in messages.
+    pub(super) fn cut(&self) -> String {
+        cut(self.text)
+    }
+
+    /// Whether the cell says infinity.
+    pub(super) fn is_infinite(&self) -> bool {
+        let unsigned = self.text.trim_start_matches(['+', '-']);
+        ["inf", "infinity"].iter().any(|known| unsigned.eq_ignore_ascii_case(known))
+    }
+
+    /// The finite number that the cell has, if it has one.
+    pub(super) fn number(&self) -> Option<f64> {
+        self.text.parse().ok().filter(|number: &f64| number.is_finite())
+    }
+}
+
+/// The cells of a line that `is_separator` keeps apart; between two separators in a row is an empty one.
+pub(super) fn cells(line: usize, text: &str, is_separator: fn(char) -> bool) -> Vec<Cell<'_>> {
+    let cell = |part: &'_ str| {
+        let own = part.trim();
+        let before = own.as_ptr() as usize - text.as_ptr() as usize;
+        (before + 1, own.len())
+    };
+    text.split(is_separator)
+        .map(|part| {
+            let (column, length) = cell(part);
+            Cell { text: &text[column - 1..column - 1 + length], place: Place { line, column } }
+        })
+        .collect()
+}
+
+/// The words of a line.
+pub(super) fn words(line: usize, text: &str) -> Vec<Cell<'_>> {
+    cells(line, text, char::is_whitespace).into_iter().filter(|cell| !cell.text.is_empty()).collect()
+}

@@ -1,0 +1,149 @@
+//! One surface of the file: its curvature, figure, glass and semi-diameter; and what no surface of a lens here can be.
+
+use super::blocks::{Block, Record};
+use crate::{
+    message::cut,
+    prescription::{
+        asphere::{Asphere, FIRST_POWER, LAST_POWER},
+        error::LensFileError,
+        interfaces::Medium,
+        reader::{named_glass::NamedGlasses, text::Text},
+    },
+};
+
+/// A surface, lengths in the file's unit.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Surface {
+    /// 1/R; the figure's radius is left at infinity.
+    pub curvature: f64,
+    pub asphere: Option<Asphere>,
+    /// Behind the surface.
+    pub medium: Medium,
+    /// Where it is stated and not 0.
+    pub semi_diameter: Option<f64>,
+    /// The semi-diameter is the file's, not one that its program computed from rays; or an aperture is stated.
+    pub is_fixed: bool,
+    pub is_stop: bool,
+}
+
+/// Reads one surface between object and image.
+///
+/// # Errors
+/// It is none that rays are traced through here, or a value is missing.
+pub(super) fn read(
+    text: &Text<'_>,
+    block: &Block<'_>,
+    glasses: &mut NamedGlasses<'_>,
+) -> Result<Surface, LensFileError> {
+    let kind =
+        block.find("TYPE").and_then(|record| record.values.first()).map_or("STANDARD", |kind| kind.text);
+    let refuse = |what: &str| {
+        let place = block.find("TYPE").map_or(block.place, |record| record.key.place);
+        let message = format!(
+            "surface {} is {what}; only surfaces of revolution about one axis are traced",
+            block.number
+        );
+        Err(text.error(place, message))
+    };
+    let mut terms = [0.0; LAST_POWER - FIRST_POWER + 1];
+    // A term of r^power, which only those from 2 to 20 may have.
+    let mut add = |power: usize, value: f64, place| -> Result<(), LensFileError> {
+        match power.checked_sub(FIRST_POWER).and_then(|index| terms.get_mut(index)) {
+            Some(term) => *term = value,
+            None if value == 0.0 => {}
+            None => {
+                let message = format!("a term of r^{power}; terms are A{FIRST_POWER} to A{LAST_POWER}");
+                return Err(text.error(place, message));
+            }
+        }
+        Ok(())
+    };
+    match kind {
+        "STANDARD" => {}
+        "EVENASPH" => {
+            for (i, value, place) in block.numbered(text, "PARM")? {
+                add(2 * i, value, place)?;
+            }
+        }
+        "ODDASPHE" => {
+            for (i, value, place) in block.numbered(text, "PARM")? {
+                add(i, value, place)?;
+            }
+        }
+        "XASPHERE" | "XOSPHERE" => {
+            let data = block.numbered(text, "XDAT")?;
+            let radius = data.iter().find(|(i, ..)| *i == 2).map_or(1.0, |&(_, radius, _)| radius);
+            for (i, value, place) in data.into_iter().filter(|(i, ..)| *i > 2) {
+                let power = if kind == "XASPHERE" { 2 * (i - 2) } else { i - 2 };
+                let value = if value == 0.0 { 0.0 } else { value / radius.powi(power.min(999) as i32) };
+                if !value.is_finite() {
+                    return Err(text.error(place, "the normalisation radius leaves this term without end"));
+                }
+                add(power, value, place)?;
+            }
+        }
+        "COORDBRK" => return refuse("a tilt or decentring (COORDBRK)"),
+        "TOROIDAL" | "BICONICX" | "CYLINDER" => return refuse(&format!("a cylinder or toroid ({kind})")),
+        "DGRATING" | "EGRATING" => return refuse(&format!("a grating ({kind})")),
+        "PARAXIAL" => return refuse("an ideal thin lens (PARAXIAL), which has no glass"),
+        other => return refuse(&format!("of type {}", cut(other))),
+    }
+    let conic = block.find("CONI").map_or(Ok(0.0), |record| record.number(text, 0))?;
+    let curvature = block.find("CURV").map_or(Ok(0.0), |record| record.number(text, 0))?;
+    let medium = block.find("GLAS").map_or(Ok(Medium::Air), |record| glass(text, block, record, glasses))?;
+    let diameter = block.find("DIAM");
+    let semi_diameter = diameter.map(|record| record.number(text, 0)).transpose()?;
+    let aperture =
+        ["CLAP", "FLAP"].iter().find_map(|key| block.find(key)).and_then(|record| record.number_if_any(1));
+    Ok(Surface {
+        curvature,
+        asphere: (conic != 0.0 || terms.iter().any(|term| *term != 0.0)).then_some(Asphere {
+            radius: f64::INFINITY,
+            conic,
+            terms,
+        }),
+        medium,
+        semi_diameter: aperture.or(semi_diameter).filter(|semi_diameter| *semi_diameter != 0.0),
+        is_fixed: aperture.is_some() || diameter.and_then(|record| record.number_if_any(1)) == Some(1.0),
+        is_stop: block.find("STOP").is_some(),
+    })
+}
+
+/// `GLAS name mode pickup n_d V …`: mode 1 a model glass by the two numbers; else the name counts, and the numbers only
+/// where it is not known.
+fn glass(
+    text: &Text<'_>,
+    block: &Block<'_>,
+    record: &Record<'_>,
+    glasses: &mut NamedGlasses<'_>,
+) -> Result<Medium, LensFileError> {
+    let place = record.key.place;
+    let Some(name) = record.values.first() else {
+        return Err(text.error(place, "GLAS without a name"));
+    };
+    if name.text.eq_ignore_ascii_case("MIRROR") {
+        let message = format!("surface {} is a mirror; only lenses that refract are traced", block.number);
+        return Err(text.error(place, message));
+    }
+    // What a program writes that keeps no numbers of catalogue glasses.
+    const PLACEHOLDER: [Option<f64>; 2] = [Some(1.5), Some(40.0)];
+    let mode = record.number_if_any(1).unwrap_or(0.0);
+    let numbers = [record.number_if_any(3), record.number_if_any(4)];
+    let is_model = name.text == "___BLANK" || mode == 1.0;
+    let [n_d, abbe] = if numbers == PLACEHOLDER && !is_model { [None, None] } else { numbers };
+    let abbe = abbe.filter(|abbe| *abbe > 0.0);
+    if is_model {
+        return match n_d {
+            Some(1.0) => Ok(Medium::Air),
+            Some(n_d) if n_d > 1.0 => Ok(Medium::Glass { n_d, abbe }),
+            _ => Err(text.error(place, "a model glass has an index of 1 or more as its fourth value")),
+        };
+    }
+    if mode == 4.0 {
+        let message = format!("glass {} with offsets of its index (mode 4) is not read", name.cut());
+        return Err(text.error(place, message));
+    }
+    glasses
+        .by_name(name.text, n_d.filter(|n_d| *n_d > 1.0 && *n_d < 5.0), abbe)
+        .map_err(|why| text.error(name.place, why))
+}

@@ -1,0 +1,221 @@
+//! What such a file says, and every refusal, as its user would read it.
+
+use crate::prescription::{
+    GlassLibrary, Medium, Prescription, Shape, glass::D_LINE, glass::refractive_index, read, read_with,
+};
+
+/// A made-up lens: a named glass, a model glass, an asphere, surfaces that do nothing, a stop in air with a size that the
+/// pupil's diameter says.
+const LENS: &str = "VERS 120928 0\nMODE SEQ\nNAME A made-up lens\nUNIT MM X W X CM MR CPMM\nENPD 8.0\nFTYP 0 0 2 3 0 0 0\n\
+    XFLN 0 0 0\nYFLN 0 10 0\nGCAT SCHOTT\n\
+    SURF 0\n  TYPE STANDARD\n  CURV 0.0 0 0\n  DISZ INFINITY\n  DIAM 0 0 0 0 1 \"\"\n\
+    SURF 1\n  COMM idle\n  TYPE STANDARD\n  CURV 0.0\n  DISZ 5\n  DIAM 4 0 0\n\
+    SURF 2\n  TYPE STANDARD\n  CURV 0.05 0 0\n  CONI -0.5\n  DISZ 4.0E+0\n  GLAS N-BK7 0 0 1.5 40 0 0\n  DIAM 5 1 0\n\
+    SURF 3\n  TYPE EVENASPH\n  CURV -0.05\n  PARM 1 0\n  PARM 2 1e-5\n  PARM 8 2e-30\n  DISZ 1.5\n  DIAM 5 1 0\n\
+    SURF 4\n  CURV 0\n  DISZ -0.5\n  DIAM 5 0 0\n\
+    SURF 5\n  STOP\n  CURV 0\n  DISZ 2\n  DIAM 7 0 0\n\
+    SURF 6\n  CURV -0.04\n  DISZ 2\n  GLAS ___BLANK 1 0 1.6 40 0\n  DIAM 4 1\n\
+    SURF 7\n  CURV 0\n  DISZ 30\n  DIAM 4 1\n\
+    SURF 8\n  CURV 0\n  DISZ 0\n  DIAM 3\nTOL TOFF 0 0\nMNUM 1 1\nMOFF 0 1 \"\" 0 0\n";
+
+fn ok(text: &str) -> Prescription {
+    read("lens.zmx", text.as_bytes()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn with(from: &str, to: &str) -> String {
+    assert!(LENS.contains(from), "{from}");
+    LENS.replacen(from, to, 1)
+}
+
+#[track_caller]
+fn refused(text: &str, at: &str, parts: &[&str]) {
+    let message = read("lens.zmx", text.as_bytes()).expect_err("refused").to_string();
+    assert!(message.starts_with(&format!("lens.zmx:{at}: ")), "{message}");
+    for part in parts {
+        assert!(message.contains(part), "{message} lacks {part:?}");
+    }
+}
+
+#[test]
+fn surfaces_between_object_and_image_are_read() {
+    let lens = ok(LENS);
+    assert_eq!(lens.title.as_deref(), Some("A made-up lens"));
+    assert_eq!(lens.remarks, [""; 0]);
+    let [first, second, stop, third, last] = lens.interfaces.as_slice() else { panic!("{lens:?}") };
+    let Shape::Asphere(conic) = first.shape else { panic!("{first:?}") };
+    assert_eq!((conic.radius, conic.conic, conic.terms), (20.0, -0.5, [0.0; 19]));
+    let Shape::Asphere(even) = second.shape else { panic!("{second:?}") };
+    assert_eq!((even.radius, even.terms[2], even.terms[14]), (-20.0, 1e-5, 2e-30));
+    assert_eq!((stop.shape, last.shape), (Shape::Stop, Shape::Plane));
+    // The number is a semi-diameter; an idle surface's thickness is its neighbour's.
+    assert_eq!((first.semi_diameter, second.thickness, last.thickness), (5.0, 1.0, 0.0));
+    assert!(matches!(first.medium, Medium::Sellmeier(_)));
+    assert_eq!(third.medium, Medium::Glass { n_d: 1.6, abbe: Some(40.0) });
+    assert_eq!((lens.nominal_film_distance, lens.positions), (Some(30.0), None));
+    assert_eq!(lens.stated.fields, [Some(20.0)]);
+    // The entrance pupil has a diameter of 8 mm: a ray at height 4 mm through the first lens, by hand.
+    let n = refractive_index(first.medium, D_LINE);
+    let in_glass = -(n - 1.0) * 0.05 * 4.0 / n;
+    let behind = 4.0 + 4.0 * in_glass;
+    let at_stop = behind + (n * in_glass - (1.0 - n) * -0.05 * behind) * 1.0;
+    assert!((stop.semi_diameter - at_stop).abs() < 1e-12, "{} {at_stop}", stop.semi_diameter);
+}
+
+#[test]
+fn encodings_and_units_make_no_difference() {
+    let plain = ok(LENS);
+    assert_eq!(ok(&LENS.replace('\n', "\r\n")), plain);
+    let utf16 = [0xFF, 0xFE].into_iter().chain(LENS.bytes().flat_map(|byte| [byte, 0])).collect::<Vec<u8>>();
+    assert_eq!(read("lens.zmx", &utf16).expect("a lens"), plain);
+    let latin: Vec<u8> =
+        with("made-up", "50? lens").bytes().map(|b| if b == b'?' { 0xB0 } else { b }).collect();
+    assert_eq!(read("lens.zmx", &latin).expect("a lens").title.as_deref(), Some("A 50° lens lens"));
+    let inches = ok(&with("UNIT MM", "UNIT IN"));
+    assert_eq!(inches.interfaces, plain.scaled(25.4).interfaces);
+    assert_eq!(inches.nominal_film_distance, Some(762.0));
+}
+
+#[test]
+fn the_aperture_can_be_stated_in_four_ways() {
+    let stop = |text: &str| ok(text).interfaces[2].semi_diameter;
+    assert_eq!(stop(&with("ENPD 8.0", "FLOA")), 7.0);
+    let by_pupil = stop(LENS);
+    // f/N and the pupil's diameter: half of the number, twice the size.
+    let sizes = ["FNUM 4 0", "FNUM 2 0"].map(|fnumber| stop(&with("ENPD 8.0", fnumber)));
+    assert!((sizes[1] / sizes[0] - 2.0).abs() < 1e-12);
+    assert_eq!(ok(&with("ENPD 8.0", "FNUM 4 0")).stated.fnumber, Some(4.0));
+    // From an object 100 mm away the pupil's edge, 4 mm from the axis and its distance behind the first vertex away.
+    let near = with("DISZ INFINITY", "DISZ 95");
+    let by_na = |na: f64| stop(&near.replace("ENPD 8.0", &format!("OBNA {na} 0")));
+    let pupil = by_na(0.03).mul_add(4.0 / by_pupil, 0.0) / (0.03 / (1.0_f64 - 0.0009).sqrt());
+    assert!((101.0..110.0).contains(&pupil), "{pupil} mm to the pupil, which stands behind the first vertex");
+    let positions = ok(&near).positions.expect("one, for its object");
+    assert_eq!((positions.columns.len(), positions.columns[0].object_distance), (1, Some(95.0)));
+    // A stop on glass limits that surface.
+    let on_glass = ok(&with("SURF 2\n", "SURF 2\n  STOP\n").replace("SURF 5\n  STOP", "SURF 5"));
+    assert_eq!((on_glass.interfaces[0].semi_diameter, on_glass.interfaces.len()), (4.0, 4));
+}
+
+#[test]
+fn other_figures_are_the_same_terms() {
+    let even = ok(LENS).interfaces[1];
+    let figure = |from: &str, to: &str| ok(&LENS.replace(from, to)).interfaces[1];
+    assert_eq!(
+        figure(
+            "TYPE EVENASPH\n  CURV -0.05\n  PARM 1 0\n  PARM 2 1e-5\n  PARM 8 2e-30",
+            "TYPE ODDASPHE\n  CURV -0.05\n  PARM 4 1e-5\n  PARM 16 2e-30"
+        )
+        .shape,
+        even.shape
+    );
+    let extended = figure(
+        "TYPE EVENASPH\n  CURV -0.05\n  PARM 1 0\n  PARM 2 1e-5\n  PARM 8 2e-30",
+        "TYPE XASPHERE\n  CURV -0.05\n  XDAT 1 2 0 0\n  XDAT 2 2 0\n  XDAT 4 1.6e-4",
+    );
+    let Shape::Asphere(figure) = extended.shape else { panic!("{extended:?}") };
+    assert!((figure.terms[2] - 1e-5).abs() < 1e-20);
+}
+
+#[test]
+fn surfaces_without_a_size_get_one_from_rays_or_are_refused() {
+    let derived = ok(&with("DIAM 4 1\nSURF 7", "DIAM 0 0\nSURF 7"));
+    assert!(derived.remarks[0].contains("surface 6 has no semi-diameter (DIAM)"), "{:?}", derived.remarks);
+    // The stop's edge and 10 degrees of field: wider than the stop, and not by much.
+    let ratio = derived.interfaces[3].semi_diameter / derived.interfaces[2].semi_diameter;
+    assert!((1.0..1.3).contains(&ratio), "{ratio}");
+    let without = with("  DIAM 4 1\nSURF 7", "SURF 7").replace("  STOP\n", "");
+    refused(&without, "44:1", &["surface 6 has no semi-diameter", "a stop to derive it from"]);
+}
+
+#[test]
+fn configurations_are_positions() {
+    let zoom = with(
+        "MNUM 1 1\n",
+        "MNUM 2 1\nTHIC    5   1 2 0 0 0 1 1\nTHIC 5 2 3.5 0 0\nTHIC 7 1 30\nTHIC 7 2 28\nTHIC 0 1 1e10\nTHIC 0 2 495\nCRVT 3 1 0\n",
+    );
+    let lens = ok(&zoom);
+    let positions = lens.positions.expect("two");
+    assert_eq!(positions.gaps, [2, 4]);
+    assert_eq!([&positions.columns[0].gaps, &positions.columns[1].gaps], [&[2.0, 30.0], &[3.5, 28.0]]);
+    assert_eq!(positions.columns.iter().map(|c| c.object_distance).collect::<Vec<_>>(), [None, Some(495.0)]);
+    assert_eq!(positions.columns[0].stop_diameter, Some(2.0 * lens.interfaces[2].semi_diameter));
+    assert!(lens.remarks[0].contains("operand CRVT changes the lens"), "{:?}", lens.remarks);
+    refused(
+        &zoom.replace("THIC 5 2", "THIC 9 2"),
+        "61:1",
+        &["surface 9 in configuration 2", "2 configurations"],
+    );
+    refused(&zoom.replace("THIC 5 2", "THIC 5 3"), "61:1", &["configuration 3"]);
+    refused(&zoom.replace("THIC 5 2 3.5", "THIC 5 2 -3.5"), "40:1", &["-3.5 in configuration 2"]);
+    refused(
+        &zoom.replace("THIC 5 2 3.5", "THIC 5 2 x"),
+        "61:10",
+        &["\"x\" is not a number", "value 3 of THIC"],
+    );
+    refused(&zoom.replace("MNUM 2", "MNUM 101"), "59:1", &["at most 100 positions"]);
+}
+
+#[test]
+fn a_glass_is_its_name_else_its_numbers_else_an_error_that_says_what_to_do() {
+    let unknown = with("N-BK7 0 0 1.5 40", "N-BK77 0 0 1.5168 64.17");
+    let lens = ok(&unknown);
+    assert_eq!(lens.interfaces[0].medium, Medium::Glass { n_d: 1.5168, abbe: Some(64.17) });
+    assert!(lens.remarks[0].contains("glasses N-BK77: not known; n_d and V"), "{:?}", lens.remarks);
+    let other = ok(&with("N-BK7 0 0 1.5 40", "N-BK7 0 0 1.6 40"));
+    assert_eq!(other.interfaces[0].medium, ok(LENS).interfaces[0].medium);
+    assert!(other.remarks[0].contains("N-BK7: the file gives another n_d or V"), "{:?}", other.remarks);
+    // 1.5 and 40 are what programs write that keep no numbers.
+    let nothing = with("N-BK7 0 0", "N-BK77 0 0");
+    refused(&nothing, "26:8", &["\"N-BK77\" is not known", "nearest that is known is N-BK7", "glasscatalog"]);
+    let catalogue = "CC made up\nNM N-BK77 2 517642 1.5168 64.17 0\nCD 1.03961212 6.00069867E-3 0.231792344 2.00179144E-2 \
+        1.01046945 103.560653\nNM odd 77 0 1.5 60\nCD 1 2\n";
+    let mut library = GlassLibrary::default();
+    library.add("own.agf", catalogue.as_bytes()).expect("a catalogue");
+    let found = read_with("lens.zmx", nothing.as_bytes(), &library).expect("known");
+    assert_eq!(found.interfaces[0].medium, ok(LENS).interfaces[0].medium);
+    let odd = read_with("lens.zmx", with("N-BK7 0 0", "odd 0 0").as_bytes(), &library).expect_err("refused");
+    assert!(odd.message.contains("own.agf:5: formula 77 is not known"), "{odd}");
+}
+
+#[test]
+fn what_is_no_lens_is_refused_by_name_with_its_line() {
+    let kind = |kind: &str| with("EVENASPH", kind);
+    refused(&kind("COORDBRK"), "29:3", &["surface 3 is a tilt or decentring (COORDBRK)"]);
+    refused(&kind("TOROIDAL"), "29:3", &["surface 3 is a cylinder or toroid"]);
+    refused(&kind("DGRATING"), "29:3", &["surface 3 is a grating"]);
+    refused(&kind("PARAXIAL"), "29:3", &["surface 3 is an ideal thin lens"]);
+    refused(&kind("BINARY_2"), "29:3", &["surface 3 is of type BINARY_2"]);
+    refused(&with("N-BK7", "MIRROR"), "26:3", &["surface 2 is a mirror"]);
+    refused(&with("MODE SEQ", "MODE NSC"), "2:1", &["not a sequential lens"]);
+}
+
+#[test]
+fn a_malformed_file_is_told_where_it_is_wrong() {
+    refused("SURF 0\n", "1:1", &["fewer than two surfaces"]);
+    refused("SURF 0\nSURF 1\n", "2:1", &["no surface between object and image"]);
+    refused(&with("CURV 0.05", "CURV O.05"), "23:8", &["\"O.05\" is not a number", "value 1 of CURV"]);
+    refused(&with("CURV 0.05 0 0", "CURV"), "23:3", &["CURV lacks its value 1"]);
+    refused(&with("PARM 2 1e-5", "PARM x 1e-5"), "32:3", &["PARM without its number"]);
+    refused(&with("PARM 2 1e-5", "PARM 11 1e-5"), "32:3", &["a term of r^22", "A2 to A20"]);
+    refused(&with("DISZ 2\n  DIAM 7", "DISZ INFINITY\n  DIAM 7"), "43:3", &["without end"]);
+    refused(&with("DISZ 2\n  DIAM 7", "DISZ -2\n  DIAM 7"), "40:1", &["thickness -2 mm"]);
+    refused(&with("GLAS N-BK7 0 0 1.5 40 0 0", "GLAS"), "26:3", &["without a name"]);
+    refused(&with("___BLANK 1 0 1.6", "___BLANK 1 0 0"), "48:3", &["index of 1 or more"]);
+    refused(&with("UNIT MM", "UNIT FT"), "4:6", &["\"FT\" is no unit"]);
+    refused(&with("ENPD 8.0", "ENPD -8"), "5:1", &["is no aperture"]);
+    refused(
+        &with("  CURV 0\n  DISZ 30", "  CURV 0\n  GLAS N-BK7 0 0\n  DISZ 30"),
+        "50:1",
+        &["glass behind it"],
+    );
+    refused(&with("DISZ INFINITY", "DISZ -5"), "10:1", &["expected a positive distance"]);
+    refused("NM BK7 2 517642\nCD 1 2 3 4 5 6\n", "1:1", &["catalogue of glasses", "glasscatalog"]);
+    refused(
+        &with("UNIT MM", "UNIT METER").replace("DISZ 30", "DISZ 1e306"),
+        "10:1",
+        &["beyond the range of numbers"],
+    );
+    let open = ok(&with("DISZ 30", "DISZ -30"));
+    assert_eq!(open.nominal_film_distance, None);
+    assert!(open.remarks[0].contains("the image lies in front of the last surface"), "{:?}", open.remarks);
+}

@@ -1,0 +1,444 @@
+//! Where a ray meets an aspheric surface, and the normal there, in numbers of any type.
+//!
+//! In the frame of the vertex, axis along the travel, with u = x² + y², T(u) the terms, w = z - T and κ = 1 + k, the surface
+//! is G = (c/2)(u + κ w²) - w = 0 with q = 1 - κ c w > 0: the sheet and the half of the conic that hold the vertex, without a
+//! root that vanishes at its edge. G is positive before the surface. N = -∇G = (-m x, -m y, q), m = c + 2 q dT/du, is normal
+//! to it and points ahead. With V = n D and g = N·V, Newton's step along the ray is G/g.
+//!
+//! **Which of several crossings.** A ray meets the surface where it first crosses it toward the side ahead, having been
+//! before it where it left the last surface, or at the height of this one's lowest point if that comes later. Newton's
+//! iteration may find a later crossing; that it did not is proven for each ray. Let φ grow along the ray from negative
+//! before the surface to 0 on it, with φ'' <= H all the way: then φ <= -φ'(t*) (t* - t) + H (t* - t)²/2 is negative from
+//! t* back to t* - 2 φ'(t*)/H, and no crossing lies there. φ is z less the surface's height at (x, y), with φ' = g/q and
+//! H = -(least curvature) (Vx² + Vy²); near the rim of a half ellipsoid, where that grows without bound, -G. Where that proves
+//! nothing, the ray is followed from its start in steps that the same bound allows, which cannot leap over a crossing.
+
+use super::state::{Blocked, State};
+use crate::{
+    lens::Figure,
+    numeric::{Real, dot},
+    prescription::FIRST_POWER,
+};
+
+/// An aspheric surface as a path has it, z along the travel.
+#[derive(Clone, Debug)]
+pub struct Aspheric<R> {
+    /// The conic's curvature at its vertex, positive when its centre lies ahead.
+    pub curvature: R,
+    /// 1 + k.
+    pub kappa: R,
+    /// The square of a power of two near the rim's radius: with s = u/unit all numbers of the terms stay in range.
+    pub unit: R,
+    /// The terms of even powers are s times this polynomial in s, as far as there are any; mm.
+    pub even: Vec<R>,
+    /// Those of odd powers are s √s times this one.
+    pub odd: Vec<R>,
+    /// The square of the rim's radius: beyond it T goes on as a paraboloid.
+    pub rim: R,
+    pub bend: Bend,
+    /// The least and the greatest z inside the rim, and a little more than that.
+    pub extent: [f64; 2],
+    /// |G| up to this is rounding.
+    pub tolerance: f64,
+    /// The rim's radius.
+    pub size: f64,
+    /// Refractive index before.
+    n: f64,
+}
+
+/// Bounds of how the surface bends away from a ray, as the proof of the first crossing needs them: φ'' <= `along` +
+/// `across` (Vx² + Vy²).
+#[derive(Clone, Copy, Debug)]
+pub struct Bend {
+    pub along: f64,
+    pub across: f64,
+    /// Whether φ is the height above the surface; else it is -G.
+    pub by_height: bool,
+    /// How far from the axis that holds, squared.
+    pub reach: f64,
+}
+
+/// The surface near a point of a ray.
+#[derive(Clone, Copy, Debug)]
+struct Contact<R> {
+    /// G.
+    residual: R,
+    /// N·V.
+    facing: R,
+    q: R,
+    /// x² + y².
+    height_squared: R,
+}
+
+/// Steps of Newton's iteration at most: double-double numbers take 8 on a telephone's lens.
+const STEPS: u32 = 24;
+/// By how much rounding may put a point beyond the square of a distance.
+const BESIDE: f64 = 1.0 + 1e-6;
+/// Steps at most where a ray is followed.
+const FOLLOWED: u32 = 256;
+
+impl Bend {
+    /// How far out the bounds hold at most, in radii of the rim.
+    const REACH: f64 = 3.0;
+    /// Below this 1 - κ c² r² at the rim, near an ellipsoid's half, heights bend too much.
+    const STEEP: f64 = 0.05;
+
+    /// For a figure of curvature `c` and `kappa` = 1 + k, z along the travel, in a medium of index `n`.
+    fn of([c, kappa]: [f64; 2], rim: f64, bounds: &TravelBounds, n: f64) -> Self {
+        let root_squared = |reach: f64| 1.0 - kappa * (c * reach).powi(2);
+        let at_rim = root_squared(rim);
+        if kappa > 0.0 && at_rim < Self::STEEP {
+            return Self::of_half([c, kappa], rim, bounds, n);
+        }
+        // Where an ellipsoid ends earlier, half way there.
+        let ends = (1.0 - at_rim / 4.0) / (kappa * (c * rim).powi(2));
+        let reach = if kappa > 0.0 { ends.sqrt().clamp(1.0, Self::REACH) } else { Self::REACH };
+        // Beyond the rim a paraboloid stands on the conic, whose curvatures c/√… and c/√…³ only grow or only shrink.
+        let conic = [rim, reach * rim].map(|r| root_squared(r).sqrt());
+        let least = conic.iter().flat_map(|root| [c / root, c / root.powi(3)]).fold(f64::INFINITY, f64::min);
+        let beyond = if c == 0.0 { 0.0 } else { least } + bounds.rim_curvature;
+        Self {
+            along: 0.0,
+            across: (-bounds.curvature.min(beyond)).max(0.0),
+            by_height: true,
+            reach: (reach * rim).powi(2),
+        }
+    }
+
+    /// By -G'' = -c (Vx² + Vy² + κ w'²) + q w'', w' = Vz - dT/dr dr/dt, which stays finite at the end of a half ellipsoid.
+    fn of_half([c, kappa]: [f64; 2], rim: f64, bounds: &TravelBounds, n: f64) -> Self {
+        // Out to 3 radii the paraboloid beyond the rim triples the slope and adds (3² - 1)/2 of slope times radius.
+        let slope = Self::REACH * bounds.terms_slope;
+        let terms = bounds.terms + (Self::REACH * Self::REACH - 1.0) / 2.0 * bounds.terms_slope * rim;
+        // A point before the conic has less w than that, and there 0 <= q <= 1.
+        let q_low = 1.0 - kappa * c * (bounds.extent[0] - terms);
+        let [least, most] = bounds.terms_curvature;
+        let hollow = if q_low < 0.0 { most.max(-least) } else { (-least).max(0.0) };
+        Self {
+            // |w'| <= |Vz| + slope √(Vx² + Vy²) <= n √(1 + slope²).
+            along: (-c * kappa).max(0.0) * n * n * (1.0 + slope * slope),
+            across: q_low.abs().max(1.0) * hollow - c,
+            by_height: false,
+            reach: (Self::REACH * rim).powi(2),
+        }
+    }
+}
+
+/// A figure's bounds with z along the travel.
+struct TravelBounds {
+    extent: [f64; 2],
+    /// The least curvature.
+    curvature: f64,
+    /// That of the terms' paraboloid beyond the rim.
+    rim_curvature: f64,
+    terms: f64,
+    terms_slope: f64,
+    terms_curvature: [f64; 2],
+}
+
+impl<R: Real> Aspheric<R> {
+    /// The figure as light in a medium of index `n` meets it that travels toward the film (`forward`) or the scene.
+    pub fn new(figure: &Figure, forward: bool, n: f64) -> Self {
+        let sign = if forward { 1.0 } else { -1.0 };
+        let Figure { asphere, rim, bounds } = figure;
+        let signed = |[low, high]: [f64; 2]| if forward { [low, high] } else { [-high, -low] };
+        let extent = signed(bounds.sagitta);
+        let travel_bounds = TravelBounds {
+            extent,
+            curvature: signed(bounds.curvature)[0],
+            rim_curvature: sign * figure.rim_curvature(),
+            terms: bounds.terms,
+            terms_slope: bounds.terms_slope,
+            terms_curvature: signed(bounds.terms_curvature),
+        };
+        let c = sign * asphere.radius.recip();
+        let length = 2.0_f64.powi(rim.log2().floor() as i32);
+        let column = |first: usize| -> Vec<R> {
+            let powers = (first as i32..).step_by(2);
+            let terms = powers.zip(asphere.terms.iter().skip(first - FIRST_POWER).step_by(2));
+            let mut column: Vec<f64> = terms.map(|(power, term)| sign * term * length.powi(power)).collect();
+            while column.last() == Some(&0.0) || column.last() == Some(&-0.0) {
+                column.pop();
+            }
+            column.into_iter().map(R::from_f64).collect()
+        };
+        let one = R::from_f64(sign);
+        let curvature =
+            if asphere.radius.is_infinite() { R::ZERO } else { one / R::from_f64(asphere.radius) };
+        let size = bounds.terms_size + rim + extent[1] - extent[0];
+        let margin = 1024.0 * R::EPSILON * size;
+        Self {
+            curvature,
+            kappa: R::ONE + R::from_f64(asphere.conic),
+            unit: R::from_f64(length * length),
+            even: column(FIRST_POWER),
+            odd: column(FIRST_POWER + 1),
+            rim: R::from_f64(*rim) * R::from_f64(*rim),
+            bend: Bend::of([c, 1.0 + asphere.conic], *rim, &travel_bounds, n),
+            extent: [extent[0] - margin, extent[1] + margin],
+            tolerance: 64.0 * R::EPSILON * size,
+            size: *rim,
+            n,
+        }
+    }
+
+    /// Whether there are no terms.
+    pub fn is_conic(&self) -> bool {
+        self.even.is_empty() && self.odd.is_empty()
+    }
+
+    /// Moves the ray to the surface; it may meet it `slack` (in units of V) before where it last was.
+    pub fn meet(&self, state: &mut State<R>, slack: R) -> Result<(), Blocked> {
+        let State { p, v, lead } = *state;
+        if !(v[2] > R::ZERO) {
+            return Err(Blocked::TurnedBack);
+        }
+        // From the vertex plane, where lengths are the surface's own.
+        let to_plane = -p[2] / v[2];
+        let start = [p[0] + to_plane * v[0], p[1] + to_plane * v[1], R::ZERO];
+        let (last, lowest) = (-(lead + to_plane) - slack, R::from_f64(self.extent[0]) / v[2]);
+        // Where a range leaves it open, the earlier is the safe one.
+        let from = if last > lowest { last } else { lowest };
+        let t = self.first_crossing(start, v, from)?;
+        *state = State { p: Line { start, v }.at(t), v, lead: R::ZERO };
+        Ok(())
+    }
+
+    /// How far from `start`, in units of V, the ray first crosses the surface after `from`.
+    pub fn first_crossing(&self, start: [R; 3], v: [R; 3], from: R) -> Result<R, Blocked> {
+        let line = Line { start, v };
+        match self.newton(&line, from) {
+            Some(t) => Ok(t),
+            None => self.follow(&line, from),
+        }
+    }
+
+    /// G and N·V on a ray, as the steps of Newton's iteration need them.
+    pub fn residual(&self, start: [R; 3], v: [R; 3], t: R) -> [R; 2] {
+        let contact = self.contact(&Line { start, v }, t);
+        [contact.residual, contact.facing]
+    }
+
+    /// z at the squared distance u from the axis; not a number where the conic has ended.
+    pub fn height(&self, u: R) -> R {
+        let [terms, _] = self.terms(u);
+        let bent = self.curvature * u;
+        bent / (R::ONE + (R::ONE - self.kappa * self.curvature * bent).sqrt()) + terms
+    }
+
+    /// Where Newton's iteration leads, if that is proven to be the first crossing after `from`.
+    fn newton(&self, line: &Line<R>, from: R) -> Option<R> {
+        let close = 0.01 * R::EPSILON.sqrt() * self.size / self.n;
+        let longest = R::from_f64(self.size + self.extent[1] - self.extent[0]) / line.v[2];
+        let mut t = R::ZERO;
+        let mut is_close = false;
+        let mut steps = 0;
+        while !is_close {
+            let contact = self.contact(line, t);
+            if steps == STEPS || !(contact.facing > R::ZERO) {
+                return None;
+            }
+            let step = contact.residual / contact.facing;
+            // The steps after the second show that it converges; of a range, its middle does.
+            is_close = steps > 0 && step.to_f64().abs() <= close;
+            let step = if step > longest { longest } else { step };
+            t = (t + if step < -longest { -longest } else { step }).estimate();
+            steps += 1;
+        }
+        let contact = self.contact(line, t);
+        let mut step = contact.residual / contact.facing;
+        if R::IS_RANGE {
+            // By the mean value theorem the crossing lies G/g away with g from between: within `far`, if G/g is with
+            // every g there (R. E. Moore, *Interval Analysis*, 1966, ch. 7).
+            let far = 2.0 * step.magnitude();
+            step = contact.residual / self.contact(line, t.within(far)).facing;
+            if !(step.magnitude() <= far) {
+                return None;
+            }
+        } else if !(contact.residual.magnitude() <= self.tolerance) {
+            return None;
+        }
+        let t = t + step;
+        let (zero, number) = (R::ZERO, R::from_f64);
+        let [vx, vy, _] = line.v;
+        let across = vx * vx + vy * vy;
+        let bend = number(self.bend.along) + number(self.bend.across) * across;
+        let bend = if self.bend.by_height { bend * contact.q } else { bend };
+        let way = t - from;
+        // On a line the distance from the axis is largest at an end.
+        let [x, y, _] = line.at(from);
+        let reach = number(self.bend.reach);
+        let near = contact.height_squared <= reach && x * x + y * y <= reach;
+        let first = way >= zero && bend * way < contact.facing + contact.facing;
+        (near && first && contact.q > zero && contact.facing > zero).then_some(t)
+    }
+
+    /// Follows the ray from `from` to the first crossing.
+    fn follow(&self, line: &Line<R>, from: R) -> Result<R, Blocked> {
+        let number = R::from_f64;
+        let [vx, vy, vz] = line.v;
+        let across = vx * vx + vy * vy;
+        let bend = number(self.bend.along) + number(self.bend.across) * across;
+        let bend = if bend > R::ZERO { bend } else { R::ZERO };
+        let end = (number(self.extent[1]) - line.start[2]) / vz;
+        let outside = |contact: &Contact<R>| !(contact.height_squared <= self.rim);
+        let mut t = self.entry(line, from)?;
+        for step in 0..FOLLOWED {
+            let contact = self.contact(line, t);
+            // Out of the surface's height, or far beside it.
+            if !(t <= end && contact.height_squared <= number(self.bend.reach * BESIDE)) {
+                return Err(if outside(&contact) { Blocked::Clipped } else { Blocked::Missed });
+            }
+            // Far below the surface q may have any sign, and G with it; heights do not.
+            let (before, facing) = self.measure(line, t, &contact);
+            if !(self.bend.by_height || contact.q > R::ZERO) {
+                return Err(Blocked::Missed);
+            }
+            if before.magnitude() <= self.tolerance && facing > R::ZERO {
+                return self.settle(line, t);
+            }
+            if step == 0 && !(before > R::ZERO) {
+                return Err(if outside(&contact) { Blocked::Clipped } else { Blocked::TurnedBack });
+            }
+            // The way to where a parabola of this bend meets 0.
+            let two = number(2.0);
+            let root = (facing * facing + two * bend * before).sqrt();
+            let way = two * before / (facing + root);
+            if !(facing + root > R::ZERO && way > R::ZERO) {
+                return Err(if outside(&contact) { Blocked::Clipped } else { Blocked::Missed });
+            }
+            t = t + way;
+        }
+        Err(Blocked::Missed)
+    }
+
+    /// The crossing within rounding of a place on the ray.
+    fn settle(&self, line: &Line<R>, mut t: R) -> Result<R, Blocked> {
+        for _ in 0..2 {
+            let contact = self.contact(line, t);
+            t = t + contact.residual / contact.facing;
+        }
+        // The conic's other half or sheet is no part of the surface.
+        if self.contact(line, t).q > R::ZERO { Ok(t) } else { Err(Blocked::Missed) }
+    }
+
+    /// Where the ray, from `from` on, first comes as near to the axis as the bounds hold.
+    fn entry(&self, line: &Line<R>, from: R) -> Result<R, Blocked> {
+        let reach = R::from_f64(self.bend.reach);
+        let [x, y, _] = line.at(from);
+        if x * x + y * y <= reach {
+            return Ok(from);
+        }
+        let ([x, y, _], [vx, vy, _]) = (line.start, line.v);
+        let (across, along) = (vx * vx + vy * vy, x * vx + y * vy);
+        let entry = -(along + (along * along - across * (x * x + y * y - reach)).sqrt()) / across;
+        // Negated so that a ray that never does is blocked, too.
+        if !(entry > from) { Err(Blocked::Clipped) } else { Ok(entry) }
+    }
+
+    /// -φ and φ' of the φ that [`Bend`] bounds.
+    fn measure(&self, line: &Line<R>, t: R, contact: &Contact<R>) -> (R, R) {
+        if !self.bend.by_height {
+            return (contact.residual, contact.facing);
+        }
+        let [x, y, z] = line.at(t);
+        let u = contact.height_squared;
+        let root = (R::ONE - self.kappa * self.curvature * self.curvature * u).sqrt();
+        let [terms, slope] = self.terms(u);
+        let along = x * line.v[0] + y * line.v[1];
+        let two = R::from_f64(2.0);
+        let before = self.curvature * u / (R::ONE + root) + terms - z;
+        (before, line.v[2] - (self.curvature / root + two * slope) * along)
+    }
+
+    fn contact(&self, line: &Line<R>, t: R) -> Contact<R> {
+        let p = line.at(t);
+        let [x, y, z] = p;
+        let height_squared = x * x + y * y;
+        let [terms, slope] = self.terms(height_squared);
+        let (one, two) = (R::ONE, R::from_f64(2.0));
+        let w = z - terms;
+        let q = one - self.kappa * self.curvature * w;
+        let residual = self.curvature / two * height_squared - w * (one + q) / two;
+        let m = self.curvature + two * q * slope;
+        let facing = q * line.v[2] - m * (x * line.v[0] + y * line.v[1]);
+        Contact { residual, facing, q, height_squared }
+    }
+
+    /// T and dT/du at u = r².
+    fn terms(&self, u: R) -> [R; 2] {
+        let inside = if u <= self.rim {
+            u
+        } else if u > self.rim {
+            self.rim
+        } else if R::IS_RANGE {
+            return self.terms_about_the_rim(u);
+        } else {
+            // Not a number.
+            u
+        };
+        let [value, slope] = self.terms_inside(inside);
+        [value + slope * (u - inside), slope]
+    }
+
+    /// The same of a range with numbers on both sides of the rim: by Taylor's theorem the terms go off from the paraboloid
+    /// beyond it by at most |d²T/du²| (u - u_rim)²/2, and their derivative by |d²T/du²| (u - u_rim).
+    fn terms_about_the_rim(&self, u: R) -> [R; 2] {
+        let over = (u - self.rim).magnitude();
+        let (unit, rim) = (self.unit.to_f64(), self.rim.to_f64());
+        let part = (rim + over) / unit;
+        let bend = |terms: &[R], first: f64| -> f64 {
+            let powers = (0..).map(|i| first + f64::from(i));
+            let sizes = powers.zip(terms).map(|(power, term)| (power, term.magnitude()));
+            sizes.map(|(power, size)| power * (power - 1.0) * size * part.powf(power - 2.0)).sum()
+        };
+        let bend = 1.001 * (bend(&self.even, 1.0) + bend(&self.odd, 1.5)) / (unit * unit);
+        let [value, slope] = self.terms_inside(u);
+        [value.within(bend * over * over / 2.0), slope.within(bend * over)]
+    }
+
+    /// T and dT/du at u inside the rim.
+    fn terms_inside(&self, inside: R) -> [R; 2] {
+        let part = inside / self.unit;
+        let [even, even_slope] = nested(&self.even, part);
+        let mut value = part * even;
+        let mut slope = even + part * even_slope;
+        if !self.odd.is_empty() {
+            // d(s √s O)/ds = √s (3 O/2 + s O').
+            let (root, [odd, odd_slope]) = (part.sqrt(), nested(&self.odd, part));
+            value = value + root * part * odd;
+            slope = slope + root * (R::from_f64(1.5) * odd + part * odd_slope);
+        }
+        [value, slope / self.unit]
+    }
+
+    /// The unit normal at a point of the surface, on the side ahead.
+    pub fn normal(&self, [x, y, z]: [R; 3]) -> [R; 3] {
+        let [terms, slope] = self.terms(x * x + y * y);
+        let q = R::ONE - self.kappa * self.curvature * (z - terms);
+        let m = self.curvature + R::from_f64(2.0) * q * slope;
+        let normal = [-(m * x), -(m * y), q];
+        let length = dot(normal, normal).sqrt();
+        normal.map(|component| component / length)
+    }
+}
+
+/// A polynomial and its derivative, by Horner's rule.
+fn nested<R: Real>(coefficients: &[R], u: R) -> [R; 2] {
+    coefficients
+        .iter()
+        .rev()
+        .fold([R::ZERO; 2], |[value, slope], &coefficient| [value * u + coefficient, slope * u + value])
+}
+
+/// A ray by its parameter.
+struct Line<R> {
+    start: [R; 3],
+    v: [R; 3],
+}
+
+impl<R: Real> Line<R> {
+    fn at(&self, t: R) -> [R; 3] {
+        std::array::from_fn(|i| self.start[i] + t * self.v[i])
+    }
+}

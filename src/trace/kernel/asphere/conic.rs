@@ -1,0 +1,70 @@
+//! A conic in lanes: the quadratic in closed form.
+//!
+//! From the vertex plane, with A = c (n² + k Vz²), g = Vz - c (x Vx + y Vy) and e = √(g² - A c u) = N·V at the hit,
+//! t = c u/(g + e) = (g - e)/A: of the two roots that at which the ray crosses toward the side ahead. It lies on the half or
+//! the sheet that holds the vertex where q > 0 there, and is the first crossing where the other root, 2 e/A on, is not
+//! between it and the ray's start.
+
+use super::{
+    super::{
+        lanes::{Cpu, Lanes},
+        ray::RayLanes,
+    },
+    constants::{Common, Conic},
+};
+use crate::numeric::Real;
+
+impl<L: Lanes> RayLanes<L> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn conic(&mut self, cpu: Cpu<L>, conic: &Conic<L::Scalar>, minus_z: L, lead: L) {
+        let (zero, one) = (L::splat(cpu, L::Scalar::ZERO), L::splat(cpu, L::Scalar::ONE));
+        let c = L::splat(cpu, conic.c);
+        let from = self.reach_plane(cpu, &conic.common, minus_z, lead);
+        let along = self.y.mul_add(self.vy, self.x * self.vx);
+        let g = c.neg_mul_add(along, self.vz);
+        let a = (self.vz * self.vz).mul_add(L::splat(cpu, conic.ck), L::splat(cpu, conic.cn2));
+        let cu = c * self.height_squared();
+        let square = a.neg_mul_add(cu, g * g);
+        let e = square.sqrt();
+        let t = L::select(zero.less(g), cu / (g + e), (g - e) / a);
+        self.advance(t);
+        let z = t * self.vz;
+        let q = z.mul_add(L::splat(cpu, conic.minus_kappa_c), one);
+        let square_of_normal = q.mul_add(q, L::splat(cpu, conic.c2) * self.height_squared());
+        self.keep(zero.less(q));
+        self.keep(from.less_equal(t));
+        self.keep((zero - a * (t - from)).less(e + e));
+        self.height = z;
+        self.bend_at(cpu, &conic.common, [c, q], e, square_of_normal);
+    }
+
+    /// Moves rays to the plane from which the surface is approached; from where on they may meet it, in units of V from
+    /// there. The vertex lies `minus_z` ahead.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn reach_plane(&mut self, cpu: Cpu<L>, common: &Common<L::Scalar>, minus_z: L, lead: L) -> L {
+        self.go_forward(cpu);
+        let inverse = L::splat(cpu, L::Scalar::ONE) / self.vz;
+        let to_plane = (minus_z + L::splat(cpu, common.start)) * inverse;
+        self.advance(to_plane);
+        let last = L::splat(cpu, -common.slack) - (lead + to_plane);
+        last.larger(L::splat(cpu, common.lowest) * inverse)
+    }
+
+    /// Tests the aperture and refracts at a point of the surface: N = (-m x, -m y, q), not a unit vector, `facing` = N·V,
+    /// `square` = N·N. V' = V + Γ N with Γ = K/(N·V + √((N·V)² + K N·N)).
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn bend_at(&mut self, cpu: Cpu<L>, common: &Common<L::Scalar>, [m, q]: [L; 2], facing: L, square: L) {
+        if let Some(most) = common.aperture {
+            self.keep(self.height_squared().less_equal(L::splat(cpu, most)));
+        }
+        let step = L::splat(cpu, common.index_step);
+        let facing_squared = facing * facing;
+        let after_squared = step.mul_add(square, facing_squared);
+        self.keep_root(cpu, if common.rarer { after_squared } else { facing_squared });
+        let gain = step / (facing + after_squared.sqrt());
+        let across = m * gain;
+        self.vx = across.neg_mul_add(self.x, self.vx);
+        self.vy = across.neg_mul_add(self.y, self.vy);
+        self.vz = gain.mul_add(q, self.vz);
+    }
+}

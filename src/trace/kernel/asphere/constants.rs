@@ -1,0 +1,135 @@
+//! What the kernel keeps of a conic and of a surface with terms: a path's [`Aspheric`] in, constants in the precision of
+//! lanes out, with the number of Newton's steps that its rays take.
+
+use super::{
+    super::{
+        lanes::Scalar,
+        surface::{CompiledSurface, Transfer},
+    },
+    plan::Plan,
+    terms::Terms,
+};
+use crate::trace::aspheric::Aspheric;
+
+/// A conic section of revolution.
+#[derive(Clone, Copy, Debug)]
+pub struct Conic<S> {
+    pub transfer: Transfer<S>,
+    pub c: S,
+    /// c n² and c k: together with Vz² the coefficient of t².
+    pub cn2: S,
+    pub ck: S,
+    /// -c (1 + k).
+    pub minus_kappa_c: S,
+    /// c².
+    pub c2: S,
+    pub common: Common<S>,
+}
+
+/// A surface with terms.
+#[derive(Clone, Debug)]
+pub struct Asphere<S> {
+    pub transfer: Transfer<S>,
+    pub c: S,
+    pub half_c: S,
+    /// (1 + k) c, and half of it.
+    pub kappa_c: S,
+    pub half_kappa_c: S,
+    pub terms: Terms<S>,
+    /// 2/unit: twice ds/du.
+    pub two_per_unit: S,
+    /// φ'' <= `bend` + `bend_across` (Vx² + Vy²), as far from the axis as `reach`, squared; for φ' = g/q where
+    /// `by_height`, else g.
+    pub bend: S,
+    pub bend_across: S,
+    pub by_height: bool,
+    pub reach: S,
+    pub tolerance: S,
+    /// Steps of Newton's iteration that every ray is given: by polynomials near twice the profile, coefficients of the
+    /// highest power first, then by the surface.
+    pub approximants: Vec<Box<[S]>>,
+    pub exact_steps: usize,
+    pub common: Common<S>,
+    /// For the rays that these steps leave open.
+    pub exact: Box<Aspheric<f64>>,
+}
+
+/// What both have.
+#[derive(Clone, Copy, Debug)]
+pub struct Common<S> {
+    /// n'² - n².
+    pub index_step: S,
+    /// n' < n: total reflection is possible.
+    pub rarer: bool,
+    /// a², where the aperture is to be tested.
+    pub aperture: Option<S>,
+    /// How far behind a hit may lie by rounding alone, in units of V.
+    pub slack: S,
+    /// z of the plane from which the surface is approached.
+    pub start: S,
+    /// No point inside the rim has less z, counted from there.
+    pub lowest: S,
+}
+
+impl<S: Scalar> Common<S> {
+    fn new(aspheric: &Aspheric<f64>, surface: &CompiledSurface<'_>, start: f64) -> Self {
+        let rounding = S::EPSILON / f64::EPSILON;
+        // The extent has a margin for double precision.
+        let lowest = aspheric.extent[0] - (rounding - 1.0) * 16.0 * aspheric.tolerance;
+        Self {
+            index_step: S::from_f64(surface.index_step),
+            rarer: surface.index_step < 0.0,
+            aperture: surface.tested.then(|| S::from_f64(surface.aperture)),
+            slack: S::from_f64(surface.slack),
+            start: S::from_f64(start),
+            lowest: S::from_f64(lowest - start),
+        }
+    }
+}
+
+impl<S: Scalar> Conic<S> {
+    pub fn new(aspheric: &Aspheric<f64>, surface: &CompiledSurface<'_>, transfer: Transfer<S>) -> Self {
+        let (c, kappa, n) = (aspheric.curvature, aspheric.kappa, surface.n);
+        Self {
+            transfer,
+            c: S::from_f64(c),
+            cn2: S::from_f64(c * n * n),
+            ck: S::from_f64(c * (kappa - 1.0)),
+            minus_kappa_c: S::from_f64(-kappa * c),
+            c2: S::from_f64(c * c),
+            common: Common::new(aspheric, surface, 0.0),
+        }
+    }
+}
+
+impl<S: Scalar> Asphere<S> {
+    pub fn new(aspheric: &Aspheric<f64>, surface: &CompiledSurface<'_>, transfer: Transfer<S>) -> Self {
+        let round = S::from_f64;
+        let (c, kappa) = (aspheric.curvature, aspheric.kappa);
+        let rounding = S::EPSILON / f64::EPSILON;
+        let bend = aspheric.bend;
+        // Half way up, the first step is half as long: a quarter of the error is left.
+        let start = S::from_f64(f64::midpoint(aspheric.extent[0], aspheric.extent[1])).to_f64();
+        let tolerance = rounding * aspheric.tolerance / 16.0;
+        let plan = Plan::of(aspheric, start, tolerance / 2.0);
+        let reversed = |column: &Vec<f64>| column.iter().rev().map(|&a| round(a)).collect();
+        Self {
+            transfer,
+            c: round(c),
+            half_c: round(c / 2.0),
+            kappa_c: round(kappa * c),
+            half_kappa_c: round(kappa * c / 2.0),
+            terms: Terms::new(aspheric),
+            two_per_unit: round(2.0 / aspheric.unit),
+            bend: round(bend.along),
+            bend_across: round(bend.across),
+            by_height: bend.by_height,
+            reach: round(bend.reach),
+            tolerance: round(tolerance),
+            approximants: plan.approximants.iter().map(reversed).collect(),
+            exact_steps: plan.exact,
+            common: Common::new(aspheric, surface, start),
+            exact: Box::new(aspheric.clone()),
+        }
+    }
+}

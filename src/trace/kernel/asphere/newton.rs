@@ -1,0 +1,235 @@
+//! A surface with terms in lanes: Newton's iteration, for several vectors side by side, so that one's sums overlap
+//! another's.
+//!
+//! Along a ray from (x, y) on the plane where it starts, u = u0 + 2 a0 t + (Vx² + Vy²) t² and x Vx + y Vy = a0 +
+//! (Vx² + Vy²) t, with which all steps but the last look save themselves the point.
+
+use super::{
+    super::{
+        lanes::{Cpu, Lanes, Scalar},
+        ray::RayLanes,
+    },
+    constants::Asphere,
+    terms::nested,
+};
+
+/// A ray from the plane where it starts.
+#[derive(Clone, Copy)]
+struct Way<L> {
+    /// x² + y² there.
+    u: L,
+    /// x Vx + y Vy there.
+    along: L,
+    /// Vx² + Vy².
+    across: L,
+    /// From where on it may meet the surface.
+    from: L,
+}
+
+/// The surface near a point of each ray.
+#[derive(Clone, Copy)]
+struct Contact<L> {
+    /// x² + y².
+    u: L,
+    m: L,
+    q: L,
+    /// N·V.
+    facing: L,
+    /// G.
+    residual: L,
+}
+
+/// Steps beyond the plan's at most, before a ray goes to the walk.
+const FURTHER_STEPS: usize = 6;
+/// The widest vector.
+const WIDEST: usize = 16;
+
+impl<S: Scalar> Asphere<S> {
+    /// Takes rays through the surface, whose vertex lies -z ahead; `lead` is how far they were moved on before.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn trace<L: Lanes<Scalar = S>, const U: usize>(
+        &self,
+        cpu: Cpu<L>,
+        rays: &mut [RayLanes<L>; U],
+        minus_z: [L; U],
+        lead: [L; U],
+    ) {
+        let zero = L::splat(cpu, S::ZERO);
+        let mut ways = [Way { u: zero, along: zero, across: zero, from: zero }; U];
+        for i in 0..U {
+            let ray = &mut rays[i];
+            let from = ray.reach_plane(cpu, &self.common, minus_z[i], lead[i]);
+            ways[i] = Way {
+                u: ray.height_squared(),
+                along: ray.y.mul_add(ray.vy, ray.x * ray.vx),
+                across: ray.vy.mul_add(ray.vy, ray.vx * ray.vx),
+                from,
+            };
+        }
+        let mut t = [zero; U];
+        for coefficients in &self.approximants {
+            self.approach(cpu, coefficients, rays, &ways, &mut t);
+        }
+        for _ in 0..self.exact_steps {
+            let contacts = self.contacts(cpu, rays, &ways, &t);
+            for i in 0..U {
+                t[i] = t[i] + contacts[i].residual / contacts[i].facing;
+            }
+        }
+        let mut contacts = self.contacts(cpu, rays, &ways, &t);
+        let tolerance = L::splat(cpu, self.tolerance);
+        for _ in 0..FURTHER_STEPS {
+            let mut far = 0;
+            for i in 0..U {
+                let near = L::bits(contacts[i].residual.abs().less_equal(tolerance));
+                far |= rays[i].passed_bits() & !near;
+            }
+            if far == 0 {
+                break;
+            }
+            for i in 0..U {
+                let near = contacts[i].residual.abs().less_equal(tolerance);
+                t[i] = L::select(near, t[i], t[i] + contacts[i].residual / contacts[i].facing);
+            }
+            contacts = self.contacts(cpu, rays, &ways, &t);
+        }
+        let mut open = [0; U];
+        let mut any = 0;
+        for i in 0..U {
+            let first = self.is_first(cpu, &ways[i], &contacts[i], t[i]);
+            open[i] = rays[i].passed_bits() & !L::bits(first);
+            any |= open[i];
+        }
+        if any != 0 {
+            for i in 0..U {
+                let (found, met) = self.one_by_one(cpu, &rays[i], ways[i].from, t[i], open[i]);
+                t[i] = found;
+                rays[i].keep(zero.less(met));
+            }
+            contacts = self.contacts(cpu, rays, &ways, &t);
+        }
+        for i in 0..U {
+            let Contact { m, q, facing, .. } = contacts[i];
+            let ray = &mut rays[i];
+            ray.advance(t[i]);
+            ray.height = t[i].mul_add(ray.vz, L::splat(cpu, self.common.start));
+            let square = q.mul_add(q, (m * m) * ray.height_squared());
+            ray.bend_at(cpu, &self.common, [m, q], facing, square);
+        }
+    }
+
+    /// A step of Newton's iteration by a polynomial near twice the profile.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn approach<L: Lanes<Scalar = S>, const U: usize>(
+        &self,
+        cpu: Cpu<L>,
+        coefficients: &[S],
+        rays: &[RayLanes<L>; U],
+        ways: &[Way<L>; U],
+        t: &mut [L; U],
+    ) {
+        let (rim, start) = (L::splat(cpu, self.terms.rim), L::splat(cpu, self.common.start));
+        let (per_unit, half) = (L::splat(cpu, self.terms.per_unit), L::splat(cpu, S::from_f64(0.5)));
+        let (mut s, mut along) = ([start; U], [start; U]);
+        for i in 0..U {
+            along[i] = t[i].mul_add(ways[i].across, ways[i].along);
+            let u = t[i].mul_add(along[i] + ways[i].along, ways[i].u);
+            s[i] = (u * per_unit).smaller(rim);
+        }
+        let [twice, slope] = nested(cpu, coefficients, &s);
+        for i in 0..U {
+            let below = twice[i].mul_sub(half, t[i].mul_add(rays[i].vz, start));
+            let facing = slope[i].neg_mul_add(along[i] * per_unit, rays[i].vz);
+            t[i] = t[i] + below / facing;
+        }
+    }
+
+    /// The surface near each ray at t.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn contacts<L: Lanes<Scalar = S>, const U: usize>(
+        &self,
+        cpu: Cpu<L>,
+        rays: &[RayLanes<L>; U],
+        ways: &[Way<L>; U],
+        t: &[L; U],
+    ) -> [Contact<L>; U] {
+        let (one, start) = (L::splat(cpu, S::ONE), L::splat(cpu, self.common.start));
+        let (per_unit, two_per_unit) = (L::splat(cpu, self.terms.per_unit), L::splat(cpu, self.two_per_unit));
+        let (mut u, mut s, mut along) = ([start; U], [start; U], [start; U]);
+        for i in 0..U {
+            along[i] = t[i].mul_add(ways[i].across, ways[i].along);
+            u[i] = t[i].mul_add(along[i] + ways[i].along, ways[i].u);
+            s[i] = u[i] * per_unit;
+        }
+        let [terms, slope] = self.terms.at(cpu, &s);
+        let (c, half_c) = (L::splat(cpu, self.c), L::splat(cpu, self.half_c));
+        let (kappa_c, half_kappa_c) = (L::splat(cpu, self.kappa_c), L::splat(cpu, self.half_kappa_c));
+        let mut contacts = [Contact { u: one, m: c, q: one, facing: one, residual: one }; U];
+        for i in 0..U {
+            let vz = rays[i].vz;
+            let w = t[i].mul_add(vz, start - terms[i]);
+            let q = w.neg_mul_add(kappa_c, one);
+            let residual = u[i].mul_sub(half_c, w * w.neg_mul_add(half_kappa_c, one));
+            let m = (q * two_per_unit).mul_add(slope[i], c);
+            contacts[i] = Contact { u: u[i], m, q, facing: m.neg_mul_add(along[i], q * vz), residual };
+        }
+        contacts
+    }
+
+    /// Whether the iteration has ended at the first crossing that counts.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn is_first<L: Lanes<Scalar = S>>(
+        &self,
+        cpu: Cpu<L>,
+        way: &Way<L>,
+        contact: &Contact<L>,
+        t: L,
+    ) -> L::Mask {
+        let zero = L::splat(cpu, S::ZERO);
+        let (Way { u, along, across, from }, reach) = (*way, L::splat(cpu, self.reach));
+        let bend = across.mul_add(L::splat(cpu, self.bend_across), L::splat(cpu, self.bend));
+        let bend = if self.by_height { bend * contact.q } else { bend };
+        let way = t - from;
+        let there = contact.residual.abs().less_equal(L::splat(cpu, self.tolerance));
+        // On a line the distance from the axis is largest at an end.
+        let u_from = from.mul_add(from.mul_add(across, along + along), u);
+        let near = L::both(u_from.less_equal(reach), contact.u.less_equal(reach));
+        let first = (bend * way).less(contact.facing + contact.facing);
+        let ahead = L::both(zero.less(contact.q), zero.less(contact.facing));
+        L::both(L::both(L::both(there, near), L::both(first, ahead)), zero.less_equal(way))
+    }
+
+    /// Where the walk meets the surface along the rays that `open` has a bit for, and `t` for the others; and where that
+    /// is anywhere, 1, else 0.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn one_by_one<L: Lanes<Scalar = S>>(
+        &self,
+        cpu: Cpu<L>,
+        ray: &RayLanes<L>,
+        from: L,
+        t: L,
+        open: u32,
+    ) -> (L, L) {
+        let mut columns = [[S::ZERO; WIDEST]; 7];
+        for (column, lanes) in columns.iter_mut().zip([ray.x, ray.y, ray.vx, ray.vy, ray.vz, from, t]) {
+            lanes.store(column);
+        }
+        let mut met = [S::ONE; WIDEST];
+        self.walk(&mut columns, &mut met, open);
+        (L::load(cpu, &columns[6]), L::load(cpu, &met))
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn walk(&self, columns: &mut [[S; WIDEST]; 7], met: &mut [S; WIDEST], mut open: u32) {
+        while open != 0 {
+            let lane = open.trailing_zeros() as usize;
+            open &= open - 1;
+            let [x, y, vx, vy, vz, from, _] = columns.each_ref().map(|column| column[lane].to_f64());
+            match self.exact.first_crossing([x, y, self.common.start.to_f64()], [vx, vy, vz], from) {
+                Ok(t) => columns[6][lane] = S::from_f64(t),
+                Err(_) => met[lane] = S::ZERO,
+            }
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! How many steps, and of which kind, Newton's iteration takes at a surface: found when the lens is compiled, by taking
+//! sample rays through it.
+//!
+//! The first steps need no more digits than they have themselves: they go by a polynomial in s that stays near the whole
+//! profile and costs a fraction. The last ones go by the surface. The cheapest plan is taken that brings rays to a grid
+//! of places, at incidences that lenses have, within the tolerance; a ray that needs more steps gets them, as each is
+//! tested.
+
+use crate::trace::aspheric::Aspheric;
+
+/// What Newton's iteration does for every ray.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// Of polynomials near twice the profile, the coefficients of s^0, s^1, …: a step by each.
+    pub approximants: Vec<Vec<f64>>,
+    /// Steps by the surface itself.
+    pub exact: usize,
+}
+
+/// Degrees of the polynomials of the first steps, and what a step by each costs against one by a surface of 8 terms.
+const DEGREES: [(usize, f64); 2] = [(2, 0.6), (5, 0.75)];
+/// Steps by the surface at most.
+const MOST_EXACT: usize = 8;
+/// Sines of the angles to the axis that sample rays have in the medium before.
+const SINES: [f64; 5] = [0.1, 0.2, 0.3, 0.4, 0.5];
+/// Sample rays meet the surface at these parts of its semi-diameter.
+const PLACES: [f64; 6] = [0.0, 0.3, 0.5, 0.7, 0.85, 1.0];
+
+impl Plan {
+    /// For rays that start on the plane z = `start`; |G| is to be at most `tolerance` in the end.
+    pub fn of(aspheric: &Aspheric<f64>, start: f64, tolerance: f64) -> Self {
+        let approximants: Vec<Vec<f64>> = DEGREES.iter().map(|&(degree, _)| near(aspheric, degree)).collect();
+        let rays = samples(aspheric, start);
+        let mut best: Option<(f64, Self)> = None;
+        for used in 0..=approximants.len() {
+            let cost: f64 = DEGREES[..used].iter().map(|(_, cost)| cost).sum();
+            let plan = |exact| Self { approximants: approximants[..used].to_vec(), exact };
+            let enough = (1..MOST_EXACT).find(|&exact| {
+                rays.iter().all(|ray| plan(exact).rest(aspheric, start, ray).abs() <= tolerance)
+            });
+            let exact = enough.unwrap_or(MOST_EXACT);
+            let cost = cost + exact as f64;
+            if best.as_ref().is_none_or(|(least, _)| cost < *least) {
+                best = Some((cost, plan(exact)));
+            }
+        }
+        best.map_or(Self { approximants: Vec::new(), exact: MOST_EXACT }, |(_, plan)| plan)
+    }
+
+    /// G where the plan brings a ray.
+    fn rest(&self, aspheric: &Aspheric<f64>, start: f64, Sample { place: [x, y], v }: &Sample) -> f64 {
+        let mut t = 0.0;
+        for coefficients in &self.approximants {
+            let (at, along) = ([x + t * v[0], y + t * v[1]], |[x, y]: [f64; 2]| x * v[0] + y * v[1]);
+            let u = at[0] * at[0] + at[1] * at[1];
+            let [twice, slope] = polynomial(coefficients, u.min(aspheric.rim) / aspheric.unit);
+            t -= (start + t * v[2] - twice / 2.0) / (v[2] - slope * along(at) / aspheric.unit);
+        }
+        for _ in 0..self.exact {
+            let [residual, facing] = aspheric.residual([*x, *y, start], *v, t);
+            t += residual / facing;
+        }
+        aspheric.residual([*x, *y, start], *v, t)[0]
+    }
+}
+
+/// A ray from the plane where it starts.
+struct Sample {
+    place: [f64; 2],
+    v: [f64; 3],
+}
+
+/// Rays in the meridional plane and across it.
+fn samples(aspheric: &Aspheric<f64>, start: f64) -> Vec<Sample> {
+    let mut samples = Vec::new();
+    for part in PLACES {
+        let r = part * aspheric.size;
+        let z = aspheric.height(r * r);
+        for sine in SINES {
+            let cosine = (1.0_f64 - sine * sine).sqrt();
+            for [across, along] in [[sine, 0.0], [-sine, 0.0], [0.0, sine]] {
+                // In units of n, which is a scale of t alone.
+                let back = (start - z) / cosine;
+                samples.push(Sample { place: [r + back * across, back * along], v: [across, along, cosine] });
+            }
+        }
+    }
+    samples
+}
+
+/// A polynomial of this degree in s near twice the profile: through it at Chebyshev's places from the axis to the rim
+/// (Newton's divided differences).
+fn near(aspheric: &Aspheric<f64>, degree: usize) -> Vec<f64> {
+    let count = degree + 1;
+    let place = |i: usize| {
+        let angle = std::f64::consts::PI * (i as f64 + 0.5) / count as f64;
+        aspheric.rim / aspheric.unit * (1.0 - angle.cos()) / 2.0
+    };
+    let places: Vec<f64> = (0..count).map(place).collect();
+    let mut differences: Vec<f64> =
+        places.iter().map(|&s| 2.0 * aspheric.height(s * aspheric.unit)).collect();
+    for order in 1..count {
+        for i in (order..count).rev() {
+            differences[i] = (differences[i] - differences[i - 1]) / (places[i] - places[i - order]);
+        }
+    }
+    // Horner's rule for the sum of differences times products of (s - place).
+    let mut coefficients = vec![0.0; count];
+    for (difference, place) in differences.iter().zip(&places).rev() {
+        for i in (0..count).rev() {
+            coefficients[i] = if i > 0 { coefficients[i - 1] } else { 0.0 } - place * coefficients[i];
+        }
+        coefficients[0] += difference;
+    }
+    coefficients
+}
+
+fn polynomial(coefficients: &[f64], s: f64) -> [f64; 2] {
+    coefficients.iter().rev().fold([0.0; 2], |[value, slope], a| [value * s + a, slope * s + value])
+}

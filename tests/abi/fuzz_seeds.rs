@@ -1,0 +1,213 @@
+//! Inputs that a fuzzer starts from (`fuzz/README.md`): lens files of every form, and options and samples of cameras
+//! that build, in the bytes that `fuzz/bodies/c_abi` reads them from.
+//!
+//! `REALISTIC_WRITE_SEEDS=DIR cargo test --test abi seeds` writes them to `DIR/lens_text` and `DIR/c_abi`.
+
+use super::fuzz_bodies::{c_abi, lens_text};
+
+const CATALOGUE: [&[u8]; 5] = [
+    include_bytes!("../../lenses/dgauss.50mm.dat"),
+    include_bytes!("../../lenses/dgauss.100mm.dat"),
+    include_bytes!("../../lenses/fisheye.10mm.dat"),
+    include_bytes!("../../lenses/telephoto.250mm.dat"),
+    include_bytes!("../../lenses/wide.22mm.dat"),
+];
+
+/// Small ones: a focal length, commas, words for planes and stops, glasses by name, line ends of old, an asphere, a zoom as
+/// Optical Bench has it, UTF-16.
+const SMALL: [&[u8]; 8] = [
+    b"\xEF\xBB\xBF50\r\n20,5,1.5,10 # \xDF\r\n-20 30 0 10",
+    b"30 4 1.6 12\n-30 2 0 12\nstop 3 0 8\ninf 2 1.5 12\n-25 40 1 12\n",
+    b"30 4 1.62 60.3 12\n-40 1 12\nstop 2 8\ninf 2 1.7 30 12\n-25 40 12\n",
+    b"glass BK7 sellmeier B1=1.03961212 C1=0.00600069867 B2=0.231792344 C2=0.0200179144 B3=1.01046945 C3=103.560653\n\
+      30 4 BK7 12\n-30 2 0 12\n0 25 0 8\n",
+    b"20 5 1.5 10\r-20 3 1 10\r0 1 1 8\r",
+    b"20 5 N-BK7 10\n-20 30 1 10\nasphere 1 conic=-1.2 A4=1e-5 A20=-3e-30\n",
+    b"[descriptive data]\ntitle\tA zoom\n[constants]\nScaled\t50\t100\n[variable distances]\n\
+      Focal Length\t28.0\t50.0\nF-Number\t2.8\t4\nAngle of View\t75.2\t46.4\nd0\tInfinity\tInfinity\n\
+      d3\t3.0\t9.0\nBf\t40.0\t35.0\nAperture Diameter\t6.2\t6.8\n\
+      [lens data]\n1\t20.0\t5.0\t1.51680\t10.0\t64.17\tN-BK7\tSCHOTT\n2\t-20\t1\t\t10\n3\tFS\td3\t\t9\t\n\
+      4AS\tAS\t1\t\t6.5\n5\t30\t2\t1.6\t8\t40\tXQ7?\n6\t-30\t1\t\t8\n7\tCG\t1.5\t1.52\t30\t64.1\n\
+      8\tInfinity\tBf\t\t30\n[aspherical data]\n2\t-20\t-0.5\t1e-5\t\t2e-9\t\n",
+    b"\xFF\xFE2\x000\x00 \x005\x00 \x001\x00.\x005\x00 \x001\x000\x00\n\x00-\x002\x000\x00 \x003\x00 \x001\x00 \x009\x00",
+];
+
+/// Writes what `Bytes` reads.
+#[derive(Default)]
+struct Writer(Vec<u8>);
+
+impl Writer {
+    fn choice(&mut self, choice: usize) {
+        self.0.push(u8::try_from(choice).expect("a choice of at most 256"));
+    }
+
+    fn number(&mut self, number: f64) {
+        match number {
+            _ if number.is_nan() => self.choice(0),
+            _ if (0.0..1024.0).contains(&number) && (64.0 * number).fract() == 0.0 => {
+                self.choice(26);
+                self.0.extend(((64.0 * number) as u16).to_le_bytes());
+            }
+            _ => {
+                self.choice(31);
+                self.0.extend(number.to_bits().to_le_bytes());
+            }
+        }
+    }
+
+    fn float(&mut self, float: f32) {
+        self.choice(3);
+        self.0.extend(float.to_bits().to_le_bytes());
+    }
+
+    /// The part of its scale that a float is.
+    fn share(&mut self, share: f64) {
+        self.choice(0);
+        self.0.extend(((65535.0 * share) as u16).to_le_bytes());
+    }
+
+    fn text(&mut self, text: &[u8]) {
+        self.0.extend(u16::try_from(text.len()).expect("a short text").to_le_bytes());
+        self.0.extend(text);
+    }
+}
+
+/// A camera, as numbers of what `options` lists.
+#[derive(Clone, Default)]
+struct Seed {
+    /// Lens, weighting, pupil, disk, refraction, precision and shutter, each with the number of its words, if not given.
+    words: [Option<usize>; 7],
+    /// Some of the 14 numbers, by their place in the list.
+    numbers: Vec<(usize, f64)>,
+    model: Option<usize>,
+    /// Some of the numbers of a model, by their place.
+    model_numbers: Vec<(usize, f64)>,
+    moves: bool,
+    blades: Option<usize>,
+    text: Option<&'static [u8]>,
+    autofocus: Option<bool>,
+}
+
+const FILM_DISTANCE: usize = 0;
+const FOCUS_DISTANCE: usize = 1;
+const TOLERANCE: usize = 11;
+const CAMERA: [f32; 12] = [1.0, 0.0, 0.0, 2.0, 0.0, 1.0, 0.0, 3.0, 0.0, 0.0, 1.0, -4.0];
+
+impl Seed {
+    fn bytes(&self, number: usize) -> Vec<u8> {
+        let mut to = Writer::default();
+        let counts = [6, 5, 4, 4, 4, 3, 4];
+        self.words.iter().zip(counts).for_each(|(word, none)| to.choice(word.unwrap_or(none)));
+        to.choice(1);
+        to.choice(0);
+        let value = |from: &[(usize, f64)], place| {
+            from.iter().find(|(at, _)| *at == place).map_or(f64::NAN, |&(_, number)| number)
+        };
+        (0..14).for_each(|place| to.number(value(&self.numbers, place)));
+        to.choice(usize::from(self.model.is_none()));
+        if let Some(model) = self.model {
+            to.choice(model);
+            to.choice(0);
+            (0..8).for_each(|place| to.number(value(&self.model_numbers, place)));
+        }
+        to.choice(usize::from(!self.moves));
+        if self.moves {
+            CAMERA.iter().for_each(|&entry| to.float(entry));
+        }
+        to.choice(usize::from(!self.moves));
+        if self.moves {
+            [0.0, 1.0].iter().for_each(|&time| to.number(time));
+            (0..12).for_each(|entry| to.float(if entry == 3 { 0.5 } else { 0.0 }));
+        }
+        // Neither zoomed nor focused by its groups.
+        to.choice(1);
+        to.choice(usize::from(self.blades.is_none()));
+        if let Some(blades) = self.blades {
+            to.choice(blades);
+            [30.0, 0.5].iter().for_each(|&number| to.number(number));
+        }
+        to.choice(usize::from(self.text.is_some()));
+        if let Some(text) = self.text {
+            to.text(text);
+        }
+        // Irrational steps: no two numbers alike.
+        (0..37 * 5).for_each(|i| to.share((0.618_033_988_749_895 * (i + 1) as f64).fract()));
+        to.choice(usize::from(self.autofocus.is_none()));
+        if let Some(by_contrast) = self.autofocus {
+            to.choice(1);
+            [0.4, 0.4, 0.6, 0.6].iter().for_each(|&edge| to.share(edge));
+            [900.0, 2000.5].iter().for_each(|&answer| to.number(answer));
+            to.choice(1);
+            to.choice(usize::from(!by_contrast));
+        }
+        // Strides, offsets and optional arrays, all of them in turn.
+        [5, 4, 4, 2, 16, 4, 4].iter().for_each(|count| to.choice(number % count));
+        to.0
+    }
+
+    /// One camera of each kind.
+    fn all() -> Vec<Self> {
+        let plain = Self::default();
+        let mut all = vec![plain.clone()];
+        for (place, count) in [6, 4, 3, 3, 3, 3, 3].into_iter().enumerate() {
+            for word in 0..count {
+                // Catalogue names that are none: "@1e9mm" is a scale, "@mm" is not.
+                if (place, word) != (0, 4) {
+                    let mut seed = plain.clone();
+                    seed.words[place] = Some(word);
+                    all.push(seed);
+                }
+            }
+        }
+        let numbers = [
+            (FILM_DISTANCE, 40.0),
+            (FOCUS_DISTANCE, 800.0),
+            (2, 6.5),
+            (3, 8.0),
+            (4, 20.0),
+            (5, 0.5),
+            (6, 1e9),
+            (7, -2.0),
+            (8, 3.0),
+            (9, 450.0),
+            (10, 1000.0),
+            (TOLERANCE, 0.25),
+        ];
+        all.extend(numbers.map(|number| Self { numbers: vec![number], ..plain.clone() }));
+        all.extend((0..6).map(|model| Self { model: Some(model), ..plain.clone() }));
+        let thin_lens = vec![(4, 40.0), (6, 0.5), (7, 100.0)];
+        all.push(Self { model: Some(2), model_numbers: thin_lens, ..plain.clone() });
+        all.push(Self { blades: Some(1), ..plain.clone() });
+        all.push(Self { moves: true, ..plain.clone() });
+        all.push(Self { moves: true, numbers: vec![(TOLERANCE, 0.125)], ..plain.clone() });
+        all.extend([true, false].map(|by_contrast| Self { autofocus: Some(by_contrast), ..plain.clone() }));
+        let texts = CATALOGUE.into_iter().chain(SMALL);
+        all.extend(texts.map(|text| Self {
+            text: Some(text),
+            numbers: vec![(FILM_DISTANCE, 40.0)],
+            ..plain.clone()
+        }));
+        all
+    }
+}
+
+#[test]
+fn the_seeds_of_the_fuzzers_are_lenses_and_cameras() {
+    let lenses: Vec<Vec<u8>> = CATALOGUE.into_iter().chain(SMALL).map(<[u8]>::to_vec).collect();
+    let cameras: Vec<_> = Seed::all().iter().enumerate().map(|(number, seed)| seed.bytes(number)).collect();
+    if let Some(folder) = std::env::var_os("REALISTIC_WRITE_SEEDS") {
+        for (target, seeds) in [("lens_text", &lenses), ("c_abi", &cameras)] {
+            let folder = std::path::Path::new(&folder).join(target);
+            std::fs::create_dir_all(&folder).unwrap();
+            for (number, seed) in seeds.iter().enumerate() {
+                std::fs::write(folder.join(format!("seed-{number:02}")), seed).unwrap();
+            }
+        }
+    }
+    for (number, lens) in lenses.iter().enumerate() {
+        assert!(lens_text::run(lens), "lens {number}: {}", String::from_utf8_lossy(lens));
+    }
+    for (number, camera) in cameras.iter().enumerate() {
+        assert!(c_abi::run(camera), "camera {number}");
+    }
+}

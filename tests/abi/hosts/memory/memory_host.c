@@ -1,0 +1,142 @@
+/* A host that runs out of memory: builds cameras with ever less of it to be had. It counts what the process allocates
+ * while rays are asked for, too. mod.rs runs it: PLUGIN ACTION. */
+
+#define _GNU_SOURCE
+#include "realistic.h"
+
+#include <dlfcn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+
+#define N 300
+
+/* The allocator's own names, so that what stands between counts every call. */
+void *__libc_malloc(size_t);
+void *__libc_calloc(size_t, size_t);
+void *__libc_realloc(void *, size_t);
+void *__libc_memalign(size_t, size_t);
+
+static long allocations;
+
+void *malloc(size_t size) { return allocations++, __libc_malloc(size); }
+void *calloc(size_t n, size_t size) { return allocations++, __libc_calloc(n, size); }
+void *realloc(void *old, size_t size) { return allocations++, __libc_realloc(old, size); }
+int posix_memalign(void **out, size_t alignment, size_t size) {
+    void *block = __libc_memalign(alignment, size);
+    allocations++;
+    if (block != NULL) *out = block;
+    return block == NULL ? 12 : 0;
+}
+
+static struct {
+    realistic_status (*options_init)(realistic_options *, uint32_t);
+    realistic_status (*camera_new)(const realistic_options *, realistic_camera **);
+    void (*camera_free)(realistic_camera *);
+    const char *(*last_error)(void);
+    float (*ray)(const realistic_camera *, const realistic_sample *, realistic_ray *);
+    float (*differential)(const realistic_camera *, const realistic_sample *, realistic_ray_differential *);
+    realistic_status (*rays)(const realistic_camera *, size_t, const realistic_sample *, size_t, realistic_ray *,
+                             size_t, float *, realistic_reason *);
+    realistic_status (*differentials)(const realistic_camera *, size_t, const realistic_sample *, size_t,
+                                      realistic_ray_differential *, size_t, float *, realistic_reason *);
+} api;
+
+static void resolve(void *library, const char *name, void *function) {
+    void *symbol = dlsym(library, name);
+    if (symbol == NULL) exit(2);
+    memcpy(function, &symbol, sizeof symbol);
+}
+
+static realistic_options options(double tolerance) {
+    realistic_options options;
+    api.options_init(&options, sizeof options);
+    options.xres = 30;
+    options.yres = 20;
+    options.tolerance = tolerance;
+    return options;
+}
+
+/* Bytes of address space that the process has taken. */
+static rlim_t taken(void) {
+    unsigned long pages = 0;
+    FILE *file = fopen("/proc/self/statm", "r");
+    if (file == NULL || fscanf(file, "%lu", &pages) != 1) exit(2);
+    fclose(file);
+    return pages * 4096;
+}
+
+/* Builds with some kB to be had: the status, and whether there is a camera. */
+static void build(long kilobytes) {
+    realistic_options given = options(0.0);
+    realistic_camera *camera = NULL;
+    realistic_status status;
+    struct rlimit no_limit, limit;
+    getrlimit(RLIMIT_AS, &no_limit);
+    limit = no_limit;
+    limit.rlim_cur = taken() + 1024UL * (unsigned long)kilobytes;
+    setrlimit(RLIMIT_AS, &limit);
+    status = api.camera_new(&given, &camera);
+    setrlimit(RLIMIT_AS, &no_limit);
+    printf("built %ld %d %d\n", kilobytes, status, camera != NULL);
+    if (status != 0) printf("said %s\n", api.last_error());
+    api.camera_free(camera);
+}
+
+static void out_of_memory(void) {
+    long kilobytes;
+    /* From the first: what a camera leaves to the allocator may be enough for the next. */
+    for (kilobytes = 0; kilobytes < 12288; kilobytes += 256) build(kilobytes);
+    build(1 << 16);
+}
+
+/* What is allocated by rays one by one and in batches. */
+static void count(void) {
+    static realistic_sample samples[N];
+    static realistic_ray rays[N];
+    static realistic_ray_differential differentials[N];
+    static float weights[N];
+    static realistic_reason reasons[N];
+    const double tolerances[] = {0.0, 0.25};
+    int i, j;
+    for (j = 0; j < 2; j++) {
+        realistic_options given = options(tolerances[j]);
+        realistic_camera *camera = NULL;
+        long before;
+        if (api.camera_new(&given, &camera) != REALISTIC_STATUS_OK) exit(2);
+        for (i = 0; i < N; i++) {
+            samples[i].image_x = (float)(i % 30);
+            samples[i].image_y = (float)(i / 15);
+            samples[i].lens_u = (float)(i % 7) / 7;
+            samples[i].lens_v = (float)(i % 11) / 11;
+        }
+        differentials[0].struct_size = sizeof differentials[0];
+        before = allocations;
+        for (i = 0; i < N; i++) {
+            api.ray(camera, &samples[i], &rays[i]);
+            api.differential(camera, &samples[i], &differentials[0]);
+        }
+        api.rays(camera, N, samples, 0, rays, 0, weights, reasons);
+        api.differentials(camera, N, samples, 0, differentials, 0, weights, reasons);
+        printf("allocations %ld\n", allocations - before);
+        api.camera_free(camera);
+    }
+    printf("all %ld\n", allocations);
+}
+
+int main(int argc, char **argv) {
+    void *library = argc < 3 ? NULL : dlopen(argv[1], RTLD_NOW | RTLD_LOCAL);
+    if (library == NULL) return 2;
+    resolve(library, "realistic_options_init", &api.options_init);
+    resolve(library, "realistic_camera_new", &api.camera_new);
+    resolve(library, "realistic_camera_free", &api.camera_free);
+    resolve(library, "realistic_last_error", &api.last_error);
+    resolve(library, "realistic_generate_ray", &api.ray);
+    resolve(library, "realistic_generate_ray_differential", &api.differential);
+    resolve(library, "realistic_camera_generate_rays", &api.rays);
+    resolve(library, "realistic_camera_generate_ray_differentials", &api.differentials);
+    if (strcmp(argv[2], "out") == 0) out_of_memory();
+    else count();
+    return 0;
+}

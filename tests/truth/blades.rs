@@ -1,0 +1,266 @@
+//! Stops with blades: which rays they block, how much light is left, and what a light out of focus looks like.
+
+use super::support;
+
+use realistic::{
+    camera::{Outcome, RealisticCamera},
+    lens::Lens,
+    prescription::Blades,
+    sampling::DiskMapping,
+    trace::{Path, Ray},
+};
+use support::{Random, build, camera, host, host_with, sample};
+
+/// The lens behind its stop, to the stop as the last surface.
+fn to_stop(lens: &Lens) -> Path {
+    let stop = lens.stop_index().expect("a stop");
+    let front = lens.surfaces[stop].vertex;
+    let mut behind = Lens { surfaces: lens.surfaces[stop..].to_vec(), ..lens.clone() };
+    for surface in &mut behind.surfaces {
+        surface.vertex -= front;
+    }
+    Path::film_to_scene(&behind)
+}
+
+/// Whether a point in a stop of radius 1 lies inside the figure: on the centre's side of every edge, each an arc through
+/// two corners, its curvature a part of the circle's.
+fn is_inside(blades: Blades, point: [f64; 2]) -> bool {
+    let corner = |k: u32| {
+        let turn =
+            blades.rotation.to_radians() + std::f64::consts::TAU * f64::from(k) / f64::from(blades.count);
+        [turn.cos(), turn.sin()]
+    };
+    (0..blades.count).all(|k| {
+        let [a, b] = [corner(k), corner(k + 1)];
+        let middle = [(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0];
+        let distance = middle[0].hypot(middle[1]);
+        let normal = middle.map(|x| x / distance);
+        if blades.curvature == 0.0 {
+            return point[0] * normal[0] + point[1] * normal[1] <= distance;
+        }
+        let radius = 1.0 / blades.curvature;
+        let half = (a[0] - b[0]).hypot(a[1] - b[1]) / 2.0;
+        let center = distance - (radius * radius - half * half).sqrt();
+        (point[0] - center * normal[0]).hypot(point[1] - center * normal[1]) <= radius
+    })
+}
+
+fn film_z(camera: &RealisticCamera) -> f64 {
+    camera.facts().lens.rear().vertex - camera.facts().film_distance
+}
+
+/// Mean weight over the rear element's disk of the rays that the round lens and the blades let through, the blades
+/// tested here; with its standard error.
+fn by_hand(round: &RealisticCamera, blades: Blades, image: [f32; 2], seed: u64) -> [f64; 2] {
+    let lens = &round.facts().lens;
+    let (path, to_stop) = (Path::<f64>::film_to_scene(lens), to_stop(lens));
+    let stop = &lens.surfaces[lens.stop_index().expect("a stop")];
+    let film = film_z(round);
+    let [x, y] = round.facts().film.point(image[0].into(), image[1].into());
+    let distance = lens.rear().vertex - film;
+    let radius = 1.05 * lens.rear().semi_diameter;
+    let mut random = Random::new(seed);
+    mean(400, 128, || {
+        let [px, py] =
+            DiskMapping::Concentric.map(random.next(), random.next()).expect("a point").map(|x| radius * x);
+        let direction = [px - x, py - y, distance];
+        let ray = Ray { origin: [x, y, film], direction };
+        let from_stop = Ray { origin: [x, y, film - stop.vertex], direction };
+        let passes = path.trace(ray).is_ok()
+            && to_stop.trace(from_stop).is_ok_and(|at| {
+                is_inside(blades, [at.origin[0] / stop.semi_diameter, at.origin[1] / stop.semi_diameter])
+            });
+        let cosine = distance / direction.iter().map(|d| d * d).sum::<f64>().sqrt();
+        let area = std::f64::consts::PI * radius * radius;
+        if passes { area * cosine.powi(4) / (distance * distance) } else { 0.0 }
+    })
+}
+
+/// Mean weight of a camera's samples at a film point, with its standard error.
+fn of_camera(camera: &RealisticCamera, image: [f32; 2], seed: u64) -> [f64; 2] {
+    let mut random = Random::new(seed);
+    mean(400, 128, || match camera.generate(&sample(image, [random.next() as f32, random.next() as f32])) {
+        Outcome::Ray(_, weight) => weight.into(),
+        _ => 0.0,
+    })
+}
+
+fn mean(groups: u32, each: u32, mut draw: impl FnMut() -> f64) -> [f64; 2] {
+    let means: Vec<f64> =
+        (0..groups).map(|_| (0..each).map(|_| draw()).sum::<f64>() / f64::from(each)).collect();
+    let mean = means.iter().sum::<f64>() / f64::from(groups);
+    let square = means.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
+    [mean, (square / f64::from(groups * (groups - 1))).sqrt()]
+}
+
+const CASES: [(&str, &str, Blades); 4] = [
+    ("dgauss.50mm", "4", Blades { count: 5, rotation: 0.0, curvature: 0.0 }),
+    ("dgauss.50mm", "2.2", Blades { count: 7, rotation: 20.0, curvature: 0.3 }),
+    ("wide.22mm", "5.6", Blades { count: 3, rotation: -35.0, curvature: 0.0 }),
+    ("fisheye.10mm", "8", Blades { count: 6, rotation: 200.0, curvature: 0.8 }),
+];
+
+fn given(blades: Blades) -> [(&'static str, String); 3] {
+    [
+        ("blades", blades.count.to_string()),
+        ("bladerotation", blades.rotation.to_string()),
+        ("bladecurvature", blades.curvature.to_string()),
+    ]
+}
+
+/// With a tolerance, which says what it chose, and else without a warning.
+fn bladed(blades: Blades, more: &[(&str, &str)]) -> RealisticCamera {
+    let own = given(blades);
+    let own = own.iter().map(|(name, value)| (*name, value.as_str()));
+    let all: Vec<_> = own.chain(more.iter().copied()).collect();
+    let (camera, said) = build(&host(), &all).unwrap_or_else(|error| panic!("{all:?}: {error}"));
+    assert!(said.iter().all(|text| text.starts_with("tolerance")), "{said:?}");
+    camera
+}
+
+#[test]
+fn the_light_is_right_at_every_azimuth_of_the_film_and_acceptance_is_the_figures_share() {
+    for (lens, fnumber, blades) in CASES {
+        let more = [("specfile", lens), ("fnumber", fnumber), ("filmdiag", "22")];
+        let round = camera(&more);
+        for pupil in ["warped", "rear"] {
+            let camera = bladed(blades, &[more.as_slice(), &[("pupil", pupil)]].concat());
+            // Axis, and four directions half way out.
+            for (i, image) in [[200.0, 150.0], [325.0, 150.0], [200.0, 40.0], [90.0, 90.0], [260.0, 240.0]]
+                .into_iter()
+                .enumerate()
+            {
+                let [expected, error] = by_hand(&round, blades, image, 7 + i as u64);
+                let [found, own_error] = of_camera(&camera, image, 91 + i as u64);
+                let off = (found - expected) / error.hypot(own_error);
+                assert!(
+                    expected > 0.0 && off.abs() < 4.5,
+                    "{lens} {pupil} {image:?}: {found} {expected} {off}"
+                );
+            }
+        }
+        let camera = bladed(blades, &more);
+        let mut random = Random::new(3);
+        let tries = 40_000;
+        let passed = (0..tries)
+            .filter(|_| {
+                let at = [random.next() as f32, random.next() as f32];
+                matches!(camera.generate(&sample([200.0, 150.0], at)), Outcome::Ray(..))
+            })
+            .count();
+        let acceptance = passed as f64 / f64::from(tries);
+        // The pupil is the stop's image, but for its own aberrations.
+        assert!((acceptance / blades.share() - 1.0).abs() < 0.03, "{lens}: {acceptance} {}", blades.share());
+    }
+}
+
+#[test]
+fn with_relative_weights_the_mean_on_the_axis_is_1() {
+    for (lens, fnumber, blades) in CASES {
+        let more = [("specfile", lens), ("fnumber", fnumber), ("filmdiag", "22"), ("weighting", "relative")];
+        let [mean, error] = of_camera(&bladed(blades, &more), [200.0, 150.0], 5);
+        assert!((mean - 1.0).abs() < 4.5 * error && error < 0.01, "{lens}: {mean} {error}");
+    }
+}
+
+/// Where the rays of the picture's centre that get through meet the plane z = `plane`, mm, as angles in degrees and radii.
+fn footprint(camera: &RealisticCamera, plane: f64) -> Vec<[f64; 2]> {
+    let mut random = Random::new(17);
+    (0..60_000)
+        .filter_map(|_| support::ray(camera, [200.0, 150.0], [random.next() as f32, random.next() as f32]))
+        .map(|(ray, _)| {
+            let ahead = (plane - f64::from(ray.origin[2])) / f64::from(ray.direction[2]);
+            let [x, y] = [0, 1].map(|i| f64::from(ray.origin[i]) + ahead * f64::from(ray.direction[i]));
+            [y.atan2(x).to_degrees(), x.hypot(y)]
+        })
+        .collect()
+}
+
+#[test]
+fn a_light_out_of_focus_has_the_figures_shape_upright_in_front_of_the_focus_and_turned_behind_it() {
+    let blades = Blades { count: 5, rotation: 31.0, curvature: 0.0 };
+    let camera = bladed(blades, &[("fnumber", "4"), ("focusdistance", "2000")]);
+    for (plane, turned) in [(1000.0, 0.0), (8000.0, 180.0)] {
+        let points = footprint(&camera, plane);
+        // The radius of the footprint by its direction from the nearest corner that there should be.
+        let mut edge = [0.0_f64; 36];
+        for [degrees, radius] in &points {
+            let from_corner = (degrees - 31.0 - turned).rem_euclid(72.0);
+            let bin = &mut edge[(from_corner / 2.0) as usize];
+            *bin = bin.max(*radius);
+        }
+        let largest = edge.iter().copied().fold(0.0, f64::max);
+        for (i, radius) in edge.into_iter().enumerate() {
+            // A straight edge at cos 36 degrees, from corner to corner; the bin's largest radius is at its outer side.
+            let nearest_corner = (2.0 * i as f64 - 35.0).abs().max((2.0 * i as f64 - 34.0).abs() - 0.0);
+            let angle = (36.0 - nearest_corner.min(36.0)).to_radians();
+            let expected = 36.0_f64.to_radians().cos() / (36.0_f64.to_radians() - angle).cos();
+            assert!(
+                (radius / largest - expected).abs() < 0.02,
+                "{plane} bin {i}: {} {expected}",
+                radius / largest
+            );
+        }
+    }
+}
+
+#[test]
+fn every_tracer_tests_the_blades() {
+    let blades = Blades { count: 7, rotation: 10.0, curvature: 0.2 };
+    for (tracer, most) in [
+        (&[("precision", "f64")][..], 0),
+        (&[("precision", "f32")], 4),
+        (&[("refraction", "heckbert")], 2),
+        (&[("refraction", "whitted"), ("precision", "f32")], 40),
+        (&[("tolerance", "0.5")], 40),
+    ] {
+        let exact = bladed(blades, &[("fnumber", "8")]);
+        let other = bladed(blades, &[&[("fnumber", "8")], tracer].concat());
+        let mut random = Random::new(1);
+        let (mut passed, mut blocked, mut differ) = (0, 0, 0);
+        for _ in 0..20_000 {
+            let image = [400.0 * random.next() as f32, 300.0 * random.next() as f32];
+            let lens = [random.next() as f32, random.next() as f32];
+            let [a, b] = [&exact, &other].map(|camera| support::ray(camera, image, lens).is_some());
+            *(if a { &mut passed } else { &mut blocked }) += 1;
+            differ += i32::from(a != b);
+        }
+        assert!(passed > 10_000 && blocked > 500, "{passed} {blocked}");
+        assert!(differ <= most, "{tracer:?}: {differ}");
+    }
+}
+
+#[test]
+fn a_files_blades_are_in_use_until_a_parameter_says_else() {
+    let text = "50 6 1.5 20\n-50 4 1 20\n0 45 1 8\nblades 6 rotation=15\n";
+    let acceptance = |given: &[(&str, &str)]| {
+        let (camera, _) = build(&host_with(text), given).expect("a camera");
+        let mut random = Random::new(2);
+        let passes = |_: &u32| {
+            support::ray(&camera, [200.0, 150.0], [random.next() as f32, random.next() as f32]).is_some()
+        };
+        f64::from((0..20_000).filter(passes).count() as u32) / 20_000.0
+    };
+    let share = |count, curvature| Blades { count, rotation: 0.0, curvature }.share();
+    assert!((acceptance(&[]) - share(6, 0.0)).abs() < 0.015);
+    assert!((acceptance(&[("bladecurvature", "0.9")]) - share(6, 0.9)).abs() < 0.015);
+    assert!((acceptance(&[("blades", "3")]) - share(3, 0.0)).abs() < 0.015);
+    assert!(acceptance(&[("blades", "0")]) > 0.99);
+}
+
+#[test]
+fn blades_that_there_are_not_are_refused_with_what_to_give() {
+    let no_stop = "50 6 1.5 20\n-50 45 1 20\n";
+    for (host, given, words) in [
+        (host(), &[("blades", "2")][..], "a whole number from 3 to 32"),
+        (host(), &[("blades", "6.5")], "a whole number from 3 to 32"),
+        (host(), &[("blades", "33")], "32"),
+        (host(), &[("blades", "-1")], "0 (a round stop) or more, up to 32"),
+        (host(), &[("bladerotation", "10")], "there are none; give \"blades\""),
+        (host(), &[("blades", "5"), ("bladecurvature", "1.5")], "up to 1"),
+        (host_with(no_stop), &[("blades", "5")], "no stop row"),
+    ] {
+        let error = build(&host, given).expect_err("refused");
+        assert!(error.contains(words), "{given:?}: {error}");
+    }
+}

@@ -1,0 +1,52 @@
+//! `docs/lens-format.md`: every example in it is a lens, and every text of its table of errors is refused as it says.
+
+use realistic::prescription::{Blades, Prescription, Shape, read};
+
+const TEXT: &str = include_str!("../../docs/lens-format.md");
+
+/// The blocks that are marked as lenses.
+fn lenses() -> Vec<Prescription> {
+    let blocks = TEXT.split("```lens\n").skip(1).map(|rest| rest.split("```").next().expect("its end"));
+    blocks
+        .map(|text| read("example", text.as_bytes()).unwrap_or_else(|error| panic!("{error}\n{text}")))
+        .collect()
+}
+
+#[test]
+fn every_example_is_a_lens() {
+    let lenses = lenses();
+    let [double_gauss, two, doublet, singlet, iris, zoom] = lenses.as_slice() else {
+        panic!("{}", lenses.len())
+    };
+    assert!(lenses.iter().all(|lens| lens.title.is_some() && lens.remarks.is_empty()));
+    assert_eq!(
+        double_gauss.interfaces,
+        realistic::prescription::catalogue::find("dgauss.50mm").expect("listed").interfaces
+    );
+    assert_eq!((two.interfaces.len(), two.stop_index()), (5, Some(2)));
+    assert_eq!(doublet.glasses.len(), 2);
+    assert!(matches!(singlet.interfaces[1].shape, Shape::Asphere(asphere) if asphere.conic == -2.25));
+    assert_eq!(iris.blades, Some(Blades { count: 7, rotation: 12.0, curvature: 0.25 }));
+    let positions = zoom.positions.as_ref().expect("three");
+    assert_eq!((positions.columns.len(), positions.gaps.as_slice()), (3, [1, 4].as_slice()));
+    assert_eq!(positions.columns[2].object_distance, Some(400.0));
+}
+
+#[test]
+fn every_text_that_is_said_to_be_refused_is_refused_so() {
+    let (_, section) = TEXT.split_once("## What is refused").expect("the section");
+    let (section, _) = section.split_once("\n## ").expect("the next section");
+    let rows =
+        section.lines().filter_map(|line| line.strip_prefix("| `")?.strip_suffix(" |")?.split_once("` | "));
+    let mut count = 0;
+    for (text, message) in rows {
+        let error = read("file", text.replace(" / ", "\n").as_bytes()).expect_err(text).to_string();
+        let mut rest = error.as_str();
+        for part in message.split('…') {
+            let at = rest.find(part).unwrap_or_else(|| panic!("{text}: {error:?} lacks {part:?}"));
+            rest = &rest[at + part.len()..];
+        }
+        count += 1;
+    }
+    assert!(count >= 20, "{count}");
+}
