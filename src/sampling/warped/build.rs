@@ -483,7 +483,7 @@ impl<'a> Builder<'a> {
         }
         let place = usize::midpoint(from, to);
         // What the shape has too much where halves cannot be halved again.
-        let mut blocked = if good { 0.0 } else { excess };
+        let mut blocked = if good { 0.0 } else { excess / (1.0 + excess) };
         if !good && missed > MISSED_AT_LAST {
             // What the halves would miss is sampled with some that is blocked.
             let (growth, outside) = slice.growth(predicted, outline, places, &self.knots, part);

@@ -139,8 +139,7 @@ impl View<'_> {
         const BELOW: usize = GROUP / 2 - 1;
         let enough = if any { 0.5 } else { 1e-3 };
         let mut found = Vec::with_capacity(GROUP);
-        let is_open = |(_, least): (f64, f64)| least < f64::INFINITY && !(any && least < 0.0);
-        while width > 1e-9 * reach && is_open(best) && !self.tracer.is_spent() {
+        while width > 1e-9 * reach && !(any && best.1 < 0.0) && !self.tracer.is_spent() {
             self.excesses(&LOOKS.map(|part| [best.0 + part * width, 0.0]), &mut found);
             let looks = LOOKS.iter().zip(&found);
             let (least, part) =
@@ -151,9 +150,11 @@ impl View<'_> {
                     },
                 );
             if part == 0.0 {
-                // The excess falls and then rises: between two looks it is no deeper than their difference.
+                // The excess falls and then rises: between two looks it is no deeper than their difference, unless rays
+                // get lost, where it jumps.
+                let jumps = found.iter().any(|excess| excess.lost);
                 let depth = found[BELOW].value.max(found[BELOW + 1].value) - best.1;
-                if depth < enough * best.1.abs() {
+                if !jumps && depth < enough * best.1.abs() {
                     break;
                 }
             }

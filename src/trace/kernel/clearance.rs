@@ -80,13 +80,14 @@ pub(crate) fn clearances(
 
 /// The same of one ray, by the walk: through aspheres, which lanes here do not have.
 fn along(path: &Path<f64>, film: f64, MeridianRay { height, slopes }: MeridianRay) -> Option<Clearance> {
-    let mut most = Clearance { ratio: 0.0, surface: 0 };
+    let mut most = Clearance { ratio: 0.0, surface: 0, lost: false };
     let through = path.intersections(film, [height, 0.0], slopes, |intersection| {
         if intersection.ratio > most.ratio {
-            most = Clearance { ratio: intersection.ratio, surface: intersection.surface };
+            (most.ratio, most.surface) = (intersection.ratio, intersection.surface);
         }
         true
     });
+    most.lost = !through;
     (through || most.ratio > 1.0).then(|| Clearance { ratio: most.ratio.sqrt(), ..most })
 }
 
