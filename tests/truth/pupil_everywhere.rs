@@ -3,19 +3,38 @@
 use super::{pupil_fit, support::Random};
 
 use pupil_fit::{
-    Case, lenses,
+    Case, LENSES, lens_at, lenses,
     survey::{Pupil, Survey},
 };
 use realistic::{
     camera::{Host, Level, Parameters, Raster, RealisticCamera, Value},
     lens::Lens,
-    prescription::read,
+    prescription::{catalogue, read},
 };
 
 /// Random cameras; `cargo bench --bench pupil_sweep` looks at more.
 const CAMERAS: u64 = 60;
 /// Field points of each, from the axis to the corner.
 const FIELDS: u32 = 7;
+/// Share of the pupil that may be missed: one of 415 points, of camera 12, misses 1.04e-4, the others less than 1e-4.
+const MISSED: f64 = 1.1e-4;
+
+/// Whether some half-line from the map's centre leaves the pupil more than once about its edge: no fan reaches all of it.
+fn is_left_twice(case: &Case, point: [f64; 2]) -> bool {
+    let slopes = |disk| case.pupil.sample(point, disk).expect("lit").slopes;
+    let center = slopes([0.0; 2]);
+    (0..720).any(|i| {
+        let (sin, cos) = (std::f64::consts::TAU * f64::from(i) / 720.0).sin_cos();
+        let rim = slopes([cos, sin]);
+        let at = |k: f64| [center[0] + k * (rim[0] - center[0]), center[1] + k * (rim[1] - center[1])];
+        let mut is_left = false;
+        (0..800).any(|j| {
+            let passes = case.passes(point, at(0.9 + 5e-4 * f64::from(j)));
+            is_left |= !passes;
+            passes && is_left
+        })
+    })
+}
 
 #[test]
 fn samples_get_through_and_miss_nothing_on_random_cameras_or_their_radius_is_named() {
@@ -45,15 +64,64 @@ fn samples_get_through_and_miss_nothing_on_random_cameras_or_their_radius_is_nam
                 acceptance = case.acceptance(point, 100).expect("lit");
             }
             assert!(acceptance >= 0.99, "{what}: {acceptance} pass");
-            let (_, missed) = case.fit(point, 120);
-            assert!(missed <= 5e-4, "{what}: misses {missed:e}");
-            missing += u32::from(missed > 1e-4);
+            let (_, mut missed) = case.fit(point, 120);
+            if missed > MISSED {
+                missed = case.fit(point, 2000).1;
+            }
+            let most = if missed > MISSED && is_left_twice(&case, point) { 5e-4 } else { MISSED };
+            assert!(missed <= most, "{what}: misses {missed:e}");
+            missing += u32::from(missed > MISSED);
             points += 1;
         }
     }
-    let counts = format!("{points} field points, {missing} miss more than 1e-4, {named} named, {dark} dark");
+    let counts =
+        format!("{points} field points, {missing} miss more than {MISSED:e}, {named} named, {dark} dark");
     println!("{counts}");
     assert!(points > 250 && 50 * missing < points && 50 * named < points, "{counts}");
+}
+
+#[test]
+fn film_close_behind_the_glass_gets_its_pupil() {
+    let mut points = 0;
+    for name in catalogue::names() {
+        let lens = lens_at(name, None);
+        for (distance, reach) in [0.5, 1.0, 2.0, 3.0].into_iter().flat_map(|d| [(d, 8.5), (d, 18.0)]) {
+            let case = Case::with_reach(&lens, distance, reach);
+            for k in 0..7 {
+                let height = 0.99 * reach * f64::from(k) / 6.0;
+                let what =
+                    format!("{name}, film at {distance} mm, {height} mm of {:?}", case.pupil.image_radius());
+                let Some(acceptance) = case.acceptance([height, 0.0], 30) else {
+                    assert_eq!(Survey::of(&case, height).pupil(), Pupil::Dark, "{what}");
+                    continue;
+                };
+                assert!(acceptance >= 0.99, "{what}: {acceptance} pass");
+                points += 1;
+            }
+        }
+    }
+    assert!(points > 200, "{points}");
+}
+
+#[test]
+fn a_pupil_that_vanishes_fills_its_map_to_the_last() {
+    let mut ends = 0;
+    for name in LENSES {
+        for distance in [1.0, 10.0, 20.0] {
+            let case = Case::with_reach(&lens_at(name, None), distance, 60.0);
+            let Some(end) = case.pupil.image_radius() else { continue };
+            ends += 1;
+            for part in [1e-3, 1e-4, 1e-5, 1e-6] {
+                let least = if part < 1e-3 { 0.975 } else { 0.997 };
+                let acceptance = case.acceptance([(1.0 - part) * end, 0.0], 100).expect("lit");
+                assert!(
+                    acceptance > least,
+                    "{name}, film at {distance} mm, {part:e} of the end: {acceptance} pass"
+                );
+            }
+        }
+    }
+    assert!(ends > 6, "{ends}");
 }
 
 /// A stop, and a short lens beside whose stop light gets through, too: a disk with a ring about it.

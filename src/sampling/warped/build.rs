@@ -5,12 +5,12 @@
 use std::{cell::Cell, collections::BTreeMap, rc::Rc};
 
 use super::{
-    illinois::{Closing, illinois},
     outline::{Guess, Outline},
     pieces::{BESIDE, half_disk, is_in_pieces},
     report::{GivenUp, NoFan},
     search::{Crossing, EdgeFinder, HalfLine, Hints},
     slice::{CELLS, Knots, Place, Slice, TRACE_EVERY},
+    vanishing::{Field, Vanishing},
     view::{Limit, Tracer, View},
 };
 use crate::{lens::pupil::SlopeDisk, sampling::pupil_disk::PupilDisk, trace::Path};
@@ -38,7 +38,7 @@ const EXCESS: f64 = 3e-3;
 /// How much larger than interpolated a map may be made, relative, where the pupil changes faster than the narrowest
 /// intervals; beyond, the rear disk stands in.
 const MOST_GROWTH: f64 = 3.0;
-/// Share of the samples that may be lost there without a word.
+/// Share of the samples that may be lost there without a word, or what the margin costs, if that is more.
 const UNNAMED: f64 = 0.004;
 
 /// Part of the pupil on the axis below which a pupil about to vanish is no longer worth an outline.
@@ -46,9 +46,6 @@ const SLIVER: f64 = 1e-3;
 
 /// τ where the pupil vanishes: not 0, which rounding in single precision would make a negative density of.
 const LEAST_WIDTH: f64 = 1e-6;
-
-/// How far beyond the radius at which a pupil seems to vanish it has to be dark, too, relative.
-const BESIDE_THE_END: f64 = 1e-6;
 
 /// Width, in smallest intervals, up to which nothing is sought between two radii that have no map.
 const BLIND: usize = FINE / 32;
@@ -66,6 +63,8 @@ pub(crate) struct Builder<'a> {
     knots: Knots,
     /// The film radius at which the pupil vanishes, mm; infinite where that lies beyond reach.
     vanishing: Cell<f64>,
+    /// Area of the pupil on the axis, slope²; 0 until it is known.
+    axis_area: Cell<f64>,
 }
 
 /// A stretch of film radius between two slices.
@@ -110,8 +109,6 @@ type Traced = (Outline, Rc<Slice>, Vec<Place>);
 struct Table<H> {
     /// Film radius, mm, of a number of smallest intervals.
     height: H,
-    /// Area of the pupil on the axis, slope².
-    axis_area: f64,
     intervals: Vec<Interval>,
     given_up: Vec<GivenUp>,
     /// How much larger than the pupil the maps at numbers of smallest intervals are to be made, relative, by knot.
@@ -128,6 +125,7 @@ impl<'a> Builder<'a> {
             hints: Hints::new(path.surfaces()),
             knots: Knots::new(),
             vanishing: Cell::new(f64::INFINITY),
+            axis_area: Cell::new(0.0),
         }
     }
 
@@ -149,20 +147,23 @@ impl<'a> Builder<'a> {
     }
 
     pub fn layout(&self) -> Layout {
-        let vanishing = self.vanishing_slice().filter(|slice| !self.leaks_beyond(slice.height));
+        let Self { tracer, reach, cover, shift, .. } = self;
+        let field = Field { tracer, reach: *reach, cover: *cover, shift: *shift };
+        let vanishing = field.vanishing().map(|Vanishing { height, center }| {
+            self.vanishing.set(height);
+            // Narrowed to almost nothing.
+            let narrowing = (1.0 - LEAST_WIDTH) / (height * height);
+            Slice { narrowing, ..Slice::disk(height, center, 0.0, true) }
+        });
         let dark_beyond = vanishing.is_some();
         let end = vanishing.as_ref().map_or(self.reach, |slice| slice.height);
-        if dark_beyond {
-            self.vanishing.set(end);
-        }
         let height = |place: usize| {
             let s = place as f64 / FINE as f64;
             end * if dark_beyond { s * (2.0 - s) } else { s }
         };
         let coarse = self.coarse_slices(&height, vanishing);
-        let axis_area = coarse[0].as_ref().map_or(0.0, |slice| slice.area);
         let mut table =
-            Table { height, axis_area, intervals: Vec::new(), given_up: Vec::new(), growth: BTreeMap::new() };
+            Table { height, intervals: Vec::new(), given_up: Vec::new(), growth: BTreeMap::new() };
         let gap = |(number, pair): (usize, &[Node])| Gap {
             ends: [number << DEPTH, (number + 1) << DEPTH],
             nodes: [pair[0].clone(), pair[1].clone()],
@@ -227,77 +228,39 @@ impl<'a> Builder<'a> {
         passed as f64 / slopes.len() as f64
     }
 
-    /// The radius at which the pupil has shrunk to a point, where that lies within reach, or so little beyond that the
-    /// pupil is a sliver there.
-    fn vanishing_slice(&self) -> Option<Slice> {
-        let scale = self.cover_at(0.0).radius;
-        let mut inside = (0.0, 0.0);
-        for step in 1..=COARSE + 1 {
-            let height = self.reach * step as f64 / COARSE as f64;
-            let guess = if inside.0 > 0.0 { inside.1 * height / inside.0 } else { self.shift * height };
-            let (slope, excess) = self.view(height, 1.0).innermost(guess, scale, true);
-            if excess < 0.0 {
-                inside = (height, slope);
-                continue;
-            }
-            let ratio = if inside.0 > 0.0 { inside.1 / inside.0 } else { self.shift };
-            let best = Cell::new(ratio);
-            let margin = |height: f64| {
-                let (slope, excess) = self.view(height, 1.0).innermost(best.get() * height, scale, false);
-                // Where a search fails it may end anywhere: no guess for one nearer the axis.
-                if excess < 0.0 {
-                    best.set(slope / height);
-                }
-                excess.min(1.0)
-            };
-            let end = illinois(inside.0.max(1e-9 * height), height, Closing::Bracket(1e-9), margin);
-            // From a guess far off a search may have missed a small pupil; from one this near it does not.
-            let beside = (1.0 + BESIDE_THE_END) * end;
-            if margin(beside) < 0.0 {
-                inside = (beside, best.get() * beside);
-                continue;
-            }
-            return Some(Slice {
-                narrowing: (1.0 - LEAST_WIDTH) / (end * end),
-                ..Slice::disk(end, best.get(), 0.0, true)
-            });
-        }
-        None
-    }
-
-    /// Whether light gets through anywhere within reach beyond the radius at which the pupil closes.
-    fn leaks_beyond(&self, end: f64) -> bool {
-        const RADII: u32 = 6;
-        const GRID: u32 = 20;
-        if end >= self.reach {
-            return false;
-        }
-        (1..=RADII).any(|i| {
-            let height = end + (self.reach - end) * f64::from(i) / f64::from(RADII);
-            self.view(height, 1.0).pass(&half_disk(GRID, self.cover_at(height))).contains(&true)
-        })
-    }
-
     /// The maps at the ends of the coarse intervals, each sought from the nearest one found, first from the axis outward
     /// and then back.
     fn coarse_slices(&self, height: &impl Fn(usize) -> f64, vanishing: Option<Slice>) -> Vec<Node> {
         let axis = self.axial_slice().map(Rc::new);
-        let axis_area = axis.as_ref().map_or(0.0, |slice| slice.area);
+        self.axis_area.set(axis.as_ref().map_or(0.0, |slice| slice.area));
         let mut nodes: Vec<Node> = vec![axis];
         let ends = if vanishing.is_some() { COARSE - 1 } else { COARSE };
         for number in 1..=ends {
             let height = height(number << DEPTH);
             let before = nodes.iter().rev().find_map(|node| node.as_deref().ok());
             let whole = self.cover_slice(height);
-            nodes.push(self.slice_like(height, before.unwrap_or(&whole), axis_area));
+            nodes.push(self.slice_like(height, before.unwrap_or(&whole)));
         }
         nodes.extend(vanishing.map(|slice| Ok(Rc::new(slice))));
         for number in (1..=ends).rev() {
             let beyond = nodes[number + 1..].iter().find_map(|node| node.clone().ok());
-            if let (Err(NoFan::Shape | NoFan::NoLight), Some(beyond)) = (&nodes[number], beyond)
-                && beyond.area > 0.0
-            {
-                nodes[number] = self.slice_like(height(number << DEPTH), &beyond, axis_area);
+            if let (Err(NoFan::Shape | NoFan::NoLight), Some(beyond)) = (&nodes[number], beyond) {
+                let height = height(number << DEPTH);
+                let before = nodes[..number]
+                    .iter()
+                    .enumerate()
+                    .rev()
+                    .find_map(|(i, node)| Some((i, node.as_ref().ok()?)));
+                let like = match before {
+                    // A pupil that vanishes shrinks evenly.
+                    Some((place, before)) if beyond.area == 0.0 => {
+                        before.toward(&beyond, (number - place) as f64 / (COARSE - place) as f64, height)
+                    }
+                    _ => Slice::clone(&beyond),
+                };
+                if like.area > 0.0 {
+                    nodes[number] = self.slice_like(height, &like);
+                }
             }
         }
         if let [Ok(axis), Ok(next), ..] = nodes.as_mut_slice() {
@@ -308,8 +271,8 @@ impl<'a> Builder<'a> {
     }
 
     /// The map at a film radius, sought from one at another, with a look for other pieces.
-    fn slice_like(&self, height: f64, like: &Slice, axis_area: f64) -> Node {
-        let (outline, slice, _) = self.traced(&[self.expected_like(height, like)], axis_area).remove(0)?;
+    fn slice_like(&self, height: f64, like: &Slice) -> Node {
+        let (outline, slice, _) = self.traced(&[self.expected_like(height, like)]).remove(0)?;
         let view = self.view(height, like.width_scale());
         let in_pieces = is_in_pieces(&view, &outline, slice.area, self.cover_at(height));
         if in_pieces { Err(NoFan::InPieces) } else { Ok(slice) }
@@ -324,7 +287,7 @@ impl<'a> Builder<'a> {
     }
 
     /// What is found at several film radii.
-    fn traced(&self, expected: &[Expected<'_, '_>], axis_area: f64) -> Vec<Result<Traced, NoFan>> {
+    fn traced(&self, expected: &[Expected<'_, '_>]) -> Vec<Result<Traced, NoFan>> {
         let mut inside = Vec::with_capacity(expected.len());
         let centers = expected.iter().map(|Expected { view, around, .. }| view.ray([around[0], 0.0]));
         self.tracer.excesses(centers, &mut inside);
@@ -352,7 +315,7 @@ impl<'a> Builder<'a> {
             };
             let outline =
                 outline.map_err(|reason| if self.tracer.is_spent() { NoFan::Spent } else { reason })?;
-            let (slice, places) = self.fit(&expected.view, &outline, axis_area);
+            let (slice, places) = self.fit(&expected.view, &outline);
             Ok((outline, Rc::new(slice), places))
         };
         expected.iter().zip(inside).map(result).collect()
@@ -360,21 +323,25 @@ impl<'a> Builder<'a> {
 
     /// The pupil on the axis: a disk, if it is whole.
     fn axial_slice(&self) -> Result<Slice, NoFan> {
+        const SCAN: u32 = 32;
         let view = self.view(0.0, 1.0);
         let reach = self.cover_at(0.0).radius;
-        let guess = Crossing { radius: reach, limit: Limit::Optics, steepness: 1.0 };
+        let passes = |from: f64, to: f64| {
+            let place = |i: u32| (f64::from(i) + 0.5) / f64::from(SCAN);
+            view.pass(&(0..SCAN).map(|i| [from + (to - from) * place(i), 0.0]).collect::<Vec<_>>())
+        };
         if !(view.excess([0.0, 0.0]).value <= 0.0) {
             return Err(NoFan::NoLight);
         }
+        // From far outside a search may end where rays are lost.
+        let lit = passes(0.0, reach).iter().position(|passes| !passes);
+        let radius = reach * lit.map_or(1.0, |dark| (dark as f64 + 0.5) / f64::from(SCAN));
+        let guess = Crossing { radius, limit: Limit::Optics, steepness: 1.0 };
         let half_line = HalfLine { view: &view, center: 0.0, direction: [1.0, 0.0], guess };
         let edge = self.finder().crossings(std::iter::once(half_line))[0].ok_or(NoFan::Shape)?.radius;
-        const SCAN: u32 = 32;
-        let place = |i: u32| (f64::from(i) + 0.5) / f64::from(SCAN);
-        let within: Vec<_> = (0..SCAN).map(|i| [edge * place(i), 0.0]).collect();
-        let hole = view.pass(&within).contains(&false);
         let beyond = BESIDE * edge;
-        let outside: Vec<_> = (0..SCAN).map(|i| [beyond + (reach - beyond) * place(i), 0.0]).collect();
-        let ring = beyond < reach && view.pass(&outside).contains(&true);
+        let hole = passes(0.0, edge).contains(&false);
+        let ring = beyond < reach && passes(beyond, reach).contains(&true);
         if hole || ring { Err(NoFan::InPieces) } else { Ok(Slice::disk(0.0, 0.0, edge, true)) }
     }
 
@@ -399,12 +366,9 @@ impl<'a> Builder<'a> {
         (0..=CELLS).step_by(TRACE_EVERY).map(|knot| (self.knots.angles[knot], points[0].1)).collect()
     }
 
-    fn fit(&self, view: &View<'_>, outline: &Outline, axis_area: f64) -> (Slice, Vec<Place>) {
-        // Where the pupil vanishes at H, √(1 - h²/H²) is about its width over its height. Half of that keeps τ above 0
-        // between the slices, too; where it does not vanish nothing is narrowed.
+    fn fit(&self, view: &View<'_>, outline: &Outline) -> (Slice, Vec<Place>) {
         let crescent = (1.0 - (view.height / self.vanishing.get()).powi(2)).max(0.0).sqrt();
-        let least = if crescent < 1.0 { crescent / 2.0 } else { 1.0 };
-        Slice::fit(view, outline, &self.knots, axis_area, least)
+        Slice::fit(view, outline, &self.knots, crescent, self.axis_area.get())
     }
 
     /// Fills gaps, or halves them: between two maps until these predict the one in the middle, else until what has no map
@@ -429,7 +393,7 @@ impl<'a> Builder<'a> {
                 }
             })
             .collect();
-        let found = self.traced(&expected, table.axis_area);
+        let found = self.traced(&expected);
         let mut left = Vec::new();
         for ((gap, expected), found) in gaps.into_iter().zip(&expected).zip(found) {
             let Expected { view, like, .. } = expected;
@@ -451,7 +415,7 @@ impl<'a> Builder<'a> {
                 }
                 (Ok((outline, slice, _)), ..) if has_pieces(&outline, &slice) => Err(NoFan::InPieces),
                 (Ok((_, slice, _)), ..) => Ok(slice),
-                (Err(_), Ok(a), Ok(b)) if b.area == 0.0 && a.area < SLIVER * table.axis_area => {
+                (Err(_), Ok(a), Ok(b)) if b.area == 0.0 && a.area < SLIVER * self.axis_area.get() => {
                     table.intervals.push(last_sliver([from, to], a, b));
                     continue;
                 }
@@ -460,7 +424,7 @@ impl<'a> Builder<'a> {
                     let mut found = Err(reason);
                     for known in [a, b] {
                         if found.is_err() && known.area > 0.0 {
-                            found = self.slice_like(view.height, known, table.axis_area);
+                            found = self.slice_like(view.height, known);
                         }
                     }
                     found
@@ -479,10 +443,8 @@ impl<'a> Builder<'a> {
         let width = to - from;
         let reason = match nodes {
             [Ok(a), Ok(b)] if width == 1 => {
-                table.intervals.push(match b.area {
-                    0.0 => last_sliver(gap.ends, a, b),
-                    _ => Interval { from: *from, to: *to, slices: [a.clone(), b.clone()] },
-                });
+                let slices = [a.clone(), b.clone()];
+                table.intervals.push(Interval { from: *from, to: *to, slices });
                 return None;
             }
             _ if self.tracer.is_spent() => NoFan::Spent,
@@ -497,7 +459,7 @@ impl<'a> Builder<'a> {
     /// What the middle of a gap is expected to look like.
     fn predicted(&self, gap: &Gap, middle: f64) -> Slice {
         match &gap.nodes {
-            [Ok(a), Ok(b)] => a.between(b, middle),
+            [Ok(a), Ok(b)] => a.toward(b, 0.5, middle),
             [Ok(known), _] | [_, Ok(known)] if known.area > 0.0 => Slice::clone(known),
             _ => self.cover_slice(middle),
         }
@@ -520,8 +482,10 @@ impl<'a> Builder<'a> {
             return false;
         }
         let place = usize::midpoint(from, to);
-        if missed > MISSED_AT_LAST {
-            // The halves cannot be halved: what they would miss is sampled with some that is blocked.
+        // What the shape has too much where halves cannot be halved again.
+        let mut blocked = if good { 0.0 } else { excess / (1.0 + excess) };
+        if !good && missed > MISSED_AT_LAST {
+            // What the halves would miss is sampled with some that is blocked.
             let (growth, outside) = slice.growth(predicted, outline, places, &self.knots, part);
             if growth.iter().copied().fold(0.0, f64::max) > MOST_GROWTH {
                 self.cover([from, to], NoFan::Shape, table);
@@ -531,10 +495,11 @@ impl<'a> Builder<'a> {
                 let all = table.growth.entry(place).or_insert_with(|| vec![0.0; CELLS + 1]);
                 all.iter_mut().zip(&growth).for_each(|(all, new)| *all = new.max(*all));
             }
-            if outside > UNNAMED {
-                let radii = [from, to].map(&table.height);
-                table.given_up.push(GivenUp { radii, reason: NoFan::Fast, acceptance: 1.0 - outside });
-            }
+            blocked = outside.max(blocked);
+        }
+        if blocked > UNNAMED.max(2.0 * slice.margin) {
+            let radii = [from, to].map(&table.height);
+            table.given_up.push(GivenUp { radii, reason: NoFan::Fast, acceptance: 1.0 - blocked });
         }
         table.intervals.push(Interval { from, to: place, slices: [a.clone(), slice.clone()] });
         table.intervals.push(Interval { from: place, to, slices: [slice.clone(), b.clone()] });
@@ -542,8 +507,8 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// The last interval before the pupil vanishes. Its height falls faster than evenly; a map that keeps
-/// half its size covers that.
+/// The last interval before the pupil vanishes, where nothing was found within: a map that keeps half its size covers what
+/// does not shrink evenly.
 fn last_sliver([from, to]: [usize; 2], a: &Rc<Slice>, b: &Slice) -> Interval {
     let mut end = b.clone();
     end.factors = a.factors.iter().map(|m| m.map(|x| x / 2.0)).collect();

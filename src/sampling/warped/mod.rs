@@ -41,6 +41,7 @@ mod pieces;
 mod report;
 mod search;
 mod slice;
+mod vanishing;
 mod view;
 
 pub use report::{BuildReport, GivenUp, NoFan};
@@ -73,8 +74,8 @@ pub struct WarpedPupil {
     /// in smallest intervals; c there, and c's step to the next slice.
     cells: Vec<Indexed>,
     /// Two pairs of each smallest interval where the pupil vanishes, else none: λ at the slice below, and its step to the
-    /// next slice; c's bend between the slices, for in h it goes straight and in s it does not, and a 0 that fills the
-    /// pair.
+    /// next slice; c's bend between the slices, for in h it goes straight and in s it does not, and what c is more than
+    /// its float, of which the last crescents are few.
     narrowings: Vec<[f32; 2]>,
     /// Slices of [`STRIDE`]: M's knots.
     table: Vec<[f32; 2]>,
@@ -119,13 +120,16 @@ impl WarpedPupil {
             }
             let width = interval.to - interval.from;
             let [from, to] = [low, high].map(|slice| slice.center as f32);
-            let numbers = [(width as f32).recip(), from, to - from];
+            // Where the rest below is added, too, else without a jump to the next slice's float.
+            let step = if dark_beyond { (high.center - low.center) as f32 } else { to - from };
+            let numbers = [(width as f32).recip(), from, step];
             cells.extend(std::iter::repeat_n(Indexed { index: table.len() as u32, numbers }, width));
             if dark_beyond {
                 let [narrowing, next] = [low, high].map(|slice| slice.narrowing as f32);
                 // h is s (2 - s) of the end: (h - h₀)/(h₁ - h₀) of an interval is t + t (1 - t) width/(2 - s₀ - s₁).
                 let bend = width as f32 / (2 * FINE - interval.from - interval.to) as f32;
-                let cell = [[narrowing, next - narrowing], [bend * (to - from), 0.0]];
+                let cell =
+                    [[narrowing, next - narrowing], [bend * step, (low.center - f64::from(from)) as f32]];
                 narrowings.extend(std::iter::repeat_n(cell, width).flatten());
             }
             for slice in [low, high] {
@@ -267,9 +271,9 @@ impl WarpedPupil {
         let mut center = part.mul_add(center_step, center);
         let mut narrowing = L::splat(cpu, L::Scalar::ZERO);
         if !self.narrowings.is_empty() {
-            let [[at, step, bend, _]] = L::look_up::<1, 2>(&self.narrowings, interval, [0]);
+            let [[at, step, bend, rest]] = L::look_up::<1, 2>(&self.narrowings, interval, [0]);
             narrowing = part.mul_add(step, at);
-            center = part.neg_mul_add(part, part).mul_add(bend, center);
+            center = center + part.neg_mul_add(part, part).mul_add(bend, rest);
         }
         Place {
             part,

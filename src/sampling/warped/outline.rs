@@ -43,9 +43,13 @@ pub(crate) struct Piece {
 impl Piece {
     /// Distance of the edge from the centre.
     pub fn radius(&self, angle: f64) -> f64 {
+        self.inverse(angle).recip()
+    }
+
+    fn inverse(&self, angle: f64) -> f64 {
         let t = angle - self.from;
         let [a, b, c, d] = self.cubic;
-        (a + t * (b + t * (c + t * d))).recip()
+        a + t * (b + t * (c + t * d))
     }
 }
 
@@ -65,28 +69,54 @@ const CORNER_BRACKET: f64 = 4e-2;
 const MEETING: Closing = Closing::Step { width: 1e-6, most: 30 };
 /// Searches a corner may cost.
 const CORNER_STEPS: u32 = 8;
+/// How far an arc may be off between two points, relative, before it gets more points.
+const OFF: f64 = 3e-3;
+/// Share of the pupil that may be in doubt between two points that many points are put between no more.
+const DOUBT: f64 = 1e-5;
+/// The same in all: beyond, no fan fits.
+const MOST_DOUBT: f64 = 1e-4;
+/// Times that points may be made denser, and times until that needs a doubt.
+const REFINEMENTS: u32 = 6;
+const FREE_REFINEMENTS: u32 = 2;
+/// Interval of angles within which an edge that leads from one distance to another jumps.
+const JUMP: f64 = 3e-3;
+/// Distances are another where their ratio is that far from 1.
+const APART: f64 = 0.05;
 
 impl Outline {
-    /// Traces the outlines of several pupils. `None` for one of which a half-line has no edge.
+    /// Traces the outlines of several pupils. `None` for one of which a half-line has no edge, or more than one.
     pub fn trace(finder: EdgeFinder<'_>, guesses: &[Guess<'_>]) -> Vec<Option<Self>> {
         let mut traces = Trace::begin(finder, guesses);
         for [step, stride] in [[4, usize::MAX], [2, 4], [1, 2]] {
             trace_between(finder, &mut traces, step, stride);
         }
+        for trace in traces.iter_mut().flatten() {
+            trace.order();
+        }
+        for round in 0..=REFINEMENTS {
+            if !refine(finder, &mut traces, round) {
+                break;
+            }
+        }
         find_corners(finder, &mut traces);
-        traces.into_iter().map(|trace| trace.map(Trace::outline)).collect()
+        traces.into_iter().map(|trace| trace.filter(|trace| !trace.torn).map(Trace::outline)).collect()
     }
 
     /// Distance of the edge from the centre at `angle` in [0, π]. `cursor` is where the last
     /// search ended: angles that grow cost no search.
     pub fn radius(&self, angle: f64, cursor: &mut usize) -> f64 {
+        self.inverse(angle, cursor).recip()
+    }
+
+    /// 1/distance, as [`Outline::radius`].
+    pub fn inverse(&self, angle: f64, cursor: &mut usize) -> f64 {
         while *cursor > 0 && angle < self.pieces[*cursor].from {
             *cursor -= 1;
         }
         while *cursor + 1 < self.pieces.len() && angle > self.pieces[*cursor].to {
             *cursor += 1;
         }
-        self.pieces[*cursor].radius(angle)
+        self.pieces[*cursor].inverse(angle)
     }
 }
 
@@ -102,6 +132,10 @@ struct Trace<'a> {
     /// may still cost.
     gaps: Vec<(usize, u32)>,
     corners: Vec<(f64, f64)>,
+    /// Whether its points are close enough.
+    smooth: bool,
+    /// Whether arcs were found to end apart, or to jump: a half-line meets the edge more than once.
+    torn: bool,
 }
 
 impl<'a> Trace<'a> {
@@ -131,9 +165,93 @@ impl<'a> Trace<'a> {
                 found: Vec::with_capacity(32),
                 gaps: Vec::new(),
                 corners: Vec::new(),
+                smooth: false,
+                torn: false,
             })
         };
         guesses.iter().zip(ends.chunks_exact(2)).map(trace).collect()
+    }
+
+    /// Puts what was traced in order.
+    fn order(&mut self) {
+        let found = self.guess.points.iter().zip(&self.traced);
+        self.found = found.filter_map(|(&(angle, _), edge)| edge.map(|edge| (angle, edge))).collect();
+    }
+
+    /// What was found of number `i`; mirrored at 0 and π beyond the ends.
+    fn point(&self, i: isize) -> Point {
+        let last = self.found.len() as isize - 1;
+        let (angle, crossing) = self.found[(last - (last - i.abs()).abs()) as usize];
+        Point::new(
+            if i < 0 {
+                -angle
+            } else if i > last {
+                2.0 * PI - angle
+            } else {
+                angle
+            },
+            crossing,
+        )
+    }
+
+    /// How far each arc is off between its points, relative, to the next of each point but the last: from what its cubic
+    /// through every second one misses the points between by. Where arcs meet 0, and where one has too few points.
+    fn misses(&self) -> Vec<f64> {
+        let mut misses = vec![0.0_f64; self.found.len() - 1];
+        for i in 1..misses.len() {
+            let own = self.point(i as isize);
+            let [before, after] = [-1, 1].map(|step| self.point(i as isize + step));
+            if before.limit != own.limit || after.limit != own.limit {
+                continue;
+            }
+            // Where a straight line is good enough a cubic is.
+            if (extend(&[before, after], own.angle) / own.inverse - 1.0).abs() < 8.0 * OFF {
+                continue;
+            }
+            let [first, last] = [-3, 3].map(|step| self.point(i as isize + step));
+            let stencil = [before, after, first, last];
+            let [with_first, with_last] = [first, last].map(|point| point.limit == own.limit);
+            // Errors of cubics go with the fourth power of the distance, of parabolas with the third.
+            let (stencil, less) = match (with_first, with_last) {
+                (true, true) => (&stencil[..], 16.0),
+                (true, false) => (&stencil[..3], 8.0),
+                (false, true) => (&[before, after, last][..], 8.0),
+                (false, false) => continue,
+            };
+            let off = (extend(stencil, own.angle) / own.inverse - 1.0).abs() / less;
+            for miss in &mut misses[i - 1..=i] {
+                *miss = miss.max(off);
+            }
+        }
+        misses
+    }
+
+    /// Whether the edge leads from one distance to another between the `i`th point and the next.
+    fn leaps(&self, i: usize) -> bool {
+        let [a, b] = [i, i + 1].map(|i| self.found[i].1.radius);
+        (a - b).abs() > APART * a.max(b)
+    }
+
+    /// Between which points an arc is to be looked at closer, in a round of that number. Where there are none, notes
+    /// whether too much is in doubt.
+    fn doubtful(&mut self, round: u32) -> Vec<usize> {
+        if self.smooth {
+            return Vec::new();
+        }
+        let misses = self.misses();
+        let square = |i: usize| self.found[i].1.radius.powi(2) + self.found[i + 1].1.radius.powi(2);
+        let sector = |i: usize| square(i) * (self.found[i + 1].0 - self.found[i].0);
+        let whole: f64 = (0..misses.len()).map(sector).sum();
+        let doubt = |i: usize| 2.0 * misses[i] * sector(i) / whole;
+        let wanted = |i: &usize| misses[*i] > OFF && (round < FREE_REFINEMENTS || doubt(*i) > DOUBT);
+        let doubtful: Vec<usize> = (0..misses.len()).filter(wanted).collect();
+        if doubtful.is_empty() || round == REFINEMENTS {
+            self.smooth = true;
+            let rough = (0..misses.len()).filter(|&i| misses[i] > OFF);
+            self.torn = rough.map(doubt).sum::<f64>() > MOST_DOUBT;
+            return Vec::new();
+        }
+        doubtful
     }
 
     fn half_line(&self, angle: f64, guess: Crossing) -> HalfLine<'a> {
@@ -160,21 +278,25 @@ impl<'a> Trace<'a> {
     }
 
     /// Points of one arc, at most three, from the `i`th of what was found backward or forward.
-    fn arc(&self, i: usize, forward: bool) -> Vec<Point> {
+    fn arc(&self, i: usize, forward: bool) -> Arc {
         let limit = self.found[i].1.limit;
-        let own = |found: &&(f64, Crossing)| found.1.limit == limit;
-        let point = |&(angle, crossing): &(f64, Crossing)| Point::new(angle, crossing);
-        if forward {
-            self.found[i..].iter().take(3).take_while(own).map(point).collect()
-        } else {
-            self.found[..=i].iter().rev().take(3).take_while(own).map(point).collect()
+        let mut arc = Arc { points: [Point::new(self.found[i].0, self.found[i].1); 3], count: 0 };
+        let left = if forward { self.found.len() - i } else { i + 1 };
+        for k in 0..left.min(3) {
+            let (angle, crossing) = self.found[if forward { i + k } else { i - k }];
+            if crossing.limit != limit {
+                break;
+            }
+            arc.points[k] = Point::new(angle, crossing);
+            arc.count = k + 1;
         }
+        arc
     }
 
     /// Where the arcs on both sides of the gap after the `i`th point meet, or its middle where they do not.
     fn meeting(&self, i: usize) -> Meeting {
         let (begun, coming) = (self.arc(i, false), self.arc(i + 1, true));
-        let gap = |angle: f64| extend(&begun, angle) - extend(&coming, angle);
+        let gap = |angle: f64| extend(begun.points(), angle) - extend(coming.points(), angle);
         let (low, high) = (self.found[i].0, self.found[i + 1].0);
         let crosses = gap(low) * gap(high) < 0.0;
         let angle = if crosses { illinois(low, high, MEETING, gap) } else { f64::midpoint(low, high) };
@@ -192,8 +314,12 @@ impl<'a> Trace<'a> {
             let Meeting { angle: meeting, crosses, arcs: [begun, coming] } = self.meeting(i);
             let ((low, from), (high, to)) = (self.found[i], self.found[i + 1]);
             let width = high - low;
-            if steps == 0 || width < CORNER_BRACKET {
-                let radius = f64::midpoint(extend(&begun, meeting), extend(&coming, meeting)).recip();
+            // Arcs that do not meet are followed to where one ends.
+            let leaps = !crosses && self.leaps(i);
+            if steps == 0 || width < if leaps { JUMP } else { CORNER_BRACKET } {
+                self.torn |= leaps && width < JUMP;
+                let ends = [&begun, &coming].map(|arc| extend(arc.points(), meeting));
+                let radius = f64::midpoint(ends[0], ends[1]).recip();
                 self.corners.push((meeting, radius));
                 let ends = [from, to].map(|end| (meeting, Crossing { radius, ..end }));
                 self.found.splice(i + 1..i + 1, ends);
@@ -207,7 +333,7 @@ impl<'a> Trace<'a> {
                 (meeting + margin).clamp(low + 0.3 * width, high - 0.1 * width),
             ];
             wanted.extend(angles.map(|angle| {
-                let radius = extend(&begun, angle).max(extend(&coming, angle)).recip();
+                let radius = extend(begun.points(), angle).max(extend(coming.points(), angle)).recip();
                 (angle, Crossing { radius, ..if angle < meeting { from } else { to } })
             }));
             open.push((i, steps));
@@ -236,12 +362,13 @@ impl<'a> Trace<'a> {
         // Mirrored at 0 and π for the sake of interpolation.
         let count = self.found.len();
         let mirrored = |point: Point, about: f64| Point { angle: 2.0 * about - point.angle, ..point };
-        let start = self.arc(0, true).into_iter().skip(1).rev().map(|point| mirrored(point, 0.0));
-        let mut points: Vec<Point> = start.collect();
+        let (start, end) = (self.arc(0, true), self.arc(count - 1, false));
+        let mut points = Vec::with_capacity(count + 4);
+        points.extend(start.points().iter().skip(1).rev().map(|&point| mirrored(point, 0.0)));
         let first = points.len();
         points.extend(self.found.iter().map(|&(angle, crossing)| Point::new(angle, crossing)));
         let last = points.len() - 1;
-        points.extend(self.arc(count - 1, false).into_iter().skip(1).map(|point| mirrored(point, PI)));
+        points.extend(end.points().iter().skip(1).map(|&point| mirrored(point, PI)));
         let pieces = (first..last).filter(|&i| points[i].angle < points[i + 1].angle);
         Outline {
             center: self.center,
@@ -256,8 +383,20 @@ struct Meeting {
     angle: f64,
     /// Whether they do, or the angle is but the middle between them.
     crosses: bool,
-    /// Points of the arc before, and of the one after.
-    arcs: [Vec<Point>; 2],
+    /// The arc before, and the one after.
+    arcs: [Arc; 2],
+}
+
+/// The end of an arc, from there on.
+struct Arc {
+    points: [Point; 3],
+    count: usize,
+}
+
+impl Arc {
+    fn points(&self) -> &[Point] {
+        &self.points[..self.count]
+    }
 }
 
 impl Point {
@@ -289,11 +428,36 @@ fn trace_between(finder: EdgeFinder<'_>, traces: &mut [Option<Trace<'_>>], step:
     }
 }
 
+/// Finds the edge half way between points where an arc may be too far off, if there are any. An outline of which a
+/// half-line has no edge ends here.
+fn refine(finder: EdgeFinder<'_>, traces: &mut [Option<Trace<'_>>], round: u32) -> bool {
+    let mut places = Vec::new();
+    let mut half_lines = Vec::new();
+    for (number, trace) in traces.iter_mut().enumerate() {
+        let Some(trace) = trace else { continue };
+        for i in trace.doubtful(round).into_iter().rev() {
+            let (low, high) = (trace.found[i], trace.found[i + 1]);
+            let radius = 2.0 / (low.1.radius.recip() + high.1.radius.recip());
+            let angle = f64::midpoint(low.0, high.0);
+            places.push((number, i + 1, angle));
+            half_lines.push(trace.half_line(angle, Crossing { radius, ..low.1 }));
+        }
+    }
+    let any = !half_lines.is_empty();
+    let edges = finder.crossings(half_lines.into_iter());
+    // From the last one of each on, so that places stay.
+    for ((number, place, angle), edge) in places.into_iter().zip(edges) {
+        match (&mut traces[number], edge) {
+            (Some(trace), Some(edge)) => trace.found.insert(place, (angle, edge)),
+            (trace, _) => *trace = None,
+        }
+    }
+    any
+}
+
 /// Finds the corners of outlines whose half-lines are all traced.
 fn find_corners(finder: EdgeFinder<'_>, traces: &mut [Option<Trace<'_>>]) {
     for trace in traces.iter_mut().flatten() {
-        let found = trace.guess.points.iter().zip(&trace.traced);
-        trace.found = found.filter_map(|(&(angle, _), edge)| edge.map(|edge| (angle, edge))).collect();
         let differs = |&i: &usize| trace.found[i].1.limit != trace.found[i + 1].1.limit;
         trace.gaps = (0..trace.found.len() - 1).filter(differs).map(|i| (i, CORNER_STEPS)).collect();
     }
@@ -328,32 +492,19 @@ fn find_corners(finder: EdgeFinder<'_>, traces: &mut [Option<Trace<'_>>]) {
 /// The arc between the points `i` and `i + 1`, through four of its points or as many as there are.
 fn piece(points: &[Point], i: usize) -> Piece {
     let (from, to) = (points[i].angle, points[i + 1].angle);
-    let belongs = |point: &&Point| point.limit == points[i].limit;
-    // Points much closer to one another than the stretch is long would multiply their errors.
-    let apart = 0.25 * (to - from);
-    let spaced = |start: f64| {
-        let mut last = start;
-        move |point: &&Point| {
-            let far = (point.angle - last).abs() >= apart;
-            if far {
-                last = point.angle;
-            }
-            far
-        }
-    };
-    let below: Vec<&Point> =
-        points[..i].iter().rev().take_while(belongs).filter(spaced(from)).take(2).collect();
-    let above: Vec<&Point> = points[i + 2..].iter().take_while(belongs).filter(spaced(to)).take(2).collect();
+    let ((below, lower), (above, higher)) = (
+        beside(points, (0..i).rev(), [from, to], points[i].limit),
+        beside(points, i + 2..points.len(), [to, from], points[i].limit),
+    );
     // One on each side where the arc goes on to both, else two on the one.
-    let (low, high) = (below.len().min(2 - above.len().min(1)), above.len().min(2 - below.len().min(1)));
-    let stencil = [&points[i], &points[i + 1]];
+    let (low, high) = (lower.min(2 - higher.min(1)), higher.min(2 - lower.min(1)));
     let stencil =
-        stencil.into_iter().chain(below[..low].iter().copied()).chain(above[..high].iter().copied());
+        [i, i + 1].into_iter().chain(below.into_iter().take(low)).chain(above.into_iter().take(high));
     // Newton's divided differences, then their products multiplied out about `from`.
     let mut node = [0.0; 4];
     let mut difference = [0.0; 4];
     let mut count = 0;
-    for point in stencil {
+    for point in stencil.map(|k| points[k]) {
         (node[count], difference[count]) = (point.angle - from, point.inverse);
         count += 1;
     }
@@ -372,6 +523,29 @@ fn piece(points: &[Point], i: usize) -> Piece {
         ];
     }
     Piece { from, to, cubic }
+}
+
+/// Up to two of an arc's points among those of the numbers `others`, from the end `near` of a stretch whose other end is
+/// `far`; and how many.
+fn beside(
+    points: &[Point],
+    others: impl Iterator<Item = usize>,
+    [near, far]: [f64; 2],
+    limit: Limit,
+) -> ([usize; 2], usize) {
+    // Points much closer to one another than the stretch is long would multiply their errors.
+    let apart = 0.25 * (far - near).abs();
+    let (mut found, mut count, mut last) = ([0; 2], 0, near);
+    for k in others.take_while(|&k| points[k].limit == limit) {
+        if (points[k].angle - last).abs() >= apart {
+            (found[count], last) = (k, points[k].angle);
+            count += 1;
+            if count == 2 {
+                break;
+            }
+        }
+    }
+    (found, count)
 }
 
 /// Unit vector of an angle.

@@ -10,7 +10,7 @@ use crate::lens::pupil::SlopeDisk;
 /// Half-lines that are looked along.
 const RAYS: usize = 12;
 /// Looks along each of them within the outline, and from there to the cover's edge.
-const WITHIN: usize = 3;
+const WITHIN: usize = 5;
 const BEYOND: usize = 8;
 /// Distance from the centre over the edge's from which light that gets through is another piece's.
 pub(crate) const BESIDE: f64 = 1.001;
@@ -35,7 +35,7 @@ pub(crate) fn is_in_pieces(view: &View<'_>, outline: &Outline, area: f64, cover:
         .flat_map(|half_line| (0..WITHIN).map(|k| half_line.at(half_line.edge * place(k, WITHIN))));
     let mut looks: Vec<[f64; 2]> = within.collect();
     for half_line in &half_lines {
-        looks.extend((0..BEYOND).map(|k| half_line.beyond(place(k, BEYOND))));
+        looks.extend((0..BEYOND).map(|k| half_line.beyond(outward(k))));
     }
     let mut found = Vec::with_capacity(looks.len());
     view.excesses(&looks, &mut found);
@@ -45,7 +45,7 @@ pub(crate) fn is_in_pieces(view: &View<'_>, outline: &Outline, area: f64, cover:
     }
     let beside = |i: usize, k: usize| {
         let HalfLine { edge, end, .. } = half_lines[i];
-        edge + (end - edge) * place(k, BEYOND) > BESIDE * edge
+        edge + (end - edge) * outward(k) > BESIDE * edge
     };
     let looks = (0..RAYS * BEYOND).map(|look| (look / BEYOND, look % BEYOND));
     if looks.clone().any(|(i, k)| beyond[i * BEYOND + k].value <= 0.0 && beside(i, k)) {
@@ -54,10 +54,15 @@ pub(crate) fn is_in_pieces(view: &View<'_>, outline: &Outline, area: f64, cover:
     let nearest = looks.filter(|&(i, k)| is_least(beyond, i, k));
     nearest.into_iter().any(|(i, k)| {
         let angle = std::f64::consts::PI * place(i, RAYS);
-        let look = [angle, place(k, BEYOND)];
+        let look = [angle, outward(k)];
         piece_near(view, outline, cover, look, beyond[i * BEYOND + k].value)
             .is_some_and(|point| !is_small(view, point, area))
     })
+}
+
+/// Which part of the way from the outline to the cover's edge look `k` lies at: the looks are denser near the outline.
+fn outward(k: usize) -> f64 {
+    ((k as f64 + 0.5) / BEYOND as f64).powf(1.5)
 }
 
 /// Whether a piece is too small to count: none of the points about one of its own at the distance at which a disk has

@@ -28,6 +28,8 @@ const ANYWHERE: f64 = 1.0;
 /// Distance of a secant's two points, over the radius, up to which it is relied on. Its error is its step times its
 /// span times half the relative curvature, and the height in an aperture is nearly linear in the slope.
 const LAST_SPAN: f64 = 3e-2;
+/// Limits that a search keeps what it knows of.
+const LIMITS: usize = 4;
 /// Steps that take any bracket to its last bits.
 const MOST_STEPS: u32 = 120;
 
@@ -65,7 +67,8 @@ struct Search<'a> {
     outside: f64,
     /// What stopped the ray at its outer end.
     limit: Limit,
-    known: Vec<Known>,
+    /// Of each limit that was met, the last ones.
+    known: [Option<Known>; LIMITS],
     step: u32,
 }
 
@@ -84,7 +87,7 @@ impl<'a> Search<'a> {
             inside: 0.0,
             outside: f64::INFINITY,
             limit: Limit::Optics,
-            known: Vec::new(),
+            known: [None; LIMITS],
             step: 0,
         }
     }
@@ -92,7 +95,7 @@ impl<'a> Search<'a> {
     /// Learns what became of the ray at `radius`. `hint` is a steepness that the ray's limit had elsewhere.
     fn learn(&mut self, excess: Excess, hint: Option<f64>) -> Next {
         let Self { half_line: HalfLine { guess, .. }, radius, .. } = *self;
-        let Excess { value, limit } = excess;
+        let Excess { value, limit, lost } = excess;
         if value <= 0.0 {
             self.inside = radius;
         } else {
@@ -100,8 +103,8 @@ impl<'a> Search<'a> {
             self.limit = limit;
         }
         let (inside, outside) = (self.inside, self.outside);
-        let place = self.known.iter().position(|known| known.limit == limit);
-        let last = place.map(|place| self.known.swap_remove(place)).filter(|last| last.value != value);
+        let own = self.known.iter_mut().find(|known| known.is_some_and(|known| known.limit == limit));
+        let last = own.and_then(Option::take).filter(|last| last.value != value);
         let (steepness, doubt) = match last {
             _ if limit == Limit::Optics => (f64::NAN, f64::INFINITY),
             Some(last) => {
@@ -114,12 +117,12 @@ impl<'a> Search<'a> {
         };
         let step = value / steepness;
         let edge = radius - step * radius;
-        let predicted =
-            self.known.iter().map(|known| known.edge).filter(|&edge| edge > inside && edge < outside);
+        let known = self.known.iter().flatten();
+        let predicted = known.map(|known| known.edge).filter(|&edge| edge > inside && edge < outside);
         let others = predicted.fold(f64::INFINITY, f64::min);
         // Where rays are lost within the aperture, its own edge lies outside the bracket and is none of the pupil's.
         let is_between = edge > 0.0 && edge >= inside && edge <= others.min((1.0 + ACCURACY) * outside);
-        if step.abs() * doubt <= ACCURACY && is_between {
+        if step.abs() * doubt <= ACCURACY && is_between && !lost {
             return Next::Edge(Crossing { radius: edge, limit, steepness });
         }
         if outside.is_finite() && outside - inside <= ACCURACY * outside {
@@ -127,8 +130,13 @@ impl<'a> Search<'a> {
                 if self.limit == limit && !steepness.is_nan() { steepness } else { guess.steepness };
             return Next::Edge(Crossing { radius: inside, limit: self.limit, steepness });
         }
-        self.known.push(Known { limit, radius, value, edge });
+        let free = self.known.iter().position(Option::is_none).unwrap_or(self.step as usize % LIMITS);
+        self.known[free] = Some(Known { limit, radius, value, edge });
         let mut next = edge.min(others);
+        // A ray that gets lost, too, does not show that those within the aperture get through.
+        if lost {
+            next *= 1.0 - 10.0 * ACCURACY;
+        }
         // Where that leads nowhere, and now and then in any case, the bracket's middle.
         if !(next > inside && next < outside) || self.step % 8 == 7 {
             next = if outside.is_finite() { f64::midpoint(inside, outside) } else { 2.0 * radius };

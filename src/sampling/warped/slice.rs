@@ -15,14 +15,18 @@ pub(crate) const TRACE_EVERY: usize = 8;
 
 /// How much larger than the outline the map is made, relative, for what interpolation leaves out.
 const MARGIN: f64 = 6e-4;
-/// Where the pupil has shrunk below this part of the one on the axis the margin grows as the
-/// pupil's width shrinks: slices lie too far apart there, and little light is lost by rejections.
-const VANISHING: f64 = 0.002;
+/// Where the pupil has shrunk below this part of the one on the axis the margin grows as its width shrinks, for slices lie
+/// too far apart there; at most so many times, and no more than this over √(1 - h²/H²), where it vanishes at H.
+const SHRUNK: f64 = 0.002;
+const VANISHING: f64 = 0.25;
+const MOST_MARGIN: f64 = 7.0;
 
 /// The disk's directions at the knots: pseudo-angles q = 1 - cos/(|cos| + sin) in equal steps from
 /// 0 to 2.
 pub(crate) struct Knots {
     pub angles: Vec<f64>,
+    /// The same over π.
+    parts: Vec<f64>,
     pub directions: Vec<[f64; 2]>,
 }
 
@@ -33,7 +37,8 @@ impl Knots {
             (if q <= 1.0 { q } else { 2.0 - q }).atan2(1.0 - q)
         };
         let angles: Vec<f64> = (0..=CELLS).map(angle).collect();
-        Self { directions: angles.iter().map(|&angle| direction(angle)).collect(), angles }
+        let directions = angles.iter().map(|&angle| direction(angle)).collect();
+        Self { directions, parts: angles.iter().map(|angle| angle / PI).collect(), angles }
     }
 }
 
@@ -74,14 +79,14 @@ impl Slice {
     }
 
     /// The map onto an outline that takes equal areas of the disk to equal areas, narrowed to the outline's width over
-    /// its height where that lies between `least` and 1; and where on the outline the knots lie. The pupil on the axis
-    /// has `axis_area`.
+    /// its height where that is below 1; and where on the outline the knots lie. Where the pupil vanishes at H,
+    /// `crescent` is √(1 - h²/H²), else 1. The pupil on the axis has `axis_area`.
     pub fn fit(
         view: &View<'_>,
         outline: &Outline,
         knots: &Knots,
+        crescent: f64,
         axis_area: f64,
-        least: f64,
     ) -> (Self, Vec<Place>) {
         let mut sectors = Vec::with_capacity(outline.pieces.len());
         let mut total = 0.0;
@@ -91,11 +96,15 @@ impl Slice {
             sectors.push(sector);
         }
         let area = 2.0 * view.width_scale * total;
-        let margin = MARGIN * (VANISHING * axis_area / area).sqrt().clamp(1.0, MARGIN.recip());
+        let growth = (SHRUNK * axis_area / area).sqrt().min(VANISHING / crescent);
+        let margin = MARGIN * growth.clamp(1.0, MOST_MARGIN);
+        // Where the pupil vanishes that is about its width over its height. Half of it keeps τ above 0 between the slices,
+        // too; where it does not vanish nothing is narrowed.
+        let least = if crescent < 1.0 { crescent / 2.0 } else { 1.0 };
         let mut number = 0;
         let mut places = Vec::with_capacity(CELLS + 1);
-        for (knot, &phi) in knots.angles.iter().enumerate() {
-            let target = total * phi / PI;
+        for (knot, &part) in knots.parts.iter().enumerate() {
+            let target = total * part;
             while number + 1 < sectors.len() && target > sectors[number].before + sectors[number].area {
                 number += 1;
             }
@@ -141,23 +150,24 @@ impl Slice {
         [re * cos - im * sin, re * sin + im * cos]
     }
 
-    /// The slice that the table's interpolation makes half way between two.
-    pub fn between(&self, other: &Self, height: f64) -> Self {
-        let mean = |a: f64, b: f64| f64::midpoint(a, b);
-        let part = (height - self.height) / (other.height - self.height);
+    /// The slice that the table's interpolation makes at `part` of the way from this to another.
+    pub fn toward(&self, other: &Self, part: f64, height: f64) -> Self {
+        let at = |a: f64, b: f64| a + part * (b - a);
         Self {
             height,
-            center: self.center + part * (other.center - self.center),
-            narrowing: mean(self.narrowing, other.narrowing),
+            // Straight in h, not in s.
+            center: self.center
+                + (height - self.height) / (other.height - self.height) * (other.center - self.center),
+            narrowing: at(self.narrowing, other.narrowing),
             factors: self
                 .factors
                 .iter()
                 .zip(&other.factors)
-                .map(|(a, b)| [mean(a[0], b[0]), mean(a[1], b[1])])
+                .map(|(a, b)| [at(a[0], b[0]), at(a[1], b[1])])
                 .collect(),
-            area: mean(self.area, other.area),
+            area: at(self.area, other.area),
             corners: self.corners.max(other.corners),
-            margin: mean(self.margin, other.margin),
+            margin: at(self.margin, other.margin),
             fitted: self.fitted && other.fitted,
         }
     }
@@ -217,12 +227,13 @@ impl Slice {
         knots: &Knots,
     ) -> impl Iterator<Item = f64> {
         let shift = shape.center * shape.height / shape.width_scale() - outline.center;
+        let per_margin = (1.0 + self.margin).recip();
         let mut cursor = 0;
         knots.directions.iter().zip(places).enumerate().map(move |(knot, (&direction, place))| {
             let [x, y] = shape.point(knot, direction);
             let x = x + shift;
-            let edge = (1.0 + self.margin) * outline.radius(place.angle_of([x, y]), &mut cursor);
-            (x * x + y * y).sqrt() / edge
+            let per_edge = per_margin * outline.inverse(place.angle_of([x, y]), &mut cursor);
+            (x * x + y * y).sqrt() * per_edge
         })
     }
 
@@ -271,7 +282,7 @@ impl Place {
         }
         let t = across / along;
         let square = t * t;
-        let turn = t * (1.0 - square * (1.0 / 3.0 - square * (0.2 - square / 7.0)));
+        let turn = t * (1.0 - square * (1.0 / 3.0 - square * (0.2 - square * (1.0 / 7.0))));
         (self.angle + turn).clamp(0.0, PI)
     }
 }
@@ -286,6 +297,7 @@ struct Sector {
     /// Area up to its beginning, and its own.
     before: f64,
     area: f64,
+    per_area: f64,
 }
 
 impl Sector {
@@ -294,7 +306,7 @@ impl Sector {
         let Piece { from, to, .. } = piece;
         let density = [from, f64::midpoint(from, to), to].map(|angle| piece.radius(angle).powi(2) / 2.0);
         let area = (to - from) * (density[0] + 4.0 * density[1] + density[2]) / 6.0;
-        Self { piece, start: direction(from), density, before, area }
+        Self { piece, start: direction(from), density, before, area, per_area: area.recip() }
     }
 
     fn place(&self, angle: f64, direction: [f64; 2]) -> Place {
@@ -304,32 +316,30 @@ impl Sector {
     /// Where the outline encloses `target`.
     fn place_of_area(&self, target: f64) -> Place {
         let [a, m, b] = self.density;
-        let width = self.piece.to - self.piece.from;
-        let wanted = (target - self.before) / width;
+        let mut x = ((target - self.before) * self.per_area).clamp(0.0, 1.0);
         // The density as a parabola, a + p x + q x², x in [0, 1].
         let (p, q) = (4.0 * m - 3.0 * a - b, 2.0 * a + 2.0 * b - 4.0 * m);
-        let mut x = ((target - self.before) / self.area).clamp(0.0, 1.0);
+        let wanted = x * (a + p / 2.0 + q / 3.0);
         for _ in 0..2 {
             let area = x * (a + x * (p / 2.0 + x * q / 3.0));
             x = (x - (area - wanted) / (a + x * (p + x * q))).clamp(0.0, 1.0);
         }
-        let turn = width * x;
+        let turn = (self.piece.to - self.piece.from) * x;
         self.place(self.piece.from + turn, turned(self.start, turn))
     }
 }
 
 /// A unit vector turned by an angle of at least 0, by the series of cosine and sine where those are as good.
 fn turned([x, y]: [f64; 2], angle: f64) -> [f64; 2] {
-    /// Their next terms are below 1e-15.
+    const COSINE: [f64; 5] = [1.0 / 2.0, 1.0 / 24.0, 1.0 / 720.0, 1.0 / 40_320.0, 1.0 / 3_628_800.0];
+    const SINE: [f64; 4] = [1.0 / 6.0, 1.0 / 120.0, 1.0 / 5040.0, 1.0 / 362_880.0];
+    /// The terms that come next are below 1e-15.
     const SMALL: f64 = 0.22;
     let (sin, cos) = if angle < SMALL {
         let square = angle * angle;
-        let cos = 1.0
-            - square / 2.0
-                * (1.0
-                    - square / 12.0 * (1.0 - square / 30.0 * (1.0 - square / 56.0 * (1.0 - square / 90.0))));
-        let sin = angle
-            * (1.0 - square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0 * (1.0 - square / 72.0))));
+        let series = |terms: &[f64]| terms.iter().rev().fold(0.0, |sum, term| square * (term - sum));
+        let cos = 1.0 - series(&COSINE);
+        let sin = angle * (1.0 - series(&SINE));
         (sin, cos)
     } else {
         angle.sin_cos()

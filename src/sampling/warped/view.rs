@@ -49,10 +49,10 @@ impl<'a> Tracer<'a> {
         found.clear();
         clearances(self.simd, self.path, self.film, rays, |clearance| {
             found.push(match clearance {
-                Some(Clearance { ratio, surface }) => {
-                    Excess { value: ratio - 1.0, limit: Limit::Aperture(surface) }
+                Some(Clearance { ratio, surface, lost }) => {
+                    Excess { value: ratio - 1.0, limit: Limit::Aperture(surface), lost }
                 }
-                None => Excess { value: f64::INFINITY, limit: Limit::Optics },
+                None => Excess { value: f64::INFINITY, limit: Limit::Optics, lost: true },
             });
         });
     }
@@ -83,6 +83,8 @@ pub(crate) struct Excess {
     /// Height over semi-diameter, minus 1; infinite for [`Limit::Optics`].
     pub value: f64,
     pub limit: Limit,
+    /// Whether the ray would get lost without apertures, too.
+    pub lost: bool,
 }
 
 impl View<'_> {
@@ -129,16 +131,35 @@ impl View<'_> {
         self.descended(self.least_of(&grid), width, reach, any)
     }
 
-    /// Where on the meridian a descent of the excess from a slope and its excess ends.
+    /// Where on the meridian a descent of the excess from a slope and its excess ends: at the least one as far as that
+    /// matters, which is for the sign with `any`, else to a thousandth.
     fn descended(&self, mut best: (f64, f64), mut width: f64, reach: f64, any: bool) -> (f64, f64) {
-        while width > 1e-9 * reach && !(any && best.1 < 0.0) {
-            let beside = self.least_of(&[best.0 - width, best.0 + width]);
-            if beside.1 < best.1 {
-                best = beside;
-                width *= 2.0;
-            } else {
-                width *= 0.4;
+        /// As many as a packet takes, but for the slope in the middle, which is known.
+        const LOOKS: [f64; GROUP] = [-1.0, -0.75, -0.5, -0.25, 0.25, 0.5, 0.75, 1.0];
+        const BELOW: usize = GROUP / 2 - 1;
+        let enough = if any { 0.5 } else { 1e-3 };
+        let mut found = Vec::with_capacity(GROUP);
+        while width > 1e-9 * reach && !(any && best.1 < 0.0) && !self.tracer.is_spent() {
+            self.excesses(&LOOKS.map(|part| [best.0 + part * width, 0.0]), &mut found);
+            let looks = LOOKS.iter().zip(&found);
+            let (least, part) =
+                looks.fold(
+                    (best.1, 0.0),
+                    |least, (&part, excess)| {
+                        if excess.value < least.0 { (excess.value, part) } else { least }
+                    },
+                );
+            if part == 0.0 {
+                // The excess falls and then rises: between two looks it is no deeper than their difference, unless rays
+                // get lost, where it jumps.
+                let jumps = found.iter().any(|excess| excess.lost);
+                let depth = found[BELOW].value.max(found[BELOW + 1].value) - best.1;
+                if !jumps && depth < enough * best.1.abs() {
+                    break;
+                }
             }
+            best = (best.0 + part * width, least);
+            width *= if part.abs() == 1.0 { 4.0 } else { 0.25 };
         }
         best
     }

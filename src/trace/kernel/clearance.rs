@@ -22,6 +22,8 @@ pub(crate) struct Clearance {
     pub ratio: f64,
     /// The surface, counted along the travel.
     pub surface: usize,
+    /// Whether the ray stops for another reason, too, farther on.
+    pub lost: bool,
 }
 
 /// Rays of a packet.
@@ -69,21 +71,23 @@ pub(crate) fn clearances(
         }
         let lanes = packet.largest.iter().zip(packet.surface).zip(packet.open).take(packet.count);
         for ((&largest, surface), open) in lanes {
-            let known = open > 0.0 || largest > 1.0;
-            found(known.then(|| Clearance { ratio: largest.sqrt(), surface: surface.to_bits() as usize }));
+            let lost = open == 0.0;
+            let surface = surface.to_bits() as usize;
+            found((!lost || largest > 1.0).then(|| Clearance { ratio: largest.sqrt(), surface, lost }));
         }
     }
 }
 
 /// The same of one ray, by the walk: through aspheres, which lanes here do not have.
 fn along(path: &Path<f64>, film: f64, MeridianRay { height, slopes }: MeridianRay) -> Option<Clearance> {
-    let mut most = Clearance { ratio: 0.0, surface: 0 };
+    let mut most = Clearance { ratio: 0.0, surface: 0, lost: false };
     let through = path.intersections(film, [height, 0.0], slopes, |intersection| {
         if intersection.ratio > most.ratio {
-            most = Clearance { ratio: intersection.ratio, surface: intersection.surface };
+            (most.ratio, most.surface) = (intersection.ratio, intersection.surface);
         }
         true
     });
+    most.lost = !through;
     (through || most.ratio > 1.0).then(|| Clearance { ratio: most.ratio.sqrt(), ..most })
 }
 
