@@ -1,6 +1,6 @@
-//! Dispersion: the refractive index of a medium at a wavelength (nm), from n_d and the Abbe number ([`two_numbers`]), by
+//! Dispersion: the refractive index of a medium at a wavelength (nm), from n_d and the Abbe number (`two_numbers`), by
 //! Sellmeier's formula (M. Born and E. Wolf, *Principles of Optics*, §2.3.4) or by another of the glass catalogues
-//! ([`formula`]); and the media of glasses by their names ([`library`], [`built_in`]).
+//! (`formula`); and the media of glasses by their names (`library`, `built_in`).
 
 mod built_in;
 pub(super) mod formula;
