@@ -6,10 +6,7 @@ use realistic::{
     prescription::catalogue,
     trace::kernel::{KernelScalar, Simd},
 };
-use realistic_lab::{
-    subject::phone_lens,
-    timing::{BenchArguments, Contest},
-};
+use realistic_lab::timing::{BenchArguments, Contest};
 
 use super::{BATCH, batch, scenes::Scene};
 
@@ -30,7 +27,7 @@ fn print_for<S: KernelScalar + 'static>(simd: Simd, name: &str, arguments: &Benc
         let film = lens.rear().vertex - distance;
         Scene { name: "", lens, film, reach }
     };
-    let phone = Lens::at_d_line(&phone_lens());
+    let phone = Lens::at_d_line(&catalogue::find("phone.4mm").expect("listed"));
     let gauss = Lens::at_d_line(&catalogue::find("dgauss.50mm").expect("a catalogue lens"));
     let planes = phone.surfaces.iter().filter(|surface| surface.curvature == 0.0).copied().collect();
     let planes = Lens { surfaces: planes, ..phone.clone() };

@@ -2,23 +2,25 @@
 
 use realistic::{
     lens::{Lens, first_order::FirstOrder},
+    prescription::catalogue,
     trace::{Direction::FilmToScene, Ray},
 };
-use realistic_lab::{
-    stability::{Case, tracers},
-    subject::phone_lens,
-};
+use realistic_lab::stability::{Case, tracers};
+
+fn phone_lens() -> Lens {
+    Lens::at_d_line(&catalogue::find("phone.4mm").expect("listed"))
+}
 
 #[test]
 fn a_telephones_lens_has_the_focal_length_that_its_patent_states() {
-    let optics = FirstOrder::of(&Lens::at_d_line(&phone_lens())).expect("focal");
+    let optics = FirstOrder::of(&phone_lens()).expect("focal");
     assert!((optics.focal_length - 4.104_34).abs() < 1e-4, "{}", optics.focal_length);
     assert!((optics.back_focal_distance() - 0.102_77).abs() < 1e-4, "{}", optics.back_focal_distance());
 }
 
 #[test]
 fn every_tracer_keeps_its_bound_in_a_telephones_lens() {
-    let lens = Lens::at_d_line(&phone_lens());
+    let lens = phone_lens();
     let film = lens.rear().vertex - 0.1;
     let at = |i: u32, n: u32| f64::from(i * n % 101) / 50.0 - 1.0;
     let rays = (0..2000).map(|i| {

@@ -15,7 +15,7 @@ use realistic::{
 
 use super::{
     case::Case,
-    lenses::{SIDES, bundle, lens_of, parallel},
+    lenses::{SIDES, bundle, catalogue, lens_of, parallel},
 };
 use crate::reference::{DoubleDouble, ExactRay};
 
@@ -196,7 +196,7 @@ pub fn rims() -> Vec<Case> {
 /// A telephone's lens, at three sizes.
 pub fn phone() -> Vec<Case> {
     let case = |factor: f64| {
-        let lens = Lens::at_d_line(&crate::subject::phone_lens().scaled(factor));
+        let lens = catalogue("phone.4mm", factor);
         let at = |i: u32, n: u32| f64::from(i * n % 101) / 50.0 - 1.0;
         let rays = (0..400).map(|i| {
             let point = [3.0 * at(i, 13), 0.5 * at(i, 37)];

@@ -3,12 +3,10 @@
 mod film_rays;
 pub mod kernel_rays;
 mod passing_rays;
-mod phone;
 pub mod quasirandom;
 
 pub use film_rays::FilmRays;
 pub use passing_rays::passing_rays;
-pub use phone::phone_lens;
 
 use realistic::{
     camera::{Film, Raster},
