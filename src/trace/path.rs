@@ -108,6 +108,11 @@ impl<R: Real> Path<R> {
         self.steps.iter().enumerate().find_map(|(along, step)| Some((along, blades(step)?)))
     }
 
+    /// How many surfaces are neither spheres nor planes.
+    pub(crate) fn aspheres(&self) -> usize {
+        self.steps.iter().filter(|step| step.aspheric.is_some()).count()
+    }
+
     /// How many surfaces there are.
     pub(crate) fn surfaces(&self) -> usize {
         self.steps.len()

@@ -5,15 +5,24 @@
 
 use std::cell::Cell;
 
-use crate::trace::{
-    Path,
-    kernel::{Available, Clearance, MeridianRay, clearances},
+use crate::{
+    prescription::MAX_INTERFACES,
+    trace::{
+        Path,
+        kernel::{Available, Clearance, MeridianRay, clearances},
+    },
 };
 
 /// Rays that are counted as one packet: what few registers of any processor take.
 const GROUP: usize = 8;
 /// Packets that a table may take: some 30 us an interface where they take 2.5 ns each.
-const MOST_PACKETS: u32 = 12_000;
+const MOST_PACKETS: u64 = 12_000;
+/// Surfaces that a packet passes in lanes at no more than its count. A lens with aspheres, whose rays go one by one, has as
+/// many packets as take no longer than those of the largest lens of spheres.
+const MOST_SURFACES: u64 = MAX_INTERFACES as u64;
+/// What an asphere and any other surface cost a ray alone, in surfaces of a packet.
+const ASPHERE: u64 = 120;
+const ALONE: u64 = 5;
 
 /// Traces rays for searches, and counts them.
 pub(crate) struct Tracer<'a> {
@@ -22,13 +31,21 @@ pub(crate) struct Tracer<'a> {
     pub film: f64,
     simd: Available,
     rays: Cell<u32>,
-    /// Groups of rays traced, full or not: what the time depends on, whatever the width of the registers.
-    packets: Cell<u32>,
+    /// Groups of rays traced, full or not, times what one counts: what the time depends on, whatever the width of the
+    /// registers.
+    work: Cell<u64>,
+    /// What a group counts.
+    per_packet: u64,
 }
 
 impl<'a> Tracer<'a> {
     pub fn new(path: &'a Path, film: f64) -> Self {
-        Self { path, film, simd: Available::best(), rays: Cell::new(0), packets: Cell::new(0) }
+        let aspheres = path.aspheres() as u64;
+        let per_packet = match aspheres {
+            0 => MOST_SURFACES,
+            _ => (ASPHERE * aspheres + ALONE * path.surfaces() as u64).max(MOST_SURFACES),
+        };
+        Self { path, film, simd: Available::best(), rays: Cell::new(0), work: Cell::new(0), per_packet }
     }
 
     /// Rays traced so far.
@@ -38,14 +55,14 @@ impl<'a> Tracer<'a> {
 
     /// Whether all the rays that a table may take were traced. Counted, not timed: the same lens gets the same table.
     pub fn is_spent(&self) -> bool {
-        self.packets.get() >= MOST_PACKETS
+        self.work.get() >= MOST_PACKETS * MOST_SURFACES
     }
 
     /// How far outside every aperture each of the rays is.
     pub fn excesses(&self, rays: impl ExactSizeIterator<Item = MeridianRay>, found: &mut Vec<Excess>) {
         let count = rays.len();
         self.rays.set(self.rays.get() + count as u32);
-        self.packets.set(self.packets.get() + count.div_ceil(GROUP) as u32);
+        self.work.set(self.work.get() + self.per_packet * count.div_ceil(GROUP) as u64);
         found.clear();
         clearances(self.simd, self.path, self.film, rays, |clearance| {
             found.push(match clearance {
