@@ -65,10 +65,10 @@ class Options(ctypes.Structure):
         ("tolerance", c_double),
         ("focusby", c_char_p),
         ("zoom", c_char_p),
-        ("glasscatalog", c_char_p),
         ("blades", c_double),
         ("bladerotation", c_double),
         ("bladecurvature", c_double),
+        ("glasscatalog", c_char_p),
     ]
 
 
