@@ -66,7 +66,11 @@ def test_every_parameter_reaches_the_library():
         with pytest.raises((realistic.Error, TypeError)) as caught:
             Camera(resolution=(30, 20), **{**needs, name: value})
         words = str(caught.value)
-        own = {"lensfile": "no-such-lens", "aperturediameter": "aperture_diameter"}.get(name, name)
+        own = {
+            "lensfile": "no-such-lens",
+            "aperturediameter": "aperture_diameter",
+            "glasscatalog": "glass catalogue",
+        }.get(name, name)
         assert own in words, words
 
 
