@@ -25,20 +25,33 @@ pub unsafe extern "C" fn realistic_camera_new(
     options: *const realistic_options,
     out: *mut *mut realistic_camera,
 ) -> realistic_status {
+    // SAFETY: the caller's promise, here and within.
+    unsafe { construct(options, out, |options, parameters, log| make(parameters, &options.host()?, log)) }
+}
+
+/// Builds by `make` what a caller's options describe, and writes it to `out`.
+///
+/// # Safety
+/// `options` and `out` as of [`realistic_camera_new`].
+pub(super) unsafe fn construct<T>(
+    options: *const realistic_options,
+    out: *mut *mut T,
+    make: impl FnOnce(&realistic_options, &Parameters, Log<'_>) -> Result<*mut T, Failure>,
+) -> realistic_status {
     boundary::status(|| {
         if out.is_null() {
             return Err(boundary::null("out"));
         }
         memory::to_build()?;
         // SAFETY: the caller's promise.
-        let (options, parameters, host) = unsafe {
+        let (options, parameters) = unsafe {
             let options = options::read(options)?;
-            (options, options.parameters()?, options.host()?)
+            (options, options.parameters()?)
         };
         let mut log = |level, text: &str| log(options.log, options.log_user, level, text);
-        let camera = make(&parameters, &host, &mut log)?;
+        let made = make(&options, &parameters, &mut log)?;
         // SAFETY: not NULL, and the caller's promise.
-        unsafe { out.write_unaligned(camera) };
+        unsafe { out.write_unaligned(made) };
         Ok(())
     })
 }

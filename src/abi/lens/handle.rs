@@ -2,8 +2,7 @@
 
 use super::super::{
     boundary::{self, Failure, realistic_status},
-    camera::log,
-    memory, options,
+    camera::construct,
     types::realistic_options,
 };
 use crate::{
@@ -53,20 +52,24 @@ pub(super) struct Way {
 
 impl Way {
     fn new(lens: &Lens, direction: Direction) -> Self {
-        Self { path: Path::new(lens, direction, Default::default()), kernel: Kernel::new(lens, direction) }
+        let path = Path::new(lens, direction, Default::default());
+        Self { kernel: Kernel::along(&path), path }
     }
 }
 
 impl OpenedLens {
     fn new(prescription: &Prescription, lens: Lens) -> Self {
         let limiting = limiting_surface(&lens);
+        let entrance = EntrancePupil::of_surface(&lens, limiting);
+        let first_order = FirstOrder::of(&lens);
+        let focus = first_order.clone().map_err(FocusError::from);
         Self {
             stated_focal_length: prescription.stated_focal_length,
-            first_order: FirstOrder::of(&lens),
+            focus: focus.and_then(|first_order| Focus::of(&lens, first_order, entrance)),
+            first_order,
             limiting,
-            entrance: EntrancePupil::of_surface(&lens, limiting),
+            entrance,
             exit: ExitPupil::of_surface(&lens, limiting),
-            focus: Focus::new(&lens),
             ways: [Direction::FilmToScene, Direction::SceneToFilm].map(|way| Way::new(&lens, way)),
             lens,
         }
@@ -96,24 +99,16 @@ pub unsafe extern "C" fn realistic_lens_new(
     options: *const realistic_options,
     out: *mut *mut realistic_lens,
 ) -> realistic_status {
-    boundary::status(|| {
-        if out.is_null() {
-            return Err(boundary::null("out"));
-        }
-        memory::to_build()?;
-        // SAFETY: the caller's promise.
-        let (options, parameters, host) = unsafe {
-            let options = options::read(options)?;
-            (options, options.parameters()?, options.lens_host()?)
-        };
-        only_of_a_lens(&parameters)?;
-        let mut log = |level, text: &str| log(options.log, options.log_user, level, text);
-        let (prescription, lens) = open_lens(&parameters, &host, &mut log)?;
-        let lens = Box::new(Tagged { tag: &raw const TAG, lens: OpenedLens::new(&prescription, lens) });
-        // SAFETY: not NULL, and the caller's promise.
-        unsafe { out.write_unaligned(Box::into_raw(lens).cast()) };
-        Ok(())
-    })
+    // SAFETY: the caller's promise, here and within.
+    unsafe {
+        construct(options, out, |options, parameters, log| {
+            let host = options.lens_host()?;
+            only_of_a_lens(parameters)?;
+            let (prescription, lens) = open_lens(parameters, &host, log)?;
+            let lens = Tagged { tag: &raw const TAG, lens: OpenedLens::new(&prescription, lens) };
+            Ok(Box::into_raw(Box::new(lens)).cast())
+        })
+    }
 }
 
 /// Refuses what only a camera has.
