@@ -2,9 +2,9 @@
 
 use std::ffi::c_void;
 
+use super::boundary::memory;
 use super::boundary::{self, Failure, realistic_status};
 use super::camera;
-use super::memory;
 use super::object;
 use super::options;
 use super::types::{realistic_camera, realistic_options, realistic_ray};

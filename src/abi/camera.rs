@@ -3,9 +3,9 @@
 use std::ffi::{c_char, c_void};
 use std::mem::size_of;
 
+use super::boundary::memory;
 use super::boundary::{self, Failure, realistic_status};
 use super::exchange::{give, give_text};
-use super::memory;
 use super::object::{self, Handle, HostPart};
 use super::options;
 use super::types::{level_number, realistic_camera, realistic_camera_info, realistic_log, realistic_options};

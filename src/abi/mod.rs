@@ -1,7 +1,7 @@
 //! The C ABI: the only exported functions, and the only place that takes raw pointers.
 //!
 //! `types` are the structures by layout, `boundary` keeps panics inside and the host's traps and rounding outside, and
-//! gives errors their status; `memory` asks whether there is any; `exchange` copies to and from a caller's memory; `object`
+//! gives errors their status, and asks for memory before anything is built; `exchange` copies to and from a caller's memory; `object`
 //! makes, recognises and serves the cameras that a host holds; `library`, `options`, `camera`, `ray`, `batch`, `autofocus`
 //! and `lens` export what a C caller uses; `pbrt` is the entry of a pbrt-v1 host (only where `pbrt-shim/` is built).
 
@@ -12,7 +12,6 @@ mod camera;
 mod exchange;
 mod lens;
 mod library;
-mod memory;
 mod object;
 mod options;
 #[cfg(realistic_shim)]

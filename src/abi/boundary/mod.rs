@@ -6,6 +6,7 @@
 
 mod failure;
 pub(super) mod float_environment;
+pub(super) mod memory;
 
 use std::any::Any;
 use std::cell::RefCell;

@@ -8,10 +8,10 @@ use std::ffi::c_void;
 use std::path::Path;
 use std::ptr::null_mut;
 
-use super::boundary::{self, Failure, realistic_status};
+use super::boundary::{self, Failure, memory, realistic_status};
 use super::object::{self, Handle, HostPart};
 use super::types::realistic_camera;
-use super::{library, memory, options};
+use super::{library, options};
 use crate::camera::{CameraError, CameraToWorld, Host, Kind, Level, Model, PARAMETERS, Parameters, Value};
 use shim::{FindError, Given, HostKind, ParamSet};
 

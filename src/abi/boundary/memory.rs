@@ -3,7 +3,7 @@
 
 use std::hint::black_box;
 
-use super::boundary::{Failure, out_of_memory};
+use super::{Failure, out_of_memory};
 
 /// Building takes 2.5 MB, with a tolerance up to 7.7 MB, of any lens; what it keeps is less.
 const CAMERA: usize = 8 << 20;
