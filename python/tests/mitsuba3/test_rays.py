@@ -19,14 +19,14 @@ def rays_of(mi, sensor, time, picture, lens):
     names = ("o", "d", "o_x", "d_x", "o_y", "d_y", "maxt", "time")
     if mi.variant().startswith("scalar"):
         found = [
-            sensor.sample_ray_differential(float(t), 0.5, mi.Point2f(float(x), float(y)), mi.Point2f(float(u), float(v)))
+            sensor.sample_ray_differential(
+                float(t), 0.5, mi.Point2f(float(x), float(y)), mi.Point2f(float(u), float(v))
+            )
             for t, x, y, u, v in zip(time, *picture, *lens)
         ]
         arrays = [np.array([getattr(ray, name) for ray, _ in found]) for name in names]
         return (*arrays, np.array([np.array(weight)[0] for _, weight in found]))
-    ray, weight = sensor.sample_ray_differential(
-        mi.Float(time), mi.Float(0.5), mi.Point2f(picture), mi.Point2f(lens)
-    )
+    ray, weight = sensor.sample_ray_differential(mi.Float(time), mi.Float(0.5), mi.Point2f(picture), mi.Point2f(lens))
     assert ray.has_differentials
     arrays = [np.broadcast_to(np.array(getattr(ray, name)).T, (len(time), 3)) for name in names[:6]]
     arrays += [np.broadcast_to(np.array(getattr(ray, name)), len(time)) for name in names[6:]]

@@ -29,7 +29,7 @@ def sensor_class(model: str | None) -> type:
         def __init__(self, props: Any) -> None:
             super().__init__(props)
             self.m_needs_sample_2 = self.m_needs_sample_3 = True
-            self.to_world = mi.Transform4f(self.m_to_world)
+            self.to_world: Any = mi.Transform4f(self.m_to_world)
             poses = {name: props[name] for name in ("to_world", "to_world_end") if name in props}
             parameters, own = parameters_of(props, model)
             parameters.setdefault("weighting", "relative")
@@ -144,4 +144,5 @@ def _end(poses: dict[str, Any]) -> NDArray[np.float64] | None:
         matrices[name] = np.array(pose.matrix, np.float64)
     if "to_world_end" not in matrices:
         return None
-    return np.linalg.solve(matrices.get("to_world", np.eye(4)), matrices["to_world_end"])
+    begin = matrices.get("to_world", np.eye(4))
+    return np.asarray(np.linalg.solve(begin, matrices["to_world_end"]), np.float64)
