@@ -91,6 +91,11 @@ def sensor_class(model: str | None) -> type:
 
         def _columns(self, samples: list[Any], differentials: bool) -> list[Any]:
             """The columns of rays: memory of Dr.Jit's, which it uses again, as NumPy sees it."""
+            if dr.flag(dr.JitFlag.FreezingScope) or dr.flag(dr.JitFlag.SymbolicScope):
+                raise RuntimeError(
+                    "the sensor realistic traces its rays outside of Dr.Jit's kernels: it cannot be asked for rays within "
+                    'dr.freeze, in a recorded loop or by the sensor "batch"'
+                )
             samples = [dr.detach(mi.Float(column)) for column in samples]
             dr.eval(samples)
             n = max(dr.width(column) for column in samples)
