@@ -52,6 +52,11 @@ struct Api {
     decltype(&realistic_generate_ray_differential) generate_ray_differential;
     decltype(&realistic_camera_generate_ray_differentials) camera_generate_ray_differentials;
     decltype(&realistic_camera_generate_ray_differentials_soa) camera_generate_ray_differentials_soa;
+    decltype(&realistic_generate_ray_at) generate_ray_at;
+    decltype(&realistic_generate_hero_rays) generate_hero_rays;
+    decltype(&realistic_camera_generate_rays_at) camera_generate_rays_at;
+    decltype(&realistic_camera_generate_rays_at_soa) camera_generate_rays_at_soa;
+    decltype(&realistic_camera_generate_hero_rays_soa) camera_generate_hero_rays_soa;
     decltype(&realistic_autofocus) autofocus;
     decltype(&realistic_capabilities) capabilities;
     decltype(&realistic_lens_new) lens_new;
@@ -73,6 +78,9 @@ struct Api {
                    realistic_camera_generate_rays, realistic_camera_generate_rays_soa,
                    realistic_generate_ray_differential, realistic_camera_generate_ray_differentials,
                    realistic_camera_generate_ray_differentials_soa,
+                   realistic_generate_ray_at,    realistic_generate_hero_rays,
+                   realistic_camera_generate_rays_at, realistic_camera_generate_rays_at_soa,
+                   realistic_camera_generate_hero_rays_soa,
                    realistic_autofocus,          realistic_capabilities,
                    realistic_lens_new,           realistic_lens_free,
                    realistic_lens_get_info,      realistic_lens_get_surface,
@@ -101,6 +109,11 @@ struct Api {
         resolve(symbol, "realistic_camera_generate_ray_differentials", api.camera_generate_ray_differentials);
         resolve(symbol, "realistic_camera_generate_ray_differentials_soa",
                 api.camera_generate_ray_differentials_soa);
+        resolve(symbol, "realistic_generate_ray_at", api.generate_ray_at);
+        resolve(symbol, "realistic_generate_hero_rays", api.generate_hero_rays);
+        resolve(symbol, "realistic_camera_generate_rays_at", api.camera_generate_rays_at);
+        resolve(symbol, "realistic_camera_generate_rays_at_soa", api.camera_generate_rays_at_soa);
+        resolve(symbol, "realistic_camera_generate_hero_rays_soa", api.camera_generate_hero_rays_soa);
         resolve(symbol, "realistic_autofocus", api.autofocus);
         resolve(symbol, "realistic_capabilities", api.capabilities);
         resolve(symbol, "realistic_lens_new", api.lens_new);
@@ -346,6 +359,38 @@ public:
     void generate(const realistic_samples_soa &samples, std::size_t n, const realistic_rays_soa &rays,
                   const realistic_rays_soa &rx, const realistic_rays_soa &ry) const {
         api_.check(api_.camera_generate_ray_differentials_soa(camera_.get(), n, &samples, &rays, &rx, &ry));
+    }
+
+    /* The weight of a ray at a wavelength, nm; 0, and the ray as it was, where the lens blocks it, and where the
+     * wavelength is not from 380 to 780. */
+    float generate_at(const realistic_sample &sample, float wavelength_nm, realistic_ray &ray) const noexcept {
+        return api_.generate_ray_at(camera_.get(), &sample, wavelength_nm, &ray);
+    }
+
+    /* As `generate_at` for `n` samples, each at its own wavelength; `wavelengths_nm` NULL: the camera's. */
+    void generate_at(const realistic_sample *samples, const float *wavelengths_nm, std::size_t n, realistic_ray *rays,
+                     float *weights, realistic_reason *reasons = nullptr, std::size_t sample_stride = 0,
+                     std::size_t wavelength_stride = 0, std::size_t ray_stride = 0) const {
+        api_.check(api_.camera_generate_rays_at(camera_.get(), n, samples, sample_stride, wavelengths_nm,
+                                                wavelength_stride, rays, ray_stride, weights, reasons));
+    }
+
+    /* As structure of arrays, of `n` elements each. */
+    void generate_at(const realistic_samples_soa &samples, const float *wavelengths_nm, std::size_t n,
+                     const realistic_rays_soa &rays) const {
+        api_.check(api_.camera_generate_rays_at_soa(camera_.get(), n, &samples, wavelengths_nm, &rays));
+    }
+
+    /* The rays of one sample at four wavelengths; how many there are. */
+    uint32_t generate_hero(const realistic_sample &sample, const float (&wavelengths_nm)[4], realistic_ray (&rays)[4],
+                           float (&weights)[4]) const noexcept {
+        return api_.generate_hero_rays(camera_.get(), &sample, wavelengths_nm, rays, weights);
+    }
+
+    /* Of `n` samples, at 4 `n` wavelengths, into arrays of 4 `n` elements. */
+    void generate_hero(const realistic_samples_soa &samples, const float *wavelengths_nm, std::size_t n,
+                       const realistic_rays_soa &rays) const {
+        api_.check(api_.camera_generate_hero_rays_soa(camera_.get(), n, &samples, wavelengths_nm, &rays));
     }
 
     realistic_camera_info info() const {

@@ -12,7 +12,7 @@ import sys
 from ctypes import POINTER, c_char_p, c_double, c_float, c_int32, c_size_t, c_uint32, c_uint64, c_void_p
 from pathlib import Path
 
-ABI_VERSION = 3
+ABI_VERSION = 4
 """The least version of the C ABI that this package works with."""
 
 LOG = ctypes.CFUNCTYPE(None, c_void_p, c_int32, c_char_p)
@@ -188,6 +188,14 @@ FUNCTIONS = {
     "realistic_camera_generate_ray_differentials_soa": (
         _STATUS,
         [c_void_p, c_size_t, POINTER(SamplesPointers), *[POINTER(RaysPointers)] * 3],
+    ),
+    "realistic_camera_generate_rays_at_soa": (
+        _STATUS,
+        [c_void_p, c_size_t, POINTER(SamplesPointers), c_void_p, POINTER(RaysPointers)],
+    ),
+    "realistic_camera_generate_hero_rays_soa": (
+        _STATUS,
+        [c_void_p, c_size_t, POINTER(SamplesPointers), c_void_p, POINTER(RaysPointers)],
     ),
     "realistic_lens_new": (_STATUS, [POINTER(Options), POINTER(c_void_p)]),
     "realistic_lens_free": (None, [c_void_p]),

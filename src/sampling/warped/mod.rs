@@ -159,6 +159,11 @@ impl WarpedPupil {
         self.dark_beyond.then_some(self.end)
     }
 
+    /// The disk that holds every pupil.
+    pub(crate) fn cover_disk(&self) -> PupilDisk {
+        self.cover
+    }
+
     /// Rings of the film with disks of slopes that hold everything sampled there.
     pub fn bands(&self) -> Vec<Band> {
         /// Each holds every slope that single precision can make of the table.
