@@ -67,6 +67,7 @@ struct Api {
     decltype(&realistic_lens_focus) lens_focus;
     decltype(&realistic_lens_focused_on) lens_focused_on;
     decltype(&realistic_lens_trace) lens_trace;
+    decltype(&realistic_catalogue) catalogue;
 
     /* Those that the program is linked with. A program that only loads the library never calls this. */
     static Api linked() {
@@ -85,7 +86,8 @@ struct Api {
                    realistic_lens_new,           realistic_lens_free,
                    realistic_lens_get_info,      realistic_lens_get_surface,
                    realistic_lens_get_name,      realistic_lens_focus,
-                   realistic_lens_focused_on,    realistic_lens_trace};
+                   realistic_lens_focused_on,    realistic_lens_trace,
+                   realistic_catalogue};
     }
 
     /* Those that `symbol`, called with each name, returns as void pointers. Throws Error when one is missing
@@ -124,6 +126,7 @@ struct Api {
         resolve(symbol, "realistic_lens_focus", api.lens_focus);
         resolve(symbol, "realistic_lens_focused_on", api.lens_focused_on);
         resolve(symbol, "realistic_lens_trace", api.lens_trace);
+        resolve(symbol, "realistic_catalogue", api.catalogue);
         return api;
     }
 
@@ -473,6 +476,20 @@ private:
     Api api_;
     std::unique_ptr<realistic_lens, decltype(&realistic_lens_free)> lens_;
 };
+
+/* The names of the built-in lenses, the default's first. */
+inline std::vector<std::string> catalogue(const Api &api = Api::linked()) {
+    std::size_t length = 0;
+    api.check(api.catalogue(nullptr, 0, &length));
+    std::vector<char> buffer(length + 1);
+    api.check(api.catalogue(buffer.data(), buffer.size(), nullptr));
+    std::vector<std::string> names(1);
+    for (std::size_t i = 0; i < length; ++i) {
+        if (buffer[i] == '\n') names.emplace_back();
+        else names.back() += buffer[i];
+    }
+    return names;
+}
 
 } // namespace realistic
 

@@ -318,7 +318,7 @@ def test_the_interpreter_is_free_during_a_call(camera, samples):
     """Another thread counts while one is in the library. No thread is made to give the lock up, so none else could."""
     n = 200_000
     given = engine._Samples(*map(np.asfortranarray, samples(camera, n)), np.zeros(n, np.float32))
-    asked = _abi.SamplesPointers(*given.columns())
+    asked = _abi.SamplesPointers(*given.columns()[:5])
     out = Rays.empty(n)
     found = _abi.RaysPointers(*engine._Target(out, n, None).columns())
     function, pointer = _abi.library.realistic_camera_generate_rays_soa, camera._live().pointer

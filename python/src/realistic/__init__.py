@@ -20,8 +20,8 @@ from .errors import (
     OutOfMemoryError,
     ParameterError,
 )
-from .intrinsics import Intrinsics
-from .lens import Lens, LensRays, Pupils, Surface
+from .lens import Lens, LensRays, Pupils, Surface, catalogue
+from .measure.intrinsics import Intrinsics
 from .parameters import Parameters
 from .rays import Rays, Reason
 
@@ -44,5 +44,6 @@ __all__ = [
     "Rays",
     "Reason",
     "Surface",
+    "catalogue",
     "measure",
 ]

@@ -12,7 +12,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from . import measure
-from .bundles import film_grid
+from .measure.bundles import film_grid
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -2,13 +2,15 @@
 //! vertex of the first interface, +z toward the scene, +x image right, +y image up, millimetres.
 //!
 //! `handle` opens and frees a lens, `facts` says what it is, `focus` where it is sharp, and `trace` takes rays through it
-//! exactly, either way.
+//! exactly, either way. `catalogue` has the names of the built-in ones.
 
+mod catalogue;
 mod facts;
 mod focus;
 mod handle;
 mod trace;
 
+pub use catalogue::*;
 pub use facts::*;
 pub use focus::*;
 pub use handle::*;

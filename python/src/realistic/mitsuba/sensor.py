@@ -15,6 +15,9 @@ from .tracing import COLUMNS, DOWN, RAY, RIGHT, trace, trace_one
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+WAVELENGTHS = (380.0, 780.0)
+"""Wavelengths, nm, at which rays can be asked for; Mitsuba's reach a little further, where eyes see nothing."""
+
 # Mitsuba's cameras have +x to the left of the picture.
 _MIRROR = np.diag([-1.0, 1.0, 1.0, 1.0])
 
@@ -38,6 +41,8 @@ def sensor_class(model: str | None) -> type:
             self.near, self.far = parameters.get("hither", 1e-3), parameters.get("yon", 1e30)
             self.end = _end(poses)
             self.camera = self._built()
+            # With a wavelength of its own the camera takes all light to be of that one.
+            self.disperses = mi.is_spectral and "wavelength" not in parameters and disperses(self.camera)
 
         def _built(self) -> Camera:
             width, height = self.film().size()
@@ -76,17 +81,23 @@ def sensor_class(model: str | None) -> type:
                 sample3.y,
                 self._fraction(time),
             ]
+            wavelengths, response = self.sample_wavelengths(dr.zeros(mi.SurfaceInteraction3f), sample1)
+            if self.disperses:
+                # All the light of a ray is that of its first wavelength: the others would go another way.
+                samples.append(dr.clip(wavelengths[0], *WAVELENGTHS))
+                hero = mi.UnpolarizedSpectrum(0.0)
+                hero[0] = len(wavelengths)
+                response = response * hero
             if scalar:
                 columns: Any = trace_one(self.camera, samples, differentials)
             else:
                 columns = self._columns(samples, differentials)
             weight = columns[RAY][6]
             lit = weight > 0
-            wavelengths, response = self.sample_wavelengths(dr.zeros(mi.SurfaceInteraction3f), sample1)
             found = mi.Ray3f(*self._in_scene(columns[RAY], lit), time, wavelengths)
             # A blocked ray ends where it begins and meets nothing.
             found.maxt = dr.select(lit, mi.Float(self.far - self.near), 0.0)
-            neighbours = [self._in_scene(columns[at], lit) if differentials else None for at in (RIGHT, DOWN)]
+            neighbours = [self._neighbour(columns, at, lit) if differentials else None for at in (RIGHT, DOWN)]
             return found, response * weight, *neighbours
 
         def _columns(self, samples: list[Any], differentials: bool) -> list[Any]:
@@ -115,6 +126,12 @@ def sensor_class(model: str | None) -> type:
             forward = mi.Vector3f(*direction, dr.select(lit, columns[5], mi.Float(1.0)))
             return self.to_world @ mi.Point3f(mi.Vector3f(x, y, z) + self.near * forward), self.to_world @ forward
 
+        def _neighbour(self, columns: Any, at: slice, lit: Any) -> tuple[Any, Any]:
+            """The same for a neighbour; the ray itself where that is blocked."""
+            here, there = columns[RAY], columns[at]
+            passes = there[6] > 0
+            return self._in_scene([dr.select(passes, b, a) for a, b in zip(here[:6], there)], lit)
+
         def traverse(self, callback: Any) -> None:
             """Tells Mitsuba what can be changed."""
             super().traverse(callback)
@@ -136,6 +153,15 @@ def sensor_class(model: str | None) -> type:
             return f"RealisticSensor[\n  camera = {self.camera},\n  to_world = {self.to_world}\n]"
 
     return RealisticSensor
+
+
+def disperses(camera: Camera) -> bool:
+    """Whether rays of different wavelengths go different ways."""
+    width, height = camera.resolution
+    film = np.array([[0.5, 0.5], [0.7, 0.6], [0.9, 0.9]]) * [width, height]
+    lens = [[0.5, 0.5], [0.2, 0.4], [0.6, 0.9]]
+    low, high = (camera.rays(film[:, None], lens, wavelengths=wavelength) for wavelength in WAVELENGTHS)
+    return not np.array_equal(low.direction, high.direction)
 
 
 def _end(poses: dict[str, Any]) -> NDArray[np.float64] | None:
