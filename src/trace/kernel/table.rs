@@ -6,7 +6,7 @@
 
 use super::{
     asphere::{Asphere, Conic},
-    crossing::Tests,
+    clearance::crossing::Tests,
     lanes::Scalar,
     rounding::{AxialStep, RoundingGrowth},
     surface::{CompiledSurface, Transfer, surfaces},
