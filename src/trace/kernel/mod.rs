@@ -10,7 +10,7 @@
 //! but for rays within rounding of an edge. Squares of n cos I below 2^-256 (double precision) or 2^-64 (single) count
 //! as 0 and block.
 //!
-//! What follows what: `surface` gathers what is known of each surface, with what `crossing` proves from its neighbours'
+//! What follows what: `surface` gathers what is known of each surface, with what `clearance::crossing` proves from its neighbours'
 //! shapes; `table` makes a step of each, within the growth of rounding that `rounding` allows; a `batch` makes rays as
 //! vectors of `lanes`; `trace` takes them through the steps, each of which is a method in `ray` or, for what is no sphere,
 //! in `asphere`; `dispersion` is the table for a wavelength per lane; `instances` compiles all that once for each set of instructions in `simd`. `clearance` is a second, smaller loop for searches.
@@ -24,7 +24,6 @@
 mod asphere;
 mod blades;
 mod clearance;
-mod crossing;
 mod dispersion;
 mod instances;
 mod lanes;

@@ -6,7 +6,7 @@
 
 use super::{
     asphere::{Asphere, Conic},
-    crossing::Tests,
+    clearance::crossing::Tests,
     lanes::Scalar,
     rounding::{AxialStep, RoundingGrowth},
     surface::{CompiledSurface, Transfer, surfaces},
@@ -376,7 +376,7 @@ fn sphere<S: Scalar>(
 /// The link between two surfaces, where there is one: both strongly curved, nothing left to prove but the
 /// direction, and rounding amplified by no more than `limit`, and on the way there by no more than [`LINK_ROUNDING`].
 fn link(last: &CompiledSurface<'_>, surface: &CompiledSurface<'_>, limit: f64) -> Option<Link<f64>> {
-    let CompiledSurface { c, n, distance: d, .. } = *surface;
+    let CompiledSurface { c, n, .. } = *surface;
     if last.aspheric.is_some() {
         return None;
     }
