@@ -72,12 +72,7 @@ impl SpectralPupil {
         let per_end = ends.iter().enumerate();
         let per_end = per_end.map(|(number, end)| [*end as f32, (next(number) - end) as f32]).collect();
         let cover = tables[0].cover;
-        Some(Self {
-            first,
-            per_w: INTERVALS as f64 / (last - first),
-            per_end,
-            tables: joined(tables, cover),
-        })
+        Some(Self { first, per_w: INTERVALS as f64 / (last - first), per_end, tables: joined(tables, cover) })
     }
 
     /// What sampling computes with, in the precision of the lanes.
