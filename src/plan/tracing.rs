@@ -68,17 +68,6 @@ pub enum Tracing<Fit = ()> {
     Refracted(Refraction, Precision),
 }
 
-impl<Fit> Tracing<Fit> {
-    /// What its rays are computed in.
-    pub fn precision(&self) -> Precision {
-        match self {
-            Self::Exact(precision) | Self::Polynomials { precision, .. } | Self::Refracted(_, precision) => {
-                *precision
-            }
-        }
-    }
-}
-
 impl fmt::Display for Precision {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let own = Self::NAMES.iter().find(|(_, precision)| *precision == Some(*self));

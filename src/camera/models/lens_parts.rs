@@ -12,7 +12,7 @@ use crate::{
         setup::{Facts, Setup},
     },
     imaging::irradiance::{on_axis, survey},
-    plan::{Decision, Kernels, Plan, Precision, Task, describe_sampling},
+    plan::{Decision, Kernels, Plan, Precision, Task, Tracing, describe_sampling},
     sampling::{GivenUp, NoFan, PupilDisk, PupilSampler, WarpedPupil},
     trace::Path,
 };
@@ -130,7 +130,11 @@ pub(super) fn plan_and_compile(
     let many = decision.many.as_ref().map_or_else(|| one.clone(), traces);
     describe_sampling(&body.film_side, lens.wavelength, &mut plan);
     body.placement.describe(&mut plan);
-    let exact = decision.many.as_ref().unwrap_or(&decision.one).tracing.precision();
+    let exact = match &decision.many.as_ref().unwrap_or(&decision.one).tracing {
+        // Polynomials in single precision say nothing of what a trace in it would be.
+        Tracing::Polynomials { .. } => Precision::F64,
+        Tracing::Exact(precision) | Tracing::Refracted(_, precision) => *precision,
+    };
     (Tracers { one, many, exact }, plan)
 }
 
