@@ -122,10 +122,10 @@ impl SpectralPupil {
         let radius = self.tables.radius(cpu, &constants.pupil, ray);
         let heading = Heading::of(cpu, ray);
         let fine = number(FINE as f64);
-        let below = table.mul_add(fine, radius.place);
-        let mut row = self.tables.row(cpu, below.whole(), &radius);
+        let below = L::add_places((table * fine).whole(), radius.place.whole());
+        let mut row = self.tables.row(cpu, below, &radius);
         let mut knots = self.tables.knots(&row, &heading);
-        let above: Row<L> = self.tables.row(cpu, (below + fine).whole(), &radius);
+        let above: Row<L> = self.tables.row(cpu, L::add_places(below, fine.whole()), &radius);
         let knots_above = self.tables.knots(&above, &heading);
         row.center = part.mul_add(above.center - row.center, row.center);
         row.narrowing = part.mul_add(above.narrowing - row.narrowing, row.narrowing);

@@ -88,6 +88,9 @@ impl Spectral {
         let FilmSide { film, z, sampler: PupilSampler::Warped(_), .. } = &self.body.film_side else {
             return None;
         };
+        if range.is_empty() {
+            return None;
+        }
         let table = |wavelength, reach| {
             let lens = self.optics.at(wavelength);
             let path = Path::new(&lens, Direction::FilmToScene, Refraction::Fused);
