@@ -70,7 +70,7 @@ impl RealisticCamera {
         let mut rays = RayMaker::new(tracers.one.clone(), tracers.many.clone(), body.placement.clone());
         if setup.media.iter().any(Medium::is_dispersive) {
             let optics = LensOfMedia { lens: lens.clone(), media: setup.media, blades: setup.blades };
-            rays.set_spectral(Spectral::new(optics, body.clone()));
+            rays.set_spectral(Spectral::new(optics, body.clone(), tracers.exact));
         }
         // Where the film stands once its place in lens space is rounded.
         let film_distance = setup.facts.lens.rear().vertex - film_z;

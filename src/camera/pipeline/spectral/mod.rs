@@ -5,20 +5,24 @@
 //! request. Lens, film and stop stand where the camera's own wavelength put them, and the factor of its weights is that of
 //! its own wavelength, so that brightness at two wavelengths differs by what the lens does and nothing else.
 
+mod lanes;
 mod tracer;
-mod walk;
 
 use std::{fmt, ops::RangeInclusive, sync::OnceLock};
 
+use self::lanes::SpectralPipeline;
 pub(crate) use self::tracer::SpectralTracer;
-use self::walk::WalkAt;
 use super::body::CameraBody;
 use crate::{
     camera::ray::{Outcome, Sample},
     lens::{Lens, film_ray, refraction::Refraction},
+    plan::{FilmSide, Precision},
     prescription::{Blades, Medium, glass::refractive_index},
-    sampling::{DiskMapping, film_rays::FilmRays},
-    trace::{Blocked, Direction, Path},
+    sampling::{
+        DiskMapping, PupilDisk, PupilSampler, WarpedPupil, disk::Turns, film_rays::FilmRays,
+        warped::SpectralPupil,
+    },
+    trace::{Blocked, Direction, Path, kernel::SpectralKernel},
 };
 
 /// The wavelengths that may be asked for, nm.
@@ -28,6 +32,7 @@ pub(crate) const WAVELENGTHS: RangeInclusive<f32> = 380.0..=780.0;
 pub(crate) struct Spectral {
     optics: LensOfMedia,
     body: CameraBody,
+    precision: Precision,
     built: OnceLock<Built>,
 }
 
@@ -49,16 +54,51 @@ struct Built {
 }
 
 impl Spectral {
-    /// For a camera with this lens.
-    pub fn new(optics: LensOfMedia, body: CameraBody) -> Self {
-        Self { optics, body, built: OnceLock::new() }
+    /// For a camera with this lens, whose rays are traced in a precision.
+    pub fn new(optics: LensOfMedia, body: CameraBody, precision: Precision) -> Self {
+        Self { optics, body, precision, built: OnceLock::new() }
     }
 
     fn built(&self) -> &Built {
-        self.built.get_or_init(|| Built {
-            tracer: Box::new(WalkAt::new(self.optics.clone(), &self.body)),
-            range: self.optics.range(),
+        self.built.get_or_init(|| {
+            let range = self.optics.range();
+            let tracer: Box<dyn SpectralTracer> = match self.precision {
+                Precision::F64 => Box::new(self.pipeline::<f64>(&range)),
+                Precision::F32 => Box::new(self.pipeline::<f32>(&range)),
+            };
+            Built { tracer, range }
         })
+    }
+
+    fn pipeline<S: Turns>(&self, range: &RangeInclusive<f32>) -> SpectralPipeline<S> {
+        let LensOfMedia { lens, media, .. } = &self.optics;
+        let kernel = SpectralKernel::new(&self.optics.path(lens.wavelength), media, lens.wavelength);
+        let pupil = self.pupil(range);
+        let side = &self.body.film_side;
+        let sampler = match &side.sampler {
+            PupilSampler::Warped(pupil) => PupilSampler::Disk(pupil.cover_disk()),
+            disk @ PupilSampler::Disk(_) => disk.clone(),
+        };
+        let film_side = FilmSide { sampler, ..side.clone() };
+        SpectralPipeline::new(kernel, pupil, &CameraBody { film_side, ..self.body.clone() }, range)
+    }
+
+    /// The true pupil at all wavelengths, where that is sampled.
+    fn pupil(&self, range: &RangeInclusive<f32>) -> Option<SpectralPupil> {
+        let FilmSide { film, z, sampler: PupilSampler::Warped(_), .. } = &self.body.film_side else {
+            return None;
+        };
+        if range.is_empty() {
+            return None;
+        }
+        let table = |wavelength, reach| {
+            let lens = self.optics.at(wavelength);
+            let path = Path::new(&lens, Direction::FilmToScene, Refraction::Fused);
+            let cover = PupilDisk::rear(&lens, *z, reach)?;
+            let shift = PupilDisk::exit(&lens, *z).seen_from([1.0, 0.0]).center[0];
+            Some(WarpedPupil::new(&path, *z, reach, cover, shift))
+        };
+        SpectralPupil::new([range.start(), range.end()].map(|end| (*end).into()), film.reach(), table)
     }
 
     /// Whether a first request has been made.

@@ -6,6 +6,7 @@
 
 use super::{
     super::{
+        dispersion::Media,
         lanes::{Cpu, Lanes, Scalar},
         ray::RayLanes,
     },
@@ -51,6 +52,7 @@ impl<S: Scalar> Asphere<S> {
         &self,
         cpu: Cpu<L>,
         rays: &mut [RayLanes<L>; U],
+        media: [impl Media<L>; U],
         minus_z: [L; U],
         lead: [L; U],
     ) {
@@ -114,7 +116,7 @@ impl<S: Scalar> Asphere<S> {
             ray.advance(t[i]);
             ray.height = t[i].mul_add(ray.vz, L::splat(cpu, self.common.start));
             let square = q.mul_add(q, (m * m) * ray.height_squared());
-            ray.bend_at(cpu, &self.common, [m, q], facing, square);
+            ray.bend_at(cpu, &self.common, media[i], [m, q], facing, square);
         }
     }
 
