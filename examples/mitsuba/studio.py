@@ -104,7 +104,12 @@ def lamps() -> dict[str, Any]:
             # They are seen, and light nothing worth a random number.
             light = {"type": "area", "radiance": {"type": "rgb", "value": warm[index % 3]}, "sampling_weight": 0.0}
             centre = at(x, low + (high - low) * across * across, z)
-            found[f"lamp_{z:.0f}_{index + half}"] = {"type": "sphere", "center": centre, "radius": radius, "light": light}
+            found[f"lamp_{z:.0f}_{index + half}"] = {
+                "type": "sphere",
+                "center": centre,
+                "radius": radius,
+                "light": light,
+            }
     return found
 
 

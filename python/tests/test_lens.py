@@ -185,3 +185,17 @@ def test_the_cross_section_is_drawn(name):
     assert x[50] == pytest.approx(0) and (x[0] > 0) == (surface.radius_mm > 0) and y[0] == -surface.semi_diameter_mm
     ax.figure.canvas.draw()
     plt.close(ax.figure)
+
+
+def test_every_name_of_the_catalogue_is_a_lens(checkout):
+    names = realistic.catalogue()
+    assert names[0] == "dgauss.50mm"
+    assert set(names) == {file.stem for file in (checkout / "lenses").glob("*.dat")}
+    for name in names:
+        assert Lens(name).name == name
+
+
+def test_a_zoom_lens_stands_where_it_is_told():
+    assert abs(Lens("zoom.24-70mm", zoom="35").focal_length_mm - 35) < 1e-9
+    with pytest.raises(realistic.ParameterError, match="zoom"):
+        Lens("dgauss.50mm", zoom="35")

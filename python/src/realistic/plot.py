@@ -16,6 +16,7 @@ from .measure.bundles import film_grid
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
     from .camera import Camera
@@ -87,6 +88,54 @@ def distortion(camera: Camera, ax: Axes | None = None) -> Axes:
     ax.plot(100 * measure.distortion(camera, fields * half), fields)
     ax.axvline(0, color="0.7", linewidth=0.8)
     ax.set(title=f"{_name(camera)}: distortion", xlabel="percent", ylabel="field, of the half diagonal", ylim=(0, 1))
+    ax.grid(alpha=0.3)
+    return ax
+
+
+def fans(camera: Camera, *, fields: Sequence[float] = FIELDS) -> Figure:
+    """Ray fans of points of the plane in focus: for each field tangential on the left and sagittal on the right.
+
+    Fields are shares of the half diagonal; the figure has a row for each.
+    """
+    half = np.array(camera.resolution) / 2
+    # Upward, so that tangential is up: a lens is round.
+    points = half + np.asarray(fields, np.float64)[:, None] * [0.0, -np.hypot(*half)]
+    found = measure.fans(camera, points)
+    values = 1000 * np.stack([found.tangential, found.sagittal], axis=1)
+    reach = max(float(np.nanmax(np.abs(values), initial=0.0)), 1e-3)
+    figure, axes = plt.subplots(
+        len(fields), 2, sharex=True, sharey=True, squeeze=False, figsize=(7, 1.2 + 1.3 * len(fields))
+    )
+    for row, field, fan in zip(axes, fields, values):
+        for ax, line, way in zip(row, fan, ("tangential", "sagittal")):
+            ax.axhline(0, color="0.7", linewidth=0.8)
+            ax.axvline(0, color="0.7", linewidth=0.8)
+            ax.plot(found.pupil, line)
+            ax.set(xlim=(-1, 1), ylim=(-1.1 * reach, 1.1 * reach))
+            ax.set_title(f"field {field:g}, {way}", fontsize=8)
+        row[0].set_ylabel("µm")
+    for ax in axes[-1]:
+        ax.set_xlabel("pupil")
+    figure.suptitle(f"{_name(camera)}: ray fans")
+    return figure
+
+
+def field_curvature(camera: Camera, ax: Axes | None = None) -> Axes:
+    """Tangential (drawn through) and sagittal (dashed) focus over the field, mm behind the film."""
+    ax = ax or plt.subplots()[1]
+    half = float(np.hypot(*camera.resolution)) / 2
+    share = np.linspace(0.0, 1.0, 51)
+    found = measure.field_curvature(camera, share * half)
+    for column, style, label in zip(found.T, ("-", "--"), ("tangential", "sagittal")):
+        ax.plot(column, share, style, color="tab:blue", label=label)
+    ax.axvline(0, color="0.7", linewidth=0.8)
+    ax.set(
+        title=f"{_name(camera)}: field curvature",
+        xlabel="mm behind the film",
+        ylabel="field, of the half diagonal",
+        ylim=(0, 1),
+    )
+    ax.legend(fontsize=8)
     ax.grid(alpha=0.3)
     return ax
 

@@ -93,10 +93,14 @@ def study(
         For a parameter that is one of the study's own arguments.
     """
     if taken := _ITS_OWN & set(parameters):
-        raise TypeError(f"{', '.join(sorted(taken))}: give a study's lenses, fnumbers, distances and wavelengths instead")
+        raise TypeError(
+            f"{', '.join(sorted(taken))}: give a study's lenses, fnumbers, distances and wavelengths instead"
+        )
     named = [lenses] if isinstance(lenses, (str, os.PathLike)) else list(lenses)
     stops = _several(fnumbers)
-    far, shares, colours = (np.atleast_1d(np.asarray(each, float)) for each in map(_several, (distances, fields, wavelengths)))
+    far, shares, colours = (
+        np.atleast_1d(np.asarray(each, float)) for each in map(_several, (distances, fields, wavelengths))
+    )
     lines = [float(number) for number in _several(frequencies)]
     if not (np.isfinite(shares).all() and (shares >= 0).all() and (shares <= 1).all()):
         raise ValueError(f"fields are shares of half the diagonal, from 0 to 1, and not {shares.tolist()}")
@@ -149,7 +153,9 @@ def _measured(job: _Job) -> list[list[Any]]:
         try:
             camera = _camera(job)
         except FocusError as error:
-            return [_row(job, field, np.nan, np.full(4 + 2 * len(job.frequencies), np.nan), str(error)) for field in fields]
+            return [
+                _row(job, field, np.nan, np.full(4 + 2 * len(job.frequencies), np.nan), str(error)) for field in fields
+            ]
         with camera:
             numbers = _numbers(camera, job, fields)
             stop, length = camera.fnumber, camera.focal_length_mm
