@@ -133,8 +133,11 @@ def test_a_fans_ray_ends_at_the_film_point_from_which_the_camera_sees_the_object
         o, d = rays.origin[rays.weight > 0].astype(float), rays.direction[rays.weight > 0].astype(float)
         return [(o + d * ((at - o[:, 2:]) / d[:, 2:]))[:, :2] @ axes.T for at in (z, 0.0)]
 
-    far, near = passes(start, 32)
-    target, low, high = far.mean(axis=0), near.min(axis=0), near.max(axis=0)
+    far, _ = passes(start, 32)
+    target = far.mean(axis=0)
+    # Where the outermost lens samples pass.
+    _, edge = passes(start, 256)
+    low, high = edge.min(axis=0), edge.max(axis=0)
 
     def meets(through, axis):
         """How far along an axis from `start`, pixels, the film point lies."""

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import realistic
-from realistic import Rays, _abi
+from realistic import Camera, Rays, Reason, _abi
 from realistic import rays as engine
 
 FIELDS = ("origin", "direction", "weight", "mint", "maxt", "time")

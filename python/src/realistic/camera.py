@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-import warnings
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +12,7 @@ from . import autofocus as _autofocus
 from . import rays as _rays
 from ._abi import CameraInfo, library, text_of
 from ._handle import Borrowed, Handle, build
-from .errors import CameraWarning, check, warn
+from .errors import check, quietly, warn
 from .measure import intrinsics as _intrinsics
 from .parameters import ALIASES, INSTEAD_OF, canonical, matrix_of, options_of, resolution_of
 
@@ -358,6 +357,5 @@ class Camera:
 
 def _again(arguments: dict[str, Any]) -> Camera:
     """A pickled camera. What there is to warn of was told when it was first built."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", CameraWarning)
+    with quietly():
         return Camera(**arguments)

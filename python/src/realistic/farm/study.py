@@ -15,8 +15,7 @@ import numpy as np
 
 from .. import measure
 from ..camera import Camera
-from ..errors import FocusError
-from ..measure.bundles import quietly
+from ..errors import FocusError, quietly
 from .table import Table
 from .workers import spread
 

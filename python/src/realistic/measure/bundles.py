@@ -5,15 +5,12 @@ What fits or measures a camera asks here. A ray is kept as the line x(z) = at + 
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..errors import CameraWarning
+from ..errors import quietly
 from ..lens import Lens
 
 if TYPE_CHECKING:
@@ -56,14 +53,6 @@ class Bundles:
     def points(self, z: float) -> NDArray[np.float64]:
         """Where the rays meet the plane z, or their slopes where z is infinite: (n, m, 2)."""
         return self.slope if np.isinf(z) else self.at + self.slope * z
-
-
-@contextmanager
-def quietly() -> Iterator[None]:
-    """Without the warnings of cameras that differ from a caller's in what he does not see: his own has given them."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", CameraWarning)
-        yield
 
 
 def in_camera_space(camera: Camera) -> Camera:

@@ -115,6 +115,7 @@ class _ObjectPoints:
         with in_camera_space(camera) as plain:
             plane = plane_at(plain, distance)
             bundles: Bundles = bundles_of(plain, image_xy, lens_grid(32))
+            to_the_edge: Bundles = bundles_of(plain, image_xy, _lens_grid_to_the_edge(64))
         self.film_z = self.lens.rear_vertex_mm - camera.film_distance_mm
         # The film's image is upside down: what is to the right of the axis in the scene is to the right in the picture.
         radial = (image_xy - np.array(camera.resolution) / 2) * [1, -1]
@@ -122,15 +123,15 @@ class _ObjectPoints:
         outward = np.where(length > 0, radial / np.maximum(length, 1e-300), [0.0, 1.0])
         self.axes = np.stack([outward, np.stack([-outward[:, 1], outward[:, 0]], axis=-1)], axis=1)
         # In the plane of the front vertex: the middle of what is open, and half its width along both axes.
-        lit = bundles.weight > 0
-        along = np.einsum("nmk,nak->nam", bundles.at * mm, self.axes)
+        lit = to_the_edge.weight > 0
+        along = np.einsum("nmk,nak->nam", to_the_edge.at * mm, self.axes)
         low, high = (
             bound(np.where(lit[:, None, :], along, none), axis=2)
             for bound, none in ((np.min, np.inf), (np.max, -np.inf))
         )
-        open_ = bundles.has_light
-        self.half = np.where(open_[:, None], (high - low) / 2, np.nan)
-        self.middle = np.einsum("na,nak->nk", np.where(open_[:, None], (high + low) / 2, np.nan), self.axes)
+        low, high = (np.where(lit.any(axis=1, keepdims=True), bound, np.nan) for bound in (low, high))
+        self.half = (high - low) / 2
+        self.middle = np.einsum("na,nak->nk", (high + low) / 2, self.axes)
         mean = bundles.mean(bundles.points(plane))
         self.slope = mean if np.isinf(plane) else None
         self.point = np.column_stack([mean * mm, np.full(len(mean), plane * mm)])
@@ -161,3 +162,10 @@ class _ObjectPoints:
             np.where(passed[..., None], -np.einsum("nmk,nak->nma", numbers, self.axes), np.nan)
             for numbers in (at, slope)
         )  # type: ignore[return-value]
+
+
+def _lens_grid_to_the_edge(side: int) -> NDArray[np.float32]:
+    """`side` times `side` lens samples of which the outermost lie just inside the pupil's edge, where rays still pass."""
+    edge = 1 / 512
+    u, v = np.meshgrid(*[np.linspace(edge, 1 - edge, side, dtype=np.float32)] * 2)
+    return np.stack([u.ravel(), v.ravel()]).T

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..errors import quietly
 from .bundles import bundles_of, in_camera_space, lens_grid, plane_at, seen_from_pinhole
 
 if TYPE_CHECKING:
@@ -29,7 +30,9 @@ def relative_illumination(camera: Camera, image_xy: ArrayLike, *, side: int = 32
     ndarray (n,)
         1 in the middle; 0 where nothing gets through.
     """
-    with in_camera_space(camera) as plain, plain.replace(weighting="radiometric") as lit:
+    with quietly():
+        plain = in_camera_space(camera).replace(weighting="radiometric")
+    with plain as lit:
         middle = np.array([camera.resolution], np.float64) / 2
         points = np.concatenate([middle, np.asarray(image_xy, np.float64)])
         weight = lit.rays(points[:, None, :], lens_grid(side)[None, :, :]).weight
