@@ -68,7 +68,7 @@ fn errors(subject: &Subject, polynomial: &Polynomial) -> (f64, f64, f64) {
 
 #[test]
 fn fresh_rays_are_met_better_with_every_order() {
-    for name in catalogue::names().take(5) {
+    for name in catalogue::names() {
         let subject = Subject::new(name);
         let mut before = (f64::INFINITY, f64::INFINITY);
         for order in [1, 3, 5, 7, 9, 11] {
@@ -83,7 +83,7 @@ fn fresh_rays_are_met_better_with_every_order() {
 
 #[test]
 fn near_the_axis_they_are_the_thick_lens() {
-    for name in catalogue::names().take(5) {
+    for name in catalogue::names() {
         let subject = Subject::new(name);
         let thick = FirstOrder::of(&subject.lens).expect("focal");
         let polynomial = subject.fit(11);

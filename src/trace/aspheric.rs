@@ -199,17 +199,25 @@ impl<R: Real> Aspheric<R> {
         let (last, lowest) = (-(lead + to_plane) - slack, R::from_f64(self.extent[0]) / v[2]);
         // Where a range leaves it open, the earlier is the safe one.
         let from = if last > lowest { last } else { lowest };
-        let t = self.first_crossing(start, v, from)?;
-        *state = State { p: Line { start, v }.at(t), v, lead: R::ZERO };
+        let line = Line { start, v };
+        // A range adds something below, and seems to reach under the lowest point. Inside the rim nothing does; a ray that
+        // does so beyond it is blocked, and its height in the range's result says that.
+        let after = if R::IS_RANGE { last } else { from };
+        let t = self.crossing(&line, from, after)?;
+        *state = State { p: line.at(t), v, lead: R::ZERO };
         Ok(())
     }
 
     /// How far from `start`, in units of V, the ray first crosses the surface after `from`.
     pub fn first_crossing(&self, start: [R; 3], v: [R; 3], from: R) -> Result<R, Blocked> {
-        let line = Line { start, v };
-        match self.newton(&line, from) {
+        self.crossing(&Line { start, v }, from, from)
+    }
+
+    /// The same, where a crossing from `after` to `from`, if that is later, is one beyond the rim.
+    fn crossing(&self, line: &Line<R>, from: R, after: R) -> Result<R, Blocked> {
+        match self.newton(line, from, after) {
             Some(t) => Ok(t),
-            None => self.follow(&line, from),
+            None => self.follow(line, from),
         }
     }
 
@@ -226,8 +234,8 @@ impl<R: Real> Aspheric<R> {
         bent / (R::ONE + (R::ONE - self.kappa * self.curvature * bent).sqrt()) + terms
     }
 
-    /// Where Newton's iteration leads, if that is proven to be the first crossing after `from`.
-    fn newton(&self, line: &Line<R>, from: R) -> Option<R> {
+    /// Where Newton's iteration leads, if that is proven to be the first crossing after `from`, and not before `after`.
+    fn newton(&self, line: &Line<R>, from: R, after: R) -> Option<R> {
         let close = 0.01 * R::EPSILON.sqrt() * self.size / self.n;
         let longest = R::from_f64(self.size + self.extent[1] - self.extent[0]) / line.v[2];
         let mut t = R::ZERO;
@@ -269,7 +277,7 @@ impl<R: Real> Aspheric<R> {
         let [x, y, _] = line.at(from);
         let reach = number(self.bend.reach);
         let near = contact.height_squared <= reach && x * x + y * y <= reach;
-        let first = way >= zero && bend * way < contact.facing + contact.facing;
+        let first = t - after >= zero && bend * way < contact.facing + contact.facing;
         (near && first && contact.q > zero && contact.facing > zero).then_some(t)
     }
 
