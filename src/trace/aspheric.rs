@@ -200,8 +200,7 @@ impl<R: Real> Aspheric<R> {
         // Where a range leaves it open, the earlier is the safe one.
         let from = if last > lowest { last } else { lowest };
         let line = Line { start, v };
-        // A range adds something below, and seems to reach under the lowest point. Inside the rim nothing does; a ray that
-        // does so beyond it is blocked, and its height in the range's result says that.
+        // A range adds something below, and seems to reach under the lowest point.
         let after = if R::IS_RANGE { last } else { from };
         let t = self.crossing(&line, from, after)?;
         *state = State { p: line.at(t), v, lead: R::ZERO };
@@ -213,7 +212,7 @@ impl<R: Real> Aspheric<R> {
         self.crossing(&Line { start, v }, from, from)
     }
 
-    /// The same, where a crossing from `after` to `from`, if that is later, is one beyond the rim.
+    /// The same; of a range a crossing may come before `from`, which is where the surface is lowest, if not before `after`.
     fn crossing(&self, line: &Line<R>, from: R, after: R) -> Result<R, Blocked> {
         match self.newton(line, from, after) {
             Some(t) => Ok(t),
@@ -273,12 +272,21 @@ impl<R: Real> Aspheric<R> {
         let bend = number(self.bend.along) + number(self.bend.across) * across;
         let bend = if self.bend.by_height { bend * contact.q } else { bend };
         let way = t - from;
+        let ahead = way >= zero || (R::IS_RANGE && t - after >= zero && self.is_left_behind(line, t));
         // On a line the distance from the axis is largest at an end.
         let [x, y, _] = line.at(from);
         let reach = number(self.bend.reach);
         let near = contact.height_squared <= reach && x * x + y * y <= reach;
-        let first = t - after >= zero && bend * way < contact.facing + contact.facing;
+        let first = ahead && bend * way < contact.facing + contact.facing;
         (near && first && contact.q > zero && contact.facing > zero).then_some(t)
+    }
+
+    /// Whether rays that cross the surface at t go on away from it up to where it is highest. Inside the rim no ray crosses it
+    /// below its lowest point; one that does so beyond the rim then crosses it nowhere else, and is blocked, which its height
+    /// at t says.
+    fn is_left_behind(&self, line: &Line<R>, t: R) -> bool {
+        let to_top = (R::from_f64(self.extent[1]) / line.v[2] - t).magnitude();
+        self.contact(line, t.within(to_top)).facing > R::ZERO
     }
 
     /// Follows the ray from `from` to the first crossing.
