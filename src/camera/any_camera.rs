@@ -18,7 +18,7 @@ use super::{
     },
     placement::shutter::Shutter,
     ray::{Outcome, Sample, WorldRay},
-    setup::{self, Facts},
+    setup::{self, Crop, Facts},
 };
 use crate::{plan::Plan, sampling::DiskMapping, trace::Blocked};
 
@@ -38,6 +38,7 @@ pub struct Camera {
     shutter: Shutter,
     /// Width and height of the image, pixels.
     resolution: [f32; 2],
+    crop: Crop,
 }
 
 impl AnyModel {
@@ -80,7 +81,8 @@ impl Camera {
             Model::Environment => AnyModel::Stock(stock_cameras::environment(parameters, host, log)?.into()),
         };
         let resolution = [host.raster.xres, host.raster.yres].map(|side| side as f32);
-        let camera = Self { rays: model.ray_maker().clone(), model, shutter, resolution };
+        let crop = Crop::of(parameters, host.raster)?;
+        let camera = Self { rays: model.ray_maker().clone(), model, shutter, resolution, crop };
         warn_of_darkness(host.raster, |sample| camera.through_optics(sample), log);
         Ok(camera)
     }
@@ -389,6 +391,11 @@ impl Camera {
     /// When the shutter begins to open and has closed, in the host's unit of time.
     pub fn shutter_interval(&self) -> [f32; 2] {
         self.rays.placement().shutter
+    }
+
+    /// The part of the picture that the host is asked to render. Samples outside have their rays, too.
+    pub fn crop(&self) -> Crop {
+        self.crop
     }
 
     /// `hither` and `yon` as they are in use, world units.

@@ -73,6 +73,7 @@ class Options(ctypes.Structure):
         ("bladerotation", c_double),
         ("bladecurvature", c_double),
         ("glasscatalog", c_char_p),
+        ("crop", c_double * 4),
     ]
 
 
@@ -87,6 +88,7 @@ class CameraInfo(ctypes.Structure):
         ("film_distance_mm", c_double),
         ("focus_distance_mm", c_double),
         ("film_diagonal_mm", c_double),
+        ("crop", c_uint32 * 4),
     ]
 
 
@@ -140,6 +142,9 @@ class LensSurface(ctypes.Structure):
         ("index_scene", c_double),
         ("index_film", c_double),
         ("semi_diameter_mm", c_double),
+        ("conic_radius_mm", c_double),
+        ("conic", c_double),
+        ("aspheric", c_double * 19),
     ]
 
 
@@ -150,6 +155,12 @@ class LensRaysPointers(ctypes.Structure):
         ("struct_size", c_uint32),
         *[(name, c_void_p) for name in ("ox", "oy", "oz", "dx", "dy", "dz", "reason")],
     ]
+
+
+class LensPointsPointers(ctypes.Structure):
+    """`realistic_lens_points`: the columns of the points where rays meet surfaces."""
+
+    _fields_ = [("struct_size", c_uint32), *[(name, c_void_p) for name in ("x", "y", "z", "met")]]
 
 
 class SamplesPointers(ctypes.Structure):
@@ -210,6 +221,10 @@ FUNCTIONS = {
     "realistic_lens_focus": (_STATUS, [c_void_p, c_double, POINTER(c_double)]),
     "realistic_lens_focused_on": (_STATUS, [c_void_p, c_double, POINTER(c_double)]),
     "realistic_lens_trace": (_STATUS, [c_void_p, c_int32, c_size_t, POINTER(LensRaysPointers)]),
+    "realistic_lens_trace_points": (
+        _STATUS,
+        [c_void_p, c_int32, c_size_t, POINTER(LensRaysPointers), POINTER(LensPointsPointers)],
+    ),
     "realistic_autofocus": (
         _STATUS,
         [POINTER(Options), POINTER(Zone), c_size_t, c_int32, DISTANCE, CONTRAST, c_void_p, POINTER(c_double)],

@@ -61,7 +61,7 @@ fn trace_steps<L: Lanes, W: MediaOnWay<L, U>, const U: usize>(
 ) {
     // Loops and not closures, here and below: a closure that is not inlined would be compiled for
     // another processor than the function it stands in.
-    for (number, step) in table.steps.iter().enumerate().skip(1) {
+    for (number, step) in (1..).zip(&table.steps[1..]) {
         match step {
             Step::Link(link) => {
                 let media = on_way.at(cpu, number);

@@ -75,6 +75,8 @@ impl<S: Turns> SpectralPipeline<S> {
         rays
     }
 
+    /// The way of every sample, however many they are.
+    #[inline(always)]
     fn trace(
         &self,
         grouping: Grouping,
