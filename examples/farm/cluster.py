@@ -9,6 +9,8 @@ killed while it renders, as happens on farms; the picture's bytes and the table 
 from __future__ import annotations
 
 import argparse
+import os
+import signal
 import subprocess
 import threading
 import time
@@ -22,13 +24,13 @@ from realistic import farm
 SIZE, OPTIONS = (240, 160), ["--lens", "wide.22mm", "--spp", "8"]
 
 
-def kill_one(cluster: LocalCluster, after: float) -> threading.Thread:
-    """Kills a worker's process in a while; the cluster starts another."""
+def kill_one(client: Client, after: float) -> threading.Thread:
+    """Kills a worker's process in a while; its nanny starts another."""
+    victim = next(iter(client.run(os.getpid).values()))
 
     def kill() -> None:
         time.sleep(after)
-        worker = next(iter(cluster.workers.values()))
-        worker.process.process.kill()
+        os.kill(victim, signal.SIGKILL)
         print("a worker was killed")
 
     thread = threading.Thread(target=kill)
@@ -48,7 +50,7 @@ def main() -> None:
     }
     with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
         client.wait_for_workers(2)
-        killer = kill_one(cluster, 1.0) if given.kill else None
+        killer = kill_one(client, 1.0) if given.kill else None
         begin = time.perf_counter()
         farm.render("tiles.png", OPTIONS, size=SIZE, tile=(48, 32), client=client, program=given.program)
         print(

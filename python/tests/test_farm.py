@@ -181,7 +181,7 @@ def test_a_killed_worker_changes_nothing(checkout, tmp_path):
     done = subprocess.run(
         [sys.executable, script, "--program", program(checkout), "--kill"],
         cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(checkout / "python/src")},
+        env={**os.environ, "PYTHONPATH": os.path.dirname(os.path.dirname(realistic.__file__))},
         capture_output=True,
         text=True,
     )

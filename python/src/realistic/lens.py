@@ -325,11 +325,11 @@ class Lens:
             numbers[0:3].T.reshape(*shape, 3), numbers[3:6].T.reshape(*shape, 3), reason.reshape(shape), met
         )
 
-    def plot(self, ax: Axes | None = None) -> Axes:
-        """Draws the cross-section with matplotlib; see `realistic.plot.section`."""
+    def plot(self, ax: Axes | None = None, **given: Any) -> Axes:
+        """Draws the cross-section with matplotlib, with rays if wanted; see `realistic.plot.section`."""
         from .plot import section
 
-        return section(self, ax)
+        return section(self, ax, **given)
 
     def __repr__(self) -> str:
         given = dict(self._parameters)
