@@ -69,6 +69,15 @@ fn a_camera_is_owned_moved_asked_and_given_away() {
 }
 
 #[test]
+fn rays_at_wavelengths_are_the_same_by_every_member() {
+    for report in runs("wavelengths") {
+        let [different, passed, none] = report.numbers("wavelengths")[..] else { panic!("three numbers") };
+        assert!(different == 0.0 && passed > 60.0 && none >= 5.0, "{different} {passed} {none}");
+        assert_eq!(report.one("capable"), "1");
+    }
+}
+
+#[test]
 fn a_lens_is_asked_without_a_film_and_autofocus_by_a_function() {
     for report in runs("lenses") {
         let lens: Vec<&str> = report.one("lens").split(' ').collect();
