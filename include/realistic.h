@@ -35,8 +35,8 @@
  nothing is ever taken away or renumbered. Version 2 states what version 1 had come to: the fields of
  `realistic_options` from `camera_to_world_end` on, `realistic_autofocus` and `realistic_camera_plan`; and it
  adds rays with differentials. Version 3 adds lenses without a film (`realistic_lens_new`),
- and `focusby` and `zoom`. Version 4 adds `crop`, what a surface's figure is (`realistic_lens_get_surface`) and where rays
- meet the surfaces (`realistic_lens_trace_points`).
+ and `focusby` and `zoom`. Version 4 adds rays at a wavelength per sample (`realistic_generate_ray_at`), `crop`, what a
+ surface's figure is (`realistic_lens_get_surface`) and where rays meet the surfaces (`realistic_lens_trace_points`).
  */
 #define REALISTIC_ABI_VERSION 4
 
@@ -94,6 +94,11 @@
  `zoom` and `focusby` are there, for lenses whose groups move.
  */
 #define REALISTIC_CAPABILITY_MOVING_GROUPS 1024
+
+/*
+ Rays can be asked for at a wavelength per sample (`realistic_generate_ray_at`).
+ */
+#define REALISTIC_CAPABILITY_WAVELENGTHS 2048
 
 /*
  `crop` is there, and `realistic_camera_get_info` tells the pixels to render.
@@ -205,6 +210,11 @@ enum realistic_reason
      The shutter is closed over this film point at this time.
      */
     REALISTIC_REASON_SHUT = 6,
+    /*
+     The wavelength that the sample is asked for at is none: not a number from 380 to 780 nm, or one at which the
+     formula of a glass has no index of 1 or more.
+     */
+    REALISTIC_REASON_WAVELENGTH = 7,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -1030,6 +1040,43 @@ float realistic_generate_ray(const struct realistic_camera *camera,
                              struct realistic_ray *ray);
 
 /*
+ One ray of a camera at a wavelength, nm.
+
+ The index of each glass is that of its own formula at this wavelength, from 380 to 780 nm. Everything else stands as
+ the camera's own wavelength has it: film, stop, groups, and what `weighting` divides by. A lens file without dispersion
+ data has the same rays at every wavelength, as have the models other than "lens". The first call for a wavelength
+ prepares the camera, once and for all threads, which takes some milliseconds. With a `tolerance` or a named
+ `refraction`, rays at a wavelength are traced exactly all the same.
+
+ Returns the weight, positive. Returns exactly 0, and leaves the ray as it is, where `realistic_generate_ray` does, and
+ when the wavelength is not a number from 380 to 780.
+
+ # Safety
+ As `realistic_generate_ray`.
+ */
+float realistic_generate_ray_at(const struct realistic_camera *camera,
+                                const struct realistic_sample *sample,
+                                float wavelength_nm,
+                                struct realistic_ray *ray);
+
+/*
+ The rays of one sample at four wavelengths (nm), traced side by side, for hosts whose paths carry four (A. Wilkie et
+ al., "Hero Wavelength Spectral Sampling", *Computer Graphics Forum* 33(4), 2014): each as `realistic_generate_ray_at` has
+ it.
+
+ Writes `weights`, and of `rays` those whose weight is positive. Returns how many that are; 0, and nothing written, when
+ a pointer is NULL or `camera` is another library's.
+
+ # Safety
+ As `realistic_generate_ray`; `wavelengths_nm`, `rays` and `weights` are NULL or have four elements.
+ */
+uint32_t realistic_generate_hero_rays(const struct realistic_camera *camera,
+                                      const struct realistic_sample *sample,
+                                      const float *wavelengths_nm,
+                                      struct realistic_ray *rays,
+                                      float *weights);
+
+/*
  One ray with its differentials: the ray of the sample, and those of the same lens and time sample one pixel to the
  right and one pixel down, in little more than the time of one. They have the bits that `realistic_generate_ray` gives
  for samples at `image_x` + 1 and at `image_y` + 1. `ray->struct_size` must be set.
@@ -1112,6 +1159,55 @@ realistic_status realistic_camera_generate_ray_differentials_soa(const struct re
                                                                  const struct realistic_rays_soa *rays,
                                                                  const struct realistic_rays_soa *rx,
                                                                  const struct realistic_rays_soa *ry);
+
+/*
+ Rays of `n` samples, each at its own wavelength, the same as by `realistic_generate_ray_at`: `wavelengths_nm[i]` lies
+ `i * wavelength_stride` bytes from the first (0: tightly packed). With `wavelengths_nm` NULL every ray is at the
+ camera's own wavelength, and the call is `realistic_camera_generate_rays`. All else as there.
+
+ # Safety
+ `camera` is NULL or a live camera of this library; the arrays have room for `n` elements.
+ */
+realistic_status realistic_camera_generate_rays_at(const struct realistic_camera *camera,
+                                                   size_t n,
+                                                   const struct realistic_sample *samples,
+                                                   size_t sample_stride,
+                                                   const float *wavelengths_nm,
+                                                   size_t wavelength_stride,
+                                                   struct realistic_ray *rays,
+                                                   size_t ray_stride,
+                                                   float *weights,
+                                                   realistic_reason *reasons);
+
+/*
+ Rays of `n` samples, each at its own wavelength (`n` of them, nm), given and taken as structure of arrays. With
+ `wavelengths_nm` NULL every ray is at the camera's own wavelength, and the call is
+ `realistic_camera_generate_rays_soa`. All else as there.
+
+ # Safety
+ `camera` is NULL or a live camera of this library; `samples` and `rays` are NULL or valid, and they and
+ `wavelengths_nm` are NULL or have room for `n` elements and do not overlap.
+ */
+realistic_status realistic_camera_generate_rays_at_soa(const struct realistic_camera *camera,
+                                                       size_t n,
+                                                       const struct realistic_samples_soa *samples,
+                                                       const float *wavelengths_nm,
+                                                       const struct realistic_rays_soa *rays);
+
+/*
+ Four rays of each of `n` samples, at four wavelengths (nm) each: the ray of sample i at `wavelengths_nm[4 i + k]` is
+ ray 4 i + k, the same as by `realistic_generate_ray_at`. `samples` has arrays of `n` elements; `wavelengths_nm` and the
+ arrays of `rays` have 4 `n`. All else as in `realistic_camera_generate_rays_at_soa`.
+
+ # Safety
+ `camera` is NULL or a live camera of this library; `samples` and `rays` are NULL or valid; the arrays are NULL or have
+ room for `n` or 4 `n` elements and do not overlap.
+ */
+realistic_status realistic_camera_generate_hero_rays_soa(const struct realistic_camera *camera,
+                                                         size_t n,
+                                                         const struct realistic_samples_soa *samples,
+                                                         const float *wavelengths_nm,
+                                                         const struct realistic_rays_soa *rays);
 
 /*
  Autofocus: finds the film distance, mm, to be given as `filmdistance`, at which the camera of

@@ -55,6 +55,11 @@ private:
     X(generate_ray_differential)              \
     X(camera_generate_ray_differentials)      \
     X(camera_generate_ray_differentials_soa)  \
+    X(generate_ray_at)                        \
+    X(generate_hero_rays)                     \
+    X(camera_generate_rays_at)                \
+    X(camera_generate_rays_at_soa)            \
+    X(camera_generate_hero_rays_soa)          \
     X(autofocus)                              \
     X(lens_new)                               \
     X(lens_free)                              \
@@ -345,6 +350,38 @@ public:
     void generate(const realistic_samples_soa &samples, std::size_t n, const realistic_rays_soa &rays,
                   const realistic_rays_soa &rx, const realistic_rays_soa &ry) const {
         api_.check(api_.camera_generate_ray_differentials_soa(camera_.get(), n, &samples, &rays, &rx, &ry));
+    }
+
+    /* The weight of a ray at a wavelength, nm; 0, and the ray as it was, where the lens blocks it, and where the
+     * wavelength is not from 380 to 780. */
+    float generate_at(const realistic_sample &sample, float wavelength_nm, realistic_ray &ray) const noexcept {
+        return api_.generate_ray_at(camera_.get(), &sample, wavelength_nm, &ray);
+    }
+
+    /* As `generate_at` for `n` samples, each at its own wavelength; `wavelengths_nm` NULL: the camera's. */
+    void generate_at(const realistic_sample *samples, const float *wavelengths_nm, std::size_t n, realistic_ray *rays,
+                     float *weights, realistic_reason *reasons = nullptr, std::size_t sample_stride = 0,
+                     std::size_t wavelength_stride = 0, std::size_t ray_stride = 0) const {
+        api_.check(api_.camera_generate_rays_at(camera_.get(), n, samples, sample_stride, wavelengths_nm,
+                                                wavelength_stride, rays, ray_stride, weights, reasons));
+    }
+
+    /* As structure of arrays, of `n` elements each. */
+    void generate_at(const realistic_samples_soa &samples, const float *wavelengths_nm, std::size_t n,
+                     const realistic_rays_soa &rays) const {
+        api_.check(api_.camera_generate_rays_at_soa(camera_.get(), n, &samples, wavelengths_nm, &rays));
+    }
+
+    /* The rays of one sample at four wavelengths; how many there are. */
+    uint32_t generate_hero(const realistic_sample &sample, const float (&wavelengths_nm)[4], realistic_ray (&rays)[4],
+                           float (&weights)[4]) const noexcept {
+        return api_.generate_hero_rays(camera_.get(), &sample, wavelengths_nm, rays, weights);
+    }
+
+    /* Of `n` samples, at 4 `n` wavelengths, into arrays of 4 `n` elements. */
+    void generate_hero(const realistic_samples_soa &samples, const float *wavelengths_nm, std::size_t n,
+                       const realistic_rays_soa &rays) const {
+        api_.check(api_.camera_generate_hero_rays_soa(camera_.get(), n, &samples, wavelengths_nm, &rays));
     }
 
     realistic_camera_info info() const {

@@ -104,6 +104,9 @@ pub enum realistic_reason {
     Redraw = 5,
     /// The shutter is closed over this film point at this time.
     Shut = 6,
+    /// The wavelength that the sample is asked for at is none: not a number from 380 to 780 nm, or one at which the
+    /// formula of a glass has no index of 1 or more.
+    Wavelength = 7,
 }
 
 /// Samples as structure of arrays; the members of `realistic_sample`.

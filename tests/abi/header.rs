@@ -38,6 +38,7 @@ fn the_header_is_up_to_date() {
         "ray",
         "batch/rays",
         "batch/differentials",
+        "batch/wavelengths",
         "autofocus",
         "lens/handle",
         "lens/facts",

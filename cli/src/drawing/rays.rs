@@ -68,17 +68,18 @@ mod tests {
 
     #[test]
     fn a_bundle_passes_in_the_middle_and_is_blocked_at_both_edges() {
-        for name in catalogue::names().take(5) {
+        for name in catalogue::names() {
             let lens = Lens::at_d_line(&catalogue::find(name).unwrap());
-            let film = FirstOrder::of(&lens).unwrap().rear_focal_point;
-            let rays = Rays::new(&lens, film).bundle(3.0, 11);
+            let optics = FirstOrder::of(&lens).unwrap();
+            let height = (0.3 * optics.focal_length).min(3.0);
+            let rays = Rays::new(&lens, optics.rear_focal_point).bundle(height, 11);
             let passed: Vec<bool> = rays.iter().map(|ray| ray.onward.is_some()).collect();
             assert_eq!((passed[0], passed[5], passed[10]), (false, true, false), "{name}: {passed:?}");
             for ray in rays {
                 if let Some([dz, dy]) = ray.onward {
                     assert_eq!(ray.points.len(), lens.surfaces.len() + 1);
                     // The scene above the axis lies on the film below it.
-                    assert!(dz > 0.0 && dy > 0.0 && ray.points[0][1] == -3.0);
+                    assert!(dz > 0.0 && dy > 0.0 && ray.points[0][1] == -height);
                 } else {
                     assert!(ray.points.len() <= lens.surfaces.len() + 1);
                 }

@@ -200,6 +200,14 @@ FUNCTIONS = {
         _STATUS,
         [c_void_p, c_size_t, POINTER(SamplesPointers), *[POINTER(RaysPointers)] * 3],
     ),
+    "realistic_camera_generate_rays_at_soa": (
+        _STATUS,
+        [c_void_p, c_size_t, POINTER(SamplesPointers), c_void_p, POINTER(RaysPointers)],
+    ),
+    "realistic_camera_generate_hero_rays_soa": (
+        _STATUS,
+        [c_void_p, c_size_t, POINTER(SamplesPointers), c_void_p, POINTER(RaysPointers)],
+    ),
     "realistic_lens_new": (_STATUS, [POINTER(Options), POINTER(c_void_p)]),
     "realistic_lens_free": (None, [c_void_p]),
     "realistic_lens_get_info": (_STATUS, [c_void_p, POINTER(LensInfo)]),

@@ -12,9 +12,9 @@ use crate::image::Picture;
 use crate::lens_and_film::{PIPED, finite, set_parameters, size, standard_input, warn};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPool;
-use realistic::camera::{PARAMETERS, Parameters, Weighting, autofocus::Rule};
+use realistic::camera::{Model, PARAMETERS, Parameters, Weighting, autofocus::Rule};
 use realistic::prescription::{catalogue, read};
-use realistic_lab::render::Tally;
+use realistic_lab::render::{Rays, Tally};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -71,7 +71,7 @@ pub struct Studio {
 pub struct Order {
     /// Samples per pixel.
     pub spp: u32,
-    /// Pictures, each at its own wavelength, that make one; `None` for one at the lens' own.
+    /// Wavelengths, each with samples of its own, that make the picture; `None` for one at the lens' own.
     pub wavelengths: Option<u32>,
     /// Width and height of the picture, of which the parameter `crop` may choose a part; `None` for the session's.
     pub whole: Option<[u32; 2]>,
@@ -156,6 +156,12 @@ impl Studio {
     /// # Errors
     /// The plugin's own.
     pub fn take(&self, parameters: &Parameters, scene: &Scene, order: &Order) -> Result<Shot, Failure> {
+        if let (Some(wavelength), Some(count)) = (parameters.wavelength, order.wavelengths) {
+            return Err(Failure::Usage(format!(
+                "a picture in {count} wavelengths has no single \"wavelength\" ({wavelength} nm); leave \
+                 --param wavelength out, or --wavelengths"
+            )));
+        }
         let whole = order.whole.unwrap_or(self.size);
         let warn = |message: &str| self.warn(message);
         let camera = focus::build(&self.plugin, parameters, whole, scene, &warn)?;
@@ -167,19 +173,28 @@ impl Studio {
             seed: self.seed,
             mm_per_unit: parameters.mmperunit.unwrap_or(1.0) as f32,
         };
-        let render = |camera: &Camera| {
-            self.pool.install(|| render(|rays| camera.rays(rays), scene, &settings, &self.progress))
-        };
         let start = Instant::now();
         let (picture, tally) = match order.wavelengths {
-            None => render(&camera)?,
+            None => {
+                self.pool.install(|| render(|rays| camera.rays(rays), scene, &settings, &self.progress))?
+            }
             Some(count) => {
                 let mut sum = (Picture::plain(settings.size, [0.0; 3]), Tally::default());
                 for (wavelength, band) in spectrum::bands(count) {
-                    let there = at_wavelength(parameters, &camera, wavelength, count)?;
+                    // First-order optics has a wavelength once and for all.
+                    let there = match parameters.model() {
+                        Model::Lens => None,
+                        _ => Some(at_wavelength(parameters, &camera, wavelength)?),
+                    };
                     // What there is to warn of was said of the first camera.
-                    let camera = Camera::new(&self.plugin, &there, whole, &scene.pose, &|_| ())?;
-                    let (picture, tally) = render(&camera)?;
+                    let new = |there| Camera::new(&self.plugin, &there, whole, &scene.pose, &|_| ());
+                    let there = there.map(new).transpose()?;
+                    let rays = |rays: Rays<'_>| match &there {
+                        Some(camera) => camera.rays(rays),
+                        None => camera.rays_at(wavelength as f32, rays),
+                    };
+                    let (picture, tally) =
+                        self.pool.install(|| render(rays, scene, &settings, &self.progress))?;
                     spectrum::add(&mut sum.0, band, &picture);
                     sum.1.add(&tally);
                 }
@@ -193,19 +208,8 @@ impl Studio {
     }
 }
 
-/// The same camera at one of several wavelengths, its film where the lens is in focus at its own wavelength.
-fn at_wavelength(
-    parameters: &Parameters,
-    camera: &Camera,
-    wavelength: f64,
-    count: u32,
-) -> Result<Parameters, Failure> {
-    if let Some(wavelength) = parameters.wavelength {
-        return Err(Failure::Usage(format!(
-            "a picture in {count} wavelengths has no single \"wavelength\" ({wavelength} nm); leave \
-             --param wavelength out, or --wavelengths"
-        )));
-    }
+/// The same camera at another wavelength, its film where the lens is in focus at its own.
+fn at_wavelength(parameters: &Parameters, camera: &Camera, wavelength: f64) -> Result<Parameters, Failure> {
     let film_distance = Some(camera.info()?.film_distance_mm);
     let wavelength = Some(wavelength);
     Ok(Parameters { wavelength, focusdistance: None, filmdistance: film_distance, ..parameters.clone() })
