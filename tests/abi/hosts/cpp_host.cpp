@@ -245,7 +245,7 @@ static void lenses(const realistic::Api &api) {
                       {0, along[0].data(), along[1].data(), along[2].data(), &met});
     double off = 0;
     for (uint32_t i = 0; i < info.surfaces; ++i) off += std::fabs(along[2][i] - lens.surface(i).vertex_mm);
-    std::printf("points %u %g %g\n", static_cast<unsigned>(met), off, start[2] - at[2]);
+    std::printf("points %u %d %g\n", static_cast<unsigned>(met), off < 1e-12, start[2] - at[2]);
     std::printf("axis %d %.17g %.17g\n", static_cast<int>(reason), at[2] - info.rear_vertex_mm, at[5]);
     try {
         lens.surface(99);
