@@ -25,6 +25,17 @@ pub enum Medium {
     Formula(Formula),
 }
 
+impl Medium {
+    /// Whether its index depends on the wavelength.
+    pub fn is_dispersive(&self) -> bool {
+        match self {
+            Self::Air => false,
+            Self::Glass { abbe, .. } => abbe.is_some(),
+            Self::Sellmeier(_) | Self::Formula(_) => true,
+        }
+    }
+}
+
 /// The six constants of Sellmeier's formula n² = 1 + Σ B λ²/(λ² - C), λ in µm (W. Sellmeier 1871; in this
 /// form in every glass maker's catalogue).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -146,10 +157,6 @@ impl Prescription {
 
     /// Whether any glass has an Abbe number or a dispersion formula, so that the wavelength matters.
     pub fn is_dispersive(&self) -> bool {
-        self.interfaces.iter().any(|interface| match interface.medium {
-            Medium::Air => false,
-            Medium::Glass { abbe, .. } => abbe.is_some(),
-            Medium::Sellmeier(_) | Medium::Formula(_) => true,
-        })
+        self.interfaces.iter().any(|interface| interface.medium.is_dispersive())
     }
 }

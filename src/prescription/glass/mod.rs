@@ -6,6 +6,7 @@ mod built_in;
 pub(super) mod formula;
 pub(super) mod library;
 mod lines;
+pub(crate) mod terms;
 mod two_numbers;
 
 pub use formula::{Formula, HIGHEST_POWER, LOWEST_POWER};

@@ -11,6 +11,7 @@ use super::lanes::{
 };
 use super::{
     Available,
+    dispersion::Own,
     lanes::{Cpu, Lanes, Portable, Scalar, each_further},
     ray::{End, Start},
     rays::batch::{Approach, Batch, InPlaceBatch, PlaneBatch, RaysByValue},
@@ -114,7 +115,7 @@ impl<S: Scalar> Optics<S> for Table<S> {
         cpu: Cpu<L>,
         starts: [Start<L>; U],
     ) -> [(End<L>, L); U] {
-        trace(cpu, self, starts)
+        trace(cpu, self, Own, starts)
     }
 }
 

@@ -6,6 +6,7 @@
 
 use super::{
     super::{
+        dispersion::Media,
         lanes::{Cpu, Lanes, Scalar},
         ray::RayLanes,
         simd::Compiled,
@@ -46,18 +47,19 @@ const FURTHER_STEPS: usize = 6;
 const WIDEST: usize = 16;
 
 /// One vector of rays on its way to the surface, to be compiled apart.
-struct Alone<'a, L: Lanes> {
+struct Alone<'a, L: Lanes, M> {
     cpu: Cpu<L>,
     asphere: &'a Asphere<L::Scalar>,
     rays: &'a mut [RayLanes<L>; 1],
+    media: M,
     minus_z: L,
     lead: L,
 }
 
-impl<L: Lanes> Compiled for Alone<'_, L> {
+impl<L: Lanes, M: Media<L>> Compiled for Alone<'_, L, M> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run(self) {
-        self.asphere.trace_here(self.cpu, self.rays, [self.minus_z], [self.lead]);
+        self.asphere.trace_here(self.cpu, self.rays, [self.media], [self.minus_z], [self.lead]);
     }
 }
 
@@ -71,14 +73,22 @@ impl<S: Scalar> Asphere<S> {
         &self,
         cpu: Cpu<L>,
         rays: &mut [RayLanes<L>; U],
+        media: [impl Media<L>; U],
         minus_z: [L; U],
         lead: [L; U],
     ) {
         if U > 1 {
-            self.trace_here(cpu, rays, minus_z, lead);
+            self.trace_here(cpu, rays, media, minus_z, lead);
         } else {
             let mut alone = [rays[0]];
-            let work = Alone { cpu, asphere: self, rays: &mut alone, minus_z: minus_z[0], lead: lead[0] };
+            let work = Alone {
+                cpu,
+                asphere: self,
+                rays: &mut alone,
+                media: media[0],
+                minus_z: minus_z[0],
+                lead: lead[0],
+            };
             L::apart(cpu, work);
             rays[0] = alone[0];
         }
@@ -90,6 +100,7 @@ impl<S: Scalar> Asphere<S> {
         &self,
         cpu: Cpu<L>,
         rays: &mut [RayLanes<L>; U],
+        media: [impl Media<L>; U],
         minus_z: [L; U],
         lead: [L; U],
     ) {
@@ -153,7 +164,7 @@ impl<S: Scalar> Asphere<S> {
             ray.advance(t[i]);
             ray.height = t[i].mul_add(ray.vz, L::splat(cpu, self.common.start));
             let square = q.mul_add(q, (m * m) * ray.height_squared());
-            ray.bend_at(cpu, &self.common, [m, q], facing, square);
+            ray.bend_at(cpu, &self.common, media[i], [m, q], facing, square);
         }
     }
 

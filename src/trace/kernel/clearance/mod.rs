@@ -6,6 +6,8 @@
 //! that costs in digits a search of an edge does not need. No multiply-add is fused, which processors without the
 //! instruction would do slowly.
 
+pub(super) mod crossing;
+
 #[cfg(any(test, target_arch = "x86_64"))]
 use super::Simd;
 use super::{
