@@ -34,7 +34,7 @@ mod surface;
 mod table;
 mod trace;
 
-pub(crate) use clearance::{Clearance, MeridianRay, clearances};
+pub(crate) use clearance::{Clearance, ClearanceTracer, MeridianRay};
 pub use instances::KernelScalar;
 pub use rays::{LensRays, PlaneRays, RayBuffer, Traced};
 pub use simd::Simd;

@@ -9,7 +9,7 @@ use super::{
         lanes::{Cpu, Lanes, Scalar},
         ray::RayLanes,
     },
-    constants::Asphere,
+    constants::{Asphere, Common},
     terms::nested,
 };
 
@@ -39,6 +39,32 @@ struct Contact<L> {
     residual: L,
 }
 
+/// N = (-m x, -m y, q) where a ray meets the surface, not a unit vector.
+#[derive(Clone, Copy)]
+pub struct Normal<L> {
+    m: L,
+    q: L,
+    /// N·V.
+    facing: L,
+}
+
+/// Where rays meet the surface.
+pub struct Meeting<L, const U: usize> {
+    pub normals: [Normal<L>; U],
+    /// How many went to the walk.
+    pub walked: u32,
+}
+
+impl<L: Lanes> RayLanes<L> {
+    /// Tests the aperture and refracts.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn refract(&mut self, cpu: Cpu<L>, common: &Common<L::Scalar>, normal: &Normal<L>) {
+        let Normal { m, q, facing } = *normal;
+        let square = q.mul_add(q, (m * m) * self.height_squared());
+        self.bend_at(cpu, common, [m, q], facing, square);
+    }
+}
+
 /// Steps beyond the plan's at most, before a ray goes to the walk.
 const FURTHER_STEPS: usize = 6;
 /// The widest vector.
@@ -54,6 +80,23 @@ impl<S: Scalar> Asphere<S> {
         minus_z: [L; U],
         lead: [L; U],
     ) {
+        let Meeting { normals, .. } = self.meet(cpu, rays, minus_z, lead, None);
+        for i in 0..U {
+            rays[i].refract(cpu, &self.common, &normals[i]);
+        }
+    }
+
+    /// Moves rays to the surface, as [`Asphere::trace`]. Where not all of the rays are `worth` the walk, the others are
+    /// blocked that lanes leave open.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn meet<L: Lanes<Scalar = S>, const U: usize>(
+        &self,
+        cpu: Cpu<L>,
+        rays: &mut [RayLanes<L>; U],
+        minus_z: [L; U],
+        lead: [L; U],
+        worth: Option<[L::Mask; U]>,
+    ) -> Meeting<L, U> {
         let zero = L::splat(cpu, S::ZERO);
         let mut ways = [Way { u: zero, along: zero, across: zero, from: zero }; U];
         for i in 0..U {
@@ -97,25 +140,33 @@ impl<S: Scalar> Asphere<S> {
         let mut any = 0;
         for i in 0..U {
             let first = self.is_first(cpu, &ways[i], &contacts[i], t[i]);
+            if let Some(worth) = worth {
+                let one = L::splat(cpu, S::ONE);
+                let spared = L::select(first, zero, L::select(worth[i], zero, one));
+                rays[i].keep(spared.less(one));
+            }
             open[i] = rays[i].passed_bits() & !L::bits(first);
             any |= open[i];
         }
+        let mut walked = 0;
         if any != 0 {
             for i in 0..U {
+                walked += open[i].count_ones();
                 let (found, met) = self.one_by_one(cpu, &rays[i], ways[i].from, t[i], open[i]);
                 t[i] = found;
                 rays[i].keep(zero.less(met));
             }
             contacts = self.contacts(cpu, rays, &ways, &t);
         }
+        let mut normals = [Normal { m: zero, q: zero, facing: zero }; U];
         for i in 0..U {
             let Contact { m, q, facing, .. } = contacts[i];
             let ray = &mut rays[i];
             ray.advance(t[i]);
             ray.height = t[i].mul_add(ray.vz, L::splat(cpu, self.common.start));
-            let square = q.mul_add(q, (m * m) * ray.height_squared());
-            ray.bend_at(cpu, &self.common, [m, q], facing, square);
+            normals[i] = Normal { m, q, facing };
         }
+        Meeting { normals, walked }
     }
 
     /// A step of Newton's iteration by a polynomial near twice the profile.
