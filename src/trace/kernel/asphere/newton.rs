@@ -152,7 +152,8 @@ impl<S: Scalar> Asphere<S> {
         if any != 0 {
             for i in 0..U {
                 walked += open[i].count_ones();
-                let (found, met) = self.one_by_one(cpu, &rays[i], ways[i].from, t[i], open[i]);
+                let (found, met) =
+                    self.one_by_one(cpu, &rays[i], ways[i].from, t[i], open[i], worth.is_some());
                 t[i] = found;
                 rays[i].keep(zero.less(met));
             }
@@ -251,7 +252,7 @@ impl<S: Scalar> Asphere<S> {
     }
 
     /// Where the walk meets the surface along the rays that `open` has a bit for, and `t` for the others; and where that
-    /// is anywhere, 1, else 0.
+    /// is anywhere, 1, else 0. `follow`: without trying Newton's iteration once more.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn one_by_one<L: Lanes<Scalar = S>>(
         &self,
@@ -260,24 +261,31 @@ impl<S: Scalar> Asphere<S> {
         from: L,
         t: L,
         open: u32,
+        follow: bool,
     ) -> (L, L) {
         let mut columns = [[S::ZERO; WIDEST]; 7];
         for (column, lanes) in columns.iter_mut().zip([ray.x, ray.y, ray.vx, ray.vy, ray.vz, from, t]) {
             lanes.store(column);
         }
         let mut met = [S::ONE; WIDEST];
-        self.walk(&mut columns, &mut met, open);
+        self.walk(&mut columns, &mut met, open, follow);
         (L::load(cpu, &columns[6]), L::load(cpu, &met))
     }
 
     #[cold]
     #[inline(never)]
-    fn walk(&self, columns: &mut [[S; WIDEST]; 7], met: &mut [S; WIDEST], mut open: u32) {
+    fn walk(&self, columns: &mut [[S; WIDEST]; 7], met: &mut [S; WIDEST], mut open: u32, follow: bool) {
         while open != 0 {
             let lane = open.trailing_zeros() as usize;
             open &= open - 1;
             let [x, y, vx, vy, vz, from, _] = columns.each_ref().map(|column| column[lane].to_f64());
-            match self.exact.first_crossing([x, y, self.common.start.to_f64()], [vx, vy, vz], from) {
+            let (start, v) = ([x, y, self.common.start.to_f64()], [vx, vy, vz]);
+            let crossing = if follow {
+                self.exact.followed(start, v, from)
+            } else {
+                self.exact.first_crossing(start, v, from)
+            };
+            match crossing {
                 Ok(t) => columns[6][lane] = S::from_f64(t),
                 Err(_) => met[lane] = S::ZERO,
             }
