@@ -4,6 +4,7 @@
 use super::{
     super::{
         asphere::Asphere,
+        dispersion::Own,
         lanes::{Cpu, Lanes},
         ray::RayLanes,
         simd::Compiled,
@@ -48,7 +49,7 @@ impl<L: Lanes<Scalar = f64>, const U: usize> Compiled for PassAsphere<'_, L, U> 
         for u in 0..U {
             let (probe, ray) = (&mut probes[u], &mut rays[u]);
             probe.note(cpu, step, number, [ray.x, ray.y], ray.passed);
-            ray.refract(cpu, &asphere.common, &met.normals[u]);
+            ray.refract(cpu, &asphere.common, Own, &met.normals[u]);
             probe.p = [ray.x, ray.y, ray.height];
             probe.v = [ray.vx, ray.vy, ray.vz];
             probe.lead = zero;
