@@ -70,7 +70,8 @@ private:
     X(lens_focus)                             \
     X(lens_focused_on)                        \
     X(lens_trace)                             \
-    X(lens_trace_points)
+    X(lens_trace_points)                      \
+    X(catalogue)
 
 /* The library's functions, linked or found in a loaded library. */
 struct Api {
@@ -473,6 +474,20 @@ private:
 };
 
 #undef REALISTIC_FUNCTIONS
+
+/* The names of the built-in lenses, the default's first. */
+inline std::vector<std::string> catalogue(const Api &api = Api::linked()) {
+    std::size_t length = 0;
+    api.check(api.catalogue(nullptr, 0, &length));
+    std::vector<char> buffer(length + 1);
+    api.check(api.catalogue(buffer.data(), buffer.size(), nullptr));
+    std::vector<std::string> names(1);
+    for (std::size_t i = 0; i < length; ++i) {
+        if (buffer[i] == '\n') names.emplace_back();
+        else names.back() += buffer[i];
+    }
+    return names;
+}
 
 } // namespace realistic
 
