@@ -2,7 +2,6 @@
 
 use super::{
     differentials::{self, AT_ONCE, Moved, NeighbourArrays, RayDifferential, Side},
-    first_look::warn_of_darkness,
     host::{Host, Log},
     model::Model,
     models::{
@@ -17,7 +16,7 @@ use super::{
     },
     placement::shutter::Shutter,
     ray::{Outcome, Sample, WorldRay},
-    setup::{self, Facts},
+    setup::{self, Facts, warn_of_darkness},
 };
 use crate::{plan::Plan, sampling::DiskMapping, trace::Blocked};
 

@@ -8,7 +8,6 @@ mod any_camera;
 pub mod autofocus;
 pub(crate) mod builder;
 pub(crate) mod differentials;
-mod first_look;
 pub(crate) mod host;
 pub(crate) mod model;
 pub mod models;
