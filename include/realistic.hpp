@@ -62,6 +62,8 @@ struct Api {
     decltype(&realistic_lens_focus) lens_focus;
     decltype(&realistic_lens_focused_on) lens_focused_on;
     decltype(&realistic_lens_trace) lens_trace;
+    decltype(&realistic_camera_importance) camera_importance;
+    decltype(&realistic_camera_sample_importance) camera_sample_importance;
 
     /* Those that the program is linked with. A program that only loads the library never calls this. */
     static Api linked() {
@@ -77,7 +79,8 @@ struct Api {
                    realistic_lens_new,           realistic_lens_free,
                    realistic_lens_get_info,      realistic_lens_get_surface,
                    realistic_lens_get_name,      realistic_lens_focus,
-                   realistic_lens_focused_on,    realistic_lens_trace};
+                   realistic_lens_focused_on,    realistic_lens_trace,
+                   realistic_camera_importance,  realistic_camera_sample_importance};
     }
 
     /* Those that `symbol`, called with each name, returns as void pointers. Throws Error when one is missing
@@ -111,6 +114,8 @@ struct Api {
         resolve(symbol, "realistic_lens_focus", api.lens_focus);
         resolve(symbol, "realistic_lens_focused_on", api.lens_focused_on);
         resolve(symbol, "realistic_lens_trace", api.lens_trace);
+        resolve(symbol, "realistic_camera_importance", api.camera_importance);
+        resolve(symbol, "realistic_camera_sample_importance", api.camera_sample_importance);
         return api;
     }
 
@@ -346,6 +351,22 @@ public:
     void generate(const realistic_samples_soa &samples, std::size_t n, const realistic_rays_soa &rays,
                   const realistic_rays_soa &rx, const realistic_rays_soa &ry) const {
         api_.check(api_.camera_generate_ray_differentials_soa(camera_.get(), n, &samples, &rays, &rx, &ry));
+    }
+
+    /* What `n` rays that enter the camera count; every `struct_size` is set here. */
+    void importance(realistic_importance_rays rays, std::size_t n, realistic_importance importance) const {
+        rays.struct_size = sizeof rays;
+        importance.struct_size = sizeof importance;
+        api_.check(api_.camera_importance(camera_.get(), n, &rays, &importance));
+    }
+
+    /* Directions toward the lens from `n` points of the scene, and what they count; every `struct_size` is set here. */
+    void sample_importance(realistic_scene_points points, std::size_t n, realistic_aimed aimed,
+                           realistic_importance importance) const {
+        points.struct_size = sizeof points;
+        aimed.struct_size = sizeof aimed;
+        importance.struct_size = sizeof importance;
+        api_.check(api_.camera_sample_importance(camera_.get(), n, &points, &aimed, &importance));
     }
 
     realistic_camera_info info() const {

@@ -4,6 +4,7 @@ use super::lens_parts::{Tracers, plan_and_compile, pupil_sampler, rear_disk, wei
 use crate::{
     camera::{
         host::{Host, Log},
+        importance::{Backward, LensBackward},
         model::Model,
         parameters::{CameraError, ParameterError, Parameters},
         pipeline::{
@@ -16,6 +17,7 @@ use crate::{
     },
     lens::film_ray,
     plan::{FilmSide, Plan},
+    prescription::Blades,
     sampling::{DiskMapping, PupilDisk, film_rays::FilmRays},
     trace::{Blocked, Direction, Path, Ray},
 };
@@ -30,6 +32,7 @@ pub struct RealisticCamera {
     tracers: Tracers,
     rays: RayMaker,
     plan: Plan,
+    blades: Option<Blades>,
 }
 
 impl RealisticCamera {
@@ -68,7 +71,8 @@ impl RealisticCamera {
         let rays = RayMaker::new(tracers.one.clone(), tracers.many.clone(), body.placement.clone());
         // Where the film stands once its place in lens space is rounded.
         let film_distance = setup.facts.lens.rear().vertex - film_z;
-        Ok(Self { facts: Facts { film_distance, ..setup.facts }, body, rear, tracers, rays, plan })
+        let facts = Facts { film_distance, ..setup.facts };
+        Ok(Self { facts, body, rear, tracers, rays, plan, blades: setup.blades })
     }
 
     /// The ray of a sample, or why there is none. Finding out why costs more than a ray does; where
@@ -139,6 +143,12 @@ impl RealisticCamera {
 
     pub(crate) fn ray_maker(&self) -> &RayMaker {
         &self.rays
+    }
+
+    /// The camera the other way round.
+    pub(crate) fn backward(&self) -> Backward {
+        let lens = LensBackward::new(&self.facts.lens, self.blades, &self.body);
+        Backward::of_lens(lens, &self.body.placement, self.body.units_per_mm)
     }
 }
 

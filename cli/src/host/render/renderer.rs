@@ -1,8 +1,9 @@
 //! Rendering: tiles over all cores, and every pixel the mean over its samples.
 
+use super::lamplight::Lights;
 use super::shade::{ShadingSample, radiance};
 use crate::host::plugin::PluginError;
-use crate::host::scene::Scene;
+use crate::host::scene::{Light, Scene};
 use crate::host::scene::shapes::Ray;
 use crate::image::Picture;
 use glam::Vec3;
@@ -70,6 +71,8 @@ pub fn render(
 /// the facets, and independent of the others.
 struct View<'a> {
     scene: &'a Scene,
+    /// Of a scene that they alone light.
+    lights: Option<Lights>,
     mm_per_unit: f32,
     random: Xoshiro256PlusPlus,
     pairs: [Vec<Point>; 4],
@@ -85,6 +88,7 @@ impl<'a> View<'a> {
         let seed = settings.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ u64::from(index);
         Self {
             scene,
+            lights: (scene.light == Light::Lamps).then(|| Lights::of(scene)),
             mm_per_unit: settings.mm_per_unit,
             random: Xoshiro256PlusPlus::seed_from_u64(seed),
             pairs: std::array::from_fn(|_| vec![Point::default(); spp]),
@@ -121,7 +125,12 @@ impl Integrand<3> for View<'_> {
             direction: Vec3::from_array(ray.d),
             time: ray.time,
         };
-        radiance(self.scene, &ray, self.shading[number]).to_array()
+        let sample = self.shading[number];
+        let found = match &self.lights {
+            Some(lights) => lights.radiance(self.scene, &ray, sample),
+            None => radiance(self.scene, &ray, sample),
+        };
+        found.to_array()
     }
 }
 

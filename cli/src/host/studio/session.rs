@@ -5,8 +5,8 @@ use super::autofocus::{Autofocus, Method};
 use super::focus::{self, AxialRays};
 use crate::failure::Failure;
 use crate::host::plugin::{self, Camera, Plugin};
-use crate::host::render::{Settings, render, spectrum};
-use crate::host::scene::Scene;
+use crate::host::render::{Integrator, Settings, lamplight, render, spectrum, trace};
+use crate::host::scene::{Light, Scene};
 use crate::host::scene::effects::{Effect, Effects};
 use crate::image::Picture;
 use crate::lens_and_film::{PIPED, finite, set_parameters, size, standard_input, warn};
@@ -75,6 +75,8 @@ pub struct Order {
     pub wavelengths: Option<u32>,
     /// What the picture is a part of; `None` for a whole one.
     pub frame: Option<Frame>,
+    /// From where light is followed.
+    pub integrator: Integrator,
 }
 
 /// A larger picture of which only a part is rendered.
@@ -165,6 +167,9 @@ impl Studio {
     /// # Errors
     /// The plugin's own.
     pub fn take(&self, parameters: &Parameters, scene: &Scene, order: &Order) -> Result<Shot, Failure> {
+        if order.integrator == Integrator::Light {
+            is_lamplit(scene, order)?;
+        }
         let frame = order.frame.unwrap_or(Frame { size: self.size, corner: [0; 2] });
         let warn = |message: &str| self.warn(message);
         let camera = focus::build(&self.plugin, parameters, frame.size, scene, &warn)?;
@@ -175,8 +180,18 @@ impl Studio {
             seed: self.seed,
             mm_per_unit: parameters.mmperunit.unwrap_or(1.0) as f32,
         };
+        let shutter = [parameters.shutteropen.unwrap_or(0.0), parameters.shutterclose.unwrap_or(1.0)];
         let render = |camera: &Camera| {
-            self.pool.install(|| render(|rays| camera.rays(rays), scene, &settings, &self.progress))
+            self.pool.install(|| match order.integrator {
+                Integrator::Path => render(|rays| camera.rays(rays), scene, &settings, &self.progress),
+                Integrator::Light => trace(
+                    |places, found| camera.connect(places, found),
+                    scene,
+                    &settings,
+                    shutter.map(|time| time as f32),
+                    &self.progress,
+                ),
+            })
         };
         let start = Instant::now();
         let (picture, tally) = match order.wavelengths {
@@ -199,6 +214,20 @@ impl Studio {
         let scale = self.exposure.exp2() / white_level(&camera, parameters, frame.size)?;
         Ok(Shot { camera, picture, scale, tally, took })
     }
+}
+
+/// Whether paths from the lamps show all of a scene.
+fn is_lamplit(scene: &Scene, order: &Order) -> Result<(), Failure> {
+    let what = if scene.light != Light::Lamps {
+        "sun and sky, which have no place to begin paths at; give --scene night".to_owned()
+    } else if let Some(finish) = lamplight::not_matte(scene) {
+        format!("surfaces with the finish {finish:?}, which no path from a lamp to the lens meets")
+    } else if order.frame.is_some() {
+        "only a part of the picture, and paths from the lamps lead to all of it".to_owned()
+    } else {
+        return Ok(());
+    };
+    Err(Failure::Usage(format!("--integrator light cannot render this scene: it has {what}")))
 }
 
 /// The same camera at one of several wavelengths, its film where the lens is in focus at its own wavelength.

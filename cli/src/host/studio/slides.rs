@@ -3,6 +3,7 @@
 
 use super::session::{Frame, Options, Order, Studio, stopped_down};
 use crate::failure::Failure;
+use crate::host::render::Integrator;
 use crate::host::scene::effects::Effect::{self, Dof, Gloss, Motion, SoftShadow, Translucency};
 use crate::host::scene::effects::Effects;
 use crate::host::scene::slides::{colour, gloss, motion, soft_shadow, translucency};
@@ -47,7 +48,7 @@ struct Panel {
 
 impl Panel {
     fn new(label: impl Into<String>, effects: &[Effect], spp: u32) -> Self {
-        let order = Order { spp, wavelengths: None, frame: None };
+        let order = Order { spp, wavelengths: None, frame: None, integrator: Integrator::Path };
         let effects = Effects::only(effects);
         Self { label: label.into(), effects, order, parameters: Vec::new(), exposure: 1.0 }
     }

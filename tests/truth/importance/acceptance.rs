@@ -1,0 +1,44 @@
+//! How many of the directions toward a lens get through.
+
+use realistic::camera::{Aimed, Camera, ScenePoint};
+
+use super::{
+    CAMERAS, camera,
+    scene::{numbers, rays},
+    support::RASTER,
+};
+
+/// The share of directions that count something, of points on the camera's rays at distances in world units.
+fn share(camera: &Camera, distance: impl Fn(f64) -> f64) -> (f64, usize) {
+    let backward = camera.backward().expect("defined");
+    let points: Vec<ScenePoint> = rays(camera, [RASTER.xres, RASTER.yres], 8000, 5)
+        .iter()
+        .enumerate()
+        .map(|(i, (_, ray, _))| {
+            let [.., u, v, w, number] = numbers(3 * i, 9);
+            let far = distance(number) as f32;
+            let point = [0, 1, 2].map(|axis| ray.origin[axis] + far * ray.direction[axis]);
+            ScenePoint { point, sample: [u as f32, v as f32], time: w as f32 }
+        })
+        .collect();
+    let mut aimed = vec![Aimed::default(); points.len()];
+    backward.aim(&points, &mut aimed);
+    let asked = aimed.iter().filter(|aim| aim.density > 0.0).count();
+    let passed = aimed.iter().filter(|aim| aim.importance.importance > 0.0).count();
+    (passed as f64 / asked as f64, points.len() - asked)
+}
+
+#[test]
+fn most_directions_toward_a_lens_get_through() {
+    for given in CAMERAS {
+        let camera = camera(given);
+        let unit = if given.iter().any(|(name, _)| *name == "mmperunit") { 0.1 } else { 1.0 };
+        let (far, unseen) = share(&camera, |number| unit * 400.0 / number.max(1e-6));
+        let (near, unseen_near) = share(&camera, |number| unit * (20.0 + 400.0 * number));
+        eprintln!("{given:?}: {far:.3} ({unseen} unseen), near {near:.3} ({unseen_near})");
+        assert!(unseen + unseen_near <= 3, "{given:?}");
+        let blades = given.iter().any(|(name, _)| *name == "blades");
+        assert!(far > if blades { 0.75 } else { 0.9 }, "{given:?}: {far}");
+        assert!(near > 0.5, "{given:?}: {near}");
+    }
+}
