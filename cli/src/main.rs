@@ -11,8 +11,8 @@ mod lens_and_film;
 mod plots;
 
 use clap::{Parser, Subcommand};
-use commands::{convert, disks, draw, focus, focus_stack, install, lens, plan, pupil, render, trace};
-use commands::{refractions, report};
+use commands::pictures::{focus_stack, render};
+use commands::{convert, disks, draw, focus, install, lens, plan, pupil, refractions, report, trace};
 use failure::Failure;
 use std::io::Write;
 use std::process::ExitCode;
