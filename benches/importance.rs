@@ -3,8 +3,8 @@
 use std::{env::args, hint::black_box, time::Duration};
 
 use realistic::camera::{
-    Aimed, Camera, Host, Importance, Parameters, Raster, RayArrays, RayBlock, Sample, SampleArrays, ScenePoint,
-    WorldRay,
+    Aimed, Camera, Host, Importance, Parameters, Raster, RayArrays, RayBlock, Sample, SampleArrays,
+    ScenePoint, WorldRay,
 };
 use realistic_lab::timing::{Effort, interleaved, repeated};
 
@@ -71,7 +71,8 @@ fn row(lens: &str) {
             time: 0.5,
         })
         .collect();
-    let (mut counted, mut aimed) = (vec![Importance::default(); rays.len()], vec![Aimed::default(); rays.len()]);
+    let (mut counted, mut aimed) =
+        (vec![Importance::default(); rays.len()], vec![Aimed::default(); rays.len()]);
     let mut first = [Aimed::default()];
     let (_, table) = repeated(1, || backward.aim(&points[..1], &mut first));
     let mut found = RayBlock::<N>::new();

@@ -56,7 +56,15 @@ fn importance(columns: &mut Columns<6>) -> realistic_importance {
     let [image_x, image_y, importance, density, area_density, solid_angle_density] =
         columns.each_mut().map(|column| column.as_mut_ptr());
     let struct_size = size_of::<realistic_importance>() as u32;
-    realistic_importance { struct_size, image_x, image_y, importance, density, area_density, solid_angle_density }
+    realistic_importance {
+        struct_size,
+        image_x,
+        image_y,
+        importance,
+        density,
+        area_density,
+        solid_angle_density,
+    }
 }
 
 fn rays(columns: &Columns<7>) -> realistic_importance_rays {
@@ -166,7 +174,9 @@ fn what_cannot_be_asked_is_refused_and_nothing_is_touched() {
         // SAFETY: as above.
         unsafe { realistic_camera_importance(camera, n, rays, found) }
     };
-    for (model, part) in [("perspective", "lensradius"), ("orthographic", "lensradius"), ("environment", "lens")] {
+    for (model, part) in
+        [("perspective", "lensradius"), ("orthographic", "lensradius"), ("environment", "lens")]
+    {
         let stock = Handle::of_model(model);
         assert_eq!(sample(stock.0, N, &points, &aimed, &found), InvalidParameter);
         assert!(last_error().contains(model) && last_error().contains(part), "{}", last_error());
@@ -184,8 +194,14 @@ fn what_cannot_be_asked_is_refused_and_nothing_is_touched() {
     let none = realistic_importance { importance: null_mut(), ..found };
     assert_eq!(count(lens.0, N, &rays, &none), NullPointer);
     for size in [0, 8, 1000] {
-        assert_eq!(sample(lens.0, N, &realistic_scene_points { struct_size: size, ..points }, &aimed, &found), StructSize);
-        assert_eq!(count(lens.0, N, &realistic_importance_rays { struct_size: size, ..rays }, &found), StructSize);
+        assert_eq!(
+            sample(lens.0, N, &realistic_scene_points { struct_size: size, ..points }, &aimed, &found),
+            StructSize
+        );
+        assert_eq!(
+            count(lens.0, N, &realistic_importance_rays { struct_size: size, ..rays }, &found),
+            StructSize
+        );
     }
     // SAFETY: NULL is allowed.
     let status = unsafe { realistic_camera_importance(lens.0, N, null(), &found) };
@@ -211,13 +227,17 @@ fn any_bits_are_answered_from_any_number_of_threads() {
             let ask = || {
                 let (mut toward, mut counted, mut again) = (columns::<7>(), columns::<6>(), columns::<6>());
                 let camera = camera as *const realistic_camera;
-                let (toward_room, first, second) = (aimed(&mut toward), importance(&mut counted), importance(&mut again));
+                let (toward_room, first, second) =
+                    (aimed(&mut toward), importance(&mut counted), importance(&mut again));
                 // SAFETY: columns of N numbers; the camera lives until the threads have ended.
                 unsafe {
                     let points = points(&asked);
                     let status = realistic_camera_sample_importance(camera, N, &points, &toward_room, &first);
                     assert_eq!(status, realistic_status::Ok);
-                    assert_eq!(realistic_camera_importance(camera, N, &rays(&along), &second), realistic_status::Ok);
+                    assert_eq!(
+                        realistic_camera_importance(camera, N, &rays(&along), &second),
+                        realistic_status::Ok
+                    );
                 }
                 toward.into_iter().chain(counted).chain(again).flatten().collect::<Vec<f32>>()
             };

@@ -94,7 +94,9 @@ pub unsafe extern "C" fn realistic_camera_sample_importance(
             return Err(boundary::null(&format!("points.{name}")));
         }
         let room = [aimed.dx, aimed.dy, aimed.dz, aimed.density];
-        if let Some((_, name)) = room.iter().zip(["dx", "dy", "dz", "density"]).find(|(array, _)| array.is_null()) {
+        if let Some((_, name)) =
+            room.iter().zip(["dx", "dy", "dz", "density"]).find(|(array, _)| array.is_null())
+        {
             return Err(boundary::null(&format!("aimed.{name}")));
         }
         importance.check()?;

@@ -54,7 +54,8 @@ impl realistic_importance {
             self.solid_angle_density,
         ];
         for (i, importance) in (first..).zip(found) {
-            let Importance { raster: [x, y], importance, density, area_density, solid_angle_density } = *importance;
+            let Importance { raster: [x, y], importance, density, area_density, solid_angle_density } =
+                *importance;
             let numbers = [x, y, importance, density, area_density, solid_angle_density];
             for (array, number) in arrays.into_iter().zip(numbers) {
                 // SAFETY: the caller's promise.

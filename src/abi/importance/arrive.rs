@@ -67,7 +67,8 @@ pub unsafe extern "C" fn realistic_camera_importance(
         }
         importance.check()?;
         let middle = backward.middle_time();
-        let (mut asked, mut found) = (Vec::with_capacity(n.min(BLOCK)), vec![Importance::default(); n.min(BLOCK)]);
+        let (mut asked, mut found) =
+            (Vec::with_capacity(n.min(BLOCK)), vec![Importance::default(); n.min(BLOCK)]);
         for first in (0..n).step_by(BLOCK) {
             let count = BLOCK.min(n - first);
             asked.clear();

@@ -185,8 +185,10 @@ impl Backward {
         assert_eq!(points.len(), found.len(), "a batch needs as much room as it has points");
         let aimed: Vec<Option<(Stand, Towards)>> = points.iter().map(|point| self.toward(point)).collect();
         let none = Ray { origin: [0.0; 3], direction: [0.0; 3] };
-        let rays: Vec<(Ray, f64)> =
-            aimed.iter().map(|aimed| (aimed.as_ref().map_or(none, |(_, towards)| towards.ray), 0.0)).collect();
+        let rays: Vec<(Ray, f64)> = aimed
+            .iter()
+            .map(|aimed| (aimed.as_ref().map_or(none, |(_, towards)| towards.ray), 0.0))
+            .collect();
         let counted = self.count(&rays);
         for (((found, point), aimed), counted) in found.iter_mut().zip(points).zip(aimed).zip(counted) {
             *found = Aimed::default();

@@ -9,6 +9,15 @@ pub(super) const SECTORS: usize = 32;
 /// Angle of a sector.
 pub(super) const SECTOR: f64 = PI / SECTORS as f64;
 
+/// The least bend ρ² with which ρ (1 + bend ρ²) grows, and less.
+const MONOTONE: f64 = -0.32;
+/// The least that images are fitted with: fans grow later.
+pub(super) const LEAST_BEND: f64 = -0.2;
+/// The largest.
+pub(super) const MOST_BEND: f64 = 0.6;
+/// Steps of Newton's iteration that take a bent distance back.
+const NEWTON: u32 = 8;
+
 /// The directions of the polygon's corners.
 static DIRECTIONS: LazyLock<[[f64; 2]; SECTORS + 1]> = LazyLock::new(|| {
     std::array::from_fn(|knot| {
@@ -26,13 +35,15 @@ pub(super) struct Fan {
     pub reach: [f64; SECTORS + 1],
 }
 
-/// Where points of the plane are imaged on the film, about: at (`place` + `along` (a - center), `across` b) in the frame of
-/// the point's azimuth, at most `spread` away, mm.
+/// Where points of the plane are imaged on the film, about: at (`place` + `along` a', `across` b') in the frame of the
+/// point's azimuth, at most `spread` away, mm. (a', b') is the point as it is seen from the centre, times 1 + `bend` ρ²,
+/// ρ being its distance over the extent: what spherical aberration does to a large blur.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Image {
     pub place: f64,
     pub along: f64,
     pub across: f64,
+    pub bend: f64,
     pub spread: f64,
 }
 
@@ -100,13 +111,17 @@ impl Fan {
     }
 
     /// A point of what the polygon has within half-planes.
-    fn within(&self, planes: &[HalfPlane; 4], [u, v]: [f64; 2]) -> Option<Sampled> {
+    fn within(&self, planes: &[HalfPlane; 4], bend: f64, [u, v]: [f64; 2]) -> Option<Sampled> {
+        let bent = |[a, b]: [f64; 2]| {
+            let stretch = 1.0 + bend * self.square([a, b]);
+            [self.center + stretch * (a - self.center), stretch * b]
+        };
         let mut pieces: [Convex; 2 * SECTORS] = [Convex::EMPTY; 2 * SECTORS];
         let mut total = 0.0;
         for (i, piece) in pieces.iter_mut().enumerate() {
             let (sector, half) = if i < SECTORS { (i, 1.0) } else { (2 * SECTORS - 1 - i, -1.0) };
             let mirrored = |[a, b]: [f64; 2]| [a, half * b];
-            let corners = [self.corner(sector), self.corner(sector + 1)].map(mirrored);
+            let corners = [self.corner(sector), self.corner(sector + 1)].map(|corner| mirrored(bent(corner)));
             *piece = Convex::triangle([[self.center, 0.0], corners[0], corners[1]]);
             for plane in planes {
                 piece.cut(plane);
@@ -127,7 +142,22 @@ impl Fan {
             }
             target -= piece.area;
         }
-        chosen.map(|piece| (piece.sample(target, v), density))
+        let point = chosen?.sample(target, v);
+        // Where that comes from: ρ (1 + bend ρ²) is known.
+        let far = self.square(point).sqrt();
+        let mut near = far;
+        for _ in 0..NEWTON {
+            near -= (near * (1.0 + bend * near * near) - far) / (1.0 + 3.0 * bend * near * near);
+        }
+        let square = bend * near * near;
+        let shrink = 1.0 / (1.0 + square);
+        let unbent = [self.center + shrink * (point[0] - self.center), shrink * point[1]];
+        Some((unbent, density * (1.0 + square) * (1.0 + 3.0 * square)))
+    }
+
+    /// The square of how far a point lies from the centre, over the extent.
+    pub fn square(&self, [a, b]: [f64; 2]) -> f64 {
+        ((a - self.center) / self.extent[0]).powi(2) + (b / self.extent[1]).powi(2)
     }
 
     /// A point of the region, for two numbers in [0, 1]: the polygon, without what is imaged outside the window, seen at this
@@ -139,7 +169,8 @@ impl Fan {
         window: &Window,
         numbers: [f64; 2],
     ) -> Option<Sampled> {
-        let far = self.farthest();
+        let farthest = self.farthest();
+        let far = farthest * (1.0 + image.bend.max(0.0) * farthest * farthest);
         let radius = far * (image.along * self.extent[0]).abs().max((image.across * self.extent[1]).abs());
         let radius = radius + image.spread;
         let at = [0, 1].map(|axis| azimuth[axis] * image.place - window.center[axis]);
@@ -150,12 +181,12 @@ impl Fan {
         if !beyond(0, radius) && !beyond(1, radius) {
             return self.anywhere(numbers);
         }
-        self.within(&self.sides(image, azimuth, window), numbers)
+        self.within(&self.sides(image, azimuth, window), image.bend.max(MONOTONE / farthest.powi(2)), numbers)
     }
 
     /// The half-planes of points that are imaged within each of the window's four sides.
     fn sides(&self, image: &Image, [cos, sin]: [f64; 2], window: &Window) -> [HalfPlane; 4] {
-        let Image { place, along, across, spread } = *image;
+        let Image { place, along, across, spread, .. } = *image;
         // The film point is x (cos, sin) + y (-sin, cos).
         let side = |axis: usize, sign: f64| {
             let (x, y) = if axis == 0 { (cos, -sin) } else { (sin, cos) };

@@ -46,7 +46,9 @@ impl LensBackward {
             lens: lens.clone(),
             count: FilmCount::new(body),
             kernel: Kernel::along(&path),
-            reference: pupil.max(lens.rear().vertex).min(front.sagitta_range()[0] - 0.05 * front.semi_diameter),
+            reference: pupil
+                .max(lens.rear().vertex)
+                .min(front.sagitta_range()[0] - 0.05 * front.semi_diameter),
             entrance: OnceLock::new(),
         }
     }
@@ -79,7 +81,8 @@ impl LensBackward {
                 let length = direction.iter().map(|part| part * part).sum::<f64>().sqrt();
                 let moved = (back + rounding) / length;
                 let start = [0, 1, 2].map(|axis| origin[axis] - moved * direction[axis]);
-                let is_ray = start.iter().chain(direction).all(|part| part.is_finite()) && self.is_in_front(start);
+                let is_ray =
+                    start.iter().chain(direction).all(|part| part.is_finite()) && self.is_in_front(start);
                 if is_ray {
                     buffer.put(i, start, *direction);
                 }

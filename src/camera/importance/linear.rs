@@ -86,7 +86,8 @@ impl Linear {
             return None;
         }
         let [width, height] = self.window().half.map(|half| 2.0 * half);
-        let determinant = self.film.from_height * self.lens.from_slope - self.film.from_slope * self.lens.from_height;
+        let determinant =
+            self.film.from_height * self.lens.from_slope - self.film.from_slope * self.lens.from_height;
         let density = determinant * determinant / (width * height * self.lens_area() * cos4(slopes));
         let weight = self.weight.map_or(1.0, |(slope, factor)| factor * cos4(at(slope)));
         (density.is_finite() && weight > 0.0).then_some(Counted { raster, weight, density })
@@ -104,7 +105,7 @@ impl Linear {
         let (lens, film) = (self.lens.about(z), self.film.about(z));
         let fan = Fan::disk(-self.lens.from_height * height / lens, self.lens_radius / lens.abs());
         let place = self.film.from_height * height + film * fan.center;
-        let image = Image { place, along: film, across: film, spread: 0.0 };
+        let image = Image { place, along: film, across: film, bend: 0.0, spread: 0.0 };
         let ([a, b], density) = fan.sample(&image, azimuth, &self.window(), numbers)?;
         let slopes = [a * azimuth[0] - b * azimuth[1], a * azimuth[1] + b * azimuth[0]];
         let length = (1.0 + a * a + b * b).sqrt();

@@ -33,7 +33,8 @@ impl Stand {
     pub fn point(&self, world: [f64; 3]) -> ([f64; 3], f64) {
         let from_origin = DVec3::from(world) - self.origin;
         let rounding = 1e-6 * (DVec3::from(world).abs().max_element() + self.origin.abs().max_element());
-        let longest = self.to_camera.to_cols_array().iter().fold(0.0_f64, |most, entry| most.max(entry.abs()));
+        let longest =
+            self.to_camera.to_cols_array().iter().fold(0.0_f64, |most, entry| most.max(entry.abs()));
         ((self.to_camera * from_origin).into(), rounding * longest)
     }
 

@@ -118,7 +118,9 @@ fn linear(
     clip: [f32; 2],
 ) -> Result<(Linear, f64), ImportanceError> {
     let (model, parallel, per_screen) = match projecting {
-        Projecting::Perspective { fov } => (Model::Perspective, false, (f64::from(fov) / 2.0).to_radians().tan()),
+        Projecting::Perspective { fov } => {
+            (Model::Perspective, false, (f64::from(fov) / 2.0).to_radians().tan())
+        }
         Projecting::Orthographic => (Model::Orthographic, true, 1.0),
     };
     let advice = "give \"lensradius\"";

@@ -131,8 +131,12 @@ impl Compiled for OneSlice<'_> {
         if !(s < FINE as f64) {
             return;
         }
-        let Place { part: Portable([part]), center: Portable([center]), narrowing: Portable([narrowing]), .. } =
-            self.pupil.place(Portable::cpu(), &ray, &radius);
+        let Place {
+            part: Portable([part]),
+            center: Portable([center]),
+            narrowing: Portable([narrowing]),
+            ..
+        } = self.pupil.place(Portable::cpu(), &ray, &radius);
         let Portable([place]) = radius.place;
         let first = self.pupil.cells[place as usize].index as usize;
         *self.found = Some(Slice { center, narrowing, first, part });
@@ -161,7 +165,8 @@ mod tests {
             let mut sampled = 0;
             for i in 0..4000_u32 {
                 let at = |step: f64| (0.5 + f64::from(i) * step).fract();
-                let (radius, angle) = (1.05 * reach * at(0.856_674_883_854_502_9), 6.3 * at(0.733_891_856_627_126));
+                let (radius, angle) =
+                    (1.05 * reach * at(0.856_674_883_854_502_9), 6.3 * at(0.733_891_856_627_126));
                 let (r, turn) = (at(0.628_706_721_037_808_7).sqrt(), 6.3 * at(0.538_597_257_225_901_9));
                 let point = [radius * angle.cos(), radius * angle.sin()];
                 let disk = [r * turn.cos(), r * turn.sin()];

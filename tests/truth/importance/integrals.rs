@@ -23,7 +23,11 @@ impl Disk {
     /// Radiance at a point, which falls to 0 at the edge, into a direction.
     fn radiance(&self, [x, y]: [f64; 2], slope: [f64; 2]) -> f64 {
         let square = ((x - self.center[0]).powi(2) + (y - self.center[1]).powi(2)) / self.radius.powi(2);
-        if square < 1.0 { (1.0 - square).powi(2) * (1.5 + (3.0 * slope[0]).sin() - 0.5 * slope[1]) } else { 0.0 }
+        if square < 1.0 {
+            (1.0 - square).powi(2) * (1.5 + (3.0 * slope[0]).sin() - 0.5 * slope[1])
+        } else {
+            0.0
+        }
     }
 }
 
@@ -49,7 +53,11 @@ fn by_camera_rays(camera: &Camera, disk: &Disk, count: usize) -> (f64, f64) {
                     let Some((ray, weight)) = camera.ray(&sample) else { return 0.0 };
                     let ([x, y, z], [dx, dy, dz]) = (ray.origin.map(f64::from), ray.direction.map(f64::from));
                     let t = (disk.depth - z) / dz;
-                    let light = if t > 0.0 { disk.radiance([x + t * dx, y + t * dy], [dx / dz, dy / dz]) } else { 0.0 };
+                    let light = if t > 0.0 {
+                        disk.radiance([x + t * dx, y + t * dy], [dx / dz, dy / dz])
+                    } else {
+                        0.0
+                    };
                     f64::from(weight) * light * share([sample.image_x.into(), sample.image_y.into()])
                 })
                 .sum();
@@ -81,7 +89,8 @@ fn by_scene_rays(camera: &Camera, disk: &Disk, count: usize) -> (f64, f64) {
                 .zip(&aimed)
                 .filter(|(_, aim)| aim.importance.importance > 0.0)
                 .map(|(point, Aimed { direction: [dx, dy, dz], density, importance, .. })| {
-                    let light = disk.radiance([point.point[0].into(), point.point[1].into()], [dx / dz, dy / dz]);
+                    let light =
+                        disk.radiance([point.point[0].into(), point.point[1].into()], [dx / dz, dy / dz]);
                     importance.importance * light * dz.abs() * share(importance.raster) / density
                 })
                 .sum();
@@ -131,7 +140,11 @@ fn both_ways(given: &[(&str, &str)], count: usize, most: f64) {
             error / from_film
         );
         assert!(error <= most * from_film, "{given:?} {}: {error} of {from_film}", disk.depth);
-        assert!((from_film - from_scene).abs() <= 4.0 * error, "{given:?} {}: {from_film} {from_scene}", disk.depth);
+        assert!(
+            (from_film - from_scene).abs() <= 4.0 * error,
+            "{given:?} {}: {from_film} {from_scene}",
+            disk.depth
+        );
     }
 }
 

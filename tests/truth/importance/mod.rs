@@ -47,7 +47,23 @@ const CAMERAS: [&[(&str, &str)]; 22] = [
     &[("model", "thin"), ("weighting", "assignment"), ("focusdistance", "700")],
     &[("model", "thick"), ("specfile", "fisheye.10mm"), ("weighting", "relative"), ("filmdiag", "16")],
     &[("model", "perspective"), ("lensradius", "8"), ("focaldistance", "900"), ("fov", "50")],
-    &[("model", "perspective"), ("lensradius", "8"), ("focaldistance", "900"), ("lensplane", "hither"), ("hither", "20")],
-    &[("model", "perspective"), ("lensradius", "5"), ("focaldistance", "700"), ("screenwindow", "-0.3,1,-0.5,0.4")],
-    &[("model", "orthographic"), ("lensradius", "20"), ("focaldistance", "900"), ("screenwindow", "-200,200,-150,150")],
+    &[
+        ("model", "perspective"),
+        ("lensradius", "8"),
+        ("focaldistance", "900"),
+        ("lensplane", "hither"),
+        ("hither", "20"),
+    ],
+    &[
+        ("model", "perspective"),
+        ("lensradius", "5"),
+        ("focaldistance", "700"),
+        ("screenwindow", "-0.3,1,-0.5,0.4"),
+    ],
+    &[
+        ("model", "orthographic"),
+        ("lensradius", "20"),
+        ("focaldistance", "900"),
+        ("screenwindow", "-200,200,-150,150"),
+    ],
 ];

@@ -29,7 +29,12 @@ fn any_bits_count_nothing_or_something_finite() {
         let mut random = Random::new(11);
         let mut three = || [(); 3].map(|()| strange(&mut random));
         let rays: Vec<WorldRay> = (0..4000)
-            .map(|_| WorldRay { origin: three(), direction: three(), time: three()[0], ..WorldRay::default() })
+            .map(|_| WorldRay {
+                origin: three(),
+                direction: three(),
+                time: three()[0],
+                ..WorldRay::default()
+            })
             .collect();
         let points: Vec<ScenePoint> = (0..4000)
             .map(|_| ScenePoint { point: three(), sample: [three()[0], three()[1]], time: three()[2] })
@@ -58,7 +63,10 @@ fn rays_from_behind_and_of_no_direction_count_nothing() {
         let backward = camera.backward().expect("defined");
         for (_, ray, _) in rays(&camera, [RASTER.xres, RASTER.yres], 200, 1) {
             let back = turned(&ray);
-            let behind = WorldRay { origin: [0, 1, 2].map(|axis| ray.origin[axis] - 500.0 * ray.direction[axis]), ..back };
+            let behind = WorldRay {
+                origin: [0, 1, 2].map(|axis| ray.origin[axis] - 500.0 * ray.direction[axis]),
+                ..back
+            };
             let still = WorldRay { direction: [0.0; 3], ..back };
             let late = WorldRay { time: 2.0, ..back };
             let mut found = [Importance::default(); 4];

@@ -2,6 +2,8 @@
 
 use realistic::camera::{Camera, Sample, WorldRay};
 
+use super::support::Random;
+
 /// Steps of the additive recurrence in six dimensions (M. Roberts, 2018): powers of 1/g, g⁷ = g + 1.
 const STEPS: [f64; 6] = [
     0.898_665_466_953_376_8,
@@ -14,10 +16,8 @@ const STEPS: [f64; 6] = [
 
 /// The numbers of a sample, shifted as a whole by a replicate's own.
 pub fn numbers(index: usize, replicate: usize) -> [f64; 6] {
-    std::array::from_fn(|axis| {
-        let shift = ((replicate * 6 + axis + 1) as f64 * 0.618_033_988_749_894_9).fract();
-        (shift + index as f64 * STEPS[axis]).fract()
-    })
+    let mut random = Random::new(replicate as u64);
+    std::array::from_fn(|axis| (random.next() + index as f64 * STEPS[axis]).fract())
 }
 
 /// A sample of the whole picture of these numbers.

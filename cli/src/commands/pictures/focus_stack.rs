@@ -61,7 +61,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         ));
     }
     let scene = props::scene().with(&Effects::only(&[Effect::SoftShadow, Effect::Dof]));
-    let order = Order { spp: args.options.spp.unwrap_or(SPP), wavelengths: None, frame: None, integrator: Integrator::Path };
+    let order = Order {
+        spp: args.options.spp.unwrap_or(SPP),
+        wavelengths: None,
+        frame: None,
+        integrator: Integrator::Path,
+    };
     let mut sheet = Sheet::new(studio.size, args.count, COLUMNS);
     let mut text = String::new();
     for (index, distance) in (1..).zip(distances(args.from, args.to, args.count)) {

@@ -2,7 +2,7 @@
 
 use super::camera::Camera;
 use super::library::PluginError;
-use realistic::abi::{realistic_aimed, realistic_importance, realistic_scene_points};
+use realistic::abi::{realistic_aimed, realistic_camera, realistic_importance, realistic_scene_points};
 use std::ptr::null_mut;
 
 /// Points of a scene, in the camera's units, each with two numbers for a place in the pupil, and a time.
@@ -63,43 +63,58 @@ impl Connections {
     }
 }
 
+/// `realistic_camera_sample_importance`.
+pub type SampleImportance = unsafe extern "C" fn(
+    *const realistic_camera,
+    usize,
+    *const realistic_scene_points,
+    *const realistic_aimed,
+    *const realistic_importance,
+) -> i32;
+
+/// Joins points of a scene to a camera by that function; its status.
+///
+/// # Safety
+/// The camera is alive, and the function of its library.
+pub unsafe fn connect(
+    sample: SampleImportance,
+    camera: *const realistic_camera,
+    places: &Places,
+    found: &mut Connections,
+) -> i32 {
+    let n = places.len();
+    let room = |column: &mut Vec<f32>| {
+        column.resize(n, 0.0);
+        column.as_mut_ptr()
+    };
+    let [ox, oy, oz, dx, dy, dz] = found.rays.each_mut().map(room);
+    let [image_x, image_y] = found.image.each_mut().map(room);
+    let [x, y, z, u, v, time] = places.columns.each_ref().map(|column| column.as_ptr());
+    let struct_size = size_of::<realistic_scene_points>() as u32;
+    let points = realistic_scene_points { struct_size, x, y, z, u, v, time };
+    let (struct_size, density) = (size_of::<realistic_aimed>() as u32, room(&mut found.density));
+    let aimed = realistic_aimed { struct_size, ox, oy, oz, dx, dy, dz, density };
+    let importance = realistic_importance {
+        struct_size: size_of::<realistic_importance>() as u32,
+        image_x,
+        image_y,
+        importance: room(&mut found.importance),
+        density: null_mut(),
+        area_density: null_mut(),
+        solid_angle_density: null_mut(),
+    };
+    // SAFETY: the caller's promise, and every array has `n` elements.
+    unsafe { sample(camera, n, &points, &aimed, &importance) }
+}
+
 impl Camera {
     /// Joins points of the scene to the camera.
     ///
     /// # Errors
     /// The plugin's own; its camera has no importance.
     pub fn connect(&self, places: &Places, found: &mut Connections) -> Result<(), PluginError> {
-        let n = places.len();
-        let room = |column: &mut Vec<f32>| {
-            column.resize(n, 0.0);
-            column.as_mut_ptr()
-        };
-        let [ox, oy, oz, dx, dy, dz] = found.rays.each_mut().map(room);
-        let [image_x, image_y] = found.image.each_mut().map(room);
-        let [x, y, z, u, v, time] = places.columns.each_ref().map(|column| column.as_ptr());
-        let points =
-            realistic_scene_points { struct_size: size_of::<realistic_scene_points>() as u32, x, y, z, u, v, time };
-        let aimed = realistic_aimed {
-            struct_size: size_of::<realistic_aimed>() as u32,
-            ox,
-            oy,
-            oz,
-            dx,
-            dy,
-            dz,
-            density: room(&mut found.density),
-        };
-        let importance = realistic_importance {
-            struct_size: size_of::<realistic_importance>() as u32,
-            image_x,
-            image_y,
-            importance: room(&mut found.importance),
-            density: null_mut(),
-            area_density: null_mut(),
-            solid_angle_density: null_mut(),
-        };
         let sample = self.plugin().functions.camera_sample_importance;
-        // SAFETY: the handle is this plugin's and alive, and every array has `n` elements.
-        self.plugin().check(unsafe { sample(self.handle(), n, &points, &aimed, &importance) })
+        // SAFETY: the handle is this plugin's and alive.
+        self.plugin().check(unsafe { connect(sample, self.handle(), places, found) })
     }
 }

@@ -7,6 +7,8 @@ mod location;
 mod options;
 
 pub use camera::{Camera, Warn, c_options, generate};
+#[cfg(test)]
+pub use connections::connect;
 pub use connections::{Connections, Places};
 pub use library::{Plugin, PluginError};
 pub use location::find;

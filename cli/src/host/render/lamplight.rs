@@ -36,9 +36,14 @@ pub struct LampPoint {
 impl Lights {
     /// Those of a scene that they light.
     pub fn of(scene: &Scene) -> Self {
-        let lamps: Vec<(Sphere, Vec3)> =
-            scene.lamps.iter().flat_map(|group| &group.lamps).map(|lamp| (lamp.shape, lamp.material.colour)).collect();
-        let power = |(sphere, radiance): &(Sphere, Vec3)| radiance.element_sum() * sphere.radius * sphere.radius;
+        let lamps: Vec<(Sphere, Vec3)> = scene
+            .lamps
+            .iter()
+            .flat_map(|group| &group.lamps)
+            .map(|lamp| (lamp.shape, lamp.material.colour))
+            .collect();
+        let power =
+            |(sphere, radiance): &(Sphere, Vec3)| radiance.element_sum() * sphere.radius * sphere.radius;
         let total: f32 = lamps.iter().map(power).sum();
         let mut sum = 0.0;
         let shares = lamps

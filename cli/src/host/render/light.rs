@@ -4,7 +4,7 @@
 
 use super::lamplight::{Lights, REFLECTIONS, START, scattered};
 use super::renderer::Settings;
-use crate::host::plugin::{Connections, PluginError, Places};
+use crate::host::plugin::{Connections, Places, PluginError};
 use crate::host::scene::shapes::Ray;
 use crate::host::scene::{Finish, Scene};
 use crate::image::Picture;
@@ -163,5 +163,179 @@ impl Tracer<'_> {
         let [x, y] = found.pixel(i).map(|at| at as usize);
         let [width, height] = self.size.map(|side| side as usize);
         self.sums[y.min(height - 1) * width + x.min(width - 1)] += share * vertex.strength.as_dvec3();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::render;
+    use super::*;
+    use crate::host::plugin::connect;
+    use crate::host::scene::night;
+    use realistic::abi::*;
+    use realistic_lab::render::Rays;
+    use std::mem::MaybeUninit;
+    use std::ptr::null_mut;
+
+    const SIZE: [u32; 2] = [24, 16];
+    /// Independent pictures of each kind.
+    const PICTURES: u32 = 16;
+
+    /// A camera of the linked library, wide open and focused on the card.
+    struct Linked(*mut realistic_camera);
+
+    // SAFETY: a camera is immutable, and is freed once.
+    unsafe impl Sync for Linked {}
+
+    impl Linked {
+        fn new() -> Self {
+            let mut options = MaybeUninit::<realistic_options>::zeroed();
+            let mut camera = null_mut();
+            // SAFETY: room for the whole structure, whose pointers live until the camera is built.
+            unsafe {
+                let size = size_of::<realistic_options>() as u32;
+                assert_eq!(realistic_options_init(options.as_mut_ptr(), size), realistic_status::Ok);
+                let mut options = options.assume_init();
+                (options.xres, options.yres, options.focusdistance) =
+                    (SIZE[0] as i32, SIZE[1] as i32, 1080.0);
+                assert_eq!(realistic_camera_new(&options, &mut camera), realistic_status::Ok);
+            }
+            Self(camera)
+        }
+
+        fn rays(&self, Rays { samples, rays, weights }: Rays<'_>) -> Result<(), PluginError> {
+            // SAFETY: the slices are of one length.
+            let status = unsafe {
+                realistic_camera_generate_rays(
+                    self.0,
+                    samples.len(),
+                    samples.as_ptr(),
+                    0,
+                    rays.as_mut_ptr(),
+                    0,
+                    weights.as_mut_ptr(),
+                    null_mut(),
+                )
+            };
+            assert_eq!(status, realistic_status::Ok);
+            Ok(())
+        }
+
+        fn connect(&self, places: &Places, found: &mut Connections) -> Result<(), PluginError> {
+            unsafe extern "C" fn sample(
+                camera: *const realistic_camera,
+                n: usize,
+                points: *const realistic_scene_points,
+                aimed: *const realistic_aimed,
+                importance: *const realistic_importance,
+            ) -> i32 {
+                // SAFETY: the caller's promise.
+                unsafe { realistic_camera_sample_importance(camera, n, points, aimed, importance) as i32 }
+            }
+            // SAFETY: the camera is alive, and this library's.
+            assert_eq!(unsafe { connect(sample, self.0, places, found) }, 0);
+            Ok(())
+        }
+    }
+
+    impl Drop for Linked {
+        fn drop(&mut self) {
+            // SAFETY: freed once.
+            unsafe { realistic_camera_free(self.0) }
+        }
+    }
+
+    /// Mean and squared standard error of every number of pictures with seeds of their own.
+    fn pictures(picture: impl Fn(u64) -> Picture) -> Vec<[f64; 2]> {
+        let all: Vec<Picture> = (0..u64::from(PICTURES)).map(|seed| picture(100 + seed)).collect();
+        let n = f64::from(PICTURES);
+        (0..all[0].pixels.len() * 3)
+            .map(|i| {
+                let numbers = || all.iter().map(move |picture| f64::from(picture.pixels[i / 3][i % 3]));
+                let mean = numbers().sum::<f64>() / n;
+                [mean, numbers().map(|number| (number - mean).powi(2)).sum::<f64>() / (n * (n - 1.0))]
+            })
+            .collect()
+    }
+
+    fn settings(seed: u64, spp: u32) -> Settings {
+        Settings { size: SIZE, corner: [0; 2], spp, seed, mm_per_unit: 1.0 }
+    }
+
+    /// The night, with lamps so large that paths from the camera meet them, too.
+    fn large_lamps() -> Scene {
+        const LARGER: f32 = 12.0;
+        let mut scene = night::scene();
+        for lamp in
+            scene.lamps.iter_mut().flat_map(|group| &mut group.lamps).filter(|lamp| lamp.shape.radius < 20.0)
+        {
+            lamp.shape.radius *= LARGER;
+            lamp.material.colour /= LARGER * LARGER;
+        }
+        let groups = std::mem::take(&mut scene.lamps);
+        scene.lamps = groups.into_iter().map(|group| group.lamps.into_iter().collect()).collect();
+        scene
+    }
+
+    #[test]
+    fn paths_from_lamps_and_from_the_camera_make_one_picture() {
+        let (camera, scene, hidden) = (Linked::new(), large_lamps(), ProgressBar::hidden());
+        let from_camera = pictures(|seed| {
+            render(|rays| camera.rays(rays), &scene, &settings(seed, 512), &hidden).unwrap().0
+        });
+        let from_lamps = pictures(|seed| {
+            let joined = |places: &Places, found: &mut Connections| camera.connect(places, found);
+            trace(joined, &scene, &settings(seed, 1024), [0.0, 1.0], &hidden).unwrap().0
+        });
+        let (mut chi, mut count) = (0.0, 0.0);
+        for ([a, a_square], [b, b_square]) in from_camera.iter().zip(&from_lamps) {
+            if a_square + b_square > 0.0 {
+                chi += (a - b).powi(2) / (a_square + b_square);
+                count += 1.0;
+            }
+        }
+        let (sums, lamps): (f64, f64) =
+            (from_camera.iter().map(|[mean, _]| mean).sum(), from_lamps.iter().map(|[mean, _]| mean).sum());
+        // Of squares of a number with Student's distribution, of 15 to 30 degrees of freedom.
+        let expected = 1.11 * count;
+        let spread = (3.0_f64 * count).sqrt();
+        eprintln!("chi squared {chi:.0} of {count}, sums {sums:.5} and {lamps:.5}");
+        assert!((sums / lamps - 1.0).abs() < 0.02, "{sums} {lamps}");
+        // The three channels of a pixel are alike: a third of the numbers is independent.
+        assert!((chi - expected).abs() < 5.0 * 3.0_f64.sqrt() * spread, "{chi} of {count}");
+        assert!(count > 800.0, "{count}");
+    }
+
+    #[test]
+    fn small_lamps_out_of_focus_take_a_hundredth_of_the_samples() {
+        let (camera, scene, hidden) = (Linked::new(), night::scene(), ProgressBar::hidden());
+        // Only the sky: the upper third, where the lamps hang.
+        let noise = |found: &[[f64; 2]]| {
+            found[..SIZE[0] as usize * 5 * 3].iter().map(|[_, square]| square).sum::<f64>()
+        };
+        let from_camera = noise(&pictures(|seed| {
+            render(|rays| camera.rays(rays), &scene, &settings(seed, 512), &hidden).unwrap().0
+        }));
+        let from_lamps = noise(&pictures(|seed| {
+            let joined = |places: &Places, found: &mut Connections| camera.connect(places, found);
+            trace(joined, &scene, &settings(seed, 16), [0.0, 1.0], &hidden).unwrap().0
+        }));
+        // Variances go with the reciprocal of the number of samples.
+        let ratio = from_camera / from_lamps * 512.0 / 16.0;
+        eprintln!("one path from a lamp for {ratio:.0} from the camera");
+        assert!(ratio > 100.0, "{ratio}");
+    }
+
+    #[test]
+    fn the_number_of_threads_changes_no_pixel() {
+        let (camera, scene) = (Linked::new(), night::scene());
+        let picture = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let joined = |places: &Places, found: &mut Connections| camera.connect(places, found);
+            pool.install(|| trace(joined, &scene, &settings(3, 4), [0.0, 1.0], &ProgressBar::hidden()))
+                .unwrap()
+                .0
+        };
+        assert_eq!(picture(1), picture(3));
     }
 }

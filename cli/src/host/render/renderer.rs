@@ -3,8 +3,8 @@
 use super::lamplight::Lights;
 use super::shade::{ShadingSample, radiance};
 use crate::host::plugin::PluginError;
-use crate::host::scene::{Light, Scene};
 use crate::host::scene::shapes::Ray;
+use crate::host::scene::{Light, Scene};
 use crate::image::Picture;
 use glam::Vec3;
 use indicatif::ProgressBar;

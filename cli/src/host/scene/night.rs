@@ -23,7 +23,11 @@ pub fn scene() -> Scene {
             Ball::standing([-420.0, 1900.0], 140.0, matte([0.02, 0.33, 0.35])),
         ],
         boards: props::card("realistic", Vec3::new(-270.0, 10.0, STAGE), 196.0).into(),
-        lamps: vec![street(), town(), [lamp(Vec3::new(-650.0, 900.0, 350.0), 60.0, [90.0, 82.0, 70.0])].into_iter().collect()],
+        lamps: vec![
+            street(),
+            town(),
+            [lamp(Vec3::new(-650.0, 900.0, 350.0), 60.0, [90.0, 82.0, 70.0])].into_iter().collect(),
+        ],
         light: Light::Lamps,
         pose: LEVEL,
         subject: |_, _| STAGE,
@@ -52,7 +56,11 @@ fn town() -> Lamps {
         let (a, b) = ((step * 0.618_034).fract(), (step * 0.754_878).fract());
         let z = 9000.0 + 9000.0 * b;
         let colour = Vec3::from(COLOURS[usize::from(index) % 5]) * 3500.0;
-        lamp(Vec3::new((a - 0.5) * 0.75 * z, (0.02 + 0.2 * (a * 7.0 + b).fract()) * z, z), 6.0, colour.to_array())
+        lamp(
+            Vec3::new((a - 0.5) * 0.75 * z, (0.02 + 0.2 * (a * 7.0 + b).fract()) * z, z),
+            6.0,
+            colour.to_array(),
+        )
     };
     (0..40).map(place).collect()
 }

@@ -14,7 +14,7 @@ mod spot;
 mod table;
 
 pub(super) use build::build;
-pub(super) use repair::RAYS;
 pub(super) use outline::Probe;
+pub(super) use repair::RAYS;
 pub(super) use spot::Spot;
 pub(super) use table::Entrance;

@@ -2,10 +2,13 @@
 //! inside, the farthest ray that gets through.
 
 use super::{
-    super::fan::{Fan, Image, SECTOR, SECTORS},
+    super::fan::{Fan, Image, LEAST_BEND, MOST_BEND, SECTOR, SECTORS},
     spot::Spot,
 };
-use crate::trace::kernel::{Kernel, RayBuffer};
+use crate::{
+    numeric::minimum,
+    trace::kernel::{Kernel, RayBuffer},
+};
 
 /// Half-lines of an outline traced in full: two a sector.
 const FULL: usize = 2 * SECTORS;
@@ -43,10 +46,12 @@ type Landed = Option<[f64; 2]>;
 pub(in crate::camera::importance) struct Outline {
     pub fan: Fan,
     pub image: Image,
-    /// The least distance from the axis at which a ray was seen to reach the film, mm.
+    /// The least distance from the axis at which its rays reach the film, mm, and no more.
     pub nearest: f64,
     /// Points of the edge, and where their rays reach the film.
     pub edge: Vec<([f64; 2], [f64; 2])>,
+    /// The same of points within, and of the edge.
+    pub within: Vec<([f64; 2], [f64; 2])>,
 }
 
 impl Probe<'_> {
@@ -108,10 +113,15 @@ impl Probe<'_> {
                 })
                 .collect();
             let landed = self.land(spot, &points);
-            let through: Vec<[f64; 2]> =
-                points.iter().zip(landed).filter(|(_, landed)| landed.is_some()).map(|(point, _)| *point).collect();
+            let through: Vec<[f64; 2]> = points
+                .iter()
+                .zip(landed)
+                .filter(|(_, landed)| landed.is_some())
+                .map(|(point, _)| *point)
+                .collect();
             let lowest = through.iter().map(|point| point[1]).reduce(f64::min)?;
-            let row: Vec<f64> = through.iter().filter(|point| point[1] == lowest).map(|point| point[0]).collect();
+            let row: Vec<f64> =
+                through.iter().filter(|point| point[1] == lowest).map(|point| point[0]).collect();
             let mean = row.iter().sum::<f64>() / row.len() as f64;
             row.into_iter().min_by(|a, b| (a - mean).abs().total_cmp(&(b - mean).abs()))
         })
@@ -199,9 +209,19 @@ impl Probe<'_> {
             .filter_map(|(line, found)| found.map(|(far, at)| (line.at(far), at)))
             .collect();
         let reach: Vec<f64> = found.iter().map(|found| found.map_or(0.0, |(far, _)| far)).collect();
-        let nearest = edge.iter().map(|(_, [x, y])| x.hypot(*y)).fold(f64::INFINITY, f64::min);
         let fan = Fan { center, extent, reach: corners(&reach) };
-        Some(Outline { fan, image: fit(center, &edge), nearest, edge })
+        let inner: Vec<[f64; 2]> = half_lines
+            .iter()
+            .zip(&reach)
+            .step_by(2)
+            .flat_map(|(line, reach)| [0.0, 0.4, 0.75].map(|part| line.at(part * reach)))
+            .collect();
+        let landed = self.land(spot, &inner);
+        let mut within: Vec<([f64; 2], [f64; 2])> =
+            inner.into_iter().zip(landed).filter_map(|(point, landed)| Some((point, landed?))).collect();
+        within.extend(&edge);
+        let image = fit(&fan, &within);
+        Some(Outline { fan, image, nearest: nearest(&image, &edge), edge, within })
     }
 }
 
@@ -251,26 +271,55 @@ fn corners(found: &[f64]) -> [f64; SECTORS + 1] {
     reach.map(|reach| reach.max(least) * BULGE)
 }
 
-/// The straight map from the plane to the film that fits these points best, and how far off it is.
-fn fit(center: f64, edge: &[([f64; 2], [f64; 2])]) -> Image {
-    let count = edge.len().max(1) as f64;
-    let mean = |of: &dyn Fn(&([f64; 2], [f64; 2])) -> f64| edge.iter().map(of).sum::<f64>() / count;
-    let middle = mean(&|(point, _)| point[0] - center);
-    let place = mean(&|(_, at)| at[0]);
+/// The map from the plane to the film that fits these points best, and how far off it is.
+fn fit(fan: &Fan, points: &[([f64; 2], [f64; 2])]) -> Image {
+    let ends = [LEAST_BEND, MOST_BEND].map(|bend| bend / fan.farthest().powi(2));
+    let bend = minimum(ends[0], ends[1], 0.02, |bend| fit_bent(fan, points, bend).spread);
+    let [straight, bent] = [0.0, bend].map(|bend| fit_bent(fan, points, bend));
+    if bent.spread < straight.spread { bent } else { straight }
+}
+
+/// The same with a given bend.
+fn fit_bent(fan: &Fan, points: &[([f64; 2], [f64; 2])], bend: f64) -> Image {
+    let count = points.len().max(1) as f64;
+    let bent = |[a, b]: [f64; 2]| {
+        let stretch = 1.0 + bend * fan.square([a, b]);
+        [stretch * (a - fan.center), stretch * b]
+    };
+    let all = || points.iter().map(|(point, at)| (bent(*point), *at));
+    let mean =
+        |of: &dyn Fn([f64; 2], [f64; 2]) -> f64| all().map(|(point, at)| of(point, at)).sum::<f64>() / count;
+    let (middle, place) = (mean(&|point, _| point[0]), mean(&|_, at| at[0]));
     let ratio = |product: f64, square: f64| if square > 0.0 { product / square } else { 0.0 };
     let along = ratio(
-        mean(&|(point, at)| (point[0] - center - middle) * (at[0] - place)),
-        mean(&|(point, _)| (point[0] - center - middle).powi(2)),
+        mean(&|point, at| (point[0] - middle) * (at[0] - place)),
+        mean(&|point, _| (point[0] - middle).powi(2)),
     );
-    let across = ratio(mean(&|(point, at)| point[1] * at[1]), mean(&|(point, _)| point[1] * point[1]));
-    let mut image = Image { place: place - along * middle, along, across, spread: 0.0 };
-    image.spread = edge.iter().map(|(point, at)| image.off(center, *point, *at)).fold(0.0, f64::max);
-    image
+    let across = ratio(mean(&|point, at| point[1] * at[1]), mean(&|point, _| point[1] * point[1]));
+    let image = Image { place: place - along * middle, along, across, bend, spread: 0.0 };
+    let spread = points.iter().map(|(point, at)| image.off(fan, *point, *at)).fold(0.0, f64::max);
+    Image { spread, ..image }
+}
+
+/// The least distance from the axis of what an outline's rays make on the film.
+fn nearest(image: &Image, edge: &[([f64; 2], [f64; 2])]) -> f64 {
+    /// What the half-lines from the middle may be apart there, over how far they reach.
+    const APART: f64 = 0.2;
+    let (mut least, mut longest) = (f64::INFINITY, 0.0_f64);
+    for (_, [x, y]) in edge {
+        let (dx, dy) = (x - image.place, *y);
+        let square = dx * dx + dy * dy;
+        let part = if square > 0.0 { (-image.place * dx / square).clamp(0.0, 1.0) } else { 0.0 };
+        least = least.min((image.place + part * dx).hypot(part * dy));
+        longest = longest.max(square.sqrt());
+    }
+    (least - APART * longest).max(0.0)
 }
 
 impl Image {
     /// How far from where it is expected a ray through a point reaches the film.
-    pub fn off(&self, center: f64, [a, b]: [f64; 2], [x, y]: [f64; 2]) -> f64 {
-        (self.place + self.along * (a - center) - x).hypot(self.across * b - y)
+    pub fn off(&self, fan: &Fan, [a, b]: [f64; 2], [x, y]: [f64; 2]) -> f64 {
+        let stretch = 1.0 + self.bend * fan.square([a, b]);
+        (self.place + self.along * stretch * (a - fan.center) - x).hypot(self.across * stretch * b - y)
     }
 }

@@ -12,7 +12,7 @@ use super::{
 use crate::lens::Ray;
 
 /// Rays of a round.
-pub(in crate::camera::importance) const RAYS: usize = 6000;
+pub(in crate::camera::importance) const RAYS: usize = 12_000;
 /// Rounds.
 const ROUNDS: u64 = 8;
 /// How much more than needed an outline is made to hold, relative.
@@ -31,7 +31,7 @@ impl Entrance {
             for (ray, film) in rays(round) {
                 // Every other one near the far end, where focus lies.
                 let number = (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
-                let number = if random.next_u64() & 1 == 0 { number } else { number.powi(4) };
+                let number = if random.next_u64() & 1 == 0 { number * number } else { number.powi(5) };
                 if let Some(is_held) = self.holds(&ray, film, number * self.nearest, !is_last) {
                     all += 1;
                     missed += u32::from(!is_held);
@@ -51,7 +51,7 @@ impl Entrance {
         let (ratio, sector) = fan.ratio(point);
         let [cos, sin] = spot.azimuth;
         let at = [film[0] * cos + film[1] * sin, film[1] * cos - film[0] * sin];
-        let off = image.off(fan.center, point, at);
+        let off = image.off(&fan, point, at);
         let is_held = part <= 1.0 && ratio <= 1.0 && off <= image.spread;
         if is_held || !mend {
             return Some(is_held);

@@ -113,7 +113,10 @@ mod tests {
                 let [dx, dy, dz] = ray.direction;
                 let aside = [y * dz - z * dy, z * dx - x * dz, x * dy - y * dx];
                 let distance = (x * x + y * y + z * z).sqrt();
-                assert!(aside.iter().all(|part| part.abs() < 1e-12 * (100.0 + distance) * 100.0), "{point:?}");
+                assert!(
+                    aside.iter().all(|part| part.abs() < 1e-12 * (100.0 + distance) * 100.0),
+                    "{point:?}"
+                );
                 assert!(x * dx + y * dy + z * dz <= 1e-9 && stretch >= 1.0);
                 let back = Ray { direction: ray.direction.map(|part| -part), ..ray };
                 let found = on_ray(&back, reference, spot.vergence).expect("on it");

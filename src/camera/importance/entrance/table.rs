@@ -15,6 +15,8 @@ pub(super) struct Node {
 /// Outlines of one distance.
 #[derive(Clone, Debug)]
 pub(super) struct Row {
+    /// 1/distance, 1/mm.
+    pub vergence: f64,
     /// The field angle at which they end.
     pub end: f64,
     pub nodes: Vec<Node>,
@@ -37,7 +39,7 @@ pub(in crate::camera::importance) struct Entrance {
     pub nearest: f64,
     /// Whether the outlines vanish where rows end: then nodes get denser there, evenly in √(1 - θ/end).
     pub vanishes: bool,
-    /// From infinity on, evenly in 1/distance.
+    /// From infinity on.
     pub(super) rows: Vec<Row>,
     /// The share of the camera's rays that a last look found outside the outlines.
     pub missed: f64,
@@ -57,13 +59,13 @@ impl Entrance {
     /// Where a spot lies in the table, and what part of the row's end its angle is; `None` nearer than the last row.
     pub(super) fn cell(&self, spot: &Spot) -> Option<(Cell, f64)> {
         let last = self.rows.len().checked_sub(2)?;
-        let row = spot.vergence / self.nearest * (last + 1) as f64;
-        if !(row <= (last + 1) as f64) {
+        if !(spot.vergence <= self.nearest) {
             return None;
         }
-        let number = (row as usize).min(last);
-        let down = row - number as f64;
+        let number =
+            self.rows.partition_point(|row| row.vergence <= spot.vergence).saturating_sub(1).min(last);
         let [low, high] = [&self.rows[number], &self.rows[number + 1]];
+        let down = (spot.vergence - low.vergence) / (high.vergence - low.vergence);
         let end = low.end + down * (high.end - low.end);
         let part = spot.angle() / end;
         let cells = low.nodes.len() - 1;
@@ -94,6 +96,7 @@ impl Entrance {
                 place: mixed(&|node| node.image.place),
                 along: mixed(&|node| node.image.along),
                 across: mixed(&|node| node.image.across),
+                bend: mixed(&|node| node.image.bend),
                 spread: mixed(&|node| node.image.spread),
             },
         }
