@@ -7,10 +7,10 @@
 
 use std::f64::consts::PI;
 
-use super::{FINE, Place, STRIDE, WarpedPupil, slice::CELLS};
+use super::{FINE, Row, STRIDE, WarpedPupil, slice::CELLS};
 use crate::{
     sampling::film_rays::FilmRays,
-    trace::kernel::{Compiled, Portable, Simd},
+    trace::kernel::{Compiled, Lanes as _, Portable, Simd},
 };
 
 /// What the table holds for a film radius.
@@ -131,12 +131,8 @@ impl Compiled for OneSlice<'_> {
         if !(s < FINE as f64) {
             return;
         }
-        let Place {
-            part: Portable([part]),
-            center: Portable([center]),
-            narrowing: Portable([narrowing]),
-            ..
-        } = self.pupil.place(Portable::cpu(), &ray, &radius);
+        let row = self.pupil.row(Portable::cpu(), radius.place.whole(), &radius);
+        let Row { part: Portable([part]), center: Portable([center]), narrowing: Portable([narrowing]), .. } = row;
         let Portable([place]) = radius.place;
         let first = self.pupil.cells[place as usize].index as usize;
         *self.found = Some(Slice { center, narrowing, first, part });
