@@ -132,7 +132,9 @@ impl Compiled for OneSlice<'_> {
             return;
         }
         let row = self.pupil.row(Portable::cpu(), radius.place.whole(), &radius);
-        let Row { part: Portable([part]), center: Portable([center]), narrowing: Portable([narrowing]), .. } = row;
+        let Row {
+            part: Portable([part]), center: Portable([center]), narrowing: Portable([narrowing]), ..
+        } = row;
         let Portable([place]) = radius.place;
         let first = self.pupil.cells[place as usize].index as usize;
         *self.found = Some(Slice { center, narrowing, first, part });

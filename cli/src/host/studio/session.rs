@@ -193,7 +193,7 @@ impl Studio {
                 let mut sum = (Picture::plain(settings.size, [0.0; 3]), Tally::default());
                 for (wavelength, band) in spectrum::bands(count) {
                     // First-order optics has a wavelength once and for all.
-                    let there = match parameters.model() {
+                    let there = match parameters.model.unwrap_or_default() {
                         Model::Lens => None,
                         _ => Some(at_wavelength(parameters, &camera, wavelength)?),
                     };
