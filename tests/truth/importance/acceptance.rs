@@ -37,16 +37,21 @@ fn nearest_focus(camera: &Camera) -> f64 {
 
 #[test]
 fn most_directions_toward_a_lens_get_through() {
+    let mut wrong = Vec::new();
     for given in CAMERAS {
         let camera = camera(given);
         let unit = if given.iter().any(|(name, _)| *name == "mmperunit") { 0.1 } else { 1.0 };
         let nearest = nearest_focus(&camera);
         let (far, unseen) = share(&camera, |number| unit * nearest / number.max(1e-6));
         let (near, unseen_near) = share(&camera, |number| unit * nearest * (0.1 + 0.9 * number));
-        eprintln!("{given:?} {nearest:.0} mm: {far:.3} ({unseen} unseen), near {near:.3} ({unseen_near})");
-        assert!(unseen + unseen_near <= 3, "{given:?}");
-        let blades = given.iter().any(|(name, _)| *name == "blades");
-        assert!(far > if blades { 0.75 } else { 0.9 }, "{given:?}: {far}");
-        assert!(near > 0.5, "{given:?}: {near}");
+        let text =
+            format!("{given:?} {nearest:.0} mm: {far:.3} ({unseen} unseen), near {near:.3} ({unseen_near})");
+        eprintln!("{text}");
+        // What the blades cover of the stop is sampled, too.
+        let least = if given.iter().any(|(name, _)| *name == "blades") { 0.75 } else { 0.9 };
+        if unseen + unseen_near > 3 || far < least || near < 0.5 {
+            wrong.push(text);
+        }
     }
+    assert!(wrong.is_empty(), "{wrong:#?}");
 }

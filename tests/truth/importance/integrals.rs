@@ -1,6 +1,9 @@
 //! An integral over film and scene, by the camera's own rays and by rays from the scene.
 
-use realistic::camera::{Aimed, Camera, ScenePoint};
+use realistic::{
+    camera::{Aimed, Camera, ScenePoint},
+    prescription::catalogue,
+};
 
 use super::{
     CAMERAS, camera,
@@ -125,32 +128,50 @@ fn disks(camera: &Camera, unit: f64) -> Vec<Disk> {
         .collect()
 }
 
-fn both_ways(given: &[(&str, &str)], count: usize, most: f64) {
+/// What does not agree of the two estimates of a camera's disks by so many samples each: apart by more than 4 standard errors,
+/// or with errors of more than a thousandth.
+fn both_ways(given: &[(&str, &str)], count: usize) -> Vec<String> {
     let camera = camera(given);
     let unit = if given.iter().any(|(name, _)| *name == "mmperunit") { 0.1 } else { 1.0 };
+    let mut wrong = Vec::new();
     for disk in disks(&camera, unit) {
         let (from_film, film_error) = by_camera_rays(&camera, &disk, count);
         let (from_scene, scene_error) = by_scene_rays(&camera, &disk, count);
         let error = film_error.hypot(scene_error);
-        eprintln!(
-            "{given:?} at {} {:?}: {from_film:.6e} {from_scene:.6e}, {:.2} standard errors of {:.1e}",
+        let text = format!(
+            "{given:?} at {} {:.1?}: {from_film:.6e} and {from_scene:.6e}, {:.2} standard errors of {:.1e}",
             disk.depth,
             disk.center,
             (from_film - from_scene) / error,
             error / from_film
         );
-        assert!(error <= most * from_film, "{given:?} {}: {error} of {from_film}", disk.depth);
-        assert!(
-            (from_film - from_scene).abs() <= 4.0 * error,
-            "{given:?} {}: {from_film} {from_scene}",
-            disk.depth
-        );
+        eprintln!("{text}");
+        if error > 1e-3 * from_film || (from_film - from_scene).abs() > 4.0 * error {
+            wrong.push(text);
+        }
     }
+    wrong
 }
 
 #[test]
 fn integrals_by_rays_from_the_film_and_from_the_scene_agree() {
-    for given in CAMERAS {
-        both_ways(given, 6000, 1e-3);
+    let wrong: Vec<String> = CAMERAS.iter().flat_map(|given| both_ways(given, 8000)).collect();
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+#[ignore = "takes minutes: every lens of the catalogue"]
+fn integrals_agree_for_every_lens_of_the_catalogue() {
+    let mut wrong = Vec::new();
+    for name in catalogue::names() {
+        for more in [
+            &[][..],
+            &[("fnumber", "8"), ("weighting", "relative")],
+            &[("pupil", "rear"), ("weighting", "none")],
+        ] {
+            let given = [&[("specfile", name)], more].concat();
+            wrong.extend(both_ways(&given, 16_000));
+        }
     }
+    assert!(wrong.is_empty(), "{wrong:#?}");
 }

@@ -50,7 +50,6 @@ pub(in crate::camera::importance) fn build(probe: &Probe<'_>, reach: f64, neares
         nearest: spans[spans.len() - 1].vergence,
         vanishes: spans.iter().any(|span| span.vanishes),
         rows: Vec::new(),
-        missed: 0.0,
     };
     for span in &spans {
         let nodes = row(probe, &table, span)?;

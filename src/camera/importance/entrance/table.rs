@@ -41,8 +41,6 @@ pub(in crate::camera::importance) struct Entrance {
     pub vanishes: bool,
     /// From infinity on.
     pub(super) rows: Vec<Row>,
-    /// The share of the camera's rays that a last look found outside the outlines.
-    pub missed: f64,
 }
 
 impl Entrance {
