@@ -103,9 +103,9 @@ fn by_scene_rays(camera: &Camera, disk: &Disk, count: usize) -> (f64, f64) {
     mean(&estimates)
 }
 
-/// Disks before a camera: the field's middle and one of its corners, near and far.
+/// Disks before a camera: the field's middle and toward one of its corners, near and far.
 fn disks(camera: &Camera, unit: f64) -> Vec<Disk> {
-    [300.0, 900.0, 30_000.0]
+    [300.0, 30_000.0]
         .map(|distance| {
             let depth = unit * distance;
             // The middle half of the field, and what lies about a corner.
@@ -120,7 +120,7 @@ fn disks(camera: &Camera, unit: f64) -> Vec<Disk> {
             let half = [0, 1].map(|axis| crossing.iter().map(|at| at[axis].abs()).fold(0.0, f64::max));
             [
                 Disk { center: [0.1 * half[0], 0.0], depth, radius: 0.6 * half[1] },
-                Disk { center: [0.8 * half[0], 0.8 * half[1]], depth, radius: 0.4 * half[1] },
+                Disk { center: [0.65 * half[0], 0.6 * half[1]], depth, radius: 0.5 * half[1] },
             ]
         })
         .into_iter()
@@ -155,7 +155,7 @@ fn both_ways(given: &[(&str, &str)], count: usize) -> Vec<String> {
 
 #[test]
 fn integrals_by_rays_from_the_film_and_from_the_scene_agree() {
-    let wrong: Vec<String> = CAMERAS.iter().flat_map(|given| both_ways(given, 8000)).collect();
+    let wrong: Vec<String> = CAMERAS.iter().flat_map(|given| both_ways(given, 20_000)).collect();
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
@@ -170,7 +170,7 @@ fn integrals_agree_for_every_lens_of_the_catalogue() {
             &[("pupil", "rear"), ("weighting", "none")],
         ] {
             let given = [&[("specfile", name)], more].concat();
-            wrong.extend(both_ways(&given, 16_000));
+            wrong.extend(both_ways(&given, 40_000));
         }
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
