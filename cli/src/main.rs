@@ -8,10 +8,13 @@ mod files;
 mod host;
 mod image;
 mod lens_and_film;
+mod osl;
 mod plots;
 
 use clap::{Parser, Subcommand};
-use commands::{convert, disks, draw, focus, focus_stack, install, lens, plan, pupil, render, trace};
+use commands::{
+    blender, convert, disks, draw, focus, focus_stack, install, lens, plan, pupil, render, trace,
+};
 use commands::{refractions, report};
 use failure::Failure;
 use std::io::Write;
@@ -43,6 +46,8 @@ enum Command {
     Lens(lens::Args),
     /// Write a lens, read from a file of any format, as the project's own table
     Convert(convert::Args),
+    /// Write a lens as a camera for Blender: a shader in OSL
+    Blender(blender::Args),
     /// Draw a lens's cross-section, to scale, with traced rays
     Draw(draw::Args),
     /// Trace rays: one a line on standard input, one a line on standard output
@@ -82,6 +87,7 @@ fn main() -> ExitCode {
         Some(Command::Render(args)) => render::run(args),
         Some(Command::Lens(args)) => lens::run(args),
         Some(Command::Convert(args)) => convert::run(args),
+        Some(Command::Blender(args)) => blender::run(args),
         Some(Command::Draw(args)) => draw::run(args),
         Some(Command::Trace(args)) => trace::run(args),
         Some(Command::Focus(args)) => focus::run(args),
