@@ -35,9 +35,10 @@
  nothing is ever taken away or renumbered. Version 2 states what version 1 had come to: the fields of
  `realistic_options` from `camera_to_world_end` on, `realistic_autofocus` and `realistic_camera_plan`; and it
  adds rays with differentials. Version 3 adds lenses without a film (`realistic_lens_new`),
- and `focusby` and `zoom`.
+ and `focusby` and `zoom`. Version 4 adds rays at a wavelength per sample (`realistic_generate_ray_at`), `crop`, what a
+ surface's figure is (`realistic_lens_get_surface`) and where rays meet the surfaces (`realistic_lens_trace_points`).
  */
-#define REALISTIC_ABI_VERSION 3
+#define REALISTIC_ABI_VERSION 4
 
 /*
  The library can be loaded by a pbrt-v1 host (`CreateCamera` is there).
@@ -93,6 +94,16 @@
  `zoom` and `focusby` are there, for lenses whose groups move.
  */
 #define REALISTIC_CAPABILITY_MOVING_GROUPS 1024
+
+/*
+ Rays can be asked for at a wavelength per sample (`realistic_generate_ray_at`).
+ */
+#define REALISTIC_CAPABILITY_WAVELENGTHS 2048
+
+/*
+ `crop` is there, and `realistic_camera_get_info` tells the pixels to render.
+ */
+#define REALISTIC_CAPABILITY_CROP 8192
 
 /*
  How a call of the C ABI ended. The numbers are part of the ABI and never change.
@@ -199,6 +210,11 @@ enum realistic_reason
      The shutter is closed over this film point at this time.
      */
     REALISTIC_REASON_SHUT = 6,
+    /*
+     The wavelength that the sample is asked for at is none: not a number from 380 to 780 nm, or one at which the
+     formula of a glass has no index of 1 or more.
+     */
+    REALISTIC_REASON_WAVELENGTH = 7,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -498,11 +514,18 @@ typedef struct realistic_options {
      catalogues beside the file and the built-in glasses.
      */
     const char *glasscatalog;
+    /*
+     Parameter `crop`: x from, y from, x to, y to of the part of the picture that the host renders, which changes no
+     ray: 0 or more and finite, in pixels; default the whole picture. Whole numbers inside the picture, `x to` and `y to`
+     one past the last pixel; `realistic_camera_get_info` tells them back. `xres`, `yres` and samples are those of the
+     whole picture, so that tiles fit together to the bit. All NaN: not given.
+     */
+    double crop[4];
 } realistic_options;
 
 /*
  What a built camera is, for a host to print. `realistic_camera_get_info` fills it. A model without a lens
- (`perspective`, `orthographic`, `environment`) has 0 interfaces and NaN everywhere else.
+ (`perspective`, `orthographic`, `environment`) has 0 interfaces and NaN for lengths and f-number.
  */
 typedef struct realistic_camera_info {
     /*
@@ -534,6 +557,11 @@ typedef struct realistic_camera_info {
      Film diagonal, mm.
      */
     double film_diagonal_mm;
+    /*
+     Pixels that the host is to render: columns from `crop[0]` to before `crop[2]`, rows from `crop[1]` to before
+     `crop[3]`; the whole picture where no `crop` is given. Of every model.
+     */
+    uint32_t crop[4];
 } realistic_camera_info;
 
 /*
@@ -817,6 +845,20 @@ typedef struct realistic_lens_surface {
      Clear semi-diameter, mm.
      */
     double semi_diameter_mm;
+    /*
+     Radius of the figure's conic at its vertex, mm. It differs from `radius_mm` only where A2 adds to the curvature.
+     */
+    double conic_radius_mm;
+    /*
+     Conic constant k: 0 for a sphere and a plane, -1 a paraboloid, less a hyperboloid. With c = 1/`conic_radius_mm` and r
+     the distance from the axis, the surface lies c r²/(1 + √(1 - (1 + k) c² r²)) + A2 r² + A3 r³ + … + A20 r^20 behind its
+     vertex plane, toward the film (W. J. Smith, *Modern Optical Engineering*, on aspheric surfaces).
+     */
+    double conic;
+    /*
+     A2, A3, … A20, in mm^(1 - i).
+     */
+    double aspheric[19];
 } realistic_lens_surface;
 
 /*
@@ -856,6 +898,34 @@ typedef struct realistic_lens_rays {
      */
     realistic_reason *reason;
 } realistic_lens_rays;
+
+/*
+ Where rays meet the surfaces of a lens, lens space, mm. The point of ray i on surface k, counted from 0 at the scene side
+ whichever way rays travel, is element i · `surfaces` + k of `x`, `y` and `z`, with `surfaces` of `realistic_lens_info`; NaN
+ where the ray does not get so far.
+ */
+typedef struct realistic_lens_points {
+    /*
+     `sizeof(realistic_lens_points)` of the caller's header.
+     */
+    uint32_t struct_size;
+    /*
+     x of the points.
+     */
+    double *x;
+    /*
+     y.
+     */
+    double *y;
+    /*
+     z.
+     */
+    double *z;
+    /*
+     How many surfaces each ray meets, the one that stops it included; one element per ray, may be NULL.
+     */
+    uint32_t *met;
+} realistic_lens_points;
 
 #ifdef __cplusplus
 extern "C" {
@@ -970,6 +1040,43 @@ float realistic_generate_ray(const struct realistic_camera *camera,
                              struct realistic_ray *ray);
 
 /*
+ One ray of a camera at a wavelength, nm.
+
+ The index of each glass is that of its own formula at this wavelength, from 380 to 780 nm. Everything else stands as
+ the camera's own wavelength has it: film, stop, groups, and what `weighting` divides by. A lens file without dispersion
+ data has the same rays at every wavelength, as have the models other than "lens". The first call for a wavelength
+ prepares the camera, once and for all threads, which takes some milliseconds. With a `tolerance` or a named
+ `refraction`, rays at a wavelength are traced exactly all the same.
+
+ Returns the weight, positive. Returns exactly 0, and leaves the ray as it is, where `realistic_generate_ray` does, and
+ when the wavelength is not a number from 380 to 780.
+
+ # Safety
+ As `realistic_generate_ray`.
+ */
+float realistic_generate_ray_at(const struct realistic_camera *camera,
+                                const struct realistic_sample *sample,
+                                float wavelength_nm,
+                                struct realistic_ray *ray);
+
+/*
+ The rays of one sample at four wavelengths (nm), traced side by side, for hosts whose paths carry four (A. Wilkie et
+ al., "Hero Wavelength Spectral Sampling", *Computer Graphics Forum* 33(4), 2014): each as `realistic_generate_ray_at` has
+ it.
+
+ Writes `weights`, and of `rays` those whose weight is positive. Returns how many that are; 0, and nothing written, when
+ a pointer is NULL or `camera` is another library's.
+
+ # Safety
+ As `realistic_generate_ray`; `wavelengths_nm`, `rays` and `weights` are NULL or have four elements.
+ */
+uint32_t realistic_generate_hero_rays(const struct realistic_camera *camera,
+                                      const struct realistic_sample *sample,
+                                      const float *wavelengths_nm,
+                                      struct realistic_ray *rays,
+                                      float *weights);
+
+/*
  One ray with its differentials: the ray of the sample, and those of the same lens and time sample one pixel to the
  right and one pixel down, in little more than the time of one. They have the bits that `realistic_generate_ray` gives
  for samples at `image_x` + 1 and at `image_y` + 1. `ray->struct_size` must be set.
@@ -1052,6 +1159,55 @@ realistic_status realistic_camera_generate_ray_differentials_soa(const struct re
                                                                  const struct realistic_rays_soa *rays,
                                                                  const struct realistic_rays_soa *rx,
                                                                  const struct realistic_rays_soa *ry);
+
+/*
+ Rays of `n` samples, each at its own wavelength, the same as by `realistic_generate_ray_at`: `wavelengths_nm[i]` lies
+ `i * wavelength_stride` bytes from the first (0: tightly packed). With `wavelengths_nm` NULL every ray is at the
+ camera's own wavelength, and the call is `realistic_camera_generate_rays`. All else as there.
+
+ # Safety
+ `camera` is NULL or a live camera of this library; the arrays have room for `n` elements.
+ */
+realistic_status realistic_camera_generate_rays_at(const struct realistic_camera *camera,
+                                                   size_t n,
+                                                   const struct realistic_sample *samples,
+                                                   size_t sample_stride,
+                                                   const float *wavelengths_nm,
+                                                   size_t wavelength_stride,
+                                                   struct realistic_ray *rays,
+                                                   size_t ray_stride,
+                                                   float *weights,
+                                                   realistic_reason *reasons);
+
+/*
+ Rays of `n` samples, each at its own wavelength (`n` of them, nm), given and taken as structure of arrays. With
+ `wavelengths_nm` NULL every ray is at the camera's own wavelength, and the call is
+ `realistic_camera_generate_rays_soa`. All else as there.
+
+ # Safety
+ `camera` is NULL or a live camera of this library; `samples` and `rays` are NULL or valid, and they and
+ `wavelengths_nm` are NULL or have room for `n` elements and do not overlap.
+ */
+realistic_status realistic_camera_generate_rays_at_soa(const struct realistic_camera *camera,
+                                                       size_t n,
+                                                       const struct realistic_samples_soa *samples,
+                                                       const float *wavelengths_nm,
+                                                       const struct realistic_rays_soa *rays);
+
+/*
+ Four rays of each of `n` samples, at four wavelengths (nm) each: the ray of sample i at `wavelengths_nm[4 i + k]` is
+ ray 4 i + k, the same as by `realistic_generate_ray_at`. `samples` has arrays of `n` elements; `wavelengths_nm` and the
+ arrays of `rays` have 4 `n`. All else as in `realistic_camera_generate_rays_at_soa`.
+
+ # Safety
+ `camera` is NULL or a live camera of this library; `samples` and `rays` are NULL or valid; the arrays are NULL or have
+ room for `n` or 4 `n` elements and do not overlap.
+ */
+realistic_status realistic_camera_generate_hero_rays_soa(const struct realistic_camera *camera,
+                                                         size_t n,
+                                                         const struct realistic_samples_soa *samples,
+                                                         const float *wavelengths_nm,
+                                                         const struct realistic_rays_soa *rays);
 
 /*
  Autofocus: finds the film distance, mm, to be given as `filmdistance`, at which the camera of
@@ -1166,6 +1322,20 @@ realistic_status realistic_lens_trace(const struct realistic_lens *lens,
                                       int32_t from,
                                       size_t n,
                                       const struct realistic_lens_rays *rays);
+
+/*
+ As `realistic_lens_trace`, surface by surface and one ray after another, with the points on the way. It is the slower of
+ the two; their rays agree but for rounding, and where that decides at the very edge of an aperture.
+
+ # Safety
+ `lens` is NULL or a live lens; `rays` and `points` are NULL or valid; the arrays of `rays` are NULL or have room for `n`
+ elements, as `points.met`, and those of `points` for `n` times the lens's surfaces.
+ */
+realistic_status realistic_lens_trace_points(const struct realistic_lens *lens,
+                                             int32_t from,
+                                             size_t n,
+                                             const struct realistic_lens_rays *rays,
+                                             const struct realistic_lens_points *points);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -12,10 +12,10 @@ mod osl;
 mod plots;
 
 use clap::{Parser, Subcommand};
+use commands::pictures::{focus_stack, merge, render};
 use commands::{
-    blender, convert, disks, draw, focus, focus_stack, install, lens, plan, pupil, render, trace,
+    blender, convert, disks, draw, focus, install, lens, plan, pupil, refractions, report, trace,
 };
-use commands::{refractions, report};
 use failure::Failure;
 use std::io::Write;
 use std::process::ExitCode;
@@ -42,6 +42,8 @@ struct Cli {
 enum Command {
     /// Render the built-in scene through a lens, with the plugin loaded as a host loads it
     Render(render::Args),
+    /// Put the tiles of `render --crop` together to the whole picture
+    Merge(merge::Args),
     /// Report a lens: focal length, focal points, pupils, field of view, its table
     Lens(lens::Args),
     /// Write a lens, read from a file of any format, as the project's own table
@@ -85,6 +87,7 @@ fn main() -> ExitCode {
     let outcome = match &cli.command {
         None => render::run(&cli.render),
         Some(Command::Render(args)) => render::run(args),
+        Some(Command::Merge(args)) => merge::run(args),
         Some(Command::Lens(args)) => lens::run(args),
         Some(Command::Convert(args)) => convert::run(args),
         Some(Command::Blender(args)) => blender::run(args),

@@ -99,6 +99,44 @@ def test_surfaces_are_those_of_the_file():
     assert lens.rear_vertex_mm == -14 and lens.wavelength_nm == 587.56
 
 
+def test_an_aspheres_constants_are_those_of_the_file(checkout):
+    lens = Lens("phone.4mm")
+    bent = [surface for surface in lens.surfaces if surface.conic != 0 or any(surface.aspheric)]
+    assert len(bent) >= 6
+    for surface in lens.surfaces:
+        a2 = surface.aspheric[0]
+        assert len(surface.aspheric) == 19
+        assert 1 / surface.radius_mm == pytest.approx(1 / surface.conic_radius_mm + 2 * a2, rel=1e-12, abs=1e-15)
+
+
+@pytest.mark.parametrize("side", ["film", "scene"])
+@pytest.mark.parametrize("name", ["wide.22mm", "phone.4mm"])
+def test_points_lie_on_their_surfaces_and_end_where_the_ray_does(name, side):
+    lens = Lens(name)
+    toward = -1 if side == "scene" else 1
+    start = 20.0 if side == "scene" else lens.rear_vertex_mm - 20.0
+    height = np.linspace(-0.9, 0.9, 40) * lens.surfaces[0 if side == "scene" else -1].semi_diameter_mm
+    origins = np.stack([0.3 * height, height, np.full(40, start)], -1)
+    plain = lens.trace(origins, [0, 0, toward], side=side)
+    found = lens.trace(origins, [0, 0, toward], side=side, points=True)
+    assert plain.points is None and found.points.shape == (40, len(lens.surfaces), 3)
+    assert 5 < plain.passed.sum() < 40
+    np.testing.assert_array_equal(found.reason, plain.reason)
+    np.testing.assert_allclose(found.origin, plain.origin, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(found.direction, plain.direction, rtol=0, atol=1e-13)
+    last = found.points[:, -1 if side == "scene" else 0]
+    np.testing.assert_array_equal(last[found.passed], found.origin[found.passed])
+    assert np.isnan(last[~found.passed]).any()
+    for number, surface in enumerate(lens.surfaces):
+        x, y, z = found.points[:, number][~np.isnan(found.points[:, number, 0])].T
+        r = np.hypot(x, y)
+        inside = r <= surface.semi_diameter_mm
+        c = 1 / surface.conic_radius_mm
+        depth = c * r**2 / (1 + np.sqrt(1 - (1 + surface.conic) * c**2 * r**2))
+        depth += sum(a * r ** (i + 2) for i, a in enumerate(surface.aspheric))
+        np.testing.assert_allclose((surface.vertex_mm - depth - z)[inside], 0, atol=1e-12)
+
+
 def test_focus_there_and_back():
     lens = Lens("telephoto.250mm", fnumber=8)
     for distance in (3000.0, 20_000.0, np.inf):

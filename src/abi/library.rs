@@ -9,8 +9,9 @@ use super::boundary::{realistic_status, with_last_message};
 /// nothing is ever taken away or renumbered. Version 2 states what version 1 had come to: the fields of
 /// `realistic_options` from `camera_to_world_end` on, `realistic_autofocus` and `realistic_camera_plan`; and it
 /// adds rays with differentials. Version 3 adds lenses without a film (`realistic_lens_new`),
-/// and `focusby` and `zoom`.
-pub const REALISTIC_ABI_VERSION: u32 = 3;
+/// and `focusby` and `zoom`. Version 4 adds rays at a wavelength per sample (`realistic_generate_ray_at`), `crop`, what a
+/// surface's figure is (`realistic_lens_get_surface`) and where rays meet the surfaces (`realistic_lens_trace_points`).
+pub const REALISTIC_ABI_VERSION: u32 = 4;
 
 /// The library can be loaded by a pbrt-v1 host (`CreateCamera` is there).
 pub const REALISTIC_CAPABILITY_PBRT_V1: u64 = 1;
@@ -34,6 +35,10 @@ pub const REALISTIC_CAPABILITY_DIFFERENTIALS: u64 = 256;
 pub const REALISTIC_CAPABILITY_LENS: u64 = 512;
 /// `zoom` and `focusby` are there, for lenses whose groups move.
 pub const REALISTIC_CAPABILITY_MOVING_GROUPS: u64 = 1024;
+/// Rays can be asked for at a wavelength per sample (`realistic_generate_ray_at`).
+pub const REALISTIC_CAPABILITY_WAVELENGTHS: u64 = 2048;
+/// `crop` is there, and `realistic_camera_get_info` tells the pixels to render.
+pub const REALISTIC_CAPABILITY_CROP: u64 = 8192;
 
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "\0");
 
@@ -64,6 +69,8 @@ pub extern "C" fn realistic_capabilities() -> u64 {
         | REALISTIC_CAPABILITY_DIFFERENTIALS
         | REALISTIC_CAPABILITY_LENS
         | REALISTIC_CAPABILITY_MOVING_GROUPS
+        | REALISTIC_CAPABILITY_WAVELENGTHS
+        | REALISTIC_CAPABILITY_CROP
 }
 
 /// The message of this thread's last failure, in one or more lines of UTF-8; empty when there was none. The

@@ -28,5 +28,8 @@ pub use library::*;
 pub use options::*;
 #[cfg(realistic_shim)]
 pub use pbrt::CreateCamera;
-pub use ray::{GenerateRay, realistic_generate_ray, realistic_generate_ray_differential};
+pub use ray::{
+    GenerateRay, realistic_generate_hero_rays, realistic_generate_ray, realistic_generate_ray_at,
+    realistic_generate_ray_differential,
+};
 pub use types::*;

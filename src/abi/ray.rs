@@ -1,7 +1,7 @@
 //! One ray of a camera, however it was made.
 
 use super::boundary;
-use super::object;
+use super::object::{self, Handle};
 use super::types::{
     REALISTIC_HAS_RX, REALISTIC_HAS_RY, realistic_camera, realistic_ray, realistic_ray_differential,
     realistic_sample,
@@ -35,6 +35,93 @@ pub unsafe extern "C" fn realistic_generate_ray(
         true
     });
     if is_done { weight } else { 0.0 }
+}
+
+/// One ray of a camera at a wavelength, nm.
+///
+/// The index of each glass is that of its own formula at this wavelength, from 380 to 780 nm. Everything else stands as
+/// the camera's own wavelength has it: film, stop, groups, and what `weighting` divides by. A lens file without dispersion
+/// data has the same rays at every wavelength, as have the models other than "lens". The first call for a wavelength
+/// prepares the camera, once and for all threads, which takes some milliseconds. With a `tolerance` or a named
+/// `refraction`, rays at a wavelength are traced exactly all the same.
+///
+/// Returns the weight, positive. Returns exactly 0, and leaves the ray as it is, where `realistic_generate_ray` does, and
+/// when the wavelength is not a number from 380 to 780.
+///
+/// # Safety
+/// As `realistic_generate_ray`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn realistic_generate_ray_at(
+    camera: *const realistic_camera,
+    sample: *const realistic_sample,
+    wavelength_nm: f32,
+    ray: *mut realistic_ray,
+) -> f32 {
+    boundary::ray(0.0, || {
+        // SAFETY: the caller's promise.
+        let parts = unsafe {
+            (object::handle_of(camera), sample.cast::<Sample>().as_ref(), ray.cast::<WorldRay>().as_mut())
+        };
+        let (Some(handle), Some(sample), Some(ray)) = parts else { return 0.0 };
+        let mut weight = 0.0;
+        boundary::float_environment::in_default(|| {
+            if is_ready(handle) {
+                handle.camera().trace_one_at(sample, wavelength_nm, ray, &mut weight);
+            }
+        });
+        weight
+    })
+}
+
+/// The rays of one sample at four wavelengths (nm), traced side by side, for hosts whose paths carry four (A. Wilkie et
+/// al., "Hero Wavelength Spectral Sampling", *Computer Graphics Forum* 33(4), 2014): each as `realistic_generate_ray_at` has
+/// it.
+///
+/// Writes `weights`, and of `rays` those whose weight is positive. Returns how many that are; 0, and nothing written, when
+/// a pointer is NULL or `camera` is another library's.
+///
+/// # Safety
+/// As `realistic_generate_ray`; `wavelengths_nm`, `rays` and `weights` are NULL or have four elements.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn realistic_generate_hero_rays(
+    camera: *const realistic_camera,
+    sample: *const realistic_sample,
+    wavelengths_nm: *const f32,
+    rays: *mut realistic_ray,
+    weights: *mut f32,
+) -> u32 {
+    boundary::ray(0, || {
+        // SAFETY: the caller's promise.
+        let parts = unsafe {
+            (
+                object::handle_of(camera),
+                sample.cast::<Sample>().as_ref(),
+                wavelengths_nm.cast::<[f32; 4]>().as_ref(),
+                rays.cast::<[realistic_ray; 4]>().as_mut(),
+                weights.cast::<[f32; 4]>().as_mut(),
+            )
+        };
+        let (Some(handle), Some(sample), Some(wavelengths), Some(rays), Some(weights)) = parts else {
+            return 0;
+        };
+        let found = boundary::float_environment::in_default(|| {
+            if is_ready(handle) { handle.camera().hero_rays(sample, wavelengths) } else { [None; 4] }
+        });
+        let mut count = 0;
+        for ((found, ray), weight) in found.into_iter().zip(rays).zip(weights) {
+            *weight = found.map_or(0.0, |(_, weight)| weight);
+            if let Some((found, _)) = found {
+                *ray = found.into();
+                count += 1;
+            }
+        }
+        count
+    })
+}
+
+/// Whether rays at a wavelength can be asked for: there is memory for what the first of them builds.
+fn is_ready(handle: &Handle) -> bool {
+    handle.camera().is_ready_for_wavelengths() || boundary::memory::to_build().is_ok()
 }
 
 /// One ray with its differentials: the ray of the sample, and those of the same lens and time sample one pixel to the

@@ -104,6 +104,9 @@ pub enum realistic_reason {
     Redraw = 5,
     /// The shutter is closed over this film point at this time.
     Shut = 6,
+    /// The wavelength that the sample is asked for at is none: not a number from 380 to 780 nm, or one at which the
+    /// formula of a glass has no index of 1 or more.
+    Wavelength = 7,
 }
 
 /// Samples as structure of arrays; the members of `realistic_sample`.
@@ -280,10 +283,15 @@ pub struct realistic_options {
     /// Parameter `glasscatalog`: glass catalogue (AGF) in which glasses that a lens file names are looked up first, before
     /// catalogues beside the file and the built-in glasses.
     pub glasscatalog: *const c_char,
+    /// Parameter `crop`: x from, y from, x to, y to of the part of the picture that the host renders, which changes no
+    /// ray: 0 or more and finite, in pixels; default the whole picture. Whole numbers inside the picture, `x to` and `y to`
+    /// one past the last pixel; `realistic_camera_get_info` tells them back. `xres`, `yres` and samples are those of the
+    /// whole picture, so that tiles fit together to the bit. All NaN: not given.
+    pub crop: [f64; 4],
 }
 
 /// What a built camera is, for a host to print. `realistic_camera_get_info` fills it. A model without a lens
-/// (`perspective`, `orthographic`, `environment`) has 0 interfaces and NaN everywhere else.
+/// (`perspective`, `orthographic`, `environment`) has 0 interfaces and NaN for lengths and f-number.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 #[allow(non_camel_case_types)]
@@ -303,4 +311,7 @@ pub struct realistic_camera_info {
     pub focus_distance_mm: f64,
     /// Film diagonal, mm.
     pub film_diagonal_mm: f64,
+    /// Pixels that the host is to render: columns from `crop[0]` to before `crop[2]`, rows from `crop[1]` to before
+    /// `crop[3]`; the whole picture where no `crop` is given. Of every model.
+    pub crop: [u32; 4],
 }

@@ -14,10 +14,11 @@ use super::{
     pipeline::{
         arrays::{BLOCK, RayArrays, RayBlock, SampleArrays, SampleBlock, SampleStore},
         ray_maker::RayMaker,
+        spectral::Spectral,
     },
     placement::shutter::Shutter,
     ray::{Outcome, Sample, WorldRay},
-    setup::{self, Facts},
+    setup::{self, Crop, Facts},
 };
 use crate::{plan::Plan, sampling::DiskMapping, trace::Blocked};
 
@@ -37,6 +38,7 @@ pub struct Camera {
     shutter: Shutter,
     /// Width and height of the image, pixels.
     resolution: [f32; 2],
+    crop: Crop,
 }
 
 impl AnyModel {
@@ -79,7 +81,8 @@ impl Camera {
             Model::Environment => AnyModel::Stock(stock_cameras::environment(parameters, host, log)?.into()),
         };
         let resolution = [host.raster.xres, host.raster.yres].map(|side| side as f32);
-        let camera = Self { rays: model.ray_maker().clone(), model, shutter, resolution };
+        let crop = Crop::of(parameters, host.raster)?;
+        let camera = Self { rays: model.ray_maker().clone(), model, shutter, resolution, crop };
         warn_of_darkness(host.raster, |sample| camera.through_optics(sample), log);
         Ok(camera)
     }
@@ -124,6 +127,82 @@ impl Camera {
             self.rays.many(samples, rays);
         } else {
             self.through_shutter(samples, rays);
+        }
+    }
+
+    /// [`Camera::generate`] at a wavelength, nm, from 380 to 780.
+    ///
+    /// The index of each glass is that of its own formula. Lens, film and stop stand where the camera's own wavelength put
+    /// them. What `weighting` divides by is that of the camera's own wavelength, too. A lens file without dispersion data,
+    /// and every model but "lens", have the camera's own rays at every wavelength.
+    pub fn generate_at(&self, sample: &Sample, wavelength: f32) -> Outcome {
+        if self.share(sample.image_y, sample.time).is_none() {
+            return Outcome::Shut;
+        }
+        if !self.rays.has_wavelength(wavelength) {
+            return Outcome::Wavelength;
+        }
+        if let Some((ray, weight)) = self.ray_at(sample, wavelength) {
+            return Outcome::Ray(ray, weight);
+        }
+        match self.rays.spectral() {
+            Some(spectral) => spectral.why_none(sample, wavelength),
+            None => self.why_none(sample),
+        }
+    }
+
+    /// [`Camera::generate_at`] without the reason where there is no ray, which is faster.
+    pub fn ray_at(&self, sample: &Sample, wavelength: f32) -> Option<(WorldRay, f32)> {
+        let (mut ray, mut weight) = Default::default();
+        self.trace_one_at(sample, wavelength, &mut ray, &mut weight);
+        (weight > 0.0).then_some((ray, weight))
+    }
+
+    /// [`Camera::ray_at`] of many samples, each at its own wavelength, the same to the last bit. Where there is no ray the
+    /// weight is 0, and the other numbers are left as they are.
+    ///
+    /// # Panics
+    /// The arrays differ in length.
+    pub fn rays_at(&self, samples: &SampleArrays<'_>, wavelengths: &[f32], rays: &mut RayArrays<'_>) {
+        let n = samples.checked_len();
+        assert_eq!([n; 2], [rays.checked_len(), wavelengths.len()], "a batch has one length");
+        if self.shutter == Shutter::Global {
+            return self.rays.many_at(samples, wavelengths, rays);
+        }
+        self.in_blocks_through_shutter(samples, rays, |first, part, block| {
+            let wavelengths = &wavelengths[first..first + part.image_x.len()];
+            self.rays.many_at(part, wavelengths, block);
+        });
+    }
+
+    /// The rays of one sample at four wavelengths, traced side by side: the bits of [`Camera::ray_at`].
+    pub fn hero_rays(&self, sample: &Sample, wavelengths: &[f32; 4]) -> [Option<(WorldRay, f32)>; 4] {
+        let Some(share) = self.share(sample.image_y, sample.time) else { return [None; 4] };
+        let mut rays = RayBlock::new();
+        self.rays.hero(sample, wavelengths, &mut rays);
+        let behind = |(ray, weight)| (ray, if share < 1.0 { dimmed(weight, share) } else { weight });
+        [0, 1, 2, 3].map(|i| rays.get(i).map(behind))
+    }
+
+    /// Whether wavelengths have been asked for before, or do not matter: a first request takes memory.
+    pub(crate) fn is_ready_for_wavelengths(&self) -> bool {
+        self.rays.spectral().is_none_or(Spectral::is_built)
+    }
+
+    /// Writes a sample's ray at a wavelength and its weight; 0, and no ray, where there is none.
+    pub(crate) fn trace_one_at(
+        &self,
+        sample: &Sample,
+        wavelength: f32,
+        ray: &mut WorldRay,
+        weight: &mut f32,
+    ) {
+        *weight = 0.0;
+        if let Some(share) = self.share(sample.image_y, sample.time) {
+            self.rays.one_at(sample, wavelength, ray, weight);
+            if *weight > 0.0 && self.shutter != Shutter::Global {
+                *weight = dimmed(*weight, share);
+            }
         }
     }
 
@@ -248,11 +327,22 @@ impl Camera {
 
     /// [`Camera::rays`] by blocks, of which only what the shutter lets through is handed on.
     fn through_shutter(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
+        self.in_blocks_through_shutter(samples, rays, |_, part, block| self.rays.many(part, block));
+    }
+
+    /// The same of rays that `trace` makes of the samples from a place on.
+    #[inline(always)]
+    fn in_blocks_through_shutter(
+        &self,
+        samples: &SampleArrays<'_>,
+        rays: &mut RayArrays<'_>,
+        trace: impl Fn(usize, &SampleArrays<'_>, &mut RayArrays<'_>),
+    ) {
         let mut block = RayBlock::<BLOCK>::new();
         let n = samples.image_x.len();
         for first in (0..n).step_by(BLOCK) {
             let count = BLOCK.min(n - first);
-            self.rays.many(&samples.part(first, count), &mut block.arrays(count));
+            trace(first, &samples.part(first, count), &mut block.arrays(count));
             for i in 0..count {
                 let share = self.share(samples.image_y[first + i], samples.time[first + i]);
                 let ray = block.get(i).and_then(|(ray, weight)| Some((ray, dimmed(weight, share?))));
@@ -301,6 +391,11 @@ impl Camera {
     /// When the shutter begins to open and has closed, in the host's unit of time.
     pub fn shutter_interval(&self) -> [f32; 2] {
         self.rays.placement().shutter
+    }
+
+    /// The part of the picture that the host is asked to render. Samples outside have their rays, too.
+    pub fn crop(&self) -> Crop {
+        self.crop
     }
 
     /// `hither` and `yon` as they are in use, world units.

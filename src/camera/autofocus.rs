@@ -259,7 +259,7 @@ fn rays(camera: &RealisticCamera, zone: &Zone) -> Vec<WorldRay> {
             };
             match camera.generate(&sample) {
                 Outcome::Ray(ray, _) => Some(ray),
-                Outcome::Blocked(_) | Outcome::Redraw | Outcome::Shut => None,
+                Outcome::Blocked(_) | Outcome::Redraw | Outcome::Shut | Outcome::Wavelength => None,
             }
         })
     };

@@ -37,7 +37,7 @@ pub(super) fn warn_of_darkness(raster: Raster, generate: impl Fn(&Sample) -> Out
                     Blocked::TurnedBack => 3,
                 }] += 1;
             }
-            Outcome::Redraw | Outcome::Shut => {}
+            Outcome::Redraw | Outcome::Shut | Outcome::Wavelength => {}
         }
     }
     let mut text =

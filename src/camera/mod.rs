@@ -38,4 +38,4 @@ pub use placement::{
     transform::{CameraToWorld, TransformError},
 };
 pub use ray::{Outcome, Sample, WorldRay};
-pub use setup::{Facts, film_distance, group_reach, open_lens};
+pub use setup::{Crop, Facts, film_distance, group_reach, open_lens};

@@ -56,4 +56,6 @@ pub enum Outcome {
     Redraw,
     /// The shutter is closed over the film point at this time: weight 0.
     Shut,
+    /// The wavelength asked for is none, or one at which the lens has no index: weight 0.
+    Wavelength,
 }

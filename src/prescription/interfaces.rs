@@ -25,6 +25,17 @@ pub enum Medium {
     Formula(Formula),
 }
 
+impl Medium {
+    /// Whether its index depends on the wavelength.
+    pub fn is_dispersive(&self) -> bool {
+        match self {
+            Self::Air => false,
+            Self::Glass { abbe, .. } => abbe.is_some(),
+            Self::Sellmeier(_) | Self::Formula(_) => true,
+        }
+    }
+}
+
 /// The six constants of Sellmeier's formula n² = 1 + Σ B λ²/(λ² - C), λ in µm (W. Sellmeier 1871; in this
 /// form in every glass maker's catalogue).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -105,6 +116,22 @@ pub struct Prescription {
 }
 
 impl Prescription {
+    /// A lens of these interfaces, at least one, of which nothing else is stated. Readers check what they put into it.
+    pub fn new(interfaces: Vec<Interface>) -> Self {
+        Self {
+            name: String::new(),
+            title: None,
+            interfaces,
+            nominal_film_distance: None,
+            stated_focal_length: None,
+            stated: Stated::default(),
+            glasses: Vec::new(),
+            blades: None,
+            positions: None,
+            remarks: Vec::new(),
+        }
+    }
+
     /// Row number of the stop, counted from 0 at the scene side.
     pub fn stop_index(&self) -> Option<usize> {
         self.interfaces.iter().position(|interface| interface.shape == Shape::Stop)
@@ -130,10 +157,6 @@ impl Prescription {
 
     /// Whether any glass has an Abbe number or a dispersion formula, so that the wavelength matters.
     pub fn is_dispersive(&self) -> bool {
-        self.interfaces.iter().any(|interface| match interface.medium {
-            Medium::Air => false,
-            Medium::Glass { abbe, .. } => abbe.is_some(),
-            Medium::Sellmeier(_) | Medium::Formula(_) => true,
-        })
+        self.interfaces.iter().any(|interface| interface.medium.is_dispersive())
     }
 }

@@ -1,7 +1,7 @@
 //! Rays that leave the film, in lanes: what a sampler fills in, slopes and the area of the pupil that each sample stands
 //! for, and a tracer takes up.
 
-use crate::trace::kernel::Lanes;
+use crate::trace::kernel::{Lanes, Portable, Scalar};
 
 /// Film rays.
 #[derive(Clone, Copy, Debug)]
@@ -21,5 +21,20 @@ impl<L: Lanes> FilmRays<L> {
     pub fn radius_squared(&self) -> L {
         let [x, y] = self.point;
         y.mul_add(y, x * x)
+    }
+}
+
+impl<S: Scalar> FilmRays<Portable<S, 1>> {
+    /// The one ray in double precision.
+    #[inline(always)]
+    pub fn widened(self) -> FilmRays<f64> {
+        let Self { point, disk, slopes, area_per_pi: Portable([area_per_pi]) } = self;
+        let wide = |pair: [Portable<S, 1>; 2]| pair.map(|Portable([number])| number.to_f64());
+        FilmRays {
+            point: wide(point),
+            disk: wide(disk),
+            slopes: wide(slopes),
+            area_per_pi: area_per_pi.to_f64(),
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! The tables in `docs/lecture.md` and `docs/trust.md` name files and tests that exist.
+//! The tables in `docs/lecture.md`, `docs/beyond.md` and `docs/trust.md` name files and tests that exist.
 
 use std::{fs, path::Path};
 
@@ -13,17 +13,24 @@ fn sources(directory: &Path, all: &mut String) {
     }
 }
 
-#[test]
-fn every_file_and_every_test_in_the_table_exists() {
+/// Checks that every link of a page in `docs` leads to a file, and that there are as many links and named tests as a
+/// page of tables has at least.
+fn page(name: &str, least_links: usize, least_tests: usize) {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let text = fs::read_to_string(root.join("docs/lecture.md")).expect("the table");
+    let text = fs::read_to_string(root.join("docs").join(name)).expect("the page");
     let links: Vec<&str> = text.split("](").skip(1).filter_map(|rest| rest.split(')').next()).collect();
-    assert!(links.len() > 20);
+    assert!(links.len() > least_links, "only {} links in {name}", links.len());
     for link in links {
-        assert!(root.join("docs").join(link).exists(), "{link} is dead");
+        assert!(root.join("docs").join(link).exists(), "{link} in {name} is dead");
     }
     let tests = named_tests(&text);
-    assert!(tests > 30, "only {tests} tests are named");
+    assert!(tests > least_tests, "only {tests} tests are named in {name}");
+}
+
+#[test]
+fn every_file_and_every_test_in_the_table_exists() {
+    page("lecture.md", 20, 30);
+    page("beyond.md", 3, 9);
 }
 
 #[test]

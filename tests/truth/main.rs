@@ -25,3 +25,4 @@ mod stock_cameras;
 mod support;
 mod tables;
 mod warped_pupil;
+mod wavelengths;

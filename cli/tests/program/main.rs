@@ -7,6 +7,7 @@ mod plugin;
 #[cfg(target_os = "linux")]
 mod release;
 mod reports;
+mod tiles;
 
 use std::io::Write;
 use std::path::Path;

@@ -12,7 +12,7 @@ import sys
 from ctypes import POINTER, c_char_p, c_double, c_float, c_int32, c_size_t, c_uint32, c_uint64, c_void_p
 from pathlib import Path
 
-ABI_VERSION = 3
+ABI_VERSION = 4
 """The least version of the C ABI that this package works with."""
 
 LOG = ctypes.CFUNCTYPE(None, c_void_p, c_int32, c_char_p)
@@ -69,6 +69,7 @@ class Options(ctypes.Structure):
         ("bladerotation", c_double),
         ("bladecurvature", c_double),
         ("glasscatalog", c_char_p),
+        ("crop", c_double * 4),
     ]
 
 
@@ -83,6 +84,7 @@ class CameraInfo(ctypes.Structure):
         ("film_distance_mm", c_double),
         ("focus_distance_mm", c_double),
         ("film_diagonal_mm", c_double),
+        ("crop", c_uint32 * 4),
     ]
 
 
@@ -136,6 +138,9 @@ class LensSurface(ctypes.Structure):
         ("index_scene", c_double),
         ("index_film", c_double),
         ("semi_diameter_mm", c_double),
+        ("conic_radius_mm", c_double),
+        ("conic", c_double),
+        ("aspheric", c_double * 19),
     ]
 
 
@@ -146,6 +151,12 @@ class LensRaysPointers(ctypes.Structure):
         ("struct_size", c_uint32),
         *[(name, c_void_p) for name in ("ox", "oy", "oz", "dx", "dy", "dz", "reason")],
     ]
+
+
+class LensPointsPointers(ctypes.Structure):
+    """`realistic_lens_points`: the columns of the points where rays meet surfaces."""
+
+    _fields_ = [("struct_size", c_uint32), *[(name, c_void_p) for name in ("x", "y", "z", "met")]]
 
 
 class SamplesPointers(ctypes.Structure):
@@ -189,6 +200,14 @@ FUNCTIONS = {
         _STATUS,
         [c_void_p, c_size_t, POINTER(SamplesPointers), *[POINTER(RaysPointers)] * 3],
     ),
+    "realistic_camera_generate_rays_at_soa": (
+        _STATUS,
+        [c_void_p, c_size_t, POINTER(SamplesPointers), c_void_p, POINTER(RaysPointers)],
+    ),
+    "realistic_camera_generate_hero_rays_soa": (
+        _STATUS,
+        [c_void_p, c_size_t, POINTER(SamplesPointers), c_void_p, POINTER(RaysPointers)],
+    ),
     "realistic_lens_new": (_STATUS, [POINTER(Options), POINTER(c_void_p)]),
     "realistic_lens_free": (None, [c_void_p]),
     "realistic_lens_get_info": (_STATUS, [c_void_p, POINTER(LensInfo)]),
@@ -197,6 +216,10 @@ FUNCTIONS = {
     "realistic_lens_focus": (_STATUS, [c_void_p, c_double, POINTER(c_double)]),
     "realistic_lens_focused_on": (_STATUS, [c_void_p, c_double, POINTER(c_double)]),
     "realistic_lens_trace": (_STATUS, [c_void_p, c_int32, c_size_t, POINTER(LensRaysPointers)]),
+    "realistic_lens_trace_points": (
+        _STATUS,
+        [c_void_p, c_int32, c_size_t, POINTER(LensRaysPointers), POINTER(LensPointsPointers)],
+    ),
     "realistic_autofocus": (
         _STATUS,
         [POINTER(Options), POINTER(Zone), c_size_t, c_int32, DISTANCE, CONTRAST, c_void_p, POINTER(c_double)],

@@ -112,6 +112,12 @@ class Camera:
         return self._resolution
 
     @property
+    def crop(self) -> tuple[int, int, int, int]:
+        """The pixels to be rendered, x from, y from, x to, y to (not included); the whole picture unless `crop` was given."""
+        x_from, y_from, x_to, y_to = self._info().crop
+        return x_from, y_from, x_to, y_to
+
+    @property
     def parameters(self) -> dict[str, Any]:
         """The parameters that were given, by their own names."""
         return dict(self._parameters)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ._abi import LensInfo, LensRaysPointers, LensSurface, library, text_of
+from ._abi import LensInfo, LensPointsPointers, LensRaysPointers, LensSurface, library, text_of
 from ._handle import Handle, build
 from .errors import check, warn
 from .parameters import canonical, options_of
@@ -49,6 +49,12 @@ class Surface(NamedTuple):
     """Clear semi-diameter."""
     is_stop: bool
     """Whether it is the aperture stop."""
+    conic_radius_mm: float
+    """Radius of the figure's conic at its vertex; another than `radius_mm` only where A2 adds to the curvature."""
+    conic: float
+    """Conic constant k: 0 for a sphere and a plane, -1 for a paraboloid."""
+    aspheric: tuple[float, ...]
+    """A2, A3, ... A20 in mm^(1-i), of z = c r²/(1 + √(1 - (1 + k) c² r²)) + Σ Ai r^i toward the film; all 0 without."""
 
 
 @dataclass(eq=False, repr=False)
@@ -63,11 +69,15 @@ class LensRays:
         Unit vectors.
     reason : ndarray (n,) of int32
         A `Reason` each; 0 for a ray that gets through.
+    points : ndarray (n, surfaces, 3) of float64, or None
+        Where each ray meets each surface, mm, the surfaces from the scene's side; NaN where it does not get so far. Only
+        where they are asked for.
     """
 
     origin: NDArray[np.float64]
     direction: NDArray[np.float64]
     reason: NDArray[np.int32]
+    points: NDArray[np.float64] | None = None
 
     @property
     def passed(self) -> NDArray[np.bool_]:
@@ -210,6 +220,9 @@ class Lens:
                     index_film=surface.index_film,
                     semi_diameter_mm=surface.semi_diameter_mm,
                     is_stop=bool(surface.is_stop),
+                    conic_radius_mm=surface.conic_radius_mm,
+                    conic=surface.conic,
+                    aspheric=tuple(surface.aspheric),
                 )
             )
         return tuple(found)
@@ -234,7 +247,9 @@ class Lens:
         check(library.realistic_lens_focused_on(self._handle.pointer, film_distance_mm, ctypes.byref(found)))
         return found.value
 
-    def trace(self, origins: ArrayLike, directions: ArrayLike, *, side: str = "scene") -> LensRays:
+    def trace(
+        self, origins: ArrayLike, directions: ArrayLike, *, side: str = "scene", points: bool = False
+    ) -> LensRays:
         """Takes rays through the lens.
 
         Parameters
@@ -245,6 +260,8 @@ class Lens:
             Of any length but 0: toward -z from the scene's side, toward +z from the film's. The two are broadcast together.
         side : str
             Where rays come from, "scene" or "film".
+        points : bool
+            Whether to tell, too, where each ray meets each surface, which takes longer.
 
         Returns
         -------
@@ -274,8 +291,20 @@ class Lens:
         reason = np.zeros(n, np.int32)
         columns: list[Any] = [row.ctypes.data for row in (*numbers, reason)]
         pointers = LensRaysPointers(ctypes.sizeof(LensRaysPointers), *columns)
-        check(library.realistic_lens_trace(self._handle.pointer, SIDES.index(side), n, ctypes.byref(pointers)))
-        return LensRays(numbers[0:3].T.reshape(*shape, 3), numbers[3:6].T.reshape(*shape, 3), reason.reshape(shape))
+        arguments = (self._handle.pointer, SIDES.index(side), n, ctypes.byref(pointers))
+        met = None
+        if points:
+            surfaces = self._info.surfaces
+            room = np.empty((3, n * surfaces))
+            columns = [row.ctypes.data for row in room]
+            places = LensPointsPointers(ctypes.sizeof(LensPointsPointers), *columns, None)
+            check(library.realistic_lens_trace_points(*arguments, ctypes.byref(places)))
+            met = room.T.reshape(*shape, surfaces, 3)
+        else:
+            check(library.realistic_lens_trace(*arguments))
+        return LensRays(
+            numbers[0:3].T.reshape(*shape, 3), numbers[3:6].T.reshape(*shape, 3), reason.reshape(shape), met
+        )
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draws the cross-section with matplotlib; see `realistic.plot.section`."""

@@ -43,6 +43,8 @@ class Reason(enum.IntEnum):
     """With `disk` "rejection": the lens sample fell outside the disk; draw another."""
     SHUT = 6
     """The shutter is closed over this film point at this time."""
+    WAVELENGTH = 7
+    """The wavelength asked for is not a number from 380 to 780 nm, or one at which a glass has no index."""
 
 
 @dataclass(eq=False, repr=False)

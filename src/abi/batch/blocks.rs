@@ -105,7 +105,7 @@ impl<const ARRAYS: usize> Room<ARRAYS> {
 
     /// Sets `n` numbers of each array, up to [`BLOCK`]: to these.
     #[inline(always)]
-    fn set_all(&mut self, n: usize, numbers: [f32; ARRAYS]) {
+    pub(super) fn set_all(&mut self, n: usize, numbers: [f32; ARRAYS]) {
         let set = n.min(BLOCK).next_multiple_of(FOUR);
         // Written out: few numbers are not worth a call for each array.
         for begin in (0..set).step_by(FOUR) {
@@ -171,7 +171,7 @@ impl SampleRoom {
 impl RayRoom {
     /// The first `n` rays; without a range where that of all rays stands there already.
     #[inline(always)]
-    fn rays(&mut self, camera: &Camera, n: usize) -> RayArrays<'_> {
+    pub(super) fn rays(&mut self, camera: &Camera, n: usize) -> RayArrays<'_> {
         let [ox, oy, oz, dx, dy, dz, mint, maxt, time, weight] = self.arrays_mut(n);
         let has_one = camera.range().is_some();
         let [mint, maxt] = [mint, maxt].map(|array| (!has_one).then_some(array));

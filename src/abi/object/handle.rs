@@ -48,12 +48,22 @@ impl Handle {
 
     /// Why a sample that a batch blocks has no ray, in the ABI's words.
     pub fn reason(&self, sample: &Sample) -> realistic_reason {
-        match self.camera.generate(sample) {
+        Self::named(self.camera.generate(sample))
+    }
+
+    /// [`Handle::reason`] at a wavelength, nm.
+    pub fn reason_at(&self, sample: &Sample, wavelength: f32) -> realistic_reason {
+        Self::named(self.camera.generate_at(sample, wavelength))
+    }
+
+    fn named(outcome: Outcome) -> realistic_reason {
+        match outcome {
             // Another tracer, which a tolerance allows single calls, lets it through: it is that near an edge.
             Outcome::Ray(..) => realistic_reason::Clipped,
             Outcome::Blocked(reason) => reason.into(),
             Outcome::Redraw => realistic_reason::Redraw,
             Outcome::Shut => realistic_reason::Shut,
+            Outcome::Wavelength => realistic_reason::Wavelength,
         }
     }
 }

@@ -10,12 +10,14 @@ use crate::{
             arrays::{RayArrays, SampleArrays},
             body::CameraBody,
             ray_maker::RayMaker,
+            spectral::{LensOfMedia, Spectral},
         },
         ray::{Outcome, Sample, WorldRay},
         setup::{Facts, Focusing, Setup},
     },
     lens::film_ray,
     plan::{FilmSide, Plan},
+    prescription::Medium,
     sampling::{DiskMapping, PupilDisk, film_rays::FilmRays},
     trace::{Blocked, Direction, Path, Ray},
 };
@@ -65,7 +67,11 @@ impl RealisticCamera {
             units_per_mm: setup.mm_per_unit.recip(),
         };
         let (tracers, plan) = plan_and_compile(&setup, &path, &body, log);
-        let rays = RayMaker::new(tracers.one.clone(), tracers.many.clone(), body.placement.clone());
+        let mut rays = RayMaker::new(tracers.one.clone(), tracers.many.clone(), body.placement.clone());
+        if setup.media.iter().any(Medium::is_dispersive) {
+            let optics = LensOfMedia { lens: lens.clone(), media: setup.media, blades: setup.blades };
+            rays.set_spectral(Spectral::new(optics, body.clone(), tracers.exact));
+        }
         // Where the film stands once its place in lens space is rounded.
         let film_distance = setup.facts.lens.rear().vertex - film_z;
         Ok(Self { facts: Facts { film_distance, ..setup.facts }, body, rear, tracers, rays, plan })

@@ -12,7 +12,7 @@ use crate::{
         setup::{Facts, Setup},
     },
     imaging::irradiance::{on_axis, survey},
-    plan::{Decision, Kernels, Plan, Task, describe_sampling},
+    plan::{Decision, Kernels, Plan, Precision, Task, Tracing, describe_sampling},
     sampling::{GivenUp, NoFan, PupilDisk, PupilSampler, WarpedPupil},
     trace::Path,
 };
@@ -94,6 +94,8 @@ pub(super) struct Tracers {
     pub one: Arc<dyn LensTracer>,
     /// Those in batches: the same, but where a tolerance lets another be faster.
     pub many: Arc<dyn LensTracer>,
+    /// What rays at wavelengths of their own, which are traced exactly, are computed in.
+    pub exact: Precision,
 }
 
 /// Decides how rays are traced, compiles what traces them, and says what was kept and left out.
@@ -128,7 +130,12 @@ pub(super) fn plan_and_compile(
     let many = decision.many.as_ref().map_or_else(|| one.clone(), traces);
     describe_sampling(&body.film_side, lens.wavelength, &mut plan);
     body.placement.describe(&mut plan);
-    (Tracers { one, many }, plan)
+    let exact = match &decision.many.as_ref().unwrap_or(&decision.one).tracing {
+        // Polynomials in single precision say nothing of what a trace in it would be.
+        Tracing::Polynomials { .. } => Precision::F64,
+        Tracing::Exact(precision) | Tracing::Refracted(_, precision) => *precision,
+    };
+    (Tracers { one, many, exact }, plan)
 }
 
 /// Whether a weight is a number to a host, which takes floats.

@@ -93,7 +93,7 @@ impl<S: Turns> FilmSampling<S> {
 
     /// All of a film ray but its direction.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn unaimed<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, samples: &SampleLanes<L>) -> FilmRays<L> {
+    pub(super) fn unaimed<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, samples: &SampleLanes<L>) -> FilmRays<L> {
         let (point, disk) = (self.point(cpu, samples.image), self.mapping.lanes(cpu, samples.lens));
         FilmRays { point, disk, slopes: disk, area_per_pi: point[0] }
     }
@@ -123,7 +123,7 @@ impl<S: Turns> FilmSampling<S> {
 }
 
 /// A sample as vectors of one lane.
-fn lane<S: Turns>(sample: &Sample) -> SampleLanes<Portable<S, 1>> {
+pub(super) fn lane<S: Turns>(sample: &Sample) -> SampleLanes<Portable<S, 1>> {
     let Sample { image_x, image_y, lens_u, lens_v, .. } = *sample;
     let [x, y, u, v] =
         [image_x, image_y, lens_u, lens_v].map(|number| Portable([S::from_f64(number.into())]));
@@ -140,14 +140,7 @@ struct One<'a, S> {
 impl<S: Turns> Compiled for One<'_, S> {
     #[inline(always)]
     fn run(self) {
-        let [FilmRays { point, disk, slopes, area_per_pi }] =
-            self.film.lanes(Portable::cpu(), &[lane(self.sample)]);
-        let wide = |pair: [Portable<S, 1>; 2]| pair.map(|Portable([number])| number.to_f64());
-        *self.ray = FilmRays {
-            point: wide(point),
-            disk: wide(disk),
-            slopes: wide(slopes),
-            area_per_pi: area_per_pi.0[0].to_f64(),
-        };
+        let [ray] = self.film.lanes(Portable::cpu(), &[lane(self.sample)]);
+        *self.ray = ray.widened();
     }
 }

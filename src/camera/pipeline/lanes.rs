@@ -154,8 +154,14 @@ impl<'a, S: Turns, I: SampleStore, R> Job<'a, S, I, R> {
         }
     }
 
+    /// A vector of samples from the one numbered `at` on.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn begin<L: Lanes<Scalar = S>>(
+    pub fn samples<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, at: usize) -> SampleLanes<L> {
+        SampleLanes::load(cpu, self.samples, at)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn begin<L: Lanes<Scalar = S>>(
         &self,
         cpu: Cpu<L>,
         approach: Approach,
@@ -187,9 +193,9 @@ impl<S: Turns, I: SampleStore, R: RayStore> Batch<S> for Job<'_, S, I, R> {
         approach: Approach,
         first: usize,
     ) -> [(Start<L>, L); U] {
-        let mut samples = [SampleLanes::load(cpu, self.samples, first); U];
+        let mut samples = [self.samples(cpu, first); U];
         for (u, samples) in samples.iter_mut().enumerate().skip(1) {
-            *samples = SampleLanes::load(cpu, self.samples, first + u * L::WIDTH);
+            *samples = self.samples(cpu, first + u * L::WIDTH);
         }
         let mut rays = self.body.film.lanes(cpu, &samples);
         self.check_range(cpu, &mut rays);

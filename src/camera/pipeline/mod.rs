@@ -7,6 +7,7 @@ pub(crate) mod film_sampling;
 pub(crate) mod ideal;
 mod lanes;
 pub(crate) mod ray_maker;
+pub(crate) mod spectral;
 pub(crate) mod stock;
 pub(crate) mod tracer;
 mod walk;

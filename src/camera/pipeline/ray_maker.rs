@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::{
     arrays::{OneRay, RayArrays, RayBlock, SampleArrays, SampleBlock, SampleStore},
+    spectral::{Spectral, WAVELENGTHS},
     tracer::Tracer,
 };
 use crate::camera::{
@@ -22,12 +23,24 @@ pub(crate) struct RayMaker {
     placement: Placement,
     /// Where all rays begin and end; `None` where the tracer says it of each.
     range: Option<[f32; 2]>,
+    /// What traces at wavelengths of their own; `None`: they change nothing.
+    spectral: Option<Arc<Spectral>>,
 }
 
 impl RayMaker {
     pub fn new(one: Arc<dyn Tracer>, many: Arc<dyn Tracer>, placement: Placement) -> Self {
         let range = (!one.writes_range()).then_some(placement.clip);
-        Self { one, many, placement, range }
+        Self { one, many, placement, range, spectral: None }
+    }
+
+    /// Has wavelengths matter.
+    pub fn set_spectral(&mut self, spectral: Spectral) {
+        self.spectral = Some(Arc::new(spectral));
+    }
+
+    /// What traces at wavelengths of their own, where they matter.
+    pub fn spectral(&self) -> Option<&Spectral> {
+        self.spectral.as_deref()
     }
 
     /// Where the camera stands, its clip range and when its shutter is open.
@@ -78,6 +91,12 @@ impl RayMaker {
     #[inline]
     pub fn many(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
         self.many.many(samples, rays);
+        self.complete(samples, rays);
+    }
+
+    /// Gives rays their ranges and times.
+    #[inline(always)]
+    fn complete(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
         let RayArrays { mint, maxt, time, weight, .. } = rays;
         if let Some([first, last]) = self.range {
             for (array, end) in [(mint, first), (maxt, last)] {
@@ -88,6 +107,69 @@ impl RayMaker {
         }
         if let Some(time) = time {
             fill(time, weight, samples.time, |number| self.placement.time(number));
+        }
+    }
+}
+
+/// Rays at wavelengths of their own, nm.
+impl RayMaker {
+    /// Whether there are rays at a wavelength.
+    pub fn has_wavelength(&self, wavelength: f32) -> bool {
+        self.spectral().map_or(&WAVELENGTHS, Spectral::range).contains(&wavelength)
+    }
+
+    /// [`RayMaker::one`] at a wavelength.
+    pub fn one_at(&self, sample: &Sample, wavelength: f32, ray: &mut WorldRay, weight: &mut f32) {
+        *weight = 0.0;
+        let Some(spectral) = self.spectral() else {
+            return if WAVELENGTHS.contains(&wavelength) {
+                self.one(sample, ray, weight)
+            };
+        };
+        spectral.tracer().one(sample, wavelength, &mut OneRay { ray: &mut *ray, weight: &mut *weight });
+        if *weight > 0.0 {
+            if let Some(range) = self.range {
+                [ray.mint, ray.maxt] = range;
+            }
+            ray.time = self.placement.time(sample.time);
+        }
+    }
+
+    /// Four rays of one sample, each at its own wavelength: the bits of [`RayMaker::one_at`].
+    pub fn hero(&self, sample: &Sample, wavelengths: &[f32; 4], rays: &mut RayBlock<4>) {
+        let Some(spectral) = self.spectral() else {
+            for (i, wavelength) in wavelengths.iter().enumerate() {
+                let ray = if WAVELENGTHS.contains(wavelength) { self.ray(sample) } else { None };
+                rays.arrays(4).set(i, ray);
+            }
+            return;
+        };
+        let Sample { image_x, image_y, lens_u, lens_v, time } = *sample;
+        let samples = [image_x, image_y, lens_u, lens_v, time].map(|number| [number; 4]).into();
+        spectral.tracer().four(&samples, wavelengths, rays);
+        if let Some(range) = self.range {
+            rays.set_range(range);
+        }
+        rays.set_time(self.placement.time(time));
+    }
+
+    /// [`RayMaker::one_at`] of many samples, the same to the last bit, in arrays that all have one length.
+    pub fn many_at(&self, samples: &SampleArrays<'_>, wavelengths: &[f32], rays: &mut RayArrays<'_>) {
+        match self.spectral() {
+            Some(spectral) => {
+                spectral.tracer().many(samples, wavelengths, rays);
+                self.complete(samples, rays);
+            }
+            None if wavelengths.iter().all(|wavelength| WAVELENGTHS.contains(wavelength)) => {
+                self.many(samples, rays)
+            }
+            None => {
+                for (i, wavelength) in wavelengths.iter().enumerate() {
+                    let ray =
+                        if WAVELENGTHS.contains(wavelength) { self.ray(&samples.sample(i)) } else { None };
+                    rays.set(i, ray);
+                }
+            }
         }
     }
 }

@@ -22,7 +22,7 @@ use crate::{
     },
     message::{Level, Log},
     plan::Precision,
-    prescription::{Blades, Prescription, SourceError, catalogue, glass_library, read_with},
+    prescription::{Blades, Medium, Prescription, SourceError, catalogue, glass_library, read_with},
     sampling::DiskMapping,
 };
 
@@ -30,6 +30,8 @@ use crate::{
 #[derive(Clone, Debug)]
 pub(crate) struct Setup {
     pub facts: Facts,
+    /// The medium on the film's side of each surface.
+    pub media: Vec<Medium>,
     /// Those in the stop, if it is not round.
     pub blades: Option<Blades>,
     pub refraction: Refraction,
@@ -71,6 +73,7 @@ impl Setup {
         check_reach(&lens, film_distance, mm_per_unit)?;
         Ok(Self {
             facts: Facts { lens, first_order, entrance, film, film_distance, focus_distance },
+            media: prescription.interfaces.iter().map(|interface| interface.medium).collect(),
             blades: blades(given, &prescription)?,
             refraction: given.refraction(),
             pupil: given.pupil(),

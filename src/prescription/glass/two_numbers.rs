@@ -3,6 +3,28 @@
 
 use super::lines::{C_LINE, D_LINE, F_LINE};
 
+/// p0, p1, q0, q1.
+const FITTED: [f64; 4] = [-0.2555, 1.583, -0.2678, 25.43];
+/// The Abbe numbers of the glasses that were fitted: beyond, the nearest one's partial dispersions.
+const RANGE: [f64; 2] = [17.0, 96.0];
+
+/// λ^-2, λ² and Herzberger's 1/(λ² - 0.028), λ in µm.
+fn basis(nanometres: f64) -> [f64; 3] {
+    let square = (nanometres * 1e-3).powi(2);
+    [square.recip(), square, (square - 0.028).recip()]
+}
+
+/// n(λ) less a constant is a λ^-2 + b λ² + d/(λ² - 0.028), λ in µm: a, b and d.
+pub(super) fn terms(n_d: f64, abbe: f64) -> [f64; 3] {
+    let inverse = abbe.clamp(RANGE[0], RANGE[1]).recip();
+    let [f, c] = [F_LINE, C_LINE].map(basis);
+    let between_f_and_c: [f64; 3] = std::array::from_fn(|i| f[i] - c[i]);
+    let [p0, p1, q0, q1] = FITTED;
+    let (line, pole) = (p0 + p1 * inverse, q0 + q1 * inverse);
+    let cauchy = (1.0 - line * between_f_and_c[1] - pole * between_f_and_c[2]) / between_f_and_c[0];
+    [cauchy, line, pole].map(|part| (n_d - 1.0) / abbe * part)
+}
+
 /// n(λ) of the glass; n_d itself at the d line, and n_F - n_C = (n_d - 1)/V, which is what V means.
 ///
 /// n = n_d + (n_d - 1)/V · (P + (p0 + p1/V) P1 + (q0 + q1/V) P2), where P is λ^-2, P1 is λ² and P2 Herzberger's
@@ -11,15 +33,7 @@ use super::lines::{C_LINE, D_LINE, F_LINE};
 /// Most glasses lie near the normal line of partial dispersions; the farther a glass is from it, the farther it is
 /// from this formula.
 pub(super) fn index(n_d: f64, abbe: f64, wavelength: f64) -> f64 {
-    /// p0, p1, q0, q1.
-    const FITTED: [f64; 4] = [-0.2555, 1.583, -0.2678, 25.43];
-    /// The Abbe numbers of the glasses that were fitted: beyond, the nearest one's partial dispersions.
-    const RANGE: [f64; 2] = [17.0, 96.0];
     let inverse = abbe.clamp(RANGE[0], RANGE[1]).recip();
-    let basis = |nanometres: f64| {
-        let square = (nanometres * 1e-3).powi(2);
-        [square.recip(), square, (square - 0.028).recip()]
-    };
     let [here, d, f, c] = [wavelength, D_LINE, F_LINE, C_LINE].map(basis);
     let between_f_and_c: [f64; 3] = std::array::from_fn(|i| f[i] - c[i]);
     let cauchy = (here[0] - d[0]) / between_f_and_c[0];

@@ -1,7 +1,7 @@
 //! AGF glass catalogues, as the makers of glass publish them: `NM` name, formula, code, n_d, V_d; `CD` the constants.
 //! Text in, glasses with their names out.
 
-use super::text::{Place, Text, decoded, words};
+use super::text::{Cell, Place, Text, decoded, no_number, words};
 use crate::{
     message::cut,
     prescription::{
@@ -45,8 +45,11 @@ pub fn read(file: &str, bytes: &[u8]) -> Result<Vec<Entry>, LensFileError> {
             }
             Some(("CD", values)) => {
                 if let Some(entry) = entries.last_mut() {
-                    let constants: Option<Vec<f64>> = values.iter().map(|value| value.number()).collect();
-                    entry.medium = medium(formula, constants.as_deref())
+                    let constant = |value: &Cell<'_>| {
+                        value.number().ok_or_else(|| no_number(value.text, "a constant of CD"))
+                    };
+                    entry.medium = (values.iter().map(constant).collect::<Result<Vec<f64>, _>>())
+                        .and_then(|constants| medium(formula, &constants))
                         .map_err(|why| format!("{}:{number}: {why}", cut(file)));
                 }
             }
@@ -61,8 +64,7 @@ pub fn read(file: &str, bytes: &[u8]) -> Result<Vec<Entry>, LensFileError> {
 }
 
 /// The medium of a formula's number and its constants, as many as the line has.
-fn medium(formula: Option<f64>, constants: Option<&[f64]>) -> Result<Medium, String> {
-    let constants = constants.ok_or("a constant is no number")?;
+fn medium(formula: Option<f64>, constants: &[f64]) -> Result<Medium, String> {
     let k = |i: usize| constants.get(i).copied().unwrap_or(0.0);
     let sellmeier = |rest: [f64; 2], terms: &[(f64, f64)]| {
         let term = |i: usize| terms.get(i).copied().unwrap_or((0.0, 0.0));
@@ -85,7 +87,7 @@ fn medium(formula: Option<f64>, constants: Option<&[f64]>) -> Result<Medium, Str
         }
         Medium::Formula(Formula::Polynomial(by_power))
     };
-    let code = formula.ok_or("the formula's number is missing")?;
+    let code = formula.ok_or("the number of its formula is missing on the line NM, behind its name")?;
     let medium = match code as i64 {
         1 => polynomial(&[0, 2, -2, -4, -6, -8]),
         2 => {
@@ -105,7 +107,7 @@ fn medium(formula: Option<f64>, constants: Option<&[f64]>) -> Result<Medium, Str
         11 => sellmeier([1.0, 0.0], &[(k(0), k(1)), (k(2), k(3)), (k(4), k(5)), (k(6), k(7)), (k(8), k(9))]),
         12 => polynomial(&[0, 2, -2, -4, -6, -8, 4, 6]),
         13 => polynomial(&[0, 2, 4, -2, -4, -6, -8, -10, -12]),
-        _ => return Err(format!("formula {code} is not known")),
+        _ => return Err(format!("formula {code} is not known; formulas are 1 to 13")),
     };
     check(medium)?;
     Ok(medium)
@@ -176,6 +178,25 @@ mod tests {
             let found = n_d_and_abbe(code, constants);
             assert!((found[0] - n_d).abs() < 2e-5 && (found[1] - abbe).abs() < 0.05, "{code}: {found:?}");
         }
+    }
+
+    #[test]
+    fn what_is_wrong_with_a_glass_is_told_with_its_line_and_what_to_write() {
+        let told = |text: &str| {
+            let [entry] = &read("x.agf", text.as_bytes()).expect("a catalogue")[..] else { panic!("{text}") };
+            entry.medium.clone().expect_err(text)
+        };
+        for (text, message) in [
+            ("NM X 2\nCD 1.0 O.01", "x.agf:2: \"O.01\" is not a number; expected a constant of CD"),
+            ("NM X 77\nCD 1", "x.agf:2: formula 77 is not known; formulas are 1 to 13"),
+            ("NM X\nCD 1", "x.agf:2: the number of its formula is missing on the line NM, behind its name"),
+            ("NM X 2", "x.agf:1 has no constants (CD) for it"),
+            ("NM X 2\nCD 99 0.01", "x.agf:2: the constants give index 10.2"),
+        ] {
+            assert!(told(text).starts_with(message), "{}", told(text));
+        }
+        let none = read("x.agf", b"20 5 1.5 10\n").expect_err("a lens").to_string();
+        assert!(none.starts_with("x.agf:1:1: no glass; a glass catalogue (AGF) has lines NM"), "{none}");
     }
 
     #[test]

@@ -41,10 +41,12 @@ mod pieces;
 mod report;
 mod search;
 mod slice;
+mod spectral;
 mod vanishing;
 mod view;
 
 pub use report::{BuildReport, GivenUp, NoFan};
+pub(crate) use spectral::{LaneSpectralPupil, SpectralPupil};
 
 use std::f64::consts::PI;
 
@@ -159,6 +161,11 @@ impl WarpedPupil {
         self.dark_beyond.then_some(self.end)
     }
 
+    /// The disk that holds every pupil.
+    pub(crate) fn cover_disk(&self) -> PupilDisk {
+        self.cover
+    }
+
     /// Rings of the film with disks of slopes that hold everything sampled there.
     pub fn bands(&self) -> Vec<Band> {
         /// Each holds every slope that single precision can make of the table.
@@ -255,19 +262,16 @@ impl WarpedPupil {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn place<L: Lanes>(&self, cpu: Cpu<L>, ray: &FilmRays<L>, radius: &Radius<L>) -> Place<L> {
-        let ([x, y], [u, v]) = (ray.point, ray.disk);
-        let interval = radius.place.whole();
+        let (row, heading) = (self.row(cpu, radius.place.whole(), radius), Heading::of(cpu, ray));
+        Place { row, heading }
+    }
+
+    /// What stands in the table for a smallest interval and a place in it.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn row<L: Lanes>(&self, cpu: Cpu<L>, interval: L::Places, radius: &Radius<L>) -> Row<L> {
         let (slice, [per_width, center, center_step]) = L::look_up_indexed(&self.cells, interval);
         // A slice begins at a multiple of its width, a power of 2.
         let part = radius.s.mul_sub(per_width, (radius.place * per_width).trunc());
-        // The disk's point in the frame of the film point, mirrored into the upper half.
-        let (a, b) = (v.mul_add(y, u * x), u.neg_mul_add(y, v * x));
-        // Scaled so that squares and products count knots. On the axis, where there is no direction, any will do.
-        let root = L::splat(cpu, L::Scalar::from_f64(ROOT));
-        let per_span = root / (a.abs() + b.abs()).larger(L::splat(cpu, L::Scalar::NO_SQUARE));
-        let (along, aside) = (a * per_span, b * per_span);
-        let place = along.neg_mul_add(root, L::splat(cpu, L::Scalar::from_f64(ROOT * ROOT)));
-        let knot = place.smaller(L::splat(cpu, L::Scalar::from_f64((CELLS - 1) as f64))).trunc();
         let mut center = part.mul_add(center_step, center);
         let mut narrowing = L::splat(cpu, L::Scalar::ZERO);
         if !self.narrowings.is_empty() {
@@ -275,28 +279,39 @@ impl WarpedPupil {
             narrowing = part.mul_add(step, at);
             center = center + part.neg_mul_add(part, part).mul_add(bend, rest);
         }
-        Place {
-            part,
-            center,
-            narrowing,
-            first: L::add_places(knot.whole(), slice),
-            offset: place - knot,
-            turn: aside.mul_add(aside, along * along),
-            below: b.less(L::splat(cpu, L::Scalar::ZERO)),
-        }
+        Row { slice, part, center, narrowing }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn aim<L: Lanes>(&self, cpu: Cpu<L>, place: &Place<L>, ray: &mut FilmRays<L>) {
-        let Place { part, center, narrowing, first, offset, turn, below } = *place;
-        let ([x, y], [u, v]) = (ray.point, ray.disk);
+    fn aim<L: Lanes>(&self, cpu: Cpu<L>, Place { row, heading }: &Place<L>, ray: &mut FilmRays<L>) {
+        let knots = self.knots(row, heading);
+        self.aim_at(cpu, row, heading, knots, ray);
+    }
+
+    /// M at the two knots beside a direction, interpolated between two slices.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn knots<L: Lanes>(&self, row: &Row<L>, heading: &Heading<L>) -> [L; 4] {
+        let first = L::add_places(heading.knot.whole(), row.slice);
         let [mut pairs, above] = L::look_up::<2, 1>(&self.table, first, [0, STRIDE]);
         let mut k = 0;
         while k < 4 {
-            pairs[k] = part.mul_add(above[k] - pairs[k], pairs[k]);
+            pairs[k] = row.part.mul_add(above[k] - pairs[k], pairs[k]);
             k += 1;
         }
-        let [re, im, re_next, im_next] = pairs;
+        pairs
+    }
+
+    /// Gives rays their slopes and area by what stands in the table for them.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn aim_at<L: Lanes>(
+        &self,
+        cpu: Cpu<L>,
+        &Row { center, narrowing, .. }: &Row<L>,
+        &Heading { offset, turn, below, .. }: &Heading<L>,
+        [re, im, re_next, im_next]: [L; 4],
+        ray: &mut FilmRays<L>,
+    ) {
+        let ([x, y], [u, v]) = (ray.point, ray.disk);
         let (re_step, im_step) = (re_next - re, im_next - im);
         let (re, im) = (offset.mul_add(re_step, re), offset.mul_add(im_step, im));
         let twist = im.neg_mul_add(re_step, re * im_step);
@@ -351,20 +366,51 @@ struct Radius<L: Lanes> {
 /// Where in the table samples lie.
 #[derive(Clone, Copy)]
 struct Place<L: Lanes> {
-    /// Of the way from one slice to the next.
+    row: Row<L>,
+    heading: Heading<L>,
+}
+
+/// Between which slices film radii lie.
+#[derive(Clone, Copy)]
+struct Row<L: Lanes> {
+    /// Where in the table the slice before the film radius begins.
+    slice: L::Places,
+    /// Of the way from it to the next.
     part: L,
     /// c.
     center: L,
     /// λ.
     narrowing: L,
-    /// Where in the table the knot before the direction stands, in the slice before the film radius.
-    first: L::Places,
+}
+
+/// Between which knots directions lie.
+#[derive(Clone, Copy)]
+struct Heading<L: Lanes> {
+    /// The number of the one before.
+    knot: L,
     /// From there to the direction, in knots.
     offset: L,
     /// d(knots)/dφ.
     turn: L,
     /// In the lower half, where the map is mirrored.
     below: L::Mask,
+}
+
+impl<L: Lanes> Heading<L> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn of(cpu: Cpu<L>, ray: &FilmRays<L>) -> Self {
+        let ([x, y], [u, v]) = (ray.point, ray.disk);
+        // The disk's point in the frame of the film point, mirrored into the upper half.
+        let (a, b) = (v.mul_add(y, u * x), u.neg_mul_add(y, v * x));
+        // Scaled so that squares and products count knots. On the axis, where there is no direction, any will do.
+        let root = L::splat(cpu, L::Scalar::from_f64(ROOT));
+        let per_span = root / (a.abs() + b.abs()).larger(L::splat(cpu, L::Scalar::NO_SQUARE));
+        let (along, aside) = (a * per_span, b * per_span);
+        let place = along.neg_mul_add(root, L::splat(cpu, L::Scalar::from_f64(ROOT * ROOT)));
+        let knot = place.smaller(L::splat(cpu, L::Scalar::from_f64((CELLS - 1) as f64))).trunc();
+        let turn = aside.mul_add(aside, along * along);
+        Self { knot, offset: place - knot, turn, below: b.less(L::splat(cpu, L::Scalar::ZERO)) }
+    }
 }
 
 /// What sampling computes with, in its precision.

@@ -10,10 +10,10 @@
 //! but for rays within rounding of an edge. Squares of n cos I below 2^-256 (double precision) or 2^-64 (single) count
 //! as 0 and block.
 //!
-//! What follows what: `surface` gathers what is known of each surface, with what `crossing` proves from its neighbours'
+//! What follows what: `surface` gathers what is known of each surface, with what `clearance::crossing` proves from its neighbours'
 //! shapes; `table` makes a step of each, within the growth of rounding that `rounding` allows; a `batch` makes rays as
 //! vectors of `lanes`; `trace` takes them through the steps, each of which is a method in `ray` or, for what is no sphere,
-//! in `asphere`; `instances` compiles all that once for each set of instructions in `simd`. `clearance` is a second, smaller loop for searches.
+//! in `asphere`; `dispersion` is the table for a wavelength per lane; `instances` compiles all that once for each set of instructions in `simd`. `clearance` is a second, smaller loop for searches.
 //!
 //! On `#[cfg_attr(not(debug_assertions), inline(always))]`, which stands at every function below `instances`: a vector
 //! operation is compiled for a processor only inside a function that is, so that all of them must be inlined into the
@@ -24,7 +24,7 @@
 mod asphere;
 mod blades;
 mod clearance;
-mod crossing;
+mod dispersion;
 mod instances;
 mod lanes;
 mod ray;
@@ -36,6 +36,7 @@ mod table;
 mod trace;
 
 pub(crate) use clearance::{Clearance, MeridianRay, clearances};
+pub(crate) use dispersion::SpectralKernel;
 pub use instances::KernelScalar;
 pub use rays::{LensRays, PlaneRays, RayBuffer, Traced};
 pub use simd::Simd;

@@ -11,6 +11,7 @@
 //! A ray that a surface blocks goes on with whatever numbers it has; the mask knows.
 
 use super::{
+    dispersion::Media,
     lanes::{Cpu, Lanes, Scalar},
     surface::Transfer,
     table::{ApertureTest, Link, Plane, Sphere, Step, Stop, Table},
@@ -82,19 +83,19 @@ pub const NORMAL_Z: u8 = 2;
 impl<L: Lanes> RayLanes<L> {
     /// Through the first surface.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn enter(cpu: Cpu<L>, table: &Table<L::Scalar>, start: Start<L>) -> Self {
+    pub fn enter(cpu: Cpu<L>, step: &Step<L::Scalar>, media: impl Media<L>, start: Start<L>) -> Self {
         let zero = L::splat(cpu, L::Scalar::ZERO);
-        match (&table.steps[0], start) {
+        match (step, start) {
             (Step::Sphere(sphere), Start::Flat { x, y, slopes, stretch, cos2, moved }) => {
                 let vz = cos2.sqrt();
                 let mut ray = Self::at(cpu, [x, y], [slopes[0] * vz, slopes[1] * vz, vz], cos2);
-                ray.first_sphere(cpu, sphere, slopes, stretch, moved);
+                ray.first_sphere(cpu, sphere, media, slopes, stretch, moved);
                 ray
             }
             (Step::Plane(plane), Start::Flat { x, y, slopes, cos2, moved, .. }) => {
                 let vz = cos2.sqrt();
                 let mut ray = Self::at(cpu, [x, y], [slopes[0] * vz, slopes[1] * vz, vz], cos2);
-                ray.plane::<true>(cpu, plane, zero, Some(moved));
+                ray.plane::<true>(cpu, plane, media, zero, Some(moved));
                 ray
             }
             (Step::Sphere(sphere), Start::Anywhere { x, y, minus_z, v, lead }) => {
@@ -102,23 +103,23 @@ impl<L: Lanes> RayLanes<L> {
                 if sphere.tests.forward {
                     ray.go_forward(cpu);
                 }
-                ray.sphere::<false>(cpu, sphere, minus_z, Some(lead));
+                ray.sphere::<false>(cpu, sphere, media, minus_z, Some(lead));
                 ray
             }
             (Step::Plane(plane), Start::Anywhere { x, y, minus_z, v, lead }) => {
                 let mut ray = Self::at(cpu, [x, y], v, v[2] * v[2]);
-                ray.plane::<false>(cpu, plane, minus_z, Some(lead));
+                ray.plane::<false>(cpu, plane, media, minus_z, Some(lead));
                 ray
             }
             (Step::Conic(conic), start) => {
                 let (mut ray, minus_z, lead) = Self::on_way(cpu, start);
-                ray.conic(cpu, conic, minus_z, lead);
+                ray.conic(cpu, conic, media, minus_z, lead);
                 ray
             }
             (Step::Asphere(asphere), start) => {
                 let (ray, minus_z, lead) = Self::on_way(cpu, start);
                 let mut rays = [ray];
-                asphere.trace(cpu, &mut rays, [minus_z], [lead]);
+                asphere.trace(cpu, &mut rays, [media], [minus_z], [lead]);
                 rays[0]
             }
             (Step::Link(_) | Step::Stop(_) | Step::Blades(_) | Step::Renormalise(_), _) => {
@@ -200,23 +201,25 @@ impl<L: Lanes> RayLanes<L> {
         &mut self,
         cpu: Cpu<L>,
         link: &Link<L::Scalar>,
+        media: impl Media<L>,
         limit: L::Scalar,
     ) {
         let (alpha, rho) = (L::splat(cpu, link.alpha), L::splat(cpu, link.rho));
-        let minus_2phi =
-            self.height.mul_add(L::splat(cpu, link.minus_2phi1), L::splat(cpu, link.minus_2phi0));
+        let minus_2phi = media.times_square(
+            self.height.mul_add(L::splat(cpu, link.minus_2phi1), L::splat(cpu, link.minus_2phi0)),
+        );
         let g = alpha.mul_add(self.vz, rho * self.root);
         let square = g.mul_add(g, minus_2phi);
         // Not square + K: the two roots then need not wait for each other.
-        let square_after = g.mul_add(g, minus_2phi + L::splat(cpu, link.index_step));
+        let square_after = g.mul_add(g, minus_2phi + media.index_step(cpu, link.index_step));
         let [before, after] = L::sqrt_pair(square, square_after);
         let delta = g - before;
         let normal_z =
-            delta.neg_mul_add(self.vz * L::splat(cpu, link.per_n2), rho.mul_add(self.height, alpha));
-        self.advance(delta * L::splat(cpu, link.per_cn2));
+            delta.neg_mul_add(self.vz * media.per_square(cpu, link.per_n2), rho.mul_add(self.height, alpha));
+        self.advance(delta * media.per_square(cpu, link.per_cn2));
         self.bend(L::splat(cpu, link.minus_c), after - before, normal_z);
         (self.height, self.root) = (normal_z, after);
-        self.keep_root(cpu, if RARER { square_after } else { square });
+        self.keep_root(cpu, media.lesser(RARER, square, square_after));
         match TEST {
             NORMAL_Z => self.keep(L::splat(cpu, limit).less_equal(normal_z)),
             HEIGHT => self.keep(self.height_squared().less_equal(L::splat(cpu, limit))),
@@ -230,6 +233,7 @@ impl<L: Lanes> RayLanes<L> {
         &mut self,
         cpu: Cpu<L>,
         sphere: &Sphere<L::Scalar>,
+        media: impl Media<L>,
         mut minus_z: L,
         lead: Option<L>,
     ) {
@@ -245,18 +249,25 @@ impl<L: Lanes> RayLanes<L> {
         let half_c = L::splat(cpu, sphere.half_c);
         let f = half_c.mul_add(minus_z.mul_add(minus_z, self.height_squared()), minus_z);
         let g = minus_c.mul_add(along, self.vz);
-        let minus_2phi = f * L::splat(cpu, sphere.minus_2cn2);
+        let minus_2phi = media.times_square(f * L::splat(cpu, sphere.minus_2cn2));
         let square = g.mul_add(g, minus_2phi);
-        let square_after = g.mul_add(g, minus_2phi + L::splat(cpu, sphere.index_step));
+        let square_after = g.mul_add(g, minus_2phi + media.index_step(cpu, sphere.index_step));
         let [before, after] = L::sqrt_pair(square, square_after);
-        let strong = (g - before) * L::splat(cpu, sphere.per_cn2);
+        let strong = (g - before) * media.per_square(cpu, sphere.per_cn2);
         let t = if PLAIN || sphere.strong {
             strong
         } else {
             L::select(L::splat(cpu, L::Scalar::ZERO).less(g), (f + f) / (g + before), strong)
         };
         self.advance(t);
-        self.pass::<PLAIN>(cpu, sphere, t.mul_sub(self.vz, minus_z), [square, square_after], [before, after]);
+        self.pass::<PLAIN>(
+            cpu,
+            sphere,
+            media,
+            t.mul_sub(self.vz, minus_z),
+            [square, square_after],
+            [before, after],
+        );
         if !PLAIN && sphere.tests.onward {
             self.keep(L::splat(cpu, -sphere.slack).less_equal(lead + t));
         }
@@ -269,6 +280,7 @@ impl<L: Lanes> RayLanes<L> {
         &mut self,
         cpu: Cpu<L>,
         sphere: &Sphere<L::Scalar>,
+        media: impl Media<L>,
         [sx, sy]: [L; 2],
         stretch: L,
         moved: L,
@@ -282,7 +294,7 @@ impl<L: Lanes> RayLanes<L> {
         let f = L::splat(cpu, sphere.half_c) * self.height_squared();
         let stretched = stretch.mul_add(f * L::splat(cpu, sphere.minus_2cn2), g * g);
         let square = stretched * self.cos2;
-        let square_after = stretched.mul_add(self.cos2, L::splat(cpu, sphere.index_step));
+        let square_after = stretched.mul_add(self.cos2, media.index_step(cpu, sphere.index_step));
         let [e, after] = L::sqrt_pair(stretched, square_after);
         let strong = (g - e) * (self.cos2 * L::splat(cpu, sphere.per_cn2));
         let z = if sphere.strong { strong } else { L::select(zero.less(g), (f + f) / (g + e), strong) };
@@ -290,7 +302,7 @@ impl<L: Lanes> RayLanes<L> {
         self.y = z.mul_add(sy, self.y);
         // Vz goes on to change: the test's slack is in units of the one before.
         let slack = self.vz * L::splat(cpu, -sphere.slack);
-        self.pass::<false>(cpu, sphere, z, [square, square_after], [e * self.vz, after]);
+        self.pass::<false>(cpu, sphere, media, z, [square, square_after], [e * self.vz, after]);
         if sphere.tests.onward {
             self.keep(slack.less_equal(moved + z));
         }
@@ -302,6 +314,7 @@ impl<L: Lanes> RayLanes<L> {
         &mut self,
         cpu: Cpu<L>,
         sphere: &Sphere<L::Scalar>,
+        media: impl Media<L>,
         z: L,
         [square, square_after]: [L; 2],
         [before, after]: [L; 2],
@@ -310,7 +323,7 @@ impl<L: Lanes> RayLanes<L> {
         let normal_z = minus_c.mul_add(z, L::splat(cpu, L::Scalar::ONE));
         self.bend(minus_c, after - before, normal_z);
         (self.height, self.root) = (if PLAIN || sphere.carries_normal { normal_z } else { z }, after);
-        self.keep_root(cpu, if sphere.index_step < L::Scalar::ZERO { square_after } else { square });
+        self.keep_root(cpu, media.lesser(sphere.index_step < L::Scalar::ZERO, square, square_after));
         let least =
             if let ApertureTest::NormalZ(least) = sphere.aperture_test { least } else { L::Scalar::ZERO };
         self.keep(L::splat(cpu, least).less_equal(normal_z));
@@ -324,6 +337,7 @@ impl<L: Lanes> RayLanes<L> {
         &mut self,
         cpu: Cpu<L>,
         plane: &Plane<L::Scalar>,
+        media: impl Media<L>,
         minus_z: L,
         lead: Option<L>,
     ) {
@@ -337,8 +351,8 @@ impl<L: Lanes> RayLanes<L> {
             self.keep(self.height_squared().less_equal(L::splat(cpu, plane.aperture)));
         }
         let square = self.vz * self.vz;
-        let square_after = self.vz.mul_add(self.vz, L::splat(cpu, plane.index_step));
-        self.keep_root(cpu, if plane.index_step < L::Scalar::ZERO { square_after } else { square });
+        let square_after = self.vz.mul_add(self.vz, media.index_step(cpu, plane.index_step));
+        self.keep_root(cpu, media.lesser(plane.index_step < L::Scalar::ZERO, square, square_after));
         if plane.tests.forward {
             self.go_forward(cpu);
         }
@@ -364,14 +378,14 @@ impl<L: Lanes> RayLanes<L> {
 
     /// One step of Newton's iteration for what V is to be multiplied with; V has the length n but for rounding.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn factor(&self, cpu: Cpu<L>, length: [L::Scalar; 2]) -> L {
+    fn factor(&self, [most, per_square]: [L; 2]) -> L {
         let square = self.vz.mul_add(self.vz, self.vy.mul_add(self.vy, self.vx * self.vx));
-        square.mul_add(L::splat(cpu, length[1]), L::splat(cpu, length[0]))
+        square.mul_add(per_square, most)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn scale_to(&mut self, cpu: Cpu<L>, length: [L::Scalar; 2]) {
-        let factor = self.factor(cpu, length);
+    pub fn scale_to(&mut self, cpu: Cpu<L>, length: [L::Scalar; 2], media: impl Media<L>) {
+        let factor = self.factor([L::splat(cpu, length[0]), media.per_square(cpu, length[1])]);
         (self.vx, self.vy, self.vz) = (self.vx * factor, self.vy * factor, self.vz * factor);
     }
 
@@ -380,7 +394,7 @@ impl<L: Lanes> RayLanes<L> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn leave(self, cpu: Cpu<L>, table: &Table<L::Scalar>) -> End<L> {
         let z = self.height.mul_add(L::splat(cpu, table.exit.factor), L::splat(cpu, table.exit.offset));
-        let factor = self.factor(cpu, table.unit);
+        let factor = self.factor([L::splat(cpu, table.unit[0]), L::splat(cpu, table.unit[1])]);
         let off = factor.mul_sub(L::splat(cpu, table.last_index), L::splat(cpu, L::Scalar::ONE));
         let is_unit = off.abs().less_equal(L::splat(cpu, L::Scalar::from_f64(MOST_ROUNDING)));
         let along = factor * L::splat(cpu, L::Scalar::from_f64(table.travel_sign));

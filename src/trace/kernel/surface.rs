@@ -1,7 +1,7 @@
 //! A surface as the kernel's table is made of it: its numbers in the frame of the travel, and which tests its neighbours'
 //! shapes leave open. A path's surfaces in; [`CompiledSurface`]s out, of which `table` chooses steps.
 
-use super::crossing::{self, ClearPart, Tests};
+use super::clearance::crossing::{self, ClearPart, Tests};
 use crate::trace::{aspheric::Aspheric, blades::StopFigure, surface::PathSurface};
 
 /// |R|/n up to this many times the clear semi-diameter counts as strongly curved: without the division t has an error of

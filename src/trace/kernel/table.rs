@@ -6,7 +6,7 @@
 
 use super::{
     asphere::{Asphere, Conic},
-    crossing::Tests,
+    clearance::crossing::Tests,
     lanes::Scalar,
     rounding::{AxialStep, RoundingGrowth},
     surface::{CompiledSurface, Transfer, surfaces},
@@ -160,12 +160,28 @@ impl<S: Scalar> Table<S> {
     /// Compiles a path. Links are made up to the given amplification of rounding. `tested` says of a surface, counted
     /// along the path, whether its aperture is to be tested; leaving a test out changes no bit of what passes.
     pub fn new(path: &Path<f64>, amplification: f64, tested: impl Fn(usize) -> bool) -> Self {
+        Self::compiled(path, amplification, tested, Unit::Own).0
+    }
+
+    /// The same with numbers per n² of the medium before each surface, and every aperture tested; and the surface, counted
+    /// along the path, that each step refracts at.
+    pub fn per_square(path: &Path<f64>, amplification: f64) -> (Self, Vec<Option<usize>>) {
+        Self::compiled(path, amplification, |_| true, Unit::Square)
+    }
+
+    fn compiled(
+        path: &Path<f64>,
+        amplification: f64,
+        tested: impl Fn(usize) -> bool,
+        unit: Unit,
+    ) -> (Self, Vec<Option<usize>>) {
         let travel_sign = match path.direction {
             Direction::FilmToScene => 1.0,
             Direction::SceneToFilm => -1.0,
         };
         let surfaces = surfaces(&path.steps, travel_sign, S::EPSILON, tested);
         let mut steps = Vec::with_capacity(surfaces.len());
+        let mut refracts_at = Vec::with_capacity(surfaces.len());
         let forms = forms(&surfaces, amplification);
         // The last surface that moved the ray, and whether it hands N_z on.
         let mut last: Option<(&CompiledSurface<'_>, bool)> = None;
@@ -177,6 +193,7 @@ impl<S: Scalar> Table<S> {
                     steps.push(Step::Stop(Stop { transfer, aperture }));
                 }
                 steps.extend(surface.blades.map(|figure| Step::Blades(BladedStop::new(figure, transfer))));
+                refracts_at.resize(steps.len(), None);
                 continue;
             }
             let carries_normal = forms[i + 1..].iter().find_map(|form| match form {
@@ -184,43 +201,62 @@ impl<S: Scalar> Table<S> {
                 form => Some(matches!(form, StepForm::Link(_))),
             });
             let carries_normal = carries_normal.unwrap_or(false);
+            let n = match unit {
+                Unit::Own => surface.n,
+                Unit::Square => 1.0,
+            };
             let (step, carries_normal) = match forms[i] {
                 StepForm::Still => continue,
-                StepForm::Link(link) => (Step::Link(link.to()), true),
+                StepForm::Link(link) => {
+                    let before = last.filter(|_| unit == Unit::Square);
+                    (Step::Link(before.map_or(link, |(before, _)| link_at(before, surface, n)).to()), true)
+                }
                 StepForm::Plane => (Step::Plane(plane(surface, transfer)), false),
                 StepForm::Aspheric(aspheric) if aspheric.is_conic() => {
-                    (Step::Conic(Conic::new(aspheric, surface, transfer)), false)
+                    (Step::Conic(Conic::new(aspheric, surface, n, transfer)), false)
                 }
                 StepForm::Aspheric(aspheric) => {
                     (Step::Asphere(Box::new(Asphere::new(aspheric, surface, transfer))), false)
                 }
                 StepForm::Sphere { far } => {
-                    (Step::Sphere(sphere(surface, transfer, far, carries_normal)), carries_normal)
+                    (Step::Sphere(sphere(surface, n, transfer, far, carries_normal)), carries_normal)
                 }
             };
             if last.is_some() && matches!(forms[i], StepForm::Sphere { far: true }) {
-                steps
-                    .push(Step::Renormalise([S::from_f64(1.5), S::from_f64(-0.5 / (surface.n * surface.n))]));
+                steps.push(Step::Renormalise([S::from_f64(1.5), S::from_f64(-0.5 / (n * n))]));
             }
+            refracts_at.resize(steps.len(), None);
+            refracts_at.push(Some(i));
             steps.push(step);
             last = Some((surface, carries_normal));
             let here = self::transfer(last, 0.0);
             steps.extend(surface.blades.map(|figure| Step::Blades(BladedStop::new(figure, here))));
         }
+        refracts_at.resize(steps.len(), None);
         let n = path.steps.last().map_or(1.0, |step| step.n_after);
         let (factor, offset) = match last {
             Some((surface, true)) => (-travel_sign / surface.c, path.exit + travel_sign / surface.c),
             _ => (travel_sign, path.exit),
         };
-        Self {
+        let table = Self {
             steps: steps.into(),
             exit: Transfer { factor: S::from_f64(factor), offset: S::from_f64(offset) },
             unit: [S::from_f64(1.5 / n), S::from_f64(-0.5 / n.powi(3))],
             last_index: S::from_f64(n),
             entry: path.entry,
             travel_sign,
-        }
+        };
+        (table, refracts_at)
     }
+}
+
+/// What the numbers of a table stand for.
+#[derive(Clone, Copy, PartialEq)]
+enum Unit {
+    /// Media of the lens's own wavelength.
+    Own,
+    /// Media of n² = 1 before each surface, to be multiplied by what n² is there.
+    Square,
 }
 
 /// How a ray gets to a surface.
@@ -313,11 +349,12 @@ fn plane<S: Scalar>(surface: &CompiledSurface<'_>, transfer: Transfer<S>) -> Pla
 
 fn sphere<S: Scalar>(
     surface: &CompiledSurface<'_>,
+    n: f64,
     transfer: Transfer<S>,
     far: bool,
     carries_normal: bool,
 ) -> Sphere<S> {
-    let CompiledSurface { c, n, .. } = *surface;
+    let c = surface.c;
     let strong = surface.is_strong();
     Sphere {
         transfer,
@@ -339,7 +376,7 @@ fn sphere<S: Scalar>(
 /// The link between two surfaces, where there is one: both strongly curved, nothing left to prove but the
 /// direction, and rounding amplified by no more than `limit`, and on the way there by no more than [`LINK_ROUNDING`].
 fn link(last: &CompiledSurface<'_>, surface: &CompiledSurface<'_>, limit: f64) -> Option<Link<f64>> {
-    let CompiledSurface { c, n, distance: d, .. } = *surface;
+    let CompiledSurface { c, n, .. } = *surface;
     if last.aspheric.is_some() {
         return None;
     }
@@ -348,15 +385,22 @@ fn link(last: &CompiledSurface<'_>, surface: &CompiledSurface<'_>, limit: f64) -
     if !(curved && near_side) || surface.tests.onward {
         return None;
     }
+    let link = link_at(last, surface, n);
+    let phi = (link.minus_2phi1.abs()).max(link.minus_2phi0.abs()) / 2.0;
+    let along = link.alpha.abs().max(link.rho.abs()) * n;
+    // t is the difference of g and e over c n². φ, itself of two terms nearly equal, is rounded twice as much as g.
+    let rounding = along.max(2.0 * phi) / (c.abs() * n * n * surface.semi);
+    (along.max(phi) <= limit && rounding <= LINK_ROUNDING).then_some(link)
+}
+
+/// The link between two surfaces in a medium of index `n`.
+fn link_at(last: &CompiledSurface<'_>, surface: &CompiledSurface<'_>, n: f64) -> Link<f64> {
+    let CompiledSurface { c, distance: d, .. } = *surface;
     let rho = c / last.c;
     let alpha = 1.0 + c * d - rho;
     let phi1 = c * n * n * alpha / last.c;
     let phi0 = c * n * n * (d + c * d * d / 2.0 - alpha / last.c);
-    let phi = phi1.abs().max(phi0.abs());
-    let along = alpha.abs().max(rho.abs()) * n;
-    // t is the difference of g and e over c n². φ, itself of two terms nearly equal, is rounded twice as much as g.
-    let rounding = along.max(2.0 * phi) / (c.abs() * n * n * surface.semi);
-    (along.max(phi) <= limit && rounding <= LINK_ROUNDING).then(|| Link {
+    Link {
         alpha,
         rho,
         minus_2phi0: -2.0 * phi0,
@@ -368,7 +412,7 @@ fn link(last: &CompiledSurface<'_>, surface: &CompiledSurface<'_>, limit: f64) -
         aperture_test: aperture_test(surface),
         forward: surface.tests.forward,
         rarer: surface.index_step < 0.0,
-    })
+    }
 }
 
 impl Link<f64> {
@@ -408,15 +452,17 @@ mod tests {
     }
 
     #[test]
-    fn rows_of_balls_are_reached_anew_and_no_lens_of_the_catalogue_is() {
+    fn rows_of_balls_are_reached_anew_and_hardly_a_lens_of_the_catalogue_is() {
         let row = "1 2 1.8 1.9\n-1 4 1 1.9\n".repeat(7) + "1 2 1.8 1.9\n-1 0 1 1.9";
         let balls = Lens::at_d_line(&read("balls", row.as_bytes()).expect("a lens"));
         for direction in [Direction::FilmToScene, Direction::SceneToFilm] {
             assert!(renormalisations(&balls, direction) >= 3);
-            for name in catalogue::names().take(5) {
-                let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
-                assert_eq!(renormalisations(&lens, direction), 0, "{name}");
-            }
+            let count =
+                |name| renormalisations(&Lens::at_d_line(&catalogue::find(name).expect("listed")), direction);
+            let some: Vec<(&str, usize)> =
+                catalogue::names().map(|name| (name, count(name))).filter(|(_, count)| *count > 0).collect();
+            // One surface each, steep and far from the one before.
+            assert!(some.len() <= 4 && some.iter().all(|(_, count)| *count == 1), "{some:?}");
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The algorithm: vectors of rays taken through a table step by step, each step for all of them.
 
 use super::{
+    dispersion::{Media, MediaOnWay},
     lanes::{Cpu, Lanes, each_further},
     ray::{End, HEIGHT, NORMAL_Z, RayLanes, Start, UNTESTED},
     simd::Compiled,
@@ -13,18 +14,20 @@ use crate::numeric::Real;
 pub fn trace<L: Lanes, const U: usize>(
     cpu: Cpu<L>,
     table: &Table<L::Scalar>,
+    mut on_way: impl MediaOnWay<L, U>,
     starts: [Start<L>; U],
 ) -> [(End<L>, L); U] {
-    let mut rays = [RayLanes::enter(cpu, table, starts[0]); U];
+    let media = on_way.at(cpu, 0);
+    let mut rays = [RayLanes::enter(cpu, &table.steps[0], media[0], starts[0]); U];
     each_further!(u < U, {
-        rays[u] = RayLanes::enter(cpu, table, starts[u]);
+        rays[u] = RayLanes::enter(cpu, &table.steps[0], media[u], starts[u]);
     });
     // Vectors side by side are more than the registers hold, and in memory already. One alone stays in them: apart, it
     // would take a tenth longer.
     if U > 1 {
-        L::apart(cpu, Steps { cpu, table, rays: &mut rays });
+        L::apart(cpu, Steps { cpu, table, on_way: &mut on_way, rays: &mut rays });
     } else {
-        trace_steps(cpu, table, &mut rays);
+        trace_steps(cpu, table, &mut on_way, &mut rays);
     }
     let mut ended = [(rays[0].leave(cpu, table), rays[0].cos2); U];
     each_further!(u < U, {
@@ -34,27 +37,34 @@ pub fn trace<L: Lanes, const U: usize>(
 }
 
 /// [`trace_steps`] to be compiled apart.
-struct Steps<'a, L: Lanes, const U: usize> {
+struct Steps<'a, L: Lanes, W, const U: usize> {
     cpu: Cpu<L>,
     table: &'a Table<L::Scalar>,
+    on_way: &'a mut W,
     rays: &'a mut [RayLanes<L>; U],
 }
 
-impl<L: Lanes, const U: usize> Compiled for Steps<'_, L, U> {
+impl<L: Lanes, W: MediaOnWay<L, U>, const U: usize> Compiled for Steps<'_, L, W, U> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run(self) {
-        trace_steps(self.cpu, self.table, self.rays);
+        trace_steps(self.cpu, self.table, self.on_way, self.rays);
     }
 }
 
 /// Takes vectors of rays through all surfaces but the first, each surface for all of them.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn trace_steps<L: Lanes, const U: usize>(cpu: Cpu<L>, table: &Table<L::Scalar>, rays: &mut [RayLanes<L>; U]) {
+fn trace_steps<L: Lanes, W: MediaOnWay<L, U>, const U: usize>(
+    cpu: Cpu<L>,
+    table: &Table<L::Scalar>,
+    on_way: &mut W,
+    rays: &mut [RayLanes<L>; U],
+) {
     // Loops and not closures, here and below: a closure that is not inlined would be compiled for
     // another processor than the function it stands in.
-    for step in &table.steps[1..] {
+    for (number, step) in (1..).zip(&table.steps[1..]) {
         match step {
             Step::Link(link) => {
+                let media = on_way.at(cpu, number);
                 if link.forward {
                     for ray in &mut *rays {
                         ray.go_forward(cpu);
@@ -63,17 +73,23 @@ fn trace_steps<L: Lanes, const U: usize>(cpu: Cpu<L>, table: &Table<L::Scalar>, 
                 let none = L::Scalar::ZERO;
                 match (link.aperture_test, link.rarer) {
                     (ApertureTest::NormalZ(least), false) => {
-                        cross::<L, U, NORMAL_Z, false>(cpu, link, least, rays)
+                        cross::<L, W::Media, U, NORMAL_Z, false>(cpu, link, media, least, rays)
                     }
                     (ApertureTest::NormalZ(least), true) => {
-                        cross::<L, U, NORMAL_Z, true>(cpu, link, least, rays)
+                        cross::<L, W::Media, U, NORMAL_Z, true>(cpu, link, media, least, rays)
                     }
                     (ApertureTest::Height(most), false) => {
-                        cross::<L, U, HEIGHT, false>(cpu, link, most, rays)
+                        cross::<L, W::Media, U, HEIGHT, false>(cpu, link, media, most, rays)
                     }
-                    (ApertureTest::Height(most), true) => cross::<L, U, HEIGHT, true>(cpu, link, most, rays),
-                    (ApertureTest::Untested, false) => cross::<L, U, UNTESTED, false>(cpu, link, none, rays),
-                    (ApertureTest::Untested, true) => cross::<L, U, UNTESTED, true>(cpu, link, none, rays),
+                    (ApertureTest::Height(most), true) => {
+                        cross::<L, W::Media, U, HEIGHT, true>(cpu, link, media, most, rays)
+                    }
+                    (ApertureTest::Untested, false) => {
+                        cross::<L, W::Media, U, UNTESTED, false>(cpu, link, media, none, rays)
+                    }
+                    (ApertureTest::Untested, true) => {
+                        cross::<L, W::Media, U, UNTESTED, true>(cpu, link, media, none, rays)
+                    }
                 }
             }
             Step::Stop(stop) => {
@@ -87,27 +103,28 @@ fn trace_steps<L: Lanes, const U: usize>(cpu: Cpu<L>, table: &Table<L::Scalar>, 
                 }
             }
             Step::Sphere(sphere) => {
+                let media = on_way.at(cpu, number);
                 if sphere.tests.forward {
                     for ray in &mut *rays {
                         ray.go_forward(cpu);
                     }
                 }
                 if sphere.plain {
-                    for ray in &mut *rays {
+                    for (ray, media) in rays.iter_mut().zip(&media) {
                         let minus_z = ray.minus_z(cpu, &sphere.transfer);
-                        ray.sphere::<true>(cpu, sphere, minus_z, None);
+                        ray.sphere::<true>(cpu, sphere, *media, minus_z, None);
                     }
                 } else {
-                    for ray in &mut *rays {
+                    for (ray, media) in rays.iter_mut().zip(&media) {
                         let minus_z = ray.minus_z(cpu, &sphere.transfer);
-                        ray.sphere::<false>(cpu, sphere, minus_z, None);
+                        ray.sphere::<false>(cpu, sphere, *media, minus_z, None);
                     }
                 }
             }
             Step::Conic(conic) => {
-                for ray in &mut *rays {
+                for (ray, media) in rays.iter_mut().zip(&on_way.at(cpu, number)) {
                     let minus_z = ray.minus_z(cpu, &conic.transfer);
-                    ray.conic(cpu, conic, minus_z, L::splat(cpu, L::Scalar::ZERO));
+                    ray.conic(cpu, conic, *media, minus_z, L::splat(cpu, L::Scalar::ZERO));
                 }
             }
             Step::Asphere(asphere) => {
@@ -116,17 +133,17 @@ fn trace_steps<L: Lanes, const U: usize>(cpu: Cpu<L>, table: &Table<L::Scalar>, 
                 for (ray, minus_z) in rays.iter().zip(&mut minus_z) {
                     *minus_z = ray.minus_z(cpu, &asphere.transfer);
                 }
-                asphere.trace(cpu, rays, minus_z, [zero; U]);
+                asphere.trace(cpu, rays, on_way.at(cpu, number), minus_z, [zero; U]);
             }
             Step::Renormalise(length) => {
-                for ray in &mut *rays {
-                    ray.scale_to(cpu, *length);
+                for (ray, media) in rays.iter_mut().zip(&on_way.at(cpu, number)) {
+                    ray.scale_to(cpu, *length, *media);
                 }
             }
             Step::Plane(plane) => {
-                for ray in &mut *rays {
+                for (ray, media) in rays.iter_mut().zip(&on_way.at(cpu, number)) {
                     let minus_z = ray.minus_z(cpu, &plane.transfer);
-                    ray.plane::<false>(cpu, plane, minus_z, None);
+                    ray.plane::<false>(cpu, plane, *media, minus_z, None);
                 }
             }
         }
@@ -134,13 +151,14 @@ fn trace_steps<L: Lanes, const U: usize>(cpu: Cpu<L>, table: &Table<L::Scalar>, 
 }
 
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn cross<L: Lanes, const U: usize, const TEST: u8, const RARER: bool>(
+fn cross<L: Lanes, M: Media<L>, const U: usize, const TEST: u8, const RARER: bool>(
     cpu: Cpu<L>,
     link: &Link<L::Scalar>,
+    media: [M; U],
     limit: L::Scalar,
     rays: &mut [RayLanes<L>; U],
 ) {
-    for ray in rays {
-        ray.link::<TEST, RARER>(cpu, link, limit);
+    for (ray, media) in rays.iter_mut().zip(&media) {
+        ray.link::<TEST, RARER>(cpu, link, *media, limit);
     }
 }

@@ -86,6 +86,16 @@ static void cameras(const realistic::Api &api) {
     realistic_camera_info info = camera.info();
     std::printf("info %s %.17g %u\n", camera.lens_name().c_str(), info.focal_length_mm,
                 static_cast<unsigned>(info.interfaces));
+    const double window[4] = {-3, 3, -2, 2};
+    realistic::Options flat(40, 30, api);
+    flat.set(&realistic_options::model, "orthographic").set(&realistic_options::screenwindow, window).crop(8, 0, 16, 30);
+    Owner cropped(flat);
+    realistic_camera_info part = cropped.info();
+    std::printf("crop %u %u %u %u of %u %u\n", part.crop[0], part.crop[1], part.crop[2], part.crop[3], info.crop[2],
+                info.crop[3]);
+    realistic_ray corner;
+    cropped.generate({0, 0, 0.5f, 0.5f, 0}, corner);
+    std::printf("corner %g %g\n", corner.o[0], corner.o[1]);
     std::printf("plan %d\n", camera.plan().find("aperture tests") != std::string::npos);
 
     const unsigned n = 2000;
@@ -176,13 +186,23 @@ static void lenses(const realistic::Api &api) {
     double at[6] = {0, 0, 50, 0, 0, -1};
     realistic_reason reason;
     lens.trace(REALISTIC_SIDE_SCENE, 1, {0, at, at + 1, at + 2, at + 3, at + 4, at + 5, &reason});
+    double start[6] = {0, 0, 50, 0, 0, -1};
+    std::vector<double> along[3];
+    for (auto &axis : along) axis.resize(info.surfaces);
+    uint32_t met = 0;
+    lens.trace_points(REALISTIC_SIDE_SCENE, 1, {0, start, start + 1, start + 2, start + 3, start + 4, start + 5, nullptr},
+                      {0, along[0].data(), along[1].data(), along[2].data(), &met});
+    double off = 0;
+    for (uint32_t i = 0; i < info.surfaces; ++i) off += std::fabs(along[2][i] - lens.surface(i).vertex_mm);
+    std::printf("points %u %g %g\n", static_cast<unsigned>(met), off, start[2] - at[2]);
     std::printf("axis %d %.17g %.17g\n", static_cast<int>(reason), at[2] - info.rear_vertex_mm, at[5]);
     try {
         lens.surface(99);
     } catch (const realistic::Error &error) {
         std::printf("none %d %s\n", static_cast<int>(error.status()), error.what());
     }
-    std::printf("capable %d\n", (api.capabilities() & REALISTIC_CAPABILITY_LENS) != 0);
+    const uint64_t wanted = REALISTIC_CAPABILITY_LENS | REALISTIC_CAPABILITY_CROP;
+    std::printf("capable %d\n", (api.capabilities() & wanted) == wanted);
 
     realistic::Options camera(40, 30, api);
     std::vector<realistic_zone> zones = {{10, 10, 30, 20}};

@@ -85,6 +85,35 @@ impl Camera {
         // SAFETY: the handle is this plugin's and alive.
         unsafe { generate(&self.plugin, self.handle, rays) }
     }
+
+    /// The same at a wavelength, nm.
+    ///
+    /// # Errors
+    /// The plugin's own.
+    pub fn rays_at(
+        &self,
+        wavelength: f32,
+        Rays { samples, rays, weights }: Rays<'_>,
+    ) -> Result<(), PluginError> {
+        assert!(samples.len() == rays.len() && samples.len() == weights.len());
+        let wavelengths = vec![wavelength; samples.len()];
+        let generate = self.plugin.functions.camera_generate_rays_at;
+        // SAFETY: the handle is this plugin's and alive; the arrays are as long as we say, and packed.
+        self.plugin.check(unsafe {
+            generate(
+                self.handle,
+                samples.len(),
+                samples.as_ptr(),
+                0,
+                wavelengths.as_ptr(),
+                0,
+                rays.as_mut_ptr(),
+                0,
+                weights.as_mut_ptr(),
+                std::ptr::null_mut(),
+            )
+        })
+    }
 }
 
 /// Rays of a camera of the plugin.

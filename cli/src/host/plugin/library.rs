@@ -91,6 +91,9 @@ functions! {
     camera_generate_rays: b"realistic_camera_generate_rays",
         fn(*const realistic_camera, usize, *const realistic_sample, usize,
            *mut realistic_ray, usize, *mut f32, *mut i32) -> i32;
+    camera_generate_rays_at: b"realistic_camera_generate_rays_at",
+        fn(*const realistic_camera, usize, *const realistic_sample, usize, *const f32, usize,
+           *mut realistic_ray, usize, *mut f32, *mut i32) -> i32;
     autofocus: b"realistic_autofocus",
         fn(*const realistic_options, *const realistic_zone, usize, i32, realistic_distance,
            realistic_contrast, *mut c_void, *mut f64) -> i32;

@@ -12,9 +12,9 @@ use crate::image::Picture;
 use crate::lens_and_film::{PIPED, finite, set_parameters, size, standard_input, warn};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPool;
-use realistic::camera::{PARAMETERS, Parameters, Weighting, autofocus::Rule};
+use realistic::camera::{Model, PARAMETERS, Parameters, Weighting, autofocus::Rule};
 use realistic::prescription::{catalogue, read};
-use realistic_lab::render::Tally;
+use realistic_lab::render::{Rays, Tally};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -35,7 +35,7 @@ pub struct Options {
     pub spp: Option<u32>,
     /// A camera parameter; may be given again for others (names and units below)
     #[arg(long = "param", value_name = "NAME=VALUE")]
-    parameters: Vec<String>,
+    pub parameters: Vec<String>,
     /// Threads to render with [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -48,7 +48,7 @@ pub struct Options {
     plugin: Option<PathBuf>,
     /// Seed of the random numbers; the same gives the same picture with any number of threads
     #[arg(long, value_name = "N", default_value_t = 1)]
-    seed: u64,
+    pub seed: u64,
 }
 
 /// Everything but the scene and the camera.
@@ -71,26 +71,17 @@ pub struct Studio {
 pub struct Order {
     /// Samples per pixel.
     pub spp: u32,
-    /// Pictures, each at its own wavelength, that make one; `None` for one at the lens' own.
+    /// Wavelengths, each with samples of its own, that make the picture; `None` for one at the lens' own.
     pub wavelengths: Option<u32>,
-    /// What the picture is a part of; `None` for a whole one.
-    pub frame: Option<Frame>,
-}
-
-/// A larger picture of which only a part is rendered.
-#[derive(Clone, Copy, Debug)]
-pub struct Frame {
-    /// Its width and height in pixels.
-    pub size: [u32; 2],
-    /// Where the part's top left corner lies in it.
-    pub corner: [u32; 2],
+    /// Width and height of the picture, of which the parameter `crop` may choose a part; `None` for the session's.
+    pub whole: Option<[u32; 2]>,
 }
 
 /// A picture taken.
 pub struct Shot {
     /// What took it: the camera at the lens' own wavelength.
     pub camera: Camera,
-    /// Irradiance on the film.
+    /// Irradiance on the film, of the part that `crop` asks for.
     pub picture: Picture,
     /// What takes it to the screen's values.
     pub scale: f32,
@@ -165,55 +156,60 @@ impl Studio {
     /// # Errors
     /// The plugin's own.
     pub fn take(&self, parameters: &Parameters, scene: &Scene, order: &Order) -> Result<Shot, Failure> {
-        let frame = order.frame.unwrap_or(Frame { size: self.size, corner: [0; 2] });
+        if let (Some(wavelength), Some(count)) = (parameters.wavelength, order.wavelengths) {
+            return Err(Failure::Usage(format!(
+                "a picture in {count} wavelengths has no single \"wavelength\" ({wavelength} nm); leave \
+                 --param wavelength out, or --wavelengths"
+            )));
+        }
+        let whole = order.whole.unwrap_or(self.size);
         let warn = |message: &str| self.warn(message);
-        let camera = focus::build(&self.plugin, parameters, frame.size, scene, &warn)?;
+        let camera = focus::build(&self.plugin, parameters, whole, scene, &warn)?;
+        let [x0, y0, x1, y1] = camera.info()?.crop;
         let settings = Settings {
-            size: self.size,
-            corner: frame.corner,
+            size: [x1 - x0, y1 - y0],
+            corner: [x0, y0],
             spp: order.spp,
             seed: self.seed,
             mm_per_unit: parameters.mmperunit.unwrap_or(1.0) as f32,
         };
-        let render = |camera: &Camera| {
-            self.pool.install(|| render(|rays| camera.rays(rays), scene, &settings, &self.progress))
-        };
         let start = Instant::now();
         let (picture, tally) = match order.wavelengths {
-            None => render(&camera)?,
+            None => {
+                self.pool.install(|| render(|rays| camera.rays(rays), scene, &settings, &self.progress))?
+            }
             Some(count) => {
-                let mut whole = (Picture::plain(self.size, [0.0; 3]), Tally::default());
+                let mut sum = (Picture::plain(settings.size, [0.0; 3]), Tally::default());
                 for (wavelength, band) in spectrum::bands(count) {
-                    let there = at_wavelength(parameters, &camera, wavelength, count)?;
+                    // First-order optics has a wavelength once and for all.
+                    let there = match parameters.model() {
+                        Model::Lens => None,
+                        _ => Some(at_wavelength(parameters, &camera, wavelength)?),
+                    };
                     // What there is to warn of was said of the first camera.
-                    let camera = Camera::new(&self.plugin, &there, frame.size, &scene.pose, &|_| ())?;
-                    let (picture, tally) = render(&camera)?;
-                    spectrum::add(&mut whole.0, band, &picture);
-                    whole.1.add(&tally);
+                    let new = |there| Camera::new(&self.plugin, &there, whole, &scene.pose, &|_| ());
+                    let there = there.map(new).transpose()?;
+                    let rays = |rays: Rays<'_>| match &there {
+                        Some(camera) => camera.rays(rays),
+                        None => camera.rays_at(wavelength as f32, rays),
+                    };
+                    let (picture, tally) =
+                        self.pool.install(|| render(rays, scene, &settings, &self.progress))?;
+                    spectrum::add(&mut sum.0, band, &picture);
+                    sum.1.add(&tally);
                 }
-                whole
+                sum
             }
         };
         let took = start.elapsed();
         self.progress.finish_and_clear();
-        let scale = self.exposure.exp2() / white_level(&camera, parameters, frame.size)?;
+        let scale = self.exposure.exp2() / white_level(&camera, parameters, whole)?;
         Ok(Shot { camera, picture, scale, tally, took })
     }
 }
 
-/// The same camera at one of several wavelengths, its film where the lens is in focus at its own wavelength.
-fn at_wavelength(
-    parameters: &Parameters,
-    camera: &Camera,
-    wavelength: f64,
-    count: u32,
-) -> Result<Parameters, Failure> {
-    if let Some(wavelength) = parameters.wavelength {
-        return Err(Failure::Usage(format!(
-            "a picture in {count} wavelengths has no single \"wavelength\" ({wavelength} nm); leave \
-             --param wavelength out, or --wavelengths"
-        )));
-    }
+/// The same camera at another wavelength, its film where the lens is in focus at its own.
+fn at_wavelength(parameters: &Parameters, camera: &Camera, wavelength: f64) -> Result<Parameters, Failure> {
     let film_distance = Some(camera.info()?.film_distance_mm);
     let wavelength = Some(wavelength);
     Ok(Parameters { wavelength, focusdistance: None, filmdistance: film_distance, ..parameters.clone() })
@@ -238,6 +234,19 @@ pub fn stopped_down(parameters: &Parameters, effects: &Effects) -> Result<Parame
     }
     parameters.fnumber = Some(SMALL);
     Ok(parameters)
+}
+
+/// Refuses a crop for pictures that go on a sheet.
+///
+/// # Errors
+/// The user asks for one.
+pub fn whole_only(parameters: &Parameters) -> Result<(), Failure> {
+    match parameters.crop {
+        Some(_) => Err(Failure::Usage(
+            "the pictures of a sheet are whole ones; leave out \"crop\", or render one picture".to_owned(),
+        )),
+        None => Ok(()),
+    }
 }
 
 /// The film's irradiance where the scene has radiance 1.

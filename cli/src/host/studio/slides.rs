@@ -1,7 +1,7 @@
 //! The lecture's slides: for each effect a small scene, taken without it, with few samples, and
 //! with many (after R. L. Cook, T. Porter and L. Carpenter, "Distributed Ray Tracing", 1984).
 
-use super::session::{Frame, Options, Order, Studio, stopped_down};
+use super::session::{Options, Order, Studio, stopped_down, whole_only};
 use crate::failure::Failure;
 use crate::host::scene::effects::Effect::{self, Dof, Gloss, Motion, SoftShadow, Translucency};
 use crate::host::scene::effects::Effects;
@@ -47,7 +47,7 @@ struct Panel {
 
 impl Panel {
     fn new(label: impl Into<String>, effects: &[Effect], spp: u32) -> Self {
-        let order = Order { spp, wavelengths: None, frame: None };
+        let order = Order { spp, wavelengths: None, whole: None };
         let effects = Effects::only(effects);
         Self { label: label.into(), effects, order, parameters: Vec::new(), exposure: 1.0 }
     }
@@ -65,6 +65,7 @@ impl Slide {
     /// # Errors
     /// The user gives what is the slide's to choose, or the camera's own.
     pub fn take(self, studio: &Studio, options: &Options) -> Result<(Picture, String), Failure> {
+        whole_only(&studio.parameters)?;
         let many = options.spp.unwrap_or(MANY);
         let (scene, panels) = self.panels(many, studio.size);
         let columns = if self == Self::Lenses { 2 } else { panels.len() as u32 };
@@ -149,10 +150,9 @@ fn colours(many: u32, size: [u32; 2]) -> Vec<Panel> {
             .set("fnumber", 5.6);
         let [width, height] = size;
         panel.order.wavelengths = wavelengths;
-        panel.order.frame = Some(Frame {
-            size: [ZOOM * width, ZOOM * height],
-            corner: [width * (ZOOM - 1) - width / 4, height / 4],
-        });
+        panel.order.whole = Some([ZOOM * width, ZOOM * height]);
+        let [left, top] = [width * (ZOOM - 1) - width / 4, height / 4];
+        let mut panel = panel.set("crop", format!("{left},{top},{},{}", left + width, top + height));
         panel.exposure = 2.0;
         panel
     };

@@ -7,6 +7,7 @@
 
 use super::{
     super::{
+        dispersion::Media,
         lanes::{Cpu, Lanes},
         ray::RayLanes,
     },
@@ -16,13 +17,21 @@ use crate::numeric::Real;
 
 impl<L: Lanes> RayLanes<L> {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn conic(&mut self, cpu: Cpu<L>, conic: &Conic<L::Scalar>, minus_z: L, lead: L) {
+    pub fn conic(
+        &mut self,
+        cpu: Cpu<L>,
+        conic: &Conic<L::Scalar>,
+        media: impl Media<L>,
+        minus_z: L,
+        lead: L,
+    ) {
         let (zero, one) = (L::splat(cpu, L::Scalar::ZERO), L::splat(cpu, L::Scalar::ONE));
         let c = L::splat(cpu, conic.c);
         let from = self.reach_plane(cpu, &conic.common, minus_z, lead);
         let along = self.y.mul_add(self.vy, self.x * self.vx);
         let g = c.neg_mul_add(along, self.vz);
-        let a = (self.vz * self.vz).mul_add(L::splat(cpu, conic.ck), L::splat(cpu, conic.cn2));
+        let a = (self.vz * self.vz)
+            .mul_add(L::splat(cpu, conic.ck), media.times_square(L::splat(cpu, conic.cn2)));
         let cu = c * self.height_squared();
         let square = a.neg_mul_add(cu, g * g);
         let e = square.sqrt();
@@ -35,7 +44,7 @@ impl<L: Lanes> RayLanes<L> {
         self.keep(from.less_equal(t));
         self.keep((zero - a * (t - from)).less(e + e));
         self.height = z;
-        self.bend_at(cpu, &conic.common, [c, q], e, square_of_normal);
+        self.bend_at(cpu, &conic.common, media, [c, q], e, square_of_normal);
     }
 
     /// Moves rays to the plane from which the surface is approached; from where on they may meet it, in units of V from
@@ -53,14 +62,22 @@ impl<L: Lanes> RayLanes<L> {
     /// Tests the aperture and refracts at a point of the surface: N = (-m x, -m y, q), not a unit vector, `facing` = N·V,
     /// `square` = N·N. V' = V + Γ N with Γ = K/(N·V + √((N·V)² + K N·N)).
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn bend_at(&mut self, cpu: Cpu<L>, common: &Common<L::Scalar>, [m, q]: [L; 2], facing: L, square: L) {
+    pub fn bend_at(
+        &mut self,
+        cpu: Cpu<L>,
+        common: &Common<L::Scalar>,
+        media: impl Media<L>,
+        [m, q]: [L; 2],
+        facing: L,
+        square: L,
+    ) {
         if let Some(most) = common.aperture {
             self.keep(self.height_squared().less_equal(L::splat(cpu, most)));
         }
-        let step = L::splat(cpu, common.index_step);
+        let step = media.index_step(cpu, common.index_step);
         let facing_squared = facing * facing;
         let after_squared = step.mul_add(square, facing_squared);
-        self.keep_root(cpu, if common.rarer { after_squared } else { facing_squared });
+        self.keep_root(cpu, media.lesser(common.rarer, facing_squared, after_squared));
         let gain = step / (facing + after_squared.sqrt());
         let across = m * gain;
         self.vx = across.neg_mul_add(self.x, self.vx);

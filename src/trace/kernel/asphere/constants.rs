@@ -88,8 +88,14 @@ impl<S: Scalar> Common<S> {
 }
 
 impl<S: Scalar> Conic<S> {
-    pub fn new(aspheric: &Aspheric<f64>, surface: &CompiledSurface<'_>, transfer: Transfer<S>) -> Self {
-        let (c, kappa, n) = (aspheric.curvature, aspheric.kappa, surface.n);
+    /// In a medium of index `n`.
+    pub fn new(
+        aspheric: &Aspheric<f64>,
+        surface: &CompiledSurface<'_>,
+        n: f64,
+        transfer: Transfer<S>,
+    ) -> Self {
+        let (c, kappa) = (aspheric.curvature, aspheric.kappa);
         Self {
             transfer,
             c: S::from_f64(c),

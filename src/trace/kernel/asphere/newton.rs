@@ -6,8 +6,10 @@
 
 use super::{
     super::{
+        dispersion::Media,
         lanes::{Cpu, Lanes, Scalar},
         ray::RayLanes,
+        simd::Compiled,
     },
     constants::Asphere,
     terms::nested,
@@ -44,13 +46,61 @@ const FURTHER_STEPS: usize = 6;
 /// The widest vector.
 const WIDEST: usize = 16;
 
+/// One vector of rays on its way to the surface, to be compiled apart.
+struct Alone<'a, L: Lanes, M> {
+    cpu: Cpu<L>,
+    asphere: &'a Asphere<L::Scalar>,
+    rays: &'a mut [RayLanes<L>; 1],
+    media: M,
+    minus_z: L,
+    lead: L,
+}
+
+impl<L: Lanes, M: Media<L>> Compiled for Alone<'_, L, M> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run(self) {
+        self.asphere.trace_here(self.cpu, self.rays, [self.media], [self.minus_z], [self.lead]);
+    }
+}
+
 impl<S: Scalar> Asphere<S> {
     /// Takes rays through the surface, whose vertex lies -z ahead; `lead` is how far they were moved on before.
+    ///
+    /// A vector alone goes through a function that all who trace such have in common: inlined, it is a third of the
+    /// library. Of the rays only a copy has an address, so that they stay in registers where no asphere is.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn trace<L: Lanes<Scalar = S>, const U: usize>(
         &self,
         cpu: Cpu<L>,
         rays: &mut [RayLanes<L>; U],
+        media: [impl Media<L>; U],
+        minus_z: [L; U],
+        lead: [L; U],
+    ) {
+        if U > 1 {
+            self.trace_here(cpu, rays, media, minus_z, lead);
+        } else {
+            let mut alone = [rays[0]];
+            let work = Alone {
+                cpu,
+                asphere: self,
+                rays: &mut alone,
+                media: media[0],
+                minus_z: minus_z[0],
+                lead: lead[0],
+            };
+            L::apart(cpu, work);
+            rays[0] = alone[0];
+        }
+    }
+
+    /// [`Self::trace`], inlined.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn trace_here<L: Lanes<Scalar = S>, const U: usize>(
+        &self,
+        cpu: Cpu<L>,
+        rays: &mut [RayLanes<L>; U],
+        media: [impl Media<L>; U],
         minus_z: [L; U],
         lead: [L; U],
     ) {
@@ -114,7 +164,7 @@ impl<S: Scalar> Asphere<S> {
             ray.advance(t[i]);
             ray.height = t[i].mul_add(ray.vz, L::splat(cpu, self.common.start));
             let square = q.mul_add(q, (m * m) * ray.height_squared());
-            ray.bend_at(cpu, &self.common, [m, q], facing, square);
+            ray.bend_at(cpu, &self.common, media[i], [m, q], facing, square);
         }
     }
 

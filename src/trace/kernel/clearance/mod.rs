@@ -6,6 +6,8 @@
 //! that costs in digits a search of an edge does not need. No multiply-add is fused, which processors without the
 //! instruction would do slowly.
 
+pub(super) mod crossing;
+
 #[cfg(any(test, target_arch = "x86_64"))]
 use super::Simd;
 use super::{
@@ -264,7 +266,8 @@ mod tests {
 
     #[test]
     fn every_instance_and_every_packet_gives_the_same_bits() {
-        for name in catalogue::names().take(5) {
+        let (mut lost, mut inside) = (0, 0);
+        for name in catalogue::names() {
             let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
             let path = Path::<f64>::film_to_scene(&lens);
             let film = lens.rear().vertex - 1.1 * lens.rear().semi_diameter;
@@ -279,18 +282,21 @@ mod tests {
                 found
             };
             let expected = ask(Simd::Portable.available().expect("always there"), 1);
-            assert!(expected.contains(&None) && expected.iter().flatten().any(|found| found.ratio < 1.0));
+            lost += usize::from(expected.contains(&None));
+            inside += usize::from(expected.iter().flatten().any(|found| found.ratio < 1.0));
             for simd in Simd::ALL.into_iter().filter_map(Simd::available) {
                 for packet in [3, 7, 15, PACKET, rays.len()] {
                     assert!(ask(simd, packet) == expected, "{name} {simd:?} {packet}");
                 }
             }
         }
+        // Not so of every lens: a telephone's lights no film so far from its axis.
+        assert!(lost >= 20 && inside >= 20, "{lost} {inside}");
     }
 
     #[test]
     fn a_ray_gets_through_exactly_where_no_ratio_exceeds_1() {
-        for name in catalogue::names().take(5) {
+        for name in catalogue::names() {
             let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
             let path = Path::<f64>::film_to_scene(&lens);
             let film = lens.rear().vertex - 1.1 * lens.rear().semi_diameter;

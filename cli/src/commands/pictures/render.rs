@@ -1,11 +1,12 @@
-//! `realistic render`: the built-in scene through a lens, or a slide of the lecture.
+//! `realistic render`: the built-in scene through a lens, whole or a tile of it, or a slide of the lecture.
 
+use super::origin::origin;
 use crate::failure::Failure;
 use crate::host::plugin::{Camera, Plugin};
 use crate::host::scene::effects::Effects;
 use crate::host::scene::props;
 use crate::host::studio::{Method, Options, Order, Shot, Slide, Studio, parameter_help, stopped_down};
-use crate::image::{picture_path, writable};
+use crate::image::{Format, picture_path, tile, writable};
 use realistic::camera::autofocus::Rule;
 use realistic::message::fixed;
 use std::fmt::Write as _;
@@ -21,6 +22,9 @@ pub struct Args {
     /// Picture to write: .png (8-bit sRGB) or .exr (linear irradiance on the film; of a slide, as shown)
     #[arg(long, value_name = "FILE", default_value = "realistic.png", value_parser = picture_path)]
     out: PathBuf,
+    /// Render only the pixels from column X0 to before X1 and from row Y0 to before Y1, as a tile for `merge`
+    #[arg(long, value_name = "X0,Y0,X1,Y1", conflicts_with = "slide")]
+    crop: Option<String>,
     /// Effects with commas between them: gloss, translucency, soft-shadow, dof, motion; or none, or all
     #[arg(long, value_name = "NAMES", default_value = "soft-shadow,dof", conflicts_with = "slide")]
     effects: Effects,
@@ -62,6 +66,14 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         return Ok(std::io::stdout().write_all(text.as_bytes())?);
     }
     let mut parameters = stopped_down(&studio.parameters, &args.effects)?;
+    if let Some(crop) = &args.crop {
+        if parameters.crop.is_some() {
+            return Err(Failure::Usage(
+                "--crop and parameter \"crop\" say the same thing; give one of them".to_owned(),
+            ));
+        }
+        parameters.set_from_text("crop", crop)?;
+    }
     let scene = props::scene().with(&args.effects);
     if !args.autofocus.is_empty() {
         let zones: Vec<[f32; 4]> =
@@ -69,11 +81,18 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         let (rule, method) = (args.autofocus_rule, args.autofocus_by);
         parameters.filmdistance = Some(studio.autofocus(&parameters, &scene, &zones, rule, method)?);
     }
-    let order = Order { spp: args.options.spp.unwrap_or(SPP), wavelengths: args.wavelengths, frame: None };
+    let order = Order { spp: args.options.spp.unwrap_or(SPP), wavelengths: args.wavelengths, whole: None };
     let shot = studio.take(&parameters, &scene, &order)?;
-    shot.picture.write(&args.out, shot.scale)?;
-
     let mut text = describe(&studio.plugin, &shot.camera, studio.size)?;
+    if parameters.crop.is_some() {
+        let format = Format::of(&args.out).map_err(Failure::Usage)?;
+        let origin = origin(&args.options, &args.effects, format, &studio, &order, &shot)?;
+        tile::write(&shot.picture, &args.out, shot.scale, &origin)?;
+        let ([x0, y0, ..], [width, height]) = (origin.crop, origin.whole);
+        let _ = writeln!(text, "tile     at {x0},{y0} of {width}x{height}, for `realistic merge`");
+    } else {
+        shot.picture.write(&args.out, shot.scale)?;
+    }
     let _ = writeln!(text, "picture  {}", timing(&order, &shot, studio.threads()));
     let _ = writeln!(text, "         {}", args.out.display());
     Ok(std::io::stdout().write_all(text.as_bytes())?)

@@ -1,0 +1,81 @@
+//! What a wavelength per sample costs against the camera's own: `cargo bench --bench wavelengths`, ns per sample, batches of
+//! random samples over the film and single calls, in both precisions; and the first request.
+
+use std::{hint::black_box, time::Instant};
+
+use realistic::camera::{Camera, Precision, Pupil, RayBlock, Sample, SampleBlock};
+use realistic_lab::{
+    subject::quasirandom::spread,
+    timing::{BenchArguments, Contest},
+};
+
+/// Lenses of glasses by two numbers, by name (Sellmeier's formula), and with aspheres.
+const LENSES: [(&str, f64); 4] =
+    [("dgauss.100mm", 35.0), ("retrofocus.24mm", 35.0), ("zoom.24-70mm", 35.0), ("phone.4mm", 5.6)];
+const N: usize = 2048;
+
+fn main() {
+    let arguments = BenchArguments::from_command_line(61);
+    for (lens, diagonal) in LENSES.into_iter().filter(|(lens, _)| arguments.wants(lens)) {
+        for precision in [Precision::F64, Precision::F32] {
+            for pupil in [Pupil::Warped, Pupil::Rear] {
+                let camera = Camera::builder().lens(lens).film_diagonal(diagonal).precision(precision);
+                let camera = camera.pupil(pupil).resolution(600, 400).build().expect("built");
+                println!("\n{lens}, {precision}, pupil {pupil}:\n");
+                contest(&camera, &arguments);
+            }
+        }
+    }
+}
+
+fn contest(camera: &Camera, arguments: &BenchArguments) {
+    let mut samples = SampleBlock::<N>::new();
+    let mut wavelengths = [0.0; N];
+    for (i, [x, y, u, v, wave, time]) in spread::<6>(0.0).take(N).enumerate() {
+        let [image_x, image_y] = [600.0 * x as f32, 400.0 * y as f32];
+        let [lens_u, lens_v, time] = [u, v, time].map(|number: f64| number as f32);
+        samples.set(i, &Sample { image_x, image_y, lens_u, lens_v, time });
+        wavelengths[i] = 380.0 + 400.0 * wave as f32;
+    }
+    let first = Instant::now();
+    camera.ray_at(&samples.arrays(N).get(0), 500.0);
+    let first = first.elapsed();
+    let [mut own, mut at] = [RayBlock::<N>::new(), RayBlock::<N>::new()];
+    let (samples, wavelengths) = (&samples, &wavelengths);
+    let mut many = Contest::default();
+    many.enter(
+        "batch, the camera's wavelength",
+        task(move || camera.rays(&samples.arrays(N), &mut own.arrays(N))),
+    );
+    many.enter(
+        "batch, a wavelength each",
+        task(move || camera.rays_at(&samples.arrays(N), wavelengths, &mut at.arrays(N))),
+    );
+    many.enter(
+        "four wavelengths each, per ray",
+        task(move || {
+            for i in 0..N / 4 {
+                let four = [0, 1, 2, 3].map(|k| wavelengths[4 * i + k]);
+                black_box(camera.hero_rays(&samples.arrays(N).get(i), &four));
+            }
+        }),
+    );
+    many.enter("one by one, the camera's wavelength", {
+        task(move || (0..N).for_each(|i| drop(black_box(camera.ray(&samples.arrays(N).get(i))))))
+    });
+    many.enter("one by one, a wavelength each", {
+        task(move || {
+            (0..N).for_each(|i| drop(black_box(camera.ray_at(&samples.arrays(N).get(i), wavelengths[i]))));
+        })
+    });
+    let times = many.print("ns per sample", N, arguments.effort);
+    println!(
+        "\nA wavelength each is {:.2} of one; the first request took {:.1} ms.",
+        times[1].median / times[0].median,
+        1e3 * first.as_secs_f64()
+    );
+}
+
+fn task<'a>(task: impl FnMut() + 'a) -> Box<dyn FnMut() + 'a> {
+    Box::new(task)
+}

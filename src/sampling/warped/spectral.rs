@@ -1,0 +1,188 @@
+//! The warped pupil at any wavelength of a range: tables at a few wavelengths in, the map between them out.
+//!
+//! As the wavelength changes the pupil of a film point moves and grows a little, and with it the image on the film. At a
+//! given part of the image's radius it changes almost in proportion to the glasses' indices, which themselves change almost
+//! in proportion to w = 1/(λ² - 0.028), λ in µm (M. Herzberger, *Optica Acta* 6, 1959). So the tables lie evenly in w, each
+//! over film radii in units of its own end; between two of them the end, C, λ and M are interpolated in w. What comes out is
+//! again a map of the disk, with the Jacobian of its own: the density is exact whatever the tables.
+
+use super::{Heading, LanePupil, Row, WarpedPupil, build::FINE};
+use crate::{
+    numeric::Real,
+    sampling::{film_rays::FilmRays, pupil_disk::PupilDisk},
+    trace::kernel::{Cpu, Lanes, Scalar},
+};
+
+/// The true pupil of every point of a film, at every wavelength of a range. Immutable once built.
+#[derive(Clone, Debug)]
+pub(crate) struct SpectralPupil {
+    /// w of the first table.
+    first: f64,
+    /// Tables per w.
+    per_w: f64,
+    /// 1/end of each table, 1/mm, and its step to the next.
+    per_end: Vec<[f32; 2]>,
+    /// All tables one after the other, over film radii in units of each one's end.
+    tables: WarpedPupil,
+}
+
+/// Intervals between the tables.
+const INTERVALS: usize = 4;
+/// By how much a table's maps are larger than the pupil at its wavelength, relative to what they are: for the curvature in
+/// between.
+const MARGIN: f64 = 4e-4;
+/// How much farther out the image is followed where it ends within reach at some wavelengths and not at others.
+const FARTHER: [f64; 3] = [1.02, 1.1, 1.5];
+
+/// w of a wavelength, nm.
+fn w(wavelength: f64) -> f64 {
+    ((wavelength * 1e-3).powi(2) - RESONANCE).recip()
+}
+
+/// µm².
+const RESONANCE: f64 = 0.028;
+
+impl SpectralPupil {
+    /// For wavelengths from `shortest` to `longest`, nm, and film points up to `reach` mm from the axis: `table` is the
+    /// pupil at a wavelength as far out as a reach. `None` where the images at these wavelengths are not alike.
+    pub fn new(
+        [shortest, longest]: [f64; 2],
+        reach: f64,
+        table: impl Fn(f64, f64) -> Option<WarpedPupil>,
+    ) -> Option<Self> {
+        let (first, last) = (w(longest), w(shortest));
+        let wavelength = |number: usize| {
+            let w = first + (last - first) * number as f64 / INTERVALS as f64;
+            1e3 * (w.recip() + RESONANCE).sqrt()
+        };
+        let tables: Option<Vec<WarpedPupil>> =
+            (0..=INTERVALS).map(|number| table(wavelength(number), reach)).collect();
+        let mut tables = tables?;
+        // An image ends everywhere or nowhere.
+        if tables.iter().any(|table| table.dark_beyond) {
+            for (number, table_at) in tables.iter_mut().enumerate() {
+                let mut farther = FARTHER.iter();
+                while !table_at.dark_beyond {
+                    *table_at = table(wavelength(number), reach * farther.next()?)?;
+                }
+            }
+        }
+        let ends: Vec<f64> = tables.iter().map(|table| table.end.recip()).collect();
+        let next = |number: usize| ends[(number + 1).min(INTERVALS)];
+        let per_end = ends.iter().enumerate();
+        let per_end = per_end.map(|(number, end)| [*end as f32, (next(number) - end) as f32]).collect();
+        let cover = tables[0].cover;
+        Some(Self { first, per_w: INTERVALS as f64 / (last - first), per_end, tables: joined(tables, cover) })
+    }
+
+    /// What sampling computes with, in the precision of the lanes.
+    pub fn lane_pupil<S: Scalar>(&self) -> LaneSpectralPupil<S> {
+        LaneSpectralPupil {
+            first: S::from_f64(self.first),
+            per_w: S::from_f64(self.per_w),
+            pupil: self.tables.lane_pupil(),
+        }
+    }
+
+    /// Gives rays of wavelengths in nm their slopes and area. Where there is nothing to sample the area is NaN.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn lanes<L: Lanes, const U: usize>(
+        &self,
+        cpu: Cpu<L>,
+        constants: &LaneSpectralPupil<L::Scalar>,
+        wavelengths: &[L; U],
+        rays: &mut [FilmRays<L>; U],
+    ) {
+        for u in 0..U {
+            self.aim(cpu, constants, wavelengths[u], &mut rays[u]);
+        }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn aim<L: Lanes>(
+        &self,
+        cpu: Cpu<L>,
+        constants: &LaneSpectralPupil<L::Scalar>,
+        wavelength: L,
+        ray: &mut FilmRays<L>,
+    ) {
+        let number = |number: f64| L::splat(cpu, L::Scalar::from_f64(number));
+        let (zero, one) = (L::splat(cpu, L::Scalar::ZERO), L::splat(cpu, L::Scalar::ONE));
+        let micrometres = wavelength * number(1e-3);
+        let w = one / micrometres.mul_sub(micrometres, number(RESONANCE));
+        // In this order what is no number becomes 0.
+        let place = ((w - L::splat(cpu, constants.first)) * L::splat(cpu, constants.per_w)).larger(zero);
+        let place = place.smaller(number(INTERVALS as f64));
+        let table = place.smaller(number((INTERVALS - 1) as f64)).trunc();
+        let part = place - table;
+        let [[per_end, step, ..]] = L::look_up::<1, 1>(&self.per_end, table.whole(), [0]);
+        let per_end = part.mul_add(step, per_end);
+        let point = ray.point;
+        ray.point = [point[0] * per_end, point[1] * per_end];
+        let radius = self.tables.radius(cpu, &constants.pupil, ray);
+        let heading = Heading::of(cpu, ray);
+        let fine = number(FINE as f64);
+        let below = L::add_places((table * fine).whole(), radius.place.whole());
+        let mut row = self.tables.row(cpu, below, &radius);
+        let mut knots = self.tables.knots(&row, &heading);
+        let above: Row<L> = self.tables.row(cpu, L::add_places(below, fine.whole()), &radius);
+        let knots_above = self.tables.knots(&above, &heading);
+        row.center = part.mul_add(above.center - row.center, row.center);
+        row.narrowing = part.mul_add(above.narrowing - row.narrowing, row.narrowing);
+        let mut k = 0;
+        while k < 4 {
+            knots[k] = part.mul_add(knots_above[k] - knots[k], knots[k]);
+            k += 1;
+        }
+        self.tables.aim_at(cpu, &row, &heading, knots, ray);
+        ray.point = point;
+        if !L::all(radius.inside) {
+            self.tables.cover(cpu, &constants.pupil, radius.inside, ray);
+        }
+    }
+}
+
+/// Tables one after the other, over film radii in units of each one's end.
+fn joined(tables: Vec<WarpedPupil>, cover: PupilDisk) -> WarpedPupil {
+    let mut tables = tables.into_iter();
+    let mut all = tables.next().expect("a table").in_units_of_its_end();
+    for table in tables {
+        let table = table.in_units_of_its_end();
+        let before = all.table.len() as u32;
+        all.cells.extend(table.cells.iter().map(|cell| {
+            let mut cell = *cell;
+            cell.index += before;
+            cell
+        }));
+        all.narrowings.extend(table.narrowings);
+        all.table.extend(table.table);
+    }
+    WarpedPupil { cover, ..all }
+}
+
+impl WarpedPupil {
+    /// The same over film radii in units of its end, a little larger.
+    fn in_units_of_its_end(mut self) -> Self {
+        let (end, grown) = (self.end as f32, 1.0 + MARGIN as f32);
+        for cell in &mut self.cells {
+            cell.numbers[1] *= end;
+            cell.numbers[2] *= end;
+        }
+        for pair in self.narrowings.chunks_exact_mut(2) {
+            pair[0] = pair[0].map(|narrowing| narrowing * end * end);
+            pair[1] = pair[1].map(|center| center * end);
+        }
+        for factor in &mut self.table {
+            *factor = factor.map(|part| part * grown);
+        }
+        Self { end: 1.0, ..self }
+    }
+}
+
+/// What sampling computes with, in its precision.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LaneSpectralPupil<S> {
+    first: S,
+    per_w: S,
+    pupil: LanePupil<S>,
+}

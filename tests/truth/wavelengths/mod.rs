@@ -1,0 +1,514 @@
+//! Rays at wavelengths of their own: against cameras built at each wavelength, closed forms, and brute force over the rear
+//! element's disk.
+
+mod abi;
+
+use std::f64::consts::{FRAC_PI_4, SQRT_2};
+
+use realistic::{
+    camera::{
+        Camera, CameraBuilder, Outcome, Precision, Pupil, RayBlock, Sample, SampleBlock, Weighting, WorldRay,
+    },
+    imaging::focus::Focus,
+    lens::Lens,
+    prescription::{Prescription, catalogue, glass::D_LINE, read},
+    sampling::{PupilDisk, WarpedPupil},
+    trace::Path,
+};
+
+use super::support::Random;
+
+/// Wavelengths, nm: both ends, and between and at the tables of the pupil.
+const WAVELENGTHS: [f32; 9] = [380.0, 386.0, 400.0, 434.0, 486.13, 546.07, 587.56, 660.0, 780.0];
+/// Width and height of the image, pixels.
+const SIZE: [u32; 2] = [1200, 800];
+
+/// A lens at each wavelength, with its film in one place.
+struct Subject {
+    name: String,
+    text: Option<String>,
+    prescription: Prescription,
+    film_distance: f64,
+    film_diagonal: f64,
+    stop: f64,
+}
+
+impl Subject {
+    /// A lens of the catalogue focused at infinity, stopped down to a part of its stop.
+    fn of_catalogue(name: &str, film_diagonal: f64, stop: f64) -> Self {
+        let prescription = catalogue::find(name).expect("listed");
+        Self::new(name, None, prescription, film_diagonal, stop)
+    }
+
+    fn of_text(text: &str, film_diagonal: f64) -> Self {
+        let prescription = read("own.dat", text.as_bytes()).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        Self::new("own.dat", Some(text.to_owned()), prescription, film_diagonal, 1.0)
+    }
+
+    fn new(
+        name: &str,
+        text: Option<String>,
+        prescription: Prescription,
+        film_diagonal: f64,
+        stop: f64,
+    ) -> Self {
+        let lens = Lens::at_d_line(&prescription);
+        let focused = || Focus::new(&lens).ok()?.film_distance(f64::INFINITY).ok();
+        let film_distance = lens.nominal_film_distance.or_else(focused).unwrap_or(40.0);
+        Self { name: name.to_owned(), text, prescription, film_distance, film_diagonal, stop }
+    }
+
+    fn builder(&self, wavelength: f64) -> CameraBuilder {
+        let builder = match &self.text {
+            Some(text) => Camera::builder().lens_text(&self.name, text.as_bytes()),
+            None => Camera::builder().lens(&self.name),
+        };
+        let builder = builder
+            .film_distance(self.film_distance)
+            .film_diagonal(self.film_diagonal)
+            .wavelength(wavelength)
+            .resolution(SIZE[0], SIZE[1]);
+        if self.stop == 1.0 {
+            return builder;
+        }
+        let lens = self.lens(wavelength);
+        builder.aperture_diameter(2.0 * lens.surfaces[lens.stop_index().expect("a stop")].semi_diameter)
+    }
+
+    fn lens(&self, wavelength: f64) -> Lens {
+        let mut lens = Lens::new(&self.prescription, wavelength);
+        if let Some(stop) = lens.stop_index() {
+            lens.surfaces[stop].semi_diameter *= self.stop;
+        }
+        lens
+    }
+
+    fn pixel(&self) -> f64 {
+        self.film_diagonal / f64::from(SIZE[0]).hypot(SIZE[1].into())
+    }
+
+    /// The radius of the image on the film at a wavelength, mm; the film's corner where that comes first.
+    fn image_radius(&self, wavelength: f64) -> f64 {
+        let lens = self.lens(wavelength);
+        let film = lens.rear().vertex - self.film_distance;
+        let reach = self.film_diagonal / 2.0 + 3.0 * SQRT_2 * self.pixel();
+        let cover = PupilDisk::rear(&lens, film, reach).expect("behind the lens");
+        let shift = PupilDisk::exit(&lens, film).seen_from([1.0, 0.0]).center[0];
+        let pupil = WarpedPupil::new(&Path::film_to_scene(&lens), film, reach, cover, shift);
+        pupil.image_radius().unwrap_or(f64::INFINITY).min(self.film_diagonal / 2.0)
+    }
+
+    /// The raster point so many mm from the axis.
+    fn raster(&self, height: f64) -> [f32; 2] {
+        let (sin, cos) = 0.6_f64.sin_cos();
+        let at = |side: u32, part: f64| (f64::from(side) / 2.0 + height / self.pixel() * part) as f32;
+        [at(SIZE[0], cos), at(SIZE[1], sin)]
+    }
+}
+
+/// Samples anywhere in the image, and a wavelength for each.
+fn anywhere<const N: usize>(seed: u64) -> (SampleBlock<N>, [f32; N]) {
+    let mut random = Random::new(seed);
+    let mut next = || random.next() as f32;
+    let mut samples = SampleBlock::new();
+    let wavelengths = std::array::from_fn(|i| {
+        let (image_x, image_y) = (next() * SIZE[0] as f32, next() * SIZE[1] as f32);
+        samples.set(i, &Sample { image_x, image_y, lens_u: next(), lens_v: next(), time: 0.5 });
+        380.0 + 400.0 * next()
+    });
+    (samples, wavelengths)
+}
+
+/// The largest difference between two rays: of directions, of origins over 100 mm, and of weights over themselves.
+fn difference((a, wa): (WorldRay, f32), (b, wb): (WorldRay, f32)) -> f64 {
+    let apart = |a: [f32; 3], b: [f32; 3]| {
+        a.iter().zip(b).map(|(a, b)| (f64::from(*a) - f64::from(b)).abs()).fold(0.0, f64::max)
+    };
+    let weights = (f64::from(wa) - f64::from(wb)).abs() / f64::from(wb);
+    apart(a.direction, b.direction).max(apart(a.origin, b.origin) / 100.0).max(weights)
+}
+
+/// Over the rear element's disk, whose samples are the same at every wavelength: the largest difference from the rays of
+/// cameras built at each, and how many of how many rays only one of the two lets through.
+fn against_cameras_of_each_wavelength(subject: &Subject, precision: Precision) -> (f64, usize, usize) {
+    const N: usize = 512;
+    let camera = |wavelength: f64| {
+        subject.builder(wavelength).pupil(Pupil::Rear).precision(precision).build().expect("built")
+    };
+    let own = camera(D_LINE);
+    let (samples, _) = anywhere::<N>(11);
+    let (mut worst, mut only_one, mut through) = (0.0_f64, 0, 0);
+    for wavelength in WAVELENGTHS {
+        let there = camera(wavelength.into());
+        let (mut found, mut expected) = (RayBlock::<N>::new(), RayBlock::<N>::new());
+        own.rays_at(&samples.arrays(N), &[wavelength; N], &mut found.arrays(N));
+        there.rays(&samples.arrays(N), &mut expected.arrays(N));
+        for i in 0..N {
+            match (found.get(i), expected.get(i)) {
+                (Some(found), Some(expected)) => {
+                    worst = worst.max(difference(found, expected));
+                    through += 1;
+                }
+                (None, None) => {
+                    let sample = samples.arrays(N).get(i);
+                    let same = own.generate_at(&sample, wavelength) == there.generate(&sample);
+                    only_one += usize::from(!same);
+                }
+                _ => only_one += 1,
+            }
+        }
+    }
+    (worst, only_one, through)
+}
+
+#[test]
+fn rays_and_reasons_are_those_of_a_camera_built_at_the_wavelength() {
+    let mut dispersive = 0;
+    for name in catalogue::names() {
+        let subject = Subject::of_catalogue(name, 36.0, 1.0);
+        for (precision, most) in [(Precision::F64, 4e-7), (Precision::F32, 6e-6)] {
+            let (worst, only_one, through) = against_cameras_of_each_wavelength(&subject, precision);
+            assert!(worst < most, "{name} {precision}: {worst:e}");
+            assert!(only_one <= if precision == Precision::F64 { 0 } else { 8 }, "{name}: {only_one}");
+            assert!(through > 50, "{name}: {through}");
+        }
+        dispersive += usize::from(subject.prescription.is_dispersive());
+    }
+    assert!(dispersive >= 15, "{dispersive}");
+}
+
+/// A lens of a few random elements with glasses of every kind that a table can state.
+fn random_text(random: &mut Random) -> String {
+    let elements = 1 + (4.0 * random.next()) as usize;
+    let mut text = String::new();
+    for element in 0..elements {
+        let radius = (20.0 + 60.0 * random.next()) * if random.next() < 0.5 { 1.0 } else { -1.0 };
+        let (n, v) = (1.45 + 0.5 * random.next(), 20.0 + 60.0 * random.next());
+        text += &format!("{radius:.4} {:.4} {n:.5} {v:.3} 14\n", 2.0 + 4.0 * random.next());
+        if random.next() < 0.4 {
+            let radius = (25.0 + 60.0 * random.next()) * if random.next() < 0.5 { 1.0 } else { -1.0 };
+            let (n, v) = (1.45 + 0.5 * random.next(), 20.0 + 60.0 * random.next());
+            text += &format!("{radius:.4} {:.4} {n:.5} {v:.3} 14\n", 2.0 + 4.0 * random.next());
+        }
+        let radius = (25.0 + 80.0 * random.next()) * if random.next() < 0.5 { 1.0 } else { -1.0 };
+        let last = element + 1 == elements;
+        text += &format!("{radius:.4} {} - - 14\n", if last { 0.0 } else { 4.0 + 6.0 * random.next() });
+        if element == 0 && !last {
+            text += &format!("stop {:.4} {:.3}\n", 4.0 + 3.0 * random.next(), 6.0 + 8.0 * random.next());
+        }
+    }
+    text
+}
+
+#[test]
+fn random_lenses_have_the_rays_of_a_camera_built_at_the_wavelength() {
+    let mut random = Random::new(2);
+    let mut through = 0;
+    for number in 0..40 {
+        let subject = Subject::of_text(&random_text(&mut random), 30.0);
+        for (precision, most) in [(Precision::F64, 4e-7), (Precision::F32, 3e-5)] {
+            let (worst, only_one, passed) = against_cameras_of_each_wavelength(&subject, precision);
+            assert!(worst < most, "{number} {precision}: {worst:e}\n{:?}", subject.text);
+            assert!(
+                only_one <= if precision == Precision::F64 { 1 } else { 12 },
+                "{number} {precision}: {only_one} of {passed}\n{:?}",
+                subject.text
+            );
+            through += passed;
+        }
+    }
+    assert!(through > 20_000, "{through}");
+}
+
+#[test]
+fn a_plate_shifts_rays_as_snells_law_has_it_at_each_wavelength() {
+    // N-BK7: n_e and so on of the maker's sheet (Schott, 517642.251).
+    const SHEET: [(f32, f64); 6] = [
+        (404.7, 1.530_24),
+        (435.8, 1.526_68),
+        (486.1, 1.522_38),
+        (546.1, 1.518_72),
+        (587.6, 1.516_80),
+        (656.3, 1.514_32),
+    ];
+    let plate = "0 10 1.5168 64.17 40\n0 0 - - 40\n";
+    let subject = Subject::of_text(plate, 20.0);
+    let camera = subject.builder(D_LINE).pupil(Pupil::Rear).build().expect("built");
+    let thickness = 10.0;
+    for (wavelength, index) in SHEET {
+        for i in 1..20_u8 {
+            let u = 0.5 + 0.02 * f32::from(i);
+            let sample = Sample { image_x: 600.0, image_y: 400.0, lens_u: u, lens_v: 0.5, time: 0.5 };
+            let (ray, _) = camera.ray_at(&sample, wavelength).expect("through");
+            let [dx, _, dz] = ray.direction.map(f64::from);
+            let inside = dx / index;
+            // From the film to the plate at the slope in air, through it at the refracted one.
+            let exact = subject.film_distance * dx / dz + thickness * inside / (1.0 - inside * inside).sqrt();
+            let off = (f64::from(ray.origin[0]) - exact).abs();
+            // Two numbers meet the sheet's index within 2e-4.
+            assert!(off < 2e-4 * thickness * dx.abs() + 2e-6, "{wavelength} nm: {off:e}");
+        }
+    }
+}
+
+/// Lens samples spread evenly.
+fn even<const N: usize>([image_x, image_y]: [f32; 2]) -> SampleBlock<N> {
+    let mut samples = SampleBlock::new();
+    for i in 0..N {
+        let at = |step: f64| (0.5 + (i + 1) as f64 * step).fract() as f32;
+        let (lens_u, lens_v) = (at(0.754_877_666_246_692_7), at(0.569_840_290_998_053_2));
+        samples.set(i, &Sample { image_x, image_y, lens_u, lens_v, time: 0.5 });
+    }
+    samples
+}
+
+#[test]
+fn samples_get_through_at_every_wavelength_and_light_is_what_brute_force_finds() {
+    const N: usize = 2048;
+    const BRUTE: usize = 8192;
+    let (mut points, mut worst) = (0, (1.0_f64, String::new()));
+    for (number, name) in catalogue::names().enumerate() {
+        let (film_diagonal, stop) = [(24.0, 1.0), (43.3, 0.3), (120.0, 1.0)][number % 3];
+        let subject = Subject::of_catalogue(name, film_diagonal, stop);
+        if !subject.prescription.is_dispersive() {
+            continue;
+        }
+        let warped = subject.builder(D_LINE).build().expect("built");
+        let rear = subject.builder(D_LINE).pupil(Pupil::Rear).build().expect("built");
+        let given_up = subject
+            .builder(D_LINE)
+            .build_with_log(&mut |_, text| assert!(!text.contains("noisier"), "{text}"));
+        assert!(given_up.is_ok(), "{name}");
+        for wavelength in WAVELENGTHS {
+            let image = subject.image_radius(wavelength.into());
+            for part in [0.0, 0.4, 0.7, 0.9, 0.97, 0.99] {
+                let what =
+                    format!("{name}, film {film_diagonal} mm, {wavelength} nm at {part} of {image} mm");
+                let place = subject.raster(part * image);
+                let mut rays = RayBlock::<N>::new();
+                warped.rays_at(&even::<N>(place).arrays(N), &[wavelength; N], &mut rays.arrays(N));
+                let weights: Vec<f64> = (0..N).map(|i| rays.weight(i).into()).collect();
+                let acceptance = weights.iter().filter(|weight| **weight > 0.0).count() as f64 / N as f64;
+                if acceptance < worst.0 {
+                    worst = (acceptance, what.clone());
+                }
+                assert!(acceptance >= 0.98, "{what}: {acceptance}");
+                let light = weights.iter().sum::<f64>() / N as f64;
+                let mut random = Random::new(points);
+                let mut brute = SampleBlock::<BRUTE>::new();
+                for i in 0..BRUTE {
+                    let [lens_u, lens_v] = [random.next() as f32, random.next() as f32];
+                    let [image_x, image_y] = place;
+                    brute.set(i, &Sample { image_x, image_y, lens_u, lens_v, time: 0.5 });
+                }
+                let mut found = RayBlock::<BRUTE>::new();
+                rear.rays_at(&brute.arrays(BRUTE), &[wavelength; BRUTE], &mut found.arrays(BRUTE));
+                let [sum, squares] = (0..BRUTE).fold([0.0; 2], |[sum, squares], i| {
+                    let weight = f64::from(found.weight(i));
+                    [sum + weight, squares + weight * weight]
+                });
+                let mean = sum / BRUTE as f64;
+                let error = ((squares / BRUTE as f64 - mean * mean) / BRUTE as f64).sqrt();
+                assert!(
+                    (light - mean).abs() < 4.0 * error + 2e-3 * mean,
+                    "{what}: {light:e}, by brute force {mean:e} ± {error:e}"
+                );
+                points += 1;
+            }
+        }
+    }
+    println!("{points} points; the least that get through: {worst:?}");
+    assert!(points > 700, "{points}");
+}
+
+#[test]
+fn light_is_that_of_the_pupil_of_a_camera_built_at_the_wavelength() {
+    // Both sample the pupil, so that little noise is left.
+    const N: usize = 8192;
+    for name in ["dgauss.100mm", "retrofocus.24mm", "petzval.100mm", "fisheye.16mm", "phone.4mm"] {
+        let diagonal = if name == "phone.4mm" { 5.6 } else { 36.0 };
+        let subject = Subject::of_catalogue(name, diagonal, 1.0);
+        let own = subject.builder(D_LINE).build().expect("built");
+        for wavelength in WAVELENGTHS {
+            let there = subject.builder(wavelength.into()).build().expect("built");
+            let image = subject.image_radius(wavelength.into());
+            for part in [0.0, 0.5, 0.8, 0.95] {
+                let samples = even::<N>(subject.raster(part * image));
+                let [light, expected] = [Some(&own), None].map(|at| {
+                    let mut rays = RayBlock::<N>::new();
+                    match at {
+                        Some(own) => own.rays_at(&samples.arrays(N), &[wavelength; N], &mut rays.arrays(N)),
+                        None => there.rays(&samples.arrays(N), &mut rays.arrays(N)),
+                    }
+                    (0..N).map(|i| f64::from(rays.weight(i))).sum::<f64>()
+                });
+                let off = light / expected - 1.0;
+                assert!(off.abs() < 1e-3, "{name} {wavelength} nm at {part} of {image} mm: {off:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn however_rays_are_asked_for_they_have_the_same_bits() {
+    const N: usize = 301;
+    for (name, precision) in [
+        ("dgauss.100mm", Precision::F64),
+        ("dgauss.100mm", Precision::F32),
+        ("phone.4mm", Precision::F64),
+        ("macro.105mm", Precision::F32),
+    ] {
+        for pupil in [Pupil::Warped, Pupil::Rear, Pupil::Disk] {
+            let camera =
+                Camera::builder().lens(name).precision(precision).pupil(pupil).weighting(Weighting::Relative);
+            let camera = camera.resolution(SIZE[0], SIZE[1]).build().expect("built");
+            let (samples, wavelengths) = anywhere::<N>(7);
+            let bits = |ray: Option<(WorldRay, f32)>| {
+                ray.map(|(WorldRay { origin, direction, mint, maxt, time }, weight)| {
+                    let numbers = origin.into_iter().chain(direction).chain([mint, maxt, time, weight]);
+                    numbers.map(f32::to_bits).collect::<Vec<u32>>()
+                })
+            };
+            let singles: Vec<_> =
+                (0..N).map(|i| bits(camera.ray_at(&samples.arrays(N).get(i), wavelengths[i]))).collect();
+            assert!(singles.iter().flatten().count() > N / 4, "{name}");
+            for count in [1, 2, 4, 5, 8, 31, 100, N] {
+                let mut rays = RayBlock::<N>::new();
+                camera.rays_at(&samples.arrays(count), &wavelengths[..count], &mut rays.arrays(count));
+                for (i, single) in singles.iter().enumerate().take(count) {
+                    assert_eq!(&bits(rays.get(i)), single, "{name} {pupil}, {i} of {count}");
+                }
+            }
+            for i in 0..N / 4 {
+                let sample = samples.arrays(N).get(i);
+                let four = [0, 1, 2, 3].map(|k| wavelengths[4 * i + k]);
+                let hero = camera.hero_rays(&sample, &four);
+                for (ray, wavelength) in hero.into_iter().zip(four) {
+                    assert_eq!(bits(ray), bits(camera.ray_at(&sample, wavelength)), "{name} {pupil} hero");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn at_the_cameras_own_wavelength_the_rays_are_its_own() {
+    const N: usize = 400;
+    for wavelength in [400.0_f32, 632.8] {
+        for precision in [Precision::F64, Precision::F32] {
+            let camera = Camera::builder().lens("dgauss.100mm").wavelength(wavelength.into());
+            let camera = camera.pupil(Pupil::Rear).precision(precision).resolution(SIZE[0], SIZE[1]).build();
+            let camera = camera.expect("built");
+            let (samples, _) = anywhere::<N>(3);
+            let (mut own, mut at) = (RayBlock::<N>::new(), RayBlock::<N>::new());
+            camera.rays(&samples.arrays(N), &mut own.arrays(N));
+            camera.rays_at(&samples.arrays(N), &[wavelength; N], &mut at.arrays(N));
+            for (own, at) in (0..N).filter_map(|i| own.get(i).zip(at.get(i))) {
+                assert!(difference(own, at) < 3e-6, "{own:?} {at:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn without_dispersion_data_every_wavelength_has_the_cameras_own_bits() {
+    const N: usize = 200;
+    let none = Subject::of_catalogue("dgauss.50mm", 35.0, 1.0);
+    assert!(!none.prescription.is_dispersive());
+    for camera in [
+        none.builder(D_LINE).build(),
+        Camera::builder()
+            .lens("dgauss.100mm")
+            .model(realistic::camera::Model::Thin)
+            .resolution(SIZE[0], SIZE[1])
+            .build(),
+    ] {
+        let camera = camera.expect("built");
+        let (samples, mut wavelengths) = anywhere::<N>(9);
+        let (mut own, mut at) = (RayBlock::<N>::new(), RayBlock::<N>::new());
+        camera.rays(&samples.arrays(N), &mut own.arrays(N));
+        camera.rays_at(&samples.arrays(N), &wavelengths, &mut at.arrays(N));
+        assert!((0..N).all(|i| own.get(i) == at.get(i)));
+        wavelengths[17] = 379.9;
+        wavelengths[18] = f32::NAN;
+        camera.rays_at(&samples.arrays(N), &wavelengths, &mut at.arrays(N));
+        for i in 0..N {
+            let expected = if i == 17 || i == 18 { None } else { own.get(i) };
+            assert_eq!(at.get(i), expected);
+        }
+    }
+}
+
+#[test]
+fn any_bits_in_the_place_of_a_wavelength_make_a_sound_ray_or_none() {
+    const N: usize = 4096;
+    let mut random = Random::new(31);
+    let strange = [
+        f32::NAN,
+        f32::INFINITY,
+        -f32::INFINITY,
+        0.0,
+        -0.0,
+        -500.0,
+        f32::MIN_POSITIVE,
+        1e-42,
+        f32::MAX,
+        167.3,
+        379.999_97,
+        380.0,
+        780.0,
+        780.000_1,
+    ];
+    for (name, precision) in
+        [("dgauss.100mm", Precision::F64), ("phone.4mm", Precision::F32), ("zoom.24-70mm", Precision::F32)]
+    {
+        let camera = Camera::builder().lens(name).precision(precision).resolution(SIZE[0], SIZE[1]);
+        let camera = camera.build().expect("built");
+        let (samples, mut wavelengths) = anywhere::<N>(4);
+        for (i, wavelength) in wavelengths.iter_mut().enumerate() {
+            match (strange.get(i), i % 3) {
+                (Some(strange), _) => *wavelength = *strange,
+                (None, 0) => *wavelength = f32::from_bits((random.next() * 4_294_967_296.0) as u32),
+                _ => {}
+            }
+        }
+        let mut rays = RayBlock::<N>::new();
+        camera.rays_at(&samples.arrays(N), &wavelengths, &mut rays.arrays(N));
+        let mut sound = 0;
+        for (i, wavelength) in wavelengths.into_iter().enumerate() {
+            let outcome = camera.generate_at(&samples.arrays(N).get(i), wavelength);
+            let Some((ray, weight)) = rays.get(i) else {
+                assert!(!matches!(outcome, Outcome::Ray(..)), "{wavelength}");
+                continue;
+            };
+            assert_eq!(outcome, Outcome::Ray(ray, weight));
+            assert!((380.0..=780.0).contains(&wavelength), "{wavelength}");
+            let length: f32 = ray.direction.iter().map(|part| part * part).sum();
+            assert!((length - 1.0).abs() < 1e-6 && ray.origin.iter().all(|part| part.is_finite()));
+            assert!(weight > 0.0 && weight.is_finite());
+            sound += 1;
+        }
+        assert!(sound > N / 8, "{name}: {sound}");
+        assert_eq!(camera.generate_at(&samples.arrays(N).get(0), f32::NAN), Outcome::Wavelength);
+    }
+}
+
+#[test]
+fn what_a_weighting_divides_by_is_the_same_at_every_wavelength() {
+    let sample = Sample { image_x: 600.0, image_y: 400.0, lens_u: 0.6, lens_v: 0.5, time: 0.5 };
+    let weights = |weighting| {
+        let camera = Camera::builder().lens("dgauss.100mm").weighting(weighting).resolution(SIZE[0], SIZE[1]);
+        let camera = camera.build().expect("built");
+        [400.0, 550.0, 700.0].map(|wavelength| f64::from(camera.ray_at(&sample, wavelength).expect("lit").1))
+    };
+    let [a, b, c] = weights(Weighting::Radiometric);
+    for weighting in [Weighting::Assignment, Weighting::Relative] {
+        let [x, y, z] = weights(weighting);
+        for (ratio, expected) in [(x / y, a / b), (z / y, c / b)] {
+            assert!((ratio / expected - 1.0).abs() < 1e-6, "{weighting}");
+        }
+    }
+    assert_eq!(weights(Weighting::None), [1.0; 3]);
+    // The mean on the axis is 1 at the camera's own wavelength, and near it elsewhere.
+    assert!(weights(Weighting::Relative).iter().all(|weight| (weight - 1.0).abs() < FRAC_PI_4 / 10.0));
+}
