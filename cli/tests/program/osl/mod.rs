@@ -285,7 +285,7 @@ fn film_distance(answers: &[Answer]) -> f64 {
 
 #[test]
 fn film_is_as_bright_as_all_rays_make_it_and_in_focus() {
-    for name in ["dgauss.50mm", "wide.22mm", "fisheye.10mm", "phone.4mm", "sonnar.50mm"] {
+    for name in ["dgauss.50mm", "wide.22mm", "fisheye.10mm", "sonnar.50mm"] {
         let shader = Shader::new(name, &[]);
         // Aperture size, distance in m, field as a share of the reach.
         for (aperture, distance, share) in [
@@ -364,5 +364,8 @@ fn what_cannot_be_a_camera_is_refused_with_why() {
     assert!(told.contains("afocal") || told.contains("focal length"), "{told}");
     let many: String = (0..66).map(|_| "1000 1 1.5 10\n-1000 1 1 10\n").collect();
     assert!(fails(&["blender", "-", "--out", "-"], &many, 1).contains("at most 64"));
-    assert!(fails(&["blender", "dgauss.50mm", "--out", "/nowhere/a.osl"], "", 1).contains("/nowhere/a.osl"));
+    assert!(
+        fails(&["blender", "dgauss.50mm", "--out", "no-such-folder/a.osl"], "", 1)
+            .contains("no-such-folder/a.osl")
+    );
 }
