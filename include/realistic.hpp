@@ -55,6 +55,7 @@ private:
     X(generate_ray_differential)              \
     X(camera_generate_ray_differentials)      \
     X(camera_generate_ray_differentials_soa)  \
+    X(camera_generate_batch)                  \
     X(generate_ray_at)                        \
     X(generate_hero_rays)                     \
     X(camera_generate_rays_at)                \
@@ -328,6 +329,12 @@ public:
     /* As structure of arrays, of `n` elements each. */
     void generate(const realistic_samples_soa &samples, std::size_t n, const realistic_rays_soa &rays) const {
         api_.check(api_.camera_generate_rays_soa(camera_.get(), n, &samples, &rays));
+    }
+
+    /* As arrays of numbers and vectors of any strides, of `n` elements each; `struct_size` is set here. */
+    void generate(realistic_batch batch, std::size_t n) const {
+        batch.struct_size = sizeof(batch);
+        api_.check(api_.camera_generate_batch(camera_.get(), n, &batch));
     }
 
     /* The weight of a ray with differentials, whose `struct_size` is set here; 0, and the rest as it was, where the

@@ -115,7 +115,7 @@ def test_points_lie_on_their_surfaces_and_end_where_the_ray_does(name, side):
     lens = Lens(name)
     toward = -1 if side == "scene" else 1
     start = 20.0 if side == "scene" else lens.rear_vertex_mm - 20.0
-    height = np.linspace(-0.9, 0.9, 40) * lens.surfaces[0 if side == "scene" else -1].semi_diameter_mm
+    height = np.linspace(-1.2, 1.2, 40) * lens.surfaces[0 if side == "scene" else -1].semi_diameter_mm
     origins = np.stack([0.3 * height, height, np.full(40, start)], -1)
     plain = lens.trace(origins, [0, 0, toward], side=side)
     found = lens.trace(origins, [0, 0, toward], side=side, points=True)
