@@ -71,6 +71,8 @@ private:
     X(lens_focused_on)                        \
     X(lens_trace)                             \
     X(lens_trace_points)                      \
+    X(camera_importance)                      \
+    X(camera_sample_importance)                \
     X(catalogue)
 
 /* The library's functions, linked or found in a loaded library. */
@@ -358,6 +360,22 @@ public:
     void generate(const realistic_samples_soa &samples, std::size_t n, const realistic_rays_soa &rays,
                   const realistic_rays_soa &rx, const realistic_rays_soa &ry) const {
         api_.check(api_.camera_generate_ray_differentials_soa(camera_.get(), n, &samples, &rays, &rx, &ry));
+    }
+
+    /* What `n` rays that enter the camera count; every `struct_size` is set here. */
+    void importance(realistic_importance_rays rays, std::size_t n, realistic_importance importance) const {
+        rays.struct_size = sizeof rays;
+        importance.struct_size = sizeof importance;
+        api_.check(api_.camera_importance(camera_.get(), n, &rays, &importance));
+    }
+
+    /* Directions toward the lens from `n` points of the scene, and what they count; every `struct_size` is set here. */
+    void sample_importance(realistic_scene_points points, std::size_t n, realistic_aimed aimed,
+                           realistic_importance importance) const {
+        points.struct_size = sizeof points;
+        aimed.struct_size = sizeof aimed;
+        importance.struct_size = sizeof importance;
+        api_.check(api_.camera_sample_importance(camera_.get(), n, &points, &aimed, &importance));
     }
 
     /* The weight of a ray at a wavelength, nm; 0, and the ray as it was, where the lens blocks it, and where the

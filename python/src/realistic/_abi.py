@@ -177,6 +177,42 @@ class RaysPointers(ctypes.Structure):
     ]
 
 
+class ImportanceRaysPointers(ctypes.Structure):
+    """`realistic_importance_rays`: the columns of rays that enter a camera."""
+
+    _fields_ = [
+        ("struct_size", c_uint32),
+        *[(name, c_void_p) for name in ("ox", "oy", "oz", "dx", "dy", "dz", "time")],
+    ]
+
+
+class ImportancePointers(ctypes.Structure):
+    """`realistic_importance`: the columns of what rays count."""
+
+    _fields_ = [
+        ("struct_size", c_uint32),
+        *[
+            (name, c_void_p)
+            for name in ("image_x", "image_y", "importance", "density", "area_density", "solid_angle_density")
+        ],
+    ]
+
+
+class ScenePointsPointers(ctypes.Structure):
+    """`realistic_scene_points`: the columns of points that ask for directions toward the lens."""
+
+    _fields_ = [("struct_size", c_uint32), *[(name, c_void_p) for name in ("x", "y", "z", "u", "v", "time")]]
+
+
+class AimedPointers(ctypes.Structure):
+    """`realistic_aimed`: the columns of directions toward the lens."""
+
+    _fields_ = [
+        ("struct_size", c_uint32),
+        *[(name, c_void_p) for name in ("ox", "oy", "oz", "dx", "dy", "dz", "density")],
+    ]
+
+
 DISTANCE = ctypes.CFUNCTYPE(c_double, c_void_p, POINTER(Ray))
 """`realistic_distance`."""
 
@@ -203,6 +239,14 @@ FUNCTIONS = {
     "realistic_camera_generate_ray_differentials_soa": (
         _STATUS,
         [c_void_p, c_size_t, POINTER(SamplesPointers), *[POINTER(RaysPointers)] * 3],
+    ),
+    "realistic_camera_importance": (
+        _STATUS,
+        [c_void_p, c_size_t, POINTER(ImportanceRaysPointers), POINTER(ImportancePointers)],
+    ),
+    "realistic_camera_sample_importance": (
+        _STATUS,
+        [c_void_p, c_size_t, POINTER(ScenePointsPointers), POINTER(AimedPointers), POINTER(ImportancePointers)],
     ),
     "realistic_camera_generate_rays_at_soa": (
         _STATUS,
