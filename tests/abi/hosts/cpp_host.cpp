@@ -277,6 +277,31 @@ static void lenses(const realistic::Api &api) {
     }
 }
 
+static void importance(const realistic::Api &api) {
+    Owner camera(realistic::Options(40, 30, api));
+    const float x[2] = {0, 1e4f}, y[2] = {0, 0}, z[2] = {2000, 10}, u[2] = {0.3f, 0.3f}, v[2] = {0.4f, 0.4f};
+    realistic_scene_points points{};
+    points.x = x, points.y = y, points.z = z, points.u = u, points.v = v;
+    float ox[2], oy[2], oz[2], dx[2], dy[2], dz[2], density[2], first[2], again[2], image_x[2];
+    realistic_aimed aimed{};
+    aimed.ox = ox, aimed.oy = oy, aimed.oz = oz, aimed.dx = dx, aimed.dy = dy, aimed.dz = dz, aimed.density = density;
+    realistic_importance found{};
+    found.importance = first, found.image_x = image_x;
+    camera.sample_importance(points, 2, aimed, found);
+    realistic_importance_rays rays{};
+    rays.ox = ox, rays.oy = oy, rays.oz = oz, rays.dx = dx, rays.dy = dy, rays.dz = dz;
+    realistic_importance counted{};
+    counted.importance = again;
+    camera.importance(rays, 1, counted);
+    std::printf("importance %g %g %g %g\n", first[0], again[0] / first[0], image_x[0], first[1]);
+    try {
+        Owner(realistic::Options(40, 30, api).set(&realistic_options::model, "environment"))
+            .importance(rays, 1, counted);
+    } catch (const realistic::Error &error) {
+        std::printf("environment %d %s\n", static_cast<int>(error.status()), error.what());
+    }
+}
+
 int main(int count, char **argument) {
     if (count != 3) return 1;
     realistic::Api functions = api(argument[1]);
@@ -284,6 +309,7 @@ int main(int count, char **argument) {
     if (std::strcmp(argument[2], "cameras") == 0) cameras(functions);
     if (std::strcmp(argument[2], "lenses") == 0) lenses(functions);
     if (std::strcmp(argument[2], "wavelengths") == 0) wavelengths(functions);
+    if (std::strcmp(argument[2], "importance") == 0) importance(functions);
 #ifdef REALISTIC_LINKED
     // Where the program is linked nothing need be said of the library.
     std::printf("linked %s\n", Owner(realistic::Options(4, 3)).lens_name().c_str());

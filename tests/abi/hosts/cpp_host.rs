@@ -99,6 +99,19 @@ fn a_lens_is_asked_without_a_film_and_autofocus_by_a_function() {
 }
 
 #[test]
+fn a_camera_is_asked_the_other_way_round() {
+    for report in runs("importance") {
+        let [first, ratio, image_x, unseen] = report.numbers("importance")[..] else {
+            panic!("four numbers")
+        };
+        // 1 over the film's area, of 28 x 21 mm.
+        assert!((first * 28.0 * 21.0 - 1.0).abs() < 1e-5 && (ratio - 1.0).abs() < 1e-6, "{first} {ratio}");
+        assert!((image_x - 20.0).abs() < 1.0 && unseen == 0.0, "{image_x} {unseen}");
+        assert!(report.one("environment").starts_with("3 model \"environment\""));
+    }
+}
+
+#[test]
 fn a_linked_program_names_no_library_and_a_loading_one_hears_what_is_missing() {
     let [loading, linked] = runs("none");
     assert_eq!(linked.one("linked"), "dgauss.50mm");

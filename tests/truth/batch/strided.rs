@@ -236,8 +236,14 @@ fn wavelengths_and_neighbours_are_those_of_structures_of_arrays() {
     let mut random = Random::new(13);
     let n = 300;
     let samples = samples(n);
-    let columns = [|s: &realistic_sample| s.image_x, |s| s.image_y, |s| s.lens_u, |s| s.lens_v, |s| s.time]
-        .map(|number: fn(&realistic_sample) -> f32| samples.iter().map(number).collect::<Vec<_>>());
+    let column = |number: fn(&realistic_sample) -> f32| samples.iter().map(number).collect::<Vec<_>>();
+    let columns = [
+        column(|sample| sample.image_x),
+        column(|sample| sample.image_y),
+        column(|sample| sample.lens_u),
+        column(|sample| sample.lens_v),
+        column(|sample| sample.time),
+    ];
     let [image_x, image_y, lens_u, lens_v, time] = columns.each_ref().map(|column| column.as_ptr());
     let soa = realistic_samples_soa { image_x, image_y, lens_u, lens_v, time };
     let wavelengths: Vec<f32> = (0..n).map(|i| 380.0 + 400.0 * i as f32 / n as f32).collect();
