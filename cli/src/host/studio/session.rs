@@ -190,9 +190,9 @@ impl Studio {
                 let mut whole = (Picture::plain(self.size, [0.0; 3]), Tally::default());
                 for (wavelength, band) in spectrum::bands(count) {
                     // First-order optics has a wavelength once and for all.
-                    let there = match parameters.model() {
-                        Model::Lens => None,
-                        _ => Some(at_wavelength(parameters, &camera, wavelength)?),
+                    let there = match parameters.model {
+                        None | Some(Model::Lens) => None,
+                        Some(_) => Some(at_wavelength(parameters, &camera, wavelength)?),
                     };
                     // What there is to warn of was said of the first camera.
                     let new = |there| Camera::new(&self.plugin, &there, frame.size, &scene.pose, &|_| ());
