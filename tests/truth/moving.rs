@@ -248,7 +248,7 @@ fn cameras_at_every_position_of_the_catalogue_are_what_the_files_state() {
                     _ => facts.film_distance,
                 };
                 // The groups stand where real rays focus, which is not quite where the table's paraxial ones do.
-                let allowed = if i < layout.zooms { 0.0 } else { 0.02 * (gap - start).abs() };
+                let allowed = 1e-9 + if i < layout.zooms { 0.0 } else { 0.03 * (gap - start).abs() };
                 assert!((own - gap).abs() <= allowed, "{name}, position {i}, row {row}: {own} for {gap}");
             }
             if let Some(stated) = column.focal_length {
@@ -259,7 +259,7 @@ fn cameras_at_every_position_of_the_catalogue_are_what_the_files_state() {
                 // By first-order optics, whose beam is wider at a curved surface than that of real rays, for which the clear
                 // diameters are made: they limit it a little.
                 let own = facts.fnumber();
-                assert!((own / stated - 1.0).abs() < 0.04, "{name}, position {i}: f/{own} for f/{stated}");
+                assert!((own / stated - 1.0).abs() < 0.05, "{name}, position {i}: f/{own} for f/{stated}");
                 columns[1] += 1;
             }
         }
