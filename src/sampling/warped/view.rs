@@ -20,10 +20,10 @@ const MOST_WORK: u64 = 12_000 * PACKET;
 /// What a packet counts: no lens of spheres has more surfaces.
 const PACKET: u64 = MAX_INTERFACES as u64;
 /// What an asphere counts in the place of the whole packet, where aspheres are so many that this is more, and what each of
-/// its rays counts that the walk has to take there (some 110 ns and 600 ns): a table of a lens of 100 interfaces then takes
+/// its rays counts that the walk has to take there (some 110 ns and 320 ns): a table of a lens of 100 interfaces then takes
 /// 50 ms at most.
 const ASPHERE: u64 = 27;
-const WALKED: u64 = 250;
+const WALKED: u64 = 80;
 /// Interfaces from which on a lens may take longer, in proportion.
 const LONG: u64 = 100;
 

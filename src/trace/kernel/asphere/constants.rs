@@ -161,15 +161,14 @@ impl<S: Scalar> Asphere<S> {
 }
 
 impl Asphere<f64> {
-    /// For rays of which many go astray and few digits are asked for, which the clear aperture does not stop: with as many
-    /// steps as it takes, tested from the second on, in the place of a plan. `None` for a sphere or a plane.
+    /// For rays of which many go astray, and which the clear aperture does not stop: with as many steps as it takes, tested
+    /// from the second on, in the place of a plan. `None` for a sphere or a plane.
     pub fn for_search(step: &PathSurface<f64>) -> Option<Self> {
-        /// |G| in the end over the rim's radius.
-        const TOLERANCE: f64 = 1e-10;
         let aspheric = step.aspheric.as_deref()?;
         let common = Common::untested(aspheric, [step.index_step, step.slack], Self::start(aspheric));
         let plan = Plan { approximants: Vec::new(), exact: 2 };
-        let tolerance = (TOLERANCE * aspheric.size).max(aspheric.tolerance);
-        Some(Self::by_plan(aspheric, common, Transfer { factor: 0.0, offset: 0.0 }, tolerance, &plan))
+        let transfer = Transfer { factor: 0.0, offset: 0.0 };
+        // No more: a stop at the vertex would lie behind the ray.
+        Some(Self::by_plan(aspheric, common, transfer, aspheric.tolerance, &plan))
     }
 }

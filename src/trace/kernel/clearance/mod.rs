@@ -336,7 +336,8 @@ mod tests {
             let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
             let path = Path::<f64>::film_to_scene(&lens);
             let film = lens.rear().vertex - 1.1 * lens.rear().semi_diameter;
-            let mut rays = Vec::new();
+            // Along the axis, too, where a stop may lie at a vertex.
+            let mut rays = vec![MeridianRay { height: 0.0, slopes: [0.0; 2] }];
             for i in 0..40 {
                 for j in 0..40 {
                     for height in [0.0, 3.0, 12.0] {
