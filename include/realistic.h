@@ -1530,6 +1530,15 @@ realistic_status realistic_lens_trace_points(const struct realistic_lens *lens,
                                              const struct realistic_lens_rays *rays,
                                              const struct realistic_lens_points *points);
 
+/*
+ Copies the names of the built-in lenses, each of which `specfile` may be, the default's first, a newline between two: see
+ `realistic_camera_get_lens_name` for `buffer`, `capacity` and `length`.
+
+ # Safety
+ `buffer` has `capacity` writable bytes; `length` is NULL or writable.
+ */
+realistic_status realistic_catalogue(char *buffer, size_t capacity, size_t *length);
+
 #ifdef __cplusplus
 }  // extern "C"
 #endif  // __cplusplus

@@ -48,6 +48,7 @@ fn the_header_is_up_to_date() {
         "lens/focus",
         "lens/trace",
         "lens/points",
+        "lens/catalogue",
     ] {
         builder = builder.with_src(root.join(format!("src/abi/{file}.rs")));
     }

@@ -232,7 +232,7 @@ fn a_lens_scales_to_exactly_the_focal_length_asked_for() {
                 assert!(refused.contains("zoom lens"), "{refused}");
                 continue;
             }
-            let camera = camera_of(&scaled);
+            let camera = build(&host(), &[("specfile", &scaled)]).expect("a camera").0;
             assert!(
                 (camera.facts().focal_length() / focal_length - 1.0).abs() < 1e-14,
                 "{name}@{focal_length}"

@@ -94,7 +94,7 @@ fn leading_focal_length(lines: &Lines) -> Result<(Option<f64>, &[Line]), LensFil
 
 /// That the first line is no heading without its mark.
 fn heading(lines: &Lines) -> Result<(), LensFileError> {
-    let is_word = |word: &Word| word.text.len() > 1 && word.text.chars().all(|c| c.is_ascii_alphabetic());
+    let is_word = |word: &Word| word.text.chars().all(|c| c.is_ascii_alphabetic());
     match lines.lines.first().map(|line| line.words.as_slice()) {
         Some(words @ [first, _, _, ..]) if words.iter().all(is_word) => {
             Err(lines.error(first, "a line of words and no numbers; a heading begins with #"))
