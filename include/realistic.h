@@ -1537,7 +1537,9 @@ realistic_status realistic_lens_trace_points(const struct realistic_lens *lens,
  # Safety
  `buffer` has `capacity` writable bytes; `length` is NULL or writable.
  */
-realistic_status realistic_catalogue(char *buffer, size_t capacity, size_t *length);
+realistic_status realistic_catalogue(char *buffer,
+                                     size_t capacity,
+                                     size_t *length);
 
 #ifdef __cplusplus
 }  // extern "C"
