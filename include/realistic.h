@@ -35,7 +35,8 @@
  nothing is ever taken away or renumbered. Version 2 states what version 1 had come to: the fields of
  `realistic_options` from `camera_to_world_end` on, `realistic_autofocus` and `realistic_camera_plan`; and it
  adds rays with differentials. Version 3 adds lenses without a film (`realistic_lens_new`),
- and `focusby` and `zoom`. Version 4 adds rays at a wavelength per sample (`realistic_generate_ray_at`).
+ and `focusby` and `zoom`. Version 4 adds rays at a wavelength per sample (`realistic_generate_ray_at`), `crop`, what a
+ surface's figure is (`realistic_lens_get_surface`) and where rays meet the surfaces (`realistic_lens_trace_points`).
  */
 #define REALISTIC_ABI_VERSION 4
 
@@ -98,6 +99,11 @@
  Rays can be asked for at a wavelength per sample (`realistic_generate_ray_at`).
  */
 #define REALISTIC_CAPABILITY_WAVELENGTHS 2048
+
+/*
+ `crop` is there, and `realistic_camera_get_info` tells the pixels to render.
+ */
+#define REALISTIC_CAPABILITY_CROP 8192
 
 /*
  How a call of the C ABI ended. The numbers are part of the ABI and never change.
@@ -508,11 +514,18 @@ typedef struct realistic_options {
      catalogues beside the file and the built-in glasses.
      */
     const char *glasscatalog;
+    /*
+     Parameter `crop`: x from, y from, x to, y to of the part of the picture that the host renders, which changes no
+     ray: 0 or more and finite, in pixels; default the whole picture. Whole numbers inside the picture, `x to` and `y to`
+     one past the last pixel; `realistic_camera_get_info` tells them back. `xres`, `yres` and samples are those of the
+     whole picture, so that tiles fit together to the bit. All NaN: not given.
+     */
+    double crop[4];
 } realistic_options;
 
 /*
  What a built camera is, for a host to print. `realistic_camera_get_info` fills it. A model without a lens
- (`perspective`, `orthographic`, `environment`) has 0 interfaces and NaN everywhere else.
+ (`perspective`, `orthographic`, `environment`) has 0 interfaces and NaN for lengths and f-number.
  */
 typedef struct realistic_camera_info {
     /*
@@ -544,6 +557,11 @@ typedef struct realistic_camera_info {
      Film diagonal, mm.
      */
     double film_diagonal_mm;
+    /*
+     Pixels that the host is to render: columns from `crop[0]` to before `crop[2]`, rows from `crop[1]` to before
+     `crop[3]`; the whole picture where no `crop` is given. Of every model.
+     */
+    uint32_t crop[4];
 } realistic_camera_info;
 
 /*
@@ -827,6 +845,20 @@ typedef struct realistic_lens_surface {
      Clear semi-diameter, mm.
      */
     double semi_diameter_mm;
+    /*
+     Radius of the figure's conic at its vertex, mm. It differs from `radius_mm` only where A2 adds to the curvature.
+     */
+    double conic_radius_mm;
+    /*
+     Conic constant k: 0 for a sphere and a plane, -1 a paraboloid, less a hyperboloid. With c = 1/`conic_radius_mm` and r
+     the distance from the axis, the surface lies c r²/(1 + √(1 - (1 + k) c² r²)) + A2 r² + A3 r³ + … + A20 r^20 behind its
+     vertex plane, toward the film (W. J. Smith, *Modern Optical Engineering*, on aspheric surfaces).
+     */
+    double conic;
+    /*
+     A2, A3, … A20, in mm^(1 - i).
+     */
+    double aspheric[19];
 } realistic_lens_surface;
 
 /*
@@ -866,6 +898,34 @@ typedef struct realistic_lens_rays {
      */
     realistic_reason *reason;
 } realistic_lens_rays;
+
+/*
+ Where rays meet the surfaces of a lens, lens space, mm. The point of ray i on surface k, counted from 0 at the scene side
+ whichever way rays travel, is element i · `surfaces` + k of `x`, `y` and `z`, with `surfaces` of `realistic_lens_info`; NaN
+ where the ray does not get so far.
+ */
+typedef struct realistic_lens_points {
+    /*
+     `sizeof(realistic_lens_points)` of the caller's header.
+     */
+    uint32_t struct_size;
+    /*
+     x of the points.
+     */
+    double *x;
+    /*
+     y.
+     */
+    double *y;
+    /*
+     z.
+     */
+    double *z;
+    /*
+     How many surfaces each ray meets, the one that stops it included; one element per ray, may be NULL.
+     */
+    uint32_t *met;
+} realistic_lens_points;
 
 #ifdef __cplusplus
 extern "C" {
@@ -1262,6 +1322,29 @@ realistic_status realistic_lens_trace(const struct realistic_lens *lens,
                                       int32_t from,
                                       size_t n,
                                       const struct realistic_lens_rays *rays);
+
+/*
+ As `realistic_lens_trace`, surface by surface and one ray after another, with the points on the way. It is the slower of
+ the two; their rays agree but for rounding, and where that decides at the very edge of an aperture.
+
+ # Safety
+ `lens` is NULL or a live lens; `rays` and `points` are NULL or valid; the arrays of `rays` are NULL or have room for `n`
+ elements, as `points.met`, and those of `points` for `n` times the lens's surfaces.
+ */
+realistic_status realistic_lens_trace_points(const struct realistic_lens *lens,
+                                             int32_t from,
+                                             size_t n,
+                                             const struct realistic_lens_rays *rays,
+                                             const struct realistic_lens_points *points);
+
+/*
+ Copies the names of the built-in lenses, each of which `specfile` may be, the default's first, a newline between two: see
+ `realistic_camera_get_lens_name` for `buffer`, `capacity` and `length`.
+
+ # Safety
+ `buffer` has `capacity` writable bytes; `length` is NULL or writable.
+ */
+realistic_status realistic_catalogue(char *buffer, size_t capacity, size_t *length);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -37,55 +37,58 @@ private:
     realistic_status status_;
 };
 
+/* The library's functions that are called here, without the prefix realistic_: each is a member of Api. */
+#define REALISTIC_FUNCTIONS(X)                \
+    X(version)                                \
+    X(capabilities)                           \
+    X(last_error)                             \
+    X(status_name)                            \
+    X(options_init)                           \
+    X(camera_new)                             \
+    X(camera_free)                            \
+    X(camera_get_info)                        \
+    X(camera_get_lens_name)                   \
+    X(camera_plan)                            \
+    X(generate_ray)                           \
+    X(camera_generate_rays)                   \
+    X(camera_generate_rays_soa)               \
+    X(generate_ray_differential)              \
+    X(camera_generate_ray_differentials)      \
+    X(camera_generate_ray_differentials_soa)  \
+    X(camera_generate_batch)                  \
+    X(generate_ray_at)                        \
+    X(generate_hero_rays)                     \
+    X(camera_generate_rays_at)                \
+    X(camera_generate_rays_at_soa)            \
+    X(camera_generate_hero_rays_soa)          \
+    X(autofocus)                              \
+    X(lens_new)                               \
+    X(lens_free)                              \
+    X(lens_get_info)                          \
+    X(lens_get_surface)                       \
+    X(lens_get_name)                          \
+    X(lens_focus)                             \
+    X(lens_focused_on)                        \
+    X(lens_trace)                             \
+    X(lens_trace_points)                      \
+    X(camera_importance)                      \
+    X(camera_sample_importance)                \
+    X(catalogue)
+
 /* The library's functions, linked or found in a loaded library. */
 struct Api {
-    decltype(&realistic_last_error) last_error;
-    decltype(&realistic_options_init) options_init;
-    decltype(&realistic_camera_new) camera_new;
-    decltype(&realistic_camera_free) camera_free;
-    decltype(&realistic_camera_get_info) camera_get_info;
-    decltype(&realistic_camera_get_lens_name) camera_get_lens_name;
-    decltype(&realistic_camera_plan) camera_plan;
-    decltype(&realistic_generate_ray) generate_ray;
-    decltype(&realistic_camera_generate_rays) camera_generate_rays;
-    decltype(&realistic_camera_generate_rays_soa) camera_generate_rays_soa;
-    decltype(&realistic_generate_ray_differential) generate_ray_differential;
-    decltype(&realistic_camera_generate_ray_differentials) camera_generate_ray_differentials;
-    decltype(&realistic_camera_generate_ray_differentials_soa) camera_generate_ray_differentials_soa;
-    decltype(&realistic_generate_ray_at) generate_ray_at;
-    decltype(&realistic_generate_hero_rays) generate_hero_rays;
-    decltype(&realistic_camera_generate_rays_at) camera_generate_rays_at;
-    decltype(&realistic_camera_generate_rays_at_soa) camera_generate_rays_at_soa;
-    decltype(&realistic_camera_generate_hero_rays_soa) camera_generate_hero_rays_soa;
-    decltype(&realistic_autofocus) autofocus;
-    decltype(&realistic_capabilities) capabilities;
-    decltype(&realistic_lens_new) lens_new;
-    decltype(&realistic_lens_free) lens_free;
-    decltype(&realistic_lens_get_info) lens_get_info;
-    decltype(&realistic_lens_get_surface) lens_get_surface;
-    decltype(&realistic_lens_get_name) lens_get_name;
-    decltype(&realistic_lens_focus) lens_focus;
-    decltype(&realistic_lens_focused_on) lens_focused_on;
-    decltype(&realistic_lens_trace) lens_trace;
+#define REALISTIC_MEMBER(name) decltype(&realistic_##name) name;
+    REALISTIC_FUNCTIONS(REALISTIC_MEMBER)
+#undef REALISTIC_MEMBER
 
     /* Those that the program is linked with. A program that only loads the library never calls this. */
     static Api linked() {
         require_version(realistic_abi_version());
-        return Api{realistic_last_error,         realistic_options_init,
-                   realistic_camera_new,         realistic_camera_free,
-                   realistic_camera_get_info,    realistic_camera_get_lens_name,
-                   realistic_camera_plan,        realistic_generate_ray,
-                   realistic_camera_generate_rays, realistic_camera_generate_rays_soa,
-                   realistic_generate_ray_differential, realistic_camera_generate_ray_differentials,
-                   realistic_camera_generate_ray_differentials_soa,
-                   realistic_generate_ray_at,    realistic_generate_hero_rays,
-                   realistic_camera_generate_rays_at, realistic_camera_generate_rays_at_soa,
-                   realistic_camera_generate_hero_rays_soa,
-                   realistic_autofocus,          realistic_capabilities,
-                   realistic_lens_new,           realistic_lens_free,
-                   realistic_lens_get_info,      realistic_lens_get_surface,
-                   realistic_lens_get_name,      realistic_lens_focus,
-                   realistic_lens_focused_on,    realistic_lens_trace};
+        Api api;
+#define REALISTIC_TAKE(name) api.name = realistic_##name;
+        REALISTIC_FUNCTIONS(REALISTIC_TAKE)
+#undef REALISTIC_TAKE
+        return api;
     }
 
     /* Those that `symbol`, called with each name, returns as void pointers. Throws Error when one is missing
@@ -95,35 +98,9 @@ struct Api {
         resolve(symbol, "realistic_abi_version", version);
         require_version(version());
         Api api;
-        resolve(symbol, "realistic_last_error", api.last_error);
-        resolve(symbol, "realistic_options_init", api.options_init);
-        resolve(symbol, "realistic_camera_new", api.camera_new);
-        resolve(symbol, "realistic_camera_free", api.camera_free);
-        resolve(symbol, "realistic_camera_get_info", api.camera_get_info);
-        resolve(symbol, "realistic_camera_get_lens_name", api.camera_get_lens_name);
-        resolve(symbol, "realistic_camera_plan", api.camera_plan);
-        resolve(symbol, "realistic_generate_ray", api.generate_ray);
-        resolve(symbol, "realistic_camera_generate_rays", api.camera_generate_rays);
-        resolve(symbol, "realistic_camera_generate_rays_soa", api.camera_generate_rays_soa);
-        resolve(symbol, "realistic_generate_ray_differential", api.generate_ray_differential);
-        resolve(symbol, "realistic_camera_generate_ray_differentials", api.camera_generate_ray_differentials);
-        resolve(symbol, "realistic_camera_generate_ray_differentials_soa",
-                api.camera_generate_ray_differentials_soa);
-        resolve(symbol, "realistic_generate_ray_at", api.generate_ray_at);
-        resolve(symbol, "realistic_generate_hero_rays", api.generate_hero_rays);
-        resolve(symbol, "realistic_camera_generate_rays_at", api.camera_generate_rays_at);
-        resolve(symbol, "realistic_camera_generate_rays_at_soa", api.camera_generate_rays_at_soa);
-        resolve(symbol, "realistic_camera_generate_hero_rays_soa", api.camera_generate_hero_rays_soa);
-        resolve(symbol, "realistic_autofocus", api.autofocus);
-        resolve(symbol, "realistic_capabilities", api.capabilities);
-        resolve(symbol, "realistic_lens_new", api.lens_new);
-        resolve(symbol, "realistic_lens_free", api.lens_free);
-        resolve(symbol, "realistic_lens_get_info", api.lens_get_info);
-        resolve(symbol, "realistic_lens_get_surface", api.lens_get_surface);
-        resolve(symbol, "realistic_lens_get_name", api.lens_get_name);
-        resolve(symbol, "realistic_lens_focus", api.lens_focus);
-        resolve(symbol, "realistic_lens_focused_on", api.lens_focused_on);
-        resolve(symbol, "realistic_lens_trace", api.lens_trace);
+#define REALISTIC_RESOLVE(name) resolve(symbol, "realistic_" #name, api.name);
+        REALISTIC_FUNCTIONS(REALISTIC_RESOLVE)
+#undef REALISTIC_RESOLVE
         return api;
     }
 
@@ -195,10 +172,22 @@ public:
         return *this;
     }
 
+    /* Numbers of an array by its member: set(&realistic_options::screenwindow, window). */
+    template <class Number, std::size_t N>
+    Options &set(Number (realistic_options::*member)[N], const Number (&values)[N]) {
+        std::memcpy(raw_.*member, values, sizeof values);
+        return *this;
+    }
+
+    /* The part of the picture to render: pixels from column `x0` to before `x1` and from row `y0` to before `y1`. */
+    Options &crop(uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) {
+        const double pixels[4] = {double(x0), double(y0), double(x1), double(y1)};
+        return set(&realistic_options::crop, pixels);
+    }
+
     /* Row-major, for column vectors. */
     Options &camera_to_world(const float (&rows)[16]) {
-        std::memcpy(raw_.camera_to_world, rows, sizeof raw_.camera_to_world);
-        return *this;
+        return set(&realistic_options::camera_to_world, rows);
     }
 
     Options &log(Log log) {
@@ -259,6 +248,19 @@ private:
         return status;
     }
 
+    /* A camera or a lens by its function of the library. Throws Error with the reason, and what to change. */
+    template <class Handle, class Create, class Free>
+    std::unique_ptr<Handle, Free> made(Create create, Free free) const {
+        std::unique_ptr<Handle, Free> owner(nullptr, free);
+        api_.check(listened(*this, [&](const realistic_options *raw) {
+            Handle *handle = nullptr;
+            realistic_status status = create(raw, &handle);
+            owner.reset(handle);
+            return status;
+        }));
+        return owner;
+    }
+
     struct Listener {
         const Log &log;
         std::exception_ptr thrown;
@@ -311,15 +313,8 @@ private:
 class Camera {
 public:
     /* Throws Error with the reason, and what to change. */
-    explicit Camera(const Options &options) : api_(options.api_), camera_(nullptr, options.api_.camera_free) {
-        realistic_status status = Options::listened(options, [this](const realistic_options *raw) {
-            realistic_camera *camera = nullptr;
-            realistic_status status = api_.camera_new(raw, &camera);
-            camera_.reset(camera);
-            return status;
-        });
-        api_.check(status);
-    }
+    explicit Camera(const Options &options)
+        : api_(options.api_), camera_(options.made<realistic_camera>(api_.camera_new, api_.camera_free)) {}
 
     /* The weight of a ray; 0, and the ray as it was, where the lens blocks it. */
     float generate(const realistic_sample &sample, realistic_ray &ray) const noexcept {
@@ -337,6 +332,12 @@ public:
     /* As structure of arrays, of `n` elements each. */
     void generate(const realistic_samples_soa &samples, std::size_t n, const realistic_rays_soa &rays) const {
         api_.check(api_.camera_generate_rays_soa(camera_.get(), n, &samples, &rays));
+    }
+
+    /* As arrays of numbers and vectors of any strides, of `n` elements each; `struct_size` is set here. */
+    void generate(realistic_batch batch, std::size_t n) const {
+        batch.struct_size = sizeof(batch);
+        api_.check(api_.camera_generate_batch(camera_.get(), n, &batch));
     }
 
     /* The weight of a ray with differentials, whose `struct_size` is set here; 0, and the rest as it was, where the
@@ -359,6 +360,22 @@ public:
     void generate(const realistic_samples_soa &samples, std::size_t n, const realistic_rays_soa &rays,
                   const realistic_rays_soa &rx, const realistic_rays_soa &ry) const {
         api_.check(api_.camera_generate_ray_differentials_soa(camera_.get(), n, &samples, &rays, &rx, &ry));
+    }
+
+    /* What `n` rays that enter the camera count; every `struct_size` is set here. */
+    void importance(realistic_importance_rays rays, std::size_t n, realistic_importance importance) const {
+        rays.struct_size = sizeof rays;
+        importance.struct_size = sizeof importance;
+        api_.check(api_.camera_importance(camera_.get(), n, &rays, &importance));
+    }
+
+    /* Directions toward the lens from `n` points of the scene, and what they count; every `struct_size` is set here. */
+    void sample_importance(realistic_scene_points points, std::size_t n, realistic_aimed aimed,
+                           realistic_importance importance) const {
+        points.struct_size = sizeof points;
+        aimed.struct_size = sizeof aimed;
+        importance.struct_size = sizeof importance;
+        api_.check(api_.camera_sample_importance(camera_.get(), n, &points, &aimed, &importance));
     }
 
     /* The weight of a ray at a wavelength, nm; 0, and the ray as it was, where the lens blocks it, and where the
@@ -421,15 +438,8 @@ private:
 class Lens {
 public:
     /* Throws Error with the reason, and what to change. */
-    explicit Lens(const Options &options) : api_(options.api_), lens_(nullptr, options.api_.lens_free) {
-        realistic_status status = Options::listened(options, [this](const realistic_options *raw) {
-            realistic_lens *lens = nullptr;
-            realistic_status status = api_.lens_new(raw, &lens);
-            lens_.reset(lens);
-            return status;
-        });
-        api_.check(status);
-    }
+    explicit Lens(const Options &options)
+        : api_(options.api_), lens_(options.made<realistic_lens>(api_.lens_new, api_.lens_free)) {}
 
     realistic_lens_info info() const {
         realistic_lens_info info;
@@ -460,6 +470,13 @@ public:
         api_.check(api_.lens_trace(lens_.get(), from, n, &rays));
     }
 
+    /* As `trace`, with the points where the rays meet the surfaces; sets `struct_size` of `rays` and `points`. */
+    void trace_points(realistic_side from, std::size_t n, realistic_lens_rays rays, realistic_lens_points points) const {
+        rays.struct_size = sizeof rays;
+        points.struct_size = sizeof points;
+        api_.check(api_.lens_trace_points(lens_.get(), from, n, &rays, &points));
+    }
+
     /* The handle for realistic.h's functions, still owned here; NULL once moved from. */
     const realistic_lens *get() const noexcept { return lens_.get(); }
 
@@ -473,6 +490,22 @@ private:
     Api api_;
     std::unique_ptr<realistic_lens, decltype(&realistic_lens_free)> lens_;
 };
+
+#undef REALISTIC_FUNCTIONS
+
+/* The names of the built-in lenses, the default's first. */
+inline std::vector<std::string> catalogue(const Api &api = Api::linked()) {
+    std::size_t length = 0;
+    api.check(api.catalogue(nullptr, 0, &length));
+    std::vector<char> buffer(length + 1);
+    api.check(api.catalogue(buffer.data(), buffer.size(), nullptr));
+    std::vector<std::string> names(1);
+    for (std::size_t i = 0; i < length; ++i) {
+        if (buffer[i] == '\n') names.emplace_back();
+        else names.back() += buffer[i];
+    }
+    return names;
+}
 
 } // namespace realistic
 

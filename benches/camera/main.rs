@@ -2,10 +2,12 @@
 //! it, through the C export, and in batches, against the camera that walks with Heckbert's refraction, all in one run;
 //! and what it takes to build a camera.
 //!
-//! `cargo bench --bench camera` (with `-- dgauss` one lens, with `-- models` the models without interfaces). Medians over interleaved rounds.
+//! `cargo bench --bench camera` (with `-- dgauss` one lens, with `-- catalogue` one table of all, with `-- models` the
+//! models without interfaces). Medians over interleaved rounds.
 
 mod c_camera;
 mod calls;
+mod catalogue;
 mod models;
 
 use std::{
@@ -19,7 +21,7 @@ use std::{
 #[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
 use c_camera::triple;
 use c_camera::{Arrays, Camera, chain, moved, samples};
-use realistic::{abi::*, prescription::catalogue};
+use realistic::{abi::*, prescription};
 use realistic_lab::{
     results::statistics::quantile,
     timing::{BenchArguments, Contest, Effort, LARGE_LENSES, repeated},
@@ -34,10 +36,12 @@ const MIDDLE: [f32; 2] = [250.0, 750.0];
 
 fn main() {
     let arguments = BenchArguments::from_command_line(41);
-    let lenses = || lenses().filter(|(name, _)| arguments.wants(name));
-    for (name, lens) in lenses().filter(|(name, _)| *name != "dgauss.100mm") {
+    for (name, lens) in in_detail().filter(|(name, _)| arguments.wants(name)) {
         println!("\n## {name}");
         calls(lens, arguments.effort);
+    }
+    if arguments.wants("catalogue") {
+        catalogue::print(arguments.effort);
     }
     if arguments.wants("models") {
         println!("\n## Models without interfaces\n");
@@ -46,16 +50,21 @@ fn main() {
     println!("\n## From a lens's name to the first ray\n");
     println!("| lens | warped pupil, ms: median | least | pupil \"rear\", ms: median | least |");
     println!("|---|---|---|---|---|");
-    for (name, lens) in lenses() {
+    for (name, lens) in lenses().filter(|(name, _)| arguments.wants(name)) {
         let [warped, rear] = [c"warped", c"rear"].map(|pupil| start(lens, pupil, arguments.effort.rounds));
         println!("| {name} | {:.2} | {:.2} | {:.3} | {:.3} |", warped[0], warped[1], rear[0], rear[1]);
     }
 }
 
-/// Every lens by its name and what is given for `specfile`: the catalogue's, and two of the size that people have. The
-/// double Gauss of 100 mm costs a ray what that of 50 mm does.
+/// Every lens by its name and what is given for `specfile`: the catalogue's, and two of the size that people have.
 fn lenses() -> impl Iterator<Item = (&'static str, &'static str)> {
-    catalogue::names().map(|name| (name, name)).chain(LARGE_LENSES)
+    prescription::catalogue::names().map(|name| (name, name)).chain(LARGE_LENSES)
+}
+
+/// Those of which every way of calling is timed, some minutes together.
+fn in_detail() -> impl Iterator<Item = (&'static str, &'static str)> {
+    const FEW: [&str; 4] = ["dgauss.50mm", "wide.22mm", "telephoto.250mm", "fisheye.10mm"];
+    FEW.into_iter().map(|name| (name, name)).chain(LARGE_LENSES)
 }
 
 /// The camera of a lens, with what else it is given.

@@ -1,10 +1,11 @@
 //! What a ray costs: one, three at once, and many, against the walk with Heckbert's refraction and what the processor
 //! can do at best, all in one run.
 //!
-//! `cargo bench --bench kernel` (over a minute; with `-- dgauss` one lens). Every figure is a median over rounds
+//! `cargo bench --bench kernel` (some minutes; with `-- dgauss` one lens, with `-- catalogue` one table of all). Every figure is a median over rounds
 //! in which all contestants take turns, so that a busy machine disturbs them alike.
 
 mod aspheres;
+mod catalogue;
 mod limits;
 mod scenes;
 
@@ -36,6 +37,9 @@ fn main() {
         many(scene, arguments.effort);
     }
     aspheres::print(&arguments);
+    if arguments.wants("catalogue") {
+        catalogue::print(arguments.effort);
+    }
     println!("\n## What the processor can do at best");
     limits::print(arguments.effort.rounds);
 }

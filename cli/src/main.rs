@@ -8,11 +8,14 @@ mod files;
 mod host;
 mod image;
 mod lens_and_film;
+mod osl;
 mod plots;
 
 use clap::{Parser, Subcommand};
-use commands::pictures::{focus_stack, render};
-use commands::{convert, disks, draw, focus, install, lens, plan, pupil, refractions, report, trace};
+use commands::pictures::{focus_stack, merge, render};
+use commands::{
+    blender, convert, disks, draw, focus, install, lens, plan, pupil, refractions, report, trace,
+};
 use failure::Failure;
 use std::io::Write;
 use std::process::ExitCode;
@@ -39,10 +42,14 @@ struct Cli {
 enum Command {
     /// Render the built-in scene through a lens, with the plugin loaded as a host loads it
     Render(render::Args),
+    /// Put the tiles of `render --crop` together to the whole picture
+    Merge(merge::Args),
     /// Report a lens: focal length, focal points, pupils, field of view, its table
     Lens(lens::Args),
     /// Write a lens, read from a file of any format, as the project's own table
     Convert(convert::Args),
+    /// Write a lens as a camera for Blender: a shader in OSL
+    Blender(blender::Args),
     /// Draw a lens's cross-section, to scale, with traced rays
     Draw(draw::Args),
     /// Trace rays: one a line on standard input, one a line on standard output
@@ -80,8 +87,10 @@ fn main() -> ExitCode {
     let outcome = match &cli.command {
         None => render::run(&cli.render),
         Some(Command::Render(args)) => render::run(args),
+        Some(Command::Merge(args)) => merge::run(args),
         Some(Command::Lens(args)) => lens::run(args),
         Some(Command::Convert(args)) => convert::run(args),
+        Some(Command::Blender(args)) => blender::run(args),
         Some(Command::Draw(args)) => draw::run(args),
         Some(Command::Trace(args)) => trace::run(args),
         Some(Command::Focus(args)) => focus::run(args),

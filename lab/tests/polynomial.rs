@@ -22,7 +22,13 @@ impl Subject {
     fn new(name: &str) -> Self {
         let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
         let film = FirstOrder::of(&lens).expect("focal").rear_focal_point;
-        Self { lens, film, reach: 17.5 }
+        // As far as these two light it.
+        let reach = match name {
+            "phone.4mm" => 2.5,
+            "fisheye.6mm" => 10.0,
+            _ => 17.5,
+        };
+        Self { lens, film, reach }
     }
 
     fn rays(&self, count: usize, seed: u32) -> Vec<Ray> {
@@ -68,7 +74,7 @@ fn errors(subject: &Subject, polynomial: &Polynomial) -> (f64, f64, f64) {
 
 #[test]
 fn fresh_rays_are_met_better_with_every_order() {
-    for name in catalogue::names().take(5) {
+    for name in catalogue::names() {
         let subject = Subject::new(name);
         let mut before = (f64::INFINITY, f64::INFINITY);
         for order in [1, 3, 5, 7, 9, 11] {
@@ -83,7 +89,7 @@ fn fresh_rays_are_met_better_with_every_order() {
 
 #[test]
 fn near_the_axis_they_are_the_thick_lens() {
-    for name in catalogue::names().take(5) {
+    for name in catalogue::names() {
         let subject = Subject::new(name);
         let thick = FirstOrder::of(&subject.lens).expect("focal");
         let polynomial = subject.fit(11);

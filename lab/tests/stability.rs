@@ -143,32 +143,38 @@ fn where_single_precision_is_fit_its_rays_are() {
 
 #[test]
 fn scaling_a_lens_by_a_power_of_two_changes_no_bit() {
-    let plain = catalogue::find("fisheye.10mm").expect("in the catalogue");
-    for exponent in [-20, 20] {
+    let mut passed = 0;
+    for (name, exponent) in catalogue::names().flat_map(|name| [(name, -20), (name, 20)]) {
+        let plain = catalogue::find(name).expect("in the catalogue");
         let factor = 2.0_f64.powi(exponent);
         let lenses = [plain.clone(), plain.scaled(factor)].map(|lens| Lens::at_d_line(&lens));
+        let optics = FirstOrder::of(&lenses[0]).expect("focal");
+        let size = (0.4 * optics.focal_length).min(10.0);
         for (_, refraction) in Refraction::NAMES {
             let [own, scaled] = [0, 1].map(|i| {
                 let double = Path::<f64>::new(&lenses[i], Direction::FilmToScene, refraction);
                 let single = Path::<f32>::new(&lenses[i], Direction::FilmToScene, refraction);
                 (double, single)
             });
-            for i in 0..500 {
+            for i in 0..300 {
                 let at = |n: i32| f64::from(i * n % 97) / 97.0 - 0.5;
-                let origin = [10.0 * at(7), 10.0 * at(31), lenses[0].rear().vertex - 38.0];
+                let origin = [size * at(7), size * at(31), optics.rear_focal_point];
                 let direction = [at(13) - 0.2 * at(7), at(57) - 0.2 * at(31), 1.5];
                 let ray = Ray { origin, direction };
                 let large = Ray { origin: origin.map(|x| x * factor), direction };
                 for (a, b) in
                     [(own.0.walk(ray), scaled.0.walk(large)), (own.1.walk(ray), scaled.1.walk(large))]
                 {
-                    assert_eq!((a.surfaces_met, a.blocked), (b.surfaces_met, b.blocked));
-                    assert_eq!(a.ray.direction, b.ray.direction);
-                    assert_eq!(a.ray.origin.map(|x| x * factor), b.ray.origin);
+                    let told = format!("{name} x 2^{exponent}, {refraction:?}: {ray:?}");
+                    assert_eq!((a.surfaces_met, a.blocked), (b.surfaces_met, b.blocked), "{told}");
+                    assert_eq!(a.ray.direction, b.ray.direction, "{told}");
+                    assert_eq!(a.ray.origin.map(|x| x * factor), b.ray.origin, "{told}");
+                    passed += usize::from(a.blocked.is_none());
                 }
             }
         }
     }
+    assert!(passed > 10_000, "{passed}");
 }
 
 #[test]
@@ -214,7 +220,7 @@ fn a_tiny_lens_far_behind_the_first_has_its_own_focal_length() {
 
 #[test]
 fn lens_samples_at_the_ends_of_their_range_make_sound_rays() {
-    for name in catalogue::names().take(5) {
+    for name in catalogue::names() {
         for disk in [DiskMapping::Concentric, DiskMapping::Polar] {
             let parameters =
                 Parameters { specfile: Some(name.to_owned()), disk: Some(disk), ..Parameters::default() };

@@ -52,6 +52,7 @@ def test_the_facts_are_those_of_the_lens(camera):
 def test_every_parameter_reaches_the_library():
     """One that did not would give no message for a value that no range has."""
     bad = {"lens_text": "1 2 3\n", "lensfile": "no-such-lens", "screenwindow": [1, 1, 0, 2], "simpleweighting": "yes"}
+    bad["crop"] = (0, 0, 31, 20)
     projections = ("fov", "frameaspectratio", "lensradius", "focaldistance", "lensplane", "screenwindow")
     for name, kind in realistic.Parameters.__annotations__.items():
         value = bad.get(name, "nonsense" if str(kind).startswith("ForwardRef('str") else -1e300)
@@ -72,6 +73,15 @@ def test_every_parameter_reaches_the_library():
             "glasscatalog": "glass catalogue",
         }.get(name, name)
         assert own in words, words
+
+
+def test_a_crop_is_told_back_and_changes_no_ray(samples):
+    whole = Camera(resolution=(30, 20), filmdistance=40)
+    part = Camera(resolution=(30, 20), filmdistance=40, crop=(3, 4, 30, 5))
+    assert (whole.crop, part.crop) == ((0, 0, 30, 20), (3, 4, 30, 5))
+    image_xy, lens_uv = samples(whole, 300)
+    for own, other in zip(*((rays.origin, rays.weight) for rays in (c.rays(image_xy, lens_uv) for c in (whole, part)))):
+        np.testing.assert_array_equal(own, other)
 
 
 @pytest.mark.parametrize(

@@ -24,6 +24,7 @@ TYPES = {
     "const float *": ctypes.c_void_p,
     "double *": ctypes.c_void_p,
     "realistic_reason *": ctypes.c_void_p,
+    "uint32_t *": ctypes.c_void_p,
 }
 
 STRUCTURES = {
@@ -34,6 +35,7 @@ STRUCTURES = {
     "realistic_lens_info": _abi.LensInfo,
     "realistic_lens_surface": _abi.LensSurface,
     "realistic_lens_rays": _abi.LensRaysPointers,
+    "realistic_lens_points": _abi.LensPointsPointers,
     "realistic_samples_soa": _abi.SamplesPointers,
     "realistic_rays_soa": _abi.RaysPointers,
 }

@@ -99,6 +99,44 @@ def test_surfaces_are_those_of_the_file():
     assert lens.rear_vertex_mm == -14 and lens.wavelength_nm == 587.56
 
 
+def test_an_aspheres_constants_are_those_of_the_file(checkout):
+    lens = Lens("phone.4mm")
+    bent = [surface for surface in lens.surfaces if surface.conic != 0 or any(surface.aspheric)]
+    assert len(bent) >= 6
+    for surface in lens.surfaces:
+        a2 = surface.aspheric[0]
+        assert len(surface.aspheric) == 19
+        assert 1 / surface.radius_mm == pytest.approx(1 / surface.conic_radius_mm + 2 * a2, rel=1e-12, abs=1e-15)
+
+
+@pytest.mark.parametrize("side", ["film", "scene"])
+@pytest.mark.parametrize("name", ["wide.22mm", "phone.4mm"])
+def test_points_lie_on_their_surfaces_and_end_where_the_ray_does(name, side):
+    lens = Lens(name)
+    toward = -1 if side == "scene" else 1
+    start = 20.0 if side == "scene" else lens.rear_vertex_mm - 20.0
+    height = np.linspace(-1.2, 1.2, 40) * lens.surfaces[0 if side == "scene" else -1].semi_diameter_mm
+    origins = np.stack([0.3 * height, height, np.full(40, start)], -1)
+    plain = lens.trace(origins, [0, 0, toward], side=side)
+    found = lens.trace(origins, [0, 0, toward], side=side, points=True)
+    assert plain.points is None and found.points.shape == (40, len(lens.surfaces), 3)
+    assert 5 < plain.passed.sum() < 40
+    np.testing.assert_array_equal(found.reason, plain.reason)
+    np.testing.assert_allclose(found.origin, plain.origin, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(found.direction, plain.direction, rtol=0, atol=1e-13)
+    last = found.points[:, -1 if side == "scene" else 0]
+    np.testing.assert_array_equal(last[found.passed], found.origin[found.passed])
+    assert np.isnan(last[~found.passed]).any()
+    for number, surface in enumerate(lens.surfaces):
+        x, y, z = found.points[:, number][~np.isnan(found.points[:, number, 0])].T
+        r = np.hypot(x, y)
+        inside = r <= surface.semi_diameter_mm
+        c = 1 / surface.conic_radius_mm
+        depth = c * r**2 / (1 + np.sqrt(1 - (1 + surface.conic) * c**2 * r**2))
+        depth += sum(a * r ** (i + 2) for i, a in enumerate(surface.aspheric))
+        np.testing.assert_allclose((surface.vertex_mm - depth - z)[inside], 0, atol=1e-12)
+
+
 def test_focus_there_and_back():
     lens = Lens("telephoto.250mm", fnumber=8)
     for distance in (3000.0, 20_000.0, np.inf):
@@ -185,3 +223,52 @@ def test_the_cross_section_is_drawn(name):
     assert x[50] == pytest.approx(0) and (x[0] > 0) == (surface.radius_mm > 0) and y[0] == -surface.semi_diameter_mm
     ax.figure.canvas.draw()
     plt.close(ax.figure)
+
+
+def test_every_name_of_the_catalogue_is_a_lens(checkout):
+    names = realistic.catalogue()
+    assert names[0] == "dgauss.50mm"
+    assert set(names) == {file.stem for file in (checkout / "lenses").glob("*.dat")}
+    for name in names:
+        assert Lens(name).name == name
+
+
+def test_a_zoom_lens_stands_where_it_is_told():
+    assert abs(Lens("zoom.24-70mm", zoom="35").focal_length_mm - 35) < 1e-9
+    with pytest.raises(realistic.ParameterError, match="zoom"):
+        Lens("dgauss.50mm", zoom="35")
+
+
+def test_rays_are_drawn_through_the_cross_section():
+    matplotlib.use("Agg")
+    lens = Lens("dgauss.50mm", fnumber=5.6)
+    film = lens.focus(np.inf)
+    for given in ({}, {"film_distance_mm": film + 1}):
+        ax = lens.plot(angles=[0.0, 12.0], rays=5, **given)
+        ways = [line.get_xydata() for line in ax.lines if len(line.get_xdata()) == len(lens.surfaces) + 2]
+        assert len(ways) == 10
+        x = -lens.rear_vertex_mm + given.get("film_distance_mm", film)
+        np.testing.assert_allclose([way[-1, 0] for way in ways], x)
+        ends = np.array([way[-1, 1] for way in ways])
+        # Of infinity an image at f tan of the angle, upside down, and on the other film a bundle 1/N wide.
+        wide = 1 / lens.fnumber if given else 0.02
+        assert np.ptp(ends[:5]) == pytest.approx(wide, rel=0.05) if given else np.ptp(ends[:5]) < wide
+        assert ends[5:].mean() == pytest.approx(lens.focal_length_mm * np.tan(np.radians(12)), rel=0.05)
+        ax.figure.canvas.draw()
+        matplotlib.pyplot.close(ax.figure)
+
+
+@pytest.mark.parametrize("name", ["phone.4mm", "dgauss.50mm"])
+def test_the_drawn_surfaces_are_where_rays_meet_them(name):
+    from realistic.plot import _sag
+
+    lens = Lens(name)
+    h = np.linspace(-0.8, 0.8, 41) * lens.surfaces[0].semi_diameter_mm
+    points = lens.trace(np.stack([0 * h, h, 0 * h + 50], axis=-1), [0, 0, -1], points=True).points
+    met = 0
+    for k, surface in enumerate(lens.surfaces):
+        there = np.isfinite(points[:, k]).all(axis=1)
+        y, z = points[there, k, 1:].T
+        np.testing.assert_allclose(surface.vertex_mm - _sag(surface, y), z, atol=1e-9)
+        met += there.sum()
+    assert met > 5 * len(lens.surfaces)

@@ -1,7 +1,7 @@
 //! Cameras for a C caller: made, asked about, freed.
 
 use std::ffi::{c_char, c_void};
-use std::mem::size_of;
+use std::mem::{offset_of, size_of};
 
 use super::boundary::memory;
 use super::boundary::{self, Failure, realistic_status};
@@ -9,10 +9,10 @@ use super::exchange::{give, give_text};
 use super::object::{self, Handle, HostPart};
 use super::options;
 use super::types::{level_number, realistic_camera, realistic_camera_info, realistic_log, realistic_options};
-use crate::camera::{Facts, Host, Level, Log, Parameters};
+use crate::camera::{Crop, Facts, Host, Level, Log, Parameters};
 
 /// Bytes of the first version of `realistic_camera_info`.
-const FIRST_INFO_SIZE: usize = size_of::<realistic_camera_info>();
+const FIRST_INFO_SIZE: usize = offset_of!(realistic_camera_info, crop);
 
 /// Builds a camera. On success `*out` is the camera, to be freed by `realistic_camera_free`; on
 /// failure `*out` is untouched and `realistic_last_error` says what to change.
@@ -110,6 +110,7 @@ pub unsafe extern "C" fn realistic_camera_get_info(
         // SAFETY: the caller's promise.
         let camera = unsafe { object::handle_of(camera) }.ok_or_else(boundary::not_a_camera)?.camera();
         let facts = camera.facts();
+        let Crop { from, to } = camera.crop();
         let filled = realistic_camera_info {
             struct_size: size_of::<realistic_camera_info>() as u32,
             interfaces: facts.map_or(0, |facts| facts.lens.surfaces.len() as u32),
@@ -118,6 +119,7 @@ pub unsafe extern "C" fn realistic_camera_get_info(
             film_distance_mm: facts.map_or(f64::NAN, |facts| facts.film_distance),
             focus_distance_mm: facts.and_then(|facts| facts.focus_distance).unwrap_or(f64::NAN),
             film_diagonal_mm: facts.map_or(f64::NAN, |facts| facts.film.diagonal()),
+            crop: [from[0], from[1], to[0], to[1]],
         };
         // SAFETY: the caller's promise.
         unsafe { give("realistic_camera_info", FIRST_INFO_SIZE, &filled, "info", info) }

@@ -37,6 +37,7 @@ macro_rules! parameter_fields {
                     transformstart: f64::NAN,
                     transformend: f64::NAN,
                     screenwindow: [f64::NAN; 4],
+                    crop: [f64::NAN; 4],
                     $($text: null(),)*
                     $($number: f64::NAN,)*
                 }
@@ -69,6 +70,7 @@ macro_rules! parameter_fields {
                 $(self.$number = given.$number.unwrap_or(self.$number);)*
                 self.simpleweighting = given.simpleweighting.map_or(self.simpleweighting, i32::from);
                 self.screenwindow = given.screenwindow.unwrap_or(self.screenwindow);
+                self.crop = given.crop.unwrap_or(self.crop);
                 Ok(())
             }
         }
@@ -149,8 +151,10 @@ impl realistic_options {
                 parameters.set(name, Value::Float(number))?;
             }
         }
-        if !self.screenwindow.iter().all(|side| side.is_nan()) {
-            parameters.set("screenwindow", Value::Four(self.screenwindow))?;
+        for (name, sides) in [("screenwindow", self.screenwindow), ("crop", self.crop)] {
+            if !sides.iter().all(|side| side.is_nan()) {
+                parameters.set(name, Value::Four(sides))?;
+            }
         }
         match self.simpleweighting {
             -1 => {}

@@ -112,6 +112,9 @@ impl CameraBuilder {
         focal_distance(units: f64) => parameters.focaldistance = Some(units);
         /// Where the projections' thin lens lies.
         lens_plane(plane: LensPlane) => parameters.lensplane = Some(plane);
+        /// x from, y from, x to, y to in pixels: the part of the picture that is to be rendered, as
+        /// [`Camera::crop`] tells it. It changes no ray.
+        crop(pixels: [u32; 4]) => parameters.crop = Some(pixels.map(f64::from));
         /// Camera space to world space: a [`CameraToWorld`](super::CameraToWorld) or a motion.
         to_world(to_world: impl Into<CameraMotion>) => host.to_world = to_world.into();
         /// Where lens files are looked for after the working directory; by default along `PBRT_SEARCHPATH`.

@@ -119,10 +119,13 @@ mod tests {
 
     #[test]
     fn on_the_axis_of_a_lens_focused_at_infinity_the_scale_is_the_focal_length() {
-        for name in catalogue::names().take(5) {
-            let (lens, film) = focused(name, f64::INFINITY);
-            let f = FirstOrder::of(&lens).expect("focal").focal_length;
-            let scale = ImageScale::new(&lens, film, 0.05 * f, f64::INFINITY).expect("lit");
+        for name in catalogue::names() {
+            // By first-order optics: a fast lens is sharpest a little in front of its focal point.
+            let (lens, _) = focused(name, f64::INFINITY);
+            let optics = FirstOrder::of(&lens).expect("focal");
+            let f = optics.focal_length;
+            let scale =
+                ImageScale::new(&lens, optics.rear_focal_point, 0.05 * f, f64::INFINITY).expect("lit");
             for own in scale.at(0.0) {
                 assert!((own / f - 1.0).abs() < 5e-3, "{name}: {own} is not {f}");
             }
@@ -131,7 +134,7 @@ mod tests {
 
     #[test]
     fn a_film_point_moved_a_little_is_as_far_off_as_it_was_moved() {
-        for name in catalogue::names().take(5) {
+        for name in catalogue::names() {
             for distance in [f64::INFINITY, 1500.0] {
                 let (lens, film) = focused(name, distance);
                 let scale = ImageScale::new(&lens, film, 17.0, film + distance).expect("lit");

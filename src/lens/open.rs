@@ -80,19 +80,33 @@ pub fn find(name: &str, glasses: Option<&str>, search: &SearchPath) -> Result<Pr
     Ok(prescription)
 }
 
-/// That a lens has another focal length than its file states, by more than a hundredth: a number of the file may be
-/// misprinted, or its diameters, units or signs be taken for others.
+/// That a lens, or the first of its positions of which that is true, has another focal length than its file states, by more
+/// than a hundredth: a number of the file may be misprinted, or its diameters, units or signs be taken for others.
 pub fn misstated(prescription: &Prescription) -> Option<String> {
-    let stated = prescription.stated_focal_length?;
-    let own = FirstOrder::of(&Lens::at_d_line(prescription)).ok()?.focal_length;
-    ((own - stated).abs() > 0.01 * stated).then(|| {
-        format!(
-            "lens \"{}\": the file states a focal length of {} mm, and its surfaces have one of {} mm",
-            prescription.name,
-            as_given(stated),
-            fixed(own, 3)
-        )
-    })
+    let told = |at: &str, lens: &Prescription, stated: Option<f64>| {
+        let stated = stated?;
+        let own = FirstOrder::of(&Lens::at_d_line(lens)).ok()?.focal_length;
+        ((own - stated).abs() > 0.01 * stated).then(|| {
+            format!(
+                "lens \"{}\": {at}the file states a focal length of {} mm, and its surfaces have one of {} mm",
+                prescription.name,
+                as_given(stated),
+                fixed(own, 3)
+            )
+        })
+    };
+    let at_position = |number: usize| {
+        let positions = prescription.positions.as_ref()?;
+        let column = &positions.columns[number];
+        let mut placed = prescription.clone();
+        let before_film = placed.interfaces.len() - 1;
+        let gaps = positions.gaps.iter().zip(&column.gaps);
+        gaps.filter(|(row, _)| **row < before_film)
+            .for_each(|(&row, &gap)| placed.interfaces[row].thickness = gap);
+        told(&format!("at position {} ", number + 1), &placed, column.focal_length)
+    };
+    let columns = prescription.positions.as_ref().map_or(0, |positions| positions.columns.len());
+    told("", prescription, prescription.stated_focal_length).or_else(|| (0..columns).find_map(at_position))
 }
 
 /// A prescription at a wavelength, nm, in [`VALID_WAVELENGTHS`](crate::prescription::glass::VALID_WAVELENGTHS), and

@@ -266,7 +266,7 @@ mod tests {
         assert_eq!(rows, [1, 3]);
         assert!((height - 9.75_f64.sqrt()).abs() < 1e-12, "{height}");
         assert_eq!(crossed(2.0 * 9.75_f64.sqrt()), None);
-        for name in catalogue::names().take(5) {
+        for name in catalogue::names() {
             let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
             assert_eq!(lens.crossed_surfaces(), None, "{name}");
         }

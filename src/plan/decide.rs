@@ -97,6 +97,15 @@ impl Way {
                     "every surface is met",
                     format!("errors of {error} rad"),
                 );
+                let aspheres = task.path.aspheres();
+                if aspheres > 0 {
+                    plan.kept(
+                        &format!("tests at {aspheres} aspheres that rays go forward and meet the near side"),
+                        "of spheres and planes it is proven where no ray can fail them; of aspheres nothing is tried, for \
+                         the search of the first crossing needs them",
+                        "some comparisons of the hundred and more operations that an asphere takes; exact",
+                    );
+                }
                 if let Some(unfit) = unfit {
                     plan.kept("every aperture test", unfit, "no bound holds in f32");
                 } else {

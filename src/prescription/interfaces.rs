@@ -116,6 +116,22 @@ pub struct Prescription {
 }
 
 impl Prescription {
+    /// A lens of these interfaces, at least one, of which nothing else is stated. Readers check what they put into it.
+    pub fn new(interfaces: Vec<Interface>) -> Self {
+        Self {
+            name: String::new(),
+            title: None,
+            interfaces,
+            nominal_film_distance: None,
+            stated_focal_length: None,
+            stated: Stated::default(),
+            glasses: Vec::new(),
+            blades: None,
+            positions: None,
+            remarks: Vec::new(),
+        }
+    }
+
     /// Row number of the stop, counted from 0 at the scene side.
     pub fn stop_index(&self) -> Option<usize> {
         self.interfaces.iter().position(|interface| interface.shape == Shape::Stop)

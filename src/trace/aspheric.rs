@@ -199,18 +199,30 @@ impl<R: Real> Aspheric<R> {
         let (last, lowest) = (-(lead + to_plane) - slack, R::from_f64(self.extent[0]) / v[2]);
         // Where a range leaves it open, the earlier is the safe one.
         let from = if last > lowest { last } else { lowest };
-        let t = self.first_crossing(start, v, from)?;
-        *state = State { p: Line { start, v }.at(t), v, lead: R::ZERO };
+        let line = Line { start, v };
+        // A range adds something below, and seems to reach under the lowest point.
+        let after = if R::IS_RANGE { last } else { from };
+        let t = self.crossing(&line, from, after)?;
+        *state = State { p: line.at(t), v, lead: R::ZERO };
         Ok(())
     }
 
     /// How far from `start`, in units of V, the ray first crosses the surface after `from`.
     pub fn first_crossing(&self, start: [R; 3], v: [R; 3], from: R) -> Result<R, Blocked> {
-        let line = Line { start, v };
-        match self.newton(&line, from) {
+        self.crossing(&Line { start, v }, from, from)
+    }
+
+    /// The same; of a range a crossing may come before `from`, which is where the surface is lowest, if not before `after`.
+    fn crossing(&self, line: &Line<R>, from: R, after: R) -> Result<R, Blocked> {
+        match self.newton(line, from, after) {
             Some(t) => Ok(t),
-            None => self.follow(&line, from),
+            None => self.follow(line, from),
         }
+    }
+
+    /// The same where Newton's iteration was tried and proves nothing.
+    pub fn followed(&self, start: [R; 3], v: [R; 3], from: R) -> Result<R, Blocked> {
+        self.follow(&Line { start, v }, from)
     }
 
     /// G and N·V on a ray, as the steps of Newton's iteration need them.
@@ -226,8 +238,8 @@ impl<R: Real> Aspheric<R> {
         bent / (R::ONE + (R::ONE - self.kappa * self.curvature * bent).sqrt()) + terms
     }
 
-    /// Where Newton's iteration leads, if that is proven to be the first crossing after `from`.
-    fn newton(&self, line: &Line<R>, from: R) -> Option<R> {
+    /// Where Newton's iteration leads, if that is proven to be the first crossing after `from`, and not before `after`.
+    fn newton(&self, line: &Line<R>, from: R, after: R) -> Option<R> {
         let close = 0.01 * R::EPSILON.sqrt() * self.size / self.n;
         let longest = R::from_f64(self.size + self.extent[1] - self.extent[0]) / line.v[2];
         let mut t = R::ZERO;
@@ -265,12 +277,21 @@ impl<R: Real> Aspheric<R> {
         let bend = number(self.bend.along) + number(self.bend.across) * across;
         let bend = if self.bend.by_height { bend * contact.q } else { bend };
         let way = t - from;
+        let ahead = way >= zero || (R::IS_RANGE && t - after >= zero && self.is_left_behind(line, t));
         // On a line the distance from the axis is largest at an end.
         let [x, y, _] = line.at(from);
         let reach = number(self.bend.reach);
         let near = contact.height_squared <= reach && x * x + y * y <= reach;
-        let first = way >= zero && bend * way < contact.facing + contact.facing;
+        let first = ahead && bend * way < contact.facing + contact.facing;
         (near && first && contact.q > zero && contact.facing > zero).then_some(t)
+    }
+
+    /// Whether rays that cross the surface at t go on away from it up to where it is highest. Inside the rim no ray crosses it
+    /// below its lowest point; one that does so beyond the rim then crosses it nowhere else, and is blocked, which its height
+    /// at t says.
+    fn is_left_behind(&self, line: &Line<R>, t: R) -> bool {
+        let to_top = (R::from_f64(self.extent[1]) / line.v[2] - t).magnitude();
+        self.contact(line, t.within(to_top)).facing > R::ZERO
     }
 
     /// Follows the ray from `from` to the first crossing.

@@ -131,6 +131,12 @@ impl<R: Real> Path<R> {
     /// Takes a ray through the lens. Its origin may lie anywhere before the first surface; NaN or
     /// infinite components, or a direction of length 0, count as [`Blocked::Missed`].
     pub fn walk(&self, ray: Ray) -> Walk {
+        self.walk_by(ray, |_, _| ())
+    }
+
+    /// [`Path::walk`], with the points on the way: `met` gets the number of every surface that the ray meets, counted along
+    /// the travel, and where, lens space. The last of them may be the one that stops it.
+    pub fn walk_by(&self, ray: Ray, mut met: impl FnMut(usize, [f64; 3])) -> Walk {
         let travel_sign = self.travel_sign();
         let start = Ray { origin: ray.origin, direction: unit(ray.direction) };
         let finite = start.origin.iter().chain(&start.direction).all(|x| x.is_finite());
@@ -138,20 +144,20 @@ impl<R: Real> Path<R> {
             return Walk { ray: start, surfaces_met: 0, blocked: Some(Blocked::Missed) };
         }
         let mut state = self.enter(ray, start.direction);
-        let (surfaces_met, blocked) = self.trace_surfaces(&mut state);
-        let Some(last) = surfaces_met.checked_sub(1) else {
+        let (mut point, mut passed) = (start.origin, 0.0);
+        let (surfaces_met, blocked) = self.trace_surfaces(&mut state, |number, state| {
+            passed += self.steps[number].distance.to_f64();
+            let is_last = number + 1 == self.steps.len();
+            let vertex = if is_last { self.exit } else { self.entry + travel_sign * passed };
+            let [x, y, z] = state.p.map(R::to_f64);
+            point = [x, y, vertex + travel_sign * z];
+            met(number, point);
+        });
+        if surfaces_met == 0 {
             return Walk { ray: start, surfaces_met, blocked };
-        };
-        let vertex = if surfaces_met == self.steps.len() {
-            self.exit
-        } else {
-            let passed: f64 = self.steps[..=last].iter().map(|step| step.distance.to_f64()).sum();
-            self.entry + travel_sign * passed
-        };
-        let [x, y, z] = state.p.map(R::to_f64);
+        }
         let [vx, vy, vz] = state.v.map(R::to_f64);
-        let ray =
-            Ray { origin: [x, y, vertex + travel_sign * z], direction: unit([vx, vy, travel_sign * vz]) };
+        let ray = Ray { origin: point, direction: unit([vx, vy, travel_sign * vz]) };
         Walk { ray, surfaces_met, blocked }
     }
 
@@ -170,7 +176,7 @@ impl<R: Real> Path<R> {
             v: [dx, dy, travel_sign * dz].map(|d| self.steps[0].n * d / length),
             lead: R::ZERO,
         };
-        if let (_, Some(reason)) = self.trace_surfaces(&mut state) {
+        if let (_, Some(reason)) = self.trace_surfaces(&mut state, |_, _| ()) {
             return Err(reason);
         }
         let [x, y, z] = state.p;
@@ -181,8 +187,13 @@ impl<R: Real> Path<R> {
 
     /// Takes the state, in the frame of the first vertex, through the surfaces; says how many were met and
     /// why the ray stopped there. Each surface takes the state whole or not at all, so that a
-    /// blocked ray is left where it was last on a surface, in the frame of that vertex.
-    fn trace_surfaces(&self, state: &mut State<R>) -> (usize, Option<Blocked>) {
+    /// blocked ray is left where it was last on a surface, in the frame of that vertex. `met` gets the number of every
+    /// surface that is met, and the state on it, before refraction.
+    fn trace_surfaces(
+        &self,
+        state: &mut State<R>,
+        mut met: impl FnMut(usize, &State<R>),
+    ) -> (usize, Option<Blocked>) {
         for (number, step) in self.steps.iter().enumerate() {
             let mut ahead = *state;
             ahead.p[2] = ahead.p[2] - step.distance;
@@ -195,6 +206,7 @@ impl<R: Real> Path<R> {
                 return (number, Some(reason));
             }
             *state = ahead;
+            met(number, state);
             if let Err(reason) = step.pass(state, self.refraction) {
                 return (number + 1, Some(reason));
             }

@@ -39,11 +39,16 @@ fn the_header_is_up_to_date() {
         "batch/rays",
         "batch/differentials",
         "batch/wavelengths",
+        "importance/arrays",
+        "importance/arrive",
+        "importance/aim",
         "autofocus",
         "lens/handle",
         "lens/facts",
         "lens/focus",
         "lens/trace",
+        "lens/points",
+        "lens/catalogue",
     ] {
         builder = builder.with_src(root.join(format!("src/abi/{file}.rs")));
     }
@@ -62,4 +67,32 @@ fn the_header_is_up_to_date() {
         checked_in == made,
         "include/realistic.h is not what src/abi says; run `REALISTIC_WRITE_HEADER=1 cargo test --test abi header`"
     );
+}
+
+/// The names that begin with `realistic_`, end before a parenthesis, and stand in C code outside comments.
+fn functions(code: &str) -> Vec<String> {
+    let mut plain = String::new();
+    for (i, part) in code.split("/*").enumerate() {
+        plain.push_str(if i == 0 { part } else { part.split_once("*/").map_or("", |(_, after)| after) });
+    }
+    let words =
+        |before: &str| before.rsplit(|c: char| !c.is_alphanumeric() && c != '_').next().map(str::to_owned);
+    let called = plain.match_indices('(').filter_map(|(at, _)| words(&plain[..at]));
+    called.filter(|name| name.starts_with("realistic_")).collect()
+}
+
+#[test]
+fn realistic_hpp_reaches_every_function_of_the_header() {
+    let read = |file: &str| {
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(file)).expect("a header")
+    };
+    let (header, hpp) = (read("include/realistic.h"), read("include/realistic.hpp"));
+    let all = functions(&header);
+    assert!(all.len() >= 27 && all.contains(&"realistic_capabilities".to_owned()), "{all:?}");
+    // A function is reached by its name, or as a line of the list that `Api` has a member of each of.
+    let lacking = all.iter().filter(|name| {
+        let listed = format!("X({})", name.trim_start_matches("realistic_"));
+        !hpp.contains(&listed) && !functions(&hpp).contains(name)
+    });
+    assert_eq!(lacking.collect::<Vec<_>>(), [""; 0]);
 }

@@ -130,3 +130,55 @@ fn a_model_without_a_lens_says_so_in_its_info() {
         realistic_camera_free(camera);
     }
 }
+
+fn info_of(options: &realistic_options, struct_size: usize) -> Result<realistic_camera_info, String> {
+    let mut camera = null_mut();
+    // SAFETY: the strings are constants, zeros are a structure of numbers, and the camera is freed once.
+    unsafe {
+        let mut info = MaybeUninit::<realistic_camera_info>::zeroed().assume_init();
+        info.struct_size = struct_size as u32;
+        if realistic_camera_new(options, &mut camera) != realistic_status::Ok {
+            return Err(CStr::from_ptr(realistic_last_error()).to_str().expect("UTF-8").to_owned());
+        }
+        assert_eq!(realistic_camera_get_info(camera, &mut info), realistic_status::Ok);
+        realistic_camera_free(camera);
+        Ok(info)
+    }
+}
+
+#[test]
+fn a_crop_is_told_back_and_changes_no_ray() {
+    let size = size_of::<realistic_camera_info>();
+    for model in [c"lens", c"thick", c"thin", c"perspective", c"orthographic", c"environment"] {
+        let weighting =
+            if [c"lens", c"thick"].contains(&model) { c"relative".as_ptr() } else { std::ptr::null() };
+        for tolerance in if model == c"lens" { &[f64::NAN, 0.5][..] } else { &[f64::NAN] } {
+            let whole = realistic_options {
+                model: model.as_ptr(),
+                weighting,
+                tolerance: *tolerance,
+                ..new_options()
+            };
+            let part = realistic_options { crop: [30.0, 0.0, 40.0, 3.0], ..whole };
+            assert_eq!(info_of(&whole, size).expect("built").crop, [0, 0, 40, 20], "{model:?}");
+            assert_eq!(info_of(&part, size).expect("built").crop, [30, 0, 40, 3], "{model:?}");
+            for i in 0..12_u8 {
+                let at = |step: f32| (f32::from(i) * step).fract();
+                let sample = realistic_sample {
+                    image_x: 40.0 * at(0.618),
+                    image_y: 20.0 * at(0.754),
+                    lens_u: at(0.569),
+                    lens_v: at(0.831),
+                    time: 0.5,
+                };
+                assert_eq!(ray(&whole, sample), ray(&part, sample), "{model:?} {sample:?}");
+            }
+        }
+    }
+    let refused = |crop| info_of(&realistic_options { crop, ..new_options() }, size).expect_err("refused");
+    assert!(refused([0.0, 0.0, 41.0, 20.0]).contains("\"crop\" is 0,0,41,20; it must be"));
+    assert!(refused([0.0, f64::NAN, 40.0, 20.0]).contains("\"crop\" is not a number"));
+    // A caller of the versions before this one has no room for it.
+    let old = info_of(&new_options(), std::mem::offset_of!(realistic_camera_info, crop)).expect("built");
+    assert_eq!((old.crop, old.interfaces), ([0; 4], 11));
+}

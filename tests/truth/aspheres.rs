@@ -3,7 +3,7 @@
 use realistic::{
     camera::RealisticCamera,
     lens::{Lens, cos4, film_ray, first_order::FirstOrder},
-    prescription::{Asphere, FIRST_POWER, Interface, Medium, Prescription, Shape, Stated},
+    prescription::{Asphere, FIRST_POWER, Interface, Medium, Prescription, Shape},
     trace::{
         Blocked, Direction, Path, Ray,
         kernel::{Kernel, KernelScalar, RayBuffer, Simd},
@@ -27,18 +27,8 @@ pub fn lens(rows: &[(Shape, f64, f64, f64)]) -> Lens {
         let medium = if n == 1.0 { Medium::Air } else { Medium::Glass { n_d: n, abbe: None } };
         Interface { shape, thickness, medium, semi_diameter }
     };
-    Lens::at_d_line(&Prescription {
-        name: "aspheres".to_owned(),
-        title: None,
-        interfaces: rows.iter().map(interface).collect(),
-        nominal_film_distance: None,
-        stated_focal_length: None,
-        positions: None,
-        blades: None,
-        remarks: Vec::new(),
-        stated: Stated::default(),
-        glasses: Vec::new(),
-    })
+    let interfaces = rows.iter().map(interface).collect();
+    Lens::at_d_line(&Prescription { name: "aspheres".to_owned(), ..Prescription::new(interfaces) })
 }
 
 /// A ray by a kernel of every set of instructions, which must agree to the bit.

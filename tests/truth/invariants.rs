@@ -8,18 +8,29 @@ use std::f64::consts::TAU;
 use proptest::prelude::*;
 use realistic::{
     camera::Outcome,
-    lens::{Lens, Surface, first_order::Abcd},
+    lens::{
+        Lens, Surface,
+        first_order::{Abcd, FirstOrder},
+        pupil::ExitPupil,
+    },
     prescription::catalogue,
     trace::{Path, Ray},
 };
 use support::{Random, build, host_with, lens, lens_of, sample};
 
-/// Film rays of a lens: from a film a little behind the focal plane to points of the rear element.
+/// Film rays of a lens: from a film a little behind the focal plane to points of the rear element; where that is wider than
+/// far, of the exit pupil.
 fn film_rays(lens: &Lens, seed: u64, count: usize) -> impl Iterator<Item = Ray> {
     let rear = lens.rear();
-    let focal = realistic::lens::first_order::FirstOrder::of(lens).expect("focal");
+    let focal = FirstOrder::of(lens).expect("focal");
     let film = rear.vertex - 1.01 * focal.back_focal_distance();
-    let (vertex, radius, half) = (rear.vertex, rear.semi_diameter, 0.4 * focal.focal_length.min(45.0));
+    let (vertex, radius) = if rear.semi_diameter < rear.vertex - film {
+        (rear.vertex, rear.semi_diameter)
+    } else {
+        let pupil = ExitPupil::of_lens(lens, film);
+        (pupil.position().expect("finite"), pupil.diameter() / 2.0)
+    };
+    let half = 0.4 * focal.focal_length.min(45.0);
     let mut random = Random::new(seed);
     (0..count).map(move |_| {
         let point = [half * random.signed(), half * random.signed(), film];
@@ -63,7 +74,7 @@ fn widened(lens: &Lens) -> Lens {
 
 #[test]
 fn a_ray_out_and_back_returns_to_its_film_point() {
-    for name in catalogue::names().take(5) {
+    for name in catalogue::names() {
         let lens = lens(name);
         let back = Path::<f64>::scene_to_film(&widened(&lens));
         for (film, scene) in passing(&lens, 1, 4000) {
@@ -97,7 +108,7 @@ fn a_ray_that_starts_on_the_first_surface_but_for_rounding_meets_it() {
 
 #[test]
 fn the_skew_invariant_is_conserved() {
-    for name in catalogue::names().take(5) {
+    for name in catalogue::names() {
         let lens = lens(name);
         for (film, scene) in passing(&lens, 2, 4000) {
             let skew = |ray: Ray, d: [f64; 3]| ray.origin[0] * d[1] - ray.origin[1] * d[0];
@@ -110,14 +121,14 @@ fn the_skew_invariant_is_conserved() {
 
 #[test]
 fn the_lagrange_invariant_of_paraxial_rays_is_conserved() {
-    for name in catalogue::names().take(5) {
+    for name in catalogue::names() {
         let lens = lens(name);
         let matrix = Abcd::of_lens(&lens);
         assert!((matrix.a * matrix.d - matrix.b * matrix.c - 1.0).abs() < 1e-13, "{name}: {matrix:?}");
         // Of exact rays very near the axis: u₁ y₂ - u₂ y₁ in any two planes in air.
         let path = Path::<f64>::film_to_scene(&lens);
         let film = lens.rear().vertex - 10.0;
-        let [(y1, u1), (y2, u2)] = [(1e-4, 2e-5), (-5e-5, 3e-5)];
+        let [(y1, u1), (y2, u2)] = [(2e-5, 4e-6), (-1e-5, 6e-6)];
         let [(z1, v1), (z2, v2)] = [(y1, u1), (y2, u2)].map(|(y, u)| {
             let ray = Ray { origin: [0.0, y, film], direction: [0.0, u, 1.0] };
             let got = path.trace(ray).expect("near the axis");
@@ -160,7 +171,7 @@ fn determinant(mut m: [[f64; 4]; 4]) -> f64 {
 
 #[test]
 fn etendue_is_conserved_for_rays_on_and_off_the_axis() {
-    for name in catalogue::names().take(5) {
+    for name in catalogue::names() {
         let lens = lens(name);
         let path = Path::<f64>::film_to_scene(&lens);
         let mut checked = 0;
@@ -199,7 +210,7 @@ fn scaled(ray: Ray, factor: f64) -> Ray {
 
 #[test]
 fn scaling_by_a_power_of_two_scales_the_rays_bit_for_bit() {
-    for name in catalogue::names().take(5) {
+    for name in catalogue::names() {
         let prescription = catalogue::find(name).expect("listed");
         let lens = Lens::at_d_line(&prescription);
         for factor in [20.0_f64.exp2(), (-20.0_f64).exp2()] {
@@ -230,7 +241,7 @@ fn scaling_by_a_power_of_two_scales_the_rays_bit_for_bit() {
 
 #[test]
 fn scaling_by_any_factor_scales_the_rays() {
-    for name in catalogue::names().take(5) {
+    for name in catalogue::names() {
         let prescription = catalogue::find(name).expect("listed");
         let lens = Lens::at_d_line(&prescription);
         for factor in [0.7, 3.3, 1e-6, 1e7] {
@@ -248,7 +259,7 @@ fn scaling_by_any_factor_scales_the_rays() {
 
 #[test]
 fn turning_film_point_and_pupil_point_turns_the_ray() {
-    for name in catalogue::names().take(5) {
+    for name in catalogue::names() {
         let lens = lens(name);
         let path = Path::<f64>::film_to_scene(&widened(&lens));
         let mut random = Random::new(8);

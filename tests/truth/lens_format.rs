@@ -27,9 +27,11 @@ fn every_example_is_a_lens() {
     assert_eq!(doublet.glasses.len(), 2);
     assert!(matches!(singlet.interfaces[1].shape, Shape::Asphere(asphere) if asphere.conic == -2.25));
     assert_eq!(iris.blades, Some(Blades { count: 7, rotation: 12.0, curvature: 0.25 }));
-    let positions = zoom.positions.as_ref().expect("three");
-    assert_eq!((positions.columns.len(), positions.gaps.as_slice()), (3, [1, 4].as_slice()));
+    let positions = zoom.positions.as_ref().expect("four");
+    assert_eq!((positions.columns.len(), positions.gaps.as_slice()), (4, [1, 4].as_slice()));
     assert_eq!(positions.columns[2].object_distance, Some(400.0));
+    let layout = positions.layout().expect("in the order that it describes");
+    assert_eq!((layout.zooms, layout.steps), (2, 2));
 }
 
 #[test]

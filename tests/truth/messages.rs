@@ -21,6 +21,29 @@ fn a_metre_taken_for_a_millimetre_names_the_unit() {
 }
 
 #[test]
+fn a_file_that_states_another_focal_length_than_it_has_is_told_so() {
+    let warnings = |text: &str| build(&host_with(text), &[]).expect("a camera").1;
+    // 1/f = (n - 1) (1/R1 - 1/R2 + (n - 1) d/(n R1 R2)): 20.87 mm.
+    let rows = "20 5 1.5 10\n-20 18 1 10\n";
+    assert_eq!(
+        warnings(&format!("50\n{rows}")),
+        ["lens \"own.dat\": the file states a focal length of 50 mm, and its surfaces have one of 20.870 mm"]
+    );
+    for near in ["20.67\n", "focal 21.07\n", ""] {
+        assert_eq!(warnings(&format!("{near}{rows}")), [""; 0]);
+    }
+    assert!(warnings(&format!("21.1\n{rows}"))[0].contains("21.1 mm"));
+    // Of positions the first that is misstated: two thin lenses of 50 mm, 1/f = 2/50 - gap/50².
+    let zoom = "positions a b c\ngap 2 10 20 30\nfocal 27.8 31.3 31.3\n50 0 1.5 9\n-50 10 1 9\n50 0 1.5 9\n-50 9 1 9\n";
+    let told = warnings(zoom);
+    assert!(
+        told.iter().any(|text| text.contains("at position 3 the file states a focal length of 31.3 mm")),
+        "{told:?}"
+    );
+    assert!(!told.iter().any(|text| text.contains("position 1") || text.contains("position 2")), "{told:?}");
+}
+
+#[test]
 fn a_misspelt_parameter_is_told_with_the_nearest_name() {
     for (given, meant) in
         [("focus_distance", "focusdistance"), ("apperture_diameter", "aperture_diameter"), ("fov2", "fov")]

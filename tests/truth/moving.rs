@@ -1,10 +1,10 @@
 //! A zoom lens with moving groups against its patent, by first-order optics and exact rays.
 
-use crate::support::{Random, build, host, host_with, ray};
+use crate::support::{Random, build, camera, host, host_with, ray};
 use realistic::camera::{Camera, FocusBy, Host, Model, RealisticCamera};
 use realistic::imaging::{axial_image::AxialImage, depth_of_field::DepthOfField, focus::Focus};
 use realistic::lens::{Lens, first_order::FirstOrder, moving::MovingGroups, pupil::EntrancePupil};
-use realistic::prescription::{Prescription, read};
+use realistic::prescription::{Prescription, catalogue, read};
 
 /// US 2003/0133200 A1 (S. Sato, Nikon 2003), example 1: 70-200 mm f/2.8, focused by its second group; the last
 /// three positions at a distance of 1.5 m. Clear diameters are derived. Radius, thickness, index behind, clear diameter.
@@ -211,6 +211,60 @@ fn a_position_by_name_has_the_tables_gaps_and_film() {
     let lens = |given: &[(&str, &str)]| build(&zoom_host(), given).expect("a lens").0.facts().lens.clone();
     assert_eq!(lens(&[]), lens(&[("zoom", "wide")]));
     assert_eq!(lens(&[]), lens(&[("focusby", "group")]));
+}
+
+/// Every column of every table of the catalogue, as a camera has it that is zoomed and focused there.
+#[test]
+fn cameras_at_every_position_of_the_catalogue_are_what_the_files_state() {
+    let mut columns = [0, 0];
+    for name in catalogue::names() {
+        let prescription = catalogue::find(name).expect("listed");
+        let Some(positions) = &prescription.positions else { continue };
+        let layout = positions.layout().expect("zoom positions, and the same nearer");
+        for (i, column) in positions.columns.iter().enumerate() {
+            let zoom = i % layout.zooms;
+            let mut given = vec![("specfile", name.to_owned())];
+            if layout.zooms > 1 {
+                given
+                    .push(("zoom", positions.columns[zoom].name.clone().expect("every position has a name")));
+            }
+            if let Some(object) = column.object_distance {
+                // From the object to the first vertex, all gaps, and the film.
+                let mut thicknesses: Vec<f64> =
+                    prescription.interfaces.iter().map(|row| row.thickness).collect();
+                *thicknesses.last_mut().expect("rows") = prescription.nominal_film_distance.expect("stated");
+                positions.gaps.iter().zip(&column.gaps).for_each(|(&row, &gap)| thicknesses[row] = gap);
+                let distance = object + thicknesses.iter().sum::<f64>();
+                given.push(("focusby", "group".to_owned()));
+                given.push(("focusdistance", distance.to_string()));
+            }
+            let given: Vec<(&str, &str)> = given.iter().map(|(name, text)| (*name, text.as_str())).collect();
+            let camera = camera(&given);
+            let facts = camera.facts();
+            let far = &positions.columns[zoom];
+            for ((&row, &gap), &start) in positions.gaps.iter().zip(&column.gaps).zip(&far.gaps) {
+                let own = match facts.lens.surfaces.get(row) {
+                    Some(surface) if row + 1 < facts.lens.surfaces.len() => surface.thickness,
+                    _ => facts.film_distance,
+                };
+                // The groups stand where real rays focus, which is not quite where the table's paraxial ones do.
+                let allowed = if i < layout.zooms { 0.0 } else { 0.02 * (gap - start).abs() };
+                assert!((own - gap).abs() <= allowed, "{name}, position {i}, row {row}: {own} for {gap}");
+            }
+            if let Some(stated) = column.focal_length {
+                assert!((facts.focal_length() / stated - 1.0).abs() < 1e-3, "{name}, position {i}");
+                columns[0] += 1;
+            }
+            if let Some(stated) = column.fnumber {
+                // By first-order optics, whose beam is wider at a curved surface than that of real rays, for which the clear
+                // diameters are made: they limit it a little.
+                let own = facts.fnumber();
+                assert!((own / stated - 1.0).abs() < 0.04, "{name}, position {i}: f/{own} for f/{stated}");
+                columns[1] += 1;
+            }
+        }
+    }
+    assert_eq!(columns, [8, 8], "3 and 3 of the zooms, and far those of the macro and the telephoto lens");
 }
 
 #[test]

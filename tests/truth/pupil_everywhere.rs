@@ -1,6 +1,9 @@
 //! The warped pupil on cameras that nobody tuned it to: random ones, and such as give it trouble.
 
-use super::{pupil_fit, support::Random};
+use super::{
+    pupil_fit,
+    support::{Random, build, host},
+};
 
 use pupil_fit::{
     Case, LENSES, lens_at, lenses,
@@ -145,6 +148,18 @@ fn a_warning_names_the_radii_at_which_the_pupil_was_given_up_why_and_what_is_lef
     for part in ["from 0.00 to ", "mm from the axis", "in several pieces", "get through", "samples per pixel"]
     {
         assert!(all.contains(part), "{part}: {all}");
+    }
+}
+
+#[test]
+fn a_stop_too_narrow_for_a_table_is_named_and_its_black_picture_too() {
+    for (diameter, is_narrow) in [("1e-9", true), ("1e-8", true), ("1e-6", true), ("1e-3", false)] {
+        let (_, warnings) = build(&host(), &[("aperture_diameter", diameter)]).expect("built");
+        let narrow = warnings.iter().filter(|text| text.contains("so narrow that no table")).count();
+        let said = |part: &str| warnings.iter().any(|text| text.contains(part));
+        assert_eq!(narrow, usize::from(is_narrow), "{diameter} mm: {warnings:?}");
+        assert_eq!(said("a wider aperture avoids it"), is_narrow, "{diameter} mm: {warnings:?}");
+        assert_eq!(said("no ray gets through"), is_narrow, "{diameter} mm: {warnings:?}");
     }
 }
 

@@ -1,11 +1,11 @@
 //! The cross-sections of many lenses on one page, each in a cell of its own and at its own scale.
 
-use super::shapes::{AXIS, Anchor, Page, SMALL, Stroke, fitted};
+use super::shapes::{AXIS, Anchor, Page, SMALL, Stroke, fitted, wrapped};
 use super::view::View;
 use super::{FAINT, INK, glass};
 use realistic::lens::Lens;
 
-/// A lens and the line under its name.
+/// A lens and what stands under its name.
 #[derive(Debug)]
 pub struct Entry {
     /// The lens.
@@ -17,10 +17,12 @@ pub struct Entry {
 }
 
 const COLUMNS: usize = 4;
-const CELL: [f64; 2] = [300.0, 240.0];
+const CELL: [f64; 2] = [300.0, 276.0];
 const MARGIN: f64 = 14.0;
-/// Under the drawing, for two lines of text.
-const FOOT: f64 = 46.0;
+/// Lines under a name at most.
+const LINES: usize = 3;
+/// Under the drawing, for the name and these.
+const FOOT: f64 = 28.0 + 18.0 * LINES as f64;
 const GLASS: &str = "#d6e6f2";
 const EDGE: Stroke = Stroke::new("#4a6b85", 1.0);
 
@@ -63,10 +65,11 @@ fn cell(page: &mut Page, [left, top]: [f64; 2], entry: &Entry) {
     }
     page.line(on_page(&[[film, -0.5 * radius], [film, 0.5 * radius]]), Stroke::new(INK, 2.0));
     let under = top + CELL[1] - FOOT;
-    let texts = [(&lens.name, INK), (&entry.text, FAINT)];
-    for (line, (text, colour)) in texts.into_iter().enumerate() {
+    let name = (fitted(&lens.name, SMALL, width), INK);
+    let texts = wrapped(&entry.text, SMALL, width, LINES).into_iter().map(|line| (line, FAINT));
+    for (line, (text, colour)) in std::iter::once(name).chain(texts).enumerate() {
         let point = [left + MARGIN, under + 16.0 + 18.0 * line as f64];
-        page.text(&fitted(text, SMALL, width), point, SMALL, Anchor::Start, colour);
+        page.text(&text, point, SMALL, Anchor::Start, colour);
     }
 }
 
@@ -88,6 +91,11 @@ mod tests {
             assert!(svg.contains(&format!(">{name}<")), "{name}");
         }
         assert!(!svg.contains("NaN") && !svg.contains("inf"));
+        // Titles stand there whole.
+        for lens in catalogue::names().filter_map(catalogue::find) {
+            let lines = wrapped(&lens.title.expect("a title"), SMALL, CELL[0] - 2.0 * MARGIN, LINES);
+            assert!(lines.iter().all(|line| !line.ends_with("...")), "{lines:?}");
+        }
         let rows = entries.len().div_ceil(COLUMNS);
         assert!(svg.contains(&format!("height=\"{}\"", rows as f64 * CELL[1])), "{:.200}", svg);
     }

@@ -269,6 +269,23 @@ pub fn text_width(text: &str, size: f64) -> f64 {
     0.58 * size * text.chars().count() as f64
 }
 
+/// The text in at most so many lines (1 or more), broken between words, each no longer than fits in `width` pixels.
+pub fn wrapped(text: &str, size: f64, width: f64, lines: usize) -> Vec<String> {
+    let most = (width / text_width("x", size)) as usize;
+    let mut broken: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        let is_last = broken.len() == lines;
+        match broken.last_mut() {
+            Some(line) if is_last || line.chars().count() + 1 + word.chars().count() <= most => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => broken.push(word.to_owned()),
+        }
+    }
+    broken.iter().map(|line| fitted(line, size, width)).collect()
+}
+
 /// The text without control characters, and no longer than fits in `width` pixels.
 pub fn fitted(text: &str, size: f64, width: f64) -> String {
     let most = (width / text_width("x", size)) as usize;

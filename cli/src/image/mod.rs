@@ -1,10 +1,11 @@
-//! Pictures: their pixels, their files, the letters in them, and several on one sheet.
+//! Pictures: their pixels, their files, whole or in tiles, the letters in them, and several on one sheet.
 
 pub mod lettering;
 mod picture;
 mod sheet;
 mod srgb;
+pub mod tile;
 
-pub use picture::{Picture, picture_path, writable};
+pub use picture::{Format, Picture, picture_path, writable};
 pub use sheet::Sheet;
 pub use srgb::{Colours, SrgbImage, hex};

@@ -99,7 +99,10 @@ impl Picture {
     }
 
     /// An EXR file of it.
-    fn exr(&self) -> exr::error::Result<Vec<u8>> {
+    ///
+    /// # Errors
+    /// Those of the format.
+    pub fn exr(&self) -> exr::error::Result<Vec<u8>> {
         let [width, height] = self.size.map(|side| side as usize);
         let channels =
             SpecificChannels::rgb(|Vec2(x, y)| <(f32, f32, f32)>::from(self.pixels[y * width + x]));

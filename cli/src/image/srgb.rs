@@ -24,12 +24,28 @@ pub enum Colours {
 impl SrgbImage {
     /// A PNG file of it.
     pub fn png(&self, colours: Colours) -> Vec<u8> {
+        self.png_with(colours, None, None)
+    }
+
+    /// A PNG file of it with a text, which has a keyword, and a chunk of another kind.
+    pub fn png_with(
+        &self,
+        colours: Colours,
+        text: Option<(&str, String)>,
+        chunk: Option<([u8; 4], Vec<u8>)>,
+    ) -> Vec<u8> {
         let mut file = Vec::new();
-        self.encode(&mut file, colours).expect("memory takes every picture that there is");
+        self.encode(&mut file, colours, text, chunk).expect("memory takes every picture that there is");
         file
     }
 
-    fn encode(&self, file: &mut Vec<u8>, colours: Colours) -> Result<(), png::EncodingError> {
+    fn encode(
+        &self,
+        file: &mut Vec<u8>,
+        colours: Colours,
+        text: Option<(&str, String)>,
+        chunk: Option<([u8; 4], Vec<u8>)>,
+    ) -> Result<(), png::EncodingError> {
         let [width, height] = self.size;
         let mut encoder = png::Encoder::new(file, width, height);
         encoder.set_depth(png::BitDepth::Eight);
@@ -48,7 +64,13 @@ impl SrgbImage {
                 indices
             }
         };
+        if let Some((keyword, text)) = text {
+            encoder.add_itxt_chunk(keyword.to_owned(), text)?;
+        }
         let mut writer = encoder.write_header()?;
+        if let Some((kind, data)) = chunk {
+            writer.write_chunk(png::chunk::ChunkType(kind), &data)?;
+        }
         writer.write_image_data(&bytes)?;
         writer.finish()
     }

@@ -1,11 +1,13 @@
 //! The built program, as its user runs it.
 
 mod files;
+mod osl;
 mod pictures;
 mod plugin;
 #[cfg(target_os = "linux")]
 mod release;
 mod reports;
+mod tiles;
 
 use std::io::Write;
 use std::path::Path;

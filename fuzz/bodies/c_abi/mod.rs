@@ -278,6 +278,7 @@ fn no_info() -> realistic_camera_info {
         film_distance_mm: f64::NAN,
         focus_distance_mm: f64::NAN,
         film_diagonal_mm: f64::NAN,
+        crop: [0; 4],
     }
 }
 

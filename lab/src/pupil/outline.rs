@@ -229,9 +229,12 @@ mod tests {
 
     #[test]
     fn the_irradiance_is_that_of_the_grid_and_on_the_axis_the_exact_one() {
-        for name in catalogue::names().take(5) {
+        for name in catalogue::names() {
             let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
-            for radius in [0.0, 4.0, 9.0] {
+            // The shortest lenses light less film.
+            let focal_length = FirstOrder::of(&lens).expect("focal").focal_length;
+            let size = if focal_length < 8.0 { focal_length / 16.0 } else { 1.0 };
+            for radius in [0.0, 4.0, 9.0].map(|radius| radius * size) {
                 let (path, film, cover, outline) = pupil(&lens, radius);
                 let outline = outline.expect("lit");
                 assert!(outline.star_shaped && outline.pieces == 1, "{name} at {radius}");

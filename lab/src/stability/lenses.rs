@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use realistic::{
     lens::Lens,
-    prescription::{Interface, Medium, Prescription, Shape, Stated},
+    prescription::{Interface, Medium, Prescription, Shape},
     trace::{Direction, Ray},
 };
 
@@ -45,18 +45,7 @@ pub fn lens_of(name: &str, rows: &[Figured]) -> Lens {
         Interface { shape, thickness, medium, semi_diameter }
     };
     let interfaces = rows.iter().map(interface).collect();
-    Lens::at_d_line(&Prescription {
-        name: name.to_owned(),
-        title: None,
-        interfaces,
-        nominal_film_distance: None,
-        positions: None,
-        blades: None,
-        remarks: Vec::new(),
-        stated_focal_length: None,
-        stated: Stated::default(),
-        glasses: Vec::new(),
-    })
+    Lens::at_d_line(&Prescription { name: name.to_owned(), ..Prescription::new(interfaces) })
 }
 
 /// A lens of the catalogue with every length multiplied by `factor`.

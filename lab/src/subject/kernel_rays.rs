@@ -186,7 +186,7 @@ mod tests {
     fn every_entry_agrees_with_the_walk_to_the_digits_of_its_numbers() {
         fn check<S: KernelScalar + Real>(bound: f64) {
             let mut passed = 0;
-            for name in catalogue::names().take(5) {
+            for name in catalogue::names() {
                 let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
                 for direction in [Direction::FilmToScene, Direction::SceneToFilm] {
                     let rays = rays(&lens, direction);

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ._abi import LensInfo, LensRaysPointers, LensSurface, library, text_of
+from ._abi import LensInfo, LensPointsPointers, LensRaysPointers, LensSurface, library, text_of
 from ._handle import Handle, build
 from .errors import check, warn
 from .parameters import canonical, options_of
@@ -21,6 +21,17 @@ if TYPE_CHECKING:
 
 SIDES = ("film", "scene")
 """`realistic_side`, by its numbers."""
+
+
+def catalogue() -> tuple[str, ...]:
+    """The names of the built-in lenses, each of which may be a `specfile`; the default is the first.
+
+    >>> catalogue()[0]
+    'dgauss.50mm'
+    """
+    status, text = text_of(library.realistic_catalogue)
+    check(status)
+    return tuple(text.split("\n"))
 
 
 class Pupils(NamedTuple):
@@ -49,6 +60,12 @@ class Surface(NamedTuple):
     """Clear semi-diameter."""
     is_stop: bool
     """Whether it is the aperture stop."""
+    conic_radius_mm: float
+    """Radius of the figure's conic at its vertex; another than `radius_mm` only where A2 adds to the curvature."""
+    conic: float
+    """Conic constant k: 0 for a sphere and a plane, -1 for a paraboloid."""
+    aspheric: tuple[float, ...]
+    """A2, A3, ... A20 in mm^(1-i), of z = c r²/(1 + √(1 - (1 + k) c² r²)) + Σ Ai r^i toward the film; all 0 without."""
 
 
 @dataclass(eq=False, repr=False)
@@ -63,11 +80,15 @@ class LensRays:
         Unit vectors.
     reason : ndarray (n,) of int32
         A `Reason` each; 0 for a ray that gets through.
+    points : ndarray (n, surfaces, 3) of float64, or None
+        Where each ray meets each surface, mm, the surfaces from the scene's side; NaN where it does not get so far. Only
+        where they are asked for.
     """
 
     origin: NDArray[np.float64]
     direction: NDArray[np.float64]
     reason: NDArray[np.int32]
+    points: NDArray[np.float64] | None = None
 
     @property
     def passed(self) -> NDArray[np.bool_]:
@@ -92,6 +113,10 @@ class Lens:
         A lens file or a name of the catalogue, as for `Camera`; default "dgauss.50mm". Also `lensfile`.
     lens_text : str or bytes, optional
         The text of a lens file, instead.
+    glasscatalog : str or path-like, optional
+        A glass catalogue (AGF), in which glasses that a lens file names are looked up first.
+    zoom : str, optional
+        Of a zoom lens: a focal length in mm ("35"), or a position's name; default the lens file's first position.
     wavelength : float, optional
         nm, from 300 to 2000; default 587.56.
     aperture_diameter, fnumber : float, optional
@@ -116,6 +141,8 @@ class Lens:
         *,
         lens_text: str | bytes | None = None,
         lensfile: str | os.PathLike[str] | None = None,
+        glasscatalog: str | os.PathLike[str] | None = None,
+        zoom: str | None = None,
         wavelength: float | None = None,
         aperture_diameter: float | None = None,
         fnumber: float | None = None,
@@ -125,6 +152,8 @@ class Lens:
                 "specfile": specfile,
                 "lens_text": lens_text,
                 "lensfile": lensfile,
+                "glasscatalog": glasscatalog,
+                "zoom": zoom,
                 "wavelength": wavelength,
                 "aperture_diameter": aperture_diameter,
                 "fnumber": fnumber,
@@ -210,6 +239,9 @@ class Lens:
                     index_film=surface.index_film,
                     semi_diameter_mm=surface.semi_diameter_mm,
                     is_stop=bool(surface.is_stop),
+                    conic_radius_mm=surface.conic_radius_mm,
+                    conic=surface.conic,
+                    aspheric=tuple(surface.aspheric),
                 )
             )
         return tuple(found)
@@ -234,7 +266,9 @@ class Lens:
         check(library.realistic_lens_focused_on(self._handle.pointer, film_distance_mm, ctypes.byref(found)))
         return found.value
 
-    def trace(self, origins: ArrayLike, directions: ArrayLike, *, side: str = "scene") -> LensRays:
+    def trace(
+        self, origins: ArrayLike, directions: ArrayLike, *, side: str = "scene", points: bool = False
+    ) -> LensRays:
         """Takes rays through the lens.
 
         Parameters
@@ -245,6 +279,8 @@ class Lens:
             Of any length but 0: toward -z from the scene's side, toward +z from the film's. The two are broadcast together.
         side : str
             Where rays come from, "scene" or "film".
+        points : bool
+            Whether to tell, too, where each ray meets each surface, which takes longer.
 
         Returns
         -------
@@ -274,14 +310,26 @@ class Lens:
         reason = np.zeros(n, np.int32)
         columns: list[Any] = [row.ctypes.data for row in (*numbers, reason)]
         pointers = LensRaysPointers(ctypes.sizeof(LensRaysPointers), *columns)
-        check(library.realistic_lens_trace(self._handle.pointer, SIDES.index(side), n, ctypes.byref(pointers)))
-        return LensRays(numbers[0:3].T.reshape(*shape, 3), numbers[3:6].T.reshape(*shape, 3), reason.reshape(shape))
+        arguments = (self._handle.pointer, SIDES.index(side), n, ctypes.byref(pointers))
+        met = None
+        if points:
+            surfaces = self._info.surfaces
+            room = np.empty((3, n * surfaces))
+            columns = [row.ctypes.data for row in room]
+            places = LensPointsPointers(ctypes.sizeof(LensPointsPointers), *columns, None)
+            check(library.realistic_lens_trace_points(*arguments, ctypes.byref(places)))
+            met = room.T.reshape(*shape, surfaces, 3)
+        else:
+            check(library.realistic_lens_trace(*arguments))
+        return LensRays(
+            numbers[0:3].T.reshape(*shape, 3), numbers[3:6].T.reshape(*shape, 3), reason.reshape(shape), met
+        )
 
-    def plot(self, ax: Axes | None = None) -> Axes:
-        """Draws the cross-section with matplotlib; see `realistic.plot.section`."""
+    def plot(self, ax: Axes | None = None, **given: Any) -> Axes:
+        """Draws the cross-section with matplotlib, with rays if wanted; see `realistic.plot.section`."""
         from .plot import section
 
-        return section(self, ax)
+        return section(self, ax, **given)
 
     def __repr__(self) -> str:
         given = dict(self._parameters)

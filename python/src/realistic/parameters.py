@@ -87,6 +87,8 @@ class Parameters(TypedDict, total=False):
     """Share of the shutter's interval in which a leaf shutter opens, and closes; at most 0.5, default 0.25."""
     shutterslit: float | None
     """Share of it for which a focal-plane shutter exposes each row; at most 1, default 0.25."""
+    crop: Iterable[int] | None
+    """x from, y from, x to, y to in pixels: the part of the picture to be rendered; it changes no ray."""
     fov: float | None
     """Model "perspective": angle across the shorter side of the image, degrees; default 90."""
     screenwindow: Iterable[float] | None

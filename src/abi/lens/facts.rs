@@ -1,6 +1,6 @@
 //! What a lens is: first-order optics, pupils and surfaces.
 
-use std::ffi::c_char;
+use std::{ffi::c_char, mem::offset_of};
 
 use super::{
     super::{
@@ -9,6 +9,7 @@ use super::{
     },
     handle::{OpenedLens, opened, realistic_lens},
 };
+use crate::prescription::Asphere;
 
 /// What first-order optics says of a lens (M. Born and E. Wolf, *Principles of Optics*, chapter 4). Air being on both sides,
 /// the nodal points are the principal points. z is a place in lens space, mm; infinity stands for one at infinity.
@@ -78,6 +79,14 @@ pub struct realistic_lens_surface {
     pub index_film: f64,
     /// Clear semi-diameter, mm.
     pub semi_diameter_mm: f64,
+    /// Radius of the figure's conic at its vertex, mm. It differs from `radius_mm` only where A2 adds to the curvature.
+    pub conic_radius_mm: f64,
+    /// Conic constant k: 0 for a sphere and a plane, -1 a paraboloid, less a hyperboloid. With c = 1/`conic_radius_mm` and r
+    /// the distance from the axis, the surface lies c r²/(1 + √(1 - (1 + k) c² r²)) + A2 r² + A3 r³ + … + A20 r^20 behind its
+    /// vertex plane, toward the film (W. J. Smith, *Modern Optical Engineering*, on aspheric surfaces).
+    pub conic: f64,
+    /// A2, A3, … A20, in mm^(1 - i).
+    pub aspheric: [f64; 19],
 }
 
 /// Fills `info`, whose `struct_size` the caller has set.
@@ -124,6 +133,9 @@ fn info_of(opened: &OpenedLens) -> realistic_lens_info {
     }
 }
 
+/// Bytes of the first version of `realistic_lens_surface`.
+const FIRST_SURFACE_SIZE: usize = offset_of!(realistic_lens_surface, conic_radius_mm);
+
 /// Fills `surface`, whose `struct_size` the caller has set, with surface `number`, counted from 0 at the scene side.
 ///
 /// # Safety
@@ -143,6 +155,8 @@ pub unsafe extern "C" fn realistic_lens_get_surface(
                 surfaces.len()
             )));
         };
+        let plain = Asphere { radius: found.radius, conic: 0.0, terms: [0.0; 19] };
+        let figure = found.figure.map_or(plain, |figure| figure.asphere);
         let filled = realistic_lens_surface {
             struct_size: size_of::<realistic_lens_surface>() as u32,
             is_stop: found.is_stop.into(),
@@ -152,11 +166,12 @@ pub unsafe extern "C" fn realistic_lens_get_surface(
             index_scene: found.n_scene,
             index_film: found.n_film,
             semi_diameter_mm: found.semi_diameter,
+            conic_radius_mm: figure.radius,
+            conic: figure.conic,
+            aspheric: figure.terms,
         };
         // SAFETY: the caller's promise.
-        unsafe {
-            give("realistic_lens_surface", size_of::<realistic_lens_surface>(), &filled, "surface", surface)
-        }
+        unsafe { give("realistic_lens_surface", FIRST_SURFACE_SIZE, &filled, "surface", surface) }
     })
 }
 

@@ -46,6 +46,7 @@ pub(super) struct OpenedLens {
 /// A lens made ready for rays in one direction.
 #[derive(Debug)]
 pub(super) struct Way {
+    pub direction: Direction,
     pub path: Path,
     pub kernel: Kernel<f64>,
 }
@@ -53,7 +54,7 @@ pub(super) struct Way {
 impl Way {
     fn new(lens: &Lens, direction: Direction) -> Self {
         let path = Path::new(lens, direction, Default::default());
-        Self { kernel: Kernel::along(&path), path }
+        Self { direction, kernel: Kernel::along(&path), path }
     }
 }
 

@@ -6,7 +6,7 @@ use super::{
         exchange::take,
         types::realistic_reason,
     },
-    handle::{Way, opened, realistic_lens},
+    handle::{OpenedLens, Way, opened, realistic_lens},
 };
 use crate::{
     lens::Ray,
@@ -68,23 +68,33 @@ pub unsafe extern "C" fn realistic_lens_trace(
     boundary::status(|| {
         // SAFETY: the caller's promise.
         let (opened, rays) = unsafe { (opened(lens)?, take("realistic_lens_rays", "rays", rays)?) };
-        let way = usize::try_from(from).ok().and_then(|side| opened.ways.get(side));
-        let way = way.ok_or_else(|| {
-            Failure::invalid(format!("from is {from}; rays come from 0 (the film's side) or 1 (the scene's)"))
-        })?;
+        let way = way(opened, from)?;
         fits_memory(n, size_of::<f64>())?;
         if n == 0 {
             return Ok(());
         }
-        let arrays = [rays.ox, rays.oy, rays.oz, rays.dx, rays.dy, rays.dz];
-        let names = ["ox", "oy", "oz", "dx", "dy", "dz"];
-        if let Some((_, name)) = arrays.iter().zip(names).find(|(array, _)| array.is_null()) {
-            return Err(boundary::null(&format!("rays.{name}")));
-        }
         // SAFETY: the caller's promise.
-        unsafe { in_blocks(way, n, arrays, rays.reason) };
+        unsafe { in_blocks(way, n, arrays(&rays)?, rays.reason) };
         Ok(())
     })
+}
+
+/// The lens made ready for rays that come from side `from`.
+pub(super) fn way(opened: &OpenedLens, from: i32) -> Result<&Way, Failure> {
+    let way = usize::try_from(from).ok().and_then(|side| opened.ways.get(side));
+    way.ok_or_else(|| {
+        Failure::invalid(format!("from is {from}; rays come from 0 (the film's side) or 1 (the scene's)"))
+    })
+}
+
+/// A point on each ray and its direction, by coordinates, of which none is NULL.
+pub(super) fn arrays(rays: &realistic_lens_rays) -> Result<[*mut f64; 6], Failure> {
+    let arrays = [rays.ox, rays.oy, rays.oz, rays.dx, rays.dy, rays.dz];
+    let names = ["ox", "oy", "oz", "dx", "dy", "dz"];
+    match arrays.iter().zip(names).find(|(array, _)| array.is_null()) {
+        Some((_, name)) => Err(boundary::null(&format!("rays.{name}"))),
+        None => Ok(arrays),
+    }
 }
 
 /// # Safety

@@ -46,6 +46,10 @@ pub unsafe extern "C" fn CreateCamera(
 /// What a host's user may take for a place where lens files are looked for.
 const NOT_SEEN: &str = " (a scene's SearchPath cannot be seen from a plugin)";
 
+/// A camera cannot tell a pbrt-v1 host what to render: its film does, and asks for samples of those pixels alone.
+const CROP: &str = "\"crop\" is not used by pbrt, whose film says what to render: give it \"float cropwindow\" [x-from \
+                    x-to y-from y-to], parts of the picture from 0 to 1";
+
 /// # Safety
 /// As [`CreateCamera`].
 unsafe fn create(
@@ -66,6 +70,9 @@ unsafe fn create(
     let mut parameters = read_parameters(&params)?;
     for hint in names::misspelt(&params.text().unwrap_or_default()) {
         say(Level::Warning, &hint);
+    }
+    if parameters.crop.is_some() {
+        say(Level::Warning, CROP);
     }
     if parameters.model.is_none() {
         parameters.model = library::plugin_path().as_deref().and_then(model_named);

@@ -210,6 +210,7 @@ parameters! {
     shutter: Shutter, "", = "global", EVERY, "what the shutter lets through, by film point and time";
     shutterramp: f64 in LEAF_SHARE, "of the interval", = "0.25", EVERY, "share of the shutter's interval in which a leaf shutter opens, and closes";
     shutterslit: f64 in SLIT_SHARE, "of the interval", = "0.25", EVERY, "share of the shutter's interval for which a focal-plane shutter exposes each row";
+    crop: [f64; 4] in NOT_NEGATIVE, "pixels", or "the whole picture", EVERY, "x from, y from, x to, y to of the part of the picture that the host renders, which changes no ray";
     fov: f64 in ANGLE, "degrees", = "90", PERSPECTIVE, "angle across the shorter side of the image";
     screenwindow: [f64; 4] in SIDE, "", or "by the aspect ratio", THIN_LENSES, "x from, x to, y from, y to of the part of the screen that becomes the image";
     frameaspectratio: f64 in ASPECT, "", or "the image's", THIN_LENSES, "width over height of the screen window";

@@ -41,15 +41,8 @@ fn zoom(gaps: &[f64], near: &[f64]) -> Prescription {
     let near = gaps.iter().zip(near).map(|(&gap, &near)| column(near, known(gap)[1], Some(500.0)));
     Prescription {
         name: "two".to_owned(),
-        title: None,
-        interfaces,
-        nominal_film_distance: None,
-        stated_focal_length: None,
-        stated: Default::default(),
-        glasses: Default::default(),
         positions: Some(Positions { gaps: vec![1, 4], columns: columns.chain(near).collect() }),
-        blades: None,
-        remarks: Vec::new(),
+        ..Prescription::new(interfaces)
     }
 }
 

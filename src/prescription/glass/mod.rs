@@ -56,7 +56,10 @@ pub(super) fn check(medium: Medium) -> Result<(), String> {
     for wavelength in wavelengths {
         let index = refractive_index(medium, wavelength);
         if !(index > 1.0 && index < 5.0) {
-            return Err(format!("the constants give index {} at {wavelength} nm", short(index)));
+            return Err(format!(
+                "the constants give index {} at {wavelength} nm; expected 1 to 5",
+                short(index)
+            ));
         }
     }
     Ok(())

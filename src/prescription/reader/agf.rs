@@ -1,7 +1,7 @@
 //! AGF glass catalogues, as the makers of glass publish them: `NM` name, formula, code, n_d, V_d; `CD` the constants.
 //! Text in, glasses with their names out.
 
-use super::text::{Place, Text, decoded, words};
+use super::text::{Cell, Place, Text, decoded, no_number, words};
 use crate::{
     message::cut,
     prescription::{
@@ -45,8 +45,11 @@ pub fn read(file: &str, bytes: &[u8]) -> Result<Vec<Entry>, LensFileError> {
             }
             Some(("CD", values)) => {
                 if let Some(entry) = entries.last_mut() {
-                    let constants: Option<Vec<f64>> = values.iter().map(|value| value.number()).collect();
-                    entry.medium = medium(formula, constants.as_deref())
+                    let constant = |value: &Cell<'_>| {
+                        value.number().ok_or_else(|| no_number(value.text, "a constant of CD"))
+                    };
+                    entry.medium = (values.iter().map(constant).collect::<Result<Vec<f64>, _>>())
+                        .and_then(|constants| medium(formula, &constants))
                         .map_err(|why| format!("{}:{number}: {why}", cut(file)));
                 }
             }
@@ -61,8 +64,7 @@ pub fn read(file: &str, bytes: &[u8]) -> Result<Vec<Entry>, LensFileError> {
 }
 
 /// The medium of a formula's number and its constants, as many as the line has.
-fn medium(formula: Option<f64>, constants: Option<&[f64]>) -> Result<Medium, String> {
-    let constants = constants.ok_or("a constant is no number")?;
+fn medium(formula: Option<f64>, constants: &[f64]) -> Result<Medium, String> {
     let k = |i: usize| constants.get(i).copied().unwrap_or(0.0);
     let sellmeier = |rest: [f64; 2], terms: &[(f64, f64)]| {
         let term = |i: usize| terms.get(i).copied().unwrap_or((0.0, 0.0));
@@ -85,7 +87,7 @@ fn medium(formula: Option<f64>, constants: Option<&[f64]>) -> Result<Medium, Str
         }
         Medium::Formula(Formula::Polynomial(by_power))
     };
-    let code = formula.ok_or("the formula's number is missing")?;
+    let code = formula.ok_or("the number of its formula is missing on the line NM, behind its name")?;
     let medium = match code as i64 {
         1 => polynomial(&[0, 2, -2, -4, -6, -8]),
         2 => {
@@ -105,7 +107,7 @@ fn medium(formula: Option<f64>, constants: Option<&[f64]>) -> Result<Medium, Str
         11 => sellmeier([1.0, 0.0], &[(k(0), k(1)), (k(2), k(3)), (k(4), k(5)), (k(6), k(7)), (k(8), k(9))]),
         12 => polynomial(&[0, 2, -2, -4, -6, -8, 4, 6]),
         13 => polynomial(&[0, 2, 4, -2, -4, -6, -8, -10, -12]),
-        _ => return Err(format!("formula {code} is not known")),
+        _ => return Err(format!("formula {code} is not known; formulas are 1 to 13")),
     };
     check(medium)?;
     Ok(medium)
@@ -218,9 +220,10 @@ mod tests {
             .into_iter()
             .map(|entry| entry.medium.err().unwrap_or_default())
             .collect();
-        assert_eq!(why[0], "x.agf:2: a constant is no number");
-        assert_eq!(why[1], "x.agf:4: the formula's number is missing");
+        assert_eq!(why[0], "x.agf:2: \"x\" is not a number; expected a constant of CD");
+        assert_eq!(why[1], "x.agf:4: the number of its formula is missing on the line NM, behind its name");
         assert!(why[2].contains("x.agf:6: the constants give index"), "{}", why[2]);
+        assert!(why[2].ends_with("; expected 1 to 5"), "{}", why[2]);
         assert!(why[3].contains("index"), "a resonance in the visible: {}", why[3]);
         assert_eq!(why[4], "x.agf:10: C = 0 in B/(λ² - C)");
         assert_eq!(why[5], "x.agf:11 has no constants (CD) for it");

@@ -11,6 +11,8 @@
 //! is computed from it: no real lens comes near, and a file from elsewhere must not keep its reader busy.
 
 pub(super) mod agf;
+#[cfg(test)]
+mod asked;
 mod named_glass;
 mod optical_bench;
 mod surfaces;

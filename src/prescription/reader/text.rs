@@ -78,6 +78,18 @@ impl Cell<'_> {
     }
 }
 
+/// What is wrong with a word in the place of a number, and what was expected there.
+pub(super) fn no_number(word: &str, expected: &str) -> String {
+    let hyphened = word.replace(['\u{2212}', '\u{2013}'], "-");
+    if word.is_empty() {
+        format!("nothing stands here; expected {expected}")
+    } else if hyphened != word && hyphened.parse::<f64>().is_ok() {
+        format!("\"{}\" is not a number: its minus is a dash; write {}", cut(word), cut(&hyphened))
+    } else {
+        format!("\"{}\" is not a number; expected {expected}", cut(word))
+    }
+}
+
 /// The cells of a line that `is_separator` keeps apart; between two separators in a row is an empty one.
 pub(super) fn cells(line: usize, text: &str, is_separator: fn(char) -> bool) -> Vec<Cell<'_>> {
     let cell = |part: &'_ str| {

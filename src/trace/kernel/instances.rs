@@ -159,7 +159,7 @@ pub fn run<S: KernelScalar, O: Optics<S>, B: Batch<S>>(
     optics: &O,
     batch: &mut B,
 ) {
-    in_vectors(simd, grouping, &mut Traced { optics, batch });
+    in_vectors(simd, grouping, &mut Through { optics, batch });
 }
 
 /// Does work in vectors.
@@ -235,12 +235,12 @@ fn each<L: Lanes, const U: usize, W: InVectors<L::Scalar>>(cpu: Cpu<L>, work: &m
 }
 
 /// A batch on its way through optics.
-struct Traced<'a, O, B> {
+struct Through<'a, O, B> {
     optics: &'a O,
     batch: &'a mut B,
 }
 
-impl<S: Scalar, O: Optics<S>, B: Batch<S>> InVectors<S> for Traced<'_, O, B> {
+impl<S: Scalar, O: Optics<S>, B: Batch<S>> InVectors<S> for Through<'_, O, B> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn len(&self) -> usize {
         self.batch.len()

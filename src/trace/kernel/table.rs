@@ -452,15 +452,17 @@ mod tests {
     }
 
     #[test]
-    fn rows_of_balls_are_reached_anew_and_no_lens_of_the_catalogue_is() {
+    fn rows_of_balls_are_reached_anew_and_hardly_a_lens_of_the_catalogue_is() {
         let row = "1 2 1.8 1.9\n-1 4 1 1.9\n".repeat(7) + "1 2 1.8 1.9\n-1 0 1 1.9";
         let balls = Lens::at_d_line(&read("balls", row.as_bytes()).expect("a lens"));
         for direction in [Direction::FilmToScene, Direction::SceneToFilm] {
             assert!(renormalisations(&balls, direction) >= 3);
-            for name in catalogue::names().take(5) {
-                let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
-                assert_eq!(renormalisations(&lens, direction), 0, "{name}");
-            }
+            let count =
+                |name| renormalisations(&Lens::at_d_line(&catalogue::find(name).expect("listed")), direction);
+            let some: Vec<(&str, usize)> =
+                catalogue::names().map(|name| (name, count(name))).filter(|(_, count)| *count > 0).collect();
+            // One surface each, steep and far from the one before.
+            assert!(some.len() <= 4 && some.iter().all(|(_, count)| *count == 1), "{some:?}");
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The lens as polynomials, fitted to exact rays.
 //!
-//! A lens of spheres is symmetric about its axis, so that from film position x and pupil position p (vectors
+//! A lens of surfaces of revolution is symmetric about its axis, so that from film position x and pupil position p (vectors
 //! of the plane) position x' and direction q' on the other side are
 //!
 //! x' = A x + B p,  q' = C x + D p,  A to D polynomials in x·x, x·p and p·p

@@ -195,7 +195,7 @@ static void do_refusals(void) {
     camera = build(&o);
     info.struct_size = 4;
     report("info-small", api.get_info(camera, &info));
-    info.struct_size = sizeof info + 8;
+    info.struct_size = 4096;
     report("info-large", api.get_info(camera, &info));
     report("info-null", api.get_info(camera, NULL));
     report("info-no-camera", api.get_info(NULL, &info));
@@ -218,7 +218,7 @@ static void do_info(void) {
     memcpy(space.bytes + 1, &info, sizeof info);
     report("status", api.get_info(camera, (realistic_camera_info *)(void *)(space.bytes + 1)));
     memcpy(&info, space.bytes + 1, sizeof info);
-    printf("info %u %u %.17g %.17g %.17g %.17g %.17g\n", (unsigned)info.struct_size, (unsigned)info.interfaces,
+    printf("info %d %u %.17g %.17g %.17g %.17g %.17g\n", info.struct_size == sizeof info, (unsigned)info.interfaces,
            info.focal_length_mm, info.fnumber, info.film_distance_mm, info.focus_distance_mm,
            info.film_diagonal_mm);
     char name[64];

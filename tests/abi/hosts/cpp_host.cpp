@@ -86,6 +86,16 @@ static void cameras(const realistic::Api &api) {
     realistic_camera_info info = camera.info();
     std::printf("info %s %.17g %u\n", camera.lens_name().c_str(), info.focal_length_mm,
                 static_cast<unsigned>(info.interfaces));
+    const double window[4] = {-3, 3, -2, 2};
+    realistic::Options flat(40, 30, api);
+    flat.set(&realistic_options::model, "orthographic").set(&realistic_options::screenwindow, window).crop(8, 0, 16, 30);
+    Owner cropped(flat);
+    realistic_camera_info part = cropped.info();
+    std::printf("crop %u %u %u %u of %u %u\n", part.crop[0], part.crop[1], part.crop[2], part.crop[3], info.crop[2],
+                info.crop[3]);
+    realistic_ray corner;
+    cropped.generate({0, 0, 0.5f, 0.5f, 0}, corner);
+    std::printf("corner %g %g\n", corner.o[0], corner.o[1]);
     std::printf("plan %d\n", camera.plan().find("aperture tests") != std::string::npos);
 
     const unsigned n = 2000;
@@ -227,13 +237,23 @@ static void lenses(const realistic::Api &api) {
     double at[6] = {0, 0, 50, 0, 0, -1};
     realistic_reason reason;
     lens.trace(REALISTIC_SIDE_SCENE, 1, {0, at, at + 1, at + 2, at + 3, at + 4, at + 5, &reason});
+    double start[6] = {0, 0, 50, 0, 0, -1};
+    std::vector<double> along[3];
+    for (auto &axis : along) axis.resize(info.surfaces);
+    uint32_t met = 0;
+    lens.trace_points(REALISTIC_SIDE_SCENE, 1, {0, start, start + 1, start + 2, start + 3, start + 4, start + 5, nullptr},
+                      {0, along[0].data(), along[1].data(), along[2].data(), &met});
+    double off = 0;
+    for (uint32_t i = 0; i < info.surfaces; ++i) off += std::fabs(along[2][i] - lens.surface(i).vertex_mm);
+    std::printf("points %u %d %g\n", static_cast<unsigned>(met), off < 1e-12, start[2] - at[2]);
     std::printf("axis %d %.17g %.17g\n", static_cast<int>(reason), at[2] - info.rear_vertex_mm, at[5]);
     try {
         lens.surface(99);
     } catch (const realistic::Error &error) {
         std::printf("none %d %s\n", static_cast<int>(error.status()), error.what());
     }
-    std::printf("capable %d\n", (api.capabilities() & REALISTIC_CAPABILITY_LENS) != 0);
+    const uint64_t wanted = REALISTIC_CAPABILITY_LENS | REALISTIC_CAPABILITY_CROP;
+    std::printf("capable %d\n", (api.capabilities() & wanted) == wanted);
 
     realistic::Options camera(40, 30, api);
     std::vector<realistic_zone> zones = {{10, 10, 30, 20}};
@@ -257,6 +277,31 @@ static void lenses(const realistic::Api &api) {
     }
 }
 
+static void importance(const realistic::Api &api) {
+    Owner camera(realistic::Options(40, 30, api));
+    const float x[2] = {0, 1e4f}, y[2] = {0, 0}, z[2] = {2000, 10}, u[2] = {0.3f, 0.3f}, v[2] = {0.4f, 0.4f};
+    realistic_scene_points points{};
+    points.x = x, points.y = y, points.z = z, points.u = u, points.v = v;
+    float ox[2], oy[2], oz[2], dx[2], dy[2], dz[2], density[2], first[2], again[2], image_x[2];
+    realistic_aimed aimed{};
+    aimed.ox = ox, aimed.oy = oy, aimed.oz = oz, aimed.dx = dx, aimed.dy = dy, aimed.dz = dz, aimed.density = density;
+    realistic_importance found{};
+    found.importance = first, found.image_x = image_x;
+    camera.sample_importance(points, 2, aimed, found);
+    realistic_importance_rays rays{};
+    rays.ox = ox, rays.oy = oy, rays.oz = oz, rays.dx = dx, rays.dy = dy, rays.dz = dz;
+    realistic_importance counted{};
+    counted.importance = again;
+    camera.importance(rays, 1, counted);
+    std::printf("importance %g %g %g %g\n", first[0], again[0] / first[0], image_x[0], first[1]);
+    try {
+        Owner(realistic::Options(40, 30, api).set(&realistic_options::model, "environment"))
+            .importance(rays, 1, counted);
+    } catch (const realistic::Error &error) {
+        std::printf("environment %d %s\n", static_cast<int>(error.status()), error.what());
+    }
+}
+
 int main(int count, char **argument) {
     if (count != 3) return 1;
     realistic::Api functions = api(argument[1]);
@@ -264,6 +309,7 @@ int main(int count, char **argument) {
     if (std::strcmp(argument[2], "cameras") == 0) cameras(functions);
     if (std::strcmp(argument[2], "lenses") == 0) lenses(functions);
     if (std::strcmp(argument[2], "wavelengths") == 0) wavelengths(functions);
+    if (std::strcmp(argument[2], "importance") == 0) importance(functions);
 #ifdef REALISTIC_LINKED
     // Where the program is linked nothing need be said of the library.
     std::printf("linked %s\n", Owner(realistic::Options(4, 3)).lens_name().c_str());

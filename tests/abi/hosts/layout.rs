@@ -114,9 +114,9 @@ fn the_c_structures_are_as_the_cpp_compiler_lays_them_out() {
             focusdistance aperture_diameter fnumber filmdiag hither yon shutteropen shutterclose wavelength
             mmperunit camera_to_world_end transformstart transformend shutter lensplane shutterramp
             shutterslit fov screenwindow frameaspectratio lensradius focaldistance tolerance focusby
-            zoom),
+            zoom blades bladerotation bladecurvature glasscatalog crop),
         structure!(realistic_camera_info: struct_size interfaces focal_length_mm fnumber film_distance_mm
-            focus_distance_mm film_diagonal_mm),
+            focus_distance_mm film_diagonal_mm crop),
     ];
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let header = cbindgen::Builder::new()

@@ -433,6 +433,21 @@ fn the_stock_cameras_take_a_hosts_parameters() {
 }
 
 #[test]
+fn a_crop_is_the_films_and_changes_no_ray() {
+    for abi in Abi::BOTH {
+        let samples = ["sample=3,4,0.3,0.6,0", "sample=29,19,0.5,0.5,0"];
+        let whole = run(abi, "rays", &samples);
+        let part = run(abi, "rays", &[&samples[..], &["float:crop=2,3,12,9"]].concat());
+        assert!(part.one("warning").contains("give it \"float cropwindow\""), "{}", part.out);
+        assert_eq!(format!("{:?}", part.rays("vtable")), format!("{:?}", whole.rays("vtable")));
+        assert_eq!(whole.all("warning"), [""; 0]);
+        let refused = |argument| run(abi, "rays", &[argument]);
+        refused("float:crop=2,3,1200,9").refused(&["\"crop\" is 2,3,1200,9", "x to <="]);
+        refused("float:crop=2,3").refused(&["crop", "2 values", "takes four"]);
+    }
+}
+
+#[test]
 fn a_closed_shutter_is_zero_outside_and_tiny_in_the_vtable() {
     for abi in Abi::BOTH {
         let slit = ["string:shutter=focal-plane", "float:shutterslit=0.25", "sample=15,1,0.5,0.5,0.9"];

@@ -5,8 +5,8 @@ use realistic::lens::{Lens, first_order::FirstOrder, pupil::EntrancePupil};
 use realistic::prescription::{Prescription, catalogue};
 use std::fmt::Write as _;
 
-/// The list as text. Focal lengths are computed at the first position and stated at the others; f-numbers and fields of
-/// view are stated, or computed where the file states none.
+/// The list as text. Focal lengths are computed at the first position and stated at the others; f-numbers are
+/// stated, or computed where the file states none; fields of view and years are stated.
 pub fn text() -> String {
     let mut text = format!(
         "{:<20} {:>12} {:>9} {:>12} {:>10} {:>5}  {}\n",

@@ -1,4 +1,6 @@
-//! The commands that take pictures: one, and a stack of them.
+//! The commands that take pictures: one or a tile of one, a stack of them, and the joining of tiles.
 
 pub mod focus_stack;
+pub mod merge;
+mod origin;
 pub mod render;

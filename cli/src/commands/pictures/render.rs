@@ -1,11 +1,13 @@
-//! `realistic render`: the built-in scene through a lens, or a slide of the lecture.
+//! `realistic render`: the built-in scene through a lens, whole or a tile of it, or a slide of the lecture.
 
+use super::origin::origin;
 use crate::failure::Failure;
 use crate::host::plugin::{Camera, Plugin};
+use crate::host::render::Integrator;
 use crate::host::scene::effects::Effects;
-use crate::host::scene::props;
+use crate::host::scene::{night, props};
 use crate::host::studio::{Method, Options, Order, Shot, Slide, Studio, parameter_help, stopped_down};
-use crate::image::{picture_path, writable};
+use crate::image::{Format, picture_path, tile, writable};
 use realistic::camera::autofocus::Rule;
 use realistic::message::fixed;
 use std::fmt::Write as _;
@@ -21,12 +23,21 @@ pub struct Args {
     /// Picture to write: .png (8-bit sRGB) or .exr (linear irradiance on the film; of a slide, as shown)
     #[arg(long, value_name = "FILE", default_value = "realistic.png", value_parser = picture_path)]
     out: PathBuf,
+    /// Render only the pixels from column X0 to before X1 and from row Y0 to before Y1, as a tile for `merge`
+    #[arg(long, value_name = "X0,Y0,X1,Y1", conflicts_with = "slide")]
+    crop: Option<String>,
     /// Effects with commas between them: gloss, translucency, soft-shadow, dof, motion; or none, or all
     #[arg(long, value_name = "NAMES", default_value = "soft-shadow,dof", conflicts_with = "slide")]
     effects: Effects,
     /// A slide of the lecture instead of one picture: an effect off, with few samples and with many
     #[arg(long, value_name = "NAME")]
     slide: Option<Slide>,
+    /// The built-in scene by day, or at night, lit by lamps alone
+    #[arg(long, value_name = "NAME", default_value = "day", conflicts_with = "slide")]
+    scene: Stage,
+    /// From where light is followed: path, from the camera, or light, from the lamps of --scene night
+    #[arg(long, value_name = "NAME", default_value = "path", conflicts_with = "slide")]
+    integrator: Integrator,
     /// Trace this many wavelengths, 3 or more, and show the lens' colour errors
     #[arg(long, value_name = "N", conflicts_with = "slide", value_parser = clap::value_parser!(u32).range(3..=256))]
     wavelengths: Option<u32>,
@@ -41,6 +52,15 @@ pub struct Args {
     /// What the plugin asks this program for
     #[arg(long, value_name = "METHOD", default_value = "distance", requires = "autofocus")]
     autofocus_by: Method,
+}
+
+/// When the built-in scene is rendered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Stage {
+    /// In the light of sun and sky
+    Day,
+    /// In that of lamps alone
+    Night,
 }
 
 /// Stands for a zone in the middle of the picture.
@@ -62,18 +82,42 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         return Ok(std::io::stdout().write_all(text.as_bytes())?);
     }
     let mut parameters = stopped_down(&studio.parameters, &args.effects)?;
-    let scene = props::scene().with(&args.effects);
+    if let Some(crop) = &args.crop {
+        if parameters.crop.is_some() {
+            return Err(Failure::Usage(
+                "--crop and parameter \"crop\" say the same thing; give one of them".to_owned(),
+            ));
+        }
+        parameters.set_from_text("crop", crop)?;
+    }
+    let scene = match args.scene {
+        Stage::Day => props::scene(),
+        Stage::Night => night::scene(),
+    };
+    let scene = scene.with(&args.effects);
     if !args.autofocus.is_empty() {
         let zones: Vec<[f32; 4]> =
             args.autofocus.iter().map(|zone| zone.unwrap_or_else(|| middle(studio.size))).collect();
         let (rule, method) = (args.autofocus_rule, args.autofocus_by);
         parameters.filmdistance = Some(studio.autofocus(&parameters, &scene, &zones, rule, method)?);
     }
-    let order = Order { spp: args.options.spp.unwrap_or(SPP), wavelengths: args.wavelengths, frame: None };
+    let order = Order {
+        spp: args.options.spp.unwrap_or(SPP),
+        wavelengths: args.wavelengths,
+        whole: None,
+        integrator: args.integrator,
+    };
     let shot = studio.take(&parameters, &scene, &order)?;
-    shot.picture.write(&args.out, shot.scale)?;
-
     let mut text = describe(&studio.plugin, &shot.camera, studio.size)?;
+    if parameters.crop.is_some() {
+        let format = Format::of(&args.out).map_err(Failure::Usage)?;
+        let origin = origin(&args.options, &args.effects, format, &studio, &order, &shot)?;
+        tile::write(&shot.picture, &args.out, shot.scale, &origin)?;
+        let ([x0, y0, ..], [width, height]) = (origin.crop, origin.whole);
+        let _ = writeln!(text, "tile     at {x0},{y0} of {width}x{height}, for `realistic merge`");
+    } else {
+        shot.picture.write(&args.out, shot.scale)?;
+    }
     let _ = writeln!(text, "picture  {}", timing(&order, &shot, studio.threads()));
     let _ = writeln!(text, "         {}", args.out.display());
     Ok(std::io::stdout().write_all(text.as_bytes())?)

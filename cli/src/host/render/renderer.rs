@@ -1,9 +1,10 @@
 //! Rendering: tiles over all cores, and every pixel the mean over its samples.
 
+use super::lamplight::Lights;
 use super::shade::{ShadingSample, radiance};
 use crate::host::plugin::PluginError;
-use crate::host::scene::Scene;
 use crate::host::scene::shapes::Ray;
+use crate::host::scene::{Light, Scene};
 use crate::image::Picture;
 use glam::Vec3;
 use indicatif::ProgressBar;
@@ -22,11 +23,11 @@ const TILE: u32 = 16;
 pub struct Settings {
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// The top left pixel: not 0, 0 for a window into the camera's picture.
+    /// The top left pixel: not 0, 0 for a tile of the camera's picture.
     pub corner: [u32; 2],
     /// Samples per pixel.
     pub spp: u32,
-    /// Pictures with the same seed are the same, whatever the number of threads.
+    /// Pictures with the same seed are the same, whatever the number of threads, and a tile is a part of the whole.
     pub seed: u64,
     /// Millimetres of the scene to a world unit of the camera.
     pub mm_per_unit: f32,
@@ -50,7 +51,7 @@ pub fn render(
         let place = [index % across * TILE, index / across * TILE];
         let size = [0, 1].map(|axis| TILE.min(settings.size[axis] - place[axis]));
         let corner = [0, 1].map(|axis| settings.corner[axis] + place[axis]);
-        let mut view = View::new(scene, settings, index);
+        let mut view = View::new(scene, settings);
         let window = Window { corner, size };
         let (pixels, tally) = render::render(&camera, &mut view, window, settings.spp as usize)?;
         progress.inc(1);
@@ -70,8 +71,10 @@ pub fn render(
 /// the facets, and independent of the others.
 struct View<'a> {
     scene: &'a Scene,
+    /// Of a scene that they alone light.
+    lights: Option<Lights>,
     mm_per_unit: f32,
-    random: Xoshiro256PlusPlus,
+    seed: u64,
     pairs: [Vec<Point>; 4],
     times: Vec<f32>,
     /// Of every sample of the batch.
@@ -79,27 +82,34 @@ struct View<'a> {
 }
 
 impl<'a> View<'a> {
-    fn new(scene: &'a Scene, settings: &Settings, index: u32) -> Self {
+    fn new(scene: &'a Scene, settings: &Settings) -> Self {
         let spp = settings.spp as usize;
-        // An odd multiple keeps neighbouring seeds from sharing tiles.
-        let seed = settings.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ u64::from(index);
         Self {
             scene,
+            lights: (scene.light == Light::Lamps).then(|| Lights::of(scene)),
             mm_per_unit: settings.mm_per_unit,
-            random: Xoshiro256PlusPlus::seed_from_u64(seed),
+            seed: settings.seed,
             pairs: std::array::from_fn(|_| vec![Point::default(); spp]),
             times: vec![0.0; spp],
             shading: Vec::new(),
         }
     }
+
+    /// The random numbers of a pixel of the whole picture, the same in every part of it.
+    fn random(&self, [x, y]: [u32; 2]) -> Xoshiro256PlusPlus {
+        let pixel = u64::from(y) << 32 | u64::from(x);
+        // An odd multiple keeps neighbouring seeds from sharing pixels.
+        Xoshiro256PlusPlus::seed_from_u64(self.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ pixel)
+    }
 }
 
 impl Integrand<3> for View<'_> {
     fn place(&mut self, [x, y]: [u32; 2], first: usize, samples: &mut [realistic_sample]) {
+        let mut random = self.random([x, y]);
         for pair in &mut self.pairs {
-            Sequence::Sobol.fill(self.random.next_u32(), 2, pair);
+            Sequence::Sobol.fill(random.next_u32(), 2, pair);
         }
-        strata(self.random.next_u32(), &mut self.times);
+        strata(random.next_u32(), &mut self.times);
         self.shading.truncate(first);
         for (number, sample) in samples.iter_mut().enumerate() {
             let [film, lens, light, facet] =
@@ -121,7 +131,12 @@ impl Integrand<3> for View<'_> {
             direction: Vec3::from_array(ray.d),
             time: ray.time,
         };
-        radiance(self.scene, &ray, self.shading[number]).to_array()
+        let sample = self.shading[number];
+        let found = match &self.lights {
+            Some(lights) => lights.radiance(self.scene, &ray, sample),
+            None => radiance(self.scene, &ray, sample),
+        };
+        found.to_array()
     }
 }
 
@@ -184,19 +199,38 @@ mod tests {
     }
 
     #[test]
-    fn a_window_shows_its_part_of_the_picture() {
-        let [corner, size] = [[16, 5], [20, 16]];
+    fn a_tile_is_a_part_of_the_picture_to_the_bit() {
         let camera = Pinhole { size: [37, 21], half_blocked: false };
-        let settings = Settings { size, corner, spp: 256, seed: 7, mm_per_unit: 1.0 };
-        let scene = with("none");
-        let (part, _) = render(|rays| camera.rays(rays), &scene, &settings, &ProgressBar::hidden()).unwrap();
-        let (whole, _) = pictured(&scene, 1, false, 256);
-        let mut error = 0.0;
-        for (index, pixel) in (0..).zip(&part.pixels) {
-            let [x, y] = [corner[0] + index % size[0], corner[1] + index / size[0]];
-            error += (pixel[1] - whole.pixels[(y * 37 + x) as usize][1]).abs();
+        let scene = with("all");
+        for spp in [1, 4, 48] {
+            let (whole, _) = pictured(&scene, 1, false, spp);
+            for [corner, size] in [[[16, 5], [20, 16]], [[0, 0], [37, 1]], [[36, 20], [1, 1]]] {
+                let settings = Settings { size, corner, spp, seed: 7, mm_per_unit: 1.0 };
+                let (part, _) =
+                    render(|rays| camera.rays(rays), &scene, &settings, &ProgressBar::hidden()).unwrap();
+                for (index, pixel) in (0..).zip(&part.pixels) {
+                    let [x, y] = [corner[0] + index % size[0], corner[1] + index / size[0]];
+                    assert_eq!(*pixel, whole.pixels[(y * 37 + x) as usize], "{x} {y} at {spp}");
+                }
+            }
         }
-        assert!(error / (part.pixels.len() as f32) < 0.02, "{error}");
+    }
+
+    #[test]
+    fn neighbouring_pixels_and_pictures_have_random_numbers_of_their_own() {
+        let scene = props::scene();
+        let numbers = |seed: u64, pixel: [u32; 2]| {
+            let settings = Settings { size: [1; 2], corner: [0; 2], spp: 1, seed, mm_per_unit: 1.0 };
+            let mut random = View::new(&scene, &settings).random(pixel);
+            [0; 5].map(|_| random.next_u32())
+        };
+        let mut all: Vec<u32> = (0..4)
+            .flat_map(|seed| (0..8).flat_map(move |x| (0..8).map(move |y| (seed, [x, y]))))
+            .flat_map(|(seed, pixel)| numbers(seed, pixel))
+            .collect();
+        all.sort_unstable();
+        all.dedup();
+        assert_eq!(all.len(), 4 * 64 * 5);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 //! and L. Carpenter, "Distributed Ray Tracing", *Computer Graphics* 18(3), SIGGRAPH 1984).
 
 use clap::ValueEnum;
+use std::fmt::{self, Display};
 use std::str::FromStr;
 
 /// One of them.
@@ -32,6 +33,18 @@ impl Effects {
     /// Whether it is among them.
     pub fn has(&self, effect: Effect) -> bool {
         self.0.contains(&effect)
+    }
+}
+
+impl Display for Effects {
+    /// Their names with commas between them, in an order of their own.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let names: Vec<String> = Effect::value_variants()
+            .iter()
+            .filter(|effect| self.has(**effect))
+            .filter_map(|effect| effect.to_possible_value().map(|value| value.get_name().to_owned()))
+            .collect();
+        f.write_str(if names.is_empty() { "none".to_owned() } else { names.join(",") }.as_str())
     }
 }
 

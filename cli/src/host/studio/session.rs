@@ -4,10 +4,10 @@
 use super::autofocus::{Autofocus, Method};
 use super::focus::{self, AxialRays};
 use crate::failure::Failure;
-use crate::host::plugin::{self, Camera, Plugin};
-use crate::host::render::{Settings, render, spectrum};
-use crate::host::scene::Scene;
+use crate::host::plugin::{self, Camera, Connections, Places, Plugin};
+use crate::host::render::{Integrator, Settings, lamplight, render, spectrum, trace};
 use crate::host::scene::effects::{Effect, Effects};
+use crate::host::scene::{Light, Scene};
 use crate::image::Picture;
 use crate::lens_and_film::{PIPED, finite, set_parameters, size, standard_input, warn};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -35,7 +35,7 @@ pub struct Options {
     pub spp: Option<u32>,
     /// A camera parameter; may be given again for others (names and units below)
     #[arg(long = "param", value_name = "NAME=VALUE")]
-    parameters: Vec<String>,
+    pub parameters: Vec<String>,
     /// Threads to render with [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -48,7 +48,7 @@ pub struct Options {
     plugin: Option<PathBuf>,
     /// Seed of the random numbers; the same gives the same picture with any number of threads
     #[arg(long, value_name = "N", default_value_t = 1)]
-    seed: u64,
+    pub seed: u64,
 }
 
 /// Everything but the scene and the camera.
@@ -73,24 +73,17 @@ pub struct Order {
     pub spp: u32,
     /// Wavelengths, each with samples of its own, that make the picture; `None` for one at the lens' own.
     pub wavelengths: Option<u32>,
-    /// What the picture is a part of; `None` for a whole one.
-    pub frame: Option<Frame>,
-}
-
-/// A larger picture of which only a part is rendered.
-#[derive(Clone, Copy, Debug)]
-pub struct Frame {
-    /// Its width and height in pixels.
-    pub size: [u32; 2],
-    /// Where the part's top left corner lies in it.
-    pub corner: [u32; 2],
+    /// Width and height of the picture, of which the parameter `crop` may choose a part; `None` for the session's.
+    pub whole: Option<[u32; 2]>,
+    /// From where light is followed.
+    pub integrator: Integrator,
 }
 
 /// A picture taken.
 pub struct Shot {
     /// What took it: the camera at the lens' own wavelength.
     pub camera: Camera,
-    /// Irradiance on the film.
+    /// Irradiance on the film, of the part that `crop` asks for.
     pub picture: Picture,
     /// What takes it to the screen's values.
     pub scale: f32,
@@ -165,37 +158,47 @@ impl Studio {
     /// # Errors
     /// The plugin's own.
     pub fn take(&self, parameters: &Parameters, scene: &Scene, order: &Order) -> Result<Shot, Failure> {
+        if order.integrator == Integrator::Light {
+            is_lamplit(parameters, scene, order)?;
+        }
         if let (Some(wavelength), Some(count)) = (parameters.wavelength, order.wavelengths) {
             return Err(Failure::Usage(format!(
                 "a picture in {count} wavelengths has no single \"wavelength\" ({wavelength} nm); leave \
                  --param wavelength out, or --wavelengths"
             )));
         }
-        let frame = order.frame.unwrap_or(Frame { size: self.size, corner: [0; 2] });
+        let whole = order.whole.unwrap_or(self.size);
         let warn = |message: &str| self.warn(message);
-        let camera = focus::build(&self.plugin, parameters, frame.size, scene, &warn)?;
+        let camera = focus::build(&self.plugin, parameters, whole, scene, &warn)?;
+        let [x0, y0, x1, y1] = camera.info()?.crop;
         let settings = Settings {
-            size: self.size,
-            corner: frame.corner,
+            size: [x1 - x0, y1 - y0],
+            corner: [x0, y0],
             spp: order.spp,
             seed: self.seed,
             mm_per_unit: parameters.mmperunit.unwrap_or(1.0) as f32,
         };
         let start = Instant::now();
         let (picture, tally) = match order.wavelengths {
+            None if order.integrator == Integrator::Light => {
+                let shutter = [parameters.shutteropen.unwrap_or(0.0), parameters.shutterclose.unwrap_or(1.0)];
+                let shutter = shutter.map(|time| time as f32);
+                let joined = |places: &Places, found: &mut Connections| camera.connect(places, found);
+                self.pool.install(|| trace(joined, scene, &settings, shutter, &self.progress))?
+            }
             None => {
                 self.pool.install(|| render(|rays| camera.rays(rays), scene, &settings, &self.progress))?
             }
             Some(count) => {
-                let mut whole = (Picture::plain(self.size, [0.0; 3]), Tally::default());
+                let mut sum = (Picture::plain(settings.size, [0.0; 3]), Tally::default());
                 for (wavelength, band) in spectrum::bands(count) {
                     // First-order optics has a wavelength once and for all.
-                    let there = match parameters.model {
-                        None | Some(Model::Lens) => None,
-                        Some(_) => Some(at_wavelength(parameters, &camera, wavelength)?),
+                    let there = match parameters.model.unwrap_or_default() {
+                        Model::Lens => None,
+                        _ => Some(at_wavelength(parameters, &camera, wavelength)?),
                     };
                     // What there is to warn of was said of the first camera.
-                    let new = |there| Camera::new(&self.plugin, &there, frame.size, &scene.pose, &|_| ());
+                    let new = |there| Camera::new(&self.plugin, &there, whole, &scene.pose, &|_| ());
                     let there = there.map(new).transpose()?;
                     let rays = |rays: Rays<'_>| match &there {
                         Some(camera) => camera.rays(rays),
@@ -203,17 +206,33 @@ impl Studio {
                     };
                     let (picture, tally) =
                         self.pool.install(|| render(rays, scene, &settings, &self.progress))?;
-                    spectrum::add(&mut whole.0, band, &picture);
-                    whole.1.add(&tally);
+                    spectrum::add(&mut sum.0, band, &picture);
+                    sum.1.add(&tally);
                 }
-                whole
+                sum
             }
         };
         let took = start.elapsed();
         self.progress.finish_and_clear();
-        let scale = self.exposure.exp2() / white_level(&camera, parameters, frame.size)?;
+        let scale = self.exposure.exp2() / white_level(&camera, parameters, whole)?;
         Ok(Shot { camera, picture, scale, tally, took })
     }
+}
+
+/// Whether paths from the lamps show all of a scene.
+fn is_lamplit(parameters: &Parameters, scene: &Scene, order: &Order) -> Result<(), Failure> {
+    let what = if scene.light != Light::Lamps {
+        "sun and sky, which have no place to begin paths at; give --scene night".to_owned()
+    } else if let Some(finish) = lamplight::not_matte(scene) {
+        format!("surfaces with the finish {finish:?}, which no path from a lamp to the lens meets")
+    } else if parameters.crop.is_some() {
+        "a \"crop\", and paths from the lamps lead to the whole picture".to_owned()
+    } else if order.wavelengths.is_some() {
+        "several wavelengths, and rays from the scene have the camera's own".to_owned()
+    } else {
+        return Ok(());
+    };
+    Err(Failure::Usage(format!("--integrator light cannot render this scene: it has {what}")))
 }
 
 /// The same camera at another wavelength, its film where the lens is in focus at its own.
@@ -242,6 +261,19 @@ pub fn stopped_down(parameters: &Parameters, effects: &Effects) -> Result<Parame
     }
     parameters.fnumber = Some(SMALL);
     Ok(parameters)
+}
+
+/// Refuses a crop for pictures that go on a sheet.
+///
+/// # Errors
+/// The user asks for one.
+pub fn whole_only(parameters: &Parameters) -> Result<(), Failure> {
+    match parameters.crop {
+        Some(_) => Err(Failure::Usage(
+            "the pictures of a sheet are whole ones; leave out \"crop\", or render one picture".to_owned(),
+        )),
+        None => Ok(()),
+    }
 }
 
 /// The film's irradiance where the scene has radiance 1.

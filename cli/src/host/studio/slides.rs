@@ -1,12 +1,13 @@
 //! The lecture's slides: for each effect a small scene, taken without it, with few samples, and
 //! with many (after R. L. Cook, T. Porter and L. Carpenter, "Distributed Ray Tracing", 1984).
 
-use super::session::{Frame, Options, Order, Studio, stopped_down};
+use super::session::{Options, Order, Studio, stopped_down, whole_only};
 use crate::failure::Failure;
+use crate::host::render::Integrator;
 use crate::host::scene::effects::Effect::{self, Dof, Gloss, Motion, SoftShadow, Translucency};
 use crate::host::scene::effects::Effects;
 use crate::host::scene::slides::{colour, gloss, motion, soft_shadow, translucency};
-use crate::host::scene::{Scene, props};
+use crate::host::scene::{Scene, night, props};
 use crate::image::{Picture, Sheet};
 use std::fmt::Write as _;
 
@@ -27,6 +28,8 @@ pub enum Slide {
     Lenses,
     /// Colour errors of a lens, by one, few and many wavelengths
     Colour,
+    /// Small lamps out of focus, by paths from the camera and, in about the same time, by paths from the lamps
+    Lamps,
 }
 
 /// Few enough to see the noise.
@@ -47,7 +50,7 @@ struct Panel {
 
 impl Panel {
     fn new(label: impl Into<String>, effects: &[Effect], spp: u32) -> Self {
-        let order = Order { spp, wavelengths: None, frame: None };
+        let order = Order { spp, wavelengths: None, whole: None, integrator: Integrator::Path };
         let effects = Effects::only(effects);
         Self { label: label.into(), effects, order, parameters: Vec::new(), exposure: 1.0 }
     }
@@ -65,6 +68,7 @@ impl Slide {
     /// # Errors
     /// The user gives what is the slide's to choose, or the camera's own.
     pub fn take(self, studio: &Studio, options: &Options) -> Result<(Picture, String), Failure> {
+        whole_only(&studio.parameters)?;
         let many = options.spp.unwrap_or(MANY);
         let (scene, panels) = self.panels(many, studio.size);
         let columns = if self == Self::Lenses { 2 } else { panels.len() as u32 };
@@ -113,6 +117,7 @@ impl Slide {
             Self::Motion => (motion::scene(), three(&[], &[Motion], many)),
             Self::Lenses => (props::scene(), lenses(many)),
             Self::Colour => (colour::scene(), colours(many, size)),
+            Self::Lamps => (night::scene(), lamps(many)),
         }
     }
 }
@@ -137,6 +142,21 @@ fn lenses(spp: u32) -> Vec<Panel> {
     ]
 }
 
+/// The night from both ends. A path from a lamp is joined to the camera up to three times, and takes about as long as
+/// these many from the camera.
+fn lamps(many: u32) -> Vec<Panel> {
+    const AS_LONG: u32 = 2;
+    let panel = |integrator: Integrator, name: &str, spp: u32| {
+        let mut panel = Panel::new(format!("{spp} {name}"), &[SoftShadow, Dof], spp).set("fnumber", 2.0);
+        panel.order.integrator = integrator;
+        panel
+    };
+    vec![
+        panel(Integrator::Path, "paths from the camera", many),
+        panel(Integrator::Light, "from the lamps", (many / AS_LONG).max(1)),
+    ]
+}
+
 /// The corner of a large picture, by one wavelength and by several.
 fn colours(many: u32, size: [u32; 2]) -> Vec<Panel> {
     /// Times the panel's size, the whole picture's.
@@ -149,10 +169,9 @@ fn colours(many: u32, size: [u32; 2]) -> Vec<Panel> {
             .set("fnumber", 5.6);
         let [width, height] = size;
         panel.order.wavelengths = wavelengths;
-        panel.order.frame = Some(Frame {
-            size: [ZOOM * width, ZOOM * height],
-            corner: [width * (ZOOM - 1) - width / 4, height / 4],
-        });
+        panel.order.whole = Some([ZOOM * width, ZOOM * height]);
+        let [left, top] = [width * (ZOOM - 1) - width / 4, height / 4];
+        let mut panel = panel.set("crop", format!("{left},{top},{},{}", left + width, top + height));
         panel.exposure = 2.0;
         panel
     };

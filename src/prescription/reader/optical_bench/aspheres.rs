@@ -7,7 +7,10 @@ use crate::{
     prescription::{
         asphere::{Asphere, FIRST_POWER, LAST_POWER},
         error::LensFileError,
-        reader::{surfaces::SurfaceRow, text::Text},
+        reader::{
+            surfaces::SurfaceRow,
+            text::{Text, no_number},
+        },
     },
 };
 
@@ -35,11 +38,13 @@ pub(super) fn apply(
         }
         let mut numbers = Vec::new();
         for cell in row.values().iter().skip(1) {
-            let message =
-                || format!("\"{}\" is not a number; expected a constant of an asphere", cut(cell.text));
             // What is left out is 0.
             let number = if cell.text.is_empty() { Some(0.0) } else { cell.number() };
-            numbers.push(number.ok_or_else(|| text.error(cell.place, message()))?);
+            numbers.push(
+                number.ok_or_else(|| {
+                    text.error(cell.place, no_number(cell.text, "a constant of an asphere"))
+                })?,
+            );
         }
         let (conic, coefficients) = numbers.split_first().map_or((0.0, &[][..]), |(k, rest)| (*k, rest));
         let mut terms = [0.0; LAST_POWER - FIRST_POWER + 1];

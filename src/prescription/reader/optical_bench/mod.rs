@@ -11,7 +11,7 @@ mod variables;
 use super::{
     named_glass::NamedGlasses,
     surfaces::{self, Role, SurfaceRow},
-    text::{Cell, Text},
+    text::{Cell, Text, no_number},
 };
 use crate::prescription::{
     error::LensFileError,
@@ -55,16 +55,14 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
     let (glasses, told) = glasses.told(file);
     remarks.extend(told);
     Ok(Prescription {
-        name: String::new(),
         title: sections.title.clone(),
-        interfaces,
         nominal_film_distance: (back > 0.0).then_some(back),
         stated_focal_length: moving.focal_length,
         stated: moving.stated,
         glasses,
         positions: moving.positions,
-        blades: None,
         remarks,
+        ..Prescription::new(interfaces)
     })
 }
 
@@ -77,10 +75,11 @@ fn surface<'t>(
 ) -> Result<(Cell<'t>, SurfaceRow), LensFileError> {
     let [radius, thickness, n_d, diameter, abbe, glass] = [1, 2, 3, 4, 5, 6].map(|cell| row.cell(cell));
     let number = |cell: &Cell<'_>, expected: &str| {
-        cell.number().ok_or_else(|| {
-            text.error(cell.place, format!("\"{}\" is not a number; expected {expected}", cell.cut()))
-        })
+        cell.number().ok_or_else(|| text.error(cell.place, no_number(cell.text, expected)))
     };
+    if row.is_one_cell() {
+        return Err(text.error(row.place, "no tabs in this line; its cells are separated by tabs"));
+    }
     let role = role(&radius);
     let surface = SurfaceRow {
         radius: match radius.text {

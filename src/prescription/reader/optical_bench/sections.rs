@@ -21,6 +21,11 @@ impl<'t> Row<'t> {
         self.cells.get(cell).copied().unwrap_or(Cell { text: "", place: end })
     }
 
+    /// Whether nothing separates its cells.
+    pub(super) fn is_one_cell(&self) -> bool {
+        self.cells.len() == 1
+    }
+
     /// The cells from the second to the last that is not empty.
     pub(super) fn values(&self) -> &[Cell<'t>] {
         let end = self.cells.iter().rposition(|cell| !cell.text.is_empty()).map_or(1, |last| last + 1);

@@ -1,6 +1,9 @@
 //! What such a text says, and every refusal, as its user would read it.
 
-use crate::prescription::{Medium, Prescription, Shape, read};
+use crate::prescription::{
+    Medium, Shape,
+    reader::asked::{FILE, ok, refused},
+};
 
 /// A made-up zoom: a thickness per position, a flare stop, a cover glass, an asphere, what is to be skipped.
 const ZOOM: &str = "[descriptive data]\ntitle\tA made-up zoom\n[constants]\nScaled\t50\t100\n[variable distances]\n\
@@ -10,23 +13,10 @@ const ZOOM: &str = "[descriptive data]\ntitle\tA made-up zoom\n[constants]\nScal
     # a remark\n4AS\tAS\t1\t\t6.5\n5\t30\t2\t1.6\t8\t40\tXQ7?\n6\t-30\t1\t\t8\n7\tCG\t1.5\t1.52\t30\t64.1\n8\tInfinity\tBf\t\t30\n\
     [aspherical data]\n2\t-20\t-0.5\t1e-5\t\t2e-9\t\n[!aspherical data]\n1\t20\t9\t1\n[figure]\n1\t20\t9\t1\n";
 
-fn ok(text: &str) -> Prescription {
-    read("zoom.txt", text.as_bytes()).unwrap_or_else(|error| panic!("{error}"))
-}
-
-#[track_caller]
-fn refused(text: &str, at: &str, parts: &[&str]) {
-    let message = read("zoom.txt", text.as_bytes()).expect_err("refused").to_string();
-    assert!(message.starts_with(&format!("zoom.txt:{at}: ")), "{message}");
-    for part in parts {
-        assert!(message.contains(part), "{message} lacks {part:?}");
-    }
-}
-
 #[test]
 fn every_section_that_says_what_the_lens_is_is_read() {
     let lens = ok(ZOOM);
-    assert_eq!((lens.name.as_str(), lens.title.as_deref()), ("zoom.txt", Some("A made-up zoom")));
+    assert_eq!((lens.name.as_str(), lens.title.as_deref()), (FILE, Some("A made-up zoom")));
     let shapes: Vec<Shape> = lens.interfaces.iter().map(|interface| interface.shape).collect();
     assert_eq!(shapes[0], Shape::Sphere { radius: 20.0 });
     let Shape::Asphere(asphere) = shapes[1] else { panic!("{shapes:?}") };
@@ -50,7 +40,7 @@ fn every_section_that_says_what_the_lens_is_is_read() {
     assert_eq!((positions.columns[1].fnumber, positions.columns[1].stop_diameter), (Some(4.0), Some(6.8)));
     assert_eq!(positions.columns.len(), 2, "the third has no distance to the film");
     assert_eq!(lens.remarks.len(), 2, "{:?}", lens.remarks);
-    assert!(lens.remarks[0].starts_with("zoom.txt:10:12: position 3 is left out"), "{:?}", lens.remarks);
+    assert!(lens.remarks[0].starts_with("lens.dat:10:12: position 3 is left out"), "{:?}", lens.remarks);
     assert!(lens.remarks[1].contains("glasses XQ7: not known; n_d and V"), "{:?}", lens.remarks);
 }
 
@@ -59,10 +49,10 @@ fn encodings_and_line_ends_make_no_difference() {
     let plain = ok(ZOOM);
     assert_eq!(ok(&ZOOM.replace('\n', "\r\n")), plain);
     let utf16 = [0xFF, 0xFE].into_iter().chain(ZOOM.bytes().flat_map(|byte| [byte, 0])).collect::<Vec<u8>>();
-    assert_eq!(read("zoom.txt", &utf16).expect("a lens"), plain);
+    assert_eq!(ok(&utf16), plain);
     let latin: Vec<u8> =
         ZOOM.replace("made-up", "Gau?").bytes().map(|byte| if byte == b'?' { 0xDF } else { byte }).collect();
-    assert_eq!(read("zoom.txt", &latin).expect("a lens").title.as_deref(), Some("A Gauß zoom"));
+    assert_eq!(ok(&latin).title.as_deref(), Some("A Gauß zoom"));
 }
 
 #[test]
@@ -124,7 +114,12 @@ fn a_wrong_text_is_told_where_it_is_wrong() {
     refused(&with("5.0\t1.51680", "\t1.51680"), "14:8", &["\"\" is neither"]);
     refused(&with("1.51680", "0.9"), "14:12", &["1 or more"]);
     refused(&with("64.17", "-64.17"), "14:25", &["V-number is positive"]);
-    refused(&with("\t10.0\t", "\t\t"), "14:20", &["\"\" is not a number", "clear diameter"]);
+    refused(
+        &with("1\t20.0\t5.0\t1.51680\t10.0\t64.17\tN-BK7\tSCHOTT", "1 20.0 5.0"),
+        "14:1",
+        &["no tabs", "separated by tabs"],
+    );
+    refused(&with("\t10.0\t", "\t\t"), "14:20", &["nothing stands here", "clear diameter"]);
     refused(&with("\t10.0\t", "\t0\t"), "14:1", &["clear diameter 0 mm"]);
     refused(&with("3.0\t9.0", "-3.0\t9.0"), "10:4", &["0 or more"]);
     refused(&with("d3\t3.0\t9.0\t4", "d3\tundefined"), "10:4", &["at no position"]);

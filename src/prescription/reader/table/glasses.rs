@@ -171,23 +171,13 @@ fn is_name(text: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::prescription::{Prescription, glass::refractive_index, reader::read};
+    use crate::prescription::{
+        glass::refractive_index,
+        reader::asked::{ok, refused},
+    };
 
     const BK7: &str = "glass N-BK7 sellmeier B1=1.03961212 B2=0.231792344 B3=1.01046945 \
                        C1=0.00600069867 C2=0.0200179144 C3=103.560653\n";
-
-    fn ok(text: &str) -> Prescription {
-        read("lens.dat", text.as_bytes()).unwrap_or_else(|error| panic!("{error}"))
-    }
-
-    #[track_caller]
-    fn refused(text: &str, at: &str, parts: &[&str]) {
-        let message = read("lens.dat", text.as_bytes()).expect_err("refused").to_string();
-        assert!(message.starts_with(&format!("lens.dat:{at}: ")), "{message}");
-        for part in parts {
-            assert!(message.contains(part), "{message} lacks {part:?}");
-        }
-    }
 
     #[test]
     fn a_named_glass_stands_in_the_index_column_of_either_table() {

@@ -4,7 +4,7 @@ use std::fmt;
 
 use crate::{
     message::cut,
-    prescription::{error::LensFileError, limits::MAX_INTERFACES},
+    prescription::{error::LensFileError, limits::MAX_INTERFACES, reader::text::no_number},
 };
 
 /// One value of the table.
@@ -119,9 +119,12 @@ impl Lines {
 
     /// The finite number that a word spells.
     pub(super) fn number(&self, word: &Word, expected: &str) -> Result<f64, LensFileError> {
-        let wrong = |what: &str| self.error(word, &format!("\"{word}\" is {what}; expected {expected}"));
-        let number: f64 = word.text.parse().map_err(|_| wrong("not a number"))?;
-        if number.is_finite() { Ok(number) } else { Err(wrong("not finite")) }
+        let number = word.text.parse().map_err(|_| self.error(word, &no_number(&word.text, expected)))?;
+        if f64::is_finite(number) {
+            Ok(number)
+        } else {
+            Err(self.error(word, &format!("\"{word}\" is not finite; expected {expected}")))
+        }
     }
 
     /// That there are at most [`MAX_INTERFACES`] lines of one kind.

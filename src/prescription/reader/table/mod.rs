@@ -30,7 +30,7 @@ use crate::{
 };
 use columns::Columns;
 use glasses::Glasses;
-use lines::{Line, Lines};
+use lines::{Line, Lines, Word};
 
 /// Reads a table from decoded bytes; `file` is its name in messages.
 ///
@@ -43,6 +43,7 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
     let blades = blades::take(&mut lines)?;
     let columns = Columns::take(&mut lines)?;
     misspelt_keyword(&lines)?;
+    heading(&lines)?;
     let (mut stated_focal_length, table) = leading_focal_length(&lines)?;
     let Some(last) = table.last() else {
         return Err(lines.error_at_end("the file has no rows; expected at least one interface"));
@@ -64,9 +65,7 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
     }
     let back = std::mem::take(&mut interfaces.last_mut().expect("at least one row").thickness);
     Ok(Prescription {
-        name: String::new(),
         title: lines.title.clone(),
-        interfaces,
         nominal_film_distance: (back > 0.0).then_some(back),
         stated_focal_length,
         stated,
@@ -74,6 +73,7 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
         positions,
         blades: blades.map(|(_, blades)| blades),
         remarks: remarks.iter().map(LensFileError::to_string).collect(),
+        ..Prescription::new(interfaces)
     })
 }
 
@@ -89,6 +89,17 @@ fn leading_focal_length(lines: &Lines) -> Result<(Option<f64>, &[Line]), LensFil
             Ok((Some(length), rest))
         }
         _ => Ok((None, &lines.lines)),
+    }
+}
+
+/// That the first line is no heading without its mark.
+fn heading(lines: &Lines) -> Result<(), LensFileError> {
+    let is_word = |word: &Word| word.text.chars().all(|c| c.is_ascii_alphabetic());
+    match lines.lines.first().map(|line| line.words.as_slice()) {
+        Some(words @ [first, _, _, ..]) if words.iter().all(is_word) => {
+            Err(lines.error(first, "a line of words and no numbers; a heading begins with #"))
+        }
+        _ => Ok(()),
     }
 }
 

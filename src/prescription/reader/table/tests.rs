@@ -1,25 +1,11 @@
 //! Every accepted spelling and every refusal, the latter as its user would read it.
 
-use crate::prescription::{MAX_FILE_BYTES, MAX_INTERFACES, MAX_NAME_BYTES, Prescription, reader::read};
 use crate::prescription::{
-    catalogue,
-    interfaces::{Medium, Shape},
+    MAX_FILE_BYTES, MAX_INTERFACES, MAX_NAME_BYTES, Medium, Shape, catalogue, read,
+    reader::asked::{FILE, ok, refused},
 };
 
 const SINGLET: &str = "20 5 1.5 10\n-20 30 1 10\n";
-
-fn ok(text: &[u8]) -> Prescription {
-    read("lens.dat", text).unwrap_or_else(|error| panic!("{error}"))
-}
-
-#[track_caller]
-fn refused(text: &str, at: &str, parts: &[&str]) {
-    let message = read("lens.dat", text.as_bytes()).expect_err("refused").to_string();
-    assert!(message.starts_with(&format!("lens.dat:{at}: ")), "{message}");
-    for part in parts {
-        assert!(message.contains(part), "{message} lacks {part:?}");
-    }
-}
 
 #[test]
 fn the_last_thickness_is_the_nominal_film_distance() {
@@ -89,7 +75,13 @@ fn a_wrong_word_is_named_where_it_stands() {
     refused("20 inf 1.5 10", "1:4", &["not finite"]);
     refused("20 5 0.9 10", "1:6", &["index is 1 or more"]);
     refused("20 5 -1.5 10", "1:6", &["index is 1 or more"]);
-    let latin = read("lens.dat", b"20 5 1.5 10\xB5m").expect_err("refused").to_string();
+    refused(
+        "20 5 1.5 10\n\u{2212}20 30 1 10",
+        "2:1",
+        &["\"\u{2212}20\" is not a number: its minus is a dash; write -20"],
+    );
+    refused("radius thickness n diameter\n20 5 1.5 10", "1:1", &["a line of words", "heading begins with #"]);
+    let latin = read(FILE, b"20 5 1.5 10\xB5m").expect_err("refused").to_string();
     assert!(latin.starts_with("lens.dat:1:10: not text"), "{latin}");
 }
 
@@ -128,7 +120,7 @@ fn a_decimal_comma_is_named_with_its_line() {
     // Taken for a row of five columns, the first is right and the second is not.
     refused("20 5 1,5 10\n-20 30 1 10", "1:8", hint);
     refused("20\t5,5\t1.5\t10\n-20 30 1 10", "2:1", hint);
-    let message = read("lens.dat", b"20,5,1.5,x").expect_err("refused").to_string();
+    let message = read(FILE, b"20,5,1.5,x").expect_err("refused").to_string();
     assert!(!message.contains("decimal comma"), "{message}");
 }
 
@@ -146,7 +138,7 @@ fn no_message_repeats_a_long_word_or_number() {
         format!("glass x sellmeier B1=1 B1={long}"),
         format!("{} 5 1.5 10", "20 ".repeat(300_000)),
     ] {
-        let message = read("lens.dat", text.as_bytes()).expect_err("refused").to_string();
+        let message = read(FILE, text.as_bytes()).expect_err("refused").to_string();
         assert!(message.len() < 300, "{} bytes: {message:.300}", message.len());
     }
 }
@@ -204,7 +196,7 @@ fn a_name_has_at_most_255_bytes() {
     refused(&file(&longer, "1.5"), "1:7", &["has 256 bytes", "at most 255"]);
     refused(&file("g", &longer), "2:6", &["has 256 bytes", "at most 255"]);
     let huge = "g".repeat(900_000);
-    let message = read("lens.dat", file("g", &huge).as_bytes()).expect_err("too long").to_string();
+    let message = read(FILE, file("g", &huge).as_bytes()).expect_err("too long").to_string();
     assert!(message.len() < 200, "{} bytes", message.len());
 
     assert_eq!(read(&format!("some/where/{longest}"), SINGLET.as_bytes()).expect("a lens").name, longest);
@@ -219,7 +211,7 @@ fn a_text_has_at_most_a_mebibyte() {
     assert_eq!(ok(&text).interfaces.len(), 2);
     text.push(b'\n');
     let lines = MAX_FILE_BYTES as usize - SINGLET.len() + 3;
-    let message = read("lens.dat", &text).expect_err("too large").to_string();
+    let message = read(FILE, &text).expect_err("too large").to_string();
     assert!(message.starts_with(&format!("lens.dat:{lines}:1: ")), "{message}");
     assert!(message.contains("at most 1048576 bytes (1 MiB)"), "{message}");
 }

@@ -6,7 +6,7 @@ use crate::{
     prescription::{
         error::LensFileError,
         limits::MAX_INTERFACES,
-        reader::text::{Cell, Place, Text, words},
+        reader::text::{Cell, Place, Text, no_number, words},
     },
 };
 
@@ -26,13 +26,8 @@ impl<'t> Record<'t> {
             );
         };
         cell.number().ok_or_else(|| {
-            let message = format!(
-                "\"{}\" is not a number; expected value {} of {}",
-                cell.cut(),
-                value + 1,
-                self.key.cut()
-            );
-            text.error(cell.place, message)
+            let expected = format!("value {} of {}", value + 1, self.key.cut());
+            text.error(cell.place, no_number(cell.text, &expected))
         })
     }
 

@@ -15,7 +15,7 @@ use super::{
     text::{Place, Text},
 };
 use crate::{
-    message::short,
+    message::{cut, short},
     prescription::{
         error::LensFileError,
         glass::GlassLibrary,
@@ -58,6 +58,7 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
         own.iter().map(|block| surface::read(&text, block, &mut glasses)).collect::<Result<Vec<_>, _>>()?;
     let configurations = Configurations::of(&text, &blocks)?;
     let mut remarks = configurations.remarks.clone();
+    remarks.extend(odd_number(&text, &blocks));
     // Thicknesses by configuration, the object's distance first.
     let mut thicknesses = Vec::with_capacity(configurations.count);
     let stated = blocks.surfaces[..=own.len()]
@@ -137,16 +138,13 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
         stated = Stated { year: None, fnumber: None, fields: fields.unwrap_or_default() };
     }
     let lens = Prescription {
-        name: String::new(),
         title: title(&blocks),
-        interfaces,
         nominal_film_distance: (back > 0.0).then_some(back),
-        stated_focal_length: None,
         stated,
         glasses,
         positions,
-        blades: None,
         remarks,
+        ..Prescription::new(interfaces)
     };
     let lens = if unit == 1.0 { lens } else { lens.scaled(unit) };
     if has_range(&lens) {
@@ -154,6 +152,16 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
     } else {
         Err(text.error(object.place, "a length of this lens, in mm, is beyond the range of numbers"))
     }
+}
+
+/// That a surface has another number than its place in the file.
+fn odd_number(text: &Text<'_>, blocks: &Blocks<'_>) -> Option<String> {
+    let (i, odd) = blocks.surfaces.iter().enumerate().find(|(i, block)| block.number.parse() != Ok(*i))?;
+    let message = format!(
+        "surface {} where surface {i} was expected; surfaces are taken in the order in which they stand",
+        cut(odd.number)
+    );
+    Some(text.error(odd.place, message).to_string())
 }
 
 /// Whether all lengths are numbers, semi-diameters and distances not 0: units and sums may take them out of range.

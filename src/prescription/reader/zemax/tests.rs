@@ -1,7 +1,10 @@
 //! What such a file says, and every refusal, as its user would read it.
 
 use crate::prescription::{
-    GlassLibrary, Medium, Prescription, Shape, glass::D_LINE, glass::refractive_index, read, read_with,
+    GlassLibrary, Medium, Shape,
+    glass::{D_LINE, refractive_index},
+    read_with,
+    reader::asked::{FILE, ok, refused},
 };
 
 /// A made-up lens: a named glass, a model glass, an asphere, surfaces that do nothing, a stop in air with a size that the
@@ -18,22 +21,9 @@ const LENS: &str = "VERS 120928 0\nMODE SEQ\nNAME A made-up lens\nUNIT MM X W X 
     SURF 7\n  CURV 0\n  DISZ 30\n  DIAM 4 1\n\
     SURF 8\n  CURV 0\n  DISZ 0\n  DIAM 3\nTOL TOFF 0 0\nMNUM 1 1\nMOFF 0 1 \"\" 0 0\n";
 
-fn ok(text: &str) -> Prescription {
-    read("lens.zmx", text.as_bytes()).unwrap_or_else(|error| panic!("{error}"))
-}
-
 fn with(from: &str, to: &str) -> String {
     assert!(LENS.contains(from), "{from}");
     LENS.replacen(from, to, 1)
-}
-
-#[track_caller]
-fn refused(text: &str, at: &str, parts: &[&str]) {
-    let message = read("lens.zmx", text.as_bytes()).expect_err("refused").to_string();
-    assert!(message.starts_with(&format!("lens.zmx:{at}: ")), "{message}");
-    for part in parts {
-        assert!(message.contains(part), "{message} lacks {part:?}");
-    }
 }
 
 #[test]
@@ -66,10 +56,10 @@ fn encodings_and_units_make_no_difference() {
     let plain = ok(LENS);
     assert_eq!(ok(&LENS.replace('\n', "\r\n")), plain);
     let utf16 = [0xFF, 0xFE].into_iter().chain(LENS.bytes().flat_map(|byte| [byte, 0])).collect::<Vec<u8>>();
-    assert_eq!(read("lens.zmx", &utf16).expect("a lens"), plain);
+    assert_eq!(ok(&utf16), plain);
     let latin: Vec<u8> =
         with("made-up", "50? lens").bytes().map(|b| if b == b'?' { 0xB0 } else { b }).collect();
-    assert_eq!(read("lens.zmx", &latin).expect("a lens").title.as_deref(), Some("A 50° lens lens"));
+    assert_eq!(ok(&latin).title.as_deref(), Some("A 50° lens lens"));
     let inches = ok(&with("UNIT MM", "UNIT IN"));
     assert_eq!(inches.interfaces, plain.scaled(25.4).interfaces);
     assert_eq!(inches.nominal_film_distance, Some(762.0));
@@ -171,9 +161,9 @@ fn a_glass_is_its_name_else_its_numbers_else_an_error_that_says_what_to_do() {
         1.01046945 103.560653\nNM odd 77 0 1.5 60\nCD 1 2\n";
     let mut library = GlassLibrary::default();
     library.add("own.agf", catalogue.as_bytes()).expect("a catalogue");
-    let found = read_with("lens.zmx", nothing.as_bytes(), &library).expect("known");
+    let found = read_with(FILE, nothing.as_bytes(), &library).expect("known");
     assert_eq!(found.interfaces[0].medium, ok(LENS).interfaces[0].medium);
-    let odd = read_with("lens.zmx", with("N-BK7 0 0", "odd 0 0").as_bytes(), &library).expect_err("refused");
+    let odd = read_with(FILE, with("N-BK7 0 0", "odd 0 0").as_bytes(), &library).expect_err("refused");
     assert!(odd.message.contains("own.agf:5: formula 77 is not known"), "{odd}");
 }
 
@@ -215,6 +205,8 @@ fn a_malformed_file_is_told_where_it_is_wrong() {
         "10:1",
         &["beyond the range of numbers"],
     );
+    let lost = ok(&with("SURF 6\n", "SURF 7\n"));
+    assert!(lost.remarks[0].contains(":45:1: surface 7 where surface 6 was expected"), "{:?}", lost.remarks);
     let open = ok(&with("DISZ 30", "DISZ -30"));
     assert_eq!(open.nominal_film_distance, None);
     assert!(open.remarks[0].contains("the image lies in front of the last surface"), "{:?}", open.remarks);

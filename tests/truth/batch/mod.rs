@@ -1,5 +1,7 @@
 //! Batches have the bits of single calls, for any number of samples, strides and alignment.
 
+mod strided;
+
 use std::ffi::CStr;
 use std::mem::{MaybeUninit, size_of};
 use std::ptr::null_mut;
@@ -298,9 +300,46 @@ fn along_the_radius() -> Vec<realistic_sample> {
     samples
 }
 
+/// At the film radii that tables of pupils may have, 64ths of the farthest and their square roots, and one float to either
+/// side; the same for the neighbour to the right.
+fn at_tabulated_radii() -> Vec<realistic_sample> {
+    // Of the 40 x 30 film, pixels: its corner, and three pixels each way for a host's filter.
+    let farthest = 25.0 + 3.0 * std::f64::consts::SQRT_2;
+    let parts = (0..=64).map(|k| f64::from(k) / 64.0);
+    let radii = parts.flat_map(|part| [part, part.sqrt()]).map(|part| part * farthest);
+    let at = radii.map(|radius| (20.0 + radius) as f32);
+    let beside = at.flat_map(|x| [x.next_down(), x, x.next_up()]).flat_map(|x| [x, x - 1.0]);
+    let lens = samples(97).into_iter().cycle();
+    beside.zip(lens).map(|(image_x, sample)| realistic_sample { image_x, image_y: 15.0, ..sample }).collect()
+}
+
+/// The last float before the edge of an aperture and the first beyond, along rows of the film, and the same for the
+/// neighbour to the right.
+fn beside_edges(camera: &Camera) -> Vec<realistic_sample> {
+    let mut found = Vec::new();
+    for sample in samples(80).into_iter().filter(|sample| sample.image_x.is_finite()) {
+        let at = |image_x| realistic_sample { image_x, ..sample };
+        let passes = |x| f32::from_bits(singles(camera, &[at(x)])[0][9]) > 0.0;
+        let (mut inside, mut outside) = (20.0, 20.0 + 4.0 * (sample.image_x - 20.0));
+        if !passes(inside) || passes(outside) {
+            continue;
+        }
+        loop {
+            let middle = f32::midpoint(inside, outside);
+            match middle == inside || middle == outside {
+                true => break,
+                false if passes(middle) => inside = middle,
+                false => outside = middle,
+            }
+        }
+        found.extend([inside, outside, inside - 1.0, outside - 1.0].map(at));
+    }
+    found
+}
+
 #[test]
 fn differentials_have_the_bits_of_three_calls() {
-    let mut seen = [0; 4];
+    let (mut seen, mut edges) = ([0; 4], 0);
     for ((name, camera), (_, open)) in cameras().into_iter().zip(cameras()) {
         // Cameras with a shutter have the default's lens.
         let open = if ["slit", "leaf"].contains(&name) { self::camera(|_| ()) } else { open };
@@ -308,7 +347,9 @@ fn differentials_have_the_bits_of_three_calls() {
         // Blocks in which every sample has its ray, and only neighbours are missing, go another way.
         let mut lit = samples(1000);
         lit.retain(|sample| f32::from_bits(by_three_calls(&camera, &open, sample).0[9]) > 0.0);
-        for samples in sets.into_iter().chain([along_the_radius(), lit]) {
+        let beside = beside_edges(&camera);
+        edges += beside.len();
+        for samples in sets.into_iter().chain([along_the_radius(), at_tabulated_radii(), beside, lit]) {
             let n = samples.len();
             let expected: Vec<_> =
                 samples.iter().map(|sample| by_three_calls(&camera, &open, sample)).collect();
@@ -346,7 +387,7 @@ fn differentials_have_the_bits_of_three_calls() {
             }
         }
     }
-    assert!(seen.iter().all(|&count| count > 20), "{seen:?}");
+    assert!(seen.iter().all(|&count| count > 20) && edges > 1000, "{seen:?} {edges}");
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! A lens without a film through the C ABI.
 
+mod points;
+
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::mem::MaybeUninit;
 use std::ptr::{null, null_mut};
@@ -86,6 +88,42 @@ impl Lens {
         assert_eq!(status, realistic_status::Ok, "{}", last_error());
         ((0..rays.len()).map(|i| columns.each_ref().map(|column| column[i])).collect(), reasons)
     }
+
+    /// As [`Lens::trace`], with the points on every surface, the scene's first, and how many are met.
+    fn trace_points(&self, from: realistic_side, rays: &[[f64; 6]]) -> Vec<Traced> {
+        let (n, surfaces) = (rays.len(), self.info().surfaces as usize);
+        let mut columns: [Vec<f64>; 6] = std::array::from_fn(|c| rays.iter().map(|ray| ray[c]).collect());
+        let mut places = [(); 3].map(|()| vec![7.0; n * surfaces]);
+        let (mut reasons, mut met) = (vec![realistic_reason::Shut; n], vec![99; n]);
+        let [ox, oy, oz, dx, dy, dz] = columns.each_mut().map(|column| column.as_mut_ptr());
+        let struct_size = size_of::<realistic_lens_rays>() as u32;
+        let arrays =
+            realistic_lens_rays { struct_size, ox, oy, oz, dx, dy, dz, reason: reasons.as_mut_ptr() };
+        let [x, y, z] = places.each_mut().map(|place| place.as_mut_ptr());
+        let struct_size = size_of::<realistic_lens_points>() as u32;
+        let points = realistic_lens_points { struct_size, x, y, z, met: met.as_mut_ptr() };
+        // SAFETY: arrays of the rays' number, and of the points'.
+        let status = unsafe { realistic_lens_trace_points(self.0, from as i32, n, &arrays, &points) };
+        assert_eq!(status, realistic_status::Ok, "{}", last_error());
+        let point = |i: usize, k: usize| places.each_ref().map(|place| place[i * surfaces + k]);
+        (0..n)
+            .map(|i| Traced {
+                ray: columns.each_ref().map(|column| column[i]),
+                reason: reasons[i],
+                met: met[i] as usize,
+                points: (0..surfaces).map(|k| point(i, k)).collect(),
+            })
+            .collect()
+    }
+}
+
+/// A ray taken through a lens.
+struct Traced {
+    ray: [f64; 6],
+    reason: realistic_reason,
+    met: usize,
+    /// By the surfaces' numbers; NaN where it does not get so far.
+    points: Vec<[f64; 3]>,
 }
 
 impl Drop for Lens {
@@ -209,6 +247,7 @@ fn focus_is_the_cameras_and_its_own_inverse() {
             film_distance_mm: 0.0,
             focus_distance_mm: 0.0,
             film_diagonal_mm: 0.0,
+            crop: [0; 4],
         };
         let options = realistic_options { xres: 4, yres: 3, focusdistance: distance, ..options() };
         // SAFETY: the camera is freed once.
@@ -246,6 +285,25 @@ fn wavelength_and_stop_set_it_and_a_cameras_parameters_are_refused() {
     let (status, message) = Lens::of_text("20 5\n", |_| ()).err().expect("refused");
     assert_eq!(status, realistic_status::LensFile);
     assert!(message.starts_with("lens_text:1:1:"), "{message}");
+}
+
+#[test]
+fn every_name_of_the_catalogue_opens_a_lens() {
+    let mut length = 0;
+    // SAFETY: no buffer has no room, and the next has room for its capacity.
+    let text = unsafe {
+        assert_eq!(realistic_catalogue(null_mut(), 0, &mut length), realistic_status::Ok);
+        let mut buffer = vec![0_u8; length + 1];
+        let status = realistic_catalogue(buffer.as_mut_ptr().cast(), buffer.len(), null_mut());
+        assert_eq!(status, realistic_status::Ok);
+        buffer.truncate(length);
+        String::from_utf8(buffer).expect("UTF-8")
+    };
+    let names: Vec<&str> = text.split('\n').collect();
+    assert!(names[0] == "dgauss.50mm" && names.len() > 20, "{names:?}");
+    for name in names {
+        Lens::named(&CString::new(name).expect("no NUL"));
+    }
 }
 
 #[test]

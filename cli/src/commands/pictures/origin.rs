@@ -1,0 +1,96 @@
+//! What a tile says of the picture that it is a part of: what `merge` compares.
+
+use crate::failure::Failure;
+use crate::host::plugin::Camera;
+use crate::host::scene::effects::Effects;
+use crate::host::studio::{Options, Order, Shot, Studio};
+use crate::image::{Format, tile::Origin};
+use realistic::abi::{realistic_ray, realistic_sample};
+use realistic_lab::render::Rays;
+
+/// The origin of a picture of which `crop` asked for a part, in a file of this format.
+///
+/// # Errors
+/// The plugin's own.
+pub fn origin(
+    options: &Options,
+    effects: &Effects,
+    format: Format,
+    studio: &Studio,
+    order: &Order,
+    shot: &Shot,
+) -> Result<Origin, Failure> {
+    // The crop is the tile's own, and what the lens is shows in its rays, wherever its file lies.
+    let of_tile = ["crop=", "specfile=", "lensfile="];
+    let mut parameters: Vec<&str> = options.parameters.iter().map(String::as_str).collect();
+    parameters.retain(|given| !of_tile.iter().any(|name| given.starts_with(name)));
+    parameters.sort_unstable();
+    let (whole, info) = (studio.size, shot.camera.info()?);
+    let mut settings = vec![
+        ("plugin", studio.plugin.version()),
+        ("lens", shot.camera.lens_name()?),
+        ("parameters", parameters.join(" ")),
+        ("focal length and film distance", format!("{} {}", info.focal_length_mm, info.film_distance_mm)),
+        ("samples per pixel", order.spp.to_string()),
+        ("seed", options.seed.to_string()),
+        ("effects", effects.to_string()),
+        ("wavelengths", order.wavelengths.map_or_else(|| "the lens's own".to_owned(), |n| n.to_string())),
+        ("rays", format!("{:016x}", fingerprint(&shot.camera, whole)?)),
+    ];
+    if format == Format::Png {
+        settings.push(("brightness", shot.scale.to_string()));
+    }
+    let settings = settings.into_iter().map(|(name, value)| (name.to_owned(), on_one_line(&value))).collect();
+    Ok(Origin { whole, crop: info.crop, settings })
+}
+
+/// A value may be any text of the user's.
+fn on_one_line(text: &str) -> String {
+    text.replace(['\n', '\r'], " ")
+}
+
+/// A hash of rays all over the picture: cameras that make other rays, by another lens, parameter, or model that a
+/// tolerance chose on another processor, have another.
+fn fingerprint(camera: &Camera, whole: [u32; 2]) -> Result<u64, Failure> {
+    const RAYS: u16 = 1024;
+    // The fractions of the golden ratio and of its relatives spread them evenly.
+    let part = |i: u16, step: f32| (f32::from(i) * step).fract();
+    let [width, height] = whole.map(|side| side as f32);
+    let samples: Vec<_> = (0..RAYS)
+        .map(|i| realistic_sample {
+            image_x: width * part(i, 0.856_675),
+            image_y: height * part(i, 0.733_892),
+            lens_u: part(i, 0.628_71),
+            lens_v: part(i, 0.538_597),
+            time: part(i, 0.461_403),
+        })
+        .collect();
+    let mut rays = vec![realistic_ray::default(); samples.len()];
+    let mut weights = vec![0.0; samples.len()];
+    camera.rays(Rays { samples: &samples, rays: &mut rays, weights: &mut weights })?;
+    let mut hash = Fnv::default();
+    for (ray, weight) in rays.iter().zip(weights) {
+        hash.take(weight);
+        if weight > 0.0 {
+            ray.o.into_iter().chain(ray.d).chain([ray.mint, ray.maxt, ray.time]).for_each(|x| hash.take(x));
+        }
+    }
+    Ok(hash.0)
+}
+
+/// The hash FNV-1a of 64 bits (G. Fowler, L. C. Noll and K.-P. Vo), the same with every compiler.
+struct Fnv(u64);
+
+impl Default for Fnv {
+    fn default() -> Self {
+        Self(0xcbf2_9ce4_8422_2325)
+    }
+}
+
+impl Fnv {
+    fn take(&mut self, number: f32) {
+        for byte in number.to_bits().to_le_bytes() {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+        }
+    }
+}
