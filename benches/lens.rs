@@ -48,7 +48,7 @@ fn row(name: &str, from: realistic_side, effort: Effort) {
     let rays = passing(&lens, way);
     let mut many = Opened::new(name, lens.surfaces.len(), &rays);
     let [mut single, mut points] = [(); 2].map(|()| Opened::new(name, lens.surfaces.len(), &rays));
-    let kernel = Kernel::<f64>::along(&Path::new(&lens, way, Default::default()));
+    let kernel = Kernel::<f64>::new(&lens, way);
     let mut buffer = RayBuffer::new(BLOCK);
     let alone = || {
         for block in rays.chunks(BLOCK) {

@@ -36,7 +36,8 @@
  `realistic_options` from `camera_to_world_end` on, `realistic_autofocus` and `realistic_camera_plan`; and it
  adds rays with differentials. Version 3 adds lenses without a film (`realistic_lens_new`),
  and `focusby` and `zoom`. Version 4 adds rays at a wavelength per sample (`realistic_generate_ray_at`), `crop`, what a
- surface's figure is (`realistic_lens_get_surface`) and where rays meet the surfaces (`realistic_lens_trace_points`).
+ surface's figure is (`realistic_lens_get_surface`) where rays meet the surfaces (`realistic_lens_trace_points`), and
+ importance (`realistic_camera_importance`).
  */
 #define REALISTIC_ABI_VERSION 4
 
@@ -99,6 +100,12 @@
  Rays can be asked for at a wavelength per sample (`realistic_generate_ray_at`).
  */
 #define REALISTIC_CAPABILITY_WAVELENGTHS 2048
+
+/*
+ Cameras can be asked what rays from the scene count, and for directions toward the lens
+ (`realistic_camera_importance`, `realistic_camera_sample_importance`).
+ */
+#define REALISTIC_CAPABILITY_IMPORTANCE 4096
 
 /*
  `crop` is there, and `realistic_camera_get_info` tells the pixels to render.
@@ -687,6 +694,155 @@ typedef struct realistic_rays_soa {
 } realistic_rays_soa;
 
 /*
+ Rays of world space that enter a camera, as structure of arrays, one number per ray in each.
+ */
+typedef struct realistic_importance_rays {
+    /*
+     `sizeof(realistic_importance_rays)` of the caller's header.
+     */
+    uint32_t struct_size;
+    /*
+     x of a point on each ray, before the lens or on its front: where the camera's own rays begin will do.
+     */
+    const float *ox;
+    /*
+     y.
+     */
+    const float *oy;
+    /*
+     z.
+     */
+    const float *oz;
+    /*
+     x of each direction, of any length but 0, toward the camera.
+     */
+    const float *dx;
+    /*
+     y.
+     */
+    const float *dy;
+    /*
+     z.
+     */
+    const float *dz;
+    /*
+     When each arrives, in the unit of `shutteropen`; may be NULL for the middle of the shutter's interval.
+     */
+    const float *time;
+} realistic_importance_rays;
+
+/*
+ Importance as structure of arrays, one number per ray in each; all 0 where a ray counts nothing. Each array but
+ `importance` may be NULL.
+ */
+typedef struct realistic_importance {
+    /*
+     `sizeof(realistic_importance)` of the caller's header.
+     */
+    uint32_t struct_size;
+    /*
+     Raster x, pixels, where the ray reaches the film.
+     */
+    float *image_x;
+    /*
+     Raster y.
+     */
+    float *image_y;
+    /*
+     We (E. Veach 1997; PBRT's `We`): what radiance times cosθ dA dω is multiplied by, dA being area in square world units
+     on the plane z = 0 of camera space and θ the angle to its normal. With `weighting` "radiometric" it is 1 over the
+     film's area in square world units, times what the shutter lets through.
+     */
+    float *importance;
+    /*
+     Density of the camera's own rays there, per cosθ dA dω, where samples are spread evenly over the picture, the lens and
+     time: `importance` is this times the weight of the same ray.
+     */
+    float *density;
+    /*
+     A density per area on that plane, 1 over the area of the front clear aperture (of the lens of a stock camera), and
+     */
+    float *area_density;
+    /*
+     one per solid angle that goes with it: their product is `density` times cosθ.
+     */
+    float *solid_angle_density;
+} realistic_importance;
+
+/*
+ Points of the scene that ask for directions toward the lens, as structure of arrays, one number per point in each.
+ */
+typedef struct realistic_scene_points {
+    /*
+     `sizeof(realistic_scene_points)` of the caller's header.
+     */
+    uint32_t struct_size;
+    /*
+     x of each point, world space.
+     */
+    const float *x;
+    /*
+     y.
+     */
+    const float *y;
+    /*
+     z.
+     */
+    const float *z;
+    /*
+     Where in the pupil as the point sees it: two numbers in [0, 1], of which this is the first,
+     */
+    const float *u;
+    /*
+     and this the second.
+     */
+    const float *v;
+    /*
+     When, in the unit of `shutteropen`; may be NULL for the middle of the shutter's interval.
+     */
+    const float *time;
+} realistic_scene_points;
+
+/*
+ Directions toward the lens, as structure of arrays, one number per point in each. `ox`, `oy` and `oz` may be NULL.
+ */
+typedef struct realistic_aimed {
+    /*
+     `sizeof(realistic_aimed)` of the caller's header.
+     */
+    uint32_t struct_size;
+    /*
+     x of where the ray meets the front of the lens: what lies between the point and this hides the light.
+     */
+    float *ox;
+    /*
+     y.
+     */
+    float *oy;
+    /*
+     z.
+     */
+    float *oz;
+    /*
+     x of the unit vector from the point toward there.
+     */
+    float *dx;
+    /*
+     y.
+     */
+    float *dy;
+    /*
+     z.
+     */
+    float *dz;
+    /*
+     Density of the direction per solid angle at the point; 0, and all other numbers, too, where there is no direction
+     from which light could reach the film.
+     */
+    float *density;
+} realistic_aimed;
+
+/*
  A rectangle of the picture in pixels; (0, 0) is the picture's top left corner.
  */
 typedef struct realistic_zone {
@@ -1210,6 +1366,43 @@ realistic_status realistic_camera_generate_hero_rays_soa(const struct realistic_
                                                          const struct realistic_rays_soa *rays);
 
 /*
+ What `n` rays that enter the camera count in its picture. A ray that does not get through the lens to the film, comes
+ from behind, arrives while the shutter is closed, or has numbers that are none counts 0. One that passes as near an
+ aperture's edge as its numbers are rounded may count 0 where the camera's own ray passes. The arrays must not overlap;
+ nothing needs to be aligned. Fails with `REALISTIC_STATUS_INVALID_PARAMETER` for models whose rays have no area:
+ "perspective" and "orthographic" without `lensradius`, and "environment".
+
+ # Safety
+ `camera` is NULL or a live camera of this library; `rays` and `importance` are NULL or valid, and their arrays are NULL
+ or have room for `n` elements.
+ */
+realistic_status realistic_camera_importance(const struct realistic_camera *camera,
+                                             size_t n,
+                                             const struct realistic_importance_rays *rays,
+                                             const struct realistic_importance *importance);
+
+/*
+ Directions toward the lens from `n` points of the scene, sampled from the pupil as each point sees it, and what a ray
+ along each counts, as `realistic_camera_importance` has it. For a point that shines with the radiance L along the
+ direction, at an angle to the normal there with the cosine c, the picture gets importance · L · c / (density · density of
+ the point) at (image_x, image_y). Of the directions nearly all count something; where a direction does not get through to
+ the film its importance is 0, and that belongs to the mean. The first call of a camera looks at its lens from
+ everywhere, which takes some hundredths of a second.
+
+ What is NULL, what overlaps and what fails as in `realistic_camera_importance`. Points that are not in front of the lens,
+ nearer than `hither`, farther than `yon` or than 1e18 or so, and numbers that are none have no direction.
+
+ # Safety
+ `camera` is NULL or a live camera of this library; `points`, `aimed` and `importance` are NULL or valid, and their arrays
+ are NULL or have room for `n` elements.
+ */
+realistic_status realistic_camera_sample_importance(const struct realistic_camera *camera,
+                                                    size_t n,
+                                                    const struct realistic_scene_points *points,
+                                                    const struct realistic_aimed *aimed,
+                                                    const struct realistic_importance *importance);
+
+/*
  Autofocus: finds the film distance, mm, to be given as `filmdistance`, at which the camera of
  `options` has in focus what it sees in `n` zones of the picture. `rule` is a
  `realistic_autofocus_rule`. The host gives one of the two callbacks and NULL for the other:
@@ -1336,6 +1529,15 @@ realistic_status realistic_lens_trace_points(const struct realistic_lens *lens,
                                              size_t n,
                                              const struct realistic_lens_rays *rays,
                                              const struct realistic_lens_points *points);
+
+/*
+ Copies the names of the built-in lenses, each of which `specfile` may be, the default's first, a newline between two: see
+ `realistic_camera_get_lens_name` for `buffer`, `capacity` and `length`.
+
+ # Safety
+ `buffer` has `capacity` writable bytes; `length` is NULL or writable.
+ */
+realistic_status realistic_catalogue(char *buffer, size_t capacity, size_t *length);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -55,6 +55,7 @@ private:
     X(generate_ray_differential)              \
     X(camera_generate_ray_differentials)      \
     X(camera_generate_ray_differentials_soa)  \
+    X(camera_generate_batch)                  \
     X(generate_ray_at)                        \
     X(generate_hero_rays)                     \
     X(camera_generate_rays_at)                \
@@ -69,7 +70,10 @@ private:
     X(lens_focus)                             \
     X(lens_focused_on)                        \
     X(lens_trace)                             \
-    X(lens_trace_points)
+    X(lens_trace_points)                      \
+    X(camera_importance)                      \
+    X(camera_sample_importance)                \
+    X(catalogue)
 
 /* The library's functions, linked or found in a loaded library. */
 struct Api {
@@ -330,6 +334,12 @@ public:
         api_.check(api_.camera_generate_rays_soa(camera_.get(), n, &samples, &rays));
     }
 
+    /* As arrays of numbers and vectors of any strides, of `n` elements each; `struct_size` is set here. */
+    void generate(realistic_batch batch, std::size_t n) const {
+        batch.struct_size = sizeof(batch);
+        api_.check(api_.camera_generate_batch(camera_.get(), n, &batch));
+    }
+
     /* The weight of a ray with differentials, whose `struct_size` is set here; 0, and the rest as it was, where the
      * lens blocks it. */
     float generate(const realistic_sample &sample, realistic_ray_differential &ray) const noexcept {
@@ -350,6 +360,22 @@ public:
     void generate(const realistic_samples_soa &samples, std::size_t n, const realistic_rays_soa &rays,
                   const realistic_rays_soa &rx, const realistic_rays_soa &ry) const {
         api_.check(api_.camera_generate_ray_differentials_soa(camera_.get(), n, &samples, &rays, &rx, &ry));
+    }
+
+    /* What `n` rays that enter the camera count; every `struct_size` is set here. */
+    void importance(realistic_importance_rays rays, std::size_t n, realistic_importance importance) const {
+        rays.struct_size = sizeof rays;
+        importance.struct_size = sizeof importance;
+        api_.check(api_.camera_importance(camera_.get(), n, &rays, &importance));
+    }
+
+    /* Directions toward the lens from `n` points of the scene, and what they count; every `struct_size` is set here. */
+    void sample_importance(realistic_scene_points points, std::size_t n, realistic_aimed aimed,
+                           realistic_importance importance) const {
+        points.struct_size = sizeof points;
+        aimed.struct_size = sizeof aimed;
+        importance.struct_size = sizeof importance;
+        api_.check(api_.camera_sample_importance(camera_.get(), n, &points, &aimed, &importance));
     }
 
     /* The weight of a ray at a wavelength, nm; 0, and the ray as it was, where the lens blocks it, and where the
@@ -466,6 +492,20 @@ private:
 };
 
 #undef REALISTIC_FUNCTIONS
+
+/* The names of the built-in lenses, the default's first. */
+inline std::vector<std::string> catalogue(const Api &api = Api::linked()) {
+    std::size_t length = 0;
+    api.check(api.catalogue(nullptr, 0, &length));
+    std::vector<char> buffer(length + 1);
+    api.check(api.catalogue(buffer.data(), buffer.size(), nullptr));
+    std::vector<std::string> names(1);
+    for (std::size_t i = 0; i < length; ++i) {
+        if (buffer[i] == '\n') names.emplace_back();
+        else names.back() += buffer[i];
+    }
+    return names;
+}
 
 } // namespace realistic
 

@@ -8,11 +8,14 @@ mod files;
 mod host;
 mod image;
 mod lens_and_film;
+mod osl;
 mod plots;
 
 use clap::{Parser, Subcommand};
 use commands::pictures::{focus_stack, merge, render};
-use commands::{convert, disks, draw, focus, install, lens, plan, pupil, refractions, report, trace};
+use commands::{
+    blender, convert, disks, draw, focus, install, lens, plan, pupil, refractions, report, trace,
+};
 use failure::Failure;
 use std::io::Write;
 use std::process::ExitCode;
@@ -45,6 +48,8 @@ enum Command {
     Lens(lens::Args),
     /// Write a lens, read from a file of any format, as the project's own table
     Convert(convert::Args),
+    /// Write a lens as a camera for Blender: a shader in OSL
+    Blender(blender::Args),
     /// Draw a lens's cross-section, to scale, with traced rays
     Draw(draw::Args),
     /// Trace rays: one a line on standard input, one a line on standard output
@@ -85,6 +90,7 @@ fn main() -> ExitCode {
         Some(Command::Merge(args)) => merge::run(args),
         Some(Command::Lens(args)) => lens::run(args),
         Some(Command::Convert(args)) => convert::run(args),
+        Some(Command::Blender(args)) => blender::run(args),
         Some(Command::Draw(args)) => draw::run(args),
         Some(Command::Trace(args)) => trace::run(args),
         Some(Command::Focus(args)) => focus::run(args),

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from realistic import Camera
-from realistic.bundles import film_plane, in_camera_space
+from realistic.measure.bundles import film_plane, in_camera_space
 
 
 @pytest.mark.parametrize(

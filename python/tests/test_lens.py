@@ -115,7 +115,7 @@ def test_points_lie_on_their_surfaces_and_end_where_the_ray_does(name, side):
     lens = Lens(name)
     toward = -1 if side == "scene" else 1
     start = 20.0 if side == "scene" else lens.rear_vertex_mm - 20.0
-    height = np.linspace(-0.9, 0.9, 40) * lens.surfaces[0 if side == "scene" else -1].semi_diameter_mm
+    height = np.linspace(-1.2, 1.2, 40) * lens.surfaces[0 if side == "scene" else -1].semi_diameter_mm
     origins = np.stack([0.3 * height, height, np.full(40, start)], -1)
     plain = lens.trace(origins, [0, 0, toward], side=side)
     found = lens.trace(origins, [0, 0, toward], side=side, points=True)
@@ -223,3 +223,52 @@ def test_the_cross_section_is_drawn(name):
     assert x[50] == pytest.approx(0) and (x[0] > 0) == (surface.radius_mm > 0) and y[0] == -surface.semi_diameter_mm
     ax.figure.canvas.draw()
     plt.close(ax.figure)
+
+
+def test_every_name_of_the_catalogue_is_a_lens(checkout):
+    names = realistic.catalogue()
+    assert names[0] == "dgauss.50mm"
+    assert set(names) == {file.stem for file in (checkout / "lenses").glob("*.dat")}
+    for name in names:
+        assert Lens(name).name == name
+
+
+def test_a_zoom_lens_stands_where_it_is_told():
+    assert abs(Lens("zoom.24-70mm", zoom="35").focal_length_mm - 35) < 1e-9
+    with pytest.raises(realistic.ParameterError, match="zoom"):
+        Lens("dgauss.50mm", zoom="35")
+
+
+def test_rays_are_drawn_through_the_cross_section():
+    matplotlib.use("Agg")
+    lens = Lens("dgauss.50mm", fnumber=5.6)
+    film = lens.focus(np.inf)
+    for given in ({}, {"film_distance_mm": film + 1}):
+        ax = lens.plot(angles=[0.0, 12.0], rays=5, **given)
+        ways = [line.get_xydata() for line in ax.lines if len(line.get_xdata()) == len(lens.surfaces) + 2]
+        assert len(ways) == 10
+        x = -lens.rear_vertex_mm + given.get("film_distance_mm", film)
+        np.testing.assert_allclose([way[-1, 0] for way in ways], x)
+        ends = np.array([way[-1, 1] for way in ways])
+        # Of infinity an image at f tan of the angle, upside down, and on the other film a bundle 1/N wide.
+        wide = 1 / lens.fnumber if given else 0.02
+        assert np.ptp(ends[:5]) == pytest.approx(wide, rel=0.05) if given else np.ptp(ends[:5]) < wide
+        assert ends[5:].mean() == pytest.approx(lens.focal_length_mm * np.tan(np.radians(12)), rel=0.05)
+        ax.figure.canvas.draw()
+        matplotlib.pyplot.close(ax.figure)
+
+
+@pytest.mark.parametrize("name", ["phone.4mm", "dgauss.50mm"])
+def test_the_drawn_surfaces_are_where_rays_meet_them(name):
+    from realistic.plot import _sag
+
+    lens = Lens(name)
+    h = np.linspace(-0.8, 0.8, 41) * lens.surfaces[0].semi_diameter_mm
+    points = lens.trace(np.stack([0 * h, h, 0 * h + 50], axis=-1), [0, 0, -1], points=True).points
+    met = 0
+    for k, surface in enumerate(lens.surfaces):
+        there = np.isfinite(points[:, k]).all(axis=1)
+        y, z = points[there, k, 1:].T
+        np.testing.assert_allclose(surface.vertex_mm - _sag(surface, y), z, atol=1e-9)
+        met += there.sum()
+    assert met > 5 * len(lens.surfaces)

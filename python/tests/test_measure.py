@@ -92,6 +92,100 @@ def test_spots_are_where_rays_of_one_object_point_meet_the_film():
     assert np.abs(image_xy - start - found.offset[0, lit]).max() < 0.05 * size
 
 
+def test_defocus_is_a_straight_fan():
+    """A film that is moved by d changes a fan by d tan u', and sin u' of the edge's ray is 1/(2N) for a lens free of coma."""
+    camera = Camera("dgauss.50mm", resolution=(600, 400), fnumber=8)
+    film = camera.film_distance_mm
+    here, behind = (
+        measure.fans(
+            Camera("dgauss.50mm", resolution=(600, 400), fnumber=8, filmdistance=film + d),
+            [[300, 200]],
+            distance=np.inf,
+        )
+        for d in (0.0, 0.5)
+    )
+    slope = (behind.tangential - here.tangential)[0] / 0.5
+    expected = np.tan(np.arcsin(here.pupil / (2 * camera.fnumber)))
+    # On film behind the focus, light that came in above the axis is below it: farther up in the picture, which is upside down.
+    inner = np.abs(here.pupil) < 0.99
+    np.testing.assert_allclose(slope[inner], expected[inner], atol=0.01 * expected.max())
+    np.testing.assert_allclose(here.tangential, here.sagittal, atol=1e-9)
+
+
+def test_a_fans_ray_ends_at_the_film_point_from_which_the_camera_sees_the_object_point():
+    """The other way round: searched for is the film point whose ray through a part of the pupil meets the object point."""
+    camera = Camera("dgauss.50mm", resolution=(1500, 1000), focusdistance=2000.0, fnumber=4)
+    start = np.array([1200.0, 250.0])
+    found = measure.fans(camera, [start], rays=5)
+    pixel = camera.film_size_mm[0] / 1500
+    outward = (start - [750, 500]) / np.hypot(*(start - [750, 500])) * [1, -1]
+    axes = np.array([outward, [-outward[1], outward[0]]])
+    intrinsics = camera.intrinsics()
+    z = intrinsics.position[2] + intrinsics.distance
+
+    def grid(side):
+        middles = (np.arange(side) + 0.5) / side
+        return np.stack(np.meshgrid(middles, middles), axis=-1).reshape(-1, 2)
+
+    def passes(image_xy, side):
+        """Where the rays of a film point meet the plane in focus and the front vertex's, along the axes."""
+        rays = camera.rays(image_xy, grid(side))
+        o, d = rays.origin[rays.weight > 0].astype(float), rays.direction[rays.weight > 0].astype(float)
+        return [(o + d * ((at - o[:, 2:]) / d[:, 2:]))[:, :2] @ axes.T for at in (z, 0.0)]
+
+    far, _ = passes(start, 32)
+    target = far.mean(axis=0)
+    # Where the outermost lens samples pass.
+    _, edge = passes(start, 256)
+    low, high = edge.min(axis=0), edge.max(axis=0)
+
+    def meets(through, axis):
+        """How far along an axis from `start`, pixels, the film point lies."""
+        misses = []
+        for moved in (-2.0, 2.0):
+            there, here = passes(start + moved * axes[axis] * [1, -1], 128)
+            nearest = np.argsort(np.hypot(*(here - through).T))[:60]
+            plane = np.column_stack([np.ones(60), here[nearest] - through])
+            misses.append(np.linalg.lstsq(plane, there[nearest], rcond=None)[0][0, axis] - target[axis])
+        return -2.0 + 4.0 * misses[0] / (misses[0] - misses[1])
+
+    for axis, fan in enumerate((found.tangential[0], found.sagittal[0])):
+        at = []
+        for share in (-0.5, 0.0, 0.5):
+            through = (low + high) / 2
+            through[axis] += share * (high - low)[axis] / 2
+            at.append(meets(through, axis))
+        np.testing.assert_allclose((np.array(at) - at[1]) * pixel, fan[1:4], atol=0.02 * np.abs(fan[1:4]).max() + 1e-5)
+
+
+def test_field_curvature_is_where_a_narrow_bundle_is_sharpest():
+    """Through focus: far from the middle the tangential and the sagittal width of a small stop's spot are least there."""
+    given = {"resolution": (600, 400), "fnumber": 22}
+    camera = Camera("dgauss.50mm", **given)
+    radius = 250.0
+    tangential, sagittal = measure.field_curvature(camera, [0.0, radius], distance=np.inf)[1]
+    assert abs(tangential - sagittal) > 0.02
+
+    def widths(shift):
+        moved = Camera("dgauss.50mm", filmdistance=camera.film_distance_mm + shift, **given)
+        found = measure.spots(moved, [[300 + radius, 200]], distance=np.inf)
+        return np.sqrt((found.offset[0] ** 2 * found.weight[0, :, None]).sum(axis=0) / found.weight[0].sum())
+
+    shifts = np.linspace(-0.6, 0.6, 25)
+    curves = np.array([widths(shift) for shift in shifts])
+    for axis, expected in enumerate((tangential, sagittal)):
+        # The square of the width is a parabola of the shift.
+        a, b, _ = np.polyfit(shifts, curves[:, axis] ** 2, 2)
+        assert abs(-b / (2 * a) - expected) < 0.03
+
+
+def test_fans_need_surfaces():
+    with pytest.raises(ValueError, match="there are no surfaces to trace"):
+        measure.fans(thin(), [[300, 200]])
+    with pytest.raises(ValueError, match="odd number of rays"):
+        measure.fans(Camera(resolution=(30, 20)), [[15, 10]], rays=4)
+
+
 def test_where_there_is_no_light_there_is_no_spot():
     camera = Camera("fisheye.10mm", resolution=(1920, 1280))
     corner = [[2.0, 2.0]]
@@ -100,6 +194,9 @@ def test_where_there_is_no_light_there_is_no_spot():
     assert np.isnan(found.rms).all() and not found.offset.any()
     assert np.isnan(measure.mtf(camera, corner, [10.0])).all()
     assert np.isnan(measure.distortion(camera, [1150.0])).all()
+    dark = measure.fans(camera, corner)
+    assert np.isnan(dark.tangential).all() and np.isnan(dark.sagittal).all()
+    assert np.isnan(measure.field_curvature(camera, [1150.0])).all()
 
 
 @pytest.mark.parametrize("lens", ["dgauss.50mm", "fisheye.10mm"])
@@ -110,11 +207,15 @@ def test_every_plot_draws_what_is_measured(lens):
     from realistic import plot
 
     camera = Camera(lens, resolution=(300, 200))
-    for draw in (plot.illumination, plot.spots, plot.mtf, plot.distortion):
+    for draw in (plot.illumination, plot.spots, plot.mtf, plot.distortion, plot.field_curvature):
         ax = draw(camera)
         assert lens in ax.get_title()
         ax.figure.canvas.draw()
         plt.close(ax.figure)
+    figure = plot.fans(camera)
+    assert lens in figure.get_suptitle() and len(figure.axes) == 8
+    figure.canvas.draw()
+    plt.close(figure)
     ax = plot.distortion(camera, ax=plt.subplots()[1])
     x, y = ax.lines[0].get_data()
     half = np.hypot(300, 200) / 2

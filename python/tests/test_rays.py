@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import realistic
-from realistic import Rays, _abi
+from realistic import Camera, Rays, Reason, _abi
 from realistic import rays as engine
 
 FIELDS = ("origin", "direction", "weight", "mint", "maxt", "time")
@@ -318,7 +318,7 @@ def test_the_interpreter_is_free_during_a_call(camera, samples):
     """Another thread counts while one is in the library. No thread is made to give the lock up, so none else could."""
     n = 200_000
     given = engine._Samples(*map(np.asfortranarray, samples(camera, n)), np.zeros(n, np.float32))
-    asked = _abi.SamplesPointers(*given.columns())
+    asked = _abi.SamplesPointers(*given.columns()[:5])
     out = Rays.empty(n)
     found = _abi.RaysPointers(*engine._Target(out, n, None).columns())
     function, pointer = _abi.library.realistic_camera_generate_rays_soa, camera._live().pointer
@@ -353,3 +353,50 @@ def test_rays_can_be_told_and_taken_apart(camera, samples):
     passed = rays[rays.weight > 0]
     assert len(passed) == len(passed.rx) == np.count_nonzero(rays.weight) and (passed.weight > 0).all()
     assert rays[3].origin.shape == (3,)
+
+
+def test_rays_at_wavelengths(samples):
+    """Each is the ray of a camera at that wavelength, whose film and stop are the same."""
+    given = {"resolution": (300, 200), "pupil": "rear", "weighting": "none"}
+    camera = Camera("tessar.50mm", focusdistance=1000.0, **given)
+    xy, uv = samples(camera, 300)
+    wavelengths = np.float32([450.0, 587.56, 650.0])
+    rays = camera.rays(xy[:, None], uv[:, None], wavelengths=wavelengths)
+    assert rays.origin.shape == (300, 3, 3)
+    for k, wavelength in enumerate(wavelengths):
+        other = Camera("tessar.50mm", filmdistance=camera.film_distance_mm, wavelength=float(wavelength), **given)
+        expected = other.rays(xy, uv)
+        same = (rays.weight[:, k] > 0) == (expected.weight > 0)
+        assert same.mean() > 0.99
+        passed = same & (expected.weight > 0)
+        np.testing.assert_allclose(rays.direction[passed, k], expected.direction[passed], atol=3e-7)
+        np.testing.assert_allclose(rays.origin[passed, k], expected.origin[passed], atol=3e-5)
+    colours = rays.direction[(rays.weight > 0).all(axis=1)]
+    assert np.abs(colours[:, 0] - colours[:, 2]).max() > 1e-4
+
+
+def test_wavelengths_of_any_layout_and_kind(samples):
+    camera = Camera("tessar.50mm", resolution=(300, 200))
+    xy, uv = samples(camera, 70_000)
+    wavelengths = np.random.default_rng(2).choice(np.float32([430, 550, 640]), 70_000)
+    wanted = camera.rays(xy, uv, wavelengths=wavelengths, reasons=True)
+    for other in (wavelengths.astype(float), np.stack([wavelengths] * 2, axis=1)[:, 0], wavelengths.tolist()):
+        assert_equal(camera.rays(np.asfortranarray(xy), uv, wavelengths=other, reasons=True), wanted)
+    assert_equal(
+        camera.rays(np.asfortranarray(xy), np.asfortranarray(uv), wavelengths=wavelengths, reasons=True), wanted
+    )
+    out = Rays.empty(70_000, reasons=True)
+    assert camera.rays(xy, uv, wavelengths=wavelengths, out=out) is out
+    assert_equal(out, wanted)
+
+
+def test_wavelengths_that_are_none(camera, samples):
+    xy, uv = samples(camera, 5)
+    rays = camera.rays(xy, uv, wavelengths=[np.nan, 379, 781, np.inf, -500], reasons=True)
+    assert not rays.weight.any() and (rays.reason == Reason.WAVELENGTH).all()
+    with pytest.raises(ValueError, match=r"not equally many: image_xy \(5, 2\), lens_uv \(5, 2\), wavelengths \(4,\)"):
+        camera.rays(xy, uv, wavelengths=[500.0] * 4)
+    with pytest.raises(TypeError, match="wavelengths must hold real numbers"):
+        camera.rays(xy, uv, wavelengths=["blue"] * 5)
+    with pytest.raises(ValueError, match="rays at wavelengths have no differentials"):
+        camera.rays(xy, uv, wavelengths=550.0, differentials=True)

@@ -10,7 +10,8 @@ use super::boundary::{realistic_status, with_last_message};
 /// `realistic_options` from `camera_to_world_end` on, `realistic_autofocus` and `realistic_camera_plan`; and it
 /// adds rays with differentials. Version 3 adds lenses without a film (`realistic_lens_new`),
 /// and `focusby` and `zoom`. Version 4 adds rays at a wavelength per sample (`realistic_generate_ray_at`), `crop`, what a
-/// surface's figure is (`realistic_lens_get_surface`) and where rays meet the surfaces (`realistic_lens_trace_points`).
+/// surface's figure is (`realistic_lens_get_surface`) where rays meet the surfaces (`realistic_lens_trace_points`), and
+/// importance (`realistic_camera_importance`).
 pub const REALISTIC_ABI_VERSION: u32 = 4;
 
 /// The library can be loaded by a pbrt-v1 host (`CreateCamera` is there).
@@ -37,6 +38,9 @@ pub const REALISTIC_CAPABILITY_LENS: u64 = 512;
 pub const REALISTIC_CAPABILITY_MOVING_GROUPS: u64 = 1024;
 /// Rays can be asked for at a wavelength per sample (`realistic_generate_ray_at`).
 pub const REALISTIC_CAPABILITY_WAVELENGTHS: u64 = 2048;
+/// Cameras can be asked what rays from the scene count, and for directions toward the lens
+/// (`realistic_camera_importance`, `realistic_camera_sample_importance`).
+pub const REALISTIC_CAPABILITY_IMPORTANCE: u64 = 4096;
 /// `crop` is there, and `realistic_camera_get_info` tells the pixels to render.
 pub const REALISTIC_CAPABILITY_CROP: u64 = 8192;
 
@@ -70,6 +74,7 @@ pub extern "C" fn realistic_capabilities() -> u64 {
         | REALISTIC_CAPABILITY_LENS
         | REALISTIC_CAPABILITY_MOVING_GROUPS
         | REALISTIC_CAPABILITY_WAVELENGTHS
+        | REALISTIC_CAPABILITY_IMPORTANCE
         | REALISTIC_CAPABILITY_CROP
 }
 

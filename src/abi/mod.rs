@@ -2,14 +2,15 @@
 //!
 //! `types` are the structures by layout, `boundary` keeps panics inside and the host's traps and rounding outside, and
 //! gives errors their status, and asks for memory before anything is built; `exchange` copies to and from a caller's memory; `object`
-//! makes, recognises and serves the cameras that a host holds; `library`, `options`, `camera`, `ray`, `batch`, `autofocus`
-//! and `lens` export what a C caller uses; `pbrt` is the entry of a pbrt-v1 host (only where `pbrt-shim/` is built).
+//! makes, recognises and serves the cameras that a host holds; `library`, `options`, `camera`, `ray`, `batch`, `importance`,
+//! `autofocus` and `lens` export what a C caller uses; `pbrt` is the entry of a pbrt-v1 host (only where `pbrt-shim/` is built).
 
 mod autofocus;
 mod batch;
 mod boundary;
 mod camera;
 mod exchange;
+mod importance;
 mod lens;
 mod library;
 mod object;
@@ -23,6 +24,7 @@ pub use autofocus::*;
 pub use batch::*;
 pub use boundary::realistic_status;
 pub use camera::*;
+pub use importance::*;
 pub use lens::*;
 pub use library::*;
 pub use options::*;

@@ -139,6 +139,80 @@ pub struct realistic_rays_soa {
     pub reason: *mut realistic_reason,
 }
 
+/// Numbers or vectors that are read, one per sample, with strides as NumPy's: component k of element i lies
+/// `i * stride + k * component_stride` bytes from `first`. Strides may be negative, and 0, which gives every sample the
+/// same element. Nothing needs to be aligned beyond a byte.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+#[allow(non_camel_case_types)]
+pub struct realistic_input {
+    /// The first element's first component.
+    pub first: *const f32,
+    /// Bytes from one element to the next.
+    pub stride: isize,
+    /// Bytes from one component of an element to the next; of no meaning where there is one.
+    pub component_stride: isize,
+}
+
+/// Room for numbers or vectors that are written, one per sample, with strides as in `realistic_input`, but not 0.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+#[allow(non_camel_case_types)]
+pub struct realistic_output {
+    /// The first element's first component.
+    pub first: *mut f32,
+    /// Bytes from one element to the next.
+    pub stride: isize,
+    /// Bytes from one component of an element to the next; of no meaning where there is one.
+    pub component_stride: isize,
+}
+
+/// Samples and room for their rays as arrays of numbers and vectors of any strides. `first` is NULL where something is
+/// left out; `image`, `lens`, `origin`, `direction` and `weight` must be there.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+#[allow(non_camel_case_types)]
+pub struct realistic_batch {
+    /// `sizeof(realistic_batch)` of the caller's header.
+    pub struct_size: u32,
+    /// Raster points (x, y), pixels.
+    pub image: realistic_input,
+    /// Lens samples (u, v), in [0, 1].
+    pub lens: realistic_input,
+    /// Time as a fraction of the shutter's interval; left out: 0.
+    pub time: realistic_input,
+    /// Wavelengths, nm, from 380 to 780; left out: the camera's own.
+    pub wavelength: realistic_input,
+    /// Origins (x, y, z), world units.
+    pub origin: realistic_output,
+    /// Directions (x, y, z), unit length.
+    pub direction: realistic_output,
+    /// Weights; 0 for a blocked ray, of which nothing else is written but its reason.
+    pub weight: realistic_output,
+    /// Distances from the origin at which rays begin.
+    pub mint: realistic_output,
+    /// Distances from the origin at which rays end.
+    pub maxt: realistic_output,
+    /// Times between `shutteropen` and `shutterclose`.
+    pub ray_time: realistic_output,
+    /// What became of each sample.
+    pub reason: *mut realistic_reason,
+    /// Bytes from one reason to the next; not 0.
+    pub reason_stride: isize,
+    /// Origins of the rays one pixel to the right. The six arrays of neighbours go together, and not with `wavelength`.
+    pub rx_origin: realistic_output,
+    /// Their directions.
+    pub rx_direction: realistic_output,
+    /// Their weights, as in `realistic_camera_generate_ray_differentials_soa`.
+    pub rx_weight: realistic_output,
+    /// Origins of the rays one pixel down.
+    pub ry_origin: realistic_output,
+    /// Their directions.
+    pub ry_direction: realistic_output,
+    /// Their weights.
+    pub ry_weight: realistic_output,
+}
+
 /// Receives a message while a camera is being built. `level`: 0 information, 1 warning; 2, an error, is reserved, for
 /// errors are returned. `message` is UTF-8, ends in NUL, and lives until the callback returns. It must return: an
 /// exception that leaves it ends the process (`realistic.hpp` catches what its callbacks throw).

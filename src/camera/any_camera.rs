@@ -1,9 +1,11 @@
 //! The camera that a host holds: one of the models, with its shutter.
 
+use std::sync::{Arc, OnceLock};
+
 use super::{
     differentials::{self, AT_ONCE, Moved, NeighbourArrays, RayDifferential, Side},
-    first_look::warn_of_darkness,
     host::{Host, Log},
+    importance::{Backward, ImportanceError},
     model::Model,
     models::{
         ideal::IdealCamera,
@@ -18,7 +20,7 @@ use super::{
     },
     placement::shutter::Shutter,
     ray::{Outcome, Sample, WorldRay},
-    setup::{self, Crop, Facts},
+    setup::{self, Crop, Facts, warn_of_darkness},
 };
 use crate::{plan::Plan, sampling::DiskMapping, trace::Blocked};
 
@@ -39,6 +41,8 @@ pub struct Camera {
     /// Width and height of the image, pixels.
     resolution: [f32; 2],
     crop: Crop,
+    /// The camera the other way round, once somebody has asked for it.
+    backward: OnceLock<Result<Arc<Backward>, ImportanceError>>,
 }
 
 impl AnyModel {
@@ -82,7 +86,8 @@ impl Camera {
         };
         let resolution = [host.raster.xres, host.raster.yres].map(|side| side as f32);
         let crop = Crop::of(parameters, host.raster)?;
-        let camera = Self { rays: model.ray_maker().clone(), model, shutter, resolution, crop };
+        let rays = model.ray_maker().clone();
+        let camera = Self { rays, model, shutter, resolution, crop, backward: OnceLock::new() };
         warn_of_darkness(host.raster, |sample| camera.through_optics(sample), log);
         Ok(camera)
     }
@@ -376,6 +381,28 @@ impl Camera {
             }
         };
         ray.unwrap_or_else(|| self.rays.placement().axial_ray(sample.time))
+    }
+
+    /// The camera the other way round: what rays from the scene count, and directions toward the lens. It is made when it is
+    /// first asked for; a lens is looked at from everywhere when a direction is.
+    ///
+    /// # Errors
+    /// It is a stock camera without a lens, for which importance is not defined.
+    pub fn backward(&self) -> Result<&Backward, ImportanceError> {
+        let made = self.backward.get_or_init(|| {
+            let backward = match &self.model {
+                AnyModel::Lens(camera) => camera.backward(),
+                AnyModel::Ideal(camera) => camera.backward(),
+                AnyModel::Stock(camera) => camera.backward()?,
+            };
+            Ok(Arc::new(backward.with_shutter(self.shutter, self.resolution[1])))
+        });
+        made.as_deref().map_err(Clone::clone)
+    }
+
+    /// Whether the camera has been asked for directions toward the lens before, so that nothing more is made when it is again.
+    pub(crate) fn has_backward(&self) -> bool {
+        matches!(self.backward.get(), Some(Ok(backward)) if backward.is_complete())
     }
 
     /// What the camera keeps and leaves out.

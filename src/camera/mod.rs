@@ -8,8 +8,8 @@ mod any_camera;
 pub mod autofocus;
 pub(crate) mod builder;
 pub(crate) mod differentials;
-mod first_look;
 pub(crate) mod host;
+pub(crate) mod importance;
 pub(crate) mod model;
 pub mod models;
 pub(crate) mod parameters;
@@ -25,6 +25,7 @@ pub use builder::CameraBuilder;
 pub use differentials::{NeighbourArrays, RayDifferential};
 pub use film::{Film, Raster};
 pub use host::{Host, Level, Log};
+pub use importance::{Aimed, Backward, Importance, ImportanceError, ScenePoint};
 pub use model::Model;
 pub use models::{ideal::IdealCamera, lens::RealisticCamera};
 pub use parameters::{

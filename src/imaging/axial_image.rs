@@ -3,7 +3,7 @@
 
 use crate::{
     lens::{Lens, pupil::EntrancePupil},
-    numeric::{GAUSS_POINTS, edge, gauss_legendre},
+    numeric::{GAUSS_POINTS, edge, gauss_legendre, root},
     trace::{Path, Ray},
 };
 
@@ -55,7 +55,9 @@ impl AxialImage {
         while passes(blocked) && blocked < 8.0 {
             blocked *= 1.125;
         }
-        let margin = edge(0.0, blocked, 0.0, passes);
+        let [low, high] = self.around_the_edge(vergence, blocked, passes).unwrap_or([0.0, blocked]);
+        let margin =
+            edge(0.0, blocked, 0.0, |fraction| fraction <= low || fraction < high && passes(fraction));
         // Uniform over the pupil is uniform in the square of the fraction.
         let (mut heights, mut product, mut square) = (0.0, 0.0, 0.0);
         for (area, weight) in self.rule {
@@ -67,6 +69,37 @@ impl AxialImage {
         }
         let distance = -product / square;
         BestImage { distance, spot: (heights + distance * product).max(0.0).sqrt(), margin }
+    }
+
+    /// Fractions of the entrance pupil's radius close around where rays begin to be clipped, below `blocked`, of which the
+    /// one gets through and the other does not: bisection needs to look only between them. `None` where none are found.
+    fn around_the_edge(&self, vergence: f64, blocked: f64, passes: impl Fn(f64) -> bool) -> Option<[f64; 2]> {
+        /// Relative distances from where the heights have it.
+        const WIDTHS: [f64; 2] = [1e-14, 1e-12];
+        if !self.excess(vergence, blocked).is_finite() {
+            return None;
+        }
+        let found = root(0.0, blocked, |fraction| self.excess(vergence, fraction));
+        let around = |width: f64| [found * (1.0 - width), found * (1.0 + width)];
+        let brackets = |&[low, high]: &[f64; 2]| high <= blocked && passes(low) && !passes(high);
+        WIDTHS.map(around).into_iter().find(brackets)
+    }
+
+    /// The largest height over clear semi-diameter, minus 1, of the ray aimed at `fraction` of the entrance pupil's radius;
+    /// infinite where it stops within all apertures.
+    fn excess(&self, vergence: f64, fraction: f64) -> f64 {
+        let (height, slope) = self.entrance.marginal_ray(vergence, fraction);
+        let mut most = 0.0_f64;
+        let through = self.path.intersections(
+            self.start,
+            [0.0, height - slope * self.start],
+            [0.0, slope],
+            |intersection| {
+                most = most.max(intersection.ratio);
+                true
+            },
+        );
+        if through || most > 1.0 { most.sqrt() - 1.0 } else { f64::INFINITY }
     }
 
     /// Height in the rear vertex plane and slope dy/ds, s toward the film, of the ray from the axial

@@ -131,6 +131,17 @@ impl FirstOrder {
         }
     }
 
+    /// The ray-transfer matrix from a film in the plane z = `film` (lens space) to the front vertex plane, slopes being dx/dz:
+    /// height from height and from slope (mm), then slope from height (1/mm) and from slope. Its determinant is 1.
+    pub fn from_film(&self, film: f64) -> [[f64; 2]; 2] {
+        let power = self.focal_length.recip();
+        // To the principal plane on the film's side, and from the other to the front vertex.
+        let (before, after) = (self.rear_principal_plane - film, -self.front_principal_plane);
+        let slope = [-power, 1.0 - before * power];
+        let height = [1.0 + after * slope[0], before + after * slope[1]];
+        [height, slope]
+    }
+
     /// Distance from a film `film_distance` mm behind the last vertex to the plane that it has a sharp
     /// image of, mm, by Newton's equation: infinity when the film is at or before the focal point, `None`
     /// when that plane lies behind the front vertex.

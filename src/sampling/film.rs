@@ -47,6 +47,14 @@ impl Film {
         [(x - image_x) * self.pixel, (image_y - y) * self.pixel]
     }
 
+    /// The raster coordinates of a film point, mm: the inverse of [`Film::point`]. `None` off the film.
+    pub(crate) fn raster_of(&self, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
+        let [middle_x, middle_y] = self.middle();
+        let (image_x, image_y) = (middle_x - x / self.pixel, middle_y + y / self.pixel);
+        let inside = (0.0..2.0 * middle_x).contains(&image_x) && (0.0..2.0 * middle_y).contains(&image_y);
+        inside.then_some([image_x, image_y])
+    }
+
     /// The raster coordinates of the axis.
     pub(crate) fn middle(&self) -> [f64; 2] {
         [self.raster.xres, self.raster.yres].map(|resolution| f64::from(resolution) / 2.0)

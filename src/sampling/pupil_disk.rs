@@ -96,6 +96,13 @@ impl PupilDisk {
         PupilSample { slopes: [x + radius * u, y + radius * v], area: self.slope_area() }
     }
 
+    /// The area, slope², that a sample with these slopes at a film point, mm, stands for; `None` outside the disk.
+    pub(crate) fn area_at(&self, film: [f64; 2], [sx, sy]: [f64; 2]) -> Option<f64> {
+        let SlopeDisk { center: [x, y], radius } = self.seen_from(film);
+        let square = (sx - x) * (sx - x) + (sy - y) * (sy - y);
+        (square <= radius * radius).then_some(self.slope_area())
+    }
+
     /// The disk as lanes sample it.
     pub(crate) fn lane_disk<S: Scalar>(&self) -> LaneDisk<S> {
         LaneDisk {

@@ -29,4 +29,12 @@ impl PupilSampler {
             Self::Warped(pupil) => pupil.sample(film, disk),
         }
     }
+
+    /// The area, slope², that a sample with these slopes at a film point, mm, stands for; `None` outside what is sampled.
+    pub fn area_at(&self, film: [f64; 2], slopes: [f64; 2]) -> Option<f64> {
+        match self {
+            Self::Disk(pupil) => pupil.area_at(film, slopes),
+            Self::Warped(pupil) => pupil.area_at(film, slopes),
+        }
+    }
 }

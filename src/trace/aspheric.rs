@@ -220,6 +220,11 @@ impl<R: Real> Aspheric<R> {
         }
     }
 
+    /// The same where Newton's iteration was tried and proves nothing.
+    pub fn followed(&self, start: [R; 3], v: [R; 3], from: R) -> Result<R, Blocked> {
+        self.follow(&Line { start, v }, from)
+    }
+
     /// G and N·V on a ray, as the steps of Newton's iteration need them.
     pub fn residual(&self, start: [R; 3], v: [R; 3], t: R) -> [R; 2] {
         let contact = self.contact(&Line { start, v }, t);

@@ -39,12 +39,16 @@ fn the_header_is_up_to_date() {
         "batch/rays",
         "batch/differentials",
         "batch/wavelengths",
+        "importance/arrays",
+        "importance/arrive",
+        "importance/aim",
         "autofocus",
         "lens/handle",
         "lens/facts",
         "lens/focus",
         "lens/trace",
         "lens/points",
+        "lens/catalogue",
     ] {
         builder = builder.with_src(root.join(format!("src/abi/{file}.rs")));
     }

@@ -5,6 +5,7 @@ mod fuzz_seeds;
 mod header;
 #[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
 mod hosts;
+mod importance;
 mod lens;
 mod models;
 mod parameters;

@@ -64,7 +64,7 @@ fn mean_weight(camera: &RealisticCamera, image: [f32; 2], seed: u64) -> [f64; 2]
                 let mut stratum = |i: u32| ((f64::from(i) + random.next()) / f64::from(STRATA)) as f32;
                 match camera.generate(&sample(image, [stratum(i), stratum(j)])) {
                     Outcome::Ray(_, weight) => sum += f64::from(weight),
-                    Outcome::Blocked(_) | Outcome::Shut => {}
+                    Outcome::Blocked(_) | Outcome::Shut | Outcome::Wavelength => {}
                     Outcome::Redraw => continue,
                 }
                 count += 1.0;

@@ -10,6 +10,7 @@ mod camera_parameters;
 mod catalogue;
 mod flat_field;
 mod golden;
+mod importance;
 mod invariants;
 mod kernel;
 mod lens_format;

@@ -1,5 +1,6 @@
 //! The subcommands: one module each, with its `Args` and its `run`. Those that take pictures share a room.
 
+pub mod blender;
 pub mod convert;
 pub mod disks;
 pub mod draw;

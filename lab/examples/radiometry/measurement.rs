@@ -206,7 +206,7 @@ impl Band {
                     sum += f64::from(weight) * response * radiance(&ray, self.wavelength);
                     count += 1;
                 }
-                Outcome::Blocked(_) | Outcome::Shut => count += 1,
+                Outcome::Blocked(_) | Outcome::Shut | Outcome::Wavelength => count += 1,
                 Outcome::Redraw => {}
             }
         }

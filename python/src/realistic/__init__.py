@@ -8,7 +8,7 @@
 ((1000, 3), (1000, 3), (1000,))
 """
 
-from . import measure
+from . import farm, measure
 from ._abi import version
 from .camera import Camera
 from .errors import (
@@ -20,8 +20,9 @@ from .errors import (
     OutOfMemoryError,
     ParameterError,
 )
-from .intrinsics import Intrinsics
-from .lens import Lens, LensRays, Pupils, Surface
+from .farm import Table, study
+from .lens import Lens, LensRays, Pupils, Surface, catalogue
+from .measure.intrinsics import Intrinsics
 from .parameters import Parameters
 from .rays import Rays, Reason
 
@@ -44,5 +45,9 @@ __all__ = [
     "Rays",
     "Reason",
     "Surface",
+    "Table",
+    "catalogue",
+    "farm",
     "measure",
+    "study",
 ]

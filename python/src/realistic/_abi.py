@@ -11,6 +11,10 @@ import os
 import sys
 from ctypes import POINTER, c_char_p, c_double, c_float, c_int32, c_size_t, c_uint32, c_uint64, c_void_p
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 ABI_VERSION = 4
 """The least version of the C ABI that this package works with."""
@@ -173,6 +177,42 @@ class RaysPointers(ctypes.Structure):
     ]
 
 
+class ImportanceRaysPointers(ctypes.Structure):
+    """`realistic_importance_rays`: the columns of rays that enter a camera."""
+
+    _fields_ = [
+        ("struct_size", c_uint32),
+        *[(name, c_void_p) for name in ("ox", "oy", "oz", "dx", "dy", "dz", "time")],
+    ]
+
+
+class ImportancePointers(ctypes.Structure):
+    """`realistic_importance`: the columns of what rays count."""
+
+    _fields_ = [
+        ("struct_size", c_uint32),
+        *[
+            (name, c_void_p)
+            for name in ("image_x", "image_y", "importance", "density", "area_density", "solid_angle_density")
+        ],
+    ]
+
+
+class ScenePointsPointers(ctypes.Structure):
+    """`realistic_scene_points`: the columns of points that ask for directions toward the lens."""
+
+    _fields_ = [("struct_size", c_uint32), *[(name, c_void_p) for name in ("x", "y", "z", "u", "v", "time")]]
+
+
+class AimedPointers(ctypes.Structure):
+    """`realistic_aimed`: the columns of directions toward the lens."""
+
+    _fields_ = [
+        ("struct_size", c_uint32),
+        *[(name, c_void_p) for name in ("ox", "oy", "oz", "dx", "dy", "dz", "density")],
+    ]
+
+
 DISTANCE = ctypes.CFUNCTYPE(c_double, c_void_p, POINTER(Ray))
 """`realistic_distance`."""
 
@@ -200,6 +240,14 @@ FUNCTIONS = {
         _STATUS,
         [c_void_p, c_size_t, POINTER(SamplesPointers), *[POINTER(RaysPointers)] * 3],
     ),
+    "realistic_camera_importance": (
+        _STATUS,
+        [c_void_p, c_size_t, POINTER(ImportanceRaysPointers), POINTER(ImportancePointers)],
+    ),
+    "realistic_camera_sample_importance": (
+        _STATUS,
+        [c_void_p, c_size_t, POINTER(ScenePointsPointers), POINTER(AimedPointers), POINTER(ImportancePointers)],
+    ),
     "realistic_camera_generate_rays_at_soa": (
         _STATUS,
         [c_void_p, c_size_t, POINTER(SamplesPointers), c_void_p, POINTER(RaysPointers)],
@@ -208,6 +256,7 @@ FUNCTIONS = {
         _STATUS,
         [c_void_p, c_size_t, POINTER(SamplesPointers), c_void_p, POINTER(RaysPointers)],
     ),
+    "realistic_catalogue": (_STATUS, [c_char_p, c_size_t, POINTER(c_size_t)]),
     "realistic_lens_new": (_STATUS, [POINTER(Options), POINTER(c_void_p)]),
     "realistic_lens_free": (None, [c_void_p]),
     "realistic_lens_get_info": (_STATUS, [c_void_p, POINTER(LensInfo)]),
@@ -265,11 +314,11 @@ def version() -> str:
     return str(library.realistic_version().decode())
 
 
-def text_of(function: ctypes._NamedFuncPointer, pointer: int) -> tuple[int, str]:
+def text_of(function: Callable[..., int], *arguments: Any) -> tuple[int, str]:
     """The status and the text of a function that copies text into a buffer."""
     length = c_size_t()
-    status = function(pointer, None, 0, ctypes.byref(length))
+    status = function(*arguments, None, 0, ctypes.byref(length))
     buffer = ctypes.create_string_buffer(length.value + 1)
     if status == 0:
-        status = function(pointer, buffer, len(buffer), None)
+        status = function(*arguments, buffer, len(buffer), None)
     return status, buffer.value.decode()

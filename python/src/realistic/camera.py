@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import ctypes
-import warnings
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import autofocus as _autofocus
-from . import intrinsics as _intrinsics
 from . import rays as _rays
 from ._abi import CameraInfo, library, text_of
 from ._handle import Borrowed, Handle, build
-from .errors import CameraWarning, check, warn
+from .errors import check, quietly, warn
+from .measure import intrinsics as _intrinsics
 from .parameters import ALIASES, INSTEAD_OF, canonical, matrix_of, options_of, resolution_of
 
 if TYPE_CHECKING:
@@ -185,6 +184,7 @@ class Camera:
         lens_uv: ArrayLike,
         time: ArrayLike | None = None,
         *,
+        wavelengths: ArrayLike | None = None,
         out: _rays.Rays | None = None,
         reasons: bool = False,
         differentials: bool = False,
@@ -200,6 +200,9 @@ class Camera:
             Lens sample (u, v), each in [0, 1]; outside, the nearest number inside is taken.
         time : array_like (n,), optional
             Fraction of the shutter's interval, in [0, 1]; default 0, its opening.
+        wavelengths : array_like (n,), optional
+            nm, from 380 to 780; default the camera's own. Film, stop and exposure stay those of the camera's own. Rays at
+            wavelengths come without differentials.
         out : Rays, optional
             Where to write; what of it is None is not written. `Rays.empty` makes one.
         reasons : bool
@@ -219,7 +222,7 @@ class Camera:
 
         Notes
         -----
-        The three inputs are broadcast together: `n` may be any shape, a single (u, v) serve for all film points.
+        The inputs are broadcast together: `n` may be any shape, a single (u, v) serve for all film points.
 
         Numbers are traced from float32; another dtype is converted. Nothing is copied of a float32 array whose columns lie
         without gaps (an array (2, n), transposed); other arrays, (n, 2) in C order among them, are copied block by block,
@@ -227,7 +230,8 @@ class Camera:
         the input, or with each other in part, the former work and the latter are an error.
         """
         handle = self._live()
-        return _rays.trace(handle.pointer, image_xy, lens_uv, time, out, reasons, differentials)
+        samples = (image_xy, lens_uv, time, wavelengths)
+        return _rays.trace(handle.pointer, samples, out, reasons, differentials)
 
     def replace(self, **changes: Any) -> Camera:
         """Another camera with some arguments changed; None takes one away.
@@ -359,6 +363,5 @@ class Camera:
 
 def _again(arguments: dict[str, Any]) -> Camera:
     """A pickled camera. What there is to warn of was told when it was first built."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", CameraWarning)
+    with quietly():
         return Camera(**arguments)

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import sys
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 
 from ._abi import library
 
@@ -70,8 +73,24 @@ def check(status: int) -> None:
         raise error
 
 
+# Python's own way to be quiet is one for all threads.
+_is_quiet: ContextVar[bool] = ContextVar("_is_quiet", default=False)
+
+
+@contextmanager
+def quietly() -> Iterator[None]:
+    """Without the warnings of cameras that differ from a caller's in what he does not see: his own has given them."""
+    before = _is_quiet.set(True)
+    try:
+        yield
+    finally:
+        _is_quiet.reset(before)
+
+
 def warn(message: str) -> None:
     """Warns at the line outside this package that the call came from."""
+    if _is_quiet.get():
+        return
     level, frame = 1, sys._getframe()
     while frame is not None and frame.f_globals.get("__name__", "").partition(".")[0] == "realistic":
         level, frame = level + 1, frame.f_back  # type: ignore[assignment]

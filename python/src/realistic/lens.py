@@ -23,6 +23,17 @@ SIDES = ("film", "scene")
 """`realistic_side`, by its numbers."""
 
 
+def catalogue() -> tuple[str, ...]:
+    """The names of the built-in lenses, each of which may be a `specfile`; the default is the first.
+
+    >>> catalogue()[0]
+    'dgauss.50mm'
+    """
+    status, text = text_of(library.realistic_catalogue)
+    check(status)
+    return tuple(text.split("\n"))
+
+
 class Pupils(NamedTuple):
     """The images of the stop, by first-order optics; mm, z in lens space."""
 
@@ -102,6 +113,10 @@ class Lens:
         A lens file or a name of the catalogue, as for `Camera`; default "dgauss.50mm". Also `lensfile`.
     lens_text : str or bytes, optional
         The text of a lens file, instead.
+    glasscatalog : str or path-like, optional
+        A glass catalogue (AGF), in which glasses that a lens file names are looked up first.
+    zoom : str, optional
+        Of a zoom lens: a focal length in mm ("35"), or a position's name; default the lens file's first position.
     wavelength : float, optional
         nm, from 300 to 2000; default 587.56.
     aperture_diameter, fnumber : float, optional
@@ -126,6 +141,8 @@ class Lens:
         *,
         lens_text: str | bytes | None = None,
         lensfile: str | os.PathLike[str] | None = None,
+        glasscatalog: str | os.PathLike[str] | None = None,
+        zoom: str | None = None,
         wavelength: float | None = None,
         aperture_diameter: float | None = None,
         fnumber: float | None = None,
@@ -135,6 +152,8 @@ class Lens:
                 "specfile": specfile,
                 "lens_text": lens_text,
                 "lensfile": lensfile,
+                "glasscatalog": glasscatalog,
+                "zoom": zoom,
                 "wavelength": wavelength,
                 "aperture_diameter": aperture_diameter,
                 "fnumber": fnumber,
@@ -306,11 +325,11 @@ class Lens:
             numbers[0:3].T.reshape(*shape, 3), numbers[3:6].T.reshape(*shape, 3), reason.reshape(shape), met
         )
 
-    def plot(self, ax: Axes | None = None) -> Axes:
-        """Draws the cross-section with matplotlib; see `realistic.plot.section`."""
+    def plot(self, ax: Axes | None = None, **given: Any) -> Axes:
+        """Draws the cross-section with matplotlib, with rays if wanted; see `realistic.plot.section`."""
         from .plot import section
 
-        return section(self, ax)
+        return section(self, ax, **given)
 
     def __repr__(self) -> str:
         given = dict(self._parameters)

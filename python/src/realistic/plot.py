@@ -12,14 +12,15 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from . import measure
-from .bundles import film_grid
+from .measure.bundles import film_grid
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
     from .camera import Camera
-    from .lens import Lens
+    from .lens import Lens, Surface
 
 FIELDS = (0.0, 0.5, 0.7, 0.95)
 """Shares of the half diagonal at which lenses are mostly looked at."""
@@ -91,19 +92,74 @@ def distortion(camera: Camera, ax: Axes | None = None) -> Axes:
     return ax
 
 
-def section(lens: Lens, ax: Axes | None = None) -> Axes:
+def fans(camera: Camera, *, fields: Sequence[float] = FIELDS) -> Figure:
+    """Ray fans of points of the plane in focus: for each field tangential on the left and sagittal on the right.
+
+    Fields are shares of the half diagonal; the figure has a row for each.
+    """
+    half = np.array(camera.resolution) / 2
+    # Upward, so that tangential is up: a lens is round.
+    points = half + np.asarray(fields, np.float64)[:, None] * [0.0, -np.hypot(*half)]
+    found = measure.fans(camera, points)
+    values = 1000 * np.stack([found.tangential, found.sagittal], axis=1)
+    reach = max(float(np.nanmax(np.abs(values), initial=0.0)), 1e-3)
+    figure, axes = plt.subplots(
+        len(fields), 2, sharex=True, sharey=True, squeeze=False, figsize=(7, 1.2 + 1.3 * len(fields))
+    )
+    for row, field, fan in zip(axes, fields, values):
+        for ax, line, way in zip(row, fan, ("tangential", "sagittal")):
+            ax.axhline(0, color="0.7", linewidth=0.8)
+            ax.axvline(0, color="0.7", linewidth=0.8)
+            ax.plot(found.pupil, line)
+            ax.set(xlim=(-1, 1), ylim=(-1.1 * reach, 1.1 * reach))
+            ax.set_title(f"field {field:g}, {way}", fontsize=8)
+        row[0].set_ylabel("µm")
+    for ax in axes[-1]:
+        ax.set_xlabel("pupil")
+    figure.suptitle(f"{_name(camera)}: ray fans")
+    return figure
+
+
+def field_curvature(camera: Camera, ax: Axes | None = None) -> Axes:
+    """Tangential (drawn through) and sagittal (dashed) focus over the field, mm behind the film."""
+    ax = ax or plt.subplots()[1]
+    half = float(np.hypot(*camera.resolution)) / 2
+    share = np.linspace(0.0, 1.0, 51)
+    found = measure.field_curvature(camera, share * half)
+    for column, style, label in zip(found.T, ("-", "--"), ("tangential", "sagittal")):
+        ax.plot(column, share, style, color="tab:blue", label=label)
+    ax.axvline(0, color="0.7", linewidth=0.8)
+    ax.set(
+        title=f"{_name(camera)}: field curvature",
+        xlabel="mm behind the film",
+        ylabel="field, of the half diagonal",
+        ylim=(0, 1),
+    )
+    ax.legend(fontsize=8)
+    ax.grid(alpha=0.3)
+    return ax
+
+
+def section(
+    lens: Lens,
+    ax: Axes | None = None,
+    *,
+    angles: Sequence[float] = (),
+    rays: int = 7,
+    film_distance_mm: float | None = None,
+) -> Axes:
     """A lens's cross-section: glass, stop, pupils, principal planes and focal points; the scene is on the left.
 
-    An asphere is drawn as the sphere of its radius at the vertex.
+    With `angles`, degrees from the axis, bundles of `rays` rays come from infinity at each, as much of them as gets through, and
+    end on the film at `film_distance_mm` behind the last vertex (default: focused at infinity).
     """
     ax = ax or plt.subplots(figsize=(8, 4))[1]
     surfaces = lens.surfaces
     outlines = []
     for surface in surfaces:
         h = np.linspace(-1, 1, 101) * min(surface.semi_diameter_mm, abs(surface.radius_mm))
-        sag = 0 * h if np.isinf(surface.radius_mm) else _sag(surface.radius_mm, h)
         # To the right is toward the film.
-        outlines.append((sag - surface.vertex_mm, h))
+        outlines.append((_sag(surface, h) - surface.vertex_mm, h))
     for surface, here, there in zip(surfaces, outlines, outlines[1:]):
         if surface.index_film > 1:
             x, y = (np.concatenate([a, b[::-1]]) for a, b in zip(here, there))
@@ -115,6 +171,11 @@ def section(lens: Lens, ax: Axes | None = None) -> Axes:
                 ax.plot([x[0]] * 2, [sign * surface.semi_diameter_mm, sign * outer], color="black", linewidth=2.5)
         else:
             ax.plot(x, y, color="black", linewidth=0.9)
+    if angles:
+        film = lens.focus(np.inf) if film_distance_mm is None else film_distance_mm
+        for number, angle in enumerate(angles):
+            for way in _paths(lens, angle, rays, film):
+                ax.plot(-way[:, 2], way[:, 1], color=f"C{number}", linewidth=0.7)
     pupils = lens.pupils
     for at, diameter, label, colour in (
         (pupils.entrance_mm, pupils.entrance_diameter_mm, "entrance pupil", "tab:green"),
@@ -136,9 +197,35 @@ def section(lens: Lens, ax: Axes | None = None) -> Axes:
     return ax
 
 
-def _sag(radius: float, h: NDArray[np.float64]) -> NDArray[np.float64]:
-    """How far toward the film a sphere is at height h, from its vertex."""
-    return radius - np.sign(radius) * np.sqrt(radius * radius - h * h)
+def _paths(lens: Lens, angle: float, rays: int, film_distance_mm: float) -> list[NDArray[np.float64]]:
+    """The ways of rays from infinity to the film, (points, 3) each, evenly over what gets through of the meridional fan."""
+    surfaces = lens.surfaces
+    outer = max(surface.semi_diameter_mm for surface in surfaces)
+    # Rays begin in front of everything, and aim at the paraxial entrance pupil's plane, or far beside it.
+    pupil = lens.pupils.entrance_mm if np.isfinite(lens.pupils.entrance_mm) else 0.0
+    start = 1.2 * outer
+    toward = np.array([0.0, np.sin(np.radians(angle)), -np.cos(np.radians(angle))])
+    height = np.linspace(-2 * outer, 2 * outer, 4001)
+    origin = np.stack([0 * height, height + (start - pupil) * toward[1] / toward[2], 0 * height + start], axis=-1)
+    passed = np.flatnonzero(lens.trace(origin, toward).passed)
+    if len(passed) == 0:
+        return []
+    chosen = passed[np.linspace(0, len(passed) - 1, rays).round().astype(int)]
+    traced = lens.trace(origin[chosen], toward, points=True)
+    assert traced.points is not None
+    last = traced.origin + traced.direction * (
+        (lens.rear_vertex_mm - film_distance_mm - traced.origin[:, 2:]) / traced.direction[:, 2:]
+    )
+    return [np.concatenate([a[None], b, c[None]]) for a, b, c in zip(origin[chosen], traced.points, last)]
+
+
+def _sag(surface: Surface, h: NDArray[np.float64]) -> NDArray[np.float64]:
+    """How far toward the film a surface is at height h, from its vertex: a conic and its powers of h."""
+    c = 1 / surface.conic_radius_mm
+    root = np.sqrt(np.maximum(1 - (1 + surface.conic) * (c * h) ** 2, 0))
+    powers = np.polynomial.polynomial.polyval(np.abs(h), [0.0, 0.0, *surface.aspheric])
+    sag: NDArray[np.float64] = c * h * h / (1 + root) + powers
+    return sag
 
 
 def _points(camera: Camera, fields: Sequence[float]) -> NDArray[np.float64]:

@@ -145,33 +145,34 @@ def _addresses(array: NDArray[Any]) -> Iterator[int]:
 
 @dataclass
 class _Samples:
-    """The samples of a call: (n, 2), (n, 2) and (n,) of any real type and strides."""
+    """The samples of a call: (n, 2), (n, 2), and (n,) for the others, of any real type and strides."""
 
     image_xy: NDArray[Any]
     lens_uv: NDArray[Any]
     time: NDArray[Any] | None
+    wavelengths: NDArray[Any] | None = None
 
     def columns(self) -> list[int] | None:
-        """The addresses of the five columns; None where they must be copied."""
-        arrays = [self.image_xy, self.lens_uv]
-        if self.time is not None:
-            arrays.append(self.time)
-        if not all(_is_packed(array, _FLOAT32) for array in arrays):
+        """The addresses of the six columns, the last 0 where there are no wavelengths; None where they must be copied."""
+        given = (self.image_xy, self.lens_uv, self.time, self.wavelengths)
+        if not all(_is_packed(array, _FLOAT32) for array in given if array is not None):
             return None
         if self.time is None:
             # Kept here, as long as its address is in use.
             self.time = np.zeros(len(self.image_xy), np.float32)
-            arrays.append(self.time)
-        return [address for array in arrays for address in _addresses(array)]
+        arrays = (self.image_xy, self.lens_uv, self.time)
+        addresses = [address for array in arrays for address in _addresses(array)]
+        return [*addresses, *([0] if self.wavelengths is None else _addresses(self.wavelengths))]
 
     def read(self, begin: int, end: int, room: NDArray[np.float32]) -> None:
-        """Copies a block into the five rows of `room`, of which the last is 0 where no time is given."""
+        """Copies a block into the six rows of `room`; those of what is not given stay as they are."""
         count = end - begin
         for row, array in ((0, self.image_xy), (2, self.lens_uv)):
             for k in range(2):
                 np.copyto(room[row + k, :count], array[begin:end, k], casting="same_kind")
-        if self.time is not None:
-            np.copyto(room[4, :count], self.time[begin:end], casting="same_kind")
+        for row, numbers in ((4, self.time), (5, self.wavelengths)):
+            if numbers is not None:
+                np.copyto(room[row, :count], numbers[begin:end], casting="same_kind")
 
 
 class _Target:
@@ -275,40 +276,51 @@ def _input(name: str, given: ArrayLike, last: int | None) -> NDArray[Any]:
     return array
 
 
-def _inputs(image_xy: ArrayLike, lens_uv: ArrayLike, time: ArrayLike | None) -> tuple[_Samples, tuple[int, ...]]:
+def _inputs(
+    image_xy: ArrayLike, lens_uv: ArrayLike, time: ArrayLike | None, wavelengths: ArrayLike | None
+) -> tuple[_Samples, tuple[int, ...]]:
     """The samples, flat, and the shape that they came in."""
     xy, uv = _input("image_xy", image_xy, 2), _input("lens_uv", lens_uv, 2)
-    t = None if time is None else _input("time", time, None)
-    if xy.ndim == 2 and xy.shape == uv.shape and (t is None or t.shape == xy.shape[:1]):
-        return _Samples(xy, uv, t), xy.shape[:1]
-    try:
-        shape = np.broadcast_shapes(xy.shape[:-1], uv.shape[:-1], () if t is None else t.shape)
-    except ValueError:
-        told = f"image_xy {xy.shape}, lens_uv {uv.shape}" + ("" if t is None else f", time {t.shape}")
-        raise ValueError(f"the samples are not equally many: {told}") from None
-    xy, uv = (np.broadcast_to(array, (*shape, 2)).reshape(-1, 2) for array in (xy, uv))
-    return _Samples(xy, uv, None if t is None else np.broadcast_to(t, shape).reshape(-1)), shape
+    singles = {
+        name: _input(name, given, None)
+        for name, given in (("time", time), ("wavelengths", wavelengths))
+        if given is not None
+    }
+    shape = xy.shape[:-1]
+    if len(shape) != 1 or any(other != shape for other in (uv.shape[:-1], *(each.shape for each in singles.values()))):
+        try:
+            shape = np.broadcast_shapes(shape, uv.shape[:-1], *(each.shape for each in singles.values()))
+        except ValueError:
+            told = {"image_xy": xy, "lens_uv": uv, **singles}
+            shapes = ", ".join(f"{name} {array.shape}" for name, array in told.items())
+            raise ValueError(f"the samples are not equally many: {shapes}") from None
+        xy, uv = (np.broadcast_to(array, (*shape, 2)).reshape(-1, 2) for array in (xy, uv))
+        singles = {name: np.broadcast_to(each, shape).reshape(-1) for name, each in singles.items()}
+    return _Samples(xy, uv, singles.get("time"), singles.get("wavelengths")), shape
 
 
 def trace(
     camera: int,
-    image_xy: ArrayLike,
-    lens_uv: ArrayLike,
-    time: ArrayLike | None,
+    samples: tuple[ArrayLike, ArrayLike, ArrayLike | None, ArrayLike | None],
     out: Rays | None,
     reasons: bool,
     differentials: bool,
 ) -> Rays:
-    """The rays of samples; `camera` is a pointer to a live camera. See `Camera.rays`."""
-    samples, shape = _inputs(image_xy, lens_uv, time)
-    n = len(samples.image_xy)
+    """The rays of samples (image_xy, lens_uv, time, wavelengths) of a live camera's pointer. See `Camera.rays`."""
+    given, shape = _inputs(*samples)
+    n = len(given.image_xy)
     if out is None:
         out = Rays.empty(shape, reasons=reasons, differentials=differentials)
         targets = [_Target(rays, n, None) for rays in (out, out.rx, out.ry) if rays is not None]
     else:
         targets = _targets(out, n, shape, reasons, differentials)
-        _separate(samples, targets)
-    _run(camera, n, samples, targets)
+        _separate(given, targets)
+    if given.wavelengths is not None and len(targets) > 1:
+        raise ValueError(
+            "rays at wavelengths have no differentials; ask for the rays one pixel to the right and one down: "
+            "image_xy + [1, 0], image_xy + [0, 1]"
+        )
+    _run(camera, n, given, targets)
     return out
 
 
@@ -348,26 +360,20 @@ def _separate(samples: _Samples, targets: list[_Target]) -> None:
 
 def _run(camera: int, n: int, samples: _Samples, targets: list[_Target]) -> None:
     """Calls the library, once where all arrays are as it wants them, otherwise block by block."""
-    function: Any = (
-        library.realistic_camera_generate_rays_soa
-        if len(targets) == 1
-        else library.realistic_camera_generate_ray_differentials_soa
-    )
     asked, found = samples.columns(), [target.columns() for target in targets]
     if asked is not None and None not in found:
-        check(function(camera, n, SamplesPointers(*asked), *(RaysPointers(*columns) for columns in found if columns)))
+        _call(camera, n, asked, [columns for columns in found if columns])
         return
     count = min(n, _BLOCK)
-    read_to = np.zeros((5, count), np.float32)
+    read_to = np.zeros((6, count), np.float32)
+    read_from = [*_addresses(read_to[:5].T), 0 if samples.wavelengths is None else read_to[5].ctypes.data]
     rooms = [_Room(count, target) if columns is None else None for target, columns in zip(targets, found)]
     for begin in range(0, n, _BLOCK):
         end = min(begin + _BLOCK, n)
         if asked is None:
             samples.read(begin, end, read_to)
-        pointers: list[Any] = [SamplesPointers(*(_addresses(read_to.T) if asked is None else _moved(asked, begin)))]
-        for columns, room in zip(found, rooms):
-            pointers.append(RaysPointers(*(_moved(columns, begin) if room is None else room.columns)))
-        check(function(camera, end - begin, *pointers))
+        columns_of = [_moved(columns, begin) if room is None else room.columns for columns, room in zip(found, rooms)]
+        _call(camera, end - begin, read_from if asked is None else _moved(asked, begin), columns_of)
         passed: NDArray[np.bool_] | bool | None = None
         for target, room in zip(targets, rooms):
             if room is not None:
@@ -376,9 +382,20 @@ def _run(camera: int, n: int, samples: _Samples, targets: list[_Target]) -> None
                 target.write(begin, end, room, passed)
 
 
-def _moved(columns: list[int] | None, begin: int) -> Iterator[int]:
+def _call(camera: int, n: int, asked: list[int], found: list[list[int]]) -> None:
+    """The library's function for what is asked: the addresses of six columns of samples, and eleven for each ray."""
+    samples, rays = SamplesPointers(*asked[:5]), [RaysPointers(*columns) for columns in found]
+    if len(rays) > 1:
+        check(library.realistic_camera_generate_ray_differentials_soa(camera, n, samples, *rays))
+    elif asked[5]:
+        check(library.realistic_camera_generate_rays_at_soa(camera, n, samples, asked[5], *rays))
+    else:
+        check(library.realistic_camera_generate_rays_soa(camera, n, samples, *rays))
+
+
+def _moved(columns: list[int] | None, begin: int) -> list[int]:
     """The columns of a caller's arrays from ray `begin` on; a number has 4 bytes, and 0 stays "none"."""
-    return (address and address + 4 * begin for address in columns or ())
+    return [address and address + 4 * begin for address in columns or ()]
 
 
 def _passed(target: _Target, room: _Room | None, begin: int, end: int) -> NDArray[np.bool_] | bool:

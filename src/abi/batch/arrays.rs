@@ -1,12 +1,13 @@
-//! A caller's arrays: which there must be, and as slices.
+//! A caller's structures of arrays: which arrays there must be, and as columns.
 
-use std::slice;
-
-use super::super::{
-    boundary::{self, Failure},
-    types::{realistic_rays_soa, realistic_samples_soa},
+use super::{
+    super::{
+        boundary::{self, Failure},
+        object::{self, Handle},
+        types::{realistic_camera, realistic_rays_soa, realistic_samples_soa},
+    },
+    columns::{Column, ColumnMut},
 };
-use crate::camera::{NeighbourArrays, RayArrays, SampleArrays};
 
 /// The names of samples' arrays.
 pub(super) const SAMPLES: [&str; 5] = ["image_x", "image_y", "lens_u", "lens_v", "time"];
@@ -25,53 +26,20 @@ pub(super) fn rays_of(rays: &realistic_rays_soa) -> [*mut f32; 7] {
     [rays.ox, rays.oy, rays.oz, rays.dx, rays.dy, rays.dz, rays.weight]
 }
 
-/// All arrays of rays but the weights, in the order of a ray's numbers.
-#[inline(always)]
-pub(super) fn columns_of(rays: &realistic_rays_soa) -> [*mut f32; 9] {
-    [rays.ox, rays.oy, rays.oz, rays.dx, rays.dy, rays.dz, rays.mint, rays.maxt, rays.time]
-}
-
-/// Whether all arrays of rays begin where floats may.
-#[inline(always)]
-pub(super) fn are_aligned(rays: &realistic_rays_soa) -> bool {
-    columns_of(rays).iter().all(|array| array.is_aligned()) && rays.weight.is_aligned()
-}
-
 /// The samples in a caller's arrays.
-///
-/// # Safety
-/// The arrays are aligned and of `n` elements that nobody writes.
-#[inline(always)]
-pub(super) unsafe fn sample_arrays<'a>(samples: &realistic_samples_soa, n: usize) -> SampleArrays<'a> {
-    // SAFETY: the caller's promise.
-    let [image_x, image_y, lens_u, lens_v, time] =
-        samples_of(samples).map(|array| unsafe { slice::from_raw_parts(array, n) });
-    SampleArrays { image_x, image_y, lens_u, lens_v, time }
+pub(super) fn sample_columns(samples: &realistic_samples_soa) -> [Column; 5] {
+    samples_of(samples).map(Column::packed)
 }
 
-/// Room for rays in a caller's arrays.
-///
-/// # Safety
-/// The arrays are aligned and of `n` elements that nothing else refers to, or NULL if they need not be there.
-#[inline(always)]
-pub(super) unsafe fn ray_arrays<'a>(rays: &realistic_rays_soa, n: usize) -> RayArrays<'a> {
-    // SAFETY: the caller's promise.
-    let room = |array: *mut f32| unsafe { slice::from_raw_parts_mut(array, n) };
-    let [ox, oy, oz, dx, dy, dz, weight] = rays_of(rays).map(room);
-    let [mint, maxt, time] =
-        [rays.mint, rays.maxt, rays.time].map(|array| (!array.is_null()).then(|| room(array)));
-    RayArrays { origin: [ox, oy, oz], direction: [dx, dy, dz], mint, maxt, time, weight }
+/// The room for rays in a caller's arrays.
+pub(super) fn ray_columns(rays: &realistic_rays_soa) -> [ColumnMut; 10] {
+    let [ox, oy, oz, dx, dy, dz, weight] = rays_of(rays);
+    [ox, oy, oz, dx, dy, dz, rays.mint, rays.maxt, rays.time, weight].map(ColumnMut::packed)
 }
 
-/// Room for neighbours in a caller's arrays.
-///
-/// # Safety
-/// The arrays are aligned and of `n` elements that nothing else refers to.
-pub(super) unsafe fn neighbour_arrays<'a>(rays: &realistic_rays_soa, n: usize) -> NeighbourArrays<'a> {
-    // SAFETY: the caller's promise.
-    let room = |array: *mut f32| unsafe { slice::from_raw_parts_mut(array, n) };
-    let [ox, oy, oz, dx, dy, dz, weight] = rays_of(rays).map(room);
-    NeighbourArrays { origin: [ox, oy, oz], direction: [dx, dy, dz], weight }
+/// The room for neighbours in a caller's arrays.
+pub(super) fn neighbour_columns(rays: &realistic_rays_soa) -> [ColumnMut; 7] {
+    rays_of(rays).map(ColumnMut::packed)
 }
 
 /// Refuses a structure of which one of these arrays is NULL.
@@ -85,6 +53,29 @@ pub(super) fn required_arrays<const N: usize>(
         Some(number) => Err(boundary::null(&format!("{structure}.{}", names[number]))),
         None => Ok(()),
     }
+}
+
+/// The camera and the structures of a call, which must be there with all arrays that must.
+///
+/// # Safety
+/// The pointers are NULL or valid.
+pub(super) unsafe fn arrays_of<'a>(
+    camera: *const realistic_camera,
+    n: usize,
+    samples: *const realistic_samples_soa,
+    rays: *const realistic_rays_soa,
+) -> Result<(&'a Handle, &'a realistic_samples_soa, &'a realistic_rays_soa), Failure> {
+    // SAFETY: the caller's promise for all three.
+    let (handle, samples, rays) = unsafe { (object::handle_of(camera), samples.as_ref(), rays.as_ref()) };
+    let handle = handle.ok_or_else(boundary::not_a_camera)?;
+    let samples = samples.ok_or_else(|| boundary::null("samples"))?;
+    let rays = rays.ok_or_else(|| boundary::null("rays"))?;
+    boundary::fits_memory(n, size_of::<f32>())?;
+    if n > 0 {
+        required_arrays("samples", SAMPLES, samples_of(samples))?;
+        required_arrays("rays", RAYS, rays_of(rays).map(|array| array.cast_const()))?;
+    }
+    Ok((handle, samples, rays))
 }
 
 /// Refuses an array that is NULL.

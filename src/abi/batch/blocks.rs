@@ -6,8 +6,8 @@ use std::{mem::MaybeUninit, slice};
 
 use glam::Mat4;
 
-use super::super::{object::Handle, types::realistic_reason};
-use crate::camera::{Camera, NeighbourArrays, RayArrays, Sample, SampleArrays};
+use super::{super::object::Handle, columns::Reasons};
+use crate::camera::{Camera, NeighbourArrays, RayArrays, SampleArrays};
 
 /// Samples per block: with their rays and differentials half of a first cache of 32 KiB.
 pub(super) const BLOCK: usize = 128;
@@ -19,7 +19,7 @@ pub(super) type SampleRoom = Room<5>;
 /// The numbers of rays: origin, direction, where each begins and ends, time, weight.
 pub(super) type RayRoom = Room<10>;
 /// The numbers of neighbours: origin, direction, weight.
-type NeighbourRoom = Room<7>;
+pub(super) type NeighbourRoom = Room<7>;
 
 /// Room for rays and their neighbours.
 pub(super) struct DifferentialRoom {
@@ -207,7 +207,7 @@ pub(super) unsafe fn in_blocks<O: Outcomes>(
     read: impl Fn(usize, usize, &mut SampleRoom),
     write: impl Fn(usize, usize, &O),
     weights: *mut f32,
-    reasons: *mut realistic_reason,
+    reasons: Reasons,
 ) {
     let (mut samples, mut outcomes) = (SampleRoom::new(), O::new());
     samples.set_all(n, [0.0; 5]);
@@ -222,55 +222,7 @@ pub(super) unsafe fn in_blocks<O: Outcomes>(
         // SAFETY: the caller's promise; weights need not be aligned.
         unsafe {
             weights.add(first).cast::<u8>().copy_from(weight.as_ptr().cast(), size_of_val(weight));
-            let reasons = if reasons.is_null() { reasons } else { reasons.add(first) };
-            give_reasons(handle, reasons, |i| (asked.get(i), weight[i]), count);
-        }
-    }
-}
-
-/// Why samples have the weights that they have, where a caller asks. Found out apart, because it costs more than a ray.
-///
-/// # Safety
-/// `reasons` is NULL or has room for `n` elements.
-pub(super) unsafe fn give_reasons(
-    handle: &Handle,
-    reasons: *mut realistic_reason,
-    of: impl Fn(usize) -> (Sample, f32),
-    n: usize,
-) {
-    if reasons.is_null() {
-        return;
-    }
-    for i in 0..n {
-        let (sample, weight) = of(i);
-        let reason = if weight > 0.0 { realistic_reason::Ok } else { handle.reason(&sample) };
-        // SAFETY: the caller's promise.
-        unsafe { reasons.add(i).write_unaligned(reason) };
-    }
-}
-
-/// Copies `count` samples from `first` on out of arrays that nothing aligns.
-///
-/// # Safety
-/// There are so many in each array.
-pub(super) unsafe fn read_columns(from: [*const f32; 5], first: usize, count: usize, room: &mut SampleRoom) {
-    for (from, to) in from.iter().zip(room.arrays_mut(count)) {
-        for (i, number) in to.iter_mut().enumerate() {
-            // SAFETY: the caller's promise.
-            *number = unsafe { from.add(first + i).read_unaligned() };
-        }
-    }
-}
-
-/// Copies columns to arrays that nothing aligns, from place `first` on, where there is a weight; to none that is NULL.
-///
-/// # Safety
-/// Each array that is not NULL has room for so many.
-pub(super) unsafe fn write_columns(to: &[*mut f32], first: usize, columns: &[&[f32]], weight: &[f32]) {
-    for (to, from) in to.iter().zip(columns).filter(|(to, _)| !to.is_null()) {
-        for (i, number) in from.iter().enumerate().filter(|(i, _)| weight[*i] > 0.0) {
-            // SAFETY: the caller's promise.
-            unsafe { to.add(first + i).write_unaligned(*number) };
+            reasons.give(first, weight, |i| handle.reason(&asked.get(i)));
         }
     }
 }

@@ -6,17 +6,19 @@ use super::{
     super::{
         boundary::{self, realistic_status},
         exchange::check_size,
-        object::{self, Handle},
+        object,
         types::{
             realistic_camera, realistic_ray_differential, realistic_rays_soa, realistic_reason,
             realistic_sample, realistic_samples_soa,
         },
     },
     arrays::{
-        RAYS, SAMPLES, are_aligned, columns_of, neighbour_arrays, ray_arrays, rays_of, required,
-        required_arrays, sample_arrays, samples_of, stride,
+        RAYS, arrays_of, neighbour_columns, ray_columns, rays_of, required, required_arrays, sample_columns,
+        stride,
     },
-    blocks::{DifferentialRoom, give_reasons, in_blocks, read_columns, write_columns},
+    blocks::{DifferentialRoom, in_blocks},
+    columns::Reasons,
+    request::Request,
     structures::{DifferentialStructures, SampleStructures},
 };
 
@@ -62,7 +64,7 @@ pub unsafe extern "C" fn realistic_camera_generate_ray_differentials(
                 |first, count, room| samples.read(first, count, room),
                 |first, count, room| rays.write(first, count, room),
                 weights,
-                reasons,
+                Reasons::packed(reasons),
             );
         }
         Ok(())
@@ -89,70 +91,25 @@ pub unsafe extern "C" fn realistic_camera_generate_ray_differentials_soa(
 ) -> realistic_status {
     boundary::status(|| {
         // SAFETY: the caller's promise for all.
-        let (handle, samples, [rays, rx, ry]) = unsafe {
-            (object::handle_of(camera), samples.as_ref(), [rays, rx, ry].map(|rays| rays.as_ref()))
-        };
-        let handle = handle.ok_or_else(boundary::not_a_camera)?;
-        let samples = samples.ok_or_else(|| boundary::null("samples"))?;
-        let rays = rays.ok_or_else(|| boundary::null("rays"))?;
-        let rx = rx.ok_or_else(|| boundary::null("rx"))?;
-        let ry = ry.ok_or_else(|| boundary::null("ry"))?;
-        boundary::fits_memory(n, size_of::<f32>())?;
-        if n == 0 {
-            return Ok(());
-        }
-        required_arrays("samples", SAMPLES, samples_of(samples))?;
-        for (name, rays) in [("rays", rays), ("rx", rx), ("ry", ry)] {
-            required_arrays(name, RAYS, rays_of(rays).map(|array| array.cast_const()))?;
-        }
-        let is_aligned = [rays, rx, ry].iter().all(|rays| are_aligned(rays));
-        // SAFETY: the arrays that must be there are, and each has room for `n` elements.
         unsafe {
-            if is_aligned && samples_of(samples).iter().all(|array| array.is_aligned()) {
-                let asked = sample_arrays(samples, n);
-                let mut found = ray_arrays(rays, n);
-                let [mut rx, mut ry] = [rx, ry].map(|rays| neighbour_arrays(rays, n));
-                handle.camera().ray_differentials(&asked, &mut found, &mut rx, &mut ry);
-                give_reasons(handle, rays.reason, |i| (asked.get(i), found.weight[i]), n);
-            } else {
-                all_of_unaligned(handle, n, samples, rays, [rx, ry]);
-            }
-        }
-        Ok(())
-    })
-}
-
-/// Rays and their neighbours by copies.
-///
-/// # Safety
-/// Every array that is not NULL has room for `n` elements and overlaps no other; the required ones are not NULL.
-unsafe fn all_of_unaligned(
-    handle: &Handle,
-    n: usize,
-    samples: &realistic_samples_soa,
-    rays: &realistic_rays_soa,
-    neighbours: [&realistic_rays_soa; 2],
-) {
-    let from = samples_of(samples);
-    // SAFETY: the caller's promise.
-    unsafe {
-        in_blocks::<DifferentialRoom>(
-            handle,
-            n,
-            |first, count, room| read_columns(from, first, count, room),
-            |first, count, room| {
-                let [columns @ .., weight] = room.rays.arrays(count);
-                write_columns(&columns_of(rays), first, &columns, weight);
-                for (to, room) in neighbours.iter().zip(&room.neighbours) {
-                    let [columns @ .., found] = room.arrays(count);
-                    write_columns(&columns_of(to)[..6], first, &columns, weight);
-                    for (i, weight) in found.iter().enumerate() {
-                        to.weight.add(first + i).write_unaligned(*weight);
-                    }
+            let (handle, samples, rays) = arrays_of(camera, n, samples, rays)?;
+            let rx = rx.as_ref().ok_or_else(|| boundary::null("rx"))?;
+            let ry = ry.as_ref().ok_or_else(|| boundary::null("ry"))?;
+            if n > 0 {
+                for (name, rays) in [("rx", rx), ("ry", ry)] {
+                    required_arrays(name, RAYS, rays_of(rays).map(|array| array.cast_const()))?;
                 }
-            },
-            rays.weight,
-            rays.reason,
-        );
-    }
+            }
+            let request = Request {
+                handle,
+                n,
+                samples: sample_columns(samples),
+                wavelengths: None,
+                rays: ray_columns(rays),
+                neighbours: Some([rx, ry].map(neighbour_columns)),
+                reasons: Reasons::packed(rays.reason),
+            };
+            request.answer()
+        }
+    })
 }

@@ -5,20 +5,18 @@ use std::mem::size_of;
 use super::{
     super::{
         boundary::{self, realistic_status},
-        object::{self, Handle},
+        object,
         types::{
             realistic_camera, realistic_ray, realistic_rays_soa, realistic_reason, realistic_sample,
             realistic_samples_soa,
         },
     },
-    arrays::{
-        RAYS, SAMPLES, are_aligned, columns_of, ray_arrays, rays_of, required, required_arrays,
-        sample_arrays, samples_of, stride,
-    },
-    blocks::{RayRoom, give_reasons, in_blocks, read_columns, write_columns},
+    arrays::{arrays_of, ray_columns, required, sample_columns, stride},
+    blocks::{RayRoom, in_blocks},
+    columns::Reasons,
+    request::Request,
     structures::{RayStructures, SampleStructures},
 };
-use crate::camera::{Sample, WorldRay};
 
 /// Rays of `n` samples. Element i lies `i * stride` bytes from the first, so that arrays of a host's own
 /// larger structures can be passed (pbrt-v1: 88 for `Sample`, 36 for `Ray`); a stride of 0 means tightly packed.
@@ -60,7 +58,7 @@ pub unsafe extern "C" fn realistic_camera_generate_rays(
                 let sample = &*samples.at(0);
                 handle.camera().trace_one(sample, &mut *rays.at(0), &mut weight);
                 weights.write_unaligned(weight);
-                give_reasons(handle, reasons, |_| (*sample, weight), 1);
+                Reasons::packed(reasons).give(0, &[weight], |_| handle.reason(sample));
             } else {
                 in_blocks::<RayRoom>(
                     handle,
@@ -68,7 +66,7 @@ pub unsafe extern "C" fn realistic_camera_generate_rays(
                     |first, count, room| samples.read(first, count, room),
                     |first, count, room| rays.write(first, count, room),
                     weights,
-                    reasons,
+                    Reasons::packed(reasons),
                 );
             }
         }
@@ -90,105 +88,19 @@ pub unsafe extern "C" fn realistic_camera_generate_rays_soa(
     rays: *const realistic_rays_soa,
 ) -> realistic_status {
     boundary::status(|| {
-        // SAFETY: the caller's promise for all three.
-        let (handle, samples, rays) = unsafe { (object::handle_of(camera), samples.as_ref(), rays.as_ref()) };
-        let handle = handle.ok_or_else(boundary::not_a_camera)?;
-        let samples = samples.ok_or_else(|| boundary::null("samples"))?;
-        let rays = rays.ok_or_else(|| boundary::null("rays"))?;
-        boundary::fits_memory(n, size_of::<f32>())?;
-        if n == 0 {
-            return Ok(());
+        // SAFETY: the caller's promise.
+        unsafe {
+            let (handle, samples, rays) = arrays_of(camera, n, samples, rays)?;
+            let request = Request {
+                handle,
+                n,
+                samples: sample_columns(samples),
+                wavelengths: None,
+                rays: ray_columns(rays),
+                neighbours: None,
+                reasons: Reasons::packed(rays.reason),
+            };
+            request.answer()
         }
-        required_arrays("samples", SAMPLES, samples_of(samples))?;
-        required_arrays("rays", RAYS, rays_of(rays).map(|array| array.cast_const()))?;
-        // SAFETY: the arrays that must be there are, and each has room for `n` elements.
-        unsafe { all_of_arrays(handle, n, samples, rays) };
-        Ok(())
     })
-}
-
-/// # Safety
-/// Every array that is not NULL has room for `n` elements and overlaps no other; the required ones are not NULL.
-unsafe fn all_of_arrays(
-    handle: &Handle,
-    n: usize,
-    samples: &realistic_samples_soa,
-    rays: &realistic_rays_soa,
-) {
-    if n == 1 {
-        // SAFETY: the caller's promise.
-        return unsafe { one_of_arrays(handle, samples, rays) };
-    }
-    let is_aligned = samples_of(samples).iter().all(|array| array.is_aligned()) && are_aligned(rays);
-    if !is_aligned {
-        // SAFETY: the caller's promise.
-        return unsafe { all_of_unaligned(handle, n, samples, rays) };
-    }
-    // SAFETY: the caller's promise, and all is aligned.
-    unsafe {
-        let (asked, mut found) = (sample_arrays(samples, n), ray_arrays(rays, n));
-        handle.camera().rays(&asked, &mut found);
-        give_reasons(handle, rays.reason, |i| (asked.get(i), found.weight[i]), n);
-    }
-}
-
-/// [`all_of_arrays`] of one sample, as a call of its own.
-///
-/// # Safety
-/// As there.
-unsafe fn one_of_arrays(handle: &Handle, samples: &realistic_samples_soa, rays: &realistic_rays_soa) {
-    let (mut ray, mut weight) = (WorldRay::default(), 0.0);
-    // SAFETY: the caller's promise; nothing needs to be aligned.
-    unsafe {
-        let sample = Sample {
-            image_x: samples.image_x.read_unaligned(),
-            image_y: samples.image_y.read_unaligned(),
-            lens_u: samples.lens_u.read_unaligned(),
-            lens_v: samples.lens_v.read_unaligned(),
-            time: samples.time.read_unaligned(),
-        };
-        handle.camera().trace_one(&sample, &mut ray, &mut weight);
-        rays.weight.write_unaligned(weight);
-        if weight > 0.0 {
-            // Number by number, as they were just written: a wider load would wait for them.
-            let [ox, oy, oz, dx, dy, dz, mint, maxt, time] = columns_of(rays);
-            for (axis, (o, d)) in [(ox, dx), (oy, dy), (oz, dz)].into_iter().enumerate() {
-                o.write_unaligned((&raw const ray.origin[axis]).read_volatile());
-                d.write_unaligned((&raw const ray.direction[axis]).read_volatile());
-            }
-            for (array, number) in [(mint, ray.mint), (maxt, ray.maxt), (time, ray.time)] {
-                if !array.is_null() {
-                    array.write_unaligned(number);
-                }
-            }
-        }
-        give_reasons(handle, rays.reason, |_| (sample, weight), 1);
-    }
-}
-
-/// [`all_of_arrays`] by copies.
-///
-/// # Safety
-/// As there.
-unsafe fn all_of_unaligned(
-    handle: &Handle,
-    n: usize,
-    samples: &realistic_samples_soa,
-    rays: &realistic_rays_soa,
-) {
-    let from = samples_of(samples);
-    // SAFETY: the caller's promise.
-    unsafe {
-        in_blocks::<RayRoom>(
-            handle,
-            n,
-            |first, count, room| read_columns(from, first, count, room),
-            |first, count, room| {
-                let [columns @ .., weight] = room.arrays(count);
-                write_columns(&columns_of(rays), first, &columns, weight);
-            },
-            rays.weight,
-            rays.reason,
-        );
-    }
 }

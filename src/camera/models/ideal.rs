@@ -18,12 +18,14 @@ use super::lens_parts::representable;
 use crate::{
     camera::{
         host::Host,
+        importance::{Backward, Linear, PlaneMap},
         model::Model,
         parameters::{CameraError, ParameterError, Parameters, Weighting},
         pipeline::{body::CameraBody, ideal::IdealTracer, ray_maker::RayMaker},
         ray::{Sample, WorldRay},
         setup::{Facts, Focusing, Setup},
     },
+    lens::first_order::FirstOrder,
     message::{Log, short, short_above},
     plan::FilmSide,
     sampling::{DiskMapping, PupilDisk, PupilSampler},
@@ -35,6 +37,8 @@ pub struct IdealCamera {
     facts: Facts,
     mapping: DiskMapping,
     rays: RayMaker,
+    linear: Linear,
+    units_per_mm: f64,
 }
 
 impl IdealCamera {
@@ -92,6 +96,8 @@ impl IdealCamera {
         };
         let tracer = Arc::new(IdealTracer::new(&imaging, &body));
         Ok(Self {
+            linear: linear(&imaging, &pupil, &body),
+            units_per_mm: body.units_per_mm,
             facts,
             mapping: setup.mapping,
             rays: RayMaker::new(tracer.clone(), tracer, body.placement),
@@ -115,6 +121,37 @@ impl IdealCamera {
 
     pub(crate) fn mapping(&self) -> DiskMapping {
         self.mapping
+    }
+
+    /// The camera the other way round.
+    pub(crate) fn backward(&self) -> Backward {
+        let (placement, front) = (self.rays.placement(), self.facts.lens.front());
+        let area = PI * front.semi_diameter * front.semi_diameter;
+        Backward::of_linear(&self.linear, placement, self.units_per_mm, area, placement.clip.map(f64::from))
+    }
+}
+
+/// Film and pupil by the rays in the front vertex plane.
+fn linear(imaging: &FirstOrder, pupil: &PupilDisk, body: &CameraBody) -> Linear {
+    let FilmSide { film, z, .. } = &body.film_side;
+    let [[a, b], [c, d]] = imaging.from_film(*z);
+    let at_film = PlaneMap { from_height: d, from_slope: -b };
+    let slope = PlaneMap { from_height: -c, from_slope: a };
+    // A point of the disk is the slope less that to the disk's centre.
+    let center = pupil.seen_from([1.0, 0.0]).center[0];
+    let lens = PlaneMap {
+        from_height: slope.from_height - center * at_film.from_height,
+        from_slope: slope.from_slope - center * at_film.from_slope,
+    };
+    let ([x, y], per_mm) = (film.middle(), film.pixel().recip());
+    Linear {
+        film: at_film,
+        lens,
+        lens_radius: pupil.slope_radius(),
+        weight: body.weight.map(|weight| (slope, weight * pupil.slope_area())),
+        raster: [[-per_mm, x], [per_mm, y]],
+        size: [2.0 * x, 2.0 * y],
+        depths: [0.0, f64::INFINITY],
     }
 }
 

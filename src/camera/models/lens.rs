@@ -4,6 +4,7 @@ use super::lens_parts::{Tracers, plan_and_compile, pupil_sampler, rear_disk, wei
 use crate::{
     camera::{
         host::{Host, Log},
+        importance::{Backward, LensBackward},
         model::Model,
         parameters::{CameraError, ParameterError, Parameters},
         pipeline::{
@@ -17,7 +18,7 @@ use crate::{
     },
     lens::film_ray,
     plan::{FilmSide, Plan},
-    prescription::Medium,
+    prescription::{Blades, Medium},
     sampling::{DiskMapping, PupilDisk, film_rays::FilmRays},
     trace::{Blocked, Direction, Path, Ray},
 };
@@ -32,6 +33,7 @@ pub struct RealisticCamera {
     tracers: Tracers,
     rays: RayMaker,
     plan: Plan,
+    blades: Option<Blades>,
 }
 
 impl RealisticCamera {
@@ -74,7 +76,8 @@ impl RealisticCamera {
         }
         // Where the film stands once its place in lens space is rounded.
         let film_distance = setup.facts.lens.rear().vertex - film_z;
-        Ok(Self { facts: Facts { film_distance, ..setup.facts }, body, rear, tracers, rays, plan })
+        let facts = Facts { film_distance, ..setup.facts };
+        Ok(Self { facts, body, rear, tracers, rays, plan, blades: setup.blades })
     }
 
     /// The ray of a sample, or why there is none. Finding out why costs more than a ray does; where
@@ -145,6 +148,12 @@ impl RealisticCamera {
 
     pub(crate) fn ray_maker(&self) -> &RayMaker {
         &self.rays
+    }
+
+    /// The camera the other way round.
+    pub(crate) fn backward(&self) -> Backward {
+        let lens = LensBackward::new(&self.facts.lens, self.blades, &self.body);
+        Backward::of_lens(lens, &self.body.placement, self.body.units_per_mm)
     }
 }
 

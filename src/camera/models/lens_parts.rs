@@ -159,16 +159,21 @@ fn report_given_up(pupil: &WarpedPupil, film_reach: f64, log: Log<'_>) {
             NoFan::Fast => ("a larger shape", "the pupil changes faster there than a table of it can follow"),
             NoFan::NoLight => (REAR, "no light was found there in the plane of the axis"),
             NoFan::Spent => (REAR, "this lens took all the rays that building a pupil may take"),
+            NoFan::Narrow => (REAR, "the aperture is so narrow that no table can follow the pupil"),
         };
         let left = if acceptance > 0.0 {
-            format!("of its samples {} % or more get through", percent(acceptance))
+            let share = percent(acceptance);
+            format!("of its samples {share} % or more get through: the picture is right, but noisier there")
         } else {
-            "of its samples none of those tried got through".to_owned()
+            "of its samples none of those tried got through: the film is dark there, or speckled".to_owned()
         };
-        let advice = if from > 0.0 {
-            format!("more samples per pixel there, or \"filmdiag\" up to {:.2}, avoid it", 2.0 * from)
-        } else {
-            "more samples per pixel make up for it".to_owned()
+        let advice = match (acceptance > 0.0, reason) {
+            (false, NoFan::Narrow) => "a wider aperture avoids it".to_owned(),
+            (false, _) if from > 0.0 => format!("\"filmdiag\" up to {:.2} avoids it", 2.0 * from),
+            (true, _) if from > 0.0 => {
+                format!("more samples per pixel there, or \"filmdiag\" up to {:.2}, avoid it", 2.0 * from)
+            }
+            _ => "more samples per pixel make up for it".to_owned(),
         };
         // So narrow a ring nobody sees.
         let level = if to - from < NARROW * whole { Level::Info } else { Level::Warning };
@@ -176,7 +181,7 @@ fn report_given_up(pupil: &WarpedPupil, film_reach: f64, log: Log<'_>) {
             level,
             &format!(
                 "pupil \"warped\": from {from:.2} to {to:.2} mm from the axis {what} is sampled in the pupil's place, \
-                 because {why}; {left}: the picture is right, but noisier there; {advice}"
+                 because {why}; {left}; {advice}"
             ),
         );
     }

@@ -1,7 +1,7 @@
 //! From parameters to the cameras without a prescription, as pbrt-v1 has them in stock: perspective, orthographic,
 //! environment.
 
-use std::sync::Arc;
+use std::{f64::consts::PI, sync::Arc};
 
 use super::{
     environment::Environment,
@@ -12,7 +12,9 @@ use crate::{
     camera::{
         film::Raster,
         host::Host,
-        parameters::{CameraError, ParameterError, Parameters},
+        importance::{Backward, ImportanceError, Linear, PlaneMap},
+        model::Model,
+        parameters::{CameraError, LensPlane, ParameterError, Parameters},
         pipeline::{
             ray_maker::RayMaker,
             stock::{StockTracer, View},
@@ -37,12 +39,29 @@ pub(crate) struct StockCamera {
     pub rays: RayMaker,
     /// How lens samples map to the disk; `None` where there is no lens.
     pub mapping: Option<DiskMapping>,
+    /// The camera the other way round, and its lens's area, or why it has no importance.
+    backward: Result<(Linear, f64), ImportanceError>,
 }
 
 impl StockCamera {
-    fn new(view: impl View + 'static, mapping: Option<DiskMapping>, placement: Placement) -> Self {
+    fn new(
+        view: impl View + 'static,
+        mapping: Option<DiskMapping>,
+        placement: Placement,
+        backward: Result<(Linear, f64), ImportanceError>,
+    ) -> Self {
         let tracer = Arc::new(StockTracer::new(view, &placement));
-        Self { rays: RayMaker::new(tracer.clone(), tracer, placement), mapping }
+        Self { rays: RayMaker::new(tracer.clone(), tracer, placement), mapping, backward }
+    }
+
+    /// The camera the other way round.
+    ///
+    /// # Errors
+    /// It has none.
+    pub fn backward(&self) -> Result<Backward, ImportanceError> {
+        let (linear, area) = self.backward.as_ref().map_err(Clone::clone)?;
+        // Which points it sees is a matter of depths.
+        Ok(Backward::of_linear(linear, self.rays.placement(), 1.0, *area, [0.0, f64::INFINITY]))
     }
 }
 
@@ -63,7 +82,10 @@ pub(crate) fn orthographic(
 /// The camera of model "environment".
 pub(crate) fn environment(given: &Parameters, host: &Host, log: Log<'_>) -> Result<StockCamera, CameraError> {
     let (raster, placement) = (raster(host)?, stock_placement(given, host, log)?);
-    Ok(StockCamera::new(Environment::new(raster, placement.clip), None, placement))
+    let model = Model::Environment;
+    let advice = "ask a camera with a lens";
+    let backward = Err(ImportanceError::NoArea { model, parallel: false, advice });
+    Ok(StockCamera::new(Environment::new(raster, placement.clip), None, placement, backward))
 }
 
 fn projective(
@@ -82,7 +104,54 @@ fn projective(
     let window = window(given, raster)?;
     let lens = thin_lens(given, host, hither)?;
     let view = Projective::new(projecting, window, raster, lens, placement.clip, placement.reach());
-    Ok(StockCamera::new(view, lens.map(|lens| lens.mapping), placement))
+    let backward = linear(projecting, window, raster, lens, placement.clip);
+    Ok(StockCamera::new(view, lens.map(|lens| lens.mapping), placement, backward))
+}
+
+/// Film and lens by the rays in the plane of the eye, and the lens's area: a camera with a lens samples the plane of focus
+/// evenly, in slopes from the eye or, without perspective, in heights.
+fn linear(
+    projecting: Projecting,
+    ScreenWindow([x0, x1, y0, y1]): ScreenWindow,
+    raster: Raster,
+    lens: Option<ThinLens>,
+    clip: [f32; 2],
+) -> Result<(Linear, f64), ImportanceError> {
+    let (model, parallel, per_screen) = match projecting {
+        Projecting::Perspective { fov } => {
+            (Model::Perspective, false, (f64::from(fov) / 2.0).to_radians().tan())
+        }
+        Projecting::Orthographic => (Model::Orthographic, true, 1.0),
+    };
+    let advice = "give \"lensradius\"";
+    let lens = lens.ok_or(ImportanceError::NoArea { model, parallel, advice })?;
+    let (radius, focus) = (f64::from(lens.radius), f64::from(lens.focal_distance));
+    // A lens in the near plane is as wide there.
+    let at_eye = match lens.plane {
+        LensPlane::Eye => 1.0,
+        LensPlane::Hither => 1.0 - f64::from(clip[0]) / focus,
+    };
+    let map = |from_height, from_slope| PlaneMap { from_height, from_slope };
+    let (film, lens) = if parallel {
+        (map(1.0, focus), map(0.0, -focus * at_eye))
+    } else {
+        (map(focus.recip(), 1.0), map(at_eye, 0.0))
+    };
+    // Raster coordinates of film coordinates.
+    let axis = |from: f32, to: f32, pixels: u32| {
+        let (from, to, pixels) = (f64::from(from), f64::from(to), f64::from(pixels));
+        [pixels / (to - from) / per_screen, -from * pixels / (to - from)]
+    };
+    let linear = Linear {
+        film,
+        lens,
+        lens_radius: radius,
+        weight: None,
+        raster: [axis(x0, x1, raster.xres), axis(y1, y0, raster.yres)],
+        size: [raster.xres, raster.yres].map(f64::from),
+        depths: clip.map(f64::from),
+    };
+    Ok((linear, PI * radius * radius))
 }
 
 /// The placement with the clip range taken into what the stock cameras allow.

@@ -35,11 +35,8 @@ struct IdealLens {
 
 impl IdealTracer {
     pub fn new(lens: &FirstOrder, body: &CameraBody) -> Self {
-        let (power, film_z) = (lens.focal_length.recip(), body.film_side.z);
-        // To the principal plane on the film's side, and from the other to the front vertex.
-        let (before, after) = (lens.rear_principal_plane - film_z, -lens.front_principal_plane);
-        let slope = [-power, 1.0 - before * power];
-        let height = [1.0 + after * slope[0], before + after * slope[1]];
+        let film_z = body.film_side.z;
+        let [height, slope] = lens.from_film(film_z);
         let reach = (body.placement.reach() / body.units_per_mm).min(f32::MAX.sqrt().into());
         Self {
             body: body.lane_body(),

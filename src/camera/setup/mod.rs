@@ -3,11 +3,13 @@
 //! `common` is what every model has, `prescribed` the set-up of the models with a lens file, with the film put in its
 //! place by `focusing` and the lens's groups in theirs by `groups`, of which `facts` is what a user may ask; `crop` is the
 //! part of the picture that a host renders. What only the projections have is read in `models::stock_cameras`.
+//! `first_look` looks through the camera once it is built.
 
 mod blades;
 mod common;
 mod crop;
 mod facts;
+mod first_look;
 mod focusing;
 mod groups;
 mod prescribed;
@@ -15,6 +17,7 @@ mod prescribed;
 pub(crate) use common::{disk_mapping, placement, raster, shutter, warn_of_unused};
 pub use crop::Crop;
 pub use facts::Facts;
+pub(crate) use first_look::warn_of_darkness;
 pub(crate) use focusing::Focusing;
 pub(crate) use prescribed::Setup;
 pub use prescribed::{film_distance, group_reach, open_lens};

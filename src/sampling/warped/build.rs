@@ -44,6 +44,10 @@ const UNNAMED: f64 = 0.004;
 /// Part of the pupil on the axis below which a pupil about to vanish is no longer worth an outline.
 const SLIVER: f64 = 1e-3;
 
+/// Radius of the pupil on the axis over how far its centre moves over the film, in slope, below which the table, which has
+/// the centre in single precision, cannot follow it: sixteen of its roundings.
+const NARROWEST: f64 = 1e-6;
+
 /// τ where the pupil vanishes: not 0, which rounding in single precision would make a negative density of.
 const LEAST_WIDTH: f64 = 1e-6;
 
@@ -148,6 +152,12 @@ impl<'a> Builder<'a> {
 
     pub fn layout(&self) -> Layout {
         let Self { tracer, reach, cover, shift, .. } = self;
+        let axis = self.axial_slice();
+        // No farther than the rear element is wide, however large the film.
+        let moved = (shift * reach).abs().min(self.cover_at(0.0).radius);
+        if axis.as_ref().is_ok_and(|axis| axis.factors[0][0] < NARROWEST * moved) {
+            return self.narrow();
+        }
         let field = Field { tracer, reach: *reach, cover: *cover, shift: *shift };
         let vanishing = field.vanishing().map(|Vanishing { height, center }| {
             self.vanishing.set(height);
@@ -161,7 +171,7 @@ impl<'a> Builder<'a> {
             let s = place as f64 / FINE as f64;
             end * if dark_beyond { s * (2.0 - s) } else { s }
         };
-        let coarse = self.coarse_slices(&height, vanishing);
+        let coarse = self.coarse_slices(&height, axis, vanishing);
         let mut table =
             Table { height, intervals: Vec::new(), given_up: Vec::new(), growth: BTreeMap::new() };
         let gap = |(number, pair): (usize, &[Node])| Gap {
@@ -186,6 +196,18 @@ impl<'a> Builder<'a> {
         given_up.sort_by(|a, b| a.radii[0].total_cmp(&b.radii[0]));
         center_on_axis(&mut intervals);
         Layout { end, dark_beyond, intervals, given_up: self.joined(given_up) }
+    }
+
+    /// Gives everything up.
+    fn narrow(&self) -> Layout {
+        let radii = [0.0, self.reach];
+        let slices = radii.map(|height| Rc::new(self.cover_slice(height)));
+        Layout {
+            end: self.reach,
+            dark_beyond: false,
+            intervals: vec![Interval { from: 0, to: FINE, slices }],
+            given_up: vec![GivenUp { radii, reason: NoFan::Narrow, acceptance: 0.0 }],
+        }
     }
 
     /// Gives an interval up.
@@ -230,8 +252,13 @@ impl<'a> Builder<'a> {
 
     /// The maps at the ends of the coarse intervals, each sought from the nearest one found, first from the axis outward
     /// and then back.
-    fn coarse_slices(&self, height: &impl Fn(usize) -> f64, vanishing: Option<Slice>) -> Vec<Node> {
-        let axis = self.axial_slice().map(Rc::new);
+    fn coarse_slices(
+        &self,
+        height: &impl Fn(usize) -> f64,
+        axis: Result<Slice, NoFan>,
+        vanishing: Option<Slice>,
+    ) -> Vec<Node> {
+        let axis = axis.map(Rc::new);
         self.axis_area.set(axis.as_ref().map_or(0.0, |slice| slice.area));
         let mut nodes: Vec<Node> = vec![axis];
         let ends = if vanishing.is_some() { COARSE - 1 } else { COARSE };

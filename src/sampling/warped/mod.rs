@@ -36,6 +36,7 @@
 
 mod build;
 mod illinois;
+mod inverse;
 mod outline;
 mod pieces;
 mod report;

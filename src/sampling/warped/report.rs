@@ -25,6 +25,8 @@ pub enum NoFan {
     NoLight,
     /// The rays that a table may take were spent.
     Spent,
+    /// The pupil is so narrow that slopes in single precision cannot follow it over the film.
+    Narrow,
 }
 
 /// Film radii that were given up: more than the pupil is sampled there, mostly the rear element's disk.

@@ -20,6 +20,8 @@ pub(crate) struct SpectralPupil {
     first: f64,
     /// Tables per w.
     per_w: f64,
+    /// Intervals between the tables.
+    intervals: f64,
     /// 1/end of each table, 1/mm, and its step to the next.
     per_end: Vec<[f32; 2]>,
     /// All tables one after the other, over film radii in units of each one's end.
@@ -28,6 +30,9 @@ pub(crate) struct SpectralPupil {
 
 /// Intervals between the tables.
 const INTERVALS: usize = 4;
+/// The same where the image ends within reach: a crescent is so narrow there that its place in the image has to be known
+/// better than its width.
+const WITH_END: usize = 16;
 /// By how much a table's maps are larger than the pupil at its wavelength, relative to what they are: for the curvature in
 /// between.
 const MARGIN: f64 = 4e-4;
@@ -51,28 +56,43 @@ impl SpectralPupil {
         table: impl Fn(f64, f64) -> Option<WarpedPupil>,
     ) -> Option<Self> {
         let (first, last) = (w(longest), w(shortest));
+        // Numbered as those of the finest division.
         let wavelength = |number: usize| {
-            let w = first + (last - first) * number as f64 / INTERVALS as f64;
+            let w = first + (last - first) * number as f64 / WITH_END as f64;
             1e3 * (w.recip() + RESONANCE).sqrt()
         };
-        let tables: Option<Vec<WarpedPupil>> =
-            (0..=INTERVALS).map(|number| table(wavelength(number), reach)).collect();
-        let mut tables = tables?;
+        let mut tables = Vec::with_capacity(WITH_END + 1);
+        for number in (0..=WITH_END).step_by(WITH_END / INTERVALS) {
+            tables.push((number, table(wavelength(number), reach)?));
+        }
+        let mut intervals = INTERVALS;
         // An image ends everywhere or nowhere.
-        if tables.iter().any(|table| table.dark_beyond) {
-            for (number, table_at) in tables.iter_mut().enumerate() {
+        if tables.iter().any(|(_, table)| table.dark_beyond) {
+            intervals = WITH_END;
+            for number in (0..=WITH_END).filter(|number| number % (WITH_END / INTERVALS) != 0) {
+                tables.push((number, table(wavelength(number), reach)?));
+            }
+            tables.sort_by_key(|(number, _)| *number);
+            for (number, table_at) in &mut tables {
                 let mut farther = FARTHER.iter();
                 while !table_at.dark_beyond {
-                    *table_at = table(wavelength(number), reach * farther.next()?)?;
+                    *table_at = table(wavelength(*number), reach * farther.next()?)?;
                 }
             }
         }
+        let tables: Vec<WarpedPupil> = tables.into_iter().map(|(_, table)| table).collect();
         let ends: Vec<f64> = tables.iter().map(|table| table.end.recip()).collect();
-        let next = |number: usize| ends[(number + 1).min(INTERVALS)];
+        let next = |number: usize| ends[(number + 1).min(intervals)];
         let per_end = ends.iter().enumerate();
         let per_end = per_end.map(|(number, end)| [*end as f32, (next(number) - end) as f32]).collect();
         let cover = tables[0].cover;
-        Some(Self { first, per_w: INTERVALS as f64 / (last - first), per_end, tables: joined(tables, cover) })
+        Some(Self {
+            first,
+            per_w: intervals as f64 / (last - first),
+            intervals: intervals as f64,
+            per_end,
+            tables: joined(tables, cover),
+        })
     }
 
     /// What sampling computes with, in the precision of the lanes.
@@ -112,8 +132,8 @@ impl SpectralPupil {
         let w = one / micrometres.mul_sub(micrometres, number(RESONANCE));
         // In this order what is no number becomes 0.
         let place = ((w - L::splat(cpu, constants.first)) * L::splat(cpu, constants.per_w)).larger(zero);
-        let place = place.smaller(number(INTERVALS as f64));
-        let table = place.smaller(number((INTERVALS - 1) as f64)).trunc();
+        let place = place.smaller(number(self.intervals));
+        let table = place.smaller(number(self.intervals - 1.0)).trunc();
         let part = place - table;
         let [[per_end, step, ..]] = L::look_up::<1, 1>(&self.per_end, table.whole(), [0]);
         let per_end = part.mul_add(step, per_end);

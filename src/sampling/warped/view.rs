@@ -9,43 +9,45 @@ use crate::{
     prescription::MAX_INTERFACES,
     trace::{
         Path,
-        kernel::{Available, Clearance, MeridianRay, clearances},
+        kernel::{Clearance, ClearanceTracer, MeridianRay},
     },
 };
 
 /// Rays that are counted as one packet: what few registers of any processor take.
 const GROUP: usize = 8;
-/// Packets that a table may take: some 30 us an interface where they take 2.5 ns each.
-const MOST_PACKETS: u64 = 12_000;
-/// Surfaces that a packet passes in lanes at no more than its count. A lens with aspheres, whose rays go one by one, has as
-/// many packets as take no longer than those of the largest lens of spheres.
-const MOST_SURFACES: u64 = MAX_INTERFACES as u64;
-/// What an asphere and any other surface cost a ray alone, in surfaces of a packet.
-const ASPHERE: u64 = 120;
-const ALONE: u64 = 5;
+/// What a table may take: some 12,000 packets, for which a surface takes some 20 ns each.
+const MOST_WORK: u64 = 12_000 * PACKET;
+/// What a packet counts: no lens of spheres has more surfaces.
+const PACKET: u64 = MAX_INTERFACES as u64;
+/// What an asphere counts in the place of the whole packet, where aspheres are so many that this is more, and what each of
+/// its rays counts that the walk has to take there (some 110 ns and 320 ns): a table of a lens of 100 interfaces then takes
+/// 50 ms at most.
+const ASPHERE: u64 = 27;
+const WALKED: u64 = 80;
+/// Interfaces from which on a lens may take longer, in proportion.
+const LONG: u64 = 100;
 
 /// Traces rays for searches, and counts them.
 pub(crate) struct Tracer<'a> {
-    pub path: &'a Path,
-    /// z of the film.
-    pub film: f64,
-    simd: Available,
+    clearances: ClearanceTracer<'a>,
     rays: Cell<u32>,
-    /// Groups of rays traced, full or not, times what one counts: what the time depends on, whatever the width of the
-    /// registers.
+    /// Packets traced, full or not, and rays walked, times what they count: what the time depends on, whatever the width
+    /// of the registers.
     work: Cell<u64>,
-    /// What a group counts.
     per_packet: u64,
+    per_walk: u64,
 }
 
 impl<'a> Tracer<'a> {
     pub fn new(path: &'a Path, film: f64) -> Self {
-        let aspheres = path.aspheres() as u64;
-        let per_packet = match aspheres {
-            0 => MOST_SURFACES,
-            _ => (ASPHERE * aspheres + ALONE * path.surfaces() as u64).max(MOST_SURFACES),
-        };
-        Self { path, film, simd: Available::best(), rays: Cell::new(0), work: Cell::new(0), per_packet }
+        let longer = (path.surfaces() as u64 / LONG).max(1);
+        Self {
+            clearances: ClearanceTracer::new(path, film),
+            rays: Cell::new(0),
+            work: Cell::new(0),
+            per_packet: (ASPHERE * path.aspheres() as u64 / longer).max(PACKET),
+            per_walk: WALKED / longer,
+        }
     }
 
     /// Rays traced so far.
@@ -55,16 +57,15 @@ impl<'a> Tracer<'a> {
 
     /// Whether all the rays that a table may take were traced. Counted, not timed: the same lens gets the same table.
     pub fn is_spent(&self) -> bool {
-        self.work.get() >= MOST_PACKETS * MOST_SURFACES
+        self.work.get() >= MOST_WORK
     }
 
     /// How far outside every aperture each of the rays is.
     pub fn excesses(&self, rays: impl ExactSizeIterator<Item = MeridianRay>, found: &mut Vec<Excess>) {
         let count = rays.len();
         self.rays.set(self.rays.get() + count as u32);
-        self.work.set(self.work.get() + self.per_packet * count.div_ceil(GROUP) as u64);
         found.clear();
-        clearances(self.simd, self.path, self.film, rays, |clearance| {
+        let walked = self.clearances.trace(rays, |clearance| {
             found.push(match clearance {
                 Some(Clearance { ratio, surface, lost }) => {
                     Excess { value: ratio - 1.0, limit: Limit::Aperture(surface), lost }
@@ -72,6 +73,8 @@ impl<'a> Tracer<'a> {
                 None => Excess { value: f64::INFINITY, limit: Limit::Optics, lost: true },
             });
         });
+        let packets = self.per_packet * count.div_ceil(GROUP) as u64;
+        self.work.set(self.work.get() + packets + self.per_walk * u64::from(walked));
     }
 }
 

@@ -66,7 +66,7 @@ pub struct RayLanes<L: Lanes> {
     pub height: L,
     /// e' behind the last surface.
     pub root: L,
-    passed: L::Mask,
+    pub passed: L::Mask,
     /// The squared cosine to the axis with which they set out.
     pub cos2: L,
 }
@@ -143,8 +143,9 @@ impl<L: Lanes> RayLanes<L> {
         }
     }
 
+    /// At a point, where all have passed so far.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn at(cpu: Cpu<L>, [x, y]: [L; 2], [vx, vy, vz]: [L; 3], cos2: L) -> Self {
+    pub fn at(cpu: Cpu<L>, [x, y]: [L; 2], [vx, vy, vz]: [L; 3], cos2: L) -> Self {
         let zero = L::splat(cpu, L::Scalar::ZERO);
         Self { x, y, vx, vy, vz, height: zero, root: zero, passed: zero.less_equal(zero), cos2 }
     }

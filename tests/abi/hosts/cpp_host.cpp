@@ -173,6 +173,57 @@ static void cameras(const realistic::Api &api) {
     }
 }
 
+static void wavelengths(const realistic::Api &api) {
+    realistic::Options options(40, 30, api);
+    Owner camera(options.set(&realistic_options::specfile, "dgauss.100mm"));
+    const unsigned n = 200;
+    std::vector<realistic_sample> samples(n);
+    std::vector<realistic_ray> many(n);
+    std::vector<float> nm(n), fours(4 * n), weights(n);
+    std::vector<realistic_reason> reasons(n);
+    std::vector<float> in[5], out[2][7];
+    for (auto &array : in) array.resize(n);
+    for (auto &array : out[0]) array.resize(n);
+    for (auto &array : out[1]) array.resize(4 * n);
+    for (unsigned i = 0; i < n; ++i) {
+        samples[i] = sample_at(i);
+        nm[i] = 370.0f + 2.1f * static_cast<float>(i);
+        for (unsigned k = 0; k < 4; ++k) fours[4 * i + k] = 390.0f + 95.0f * static_cast<float>(k);
+        in[0][i] = samples[i].image_x, in[1][i] = samples[i].image_y;
+        in[2][i] = samples[i].lens_u, in[3][i] = samples[i].lens_v, in[4][i] = samples[i].time;
+    }
+    realistic_samples_soa from = {in[0].data(), in[1].data(), in[2].data(), in[3].data(), in[4].data()};
+    auto rays_of = [&out](int k) {
+        auto &a = out[k];
+        return realistic_rays_soa{a[0].data(), a[1].data(), a[2].data(), a[3].data(), a[4].data(), a[5].data(),
+                                  nullptr,     nullptr,     nullptr,     a[6].data(), nullptr};
+    };
+    camera.generate_at(samples.data(), nm.data(), n, many.data(), weights.data(), reasons.data());
+    camera.generate_at(from, nm.data(), n, rays_of(0));
+    camera.generate_hero(from, fours.data(), n, rays_of(1));
+    int different = 0, passed = 0, none = 0;
+    for (unsigned i = 0; i < n; ++i) {
+        realistic_ray ray = many[i], four[4];
+        float weight = camera.generate_at(samples[i], nm[i], ray), four_weights[4];
+        const float of_sample[4] = {fours[4 * i], fours[4 * i + 1], fours[4 * i + 2], fours[4 * i + 3]};
+        unsigned through = camera.generate_hero(samples[i], of_sample, four, four_weights);
+        passed += weight > 0;
+        none += reasons[i] == REALISTIC_REASON_WAVELENGTH;
+        different += weight != weights[i] || weight != out[0][6][i] || (weight > 0 && ray.d[1] != out[0][4][i]) ||
+                     std::memcmp(&ray, &many[i], sizeof ray) != 0;
+        for (unsigned k = 0; k < 4; ++k) {
+            realistic_ray one;
+            float alone = camera.generate_at(samples[i], of_sample[k], one);
+            through -= alone > 0;
+            different += alone != four_weights[k] || alone != out[1][6][4 * i + k] ||
+                         (alone > 0 && (one.d[0] != four[k].d[0] || one.o[1] != out[1][1][4 * i + k]));
+        }
+        different += through != 0;
+    }
+    std::printf("wavelengths %d %d %d\n", different, passed, none);
+    std::printf("capable %d\n", (api.capabilities() & REALISTIC_CAPABILITY_WAVELENGTHS) != 0);
+}
+
 static void lenses(const realistic::Api &api) {
     realistic::Options options(api);
     options.set(&realistic_options::specfile, "wide.22mm").set(&realistic_options::fnumber, 8);
@@ -194,7 +245,7 @@ static void lenses(const realistic::Api &api) {
                       {0, along[0].data(), along[1].data(), along[2].data(), &met});
     double off = 0;
     for (uint32_t i = 0; i < info.surfaces; ++i) off += std::fabs(along[2][i] - lens.surface(i).vertex_mm);
-    std::printf("points %u %g %g\n", static_cast<unsigned>(met), off, start[2] - at[2]);
+    std::printf("points %u %d %g\n", static_cast<unsigned>(met), off < 1e-12, start[2] - at[2]);
     std::printf("axis %d %.17g %.17g\n", static_cast<int>(reason), at[2] - info.rear_vertex_mm, at[5]);
     try {
         lens.surface(99);
@@ -226,12 +277,39 @@ static void lenses(const realistic::Api &api) {
     }
 }
 
+static void importance(const realistic::Api &api) {
+    Owner camera(realistic::Options(40, 30, api));
+    const float x[2] = {0, 1e4f}, y[2] = {0, 0}, z[2] = {2000, 10}, u[2] = {0.3f, 0.3f}, v[2] = {0.4f, 0.4f};
+    realistic_scene_points points{};
+    points.x = x, points.y = y, points.z = z, points.u = u, points.v = v;
+    float ox[2], oy[2], oz[2], dx[2], dy[2], dz[2], density[2], first[2], again[2], image_x[2];
+    realistic_aimed aimed{};
+    aimed.ox = ox, aimed.oy = oy, aimed.oz = oz, aimed.dx = dx, aimed.dy = dy, aimed.dz = dz, aimed.density = density;
+    realistic_importance found{};
+    found.importance = first, found.image_x = image_x;
+    camera.sample_importance(points, 2, aimed, found);
+    realistic_importance_rays rays{};
+    rays.ox = ox, rays.oy = oy, rays.oz = oz, rays.dx = dx, rays.dy = dy, rays.dz = dz;
+    realistic_importance counted{};
+    counted.importance = again;
+    camera.importance(rays, 1, counted);
+    std::printf("importance %g %g %g %g\n", first[0], again[0] / first[0], image_x[0], first[1]);
+    try {
+        Owner(realistic::Options(40, 30, api).set(&realistic_options::model, "environment"))
+            .importance(rays, 1, counted);
+    } catch (const realistic::Error &error) {
+        std::printf("environment %d %s\n", static_cast<int>(error.status()), error.what());
+    }
+}
+
 int main(int count, char **argument) {
     if (count != 3) return 1;
     realistic::Api functions = api(argument[1]);
     if (std::strcmp(argument[2], "refusals") == 0) refusals(functions);
     if (std::strcmp(argument[2], "cameras") == 0) cameras(functions);
     if (std::strcmp(argument[2], "lenses") == 0) lenses(functions);
+    if (std::strcmp(argument[2], "wavelengths") == 0) wavelengths(functions);
+    if (std::strcmp(argument[2], "importance") == 0) importance(functions);
 #ifdef REALISTIC_LINKED
     // Where the program is linked nothing need be said of the library.
     std::printf("linked %s\n", Owner(realistic::Options(4, 3)).lens_name().c_str());

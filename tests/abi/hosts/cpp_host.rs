@@ -69,6 +69,15 @@ fn a_camera_is_owned_moved_asked_and_given_away() {
 }
 
 #[test]
+fn rays_at_wavelengths_are_the_same_by_every_member() {
+    for report in runs("wavelengths") {
+        let [different, passed, none] = report.numbers("wavelengths")[..] else { panic!("three numbers") };
+        assert!(different == 0.0 && passed > 60.0 && none >= 5.0, "{different} {passed} {none}");
+        assert_eq!(report.one("capable"), "1");
+    }
+}
+
+#[test]
 fn a_lens_is_asked_without_a_film_and_autofocus_by_a_function() {
     for report in runs("lenses") {
         let lens: Vec<&str> = report.one("lens").split(' ').collect();
@@ -77,7 +86,7 @@ fn a_lens_is_asked_without_a_film_and_autofocus_by_a_function() {
         assert!((number(1) - 22.0).abs() < 0.5 && (number(2) - 8.0).abs() < 1e-9, "{lens:?}");
         assert_eq!(report.one("stop"), "1");
         assert!((report.number("focus") - 1000.0).abs() < 1e-6);
-        assert_eq!(report.one("points"), "13 0 0");
+        assert_eq!(report.one("points"), "13 1 0");
         assert_eq!(report.numbers("axis"), [0.0, 0.0, -1.0]);
         assert!(report.one("none").starts_with("3 surface 99: the lens has 13"));
         assert_eq!(report.one("capable"), "1");
@@ -86,6 +95,19 @@ fn a_lens_is_asked_without_a_film_and_autofocus_by_a_function() {
         assert!((800.0..1000.0).contains(&focused), "{focused}");
         assert_eq!(report.one("refused"), "for its film distance");
         assert_eq!(report.one("through"), "thrown by the callback");
+    }
+}
+
+#[test]
+fn a_camera_is_asked_the_other_way_round() {
+    for report in runs("importance") {
+        let [first, ratio, image_x, unseen] = report.numbers("importance")[..] else {
+            panic!("four numbers")
+        };
+        // 1 over the film's area, of 28 x 21 mm.
+        assert!((first * 28.0 * 21.0 - 1.0).abs() < 1e-5 && (ratio - 1.0).abs() < 1e-6, "{first} {ratio}");
+        assert!((image_x - 20.0).abs() < 1.0 && unseen == 0.0, "{image_x} {unseen}");
+        assert!(report.one("environment").starts_with("3 model \"environment\""));
     }
 }
 

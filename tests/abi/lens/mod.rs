@@ -288,6 +288,25 @@ fn wavelength_and_stop_set_it_and_a_cameras_parameters_are_refused() {
 }
 
 #[test]
+fn every_name_of_the_catalogue_opens_a_lens() {
+    let mut length = 0;
+    // SAFETY: no buffer has no room, and the next has room for its capacity.
+    let text = unsafe {
+        assert_eq!(realistic_catalogue(null_mut(), 0, &mut length), realistic_status::Ok);
+        let mut buffer = vec![0_u8; length + 1];
+        let status = realistic_catalogue(buffer.as_mut_ptr().cast(), buffer.len(), null_mut());
+        assert_eq!(status, realistic_status::Ok);
+        buffer.truncate(length);
+        String::from_utf8(buffer).expect("UTF-8")
+    };
+    let names: Vec<&str> = text.split('\n').collect();
+    assert!(names[0] == "dgauss.50mm" && names.len() > 20, "{names:?}");
+    for name in names {
+        Lens::named(&CString::new(name).expect("no NUL"));
+    }
+}
+
+#[test]
 fn warnings_go_to_the_log() {
     unsafe extern "C" fn keep(user: *mut c_void, level: i32, message: *const c_char) {
         // SAFETY: what the test below hands over.

@@ -70,7 +70,7 @@ pub fn sample(image: [f32; 2], lens: [f32; 2]) -> Sample {
 pub fn ray(camera: &RealisticCamera, image: [f32; 2], lens: [f32; 2]) -> Option<(WorldRay, f32)> {
     match camera.generate(&sample(image, lens)) {
         Outcome::Ray(ray, weight) => Some((ray, weight)),
-        Outcome::Blocked(_) | Outcome::Redraw | Outcome::Shut => None,
+        Outcome::Blocked(_) | Outcome::Redraw | Outcome::Shut | Outcome::Wavelength => None,
     }
 }
 

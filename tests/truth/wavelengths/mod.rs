@@ -166,7 +166,7 @@ fn rays_and_reasons_are_those_of_a_camera_built_at_the_wavelength() {
     let mut dispersive = 0;
     for name in catalogue::names() {
         let subject = Subject::of_catalogue(name, 36.0, 1.0);
-        for (precision, most) in [(Precision::F64, 4e-7), (Precision::F32, 6e-6)] {
+        for (precision, most) in [(Precision::F64, 4e-7), (Precision::F32, 1e-5)] {
             let (worst, only_one, through) = against_cameras_of_each_wavelength(&subject, precision);
             assert!(worst < most, "{name} {precision}: {worst:e}");
             assert!(only_one <= if precision == Precision::F64 { 0 } else { 8 }, "{name}: {only_one}");
@@ -262,63 +262,65 @@ fn even<const N: usize>([image_x, image_y]: [f32; 2]) -> SampleBlock<N> {
     samples
 }
 
+/// The light that reaches a film point at a wavelength by `N` random lens samples, its standard error, and the share of the
+/// samples that get through.
+fn light<const N: usize>(camera: &Camera, place: [f32; 2], wavelength: f32, seed: u64) -> [f64; 3] {
+    let mut random = Random::new(seed);
+    let mut samples = SampleBlock::<N>::new();
+    for i in 0..N {
+        let [lens_u, lens_v] = [random.next() as f32, random.next() as f32];
+        samples.set(i, &Sample { image_x: place[0], image_y: place[1], lens_u, lens_v, time: 0.5 });
+    }
+    let mut rays = RayBlock::<N>::new();
+    camera.rays_at(&samples.arrays(N), &[wavelength; N], &mut rays.arrays(N));
+    let [sum, squares, passed] = (0..N).fold([0.0; 3], |[sum, squares, passed], i| {
+        let weight = f64::from(rays.weight(i));
+        [sum + weight, squares + weight * weight, passed + f64::from(u8::from(weight > 0.0))]
+    });
+    let [mean, squares, passed] = [sum, squares, passed].map(|number| number / N as f64);
+    [mean, ((squares - mean * mean).max(0.0) / N as f64).sqrt(), passed]
+}
+
 #[test]
 fn samples_get_through_at_every_wavelength_and_light_is_what_brute_force_finds() {
-    const N: usize = 2048;
-    const BRUTE: usize = 8192;
     let (mut points, mut worst) = (0, (1.0_f64, String::new()));
-    for (number, name) in catalogue::names().enumerate() {
-        let (film_diagonal, stop) = [(24.0, 1.0), (43.3, 0.3), (120.0, 1.0)][number % 3];
-        let subject = Subject::of_catalogue(name, film_diagonal, stop);
-        if !subject.prescription.is_dispersive() {
-            continue;
-        }
-        let warped = subject.builder(D_LINE).build().expect("built");
-        let rear = subject.builder(D_LINE).pupil(Pupil::Rear).build().expect("built");
-        let given_up = subject
-            .builder(D_LINE)
-            .build_with_log(&mut |_, text| assert!(!text.contains("noisier"), "{text}"));
-        assert!(given_up.is_ok(), "{name}");
-        for wavelength in WAVELENGTHS {
-            let image = subject.image_radius(wavelength.into());
-            for part in [0.0, 0.4, 0.7, 0.9, 0.97, 0.99] {
-                let what =
-                    format!("{name}, film {film_diagonal} mm, {wavelength} nm at {part} of {image} mm");
-                let place = subject.raster(part * image);
-                let mut rays = RayBlock::<N>::new();
-                warped.rays_at(&even::<N>(place).arrays(N), &[wavelength; N], &mut rays.arrays(N));
-                let weights: Vec<f64> = (0..N).map(|i| rays.weight(i).into()).collect();
-                let acceptance = weights.iter().filter(|weight| **weight > 0.0).count() as f64 / N as f64;
-                if acceptance < worst.0 {
-                    worst = (acceptance, what.clone());
+    for name in catalogue::names() {
+        for (film_diagonal, stop) in [(24.0, 1.0), (43.3, 0.3), (120.0, 1.0)] {
+            let film_diagonal = if name == "phone.4mm" { 0.16 * film_diagonal } else { film_diagonal };
+            let subject = Subject::of_catalogue(name, film_diagonal, stop);
+            if !subject.prescription.is_dispersive() {
+                continue;
+            }
+            let mut is_given_up = false;
+            let warped = subject.builder(D_LINE).build_with_log(&mut |_, text| {
+                is_given_up |= text.contains("in the pupil's place");
+            });
+            let warped = warped.expect("built");
+            let rear = subject.builder(D_LINE).pupil(Pupil::Rear).build().expect("built");
+            for wavelength in WAVELENGTHS {
+                let image = subject.image_radius(wavelength.into());
+                for part in [0.0, 0.4, 0.7, 0.9, 0.97, 0.99] {
+                    let what =
+                        format!("{name}, film {film_diagonal} mm, {wavelength} nm at {part} of {image} mm");
+                    let place = subject.raster(part * image);
+                    let [found, error, acceptance] = light::<2048>(&warped, place, wavelength, points);
+                    if acceptance < worst.0 && !is_given_up {
+                        worst = (acceptance, what.clone());
+                    }
+                    assert!(acceptance >= 0.98 || is_given_up, "{what}: {acceptance}");
+                    let [expected, brute, _] = light::<8192>(&rear, place, wavelength, points + 1);
+                    let errors = error.hypot(brute);
+                    assert!(
+                        (found - expected).abs() <= 4.0 * errors,
+                        "{what}: {found:e} ± {error:e}, by brute force {expected:e} ± {brute:e}"
+                    );
+                    points += 2;
                 }
-                assert!(acceptance >= 0.98, "{what}: {acceptance}");
-                let light = weights.iter().sum::<f64>() / N as f64;
-                let mut random = Random::new(points);
-                let mut brute = SampleBlock::<BRUTE>::new();
-                for i in 0..BRUTE {
-                    let [lens_u, lens_v] = [random.next() as f32, random.next() as f32];
-                    let [image_x, image_y] = place;
-                    brute.set(i, &Sample { image_x, image_y, lens_u, lens_v, time: 0.5 });
-                }
-                let mut found = RayBlock::<BRUTE>::new();
-                rear.rays_at(&brute.arrays(BRUTE), &[wavelength; BRUTE], &mut found.arrays(BRUTE));
-                let [sum, squares] = (0..BRUTE).fold([0.0; 2], |[sum, squares], i| {
-                    let weight = f64::from(found.weight(i));
-                    [sum + weight, squares + weight * weight]
-                });
-                let mean = sum / BRUTE as f64;
-                let error = ((squares / BRUTE as f64 - mean * mean) / BRUTE as f64).sqrt();
-                assert!(
-                    (light - mean).abs() < 4.0 * error + 2e-3 * mean,
-                    "{what}: {light:e}, by brute force {mean:e} ± {error:e}"
-                );
-                points += 1;
             }
         }
     }
-    println!("{points} points; the least that get through: {worst:?}");
-    assert!(points > 700, "{points}");
+    println!("{points} measurements; the least that get through: {worst:?}");
+    assert!(points > 2000, "{points}");
 }
 
 #[test]
@@ -361,6 +363,7 @@ fn however_rays_are_asked_for_they_have_the_same_bits() {
         for pupil in [Pupil::Warped, Pupil::Rear, Pupil::Disk] {
             let camera =
                 Camera::builder().lens(name).precision(precision).pupil(pupil).weighting(Weighting::Relative);
+            let camera = if name == "phone.4mm" { camera.film_diagonal(5.6) } else { camera };
             let camera = camera.resolution(SIZE[0], SIZE[1]).build().expect("built");
             let (samples, wavelengths) = anywhere::<N>(7);
             let bits = |ray: Option<(WorldRay, f32)>| {
@@ -463,6 +466,7 @@ fn any_bits_in_the_place_of_a_wavelength_make_a_sound_ray_or_none() {
         [("dgauss.100mm", Precision::F64), ("phone.4mm", Precision::F32), ("zoom.24-70mm", Precision::F32)]
     {
         let camera = Camera::builder().lens(name).precision(precision).resolution(SIZE[0], SIZE[1]);
+        let camera = if name == "phone.4mm" { camera.film_diagonal(5.6) } else { camera };
         let camera = camera.build().expect("built");
         let (samples, mut wavelengths) = anywhere::<N>(4);
         for (i, wavelength) in wavelengths.iter_mut().enumerate() {

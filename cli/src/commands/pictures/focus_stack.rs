@@ -1,6 +1,7 @@
 //! `realistic focus-stack`: the same picture focused from near to far.
 
 use crate::failure::Failure;
+use crate::host::render::Integrator;
 use crate::host::scene::effects::{Effect, Effects};
 use crate::host::scene::props;
 use crate::host::studio::{Options, Order, Studio, parameter_help, whole_only};
@@ -61,7 +62,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         ));
     }
     let scene = props::scene().with(&Effects::only(&[Effect::SoftShadow, Effect::Dof]));
-    let order = Order { spp: args.options.spp.unwrap_or(SPP), wavelengths: None, whole: None };
+    let order = Order {
+        spp: args.options.spp.unwrap_or(SPP),
+        wavelengths: None,
+        whole: None,
+        integrator: Integrator::Path,
+    };
     let mut sheet = Sheet::new(studio.size, args.count, COLUMNS);
     let mut text = String::new();
     for (index, distance) in (1..).zip(distances(args.from, args.to, args.count)) {

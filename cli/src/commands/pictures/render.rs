@@ -3,8 +3,9 @@
 use super::origin::origin;
 use crate::failure::Failure;
 use crate::host::plugin::{Camera, Plugin};
+use crate::host::render::Integrator;
 use crate::host::scene::effects::Effects;
-use crate::host::scene::props;
+use crate::host::scene::{night, props};
 use crate::host::studio::{Method, Options, Order, Shot, Slide, Studio, parameter_help, stopped_down};
 use crate::image::{Format, picture_path, tile, writable};
 use realistic::camera::autofocus::Rule;
@@ -31,6 +32,12 @@ pub struct Args {
     /// A slide of the lecture instead of one picture: an effect off, with few samples and with many
     #[arg(long, value_name = "NAME")]
     slide: Option<Slide>,
+    /// The built-in scene by day, or at night, lit by lamps alone
+    #[arg(long, value_name = "NAME", default_value = "day", conflicts_with = "slide")]
+    scene: Stage,
+    /// From where light is followed: path, from the camera, or light, from the lamps of --scene night
+    #[arg(long, value_name = "NAME", default_value = "path", conflicts_with = "slide")]
+    integrator: Integrator,
     /// Trace this many wavelengths, 3 or more, and show the lens' colour errors
     #[arg(long, value_name = "N", conflicts_with = "slide", value_parser = clap::value_parser!(u32).range(3..=256))]
     wavelengths: Option<u32>,
@@ -45,6 +52,15 @@ pub struct Args {
     /// What the plugin asks this program for
     #[arg(long, value_name = "METHOD", default_value = "distance", requires = "autofocus")]
     autofocus_by: Method,
+}
+
+/// When the built-in scene is rendered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Stage {
+    /// In the light of sun and sky
+    Day,
+    /// In that of lamps alone
+    Night,
 }
 
 /// Stands for a zone in the middle of the picture.
@@ -74,14 +90,23 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         }
         parameters.set_from_text("crop", crop)?;
     }
-    let scene = props::scene().with(&args.effects);
+    let scene = match args.scene {
+        Stage::Day => props::scene(),
+        Stage::Night => night::scene(),
+    };
+    let scene = scene.with(&args.effects);
     if !args.autofocus.is_empty() {
         let zones: Vec<[f32; 4]> =
             args.autofocus.iter().map(|zone| zone.unwrap_or_else(|| middle(studio.size))).collect();
         let (rule, method) = (args.autofocus_rule, args.autofocus_by);
         parameters.filmdistance = Some(studio.autofocus(&parameters, &scene, &zones, rule, method)?);
     }
-    let order = Order { spp: args.options.spp.unwrap_or(SPP), wavelengths: args.wavelengths, whole: None };
+    let order = Order {
+        spp: args.options.spp.unwrap_or(SPP),
+        wavelengths: args.wavelengths,
+        whole: None,
+        integrator: args.integrator,
+    };
     let shot = studio.take(&parameters, &scene, &order)?;
     let mut text = describe(&studio.plugin, &shot.camera, studio.size)?;
     if parameters.crop.is_some() {

@@ -77,6 +77,16 @@ impl Camera {
         }
     }
 
+    /// Where the camera comes from.
+    pub(super) fn plugin(&self) -> &Plugin {
+        &self.plugin
+    }
+
+    /// The plugin's own, alive.
+    pub(super) fn handle(&self) -> *const realistic_camera {
+        self.handle
+    }
+
     /// One ray and one weight for every sample.
     ///
     /// # Errors

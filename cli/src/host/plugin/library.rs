@@ -3,6 +3,7 @@
 use crate::failure::Failure;
 use libloading::Library;
 use realistic::abi::{REALISTIC_ABI_VERSION, realistic_camera, realistic_camera_info, realistic_options};
+use realistic::abi::{realistic_aimed, realistic_importance, realistic_scene_points};
 use realistic::abi::{realistic_contrast, realistic_distance, realistic_zone};
 use realistic::abi::{realistic_ray, realistic_sample};
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
@@ -91,6 +92,9 @@ functions! {
     camera_generate_rays: b"realistic_camera_generate_rays",
         fn(*const realistic_camera, usize, *const realistic_sample, usize,
            *mut realistic_ray, usize, *mut f32, *mut i32) -> i32;
+    camera_sample_importance: b"realistic_camera_sample_importance",
+        fn(*const realistic_camera, usize, *const realistic_scene_points, *const realistic_aimed,
+           *const realistic_importance) -> i32;
     camera_generate_rays_at: b"realistic_camera_generate_rays_at",
         fn(*const realistic_camera, usize, *const realistic_sample, usize, *const f32, usize,
            *mut realistic_ray, usize, *mut f32, *mut i32) -> i32;

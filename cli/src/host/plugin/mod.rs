@@ -1,10 +1,14 @@
 //! The plugin as a renderer sees it: a shared library, its functions by name, and cameras made by them.
 
 mod camera;
+mod connections;
 mod library;
 mod location;
 mod options;
 
 pub use camera::{Camera, Warn, c_options, generate};
+#[cfg(test)]
+pub use connections::connect;
+pub use connections::{Connections, Places};
 pub use library::{Plugin, PluginError};
 pub use location::find;

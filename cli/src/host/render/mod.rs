@@ -1,7 +1,21 @@
 //! From a scene and a source of camera rays to a picture.
 
+pub mod lamplight;
+mod light;
 mod renderer;
 mod shade;
 pub mod spectrum;
 
+use clap::ValueEnum;
+
+pub use light::trace;
 pub use renderer::{Settings, render};
+
+/// From where light is followed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Integrator {
+    /// From the camera, by its rays
+    Path,
+    /// From the lamps: for small bright lamps far out of focus
+    Light,
+}

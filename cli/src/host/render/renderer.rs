@@ -1,9 +1,10 @@
 //! Rendering: tiles over all cores, and every pixel the mean over its samples.
 
+use super::lamplight::Lights;
 use super::shade::{ShadingSample, radiance};
 use crate::host::plugin::PluginError;
-use crate::host::scene::Scene;
 use crate::host::scene::shapes::Ray;
+use crate::host::scene::{Light, Scene};
 use crate::image::Picture;
 use glam::Vec3;
 use indicatif::ProgressBar;
@@ -70,6 +71,8 @@ pub fn render(
 /// the facets, and independent of the others.
 struct View<'a> {
     scene: &'a Scene,
+    /// Of a scene that they alone light.
+    lights: Option<Lights>,
     mm_per_unit: f32,
     seed: u64,
     pairs: [Vec<Point>; 4],
@@ -83,6 +86,7 @@ impl<'a> View<'a> {
         let spp = settings.spp as usize;
         Self {
             scene,
+            lights: (scene.light == Light::Lamps).then(|| Lights::of(scene)),
             mm_per_unit: settings.mm_per_unit,
             seed: settings.seed,
             pairs: std::array::from_fn(|_| vec![Point::default(); spp]),
@@ -127,7 +131,12 @@ impl Integrand<3> for View<'_> {
             direction: Vec3::from_array(ray.d),
             time: ray.time,
         };
-        radiance(self.scene, &ray, self.shading[number]).to_array()
+        let sample = self.shading[number];
+        let found = match &self.lights {
+            Some(lights) => lights.radiance(self.scene, &ray, sample),
+            None => radiance(self.scene, &ray, sample),
+        };
+        found.to_array()
     }
 }
 

@@ -4,6 +4,7 @@
 mod card;
 pub mod chequers;
 pub mod effects;
+pub mod night;
 mod objects;
 mod pose;
 mod print;
@@ -17,4 +18,4 @@ pub use objects::{Ball, Board, FLOOR, Finish, Lamps, Material, Paint};
 pub use pose::{LEVEL, tilted};
 pub use shapes::Sphere;
 pub use sky::Sun;
-pub use world::Scene;
+pub use world::{Light, Scene};

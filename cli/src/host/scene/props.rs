@@ -7,7 +7,7 @@ use super::objects::{Ball, Board, FLOOR, Finish, Lamps, Material};
 use super::pose::LEVEL;
 use super::shapes::{Panel, Sphere};
 use super::sky::Sun;
-use super::world::Scene;
+use super::world::{Light, Scene};
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
@@ -24,6 +24,7 @@ pub fn scene() -> Scene {
         balls: balls(),
         boards: boards(),
         lamps: lamps().into(),
+        light: Light::Day,
         sun: Sun::EVENING,
         pose: LEVEL,
         subject,

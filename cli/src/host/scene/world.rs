@@ -9,6 +9,15 @@ use super::shapes::{Hit, Ray, Shape};
 use super::sky::Sun;
 use glam::Vec3;
 
+/// What lights a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Light {
+    /// Sun and sky, through air; lamps only shine.
+    Day,
+    /// The lamps, before the dark.
+    Lamps,
+}
+
 /// The whole scene.
 #[derive(Clone)]
 pub struct Scene {
@@ -22,7 +31,9 @@ pub struct Scene {
     pub boards: Vec<Board>,
     /// Lamps, at rest.
     pub lamps: Vec<Lamps>,
-    /// The light.
+    /// What lights it.
+    pub light: Light,
+    /// The sun, by day.
     pub sun: Sun,
     /// Where the camera stands.
     pub pose: Pose,

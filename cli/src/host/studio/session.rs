@@ -4,10 +4,10 @@
 use super::autofocus::{Autofocus, Method};
 use super::focus::{self, AxialRays};
 use crate::failure::Failure;
-use crate::host::plugin::{self, Camera, Plugin};
-use crate::host::render::{Settings, render, spectrum};
-use crate::host::scene::Scene;
+use crate::host::plugin::{self, Camera, Connections, Places, Plugin};
+use crate::host::render::{Integrator, Settings, lamplight, render, spectrum, trace};
 use crate::host::scene::effects::{Effect, Effects};
+use crate::host::scene::{Light, Scene};
 use crate::image::Picture;
 use crate::lens_and_film::{PIPED, finite, set_parameters, size, standard_input, warn};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -75,6 +75,8 @@ pub struct Order {
     pub wavelengths: Option<u32>,
     /// Width and height of the picture, of which the parameter `crop` may choose a part; `None` for the session's.
     pub whole: Option<[u32; 2]>,
+    /// From where light is followed.
+    pub integrator: Integrator,
 }
 
 /// A picture taken.
@@ -156,6 +158,9 @@ impl Studio {
     /// # Errors
     /// The plugin's own.
     pub fn take(&self, parameters: &Parameters, scene: &Scene, order: &Order) -> Result<Shot, Failure> {
+        if order.integrator == Integrator::Light {
+            is_lamplit(parameters, scene, order)?;
+        }
         if let (Some(wavelength), Some(count)) = (parameters.wavelength, order.wavelengths) {
             return Err(Failure::Usage(format!(
                 "a picture in {count} wavelengths has no single \"wavelength\" ({wavelength} nm); leave \
@@ -175,6 +180,12 @@ impl Studio {
         };
         let start = Instant::now();
         let (picture, tally) = match order.wavelengths {
+            None if order.integrator == Integrator::Light => {
+                let shutter = [parameters.shutteropen.unwrap_or(0.0), parameters.shutterclose.unwrap_or(1.0)];
+                let shutter = shutter.map(|time| time as f32);
+                let joined = |places: &Places, found: &mut Connections| camera.connect(places, found);
+                self.pool.install(|| trace(joined, scene, &settings, shutter, &self.progress))?
+            }
             None => {
                 self.pool.install(|| render(|rays| camera.rays(rays), scene, &settings, &self.progress))?
             }
@@ -182,7 +193,7 @@ impl Studio {
                 let mut sum = (Picture::plain(settings.size, [0.0; 3]), Tally::default());
                 for (wavelength, band) in spectrum::bands(count) {
                     // First-order optics has a wavelength once and for all.
-                    let there = match parameters.model() {
+                    let there = match parameters.model.unwrap_or_default() {
                         Model::Lens => None,
                         _ => Some(at_wavelength(parameters, &camera, wavelength)?),
                     };
@@ -206,6 +217,22 @@ impl Studio {
         let scale = self.exposure.exp2() / white_level(&camera, parameters, whole)?;
         Ok(Shot { camera, picture, scale, tally, took })
     }
+}
+
+/// Whether paths from the lamps show all of a scene.
+fn is_lamplit(parameters: &Parameters, scene: &Scene, order: &Order) -> Result<(), Failure> {
+    let what = if scene.light != Light::Lamps {
+        "sun and sky, which have no place to begin paths at; give --scene night".to_owned()
+    } else if let Some(finish) = lamplight::not_matte(scene) {
+        format!("surfaces with the finish {finish:?}, which no path from a lamp to the lens meets")
+    } else if parameters.crop.is_some() {
+        "a \"crop\", and paths from the lamps lead to the whole picture".to_owned()
+    } else if order.wavelengths.is_some() {
+        "several wavelengths, and rays from the scene have the camera's own".to_owned()
+    } else {
+        return Ok(());
+    };
+    Err(Failure::Usage(format!("--integrator light cannot render this scene: it has {what}")))
 }
 
 /// The same camera at another wavelength, its film where the lens is in focus at its own.

@@ -3,10 +3,11 @@
 
 use super::session::{Options, Order, Studio, stopped_down, whole_only};
 use crate::failure::Failure;
+use crate::host::render::Integrator;
 use crate::host::scene::effects::Effect::{self, Dof, Gloss, Motion, SoftShadow, Translucency};
 use crate::host::scene::effects::Effects;
 use crate::host::scene::slides::{colour, gloss, motion, soft_shadow, translucency};
-use crate::host::scene::{Scene, props};
+use crate::host::scene::{Scene, night, props};
 use crate::image::{Picture, Sheet};
 use std::fmt::Write as _;
 
@@ -27,6 +28,8 @@ pub enum Slide {
     Lenses,
     /// Colour errors of a lens, by one, few and many wavelengths
     Colour,
+    /// Small lamps out of focus, by paths from the camera and, in about the same time, by paths from the lamps
+    Lamps,
 }
 
 /// Few enough to see the noise.
@@ -47,7 +50,7 @@ struct Panel {
 
 impl Panel {
     fn new(label: impl Into<String>, effects: &[Effect], spp: u32) -> Self {
-        let order = Order { spp, wavelengths: None, whole: None };
+        let order = Order { spp, wavelengths: None, whole: None, integrator: Integrator::Path };
         let effects = Effects::only(effects);
         Self { label: label.into(), effects, order, parameters: Vec::new(), exposure: 1.0 }
     }
@@ -114,6 +117,7 @@ impl Slide {
             Self::Motion => (motion::scene(), three(&[], &[Motion], many)),
             Self::Lenses => (props::scene(), lenses(many)),
             Self::Colour => (colour::scene(), colours(many, size)),
+            Self::Lamps => (night::scene(), lamps(many)),
         }
     }
 }
@@ -135,6 +139,21 @@ fn lenses(spp: u32) -> Vec<Panel> {
         lens("35 mm wide-angle", "wide.22mm@35mm", 43.3),
         lens("50 mm double Gauss", "dgauss.50mm", 43.3),
         lens("16 mm fisheye", "fisheye.10mm@16mm", 48.0),
+    ]
+}
+
+/// The night from both ends. A path from a lamp is joined to the camera up to three times, and takes about as long as
+/// these many from the camera.
+fn lamps(many: u32) -> Vec<Panel> {
+    const AS_LONG: u32 = 2;
+    let panel = |integrator: Integrator, name: &str, spp: u32| {
+        let mut panel = Panel::new(format!("{spp} {name}"), &[SoftShadow, Dof], spp).set("fnumber", 2.0);
+        panel.order.integrator = integrator;
+        panel
+    };
+    vec![
+        panel(Integrator::Path, "paths from the camera", many),
+        panel(Integrator::Light, "from the lamps", (many / AS_LONG).max(1)),
     ]
 }
 

@@ -9,7 +9,7 @@ use super::{
     plan::Plan,
     terms::Terms,
 };
-use crate::trace::aspheric::Aspheric;
+use crate::trace::{aspheric::Aspheric, surface::PathSurface};
 
 /// A conic section of revolution.
 #[derive(Clone, Copy, Debug)]
@@ -73,14 +73,19 @@ pub struct Common<S> {
 
 impl<S: Scalar> Common<S> {
     fn new(aspheric: &Aspheric<f64>, surface: &CompiledSurface<'_>, start: f64) -> Self {
+        let aperture = surface.tested.then(|| S::from_f64(surface.aperture));
+        Self { aperture, ..Self::untested(aspheric, [surface.index_step, surface.slack], start) }
+    }
+
+    fn untested(aspheric: &Aspheric<f64>, [index_step, slack]: [f64; 2], start: f64) -> Self {
         let rounding = S::EPSILON / f64::EPSILON;
         // The extent has a margin for double precision.
         let lowest = aspheric.extent[0] - (rounding - 1.0) * 16.0 * aspheric.tolerance;
         Self {
-            index_step: S::from_f64(surface.index_step),
-            rarer: surface.index_step < 0.0,
-            aperture: surface.tested.then(|| S::from_f64(surface.aperture)),
-            slack: S::from_f64(surface.slack),
+            index_step: S::from_f64(index_step),
+            rarer: index_step < 0.0,
+            aperture: None,
+            slack: S::from_f64(slack),
             start: S::from_f64(start),
             lowest: S::from_f64(lowest - start),
         }
@@ -110,14 +115,29 @@ impl<S: Scalar> Conic<S> {
 
 impl<S: Scalar> Asphere<S> {
     pub fn new(aspheric: &Aspheric<f64>, surface: &CompiledSurface<'_>, transfer: Transfer<S>) -> Self {
-        let round = S::from_f64;
-        let (c, kappa) = (aspheric.curvature, aspheric.kappa);
         let rounding = S::EPSILON / f64::EPSILON;
-        let bend = aspheric.bend;
-        // Half way up, the first step is half as long: a quarter of the error is left.
-        let start = S::from_f64(f64::midpoint(aspheric.extent[0], aspheric.extent[1])).to_f64();
+        let start = Self::start(aspheric);
         let tolerance = rounding * aspheric.tolerance / 16.0;
         let plan = Plan::of(aspheric, start, tolerance / 2.0);
+        Self::by_plan(aspheric, Common::new(aspheric, surface, start), transfer, tolerance, &plan)
+    }
+
+    /// Half way up, the first step is half as long: a quarter of the error is left.
+    fn start(aspheric: &Aspheric<f64>) -> f64 {
+        S::from_f64(f64::midpoint(aspheric.extent[0], aspheric.extent[1])).to_f64()
+    }
+
+    /// |G| is to be at most `tolerance` in the end.
+    fn by_plan(
+        aspheric: &Aspheric<f64>,
+        common: Common<S>,
+        transfer: Transfer<S>,
+        tolerance: f64,
+        plan: &Plan,
+    ) -> Self {
+        let round = S::from_f64;
+        let (c, kappa) = (aspheric.curvature, aspheric.kappa);
+        let bend = aspheric.bend;
         let reversed = |column: &Vec<f64>| column.iter().rev().map(|&a| round(a)).collect();
         Self {
             transfer,
@@ -134,8 +154,21 @@ impl<S: Scalar> Asphere<S> {
             tolerance: round(tolerance),
             approximants: plan.approximants.iter().map(reversed).collect(),
             exact_steps: plan.exact,
-            common: Common::new(aspheric, surface, start),
+            common,
             exact: Box::new(aspheric.clone()),
         }
+    }
+}
+
+impl Asphere<f64> {
+    /// For rays of which many go astray, and which the clear aperture does not stop: with as many steps as it takes, tested
+    /// from the second on, in the place of a plan. `None` for a sphere or a plane.
+    pub fn for_search(step: &PathSurface<f64>) -> Option<Self> {
+        let aspheric = step.aspheric.as_deref()?;
+        let common = Common::untested(aspheric, [step.index_step, step.slack], Self::start(aspheric));
+        let plan = Plan { approximants: Vec::new(), exact: 2 };
+        let transfer = Transfer { factor: 0.0, offset: 0.0 };
+        // No more: a stop at the vertex would lie behind the ray.
+        Some(Self::by_plan(aspheric, common, transfer, aspheric.tolerance, &plan))
     }
 }

@@ -11,7 +11,7 @@ use super::{
         ray::RayLanes,
         simd::Compiled,
     },
-    constants::Asphere,
+    constants::{Asphere, Common},
     terms::nested,
 };
 
@@ -39,6 +39,38 @@ struct Contact<L> {
     facing: L,
     /// G.
     residual: L,
+}
+
+/// N = (-m x, -m y, q) where a ray meets the surface, not a unit vector.
+#[derive(Clone, Copy)]
+pub struct Normal<L> {
+    m: L,
+    q: L,
+    /// N·V.
+    facing: L,
+}
+
+/// Where rays meet the surface.
+pub struct Meeting<L, const U: usize> {
+    pub normals: [Normal<L>; U],
+    /// How many went to the walk.
+    pub walked: u32,
+}
+
+impl<L: Lanes> RayLanes<L> {
+    /// Tests the aperture and refracts.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn refract(
+        &mut self,
+        cpu: Cpu<L>,
+        common: &Common<L::Scalar>,
+        media: impl Media<L>,
+        normal: &Normal<L>,
+    ) {
+        let Normal { m, q, facing } = *normal;
+        let square = q.mul_add(q, (m * m) * self.height_squared());
+        self.bend_at(cpu, common, media, [m, q], facing, square);
+    }
 }
 
 /// Steps beyond the plan's at most, before a ray goes to the walk.
@@ -104,6 +136,23 @@ impl<S: Scalar> Asphere<S> {
         minus_z: [L; U],
         lead: [L; U],
     ) {
+        let Meeting { normals, .. } = self.meet(cpu, rays, minus_z, lead, None);
+        for i in 0..U {
+            rays[i].refract(cpu, &self.common, media[i], &normals[i]);
+        }
+    }
+
+    /// Moves rays to the surface, as [`Asphere::trace`]. Where not all of the rays are `worth` the walk, the others are
+    /// blocked that lanes leave open.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn meet<L: Lanes<Scalar = S>, const U: usize>(
+        &self,
+        cpu: Cpu<L>,
+        rays: &mut [RayLanes<L>; U],
+        minus_z: [L; U],
+        lead: [L; U],
+        worth: Option<[L::Mask; U]>,
+    ) -> Meeting<L, U> {
         let zero = L::splat(cpu, S::ZERO);
         let mut ways = [Way { u: zero, along: zero, across: zero, from: zero }; U];
         for i in 0..U {
@@ -147,25 +196,34 @@ impl<S: Scalar> Asphere<S> {
         let mut any = 0;
         for i in 0..U {
             let first = self.is_first(cpu, &ways[i], &contacts[i], t[i]);
+            if let Some(worth) = worth {
+                let one = L::splat(cpu, S::ONE);
+                let spared = L::select(first, zero, L::select(worth[i], zero, one));
+                rays[i].keep(spared.less(one));
+            }
             open[i] = rays[i].passed_bits() & !L::bits(first);
             any |= open[i];
         }
+        let mut walked = 0;
         if any != 0 {
             for i in 0..U {
-                let (found, met) = self.one_by_one(cpu, &rays[i], ways[i].from, t[i], open[i]);
+                walked += open[i].count_ones();
+                let (found, met) =
+                    self.one_by_one(cpu, &rays[i], ways[i].from, t[i], open[i], worth.is_some());
                 t[i] = found;
                 rays[i].keep(zero.less(met));
             }
             contacts = self.contacts(cpu, rays, &ways, &t);
         }
+        let mut normals = [Normal { m: zero, q: zero, facing: zero }; U];
         for i in 0..U {
             let Contact { m, q, facing, .. } = contacts[i];
             let ray = &mut rays[i];
             ray.advance(t[i]);
             ray.height = t[i].mul_add(ray.vz, L::splat(cpu, self.common.start));
-            let square = q.mul_add(q, (m * m) * ray.height_squared());
-            ray.bend_at(cpu, &self.common, media[i], [m, q], facing, square);
+            normals[i] = Normal { m, q, facing };
         }
+        Meeting { normals, walked }
     }
 
     /// A step of Newton's iteration by a polynomial near twice the profile.
@@ -250,7 +308,7 @@ impl<S: Scalar> Asphere<S> {
     }
 
     /// Where the walk meets the surface along the rays that `open` has a bit for, and `t` for the others; and where that
-    /// is anywhere, 1, else 0.
+    /// is anywhere, 1, else 0. `follow`: without trying Newton's iteration once more.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn one_by_one<L: Lanes<Scalar = S>>(
         &self,
@@ -259,24 +317,31 @@ impl<S: Scalar> Asphere<S> {
         from: L,
         t: L,
         open: u32,
+        follow: bool,
     ) -> (L, L) {
         let mut columns = [[S::ZERO; WIDEST]; 7];
         for (column, lanes) in columns.iter_mut().zip([ray.x, ray.y, ray.vx, ray.vy, ray.vz, from, t]) {
             lanes.store(column);
         }
         let mut met = [S::ONE; WIDEST];
-        self.walk(&mut columns, &mut met, open);
+        self.walk(&mut columns, &mut met, open, follow);
         (L::load(cpu, &columns[6]), L::load(cpu, &met))
     }
 
     #[cold]
     #[inline(never)]
-    fn walk(&self, columns: &mut [[S; WIDEST]; 7], met: &mut [S; WIDEST], mut open: u32) {
+    fn walk(&self, columns: &mut [[S; WIDEST]; 7], met: &mut [S; WIDEST], mut open: u32, follow: bool) {
         while open != 0 {
             let lane = open.trailing_zeros() as usize;
             open &= open - 1;
             let [x, y, vx, vy, vz, from, _] = columns.each_ref().map(|column| column[lane].to_f64());
-            match self.exact.first_crossing([x, y, self.common.start.to_f64()], [vx, vy, vz], from) {
+            let (start, v) = ([x, y, self.common.start.to_f64()], [vx, vy, vz]);
+            let crossing = if follow {
+                self.exact.followed(start, v, from)
+            } else {
+                self.exact.first_crossing(start, v, from)
+            };
+            match crossing {
                 Ok(t) => columns[6][lane] = S::from_f64(t),
                 Err(_) => met[lane] = S::ZERO,
             }

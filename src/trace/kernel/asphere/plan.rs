@@ -31,37 +31,63 @@ impl Plan {
     pub fn of(aspheric: &Aspheric<f64>, start: f64, tolerance: f64) -> Self {
         let approximants: Vec<Vec<f64>> = DEGREES.iter().map(|&(degree, _)| near(aspheric, degree)).collect();
         let rays = samples(aspheric, start);
-        let mut best: Option<(f64, Self)> = None;
-        for used in 0..=approximants.len() {
+        let costs = (0..=approximants.len()).map(|used| {
+            let exact = exact_steps(aspheric, start, &approximants[..used], &rays, tolerance);
             let cost: f64 = DEGREES[..used].iter().map(|(_, cost)| cost).sum();
-            let plan = |exact| Self { approximants: approximants[..used].to_vec(), exact };
-            let enough = (1..MOST_EXACT).find(|&exact| {
-                rays.iter().all(|ray| plan(exact).rest(aspheric, start, ray).abs() <= tolerance)
-            });
-            let exact = enough.unwrap_or(MOST_EXACT);
-            let cost = cost + exact as f64;
-            if best.as_ref().is_none_or(|(least, _)| cost < *least) {
-                best = Some((cost, plan(exact)));
-            }
-        }
-        best.map_or(Self { approximants: Vec::new(), exact: MOST_EXACT }, |(_, plan)| plan)
+            (cost + exact as f64, used, exact)
+        });
+        let (_, used, exact) = costs.min_by(|a, b| a.0.total_cmp(&b.0)).expect("none may be used");
+        Self { approximants: approximants.into_iter().take(used).collect(), exact }
     }
+}
 
-    /// G where the plan brings a ray.
-    fn rest(&self, aspheric: &Aspheric<f64>, start: f64, Sample { place: [x, y], v }: &Sample) -> f64 {
-        let mut t = 0.0;
-        for coefficients in &self.approximants {
-            let (at, along) = ([x + t * v[0], y + t * v[1]], |[x, y]: [f64; 2]| x * v[0] + y * v[1]);
-            let u = at[0] * at[0] + at[1] * at[1];
-            let [twice, slope] = polynomial(coefficients, u.min(aspheric.rim) / aspheric.unit);
-            t -= (start + t * v[2] - twice / 2.0) / (v[2] - slope * along(at) / aspheric.unit);
+/// How many steps by the surface, at least 1, leave |G| at most `tolerance` on all the rays, after a step by each of the
+/// approximants.
+fn exact_steps(
+    aspheric: &Aspheric<f64>,
+    start: f64,
+    approximants: &[Vec<f64>],
+    rays: &[Sample],
+    tolerance: f64,
+) -> usize {
+    let residual = |Sample { place: [x, y], v }: &Sample, t: f64| aspheric.residual([*x, *y, start], *v, t);
+    // Of each ray t, and there G and N·V.
+    let mut ways: Vec<(f64, [f64; 2])> = rays
+        .iter()
+        .map(|ray| {
+            let t = approached(aspheric, start, approximants, ray);
+            (t, residual(ray, t))
+        })
+        .collect();
+    for exact in 1..MOST_EXACT {
+        let mut are_there = true;
+        for (ray, (t, [rest, facing])) in rays.iter().zip(&mut ways) {
+            *t += *rest / *facing;
+            [*rest, *facing] = residual(ray, *t);
+            are_there &= rest.abs() <= tolerance;
         }
-        for _ in 0..self.exact {
-            let [residual, facing] = aspheric.residual([*x, *y, start], *v, t);
-            t += residual / facing;
+        if are_there {
+            return exact;
         }
-        aspheric.residual([*x, *y, start], *v, t)[0]
     }
+    MOST_EXACT
+}
+
+/// t after a step by each of the approximants.
+fn approached(
+    aspheric: &Aspheric<f64>,
+    start: f64,
+    approximants: &[Vec<f64>],
+    Sample { place: [x, y], v }: &Sample,
+) -> f64 {
+    let mut t = 0.0;
+    for coefficients in approximants {
+        let (at, along) = ([x + t * v[0], y + t * v[1]], |[x, y]: [f64; 2]| x * v[0] + y * v[1]);
+        let u = at[0] * at[0] + at[1] * at[1];
+        let [twice, slope] = polynomial(coefficients, u.min(aspheric.rim) / aspheric.unit);
+        t -= (start + t * v[2] - twice / 2.0) / (v[2] - slope * along(at) / aspheric.unit);
+    }
+    t
 }
 
 /// A ray from the plane where it starts.

@@ -3,18 +3,21 @@
 //!
 //! In lanes: the kernel's formulas (see `ray`) for a path that has every aperture as a height, with the largest height
 //! over its aperture carried along. Both roots at once and no division keep the time that few rays take short; what
-//! that costs in digits a search of an edge does not need. No multiply-add is fused, which processors without the
-//! instruction would do slowly.
+//! that costs in digits a search of an edge does not need. No multiply-add is fused but at aspheres, whose code is the
+//! kernel's own: processors without the instruction would do it slowly.
 
+mod aspheres;
 pub(super) mod crossing;
 
 #[cfg(any(test, target_arch = "x86_64"))]
 use super::Simd;
 use super::{
     Available,
+    asphere::Asphere,
     lanes::{Cpu, Lanes, Portable},
 };
 use crate::trace::{path::Path, surface::PathSurface};
+use aspheres::PassAsphere;
 
 /// The aperture that a ray comes nearest to, or reaches farthest beyond.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,68 +46,75 @@ pub(crate) struct MeridianRay {
     pub slopes: [f64; 2],
 }
 
-/// Tells `found`, in order, the largest ratio of height to clear semi-diameter along each of several rays, traced side
-/// by side, where no aperture stops them. The path goes from film to scene; the film lies at z = `film`, behind it.
-///
-/// A ray that stops for another reason (it misses a surface, is reflected, turns back) has the ratio so far if that is
-/// more than 1, else none: `None` and a ratio of more than 1 together are what [`Path::walk`] blocks. Refraction is by
-/// the fused form, whatever the path's.
-pub(crate) fn clearances(
+/// A path from film to scene and the film behind it, made ready for rays whose clearances are asked for.
+pub(crate) struct ClearanceTracer<'a> {
+    path: &'a Path<f64>,
+    /// From the film to the first vertex, mm.
+    distance: f64,
+    /// The surfaces that are neither spheres nor planes.
+    aspheres: Vec<Option<Box<Asphere<f64>>>>,
     simd: Available,
-    path: &Path<f64>,
-    film: f64,
-    mut rays: impl Iterator<Item = MeridianRay>,
-    mut found: impl FnMut(Option<Clearance>),
-) {
-    if path.steps.iter().any(|step| step.aspheric.is_some()) {
-        rays.for_each(|ray| found(along(path, film, ray)));
-        return;
-    }
-    let mut packet = Packet::new(path.entry - film);
-    while packet.fill(&mut rays) > 0 {
-        match simd.simd() {
-            #[cfg(target_arch = "x86_64")]
-            // SAFETY: the processor has these instructions.
-            Simd::Avx512 => unsafe { avx512(path, &mut packet) },
-            #[cfg(target_arch = "x86_64")]
-            // SAFETY: as above.
-            Simd::Avx2 => unsafe { avx2(path, &mut packet) },
-            _ => packet.trace::<Portable<f64, 4>>(Portable::cpu(), path),
-        }
-        let lanes = packet.largest.iter().zip(packet.surface).zip(packet.open).take(packet.count);
-        for ((&largest, surface), open) in lanes {
-            let lost = open == 0.0;
-            let surface = surface.to_bits() as usize;
-            found((!lost || largest > 1.0).then(|| Clearance { ratio: largest.sqrt(), surface, lost }));
-        }
-    }
 }
 
-/// The same of one ray, by the walk: through aspheres, which lanes here do not have.
-fn along(path: &Path<f64>, film: f64, MeridianRay { height, slopes }: MeridianRay) -> Option<Clearance> {
-    let mut most = Clearance { ratio: 0.0, surface: 0, lost: false };
-    let through = path.intersections(film, [height, 0.0], slopes, |intersection| {
-        if intersection.ratio > most.ratio {
-            (most.ratio, most.surface) = (intersection.ratio, intersection.surface);
+impl<'a> ClearanceTracer<'a> {
+    /// For film at z = `film`, behind the lens, and the best instructions that there are.
+    pub fn new(path: &'a Path<f64>, film: f64) -> Self {
+        Self::with_simd(path, film, Available::best())
+    }
+
+    fn with_simd(path: &'a Path<f64>, film: f64, simd: Available) -> Self {
+        let aspheres = path.steps.iter().map(|step| Asphere::for_search(step).map(Box::new)).collect();
+        Self { path, distance: path.entry - film, aspheres, simd }
+    }
+
+    /// Tells `found`, in order, the largest ratio of height to clear semi-diameter along each of several rays, traced
+    /// side by side, where no aperture stops them.
+    ///
+    /// A ray that stops for another reason (it misses a surface, is reflected, turns back) has the ratio so far if that
+    /// is more than 1, else none: `None` and a ratio of more than 1 together are what [`Path::walk`] blocks. Refraction
+    /// is by the fused form, whatever the path's.
+    ///
+    /// How often a ray met an asphere so that only the walk could say where, which takes a hundred times as long: the same
+    /// number on every processor.
+    pub fn trace(
+        &self,
+        mut rays: impl Iterator<Item = MeridianRay>,
+        mut found: impl FnMut(Option<Clearance>),
+    ) -> u32 {
+        let mut packet = Packet::new(self.distance);
+        while packet.fill(&mut rays) > 0 {
+            match self.simd.simd() {
+                #[cfg(target_arch = "x86_64")]
+                // SAFETY: the processor has these instructions.
+                Simd::Avx512 => unsafe { avx512(self, &mut packet) },
+                #[cfg(target_arch = "x86_64")]
+                // SAFETY: as above.
+                Simd::Avx2 => unsafe { avx2(self, &mut packet) },
+                _ => packet.trace::<Portable<f64, 4>>(Portable::cpu(), self),
+            }
+            let lanes = packet.largest.iter().zip(packet.surface).zip(packet.open).take(packet.count);
+            for ((&largest, surface), open) in lanes {
+                let lost = open == 0.0;
+                let surface = surface.to_bits() as usize;
+                found((!lost || largest > 1.0).then(|| Clearance { ratio: largest.sqrt(), surface, lost }));
+            }
         }
-        true
-    });
-    most.lost = !through;
-    (through || most.ratio > 1.0).then(|| Clearance { ratio: most.ratio.sqrt(), ..most })
+        packet.walked
+    }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx2,fma")]
-fn avx512(path: &Path<f64>, packet: &mut Packet) {
+fn avx512(lens: &ClearanceTracer<'_>, packet: &mut Packet) {
     // SAFETY: this function is called only where the processor has what it is compiled for.
-    packet.trace::<super::lanes::avx512::F64x8>(unsafe { Cpu::assume() }, path);
+    packet.trace::<super::lanes::avx512::F64x8>(unsafe { Cpu::assume() }, lens);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-fn avx2(path: &Path<f64>, packet: &mut Packet) {
+fn avx2(lens: &ClearanceTracer<'_>, packet: &mut Packet) {
     // SAFETY: as in `avx512`.
-    packet.trace::<super::lanes::avx2::F64x4>(unsafe { Cpu::assume() }, path);
+    packet.trace::<super::lanes::avx2::F64x4>(unsafe { Cpu::assume() }, lens);
 }
 
 /// Rays as structure of arrays: where they set out, and what became of them.
@@ -121,12 +131,23 @@ struct Packet {
     largest: [f64; PACKET],
     /// Its surface, whole numbers as the bits of floats: one mask selects both, and nothing computes with them.
     surface: [f64; PACKET],
+    /// Meetings with aspheres so far that lanes left to the walk.
+    walked: u32,
 }
 
 impl Packet {
     fn new(distance: f64) -> Self {
         let zero = [0.0; PACKET];
-        Self { distance, count: 0, height: zero, slopes: [zero; 2], open: zero, largest: zero, surface: zero }
+        Self {
+            distance,
+            count: 0,
+            height: zero,
+            slopes: [zero; 2],
+            open: zero,
+            largest: zero,
+            surface: zero,
+            walked: 0,
+        }
     }
 
     /// Takes as many rays as there is room for; how many.
@@ -142,15 +163,15 @@ impl Packet {
 
     /// Several registers' rays in turns: each of them waits for its own square roots.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn trace<L: Lanes<Scalar = f64>>(&mut self, cpu: Cpu<L>, path: &Path<f64>) {
+    fn trace<L: Lanes<Scalar = f64>>(&mut self, cpu: Cpu<L>, lens: &ClearanceTracer<'_>) {
         let mut at = 0;
         while at < self.count {
             at += if self.count - at <= L::WIDTH {
-                self.trace_some::<L, 1>(cpu, path, at)
+                self.trace_some::<L, 1>(cpu, lens, at)
             } else if self.count - at <= 2 * L::WIDTH {
-                self.trace_some::<L, 2>(cpu, path, at)
+                self.trace_some::<L, 2>(cpu, lens, at)
             } else {
-                self.trace_some::<L, 4>(cpu, path, at)
+                self.trace_some::<L, 4>(cpu, lens, at)
             };
         }
     }
@@ -160,17 +181,25 @@ impl Packet {
     fn trace_some<L: Lanes<Scalar = f64>, const U: usize>(
         &mut self,
         cpu: Cpu<L>,
-        path: &Path<f64>,
+        lens: &ClearanceTracer<'_>,
         at: usize,
     ) -> usize {
-        let n = path.steps[0].n;
+        let steps = &lens.path.steps;
+        let n = steps[0].n;
         // No closures: one that is not inlined would be compiled for another processor than this function.
         let mut probes = [Probe::enter(cpu, self, n, at); U];
         for (u, probe) in probes.iter_mut().enumerate().skip(1) {
             *probe = Probe::enter(cpu, self, n, at + u * L::WIDTH);
         }
-        for (number, step) in path.steps.iter().enumerate() {
+        for (number, (step, asphere)) in steps.iter().zip(&lens.aspheres).enumerate() {
             let number = f64::from_bits(number as u64);
+            if let Some(asphere) = asphere {
+                L::apart(
+                    cpu,
+                    PassAsphere { cpu, step, asphere, number, probes: &mut probes, walked: &mut self.walked },
+                );
+                continue;
+            }
             for probe in &mut probes {
                 probe.pass(cpu, step, number);
             }
@@ -220,6 +249,15 @@ impl<L: Lanes<Scalar = f64>> Probe<L> {
         }
     }
 
+    /// Notes how near the clear aperture the rays in `met` come, at (x, y).
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn note(&mut self, cpu: Cpu<L>, step: &PathSurface<f64>, number: f64, [x, y]: [L; 2], met: L::Mask) {
+        let ratio = (x * x + y * y) * L::splat(cpu, step.aperture.recip());
+        let more = L::both(met, self.largest.less(ratio));
+        self.largest = L::select(more, ratio, self.largest);
+        self.surface = L::select(more, L::splat(cpu, number), self.surface);
+    }
+
     /// Takes the rays to the next surface and through it.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn pass(&mut self, cpu: Cpu<L>, step: &PathSurface<f64>, number: f64) {
@@ -242,10 +280,7 @@ impl<L: Lanes<Scalar = f64>> Probe<L> {
         let onward = L::both(L::splat(cpu, -step.slack).less_equal(self.lead + t), zero.less_equal(slope));
         let met = L::both(L::both(zero.less(square), onward), zero.less(self.open));
         let met = L::both(met, zero.less(vz));
-        let ratio = (x * x + y * y) * L::splat(cpu, step.aperture.recip());
-        let more = L::both(met, self.largest.less(ratio));
-        self.largest = L::select(more, ratio, self.largest);
-        self.surface = L::select(more, L::splat(cpu, number), self.surface);
+        self.note(cpu, step, number, [x, y], met);
         // Snell's law, as `RayLanes::bend`: V' = V + (n' cos I' - n cos I) N.
         let bend = after - before;
         let across = c * bend;
@@ -275,9 +310,10 @@ mod tests {
             let ray = |k: u32| MeridianRay { height: 3.0, slopes: [at(k % 23), at(k / 23)] };
             let rays: Vec<_> = (0..23 * 23).map(ray).collect();
             let ask = |simd, packet: usize| {
+                let tracer = ClearanceTracer::with_simd(&path, film, simd);
                 let mut found = Vec::new();
                 for rays in rays.chunks(packet) {
-                    clearances(simd, &path, film, rays.iter().copied(), |clearance| found.push(clearance));
+                    tracer.trace(rays.iter().copied(), |clearance| found.push(clearance));
                 }
                 found
             };
@@ -300,7 +336,8 @@ mod tests {
             let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
             let path = Path::<f64>::film_to_scene(&lens);
             let film = lens.rear().vertex - 1.1 * lens.rear().semi_diameter;
-            let mut rays = Vec::new();
+            // Along the axis, too, where a stop may lie at a vertex.
+            let mut rays = vec![MeridianRay { height: 0.0, slopes: [0.0; 2] }];
             for i in 0..40 {
                 for j in 0..40 {
                     for height in [0.0, 3.0, 12.0] {
@@ -310,9 +347,8 @@ mod tests {
                 }
             }
             let mut clearances = Vec::new();
-            super::clearances(Available::best(), &path, film, rays.iter().copied(), |clearance| {
-                clearances.push(clearance);
-            });
+            ClearanceTracer::new(&path, film)
+                .trace(rays.iter().copied(), |clearance| clearances.push(clearance));
             let (mut through, mut clipped, mut stopped) = (0, 0, 0);
             for (ray, clearance) in rays.into_iter().zip(clearances) {
                 let passes = clearance.is_some_and(|clearance| clearance.ratio <= 1.0);

@@ -113,25 +113,24 @@ impl<L: Lanes, const U: usize> MediaOnWay<L, U> for OnWay<'_, L, U> {
     fn at(&mut self, cpu: Cpu<L>, number: usize) -> [AtWavelengths<L>; U] {
         let zero = L::splat(cpu, L::Scalar::ZERO);
         let mut media = [AtWavelengths { square: zero, inverse: zero, change: zero }; U];
-        for u in 0..U {
-            let Here { square, inverse, .. } = self.here[u];
-            media[u] = AtWavelengths { square, inverse, change: zero };
+        for (media, Here { square, inverse, .. }) in media.iter_mut().zip(&self.here) {
+            *media = AtWavelengths { square: *square, inverse: *inverse, change: zero };
         }
         let Some(glass) = &self.behind[number] else { return media };
         let (own, one) = (L::splat(cpu, glass.square), L::splat(cpu, L::Scalar::ONE));
         if glass.is_fixed() {
             let inverse = one / own;
-            for u in 0..U {
-                media[u].change = zero - self.here[u].change;
-                self.here[u] = Here { square: own, inverse, change: zero };
+            for (media, here) in media.iter_mut().zip(&mut self.here) {
+                media.change = zero - here.change;
+                *here = Here { square: own, inverse, change: zero };
             }
             return media;
         }
-        for u in 0..U {
-            let change = glass.change(cpu, &self.light[u]);
+        for ((media, here), light) in media.iter_mut().zip(&mut self.here).zip(&self.light) {
+            let change = glass.change(cpu, light);
             let square = own + change;
-            media[u].change = change - self.here[u].change;
-            self.here[u] = Here { square, inverse: one / square, change };
+            media.change = change - here.change;
+            *here = Here { square, inverse: one / square, change };
         }
         media
     }

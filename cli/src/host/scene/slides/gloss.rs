@@ -1,7 +1,7 @@
 //! Gloss: a card on a floor of brushed metal, which reflects what stands on it sharply and what is
 //! higher up blurred.
 
-use super::super::{Ball, Finish, Material, Scene, Sun, props, tilted};
+use super::super::{Ball, Finish, Light, Material, Scene, Sun, props, tilted};
 use glam::Vec3;
 
 /// Where the card and the balls stand.
@@ -22,6 +22,7 @@ pub fn scene() -> Scene {
         ],
         boards: props::card("gloss", Vec3::new(-215.0, 45.0, STAGE), 200.0).into(),
         lamps: Vec::new(),
+        light: Light::Day,
         sun: Sun { radius: 0.15, ..Sun::EVENING },
         pose: tilted(10.5, [-10.0, 60.0, 0.0]),
         subject: |_, _| STAGE,

@@ -1,5 +1,7 @@
 //! Batches have the bits of single calls, for any number of samples, strides and alignment.
 
+mod strided;
+
 use std::ffi::CStr;
 use std::mem::{MaybeUninit, size_of};
 use std::ptr::null_mut;

@@ -5,21 +5,18 @@ What fits or measures a camera asks here. A ray is kept as the line x(z) = at + 
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .errors import CameraWarning
-from .lens import Lens
+from ..errors import quietly
+from ..lens import Lens
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from .camera import Camera
+    from ..camera import Camera
 
 
 @dataclass(eq=False)
@@ -56,14 +53,6 @@ class Bundles:
     def points(self, z: float) -> NDArray[np.float64]:
         """Where the rays meet the plane z, or their slopes where z is infinite: (n, m, 2)."""
         return self.slope if np.isinf(z) else self.at + self.slope * z
-
-
-@contextmanager
-def quietly() -> Iterator[None]:
-    """Without the warnings of cameras that differ from a caller's in what he does not see: his own has given them."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", CameraWarning)
-        yield
 
 
 def in_camera_space(camera: Camera) -> Camera:
@@ -134,11 +123,15 @@ def seen_from_pinhole(bundles: Bundles, plane: float) -> tuple[NDArray[np.float6
 
 def film_plane(plain: Camera) -> float:
     """z of the film plane in camera space, world units, negative; of a camera of `in_camera_space` with a lens."""
-    given = plain.parameters
+    return (lens_of(plain).rear_vertex_mm - plain.film_distance_mm) / float(plain.parameters.get("mmperunit", 1.0))
+
+
+def lens_of(camera: Camera) -> Lens:
+    """The lens of a camera, without the film."""
+    given = camera.parameters
+    names = ("specfile", "lens_text", "glasscatalog", "zoom", "wavelength", "aperture_diameter", "fnumber")
     with quietly():
-        names = ("specfile", "lens_text", "wavelength", "aperture_diameter", "fnumber")
-        lens = Lens(**{name: given[name] for name in names if name in given})
-    return (lens.rear_vertex_mm - plain.film_distance_mm) / float(given.get("mmperunit", 1.0))
+        return Lens(**{name: given[name] for name in names if name in given})
 
 
 def plane_in_focus(plain: Camera) -> float:

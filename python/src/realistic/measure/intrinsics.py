@@ -17,7 +17,7 @@ from .bundles import bundles_of, film_grid, in_camera_space, lens_grid, plane_at
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from .camera import Camera
+    from ..camera import Camera
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,19 +2,22 @@
 
 use std::fmt::Write;
 
-use super::{
-    film::Raster,
-    host::{Level, Log},
-    ray::{Outcome, Sample},
+use crate::{
+    camera::{
+        film::Raster,
+        host::{Level, Log},
+        ray::{Outcome, Sample},
+    },
+    numeric::quasirandom::STEPS,
+    trace::Blocked,
 };
-use crate::{numeric::quasirandom::STEPS, trace::Blocked};
 
 /// Samples that are tried at most; the first that makes a ray is the last one.
 const SAMPLES: u32 = 4096;
 
 /// Warns where no sample of many, evenly over picture and pupil, makes a ray by `generate`, and says what becomes of
 /// them.
-pub(super) fn warn_of_darkness(raster: Raster, generate: impl Fn(&Sample) -> Outcome, log: Log<'_>) {
+pub(crate) fn warn_of_darkness(raster: Raster, generate: impl Fn(&Sample) -> Outcome, log: Log<'_>) {
     // Missed, clipped, reflected, turned back.
     let mut counts = [0_u32; 4];
     // Number 0 is the ray along the axis, which the smallest hole lets through.

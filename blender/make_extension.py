@@ -1,0 +1,69 @@
+"""Makes the extension's zip: its code, and for every lens of the catalogue the shader, the cross-section and the facts.
+
+    python3 blender/make_extension.py OUT.zip [PROGRAM]
+
+PROGRAM is the built `realistic`; without it, the one in PATH.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+import tempfile
+import zipfile
+from concurrent.futures import ThreadPoolExecutor
+from os import cpu_count
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+
+
+def run(program: str, *arguments: str) -> str:
+    """What the program prints; the script ends where it fails."""
+    told = subprocess.run([program, *arguments], capture_output=True, text=True)
+    if told.returncode != 0:
+        raise SystemExit(f"{program} {' '.join(arguments)}: {told.stderr.strip()}")
+    return told.stdout
+
+
+def lens(program: str, name: str, folder: Path) -> dict[str, object]:
+    """Writes a lens's shader and picture and gives its facts."""
+    shader = run(program, "blender", name, "--out", "-")
+    (folder / f"{name}.osl").write_text(shader)
+    run(program, "draw", name, "--out", str(folder / f"{name}.png"))
+    read = json.loads(run(program, "lens", name, "--json"))
+    nearest = re.search(r"nearest focus ([\d.]+) mm", shader)
+    if nearest is None:
+        raise SystemExit(f"the shader of {name} does not say its nearest focus")
+    return {
+        "title": read["title"] or name,
+        "focal_length_mm": read["focal_length_mm"],
+        "fnumber": read["f_number"],
+        "nearest_mm": float(nearest[1]),
+    }
+
+
+def main(out: Path, program: str) -> None:
+    """Writes the zip."""
+    # A line per lens below a heading.
+    names = [line.split()[0] for line in run(program, "lens", "--list").splitlines()[1:]]
+    with tempfile.TemporaryDirectory() as made, ThreadPoolExecutor(cpu_count()) as pool:
+        folder = Path(made)
+        facts = dict(zip(names, pool.map(lambda name: lens(program, name, folder), names)))
+        with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
+            for file in ("__init__.py", "blender_manifest.toml"):
+                archive.write(HERE / "extension" / file, file)
+            for licence in ("LICENSE-MIT", "LICENSE-APACHE"):
+                archive.write(HERE.parent / licence, licence)
+            archive.writestr("lenses/lenses.json", json.dumps(facts, indent=1))
+            for file in sorted(folder.iterdir()):
+                archive.write(file, f"lenses/{file.name}")
+    print(f"{out}: {len(names)} lenses, {out.stat().st_size / 1e6:.1f} MB")
+
+
+if __name__ == "__main__":
+    if not 2 <= len(sys.argv) <= 3:
+        raise SystemExit(__doc__)
+    main(Path(sys.argv[1]), sys.argv[2] if len(sys.argv) == 3 else "realistic")

@@ -1,0 +1,120 @@
+//! Points of a scene joined to a camera of the plugin: directions toward its lens, and what rays along them count.
+
+use super::camera::Camera;
+use super::library::PluginError;
+use realistic::abi::{realistic_aimed, realistic_camera, realistic_importance, realistic_scene_points};
+use std::ptr::null_mut;
+
+/// Points of a scene, in the camera's units, each with two numbers for a place in the pupil, and a time.
+#[derive(Default)]
+pub struct Places {
+    columns: [Vec<f32>; 6],
+}
+
+impl Places {
+    /// Adds a point.
+    pub fn push(&mut self, [x, y, z]: [f32; 3], [u, v]: [f32; 2], time: f32) {
+        for (column, number) in self.columns.iter_mut().zip([x, y, z, u, v, time]) {
+            column.push(number);
+        }
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.columns[0].len()
+    }
+
+    /// Where a point is.
+    pub fn point(&self, i: usize) -> [f32; 3] {
+        [0, 1, 2].map(|axis| self.columns[axis][i])
+    }
+
+    /// A point's time.
+    pub fn time(&self, i: usize) -> f32 {
+        self.columns[5][i]
+    }
+}
+
+/// Directions toward the lens and what they count, one for each place.
+#[derive(Default)]
+pub struct Connections {
+    rays: [Vec<f32>; 6],
+    image: [Vec<f32>; 2],
+    /// Density per solid angle at the point.
+    pub density: Vec<f32>,
+    /// We; 0 where no light gets through.
+    pub importance: Vec<f32>,
+}
+
+impl Connections {
+    /// Where a ray meets the lens.
+    pub fn origin(&self, i: usize) -> [f32; 3] {
+        [0, 1, 2].map(|axis| self.rays[axis][i])
+    }
+
+    /// The unit vector from the point toward there.
+    pub fn direction(&self, i: usize) -> [f32; 3] {
+        [3, 4, 5].map(|axis| self.rays[axis][i])
+    }
+
+    /// Raster coordinates.
+    pub fn pixel(&self, i: usize) -> [f32; 2] {
+        [0, 1].map(|axis| self.image[axis][i])
+    }
+}
+
+/// `realistic_camera_sample_importance`.
+pub type SampleImportance = unsafe extern "C" fn(
+    *const realistic_camera,
+    usize,
+    *const realistic_scene_points,
+    *const realistic_aimed,
+    *const realistic_importance,
+) -> i32;
+
+/// Joins points of a scene to a camera by that function; its status.
+///
+/// # Safety
+/// The camera is alive, and the function of its library.
+pub unsafe fn connect(
+    sample: SampleImportance,
+    camera: *const realistic_camera,
+    places: &Places,
+    found: &mut Connections,
+) -> i32 {
+    let n = places.len();
+    let room = |column: &mut Vec<f32>| {
+        column.resize(n, 0.0);
+        column.as_mut_ptr()
+    };
+    let [ox, oy, oz, dx, dy, dz] = found.rays.each_mut().map(room);
+    let [image_x, image_y] = found.image.each_mut().map(room);
+    let [x, y, z, u, v, time] = places.columns.each_ref().map(|column| column.as_ptr());
+    let struct_size = size_of::<realistic_scene_points>() as u32;
+    let points = realistic_scene_points { struct_size, x, y, z, u, v, time };
+    let (struct_size, density) = (size_of::<realistic_aimed>() as u32, room(&mut found.density));
+    let aimed = realistic_aimed { struct_size, ox, oy, oz, dx, dy, dz, density };
+    let importance = realistic_importance {
+        struct_size: size_of::<realistic_importance>() as u32,
+        image_x,
+        image_y,
+        importance: room(&mut found.importance),
+        density: null_mut(),
+        area_density: null_mut(),
+        solid_angle_density: null_mut(),
+    };
+    // SAFETY: the caller's promise, and every array has `n` elements.
+    unsafe { sample(camera, n, &points, &aimed, &importance) }
+}
+
+impl Camera {
+    /// Joins points of the scene to the camera.
+    ///
+    /// # Errors
+    /// The plugin's own; its camera has no importance.
+    pub fn connect(&self, places: &Places, found: &mut Connections) -> Result<(), PluginError> {
+        let sample = self.plugin().functions.camera_sample_importance;
+        // SAFETY: the handle is this plugin's and alive.
+        self.plugin().check(unsafe { connect(sample, self.handle(), places, found) })
+    }
+}

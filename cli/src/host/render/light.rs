@@ -1,0 +1,341 @@
+//! Light tracing: paths from the lamps, each of whose points is joined to the camera by a direction that the camera
+//! samples, and counted where on the film that leads (E. Veach, *Robust Monte Carlo Methods for Light Transport
+//! Simulation*, 1997, §10.3: the paths with one vertex on the lens).
+
+use super::lamplight::{Lights, REFLECTIONS, START, scattered};
+use super::renderer::Settings;
+use crate::host::plugin::{Connections, Places, PluginError};
+use crate::host::scene::shapes::Ray;
+use crate::host::scene::{Finish, Scene};
+use crate::image::Picture;
+use glam::{DVec3, Vec3};
+use indicatif::ProgressBar;
+use rand::{RngExt as _, SeedableRng as _};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rayon::prelude::*;
+use realistic_lab::render::Tally;
+use std::f32::consts::PI;
+use std::time::Instant;
+
+/// Parts of a picture's paths, each with its own random numbers, whatever the number of threads.
+const PARTS: u64 = 16;
+/// Paths that are joined to the camera at once.
+const BATCH: u64 = 1024;
+
+/// What a vertex of a path sends toward the camera, per cosine and density of the direction.
+struct Vertex {
+    normal: Vec3,
+    /// Radiance over the density of the vertex per area, 1/mm².
+    strength: Vec3,
+}
+
+/// Renders the scene with as many paths as the settings have samples.
+///
+/// # Errors
+/// The camera's own.
+pub fn trace(
+    camera: impl Fn(&Places, &mut Connections) -> Result<(), PluginError> + Sync,
+    scene: &Scene,
+    settings: &Settings,
+    [open, close]: [f32; 2],
+    progress: &ProgressBar,
+) -> Result<(Picture, Tally), PluginError> {
+    let [width, height] = settings.size;
+    let pixels = u64::from(width) * u64::from(height);
+    let paths = pixels * u64::from(settings.spp);
+    let lights = Lights::of(scene);
+    progress.set_length(PARTS);
+    let parts = (0..PARTS).into_par_iter().map(|part| {
+        let seed = settings.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ part;
+        let mut path = Tracer {
+            scene,
+            lights: &lights,
+            random: Xoshiro256PlusPlus::seed_from_u64(seed),
+            units_per_mm: settings.mm_per_unit.recip(),
+            shutter: [open, close],
+            sums: vec![DVec3::ZERO; pixels as usize],
+            size: settings.size,
+            tally: Tally::default(),
+        };
+        let [from, to] = [part, part + 1].map(|part| part * paths / PARTS);
+        for first in (from..to).step_by(BATCH as usize) {
+            path.batch(BATCH.min(to - first), &camera)?;
+        }
+        progress.inc(1);
+        Ok((path.sums, path.tally))
+    });
+    let mut sums = vec![DVec3::ZERO; pixels as usize];
+    let mut total = Tally::default();
+    for (part, tally) in parts.collect::<Result<Vec<_>, PluginError>>()? {
+        sums.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
+        total.add(&tally);
+    }
+    // The picture's film is one; a pixel's share of it gets the whole sum.
+    let scale = pixels as f64 / paths as f64;
+    let pixels = sums.into_iter().map(|sum| (scale * sum).as_vec3().to_array()).collect();
+    Ok((Picture { size: settings.size, pixels }, total))
+}
+
+/// Paths of a part of the picture's.
+struct Tracer<'a> {
+    scene: &'a Scene,
+    lights: &'a Lights,
+    random: Xoshiro256PlusPlus,
+    units_per_mm: f32,
+    shutter: [f32; 2],
+    sums: Vec<DVec3>,
+    size: [u32; 2],
+    tally: Tally,
+}
+
+impl Tracer<'_> {
+    /// Traces paths, and counts what of them reaches the film.
+    fn batch(
+        &mut self,
+        count: u64,
+        camera: impl Fn(&Places, &mut Connections) -> Result<(), PluginError>,
+    ) -> Result<(), PluginError> {
+        let (mut places, mut vertices) = (Places::default(), Vec::new());
+        for _ in 0..count {
+            self.path(&mut places, &mut vertices);
+        }
+        let mut found = Connections::default();
+        let start = Instant::now();
+        camera(&places, &mut found)?;
+        self.tally.in_camera += start.elapsed();
+        self.tally.rays += vertices.len() as u64;
+        for (i, vertex) in vertices.iter().enumerate() {
+            if found.importance[i] > 0.0 {
+                self.tally.passed += 1;
+                self.count(&places, &found, i, vertex);
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds the points of one path, in the camera's units.
+    fn path(&mut self, places: &mut Places, vertices: &mut Vec<Vertex>) {
+        let [open, close] = self.shutter;
+        let time = open + (close - open) * self.random.random::<f32>();
+        let choice = self.random.random();
+        let lamp = self.lights.point(choice, [self.random.random(), self.random.random()]);
+        self.place(places, lamp.point, time);
+        vertices.push(Vertex { normal: lamp.normal, strength: lamp.radiance / lamp.density });
+        // Directions by the cosine, so that what goes on is π of that.
+        let mut strength = PI * lamp.radiance / lamp.density;
+        let direction = scattered(lamp.normal, [self.random.random(), self.random.random()]);
+        let mut ray = Ray { origin: lamp.point, direction, time };
+        for _ in 0..REFLECTIONS {
+            let Some((hit, material)) = self.scene.nearest(&ray, START) else { return };
+            if material.finish == Finish::Lamp || hit.normal.dot(ray.direction) >= 0.0 {
+                return;
+            }
+            let point = ray.at(hit.distance);
+            strength *= material.colour;
+            self.place(places, point, time);
+            vertices.push(Vertex { normal: hit.normal, strength: strength / PI });
+            let direction = scattered(hit.normal, [self.random.random(), self.random.random()]);
+            ray = Ray { origin: point, direction, time };
+        }
+    }
+
+    fn place(&mut self, places: &mut Places, point: Vec3, time: f32) {
+        let sample = [self.random.random(), self.random.random()];
+        places.push((point * self.units_per_mm).to_array(), sample, time);
+    }
+
+    /// Counts a vertex's light, unless something hides it.
+    fn count(&mut self, places: &Places, found: &Connections, i: usize, vertex: &Vertex) {
+        let direction = Vec3::from_array(found.direction(i));
+        let cosine = vertex.normal.dot(direction);
+        if cosine <= 0.0 {
+            return;
+        }
+        let (point, front) = (Vec3::from_array(places.point(i)), Vec3::from_array(found.origin(i)));
+        let ray = Ray { origin: point / self.units_per_mm, direction, time: places.time(i) };
+        let distance = (front - point).length() / self.units_per_mm;
+        if self.scene.nearest(&ray, START).is_some_and(|(hit, _)| hit.distance < distance) {
+            return;
+        }
+        // Areas are of the scene, in mm².
+        let area = f64::from(self.units_per_mm).powi(2);
+        let share = f64::from(found.importance[i]) * f64::from(cosine) / f64::from(found.density[i]) * area;
+        let [x, y] = found.pixel(i).map(|at| at as usize);
+        let [width, height] = self.size.map(|side| side as usize);
+        self.sums[y.min(height - 1) * width + x.min(width - 1)] += share * vertex.strength.as_dvec3();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::render;
+    use super::*;
+    use crate::host::plugin::connect;
+    use crate::host::scene::night;
+    use realistic::abi::*;
+    use realistic_lab::render::Rays;
+    use std::mem::MaybeUninit;
+    use std::ptr::null_mut;
+
+    const SIZE: [u32; 2] = [24, 16];
+    /// Independent pictures of each kind.
+    const PICTURES: u32 = 16;
+
+    /// A camera of the linked library, wide open and focused on the card.
+    struct Linked(*mut realistic_camera);
+
+    // SAFETY: a camera is immutable, and is freed once.
+    unsafe impl Sync for Linked {}
+
+    impl Linked {
+        fn new() -> Self {
+            let mut options = MaybeUninit::<realistic_options>::zeroed();
+            let mut camera = null_mut();
+            // SAFETY: room for the whole structure, whose pointers live until the camera is built.
+            unsafe {
+                let size = size_of::<realistic_options>() as u32;
+                assert_eq!(realistic_options_init(options.as_mut_ptr(), size), realistic_status::Ok);
+                let mut options = options.assume_init();
+                (options.xres, options.yres, options.focusdistance) =
+                    (SIZE[0] as i32, SIZE[1] as i32, 1080.0);
+                assert_eq!(realistic_camera_new(&options, &mut camera), realistic_status::Ok);
+            }
+            Self(camera)
+        }
+
+        fn rays(&self, Rays { samples, rays, weights }: Rays<'_>) -> Result<(), PluginError> {
+            // SAFETY: the slices are of one length.
+            let status = unsafe {
+                realistic_camera_generate_rays(
+                    self.0,
+                    samples.len(),
+                    samples.as_ptr(),
+                    0,
+                    rays.as_mut_ptr(),
+                    0,
+                    weights.as_mut_ptr(),
+                    null_mut(),
+                )
+            };
+            assert_eq!(status, realistic_status::Ok);
+            Ok(())
+        }
+
+        fn connect(&self, places: &Places, found: &mut Connections) -> Result<(), PluginError> {
+            unsafe extern "C" fn sample(
+                camera: *const realistic_camera,
+                n: usize,
+                points: *const realistic_scene_points,
+                aimed: *const realistic_aimed,
+                importance: *const realistic_importance,
+            ) -> i32 {
+                // SAFETY: the caller's promise.
+                unsafe { realistic_camera_sample_importance(camera, n, points, aimed, importance) as i32 }
+            }
+            // SAFETY: the camera is alive, and this library's.
+            assert_eq!(unsafe { connect(sample, self.0, places, found) }, 0);
+            Ok(())
+        }
+    }
+
+    impl Drop for Linked {
+        fn drop(&mut self) {
+            // SAFETY: freed once.
+            unsafe { realistic_camera_free(self.0) }
+        }
+    }
+
+    /// Mean and squared standard error of every number of pictures with seeds of their own.
+    fn pictures(picture: impl Fn(u64) -> Picture) -> Vec<[f64; 2]> {
+        let all: Vec<Picture> = (0..u64::from(PICTURES)).map(|seed| picture(100 + seed)).collect();
+        let n = f64::from(PICTURES);
+        (0..all[0].pixels.len() * 3)
+            .map(|i| {
+                let numbers = || all.iter().map(move |picture| f64::from(picture.pixels[i / 3][i % 3]));
+                let mean = numbers().sum::<f64>() / n;
+                [mean, numbers().map(|number| (number - mean).powi(2)).sum::<f64>() / (n * (n - 1.0))]
+            })
+            .collect()
+    }
+
+    fn settings(seed: u64, spp: u32) -> Settings {
+        Settings { size: SIZE, corner: [0; 2], spp, seed, mm_per_unit: 1.0 }
+    }
+
+    /// The night, with lamps so large that paths from the camera meet them, too.
+    fn large_lamps() -> Scene {
+        const LARGER: f32 = 12.0;
+        let mut scene = night::scene();
+        for lamp in
+            scene.lamps.iter_mut().flat_map(|group| &mut group.lamps).filter(|lamp| lamp.shape.radius < 20.0)
+        {
+            lamp.shape.radius *= LARGER;
+            lamp.material.colour /= LARGER * LARGER;
+        }
+        let groups = std::mem::take(&mut scene.lamps);
+        scene.lamps = groups.into_iter().map(|group| group.lamps.into_iter().collect()).collect();
+        scene
+    }
+
+    #[test]
+    fn paths_from_lamps_and_from_the_camera_make_one_picture() {
+        let (camera, scene, hidden) = (Linked::new(), large_lamps(), ProgressBar::hidden());
+        let from_camera = pictures(|seed| {
+            render(|rays| camera.rays(rays), &scene, &settings(seed, 512), &hidden).unwrap().0
+        });
+        let from_lamps = pictures(|seed| {
+            let joined = |places: &Places, found: &mut Connections| camera.connect(places, found);
+            trace(joined, &scene, &settings(seed, 1024), [0.0, 1.0], &hidden).unwrap().0
+        });
+        let (mut chi, mut count) = (0.0, 0.0);
+        for ([a, a_square], [b, b_square]) in from_camera.iter().zip(&from_lamps) {
+            if a_square + b_square > 0.0 {
+                chi += (a - b).powi(2) / (a_square + b_square);
+                count += 1.0;
+            }
+        }
+        let (sums, lamps): (f64, f64) =
+            (from_camera.iter().map(|[mean, _]| mean).sum(), from_lamps.iter().map(|[mean, _]| mean).sum());
+        // Of squares of a number with Student's distribution, of 15 to 30 degrees of freedom.
+        let expected = 1.11 * count;
+        let spread = (3.0_f64 * count).sqrt();
+        eprintln!("chi squared {chi:.0} of {count}, sums {sums:.5} and {lamps:.5}");
+        assert!((sums / lamps - 1.0).abs() < 0.02, "{sums} {lamps}");
+        // The three channels of a pixel are alike: a third of the numbers is independent.
+        assert!((chi - expected).abs() < 5.0 * 3.0_f64.sqrt() * spread, "{chi} of {count}");
+        assert!(count > 800.0, "{count}");
+    }
+
+    #[test]
+    fn small_lamps_out_of_focus_take_a_hundredth_of_the_samples() {
+        let (camera, scene, hidden) = (Linked::new(), night::scene(), ProgressBar::hidden());
+        // Only the sky: the upper third, where the lamps hang.
+        let noise = |found: &[[f64; 2]]| {
+            found[..SIZE[0] as usize * 5 * 3].iter().map(|[_, square]| square).sum::<f64>()
+        };
+        let from_camera = noise(&pictures(|seed| {
+            render(|rays| camera.rays(rays), &scene, &settings(seed, 512), &hidden).unwrap().0
+        }));
+        let from_lamps = noise(&pictures(|seed| {
+            let joined = |places: &Places, found: &mut Connections| camera.connect(places, found);
+            trace(joined, &scene, &settings(seed, 16), [0.0, 1.0], &hidden).unwrap().0
+        }));
+        // Variances go with the reciprocal of the number of samples.
+        let ratio = from_camera / from_lamps * 512.0 / 16.0;
+        eprintln!("one path from a lamp for {ratio:.0} from the camera");
+        assert!(ratio > 100.0, "{ratio}");
+    }
+
+    #[test]
+    fn the_number_of_threads_changes_no_pixel() {
+        let (camera, scene) = (Linked::new(), night::scene());
+        let picture = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let joined = |places: &Places, found: &mut Connections| camera.connect(places, found);
+            pool.install(|| trace(joined, &scene, &settings(3, 4), [0.0, 1.0], &ProgressBar::hidden()))
+                .unwrap()
+                .0
+        };
+        assert_eq!(picture(1), picture(3));
+    }
+}

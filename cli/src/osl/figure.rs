@@ -1,0 +1,80 @@
+//! The text of an aspheric surface: Newton's method on the implicit figure, then Snell's law at its normal.
+//!
+//! In the frame of the vertex, with w = z - T(r²) and q = 1 - κ c w the figure is (c/2) r² - w (1 + q)/2 = 0, and its
+//! normal (-m x, -m y, q), m = c + 2 q dT/dr²: no square root before the crossing is found. Beyond the clear aperture T goes
+//! on along its tangent, so that rays beside the surface stay in range.
+
+use super::text::number;
+use realistic::lens::Surface;
+use realistic::prescription::FIRST_POWER;
+use std::fmt::Write as _;
+
+/// Newton's steps at most, and the step, in clear semi-diameters, that is small enough.
+const STEPS: u32 = 12;
+const SMALL: f64 = 1e-6;
+
+/// Moves the ray to the surface, tests it against `limit` and refracts it with `step` = n'² - n².
+pub fn surface(text: &mut String, surface: &Surface, limit: &str, step: &str) {
+    let figure = surface.figure.as_ref().expect("an asphere");
+    // The figure counts z toward the film, the ray along its way to the scene.
+    let asphere = &figure.asphere;
+    let c = number(-asphere.radius.recip());
+    let bent = number(-(1.0 + asphere.conic) * asphere.radius.recip());
+    let rim = figure.rim * figure.rim;
+    let terms: Vec<(usize, f64)> = (FIRST_POWER..)
+        .zip(asphere.terms)
+        .filter(|(_, term)| *term != 0.0)
+        .map(|(i, term)| (i, -term))
+        .collect();
+    let even = |text: &mut String| {
+        // Of p = r²/rim², by Horner's rule: T, and its derivative by r².
+        let of = |power: usize| terms.iter().find(|(i, _)| *i == power).map_or(0.0, |(_, term)| *term);
+        let highest = terms.iter().map(|(i, _)| *i).filter(|i| i % 2 == 0).max().unwrap_or(0);
+        let scaled = |power: usize| of(power) * figure.rim.powi(power as i32);
+        let coefficients: Vec<f64> = (1..=highest / 2).map(|j| scaled(2 * j)).collect();
+        let odd: Vec<(usize, f64)> = terms.iter().filter(|(i, _)| i % 2 == 1).copied().collect();
+        let horner = |list: &[f64]| {
+            list.iter().rev().fold(String::new(), |sum, term| match &*sum {
+                "" => number(*term),
+                _ => format!("({sum}*p + {})", number(*term)),
+            })
+        };
+        let slopes: Vec<f64> = (1..).zip(&coefficients).map(|(j, term)| f64::from(j) * term / rim).collect();
+        let (mut value, mut slope) = ("0".to_owned(), "0".to_owned());
+        if !coefficients.is_empty() {
+            (value, slope) = (format!("p*{}", horner(&coefficients)), horner(&slopes));
+        }
+        let _ = writeln!(text, "    float p = min(r2*{}, 1.0);", number(1.0 / rim));
+        if !odd.is_empty() {
+            text.push_str("    float o = sqrt(p);\n");
+            for (power, term) in odd {
+                let scale = term * figure.rim.powi(power as i32);
+                let _ = write!(value, " + {}*o", number(scale));
+                let _ = write!(slope, " + {}*o", number(scale * power as f64 / 2.0 / rim));
+                value += &"*p".repeat(power / 2);
+                slope += &"*p".repeat(power / 2 - 1);
+            }
+        }
+        let _ = writeln!(text, "    k = {slope};\n    f = z - ({value} + k*(r2 - p*{}));", number(rim));
+    };
+    let _ = write!(
+        text,
+        "  t = -z/vz;\n  x += t*vx;\n  y += t*vy;\n  z = 0;\n  e = 1e30;\n  \
+         for (int i = 0; i < {STEPS} && abs(e) > {}; i++) {{\n    r2 = x*x + y*y;\n",
+        number(SMALL * surface.semi_diameter)
+    );
+    even(text);
+    let _ = write!(
+        text,
+        "    q = 1 - {bent}*f;\n    k = {c} + 2*q*k;\n    g = q*vz - k*(x*vx + y*vy);\n    \
+         e = ({}*r2 - 0.5*f*(1 + q))/g;\n    x += e*vx;\n    y += e*vy;\n    z += e*vz;\n  }}\n",
+        number(-asphere.radius.recip() / 2.0),
+    );
+    let _ = write!(
+        text,
+        "  r2 = x*x + y*y;\n  if (r2 > {limit} || abs(e) > {} || q <= 0 || g <= 0)\n    return 0;\n  \
+         f = 1/sqrt(k*k*r2 + q*q);\n  g *= f;\n  q *= f;\n  k *= f;\n  e = g*g + {step};\n  if (e <= 0)\n    return 0;\n  \
+         g = sqrt(e) - g;\n  vx -= g*k*x;\n  vy -= g*k*y;\n  vz += g*q;\n",
+        number(1e3 * SMALL * surface.semi_diameter),
+    );
+}

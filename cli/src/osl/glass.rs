@@ -1,0 +1,100 @@
+//! Dispersion in a shader: each glass's index as a polynomial, and the colour of a wavelength.
+//!
+//! A wavelength of λ nm goes by the number w, -1 at the red end and 1 at the blue one, linear in 1/λ².
+
+use super::polynomial::{Polynomial, fit};
+use super::text::number;
+use realistic::lens::Lens;
+use realistic::prescription::Prescription;
+
+/// The wavelengths of light, nm, that a spectral shader takes.
+pub const ENDS: [f64; 2] = [420.0, 680.0];
+/// Wavelengths at which indices are sampled, and terms of their fit.
+const SAMPLES: usize = 27;
+const TERMS: usize = 5;
+
+/// The polynomial of w for the medium on the film's side of each surface; `None` for air.
+pub fn indices(prescription: &Prescription) -> Vec<Option<Polynomial<TERMS>>> {
+    let numbers: Vec<f64> = (0..SAMPLES).map(|i| 2.0 * i as f64 / (SAMPLES - 1) as f64 - 1.0).collect();
+    let lenses: Vec<Lens> = numbers.iter().map(|&w| Lens::new(prescription, wavelength(w))).collect();
+    (0..prescription.interfaces.len())
+        .map(|i| {
+            let values: Vec<f64> = lenses.iter().map(|lens| lens.surfaces[i].n_film).collect();
+            values.iter().any(|n| *n != 1.0).then(|| fit(&numbers, &values))
+        })
+        .collect()
+}
+
+/// The wavelength of w, nm.
+fn wavelength(w: f64) -> f64 {
+    let [blue, red] = ENDS.map(|end| 1.0 / (end * end));
+    ((red + blue) / 2.0 + w * (blue - red) / 2.0).sqrt().recip()
+}
+
+/// Declares the index of every glass, as n3 for the third row's, of the wavelength `nm`.
+pub fn declarations(indices: &[Option<Polynomial<TERMS>>]) -> String {
+    let [blue, red] = ENDS.map(|end| 1.0 / (end * end));
+    let (scale, shift) = (2.0 / (blue - red), -(blue + red) / (blue - red));
+    let mut text = format!("  float w = {}/(nm*nm) + {};\n", number(scale), number(shift));
+    for (row, polynomial) in (1..).zip(indices) {
+        if let Some(Polynomial(terms)) = polynomial {
+            let horner = terms[..TERMS - 1]
+                .iter()
+                .rev()
+                .fold(number(terms[TERMS - 1]), |sum, term| format!("({sum}*w + {})", number(*term)));
+            text += &format!("  float n{row} = {horner};\n");
+        }
+    }
+    text
+}
+
+/// The functions of a spectral shader: a wavelength's colour, whose mean over equally likely wavelengths is white. Red,
+/// green and blue are three smooth spectra that add up to 1, so that no colour of the scene changes where the lens has no
+/// colour errors.
+pub fn colour() -> String {
+    // Of [470, 520] and [565, 610] nm, where one goes over into the next.
+    let (to_green, to_red) = ([470.0, 520.0], [565.0, 610.0_f64]);
+    let [first, last] = ENDS;
+    let middle = |ends: [f64; 2]| f64::midpoint(ends[0], ends[1]);
+    let (green, red) = (middle(to_green), middle(to_red));
+    let share = |width: f64| number((last - first) / width);
+    format!(
+        "/* What light of a wavelength, nm, adds to red, green and blue. */\n\
+         color colour_of(float nm)\n{{\n  \
+           float green = smoothstep({}, {}, nm);\n  \
+           float red = smoothstep({}, {}, nm);\n  \
+           return color({}*red, {}*(green - red), {}*(1.0 - green));\n}}\n\n",
+        number(to_green[0]),
+        number(to_green[1]),
+        number(to_red[0]),
+        number(to_red[1]),
+        share(last - red),
+        share(red - green),
+        share(green - first),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use realistic::prescription::catalogue;
+
+    #[test]
+    fn indices_of_the_catalogue_s_glasses_are_those_of_the_library() {
+        let mut most: f64 = 0.0;
+        for name in catalogue::names() {
+            let prescription = catalogue::find(name).expect("listed");
+            let indices = indices(&prescription);
+            for step in 0..=40 {
+                let w = f64::from(step) / 20.0 - 1.0;
+                let lens = Lens::new(&prescription, wavelength(w));
+                for (surface, fitted) in lens.surfaces.iter().zip(&indices) {
+                    let fitted = fitted.map_or(1.0, |fitted| fitted.at(w));
+                    most = most.max((fitted - surface.n_film).abs());
+                }
+            }
+        }
+        assert!((wavelength(-1.0) - ENDS[1]).abs() + (wavelength(1.0) - ENDS[0]).abs() < 1e-9);
+        assert!(most < 2e-5, "{most}");
+    }
+}

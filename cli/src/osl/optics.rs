@@ -1,0 +1,143 @@
+//! What a shader has to know of a lens before it traces: where the film stands for an object's distance and a stop, and in
+//! which plane it samples the pupil.
+//!
+//! A lens at its widest stop in; first-order optics, and the film distance of sharpest focus (as
+//! `realistic::imaging::focus` finds it) as a polynomial of two variables, out.
+//!
+//! The focus f runs from 0, infinity, to 1, the nearest: f = u / `nearest`, with u = 1/(z - F), z being the object plane and
+//! F the front focal point. The stop s runs from 0 to 1, the widest.
+
+use super::polynomial::{Polynomial, fit};
+use realistic::imaging::axial_image::AxialImage;
+use realistic::imaging::focus::{Focus, FocusError};
+use realistic::lens::pupil::{EntrancePupil, ExitPupil, limiting_surface};
+use realistic::lens::{Lens, first_order::FirstOrder};
+
+/// Magnification at the nearest focus of a lens that states no nearer one.
+const NEAREST_MAGNIFICATION: f64 = 0.15;
+/// Focus and stop at which the film distance is sampled for the fit: Chebyshev's points, in number.
+const FOCUS_POINTS: usize = 9;
+const STOP_POINTS: usize = 9;
+/// Stops whose film distances bound those of all.
+const STOPS: [f64; 6] = [0.0, 0.2, 0.4, 0.6, 0.8, 1.0];
+/// Terms of the film distance in the focus and in the square of the stop.
+pub const FOCUS_TERMS: usize = 5;
+pub const STOP_TERMS: usize = 5;
+
+/// A lens as the generator works on it.
+#[derive(Debug)]
+pub struct Optics {
+    /// At its widest stop.
+    pub lens: Lens,
+    /// The surface whose aperture the f-number sets, counted from the scene.
+    pub stop: usize,
+    pub focal_length: f64,
+    /// z of the scene-side focal point, mm.
+    pub front_focal_point: f64,
+    /// The f-number at the widest stop; up to this one stopping down changes nothing.
+    pub widest: f64,
+    /// f-number times s.
+    pub fnumber_of_stop: f64,
+    /// z of the entrance pupil, mm; that of the front vertex for a pupil at infinity.
+    pub entrance: f64,
+    /// u at the nearest focus, 1/mm.
+    pub nearest: f64,
+    /// The plane in which the pupil is sampled, mm in front of the last vertex.
+    pub plane: f64,
+    /// Film distance, mm behind the last vertex: rows by powers of s², columns by powers of f.
+    pub film: [Polynomial<FOCUS_TERMS>; STOP_TERMS],
+}
+
+impl Optics {
+    /// The optics of a lens that focuses as near as `stated` mm in front of its front vertex, where that is given.
+    ///
+    /// # Errors
+    /// The lens cannot focus.
+    pub fn of(lens: &Lens, stated: Option<f64>) -> Result<Self, FocusError> {
+        let first_order = FirstOrder::of(lens)?;
+        let focus = Focus::new(lens)?;
+        let focal_length = first_order.focal_length;
+        let stop = lens.stop_index().unwrap_or_else(|| limiting_surface(lens));
+        let entrance = EntrancePupil::of_surface(lens, stop);
+        // The object stays in front of the lens.
+        let room = 0.25 * focal_length - first_order.front_focal_point;
+        let stated = stated.map(|object| object - first_order.front_focal_point).filter(|ahead| *ahead > 0.0);
+        let nearest = (NEAREST_MAGNIFICATION / focal_length)
+            .max(stated.map_or(0.0, |ahead| (1.0 / ahead).min(1.0 / focal_length)))
+            .min(1.0 / room.max(1e-3 * focal_length));
+        let back = focus.film_distance(f64::INFINITY)?;
+        // Any plane will do; in the pupil's its outline hardly changes with field and focus. One at infinity, or behind the
+        // film, which is beyond infinity, has one far away for it.
+        let vergence = ExitPupil::of_surface(lens, stop).vergence(lens.rear().vertex - back);
+        let vergence = vergence.clamp(0.2 / back.max(focal_length), 1.5 / back);
+        let mut optics = Self {
+            lens: lens.clone(),
+            stop,
+            focal_length,
+            front_focal_point: first_order.front_focal_point,
+            widest: focal_length / EntrancePupil::of_lens(lens).diameter(),
+            fnumber_of_stop: focal_length / entrance.diameter(),
+            entrance: entrance.position().unwrap_or(0.0),
+            nearest,
+            plane: 1.0 / vergence - back,
+            film: [Polynomial([0.0; FOCUS_TERMS]); STOP_TERMS],
+        };
+        optics.film = optics.film_distances();
+        Ok(optics)
+    }
+
+    /// The lens at the stop s.
+    pub fn stopped(&self, s: f64) -> Lens {
+        let mut lens = self.lens.clone();
+        lens.surfaces[self.stop].semi_diameter *= s;
+        lens
+    }
+
+    /// The film distance of sharpest focus by exact rays, mm, at each focus.
+    pub fn exact_film_distances(&self, s: f64, focus: &[f64]) -> Vec<f64> {
+        let lens = self.stopped(s);
+        let image = AxialImage::of(&lens, EntrancePupil::of_lens(&lens));
+        let distance = |f: f64| {
+            let u = f * self.nearest;
+            image.best(u / (1.0 + u * self.front_focal_point)).distance
+        };
+        focus.iter().map(|&f| distance(f)).collect()
+    }
+
+    fn film_distances(&self) -> [Polynomial<FOCUS_TERMS>; STOP_TERMS] {
+        let points = |count: usize| -> Vec<f64> {
+            let angle = |i: usize| (i as f64 + 0.5) / count as f64 * std::f64::consts::PI;
+            (0..count).map(|i| 0.5 - 0.5 * angle(i).cos()).collect()
+        };
+        let (focus, squares) = (points(FOCUS_POINTS), points(STOP_POINTS));
+        let columns: Vec<Polynomial<FOCUS_TERMS>> = squares
+            .iter()
+            .map(|square| fit(&focus, &self.exact_film_distances(square.sqrt(), &focus)))
+            .collect();
+        let mut rows = [Polynomial([0.0; FOCUS_TERMS]); STOP_TERMS];
+        for power in 0..FOCUS_TERMS {
+            let values: Vec<f64> = columns.iter().map(|column| column.0[power]).collect();
+            let terms: Polynomial<STOP_TERMS> = fit(&squares, &values);
+            for (row, term) in rows.iter_mut().zip(terms.0) {
+                row.0[power] = term;
+            }
+        }
+        rows
+    }
+
+    /// The film distance of the fit, mm.
+    pub fn film_distance(&self, f: f64, s: f64) -> f64 {
+        self.film.iter().rev().fold(0.0, |sum, row| sum * s * s + row.at(f))
+    }
+
+    /// The shortest and the longest distance from the film to the sampling plane, mm, over all foci and stops.
+    pub fn distances(&self) -> [f64; 2] {
+        let all = || STOPS.iter().flat_map(|&s| [0.0, 1.0].map(|f| self.film_distance(f, s) + self.plane));
+        [all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max)]
+    }
+
+    /// Distance of the nearest object in focus from the front vertex, mm.
+    pub fn nearest_object(&self) -> f64 {
+        self.front_focal_point + 1.0 / self.nearest
+    }
+}

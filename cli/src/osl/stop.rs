@@ -1,0 +1,161 @@
+//! The stop's rim as a film point sees it through the glass behind, whatever its width: an egg-shaped ellipse whose numbers
+//! are short polynomials of the stop s.
+//!
+//! In the sampling plane the image of the rim at s is |y| <= h(s) √(1 - X²) (1 + e s X), X = (x - c(s))/w(s), with
+//! c = c0 + c1 s² + c2 s⁴, and w/s, h/s likewise. Rays are traced from the film to the stop alone; a rim that
+//! they do not reach sets no limit.
+
+use super::optics::Optics;
+use super::polynomial::least_squares;
+use realistic::lens::{Lens, film_ray};
+use realistic::trace::{Blocked, Path};
+use std::f64::consts::PI;
+
+/// The numbers c0 to c2, w0 to w2, h0 to h2, e.
+pub type Numbers = [f64; 10];
+
+/// The image of a stop that sets no limit, in mm.
+pub const NO_LIMIT: Numbers = [0.0, 0.0, 0.0, 1e6, 0.0, 0.0, 1e6, 0.0, 0.0, 0.0];
+
+/// Stops at which the image is traced, and directions over half a turn.
+const STOPS: [f64; 8] = [0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85, 1.0];
+/// Stops from which on a third term is fitted; by fewer it would run away beyond them.
+const STEADY: usize = 6;
+const DIRECTIONS: usize = 12;
+/// What the image is widened by at last: what lies between the fields of the table.
+const MARGIN: f64 = 0.002;
+
+/// The rear group of a lens, from the film to the stop, focused once.
+#[derive(Debug)]
+pub struct StopView {
+    path: Path,
+    film: f64,
+    distance: f64,
+    /// Clear semi-diameter of the widest stop, mm.
+    widest: f64,
+    surfaces: usize,
+}
+
+impl StopView {
+    /// With the film so far, mm, from the sampling plane.
+    pub fn of(optics: &Optics, distance: f64) -> Self {
+        let mut rear = optics.lens.clone();
+        let widest = rear.surfaces[optics.stop].semi_diameter;
+        rear.surfaces.drain(..optics.stop);
+        open_wide(&mut rear);
+        let back = distance - optics.plane;
+        Self {
+            path: Path::film_to_scene(&rear),
+            film: rear.rear().vertex - back,
+            distance,
+            widest,
+            surfaces: rear.surfaces.len(),
+        }
+    }
+
+    /// Where in the stop the ray from field σ through a point of the sampling plane arrives, in units of its radius.
+    fn in_stop(&self, field: f64, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
+        let point = field * self.distance;
+        let slopes = [(x - point) / self.distance, y / self.distance];
+        let walk = self.path.walk(film_ray([point, 0.0], self.film, slopes));
+        let met = walk.surfaces_met == self.surfaces;
+        // What happens behind the stop is not asked.
+        let arrived = met && matches!(walk.blocked, None | Some(Blocked::Reflected));
+        arrived.then(|| [walk.ray.origin[0] / self.widest, walk.ray.origin[1] / self.widest])
+    }
+
+    /// The point of the sampling plane from which the stop's point is reached, near `start`, by Newton's method.
+    fn seen(&self, field: f64, wanted: [f64; 2], start: [f64; 2]) -> Option<[f64; 2]> {
+        let mut point = start;
+        let step = 1e-6 * self.distance;
+        for _ in 0..20 {
+            let [qx, qy] = self.in_stop(field, point)?;
+            let [ex, ey] = [wanted[0] - qx, wanted[1] - qy];
+            if ex.hypot(ey) < 1e-9 {
+                return Some(point);
+            }
+            let along = |dx: f64, dy: f64| {
+                let [ax, ay] = self.in_stop(field, [point[0] + dx, point[1] + dy])?;
+                Some([(ax - qx) / step, (ay - qy) / step])
+            };
+            let ([a, c], [b, d]) = (along(step, 0.0)?, along(0.0, step)?);
+            let determinant = a * d - b * c;
+            point = [point[0] + (d * ex - b * ey) / determinant, point[1] + (a * ey - c * ex) / determinant];
+        }
+        None
+    }
+
+    /// The image for field σ, and where its centre is: of the next field it is near. `near` is that of the field before.
+    pub fn image(&self, field: f64, near: [f64; 2]) -> Option<(Numbers, [f64; 2])> {
+        let center = self.seen(field, [0.0, 0.0], near)?;
+        let mut before = [center; DIRECTIONS + 1];
+        let mut rims: Vec<(f64, Vec<[f64; 2]>)> = Vec::new();
+        for s in STOPS {
+            let rim = (0..=DIRECTIONS).map(|i| {
+                let (sin, cos) = (PI * i as f64 / DIRECTIONS as f64).sin_cos();
+                let found = self.seen(field, [s * cos, s * sin], before[i])?;
+                before[i] = found;
+                Some(found)
+            });
+            let Some(rim) = rim.collect() else { break };
+            rims.push((s, rim));
+        }
+        (rims.len() >= 2).then(|| (numbers(&rims), center))
+    }
+
+    /// The radius of the image for the film's centre, as a polynomial s (k0 + k1 s² + k2 s⁴).
+    pub fn radius(&self) -> [f64; 3] {
+        let edges = STOPS.iter().filter_map(|&s| Some((s, self.seen(0.0, [s, 0.0], [0.0, 0.0])?[0].abs())));
+        let (basis, radii): (Vec<_>, Vec<_>) =
+            edges.map(|(s, radius)| ([1.0, s * s, s.powi(4)], radius / s)).unzip();
+        least_squares(&basis, &radii)
+    }
+}
+
+/// The egg around these rims, each of them rays from the greatest x to the least (or the other way round).
+fn numbers(rims: &[(f64, Vec<[f64; 2]>)]) -> Numbers {
+    let ends = |rim: &[[f64; 2]]| {
+        let (a, b) = (rim[0][0], rim[rim.len() - 1][0]);
+        [a.min(b), a.max(b)]
+    };
+    let basis: Vec<[f64; 3]> =
+        rims.iter().map(|(s, _)| [1.0, s * s, if rims.len() < STEADY { 0.0 } else { s.powi(4) }]).collect();
+    let over_stops = |value: &dyn Fn(f64, &[[f64; 2]]) -> f64| -> [f64; 3] {
+        least_squares(&basis, &rims.iter().map(|(s, rim)| value(*s, rim)).collect::<Vec<_>>())
+    };
+    let c = over_stops(&|_, rim| f64::midpoint(ends(rim)[0], ends(rim)[1]));
+    let w = over_stops(&|s, rim| (ends(rim)[1] - ends(rim)[0]) / 2.0 / s);
+    // h and h e of |y| / √(1 - X²) = h + h e X.
+    let shape = |rim: &[[f64; 2]]| -> [f64; 2] {
+        let [low, high] = ends(rim);
+        let inner = &rim[1..rim.len() - 1];
+        let at = |[x, _]: &[f64; 2]| (2.0 * x - low - high) / (high - low);
+        let root = |point: &[f64; 2]| (1.0 - at(point).powi(2)).max(1e-9).sqrt();
+        let basis: Vec<[f64; 2]> = inner.iter().map(|point| [1.0, at(point)]).collect();
+        least_squares(&basis, &inner.iter().map(|point| point[1].abs() / root(point)).collect::<Vec<_>>())
+    };
+    let h = over_stops(&|s, rim| shape(rim)[0] / s);
+    let [e, ..] = over_stops(&|s, rim| shape(rim)[1] / shape(rim)[0] / s);
+    // How much wider each rim's ellipse has to be, and a parabola of s above all that.
+    let outside = |[w, h]: [[f64; 3]; 2], (s, rim): &(f64, Vec<[f64; 2]>)| {
+        let at = |terms: [f64; 3]| terms[0] + s * s * (terms[1] + s * s * terms[2]);
+        let (c, w, h) = (at(c), s * at(w), s * at(h));
+        let of = |[x, y]: &[f64; 2]| ((x - c) / w).hypot(y / (h * (1.0 + e * s * (x - c) / w)));
+        rim.iter().map(of).fold(1.0, f64::max)
+    };
+    let least = outside([w, h], &rims[0]);
+    let steepest =
+        rims.iter().map(|rim| (outside([w, h], rim) / least - 1.0) / (rim.0 * rim.0)).fold(0.0, f64::max);
+    let [w, h] = [w, h].map(|[t0, t1, t2]| [least * t0, least * (t1 + steepest * t0), least * t2]);
+    let widened = rims.iter().map(|rim| outside([w, h], rim)).fold(1.0, f64::max) * (1.0 + MARGIN);
+    let [w, h] = [w, h].map(|terms| terms.map(|term| term * widened));
+    [c[0], c[1], c[2], w[0], w[1], w[2], h[0], h[1], h[2], e]
+}
+
+/// Lets no aperture clip a ray.
+fn open_wide(lens: &mut Lens) {
+    for surface in &mut lens.surfaces {
+        let widest = if surface.figure.is_none() { 0.9999 * surface.radius.abs() } else { f64::INFINITY };
+        surface.semi_diameter = (20.0 * surface.semi_diameter).min(widest).max(surface.semi_diameter);
+    }
+}

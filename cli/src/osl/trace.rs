@@ -1,0 +1,174 @@
+//! The text of the trace: a ray on the rear vertex plane through every surface to the front one, unrolled.
+//!
+//! The arithmetic is the kernel's (`realistic::trace`): V = n D, curvatures in place of radii, one frame per surface with
+//! the transfer from vertex to vertex, two square roots per surface and no division where the curvature is strong.
+
+use super::figure;
+use super::text::number;
+use realistic::lens::{Lens, Surface};
+use realistic::prescription::Blades;
+use std::fmt::Write as _;
+
+/// A curvature radius below so many focal lengths makes a strong surface: the division-free form of the distance to it
+/// keeps enough digits.
+const STRONG: f64 = 2.0;
+/// Distance to the vertex over radius of curvature beyond which the ray is first moved to the vertex plane.
+const FAR: f64 = 3.0;
+/// Share of the radius of curvature from which on an aperture is so wide that the other half of the sphere needs a test.
+const WIDE: f64 = 0.7;
+
+/// What the text is made from.
+#[derive(Debug)]
+pub struct Traced<'a> {
+    pub lens: &'a Lens,
+    /// The surface whose aperture the f-number sets, counted from the scene.
+    pub stop: usize,
+    pub blades: Option<Blades>,
+    pub focal_length: f64,
+    /// For dispersion, the declarations of the indices.
+    pub indices: Option<String>,
+}
+
+/// The function `trace`.
+pub fn text(traced: &Traced<'_>) -> String {
+    let lens = traced.lens;
+    let mut text = "/* Takes a ray from (x, y) on the plane of the last vertex, with unit direction (vx, vy, vz), through every\n   \
+                    surface to the first: the point is then in the frame of the first vertex. 0: it is blocked. Lengths in mm;\n   \
+                    stop: the clear diameter of the stop over its widest. */\n\
+                    int trace(float stop, float nm, output float x, output float y, output float z, output float vx,\n          \
+                    output float vy, output float vz)\n{\n"
+        .to_owned();
+    if let Some(indices) = &traced.indices {
+        text += indices;
+    }
+    text += "  float r2 = x*x + y*y;\n  float f = 0, g = 0, e = 0, q = 0, t = 0, k = 0;\n  z = 0;\n";
+    // Distance from the frame's vertex to the next one.
+    let mut pending = 0.0;
+    let mut last = lens.rear();
+    for (i, surface) in lens.surfaces.iter().enumerate().rev() {
+        if i + 1 < lens.surfaces.len() {
+            pending += surface.thickness;
+        }
+        let _ = writeln!(text, "  /* Row {}. */", i + 1);
+        let limit = if i == traced.stop {
+            format!("stop*stop*{}", number(surface.semi_diameter.powi(2)))
+        } else {
+            number(surface.semi_diameter.powi(2))
+        };
+        let is_plane = surface.curvature == 0.0 && surface.figure.is_none();
+        if is_plane && surface.n_film == surface.n_scene {
+            opening(&mut text, pending, &limit);
+            if let (Some(blades), true) = (traced.blades, surface.is_stop) {
+                blades_of(&mut text, blades, surface.semi_diameter);
+            }
+            continue;
+        }
+        if pending != 0.0 {
+            let _ = writeln!(text, "  z -= {};", number(pending));
+        }
+        let index = |n: f64, row: usize| match &traced.indices {
+            Some(_) if n != 1.0 => format!("n{row}"),
+            _ => number(n),
+        };
+        // The medium before is on the film's side, and that behind it belongs to the row before.
+        let squares = match &traced.indices {
+            Some(_) => {
+                let [before, after] = [index(surface.n_film, i + 1), index(surface.n_scene, i)];
+                [format!("{before}*{before}"), format!("({after} - {before})*({after} + {before})")]
+            }
+            None => {
+                let (before, after) = (surface.n_film, surface.n_scene);
+                [number(before * before), number((after - before) * (after + before))]
+            }
+        };
+        if surface.figure.is_some() {
+            figure::surface(&mut text, surface, &limit, &squares[1]);
+        } else if is_plane {
+            plane(&mut text, &limit, &squares[1]);
+        } else {
+            sphere(&mut text, traced, surface, pending, &limit, &squares);
+        }
+        (pending, last) = (0.0, surface);
+    }
+    if last.vertex != 0.0 {
+        let _ = writeln!(text, "  z += {};", number(last.vertex));
+    }
+    text + "  return 1;\n}\n\n"
+}
+
+/// A plane that only limits: the ray need not be moved to it.
+fn opening(text: &mut String, ahead: f64, limit: &str) {
+    let z = if ahead == 0.0 { "z".to_owned() } else { format!("(z - {})", number(ahead)) };
+    let _ = writeln!(text, "  f = x*vz - {z}*vx;\n  g = y*vz - {z}*vy;");
+    let _ = writeln!(text, "  if (f*f + g*g > {limit}*vz*vz || vz <= 0)\n    return 0;");
+}
+
+/// The straight or bent edges of a stop's blades, for the point (f, g) times vz.
+fn blades_of(text: &mut String, blades: Blades, semi_diameter: f64) {
+    let constants = blades.constants();
+    text.push_str("  e = -1e30;\n");
+    for [x, y] in blades.normals() {
+        let _ = writeln!(text, "  e = max(e, {}*f + {}*g);", number(x), number(y));
+    }
+    let _ = writeln!(
+        text,
+        "  if ({}*(f*f + g*g) + {}*stop*e*vz > {}*stop*stop*vz*vz)\n    return 0;",
+        number(constants.bulge),
+        number(constants.slant * semi_diameter),
+        number(constants.limit * semi_diameter * semi_diameter),
+    );
+}
+
+fn plane(text: &mut String, limit: &str, step: &str) {
+    let _ = write!(
+        text,
+        "  t = -z/vz;\n  x += t*vx;\n  y += t*vy;\n  z = 0;\n  r2 = x*x + y*y;\n  q = vz*vz + {step};\n  \
+         if (r2 > {limit} || q <= 0 || vz <= 0)\n    return 0;\n  vz = sqrt(q);\n"
+    );
+}
+
+fn sphere(
+    text: &mut String,
+    traced: &Traced<'_>,
+    surface: &Surface,
+    distance: f64,
+    limit: &str,
+    [square, step]: &[String; 2],
+) {
+    // Positive when the centre lies ahead, as the light goes.
+    let c = -surface.curvature;
+    let curvature = number(c);
+    if distance * c.abs() > FAR {
+        text.push_str("  t = -z/vz;\n  x += t*vx;\n  y += t*vy;\n  z = 0;\n  r2 = x*x + y*y;\n");
+    }
+    let twice = match &traced.indices {
+        None => number(2.0 * c * surface.n_film.powi(2)),
+        Some(_) => format!("{}*{square}", number(2.0 * c)),
+    };
+    let _ = write!(
+        text,
+        "  f = {}*(r2 + z*z) - z;\n  g = vz - {curvature}*(x*vx + y*vy + z*vz);\n  q = g*g - {twice}*f;\n  \
+         if (q <= 0)\n    return 0;\n  e = sqrt(q);\n",
+        number(c / 2.0),
+    );
+    if surface.radius.abs() < STRONG * traced.focal_length {
+        match &traced.indices {
+            None => {
+                let _ = writeln!(text, "  t = (g - e)*{};", number(1.0 / (c * surface.n_film.powi(2))));
+            }
+            Some(_) => {
+                let _ = writeln!(text, "  t = (g - e)/({curvature}*{square});");
+            }
+        }
+    } else {
+        text.push_str("  t = 2*f/(g + e);\n");
+    }
+    let half =
+        if surface.semi_diameter * c.abs() > WIDE { format!(" || {curvature}*z > 1") } else { String::new() };
+    let _ = write!(
+        text,
+        "  x += t*vx;\n  y += t*vy;\n  z += t*vz;\n  r2 = x*x + y*y;\n  q += {step};\n  \
+         if (r2 > {limit} || q <= 0{half})\n    return 0;\n  g = sqrt(q) - e;\n  k = {curvature}*g;\n  \
+         vx -= k*x;\n  vy -= k*y;\n  vz += g - k*z;\n",
+    );
+}

@@ -1,0 +1,371 @@
+//! `realistic blender`: the text of the shader, compiled as C++, against exact rays in double precision. OSL is so near to C
+//! that a few replacements make the one into the other; the arithmetic stays in single precision.
+
+use realistic::imaging::{focus::Focus, irradiance};
+use realistic::lens::{
+    Lens, Ray,
+    first_order::FirstOrder,
+    pupil::{SlopeDisk, limiting_surface},
+};
+use realistic::prescription::catalogue;
+use realistic::sampling::PupilDisk;
+use realistic::trace::Path;
+use std::env;
+use std::io::Write as _;
+use std::process::{Command, Stdio};
+
+use super::{fails, succeeds};
+
+const PRELUDE: &str = include_str!("prelude.hpp");
+
+/// The shader of `arguments` as C++.
+fn translated(text: &str) -> String {
+    let (functions, body) = text.split_once("shader realistic_camera(").expect("a shader");
+    let mut parameters = String::new();
+    let mut rest = body;
+    // Metadata is for Blender's panel.
+    while let Some((before, after)) = rest.split_once("[[") {
+        parameters += before;
+        rest = after.split_once("]]").expect("closed").1;
+    }
+    let (last, body) = rest.split_once(")\n{").expect("a body");
+    parameters += last;
+    let declared: Vec<String> = parameters
+        .split(',')
+        .map(|parameter| format!("    {};\n", parameter.trim().trim_start_matches("output ")))
+        .collect();
+    let recorded = "static int recorded(float stop, float nm, float &x, float &y, float &z, float &vx, float &vy, float &vz) {\n\
+         float now[8] = {1, stop, nm, x, y, vx, vy, vz};\n\
+         for (int i = 0; i < 8; i++) asked[i] = now[i];\n\
+         return trace(stop, nm, x, y, z, vx, vy, vz);\n}\n";
+    let body = body.replace("!trace(", "!recorded(").replace("return;", "goto done;");
+    let body = body.trim_end().trim_end_matches('}');
+    let result = "float all[9] = {throughput[0], position[0], position[1], position[2], direction[0], direction[1],\n\
+         direction[2], throughput[1], throughput[2]};\n\
+         for (int i = 0; i < 9; i++) out[i] = all[i];\n";
+    let functions = single(&functions.replace("output float ", "float &"));
+    // A jump must not pass by a declaration with a value: the body is a function of its own.
+    let body = body.replace("goto done;", "return;");
+    let arguments: Vec<&str> = declared
+        .iter()
+        .filter_map(|declared| {
+            declared.trim().trim_end_matches(';').split_once('=').map(|(left, _)| left.trim())
+        })
+        .collect();
+    let names: Vec<&str> = arguments.iter().map(|left| left.split_once(' ').expect("a type").1).collect();
+    let by_reference: Vec<String> = arguments
+        .iter()
+        .map(|left| left.split_once(' ').map(|(kind, name)| format!("{kind} &{name}")).expect("a type"))
+        .collect();
+    format!(
+        "{PRELUDE}\nnamespace osl {{\n{functions}\n{recorded}\nstatic void camera({}) {{{}}}\nstatic void shader(float *out) {{\n{}\
+         camera({});\n{result}}}\n}}\nint main() {{ return osl::serve(osl::shader); }}\n",
+        by_reference.join(", "),
+        single(&body),
+        single(&declared.concat()),
+        names.join(", "),
+    )
+}
+
+/// C++ with its floating-point numbers in single precision.
+fn single(text: &str) -> String {
+    let mut out = String::new();
+    let mut number = String::new();
+    let mut in_word = false;
+    for c in text.chars().chain(['\n']) {
+        let goes_on = c.is_ascii_digit() || c == '.' || (c == 'e' || c == '-') && !number.is_empty();
+        let is_sign = c == '-' && !number.ends_with('e');
+        if !in_word && goes_on && !is_sign {
+            number.push(c);
+            continue;
+        }
+        if !number.is_empty() {
+            let is_float = number.contains(['.', 'e']);
+            out += &std::mem::take(&mut number);
+            if is_float {
+                out.push('f');
+            }
+        }
+        in_word = c.is_alphanumeric() || c == '_' || c == ']' || c == ')';
+        out.push(c);
+    }
+    out
+}
+
+/// A shader, compiled.
+struct Shader {
+    program: std::path::PathBuf,
+    /// How far from the axis film points get light, mm.
+    reach: f64,
+    _folder: tempfile::TempDir,
+}
+
+/// One sample: raster, lens sample, aperture size (1/(2 N)), focus distance in m, sensor in mm, wavelength's number.
+type Sample = [f32; 9];
+
+/// What came of one.
+#[derive(Clone, Copy, Debug)]
+struct Answer {
+    throughput: [f32; 3],
+    /// mm.
+    position: [f64; 3],
+    direction: [f64; 3],
+    /// Whether the pupil gave a ray to trace; then its stop, wavelength, and x, y and direction on the rear vertex plane.
+    is_asked: bool,
+    stop: f64,
+    start: [f64; 2],
+    heading: [f64; 3],
+}
+
+impl Shader {
+    fn new(lens: &str, more: &[&str]) -> Self {
+        let text = succeeds(&[&["blender", lens, "--out", "-"], more].concat(), "");
+        let folder = tempfile::tempdir().expect("a folder");
+        let source = folder.path().join("shader.cpp");
+        let program = folder.path().join("shader");
+        std::fs::write(&source, translated(&text)).expect("written");
+        let compiler = env::var_os("CXX").unwrap_or_else(|| "c++".into());
+        let told = Command::new(compiler)
+            .args(["-std=c++11", "-O1", "-ffp-contract=off", "-o"])
+            .args([&program, &source])
+            .output()
+            .expect("a C++ compiler: name it in CXX");
+        assert!(told.status.success(), "{lens}: {}", String::from_utf8_lossy(&told.stderr));
+        let reach = text.split_once("film points up to ").and_then(|(_, rest)| rest.split_once(" mm"));
+        let reach = reach.and_then(|(number, _)| number.parse().ok()).expect("in the comment");
+        Self { program, reach, _folder: folder }
+    }
+
+    fn answers(&self, samples: &[Sample]) -> Vec<Answer> {
+        let mut child = Command::new(&self.program)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .expect("the shader starts");
+        let mut pipe = child.stdin.take().expect("a pipe");
+        let bytes: Vec<u8> = samples.as_flattened().iter().flat_map(|value| value.to_le_bytes()).collect();
+        let writer = std::thread::spawn(move || pipe.write_all(&bytes));
+        let output = child.wait_with_output().expect("the shader ends");
+        writer.join().expect("no panic").expect("written");
+        let values: Vec<f32> =
+            output.stdout.as_chunks().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect();
+        assert_eq!(values.len(), 17 * samples.len());
+        let answer = |v: &[f32]| {
+            let wide = |i: usize| f64::from(v[i]);
+            Answer {
+                throughput: [v[0], v[7], v[8]],
+                position: [1000.0 * wide(1), 1000.0 * wide(2), 1000.0 * wide(3)],
+                direction: [wide(4), wide(5), wide(6)],
+                is_asked: v[9] == 1.0,
+                stop: wide(10),
+                start: [wide(12), wide(13)],
+                heading: [wide(14), wide(15), wide(16)],
+            }
+        };
+        values.chunks(17).map(answer).collect()
+    }
+}
+
+/// The rank-1 lattice of Korobov with these generators: points spread evenly over a cube.
+fn points<const N: usize>(count: usize) -> impl Iterator<Item = [f32; N]> {
+    const GENERATORS: [f64; 4] =
+        [0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_997_5, 0.450_301_4];
+    (0..count).map(|i| {
+        std::array::from_fn(|k| (((i as f64 + 0.5) * GENERATORS[k]).fract() as f32).min(0.999_999_9))
+    })
+}
+
+fn lens_of(name: &str) -> Lens {
+    Lens::at_d_line(&catalogue::find(name).expect("listed"))
+}
+
+/// Errors of directions (radians) and of the points where the ray comes nearest (mm), and counts.
+#[derive(Debug, Default)]
+struct Comparison {
+    directions: Vec<f64>,
+    offsets: Vec<f64>,
+    fates_differ: usize,
+    passed: usize,
+    asked: usize,
+}
+
+impl Comparison {
+    fn of(lens: &Lens, answers: &[Answer]) -> Self {
+        let mut result = Self::default();
+        let stop = lens.stop_index().unwrap_or_else(|| limiting_surface(lens));
+        let mut path: Option<(f64, Path)> = None;
+        for answer in answers.iter().filter(|answer| answer.is_asked) {
+            result.asked += 1;
+            if path.as_ref().is_none_or(|(s, _)| *s != answer.stop) {
+                let mut lens = lens.clone();
+                lens.surfaces[stop].semi_diameter *= answer.stop;
+                path = Some((answer.stop, Path::film_to_scene(&lens)));
+            }
+            let (_, path) = path.as_ref().expect("made");
+            // From far enough behind the last vertex, exactly.
+            let ([x, y], [vx, vy, vz]) = (answer.start, answer.heading);
+            let back = 2.0 * lens.rear().semi_diameter;
+            let origin = [x - back * vx / vz, y - back * vy / vz, lens.rear().vertex - back];
+            let exact = path.trace(Ray { origin, direction: answer.heading });
+            let passes = answer.throughput.iter().sum::<f32>() > 0.0;
+            result.passed += usize::from(passes);
+            result.fates_differ += usize::from(passes != exact.is_ok());
+            if let (true, Ok(exact)) = (passes, exact) {
+                let d = std::array::from_fn::<f64, 3, _>(|i| answer.direction[i] - exact.direction[i]);
+                result.directions.push(d.iter().map(|d| d * d).sum::<f64>().sqrt());
+                let o: [f64; 3] = std::array::from_fn(|i| answer.position[i] - exact.origin[i]);
+                let along: f64 = o.iter().zip(&exact.direction).map(|(a, b)| a * b).sum();
+                let across: f64 = o.iter().map(|a| a * a).sum::<f64>() - along * along;
+                result.offsets.push(across.max(0.0).sqrt());
+            }
+        }
+        result.directions.sort_by(f64::total_cmp);
+        result.offsets.sort_by(f64::total_cmp);
+        result
+    }
+
+    fn median_and_most(list: &[f64]) -> [f64; 2] {
+        [list[list.len() / 2], list[list.len() - 1]]
+    }
+}
+
+/// Full frame, wide open, and at the far and the near end of focusing; then stopped down.
+fn cameras() -> [[f32; 2]; 4] {
+    // Aperture size 1/(2 N), distance in m.
+    [[0.0, 0.0], [0.0, 0.0001], [1.0 / 11.2, 2.0], [1.0 / 32.0, 0.0]]
+}
+
+fn samples(reach: f64, count: usize, [aperture, distance]: [f32; 2]) -> Vec<Sample> {
+    let width = (2.0 * reach * 0.832).min(36.0) as f32;
+    let height = width / 1.5;
+    points::<4>(count).map(|[x, y, u, v]| [x, y, u, v, aperture, distance, width, height, 0.5]).collect()
+}
+
+#[test]
+fn every_lens_of_the_catalogue_is_traced_as_in_double_precision() {
+    let mut worst_acceptance = Vec::new();
+    for name in catalogue::names() {
+        let (lens, shader) = (lens_of(name), Shader::new(name, &[]));
+        for camera in cameras() {
+            let answers = shader.answers(&samples(shader.reach, 20_000, camera));
+            let found = Comparison::of(&lens, &answers);
+            let [median, most] = Comparison::median_and_most(&found.directions);
+            let [_, offset] = Comparison::median_and_most(&found.offsets);
+            let acceptance = found.passed as f64 / found.asked as f64;
+            let said = format!("{name} at {camera:?}: {median:e} {most:e} rad, {offset:e} mm, {acceptance}");
+            assert!(found.asked > 19_000, "{said}: {} asked", found.asked);
+            assert!(found.fates_differ <= 4, "{said}: {} fates differ", found.fates_differ);
+            assert!(most < 1e-5 && median < 2e-6 && offset < 1e-3, "{said}");
+            assert!(acceptance > 0.96, "{said}");
+            worst_acceptance.push(acceptance);
+        }
+    }
+    let mean = worst_acceptance.iter().sum::<f64>() / worst_acceptance.len() as f64;
+    assert!(mean > 0.985, "mean acceptance {mean}");
+}
+
+/// Slopes of the ray on the film's side.
+fn slopes(answer: &Answer) -> [f64; 2] {
+    let [vx, vy, vz] = answer.heading;
+    [vx / vz, vy / vz]
+}
+
+/// How far behind the last vertex the rays of one film point start, mm: where they meet.
+fn film_distance(answers: &[Answer]) -> f64 {
+    let asked: Vec<&Answer> = answers.iter().filter(|answer| answer.is_asked).collect();
+    let (mut along, mut squares) = (0.0, 0.0);
+    for pair in asked.windows(2) {
+        let ([ax, ay], [bx, by]) = (slopes(pair[0]), slopes(pair[1]));
+        along += (pair[0].start[0] - pair[1].start[0]) * (ax - bx)
+            + (pair[0].start[1] - pair[1].start[1]) * (ay - by);
+        squares += (ax - bx).powi(2) + (ay - by).powi(2);
+    }
+    along / squares
+}
+
+#[test]
+fn film_is_as_bright_as_all_rays_make_it_and_in_focus() {
+    for name in ["dgauss.50mm", "wide.22mm", "fisheye.10mm", "sonnar.50mm"] {
+        let shader = Shader::new(name, &[]);
+        // Aperture size, distance in m, field as a share of the reach.
+        for (aperture, distance, share) in [
+            (0.0, 0.0, 0.0),
+            (0.0, 2.0, 0.5),
+            (0.0, 0.0, 0.8),
+            (1.0 / 11.2, 2.0, 0.6),
+            (1.0 / 32.0, 0.0, 0.75),
+        ] {
+            let mut lens = lens_of(name);
+            let radius = share * shader.reach.min(21.0);
+            let at: Vec<Sample> = points::<2>(40_000)
+                .map(|[u, v]| [0.5 - (radius / 50.0) as f32, 0.5, u, v, aperture, distance, 50.0, 50.0, 0.5])
+                .collect();
+            let answers = shader.answers(&at);
+            let mean = answers.iter().map(|answer| f64::from(answer.throughput[0])).sum::<f64>()
+                / answers.len() as f64;
+            let stop = lens.stop_index().unwrap_or_else(|| limiting_surface(&lens));
+            lens.surfaces[stop].semi_diameter *=
+                answers.iter().find(|answer| answer.is_asked).expect("bright").stop;
+            let back = film_distance(&answers);
+            let wanted = match distance {
+                0.0 => Focus::new(&lens).and_then(|focus| focus.film_distance(f64::INFINITY)),
+                // From the film, which is what the library counts from.
+                _ => Focus::new(&lens).and_then(|focus| {
+                    focus.film_distance(1000.0 * f64::from(distance) - lens.rear().vertex + back)
+                }),
+            };
+            let wanted = wanted.expect("in reach");
+            let off = (back - wanted).abs() / FirstOrder::of(&lens).expect("focal").focal_length;
+            assert!(off < 3e-4, "{name}: film at {back}, not {wanted}");
+
+            let path: Path = Path::film_to_scene(&lens);
+            let film = lens.rear().vertex - back;
+            let irradiance = |radius: f64| {
+                // The rear element is too wide a cover for a grid.
+                let exit = PupilDisk::exit(&lens, film).seen_from([radius, 0.0]);
+                let cover = SlopeDisk { radius: 2.5 * exit.radius, ..exit };
+                irradiance::survey(&path, film, [radius, 0.0], cover, cover, 500).irradiance
+            };
+            let wanted = irradiance(radius) / irradiance(0.0);
+            assert!(
+                (mean / wanted - 1.0).abs() < 0.01,
+                "{name} at {radius} mm, f {aperture}: {mean} {wanted}"
+            );
+        }
+    }
+}
+
+#[test]
+fn with_dispersion_each_wavelength_is_traced_and_all_together_are_white() {
+    let name = "dgauss.50mm";
+    let shader = Shader::new(name, &["--dispersion"]);
+    for number in [0.1, 0.5, 0.9_f32] {
+        let nm = 420.0 + 260.0 * f64::from(number);
+        let lens = Lens::new(&catalogue::find(name).expect("listed"), nm);
+        let mut at = samples(shader.reach, 4000, [0.0, 3.0]);
+        at.iter_mut().for_each(|sample| sample[8] = number);
+        let found = Comparison::of(&lens, &shader.answers(&at));
+        let [_, most] = Comparison::median_and_most(&found.directions);
+        assert!(most < 3e-5 && found.fates_differ <= 4, "{nm} nm: {most}, {} differ", found.fates_differ);
+    }
+    let mut sums = [0.0; 3];
+    let at: Vec<Sample> =
+        points::<3>(20_000).map(|[w, u, v]| [0.5, 0.5, u, v, 0.1, 0.0, 36.0, 24.0, w]).collect();
+    for answer in shader.answers(&at) {
+        (0..3).for_each(|i| sums[i] += f64::from(answer.throughput[i]) / at.len() as f64);
+    }
+    assert!(sums.iter().all(|sum| (sum - 1.0).abs() < 0.01), "{sums:?}");
+}
+
+#[test]
+fn what_cannot_be_a_camera_is_refused_with_why() {
+    let afocal = "50 5 1.5 20\n-50 100 1 20\n0 0 0 10\n50 5 1.5 20\n-50 0 1 20\n";
+    let told = fails(&["blender", "-", "--out", "-"], afocal, 1);
+    assert!(told.contains("afocal") || told.contains("focal length"), "{told}");
+    let many: String = (0..66).map(|_| "1000 1 1.5 10\n-1000 1 1 10\n").collect();
+    assert!(fails(&["blender", "-", "--out", "-"], &many, 1).contains("at most 64"));
+    assert!(
+        fails(&["blender", "dgauss.50mm", "--out", "no-such-folder/a.osl"], "", 1)
+            .contains("no-such-folder/a.osl")
+    );
+}

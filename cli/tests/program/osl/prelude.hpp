@@ -1,0 +1,79 @@
+// What a shader of `realistic blender` uses of Open Shading Language, in C++: single precision, safe roots.
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <vector>
+
+namespace osl {
+
+struct vec {
+    float v[3];
+    vec(float all = 0) : v{all, all, all} {}
+    vec(float x, float y, float z) : v{x, y, z} {}
+    float operator[](int i) const { return v[i]; }
+};
+inline vec operator/(vec a, float b) { return vec(a[0] / b, a[1] / b, a[2] / b); }
+inline vec operator*(vec a, float b) { return vec(a[0] * b, a[1] * b, a[2] * b); }
+typedef vec point;
+typedef vec vector;
+typedef vec color;
+
+inline float sqrt(float x) { return x > 0 ? std::sqrt(x) : 0.0f; }
+inline float abs(float x) { return std::fabs(x); }
+inline float min(float a, float b) { return b < a ? b : a; }
+inline float max(float a, float b) { return a < b ? b : a; }
+inline int min(int a, int b) { return b < a ? b : a; }
+inline int max(int a, int b) { return a < b ? b : a; }
+inline float clamp(float x, float low, float high) { return min(max(x, low), high); }
+inline float mix(float a, float b, float t) { return a * (1 - t) + b * t; }
+inline float smoothstep(float from, float to, float x) {
+    float t = clamp((x - from) / (to - from), 0, 1);
+    return t * t * (3 - 2 * t);
+}
+inline void sincos(float angle, float &sine, float &cosine) {
+    sine = std::sin(angle);
+    cosine = std::cos(angle);
+}
+
+// What the camera of a sample is, and the sample.
+struct Sample {
+    float raster[2], lens[2], aperture_size, focal_distance, sensor[2], hash;
+};
+static Sample sample;
+
+inline point camera_shader_raster_position() { return point(sample.raster[0], sample.raster[1], 0); }
+inline point camera_shader_random_sample() { return point(sample.lens[0], sample.lens[1], 0); }
+inline float noise(const char *, point, float) { return sample.hash; }
+inline int getattribute(const char *name, float &value) {
+    bool is_size = !std::strcmp(name, "cam:aperture_size");
+    if (!is_size && std::strcmp(name, "cam:focal_distance")) return 0;
+    value = is_size ? sample.aperture_size : sample.focal_distance;
+    return 1;
+}
+inline int getattribute(const char *name, vector &value) {
+    if (!std::strcmp(name, "cam:sensor_size")) value = vector(sample.sensor[0], sample.sensor[1], 0);
+    else return 0;
+    return 1;
+}
+
+// A picture of 300 by 200 pixels.
+inline float Dx(float) { return 1.0f / 300; }
+inline float Dy(float) { return 1.0f / 200; }
+
+// What the trace was asked: stop, wavelength, x, y and direction; 0 before it is.
+static float asked[8];
+
+// Reads samples from standard input and writes for each the throughput, position, direction, and what was asked.
+template <class Shader> int serve(Shader shader) {
+    while (std::fread(&sample, sizeof sample, 1, stdin) == 1) {
+        for (float &value : asked) value = 0;
+        float out[9];
+        shader(out);
+        std::fwrite(out, sizeof out, 1, stdout);
+        std::fwrite(asked, sizeof asked, 1, stdout);
+    }
+    return 0;
+}
+
+}

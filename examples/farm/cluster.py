@@ -1,0 +1,80 @@
+"""A picture in tiles and a study of lenses, on a cluster of two processes on this machine.
+
+$ python cluster.py
+
+writes tiles.png and study.csv. On a farm only the cluster changes: docs/python.md says how. With --kill one of the workers is
+killed while it renders, as happens on farms; the picture's bytes and the table stay the same.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import signal
+import subprocess
+import threading
+import time
+from pathlib import Path
+
+from dask.distributed import Client, LocalCluster
+
+import realistic
+from realistic import farm
+
+SIZE, OPTIONS = (240, 160), ["--lens", "wide.22mm", "--spp", "8"]
+
+
+def kill_one(client: Client, after: float) -> threading.Thread:
+    """Kills a worker's process in a while; its nanny starts another."""
+    victim = next(iter(client.run(os.getpid).values()))
+
+    def kill() -> None:
+        time.sleep(after)
+        os.kill(victim, signal.SIGKILL)
+        print("a worker was killed")
+
+    thread = threading.Thread(target=kill)
+    thread.start()
+    return thread
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--program", default="realistic", help="the command-line program")
+    parser.add_argument("--kill", action="store_true", help="kill a worker on the way")
+    given = parser.parse_args()
+    work = {
+        "lenses": ["dgauss.50mm", "wide.22mm", "tessar.50mm", "triplet.210mm"],
+        "fnumbers": [5.6, 8],
+        "distances": [float("inf"), 3000.0],
+    }
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+        client.wait_for_workers(2)
+        killer = kill_one(client, 1.0) if given.kill else None
+        begin = time.perf_counter()
+        farm.render("tiles.png", OPTIONS, size=SIZE, tile=(48, 32), client=client, program=given.program)
+        print(
+            f"tiles.png in {time.perf_counter() - begin:.1f} s on {len(client.scheduler_info()['workers'])} processes"
+        )
+        if killer is not None:
+            killer.join()
+        begin = time.perf_counter()
+        table = realistic.study(**work, client=client)
+        print(f"study.csv, {len(table)} rows, in {time.perf_counter() - begin:.1f} s")
+    table.to_csv("study.csv")
+
+    begin = time.perf_counter()
+    alone = realistic.study(**work, processes=1)
+    print(
+        f"study: {'equal' if alone.equals(table) else 'DIFFERENT'} in one process, in {time.perf_counter() - begin:.1f} s"
+    )
+    size = f"{SIZE[0]}x{SIZE[1]}"
+    subprocess.run(
+        [given.program, "render", *OPTIONS, "--size", size, "--out", "whole.png"], check=True, capture_output=True
+    )
+    same = Path("tiles.png").read_bytes() == Path("whole.png").read_bytes()
+    print(f"picture: {'the bytes of the whole' if same else 'DIFFERENT'}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,118 @@
+"""Pictures of the command-line program in tiles, joined to the bytes of the whole picture."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from .workers import spread
+
+_SIZE = (480, 320)
+"""The program's own."""
+
+
+def render(
+    out: str | os.PathLike[str],
+    options: Sequence[str] = (),
+    *,
+    size: tuple[int, int] = _SIZE,
+    tile: tuple[int, int] = (128, 128),
+    client: Any = None,
+    processes: int | None = None,
+    program: str | os.PathLike[str] | None = None,
+) -> Path:
+    """The picture that `realistic render` takes, by many processes at once.
+
+    It has the bytes of the picture that is rendered in one piece, whoever rendered which tile, and however often.
+
+    Parameters
+    ----------
+    out : str or path-like
+        The picture to write, .png or .exr.
+    options : sequence of str
+        Options of `realistic render`, such as `["--lens", "wide.22mm", "--spp", "64"]`; but not those that have an argument
+        here: `--size`, `--out`, `--crop`, `--threads`.
+    size : (int, int)
+        Width and height of the picture, pixels.
+    tile : (int, int)
+        Width and height of a tile; those at the right and lower edge are smaller.
+    client : dask.distributed.Client or concurrent.futures.Executor, optional
+        Where to do the work; default processes of this machine. Tiles come back as bytes: no file is shared.
+    processes : int, optional
+        How many of them; default one for each processor.
+    program : str or path-like, optional
+        The program, by a name that is true where the work is done; default `realistic` in its PATH.
+
+    Returns
+    -------
+    Path
+        The picture.
+
+    Raises
+    ------
+    ValueError
+        For an option that is an argument here, and sizes that are none.
+    RuntimeError
+        Where the program fails, with its words; or there is none.
+    """
+    target = Path(out)
+    for option in options:
+        name = option.partition("=")[0]
+        if name in ("--size", "--out", "--crop", "--threads", "--slide"):
+            raise ValueError(f"{name} is not an option of a picture in tiles")
+    width, height = size
+    across, down = tile
+    if min(width, height, across, down) < 1:
+        raise ValueError(f"pictures and tiles have a pixel at least: size is {size}, tile {tile}")
+    command = [os.fspath(program) if program is not None else "realistic"]
+    jobs = [
+        _Tile((x, y, min(x + across, width), min(y + down, height)), size, tuple(options), command[0], target.suffix)
+        for y in range(0, height, down)
+        for x in range(0, width, across)
+    ]
+    with tempfile.TemporaryDirectory() as room:
+        files = []
+        for number, content in enumerate(spread(_rendered, jobs, client, processes)):
+            file = Path(room) / f"{number}{target.suffix}"
+            file.write_bytes(content)
+            files.append(str(file))
+        _run([*command, "merge", *files, "--out", str(target)])
+    return target
+
+
+@dataclass(frozen=True)
+class _Tile:
+    """A tile: the pixels from column and row to column and row, of a picture."""
+
+    crop: tuple[int, int, int, int]
+    size: tuple[int, int]
+    options: tuple[str, ...]
+    program: str
+    ending: str
+
+
+def _rendered(tile: _Tile) -> bytes:
+    """The file of a tile."""
+    with tempfile.TemporaryDirectory() as room:
+        file = Path(room) / f"tile{tile.ending}"
+        crop = ",".join(map(str, tile.crop))
+        command = [tile.program, "render", *tile.options, "--size", f"{tile.size[0]}x{tile.size[1]}"]
+        # A worker has one processor to itself; lens files are named as from where the worker stands.
+        _run([*command, "--crop", crop, "--threads", "1", "--out", str(file)])
+        return file.read_bytes()
+
+
+def _run(command: list[str]) -> None:
+    if shutil.which(command[0]) is None:
+        raise RuntimeError(
+            f"there is no program {command[0]} here: build it with `cargo install --path cli`, or name it in `program`"
+        )
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise RuntimeError(f"{' '.join(command)}: {done.stderr.strip() or done.returncode}")

@@ -1,0 +1,171 @@
+"""Ray fans and field curvature, by exact rays of object points through the lens alone.
+
+A film point's object point is where the mean of its rays meets a plane of the scene; from there rays go back through what is
+open of the pupil (W. J. Smith, *Modern Optical Engineering*, 4th edition, 2008, chapter 3).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .bundles import Bundles, bundles_of, in_camera_space, lens_grid, lens_of, plane_at
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from ..camera import Camera
+    from ..lens import Lens
+
+
+@dataclass(frozen=True, eq=False)
+class Fans:
+    """How far rays of an object point meet the film from its ray through the middle of the pupil.
+
+    Tangential is along the line from the picture's middle, outward positive; sagittal is across it. A film point in the middle
+    has upward for outward.
+
+    Attributes
+    ----------
+    pupil : ndarray (k,)
+        From -1 to 1, edge to edge of what is open of the pupil for the film point.
+    tangential : ndarray (n, k)
+        For rays that go through the pupil along the tangential line: the tangential distance on the film, mm; NaN where a ray
+        is blocked.
+    sagittal : ndarray (n, k)
+        For rays along the sagittal line: the sagittal distance.
+    """
+
+    pupil: NDArray[np.float64]
+    tangential: NDArray[np.float64]
+    sagittal: NDArray[np.float64]
+
+
+def fans(camera: Camera, image_xy: ArrayLike, *, distance: float | None = None, rays: int = 101) -> Fans:
+    """Ray fans of the object points that are imaged to some film points.
+
+    Parameters
+    ----------
+    image_xy : array_like (n, 2)
+        Film points, pixels.
+    distance : float, optional
+        The plane of the scene, as `focusdistance`; default the plane in focus.
+    rays : int
+        How many rays in each fan; odd, so that one goes through the middle.
+
+    Raises
+    ------
+    ValueError
+        For a camera without surfaces to trace: `model` other than "lens", or `focusby` "group".
+    """
+    if rays < 3 or rays % 2 == 0:
+        raise ValueError(f"a fan has an odd number of rays, 3 or more, not {rays}")
+    pupil = np.linspace(-1, 1, rays)
+    points = _ObjectPoints(camera, np.asarray(image_xy, np.float64), distance)
+    fan = []
+    for axis in range(2):
+        at = points.film(axis, pupil)[0][..., axis]
+        # With an edge that is not round the middle may be blocked.
+        fan.append(at - at[:, rays // 2, None])
+    return Fans(pupil, fan[0], fan[1])
+
+
+def field_curvature(camera: Camera, radii: ArrayLike, *, distance: float | None = None) -> NDArray[np.float64]:
+    """How far behind the film narrow bundles through the middle of the pupil are in focus.
+
+    Parameters
+    ----------
+    radii : array_like (n,)
+        Distances from the picture's middle, pixels.
+    distance : float, optional
+        The plane of the scene, as `focusdistance`; default the plane in focus.
+
+    Returns
+    -------
+    ndarray (n, 2)
+        Tangential and sagittal focus, mm along the axis, positive behind the film; NaN where there is no light.
+
+    Raises
+    ------
+    ValueError
+        As `fans`.
+    """
+    # A lens is round: any direction will do.
+    film_xy = np.array(camera.resolution) / 2 + np.asarray(radii, np.float64)[:, None] * [1.0, 0.0]
+    points = _ObjectPoints(camera, film_xy, distance)
+    focus = []
+    for axis in range(2):
+        # A hundredth of the pupil: aberrations of higher order are a ten thousandth.
+        at, slope = points.film(axis, np.array([-0.01, 0.01]))
+        apart, spread = (np.diff(numbers[..., axis], axis=1)[:, 0] for numbers in (at, slope))
+        focus.append(-apart / spread)
+    return np.stack(focus, axis=-1)
+
+
+class _ObjectPoints:
+    """Object points in lens space (mm, +z toward the scene), and what of the pupil is open to them."""
+
+    def __init__(self, camera: Camera, image_xy: NDArray[np.float64], distance: float | None) -> None:
+        if camera.parameters.get("model", "lens") != "lens" or camera.parameters.get("focusby", "film") != "film":
+            raise ValueError('there are no surfaces to trace: the camera\'s model must be "lens", and focusby "film"')
+        self.lens: Lens = lens_of(camera)
+        mm = float(camera.parameters.get("mmperunit", 1.0))
+        with in_camera_space(camera) as plain:
+            plane = plane_at(plain, distance)
+            bundles: Bundles = bundles_of(plain, image_xy, lens_grid(32))
+            to_the_edge: Bundles = bundles_of(plain, image_xy, _lens_grid_to_the_edge(64))
+        self.film_z = self.lens.rear_vertex_mm - camera.film_distance_mm
+        # The film's image is upside down: what is to the right of the axis in the scene is to the right in the picture.
+        radial = (image_xy - np.array(camera.resolution) / 2) * [1, -1]
+        length = np.hypot(*radial.T)[:, None]
+        outward = np.where(length > 0, radial / np.maximum(length, 1e-300), [0.0, 1.0])
+        self.axes = np.stack([outward, np.stack([-outward[:, 1], outward[:, 0]], axis=-1)], axis=1)
+        # In the plane of the front vertex: the middle of what is open, and half its width along both axes.
+        lit = to_the_edge.weight > 0
+        along = np.einsum("nmk,nak->nam", to_the_edge.at * mm, self.axes)
+        low, high = (
+            bound(np.where(lit[:, None, :], along, none), axis=2)
+            for bound, none in ((np.min, np.inf), (np.max, -np.inf))
+        )
+        low, high = (np.where(lit.any(axis=1, keepdims=True), bound, np.nan) for bound in (low, high))
+        self.half = (high - low) / 2
+        self.middle = np.einsum("na,nak->nk", (high + low) / 2, self.axes)
+        mean = bundles.mean(bundles.points(plane))
+        self.slope = mean if np.isinf(plane) else None
+        self.point = np.column_stack([mean * mm, np.full(len(mean), plane * mm)])
+        self.before = 10 + 2 * max(surface.semi_diameter_mm for surface in self.lens.surfaces)
+
+    def film(self, axis: int, pupil: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Where rays through parts of the pupil along an axis meet the film, and their slopes there.
+
+        Both are (n, k, 2): tangential and sagittal, outward positive in the picture; slopes are per mm behind the film.
+        """
+        n, k = len(self.middle), len(pupil)
+        through = self.middle[:, None] + (self.half[:, axis, None] * pupil)[..., None] * self.axes[:, axis, None]
+        through = np.concatenate([through, np.zeros((n, k, 1))], axis=-1)
+        if self.slope is None:
+            origin = np.broadcast_to(self.point[:, None], (n, k, 3))
+            direction = through - origin
+        else:
+            toward = -np.column_stack([self.slope, np.ones(n)])
+            direction = np.broadcast_to(toward[:, None], (n, k, 3))
+            origin = through - direction * self.before
+        rays = self.lens.trace(np.nan_to_num(origin), np.where(np.isnan(direction), [0.0, 0.0, -1.0], direction))
+        dz = rays.direction[..., 2:]
+        slope = rays.direction[..., :2] / -dz
+        at = rays.origin[..., :2] + slope * (rays.origin[..., 2:] - self.film_z)
+        passed = rays.passed & np.isfinite(origin).all(axis=-1)
+        # Right and up in the picture are left and down on the film.
+        return tuple(
+            np.where(passed[..., None], -np.einsum("nmk,nak->nma", numbers, self.axes), np.nan)
+            for numbers in (at, slope)
+        )  # type: ignore[return-value]
+
+
+def _lens_grid_to_the_edge(side: int) -> NDArray[np.float32]:
+    """`side` times `side` lens samples of which the outermost lie just inside the pupil's edge, where rays still pass."""
+    edge = 1 / 512
+    u, v = np.meshgrid(*[np.linspace(edge, 1 - edge, side, dtype=np.float32)] * 2)
+    return np.stack([u.ravel(), v.ravel()]).T

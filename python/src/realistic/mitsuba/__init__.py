@@ -1,0 +1,47 @@
+"""Sensors for Mitsuba 3: `import realistic.mitsuba` registers `realistic` and `thick` (docs/mitsuba.md).
+
+They are registered for Mitsuba's variant, and again whenever another one is set.
+
+>>> import mitsuba as mi                                                       # doctest: +SKIP
+>>> mi.set_variant("llvm_ad_rgb")                                              # doctest: +SKIP
+>>> import realistic.mitsuba                                                   # doctest: +SKIP
+>>> sensor = mi.load_dict({"type": "realistic", "lensfile": "wide.22mm", "focus_distance": 1500.0})  # doctest: +SKIP
+"""
+
+from __future__ import annotations
+
+import mitsuba as mi
+from mitsuba.detail import add_variant_callback
+
+from .sensor import sensor_class
+
+__all__ = ["register"]
+
+
+def register() -> None:
+    """Registers the sensors for Mitsuba's current variant; importing this module has done it.
+
+    Raises
+    ------
+    ImportError
+        For variants that the lens cannot be traced for.
+    """
+    variant = mi.variant()
+    if "double" in variant or variant.startswith(("cuda", "metal")):
+        raise ImportError(
+            f"realistic.mitsuba has no sensor for Mitsuba's variant {variant}: lenses are traced on the processor, and rays "
+            "come in single precision. Use one of the variants scalar_*, llvm_* without double"
+        )
+    for name, model in (("realistic", None), ("thick", "thick")):
+        mi.register_sensor(name, lambda props, made=sensor_class(model): made(props))
+
+
+def _follow(old: str | None, new: str | None) -> None:
+    """Called by Mitsuba after a variant was set."""
+    if new is not None and "double" not in new and not new.startswith(("cuda", "metal")):
+        register()
+
+
+add_variant_callback(_follow)
+if mi.variant() is not None:
+    register()

@@ -1,0 +1,83 @@
+"""The properties of a sensor in a scene of Mitsuba's: a camera's parameters, spelled in its manner."""
+
+from __future__ import annotations
+
+import difflib
+from typing import Any
+
+import mitsuba as mi
+
+from ..parameters import NAMES
+
+_OF_MITSUBA = {"shutteropen": "shutter_open", "shutterclose": "shutter_close"}
+"""What Mitsuba's own properties say."""
+
+_PROJECTIONS = {"fov", "screenwindow", "frameaspectratio", "lensradius", "focaldistance", "lensplane"}
+"""Parameters of models that Mitsuba has sensors of its own for."""
+
+MODELS = ("lens", "thick", "thin")
+"""The models that are sensors here."""
+
+OWN = ("differentials",)
+"""Properties that are no parameters of the camera."""
+
+# Without underscores, for Mitsuba writes focus_distance.
+_NAMES = {name.replace("_", ""): name for name in NAMES - set(_OF_MITSUBA) - _PROJECTIONS}
+_NAMES |= {"nearclip": "hither", "farclip": "yon"}
+
+
+def parameters_of(props: Any, model: str | None) -> tuple[dict[str, Any], dict[str, bool]]:
+    """The camera's parameters that a sensor's properties give, and the sensor's own ones.
+
+    `model` is that of the sensor's name, if it has one.
+
+    Raises
+    ------
+    ValueError
+        For a property that nobody knows, and one given twice.
+    """
+    parameters: dict[str, Any] = {} if model is None else {"model": model}
+    own: dict[str, bool] = {}
+    for key in props.unqueried():
+        value = props[key]
+        if key == "to_world_end":
+            continue
+        if key in OWN:
+            if not isinstance(value, bool):
+                raise ValueError(f'property "{key}" must be true or false, not {value!r}')
+            own[key] = value
+            continue
+        name = _NAMES.get(key.replace("_", ""))
+        if name is None:
+            raise ValueError(_unknown(key))
+        if name in parameters:
+            if name == "model":
+                raise ValueError(f'property "{key}" is not one of a sensor "{model}", which is one already')
+            raise ValueError(f'property "{key}" is given twice, under another name')
+        parameters[name] = _value(name, value)
+    if parameters.get("model", "lens") not in MODELS:
+        raise ValueError(
+            f'model "{parameters["model"]}" is no sensor here: give one of {", ".join(MODELS)}, or use Mitsuba\'s own '
+            "sensors perspective, orthographic and so on"
+        )
+    return parameters, own
+
+
+def _unknown(key: str) -> str:
+    plain = key.replace("_", "")
+    if plain in _OF_MITSUBA:
+        return f'property "{key}" is written "{_OF_MITSUBA[plain]}" in Mitsuba'
+    if plain in _PROJECTIONS:
+        return f'property "{key}" is for cameras without a real lens: use Mitsuba\'s own sensors'
+    near = difflib.get_close_matches(plain, [*_NAMES, *_OF_MITSUBA], 1)
+    hint = f'; did you mean "{_OF_MITSUBA.get(near[0]) or _NAMES[near[0]]}"?' if near else ""
+    return f'there is no property "{key}"{hint}'
+
+
+def _value(name: str, value: Any) -> Any:
+    if name in ("specfile", "lensfile", "glasscatalog") and isinstance(value, str):
+        # Beside the scene's file, as other files that it names. What is not there stays as it is: a catalogue's name.
+        return str(mi.file_resolver().resolve(value))
+    if name == "zoom" and isinstance(value, (int, float)) and not isinstance(value, bool):
+        return repr(value)
+    return value

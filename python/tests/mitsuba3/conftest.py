@@ -1,0 +1,55 @@
+"""Mitsuba 3, where it can be had; what cannot is said in the skipped tests."""
+
+import importlib
+import os
+import subprocess
+import sys
+
+import pytest
+
+VARIANTS = ("scalar_rgb", "llvm_ad_rgb", "llvm_ad_spectral")
+
+# A libLLVM that Dr.Jit does not like ends the process.
+PROBE = """
+import drjit as dr, mitsuba as mi
+mi.set_variant("llvm_ad_rgb")
+assert dr.sum(dr.minimum(mi.Float(1, 2, 3), dr.arange(mi.Float, 3))) == 3
+"""
+
+
+@pytest.fixture(scope="session")
+def llvm() -> str:
+    """Why variants with LLVM cannot run here; empty if they can."""
+    done = subprocess.run([sys.executable, "-c", PROBE], capture_output=True, text=True)
+    if done.returncode == 0:
+        return ""
+    named = os.environ.get("DRJIT_LIBLLVM_PATH", "none")
+    return f"Mitsuba has no LLVM that it can use (libLLVM 19 named by DRJIT_LIBLLVM_PATH, which names {named})"
+
+
+def _mitsuba(variant, llvm):
+    mi = pytest.importorskip("mitsuba", reason="Mitsuba is not installed (pip install mitsuba)")
+    if variant.startswith("llvm") and llvm:
+        pytest.skip(llvm)
+    mi.set_variant(variant)
+    importlib.import_module("realistic.mitsuba")
+    mi.set_log_level(mi.LogLevel.Error)
+    return mi
+
+
+@pytest.fixture(params=VARIANTS)
+def mi(request, llvm):
+    """The module, by one variant after the other, with the sensors registered."""
+    return _mitsuba(request.param, llvm)
+
+
+@pytest.fixture
+def fast(llvm):
+    """The module, by the variant for pictures."""
+    return _mitsuba("llvm_ad_rgb", llvm)
+
+
+@pytest.fixture
+def spectral(llvm):
+    """The module, by the variant in which a ray has wavelengths."""
+    return _mitsuba("llvm_ad_spectral", llvm)

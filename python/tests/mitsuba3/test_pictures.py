@@ -1,0 +1,137 @@
+"""Pictures: framing, an even light, and the picture that the command-line program takes."""
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import realistic
+
+
+def box_film(width, height, **crop):
+    return {"type": "hdrfilm", "width": width, "height": height, "rfilter": {"type": "box"}, **crop}
+
+
+def rendered(mi, shapes, sensor, spp, seed=1, depth=2):
+    scene = mi.load_dict({"type": "scene", "integrator": {"type": "path", "max_depth": depth}, "s": sensor, **shapes})
+    return np.array(mi.render(scene, spp=spp, seed=seed), np.float64)[..., :3]
+
+
+def in_focus(camera, image_xy):
+    """Points of the plane in focus, camera space, that intrinsics project to film points (n, 2)."""
+    found = camera.intrinsics()
+    (fx, _, cx), (_, fy, cy), _ = found.matrix
+    k1, k2, p1, p2, k3 = found.distortion
+    distorted = (np.asarray(image_xy) - 0.5 - [cx, cy]) / [fx, fy]
+    xy = distorted.copy()
+    for _ in range(50):
+        x, y = xy.T
+        r2 = x * x + y * y
+        radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
+        turned = np.stack([2 * p1 * x * y + p2 * (r2 + 2 * x * x), p1 * (r2 + 2 * y * y) + 2 * p2 * x * y], axis=-1)
+        xy = (distorted - turned) / radial[:, None]
+    z = found.position[2] + found.distance
+    return np.column_stack([xy * [1, -1] * found.distance, np.full(len(xy), z)])
+
+
+@pytest.mark.parametrize("lens", ["wide.22mm", "dgauss.50mm"])
+def test_lights_are_where_the_intrinsics_have_them(fast, lens):
+    """Spheres in the plane in focus, each seen in a crop window of its own."""
+    mi = fast
+    size = (360, 240)
+    camera = realistic.Camera(lens, resolution=size, focusdistance=1000.0, fnumber=11)
+    wanted = np.array([[180.0, 120.0], [300.3, 40.2], [40.6, 30.1], [60.0, 200.5], [330.2, 210.7]])
+    points = in_focus(camera, wanted)
+    pose = mi.ScalarTransform4f().look_at(origin=[10, 20, 30], target=[300, 100, 500], up=[0, 1, 0])
+    pixel = np.linalg.norm(in_focus(camera, [[181.0, 120.0]]) - points[:1])
+    for (x, y), point in zip(wanted, points):
+        # Camera space has +x to the right, Mitsuba's to the left.
+        place = pose @ mi.ScalarPoint3f(*(point * [-1, 1, 1]).tolist())
+        light = {"type": "sphere", "center": place, "radius": 2 * pixel, "e": {"type": "area", "radiance": 1.0}}
+        left, top = int(x) - 10, int(y) - 10
+        crop = {"crop_offset_x": left, "crop_offset_y": top, "crop_width": 20, "crop_height": 20}
+        sensor = {"type": "realistic", "lensfile": lens, "focus_distance": 1000.0, "fnumber": 11, "to_world": pose}
+        picture = rendered(mi, {"light": light}, {**sensor, "film": box_film(*size, **crop)}, 2048)[..., 0]
+        rows, columns = np.indices(picture.shape)
+        total = picture.sum()
+        centre = np.array([left + 0.5 + (columns * picture).sum() / total, top + 0.5 + (rows * picture).sum() / total])
+        assert np.abs(centre - [x, y]).max() < 0.05
+
+
+def test_an_even_light_shows_the_illumination(fast):
+    """Each pixel's mean is that of the camera's weights, within its standard error; blocked rays count as dark."""
+    mi = fast
+    size, spp = (36, 24), 1024
+    parameters = {"specfile": "wide.22mm", "pupil": "rear"}
+    camera = realistic.Camera(resolution=size, weighting="relative", **parameters)
+    uv = np.random.default_rng(5).random((4096, 4), np.float32)
+    corners = np.stack(np.meshgrid(np.arange(size[0]), np.arange(size[1])), axis=-1)
+    weight = camera.rays(corners[:, :, None] + uv[:, :2], uv[:, 2:]).weight.astype(np.float64)
+    mean, spread = weight.mean(axis=2), weight.std(axis=2)
+    assert (weight == 0).mean() > 0.5 and mean.min() < 0.6 and abs(mean[12, 18] - 1) < 0.05
+    sensor = {"type": "realistic", **parameters, "film": box_film(*size)}
+    picture = rendered(mi, {"light": {"type": "constant"}}, sensor, spp)
+    off = (picture[..., 0] - mean) / (spread * np.sqrt(1 / spp + 1 / weight.shape[2]))
+    assert np.abs(off).max() < 5
+    # The same lens samples serve all pixels of the expected mean: it is off by some errors as a whole.
+    assert np.abs(off - off.mean()).std() < 1.1
+
+
+def program(checkout):
+    """The command-line program, if it has been built."""
+    named = os.environ.get("REALISTIC_PROGRAM")
+    built = [checkout / f"target/{kind}/realistic" for kind in ("release", "debug")]
+    found = [Path(named)] if named else [file for file in built if file.is_file()]
+    return found[0] if found else shutil.which("realistic")
+
+
+def edge(profile, outside, inside):
+    """Where an edge lies between what is dark on average over pixels `outside` and light over `inside`, slices in order."""
+    dark, light = profile[outside].mean(), profile[inside].mean()
+    return outside.stop + ((light - profile[outside.stop : inside.start]) / (light - dark)).sum()
+
+
+def edges(picture):
+    """The card's left, right and top edge, pixels from the left and from the top, of the picture 480 pixels wide."""
+    rows, columns = slice(190, 245), slice(30, 160)
+    across = picture[rows].mean(axis=0)
+    down = picture[:, columns].mean(axis=1)
+    width = len(across)
+    return np.array(
+        [
+            edge(across, slice(9, 11), slice(12, 14)),
+            width - edge(across[::-1], slice(width - 179, width - 177), slice(width - 176, width - 174)),
+            edge(down, slice(149, 151), slice(152, 154)),
+        ]
+    )
+
+
+def test_the_card_has_the_framing_of_the_programs_picture(fast, checkout, tmp_path):
+    """The edges of the test card, which stands left of the middle (cli/src/host/scene/props.rs)."""
+    mi = fast
+    command = program(checkout)
+    if command is None:
+        pytest.skip("the program is not built: name it in REALISTIC_PROGRAM, or run cargo build --release")
+    size = (480, 320)
+    parameters = {"focusdistance": 1090.0, "fnumber": 8}
+    out = tmp_path / "card.exr"
+    given = [f"--param={name}={value}" for name, value in parameters.items()]
+    done = subprocess.run(
+        [str(command), "render", "--lens=dgauss.50mm", "--size=480x320", "--spp=32", *given, f"--out={out}"],
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    by_program = np.array(mi.Bitmap(str(out)), np.float64)[..., :3].sum(axis=2)
+
+    width, height = 196.0, 196 * 66 / 80
+    middle = [270 - width / 2, 10 - height / 2, 1000]
+    pose = mi.ScalarTransform4f().translate(middle).rotate([0, 1, 0], 180).scale([width / 2, height / 2, 1])
+    card = {"type": "rectangle", "to_world": pose, "light": {"type": "area", "radiance": 1.0}}
+    sensor = {"type": "realistic", "lensfile": "dgauss.50mm", **parameters, "film": box_film(*size)}
+    by_mitsuba = rendered(mi, {"card": card}, sensor, 64).sum(axis=2)
+    seen = [edges(by_program), edges(by_mitsuba)]
+    assert np.abs(seen[0] - seen[1]).max() < 0.1, seen

@@ -1,0 +1,40 @@
+"""Shaders for Blender: what the package asks of the program, and what it says where that fails."""
+
+from __future__ import annotations
+
+import stat
+from pathlib import Path
+
+import pytest
+
+import realistic
+from realistic import blender
+
+
+def stand_in(folder: Path, script: str) -> Path:
+    """A program of these shell commands."""
+    program = folder / "realistic"
+    program.write_text(f"#!/bin/sh\n{script}\n")
+    program.chmod(program.stat().st_mode | stat.S_IXUSR)
+    return program
+
+
+def test_the_program_is_asked_for_what_is_wanted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("REALISTIC_PROGRAM", str(stand_in(tmp_path, f'echo "$@" > {tmp_path}/asked')))
+    out = tmp_path / "lens.osl"
+    assert blender.write_shader("wide.22mm", out, dispersion=True, film_diagonal_mm=30, zoom=35) == out
+    asked = (tmp_path / "asked").read_text().strip()
+    assert asked == f"blender wide.22mm --out {out} --dispersion --filmdiag 30.0 --zoom 35"
+
+
+def test_what_the_program_refuses_is_an_error_in_its_words(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    program = stand_in(tmp_path, "echo 'realistic: error: no such lens' >&2; exit 1")
+    monkeypatch.setenv("REALISTIC_PROGRAM", str(program))
+    with pytest.raises(realistic.Error, match="^no such lens$"):
+        blender.write_shader("none", tmp_path / "lens.osl")
+
+
+def test_without_a_program_the_error_says_how_to_get_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("REALISTIC_PROGRAM", str(tmp_path / "nowhere"))
+    with pytest.raises(FileNotFoundError, match="cargo install"):
+        blender.program()

@@ -1,0 +1,191 @@
+"""Studies and tiles: the same wherever the work is done."""
+
+import io
+import os
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import realistic
+from realistic import FocusError, LensFileError, ParameterError, Table, farm, measure, study
+from realistic.errors import quietly
+from realistic.farm.workers import spread
+
+SMALL = {"fields": [0.0, 0.8], "frequencies": [10, 30], "resolution": (300, 200)}
+
+
+@pytest.fixture(scope="module")
+def table():
+    return study(
+        ["dgauss.50mm", "wide.22mm"], [None, 8], [np.inf, 2000.0], wavelengths=[486.13, 587.56], processes=1, **SMALL
+    )
+
+
+def test_a_row_for_each_combination_in_order(table):
+    assert len(table) == 2 * 2 * 2 * 2 * 2
+    assert table.columns == (
+        ("lens", "fnumber", "distance", "field", "wavelength_nm", "focal_length_mm", "spot_rms_um")
+        + ("mtf_tangential_10", "mtf_sagittal_10", "mtf_tangential_30", "mtf_sagittal_30")
+        + ("relative_illumination", "distortion", "acceptance", "note")
+    )
+    assert table["lens"].tolist() == ["dgauss.50mm"] * 16 + ["wide.22mm"] * 16
+    np.testing.assert_allclose(table["fnumber"][:16], [realistic.Lens("dgauss.50mm").fnumber] * 8 + [8] * 8)
+    assert table["distance"][:8].tolist() == [np.inf] * 4 + [2000.0] * 4
+    assert table["field"][:4].tolist() == [0, 0, 0.8, 0.8]
+    assert table["wavelength_nm"][:4].tolist() == [486.13, 587.56] * 2
+    assert set(table["note"]) == {""}
+
+
+def test_a_row_is_what_measures_say(table):
+    row = table[(table["lens"] == "wide.22mm") & (table["fnumber"] == 8) & (table["distance"] == 2000)]
+    row = row[(row["field"] == 0.8) & (row["wavelength_nm"] == 486.13)].data[0]
+    given = {"resolution": (300, 200), "fnumber": 8}
+    film = realistic.Camera("wide.22mm", focusdistance=2000.0, **given).film_distance_mm
+    with quietly():
+        # Its file has no dispersion, and the camera says so.
+        camera = realistic.Camera("wide.22mm", filmdistance=film, wavelength=486.13, **given)
+    point = [[150 + 0.8 * 150, 100 - 0.8 * 100]]
+    pixel = 1000 * camera.film_size_mm[0] / 300
+    assert row["focal_length_mm"] == camera.focal_length_mm
+    np.testing.assert_allclose(
+        row["spot_rms_um"], measure.spots(camera, point, distance=2000.0).rms[0] * pixel, rtol=1e-6
+    )
+    mtf = measure.mtf(camera, point, [10, 30], distance=2000.0)[0]
+    found = [[row[f"mtf_{way}_{f}"] for f in (10, 30)] for way in ("tangential", "sagittal")]
+    np.testing.assert_allclose(found, mtf, rtol=1e-6)
+    np.testing.assert_allclose(row["relative_illumination"], measure.relative_illumination(camera, point)[0], rtol=1e-6)
+    distortion = measure.distortion(camera, [0.8 * np.hypot(150, 100)], distance=2000.0)[0]
+    np.testing.assert_allclose(row["distortion"], distortion, rtol=1e-6)
+    assert 0.9 < row["acceptance"] <= 1
+
+
+def test_several_processes_give_the_same_table(table):
+    again = study(
+        ["dgauss.50mm", "wide.22mm"], [None, 8], [np.inf, 2000.0], wavelengths=[486.13, 587.56], processes=2, **SMALL
+    )
+    assert again.equals(table) and not again[1:].equals(table) and not again[1:].equals(table[:-1])
+    with ThreadPoolExecutor(2) as pool:
+        threads = study(
+            ["dgauss.50mm", "wide.22mm"],
+            [None, 8],
+            [np.inf, 2000.0],
+            wavelengths=[486.13, 587.56],
+            client=pool,
+            **SMALL,
+        )
+    assert threads.equals(table)
+
+
+def test_a_lens_that_cannot_focus_so_near_has_a_note_and_no_numbers():
+    found = study("dgauss.50mm", distances=[100.0, 1000.0], processes=1, **SMALL)
+    assert [bool(note) for note in found["note"]] == [True, True, False, False]
+    assert "cannot focus at 100 mm" in found["note"][0]
+    near = found[:2]
+    assert (
+        np.isnan(near["spot_rms_um"]).all()
+        and np.isnan(near["acceptance"]).all()
+        and near["distance"].tolist() == [100.0] * 2
+    )
+    assert np.isfinite(found["spot_rms_um"][2:]).all()
+
+
+def test_what_is_wrong_is_told():
+    with pytest.raises(LensFileError, match="nowhere"):
+        study("nowhere", processes=1)
+    with pytest.raises(ParameterError, match="fnumber"):
+        study("dgauss.50mm", -3.0, processes=1)
+    with pytest.raises(TypeError, match="fnumber, focusdistance: give a study's lenses"):
+        study("dgauss.50mm", fnumber=3, focusdistance=5)
+    with pytest.raises(ValueError, match="from 0 to 1"):
+        study("dgauss.50mm", fields=1.5)
+    with pytest.raises(ValueError, match="from 0 to 1"):
+        study("dgauss.50mm", fields=[0, np.nan])
+    with pytest.raises(ValueError, match="processes is 0"):
+        study("dgauss.50mm", processes=0)
+    with pytest.raises(TypeError, match="no parameter 'filmdia'"):
+        study("dgauss.50mm", filmdia=3, processes=1)
+    with pytest.raises(FocusError, match="blocked"), ThreadPoolExecutor(1) as pool:
+        spread(lambda _: (_ for _ in ()).throw(FocusError("blocked")), [1], pool)
+
+
+def test_nothing_to_study_is_an_empty_table():
+    found = study([], processes=3)
+    assert len(found) == 0 and "spot_rms_um" in found.columns
+
+
+def test_a_table_is_written_and_read_again(table, tmp_path):
+    file = tmp_path / "study.csv"
+    table.to_csv(file)
+    written = io.StringIO()
+    table.to_csv(written)
+    text = file.read_text()
+    assert text == written.getvalue()
+    lines = text.splitlines()
+    assert lines[0] == ",".join(table.columns) and len(lines) == 1 + len(table)
+    read = np.genfromtxt(file, delimiter=",", names=True, dtype=None, encoding="utf-8")
+    for name in table.columns[1:-1]:
+        np.testing.assert_array_equal(read[name], table[name])
+    assert "32 rows" in repr(table)
+    with pytest.raises(ValueError, match="structured array"):
+        Table(np.zeros((2, 2)))
+
+
+def program(checkout):
+    """The command-line program, if it has been built and knows tiles."""
+    named = os.environ.get("REALISTIC_PROGRAM")
+    built = [checkout / f"target/{kind}/realistic" for kind in ("release", "debug")]
+    found = [Path(named)] if named else [file for file in built if file.is_file()]
+    if not found:
+        pytest.skip("the program is not built: name it in REALISTIC_PROGRAM, or run cargo build --release")
+    return found[0]
+
+
+@pytest.mark.parametrize("ending", ["png", "exr"])
+def test_tiles_make_the_bytes_of_the_whole(checkout, tmp_path, ending):
+    import subprocess
+
+    command = program(checkout)
+    options = ["--lens", "wide.22mm", "--spp", "2", "--param", "fnumber=4"]
+    whole = tmp_path / f"whole.{ending}"
+    done = subprocess.run(
+        [command, "render", *options, "--size", "90x60", "--out", whole], capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    out = farm.render(tmp_path / f"tiles.{ending}", options, size=(90, 60), tile=(40, 25), processes=2, program=command)
+    assert out.read_bytes() == whole.read_bytes()
+
+
+def test_what_the_program_says_is_told(checkout, tmp_path):
+    command = program(checkout)
+    with pytest.raises(RuntimeError, match="no lens file"):
+        farm.render(tmp_path / "a.png", ["--lens", "nowhere"], size=(20, 10), processes=1, program=command)
+    with pytest.raises(RuntimeError, match="there is no program nowhere here"):
+        farm.render(tmp_path / "a.png", program="nowhere", processes=1)
+    for option in ("--size", "--crop=0,0,3,3", "--threads"):
+        with pytest.raises(ValueError, match="is not an option of a picture in tiles"):
+            farm.render(tmp_path / "a.png", [option], program=command)
+    with pytest.raises(ValueError, match="a pixel at least"):
+        farm.render(tmp_path / "a.png", tile=(0, 3), program=command)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_killed_worker_changes_nothing(checkout, tmp_path):
+    """Tiles and a study on a local cluster, of which a worker is killed on the way."""
+    pytest.importorskip("distributed", reason='Dask is not installed (pip install "./python[farm]")')
+    import subprocess
+    import sys
+
+    script = checkout / "examples/farm/cluster.py"
+    done = subprocess.run(
+        [sys.executable, script, "--program", program(checkout), "--kill"],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": os.path.dirname(os.path.dirname(realistic.__file__))},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "a worker was killed" in done.stdout
+    assert "picture: the bytes of the whole" in done.stdout
+    assert "study: equal" in done.stdout

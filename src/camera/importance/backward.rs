@@ -1,0 +1,239 @@
+//! A camera the other way round, whole: rays and points of the world in, importance and directions out.
+
+use super::{
+    counted::{Aimed, Importance, ScenePoint, Towards},
+    film::Counted,
+    lens::LensBackward,
+    linear::Linear,
+    stand::Stand,
+};
+use crate::{
+    camera::{
+        placement::{Placement, motion::CameraMotion, shutter::Shutter},
+        ray::WorldRay,
+    },
+    lens::Ray,
+};
+
+/// What takes rays from the front to the film, in camera space.
+#[derive(Clone, Debug)]
+enum Optics {
+    Lens(Box<LensBackward>),
+    Linear(Box<Linear>),
+}
+
+/// A camera the other way round. Immutable, and may be shared between threads.
+#[derive(Clone, Debug)]
+pub struct Backward {
+    optics: Optics,
+    placement: Placement,
+    /// Where the camera stands; `None` where that is another place at each time.
+    still: Option<Stand>,
+    /// World units that one of the optics' is.
+    units: f64,
+    /// Area that densities per area are spread over, in the optics' units.
+    front_area: f64,
+    /// World units from the lens between which a point is seen.
+    distances: [f64; 2],
+    shutter: Shutter,
+    rows: f32,
+}
+
+/// How far, over the interval, a time may lie outside the shutter's by its rounding.
+const ROUNDING: f32 = 1e-5;
+
+impl Backward {
+    /// Of a lens with its film; `units_per_mm` world units are a millimetre.
+    pub(crate) fn of_lens(lens: LensBackward, placement: &Placement, units_per_mm: f64) -> Self {
+        let front_area = lens.front_area();
+        let clip = placement.clip.map(f64::from);
+        Self::new(Optics::Lens(Box::new(lens)), placement, units_per_mm, front_area, clip)
+    }
+
+    /// Of a camera with linear rays; `units` world units are one of its own, and its lens has this area. `distances` are
+    /// those from the lens between which it sees points.
+    pub(crate) fn of_linear(
+        linear: &Linear,
+        placement: &Placement,
+        units: f64,
+        front_area: f64,
+        distances: [f64; 2],
+    ) -> Self {
+        Self::new(Optics::Linear(Box::new(linear.clone())), placement, units, front_area, distances)
+    }
+
+    fn new(optics: Optics, placement: &Placement, units: f64, front_area: f64, distances: [f64; 2]) -> Self {
+        let still = match &placement.to_world {
+            CameraMotion::Still(placed) => Some(Stand::new(placed, units)),
+            CameraMotion::Moving(_) => None,
+        };
+        let placement = placement.clone();
+        Self { optics, placement, still, units, front_area, distances, shutter: Shutter::Global, rows: 1.0 }
+    }
+
+    /// The same behind a shutter, with so many rows of pixels.
+    #[must_use]
+    pub(crate) fn with_shutter(self, shutter: Shutter, rows: f32) -> Self {
+        Self { shutter, rows, ..self }
+    }
+
+    /// The middle of the shutter's interval.
+    pub fn middle_time(&self) -> f32 {
+        self.placement.time(0.5)
+    }
+
+    /// Whether nothing is left to be made when somebody asks.
+    pub(crate) fn is_complete(&self) -> bool {
+        match &self.optics {
+            Optics::Lens(lens) => lens.is_tabulated(),
+            Optics::Linear(_) => true,
+        }
+    }
+
+    fn stand(&self, time: f32) -> Stand {
+        self.still.unwrap_or_else(|| Stand::new(&self.placement.to_world.at(time), self.units))
+    }
+
+    /// The fraction of the shutter's interval that a time is; `None` outside it. Where the shutter opens and closes at once,
+    /// its middle.
+    fn time_number(&self, time: f32) -> Option<f32> {
+        let [open, close] = self.placement.shutter;
+        if open == close {
+            return (time == open).then_some(0.5);
+        }
+        let number = (time - open) / (close - open);
+        (-ROUNDING..=1.0 + ROUNDING).contains(&number).then(|| number.clamp(0.0, 1.0))
+    }
+
+    /// What rays that enter the lens count, one for each: rays of world space with directions of any length but 0, toward
+    /// the camera, that begin before the lens or where the camera's own rays do. `mint` and `maxt` are not asked. Numbers
+    /// that are none, rays from behind, those that do not get through the lens to the film, and those of times at which the
+    /// shutter is closed count 0.
+    ///
+    /// # Panics
+    /// The slices differ in length.
+    pub fn arrive(&self, rays: &[WorldRay], found: &mut [Importance]) {
+        assert_eq!(rays.len(), found.len(), "a batch needs as much room as it has rays");
+        let stands: Vec<(Stand, Ray, f64)> = rays
+            .iter()
+            .map(|ray| {
+                let stand = self.stand(ray.time);
+                let (origin, rounding) = stand.point(ray.origin.map(f64::from));
+                (stand, Ray { origin, direction: stand.direction(ray.direction.map(f64::from)) }, rounding)
+            })
+            .collect();
+        let moved: Vec<(Ray, f64)> = stands.iter().map(|(_, ray, rounding)| (*ray, *rounding)).collect();
+        let counted = self.count(&moved);
+        for ((found, counted), (ray, (stand, inside, _))) in
+            found.iter_mut().zip(counted).zip(rays.iter().zip(&stands))
+        {
+            *found = counted
+                .and_then(|counted| self.importance(&counted, stand, unit(inside.direction)?, ray.time))
+                .unwrap_or_default();
+        }
+    }
+
+    fn count(&self, rays: &[(Ray, f64)]) -> Vec<Option<Counted>> {
+        let mut counted = Vec::with_capacity(rays.len());
+        match &self.optics {
+            Optics::Lens(lens) => lens.arrive(rays, &mut counted),
+            Optics::Linear(linear) => counted.extend(rays.iter().map(|(ray, rounding)| {
+                let [dx, dy, dz] = unit(ray.direction)?;
+                let [x, y, z] = ray.origin;
+                let back = Ray {
+                    origin: [x - rounding * dx, y - rounding * dy, z - rounding * dz],
+                    direction: [dx, dy, dz],
+                };
+                linear.arrive(&back)
+            })),
+        }
+        counted
+    }
+
+    /// What a ray counts in the world; `direction` is its own in camera space.
+    fn importance(
+        &self,
+        counted: &Counted,
+        stand: &Stand,
+        direction: [f64; 3],
+        time: f32,
+    ) -> Option<Importance> {
+        let Counted { raster, weight, density } = *counted;
+        let number = self.time_number(time)?;
+        let share = self.shutter.transmission(raster[1] as f32 / self.rows, number);
+        let density = density / stand.throughput(direction);
+        let area_density = 1.0 / (self.front_area * stand.area());
+        let importance = Importance {
+            raster,
+            importance: weight * density * f64::from(share),
+            density,
+            area_density,
+            solid_angle_density: density * stand.cosine(direction) / area_density,
+        };
+        // What single precision cannot hold counts nothing.
+        let largest = importance.importance.max(importance.density).max(importance.solid_angle_density);
+        (importance.importance > 0.0 && largest <= f64::from(f32::MAX)).then_some(importance)
+    }
+
+    /// Directions toward the lens from points of the scene, one for each. Where there is none, for points that the camera
+    /// does not see and numbers that are none, all is 0; where the direction does not get through to the film, only the
+    /// importance.
+    ///
+    /// # Panics
+    /// The slices differ in length.
+    pub fn aim(&self, points: &[ScenePoint], found: &mut [Aimed]) {
+        assert_eq!(points.len(), found.len(), "a batch needs as much room as it has points");
+        let aimed: Vec<Option<(Stand, Towards)>> = points.iter().map(|point| self.toward(point)).collect();
+        let none = Ray { origin: [0.0; 3], direction: [0.0; 3] };
+        let rays: Vec<(Ray, f64)> = aimed
+            .iter()
+            .map(|aimed| (aimed.as_ref().map_or(none, |(_, towards)| towards.ray), 0.0))
+            .collect();
+        let counted = self.count(&rays);
+        for (((found, point), aimed), counted) in found.iter_mut().zip(points).zip(aimed).zip(counted) {
+            *found = Aimed::default();
+            let Some((stand, Towards { ray, density })) = aimed else { continue };
+            let outside = stand.ray(ray);
+            let density = density / stand.solid_angle(ray.direction);
+            let from = point.point.map(f64::from);
+            let distance = (0..3).map(|axis| (from[axis] - outside.origin[axis]).powi(2)).sum::<f64>().sqrt();
+            let is_seen = distance >= self.distances[0] && distance <= self.distances[1];
+            if !(is_seen && density > 0.0 && density <= f64::from(f32::MAX)) {
+                continue;
+            }
+            let importance =
+                counted.and_then(|counted| self.importance(&counted, &stand, ray.direction, point.time));
+            *found = Aimed {
+                origin: outside.origin,
+                direction: outside.direction,
+                density,
+                importance: importance.unwrap_or_default(),
+            };
+        }
+    }
+
+    fn toward(&self, ScenePoint { point, sample, time }: &ScenePoint) -> Option<(Stand, Towards)> {
+        let stand = self.stand(*time);
+        let (inside, _) = stand.point(point.map(f64::from));
+        let numbers = sample.map(|number| f64::from(number).clamp(0.0, 1.0));
+        if numbers.iter().chain(&inside).any(|number| !number.is_finite()) {
+            return None;
+        }
+        let towards = match &self.optics {
+            Optics::Lens(lens) => lens.aim(inside, numbers)?,
+            Optics::Linear(linear) => linear.aim(inside, numbers)?,
+        };
+        let Ray { origin, direction } = towards.ray;
+        let is_ray = origin.iter().chain(&direction).all(|part| part.is_finite());
+        is_ray.then_some((stand, towards))
+    }
+}
+
+/// A vector of length 1; `None` of what has no direction.
+fn unit(direction: [f64; 3]) -> Option<[f64; 3]> {
+    let largest = direction.iter().fold(0.0_f64, |most, part| most.max(part.abs()));
+    let scaled = direction.map(|part| part / largest);
+    let length = scaled.iter().map(|part| part * part).sum::<f64>().sqrt();
+    let found = scaled.map(|part| part / length);
+    found.iter().all(|part| part.is_finite()).then_some(found)
+}

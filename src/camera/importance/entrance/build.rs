@@ -1,0 +1,200 @@
+//! Making the table: how far each row goes, an outline at each node, and how much larger they are made for what
+//! interpolation leaves out halfway between them.
+
+use super::{
+    outline::{Outline, Probe},
+    spot::Spot,
+    table::{Cell, Entrance, Node, Row},
+};
+
+/// Intervals of 1/distance, evenly in its cube root: field angles, which are those of sharp images far away and those of
+/// the whole lens nearby, change most there.
+const ROWS: usize = 16;
+/// Intervals of a row.
+const NODES: usize = 20;
+/// Field angle from one look to the next in the search for a row's end, radians.
+const STEP: f64 = 0.06;
+/// Halvings that end it.
+const HALVINGS: u32 = 16;
+/// The largest field angle, radians.
+const WIDEST: f64 = 2.9;
+/// How much larger outlines are made in any case, relative.
+const MARGIN: f64 = 1.005;
+/// And where outlines vanish, whose corners move from node to node.
+const VANISHING: f64 = 1.04;
+/// What halfway between neighbours is asked for is made larger by that, for what lies between there and them.
+const BETWEEN: f64 = 1.6;
+/// The same of how far off images may be.
+const SPREAD: f64 = 1.3;
+
+/// A row's spots while it is made: its distance, where it ends, and whether the lens ends it or the film.
+struct Span {
+    vergence: f64,
+    end: f64,
+    vanishes: bool,
+    /// The last angle at which rays were found, and the middle of their outline.
+    inside: (f64, f64),
+}
+
+/// Tabulates a lens for film up to `reach` mm from the axis; `nearest` is the least distance, mm, of a spot from the
+/// reference. `None` for a lens that no light gets through to such film.
+pub(in crate::camera::importance) fn build(probe: &Probe<'_>, reach: f64, nearest: f64) -> Option<Entrance> {
+    let spans: Vec<Span> = (0..=ROWS)
+        .map_while(|row| span(probe, reach, (row as f64 / ROWS as f64).powi(3) / nearest))
+        .collect();
+    if spans.len() < 2 {
+        return None;
+    }
+    let mut table = Entrance {
+        reference: probe.reference,
+        nearest: spans[spans.len() - 1].vergence,
+        vanishes: spans.iter().any(|span| span.vanishes),
+        rows: Vec::new(),
+    };
+    for span in &spans {
+        let nodes = row(probe, &table, span)?;
+        table.rows.push(Row { vergence: span.vergence, end: span.end, nodes });
+    }
+    grow(probe, &mut table);
+    Some(table)
+}
+
+/// The field angles of a row: from the axis to where no ray gets to the film any more.
+fn span(probe: &Probe<'_>, reach: f64, vergence: f64) -> Option<Span> {
+    let look = |angle: f64, hint: f64| {
+        let spot = Spot::on_meridian(probe.reference, angle, vergence);
+        probe.rough_outline(&spot, &[hint])
+    };
+    let mut last = look(0.0, 0.0)?;
+    let mut low = 0.0;
+    let mut beyond = None;
+    while low < WIDEST {
+        let found = look(low + STEP, last.fan.center);
+        match found {
+            Some(found) if found.nearest <= reach => (low, last) = (low + STEP, found),
+            other => {
+                beyond = Some(other.is_none());
+                break;
+            }
+        }
+    }
+    let mut vanishes = beyond.unwrap_or(false);
+    let mut high = low + STEP;
+    for _ in 0..HALVINGS {
+        let middle = f64::midpoint(low, high);
+        match look(middle, last.fan.center) {
+            Some(found) if found.nearest <= reach => (low, last) = (middle, found),
+            other => (high, vanishes) = (middle, other.is_none()),
+        }
+    }
+    Some(Span { vergence, end: high, vanishes, inside: (low, last.fan.center) })
+}
+
+/// A row's outlines; where the lens ends it the last is that of the last angle at which there is one.
+fn row(probe: &Probe<'_>, table: &Entrance, span: &Span) -> Option<Vec<Node>> {
+    let mut nodes: Vec<Node> = Vec::with_capacity(NODES + 1);
+    for number in 0..=NODES {
+        let mut angle = span.end * table.part(number as f64 / NODES as f64);
+        if number == NODES && span.vanishes {
+            angle = span.inside.0;
+        }
+        let spot = Spot::on_meridian(probe.reference, angle, span.vergence);
+        let before = |back: usize| nodes.len().checked_sub(back).map(|i| nodes[i].fan.center);
+        let hints = match (before(1), before(2)) {
+            _ if number == NODES => vec![span.inside.1],
+            (Some(last), Some(other)) => vec![2.0 * last - other, last],
+            (Some(last), None) => vec![last],
+            _ => vec![0.0],
+        };
+        match probe.outline(&spot, &hints) {
+            Some(Outline { fan, image, .. }) => nodes.push(Node { fan, image }),
+            None => {
+                let mut last = *nodes.last()?;
+                last.fan.extent = last.fan.extent.map(|extent| 1e-2 * extent);
+                nodes.push(last);
+            }
+        }
+    }
+    Some(nodes)
+}
+
+/// Makes the outlines hold what is found halfway between any two neighbours.
+fn grow(probe: &Probe<'_>, table: &mut Entrance) {
+    let rows = table.rows.len();
+    // Of each node, what the neighbours along its row and those of the next rows ask for.
+    let mut needed = vec![[Need::NONE; 2]; rows * (NODES + 1)];
+    for row in 0..rows {
+        for node in 0..=NODES {
+            for (way, [down, along]) in [[0.0, 0.5], [0.5, 0.0]].into_iter().enumerate() {
+                let (more_down, more_along) = (usize::from(down > 0.0), usize::from(along > 0.0));
+                if row + more_down >= rows || node + more_along > NODES {
+                    continue;
+                }
+                // A cell has a node and a row after it, also on the table's last lines.
+                let cell = Cell {
+                    row: row.min(rows - 2),
+                    node: node.min(NODES - 1),
+                    parts: [
+                        down + (row - row.min(rows - 2)) as f64,
+                        along + (node - node.min(NODES - 1)) as f64,
+                    ],
+                };
+                let need = halfway(probe, table, &cell);
+                for place in [row * (NODES + 1) + node, (row + more_down) * (NODES + 1) + node + more_along] {
+                    needed[place][way].take(&need);
+                }
+            }
+        }
+    }
+    let margin = if table.vanishes { VANISHING } else { MARGIN };
+    let nodes = table.rows.iter_mut().flat_map(|row| &mut row.nodes);
+    for (node, [along, down]) in nodes.zip(needed) {
+        for (reach, (a, b)) in node.fan.reach.iter_mut().zip(along.growth.iter().zip(down.growth)) {
+            *reach *= margin + BETWEEN * (a + b);
+        }
+        node.image.spread = SPREAD * (node.image.spread + along.spread + down.spread);
+    }
+}
+
+/// By how much an outline is too small at its corners, relative, and how far off images are, mm.
+#[derive(Clone, Copy)]
+struct Need {
+    growth: [f64; super::super::fan::SECTORS + 1],
+    spread: f64,
+}
+
+impl Need {
+    const NONE: Self = Self { growth: [0.0; super::super::fan::SECTORS + 1], spread: 0.0 };
+
+    fn take(&mut self, other: &Self) {
+        for (own, other) in self.growth.iter_mut().zip(other.growth) {
+            *own = own.max(other);
+        }
+        self.spread = self.spread.max(other.spread);
+    }
+}
+
+/// What the outline that the table has for a cell leaves out.
+fn halfway(probe: &Probe<'_>, table: &Entrance, cell: &Cell) -> Need {
+    let Node { fan, image } = table.at(cell);
+    let ends = [0, 1].map(|row| table.rows[cell.row + row].end);
+    let end = ends[0] + cell.parts[0] * (ends[1] - ends[0]);
+    let part = table.part((cell.node as f64 + cell.parts[1]) / NODES as f64);
+    let [near, far] = [0, 1].map(|row| table.rows[cell.row + row].vergence);
+    let vergence = near + cell.parts[0] * (far - near);
+    let spot = Spot::on_meridian(probe.reference, end * part, vergence);
+    let mut need = Need::NONE;
+    let Some(outline) = probe.outline(&spot, &[fan.center]) else { return need };
+    for (point, at) in &outline.within {
+        need.spread = need.spread.max(image.off(&fan, *point, *at) - image.spread);
+    }
+    for (point, at) in &outline.edge {
+        let (ratio, sector) = fan.ratio(*point);
+        let growth = (ratio - 1.0).clamp(0.0, 2.0);
+        for corner in &mut need.growth[sector..=sector + 1] {
+            *corner = corner.max(growth);
+        }
+        need.spread = need.spread.max(image.off(&fan, *point, *at) - image.spread);
+    }
+    need
+}

@@ -1,0 +1,127 @@
+//! A point of the scene as seen from a point of the axis in the lens: its direction and distance, and the plane across the
+//! way between them, by the points of which rays are named.
+
+use crate::lens::Ray;
+
+/// A point of the scene.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::camera::importance) struct Spot {
+    /// z of the point of the axis.
+    reference: f64,
+    /// Unit vector across the axis, toward the spot.
+    pub azimuth: [f64; 2],
+    /// Of the angle to the axis.
+    sin: f64,
+    cos: f64,
+    /// 1 over the distance, 1/mm; 0 at infinity.
+    pub vergence: f64,
+}
+
+impl Spot {
+    /// The spot at a field angle θ in the plane of x and the axis.
+    pub fn on_meridian(reference: f64, angle: f64, vergence: f64) -> Self {
+        let (sin, cos) = angle.sin_cos();
+        Self { reference, azimuth: [1.0, 0.0], sin, cos, vergence }
+    }
+
+    /// A point of lens space, mm, not the reference itself.
+    pub fn of_point([x, y, z]: [f64; 3], reference: f64) -> Self {
+        let (height, depth) = (x.hypot(y), z - reference);
+        let distance = height.hypot(depth);
+        Self::toward([x / distance, y / distance, depth / distance], distance.recip(), reference)
+    }
+
+    /// The spot in the direction of a unit vector.
+    pub fn toward([x, y, z]: [f64; 3], vergence: f64, reference: f64) -> Self {
+        let sin = x.hypot(y);
+        let azimuth = if sin > 0.0 { [x / sin, y / sin] } else { [1.0, 0.0] };
+        Self { reference, azimuth, sin, cos: z, vergence }
+    }
+
+    /// θ.
+    pub fn angle(&self) -> f64 {
+        self.sin.atan2(self.cos)
+    }
+
+    /// A vector by its parts along the plane's axes, the first in the plane of the axis and the spot, and toward the spot.
+    pub fn vector(&self, [a, b, w]: [f64; 3]) -> [f64; 3] {
+        let ([x, y], out) = (self.azimuth, a * self.cos + w * self.sin);
+        [x * out - y * b, y * out + x * b, w * self.cos - a * self.sin]
+    }
+
+    /// The parts of a vector, as there.
+    fn parts(&self, [dx, dy, dz]: [f64; 3]) -> [f64; 3] {
+        let [x, y] = self.azimuth;
+        let out = x * dx + y * dy;
+        [out * self.cos - dz * self.sin, x * dy - y * dx, out * self.sin + dz * self.cos]
+    }
+
+    /// The ray from the spot through a point of the plane, as it begins `lead` before that, or at the spot if that is
+    /// nearer; and 1 over the cosine that it makes with the way to the reference.
+    pub fn ray(&self, [a, b]: [f64; 2], lead: f64) -> (Ray, f64) {
+        let v = self.vergence;
+        let stretch = (1.0 + (a * a + b * b) * v * v).sqrt();
+        let [x, y, w] = [a * v / stretch, b * v / stretch, -1.0 / stretch];
+        let back = lead.min(stretch / v);
+        let [ox, oy, oz] = self.vector([a - back * x, b - back * y, -back * w]);
+        let ray = Ray { origin: [ox, oy, oz + self.reference], direction: self.vector([x, y, w]) };
+        (ray, stretch)
+    }
+
+    /// Where the line of a ray crosses the plane.
+    pub fn crossing(&self, ray: &Ray) -> [f64; 2] {
+        let [x, y, z] = ray.origin;
+        let [a, b, w] = self.parts([x, y, z - self.reference]);
+        let [da, db, dw] = self.parts(ray.direction);
+        [a - w / dw * da, b - w / dw * db]
+    }
+}
+
+/// The spot, seen from the reference, at which a ray out into the scene has the distance 1/`vergence` from it.
+pub(in crate::camera::importance) fn on_ray(ray: &Ray, reference: f64, vergence: f64) -> Option<Spot> {
+    let ([x, y, z], [dx, dy, dz]) = (ray.origin, ray.direction);
+    let from = [x, y, z - reference];
+    let along = from[0] * dx + from[1] * dy + from[2] * dz;
+    let square = from[0] * from[0] + from[1] * from[1] + from[2] * from[2];
+    if vergence == 0.0 {
+        return Some(Spot::toward(ray.direction, 0.0, reference));
+    }
+    let distance = vergence.recip();
+    let root = along * along - square + distance * distance;
+    if !(root >= 0.0) {
+        return None;
+    }
+    let length = root.sqrt() - along;
+    let point = [x + length * dx, y + length * dy, z + length * dz];
+    (length > 0.0).then(|| Spot::of_point(point, reference))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ray_crosses_the_plane_where_it_was_aimed_at_and_comes_from_the_spot() {
+        let reference = -20.0;
+        for point in [[30.0, -40.0, 500.0], [0.0, 0.0, 90.0], [100.0, 1.0, -15.0], [-3e5, 2e5, 1e6]] {
+            let spot = Spot::of_point(point, reference);
+            for aim in [[0.0, 0.0], [3.0, -2.0], [-7.0, 5.0]] {
+                let (ray, stretch) = spot.ray(aim, 60.0);
+                let crossing = spot.crossing(&ray);
+                assert!((0..2).all(|i| (crossing[i] - aim[i]).abs() < 1e-9), "{point:?} {crossing:?}");
+                let [x, y, z] = [0, 1, 2].map(|i| point[i] - ray.origin[i]);
+                let [dx, dy, dz] = ray.direction;
+                let aside = [y * dz - z * dy, z * dx - x * dz, x * dy - y * dx];
+                let distance = (x * x + y * y + z * z).sqrt();
+                assert!(
+                    aside.iter().all(|part| part.abs() < 1e-12 * (100.0 + distance) * 100.0),
+                    "{point:?}"
+                );
+                assert!(x * dx + y * dy + z * dz <= 1e-9 && stretch >= 1.0);
+                let back = Ray { direction: ray.direction.map(|part| -part), ..ray };
+                let found = on_ray(&back, reference, spot.vergence).expect("on it");
+                assert!((found.angle() - spot.angle()).abs() < 1e-9);
+            }
+        }
+    }
+}

@@ -1,0 +1,201 @@
+//! A lens the other way round: rays from the scene traced to the film, and directions toward the lens from a point.
+
+use std::{f64::consts::TAU, sync::OnceLock};
+
+use super::{
+    counted::Towards,
+    entrance::{self, Entrance, Probe, Spot},
+    film::{Counted, FilmCount},
+};
+use crate::{
+    camera::pipeline::body::CameraBody,
+    lens::{Lens, Ray, Surface, pupil::EntrancePupil, refraction::Refraction},
+    numeric::{quasirandom::STEPS, root},
+    prescription::Blades,
+    trace::{
+        Direction, Path,
+        kernel::{Kernel, RayBuffer},
+    },
+};
+
+/// How near to the front vertex a point may lie for the table to serve it, over the front surface's clear semi-diameter.
+const NEAREST: f64 = 0.25;
+/// How far before where it is said to begin a ray begins, over the front surface's clear semi-diameter: those of a camera
+/// begin on the surface, but for rounding.
+const BACK: f64 = 1e-4;
+
+/// A lens and the film behind it, for rays from the scene.
+#[derive(Clone, Debug)]
+pub(crate) struct LensBackward {
+    lens: Lens,
+    count: FilmCount,
+    /// From scene to film, with the blades.
+    kernel: Kernel<f64>,
+    /// z of the point of the axis that the scene is seen from: in the entrance pupil, if that lies in the lens.
+    reference: f64,
+    entrance: OnceLock<Option<Entrance>>,
+}
+
+impl LensBackward {
+    /// Of a lens, the blades in its stop and what lies behind and around it.
+    pub fn new(lens: &Lens, blades: Option<Blades>, body: &CameraBody) -> Self {
+        let front = lens.front();
+        let pupil = EntrancePupil::of_lens(lens).position().unwrap_or(0.0);
+        let path = Path::new(lens, Direction::SceneToFilm, Refraction::Fused).with_blades(lens, blades);
+        Self {
+            lens: lens.clone(),
+            count: FilmCount::new(body),
+            kernel: Kernel::along(&path),
+            reference: pupil
+                .max(lens.rear().vertex)
+                .min(front.sagitta_range()[0] - 0.05 * front.semi_diameter),
+            entrance: OnceLock::new(),
+        }
+    }
+
+    /// Whether the lens has been looked at from everywhere.
+    pub fn is_tabulated(&self) -> bool {
+        self.entrance.get().is_some()
+    }
+
+    /// Area of the front clear aperture, mm².
+    pub fn front_area(&self) -> f64 {
+        std::f64::consts::PI * self.lens.front().semi_diameter.powi(2)
+    }
+
+    /// Whether a point lies before the front surface.
+    fn is_in_front(&self, [x, y, z]: [f64; 3]) -> bool {
+        let front = self.lens.front();
+        z > front.sagitta(x.hypot(y).min(front.semi_diameter))
+    }
+
+    /// What rays count, of any length of direction; those that are none count nothing. `rounding` is how far off its origin
+    /// a ray may have been rounded.
+    pub fn arrive(&self, rays: &[(Ray, f64)], counted: &mut Vec<Option<Counted>>) {
+        let mut buffer = RayBuffer::<f64>::new(rays.len());
+        let back = BACK * self.lens.front().semi_diameter;
+        let is_ray: Vec<bool> = rays
+            .iter()
+            .enumerate()
+            .map(|(i, (Ray { origin, direction }, rounding))| {
+                let length = direction.iter().map(|part| part * part).sum::<f64>().sqrt();
+                let moved = (back + rounding) / length;
+                let start = [0, 1, 2].map(|axis| origin[axis] - moved * direction[axis]);
+                let is_ray =
+                    start.iter().chain(direction).all(|part| part.is_finite()) && self.is_in_front(start);
+                if is_ray {
+                    buffer.put(i, start, *direction);
+                }
+                is_ray
+            })
+            .collect();
+        self.kernel.trace_in_place(&mut buffer.rays());
+        counted.extend(is_ray.into_iter().enumerate().map(|(i, is_ray)| {
+            let ray = buffer.get(i).filter(|_| is_ray)?.ray();
+            let ([x, y, z], [dx, dy, dz]) = (ray.origin, ray.direction);
+            let (slopes, along) = ([dx / dz, dy / dz], self.count.z() - z);
+            self.count.count([x + along * slopes[0], y + along * slopes[1]], slopes)
+        }));
+    }
+
+    /// A direction toward the lens from a point, for two numbers in [0, 1].
+    pub fn aim(&self, point: [f64; 3], numbers: [f64; 2]) -> Option<Towards> {
+        if !(point.iter().all(|part| part.is_finite()) && self.is_in_front(point)) {
+            return None;
+        }
+        let entrance = self.entrance.get_or_init(|| self.tabulate()).as_ref()?;
+        let spot = Spot::of_point(point, self.reference);
+        let (ray, density) = if spot.vergence <= entrance.nearest {
+            let (fan, image) = entrance.seen_from(&spot)?;
+            let (at, density) = fan.sample(&image, spot.azimuth, &self.count.window(), numbers)?;
+            let (ray, stretch) = spot.ray(at, self.lead());
+            (ray, density * stretch.powi(3) / spot.vergence.powi(2))
+        } else {
+            toward_ball(point, self.front_ball(), numbers)
+        };
+        let origin = front_point(self.lens.front(), &ray);
+        (density > 0.0).then_some(Towards { ray: Ray { origin, ..ray }, density })
+    }
+
+    /// Longer than anything in front of the reference.
+    fn lead(&self) -> f64 {
+        let front = self.lens.front();
+        let [low, high] = front.sagitta_range();
+        2.0 * (front.semi_diameter + self.reference.abs() + high - low)
+    }
+
+    /// A ball that holds the front surface: z of its middle, and its radius.
+    fn front_ball(&self) -> (f64, f64) {
+        let front = self.lens.front();
+        let [low, high] = front.sagitta_range();
+        (f64::midpoint(low, high), front.semi_diameter.hypot((high - low) / 2.0))
+    }
+
+    /// Looks at the lens from everywhere. The pupil is that of the whole stop: what of it the blades cover is blocked.
+    fn tabulate(&self) -> Option<Entrance> {
+        const RINGS: u32 = 4;
+        let front = self.lens.front();
+        let whole = Kernel::new(&self.lens, Direction::SceneToFilm);
+        let ring = |ring: u32| front.semi_diameter * f64::from(ring) / f64::from(RINGS);
+        let probe = Probe {
+            kernel: &whole,
+            film: self.count.z(),
+            is_sampled: &|point, slopes| self.count.is_sampled(point, slopes),
+            reference: self.reference,
+            cap: (0..=RINGS).map(|number| [ring(number), front.sagitta(ring(number))]).collect(),
+            lead: self.lead(),
+        };
+        let reach = self.count.side().film.diagonal() / 2.0;
+        let nearest = NEAREST * front.semi_diameter - self.reference;
+        let mut entrance = entrance::build(&probe, reach, nearest)?;
+        let out = Kernel::<f64>::new(&self.lens, Direction::FilmToScene);
+        let side = self.count.side();
+        entrance.repair(|round| {
+            let number = |i: usize| (round as usize * entrance::RAYS + i) as f64;
+            let ray = |i: usize| {
+                let numbers = STEPS.map(|step| (0.5 + number(i) * step).fract());
+                let (point, sample) = side.sample(numbers)?;
+                Some((out.trace_one(side.z, point, sample.slopes)?.ray(), point))
+            };
+            (0..entrance::RAYS).filter_map(ray).collect()
+        });
+        Some(entrance)
+    }
+}
+
+/// A direction toward a ball from a point, anywhere in the cone that it fills, or in any direction from within.
+fn toward_ball([x, y, z]: [f64; 3], (middle, radius): (f64, f64), [u, v]: [f64; 2]) -> (Ray, f64) {
+    let spot = Spot::of_point([x, y, z], middle);
+    let sine = radius * spot.vergence;
+    // 1 - cos of the cone's half angle.
+    let depth = if sine < 1.0 { sine * sine / (1.0 + (1.0 - sine * sine).sqrt()) } else { 2.0 };
+    let down = u * depth;
+    let aside = (down * (2.0 - down)).max(0.0).sqrt();
+    let (sin, cos) = (TAU * v).sin_cos();
+    let direction = spot.vector([aside * cos, aside * sin, down - 1.0]);
+    (Ray { origin: [x, y, z], direction }, (TAU * depth).recip())
+}
+
+/// Where a ray from the scene, with a unit direction, meets the front surface; where it misses that, where it begins.
+fn front_point(front: &Surface, ray: &Ray) -> [f64; 3] {
+    let ([x, y, z], [dx, dy, dz]) = (ray.origin, ray.direction);
+    let at = |t: f64| [x + t * dx, y + t * dy, z + t * dz];
+    let length = if front.figure.is_some() {
+        let [low, high] = front.sagitta_range();
+        if !(dz < 0.0) {
+            return ray.origin;
+        }
+        let above = |t: f64| {
+            let [x, y, z] = at(t);
+            z - front.sagitta(x.hypot(y).min(front.semi_diameter))
+        };
+        root((high - z) / dz, (low - z) / dz, above)
+    } else {
+        // c (x² + y² + z²) + 2 z = 0, by its root on the vertex's side.
+        let c = front.curvature;
+        let half = c * (x * dx + y * dy + z * dz) + dz;
+        let constant = c * (x * x + y * y + z * z) + 2.0 * z;
+        constant / ((half * half - c * constant).sqrt() - half)
+    };
+    if length.is_finite() { at(length) } else { ray.origin }
+}

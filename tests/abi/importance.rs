@@ -1,0 +1,250 @@
+//! Importance through the C ABI: the numbers of the library, what is refused, and any bits.
+
+use std::{
+    ffi::{CStr, CString},
+    mem::MaybeUninit,
+    ptr::{null, null_mut},
+};
+
+use realistic::{
+    abi::*,
+    camera::{Aimed, Camera, Host, Importance, Parameters, Raster, ScenePoint, WorldRay},
+};
+
+const N: usize = 700;
+
+/// A camera of the C ABI that is freed at its end.
+struct Handle(*mut realistic_camera);
+
+impl Drop for Handle {
+    fn drop(&mut self) {
+        // SAFETY: freed once.
+        unsafe { realistic_camera_free(self.0) }
+    }
+}
+
+impl Handle {
+    fn of_model(model: &str) -> Self {
+        let model = CString::new(model).expect("no zero");
+        let mut options = MaybeUninit::<realistic_options>::zeroed();
+        let mut camera = null_mut();
+        // SAFETY: room for the whole structure, whose pointers live until the camera is built.
+        unsafe {
+            let size = size_of::<realistic_options>() as u32;
+            assert_eq!(realistic_options_init(options.as_mut_ptr(), size), realistic_status::Ok);
+            let mut options = options.assume_init();
+            (options.xres, options.yres, options.model) = (60, 40, model.as_ptr());
+            assert_eq!(realistic_camera_new(&options, &mut camera), realistic_status::Ok);
+        }
+        Self(camera)
+    }
+}
+
+fn last_error() -> String {
+    // SAFETY: lives until this thread's next failure.
+    unsafe { CStr::from_ptr(realistic_last_error()) }.to_str().expect("UTF-8").to_owned()
+}
+
+/// Columns of numbers.
+type Columns<const C: usize> = [Vec<f32>; C];
+
+fn columns<const C: usize>() -> Columns<C> {
+    std::array::from_fn(|_| vec![f32::NAN; N])
+}
+
+fn importance(columns: &mut Columns<6>) -> realistic_importance {
+    let [image_x, image_y, importance, density, area_density, solid_angle_density] =
+        columns.each_mut().map(|column| column.as_mut_ptr());
+    let struct_size = size_of::<realistic_importance>() as u32;
+    realistic_importance {
+        struct_size,
+        image_x,
+        image_y,
+        importance,
+        density,
+        area_density,
+        solid_angle_density,
+    }
+}
+
+fn rays(columns: &Columns<7>) -> realistic_importance_rays {
+    let [ox, oy, oz, dx, dy, dz, time] = columns.each_ref().map(|column| column.as_ptr());
+    let struct_size = size_of::<realistic_importance_rays>() as u32;
+    realistic_importance_rays { struct_size, ox, oy, oz, dx, dy, dz, time }
+}
+
+fn points(columns: &Columns<6>) -> realistic_scene_points {
+    let [x, y, z, u, v, time] = columns.each_ref().map(|column| column.as_ptr());
+    realistic_scene_points { struct_size: size_of::<realistic_scene_points>() as u32, x, y, z, u, v, time }
+}
+
+fn aimed(columns: &mut Columns<7>) -> realistic_aimed {
+    let [ox, oy, oz, dx, dy, dz, density] = columns.each_mut().map(|column| column.as_mut_ptr());
+    realistic_aimed { struct_size: size_of::<realistic_aimed>() as u32, ox, oy, oz, dx, dy, dz, density }
+}
+
+/// Numbers that fill [0, 1) evenly.
+fn even(index: usize, axis: usize) -> f32 {
+    const STEPS: [f64; 5] = [0.8566749, 0.7338919, 0.6287067, 0.5385973, 0.6180340];
+    (0.5 + index as f64 * STEPS[axis]).fract() as f32
+}
+
+/// Points before the camera, with their numbers.
+fn scene() -> Columns<6> {
+    let mut columns = columns();
+    for i in 0..N {
+        let z = 200.0 + 5000.0 * even(i, 2);
+        let numbers = [z * (even(i, 0) - 0.5), z * 0.6 * (even(i, 1) - 0.5), z, even(i, 3), even(i, 4), 0.5];
+        columns.iter_mut().zip(numbers).for_each(|(column, number)| column[i] = number);
+    }
+    columns
+}
+
+fn same(columns: &Columns<6>, i: usize, found: &Importance) {
+    let Importance { raster: [x, y], importance, density, area_density, solid_angle_density } = *found;
+    let numbers = [x, y, importance, density, area_density, solid_angle_density];
+    for (column, number) in columns.iter().zip(numbers) {
+        assert_eq!(column[i], number as f32, "{i}: {found:?}");
+    }
+}
+
+#[test]
+fn the_numbers_are_the_librarys() {
+    for model in ["lens", "thick"] {
+        let handle = Handle::of_model(model);
+        let parameters = Parameters { model: Some(model.parse().expect("a model")), ..Parameters::default() };
+        let host = Host::new(Raster { xres: 60, yres: 40 }, None);
+        let camera = Camera::build(&parameters, &host, &mut |_, _| ()).expect("built");
+        let backward = camera.backward().expect("defined");
+        let asked = scene();
+        let (mut toward, mut counted) = (columns::<7>(), columns::<6>());
+        let (asked_for, room, found) = (points(&asked), aimed(&mut toward), importance(&mut counted));
+        // SAFETY: columns of N numbers.
+        let status = unsafe { realistic_camera_sample_importance(handle.0, N, &asked_for, &room, &found) };
+        assert_eq!(status, realistic_status::Ok, "{}", last_error());
+        let [x, y, z, u, v, time] = &asked;
+        let places: Vec<ScenePoint> = (0..N)
+            .map(|i| ScenePoint { point: [x[i], y[i], z[i]], sample: [u[i], v[i]], time: time[i] })
+            .collect();
+        let mut expected = vec![Aimed::default(); N];
+        backward.aim(&places, &mut expected);
+        assert!(expected.iter().filter(|aim| aim.importance.importance > 0.0).count() > N / 4);
+        for (i, aim) in expected.iter().enumerate() {
+            let ([ox, oy, oz], [dx, dy, dz]) = (aim.origin, aim.direction);
+            for (column, number) in toward.iter().zip([ox, oy, oz, dx, dy, dz, aim.density]) {
+                assert_eq!(column[i], number as f32, "{model} {i}: {aim:?}");
+            }
+            same(&counted, i, &aim.importance);
+        }
+        // The rays themselves, and at no time of their own.
+        let [ox, oy, oz, dx, dy, dz, _] = toward;
+        let along = [ox, oy, oz, dx, dy, dz, vec![0.5; N]];
+        let mut again = columns::<6>();
+        let (mut rays, found) = (rays(&along), importance(&mut again));
+        rays.time = null();
+        // SAFETY: columns of N numbers.
+        let status = unsafe { realistic_camera_importance(handle.0, N, &rays, &found) };
+        assert_eq!(status, realistic_status::Ok, "{}", last_error());
+        let ray = |i: usize| WorldRay {
+            origin: [along[0][i], along[1][i], along[2][i]],
+            direction: [along[3][i], along[4][i], along[5][i]],
+            time: 0.5,
+            ..WorldRay::default()
+        };
+        let asked: Vec<WorldRay> = (0..N).map(ray).collect();
+        let mut expected = vec![Importance::default(); N];
+        backward.arrive(&asked, &mut expected);
+        expected.iter().enumerate().for_each(|(i, expected)| same(&again, i, expected));
+    }
+}
+
+#[test]
+fn what_cannot_be_asked_is_refused_and_nothing_is_touched() {
+    use realistic_status::{InvalidParameter, NotACamera, NullPointer, Ok, StructSize};
+    let lens = Handle::of_model("lens");
+    let (asked, along) = (scene(), columns::<7>());
+    let (mut toward, mut counted) = (columns::<7>(), columns::<6>());
+    let (points, rays) = (points(&asked), rays(&along));
+    let (aimed, found) = (aimed(&mut toward), importance(&mut counted));
+    let sample = |camera: *const realistic_camera, n, points: &_, aimed: &_, found: &_| {
+        // SAFETY: columns of N numbers, or of none where n is 0 or the call fails.
+        unsafe { realistic_camera_sample_importance(camera, n, points, aimed, found) }
+    };
+    let count = |camera: *const realistic_camera, n, rays: &_, found: &_| {
+        // SAFETY: as above.
+        unsafe { realistic_camera_importance(camera, n, rays, found) }
+    };
+    for (model, part) in
+        [("perspective", "lensradius"), ("orthographic", "lensradius"), ("environment", "lens")]
+    {
+        let stock = Handle::of_model(model);
+        assert_eq!(sample(stock.0, N, &points, &aimed, &found), InvalidParameter);
+        assert!(last_error().contains(model) && last_error().contains(part), "{}", last_error());
+        assert_eq!(count(stock.0, 0, &rays, &found), InvalidParameter);
+    }
+    assert_eq!(sample(null(), N, &points, &aimed, &found), NotACamera);
+    assert_eq!(count(null(), N, &rays, &found), NotACamera);
+    assert_eq!(sample(lens.0, usize::MAX / 2, &points, &aimed, &found), InvalidParameter);
+    assert_eq!(count(lens.0, usize::MAX / 2, &rays, &found), InvalidParameter);
+    let no_x = realistic_scene_points { x: null(), ..points };
+    assert_eq!(sample(lens.0, N, &no_x, &aimed, &found), NullPointer);
+    assert!(last_error().contains("points.x"), "{}", last_error());
+    let no_density = realistic_aimed { density: null_mut(), ..aimed };
+    assert_eq!(sample(lens.0, N, &points, &no_density, &found), NullPointer);
+    let none = realistic_importance { importance: null_mut(), ..found };
+    assert_eq!(count(lens.0, N, &rays, &none), NullPointer);
+    for size in [0, 8, 1000] {
+        assert_eq!(
+            sample(lens.0, N, &realistic_scene_points { struct_size: size, ..points }, &aimed, &found),
+            StructSize
+        );
+        assert_eq!(
+            count(lens.0, N, &realistic_importance_rays { struct_size: size, ..rays }, &found),
+            StructSize
+        );
+    }
+    // SAFETY: NULL is allowed.
+    let status = unsafe { realistic_camera_importance(lens.0, N, null(), &found) };
+    assert_eq!(status, NullPointer);
+    assert_eq!(sample(lens.0, 0, &no_x, &no_density, &none), Ok);
+    assert!(counted.iter().chain(&toward).flatten().all(|number| number.is_nan()), "touched");
+}
+
+#[test]
+fn any_bits_are_answered_from_any_number_of_threads() {
+    let cameras = ["lens", "thick", "thin"].map(Handle::of_model);
+    let mut state = 1_u64;
+    let mut bits = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let number = f32::from_bits((state >> 32) as u32);
+        if state & 0x300 == 0 { number } else { number % 1000.0 }
+    };
+    let (mut asked, mut along) = (columns::<6>(), columns::<7>());
+    asked.iter_mut().chain(&mut along).flatten().for_each(|number| *number = bits());
+    for camera in &cameras {
+        let camera = camera.0 as usize;
+        let all: Vec<Vec<f32>> = std::thread::scope(|scope| {
+            let ask = || {
+                let (mut toward, mut counted, mut again) = (columns::<7>(), columns::<6>(), columns::<6>());
+                let camera = camera as *const realistic_camera;
+                let (toward_room, first, second) =
+                    (aimed(&mut toward), importance(&mut counted), importance(&mut again));
+                // SAFETY: columns of N numbers; the camera lives until the threads have ended.
+                unsafe {
+                    let points = points(&asked);
+                    let status = realistic_camera_sample_importance(camera, N, &points, &toward_room, &first);
+                    assert_eq!(status, realistic_status::Ok);
+                    assert_eq!(
+                        realistic_camera_importance(camera, N, &rays(&along), &second),
+                        realistic_status::Ok
+                    );
+                }
+                toward.into_iter().chain(counted).chain(again).flatten().collect::<Vec<f32>>()
+            };
+            let threads: Vec<_> = (0..4).map(|_| scope.spawn(ask)).collect();
+            threads.into_iter().map(|thread| thread.join().expect("no panic")).collect()
+        });
+        assert!(all[0].iter().all(|number| number.is_finite()));
+        assert!(all.iter().all(|found| *found == all[0]), "threads differ");
+    }
+}
