@@ -129,6 +129,7 @@ fn tiles_that_make_no_picture_are_refused_by_name() {
         ("50x34", "3", &["--lens", "wide.22mm"], &["lens", "\"dgauss.50mm\"", "\"wide.22mm\""]),
         ("50x34", "3", &["--param", "pupil=rear"], &["parameters", "pupil=rear"]),
         ("50x34", "3", &["--effects", "dof"], &["effects"]),
+        ("50x34", "3", &["--scene", "night"], &["scene", "Day", "Night"]),
         ("50x34", "3", &["--exposure", "1"], &["brightness"]),
         ("50x34", "3", &["--wavelengths", "3"], &["wavelengths"]),
     ] {

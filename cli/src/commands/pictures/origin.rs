@@ -2,19 +2,18 @@
 
 use crate::failure::Failure;
 use crate::host::plugin::Camera;
-use crate::host::scene::effects::Effects;
 use crate::host::studio::{Options, Order, Shot, Studio};
 use crate::image::{Format, tile::Origin};
 use realistic::abi::{realistic_ray, realistic_sample};
 use realistic_lab::render::Rays;
 
-/// The origin of a picture of which `crop` asked for a part, in a file of this format.
+/// The origin of a picture of which `crop` asked for a part, in a file of this format. `scene` says what it shows.
 ///
 /// # Errors
 /// The plugin's own.
 pub fn origin(
     options: &Options,
-    effects: &Effects,
+    scene: &str,
     format: Format,
     studio: &Studio,
     order: &Order,
@@ -33,7 +32,7 @@ pub fn origin(
         ("focal length and film distance", format!("{} {}", info.focal_length_mm, info.film_distance_mm)),
         ("samples per pixel", order.spp.to_string()),
         ("seed", options.seed.to_string()),
-        ("effects", effects.to_string()),
+        ("scene and effects", scene.to_owned()),
         ("wavelengths", order.wavelengths.map_or_else(|| "the lens's own".to_owned(), |n| n.to_string())),
         ("rays", format!("{:016x}", fingerprint(&shot.camera, whole)?)),
     ];

@@ -110,8 +110,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let shot = studio.take(&parameters, &scene, &order)?;
     let mut text = describe(&studio.plugin, &shot.camera, studio.size)?;
     if parameters.crop.is_some() {
+        let shown = format!("{:?}, {}", args.scene, args.effects);
         let format = Format::of(&args.out).map_err(Failure::Usage)?;
-        let origin = origin(&args.options, &args.effects, format, &studio, &order, &shot)?;
+        let origin = origin(&args.options, &shown, format, &studio, &order, &shot)?;
         tile::write(&shot.picture, &args.out, shot.scale, &origin)?;
         let ([x0, y0, ..], [width, height]) = (origin.crop, origin.whole);
         let _ = writeln!(text, "tile     at {x0},{y0} of {width}x{height}, for `realistic merge`");
