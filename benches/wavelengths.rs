@@ -61,11 +61,11 @@ fn contest(camera: &Camera, arguments: &BenchArguments) {
         }),
     );
     many.enter("one by one, the camera's wavelength", {
-        task(move || (0..N).for_each(|i| drop(black_box(camera.ray(&samples.arrays(N).get(i))))))
+        task(move || (0..N).for_each(|i| _ = black_box(camera.ray(&samples.arrays(N).get(i)))))
     });
     many.enter("one by one, a wavelength each", {
         task(move || {
-            (0..N).for_each(|i| drop(black_box(camera.ray_at(&samples.arrays(N).get(i), wavelengths[i]))));
+            (0..N).for_each(|i| _ = black_box(camera.ray_at(&samples.arrays(N).get(i), wavelengths[i])));
         })
     });
     let times = many.print("ns per sample", N, arguments.effort);
