@@ -15,7 +15,6 @@ import numpy as np
 
 import realistic
 from realistic import _abi
-from realistic import rays as engine
 
 N = 1_000_000
 ROUNDS = 25
@@ -29,14 +28,15 @@ def cases(camera: realistic.Camera) -> dict[str, Callable[[], object]]:
     xy_double, uv_double = xy.astype(float), uv.astype(float)
     pointer = camera._live().pointer
 
-    samples = engine._Samples(xy_columns, uv_columns, np.zeros(N, np.float32))
-    asked = _abi.SamplesPointers(*samples.columns()[:5])
+    samples = (*xy_columns.T, *uv_columns.T, np.zeros(N, np.float32))
+    asked = _abi.SamplesPointers(*(column.ctypes.data for column in samples))
     out, lean = realistic.Rays.empty(N), realistic.Rays.empty(N)
     lean.mint = lean.maxt = lean.time = None
     rows = realistic.Rays(np.zeros((N, 3), np.float32), np.zeros((N, 3), np.float32), np.zeros(N, np.float32))
 
     def c(target: realistic.Rays) -> None:
-        found = _abi.RaysPointers(*engine._Target(target, N, None).columns())
+        columns = (*target.origin.T, *target.direction.T, target.mint, target.maxt, target.time, target.weight)
+        found = _abi.RaysPointers(*(None if column is None else column.ctypes.data for column in columns), None)
         assert _abi.library.realistic_camera_generate_rays_soa(pointer, N, asked, found) == 0
 
     structures = _abi.library.realistic_camera_generate_rays

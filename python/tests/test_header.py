@@ -24,6 +24,9 @@ TYPES = {
     "const float *": ctypes.c_void_p,
     "double *": ctypes.c_void_p,
     "realistic_reason *": ctypes.c_void_p,
+    "ptrdiff_t": ctypes.c_ssize_t,
+    "realistic_input": _abi.Strided,
+    "realistic_output": _abi.Strided,
     "uint32_t *": ctypes.c_void_p,
 }
 
@@ -38,6 +41,9 @@ STRUCTURES = {
     "realistic_lens_points": _abi.LensPointsPointers,
     "realistic_samples_soa": _abi.SamplesPointers,
     "realistic_rays_soa": _abi.RaysPointers,
+    "realistic_input": _abi.Strided,
+    "realistic_output": _abi.Strided,
+    "realistic_batch": _abi.Batch,
 }
 
 

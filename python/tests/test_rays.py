@@ -78,8 +78,8 @@ def layouts():
     }
 
 
-# Fewer than a block, and blocks with a rest.
-@pytest.mark.parametrize("n", [1, 7, engine._BLOCK + 3])
+# Fewer than one of the library's blocks, and blocks with a rest.
+@pytest.mark.parametrize("n", [1, 7, 1027])
 @pytest.mark.parametrize("layout", layouts())
 def test_every_layout_gives_the_same_rays(camera, samples, layout, n):
     image_xy, lens_uv = samples(camera, n)
@@ -89,19 +89,23 @@ def test_every_layout_gives_the_same_rays(camera, samples, layout, n):
     assert_equal(camera.rays(np.asfortranarray(image_xy), change(lens_uv)), wanted)
 
 
-def test_columns_are_handed_over_as_they_are(camera, samples, monkeypatch):
-    image_xy, lens_uv = map(np.asfortranarray, samples(camera, 100))
+@pytest.mark.parametrize("layout", [np.ascontiguousarray, np.asfortranarray, lambda array: array[::-1]])
+def test_numbers_of_the_librarys_type_are_handed_over_as_they_are(camera, samples, monkeypatch, layout):
+    image_xy, lens_uv = map(layout, samples(camera, 100))
 
     def refuse(*_):
         raise AssertionError("copied")
 
-    monkeypatch.setattr(engine._Samples, "read", refuse)
-    monkeypatch.setattr(engine._Target, "write", refuse)
+    monkeypatch.setattr(engine._Target, "finish", refuse)
     out = Rays.empty(100, reasons=True, differentials=True)
-    camera.rays(image_xy, lens_uv, np.zeros(100, np.float32), out=out)
+    handed = engine._Samples(image_xy, lens_uv, None)
+    handed.ask(_abi.Batch())
+    assert handed.image_xy is image_xy and handed.lens_uv is lens_uv
+    camera.rays(image_xy, lens_uv, out=out)
     assert out.weight.any()
+    out.weight = np.zeros(100)
     with pytest.raises(AssertionError, match="copied"):
-        camera.rays(np.ascontiguousarray(image_xy), lens_uv)
+        camera.rays(image_xy, lens_uv, out=out)
 
 
 def test_integers_are_numbers(camera):
@@ -317,11 +321,11 @@ def test_any_number_of_threads_may_ask(camera, samples):
 def test_the_interpreter_is_free_during_a_call(camera, samples):
     """Another thread counts while one is in the library. No thread is made to give the lock up, so none else could."""
     n = 200_000
-    given = engine._Samples(*map(np.asfortranarray, samples(camera, n)), np.zeros(n, np.float32))
-    asked = _abi.SamplesPointers(*given.columns()[:5])
-    out = Rays.empty(n)
-    found = _abi.RaysPointers(*engine._Target(out, n, None).columns())
-    function, pointer = _abi.library.realistic_camera_generate_rays_soa, camera._live().pointer
+    given, out = engine._Samples(*samples(camera, n), None), Rays.empty(n)
+    batch = _abi.Batch(struct_size=ctypes.sizeof(_abi.Batch))
+    given.ask(batch)
+    engine._Target(out, n, None).ask(batch)
+    function, pointer = _abi.library.realistic_camera_generate_batch, camera._live().pointer
     counts, running, done = [0], threading.Event(), threading.Event()
 
     def count():
@@ -338,7 +342,7 @@ def test_the_interpreter_is_free_during_a_call(camera, samples):
         running.wait()
         before = counts[0]
         for _ in range(100):
-            assert function(pointer, n, asked, found) == 0
+            assert function(pointer, n, batch) == 0
         after = counts[0]
     finally:
         sys.setswitchinterval(interval)

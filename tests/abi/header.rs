@@ -39,6 +39,7 @@ fn the_header_is_up_to_date() {
         "batch/rays",
         "batch/differentials",
         "batch/wavelengths",
+        "batch/strided",
         "importance/arrays",
         "importance/arrive",
         "importance/aim",

@@ -9,7 +9,7 @@ from __future__ import annotations
 import ctypes
 import os
 import sys
-from ctypes import POINTER, c_char_p, c_double, c_float, c_int32, c_size_t, c_uint32, c_uint64, c_void_p
+from ctypes import POINTER, c_char_p, c_double, c_float, c_int32, c_size_t, c_ssize_t, c_uint32, c_uint64, c_void_p
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -177,6 +177,25 @@ class RaysPointers(ctypes.Structure):
     ]
 
 
+class Strided(ctypes.Structure):
+    """`realistic_input` and `realistic_output`: an array of numbers or vectors."""
+
+    _fields_ = [("first", c_void_p), ("stride", c_ssize_t), ("component_stride", c_ssize_t)]
+
+
+class Batch(ctypes.Structure):
+    """`realistic_batch`: samples and room for their rays. What is left out is NULL."""
+
+    _fields_ = [
+        ("struct_size", c_uint32),
+        *[(name, Strided) for name in ("image", "lens", "time", "wavelength")],
+        *[(name, Strided) for name in ("origin", "direction", "weight", "mint", "maxt", "ray_time")],
+        ("reason", c_void_p),
+        ("reason_stride", c_ssize_t),
+        *[(name, Strided) for name in ("rx_origin", "rx_direction", "rx_weight", "ry_origin", "ry_direction", "ry_weight")],
+    ]
+
+
 class ImportanceRaysPointers(ctypes.Structure):
     """`realistic_importance_rays`: the columns of rays that enter a camera."""
 
@@ -236,6 +255,7 @@ FUNCTIONS = {
         _STATUS,
         [c_void_p, c_size_t, POINTER(SamplesPointers), POINTER(RaysPointers)],
     ),
+    "realistic_camera_generate_batch": (_STATUS, [c_void_p, c_size_t, POINTER(Batch)]),
     "realistic_camera_generate_ray_differentials_soa": (
         _STATUS,
         [c_void_p, c_size_t, POINTER(SamplesPointers), *[POINTER(RaysPointers)] * 3],

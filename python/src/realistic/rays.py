@@ -1,27 +1,23 @@
-"""Rays as arrays: samples in, `Rays` out, by the C ABI's structure of arrays.
+"""Rays as arrays: samples in, `Rays` out, by the C ABI's batch.
 
-The ABI wants each number of a sample (x, y, u, v, time) and of a ray as an array of its own without gaps. Where the columns
-of the caller's arrays are such arrays they are handed over as they are; otherwise a block at a time is copied.
+The ABI takes arrays of any strides, so that they are handed over as they are; only numbers of other types are copied.
 """
 
 from __future__ import annotations
 
+import ctypes
 import enum
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._abi import RaysPointers, SamplesPointers, library
+from ._abi import Batch, Strided, library
 from .errors import check
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
-
-# Rays whose numbers are copied at a time; those of the samples stay in a processor's second cache.
-_BLOCK = 32768
 
 _FLOAT32, _INT32 = np.dtype(np.float32), np.dtype(np.int32)
 
@@ -129,18 +125,9 @@ def _vectors(rows: NDArray[np.float32], shape: tuple[int, ...]) -> NDArray[np.fl
     return rows.T if len(shape) == 1 else rows.T.reshape(*shape, 3)
 
 
-def _is_packed(array: NDArray[Any], dtype: np.dtype[Any]) -> bool:
-    """Whether the columns of (n, k), or (n,) itself, are what the ABI takes."""
-    return array.dtype == dtype and (array.strides[0] == dtype.itemsize or len(array) <= 1) and array.flags.aligned
-
-
-def _addresses(array: NDArray[Any]) -> Iterator[int]:
-    """Where the columns of (n, k), or (n,) itself, begin."""
-    first: int = array.__array_interface__["data"][0]
-    if array.ndim == 1:
-        return iter((first,))
-    step = array.strides[1]
-    return iter(range(first, first + step * array.shape[1], step)) if step else iter((first,) * array.shape[1])
+def _strided(array: NDArray[Any]) -> Strided:
+    """Where the elements of (n, k) or (n,) lie."""
+    return Strided(array.__array_interface__["data"][0], *array.strides)
 
 
 @dataclass
@@ -152,86 +139,58 @@ class _Samples:
     time: NDArray[Any] | None
     wavelengths: NDArray[Any] | None = None
 
-    def columns(self) -> list[int] | None:
-        """The addresses of the six columns, the last 0 where there are no wavelengths; None where they must be copied."""
-        given = (self.image_xy, self.lens_uv, self.time, self.wavelengths)
-        if not all(_is_packed(array, _FLOAT32) for array in given if array is not None):
-            return None
-        if self.time is None:
-            # Kept here, as long as its address is in use.
-            self.time = np.zeros(len(self.image_xy), np.float32)
-        arrays = (self.image_xy, self.lens_uv, self.time)
-        addresses = [address for array in arrays for address in _addresses(array)]
-        return [*addresses, *([0] if self.wavelengths is None else _addresses(self.wavelengths))]
-
-    def read(self, begin: int, end: int, room: NDArray[np.float32]) -> None:
-        """Copies a block into the six rows of `room`; those of what is not given stay as they are."""
-        count = end - begin
-        for row, array in ((0, self.image_xy), (2, self.lens_uv)):
-            for k in range(2):
-                np.copyto(room[row + k, :count], array[begin:end, k], casting="same_kind")
-        for row, numbers in ((4, self.time), (5, self.wavelengths)):
-            if numbers is not None:
-                np.copyto(room[row, :count], numbers[begin:end], casting="same_kind")
+    def ask(self, batch: Batch) -> None:
+        """Puts where they are into a batch; numbers of other types are copied."""
+        for field, name in (("image", "image_xy"), ("lens", "lens_uv"), ("time", "time"), ("wavelength", "wavelengths")):
+            array = getattr(self, name)
+            if array is None:
+                continue
+            if array.dtype != _FLOAT32:
+                # Kept here, as long as its address is in use.
+                array = array.astype(np.float32, casting="same_kind")
+                setattr(self, name, array)
+            setattr(batch, field, _strided(array))
 
 
 class _Target:
-    """The arrays that a call writes, flat: (n, 3), (n, 3), and (n,) or None for the others, in the ABI's order."""
+    """The arrays that a call writes, flat: (n, 3) and (n,), by their names in the ABI."""
 
-    def __init__(self, rays: Rays, n: int, name: str | None) -> None:
+    def __init__(self, rays: Rays, n: int, name: str | None, prefix: str = "") -> None:
         """`name` is that of the rays where they are a caller's, to be checked and told."""
-        fields = ("origin", "direction", "mint", "maxt", "time", "weight", "reason")
-        arrays = [getattr(rays, field) for field in fields]
-        if name is not None:
-            shape = np.shape(rays.weight)
-            for field, array in zip(fields, arrays):
-                _check_output(f"{name}.{field}", array, shape)
-        self.vectors = [_flat(name, array, (n, 3)) for array in arrays[:2]]
-        self.numbers = [None if array is None else _flat(name, array, (n,)) for array in arrays[2:]]
+        self.prefix = prefix
+        self.arrays: dict[str, NDArray[Any]] = {}
+        for field in ("origin", "direction", "mint", "maxt", "time", "weight", "reason"):
+            array = getattr(rays, field)
+            if name is not None:
+                _check_output(f"{name}.{field}", array, np.shape(rays.weight))
+            if array is not None:
+                shape = (n, 3) if field in ("origin", "direction") else (n,)
+                self.arrays["ray_time" if field == "time" else field] = _flat(name, array, shape)
+        self.room: dict[str, NDArray[Any]] = {}
 
-    def columns(self) -> list[int] | None:
-        """The addresses of the eleven columns, 0 for none; None where they must be copied."""
-        reason = self.numbers[4]
-        floats = [*self.vectors, *(array for array in self.numbers[:4] if array is not None)]
-        if not all(_is_packed(array, _FLOAT32) for array in floats):
-            return None
-        if reason is not None and not _is_packed(reason, _INT32):
-            return None
-        addresses = [address for array in self.vectors for address in _addresses(array)]
-        for array in self.numbers:
-            addresses += [0] if array is None else _addresses(array)
-        return addresses
+    def ask(self, batch: Batch) -> None:
+        """Puts where they are into a batch; numbers of other types are written to room of our own."""
+        for field, array in self.arrays.items():
+            dtype = _INT32 if field == "reason" else _FLOAT32
+            if array.dtype != dtype:
+                array = self.room[field] = np.zeros(array.shape, dtype)
+            if field == "reason":
+                place = _strided(array)
+                batch.reason, batch.reason_stride = place.first, place.stride
+            else:
+                setattr(batch, self.prefix + field, _strided(array))
 
-    def write(self, begin: int, end: int, room: _Room, passed: NDArray[np.bool_] | bool) -> None:
-        """Copies a block from `room`: of every ray what tells its fate, the rest of those that pass."""
-        count = end - begin
-        for row, array in zip((0, 3), self.vectors):
-            for k in range(3):
-                np.copyto(array[begin:end, k], room.floats[row + k, :count], casting="same_kind", where=passed)
-        *extent, weight, reason = self.numbers
-        for row, number in zip((6, 7, 8), extent):
-            if number is not None:
-                np.copyto(number[begin:end], room.floats[row, :count], casting="same_kind", where=passed)
-        assert weight is not None
-        np.copyto(weight[begin:end], room.floats[9, :count], casting="same_kind")
-        if reason is not None:
-            np.copyto(reason[begin:end], room.reasons[:count], casting="same_kind")
+    def passed(self) -> NDArray[np.bool_]:
+        """Which rays get through."""
+        found: NDArray[np.bool_] = self.room.get("weight", self.arrays["weight"]) > 0
+        return found
 
-    def all(self) -> Iterator[NDArray[Any]]:
-        """Each array that is there."""
-        yield from self.vectors
-        yield from (array for array in self.numbers if array is not None)
-
-
-class _Room:
-    """A block of rays as the ABI writes them."""
-
-    def __init__(self, count: int, target: _Target) -> None:
-        self.floats = np.zeros((10, count), np.float32)
-        self.reasons = np.zeros(count, np.int32)
-        is_there = [True] * 6 + [array is not None for array in target.numbers]
-        addresses = [*_addresses(self.floats.T), *_addresses(self.reasons)]
-        self.columns = [address if there else 0 for address, there in zip(addresses, is_there)]
+    def finish(self, passed: NDArray[np.bool_]) -> None:
+        """Copies from room of our own: of every ray what tells its fate, the rest of those that pass."""
+        for field, numbers in self.room.items():
+            rows = passed[:, np.newaxis] if numbers.ndim == 2 else passed
+            where = True if field in ("weight", "reason") else rows
+            np.copyto(self.arrays[field], numbers, casting="same_kind", where=where)
 
 
 def _check_output(name: str, array: Any, shape: tuple[int, ...]) -> None:
@@ -311,7 +270,12 @@ def trace(
     n = len(given.image_xy)
     if out is None:
         out = Rays.empty(shape, reasons=reasons, differentials=differentials)
-        targets = [_Target(rays, n, None) for rays in (out, out.rx, out.ry) if rays is not None]
+        parts = {"": out, "rx_": out.rx, "ry_": out.ry}
+        targets = [
+            _Target(_beside(rays) if prefix else rays, n, None, prefix)
+            for prefix, rays in parts.items()
+            if rays is not None
+        ]
     else:
         targets = _targets(out, n, shape, reasons, differentials)
         _separate(given, targets)
@@ -335,21 +299,23 @@ def _targets(out: Rays, n: int, shape: tuple[int, ...], reasons: bool, different
     if differentials and out.rx is None:
         raise ValueError("out.rx and out.ry are None, and differentials are asked for")
     targets = []
-    for name, rays in (("out", out), ("out.rx", out.rx), ("out.ry", out.ry)):
+    for name, prefix, rays in (("out", "", out), ("out.rx", "rx_", out.rx), ("out.ry", "ry_", out.ry)):
         if rays is None:
             continue
-        if name != "out":
-            # All that there is of a neighbour.
-            rays = Rays(rays.origin, rays.direction, rays.weight)
         if np.shape(rays.weight) != shape:
             raise ValueError(f"{name}.weight must have shape {shape}, and has {np.shape(rays.weight)}")
-        targets.append(_Target(rays, n, name))
+        targets.append(_Target(_beside(rays) if prefix else rays, n, name, prefix))
     return targets
+
+
+def _beside(rays: Rays) -> Rays:
+    """All that there is of a neighbour."""
+    return Rays(rays.origin, rays.direction, rays.weight)
 
 
 def _separate(samples: _Samples, targets: list[_Target]) -> None:
     """Copies samples that share memory with an output, and refuses outputs that share memory with each other."""
-    written = [array for target in targets for array in target.all()]
+    written = [array for target in targets for array in target.arrays.values()]
     for i, array in enumerate(written):
         if any(np.shares_memory(array, other) for other in written[:i]):
             raise ValueError("two arrays of out share memory")
@@ -359,49 +325,13 @@ def _separate(samples: _Samples, targets: list[_Target]) -> None:
 
 
 def _run(camera: int, n: int, samples: _Samples, targets: list[_Target]) -> None:
-    """Calls the library, once where all arrays are as it wants them, otherwise block by block."""
-    asked, found = samples.columns(), [target.columns() for target in targets]
-    if asked is not None and None not in found:
-        _call(camera, n, asked, [columns for columns in found if columns])
-        return
-    count = min(n, _BLOCK)
-    read_to = np.zeros((6, count), np.float32)
-    read_from = [*_addresses(read_to[:5].T), 0 if samples.wavelengths is None else read_to[5].ctypes.data]
-    rooms = [_Room(count, target) if columns is None else None for target, columns in zip(targets, found)]
-    for begin in range(0, n, _BLOCK):
-        end = min(begin + _BLOCK, n)
-        if asked is None:
-            samples.read(begin, end, read_to)
-        columns_of = [_moved(columns, begin) if room is None else room.columns for columns, room in zip(found, rooms)]
-        _call(camera, end - begin, read_from if asked is None else _moved(asked, begin), columns_of)
-        passed: NDArray[np.bool_] | bool | None = None
-        for target, room in zip(targets, rooms):
-            if room is not None:
-                if passed is None:
-                    passed = _passed(targets[0], rooms[0], begin, end)
-                target.write(begin, end, room, passed)
-
-
-def _call(camera: int, n: int, asked: list[int], found: list[list[int]]) -> None:
-    """The library's function for what is asked: the addresses of six columns of samples, and eleven for each ray."""
-    samples, rays = SamplesPointers(*asked[:5]), [RaysPointers(*columns) for columns in found]
-    if len(rays) > 1:
-        check(library.realistic_camera_generate_ray_differentials_soa(camera, n, samples, *rays))
-    elif asked[5]:
-        check(library.realistic_camera_generate_rays_at_soa(camera, n, samples, asked[5], *rays))
-    else:
-        check(library.realistic_camera_generate_rays_soa(camera, n, samples, *rays))
-
-
-def _moved(columns: list[int] | None, begin: int) -> list[int]:
-    """The columns of a caller's arrays from ray `begin` on; a number has 4 bytes, and 0 stays "none"."""
-    return [address and address + 4 * begin for address in columns or ()]
-
-
-def _passed(target: _Target, room: _Room | None, begin: int, end: int) -> NDArray[np.bool_] | bool:
-    """Which rays of a block get through; True for all."""
-    weight = target.numbers[3]
-    assert weight is not None
-    weights = weight[begin:end] if room is None else room.floats[9, : end - begin]
-    passed: NDArray[np.bool_] = weights > 0
-    return True if passed.all() else passed
+    """Calls the library."""
+    batch = Batch(struct_size=ctypes.sizeof(Batch))
+    samples.ask(batch)
+    for target in targets:
+        target.ask(batch)
+    check(library.realistic_camera_generate_batch(camera, n, batch))
+    if any(target.room for target in targets):
+        passed = targets[0].passed()
+        for target in targets:
+            target.finish(passed)

@@ -9,7 +9,7 @@ use super::{
         ray::RayLanes,
         simd::Compiled,
     },
-    Probe,
+    probe::Probe,
 };
 use crate::trace::surface::PathSurface;
 

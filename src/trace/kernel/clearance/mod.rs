@@ -8,6 +8,7 @@
 
 mod aspheres;
 pub(super) mod crossing;
+mod probe;
 
 #[cfg(any(test, target_arch = "x86_64"))]
 use super::Simd;
@@ -18,6 +19,7 @@ use super::{
 };
 use crate::trace::{path::Path, surface::PathSurface};
 use aspheres::PassAsphere;
+use probe::Probe;
 
 /// The aperture that a ray comes nearest to, or reaches farthest beyond.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,9 +35,6 @@ pub(crate) struct Clearance {
 
 /// Rays of a packet.
 const PACKET: usize = 32;
-/// Clear semi-diameter over radius up to which a surface is met as a plane nearly is, with a division: beyond, t is
-/// exact to this many times fewer digits.
-const WEAK: f64 = 1e-5;
 
 /// A ray from the film, whose point lies on the x axis.
 #[derive(Clone, Copy, Debug)]
@@ -176,6 +175,14 @@ impl Packet {
         }
     }
 
+    /// The rays of one register, from the one `at` on, where `n` is the index.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn enter<L: Lanes<Scalar = f64>>(&self, cpu: Cpu<L>, n: f64, at: usize) -> Probe<L> {
+        let [height, sx, sy] =
+            [&self.height, &self.slopes[0], &self.slopes[1]].map(|numbers| L::load(cpu, &numbers[at..]));
+        Probe::enter(cpu, self.distance, height, [sx, sy], n)
+    }
+
     /// Traces the rays of `U` registers from the one `at` on; how many they are.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn trace_some<L: Lanes<Scalar = f64>, const U: usize>(
@@ -187,9 +194,9 @@ impl Packet {
         let steps = &lens.path.steps;
         let n = steps[0].n;
         // No closures: one that is not inlined would be compiled for another processor than this function.
-        let mut probes = [Probe::enter(cpu, self, n, at); U];
+        let mut probes = [self.enter(cpu, n, at); U];
         for (u, probe) in probes.iter_mut().enumerate().skip(1) {
-            *probe = Probe::enter(cpu, self, n, at + u * L::WIDTH);
+            *probe = self.enter(cpu, n, at + u * L::WIDTH);
         }
         for (number, (step, asphere)) in steps.iter().zip(&lens.aspheres).enumerate() {
             let number = f64::from_bits(number as u64);
@@ -211,83 +218,6 @@ impl Packet {
             probe.surface.store(&mut self.surface[at..]);
         }
         U * L::WIDTH
-    }
-}
-
-#[derive(Clone, Copy)]
-struct Probe<L> {
-    p: [L; 3],
-    v: [L; 3],
-    lead: L,
-    open: L,
-    largest: L,
-    surface: L,
-}
-
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn dot<L: Lanes>(a: [L; 3], b: [L; 3]) -> L {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-impl<L: Lanes<Scalar = f64>> Probe<L> {
-    /// The rays of one register, from the one `at` on, on the first vertex plane: at any slope, for an edge needs few
-    /// digits. `n` is the index there.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn enter(cpu: Cpu<L>, packet: &Packet, n: f64, at: usize) -> Self {
-        let (zero, one, distance) = (L::splat(cpu, 0.0), L::splat(cpu, 1.0), L::splat(cpu, packet.distance));
-        let height = L::load(cpu, &packet.height[at..]);
-        let [sx, sy] = [L::load(cpu, &packet.slopes[0][at..]), L::load(cpu, &packet.slopes[1][at..])];
-        let length = (one + sx * sx + sy * sy).sqrt();
-        let vz = L::splat(cpu, n) / length;
-        Self {
-            p: [height + sx * distance, sy * distance, zero],
-            v: [sx * vz, sy * vz, vz],
-            lead: distance * length,
-            open: one,
-            largest: zero,
-            surface: zero,
-        }
-    }
-
-    /// Notes how near the clear aperture the rays in `met` come, at (x, y).
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn note(&mut self, cpu: Cpu<L>, step: &PathSurface<f64>, number: f64, [x, y]: [L; 2], met: L::Mask) {
-        let ratio = (x * x + y * y) * L::splat(cpu, step.aperture.recip());
-        let more = L::both(met, self.largest.less(ratio));
-        self.largest = L::select(more, ratio, self.largest);
-        self.surface = L::select(more, L::splat(cpu, number), self.surface);
-    }
-
-    /// Takes the rays to the next surface and through it.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn pass(&mut self, cpu: Cpu<L>, step: &PathSurface<f64>, number: f64) {
-        let (zero, one) = (L::splat(cpu, 0.0), L::splat(cpu, 1.0));
-        let c = L::splat(cpu, step.curvature);
-        let [vx, vy, vz] = self.v;
-        let p = [self.p[0], self.p[1], self.p[2] - L::splat(cpu, step.distance)];
-        let f = L::splat(cpu, step.curvature / 2.0) * dot(p, p) - p[2];
-        let g = vz - c * dot(p, self.v);
-        let cn2 = step.curvature * step.n * step.n;
-        let square = g * g - L::splat(cpu, 2.0 * cn2) * f;
-        let [before, after] = L::sqrt_pair(square, square + L::splat(cpu, step.index_step));
-        let t = if step.curvature * step.curvature * step.aperture > WEAK * WEAK {
-            (g - before) * L::splat(cpu, cn2.recip())
-        } else {
-            (f + f) / (g + before)
-        };
-        let [x, y, z] = [p[0] + t * vx, p[1] + t * vy, p[2] + t * vz];
-        let slope = one - c * z;
-        let onward = L::both(L::splat(cpu, -step.slack).less_equal(self.lead + t), zero.less_equal(slope));
-        let met = L::both(L::both(zero.less(square), onward), zero.less(self.open));
-        let met = L::both(met, zero.less(vz));
-        self.note(cpu, step, number, [x, y], met);
-        // Snell's law, as `RayLanes::bend`: V' = V + (n' cos I' - n cos I) N.
-        let bend = after - before;
-        let across = c * bend;
-        self.v = [vx - across * x, vy - across * y, vz + bend * slope];
-        self.p = [x, y, z];
-        self.lead = zero;
-        self.open = L::select(L::both(met, zero.less(after)), one, zero);
     }
 }
 
