@@ -6,7 +6,7 @@
 //! over film radii in units of its own end; between two of them the end, C, λ and M are interpolated in w. What comes out is
 //! again a map of the disk, with the Jacobian of its own: the density is exact whatever the tables.
 
-use super::{Heading, LanePupil, Row, WarpedPupil, build::FINE};
+use super::{Heading, LanePupil, Row, STRIDE, WarpedPupil, build::FINE};
 use crate::{
     numeric::Real,
     sampling::{film_rays::FilmRays, pupil_disk::PupilDisk},
@@ -164,6 +164,7 @@ impl SpectralPupil {
 
 /// Tables one after the other, over film radii in units of each one's end.
 fn joined(tables: Vec<WarpedPupil>, cover: PupilDisk) -> WarpedPupil {
+    let tables = covered_alike(tables);
     let mut tables = tables.into_iter();
     let mut all = tables.next().expect("a table").in_units_of_its_end();
     for table in tables {
@@ -180,7 +181,42 @@ fn joined(tables: Vec<WarpedPupil>, cover: PupilDisk) -> WarpedPupil {
     WarpedPupil { cover, ..all }
 }
 
+/// The tables, each of which samples a disk wherever one of them does: between a disk and a pupil lies no map that holds the
+/// pupils in between.
+fn covered_alike(mut tables: Vec<WarpedPupil>) -> Vec<WarpedPupil> {
+    let cells = tables[0].cells.len();
+    let is_covered: Vec<bool> =
+        (0..cells).map(|cell| tables.iter().any(|table| table.is_covered(cell))).collect();
+    if is_covered.contains(&true) {
+        for table in &mut tables {
+            table.cover_cells(&is_covered);
+        }
+    }
+    tables
+}
+
 impl WarpedPupil {
+    /// Whether the rear element's disk is sampled in a smallest interval.
+    fn is_covered(&self, cell: usize) -> bool {
+        let slice = self.cells[cell].index as usize;
+        let disk = [self.cover.slope_radius() as f32, 0.0];
+        self.table[slice..slice + 2 * STRIDE].iter().all(|factor| *factor == disk)
+    }
+
+    /// Samples the rear element's disk in these smallest intervals.
+    fn cover_cells(&mut self, is_covered: &[bool]) {
+        let index = self.table.len() as u32;
+        let center = self.cover.seen_from([1.0, 0.0]).center[0] as f32;
+        self.table.extend([[self.cover.slope_radius() as f32, 0.0]; 2 * STRIDE]);
+        for (cell, _) in is_covered.iter().enumerate().filter(|(_, is_covered)| **is_covered) {
+            self.cells[cell].index = index;
+            self.cells[cell].numbers[1..].copy_from_slice(&[center, 0.0]);
+            if let Some(narrowing) = self.narrowings.get_mut(2 * cell..2 * cell + 2) {
+                narrowing.fill([0.0; 2]);
+            }
+        }
+    }
+
     /// The same over film radii in units of its end, a little larger.
     fn in_units_of_its_end(mut self) -> Self {
         let (end, grown) = (self.end as f32, 1.0 + MARGIN as f32);
