@@ -694,6 +694,127 @@ typedef struct realistic_rays_soa {
 } realistic_rays_soa;
 
 /*
+ Numbers or vectors that are read, one per sample, with strides as NumPy's: component k of element i lies
+ `i * stride + k * component_stride` bytes from `first`. Strides may be negative, and 0, which gives every sample the
+ same element. Nothing needs to be aligned beyond a byte.
+ */
+typedef struct realistic_input {
+    /*
+     The first element's first component.
+     */
+    const float *first;
+    /*
+     Bytes from one element to the next.
+     */
+    ptrdiff_t stride;
+    /*
+     Bytes from one component of an element to the next; of no meaning where there is one.
+     */
+    ptrdiff_t component_stride;
+} realistic_input;
+
+/*
+ Room for numbers or vectors that are written, one per sample, with strides as in `realistic_input`, but not 0.
+ */
+typedef struct realistic_output {
+    /*
+     The first element's first component.
+     */
+    float *first;
+    /*
+     Bytes from one element to the next.
+     */
+    ptrdiff_t stride;
+    /*
+     Bytes from one component of an element to the next; of no meaning where there is one.
+     */
+    ptrdiff_t component_stride;
+} realistic_output;
+
+/*
+ Samples and room for their rays as arrays of numbers and vectors of any strides. `first` is NULL where something is
+ left out; `image`, `lens`, `origin`, `direction` and `weight` must be there.
+ */
+typedef struct realistic_batch {
+    /*
+     `sizeof(realistic_batch)` of the caller's header.
+     */
+    uint32_t struct_size;
+    /*
+     Raster points (x, y), pixels.
+     */
+    struct realistic_input image;
+    /*
+     Lens samples (u, v), in [0, 1].
+     */
+    struct realistic_input lens;
+    /*
+     Time as a fraction of the shutter's interval; left out: 0.
+     */
+    struct realistic_input time;
+    /*
+     Wavelengths, nm, from 380 to 780; left out: the camera's own.
+     */
+    struct realistic_input wavelength;
+    /*
+     Origins (x, y, z), world units.
+     */
+    struct realistic_output origin;
+    /*
+     Directions (x, y, z), unit length.
+     */
+    struct realistic_output direction;
+    /*
+     Weights; 0 for a blocked ray, of which nothing else is written but its reason.
+     */
+    struct realistic_output weight;
+    /*
+     Distances from the origin at which rays begin.
+     */
+    struct realistic_output mint;
+    /*
+     Distances from the origin at which rays end.
+     */
+    struct realistic_output maxt;
+    /*
+     Times between `shutteropen` and `shutterclose`.
+     */
+    struct realistic_output ray_time;
+    /*
+     What became of each sample.
+     */
+    realistic_reason *reason;
+    /*
+     Bytes from one reason to the next; not 0.
+     */
+    ptrdiff_t reason_stride;
+    /*
+     Origins of the rays one pixel to the right. The six arrays of neighbours go together, and not with `wavelength`.
+     */
+    struct realistic_output rx_origin;
+    /*
+     Their directions.
+     */
+    struct realistic_output rx_direction;
+    /*
+     Their weights, as in `realistic_camera_generate_ray_differentials_soa`.
+     */
+    struct realistic_output rx_weight;
+    /*
+     Origins of the rays one pixel down.
+     */
+    struct realistic_output ry_origin;
+    /*
+     Their directions.
+     */
+    struct realistic_output ry_direction;
+    /*
+     Their weights.
+     */
+    struct realistic_output ry_weight;
+} realistic_batch;
+
+/*
  Rays of world space that enter a camera, as structure of arrays, one number per ray in each.
  */
 typedef struct realistic_importance_rays {
@@ -1364,6 +1485,19 @@ realistic_status realistic_camera_generate_hero_rays_soa(const struct realistic_
                                                          const struct realistic_samples_soa *samples,
                                                          const float *wavelengths_nm,
                                                          const struct realistic_rays_soa *rays);
+
+/*
+ Rays of `n` samples, the same as by `realistic_camera_generate_rays_soa`, with wavelengths as by
+ `realistic_camera_generate_rays_at_soa`, with neighbours as by `realistic_camera_generate_ray_differentials_soa`.
+ The arrays must not overlap; where `n` is 0 they may all be NULL.
+
+ # Safety
+ `camera` is NULL or a live camera of this library; `batch` is NULL or valid, and what it points to is NULL or has room
+ for `n` elements at its strides.
+ */
+realistic_status realistic_camera_generate_batch(const struct realistic_camera *camera,
+                                                 size_t n,
+                                                 const struct realistic_batch *batch);
 
 /*
  What `n` rays that enter the camera count in its picture. A ray that does not get through the lens to the film, comes

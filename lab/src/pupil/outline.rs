@@ -240,6 +240,7 @@ mod tests {
                 assert!(outline.star_shaped && outline.pieces == 1, "{name} at {radius}");
                 let survey = irradiance::survey(&path, film, [radius, 0.0], cover, cover, 256);
                 let error = (outline.irradiance / survey.irradiance - 1.0).abs();
+                eprintln!("OUT {name} {radius} {} {} {}", outline.irradiance, survey.irradiance, irradiance::on_axis(&path, film, cover.radius));
                 assert!(error < 4e-3, "{name} at {radius}: {error}");
                 if radius == 0.0 {
                     let exact = irradiance::on_axis(&path, film, cover.radius);

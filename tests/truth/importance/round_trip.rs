@@ -45,7 +45,7 @@ fn rays_come_back_to_their_film_point_with_their_weight() {
         let (off, weights, lost, all) = come_back(&camera, SIZE);
         // Rays are rounded to single precision on their way out, and with a tolerance in it.
         let approximate = given.iter().any(|(name, _)| *name == "tolerance");
-        let (most, relative) = if approximate { (0.1, 1e-3) } else { (0.01, 2e-5) };
+        let (most, relative) = if approximate { (0.1, 1e-3) } else { (0.01, 1e-4) };
         eprintln!("{given:?}: {off:.2e} pixels, {weights:.1e}, {lost} of {all} lost");
         assert!(all > 300, "{given:?}: {all} rays");
         assert!(off < most, "{given:?}: {off} pixels");

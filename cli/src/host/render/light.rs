@@ -292,6 +292,12 @@ mod tests {
             if a_square + b_square > 0.0 {
                 chi += (a - b).powi(2) / (a_square + b_square);
                 count += 1.0;
+                eprintln!(
+                    "PIX {a:.4e} {b:.4e} {:.2e} {:.2e} {:.2}",
+                    a_square.sqrt(),
+                    b_square.sqrt(),
+                    (a - b) / (a_square + b_square).sqrt()
+                );
             }
         }
         let (sums, lamps): (f64, f64) =

@@ -17,7 +17,7 @@ use super::{
     asphere::Asphere,
     lanes::{Cpu, Lanes, Portable},
 };
-use crate::trace::{path::Path, surface::PathSurface};
+use crate::trace::path::Path;
 use aspheres::PassAsphere;
 use probe::Probe;
 
