@@ -25,8 +25,8 @@ TYPES = {
     "double *": ctypes.c_void_p,
     "realistic_reason *": ctypes.c_void_p,
     "ptrdiff_t": ctypes.c_ssize_t,
-    "realistic_input": _abi.Strided,
-    "realistic_output": _abi.Strided,
+    "struct realistic_input": _abi.Strided,
+    "struct realistic_output": _abi.Strided,
     "uint32_t *": ctypes.c_void_p,
 }
 

@@ -180,7 +180,7 @@ def outs(n):
     return {"rows": rows, "full": full, "structures": structures, "double": double, "mixed": mixed, "part": part}
 
 
-@pytest.mark.parametrize("n", [5, engine._BLOCK + 3])
+@pytest.mark.parametrize("n", [5, 1027])
 @pytest.mark.parametrize("layout", outs(1))
 @pytest.mark.parametrize("order", ["C", "F"])
 def test_out_is_filled_whatever_its_layout(camera, samples, layout, n, order):

@@ -141,6 +141,9 @@ class _Samples:
 
     def ask(self, batch: Batch) -> None:
         """Puts where they are into a batch; numbers of other types are copied."""
+        if self.time is None:
+            # Fresh memory is zero. Where all arrays are columns the library takes them in one go, without copies.
+            self.time = np.zeros(len(self.image_xy), np.float32)
         for field, name in (("image", "image_xy"), ("lens", "lens_uv"), ("time", "time"), ("wavelength", "wavelengths")):
             array = getattr(self, name)
             if array is None:
