@@ -247,8 +247,8 @@ mod tests {
                     let light = LightLanes::new(Portable::cpu(), Portable([nm as f32]), square_of_own as f32);
                     let Portable([change]) = single.change(Portable::cpu(), &light);
                     let off = f64::from(change) - exact;
-                    // Half of the last place of n² itself.
-                    let bound = 0.5 * f64::from(f32::EPSILON) * refractive_index(medium, nm).powi(2);
+                    // Two units in the last place of n² itself: glasses that disperse more than any real one come near it.
+                    let bound = 2.0 * f64::from(f32::EPSILON) * refractive_index(medium, nm).powi(2);
                     assert!(off.abs() < bound, "{medium:?} {own} {nm}: {change} {exact}");
                 }
             }
