@@ -55,12 +55,17 @@ def use_shader(camera: Any, file: Path) -> None:
 
 def picture(scene: Any, folder: Path) -> np.ndarray:
     """The rendered picture, (height, width, 3) of float64, from the top."""
-    import OpenImageIO
-
     file = folder / "picture.exr"
     scene.render.filepath = str(file)
     bpy.ops.render.render(write_still=True)
+    return read(file)
+
+
+def read(file: Path) -> np.ndarray:
+    """A picture's file, (height, width, 3) of float64, from the top."""
+    import OpenImageIO
+
     image = OpenImageIO.ImageInput.open(str(file))
-    read = np.array(image.read_image("float"), np.float64)[..., :3]
+    found = np.array(image.read_image("float"), np.float64)[..., :3]
     image.close()
-    return read
+    return found

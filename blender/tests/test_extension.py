@@ -9,9 +9,8 @@ from types import SimpleNamespace
 
 import bpy
 import pytest
-from stage import empty, picture
-
 import realistic
+from stage import empty, picture
 
 MODULE = "bl_ext.user_default.realistic"
 LENSES = Path(__file__).parents[2] / "lenses"

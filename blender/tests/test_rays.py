@@ -5,9 +5,8 @@ from __future__ import annotations
 import bpy
 import numpy as np
 import pytest
-from stage import empty, picture, show_directions, use_shader
-
 import realistic
+from stage import empty, picture, show_directions, use_shader
 
 SIZE = (64, 48)
 # f-number, focus distance in m; 0.5: as wide as the lens opens.
