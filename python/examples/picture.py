@@ -10,9 +10,8 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
-from numpy.typing import NDArray
-
 import realistic
+from numpy.typing import NDArray
 
 Array = NDArray[np.float32]
 

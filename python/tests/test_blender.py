@@ -6,7 +6,6 @@ import stat
 from pathlib import Path
 
 import pytest
-
 import realistic
 from realistic import blender
 

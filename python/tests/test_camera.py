@@ -13,7 +13,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 import realistic
 from realistic import Camera, _abi
 

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-
 from realistic import Camera
 from realistic.measure.bundles import film_plane, in_camera_space
 

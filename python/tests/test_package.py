@@ -7,7 +7,6 @@ import sys
 import zipfile
 
 import pytest
-
 import realistic
 from realistic import _abi
 

@@ -3,7 +3,6 @@
 import framing
 import numpy as np
 import pytest
-
 import realistic
 
 

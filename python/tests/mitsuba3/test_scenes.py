@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-
 import realistic
 
 XML = """<scene version="3.0.0">
