@@ -20,6 +20,7 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 # The linker's names for a shared library and a program.
 LIBRARY = {"darwin": "librealistic.dylib", "win32": "realistic.dll"}.get(sys.platform, "librealistic.so")
 PROGRAM = "realistic.exe" if sys.platform == "win32" else "realistic"
+PACKAGES = {LIBRARY: "realistic", PROGRAM: "realistic-cli"}
 
 
 class LibraryHook(BuildHookInterface[Any]):
@@ -36,9 +37,9 @@ class LibraryHook(BuildHookInterface[Any]):
             return
         workspace = Path(self.root).parent
         files = {LIBRARY: named("REALISTIC_LIBRARY"), PROGRAM: named("REALISTIC_PROGRAM")}
-        if None in files.values():
-            built = build(workspace)
-            files = {name: file or built[name] for name, file in files.items()}
+        missing = [name for name, file in files.items() if file is None]
+        if missing:
+            files |= build(workspace, missing)
         platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
         build_data["tag"] = f"py3-none-{platform}"
         build_data["pure_python"] = False
@@ -60,8 +61,10 @@ def named(variable: str) -> Path | None:
     return Path(value)
 
 
-def build(workspace: Path) -> dict[str, Path]:
-    """Library and program, built in the checkout's `target/python`, without pbrt's C++ face: no C++ compiler is needed."""
+def build(workspace: Path, wanted: list[str]) -> dict[str, Path]:
+    """Library and program, or one of them, built in the checkout's `target/python`, without pbrt's C++ face: no C++ compiler is
+    needed.
+    """
     cargo = os.environ.get("CARGO") or shutil.which("cargo")
     if cargo is None:
         raise SystemExit(
@@ -73,7 +76,8 @@ def build(workspace: Path) -> dict[str, Path]:
         raise SystemExit(f"{manifest} is not there: the package is built from a checkout of the whole project")
     # pip runs this in another folder than the caller of cargo has in mind.
     target = workspace / (os.environ.get("CARGO_TARGET_DIR") or "target") / "python"
-    command = [cargo, "build", "--release", "--locked", "--package", "realistic", "--package", "realistic-cli"]
+    command = [cargo, "build", "--release", "--locked"]
+    command += [f"--package={PACKAGES[name]}" for name in wanted]
     command += ["--manifest-path", str(manifest), "--target-dir", str(target)]
     command += ["--message-format", "json-render-diagnostics"]
     environment = {**os.environ, "REALISTIC_NO_SHIM": "1"}
@@ -83,9 +87,8 @@ def build(workspace: Path) -> dict[str, Path]:
     found = {}
     for line in told.stdout.splitlines():
         for file in map(Path, json.loads(line).get("filenames", [])):
-            # Its build script is no program of the package's, and has another name.
-            if file.name in (LIBRARY, PROGRAM):
+            if file.name in wanted:
                 found[file.name] = file
-    if missing := {LIBRARY, PROGRAM} - set(found):
+    if missing := set(wanted) - set(found):
         raise SystemExit(f"cargo built no {' and no '.join(sorted(missing))}: {' '.join(command)}")
     return found

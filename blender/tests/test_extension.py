@@ -9,8 +9,9 @@ from types import SimpleNamespace
 
 import bpy
 import pytest
-import realistic
 from stage import empty, picture
+
+import realistic
 
 MODULE = "bl_ext.user_default.realistic"
 LENSES = Path(__file__).parents[2] / "lenses"

@@ -13,8 +13,9 @@ ROOT = Path(__file__).parents[2]
 sys.path += [str(ROOT / "python/tests"), str(ROOT / "examples/blender")]
 
 import framing
-import realistic
 import studio
+
+import realistic
 
 
 @pytest.fixture(scope="module")

@@ -5,8 +5,9 @@ from __future__ import annotations
 import bpy
 import numpy as np
 import pytest
-import realistic
 from stage import empty, picture, show_directions, use_shader
+
+import realistic
 
 SIZE = (64, 48)
 # f-number, focus distance in m; 0.5: as wide as the lens opens.

@@ -18,8 +18,9 @@ import threading
 import time
 from pathlib import Path
 
-import realistic
 from dask.distributed import Client, LocalCluster
+
+import realistic
 from realistic import farm
 
 SIZE, OPTIONS = (240, 160), ["--lens", "wide.22mm", "--spp", "8"]

@@ -10,8 +10,9 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
-import realistic
 from numpy.typing import NDArray
+
+import realistic
 
 Array = NDArray[np.float32]
 

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 import realistic
 from realistic import Camera, _abi
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 import realistic
 from realistic import FocusError, LensFileError, ParameterError, Table, farm, measure, study
 from realistic.errors import quietly

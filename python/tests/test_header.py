@@ -4,6 +4,7 @@ import ctypes
 import re
 
 import pytest
+
 from realistic import Reason, _abi
 from realistic.autofocus import RULES
 from realistic.lens import SIDES

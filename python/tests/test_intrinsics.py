@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from realistic import Camera
 from realistic.measure.bundles import film_plane, in_camera_space
 

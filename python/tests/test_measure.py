@@ -3,6 +3,7 @@
 import matplotlib
 import numpy as np
 import pytest
+
 from realistic import Camera, measure
 
 
@@ -202,6 +203,7 @@ def test_where_there_is_no_light_there_is_no_spot():
 def test_every_plot_draws_what_is_measured(lens):
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
+
     from realistic import plot
 
     camera = Camera(lens, resolution=(300, 200))

@@ -7,6 +7,7 @@ import sys
 import zipfile
 
 import pytest
+
 import realistic
 from realistic import _abi
 

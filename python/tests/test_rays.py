@@ -7,6 +7,7 @@ import time
 
 import numpy as np
 import pytest
+
 import realistic
 from realistic import Camera, Rays, Reason, _abi
 from realistic import rays as engine

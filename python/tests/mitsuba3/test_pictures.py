@@ -3,6 +3,7 @@
 import framing
 import numpy as np
 import pytest
+
 import realistic
 
 

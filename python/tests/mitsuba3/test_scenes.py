@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 import realistic
 
 XML = """<scene version="3.0.0">

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 import realistic
 
 # Mitsuba has +x to the left.
