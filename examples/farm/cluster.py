@@ -16,9 +16,8 @@ import threading
 import time
 from pathlib import Path
 
-from dask.distributed import Client, LocalCluster
-
 import realistic
+from dask.distributed import Client, LocalCluster
 from realistic import farm
 
 SIZE, OPTIONS = (240, 160), ["--lens", "wide.22mm", "--spp", "8"]
