@@ -104,7 +104,7 @@ def test_lamps_out_of_focus_are_the_disks_of_the_programs_picture(fast, checkout
     if command is None:
         pytest.skip("the program is not built: name it in REALISTIC_PROGRAM, or run cargo build --release")
     out = tmp_path / "lamps.exr"
-    framing.by_program(command, out, 64, {"focusdistance": 1071.0})
+    framing.by_program(command, out, 32, {"focusdistance": 1071.0})
     program = np.array(mi.Bitmap(str(out)), np.float64)[..., :3].sum(axis=2)
     # As in cli/src/host/scene/props.rs; colours do not matter.
     lamps = {}
