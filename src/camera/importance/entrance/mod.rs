@@ -10,11 +10,12 @@
 mod build;
 mod outline;
 mod repair;
+mod sight;
 mod spot;
 mod table;
 
 pub(super) use build::build;
 pub(super) use outline::Probe;
 pub(super) use repair::RAYS;
-pub(super) use spot::Spot;
+pub(super) use sight::Sight;
 pub(super) use table::Entrance;

@@ -20,6 +20,9 @@ const PLACES: usize = 16;
 const HALVINGS: u32 = 9;
 /// Grids over the front aperture, rays across, in which a first ray through is looked for.
 const GRIDS: [usize; 2] = [24, 80];
+/// Rays that reach the film's plane farther from the axis than this, over the film's reach, are not looked for: some lenses
+/// let rays through that leave them nearly along the film.
+const STRAY: f64 = 2.0;
 /// How far from the centre an outline may reach, over its half widths.
 const FARTHEST: f64 = 4.0;
 
@@ -28,10 +31,16 @@ pub(in crate::camera::importance) struct Probe<'a> {
     pub kernel: &'a Kernel<f64>,
     /// z of the film.
     pub film: f64,
+    /// The farthest film point from the axis, mm.
+    pub reach: f64,
     /// Whether the film has rays of these slopes at a point, mm.
     pub is_sampled: &'a dyn Fn([f64; 2], [f64; 2]) -> bool,
-    /// The point of the axis that spots are seen from.
+    /// z of the entrance pupil, if that lies in the lens.
     pub reference: f64,
+    /// z of the point of the axis that all spots are seen from where pupils stay about there: behind the front's rim.
+    pub still: f64,
+    /// z that no spot's point of the axis lies before.
+    pub foremost: f64,
     /// Places of the front surface, height and z, mm.
     pub cap: Vec<[f64; 2]>,
     /// From anywhere on the planes to before the lens, mm.
@@ -71,7 +80,8 @@ impl Probe<'_> {
         let ([x, y, z], [dx, dy, dz]) = (ray.origin, ray.direction);
         let slopes = [dx / dz, dy / dz];
         let point = [x + (self.film - z) * slopes[0], y + (self.film - z) * slopes[1]];
-        (point.iter().all(|x| x.is_finite()) && (self.is_sampled)(point, slopes)).then_some(point)
+        let is_near = point[0].hypot(point[1]) <= STRAY * self.reach;
+        (is_near && (self.is_sampled)(point, slopes)).then_some(point)
     }
 
     /// The part of the plane that the front surface covers, seen from a spot: along the first axis from, to, and along the
@@ -83,7 +93,7 @@ impl Probe<'_> {
         for [height, z] in &self.cap {
             for turn in 0..=AROUND {
                 let [x, y] = direction(std::f64::consts::PI * f64::from(turn) / f64::from(AROUND));
-                let (x, y, z) = (height * x, height * y, z - self.reference);
+                let (x, y, z) = (height * x, height * y, z - spot.reference);
                 let (a, depth) = (x * cos - z * sin, x * sin + z * cos);
                 // Points beside or behind the spot are seen at no end.
                 let nearness = 1.0 - depth * spot.vergence;

@@ -6,17 +6,17 @@ use rand_xoshiro::{
 };
 
 use super::{
-    spot::on_ray,
-    table::{Entrance, Node},
+    spot::Spot,
+    table::{Cell, Entrance, Node},
 };
 use crate::lens::Ray;
 
 /// Rays of a round.
 pub(in crate::camera::importance) const RAYS: usize = 12_000;
 /// Rounds.
-const ROUNDS: u64 = 8;
+const ROUNDS: u64 = 12;
 /// How much more than needed an outline is made to hold, relative.
-const MORE: f64 = 1.001;
+const MORE: f64 = 1.004;
 
 /// A ray of the camera out into the scene, in lens space, and where on the film it began.
 pub(in crate::camera::importance) type FilmRay = (Ray, [f64; 2]);
@@ -27,27 +27,18 @@ impl Entrance {
         for round in 0..ROUNDS {
             let mut random = SplitMix64::seed_from_u64(round + 77);
             for (ray, film) in rays(round) {
-                // Every other one near the far end, where focus lies.
+                // Every other one as rows lie, and as many near the glass.
                 let number = (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
-                let number = if random.next_u64() & 1 == 0 { number * number } else { number.powi(5) };
-                self.hold(&ray, film, number * self.nearest);
+                let nearness = if random.next_u64() & 1 == 0 { number * number } else { number.sqrt() };
+                self.hold(&ray, film, nearness);
             }
         }
     }
 
-    /// Makes the region of the spot on a ray with that vergence hold the ray, where there is one.
-    fn hold(&mut self, ray: &Ray, film: [f64; 2], vergence: f64) {
-        let Some(spot) = on_ray(ray, self.reference, vergence) else { return };
-        let Some((cell, part)) = self.cell(&spot) else { return };
-        let Node { fan, image } = self.at(&cell);
-        let point = spot.crossing(ray);
-        let (ratio, sector) = fan.ratio(point);
-        let [cos, sin] = spot.azimuth;
-        let at = [film[0] * cos + film[1] * sin, film[1] * cos - film[0] * sin];
-        let off = image.off(&fan, point, at);
-        if part <= 1.0 && ratio <= 1.0 && off <= image.spread {
-            return;
-        }
+    /// Makes the region of the spot on a ray with that nearness, or nearly that, hold the ray, where there is one.
+    fn hold(&mut self, ray: &Ray, film: [f64; 2], nearness: f64) {
+        let Some(spot) = self.sight.on_ray(ray, nearness) else { return };
+        let Some(Outside { cell, part, ratio, sector, off }) = self.outside(&spot, ray, film) else { return };
         for row in &mut self.rows[cell.row..=cell.row + 1] {
             row.end *= part.max(1.0);
             for node in &mut row.nodes[cell.node..=cell.node + 1] {
@@ -60,4 +51,34 @@ impl Entrance {
             }
         }
     }
+
+    /// How far a ray through a spot lies outside the region that the spot sees; `None` for one inside, and for spots nearer
+    /// than the table goes.
+    fn outside(&self, spot: &Spot, ray: &Ray, film: [f64; 2]) -> Option<Outside> {
+        let (cell, part) = self.cell(spot)?;
+        let Node { fan, image } = self.at(&cell);
+        let point = spot.crossing(ray);
+        let (ratio, sector) = fan.ratio(point);
+        let [cos, sin] = spot.azimuth;
+        let at = [film[0] * cos + film[1] * sin, film[1] * cos - film[0] * sin];
+        let off = image.off(&fan, point, at);
+        let inside = part <= 1.0 && ratio <= 1.0 && off <= image.spread;
+        (!inside).then_some(Outside { cell, part, ratio, sector, off })
+    }
+
+    /// Whether the region that a spot sees holds a ray of its from the film; so it is with what is nearer than the table goes.
+    pub fn covers(&self, spot: &Spot, ray: &Ray, film: [f64; 2]) -> bool {
+        self.outside(spot, ray, film).is_none()
+    }
 }
+
+/// A ray outside a region: the cell, what part of the row's end its angle is, how far from the centre it lies over the
+/// edge's distance, in which sector, and how far from where it is expected it reaches the film, mm.
+struct Outside {
+    cell: Cell,
+    part: f64,
+    ratio: f64,
+    sector: usize,
+    off: f64,
+}
+impl Entrance { pub fn ratio(&self, spot: &Spot, ray: &Ray, film: [f64;2]) -> f64 { self.outside(spot, ray, film).map_or(0.0, |o| o.ratio.max(o.part)) } pub fn why(&self, spot: &Spot, ray: &Ray, film: [f64;2]) -> String { self.outside(spot, ray, film).map_or(String::new(), |o| format!("   row {} {:.2} node {} {:.2} part {:.4} ratio {:.4} sector {} off {:.4} of {:.4}", o.cell.row, o.cell.down, o.cell.node, o.cell.along, o.part, o.ratio, o.sector, o.off, self.at(&o.cell).image.spread)) } }
