@@ -162,7 +162,9 @@ fn exact_rays_out_come_back_to_their_film_point_and_the_cameras_are_found_there(
         let both = BothWays::new(&facts.lens, facts.film_z());
         let (mut there_and_back, mut off, mut rounded, mut all) = (0.0_f64, 0.0_f64, 0.0_f64, 0);
         for (sample, ray, _, found) in rays(&camera, 120) {
-            let Some(landed) = both.back(crossing_of(&ray)).filter(|_| found.importance > 0.0) else { continue };
+            let Some(landed) = both.back(crossing_of(&ray)).filter(|_| found.importance > 0.0) else {
+                continue;
+            };
             all += 1;
             let again = both.out(landed).and_then(|out| both.back(out)).expect("the way that it came");
             for i in 0..4 {

@@ -1,10 +1,10 @@
 //! A lens the other way round: rays from the scene traced to the film, and directions toward the lens from a point.
 
-use std::{f64::consts::TAU, sync::OnceLock};
+use std::sync::OnceLock;
 
 use super::{
     counted::Towards,
-    entrance::{self, Entrance, Probe, Spot},
+    entrance::{self, Entrance, Probe},
     film::{Counted, FilmCount},
 };
 use crate::{
@@ -18,8 +18,9 @@ use crate::{
     },
 };
 
-/// How near to the front vertex a point may lie for the table to serve it, over the front surface's clear semi-diameter.
-const NEAREST: f64 = 0.25;
+/// How far behind the front vertex, or its rim, the points of the axis lie that the scene is seen from, over the front
+/// surface's clear semi-diameter.
+const BEHIND: f64 = 0.05;
 /// How far before where it is said to begin a ray begins, over the front surface's clear semi-diameter: those of a camera
 /// begin on the surface, but for rounding.
 const BACK: f64 = 1e-4;
@@ -31,8 +32,8 @@ pub(crate) struct LensBackward {
     count: FilmCount,
     /// From scene to film, with the blades.
     kernel: Kernel<f64>,
-    /// z of the point of the axis that the scene is seen from: in the entrance pupil, if that lies in the lens.
-    reference: f64,
+    /// z of the entrance pupil, if that lies in the lens.
+    pupil: f64,
     entrance: OnceLock<Option<Entrance>>,
 }
 
@@ -46,9 +47,7 @@ impl LensBackward {
             lens: lens.clone(),
             count: FilmCount::new(body),
             kernel: Kernel::along(&path),
-            reference: pupil
-                .max(lens.rear().vertex)
-                .min(front.sagitta_range()[0] - 0.05 * front.semi_diameter),
+            pupil: pupil.clamp(lens.rear().vertex, -BEHIND * front.semi_diameter),
             entrance: OnceLock::new(),
         }
     }
@@ -63,10 +62,10 @@ impl LensBackward {
         std::f64::consts::PI * self.lens.front().semi_diameter.powi(2)
     }
 
-    /// Whether a point lies before the front surface.
+    /// Whether a point lies before the front surface, or beside it: a fisheye sees what lies behind its rim.
     fn is_in_front(&self, [x, y, z]: [f64; 3]) -> bool {
-        let front = self.lens.front();
-        z > front.sagitta(x.hypot(y).min(front.semi_diameter))
+        let (front, height) = (self.lens.front(), x.hypot(y));
+        if height < front.semi_diameter { z > front.sagitta(height) } else { z > self.lens.rear().vertex }
     }
 
     /// What rays count, of any length of direction; those that are none count nothing. `rounding` is how far off its origin
@@ -104,50 +103,40 @@ impl LensBackward {
             return None;
         }
         let entrance = self.entrance.get_or_init(|| self.tabulate()).as_ref()?;
-        let spot = Spot::of_point(point, self.reference);
-        let (ray, density) = if spot.vergence <= entrance.nearest {
-            let (fan, image) = entrance.seen_from(&spot)?;
-            let (at, density) = fan.sample(&image, spot.azimuth, &self.count.window(), numbers)?;
-            let (ray, stretch) = spot.ray(at, self.lead());
-            (ray, density * stretch.powi(3) / spot.vergence.powi(2))
-        } else {
-            toward_ball(point, self.front_ball(), numbers)
-        };
+        let spot = entrance.sight.spot(point);
+        let (fan, image) = entrance.seen_from(&spot)?;
+        let (at, density) = fan.sample(&image, spot.azimuth, &self.count.window(), numbers)?;
+        let (ray, stretch) = spot.ray(at, self.lead());
+        let density = density * stretch.powi(3) / spot.vergence.powi(2);
         let origin = front_point(self.lens.front(), &ray);
         (density > 0.0).then_some(Towards { ray: Ray { origin, ..ray }, density })
     }
 
-    /// Longer than anything in front of the reference.
+    /// Longer than anything in front of where the scene is seen from.
     fn lead(&self) -> f64 {
         let front = self.lens.front();
         let [low, high] = front.sagitta_range();
-        2.0 * (front.semi_diameter + self.reference.abs() + high - low)
-    }
-
-    /// A ball that holds the front surface: z of its middle, and its radius.
-    fn front_ball(&self) -> (f64, f64) {
-        let front = self.lens.front();
-        let [low, high] = front.sagitta_range();
-        (f64::midpoint(low, high), front.semi_diameter.hypot((high - low) / 2.0))
+        2.0 * (front.semi_diameter + self.pupil.abs() + high - low)
     }
 
     /// Looks at the lens from everywhere. The pupil is that of the whole stop: what of it the blades cover is blocked.
     fn tabulate(&self) -> Option<Entrance> {
-        const RINGS: u32 = 4;
+        const RINGS: u32 = 8;
         let front = self.lens.front();
         let whole = Kernel::new(&self.lens, Direction::SceneToFilm);
         let ring = |ring: u32| front.semi_diameter * f64::from(ring) / f64::from(RINGS);
         let probe = Probe {
             kernel: &whole,
             film: self.count.z(),
+            reach: self.count.side().film.diagonal() / 2.0,
             is_sampled: &|point, slopes| self.count.is_sampled(point, slopes),
-            reference: self.reference,
+            pupil: self.pupil,
+            still: self.pupil.min(front.sagitta_range()[0] - BEHIND * front.semi_diameter),
+            foremost: -BEHIND * front.semi_diameter,
             cap: (0..=RINGS).map(|number| [ring(number), front.sagitta(ring(number))]).collect(),
             lead: self.lead(),
         };
-        let reach = self.count.side().film.diagonal() / 2.0;
-        let nearest = NEAREST * front.semi_diameter - self.reference;
-        let mut entrance = entrance::build(&probe, reach, nearest)?;
+        let mut entrance = entrance::build(&probe)?;
         let out = Kernel::<f64>::new(&self.lens, Direction::FilmToScene);
         let side = self.count.side();
         entrance.repair(|round| {
@@ -161,19 +150,6 @@ impl LensBackward {
         });
         Some(entrance)
     }
-}
-
-/// A direction toward a ball from a point, anywhere in the cone that it fills, or in any direction from within.
-fn toward_ball([x, y, z]: [f64; 3], (middle, radius): (f64, f64), [u, v]: [f64; 2]) -> (Ray, f64) {
-    let spot = Spot::of_point([x, y, z], middle);
-    let sine = radius * spot.vergence;
-    // 1 - cos of the cone's half angle.
-    let depth = if sine < 1.0 { sine * sine / (1.0 + (1.0 - sine * sine).sqrt()) } else { 2.0 };
-    let down = u * depth;
-    let aside = (down * (2.0 - down)).max(0.0).sqrt();
-    let (sin, cos) = (TAU * v).sin_cos();
-    let direction = spot.vector([aside * cos, aside * sin, down - 1.0]);
-    (Ray { origin: [x, y, z], direction }, (TAU * depth).recip())
 }
 
 /// Where a ray from the scene, with a unit direction, meets the front surface; where it misses that, where it begins.

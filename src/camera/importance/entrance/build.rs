@@ -2,8 +2,8 @@
 //! interpolation leaves out halfway between them.
 
 use super::{
-    sight::Sight,
     outline::{Outline, Probe},
+    sight::Sight,
     spot::Spot,
     table::{Cell, Entrance, Node, Row},
 };
@@ -16,23 +16,23 @@ const DENSER: i32 = 2;
 /// Of the last row: hardly before the glass.
 const NEAREST: f64 = 0.999;
 /// Intervals of a row.
-const NODES: usize = 14;
+const NODES: usize = 16;
 /// Field angle from one look to the next in the search for a row's end, radians.
 const STEP: f64 = 0.06;
 /// The same in the search for chief rays.
 const LOOK: f64 = 0.03;
 /// How far a pupil walks that is followed, over its half width.
-const WALK: f64 = 8.0;
+const WALK: f64 = 60.0;
 /// Halvings that end it.
 const HALVINGS: u32 = 16;
 /// The largest field angle, radians.
 const WIDEST: f64 = 2.9;
 /// How much larger outlines are made in any case, relative.
-const MARGIN: f64 = 1.01;
+const MARGIN: f64 = 1.005;
 /// What halfway between neighbours is asked for is made larger by that, for what lies between there and them.
 const BETWEEN: f64 = 1.6;
 /// The same of how far off images may be.
-const SPREAD: f64 = 1.3;
+const SPREAD: f64 = 1.1;
 
 /// A row's spots while it is made: its distance, where it ends, and whether the lens ends it or the film.
 struct Span {
@@ -51,11 +51,7 @@ pub(in crate::camera::importance) fn build(probe: &Probe<'_>) -> Option<Entrance
     if spans.len() < 2 {
         return None;
     }
-    let mut table = Entrance {
-        sight,
-        vanishes: spans.iter().any(|span| span.vanishes),
-        rows: Vec::new(),
-    };
+    let mut table = Entrance { sight, vanishes: spans.iter().any(|span| span.vanishes), rows: Vec::new() };
     for span in &spans {
         let nodes = row(probe, &table, span)?;
         table.rows.push(Row { nearness: span.nearness, end: span.end, nodes });
@@ -67,7 +63,7 @@ pub(in crate::camera::importance) fn build(probe: &Probe<'_>) -> Option<Entrance
 /// The points of the axis that spots are seen from, by angle and z: one, or where a pupil walks far over its own size those
 /// at which the chief rays of spots infinitely far away cross the axis.
 fn centers(probe: &Probe<'_>) -> Vec<[f64; 2]> {
-    let [still, first] = [probe.still, probe.reference];
+    let first = probe.pupil;
     let mut centers = vec![[0.0, first]];
     let (mut hint, mut before, mut walk) = (0.0, 0.0, 0.0_f64);
     for step in 1..(WIDEST / LOOK) as usize {
@@ -79,15 +75,12 @@ fn centers(probe: &Probe<'_>) -> Vec<[f64; 2]> {
         walk = walk.max(hint.abs() / fan.extent[0]);
         centers.push([angle, (first - hint / angle.sin()).min(probe.foremost)]);
     }
-    if std::env::var("SAY").is_ok() { println!("walk {walk:.2} {} {:?}", centers.len(), centers.iter().map(|c| c[1] as f32).collect::<Vec<_>>()); }
-    if walk > WALK { centers } else { vec![[0.0, still]] }
+    if walk > WALK { centers } else { vec![[0.0, probe.still]] }
 }
 
 /// The field angles of a row: from the axis to where no ray gets to the film any more.
 fn span(probe: &Probe<'_>, sight: &Sight, nearness: f64) -> Option<Span> {
-    let look = |angle: f64, hint: f64| {
-        probe.rough_outline(&sight.on_meridian(angle, nearness), &[hint])
-    };
+    let look = |angle: f64, hint: f64| probe.rough_outline(&sight.on_meridian(angle, nearness), &[hint]);
     let mut last = look(0.0, 0.0)?;
     let mut low = 0.0;
     let mut beyond = None;
@@ -155,7 +148,8 @@ fn grow(probe: &Probe<'_>, table: &mut Entrance) {
                 }
                 // A cell has a node and a row after it, also on the table's last lines.
                 let (first, before) = (row.min(rows - 2), node.min(NODES - 1));
-                let cell = table.cell_at(first, before, down + (row - first) as f64, along + (node - before) as f64);
+                let cell =
+                    table.cell_at(first, before, down + (row - first) as f64, along + (node - before) as f64);
                 let need = halfway(probe, table, &cell);
                 for place in [row * (NODES + 1) + node, (row + more_down) * (NODES + 1) + node + more_along] {
                     needed[place][way].take(&need);

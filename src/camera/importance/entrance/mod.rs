@@ -17,5 +17,4 @@ mod table;
 pub(super) use build::build;
 pub(super) use outline::Probe;
 pub(super) use repair::RAYS;
-pub(super) use sight::Sight;
 pub(super) use table::Entrance;

@@ -36,7 +36,7 @@ pub(in crate::camera::importance) struct Probe<'a> {
     /// Whether the film has rays of these slopes at a point, mm.
     pub is_sampled: &'a dyn Fn([f64; 2], [f64; 2]) -> bool,
     /// z of the entrance pupil, if that lies in the lens.
-    pub reference: f64,
+    pub pupil: f64,
     /// z of the point of the axis that all spots are seen from where pupils stay about there: behind the front's rim.
     pub still: f64,
     /// z that no spot's point of the axis lies before.

@@ -13,8 +13,12 @@ use crate::lens::Ray;
 
 /// Rays of a round.
 pub(in crate::camera::importance) const RAYS: usize = 12_000;
-/// Rounds.
-const ROUNDS: u64 = 12;
+/// Rounds, at most.
+const ROUNDS: u64 = 30;
+/// The number of the last round that there is in any case.
+const LEAST: u64 = 3;
+/// So many rays outside, and no more of a round, need no other.
+const FEW: usize = 2;
 /// How much more than needed an outline is made to hold, relative.
 const MORE: f64 = 1.004;
 
@@ -22,23 +26,33 @@ const MORE: f64 = 1.004;
 pub(in crate::camera::importance) type FilmRay = (Ray, [f64; 2]);
 
 impl Entrance {
-    /// Makes the outlines hold rays that `rays` makes of a round's number, [`RAYS`] or fewer.
+    /// Makes the outlines hold rays that `rays` makes of a round's number, [`RAYS`] or fewer, until hardly
+    /// any lies outside.
     pub fn repair(&mut self, rays: impl Fn(u64) -> Vec<FilmRay>) {
         for round in 0..ROUNDS {
             let mut random = SplitMix64::seed_from_u64(round + 77);
+            let mut outside = 0;
             for (ray, film) in rays(round) {
-                // Every other one as rows lie, and as many near the glass.
+                // Every other one as rows lie, and as many near the glass, some of them on it.
                 let number = (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
-                let nearness = if random.next_u64() & 1 == 0 { number * number } else { number.sqrt() };
-                self.hold(&ray, film, nearness);
+                let is_far = random.next_u64() & 1 == 0;
+                let nearness = if is_far { number * number } else { (1.05 * number.sqrt()).min(1.0) };
+                outside += usize::from(self.hold(&ray, film, nearness));
+            }
+            if round >= LEAST && outside <= FEW {
+                return;
             }
         }
     }
 
-    /// Makes the region of the spot on a ray with that nearness, or nearly that, hold the ray, where there is one.
-    fn hold(&mut self, ray: &Ray, film: [f64; 2], nearness: f64) {
-        let Some(spot) = self.sight.on_ray(ray, nearness) else { return };
-        let Some(Outside { cell, part, ratio, sector, off }) = self.outside(&spot, ray, film) else { return };
+    /// Makes the region of the spot on a ray with that nearness, or nearly that, hold the ray; whether it lay outside.
+    fn hold(&mut self, ray: &Ray, film: [f64; 2], nearness: f64) -> bool {
+        let spot = self.sight.on_ray(ray, nearness);
+        let Some(Outside { cell, part, ratio, sector, off }) =
+            spot.and_then(|spot| self.outside(&spot, ray, film))
+        else {
+            return false;
+        };
         for row in &mut self.rows[cell.row..=cell.row + 1] {
             row.end *= part.max(1.0);
             for node in &mut row.nodes[cell.node..=cell.node + 1] {
@@ -50,6 +64,7 @@ impl Entrance {
                 node.image.spread = node.image.spread.max(MORE * off);
             }
         }
+        true
     }
 
     /// How far a ray through a spot lies outside the region that the spot sees; `None` for one inside, and for spots nearer
@@ -65,11 +80,6 @@ impl Entrance {
         let inside = part <= 1.0 && ratio <= 1.0 && off <= image.spread;
         (!inside).then_some(Outside { cell, part, ratio, sector, off })
     }
-
-    /// Whether the region that a spot sees holds a ray of its from the film; so it is with what is nearer than the table goes.
-    pub fn covers(&self, spot: &Spot, ray: &Ray, film: [f64; 2]) -> bool {
-        self.outside(spot, ray, film).is_none()
-    }
 }
 
 /// A ray outside a region: the cell, what part of the row's end its angle is, how far from the centre it lies over the
@@ -81,4 +91,3 @@ struct Outside {
     sector: usize,
     off: f64,
 }
-impl Entrance { pub fn ratio(&self, spot: &Spot, ray: &Ray, film: [f64;2]) -> f64 { self.outside(spot, ray, film).map_or(0.0, |o| o.ratio.max(o.part)) } pub fn why(&self, spot: &Spot, ray: &Ray, film: [f64;2]) -> String { self.outside(spot, ray, film).map_or(String::new(), |o| format!("   row {} {:.2} node {} {:.2} part {:.4} ratio {:.4} sector {} off {:.4} of {:.4}", o.cell.row, o.cell.down, o.cell.node, o.cell.along, o.part, o.ratio, o.sector, o.off, self.at(&o.cell).image.spread)) } }

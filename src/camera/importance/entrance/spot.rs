@@ -99,7 +99,6 @@ mod tests {
                     "{point:?}"
                 );
                 assert!(x * dx + y * dy + z * dz <= 1e-9 && stretch >= 1.0);
-                let back = Ray { direction: ray.direction.map(|part| -part), ..ray };
             }
         }
     }

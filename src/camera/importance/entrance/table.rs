@@ -97,10 +97,7 @@ impl Entrance {
         Node {
             fan: Fan {
                 center: turned(&|node| node.fan.center),
-                extent: [
-                    turned(&|node| node.fan.extent[0]),
-                    mixed(&by_place, &|node| node.fan.extent[1]),
-                ],
+                extent: [turned(&|node| node.fan.extent[0]), mixed(&by_place, &|node| node.fan.extent[1])],
                 reach: std::array::from_fn(|knot| {
                     corners.iter().zip(by_place).map(|(node, share)| share * node.fan.reach[knot]).sum()
                 }),
