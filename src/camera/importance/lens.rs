@@ -4,14 +4,15 @@ use std::sync::OnceLock;
 
 use super::{
     counted::Towards,
-    entrance::{self, Entrance, Probe},
+    entrance::{self, Entrance, FilmRay, Node, Probe},
+    fan::{LIMITS, Limit},
     film::{Counted, FilmCount},
 };
 use crate::{
     camera::pipeline::body::CameraBody,
     lens::{Lens, Ray, Surface, pupil::EntrancePupil, refraction::Refraction},
     numeric::{quasirandom::STEPS, root},
-    prescription::Blades,
+    prescription::{BladeConstants, Blades},
     trace::{
         Direction, Path,
         kernel::{Kernel, RayBuffer},
@@ -35,6 +36,10 @@ pub(crate) struct LensBackward {
     /// z of the entrance pupil, if that lies in the lens.
     pupil: f64,
     entrance: OnceLock<Option<Entrance>>,
+    /// Sides of the film.
+    window: [Limit; 4],
+    /// Straight edges that hold the blades' figure in the stop; none where it nearly fills that.
+    blades: Vec<Limit>,
 }
 
 impl LensBackward {
@@ -43,9 +48,12 @@ impl LensBackward {
         let front = lens.front();
         let pupil = EntrancePupil::of_lens(lens).position().unwrap_or(0.0);
         let path = Path::new(lens, Direction::SceneToFilm, Refraction::Fused).with_blades(lens, blades);
+        let count = FilmCount::new(body);
         Self {
             lens: lens.clone(),
-            count: FilmCount::new(body),
+            window: count.window().limits(),
+            blades: edges(lens, blades),
+            count,
             kernel: Kernel::along(&path),
             pupil: pupil.clamp(lens.rear().vertex, -BEHIND * front.semi_diameter),
             entrance: OnceLock::new(),
@@ -104,8 +112,9 @@ impl LensBackward {
         }
         let entrance = self.entrance.get_or_init(|| self.tabulate()).as_ref()?;
         let spot = entrance.sight.spot(point);
-        let (fan, image) = entrance.seen_from(&spot)?;
-        let (at, density) = fan.sample(&image, spot.azimuth, &self.count.window(), numbers)?;
+        let Node { fan, image, stop } = entrance.seen_from(&spot)?;
+        let views = [(&image, &self.window[..]), (&stop, &self.blades[..])];
+        let (at, density) = fan.sample(&views, spot.azimuth, numbers)?;
         let (ray, stretch) = spot.ray(at, self.lead());
         let density = density * stretch.powi(3) / spot.vergence.powi(2);
         let origin = front_point(self.lens.front(), &ray);
@@ -124,9 +133,18 @@ impl LensBackward {
         const RINGS: u32 = 8;
         let front = self.lens.front();
         let whole = Kernel::new(&self.lens, Direction::SceneToFilm);
+        // Up to the stop, from both sides.
+        let stop = self.lens.stop_index().filter(|_| !self.blades.is_empty());
+        let part = |surfaces: &[Surface], direction| {
+            Kernel::<f64>::new(&Lens { surfaces: surfaces.to_vec(), ..self.lens.clone() }, direction)
+        };
+        let surfaces = &self.lens.surfaces;
+        let to_stop = stop.map(|stop| part(&surfaces[..=stop], Direction::SceneToFilm));
+        let from_film = stop.map(|stop| part(&surfaces[stop..], Direction::FilmToScene));
         let ring = |ring: u32| front.semi_diameter * f64::from(ring) / f64::from(RINGS);
         let probe = Probe {
             kernel: &whole,
+            to_stop: to_stop.as_ref(),
             film: self.count.z(),
             reach: self.count.side().film.diagonal() / 2.0,
             is_sampled: &|point, slopes| self.count.is_sampled(point, slopes),
@@ -144,12 +162,31 @@ impl LensBackward {
             let ray = |i: usize| {
                 let numbers = STEPS.map(|step| (0.5 + number(i) * step).fract());
                 let (point, sample) = side.sample(numbers)?;
-                Some((out.trace_one(side.z, point, sample.slopes)?.ray(), point))
+                let ray = out.trace_one(side.z, point, sample.slopes)?.ray();
+                let stop =
+                    from_film.as_ref().and_then(|kernel| kernel.trace_one(side.z, point, sample.slopes));
+                Some(FilmRay { ray, film: point, stop: stop.map(|at| [at.origin[0], at.origin[1]]) })
             };
             (0..entrance::RAYS).filter_map(ray).collect()
         });
         Some(entrance)
     }
+}
+
+/// Straight edges in the plane of the stop that hold the figure that blades leave open; none where they are many or it is
+/// nearly the circle.
+fn edges(lens: &Lens, blades: Option<Blades>) -> Vec<Limit> {
+    /// The figure's area over the circle's from which on the circle will do.
+    const FULL: f64 = 0.95;
+    let (Some(blades), Some(stop)) = (blades, lens.stop_index()) else { return Vec::new() };
+    if blades.count as usize > LIMITS || blades.share() > FULL {
+        return Vec::new();
+    }
+    // Where bulge r² + slant r comes to the limit, in the middle of an edge.
+    let BladeConstants { bulge, slant, limit } = blades.constants();
+    let middle = 2.0 * limit / (slant + (slant * slant + 4.0 * bulge * limit).sqrt());
+    let distance = middle * lens.surfaces[stop].semi_diameter;
+    blades.normals().map(|[x, y]| [x, y, distance]).collect()
 }
 
 /// Where a ray from the scene, with a unit direction, meets the front surface; where it misses that, where it begins.

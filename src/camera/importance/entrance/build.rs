@@ -123,7 +123,7 @@ fn row(probe: &Probe<'_>, table: &Entrance, span: &Span) -> Option<Vec<Node>> {
             _ => vec![0.0],
         };
         match probe.outline(&spot, &hints) {
-            Some(Outline { fan, image, .. }) => nodes.push(Node { fan, image }),
+            Some(Outline { fan, image, stop, .. }) => nodes.push(Node { fan, image, stop }),
             None => {
                 let mut last = *nodes.last()?;
                 last.fan.extent = last.fan.extent.map(|extent| 1e-2 * extent);
@@ -163,30 +163,33 @@ fn grow(probe: &Probe<'_>, table: &mut Entrance) {
             *reach *= MARGIN + BETWEEN * (a + b);
         }
         node.image.spread = SPREAD * (node.image.spread + along.spread + down.spread);
+        node.stop.spread = SPREAD * (node.stop.spread + along.stop_spread + down.stop_spread);
     }
 }
 
-/// By how much an outline is too small at its corners, relative, and how far off images are, mm.
+/// By how much an outline is too small at its corners, relative, and how far off images are on film and stop, mm.
 #[derive(Clone, Copy)]
 struct Need {
     growth: [f64; super::super::fan::SECTORS + 1],
     spread: f64,
+    stop_spread: f64,
 }
 
 impl Need {
-    const NONE: Self = Self { growth: [0.0; super::super::fan::SECTORS + 1], spread: 0.0 };
+    const NONE: Self = Self { growth: [0.0; super::super::fan::SECTORS + 1], spread: 0.0, stop_spread: 0.0 };
 
     fn take(&mut self, other: &Self) {
         for (own, other) in self.growth.iter_mut().zip(other.growth) {
             *own = own.max(other);
         }
         self.spread = self.spread.max(other.spread);
+        self.stop_spread = self.stop_spread.max(other.stop_spread);
     }
 }
 
 /// What the outline that the table has for a cell leaves out.
 fn halfway(probe: &Probe<'_>, table: &Entrance, cell: &Cell) -> Need {
-    let Node { fan, image } = table.at(cell);
+    let Node { fan, image, stop } = table.at(cell);
     let ends = [0, 1].map(|row| table.rows[cell.row + row].end);
     let end = ends[0] + cell.down * (ends[1] - ends[0]);
     let part = table.part((cell.node as f64 + cell.along) / NODES as f64);
@@ -197,6 +200,9 @@ fn halfway(probe: &Probe<'_>, table: &Entrance, cell: &Cell) -> Need {
     let Some(outline) = probe.outline(&spot, &[fan.center]) else { return need };
     for (point, at) in &outline.within {
         need.spread = need.spread.max(image.off(&fan, *point, *at) - image.spread);
+    }
+    for (point, at) in &outline.crossings {
+        need.stop_spread = need.stop_spread.max(stop.off(&fan, *point, *at) - stop.spread);
     }
     for (point, at) in &outline.edge {
         let (ratio, sector) = fan.ratio(*point);

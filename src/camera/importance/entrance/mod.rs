@@ -16,5 +16,5 @@ mod table;
 
 pub(super) use build::build;
 pub(super) use outline::Probe;
-pub(super) use repair::RAYS;
-pub(super) use table::Entrance;
+pub(super) use repair::{FilmRay, RAYS};
+pub(super) use table::{Entrance, Node};

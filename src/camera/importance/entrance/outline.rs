@@ -29,6 +29,8 @@ const FARTHEST: f64 = 4.0;
 /// Rays from the scene to the film: film points of those that get through.
 pub(in crate::camera::importance) struct Probe<'a> {
     pub kernel: &'a Kernel<f64>,
+    /// The lens up to its stop, where it matters what points of that rays cross.
+    pub to_stop: Option<&'a Kernel<f64>>,
     /// z of the film.
     pub film: f64,
     /// The farthest film point from the axis, mm.
@@ -55,24 +57,50 @@ type Landed = Option<[f64; 2]>;
 pub(in crate::camera::importance) struct Outline {
     pub fan: Fan,
     pub image: Image,
+    /// Where rays cross the stop; of no meaning where that does not matter.
+    pub stop: Image,
     /// The least distance from the axis at which its rays reach the film, mm, and no more.
     pub nearest: f64,
     /// Points of the edge, and where their rays reach the film.
     pub edge: Vec<([f64; 2], [f64; 2])>,
     /// The same of points within, and of the edge.
     pub within: Vec<([f64; 2], [f64; 2])>,
+    /// Points within, and where their rays cross the stop.
+    pub crossings: Vec<([f64; 2], [f64; 2])>,
 }
 
 impl Probe<'_> {
-    /// Traces rays from a spot.
-    fn land(&self, spot: &Spot, points: &[[f64; 2]]) -> Vec<Landed> {
+    /// Rays from a spot through points, ready to be traced.
+    fn rays(&self, spot: &Spot, points: impl ExactSizeIterator<Item = [f64; 2]>) -> RayBuffer<f64> {
         let mut buffer = RayBuffer::new(points.len());
-        for (i, point) in points.iter().enumerate() {
-            let (ray, _) = spot.ray(*point, self.lead);
+        for (i, point) in points.enumerate() {
+            let (ray, _) = spot.ray(point, self.lead);
             buffer.put(i, ray.origin, ray.direction);
         }
+        buffer
+    }
+
+    /// Traces rays from a spot.
+    fn land(&self, spot: &Spot, points: &[[f64; 2]]) -> Vec<Landed> {
+        let mut buffer = self.rays(spot, points.iter().copied());
         self.kernel.trace_in_place(&mut buffer.rays());
         (0..points.len()).map(|i| self.film_point(&buffer, i)).collect()
+    }
+
+    /// Where rays through these points cross the stop.
+    fn crossings(
+        &self,
+        to_stop: &Kernel<f64>,
+        spot: &Spot,
+        points: &[([f64; 2], [f64; 2])],
+    ) -> Vec<([f64; 2], [f64; 2])> {
+        let mut buffer = self.rays(spot, points.iter().map(|(point, _)| *point));
+        to_stop.trace_in_place(&mut buffer.rays());
+        let crossing = |i: usize| {
+            let [x, y, _] = buffer.get(i)?.ray().origin;
+            Some((points[i].0, [x, y]))
+        };
+        (0..points.len()).filter_map(crossing).collect()
     }
 
     fn film_point(&self, buffer: &RayBuffer<f64>, i: usize) -> Landed {
@@ -231,7 +259,9 @@ impl Probe<'_> {
             inner.into_iter().zip(landed).filter_map(|(point, landed)| Some((point, landed?))).collect();
         within.extend(&edge);
         let image = fit(&fan, &within);
-        Some(Outline { fan, image, nearest: nearest(&image, &edge), edge, within })
+        let crossings = self.to_stop.map(|kernel| self.crossings(kernel, spot, &within)).unwrap_or_default();
+        let stop = fit(&fan, &crossings);
+        Some(Outline { fan, image, stop, nearest: nearest(&image, &edge), edge, within, crossings })
     }
 }
 

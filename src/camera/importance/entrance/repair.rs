@@ -22,8 +22,16 @@ const FEW: usize = 2;
 /// How much more than needed an outline is made to hold, relative.
 const MORE: f64 = 1.004;
 
-/// A ray of the camera out into the scene, in lens space, and where on the film it began.
-pub(in crate::camera::importance) type FilmRay = (Ray, [f64; 2]);
+/// A ray of the camera out into the scene.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::camera::importance) struct FilmRay {
+    /// As it leaves the front, lens space, mm.
+    pub ray: Ray,
+    /// Where on the film it began.
+    pub film: [f64; 2],
+    /// Where it crossed the stop, if that matters.
+    pub stop: Option<[f64; 2]>,
+}
 
 impl Entrance {
     /// Makes the outlines hold rays that `rays` makes of a round's number, [`RAYS`] or fewer, until hardly
@@ -32,12 +40,12 @@ impl Entrance {
         for round in 0..ROUNDS {
             let mut random = SplitMix64::seed_from_u64(round + 77);
             let mut outside = 0;
-            for (ray, film) in rays(round) {
+            for ray in rays(round) {
                 // Every other one as rows lie, and as many near the glass, some of them on it.
                 let number = (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
                 let is_far = random.next_u64() & 1 == 0;
                 let nearness = if is_far { number * number } else { (1.05 * number.sqrt()).min(1.0) };
-                outside += usize::from(self.hold(&ray, film, nearness));
+                outside += usize::from(self.hold(&ray, nearness));
             }
             if round >= LEAST && outside <= FEW {
                 return;
@@ -46,10 +54,10 @@ impl Entrance {
     }
 
     /// Makes the region of the spot on a ray with that nearness, or nearly that, hold the ray; whether it lay outside.
-    fn hold(&mut self, ray: &Ray, film: [f64; 2], nearness: f64) -> bool {
-        let spot = self.sight.on_ray(ray, nearness);
-        let Some(Outside { cell, part, ratio, sector, off }) =
-            spot.and_then(|spot| self.outside(&spot, ray, film))
+    fn hold(&mut self, ray: &FilmRay, nearness: f64) -> bool {
+        let spot = self.sight.on_ray(&ray.ray, nearness);
+        let Some(Outside { cell, part, ratio, sector, off, off_stop }) =
+            spot.and_then(|spot| self.outside(&spot, ray))
         else {
             return false;
         };
@@ -62,6 +70,7 @@ impl Entrance {
                     }
                 }
                 node.image.spread = node.image.spread.max(MORE * off);
+                node.stop.spread = node.stop.spread.max(MORE * off_stop);
             }
         }
         true
@@ -69,25 +78,27 @@ impl Entrance {
 
     /// How far a ray through a spot lies outside the region that the spot sees; `None` for one inside, and for spots nearer
     /// than the table goes.
-    fn outside(&self, spot: &Spot, ray: &Ray, film: [f64; 2]) -> Option<Outside> {
+    fn outside(&self, spot: &Spot, FilmRay { ray, film, stop: crossed }: &FilmRay) -> Option<Outside> {
         let (cell, part) = self.cell(spot)?;
-        let Node { fan, image } = self.at(&cell);
+        let Node { fan, image, stop } = self.at(&cell);
         let point = spot.crossing(ray);
         let (ratio, sector) = fan.ratio(point);
         let [cos, sin] = spot.azimuth;
-        let at = [film[0] * cos + film[1] * sin, film[1] * cos - film[0] * sin];
-        let off = image.off(&fan, point, at);
-        let inside = part <= 1.0 && ratio <= 1.0 && off <= image.spread;
-        (!inside).then_some(Outside { cell, part, ratio, sector, off })
+        let turned = |[x, y]: [f64; 2]| [x * cos + y * sin, y * cos - x * sin];
+        let off = image.off(&fan, point, turned(*film));
+        let off_stop = crossed.map_or(0.0, |at| stop.off(&fan, point, turned(at)));
+        let inside = part <= 1.0 && ratio <= 1.0 && off <= image.spread && off_stop <= stop.spread;
+        (!inside).then_some(Outside { cell, part, ratio, sector, off, off_stop })
     }
 }
 
 /// A ray outside a region: the cell, what part of the row's end its angle is, how far from the centre it lies over the
-/// edge's distance, in which sector, and how far from where it is expected it reaches the film, mm.
+/// edge's distance, in which sector, and how far from where it is expected it reaches the film and crosses the stop, mm.
 struct Outside {
     cell: Cell,
     part: f64,
     ratio: f64,
     sector: usize,
     off: f64,
+    off_stop: f64,
 }

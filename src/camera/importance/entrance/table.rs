@@ -6,11 +6,12 @@ use super::{
     spot::Spot,
 };
 
-/// An outline, and where its rays reach the film.
+/// An outline, where its rays reach the film, and where they cross the stop if that is asked for.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Node {
+pub(in crate::camera::importance) struct Node {
     pub fan: Fan,
     pub image: Image,
+    pub stop: Image,
 }
 
 /// Outlines of one distance.
@@ -94,6 +95,13 @@ impl Entrance {
             corners.iter().zip(shares).map(|(node, share)| share * of(node)).sum()
         };
         let turned = |of: &dyn Fn(&Node) -> f64| mixed(&by_angle, of);
+        let image = |of: &dyn Fn(&Node) -> &Image| Image {
+            place: turned(&|node| of(node).place),
+            along: turned(&|node| of(node).along),
+            across: turned(&|node| of(node).across),
+            bend: turned(&|node| of(node).bend),
+            spread: turned(&|node| of(node).spread),
+        };
         Node {
             fan: Fan {
                 center: turned(&|node| node.fan.center),
@@ -102,23 +110,14 @@ impl Entrance {
                     corners.iter().zip(by_place).map(|(node, share)| share * node.fan.reach[knot]).sum()
                 }),
             },
-            image: Image {
-                place: turned(&|node| node.image.place),
-                along: turned(&|node| node.image.along),
-                across: turned(&|node| node.image.across),
-                bend: turned(&|node| node.image.bend),
-                spread: turned(&|node| node.image.spread),
-            },
+            image: image(&|node| &node.image),
+            stop: image(&|node| &node.stop),
         }
     }
 
     /// The region that a spot sees, and where its points are imaged; `None` where it sees none.
-    pub fn seen_from(&self, spot: &Spot) -> Option<(Fan, Image)> {
+    pub fn seen_from(&self, spot: &Spot) -> Option<Node> {
         let (cell, part) = self.cell(spot)?;
-        if !(part <= 1.0) {
-            return None;
-        }
-        let Node { fan, image } = self.at(&cell);
-        Some((fan, image))
+        (part <= 1.0).then(|| self.at(&cell))
     }
 }
