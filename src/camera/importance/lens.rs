@@ -55,7 +55,7 @@ impl LensBackward {
             blades: edges(lens, blades),
             count,
             kernel: Kernel::along(&path),
-            pupil: pupil.clamp(lens.rear().vertex, -BEHIND * front.semi_diameter),
+            pupil: pupil.max(lens.rear().vertex).min(-BEHIND * front.semi_diameter),
             entrance: OnceLock::new(),
         }
     }

@@ -18,7 +18,7 @@ const SIZE: [u32; 2] = [RASTER.xres, RASTER.yres];
 /// Independent estimates, each by evenly spread samples that are shifted at random.
 const REPLICATES: usize = 24;
 /// Samples of an estimate, from the first to the last try.
-const SAMPLES: [usize; 6] = [1024, 2048, 4096, 8192, 16_384, 65_536];
+const SAMPLES: [usize; 7] = [512, 1024, 2048, 4096, 8192, 16_384, 65_536];
 /// Rays at once.
 const BLOCK: usize = 512;
 /// The largest standard error over the value.
