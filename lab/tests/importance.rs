@@ -108,10 +108,11 @@ fn determinant(mut rows: [[f64; 4]; 4]) -> f64 {
             product = -product;
         }
         product *= rows[column][column];
-        for row in column + 1..4 {
-            let factor = rows[row][column] / rows[column][column];
-            for i in column..4 {
-                rows[row][i] -= factor * rows[column][i];
+        let first = rows[column];
+        for row in &mut rows[column + 1..] {
+            let factor = row[column] / first[column];
+            for (number, own) in row.iter_mut().zip(first) {
+                *number -= factor * own;
             }
         }
     }

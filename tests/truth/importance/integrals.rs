@@ -216,11 +216,11 @@ fn combination<'a>(
 ) -> Vec<(&'a str, &'a str)> {
     let given = [("specfile", lens), ("filmdiag", film(lens)), ("weighting", weighting), ("pupil", pupil)];
     // A zoom at its first position, and with a near focus between its ends.
-    let zoom = focus.and_then(|_| match lens {
-        "zoom.24-70mm" => Some("45"),
-        "zoom.70-200mm" => Some("135"),
+    let zoom = match (lens, focus) {
+        ("zoom.24-70mm", Some(_)) => Some("45"),
+        ("zoom.70-200mm", Some(_)) => Some("135"),
         _ => None,
-    });
+    };
     let more = [("fnumber", stop), ("focusdistance", focus), ("zoom", zoom)];
     given.into_iter().chain(more.into_iter().filter_map(|(name, text)| Some((name, text?)))).collect()
 }
