@@ -20,9 +20,10 @@ const MOST_WORK: u64 = 12_000 * PACKET;
 /// What a packet counts: no lens of spheres has more surfaces.
 const PACKET: u64 = MAX_INTERFACES as u64;
 /// What an asphere counts in the place of the whole packet, where aspheres are so many that this is more, and what each of
-/// its rays counts that the walk has to take there (some 110 ns and 320 ns): a table of a lens of 100 interfaces then takes
-/// 50 ms at most.
+/// its rays counts that has to be followed there, or walked (some 110, 80 and 320 ns): a table of a lens of 100 interfaces
+/// then takes 50 ms at most.
 const ASPHERE: u64 = 27;
+const FOLLOWED: u64 = 20;
 const WALKED: u64 = 80;
 /// Interfaces from which on a lens may take longer, in proportion.
 const LONG: u64 = 100;
@@ -31,10 +32,11 @@ const LONG: u64 = 100;
 pub(crate) struct Tracer<'a> {
     clearances: ClearanceTracer<'a>,
     rays: Cell<u32>,
-    /// Packets traced, full or not, and rays walked, times what they count: what the time depends on, whatever the width
-    /// of the registers.
+    /// Packets traced, full or not, and rays followed to aspheres, times what they count: what the time depends on,
+    /// whatever the width of the registers.
     work: Cell<u64>,
     per_packet: u64,
+    per_followed: u64,
     per_walk: u64,
 }
 
@@ -46,6 +48,7 @@ impl<'a> Tracer<'a> {
             rays: Cell::new(0),
             work: Cell::new(0),
             per_packet: (ASPHERE * path.aspheres() as u64 / longer).max(PACKET),
+            per_followed: FOLLOWED / longer,
             per_walk: WALKED / longer,
         }
     }
@@ -65,7 +68,7 @@ impl<'a> Tracer<'a> {
         let count = rays.len();
         self.rays.set(self.rays.get() + count as u32);
         found.clear();
-        let walked = self.clearances.trace(rays, |clearance| {
+        let open = self.clearances.trace(rays, |clearance| {
             found.push(match clearance {
                 Some(Clearance { ratio, surface, lost }) => {
                     Excess { value: ratio - 1.0, limit: Limit::Aperture(surface), lost }
@@ -74,7 +77,8 @@ impl<'a> Tracer<'a> {
             });
         });
         let packets = self.per_packet * count.div_ceil(GROUP) as u64;
-        self.work.set(self.work.get() + packets + self.per_walk * u64::from(walked));
+        let open = self.per_followed * u64::from(open.followed) + self.per_walk * u64::from(open.walked);
+        self.work.set(self.work.get() + packets + open);
     }
 }
 
