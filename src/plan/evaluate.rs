@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::{
+    cost,
     quantile::{upper_bound, worst},
     strata,
     task::{FilmSide, Task},
@@ -58,8 +59,11 @@ const APERTURES: usize = 4;
 /// Part of the rays that may be blocked by apertures that the polynomials do not know.
 const OVERLOOKED: f64 = 5e-5;
 
+/// Why the image has no scale.
+const DARK: &str =
+    "the film is dark in the middle, or so little of it lit that the image's scale cannot be measured";
+
 /// Rays at the film and what they stand for, as structure of arrays.
-#[derive(Default)]
 struct Rays {
     /// x, y, dx/dz, dy/dz.
     columns: [Vec<f64>; 4],
@@ -67,6 +71,11 @@ struct Rays {
 }
 
 impl Rays {
+    fn with_capacity(count: usize) -> Self {
+        let column = || Vec::with_capacity(count);
+        Self { columns: [column(), column(), column(), column()], area: column() }
+    }
+
     fn push(&mut self, [x, y]: [f64; 2], PupilSample { slopes: [sx, sy], area }: PupilSample) {
         for (column, number) in self.columns.iter_mut().zip([x, y, sx, sy]) {
             column.push(number);
@@ -116,33 +125,44 @@ impl<'a> Evaluation<'a> {
     /// Why nothing can be measured.
     pub fn new(task: &'a Task<'a>) -> Result<Self, String> {
         let side = task.film_side;
-        let scale = ImageScale::new(task.lens, side.z, side.film.reach(), task.in_focus).ok_or(
-            "the film is dark in the middle, or so little of it lit that the image's scale cannot be measured",
-        )?;
         let kernel = task.kernels.double();
-        let mut rays = Rays::default();
-        let mut seed = 0;
-        let (exact, passing) = loop {
+        let mut rays = Rays::with_capacity(strata::COUNT as usize);
+        let mut exact = RayBuffer::new(0);
+        let (mut seed, mut passing) = (0, 0);
+        loop {
             seed += 1;
+            let known = rays.len();
             for sample in strata::numbers(seed as u64) {
                 if let Some((point, sample)) = side.sample(sample) {
                     rays.push(point, sample);
                 }
             }
-            let exact = rays.traced(side.z, 0..rays.len(), |from, to| kernel.trace_batch(from, to));
-            let passing = (0..rays.len()).filter(|&i| exact.get(i).is_some()).count();
+            exact.append(rays.traced(side.z, known..rays.len(), |from, to| kernel.trace_batch(from, to)));
+            passing += (known..rays.len()).filter(|&i| exact.get(i).is_some()).count();
             let hopeless = passing < ENOUGH / MOST_SEEDS;
             if passing >= ENOUGH || hopeless || seed == MOST_SEEDS {
-                break (exact, passing);
+                break;
             }
-        };
+        }
         if passing < ENOUGH {
+            let axis = film_ray([0.0; 2], side.z, [0.0; 2]);
+            if task.path.trace(axis).is_err() {
+                return Err(DARK.to_owned());
+            }
+            if 2 * passing > rays.len() {
+                let share = 100.0 * passing as f64 / f64::from(seed as u32 * strata::COUNT);
+                return Err(format!(
+                    "only {share:.1} % of the film's rays get through, too few to tell: most of it is dark"
+                ));
+            }
             let share = 100.0 * passing as f64 / rays.len() as f64;
             return Err(format!(
                 "only {share:.1} % of the rays that are sampled get through, too few to tell; with \"pupil\" \
                  \"warped\" nearly all do"
             ));
         }
+        let scale = ImageScale::new(task.lens, side.z, side.film.reach(), task.in_focus)
+            .ok_or_else(|| DARK.to_owned())?;
         let blocking = blocking(task, &rays, &exact);
         Ok(Self { task, scale, rays, exact, blocking })
     }
@@ -240,13 +260,15 @@ impl<'a> Evaluation<'a> {
 
 /// The surfaces whose apertures block more of the rays than may be overlooked.
 fn blocking(task: &Task<'_>, rays: &Rays, exact: &RayBuffer<f64>) -> Vec<usize> {
-    /// Blocked rays looked at.
-    const MOST: usize = 2000;
+    /// Blocked rays looked at, and surfaces that they may meet in all, aspheres counted as what they cost.
+    const RAYS: usize = 2000;
+    const MEETINGS: usize = 100_000;
+    let most = RAYS.min(MEETINGS / cost::in_spheres(task.lens));
     let last = task.lens.surfaces.len() - 1;
     let mut counts: Vec<(usize, usize)> = (0..=last).map(|surface| (0, surface)).collect();
     let blocked = (0..rays.len()).filter(|&i| exact.get(i).is_none());
-    let looked_at = blocked.clone().take(MOST).count();
-    for i in blocked.take(MOST) {
+    let looked_at = blocked.clone().take(most).count();
+    for i in blocked.take(most) {
         let walk = task.path.walk(rays.ray(i, task.film_side.z));
         if walk.blocked == Some(Blocked::Clipped) && walk.surfaces_met > 0 {
             counts[last + 1 - walk.surfaces_met].0 += 1;
@@ -256,7 +278,7 @@ fn blocking(task: &Task<'_>, rays: &Rays, exact: &RayBuffer<f64>) -> Vec<usize> 
     counts.remove(0);
     counts.sort_unstable();
     let mut overlooked = OVERLOOKED * rays.len() as f64;
-    if looked_at == MOST {
+    if looked_at == most {
         overlooked = 0.0;
     }
     let mut left_out = 0.0;

@@ -46,16 +46,24 @@ pub struct Aspheric<R> {
     n: f64,
 }
 
-/// Bounds of how the surface bends away from a ray, as the proof of the first crossing needs them: φ'' <= `along` +
-/// `across` (Vx² + Vy²).
+/// Bounds of how the surface bends away from a ray, as the proof of the first crossing needs them.
 #[derive(Clone, Copy, Debug)]
 pub struct Bend {
-    pub along: f64,
-    pub across: f64,
+    /// What holds from the axis to the rim.
+    pub inside: BendBound,
+    /// What holds from there to the reach, too, where an ellipsoid that ends may bend a hundred times as much.
+    pub beyond: BendBound,
     /// Whether φ is the height above the surface; else it is -G.
     pub by_height: bool,
-    /// How far from the axis that holds, squared.
+    /// How far from the axis the bounds hold, squared.
     pub reach: f64,
+}
+
+/// φ'' <= `along` + `across` (Vx² + Vy²).
+#[derive(Clone, Copy, Debug)]
+pub struct BendBound {
+    pub along: f64,
+    pub across: f64,
 }
 
 /// The surface near a point of a ray.
@@ -97,9 +105,10 @@ impl Bend {
         let conic = [rim, reach * rim].map(|r| root_squared(r).sqrt());
         let least = conic.iter().flat_map(|root| [c / root, c / root.powi(3)]).fold(f64::INFINITY, f64::min);
         let beyond = if c == 0.0 { 0.0 } else { least } + bounds.rim_curvature;
+        let bound = |curvature: f64| BendBound { along: 0.0, across: (-curvature).max(0.0) };
         Self {
-            along: 0.0,
-            across: (-bounds.curvature.min(beyond)).max(0.0),
+            inside: bound(bounds.curvature),
+            beyond: bound(bounds.curvature.min(beyond)),
             by_height: true,
             reach: (reach * rim).powi(2),
         }
@@ -107,17 +116,23 @@ impl Bend {
 
     /// By -G'' = -c (Vx² + Vy² + κ w'²) + q w'', w' = Vz - dT/dr dr/dt, which stays finite at the end of a half ellipsoid.
     fn of_half([c, kappa]: [f64; 2], rim: f64, bounds: &TravelBounds, n: f64) -> Self {
-        // Out to 3 radii the paraboloid beyond the rim triples the slope and adds (3² - 1)/2 of slope times radius.
-        let slope = Self::REACH * bounds.terms_slope;
-        let terms = bounds.terms + (Self::REACH * Self::REACH - 1.0) / 2.0 * bounds.terms_slope * rim;
-        // A point before the conic has less w than that, and there 0 <= q <= 1.
-        let q_low = 1.0 - kappa * c * (bounds.extent[0] - terms);
-        let [least, most] = bounds.terms_curvature;
-        let hollow = if q_low < 0.0 { most.max(-least) } else { (-least).max(0.0) };
+        let bound = |reach: f64| {
+            // Out to 3 radii the paraboloid beyond the rim triples the slope and adds (3² - 1)/2 of slope times radius.
+            let slope = reach * bounds.terms_slope;
+            let terms = bounds.terms + (reach * reach - 1.0) / 2.0 * bounds.terms_slope * rim;
+            // A point before the conic has less w than that, and there 0 <= q <= 1.
+            let q_low = 1.0 - kappa * c * (bounds.extent[0] - terms);
+            let [least, most] = bounds.terms_curvature;
+            let hollow = if q_low < 0.0 { most.max(-least) } else { (-least).max(0.0) };
+            BendBound {
+                // |w'| <= |Vz| + slope √(Vx² + Vy²) <= n √(1 + slope²).
+                along: (-c * kappa).max(0.0) * n * n * (1.0 + slope * slope),
+                across: q_low.abs().max(1.0) * hollow - c,
+            }
+        };
         Self {
-            // |w'| <= |Vz| + slope √(Vx² + Vy²) <= n √(1 + slope²).
-            along: (-c * kappa).max(0.0) * n * n * (1.0 + slope * slope),
-            across: q_low.abs().max(1.0) * hollow - c,
+            inside: bound(1.0),
+            beyond: bound(Self::REACH),
             by_height: false,
             reach: (Self::REACH * rim).powi(2),
         }
@@ -272,16 +287,15 @@ impl<R: Real> Aspheric<R> {
         }
         let t = t + step;
         let (zero, number) = (R::ZERO, R::from_f64);
-        let [vx, vy, _] = line.v;
-        let across = vx * vx + vy * vy;
-        let bend = number(self.bend.along) + number(self.bend.across) * across;
-        let bend = if self.bend.by_height { bend * contact.q } else { bend };
         let way = t - from;
         let ahead = way >= zero || (R::IS_RANGE && t - after >= zero && self.is_left_behind(line, t));
         // On a line the distance from the axis is largest at an end.
-        let [x, y, _] = line.at(from);
+        let from_squared = line.height_squared(from);
         let reach = number(self.bend.reach);
-        let near = contact.height_squared <= reach && x * x + y * y <= reach;
+        let near = contact.height_squared <= reach && from_squared <= reach;
+        let is_inside = contact.height_squared <= self.rim && from_squared <= self.rim;
+        let bend = self.bend_along(line, if is_inside { &self.bend.inside } else { &self.bend.beyond });
+        let bend = if self.bend.by_height { bend * contact.q } else { bend };
         let first = ahead && bend * way < contact.facing + contact.facing;
         (near && first && contact.q > zero && contact.facing > zero).then_some(t)
     }
@@ -297,11 +311,11 @@ impl<R: Real> Aspheric<R> {
     /// Follows the ray from `from` to the first crossing.
     fn follow(&self, line: &Line<R>, from: R) -> Result<R, Blocked> {
         let number = R::from_f64;
-        let [vx, vy, vz] = line.v;
-        let across = vx * vx + vy * vy;
-        let bend = number(self.bend.along) + number(self.bend.across) * across;
-        let bend = if bend > R::ZERO { bend } else { R::ZERO };
-        let end = (number(self.extent[1]) - line.start[2]) / vz;
+        let [inside, beyond] = [&self.bend.inside, &self.bend.beyond].map(|bound| {
+            let bend = self.bend_along(line, bound);
+            if bend > R::ZERO { bend } else { R::ZERO }
+        });
+        let end = (number(self.extent[1]) - line.start[2]) / line.v[2];
         let outside = |contact: &Contact<R>| !(contact.height_squared <= self.rim);
         let mut t = self.entry(line, from)?;
         for step in 0..FOLLOWED {
@@ -321,16 +335,26 @@ impl<R: Real> Aspheric<R> {
             if step == 0 && !(before > R::ZERO) {
                 return Err(if outside(&contact) { Blocked::Clipped } else { Blocked::TurnedBack });
             }
-            // The way to where a parabola of this bend meets 0.
+            // The way to where a parabola of this bend meets 0, if it does.
             let two = number(2.0);
-            let root = (facing * facing + two * bend * before).sqrt();
-            let way = two * before / (facing + root);
-            if !(facing + root > R::ZERO && way > R::ZERO) {
+            let way = |bend: R| {
+                let root = (facing * facing + two * bend * before).sqrt();
+                let way = two * before / (facing + root);
+                (facing + root > R::ZERO && way > R::ZERO).then_some(way)
+            };
+            let stays_inside = |way: &R| !outside(&contact) && line.height_squared(t + *way) <= self.rim;
+            let Some(way) = way(inside).filter(stays_inside).or_else(|| way(beyond)) else {
                 return Err(if outside(&contact) { Blocked::Clipped } else { Blocked::Missed });
-            }
+            };
             t = t + way;
         }
         Err(Blocked::Missed)
+    }
+
+    /// What φ'' is at most along a ray.
+    fn bend_along(&self, line: &Line<R>, bound: &BendBound) -> R {
+        let [vx, vy, _] = line.v;
+        R::from_f64(bound.along) + R::from_f64(bound.across) * (vx * vx + vy * vy)
     }
 
     /// The crossing within rounding of a place on the ray.
@@ -461,5 +485,11 @@ struct Line<R> {
 impl<R: Real> Line<R> {
     fn at(&self, t: R) -> [R; 3] {
         std::array::from_fn(|i| self.start[i] + t * self.v[i])
+    }
+
+    /// x² + y² there.
+    fn height_squared(&self, t: R) -> R {
+        let [x, y, _] = self.at(t);
+        x * x + y * y
     }
 }

@@ -51,13 +51,10 @@ pub(crate) fn is_in_pieces(view: &View<'_>, outline: &Outline, area: f64, cover:
     if looks.clone().any(|(i, k)| beyond[i * BEYOND + k].value <= 0.0 && beside(i, k)) {
         return true;
     }
-    let nearest = looks.filter(|&(i, k)| is_least(beyond, i, k));
-    nearest.into_iter().any(|(i, k)| {
-        let angle = std::f64::consts::PI * place(i, RAYS);
-        let look = [angle, outward(k)];
-        piece_near(view, outline, cover, look, beyond[i * BEYOND + k].value)
-            .is_some_and(|point| !is_small(view, point, area))
-    })
+    let descents = looks
+        .filter(|&(i, k)| is_least(beyond, i, k))
+        .map(|(i, k)| Descent::new(half_lines[i], outward(k), beyond[i * BEYOND + k].value));
+    Beside { view, outline, cover }.piece(descents.collect(), |point| !is_small(view, point, area))
 }
 
 /// Which part of the way from the outline to the cover's edge look `k` lies at: the looks are denser near the outline.
@@ -77,8 +74,10 @@ fn is_small(view: &View<'_>, [x, y]: [f64; 2], area: f64) -> bool {
 }
 
 /// A half-line from the outline's centre.
+#[derive(Clone, Copy)]
 struct HalfLine {
     center: f64,
+    angle: f64,
     direction: [f64; 2],
     /// Distances from the centre of the outline's edge, and of the cover's, if that lies farther out.
     edge: f64,
@@ -93,7 +92,7 @@ impl HalfLine {
         let (along, square) = (offset * x, x * x + dy * dy);
         let inside = cover.radius.powi(2) - offset * offset;
         let end = ((along * along + square * inside).max(0.0).sqrt() - along) / square;
-        Self { center: outline.center, direction: [dx, dy], edge, end: end.max(edge) }
+        Self { center: outline.center, angle, direction: [dx, dy], edge, end: end.max(edge) }
     }
 
     fn at(&self, radius: f64) -> [f64; 2] {
@@ -118,43 +117,115 @@ fn is_least(beyond: &[Excess], i: usize, k: usize) -> bool {
         && (i + 1 == RAYS || own <= at(i + 1, k))
 }
 
-/// Where light gets through, if a descent of the excess from a point beside the outline ends so. The point is given as
-/// its angle and its part of the way from the outline to the cover's edge.
-fn piece_near(
-    view: &View<'_>,
-    outline: &Outline,
+/// What lies beside an outline.
+struct Beside<'a> {
+    view: &'a View<'a>,
+    outline: &'a Outline,
     cover: SlopeDisk,
-    mut point: [f64; 2],
-    mut least: f64,
-) -> Option<[f64; 2]> {
-    let mut step = [std::f64::consts::PI / (2 * RAYS) as f64, 0.5 / BEYOND as f64];
-    let mut found = Vec::with_capacity(4);
-    for _ in 0..STEPS {
-        let neighbours = [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]].map(|[angle, part]: [f64; 2]| {
-            let turned = (point[0] + angle * step[0]).clamp(0.0, std::f64::consts::PI);
-            [turned, (point[1] + part * step[1]).clamp(0.0, 1.0)]
-        });
-        let slopes =
-            neighbours.map(|[angle, part]| HalfLine::new(view, outline, cover, angle, &mut 0).beyond(part));
-        view.excesses(&slopes, &mut found);
-        let before = least;
-        let mut at = slopes[0];
-        for ((neighbour, slopes), excess) in neighbours.into_iter().zip(slopes).zip(&found) {
-            if excess.value < least {
-                (point, least, at) = (neighbour, excess.value, slopes);
+}
+
+/// A descent of the excess from a point beside an outline.
+struct Descent {
+    point: Point,
+    least: f64,
+    /// Angle, and part of the way, to the neighbours that are looked at.
+    step: [f64; 2],
+    neighbours: [Point; 4],
+}
+
+/// A point beside an outline: the half-line on which it lies, and its part of the way from the outline to the cover's edge.
+#[derive(Clone, Copy)]
+struct Point {
+    half_line: HalfLine,
+    part: f64,
+}
+
+/// Where a descent leads.
+enum Led {
+    On,
+    Nowhere,
+    /// To light that gets through beside the outline, at these slopes.
+    ToPiece([f64; 2]),
+}
+
+impl Beside<'_> {
+    /// Whether one of the descents, side by side, ends at light that `counts`.
+    fn piece(&self, mut descents: Vec<Descent>, counts: impl Fn([f64; 2]) -> bool) -> bool {
+        let (mut looks, mut found) = (Vec::new(), Vec::new());
+        for _ in 0..STEPS {
+            looks.clear();
+            for descent in &mut descents {
+                descent.neighbours = self.neighbours(descent);
+                looks.extend(descent.neighbours.map(|point| point.slopes()));
+            }
+            if looks.is_empty() {
+                return false;
+            }
+            self.view.excesses(&looks, &mut found);
+            let mut found = found.as_chunks::<4>().0.iter();
+            let mut pieces = Vec::new();
+            descents.retain_mut(|descent| match found.next().map(|excesses| descent.follow(excesses)) {
+                Some(Led::On) => true,
+                Some(Led::ToPiece(slopes)) => {
+                    pieces.push(slopes);
+                    false
+                }
+                Some(Led::Nowhere) | None => false,
+            });
+            if pieces.into_iter().any(&counts) {
+                return true;
             }
         }
-        if least <= 0.0 {
-            // Toward the outline everything leads inside.
-            let half_line = HalfLine::new(view, outline, cover, point[0], &mut 0);
-            let radius = half_line.edge + (half_line.end - half_line.edge) * point[1];
-            return (radius > BESIDE * half_line.edge).then_some(at);
-        }
-        if least == before {
-            step = step.map(|width| width / 2.0);
-        }
+        false
     }
-    None
+
+    fn neighbours(&self, Descent { point, step, .. }: &Descent) -> [Point; 4] {
+        let Point { half_line, part } = *point;
+        let turned = |turn: f64| {
+            let angle = (half_line.angle + turn).clamp(0.0, std::f64::consts::PI);
+            Point { half_line: self.half_line(angle), part }
+        };
+        let farther = |way: f64| Point { half_line, part: (part + way).clamp(0.0, 1.0) };
+        [turned(step[0]), turned(-step[0]), farther(step[1]), farther(-step[1])]
+    }
+
+    fn half_line(&self, angle: f64) -> HalfLine {
+        HalfLine::new(self.view, self.outline, self.cover, angle, &mut 0)
+    }
+}
+
+impl Point {
+    fn slopes(&self) -> [f64; 2] {
+        self.half_line.beyond(self.part)
+    }
+}
+
+impl Descent {
+    fn new(half_line: HalfLine, part: f64, least: f64) -> Self {
+        let point = Point { half_line, part };
+        let step = [std::f64::consts::PI / (2 * RAYS) as f64, 0.5 / BEYOND as f64];
+        Self { point, least, step, neighbours: [point; 4] }
+    }
+
+    /// Goes to the least of the neighbours, whose excesses these are.
+    fn follow(&mut self, excesses: &[Excess; 4]) -> Led {
+        let before = self.least;
+        for (neighbour, excess) in self.neighbours.iter().zip(excesses) {
+            if excess.value < self.least {
+                (self.point, self.least) = (*neighbour, excess.value);
+            }
+        }
+        if self.least <= 0.0 {
+            // Toward the outline everything leads inside.
+            let Point { half_line: HalfLine { edge, end, .. }, part } = self.point;
+            let is_beside = edge + (end - edge) * part > BESIDE * edge;
+            return if is_beside { Led::ToPiece(self.point.slopes()) } else { Led::Nowhere };
+        }
+        if self.least == before {
+            self.step = self.step.map(|width| width / 2.0);
+        }
+        Led::On
+    }
 }
 
 /// A grid of `across` by `across` on a disk's upper half, the disk's centre being on the sx axis.

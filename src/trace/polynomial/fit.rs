@@ -157,35 +157,39 @@ pub(crate) struct Fits {
 impl Fits {
     /// Traces the rays, as [`Polynomial::with_apertures`] takes them. `path` is the lens from film to scene.
     pub fn new(lens: &Lens, path: &Path, film: f64, rays: &[Ray], apertures: &[usize]) -> Self {
-        let (inputs, targets): (Vec<_>, Vec<_>) =
-            rays.iter().filter_map(|ray| Some((Scaling::at_film(ray, film), path.trace(*ray).ok()?))).unzip();
-        let scaling = Scaling::of(film, &inputs);
-        // A vector gives an equation for each of its two components.
-        let mut sides = vec![vec![0.0; 2 * inputs.len()]; 2 + apertures.len()];
         let last = lens.surfaces.len() - 1;
+        // Of every ray that gets through where it starts, where it leaves, and where it passes each aperture.
+        let (mut inputs, mut targets, mut passes) = (Vec::new(), Vec::new(), Vec::new());
+        for ray in rays {
+            let begun = passes.len();
+            passes.resize(begun + apertures.len(), [0.0; 2]);
+            let walk = path.walk_by(*ray, |surface, [x, y, _]| {
+                if let Some(aperture) = apertures.iter().position(|&aperture| aperture == last - surface) {
+                    let scale = lens.surfaces[apertures[aperture]].semi_diameter.recip();
+                    passes[begun + aperture] = [x * scale, y * scale];
+                }
+            });
+            if walk.blocked.is_none() {
+                inputs.push(Scaling::at_film(ray, film));
+                targets.push(walk.ray);
+            } else {
+                passes.truncate(begun);
+            }
+        }
+        let scaling = Scaling::of(film, &inputs);
         let blades_in = |aperture: usize| {
             path.blades().filter(|(along, _)| aperture == last - along).map(|(_, blades)| blades)
         };
-        for (number, (&(x, slopes), target)) in inputs.iter().zip(&targets).enumerate() {
-            if !apertures.is_empty() {
-                path.intersections(film, x, slopes, |met| {
-                    if let Some(aperture) =
-                        apertures.iter().position(|&aperture| aperture == last - met.surface)
-                    {
-                        let scale = lens.surfaces[apertures[aperture]].semi_diameter.recip();
-                        let side = &mut sides[2 + aperture][2 * number..2 * number + 2];
-                        side.iter_mut().zip(met.point).for_each(|(side, at)| *side = at * scale);
-                    }
-                    true
-                });
-            }
+        // A vector gives an equation for each of its two components.
+        let origins = targets.iter().flat_map(|target: &Ray| [target.origin[0], target.origin[1]]);
+        let directions = targets.iter().flat_map(|target| {
             let [dx, dy, dz] = target.direction;
-            let projected = [dx / (1.0 + dz), dy / (1.0 + dz)];
-            for axis in 0..2 {
-                sides[0][2 * number + axis] = target.origin[axis];
-                sides[1][2 * number + axis] = projected[axis];
-            }
-        }
+            [dx / (1.0 + dz), dy / (1.0 + dz)]
+        });
+        let mut sides: Vec<Vec<f64>> = vec![origins.collect(), directions.collect()];
+        sides.extend((0..apertures.len()).map(|aperture| {
+            passes.iter().skip(aperture).step_by(apertures.len()).copied().flatten().collect()
+        }));
         Self {
             scaling,
             front: *lens.front(),

@@ -3,13 +3,16 @@
 
 use super::{
     super::{
-        lanes::Scalar,
+        lanes::{Cpu, Lanes, Scalar},
         surface::{CompiledSurface, Transfer},
     },
     plan::Plan,
     terms::Terms,
 };
-use crate::trace::{aspheric::Aspheric, surface::PathSurface};
+use crate::trace::{
+    aspheric::{Aspheric, BendBound},
+    surface::PathSurface,
+};
 
 /// A conic section of revolution.
 #[derive(Clone, Copy, Debug)]
@@ -38,11 +41,13 @@ pub struct Asphere<S> {
     pub terms: Terms<S>,
     /// 2/unit: twice ds/du.
     pub two_per_unit: S,
-    /// φ'' <= `bend` + `bend_across` (Vx² + Vy²), as far from the axis as `reach`, squared; for φ' = g/q where
-    /// `by_height`, else g.
-    pub bend: S,
-    pub bend_across: S,
+    /// How much the surface bends away from a ray inside its rim, and as far from the axis as `reach`, squared: bounds of
+    /// φ'', for φ' = g/q where `by_height`, else g.
+    pub inside: Bend<S>,
+    pub beyond: Bend<S>,
     pub by_height: bool,
+    /// No more than the square of the rim's radius.
+    pub rim: S,
     pub reach: S,
     pub tolerance: S,
     /// Steps of Newton's iteration that every ray is given: by polynomials near twice the profile, coefficients of the
@@ -52,6 +57,25 @@ pub struct Asphere<S> {
     pub common: Common<S>,
     /// For the rays that these steps leave open.
     pub exact: Box<Aspheric<f64>>,
+}
+
+/// φ'' <= `along` + `across` (Vx² + Vy²).
+#[derive(Clone, Copy, Debug)]
+pub struct Bend<S> {
+    pub along: S,
+    pub across: S,
+}
+
+impl<S: Scalar> Bend<S> {
+    fn new(bound: &BendBound) -> Self {
+        Self { along: S::from_f64(bound.along), across: S::from_f64(bound.across) }
+    }
+
+    /// What φ'' is at most along rays of these Vx² + Vy².
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn along_rays<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, across: L) -> L {
+        across.mul_add(L::splat(cpu, self.across), L::splat(cpu, self.along))
+    }
 }
 
 /// What both have.
@@ -147,9 +171,10 @@ impl<S: Scalar> Asphere<S> {
             half_kappa_c: round(kappa * c / 2.0),
             terms: Terms::new(aspheric),
             two_per_unit: round(2.0 / aspheric.unit),
-            bend: round(bend.along),
-            bend_across: round(bend.across),
+            inside: Bend::new(&bend.inside),
+            beyond: Bend::new(&bend.beyond),
             by_height: bend.by_height,
+            rim: round(aspheric.rim * (1.0 - 4.0 * S::EPSILON)),
             reach: round(bend.reach),
             tolerance: round(tolerance),
             approximants: plan.approximants.iter().map(reversed).collect(),
@@ -160,15 +185,20 @@ impl<S: Scalar> Asphere<S> {
     }
 }
 
+/// |G| over the rim's radius from which a step of Newton's iteration leads to the surface as near as a search needs it.
+const SEARCHED: f64 = 1e-9;
+
 impl Asphere<f64> {
     /// For rays of which many go astray, and which the clear aperture does not stop: with as many steps as it takes, tested
-    /// from the second on, in the place of a plan. `None` for a sphere or a plane.
+    /// from the second on, in the place of a plan; the last one takes no look at where it leads. `None` for a sphere or a
+    /// plane.
     pub fn for_search(step: &PathSurface<f64>) -> Option<Self> {
         let aspheric = step.aspheric.as_deref()?;
         let common = Common::untested(aspheric, [step.index_step, step.slack], Self::start(aspheric));
         let plan = Plan { approximants: Vec::new(), exact: 2 };
         let transfer = Transfer { factor: 0.0, offset: 0.0 };
-        // No more: a stop at the vertex would lie behind the ray.
-        Some(Self::by_plan(aspheric, common, transfer, aspheric.tolerance, &plan))
+        let tolerance = aspheric.tolerance.max(SEARCHED * aspheric.size);
+        // No more steps: a stop at the vertex would lie behind the ray.
+        Some(Self::by_plan(aspheric, common, transfer, tolerance, &plan))
     }
 }

@@ -8,6 +8,8 @@
 
 mod conic;
 mod constants;
+mod contact;
+mod follow;
 mod newton;
 mod plan;
 mod profile;

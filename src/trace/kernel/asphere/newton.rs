@@ -12,34 +12,10 @@ use super::{
         simd::Compiled,
     },
     constants::{Asphere, Common},
+    contact::{Contact, Way},
+    follow::Followed,
     terms::nested,
 };
-
-/// A ray from the plane where it starts.
-#[derive(Clone, Copy)]
-struct Way<L> {
-    /// x² + y² there.
-    u: L,
-    /// x Vx + y Vy there.
-    along: L,
-    /// Vx² + Vy².
-    across: L,
-    /// From where on it may meet the surface.
-    from: L,
-}
-
-/// The surface near a point of each ray.
-#[derive(Clone, Copy)]
-struct Contact<L> {
-    /// x² + y².
-    u: L,
-    m: L,
-    q: L,
-    /// N·V.
-    facing: L,
-    /// G.
-    residual: L,
-}
 
 /// N = (-m x, -m y, q) where a ray meets the surface, not a unit vector.
 #[derive(Clone, Copy)]
@@ -53,7 +29,8 @@ pub struct Normal<L> {
 /// Where rays meet the surface.
 pub struct Meeting<L, const U: usize> {
     pub normals: [Normal<L>; U],
-    /// How many went to the walk.
+    /// How many were followed after Newton's iteration, and of these how many by the walk.
+    pub followed: u32,
     pub walked: u32,
 }
 
@@ -193,6 +170,7 @@ impl<S: Scalar> Asphere<S> {
             contacts = self.contacts(cpu, rays, &ways, &t);
         }
         let mut open = [0; U];
+        let mut firsts = [zero.less(zero); U];
         let mut any = 0;
         for i in 0..U {
             let first = self.is_first(cpu, &ways[i], &contacts[i], t[i]);
@@ -200,18 +178,30 @@ impl<S: Scalar> Asphere<S> {
                 let one = L::splat(cpu, S::ONE);
                 let spared = L::select(first, zero, L::select(worth[i], zero, one));
                 rays[i].keep(spared.less(one));
+                // Where that was no more than near.
+                t[i] = L::select(first, t[i] + contacts[i].residual / contacts[i].facing, t[i]);
             }
+            firsts[i] = first;
             open[i] = rays[i].passed_bits() & !L::bits(first);
             any |= open[i];
         }
-        let mut walked = 0;
+        let (mut followed, mut walked) = (0, 0);
         if any != 0 {
             for i in 0..U {
-                walked += open[i].count_ones();
-                let (found, met) =
-                    self.one_by_one(cpu, &rays[i], ways[i].from, t[i], open[i], worth.is_some());
-                t[i] = found;
-                rays[i].keep(zero.less(met));
+                followed += open[i].count_ones();
+                if worth.is_some() && open[i] != 0 {
+                    let Followed { t: found, kept, left } = self.follow(cpu, &rays[i], &ways[i], open[i]);
+                    t[i] = L::select(firsts[i], t[i], found);
+                    rays[i].keep(zero.less(L::select(firsts[i], L::splat(cpu, S::ONE), kept)));
+                    open[i] = left;
+                }
+                if worth.is_none() || open[i] != 0 {
+                    walked += open[i].count_ones();
+                    let (found, met) =
+                        self.one_by_one(cpu, &rays[i], ways[i].from, t[i], open[i], worth.is_some());
+                    t[i] = found;
+                    rays[i].keep(zero.less(met));
+                }
             }
             contacts = self.contacts(cpu, rays, &ways, &t);
         }
@@ -223,7 +213,7 @@ impl<S: Scalar> Asphere<S> {
             ray.height = t[i].mul_add(ray.vz, L::splat(cpu, self.common.start));
             normals[i] = Normal { m, q, facing };
         }
-        Meeting { normals, walked }
+        Meeting { normals, followed, walked }
     }
 
     /// A step of Newton's iteration by a polynomial near twice the profile.
@@ -252,38 +242,6 @@ impl<S: Scalar> Asphere<S> {
         }
     }
 
-    /// The surface near each ray at t.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn contacts<L: Lanes<Scalar = S>, const U: usize>(
-        &self,
-        cpu: Cpu<L>,
-        rays: &[RayLanes<L>; U],
-        ways: &[Way<L>; U],
-        t: &[L; U],
-    ) -> [Contact<L>; U] {
-        let (one, start) = (L::splat(cpu, S::ONE), L::splat(cpu, self.common.start));
-        let (per_unit, two_per_unit) = (L::splat(cpu, self.terms.per_unit), L::splat(cpu, self.two_per_unit));
-        let (mut u, mut s, mut along) = ([start; U], [start; U], [start; U]);
-        for i in 0..U {
-            along[i] = t[i].mul_add(ways[i].across, ways[i].along);
-            u[i] = t[i].mul_add(along[i] + ways[i].along, ways[i].u);
-            s[i] = u[i] * per_unit;
-        }
-        let [terms, slope] = self.terms.at(cpu, &s);
-        let (c, half_c) = (L::splat(cpu, self.c), L::splat(cpu, self.half_c));
-        let (kappa_c, half_kappa_c) = (L::splat(cpu, self.kappa_c), L::splat(cpu, self.half_kappa_c));
-        let mut contacts = [Contact { u: one, m: c, q: one, facing: one, residual: one }; U];
-        for i in 0..U {
-            let vz = rays[i].vz;
-            let w = t[i].mul_add(vz, start - terms[i]);
-            let q = w.neg_mul_add(kappa_c, one);
-            let residual = u[i].mul_sub(half_c, w * w.neg_mul_add(half_kappa_c, one));
-            let m = (q * two_per_unit).mul_add(slope[i], c);
-            contacts[i] = Contact { u: u[i], m, q, facing: m.neg_mul_add(along[i], q * vz), residual };
-        }
-        contacts
-    }
-
     /// Whether the iteration has ended at the first crossing that counts.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_first<L: Lanes<Scalar = S>>(
@@ -295,13 +253,16 @@ impl<S: Scalar> Asphere<S> {
     ) -> L::Mask {
         let zero = L::splat(cpu, S::ZERO);
         let (Way { u, along, across, from }, reach) = (*way, L::splat(cpu, self.reach));
-        let bend = across.mul_add(L::splat(cpu, self.bend_across), L::splat(cpu, self.bend));
-        let bend = if self.by_height { bend * contact.q } else { bend };
         let way = t - from;
         let there = contact.residual.abs().less_equal(L::splat(cpu, self.tolerance));
         // On a line the distance from the axis is largest at an end.
         let u_from = from.mul_add(from.mul_add(across, along + along), u);
         let near = L::both(u_from.less_equal(reach), contact.u.less_equal(reach));
+        let rim = L::splat(cpu, self.rim);
+        let is_inside = L::both(u_from.less_equal(rim), contact.u.less_equal(rim));
+        let (inside, beyond) = (&self.inside, &self.beyond);
+        let bend = L::select(is_inside, inside.along_rays(cpu, across), beyond.along_rays(cpu, across));
+        let bend = if self.by_height { bend * contact.q } else { bend };
         let first = (bend * way).less(contact.facing + contact.facing);
         let ahead = L::both(zero.less(contact.q), zero.less(contact.facing));
         L::both(L::both(L::both(there, near), L::both(first, ahead)), zero.less_equal(way))

@@ -19,7 +19,7 @@ use super::{
 };
 use crate::trace::path::Path;
 use aspheres::PassAsphere;
-use probe::Probe;
+use probe::{OpenRays, Probe};
 
 /// The aperture that a ray comes nearest to, or reaches farthest beyond.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,13 +73,12 @@ impl<'a> ClearanceTracer<'a> {
     /// is more than 1, else none: `None` and a ratio of more than 1 together are what [`Path::walk`] blocks. Refraction
     /// is by the fused form, whatever the path's.
     ///
-    /// How often a ray met an asphere so that only the walk could say where, which takes a hundred times as long: the same
-    /// number on every processor.
+    /// How often rays had to be followed to an asphere.
     pub fn trace(
         &self,
         mut rays: impl Iterator<Item = MeridianRay>,
         mut found: impl FnMut(Option<Clearance>),
-    ) -> u32 {
+    ) -> OpenRays {
         let mut packet = Packet::new(self.distance);
         while packet.fill(&mut rays) > 0 {
             match self.simd.simd() {
@@ -98,7 +97,7 @@ impl<'a> ClearanceTracer<'a> {
                 found((!lost || largest > 1.0).then(|| Clearance { ratio: largest.sqrt(), surface, lost }));
             }
         }
-        packet.walked
+        packet.open_rays
     }
 }
 
@@ -130,8 +129,8 @@ struct Packet {
     largest: [f64; PACKET],
     /// Its surface, whole numbers as the bits of floats: one mask selects both, and nothing computes with them.
     surface: [f64; PACKET],
-    /// Meetings with aspheres so far that lanes left to the walk.
-    walked: u32,
+    /// Of all so far.
+    open_rays: OpenRays,
 }
 
 impl Packet {
@@ -145,7 +144,7 @@ impl Packet {
             open: zero,
             largest: zero,
             surface: zero,
-            walked: 0,
+            open_rays: OpenRays::default(),
         }
     }
 
@@ -203,7 +202,14 @@ impl Packet {
             if let Some(asphere) = asphere {
                 L::apart(
                     cpu,
-                    PassAsphere { cpu, step, asphere, number, probes: &mut probes, walked: &mut self.walked },
+                    PassAsphere {
+                        cpu,
+                        step,
+                        asphere,
+                        number,
+                        probes: &mut probes,
+                        open: &mut self.open_rays,
+                    },
                 );
                 continue;
             }

@@ -42,7 +42,9 @@ impl<S: KernelScalar> SpectralKernel<S> {
         let (mut table, refracts_at) = Table::<S>::per_square(path, S::AMPLIFICATION);
         for step in &mut table.steps {
             if let Step::Asphere(asphere) = step {
-                asphere.bend = asphere.bend * S::from_f64(MORE);
+                for bend in [&mut asphere.inside, &mut asphere.beyond] {
+                    bend.along = bend.along * S::from_f64(MORE);
+                }
             }
         }
         let last = media.len() - 1;

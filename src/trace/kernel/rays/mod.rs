@@ -111,6 +111,17 @@ impl<S: Real> RayBuffer<S> {
         }
     }
 
+    /// Takes in another's rays behind its own.
+    pub fn append(&mut self, other: Self) {
+        for (column, others) in self.0.iter_mut().zip(other.0) {
+            if column.is_empty() {
+                *column = others;
+            } else {
+                column.extend(others);
+            }
+        }
+    }
+
     /// All of them.
     pub fn rays(&mut self) -> LensRays<'_, S> {
         self.part(0..self.len())
