@@ -28,14 +28,6 @@ const WALKED: u64 = 80;
 /// Interfaces from which on a lens may take longer, in proportion.
 const LONG: u64 = 100;
 
-/// Looks of a descent on both sides of the least excess so far, in widths: as many as a packet takes, but for the slope in
-/// the middle, which is known; where it is not, it takes the place of one.
-const LOOKS: [f64; GROUP] = [-1.0, -0.75, -0.5, -0.25, 0.25, 0.5, 0.75, 1.0];
-const SPARE: usize = 1;
-const BELOW: usize = GROUP / 2 - 1;
-/// How far about a meeting of two limits it is looked for, in widths of the looks that predict it.
-const NARROWER: f64 = 1.0 / 32.0;
-
 /// Traces rays for searches, and counts them.
 pub(crate) struct Tracer<'a> {
     clearances: ClearanceTracer<'a>,
@@ -166,27 +158,21 @@ impl View<'_> {
     /// Where on the meridian a descent of the excess from a slope and its excess ends: at the least one as far as that
     /// matters, which is for the sign with `any`, else to a thousandth.
     fn descended(&self, mut best: (f64, f64), mut width: f64, reach: f64, any: bool) -> (f64, f64) {
+        /// As many as a packet takes, but for the slope in the middle, which is known.
+        const LOOKS: [f64; GROUP] = [-1.0, -0.75, -0.5, -0.25, 0.25, 0.5, 0.75, 1.0];
+        const BELOW: usize = GROUP / 2 - 1;
         let enough = if any { 0.5 } else { 1e-3 };
         let mut found = Vec::with_capacity(GROUP);
-        // Where two limits' lines meet, and the width to go on with where that is no less.
-        let mut predicted: Option<(f64, f64)> = None;
         while width > 1e-9 * reach && !(any && best.1 < 0.0) && !self.tracer.is_spent() {
-            let (center, mut looks) = (predicted.map_or(best.0, |(meeting, _)| meeting), LOOKS);
-            if predicted.is_some() {
-                looks[SPARE] = 0.0;
-            }
-            self.excesses(&looks.map(|part| [center + part * width, 0.0]), &mut found);
-            let start = if predicted.is_some() { f64::INFINITY } else { best.1 };
-            let (least, part) = looks.iter().zip(&found).fold((start, 0.0), |least, (&part, excess)| {
-                if excess.value < least.0 { (excess.value, part) } else { least }
-            });
-            if let Some((_, wide)) = predicted.take()
-                && !(least < best.1)
-            {
-                width = wide;
-                continue;
-            }
-            best = (center + part * width, least);
+            self.excesses(&LOOKS.map(|part| [best.0 + part * width, 0.0]), &mut found);
+            let looks = LOOKS.iter().zip(&found);
+            let (least, part) =
+                looks.fold(
+                    (best.1, 0.0),
+                    |least, (&part, excess)| {
+                        if excess.value < least.0 { (excess.value, part) } else { least }
+                    },
+                );
             if part == 0.0 {
                 // The excess falls and then rises: between two looks it is no deeper than their difference, unless rays
                 // get lost, where it jumps.
@@ -195,12 +181,8 @@ impl View<'_> {
                 if !jumps && depth < enough * best.1.abs() {
                     break;
                 }
-                if let Some(meeting) = meeting(&found) {
-                    predicted = Some((center + meeting * width, 0.25 * width));
-                    width *= NARROWER;
-                    continue;
-                }
             }
+            best = (best.0 + part * width, least);
             width *= if part.abs() == 1.0 { 4.0 } else { 0.25 };
         }
         best
@@ -214,16 +196,4 @@ impl View<'_> {
         let found = places.iter().zip(&found).map(|(&s, excess)| (s, excess.value));
         found.fold((places[0], f64::INFINITY), |best, new| if new.1 < best.1 { new } else { best })
     }
-}
-
-/// Where between the two looks in the middle one limit's falling line meets another's rising one, in widths.
-fn meeting(found: &[Excess]) -> Option<f64> {
-    let [a, b, c, d] = [BELOW - 1, BELOW, BELOW + 1, BELOW + 2].map(|look| found[look]);
-    let spacing = LOOKS[BELOW] - LOOKS[BELOW - 1];
-    let (falling, rising) = ((b.value - a.value) / spacing, (d.value - c.value) / spacing);
-    let meeting = (b.value - c.value + LOOKS[BELOW + 1] * (falling + rising)) / (rising - falling);
-    let are_lines = a.limit == b.limit && c.limit == d.limit && b.limit != c.limit;
-    let is_between = falling < 0.0 && rising > 0.0 && meeting.abs() < LOOKS[BELOW + 1];
-    let lost = found.iter().any(|excess| excess.lost);
-    (are_lines && is_between && !lost).then_some(meeting)
 }

@@ -185,20 +185,15 @@ impl<S: Scalar> Asphere<S> {
     }
 }
 
-/// |G| over the rim's radius from which a step of Newton's iteration leads to the surface as near as a search needs it.
-const SEARCHED: f64 = 1e-9;
-
 impl Asphere<f64> {
     /// For rays of which many go astray, and which the clear aperture does not stop: with as many steps as it takes, tested
-    /// from the second on, in the place of a plan; the last one takes no look at where it leads. `None` for a sphere or a
-    /// plane.
+    /// from the second on, in the place of a plan. `None` for a sphere or a plane.
     pub fn for_search(step: &PathSurface<f64>) -> Option<Self> {
         let aspheric = step.aspheric.as_deref()?;
         let common = Common::untested(aspheric, [step.index_step, step.slack], Self::start(aspheric));
         let plan = Plan { approximants: Vec::new(), exact: 2 };
         let transfer = Transfer { factor: 0.0, offset: 0.0 };
-        let tolerance = aspheric.tolerance.max(SEARCHED * aspheric.size);
-        // No more steps: a stop at the vertex would lie behind the ray.
-        Some(Self::by_plan(aspheric, common, transfer, tolerance, &plan))
+        // No more: a stop at the vertex would lie behind the ray.
+        Some(Self::by_plan(aspheric, common, transfer, aspheric.tolerance, &plan))
     }
 }

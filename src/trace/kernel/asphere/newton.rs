@@ -178,8 +178,6 @@ impl<S: Scalar> Asphere<S> {
                 let one = L::splat(cpu, S::ONE);
                 let spared = L::select(first, zero, L::select(worth[i], zero, one));
                 rays[i].keep(spared.less(one));
-                // Where that was no more than near.
-                t[i] = L::select(first, t[i] + contacts[i].residual / contacts[i].facing, t[i]);
             }
             firsts[i] = first;
             open[i] = rays[i].passed_bits() & !L::bits(first);

@@ -268,6 +268,7 @@ mod tests {
 
     #[test]
     fn a_ray_gets_through_exactly_where_no_ratio_exceeds_1() {
+        let (mut followed, mut walked) = (0, 0);
         for name in catalogue::names() {
             let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
             let path = Path::<f64>::film_to_scene(&lens);
@@ -283,8 +284,9 @@ mod tests {
                 }
             }
             let mut clearances = Vec::new();
-            ClearanceTracer::new(&path, film)
+            let open = ClearanceTracer::new(&path, film)
                 .trace(rays.iter().copied(), |clearance| clearances.push(clearance));
+            (followed, walked) = (followed + open.followed, walked + open.walked);
             let (mut through, mut clipped, mut stopped) = (0, 0, 0);
             for (ray, clearance) in rays.into_iter().zip(clearances) {
                 let passes = clearance.is_some_and(|clearance| clearance.ratio <= 1.0);
@@ -298,5 +300,7 @@ mod tests {
             }
             assert!(through > 20 && clipped > 20, "{name}: {through} {clipped} {stopped}");
         }
+        // Side by side the rays are followed, not one by one.
+        assert!(followed > 1000 && 100 * walked < followed, "{walked} of {followed}");
     }
 }
