@@ -85,8 +85,13 @@ impl Field {
 
     /// A scan's beam, to its edges.
     fn to_edges(&self, height: f64, Beam { low, high }: Beam) -> Beam {
-        let (step, holds) = (self.scan(height, 1) - self.scan(height, 0), |slope| self.passes(height, slope));
-        Beam { low: edge(low, low - step, 0.0, holds), high: edge(high, high + step, 0.0, holds) }
+        Beam { low: self.to_edge(height, low, -1.0), high: self.to_edge(height, high, 1.0) }
+    }
+
+    /// One end of a scan's beam, which goes on in the direction `outward`, to its edge.
+    fn to_edge(&self, height: f64, end: f64, outward: f64) -> f64 {
+        let step = self.scan(height, 1) - self.scan(height, 0);
+        edge(end, end + outward * step, 0.0, |slope| self.passes(height, slope))
     }
 
     /// A slope of the scan.
@@ -146,21 +151,33 @@ impl Field {
         let scanned @ Beam { low, high } = self.scanned(height)?;
         let in_stop =
             |slope: f64| self.to_stop.trace(self.ray(height, slope)).map_or(f64::NAN, |ray| ray.origin[1]);
-        let slope = if in_stop(low) * in_stop(high) < 0.0 {
+        let (below, above) = (in_stop(low), in_stop(high));
+        let slope = if below * above < 0.0 {
             root(low, high, in_stop)
         } else {
             // The centre lies within a step of the beam's end, or beyond it.
-            let Beam { low, high } = self.to_edges(height, scanned);
-            let (below, above) = (in_stop(low), in_stop(high));
-            if below * above < 0.0 {
-                root(low, high, in_stop)
-            } else if below.abs() < above.abs() {
-                low
+            let (end, outward, other) =
+                if below.abs() < above.abs() { (low, -1.0, above) } else { (high, 1.0, below) };
+            let edge = self.to_edge(height, end, outward);
+            if low < high && in_stop(edge) * other >= 0.0 {
+                edge
             } else {
-                high
+                Self::nearest_to_centre(self.to_edges(height, scanned), in_stop)
             }
         };
         self.path.trace(self.ray(height, slope)).ok()
+    }
+
+    /// Of a beam between its edges the slope of the ray that comes nearest to the stop's centre.
+    fn nearest_to_centre(Beam { low, high }: Beam, in_stop: impl Fn(f64) -> f64) -> f64 {
+        let (below, above) = (in_stop(low), in_stop(high));
+        if below * above < 0.0 {
+            root(low, high, in_stop)
+        } else if below.abs() < above.abs() {
+            low
+        } else {
+            high
+        }
     }
 
     /// Full field angle of film of this diagonal by the real chief ray of its corner, radians; `None`
