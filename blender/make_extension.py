@@ -22,7 +22,7 @@ HERE = Path(__file__).resolve().parent
 
 def run(program: str, *arguments: str) -> str:
     """What the program prints; the script ends where it fails."""
-    told = subprocess.run([program, *arguments], capture_output=True, text=True)
+    told = subprocess.run([program, *arguments], capture_output=True, text=True, check=False)
     if told.returncode != 0:
         raise SystemExit(f"{program} {' '.join(arguments)}: {told.stderr.strip()}")
     return told.stdout
@@ -34,14 +34,15 @@ def lens(program: str, name: str, folder: Path) -> dict[str, object]:
     (folder / f"{name}.osl").write_text(shader)
     run(program, "draw", name, "--out", str(folder / f"{name}.png"))
     read = json.loads(run(program, "lens", name, "--json"))
-    nearest = re.search(r"nearest focus ([\d.]+) mm", shader)
-    if nearest is None:
-        raise SystemExit(f"the shader of {name} does not say its nearest focus")
+    nearest, reach = (re.search(rf"{words} ([\d.]+) mm", shader) for words in ("nearest focus", "film points up to"))
+    if nearest is None or reach is None:
+        raise SystemExit(f"the shader of {name} does not say its nearest focus and its film's reach")
     return {
         "title": read["title"] or name,
         "focal_length_mm": read["focal_length_mm"],
         "fnumber": read["f_number"],
         "nearest_mm": float(nearest[1]),
+        "film_reach_mm": float(reach[1]),
     }
 
 

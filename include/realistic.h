@@ -35,9 +35,9 @@
  nothing is ever taken away or renumbered. Version 2 states what version 1 had come to: the fields of
  `realistic_options` from `camera_to_world_end` on, `realistic_autofocus` and `realistic_camera_plan`; and it
  adds rays with differentials. Version 3 adds lenses without a film (`realistic_lens_new`),
- and `focusby` and `zoom`. Version 4 adds rays at a wavelength per sample (`realistic_generate_ray_at`), `crop`, what a
- surface's figure is (`realistic_lens_get_surface`) where rays meet the surfaces (`realistic_lens_trace_points`), and
- importance (`realistic_camera_importance`).
+ and `focusby` and `zoom`. Version 4 adds rays at a wavelength per sample (`realistic_generate_ray_at`), batches of any
+ strides (`realistic_camera_generate_batch`), `crop`, the figure of a surface (`realistic_lens_get_surface`), the points
+ where rays meet the surfaces (`realistic_lens_trace_points`), and importance (`realistic_camera_importance`).
  */
 #define REALISTIC_ABI_VERSION 4
 
@@ -1519,8 +1519,8 @@ realistic_status realistic_camera_importance(const struct realistic_camera *came
  Directions toward the lens from `n` points of the scene, sampled from the pupil as each point sees it, and what a ray
  along each counts, as `realistic_camera_importance` has it. For a point that shines with the radiance L along the
  direction, at an angle to the normal there with the cosine c, the picture gets importance · L · c / (density · density of
- the point) at (image_x, image_y). Of the directions nearly all count something; where a direction does not get through to
- the film its importance is 0, and that belongs to the mean. The first call of a camera looks at its lens from
+ the point) at (image_x, image_y). Most directions count something; where one does not get through to the film its
+ importance is 0, and that belongs to the mean. The first call of a camera looks at its lens from
  everywhere, which takes some hundredths of a second.
 
  What is NULL, what overlaps and what fails as in `realistic_camera_importance`. Points that are not in front of the lens,

@@ -6,9 +6,11 @@ written by the program `realistic`, whose path the preferences name.
 from __future__ import annotations
 
 import json
+import re
 import shutil
 import subprocess
 import tempfile
+from math import hypot
 from pathlib import Path
 
 import bpy
@@ -47,7 +49,7 @@ def _folder() -> Path:
 
 
 def set_up(context, camera, shader: str, facts: dict[str, object], report) -> bool:
-    """Makes `camera` (its data) the lens of a shader; whether that worked."""
+    """Makes `camera` (its data) the lens of a shader; whether that worked. A sensor beyond the film that gets light is made smaller."""
     from cycles.osl import update_custom_camera_shader
 
     context.scene.render.engine = "CYCLES"
@@ -56,13 +58,37 @@ def set_up(context, camera, shader: str, facts: dict[str, object], report) -> bo
     camera.custom_filepath = shader
     if not update_custom_camera_shader(camera, report):
         return False
+    reach = facts.get("film_reach_mm")
+    if reach:
+        width, height = _sensor(context.scene.render, camera)
+        share = 2 * float(reach) / hypot(width, height)
+        if share < 1:
+            camera.sensor_width *= share
+            camera.sensor_height *= share
+            report(
+                {"INFO"}, f"the lens has light for a sensor of {2 * float(reach):.1f} mm across: the sensor is now one"
+            )
     focal_length = facts.get("focal_length_mm")
     if focal_length:
         # What Blender draws as the view's frame; the shader does not ask for it.
         camera.lens = max(1.0, float(focal_length))
+    if bpy.app.version < (5, 0):
+        # There the shader is given the stop as the aperture of a lens of this focal length.
+        camera.cycles_custom["focal_length"] = camera.lens
     camera.dof.use_dof = True
     camera.dof.aperture_fstop = float(facts.get("fnumber") or camera.dof.aperture_fstop)
     return True
+
+
+def _sensor(render, camera) -> tuple[float, float]:
+    """Width and height in mm of what a picture shows of the sensor."""
+    x, y = render.resolution_x * render.pixel_aspect_x, render.resolution_y * render.pixel_aspect_y
+    fit = camera.sensor_fit
+    if fit == "VERTICAL":
+        return camera.sensor_height * x / y, camera.sensor_height
+    if fit == "AUTO" and y > x:
+        return camera.sensor_width * x / y, camera.sensor_width
+    return camera.sensor_width, camera.sensor_width * y / x
 
 
 def _camera(context):
@@ -88,7 +114,7 @@ class REALISTIC_OT_set_up(bpy.types.Operator):
 
     bl_idname = "realistic.set_up"
     bl_label = "Use This Lens"
-    bl_options = {"REGISTER", "UNDO"}
+    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
 
     @classmethod
     def poll(cls, context):
@@ -106,7 +132,11 @@ class REALISTIC_OT_from_file(bpy.types.Operator):
 
     bl_idname = "realistic.from_file"
     bl_label = "Use Lens File"
-    bl_options = {"REGISTER", "UNDO"}
+    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
+
+    @classmethod
+    def poll(cls, context):
+        return _camera(context) is not None
 
     def execute(self, context):
         camera = _camera(context)
@@ -120,9 +150,15 @@ class REALISTIC_OT_from_file(bpy.types.Operator):
         shader = _folder() / (Path(lens).stem + ".osl")
         try:
             told = subprocess.run(
-                [program, "blender", lens, "--out", str(shader)], capture_output=True, text=True, timeout=300
+                [program, "blender", lens, "--out", str(shader)],
+                capture_output=True,
+                text=True,
+                timeout=300,
+                check=False,
             )
-            facts = subprocess.run([program, "lens", lens, "--json"], capture_output=True, text=True, timeout=60)
+            facts = subprocess.run(
+                [program, "lens", lens, "--json"], capture_output=True, text=True, timeout=60, check=False
+            )
         except (OSError, subprocess.TimeoutExpired) as error:
             self.report({"ERROR"}, f"{program} does not run: {error}")
             return {"CANCELLED"}
@@ -131,6 +167,8 @@ class REALISTIC_OT_from_file(bpy.types.Operator):
             return {"CANCELLED"}
         read = json.loads(facts.stdout) if facts.returncode == 0 else {}
         read["fnumber"] = read.get("f_number")
+        reach = re.search(r"film points up to ([\d.]+) mm", shader.read_text())
+        read["film_reach_mm"] = reach and reach[1]
         return {"FINISHED"} if set_up(context, camera, str(shader), read, self.report) else {"CANCELLED"}
 
 
@@ -139,7 +177,11 @@ class REALISTIC_OT_pull_focus(bpy.types.Operator):
 
     bl_idname = "realistic.pull_focus"
     bl_label = "Animate Focus"
-    bl_options = {"REGISTER", "UNDO"}
+    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
+
+    @classmethod
+    def poll(cls, context):
+        return _camera(context) is not None
 
     def execute(self, context):
         camera = _camera(context)

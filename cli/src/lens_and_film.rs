@@ -2,6 +2,7 @@
 //! make of it, are the library's to say.
 
 use crate::failure::Failure;
+use crate::image::LARGEST_SIDE;
 use realistic::camera::{
     CameraError, Film, FocusBy, Host, Level, Parameter, Parameters, Raster, UnknownName, film_distance,
     group_reach, open_lens,
@@ -329,14 +330,13 @@ pub fn focus_by(text: &str) -> Result<FocusBy, String> {
 
 /// `WxH` in pixels.
 pub fn size(text: &str) -> Result<[u32; 2], String> {
-    const LARGEST: u32 = 16_384;
     let side = |text: &str| {
         let side = text.parse().ok();
-        side.filter(|side| (1..=LARGEST).contains(side))
+        side.filter(|side| (1..=LARGEST_SIDE).contains(side))
     };
     text.split_once('x')
         .and_then(|(width, height)| Some([side(width)?, side(height)?]))
-        .ok_or_else(|| format!("write WIDTHxHEIGHT in pixels, each 1 to {LARGEST}, as in 480x320"))
+        .ok_or_else(|| format!("write WIDTHxHEIGHT in pixels, each 1 to {LARGEST_SIDE}, as in 480x320"))
 }
 
 #[cfg(test)]

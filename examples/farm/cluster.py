@@ -3,7 +3,8 @@
 $ python cluster.py
 
 writes tiles.png and study.csv. On a farm only the cluster changes: docs/python.md says how. With --kill one of the workers is
-killed while it renders, as happens on farms; the picture's bytes and the table stay the same.
+killed while it renders, as happens on farms; the picture's bytes and the table stay the same. --large studies enough that two
+processes are faster than one.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import argparse
 import os
 import signal
 import subprocess
+import sys
 import threading
 import time
 from pathlib import Path
@@ -40,14 +42,15 @@ def kill_one(client: Client, after: float) -> threading.Thread:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--program", default="realistic", help="the command-line program")
+    parser.add_argument("--program", help="the command-line program [default: that of the installed package]")
     parser.add_argument("--kill", action="store_true", help="kill a worker on the way")
+    parser.add_argument("--large", action="store_true", help="study every lens of the catalogue, at many stops")
     given = parser.parse_args()
-    work = {
-        "lenses": ["dgauss.50mm", "wide.22mm", "tessar.50mm", "triplet.210mm"],
-        "fnumbers": [5.6, 8],
-        "distances": [float("inf"), 3000.0],
-    }
+    work = {"lenses": ["dgauss.50mm", "wide.22mm", "tessar.50mm", "triplet.210mm"], "fnumbers": [5.6, 8.0]}
+    if given.large:
+        stops, colours = [8.0, 11.0, 16.0, 22.0], [430.0, 486.13, 546.07, 587.56, 656.27]
+        work = {"lenses": list(realistic.catalogue()), "fnumbers": stops, "wavelengths": colours}
+    work["distances"] = [float("inf"), 3000.0]
     with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
         client.wait_for_workers(2)
         killer = kill_one(client, 1.0) if given.kill else None
@@ -69,8 +72,9 @@ def main() -> None:
         f"study: {'equal' if alone.equals(table) else 'DIFFERENT'} in one process, in {time.perf_counter() - begin:.1f} s"
     )
     size = f"{SIZE[0]}x{SIZE[1]}"
+    program = [given.program] if given.program else [sys.executable, "-m", "realistic"]
     subprocess.run(
-        [given.program, "render", *OPTIONS, "--size", size, "--out", "whole.png"], check=True, capture_output=True
+        [*program, "render", *OPTIONS, "--size", size, "--out", "whole.png"], check=True, capture_output=True
     )
     same = Path("tiles.png").read_bytes() == Path("whole.png").read_bytes()
     print(f"picture: {'the bytes of the whole' if same else 'DIFFERENT'}")

@@ -2,7 +2,7 @@
 
 $ python studio.py dgauss.50mm studio.png
 
-Put beside `realistic render --lens dgauss.50mm --param focusdistance=1086 --out program.png` it has the same framing and the same
+Put beside `realistic render --lens dgauss.50mm --param focusdistance=1071 --out program.png` it has the same framing and the same
 blur; materials and sky are Mitsuba's own and look a little different. Millimetres; x is negated, for Mitsuba's cameras have +x to
 the left.
 """
@@ -173,7 +173,7 @@ def main(lens: str, out: str, width: int = 480, height: int = 320, samples: int 
         "type": "realistic",
         "lensfile": lens,
         # The card, from the film.
-        "focus_distance": 1086.0,
+        "focus_distance": 1071.0,
         "film": {"type": "hdrfilm", "width": width, "height": height, "rfilter": {"type": "box"}},
         "sampler": {"type": "multijitter", "sample_count": samples},
     }

@@ -1,47 +1,66 @@
-"""The sensor's share of a path-traced picture in Mitsuba 3, 384 x 256 pixels, 16 samples per pixel.
+"""The sensor's share of path-traced pictures in Mitsuba 3, 384 x 256 pixels, 16 samples per pixel.
 
 $ python benches/mitsuba_share.py
 
 One thread, process CPU time, after one picture that compiles the kernels; interleaved with the same picture by Mitsuba's own
 thin lens. The share is the time inside `sample_ray_differential`, with the evaluation of Mitsuba's random numbers that it
-waits for.
+waits for. Two scenes: Mitsuba's Cornell box, than which few pictures are cheaper, and the one of examples/mitsuba/studio.py.
 """
 
+from __future__ import annotations
+
 import statistics
+import sys
 import time
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import drjit as dr
 import mitsuba as mi
 
-mi.set_variant("llvm_ad_rgb")
+sys.path.insert(0, str(Path(__file__).parents[2] / "examples/mitsuba"))
 
-import realistic.mitsuba  # noqa: F401
+import studio  # sets the variant, and registers the sensors
 
-ROUNDS = 9
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+ROUNDS = 7
+COMMON = {
+    "film": {"type": "hdrfilm", "width": 384, "height": 256},
+    "sampler": {"type": "independent", "sample_count": 16},
+}
 
 
-def scene(sensor: dict[str, Any]) -> Any:
+def box(sensor: dict[str, Any]) -> Any:
     """Mitsuba's Cornell box, two units wide, seen through a sensor."""
-    box = mi.cornell_box()
-    film = {"type": "hdrfilm", "width": 384, "height": 256}
-    box["sensor"] = {
-        "to_world": mi.ScalarTransform4f().look_at(origin=[0, 0, 3.9], target=[0, 0, 0], up=[0, 1, 0]),
-        "film": film,
-        "sampler": {"type": "independent", "sample_count": 16},
-        **sensor,
-    }
-    return mi.load_dict(box)
+    pose = mi.ScalarTransform4f().look_at(origin=[0, 0, 3.9], target=[0, 0, 0], up=[0, 1, 0])
+    lens = {"mm_per_unit": 1000.0, "focus_distance": 3.9} if sensor["type"] == "realistic" else {"focus_distance": 3.9}
+    return mi.load_dict({**mi.cornell_box(), "sensor": {"to_world": pose, **COMMON, **lens, **sensor}})
 
 
-def main() -> None:
-    dr.set_thread_count(1)
-    lens = {"lensfile": "dgauss.50mm", "mm_per_unit": 1000.0, "focus_distance": 3.9}
-    scenes = {
-        "realistic": scene({"type": "realistic", **lens}),
-        "realistic, no differentials": scene({"type": "realistic", "differentials": False, **lens}),
-        "thinlens": scene({"type": "thinlens", "fov": 35, "aperture_radius": 0.0125, "focus_distance": 3.9}),
-    }
+def table(sensor: dict[str, Any]) -> Any:
+    """The test scene: card, balls, lamps."""
+    # 50 mm f/2; the thin lens has its radius in scene units.
+    near = (
+        {"focus_distance": 1071.0, "aperture_radius": 12.1}
+        if sensor["type"] == "thinlens"
+        else {"focus_distance": 1071.0}
+    )
+    return mi.load_dict(studio.scene({**COMMON, **sensor, **near}))
+
+
+SENSORS: dict[str, dict[str, Any]] = {
+    "realistic": {"type": "realistic", "lensfile": "dgauss.50mm"},
+    "realistic, single precision": {"type": "realistic", "lensfile": "dgauss.50mm", "precision": "single"},
+    "realistic, no differentials": {"type": "realistic", "lensfile": "dgauss.50mm", "differentials": False},
+    "thinlens": {"type": "thinlens", "fov": 35, "aperture_radius": 0.0125},
+}
+
+
+def measure(title: str, made: Callable[[dict[str, Any]], Any]) -> None:
+    """Prints the table of a scene."""
+    scenes = {name: made(sensor) for name, sensor in SENSORS.items()}
     inside: list[float] = []
 
     def timed(rays: Any) -> Any:
@@ -53,9 +72,10 @@ def main() -> None:
 
         return measured
 
-    for name in list(scenes)[:2]:
-        sensor = scenes[name].sensors()[0]
-        sensor.sample_ray_differential = timed(sensor.sample_ray_differential)
+    for name, shown in scenes.items():
+        if name != "thinlens":
+            sensor = shown.sensors()[0]
+            sensor.sample_ray_differential = timed(sensor.sample_ray_differential)
     taken: dict[str, list[tuple[float, float]]] = {name: [] for name in scenes}
     for seed in range(ROUNDS + 1):
         for name, shown in scenes.items():
@@ -64,11 +84,17 @@ def main() -> None:
             dr.eval(mi.render(shown, seed=seed))
             dr.sync_thread()
             taken[name].append((time.process_time() - begin, sum(inside)))
-    print("| sensor | s per picture | s inside the sensor | share |\n|---|---|---|---|")
+    print(f"\n| {title} | s per picture | s inside the sensor | share |\n|---|---|---|---|")
     for name, times in taken.items():
         whole, part = (statistics.median(column) for column in zip(*times[1:]))
         share = statistics.median(b / a for a, b in times[1:])
-        print(f"| `{name}` | {whole:.3f} | {part:.3f} | {100 * share:.1f} % |")
+        print(f"| `{name}` | {whole:.3f} | {part:.3f} | {100 * share:.1f} % |", flush=True)
+
+
+def main() -> None:
+    dr.set_thread_count(1)
+    measure("Cornell box", box)
+    measure("test scene", table)
 
 
 if __name__ == "__main__":

@@ -36,5 +36,10 @@ def test_what_the_program_refuses_is_an_error_in_its_words(tmp_path: Path, monke
 
 def test_without_a_program_the_error_says_how_to_get_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("REALISTIC_PROGRAM", str(tmp_path / "nowhere"))
+    with pytest.raises(FileNotFoundError, match="REALISTIC_PROGRAM names .*nowhere, where there is no file"):
+        blender.program()
+    monkeypatch.delenv("REALISTIC_PROGRAM")
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setattr("realistic._program.own", lambda: None)
     with pytest.raises(FileNotFoundError, match="cargo install"):
         blender.program()

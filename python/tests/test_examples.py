@@ -20,7 +20,7 @@ def examples(checkout):
 def test_an_example_runs_as_it_says(checkout, tmp_path, name):
     assert name in {file.stem for file in examples(checkout)}
     file = checkout / f"python/examples/{name}.py"
-    _, script, *arguments = re.search(r"^\$ (python .*)$", file.read_text(), re.M).group(1).split()
+    _, script, *arguments = re.search(r"^\$ (python .*)$", file.read_text(), re.MULTILINE).group(1).split()
     assert script == file.name
     done = subprocess.run([sys.executable, str(file), *arguments], cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
@@ -38,7 +38,7 @@ def test_every_example_is_tested(checkout):
 def test_the_documentations_code_runs(checkout, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for page in ("README.md", "docs/python.md", "python/README.md"):
-        blocks = re.findall(r"```python\n(.*?)```", (checkout / page).read_text(), re.S)
+        blocks = re.findall(r"```python\n(.*?)```", (checkout / page).read_text(), re.DOTALL)
         assert blocks
         names = {"__name__": "__main__"}
         for block in blocks:

@@ -91,6 +91,14 @@ def test_a_lens_that_cannot_focus_so_near_has_a_note_and_no_numbers():
     assert np.isfinite(found["spot_rms_um"][2:]).all()
 
 
+def test_a_camera_without_light_has_a_note_and_no_numbers():
+    # Over the rear element's disk hardly a ray finds so small a stop.
+    found = study("dgauss.50mm", [50_000.0, 8.0], processes=1, pupil="rear", **SMALL)
+    assert found["note"].tolist() == ["no light gets to the middle of the picture"] * 2 + [""] * 2
+    assert np.isnan(found["spot_rms_um"][:2]).all() and np.isfinite(found["spot_rms_um"][2:]).all()
+    assert found["fnumber"].tolist() == [50_000.0] * 2 + [8.0] * 2
+
+
 def test_what_is_wrong_is_told():
     with pytest.raises(LensFileError, match="nowhere"):
         study("nowhere", processes=1)

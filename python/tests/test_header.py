@@ -50,17 +50,17 @@ STRUCTURES = {
 @pytest.fixture(scope="module")
 def header(checkout):
     text = (checkout / "include/realistic.h").read_text()
-    return re.sub(r"/\*.*?\*/", "", text, flags=re.S)
+    return re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)
 
 
 @pytest.mark.parametrize("name", STRUCTURES)
 def test_structures_have_the_headers_fields(header, name):
-    body = re.search(rf"typedef struct {name} {{(.*?)}} {name};", header, re.S).group(1)
+    body = re.search(rf"typedef struct {name} {{(.*?)}} {name};", header, re.DOTALL).group(1)
     fields = []
     for declaration in body.split(";"):
         if not declaration.strip():
             continue
-        kind, field, count = re.fullmatch(r"\s*(.*?[ *])(\w+)(?:\[(\d+)\])?\s*", declaration, re.S).groups()
+        kind, field, count = re.fullmatch(r"\s*(.*?[ *])(\w+)(?:\[(\d+)\])?\s*", declaration, re.DOTALL).groups()
         kind = TYPES[kind.strip()]
         fields.append((field, kind * int(count) if count else kind))
     # Later versions may have more at the end; struct_size says how much a caller knows.
@@ -72,7 +72,7 @@ def test_structures_have_the_headers_fields(header, name):
 
 def test_functions_have_the_headers_arguments(header):
     for name, (_, arguments) in _abi.FUNCTIONS.items():
-        found = re.search(rf"\b{name}\((.*?)\);", header, re.S).group(1)
+        found = re.search(rf"\b{name}\((.*?)\);", header, re.DOTALL).group(1)
         count = 0 if found.strip() == "void" else found.count(",") + 1
         assert count == len(arguments), name
 

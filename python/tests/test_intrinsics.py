@@ -162,7 +162,7 @@ def test_opencv_agrees(lens):
     wall = (meets * weight).sum(axis=1) / weight.sum(axis=1) * [1, -1, 1]
     wall[:, 2] = 0
     flags = cv2.CALIB_USE_INTRINSIC_GUESS
-    rms, matrix, distortion, turns, moves = cv2.calibrateCamera(
+    rms, _matrix, _distortion, _turns, _moves = cv2.calibrateCamera(
         [wall.astype(np.float32)],
         [(image_xy - 0.5).astype(np.float32)],
         (960, 640),

@@ -21,8 +21,12 @@ def pip_wheel(checkout, directory, **environment):
 @pytest.fixture(scope="module")
 def wheel(checkout, tmp_path_factory):
     pytest.importorskip("hatchling")
-    directory = tmp_path_factory.mktemp("wheel")
-    done = pip_wheel(checkout, directory, REALISTIC_LIBRARY=str(_abi.library_file()))
+    directory, room = tmp_path_factory.mktemp("wheel"), tmp_path_factory.mktemp("program")
+    # In the program's place one that tells what it was asked, and ends with 7.
+    stand_in = room / "built"
+    stand_in.write_text('#!/bin/sh\necho "$0 $@"\nexit 7\n')
+    stand_in.chmod(0o755)
+    done = pip_wheel(checkout, directory, REALISTIC_LIBRARY=str(_abi.library_file()), REALISTIC_PROGRAM=str(stand_in))
     assert done.returncode == 0, done.stdout + done.stderr
     (file,) = directory.iterdir()
     return file
@@ -36,6 +40,27 @@ def test_one_wheel_serves_every_python_of_a_platform(wheel):
     metadata = zipfile.ZipFile(wheel).read(f"realistic-{realistic.__version__}.dist-info/METADATA").decode()
     needed = [line for line in metadata.splitlines() if line.startswith("Requires-Dist") and "extra ==" not in line]
     assert [line.split()[1].partition(">")[0] for line in needed] == ["numpy"]
+
+
+def test_the_wheel_carries_the_program_and_starts_it(wheel, tmp_path):
+    done = subprocess.run(
+        [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--target", str(tmp_path), str(wheel)],
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    program = tmp_path / "realistic/realistic"
+    environment = {name: value for name, value in os.environ.items() if name != "REALISTIC_PROGRAM"}
+    environment["PYTHONPATH"] = str(tmp_path)
+    for command in ([sys.executable, "-m", "realistic"], [str(tmp_path / "bin/realistic")]):
+        done = subprocess.run([*command, "render", "a b"], env=environment, capture_output=True, text=True)
+        assert (done.returncode, done.stdout) == (7, f"{program} render a b\n"), done.stderr
+    code = "from realistic import blender; print(blender.program())"
+    done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True)
+    assert done.stdout == f"{program}\n", done.stderr
+    program.unlink()
+    done = subprocess.run([sys.executable, "-m", "realistic"], env=environment, capture_output=True, text=True)
+    assert done.returncode == 1 and "has no program: name a built one in the variable REALISTIC_PROGRAM" in done.stderr
 
 
 def test_the_wheel_works_without_the_checkout(wheel, tmp_path):

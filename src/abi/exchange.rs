@@ -81,6 +81,19 @@ unsafe fn known_size<T>(what: &str, first: usize, name: &str, at: *const T) -> R
     Ok(size as usize)
 }
 
+/// Refuses a caller's structure of which one of these arrays is NULL.
+#[inline(always)]
+pub(super) fn required_arrays<T, const N: usize>(
+    structure: &str,
+    names: [&str; N],
+    arrays: [*const T; N],
+) -> Result<(), Failure> {
+    match arrays.iter().position(|array| array.is_null()) {
+        Some(number) => Err(boundary::null(&format!("{structure}.{}", names[number]))),
+        None => Ok(()),
+    }
+}
+
 /// Copies a text with a closing NUL, cut to `capacity` bytes, and writes its whole length without the NUL.
 ///
 /// # Safety

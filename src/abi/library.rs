@@ -9,9 +9,9 @@ use super::boundary::{realistic_status, with_last_message};
 /// nothing is ever taken away or renumbered. Version 2 states what version 1 had come to: the fields of
 /// `realistic_options` from `camera_to_world_end` on, `realistic_autofocus` and `realistic_camera_plan`; and it
 /// adds rays with differentials. Version 3 adds lenses without a film (`realistic_lens_new`),
-/// and `focusby` and `zoom`. Version 4 adds rays at a wavelength per sample (`realistic_generate_ray_at`), `crop`, what a
-/// surface's figure is (`realistic_lens_get_surface`) where rays meet the surfaces (`realistic_lens_trace_points`), and
-/// importance (`realistic_camera_importance`).
+/// and `focusby` and `zoom`. Version 4 adds rays at a wavelength per sample (`realistic_generate_ray_at`), batches of any
+/// strides (`realistic_camera_generate_batch`), `crop`, the figure of a surface (`realistic_lens_get_surface`), the points
+/// where rays meet the surfaces (`realistic_lens_trace_points`), and importance (`realistic_camera_importance`).
 pub const REALISTIC_ABI_VERSION: u32 = 4;
 
 /// The library can be loaded by a pbrt-v1 host (`CreateCamera` is there).

@@ -98,11 +98,7 @@ pub fn misstated(prescription: &Prescription) -> Option<String> {
     let at_position = |number: usize| {
         let positions = prescription.positions.as_ref()?;
         let column = &positions.columns[number];
-        let mut placed = prescription.clone();
-        let before_film = placed.interfaces.len() - 1;
-        let gaps = positions.gaps.iter().zip(&column.gaps);
-        gaps.filter(|(row, _)| **row < before_film)
-            .for_each(|(&row, &gap)| placed.interfaces[row].thickness = gap);
+        let placed = prescription.with_gaps(&positions.gaps, &column.gaps);
         told(&format!("at position {} ", number + 1), &placed, column.focal_length)
     };
     let columns = prescription.positions.as_ref().map_or(0, |positions| positions.columns.len());

@@ -137,6 +137,16 @@ impl Prescription {
         self.interfaces.iter().position(|interface| interface.shape == Shape::Stop)
     }
 
+    /// The same lens with other gaps behind some of its rows, mm. The gap before the film is none of the lens's and stays.
+    pub fn with_gaps(&self, rows: &[usize], gaps: &[f64]) -> Self {
+        let mut placed = self.clone();
+        let last = placed.interfaces.len() - 1;
+        for (&row, gap) in rows.iter().zip(gaps).filter(|(row, _)| **row < last) {
+            placed.interfaces[row].thickness = *gap;
+        }
+        placed
+    }
+
     /// The same lens with every length multiplied by `factor` (positive and finite).
     pub fn scaled(&self, factor: f64) -> Self {
         let mut scaled = self.clone();

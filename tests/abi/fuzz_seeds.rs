@@ -142,7 +142,38 @@ impl Seed {
         }
         // Strides, offsets and optional arrays, all of them in turn.
         [5, 4, 4, 2, 16, 4, 4].iter().for_each(|count| to.choice(number % count));
+        // The lens without a film: rays from both sides, and two distances.
+        (0..2 * 11 * 6).for_each(|i| to.share((0.754_877_666_246_693 * (i + 1) as f64).fract()));
+        to.number(1000.0);
+        to.share(0.5);
+        self.newer(number, &mut to);
         to.0
+    }
+
+    /// Strides, wavelengths, importance and a part of the picture, one of the four in turn, and all of them in the first.
+    fn newer(&self, number: usize, to: &mut Writer) {
+        let asks = |which: usize| number == 0 || number % 4 == which;
+        let mut parts = (0..).map(|i: u32| (0.569_840_290_998_053 * f64::from(i + 1)).fract());
+        let layouts = |to: &mut Writer, arrays: usize| {
+            (0..2 * arrays).for_each(|i| to.choice((number + i) % 3));
+        };
+        to.choice(usize::from(asks(0)));
+        if asks(0) {
+            layouts(to, 9);
+        }
+        to.choice(usize::from(asks(1)));
+        if asks(1) {
+            (0..37).for_each(|_| to.share(parts.next().expect("endless")));
+            layouts(to, 10);
+        }
+        to.choice(usize::from(asks(2)));
+        if asks(2) {
+            (0..13 * (7 + 6)).for_each(|_| to.share(parts.next().expect("endless")));
+        }
+        to.choice(usize::from(asks(3)));
+        if asks(3) {
+            [3, 20, 4, 10, 1].iter().for_each(|&choice| to.choice(choice));
+        }
     }
 
     /// One camera of each kind.

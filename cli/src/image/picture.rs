@@ -17,6 +17,9 @@ pub struct Picture {
     pub pixels: Vec<[f32; 3]>,
 }
 
+/// Most pixels across or down that a picture may have.
+pub const LARGEST_SIDE: u32 = 16_384;
+
 /// What a file's ending asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {

@@ -3,7 +3,7 @@
 //! Both files have a text of it, which [`Origin`] writes and reads. For other programs the place stands where its format has
 //! one: in an EXR file's data and display window, in a PNG file's oFFs chunk (PNG extensions 1.6).
 
-use super::picture::{Format, Picture};
+use super::picture::{Format, LARGEST_SIDE, Picture};
 use super::srgb::{Colours, SrgbImage};
 use crate::failure::Failure;
 use crate::files;
@@ -60,7 +60,8 @@ impl Origin {
         let (place, settings) = text.split_once('\n').unwrap_or((text, ""));
         let (whole, crop) = place.split_once(' ')?;
         let (whole @ [width, height], crop @ [x0, y0, x1, y1]) = (numbers(whole)?, numbers(crop)?);
-        if x0 >= x1 || x1 > width || y0 >= y1 || y1 > height {
+        let is_inside = x0 < x1 && x1 <= width && y0 < y1 && y1 <= height;
+        if !is_inside || width.max(height) > LARGEST_SIDE {
             return None;
         }
         let setting = |line: &str| line.split_once(": ").map(|(name, value)| (name.into(), value.into()));
@@ -193,4 +194,29 @@ fn exr_pixels(file: BufReader<File>) -> exr::error::Result<(Option<String>, Pict
         _ => None,
     };
     Ok((text, image.layer_data.channel_data.pixels))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Origin;
+
+    #[test]
+    fn a_place_is_read_where_it_lies_in_a_picture_of_a_size_that_there_is() {
+        let origin =
+            Origin { whole: [50, 34], crop: [25, 0, 50, 34], settings: vec![("a".into(), "b: c".into())] };
+        assert_eq!(Origin::read(&origin.to_string()), Some(origin));
+        for text in [
+            "",
+            "50,34",
+            "50,34 0,0,0,34",
+            "50,34 0,0,51,34",
+            "50,34 0,9,5,9",
+            "50,-34 0,0,5,5",
+            "50,34 0,0,5,5\nno setting",
+        ] {
+            assert_eq!(Origin::read(text), None, "{text}");
+        }
+        // Room for all of it would not be had.
+        assert_eq!(Origin::read("4000000000,4000000000 0,0,25,34"), None);
+    }
 }

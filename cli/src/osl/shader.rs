@@ -166,6 +166,8 @@ fn body(optics: &Optics, spectral: bool) -> String {
              int camera_point = 0 [[ string label = \"Camera's Origin\", string widget = \"mapper\",\n      \
                string options = \"Front of the lens:0|Entrance pupil:1|Film:2\",\n      \
                string help = \"Which point of the lens is where the camera object is\" ]],\n    \
+             float focal_length = 0 [[ string label = \"Focal Length in 4.5\", float min = 0,\n      \
+               string help = \"In Blender 4.5 the camera's Focal Length in mm, through which it gives its F-Stop; 0: Blender 5.0 and later\" ]],\n    \
              float unit = 1000 [[ string label = \"Millimetres per Unit\", float min = 1e-6,\n      \
                string help = \"1000 in a scene in metres\" ]],\n    \
              output point position = 0,\n    \
@@ -182,7 +184,8 @@ fn body(optics: &Optics, spectral: bool) -> String {
            if (number <= 0) {{\n    \
              float size = 0;\n    \
              getattribute(\"cam:aperture_size\", size);\n    \
-             number = size > 0 ? 0.5/size : 0;\n  }}\n  \
+             /* In 4.5 the radius of the aperture in m, of a lens with the camera's focal length. */\n    \
+             number = size > 0 ? (focal_length > 0 ? 0.0005*focal_length : 0.5)/size : 0;\n  }}\n  \
            float stop = number > {} ? min({}/number, 1.0) : 1.0;\n\n  \
            /* The focus, and with it the film. */\n  \
            float object = focus_distance;\n  \

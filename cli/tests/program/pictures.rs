@@ -23,6 +23,32 @@ fn every_slide_is_the_same_with_any_number_of_threads() {
 }
 
 #[test]
+fn every_set_of_instructions_makes_the_same_picture() {
+    let dir = tempfile::tempdir().unwrap();
+    let small = ["render", "--size", "36x24", "--spp", "4"];
+    for more in [
+        &["--lens", "fisheye.10mm", "--param", "precision=f32"][..],
+        // Aspheres, at one wavelength and at several.
+        &["--lens", "zoom.24-70mm"],
+        &["--lens", "phone.4mm", "--wavelengths", "3"],
+        &["--lens", "dgauss.100mm", "--wavelengths", "3", "--param", "precision=f32"],
+    ] {
+        // What a processor does not have is left out by it.
+        let taken = ["portable", "avx2", "avx512"].map(|instructions| {
+            let command = std::process::Command::new(env!("CARGO_BIN_EXE_realistic"))
+                .current_dir(dir.path())
+                .env("REALISTIC_SIMD", instructions)
+                .args([&small[..], more, &["--out", "picture.png"]].concat())
+                .output()
+                .unwrap();
+            assert!(command.status.success(), "{}", String::from_utf8_lossy(&command.stderr));
+            std::fs::read(dir.path().join("picture.png")).unwrap()
+        });
+        assert!(taken[0] == taken[1] && taken[0] == taken[2], "{more:?}");
+    }
+}
+
+#[test]
 fn the_default_effects_are_those_of_the_plain_picture() {
     let dir = tempfile::tempdir().unwrap();
     let small = ["render", "--size", "36x24", "--spp", "4", "--out"];

@@ -2,9 +2,13 @@
 //! nothing breaks.
 
 mod bytes;
+mod crop;
 mod differentials;
+mod importance;
 mod lens;
 mod options;
+mod strided;
+mod wavelengths;
 
 use std::ffi::{CStr, c_void};
 use std::mem::offset_of;
@@ -53,9 +57,22 @@ pub fn run(data: &[u8]) -> bool {
     asked.in_arrays(&singles, &mut bytes);
     let may_differ = options.tolerance > 0.0;
     differentials::check(camera, &samples, &singles, MARK, may_differ, &mut bytes, &options);
+    lens::check(&options, &mut bytes);
+    if bytes.choice(4) == 1 {
+        let found = strided::rays(camera, &samples, None, &mut bytes);
+        assert!(may_differ || found == singles, "{options:?}");
+    }
+    if bytes.choice(4) == 1 {
+        wavelengths::check(camera, &samples, may_differ, &mut bytes, &options);
+    }
+    if bytes.choice(4) == 1 {
+        importance::check(camera, &singles, &mut bytes, &options);
+    }
+    if bytes.choice(8) == 1 {
+        crop::check(&asked, &singles, &mut bytes);
+    }
     // SAFETY: nobody uses the camera any more.
     unsafe { realistic_camera_free(camera) };
-    lens::check(&options, &mut bytes);
     true
 }
 

@@ -192,7 +192,10 @@ class Batch(ctypes.Structure):
         *[(name, Strided) for name in ("origin", "direction", "weight", "mint", "maxt", "ray_time")],
         ("reason", c_void_p),
         ("reason_stride", c_ssize_t),
-        *[(name, Strided) for name in ("rx_origin", "rx_direction", "rx_weight", "ry_origin", "ry_direction", "ry_weight")],
+        *[
+            (name, Strided)
+            for name in ("rx_origin", "rx_direction", "rx_weight", "ry_origin", "ry_direction", "ry_weight")
+        ],
     ]
 
 

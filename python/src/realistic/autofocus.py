@@ -40,7 +40,7 @@ def film_distance(
         try:
             found = ask(*arguments)
             return float("nan") if found is None else float(found)
-        except BaseException as failure:  # An interrupt, too, is raised again below.
+        except BaseException as failure:  # noqa: BLE001  An interrupt, too, is raised again below.
             failures.append(failure)
             return float("nan")
 

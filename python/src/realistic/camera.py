@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     # Every checker of types knows this module; nothing needs it to run.
-    from typing_extensions import Unpack
+    from typing_extensions import Self, Unpack
 
     from .parameters import Parameters
 
@@ -326,7 +326,7 @@ class Camera:
         """Gives the camera's memory back, once calls in other threads are through; a second time does nothing."""
         self._handle = None
 
-    def __enter__(self) -> Camera:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(

@@ -144,7 +144,12 @@ class _Samples:
         if self.time is None:
             # Fresh memory is zero. Where all arrays are columns the library takes them in one go, without copies.
             self.time = np.zeros(len(self.image_xy), np.float32)
-        for field, name in (("image", "image_xy"), ("lens", "lens_uv"), ("time", "time"), ("wavelength", "wavelengths")):
+        for field, name in (
+            ("image", "image_xy"),
+            ("lens", "lens_uv"),
+            ("time", "time"),
+            ("wavelength", "wavelengths"),
+        ):
             array = getattr(self, name)
             if array is None:
                 continue

@@ -10,7 +10,7 @@ import pytest
 
 
 def blocks(checkout, language):
-    found = re.findall(rf"```{language}\n(.*?)```", (checkout / "docs/mitsuba.md").read_text(), re.S)
+    found = re.findall(rf"```{language}\n(.*?)```", (checkout / "docs/mitsuba.md").read_text(), re.DOTALL)
     assert found
     return found
 

@@ -1,10 +1,6 @@
 """Pictures: framing, an even light, and the picture that the command-line program takes."""
 
-import os
-import shutil
-import subprocess
-from pathlib import Path
-
+import framing
 import numpy as np
 import pytest
 
@@ -80,58 +76,47 @@ def test_an_even_light_shows_the_illumination(fast):
     assert np.abs(off - off.mean()).std() < 1.1
 
 
-def program(checkout):
-    """The command-line program, if it has been built."""
-    named = os.environ.get("REALISTIC_PROGRAM")
-    built = [checkout / f"target/{kind}/realistic" for kind in ("release", "debug")]
-    found = [Path(named)] if named else [file for file in built if file.is_file()]
-    return found[0] if found else shutil.which("realistic")
-
-
-def edge(profile, outside, inside):
-    """Where an edge lies between what is dark on average over pixels `outside` and light over `inside`, slices in order."""
-    dark, light = profile[outside].mean(), profile[inside].mean()
-    return outside.stop + ((light - profile[outside.stop : inside.start]) / (light - dark)).sum()
-
-
-def edges(picture):
-    """The card's left, right and top edge, pixels from the left and from the top, of the picture 480 pixels wide."""
-    rows, columns = slice(190, 245), slice(30, 160)
-    across = picture[rows].mean(axis=0)
-    down = picture[:, columns].mean(axis=1)
-    width = len(across)
-    return np.array(
-        [
-            edge(across, slice(9, 11), slice(12, 14)),
-            width - edge(across[::-1], slice(width - 179, width - 177), slice(width - 176, width - 174)),
-            edge(down, slice(149, 151), slice(152, 154)),
-        ]
-    )
-
-
 def test_the_card_has_the_framing_of_the_programs_picture(fast, checkout, tmp_path):
     """The edges of the test card, which stands left of the middle (cli/src/host/scene/props.rs)."""
     mi = fast
-    command = program(checkout)
+    command = framing.program(checkout)
     if command is None:
         pytest.skip("the program is not built: name it in REALISTIC_PROGRAM, or run cargo build --release")
-    size = (480, 320)
     parameters = {"focusdistance": 1090.0, "fnumber": 8}
     out = tmp_path / "card.exr"
-    given = [f"--param={name}={value}" for name, value in parameters.items()]
-    done = subprocess.run(
-        [str(command), "render", "--lens=dgauss.50mm", "--size=480x320", "--spp=32", *given, f"--out={out}"],
-        capture_output=True,
-        text=True,
-    )
-    assert done.returncode == 0, done.stderr
-    by_program = np.array(mi.Bitmap(str(out)), np.float64)[..., :3].sum(axis=2)
+    framing.by_program(command, out, 32, parameters)
+    program = np.array(mi.Bitmap(str(out)), np.float64)[..., :3].sum(axis=2)
 
     width, height = 196.0, 196 * 66 / 80
     middle = [270 - width / 2, 10 - height / 2, 1000]
     pose = mi.ScalarTransform4f().translate(middle).rotate([0, 1, 0], 180).scale([width / 2, height / 2, 1])
     card = {"type": "rectangle", "to_world": pose, "light": {"type": "area", "radiance": 1.0}}
-    sensor = {"type": "realistic", "lensfile": "dgauss.50mm", **parameters, "film": box_film(*size)}
+    sensor = {"type": "realistic", "lensfile": "dgauss.50mm", **parameters, "film": box_film(*framing.SIZE)}
     by_mitsuba = rendered(mi, {"card": card}, sensor, 64).sum(axis=2)
-    seen = [edges(by_program), edges(by_mitsuba)]
+    seen = [framing.edges(program), framing.edges(by_mitsuba)]
     assert np.abs(seen[0] - seen[1]).max() < 0.1, seen
+
+
+def test_lamps_out_of_focus_are_the_disks_of_the_programs_picture(fast, checkout, tmp_path):
+    """The nearer string of lamps, seven metres away, with the lens wide open and focused on the card."""
+    mi = fast
+    command = framing.program(checkout)
+    if command is None:
+        pytest.skip("the program is not built: name it in REALISTIC_PROGRAM, or run cargo build --release")
+    out = tmp_path / "lamps.exr"
+    framing.by_program(command, out, 64, {"focusdistance": 1071.0})
+    program = np.array(mi.Bitmap(str(out)), np.float64)[..., :3].sum(axis=2)
+    # As in cli/src/host/scene/props.rs; colours do not matter.
+    lamps = {}
+    for index in range(-4, 5):
+        x = (index + 0.25) * 410.0
+        across = ((x / 5200.0 + 0.5) % 1.0) * 2 - 1
+        glow = {"type": "area", "radiance": 10.0}
+        place = [-x, 570.0 + 1250.0 * across * across, 7000.0]
+        lamps[f"lamp_{index + 4}"] = {"type": "sphere", "center": place, "radius": 23.0, "light": glow}
+    sensor = {"type": "realistic", "lensfile": "dgauss.50mm", "focus_distance": 1071.0, "film": box_film(*framing.SIZE)}
+    seen = framing.bokeh(program), framing.bokeh(rendered(mi, lamps, sensor, 128).sum(axis=2))
+    print(seen)
+    assert np.abs(seen[0][:, :2] - seen[1][:, :2]).max() < 0.6
+    assert np.abs((seen[0] - seen[1])[:, :2].mean(axis=0)).max() < 0.2
+    assert abs(seen[0][:, 2].mean() / seen[1][:, 2].mean() - 1) < 0.015

@@ -205,7 +205,7 @@ def test_a_spectral_ray_has_its_own_wavelength(spectral):
     mi = spectral
     kind = {"type": "realistic", "lensfile": "tessar.50mm", "focus_distance": 1000.0, "film": film()}
     sensor = mi.load_dict(kind)
-    time, picture, lens = samples(50)
+    _time, picture, lens = samples(50)
     colour = np.random.default_rng(4).random(50, np.float32)
     ray, weight = sensor.sample_ray_differential(0.0, mi.Float(colour), mi.Point2f(picture), mi.Point2f(lens))
     wavelengths, response = sensor.sample_wavelengths(mi.SurfaceInteraction3f(), mi.Float(colour))
@@ -234,7 +234,7 @@ def test_a_spectral_ray_has_its_own_wavelength(spectral):
 def test_one_spectral_ray_is_that_of_many():
     mi = pytest.importorskip("mitsuba", reason="Mitsuba is not installed (pip install mitsuba)")
     mi.set_variant("scalar_spectral")
-    import realistic.mitsuba  # noqa: F401
+    import realistic.mitsuba
 
     sensor = mi.load_dict({"type": "realistic", "lensfile": "tessar.50mm", "film": film()})
     camera = realistic.Camera("tessar.50mm", resolution=SIZE, weighting="relative", camera_to_world=MIRROR)

@@ -3,6 +3,7 @@
 use super::{
     super::{
         boundary::{self, Failure},
+        exchange::required_arrays,
         object::{self, Handle},
         types::{realistic_camera, realistic_rays_soa, realistic_samples_soa},
     },
@@ -40,19 +41,6 @@ pub(super) fn ray_columns(rays: &realistic_rays_soa) -> [ColumnMut; 10] {
 /// The room for neighbours in a caller's arrays.
 pub(super) fn neighbour_columns(rays: &realistic_rays_soa) -> [ColumnMut; 7] {
     rays_of(rays).map(ColumnMut::packed)
-}
-
-/// Refuses a structure of which one of these arrays is NULL.
-#[inline(always)]
-pub(super) fn required_arrays<const N: usize>(
-    structure: &str,
-    names: [&str; N],
-    arrays: [*const f32; N],
-) -> Result<(), Failure> {
-    match arrays.iter().position(|array| array.is_null()) {
-        Some(number) => Err(boundary::null(&format!("{structure}.{}", names[number]))),
-        None => Ok(()),
-    }
 }
 
 /// The camera and the structures of a call, which must be there with all arrays that must.

@@ -171,7 +171,7 @@ impl SampleRoom {
 impl RayRoom {
     /// The first `n` rays; without a range where that of all rays stands there already.
     #[inline(always)]
-    pub(super) fn rays(&mut self, camera: &Camera, n: usize) -> RayArrays<'_> {
+    fn rays(&mut self, camera: &Camera, n: usize) -> RayArrays<'_> {
         let [ox, oy, oz, dx, dy, dz, mint, maxt, time, weight] = self.arrays_mut(n);
         let has_one = camera.range().is_some();
         let [mint, maxt] = [mint, maxt].map(|array| (!has_one).then_some(array));

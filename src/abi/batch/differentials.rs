@@ -5,17 +5,14 @@ use std::mem::size_of;
 use super::{
     super::{
         boundary::{self, realistic_status},
-        exchange::check_size,
+        exchange::{check_size, required_arrays},
         object,
         types::{
             realistic_camera, realistic_ray_differential, realistic_rays_soa, realistic_reason,
             realistic_sample, realistic_samples_soa,
         },
     },
-    arrays::{
-        RAYS, arrays_of, neighbour_columns, ray_columns, rays_of, required, required_arrays, sample_columns,
-        stride,
-    },
+    arrays::{RAYS, arrays_of, neighbour_columns, rays_of, required, stride},
     blocks::{DifferentialRoom, in_blocks},
     columns::Reasons,
     request::Request,
@@ -100,16 +97,8 @@ pub unsafe extern "C" fn realistic_camera_generate_ray_differentials_soa(
                     required_arrays(name, RAYS, rays_of(rays).map(|array| array.cast_const()))?;
                 }
             }
-            let request = Request {
-                handle,
-                n,
-                samples: sample_columns(samples),
-                wavelengths: None,
-                rays: ray_columns(rays),
-                neighbours: Some([rx, ry].map(neighbour_columns)),
-                reasons: Reasons::packed(rays.reason),
-            };
-            request.answer()
+            let neighbours = Some([rx, ry].map(neighbour_columns));
+            Request { neighbours, ..Request::of_arrays(handle, n, samples, rays) }.answer()
         }
     })
 }

@@ -11,7 +11,7 @@ use super::{
             realistic_samples_soa,
         },
     },
-    arrays::{arrays_of, ray_columns, required, sample_columns, stride},
+    arrays::{arrays_of, required, stride},
     blocks::{RayRoom, in_blocks},
     columns::Reasons,
     request::Request,
@@ -91,16 +91,7 @@ pub unsafe extern "C" fn realistic_camera_generate_rays_soa(
         // SAFETY: the caller's promise.
         unsafe {
             let (handle, samples, rays) = arrays_of(camera, n, samples, rays)?;
-            let request = Request {
-                handle,
-                n,
-                samples: sample_columns(samples),
-                wavelengths: None,
-                rays: ray_columns(rays),
-                neighbours: None,
-                reasons: Reasons::packed(rays.reason),
-            };
-            request.answer()
+            Request::of_arrays(handle, n, samples, rays).answer()
         }
     })
 }

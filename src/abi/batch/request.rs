@@ -7,7 +7,9 @@ use super::{
     super::{
         boundary::{Failure, memory},
         object::Handle,
+        types::{realistic_rays_soa, realistic_samples_soa},
     },
+    arrays::{ray_columns, sample_columns},
     blocks::{BLOCK, DifferentialRoom, NeighbourRoom, Outcomes, RayRoom, SampleRoom},
     columns::{Column, ColumnMut, Reasons},
 };
@@ -34,7 +36,25 @@ pub(super) struct Request<'a> {
     pub reasons: Reasons,
 }
 
-impl Request<'_> {
+impl<'a> Request<'a> {
+    /// Of samples and rays in a caller's arrays.
+    pub(super) fn of_arrays(
+        handle: &'a Handle,
+        n: usize,
+        samples: &realistic_samples_soa,
+        rays: &realistic_rays_soa,
+    ) -> Self {
+        Self {
+            handle,
+            n,
+            samples: sample_columns(samples),
+            wavelengths: None,
+            rays: ray_columns(rays),
+            neighbours: None,
+            reasons: Reasons::packed(rays.reason),
+        }
+    }
+
     /// Answers it.
     ///
     /// # Errors

@@ -11,9 +11,9 @@ use super::{
             realistic_samples_soa,
         },
     },
-    arrays::{arrays_of, ray_columns, required, sample_columns, stride},
+    arrays::{arrays_of, required, stride},
     columns::{Column, ColumnMut, Reasons},
-    rays::{realistic_camera_generate_rays, realistic_camera_generate_rays_soa},
+    rays::realistic_camera_generate_rays,
     request::Request,
 };
 
@@ -103,24 +103,12 @@ pub unsafe extern "C" fn realistic_camera_generate_rays_at_soa(
     wavelengths_nm: *const f32,
     rays: *const realistic_rays_soa,
 ) -> realistic_status {
-    if wavelengths_nm.is_null() {
-        // SAFETY: the caller's promise.
-        return unsafe { realistic_camera_generate_rays_soa(camera, n, samples, rays) };
-    }
     boundary::status(|| {
         // SAFETY: the caller's promise.
         unsafe {
             let (handle, samples, rays) = arrays_of(camera, n, samples, rays)?;
-            let request = Request {
-                handle,
-                n,
-                samples: sample_columns(samples),
-                wavelengths: Some(Column::packed(wavelengths_nm)),
-                rays: ray_columns(rays),
-                neighbours: None,
-                reasons: Reasons::packed(rays.reason),
-            };
-            request.answer()
+            let wavelengths = (!wavelengths_nm.is_null()).then(|| Column::packed(wavelengths_nm));
+            Request { wavelengths, ..Request::of_arrays(handle, n, samples, rays) }.answer()
         }
     })
 }
@@ -149,15 +137,9 @@ pub unsafe extern "C" fn realistic_camera_generate_hero_rays_soa(
                 return Ok(());
             }
             required("wavelengths_nm", wavelengths_nm)?;
-            let request = Request {
-                handle,
-                n: 4 * n,
-                samples: sample_columns(samples).map(|column| Column { shared_by: 4, ..column }),
-                wavelengths: Some(Column::packed(wavelengths_nm)),
-                rays: ray_columns(rays),
-                neighbours: None,
-                reasons: Reasons::packed(rays.reason),
-            };
+            let mut request = Request::of_arrays(handle, 4 * n, samples, rays);
+            request.samples.iter_mut().for_each(|column| column.shared_by = 4);
+            request.wavelengths = Some(Column::packed(wavelengths_nm));
             request.answer()
         }
     })

@@ -3,7 +3,7 @@
 use super::{
     super::{
         boundary::{self, realistic_status},
-        exchange::take,
+        exchange::{required_arrays, take},
         object,
         types::realistic_camera,
     },
@@ -59,8 +59,8 @@ pub struct realistic_aimed {
 /// Directions toward the lens from `n` points of the scene, sampled from the pupil as each point sees it, and what a ray
 /// along each counts, as `realistic_camera_importance` has it. For a point that shines with the radiance L along the
 /// direction, at an angle to the normal there with the cosine c, the picture gets importance · L · c / (density · density of
-/// the point) at (image_x, image_y). Of the directions nearly all count something; where a direction does not get through to
-/// the film its importance is 0, and that belongs to the mean. The first call of a camera looks at its lens from
+/// the point) at (image_x, image_y). Most directions count something; where one does not get through to the film its
+/// importance is 0, and that belongs to the mean. The first call of a camera looks at its lens from
 /// everywhere, which takes some hundredths of a second.
 ///
 /// What is NULL, what overlaps and what fails as in `realistic_camera_importance`. Points that are not in front of the lens,
@@ -89,16 +89,9 @@ pub unsafe extern "C" fn realistic_camera_sample_importance(
             return Ok(());
         }
         let arrays = [points.x, points.y, points.z, points.u, points.v];
-        let names = ["x", "y", "z", "u", "v"];
-        if let Some((_, name)) = arrays.iter().zip(names).find(|(array, _)| array.is_null()) {
-            return Err(boundary::null(&format!("points.{name}")));
-        }
-        let room = [aimed.dx, aimed.dy, aimed.dz, aimed.density];
-        if let Some((_, name)) =
-            room.iter().zip(["dx", "dy", "dz", "density"]).find(|(array, _)| array.is_null())
-        {
-            return Err(boundary::null(&format!("aimed.{name}")));
-        }
+        required_arrays("points", ["x", "y", "z", "u", "v"], arrays)?;
+        let room = [aimed.dx, aimed.dy, aimed.dz, aimed.density].map(|array| array.cast_const());
+        required_arrays("aimed", ["dx", "dy", "dz", "density"], room)?;
         importance.check()?;
         let middle = backward.middle_time();
         let (mut asked, mut found) = (Vec::with_capacity(n.min(BLOCK)), vec![Aimed::default(); n.min(BLOCK)]);

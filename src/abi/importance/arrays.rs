@@ -1,7 +1,8 @@
 //! What both calls have in common: importance handed out as arrays, and single numbers of arrays that may be missing.
 
 use super::super::{
-    boundary::{self, Failure, memory},
+    boundary::{Failure, memory},
+    exchange::required_arrays,
     object::Handle,
 };
 use crate::camera::{Backward, Importance};
@@ -37,7 +38,7 @@ pub struct realistic_importance {
 impl realistic_importance {
     /// Refuses a structure without room for what must be taken.
     pub(super) fn check(&self) -> Result<(), Failure> {
-        if self.importance.is_null() { Err(boundary::null("importance.importance")) } else { Ok(()) }
+        required_arrays("importance", ["importance"], [self.importance.cast_const()])
     }
 
     /// Hands out importance from element `first` on.

@@ -3,7 +3,7 @@
 use super::{
     super::{
         boundary::{self, realistic_status},
-        exchange::take,
+        exchange::{required_arrays, take},
         object,
         types::realistic_camera,
     },
@@ -61,10 +61,7 @@ pub unsafe extern "C" fn realistic_camera_importance(
             return Ok(());
         }
         let arrays = [rays.ox, rays.oy, rays.oz, rays.dx, rays.dy, rays.dz];
-        let names = ["ox", "oy", "oz", "dx", "dy", "dz"];
-        if let Some((_, name)) = arrays.iter().zip(names).find(|(array, _)| array.is_null()) {
-            return Err(boundary::null(&format!("rays.{name}")));
-        }
+        required_arrays("rays", ["ox", "oy", "oz", "dx", "dy", "dz"], arrays)?;
         importance.check()?;
         let middle = backward.middle_time();
         let (mut asked, mut found) =

@@ -3,7 +3,7 @@
 use super::{
     super::{
         boundary::{self, Failure, fits_memory, realistic_status},
-        exchange::take,
+        exchange::{required_arrays, take},
         types::realistic_reason,
     },
     handle::{Way, opened, realistic_lens},
@@ -71,10 +71,8 @@ pub unsafe extern "C" fn realistic_lens_trace_points(
 /// Coordinates of the points, none of them NULL.
 fn point_arrays(points: &realistic_lens_points) -> Result<[*mut f64; 3], Failure> {
     let arrays = [points.x, points.y, points.z];
-    match arrays.iter().zip(["x", "y", "z"]).find(|(array, _)| array.is_null()) {
-        Some((_, name)) => Err(boundary::null(&format!("points.{name}"))),
-        None => Ok(arrays),
-    }
+    required_arrays("points", ["x", "y", "z"], arrays.map(|array| array.cast_const()))?;
+    Ok(arrays)
 }
 
 /// Takes ray `i` through the lens.

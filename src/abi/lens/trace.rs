@@ -3,7 +3,7 @@
 use super::{
     super::{
         boundary::{self, Failure, fits_memory, realistic_status},
-        exchange::take,
+        exchange::{required_arrays, take},
         types::realistic_reason,
     },
     handle::{OpenedLens, Way, opened, realistic_lens},
@@ -90,11 +90,8 @@ pub(super) fn way(opened: &OpenedLens, from: i32) -> Result<&Way, Failure> {
 /// A point on each ray and its direction, by coordinates, of which none is NULL.
 pub(super) fn arrays(rays: &realistic_lens_rays) -> Result<[*mut f64; 6], Failure> {
     let arrays = [rays.ox, rays.oy, rays.oz, rays.dx, rays.dy, rays.dz];
-    let names = ["ox", "oy", "oz", "dx", "dy", "dz"];
-    match arrays.iter().zip(names).find(|(array, _)| array.is_null()) {
-        Some((_, name)) => Err(boundary::null(&format!("rays.{name}"))),
-        None => Ok(arrays),
-    }
+    required_arrays("rays", ["ox", "oy", "oz", "dx", "dy", "dz"], arrays.map(|array| array.cast_const()))?;
+    Ok(arrays)
 }
 
 /// # Safety

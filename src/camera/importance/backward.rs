@@ -13,6 +13,7 @@ use crate::{
         ray::WorldRay,
     },
     lens::Ray,
+    numeric,
 };
 
 /// What takes rays from the front to the film, in camera space.
@@ -231,9 +232,6 @@ impl Backward {
 
 /// A vector of length 1; `None` of what has no direction.
 fn unit(direction: [f64; 3]) -> Option<[f64; 3]> {
-    let largest = direction.iter().fold(0.0_f64, |most, part| most.max(part.abs()));
-    let scaled = direction.map(|part| part / largest);
-    let length = scaled.iter().map(|part| part * part).sum::<f64>().sqrt();
-    let found = scaled.map(|part| part / length);
+    let found = numeric::unit(direction);
     found.iter().all(|part| part.is_finite()).then_some(found)
 }

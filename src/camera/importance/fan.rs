@@ -54,6 +54,25 @@ pub(super) struct Window {
     pub half: [f64; 2],
 }
 
+/// What images must lie within: p · n <= distance of a film point p, as [n, n, distance], or of a point of another plane.
+pub(super) type Limit = [f64; 3];
+/// Limits that cut a region, at most.
+pub(super) const LIMITS: usize = 10;
+
+impl Window {
+    /// Its four sides.
+    pub fn limits(&self) -> [Limit; 4] {
+        let side = |axis: usize, sign: f64| {
+            let distance = self.half[axis] + sign * self.center[axis];
+            if axis == 0 { [sign, 0.0, distance] } else { [0.0, sign, distance] }
+        };
+        [side(0, 1.0), side(0, -1.0), side(1, 1.0), side(1, -1.0)]
+    }
+}
+
+/// Where points are imaged, and within what those that are sampled must be; at most [`LIMITS`].
+pub(super) type View<'a> = (&'a Image, &'a [Limit]);
+
 /// A point of a region and its density per area.
 pub(super) type Sampled = ([f64; 2], f64);
 
@@ -111,7 +130,7 @@ impl Fan {
     }
 
     /// A point of what the polygon has within half-planes.
-    fn within(&self, planes: &[HalfPlane; 4], bend: f64, [u, v]: [f64; 2]) -> Option<Sampled> {
+    fn within(&self, planes: &[HalfPlane], bend: f64, [u, v]: [f64; 2]) -> Option<Sampled> {
         let bent = |[a, b]: [f64; 2]| {
             let stretch = 1.0 + bend * self.square([a, b]);
             [self.center + stretch * (a - self.center), stretch * b]
@@ -160,54 +179,61 @@ impl Fan {
         ((a - self.center) / self.extent[0]).powi(2) + (b / self.extent[1]).powi(2)
     }
 
-    /// A point of the region, for two numbers in [0, 1]: the polygon, without what is imaged outside the window, seen at this
-    /// azimuth (a unit vector). `None` where nothing is left.
-    pub fn sample(
-        &self,
-        image: &Image,
-        azimuth: [f64; 2],
-        window: &Window,
-        numbers: [f64; 2],
-    ) -> Option<Sampled> {
-        let farthest = self.farthest();
-        let far = farthest * (1.0 + image.bend.max(0.0) * farthest * farthest);
-        let radius = far * (image.along * self.extent[0]).abs().max((image.across * self.extent[1]).abs());
-        let radius = radius + image.spread;
-        let at = [0, 1].map(|axis| azimuth[axis] * image.place - window.center[axis]);
-        let beyond = |axis: usize, by: f64| at[axis].abs() + by > window.half[axis];
-        if beyond(0, -radius) || beyond(1, -radius) {
-            return None;
+    /// A point of the region, for two numbers in [0, 1]: the polygon, without what the first view that cuts it at all has
+    /// outside its limits, seen at this azimuth (a unit vector). `None` where nothing is left.
+    pub fn sample(&self, views: &[View<'_>], azimuth: [f64; 2], numbers: [f64; 2]) -> Option<Sampled> {
+        for (image, limits) in views {
+            let (planes, count) = self.planes(image, limits, azimuth)?;
+            if count > 0 {
+                let bend = image.bend.max(MONOTONE / self.farthest().powi(2));
+                return self.within(&planes[..count], bend, numbers);
+            }
         }
-        if !beyond(0, radius) && !beyond(1, radius) {
-            return self.anywhere(numbers);
-        }
-        self.within(&self.sides(image, azimuth, window), image.bend.max(MONOTONE / farthest.powi(2)), numbers)
+        self.anywhere(numbers)
     }
 
-    /// The half-planes of points that are imaged within each of the window's four sides.
-    fn sides(&self, image: &Image, [cos, sin]: [f64; 2], window: &Window) -> [HalfPlane; 4] {
-        let Image { place, along, across, spread, .. } = *image;
-        // The film point is x (cos, sin) + y (-sin, cos).
-        let side = |axis: usize, sign: f64| {
-            let (x, y) = if axis == 0 { (cos, -sin) } else { (sin, cos) };
-            let middle = x * (place - along * self.center) - window.center[axis];
-            let constant = window.half[axis] + spread + sign * middle;
-            [sign * x * along, sign * y * across, constant]
-        };
-        [side(0, 1.0), side(0, -1.0), side(1, 1.0), side(1, -1.0)]
+    /// The half-planes of points that are imaged within limits, and how many they are: those that have something outside.
+    /// `None` where one has all outside.
+    fn planes(
+        &self,
+        image: &Image,
+        limits: &[Limit],
+        [cos, sin]: [f64; 2],
+    ) -> Option<([HalfPlane; LIMITS], usize)> {
+        let Image { place, along, across, bend, spread } = *image;
+        let farthest = self.farthest();
+        let far = farthest * (1.0 + bend.max(0.0) * farthest * farthest);
+        let radius = far * (along * self.extent[0]).abs().max((across * self.extent[1]).abs()) + spread;
+        let (mut planes, mut count) = ([[0.0; 3]; LIMITS], 0);
+        for [nx, ny, distance] in limits {
+            // The point is x (cos, sin) + y (-sin, cos).
+            let (x, y) = (nx * cos + ny * sin, ny * cos - nx * sin);
+            let room = distance - x * place;
+            if room + radius < 0.0 {
+                return None;
+            }
+            if room < radius {
+                planes[count] = [-x * along, -y * across, room + x * along * self.center + spread];
+                count += 1;
+            }
+        }
+        Some((planes, count))
     }
 }
 
-/// Corners of a convex polygon: a triangle's, and one more a half-plane.
+/// Corners, at most.
+const CORNERS: usize = 3 + LIMITS;
+
+/// Corners of a convex polygon: a triangle's, and one more a half-plane that cuts it.
 #[derive(Clone, Copy)]
 struct Convex {
-    corners: [[f64; 2]; 8],
+    corners: [[f64; 2]; CORNERS],
     count: usize,
     area: f64,
 }
 
 impl Convex {
-    const EMPTY: Self = Self { corners: [[0.0; 2]; 8], count: 0, area: 0.0 };
+    const EMPTY: Self = Self { corners: [[0.0; 2]; CORNERS], count: 0, area: 0.0 };
 
     fn triangle([a, b, c]: [[f64; 2]; 3]) -> Self {
         let mut whole = Self::EMPTY;
@@ -220,6 +246,9 @@ impl Convex {
     /// the ACM* 17(1), 1974).
     fn cut(&mut self, [x, y, c]: &HalfPlane) {
         let height = |point: [f64; 2]| x * point[0] + y * point[1] + c;
+        if self.corners[..self.count].iter().all(|corner| height(*corner) >= 0.0) {
+            return;
+        }
         let mut kept = Self::EMPTY;
         let mut add = |point: [f64; 2]| {
             if kept.count < kept.corners.len() {

@@ -1,25 +1,27 @@
 //! A lens the other way round: rays from the scene traced to the film, and directions toward the lens from a point.
 
-use std::{f64::consts::TAU, sync::OnceLock};
+use std::sync::OnceLock;
 
 use super::{
     counted::Towards,
-    entrance::{self, Entrance, Probe, Spot},
+    entrance::{self, Entrance, FilmRay, Node, Probe},
+    fan::{LIMITS, Limit},
     film::{Counted, FilmCount},
 };
 use crate::{
     camera::pipeline::body::CameraBody,
     lens::{Lens, Ray, Surface, pupil::EntrancePupil, refraction::Refraction},
     numeric::{quasirandom::STEPS, root},
-    prescription::Blades,
+    prescription::{BladeConstants, Blades},
     trace::{
         Direction, Path,
         kernel::{Kernel, RayBuffer},
     },
 };
 
-/// How near to the front vertex a point may lie for the table to serve it, over the front surface's clear semi-diameter.
-const NEAREST: f64 = 0.25;
+/// How far behind the front vertex, or its rim, the points of the axis lie that the scene is seen from, over the front
+/// surface's clear semi-diameter.
+const BEHIND: f64 = 0.05;
 /// How far before where it is said to begin a ray begins, over the front surface's clear semi-diameter: those of a camera
 /// begin on the surface, but for rounding.
 const BACK: f64 = 1e-4;
@@ -31,9 +33,13 @@ pub(crate) struct LensBackward {
     count: FilmCount,
     /// From scene to film, with the blades.
     kernel: Kernel<f64>,
-    /// z of the point of the axis that the scene is seen from: in the entrance pupil, if that lies in the lens.
-    reference: f64,
+    /// z of the entrance pupil, if that lies in the lens.
+    pupil: f64,
     entrance: OnceLock<Option<Entrance>>,
+    /// Sides of the film.
+    window: [Limit; 4],
+    /// Straight edges that hold the blades' figure in the stop; none where it nearly fills that.
+    blades: Vec<Limit>,
 }
 
 impl LensBackward {
@@ -42,13 +48,14 @@ impl LensBackward {
         let front = lens.front();
         let pupil = EntrancePupil::of_lens(lens).position().unwrap_or(0.0);
         let path = Path::new(lens, Direction::SceneToFilm, Refraction::Fused).with_blades(lens, blades);
+        let count = FilmCount::new(body);
         Self {
             lens: lens.clone(),
-            count: FilmCount::new(body),
+            window: count.window().limits(),
+            blades: edges(lens, blades),
+            count,
             kernel: Kernel::along(&path),
-            reference: pupil
-                .max(lens.rear().vertex)
-                .min(front.sagitta_range()[0] - 0.05 * front.semi_diameter),
+            pupil: pupil.max(lens.rear().vertex).min(-BEHIND * front.semi_diameter),
             entrance: OnceLock::new(),
         }
     }
@@ -63,10 +70,10 @@ impl LensBackward {
         std::f64::consts::PI * self.lens.front().semi_diameter.powi(2)
     }
 
-    /// Whether a point lies before the front surface.
+    /// Whether a point lies before the front surface, or beside it: a fisheye sees what lies behind its rim.
     fn is_in_front(&self, [x, y, z]: [f64; 3]) -> bool {
-        let front = self.lens.front();
-        z > front.sagitta(x.hypot(y).min(front.semi_diameter))
+        let (front, height) = (self.lens.front(), x.hypot(y));
+        if height < front.semi_diameter { z > front.sagitta(height) } else { z > self.lens.rear().vertex }
     }
 
     /// What rays count, of any length of direction; those that are none count nothing. `rounding` is how far off its origin
@@ -104,50 +111,50 @@ impl LensBackward {
             return None;
         }
         let entrance = self.entrance.get_or_init(|| self.tabulate()).as_ref()?;
-        let spot = Spot::of_point(point, self.reference);
-        let (ray, density) = if spot.vergence <= entrance.nearest {
-            let (fan, image) = entrance.seen_from(&spot)?;
-            let (at, density) = fan.sample(&image, spot.azimuth, &self.count.window(), numbers)?;
-            let (ray, stretch) = spot.ray(at, self.lead());
-            (ray, density * stretch.powi(3) / spot.vergence.powi(2))
-        } else {
-            toward_ball(point, self.front_ball(), numbers)
-        };
+        let spot = entrance.sight.spot(point);
+        let Node { fan, image, stop } = entrance.seen_from(&spot)?;
+        let views = [(&image, &self.window[..]), (&stop, &self.blades[..])];
+        let (at, density) = fan.sample(&views, spot.azimuth, numbers)?;
+        let (ray, stretch) = spot.ray(at, self.lead());
+        let density = density * stretch.powi(3) / spot.vergence.powi(2);
         let origin = front_point(self.lens.front(), &ray);
         (density > 0.0).then_some(Towards { ray: Ray { origin, ..ray }, density })
     }
 
-    /// Longer than anything in front of the reference.
+    /// Longer than anything in front of where the scene is seen from.
     fn lead(&self) -> f64 {
         let front = self.lens.front();
         let [low, high] = front.sagitta_range();
-        2.0 * (front.semi_diameter + self.reference.abs() + high - low)
-    }
-
-    /// A ball that holds the front surface: z of its middle, and its radius.
-    fn front_ball(&self) -> (f64, f64) {
-        let front = self.lens.front();
-        let [low, high] = front.sagitta_range();
-        (f64::midpoint(low, high), front.semi_diameter.hypot((high - low) / 2.0))
+        2.0 * (front.semi_diameter + self.pupil.abs() + high - low)
     }
 
     /// Looks at the lens from everywhere. The pupil is that of the whole stop: what of it the blades cover is blocked.
     fn tabulate(&self) -> Option<Entrance> {
-        const RINGS: u32 = 4;
+        const RINGS: u32 = 8;
         let front = self.lens.front();
         let whole = Kernel::new(&self.lens, Direction::SceneToFilm);
+        // Up to the stop, from both sides.
+        let stop = self.lens.stop_index().filter(|_| !self.blades.is_empty());
+        let part = |surfaces: &[Surface], direction| {
+            Kernel::<f64>::new(&Lens { surfaces: surfaces.to_vec(), ..self.lens.clone() }, direction)
+        };
+        let surfaces = &self.lens.surfaces;
+        let to_stop = stop.map(|stop| part(&surfaces[..=stop], Direction::SceneToFilm));
+        let from_film = stop.map(|stop| part(&surfaces[stop..], Direction::FilmToScene));
         let ring = |ring: u32| front.semi_diameter * f64::from(ring) / f64::from(RINGS);
         let probe = Probe {
             kernel: &whole,
+            to_stop: to_stop.as_ref(),
             film: self.count.z(),
+            reach: self.count.side().film.diagonal() / 2.0,
             is_sampled: &|point, slopes| self.count.is_sampled(point, slopes),
-            reference: self.reference,
+            pupil: self.pupil,
+            still: self.pupil.min(front.sagitta_range()[0] - BEHIND * front.semi_diameter),
+            foremost: -BEHIND * front.semi_diameter,
             cap: (0..=RINGS).map(|number| [ring(number), front.sagitta(ring(number))]).collect(),
             lead: self.lead(),
         };
-        let reach = self.count.side().film.diagonal() / 2.0;
-        let nearest = NEAREST * front.semi_diameter - self.reference;
-        let mut entrance = entrance::build(&probe, reach, nearest)?;
+        let mut entrance = entrance::build(&probe)?;
         let out = Kernel::<f64>::new(&self.lens, Direction::FilmToScene);
         let side = self.count.side();
         entrance.repair(|round| {
@@ -155,7 +162,10 @@ impl LensBackward {
             let ray = |i: usize| {
                 let numbers = STEPS.map(|step| (0.5 + number(i) * step).fract());
                 let (point, sample) = side.sample(numbers)?;
-                Some((out.trace_one(side.z, point, sample.slopes)?.ray(), point))
+                let ray = out.trace_one(side.z, point, sample.slopes)?.ray();
+                let stop =
+                    from_film.as_ref().and_then(|kernel| kernel.trace_one(side.z, point, sample.slopes));
+                Some(FilmRay { ray, film: point, stop: stop.map(|at| [at.origin[0], at.origin[1]]) })
             };
             (0..entrance::RAYS).filter_map(ray).collect()
         });
@@ -163,17 +173,20 @@ impl LensBackward {
     }
 }
 
-/// A direction toward a ball from a point, anywhere in the cone that it fills, or in any direction from within.
-fn toward_ball([x, y, z]: [f64; 3], (middle, radius): (f64, f64), [u, v]: [f64; 2]) -> (Ray, f64) {
-    let spot = Spot::of_point([x, y, z], middle);
-    let sine = radius * spot.vergence;
-    // 1 - cos of the cone's half angle.
-    let depth = if sine < 1.0 { sine * sine / (1.0 + (1.0 - sine * sine).sqrt()) } else { 2.0 };
-    let down = u * depth;
-    let aside = (down * (2.0 - down)).max(0.0).sqrt();
-    let (sin, cos) = (TAU * v).sin_cos();
-    let direction = spot.vector([aside * cos, aside * sin, down - 1.0]);
-    (Ray { origin: [x, y, z], direction }, (TAU * depth).recip())
+/// Straight edges in the plane of the stop that hold the figure that blades leave open; none where they are many or it is
+/// nearly the circle.
+fn edges(lens: &Lens, blades: Option<Blades>) -> Vec<Limit> {
+    /// The figure's area over the circle's from which on the circle will do.
+    const FULL: f64 = 0.95;
+    let (Some(blades), Some(stop)) = (blades, lens.stop_index()) else { return Vec::new() };
+    if blades.count as usize > LIMITS || blades.share() > FULL {
+        return Vec::new();
+    }
+    // Where bulge r² + slant r comes to the limit, in the middle of an edge.
+    let BladeConstants { bulge, slant, limit } = blades.constants();
+    let middle = 2.0 * limit / (slant + (slant * slant + 4.0 * bulge * limit).sqrt());
+    let distance = middle * lens.surfaces[stop].semi_diameter;
+    blades.normals().map(|[x, y]| [x, y, distance]).collect()
 }
 
 /// Where a ray from the scene, with a unit direction, meets the front surface; where it misses that, where it begins.

@@ -106,7 +106,7 @@ impl Linear {
         let fan = Fan::disk(-self.lens.from_height * height / lens, self.lens_radius / lens.abs());
         let place = self.film.from_height * height + film * fan.center;
         let image = Image { place, along: film, across: film, bend: 0.0, spread: 0.0 };
-        let ([a, b], density) = fan.sample(&image, azimuth, &self.window(), numbers)?;
+        let ([a, b], density) = fan.sample(&[(&image, &self.window().limits())], azimuth, numbers)?;
         let slopes = [a * azimuth[0] - b * azimuth[1], a * azimuth[1] + b * azimuth[0]];
         let length = (1.0 + a * a + b * b).sqrt();
         let origin = [x - z * slopes[0], y - z * slopes[1], 0.0];

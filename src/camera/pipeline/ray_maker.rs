@@ -65,12 +65,7 @@ impl RayMaker {
     #[inline(always)]
     pub fn one(&self, sample: &Sample, ray: &mut WorldRay, weight: &mut f32) {
         self.one.one(sample, &mut OneRay { ray: &mut *ray, weight: &mut *weight });
-        if *weight > 0.0 {
-            if let Some(range) = self.range {
-                [ray.mint, ray.maxt] = range;
-            }
-            ray.time = self.placement.time(sample.time);
-        }
+        self.complete_one(sample, ray, *weight);
     }
 
     /// [`RayMaker::one`] of four samples of one time side by side, the same to the last bit; `false`, and nothing done,
@@ -79,10 +74,7 @@ impl RayMaker {
     pub fn four(&self, samples: &SampleBlock<4>, rays: &mut RayBlock<4>) -> bool {
         let made = self.one.four(samples, rays);
         if made {
-            if let Some(range) = self.range {
-                rays.set_range(range);
-            }
-            rays.set_time(self.placement.time(samples.sample(0).time));
+            self.complete_four(samples.sample(0).time, rays);
         }
         made
     }
@@ -94,7 +86,27 @@ impl RayMaker {
         self.complete(samples, rays);
     }
 
-    /// Gives rays their ranges and times.
+    /// Gives a ray its range and time, where there is one.
+    #[inline(always)]
+    fn complete_one(&self, sample: &Sample, ray: &mut WorldRay, weight: f32) {
+        if weight > 0.0 {
+            if let Some(range) = self.range {
+                [ray.mint, ray.maxt] = range;
+            }
+            ray.time = self.placement.time(sample.time);
+        }
+    }
+
+    /// Gives four rays of one time their ranges and that time.
+    #[inline(always)]
+    fn complete_four(&self, time: f32, rays: &mut RayBlock<4>) {
+        if let Some(range) = self.range {
+            rays.set_range(range);
+        }
+        rays.set_time(self.placement.time(time));
+    }
+
+    /// Gives many rays their ranges and times.
     #[inline(always)]
     fn complete(&self, samples: &SampleArrays<'_>, rays: &mut RayArrays<'_>) {
         let RayArrays { mint, maxt, time, weight, .. } = rays;
@@ -118,20 +130,19 @@ impl RayMaker {
         self.spectral().map_or(&WAVELENGTHS, Spectral::range).contains(&wavelength)
     }
 
+    /// [`RayMaker::ray`] where wavelengths change nothing but whether there is a ray.
+    fn ray_at(&self, sample: &Sample, wavelength: f32) -> Option<(WorldRay, f32)> {
+        if self.has_wavelength(wavelength) { self.ray(sample) } else { None }
+    }
+
     /// [`RayMaker::one`] at a wavelength.
     pub fn one_at(&self, sample: &Sample, wavelength: f32, ray: &mut WorldRay, weight: &mut f32) {
         *weight = 0.0;
-        let Some(spectral) = self.spectral() else {
-            return if WAVELENGTHS.contains(&wavelength) {
-                self.one(sample, ray, weight)
-            };
-        };
-        spectral.tracer().one(sample, wavelength, &mut OneRay { ray: &mut *ray, weight: &mut *weight });
-        if *weight > 0.0 {
-            if let Some(range) = self.range {
-                [ray.mint, ray.maxt] = range;
-            }
-            ray.time = self.placement.time(sample.time);
+        if let Some(spectral) = self.spectral() {
+            spectral.tracer().one(sample, wavelength, &mut OneRay { ray: &mut *ray, weight: &mut *weight });
+            self.complete_one(sample, ray, *weight);
+        } else if self.has_wavelength(wavelength) {
+            self.one(sample, ray, weight);
         }
     }
 
@@ -139,18 +150,14 @@ impl RayMaker {
     pub fn hero(&self, sample: &Sample, wavelengths: &[f32; 4], rays: &mut RayBlock<4>) {
         let Some(spectral) = self.spectral() else {
             for (i, wavelength) in wavelengths.iter().enumerate() {
-                let ray = if WAVELENGTHS.contains(wavelength) { self.ray(sample) } else { None };
-                rays.arrays(4).set(i, ray);
+                rays.arrays(4).set(i, self.ray_at(sample, *wavelength));
             }
             return;
         };
         let Sample { image_x, image_y, lens_u, lens_v, time } = *sample;
         let samples = [image_x, image_y, lens_u, lens_v, time].map(|number| [number; 4]).into();
         spectral.tracer().four(&samples, wavelengths, rays);
-        if let Some(range) = self.range {
-            rays.set_range(range);
-        }
-        rays.set_time(self.placement.time(time));
+        self.complete_four(time, rays);
     }
 
     /// [`RayMaker::one_at`] of many samples, the same to the last bit, in arrays that all have one length.
@@ -160,14 +167,12 @@ impl RayMaker {
                 spectral.tracer().many(samples, wavelengths, rays);
                 self.complete(samples, rays);
             }
-            None if wavelengths.iter().all(|wavelength| WAVELENGTHS.contains(wavelength)) => {
+            None if wavelengths.iter().all(|wavelength| self.has_wavelength(*wavelength)) => {
                 self.many(samples, rays)
             }
             None => {
                 for (i, wavelength) in wavelengths.iter().enumerate() {
-                    let ray =
-                        if WAVELENGTHS.contains(wavelength) { self.ray(&samples.sample(i)) } else { None };
-                    rays.set(i, ray);
+                    rays.set(i, self.ray_at(&samples.sample(i), *wavelength));
                 }
             }
         }

@@ -18,11 +18,7 @@ pub(super) struct Stand {
 
 /// The prescription with its groups where a position has them.
 pub(super) fn placed(base: &Prescription, rows: &[usize], stand: &Stand) -> Prescription {
-    let mut prescription = base.clone();
-    let last = prescription.interfaces.len() - 1;
-    for (&row, gap) in rows.iter().zip(&stand.gaps).filter(|(row, _)| **row < last) {
-        prescription.interfaces[row].thickness = *gap;
-    }
+    let mut prescription = base.with_gaps(rows, &stand.gaps);
     prescription.nominal_film_distance = stand.film_distance;
     if let (Some(row), Some(diameter)) = (prescription.stop_index(), stand.stop_diameter) {
         prescription.interfaces[row].semi_diameter = diameter / 2.0;

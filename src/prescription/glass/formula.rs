@@ -21,6 +21,9 @@ pub enum Formula {
     Herzberger([f64; 6]),
 }
 
+/// The resonance, µm², in Herzberger's L: that of most glasses in the ultraviolet, about.
+pub const HERZBERGER: f64 = 0.028;
+
 /// The lowest power of [`Formula::Polynomial`], that of its first constant.
 pub const LOWEST_POWER: i32 = -12;
 /// The highest power of [`Formula::Polynomial`], that of its last constant.
@@ -42,7 +45,7 @@ impl Formula {
             }
             Self::Conrady([a, b, c]) => a + b / wavelength + c / wavelength.powf(3.5),
             Self::Herzberger([a, b, c, d, e, f]) => {
-                let l = (square - 0.028).recip();
+                let l = (square - HERZBERGER).recip();
                 a + l * (b + l * c) + square * (d + square * (e + square * f))
             }
         }

@@ -9,7 +9,7 @@ mod lines;
 pub(crate) mod terms;
 mod two_numbers;
 
-pub use formula::{Formula, HIGHEST_POWER, LOWEST_POWER};
+pub use formula::{Formula, HERZBERGER, HIGHEST_POWER, LOWEST_POWER};
 pub use library::GlassLibrary;
 pub use lines::{C_LINE, D_LINE, F_LINE, VALID_WAVELENGTHS};
 

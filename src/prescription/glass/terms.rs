@@ -2,7 +2,7 @@
 //! are put into out. The same formulas as in `formula`, `two_numbers` and `sellmeier`, less their constants.
 
 use super::{
-    formula::{Formula, LOWEST_POWER},
+    formula::{Formula, HERZBERGER, LOWEST_POWER},
     two_numbers,
 };
 use crate::prescription::interfaces::Medium;
@@ -48,9 +48,6 @@ pub enum Terms {
         rising: [f64; 3],
     },
 }
-
-/// The resonance, µm², in Herzberger's L.
-pub const HERZBERGER: f64 = 0.028;
 
 impl Dispersion {
     /// That of a medium.

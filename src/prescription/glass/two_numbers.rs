@@ -1,7 +1,10 @@
 //! The dispersion of a glass of which only n_d and the Abbe number V are known: what the glasses of the catalogues with
 //! that V have in common.
 
-use super::lines::{C_LINE, D_LINE, F_LINE};
+use super::{
+    formula::HERZBERGER,
+    lines::{C_LINE, D_LINE, F_LINE},
+};
 
 /// p0, p1, q0, q1.
 const FITTED: [f64; 4] = [-0.2555, 1.583, -0.2678, 25.43];
@@ -11,7 +14,7 @@ const RANGE: [f64; 2] = [17.0, 96.0];
 /// λ^-2, λ² and Herzberger's 1/(λ² - 0.028), λ in µm.
 fn basis(nanometres: f64) -> [f64; 3] {
     let square = (nanometres * 1e-3).powi(2);
-    [square.recip(), square, (square - 0.028).recip()]
+    [square.recip(), square, (square - HERZBERGER).recip()]
 }
 
 /// n(λ) less a constant is a λ^-2 + b λ² + d/(λ² - 0.028), λ in µm: a, b and d.

@@ -9,6 +9,7 @@
 use super::{Heading, LanePupil, Row, STRIDE, WarpedPupil, build::FINE};
 use crate::{
     numeric::Real,
+    prescription::glass::HERZBERGER,
     sampling::{film_rays::FilmRays, pupil_disk::PupilDisk},
     trace::kernel::{Cpu, Lanes, Scalar},
 };
@@ -41,11 +42,8 @@ const FARTHER: [f64; 3] = [1.02, 1.1, 1.5];
 
 /// w of a wavelength, nm.
 fn w(wavelength: f64) -> f64 {
-    ((wavelength * 1e-3).powi(2) - RESONANCE).recip()
+    ((wavelength * 1e-3).powi(2) - HERZBERGER).recip()
 }
-
-/// µm².
-const RESONANCE: f64 = 0.028;
 
 impl SpectralPupil {
     /// For wavelengths from `shortest` to `longest`, nm, and film points up to `reach` mm from the axis: `table` is the
@@ -59,7 +57,7 @@ impl SpectralPupil {
         // Numbered as those of the finest division.
         let wavelength = |number: usize| {
             let w = first + (last - first) * number as f64 / WITH_END as f64;
-            1e3 * (w.recip() + RESONANCE).sqrt()
+            1e3 * (w.recip() + HERZBERGER).sqrt()
         };
         let mut tables = Vec::with_capacity(WITH_END + 1);
         for number in (0..=WITH_END).step_by(WITH_END / INTERVALS) {
@@ -129,7 +127,7 @@ impl SpectralPupil {
         let number = |number: f64| L::splat(cpu, L::Scalar::from_f64(number));
         let (zero, one) = (L::splat(cpu, L::Scalar::ZERO), L::splat(cpu, L::Scalar::ONE));
         let micrometres = wavelength * number(1e-3);
-        let w = one / micrometres.mul_sub(micrometres, number(RESONANCE));
+        let w = one / micrometres.mul_sub(micrometres, number(HERZBERGER));
         // In this order what is no number becomes 0.
         let place = ((w - L::splat(cpu, constants.first)) * L::splat(cpu, constants.per_w)).larger(zero);
         let place = place.smaller(number(self.intervals));

@@ -2,40 +2,15 @@
 
 mod strided;
 
-use std::ffi::CStr;
-use std::mem::{MaybeUninit, size_of};
+use std::mem::size_of;
 use std::ptr::null_mut;
 
 use realistic::abi::*;
 
-use super::support;
-
-use support::Random;
-
-struct Camera(*mut realistic_camera);
-
-impl Drop for Camera {
-    fn drop(&mut self) {
-        // SAFETY: made by `camera`, freed once.
-        unsafe { realistic_camera_free(self.0) }
-    }
-}
-
-fn camera(set: impl FnOnce(&mut realistic_options)) -> Camera {
-    let mut options = MaybeUninit::<realistic_options>::zeroed();
-    let mut camera = null_mut();
-    // SAFETY: room for the whole structure; the strings are constants.
-    unsafe {
-        let size = size_of::<realistic_options>() as u32;
-        assert_eq!(realistic_options_init(options.as_mut_ptr(), size), realistic_status::Ok);
-        let mut options = options.assume_init();
-        (options.xres, options.yres) = (40, 30);
-        set(&mut options);
-        let status = realistic_camera_new(&options, &mut camera);
-        assert_eq!(status, realistic_status::Ok, "{:?}", CStr::from_ptr(realistic_last_error()));
-    }
-    Camera(camera)
-}
+use super::support::{
+    Random,
+    abi::{Bits, Camera, UNTOUCHED, bits, camera},
+};
 
 /// Cameras of every way through the code.
 fn cameras() -> Vec<(&'static str, Camera)> {
@@ -86,16 +61,6 @@ fn samples(n: usize) -> Vec<realistic_sample> {
         sample.image_x = f32::NAN;
     }
     samples
-}
-
-const UNTOUCHED: realistic_ray =
-    realistic_ray { o: [-77.0; 3], d: [-78.0; 3], mint: -79.0, maxt: -80.0, time: -81.0 };
-
-type Bits = [u32; 10];
-
-fn bits(ray: &realistic_ray, weight: f32) -> Bits {
-    let realistic_ray { o: [ox, oy, oz], d: [dx, dy, dz], mint, maxt, time } = *ray;
-    [ox, oy, oz, dx, dy, dz, mint, maxt, time, weight].map(f32::to_bits)
 }
 
 fn singles(camera: &Camera, samples: &[realistic_sample]) -> Vec<Bits> {

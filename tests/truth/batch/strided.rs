@@ -1,5 +1,7 @@
 //! The same between arrays of any strides, as NumPy's.
 
+use std::ffi::CStr;
+
 use super::*;
 
 /// Elements of some components in memory of their own, with what lies between them.

@@ -1,6 +1,7 @@
 //! What several test files need: lenses, cameras from text, and random numbers that are the same
 //! in every run.
 
+pub mod abi;
 mod properties;
 
 use rand::{RngExt as _, SeedableRng as _};

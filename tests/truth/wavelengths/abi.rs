@@ -1,47 +1,20 @@
 //! The same through the C ABI: batches, strides and alignment, four wavelengths of a sample, reasons.
 
-use std::ffi::CStr;
-use std::mem::{MaybeUninit, size_of};
 use std::ptr::{null, null_mut};
 
 use realistic::abi::*;
 
-use crate::support::Random;
+use crate::support::{
+    Random,
+    abi::{Bits, Camera, UNTOUCHED, bits},
+};
 
-struct Camera(*mut realistic_camera);
-
-impl Drop for Camera {
-    fn drop(&mut self) {
-        // SAFETY: made by `camera`, freed once.
-        unsafe { realistic_camera_free(self.0) }
-    }
-}
-
+/// A camera whose glasses have V-numbers.
 fn camera(set: impl FnOnce(&mut realistic_options)) -> Camera {
-    let mut options = MaybeUninit::<realistic_options>::zeroed();
-    let mut camera = null_mut();
-    // SAFETY: room for the whole structure; the strings are constants.
-    unsafe {
-        let size = size_of::<realistic_options>() as u32;
-        assert_eq!(realistic_options_init(options.as_mut_ptr(), size), realistic_status::Ok);
-        let mut options = options.assume_init();
-        (options.xres, options.yres) = (40, 30);
+    crate::support::abi::camera(|options| {
         options.specfile = c"dgauss.100mm".as_ptr();
-        set(&mut options);
-        let status = realistic_camera_new(&options, &mut camera);
-        assert_eq!(status, realistic_status::Ok, "{:?}", CStr::from_ptr(realistic_last_error()));
-    }
-    Camera(camera)
-}
-
-const UNTOUCHED: realistic_ray =
-    realistic_ray { o: [-77.0; 3], d: [-78.0; 3], mint: -79.0, maxt: -80.0, time: -81.0 };
-
-type Bits = [u32; 10];
-
-fn bits(ray: &realistic_ray, weight: f32) -> Bits {
-    let realistic_ray { o: [ox, oy, oz], d: [dx, dy, dz], mint, maxt, time } = *ray;
-    [ox, oy, oz, dx, dy, dz, mint, maxt, time, weight].map(f32::to_bits)
+        set(options);
+    })
 }
 
 /// Samples all over the film with wavelengths, some of which are none.

@@ -82,7 +82,7 @@ def study(
         `distance`, `field`, `wavelength_nm`; `focal_length_mm`; `spot_rms_um` on the film; `mtf_tangential_F` and
         `mtf_sagittal_F` for each frequency F; `relative_illumination`, over that in the middle; `distortion`; `acceptance`,
         the share of camera rays that get through; and `note`. NaN where there is no light, and in all of a row where the lens
-        cannot focus so near: `note` says so.
+        cannot focus so near or the middle of the picture is dark: `note` says so.
 
     Raises
     ------
@@ -149,15 +149,18 @@ def _measured(job: _Job) -> list[list[Any]]:
     """The rows of a camera, one for each field."""
     fields = np.array(job.fields)
     with quietly():
+        nothing = np.full(4 + 2 * len(job.frequencies), np.nan)
         try:
             camera = _camera(job)
         except FocusError as error:
-            return [
-                _row(job, field, np.nan, np.full(4 + 2 * len(job.frequencies), np.nan), str(error)) for field in fields
-            ]
+            return [_row(job, field, np.nan, nothing, str(error)) for field in fields]
         with camera:
-            numbers = _numbers(camera, job, fields)
             stop, length = camera.fnumber, camera.focal_length_mm
+            try:
+                illumination = measure.relative_illumination(camera, _points(camera, fields))
+            except ValueError as error:
+                return [_row(job, field, length, nothing, str(error), stop) for field in fields]
+            numbers = _numbers(camera, job, fields, illumination)
     return [_row(job, field, length, row, "", stop) for field, row in zip(fields, numbers)]
 
 
@@ -177,10 +180,18 @@ def _camera(job: _Job) -> Camera:
     return Camera(focusdistance=job.distance, wavelength=job.wavelength, **given)
 
 
-def _numbers(camera: Camera, job: _Job, fields: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Spot, MTF, illumination, distortion and acceptance, (fields, columns)."""
+def _points(camera: Camera, fields: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Film points toward the upper right corner, pixels."""
     half = np.array(camera.resolution) / 2
-    points = half + fields[:, None] * half * [1.0, -1.0]
+    points: NDArray[np.float64] = half + fields[:, None] * half * [1.0, -1.0]
+    return points
+
+
+def _numbers(
+    camera: Camera, job: _Job, fields: NDArray[np.float64], illumination: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Spot, MTF, illumination, distortion and acceptance, (fields, columns)."""
+    half, points = np.array(camera.resolution) / 2, _points(camera, fields)
     micrometres = 1000 * camera.film_size_mm[0] / camera.resolution[0]
     spots = measure.spots(camera, points, distance=job.distance)
     mtf = measure.mtf(camera, points, job.frequencies, distance=job.distance)
@@ -191,7 +202,7 @@ def _numbers(camera: Camera, job: _Job, fields: NDArray[np.float64]) -> NDArray[
         [
             spots.rms * micrometres,
             mtf.transpose(0, 2, 1).reshape(len(fields), -1),
-            measure.relative_illumination(camera, points),
+            illumination,
             distortion,
             (spots.weight > 0).mean(axis=1),
         ]

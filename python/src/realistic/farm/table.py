@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 import os
 from typing import TYPE_CHECKING, Any, TextIO
 
@@ -57,7 +58,7 @@ class Table:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(self.columns)
         for row in self.data.tolist():
-            writer.writerow(["" if isinstance(cell, float) and cell != cell else cell for cell in row])
+            writer.writerow(["" if isinstance(cell, float) and math.isnan(cell) else cell for cell in row])
 
     def to_pandas(self) -> Any:
         """The same as a `pandas.DataFrame`, which must be installed."""

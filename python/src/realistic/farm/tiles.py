@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from .._program import program as found_here
 from .workers import spread
 
 _SIZE = (480, 320)
@@ -47,7 +48,7 @@ def render(
     processes : int, optional
         How many of them; default one for each processor.
     program : str or path-like, optional
-        The program, by a name that is true where the work is done; default `realistic` in its PATH.
+        The program, by a name that is true where the work is done; default the one of the package that is installed there.
 
     Returns
     -------
@@ -70,9 +71,9 @@ def render(
     across, down = tile
     if min(width, height, across, down) < 1:
         raise ValueError(f"pictures and tiles have a pixel at least: size is {size}, tile {tile}")
-    command = [os.fspath(program) if program is not None else "realistic"]
+    named = None if program is None else os.fspath(program)
     jobs = [
-        _Tile((x, y, min(x + across, width), min(y + down, height)), size, tuple(options), command[0], target.suffix)
+        _Tile((x, y, min(x + across, width), min(y + down, height)), size, tuple(options), named, target.suffix)
         for y in range(0, height, down)
         for x in range(0, width, across)
     ]
@@ -82,7 +83,7 @@ def render(
             file = Path(room) / f"{number}{target.suffix}"
             file.write_bytes(content)
             files.append(str(file))
-        _run([*command, "merge", *files, "--out", str(target)])
+        _run(named, ["merge", *files, "--out", str(target)])
     return target
 
 
@@ -93,7 +94,7 @@ class _Tile:
     crop: tuple[int, int, int, int]
     size: tuple[int, int]
     options: tuple[str, ...]
-    program: str
+    program: str | None
     ending: str
 
 
@@ -102,17 +103,19 @@ def _rendered(tile: _Tile) -> bytes:
     with tempfile.TemporaryDirectory() as room:
         file = Path(room) / f"tile{tile.ending}"
         crop = ",".join(map(str, tile.crop))
-        command = [tile.program, "render", *tile.options, "--size", f"{tile.size[0]}x{tile.size[1]}"]
+        arguments = ["render", *tile.options, "--size", f"{tile.size[0]}x{tile.size[1]}"]
         # A worker has one processor to itself; lens files are named as from where the worker stands.
-        _run([*command, "--crop", crop, "--threads", "1", "--out", str(file)])
+        _run(tile.program, [*arguments, "--crop", crop, "--threads", "1", "--out", str(file)])
         return file.read_bytes()
 
 
-def _run(command: list[str]) -> None:
+def _run(named: str | None, arguments: Sequence[str]) -> None:
+    try:
+        command = [str(found_here()) if named is None else named, *arguments]
+    except FileNotFoundError as error:
+        raise RuntimeError(str(error)) from None
     if shutil.which(command[0]) is None:
-        raise RuntimeError(
-            f"there is no program {command[0]} here: build it with `cargo install --path cli`, or name it in `program`"
-        )
+        raise RuntimeError(f"there is no program {command[0]} here: name another in `program`")
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         raise RuntimeError(f"{' '.join(command)}: {done.stderr.strip() or done.returncode}")

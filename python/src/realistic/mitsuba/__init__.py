@@ -33,7 +33,7 @@ def register() -> None:
             "come in single precision. Use one of the variants scalar_*, llvm_* without double"
         )
     for name, model in (("realistic", None), ("thick", "thick")):
-        mi.register_sensor(name, lambda props, made=sensor_class(model): made(props))
+        mi.register_sensor(name, sensor_class(model))
 
 
 def _follow(old: str | None, new: str | None) -> None:

@@ -3,75 +3,91 @@
 
 use super::{
     outline::{Outline, Probe},
+    sight::Sight,
     spot::Spot,
     table::{Cell, Entrance, Node, Row},
 };
 
-/// Intervals of 1/distance, evenly in its cube root: field angles, which are those of sharp images far away and those of
-/// the whole lens nearby, change most there.
-const ROWS: usize = 16;
+/// Intervals of nearness.
+const ROWS: usize = 24;
+/// They are even in its root of that degree: field angles, which are those of sharp images far away and those of the whole
+/// lens nearby, change most there.
+const DENSER: i32 = 2;
+/// Of the last row: hardly before the glass.
+const NEAREST: f64 = 0.999;
 /// Intervals of a row.
-const NODES: usize = 20;
+const NODES: usize = 16;
 /// Field angle from one look to the next in the search for a row's end, radians.
 const STEP: f64 = 0.06;
+/// The same in the search for chief rays.
+const LOOK: f64 = 0.03;
+/// How far a pupil walks that is followed, over its half width.
+const WALK: f64 = 60.0;
 /// Halvings that end it.
 const HALVINGS: u32 = 16;
 /// The largest field angle, radians.
 const WIDEST: f64 = 2.9;
 /// How much larger outlines are made in any case, relative.
 const MARGIN: f64 = 1.005;
-/// And where outlines vanish, whose corners move from node to node.
-const VANISHING: f64 = 1.04;
 /// What halfway between neighbours is asked for is made larger by that, for what lies between there and them.
 const BETWEEN: f64 = 1.6;
 /// The same of how far off images may be.
-const SPREAD: f64 = 1.3;
+const SPREAD: f64 = 1.1;
 
 /// A row's spots while it is made: its distance, where it ends, and whether the lens ends it or the film.
 struct Span {
-    vergence: f64,
+    nearness: f64,
     end: f64,
     vanishes: bool,
     /// The last angle at which rays were found, and the middle of their outline.
     inside: (f64, f64),
 }
 
-/// Tabulates a lens for film up to `reach` mm from the axis; `nearest` is the least distance, mm, of a spot from the
-/// reference. `None` for a lens that no light gets through to such film.
-pub(in crate::camera::importance) fn build(probe: &Probe<'_>, reach: f64, nearest: f64) -> Option<Entrance> {
-    let spans: Vec<Span> = (0..=ROWS)
-        .map_while(|row| span(probe, reach, (row as f64 / ROWS as f64).powi(3) / nearest))
-        .collect();
+/// Tabulates a lens. `None` for a lens that no light gets through to such film.
+pub(in crate::camera::importance) fn build(probe: &Probe<'_>) -> Option<Entrance> {
+    let sight = Sight::new(&centers(probe), &probe.cap);
+    let nearness = |row: usize| NEAREST * (row as f64 / ROWS as f64).powi(DENSER);
+    let spans: Vec<Span> = (0..=ROWS).map_while(|row| span(probe, &sight, nearness(row))).collect();
     if spans.len() < 2 {
         return None;
     }
-    let mut table = Entrance {
-        reference: probe.reference,
-        nearest: spans[spans.len() - 1].vergence,
-        vanishes: spans.iter().any(|span| span.vanishes),
-        rows: Vec::new(),
-    };
+    let mut table = Entrance { sight, vanishes: spans.iter().any(|span| span.vanishes), rows: Vec::new() };
     for span in &spans {
         let nodes = row(probe, &table, span)?;
-        table.rows.push(Row { vergence: span.vergence, end: span.end, nodes });
+        table.rows.push(Row { nearness: span.nearness, end: span.end, nodes });
     }
     grow(probe, &mut table);
     Some(table)
 }
 
+/// The points of the axis that spots are seen from, by angle and z: one, or where a pupil walks far over its own size those
+/// at which the chief rays of spots infinitely far away cross the axis.
+fn centers(probe: &Probe<'_>) -> Vec<[f64; 2]> {
+    let first = probe.pupil;
+    let mut centers = vec![[0.0, first]];
+    let (mut hint, mut before, mut walk) = (0.0, 0.0, 0.0_f64);
+    for step in 1..(WIDEST / LOOK) as usize {
+        let angle = step as f64 * LOOK;
+        let spot = Spot::on_meridian(first, angle, 0.0);
+        let found = probe.rough_outline(&spot, &[2.0 * hint - before, hint]);
+        let Some(Outline { fan, .. }) = found.filter(|found| found.nearest <= probe.reach) else { break };
+        (before, hint) = (hint, fan.center);
+        walk = walk.max(hint.abs() / fan.extent[0]);
+        centers.push([angle, (first - hint / angle.sin()).min(probe.foremost)]);
+    }
+    if walk > WALK { centers } else { vec![[0.0, probe.still]] }
+}
+
 /// The field angles of a row: from the axis to where no ray gets to the film any more.
-fn span(probe: &Probe<'_>, reach: f64, vergence: f64) -> Option<Span> {
-    let look = |angle: f64, hint: f64| {
-        let spot = Spot::on_meridian(probe.reference, angle, vergence);
-        probe.rough_outline(&spot, &[hint])
-    };
+fn span(probe: &Probe<'_>, sight: &Sight, nearness: f64) -> Option<Span> {
+    let look = |angle: f64, hint: f64| probe.rough_outline(&sight.on_meridian(angle, nearness), &[hint]);
     let mut last = look(0.0, 0.0)?;
     let mut low = 0.0;
     let mut beyond = None;
     while low < WIDEST {
         let found = look(low + STEP, last.fan.center);
         match found {
-            Some(found) if found.nearest <= reach => (low, last) = (low + STEP, found),
+            Some(found) if found.nearest <= probe.reach => (low, last) = (low + STEP, found),
             other => {
                 beyond = Some(other.is_none());
                 break;
@@ -83,11 +99,11 @@ fn span(probe: &Probe<'_>, reach: f64, vergence: f64) -> Option<Span> {
     for _ in 0..HALVINGS {
         let middle = f64::midpoint(low, high);
         match look(middle, last.fan.center) {
-            Some(found) if found.nearest <= reach => (low, last) = (middle, found),
+            Some(found) if found.nearest <= probe.reach => (low, last) = (middle, found),
             other => (high, vanishes) = (middle, other.is_none()),
         }
     }
-    Some(Span { vergence, end: high, vanishes, inside: (low, last.fan.center) })
+    Some(Span { nearness, end: high, vanishes, inside: (low, last.fan.center) })
 }
 
 /// A row's outlines; where the lens ends it the last is that of the last angle at which there is one.
@@ -98,7 +114,7 @@ fn row(probe: &Probe<'_>, table: &Entrance, span: &Span) -> Option<Vec<Node>> {
         if number == NODES && span.vanishes {
             angle = span.inside.0;
         }
-        let spot = Spot::on_meridian(probe.reference, angle, span.vergence);
+        let spot = table.sight.on_meridian(angle, span.nearness);
         let before = |back: usize| nodes.len().checked_sub(back).map(|i| nodes[i].fan.center);
         let hints = match (before(1), before(2)) {
             _ if number == NODES => vec![span.inside.1],
@@ -107,7 +123,7 @@ fn row(probe: &Probe<'_>, table: &Entrance, span: &Span) -> Option<Vec<Node>> {
             _ => vec![0.0],
         };
         match probe.outline(&spot, &hints) {
-            Some(Outline { fan, image, .. }) => nodes.push(Node { fan, image }),
+            Some(Outline { fan, image, stop, .. }) => nodes.push(Node { fan, image, stop }),
             None => {
                 let mut last = *nodes.last()?;
                 last.fan.extent = last.fan.extent.map(|extent| 1e-2 * extent);
@@ -131,14 +147,9 @@ fn grow(probe: &Probe<'_>, table: &mut Entrance) {
                     continue;
                 }
                 // A cell has a node and a row after it, also on the table's last lines.
-                let cell = Cell {
-                    row: row.min(rows - 2),
-                    node: node.min(NODES - 1),
-                    parts: [
-                        down + (row - row.min(rows - 2)) as f64,
-                        along + (node - node.min(NODES - 1)) as f64,
-                    ],
-                };
+                let (first, before) = (row.min(rows - 2), node.min(NODES - 1));
+                let cell =
+                    table.cell_at(first, before, down + (row - first) as f64, along + (node - before) as f64);
                 let need = halfway(probe, table, &cell);
                 for place in [row * (NODES + 1) + node, (row + more_down) * (NODES + 1) + node + more_along] {
                     needed[place][way].take(&need);
@@ -146,47 +157,52 @@ fn grow(probe: &Probe<'_>, table: &mut Entrance) {
             }
         }
     }
-    let margin = if table.vanishes { VANISHING } else { MARGIN };
     let nodes = table.rows.iter_mut().flat_map(|row| &mut row.nodes);
     for (node, [along, down]) in nodes.zip(needed) {
         for (reach, (a, b)) in node.fan.reach.iter_mut().zip(along.growth.iter().zip(down.growth)) {
-            *reach *= margin + BETWEEN * (a + b);
+            *reach *= MARGIN + BETWEEN * (a + b);
         }
         node.image.spread = SPREAD * (node.image.spread + along.spread + down.spread);
+        node.stop.spread = SPREAD * (node.stop.spread + along.stop_spread + down.stop_spread);
     }
 }
 
-/// By how much an outline is too small at its corners, relative, and how far off images are, mm.
+/// By how much an outline is too small at its corners, relative, and how far off images are on film and stop, mm.
 #[derive(Clone, Copy)]
 struct Need {
     growth: [f64; super::super::fan::SECTORS + 1],
     spread: f64,
+    stop_spread: f64,
 }
 
 impl Need {
-    const NONE: Self = Self { growth: [0.0; super::super::fan::SECTORS + 1], spread: 0.0 };
+    const NONE: Self = Self { growth: [0.0; super::super::fan::SECTORS + 1], spread: 0.0, stop_spread: 0.0 };
 
     fn take(&mut self, other: &Self) {
         for (own, other) in self.growth.iter_mut().zip(other.growth) {
             *own = own.max(other);
         }
         self.spread = self.spread.max(other.spread);
+        self.stop_spread = self.stop_spread.max(other.stop_spread);
     }
 }
 
 /// What the outline that the table has for a cell leaves out.
 fn halfway(probe: &Probe<'_>, table: &Entrance, cell: &Cell) -> Need {
-    let Node { fan, image } = table.at(cell);
+    let Node { fan, image, stop } = table.at(cell);
     let ends = [0, 1].map(|row| table.rows[cell.row + row].end);
-    let end = ends[0] + cell.parts[0] * (ends[1] - ends[0]);
-    let part = table.part((cell.node as f64 + cell.parts[1]) / NODES as f64);
-    let [near, far] = [0, 1].map(|row| table.rows[cell.row + row].vergence);
-    let vergence = near + cell.parts[0] * (far - near);
-    let spot = Spot::on_meridian(probe.reference, end * part, vergence);
+    let end = ends[0] + cell.down * (ends[1] - ends[0]);
+    let part = table.part((cell.node as f64 + cell.along) / NODES as f64);
+    let [far, near] = [0, 1].map(|row| table.rows[cell.row + row].nearness);
+    let nearness = far + cell.down * (near - far);
+    let spot = table.sight.on_meridian(end * part, nearness);
     let mut need = Need::NONE;
     let Some(outline) = probe.outline(&spot, &[fan.center]) else { return need };
     for (point, at) in &outline.within {
         need.spread = need.spread.max(image.off(&fan, *point, *at) - image.spread);
+    }
+    for (point, at) in &outline.crossings {
+        need.stop_spread = need.stop_spread.max(stop.off(&fan, *point, *at) - stop.spread);
     }
     for (point, at) in &outline.edge {
         let (ratio, sector) = fan.ratio(*point);

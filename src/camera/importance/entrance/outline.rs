@@ -20,18 +20,29 @@ const PLACES: usize = 16;
 const HALVINGS: u32 = 9;
 /// Grids over the front aperture, rays across, in which a first ray through is looked for.
 const GRIDS: [usize; 2] = [24, 80];
+/// Rays that reach the film's plane farther from the axis than this, over the film's reach, are not looked for: some lenses
+/// let rays through that leave them nearly along the film.
+const STRAY: f64 = 2.0;
 /// How far from the centre an outline may reach, over its half widths.
 const FARTHEST: f64 = 4.0;
 
 /// Rays from the scene to the film: film points of those that get through.
 pub(in crate::camera::importance) struct Probe<'a> {
     pub kernel: &'a Kernel<f64>,
+    /// The lens up to its stop, where it matters what points of that rays cross.
+    pub to_stop: Option<&'a Kernel<f64>>,
     /// z of the film.
     pub film: f64,
+    /// The farthest film point from the axis, mm.
+    pub reach: f64,
     /// Whether the film has rays of these slopes at a point, mm.
     pub is_sampled: &'a dyn Fn([f64; 2], [f64; 2]) -> bool,
-    /// The point of the axis that spots are seen from.
-    pub reference: f64,
+    /// z of the entrance pupil, if that lies in the lens.
+    pub pupil: f64,
+    /// z of the point of the axis that all spots are seen from where pupils stay about there: behind the front's rim.
+    pub still: f64,
+    /// z that no spot's point of the axis lies before.
+    pub foremost: f64,
     /// Places of the front surface, height and z, mm.
     pub cap: Vec<[f64; 2]>,
     /// From anywhere on the planes to before the lens, mm.
@@ -46,24 +57,50 @@ type Landed = Option<[f64; 2]>;
 pub(in crate::camera::importance) struct Outline {
     pub fan: Fan,
     pub image: Image,
+    /// Where rays cross the stop; of no meaning where that does not matter.
+    pub stop: Image,
     /// The least distance from the axis at which its rays reach the film, mm, and no more.
     pub nearest: f64,
     /// Points of the edge, and where their rays reach the film.
     pub edge: Vec<([f64; 2], [f64; 2])>,
     /// The same of points within, and of the edge.
     pub within: Vec<([f64; 2], [f64; 2])>,
+    /// Points within, and where their rays cross the stop.
+    pub crossings: Vec<([f64; 2], [f64; 2])>,
 }
 
 impl Probe<'_> {
-    /// Traces rays from a spot.
-    fn land(&self, spot: &Spot, points: &[[f64; 2]]) -> Vec<Landed> {
+    /// Rays from a spot through points, ready to be traced.
+    fn rays(&self, spot: &Spot, points: impl ExactSizeIterator<Item = [f64; 2]>) -> RayBuffer<f64> {
         let mut buffer = RayBuffer::new(points.len());
-        for (i, point) in points.iter().enumerate() {
-            let (ray, _) = spot.ray(*point, self.lead);
+        for (i, point) in points.enumerate() {
+            let (ray, _) = spot.ray(point, self.lead);
             buffer.put(i, ray.origin, ray.direction);
         }
+        buffer
+    }
+
+    /// Traces rays from a spot.
+    fn land(&self, spot: &Spot, points: &[[f64; 2]]) -> Vec<Landed> {
+        let mut buffer = self.rays(spot, points.iter().copied());
         self.kernel.trace_in_place(&mut buffer.rays());
         (0..points.len()).map(|i| self.film_point(&buffer, i)).collect()
+    }
+
+    /// Where rays through these points cross the stop.
+    fn crossings(
+        &self,
+        to_stop: &Kernel<f64>,
+        spot: &Spot,
+        points: &[([f64; 2], [f64; 2])],
+    ) -> Vec<([f64; 2], [f64; 2])> {
+        let mut buffer = self.rays(spot, points.iter().map(|(point, _)| *point));
+        to_stop.trace_in_place(&mut buffer.rays());
+        let crossing = |i: usize| {
+            let [x, y, _] = buffer.get(i)?.ray().origin;
+            Some((points[i].0, [x, y]))
+        };
+        (0..points.len()).filter_map(crossing).collect()
     }
 
     fn film_point(&self, buffer: &RayBuffer<f64>, i: usize) -> Landed {
@@ -71,7 +108,8 @@ impl Probe<'_> {
         let ([x, y, z], [dx, dy, dz]) = (ray.origin, ray.direction);
         let slopes = [dx / dz, dy / dz];
         let point = [x + (self.film - z) * slopes[0], y + (self.film - z) * slopes[1]];
-        (point.iter().all(|x| x.is_finite()) && (self.is_sampled)(point, slopes)).then_some(point)
+        let is_near = point[0].hypot(point[1]) <= STRAY * self.reach;
+        (is_near && (self.is_sampled)(point, slopes)).then_some(point)
     }
 
     /// The part of the plane that the front surface covers, seen from a spot: along the first axis from, to, and along the
@@ -83,7 +121,7 @@ impl Probe<'_> {
         for [height, z] in &self.cap {
             for turn in 0..=AROUND {
                 let [x, y] = direction(std::f64::consts::PI * f64::from(turn) / f64::from(AROUND));
-                let (x, y, z) = (height * x, height * y, z - self.reference);
+                let (x, y, z) = (height * x, height * y, z - spot.reference);
                 let (a, depth) = (x * cos - z * sin, x * sin + z * cos);
                 // Points beside or behind the spot are seen at no end.
                 let nearness = 1.0 - depth * spot.vergence;
@@ -221,7 +259,9 @@ impl Probe<'_> {
             inner.into_iter().zip(landed).filter_map(|(point, landed)| Some((point, landed?))).collect();
         within.extend(&edge);
         let image = fit(&fan, &within);
-        Some(Outline { fan, image, nearest: nearest(&image, &edge), edge, within })
+        let crossings = self.to_stop.map(|kernel| self.crossings(kernel, spot, &within)).unwrap_or_default();
+        let stop = fit(&fan, &crossings);
+        Some(Outline { fan, image, stop, nearest: nearest(&image, &edge), edge, within, crossings })
     }
 }
 

@@ -6,48 +6,61 @@ use rand_xoshiro::{
 };
 
 use super::{
-    spot::on_ray,
-    table::{Entrance, Node},
+    spot::Spot,
+    table::{Cell, Entrance, Node},
 };
 use crate::lens::Ray;
 
 /// Rays of a round.
 pub(in crate::camera::importance) const RAYS: usize = 12_000;
-/// Rounds.
-const ROUNDS: u64 = 8;
+/// Rounds, at most.
+const ROUNDS: u64 = 30;
+/// The number of the last round that there is in any case.
+const LEAST: u64 = 3;
+/// So many rays outside, and no more of a round, need no other.
+const FEW: usize = 2;
 /// How much more than needed an outline is made to hold, relative.
-const MORE: f64 = 1.001;
+const MORE: f64 = 1.004;
 
-/// A ray of the camera out into the scene, in lens space, and where on the film it began.
-pub(in crate::camera::importance) type FilmRay = (Ray, [f64; 2]);
+/// A ray of the camera out into the scene.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::camera::importance) struct FilmRay {
+    /// As it leaves the front, lens space, mm.
+    pub ray: Ray,
+    /// Where on the film it began.
+    pub film: [f64; 2],
+    /// Where it crossed the stop, if that matters.
+    pub stop: Option<[f64; 2]>,
+}
 
 impl Entrance {
-    /// Makes the outlines hold rays that `rays` makes of a round's number, [`RAYS`] or fewer.
+    /// Makes the outlines hold rays that `rays` makes of a round's number, [`RAYS`] or fewer, until hardly
+    /// any lies outside.
     pub fn repair(&mut self, rays: impl Fn(u64) -> Vec<FilmRay>) {
         for round in 0..ROUNDS {
             let mut random = SplitMix64::seed_from_u64(round + 77);
-            for (ray, film) in rays(round) {
-                // Every other one near the far end, where focus lies.
+            let mut outside = 0;
+            for ray in rays(round) {
+                // Every other one as rows lie, and as many near the glass, some of them on it.
                 let number = (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
-                let number = if random.next_u64() & 1 == 0 { number * number } else { number.powi(5) };
-                self.hold(&ray, film, number * self.nearest);
+                let is_far = random.next_u64() & 1 == 0;
+                let nearness = if is_far { number * number } else { (1.05 * number.sqrt()).min(1.0) };
+                outside += usize::from(self.hold(&ray, nearness));
+            }
+            if round >= LEAST && outside <= FEW {
+                return;
             }
         }
     }
 
-    /// Makes the region of the spot on a ray with that vergence hold the ray, where there is one.
-    fn hold(&mut self, ray: &Ray, film: [f64; 2], vergence: f64) {
-        let Some(spot) = on_ray(ray, self.reference, vergence) else { return };
-        let Some((cell, part)) = self.cell(&spot) else { return };
-        let Node { fan, image } = self.at(&cell);
-        let point = spot.crossing(ray);
-        let (ratio, sector) = fan.ratio(point);
-        let [cos, sin] = spot.azimuth;
-        let at = [film[0] * cos + film[1] * sin, film[1] * cos - film[0] * sin];
-        let off = image.off(&fan, point, at);
-        if part <= 1.0 && ratio <= 1.0 && off <= image.spread {
-            return;
-        }
+    /// Makes the region of the spot on a ray with that nearness, or nearly that, hold the ray; whether it lay outside.
+    fn hold(&mut self, ray: &FilmRay, nearness: f64) -> bool {
+        let spot = self.sight.on_ray(&ray.ray, nearness);
+        let Some(Outside { cell, part, ratio, sector, off, off_stop }) =
+            spot.and_then(|spot| self.outside(&spot, ray))
+        else {
+            return false;
+        };
         for row in &mut self.rows[cell.row..=cell.row + 1] {
             row.end *= part.max(1.0);
             for node in &mut row.nodes[cell.node..=cell.node + 1] {
@@ -57,7 +70,35 @@ impl Entrance {
                     }
                 }
                 node.image.spread = node.image.spread.max(MORE * off);
+                node.stop.spread = node.stop.spread.max(MORE * off_stop);
             }
         }
+        true
     }
+
+    /// How far a ray through a spot lies outside the region that the spot sees; `None` for one inside, and for spots nearer
+    /// than the table goes.
+    fn outside(&self, spot: &Spot, FilmRay { ray, film, stop: crossed }: &FilmRay) -> Option<Outside> {
+        let (cell, part) = self.cell(spot)?;
+        let Node { fan, image, stop } = self.at(&cell);
+        let point = spot.crossing(ray);
+        let (ratio, sector) = fan.ratio(point);
+        let [cos, sin] = spot.azimuth;
+        let turned = |[x, y]: [f64; 2]| [x * cos + y * sin, y * cos - x * sin];
+        let off = image.off(&fan, point, turned(*film));
+        let off_stop = crossed.map_or(0.0, |at| stop.off(&fan, point, turned(at)));
+        let inside = part <= 1.0 && ratio <= 1.0 && off <= image.spread && off_stop <= stop.spread;
+        (!inside).then_some(Outside { cell, part, ratio, sector, off, off_stop })
+    }
+}
+
+/// A ray outside a region: the cell, what part of the row's end its angle is, how far from the centre it lies over the
+/// edge's distance, in which sector, and how far from where it is expected it reaches the film and crosses the stop, mm.
+struct Outside {
+    cell: Cell,
+    part: f64,
+    ratio: f64,
+    sector: usize,
+    off: f64,
+    off_stop: f64,
 }

@@ -6,8 +6,8 @@ use crate::lens::Ray;
 /// A point of the scene.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::camera::importance) struct Spot {
-    /// z of the point of the axis.
-    reference: f64,
+    /// z of the point of the axis that it is seen from.
+    pub reference: f64,
     /// Unit vector across the axis, toward the spot.
     pub azimuth: [f64; 2],
     /// Of the angle to the axis.
@@ -77,25 +77,6 @@ impl Spot {
     }
 }
 
-/// The spot, seen from the reference, at which a ray out into the scene has the distance 1/`vergence` from it.
-pub(in crate::camera::importance) fn on_ray(ray: &Ray, reference: f64, vergence: f64) -> Option<Spot> {
-    let ([x, y, z], [dx, dy, dz]) = (ray.origin, ray.direction);
-    let from = [x, y, z - reference];
-    let along = from[0] * dx + from[1] * dy + from[2] * dz;
-    let square = from[0] * from[0] + from[1] * from[1] + from[2] * from[2];
-    if vergence == 0.0 {
-        return Some(Spot::toward(ray.direction, 0.0, reference));
-    }
-    let distance = vergence.recip();
-    let root = along * along - square + distance * distance;
-    if !(root >= 0.0) {
-        return None;
-    }
-    let length = root.sqrt() - along;
-    let point = [x + length * dx, y + length * dy, z + length * dz];
-    (length > 0.0).then(|| Spot::of_point(point, reference))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -118,9 +99,6 @@ mod tests {
                     "{point:?}"
                 );
                 assert!(x * dx + y * dy + z * dz <= 1e-9 && stretch >= 1.0);
-                let back = Ray { direction: ray.direction.map(|part| -part), ..ray };
-                let found = on_ray(&back, reference, spot.vergence).expect("on it");
-                assert!((found.angle() - spot.angle()).abs() < 1e-9);
             }
         }
     }

@@ -2,41 +2,44 @@
 
 use super::{
     super::fan::{Fan, Image},
+    sight::Sight,
     spot::Spot,
 };
 
-/// An outline, and where its rays reach the film.
+/// An outline, where its rays reach the film, and where they cross the stop if that is asked for.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Node {
+pub(in crate::camera::importance) struct Node {
     pub fan: Fan,
     pub image: Image,
+    pub stop: Image,
 }
 
 /// Outlines of one distance.
 #[derive(Clone, Debug)]
 pub(super) struct Row {
-    /// 1/distance, 1/mm.
-    pub vergence: f64,
+    /// The distance of the front from the reference over that of the spots.
+    pub nearness: f64,
     /// The field angle at which they end.
     pub end: f64,
     pub nodes: Vec<Node>,
 }
 
-/// What rows and nodes a spot lies between, and how far on the way from the first to the second of each.
+/// What rows and nodes a spot lies between, and how far on the way from the first to the second of each: in vergence, and
+/// along the row in angle and in place.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cell {
     pub row: usize,
     pub node: usize,
-    pub parts: [f64; 2],
+    pub down: f64,
+    pub turned: f64,
+    pub along: f64,
 }
 
 /// The pupil of a lens as spots of the scene see it.
 #[derive(Clone, Debug)]
 pub(in crate::camera::importance) struct Entrance {
-    /// z of the point of the axis that spots are seen from.
-    pub reference: f64,
-    /// Of the last row, 1/mm.
-    pub nearest: f64,
+    /// Where spots are seen from.
+    pub sight: Sight,
     /// Whether the outlines vanish where rows end: then nodes get denser there, evenly in √(1 - θ/end).
     pub vanishes: bool,
     /// From infinity on.
@@ -54,59 +57,67 @@ impl Entrance {
         if self.vanishes { place * (2.0 - place) } else { place }
     }
 
-    /// Where a spot lies in the table, and what part of the row's end its angle is; `None` nearer than the last row.
+    /// Where a spot lies in the table, and what part of the row's end its angle is. Nearer than the last row it is as on that.
     pub(super) fn cell(&self, spot: &Spot) -> Option<(Cell, f64)> {
         let last = self.rows.len().checked_sub(2)?;
-        if !(spot.vergence <= self.nearest) {
-            return None;
-        }
-        let number =
-            self.rows.partition_point(|row| row.vergence <= spot.vergence).saturating_sub(1).min(last);
+        let angle = spot.angle();
+        let nearness = spot.vergence * self.sight.front(angle);
+        let number = self.rows.partition_point(|row| row.nearness <= nearness).saturating_sub(1).min(last);
         let [low, high] = [&self.rows[number], &self.rows[number + 1]];
-        let down = (spot.vergence - low.vergence) / (high.vergence - low.vergence);
+        let down = ((nearness - low.nearness) / (high.nearness - low.nearness)).min(1.0);
         let end = low.end + down * (high.end - low.end);
-        let part = spot.angle() / end;
+        let part = angle / end;
         let cells = low.nodes.len() - 1;
-        let place = self.place(part) * cells as f64;
+        let place = (self.place(part) * cells as f64).min(cells as f64);
         let node = (place as usize).min(cells - 1);
-        let parts = [down, (place - node as f64).min(1.0)];
-        Some((Cell { row: number, node, parts }, part))
+        Some((self.cell_at(number, node, down, place - node as f64), part))
     }
 
-    /// The outline that the table has for a cell.
+    /// The cell after a row and a node, at this part of the way to the next row, and to the next node in place.
+    pub(super) fn cell_at(&self, row: usize, node: usize, down: f64, along: f64) -> Cell {
+        let cells = (self.rows[row].nodes.len() - 1) as f64;
+        let angle = |along: f64| self.part((node as f64 + along) / cells);
+        let (from, to) = (angle(0.0), angle(1.0));
+        Cell { row, node, down, turned: (angle(along) - from) / (to - from), along }
+    }
+
+    /// The outline that the table has for a cell. Where outlines vanish, all in the plane of the axis goes with the angle, and
+    /// their heights across with its root, which is even in place.
     pub(super) fn at(&self, cell: &Cell) -> Node {
-        let [down, along] = cell.parts;
         let node = |row: usize, node: usize| &self.rows[cell.row + row].nodes[cell.node + node];
         let corners = [node(0, 0), node(0, 1), node(1, 0), node(1, 1)];
-        let shares = [(1.0 - down) * (1.0 - along), (1.0 - down) * along, down * (1.0 - along), down * along];
-        let mixed = |of: &dyn Fn(&Node) -> f64| -> f64 {
+        let shares = |along: f64| {
+            let down = cell.down;
+            [(1.0 - down) * (1.0 - along), (1.0 - down) * along, down * (1.0 - along), down * along]
+        };
+        let (by_angle, by_place) = (shares(cell.turned), shares(cell.along));
+        let mixed = |shares: &[f64; 4], of: &dyn Fn(&Node) -> f64| -> f64 {
             corners.iter().zip(shares).map(|(node, share)| share * of(node)).sum()
+        };
+        let turned = |of: &dyn Fn(&Node) -> f64| mixed(&by_angle, of);
+        let image = |of: &dyn Fn(&Node) -> &Image| Image {
+            place: turned(&|node| of(node).place),
+            along: turned(&|node| of(node).along),
+            across: turned(&|node| of(node).across),
+            bend: turned(&|node| of(node).bend),
+            spread: turned(&|node| of(node).spread),
         };
         Node {
             fan: Fan {
-                center: mixed(&|node| node.fan.center),
-                extent: [0, 1].map(|axis| mixed(&|node| node.fan.extent[axis])),
+                center: turned(&|node| node.fan.center),
+                extent: [turned(&|node| node.fan.extent[0]), mixed(&by_place, &|node| node.fan.extent[1])],
                 reach: std::array::from_fn(|knot| {
-                    corners.iter().zip(shares).map(|(node, share)| share * node.fan.reach[knot]).sum()
+                    corners.iter().zip(by_place).map(|(node, share)| share * node.fan.reach[knot]).sum()
                 }),
             },
-            image: Image {
-                place: mixed(&|node| node.image.place),
-                along: mixed(&|node| node.image.along),
-                across: mixed(&|node| node.image.across),
-                bend: mixed(&|node| node.image.bend),
-                spread: mixed(&|node| node.image.spread),
-            },
+            image: image(&|node| &node.image),
+            stop: image(&|node| &node.stop),
         }
     }
 
     /// The region that a spot sees, and where its points are imaged; `None` where it sees none.
-    pub fn seen_from(&self, spot: &Spot) -> Option<(Fan, Image)> {
+    pub fn seen_from(&self, spot: &Spot) -> Option<Node> {
         let (cell, part) = self.cell(spot)?;
-        if !(part <= 1.0) {
-            return None;
-        }
-        let Node { fan, image } = self.at(&cell);
-        Some((fan, image))
+        (part <= 1.0).then(|| self.at(&cell))
     }
 }

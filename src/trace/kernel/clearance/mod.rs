@@ -88,7 +88,7 @@ impl<'a> ClearanceTracer<'a> {
                 #[cfg(target_arch = "x86_64")]
                 // SAFETY: as above.
                 Simd::Avx2 => unsafe { avx2(self, &mut packet) },
-                _ => packet.trace::<Portable<f64, 4>>(Portable::cpu(), self),
+                _ => portable(self, &mut packet),
             }
             let lanes = packet.largest.iter().zip(packet.surface).zip(packet.open).take(packet.count);
             for ((&largest, surface), open) in lanes {
@@ -99,6 +99,12 @@ impl<'a> ClearanceTracer<'a> {
         }
         packet.open_rays
     }
+}
+
+/// Once, not for each of the callers' closures.
+#[inline(never)]
+fn portable(lens: &ClearanceTracer<'_>, packet: &mut Packet) {
+    packet.trace::<Portable<f64, 4>>(Portable::cpu(), lens);
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -177,9 +183,9 @@ impl Packet {
     /// The rays of one register, from the one `at` on, where `n` is the index.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn enter<L: Lanes<Scalar = f64>>(&self, cpu: Cpu<L>, n: f64, at: usize) -> Probe<L> {
-        let [height, sx, sy] =
-            [&self.height, &self.slopes[0], &self.slopes[1]].map(|numbers| L::load(cpu, &numbers[at..]));
-        Probe::enter(cpu, self.distance, height, [sx, sy], n)
+        let height = L::load(cpu, &self.height[at..]);
+        let [sx, sy] = &self.slopes;
+        Probe::enter(cpu, self.distance, height, [L::load(cpu, &sx[at..]), L::load(cpu, &sy[at..])], n)
     }
 
     /// Traces the rays of `U` registers from the one `at` on; how many they are.

@@ -7,8 +7,8 @@ use crate::{
     prescription::{
         Medium,
         glass::{
-            refractive_index,
-            terms::{Dispersion, HERZBERGER, Terms},
+            HERZBERGER, refractive_index,
+            terms::{Dispersion, Terms},
         },
     },
 };

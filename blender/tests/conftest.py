@@ -1,0 +1,49 @@
+"""The real Blender as a Python module (`bpy`), with the extension installed into a folder of its own.
+
+REALISTIC_PROGRAM names the built program; REALISTIC_PLUGIN the built library, by which rays are traced in double precision.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import zipfile
+from pathlib import Path
+
+import pytest
+
+# Before Blender reads it: no Blender of the user's gets the extension.
+ROOM = tempfile.TemporaryDirectory(prefix="blender-")
+os.environ["BLENDER_USER_RESOURCES"] = ROOM.name
+
+import bpy
+
+# What the program Blender has on its path by itself.
+HOME = next(parent for parent in Path(bpy.__file__).resolve().parents if parent.name[0].isdigit())
+sys.path += [str(HOME / "python/lib/python3.11/site-packages"), str(HOME / "scripts/addons_core")]
+
+
+@pytest.fixture(scope="session")
+def program() -> str:
+    """The built program."""
+    return os.environ["REALISTIC_PROGRAM"]
+
+
+@pytest.fixture(scope="session")
+def zip_file(program, tmp_path_factory) -> Path:
+    """The extension's zip."""
+    file = tmp_path_factory.mktemp("extension") / "realistic.zip"
+    script = Path(__file__).parents[1] / "make_extension.py"
+    subprocess.run([sys.executable, script, file, program], check=True)
+    return file
+
+
+@pytest.fixture(scope="session")
+def lenses(zip_file, tmp_path_factory) -> dict[str, tuple[str, dict[str, object]]]:
+    """The shader's text and the facts of every lens that the extension has."""
+    with zipfile.ZipFile(zip_file) as archive:
+        facts = json.loads(archive.read("lenses/lenses.json"))
+        return {name: (archive.read(f"lenses/{name}.osl").decode(), told) for name, told in facts.items()}

@@ -1,0 +1,71 @@
+"""Scenes for tests in the real Blender, and what its pictures hold."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import bpy
+import numpy as np
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def empty(size: tuple[int, int], samples: int) -> tuple[Any, Any]:
+    """A scene with nothing but a camera at the origin that looks along -z, and the camera's data."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scene = bpy.context.scene
+    scene.render.engine = "CYCLES"
+    scene.render.resolution_x, scene.render.resolution_y = size
+    scene.cycles.samples = samples
+    scene.cycles.use_adaptive_sampling = scene.cycles.use_denoising = False
+    scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "OPEN_EXR", "32"
+    scene.view_settings.view_transform = "Raw"
+    scene.world = bpy.data.worlds.new("world")
+    if bpy.app.version < (5, 0):
+        scene.world.use_nodes = True
+    scene.world.node_tree.nodes.clear()
+    # Lights are not looked for: no map of the world's is made.
+    scene.world.cycles.sampling_method = "NONE"
+    camera = bpy.data.cameras.new("camera")
+    holder = bpy.data.objects.new("camera", camera)
+    scene.collection.objects.link(holder)
+    scene.camera = holder
+    camera.clip_start = 1e-6
+    return scene, camera
+
+
+def show_directions(scene: Any) -> None:
+    """Gives the world each ray's direction as its colour; a pixel has but one film point."""
+    scene.cycles.pixel_filter_type, scene.cycles.filter_width = "BOX", 0.01
+    tree = scene.world.node_tree
+    place, light, world = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexCoord", "Background", "OutputWorld"))
+    tree.links.new(place.outputs["Generated"], light.inputs["Color"])
+    tree.links.new(light.outputs[0], world.inputs[0])
+
+
+def use_shader(camera: Any, file: Path) -> None:
+    """Makes a camera that of a shader's file."""
+    from cycles.osl import update_custom_camera_shader
+
+    camera.type, camera.custom_mode, camera.custom_filepath = "CUSTOM", "EXTERNAL", str(file)
+    told: list[object] = []
+    assert update_custom_camera_shader(camera, lambda kind, text: told.append((kind, text))), told
+
+
+def picture(scene: Any, folder: Path) -> np.ndarray:
+    """The rendered picture, (height, width, 3) of float64, from the top."""
+    file = folder / "picture.exr"
+    scene.render.filepath = str(file)
+    bpy.ops.render.render(write_still=True)
+    return read(file)
+
+
+def read(file: Path) -> np.ndarray:
+    """A picture's file, (height, width, 3) of float64, from the top."""
+    import OpenImageIO
+
+    image = OpenImageIO.ImageInput.open(str(file))
+    found = np.array(image.read_image("float"), np.float64)[..., :3]
+    image.close()
+    return found

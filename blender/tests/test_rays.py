@@ -1,0 +1,79 @@
+"""Rays of the shaders in Blender against the same rays in double precision."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+from stage import empty, picture, show_directions, use_shader
+
+import realistic
+
+SIZE = (64, 48)
+# f-number, focus distance in m; 0.5: as wide as the lens opens.
+SETTINGS = ((0.5, 3.0), (8.0, 20.0))
+
+
+def instrumented(text: str, screen: float) -> str:
+    """The shader with a film point and a lens sample for each pixel of a third of the picture.
+
+    The left third shows each ray's direction; the middle one that of the same ray as it starts on the film's side; the right
+    one the direction to where it starts, (x, y) on the plane of the last vertex, from a point so far (`screen`, mm) behind.
+    """
+    width, height = SIZE
+    pixel = f"""point raster = camera_shader_raster_position();
+  int column = int(floor(raster[0]*{3 * width}));
+  int shown = column/{width};
+  raster = point((column - shown*{width} + 0.5)/{width}, (floor(raster[1]*{height}) + 0.5)/{height}, 0);"""
+    for old, new in (
+        ("point raster = camera_shader_raster_position();", pixel),
+        ("camera_shader_random_sample()", f"cellnoise(point(raster[0]*{width}, raster[1]*{height}, 0))"),
+        ("throughput = color(weight)", "throughput = 1"),
+    ):
+        assert text.count(old) == 1, old
+        text = text.replace(old, new)
+    before, trace, after = text.rpartition("  if (!trace(")
+    direction = f"normalize(shown == 1 ? vector(vx, vy, vz) : vector(x, y, {screen}))"
+    return f"{before}  if (shown > 0) {{\n    direction = {direction};\n    throughput = 1;\n    return;\n  }}\n{trace}{after}"
+
+
+@pytest.mark.parametrize("name", realistic.catalogue())
+def test_rays_are_those_of_double_precision(lenses, name, tmp_path):
+    text, facts = lenses[name]
+    scene, camera = empty((3 * SIZE[0], SIZE[1]), 1)
+    show_directions(scene)
+    rear = realistic.Lens(name).surfaces[-1]
+    screen = rear.semi_diameter_mm
+    shader = tmp_path / "shader.osl"
+    shader.write_text(instrumented(text, screen))
+    use_shader(camera, shader)
+    # The sensor is four times as wide as high: its corners are where the film ends.
+    camera.sensor_width = 1.93 * facts["film_reach_mm"]
+    camera.dof.use_dof = True
+    if bpy.app.version < (5, 0):
+        camera.cycles_custom["focal_length"] = camera.lens
+    errors, differ, count = [], 0, 0
+    for fnumber, distance in SETTINGS:
+        camera.dof.aperture_fstop, camera.dof.focus_distance = fnumber, distance
+        # Blender looks along -z.
+        thirds = np.split(picture(scene, tmp_path), 3, axis=1)
+        found, heading, start = (third.reshape(-1, 3) * [1, 1, -1] for third in thirds)
+        asked = np.linalg.norm(heading, axis=1) > 0.5
+        found, heading, start = found[asked], heading[asked], start[asked]
+        x, y = (start[:, :2] / start[:, 2:] * screen).T
+        origin = np.stack([x, y, np.full_like(x, rear.vertex_mm)], 1) - 2 * screen * heading / heading[:, 2:]
+        lens = realistic.Lens(name, fnumber=fnumber) if fnumber > facts["fnumber"] else realistic.Lens(name)
+        exact = lens.trace(origin, heading, side="film")
+        passed = np.linalg.norm(found, axis=1) > 0.5
+        errors.append(np.linalg.norm(found - exact.direction, axis=1)[exact.passed & passed])
+        differ += int((exact.passed != passed).sum())
+        count += len(found)
+    error = np.concatenate(errors)
+    print(
+        f"{name}: {count} rays, {len(error)} get through, {differ} fates differ, directions off by {np.median(error):.1e} (median), "
+        f"{error.max():.1e} (most) radians",
+        flush=True,
+    )
+    assert count > 0.9 * len(SETTINGS) * SIZE[0] * SIZE[1]
+    assert len(error) > 0.95 * count
+    assert differ <= 2 and np.median(error) < 2e-6 and error.max() < 1e-5

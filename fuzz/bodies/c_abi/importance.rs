@@ -1,0 +1,81 @@
+//! The camera the other way round: whatever the rays and points, what they count is finite and not negative.
+
+use std::array;
+
+use super::bytes::Bytes;
+use realistic::abi::*;
+
+const COUNT: usize = 13;
+
+type Columns<const C: usize> = [[f32; COUNT]; C];
+
+/// Panics with `what` where importance is not sound, or another ray's.
+pub fn check(
+    camera: *const realistic_camera,
+    rays: &[(realistic_ray, f32)],
+    bytes: &mut Bytes<'_>,
+    what: &dyn std::fmt::Debug,
+) {
+    let mut along: Columns<7> = array::from_fn(|_| array::from_fn(|_| 2.0 * bytes.float(100.0) - 100.0));
+    // Some of the camera's own.
+    for (i, (ray, _)) in rays.iter().filter(|(_, weight)| *weight > 0.0).take(COUNT / 2).enumerate() {
+        let realistic_ray { o: [ox, oy, oz], d: [dx, dy, dz], time, .. } = *ray;
+        let numbers = [ox, oy, oz, -dx, -dy, -dz, time];
+        along.iter_mut().zip(numbers).for_each(|(column, number)| column[i] = number);
+    }
+    let points: Columns<6> = array::from_fn(|axis| {
+        array::from_fn(|_| match axis {
+            0 | 1 => 2.0 * bytes.float(1000.0) - 1000.0,
+            2 => bytes.float(4000.0),
+            _ => bytes.float(1.0),
+        })
+    });
+    let (mut counted, mut toward, mut aimed) = ([[-7.0; COUNT]; 6], [[-7.0; COUNT]; 7], [[-7.0; COUNT]; 6]);
+    let [ox, oy, oz, dx, dy, dz, time] = along.each_ref().map(|column| column.as_ptr());
+    let struct_size = size_of::<realistic_importance_rays>() as u32;
+    let asked = realistic_importance_rays { struct_size, ox, oy, oz, dx, dy, dz, time };
+    // SAFETY: a live camera, and columns of COUNT numbers.
+    let status = unsafe { realistic_camera_importance(camera, COUNT, &asked, &room(&mut counted)) };
+    if status == realistic_status::InvalidParameter {
+        return;
+    }
+    assert_eq!(status, realistic_status::Ok, "{what:?}");
+    let [x, y, z, u, v, time] = points.each_ref().map(|column| column.as_ptr());
+    let struct_size = size_of::<realistic_scene_points>() as u32;
+    let asked = realistic_scene_points { struct_size, x, y, z, u, v, time };
+    let [ox, oy, oz, dx, dy, dz, density] = toward.each_mut().map(|column| column.as_mut_ptr());
+    let struct_size = size_of::<realistic_aimed>() as u32;
+    let directions = realistic_aimed { struct_size, ox, oy, oz, dx, dy, dz, density };
+    // SAFETY: as above.
+    let status =
+        unsafe { realistic_camera_sample_importance(camera, COUNT, &asked, &directions, &room(&mut aimed)) };
+    assert_eq!(status, realistic_status::Ok, "{what:?}");
+    for i in 0..COUNT {
+        let at = |column: &[f32; COUNT]| column[i];
+        for found in [&counted, &aimed] {
+            let numbers = found.each_ref().map(at);
+            assert!(numbers.iter().all(|number| *number >= 0.0), "{numbers:?} {what:?}");
+        }
+        let [.., dx, dy, dz, density] = toward.each_ref().map(at);
+        let length = (dx * dx + dy * dy + dz * dz).sqrt();
+        assert!(
+            density == 0.0 && aimed[2][i] == 0.0 || density > 0.0 && (length - 1.0).abs() < 1e-6,
+            "{dx} {dy} {dz} {density} {what:?}"
+        );
+    }
+}
+
+fn room(columns: &mut Columns<6>) -> realistic_importance {
+    let [image_x, image_y, importance, density, area_density, solid_angle_density] =
+        columns.each_mut().map(|column| column.as_mut_ptr());
+    let struct_size = size_of::<realistic_importance>() as u32;
+    realistic_importance {
+        struct_size,
+        image_x,
+        image_y,
+        importance,
+        density,
+        area_density,
+        solid_angle_density,
+    }
+}

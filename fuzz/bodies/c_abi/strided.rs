@@ -1,0 +1,138 @@
+//! Batches between arrays of any strides: the bits of single calls, and nothing written beside them.
+
+use std::array;
+use std::ptr::null_mut;
+
+use super::{MARK, bytes::Bytes};
+use realistic::abi::*;
+
+/// What room holds before.
+const BEFORE: f32 = -7.0;
+
+/// Numbers of `N` components per sample: side by side, one component after the other, or backwards, with gaps.
+struct Strided<const N: usize> {
+    floats: Vec<f32>,
+    first: isize,
+    stride: isize,
+    component_stride: isize,
+}
+
+impl<const N: usize> Strided<N> {
+    fn new(count: usize, bytes: &mut Bytes<'_>) -> Self {
+        let gap = bytes.choice(3);
+        let floats = vec![BEFORE; (N + gap) * (count + gap)];
+        let (width, height) = ((N + gap) as isize, (count + gap) as isize);
+        let (first, stride, component_stride) = match bytes.choice(3) {
+            0 => (0, width, 1),
+            1 => (0, 1, height),
+            _ => (width * height - width, -width, 1),
+        };
+        Self { floats, first, stride, component_stride }
+    }
+
+    fn of(numbers: impl ExactSizeIterator<Item = [f32; N]>, bytes: &mut Bytes<'_>) -> Self {
+        let mut all = Self::new(numbers.len(), bytes);
+        for (i, numbers) in numbers.enumerate() {
+            for (k, number) in numbers.into_iter().enumerate() {
+                let place = all.place(i, k);
+                all.floats[place] = number;
+            }
+        }
+        all
+    }
+
+    fn place(&self, i: usize, component: usize) -> usize {
+        let place = self.first + i as isize * self.stride + component as isize * self.component_stride;
+        usize::try_from(place).expect("inside")
+    }
+
+    fn get(&self, i: usize) -> [f32; N] {
+        array::from_fn(|component| self.floats[self.place(i, component)])
+    }
+
+    fn strides(&self) -> [isize; 2] {
+        [self.stride, self.component_stride].map(|floats| floats * size_of::<f32>() as isize)
+    }
+
+    fn input(&self) -> realistic_input {
+        let [stride, component_stride] = self.strides();
+        realistic_input { first: self.floats.as_ptr().wrapping_offset(self.first), stride, component_stride }
+    }
+
+    fn output(&mut self) -> realistic_output {
+        let [stride, component_stride] = self.strides();
+        let first = self.floats.as_mut_ptr().wrapping_offset(self.first);
+        realistic_output { first, stride, component_stride }
+    }
+
+    /// Numbers that were written, gaps included.
+    fn written(&self) -> usize {
+        self.floats.iter().filter(|number| number.to_bits() != BEFORE.to_bits()).count()
+    }
+}
+
+/// The rays of samples, each at a wavelength if there are some, between arrays of which `bytes` says how they lie. Blocked
+/// rays are what [`MARK`] has.
+pub fn rays(
+    camera: *const realistic_camera,
+    samples: &[realistic_sample],
+    wavelengths: Option<&[f32]>,
+    bytes: &mut Bytes<'_>,
+) -> Vec<(realistic_ray, f32)> {
+    const NO_INPUT: realistic_input =
+        realistic_input { first: std::ptr::null(), stride: 0, component_stride: 0 };
+    const NO_OUTPUT: realistic_output =
+        realistic_output { first: null_mut(), stride: 0, component_stride: 0 };
+    let n = samples.len();
+    let image = Strided::of(samples.iter().map(|sample| [sample.image_x, sample.image_y]), bytes);
+    let lens = Strided::of(samples.iter().map(|sample| [sample.lens_u, sample.lens_v]), bytes);
+    let time = Strided::of(samples.iter().map(|sample| [sample.time]), bytes);
+    let wavelengths = wavelengths.map(|all| Strided::of(all.iter().map(|one| [*one]), bytes));
+    let [mut origin, mut direction] = [(); 2].map(|()| Strided::<3>::new(n, bytes));
+    let [mut weight, mut mint, mut maxt, mut ray_time] = [(); 4].map(|()| Strided::<1>::new(n, bytes));
+    let mut reasons = vec![realistic_reason::Ok; n];
+    let batch = realistic_batch {
+        struct_size: size_of::<realistic_batch>() as u32,
+        image: image.input(),
+        lens: lens.input(),
+        time: time.input(),
+        wavelength: wavelengths.as_ref().map_or(NO_INPUT, Strided::input),
+        origin: origin.output(),
+        direction: direction.output(),
+        weight: weight.output(),
+        mint: mint.output(),
+        maxt: maxt.output(),
+        ray_time: ray_time.output(),
+        reason: reasons.as_mut_ptr(),
+        reason_stride: size_of::<realistic_reason>() as isize,
+        rx_origin: NO_OUTPUT,
+        rx_direction: NO_OUTPUT,
+        rx_weight: NO_OUTPUT,
+        ry_origin: NO_OUTPUT,
+        ry_direction: NO_OUTPUT,
+        ry_weight: NO_OUTPUT,
+    };
+    // SAFETY: a live camera; arrays with room for `n` elements at these strides.
+    let status = unsafe { realistic_camera_generate_batch(camera, n, &batch) };
+    assert_eq!(status, realistic_status::Ok);
+    let found: Vec<_> = (0..n)
+        .map(|i| {
+            let [[mint], [maxt], [time], [weight]] =
+                [mint.get(i), maxt.get(i), ray_time.get(i), weight.get(i)];
+            assert_eq!(reasons[i] == realistic_reason::Ok, weight > 0.0, "{:?}", samples[i]);
+            (realistic_ray { o: origin.get(i), d: direction.get(i), mint, maxt, time }, weight)
+        })
+        .collect();
+    // At most the numbers of each ray.
+    let three = 3 * n;
+    assert!(origin.written() <= three && direction.written() <= three, "wrote between two rays");
+    assert!(
+        [&weight, &mint, &maxt, &ray_time].iter().all(|room| room.written() <= n),
+        "wrote between two rays"
+    );
+    assert!(
+        found.iter().all(|(ray, weight)| *weight > 0.0 || *ray == MARK),
+        "a blocked ray wrote to its place"
+    );
+    found
+}

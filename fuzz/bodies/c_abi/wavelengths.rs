@@ -1,0 +1,74 @@
+//! Rays at wavelengths of their own: sound, and by every way of asking the same.
+
+use std::array;
+use std::ptr::null_mut;
+
+use super::super::contract;
+use super::{MARK, bytes::Bytes, strided};
+use realistic::abi::*;
+
+/// Panics with `what` where rays at any wavelengths are not sound, or differ between the ways of asking for them;
+/// `may_differ` where a batch may have a tracer of its own, as at a tolerance without dispersion.
+pub fn check(
+    camera: *const realistic_camera,
+    samples: &[realistic_sample],
+    may_differ: bool,
+    bytes: &mut Bytes<'_>,
+    what: &dyn std::fmt::Debug,
+) {
+    let wavelengths: Vec<f32> = samples.iter().map(|_| 380.0 + bytes.float(400.0)).collect();
+    let single = |(sample, &wavelength): (&realistic_sample, &f32)| {
+        let mut ray = MARK;
+        // SAFETY: a live camera, sample and ray.
+        let weight = unsafe { realistic_generate_ray_at(camera, sample, wavelength, &mut ray) };
+        if let Some(broken) = contract::broken(sample, &ray, weight, &MARK) {
+            panic!("{broken} at {wavelength} nm {what:?}");
+        }
+        assert!(weight == 0.0 || (380.0..=780.0).contains(&wavelength), "{wavelength} nm {what:?}");
+        (ray, weight)
+    };
+    let singles: Vec<_> = samples.iter().zip(&wavelengths).map(single).collect();
+    let by_strides = strided::rays(camera, samples, Some(&wavelengths), bytes);
+    assert!(may_differ || by_strides == singles, "by strides {what:?}");
+    let by_structures = in_structures(camera, samples, &wavelengths);
+    assert!(may_differ || by_structures == singles, "by structures {what:?}");
+    for ((samples, wavelengths), singles) in
+        samples.chunks(4).zip(wavelengths.chunks_exact(4)).zip(singles.chunks(4))
+    {
+        let (mut rays, mut weights) = ([MARK; 4], [0.0; 4]);
+        // SAFETY: a live camera, and arrays of four.
+        let count = unsafe {
+            let (rays, weights) = (rays.as_mut_ptr(), weights.as_mut_ptr());
+            realistic_generate_hero_rays(camera, &samples[0], wavelengths.as_ptr(), rays, weights)
+        };
+        let expected: [_; 4] = array::from_fn(|k| single((&samples[0], &wavelengths[k])));
+        assert!((rays[0], weights[0]) == singles[0] && array::from_fn(|k| (rays[k], weights[k])) == expected);
+        assert_eq!(count as usize, weights.iter().filter(|weight| **weight > 0.0).count(), "{what:?}");
+    }
+}
+
+fn in_structures(
+    camera: *const realistic_camera,
+    samples: &[realistic_sample],
+    wavelengths: &[f32],
+) -> Vec<(realistic_ray, f32)> {
+    let n = samples.len();
+    let (mut rays, mut weights) = (vec![MARK; n], vec![0.0; n]);
+    // SAFETY: a live camera, and arrays of n elements.
+    let status = unsafe {
+        realistic_camera_generate_rays_at(
+            camera,
+            n,
+            samples.as_ptr(),
+            0,
+            wavelengths.as_ptr(),
+            0,
+            rays.as_mut_ptr(),
+            0,
+            weights.as_mut_ptr(),
+            null_mut(),
+        )
+    };
+    assert_eq!(status, realistic_status::Ok);
+    rays.into_iter().zip(weights).collect()
+}

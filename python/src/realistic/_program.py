@@ -1,0 +1,38 @@
+"""The command-line program `realistic`: where it is. A wheel has it beside the library, which it finds there."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+from pathlib import Path
+
+NAME = "realistic.exe" if sys.platform == "win32" else "realistic"
+
+
+def own() -> Path | None:
+    """The program that this package carries; None where it carries none, as when it is installed with `pip install -e`."""
+    file = Path(__file__).parent / NAME
+    return file if file.is_file() else None
+
+
+def program() -> Path:
+    """The program: the one that the variable REALISTIC_PROGRAM names, else this package's own, else the one in PATH.
+
+    Raises
+    ------
+    FileNotFoundError
+        Where there is none.
+    """
+    named = os.environ.get("REALISTIC_PROGRAM")
+    if named:
+        if not Path(named).is_file():
+            raise FileNotFoundError(f"REALISTIC_PROGRAM names {named}, where there is no file")
+        return Path(named)
+    found = own() or shutil.which(NAME)
+    if found is None:
+        raise FileNotFoundError(
+            "there is no program realistic here: install the package (`pip install ./python` in a checkout), build it with "
+            "`cargo install --path cli`, or name it in the variable REALISTIC_PROGRAM"
+        )
+    return Path(found)

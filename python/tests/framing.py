@@ -1,0 +1,74 @@
+"""Framing and blur of the program's test scene, measured in pictures of it, 480 by 320 pixels, (320, 480) or (320, 480, 3)."""
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+
+SIZE = (480, 320)
+# Where lamps of the nearer string stand in pictures by dgauss.50mm, focused on the card; what else is about keeps off.
+LAMPS = [(101, 60), (151, 78), (202, 87), (252, 89), (303, 83), (354, 70), (404, 49)]
+
+
+def program(checkout):
+    """The command-line program, if it has been built."""
+    named = os.environ.get("REALISTIC_PROGRAM")
+    built = [checkout / f"target/{kind}/realistic" for kind in ("release", "debug")]
+    found = [Path(named)] if named else [file for file in built if file.is_file()]
+    return found[0] if found else shutil.which("realistic")
+
+
+def by_program(command, out, spp, parameters):
+    """Has the program take the picture, through dgauss.50mm."""
+    given = [f"--param={name}={value}" for name, value in parameters.items()]
+    size = f"--size={SIZE[0]}x{SIZE[1]}"
+    done = subprocess.run(
+        [str(command), "render", "--lens=dgauss.50mm", size, f"--spp={spp}", *given, f"--out={out}"],
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def edge(profile, outside, inside):
+    """Where an edge lies between what is dark on average over pixels `outside` and light over `inside`, slices in order."""
+    dark, light = profile[outside].mean(), profile[inside].mean()
+    return outside.stop + ((light - profile[outside.stop : inside.start]) / (light - dark)).sum()
+
+
+def edges(picture):
+    """The card's left, right and top edge, pixels from the left and from the top."""
+    rows, columns = slice(190, 245), slice(30, 160)
+    across = picture[rows].mean(axis=0)
+    down = picture[:, columns].mean(axis=1)
+    width = len(across)
+    return np.array(
+        [
+            edge(across, slice(9, 11), slice(12, 14)),
+            width - edge(across[::-1], slice(width - 179, width - 177), slice(width - 176, width - 174)),
+            edge(down, slice(149, 151), slice(152, 154)),
+        ]
+    )
+
+
+def bokeh(picture):
+    """Centre (x, y) and radius of each lamp's disk in pixels, (lamps, 3).
+
+    The radius is that of an evenly bright disk with the same second moment.
+    """
+    rows, columns = np.indices(picture.shape)
+    found = []
+    for x, y in LAMPS:
+        distance = np.hypot(columns + 0.5 - x, rows + 0.5 - y)
+        # What lies behind slopes: a plane through what is seen around the disk.
+        plane = np.stack([np.ones_like(distance), columns - x, rows - y], axis=-1)
+        around = (distance > 12.5) & (distance < 16)
+        behind = plane @ np.linalg.lstsq(plane[around], picture[around], rcond=None)[0]
+        light = np.where(distance < 12.5, picture - behind, 0.0)
+        total = light.sum()
+        centre = [((at + 0.5) * light).sum() / total for at in (columns, rows)]
+        moment = (((columns + 0.5 - centre[0]) ** 2 + (rows + 0.5 - centre[1]) ** 2) * light).sum() / total
+        found.append([*centre, np.sqrt(2 * moment)])
+    return np.array(found)
