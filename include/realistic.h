@@ -1521,7 +1521,7 @@ realistic_status realistic_camera_importance(const struct realistic_camera *came
  direction, at an angle to the normal there with the cosine c, the picture gets importance · L · c / (density · density of
  the point) at (image_x, image_y). Most directions count something; where one does not get through to the film its
  importance is 0, and that belongs to the mean. The first call of a camera looks at its lens from
- everywhere, which takes some hundredths of a second.
+ everywhere, which takes some tenths of a second.
 
  What is NULL, what overlaps and what fails as in `realistic_camera_importance`. Points that are not in front of the lens,
  nearer than `hither`, farther than `yon` or than 1e18 or so, and numbers that are none have no direction.

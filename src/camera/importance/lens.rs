@@ -70,10 +70,28 @@ impl LensBackward {
         std::f64::consts::PI * self.lens.front().semi_diameter.powi(2)
     }
 
-    /// Whether a point lies before the front surface, or beside it: a fisheye sees what lies behind its rim.
+    /// Whether a point lies before the front surface or anywhere beside it: a fisheye sees what lies behind its rim.
     fn is_in_front(&self, [x, y, z]: [f64; 3]) -> bool {
         let (front, height) = (self.lens.front(), x.hypot(y));
-        if height < front.semi_diameter { z > front.sagitta(height) } else { z > self.lens.rear().vertex }
+        height >= front.semi_diameter || z > front.sagitta(height)
+    }
+
+    /// Whether a ray of unit direction that begins in front meets the front surface from outside: one that begins farther back than the lens
+    /// goes toward +z.
+    fn comes_from_outside(&self, ray: &Ray) -> bool {
+        let front = self.lens.front();
+        if ray.origin[2] > self.lens.rear().vertex {
+            return true;
+        }
+        if front.figure.is_some() || !(ray.direction[2] > 0.0) {
+            return false;
+        }
+        let at @ [x, y, z] = front_point(front, ray);
+        let ([ox, oy, oz], [dx, dy, dz]) = (ray.origin, ray.direction);
+        let ahead = (x - ox) * dx + (y - oy) * dy + (z - oz) * dz;
+        // The gradient of c (x² + y² + z²) + 2 z.
+        let inward = front.curvature * (x * dx + y * dy + z * dz) + dz;
+        at.iter().all(|part| part.is_finite()) && ahead > 0.0 && inward < 0.0
     }
 
     /// What rays count, of any length of direction; those that are none count nothing. `rounding` is how far off its origin
@@ -88,8 +106,12 @@ impl LensBackward {
                 let length = direction.iter().map(|part| part * part).sum::<f64>().sqrt();
                 let moved = (back + rounding) / length;
                 let start = [0, 1, 2].map(|axis| origin[axis] - moved * direction[axis]);
-                let is_ray =
-                    start.iter().chain(direction).all(|part| part.is_finite()) && self.is_in_front(start);
+                let is_ray = start.iter().chain(direction).all(|part| part.is_finite())
+                    && self.is_in_front(start)
+                    && self.comes_from_outside(&Ray {
+                        origin: start,
+                        direction: direction.map(|part| part / length),
+                    });
                 if is_ray {
                     buffer.put(i, start, *direction);
                 }
@@ -116,6 +138,9 @@ impl LensBackward {
         let views = [(&image, &self.window[..]), (&stop, &self.blades[..])];
         let (at, density) = fan.sample(&views, spot.azimuth, numbers)?;
         let (ray, stretch) = spot.ray(at, self.lead());
+        if !self.comes_from_outside(&Ray { origin: point, ..ray }) {
+            return None;
+        }
         let density = density * stretch.powi(3) / spot.vergence.powi(2);
         let origin = front_point(self.lens.front(), &ray);
         (density > 0.0).then_some(Towards { ray: Ray { origin, ..ray }, density })

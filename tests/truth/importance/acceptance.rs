@@ -50,7 +50,7 @@ fn lacking(given: &[(&str, &str)], [least, least_near]: [f64; 2]) -> Option<Stri
         "{given:?} {nearest:.0} mm: {far:.3} ({unseen} of {all} unseen), near {near:.3} ({unseen_near})"
     );
     eprintln!("{text}");
-    let is_right = far >= least && near >= least_near && unseen + unseen_near <= all / 1000;
+    let is_right = far >= least && near >= least_near && unseen + unseen_near <= all / 700;
     (!is_right).then_some(text)
 }
 

@@ -24,7 +24,7 @@ const LOOK: f64 = 0.03;
 /// How far a pupil walks that is followed, over its half width.
 const WALK: f64 = 60.0;
 /// Halvings that end it.
-const HALVINGS: u32 = 16;
+const HALVINGS: i32 = 16;
 /// The largest field angle, radians.
 const WIDEST: f64 = 2.9;
 /// How much larger outlines are made in any case, relative.
@@ -39,8 +39,22 @@ struct Span {
     nearness: f64,
     end: f64,
     vanishes: bool,
-    /// The last angle at which rays were found, and the middle of their outline.
-    inside: (f64, f64),
+    /// Angles at which rays were found, from 0 to the last, and the middles of their outlines.
+    path: Vec<[f64; 2]>,
+}
+
+impl Span {
+    /// Where the middle of the outline at an angle may be.
+    fn hint(&self, angle: f64) -> f64 {
+        let next =
+            self.path.partition_point(|[place, _]| *place < angle).clamp(1, self.path.len().max(2) - 1);
+        match (self.path.get(next - 1), self.path.get(next)) {
+            (Some([from, first]), Some([to, second])) => {
+                first + (angle - from) / (to - from) * (second - first)
+            }
+            _ => self.path[0][1],
+        }
+    }
 }
 
 /// Tabulates a lens. `None` for a lens that no light gets through to such film.
@@ -78,32 +92,33 @@ fn centers(probe: &Probe<'_>) -> Vec<[f64; 2]> {
     if walk > WALK { centers } else { vec![[0.0, probe.still]] }
 }
 
-/// The field angles of a row: from the axis to where no ray gets to the film any more.
+/// The field angles of a row: from the axis to where no ray gets to the film any more. Where none is found the next look is
+/// at half the step, from where a narrow pupil that walks far is not lost.
 fn span(probe: &Probe<'_>, sight: &Sight, nearness: f64) -> Option<Span> {
-    let look = |angle: f64, hint: f64| probe.rough_outline(&sight.on_meridian(angle, nearness), &[hint]);
-    let mut last = look(0.0, 0.0)?;
-    let mut low = 0.0;
-    let mut beyond = None;
-    while low < WIDEST {
-        let found = look(low + STEP, last.fan.center);
-        match found {
-            Some(found) if found.nearest <= probe.reach => (low, last) = (low + STEP, found),
+    let look = |angle: f64, hints: &[f64]| probe.rough_outline(&sight.on_meridian(angle, nearness), hints);
+    let (mut angle, mut center) = (0.0, look(0.0, &[0.0])?.fan.center);
+    let mut path = vec![[angle, center]];
+    let (mut step, mut slope, mut in_a_row) = (STEP, 0.0, 0);
+    let mut vanishes = false;
+    while step > STEP * 0.5_f64.powi(HALVINGS) && angle < WIDEST {
+        match look(angle + step, &[center + slope * step, center]) {
+            Some(found) if found.nearest <= probe.reach => {
+                slope = (found.fan.center - center) / step;
+                (angle, center) = (angle + step, found.fan.center);
+                path.push([angle, center]);
+                in_a_row += 1;
+                if in_a_row > 1 {
+                    step = (2.0 * step).min(STEP);
+                }
+            }
             other => {
-                beyond = Some(other.is_none());
-                break;
+                vanishes = other.is_none();
+                in_a_row = 0;
+                step /= 2.0;
             }
         }
     }
-    let mut vanishes = beyond.unwrap_or(false);
-    let mut high = low + STEP;
-    for _ in 0..HALVINGS {
-        let middle = f64::midpoint(low, high);
-        match look(middle, last.fan.center) {
-            Some(found) if found.nearest <= probe.reach => (low, last) = (middle, found),
-            other => (high, vanishes) = (middle, other.is_none()),
-        }
-    }
-    Some(Span { nearness, end: high, vanishes, inside: (low, last.fan.center) })
+    Some(Span { nearness, end: angle + 2.0 * step, vanishes, path })
 }
 
 /// A row's outlines; where the lens ends it the last is that of the last angle at which there is one.
@@ -112,17 +127,10 @@ fn row(probe: &Probe<'_>, table: &Entrance, span: &Span) -> Option<Vec<Node>> {
     for number in 0..=NODES {
         let mut angle = span.end * table.part(number as f64 / NODES as f64);
         if number == NODES && span.vanishes {
-            angle = span.inside.0;
+            angle = span.path.last()?[0];
         }
         let spot = table.sight.on_meridian(angle, span.nearness);
-        let before = |back: usize| nodes.len().checked_sub(back).map(|i| nodes[i].fan.center);
-        let hints = match (before(1), before(2)) {
-            _ if number == NODES => vec![span.inside.1],
-            (Some(last), Some(other)) => vec![2.0 * last - other, last],
-            (Some(last), None) => vec![last],
-            _ => vec![0.0],
-        };
-        match probe.outline(&spot, &hints) {
+        match probe.outline(&spot, &[span.hint(angle)]) {
             Some(Outline { fan, image, stop, .. }) => nodes.push(Node { fan, image, stop }),
             None => {
                 let mut last = *nodes.last()?;

@@ -19,8 +19,10 @@ const ROUNDS: u64 = 30;
 const LEAST: u64 = 3;
 /// So many rays outside, and no more of a round, need no other.
 const FEW: usize = 2;
-/// How much more than needed an outline is made to hold, relative.
+/// How much more than needed an outline is made to hold, relative,
 const MORE: f64 = 1.004;
+/// and over how far outside a ray was: few rays find the farthest. The same of where rows end.
+const FARTHER: f64 = 1.5;
 
 /// A ray of the camera out into the scene.
 #[derive(Clone, Copy, Debug)]
@@ -62,11 +64,11 @@ impl Entrance {
             return false;
         };
         for row in &mut self.rows[cell.row..=cell.row + 1] {
-            row.end *= part.max(1.0);
+            row.end *= 1.0 + FARTHER * (part - 1.0).max(0.0);
             for node in &mut row.nodes[cell.node..=cell.node + 1] {
                 if ratio > 1.0 {
                     for reach in &mut node.fan.reach[sector..=sector + 1] {
-                        *reach *= MORE * ratio;
+                        *reach *= MORE * (1.0 + FARTHER * (ratio - 1.0));
                     }
                 }
                 node.image.spread = node.image.spread.max(MORE * off);
