@@ -119,6 +119,11 @@ fn determinant(mut rows: [[f64; 4]; 4]) -> f64 {
     product
 }
 
+/// A film diagonal, mm, that a lens lights most of.
+fn film(lens: &str) -> &'static str {
+    if lens.starts_with("phone") { "6" } else { "35" }
+}
+
 /// Samples all over picture and pupil.
 fn sample(i: u32) -> Sample {
     let at = |step: f64| (0.5 + f64::from(i) * step).fract() as f32;
@@ -158,7 +163,7 @@ fn raster_of(facts: &Facts, [x, y, ..]: Crossing) -> [f64; 2] {
 #[test]
 fn exact_rays_out_come_back_to_their_film_point_and_the_cameras_are_found_there() {
     for name in catalogue::names() {
-        let camera = camera(&[("specfile", name)]);
+        let camera = camera(&[("specfile", name), ("filmdiag", film(name))]);
         let facts = facts(&camera);
         let both = BothWays::new(&facts.lens, facts.film_z());
         let (mut there_and_back, mut off, mut rounded, mut all) = (0.0_f64, 0.0_f64, 0.0_f64, 0);
@@ -188,7 +193,7 @@ fn exact_rays_out_come_back_to_their_film_point_and_the_cameras_are_found_there(
 #[test]
 fn cosine_times_area_times_solid_angle_is_the_same_before_and_behind_every_lens() {
     for name in catalogue::names() {
-        let camera = camera(&[("specfile", name)]);
+        let camera = camera(&[("specfile", name), ("filmdiag", film(name))]);
         let facts = facts(&camera);
         let both = BothWays::new(&facts.lens, facts.film_z());
         let (mut worst, mut all) = (0.0_f64, 0);
@@ -208,7 +213,12 @@ fn cosine_times_area_times_solid_angle_is_the_same_before_and_behind_every_lens(
 fn density_is_one_over_film_pupil_and_cosine_and_times_the_weight_it_is_importance() {
     for name in catalogue::names() {
         for weighting in ["radiometric", "assignment", "relative", "none"] {
-            let camera = camera(&[("specfile", name), ("pupil", "disk"), ("weighting", weighting)]);
+            let camera = camera(&[
+                ("specfile", name),
+                ("filmdiag", film(name)),
+                ("pupil", "disk"),
+                ("weighting", weighting),
+            ]);
             let facts = facts(&camera);
             let both = BothWays::new(&facts.lens, facts.film_z());
             let pupil = PupilDisk::exit(&facts.lens, facts.film_z()).slope_area();
@@ -234,7 +244,7 @@ fn density_is_one_over_film_pupil_and_cosine_and_times_the_weight_it_is_importan
 fn the_warped_pupils_density_is_that_of_its_samples() {
     const STEP: f32 = 1.0 / 256.0;
     for name in catalogue::names() {
-        let camera = camera(&[("specfile", name)]);
+        let camera = camera(&[("specfile", name), ("filmdiag", film(name))]);
         let facts = facts(&camera);
         let both = BothWays::new(&facts.lens, facts.film_z());
         let pixel = facts.film.pixel();
@@ -263,6 +273,6 @@ fn the_warped_pupils_density_is_that_of_its_samples() {
         eprintln!("{name}: {} rays, {:.1e} half, {:.1e} of nine in ten", apart.len(), at(0.5), at(0.9));
         assert!(apart.len() > 40, "{name}: {}", apart.len());
         // Between two knots of its table the map is smooth, and differences across one are not those of either side.
-        assert!(at(0.5) < 1e-3 && at(0.9) < 0.02, "{name}: {:e} {:e}", at(0.5), at(0.9));
+        assert!(at(0.5) < 2e-3 && at(0.9) < 0.02, "{name}: {:e} {:e}", at(0.5), at(0.9));
     }
 }
