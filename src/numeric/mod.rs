@@ -1,6 +1,7 @@
 //! The few numerical tools that several rooms need, and [`Real`], the numbers that rays are traced in. Knows nothing
 //! of lenses; each file says which book or paper it follows.
 
+mod linear;
 mod minimum;
 mod monotone;
 mod quadrature;
@@ -9,6 +10,7 @@ mod real;
 mod root;
 mod vector;
 
+pub use linear::on_broken_line;
 pub use minimum::minimum;
 pub use monotone::Monotone;
 pub use quadrature::{GAUSS_POINTS, gauss_legendre};

@@ -76,8 +76,8 @@ impl LensBackward {
         height >= front.semi_diameter || z > front.sagitta(height)
     }
 
-    /// Whether a ray of unit direction that begins in front meets the front surface from outside: one that begins farther back than the lens
-    /// goes toward +z.
+    /// Whether a ray of unit direction that begins in front meets the front surface from outside: one that begins farther
+    /// back than the lens goes toward +z.
     fn comes_from_outside(&self, ray: &Ray) -> bool {
         let front = self.lens.front();
         if ray.origin[2] > self.lens.rear().vertex {
@@ -86,12 +86,12 @@ impl LensBackward {
         if front.figure.is_some() || !(ray.direction[2] > 0.0) {
             return false;
         }
-        let at @ [x, y, z] = front_point(front, ray);
+        let [x, y, z] = front_point(front, ray);
         let ([ox, oy, oz], [dx, dy, dz]) = (ray.origin, ray.direction);
         let ahead = (x - ox) * dx + (y - oy) * dy + (z - oz) * dz;
         // The gradient of c (x² + y² + z²) + 2 z.
         let inward = front.curvature * (x * dx + y * dy + z * dz) + dz;
-        at.iter().all(|part| part.is_finite()) && ahead > 0.0 && inward < 0.0
+        ahead > 0.0 && inward < 0.0
     }
 
     /// What rays count, of any length of direction; those that are none count nothing. `rounding` is how far off its origin

@@ -7,6 +7,7 @@ use super::{
     spot::Spot,
     table::{Cell, Entrance, Node, Row},
 };
+use crate::numeric::on_broken_line;
 
 /// Intervals of nearness.
 const ROWS: usize = 24;
@@ -46,14 +47,7 @@ struct Span {
 impl Span {
     /// Where the middle of the outline at an angle may be.
     fn hint(&self, angle: f64) -> f64 {
-        let next =
-            self.path.partition_point(|[place, _]| *place < angle).clamp(1, self.path.len().max(2) - 1);
-        match (self.path.get(next - 1), self.path.get(next)) {
-            (Some([from, first]), Some([to, second])) => {
-                first + (angle - from) / (to - from) * (second - first)
-            }
-            _ => self.path[0][1],
-        }
+        on_broken_line(&self.path, angle)
     }
 }
 

@@ -259,8 +259,14 @@ impl Probe<'_> {
             inner.into_iter().zip(landed).filter_map(|(point, landed)| Some((point, landed?))).collect();
         within.extend(&edge);
         let image = fit(&fan, &within);
-        let crossings = self.to_stop.map(|kernel| self.crossings(kernel, spot, &within)).unwrap_or_default();
-        let stop = fit(&fan, &crossings);
+        let (crossings, stop) = match self.to_stop {
+            Some(kernel) => {
+                let crossings = self.crossings(kernel, spot, &within);
+                let stop = fit(&fan, &crossings);
+                (crossings, stop)
+            }
+            None => (Vec::new(), image),
+        };
         Some(Outline { fan, image, stop, nearest: nearest(&image, &edge), edge, within, crossings })
     }
 }

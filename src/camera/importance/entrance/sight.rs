@@ -4,7 +4,7 @@
 use super::spot::Spot;
 use crate::{
     lens::Ray,
-    numeric::{Monotone, root},
+    numeric::{Monotone, on_broken_line, root},
 };
 
 /// Points of the axis by the field angle, and the front's distances from them.
@@ -82,10 +82,7 @@ impl Sight {
 
     /// How far the front lies in the direction of a field angle, mm; beyond its rim as far as that.
     pub fn front(&self, angle: f64) -> f64 {
-        let places = &self.front;
-        let next = places.partition_point(|[place, _]| *place <= angle).min(places.len() - 1);
-        let ([from, near], [to, far]) = (places[next.max(1) - 1], places[next]);
-        let part = if to > from { ((angle - from) / (to - from)).clamp(0.0, 1.0) } else { 1.0 };
-        near + part * (far - near)
+        let [vertex, rim] = [self.front[0][0], self.front[self.front.len() - 1][0]];
+        on_broken_line(&self.front, angle.max(vertex).min(rim))
     }
 }

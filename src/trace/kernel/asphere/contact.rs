@@ -21,6 +21,14 @@ pub struct Way<L> {
     pub from: L,
 }
 
+impl<L: Lanes> Way<L> {
+    /// x² + y² on the ray.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn height_squared(&self, t: L) -> L {
+        t.mul_add(t.mul_add(self.across, self.along + self.along), self.u)
+    }
+}
+
 /// The surface near a point of each ray.
 #[derive(Clone, Copy)]
 pub struct Contact<L> {

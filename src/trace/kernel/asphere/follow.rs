@@ -34,14 +34,6 @@ struct Measure<L: Lanes> {
     tells: L::Mask,
 }
 
-impl<L: Lanes> Way<L> {
-    /// x² + y² on the ray.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn height_squared(&self, t: L) -> L {
-        t.mul_add(t.mul_add(self.across, self.along + self.along), self.u)
-    }
-}
-
 impl<S: Scalar> Asphere<S> {
     /// Follows the rays that `open` has a bit for.
     #[cfg_attr(not(debug_assertions), inline(always))]

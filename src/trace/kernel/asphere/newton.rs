@@ -250,11 +250,11 @@ impl<S: Scalar> Asphere<S> {
         t: L,
     ) -> L::Mask {
         let zero = L::splat(cpu, S::ZERO);
-        let (Way { u, along, across, from }, reach) = (*way, L::splat(cpu, self.reach));
-        let way = t - from;
+        let (across, reach) = (way.across, L::splat(cpu, self.reach));
+        let u_from = way.height_squared(way.from);
+        let way = t - way.from;
         let there = contact.residual.abs().less_equal(L::splat(cpu, self.tolerance));
         // On a line the distance from the axis is largest at an end.
-        let u_from = from.mul_add(from.mul_add(across, along + along), u);
         let near = L::both(u_from.less_equal(reach), contact.u.less_equal(reach));
         let rim = L::splat(cpu, self.rim);
         let is_inside = L::both(u_from.less_equal(rim), contact.u.less_equal(rim));
