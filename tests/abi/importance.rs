@@ -2,42 +2,24 @@
 
 use std::{
     ffi::{CStr, CString},
-    mem::MaybeUninit,
     ptr::{null, null_mut},
 };
 
 use realistic::{
     abi::*,
-    camera::{Aimed, Camera, Host, Importance, Parameters, Raster, ScenePoint, WorldRay},
+    camera::{Aimed, Camera as Built, Host, Importance, Parameters, Raster, ScenePoint, WorldRay},
+};
+
+use super::{
+    abi_camera::{Camera, camera},
+    fuzz_bodies::c_abi::importance::{aimed, points, rays, room as importance},
 };
 
 const N: usize = 700;
 
-/// A camera of the C ABI that is freed at its end.
-struct Handle(*mut realistic_camera);
-
-impl Drop for Handle {
-    fn drop(&mut self) {
-        // SAFETY: freed once.
-        unsafe { realistic_camera_free(self.0) }
-    }
-}
-
-impl Handle {
-    fn of_model(model: &str) -> Self {
-        let model = CString::new(model).expect("no zero");
-        let mut options = MaybeUninit::<realistic_options>::zeroed();
-        let mut camera = null_mut();
-        // SAFETY: room for the whole structure, whose pointers live until the camera is built.
-        unsafe {
-            let size = size_of::<realistic_options>() as u32;
-            assert_eq!(realistic_options_init(options.as_mut_ptr(), size), realistic_status::Ok);
-            let mut options = options.assume_init();
-            (options.xres, options.yres, options.model) = (60, 40, model.as_ptr());
-            assert_eq!(realistic_camera_new(&options, &mut camera), realistic_status::Ok);
-        }
-        Self(camera)
-    }
+fn of_model(model: &str) -> Camera {
+    let model = CString::new(model).expect("no zero");
+    camera(|options| (options.xres, options.yres, options.model) = (60, 40, model.as_ptr()))
 }
 
 fn last_error() -> String {
@@ -50,37 +32,6 @@ type Columns<const C: usize> = [Vec<f32>; C];
 
 fn columns<const C: usize>() -> Columns<C> {
     std::array::from_fn(|_| vec![f32::NAN; N])
-}
-
-fn importance(columns: &mut Columns<6>) -> realistic_importance {
-    let [image_x, image_y, importance, density, area_density, solid_angle_density] =
-        columns.each_mut().map(|column| column.as_mut_ptr());
-    let struct_size = size_of::<realistic_importance>() as u32;
-    realistic_importance {
-        struct_size,
-        image_x,
-        image_y,
-        importance,
-        density,
-        area_density,
-        solid_angle_density,
-    }
-}
-
-fn rays(columns: &Columns<7>) -> realistic_importance_rays {
-    let [ox, oy, oz, dx, dy, dz, time] = columns.each_ref().map(|column| column.as_ptr());
-    let struct_size = size_of::<realistic_importance_rays>() as u32;
-    realistic_importance_rays { struct_size, ox, oy, oz, dx, dy, dz, time }
-}
-
-fn points(columns: &Columns<6>) -> realistic_scene_points {
-    let [x, y, z, u, v, time] = columns.each_ref().map(|column| column.as_ptr());
-    realistic_scene_points { struct_size: size_of::<realistic_scene_points>() as u32, x, y, z, u, v, time }
-}
-
-fn aimed(columns: &mut Columns<7>) -> realistic_aimed {
-    let [ox, oy, oz, dx, dy, dz, density] = columns.each_mut().map(|column| column.as_mut_ptr());
-    realistic_aimed { struct_size: size_of::<realistic_aimed>() as u32, ox, oy, oz, dx, dy, dz, density }
 }
 
 /// Numbers that fill [0, 1) evenly.
@@ -111,10 +62,10 @@ fn same(columns: &Columns<6>, i: usize, found: &Importance) {
 #[test]
 fn the_numbers_are_the_librarys() {
     for model in ["lens", "thick"] {
-        let handle = Handle::of_model(model);
+        let handle = of_model(model);
         let parameters = Parameters { model: Some(model.parse().expect("a model")), ..Parameters::default() };
         let host = Host::new(Raster { xres: 60, yres: 40 }, None);
-        let camera = Camera::build(&parameters, &host, &mut |_, _| ()).expect("built");
+        let camera = Built::build(&parameters, &host, &mut |_, _| ()).expect("built");
         let backward = camera.backward().expect("defined");
         let asked = scene();
         let (mut toward, mut counted) = (columns::<7>(), columns::<6>());
@@ -161,7 +112,7 @@ fn the_numbers_are_the_librarys() {
 #[test]
 fn what_cannot_be_asked_is_refused_and_nothing_is_touched() {
     use realistic_status::{InvalidParameter, NotACamera, NullPointer, Ok, StructSize};
-    let lens = Handle::of_model("lens");
+    let lens = of_model("lens");
     let (asked, along) = (scene(), columns::<7>());
     let (mut toward, mut counted) = (columns::<7>(), columns::<6>());
     let (points, rays) = (points(&asked), rays(&along));
@@ -177,7 +128,7 @@ fn what_cannot_be_asked_is_refused_and_nothing_is_touched() {
     for (model, part) in
         [("perspective", "lensradius"), ("orthographic", "lensradius"), ("environment", "lens")]
     {
-        let stock = Handle::of_model(model);
+        let stock = of_model(model);
         assert_eq!(sample(stock.0, N, &points, &aimed, &found), InvalidParameter);
         assert!(last_error().contains(model) && last_error().contains(part), "{}", last_error());
         assert_eq!(count(stock.0, 0, &rays, &found), InvalidParameter);
@@ -212,7 +163,7 @@ fn what_cannot_be_asked_is_refused_and_nothing_is_touched() {
 
 #[test]
 fn any_bits_are_answered_from_any_number_of_threads() {
-    let cameras = ["lens", "thick", "thin"].map(Handle::of_model);
+    let cameras = ["lens", "thick", "thin"].map(of_model);
     let mut state = 1_u64;
     let mut bits = || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);

@@ -1,5 +1,7 @@
 //! The C ABI as its hosts use it: C, C++, Rust and a pbrt-v1 host, the header, and arbitrary input.
 
+#[path = "../truth/support/abi_camera.rs"]
+mod abi_camera;
 mod fuzz_bodies;
 mod fuzz_seeds;
 mod header;

@@ -30,44 +30,57 @@ pub fn check(
             _ => bytes.float(1.0),
         })
     });
-    let (mut counted, mut toward, mut aimed) = ([[-7.0; COUNT]; 6], [[-7.0; COUNT]; 7], [[-7.0; COUNT]; 6]);
-    let [ox, oy, oz, dx, dy, dz, time] = along.each_ref().map(|column| column.as_ptr());
-    let struct_size = size_of::<realistic_importance_rays>() as u32;
-    let asked = realistic_importance_rays { struct_size, ox, oy, oz, dx, dy, dz, time };
+    let (mut counted, mut toward, mut found) = ([[-7.0; COUNT]; 6], [[-7.0; COUNT]; 7], [[-7.0; COUNT]; 6]);
     // SAFETY: a live camera, and columns of COUNT numbers.
-    let status = unsafe { realistic_camera_importance(camera, COUNT, &asked, &room(&mut counted)) };
+    let status =
+        unsafe { realistic_camera_importance(camera, COUNT, &self::rays(&along), &room(&mut counted)) };
     if status == realistic_status::InvalidParameter {
         return;
     }
     assert_eq!(status, realistic_status::Ok, "{what:?}");
-    let [x, y, z, u, v, time] = points.each_ref().map(|column| column.as_ptr());
-    let struct_size = size_of::<realistic_scene_points>() as u32;
-    let asked = realistic_scene_points { struct_size, x, y, z, u, v, time };
-    let [ox, oy, oz, dx, dy, dz, density] = toward.each_mut().map(|column| column.as_mut_ptr());
-    let struct_size = size_of::<realistic_aimed>() as u32;
-    let directions = realistic_aimed { struct_size, ox, oy, oz, dx, dy, dz, density };
+    let (asked, directions) = (self::points(&points), aimed(&mut toward));
     // SAFETY: as above.
     let status =
-        unsafe { realistic_camera_sample_importance(camera, COUNT, &asked, &directions, &room(&mut aimed)) };
+        unsafe { realistic_camera_sample_importance(camera, COUNT, &asked, &directions, &room(&mut found)) };
     assert_eq!(status, realistic_status::Ok, "{what:?}");
     for i in 0..COUNT {
         let at = |column: &[f32; COUNT]| column[i];
-        for found in [&counted, &aimed] {
+        for found in [&counted, &found] {
             let numbers = found.each_ref().map(at);
             assert!(numbers.iter().all(|number| *number >= 0.0), "{numbers:?} {what:?}");
         }
         let [.., dx, dy, dz, density] = toward.each_ref().map(at);
         let length = (dx * dx + dy * dy + dz * dz).sqrt();
         assert!(
-            density == 0.0 && aimed[2][i] == 0.0 || density > 0.0 && (length - 1.0).abs() < 1e-6,
+            density == 0.0 && found[2][i] == 0.0 || density > 0.0 && (length - 1.0).abs() < 1e-6,
             "{dx} {dy} {dz} {density} {what:?}"
         );
     }
 }
 
-fn room(columns: &mut Columns<6>) -> realistic_importance {
+/// Rays in columns: origins, directions, times.
+pub fn rays(columns: &[impl AsRef<[f32]>; 7]) -> realistic_importance_rays {
+    let [ox, oy, oz, dx, dy, dz, time] = columns.each_ref().map(|column| column.as_ref().as_ptr());
+    let struct_size = size_of::<realistic_importance_rays>() as u32;
+    realistic_importance_rays { struct_size, ox, oy, oz, dx, dy, dz, time }
+}
+
+/// Points in columns, with their two numbers and times.
+pub fn points(columns: &[impl AsRef<[f32]>; 6]) -> realistic_scene_points {
+    let [x, y, z, u, v, time] = columns.each_ref().map(|column| column.as_ref().as_ptr());
+    realistic_scene_points { struct_size: size_of::<realistic_scene_points>() as u32, x, y, z, u, v, time }
+}
+
+/// Columns for directions: origins, directions, densities.
+pub fn aimed(columns: &mut [impl AsMut<[f32]>; 7]) -> realistic_aimed {
+    let [ox, oy, oz, dx, dy, dz, density] = columns.each_mut().map(|column| column.as_mut().as_mut_ptr());
+    realistic_aimed { struct_size: size_of::<realistic_aimed>() as u32, ox, oy, oz, dx, dy, dz, density }
+}
+
+/// Columns for importance, in the order of its structure.
+pub fn room(columns: &mut [impl AsMut<[f32]>; 6]) -> realistic_importance {
     let [image_x, image_y, importance, density, area_density, solid_angle_density] =
-        columns.each_mut().map(|column| column.as_mut_ptr());
+        columns.each_mut().map(|column| column.as_mut().as_mut_ptr());
     let struct_size = size_of::<realistic_importance>() as u32;
     realistic_importance {
         struct_size,

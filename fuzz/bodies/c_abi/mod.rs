@@ -4,7 +4,7 @@
 mod bytes;
 mod crop;
 mod differentials;
-mod importance;
+pub mod importance;
 mod lens;
 mod options;
 mod strided;

@@ -9,7 +9,8 @@ use realistic::abi::*;
 
 use super::support::{
     Random,
-    abi::{Bits, Camera, UNTOUCHED, bits, camera},
+    abi_camera::{Camera, camera},
+    abi_rays::{Bits, UNTOUCHED, bits},
 };
 
 /// Cameras of every way through the code.

@@ -1,7 +1,8 @@
 //! What several test files need: lenses, cameras from text, and random numbers that are the same
 //! in every run.
 
-pub mod abi;
+pub mod abi_camera;
+pub mod abi_rays;
 mod properties;
 
 use rand::{RngExt as _, SeedableRng as _};

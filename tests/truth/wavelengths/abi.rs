@@ -6,12 +6,13 @@ use realistic::abi::*;
 
 use crate::support::{
     Random,
-    abi::{Bits, Camera, UNTOUCHED, bits},
+    abi_camera::{self, Camera},
+    abi_rays::{Bits, UNTOUCHED, bits},
 };
 
 /// A camera whose glasses have V-numbers.
 fn camera(set: impl FnOnce(&mut realistic_options)) -> Camera {
-    crate::support::abi::camera(|options| {
+    abi_camera::camera(|options| {
         options.specfile = c"dgauss.100mm".as_ptr();
         set(options);
     })
