@@ -3,7 +3,9 @@
 
 use std::{hint::black_box, time::Instant};
 
-use realistic::camera::{Camera, Precision, Pupil, RayBlock, Sample, SampleBlock};
+use realistic::camera::{
+    Camera, NeighbourArrays, Precision, Pupil, RayArrays, RayBlock, Sample, SampleBlock,
+};
 use realistic_lab::{
     subject::quasirandom::spread,
     timing::{BenchArguments, Contest},
@@ -51,6 +53,23 @@ fn contest(camera: &Camera, arguments: &BenchArguments) {
         "batch, a wavelength each",
         task(move || camera.rays_at(&samples.arrays(N), wavelengths, &mut at.arrays(N))),
     );
+    many.enter("batch with differentials, the camera's wavelength", {
+        let mut rooms: [_; 3] = std::array::from_fn(|_| RayBlock::<N>::new());
+        task(move || {
+            let [rays, rx, ry] = &mut rooms;
+            let (mut rx, mut ry) = (beside(rx), beside(ry));
+            camera.ray_differentials(&samples.arrays(N), &mut rays.arrays(N), &mut rx, &mut ry);
+        })
+    });
+    many.enter("batch with differentials, a wavelength each", {
+        let mut rooms: [_; 3] = std::array::from_fn(|_| RayBlock::<N>::new());
+        task(move || {
+            let [rays, rx, ry] = &mut rooms;
+            let (mut rx, mut ry) = (beside(rx), beside(ry));
+            let (samples, mut rays) = (samples.arrays(N), rays.arrays(N));
+            camera.ray_differentials_at(&samples, wavelengths, &mut rays, &mut rx, &mut ry);
+        })
+    });
     many.enter(
         "four wavelengths each, per ray",
         task(move || {
@@ -70,10 +89,17 @@ fn contest(camera: &Camera, arguments: &BenchArguments) {
     });
     let times = many.print("ns per sample", N, arguments.effort);
     println!(
-        "\nA wavelength each is {:.2} of one; the first request took {:.1} ms.",
+        "\nA wavelength each is {:.2} of one, with differentials {:.2}; the first request took {:.1} ms.",
         times[1].median / times[0].median,
+        times[3].median / times[2].median,
         1e3 * first.as_secs_f64()
     );
+}
+
+/// Room for neighbours in that for rays.
+fn beside(room: &mut RayBlock<N>) -> NeighbourArrays<'_> {
+    let RayArrays { origin, direction, weight, .. } = room.arrays(N);
+    NeighbourArrays { origin, direction, weight }
 }
 
 fn task<'a>(task: impl FnMut() + 'a) -> Box<dyn FnMut() + 'a> {

@@ -57,9 +57,11 @@ private:
     X(camera_generate_ray_differentials_soa)  \
     X(camera_generate_batch)                  \
     X(generate_ray_at)                        \
+    X(generate_ray_differential_at)           \
     X(generate_hero_rays)                     \
     X(camera_generate_rays_at)                \
     X(camera_generate_rays_at_soa)            \
+    X(camera_generate_ray_differentials_at_soa)\
     X(camera_generate_hero_rays_soa)          \
     X(autofocus)                              \
     X(lens_new)                               \
@@ -72,7 +74,7 @@ private:
     X(lens_trace)                             \
     X(lens_trace_points)                      \
     X(camera_importance)                      \
-    X(camera_sample_importance)                \
+    X(camera_sample_importance)               \
     X(catalogue)
 
 /* The library's functions, linked or found in a loaded library. */
@@ -384,6 +386,14 @@ public:
         return api_.generate_ray_at(camera_.get(), &sample, wavelength_nm, &ray);
     }
 
+    /* The weight of a ray at a wavelength, nm, with differentials, whose `struct_size` is set here; 0, and the rest as it
+     * was, where there is no ray. */
+    float generate_at(const realistic_sample &sample, float wavelength_nm,
+                      realistic_ray_differential &ray) const noexcept {
+        ray.struct_size = sizeof ray;
+        return api_.generate_ray_differential_at(camera_.get(), &sample, wavelength_nm, &ray);
+    }
+
     /* As `generate_at` for `n` samples, each at its own wavelength; `wavelengths_nm` NULL: the camera's. */
     void generate_at(const realistic_sample *samples, const float *wavelengths_nm, std::size_t n, realistic_ray *rays,
                      float *weights, realistic_reason *reasons = nullptr, std::size_t sample_stride = 0,
@@ -396,6 +406,14 @@ public:
     void generate_at(const realistic_samples_soa &samples, const float *wavelengths_nm, std::size_t n,
                      const realistic_rays_soa &rays) const {
         api_.check(api_.camera_generate_rays_at_soa(camera_.get(), n, &samples, wavelengths_nm, &rays));
+    }
+
+    /* As structure of arrays with differentials, of `n` elements each. */
+    void generate_at(const realistic_samples_soa &samples, const float *wavelengths_nm, std::size_t n,
+                     const realistic_rays_soa &rays, const realistic_rays_soa &rx,
+                     const realistic_rays_soa &ry) const {
+        api_.check(api_.camera_generate_ray_differentials_at_soa(camera_.get(), n, &samples, wavelengths_nm, &rays,
+                                                                 &rx, &ry));
     }
 
     /* The rays of one sample at four wavelengths; how many there are. */

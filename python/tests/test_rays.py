@@ -379,6 +379,28 @@ def test_rays_at_wavelengths(samples):
     assert np.abs(colours[:, 0] - colours[:, 2]).max() > 1e-4
 
 
+@pytest.mark.parametrize("lens", ["tessar.50mm", "fisheye.10mm"])
+def test_differentials_at_wavelengths(samples, lens):
+    """The rays beside are those of the same wavelength, and where there is none the ray itself."""
+    camera = Camera(lens, resolution=(300, 200))
+    xy, uv = samples(camera, 5000)
+    wavelengths = np.random.default_rng(3).uniform(370, 790, 5000).astype(np.float32)
+    rays = camera.rays(xy, uv, wavelengths=wavelengths, reasons=True, differentials=True)
+    own = camera.rays(xy, uv, wavelengths=wavelengths, reasons=True)
+    np.testing.assert_array_equal(rays.direction, own.direction)
+    np.testing.assert_array_equal(rays.reason, own.reason)
+    lit = own.weight > 0
+    for beside, step in ((rays.rx, [1, 0]), (rays.ry, [0, 1])):
+        alone = camera.rays(xy + np.float32(step), uv, wavelengths=wavelengths)
+        np.testing.assert_array_equal(beside.weight, np.where(lit, alone.weight, 0))
+        passed = lit & (alone.weight > 0)
+        assert passed.any() and not (beside.weight[~passed] > 0).any()
+        np.testing.assert_array_equal(beside.direction[passed], alone.direction[passed])
+        blocked = lit & ~passed
+        np.testing.assert_array_equal(beside.direction[blocked], own.direction[blocked])
+    assert (rays.rx.direction != rays.direction)[lit].any()
+
+
 def test_wavelengths_of_any_layout_and_kind(samples):
     camera = Camera("tessar.50mm", resolution=(300, 200))
     xy, uv = samples(camera, 70_000)
@@ -402,5 +424,3 @@ def test_wavelengths_that_are_none(camera, samples):
         camera.rays(xy, uv, wavelengths=[500.0] * 4)
     with pytest.raises(TypeError, match="wavelengths must hold real numbers"):
         camera.rays(xy, uv, wavelengths=["blue"] * 5)
-    with pytest.raises(ValueError, match="rays at wavelengths have no differentials"):
-        camera.rays(xy, uv, wavelengths=550.0, differentials=True)

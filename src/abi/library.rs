@@ -9,8 +9,8 @@ use super::boundary::{realistic_status, with_last_message};
 /// nothing is ever taken away or renumbered. Version 2 states what version 1 had come to: the fields of
 /// `realistic_options` from `camera_to_world_end` on, `realistic_autofocus` and `realistic_camera_plan`; and it
 /// adds rays with differentials. Version 3 adds lenses without a film (`realistic_lens_new`),
-/// and `focusby` and `zoom`. Version 4 adds rays at a wavelength per sample (`realistic_generate_ray_at`), batches of any
-/// strides (`realistic_camera_generate_batch`), `crop`, the figure of a surface (`realistic_lens_get_surface`), the points
+/// and `focusby` and `zoom`. Version 4 adds rays at a wavelength per sample (`realistic_generate_ray_at`), with
+/// differentials too (`realistic_generate_ray_differential_at`), batches of any strides (`realistic_camera_generate_batch`), `crop`, the figure of a surface (`realistic_lens_get_surface`), the points
 /// where rays meet the surfaces (`realistic_lens_trace_points`), and importance (`realistic_camera_importance`).
 pub const REALISTIC_ABI_VERSION: u32 = 4;
 

@@ -32,6 +32,6 @@ pub use options::*;
 pub use pbrt::CreateCamera;
 pub use ray::{
     GenerateRay, realistic_generate_hero_rays, realistic_generate_ray, realistic_generate_ray_at,
-    realistic_generate_ray_differential,
+    realistic_generate_ray_differential, realistic_generate_ray_differential_at,
 };
 pub use types::*;

@@ -140,6 +140,53 @@ pub unsafe extern "C" fn realistic_generate_ray_differential(
     sample: *const realistic_sample,
     ray: *mut realistic_ray_differential,
 ) -> f32 {
+    // SAFETY: the caller's promise.
+    unsafe {
+        differential(camera, sample, ray, |handle, sample, rays| {
+            handle.camera().trace_neighbours(sample, rays)
+        })
+    }
+}
+
+/// One ray at a wavelength, nm, with its differentials: the ray of the sample, and those of the same lens and time sample
+/// and the same wavelength one pixel to the right and one pixel down. They have the bits that `realistic_generate_ray_at`
+/// gives for samples at `image_x` + 1 and at `image_y` + 1. `ray->struct_size` must be set.
+///
+/// Returns the weight of the sample's ray, positive. Returns exactly 0, and leaves `ray` as it is, where
+/// `realistic_generate_ray_at` does, and when `ray->struct_size` is none that this library knows.
+///
+/// # Safety
+/// As `realistic_generate_ray_differential`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn realistic_generate_ray_differential_at(
+    camera: *const realistic_camera,
+    sample: *const realistic_sample,
+    wavelength_nm: f32,
+    ray: *mut realistic_ray_differential,
+) -> f32 {
+    // SAFETY: the caller's promise.
+    unsafe {
+        differential(camera, sample, ray, |handle, sample, rays| {
+            boundary::float_environment::in_default(|| {
+                if is_ready(handle) {
+                    handle.camera().trace_neighbours_at(sample, wavelength_nm, rays);
+                }
+            });
+        })
+    }
+}
+
+/// A ray with its differentials, as `trace` makes them: a sample's ray in the first place, then its neighbours.
+///
+/// # Safety
+/// As [`realistic_generate_ray_differential`].
+#[inline(always)]
+unsafe fn differential(
+    camera: *const realistic_camera,
+    sample: *const realistic_sample,
+    ray: *mut realistic_ray_differential,
+    trace: impl FnOnce(&Handle, &Sample, &mut RayBlock<4>),
+) -> f32 {
     boundary::ray(0.0, || {
         if ray.is_null() {
             return 0.0;
@@ -153,7 +200,7 @@ pub unsafe extern "C" fn realistic_generate_ray_differential(
         let parts = unsafe { (object::handle_of(camera), sample.cast::<Sample>().as_ref(), &mut *ray) };
         let (Some(handle), Some(sample), ray) = parts else { return 0.0 };
         let mut rays = RayBlock::new();
-        handle.camera().trace_neighbours(sample, &mut rays);
+        trace(handle, sample, &mut rays);
         if rays.weight(0) > 0.0 {
             give(&mut rays, ray);
         }

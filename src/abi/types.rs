@@ -199,7 +199,7 @@ pub struct realistic_batch {
     pub reason: *mut realistic_reason,
     /// Bytes from one reason to the next; not 0.
     pub reason_stride: isize,
-    /// Origins of the rays one pixel to the right. The six arrays of neighbours go together, and not with `wavelength`.
+    /// Origins of the rays one pixel to the right. The six arrays of neighbours go together.
     pub rx_origin: realistic_output,
     /// Their directions.
     pub rx_direction: realistic_output,

@@ -184,7 +184,9 @@ impl Camera {
     pub fn hero_rays(&self, sample: &Sample, wavelengths: &[f32; 4]) -> [Option<(WorldRay, f32)>; 4] {
         let Some(share) = self.share(sample.image_y, sample.time) else { return [None; 4] };
         let mut rays = RayBlock::new();
-        self.rays.hero(sample, wavelengths, &mut rays);
+        let Sample { image_x, image_y, lens_u, lens_v, time } = *sample;
+        let samples = [image_x, image_y, lens_u, lens_v, time].map(|number| [number; 4]).into();
+        self.rays.four_at(&samples, wavelengths, &mut rays);
         let behind = |(ray, weight)| (ray, if share < 1.0 { dimmed(weight, share) } else { weight });
         [0, 1, 2, 3].map(|i| rays.get(i).map(behind))
     }
@@ -277,54 +279,81 @@ impl Camera {
         ry: &mut NeighbourArrays<'_>,
     ) {
         self.rays(samples, rays);
+        let trace = |_, moved: &SampleArrays<'_>, to: &mut RayArrays<'_>| self.rays.many(moved, to);
+        Self::neighbours(Side::Right, samples, rays, rx, trace);
+        Self::neighbours(Side::Below, samples, rays, ry, trace);
+    }
+
+    /// [`Camera::ray_differentials`] of rays and neighbours each at the sample's own wavelength, nm: the bits of
+    /// [`Camera::ray_at`] for samples at image x + 1 and at y + 1.
+    ///
+    /// # Panics
+    /// The arrays differ in length.
+    pub fn ray_differentials_at(
+        &self,
+        samples: &SampleArrays<'_>,
+        wavelengths: &[f32],
+        rays: &mut RayArrays<'_>,
+        rx: &mut NeighbourArrays<'_>,
+        ry: &mut NeighbourArrays<'_>,
+    ) {
+        self.rays_at(samples, wavelengths, rays);
+        let trace = |first: usize, moved: &SampleArrays<'_>, to: &mut RayArrays<'_>| {
+            self.rays.many_at(moved, &wavelengths[first..first + moved.image_x.len()], to);
+        };
+        Self::neighbours(Side::Right, samples, rays, rx, trace);
+        Self::neighbours(Side::Below, samples, rays, ry, trace);
+    }
+
+    /// The neighbours of rays on one side; `trace` makes rays of the samples from a place on.
+    #[inline(always)]
+    fn neighbours(
+        side: Side,
+        samples: &SampleArrays<'_>,
+        rays: &RayArrays<'_>,
+        to: &mut NeighbourArrays<'_>,
+        trace: impl Fn(usize, &SampleArrays<'_>, &mut RayArrays<'_>),
+    ) {
         let n = samples.checked_len();
-        let same = [&*rx, ry].iter().all(|neighbours| neighbours.checked_len() == n);
-        assert!(same, "a batch needs as much room as it has samples");
+        assert_eq!(to.checked_len(), n, "a batch needs as much room as it has samples");
         let mut moved = Moved::new();
         for first in (0..n).step_by(AT_ONCE) {
             let count = AT_ONCE.min(n - first);
-            let part = samples.part(first, count);
-            self.neighbours(&moved.to(Side::Right, &part), first, rays, rx);
-            self.neighbours(&moved.to(Side::Below, &part), first, rays, ry);
-        }
-    }
-
-    /// Traces the neighbours of the rays from `first` on that there are, one for each of these samples.
-    #[inline]
-    fn neighbours(
-        &self,
-        samples: &SampleArrays<'_>,
-        first: usize,
-        rays: &RayArrays<'_>,
-        to: &mut NeighbourArrays<'_>,
-    ) {
-        let count = samples.image_x.len();
-        if differentials::are_rays(&rays.weight[first..first + count]) {
-            self.rays.many(samples, &mut to.part(first, count));
-            to.complete(first, count, rays);
-        } else {
-            let mut found = RayBlock::new();
-            self.rays.many(samples, &mut found.arrays(count));
-            to.take(first, count, rays, &mut found);
+            let moved = moved.to(side, &samples.part(first, count));
+            if differentials::are_rays(&rays.weight[first..first + count]) {
+                trace(first, &moved, &mut to.part(first, count));
+                to.complete(first, count, rays);
+            } else {
+                let mut found = RayBlock::new();
+                trace(first, &moved, &mut found.arrays(count));
+                to.take(first, count, rays, &mut found);
+            }
         }
     }
 
     /// Traces a sample and its neighbours, into places 0, 1 (right) and 2 (below); the weight is 0 where there is no ray.
     pub(crate) fn trace_neighbours(&self, sample: &Sample, rays: &mut RayBlock<4>) {
-        let samples @ [own, right, below] = differentials::samples_of(sample);
-        let block = differentials::at_points(
-            &own,
-            [own.image_x, right.image_x, own.image_x, own.image_x],
-            [own.image_y, own.image_y, below.image_y, own.image_y],
-        );
+        let block = differentials::block_of(sample);
         let traced = self.rays.four(&block, rays);
         if !traced {
-            for (place, sample) in samples.iter().enumerate() {
-                rays.arrays(4).set(place, self.rays.ray(sample));
+            for place in 0..3 {
+                rays.arrays(4).set(place, self.rays.ray(&block.sample(place)));
             }
         }
+        self.dim_first(sample, rays);
+    }
+
+    /// [`Camera::trace_neighbours`] at a wavelength, nm.
+    pub(crate) fn trace_neighbours_at(&self, sample: &Sample, wavelength: f32, rays: &mut RayBlock<4>) {
+        self.rays.four_at(&differentials::block_of(sample), &[wavelength; 4], rays);
+        self.dim_first(sample, rays);
+    }
+
+    /// What the shutter lets through of the first ray, which is a sample's.
+    #[inline(always)]
+    fn dim_first(&self, sample: &Sample, rays: &mut RayBlock<4>) {
         if self.shutter != Shutter::Global {
-            let share = self.share(own.image_y, own.time);
+            let share = self.share(sample.image_y, sample.time);
             let weight = &mut rays.arrays(4).weight[0];
             *weight = share.filter(|_| *weight > 0.0).map_or(0.0, |share| dimmed(*weight, share));
         }

@@ -34,11 +34,11 @@ pub struct NeighbourArrays<'a> {
 /// Rays that are traced at once: few enough for the first cache, and eight times the widest vectors.
 pub(super) const AT_ONCE: usize = 128;
 
-/// The samples of a ray and its neighbours.
+/// The samples of a ray and its neighbours, and of the ray once more.
 #[inline(always)]
-pub(super) fn samples_of(sample: &Sample) -> [Sample; 3] {
-    let Sample { image_x, image_y, .. } = *sample;
-    [*sample, Sample { image_x: image_x + 1.0, ..*sample }, Sample { image_y: image_y + 1.0, ..*sample }]
+pub(super) fn block_of(sample: &Sample) -> SampleBlock<4> {
+    let Sample { image_x: x, image_y: y, .. } = *sample;
+    at_points(sample, [x, x + 1.0, x, x], [y, y, y + 1.0, y])
 }
 
 /// A lens and time sample at four image points, stored as the vectors that lanes will load: loads of what was just stored

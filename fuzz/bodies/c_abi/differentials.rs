@@ -40,7 +40,11 @@ pub fn check(
         if weight == 0.0 {
             assert!(ray == mark(unasked), "a blocked ray wrote to its place: {sample:?} {ray:?} {what:?}");
         } else {
-            neighbours(camera, sample, &ray, what);
+            let alone = |at: &realistic_sample, ray: &mut realistic_ray| {
+                // SAFETY: a live camera, sample and ray.
+                unsafe { realistic_generate_ray(camera, at, ray) }
+            };
+            neighbours(sample, &ray, alone, what);
         }
         (ray, weight)
     };
@@ -48,11 +52,36 @@ pub fn check(
     batch(camera, samples, &found, unasked, may_differ, bytes, what);
 }
 
-/// The two neighbours of a ray that passes are single rays of their own samples, or the ray itself.
-fn neighbours(
+/// The ray of a sample at a wavelength with differentials; panics with `what` where it is not that of a single call.
+pub fn at_wavelength(
     camera: *const realistic_camera,
     sample: &realistic_sample,
+    wavelength: f32,
+    single: &(realistic_ray, f32),
+    unasked: realistic_ray,
+    what: &dyn std::fmt::Debug,
+) -> (realistic_ray_differential, f32) {
+    let mut ray = mark(unasked);
+    // SAFETY: a live camera, sample and ray.
+    let weight = unsafe { realistic_generate_ray_differential_at(camera, sample, wavelength, &mut ray) };
+    assert!((ray.ray, weight) == *single, "{sample:?} {wavelength} {ray:?} {weight} {single:?} {what:?}");
+    if weight == 0.0 {
+        assert!(ray == mark(unasked), "a blocked ray wrote to its place: {sample:?} {ray:?} {what:?}");
+    } else {
+        let alone = |at: &realistic_sample, ray: &mut realistic_ray| {
+            // SAFETY: as above.
+            unsafe { realistic_generate_ray_at(camera, at, wavelength, ray) }
+        };
+        neighbours(sample, &ray, alone, what);
+    }
+    (ray, weight)
+}
+
+/// The two neighbours of a ray that passes are the rays that `alone` makes of their own samples, or the ray itself.
+fn neighbours(
+    sample: &realistic_sample,
     ray: &realistic_ray_differential,
+    alone: impl Fn(&realistic_sample, &mut realistic_ray) -> f32,
     what: &dyn std::fmt::Debug,
 ) {
     let right = realistic_sample { image_x: sample.image_x + 1.0, ..*sample };
@@ -60,20 +89,19 @@ fn neighbours(
     for (at, bit, o, d) in
         [(right, REALISTIC_HAS_RX, ray.rx_o, ray.rx_d), (below, REALISTIC_HAS_RY, ray.ry_o, ray.ry_d)]
     {
-        let mut alone = ray.ray;
-        // SAFETY: a live camera, sample and ray.
-        let weight = unsafe { realistic_generate_ray(camera, &at, &mut alone) };
+        let mut single = ray.ray;
+        let weight = alone(&at, &mut single);
         let has = ray.has & bit != 0;
         // A neighbour over which the shutter is closed is there, and blocked as a ray of its own.
         let is_right = match (has, weight > 0.0) {
-            (true, true) => (o, d) == (alone.o, alone.d),
+            (true, true) => (o, d) == (single.o, single.d),
             (true, false) => {
                 let length = d.iter().map(|&d| f64::from(d).powi(2)).sum::<f64>().sqrt();
                 o.iter().all(|o| o.is_finite()) && (length - 1.0).abs() <= 1e-6
             }
             (false, passes) => !passes && (o, d) == (ray.ray.o, ray.ray.d),
         };
-        assert!(is_right && ray.has <= 3, "{sample:?} {ray:?} {alone:?} {weight} {what:?}");
+        assert!(is_right && ray.has <= 3, "{sample:?} {ray:?} {single:?} {weight} {what:?}");
     }
 }
 

@@ -71,6 +71,12 @@ impl<const N: usize> Strided<N> {
     }
 }
 
+const NO_INPUT: realistic_input = realistic_input { first: std::ptr::null(), stride: 0, component_stride: 0 };
+const NO_OUTPUT: realistic_output = realistic_output { first: null_mut(), stride: 0, component_stride: 0 };
+
+/// A ray, its weight, and what stands in its neighbours' places: origin, direction and weight of each.
+pub type Found = ((realistic_ray, f32), [([f32; 3], [f32; 3], f32); 2]);
+
 /// The rays of samples, each at a wavelength if there are some, between arrays of which `bytes` says how they lie. Blocked
 /// rays are what [`MARK`] has.
 pub fn rays(
@@ -79,10 +85,17 @@ pub fn rays(
     wavelengths: Option<&[f32]>,
     bytes: &mut Bytes<'_>,
 ) -> Vec<(realistic_ray, f32)> {
-    const NO_INPUT: realistic_input =
-        realistic_input { first: std::ptr::null(), stride: 0, component_stride: 0 };
-    const NO_OUTPUT: realistic_output =
-        realistic_output { first: null_mut(), stride: 0, component_stride: 0 };
+    found(camera, samples, wavelengths, false, bytes).into_iter().map(|(ray, _)| ray).collect()
+}
+
+/// [`rays`] with neighbours, if they are asked for; else what their room had before stands in their places.
+pub fn found(
+    camera: *const realistic_camera,
+    samples: &[realistic_sample],
+    wavelengths: Option<&[f32]>,
+    with_neighbours: bool,
+    bytes: &mut Bytes<'_>,
+) -> Vec<Found> {
     let n = samples.len();
     let image = Strided::of(samples.iter().map(|sample| [sample.image_x, sample.image_y]), bytes);
     let lens = Strided::of(samples.iter().map(|sample| [sample.lens_u, sample.lens_v]), bytes);
@@ -90,6 +103,15 @@ pub fn rays(
     let wavelengths = wavelengths.map(|all| Strided::of(all.iter().map(|one| [*one]), bytes));
     let [mut origin, mut direction] = [(); 2].map(|()| Strided::<3>::new(n, bytes));
     let [mut weight, mut mint, mut maxt, mut ray_time] = [(); 4].map(|()| Strided::<1>::new(n, bytes));
+    let mut beside: [_; 2] = array::from_fn(|_| {
+        let [origin, direction] = [(); 2].map(|()| Strided::<3>::new(n, bytes));
+        (origin, direction, Strided::<1>::new(n, bytes))
+    });
+    let rooms = beside.each_mut().map(|(origin, direction, weight)| match with_neighbours {
+        true => [origin.output(), direction.output(), weight.output()],
+        false => [NO_OUTPUT; 3],
+    });
+    let [[rx_origin, rx_direction, rx_weight], [ry_origin, ry_direction, ry_weight]] = rooms;
     let mut reasons = vec![realistic_reason::Ok; n];
     let batch = realistic_batch {
         struct_size: size_of::<realistic_batch>() as u32,
@@ -105,12 +127,12 @@ pub fn rays(
         ray_time: ray_time.output(),
         reason: reasons.as_mut_ptr(),
         reason_stride: size_of::<realistic_reason>() as isize,
-        rx_origin: NO_OUTPUT,
-        rx_direction: NO_OUTPUT,
-        rx_weight: NO_OUTPUT,
-        ry_origin: NO_OUTPUT,
-        ry_direction: NO_OUTPUT,
-        ry_weight: NO_OUTPUT,
+        rx_origin,
+        rx_direction,
+        rx_weight,
+        ry_origin,
+        ry_direction,
+        ry_weight,
     };
     // SAFETY: a live camera; arrays with room for `n` elements at these strides.
     let status = unsafe { realistic_camera_generate_batch(camera, n, &batch) };
@@ -120,7 +142,12 @@ pub fn rays(
             let [[mint], [maxt], [time], [weight]] =
                 [mint.get(i), maxt.get(i), ray_time.get(i), weight.get(i)];
             assert_eq!(reasons[i] == realistic_reason::Ok, weight > 0.0, "{:?}", samples[i]);
-            (realistic_ray { o: origin.get(i), d: direction.get(i), mint, maxt, time }, weight)
+            let ray = realistic_ray { o: origin.get(i), d: direction.get(i), mint, maxt, time };
+            let beside = beside.each_ref().map(|(origin, direction, weight)| {
+                let [weight] = weight.get(i);
+                (origin.get(i), direction.get(i), weight)
+            });
+            ((ray, weight), beside)
         })
         .collect();
     // At most the numbers of each ray.
@@ -131,7 +158,14 @@ pub fn rays(
         "wrote between two rays"
     );
     assert!(
-        found.iter().all(|(ray, weight)| *weight > 0.0 || *ray == MARK),
+        beside.iter().all(|(origin, direction, weight)| {
+            [origin.written(), direction.written()].iter().all(|written| *written <= three)
+                && weight.written() <= n
+        }),
+        "wrote between two neighbours"
+    );
+    assert!(
+        found.iter().all(|((ray, weight), _)| *weight > 0.0 || *ray == MARK),
         "a blocked ray wrote to its place"
     );
     found

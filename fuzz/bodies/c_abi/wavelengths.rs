@@ -4,7 +4,7 @@ use std::array;
 use std::ptr::null_mut;
 
 use super::super::contract;
-use super::{MARK, bytes::Bytes, strided};
+use super::{MARK, bytes::Bytes, differentials, strided};
 use realistic::abi::*;
 
 /// Panics with `what` where rays at any wavelengths are not sound, or differ between the ways of asking for them;
@@ -30,6 +30,7 @@ pub fn check(
     let singles: Vec<_> = samples.iter().zip(&wavelengths).map(single).collect();
     let by_strides = strided::rays(camera, samples, Some(&wavelengths), bytes);
     assert!(may_differ || by_strides == singles, "by strides {what:?}");
+    beside(camera, samples, &wavelengths, &singles, may_differ, bytes, what);
     let by_structures = in_structures(camera, samples, &wavelengths);
     assert!(may_differ || by_structures == singles, "by structures {what:?}");
     for ((samples, wavelengths), singles) in
@@ -44,6 +45,30 @@ pub fn check(
         let expected: [_; 4] = array::from_fn(|k| single((&samples[0], &wavelengths[k])));
         assert!((rays[0], weights[0]) == singles[0] && array::from_fn(|k| (rays[k], weights[k])) == expected);
         assert_eq!(count as usize, weights.iter().filter(|weight| **weight > 0.0).count(), "{what:?}");
+    }
+}
+
+/// Neighbours at wavelengths: those of single calls, one by one and in a batch.
+fn beside(
+    camera: *const realistic_camera,
+    samples: &[realistic_sample],
+    wavelengths: &[f32],
+    singles: &[(realistic_ray, f32)],
+    may_differ: bool,
+    bytes: &mut Bytes<'_>,
+    what: &dyn std::fmt::Debug,
+) {
+    let by_strides = strided::found(camera, samples, Some(wavelengths), true, bytes);
+    for (((sample, wavelength), single), (_, beside)) in
+        samples.iter().zip(wavelengths).zip(singles).zip(by_strides)
+    {
+        let (ray, weight) = differentials::at_wavelength(camera, sample, *wavelength, single, MARK, what);
+        let expected = [(REALISTIC_HAS_RX, ray.rx_o, ray.rx_d), (REALISTIC_HAS_RY, ray.ry_o, ray.ry_d)];
+        for ((bit, o, d), (origin, direction, beside)) in expected.into_iter().zip(beside) {
+            let is_there = weight > 0.0 && ray.has & bit != 0;
+            let is_same = (beside > 0.0) == is_there && (weight == 0.0 || (origin, direction) == (o, d));
+            assert!(may_differ || is_same, "{sample:?} {wavelength} {what:?}");
+        }
     }
 }
 

@@ -263,6 +263,10 @@ FUNCTIONS = {
         _STATUS,
         [c_void_p, c_size_t, POINTER(SamplesPointers), *[POINTER(RaysPointers)] * 3],
     ),
+    "realistic_camera_generate_ray_differentials_at_soa": (
+        _STATUS,
+        [c_void_p, c_size_t, POINTER(SamplesPointers), c_void_p, *[POINTER(RaysPointers)] * 3],
+    ),
     "realistic_camera_importance": (
         _STATUS,
         [c_void_p, c_size_t, POINTER(ImportanceRaysPointers), POINTER(ImportancePointers)],

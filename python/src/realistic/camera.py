@@ -201,14 +201,14 @@ class Camera:
         time : array_like (n,), optional
             Fraction of the shutter's interval, in [0, 1]; default 0, its opening.
         wavelengths : array_like (n,), optional
-            nm, from 380 to 780; default the camera's own. Film, stop and exposure stay those of the camera's own. Rays at
-            wavelengths come without differentials.
+            nm, from 380 to 780; default the camera's own. Film, stop and exposure stay those of the camera's own.
         out : Rays, optional
             Where to write; what of it is None is not written. `Rays.empty` makes one.
         reasons : bool
             Whether to tell what became of each sample, in `reason`.
         differentials : bool
-            Whether to give the rays one pixel to the right and one pixel down, too, in `rx` and `ry`.
+            Whether to give the rays one pixel to the right and one pixel down, too, in `rx` and `ry`, at the ray's own
+            wavelength.
 
         Returns
         -------

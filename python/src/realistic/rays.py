@@ -287,11 +287,6 @@ def trace(
     else:
         targets = _targets(out, n, shape, reasons, differentials)
         _separate(given, targets)
-    if given.wavelengths is not None and len(targets) > 1:
-        raise ValueError(
-            "rays at wavelengths have no differentials; ask for the rays one pixel to the right and one down: "
-            "image_xy + [1, 0], image_xy + [0, 1]"
-        )
     _run(camera, n, given, targets)
     return out
 

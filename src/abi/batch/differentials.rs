@@ -4,7 +4,7 @@ use std::mem::size_of;
 
 use super::{
     super::{
-        boundary::{self, realistic_status},
+        boundary::{self, Failure, realistic_status},
         exchange::{check_size, required_arrays},
         object,
         types::{
@@ -14,7 +14,7 @@ use super::{
     },
     arrays::{RAYS, arrays_of, neighbour_columns, rays_of, required, stride},
     blocks::{DifferentialRoom, in_blocks},
-    columns::Reasons,
+    columns::{Column, Reasons},
     request::Request,
     structures::{DifferentialStructures, SampleStructures},
 };
@@ -86,19 +86,55 @@ pub unsafe extern "C" fn realistic_camera_generate_ray_differentials_soa(
     rx: *const realistic_rays_soa,
     ry: *const realistic_rays_soa,
 ) -> realistic_status {
-    boundary::status(|| {
-        // SAFETY: the caller's promise for all.
-        unsafe {
-            let (handle, samples, rays) = arrays_of(camera, n, samples, rays)?;
-            let rx = rx.as_ref().ok_or_else(|| boundary::null("rx"))?;
-            let ry = ry.as_ref().ok_or_else(|| boundary::null("ry"))?;
-            if n > 0 {
-                for (name, rays) in [("rx", rx), ("ry", ry)] {
-                    required_arrays(name, RAYS, rays_of(rays).map(|array| array.cast_const()))?;
-                }
+    // SAFETY: the caller's promise.
+    boundary::status(|| unsafe { in_arrays(camera, n, samples, None, rays, [rx, ry]) })
+}
+
+/// Rays with differentials of `n` samples, each at its own wavelength (`n` of them, nm), the same as by
+/// `realistic_generate_ray_differential_at`. With `wavelengths_nm` NULL every ray is at the camera's own wavelength, and the
+/// call is `realistic_camera_generate_ray_differentials_soa`. All else as there.
+///
+/// # Safety
+/// As `realistic_camera_generate_ray_differentials_soa`; `wavelengths_nm` is NULL or has `n` elements, and does not overlap
+/// the other arrays.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn realistic_camera_generate_ray_differentials_at_soa(
+    camera: *const realistic_camera,
+    n: usize,
+    samples: *const realistic_samples_soa,
+    wavelengths_nm: *const f32,
+    rays: *const realistic_rays_soa,
+    rx: *const realistic_rays_soa,
+    ry: *const realistic_rays_soa,
+) -> realistic_status {
+    let wavelengths = (!wavelengths_nm.is_null()).then(|| Column::packed(wavelengths_nm));
+    // SAFETY: the caller's promise.
+    boundary::status(|| unsafe { in_arrays(camera, n, samples, wavelengths, rays, [rx, ry]) })
+}
+
+/// Rays and their neighbours in a caller's arrays.
+///
+/// # Safety
+/// As [`realistic_camera_generate_ray_differentials_at_soa`].
+unsafe fn in_arrays(
+    camera: *const realistic_camera,
+    n: usize,
+    samples: *const realistic_samples_soa,
+    wavelengths: Option<Column>,
+    rays: *const realistic_rays_soa,
+    [rx, ry]: [*const realistic_rays_soa; 2],
+) -> Result<(), Failure> {
+    // SAFETY: the caller's promise for all.
+    unsafe {
+        let (handle, samples, rays) = arrays_of(camera, n, samples, rays)?;
+        let rx = rx.as_ref().ok_or_else(|| boundary::null("rx"))?;
+        let ry = ry.as_ref().ok_or_else(|| boundary::null("ry"))?;
+        if n > 0 {
+            for (name, rays) in [("rx", rx), ("ry", ry)] {
+                required_arrays(name, RAYS, rays_of(rays).map(|array| array.cast_const()))?;
             }
-            let neighbours = Some([rx, ry].map(neighbour_columns));
-            Request { neighbours, ..Request::of_arrays(handle, n, samples, rays) }.answer()
         }
-    })
+        let neighbours = Some([rx, ry].map(neighbour_columns));
+        Request { wavelengths, neighbours, ..Request::of_arrays(handle, n, samples, rays) }.answer()
+    }
 }

@@ -12,7 +12,8 @@ mod structures;
 mod wavelengths;
 
 pub use differentials::{
-    realistic_camera_generate_ray_differentials, realistic_camera_generate_ray_differentials_soa,
+    realistic_camera_generate_ray_differentials, realistic_camera_generate_ray_differentials_at_soa,
+    realistic_camera_generate_ray_differentials_soa,
 };
 pub use rays::{realistic_camera_generate_rays, realistic_camera_generate_rays_soa};
 pub use strided::realistic_camera_generate_batch;

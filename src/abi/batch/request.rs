@@ -30,8 +30,7 @@ pub(super) struct Request<'a> {
     pub wavelengths: Option<Column>,
     /// Origin, direction, where each begins and ends, time, weight. Range and time may be left out.
     pub rays: [ColumnMut; 10],
-    /// Origin, direction and weight of the rays one pixel to the right, and one pixel down, if asked for; not with
-    /// wavelengths.
+    /// Origin, direction and weight of the rays one pixel to the right, and one pixel down, if asked for.
     pub neighbours: Option<[[ColumnMut; 7]; 2]>,
     pub reasons: Reasons,
 }
@@ -152,11 +151,16 @@ impl<'a> Request<'a> {
                 });
                 let mut rays = self.found(first, count, &mut rooms.rays);
                 match (&self.neighbours, at) {
-                    (Some([rx, ry]), _) => {
+                    (Some([rx, ry]), at) => {
                         let [room_x, room_y] = &mut rooms.neighbours;
                         let (mut rx, mut ry) =
                             (found_beside(rx, first, count, room_x), found_beside(ry, first, count, room_y));
-                        camera.ray_differentials(&asked, &mut rays, &mut rx, &mut ry);
+                        match at {
+                            Some(at) => {
+                                camera.ray_differentials_at(&asked, at, &mut rays, &mut rx, &mut ry);
+                            }
+                            None => camera.ray_differentials(&asked, &mut rays, &mut rx, &mut ry),
+                        }
                     }
                     (None, Some(at)) => camera.rays_at(&asked, at, &mut rays),
                     (None, None) => camera.rays(&asked, &mut rays),

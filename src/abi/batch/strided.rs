@@ -17,7 +17,8 @@ use super::{
 static NOTHING: f32 = 0.0;
 
 /// Rays of `n` samples, the same as by `realistic_camera_generate_rays_soa`, with wavelengths as by
-/// `realistic_camera_generate_rays_at_soa`, with neighbours as by `realistic_camera_generate_ray_differentials_soa`.
+/// `realistic_camera_generate_rays_at_soa`, with neighbours as by `realistic_camera_generate_ray_differentials_soa`, and with
+/// both as by `realistic_camera_generate_ray_differentials_at_soa`.
 /// The arrays must not overlap; where `n` is 0 they may all be NULL.
 ///
 /// # Safety
@@ -66,11 +67,6 @@ pub unsafe extern "C" fn realistic_camera_generate_batch(
             neighbours: neighbours(&batch, n)?,
             reasons,
         };
-        if request.neighbours.is_some() && request.wavelengths.is_some() {
-            return Err(Failure::invalid(
-                "there are no neighbours at wavelengths of their own: leave out \"wavelength\", or all of \"rx_…\" and \"ry_…\"",
-            ));
-        }
         // SAFETY: the caller's promise; what must be there is, and no stride times n overflows.
         unsafe { request.answer() }
     })

@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use super::{
     counted::Towards,
-    entrance::{self, Entrance, FilmRay, Node, Probe},
+    entrance::{self, Entrance, FilmRay, Node, Probe, Work},
     fan::{LIMITS, Limit},
     film::{Counted, FilmCount},
 };
@@ -132,7 +132,7 @@ impl LensBackward {
         if !(point.iter().all(|part| part.is_finite()) && self.is_in_front(point)) {
             return None;
         }
-        let entrance = self.entrance.get_or_init(|| self.tabulate()).as_ref()?;
+        let entrance = self.entrance.get_or_init(|| self.tabulate(&self.work())).as_ref()?;
         let spot = entrance.sight.spot(point);
         let Node { fan, image, stop } = entrance.seen_from(&spot)?;
         let views = [(&image, &self.window[..]), (&stop, &self.blades[..])];
@@ -146,6 +146,11 @@ impl LensBackward {
         (density > 0.0).then_some(Towards { ray: Ray { origin, ..ray }, density })
     }
 
+    /// For counting what looking at the lens from everywhere takes.
+    pub(super) fn work(&self) -> Work {
+        Work::through(&self.lens)
+    }
+
     /// Longer than anything in front of where the scene is seen from.
     fn lead(&self) -> f64 {
         let front = self.lens.front();
@@ -154,7 +159,7 @@ impl LensBackward {
     }
 
     /// Looks at the lens from everywhere. The pupil is that of the whole stop: what of it the blades cover is blocked.
-    fn tabulate(&self) -> Option<Entrance> {
+    pub(super) fn tabulate(&self, work: &Work) -> Option<Entrance> {
         const RINGS: u32 = 8;
         let front = self.lens.front();
         let whole = Kernel::new(&self.lens, Direction::SceneToFilm);
@@ -178,21 +183,33 @@ impl LensBackward {
             foremost: -BEHIND * front.semi_diameter,
             cap: (0..=RINGS).map(|number| [ring(number), front.sagitta(ring(number))]).collect(),
             lead: self.lead(),
+            work,
         };
         let mut entrance = entrance::build(&probe)?;
         let out = Kernel::<f64>::new(&self.lens, Direction::FilmToScene);
         let side = self.count.side();
-        entrance.repair(|round| {
-            let number = |i: usize| (round as usize * entrance::RAYS + i) as f64;
+        let traced = |kernel: &Kernel<f64>, from: &[([f64; 2], [f64; 2])]| {
+            work.count(from.len());
+            let mut buffer = RayBuffer::<f64>::new(from.len());
+            for (i, ([x, y], [sx, sy])) in from.iter().enumerate() {
+                buffer.put(i, [*x, *y, side.z], [*sx, *sy, 1.0]);
+            }
+            kernel.trace_in_place(&mut buffer.rays());
+            buffer
+        };
+        entrance.repair(work, |first, count| {
+            let from: Vec<([f64; 2], [f64; 2])> = (first..first + count)
+                .filter_map(|number| side.sample(STEPS.map(|step| (0.5 + number as f64 * step).fract())))
+                .map(|(point, sample)| (point, sample.slopes))
+                .collect();
+            let (through, at_stop) =
+                (traced(&out, &from), from_film.as_ref().map(|kernel| traced(kernel, &from)));
             let ray = |i: usize| {
-                let numbers = STEPS.map(|step| (0.5 + number(i) * step).fract());
-                let (point, sample) = side.sample(numbers)?;
-                let ray = out.trace_one(side.z, point, sample.slopes)?.ray();
-                let stop =
-                    from_film.as_ref().and_then(|kernel| kernel.trace_one(side.z, point, sample.slopes));
-                Some(FilmRay { ray, film: point, stop: stop.map(|at| [at.origin[0], at.origin[1]]) })
+                let stop = at_stop.as_ref().and_then(|buffer| buffer.get(i)).map(|at| at.origin);
+                let ray = through.get(i)?.ray();
+                Some(FilmRay { ray, film: from[i].0, stop: stop.map(|[x, y, _]| [x, y]) })
             };
-            (0..entrance::RAYS).filter_map(ray).collect()
+            (0..from.len()).filter_map(ray).collect()
         });
         Some(entrance)
     }

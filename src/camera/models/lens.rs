@@ -152,8 +152,12 @@ impl RealisticCamera {
 
     /// The camera the other way round.
     pub(crate) fn backward(&self) -> Backward {
-        let lens = LensBackward::new(&self.facts.lens, self.blades, &self.body);
-        Backward::of_lens(lens, &self.body.placement, self.body.units_per_mm)
+        Backward::of_lens(self.lens_backward(), &self.body.placement, self.body.units_per_mm)
+    }
+
+    /// The lens the other way round.
+    pub(crate) fn lens_backward(&self) -> LensBackward {
+        LensBackward::new(&self.facts.lens, self.blades, &self.body)
     }
 }
 

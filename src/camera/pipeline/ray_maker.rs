@@ -146,18 +146,16 @@ impl RayMaker {
         }
     }
 
-    /// Four rays of one sample, each at its own wavelength: the bits of [`RayMaker::one_at`].
-    pub fn hero(&self, sample: &Sample, wavelengths: &[f32; 4], rays: &mut RayBlock<4>) {
+    /// Four rays of samples of one time, each at its own wavelength: the bits of [`RayMaker::one_at`].
+    pub fn four_at(&self, samples: &SampleBlock<4>, wavelengths: &[f32; 4], rays: &mut RayBlock<4>) {
         let Some(spectral) = self.spectral() else {
             for (i, wavelength) in wavelengths.iter().enumerate() {
-                rays.arrays(4).set(i, self.ray_at(sample, *wavelength));
+                rays.arrays(4).set(i, self.ray_at(&samples.sample(i), *wavelength));
             }
             return;
         };
-        let Sample { image_x, image_y, lens_u, lens_v, time } = *sample;
-        let samples = [image_x, image_y, lens_u, lens_v, time].map(|number| [number; 4]).into();
-        spectral.tracer().four(&samples, wavelengths, rays);
-        self.complete_four(time, rays);
+        spectral.tracer().four(samples, wavelengths, rays);
+        self.complete_four(samples.sample(0).time, rays);
     }
 
     /// [`RayMaker::one_at`] of many samples, the same to the last bit, in arrays that all have one length.

@@ -235,14 +235,26 @@ const UNTOUCHED_DIFFERENTIAL: realistic_ray_differential = realistic_ray_differe
 
 /// By three calls without differentials, the neighbours through `open`: the same camera with its shutter open.
 fn by_three_calls(camera: &Camera, open: &Camera, sample: &realistic_sample) -> DifferentialBits {
+    let call = |camera: &Camera, sample: &realistic_sample, ray: &mut realistic_ray| {
+        // SAFETY: a live camera.
+        unsafe { realistic_generate_ray(camera.0, sample, ray) }
+    };
+    by_calls(camera, open, sample, call)
+}
+
+/// The same by any calls of one ray, which return its weight.
+fn by_calls(
+    camera: &Camera,
+    open: &Camera,
+    sample: &realistic_sample,
+    call: impl Fn(&Camera, &realistic_sample, &mut realistic_ray) -> f32,
+) -> DifferentialBits {
     let (mut found, mut has) = (UNTOUCHED_DIFFERENTIAL, 0);
-    // SAFETY: live cameras.
-    let weight = unsafe { realistic_generate_ray(camera.0, sample, &mut found.ray) };
+    let weight = call(camera, sample, &mut found.ray);
     if weight > 0.0 {
         let mut neighbour = |sample: realistic_sample, bit| {
             let mut ray = found.ray;
-            // SAFETY: as above.
-            let passes = unsafe { realistic_generate_ray(open.0, &sample, &mut ray) } > 0.0;
+            let passes = call(open, &sample, &mut ray) > 0.0;
             has |= u32::from(passes) * bit;
             (ray.o, ray.d)
         };

@@ -320,6 +320,124 @@ fn wavelengths_and_neighbours_are_those_of_structures_of_arrays() {
     }
 }
 
+/// Origin, direction and weight of rays at wavelengths, and of their neighbours, by structures of arrays.
+fn differential_columns(
+    camera: &Camera,
+    samples: &[realistic_sample],
+    wavelengths: &[f32],
+) -> [[Vec<f32>; 7]; 3] {
+    let n = samples.len();
+    let column = |number: fn(&realistic_sample) -> f32| samples.iter().map(number).collect::<Vec<_>>();
+    let asked = [
+        column(|sample| sample.image_x),
+        column(|sample| sample.image_y),
+        column(|sample| sample.lens_u),
+        column(|sample| sample.lens_v),
+        column(|sample| sample.time),
+    ];
+    let [image_x, image_y, lens_u, lens_v, time] = asked.each_ref().map(|column| column.as_ptr());
+    let soa = realistic_samples_soa { image_x, image_y, lens_u, lens_v, time };
+    let fill = f32::from_ne_bytes([FILL; 4]);
+    let mut rooms: [[Vec<f32>; 7]; 3] = std::array::from_fn(|_| std::array::from_fn(|_| vec![fill; n]));
+    let [rays, rx, ry] = rooms.each_mut().map(|room| {
+        let [ox, oy, oz, dx, dy, dz, weight] = room.each_mut().map(|column| column.as_mut_ptr());
+        let (mint, maxt, time, reason) = (null_mut(), null_mut(), null_mut(), null_mut());
+        realistic_rays_soa { ox, oy, oz, dx, dy, dz, mint, maxt, time, weight, reason }
+    });
+    // SAFETY: a live camera, arrays of `n` elements.
+    let status = unsafe {
+        let at = wavelengths.as_ptr();
+        realistic_camera_generate_ray_differentials_at_soa(camera.0, n, &soa, at, &rays, &rx, &ry)
+    };
+    assert_eq!(status, realistic_status::Ok);
+    rooms
+}
+
+#[test]
+fn differentials_at_wavelengths_have_the_bits_of_three_calls() {
+    let mut random = Random::new(15);
+    let mut seen = [0; 4];
+    let more = [
+        (
+            "phone",
+            camera(|o| {
+                o.specfile = c"phone.4mm".as_ptr();
+                o.filmdiag = 6.0;
+            }),
+        ),
+        (
+            "zoom",
+            camera(|o| {
+                o.specfile = c"zoom.24-70mm".as_ptr();
+                o.zoom = c"45".as_ptr();
+            }),
+        ),
+    ];
+    for (name, camera) in cameras().into_iter().chain(more) {
+        // Cameras with a shutter have the default's lens, and neighbours whether it is open there or not.
+        let open = if ["slit", "leaf"].contains(&name) { Some(self::camera(|_| ())) } else { None };
+        let samples: Vec<_> = samples(400).into_iter().chain(beside_edges(&camera)).collect();
+        let n = samples.len();
+        let wavelength = |i: usize| match i % 50 {
+            7 => f32::NAN,
+            17 => 379.9,
+            27 => f32::INFINITY,
+            37 => -550.0,
+            _ => 380.0 + 400.0 * (i as f32 * 0.618).fract(),
+        };
+        let mut at = Memory::new(n, 1, &mut random);
+        (0..n).for_each(|i| at.set(i, 0, wavelength(i)));
+        let asked = Asked::new(&samples, &mut random);
+        let mut found = Found::new(n, &mut random);
+        let mut beside = [Found::new(n, &mut random), Found::new(n, &mut random)];
+        let mut batch = asked.batch();
+        found.ask(&mut batch);
+        let [[rx_origin, rx_direction, rx_weight, ..], [ry_origin, ry_direction, ry_weight, ..]] =
+            beside.each_mut().map(|found| found.0.each_mut().map(Memory::output));
+        batch = realistic_batch {
+            wavelength: at.input(),
+            rx_origin,
+            rx_direction,
+            rx_weight,
+            ry_origin,
+            ry_direction,
+            ry_weight,
+            ..batch
+        };
+        assert_eq!(ask(&camera, n, &batch), realistic_status::Ok);
+        let columns = differential_columns(&camera, &samples, &(0..n).map(wavelength).collect::<Vec<_>>());
+        for (i, sample) in samples.iter().enumerate() {
+            let call = |camera: &Camera, sample: &realistic_sample, ray: &mut realistic_ray| {
+                // SAFETY: a live camera.
+                unsafe { realistic_generate_ray_at(camera.0, sample, wavelength(i), ray) }
+            };
+            let expected @ (own, has, numbers) =
+                by_calls(&camera, open.as_ref().unwrap_or(&camera), sample, call);
+            let mut ray = UNTOUCHED_DIFFERENTIAL;
+            // SAFETY: a live camera.
+            let weight =
+                unsafe { realistic_generate_ray_differential_at(camera.0, sample, wavelength(i), &mut ray) };
+            assert_eq!(differential_bits(&ray, weight), expected, "{name}: {sample:?} {}", wavelength(i));
+            found.assert(i, &own, name);
+            let has = if weight > 0.0 { has } else { 0 };
+            seen[has as usize] += 1;
+            for (k, beside) in beside.iter().enumerate() {
+                let beside = beside.bits(i);
+                let is_there = has & [REALISTIC_HAS_RX, REALISTIC_HAS_RY][k] != 0;
+                assert_eq!(f32::from_bits(beside[9]) > 0.0, is_there, "{name}, neighbour {k} of {i}");
+                let fill = [u32::from_ne_bytes([FILL; 4]); 6];
+                let expected = if weight > 0.0 { &numbers[6 * k..6 * k + 6] } else { &fill };
+                assert_eq!(&beside[..6], expected, "{name}, neighbour {k} of {i}");
+                let [.., dz, weight] = columns[1 + k].each_ref().map(|column| column[i].to_bits());
+                assert_eq!((dz, weight), (beside[5], beside[9]), "{name}, neighbour {k} of {i}, as arrays");
+            }
+            let [.., dz, weight] = columns[0].each_ref().map(|column| column[i].to_bits());
+            assert_eq!((dz, weight), (found.bits(i)[5], found.bits(i)[9]), "{name}, {i}, as arrays");
+        }
+    }
+    assert!(seen.iter().all(|&count| count > 20), "{seen:?}");
+}
+
 #[test]
 fn a_batch_that_cannot_be_is_refused_by_the_name_of_its_part() {
     let camera = camera(|_| ());
@@ -346,14 +464,6 @@ fn a_batch_that_cannot_be_is_refused_by_the_name_of_its_part() {
     refused(&|batch| batch.reason_stride = 1, InvalidParameter, "batch.reason_stride is 1");
     refused(&|batch| batch.lens.stride = isize::MAX, InvalidParameter, "n is 4");
     refused(&|batch| batch.struct_size = 8, StructSize, "realistic_batch.struct_size");
-    let both = |batch: &mut realistic_batch| {
-        batch.wavelength = batch.time;
-        (batch.rx_origin, batch.rx_direction, batch.rx_weight) =
-            (batch.origin, batch.direction, batch.weight);
-        (batch.ry_origin, batch.ry_direction, batch.ry_weight) =
-            (batch.origin, batch.direction, batch.weight);
-    };
-    refused(&both, InvalidParameter, "leave out \"wavelength\"");
     // SAFETY: nothing of NULL is read.
     let status = unsafe { realistic_camera_generate_batch(camera.0, 4, std::ptr::null()) };
     assert_eq!(status, NullPointer);

@@ -13,7 +13,7 @@ use super::{
 
 /// The share of directions that count something, of points on the camera's rays at distances in world units, and how many of
 /// so many points see no direction.
-fn share(camera: &Camera, distance: impl Fn(f64) -> f64) -> (f64, usize, usize) {
+pub fn share(camera: &Camera, distance: impl Fn(f64) -> f64) -> (f64, usize, usize) {
     let backward = camera.backward().expect("defined");
     let points: Vec<ScenePoint> = rays(camera, [RASTER.xres, RASTER.yres], 8000, 5)
         .iter()
@@ -33,7 +33,7 @@ fn share(camera: &Camera, distance: impl Fn(f64) -> f64) -> (f64, usize, usize) 
 }
 
 /// The nearest distance of focus, mm from the front vertex, of a camera with a lens.
-fn nearest_focus(camera: &Camera) -> f64 {
+pub fn nearest_focus(camera: &Camera) -> f64 {
     let Some(facts) = camera.facts() else { return 50.0 };
     let nearest = facts.focus().expect("it focuses").nearest();
     nearest.object_distance - nearest.film_distance + facts.lens.rear().vertex

@@ -174,19 +174,23 @@ fn precise(most: f64, estimates: impl Fn(usize) -> Estimates) -> Estimates {
 /// What does not agree of the two estimates of what a dome sends to a camera: apart by more than 4 standard errors, or with
 /// errors of more than 1e-3 of the value.
 fn both_ways(given: &[(&str, &str)], radius: f64) -> Vec<String> {
-    let camera = camera(given);
     let unit = if given.iter().any(|(name, _)| *name == "mmperunit") { 0.1 } else { 1.0 };
-    let dome = Dome::before(&camera, unit * radius);
     let most = if given.contains(&("specfile", "fisheye.6mm")) { PRECISE_BEHIND } else { PRECISE };
-    let from_film = precise(0.35 * most, |count| by_camera_rays(&camera, &dome, count));
-    let from_scene = precise(0.92 * most, |count| by_scene_rays(&camera, &dome, count));
+    disagreements(&format!("{given:?}"), &camera(given), unit * radius, most)
+}
+
+/// The same of a camera and a dome in world units, with errors of more than `most`.
+pub fn disagreements(name: &str, camera: &Camera, radius: f64, most: f64) -> Vec<String> {
+    let dome = Dome::before(camera, radius);
+    let from_film = precise(0.35 * most, |count| by_camera_rays(camera, &dome, count));
+    let from_scene = precise(0.92 * most, |count| by_scene_rays(camera, &dome, count));
     let mut wrong = Vec::new();
     for which in 0..SHARES {
         let (film, film_error) = mean(&from_film, which);
         let (scene, scene_error) = mean(&from_scene, which);
         let error = film_error.hypot(scene_error);
         let text = format!(
-            "{given:?} at {radius}, weight {which}: {film:.6e} and {scene:.6e}, {:.2} standard errors of {:.1e} and {:.1e}",
+            "{name} at {radius}, weight {which}: {film:.6e} and {scene:.6e}, {:.2} standard errors of {:.1e} and {:.1e}",
             (film - scene) / error,
             film_error / film,
             scene_error / scene,

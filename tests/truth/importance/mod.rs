@@ -3,6 +3,7 @@
 
 mod acceptance;
 mod integrals;
+mod long;
 mod odd;
 mod round_trip;
 mod scene;

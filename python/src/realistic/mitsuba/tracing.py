@@ -33,21 +33,14 @@ def trace(camera: Camera, samples: Sequence[NDArray[Any]], rays: Sequence[NDArra
 
     All are columns (n,) of float32 without gaps: `samples` image x, image y, lens u, lens v, time and, for rays at
     wavelengths, those in nm; `rays` those of `RAY` or of `RAY`, `RIGHT` and `DOWN`. Of a blocked ray only the weights are
-    written, which are 0. A neighbour that is blocked has weight 0, too, and numbers that mean nothing.
+    written, which are 0. A neighbour that is blocked has weight 0, too, and the ray's own numbers in its place.
     """
     n = len(samples[0])
-    calls = [(list(samples), list(rays))]
-    if len(samples) > 5 and len(rays) > 7:
-        # At wavelengths the library gives no differentials.
-        x, y, *others = samples
-        calls = [(list(samples), list(rays[RAY])), ([x + 1, y, *others], list(rays[RIGHT]))]
-        calls.append(([x, y + 1, *others], list(rays[DOWN])))
-    addresses = [[[column.ctypes.data for column in columns] for columns in call] for call in calls]
+    asked, found = ([column.ctypes.data for column in columns] for columns in (samples, rays))
     pointer = camera._live().pointer
 
     def part(begin: int, end: int) -> None:
-        for asked, found in addresses:
-            _call(pointer, end - begin, [at + 4 * begin for at in asked], [at + 4 * begin for at in found])
+        _call(pointer, end - begin, [at + 4 * begin for at in asked], [at + 4 * begin for at in found])
 
     parts = max(1, min(threads, n // _SHARE))
     edges = [n * k // parts for k in range(parts + 1)]
@@ -60,11 +53,6 @@ def trace(camera: Camera, samples: Sequence[NDArray[Any]], rays: Sequence[NDArra
 
 def trace_one(camera: Camera, sample: Sequence[float], differentials: bool) -> list[float]:
     """One ray: its numbers in the order of `trace`'s columns."""
-    if differentials and len(sample) > 5:
-        x, y, *others = sample
-        return [
-            number for at in ((x, y), (x + 1, y), (x, y + 1)) for number in trace_one(camera, (*at, *others), False)
-        ]
     count = COLUMNS[differentials]
     numbers = (ctypes.c_float * (len(sample) + count))(*sample)
     first = ctypes.addressof(numbers)
@@ -76,10 +64,14 @@ def trace_one(camera: Camera, sample: Sequence[float], differentials: bool) -> l
 def _call(camera: int, n: int, asked: Sequence[int], found: Sequence[int]) -> None:
     samples = SamplesPointers(*asked[:5])
     # No mint, maxt, time; the weight; no reason.
-    ray, *neighbours = (RaysPointers(*found[k : k + 6], 0, 0, 0, found[k + 6], 0) for k in range(0, len(found), 7))
-    if neighbours:
-        check(library.realistic_camera_generate_ray_differentials_soa(camera, n, samples, ray, *neighbours))
-    elif len(asked) > 5:
-        check(library.realistic_camera_generate_rays_at_soa(camera, n, samples, asked[5], ray))
+    rays = [RaysPointers(*found[k : k + 6], 0, 0, 0, found[k + 6], 0) for k in range(0, len(found), 7)]
+    wavelengths = asked[5:]
+    if len(rays) > 1 and wavelengths:
+        call = library.realistic_camera_generate_ray_differentials_at_soa
+    elif len(rays) > 1:
+        call = library.realistic_camera_generate_ray_differentials_soa
+    elif wavelengths:
+        call = library.realistic_camera_generate_rays_at_soa
     else:
-        check(library.realistic_camera_generate_rays_soa(camera, n, samples, ray))
+        call = library.realistic_camera_generate_rays_soa
+    check(call(camera, n, samples, *wavelengths, *rays))

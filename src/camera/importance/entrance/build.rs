@@ -2,34 +2,26 @@
 //! interpolation leaves out halfway between them.
 
 use super::{
-    outline::{Outline, Probe},
+    super::fan::{Fan, SECTORS},
+    detail::WIDEST,
+    fit::fit,
+    outline::Outline,
+    probe::Probe,
     sight::Sight,
     spot::Spot,
     table::{Cell, Entrance, Node, Row},
 };
 use crate::numeric::on_broken_line;
 
-/// Intervals of nearness.
-const ROWS: usize = 24;
-/// They are even in its root of that degree: field angles, which are those of sharp images far away and those of the whole
-/// lens nearby, change most there.
+/// Rows are even in the root of that degree of nearness: field angles, which are those of sharp images far away and those
+/// of the whole lens nearby, change most there.
 const DENSER: i32 = 2;
 /// Of the last row: hardly before the glass.
 const NEAREST: f64 = 0.999;
-/// Intervals of a row.
-const NODES: usize = 16;
 /// Field angle from one look to the next in the search for a row's end, radians.
 const STEP: f64 = 0.06;
-/// The same in the search for chief rays.
-const LOOK: f64 = 0.03;
 /// How far a pupil walks that is followed, over its half width.
 const WALK: f64 = 60.0;
-/// Halvings that end it.
-const HALVINGS: i32 = 16;
-/// The largest field angle, radians.
-const WIDEST: f64 = 2.9;
-/// How much larger outlines are made in any case, relative.
-const MARGIN: f64 = 1.005;
 /// What halfway between neighbours is asked for is made larger by that, for what lies between there and them.
 const BETWEEN: f64 = 1.6;
 /// The same of how far off images may be.
@@ -54,8 +46,9 @@ impl Span {
 /// Tabulates a lens. `None` for a lens that no light gets through to such film.
 pub(in crate::camera::importance) fn build(probe: &Probe<'_>) -> Option<Entrance> {
     let sight = Sight::new(&centers(probe), &probe.cap);
-    let nearness = |row: usize| NEAREST * (row as f64 / ROWS as f64).powi(DENSER);
-    let spans: Vec<Span> = (0..=ROWS).map_while(|row| span(probe, &sight, nearness(row))).collect();
+    let rows = probe.detail().rows;
+    let nearness = |row: usize| NEAREST * (row as f64 / rows as f64).powi(DENSER);
+    let spans: Vec<Span> = (0..=rows).map_while(|row| span(probe, &sight, nearness(row))).collect();
     if spans.len() < 2 {
         return None;
     }
@@ -73,15 +66,19 @@ pub(in crate::camera::importance) fn build(probe: &Probe<'_>) -> Option<Entrance
 fn centers(probe: &Probe<'_>) -> Vec<[f64; 2]> {
     let first = probe.pupil;
     let mut centers = vec![[0.0, first]];
-    let (mut hint, mut before, mut walk) = (0.0, 0.0, 0.0_f64);
-    for step in 1..(WIDEST / LOOK) as usize {
-        let angle = step as f64 * LOOK;
+    let look = |angle: f64, hints: &[f64], nearby: Option<&Fan>| {
         let spot = Spot::on_meridian(first, angle, 0.0);
-        let found = probe.rough_outline(&spot, &[2.0 * hint - before, hint]);
-        let Some(Outline { fan, .. }) = found.filter(|found| found.nearest <= probe.reach) else { break };
-        (before, hint) = (hint, fan.center);
-        walk = walk.max(hint.abs() / fan.extent[0]);
-        centers.push([angle, (first - hint / angle.sin()).min(probe.foremost)]);
+        let found = probe.outline(&spot, probe.detail().rough, hints, nearby);
+        found.filter(|found| found.nearest() <= probe.reach).map(|found| found.fan)
+    };
+    let (mut nearby, mut before, mut walk) = (None, 0.0, 0.0_f64);
+    for step in 1..(WIDEST / probe.detail().stride) as usize {
+        let angle = step as f64 * probe.detail().stride;
+        let hint = nearby.map_or(0.0, |fan: Fan| fan.center);
+        let Some(fan) = look(angle, &[2.0 * hint - before, hint], nearby.as_ref()) else { break };
+        (before, nearby) = (hint, Some(fan));
+        walk = walk.max(fan.center.abs() / fan.extent[0]);
+        centers.push([angle, (first - fan.center / angle.sin()).min(probe.foremost)]);
     }
     if walk > WALK { centers } else { vec![[0.0, probe.still]] }
 }
@@ -89,17 +86,22 @@ fn centers(probe: &Probe<'_>) -> Vec<[f64; 2]> {
 /// The field angles of a row: from the axis to where no ray gets to the film any more. Where none is found the next look is
 /// at half the step, from where a narrow pupil that walks far is not lost.
 fn span(probe: &Probe<'_>, sight: &Sight, nearness: f64) -> Option<Span> {
-    let look = |angle: f64, hints: &[f64]| probe.rough_outline(&sight.on_meridian(angle, nearness), hints);
-    let (mut angle, mut center) = (0.0, look(0.0, &[0.0])?.fan.center);
-    let mut path = vec![[angle, center]];
+    let look = |angle: f64, hints: &[f64], nearby: Option<&Fan>| {
+        probe.outline(&sight.on_meridian(angle, nearness), probe.detail().rough, hints, nearby)
+    };
+    let (mut angle, mut fan) = (0.0, look(0.0, &[0.0], None)?.fan);
+    let mut path = vec![[angle, fan.center]];
     let (mut step, mut slope, mut in_a_row) = (STEP, 0.0, 0);
     let mut vanishes = false;
-    while step > STEP * 0.5_f64.powi(HALVINGS) && angle < WIDEST {
-        match look(angle + step, &[center + slope * step, center]) {
-            Some(found) if found.nearest <= probe.reach => {
-                slope = (found.fan.center - center) / step;
-                (angle, center) = (angle + step, found.fan.center);
-                path.push([angle, center]);
+    for _ in 0..probe.detail().looks {
+        if !(step > STEP * 0.5_f64.powi(probe.detail().closer) && angle < WIDEST) {
+            break;
+        }
+        match look(angle + step, &[fan.center + slope * step, fan.center], Some(&fan)) {
+            Some(found) if found.nearest() <= probe.reach => {
+                slope = (found.fan.center - fan.center) / step;
+                (angle, fan) = (angle + step, found.fan);
+                path.push([angle, fan.center]);
                 in_a_row += 1;
                 if in_a_row > 1 {
                     step = (2.0 * step).min(STEP);
@@ -117,15 +119,23 @@ fn span(probe: &Probe<'_>, sight: &Sight, nearness: f64) -> Option<Span> {
 
 /// A row's outlines; where the lens ends it the last is that of the last angle at which there is one.
 fn row(probe: &Probe<'_>, table: &Entrance, span: &Span) -> Option<Vec<Node>> {
-    let mut nodes: Vec<Node> = Vec::with_capacity(NODES + 1);
-    for number in 0..=NODES {
-        let mut angle = span.end * table.part(number as f64 / NODES as f64);
-        if number == NODES && span.vanishes {
+    let (last, around) = (probe.detail().nodes, probe.detail().around);
+    let mut nodes: Vec<Node> = Vec::with_capacity(last + 1);
+    let mut nearby: Option<Fan> = None;
+    for number in 0..=last {
+        let mut angle = span.end * table.part(number as f64 / last as f64);
+        if number == last && span.vanishes {
             angle = span.path.last()?[0];
         }
         let spot = table.sight.on_meridian(angle, span.nearness);
-        match probe.outline(&spot, &[span.hint(angle)]) {
-            Some(Outline { fan, image, stop, .. }) => nodes.push(Node { fan, image, stop }),
+        match probe.outline(&spot, around, &[span.hint(angle)], nearby.as_ref()) {
+            Some(Outline { fan, within, .. }) => {
+                let image = fit(&fan, &within);
+                let crossings = probe.crossings(&spot, &within);
+                let stop = if crossings.is_empty() { image } else { fit(&fan, &crossings) };
+                nodes.push(Node { fan, image, stop });
+                nearby = Some(fan);
+            }
             None => {
                 let mut last = *nodes.last()?;
                 last.fan.extent = last.fan.extent.map(|extent| 1e-2 * extent);
@@ -139,21 +149,22 @@ fn row(probe: &Probe<'_>, table: &Entrance, span: &Span) -> Option<Vec<Node>> {
 /// Makes the outlines hold what is found halfway between any two neighbours.
 fn grow(probe: &Probe<'_>, table: &mut Entrance) {
     let rows = table.rows.len();
+    let (last, margin) = (probe.detail().nodes, probe.detail().margin);
     // Of each node, what the neighbours along its row and those of the next rows ask for.
-    let mut needed = vec![[Need::NONE; 2]; rows * (NODES + 1)];
+    let mut needed = vec![[Need::NONE; 2]; rows * (last + 1)];
     for row in 0..rows {
-        for node in 0..=NODES {
+        for node in 0..=last {
             for (way, [down, along]) in [[0.0, 0.5], [0.5, 0.0]].into_iter().enumerate() {
                 let (more_down, more_along) = (usize::from(down > 0.0), usize::from(along > 0.0));
-                if row + more_down >= rows || node + more_along > NODES {
+                if row + more_down >= rows || node + more_along > last {
                     continue;
                 }
                 // A cell has a node and a row after it, also on the table's last lines.
-                let (first, before) = (row.min(rows - 2), node.min(NODES - 1));
+                let (first, before) = (row.min(rows - 2), node.min(last - 1));
                 let cell =
                     table.cell_at(first, before, down + (row - first) as f64, along + (node - before) as f64);
                 let need = halfway(probe, table, &cell);
-                for place in [row * (NODES + 1) + node, (row + more_down) * (NODES + 1) + node + more_along] {
+                for place in [row * (last + 1) + node, (row + more_down) * (last + 1) + node + more_along] {
                     needed[place][way].take(&need);
                 }
             }
@@ -162,7 +173,7 @@ fn grow(probe: &Probe<'_>, table: &mut Entrance) {
     let nodes = table.rows.iter_mut().flat_map(|row| &mut row.nodes);
     for (node, [along, down]) in nodes.zip(needed) {
         for (reach, (a, b)) in node.fan.reach.iter_mut().zip(along.growth.iter().zip(down.growth)) {
-            *reach *= MARGIN + BETWEEN * (a + b);
+            *reach *= margin + BETWEEN * (a + b);
         }
         node.image.spread = SPREAD * (node.image.spread + along.spread + down.spread);
         node.stop.spread = SPREAD * (node.stop.spread + along.stop_spread + down.stop_spread);
@@ -172,13 +183,13 @@ fn grow(probe: &Probe<'_>, table: &mut Entrance) {
 /// By how much an outline is too small at its corners, relative, and how far off images are on film and stop, mm.
 #[derive(Clone, Copy)]
 struct Need {
-    growth: [f64; super::super::fan::SECTORS + 1],
+    growth: [f64; SECTORS + 1],
     spread: f64,
     stop_spread: f64,
 }
 
 impl Need {
-    const NONE: Self = Self { growth: [0.0; super::super::fan::SECTORS + 1], spread: 0.0, stop_spread: 0.0 };
+    const NONE: Self = Self { growth: [0.0; SECTORS + 1], spread: 0.0, stop_spread: 0.0 };
 
     fn take(&mut self, other: &Self) {
         for (own, other) in self.growth.iter_mut().zip(other.growth) {
@@ -194,25 +205,25 @@ fn halfway(probe: &Probe<'_>, table: &Entrance, cell: &Cell) -> Need {
     let Node { fan, image, stop } = table.at(cell);
     let ends = [0, 1].map(|row| table.rows[cell.row + row].end);
     let end = ends[0] + cell.down * (ends[1] - ends[0]);
-    let part = table.part((cell.node as f64 + cell.along) / NODES as f64);
+    let part = table.part((cell.node as f64 + cell.along) / probe.detail().nodes as f64);
     let [far, near] = [0, 1].map(|row| table.rows[cell.row + row].nearness);
     let nearness = far + cell.down * (near - far);
     let spot = table.sight.on_meridian(end * part, nearness);
     let mut need = Need::NONE;
-    let Some(outline) = probe.outline(&spot, &[fan.center]) else { return need };
+    let found = probe.outline(&spot, probe.detail().between, &[fan.center], Some(&fan));
+    let Some(outline) = found else { return need };
     for (point, at) in &outline.within {
         need.spread = need.spread.max(image.off(&fan, *point, *at) - image.spread);
     }
-    for (point, at) in &outline.crossings {
+    for (point, at) in &probe.crossings(&spot, &outline.within) {
         need.stop_spread = need.stop_spread.max(stop.off(&fan, *point, *at) - stop.spread);
     }
-    for (point, at) in &outline.edge {
+    for (point, _) in &outline.edge {
         let (ratio, sector) = fan.ratio(*point);
         let growth = (ratio - 1.0).clamp(0.0, 2.0);
         for corner in &mut need.growth[sector..=sector + 1] {
             *corner = corner.max(growth);
         }
-        need.spread = need.spread.max(image.off(&fan, *point, *at) - image.spread);
     }
     need
 }

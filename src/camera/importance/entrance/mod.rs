@@ -6,15 +6,20 @@
 //! outline (`outline`), which is tabulated over the nearness of P, the distance of the front from Q over that of P, and over
 //! θ up to where the film or the lens ends (`table`, made by `build`). Between the table's outlines others are
 //! interpolated; what that leaves out is looked for halfway between them, and at last with rays from the film (`repair`).
+//! All this is as fine as the lens is cheap to trace (`detail`): rays are counted, and so many and no more are traced.
 
 mod build;
+mod detail;
+mod fit;
 mod outline;
+mod probe;
 mod repair;
 mod sight;
 mod spot;
 mod table;
 
 pub(super) use build::build;
-pub(super) use outline::Probe;
-pub(super) use repair::{FilmRay, RAYS};
+pub(super) use detail::Work;
+pub(super) use probe::Probe;
+pub(super) use repair::FilmRay;
 pub(super) use table::{Entrance, Node};

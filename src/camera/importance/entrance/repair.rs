@@ -6,17 +6,14 @@ use rand_xoshiro::{
 };
 
 use super::{
+    detail::{Detail, Work},
     spot::Spot,
     table::{Cell, Entrance, Node},
 };
 use crate::lens::Ray;
 
-/// Rays of a round.
-pub(in crate::camera::importance) const RAYS: usize = 12_000;
-/// Rounds, at most.
-const ROUNDS: u64 = 30;
 /// The number of the last round that there is in any case.
-const LEAST: u64 = 3;
+const LEAST: usize = 3;
 /// So many rays outside, and no more of a round, need no other.
 const FEW: usize = 2;
 /// How much more than needed an outline is made to hold, relative,
@@ -36,20 +33,23 @@ pub(in crate::camera::importance) struct FilmRay {
 }
 
 impl Entrance {
-    /// Makes the outlines hold rays that `rays` makes of a round's number, [`RAYS`] or fewer, until hardly
-    /// any lies outside.
-    pub fn repair(&mut self, rays: impl Fn(u64) -> Vec<FilmRay>) {
-        for round in 0..ROUNDS {
-            let mut random = SplitMix64::seed_from_u64(round + 77);
+    /// Makes the outlines hold rays that `rays` makes, of so many numbers from one on, until hardly any lies outside or there
+    /// were as many as `work` has room for.
+    pub fn repair(&mut self, work: &Work, rays: impl Fn(usize, usize) -> Vec<FilmRay>) {
+        let Detail { rounds, rays: count, spots, .. } = work.detail();
+        for round in 0..rounds {
+            let mut random = SplitMix64::seed_from_u64(round as u64 + 77);
             let mut outside = 0;
-            for ray in rays(round) {
-                // Every other one as rows lie, and as many near the glass, some of them on it.
-                let number = (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
-                let is_far = random.next_u64() & 1 == 0;
-                let nearness = if is_far { number * number } else { (1.05 * number.sqrt()).min(1.0) };
-                outside += usize::from(self.hold(&ray, nearness));
+            for ray in rays(round * count, count) {
+                for _ in 0..spots {
+                    // Every other one as rows lie, and as many near the glass, some of them on it.
+                    let number = (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
+                    let is_far = random.next_u64() & 1 == 0;
+                    let nearness = if is_far { number * number } else { (1.05 * number.sqrt()).min(1.0) };
+                    outside += usize::from(self.hold(&ray, nearness));
+                }
             }
-            if round >= LEAST && outside <= FEW {
+            if (round >= LEAST && outside <= FEW) || work.is_spent() {
                 return;
             }
         }

@@ -84,34 +84,37 @@ impl Entrance {
     /// The outline that the table has for a cell. Where outlines vanish, all in the plane of the axis goes with the angle, and
     /// their heights across with its root, which is even in place.
     pub(super) fn at(&self, cell: &Cell) -> Node {
-        let node = |row: usize, node: usize| &self.rows[cell.row + row].nodes[cell.node + node];
-        let corners = [node(0, 0), node(0, 1), node(1, 0), node(1, 1)];
+        let [low, high] = [0, 1].map(|row| &self.rows[cell.row + row].nodes[cell.node..]);
+        let corners = [&low[0], &low[1], &high[0], &high[1]];
         let shares = |along: f64| {
             let down = cell.down;
             [(1.0 - down) * (1.0 - along), (1.0 - down) * along, down * (1.0 - along), down * along]
         };
         let (by_angle, by_place) = (shares(cell.turned), shares(cell.along));
-        let mixed = |shares: &[f64; 4], of: &dyn Fn(&Node) -> f64| -> f64 {
-            corners.iter().zip(shares).map(|(node, share)| share * of(node)).sum()
+        let mixed = |[a, b, c, d]: [f64; 4], [p, q, r, s]: [f64; 4]| a * p + b * q + c * r + d * s;
+        let turned = |of: fn(&Node) -> f64| mixed(by_angle, corners.map(of));
+        let image = |images: [&Image; 4]| {
+            let turned = |of: fn(&Image) -> f64| mixed(by_angle, images.map(of));
+            Image {
+                place: turned(|image| image.place),
+                along: turned(|image| image.along),
+                across: turned(|image| image.across),
+                bend: turned(|image| image.bend),
+                spread: turned(|image| image.spread),
+            }
         };
-        let turned = |of: &dyn Fn(&Node) -> f64| mixed(&by_angle, of);
-        let image = |of: &dyn Fn(&Node) -> &Image| Image {
-            place: turned(&|node| of(node).place),
-            along: turned(&|node| of(node).along),
-            across: turned(&|node| of(node).across),
-            bend: turned(&|node| of(node).bend),
-            spread: turned(&|node| of(node).spread),
-        };
+        let reaches = corners.map(|node| &node.fan.reach);
         Node {
             fan: Fan {
-                center: turned(&|node| node.fan.center),
-                extent: [turned(&|node| node.fan.extent[0]), mixed(&by_place, &|node| node.fan.extent[1])],
-                reach: std::array::from_fn(|knot| {
-                    corners.iter().zip(by_place).map(|(node, share)| share * node.fan.reach[knot]).sum()
-                }),
+                center: turned(|node| node.fan.center),
+                extent: [
+                    turned(|node| node.fan.extent[0]),
+                    mixed(by_place, corners.map(|node| node.fan.extent[1])),
+                ],
+                reach: std::array::from_fn(|knot| mixed(by_place, reaches.map(|reach| reach[knot]))),
             },
-            image: image(&|node| &node.image),
-            stop: image(&|node| &node.stop),
+            image: image(corners.map(|node| &node.image)),
+            stop: image(corners.map(|node| &node.stop)),
         }
     }
 
