@@ -35,8 +35,8 @@
  nothing is ever taken away or renumbered. Version 2 states what version 1 had come to: the fields of
  `realistic_options` from `camera_to_world_end` on, `realistic_autofocus` and `realistic_camera_plan`; and it
  adds rays with differentials. Version 3 adds lenses without a film (`realistic_lens_new`),
- and `focusby` and `zoom`. Version 4 adds rays at a wavelength per sample (`realistic_generate_ray_at`), batches of any
- strides (`realistic_camera_generate_batch`), `crop`, the figure of a surface (`realistic_lens_get_surface`), the points
+ and `focusby` and `zoom`. Version 4 adds rays at a wavelength per sample (`realistic_generate_ray_at`), with
+ differentials too (`realistic_generate_ray_differential_at`), batches of any strides (`realistic_camera_generate_batch`), `crop`, the figure of a surface (`realistic_lens_get_surface`), the points
  where rays meet the surfaces (`realistic_lens_trace_points`), and importance (`realistic_camera_importance`).
  */
 #define REALISTIC_ABI_VERSION 4
@@ -789,7 +789,7 @@ typedef struct realistic_batch {
      */
     ptrdiff_t reason_stride;
     /*
-     Origins of the rays one pixel to the right. The six arrays of neighbours go together, and not with `wavelength`.
+     Origins of the rays one pixel to the right. The six arrays of neighbours go together.
      */
     struct realistic_output rx_origin;
     /*
@@ -1370,6 +1370,22 @@ float realistic_generate_ray_differential(const struct realistic_camera *camera,
                                           struct realistic_ray_differential *ray);
 
 /*
+ One ray at a wavelength, nm, with its differentials: the ray of the sample, and those of the same lens and time sample
+ and the same wavelength one pixel to the right and one pixel down. They have the bits that `realistic_generate_ray_at`
+ gives for samples at `image_x` + 1 and at `image_y` + 1. `ray->struct_size` must be set.
+
+ Returns the weight of the sample's ray, positive. Returns exactly 0, and leaves `ray` as it is, where
+ `realistic_generate_ray_at` does, and when `ray->struct_size` is none that this library knows.
+
+ # Safety
+ As `realistic_generate_ray_differential`.
+ */
+float realistic_generate_ray_differential_at(const struct realistic_camera *camera,
+                                             const struct realistic_sample *sample,
+                                             float wavelength_nm,
+                                             struct realistic_ray_differential *ray);
+
+/*
  Rays of `n` samples. Element i lies `i * stride` bytes from the first, so that arrays of a host's own
  larger structures can be passed (pbrt-v1: 88 for `Sample`, 36 for `Ray`); a stride of 0 means tightly packed.
  Nothing needs to be aligned beyond a byte.
@@ -1438,6 +1454,23 @@ realistic_status realistic_camera_generate_ray_differentials_soa(const struct re
                                                                  const struct realistic_rays_soa *ry);
 
 /*
+ Rays with differentials of `n` samples, each at its own wavelength (`n` of them, nm), the same as by
+ `realistic_generate_ray_differential_at`. With `wavelengths_nm` NULL every ray is at the camera's own wavelength, and the
+ call is `realistic_camera_generate_ray_differentials_soa`. All else as there.
+
+ # Safety
+ As `realistic_camera_generate_ray_differentials_soa`; `wavelengths_nm` is NULL or has `n` elements, and does not overlap
+ the other arrays.
+ */
+realistic_status realistic_camera_generate_ray_differentials_at_soa(const struct realistic_camera *camera,
+                                                                    size_t n,
+                                                                    const struct realistic_samples_soa *samples,
+                                                                    const float *wavelengths_nm,
+                                                                    const struct realistic_rays_soa *rays,
+                                                                    const struct realistic_rays_soa *rx,
+                                                                    const struct realistic_rays_soa *ry);
+
+/*
  Rays of `n` samples, each at its own wavelength, the same as by `realistic_generate_ray_at`: `wavelengths_nm[i]` lies
  `i * wavelength_stride` bytes from the first (0: tightly packed). With `wavelengths_nm` NULL every ray is at the
  camera's own wavelength, and the call is `realistic_camera_generate_rays`. All else as there.
@@ -1488,7 +1521,8 @@ realistic_status realistic_camera_generate_hero_rays_soa(const struct realistic_
 
 /*
  Rays of `n` samples, the same as by `realistic_camera_generate_rays_soa`, with wavelengths as by
- `realistic_camera_generate_rays_at_soa`, with neighbours as by `realistic_camera_generate_ray_differentials_soa`.
+ `realistic_camera_generate_rays_at_soa`, with neighbours as by `realistic_camera_generate_ray_differentials_soa`, and with
+ both as by `realistic_camera_generate_ray_differentials_at_soa`.
  The arrays must not overlap; where `n` is 0 they may all be NULL.
 
  # Safety
