@@ -88,7 +88,7 @@ impl Camera {
         let crop = Crop::of(parameters, host.raster)?;
         let rays = model.ray_maker().clone();
         let camera = Self { rays, model, shutter, resolution, crop, backward: OnceLock::new() };
-        warn_of_darkness(host.raster, |sample| camera.through_optics(sample), log);
+        warn_of_darkness(host.raster, &camera.rays, |sample| camera.why_none(sample), log);
         Ok(camera)
     }
 
@@ -392,11 +392,6 @@ impl Camera {
         }
         let share = self.shutter.transmission(image_y / self.resolution[1], time);
         (share != 0.0).then_some(share)
-    }
-
-    /// [`Camera::generate`] with an open shutter.
-    fn through_optics(&self, sample: &Sample) -> Outcome {
-        self.rays.ray(sample).map_or_else(|| self.why_none(sample), |(ray, weight)| Outcome::Ray(ray, weight))
     }
 
     /// A ray that stands in where there is none and a host needs a complete ray all the same: of the

@@ -36,6 +36,8 @@ pub struct Field {
 const SCAN: u32 = 1024;
 /// Of which so many are traced at once.
 const PART: u32 = 64;
+/// Every so manieth of them is a first, coarse look for chief rays.
+const COARSE: u32 = SCAN / PART;
 
 /// The slopes dy/dz at which the rays of a film point in the plane through the axis get through.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,9 +98,21 @@ impl Field {
 
     /// A slope of the scan.
     fn scan(&self, height: f64, i: u32) -> f64 {
+        let at_rear = self.scan_reach(height) * (2.0 * (f64::from(i) + 0.5) / f64::from(SCAN) - 1.0);
+        (at_rear - height) / (self.rear - self.film)
+    }
+
+    /// How far from the axis the scan looks, at the rear vertex.
+    fn scan_reach(&self, height: f64) -> f64 {
         // Off the axis an edge in front of or behind the vertex shows shifted: half the reach more.
-        let reach = self.rear_radius + 0.5 * height.abs();
-        (reach * (2.0 * (f64::from(i) + 0.5) / f64::from(SCAN) - 1.0) - height) / (self.rear - self.film)
+        self.rear_radius + 0.5 * height.abs()
+    }
+
+    /// The first of a part of the scan with this slope about in its middle.
+    fn part_about(&self, height: f64, slope: f64) -> u32 {
+        let at_rear = height + slope * (self.rear - self.film);
+        let place = 0.5 * (at_rear / self.scan_reach(height) + 1.0) * f64::from(SCAN);
+        (place as u32).saturating_sub(PART / 2).min(SCAN - PART)
     }
 
     /// The lowest and the highest slope of a scan that get through; of a stop between two of them, its centre's.
@@ -106,7 +120,7 @@ impl Field {
         let at = |i: u32| self.scan(height, i);
         // The kernel says which may; within rounding of an edge the path has the last word.
         let passes = |i: &u32| self.passes(height, at(*i));
-        let parts = || (0..SCAN / PART).map(|part| self.may_pass(height, part * PART));
+        let parts = || (0..SCAN / PART).map(|part| self.may_pass(height, part * PART, 1));
         let (low, high) = match parts().find_map(|slopes| slopes.into_iter().find(passes)) {
             Some(first) => {
                 (at(first), at(parts().rev().find_map(|slopes| slopes.into_iter().rev().find(passes))?))
@@ -116,15 +130,16 @@ impl Field {
         Some(Beam { low, high })
     }
 
-    /// Which slopes of a part of the scan the kernel lets through.
-    fn may_pass(&self, height: f64, first: u32) -> Vec<u32> {
+    /// Which slopes of a part of the scan, every `each`-th from `first` on, the kernel lets through.
+    fn may_pass(&self, height: f64, first: u32, each: u32) -> Vec<u32> {
         const COUNT: usize = PART as usize;
-        let slopes: [f64; COUNT] = std::array::from_fn(|i| self.scan(height, first + i as u32));
+        let number = |i: u32| first + each * i;
+        let slopes: [f64; COUNT] = std::array::from_fn(|i| self.scan(height, number(i as u32)));
         let mut out = RayBuffer::new(COUNT);
         let (x, y) = (&[0.0; COUNT], &[height; COUNT]);
         let from = PlaneRays { plane: self.film, x, y, slope_x: x, slope_y: &slopes };
         self.kernel.trace_batch(&from, &mut out.rays());
-        (0..PART).filter(|&i| out.get(i as usize).is_some()).map(|i| first + i).collect()
+        (0..PART).filter(|&i| out.get(i as usize).is_some()).map(number).collect()
     }
 
     /// The slope through the centre of a stop so narrow that it lies between two slopes of a scan.
@@ -148,24 +163,53 @@ impl Field {
     /// stop's centre, or where vignetting blocks that, the one nearest to it that gets through.
     /// `None` where the film is dark.
     pub fn chief_ray(&self, height: f64) -> Option<Ray> {
-        let scanned @ Beam { low, high } = self.scanned(height)?;
+        self.path.trace(self.ray(height, self.chief_slope(height, None)?)).ok()
+    }
+
+    /// [`Field::chief_ray`] of film points evenly apart, from the axis on up to the first that is dark.
+    pub fn chief_rays(&self, spacing: f64, count: u32) -> Vec<(f64, Ray)> {
+        let mut rays = Vec::with_capacity(count as usize);
+        // The last slope and the one before.
+        let mut slopes = [0.0; 2];
+        for i in 0..count {
+            let height = f64::from(i) * spacing;
+            let [last, before] = slopes;
+            let Some(slope) = self.chief_slope(height, Some(2.0 * last - before)) else { break };
+            let Ok(ray) = self.path.trace(self.ray(height, slope)) else { break };
+            rays.push((height, ray));
+            slopes = [slope, last];
+        }
+        rays
+    }
+
+    /// The slope of the chief ray, which is about `expected` or not known yet.
+    fn chief_slope(&self, height: f64, expected: Option<f64>) -> Option<f64> {
         let in_stop =
             |slope: f64| self.to_stop.trace(self.ray(height, slope)).map_or(f64::NAN, |ray| ray.origin[1]);
-        let (below, above) = (in_stop(low), in_stop(high));
-        let slope = if below * above < 0.0 {
-            root(low, high, in_stop)
-        } else {
-            // The centre lies within a step of the beam's end, or beyond it.
-            let (end, outward, other) =
-                if below.abs() < above.abs() { (low, -1.0, above) } else { (high, 1.0, below) };
-            let edge = self.to_edge(height, end, outward);
-            if low < high && in_stop(edge) * other >= 0.0 {
-                edge
-            } else {
-                Self::nearest_to_centre(self.to_edges(height, scanned), in_stop)
+        // Most beams have the stop's centre between two rays of a look close by, or of a coarse scan.
+        let close = expected.map(|slope| (self.part_about(height, slope), 1));
+        for (first, each) in close.into_iter().chain([(COARSE / 2, COARSE)]) {
+            if let [first, .., last] = self.may_pass(height, first, each)[..] {
+                let (low, high) = (self.scan(height, first), self.scan(height, last));
+                if in_stop(low) * in_stop(high) < 0.0 {
+                    return Some(root(low, high, in_stop));
+                }
             }
-        };
-        self.path.trace(self.ray(height, slope)).ok()
+        }
+        let scanned @ Beam { low, high } = self.scanned(height)?;
+        let (below, above) = (in_stop(low), in_stop(high));
+        if below * above < 0.0 {
+            return Some(root(low, high, in_stop));
+        }
+        // The centre lies within a step of the beam's end, or beyond it.
+        let (end, outward, other) =
+            if below.abs() < above.abs() { (low, -1.0, above) } else { (high, 1.0, below) };
+        let edge = self.to_edge(height, end, outward);
+        Some(if low < high && in_stop(edge) * other >= 0.0 {
+            edge
+        } else {
+            Self::nearest_to_centre(self.to_edges(height, scanned), in_stop)
+        })
     }
 
     /// Of a beam between its edges the slope of the ray that comes nearest to the stop's centre.

@@ -209,7 +209,7 @@ impl Focus {
     }
 
     fn best_image(&self, u: f64) -> BestImage {
-        self.image.best(self.vergence(u))
+        if u == 0.0 { self.at_infinity } else { self.image.best(self.vergence(u)) }
     }
 
     /// 1 over the distance of the axial point u from the first vertex.

@@ -32,11 +32,8 @@ impl ImageScale {
     /// a plane in focus at `in_focus` (z in lens space, mm; infinite for a distant object). Beyond
     /// where the film gets light the scale stays as it is there. `None` where it is dark on the axis.
     pub fn new(lens: &Lens, film: f64, reach: f64, in_focus: f64) -> Option<Self> {
-        let field = Field::new(lens, film);
         let spacing = reach / f64::from(ENTRIES - 1);
-        let chief: Vec<(f64, Ray)> = (0..ENTRIES)
-            .map_while(|i| Some((f64::from(i) * spacing, field.chief_ray(f64::from(i) * spacing)?)))
-            .collect();
+        let chief = Field::new(lens, film).chief_rays(spacing, ENTRIES);
         let seen = |exact: &Ray, other: &Ray| length(offset(exact, other, in_focus));
         // Halfway between entries; the axis continues on its other side.
         let between: Vec<f64> = chief.windows(2).map(|pair| spacing / seen(&pair[0].1, &pair[1].1)).collect();

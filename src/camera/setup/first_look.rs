@@ -6,45 +6,65 @@ use crate::{
     camera::{
         film::Raster,
         host::{Level, Log},
+        pipeline::{
+            arrays::{RayBlock, SampleBlock},
+            ray_maker::RayMaker,
+        },
         ray::{Outcome, Sample},
     },
     numeric::quasirandom::STEPS,
     trace::Blocked,
 };
 
-/// Samples that are tried at most; the first that makes a ray is the last one.
-const SAMPLES: u32 = 4096;
+/// Samples that are tried at most, a block at a time; the first block that makes a ray is the last one.
+const SAMPLES: usize = 4096;
+const BLOCK: usize = 64;
+/// Of so many the warning says what becomes of them: each is a trace by itself.
+const ASKED: usize = 256;
 
-/// Warns where no sample of many, evenly over picture and pupil, makes a ray by `generate`, and says what becomes of
-/// them.
-pub(crate) fn warn_of_darkness(raster: Raster, generate: impl Fn(&Sample) -> Outcome, log: Log<'_>) {
-    // Missed, clipped, reflected, turned back.
-    let mut counts = [0_u32; 4];
-    // Number 0 is the ray along the axis, which the smallest hole lets through.
-    for number in 1..=SAMPLES {
-        let [x, y, u, v] = STEPS.map(|step| (0.5 + f64::from(number) * step).fract());
-        let sample = Sample {
+/// Warns where no sample of many, evenly over picture and pupil, makes a ray, and says what becomes of some by `why_none`.
+pub(crate) fn warn_of_darkness(
+    raster: Raster,
+    rays: &RayMaker,
+    why_none: impl Fn(&Sample) -> Outcome,
+    log: Log<'_>,
+) {
+    let sample = |number: usize| {
+        // Number 0 is the ray along the axis, which the smallest hole lets through.
+        let [x, y, u, v] = STEPS.map(|step| (0.5 + (number + 1) as f64 * step).fract());
+        Sample {
             image_x: (x * f64::from(raster.xres)) as f32,
             image_y: (y * f64::from(raster.yres)) as f32,
             lens_u: u as f32,
             lens_v: v as f32,
             time: 0.5,
-        };
-        match generate(&sample) {
-            Outcome::Ray(..) => return,
-            Outcome::Blocked(reason) => {
-                counts[match reason {
-                    Blocked::Missed => 0,
-                    Blocked::Clipped => 1,
-                    Blocked::Reflected => 2,
-                    Blocked::TurnedBack => 3,
-                }] += 1;
-            }
-            Outcome::Redraw | Outcome::Shut | Outcome::Wavelength => {}
+        }
+    };
+    let (mut samples, mut found) = (SampleBlock::<BLOCK>::new(), RayBlock::<BLOCK>::new());
+    for first in (0..SAMPLES).step_by(BLOCK) {
+        for i in 0..BLOCK {
+            samples.set(i, &sample(first + i));
+        }
+        rays.many(&samples.arrays(BLOCK), &mut found.arrays(BLOCK));
+        if (0..BLOCK).any(|i| found.weight(i) > 0.0) {
+            return;
         }
     }
-    let mut text =
-        format!("no ray gets through, and the picture will be black: of {SAMPLES} over picture and pupil");
+    // Missed, clipped, reflected, turned back.
+    let mut counts = [0_u32; 4];
+    for number in 0..ASKED {
+        if let Outcome::Blocked(reason) = why_none(&sample(number)) {
+            counts[match reason {
+                Blocked::Missed => 0,
+                Blocked::Clipped => 1,
+                Blocked::Reflected => 2,
+                Blocked::TurnedBack => 3,
+            }] += 1;
+        }
+    }
+    let mut text = format!(
+        "no ray gets through of {SAMPLES} over picture and pupil, and the picture will be black: of {ASKED} of them"
+    );
     let fates = ["miss a surface", "are clipped by an aperture", "are totally reflected", "are turned back"];
     for (count, fate) in counts.into_iter().zip(fates).filter(|(count, _)| *count > 0) {
         // Infallible: a string takes whatever is written to it.

@@ -10,8 +10,9 @@
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Closing {
     /// When the bracket is this narrow, relative to its end `b`, which it then answers with. Every point is at least a
-    /// hundredth of the bracket away from its ends, so that it closes from both sides. For a < b and a function that is
-    /// negative at a and not at b; a at once where the function is not negative there.
+    /// hundredth of the bracket away from its ends, so that it closes from both sides; where the secants of two have not
+    /// halved it, it is halved four times, for the function may jump. For a < b and a function that is negative at a and not at
+    /// b; a at once where the function is not negative there.
     Bracket(f64),
     /// When a point is this near to the one before it, which may be from either side, or after so many points; with the
     /// last of them.
@@ -29,6 +30,8 @@ pub(crate) fn illinois(a: f64, b: f64, closing: Closing, f: impl Fn(f64) -> f64)
         return a;
     }
     let mut negative = !two_sided && at_last < 0.0;
+    // How wide the bracket was at the last secant and the one before, and how often it is still to be halved.
+    let (mut widths, mut halvings) = ([f64::INFINITY; 2], 0);
     for points in 0.. {
         // The secant is drawn from `from`.
         let (from, at_from, to, at_to) = if two_sided && negative {
@@ -43,7 +46,16 @@ pub(crate) fn illinois(a: f64, b: f64, closing: Closing, f: impl Fn(f64) -> f64)
                 if !(width > relative * from) {
                     return from;
                 }
-                x = x.clamp(to + 0.01 * width, from - 0.01 * width);
+                if width > widths[1] / 2.0 {
+                    (widths, halvings) = ([width, f64::INFINITY], 4);
+                }
+                x = if halvings > 0 {
+                    halvings -= 1;
+                    f64::midpoint(from, to)
+                } else {
+                    widths = [width, widths[0]];
+                    x.clamp(to + 0.01 * width, from - 0.01 * width)
+                };
             }
             Closing::Step { most, .. } if points == most => return last,
             Closing::Step { .. } => {}
@@ -80,6 +92,18 @@ mod tests {
             assert!((found - root).abs() < 1e-6, "{found}");
         }
         assert_eq!(illinois(1.0, 3.0, Closing::Bracket(1e-9), f), 1.0);
+    }
+
+    #[test]
+    fn a_jump_is_closed_in_on_in_less_than_twice_the_steps_of_halving() {
+        let count = std::cell::Cell::new(0);
+        let jump = |x: f64| {
+            count.set(count.get() + 1);
+            if x < 0.3 { x - 1.0 } else { 1e-12 }
+        };
+        let found = illinois(0.1, 1.0, Closing::Bracket(1e-9), jump);
+        assert!((0.0..1e-9).contains(&(found - 0.3)), "{found}");
+        assert!(count.get() < 56, "{count:?}");
     }
 
     #[test]

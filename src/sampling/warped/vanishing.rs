@@ -7,12 +7,14 @@ use std::cell::Cell;
 use super::{
     illinois::{Closing, illinois},
     pieces::half_disk,
-    view::{Tracer, View},
+    view::{Tracer, View, first_look},
 };
 use crate::sampling::pupil_disk::PupilDisk;
 
 /// Steps outward up to the film's reach.
 const STEPS: usize = 8;
+/// Searches between two of them: each but the last one ends where the pupil was lost from sight.
+const SEARCHES: u32 = 9;
 /// Relative accuracy of the radius.
 const ACCURACY: f64 = 1e-9;
 /// How far beyond the radius at which a pupil seems to vanish it has to be dark, too, relative.
@@ -29,6 +31,8 @@ pub(crate) struct Field<'a> {
     pub cover: PupilDisk,
     /// Film radius times this is about the slope to the pupil's centre.
     pub shift: f64,
+    /// Radius of the pupil on the axis, in slope; infinite where it is not known.
+    pub radius: f64,
 }
 
 /// Where the pupil has shrunk to a point.
@@ -39,42 +43,75 @@ pub(crate) struct Vanishing {
     pub center: f64,
 }
 
+/// The way of the pupil's innermost ray along the film, as far as it has been followed.
+#[derive(Clone, Copy)]
+struct Trail {
+    /// Film radius, mm, and slope at the end.
+    height: f64,
+    slope: f64,
+    /// How much the slope changes per mm of film radius.
+    change: f64,
+}
+
+impl Trail {
+    /// Relative step of film radius over which a change of slope is more than what a search leaves open.
+    const STEP: f64 = 0.02;
+
+    /// The slope expected at a film radius.
+    fn at(&self, height: f64) -> f64 {
+        self.slope + self.change * (height - self.height)
+    }
+
+    /// The trail as far as a film radius and the slope found there.
+    fn to(self, height: f64, slope: f64) -> Self {
+        let step = height - self.height;
+        let change = if step > Self::STEP * height { (slope - self.slope) / step } else { self.change };
+        Self { height, slope, change }
+    }
+}
+
 impl Field<'_> {
     /// The radius at which the pupil has shrunk to a point, where that lies within reach, or so little beyond that the
     /// pupil is a sliver there; and no light gets through farther out.
     pub fn vanishing(&self) -> Option<Vanishing> {
         let scale = self.cover.seen_from([0.0; 2]).radius;
-        // Film radius, and the slope of a ray that gets through there.
-        let mut inside = (0.0, 0.0);
-        for step in 1..=STEPS + 1 {
+        let width = first_look(scale, self.radius);
+        let trail = Cell::new(Trail { height: 0.0, slope: 0.0, change: self.shift });
+        let (mut step, mut searches) = (1, 0);
+        while step <= STEPS + 1 {
             let height = self.reach * step as f64 / STEPS as f64;
-            let guess = if inside.0 > 0.0 { inside.1 * height / inside.0 } else { self.shift * height };
-            let (slope, excess) = self.view(height).innermost(guess, scale, true);
+            let (slope, excess) = self.view(height).innermost(trail.get().at(height), width, scale, true);
             if excess < 0.0 {
-                inside = (height, slope);
+                trail.set(trail.get().to(height, slope));
+                step += 1;
                 continue;
             }
-            let ratio = if inside.0 > 0.0 { inside.1 / inside.0 } else { self.shift };
-            let best = Cell::new(ratio);
             let margin = |height: f64| {
-                let (slope, excess) = self.view(height).innermost(best.get() * height, scale, false);
-                // Where a search fails it may end anywhere: no guess for one nearer the axis.
+                let expected = trail.get().at(height);
+                let (slope, excess) = self.view(height).innermost(expected, width, scale, false);
                 if excess < 0.0 {
-                    best.set(slope / height);
+                    trail.set(trail.get().to(height, slope));
+                    return excess;
                 }
-                excess.min(1.0)
+                // A search that has lost the pupil may end anywhere, also at rays that hardly miss something elsewhere: that
+                // tells nothing of how far off the pupil is.
+                if (slope - expected).abs() > self.radius { 1.0 } else { excess.min(1.0) }
             };
-            let end = illinois(inside.0.max(1e-9 * height), height, Closing::Bracket(ACCURACY), margin);
-            if self.tracer.is_spent() {
+            let inside = trail.get().height.max(1e-9 * height);
+            let end = illinois(inside, height, Closing::Bracket(ACCURACY), margin);
+            searches += 1;
+            if self.tracer.is_spent() || searches > SEARCHES {
                 return None;
             }
             let beside = (1.0 + BESIDE) * end;
+            if margin(beside) < 0.0 {
+                continue;
+            }
             // What was followed may be one of several pieces, or so small that it was lost from a guess far off.
-            let lit = if margin(beside) < 0.0 { Some(best.get() * beside) } else { self.lit_slope(beside) };
-            match lit {
-                Some(slope) => inside = (beside, slope),
+            match self.lit_slope(beside) {
+                Some(slope) => trail.set(trail.get().to(beside, slope)),
                 None if self.leaks_beyond(end) => return None,
-                None => return Some(Vanishing { height: end, center: best.get() }),
+                None => return Some(Vanishing { height: end, center: trail.get().at(end) / end }),
             }
         }
         None

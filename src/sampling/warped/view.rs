@@ -111,6 +111,12 @@ pub(crate) struct Excess {
     pub lost: bool,
 }
 
+/// How far around a guess for a pupil about so wide, within reach, a search looks first: film close behind a lens sees
+/// the rear element much larger than the pupil.
+pub(crate) fn first_look(reach: f64, width: f64) -> f64 {
+    (0.02 * reach).min(0.25 * width)
+}
+
 impl View<'_> {
     /// How far outside the pupil the ray of these slopes is.
     pub fn excess(&self, slopes: [f64; 2]) -> Excess {
@@ -136,15 +142,17 @@ impl View<'_> {
         found.iter().map(|excess| excess.value <= 0.0).collect()
     }
 
-    /// The slope sx on the meridian that is farthest inside the pupil, sought from `guess` within
-    /// `reach`, and its excess: where that is positive, the pupil is empty. With `any` the search
-    /// ends at the first slope inside.
-    pub fn innermost(&self, guess: f64, reach: f64, any: bool) -> (f64, f64) {
-        match self.least_of(&[guess]) {
-            // Nothing to descend along.
-            nowhere if nowhere.1 == f64::INFINITY => self.scanned(guess, reach, any),
-            start => self.descended(start, 0.02 * reach, reach, any),
+    /// The slope sx on the meridian that is farthest inside the pupil, sought from `guess`, first as far as `width` from it,
+    /// and within `reach` where there is nothing to go by; and its excess: where that is positive, the pupil is empty. With
+    /// `any` the search ends at the first slope inside.
+    pub fn innermost(&self, guess: f64, width: f64, reach: f64, any: bool) -> (f64, f64) {
+        let start = self.least_of(&[guess]);
+        if start.1 < f64::INFINITY {
+            return self.descended(start, width, reach, any);
         }
+        // Nothing to descend along.
+        let near = self.scanned(guess, width, any);
+        if near.1 < f64::INFINITY { near } else { self.scanned(guess, reach, any) }
     }
 
     /// The same after a coarse scan.
