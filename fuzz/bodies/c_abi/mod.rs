@@ -71,6 +71,9 @@ pub fn run(data: &[u8]) -> bool {
     if bytes.choice(8) == 1 {
         crop::check(&asked, &singles, &mut bytes);
     }
+    if bytes.choice(4) == 1 {
+        wavelengths::beside(camera, &samples, may_differ, &mut bytes, &options);
+    }
     // SAFETY: nobody uses the camera any more.
     unsafe { realistic_camera_free(camera) };
     true

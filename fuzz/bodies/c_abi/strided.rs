@@ -74,8 +74,8 @@ impl<const N: usize> Strided<N> {
 const NO_INPUT: realistic_input = realistic_input { first: std::ptr::null(), stride: 0, component_stride: 0 };
 const NO_OUTPUT: realistic_output = realistic_output { first: null_mut(), stride: 0, component_stride: 0 };
 
-/// A ray, its weight, and what stands in its neighbours' places: origin, direction and weight of each.
-pub type Found = ((realistic_ray, f32), [([f32; 3], [f32; 3], f32); 2]);
+/// A ray, its weight, and what stands in its neighbours' places if they were asked for: origin, direction and weight.
+pub type Found = ((realistic_ray, f32), Option<[([f32; 3], [f32; 3], f32); 2]>);
 
 /// The rays of samples, each at a wavelength if there are some, between arrays of which `bytes` says how they lie. Blocked
 /// rays are what [`MARK`] has.
@@ -88,7 +88,7 @@ pub fn rays(
     found(camera, samples, wavelengths, false, bytes).into_iter().map(|(ray, _)| ray).collect()
 }
 
-/// [`rays`] with neighbours, if they are asked for; else what their room had before stands in their places.
+/// [`rays`] with neighbours, if they are asked for.
 pub fn found(
     camera: *const realistic_camera,
     samples: &[realistic_sample],
@@ -103,15 +103,18 @@ pub fn found(
     let wavelengths = wavelengths.map(|all| Strided::of(all.iter().map(|one| [*one]), bytes));
     let [mut origin, mut direction] = [(); 2].map(|()| Strided::<3>::new(n, bytes));
     let [mut weight, mut mint, mut maxt, mut ray_time] = [(); 4].map(|()| Strided::<1>::new(n, bytes));
-    let mut beside: [_; 2] = array::from_fn(|_| {
-        let [origin, direction] = [(); 2].map(|()| Strided::<3>::new(n, bytes));
-        (origin, direction, Strided::<1>::new(n, bytes))
+    let mut beside: Option<[_; 2]> = with_neighbours.then(|| {
+        array::from_fn(|_| {
+            let [origin, direction] = [(); 2].map(|()| Strided::<3>::new(n, bytes));
+            (origin, direction, Strided::<1>::new(n, bytes))
+        })
     });
-    let rooms = beside.each_mut().map(|(origin, direction, weight)| match with_neighbours {
-        true => [origin.output(), direction.output(), weight.output()],
-        false => [NO_OUTPUT; 3],
-    });
-    let [[rx_origin, rx_direction, rx_weight], [ry_origin, ry_direction, ry_weight]] = rooms;
+    let [[rx_origin, rx_direction, rx_weight], [ry_origin, ry_direction, ry_weight]] = match &mut beside {
+        Some(beside) => beside
+            .each_mut()
+            .map(|(origin, direction, weight)| [origin.output(), direction.output(), weight.output()]),
+        None => [[NO_OUTPUT; 3]; 2],
+    };
     let mut reasons = vec![realistic_reason::Ok; n];
     let batch = realistic_batch {
         struct_size: size_of::<realistic_batch>() as u32,
@@ -143,9 +146,11 @@ pub fn found(
                 [mint.get(i), maxt.get(i), ray_time.get(i), weight.get(i)];
             assert_eq!(reasons[i] == realistic_reason::Ok, weight > 0.0, "{:?}", samples[i]);
             let ray = realistic_ray { o: origin.get(i), d: direction.get(i), mint, maxt, time };
-            let beside = beside.each_ref().map(|(origin, direction, weight)| {
-                let [weight] = weight.get(i);
-                (origin.get(i), direction.get(i), weight)
+            let beside = beside.as_ref().map(|beside| {
+                beside.each_ref().map(|(origin, direction, weight)| {
+                    let [weight] = weight.get(i);
+                    (origin.get(i), direction.get(i), weight)
+                })
             });
             ((ray, weight), beside)
         })
@@ -158,7 +163,7 @@ pub fn found(
         "wrote between two rays"
     );
     assert!(
-        beside.iter().all(|(origin, direction, weight)| {
+        beside.iter().flatten().all(|(origin, direction, weight)| {
             [origin.written(), direction.written()].iter().all(|written| *written <= three)
                 && weight.written() <= n
         }),

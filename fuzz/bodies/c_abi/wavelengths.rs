@@ -30,7 +30,6 @@ pub fn check(
     let singles: Vec<_> = samples.iter().zip(&wavelengths).map(single).collect();
     let by_strides = strided::rays(camera, samples, Some(&wavelengths), bytes);
     assert!(may_differ || by_strides == singles, "by strides {what:?}");
-    beside(camera, samples, &wavelengths, &singles, may_differ, bytes, what);
     let by_structures = in_structures(camera, samples, &wavelengths);
     assert!(may_differ || by_structures == singles, "by structures {what:?}");
     for ((samples, wavelengths), singles) in
@@ -48,23 +47,25 @@ pub fn check(
     }
 }
 
-/// Neighbours at wavelengths: those of single calls, one by one and in a batch.
-fn beside(
+/// Panics with `what` where neighbours at any wavelengths are not those of single calls, one by one or in a batch.
+pub fn beside(
     camera: *const realistic_camera,
     samples: &[realistic_sample],
-    wavelengths: &[f32],
-    singles: &[(realistic_ray, f32)],
     may_differ: bool,
     bytes: &mut Bytes<'_>,
     what: &dyn std::fmt::Debug,
 ) {
-    let by_strides = strided::found(camera, samples, Some(wavelengths), true, bytes);
-    for (((sample, wavelength), single), (_, beside)) in
-        samples.iter().zip(wavelengths).zip(singles).zip(by_strides)
-    {
-        let (ray, weight) = differentials::at_wavelength(camera, sample, *wavelength, single, MARK, what);
+    let wavelengths: Vec<f32> = samples.iter().map(|_| 380.0 + bytes.float(400.0)).collect();
+    let by_strides = strided::found(camera, samples, Some(&wavelengths), true, bytes);
+    for ((sample, wavelength), (_, beside)) in samples.iter().zip(&wavelengths).zip(by_strides) {
+        let mut single = MARK;
+        // SAFETY: a live camera, sample and ray.
+        let weight = unsafe { realistic_generate_ray_at(camera, sample, *wavelength, &mut single) };
+        let (ray, weight) =
+            differentials::at_wavelength(camera, sample, *wavelength, &(single, weight), MARK, what);
         let expected = [(REALISTIC_HAS_RX, ray.rx_o, ray.rx_d), (REALISTIC_HAS_RY, ray.ry_o, ray.ry_d)];
-        for ((bit, o, d), (origin, direction, beside)) in expected.into_iter().zip(beside) {
+        for ((bit, o, d), (origin, direction, beside)) in expected.into_iter().zip(beside.expect("asked for"))
+        {
             let is_there = weight > 0.0 && ray.has & bit != 0;
             let is_same = (beside > 0.0) == is_there && (weight == 0.0 || (origin, direction) == (o, d));
             assert!(may_differ || is_same, "{sample:?} {wavelength} {what:?}");
