@@ -16,12 +16,12 @@ use super::{
 /// Interfaces, and whether they are aspheres: for each table there is, the finest first.
 const LENSES: [(usize, bool); 4] = [(150, false), (400, false), (1000, false), (1000, true)];
 
-/// A lens in front, and then plates that are nearly plane.
+/// A lens in front, and then plates so nearly plane that none meets the next.
 fn long(interfaces: usize, is_aspheric: bool) -> Camera {
     let mut random = Random::new(interfaces as u64);
     let mut text = "60 6 1.6 14\n-400 2 1 14\n".to_owned();
     for i in 2..interfaces {
-        let radius = 3000.0 * 30.0_f64.powf(random.next()) * random.signed().signum();
+        let radius = 20_000.0 * 30.0_f64.powf(random.next()) * random.signed().signum();
         let index = if i % 2 == 0 { 1.4 + 0.4 * random.next() } else { 1.0 };
         writeln!(text, "{radius} 0.03 {index} 14").expect("a string");
     }

@@ -153,7 +153,7 @@ mod tests {
     /// A lens in front, and as many interfaces as make so many: nearly plane ones, of spheres or every one an asphere.
     fn long_lens(interfaces: usize, is_aspheric: bool) -> LensBackward {
         let plates = (2..interfaces).map(|i| {
-            let radius = [4e3, -6e3, 2e4, -3e3][i % 4];
+            let radius = [2e4, -3e4, 9e4, -5e4][i % 4];
             format!("{radius} 0.03 {} 14\n", [1.5, 1.0][i % 2])
         });
         let figure = |i: usize| format!("asphere {i} conic=0.3 A4=1e-9 A6=-1e-11\n");
