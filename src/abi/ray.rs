@@ -143,7 +143,7 @@ pub unsafe extern "C" fn realistic_generate_ray_differential(
     // SAFETY: the caller's promise.
     unsafe {
         differential(camera, sample, ray, |handle, sample, rays| {
-            handle.camera().trace_neighbours(sample, rays)
+            boundary::float_environment::for_ray(|| handle.camera().trace_neighbours(sample, rays));
         })
     }
 }

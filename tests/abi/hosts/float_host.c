@@ -21,6 +21,10 @@ static struct {
     realistic_status (*camera_new)(const realistic_options *, realistic_camera **);
     void (*camera_free)(realistic_camera *);
     float (*ray)(const realistic_camera *, const realistic_sample *, realistic_ray *);
+    float (*ray_at)(const realistic_camera *, const realistic_sample *, float, realistic_ray *);
+    uint32_t (*hero_rays)(const realistic_camera *, const realistic_sample *, const float *, realistic_ray *, float *);
+    float (*differential)(const realistic_camera *, const realistic_sample *, realistic_ray_differential *);
+    float (*differential_at)(const realistic_camera *, const realistic_sample *, float, realistic_ray_differential *);
     realistic_status (*rays)(const realistic_camera *, size_t, const realistic_sample *, size_t, realistic_ray *,
                              size_t, float *, realistic_reason *);
     realistic_status (*rays_soa)(const realistic_camera *, size_t, const realistic_samples_soa *,
@@ -43,6 +47,10 @@ static void load(const char *path) {
     resolve(library, "realistic_camera_new", &api.camera_new);
     resolve(library, "realistic_camera_free", &api.camera_free);
     resolve(library, "realistic_generate_ray", &api.ray);
+    resolve(library, "realistic_generate_ray_at", &api.ray_at);
+    resolve(library, "realistic_generate_hero_rays", &api.hero_rays);
+    resolve(library, "realistic_generate_ray_differential", &api.differential);
+    resolve(library, "realistic_generate_ray_differential_at", &api.differential_at);
     resolve(library, "realistic_camera_generate_rays", &api.rays);
     resolve(library, "realistic_camera_generate_rays_soa", &api.rays_soa);
     resolve(library, "realistic_autofocus", &api.autofocus);
@@ -58,6 +66,7 @@ static const struct {
     {.specfile = "wide.22mm", .pupil = "rear"},
     {.specfile = "telephoto.250mm", .pupil = "disk", .disk = "polar"},
     {.specfile = "fisheye.10mm", .precision = "f32"},
+    {.specfile = "phone.4mm", .pupil = "rear"},
     {.pupil = "rear", .disk = "rejection", .precision = "f32", .fnumber = 22},
     {.pupil = "rear", .refraction = "heckbert"},
     {.pupil = "rear", .refraction = "whitted", .precision = "f32"},
@@ -162,6 +171,24 @@ static double distance(void *user, const realistic_ray *ray) {
     return 3000;
 }
 
+/* One ray in every other way. */
+static void other_calls(const realistic_camera *camera, const realistic_sample *sample) {
+    static const float four[4] = {450, 520, 610, 700};
+    realistic_ray rays[4];
+    float weights[4], wavelength;
+    realistic_ray_differential ray;
+    ray.struct_size = sizeof ray;
+    number(&wavelength, 370, 420);
+    api.differential(camera, sample, &ray);
+    look();
+    api.ray_at(camera, sample, wavelength, rays);
+    look();
+    api.hero_rays(camera, sample, four, rays, weights);
+    look();
+    api.differential_at(camera, sample, wavelength, &ray);
+    look();
+}
+
 /* Every kind of call; `rays` single ones of each camera. */
 static void every_call(unsigned long rays) {
     static realistic_sample samples[N];
@@ -176,6 +203,7 @@ static void every_call(unsigned long rays) {
             realistic_ray ray;
             count(api.ray(camera, &sample, &ray));
             look();
+            if (k % 4 == 0) other_calls(camera, &sample);
         }
         for (unsigned k = 0; k < N; ++k) {
             samples[k] = random_sample();
