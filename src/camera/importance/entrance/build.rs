@@ -138,7 +138,7 @@ fn row(probe: &Probe<'_>, table: &Entrance, span: &Span) -> Option<Vec<Node>> {
             }
             None => {
                 let mut last = *nodes.last()?;
-                last.fan.extent = last.fan.extent.map(|extent| 1e-2 * extent);
+                last.fan.extent = last.fan.extent.map(|extent| 0.3 * extent);
                 nodes.push(last);
             }
         }

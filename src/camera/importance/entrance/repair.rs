@@ -58,18 +58,21 @@ impl Entrance {
     /// Makes the region of the spot on a ray with that nearness, or nearly that, hold the ray; whether it lay outside.
     fn hold(&mut self, ray: &FilmRay, nearness: f64) -> bool {
         let spot = self.sight.on_ray(&ray.ray, nearness);
-        let Some(Outside { cell, part, ratio, sector, off, off_stop }) =
+        let Some(Outside { cell, part, ratio, sector, corners, off, off_stop }) =
             spot.and_then(|spot| self.outside(&spot, ray))
         else {
             return false;
         };
-        for row in &mut self.rows[cell.row..=cell.row + 1] {
+        // What is missing comes from each node by its share: a large part does not spread over the table from cell to cell.
+        let [far, near] =
+            [1.0 - cell.down, cell.down].map(|row| [row * (1.0 - cell.along), row * cell.along]);
+        let squares: f64 = [far, near].as_flattened().iter().map(|share| share * share).sum();
+        let growth = if ratio > 1.0 { MORE * (1.0 + FARTHER * (ratio - 1.0)) - 1.0 } else { 0.0 };
+        for (row, shares) in self.rows[cell.row..=cell.row + 1].iter_mut().zip([far, near]) {
             row.end *= 1.0 + FARTHER * (part - 1.0).max(0.0);
-            for node in &mut row.nodes[cell.node..=cell.node + 1] {
-                if ratio > 1.0 {
-                    for reach in &mut node.fan.reach[sector..=sector + 1] {
-                        *reach *= MORE * (1.0 + FARTHER * (ratio - 1.0));
-                    }
+            for (node, share) in row.nodes[cell.node..=cell.node + 1].iter_mut().zip(shares) {
+                for (reach, corner) in node.fan.reach[sector..=sector + 1].iter_mut().zip(corners) {
+                    *reach += growth * corner * share / squares;
                 }
                 node.image.spread = node.image.spread.max(MORE * off);
                 node.stop.spread = node.stop.spread.max(MORE * off_stop);
@@ -90,17 +93,20 @@ impl Entrance {
         let off = image.off(&fan, point, turned(*film));
         let off_stop = crossed.map_or(0.0, |at| stop.off(&fan, point, turned(at)));
         let inside = part <= 1.0 && ratio <= 1.0 && off <= image.spread && off_stop <= stop.spread;
-        (!inside).then_some(Outside { cell, part, ratio, sector, off, off_stop })
+        let corners = [fan.reach[sector], fan.reach[sector + 1]];
+        (!inside).then_some(Outside { cell, part, ratio, sector, corners, off, off_stop })
     }
 }
 
 /// A ray outside a region: the cell, what part of the row's end its angle is, how far from the centre it lies over the
-/// edge's distance, in which sector, and how far from where it is expected it reaches the film and crosses the stop, mm.
+/// edge's distance, in which sector, how far its corners lie from the centre, and how far from where it is expected it reaches
+/// the film and crosses the stop, mm.
 struct Outside {
     cell: Cell,
     part: f64,
     ratio: f64,
     sector: usize,
+    corners: [f64; 2],
     off: f64,
     off_stop: f64,
 }
