@@ -186,17 +186,27 @@ impl Field {
     fn chief_slope(&self, height: f64, expected: Option<f64>) -> Option<f64> {
         let in_stop =
             |slope: f64| self.to_stop.trace(self.ray(height, slope)).map_or(f64::NAN, |ray| ray.origin[1]);
-        // Most beams have the stop's centre between two rays of a look close by, or of a coarse scan.
+        // Most beams have the stop's centre between two rays of a look close by, or of a coarse scan; of others such a look
+        // mostly holds the whole beam.
         let close = expected.map(|slope| (self.part_about(height, slope), 1));
+        let mut whole = None;
         for (first, each) in close.into_iter().chain([(COARSE / 2, COARSE)]) {
-            if let [first, .., last] = self.may_pass(height, first, each)[..] {
-                let (low, high) = (self.scan(height, first), self.scan(height, last));
-                if in_stop(low) * in_stop(high) < 0.0 {
-                    return Some(root(low, high, in_stop));
-                }
+            let [from, .., to] = self.may_pass(height, first, each)[..] else { continue };
+            let beam @ Beam { low, high } =
+                Beam { low: self.scan(height, from), high: self.scan(height, to) };
+            if in_stop(low) * in_stop(high) < 0.0 {
+                return Some(root(low, high, in_stop));
+            }
+            let has_margins = each == 1 && from > first && to + 1 < first + PART;
+            if has_margins && self.passes(height, low) && self.passes(height, high) {
+                whole = Some(beam);
+                break;
             }
         }
-        let scanned @ Beam { low, high } = self.scanned(height)?;
+        let scanned @ Beam { low, high } = match whole {
+            Some(beam) => beam,
+            None => self.scanned(height)?,
+        };
         let (below, above) = (in_stop(low), in_stop(high));
         if below * above < 0.0 {
             return Some(root(low, high, in_stop));
