@@ -156,8 +156,9 @@ impl Focus {
             if self.first_order.front_focal_point + end.recip() <= 0.0 {
                 return None;
             }
-            if residual(end) >= 0.0 {
-                let u = root(0.0, end, residual);
+            let at_end = residual(end);
+            if at_end >= 0.0 {
+                let u = root(0.0, end, |u| if u == end { at_end } else { residual(u) });
                 return Some(self.distance_with(u, u.recip()));
             }
             end *= 1.1;

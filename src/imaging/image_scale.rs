@@ -23,7 +23,7 @@ pub struct ImageScale {
 }
 
 /// Entries from the axis to the reach.
-const ENTRIES: u32 = 33;
+const ENTRIES: u32 = 17;
 /// Turn about the axis by which the sagittal scale is measured, rad.
 const TURN: f64 = 1e-3;
 
