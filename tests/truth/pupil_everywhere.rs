@@ -19,8 +19,9 @@ use realistic::{
 const CAMERAS: u64 = 60;
 /// Field points of each, from the axis to the corner.
 const FIELDS: u32 = 7;
-/// Share of the pupil that may be missed: one of 415 points, of camera 12, misses 1.04e-4, the others less than 1e-4.
-const MISSED: f64 = 1.1e-4;
+/// Share of the pupil that may be missed, and where half-lines leave the pupil twice.
+const MISSED: f64 = 1e-4;
+const MISSED_BESIDE: f64 = 2e-4;
 
 /// Whether some half-line from the map's centre leaves the pupil more than once about its edge: no fan reaches all of it.
 fn is_left_twice(case: &Case, point: [f64; 2]) -> bool {
@@ -71,7 +72,7 @@ fn samples_get_through_and_miss_nothing_on_random_cameras_or_their_radius_is_nam
             if missed > MISSED {
                 missed = case.fit(point, 2000).1;
             }
-            let most = if missed > MISSED && is_left_twice(&case, point) { 5e-4 } else { MISSED };
+            let most = if missed > MISSED && is_left_twice(&case, point) { MISSED_BESIDE } else { MISSED };
             assert!(missed <= most, "{what}: misses {missed:e}");
             missing += u32::from(missed > MISSED);
             points += 1;

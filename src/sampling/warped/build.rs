@@ -6,10 +6,10 @@ use std::{cell::Cell, collections::BTreeMap, rc::Rc};
 
 use super::{
     outline::{Guess, Outline},
-    pieces::{BESIDE, half_disk, is_in_pieces},
+    pieces::{BESIDE, Shape, are_in_pieces, half_disk},
     report::{GivenUp, NoFan},
     search::{Crossing, EdgeFinder, HalfLine, Hints},
-    slice::{CELLS, Knots, Place, Slice, TRACE_EVERY},
+    slice::{CELLS, Knots, Places, Slice, TRACE_EVERY},
     vanishing::{Field, Vanishing},
     view::{Limit, Tracer, View, first_look},
 };
@@ -29,10 +29,10 @@ const AFTER_HALVING: f64 = 0.3;
 /// at worst.
 const WITH_NEW_CORNERS: f64 = 1.0;
 /// Share of the pupil that interpolation may then miss before the halves are halved again.
-const MISSED: f64 = 6e-5;
+const MISSED: f64 = 4.5e-5;
 /// The same where halves cannot be halved again, before the map is made larger: a bound, for where a corner comes or goes
 /// within the halves most of it is not missed.
-const MISSED_AT_LAST: f64 = 3e-4;
+const MISSED_AT_LAST: f64 = 6e-5;
 /// The same for what the interpolated shape has too much, which costs acceptance.
 const EXCESS: f64 = 3e-3;
 /// How much larger than interpolated a map may be made, relative, where the pupil changes faster than the narrowest
@@ -107,7 +107,7 @@ struct Expected<'a, 'b> {
 }
 
 /// What was found there: the outline, its map, and where on the outline the map's knots lie.
-type Traced = (Outline, Rc<Slice>, Vec<Place>);
+type Traced = (Outline, Rc<Slice>, Box<Places>);
 
 /// The table as it grows.
 struct Table<H> {
@@ -246,7 +246,7 @@ impl<'a> Builder<'a> {
     /// Share of the cover's disk that gets through, by a grid.
     fn cover_acceptance(&self, height: f64) -> f64 {
         let cover = self.cover_at(height);
-        let slopes = half_disk(40, cover);
+        let slopes = half_disk(28, cover);
         let passed = self.view(height, 1.0).pass(&slopes).into_iter().filter(|&passes| passes).count();
         passed as f64 / slopes.len() as f64
     }
@@ -261,14 +261,8 @@ impl<'a> Builder<'a> {
     ) -> Vec<Node> {
         let axis = axis.map(Rc::new);
         self.axis_area.set(axis.as_ref().map_or(0.0, |slice| slice.area));
-        let mut nodes: Vec<Node> = vec![axis];
         let ends = if vanishing.is_some() { COARSE - 1 } else { COARSE };
-        for number in 1..=ends {
-            let height = height(number << DEPTH);
-            let before = nodes.iter().rev().find_map(|node| node.as_deref().ok());
-            let whole = self.cover_slice(height);
-            nodes.push(self.slice_like(height, before.unwrap_or(&whole)));
-        }
+        let mut nodes = self.outward(height, axis, ends);
         nodes.extend(vanishing.map(|slice| Ok(Rc::new(slice))));
         for number in (1..=ends).rev() {
             let beyond = nodes[number + 1..].iter().find_map(|node| node.clone().ok());
@@ -298,12 +292,62 @@ impl<'a> Builder<'a> {
         nodes
     }
 
+    /// The axis's map and those at the ends of the first coarse intervals, each sought from the nearest one before.
+    fn outward(&self, height: &impl Fn(usize) -> f64, axis: Node, ends: usize) -> Vec<Node> {
+        let mut nodes: Vec<Node> = vec![axis];
+        // The looks for pieces go side by side.
+        let mut traced = Vec::with_capacity(ends);
+        let like = |nodes: &[Node], height: f64| {
+            let before = nodes.iter().rev().find_map(|node| node.as_ref().ok().cloned());
+            before.unwrap_or_else(|| Rc::new(self.cover_slice(height)))
+        };
+        for number in 1..=ends {
+            let height = height(number << DEPTH);
+            let (node, outline) = self.traced_like(height, &like(&nodes, height));
+            nodes.push(node);
+            traced.push(outline);
+        }
+        let (numbers, shapes): (Vec<usize>, Vec<Shape<'_>>) = (1..)
+            .zip(&traced)
+            .zip(&nodes[1..])
+            .filter_map(|((number, traced), node)| {
+                let (view, outline) = traced.as_ref()?;
+                Some((number, self.shape(*view, outline, node.as_ref().ok()?)))
+            })
+            .unzip();
+        let in_pieces = are_in_pieces(&self.tracer, &shapes);
+        let Some(first) = numbers.into_iter().zip(in_pieces).find_map(|(number, is)| is.then_some(number))
+        else {
+            return nodes;
+        };
+        // What was sought from a pupil in pieces is sought from the one before that.
+        nodes.truncate(first);
+        nodes.push(Err(NoFan::InPieces));
+        for number in first + 1..=ends {
+            let height = height(number << DEPTH);
+            nodes.push(self.slice_like(height, &like(&nodes, height)));
+        }
+        nodes
+    }
+
     /// The map at a film radius, sought from one at another, with a look for other pieces.
     fn slice_like(&self, height: f64, like: &Slice) -> Node {
-        let (outline, slice, _) = self.traced(&[self.expected_like(height, like)]).remove(0)?;
-        let view = self.view(height, like.width_scale());
-        let in_pieces = is_in_pieces(&view, &outline, slice.area, self.cover_at(height));
-        if in_pieces { Err(NoFan::InPieces) } else { Ok(slice) }
+        let (node, outline) = self.traced_like(height, like);
+        let (slice, (view, outline)) = (node?, outline.expect("a map has an outline"));
+        let in_pieces = are_in_pieces(&self.tracer, &[self.shape(view, &outline, &slice)]);
+        if in_pieces[0] { Err(NoFan::InPieces) } else { Ok(slice) }
+    }
+
+    /// The same without the look, and the outline.
+    fn traced_like(&self, height: f64, like: &Slice) -> (Node, Option<(View<'_>, Outline)>) {
+        match self.traced(&[self.expected_like(height, like)]).remove(0) {
+            Ok((outline, slice, _)) => (Ok(slice), Some((self.view(height, like.width_scale()), outline))),
+            Err(reason) => (Err(reason), None),
+        }
+    }
+
+    fn shape<'b>(&'b self, view: View<'b>, outline: &'b Outline, slice: &Slice) -> Shape<'b> {
+        Shape { view, outline, area: slice.area, cover: self.cover_at(view.height) }
     }
 
     fn expected_like<'b>(&self, height: f64, like: &'b Slice) -> Expected<'_, 'b> {
@@ -395,7 +439,7 @@ impl<'a> Builder<'a> {
         (0..=CELLS).step_by(TRACE_EVERY).map(|knot| (self.knots.angles[knot], points[0].1)).collect()
     }
 
-    fn fit(&self, view: &View<'_>, outline: &Outline) -> (Slice, Vec<Place>) {
+    fn fit(&self, view: &View<'_>, outline: &Outline) -> (Slice, Box<Places>) {
         let crescent = (1.0 - (view.height / self.vanishing.get()).powi(2)).max(0.0).sqrt();
         Slice::fit(view, outline, &self.knots, crescent, self.axis_area.get())
     }
@@ -422,28 +466,21 @@ impl<'a> Builder<'a> {
                 }
             })
             .collect();
-        let found = self.traced(&expected);
+        let found = self.in_one_piece(&gaps, &expected, self.traced(&expected));
         let mut left = Vec::new();
         for ((gap, expected), found) in gaps.into_iter().zip(&expected).zip(found) {
             let Expected { view, like, .. } = expected;
             let Gap { ends: [from, to], nodes: [a, b] } = gap;
             let place = usize::midpoint(from, to);
-            let cover = self.cover_at(view.height);
-            let has_pieces =
-                |outline: &Outline, slice: &Slice| is_in_pieces(view, outline, slice.area, cover);
             let middle = match (found, &a, &b) {
                 (Ok((outline, slice, places)), Ok(a), Ok(b)) => {
-                    // The ends of the widest were looked at, and their middles are.
-                    if to - from == FINE / COARSE && has_pieces(&outline, &slice) {
-                        Err(NoFan::InPieces)
-                    } else if self.fits([from, to], [a, b], (&slice, like, &outline, &places), table) {
+                    if self.fits([from, to], [a, b], (&slice, like, &outline, &places), table) {
                         continue;
-                    } else {
-                        Ok(slice)
                     }
+                    Ok(slice)
                 }
-                (Ok((outline, slice, _)), ..) if has_pieces(&outline, &slice) => Err(NoFan::InPieces),
                 (Ok((_, slice, _)), ..) => Ok(slice),
+                (Err(NoFan::InPieces), ..) => Err(NoFan::InPieces),
                 (Err(_), Ok(a), Ok(b)) if b.area == 0.0 && a.area < SLIVER * self.axis_area.get() => {
                     table.intervals.push(last_sliver([from, to], a, b));
                     continue;
@@ -464,6 +501,34 @@ impl<'a> Builder<'a> {
             left.push(Gap { ends: [place, to], nodes: [middle, b] });
         }
         left
+    }
+
+    /// What was found in the middles of gaps, but where the pupil is in pieces. Where both ends have maps only the middles of
+    /// the widest are looked at, as their ends were.
+    fn in_one_piece(
+        &self,
+        gaps: &[Gap],
+        expected: &[Expected<'_, '_>],
+        mut found: Vec<Result<Traced, NoFan>>,
+    ) -> Vec<Result<Traced, NoFan>> {
+        let is_looked_at = |Gap { ends: [from, to], nodes }: &Gap| {
+            to - from == FINE / COARSE || nodes.iter().any(Result::is_err)
+        };
+        let (numbers, shapes): (Vec<usize>, Vec<Shape<'_>>) = gaps
+            .iter()
+            .zip(expected)
+            .zip(&found)
+            .enumerate()
+            .filter_map(|(number, ((gap, expected), found))| {
+                let (outline, slice, _) = found.as_ref().ok().filter(|_| is_looked_at(gap))?;
+                Some((number, self.shape(expected.view, outline, slice)))
+            })
+            .unzip();
+        let in_pieces = are_in_pieces(&self.tracer, &shapes);
+        for (number, _) in numbers.into_iter().zip(in_pieces).filter(|&(_, is)| is) {
+            found[number] = Err(NoFan::InPieces);
+        }
+        found
     }
 
     /// Fills a gap that is not to be halved.
@@ -500,7 +565,7 @@ impl<'a> Builder<'a> {
         &self,
         [from, to]: [usize; 2],
         [a, b]: [&Rc<Slice>; 2],
-        (slice, predicted, outline, places): (&Rc<Slice>, &Slice, &Outline, &[Place]),
+        (slice, predicted, outline, places): (&Rc<Slice>, &Slice, &Outline, &Places),
         table: &mut Table<H>,
     ) -> bool {
         let same_corners = a.corners == b.corners && a.corners == slice.corners;
@@ -516,13 +581,16 @@ impl<'a> Builder<'a> {
         if !good && missed > MISSED_AT_LAST {
             // What the halves would miss is sampled with some that is blocked.
             let (growth, outside) = slice.growth(predicted, outline, places, &self.knots, part);
-            if growth.iter().copied().fold(0.0, f64::max) > MOST_GROWTH {
+            let most = growth.iter().copied().fold(0.0, f64::max);
+            if most > MOST_GROWTH {
                 self.cover([from, to], NoFan::Shape, table);
                 return true;
             }
             for place in [from, place, to] {
                 let all = table.growth.entry(place).or_insert_with(|| vec![0.0; CELLS + 1]);
-                all.iter_mut().zip(&growth).for_each(|(all, new)| *all = new.max(*all));
+                // The same all around on the axis, across which the map is continuous.
+                let around = if place == 0 { most } else { 0.0 };
+                all.iter_mut().zip(&growth).for_each(|(all, new)| *all = new.max(*all).max(around));
             }
             blocked = outside.max(blocked);
         }

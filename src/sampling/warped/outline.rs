@@ -4,7 +4,6 @@
 use std::f64::consts::PI;
 
 use super::{
-    illinois::{Closing, illinois},
     search::{Crossing, EdgeFinder, HalfLine},
     view::{Limit, View},
 };
@@ -37,7 +36,7 @@ pub(crate) struct Piece {
     pub from: f64,
     pub to: f64,
     /// In powers of the angle less `from`.
-    cubic: [f64; 4],
+    pub cubic: [f64; 4],
 }
 
 impl Piece {
@@ -65,12 +64,14 @@ pub(crate) struct Guess<'a> {
 
 /// Interval of angles in which a corner is pinned down before the arcs are simply extended to meet.
 const CORNER_BRACKET: f64 = 4e-2;
-/// Where a search for where two arcs meet ends: about as near as a corner has to be known.
-const MEETING: Closing = Closing::Step { width: 1e-6, most: 30 };
 /// Searches a corner may cost.
 const CORNER_STEPS: u32 = 8;
+/// How far from where it is expected, relative, the edge may be found half way between a corner and the point next to it,
+/// and how often the halves are looked at where it is farther.
+const AS_EXPECTED: f64 = 5e-4;
+const CORNER_LOOKS: u32 = 4;
 /// How far an arc may be off between two points, relative, before it gets more points.
-const OFF: f64 = 3e-3;
+const OFF: f64 = 1e-3;
 /// Share of the pupil that may be in doubt between two points that many points are put between no more.
 const DOUBT: f64 = 1e-5;
 /// The same in all: beyond, no fan fits.
@@ -80,6 +81,8 @@ const REFINEMENTS: u32 = 6;
 const FREE_REFINEMENTS: u32 = 2;
 /// Interval of angles within which an edge that leads from one distance to another jumps.
 const JUMP: f64 = 3e-3;
+/// Ends of arcs that do not meet are a jump where their ratio is that far from 1, else an arc is not known well.
+const ENDS_APART: f64 = 0.015;
 /// Distances are another where their ratio is that far from 1.
 const APART: f64 = 0.05;
 
@@ -99,6 +102,7 @@ impl Outline {
             }
         }
         find_corners(finder, &mut traces);
+        look_beside_corners(finder, &mut traces);
         traces.into_iter().map(|trace| trace.filter(|trace| !trace.torn).map(Trace::outline)).collect()
     }
 
@@ -205,7 +209,9 @@ impl<'a> Trace<'a> {
                 continue;
             }
             // Where a straight line is good enough a cubic is.
-            if (extend(&[before, after], own.angle) / own.inverse - 1.0).abs() < 8.0 * OFF {
+            let part = (own.angle - before.angle) / (after.angle - before.angle);
+            let straight = before.inverse + part * (after.inverse - before.inverse);
+            if (straight - own.inverse).abs() < 8.0 * OFF * own.inverse {
                 continue;
             }
             let [first, last] = [-3, 3].map(|step| self.point(i as isize + step));
@@ -295,12 +301,13 @@ impl<'a> Trace<'a> {
 
     /// Where the arcs on both sides of the gap after the `i`th point meet, or its middle where they do not.
     fn meeting(&self, i: usize) -> Meeting {
-        let (begun, coming) = (self.arc(i, false), self.arc(i + 1, true));
-        let gap = |angle: f64| extend(begun.points(), angle) - extend(coming.points(), angle);
+        let points = [self.arc(i, false), self.arc(i + 1, true)];
+        let arcs @ [begun, coming] = points.each_ref().map(|arc| Parabola::through(arc.points()));
         let (low, high) = (self.found[i].0, self.found[i + 1].0);
-        let crosses = gap(low) * gap(high) < 0.0;
-        let angle = if crosses { illinois(low, high, MEETING, gap) } else { f64::midpoint(low, high) };
-        Meeting { angle, crosses, arcs: [begun, coming] }
+        let crosses = (begun.at(low) - coming.at(low)) * (begun.at(high) - coming.at(high)) < 0.0;
+        let angle = if crosses { begun.meets(coming, low, high) } else { f64::midpoint(low, high) };
+        let is_known = points.iter().all(|arc| arc.count > 1);
+        Meeting { angle, crosses, is_known, arcs }
     }
 
     /// Closes the gaps that are narrow enough; angles and expectations for two searches in each of the others.
@@ -311,17 +318,23 @@ impl<'a> Trace<'a> {
         let mut moved = 0;
         for (i, steps) in std::mem::take(&mut self.gaps) {
             let i = i + moved;
-            let Meeting { angle: meeting, crosses, arcs: [begun, coming] } = self.meeting(i);
+            let Meeting { angle: meeting, crosses, is_known, arcs: [begun, coming] } = self.meeting(i);
             let ((low, from), (high, to)) = (self.found[i], self.found[i + 1]);
             let width = high - low;
             // Arcs that do not meet are followed to where one ends.
             let leaps = !crosses && self.leaps(i);
             if steps == 0 || width < if leaps { JUMP } else { CORNER_BRACKET } {
                 self.torn |= leaps && width < JUMP;
-                let ends = [&begun, &coming].map(|arc| extend(arc.points(), meeting));
-                let radius = f64::midpoint(ends[0], ends[1]).recip();
-                self.corners.push((meeting, radius));
-                let ends = [from, to].map(|end| (meeting, Crossing { radius, ..end }));
+                // Where the edge jumps they end apart, and the outer end is the corner.
+                let ends = [begun, coming].map(|arc| arc.at(meeting).recip());
+                let mean = 2.0 / (ends[0].recip() + ends[1].recip());
+                let jumps = !crosses && is_known && (ends[0] / ends[1]).ln().abs() > ENDS_APART;
+                let (ends, corner) = if jumps { (ends, ends[0].max(ends[1])) } else { ([mean; 2], mean) };
+                self.corners.push((meeting, corner));
+                let ends = [from, to]
+                    .into_iter()
+                    .zip(ends)
+                    .map(|(end, radius)| (meeting, Crossing { radius, ..end }));
                 self.found.splice(i + 1..i + 1, ends);
                 moved += 2;
                 continue;
@@ -333,7 +346,7 @@ impl<'a> Trace<'a> {
                 (meeting + margin).clamp(low + 0.3 * width, high - 0.1 * width),
             ];
             wanted.extend(angles.map(|angle| {
-                let radius = extend(begun.points(), angle).max(extend(coming.points(), angle)).recip();
+                let radius = begun.at(angle).max(coming.at(angle)).recip();
                 (angle, Crossing { radius, ..if angle < meeting { from } else { to } })
             }));
             open.push((i, steps));
@@ -356,10 +369,26 @@ impl<'a> Trace<'a> {
         self.gaps = gaps;
     }
 
-    /// The smooth pieces through all that was found.
-    fn outline(mut self) -> Outline {
-        self.corners.sort_by(|a, b| a.0.total_cmp(&b.0));
-        // Mirrored at 0 and π for the sake of interpolation.
+    /// The first wide stretch of an arc on each side of each corner: from which of what was found to the next.
+    fn beside_corners(&self) -> Vec<usize> {
+        let last = self.found.len() - 1;
+        let is_corner = |i: usize| self.found[i].0 == self.found[i + 1].0;
+        let is_wide = |&i: &usize| self.found[i + 1].0 - self.found[i].0 > CORNER_BRACKET;
+        let mut beside: Vec<usize> = (0..last)
+            .filter(|&i| is_corner(i))
+            .flat_map(|i| {
+                let before = (0..i).rev().take_while(|&k| !is_corner(k)).find(is_wide);
+                let after = (i + 1..last).take_while(|&k| !is_corner(k)).find(is_wide);
+                before.into_iter().chain(after)
+            })
+            .collect();
+        beside.dedup();
+        beside
+    }
+
+    /// What was found, in order, and mirrored at 0 and π for the sake of interpolation; and which of them are first and last
+    /// of what was found.
+    fn points(&self) -> (Vec<Point>, [usize; 2]) {
         let count = self.found.len();
         let mirrored = |point: Point, about: f64| Point { angle: 2.0 * about - point.angle, ..point };
         let (start, end) = (self.arc(0, true), self.arc(count - 1, false));
@@ -369,6 +398,13 @@ impl<'a> Trace<'a> {
         points.extend(self.found.iter().map(|&(angle, crossing)| Point::new(angle, crossing)));
         let last = points.len() - 1;
         points.extend(end.points().iter().skip(1).map(|&point| mirrored(point, PI)));
+        (points, [first, last])
+    }
+
+    /// The smooth pieces through all that was found.
+    fn outline(mut self) -> Outline {
+        self.corners.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (points, [first, last]) = self.points();
         let pieces = (first..last).filter(|&i| points[i].angle < points[i + 1].angle);
         Outline {
             center: self.center,
@@ -383,8 +419,10 @@ struct Meeting {
     angle: f64,
     /// Whether they do, or the angle is but the middle between them.
     crosses: bool,
+    /// Whether more than a point is known of both arcs.
+    is_known: bool,
     /// The arc before, and the one after.
-    arcs: [Arc; 2],
+    arcs: [Parabola; 2],
 }
 
 /// The end of an arc, from there on.
@@ -396,6 +434,53 @@ struct Arc {
 impl Arc {
     fn points(&self) -> &[Point] {
         &self.points[..self.count]
+    }
+}
+
+/// The end of an arc as it goes on: 1/distance as a polynomial of the angle.
+#[derive(Clone, Copy)]
+struct Parabola {
+    /// The angle of its nearest point.
+    from: f64,
+    /// In powers of the angle less `from`.
+    coefficients: [f64; 3],
+}
+
+impl Parabola {
+    /// Through one to three points, the nearest one first.
+    fn through(points: &[Point]) -> Self {
+        let steepness = |a: &Point, b: &Point| (b.inverse - a.inverse) / (b.angle - a.angle);
+        let from = points[0].angle;
+        let (linear, square) = match points {
+            [_] => (0.0, 0.0),
+            [a, b] => (steepness(a, b), 0.0),
+            [a, b, c, ..] => {
+                let square = (steepness(b, c) - steepness(a, b)) / (c.angle - a.angle);
+                (steepness(a, b) - square * (b.angle - from), square)
+            }
+            [] => unreachable!("an arc has a point"),
+        };
+        Self { from, coefficients: [points[0].inverse, linear, square] }
+    }
+
+    fn at(self, angle: f64) -> f64 {
+        let [a, b, c] = self.coefficients;
+        let t = angle - self.from;
+        a + t * (b + t * c)
+    }
+
+    /// The angle between `low` and `high` where it meets another one, for two that do just once.
+    fn meets(self, other: Self, low: f64, high: f64) -> f64 {
+        let steepness = |arc: Self| arc.coefficients[1] + 2.0 * (low - arc.from) * arc.coefficients[2];
+        let a = self.at(low) - other.at(low);
+        let b = steepness(self) - steepness(other);
+        let c = self.coefficients[2] - other.coefficients[2];
+        let discriminant = (b * b - 4.0 * a * c).max(0.0).sqrt();
+        let q = -0.5 * (b + discriminant.copysign(b));
+        let width = high - low;
+        let off = |x: f64| if x.is_finite() { (x - x.clamp(0.0, width)).abs() } else { f64::INFINITY };
+        let [x, y] = [a / q, q / c];
+        low + if off(x) <= off(y) { x } else { y }.clamp(0.0, width)
     }
 }
 
@@ -484,6 +569,41 @@ fn find_corners(finder: EdgeFinder<'_>, traces: &mut [Option<Trace<'_>>]) {
                 *trace = None;
             } else if let Some(trace) = trace {
                 trace.take_in(&found);
+            }
+        }
+    }
+}
+
+/// Finds the edge half way between a corner and what was found next to it, and in both halves where it was not expected
+/// there: arcs may turn sharply beside a corner, and end there. An edge that is not found leaves the arc as it is.
+fn look_beside_corners(finder: EdgeFinder<'_>, traces: &mut [Option<Trace<'_>>]) {
+    let mut stretches: Vec<Vec<usize>> =
+        traces.iter().map(|trace| trace.as_ref().map_or_else(Vec::new, Trace::beside_corners)).collect();
+    for _ in 0..CORNER_LOOKS {
+        let mut wanted = Vec::new();
+        for (number, (trace, stretches)) in traces.iter().zip(&mut stretches).enumerate() {
+            let Some(trace) = trace.as_ref().filter(|_| !stretches.is_empty()) else { continue };
+            let (points, [first, _]) = trace.points();
+            for i in stretches.drain(..) {
+                let piece = piece(&points, first + i);
+                let angle = f64::midpoint(piece.from, piece.to);
+                let expected = Crossing { radius: piece.radius(angle), ..trace.found[i].1 };
+                wanted.push((number, trace.half_line(angle, expected), angle));
+            }
+        }
+        if wanted.is_empty() {
+            return;
+        }
+        let edges = finder.crossings(wanted.iter().map(|&(_, half_line, _)| half_line));
+        for ((number, HalfLine { guess: expected, .. }, angle), edge) in wanted.into_iter().zip(edges) {
+            let (Some(trace), Some(edge)) = (&mut traces[number], edge) else { continue };
+            let is_off = (edge.radius / expected.radius - 1.0).abs() > AS_EXPECTED;
+            if is_off || edge.limit == expected.limit {
+                let place = trace.found.partition_point(|found| found.0 < angle);
+                trace.found.insert(place, (angle, edge));
+                if is_off {
+                    stretches[number].extend([place - 1, place]);
+                }
             }
         }
     }

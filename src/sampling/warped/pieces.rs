@@ -1,11 +1,13 @@
-//! Whether a pupil is more, or less, than what its outline encloses: an outline in, whether there are holes within it or
+//! Whether pupils are more, or less, than what their outlines enclose: outlines in, whether there are holes within each or
 //! light that gets through beside it out.
+
+use std::f64::consts::PI;
 
 use super::{
     outline::{Outline, direction},
-    view::{Excess, View},
+    view::{Excess, Tracer, View},
 };
-use crate::lens::pupil::SlopeDisk;
+use crate::{lens::pupil::SlopeDisk, trace::kernel::MeridianRay};
 
 /// Half-lines that are looked along.
 const RAYS: usize = 12;
@@ -21,40 +23,59 @@ const SMALL: f64 = 5e-5;
 /// Steps of a search for a piece between the looks.
 const STEPS: u32 = 12;
 
-/// A coarse look for holes inside the outline, and for light that gets through outside it: also between the looks,
-/// wherever one of them is nearer to getting through than its neighbours. `cover` holds all of the light; the outline
-/// encloses `area`, slope².
-pub(crate) fn is_in_pieces(view: &View<'_>, outline: &Outline, area: f64, cover: SlopeDisk) -> bool {
+/// An outline that is looked at.
+#[derive(Clone, Copy)]
+pub(crate) struct Shape<'a> {
+    pub view: View<'a>,
+    pub outline: &'a Outline,
+    /// What the outline encloses, slope².
+    pub area: f64,
+    /// Holds all of the light.
+    pub cover: SlopeDisk,
+}
+
+/// A coarse look for holes inside each of several outlines, and for light that gets through outside it: also between the
+/// looks, wherever one of them is nearer to getting through than its neighbours. Side by side, because rays are traced in
+/// packets.
+pub(crate) fn are_in_pieces(tracer: &Tracer<'_>, shapes: &[Shape<'_>]) -> Vec<bool> {
+    const LOOKS: usize = RAYS * (WITHIN + BEYOND);
     let place = |k: usize, n: usize| (k as f64 + 0.5) / n as f64;
-    let mut cursor = 0;
-    let half_lines: Vec<HalfLine> = (0..RAYS)
-        .map(|i| HalfLine::new(view, outline, cover, std::f64::consts::PI * place(i, RAYS), &mut cursor))
-        .collect();
-    let within = half_lines
-        .iter()
-        .flat_map(|half_line| (0..WITHIN).map(|k| half_line.at(half_line.edge * place(k, WITHIN))));
-    let mut looks: Vec<[f64; 2]> = within.collect();
-    for half_line in &half_lines {
-        looks.extend((0..BEYOND).map(|k| half_line.beyond(outward(k))));
+    let mut half_lines = Vec::with_capacity(RAYS * shapes.len());
+    let mut rays = Vec::with_capacity(LOOKS * shapes.len());
+    for shape in shapes {
+        let mut cursor = 0;
+        let first = half_lines.len();
+        half_lines.extend((0..RAYS).map(|i| shape.half_line(PI * place(i, RAYS), &mut cursor)));
+        let own = &half_lines[first..];
+        let within = own
+            .iter()
+            .flat_map(|half_line| (0..WITHIN).map(|k| half_line.at(half_line.edge * place(k, WITHIN))));
+        let beyond = own.iter().flat_map(|half_line| (0..BEYOND).map(|k| half_line.beyond(outward(k))));
+        rays.extend(within.chain(beyond).map(|slopes| shape.view.ray(slopes)));
     }
-    let mut found = Vec::with_capacity(looks.len());
-    view.excesses(&looks, &mut found);
-    let (within, beyond) = found.split_at(RAYS * WITHIN);
-    if within.iter().any(|excess| excess.value > 0.0) {
-        return true;
+    let mut found = Vec::with_capacity(rays.len());
+    tracer.excesses(rays.into_iter(), &mut found);
+    let mut in_pieces = Vec::with_capacity(shapes.len());
+    let mut descents = Vec::new();
+    let looks = found.as_chunks::<LOOKS>().0.iter().zip(half_lines.as_chunks::<RAYS>().0);
+    for (number, (found, half_lines)) in looks.enumerate() {
+        let (within, beyond) = found.split_at(RAYS * WITHIN);
+        let beside = |i: usize, k: usize| half_lines[i].distance(outward(k)) > BESIDE * half_lines[i].edge;
+        let looks = (0..RAYS * BEYOND).map(|look| (look / BEYOND, look % BEYOND));
+        let has_hole = within.iter().any(|excess| excess.value > 0.0);
+        let is_seen =
+            has_hole || looks.clone().any(|(i, k)| beyond[i * BEYOND + k].value <= 0.0 && beside(i, k));
+        in_pieces.push(is_seen);
+        if !is_seen {
+            let least = looks.filter(|&(i, k)| is_least(beyond, i, k));
+            descents.extend(least.map(|(i, k)| {
+                let point = Point { half_line: half_lines[i], part: outward(k) };
+                Descent::new(number, point, beyond[i * BEYOND + k].value)
+            }));
+        }
     }
-    let beside = |i: usize, k: usize| {
-        let HalfLine { edge, end, .. } = half_lines[i];
-        edge + (end - edge) * outward(k) > BESIDE * edge
-    };
-    let looks = (0..RAYS * BEYOND).map(|look| (look / BEYOND, look % BEYOND));
-    if looks.clone().any(|(i, k)| beyond[i * BEYOND + k].value <= 0.0 && beside(i, k)) {
-        return true;
-    }
-    let descents = looks
-        .filter(|&(i, k)| is_least(beyond, i, k))
-        .map(|(i, k)| Descent::new(half_lines[i], outward(k), beyond[i * BEYOND + k].value));
-    Beside { view, outline, cover }.piece(descents.collect(), |point| !is_small(view, point, area))
+    look_beside(tracer, shapes, descents, &mut in_pieces);
+    in_pieces
 }
 
 /// Which part of the way from the outline to the cover's edge look `k` lies at: the looks are denser near the outline.
@@ -63,14 +84,18 @@ fn outward(k: usize) -> f64 {
 }
 
 /// Whether a piece is too small to count: none of the points about one of its own at the distance at which a disk has
-/// [`SMALL`] of the pupil's area is in it.
-fn is_small(view: &View<'_>, [x, y]: [f64; 2], area: f64) -> bool {
-    let radius = (SMALL * area / (std::f64::consts::PI * view.width_scale)).sqrt();
-    let around: Vec<[f64; 2]> = (0..8)
+/// [`SMALL`] of the pupil's area is in it. Light at a point that the outline encloses is the pupil's own: where its edge
+/// jumps the outline may end a little too early.
+fn is_small(Shape { view, outline, area, .. }: &Shape<'_>, [x, y]: [f64; 2]) -> bool {
+    let radius = (SMALL * area / (PI * view.width_scale)).sqrt();
+    let around = (0..8)
         .map(|i| direction(std::f64::consts::FRAC_PI_4 * f64::from(i)))
         .map(|[dx, dy]| [x + radius * dx, y + radius * dy])
-        .collect();
-    !view.pass(&around).contains(&true)
+        .filter(|&[x, y]| {
+            let (x, y) = (x - outline.center, y.abs());
+            x.hypot(y) > BESIDE * outline.radius(y.atan2(x), &mut 0)
+        });
+    !view.pass(&around.collect::<Vec<_>>()).contains(&true)
 }
 
 /// A half-line from the outline's centre.
@@ -84,24 +109,32 @@ struct HalfLine {
     end: f64,
 }
 
-impl HalfLine {
-    fn new(view: &View<'_>, outline: &Outline, cover: SlopeDisk, angle: f64, cursor: &mut usize) -> Self {
+impl Shape<'_> {
+    fn half_line(&self, angle: f64, cursor: &mut usize) -> HalfLine {
+        let Self { view, outline, cover, .. } = self;
         let [dx, dy] = direction(angle);
         let edge = outline.radius(angle, cursor);
         let (offset, x) = (view.width_scale * outline.center - cover.center[0], view.width_scale * dx);
         let (along, square) = (offset * x, x * x + dy * dy);
         let inside = cover.radius.powi(2) - offset * offset;
         let end = ((along * along + square * inside).max(0.0).sqrt() - along) / square;
-        Self { center: outline.center, angle, direction: [dx, dy], edge, end: end.max(edge) }
+        HalfLine { center: outline.center, angle, direction: [dx, dy], edge, end: end.max(edge) }
     }
+}
 
+impl HalfLine {
     fn at(&self, radius: f64) -> [f64; 2] {
         [self.center + radius * self.direction[0], radius * self.direction[1]]
     }
 
     /// The point at `part` of the way from the outline to the cover's edge.
     fn beyond(&self, part: f64) -> [f64; 2] {
-        self.at(self.edge + (self.end - self.edge) * part)
+        self.at(self.distance(part))
+    }
+
+    /// Its distance from the centre.
+    fn distance(&self, part: f64) -> f64 {
+        self.edge + (self.end - self.edge) * part
     }
 }
 
@@ -117,15 +150,10 @@ fn is_least(beyond: &[Excess], i: usize, k: usize) -> bool {
         && (i + 1 == RAYS || own <= at(i + 1, k))
 }
 
-/// What lies beside an outline.
-struct Beside<'a> {
-    view: &'a View<'a>,
-    outline: &'a Outline,
-    cover: SlopeDisk,
-}
-
 /// A descent of the excess from a point beside an outline.
 struct Descent {
+    /// The outline's number.
+    shape: usize,
     point: Point,
     least: f64,
     /// Angle, and part of the way, to the neighbours that are looked at.
@@ -148,49 +176,38 @@ enum Led {
     ToPiece([f64; 2]),
 }
 
-impl Beside<'_> {
-    /// Whether one of the descents, side by side, ends at light that `counts`.
-    fn piece(&self, mut descents: Vec<Descent>, counts: impl Fn([f64; 2]) -> bool) -> bool {
-        let (mut looks, mut found) = (Vec::new(), Vec::new());
-        for _ in 0..STEPS {
-            looks.clear();
-            for descent in &mut descents {
-                descent.neighbours = self.neighbours(descent);
-                looks.extend(descent.neighbours.map(|point| point.slopes()));
-            }
-            if looks.is_empty() {
-                return false;
-            }
-            self.view.excesses(&looks, &mut found);
-            let mut found = found.as_chunks::<4>().0.iter();
-            let mut pieces = Vec::new();
-            descents.retain_mut(|descent| match found.next().map(|excesses| descent.follow(excesses)) {
-                Some(Led::On) => true,
-                Some(Led::ToPiece(slopes)) => {
-                    pieces.push(slopes);
-                    false
-                }
-                Some(Led::Nowhere) | None => false,
-            });
-            if pieces.into_iter().any(&counts) {
-                return true;
-            }
+/// Follows the descents, side by side, and marks the shapes of which one ends at light beside the outline.
+fn look_beside(
+    tracer: &Tracer<'_>,
+    shapes: &[Shape<'_>],
+    mut descents: Vec<Descent>,
+    in_pieces: &mut [bool],
+) {
+    let mut found = Vec::with_capacity(4 * descents.len());
+    for _ in 0..STEPS {
+        descents.retain(|descent| !in_pieces[descent.shape]);
+        if descents.is_empty() {
+            return;
         }
-        false
-    }
-
-    fn neighbours(&self, Descent { point, step, .. }: &Descent) -> [Point; 4] {
-        let Point { half_line, part } = *point;
-        let turned = |turn: f64| {
-            let angle = (half_line.angle + turn).clamp(0.0, std::f64::consts::PI);
-            Point { half_line: self.half_line(angle), part }
-        };
-        let farther = |way: f64| Point { half_line, part: (part + way).clamp(0.0, 1.0) };
-        [turned(step[0]), turned(-step[0]), farther(step[1]), farther(-step[1])]
-    }
-
-    fn half_line(&self, angle: f64) -> HalfLine {
-        HalfLine::new(self.view, self.outline, self.cover, angle, &mut 0)
+        for descent in &mut descents {
+            descent.neighbours = descent.around(&shapes[descent.shape]);
+        }
+        let rays: Vec<MeridianRay> = descents
+            .iter()
+            .flat_map(|Descent { shape, neighbours, .. }| {
+                neighbours.map(|point| shapes[*shape].view.ray(point.slopes()))
+            })
+            .collect();
+        tracer.excesses(rays.into_iter(), &mut found);
+        let mut found = found.as_chunks::<4>().0.iter();
+        descents.retain_mut(|descent| match found.next().map(|excesses| descent.follow(excesses)) {
+            Some(Led::On) => true,
+            Some(Led::ToPiece(slopes)) => {
+                in_pieces[descent.shape] |= !is_small(&shapes[descent.shape], slopes);
+                false
+            }
+            Some(Led::Nowhere) | None => false,
+        });
     }
 }
 
@@ -201,10 +218,20 @@ impl Point {
 }
 
 impl Descent {
-    fn new(half_line: HalfLine, part: f64, least: f64) -> Self {
-        let point = Point { half_line, part };
-        let step = [std::f64::consts::PI / (2 * RAYS) as f64, 0.5 / BEYOND as f64];
-        Self { point, least, step, neighbours: [point; 4] }
+    fn new(shape: usize, point: Point, least: f64) -> Self {
+        let step = [PI / (2 * RAYS) as f64, 0.5 / BEYOND as f64];
+        Self { shape, point, least, step, neighbours: [point; 4] }
+    }
+
+    /// The neighbours that are to be looked at.
+    fn around(&self, shape: &Shape<'_>) -> [Point; 4] {
+        let Point { half_line, part } = self.point;
+        let turned = |turn: f64| {
+            let angle = (half_line.angle + turn).clamp(0.0, PI);
+            Point { half_line: shape.half_line(angle, &mut 0), part }
+        };
+        let farther = |way: f64| Point { half_line, part: (part + way).clamp(0.0, 1.0) };
+        [turned(self.step[0]), turned(-self.step[0]), farther(self.step[1]), farther(-self.step[1])]
     }
 
     /// Goes to the least of the neighbours, whose excesses these are.
@@ -217,8 +244,8 @@ impl Descent {
         }
         if self.least <= 0.0 {
             // Toward the outline everything leads inside.
-            let Point { half_line: HalfLine { edge, end, .. }, part } = self.point;
-            let is_beside = edge + (end - edge) * part > BESIDE * edge;
+            let Point { half_line, part } = self.point;
+            let is_beside = half_line.distance(part) > BESIDE * half_line.edge;
             return if is_beside { Led::ToPiece(self.point.slopes()) } else { Led::Nowhere };
         }
         if self.least == before {

@@ -7,9 +7,12 @@ use super::{
     outline::{Outline, Piece, direction},
     view::View,
 };
+use crate::trace::kernel::{Compiled, Simd};
 
 /// Knots between the lens direction along the film point's and the opposite one, less one.
 pub(crate) const CELLS: usize = 128;
+/// Knots.
+const KNOTS: usize = CELLS + 1;
 /// The edge is traced at every knot whose number is a multiple of this.
 pub(crate) const TRACE_EVERY: usize = 8;
 
@@ -36,7 +39,7 @@ impl Knots {
             let q = 2.0 * knot as f64 / CELLS as f64;
             (if q <= 1.0 { q } else { 2.0 - q }).atan2(1.0 - q)
         };
-        let angles: Vec<f64> = (0..=CELLS).map(angle).collect();
+        let angles: Vec<f64> = (0..KNOTS).map(angle).collect();
         let directions = angles.iter().map(|&angle| direction(angle)).collect();
         Self { directions, parts: angles.iter().map(|angle| angle / PI).collect(), angles }
     }
@@ -70,7 +73,7 @@ impl Slice {
             height,
             center,
             narrowing: 0.0,
-            factors: vec![[radius, 0.0]; CELLS + 1],
+            factors: vec![[radius, 0.0]; KNOTS],
             area: PI * radius * radius,
             corners: 0,
             margin: 0.0,
@@ -87,7 +90,7 @@ impl Slice {
         knots: &Knots,
         crescent: f64,
         axis_area: f64,
-    ) -> (Self, Vec<Place>) {
+    ) -> (Self, Box<Places>) {
         let mut sectors = Vec::with_capacity(outline.pieces.len());
         let mut total = 0.0;
         for &piece in &outline.pieces {
@@ -101,23 +104,11 @@ impl Slice {
         // Where the pupil vanishes that is about its width over its height. Half of it keeps τ above 0 between the slices,
         // too; where it does not vanish nothing is narrowed.
         let least = if crescent < 1.0 { crescent / 2.0 } else { 1.0 };
-        let mut number = 0;
-        let mut places = Vec::with_capacity(CELLS + 1);
-        for (knot, &part) in knots.parts.iter().enumerate() {
-            let target = total * part;
-            while number + 1 < sectors.len() && target > sectors[number].before + sectors[number].area {
-                number += 1;
-            }
-            places.push(match knot {
-                0 => sectors[number].place(0.0, [1.0, 0.0]),
-                CELLS => sectors[number].place(PI, [-1.0, 0.0]),
-                _ => sectors[number].place_of_area(target),
-            });
-        }
-        let mut radii: Vec<f64> = places.iter().map(|place| place.radius).collect();
+        let places = Places::of_equal_areas(&sectors, total, knots);
+        let mut radii = places.radius;
         reach_corners(outline, &places, &mut radii);
-        let points = places.iter().zip(&radii).map(|(place, radius)| place.direction.map(|x| x * radius));
-        let points: Vec<[f64; 2]> = points.collect();
+        let points: Vec<[f64; 2]> =
+            (0..KNOTS).map(|knot| places.direction(knot).map(|x| x * radii[knot])).collect();
         let highest = points.iter().fold(f64::MIN_POSITIVE, |most, point| most.max(point[1]));
         let width = (view.width_scale * points[0][0] / highest).clamp(least, 1.0);
         let scale = [view.width_scale / width * (1.0 + margin), 1.0 + margin];
@@ -179,12 +170,12 @@ impl Slice {
         &self,
         shape: &Self,
         outline: &Outline,
-        places: &[Place],
+        places: &Places,
         knots: &Knots,
         part: f64,
     ) -> (f64, f64) {
         let (mut missed, mut excess) = (0.0, 0.0);
-        for (knot, ratio) in self.ratios(shape, outline, places, knots).enumerate() {
+        for (knot, ratio) in self.ratios(shape, outline, places, knots).into_iter().enumerate() {
             let difference = part * (1.0 - ratio * ratio) - 2.0 * self.margin;
             let share = if knot == 0 || knot == CELLS { 0.5 } else { 1.0 } / CELLS as f64;
             missed += share * difference.max(0.0);
@@ -199,11 +190,11 @@ impl Slice {
         &self,
         shape: &Self,
         outline: &Outline,
-        places: &[Place],
+        places: &Places,
         knots: &Knots,
         part: f64,
     ) -> (Vec<f64>, f64) {
-        let ratios: Vec<f64> = self.ratios(shape, outline, places, knots).collect();
+        let ratios = self.ratios(shape, outline, places, knots);
         let needed: Vec<f64> =
             ratios.iter().map(|ratio| (part * (ratio.recip() - 1.0) - self.margin).max(0.0)).collect();
         // The neighbours, too: the shape is known at the knots only.
@@ -219,22 +210,24 @@ impl Slice {
     }
 
     /// At each knot the distance of `shape` from the outline's centre over that of the outline, made larger by the margin.
-    fn ratios(
-        &self,
-        shape: &Self,
-        outline: &Outline,
-        places: &[Place],
-        knots: &Knots,
-    ) -> impl Iterator<Item = f64> {
+    fn ratios(&self, shape: &Self, outline: &Outline, places: &Places, knots: &Knots) -> [f64; KNOTS] {
         let shift = shape.center * shape.height / shape.width_scale() - outline.center;
+        let mut points = [[0.0; KNOTS]; 2];
+        for (knot, &direction) in knots.directions.iter().enumerate() {
+            let [x, y] = shape.point(knot, direction);
+            (points[0][knot], points[1][knot]) = (x + shift, y);
+        }
+        let mut polar = points;
+        Simd::best().run(Polar { points: &mut polar, places });
+        let [angles, mut distances] = polar;
         let per_margin = (1.0 + self.margin).recip();
         let mut cursor = 0;
-        knots.directions.iter().zip(places).enumerate().map(move |(knot, (&direction, place))| {
-            let [x, y] = shape.point(knot, direction);
-            let x = x + shift;
-            let per_edge = per_margin * outline.inverse(place.angle_of([x, y]), &mut cursor);
-            (x * x + y * y).sqrt() * per_edge
-        })
+        for (knot, distance) in distances.iter_mut().enumerate() {
+            let angle = angles[knot];
+            let angle = if angle.is_nan() { points[1][knot].max(0.0).atan2(points[0][knot]) } else { angle };
+            *distance *= per_margin * outline.inverse(angle, &mut cursor);
+        }
+        distances
     }
 
     /// Makes the map larger at the knots, relative.
@@ -247,10 +240,11 @@ impl Slice {
 
 /// Between two knots the map runs nearly straight and would cut a corner off: moves both knots out
 /// until it no longer does.
-fn reach_corners(outline: &Outline, places: &[Place], radii: &mut [f64]) {
+fn reach_corners(outline: &Outline, places: &Places, radii: &mut [f64]) {
+    let angles = &places.angle;
     for &(corner, radius) in &outline.corners {
-        let knot = places.partition_point(|place| place.angle <= corner).clamp(1, CELLS) - 1;
-        let ([a, b], [r, s]) = ([places[knot].angle, places[knot + 1].angle], [radii[knot], radii[knot + 1]]);
+        let knot = angles.partition_point(|&angle| angle <= corner).clamp(1, CELLS) - 1;
+        let ([a, b], [r, s]) = ([angles[knot], angles[knot + 1]], [radii[knot], radii[knot + 1]]);
         // Where the chord crosses the corner's direction, by the areas of triangles.
         let chord = r * s * (b - a).sin() / (r * (corner - a).sin() + s * (b - corner).sin());
         let growth = radius / chord;
@@ -261,29 +255,101 @@ fn reach_corners(outline: &Outline, places: &[Place], radii: &mut [f64]) {
     }
 }
 
-/// A point of the outline, about its centre.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Place {
-    angle: f64,
+/// Points of the outline at the knots, about its centre.
+#[derive(Clone, Debug)]
+pub(crate) struct Places {
+    angle: [f64; KNOTS],
     /// The angle's unit vector.
-    direction: [f64; 2],
-    radius: f64,
+    cos: [f64; KNOTS],
+    sin: [f64; KNOTS],
+    radius: [f64; KNOTS],
 }
 
-impl Place {
-    /// The angle, in [0, π], of a point that lies in about the same direction.
-    fn angle_of(&self, [x, y]: [f64; 2]) -> f64 {
+impl Places {
+    /// Between which the outline encloses areas in proportion to the knots' angles, `total` in all.
+    fn of_equal_areas(sectors: &[Sector], total: f64, knots: &Knots) -> Box<Self> {
+        let mut columns = [[0.0; KNOTS]; SHARE];
+        let mut number = 0;
+        for (knot, &part) in knots.parts.iter().enumerate() {
+            let target = total * part;
+            while number + 1 < sectors.len() && target > sectors[number].before + sectors[number].area {
+                number += 1;
+            }
+            for (column, number) in columns.iter_mut().zip(sectors[number].share(target)) {
+                column[knot] = number;
+            }
+        }
+        Simd::best().run(EqualAreas { columns: &mut columns });
+        let [radius, mut angle, turn, mut cos, mut sin, ..] = columns;
+        for knot in 0..CELLS {
+            if turn[knot] >= SMALL {
+                [cos[knot], sin[knot]] = direction(angle[knot]);
+            }
+        }
+        // The other end is exact by itself.
+        (angle[CELLS], cos[CELLS], sin[CELLS]) = (PI, -1.0, 0.0);
+        Box::new(Self { angle, cos, sin, radius })
+    }
+
+    fn direction(&self, knot: usize) -> [f64; 2] {
+        [self.cos[knot], self.sin[knot]]
+    }
+}
+
+/// Finds where an outline encloses shares of its area: in place, column by column, the compiler then being free to do
+/// several knots at once.
+struct EqualAreas<'a> {
+    /// What [`Sector::share`] has in; distance from the centre, angle, angle from the sector's beginning, and unit vector
+    /// out.
+    columns: &'a mut [[f64; KNOTS]; SHARE],
+}
+
+impl Compiled for EqualAreas<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let [share, from, width, cos, sin, a, p, q, c0, c1, c2, c3] = self.columns;
+        for knot in 0..KNOTS {
+            let (a, p, q) = (a[knot], p[knot], q[knot]);
+            let mut x = share[knot].clamp(0.0, 1.0);
+            // The density as a parabola, a + p x + q x², x in [0, 1].
+            let wanted = x * (a + p / 2.0 + q / 3.0);
+            for _ in 0..2 {
+                let area = x * (a + x * (p / 2.0 + x * q / 3.0));
+                x = (x - (area - wanted) / (a + x * (p + x * q))).clamp(0.0, 1.0);
+            }
+            let turn = width[knot] * x;
+            share[knot] = (c0[knot] + turn * (c1[knot] + turn * (c2[knot] + turn * c3[knot]))).recip();
+            from[knot] += turn;
+            width[knot] = turn;
+            [cos[knot], sin[knot]] = turned([cos[knot], sin[knot]], turn);
+        }
+    }
+}
+
+/// Finds angles in [0, π] and distances of points, about as far around as the outline's places are, in the place of their x
+/// and y; NaN where an angle is another.
+struct Polar<'a> {
+    points: &'a mut [[f64; KNOTS]; 2],
+    places: &'a Places,
+}
+
+impl Compiled for Polar<'_> {
+    #[inline(always)]
+    fn run(self) {
         /// Tangent up to which four terms of the arctangent's series are as good as the function.
         const NEAR: f64 = 0.1;
-        let ([cos, sin], y) = (self.direction, y.max(0.0));
-        let (across, along) = (cos * y - sin * x, cos * x + sin * y);
-        if !(across.abs() < NEAR * along) {
-            return y.atan2(x);
+        let Self { points: [xs, ys], places } = self;
+        for knot in 0..KNOTS {
+            let (x, y) = (xs[knot], ys[knot].max(0.0));
+            let (cos, sin) = (places.cos[knot], places.sin[knot]);
+            let (across, along) = (cos * y - sin * x, cos * x + sin * y);
+            let t = across / along;
+            let square = t * t;
+            let turn = t * (1.0 - square * (1.0 / 3.0 - square * (0.2 - square * (1.0 / 7.0))));
+            let angle = (places.angle[knot] + turn).clamp(0.0, PI);
+            ys[knot] = (x * x + ys[knot] * ys[knot]).sqrt();
+            xs[knot] = if across.abs() < NEAR * along { angle } else { f64::NAN };
         }
-        let t = across / along;
-        let square = t * t;
-        let turn = t * (1.0 - square * (1.0 / 3.0 - square * (0.2 - square * (1.0 / 7.0))));
-        (self.angle + turn).clamp(0.0, PI)
     }
 }
 
@@ -300,6 +366,9 @@ struct Sector {
     per_area: f64,
 }
 
+/// Numbers of a share.
+const SHARE: usize = 12;
+
 impl Sector {
     /// dA = radius²/2 d(angle), by Simpson's rule.
     fn new(piece: Piece, before: f64) -> Self {
@@ -309,40 +378,27 @@ impl Sector {
         Self { piece, start: direction(from), density, before, area, per_area: area.recip() }
     }
 
-    fn place(&self, angle: f64, direction: [f64; 2]) -> Place {
-        Place { angle, direction, radius: self.piece.radius(angle) }
-    }
-
-    /// Where the outline encloses `target`.
-    fn place_of_area(&self, target: f64) -> Place {
+    /// What [`EqualAreas`] takes: the part of the area that makes the whole outline's up to there `target`; where the
+    /// sector begins, its angle, and the beginning as a unit vector; its density's coefficients, and its cubic's.
+    fn share(&self, target: f64) -> [f64; SHARE] {
+        let Self { piece: Piece { from, to, cubic: [c0, c1, c2, c3] }, start: [cos, sin], .. } = *self;
         let [a, m, b] = self.density;
-        let mut x = ((target - self.before) * self.per_area).clamp(0.0, 1.0);
-        // The density as a parabola, a + p x + q x², x in [0, 1].
         let (p, q) = (4.0 * m - 3.0 * a - b, 2.0 * a + 2.0 * b - 4.0 * m);
-        let wanted = x * (a + p / 2.0 + q / 3.0);
-        for _ in 0..2 {
-            let area = x * (a + x * (p / 2.0 + x * q / 3.0));
-            x = (x - (area - wanted) / (a + x * (p + x * q))).clamp(0.0, 1.0);
-        }
-        let turn = (self.piece.to - self.piece.from) * x;
-        self.place(self.piece.from + turn, turned(self.start, turn))
+        [(target - self.before) * self.per_area, from, to - from, cos, sin, a, p, q, c0, c1, c2, c3]
     }
 }
 
-/// A unit vector turned by an angle of at least 0, by the series of cosine and sine where those are as good.
+/// Angle up to which the terms that the series of [`turned`] leave out are below 1e-15.
+const SMALL: f64 = 0.22;
+
+/// A unit vector turned by an angle from 0 to [`SMALL`], by the series of cosine and sine.
+#[inline(always)]
 fn turned([x, y]: [f64; 2], angle: f64) -> [f64; 2] {
     const COSINE: [f64; 5] = [1.0 / 2.0, 1.0 / 24.0, 1.0 / 720.0, 1.0 / 40_320.0, 1.0 / 3_628_800.0];
     const SINE: [f64; 4] = [1.0 / 6.0, 1.0 / 120.0, 1.0 / 5040.0, 1.0 / 362_880.0];
-    /// The terms that come next are below 1e-15.
-    const SMALL: f64 = 0.22;
-    let (sin, cos) = if angle < SMALL {
-        let square = angle * angle;
-        let series = |terms: &[f64]| terms.iter().rev().fold(0.0, |sum, term| square * (term - sum));
-        let cos = 1.0 - series(&COSINE);
-        let sin = angle * (1.0 - series(&SINE));
-        (sin, cos)
-    } else {
-        angle.sin_cos()
-    };
+    let square = angle * angle;
+    let series = |terms: &[f64]| terms.iter().rev().fold(0.0, |sum, term| square * (term - sum));
+    let cos = 1.0 - series(&COSINE);
+    let sin = angle * (1.0 - series(&SINE));
     [x * cos - y * sin, x * sin + y * cos]
 }

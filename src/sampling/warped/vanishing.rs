@@ -5,7 +5,7 @@
 use std::cell::Cell;
 
 use super::{
-    illinois::{Closing, illinois},
+    illinois::illinois,
     pieces::half_disk,
     view::{Tracer, View, first_look},
 };
@@ -51,22 +51,28 @@ struct Trail {
     slope: f64,
     /// How much the slope changes per mm of film radius.
     change: f64,
+    /// How far around what is expected it is sought first.
+    width: f64,
 }
 
 impl Trail {
     /// Relative step of film radius over which a change of slope is more than what a search leaves open.
     const STEP: f64 = 0.02;
+    /// The part of the widest search that the narrowest is.
+    const NEAREST: f64 = 1.0 / 32.0;
 
     /// The slope expected at a film radius.
     fn at(&self, height: f64) -> f64 {
         self.slope + self.change * (height - self.height)
     }
 
-    /// The trail as far as a film radius and the slope found there.
-    fn to(self, height: f64, slope: f64) -> Self {
+    /// The trail as far as a film radius and the slope found there. Next time it is sought a few times as far as it was
+    /// off, within `widest`.
+    fn to(self, height: f64, slope: f64, widest: f64) -> Self {
         let step = height - self.height;
         let change = if step > Self::STEP * height { (slope - self.slope) / step } else { self.change };
-        Self { height, slope, change }
+        let width = (4.0 * (slope - self.at(height)).abs()).clamp(Self::NEAREST * widest, widest);
+        Self { height, slope, change, width }
     }
 }
 
@@ -76,21 +82,22 @@ impl Field<'_> {
     pub fn vanishing(&self) -> Option<Vanishing> {
         let scale = self.cover.seen_from([0.0; 2]).radius;
         let width = first_look(scale, self.radius);
-        let trail = Cell::new(Trail { height: 0.0, slope: 0.0, change: self.shift });
+        let trail = Cell::new(Trail { height: 0.0, slope: 0.0, change: self.shift, width });
         let (mut step, mut searches) = (1, 0);
         while step <= STEPS + 1 {
             let height = self.reach * step as f64 / STEPS as f64;
-            let (slope, excess) = self.view(height).innermost(trail.get().at(height), width, scale, true);
+            let (slope, excess) =
+                self.view(height).innermost(trail.get().at(height), trail.get().width, scale, true);
             if excess < 0.0 {
-                trail.set(trail.get().to(height, slope));
+                trail.set(trail.get().to(height, slope, width));
                 step += 1;
                 continue;
             }
             let margin = |height: f64| {
-                let expected = trail.get().at(height);
-                let (slope, excess) = self.view(height).innermost(expected, width, scale, false);
+                let (expected, nearby) = (trail.get().at(height), trail.get().width);
+                let (slope, excess) = self.view(height).innermost(expected, nearby, scale, false);
                 if excess < 0.0 {
-                    trail.set(trail.get().to(height, slope));
+                    trail.set(trail.get().to(height, slope, width));
                     return excess;
                 }
                 // A search that has lost the pupil may end anywhere, also at rays that hardly miss something elsewhere: that
@@ -98,7 +105,7 @@ impl Field<'_> {
                 if (slope - expected).abs() > self.radius { 1.0 } else { excess.min(1.0) }
             };
             let inside = trail.get().height.max(1e-9 * height);
-            let end = illinois(inside, height, Closing::Bracket(ACCURACY), margin);
+            let end = illinois(inside, height, ACCURACY, margin);
             searches += 1;
             if self.tracer.is_spent() || searches > SEARCHES {
                 return None;
@@ -109,7 +116,7 @@ impl Field<'_> {
             }
             // What was followed may be one of several pieces, or so small that it was lost from a guess far off.
             match self.lit_slope(beside) {
-                Some(slope) => trail.set(trail.get().to(beside, slope)),
+                Some(slope) => trail.set(trail.get().to(beside, slope, width)),
                 None if self.leaks_beyond(end) => return None,
                 None => return Some(Vanishing { height: end, center: trail.get().at(end) / end }),
             }
