@@ -30,13 +30,13 @@ const AFTER_HALVING: f64 = 0.3;
 const WITH_NEW_CORNERS: f64 = 1.0;
 /// Share of the pupil that interpolation may then miss before the halves are halved again.
 const MISSED: f64 = 4.5e-5;
-/// The same where halves cannot be halved again, before the map is made larger: a bound, for where a corner comes or goes
-/// within the halves most of it is not missed.
-const MISSED_AT_LAST: f64 = 6e-5;
+/// The same where halves cannot be halved again, nor the map be made as much larger as it takes: a bound, for where a corner
+/// comes or goes within the halves most of it is not missed. Beyond, the rear disk stands in.
+const MISSED_AT_LAST: f64 = 3e-4;
 /// The same for what the interpolated shape has too much, which costs acceptance.
 const EXCESS: f64 = 3e-3;
 /// How much larger than interpolated a map may be made, relative, where the pupil changes faster than the narrowest
-/// intervals; beyond, the rear disk stands in.
+/// intervals.
 const MOST_GROWTH: f64 = 3.0;
 /// Share of the samples that may be lost there without a word, or what the margin costs, if that is more.
 const UNNAMED: f64 = 0.004;
@@ -578,21 +578,22 @@ impl<'a> Builder<'a> {
         let place = usize::midpoint(from, to);
         // What the shape has too much where halves cannot be halved again.
         let mut blocked = if good { 0.0 } else { excess / (1.0 + excess) };
-        if !good && missed > MISSED_AT_LAST {
+        if !good && missed > MISSED {
             // What the halves would miss is sampled with some that is blocked.
             let (growth, outside) = slice.growth(predicted, outline, places, &self.knots, part);
             let most = growth.iter().copied().fold(0.0, f64::max);
-            if most > MOST_GROWTH {
+            if most <= MOST_GROWTH {
+                for place in [from, place, to] {
+                    let all = table.growth.entry(place).or_insert_with(|| vec![0.0; CELLS + 1]);
+                    // The same all around on the axis, across which the map is continuous.
+                    let around = if place == 0 { most } else { 0.0 };
+                    all.iter_mut().zip(&growth).for_each(|(all, new)| *all = new.max(*all).max(around));
+                }
+                blocked = outside.max(blocked);
+            } else if missed > MISSED_AT_LAST {
                 self.cover([from, to], NoFan::Shape, table);
                 return true;
             }
-            for place in [from, place, to] {
-                let all = table.growth.entry(place).or_insert_with(|| vec![0.0; CELLS + 1]);
-                // The same all around on the axis, across which the map is continuous.
-                let around = if place == 0 { most } else { 0.0 };
-                all.iter_mut().zip(&growth).for_each(|(all, new)| *all = new.max(*all).max(around));
-            }
-            blocked = outside.max(blocked);
         }
         if blocked > UNNAMED.max(2.0 * slice.margin) {
             let radii = [from, to].map(&table.height);
