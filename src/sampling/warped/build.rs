@@ -5,13 +5,16 @@
 use std::{cell::Cell, collections::BTreeMap, rc::Rc};
 
 use super::{
+    knots::{CELLS, Knots, TRACE_EVERY},
+    meridian::first_look,
     outline::{Guess, Outline},
     pieces::{BESIDE, Shape, are_in_pieces, half_disk},
+    places::Places,
     report::{GivenUp, NoFan},
     search::{Crossing, EdgeFinder, HalfLine, Hints},
-    slice::{CELLS, Knots, Places, Slice, TRACE_EVERY},
+    slice::Slice,
     vanishing::{Field, Vanishing},
-    view::{Limit, Tracer, View, first_look},
+    view::{Limit, Tracer, View},
 };
 use crate::{lens::pupil::SlopeDisk, sampling::pupil_disk::PupilDisk, trace::Path};
 

@@ -34,11 +34,15 @@
 //! Where no such map fits (a pupil in pieces, with holes, or of an edge that no half-line meets once)
 //! the table holds the rear element's disk, and what falls beside the pupil is blocked.
 
+mod arc;
 mod build;
 mod illinois;
 mod inverse;
+mod knots;
+mod meridian;
 mod outline;
 mod pieces;
+mod places;
 mod report;
 mod search;
 mod slice;
@@ -53,7 +57,7 @@ use std::f64::consts::PI;
 
 use self::{
     build::{Builder, FINE, Layout},
-    slice::CELLS,
+    knots::CELLS,
 };
 use super::{
     band::Band,

@@ -4,7 +4,8 @@
 use std::f64::consts::PI;
 
 use super::{
-    outline::{Outline, direction},
+    arc::direction,
+    outline::Outline,
     view::{Excess, Tracer, View},
 };
 use crate::{lens::pupil::SlopeDisk, trace::kernel::MeridianRay};

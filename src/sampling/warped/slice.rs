@@ -4,17 +4,11 @@
 use std::f64::consts::PI;
 
 use super::{
-    outline::{Outline, Piece, direction},
+    knots::{CELLS, KNOTS, Knots},
+    outline::Outline,
+    places::Places,
     view::View,
 };
-use crate::trace::kernel::{Compiled, Simd};
-
-/// Knots between the lens direction along the film point's and the opposite one, less one.
-pub(crate) const CELLS: usize = 128;
-/// Knots.
-const KNOTS: usize = CELLS + 1;
-/// The edge is traced at every knot whose number is a multiple of this.
-pub(crate) const TRACE_EVERY: usize = 8;
 
 /// How much larger than the outline the map is made, relative, for what interpolation leaves out.
 const MARGIN: f64 = 6e-4;
@@ -23,27 +17,6 @@ const MARGIN: f64 = 6e-4;
 const SHRUNK: f64 = 0.002;
 const VANISHING: f64 = 0.25;
 const MOST_MARGIN: f64 = 7.0;
-
-/// The disk's directions at the knots: pseudo-angles q = 1 - cos/(|cos| + sin) in equal steps from
-/// 0 to 2.
-pub(crate) struct Knots {
-    pub angles: Vec<f64>,
-    /// The same over π.
-    parts: Vec<f64>,
-    pub directions: Vec<[f64; 2]>,
-}
-
-impl Knots {
-    pub fn new() -> Self {
-        let angle = |knot: usize| {
-            let q = 2.0 * knot as f64 / CELLS as f64;
-            (if q <= 1.0 { q } else { 2.0 - q }).atan2(1.0 - q)
-        };
-        let angles: Vec<f64> = (0..KNOTS).map(angle).collect();
-        let directions = angles.iter().map(|&angle| direction(angle)).collect();
-        Self { directions, parts: angles.iter().map(|angle| angle / PI).collect(), angles }
-    }
-}
 
 /// The map at one film radius h: d -> C + M(direction of d) d, as complex numbers.
 #[derive(Clone, Debug)]
@@ -91,20 +64,13 @@ impl Slice {
         crescent: f64,
         axis_area: f64,
     ) -> (Self, Box<Places>) {
-        let mut sectors = Vec::with_capacity(outline.pieces.len());
-        let mut total = 0.0;
-        for &piece in &outline.pieces {
-            let sector = Sector::new(piece, total);
-            total += sector.area;
-            sectors.push(sector);
-        }
+        let (places, total) = Places::of_equal_areas(outline, knots);
         let area = 2.0 * view.width_scale * total;
         let growth = (SHRUNK * axis_area / area).sqrt().min(VANISHING / crescent);
         let margin = MARGIN * growth.clamp(1.0, MOST_MARGIN);
         // Where the pupil vanishes that is about its width over its height. Half of it keeps τ above 0 between the slices,
         // too; where it does not vanish nothing is narrowed.
         let least = if crescent < 1.0 { crescent / 2.0 } else { 1.0 };
-        let places = Places::of_equal_areas(&sectors, total, knots);
         let mut radii = places.radius;
         reach_corners(outline, &places, &mut radii);
         let points: Vec<[f64; 2]> =
@@ -218,7 +184,7 @@ impl Slice {
             (points[0][knot], points[1][knot]) = (x + shift, y);
         }
         let mut polar = points;
-        Simd::best().run(Polar { points: &mut polar, places });
+        places.polar(&mut polar);
         let [angles, mut distances] = polar;
         let per_margin = (1.0 + self.margin).recip();
         let mut cursor = 0;
@@ -253,152 +219,4 @@ fn reach_corners(outline: &Outline, places: &Places, radii: &mut [f64]) {
             radii[knot + 1] *= growth;
         }
     }
-}
-
-/// Points of the outline at the knots, about its centre.
-#[derive(Clone, Debug)]
-pub(crate) struct Places {
-    angle: [f64; KNOTS],
-    /// The angle's unit vector.
-    cos: [f64; KNOTS],
-    sin: [f64; KNOTS],
-    radius: [f64; KNOTS],
-}
-
-impl Places {
-    /// Between which the outline encloses areas in proportion to the knots' angles, `total` in all.
-    fn of_equal_areas(sectors: &[Sector], total: f64, knots: &Knots) -> Box<Self> {
-        let mut columns = [[0.0; KNOTS]; SHARE];
-        let mut number = 0;
-        for (knot, &part) in knots.parts.iter().enumerate() {
-            let target = total * part;
-            while number + 1 < sectors.len() && target > sectors[number].before + sectors[number].area {
-                number += 1;
-            }
-            for (column, number) in columns.iter_mut().zip(sectors[number].share(target)) {
-                column[knot] = number;
-            }
-        }
-        Simd::best().run(EqualAreas { columns: &mut columns });
-        let [radius, mut angle, turn, mut cos, mut sin, ..] = columns;
-        for knot in 0..CELLS {
-            if turn[knot] >= SMALL {
-                [cos[knot], sin[knot]] = direction(angle[knot]);
-            }
-        }
-        // The other end is exact by itself.
-        (angle[CELLS], cos[CELLS], sin[CELLS]) = (PI, -1.0, 0.0);
-        Box::new(Self { angle, cos, sin, radius })
-    }
-
-    fn direction(&self, knot: usize) -> [f64; 2] {
-        [self.cos[knot], self.sin[knot]]
-    }
-}
-
-/// Finds where an outline encloses shares of its area: in place, column by column, the compiler then being free to do
-/// several knots at once.
-struct EqualAreas<'a> {
-    /// What [`Sector::share`] has in; distance from the centre, angle, angle from the sector's beginning, and unit vector
-    /// out.
-    columns: &'a mut [[f64; KNOTS]; SHARE],
-}
-
-impl Compiled for EqualAreas<'_> {
-    #[inline(always)]
-    fn run(self) {
-        let [share, from, width, cos, sin, a, p, q, c0, c1, c2, c3] = self.columns;
-        for knot in 0..KNOTS {
-            let (a, p, q) = (a[knot], p[knot], q[knot]);
-            let mut x = share[knot].clamp(0.0, 1.0);
-            // The density as a parabola, a + p x + q x², x in [0, 1].
-            let wanted = x * (a + p / 2.0 + q / 3.0);
-            for _ in 0..2 {
-                let area = x * (a + x * (p / 2.0 + x * q / 3.0));
-                x = (x - (area - wanted) / (a + x * (p + x * q))).clamp(0.0, 1.0);
-            }
-            let turn = width[knot] * x;
-            share[knot] = (c0[knot] + turn * (c1[knot] + turn * (c2[knot] + turn * c3[knot]))).recip();
-            from[knot] += turn;
-            width[knot] = turn;
-            [cos[knot], sin[knot]] = turned([cos[knot], sin[knot]], turn);
-        }
-    }
-}
-
-/// Finds angles in [0, π] and distances of points, about as far around as the outline's places are, in the place of their x
-/// and y; NaN where an angle is another.
-struct Polar<'a> {
-    points: &'a mut [[f64; KNOTS]; 2],
-    places: &'a Places,
-}
-
-impl Compiled for Polar<'_> {
-    #[inline(always)]
-    fn run(self) {
-        /// Tangent up to which four terms of the arctangent's series are as good as the function.
-        const NEAR: f64 = 0.1;
-        let Self { points: [xs, ys], places } = self;
-        for knot in 0..KNOTS {
-            let (x, y) = (xs[knot], ys[knot].max(0.0));
-            let (cos, sin) = (places.cos[knot], places.sin[knot]);
-            let (across, along) = (cos * y - sin * x, cos * x + sin * y);
-            let t = across / along;
-            let square = t * t;
-            let turn = t * (1.0 - square * (1.0 / 3.0 - square * (0.2 - square * (1.0 / 7.0))));
-            let angle = (places.angle[knot] + turn).clamp(0.0, PI);
-            ys[knot] = (x * x + ys[knot] * ys[knot]).sqrt();
-            xs[knot] = if across.abs() < NEAR * along { angle } else { f64::NAN };
-        }
-    }
-}
-
-/// A piece of the outline with what it encloses.
-struct Sector {
-    piece: Piece,
-    /// Where it begins, as a unit vector.
-    start: [f64; 2],
-    /// radius²/2 at both ends and in the middle.
-    density: [f64; 3],
-    /// Area up to its beginning, and its own.
-    before: f64,
-    area: f64,
-    per_area: f64,
-}
-
-/// Numbers of a share.
-const SHARE: usize = 12;
-
-impl Sector {
-    /// dA = radius²/2 d(angle), by Simpson's rule.
-    fn new(piece: Piece, before: f64) -> Self {
-        let Piece { from, to, .. } = piece;
-        let density = [from, f64::midpoint(from, to), to].map(|angle| piece.radius(angle).powi(2) / 2.0);
-        let area = (to - from) * (density[0] + 4.0 * density[1] + density[2]) / 6.0;
-        Self { piece, start: direction(from), density, before, area, per_area: area.recip() }
-    }
-
-    /// What [`EqualAreas`] takes: the part of the area that makes the whole outline's up to there `target`; where the
-    /// sector begins, its angle, and the beginning as a unit vector; its density's coefficients, and its cubic's.
-    fn share(&self, target: f64) -> [f64; SHARE] {
-        let Self { piece: Piece { from, to, cubic: [c0, c1, c2, c3] }, start: [cos, sin], .. } = *self;
-        let [a, m, b] = self.density;
-        let (p, q) = (4.0 * m - 3.0 * a - b, 2.0 * a + 2.0 * b - 4.0 * m);
-        [(target - self.before) * self.per_area, from, to - from, cos, sin, a, p, q, c0, c1, c2, c3]
-    }
-}
-
-/// Angle up to which the terms that the series of [`turned`] leave out are below 1e-15.
-const SMALL: f64 = 0.22;
-
-/// A unit vector turned by an angle from 0 to [`SMALL`], by the series of cosine and sine.
-#[inline(always)]
-fn turned([x, y]: [f64; 2], angle: f64) -> [f64; 2] {
-    const COSINE: [f64; 5] = [1.0 / 2.0, 1.0 / 24.0, 1.0 / 720.0, 1.0 / 40_320.0, 1.0 / 3_628_800.0];
-    const SINE: [f64; 4] = [1.0 / 6.0, 1.0 / 120.0, 1.0 / 5040.0, 1.0 / 362_880.0];
-    let square = angle * angle;
-    let series = |terms: &[f64]| terms.iter().rev().fold(0.0, |sum, term| square * (term - sum));
-    let cos = 1.0 - series(&COSINE);
-    let sin = angle * (1.0 - series(&SINE));
-    [x * cos - y * sin, x * sin + y * cos]
 }

@@ -6,8 +6,9 @@ use std::cell::Cell;
 
 use super::{
     illinois::illinois,
+    meridian::first_look,
     pieces::half_disk,
-    view::{Tracer, View, first_look},
+    view::{Tracer, View},
 };
 use crate::sampling::pupil_disk::PupilDisk;
 
