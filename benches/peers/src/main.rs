@@ -2,6 +2,7 @@
 //! aperture, film distance and samples, in interleaved rounds of one run: `cargo run --release [LENS]`.
 
 #[path = "../../camera/c_camera.rs"]
+#[allow(dead_code, reason = "the cameras' bench uses the rest")]
 mod c_camera;
 
 use std::{
@@ -110,6 +111,12 @@ fn compare(lens: &str, file: &Path) {
                 let mut ray = Ray::default();
                 black_box(peer.generate_ray_differential(&CameraSample { p_film, ..*sample }, &mut ray))
             });
+        }),
+    );
+    contest.enter(
+        "realistic, `realistic_generate_ray_differential`",
+        task(|| {
+            chain(&samples, |sample, carry| ours.differential(&moved(sample, carry)));
         }),
     );
     #[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
