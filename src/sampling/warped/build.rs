@@ -5,14 +5,12 @@
 use std::{cell::Cell, collections::BTreeMap, rc::Rc};
 
 use super::{
-    knots::{CELLS, Knots, TRACE_EVERY},
     meridian::first_look,
     outline::{Guess, Outline},
     pieces::{BESIDE, Shape, are_in_pieces, half_disk},
-    places::Places,
     report::{GivenUp, NoFan},
     search::{Crossing, EdgeFinder, HalfLine, Hints},
-    slice::Slice,
+    slice::{CELLS, Knots, Places, Slice, TRACE_EVERY},
     vanishing::{Field, Vanishing},
     view::{Limit, Tracer, View},
 };

@@ -7,7 +7,7 @@
 
 use std::f64::consts::PI;
 
-use super::{FINE, Row, STRIDE, WarpedPupil, knots::CELLS};
+use super::{FINE, Row, STRIDE, WarpedPupil, slice::CELLS};
 use crate::{
     sampling::film_rays::FilmRays,
     trace::kernel::{Compiled, Lanes as _, Portable, Simd},

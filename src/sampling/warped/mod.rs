@@ -38,11 +38,9 @@ mod arc;
 mod build;
 mod illinois;
 mod inverse;
-mod knots;
 mod meridian;
 mod outline;
 mod pieces;
-mod places;
 mod report;
 mod search;
 mod slice;
@@ -57,7 +55,7 @@ use std::f64::consts::PI;
 
 use self::{
     build::{Builder, FINE, Layout},
-    knots::CELLS,
+    slice::CELLS,
 };
 use super::{
     band::Band,

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::arc::direction;
+use super::super::arc::direction;
 
 /// Knots between the lens direction along the film point's and the opposite one, less one.
 pub(crate) const CELLS: usize = 128;

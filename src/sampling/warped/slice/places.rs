@@ -4,9 +4,11 @@
 use std::f64::consts::PI;
 
 use super::{
-    arc::{Piece, direction},
+    super::{
+        arc::{Piece, direction},
+        outline::Outline,
+    },
     knots::{CELLS, KNOTS, Knots},
-    outline::Outline,
 };
 use crate::trace::kernel::{Compiled, Simd};
 

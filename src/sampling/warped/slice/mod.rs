@@ -1,14 +1,16 @@
 //! One radial slice of the table: the map of the unit disk onto the pupil of one film radius, which keeps area. An
 //! outline in; the map's complex factors at the knots, and how well the mean of two neighbours would have done, out.
 
+mod knots;
+mod places;
+
+pub(crate) use knots::{CELLS, Knots, TRACE_EVERY};
+pub(crate) use places::Places;
+
 use std::f64::consts::PI;
 
-use super::{
-    knots::{CELLS, KNOTS, Knots},
-    outline::Outline,
-    places::Places,
-    view::View,
-};
+use self::knots::KNOTS;
+use super::{outline::Outline, view::View};
 
 /// How much larger than the outline the map is made, relative, for what interpolation leaves out.
 const MARGIN: f64 = 6e-4;
