@@ -51,6 +51,11 @@ pub fn find(name: &str) -> Option<Prescription> {
     Some(read(name, text.as_bytes()).expect("a test reads every built-in lens"))
 }
 
+/// The built-in lens that is used when none is named.
+pub fn default() -> Prescription {
+    find(DEFAULT).expect("a test finds it in the catalogue")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -36,6 +36,15 @@ impl Medium {
     }
 }
 
+/// A glass that a file gives by a name.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Glass {
+    /// What it is.
+    pub medium: Medium,
+    /// The wavelengths, nm, from and to which its indices are stated, where that is known.
+    pub range: Option<[f64; 2]>,
+}
+
 /// The six constants of Sellmeier's formula n² = 1 + Σ B λ²/(λ² - C), λ in µm (W. Sellmeier 1871; in this
 /// form in every glass maker's catalogue).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -106,7 +115,10 @@ pub struct Prescription {
     /// What else the file states of the lens.
     pub stated: Stated,
     /// The glasses that the file gives by a name, each once.
-    pub glasses: Vec<(String, Medium)>,
+    pub glasses: Vec<(String, Glass)>,
+    /// The wavelength that the file is for, nm, if it states one: what the lens is traced at unless the user says otherwise.
+    /// Its glasses have indices there.
+    pub wavelength: Option<f64>,
     /// The blades in its stop, if the file says so; else the stop is round.
     pub blades: Option<Blades>,
     /// The positions of its moving groups, if it has any; the interfaces have the gaps of the first.
@@ -126,6 +138,7 @@ impl Prescription {
             stated_focal_length: None,
             stated: Stated::default(),
             glasses: Vec::new(),
+            wavelength: None,
             blades: None,
             positions: None,
             remarks: Vec::new(),

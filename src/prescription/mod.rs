@@ -23,15 +23,16 @@ mod positions;
 mod reader;
 mod source;
 mod stated;
+mod wavelength;
 
 pub use asphere::{Asphere, FIRST_POWER, LAST_POWER};
 pub use blades::{BladeConstants, Blades};
 pub use error::LensFileError;
 pub use glass::GlassLibrary;
-pub use interfaces::{Interface, Medium, Prescription, Sellmeier, Shape};
+pub use interfaces::{Glass, Interface, Medium, Prescription, Sellmeier, Shape};
 pub use limits::{
-    MAX_CATALOG_BYTES, MAX_CATALOGS, MAX_FILE_BYTES, MAX_INTERFACES, MAX_NAME_BYTES, MAX_PATH_BYTES,
-    MAX_POSITIONS,
+    MAX_CATALOG_BYTES, MAX_CATALOG_GLASSES, MAX_CATALOGS, MAX_FILE_BYTES, MAX_INTERFACES, MAX_NAME_BYTES,
+    MAX_PATH_BYTES, MAX_POSITIONS,
 };
 pub use positions::{Layout, LayoutError, Position, Positions};
 pub use reader::{read, read_with};

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use crate::message::cut;
+use crate::message::{cut, nearest_or_all};
 
 use super::{
     catalogue,
@@ -135,16 +135,14 @@ pub enum SourceError {
     #[error(transparent)]
     File(#[from] LensFileError),
     /// Neither a file nor a catalogue name.
-    #[error(
-        "no lens file \"{name}\" in {places}, and no lens of that name in the catalogue, which has {catalogue}"
-    )]
+    #[error("no lens file \"{name}\" in {places}, and no lens of that name in the catalogue; {known}")]
     NotFound {
         /// The name as given.
         name: String,
         /// Where it was looked for, and where not.
         places: String,
-        /// The catalogue's names.
-        catalogue: String,
+        /// A question for the catalogue's name that it was meant to be, or all of them.
+        known: String,
     },
     /// No glass catalogue of that name.
     #[error("no glass catalogue \"{name}\" in {places}")]
@@ -172,10 +170,12 @@ pub enum SourceError {
     },
     /// The name is longer than any file's.
     #[error(
-        "lens \"{start}...\": the name has {length} bytes; the name of a lens or of a lens file has at most {MAX_NAME_BYTES}, with \
-         its directories {MAX_PATH_BYTES}"
+        "{what} \"{start}...\": the name has {length} bytes; the name of a {what} or of its file has at most {MAX_NAME_BYTES}, \
+         with its directories {MAX_PATH_BYTES}"
     )]
     NameTooLong {
+        /// What was to be read.
+        what: &'static str,
         /// The name's beginning.
         start: String,
         /// Its length in bytes.
@@ -196,13 +196,7 @@ impl<'a> LensSource<'a> {
     /// What follows the `@` is not `<positive number>mm`; the name has more than [`MAX_NAME_BYTES`] bytes without
     /// directories or [`MAX_PATH_BYTES`] with them.
     pub fn parse(name: &'a str, search: &SearchPath) -> Result<Self, SourceError> {
-        let own = name.rsplit('/').next().unwrap_or(name);
-        if own.len() > MAX_NAME_BYTES || name.len() > MAX_PATH_BYTES {
-            return Err(SourceError::NameTooLong {
-                start: name.chars().take(32).collect(),
-                length: name.len(),
-            });
-        }
+        check_length("lens", name)?;
         let plain = Self { table: name, focal_length: None };
         let Some((table, scale)) = name.rsplit_once('@') else {
             return Ok(plain);
@@ -224,14 +218,24 @@ impl<'a> LensSource<'a> {
     /// No such lens, something else than a file, an unreadable file, or a file that is not a lens.
     pub fn load(&self, search: &SearchPath, library: GlassLibrary) -> Result<Prescription, SourceError> {
         let no_file = match search.find(self.table) {
-            Ok(path) => return read_file(&path, library),
+            Ok(path) => {
+                let mut lens = read_file(&path, library)?;
+                if catalogue::names().any(|name| name == self.table) {
+                    lens.remarks.push(format!(
+                        "lens \"{}\" is the file {}, not the built-in lens of that name; rename the file to have that",
+                        self.table,
+                        path.display()
+                    ));
+                }
+                return Ok(lens);
+            }
             Err(no_file) => no_file,
         };
         catalogue::find(self.table).ok_or_else(|| {
             no_file.unwrap_or_else(|| SourceError::NotFound {
                 name: self.table.to_owned(),
                 places: search.in_words(),
-                catalogue: catalogue::names().collect::<Vec<_>>().join(", "),
+                known: nearest_or_all(self.table, &catalogue::names().collect::<Vec<_>>()),
             })
         })
     }
@@ -244,11 +248,21 @@ impl<'a> LensSource<'a> {
 pub fn glass_library(name: Option<&str>, search: &SearchPath) -> Result<GlassLibrary, SourceError> {
     let mut library = GlassLibrary::default();
     if let Some(name) = name {
+        check_length("glass catalogue", name)?;
         let none = || SourceError::NoCatalogue { name: cut(name), places: search.in_words() };
         let path = search.find(name).map_err(|no_file| no_file.unwrap_or_else(none))?;
         library.add(&path.display().to_string(), &bytes_of(&path, MAX_CATALOG_BYTES)?)?;
     }
     Ok(library)
+}
+
+/// That a name is no longer than a file's may be.
+fn check_length(what: &'static str, name: &str) -> Result<(), SourceError> {
+    let own = name.rsplit('/').next().unwrap_or(name);
+    if own.len() <= MAX_NAME_BYTES && name.len() <= MAX_PATH_BYTES {
+        return Ok(());
+    }
+    Err(SourceError::NameTooLong { what, start: name.chars().take(32).collect(), length: name.len() })
 }
 
 fn read_file(path: &Path, library: GlassLibrary) -> Result<Prescription, SourceError> {
@@ -310,6 +324,8 @@ mod tests {
         for name in [format!("{longest}n"), format!("/{longest}n"), "n".repeat(900_000), "n/".repeat(2049)] {
             let message = LensSource::parse(&name, &nowhere).expect_err("too long").to_string();
             assert!(message.contains("at most 255") && message.len() < 200, "{message}");
+            let message = glass_library(Some(&name), &nowhere).expect_err("too long").to_string();
+            assert!(message.contains("the name of a glass catalogue") && message.len() < 200, "{message}");
         }
     }
 
@@ -340,6 +356,22 @@ mod tests {
     }
 
     #[test]
+    fn a_misspelt_lens_is_answered_with_the_nearest_name_alone() {
+        let nowhere = SearchPath::default();
+        for (given, meant) in [
+            ("dgaus.50mm", "dgauss.50mm"),
+            ("Wide.22mm", "wide.22mm"),
+            ("fisheye10mm", "fisheye.10mm"),
+            ("zoom.70-20mm@85mm", "zoom.70-200mm"),
+        ] {
+            let source = LensSource::parse(given, &nowhere).expect("a plain name");
+            let message = source.load(&nowhere, GlassLibrary::default()).expect_err("misspelt").to_string();
+            assert!(message.ends_with(&format!("; did you mean \"{meant}\"?")), "{message}");
+            assert!(!message.contains("telephoto.250mm"), "{message}");
+        }
+    }
+
+    #[test]
     fn a_file_is_found_along_the_search_path_before_the_catalogue() {
         let directory = tempfile::tempdir().expect("a temporary directory");
         let search = SearchPath::default().then(Some(directory.path()));
@@ -350,7 +382,15 @@ mod tests {
                 .load(&search, GlassLibrary::default())
                 .expect("found");
             assert_eq!(lens.interfaces.len(), 2);
+            let is_built_in = name == "dgauss.50mm";
+            assert_eq!(lens.remarks.len(), usize::from(is_built_in), "{:?}", lens.remarks);
+            let path = directory.path().join(name).display().to_string();
+            assert!(lens.remarks.iter().all(|remark| remark.contains(&path)), "{:?}", lens.remarks);
         }
+        // A path names no lens of the catalogue.
+        let path = directory.path().join("dgauss.50mm").display().to_string();
+        let source = LensSource::parse(&path, &search).expect("a plain name");
+        assert_eq!(source.load(&search, GlassLibrary::default()).expect("found").remarks, [""; 0]);
     }
 
     #[test]

@@ -11,6 +11,25 @@ const FITTED: [f64; 4] = [-0.2555, 1.583, -0.2678, 25.43];
 /// The Abbe numbers of the glasses that were fitted: beyond, the nearest one's partial dispersions.
 const RANGE: [f64; 2] = [17.0, 96.0];
 
+/// By how much the index may be off: in each band of wavelengths, nm, half of the glasses of the makers' catalogues are
+/// met within the first number, all within the second, each as far as its own data reach. The farthest are dense flints and
+/// plastics at the violet end, and below 365 nm glasses that absorb there. The first band is that of F and C.
+pub(super) const ERRORS: [([f64; 2], [f64; 2]); 6] = [
+    ([486.0, 656.0], [1.6e-5, 5e-4]),
+    ([400.0, 710.0], [1.7e-4, 2.4e-3]),
+    ([365.0, 400.0], [3.1e-4, 1.3e-2]),
+    ([300.0, 365.0], [6.5e-4, 0.75]),
+    ([710.0, 1014.0], [3.2e-4, 2.2e-3]),
+    ([1014.0, 2000.0], [2.5e-3, 1.8e-2]),
+];
+
+/// [`ERRORS`] at a wavelength, nm; `None` in the visible, where they are small.
+pub fn error(wavelength: f64) -> Option<[f64; 2]> {
+    let within = |band: &[f64; 2]| (band[0]..=band[1]).contains(&wavelength);
+    let [_, (visible, _), beyond @ ..] = &ERRORS;
+    beyond.iter().find(|(band, _)| within(band) && !within(visible)).map(|(_, errors)| *errors)
+}
+
 /// λ^-2, λ² and Herzberger's 1/(λ² - 0.028), λ in µm.
 fn basis(nanometres: f64) -> [f64; 3] {
     let square = (nanometres * 1e-3).powi(2);

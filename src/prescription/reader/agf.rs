@@ -1,70 +1,135 @@
-//! AGF glass catalogues, as the makers of glass publish them: `NM` name, formula, code, n_d, V_d; `CD` the constants.
-//! Text in, glasses with their names out.
+//! AGF glass catalogues, as the makers of glass publish them: `NM` name, formula, code, n_d, V_d; `CD` the constants; `LD` the
+//! range of wavelengths, µm. Text in; where in it each glass stands; and a glass when a lens names it.
 
-use super::text::{Cell, Place, Text, decoded, no_number, words};
+use std::{cell::RefCell, collections::HashMap, path::Path};
+
+use super::text::{Cell, Place, Text, as_str, decoded, no_number, words};
 use crate::{
     message::cut,
     prescription::{
         error::LensFileError,
-        glass::{Formula, check},
-        interfaces::{Medium, Sellmeier},
-        limits::{MAX_CATALOG_BYTES, MAX_NAME_BYTES},
+        glass::{Formula, check, name::loose},
+        interfaces::{Glass, Medium, Sellmeier},
+        limits::{MAX_CATALOG_BYTES, MAX_CATALOG_GLASSES, MAX_GLASS_BYTES, MAX_NAME_BYTES},
     },
 };
 
-/// A glass of a catalogue.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Entry {
-    /// As the catalogue has it.
+/// A catalogue: an index of its text by the names of glasses, and those that were asked for.
+#[derive(Debug)]
+pub struct Catalogue {
+    /// Its name in messages.
+    file: String,
+    /// The file's name without its ending, [`loose`]: what a lens names it by.
     pub name: String,
-    /// What it says of the glass, or why that cannot be used.
-    pub medium: Result<Medium, String>,
+    text: String,
+    /// The line, counted from 1, and the byte at which a glass of that [`loose`] name begins.
+    index: HashMap<String, [usize; 2]>,
+    found: RefCell<HashMap<usize, Result<Glass, String>>>,
 }
 
-/// Reads a catalogue; `file` is its name in messages.
-///
-/// # Errors
-/// The text is longer than [`MAX_CATALOG_BYTES`] or names no glass.
-pub fn read(file: &str, bytes: &[u8]) -> Result<Vec<Entry>, LensFileError> {
-    let bytes = decoded(bytes);
-    let text = Text::new(file, &bytes);
-    let start = Place { line: 1, column: 1 };
-    if bytes.len() as u64 > MAX_CATALOG_BYTES {
-        let message = format!("a glass catalogue has at most {MAX_CATALOG_BYTES} bytes (8 MiB)");
-        return Err(text.error(start, message));
-    }
-    let mut entries: Vec<Entry> = Vec::new();
-    let mut formula = None;
-    for (number, line) in text.lines() {
-        let words = words(number, line);
-        match words.split_first().map(|(key, values)| (key.text, values)) {
-            Some(("NM", [name, values @ ..])) if name.text.len() <= MAX_NAME_BYTES => {
-                formula = values.first().and_then(|code| code.number());
-                let medium = Err(format!("{file}:{number} has no constants (CD) for it"));
-                entries.push(Entry { name: name.text.to_owned(), medium });
+impl Catalogue {
+    /// Indexes a catalogue; `file` is its name in messages.
+    ///
+    /// # Errors
+    /// The text is longer than [`MAX_CATALOG_BYTES`], or names no glass, or more than [`MAX_CATALOG_GLASSES`].
+    pub fn new(file: &str, bytes: &[u8]) -> Result<Self, LensFileError> {
+        let error =
+            |line: usize, message: String| Text::new(file, &[]).error(Place { line, column: 1 }, message);
+        if bytes.len() as u64 > MAX_CATALOG_BYTES {
+            let message = format!("a glass catalogue has at most {MAX_CATALOG_BYTES} bytes (8 MiB)");
+            return Err(error(1, message));
+        }
+        let text = as_str(&decoded(bytes)).into_owned();
+        let mut index = HashMap::new();
+        let mut start = 0;
+        for (number, line) in (1..).zip(text.split(line_end(&text))) {
+            if let Some(name) = name_in(line).map(loose).filter(|name| !name.is_empty()) {
+                if index.len() == MAX_CATALOG_GLASSES {
+                    let message = format!("a glass catalogue has at most {MAX_CATALOG_GLASSES} glasses");
+                    return Err(error(number, message));
+                }
+                index.entry(name).or_insert([number, start]);
             }
-            Some(("CD", values)) => {
-                if let Some(entry) = entries.last_mut() {
+            start += line.len() + 1;
+        }
+        if index.is_empty() {
+            let message = "no glass; a glass catalogue (AGF) has lines NM with names and CD with constants";
+            return Err(error(1, message.to_owned()));
+        }
+        let name = loose(&Path::new(file).file_stem().unwrap_or_default().to_string_lossy());
+        Ok(Self { file: file.to_owned(), name, text, index, found: RefCell::default() })
+    }
+
+    /// The names of the glasses, as they are written.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.index.values().filter_map(|&[_, start]| name_in(self.lines(start).next()?))
+    }
+
+    /// How many glasses it names.
+    pub fn len(&self) -> usize {
+        self.index.len()
+    }
+
+    /// The glass of a [`loose`] name.
+    ///
+    /// # Errors
+    /// What the catalogue says of it cannot be used: why.
+    pub fn find(&self, name: &str) -> Option<Result<Glass, String>> {
+        let &[line, start] = self.index.get(name)?;
+        let mut found = self.found.borrow_mut();
+        Some(found.entry(start).or_insert_with(|| self.glass(line, start)).clone())
+    }
+
+    /// The lines of the glass at a byte, and no more than one glass may have.
+    fn lines(&self, start: usize) -> impl Iterator<Item = &str> {
+        let rest = &self.text[start..];
+        rest[..rest.floor_char_boundary(MAX_GLASS_BYTES)].split(line_end(&self.text))
+    }
+
+    fn glass(&self, line: usize, start: usize) -> Result<Glass, String> {
+        let mut formula = None;
+        let mut constants = None;
+        let mut range = None;
+        for (number, text) in (line..).zip(self.lines(start)) {
+            let words = words(number, text);
+            match words.split_first().map(|(key, values)| (key.text, values)) {
+                Some(("NM", _)) if number > line => break,
+                Some(("NM", [_, code, ..])) => formula = code.number(),
+                Some(("CD", values)) => {
                     let constant = |value: &Cell<'_>| {
                         value.number().ok_or_else(|| no_number(value.text, "a constant of CD"))
                     };
-                    entry.medium = (values.iter().map(constant).collect::<Result<Vec<f64>, _>>())
-                        .and_then(|constants| medium(formula, &constants))
-                        .map_err(|why| format!("{}:{number}: {why}", cut(file)));
+                    constants = Some((number, values.iter().map(constant).collect::<Result<Vec<f64>, _>>()));
                 }
+                Some(("LD", [from, to, ..])) => {
+                    let ends = [from, to].map(|end| end.number().unwrap_or(0.0) * 1e3);
+                    range = Some(ends).filter(|[from, to]| *from > 0.0 && from < to);
+                }
+                _ => {}
             }
-            _ => {}
         }
+        let file = cut(&self.file);
+        let Some((number, constants)) = constants else {
+            return Err(format!("{file}:{line} has no constants (CD) for it"));
+        };
+        let medium = constants.and_then(|constants| medium(formula, &constants, range));
+        medium.map(|medium| Glass { medium, range }).map_err(|why| format!("{file}:{number}: {why}"))
     }
-    if entries.is_empty() {
-        let message = "no glass; a glass catalogue (AGF) has lines NM with names and CD with constants";
-        return Err(text.error(start, message));
-    }
-    Ok(entries)
+}
+
+/// What ends the lines of a text.
+fn line_end(text: &str) -> char {
+    if text.contains('\n') { '\n' } else { '\r' }
+}
+
+/// The name of the glass that a line begins.
+fn name_in(line: &str) -> Option<&str> {
+    let mut words = line.split_whitespace();
+    words.next().filter(|key| *key == "NM").and(words.next()).filter(|name| name.len() <= MAX_NAME_BYTES)
 }
 
 /// The medium of a formula's number and its constants, as many as the line has.
-fn medium(formula: Option<f64>, constants: &[f64]) -> Result<Medium, String> {
+fn medium(formula: Option<f64>, constants: &[f64], range: Option<[f64; 2]>) -> Result<Medium, String> {
     let k = |i: usize| constants.get(i).copied().unwrap_or(0.0);
     let sellmeier = |rest: [f64; 2], terms: &[(f64, f64)]| {
         let term = |i: usize| terms.get(i).copied().unwrap_or((0.0, 0.0));
@@ -94,7 +159,7 @@ fn medium(formula: Option<f64>, constants: &[f64]) -> Result<Medium, String> {
             let three = Medium::Sellmeier(Sellmeier { b: [k(0), k(2), k(4)], c: [k(1), k(3), k(5)] });
             // A glass that is one in the visible only.
             let any = || sellmeier([1.0, 0.0], &[(k(0), k(1)), (k(2), k(3)), (k(4), k(5))]);
-            check(three).map_or_else(|_| any(), |()| three)
+            check(three, range).map_or_else(|_| any(), |()| three)
         }
         3 => Medium::Formula(Formula::Herzberger(std::array::from_fn(k))),
         4 => without_square(1.0 + k(0), 0.0, (k(1), k(2) * k(2)), (k(3), k(4) * k(4)))?,
@@ -109,7 +174,7 @@ fn medium(formula: Option<f64>, constants: &[f64]) -> Result<Medium, String> {
         13 => polynomial(&[0, 2, 4, -2, -4, -6, -8, -10, -12]),
         _ => return Err(format!("formula {code} is not known; formulas are 1 to 13")),
     };
-    check(medium)?;
+    check(medium, range)?;
     Ok(medium)
 }
 
@@ -121,8 +186,8 @@ mod tests {
     /// n_d and V of the one glass of a catalogue.
     fn n_d_and_abbe(code: &str, constants: &str) -> [f64; 2] {
         let text = format!("CC of tests\nNM X {code} 0 1.5 60 0\nED 1 2\nCD {constants}\nTD 0\n");
-        let [entry] = &read("x.agf", text.as_bytes()).expect("a catalogue")[..] else { panic!("{text}") };
-        let medium = entry.medium.clone().unwrap_or_else(|why| panic!("{why}"));
+        let catalogue = Catalogue::new("x.agf", text.as_bytes()).expect("a catalogue");
+        let medium = catalogue.find("X").expect("listed").unwrap_or_else(|why| panic!("{why}")).medium;
         let [d, f, c] = [D_LINE, F_LINE, C_LINE].map(|line| refractive_index(medium, line));
         [d, (d - 1.0) / (f - c)]
     }
@@ -214,12 +279,11 @@ mod tests {
 
     #[test]
     fn what_cannot_be_used_says_why_when_it_is_asked_for() {
-        let entries = read("x.agf", b"NM A 2 0\nCD 1 x\nNM B\nCD 1 2\nNM C 2 0\nCD -1 0 0 0 0 0\nNM D 2 0\nCD 0.5 0.4 0.7 0.01\nNM E 7 0\nCD 2 1 0 0\nNM F 1 0\n");
-        let why: Vec<String> = entries
-            .expect("a catalogue")
-            .into_iter()
-            .map(|entry| entry.medium.err().unwrap_or_default())
-            .collect();
+        let text = b"NM A 2 0\nCD 1 x\nNM B\nCD 1 2\nNM C 2 0\nCD -1 0 0 0 0 0\nNM D 2 0\nCD 0.5 0.4 0.7 0.01\nNM E 7 0\nCD 2 1 0 0\nNM F 1 0\n";
+        let catalogue = Catalogue::new("x.agf", text).expect("a catalogue");
+        let why: Vec<String> = ["A", "B", "C", "D", "E", "F"]
+            .map(|name| catalogue.find(name).expect("listed").err().unwrap_or_default())
+            .to_vec();
         assert_eq!(why[0], "x.agf:2: \"x\" is not a number; expected a constant of CD");
         assert_eq!(why[1], "x.agf:4: the number of its formula is missing on the line NM, behind its name");
         assert!(why[2].contains("x.agf:6: the constants give index"), "{}", why[2]);
@@ -227,12 +291,46 @@ mod tests {
         assert!(why[3].contains("index"), "a resonance in the visible: {}", why[3]);
         assert_eq!(why[4], "x.agf:10: C = 0 in B/(λ² - C)");
         assert_eq!(why[5], "x.agf:11 has no constants (CD) for it");
-        let error = read("x.agf", b"a lens\n").expect_err("no catalogue").to_string();
+        let error = Catalogue::new("x.agf", b"a lens\n").expect_err("no catalogue").to_string();
         assert!(error.starts_with("x.agf:1:1: no glass"), "{error}");
         let long = vec![b'\n'; MAX_CATALOG_BYTES as usize + 1];
-        assert!(read("x.agf", &long).expect_err("too long").message.contains("8 MiB"));
+        assert!(Catalogue::new("x.agf", &long).expect_err("too long").message.contains("8 MiB"));
         let utf16: Vec<u8> =
             [0xFF, 0xFE].into_iter().chain("NM A 2 0\n".bytes().flat_map(|b| [b, 0])).collect();
-        assert_eq!(read("x.agf", &utf16).expect("a catalogue").len(), 1);
+        assert_eq!(Catalogue::new("x.agf", &utf16).expect("a catalogue").len(), 1);
+    }
+
+    #[test]
+    fn a_range_and_a_name_in_another_spelling_are_read() {
+        let text = "NM K-Own_1 1 0 1.5 60\rCD 2.25 0 0 0 0 0\rLD 0.25 2.5\rNM other 1 0\rCD 4\r";
+        let catalogue = Catalogue::new("dir/Own Glass.agf", text.as_bytes()).expect("a catalogue");
+        assert_eq!((catalogue.name.as_str(), catalogue.len()), ("OWNGLASS", 2));
+        let glass = catalogue.find(&loose("kown1")).expect("listed").expect("right");
+        assert_eq!((glass.range, refractive_index(glass.medium, 500.0)), (Some([250.0, 2500.0]), 1.5));
+        assert_eq!(catalogue.find("OTHER").expect("listed").expect("right").range, None);
+        assert_eq!(catalogue.find("OWN1"), None);
+    }
+
+    #[test]
+    fn of_a_large_catalogue_no_more_is_read_than_the_glasses_that_are_named() {
+        let line = "CD 1.1 0.006 0.23 0.02 1.01 103\n";
+        // Constants without end, and glasses as many as there may be.
+        let mut text = format!("NM ENDLESS 2 0\n{}", "IT 0.5 1 10\n".repeat(100_000)) + line;
+        for i in 1..MAX_CATALOG_GLASSES {
+            text += &format!("NM G{i} 2 0\n{line}");
+        }
+        let catalogue = Catalogue::new("x.agf", text.as_bytes()).expect("a catalogue");
+        assert_eq!((catalogue.len(), catalogue.found.borrow().len()), (MAX_CATALOG_GLASSES, 0));
+        let why = catalogue.find("ENDLESS").expect("listed").expect_err("beyond what is read");
+        assert!(why.contains("x.agf:1 has no constants (CD)"), "{why}");
+        for _ in 0..2 {
+            assert!(catalogue.find("G19999").expect("listed").is_ok());
+        }
+        assert_eq!(catalogue.found.borrow().len(), 2);
+        let read = |name: &str| catalogue.lines(catalogue.index[name][1]).map(str::len).sum::<usize>();
+        assert!(read("ENDLESS") <= MAX_GLASS_BYTES && read("G1") <= MAX_GLASS_BYTES);
+        text += "NM ONEMORE 2 0\n";
+        let error = Catalogue::new("x.agf", text.as_bytes()).expect_err("one more");
+        assert!(error.line > 140_000 && error.message.contains("at most 20000 glasses"), "{error}");
     }
 }

@@ -72,8 +72,18 @@ pub fn read_with(name: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Pre
             column: 1,
             message: "a catalogue of glasses (AGF), not a lens; give it as \"glasscatalog\"".to_owned(),
         }),
+        Format::Json => Err(LensFileError {
+            file: name.to_owned(),
+            line: 1,
+            column: 1,
+            message: "JSON, and no lens is read from JSON; give a table with a line for each surface: radius, thickness, \
+                      index and clear diameter in mm (docs/lens-format.md)"
+                .to_owned(),
+        }),
     }?;
-    Ok(Prescription { name: short_name, ..prescription })
+    let mut prescription = Prescription { name: short_name, ..prescription };
+    prescription.remarks.extend_from_slice(library.told());
+    Ok(prescription)
 }
 
 /// What a lens file may be written in.
@@ -84,6 +94,8 @@ enum Format {
     Zemax,
     /// No lens at all.
     GlassCatalogue,
+    /// None, too: an object, which no other text begins like.
+    Json,
 }
 
 impl Format {
@@ -104,7 +116,9 @@ impl Format {
                 None
             }
         };
-        lines.into_iter().find_map(known).unwrap_or(Self::Table)
+        let is_object = bytes.trim_ascii_start().starts_with(b"{");
+        let rest = if is_object { Self::Json } else { Self::Table };
+        lines.into_iter().find_map(known).unwrap_or(rest)
     }
 }
 

@@ -1,11 +1,11 @@
-//! Glasses that a file names and may give n_d and V of, too. A name and two numbers in; the medium, and what is told of
-//! glasses that are not known or have other numbers, once for all of them.
+//! Glasses that a file names and may give n_d and V of, too. A name and two numbers in; the medium, and warnings of glasses
+//! that are not known or have other numbers, once for all of them.
 
 use crate::{
     message::cut,
     prescription::{
         glass::{C_LINE, D_LINE, F_LINE, GlassLibrary, refractive_index},
-        interfaces::Medium,
+        interfaces::{Glass, Medium},
     },
 };
 
@@ -19,7 +19,9 @@ const ABBE_APART: f64 = 0.015;
 #[derive(Debug)]
 pub(super) struct NamedGlasses<'a> {
     library: &'a GlassLibrary,
-    known: Vec<(String, Medium)>,
+    /// The catalogues that the file names, as [`loose`](crate::prescription::glass::name::loose) words: theirs come before others of the same name.
+    first: Vec<String>,
+    named: Vec<(String, Glass)>,
     /// Names that are not known.
     unknown: Vec<String>,
     /// Names of glasses with other numbers, which are used.
@@ -29,80 +31,73 @@ pub(super) struct NamedGlasses<'a> {
 }
 
 impl<'a> NamedGlasses<'a> {
-    pub(super) fn new(library: &'a GlassLibrary) -> Self {
-        Self { library, known: Vec::new(), unknown: Vec::new(), other: Vec::new(), differs: Vec::new() }
+    pub(super) fn new(library: &'a GlassLibrary, first: Vec<String>) -> Self {
+        let [unknown, other, differs] = [(); 3].map(|()| Vec::new());
+        Self { library, first, named: Vec::new(), unknown, other, differs }
     }
 
-    /// The medium of a glass that the file calls `name`, empty for none, with n_d, more than 1, and V, positive.
+    /// The medium of a glass that the file calls `name`, empty for none, with n_d, more than 1, and V, positive: the glass of
+    /// that name that has these numbers, else what they say.
     pub(super) fn checked(&mut self, name: &str, n_d: f64, abbe: Option<f64>) -> Medium {
-        let stated = Medium::Glass { n_d, abbe };
-        if name.is_empty() {
-            return stated;
-        }
-        match self.library.find(name) {
-            Some(Ok(medium)) => {
-                let [d, f, c] = [D_LINE, F_LINE, C_LINE].map(|line| refractive_index(medium, line));
-                let own = (d - 1.0) / (f - c);
-                if (d - n_d).abs() <= INDEX_APART
-                    && abbe.is_none_or(|abbe| (abbe - own).abs() <= ABBE_APART * own)
-                {
-                    self.use_as(name, medium)
-                } else {
-                    note(&mut self.other, name);
-                    stated
+        let candidates =
+            if name.is_empty() { Vec::new() } else { self.library.candidates(name, &self.first) };
+        let known: Vec<Glass> = candidates.into_iter().filter_map(Result::ok).collect();
+        match known.iter().find(|glass| is_of(glass.medium, n_d, abbe)) {
+            Some(glass) => self.use_as(name, *glass),
+            None => {
+                if !name.is_empty() {
+                    note(if known.is_empty() { &mut self.unknown } else { &mut self.other }, name);
                 }
-            }
-            Some(Err(_)) | None => {
-                note(&mut self.unknown, name);
-                stated
+                self.by_numbers(name, n_d, abbe)
             }
         }
     }
 
-    /// The medium of a glass that the file calls `name`, whatever numbers it gives of it; a glass that is not known is
-    /// that of the numbers, if there are some.
+    /// The medium of these numbers, whatever the file calls it.
+    pub(super) fn by_numbers(&mut self, name: &str, n_d: f64, abbe: Option<f64>) -> Medium {
+        let glass = Glass { medium: Medium::Glass { n_d, abbe }, range: None };
+        if name.is_empty() { glass.medium } else { self.use_as(name, glass) }
+    }
+
+    /// The medium of a glass that the file calls `name`, whatever numbers it gives of it.
     ///
     /// # Errors
-    /// The glass is not known, and there are no numbers: what to do.
+    /// The glass is not known, or not usable: why, and what to do.
     pub(super) fn by_name(
         &mut self,
         name: &str,
         n_d: Option<f64>,
         abbe: Option<f64>,
     ) -> Result<Medium, String> {
-        match (self.library.find(name), n_d) {
-            (Some(Ok(medium)), _) => {
-                if n_d.is_some_and(|n_d| !is_of(medium, n_d, abbe)) {
+        match self.library.candidates(name, &self.first).into_iter().next() {
+            Some(Ok(glass)) => {
+                if n_d.is_some_and(|n_d| !is_of(glass.medium, n_d, abbe)) {
                     note(&mut self.differs, name);
                 }
-                Ok(self.use_as(name, medium))
+                Ok(self.use_as(name, glass))
             }
-            (_, Some(n_d)) => {
-                note(&mut self.unknown, name);
-                Ok(Medium::Glass { n_d, abbe })
-            }
-            (Some(Err(why)), None) => Err(format!("glass \"{}\": {why}", cut(name))),
-            (None, None) => {
+            Some(Err(why)) => Err(format!("glass \"{}\": {why}", cut(name))),
+            None => {
                 let nearest = self.library.suggestion(name);
                 let name = cut(name);
                 Err(format!(
-                    "glass \"{name}\" is not known, and the file does not give its n_d{nearest}; put its maker's catalogue \
-                     (AGF) beside the lens file or give it as \"glasscatalog\""
+                    "glass \"{name}\" is not known{nearest}; put its maker's catalogue (AGF) beside the lens file or give it \
+                     as \"glasscatalog\""
                 ))
             }
         }
     }
 
     /// Keeps the name for reports.
-    fn use_as(&mut self, name: &str, medium: Medium) -> Medium {
-        if self.known.iter().all(|(known, _)| known != name) {
-            self.known.push((name.to_owned(), medium));
+    fn use_as(&mut self, name: &str, glass: Glass) -> Medium {
+        if self.named.iter().all(|(known, _)| known != name) {
+            self.named.push((name.to_owned(), glass));
         }
-        medium
+        glass.medium
     }
 
-    /// The glasses that are known, and what is told of the others.
-    pub(super) fn told(self, file: &str) -> (Vec<(String, Medium)>, Vec<String>) {
+    /// The glasses that have a name, and what is told of some.
+    pub(super) fn told(self, file: &str) -> (Vec<(String, Glass)>, Vec<String>) {
         let told = [
             (self.unknown, "not known; n_d and V of the file are used"),
             (self.differs, "the file gives another n_d or V; those of the name are used"),
@@ -114,7 +109,7 @@ impl<'a> NamedGlasses<'a> {
             let more = if names.len() > 12 { ", …" } else { "" };
             format!("{file}: glasses {some}{more}: {what}")
         });
-        (self.known, told.collect())
+        (self.named, told.collect())
     }
 }
 

@@ -25,6 +25,12 @@ pub(super) fn decoded(bytes: &[u8]) -> Cow<'_, [u8]> {
     }
 }
 
+/// [`decoded`] bytes as text; what is not UTF-8 is taken for Latin-1.
+pub(super) fn as_str(bytes: &[u8]) -> Cow<'_, str> {
+    std::str::from_utf8(bytes)
+        .map_or_else(|_| Cow::Owned(bytes.iter().map(|&byte| char::from(byte)).collect()), Cow::Borrowed)
+}
+
 /// The lines of a text, for the formats that are no table of columns.
 #[derive(Debug)]
 pub(super) struct Text<'a> {
@@ -34,11 +40,9 @@ pub(super) struct Text<'a> {
 }
 
 impl<'a> Text<'a> {
-    /// Of [`decoded`] bytes; what is not UTF-8 is taken for Latin-1.
+    /// Of [`decoded`] bytes.
     pub(super) fn new(file: &'a str, bytes: &'a [u8]) -> Self {
-        let text = std::str::from_utf8(bytes)
-            .map_or_else(|_| Cow::Owned(bytes.iter().map(|&byte| char::from(byte)).collect()), Cow::Borrowed);
-        Self { file, text }
+        Self { file, text: as_str(bytes) }
     }
 
     /// The lines, counted from 1; they end in a line feed, both or, in old files, a carriage return alone.

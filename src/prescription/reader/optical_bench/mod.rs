@@ -29,7 +29,7 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
     let text = Text::new(file, bytes);
     let sections = Sections::of(&text)?;
     let variables = Variables::of(&text, &sections.variables)?;
-    let mut glasses = NamedGlasses::new(library);
+    let mut glasses = NamedGlasses::new(library, Vec::new());
     let mut remarks = Vec::new();
     let mut rows = Vec::with_capacity(sections.lens.len());
     let mut gaps = Vec::new();

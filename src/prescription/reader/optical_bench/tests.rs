@@ -31,7 +31,8 @@ fn every_section_that_says_what_the_lens_is_is_read() {
     assert_eq!((lens.interfaces[0].semi_diameter, lens.interfaces[3].semi_diameter), (5.0, 3.1));
     assert!(matches!(lens.interfaces[0].medium, Medium::Sellmeier(_)));
     assert_eq!(lens.interfaces[4].medium, Medium::Glass { n_d: 1.6, abbe: Some(40.0) });
-    assert_eq!(lens.glasses.len(), 1);
+    let names: Vec<&str> = lens.glasses.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names, ["N-BK7", "XQ7"]);
     assert_eq!((lens.interfaces[2].thickness, lens.nominal_film_distance), (3.0, Some(40.0)));
     assert_eq!((lens.stated_focal_length, lens.stated.fields), (Some(28.0), vec![Some(75.2), Some(46.4)]));
     let positions = lens.positions.expect("two");

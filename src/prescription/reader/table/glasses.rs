@@ -1,5 +1,5 @@
 //! Glasses by name: lines `glass NAME sellmeier B1=… C1=… B2=… C2=… B3=… C3=…` that define one, the constants in any
-//! order, C in µm², or with another formula of [`Formula`]; each constant bears its name, so that a data sheet's order
+//! order, C in µm², or with another formula of [`Formula`], and perhaps `from=… to=…`, its range in µm; each constant bears its name, so that a data sheet's order
 //! cannot be mistaken. A row of the table then has the name where others have the refractive index; glasses of the
 //! library need no definition.
 
@@ -11,20 +11,23 @@ use crate::{
     prescription::{
         LensFileError,
         glass::{Formula, GlassLibrary, HIGHEST_POWER, LOWEST_POWER, check},
-        interfaces::{Medium, Sellmeier},
+        interfaces::{Glass, Medium, Sellmeier},
         limits::{MAX_INTERFACES, MAX_NAME_BYTES},
     },
 };
 
 const FORM: &str = "a glass is defined by: glass NAME sellmeier B1=… C1=… B2=… C2=… B3=… C3=… (C in µm²)";
 
+/// The ends of the range in which a formula counts, µm.
+const RANGE: [&str; 2] = ["from", "to"];
+
 /// The glasses that a file can name.
 #[derive(Debug)]
 pub(super) struct Glasses<'a> {
     /// Those that it defines.
-    defined: Vec<(String, Medium)>,
+    defined: Vec<(String, Glass)>,
     library: &'a GlassLibrary,
-    used: RefCell<Vec<(String, Medium)>>,
+    used: RefCell<Vec<(String, Glass)>>,
 }
 
 impl<'a> Glasses<'a> {
@@ -34,16 +37,16 @@ impl<'a> Glasses<'a> {
         let mut glasses = Self { defined: Vec::new(), library, used: RefCell::default() };
         lines.at_most(&definitions, &format!("a lens file defines at most {MAX_INTERFACES} glasses"))?;
         for line in &definitions {
-            let (name, medium) = glasses.definition(lines, line)?;
-            glasses.defined.push((name.text.clone(), medium));
+            let (name, glass) = glasses.definition(lines, line)?;
+            glasses.defined.push((name.text.clone(), glass));
         }
         Ok(glasses)
     }
 
     /// The medium of a name in the index column; `None` when the word is to be read as a number.
     pub(super) fn find(&self, lines: &Lines, word: &Word) -> Result<Option<Medium>, LensFileError> {
-        if let Some((_, medium)) = self.defined.iter().find(|(name, _)| *name == word.text) {
-            return Ok(Some(self.use_as(word, *medium)));
+        if let Some((_, glass)) = self.defined.iter().find(|(name, _)| *name == word.text) {
+            return Ok(Some(self.use_as(word, *glass)));
         }
         if word.text.parse::<f64>().is_ok() {
             return Ok(None);
@@ -52,7 +55,7 @@ impl<'a> Glasses<'a> {
             && let Some(found) = self.library.find(&word.text)
         {
             let unusable = |why: String| lines.error(word, &format!("glass \"{word}\": {why}"));
-            return found.map(|medium| Some(self.use_as(word, medium))).map_err(unusable);
+            return found.map(|glass| Some(self.use_as(word, glass))).map_err(unusable);
         }
         if !is_name(&word.text) {
             return Ok(None);
@@ -72,19 +75,19 @@ impl<'a> Glasses<'a> {
     }
 
     /// The glasses that rows named.
-    pub(super) fn used(self) -> Vec<(String, Medium)> {
+    pub(super) fn used(self) -> Vec<(String, Glass)> {
         self.used.into_inner()
     }
 
-    fn use_as(&self, name: &Word, medium: Medium) -> Medium {
+    fn use_as(&self, name: &Word, glass: Glass) -> Medium {
         let mut used = self.used.borrow_mut();
         if used.iter().all(|(known, _)| *known != name.text) {
-            used.push((name.text.clone(), medium));
+            used.push((name.text.clone(), glass));
         }
-        medium
+        glass.medium
     }
 
-    fn definition<'l>(&self, lines: &Lines, line: &'l Line) -> Result<(&'l Word, Medium), LensFileError> {
+    fn definition<'l>(&self, lines: &Lines, line: &'l Line) -> Result<(&'l Word, Glass), LensFileError> {
         let [glass, name, formula, words @ ..] = line.words.as_slice() else {
             return Err(lines.error(&line.words[0], FORM));
         };
@@ -96,10 +99,12 @@ impl<'a> Glasses<'a> {
         if self.defined.iter().any(|(known, _)| *known == name.text) {
             return Err(lines.error(name, &format!("glass \"{name}\" is defined twice")));
         }
-        let Some(names) = constants_of(&formula.text) else {
+        let Some(mut names) = constants_of(&formula.text) else {
             let known = "formulas are sellmeier, polynomial, conrady and herzberger";
             return Err(lines.error(formula, &format!("no formula is called \"{formula}\"; {known}; {FORM}")));
         };
+        let count = names.len();
+        names.extend(RANGE.map(str::to_owned));
         let mut constants = vec![None; names.len()];
         for word in words {
             let (place, number) = lines.constant(word, &names, &format!("{}=1.04; {FORM}", names[0]))?;
@@ -107,12 +112,17 @@ impl<'a> Glasses<'a> {
                 return Err(lines.error(word, &format!("\"{word}\": given twice; {FORM}")));
             }
         }
+        let range = match constants.split_off(count)[..] {
+            [Some(from), Some(to)] if 0.0 < from && from < to => Some([from, to].map(|end| 1e3 * end)),
+            [None, None] => None,
+            _ => return Err(lines.error(name, &format!("the range is from=… to=…, both, in µm; {FORM}"))),
+        };
         let medium = medium(&formula.text, &constants).map_err(|missing| {
-            let message = format!("{} of {missing} constants; {FORM}", words.len());
-            lines.error(glass, &message)
+            let given = constants.iter().flatten().count();
+            lines.error(glass, &format!("{given} of {missing} constants; {FORM}"))
         })?;
-        check(medium).map_err(|wrong| lines.error(name, &format!("{wrong}; {FORM}")))?;
-        Ok((name, medium))
+        check(medium, range).map_err(|wrong| lines.error(name, &format!("{wrong}; {FORM}")))?;
+        Ok((name, Glass { medium, range }))
     }
 }
 
@@ -199,7 +209,9 @@ mod tests {
         let rows = "20 5 n-bk7 10\n-20 30 1 10\n";
         let built_in = ok(rows);
         assert_eq!(built_in.interfaces, ok(&format!("{BK7}{}", rows.to_uppercase())).interfaces);
-        assert_eq!(built_in.glasses, [("n-bk7".to_owned(), built_in.interfaces[0].medium)]);
+        let [(name, glass)] = &built_in.glasses[..] else { panic!("{built_in:?}") };
+        assert_eq!((name.as_str(), glass.medium), ("n-bk7", built_in.interfaces[0].medium));
+        assert_eq!(glass.range, Some([300.0, 2500.0]));
         let own = ok(&format!("{}{}", BK7.replace("1.0396", "1.0397"), rows.to_uppercase()));
         assert_ne!(own.interfaces[0].medium, built_in.interfaces[0].medium);
         // A name may begin with a digit where it is known.

@@ -1,5 +1,5 @@
 //! The project's own table: text to lines of words ([`lines`]), lines that begin with a keyword ([`glasses`],
-//! [`aspheres`], [`blades`], [`columns`]), and the others to rows, one file for each kind of table ([`four_column`],
+//! [`aspheres`], [`blades`], [`wavelength`], [`columns`]), and the others to rows, one file for each kind of table ([`four_column`],
 //! [`five_column`]). Its grammar stands in `docs/lens-format.md`.
 //!
 //! Two kinds of table are read. **Four columns**, as the assignment and pbrt have it: radius,
@@ -17,6 +17,7 @@ mod four_column;
 mod glasses;
 mod lines;
 mod values;
+mod wavelength;
 
 use super::surfaces;
 use crate::{
@@ -41,6 +42,7 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
     let glasses = Glasses::take(&mut lines, library)?;
     let aspheres = aspheres::take(&mut lines)?;
     let blades = blades::take(&mut lines)?;
+    let wavelength = wavelength::take(&mut lines)?;
     let columns = Columns::take(&mut lines)?;
     misspelt_keyword(&lines)?;
     heading(&lines)?;
@@ -64,7 +66,7 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
         return Err(lines.error(keyword, "blades stand in the stop, and the table has none"));
     }
     let back = std::mem::take(&mut interfaces.last_mut().expect("at least one row").thickness);
-    Ok(Prescription {
+    let lens = Prescription {
         title: lines.title.clone(),
         nominal_film_distance: (back > 0.0).then_some(back),
         stated_focal_length,
@@ -72,9 +74,14 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
         glasses: glasses.used(),
         positions,
         blades: blades.map(|(_, blades)| blades),
+        wavelength: wavelength.as_ref().map(|(_, wavelength)| *wavelength),
         remarks: remarks.iter().map(LensFileError::to_string).collect(),
         ..Prescription::new(interfaces)
-    })
+    };
+    if let Some((word, wavelength)) = &wavelength {
+        lens.check_wavelength(*wavelength).map_err(|why| lines.error(word, &why))?;
+    }
+    Ok(lens)
 }
 
 /// The focal length on a first line of its own, and the lines of the table.
@@ -105,7 +112,7 @@ fn heading(lines: &Lines) -> Result<(), LensFileError> {
 
 /// That no line begins with nearly a keyword.
 fn misspelt_keyword(lines: &Lines) -> Result<(), LensFileError> {
-    let keywords = || ["glass", "asphere", "blades"].into_iter().chain(columns::KEYWORDS);
+    let keywords = || ["glass", "asphere", "blades", "wavelength"].into_iter().chain(columns::KEYWORDS);
     for line in &lines.lines {
         let word = &line.words[0];
         let is_own = ["stop", "flare", "inf", "infinity", "nan"].iter().any(|own| word.is(own));

@@ -2,11 +2,7 @@
 //! states, by two paraxial rays (W. J. Smith, *Modern Optical Engineering*, on raytracing).
 
 use super::{blocks::Blocks, surface::Surface};
-use crate::prescription::{
-    error::LensFileError,
-    glass::{D_LINE, refractive_index},
-    reader::text::Text,
-};
+use crate::prescription::{error::LensFileError, glass::refractive_index, reader::text::Text};
 
 /// What limits the beam, as the file states it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,15 +62,15 @@ pub(super) struct Paraxial {
 }
 
 impl Paraxial {
-    /// Of surfaces and the thicknesses behind them.
-    pub(super) fn of(surfaces: &[Surface], thicknesses: &[f64]) -> Self {
+    /// Of surfaces and the thicknesses behind them, at a wavelength, nm.
+    pub(super) fn of(surfaces: &[Surface], thicknesses: &[f64], wavelength: f64) -> Self {
         let trace = |mut height: f64, mut slope: f64| {
             // The slope times the index.
             let mut index = 1.0;
             let mut heights = Vec::with_capacity(surfaces.len());
             for (surface, thickness) in surfaces.iter().zip(thicknesses) {
                 heights.push(height);
-                let behind = refractive_index(surface.medium, D_LINE);
+                let behind = refractive_index(surface.medium, wavelength);
                 let curvature =
                     surface.curvature + 2.0 * surface.asphere.map_or(0.0, |asphere| asphere.terms[0]);
                 slope -= (behind - index) * curvature * height;

@@ -8,6 +8,7 @@ mod aperture;
 mod blocks;
 mod configurations;
 mod surface;
+mod wavelength;
 
 use super::{
     named_glass::NamedGlasses,
@@ -18,7 +19,7 @@ use crate::{
     message::{cut, short},
     prescription::{
         error::LensFileError,
-        glass::GlassLibrary,
+        glass::{D_LINE, GlassLibrary, name::loose},
         interfaces::{Medium, Prescription, Shape},
         positions::{Position, Positions},
         stated::Stated,
@@ -53,7 +54,12 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
     if own.is_empty() {
         return Err(text.error(image.place, "no surface between object and image; expected at least one"));
     }
-    let mut glasses = NamedGlasses::new(library);
+    // The catalogues in which the file's program looks glasses up.
+    let catalogues = blocks.find("GCAT").map_or(&[][..], |record| &record.values);
+    let mut glasses =
+        NamedGlasses::new(library, catalogues.iter().map(|catalogue| loose(catalogue.text)).collect());
+    let primary = wavelength::primary(&text, &blocks)?;
+    let wavelength = primary.map_or(D_LINE, |(wavelength, _)| wavelength);
     let mut surfaces =
         own.iter().map(|block| surface::read(&text, block, &mut glasses)).collect::<Result<Vec<_>, _>>()?;
     let configurations = Configurations::of(&text, &blocks)?;
@@ -78,14 +84,14 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
             let value =
                 configurations.apertures.iter().find(|(own, _)| *own == column).map(|(_, value)| *value);
             let aperture = value.map_or(stated_aperture, |value| stated_aperture.with(value));
-            let paraxial = Paraxial::of(&surfaces, &thicknesses[1..]);
+            let paraxial = Paraxial::of(&surfaces, &thicknesses[1..], wavelength);
             stop_sizes.push(paraxial.stop(aperture, stop, thicknesses[0]));
         }
         if let Some(size) = stop_sizes[0] {
             surfaces[stop].semi_diameter = Some(size);
         }
     }
-    derive_missing(&blocks, stop, &mut surfaces, &thicknesses[0], &mut remarks, &text);
+    derive_missing(&blocks, stop, &mut surfaces, &thicknesses[0], wavelength, &mut remarks, &text);
     let kept = kept(&surfaces);
     let gaps: Vec<Vec<f64>> = thicknesses.iter().map(|column| merged(&kept, &column[1..])).collect();
     let mut rows = Vec::with_capacity(kept.len());
@@ -142,10 +148,14 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
         nominal_film_distance: (back > 0.0).then_some(back),
         stated,
         glasses,
+        wavelength: primary.map(|(wavelength, _)| wavelength),
         positions,
         remarks,
         ..Prescription::new(interfaces)
     };
+    if let Some((wavelength, place)) = primary {
+        lens.check_wavelength(wavelength).map_err(|why| text.error(place, why))?;
+    }
     let lens = if unit == 1.0 { lens } else { lens.scaled(unit) };
     if has_range(&lens) {
         Ok(lens)
@@ -244,6 +254,7 @@ fn derive_missing(
     stop: Option<usize>,
     surfaces: &mut [Surface],
     thicknesses: &[f64],
+    wavelength: f64,
     remarks: &mut Vec<String>,
     text: &Text<'_>,
 ) {
@@ -253,7 +264,7 @@ fn derive_missing(
     let Some((stop, size)) = stop.and_then(|stop| Some((stop, surfaces[stop].semi_diameter?))) else {
         return;
     };
-    let paraxial = Paraxial::of(surfaces, &thicknesses[1..]);
+    let paraxial = Paraxial::of(surfaces, &thicknesses[1..], wavelength);
     let field = paraxial.field(blocks, stop, thicknesses[0]);
     for i in missing {
         if let Some(reach) = paraxial.reach(i, stop, size, field) {

@@ -109,8 +109,8 @@ pub(super) fn read(
     })
 }
 
-/// `GLAS name mode pickup n_d V …`: mode 1 a model glass by the two numbers; else the name counts, and the numbers only
-/// where it is not known.
+/// `GLAS name code pickup n_d V …`: solve code 1 is a model glass by the two numbers. With another the name counts alone: the
+/// numbers may be those of a glass that stood there before, and with code 3 (substitute) mostly are.
 fn glass(
     text: &Text<'_>,
     block: &Block<'_>,
@@ -127,23 +127,32 @@ fn glass(
     }
     // What a program writes that keeps no numbers of catalogue glasses.
     const PLACEHOLDER: [Option<f64>; 2] = [Some(1.5), Some(40.0)];
-    let mode = record.number_if_any(1).unwrap_or(0.0);
+    const NO_NAME: &str = "___BLANK";
+    let code = record.number_if_any(1).unwrap_or(0.0);
     let numbers = [record.number_if_any(3), record.number_if_any(4)];
-    let is_model = name.text == "___BLANK" || mode == 1.0;
-    let [n_d, abbe] = if numbers == PLACEHOLDER && !is_model { [None, None] } else { numbers };
-    let abbe = abbe.filter(|abbe| *abbe > 0.0);
-    if is_model {
+    let [n_d, abbe] = [numbers[0], numbers[1].filter(|abbe| *abbe > 0.0)];
+    if name.text == NO_NAME || code == 1.0 {
+        let name = Some(name.text).filter(|name| *name != NO_NAME).unwrap_or("");
         return match n_d {
             Some(1.0) => Ok(Medium::Air),
-            Some(n_d) if n_d > 1.0 => Ok(Medium::Glass { n_d, abbe }),
+            Some(n_d) if n_d > 1.0 => Ok(glasses.by_numbers(name, n_d, abbe)),
             _ => Err(text.error(place, "a model glass has an index of 1 or more as its fourth value")),
         };
     }
-    if mode == 4.0 {
+    if code == 4.0 {
         let message = format!("glass {} with offsets of its index (mode 4) is not read", name.cut());
         return Err(text.error(place, message));
     }
-    glasses
-        .by_name(name.text, n_d.filter(|n_d| *n_d > 1.0 && *n_d < 5.0), abbe)
-        .map_err(|why| text.error(name.place, why))
+    let is_own = code != 3.0 && numbers != PLACEHOLDER;
+    let [n_d, abbe] = if is_own { [n_d.filter(|n_d| *n_d > 1.0), abbe] } else { [None, None] };
+    glasses.by_name(name.text, n_d, abbe).map_err(|why| {
+        let numbers = match numbers {
+            PLACEHOLDER | [None, _] => String::new(),
+            [Some(n_d), _] => format!(
+                "; that n_d is {n_d} counts only with 1, a model glass, for the solve code {code} behind the name: write 1 \
+                 to take the line's numbers"
+            ),
+        };
+        text.error(name.place, why + &numbers)
+    })
 }

@@ -146,17 +146,28 @@ fn configurations_are_positions() {
 }
 
 #[test]
-fn a_glass_is_its_name_else_its_numbers_else_an_error_that_says_what_to_do() {
-    let unknown = with("N-BK7 0 0 1.5 40", "N-BK77 0 0 1.5168 64.17");
-    let lens = ok(&unknown);
-    assert_eq!(lens.interfaces[0].medium, Medium::Glass { n_d: 1.5168, abbe: Some(64.17) });
-    assert!(lens.remarks[0].contains("glasses N-BK77: not known; n_d and V"), "{:?}", lens.remarks);
+fn a_glass_is_its_name_and_its_numbers_count_for_a_model_glass_alone() {
+    // The numbers that a glass had which stood there before.
+    let stale = with("N-BK7 0 0 1.5 40", "N-BK77 3 0 1.6 40");
+    refused(&stale, "26:8", &["\"N-BK77\" is not known", "nearest that is known is N-BK7", "glasscatalog"]);
+    refused(&stale, "26:8", &["that n_d is 1.6 counts only with 1, a model glass, for the solve code 3"]);
+    for code in ["0", "2"] {
+        refused(&stale.replace("N-BK77 3", &format!("N-BK77 {code}")), "26:8", &["\"N-BK77\" is not known"]);
+    }
+    // Where the user says so, the numbers are taken, and the name is kept.
+    let lens = ok(&stale.replace("N-BK77 3", "N-BK77 1"));
+    assert_eq!(lens.interfaces[0].medium, Medium::Glass { n_d: 1.6, abbe: Some(40.0) });
+    assert_eq!((lens.glasses[0].0.as_str(), lens.glasses[0].1.medium), ("N-BK77", lens.interfaces[0].medium));
+    assert_eq!(lens.remarks, [""; 0]);
+    // A substitute that is known is what its name says, and nobody is told of the numbers.
+    let substitute = ok(&with("N-BK7 0 0 1.5 40", "N-BK7 3 0 1.6 40"));
+    assert_eq!((substitute.interfaces, substitute.remarks), (ok(LENS).interfaces, vec![]));
     let other = ok(&with("N-BK7 0 0 1.5 40", "N-BK7 0 0 1.6 40"));
     assert_eq!(other.interfaces[0].medium, ok(LENS).interfaces[0].medium);
     assert!(other.remarks[0].contains("N-BK7: the file gives another n_d or V"), "{:?}", other.remarks);
     // 1.5 and 40 are what programs write that keep no numbers.
     let nothing = with("N-BK7 0 0", "N-BK77 0 0");
-    refused(&nothing, "26:8", &["\"N-BK77\" is not known", "nearest that is known is N-BK7", "glasscatalog"]);
+    refused(&nothing, "26:8", &["\"N-BK77\" is not known", "give it as \"glasscatalog\""]);
     let catalogue = "CC made up\nNM N-BK77 2 517642 1.5168 64.17 0\nCD 1.03961212 6.00069867E-3 0.231792344 2.00179144E-2 \
         1.01046945 103.560653\nNM odd 77 0 1.5 60\nCD 1 2\n";
     let mut library = GlassLibrary::default();
@@ -165,6 +176,42 @@ fn a_glass_is_its_name_else_its_numbers_else_an_error_that_says_what_to_do() {
     assert_eq!(found.interfaces[0].medium, ok(LENS).interfaces[0].medium);
     let odd = read_with(FILE, with("N-BK7 0 0", "odd 0 0").as_bytes(), &library).expect_err("refused");
     assert!(odd.message.contains("own.agf:5: formula 77 is not known"), "{odd}");
+}
+
+#[test]
+fn a_name_of_several_makers_is_that_of_the_catalogues_that_the_file_is_for() {
+    let n_d = |catalogues: &str| {
+        let lens = ok(&with("GCAT SCHOTT", catalogues).replace("N-BK7", "F2"));
+        (1e4 * refractive_index(lens.interfaces[0].medium, D_LINE)).round() / 1e4
+    };
+    assert_eq!([n_d("GCAT SCHOTT CDGM"), n_d("GCAT MISC"), n_d("NOTE 0")], [1.62; 3]);
+    assert_eq!([n_d("GCAT CDGM SCHOTT"), n_d("GCAT CDGM201409")], [1.6129; 2]);
+}
+
+#[test]
+fn the_primary_wavelength_is_the_lenss() {
+    let of = |lines: &str| ok(&with("GCAT SCHOTT\n", lines));
+    assert_eq!(ok(LENS).wavelength, None);
+    let lines = "WAVM 1 0.4861 1\nWAVM 2 0.65627 1\nWAVM 3 0.55 1\n";
+    let two = of(&format!("{lines}PWAV 2\n"));
+    assert_eq!((two.wavelength, two.own_wavelength()), (Some(656.27), 656.27));
+    assert_eq!(of(lines).wavelength, Some(486.1));
+    assert_eq!(of("WAVL 0.4861 0.58756 0.6563\nPWAV 2\n").wavelength, Some(587.56));
+    assert_eq!(of("WAVL 0.5 0.6\nWAVN 5.001E-001 0.6001\nPWAV 1\n").wavelength, Some(500.1));
+    // The pupil's size is one of that wavelength.
+    let stop = |lines: &str| of(lines).interfaces[2].semi_diameter;
+    assert!(stop("WAVM 1 1.0 1\nPWAV 1\n") > stop("WAVM 1 0.4 1\nPWAV 1\n"));
+    let wrong = |lines: &str, at: &str, parts: &[&str]| refused(&with("GCAT SCHOTT\n", lines), at, parts);
+    wrong("WAVM 1 10.6 1\nPWAV 1\n", "9:8", &["the primary wavelength is 10600 nm", "from 200 to 2000 nm"]);
+    wrong("WAVM 1 0.55 1\nPWAV 2\n", "10:1", &["wavelength 2 is the primary one"]);
+    wrong("WAVL 0.55 0.6\nPWAV 3\n", "10:1", &["wavelength 3 is the primary one"]);
+    wrong("WAVM 1 x 1\nPWAV 1\n", "9:8", &["\"x\" is not a number", "a wavelength, µm"]);
+    wrong("WAVM 1\n", "9:1", &["a wavelength without a value"]);
+    wrong(
+        "WAVM 1 0.22 1\n",
+        "9:8",
+        &["glass N-BK7 has data from 300 to 2500 nm, and the wavelength is 220 nm"],
+    );
 }
 
 #[test]
