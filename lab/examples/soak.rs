@@ -5,12 +5,13 @@
 //! cargo run --release -p realistic-lab --example soak [RAYS [SEED]]      # default: 1e9 rays
 //! ```
 //!
-//! Half of the lenses are random ones that pass the checks of a lens file, half come from the catalogue, scaled. One
+//! Half of the lenses are random ones that pass the checks of a lens file, half come from the catalogue, scaled; every
+//! parameter of the table that a model uses is given to some of its cameras, with any value in its range. One
 //! sample in four has random bits in all its members or in one. Every camera is asked as structure of arrays, with and
 //! without reasons, and a part of its samples again one by one; with a tolerance these may differ within it.
 
 use std::collections::BTreeMap;
-use std::ffi::{CStr, CString};
+use std::ffi::{CStr, CString, NulError};
 use std::fmt;
 use std::ptr::{null, null_mut};
 use std::time::Instant;
@@ -18,8 +19,11 @@ use std::time::Instant;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus as Random;
 use realistic::abi::*;
+use realistic::camera::Parameters;
 use realistic_lab::stability::random::{lens_text, scaled};
 
+#[path = "../../fuzz/bodies/any_parameters.rs"]
+mod any_parameters;
 #[path = "../../fuzz/bodies/contract.rs"]
 mod contract;
 
@@ -131,25 +135,38 @@ impl Arrays {
 
     fn trace(&mut self, camera: *const realistic_camera, with_reasons: bool) -> realistic_status {
         let [image_x, image_y, lens_u, lens_v, time] = self.samples.each_ref().map(Vec::as_ptr);
-        let samples = realistic_samples_soa { image_x, image_y, lens_u, lens_v, time };
-        let [ox, oy, oz, dx, dy, dz, weight, mint, maxt, time] = self.rays.each_mut().map(Vec::as_mut_ptr);
-        let reason = if with_reasons { self.reasons.as_mut_ptr() } else { null_mut() };
-        let rays = realistic_rays_soa { ox, oy, oz, dx, dy, dz, mint, maxt, time, weight, reason };
+        let [ox, oy, oz, dx, dy, dz, weight, mint, maxt, ray_time] =
+            self.rays.each_mut().map(Vec::as_mut_ptr);
+        let input = |x, y| realistic_input { x, y, stride: size_of::<f32>() as isize };
+        let output = |x, y, z| realistic_output { x, y, z, stride: size_of::<f32>() as isize };
+        let number = |x| output(x, null_mut(), null_mut());
+        let request = realistic_request {
+            image: input(image_x, image_y),
+            lens: input(lens_u, lens_v),
+            time: input(time, null()),
+            origin: output(ox, oy, oz),
+            direction: output(dx, dy, dz),
+            weight: number(weight),
+            mint: number(mint),
+            maxt: number(maxt),
+            ray_time: number(ray_time),
+            reason: if with_reasons { self.reasons.as_mut_ptr() } else { null_mut() },
+            reason_stride: size_of::<realistic_reason>() as isize,
+            ..realistic_request::default()
+        };
         // SAFETY: a live camera, and arrays of BATCH elements.
-        unsafe { realistic_camera_generate_rays_soa(camera, BATCH, &samples, &rays) }
+        unsafe { realistic_camera_generate_batch(camera, BATCH, &request) }
     }
 }
 
 /// A random camera, and whether it makes the same bits one by one and in batches; `None` where the library refuses the options
 /// with a message.
 fn camera(random: &mut Random, counts: &mut Counts) -> Option<(*mut realistic_camera, bool)> {
-    fn one(random: &mut Random, words: &[&'static CStr]) -> *const std::ffi::c_char {
-        match random.random_range(0..=words.len()) {
-            i if i < words.len() => words[i].as_ptr(),
-            _ => null(),
-        }
-    }
     let mut options = realistic_options { xres: PIXELS, yres: PIXELS, ..realistic_options::default() };
+    let mut given = Parameters::default();
+    for (name, value) in any_parameters::any_parameters(&mut || random.random()) {
+        given.set_from_text(name, &value).expect("a parameter");
+    }
     let text = lens_text(random);
     const LENSES: [&str; 5] = ["dgauss.50mm", "dgauss.100mm", "wide.22mm", "telephoto.250mm", "fisheye.10mm"];
     let name = LENSES[random.random_range(0..LENSES.len())];
@@ -157,35 +174,24 @@ fn camera(random: &mut Random, counts: &mut Counts) -> Option<(*mut realistic_ca
         0 => format!("{name}@{}mm", scaled(random, 1e-3, 1e5)),
         _ => name.to_owned(),
     };
-    let name = CString::new(name).expect("no NUL");
-    options.filmdiag = scaled(random, 5.0, 60.0);
+    given.filmdiag.get_or_insert(scaled(random, 5.0, 60.0));
     if random.random_bool(0.5) {
         options.lens_text = text.as_ptr().cast();
         options.lens_text_size = text.len();
-        options.filmdistance = scaled(random, 0.1, 300.0);
-    } else {
-        options.specfile = name.as_ptr();
-        if random.random_bool(0.5) {
-            options.focusdistance = scaled(random, 100.0, 1e6);
+        if given.focusdistance.is_none() {
+            given.filmdistance.get_or_insert(scaled(random, 0.1, 300.0));
         }
+    } else {
+        given.specfile = Some(name);
     }
-    if random.random_bool(0.3) {
-        options.fnumber = scaled(random, 1.0, 64.0);
-    }
-    let no_lens: &[&CStr] = &[c"thick", c"thin", c"perspective", c"orthographic", c"environment"];
-    options.model = if random.random_bool(0.25) { one(random, no_lens) } else { null() };
-    options.pupil = one(random, &[c"rear", c"disk", c"warped"]);
-    options.weighting = one(random, &[c"radiometric", c"assignment", c"relative", c"none"]);
-    options.disk = one(random, &[c"concentric", c"polar", c"rejection"]);
-    options.refraction = one(random, &[c"fused", c"fused", c"heckbert", c"whitted", c"other"]);
-    options.precision = one(random, &[c"f64", c"f32"]);
-    options.shutter = one(random, &[c"global", c"global", c"leaf", c"focal-plane"]);
-    if options.precision.is_null() && random.random_bool(0.2) {
-        options.tolerance = scaled(random, 1e-3, 3.0);
-    }
-    if random.random_bool(0.3) {
-        options.mmperunit = scaled(random, 1e-3, 1e6);
-    }
+    let mut texts = Vec::new();
+    let keep = |text: String| {
+        let text = CString::new(text)?;
+        let pointer = text.as_ptr();
+        texts.push(text);
+        Ok::<_, NulError>(pointer)
+    };
+    options.fill(&given, keep).expect("no NUL");
     if random.random_bool(0.3) {
         for entry in &mut options.camera_to_world[..12] {
             *entry += random.random_range(-0.4..0.4);
@@ -200,7 +206,7 @@ fn camera(random: &mut Random, counts: &mut Counts) -> Option<(*mut realistic_ca
     let status = unsafe { realistic_camera_new(&options, &mut camera) };
     if status == realistic_status::Ok {
         counts.cameras[0] += 1;
-        return Some((camera, options.tolerance.is_nan()));
+        return Some((camera, !(options.tolerance > 0.0)));
     }
     counts.cameras[1] += 1;
     // SAFETY: the message lives until this thread's next failure.
@@ -235,7 +241,7 @@ fn check(
     for i in (0..BATCH).step_by(BATCH / SINGLES) {
         let (sample, mut ray) = (arrays.sample(i), MARK);
         // SAFETY: a live camera, sample and ray.
-        let weight = unsafe { realistic_generate_ray(camera, &sample, &mut ray) };
+        let weight = unsafe { realistic_generate_ray(camera, &sample, null(), &mut ray) };
         if let Some(broken) = contract::broken(&sample, &ray, weight, &MARK) {
             counts.violation(broken);
         }

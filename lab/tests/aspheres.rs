@@ -1,11 +1,19 @@
 //! Aspheric lenses in every tracer against the extended-precision reference.
 
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus as Random;
 use realistic::{
     lens::{Lens, first_order::FirstOrder},
-    prescription::catalogue,
-    trace::{Direction::FilmToScene, Ray},
+    prescription::{Asphere, FIRST_POWER, Interface, Medium, Prescription, Shape, catalogue},
+    trace::{
+        Direction::{self, FilmToScene, SceneToFilm},
+        Ray,
+    },
 };
-use realistic_lab::stability::{Case, tracers};
+use realistic_lab::{
+    stability::{Case, case::MARGIN, random::aspheric_lens_text, tracers},
+    timing::cost::Cost,
+};
 
 fn phone_lens() -> Lens {
     Lens::at_d_line(&catalogue::find("phone.4mm").expect("listed"))
@@ -35,4 +43,99 @@ fn every_tracer_keeps_its_bound_in_a_telephones_lens() {
     for tracer in tracers() {
         println!("{:?}", case.run(&tracer, &trails));
     }
+}
+
+/// A half ellipsoid of this radius with terms, whose semi-diameter is this part of its half width, or all of it, as the one
+/// surface of a lens: light comes from air.
+fn half_ellipsoid(random: &mut Random, radius: f64, part: f64, direction: Direction) -> Lens {
+    let mut asphere = Asphere { radius, conic: random.random_range(-0.6..1.5), terms: [0.0; 19] };
+    let semi_diameter = asphere.widest() * part.min(1.0);
+    for power in [2, 3, 4, 6, 10, 20] {
+        if random.random_bool(0.6) {
+            // Of the semi-diameter, at the rim.
+            let size = random.random_range(-0.12..0.12) * semi_diameter;
+            asphere.terms[power - FIRST_POWER] = size / semi_diameter.powi(power as i32);
+        }
+    }
+    let n_d = random.random_range(1.3..1.9);
+    let medium = Medium::Glass { n_d, abbe: None };
+    let rows = vec![Interface { shape: Shape::Asphere(asphere), thickness: 0.0, medium, semi_diameter }];
+    let mut lens = Lens::at_d_line(&Prescription { name: "half".to_owned(), ..Prescription::new(rows) });
+    if direction == FilmToScene {
+        (lens.surfaces[0].n_scene, lens.surfaces[0].n_film) = (n_d, 1.0);
+    }
+    lens
+}
+
+/// Rays through places of the surface, and some beside it, from before its lowest point.
+fn rays_at(random: &mut Random, lens: &Lens, direction: Direction) -> Vec<Ray> {
+    let surface = lens.front();
+    let sign = if direction == FilmToScene { 1.0 } else { -1.0 };
+    let [low, high] = surface.sagitta_range();
+    let before = 0.1 * surface.semi_diameter + if sign > 0.0 { -low } else { high };
+    (0..60)
+        .map(|_| {
+            let r = 1.05 * surface.semi_diameter * random.random::<f64>().sqrt();
+            let (sine, cosine) = (std::f64::consts::TAU * random.random::<f64>()).sin_cos();
+            let at = [r * cosine, r * sine, surface.sagitta(r)];
+            let slopes = [0, 1].map(|_| 2.0 * random.random_range(-1.0_f64..1.0).powi(3));
+            let z = -sign * before;
+            let way = sign * (at[2] - z);
+            Ray {
+                origin: [at[0] - way * slopes[0], at[1] - way * slopes[1], z],
+                direction: [slopes[0], slopes[1], sign],
+            }
+        })
+        .collect()
+}
+
+#[test]
+fn half_ellipsoids_up_to_their_equators_are_met_where_a_scan_finds_them() {
+    let mut random = Random::seed_from_u64(5);
+    let tracers = tracers();
+    for part in [0.5, 0.9, 0.97, 0.999, 1.0, 1.2] {
+        for (radius, direction) in
+            [(10.0, FilmToScene), (10.0, SceneToFilm), (-10.0, FilmToScene), (-10.0, SceneToFilm)]
+        {
+            let name = format!("{radius}, {direction:?}, {part} of the half width");
+            let (mut decided, mut passed) = (0, 0);
+            for _ in 0..12 {
+                let lens = half_ellipsoid(&mut random, radius, part, direction);
+                let rays = rays_at(&mut random, &lens, direction);
+                let case = Case::new("aspheres", name.as_str(), &lens, direction, rays);
+                let trails = case.trails();
+                for trail in trails.iter().filter(|trail| trail.own.margin > MARGIN * f64::EPSILON) {
+                    decided += 1;
+                    passed += usize::from(trail.exact.is_ok());
+                }
+                for tracer in &tracers {
+                    let Some(result) = case.run(tracer, &trails) else { continue };
+                    assert_eq!(result.disagreements, 0, "{name}: {result:?} {:?}", lens.front());
+                    assert!(
+                        result.holds || tracer.name == "f32 anywhere",
+                        "{name}: {result:?} {:?}",
+                        lens.front()
+                    );
+                }
+            }
+            println!("{name}: {passed} of {decided} pass");
+            assert!(decided > 600 && passed > 200, "{name}: {passed} of {decided}");
+        }
+    }
+}
+
+#[test]
+fn short_aspheric_lenses_take_no_more_work_than_they_may() {
+    let (mut most_to_build, mut most_to_look) = (0, 0);
+    // Those of the first 30 that make cameras.
+    for seed in [7, 8, 9, 23, 27] {
+        let Cost { build, first } = Cost::of(&aspheric_lens_text(seed)).expect("a camera");
+        println!("{seed}: {build:?} {first:?}");
+        (most_to_build, most_to_look) =
+            (most_to_build.max(build.evaluations), most_to_look.max(first.evaluations));
+    }
+    println!("{most_to_build} to build, {most_to_look} for the first direction");
+    // A table of the pupil has room for 2 million, the first direction for 40 million.
+    assert!(most_to_build < 4_000_000, "{most_to_build}");
+    assert!(most_to_look > 1_000_000 && most_to_look < 42_000_000, "{most_to_look}");
 }

@@ -95,7 +95,9 @@ fn random_lenses_agree_with_the_reference() {
         let results = random::against_reference(kind, 7, 300, &tracers());
         all_hold(&results);
         for result in &results {
-            assert!(result.undecided < result.rays / 20, "{}", show(result));
+            // In single precision more: where a steep rim is at the height from which the search starts is open.
+            let part = if result.tracer.contains("f32") { 10 } else { 20 };
+            assert!(result.undecided < result.rays / part, "{}", show(result));
         }
     }
 }

@@ -12,8 +12,22 @@
 //! t* back to t* - 2 φ'(t*)/H, and no crossing lies there. φ is z less the surface's height at (x, y), with φ' = g/q and
 //! H = -(least curvature) (Vx² + Vy²); near the rim of a half ellipsoid, where that grows without bound, -G. Where that proves
 //! nothing, the ray is followed from its start in steps that the same bound allows, which cannot leap over a crossing.
+//!
+//! **Behind the equator.** Where q < 0 no point is the surface's, whatever the sign of G. A ray to a surface that is hollow
+//! toward the light and reaches the conic's equator, q = 0, begins there, at the height of the rim. It is followed by φ = q,
+//! in the same steps, to the equator, and from there on by -G. A ray that passes beside a surface that bulges toward the
+//! light gets there, too; q then falls, and the same step finds that it does not rise to 0 again.
+//!
+//! **What the proof says.** The crossing found at t is the first one ahead of the ray's start: from there to t the ray is
+//! before the surface or behind its equator. It says nothing of what lies behind the start or beyond t. As z counts along
+//! the travel, the light may go either way through the lens: only the signs of the figure depend on that.
 
-use super::state::{Blocked, State};
+use std::cell::Cell;
+
+use super::{
+    state::{Blocked, State},
+    work,
+};
 use crate::{
     lens::Figure,
     numeric::{Real, dot},
@@ -55,6 +69,8 @@ pub struct Bend {
     pub beyond: BendBound,
     /// Whether φ is the height above the surface; else it is -G.
     pub by_height: bool,
+    /// What holds of q as far as the reach, where φ is -G.
+    pub equator: BendBound,
     /// How far from the axis the bounds hold, squared.
     pub reach: f64,
 }
@@ -110,30 +126,34 @@ impl Bend {
             inside: bound(bounds.curvature),
             beyond: bound(bounds.curvature.min(beyond)),
             by_height: true,
+            equator: bound(0.0),
             reach: (reach * rim).powi(2),
         }
     }
 
-    /// By -G'' = -c (Vx² + Vy² + κ w'²) + q w'', w' = Vz - dT/dr dr/dt, which stays finite at the end of a half ellipsoid.
+    /// By -G'' = -c (Vx² + Vy² + κ w'²) + q w'', w' = Vz - dT/dr dr/dt, which stays finite at the end of a half ellipsoid,
+    /// and q'' = -κ c w''.
     fn of_half([c, kappa]: [f64; 2], rim: f64, bounds: &TravelBounds, n: f64) -> Self {
+        let [least, most] = bounds.terms_curvature;
+        // -w'' is the curvature of the terms times Vx² + Vy².
+        let largest = |factor: f64| (factor * least).max(factor * most).max(0.0);
         let bound = |reach: f64| {
             // Out to 3 radii the paraboloid beyond the rim triples the slope and adds (3² - 1)/2 of slope times radius.
             let slope = reach * bounds.terms_slope;
             let terms = bounds.terms + (reach * reach - 1.0) / 2.0 * bounds.terms_slope * rim;
-            // A point before the conic has less w than that, and there 0 <= q <= 1.
-            let q_low = 1.0 - kappa * c * (bounds.extent[0] - terms);
-            let [least, most] = bounds.terms_curvature;
-            let hollow = if q_low < 0.0 { most.max(-least) } else { (-least).max(0.0) };
+            // At the heights that the surface has, w and with it q lie between these, on either side of the equator.
+            let q = [bounds.extent[0] - terms, bounds.extent[1] + terms].map(|w| 1.0 - kappa * c * w);
             BendBound {
                 // |w'| <= |Vz| + slope √(Vx² + Vy²) <= n √(1 + slope²).
                 along: (-c * kappa).max(0.0) * n * n * (1.0 + slope * slope),
-                across: q_low.abs().max(1.0) * hollow - c,
+                across: largest(-q[0]).max(largest(-q[1])) - c,
             }
         };
         Self {
             inside: bound(1.0),
             beyond: bound(Self::REACH),
             by_height: false,
+            equator: BendBound { along: 0.0, across: largest(kappa * c) },
             reach: (Self::REACH * rim).powi(2),
         }
     }
@@ -214,7 +234,7 @@ impl<R: Real> Aspheric<R> {
         let (last, lowest) = (-(lead + to_plane) - slack, R::from_f64(self.extent[0]) / v[2]);
         // Where a range leaves it open, the earlier is the safe one.
         let from = if last > lowest { last } else { lowest };
-        let line = Line { start, v };
+        let line = Line::new(start, v);
         // A range adds something below, and seems to reach under the lowest point.
         let after = if R::IS_RANGE { last } else { from };
         let t = self.crossing(&line, from, after)?;
@@ -222,9 +242,12 @@ impl<R: Real> Aspheric<R> {
         Ok(())
     }
 
-    /// How far from `start`, in units of V, the ray first crosses the surface after `from`.
+    /// How far from `start`, in units of V, the ray first crosses the surface after `from`. All of it is counted as work.
     pub fn first_crossing(&self, start: [R; 3], v: [R; 3], from: R) -> Result<R, Blocked> {
-        self.crossing(&Line { start, v }, from, from)
+        let line = Line::new(start, v);
+        let crossing = self.crossing(&line, from, from);
+        work::count(line.evaluations.take());
+        crossing
     }
 
     /// The same; of a range a crossing may come before `from`, which is where the surface is lowest, if not before `after`.
@@ -237,12 +260,12 @@ impl<R: Real> Aspheric<R> {
 
     /// The same where Newton's iteration was tried and proves nothing.
     pub fn followed(&self, start: [R; 3], v: [R; 3], from: R) -> Result<R, Blocked> {
-        self.follow(&Line { start, v }, from)
+        self.follow(&Line::new(start, v), from)
     }
 
     /// G and N·V on a ray, as the steps of Newton's iteration need them.
     pub fn residual(&self, start: [R; 3], v: [R; 3], t: R) -> [R; 2] {
-        let contact = self.contact(&Line { start, v }, t);
+        let contact = self.contact(&Line::new(start, v), t);
         [contact.residual, contact.facing]
     }
 
@@ -308,31 +331,36 @@ impl<R: Real> Aspheric<R> {
         self.contact(line, t.within(to_top)).facing > R::ZERO
     }
 
-    /// Follows the ray from `from` to the first crossing.
+    /// Follows the ray from `from` to the first crossing. What the ray took so far is counted as work.
     fn follow(&self, line: &Line<R>, from: R) -> Result<R, Blocked> {
+        let crossing = self.follow_from(line, from);
+        work::count(line.evaluations.take());
+        crossing
+    }
+
+    fn follow_from(&self, line: &Line<R>, from: R) -> Result<R, Blocked> {
         let number = R::from_f64;
-        let [inside, beyond] = [&self.bend.inside, &self.bend.beyond].map(|bound| {
+        let Bend { inside, beyond, equator, .. } = &self.bend;
+        let [inside, beyond, equator] = [inside, beyond, equator].map(|bound| {
             let bend = self.bend_along(line, bound);
             if bend > R::ZERO { bend } else { R::ZERO }
         });
         let end = (number(self.extent[1]) - line.start[2]) / line.v[2];
         let outside = |contact: &Contact<R>| !(contact.height_squared <= self.rim);
         let mut t = self.entry(line, from)?;
-        for step in 0..FOLLOWED {
+        for _ in 0..FOLLOWED {
             let contact = self.contact(line, t);
             // Out of the surface's height, or far beside it.
             if !(t <= end && contact.height_squared <= number(self.bend.reach * BESIDE)) {
                 return Err(if outside(&contact) { Blocked::Clipped } else { Blocked::Missed });
             }
-            // Far below the surface q may have any sign, and G with it; heights do not.
-            let (before, facing) = self.measure(line, t, &contact);
-            if !(self.bend.by_height || contact.q > R::ZERO) {
-                return Err(Blocked::Missed);
-            }
-            if before.magnitude() <= self.tolerance && facing > R::ZERO {
+            let behind = self.behind_equator(line, t, &contact);
+            let (before, facing) = behind.unwrap_or_else(|| self.measure(line, t, &contact));
+            let bends = if behind.is_some() { [equator; 2] } else { [inside, beyond] };
+            if behind.is_none() && before.magnitude() <= self.tolerance && facing > R::ZERO {
                 return self.settle(line, t);
             }
-            if step == 0 && !(before > R::ZERO) {
+            if !(before > R::ZERO) {
                 return Err(if outside(&contact) { Blocked::Clipped } else { Blocked::TurnedBack });
             }
             // The way to where a parabola of this bend meets 0, if it does.
@@ -343,7 +371,7 @@ impl<R: Real> Aspheric<R> {
                 (facing + root > R::ZERO && way > R::ZERO).then_some(way)
             };
             let stays_inside = |way: &R| !outside(&contact) && line.height_squared(t + *way) <= self.rim;
-            let Some(way) = way(inside).filter(stays_inside).or_else(|| way(beyond)) else {
+            let Some(way) = way(bends[0]).filter(stays_inside).or_else(|| way(bends[1])) else {
                 return Err(if outside(&contact) { Blocked::Clipped } else { Blocked::Missed });
             };
             t = t + way;
@@ -381,7 +409,19 @@ impl<R: Real> Aspheric<R> {
         if !(entry > from) { Err(Blocked::Clipped) } else { Ok(entry) }
     }
 
-    /// -φ and φ' of the φ that [`Bend`] bounds.
+    /// -q and q' where the ray is behind the equator, if φ is -G: heights have no equator within their reach. Within √ε of
+    /// it the conic is as wide as there but for rounding, and -G serves.
+    fn behind_equator(&self, line: &Line<R>, t: R, contact: &Contact<R>) -> Option<(R, R)> {
+        if self.bend.by_height || !(contact.q < R::from_f64(-R::EPSILON.sqrt())) {
+            return None;
+        }
+        let ([x, y, _], [vx, vy, _]) = (line.at(t), line.v);
+        // q' = -κ c w', and N·V = q w' - c (x Vx + y Vy).
+        let rise = (contact.facing + self.curvature * (x * vx + y * vy)) / contact.q;
+        Some((-contact.q, -(self.kappa * self.curvature * rise)))
+    }
+
+    /// -φ and φ' of the φ that [`Bend`] bounds inside the rim and beyond.
     fn measure(&self, line: &Line<R>, t: R, contact: &Contact<R>) -> (R, R) {
         if !self.bend.by_height {
             return (contact.residual, contact.facing);
@@ -397,6 +437,7 @@ impl<R: Real> Aspheric<R> {
     }
 
     fn contact(&self, line: &Line<R>, t: R) -> Contact<R> {
+        line.evaluations.set(line.evaluations.get() + 1);
         let p = line.at(t);
         let [x, y, z] = p;
         let height_squared = x * x + y * y;
@@ -480,9 +521,15 @@ fn nested<R: Real>(coefficients: &[R], u: R) -> [R; 2] {
 struct Line<R> {
     start: [R; 3],
     v: [R; 3],
+    /// How often the surface was evaluated near it.
+    evaluations: Cell<u32>,
 }
 
 impl<R: Real> Line<R> {
+    fn new(start: [R; 3], v: [R; 3]) -> Self {
+        Self { start, v, evaluations: Cell::new(0) }
+    }
+
     fn at(&self, t: R) -> [R; 3] {
         std::array::from_fn(|i| self.start[i] + t * self.v[i])
     }

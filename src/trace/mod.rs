@@ -12,9 +12,11 @@ mod path;
 pub mod polynomial;
 mod state;
 mod surface;
+mod work;
 
 pub(crate) use path::Intersection;
 pub use path::{Direction, Path, Walk};
 pub use state::Blocked;
+pub use work::evaluations;
 
 pub use crate::{lens::Ray, numeric::Real};

@@ -1,15 +1,17 @@
-//! What the condition of a ray at an asphere is made of: an interface by itself and a ray in; how far the ray is from
-//! missing it, and how much the surface's own rounding weighs, out. By the formula of the profile, not by the walk's.
+//! An aspheric interface by itself, exactly: a ray in; the ray after it out, with its derivatives, how far it is from missing
+//! the interface, and how much the surface's own rounding weighs. By the formula of the profile, a scan for the first
+//! crossing and Snell's law as textbooks have it; nothing of the walk's.
 
 use realistic::{
-    lens::{Figure, Lens, Surface, refraction::Refraction},
+    lens::{Figure, Surface},
     prescription::{Asphere, FIRST_POWER},
-    trace::{Direction, Path, Real},
+    trace::{Blocked, Direction, Real},
 };
 
 use super::{
     double_double::{DoubleDouble, Vector, difference, norm},
     exact::ExactRay,
+    scan::{Profile, Scan},
 };
 
 /// An aspheric interface by itself.
@@ -18,9 +20,13 @@ pub(super) struct Aspheric {
     figure: Figure,
     /// 1 for light toward the scene, -1 for the other.
     sign: f64,
-    /// The interface with one index on both sides: a ray goes on as it came.
-    unbent: Path<DoubleDouble>,
+    scan: Scan,
+    /// Refractive index before and after.
+    n: [f64; 2],
 }
+
+/// How far along a ray it first crosses the interface, mm.
+pub(super) type Crossing = Result<DoubleDouble, Blocked>;
 
 /// Where a ray meets it.
 pub(super) enum Met {
@@ -44,14 +50,60 @@ pub(super) enum Met {
 const PLACES: u32 = 400;
 
 impl Aspheric {
-    /// Of an interface's figure; `alone` is the lens that it is by itself.
-    pub fn new(figure: &Figure, alone: &Lens, direction: Direction) -> Self {
-        let surface = alone.surfaces[0];
-        let n = if direction == Direction::SceneToFilm { surface.n_scene } else { surface.n_film };
-        let surfaces = vec![Surface { n_scene: n, n_film: n, ..surface }];
-        let unbent = Lens { surfaces, ..alone.clone() };
-        let sign = if direction == Direction::SceneToFilm { -1.0 } else { 1.0 };
-        Self { figure: *figure, sign, unbent: Path::new(&unbent, direction, Refraction::Fused) }
+    /// Of a surface with this figure.
+    pub fn new(figure: &Figure, surface: &Surface, direction: Direction) -> Self {
+        let n = [surface.n_scene, surface.n_film];
+        let (sign, n) = match direction {
+            Direction::SceneToFilm => (-1.0, n),
+            Direction::FilmToScene => (1.0, [n[1], n[0]]),
+        };
+        Self { figure: *figure, sign, scan: Scan::new(figure, -sign), n }
+    }
+
+    /// Where the ray, in the frame of the vertex, first crosses the interface.
+    pub fn crossing(&self, before: &ExactRay) -> Crossing {
+        let [point, direction] = [before.point, before.direction].map(|v| self.turned(v));
+        self.scan.first_crossing(point, direction)
+    }
+
+    /// The ray after the interface, which it crosses at `t`, for numbers of any type: one step of Newton's method, which moves
+    /// nothing, gives derivatives to those that carry them.
+    pub fn through<R: Real>(
+        &self,
+        point: [R; 3],
+        direction: [R; 3],
+        t: DoubleDouble,
+    ) -> Result<[[R; 3]; 2], Blocked> {
+        let dot = |a: [R; 3], b: [R; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let length = dot(direction, direction).sqrt();
+        let [start, d] = [self.turned(point), self.turned(direction).map(|d| d / length)];
+        let at = |t: R| -> [R; 3] { std::array::from_fn(|i| start[i] + t * d[i]) };
+        let normal = |[x, y, _]: [R; 3]| {
+            let Profile { height, slope, root } = self.scan.profile(x * x + y * y);
+            (height, root, [-(slope * x), -(slope * y), root])
+        };
+        let [high, low] = t.digits();
+        let t = R::from_f64(high) + R::from_f64(low);
+        let [_, _, z] = at(t);
+        let (height, root, across) = normal(at(t));
+        let point = at(t + (height - z) * root / dot(across, d));
+        let (_, _, normal) = normal(point);
+        let size = dot(normal, normal).sqrt();
+        let normal = normal.map(|component| component / size);
+        let [n, n_after] = self.n.map(R::from_f64);
+        let cosine = n * dot(normal, d);
+        let square = cosine * cosine + (n_after - n) * (n_after + n);
+        if !(square > R::ZERO) {
+            return Err(Blocked::Reflected);
+        }
+        let bend = square.sqrt() - cosine;
+        let after = std::array::from_fn(|i| (n * d[i] + bend * normal[i]) / n_after);
+        Ok([self.turned(point), self.turned(after)])
+    }
+
+    /// z along the travel for z along +z of lens space, and back.
+    fn turned<R: Real>(&self, [x, y, z]: [R; 3]) -> [R; 3] {
+        [x, y, if self.sign > 0.0 { z } else { -z }]
     }
 
     /// Σ |`A_i`| r^i and Σ i |`A_i`| r^(i - 1): what rounding of the terms moves and tilts the surface by.
@@ -62,9 +114,10 @@ impl Aspheric {
     }
 
     /// Where the ray, in the frame of the vertex, meets the interface.
-    pub fn met(&self, before: &ExactRay) -> Met {
-        match self.unbent.trace_in_full(before.point, before.direction) {
-            Ok((point, _)) => {
+    pub fn met(&self, before: &ExactRay, crossing: Crossing) -> Met {
+        match crossing {
+            Ok(t) => {
+                let point: Vector = std::array::from_fn(|i| before.point[i] + t * before.direction[i]);
                 let [x, y, _] = point.map(Real::to_f64);
                 let [dx, dy, dz] = before.direction.map(Real::to_f64);
                 let r = x.hypot(y);
@@ -85,7 +138,8 @@ impl Aspheric {
     }
 
     /// How far from the surface along the axis, mm, the ray is where it may first meet it, at its own point or at the height
-    /// of the surface's lowest one where that comes later; infinite inside the rim, where it is before the surface then.
+    /// of the surface's lowest one where that comes later, over what an error of that height does to it; infinite inside
+    /// the rim, where it is before the surface then.
     pub fn start(&self, before: &ExactRay) -> f64 {
         let [p, d]: [[f64; 3]; 2] = [before.point, before.direction].map(|v| v.map(Real::to_f64));
         let [low, high] = self.figure.bounds.sagitta;
@@ -93,7 +147,18 @@ impl Aspheric {
         let t = ((lowest - p[2]) / d[2]).max(0.0);
         let [x, y, z]: [f64; 3] = std::array::from_fn(|i| p[i] + t * d[i]);
         let r = x.hypot(y);
-        if r < 0.999 * self.figure.rim { f64::INFINITY } else { (z + self.figure.sagitta(r)).abs() }
+        if r < 0.999 * self.figure.rim {
+            return f64::INFINITY;
+        }
+        // Near the equator, where the slope is infinite, the one a little inside.
+        let steepness = self.slope(r.min(0.999 * self.figure.rim)).abs() * d[0].hypot(d[1]) / d[2].abs();
+        (z + self.figure.sagitta(r)).abs() / (1.0 + steepness)
+    }
+
+    /// What the rounding of the height of the surface's lowest point is relative to, mm.
+    pub fn size(&self) -> f64 {
+        let [low, high] = self.figure.bounds.sagitta;
+        self.figure.bounds.terms_size + self.figure.rim + high - low
     }
 
     fn slope(&self, r: f64) -> f64 {

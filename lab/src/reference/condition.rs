@@ -25,7 +25,7 @@ use realistic::{
 };
 
 use super::{
-    aspheric::{Aspheric, Met},
+    aspheric::{Aspheric, Crossing, Met},
     double_double::{DoubleDouble, Vector, dot, vector},
     dual::{Dual, N},
     exact::ExactRay,
@@ -134,7 +134,7 @@ impl Conditioned {
             Interface {
                 distance,
                 curvature: if forward { surface.curvature } else { -surface.curvature },
-                aspheric: surface.figure.map(|figure| Aspheric::new(&figure, &alone, direction)),
+                aspheric: surface.figure.map(|figure| Aspheric::new(&figure, &surface, direction)),
                 semi_diameter: surface.semi_diameter,
                 index_step: (n_after - n) * (n_after + n) / (n * n),
                 exact: Path::new(&alone, direction, Refraction::Fused),
@@ -181,17 +181,18 @@ impl Conditioned {
                     break;
                 }
             }
+            let crossing = interface.aspheric.as_ref().map(|aspheric| aspheric.crossing(&now));
             doubts.iter_mut().for_each(|doubt| {
-                doubt.narrow(interface.margin(&now, self.sign, &doubt.spread));
+                doubt.narrow(interface.margin(&now, crossing, self.sign, &doubt.spread));
             });
-            let after = match interface.exact.trace_in_full(now.point, now.direction) {
-                Ok((point, direction)) => ExactRay { point, direction },
+            let after = match interface.through(&interface.exact, now.point, now.direction, crossing) {
+                Ok([point, direction]) => ExactRay { point, direction },
                 Err(reason) => {
                     exact = Some(reason);
                     break;
                 }
             };
-            let Some(jacobian) = interface.jacobian(&now) else {
+            let Some(jacobian) = interface.jacobian(&now, crossing) else {
                 // So near a decision that double precision, which the derivatives have, takes the other.
                 doubts.iter_mut().for_each(|doubt| doubt.narrow(0.0));
                 exact = Some(Blocked::Missed);
@@ -238,17 +239,32 @@ impl Doubt {
 }
 
 impl Interface {
+    /// The ray after the interface, in numbers of any type: through a sphere or a plane by a path, through an asphere where
+    /// it was found to cross it.
+    fn through<R: Real>(
+        &self,
+        path: &Path<R>,
+        point: [R; 3],
+        direction: [R; 3],
+        crossing: Option<Crossing>,
+    ) -> Result<[[R; 3]; 2], Blocked> {
+        match (&self.aspheric, crossing) {
+            (Some(aspheric), Some(crossing)) => aspheric.through(point, direction, crossing?),
+            _ => path.trace_in_full(point, direction).map(|(point, direction)| [point, direction]),
+        }
+    }
+
     /// The Jacobian of the ray after the interface by the ray before it; `None` where double precision
     /// takes the ray for blocked.
-    fn jacobian(&self, before: &ExactRay) -> Option<Matrix> {
+    fn jacobian(&self, before: &ExactRay, crossing: Option<Crossing>) -> Option<Matrix> {
         let seeded = |v: Vector, first: usize| -> [Dual; 3] {
             std::array::from_fn(|i| {
                 let slopes = std::array::from_fn(|j| f64::from(u8::from(j == first + i)));
                 Dual { value: v[i].to_f64(), slopes }
             })
         };
-        let (point, direction) =
-            self.dual.trace_in_full(seeded(before.point, 0), seeded(before.direction, 3)).ok()?;
+        let (point, direction) = (seeded(before.point, 0), seeded(before.direction, 3));
+        let [point, direction] = self.through(&self.dual, point, direction, crossing).ok()?;
         let rows: Matrix =
             std::array::from_fn(|i| if i < 3 { point[i].slopes } else { direction[i - 3].slopes });
         rows.iter().flatten().all(|slope| slope.is_finite()).then_some(rows)
@@ -256,9 +272,9 @@ impl Interface {
 
     /// How far the ray is from missing the sphere, from meeting it beyond its equator or behind
     /// itself, and from total reflection, in units of the disturbance.
-    fn margin(&self, before: &ExactRay, sign: f64, spread: &Spread) -> f64 {
-        if let Some(aspheric) = &self.aspheric {
-            return self.margin_at(aspheric, before, spread);
+    fn margin(&self, before: &ExactRay, crossing: Option<Crossing>, sign: f64, spread: &Spread) -> f64 {
+        if let (Some(aspheric), Some(crossing)) = (&self.aspheric, crossing) {
+            return self.margin_at(aspheric, before, crossing, spread);
         }
         let exact = DoubleDouble::from_f64;
         let (p, d, c) = (before.point, before.direction, exact(self.curvature));
@@ -284,12 +300,13 @@ impl Interface {
     }
 
     /// The same for an asphere.
-    fn margin_at(&self, aspheric: &Aspheric, before: &ExactRay, spread: &Spread) -> f64 {
+    fn margin_at(&self, aspheric: &Aspheric, before: &ExactRay, crossing: Crossing, spread: &Spread) -> f64 {
         let doubt = spread.position() + norm(before.point) * spread.direction();
         // As for a sphere.
         let allowed = 16.0 * (self.semi_diameter + self.distance);
-        let start = aspheric.start(before) / (allowed + doubt);
-        let hit = match aspheric.met(before) {
+        // A walk looks from 1024 ε of the surface's size below its lowest point on.
+        let start = aspheric.start(before) / (16.0 * aspheric.size() + allowed + doubt);
+        let hit = match aspheric.met(before, crossing) {
             Met::At { cosine, steepness, way } => {
                 let angle_doubt = 1.0 + spread.direction() + steepness * doubt;
                 let met = cosine * cosine / angle_doubt;

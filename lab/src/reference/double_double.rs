@@ -47,6 +47,13 @@ impl Neg for DoubleDouble {
     }
 }
 
+impl DoubleDouble {
+    /// The two doubles that it is the sum of.
+    pub(super) fn digits(self) -> [f64; 2] {
+        [self.0.hi(), self.0.lo()]
+    }
+}
+
 impl Real for DoubleDouble {
     const ZERO: Self = Self(TwoFloat::from_f64(0.0));
     const ONE: Self = Self(TwoFloat::from_f64(1.0));

@@ -1,16 +1,8 @@
-//! The reference: the exact walk in double-double numbers, and how far other rays are from it.
+//! An exact ray, and how far other rays are from it.
 
-use realistic::{
-    lens::{Lens, refraction::Refraction},
-    numeric::in_range,
-    trace::{Blocked, Direction, Path, Ray, Real},
-};
+use realistic::trace::{Ray, Real};
 
-use super::double_double::{DoubleDouble, Vector, cross, difference, norm, vector};
-
-/// A lens traced in double-double numbers.
-#[derive(Clone, Debug)]
-pub struct Reference(Path<DoubleDouble>);
+use super::double_double::{Vector, cross, difference, norm, vector};
 
 /// What the reference says of a ray that gets through.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,22 +11,6 @@ pub struct ExactRay {
     pub point: Vector,
     /// The unit direction after it.
     pub direction: Vector,
-}
-
-impl Reference {
-    /// The reference for a lens and a direction of travel.
-    pub fn new(lens: &Lens, direction: Direction) -> Self {
-        Self(Path::new(lens, direction, Refraction::Fused))
-    }
-
-    /// Traces a ray whose components are taken as exact; the direction may have any length.
-    ///
-    /// # Errors
-    /// The reason why it is blocked.
-    pub fn trace(&self, ray: Ray) -> Result<ExactRay, Blocked> {
-        let (point, direction) = self.0.trace_in_full(vector(ray.origin), vector(in_range(ray.direction)))?;
-        Ok(ExactRay { point, direction })
-    }
 }
 
 impl ExactRay {

@@ -79,7 +79,8 @@ pub fn random_lens(random: &mut Random) -> Lens {
 }
 
 /// A random lens of which most spheres and planes have become aspheres: conics of every kind, terms that reach up to a
-/// seventh of the clear semi-diameter at its edge.
+/// seventh of the clear semi-diameter at its edge. A third of those with a radius have a semi-diameter of 0.5 to 1.2 times
+/// their half ellipsoid's, which stands for the whole half where it is more, as in a lens file.
 pub fn random_aspheric_lens(random: &mut Random) -> Lens {
     let text = lens_text(random);
     let mut prescription =
@@ -99,7 +100,10 @@ pub fn random_aspheric_lens(random: &mut Random) -> Lens {
             paraboloid if paraboloid < 0.3 => -1.0,
             _ => random.random_range(-6.0..2.0),
         };
-        if asphere.widest() < interface.semi_diameter {
+        if radius.is_finite() && random.random_bool(1.0 / 3.0) {
+            asphere.conic = random.random_range(-0.9..3.0);
+            interface.semi_diameter = asphere.widest() * random.random_range(0.5_f64..1.2).min(1.0);
+        } else if asphere.widest() < interface.semi_diameter {
             asphere.conic = -asphere.conic.abs() - 1.0;
         }
         for _ in 0..random.random_range(0..6) {
@@ -113,6 +117,40 @@ pub fn random_aspheric_lens(random: &mut Random) -> Lens {
         interface.shape = Shape::Asphere(asphere);
     }
     Lens::at_d_line(&prescription)
+}
+
+/// The text of a short lens whose aspheres rays often miss: 6 to 12 interfaces, 3 to 6 of them aspheres with terms that reach
+/// up to a seventh of the semi-diameter at its edge, every other one up to its conic's equator. The same one always.
+pub fn aspheric_lens_text(seed: u64) -> String {
+    let random = &mut Random::seed_from_u64(seed);
+    let rows = random.random_range(6..=12_usize);
+    let aspheres = random.random_range(3..=6_usize);
+    let widest = scaled(random, 2.0, 20.0);
+    let mut text = String::new();
+    let mut figures = String::new();
+    for row in 0..rows {
+        let semi = widest * random.random_range(0.5..1.0);
+        let is_asphere = random.random_bool(aspheres as f64 / rows as f64);
+        let steepest = if is_asphere && random.random_bool(0.5) { 0.9 } else { 1.05 };
+        let radius = semi * scaled(random, steepest, 8.0);
+        let radius = if random.random_bool(0.5) { radius } else { -radius };
+        let index = if row % 2 == 0 { random.random_range(1.4..1.9) } else { 1.0 };
+        let thickness = if row + 1 == rows { 0.0 } else { widest * random.random_range(0.05..0.8) };
+        // Infallible: a string takes whatever is written to it.
+        let _ = writeln!(text, "{radius:e} {thickness:e} {index:e} {:e}", 2.0 * semi);
+        if !is_asphere {
+            continue;
+        }
+        let _ = write!(figures, "asphere {} conic={:e}", row + 1, random.random_range(-2.0..1.0));
+        for power in [3, 4, 6, 8, 10, 12] {
+            if random.random_bool(0.6) {
+                let size = scaled(random, 1e-4, 0.15) * if random.random_bool(0.5) { 1.0 } else { -1.0 };
+                let _ = write!(figures, " A{power}={:e}", size * semi.powi(1 - power));
+            }
+        }
+        figures.push('\n');
+    }
+    text + &figures
 }
 
 /// What random lenses are made of.

@@ -47,7 +47,11 @@ impl<S: KernelScalar + Real> KernelRays<S> {
             Direction::SceneToFilm => (lens.front(), -1.0),
         };
         let path = Path::new(lens, direction, Refraction::Fused);
-        Some(Self { kernel, path, entry: first.vertex, travel_sign, near: first.semi_diameter })
+        // Before all of the surface: an asphere that is hollow toward the light may be deeper than wide.
+        let [low, high] = first.sagitta_range();
+        let depth = if travel_sign > 0.0 { -low } else { high };
+        let near = first.semi_diameter.max(1.001 * depth);
+        Some(Self { kernel, path, entry: first.vertex, travel_sign, near })
     }
 
     /// One ray, as a camera traces a single one: the ray as it leaves, a unit vector in double precision,

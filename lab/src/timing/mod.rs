@@ -4,6 +4,7 @@ mod bench;
 pub mod camera_calls;
 mod clock;
 mod contest;
+pub mod cost;
 pub mod machine;
 
 pub use bench::{Effort, Timing, interleaved, repeated};

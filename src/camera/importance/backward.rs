@@ -171,9 +171,9 @@ impl Backward {
             area_density,
             solid_angle_density: density * stand.cosine(direction) / area_density,
         };
-        // What single precision cannot hold counts nothing.
+        // What single precision cannot hold, as a host gets it, counts nothing.
         let largest = importance.importance.max(importance.density).max(importance.solid_angle_density);
-        (importance.importance > 0.0 && largest <= f64::from(f32::MAX)).then_some(importance)
+        (importance.importance as f32 > 0.0 && largest <= f64::from(f32::MAX)).then_some(importance)
     }
 
     /// Directions toward the lens from points of the scene, one for each. Where there is none, for points that the camera
@@ -199,7 +199,7 @@ impl Backward {
             let from = point.point.map(f64::from);
             let distance = (0..3).map(|axis| (from[axis] - outside.origin[axis]).powi(2)).sum::<f64>().sqrt();
             let is_seen = distance >= self.distances[0] && distance <= self.distances[1];
-            if !(is_seen && density > 0.0 && density <= f64::from(f32::MAX)) {
+            if !(is_seen && density as f32 > 0.0 && density <= f64::from(f32::MAX)) {
                 continue;
             }
             let importance =

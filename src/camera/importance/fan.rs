@@ -2,7 +2,9 @@
 //! plane of the axis and the point, cut where the film ends. Two numbers in, a point of it and its density out; the
 //! density is the same everywhere.
 
-use std::{f64::consts::PI, sync::LazyLock};
+use std::f64::consts::PI;
+
+use crate::camera::pipeline::on_demand::OnDemand;
 
 /// Sectors of a half of the polygon.
 pub(super) const SECTORS: usize = 32;
@@ -19,12 +21,15 @@ pub(super) const MOST_BEND: f64 = 0.6;
 const NEWTON: u32 = 8;
 
 /// The directions of the polygon's corners.
-static DIRECTIONS: LazyLock<[[f64; 2]; SECTORS + 1]> = LazyLock::new(|| {
-    std::array::from_fn(|knot| {
-        let (sin, cos) = (SECTOR * knot as f64).sin_cos();
-        [cos, if knot == SECTORS { 0.0 } else { sin }]
+fn directions() -> &'static [[f64; 2]; SECTORS + 1] {
+    static DIRECTIONS: OnDemand<[[f64; 2]; SECTORS + 1]> = OnDemand::new();
+    DIRECTIONS.get_or_make(|| {
+        std::array::from_fn(|knot| {
+            let (sin, cos) = (SECTOR * knot as f64).sin_cos();
+            [cos, if knot == SECTORS { 0.0 } else { sin }]
+        })
     })
-});
+}
 
 /// A polygon about (`center`, 0), in a frame scaled by `extent`: its corners lie `reach` away from the centre, at equal
 /// angles from 0 to π and, mirrored, on to 2π.
@@ -87,7 +92,7 @@ impl Fan {
 
     /// A corner of the upper half.
     pub fn corner(&self, knot: usize) -> [f64; 2] {
-        let ([cos, sin], reach) = (DIRECTIONS[knot], self.reach[knot]);
+        let ([cos, sin], reach) = (directions()[knot], self.reach[knot]);
         [self.center + self.extent[0] * reach * cos, self.extent[1] * reach * sin]
     }
 
@@ -97,7 +102,7 @@ impl Fan {
         let [x, y] = [(a - self.center) / self.extent[0], (b / self.extent[1]).abs()];
         let sector = ((y.atan2(x) / SECTOR) as usize).min(SECTORS - 1);
         // Where the half-line meets the edge: p = s V + t W of the sector's corners, over the sum of both.
-        let ([c, d], [e, f]) = (DIRECTIONS[sector], DIRECTIONS[sector + 1]);
+        let ([c, d], [e, f]) = (directions()[sector], directions()[sector + 1]);
         let area = c * f - d * e;
         let (s, t) = ((x * f - y * e) / area, (c * y - d * x) / area);
         (s / self.reach[sector] + t / self.reach[sector + 1], sector)

@@ -1,7 +1,5 @@
 //! A lens the other way round: rays from the scene traced to the film, and directions toward the lens from a point.
 
-use std::sync::OnceLock;
-
 use super::{
     counted::Towards,
     entrance::{self, Entrance, FilmRay, Node, Probe, Work},
@@ -9,7 +7,7 @@ use super::{
     film::{Counted, FilmCount},
 };
 use crate::{
-    camera::pipeline::body::CameraBody,
+    camera::pipeline::{body::CameraBody, on_demand::OnDemand},
     lens::{Lens, Ray, Surface, pupil::EntrancePupil, refraction::Refraction},
     numeric::{quasirandom::STEPS, root},
     prescription::{BladeConstants, Blades},
@@ -35,7 +33,7 @@ pub(crate) struct LensBackward {
     kernel: Kernel<f64>,
     /// z of the entrance pupil, if that lies in the lens.
     pupil: f64,
-    entrance: OnceLock<Option<Entrance>>,
+    entrance: OnDemand<Option<Entrance>>,
     /// Sides of the film.
     window: [Limit; 4],
     /// Straight edges that hold the blades' figure in the stop; none where it nearly fills that.
@@ -56,7 +54,7 @@ impl LensBackward {
             count,
             kernel: Kernel::along(&path),
             pupil: pupil.max(lens.rear().vertex).min(-BEHIND * front.semi_diameter),
-            entrance: OnceLock::new(),
+            entrance: OnDemand::new(),
         }
     }
 
@@ -132,7 +130,7 @@ impl LensBackward {
         if !(point.iter().all(|part| part.is_finite()) && self.is_in_front(point)) {
             return None;
         }
-        let entrance = self.entrance.get_or_init(|| self.tabulate(&self.work())).as_ref()?;
+        let entrance = self.entrance.get_or_make(|| self.tabulate(&self.work())).as_ref()?;
         let spot = entrance.sight.spot(point);
         let Node { fan, image, stop } = entrance.seen_from(&spot)?;
         let views = [(&image, &self.window[..]), (&stop, &self.blades[..])];

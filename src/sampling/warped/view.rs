@@ -8,7 +8,7 @@ use std::cell::Cell;
 use crate::{
     prescription::MAX_INTERFACES,
     trace::{
-        Path,
+        self, Path,
         kernel::{Clearance, ClearanceTracer, MeridianRay},
     },
 };
@@ -19,12 +19,11 @@ pub(super) const GROUP: usize = 8;
 const MOST_WORK: u64 = 12_000 * PACKET;
 /// What a packet counts: no lens of spheres has more surfaces.
 const PACKET: u64 = MAX_INTERFACES as u64;
-/// What an asphere counts in the place of the whole packet, where aspheres are so many that this is more, and what each of
-/// its rays counts that has to be followed there, or walked (some 110, 80 and 320 ns): a table of a lens of 100 interfaces
-/// then takes 50 ms at most.
+/// What an asphere counts in the place of the whole packet, where aspheres are so many that this is more, and what each
+/// further evaluation of it for a ray counts (some 110 and 25 ns): a table of a lens of 100 interfaces then takes 50 ms at
+/// most.
 const ASPHERE: u64 = 27;
-const FOLLOWED: u64 = 20;
-const WALKED: u64 = 80;
+const EVALUATION: u64 = 6;
 /// Interfaces from which on a lens may take longer, in proportion.
 const LONG: u64 = 100;
 
@@ -32,12 +31,12 @@ const LONG: u64 = 100;
 pub(crate) struct Tracer<'a> {
     clearances: ClearanceTracer<'a>,
     rays: Cell<u32>,
-    /// Packets traced, full or not, and rays followed to aspheres, times what they count: what the time depends on,
+    /// Packets traced, full or not, and evaluations of aspheres, times what they count: what the time depends on,
     /// whatever the width of the registers.
     work: Cell<u64>,
     per_packet: u64,
-    per_followed: u64,
-    per_walk: u64,
+    /// How much longer than others the lens may take.
+    longer: u64,
 }
 
 impl<'a> Tracer<'a> {
@@ -48,8 +47,7 @@ impl<'a> Tracer<'a> {
             rays: Cell::new(0),
             work: Cell::new(0),
             per_packet: (ASPHERE * path.aspheres() as u64 / longer).max(PACKET),
-            per_followed: FOLLOWED / longer,
-            per_walk: WALKED / longer,
+            longer,
         }
     }
 
@@ -68,7 +66,8 @@ impl<'a> Tracer<'a> {
         let count = rays.len();
         self.rays.set(self.rays.get() + count as u32);
         found.clear();
-        let open = self.clearances.trace(rays, |clearance| {
+        let before = trace::evaluations();
+        self.clearances.trace(rays, |clearance| {
             found.push(match clearance {
                 Some(Clearance { ratio, surface, lost }) => {
                     Excess { value: ratio - 1.0, limit: Limit::Aperture(surface), lost }
@@ -77,8 +76,8 @@ impl<'a> Tracer<'a> {
             });
         });
         let packets = self.per_packet * count.div_ceil(GROUP) as u64;
-        let open = self.per_followed * u64::from(open.followed) + self.per_walk * u64::from(open.walked);
-        self.work.set(self.work.get() + packets + open);
+        let further = EVALUATION * (trace::evaluations() - before) / self.longer;
+        self.work.set(self.work.get() + packets + further);
     }
 }
 

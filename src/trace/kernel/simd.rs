@@ -1,7 +1,9 @@
 //! Which instructions the kernel uses: found once per process, lowered by the environment variable `REALISTIC_SIMD`. An
 //! [`Available`] is the proof that the processor has them, without which no compiled instance is called.
 
-use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
+
+use crate::message::{cut, nearest_or_all};
 
 /// A set of instructions, from the least to the most capable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -22,13 +24,18 @@ pub struct Available(Simd);
 impl Available {
     /// [`Simd::best`].
     pub fn best() -> Self {
-        static BEST: OnceLock<Available> = OnceLock::new();
-        *BEST.get_or_init(|| {
-            let named = std::env::var(VARIABLE).ok();
-            let limit = Simd::ALL.into_iter().find(|simd| named.as_deref() == Some(simd.name()));
-            let allowed = Simd::ALL.into_iter().filter(|simd| limit.is_none_or(|limit| *simd <= limit));
-            allowed.rev().find_map(Simd::available).unwrap_or(Self(Simd::Portable))
-        })
+        /// One more than its place in [`Simd::ALL`]; 0 until it is known. No lock: a process forked meanwhile would wait
+        /// for ever.
+        static BEST: AtomicU8 = AtomicU8::new(0);
+        let known = usize::from(BEST.load(Relaxed)).checked_sub(1);
+        if let Some(best) = known {
+            return Self(Simd::ALL[best]);
+        }
+        let limit = Simd::limit().ok().flatten();
+        let allowed = Simd::ALL.into_iter().filter(|simd| limit.is_none_or(|limit| *simd <= limit));
+        let best = allowed.rev().find_map(Simd::available).unwrap_or(Self(Simd::Portable));
+        BEST.store(best.0 as u8 + 1, Relaxed);
+        best
     }
 
     /// Which set it is.
@@ -75,6 +82,22 @@ impl Simd {
         {
             self == Self::Portable
         }
+    }
+
+    /// What the environment variable allows at most; `None` where it is not set.
+    ///
+    /// # Errors
+    /// It names no set of instructions: what to tell the user.
+    pub(crate) fn limit() -> Result<Option<Self>, String> {
+        let Some(given) = std::env::var_os(VARIABLE).filter(|given| !given.is_empty()) else {
+            return Ok(None);
+        };
+        let given = given.to_string_lossy();
+        let limit = Self::ALL.into_iter().find(|simd| given == simd.name());
+        limit.map(Some).ok_or_else(|| {
+            let known = nearest_or_all(&given, &Self::ALL.map(Self::name));
+            format!("{VARIABLE} is \"{}\", no set of instructions, and changes nothing; {known}", cut(&given))
+        })
     }
 
     /// The knowledge that this processor has it, where it does.

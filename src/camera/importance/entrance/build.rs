@@ -46,6 +46,7 @@ impl Span {
 /// Tabulates a lens. `None` for a lens that no light gets through to such film.
 pub(in crate::camera::importance) fn build(probe: &Probe<'_>) -> Option<Entrance> {
     let sight = Sight::new(&centers(probe), &probe.cap);
+    probe.work.choose_again();
     let rows = probe.detail().rows;
     let nearness = |row: usize| NEAREST * (row as f64 / rows as f64).powi(DENSER);
     let spans: Vec<Span> = (0..=rows).map_while(|row| span(probe, &sight, nearness(row))).collect();

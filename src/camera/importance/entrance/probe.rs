@@ -60,7 +60,10 @@ impl Probe<'_> {
             let (ray, _) = spot.ray(point, self.lead);
             buffer.put(i, ray.origin, ray.direction);
         }
-        kernel.trace_in_place(&mut buffer.rays());
+        // What is not traced is blocked.
+        if !self.work.is_overspent() {
+            kernel.trace_in_place(&mut buffer.rays());
+        }
         buffer
     }
 

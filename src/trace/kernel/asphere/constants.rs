@@ -46,6 +46,8 @@ pub struct Asphere<S> {
     pub inside: Bend<S>,
     pub beyond: Bend<S>,
     pub by_height: bool,
+    /// The same of q, which rays behind the equator are followed by where not `by_height`.
+    pub equator: Bend<S>,
     /// No more than the square of the rim's radius.
     pub rim: S,
     pub reach: S,
@@ -174,6 +176,7 @@ impl<S: Scalar> Asphere<S> {
             inside: Bend::new(&bend.inside),
             beyond: Bend::new(&bend.beyond),
             by_height: bend.by_height,
+            equator: Bend::new(&bend.equator),
             rim: round(aspheric.rim * (1.0 - 4.0 * S::EPSILON)),
             reach: round(bend.reach),
             tolerance: round(tolerance),

@@ -9,6 +9,7 @@ use super::{
     constants::Asphere,
     contact::{Contact, Way},
 };
+use crate::trace::work;
 
 /// Steps at most; a ray that takes more goes to the walk.
 const STEPS: usize = 24;
@@ -30,8 +31,8 @@ struct Measure<L: Lanes> {
     /// -φ and φ' of the φ whose bend is bounded.
     before: L,
     facing: L,
-    /// Where φ says anything.
-    tells: L::Mask,
+    /// Where the ray is behind the equator, and φ is q.
+    behind: L::Mask,
 }
 
 impl<S: Scalar> Asphere<S> {
@@ -52,6 +53,7 @@ impl<S: Scalar> Asphere<S> {
         let beside = L::splat(cpu, S::from_f64(self.exact.bend.reach * BESIDE));
         let inside = self.inside.along_rays(cpu, way.across).larger(zero);
         let beyond = self.beyond.along_rays(cpu, way.across).larger(zero);
+        let equator = self.equator.along_rays(cpu, way.across).larger(zero);
         // Where the ray first comes as near to the axis as the bounds hold.
         let is_near = way.height_squared(way.from).less_equal(reach);
         let square = way.along * way.along - way.across * (way.u - reach);
@@ -60,18 +62,21 @@ impl<S: Scalar> Asphere<S> {
         // 1 for rays that are on their way, and for those that have come to the surface.
         let mut going = L::select(is_near, one, L::select(way.from.less(entry), one, zero));
         let mut met = zero;
-        for step in 0..STEPS {
-            let Measure { before, facing, tells } = self.measure(cpu, ray, way, t);
+        let mut evaluations = 0;
+        for _ in 0..STEPS {
+            evaluations += (open & L::bits(zero.less(going))).count_ones();
+            let Measure { before, facing, behind } = self.measure(cpu, ray, way, t);
             let here = way.height_squared(t);
             let in_reach = L::both(t.less_equal(end), here.less_equal(beside));
-            let goes_on = L::both(L::both(zero.less(going), in_reach), tells);
-            let is_there = L::both(before.abs().less_equal(tolerance), zero.less(facing));
+            let goes_on = L::both(zero.less(going), in_reach);
+            let is_near = L::both(before.abs().less_equal(tolerance), zero.less(facing));
+            let is_there = zero.less(L::select(behind, zero, L::select(is_near, one, zero)));
             let arrives = L::both(goes_on, is_there);
             met = L::select(arrives, one, met);
-            going = L::select(arrives, zero, L::select(goes_on, one, zero));
-            if step == 0 {
-                going = L::select(zero.less(before), going, zero);
-            }
+            let is_before = L::both(goes_on, zero.less(before));
+            going = L::select(arrives, zero, L::select(is_before, one, zero));
+            let inside = L::select(behind, equator, inside);
+            let beyond = L::select(behind, equator, beyond);
             // To where a parabola of this bend meets 0.
             let (twice, square) = (before + before, facing * facing);
             let by_inside = facing + inside.mul_add(twice, square).sqrt();
@@ -86,6 +91,7 @@ impl<S: Scalar> Asphere<S> {
                 break;
             }
         }
+        work::count(evaluations);
         let left = open & L::bits(zero.less(going));
         let mut contact = self.contact(cpu, ray, way, t);
         for _ in 0..2 {
@@ -118,11 +124,19 @@ impl<S: Scalar> Asphere<S> {
         t: L,
     ) -> Measure<L> {
         let zero = L::splat(cpu, S::ZERO);
+        let along = t.mul_add(way.across, way.along);
         if !self.by_height {
             let Contact { residual, facing, q, .. } = self.contact(cpu, ray, way, t);
-            return Measure { before: residual, facing, tells: zero.less(q) };
+            let behind = q.less(L::splat(cpu, S::from_f64(-S::EPSILON.sqrt())));
+            // q' = -κ c w', and N·V = q w' - c (x Vx + y Vy).
+            let rise = along.mul_add(L::splat(cpu, self.c), facing) / q;
+            let to_equator = zero - L::splat(cpu, self.kappa_c) * rise;
+            return Measure {
+                before: L::select(behind, zero - q, residual),
+                facing: L::select(behind, to_equator, facing),
+                behind,
+            };
         }
-        let along = t.mul_add(way.across, way.along);
         let u = t.mul_add(along + way.along, way.u);
         let [[terms], [slope]] = self.terms.at(cpu, &[u * L::splat(cpu, self.terms.per_unit)]);
         let (one, c) = (L::splat(cpu, S::ONE), L::splat(cpu, self.c));
@@ -130,6 +144,6 @@ impl<S: Scalar> Asphere<S> {
         let z = t.mul_add(ray.vz, L::splat(cpu, self.common.start));
         let before = (c * u / (one + root) + terms) - z;
         let slope = slope.mul_add(L::splat(cpu, self.two_per_unit), c / root);
-        Measure { before, facing: slope.neg_mul_add(along, ray.vz), tells: zero.less_equal(zero) }
+        Measure { before, facing: slope.neg_mul_add(along, ray.vz), behind: zero.less(zero) }
     }
 }

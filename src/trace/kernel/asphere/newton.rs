@@ -26,14 +26,6 @@ pub struct Normal<L> {
     facing: L,
 }
 
-/// Where rays meet the surface.
-pub struct Meeting<L, const U: usize> {
-    pub normals: [Normal<L>; U],
-    /// How many were followed after Newton's iteration, and of these how many by the walk.
-    pub followed: u32,
-    pub walked: u32,
-}
-
 impl<L: Lanes> RayLanes<L> {
     /// Tests the aperture and refracts.
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -113,13 +105,13 @@ impl<S: Scalar> Asphere<S> {
         minus_z: [L; U],
         lead: [L; U],
     ) {
-        let Meeting { normals, .. } = self.meet(cpu, rays, minus_z, lead, None);
+        let normals = self.meet(cpu, rays, minus_z, lead, None);
         for i in 0..U {
             rays[i].refract(cpu, &self.common, media[i], &normals[i]);
         }
     }
 
-    /// Moves rays to the surface, as [`Asphere::trace`]. Where not all of the rays are `worth` the walk, the others are
+    /// Moves rays to the surface, as [`Asphere::trace`]; its normals where they meet it. Where not all of the rays are `worth` the walk, the others are
     /// blocked that lanes leave open.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn meet<L: Lanes<Scalar = S>, const U: usize>(
@@ -129,7 +121,7 @@ impl<S: Scalar> Asphere<S> {
         minus_z: [L; U],
         lead: [L; U],
         worth: Option<[L::Mask; U]>,
-    ) -> Meeting<L, U> {
+    ) -> [Normal<L>; U] {
         let zero = L::splat(cpu, S::ZERO);
         let mut ways = [Way { u: zero, along: zero, across: zero, from: zero }; U];
         for i in 0..U {
@@ -183,10 +175,8 @@ impl<S: Scalar> Asphere<S> {
             open[i] = rays[i].passed_bits() & !L::bits(first);
             any |= open[i];
         }
-        let (mut followed, mut walked) = (0, 0);
         if any != 0 {
             for i in 0..U {
-                followed += open[i].count_ones();
                 if worth.is_some() && open[i] != 0 {
                     let Followed { t: found, kept, left } = self.follow(cpu, &rays[i], &ways[i], open[i]);
                     t[i] = L::select(firsts[i], t[i], found);
@@ -194,7 +184,6 @@ impl<S: Scalar> Asphere<S> {
                     open[i] = left;
                 }
                 if worth.is_none() || open[i] != 0 {
-                    walked += open[i].count_ones();
                     let (found, met) =
                         self.one_by_one(cpu, &rays[i], ways[i].from, t[i], open[i], worth.is_some());
                     t[i] = found;
@@ -211,7 +200,7 @@ impl<S: Scalar> Asphere<S> {
             ray.height = t[i].mul_add(ray.vz, L::splat(cpu, self.common.start));
             normals[i] = Normal { m, q, facing };
         }
-        Meeting { normals, followed, walked }
+        normals
     }
 
     /// A step of Newton's iteration by a polynomial near twice the profile.

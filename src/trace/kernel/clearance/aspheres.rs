@@ -9,7 +9,7 @@ use super::{
         ray::RayLanes,
         simd::Compiled,
     },
-    probe::{OpenRays, Probe},
+    probe::Probe,
 };
 use crate::trace::surface::PathSurface;
 
@@ -25,14 +25,12 @@ pub struct PassAsphere<'a, L, const U: usize> {
     /// The surface's number, as the bits of a float.
     pub number: f64,
     pub probes: &'a mut [Probe<L>; U],
-    /// Counts the rays that Newton's iteration leaves open, and of these those that lanes leave to the walk.
-    pub open: &'a mut OpenRays,
 }
 
 impl<L: Lanes<Scalar = f64>, const U: usize> Compiled for PassAsphere<'_, L, U> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run(self) {
-        let Self { cpu, step, asphere, number, probes, open } = self;
+        let Self { cpu, step, asphere, number, probes } = self;
         let (zero, one) = (L::splat(cpu, 0.0), L::splat(cpu, 1.0));
         let mut rays = [RayLanes::at(cpu, [zero; 2], [zero; 3], zero); U];
         let (mut minus_z, mut leads) = ([zero; U], [zero; U]);
@@ -44,13 +42,11 @@ impl<L: Lanes<Scalar = f64>, const U: usize> Compiled for PassAsphere<'_, L, U> 
             rays[u].keep(zero.less(open));
             (minus_z[u], leads[u]) = (L::splat(cpu, step.distance) - z, lead);
         }
-        let met = asphere.meet(cpu, &mut rays, minus_z, leads, Some(worth));
-        open.followed += met.followed;
-        open.walked += met.walked;
+        let normals = asphere.meet(cpu, &mut rays, minus_z, leads, Some(worth));
         for u in 0..U {
             let (probe, ray) = (&mut probes[u], &mut rays[u]);
             probe.note(cpu, step, number, [ray.x, ray.y], ray.passed);
-            ray.refract(cpu, &asphere.common, Own, &met.normals[u]);
+            ray.refract(cpu, &asphere.common, Own, &normals[u]);
             probe.p = [ray.x, ray.y, ray.height];
             probe.v = [ray.vx, ray.vy, ray.vz];
             probe.lead = zero;

@@ -7,15 +7,6 @@ use crate::trace::surface::PathSurface;
 /// exact to this many times fewer digits.
 const WEAK: f64 = 1e-5;
 
-/// How often rays met an asphere so that Newton's iteration could not say where: the same numbers on every processor.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct OpenRays {
-    /// They were followed, which takes several times as long.
-    pub followed: u32,
-    /// They were then walked, which takes a hundred times as long.
-    pub walked: u32,
-}
-
 /// Rays on their way, and how near they came to being clipped.
 #[derive(Clone, Copy)]
 pub struct Probe<L> {

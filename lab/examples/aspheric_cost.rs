@@ -1,0 +1,45 @@
+//! The costliest of many random short aspheric lenses, by what is counted and by the time: built, and looked at from the
+//! scene for the first time. `cargo run --release -p realistic-lab --example aspheric_cost -- [LENSES] [FIRST SEED]`.
+//!
+//! Last, 1,000 aspheres with odd terms.
+
+use std::fmt::Write;
+
+use realistic_lab::{stability::random::aspheric_lens_text, timing::cost::Cost};
+
+fn main() {
+    let number = |place: usize, default: u64| {
+        std::env::args().nth(place).map_or(default, |text| text.parse().expect("a number"))
+    };
+    let (lenses, first) = (number(1, 400), number(2, 1));
+    let seeds = first..first + lenses;
+    let mut costs: Vec<(u64, Cost)> =
+        seeds.filter_map(|seed| Some((seed, Cost::of(&aspheric_lens_text(seed))?))).collect();
+    println!("{} of {lenses} lenses make cameras", costs.len());
+    type Order = fn(&Cost) -> f64;
+    let orders: [(&str, Order); 4] = [
+        ("build, evaluations", |cost| cost.build.evaluations as f64),
+        ("build, s", |cost| cost.build.seconds),
+        ("first direction, evaluations", |cost| cost.first.evaluations as f64),
+        ("first direction, s", |cost| cost.first.seconds),
+    ];
+    for (name, by) in orders {
+        costs.sort_by(|(_, a), (_, b)| by(b).total_cmp(&by(a)));
+        println!("worst by {name}:");
+        for (seed, Cost { build, first }) in costs.iter().take(4) {
+            println!(
+                "  seed {seed}: built in {:.3} s with {} evaluations, first direction in {:.3} s with {}",
+                build.seconds, build.evaluations, first.seconds, first.evaluations
+            );
+        }
+    }
+    let mut text = String::new();
+    for i in 0..1000 {
+        let radius = [2e3, -3e3, 9e3, -5e3][i % 4];
+        let _ = writeln!(text, "{radius} 0.03 {} 14", [1.5, 1.0][i % 2]);
+    }
+    for i in 1..=1000 {
+        let _ = writeln!(text, "asphere {i} conic=0.3 A3=1e-8 A4=1e-9 A5=1e-10 A6=-1e-11 A7=1e-12");
+    }
+    println!("1,000 odd aspheres: {:?}", Cost::of(&text));
+}

@@ -1,0 +1,327 @@
+//! Where a ray first crosses an asphere, by the designer's formula and nothing else: z less
+//! c r²/(1 + √(1 - (1 + k) c² r²)) + Σ `A_i` r^i along the ray, divided into intervals until the first change of sign is
+//! proven.
+//!
+//! On an interval the height F of the ray above the surface and its derivative lie within bounds: the conic's part and its
+//! derivative by u = r² grow in size with u, so that the ends bound them; the terms are within their largest slope of
+//! their value in the middle (R. E. Moore, *Interval Analysis*, 1966, ch. 2 and 3, but for the rounding, for which a
+//! generous margin stands). From the left, an interval is done with where F is negative all over it; where F only falls;
+//! or where F only grows and is still negative at the end. Where F only grows and has become positive the crossing is
+//! bracketed, and found to all digits by bisection and Newton's method. Everything else is halved.
+
+use realistic::{
+    lens::Figure,
+    prescription::{Asphere, FIRST_POWER},
+    trace::{Blocked, Real},
+};
+
+use super::double_double::{DoubleDouble, Vector};
+
+/// An aspheric figure by its formula, z along the travel of light.
+#[derive(Clone, Debug)]
+pub(super) struct Scan {
+    asphere: Asphere,
+    /// z toward the film is this times z along the travel.
+    sign: f64,
+    rim: f64,
+    /// z of its lowest point, and of where it is no longer looked for.
+    lowest: f64,
+    highest: f64,
+}
+
+/// The profile at a distance from the axis.
+pub(super) struct Profile<R> {
+    pub height: R,
+    /// (dz/dr)/r times `root`.
+    pub slope: R,
+    /// √(1 - (1 + k) c² r²), at least 0: the cosine of the conic's slope.
+    pub root: R,
+}
+
+/// All numbers between two.
+#[derive(Clone, Copy)]
+struct Range {
+    low: f64,
+    high: f64,
+}
+
+/// An interval of this part of the whole way is no longer halved.
+const FINEST: f64 = 1e-14;
+/// More intervals than any ray has taken.
+const MOST: usize = 1_000_000;
+/// Turns that bring a bracket down to the last digit, and the relative step that ends them.
+const TURNS: usize = 110;
+const EXACT: f64 = 1e-30;
+/// What rounding may add, relative to the sizes that a number was formed of.
+const ROUNDING: f64 = 256.0 * f64::EPSILON;
+
+impl Scan {
+    /// `sign` is 1 for light toward the film, -1 for light toward the scene.
+    pub fn new(figure: &Figure, sign: f64) -> Self {
+        let [low, high] = figure.bounds.sagitta;
+        let [lowest, highest] = if sign > 0.0 { [low, high] } else { [-high, -low] };
+        let size = highest - lowest + figure.rim;
+        // A ray to the lowest point itself begins before it.
+        let (lowest, highest) = (lowest - 1e-12 * size, highest + size);
+        Self { asphere: figure.asphere, sign, rim: figure.rim, lowest, highest }
+    }
+
+    /// How far from `point`, in units of `direction`, the ray first crosses the surface toward the side ahead, both in the
+    /// frame of the vertex with z along the travel.
+    pub fn first_crossing(&self, point: Vector, direction: Vector) -> Result<DoubleDouble, Blocked> {
+        let number = DoubleDouble::from_f64;
+        let ray = ScannedRay::new(point, direction);
+        if !(ray.climb > 0.0) {
+            return Err(Blocked::TurnedBack);
+        }
+        let z = point[2].to_f64();
+        // A ray may begin on the surface but for the rounding of these numbers.
+        let behind = -1e-24 * (z.abs() + self.rim);
+        let mut from = ((self.lowest - z) / ray.climb).max(behind);
+        let mut to = (self.highest - z) / ray.climb;
+        if let Some([enters, leaves]) = ray.inside(self.end()) {
+            (from, to) = (from.max(enters), to.min(leaves));
+        }
+        if !(from < to) {
+            return Err(Blocked::Missed);
+        }
+        let above = |t: f64| self.above(&ray, number(t)) > DoubleDouble::ZERO;
+        if above(from) {
+            return Err(Blocked::TurnedBack);
+        }
+        let finest = FINEST * (to - from);
+        let mut open = vec![[from, to]];
+        for _ in 0..MOST {
+            let Some([from, to]) = open.pop() else { return Err(Blocked::Missed) };
+            let [height, slope] = self.bounds(&ray, [from, to]);
+            if height.high < 0.0 || slope.high < 0.0 {
+                continue;
+            }
+            if slope.low > 0.0 || to - from <= finest {
+                if above(to) {
+                    return Ok(self.between(&ray, [number(from), number(to)]));
+                }
+                continue;
+            }
+            let middle = f64::midpoint(from, to);
+            open.extend([[middle, to], [from, middle]]);
+        }
+        panic!("a ray at an asphere takes more than {MOST} intervals: {self:?}")
+    }
+
+    /// The profile at the squared distance u from the axis. Beyond the rim the terms go on as the paraboloid that touches
+    /// them there; the conic ends where it ends.
+    pub fn profile<R: Real>(&self, u: R) -> Profile<R> {
+        let number = R::from_f64;
+        let c = number(self.sign) / number(self.asphere.radius);
+        let kappa = R::ONE + number(self.asphere.conic);
+        let square = R::ONE - kappa * c * c * u;
+        let root = if square > R::ZERO { square.sqrt() } else { R::ZERO };
+        let rim = number(self.rim) * number(self.rim);
+        let inside = if u > rim { rim } else { u };
+        // The sums of A_i r^i and of i A_i r^(i - 2); an odd power is r³ times a power of u.
+        let mut power = inside;
+        let (mut value, mut slope) = (R::ZERO, R::ZERO);
+        let [even, odd] = [0, 1].map(|first| self.terms().skip(first).step_by(2));
+        let mut below = R::ONE;
+        for (i, term) in even {
+            value = value + number(term) * power;
+            slope = slope + number(i) * number(term) * below;
+            (below, power) = (power, power * inside);
+        }
+        // On the axis they and their slopes vanish, and a root has no derivative there.
+        if inside > R::ZERO && self.terms().skip(1).step_by(2).any(|(_, term)| term != 0.0) {
+            let mut below = inside.sqrt();
+            for (i, term) in odd {
+                slope = slope + number(i) * number(term) * below;
+                below = below * inside;
+                value = value + number(term) * below;
+            }
+        }
+        let two = number(2.0);
+        Profile {
+            height: c * u / (R::ONE + root) + value + slope / two * (u - inside),
+            slope: c + root * slope,
+            root,
+        }
+    }
+
+    /// The powers from the first on and what multiplies them, z along the travel.
+    fn terms(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+        let powers = (FIRST_POWER as u32..).map(f64::from);
+        powers.zip(self.asphere.terms).map(|(power, term)| (power, self.sign * term))
+    }
+
+    /// The squared distance from the axis where the conic ends.
+    fn end(&self) -> f64 {
+        let kappa = 1.0 + self.asphere.conic;
+        if kappa > 0.0 { self.asphere.radius.powi(2) / kappa } else { f64::INFINITY }
+    }
+
+    /// z of the ray less that of the surface.
+    fn above(&self, ray: &ScannedRay, t: DoubleDouble) -> DoubleDouble {
+        let [x, y, z] = ray.at(t);
+        z - self.profile(x * x + y * y).height
+    }
+
+    /// What that and its derivative lie between on an interval.
+    fn bounds(&self, ray: &ScannedRay, [from, to]: [f64; 2]) -> [Range; 2] {
+        let middle = f64::midpoint(from, to);
+        let half = (to - from) / 2.0;
+        let z = ray.start[2] + middle * ray.climb;
+        let z = Range::about(z, half * ray.climb + ROUNDING * (ray.start[2].abs() + z.abs()));
+        let u = ray.height_squared(middle, half);
+        let u_slope = Range::about(
+            2.0 * (ray.along + ray.across * middle),
+            2.0 * ray.across * half + ROUNDING * (ray.along.abs() + ray.across * middle.abs()),
+        );
+        let c = self.sign / self.asphere.radius;
+        let root = |u: f64| (1.0 - (1.0 + self.asphere.conic) * c * c * u).max(0.0).sqrt();
+        // What rounds 1 - κ c² u is rounding of u.
+        let ends =
+            [(u.low * (1.0 - ROUNDING) - ROUNDING * self.rim.powi(2)).max(0.0), u.high * (1.0 + ROUNDING)];
+        let conic = Range::of(ends.map(|u| c * u / (1.0 + root(u))));
+        let conic_slope =
+            if c == 0.0 { Range::of([0.0; 2]) } else { Range::of(ends.map(|u| c / root(u) / 2.0)) };
+        let [terms, terms_slope] = self.terms_between(ends);
+        [z - (conic + terms), Range::of([ray.climb; 2]) - (conic_slope + terms_slope) * u_slope]
+    }
+
+    /// What the terms and their derivative by u lie between on a ring.
+    fn terms_between(&self, [u_low, u_high]: [f64; 2]) -> [Range; 2] {
+        let [low, high] = [u_low, u_high].map(|u| u.sqrt().min(self.rim));
+        let (middle, half) = (f64::midpoint(low, high), (high - low) / 2.0 + ROUNDING * high);
+        let [mut value, mut slope, mut steepest, mut bend, mut rim_slope, mut rim_size] = [0.0_f64; 6];
+        for (i, term) in self.terms().filter(|(_, term)| *term != 0.0) {
+            let power = i as i32;
+            value += term * middle.powi(power);
+            slope += i / 2.0 * term * middle.powi(power - 2);
+            steepest += i * term.abs() * high.powi(power - 1);
+            // The first power's derivative by u is the same everywhere.
+            if power > FIRST_POWER as i32 {
+                bend += i * (i - 2.0) / 2.0 * term.abs() * high.powi(power - 3);
+            }
+            rim_slope += i / 2.0 * term * self.rim.powi(power - 2);
+            rim_size += i / 2.0 * term.abs() * self.rim.powi(power - 2);
+        }
+        let beyond = [u_low, u_high].map(|u| (u - self.rim.powi(2)).max(0.0));
+        let sizes = steepest * high + bend * high * high + rim_size * beyond[1];
+        let beyond = Range::of(beyond.map(|u| rim_slope * u));
+        let value = Range::about(value, steepest * half + ROUNDING * sizes) + beyond;
+        [value, Range::about(slope, bend * half + ROUNDING * (rim_size + bend * high))]
+    }
+
+    /// The crossing between two places before it and behind it, to all digits.
+    fn between(&self, ray: &ScannedRay, [mut from, mut to]: [DoubleDouble; 2]) -> DoubleDouble {
+        let half = DoubleDouble::from_f64(0.5);
+        let narrow = |from: &mut DoubleDouble, to: &mut DoubleDouble, t: DoubleDouble| {
+            *if self.above(ray, t) > DoubleDouble::ZERO { to } else { from } = t;
+        };
+        let mut t = (from + to) * half;
+        // Every turn halves the bracket, whatever Newton's step is worth.
+        for _ in 0..TURNS {
+            let middle = (from + to) * half;
+            narrow(&mut from, &mut to, middle);
+            let [x, y, z] = ray.at(t);
+            let Profile { height, slope, root } = self.profile(x * x + y * y);
+            let facing = root * ray.direction[2] - slope * (x * ray.direction[0] + y * ray.direction[1]);
+            let next = t + (height - z) * root / facing;
+            if (next - t).to_f64().abs() <= EXACT * (t.to_f64().abs() + self.rim / ray.climb) {
+                return next;
+            }
+            t = if next > from && to > next { next } else { (from + to) * half };
+            narrow(&mut from, &mut to, t);
+        }
+        t
+    }
+}
+
+/// A ray with what of it needs no more digits than a double's.
+struct ScannedRay {
+    point: Vector,
+    direction: Vector,
+    start: [f64; 3],
+    climb: f64,
+    /// x² + y² = u + 2 `along` t + `across` t².
+    u: f64,
+    along: f64,
+    across: f64,
+}
+
+impl ScannedRay {
+    fn new(point: Vector, direction: Vector) -> Self {
+        let [x, y, z] = point.map(Real::to_f64);
+        let [dx, dy, climb] = direction.map(Real::to_f64);
+        let (u, along, across) = (x * x + y * y, x * dx + y * dy, dx * dx + dy * dy);
+        Self { point, direction, start: [x, y, z], climb, u, along, across }
+    }
+
+    fn at(&self, t: DoubleDouble) -> Vector {
+        std::array::from_fn(|i| self.point[i] + t * self.direction[i])
+    }
+
+    /// Where it is nearer to the axis than that, if it does not always stay there; nowhere: an empty interval.
+    fn inside(&self, end: f64) -> Option<[f64; 2]> {
+        if end.is_infinite() || (self.across == 0.0 && self.u <= end) {
+            return None;
+        }
+        let square = self.along * self.along - self.across * (self.u - end);
+        if !(square > 0.0) {
+            return Some([f64::INFINITY, f64::NEG_INFINITY]);
+        }
+        Some([-1.0, 1.0].map(|side| (-self.along + side * square.sqrt()) / self.across))
+    }
+
+    /// What x² + y² lies between within `half` of `t`.
+    fn height_squared(&self, t: f64, half: f64) -> Range {
+        let middle = self.u + t * (2.0 * self.along + t * self.across);
+        let slope = 2.0 * (self.along + t * self.across).abs() * half;
+        let rounding = ROUNDING * (self.u + t.abs() * (2.0 * self.along.abs() + t.abs() * self.across));
+        let high = middle + slope + self.across * half * half + rounding;
+        Range { low: (middle - slope - rounding).max(0.0), high: high.max(0.0) }
+    }
+}
+
+impl Range {
+    /// Between two numbers in any order, and what rounding adds; anything, if one is not a number.
+    fn of([a, b]: [f64; 2]) -> Self {
+        if a.is_nan() || b.is_nan() {
+            return Self { low: f64::NEG_INFINITY, high: f64::INFINITY };
+        }
+        let widened = |x: f64, side: f64| if x.is_finite() { x + side * ROUNDING * x.abs() } else { x };
+        Self { low: widened(a.min(b), -1.0), high: widened(a.max(b), 1.0) }
+    }
+
+    fn about(middle: f64, half: f64) -> Self {
+        Self::of([middle - half, middle + half])
+    }
+}
+
+impl std::ops::Add for Range {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self::of([self.low + other.low, self.high + other.high])
+    }
+}
+
+impl std::ops::Sub for Range {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        Self::of([self.low - other.high, self.high - other.low])
+    }
+}
+
+impl std::ops::Mul for Range {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        let products = [self.low, self.high].map(|a| [a * other.low, a * other.high]);
+        let all = products.iter().flatten();
+        // 0 times infinity, at the conic's end, says nothing.
+        if all.clone().any(|product| product.is_nan()) {
+            return Self::of([f64::NAN; 2]);
+        }
+        let low = all.clone().fold(f64::INFINITY, |least, product| least.min(*product));
+        let high = all.fold(f64::NEG_INFINITY, |most, product| most.max(*product));
+        Self::of([low, high])
+    }
+}
