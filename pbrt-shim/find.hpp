@@ -53,7 +53,8 @@ extern "C" int32_t REALISTIC_PASTE(realistic_shim_find_, REALISTIC_STRING_SUFFIX
             return REALISTIC_SHIM_NO_HOST;
         case REALISTIC_SHIM_INT:
             if (Finder<int> find = finder<int>(int_symbol)) {
-                given = find(params, key, &count) != nullptr;
+                found.integers = find(params, key, &count);
+                given = found.integers != nullptr;
                 break;
             }
             return REALISTIC_SHIM_NO_HOST;

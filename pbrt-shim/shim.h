@@ -55,10 +55,11 @@ enum {
 
 /* What a scene gives for one name and kind. Pointers live as long as the host's set. */
 typedef struct realistic_shim_found {
-    int32_t count;       /* values given */
-    int32_t boolean;     /* the first value, when count > 0 and the kind is bool */
-    const float *floats; /* `count` values, when the kind is float */
-    const char *text;    /* the first value, when count > 0 and the kind is string */
+    int32_t count;           /* values given */
+    int32_t boolean;         /* the first value, when count > 0 and the kind is bool */
+    const float *floats;     /* `count` values, when the kind is float */
+    const int32_t *integers; /* `count` values, when the kind is integer */
+    const char *text;        /* the first value, when count > 0 and the kind is string */
     size_t text_size;
 } realistic_shim_found;
 

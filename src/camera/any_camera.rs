@@ -1,10 +1,10 @@
 //! The camera that a host holds: one of the models, with its shutter.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use super::{
     differentials::{self, AT_ONCE, Moved, NeighbourArrays, RayDifferential, Side},
-    host::{Host, Log},
+    host::{Host, Level, Log},
     importance::{Backward, ImportanceError},
     model::Model,
     models::{
@@ -15,6 +15,7 @@ use super::{
     parameters::{CameraError, Parameters},
     pipeline::{
         arrays::{BLOCK, RayArrays, RayBlock, SampleArrays, SampleBlock, SampleStore},
+        on_demand::OnDemand,
         ray_maker::RayMaker,
         spectral::Spectral,
     },
@@ -22,7 +23,11 @@ use super::{
     ray::{Outcome, Sample, WorldRay},
     setup::{self, Crop, Facts, warn_of_darkness},
 };
-use crate::{plan::Plan, sampling::DiskMapping, trace::Blocked};
+use crate::{
+    plan::Plan,
+    sampling::DiskMapping,
+    trace::{Blocked, kernel::Simd},
+};
 
 /// The camera itself, of any model.
 #[derive(Clone, Debug)]
@@ -42,7 +47,7 @@ pub struct Camera {
     resolution: [f32; 2],
     crop: Crop,
     /// The camera the other way round, once somebody has asked for it.
-    backward: OnceLock<Result<Arc<Backward>, ImportanceError>>,
+    backward: OnDemand<Result<Arc<Backward>, ImportanceError>>,
 }
 
 impl AnyModel {
@@ -73,6 +78,9 @@ impl Camera {
     pub fn build(parameters: &Parameters, host: &Host, log: Log<'_>) -> Result<Self, CameraError> {
         let (model, shutter) = (parameters.model(), setup::shutter(parameters)?);
         setup::warn_of_unused(model, shutter, parameters, log);
+        if let Err(text) = Simd::limit() {
+            log(Level::Warning, &text);
+        }
         let model = match model {
             Model::Lens => AnyModel::Lens(RealisticCamera::build(parameters, host, log)?.into()),
             Model::Thick | Model::Thin => {
@@ -87,8 +95,12 @@ impl Camera {
         let resolution = [host.raster.xres, host.raster.yres].map(|side| side as f32);
         let crop = Crop::of(parameters, host.raster)?;
         let rays = model.ray_maker().clone();
-        let camera = Self { rays, model, shutter, resolution, crop, backward: OnceLock::new() };
-        warn_of_darkness(host.raster, &camera.rays, |sample| camera.why_none(sample), log);
+        let camera = Self { rays, model, shutter, resolution, crop, backward: OnDemand::new() };
+        let facts = match &camera.model {
+            AnyModel::Lens(camera) => Some(camera.facts()),
+            AnyModel::Ideal(_) | AnyModel::Stock(_) => None,
+        };
+        warn_of_darkness(host.raster, &camera.rays, facts, |sample| camera.why_none(sample), log);
         Ok(camera)
     }
 
@@ -413,7 +425,7 @@ impl Camera {
     /// # Errors
     /// It is a stock camera without a lens, for which importance is not defined.
     pub fn backward(&self) -> Result<&Backward, ImportanceError> {
-        let made = self.backward.get_or_init(|| {
+        let made = self.backward.get_or_make(|| {
             let backward = match &self.model {
                 AnyModel::Lens(camera) => camera.backward(),
                 AnyModel::Ideal(camera) => camera.backward(),

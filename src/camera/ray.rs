@@ -35,12 +35,15 @@ pub struct WorldRay {
 }
 
 impl WorldRay {
+    /// How far from 1 the square of a direction's length may be: lengths are 1 to 1e-6 then, for the square is off by three
+    /// roundings.
+    pub(crate) const UNIT: f32 = 1.6e-6;
+
     /// Whether these are a ray's numbers: a finite origin, a unit direction. Those of image points that are none, or far
     /// out of any image, are not.
     pub(crate) fn is_sound(&self) -> bool {
         let [x, y, z] = self.direction;
-        // Lengths are 1 to 1e-6, and the square is off by three roundings.
-        (x * x + y * y + z * z - 1.0).abs() < 1.6e-6 && self.origin.iter().all(|part| part.is_finite())
+        (x * x + y * y + z * z - 1.0).abs() < Self::UNIT && self.origin.iter().all(|part| part.is_finite())
     }
 }
 

@@ -11,7 +11,7 @@ use super::{
 };
 use crate::{
     message::{Level, Log, as_given, fixed, short},
-    prescription::{LensSource, Prescription, SearchPath, SourceError, glass::D_LINE, glass_library},
+    prescription::{LensSource, Prescription, SearchPath, SourceError, glass_library},
 };
 
 /// How far a lens is stopped down.
@@ -73,7 +73,7 @@ pub fn find(name: &str, glasses: Option<&str>, search: &SearchPath) -> Result<Pr
         if let Some(groups) = MovingGroups::of(&prescription)?.filter(MovingGroups::is_zoom) {
             return Err(MovingError::Scaled { given: name.to_owned(), range: groups.focal_range() }.into());
         }
-        let own = FirstOrder::of(&Lens::at_d_line(&prescription))?.focal_length;
+        let own = FirstOrder::of(&Lens::at_own_wavelength(&prescription))?.focal_length;
         prescription = prescription.scaled(focal_length / own.abs());
         prescription.name = name.to_owned();
     }
@@ -85,7 +85,7 @@ pub fn find(name: &str, glasses: Option<&str>, search: &SearchPath) -> Result<Pr
 pub fn misstated(prescription: &Prescription) -> Option<String> {
     let told = |at: &str, lens: &Prescription, stated: Option<f64>| {
         let stated = stated?;
-        let own = FirstOrder::of(&Lens::at_d_line(lens)).ok()?.focal_length;
+        let own = FirstOrder::of(&Lens::at_own_wavelength(lens)).ok()?.focal_length;
         ((own - stated).abs() > 0.01 * stated).then(|| {
             format!(
                 "lens \"{}\": {at}the file states a focal length of {} mm, and its surfaces have one of {} mm",
@@ -119,7 +119,12 @@ pub fn set_up(
     for remark in &prescription.remarks {
         log(Level::Warning, remark);
     }
-    if wavelength != D_LINE && !prescription.is_dispersive() {
+    let told = prescription.check_wavelength(wavelength);
+    let told = told.map_err(|why| LensError::Wavelength { lens: prescription.name.clone(), why })?;
+    for warning in told {
+        log(Level::Warning, &warning);
+    }
+    if wavelength != prescription.own_wavelength() && !prescription.is_dispersive() {
         let name = &prescription.name;
         let text = format!(
             "lens \"{name}\" has neither V-numbers nor dispersion formulas: wavelength {wavelength} nm changes nothing"

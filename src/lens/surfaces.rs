@@ -131,6 +131,14 @@ pub enum LensError {
         /// nm.
         wavelength: f64,
     },
+    /// A glass has no data at the wavelength.
+    #[error("lens \"{lens}\": {why}; give a \"wavelength\" at which every glass has an index")]
+    Wavelength {
+        /// The lens.
+        lens: String,
+        /// Which glass, and where it has data.
+        why: String,
+    },
     /// Parallel rays leave parallel: no focal length, principal planes or focus.
     #[error("lens \"{lens}\" is afocal: it has no focal length and cannot focus")]
     Afocal {
@@ -196,6 +204,11 @@ impl Lens {
             wavelength,
             nominal_film_distance: prescription.nominal_film_distance,
         }
+    }
+
+    /// The lens of a prescription at the wavelength that it is for.
+    pub fn at_own_wavelength(prescription: &Prescription) -> Self {
+        Self::new(prescription, prescription.own_wavelength())
     }
 
     /// The lens of a prescription at the d line.

@@ -18,9 +18,6 @@ use crate::{
     trace::kernel::{Cpu, Lanes},
 };
 
-/// The raster coordinates up to which angles are finite.
-const MOST: f32 = f32::MAX / 8.0;
-
 /// Every direction.
 pub(crate) struct Environment {
     resolution: [f32; 2],
@@ -35,21 +32,15 @@ impl Environment {
 
 impl View for Environment {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn lanes<L: Lanes<Scalar = f32>>(
-        &self,
-        cpu: Cpu<L>,
-        samples: &SampleLanes<L>,
-    ) -> (RangedRays<L>, L::Mask) {
+    fn lanes<L: Lanes<Scalar = f32>>(&self, cpu: Cpu<L>, samples: &SampleLanes<L>) -> RangedRays<L> {
         let [x, y] = samples.image;
         let theta = L::splat(cpu, PI) * y / L::splat(cpu, self.resolution[1]);
         let phi = L::splat(cpu, TAU) * x / L::splat(cpu, self.resolution[0]);
         let ([cos_theta, sin_theta], [cos_phi, sin_phi]) = (cos_sin(cpu, theta), cos_sin(cpu, phi));
-        let most = L::splat(cpu, MOST);
-        let rays = RangedRays {
+        RangedRays {
             origin: [L::splat(cpu, 0.0); 3],
             direction: [sin_theta * cos_phi, cos_theta, sin_theta * sin_phi],
             range: [L::splat(cpu, self.clip[0]), L::splat(cpu, self.clip[1])],
-        };
-        (rays, L::both(x.abs().less_equal(most), y.abs().less_equal(most)))
+        }
     }
 }

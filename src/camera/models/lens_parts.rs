@@ -42,7 +42,12 @@ pub(super) fn pupil_sampler(
     log: Log<'_>,
 ) -> PupilSampler {
     match setup.pupil {
-        Pupil::Rear => PupilSampler::Disk(rear),
+        Pupil::Rear => {
+            if setup.weighting == Weighting::Assignment {
+                report_enlarged(rear, clear_area(setup), log);
+            }
+            PupilSampler::Disk(rear)
+        }
         Pupil::Disk => {
             warn_of_missed_share(path, film_z, &setup.facts.film, rear, exit, log);
             PupilSampler::Disk(exit)
@@ -51,9 +56,28 @@ pub(super) fn pupil_sampler(
             let shift = exit.seen_from([1.0, 0.0]).center[0];
             let reach = setup.facts.film.reach();
             let pupil = WarpedPupil::new(path, film_z, reach, rear, shift);
-            report_given_up(&pupil, reach, log);
+            report_given_up(&pupil, &setup.facts.film, log);
             PupilSampler::Warped(Arc::new(pupil))
         }
+    }
+}
+
+/// Area of the rear element's clear aperture as the lens table has it, mm².
+fn clear_area(setup: &Setup) -> f64 {
+    PI * setup.facts.lens.rear().semi_diameter.powi(2)
+}
+
+/// Says by how much more than the rear element's disk is sampled, where a reader of the assignment expects the disk itself.
+fn report_enlarged(rear: PupilDisk, clear_area: f64, log: Log<'_>) {
+    let more = rear.area().map_or(1.0, |area| area / clear_area);
+    if more > 1.0 + 1e-12 {
+        log(
+            Level::Info,
+            &format!(
+                "pupil \"rear\": a disk of {more:.4} times the rear element's area is sampled, so that no ray of this film is \
+                 missed, and a weight of \"assignment\" is {more:.4} cos⁴/Z²; divide by {more:.4} for the formula itself"
+            ),
+        );
     }
 }
 
@@ -68,7 +92,12 @@ pub(super) fn weight_factor(
     let weight = match setup.weighting {
         Weighting::Radiometric => Some(1.0),
         Weighting::Assignment => {
-            Some(sampler.disk().unwrap_or(&exit).area().ok_or(CameraError::PupilAtInfinity)?.recip())
+            let area = match setup.pupil {
+                // Not the disk that is sampled, which grows with the film: the film's size would be in the exposure.
+                Pupil::Rear => clear_area(setup),
+                Pupil::Disk | Pupil::Warped => exit.area().ok_or(CameraError::PupilAtInfinity)?,
+            };
+            Some(area.recip())
         }
         Weighting::Relative => {
             // Over the disk in use, so that the mean on the axis is 1 with either pupil.
@@ -146,10 +175,11 @@ pub(super) fn representable(weight: f64) -> Result<(), CameraError> {
 /// Width of a ring of film over the film's radius below which nobody sees the noise in it.
 const NARROW: f64 = 1e-3;
 
-/// Says which film radii the warped pupil had to give up, why, and what is left.
-fn report_given_up(pupil: &WarpedPupil, film_reach: f64, log: Log<'_>) {
+/// Reports which film radii the warped pupil had to give up, why, and what is left.
+fn report_given_up(pupil: &WarpedPupil, film: &Film, log: Log<'_>) {
     const REAR: &str = "the rear element's disk";
-    let whole = pupil.image_radius().unwrap_or(film_reach);
+    let whole = pupil.image_radius().unwrap_or(film.reach());
+    let corner = film.diagonal() / 2.0;
     for &GivenUp { radii: [from, to], reason, acceptance } in pupil.given_up() {
         let (what, why) = match reason {
             NoFan::InPieces => (REAR, "light gets through in several pieces there, or round a hole"),
@@ -175,8 +205,9 @@ fn report_given_up(pupil: &WarpedPupil, film_reach: f64, log: Log<'_>) {
             }
             _ => "more samples per pixel make up for it".to_owned(),
         };
-        // So narrow a ring nobody sees.
-        let level = if to - from < NARROW * whole { Level::Info } else { Level::Warning };
+        // Nobody sees so narrow a ring, nor one outside the picture, where only a filter asks for rays: a few pixels, which
+        // are far where pixels are few.
+        let level = if to.min(corner) - from < NARROW * whole { Level::Info } else { Level::Warning };
         log(
             level,
             &format!(

@@ -50,24 +50,15 @@ pub(crate) struct Projective {
     depth: f32,
     /// A power of two by which the directions' squares are kept in range, where planes are that far away.
     scale: Option<f32>,
-    /// The raster x and y up to which all numbers of a ray are finite; negative where none are.
-    most: [f32; 2],
 }
 
-/// The largest ratio of two coordinates of a direction: its square is well within single precision.
-const STEEPEST: f64 = 1e15;
-/// The largest number on the way to a ray.
-const LARGEST: f64 = 1e37;
-
 impl Projective {
-    /// `reach` is how far from the eye a ray may begin, world units, for the camera's placement to make finite numbers of it.
     pub fn new(
         projecting: Projecting,
         window: ScreenWindow,
         raster: Raster,
         lens: Option<ThinLens>,
         [hither, yon]: [f32; 2],
-        reach: f64,
     ) -> Self {
         let to_camera = match projecting {
             Projecting::Orthographic => Projection::of_orthographic_screen(hither, yon),
@@ -78,39 +69,18 @@ impl Projective {
         // Directions are as long as from the near plane to the plane of focus, or from the eye to the near plane.
         let length = lens.map_or(if perspective { hither } else { 1.0 }, |lens| lens.focal_distance);
         let scale = (!(1e-10..1e10).contains(&length)).then(|| (-length.log2().floor()).exp2());
-        let (near_z, length) = (f64::from(hither), f64::from(length));
-        let radius = lens.map_or(0.0, |lens| f64::from(lens.radius));
-        let is_finite =
-            near_z.max(radius) < reach / 2.0 && radius < STEEPEST.min(LARGEST / length.powi(2)) * length;
-        let most = match lens {
-            _ if !is_finite => -1.0,
-            None if perspective => reach.min(STEEPEST * near_z) / 2.0,
-            Some(_) if perspective => (reach / 2.0).min(near_z * STEEPEST.min(LARGEST / length)),
-            _ => reach / 2.0,
-        };
-        Self { near, perspective, lens, hither, depth: yon - hither, scale, most: near.raster_limits(most) }
+        Self { near, perspective, lens, hither, depth: yon - hither, scale }
     }
 }
 
 impl View for Projective {
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn lanes<L: Lanes<Scalar = f32>>(
-        &self,
-        cpu: Cpu<L>,
-        samples: &SampleLanes<L>,
-    ) -> (RangedRays<L>, L::Mask) {
-        let [x, y] = samples.image;
-        let mut passed = L::both(
-            x.abs().less_equal(L::splat(cpu, self.most[0])),
-            y.abs().less_equal(L::splat(cpu, self.most[1])),
-        );
+    fn lanes<L: Lanes<Scalar = f32>>(&self, cpu: Cpu<L>, samples: &SampleLanes<L>) -> RangedRays<L> {
         let mut origin = self.near.lanes(cpu, samples.image);
         let (zero, one) = (L::splat(cpu, 0.0), L::splat(cpu, 1.0));
         let mut direction = if self.perspective { origin } else { [zero, zero, one] };
         if let Some(ThinLens { radius, focal_distance, plane, mapping }) = self.lens {
             let [u, v] = mapping.lanes(cpu, samples.lens);
-            // Not where there is none.
-            passed = L::both(passed, (u + v).less_equal(u + v));
             let (radius, near_to_focus) =
                 (L::splat(cpu, radius), L::splat(cpu, focal_distance - self.hither));
             let (mut u, mut v) = (u * radius, v * radius);
@@ -129,7 +99,7 @@ impl View for Projective {
         }
         let depth = L::splat(cpu, self.depth);
         let end = if self.perspective { depth / direction[2] } else { depth };
-        (RangedRays { origin, direction, range: [zero, end] }, passed)
+        RangedRays { origin, direction, range: [zero, end] }
     }
 }
 
@@ -160,7 +130,7 @@ mod tests {
     fn camera(projecting: Projecting, lens: Option<ThinLens>, clip: [f32; 2]) -> RayMaker {
         let placement = Placement { to_world: CameraToWorld::IDENTITY.into(), clip, shutter: [0.0, 1.0] };
         let window = ScreenWindow::of_aspect(2.0);
-        let view = Projective::new(projecting, window, RASTER, lens, clip, placement.reach());
+        let view = Projective::new(projecting, window, RASTER, lens, clip);
         let tracer = Arc::new(StockTracer::new(view, &placement));
         RayMaker::new(tracer.clone(), tracer, placement)
     }

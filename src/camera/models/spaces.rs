@@ -123,14 +123,6 @@ pub(crate) struct NearPlane {
 }
 
 impl NearPlane {
-    /// The raster x and y, without their signs, up to which camera x and y are at most `most`.
-    pub fn raster_limits(&self, most: f64) -> [f32; 2] {
-        [self.x, self.y].map(|[factor, added]| {
-            let [factor, added, inverse] = [factor, added, self.inverse].map(|part| f64::from(part).abs());
-            ((most / inverse - added) / factor).min(f32::MAX.into()) as f32
-        })
-    }
-
     /// Camera-space points of raster points, in lanes.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn lanes<L: Lanes<Scalar = f32>>(&self, cpu: Cpu<L>, [x, y]: [L; 2]) -> [L; 3] {

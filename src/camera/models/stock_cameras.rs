@@ -22,7 +22,7 @@ use crate::{
         placement::Placement,
         setup::{disk_mapping, placement, raster},
     },
-    message::{Level, Log},
+    message::{Level, Log, as_given},
     sampling::DiskMapping,
 };
 
@@ -103,7 +103,7 @@ fn projective(
     }
     let window = window(given, raster)?;
     let lens = thin_lens(given, host, hither)?;
-    let view = Projective::new(projecting, window, raster, lens, placement.clip, placement.reach());
+    let view = Projective::new(projecting, window, raster, lens, placement.clip);
     let backward = linear(projecting, window, raster, lens, placement.clip);
     Ok(StockCamera::new(view, lens.map(|lens| lens.mapping), placement, backward))
 }
@@ -173,7 +173,7 @@ fn window(given: &Parameters, raster: Raster) -> Result<ScreenWindow, ParameterE
         if x0 == x1 || y0 == y1 || window.iter().any(|side| row.check(*side).is_err()) {
             return Err(ParameterError::Range {
                 name: row.name,
-                value: format!("{x0} {x1} {y0} {y1}"),
+                value: window.map(as_given).join(" "),
                 range: format!(
                     "x from, x to, y from, y to, with some width and height, each {}",
                     row.range.in_words("")
@@ -257,7 +257,6 @@ mod tests {
             ("perspective", [("filmdiag", "35"), ("wavelength", "500")], "\"filmdiag\", \"wavelength\""),
             ("orthographic", [("fov", "60"), ("lensradius", "0")], "\"fov\""),
             ("environment", [("lensradius", "0"), ("disk", "polar")], "\"lensradius\", \"disk\""),
-            ("perspective", [("fov", "60"), ("af_zones", "zones.txt")], "\"af_zones\""),
             ("thick", [("refraction", "whitted"), ("filmdiag", "35")], "\"refraction\""),
             ("lens", [("lensradius", "1"), ("filmdiag", "35")], "\"lensradius\""),
         ] {

@@ -24,14 +24,12 @@ pub struct UnknownName {
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ParameterError {
     /// No parameter has this name.
-    #[error("no parameter is called \"{}\"; {nearest}the names are {names}", cut(name))]
+    #[error("no parameter is called \"{}\"; {known}", cut(name))]
     Unknown {
         /// The name that was given.
         name: String,
-        /// A question for the name that it was meant to be, if one is near.
-        nearest: String,
-        /// Every known name.
-        names: String,
+        /// A question for the name that it was meant to be, or every known name.
+        known: String,
     },
     /// The value is of another kind.
     #[error("parameter \"{name}\" takes {expected}, not {given}")]

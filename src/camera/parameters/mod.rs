@@ -14,6 +14,7 @@ mod zoom;
 pub use error::{CameraError, ParameterError, UnknownName};
 pub use named::{FocusBy, LensPlane, Pupil, Weighting};
 pub use range::{Interval, Range};
+pub(crate) use table::{AskedPrecision, for_each_parameter};
 pub use table::{PARAMETERS, Parameter, Parameters};
 pub(crate) use value::Written;
 pub use value::{Kind, Value};

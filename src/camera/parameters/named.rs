@@ -41,8 +41,9 @@ pub enum Weighting {
     /// A cos⁴θ'/Z²: the mean over lens samples is film irradiance for unit radiance.
     #[default]
     Radiometric,
-    /// The assignment's cos⁴/Z²: radiometric over an area that is the same for all film points. For a disk it is the
-    /// area samples are taken from; for the warped pupil, whose area varies, the paraxial exit pupil's.
+    /// The assignment's cos⁴/Z²: radiometric over an area that depends on neither film point nor film. For the rear element it
+    /// is that of its clear aperture: where a larger disk is sampled, so that no ray of the film is missed, the weight makes
+    /// up for it. For the exit pupil's disk and for the warped pupil, whose area varies, it is the paraxial exit pupil's.
     Assignment,
     /// Radiometric over its mean on the axis.
     Relative,

@@ -12,7 +12,7 @@ use super::{
 use crate::{
     camera::{model::Model, placement::shutter::Shutter},
     lens::refraction::Refraction,
-    message::nearest,
+    message::{nearest, nearest_or_all},
     plan::Precision,
     prescription::glass::VALID_WAVELENGTHS,
     sampling::DiskMapping,
@@ -105,11 +105,9 @@ const TURN: I = I::FINITE;
 const SHARE: I = I::between(0.0, 1.0);
 const ANY: I = I::between(f64::NEG_INFINITY, f64::INFINITY);
 
-/// Makes the table, the structure of values and their accessors. A row: the name, perhaps an alias, and the type,
-/// perhaps with an interval; the unit; `=` a default of that type, or `or` words for where the value comes from; the
-/// models and the help.
+/// Makes the table, the structure of values and their accessors.
 macro_rules! parameters {
-    ($($field:ident $(or $alias:literal)?: $type:tt $(in $range:ident)?, $unit:literal, $how:tt $default:literal, $models:ident, $help:literal;)*) => {
+    ({} $($field:ident $(or $alias:literal)?: $type:tt $(in $range:ident)?, $unit:tt, $how:tt $default:literal, $models:ident, $help:literal;)*) => {
         /// Every parameter, in the order in which help texts list them.
         pub const PARAMETERS: &[Parameter] = &[$(Parameter {
             name: stringify!($field),
@@ -178,47 +176,61 @@ macro_rules! parameters {
 }
 
 /// `None` stands for "auto".
-type AskedPrecision = Option<Precision>;
+pub(crate) type AskedPrecision = Option<Precision>;
 
-parameters! {
-    model: Model, "", = "lens", EVERY, "what the camera is a model of";
-    specfile or "lensfile": String, "", or "dgauss.50mm", LENSES, "lens file, or a catalogue name such as \"wide.22mm\" or \"wide.22mm@35mm\"";
-    glasscatalog: String, "", or "", LENSES, "glass catalogue (AGF) in which glasses that a lens file names are looked up first, before catalogues beside the file and the built-in glasses";
-    filmdistance: f64 in POSITIVE, "mm", or "the lens file's, or focused at `focusdistance`", LENSES, "from the last vertex to the film";
-    focusdistance: f64 in DISTANCE, "world units", or "infinity", LENSES, "from the film plane to the plane in focus, or inf, instead of `filmdistance`";
-    focusby: FocusBy, "", = "film", LENSES, "what moves to focus, the film, or the lens's own groups with the film where the lens file has it";
-    zoom: Zoom, "", or "", LENSES, "focal length of a zoom lens, a number of mm, or the name of one of its positions; without it the lens file's first";
-    aperture_diameter or "aperturediameter": f64 in POSITIVE, "mm", or "the file's", LENSES, "clear diameter of the stop";
-    fnumber: f64 in POSITIVE, "", or "", LENSES, "focal length over entrance pupil diameter, instead of `aperture_diameter`";
-    blades: f64 in BLADES, "", or "the lens file's, or 0", TRACED, "how many blades the stop has, 3 or more, whose corners lie on the circle of its clear diameter";
-    bladerotation: f64 in TURN, "degrees", or "the lens file's, or 0", TRACED, "where the first corner of the blades lies, from image right toward image up";
-    bladecurvature: f64 in SHARE, "", or "the lens file's, or 0", TRACED, "curvature of the blades' edges over that of the circle: 0 is straight, 1 the circle";
-    filmdiag: f64 in POSITIVE, "mm", = "35", LENSES, "diagonal of the film";
-    hither: f64 in NEAR, "world units", = "1e-3", EVERY, "where a ray begins, along it";
-    yon: f64 in FAR, "world units", = "1e30", EVERY, "where a ray ends, along it, from `hither` on";
-    shutteropen: f64 in TIME, "", = "0", EVERY, "time at which the shutter opens";
-    shutterclose: f64 in TIME, "", = "1", EVERY, "time at which the shutter closes; before `shutteropen`, time runs backward, as in pbrt";
-    weighting: Weighting, "", or "radiometric", LENSES, "how a ray's weight is measured";
-    simpleweighting: bool, "", or "", LENSES, "pbrt-v3's name for `weighting`, true for \"relative\" and false for \"radiometric\"";
-    pupil: Pupil, "", = "warped", TRACED, "where lens samples lie, in the true pupil of each film point, the rear element's disk, or the thick-lens exit pupil";
-    disk: DiskMapping, "", = "concentric", SAMPLED, "how lens samples map to the disk";
-    refraction: Refraction, "", = "fused", TRACED, "method of refraction";
-    wavelength: f64 in WAVELENGTH, "nm", = "587.56", LENSES, "wavelength, for lenses with V-numbers or Sellmeier's constants";
-    mmperunit: f64 in MM_PER_UNIT, "mm per world unit", = "1", LENSES, "length of a world unit";
-    precision: AskedPrecision, "", = "auto", TRACED, "what rays are traced in, double, single, or (\"auto\") double or what `tolerance` allows";
-    tolerance: f64 in PIXELS, "pixels", = "0", TRACED, "by how much 99.9 % of the rays may be off, for a faster model of the lens";
-    shutter: Shutter, "", = "global", EVERY, "what the shutter lets through, by film point and time";
-    shutterramp: f64 in LEAF_SHARE, "of the interval", = "0.25", EVERY, "share of the shutter's interval in which a leaf shutter opens, and closes";
-    shutterslit: f64 in SLIT_SHARE, "of the interval", = "0.25", EVERY, "share of the shutter's interval for which a focal-plane shutter exposes each row";
-    crop: [f64; 4] in NOT_NEGATIVE, "pixels", or "the whole picture", EVERY, "x from, y from, x to, y to of the part of the picture that the host renders, which changes no ray";
-    fov: f64 in ANGLE, "degrees", = "90", PERSPECTIVE, "angle across the shorter side of the image";
-    screenwindow: [f64; 4] in SIDE, "", or "by the aspect ratio", THIN_LENSES, "x from, x to, y from, y to of the part of the screen that becomes the image";
-    frameaspectratio: f64 in ASPECT, "", or "the image's", THIN_LENSES, "width over height of the screen window";
-    lensradius: f64 in RADIUS, "world units", = "0", THIN_LENSES, "radius of the projection's thin lens";
-    focaldistance: f64 in ANY, "world units", = "1e30", THIN_LENSES, "from the eye to the plane of focus of a lens of `lensradius`, more than `hither`";
-    lensplane: LensPlane, "", = "eye", THIN_LENSES, "where that thin lens lies, as in pbrt 1.05, or as in older versions and on the lecture's slide";
-    af_zones: String, "", or "", LENSES, "accepted from course scenes and not used, for this host offers no autofocus";
+/// Calls `$make` with `$first` and the rows of the table. From them are made: the table itself and the structure of
+/// values (here), the methods of the builder (`camera/builder.rs`), the C options (`abi/options.rs`), and by a test
+/// the options in the header, the Python package's types and README's table.
+///
+/// A row: the name, perhaps an alias, and the type, perhaps with an interval; the unit; `=` a default of that type,
+/// or `or` words for where the value comes from; the models and the help. The C options follow this order, so once a
+/// version is released, new rows go to the end.
+macro_rules! for_each_parameter {
+    ($make:ident { $($first:tt)* }) => {
+        $make! {
+            { $($first)* }
+            model: Model, "", = "lens", EVERY, "what the camera is a model of";
+            specfile or "lensfile": String, "", or "dgauss.50mm", LENSES, "lens file, or a catalogue name such as \"wide.22mm\" or \"wide.22mm@35mm\"";
+            glasscatalog: String, "", or "", LENSES, "glass catalogue (AGF) in which glasses that a lens file names are looked up first, before catalogues beside the file and the built-in glasses";
+            filmdistance: f64 in POSITIVE, "mm", or "the lens file's, or focused at `focusdistance`", LENSES, "from the last vertex to the film";
+            focusdistance: f64 in DISTANCE, "world units", or "infinity", LENSES, "from the film plane to the plane in focus, or inf, instead of `filmdistance`";
+            focusby: FocusBy, "", = "film", LENSES, "what moves to focus, the film, or the lens's own groups with the film where the lens file has it";
+            zoom: Zoom, "", or "", LENSES, "focal length of a zoom lens, a number of mm, or the name of one of its positions; without it the lens file's first";
+            aperture_diameter or "aperturediameter": f64 in POSITIVE, "mm", or "the file's", LENSES, "clear diameter of the stop";
+            fnumber: f64 in POSITIVE, "", or "", LENSES, "focal length over entrance pupil diameter, instead of `aperture_diameter`";
+            blades: f64 in BLADES, "", or "the lens file's, or 0", TRACED, "how many blades the stop has, 3 or more, whose corners lie on the circle of its clear diameter";
+            bladerotation: f64 in TURN, "degrees", or "the lens file's, or 0", TRACED, "where the first corner of the blades lies, from image right toward image up";
+            bladecurvature: f64 in SHARE, "", or "the lens file's, or 0", TRACED, "curvature of the blades' edges over that of the circle: 0 is straight, 1 the circle";
+            filmdiag: f64 in POSITIVE, "mm", = "35", LENSES, "diagonal of the film";
+            hither: f64 in NEAR, "world units", = "1e-3", EVERY, "where a ray begins, along it";
+            yon: f64 in FAR, "world units", = "1e30", EVERY, "where a ray ends, along it, from `hither` on";
+            shutteropen: f64 in TIME, "", = "0", EVERY, "time at which the shutter opens";
+            shutterclose: f64 in TIME, "", = "1", EVERY, "time at which the shutter closes; before `shutteropen`, time runs backward, as in pbrt";
+            weighting: Weighting, "", or "radiometric", LENSES, "how a ray's weight is measured";
+            simpleweighting: bool, "", or "", LENSES, "pbrt-v3's name for `weighting`, true for \"relative\" and false for \"radiometric\"";
+            pupil: Pupil, "", = "warped", TRACED, "where lens samples lie, in the true pupil of each film point, the rear element's disk, or the thick-lens exit pupil";
+            disk: DiskMapping, "", = "concentric", SAMPLED, "how lens samples map to the disk";
+            refraction: Refraction, "", = "fused", TRACED, "method of refraction";
+            wavelength: f64 in WAVELENGTH, "nm", or "the lens file's, or 587.56", LENSES, "wavelength, for lenses with V-numbers or dispersion formulas, below 300 only with glasses whose data reach there";
+            mmperunit: f64 in MM_PER_UNIT, "mm per world unit", = "1", LENSES, "length of a world unit";
+            precision: AskedPrecision, "", = "auto", TRACED, "what rays are traced in, double, single, or (\"auto\") double or what `tolerance` allows";
+            tolerance: f64 in PIXELS, "pixels", = "0", TRACED, "by how much 99.9 % of the rays may be off, for a faster model of the lens";
+            shutter: Shutter, "", = "global", EVERY, "what the shutter lets through, by film point and time";
+            shutterramp: f64 in LEAF_SHARE, "of the interval", or "0.25", EVERY, "share of the shutter's interval in which a leaf shutter opens, and closes";
+            shutterslit: f64 in SLIT_SHARE, "of the interval", or "0.25", EVERY, "share of the shutter's interval for which a focal-plane shutter exposes each row";
+            crop: [f64; 4] in NOT_NEGATIVE, "pixels", or "the whole picture", EVERY, "x from, y from, x to, y to of the part of the picture that the host renders, which changes no ray: whole numbers, the last two one past the last pixel";
+            fov: f64 in ANGLE, "degrees", = "90", PERSPECTIVE, "angle across the shorter side of the image";
+            screenwindow: [f64; 4] in SIDE, "", or "by the aspect ratio", THIN_LENSES, "x from, x to, y from, y to of the part of the screen that becomes the image";
+            frameaspectratio: f64 in ASPECT, "", or "the image's", THIN_LENSES, "width over height of the screen window";
+            lensradius: f64 in RADIUS, "world units", = "0", THIN_LENSES, "radius of the projection's thin lens";
+            focaldistance: f64 in ANY, "world units", = "1e30", THIN_LENSES, "from the eye to the plane of focus of a lens of `lensradius`, more than `hither`";
+            lensplane: LensPlane, "", = "eye", THIN_LENSES, "where that thin lens lies, as in pbrt 1.05, or as in older versions and on the lecture's slide";
+        }
+    };
 }
+pub(crate) use for_each_parameter;
+
+for_each_parameter! { parameters {} }
 
 impl Parameters {
     /// The table's row for a name or an alias.
@@ -248,9 +260,20 @@ impl Parameters {
         }
     }
 
+    /// Every name and alias.
+    fn names() -> impl Iterator<Item = &'static str> {
+        PARAMETERS.iter().flat_map(|row| std::iter::once(row.name).chain(row.alias))
+    }
+
     /// The name or alias that a misspelt one was meant to be, if one is near.
     pub fn nearest(name: &str) -> Option<&'static str> {
-        nearest(name, PARAMETERS.iter().flat_map(|row| std::iter::once(row.name).chain(row.alias)))
+        nearest(name, Self::names())
+    }
+
+    /// The error of a name that no parameter has.
+    pub(crate) fn unknown(name: &str) -> ParameterError {
+        let known = nearest_or_all(name, &Self::names().collect::<Vec<_>>());
+        ParameterError::Unknown { name: name.to_owned(), known }
     }
 
     /// Sets one parameter by name or alias.
@@ -259,12 +282,7 @@ impl Parameters {
     /// The name is unknown, the value is of another kind, NaN or a name that there is not, or the parameter
     /// was given already under its other name. Given again under the same name, the last one counts.
     pub fn set(&mut self, name: &str, value: Value<'_>) -> Result<(), ParameterError> {
-        let row = Self::find(name).ok_or_else(|| ParameterError::Unknown {
-            name: name.to_owned(),
-            nearest: Self::nearest(name)
-                .map_or_else(String::new, |name| format!("did you mean \"{name}\"? ")),
-            names: PARAMETERS.iter().map(|row| row.name).collect::<Vec<_>>().join(", "),
-        })?;
+        let row = Self::find(name).ok_or_else(|| Self::unknown(name))?;
         if let Some(alias) = row.alias
             && self.is_set(row.name)
             && self.by_alias.contains(&row.name) != (name == alias)
@@ -322,16 +340,13 @@ mod tests {
             unset.yon(),
             unset.shutteropen(),
             unset.shutterclose(),
-            unset.wavelength(),
             unset.mmperunit(),
             unset.tolerance(),
-            unset.shutterramp(),
-            unset.shutterslit(),
             unset.fov(),
             unset.lensradius(),
             unset.focaldistance(),
         ];
-        let expected = [35.0, 1e-3, 1e30, 0.0, 1.0, 587.56, 1.0, 0.0, 0.25, 0.25, 90.0, 0.0, 1e30];
+        let expected = [35.0, 1e-3, 1e30, 0.0, 1.0, 1.0, 0.0, 90.0, 0.0, 1e30];
         assert_eq!(numbers.map(|number| number.expect("in range")), expected);
         assert_eq!((unset.model(), unset.pupil(), unset.precision()), (Model::Lens, Pupil::Warped, None));
     }

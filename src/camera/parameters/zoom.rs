@@ -15,22 +15,29 @@ pub enum Zoom {
     Position(String),
 }
 
-/// Of a text, what reads as a finite number, with or without "mm" behind it, is a focal length; anything else is a name.
+/// A number is a focal length. Of a text, what reads as a finite number, with or without "mm" behind it, is one; anything
+/// else is a name.
 impl Setting for Zoom {
     const KIND: Kind = Kind::Text;
 
     fn of(name: &'static str, value: Value<'_>) -> Result<Self, ParameterError> {
-        let Value::Text(text) = value else { return Err(value.refused(name, Self::KIND)) };
-        let text = text.trim();
-        let number = text.strip_suffix("mm").unwrap_or(text).trim_end().parse();
-        match number.ok().filter(|number: &f64| number.is_finite()) {
-            Some(number) if number > 0.0 => Ok(Self::FocalLength(number)),
-            Some(number) => {
-                let range = "a positive focal length in mm, or the name of a position";
-                Err(ParameterError::out_of_range(name, number, range))
+        let number = match value {
+            Value::Text(text) => {
+                let text = text.trim();
+                let number = text.strip_suffix("mm").unwrap_or(text).trim_end().parse();
+                match number.ok().filter(|number: &f64| number.is_finite()) {
+                    Some(number) => number,
+                    None => return Ok(Self::Position(text.to_owned())),
+                }
             }
-            None => Ok(Self::Position(text.to_owned())),
+            Value::Float(number) => number,
+            other => return Err(other.refused(name, Self::KIND)),
+        };
+        if number > 0.0 && number.is_finite() {
+            return Ok(Self::FocalLength(number));
         }
+        let range = "a positive focal length in mm, or the name of a position";
+        Err(ParameterError::out_of_range(name, number, range))
     }
 }
 
@@ -75,6 +82,10 @@ mod tests {
         for text in ["35", "0.1", "150.25", "wide"] {
             assert_eq!(zoom(text).expect("a zoom").written(), text);
         }
-        assert!(Zoom::of("zoom", Value::Float(35.0)).is_err());
+        assert_eq!(Zoom::of("zoom", Value::Float(35.0)), Ok(Zoom::FocalLength(35.0)));
+        for number in [0.0, -35.0, f64::INFINITY] {
+            assert!(Zoom::of("zoom", Value::Float(number)).is_err(), "{number}");
+        }
+        assert!(Zoom::of("zoom", Value::Bool(true)).is_err());
     }
 }

@@ -5,7 +5,13 @@
 
 use std::{array, slice};
 
-use crate::camera::ray::{Sample, WorldRay};
+use crate::{
+    camera::ray::{Sample, WorldRay},
+    trace::{
+        Real,
+        kernel::{Cpu, Lanes},
+    },
+};
 
 /// Samples that are copied into arrays at once: few enough for the first cache, and a whole number of times three of
 /// any vectors.
@@ -31,6 +37,46 @@ pub(crate) trait RayStore {
     fn array(&mut self, number: usize) -> &mut [f32];
     /// Where rays begin and end, where that is asked for.
     fn range(&mut self) -> [Option<&mut [f32]>; 2];
+    /// Writes a vector of rays from the place `at` on: the last step of all lanes, of whatever model. A ray that is none,
+    /// by `passed` or by its numbers ([`WorldRay::is_sound`]), has weight 0, and nothing else of it is written. `range`
+    /// where each ray has its own.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn store<L: Lanes>(
+        &mut self,
+        cpu: Cpu<L>,
+        at: usize,
+        [origin, direction]: [[L; 3]; 2],
+        range: Option<[L; 2]>,
+        weight: L,
+        passed: L::Mask,
+    ) {
+        let most = L::splat(cpu, L::Scalar::from_f64(f32::MAX.into()));
+        let [u, v, w] = direction;
+        let square = w.mul_add(w, v.mul_add(v, u * u));
+        let off = (square - L::splat(cpu, L::Scalar::ONE)).abs();
+        let is_unit = off.less(L::splat(cpu, L::Scalar::from_f64(WorldRay::UNIT.into())));
+        let [x, y, z] = origin;
+        let is_finite = (x.abs() + y.abs() + z.abs()).less_equal(most);
+        let mut passed = L::both(passed, L::both(is_unit, is_finite));
+        if let Some([first, last]) = range {
+            // In this order an end that is no number stays that.
+            passed = L::both(passed, first.less_equal(most.smaller(last)));
+        }
+        weight.or_zero(passed).store_single(&mut self.array(6)[at..]);
+        for axis in 0..3 {
+            put(origin[axis], passed, &mut self.array(axis)[at..]);
+            put(direction[axis], passed, &mut self.array(3 + axis)[at..]);
+        }
+        if let Some([first, last]) = range {
+            let [to_first, to_last] = self.range();
+            if let Some(to_first) = to_first {
+                put(first, passed, &mut to_first[at..]);
+            }
+            if let Some(to_last) = to_last {
+                put(last, passed, &mut to_last[at..]);
+            }
+        }
+    }
     /// Copies origin, direction and weight of a ray from another store, where it has just been written, number by number
     /// (a wider load would wait for it); of none, the weight 0 alone.
     #[inline(always)]
@@ -52,6 +98,16 @@ pub(crate) trait RayStore {
             }
         }
         self.array(6)[i] = ray.map_or(0.0, |(_, weight)| weight);
+    }
+}
+
+/// Writes the numbers of rays.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn put<L: Lanes>(numbers: L, passed: L::Mask, to: &mut [f32]) {
+    if L::all(passed) {
+        numbers.store_single(to);
+    } else {
+        numbers.store_single_where(passed, to);
     }
 }
 

@@ -29,22 +29,18 @@ struct IdealLens {
     height: [f32; 2],
     /// Slope from height (1/mm), and from slope.
     slope: [f32; 2],
-    /// The square of the distance from the axis up to which the origin of a ray is a number to a host, mm².
-    most: f32,
 }
 
 impl IdealTracer {
     pub fn new(lens: &FirstOrder, body: &CameraBody) -> Self {
         let film_z = body.film_side.z;
         let [height, slope] = lens.from_film(film_z);
-        let reach = (body.placement.reach() / body.units_per_mm).min(f32::MAX.sqrt().into());
         Self {
             body: body.lane_body(),
             lens: IdealLens {
                 film_z,
                 height: height.map(|number| number as f32),
                 slope: slope.map(|number| number as f32),
-                most: (reach * reach) as f32,
             },
             simd: Available::best(),
         }
@@ -85,10 +81,7 @@ impl IdealLens {
         let (sx, sy) = (x.mul_add(c, sx * d), y.mul_add(c, sy * d));
         let one = L::splat(cpu, 1.0);
         let norm = one / sy.mul_add(sy, sx.mul_add(sx, one)).sqrt();
-        // What is no number is not less, either. Slopes whose squares are none leave no direction.
-        let far = origin[1].mul_add(origin[1], origin[0] * origin[0]);
-        let passed = L::both(far.less_equal(L::splat(cpu, self.most)), L::splat(cpu, 0.0).less(norm));
-        (End { origin, direction: [sx * norm, sy * norm, norm], passed }, cos2)
+        (End { origin, direction: [sx * norm, sy * norm, norm], passed: one.less_equal(one) }, cos2)
     }
 }
 

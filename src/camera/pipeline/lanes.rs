@@ -216,19 +216,7 @@ impl<S: Turns, I: SampleStore, R: RayStore> Batch<S> for Job<'_, S, I, R> {
             None => L::splat(cpu, S::ONE),
         };
         let passed = L::both(passed, weight.less_equal(L::splat(cpu, S::from_f64(f32::MAX.into()))));
-        let [origin, direction] =
-            self.body.to_world.lanes(cpu, end.origin, end.direction, &self.samples.array(4)[at..]);
-        weight.or_zero(passed).store_single(&mut self.rays.array(6)[at..]);
-        if L::all(passed) {
-            for axis in 0..3 {
-                origin[axis].store_single(&mut self.rays.array(axis)[at..]);
-                direction[axis].store_single(&mut self.rays.array(3 + axis)[at..]);
-            }
-        } else {
-            for axis in 0..3 {
-                origin[axis].store_single_where(passed, &mut self.rays.array(axis)[at..]);
-                direction[axis].store_single_where(passed, &mut self.rays.array(3 + axis)[at..]);
-            }
-        }
+        let placed = self.body.to_world.lanes(cpu, end.origin, end.direction, &self.samples.array(4)[at..]);
+        self.rays.store(cpu, at, placed, None, weight, passed);
     }
 }

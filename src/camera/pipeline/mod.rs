@@ -6,6 +6,7 @@ pub(crate) mod compile;
 pub(crate) mod film_sampling;
 pub(crate) mod ideal;
 mod lanes;
+pub(crate) mod on_demand;
 pub(crate) mod ray_maker;
 pub(crate) mod spectral;
 pub(crate) mod stock;

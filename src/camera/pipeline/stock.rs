@@ -1,6 +1,4 @@
 //! Cameras without a prescription in lanes of single precision, from samples to world rays of weight 1.
-//!
-//! Which samples make a ray is seen from the samples alone, so that a host that asks for the weight waits for no ray.
 
 use super::{
     arrays::{OneRay, RayArrays, RayBlock, RayStore, SampleArrays, SampleBlock, SampleStore},
@@ -17,12 +15,8 @@ use crate::{
 
 /// What makes a camera-space ray, in world units and with a unit direction, of a sample.
 pub(crate) trait View: Send + Sync {
-    /// In lanes, with the mask of samples that make a ray whose numbers are finite in the world, too.
-    fn lanes<L: Lanes<Scalar = f32>>(
-        &self,
-        cpu: Cpu<L>,
-        samples: &SampleLanes<L>,
-    ) -> (RangedRays<L>, L::Mask);
+    /// In lanes. Where a sample makes no ray, or one beyond single precision, the numbers are no ray's.
+    fn lanes<L: Lanes<Scalar = f32>>(&self, cpu: Cpu<L>, samples: &SampleLanes<L>) -> RangedRays<L>;
 }
 
 /// A camera with a view.
@@ -73,30 +67,11 @@ impl<V: View, I: SampleStore, R: RayStore> Job<'_, V, I, R> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn vector<L: Lanes<Scalar = f32>>(&mut self, cpu: Cpu<L>, at: usize) {
         let StockTracer { view, to_world, .. } = self.camera;
-        let (rays, passed) = view.lanes(cpu, &SampleLanes::load(cpu, self.samples, at));
+        let rays = view.lanes(cpu, &SampleLanes::load(cpu, self.samples, at));
         let RangedRays { origin, direction, range } = to_world.lanes(cpu, rays, &self.samples.array(4)[at..]);
-        L::splat(cpu, 1.0).or_zero(passed).store_single(&mut self.rays.array(6)[at..]);
-        for axis in 0..3 {
-            put(origin[axis], passed, &mut self.rays.array(axis)[at..]);
-            put(direction[axis], passed, &mut self.rays.array(3 + axis)[at..]);
-        }
-        let [first, last] = self.rays.range();
-        if let Some(first) = first {
-            put(range[0], passed, &mut first[at..]);
-        }
-        if let Some(last) = last {
-            put(range[1], passed, &mut last[at..]);
-        }
-    }
-}
-
-/// Writes the numbers of rays.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn put<L: Lanes<Scalar = f32>>(numbers: L, passed: L::Mask, to: &mut [f32]) {
-    if L::all(passed) {
-        numbers.store_single(to);
-    } else {
-        numbers.store_single_where(passed, to);
+        let weight = L::splat(cpu, 1.0);
+        let all = weight.less_equal(weight);
+        self.rays.store(cpu, at, [origin, direction], Some(range), weight, all);
     }
 }
 

@@ -69,19 +69,6 @@ impl CameraMotion {
         Ok(Self::Moving(Box::new(Moving { ends: [from, to], parts, start, duration })))
     }
 
-    /// At least the largest entry, without its sign, of the matrix without the move at any time.
-    pub(crate) fn largest_entry(&self) -> f64 {
-        let largest =
-            |matrix: DMat3| matrix.to_cols_array().iter().fold(0.0_f64, |most, entry| most.max(entry.abs()));
-        match self {
-            Self::Still(to_world) => largest(to_world.linear()),
-            // Entries of a rotation are at most 1, and rows have three.
-            Self::Moving(moving) => {
-                moving.parts.iter().map(|parts| 3.0 * largest(parts.stretch)).fold(0.0, f64::max)
-            }
-        }
-    }
-
     /// The transform at a time.
     pub fn at(&self, time: f32) -> Cow<'_, CameraToWorld> {
         let moving = match self {

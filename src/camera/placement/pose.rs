@@ -42,13 +42,6 @@ impl Placement {
         self.world_ray(Ray { origin: [0.0; 3], direction: [0.0, 0.0, 1.0] }, 1.0, time_number)
     }
 
-    /// How far from camera space's origin a point may lie, world units, for its place in the world to be a finite number in
-    /// single precision.
-    pub fn reach(&self) -> f64 {
-        // In any direction, and added to the origin's coordinates, which are no larger than matrices' other entries.
-        1e37 / self.to_world.largest_entry().max(1.0)
-    }
-
     /// Adds what is kept and left out of time and the place in the world to a plan.
     pub(crate) fn describe(&self, plan: &mut Plan) {
         let [open, close] = self.shutter;

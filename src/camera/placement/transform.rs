@@ -9,14 +9,14 @@ pub enum TransformError {
     /// An entry is NaN or infinite.
     #[error("has an entry that is not finite")]
     NotFinite,
-    /// The last row is another than 0 0 0 1.
+    /// The last row is another than 0 0 0 1, and rounding does not explain it.
     #[error("is not affine: its last row must be 0 0 0 1")]
     NotAffine,
     /// An entry is so large that what the matrix makes could leave single precision.
     #[error("has an entry above 1e15, which leaves single precision no room: scale the world")]
     TooLarge,
     /// One axis is stretched so much more than another that little is left of that one.
-    #[error("is all but singular: it stretches one axis more than 1e15 times another")]
+    #[error("is nearly singular: it stretches one axis more than 1e15 times as much as another")]
     NearlySingular,
     /// It has no inverse.
     #[error("is singular: it flattens space")]
@@ -51,29 +51,62 @@ const RIGID_SINGLE: f64 = 5e-7;
 const LARGEST: f64 = 1e15;
 /// By how much one axis may be stretched more than another.
 const FLATTEST: f64 = 1e15;
+/// How far the last row may be from 0 0 0 1, by [`last_row_error`]. Inverted in single precision by Gauss-Jordan with full
+/// pivoting, an affine matrix keeps it to 4 roundings (2.4e-7) where all axes are stretched alike, and to 2e-6 where one is
+/// stretched 1000 times as much as another.
+const AFFINE: f64 = 1e-5;
 
 impl CameraToWorld {
     /// Camera space as it is.
     pub const IDENTITY: Self =
         Self { linear: DMat3::IDENTITY, origin: DVec3::ZERO, is_identity: true, is_rigid: true };
 
-    /// From a row-major 4x4 matrix for column vectors. Mirrored and scaled ones are fine.
+    /// From a row-major 4x4 matrix for column vectors. Mirrored and scaled ones are fine. A last row within rounding of
+    /// 0 0 0 1, which a single-precision inverse has, is 0 0 0 1.
     ///
     /// # Errors
     /// What keeps the matrix from being an invertible affine transform with room in single precision.
     pub fn from_rows(m: &[f32; 16]) -> Result<Self, TransformError> {
-        let m = m.map(f64::from);
         if m.iter().any(|entry| !entry.is_finite()) {
             return Err(TransformError::NotFinite);
         }
-        if m[12..] != [0.0, 0.0, 0.0, 1.0] {
+        if last_row_error(m) > AFFINE {
             return Err(TransformError::NotAffine);
         }
-        if m.iter().any(|entry| entry.abs() > LARGEST) {
+        let (linear, origin) = affine_parts(m);
+        Self::checked(linear, origin)
+    }
+
+    /// From a matrix with its inverse, world space to camera space, each as [`CameraToWorld::from_rows`] takes it, of which
+    /// the caller computed one from the other in single precision and does not say which.
+    ///
+    /// The one whose last row is nearer to 0 0 0 1 has lost less to rounding. If that is the inverse, it is inverted anew, in
+    /// double precision; if both are alike, the matrix is taken as it is, bit by bit.
+    ///
+    /// # Errors
+    /// As [`CameraToWorld::from_rows`].
+    #[cfg_attr(not(realistic_shim), expect(dead_code, reason = "only a pbrt-v1 host gives both"))]
+    pub(crate) fn from_rows_and_inverse(
+        matrix: &[f32; 16],
+        inverse: &[f32; 16],
+    ) -> Result<Self, TransformError> {
+        if last_row_error(matrix) <= last_row_error(inverse) {
+            return Self::from_rows(matrix);
+        }
+        let to_camera = Self::from_rows(inverse)?;
+        let linear = to_camera.linear.inverse();
+        Self::checked(linear, -(linear * to_camera.origin))
+    }
+
+    /// A matrix and where it takes the origin.
+    ///
+    /// # Errors
+    /// It is not invertible, or leaves no room in single precision.
+    fn checked(linear: DMat3, origin: DVec3) -> Result<Self, TransformError> {
+        let entries = linear.to_cols_array().into_iter().chain(origin.to_array());
+        if entries.fold(0.0, |most, entry| entry.abs().max(most)) > LARGEST {
             return Err(TransformError::TooLarge);
         }
-        let linear = DMat3::from_cols_array(&[m[0], m[4], m[8], m[1], m[5], m[9], m[2], m[6], m[10]]);
-        let origin = DVec3::new(m[3], m[7], m[11]);
         let lengths = linear.to_cols_array_2d().map(|column| DVec3::from(column).length());
         let [shortest, longest] = [f64::min, f64::max].map(|pick| lengths.into_iter().reduce(pick));
         if longest > shortest.map(|length| length * FLATTEST) {
@@ -154,6 +187,23 @@ impl CameraToWorld {
     }
 }
 
+/// The matrix without its move, and the move, of an affine one.
+fn affine_parts(m: &[f32; 16]) -> (DMat3, DVec3) {
+    let m = m.map(f64::from);
+    let linear = DMat3::from_cols_array(&[m[0], m[4], m[8], m[1], m[5], m[9], m[2], m[6], m[10]]);
+    (linear, DVec3::new(m[3], m[7], m[11]))
+}
+
+/// How far the last row is from 0 0 0 1, as a share of what stands above it: what leaving the row out changes of points that
+/// are as far from camera space's origin as that is from world space's, or one unit where that is less.
+fn last_row_error(m: &[f32; 16]) -> f64 {
+    let (linear, origin) = affine_parts(m);
+    let [x, y, z, w] = [m[12], m[13], m[14], m[15]].map(f64::from);
+    let largest = linear.to_cols_array().into_iter().fold(0.0_f64, |most, entry| entry.abs().max(most));
+    let away = (origin.abs().max_element() / largest).max(1.0);
+    (w - 1.0).abs().max(DVec3::new(x, y, z).abs().max_element() * away)
+}
+
 fn to_rows(linear: DMat3, origin: DVec3) -> [f32; 16] {
     std::array::from_fn(|i| match (i / 4, i % 4) {
         (3, column) => f32::from(u8::from(column == 3)),
@@ -194,8 +244,49 @@ mod tests {
         assert!(with(12, 1.0).expect_err("projective").to_string().contains("last row"));
         assert!(with(5, 0.0).expect_err("flat").to_string().contains("singular"));
         assert!(with(5, 1e-12).is_ok());
-        assert!(with(5, 1e-16).expect_err("all but flat").to_string().contains("singular"));
+        assert!(with(5, 1e-16).expect_err("nearly flat").to_string().contains("nearly singular"));
         assert!(with(3, 1e16).expect_err("far away").to_string().contains("above 1e15"));
         assert_eq!(with(0, 1.0), Ok(CameraToWorld::IDENTITY));
+    }
+
+    #[test]
+    fn a_last_row_within_rounding_is_that_of_an_affine_transform() {
+        // The last row's third entry, its fourth, and how far from world space's origin the camera stands.
+        let with = |third: f32, fourth: f32, away: f32| {
+            let mut rows = MATRIX;
+            [rows[3], rows[14], rows[15]] = [2.0 * away, third, fourth];
+            CameraToWorld::from_rows(&rows).map(|transform| transform.rows()[12..].to_vec())
+        };
+        let affine = Ok(vec![0.0, 0.0, 0.0, 1.0]);
+        let projective = Err(TransformError::NotAffine);
+        assert_eq!(with(-7e-9, 1.0 - f32::EPSILON, 10.0), affine);
+        assert_eq!(with(1e-6, 1.0, 0.0), affine);
+        assert_eq!(with(1e-11, 1.0, 1e5), affine);
+        assert_eq!(with(1e-9, 1.0, 1e5), projective);
+        assert_eq!(with(1e-4, 1.0, 0.0), projective);
+        assert_eq!(with(0.0, 1.001, 0.0), projective);
+        assert_eq!(with(1.0, 0.0, 0.0), projective);
+    }
+
+    #[test]
+    fn of_a_matrix_and_its_inverse_the_one_that_rounding_spared_is_taken() {
+        let both = |matrix, inverse| CameraToWorld::from_rows_and_inverse(&matrix, &inverse);
+        let exact = CameraToWorld::from_rows(&MATRIX).expect("affine");
+        // Each is recognisable by an entry that the other has not.
+        let inverse = |x: f32, third: f32| {
+            let mut rows = exact.inverse_rows();
+            [rows[3], rows[14]] = [x, third];
+            rows
+        };
+        let mut rounded = MATRIX;
+        rounded[14] = 1e-8;
+        assert_eq!(both(MATRIX, inverse(2.0, 0.0)), Ok(exact));
+        assert_eq!(both(MATRIX, inverse(2.0, 1e-8)), Ok(exact));
+        assert_eq!(both(rounded, inverse(2.0, 1e-7)), Ok(exact));
+        let inverted = both(rounded, inverse(2.0, 0.0)).expect("affine");
+        assert_eq!(inverted.origin(), DVec3::new(4.0, 6.0, 7.0));
+        let mut projective = MATRIX;
+        projective[14] = 0.1;
+        assert_eq!(both(projective, inverse(2.0, -0.1)), Err(TransformError::NotAffine));
     }
 }

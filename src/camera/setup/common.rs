@@ -8,15 +8,22 @@ use crate::{
         parameters::{CameraError, ParameterError, Parameters},
         placement::{Placement, shutter::Shutter},
     },
+    message::as_given,
     sampling::DiskMapping,
 };
 
-/// The shutter, with its share of the interval where one is given.
+/// The shutter, with its share of the interval: the parameter's where it is given, else the shutter's own.
 pub(crate) fn shutter(given: &Parameters) -> Result<Shutter, ParameterError> {
+    let share = |name, given: Option<f64>, own: f32| match given {
+        Some(share) => Ok(share as f32),
+        None => Parameters::row(name).check(own.into()).map(|share| share as f32),
+    };
     Ok(match given.shutter() {
         Shutter::Global => Shutter::Global,
-        Shutter::Leaf { .. } => Shutter::Leaf { ramp: given.shutterramp()? as f32 },
-        Shutter::FocalPlane { .. } => Shutter::FocalPlane { slit: given.shutterslit()? as f32 },
+        Shutter::Leaf { ramp } => Shutter::Leaf { ramp: share("shutterramp", given.shutterramp()?, ramp)? },
+        Shutter::FocalPlane { slit } => {
+            Shutter::FocalPlane { slit: share("shutterslit", given.shutterslit()?, slit)? }
+        }
     })
 }
 
@@ -37,7 +44,7 @@ pub(crate) fn placement(
     host: &Host,
 ) -> Result<Placement, CameraError> {
     if yon < hither {
-        let range = format!("at least \"hither\", which is {hither}");
+        let range = format!("at least \"hither\", which is {}", as_given(hither));
         return Err(ParameterError::out_of_range("yon", yon, &range).into());
     }
     // In either order, as pbrt's stock cameras take them: time then runs backward.

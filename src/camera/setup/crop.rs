@@ -3,9 +3,12 @@
 //! It is for hosts alone. Film, plan, pupil and weights are those of the whole picture, and samples keep its raster
 //! coordinates, so that a ray has the same bits whatever the crop.
 
-use crate::camera::{
-    film::Raster,
-    parameters::{ParameterError, Parameters},
+use crate::{
+    camera::{
+        film::Raster,
+        parameters::{ParameterError, Parameters},
+    },
+    message::as_given,
 };
 
 /// Pixels of a picture: columns from `from[0]` to before `to[0]`, rows from `from[1]` to before `to[1]`.
@@ -31,7 +34,7 @@ impl Crop {
         if !are_pixels || !within(x0, x1, xres) || !within(y0, y1, yres) {
             return Err(ParameterError::Range {
                 name: Parameters::row("crop").name,
-                value: format!("{x0},{y0},{x1},{y1}"),
+                value: sides.map(as_given).join(","),
                 range: format!(
                     "x from, y from, x to, y to in whole pixels of the {xres} x {yres} picture, with some width and \
                      height: 0 <= x from < x to <= {xres} and 0 <= y from < y to <= {yres}"
@@ -73,8 +76,9 @@ mod tests {
             [0.0, 0.0, 1e300, 32.0],
         ] {
             let message = crop(bad).expect_err("no part of the picture");
-            let [x0, y0, x1, y1] = bad;
-            for words in [&format!("\"crop\" is {x0},{y0},{x1},{y1};"), "48 x 32", "y to <= 32"] {
+            let given = bad.map(as_given).join(",");
+            assert!(given.len() < 30, "{given}");
+            for words in [&format!("\"crop\" is {given};"), "48 x 32", "y to <= 32"] {
                 assert!(message.contains(words), "{bad:?}: {message}");
             }
         }

@@ -1,4 +1,5 @@
-//! A look through a camera that was just built, before a host renders with it for hours: whether any ray gets through.
+//! A look through a camera that was just built, before a host renders with it for hours: whether any ray gets through,
+//! and to more than a small part of the film.
 
 use std::fmt::Write;
 
@@ -11,7 +12,10 @@ use crate::{
             ray_maker::RayMaker,
         },
         ray::{Outcome, Sample},
+        setup::facts::Facts,
     },
+    imaging::field::Field,
+    message::short,
     numeric::quasirandom::STEPS,
     trace::Blocked,
 };
@@ -23,9 +27,11 @@ const BLOCK: usize = 64;
 const ASKED: usize = 256;
 
 /// Warns where no sample of many, evenly over picture and pupil, makes a ray, and says what becomes of some by `why_none`.
+/// Where few do, warns if most of the film of a lens, which `facts` describe, is dark.
 pub(crate) fn warn_of_darkness(
     raster: Raster,
     rays: &RayMaker,
+    facts: Option<&Facts>,
     why_none: impl Fn(&Sample) -> Outcome,
     log: Log<'_>,
 ) {
@@ -46,7 +52,12 @@ pub(crate) fn warn_of_darkness(
             samples.set(i, &sample(first + i));
         }
         rays.many(&samples.arrays(BLOCK), &mut found.arrays(BLOCK));
-        if (0..BLOCK).any(|i| found.weight(i) > 0.0) {
+        let passed = (0..BLOCK).filter(|&i| found.weight(i) > 0.0).count();
+        if passed > 0 {
+            // Most samples of a film that is lit get through, unless the pupil is sampled wastefully.
+            if let Some(facts) = facts.filter(|_| 2 * passed < BLOCK) {
+                warn_of_dark_film(facts, sample, log);
+            }
             return;
         }
     }
@@ -71,4 +82,26 @@ pub(crate) fn warn_of_darkness(
         let _ = write!(text, ", {count} {fate}");
     }
     log(Level::Warning, &(text + "; check the lens's diameters, the stop and \"filmdistance\""));
+}
+
+/// Warns where light reaches less than half of the film, by film points of samples evenly over the picture.
+fn warn_of_dark_film(facts: &Facts, sample: impl Fn(usize) -> Sample, log: Log<'_>) {
+    let film = &facts.film;
+    let corner = 0.5 * film.diagonal();
+    let Some(lit) = Field::new(&facts.lens, facts.film_z()).lit_radius(corner) else { return };
+    let is_lit = |number: &usize| {
+        let Sample { image_x, image_y, .. } = sample(*number);
+        let [x, y] = film.point(image_x.into(), image_y.into());
+        x.hypot(y) <= lit
+    };
+    if 2 * (0..ASKED).filter(is_lit).count() < ASKED {
+        let text = format!(
+            "most of the film is dark: light reaches it up to {} mm from the axis, and its corners lie {} mm away; for a \
+             picture without a black border give \"filmdiag\" {} mm or less",
+            short(lit),
+            short(corner),
+            short(2.0 * lit)
+        );
+        log(Level::Warning, &text);
+    }
 }

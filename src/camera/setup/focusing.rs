@@ -1,5 +1,6 @@
 //! Where the film stands: at the distance that is given, or where it focuses a plane.
 
+use super::facts::Facts;
 use crate::{
     camera::parameters::CameraError,
     imaging::focus::{Focus, FocusError},
@@ -69,6 +70,47 @@ pub(super) fn place_film(
         Focusing::Paraxial => paraxial_film_distance(&lens.name, &first_order.clone()?, &focus, object)?,
     };
     Ok((film_distance, Some(object)))
+}
+
+/// Shares of the film's diagonal that a point may be blurred to where a film is put by hand: some ten circles of confusion.
+const MOST_DEFOCUS: f64 = 0.01;
+
+/// Warns of film so near to the lens, or so far from it, that nothing in front of the lens can be in focus.
+pub(super) fn warn_of_blurred_film(facts: &Facts, log: Log<'_>) {
+    let in_focus = facts.focus_distance;
+    if in_focus.is_some_and(f64::is_finite) {
+        return;
+    }
+    // Lenses that cannot focus take pictures all the same.
+    let Ok((focus, infinity)) =
+        facts.focus().and_then(|focus| focus.film_distance(f64::INFINITY).map(|infinity| (focus, infinity)))
+    else {
+        return;
+    };
+    let (distance, diagonal) = (facts.film_distance, facts.film.diagonal());
+    let why = match in_focus {
+        Some(_) => {
+            let blur = (infinity - distance) / facts.fnumber();
+            if blur <= MOST_DEFOCUS * diagonal {
+                return;
+            }
+            let [blur, diagonal] = [blur, diagonal].map(short);
+            format!("even infinity is blurred to {blur} mm on a film of {diagonal} mm")
+        }
+        None => "what would be lies in the lens".to_owned(),
+    };
+    let nearest = focus.nearest();
+    log(
+        Level::Warning,
+        &format!(
+            "with \"filmdistance\" {} mm nothing can be in focus: {why}; infinity needs {} mm, and the nearest plane in focus, \
+             {} mm from the film, {} mm (\"filmdistance\" is in mm whatever the world's units are)",
+            short(distance),
+            short(infinity),
+            short(nearest.object_distance),
+            short(nearest.film_distance)
+        ),
+    );
 }
 
 /// Warns of a lens of several elements that images the axis as badly as none is designed to: its description is wrong.

@@ -72,7 +72,7 @@ fn travel(
     };
     // The film of a lens stands where it does, whatever the light.
     let image = |prescription: &Prescription, vergence: f64| {
-        let image = Image::of(OpenLens::new(Lens::at_d_line(prescription)), focusing).ok()?;
+        let image = Image::of(OpenLens::new(Lens::at_own_wavelength(prescription)), focusing).ok()?;
         Some(image.distance(vergence)).filter(|distance| distance.is_finite())
     };
     let travel = match (&groups, &given.zoom) {

@@ -4,7 +4,7 @@ use super::{
     blades::blades,
     common::{disk_mapping, placement, raster},
     facts::Facts,
-    focusing::{FilmPlace, Focusing, place_film},
+    focusing::{FilmPlace, Focusing, place_film, warn_of_blurred_film},
     groups::{focus_distance, place_groups, reach},
 };
 use crate::{
@@ -20,9 +20,11 @@ use crate::{
         open::{OpenLens, StopSize, find, misstated, set_up},
         refraction::Refraction,
     },
-    message::{Level, Log},
+    message::{Level, Log, as_given},
     plan::Precision,
-    prescription::{Blades, Medium, Prescription, SourceError, catalogue, glass_library, read_with},
+    prescription::{
+        Blades, Medium, Prescription, SourceError, catalogue, glass::D_LINE, glass_library, read_with,
+    },
     sampling::DiskMapping,
 };
 
@@ -54,13 +56,6 @@ impl Setup {
         focusing: Focusing,
         log: Log<'_>,
     ) -> Result<Self, CameraError> {
-        if given.af_zones.is_some() {
-            log(
-                Level::Warning,
-                "\"af_zones\" is not used: this host offers no autofocus; give \"focusdistance\" (world \
-                 units from the film) or \"filmdistance\" (mm)",
-            );
-        }
         let film = Film::new(raster(host)?, given.filmdiag()?);
         let mm_per_unit = given.mmperunit()?;
         let (prescription, optics) =
@@ -71,8 +66,12 @@ impl Setup {
         let focus_distance = focus_distance(given)?.or(in_focus);
         let OpenLens { lens, first_order, entrance } = optics;
         check_reach(&lens, film_distance, mm_per_unit)?;
+        let facts = Facts { lens, first_order, entrance, film, film_distance, focus_distance };
+        if given.filmdistance.is_some() {
+            warn_of_blurred_film(&facts, log);
+        }
         Ok(Self {
-            facts: Facts { lens, first_order, entrance, film, film_distance, focus_distance },
+            facts,
             media: prescription.interfaces.iter().map(|interface| interface.medium).collect(),
             blades: blades(given, &prescription)?,
             refraction: given.refraction(),
@@ -107,7 +106,13 @@ fn open(
     log: Log<'_>,
 ) -> Result<(Prescription, OpenLens), CameraError> {
     let prescription = read_lens(given, host)?;
-    let (wavelength, stop) = light(given)?;
+    let (wavelength, stop) = light(given, &prescription)?;
+    if given.wavelength.is_none() && (wavelength - D_LINE).abs() > 0.01 {
+        let name = &prescription.name;
+        let text =
+            format!("lens \"{name}\" is for {} nm by its file, and is traced at that", as_given(wavelength));
+        log(Level::Info, &text);
+    }
     let silent = |prescription: &Prescription| Ok(set_up(prescription, wavelength, stop, &mut |_, _| ())?);
     let prescription = place_groups(prescription, given, focusing, silent, log)?;
     let optics = set_up(&prescription, wavelength, stop, log)?;
@@ -122,21 +127,26 @@ fn read_lens(given: &Parameters, host: &Host) -> Result<Prescription, CameraErro
             let library = glass_library(glasses, &host.search)?;
             read_with(name, text, &library).map_err(SourceError::from)?
         }
-        (None, name) => find(name.as_deref().unwrap_or(catalogue::DEFAULT), glasses, &host.search)?,
+        (None, Some(name)) => find(name, glasses, &host.search)?,
+        (None, None) => {
+            // The built-in lens names no glass, but a catalogue that is given must be there.
+            glass_library(glasses, &host.search)?;
+            catalogue::default()
+        }
     };
     prescription.remarks.extend(misstated(&prescription));
     Ok(prescription)
 }
 
 /// Wavelength in nm, and how far the lens is stopped down.
-fn light(given: &Parameters) -> Result<(f64, StopSize), ParameterError> {
+fn light(given: &Parameters, prescription: &Prescription) -> Result<(f64, StopSize), ParameterError> {
     let stop = match (given.aperture_diameter()?, given.fnumber()?) {
         (Some(_), Some(_)) => return Err(both("fnumber", "aperture_diameter")),
         (Some(diameter), None) => StopSize::Diameter(diameter),
         (None, Some(number)) => StopSize::FNumber(number),
         (None, None) => StopSize::Listed,
     };
-    Ok((given.wavelength()?, stop))
+    Ok((given.wavelength()?.unwrap_or_else(|| prescription.own_wavelength()), stop))
 }
 
 /// The nearest plane and the farthest that the lens of [`open_lens`] focuses on by its groups, by exact rays, with the film
@@ -145,9 +155,10 @@ fn light(given: &Parameters) -> Result<(f64, StopSize), ParameterError> {
 /// # Errors
 /// As of [`open_lens`], and a lens whose table does not say how its groups move to focus.
 pub fn group_reach(given: &Parameters, host: &Host) -> Result<[Conjugates; 2], CameraError> {
-    let (wavelength, stop) = light(given)?;
+    let prescription = read_lens(given, host)?;
+    let (wavelength, stop) = light(given, &prescription)?;
     let silent = |prescription: &Prescription| Ok(set_up(prescription, wavelength, stop, &mut |_, _| ())?);
-    reach(&read_lens(given, host)?, given, silent, &mut |_, _| ())
+    reach(&prescription, given, silent, &mut |_, _| ())
 }
 
 /// The distance from the last vertex to the film, mm, for `filmdistance` or `focusdistance` (world units of

@@ -8,11 +8,11 @@
 mod lanes;
 mod tracer;
 
-use std::{fmt, ops::RangeInclusive, sync::OnceLock};
+use std::{fmt, ops::RangeInclusive};
 
 use self::lanes::SpectralPipeline;
 pub(crate) use self::tracer::SpectralTracer;
-use super::body::CameraBody;
+use super::{body::CameraBody, on_demand::OnDemand};
 use crate::{
     camera::ray::{Outcome, Sample},
     lens::{Lens, film_ray, refraction::Refraction},
@@ -33,7 +33,7 @@ pub(crate) struct Spectral {
     optics: LensOfMedia,
     body: CameraBody,
     precision: Precision,
-    built: OnceLock<Built>,
+    built: OnDemand<Built>,
 }
 
 /// A lens with the media between its surfaces, from which it is made at any wavelength.
@@ -56,11 +56,11 @@ struct Built {
 impl Spectral {
     /// For a camera with this lens, whose rays are traced in a precision.
     pub fn new(optics: LensOfMedia, body: CameraBody, precision: Precision) -> Self {
-        Self { optics, body, precision, built: OnceLock::new() }
+        Self { optics, body, precision, built: OnDemand::new() }
     }
 
     fn built(&self) -> &Built {
-        self.built.get_or_init(|| {
+        self.built.get_or_make(|| {
             let range = self.optics.range();
             let tracer: Box<dyn SpectralTracer> = match self.precision {
                 Precision::F64 => Box::new(self.pipeline::<f64>(&range)),
