@@ -38,43 +38,31 @@ private:
 };
 
 /* The library's functions that are called here, without the prefix realistic_: each is a member of Api. */
-#define REALISTIC_FUNCTIONS(X)                \
-    X(version)                                \
-    X(capabilities)                           \
-    X(last_error)                             \
-    X(status_name)                            \
-    X(options_init)                           \
-    X(camera_new)                             \
-    X(camera_free)                            \
-    X(camera_get_info)                        \
-    X(camera_get_lens_name)                   \
-    X(camera_plan)                            \
-    X(generate_ray)                           \
-    X(camera_generate_rays)                   \
-    X(camera_generate_rays_soa)               \
-    X(generate_ray_differential)              \
-    X(camera_generate_ray_differentials)      \
-    X(camera_generate_ray_differentials_soa)  \
-    X(camera_generate_batch)                  \
-    X(generate_ray_at)                        \
-    X(generate_ray_differential_at)           \
-    X(generate_hero_rays)                     \
-    X(camera_generate_rays_at)                \
-    X(camera_generate_rays_at_soa)            \
-    X(camera_generate_ray_differentials_at_soa)\
-    X(camera_generate_hero_rays_soa)          \
-    X(autofocus)                              \
-    X(lens_new)                               \
-    X(lens_free)                              \
-    X(lens_get_info)                          \
-    X(lens_get_surface)                       \
-    X(lens_get_name)                          \
-    X(lens_focus)                             \
-    X(lens_focused_on)                        \
-    X(lens_trace)                             \
-    X(lens_trace_points)                      \
-    X(camera_importance)                      \
-    X(camera_sample_importance)               \
+#define REALISTIC_FUNCTIONS(X)      \
+    X(version)                      \
+    X(capabilities)                 \
+    X(last_error)                   \
+    X(status_name)                  \
+    X(options_init)                 \
+    X(camera_new)                   \
+    X(camera_free)                  \
+    X(camera_get_info)              \
+    X(camera_get_lens_name)         \
+    X(camera_plan)                  \
+    X(generate_ray)                 \
+    X(generate_ray_differential)    \
+    X(camera_generate_batch)        \
+    X(camera_importance)            \
+    X(camera_sample_importance)     \
+    X(autofocus)                    \
+    X(lens_new)                     \
+    X(lens_free)                    \
+    X(lens_get_info)                \
+    X(lens_get_surface)             \
+    X(lens_get_name)                \
+    X(lens_focus)                   \
+    X(lens_focused_on)              \
+    X(lens_trace)                   \
     X(catalogue)
 
 /* The library's functions, linked or found in a loaded library. */
@@ -106,10 +94,15 @@ struct Api {
         return api;
     }
 
-    /* Throws a failed call's message. */
+    /* Throws a failed call's message, or what its status means where there is none. */
     void check(realistic_status status) const {
-        if (status != REALISTIC_STATUS_OK) throw Error(status, last_error());
+        if (status == REALISTIC_STATUS_OK) return;
+        const char *message = last_error();
+        throw Error(status, *message != '\0' ? message : status_name(status));
     }
+
+    /* Whether a pbrt-v1 host can load the library. */
+    bool serves_pbrt() const { return (capabilities() & REALISTIC_CAPABILITY_PBRT_V1) != 0; }
 
 private:
     static void require_version(uint32_t found) {
@@ -320,48 +313,53 @@ public:
 
     /* The weight of a ray; 0, and the ray as it was, where the lens blocks it. */
     float generate(const realistic_sample &sample, realistic_ray &ray) const noexcept {
-        return api_.generate_ray(camera_.get(), &sample, &ray);
+        return api_.generate_ray(camera_.get(), &sample, nullptr, &ray);
     }
 
-    /* As `generate` for `n` samples; `reasons` may be NULL. Strides are in bytes, 0 for tightly packed. */
-    void generate(const realistic_sample *samples, std::size_t n, realistic_ray *rays, float *weights,
-                  realistic_reason *reasons = nullptr, std::size_t sample_stride = 0,
-                  std::size_t ray_stride = 0) const {
-        api_.check(api_.camera_generate_rays(camera_.get(), n, samples, sample_stride, rays, ray_stride,
-                                             weights, reasons));
+    /* The weight of the first of the rays that `request` asks for, whose `struct_size` is set here: one at a wavelength, or
+     * as many as it has wavelengths per sample. */
+    float generate(const realistic_sample &sample, realistic_request request, realistic_ray *rays) const noexcept {
+        request.struct_size = sizeof request;
+        return api_.generate_ray(camera_.get(), &sample, &request, rays);
     }
 
-    /* As structure of arrays, of `n` elements each. */
-    void generate(const realistic_samples_soa &samples, std::size_t n, const realistic_rays_soa &rays) const {
-        api_.check(api_.camera_generate_rays_soa(camera_.get(), n, &samples, &rays));
-    }
-
-    /* As arrays of numbers and vectors of any strides, of `n` elements each; `struct_size` is set here. */
-    void generate(realistic_batch batch, std::size_t n) const {
-        batch.struct_size = sizeof(batch);
-        api_.check(api_.camera_generate_batch(camera_.get(), n, &batch));
+    /* The weight of a ray at a wavelength, nm; 0, and the ray as it was, where there is none. */
+    float generate_at(const realistic_sample &sample, float wavelength_nm, realistic_ray &ray) const noexcept {
+        return generate(sample, at(wavelength_nm), &ray);
     }
 
     /* The weight of a ray with differentials, whose `struct_size` is set here; 0, and the rest as it was, where the
      * lens blocks it. */
     float generate(const realistic_sample &sample, realistic_ray_differential &ray) const noexcept {
         ray.struct_size = sizeof ray;
-        return api_.generate_ray_differential(camera_.get(), &sample, &ray);
+        return api_.generate_ray_differential(camera_.get(), &sample, nullptr, &ray);
     }
 
-    /* As `generate` for `n` samples, with differentials; sets `struct_size` of the first of `rays`. */
-    void generate(const realistic_sample *samples, std::size_t n, realistic_ray_differential *rays, float *weights,
+    /* The same at a wavelength, nm. */
+    float generate_at(const realistic_sample &sample, float wavelength_nm,
+                      realistic_ray_differential &ray) const noexcept {
+        realistic_request request = at(wavelength_nm);
+        request.struct_size = sizeof request;
+        ray.struct_size = sizeof ray;
+        return api_.generate_ray_differential(camera_.get(), &sample, &request, &ray);
+    }
+
+    /* What a request asks of `n` samples; `struct_size` is set here. */
+    void generate(realistic_request request, std::size_t n) const {
+        request.struct_size = sizeof request;
+        api_.check(api_.camera_generate_batch(camera_.get(), n, &request));
+    }
+
+    /* As `generate` for `n` samples; `reasons` may be NULL. Strides are in bytes, 0 for tightly packed. */
+    void generate(const realistic_sample *samples, std::size_t n, realistic_ray *rays, float *weights,
                   realistic_reason *reasons = nullptr, std::size_t sample_stride = 0,
                   std::size_t ray_stride = 0) const {
-        if (n > 0 && rays != nullptr) rays->struct_size = sizeof *rays;
-        api_.check(api_.camera_generate_ray_differentials(camera_.get(), n, samples, sample_stride, rays, ray_stride,
-                                                          weights, reasons));
+        generate(realistic_request_of_structures(samples, sample_stride, rays, ray_stride, weights, reasons), n);
     }
 
-    /* As structure of arrays with differentials, of `n` elements each. */
-    void generate(const realistic_samples_soa &samples, std::size_t n, const realistic_rays_soa &rays,
-                  const realistic_rays_soa &rx, const realistic_rays_soa &ry) const {
-        api_.check(api_.camera_generate_ray_differentials_soa(camera_.get(), n, &samples, &rays, &rx, &ry));
+    /* As structure of arrays, of `n` elements each. */
+    void generate(const realistic_samples_soa &samples, std::size_t n, const realistic_rays_soa &rays) const {
+        generate(realistic_request_of_arrays(&samples, &rays), n);
     }
 
     /* What `n` rays that enter the camera count; every `struct_size` is set here. */
@@ -378,54 +376,6 @@ public:
         aimed.struct_size = sizeof aimed;
         importance.struct_size = sizeof importance;
         api_.check(api_.camera_sample_importance(camera_.get(), n, &points, &aimed, &importance));
-    }
-
-    /* The weight of a ray at a wavelength, nm; 0, and the ray as it was, where the lens blocks it, and where the
-     * wavelength is not from 380 to 780. */
-    float generate_at(const realistic_sample &sample, float wavelength_nm, realistic_ray &ray) const noexcept {
-        return api_.generate_ray_at(camera_.get(), &sample, wavelength_nm, &ray);
-    }
-
-    /* The weight of a ray at a wavelength, nm, with differentials, whose `struct_size` is set here; 0, and the rest as it
-     * was, where there is no ray. */
-    float generate_at(const realistic_sample &sample, float wavelength_nm,
-                      realistic_ray_differential &ray) const noexcept {
-        ray.struct_size = sizeof ray;
-        return api_.generate_ray_differential_at(camera_.get(), &sample, wavelength_nm, &ray);
-    }
-
-    /* As `generate_at` for `n` samples, each at its own wavelength; `wavelengths_nm` NULL: the camera's. */
-    void generate_at(const realistic_sample *samples, const float *wavelengths_nm, std::size_t n, realistic_ray *rays,
-                     float *weights, realistic_reason *reasons = nullptr, std::size_t sample_stride = 0,
-                     std::size_t wavelength_stride = 0, std::size_t ray_stride = 0) const {
-        api_.check(api_.camera_generate_rays_at(camera_.get(), n, samples, sample_stride, wavelengths_nm,
-                                                wavelength_stride, rays, ray_stride, weights, reasons));
-    }
-
-    /* As structure of arrays, of `n` elements each. */
-    void generate_at(const realistic_samples_soa &samples, const float *wavelengths_nm, std::size_t n,
-                     const realistic_rays_soa &rays) const {
-        api_.check(api_.camera_generate_rays_at_soa(camera_.get(), n, &samples, wavelengths_nm, &rays));
-    }
-
-    /* As structure of arrays with differentials, of `n` elements each. */
-    void generate_at(const realistic_samples_soa &samples, const float *wavelengths_nm, std::size_t n,
-                     const realistic_rays_soa &rays, const realistic_rays_soa &rx,
-                     const realistic_rays_soa &ry) const {
-        api_.check(api_.camera_generate_ray_differentials_at_soa(camera_.get(), n, &samples, wavelengths_nm, &rays,
-                                                                 &rx, &ry));
-    }
-
-    /* The rays of one sample at four wavelengths; how many there are. */
-    uint32_t generate_hero(const realistic_sample &sample, const float (&wavelengths_nm)[4], realistic_ray (&rays)[4],
-                           float (&weights)[4]) const noexcept {
-        return api_.generate_hero_rays(camera_.get(), &sample, wavelengths_nm, rays, weights);
-    }
-
-    /* Of `n` samples, at 4 `n` wavelengths, into arrays of 4 `n` elements. */
-    void generate_hero(const realistic_samples_soa &samples, const float *wavelengths_nm, std::size_t n,
-                       const realistic_rays_soa &rays) const {
-        api_.check(api_.camera_generate_hero_rays_soa(camera_.get(), n, &samples, wavelengths_nm, &rays));
     }
 
     realistic_camera_info info() const {
@@ -447,6 +397,13 @@ public:
     realistic_camera *release() noexcept { return camera_.release(); }
 
 private:
+    /* A request for rays at a wavelength, which must outlive it. */
+    static realistic_request at(const float &wavelength_nm) noexcept {
+        realistic_request request{};
+        request.wavelength.x = &wavelength_nm;
+        return request;
+    }
+
     Api api_;
     std::unique_ptr<realistic_camera, decltype(&realistic_camera_free)> camera_;
 };
@@ -485,14 +442,14 @@ public:
     /* Takes `n` rays through the lens, in place; sets `struct_size` of `rays`. */
     void trace(realistic_side from, std::size_t n, realistic_lens_rays rays) const {
         rays.struct_size = sizeof rays;
-        api_.check(api_.lens_trace(lens_.get(), from, n, &rays));
+        api_.check(api_.lens_trace(lens_.get(), from, n, &rays, nullptr));
     }
 
-    /* As `trace`, with the points where the rays meet the surfaces; sets `struct_size` of `rays` and `points`. */
-    void trace_points(realistic_side from, std::size_t n, realistic_lens_rays rays, realistic_lens_points points) const {
+    /* The same with the points where the rays meet the surfaces; sets `struct_size` of `points`, too. */
+    void trace(realistic_side from, std::size_t n, realistic_lens_rays rays, realistic_lens_points points) const {
         rays.struct_size = sizeof rays;
         points.struct_size = sizeof points;
-        api_.check(api_.lens_trace_points(lens_.get(), from, n, &rays, &points));
+        api_.check(api_.lens_trace(lens_.get(), from, n, &rays, &points));
     }
 
     /* The handle for realistic.h's functions, still owned here; NULL once moved from. */

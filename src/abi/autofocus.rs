@@ -7,7 +7,8 @@ use super::boundary::{self, Failure, realistic_status};
 use super::camera;
 use super::object;
 use super::options;
-use super::types::{realistic_camera, realistic_options, realistic_ray};
+use super::options::realistic_options;
+use super::types::{realistic_camera, realistic_ray};
 use crate::camera::autofocus::{Rule, Search, Zone, by_distance};
 use crate::camera::{Host, Parameters};
 
@@ -39,17 +40,15 @@ pub enum realistic_autofocus_rule {
     Average = 2,
 }
 
-/// Returns the distance along a ray from its origin to the first surface, world units: infinity for
-/// none, and NaN or a number that is not above 0 for "not known". It must return, without an exception (as a
-/// `realistic_log` must).
+/// Returns the distance along a ray from its origin to the first surface, world units: infinity for none, and NaN or a number
+/// that is not above 0 for "not known".
 #[allow(non_camel_case_types)]
 pub type realistic_distance =
     Option<unsafe extern "C" fn(user: *mut c_void, ray: *const realistic_ray) -> f64>;
 
-/// Returns how much contrast the picture of a trial camera has in a zone, in any measure that is 0 or
-/// more and highest where the picture is sharpest (the mean square difference of neighbouring
-/// pixels, say): NaN for "not known". It should use the same random numbers for every camera. The camera
-/// lives until the callback returns. It must return, without an exception.
+/// Returns how much contrast the picture of a trial camera has in a zone, in any measure that is 0 or more and highest where
+/// the picture is sharpest (the mean square difference of neighbouring pixels, say): NaN for "not known". It should use the same
+/// random numbers for every camera, which lives until the callback returns.
 #[allow(non_camel_case_types)]
 pub type realistic_contrast = Option<
     unsafe extern "C" fn(
@@ -59,19 +58,10 @@ pub type realistic_contrast = Option<
     ) -> f64,
 >;
 
-/// Autofocus: finds the film distance, mm, to be given as `filmdistance`, at which the camera of
-/// `options` has in focus what it sees in `n` zones of the picture. `rule` is a
-/// `realistic_autofocus_rule`. The host gives one of the two callbacks and NULL for the other:
-/// with `distance` some rays per zone are asked about, with `contrast` some tens to hundreds of trial cameras are built,
-/// from infinity to the nearest distance that the lens can focus. Zones that give no answer do not count. `options`
-/// must leave `filmdistance` and `focusdistance` open, and `focusby` "film". The callback is called on this thread, with `user` as it is.
-///
-/// Fails with `REALISTIC_STATUS_UNREACHABLE_FOCUS`, and leaves `*film_distance_mm` as it is, when no zone has
-/// an answer.
-///
-/// # Safety
-/// `options` as for `realistic_camera_new`; `zones` is NULL or has `n` elements; `film_distance_mm` is
-/// NULL or writable; the callbacks are functions of their types.
+/// Finds the film distance, mm, to be given as `filmdistance`, that focuses the camera of `options` on what it sees in `n`
+/// zones of the picture; `rule` is a `realistic_autofocus_rule`. One callback is given, the other NULL: `distance` is asked for
+/// some rays per zone, `contrast` for tens to hundreds of trial cameras. It is called on this thread. `options` leave
+/// `filmdistance` and `focusdistance` open, and `focusby` "film". `REALISTIC_STATUS_UNREACHABLE_FOCUS`: no zone has an answer.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_autofocus(
     options: *const realistic_options,

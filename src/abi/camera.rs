@@ -1,25 +1,17 @@
 //! Cameras for a C caller: made, asked about, freed.
 
 use std::ffi::{c_char, c_void};
-use std::mem::{offset_of, size_of};
 
 use super::boundary::memory;
 use super::boundary::{self, Failure, realistic_status};
 use super::exchange::{give, give_text};
 use super::object::{self, Handle, HostPart};
 use super::options;
-use super::types::{level_number, realistic_camera, realistic_camera_info, realistic_log, realistic_options};
+use super::options::realistic_options;
+use super::types::{level_number, realistic_camera, realistic_camera_info, realistic_log};
 use crate::camera::{Crop, Facts, Host, Level, Log, Parameters};
 
-/// Bytes of the first version of `realistic_camera_info`.
-const FIRST_INFO_SIZE: usize = offset_of!(realistic_camera_info, crop);
-
-/// Builds a camera. On success `*out` is the camera, to be freed by `realistic_camera_free`; on
-/// failure `*out` is untouched and `realistic_last_error` says what to change.
-///
-/// # Safety
-/// `options` is NULL or points to a structure of its `struct_size` bytes whose pointers are NULL or
-/// valid; `out` is NULL or writable.
+/// Builds a camera, to be freed by `realistic_camera_free`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_camera_new(
     options: *const realistic_options,
@@ -79,11 +71,7 @@ pub(super) fn log(callback: realistic_log, user: *mut c_void, level: Level, text
     }
 }
 
-/// Frees a camera of `realistic_camera_new`. NULL is fine. A camera of `CreateCamera` is its host's to
-/// `delete` and must not come here.
-///
-/// # Safety
-/// `camera` is NULL or a camera of `realistic_camera_new` that nobody uses any more.
+/// Frees a camera of `realistic_camera_new`. One of `CreateCamera` is its host's to `delete` and must not come here.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_camera_free(camera: *mut realistic_camera) {
     boundary::value((), || {
@@ -96,11 +84,7 @@ pub unsafe extern "C" fn realistic_camera_free(camera: *mut realistic_camera) {
     });
 }
 
-/// Fills `info`, whose `struct_size` the caller has set.
-///
-/// # Safety
-/// `camera` is NULL or a live camera of this library; `info` is NULL or points to a structure of its
-/// `struct_size` bytes.
+/// Says what a camera is.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_camera_get_info(
     camera: *const realistic_camera,
@@ -122,17 +106,11 @@ pub unsafe extern "C" fn realistic_camera_get_info(
             crop: [from[0], from[1], to[0], to[1]],
         };
         // SAFETY: the caller's promise.
-        unsafe { give("realistic_camera_info", FIRST_INFO_SIZE, &filled, "info", info) }
+        unsafe { give("realistic_camera_info", filled, "info", info) }
     })
 }
 
-/// Copies the lens's name (nothing for a model without a lens) as UTF-8 with a closing NUL into `buffer`, cut to
-/// `capacity` bytes, and writes its whole length without the NUL to `*length`. `buffer` may be NULL when `capacity` is
-/// 0, and `length` may be NULL.
-///
-/// # Safety
-/// `camera` is NULL or a live camera of this library; `buffer` has `capacity` writable bytes;
-/// `length` is NULL or writable.
+/// Copies the name of a camera's lens; empty for a model without a lens.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_camera_get_lens_name(
     camera: *const realistic_camera,
@@ -149,13 +127,8 @@ pub unsafe extern "C" fn realistic_camera_get_lens_name(
     })
 }
 
-/// Copies what the camera keeps and leaves out, and which model of the lens a tolerance chose, as lines of UTF-8 text
-/// into `buffer`: see `realistic_camera_get_lens_name` for `buffer`, `capacity` and `length`. The text is for people;
-/// its wording may change.
-///
-/// # Safety
-/// `camera` is NULL or a live camera of this library; `buffer` has `capacity` writable bytes;
-/// `length` is NULL or writable.
+/// Copies what the camera keeps and leaves out, and which model of the lens a tolerance chose: lines for people, whose wording
+/// may change.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_camera_plan(
     camera: *const realistic_camera,

@@ -1,84 +1,72 @@
-//! What is copied between this library and a caller's memory: structures that may grow, which begin with `struct_size`,
-//! the bytes that the caller knows; and texts.
+//! What is copied between this library and a caller's memory: structures, which begin with their `struct_size`, and texts.
 
 use std::ffi::c_char;
 
 use super::boundary::{self, Failure, realistic_status};
 
-/// Whether a caller's structure is one that this library knows: of `first` bytes, the first version's, to `current`.
+/// Whether a caller's structure has the size of this library's.
 ///
 /// # Errors
-/// It is not; what to set.
-pub(super) fn check_size(what: &str, given: u32, first: usize, current: usize) -> Result<(), Failure> {
-    let size = given as usize;
-    if size < first {
-        return Err(Failure::new(
-            realistic_status::StructSize,
-            format!("{what}.struct_size is {size}; set it to sizeof({what}), {current} in this library"),
-        ));
-    }
-    if size > current {
-        return Err(Failure::new(
-            realistic_status::StructSize,
-            format!(
-                "{what}.struct_size is {size}, and this library knows {current} bytes: it is older than \
-                 the header that the caller was compiled with"
-            ),
-        ));
-    }
-    Ok(())
+/// It has not; what to set.
+#[inline(always)]
+pub(super) fn check_size(what: &str, given: u32, current: usize) -> Result<(), Failure> {
+    if given as usize == current { Ok(()) } else { Err(other_size(what, given, current)) }
 }
 
-/// Copies as much of `filled` as the caller's structure has room for; its own `struct_size` stays. `first`: the bytes of
-/// the structure's first version.
+#[cold]
+fn other_size(what: &str, given: u32, current: usize) -> Failure {
+    let message = if (given as usize) < current {
+        format!("{what}.struct_size is {given}; set it to sizeof({what}), {current} in this library")
+    } else {
+        format!(
+            "{what}.struct_size is {given}, and this library knows {current} bytes: it is older than the header that \
+             the caller was compiled with"
+        )
+    };
+    Failure::new(realistic_status::StructSize, message)
+}
+
+/// Fills a caller's structure, which has its `struct_size` set.
 ///
 /// # Errors
-/// `out` is NULL (named `name`), or its size none that this library knows.
+/// `out` is NULL (named `name`), or its size is another.
 ///
 /// # Safety
 /// `T` begins with a `u32`, its size; `out` is NULL or points to a structure of its `struct_size` bytes.
-pub(super) unsafe fn give<T>(
-    what: &str,
-    first: usize,
-    filled: &T,
-    name: &str,
-    out: *mut T,
-) -> Result<(), Failure> {
-    // SAFETY: the caller's promise; the check allows no more than `filled` has.
+pub(super) unsafe fn give<T>(what: &str, filled: T, name: &str, out: *mut T) -> Result<(), Failure> {
+    // SAFETY: the caller's promise; the size is this structure's.
     unsafe {
-        let size = known_size(what, first, name, out)?;
-        let skipped = size_of::<u32>();
-        let from = std::ptr::from_ref(filled).cast::<u8>();
-        std::ptr::copy_nonoverlapping(from.add(skipped), out.cast::<u8>().add(skipped), size - skipped);
+        check(what, name, out)?;
+        out.write_unaligned(filled);
     }
     Ok(())
 }
 
-/// A caller's structure, of which there is one version.
+/// A caller's structure.
 ///
 /// # Errors
 /// As [`give`].
 ///
 /// # Safety
 /// As there, and any bytes are a `T`.
+#[inline(always)]
 pub(super) unsafe fn take<T: Copy>(what: &str, name: &str, given: *const T) -> Result<T, Failure> {
-    // SAFETY: the caller's promise; the size is this version's.
+    // SAFETY: the caller's promise; the size is this structure's.
     unsafe {
-        known_size(what, size_of::<T>(), name, given)?;
+        check(what, name, given)?;
         Ok(given.read_unaligned())
     }
 }
 
 /// # Safety
 /// As [`give`].
-unsafe fn known_size<T>(what: &str, first: usize, name: &str, at: *const T) -> Result<usize, Failure> {
+#[inline(always)]
+unsafe fn check<T>(what: &str, name: &str, at: *const T) -> Result<(), Failure> {
     if at.is_null() {
         return Err(boundary::null(name));
     }
     // SAFETY: not NULL; the first field is always there.
-    let size = unsafe { at.cast::<u32>().read_unaligned() };
-    check_size(what, size, first, size_of::<T>())?;
-    Ok(size as usize)
+    check_size(what, unsafe { at.cast::<u32>().read_unaligned() }, size_of::<T>())
 }
 
 /// Refuses a caller's structure of which one of these arrays is NULL.

@@ -1,9 +1,15 @@
 //! The C ABI: the only exported functions, and the only place that takes raw pointers.
 //!
+//! # Safety
+//! What every caller promises stands once, in the header's conventions (`include/cbindgen.toml`): each pointer is NULL or
+//! valid, arrays have room for the elements that are asked for and do not overlap, and no object is used after it was freed.
+//!
 //! `types` are the structures by layout, `boundary` keeps panics inside and the host's traps and rounding outside, and
 //! gives errors their status, and asks for memory before anything is built; `exchange` copies to and from a caller's memory; `object`
 //! makes, recognises and serves the cameras that a host holds; `library`, `options`, `camera`, `ray`, `batch`, `importance`,
 //! `autofocus` and `lens` export what a C caller uses; `pbrt` is the entry of a pbrt-v1 host (only where `pbrt-shim/` is built).
+
+#![allow(clippy::missing_safety_doc, reason = "the safety of all exports is stated above, once")]
 
 mod autofocus;
 mod batch;
@@ -21,7 +27,7 @@ mod ray;
 mod types;
 
 pub use autofocus::*;
-pub use batch::*;
+pub use batch::realistic_camera_generate_batch;
 pub use boundary::realistic_status;
 pub use camera::*;
 pub use importance::*;
@@ -30,8 +36,5 @@ pub use library::*;
 pub use options::*;
 #[cfg(realistic_shim)]
 pub use pbrt::CreateCamera;
-pub use ray::{
-    GenerateRay, realistic_generate_hero_rays, realistic_generate_ray, realistic_generate_ray_at,
-    realistic_generate_ray_differential, realistic_generate_ray_differential_at,
-};
+pub use ray::{GenerateRay, realistic_generate_ray, realistic_generate_ray_differential};
 pub use types::*;

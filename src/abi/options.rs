@@ -1,61 +1,138 @@
 //! What a C caller gives: `realistic_options` to parameters and host.
 
-use std::ffi::{CStr, c_char};
-use std::mem::{offset_of, size_of};
+use std::ffi::{CStr, c_char, c_void};
+use std::mem::size_of;
 use std::ptr::{null, null_mut};
 
 use super::boundary::{self, Failure, realistic_status};
-use super::exchange::check_size;
+use super::exchange::{check_size, take};
 use super::library::plugin_directory;
-use super::types::realistic_options;
+use super::types::realistic_log;
 use crate::camera::{
-    CameraError, CameraMotion, CameraToWorld, Host, Parameters, Raster, Value, parameters::Written,
+    CameraError, CameraMotion, CameraToWorld, Host, Parameters, Raster, Value,
+    parameters::{Written, for_each_parameter},
 };
 use crate::prescription::MAX_FILE_BYTES;
 
-/// Bytes of the first version of `realistic_options`; later ones only add at the end.
-const FIRST_SIZE: usize = offset_of!(realistic_options, camera_to_world_end);
-
 const IDENTITY: [f32; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
-/// The fields that are parameters by kind: what stands for "not given", and how they are read by name.
-macro_rules! parameter_fields {
-    (texts: $($text:ident)*; numbers: $($number:ident)*;) => {
+/// A member that is a parameter: how it says "not given", and the value that it stands for.
+trait Member: Copy {
+    const NOT_GIVEN: Self;
+
+    /// # Safety
+    /// A text is NULL or ends in NUL.
+    unsafe fn value<'a>(self, name: &str) -> Result<Option<Value<'a>>, Failure>;
+}
+
+impl Member for f64 {
+    const NOT_GIVEN: Self = f64::NAN;
+
+    unsafe fn value<'a>(self, _: &str) -> Result<Option<Value<'a>>, Failure> {
+        Ok(given(self).map(Value::Float))
+    }
+}
+
+impl Member for [f64; 4] {
+    const NOT_GIVEN: Self = [f64::NAN; 4];
+
+    unsafe fn value<'a>(self, _: &str) -> Result<Option<Value<'a>>, Failure> {
+        Ok((!self.iter().all(|number| number.is_nan())).then_some(Value::Four(self)))
+    }
+}
+
+impl Member for i32 {
+    const NOT_GIVEN: Self = -1;
+
+    unsafe fn value<'a>(self, name: &str) -> Result<Option<Value<'a>>, Failure> {
+        match self {
+            -1 => Ok(None),
+            0 | 1 => Ok(Some(Value::Bool(self == 1))),
+            other => Err(Failure::invalid(format!("parameter \"{name}\" is {other}; it must be -1, 0 or 1"))),
+        }
+    }
+}
+
+impl Member for *const c_char {
+    const NOT_GIVEN: Self = null();
+
+    unsafe fn value<'a>(self, name: &str) -> Result<Option<Value<'a>>, Failure> {
+        // SAFETY: the caller's promise.
+        Ok(unsafe { text_at(name, self) }?.map(Value::Text))
+    }
+}
+
+/// A typed parameter as a member. `text` keeps a text for as long as the options are in use and points to it.
+trait AsMember<M> {
+    fn member<E>(&self, text: &mut impl FnMut(String) -> Result<*const c_char, E>) -> Result<M, E>;
+}
+
+impl AsMember<f64> for f64 {
+    fn member<E>(&self, _: &mut impl FnMut(String) -> Result<*const c_char, E>) -> Result<f64, E> {
+        Ok(*self)
+    }
+}
+
+impl AsMember<[f64; 4]> for [f64; 4] {
+    fn member<E>(&self, _: &mut impl FnMut(String) -> Result<*const c_char, E>) -> Result<[f64; 4], E> {
+        Ok(*self)
+    }
+}
+
+impl AsMember<i32> for bool {
+    fn member<E>(&self, _: &mut impl FnMut(String) -> Result<*const c_char, E>) -> Result<i32, E> {
+        Ok((*self).into())
+    }
+}
+
+impl<T: Written> AsMember<*const c_char> for T {
+    fn member<E>(
+        &self,
+        text: &mut impl FnMut(String) -> Result<*const c_char, E>,
+    ) -> Result<*const c_char, E> {
+        text(self.written())
+    }
+}
+
+/// The options: first what the host brings, then a member for each parameter.
+macro_rules! options {
+    (
+        { $($(#[doc = $doc:literal])* pub $host:ident: $host_type:ty,)* }
+        $($field:ident $(or $alias:literal)?: $type:tt $(in $range:ident)?, $unit:tt, $how:tt $default:literal, $models:ident, $help:literal;)*
+    ) => {
+        /// What a camera is built from. Start from `realistic_options_init`, which sets every member to "not given":
+        /// NaN for numbers, NULL for strings, -1 for booleans.
+        #[repr(C)]
+        #[derive(Clone, Copy, Debug)]
+        #[allow(non_camel_case_types)]
+        pub struct realistic_options {
+            $($(#[doc = $doc])* pub $host: $host_type,)*
+            $(#[doc = $help] pub $field: options!(@member $type),)*
+        }
+
         impl Default for realistic_options {
             fn default() -> Self {
                 Self {
                     struct_size: size_of::<Self>() as u32,
                     xres: 0,
                     yres: 0,
-                    simpleweighting: -1,
                     camera_to_world: IDENTITY,
-                    log: None,
-                    log_user: null_mut(),
-                    lens_text: null(),
-                    lens_text_size: 0,
                     camera_to_world_end: [f32::NAN; 16],
                     transformstart: f64::NAN,
                     transformend: f64::NAN,
-                    screenwindow: [f64::NAN; 4],
-                    crop: [f64::NAN; 4],
-                    $($text: null(),)*
-                    $($number: f64::NAN,)*
+                    lens_text: null(),
+                    lens_text_size: 0,
+                    log: None,
+                    log_user: null_mut(),
+                    $($field: Member::NOT_GIVEN,)*
                 }
             }
         }
 
         impl realistic_options {
-            fn texts(&self) -> impl IntoIterator<Item = (&'static str, *const c_char)> {
-                [$((stringify!($text), self.$text)),*]
-            }
-
-            fn numbers(&self) -> impl IntoIterator<Item = (&'static str, f64)> {
-                [$((stringify!($number), self.$number)),*]
-            }
-
-            /// Fills in the fields of the parameters that are given and leaves the rest: the inverse of what the
+            /// Fills in the members of the parameters that are given and leaves the rest: the inverse of what the
             /// library does with a caller's options. `text` keeps a text for as long as the options are in use and
-            /// points to it. `af_zones` has no field.
+            /// points to it.
             ///
             /// # Errors
             /// Those of `text`.
@@ -64,109 +141,93 @@ macro_rules! parameter_fields {
                 given: &Parameters,
                 mut text: impl FnMut(String) -> Result<*const c_char, E>,
             ) -> Result<(), E> {
-                $(if let Some(value) = &given.$text {
-                    self.$text = text(value.written())?;
+                $(if let Some(value) = &given.$field {
+                    self.$field = value.member(&mut text)?;
                 })*
-                $(self.$number = given.$number.unwrap_or(self.$number);)*
-                self.simpleweighting = given.simpleweighting.map_or(self.simpleweighting, i32::from);
-                self.screenwindow = given.screenwindow.unwrap_or(self.screenwindow);
-                self.crop = given.crop.unwrap_or(self.crop);
                 Ok(())
+            }
+
+            /// The parameters that are given.
+            ///
+            /// # Safety
+            /// The strings are NULL or end in NUL.
+            pub(super) unsafe fn parameters(&self) -> Result<Parameters, Failure> {
+                let mut parameters = Parameters::default();
+                $(
+                    let name = stringify!($field);
+                    // SAFETY: the caller's promise.
+                    if let Some(value) = unsafe { self.$field.value(name) }? {
+                        parameters.set(name, value)?;
+                    }
+                )*
+                Ok(parameters)
             }
         }
     };
+    (@member f64) => { f64 };
+    (@member [f64; 4]) => { [f64; 4] };
+    (@member bool) => { i32 };
+    (@member $text:tt) => { *const c_char };
 }
 
-parameter_fields! {
-    texts: model specfile weighting pupil disk refraction precision shutter lensplane focusby
-        zoom glasscatalog;
-    numbers: filmdistance focusdistance aperture_diameter fnumber filmdiag hither yon shutteropen shutterclose
-        wavelength mmperunit shutterramp shutterslit fov frameaspectratio lensradius focaldistance tolerance
-        blades bladerotation bladecurvature;
+for_each_parameter! {
+    options {
+        /// `sizeof(realistic_options)`.
+        pub struct_size: u32,
+        /// Image width in pixels, 1 or more. No default.
+        pub xres: i32,
+        /// Image height in pixels, 1 or more. No default.
+        pub yres: i32,
+        /// Row-major 4x4 matrix for column vectors that takes camera space (world units, +z forward,
+        /// +x right, +y up) to world space. Its last row is 0 0 0 1, but for rounding. `realistic_options_init`
+        /// sets the identity.
+        pub camera_to_world: [f32; 16],
+        /// For a camera that moves: `camera_to_world` holds at `transformstart` and this one at `transformend`, and
+        /// between the two a move, a rotation and a stretch are interpolated. All NaN: the camera stands still.
+        pub camera_to_world_end: [f32; 16],
+        /// The time of `camera_to_world`. NaN: `shutteropen`.
+        pub transformstart: f64,
+        /// The time of `camera_to_world_end`. NaN: `shutterclose`.
+        pub transformend: f64,
+        /// Receives messages; NULL for none.
+        pub log: realistic_log,
+        /// Handed to `log` as it is.
+        pub log_user: *mut c_void,
+        /// The text of a lens file, `lens_text_size` bytes, read instead of `specfile`; NULL for none.
+        pub lens_text: *const c_char,
+        /// Bytes at `lens_text`; at most 1,048,576 (1 MiB), as of any lens file.
+        pub lens_text_size: usize,
+    }
 }
 
-/// Sets every field to "not given" and the transform to the identity. `struct_size` is
-/// `sizeof(realistic_options)` of the caller's header. Only `xres` and `yres` must be set after.
-///
-/// # Safety
-/// `options` is NULL or points to `struct_size` writable bytes.
+/// Sets every field to "not given" and the transform to the identity; `struct_size` is `sizeof(realistic_options)`. Only
+/// `xres` and `yres` must be set after.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_options_init(
     options: *mut realistic_options,
     struct_size: u32,
 ) -> realistic_status {
     boundary::status(|| {
-        check_size("realistic_options", struct_size, FIRST_SIZE, size_of::<realistic_options>())?;
+        check_size("realistic_options", struct_size, size_of::<realistic_options>())?;
         if options.is_null() {
             return Err(boundary::null("options"));
         }
-        // SAFETY: not NULL, and the caller's promise for at least the bytes of the first version; the
-        // check allows no more than this version's.
-        unsafe {
-            let defaults = realistic_options { struct_size, ..Default::default() };
-            std::ptr::copy_nonoverlapping(
-                (&raw const defaults).cast::<u8>(),
-                options.cast::<u8>(),
-                struct_size as usize,
-            );
-        }
+        // SAFETY: not NULL, and the caller's promise.
+        unsafe { options.write_unaligned(realistic_options::default()) };
         Ok(())
     })
 }
 
-/// A caller's options in this version's shape.
+/// A caller's options.
 ///
 /// # Safety
 /// `options` is NULL or points to a structure of its `struct_size` bytes.
 pub(super) unsafe fn read(options: *const realistic_options) -> Result<realistic_options, Failure> {
-    if options.is_null() {
-        return Err(boundary::null("options"));
-    }
-    // SAFETY: not NULL; the first field is always there.
-    let size = unsafe { (&raw const (*options).struct_size).read_unaligned() };
-    check_size("realistic_options", size, FIRST_SIZE, size_of::<realistic_options>())?;
-    let mut read = realistic_options::default();
-    // SAFETY: the caller's promise; the check allows no more than `read` has.
-    unsafe {
-        std::ptr::copy_nonoverlapping(options.cast::<u8>(), (&raw mut read).cast::<u8>(), size as usize);
-    }
-    Ok(read)
+    // SAFETY: the caller's promise.
+    unsafe { take("realistic_options", "options", options) }
 }
 
 impl realistic_options {
-    /// The parameters that are given.
-    ///
-    /// # Safety
-    /// The strings are NULL or end in NUL.
-    pub(super) unsafe fn parameters(&self) -> Result<Parameters, Failure> {
-        let mut parameters = Parameters::default();
-        for (name, text) in self.texts() {
-            // SAFETY: the caller's promise.
-            if let Some(text) = unsafe { text_at(name, text) }? {
-                parameters.set(name, Value::Text(text))?;
-            }
-        }
-        for (name, number) in self.numbers() {
-            if let Some(number) = given(number) {
-                parameters.set(name, Value::Float(number))?;
-            }
-        }
-        for (name, sides) in [("screenwindow", self.screenwindow), ("crop", self.crop)] {
-            if !sides.iter().all(|side| side.is_nan()) {
-                parameters.set(name, Value::Four(sides))?;
-            }
-        }
-        match self.simpleweighting {
-            -1 => {}
-            0 | 1 => parameters.set("simpleweighting", Value::Bool(self.simpleweighting == 1))?,
-            other => {
-                let text = format!("parameter \"simpleweighting\" is {other}; it must be -1, 0 or 1");
-                return Err(Failure::invalid(text));
-            }
-        }
-        Ok(parameters)
-    }
-
     /// The host that the caller is.
     ///
     /// # Safety
@@ -270,29 +331,6 @@ unsafe fn text_at<'a>(name: &str, text: *const c_char) -> Result<Option<&'a str>
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_first_versions_structure_still_serves() {
-        // On a 64-bit machine the first header's structure had this size.
-        #[cfg(target_pointer_width = "64")]
-        assert_eq!(FIRST_SIZE, 256);
-        let mut old = realistic_options {
-            struct_size: FIRST_SIZE as u32,
-            filmdiag: 24.0,
-            // Past the caller's size there may be anything.
-            fov: 1e300,
-            camera_to_world_end: [7.0; 16],
-            ..Default::default()
-        };
-        // SAFETY: a structure of at least its `struct_size` bytes.
-        let read = unsafe { read(&old) }.expect("the first version");
-        assert_eq!(read.filmdiag, 24.0);
-        assert!(read.fov.is_nan() && read.camera_to_world_end[0].is_nan());
-        old.struct_size -= 1;
-        // SAFETY: as above.
-        let failure = unsafe { super::read(&old) }.expect_err("smaller than any");
-        assert_eq!(failure.status, realistic_status::StructSize);
-    }
 
     fn moving(options: realistic_options) -> Result<Host, Failure> {
         // SAFETY: there is no lens text.

@@ -1,23 +1,55 @@
-//! One ray of a camera, however it was made.
+//! One sample of a camera, however it was made: its ray, or the rays that a request asks for.
 
-use super::boundary;
-use super::object::{self, Handle};
-use super::types::{
-    REALISTIC_HAS_RX, REALISTIC_HAS_RY, realistic_camera, realistic_ray, realistic_ray_differential,
-    realistic_sample,
+use std::mem::size_of;
+
+use super::{
+    batch::PerRay,
+    boundary::{self, Failure, float_environment},
+    exchange::{check_size, take},
+    object::{self, Handle},
+    types::{
+        REALISTIC_HAS_RX, REALISTIC_HAS_RY, realistic_camera, realistic_ray, realistic_ray_differential,
+        realistic_request, realistic_sample,
+    },
 };
 use crate::camera::{RayArrays, RayBlock, Sample, WorldRay};
 
-/// One ray of a camera of this library, made by `CreateCamera` or by `realistic_camera_new`.
+/// One ray of a camera, made by `CreateCamera` or by `realistic_camera_new`. Returns its weight; 0, with `*ray` as it was,
+/// where the lens blocks the ray, a pointer is NULL, or the camera is another library's.
 ///
-/// Returns the weight, positive. For a ray that the lens blocks, when a pointer is NULL, and when
-/// `camera` is another library's camera, returns exactly 0 and leaves the ray as it is.
-///
-/// # Safety
-/// `camera` is NULL or points to an object of at least 8 bytes that lives during the call;
-/// `sample` and `ray` are NULL or valid.
+/// `request` is NULL, or asks for wavelengths or a reason; `ray` has room for `wavelengths_per_sample` rays. The weight of
+/// the first is returned. 0 with a message, and nothing written, where the request is refused. The first wavelength that a
+/// camera is asked for takes some milliseconds, once for all threads.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_generate_ray(
+    camera: *const realistic_camera,
+    sample: *const realistic_sample,
+    request: *const realistic_request,
+    ray: *mut realistic_ray,
+) -> f32 {
+    // SAFETY: the caller's promise.
+    unsafe {
+        if request.is_null() { plain(camera, sample, ray) } else { requested(camera, sample, request, ray) }
+    }
+}
+
+/// [`realistic_generate_ray`] without a request, under the name and with the types that the assignment gives it: for
+/// `const Camera *`, `const Sample *` and `Ray *` of a pbrt-v1 host.
+#[unsafe(no_mangle)]
+#[allow(non_snake_case)]
+pub unsafe extern "C" fn GenerateRay(
+    camera: *const realistic_camera,
+    sample: *const realistic_sample,
+    ray: *mut realistic_ray,
+) -> f32 {
+    // SAFETY: the caller's promise.
+    unsafe { plain(camera, sample, ray) }
+}
+
+/// # Safety
+/// As [`realistic_generate_ray`].
+#[inline(always)]
+unsafe fn plain(
     camera: *const realistic_camera,
     sample: *const realistic_sample,
     ray: *mut realistic_ray,
@@ -30,162 +62,84 @@ pub unsafe extern "C" fn realistic_generate_ray(
             (object::handle_of(camera), sample.cast::<Sample>().as_ref(), ray.cast::<WorldRay>().as_mut())
         };
         if let (Some(handle), Some(sample), Some(ray)) = parts {
-            boundary::float_environment::for_ray(|| handle.camera().trace_one(sample, ray, &mut weight));
+            float_environment::for_ray(|| handle.camera().trace_one(sample, ray, &mut weight));
         }
         true
     });
     if is_done { weight } else { 0.0 }
 }
 
-/// One ray of a camera at a wavelength, nm.
-///
-/// The index of each glass is that of its own formula at this wavelength, from 380 to 780 nm. Everything else stands as
-/// the camera's own wavelength has it: film, stop, groups, and what `weighting` divides by. A lens file without dispersion
-/// data has the same rays at every wavelength, as have the models other than "lens". The first call for a wavelength
-/// prepares the camera, once and for all threads, which takes some milliseconds. With a `tolerance` or a named
-/// `refraction`, rays at a wavelength are traced exactly all the same.
-///
-/// Returns the weight, positive. Returns exactly 0, and leaves the ray as it is, where `realistic_generate_ray` does, and
-/// when the wavelength is not a number from 380 to 780.
-///
 /// # Safety
-/// As `realistic_generate_ray`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn realistic_generate_ray_at(
+/// As [`realistic_generate_ray`]; the request is not NULL.
+#[inline(never)]
+unsafe fn requested(
     camera: *const realistic_camera,
     sample: *const realistic_sample,
-    wavelength_nm: f32,
+    request: *const realistic_request,
     ray: *mut realistic_ray,
 ) -> f32 {
-    boundary::ray(0.0, || {
+    boundary::value(0.0, || {
         // SAFETY: the caller's promise.
-        let parts = unsafe {
-            (object::handle_of(camera), sample.cast::<Sample>().as_ref(), ray.cast::<WorldRay>().as_mut())
+        let (one, ray) = unsafe { (OneSample::new(camera, sample, request)?, not_null("ray", ray)?) };
+        let Some(count) = one.at_wavelengths() else {
+            // SAFETY: the caller's promise.
+            let (ray, mut weight) = (unsafe { &mut *ray.cast::<WorldRay>() }, 0.0);
+            one.camera().trace_one(one.sample, ray, &mut weight);
+            return Ok(one.told(0, weight));
         };
-        let (Some(handle), Some(sample), Some(ray)) = parts else { return 0.0 };
-        let mut weight = 0.0;
-        boundary::float_environment::in_default(|| {
-            if is_ready(handle) {
-                handle.camera().trace_one_at(sample, wavelength_nm, ray, &mut weight);
-            }
-        });
-        weight
-    })
-}
-
-/// The rays of one sample at four wavelengths (nm), traced side by side, for hosts whose paths carry four (A. Wilkie et
-/// al., "Hero Wavelength Spectral Sampling", *Computer Graphics Forum* 33(4), 2014): each as `realistic_generate_ray_at` has
-/// it.
-///
-/// Writes `weights`, and of `rays` those whose weight is positive. Returns how many that are; 0, and nothing written, when
-/// a pointer is NULL or `camera` is another library's.
-///
-/// # Safety
-/// As `realistic_generate_ray`; `wavelengths_nm`, `rays` and `weights` are NULL or have four elements.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn realistic_generate_hero_rays(
-    camera: *const realistic_camera,
-    sample: *const realistic_sample,
-    wavelengths_nm: *const f32,
-    rays: *mut realistic_ray,
-    weights: *mut f32,
-) -> u32 {
-    boundary::ray(0, || {
-        // SAFETY: the caller's promise.
-        let parts = unsafe {
-            (
-                object::handle_of(camera),
-                sample.cast::<Sample>().as_ref(),
-                wavelengths_nm.cast::<[f32; 4]>().as_ref(),
-                rays.cast::<[realistic_ray; 4]>().as_mut(),
-                weights.cast::<[f32; 4]>().as_mut(),
-            )
-        };
-        let (Some(handle), Some(sample), Some(wavelengths), Some(rays), Some(weights)) = parts else {
-            return 0;
-        };
-        let found = boundary::float_environment::in_default(|| {
-            if is_ready(handle) { handle.camera().hero_rays(sample, wavelengths) } else { [None; 4] }
-        });
-        let mut count = 0;
-        for ((found, ray), weight) in found.into_iter().zip(rays).zip(weights) {
-            *weight = found.map_or(0.0, |(_, weight)| weight);
-            if let Some((found, _)) = found {
-                *ray = found.into();
-                count += 1;
+        if count == 1 {
+            // SAFETY: the caller's promise, and a wavelength that there is.
+            let (ray, mut weight) = (unsafe { &mut *ray.cast::<WorldRay>() }, 0.0);
+            one.camera().trace_one_at(one.sample, one.wavelength(0), ray, &mut weight);
+            return Ok(one.told(0, weight));
+        }
+        let mut first = 0.0;
+        for begin in (0..count).step_by(FOUR) {
+            let wavelengths = [0, 1, 2, 3].map(|k| one.wavelength((begin + k).min(count - 1)));
+            let found = one.camera().hero_rays(one.sample, &wavelengths);
+            for (k, found) in (begin..count).zip(found) {
+                if let Some((found, _)) = found {
+                    // SAFETY: the caller's promise.
+                    unsafe { *ray.add(k) = found.into() };
+                }
+                let weight = one.told(k, found.map_or(0.0, |(_, weight)| weight));
+                first = if k == 0 { weight } else { first };
             }
         }
-        count
+        Ok(first)
     })
 }
 
-/// Whether rays at a wavelength can be asked for: there is memory for what the first of them builds.
-fn is_ready(handle: &Handle) -> bool {
-    handle.camera().is_ready_for_wavelengths() || boundary::memory::to_build().is_ok()
-}
+/// Wavelengths that are traced side by side.
+const FOUR: usize = 4;
 
-/// One ray with its differentials: the ray of the sample, and those of the same lens and time sample one pixel to the
-/// right and one pixel down, in little more than the time of one. They have the bits that `realistic_generate_ray` gives
-/// for samples at `image_x` + 1 and at `image_y` + 1. `ray->struct_size` must be set.
-///
-/// Returns the weight of the sample's ray, positive. Returns exactly 0, and leaves `ray` as it is, where
-/// `realistic_generate_ray` does, and when `ray->struct_size` is none that this library knows.
-///
-/// # Safety
-/// `camera` is NULL or points to an object of at least 8 bytes that lives during the call;
-/// `sample` and `ray` are NULL or valid, `ray` for its `struct_size` bytes.
+/// One ray with its differentials, in little more than the time of one: the ray of the sample, and those one pixel to the right
+/// and one pixel down, with the bits that `realistic_generate_ray` gives at `image_x` + 1 and at `image_y` + 1. Returns the
+/// weight as it does, for the same `request`; `ray->struct_size` must be set.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_generate_ray_differential(
     camera: *const realistic_camera,
     sample: *const realistic_sample,
+    request: *const realistic_request,
     ray: *mut realistic_ray_differential,
 ) -> f32 {
     // SAFETY: the caller's promise.
     unsafe {
-        differential(camera, sample, ray, |handle, sample, rays| {
-            boundary::float_environment::for_ray(|| handle.camera().trace_neighbours(sample, rays));
-        })
+        if request.is_null() {
+            plain_differential(camera, sample, ray)
+        } else {
+            requested_differential(camera, sample, request, ray)
+        }
     }
 }
 
-/// One ray at a wavelength, nm, with its differentials: the ray of the sample, and those of the same lens and time sample
-/// and the same wavelength one pixel to the right and one pixel down. They have the bits that `realistic_generate_ray_at`
-/// gives for samples at `image_x` + 1 and at `image_y` + 1. `ray->struct_size` must be set.
-///
-/// Returns the weight of the sample's ray, positive. Returns exactly 0, and leaves `ray` as it is, where
-/// `realistic_generate_ray_at` does, and when `ray->struct_size` is none that this library knows.
-///
-/// # Safety
-/// As `realistic_generate_ray_differential`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn realistic_generate_ray_differential_at(
-    camera: *const realistic_camera,
-    sample: *const realistic_sample,
-    wavelength_nm: f32,
-    ray: *mut realistic_ray_differential,
-) -> f32 {
-    // SAFETY: the caller's promise.
-    unsafe {
-        differential(camera, sample, ray, |handle, sample, rays| {
-            boundary::float_environment::in_default(|| {
-                if is_ready(handle) {
-                    handle.camera().trace_neighbours_at(sample, wavelength_nm, rays);
-                }
-            });
-        })
-    }
-}
-
-/// A ray with its differentials, as `trace` makes them: a sample's ray in the first place, then its neighbours.
-///
 /// # Safety
 /// As [`realistic_generate_ray_differential`].
 #[inline(always)]
-unsafe fn differential(
+unsafe fn plain_differential(
     camera: *const realistic_camera,
     sample: *const realistic_sample,
     ray: *mut realistic_ray_differential,
-    trace: impl FnOnce(&Handle, &Sample, &mut RayBlock<4>),
 ) -> f32 {
     boundary::ray(0.0, || {
         if ray.is_null() {
@@ -200,12 +154,114 @@ unsafe fn differential(
         let parts = unsafe { (object::handle_of(camera), sample.cast::<Sample>().as_ref(), &mut *ray) };
         let (Some(handle), Some(sample), ray) = parts else { return 0.0 };
         let mut rays = RayBlock::new();
-        trace(handle, sample, &mut rays);
+        float_environment::for_ray(|| handle.camera().trace_neighbours(sample, &mut rays));
         if rays.weight(0) > 0.0 {
             give(&mut rays, ray);
         }
         rays.weight(0)
     })
+}
+
+/// # Safety
+/// As [`realistic_generate_ray_differential`]; the request is not NULL.
+#[inline(never)]
+unsafe fn requested_differential(
+    camera: *const realistic_camera,
+    sample: *const realistic_sample,
+    request: *const realistic_request,
+    ray: *mut realistic_ray_differential,
+) -> f32 {
+    boundary::value(0.0, || {
+        // SAFETY: the caller's promise.
+        let (one, ray) = unsafe { (OneSample::new(camera, sample, request)?, not_null("ray", ray)?) };
+        // SAFETY: not NULL; the first field is always there.
+        let size = unsafe { (&raw const (*ray).struct_size).read() };
+        check_size("realistic_ray_differential", size, size_of::<realistic_ray_differential>())?;
+        let mut rays = RayBlock::new();
+        let mut first = 0.0;
+        for k in 0..one.at_wavelengths().unwrap_or(1) {
+            match one.at_wavelengths() {
+                Some(_) => one.camera().trace_neighbours_at(one.sample, one.wavelength(k), &mut rays),
+                None => one.camera().trace_neighbours(one.sample, &mut rays),
+            }
+            let weight = one.told(k, rays.weight(0));
+            if weight > 0.0 {
+                // SAFETY: the caller's promise, and the size is right.
+                give(&mut rays, unsafe { &mut *ray.add(k) });
+            }
+            first = if k == 0 { weight } else { first };
+        }
+        Ok(first)
+    })
+}
+
+/// A sample and what is requested of it.
+struct OneSample<'a> {
+    handle: &'a Handle,
+    sample: &'a Sample,
+    per_ray: PerRay,
+}
+
+impl<'a> OneSample<'a> {
+    /// # Safety
+    /// As [`realistic_generate_ray`].
+    #[inline(always)]
+    unsafe fn new(
+        camera: *const realistic_camera,
+        sample: *const realistic_sample,
+        request: *const realistic_request,
+    ) -> Result<Self, Failure> {
+        // SAFETY: the caller's promise for all three.
+        let (handle, sample, request) = unsafe {
+            let handle = object::handle_of(camera).ok_or_else(boundary::not_a_camera)?;
+            let sample = sample.cast::<Sample>().as_ref().ok_or_else(|| boundary::null("sample"))?;
+            (handle, sample, take("realistic_request", "request", request)?)
+        };
+        let per_ray = PerRay::of(&request, handle, 1)?;
+        if per_ray.rays > 1 && !per_ray.weights.is_there() {
+            return Err(boundary::null("request.weight.x"));
+        }
+        Ok(Self { handle, sample, per_ray })
+    }
+
+    #[inline(always)]
+    fn camera(&self) -> &'a crate::camera::Camera {
+        self.handle.camera()
+    }
+
+    /// How many wavelengths are asked for, if any.
+    #[inline(always)]
+    fn at_wavelengths(&self) -> Option<usize> {
+        self.per_ray.wavelengths.is_there().then_some(self.per_ray.rays)
+    }
+
+    #[inline(always)]
+    fn wavelength(&self, k: usize) -> f32 {
+        // SAFETY: the caller's promise in `new`; nobody asks for one beyond the last.
+        unsafe { self.per_ray.wavelengths.get(k) }
+    }
+
+    /// Writes the weight of ray `k`, and its reason, where they are asked for; the weight.
+    #[inline(always)]
+    fn told(&self, k: usize, weight: f32) -> f32 {
+        let PerRay { weights, reasons, .. } = self.per_ray;
+        // SAFETY: the caller's promise in `new`.
+        unsafe {
+            if weights.is_there() {
+                weights.put(k, weight);
+            }
+            reasons.give(k, &[weight], |_| match self.at_wavelengths() {
+                Some(_) => self.handle.reason_at(self.sample, self.wavelength(k)),
+                None => self.handle.reason(self.sample),
+            });
+        }
+        weight
+    }
+}
+
+/// A pointer that must not be NULL.
+fn not_null<T>(name: &str, pointer: *mut T) -> Result<*mut T, Failure> {
+    if pointer.is_null() { Err(boundary::null(name)) } else { Ok(pointer) }
 }
 
 /// Hands out a ray and its neighbours, number by number, as they were written in vectors.
@@ -222,20 +278,4 @@ fn give(rays: &mut RayBlock<4>, to: &mut realistic_ray_differential) {
         (to.ray.d[axis], to.rx_d[axis], to.ry_d[axis]) = (d[0], d[rx], d[ry]);
     }
     (to.ray.mint, to.ray.maxt, to.ray.time) = (first(mint), first(maxt), first(time));
-}
-
-/// [`realistic_generate_ray`] under the name and with the types that the assignment gives it: for
-/// `const Camera *`, `const Sample *` and `Ray *` of a pbrt-v1 host.
-///
-/// # Safety
-/// As [`realistic_generate_ray`].
-#[unsafe(no_mangle)]
-#[allow(non_snake_case)]
-pub unsafe extern "C" fn GenerateRay(
-    camera: *const realistic_camera,
-    sample: *const realistic_sample,
-    ray: *mut realistic_ray,
-) -> f32 {
-    // SAFETY: the caller's promise.
-    unsafe { realistic_generate_ray(camera, sample, ray) }
 }

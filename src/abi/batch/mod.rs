@@ -1,23 +1,10 @@
-//! Many rays in one call, with their differentials or without, at the camera's wavelength or one each: as pbrt's array of
-//! structures, as structure of arrays, and as arrays of any strides. The last two, column by column, are answered in `request`.
+//! Many rays in one call, between arrays of any strides: a caller's request is checked and becomes `Strided` numbers
+//! (`request`), which go straight to lanes where they lie side by side, and block by block where they do not (`answer`).
 
-mod arrays;
-mod blocks;
-mod columns;
-mod differentials;
-mod rays;
+mod answer;
+mod per_ray;
 mod request;
 mod strided;
-mod structures;
-mod wavelengths;
 
-pub use differentials::{
-    realistic_camera_generate_ray_differentials, realistic_camera_generate_ray_differentials_at_soa,
-    realistic_camera_generate_ray_differentials_soa,
-};
-pub use rays::{realistic_camera_generate_rays, realistic_camera_generate_rays_soa};
-pub use strided::realistic_camera_generate_batch;
-pub use wavelengths::{
-    realistic_camera_generate_hero_rays_soa, realistic_camera_generate_rays_at,
-    realistic_camera_generate_rays_at_soa,
-};
+pub(super) use per_ray::PerRay;
+pub use request::realistic_camera_generate_batch;

@@ -13,6 +13,8 @@ use std::cell::RefCell;
 use std::ffi::{CStr, CString};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use crate::message::bounded;
+
 /// How a call of the C ABI ended. The numbers are part of the ABI and never change.
 #[allow(non_camel_case_types)]
 #[repr(i32)]
@@ -114,15 +116,25 @@ pub fn not_a_camera() -> Failure {
     Failure::new(realistic_status::NotACamera, "this is no camera of this library (or it is NULL)")
 }
 
+/// The most bytes that one array can span: 128 TiB, all that a process can address on x86-64, and where addresses have 32
+/// bits half of them.
+pub const ADDRESSABLE: usize = if usize::BITS < 64 { isize::MAX as usize } else { 1 << 47 };
+
 /// Whether `n` elements of so many bytes can lie in memory at all.
 ///
 /// # Errors
 /// They cannot: `n` was never set, or is that of another thing.
 pub fn fits_memory(n: usize, bytes: usize) -> Result<(), Failure> {
-    if n.checked_mul(bytes).is_some_and(|all| isize::try_from(all).is_ok()) {
-        return Ok(());
+    match n.checked_mul(bytes) {
+        Some(all) if all <= ADDRESSABLE => Ok(()),
+        _ => Err(too_many(n, bytes)),
     }
-    Err(Failure::invalid(format!("n is {n}: no memory holds so many elements of {bytes} bytes")))
+}
+
+/// `n` was never set, or is that of another thing.
+#[cold]
+pub fn too_many(n: usize, bytes: usize) -> Failure {
+    Failure::invalid(format!("n is {n}: no memory holds so many elements of {bytes} bytes"))
 }
 
 /// Memory is out.
@@ -194,9 +206,9 @@ pub fn with_last_message<T>(read: impl FnOnce(&CString) -> T) -> Option<T> {
     LAST_MESSAGE.try_with(|last| read(&last.borrow())).ok()
 }
 
-/// Text for C: a NUL inside, where C would stop reading, becomes a space.
+/// A message for C, of bounded length: a NUL inside, where C would stop reading, becomes a space.
 pub fn c_string(text: &str) -> CString {
-    CString::new(text.replace('\0', " ")).unwrap_or_default()
+    CString::new(bounded(text).replace('\0', " ")).unwrap_or_default()
 }
 
 /// The message of a panic. A payload of any other type is leaked: its destructor might
@@ -229,6 +241,13 @@ mod tests {
         assert_eq!(value(3, || panic!("plain")), 3);
         assert!(last().contains("plain"));
         assert_eq!(ray(0.0_f32, || panic!("in a ray")), 0.0);
+    }
+
+    #[test]
+    fn a_message_is_of_bounded_length_whoever_made_it() {
+        let text = format!("lens \"{}\": what to do", "x".repeat(100_000_000));
+        assert_eq!(status(|| Err(Failure::invalid(text.as_str()))), realistic_status::InvalidParameter);
+        assert!(last().len() <= 4005 && last().ends_with("x\": what to do"), "{}", last().len());
     }
 
     #[test]

@@ -16,7 +16,7 @@ use crate::camera::{Aimed, ScenePoint};
 #[derive(Clone, Copy, Debug)]
 #[allow(non_camel_case_types)]
 pub struct realistic_scene_points {
-    /// `sizeof(realistic_scene_points)` of the caller's header.
+    /// `sizeof(realistic_scene_points)`.
     pub struct_size: u32,
     /// x of each point, world space.
     pub x: *const f32,
@@ -24,9 +24,9 @@ pub struct realistic_scene_points {
     pub y: *const f32,
     /// z.
     pub z: *const f32,
-    /// Where in the pupil as the point sees it: two numbers in [0, 1], of which this is the first,
+    /// Where in the pupil as the point sees it: u and v in [0, 1].
     pub u: *const f32,
-    /// and this the second.
+    /// v.
     pub v: *const f32,
     /// When, in the unit of `shutteropen`; may be NULL for the middle of the shutter's interval.
     pub time: *const f32,
@@ -37,7 +37,7 @@ pub struct realistic_scene_points {
 #[derive(Clone, Copy, Debug)]
 #[allow(non_camel_case_types)]
 pub struct realistic_aimed {
-    /// `sizeof(realistic_aimed)` of the caller's header.
+    /// `sizeof(realistic_aimed)`.
     pub struct_size: u32,
     /// x of where the ray meets the front of the lens: what lies between the point and this hides the light.
     pub ox: *mut f32,
@@ -56,19 +56,10 @@ pub struct realistic_aimed {
     pub density: *mut f32,
 }
 
-/// Directions toward the lens from `n` points of the scene, sampled from the pupil as each point sees it, and what a ray
-/// along each counts, as `realistic_camera_importance` has it. For a point that shines with the radiance L along the
-/// direction, at an angle to the normal there with the cosine c, the picture gets importance · L · c / (density · density of
-/// the point) at (image_x, image_y). Most directions count something; where one does not get through to the film its
-/// importance is 0, and that belongs to the mean. The first call of a camera looks at its lens from
-/// everywhere, which takes some tenths of a second.
-///
-/// What is NULL, what overlaps and what fails as in `realistic_camera_importance`. Points that are not in front of the lens,
-/// nearer than `hither`, farther than `yon` or than 1e18 or so, and numbers that are none have no direction.
-///
-/// # Safety
-/// `camera` is NULL or a live camera of this library; `points`, `aimed` and `importance` are NULL or valid, and their arrays
-/// are NULL or have room for `n` elements.
+/// Directions toward the lens from `n` points of the scene, sampled from the pupil as each point sees it, and what a ray along
+/// each counts, as by `realistic_camera_importance`. A point that shines with radiance L at an angle of cosine c to its normal
+/// adds importance · L · c / (density · density of the point) at (image_x, image_y); importance 0 belongs to the mean. Points that
+/// are not in front of the lens between `hither` and `yon` have no direction. A camera's first call takes some tenths of a second.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_camera_sample_importance(
     camera: *const realistic_camera,

@@ -16,7 +16,7 @@ pub(super) const BLOCK: usize = 256;
 #[derive(Clone, Copy, Debug)]
 #[allow(non_camel_case_types)]
 pub struct realistic_importance {
-    /// `sizeof(realistic_importance)` of the caller's header.
+    /// `sizeof(realistic_importance)`.
     pub struct_size: u32,
     /// Raster x, pixels, where the ray reaches the film.
     pub image_x: *mut f32,
@@ -29,9 +29,9 @@ pub struct realistic_importance {
     /// Density of the camera's own rays there, per cosθ dA dω, where samples are spread evenly over the picture, the lens and
     /// time: `importance` is this times the weight of the same ray.
     pub density: *mut f32,
-    /// A density per area on that plane, 1 over the area of the front clear aperture (of the lens of a stock camera), and
+    /// A density per area on that plane: 1 over the area of the front clear aperture (of the lens of a stock camera).
     pub area_density: *mut f32,
-    /// one per solid angle that goes with it: their product is `density` times cosθ.
+    /// The density per solid angle that goes with it: their product is `density` times cosθ.
     pub solid_angle_density: *mut f32,
 }
 

@@ -16,7 +16,7 @@ use crate::camera::{Importance, WorldRay};
 #[derive(Clone, Copy, Debug)]
 #[allow(non_camel_case_types)]
 pub struct realistic_importance_rays {
-    /// `sizeof(realistic_importance_rays)` of the caller's header.
+    /// `sizeof(realistic_importance_rays)`.
     pub struct_size: u32,
     /// x of a point on each ray, before the lens or on its front: where the camera's own rays begin will do.
     pub ox: *const f32,
@@ -34,15 +34,10 @@ pub struct realistic_importance_rays {
     pub time: *const f32,
 }
 
-/// What `n` rays that enter the camera count in its picture. A ray that does not get through the lens to the film, comes
-/// from behind, arrives while the shutter is closed, or has numbers that are none counts 0. One that passes as near an
-/// aperture's edge as its numbers are rounded may count 0 where the camera's own ray passes. The arrays must not overlap;
-/// nothing needs to be aligned. Fails with `REALISTIC_STATUS_INVALID_PARAMETER` for models whose rays have no area:
-/// "perspective" and "orthographic" without `lensradius`, and "environment".
-///
-/// # Safety
-/// `camera` is NULL or a live camera of this library; `rays` and `importance` are NULL or valid, and their arrays are NULL
-/// or have room for `n` elements.
+/// What `n` rays that enter the camera count in its picture: 0 for one that does not get through to the film, comes from behind,
+/// arrives while the shutter is closed, or has numbers that are not finite. One within rounding of an aperture's edge may count
+/// 0 where the camera's own ray passes. `REALISTIC_STATUS_INVALID_PARAMETER` for models whose rays have no area: "perspective"
+/// and "orthographic" without `lensradius`, and "environment".
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_camera_importance(
     camera: *const realistic_camera,

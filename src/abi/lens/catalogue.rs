@@ -8,11 +8,7 @@ use super::super::{
 };
 use crate::prescription::catalogue;
 
-/// Copies the names of the built-in lenses, each of which `specfile` may be, the default's first, a newline between two: see
-/// `realistic_camera_get_lens_name` for `buffer`, `capacity` and `length`.
-///
-/// # Safety
-/// `buffer` has `capacity` writable bytes; `length` is NULL or writable.
+/// Copies the names of the built-in lenses, each of which `specfile` may be: a line each, the default's first.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_catalogue(
     buffer: *mut c_char,

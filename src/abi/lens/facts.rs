@@ -1,6 +1,6 @@
 //! What a lens is: first-order optics, pupils and surfaces.
 
-use std::{ffi::c_char, mem::offset_of};
+use std::ffi::c_char;
 
 use super::{
     super::{
@@ -18,7 +18,7 @@ use crate::prescription::Asphere;
 #[derive(Clone, Copy, Debug)]
 #[allow(non_camel_case_types)]
 pub struct realistic_lens_info {
-    /// `sizeof(realistic_lens_info)` of the caller's header.
+    /// `sizeof(realistic_lens_info)`.
     pub struct_size: u32,
     /// How many surfaces it has, the stop included.
     pub surfaces: u32,
@@ -63,7 +63,7 @@ pub struct realistic_lens_info {
 #[derive(Clone, Copy, Debug)]
 #[allow(non_camel_case_types)]
 pub struct realistic_lens_surface {
-    /// `sizeof(realistic_lens_surface)` of the caller's header.
+    /// `sizeof(realistic_lens_surface)`.
     pub struct_size: u32,
     /// 1 for the aperture stop, else 0.
     pub is_stop: u32,
@@ -89,10 +89,7 @@ pub struct realistic_lens_surface {
     pub aspheric: [f64; 19],
 }
 
-/// Fills `info`, whose `struct_size` the caller has set.
-///
-/// # Safety
-/// `lens` is NULL or a live lens; `info` is NULL or points to a structure of its `struct_size` bytes.
+/// Says what a lens is.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_lens_get_info(
     lens: *const realistic_lens,
@@ -101,7 +98,7 @@ pub unsafe extern "C" fn realistic_lens_get_info(
     // SAFETY: the caller's promise.
     boundary::status(|| unsafe {
         let filled = info_of(opened(lens)?);
-        give("realistic_lens_info", size_of::<realistic_lens_info>(), &filled, "info", info)
+        give("realistic_lens_info", filled, "info", info)
     })
 }
 
@@ -133,13 +130,7 @@ fn info_of(opened: &OpenedLens) -> realistic_lens_info {
     }
 }
 
-/// Bytes of the first version of `realistic_lens_surface`.
-const FIRST_SURFACE_SIZE: usize = offset_of!(realistic_lens_surface, conic_radius_mm);
-
-/// Fills `surface`, whose `struct_size` the caller has set, with surface `number`, counted from 0 at the scene side.
-///
-/// # Safety
-/// `lens` is NULL or a live lens; `surface` is NULL or points to a structure of its `struct_size` bytes.
+/// Describes surface `number`, counted from 0 at the scene side.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_lens_get_surface(
     lens: *const realistic_lens,
@@ -171,14 +162,11 @@ pub unsafe extern "C" fn realistic_lens_get_surface(
             aspheric: figure.terms,
         };
         // SAFETY: the caller's promise.
-        unsafe { give("realistic_lens_surface", FIRST_SURFACE_SIZE, &filled, "surface", surface) }
+        unsafe { give("realistic_lens_surface", filled, "surface", surface) }
     })
 }
 
-/// Copies the lens's name: see `realistic_camera_get_lens_name` for `buffer`, `capacity` and `length`.
-///
-/// # Safety
-/// `lens` is NULL or a live lens; `buffer` has `capacity` writable bytes; `length` is NULL or writable.
+/// Copies the name of a lens.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_lens_get_name(
     lens: *const realistic_lens,

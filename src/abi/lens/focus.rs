@@ -9,9 +9,6 @@ use crate::{camera::CameraError, imaging::focus::Focus};
 /// The film distance, from the last vertex in mm, at which a point on the axis `object_distance_mm` in front of the **film**
 /// is sharpest: where its bundle of exact rays at the lens's stop and wavelength has the smallest RMS spot. Infinity is a
 /// distance. `REALISTIC_STATUS_UNREACHABLE_FOCUS`, and in the message the nearest distance, where the lens cannot.
-///
-/// # Safety
-/// `lens` is NULL or a live lens; `film_distance_mm` is NULL or writable.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_lens_focus(
     lens: *const realistic_lens,
@@ -30,9 +27,6 @@ pub unsafe extern "C" fn realistic_lens_focus(
 
 /// The distance from the film, mm along the axis, of what film `film_distance_mm` behind the last vertex shows sharp;
 /// infinity for what lies there or, NaN, where nothing in front of the lens is in focus.
-///
-/// # Safety
-/// `lens` is NULL or a live lens; `object_distance_mm` is NULL or writable.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_lens_focused_on(
     lens: *const realistic_lens,

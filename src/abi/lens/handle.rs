@@ -3,7 +3,7 @@
 use super::super::{
     boundary::{self, Failure, realistic_status},
     camera::construct,
-    types::realistic_options,
+    options::realistic_options,
 };
 use crate::{
     camera::{Parameters, open_lens},
@@ -17,7 +17,7 @@ use crate::{
     trace::{Direction, Path, kernel::Kernel},
 };
 
-/// A lens at one wavelength and stop. Opaque to C. Immutable once built: any number of threads may use it.
+/// A lens at one wavelength and stop. Immutable once built: any number of threads may use it.
 // Not `repr(C)`, so that the header only declares it.
 #[allow(non_camel_case_types)]
 pub struct realistic_lens {
@@ -86,15 +86,9 @@ struct Tagged {
     lens: OpenedLens,
 }
 
-/// Opens a lens: the one that `specfile` names or `lens_text` describes, at `wavelength`, `zoom` and the stop of
-/// `aperture_diameter` or `fnumber`, as for a camera; `log` receives warnings. `xres`, `yres` and `camera_to_world` are not
-/// looked at, and any other parameter that is given is refused, for it would change nothing. On success `*out` is the
-/// lens, to be freed by `realistic_lens_free`; on failure `*out` is untouched and `realistic_last_error` says what to
-/// change.
-///
-/// # Safety
-/// `options` is NULL or points to a structure of its `struct_size` bytes whose pointers are NULL or
-/// valid; `out` is NULL or writable.
+/// Opens a lens, to be freed by `realistic_lens_free`: the one that `specfile` names or `lens_text` describes, at
+/// `wavelength`, `zoom` and the stop of `aperture_diameter` or `fnumber`, as for a camera. `xres`, `yres` and the transforms are
+/// not read; any other parameter that is given is refused, for it would change nothing.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_lens_new(
     options: *const realistic_options,
@@ -124,10 +118,7 @@ fn only_of_a_lens(parameters: &Parameters) -> Result<(), Failure> {
     }
 }
 
-/// Frees a lens. NULL is fine.
-///
-/// # Safety
-/// `lens` is NULL or a lens of `realistic_lens_new` that nobody uses any more.
+/// Frees a lens.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_lens_free(lens: *mut realistic_lens) {
     boundary::value((), || {

@@ -2,12 +2,11 @@
 
 use super::{
     super::{
-        boundary::{self, Failure, fits_memory, realistic_status},
+        boundary::{Failure, fits_memory},
         exchange::{required_arrays, take},
         types::realistic_reason,
     },
-    handle::{Way, opened, realistic_lens},
-    trace::{arrays, realistic_lens_rays, way},
+    handle::Way,
 };
 use crate::{lens::Ray, trace::Direction};
 
@@ -18,7 +17,7 @@ use crate::{lens::Ray, trace::Direction};
 #[derive(Clone, Copy, Debug)]
 #[allow(non_camel_case_types)]
 pub struct realistic_lens_points {
-    /// `sizeof(realistic_lens_points)` of the caller's header.
+    /// `sizeof(realistic_lens_points)`.
     pub struct_size: u32,
     /// x of the points.
     pub x: *mut f64,
@@ -30,49 +29,55 @@ pub struct realistic_lens_points {
     pub met: *mut u32,
 }
 
-/// As `realistic_lens_trace`, surface by surface and one ray after another, with the points on the way. It is the slower of
-/// the two; their rays agree but for rounding, and where that decides at the very edge of an aperture.
-///
-/// # Safety
-/// `lens` is NULL or a live lens; `rays` and `points` are NULL or valid; the arrays of `rays` are NULL or have room for `n`
-/// elements, as `points.met`, and those of `points` for `n` times the lens's surfaces.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn realistic_lens_trace_points(
-    lens: *const realistic_lens,
-    from: i32,
-    n: usize,
-    rays: *const realistic_lens_rays,
-    points: *const realistic_lens_points,
-) -> realistic_status {
-    boundary::status(|| {
-        // SAFETY: the caller's promise.
-        let (opened, rays, points) = unsafe {
-            (
-                opened(lens)?,
-                take("realistic_lens_rays", "rays", rays)?,
-                take("realistic_lens_points", "points", points)?,
-            )
-        };
-        let way = way(opened, from)?;
-        let surfaces = opened.lens.surfaces.len();
-        fits_memory(n, surfaces * size_of::<f64>())?;
-        if n == 0 {
-            return Ok(());
-        }
-        let (arrays, room) = (arrays(&rays)?, point_arrays(&points)?);
-        for i in 0..n {
-            // SAFETY: the caller's promise.
-            unsafe { one(way, arrays.map(|array| array.add(i)), rays.reason, points.met, i, room, surfaces) };
-        }
-        Ok(())
-    })
+/// Room for the points of rays.
+pub(super) struct Places {
+    /// Coordinates of the points.
+    room: [*mut f64; 3],
+    met: *mut u32,
+    surfaces: usize,
 }
 
-/// Coordinates of the points, none of them NULL.
-fn point_arrays(points: &realistic_lens_points) -> Result<[*mut f64; 3], Failure> {
-    let arrays = [points.x, points.y, points.z];
-    required_arrays("points", ["x", "y", "z"], arrays.map(|array| array.cast_const()))?;
-    Ok(arrays)
+impl Places {
+    /// That of a caller, if there is any.
+    ///
+    /// # Safety
+    /// `points` is NULL or points to a structure of its `struct_size` bytes.
+    pub(super) unsafe fn of(
+        points: *const realistic_lens_points,
+        n: usize,
+        surfaces: usize,
+    ) -> Result<Option<Self>, Failure> {
+        if points.is_null() {
+            return Ok(None);
+        }
+        // SAFETY: the caller's promise.
+        let realistic_lens_points { x, y, z, met, .. } =
+            unsafe { take("realistic_lens_points", "points", points)? };
+        fits_memory(n, surfaces * size_of::<f64>())?;
+        let room = [x, y, z];
+        if n > 0 {
+            required_arrays("points", ["x", "y", "z"], room.map(|array| array.cast_const()))?;
+        }
+        Ok(Some(Self { room, met, surfaces }))
+    }
+
+    /// Takes `n` rays through the lens, one after another.
+    ///
+    /// # Safety
+    /// `arrays` have room for `n` elements; `reasons` and `met` are NULL or have, and `room` for `n` times `surfaces`.
+    pub(super) unsafe fn walk(
+        &self,
+        way: &Way,
+        n: usize,
+        arrays: [*mut f64; 6],
+        reasons: *mut realistic_reason,
+    ) {
+        let Self { room, met, surfaces } = *self;
+        for i in 0..n {
+            // SAFETY: the caller's promise.
+            unsafe { one(way, arrays.map(|array| array.add(i)), reasons, met, i, room, surfaces) };
+        }
+    }
 }
 
 /// Takes ray `i` through the lens.

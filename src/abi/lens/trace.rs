@@ -7,6 +7,7 @@ use super::{
         types::realistic_reason,
     },
     handle::{OpenedLens, Way, opened, realistic_lens},
+    points::{Places, realistic_lens_points},
 };
 use crate::{
     lens::Ray,
@@ -29,7 +30,7 @@ pub enum realistic_side {
 #[derive(Clone, Copy, Debug)]
 #[allow(non_camel_case_types)]
 pub struct realistic_lens_rays {
-    /// `sizeof(realistic_lens_rays)` of the caller's header.
+    /// `sizeof(realistic_lens_rays)`.
     pub struct_size: u32,
     /// x of a point on each ray.
     pub ox: *mut f64,
@@ -51,36 +52,44 @@ pub struct realistic_lens_rays {
 const BLOCK: usize = 256;
 
 /// Takes `n` rays through the lens from side `from` (`realistic_side`) and puts in their place the points where they leave
-/// the last surface and their unit directions there. A blocked ray ends on the last surface that it met, with the
-/// direction behind it, or, where it met none, stays as it was but for the length of its direction; `reason` says why. A
-/// start may lie anywhere before the lens. Numbers that are not finite, or a direction of length 0, count as
-/// `REALISTIC_REASON_MISSED`, and such a ray stays as it was. The arrays must not overlap; nothing needs to be aligned.
+/// the last surface and their unit directions there. A blocked ray ends on the last surface that it met, with the direction
+/// behind it, or, where it met none, stays as it was but for the length of its direction. A start may lie anywhere before the
+/// lens. Numbers that are not finite, or a direction of length 0, count as `REALISTIC_REASON_MISSED`; such a ray stays.
 ///
-/// # Safety
-/// `lens` is NULL or a live lens; `rays` is NULL or valid, and its arrays are NULL or have room for `n` elements.
+/// `points` is NULL, or asks where the rays meet each surface. Rays then go one after another, which is slower; they agree
+/// with those without points but for rounding, and where that decides at the very edge of an aperture.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_lens_trace(
     lens: *const realistic_lens,
     from: i32,
     n: usize,
     rays: *const realistic_lens_rays,
+    points: *const realistic_lens_points,
 ) -> realistic_status {
     boundary::status(|| {
         // SAFETY: the caller's promise.
         let (opened, rays) = unsafe { (opened(lens)?, take("realistic_lens_rays", "rays", rays)?) };
         let way = way(opened, from)?;
         fits_memory(n, size_of::<f64>())?;
+        // SAFETY: the caller's promise.
+        let places = unsafe { Places::of(points, n, opened.lens.surfaces.len())? };
         if n == 0 {
             return Ok(());
         }
+        let arrays = arrays(&rays)?;
         // SAFETY: the caller's promise.
-        unsafe { in_blocks(way, n, arrays(&rays)?, rays.reason) };
+        unsafe {
+            match places {
+                None => in_blocks(way, n, arrays, rays.reason),
+                Some(places) => places.walk(way, n, arrays, rays.reason),
+            }
+        }
         Ok(())
     })
 }
 
 /// The lens made ready for rays that come from side `from`.
-pub(super) fn way(opened: &OpenedLens, from: i32) -> Result<&Way, Failure> {
+fn way(opened: &OpenedLens, from: i32) -> Result<&Way, Failure> {
     let way = usize::try_from(from).ok().and_then(|side| opened.ways.get(side));
     way.ok_or_else(|| {
         Failure::invalid(format!("from is {from}; rays come from 0 (the film's side) or 1 (the scene's)"))
@@ -88,7 +97,7 @@ pub(super) fn way(opened: &OpenedLens, from: i32) -> Result<&Way, Failure> {
 }
 
 /// A point on each ray and its direction, by coordinates, of which none is NULL.
-pub(super) fn arrays(rays: &realistic_lens_rays) -> Result<[*mut f64; 6], Failure> {
+fn arrays(rays: &realistic_lens_rays) -> Result<[*mut f64; 6], Failure> {
     let arrays = [rays.ox, rays.oy, rays.oz, rays.dx, rays.dy, rays.dz];
     required_arrays("rays", ["ox", "oy", "oz", "dx", "dy", "dz"], arrays.map(|array| array.cast_const()))?;
     Ok(arrays)

@@ -12,7 +12,10 @@ use super::boundary::{self, Failure, memory, realistic_status};
 use super::object::{self, Handle, HostPart};
 use super::types::realistic_camera;
 use super::{library, options};
-use crate::camera::{CameraError, CameraToWorld, Host, Kind, Level, Model, PARAMETERS, Parameters, Value};
+use crate::camera::{
+    CameraError, CameraToWorld, Host, Kind, Level, Model, PARAMETERS, ParameterError, Parameters, Value,
+};
+use crate::message::bounded;
 use shim::{FindError, Given, HostKind, ParamSet};
 
 /// What a pbrt-v1 host calls to make a camera: takes the host's `const ParamSet &`,
@@ -35,8 +38,8 @@ pub unsafe extern "C" fn CreateCamera(
     // SAFETY: the caller's promise.
     boundary::catch(|| unsafe { create(params, world2cam, film) }).unwrap_or_else(|failure| {
         boundary::remember(&failure);
-        // Told line by line: the host prints each with its own prefix.
-        for line in failure.message.lines() {
+        // Line by line: the host prints each with its own prefix.
+        for line in bounded(&failure.message).lines() {
             say(Level::Error, line);
         }
         null_mut()
@@ -49,6 +52,10 @@ const NOT_SEEN: &str = " (a scene's SearchPath cannot be seen from a plugin)";
 /// A camera cannot tell a pbrt-v1 host what to render: its film does, and asks for samples of those pixels alone.
 const CROP: &str = "\"crop\" is not used by pbrt, whose film says what to render: give it \"float cropwindow\" [x-from \
                     x-to y-from y-to], parts of the picture from 0 to 1";
+
+/// Some course scenes give it to a host that has autofocus.
+const AF_ZONES: &str = "\"af_zones\" is not used: this host offers no autofocus; give \"focusdistance\" (world units \
+                        from the film) or \"filmdistance\" (mm)";
 
 /// # Safety
 /// As [`CreateCamera`].
@@ -68,19 +75,25 @@ unsafe fn create(
         )
     };
     let mut parameters = read_parameters(&params)?;
-    for hint in names::misspelt(&params.text().unwrap_or_default()) {
-        say(Level::Warning, &hint);
+    for name in names::misspelt(&params.text().unwrap_or_default()) {
+        // Looked up, it counts as used, and the host does not warn of it a second time.
+        if !given(&params, name)?.is_empty() {
+            say(Level::Warning, &Parameters::unknown(name).to_string());
+        }
     }
     if parameters.crop.is_some() {
         say(Level::Warning, CROP);
+    }
+    if params.find("af_zones", HostKind::String).map_err(no_look_up)?.is_some() {
+        say(Level::Warning, AF_ZONES);
     }
     if parameters.model.is_none() {
         parameters.model = library::plugin_path().as_deref().and_then(model_named);
     }
     let (xres, yres) = resolution;
     let mut host = Host::new(options::raster(xres, yres)?, library::plugin_directory());
-    let to_world = CameraToWorld::from_rows(&transform.inverse).map_err(CameraError::from)?;
-    host.to_world = to_world.into();
+    let to_world = CameraToWorld::from_rows_and_inverse(&transform.inverse, &transform.matrix);
+    host.to_world = to_world.map_err(CameraError::from)?.into();
     host.can_redraw = false;
     let scene = shim::scene_file();
     host.search = host.search.first(scene.as_deref().and_then(Path::parent)).without(NOT_SEEN);
@@ -115,49 +128,69 @@ fn read_parameters(params: &ParamSet<'_>) -> Result<Parameters, Failure> {
     if complaints.is_empty() { Ok(parameters) } else { Err(Failure::invalid(complaints.join("\n"))) }
 }
 
-/// Reads one name. The outer error ends the whole reading; the inner one is about this
-/// parameter only.
+/// Reads one name. The outer error ends the whole reading; the inner one is about this parameter only.
+///
+/// The host keeps one set per kind and finds nothing under another, so each is asked. What has one meaning only is taken:
+/// an integer for a number, and a string as the command line gives one (`--param NAME=TEXT`).
 fn read_one(
     params: &ParamSet<'_>,
     name: &'static str,
     kind: Kind,
     parameters: &mut Parameters,
 ) -> Result<Result<(), String>, Failure> {
-    let wanted = match kind {
+    let values = match given(params, name)?[..] {
+        [] => return Ok(Ok(())),
+        [(_, values)] => values,
+        [(first, _), (second, _), ..] => {
+            let [first, second] = [first, second].map(HostKind::word);
+            return Ok(Err(format!(
+                "parameter \"{name}\" is given as \"{first}\" and as \"{second}\"; give one of them"
+            )));
+        }
+    };
+    let is_four = kind == Kind::Four && matches!(values, Given::Floats(_) | Given::Integers(_));
+    let (takes, in_words) = if is_four { (4, "four") } else { (1, "one") };
+    if values.count() != takes {
+        let count = values.count();
+        return Ok(Err(format!("parameter \"{name}\" is given {count} values; it takes {in_words}")));
+    }
+    let set = match values {
+        Given::Floats(&[x0, x1, y0, y1]) => {
+            parameters.set(name, Value::Four([x0, x1, y0, y1].map(as_written)))
+        }
+        Given::Integers(&[x0, x1, y0, y1]) => {
+            parameters.set(name, Value::Four([x0, x1, y0, y1].map(f64::from)))
+        }
+        Given::Floats(numbers) => parameters.set(name, Value::Float(as_written(numbers[0]))),
+        Given::Integers(numbers) => parameters.set(name, Value::Float(numbers[0].into())),
+        Given::Bools(_, truth) => parameters.set(name, Value::Bool(truth)),
+        Given::Strings(_, bytes) => match std::str::from_utf8(bytes) {
+            Ok(text) => parameters.set_from_text(name, text),
+            Err(_) => return Ok(Err(format!("parameter \"{name}\" is not UTF-8 text"))),
+        },
+    };
+    Ok(set.map_err(|error| match error {
+        ParameterError::Kind { .. } => format!("{error}; write \"{} {name}\"", host_kind(kind).word()),
+        error => error.to_string(),
+    }))
+}
+
+/// What the host has under a name, with the kind of each.
+fn given<'a>(params: &ParamSet<'a>, name: &str) -> Result<Vec<(HostKind, Given<'a>)>, Failure> {
+    let mut found = Vec::new();
+    for kind in HostKind::ALL {
+        found.extend(params.find(name, kind).map_err(no_look_up)?.map(|values| (kind, values)));
+    }
+    Ok(found)
+}
+
+/// How a scene file spells a kind of ours.
+fn host_kind(kind: Kind) -> HostKind {
+    match kind {
         Kind::Float | Kind::Four => HostKind::Float,
         Kind::Text => HostKind::String,
         Kind::Bool => HostKind::Bool,
-    };
-    // The host keeps one set per kind and finds nothing under another: a parameter of the
-    // wrong kind would silently keep its default.
-    for other in HostKind::ALL.into_iter().filter(|&other| other != wanted) {
-        if params.find(name, other).map_err(no_look_up)?.is_some() {
-            return Ok(Err(format!(
-                "parameter \"{name}\" is given as \"{}\"; write \"{} {name}\"",
-                other.word(),
-                wanted.word()
-            )));
-        }
     }
-    let Some(given) = params.find(name, wanted).map_err(no_look_up)? else {
-        return Ok(Ok(()));
-    };
-    let (takes, in_words) = if kind == Kind::Four { (4, "four") } else { (1, "one") };
-    if given.count() != takes {
-        let count = given.count();
-        return Ok(Err(format!("parameter \"{name}\" is given {count} values; it takes {in_words}")));
-    }
-    let value = match given {
-        Given::Floats(&[x0, x1, y0, y1]) => Value::Four([x0, x1, y0, y1].map(as_written)),
-        Given::Floats(values) => Value::Float(as_written(values[0])),
-        Given::Bools(_, truth) => Value::Bool(truth),
-        Given::Strings(_, bytes) => match std::str::from_utf8(bytes) {
-            Ok(text) => Value::Text(text),
-            Err(_) => return Ok(Err(format!("parameter \"{name}\" is not UTF-8 text"))),
-        },
-        Given::Integers(_) => unreachable!("no parameter is looked up as an integer"),
-    };
-    Ok(parameters.set(name, value).map_err(|error| error.to_string()))
 }
 
 /// The number that the scene's author wrote: a host keeps floats, and 35.1 as a float is

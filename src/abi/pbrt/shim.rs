@@ -16,6 +16,7 @@ struct RawFound {
     count: i32,
     boolean: i32,
     floats: *const f32,
+    integers: *const i32,
     text: *const c_char,
     text_size: usize,
 }
@@ -115,8 +116,8 @@ impl HostKind {
 pub enum Given<'a> {
     /// The floats.
     Floats(&'a [f32]),
-    /// How many integers there are.
-    Integers(usize),
+    /// The integers.
+    Integers(&'a [i32]),
     /// The booleans: how many there are, and the first.
     Bools(usize, bool),
     /// The strings: how many there are, and the bytes of the first.
@@ -128,7 +129,8 @@ impl Given<'_> {
     pub fn count(&self) -> usize {
         match *self {
             Self::Floats(values) => values.len(),
-            Self::Integers(count) | Self::Bools(count, _) | Self::Strings(count, _) => count,
+            Self::Integers(values) => values.len(),
+            Self::Bools(count, _) | Self::Strings(count, _) => count,
         }
     }
 }
@@ -169,7 +171,8 @@ impl<'a> ParamSet<'a> {
             HostKind::Bool => BOOL,
             HostKind::String => STRING,
         };
-        let mut found = RawFound { count: 0, boolean: 0, floats: null(), text: null(), text_size: 0 };
+        let mut found =
+            RawFound { count: 0, boolean: 0, floats: null(), integers: null(), text: null(), text_size: 0 };
         // SAFETY: the set is valid by `new`'s promise; the name is read during the call.
         let result = unsafe {
             realistic_shim_find(self.pointer.as_ptr(), number, name.as_ptr().cast(), name.len(), &mut found)
@@ -185,7 +188,8 @@ impl<'a> ParamSet<'a> {
             // SAFETY: when something is found the host's array has `count` floats, and
             // they live as long as the set.
             HostKind::Float => Given::Floats(unsafe { slice_of(found.floats, count) }),
-            HostKind::Integer => Given::Integers(count),
+            // SAFETY: as above, of integers.
+            HostKind::Integer => Given::Integers(unsafe { slice_of(found.integers, count) }),
             HostKind::Bool => Given::Bools(count, found.boolean != 0),
             // SAFETY: the first string has `text_size` bytes, and lives as long as the
             // set; both are zero when there is no first string.

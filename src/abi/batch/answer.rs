@@ -1,0 +1,340 @@
+//! A checked request answered: straight between the caller's arrays where all numbers of an array lie side by side, block
+//! by block through arrays of our own where they do not.
+
+use std::{array, mem::MaybeUninit, slice};
+
+use super::{
+    per_ray::PerRay,
+    strided::{FOUR, Strided, are_row, read, write},
+};
+use crate::{
+    abi::object::Handle,
+    camera::{NeighbourArrays, RayArrays, Sample, SampleArrays, WorldRay},
+};
+
+/// Samples that are copied at once: with their rays and neighbours half of a first cache of 32 KiB.
+const BLOCK: usize = 128;
+
+/// Samples, and room for what becomes of them.
+pub(super) struct Batch<'a> {
+    pub handle: &'a Handle,
+    /// Image x and y, lens u and v, time. All but the time are there.
+    pub samples: [Strided; 5],
+    /// Origin, direction, where each ray begins and ends, time. Range and time may be left out.
+    pub numbers: [Strided; 9],
+    /// Origin, direction and weight of the rays one pixel to the right, and one pixel down.
+    pub neighbours: Option<[[Strided; 7]; 2]>,
+    /// With weights.
+    pub per_ray: PerRay,
+}
+
+impl Batch<'_> {
+    /// Writes what becomes of the samples, of which there is one or more.
+    ///
+    /// # Safety
+    /// The numbers that are there are there for each sample, and room for each ray, which nothing else refers to.
+    #[inline(always)]
+    pub unsafe fn answer(&self) {
+        // SAFETY: the caller's promise.
+        unsafe {
+            if self.per_ray.rays == 1 && !self.per_ray.wavelengths.is_there() && self.neighbours.is_none() {
+                self.one();
+            } else {
+                self.many();
+            }
+        }
+    }
+
+    /// One sample, as a call of its own.
+    ///
+    /// # Safety
+    /// As [`Batch::answer`].
+    #[inline(always)]
+    unsafe fn one(&self) {
+        let [origin, ..] = self.numbers;
+        let mut weight = 0.0;
+        // SAFETY: the caller's promise. Rows of numbers are laid out as the structures are.
+        unsafe {
+            let sample = self.sample(0);
+            if are_row(&self.numbers) && origin.is_aligned() {
+                let ray = &mut *origin.at(0).cast::<WorldRay>();
+                self.handle.camera().trace_one(&sample, ray, &mut weight);
+            } else {
+                let mut ray = WorldRay::default();
+                self.handle.camera().trace_one(&sample, &mut ray, &mut weight);
+                if weight > 0.0 {
+                    self.put(&ray);
+                }
+            }
+            self.per_ray.weights.put(0, weight);
+            self.per_ray.reasons.give(0, &[weight], |_| self.handle.reason(&sample));
+        }
+    }
+
+    /// Writes the only ray: number by number, as they were just written, for a wider load would wait for them.
+    ///
+    /// # Safety
+    /// As [`Batch::answer`].
+    unsafe fn put(&self, ray: &WorldRay) {
+        let WorldRay { origin: [ox, oy, oz], direction: [dx, dy, dz], mint, maxt, time } = ray;
+        for (to, number) in self.numbers.iter().zip([ox, oy, oz, dx, dy, dz, mint, maxt, time]) {
+            if to.is_there() {
+                // SAFETY: the caller's promise, and a reference to a number that there is.
+                unsafe { to.put(0, (&raw const *number).read_volatile()) };
+            }
+        }
+    }
+
+    /// The sample with this number.
+    ///
+    /// # Safety
+    /// There is one.
+    #[inline(always)]
+    unsafe fn sample(&self, i: usize) -> Sample {
+        let [x, y, u, v, time] = self.samples;
+        // SAFETY: the caller's promise.
+        unsafe {
+            let time = if time.is_there() { time.get(i) } else { 0.0 };
+            Sample { image_x: x.get(i), image_y: y.get(i), lens_u: u.get(i), lens_v: v.get(i), time }
+        }
+    }
+
+    /// # Safety
+    /// As [`Batch::answer`].
+    unsafe fn many(&self) {
+        let PerRay { rays, per_sample, wavelengths, weights, reasons } = self.per_ray;
+        let camera = self.handle.camera();
+        let all_rays =
+            || self.numbers.iter().chain([&weights]).chain(self.neighbours.iter().flatten().flatten());
+        let are_slices = per_sample == 1
+            && self
+                .samples
+                .iter()
+                .chain([&wavelengths])
+                .all(|numbers| numbers.is_slice() || !numbers.is_there())
+            && self.samples[4].is_there()
+            && all_rays().all(|numbers| numbers.is_slice() || !numbers.is_there());
+        let block = if are_slices { rays } else { BLOCK.min(rays) };
+        let copied = if are_slices { 0 } else { block };
+        let range = camera.range();
+        let [mint, maxt] = range.unwrap_or_default();
+        let (mut asked, mut found, mut beside) = (Copies::EMPTY, Copies::EMPTY, [Copies::EMPTY; 2]);
+        asked.set_all(copied, [0.0; 6]);
+        found.set_all(copied, [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, mint, maxt, 0.0, 0.0]);
+        if self.neighbours.is_some() {
+            beside.iter_mut().for_each(|copies| copies.set_all(copied, [0.0; 7]));
+        }
+        for first in (0..rays).step_by(block) {
+            let count = block.min(rays - first);
+            // SAFETY: the caller's promise; copies have as many numbers.
+            unsafe {
+                let (samples, at) = self.asked(first, count, &mut asked);
+                let mut to = self.found(first, count, &mut found, range.is_some());
+                match (&self.neighbours, at) {
+                    (Some([rx, ry]), at) => {
+                        let [copies_x, copies_y] = &mut beside;
+                        let mut rx = neighbours(rx, first, count, copies_x);
+                        let mut ry = neighbours(ry, first, count, copies_y);
+                        match at {
+                            Some(at) => camera.ray_differentials_at(&samples, at, &mut to, &mut rx, &mut ry),
+                            None => camera.ray_differentials(&samples, &mut to, &mut rx, &mut ry),
+                        }
+                    }
+                    (None, Some(at)) => camera.rays_at(&samples, at, &mut to),
+                    (None, None) => camera.rays(&samples, &mut to),
+                }
+                let passed = self.write(first, count, &found, &beside);
+                reasons.give(first, passed, |i| match at {
+                    Some(at) => self.handle.reason_at(&samples.get(i), at[i]),
+                    None => self.handle.reason(&samples.get(i)),
+                });
+            }
+        }
+    }
+
+    /// The samples and wavelengths of `count` rays from number `first` on: the caller's slices, or copies.
+    ///
+    /// # Safety
+    /// As [`Batch::answer`], and there are as many copies unless all are slices.
+    #[inline(always)]
+    unsafe fn asked<'s>(
+        &self,
+        first: usize,
+        count: usize,
+        copies: &'s mut Copies<6>,
+    ) -> (SampleArrays<'s>, Option<&'s [f32]>) {
+        let PerRay { per_sample, wavelengths, .. } = self.per_ray;
+        let [x, y, u, v, time] = self.samples;
+        let [to_x, to_y, to_u, to_v, to_time, to_wavelengths] = copies.arrays_mut(count);
+        // SAFETY: the caller's promise.
+        unsafe {
+            match time.is_there() {
+                true => read(&self.samples, per_sample, first, [to_x, to_y, to_u, to_v, to_time]),
+                // The copies are 0.
+                false => read(&[x, y, u, v], per_sample, first, [to_x, to_y, to_u, to_v]),
+            }
+            if wavelengths.is_there() {
+                read(&[wavelengths], 1, first, [to_wavelengths]);
+            }
+            let copies = copies.arrays(count);
+            let lent = |numbers: Strided, copy: &'s [f32], shared_by: usize| {
+                if numbers.is_slice() && numbers.is_there() && shared_by == 1 {
+                    numbers.slice(first, count)
+                } else {
+                    copy
+                }
+            };
+            let [image_x, image_y, lens_u, lens_v, time] =
+                array::from_fn(|k| lent(self.samples[k], copies[k], per_sample));
+            let at = wavelengths.is_there().then(|| lent(wavelengths, copies[5], 1));
+            (SampleArrays { image_x, image_y, lens_u, lens_v, time }, at)
+        }
+    }
+
+    /// Room for `count` rays from number `first` on: the caller's slices, or copies, in which the range of all rays stands
+    /// already if they have one.
+    ///
+    /// # Safety
+    /// As [`Batch::asked`].
+    #[inline(always)]
+    unsafe fn found<'s>(
+        &self,
+        first: usize,
+        count: usize,
+        copies: &'s mut Copies<10>,
+        has_one_range: bool,
+    ) -> RayArrays<'s> {
+        let mut copies = copies.arrays_mut(count).into_iter();
+        // SAFETY: the caller's promise.
+        let mut lent = |numbers: Strided| unsafe { numbers.lent(first, count, copies.next()) };
+        let [ox, oy, oz, dx, dy, dz, mint, maxt, time] = self.numbers.map(&mut lent);
+        let weight = lent(self.per_ray.weights);
+        let [mint, maxt, time] = [(6, mint), (7, maxt), (8, time)].map(|(k, array)| {
+            let numbers = self.numbers[k];
+            let is_set = k < 8 && has_one_range && !numbers.is_slice();
+            (numbers.is_there() && !is_set).then_some(array)
+        });
+        RayArrays { origin: [ox, oy, oz], direction: [dx, dy, dz], mint, maxt, time, weight }
+    }
+
+    /// Copies to the caller what is not written there yet; the weights.
+    ///
+    /// # Safety
+    /// As [`Batch::asked`].
+    #[inline(always)]
+    unsafe fn write<'s>(
+        &self,
+        first: usize,
+        count: usize,
+        found: &'s Copies<10>,
+        beside: &[Copies<7>; 2],
+    ) -> &'s [f32] {
+        let found = found.arrays(count);
+        // SAFETY: the caller's promise.
+        unsafe {
+            let weights = self.per_ray.weights.filled(first, count, found[9]);
+            write(&self.numbers, first, &found[..9], weights);
+            for (neighbours, found) in self.neighbours.iter().flatten().zip(beside) {
+                let found = found.arrays(count);
+                write(&neighbours[..6], first, &found[..6], weights);
+                neighbours[6].filled(first, count, found[6]);
+            }
+            weights
+        }
+    }
+}
+
+/// Room for `count` neighbours from number `first` on: the caller's slices, or copies.
+///
+/// # Safety
+/// As [`Batch::asked`].
+#[inline(always)]
+unsafe fn neighbours<'s>(
+    numbers: &[Strided; 7],
+    first: usize,
+    count: usize,
+    copies: &'s mut Copies<7>,
+) -> NeighbourArrays<'s> {
+    let mut copies = copies.arrays_mut(count).into_iter();
+    // SAFETY: the caller's promise.
+    let [ox, oy, oz, dx, dy, dz, weight] =
+        numbers.map(|numbers| unsafe { numbers.lent(first, count, copies.next()) });
+    NeighbourArrays { origin: [ox, oy, oz], direction: [dx, dy, dz], weight }
+}
+
+impl Strided {
+    #[inline(always)]
+    fn is_aligned(self) -> bool {
+        self.at(0).is_aligned()
+    }
+
+    /// Room for `count` numbers from number `first` on: the caller's where it is a slice, else the copies.
+    ///
+    /// # Safety
+    /// As [`Batch::asked`].
+    #[inline(always)]
+    unsafe fn lent(self, first: usize, count: usize, copies: Option<&mut [f32]>) -> &mut [f32] {
+        if self.is_slice() && self.is_there() {
+            // SAFETY: the caller's promise.
+            unsafe { self.slice_mut(first, count) }
+        } else {
+            copies.unwrap_or_default()
+        }
+    }
+
+    /// Writes all of `count` numbers from number `first` on, unless they are in their place; they themselves.
+    ///
+    /// # Safety
+    /// As [`Batch::asked`].
+    #[inline(always)]
+    unsafe fn filled(self, first: usize, count: usize, copies: &[f32]) -> &[f32] {
+        // SAFETY: the caller's promise.
+        unsafe {
+            if self.is_slice() {
+                return self.slice(first, count);
+            }
+            copies.iter().enumerate().for_each(|(i, number)| self.put(first + i, *number));
+        }
+        copies
+    }
+}
+
+/// Copies of a block's numbers, in arrays. Nothing of them is cleared that is not used, so that few samples cost little.
+struct Copies<const ARRAYS: usize> {
+    arrays: [[MaybeUninit<f32>; BLOCK]; ARRAYS],
+    /// Of each array so many are set.
+    set: usize,
+}
+
+impl<const ARRAYS: usize> Copies<ARRAYS> {
+    /// Arrays of which nothing is set.
+    const EMPTY: Self = Self { arrays: [[MaybeUninit::uninit(); BLOCK]; ARRAYS], set: 0 };
+
+    /// Sets `n` numbers of each array, up to [`BLOCK`], to these.
+    #[inline(always)]
+    fn set_all(&mut self, n: usize, numbers: [f32; ARRAYS]) {
+        self.set = n.min(BLOCK);
+        // Four at a time, written out: few numbers are not worth a call for each array.
+        for begin in (0..self.set).step_by(FOUR) {
+            for (array, number) in self.arrays.iter_mut().zip(numbers) {
+                array[begin..begin + FOUR].copy_from_slice(&[MaybeUninit::new(number); FOUR]);
+            }
+        }
+    }
+
+    /// The first `n` numbers of each array; as many as are set, at most.
+    #[inline(always)]
+    fn arrays(&self, n: usize) -> [&[f32]; ARRAYS] {
+        let n = n.min(self.set);
+        // SAFETY: the first `set` numbers are set.
+        self.arrays.each_ref().map(|array| unsafe { slice::from_raw_parts(array.as_ptr().cast(), n) })
+    }
+
+    /// [`Copies::arrays`] to be written.
+    #[inline(always)]
+    fn arrays_mut(&mut self, n: usize) -> [&mut [f32]; ARRAYS] {
+        let n = n.min(self.set);
+        // SAFETY: as there.
+        self.arrays.each_mut().map(|array| unsafe { slice::from_raw_parts_mut(array.as_mut_ptr().cast(), n) })
+    }
+}
