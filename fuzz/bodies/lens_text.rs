@@ -9,9 +9,13 @@ use realistic::{
 
 /// Panics where the reader breaks its word. True where the bytes are a lens.
 pub fn run(data: &[u8]) -> bool {
-    // The same bytes as a catalogue of glasses: glasses, or an error.
-    if let Err(error) = GlassLibrary::default().add("fuzz", data) {
+    // The same bytes as a catalogue of glasses: glasses by their names, or an error.
+    let mut library = GlassLibrary::default();
+    if let Err(error) = library.add("fuzz", data) {
         assert!(error.line >= 1 && error.column >= 1 && !error.message.is_empty());
+    }
+    for word in String::from_utf8_lossy(data).split_whitespace().take(64) {
+        let _ = library.find(word);
     }
     let prescription = match read("fuzz", data) {
         Ok(prescription) => prescription,

@@ -2,26 +2,7 @@
 
 use std::path::Path;
 
-/// The two unprefixed exports, declared only where a caller asks for them, so that the header can stand
-/// beside a pbrt-v1 host's own types.
-const PBRT_ENTRY: &str = "
-#ifdef REALISTIC_PBRT_ENTRY
-#ifdef __cplusplus
-extern \"C\" {
-#endif
-/* What a pbrt-v1 host calls: takes its const ParamSet &, const Transform & (world to camera) and
- * Film *, and returns its Camera *, which the host deletes. NULL when there is none; the reason went to the
- * host's Error function (where there is none, to standard error) and is realistic_last_error(). Rays that the host asks
- * for through its own vtable may raise floating-point flags, but do not trap. */
-realistic_camera *CreateCamera(const void *params, const void *world2cam, void *film);
-/* realistic_generate_ray under the name that the assignment gives it. */
-float GenerateRay(const realistic_camera *camera, const realistic_sample *sample,
-                  realistic_ray *ray);
-#ifdef __cplusplus
-}
-#endif
-#endif /* REALISTIC_PBRT_ENTRY */
-";
+use crate::parameters::{compare, options_source};
 
 #[test]
 fn the_header_is_up_to_date() {
@@ -36,10 +17,7 @@ fn the_header_is_up_to_date() {
         "options",
         "camera",
         "ray",
-        "batch/rays",
-        "batch/differentials",
-        "batch/wavelengths",
-        "batch/strided",
+        "batch/request",
         "importance/arrays",
         "importance/arrive",
         "importance/aim",
@@ -53,43 +31,86 @@ fn the_header_is_up_to_date() {
     ] {
         builder = builder.with_src(root.join(format!("src/abi/{file}.rs")));
     }
+    let directory = tempfile::tempdir().expect("a directory");
+    let options = directory.path().join("options.rs");
+    std::fs::write(&options, options_source()).expect("the options are written");
+    builder = builder.with_src(options);
     let mut made = Vec::new();
     builder.generate().expect("bindings").write(&mut made);
     let made = String::from_utf8(made).expect("UTF-8");
-    let guard = "#endif  /* REALISTIC_H */";
-    assert!(made.contains(guard), "cbindgen writes its guard in another way now");
-    let made = made.replace(guard, &format!("{}\n{guard}", PBRT_ENTRY.trim_start()));
-    let path = root.join("include/realistic.h");
-    if std::env::var_os("REALISTIC_WRITE_HEADER").is_some() {
-        std::fs::write(&path, &made).expect("the header is written");
-    }
-    let checked_in = std::fs::read_to_string(&path).unwrap_or_default();
-    assert!(
-        checked_in == made,
-        "include/realistic.h is not what src/abi says; run `REALISTIC_WRITE_HEADER=1 cargo test --test abi header`"
-    );
+    compare("include/realistic.h", &made);
 }
 
-/// The names that begin with `realistic_`, end before a parenthesis, and stand in C code outside comments.
-fn functions(code: &str) -> Vec<String> {
+/// C code without its comments.
+fn plain(code: &str) -> String {
     let mut plain = String::new();
     for (i, part) in code.split("/*").enumerate() {
         plain.push_str(if i == 0 { part } else { part.split_once("*/").map_or("", |(_, after)| after) });
     }
+    plain.lines().map(|line| line.split("//").next().unwrap_or_default()).collect::<Vec<_>>().join("\n")
+}
+
+/// The names that begin with `realistic_`, end before a parenthesis, and stand in C code outside comments.
+fn functions(code: &str) -> Vec<String> {
+    let plain = plain(code);
     let words =
         |before: &str| before.rsplit(|c: char| !c.is_alphanumeric() && c != '_').next().map(str::to_owned);
     let called = plain.match_indices('(').filter_map(|(at, _)| words(&plain[..at]));
     called.filter(|name| name.starts_with("realistic_")).collect()
 }
 
+fn read(file: &str) -> String {
+    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(file)).expect("a file of the project")
+}
+
+/// What the library exports, by its source.
+fn exported() -> Vec<String> {
+    let mut found = Vec::new();
+    let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("src/abi")];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path())
+        {
+            if entry.is_dir() {
+                folders.push(entry);
+            } else {
+                let text = std::fs::read_to_string(entry).expect("text");
+                let names = text.split("#[unsafe(no_mangle)]").skip(1).filter_map(|rest| {
+                    let (_, rest) = rest.split_once("extern \"C\" fn ")?;
+                    rest.split('(').next().map(str::to_owned)
+                });
+                found.extend(names);
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn every_exported_function_is_declared_and_called_outside_tests() {
+    let names = exported();
+    assert!(names.len() <= 28 && names.contains(&"realistic_generate_ray".to_owned()), "{names:?}");
+    let declared = functions(&read("include/realistic.h"));
+    let callers = ["include/realistic.hpp", "examples/host.c"].map(|file| plain(&read(file)));
+    // Those two pbrt-v1 and the assignment's host call.
+    for name in names.iter().filter(|name| name.starts_with("realistic_")) {
+        assert!(declared.contains(name), "{name} is not in the header");
+        // `realistic.hpp` calls the members of its `Api`.
+        let member = name.trim_start_matches("realistic_");
+        let calls =
+            [format!("api_.{member}"), format!("api.{member}"), format!(" {member}("), format!("{name}(")];
+        let is_called = callers.iter().any(|text| calls.iter().any(|call| text.contains(call)));
+        assert!(is_called, "nobody calls {name}");
+    }
+}
+
 #[test]
 fn realistic_hpp_reaches_every_function_of_the_header() {
-    let read = |file: &str| {
-        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(file)).expect("a header")
-    };
     let (header, hpp) = (read("include/realistic.h"), read("include/realistic.hpp"));
-    let all = functions(&header);
-    assert!(all.len() >= 27 && all.contains(&"realistic_capabilities".to_owned()), "{all:?}");
+    // What the header has as a function to be inlined calls one of the others.
+    let (_, inlined) = header.split_once("static inline").expect("inlined functions");
+    let mut all = functions(&header);
+    all.retain(|name| !functions(inlined).contains(name) || exported().contains(name));
+    assert!(all.len() >= 25 && all.contains(&"realistic_capabilities".to_owned()), "{all:?}");
     // A function is reached by its name, or as a line of the list that `Api` has a member of each of.
     let lacking = all.iter().filter(|name| {
         let listed = format!("X({})", name.trim_start_matches("realistic_"));

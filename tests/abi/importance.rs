@@ -110,6 +110,31 @@ fn the_numbers_are_the_librarys() {
 }
 
 #[test]
+fn what_single_precision_cannot_hold_counts_nothing() {
+    // We is 1 over the film's area, 565e24 square units, times what a leaf shutter lets through: 4e-20 just after it opens.
+    let camera = camera(|options| {
+        (options.xres, options.yres, options.mmperunit) = (60, 40, 1e-12);
+        options.shutter = c"leaf".as_ptr();
+    });
+    let sample = realistic_sample { image_x: 31.0, image_y: 19.0, lens_u: 0.5, lens_v: 0.5, time: 0.5 };
+    let mut ray = realistic_ray::default();
+    // SAFETY: a live camera.
+    let weight = unsafe { realistic_generate_ray(camera.0, &sample, null(), &mut ray) };
+    assert!(weight > 0.0);
+    let [[ox, oy, oz], [dx, dy, dz]] = [ray.o, ray.d.map(|part| -part)];
+    let along: Columns<7> = [ox, oy, oz, dx, dy, dz, 0.5].map(|number| vec![number; 2]);
+    let mut counted: Columns<6> = std::array::from_fn(|_| vec![f32::NAN; 2]);
+    let mut asked = rays(&along);
+    let times = [0.5, 1e-20];
+    asked.time = times.as_ptr();
+    // SAFETY: columns of two numbers.
+    let status = unsafe { realistic_camera_importance(camera.0, 2, &asked, &importance(&mut counted)) };
+    assert_eq!(status, realistic_status::Ok, "{}", last_error());
+    assert!(counted.iter().all(|column| column[0] > 0.0), "{counted:?}");
+    assert!(counted.iter().all(|column| column[1] == 0.0), "{counted:?}");
+}
+
+#[test]
 fn what_cannot_be_asked_is_refused_and_nothing_is_touched() {
     use realistic_status::{InvalidParameter, NotACamera, NullPointer, Ok, StructSize};
     let lens = of_model("lens");

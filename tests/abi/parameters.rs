@@ -1,42 +1,157 @@
-//! The header and README say of each parameter what the table says.
+//! What is made from the table of parameters outside Rust: the options in the header, the Python package's types, and
+//! README's table. `REALISTIC_WRITE_HEADER=1 cargo test --test abi up_to_date` makes all of it again.
 
-use std::path::Path;
+use std::{fmt::Write, fs, path::Path};
 
-use realistic::camera::{Kind, PARAMETERS, Parameter, Range};
+use realistic::camera::{Kind, Model, PARAMETERS, Parameter, Parameters, Range, Value};
 
 fn read(file: &str) -> String {
-    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(file)).expect("a file of the project")
+    fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(file)).expect("a file of the project")
 }
 
-/// The comment on a member of the header's options, on one line.
-fn comment(header: &str, member: &str) -> String {
-    let start = header.find("typedef struct realistic_options").expect("the options");
-    let options = &header[start..];
-    let end = [" ", "*"]
-        .into_iter()
-        .flat_map(|before| [";", "["].map(|after| format!("{before}{member}{after}")))
-        .find_map(|declared| options.find(&declared));
-    let above = &options[..end.unwrap_or_else(|| panic!("no member {member}"))];
-    let (_, comment) = above.rsplit_once("/*").expect("a comment");
-    let (comment, _) = comment.split_once("*/").expect("the comment's end");
-    comment.split_whitespace().collect::<Vec<_>>().join(" ")
+/// Compares a checked-in file with what is made now; writes it first where that is asked for.
+///
+/// # Panics
+/// They differ.
+pub fn compare(file: &str, made: &str) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
+    if std::env::var_os("REALISTIC_WRITE_HEADER").is_some() {
+        fs::write(&path, made).expect("the file is written");
+    }
+    assert!(
+        fs::read_to_string(&path).is_ok_and(|text| text == made),
+        "{file} is not what the source says; run `REALISTIC_WRITE_HEADER=1 cargo test --test abi up_to_date`"
+    );
 }
 
-#[test]
-fn the_headers_options_say_meaning_range_and_default() {
-    let header = read("include/realistic.h");
-    // For scene files only.
-    for row in PARAMETERS.iter().filter(|row| row.name != "af_zones") {
-        let expected = format!("Parameter `{}`: {}.", row.name, row.description());
-        let found = comment(&header, row.name);
-        assert!(found.starts_with(&expected), "{}:\n{found}\nis not\n{expected}", row.name);
+/// The members of `realistic_options` as Rust source, for cbindgen, which expands no macros: the host's members as
+/// `src/abi/options.rs` has them, then one for each parameter.
+pub fn options_source() -> String {
+    let source = read("src/abi/options.rs");
+    let after = |text: &str, mark: &str| text.split_once(mark).expect("the macro's call").1.to_owned();
+    let doc: String = source
+        .lines()
+        .skip_while(|line| !line.contains("/// What a camera is built from"))
+        .take_while(|line| line.trim_start().starts_with("///"))
+        .map(|line| format!("{}\n", line.trim_start()))
+        .collect();
+    let host = after(&source, "\n    options {\n");
+    let (host, _) = host.split_once("\n    }\n}").expect("its end");
+    let mut members = format!("{doc}#[repr(C)]\npub struct realistic_options {{\n{host}\n");
+    for row in PARAMETERS {
+        let kind = match row.kind {
+            Kind::Float => "f64",
+            Kind::Four => "[f64; 4]",
+            Kind::Bool => "i32",
+            Kind::Text => "*const c_char",
+        };
+        for line in wrapped(&format!("Parameter `{}`: {}.", row.name, row.description()), 105) {
+            writeln!(members, "/// {line}").expect("a string grows");
+        }
+        writeln!(members, "pub {}: {kind},", row.name).expect("a string grows");
+    }
+    members + "}\n"
+}
+
+/// A text in lines of at most so many characters, where its words allow that.
+fn wrapped(text: &str, width: usize) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in text.split_whitespace() {
+        let last = lines.last_mut().expect("there is one");
+        if last.is_empty() {
+            last.push_str(word);
+        } else if last.chars().count() + 1 + word.chars().count() <= width {
+            *last += " ";
+            *last += word;
+        } else {
+            lines.push(word.to_owned());
+        }
+    }
+    lines
+}
+
+/// Python's type of a parameter's values.
+fn python_type(row: &Parameter) -> String {
+    match (row.kind, row.range) {
+        (Kind::Float, _) => "float".to_owned(),
+        (Kind::Bool, _) => "bool".to_owned(),
+        (Kind::Four, _) => "Iterable[float]".to_owned(),
+        (Kind::Text, Range::Names(names)) => {
+            let names: Vec<String> = names.iter().map(|name| format!("{name:?}")).collect();
+            format!("Literal[{}]", names.join(", "))
+        }
+        (Kind::Text, _) if Parameters::default().set(row.name, Value::Float(1.0)).is_ok() => {
+            "float | str".to_owned()
+        }
+        (Kind::Text, _) => "str | os.PathLike[str]".to_owned(),
     }
 }
 
-/// The first cells of a parameter's line in README's table.
-fn cells(row: &Parameter) -> [String; 3] {
-    let names: Vec<String> =
-        std::iter::once(row.name).chain(row.alias).map(|name| format!("`{name}`")).collect();
+fn python_module() -> String {
+    let mut text = String::from(
+        "\"\"\"The parameters of a camera, their types, and their members of the C options.
+
+Made from the library's table by `REALISTIC_WRITE_HEADER=1 cargo test --test abi up_to_date`.
+\"\"\"
+
+from __future__ import annotations
+
+from ctypes import c_char_p, c_double, c_int32
+from typing import TYPE_CHECKING, Any, Literal, TypedDict
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Iterable
+
+
+class Parameters(TypedDict, total=False):
+    \"\"\"What a `Camera` takes besides its lens, its resolution and its pose. None: not given.\"\"\"
+
+    lens_text: str | bytes | None
+    \"\"\"The text of a lens file, read instead of `specfile`; at most 1 MiB.\"\"\"
+",
+    );
+    let mut member = |name: &str, kind: &str, help: &str| {
+        let (first, rest) = help.split_at(1);
+        let help = first.to_uppercase() + rest;
+        let help = wrapped(&format!("\"\"\"{help}\"\"\""), 112).join("\n    ");
+        writeln!(text, "    {name}: {kind} | None\n    {help}").expect("a string grows");
+    };
+    for row in PARAMETERS {
+        // The lens is the first argument of a `Camera`.
+        if row.name != "specfile" {
+            member(row.name, &python_type(row), &format!("{}.", row.description()));
+        }
+        if let Some(alias) = row.alias {
+            member(alias, &python_type(row), &format!("Another name of `{}`.", row.name));
+        }
+    }
+    text += "\n\nALIASES = {\n";
+    for (row, alias) in PARAMETERS.iter().filter_map(|row| Some((row, row.alias?))) {
+        writeln!(text, "    \"{alias}\": \"{}\",", row.name).expect("a string grows");
+    }
+    text += "}\n\"\"\"Other names of parameters.\"\"\"\n\nMEMBERS: list[tuple[str, Any]] = [\n";
+    for row in PARAMETERS {
+        let kind = match row.kind {
+            Kind::Float => "c_double",
+            Kind::Four => "c_double * 4",
+            Kind::Bool => "c_int32",
+            Kind::Text => "c_char_p",
+        };
+        writeln!(text, "    (\"{}\", {kind}),", row.name).expect("a string grows");
+    }
+    text + "]\n\"\"\"Their members of `realistic_options`, which stand after the host's.\"\"\"\n"
+}
+
+#[test]
+fn the_python_packages_parameters_are_up_to_date() {
+    compare("python/src/realistic/_parameters.py", &python_module());
+}
+
+/// A parameter's line in README's table.
+fn line(row: &Parameter) -> String {
+    let code = |name: &&str| format!("`{name}`");
+    let names: Vec<String> = std::iter::once(&row.name).chain(&row.alias).map(code).collect();
     let kind = match row.kind {
         Kind::Float => row.unit,
         Kind::Text => "string",
@@ -44,28 +159,31 @@ fn cells(row: &Parameter) -> [String; 3] {
         Kind::Four => "four numbers",
     };
     let default = match row.default {
-        name if row.kind == Kind::Text && !name.is_empty() => format!("`{name}`"),
+        name if row.kind == Kind::Text && !name.is_empty() => code(&name),
         other => other.to_owned(),
     };
-    [names.join(", "), kind.to_owned(), default]
+    // Of a model without a lens, said first.
+    let of = if row.models.contains(&Model::Lens) {
+        String::new()
+    } else {
+        let models: Vec<String> = row.models.iter().map(|model| format!("`{model}`")).collect();
+        format!("{}: ", models.join(" and "))
+    };
+    let mut help = of + row.help;
+    let range = row.range.in_words(if row.kind == Kind::Float { "" } else { row.unit });
+    if !range.is_empty() {
+        help += ": ";
+        help += &range.replace('"', "`");
+    }
+    format!("| {} | {kind} | {default} | {help} |\n", names.join(", "))
 }
 
 #[test]
-fn readmes_table_has_every_parameter_with_its_unit_default_and_names() {
+fn readmes_table_is_up_to_date() {
+    const HEAD: &str = "| name | unit or type | default | |\n|---|---|---|---|\n";
     let readme = read("README.md");
-    let (_, section) = readme.split_once("## Parameters").expect("the section");
-    let (section, _) = section.split_once("### ").expect("the next section");
-    let lines: Vec<Vec<&str>> = section
-        .lines()
-        .filter(|line| line.starts_with("| `"))
-        .map(|line| line.trim_matches('|').split('|').map(str::trim).collect())
-        .collect();
-    assert_eq!(lines.len(), PARAMETERS.len());
-    for (row, line) in PARAMETERS.iter().zip(lines) {
-        assert_eq!(line[..3], cells(row), "{}", row.name);
-        if let Range::Names(names) = row.range {
-            let lacking = names.iter().find(|name| !line[3].contains(&format!("`{name}`")));
-            assert_eq!(lacking, None, "{}", row.name);
-        }
-    }
+    let (before, rest) = readme.split_once(HEAD).expect("the table");
+    let (_, after) = rest.split_once("\n\n").expect("the table's end");
+    let table: String = PARAMETERS.iter().map(line).collect();
+    compare("README.md", &format!("{before}{HEAD}{table}\n{after}"));
 }

@@ -7,7 +7,7 @@ fn sources(directory: &Path, all: &mut String) {
         let path = entry.path();
         if path.is_dir() {
             sources(&path, all);
-        } else if path.extension().is_some_and(|extension| extension == "rs") {
+        } else if path.extension().is_some_and(|extension| extension == "rs" || extension == "py") {
             all.push_str(&fs::read_to_string(path).expect("text"));
         }
     }
@@ -45,14 +45,17 @@ fn every_test_that_a_promise_names_exists() {
 fn named_tests(text: &str) -> usize {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut code = String::new();
-    ["src", "tests", "cli", "lab"].iter().for_each(|directory| sources(&root.join(directory), &mut code));
+    ["src", "tests", "cli", "lab", "python/tests"]
+        .iter()
+        .for_each(|directory| sources(&root.join(directory), &mut code));
     let rows = text.lines().filter(|line| line.starts_with("| ") && line.ends_with('|'));
     let mut tests = 0;
     for cell in rows.filter_map(|row| row.trim_end_matches('|').rsplit('|').next()) {
         for name in cell.split('`').skip(1).step_by(2).filter(|name| !name.contains(' ')) {
             assert!(
                 code.contains(&format!("#[test]\nfn {name}("))
-                    || code.contains(&format!("#[test]\n    fn {name}(")),
+                    || code.contains(&format!("#[test]\n    fn {name}("))
+                    || code.contains(&format!("\ndef {name}(")),
                 "no test is called {name}"
             );
             tests += 1;

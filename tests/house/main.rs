@@ -85,6 +85,26 @@ fn unsafe_code_stands_only_at_the_edges() {
     }
 }
 
+#[test]
+fn a_crate_that_nobody_maintains_is_named_with_the_reason_while_it_is_in_use() {
+    let read = |file: &str| {
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(file))
+            .expect("a file of the project")
+    };
+    let (lock, list) = (read("Cargo.lock"), read("deny.toml"));
+    let ignored = list.lines().filter(|line| line.contains("id = \"RUSTSEC-"));
+    let named: Vec<&str> = ignored
+        .map(|line| {
+            line.split_once("reason = \"").and_then(|(_, reason)| reason.split_once(':')).expect("a name").0
+        })
+        .collect();
+    // Those of the RustSec advisories of 2026-11.
+    for name in named.iter().copied().chain(["paste", "ttf-parser"]) {
+        let is_in_use = lock.contains(&format!("name = \"{name}\"\n"));
+        assert_eq!(named.contains(&name), is_in_use, "{name}");
+    }
+}
+
 /// The checks above, on small trees of which the answer is known.
 mod checks {
     use super::*;

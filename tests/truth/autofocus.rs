@@ -4,9 +4,9 @@ use std::ffi::{CStr, c_void};
 use std::ptr::{null, null_mut};
 
 use realistic::abi::{
-    realistic_autofocus, realistic_autofocus_rule, realistic_camera, realistic_camera_generate_rays,
-    realistic_contrast, realistic_distance, realistic_last_error, realistic_options, realistic_ray,
-    realistic_sample, realistic_status, realistic_zone,
+    realistic_autofocus, realistic_autofocus_rule, realistic_camera, realistic_contrast, realistic_distance,
+    realistic_last_error, realistic_options, realistic_ray, realistic_sample, realistic_status,
+    realistic_zone,
 };
 use realistic::camera::{Host, Parameters, Raster, open_lens};
 use realistic::imaging::focus::Focus;
@@ -124,7 +124,7 @@ unsafe extern "C" fn sharpness(
     let mut weights = vec![0.0; samples.len()];
     // SAFETY: the camera lives, and the arrays are as long as said.
     let status = unsafe {
-        realistic_camera_generate_rays(
+        crate::support::inline::realistic_camera_generate_rays(
             camera,
             samples.len(),
             samples.as_ptr(),

@@ -6,7 +6,7 @@ use super::support;
 use std::f64::consts::PI;
 
 use realistic::{
-    camera::{Outcome, RealisticCamera},
+    camera::{Outcome, Parameters, RealisticCamera},
     lens::{Lens, first_order::FirstOrder, pupil::ExitPupil},
     sampling::{DiskMapping, PupilDisk},
     trace::{Path, Ray},
@@ -174,6 +174,12 @@ fn the_weightings_stand_in_the_ratios_that_they_claim() {
             "rear" => 40.0,
             _ => ExitPupil::of_lens(&lens, film).position().expect("a finite pupil") - film,
         };
+        // What the literal formula is divided by is the disk as the lens table has it.
+        let divisor = match pupil {
+            "rear" => PI * lens.rear().semi_diameter.powi(2),
+            _ => disk.area().expect("finite"),
+        };
+        let enlarged = disk.area().expect("finite") / divisor;
         let on_axis = mean_weight(&radiometric, FIELD[0], 4)[0];
         let mut random = Random::new(5);
         let mut passed = 0;
@@ -196,14 +202,79 @@ fn the_weightings_stand_in_the_ratios_that_they_claim() {
                 .map(lens_sample[0].into(), lens_sample[1].into())
                 .expect("never redraws");
             let [sx, sy] = [seen.center[0] + seen.radius * u, seen.center[1] + seen.radius * v];
-            let literal = (1.0 + sx * sx + sy * sy).powi(-2) / (z * z);
+            let literal = enlarged * (1.0 + sx * sx + sy * sy).powi(-2) / (z * z);
             let [literally, relatively] = [&assignment, &relative].map(|c| weight(c).expect("it passes"));
             assert!((literally / literal - 1.0).abs() < 1e-6, "{pupil}: {literally} is not {literal}");
-            assert!((full / literally / disk.area().expect("finite") - 1.0).abs() < 1e-6);
+            assert!((full / literally / divisor - 1.0).abs() < 1e-6);
             assert!((full / relatively / on_axis - 1.0).abs() < 1e-3);
             assert_eq!(weight(&none), Some(1.0));
         }
         assert!(passed > 500);
+    }
+}
+
+#[test]
+fn the_films_size_is_not_in_the_assignments_exposure() {
+    let settings = |diagonal| {
+        let given = [("specfile", "wide.22mm"), ("pupil", "rear"), ("weighting", "assignment")];
+        [&given[..], &[("filmdiag", diagonal), ("filmdistance", "14.4")]].concat()
+    };
+    let cameras = ["12", "35"].map(|diagonal| {
+        let mut said = Vec::new();
+        let mut parameters = Parameters::default();
+        for (name, text) in settings(diagonal) {
+            parameters.set_from_text(name, text).expect("a parameter");
+        }
+        let camera = RealisticCamera::build(&parameters, &host(), &mut |_, text| said.push(text.to_owned()));
+        (camera.expect("a camera"), said)
+    });
+    let [(small, small_said), (large, large_said)] = &cameras;
+    let semi_diameter = small.facts().lens.rear().semi_diameter;
+
+    // The same film points of both films: on the axis, and 4 mm from it.
+    for height in [0.0, 4.0] {
+        let at = |camera: &RealisticCamera| {
+            let pixel = camera.facts().film.diagonal() / 500.0;
+            let image = [(200.0 - height / pixel) as f32, 150.0];
+            let [x, y] = camera.facts().film.point(image[0].into(), image[1].into());
+            assert!((x - height).abs() < 1e-5 && y.abs() < 1e-5);
+            mean_weight(camera, image, 12)
+        };
+        let (found, expected) = (at(large), at(small));
+        agree(&format!("assignment, {height} mm from the axis"), found, expected[0]);
+    }
+
+    // Small film sees the whole clear aperture within the disk of the table, and nothing is said; large film does not.
+    assert!(!small_said.iter().any(|text| text.contains("pupil \"rear\"")), "{small_said:?}");
+    let ratio = (PupilDisk::rear(&large.facts().lens, film_z(large), large.facts().film.reach())
+        .and_then(|disk| disk.area())
+        .expect("finite"))
+        / (PI * semi_diameter.powi(2));
+    assert!(ratio > 1.4, "{ratio}");
+    let told = format!("divide by {ratio:.4} for the formula itself");
+    assert!(large_said.iter().any(|text| text.contains(&told)), "{large_said:?}");
+
+    // By rays: cos⁴/Z² to a rounding on small film, and on large film after the division.
+    let mut random = Random::new(8);
+    for (camera, radius, divisor) in
+        [(small, semi_diameter, 1.0), (large, semi_diameter * ratio.sqrt(), ratio)]
+    {
+        let mut passed = 0;
+        for _ in 0..6000 {
+            let image = [400.0 * random.next() as f32, 300.0 * random.next() as f32];
+            let lens_sample = [random.next() as f32, random.next() as f32];
+            let Outcome::Ray(_, weight) = camera.generate(&sample(image, lens_sample)) else { continue };
+            let [x, y] = camera.facts().film.point(image[0].into(), image[1].into());
+            let [u, v] = DiskMapping::Concentric
+                .map(lens_sample[0].into(), lens_sample[1].into())
+                .expect("never redraws");
+            let z = 14.4;
+            let [sx, sy] = [(radius * u - x) / z, (radius * v - y) / z];
+            let formula = (1.0 + sx * sx + sy * sy).powi(-2) / (z * z);
+            assert!((f64::from(weight) / divisor / formula - 1.0).abs() < 2e-6, "{weight} {formula}");
+            passed += 1;
+        }
+        assert!(passed > 100, "{passed}");
     }
 }
 

@@ -15,7 +15,7 @@ fn lenses() -> Vec<Prescription> {
 #[test]
 fn every_example_is_a_lens() {
     let lenses = lenses();
-    let [double_gauss, two, doublet, singlet, iris, zoom] = lenses.as_slice() else {
+    let [double_gauss, two, doublet, silica, singlet, iris, zoom] = lenses.as_slice() else {
         panic!("{}", lenses.len())
     };
     assert!(lenses.iter().all(|lens| lens.title.is_some() && lens.remarks.is_empty()));
@@ -25,6 +25,7 @@ fn every_example_is_a_lens() {
     );
     assert_eq!((two.interfaces.len(), two.stop_index()), (5, Some(2)));
     assert_eq!(doublet.glasses.len(), 2);
+    assert_eq!(silica.wavelength, Some(248.0));
     assert!(matches!(singlet.interfaces[1].shape, Shape::Asphere(asphere) if asphere.conic == -2.25));
     assert_eq!(iris.blades, Some(Blades { count: 7, rotation: 12.0, curvature: 0.25 }));
     let positions = zoom.positions.as_ref().expect("four");

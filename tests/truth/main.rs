@@ -9,6 +9,7 @@ mod blades;
 mod camera_parameters;
 mod catalogue;
 mod flat_field;
+mod glasses;
 mod golden;
 mod importance;
 mod invariants;

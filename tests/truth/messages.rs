@@ -2,7 +2,7 @@
 
 use super::support;
 
-use realistic::camera::{Parameters, Value};
+use realistic::camera::{Camera, Host, Level, Parameters, Raster, RealisticCamera, Value};
 use support::{build, host, host_with};
 
 #[test]
@@ -69,6 +69,9 @@ fn no_message_repeats_a_long_text_or_number() {
         [("filmdistance", "1e308")],
         [("focusdistance", "1e-300")],
         [("specfile", &long)],
+        [("glasscatalog", &long)],
+        [("glasscatalog", &format!("/{}", "x/".repeat(2000)))],
+        [("crop", &long)],
         [("pupil", &number)],
     ] {
         let mut parameters = Parameters::default();
@@ -87,10 +90,84 @@ fn no_message_repeats_a_long_text_or_number() {
 }
 
 #[test]
+fn film_that_only_a_filter_reaches_is_no_warning() {
+    // At 30 x 20 pixels a filter of three pixels reaches 24 % beyond the corner.
+    let host = Host::new(Raster { xres: 30, yres: 20 }, None);
+    for (lens, diagonal) in [("fisheye.6mm", 20.0), ("fisheye.6mm", 22.0), ("fisheye.16mm", 43.3)] {
+        let given =
+            Parameters { specfile: Some(lens.into()), filmdiag: Some(diagonal), ..Parameters::default() };
+        let mut warnings = Vec::new();
+        let mut log = |level, text: &str| warnings.extend((level != Level::Info).then(|| text.to_owned()));
+        RealisticCamera::build(&given, &host, &mut log).expect("a camera");
+        assert_eq!(warnings, [""; 0], "{lens} {diagonal}");
+    }
+}
+
+#[test]
 fn a_mount_wider_than_its_sphere_is_a_warning() {
     let host = host_with("0.8146 0.5 1.5 1.64\n-20 0 1 1\n");
     let (camera, warnings) = build(&host, &[("filmdiag", "1")]).expect("a camera");
     assert_eq!(camera.facts().lens.front().semi_diameter, 0.8146);
     let told = "own.dat:1:1: clear diameter 1.64 mm on a sphere of radius 0.8146 mm; 1.6292 mm is used, the whole sphere";
     assert_eq!(warnings, [told]);
+}
+
+/// The warnings of a camera of any model.
+fn warnings(given: &[(&str, &str)]) -> Vec<String> {
+    let mut parameters = Parameters::default();
+    for (name, text) in given {
+        parameters.set_from_text(name, text).expect("in range");
+    }
+    let mut told = Vec::new();
+    Camera::build(&parameters, &host(), &mut |_, text: &str| told.push(text.to_owned())).expect("a camera");
+    told
+}
+
+#[test]
+fn film_that_is_mostly_dark_is_told_with_the_film_that_fits() {
+    let [dark] = &warnings(&[("specfile", "phone.4mm")])[..] else { panic!("one warning") };
+    assert!(dark.starts_with("most of the film is dark: light reaches it up to 3."), "{dark}");
+    // f tan(37 degrees) is 3.09 mm, and the corner of its film is lit.
+    let words: Vec<&str> = dark.split(' ').collect();
+    let fits = words[words.len() - 4].parse::<f64>().expect("a number");
+    assert!((6.1..7.0).contains(&fits), "{dark}");
+    for lit in [
+        &[("specfile", "phone.4mm"), ("filmdiag", &fits.to_string()[..])][..],
+        &[("specfile", "dgauss.50mm")],
+        // Its corners are dark, and little of its area.
+        &[("specfile", "fisheye.10mm")],
+        // Of samples that few get through, the film is lit all the same.
+        &[("specfile", "dgauss.50mm"), ("pupil", "rear"), ("fnumber", "16")],
+        &[("specfile", "phone.4mm"), ("model", "thick")],
+    ] {
+        assert_eq!(warnings(lit), [""; 0], "{lit:?}");
+    }
+}
+
+#[test]
+fn film_from_which_nothing_can_be_in_focus_is_told_with_its_unit() {
+    for (film, words) in [
+        ("0.03", "even infinity is blurred to 17.4"),
+        ("20", "even infinity is blurred"),
+        ("5000", "what would be lies in the lens"),
+    ] {
+        let told = warnings(&[("filmdistance", film)]);
+        let [told] = &told[..] else { panic!("{told:?}") };
+        assert!(
+            told.starts_with(&format!("with \"filmdistance\" {film} mm nothing can be in focus: {words}")),
+            "{told}"
+        );
+        assert!(told.contains("infinity needs 36.1") && told.contains("is in mm"), "{told}");
+    }
+    for film in ["36", "36.2", "40", "80"] {
+        assert_eq!(warnings(&[("filmdistance", film)]), [""; 0]);
+    }
+}
+
+#[test]
+fn json_is_no_lens_and_told_by_its_name() {
+    for text in ["{\"radius\": 3}", "\u{feff}\n  {\n}"] {
+        let told = build(&host_with(text), &[]).expect_err("no lens").to_string();
+        assert!(told.contains("JSON, and no lens is read from JSON; give a table"), "{told}");
+    }
 }

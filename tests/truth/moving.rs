@@ -272,8 +272,8 @@ fn the_ideal_models_zoom_and_focus_by_groups_too() {
     let builder = Camera::builder()
         .lens_text("70-200", text().as_bytes())
         .zoom(140.0)
-        .focus_by(FocusBy::Group)
-        .focus_distance(2500.0)
+        .focusby(FocusBy::Group)
+        .focusdistance(2500.0)
         .resolution(30, 20);
     for model in [Model::Thick, Model::Thin] {
         let camera = builder.clone().model(model).build().expect("in reach");

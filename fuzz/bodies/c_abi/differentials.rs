@@ -1,8 +1,9 @@
 //! Rays with differentials: the bits of single rays one pixel to the right and below, one by one and in batches.
 
-use std::ptr::null_mut;
+use std::ptr::{null, null_mut};
 
 use super::bytes::Bytes;
+use super::inline::*;
 use realistic::abi::*;
 
 const SIZE: usize = size_of::<realistic_ray_differential>();
@@ -35,14 +36,14 @@ pub fn check(
     let one = |(sample, single): (&realistic_sample, &(realistic_ray, f32))| {
         let mut ray = mark(unasked);
         // SAFETY: a live camera, sample and ray.
-        let weight = unsafe { realistic_generate_ray_differential(camera, sample, &mut ray) };
+        let weight = unsafe { realistic_generate_ray_differential(camera, sample, null(), &mut ray) };
         assert!((ray.ray, weight) == *single, "{sample:?} {ray:?} {weight} {single:?} {what:?}");
         if weight == 0.0 {
             assert!(ray == mark(unasked), "a blocked ray wrote to its place: {sample:?} {ray:?} {what:?}");
         } else {
             let alone = |at: &realistic_sample, ray: &mut realistic_ray| {
                 // SAFETY: a live camera, sample and ray.
-                unsafe { realistic_generate_ray(camera, at, ray) }
+                unsafe { realistic_generate_ray(camera, at, null(), ray) }
             };
             neighbours(sample, &ray, alone, what);
         }
@@ -63,14 +64,14 @@ pub fn at_wavelength(
 ) -> (realistic_ray_differential, f32) {
     let mut ray = mark(unasked);
     // SAFETY: a live camera, sample and ray.
-    let weight = unsafe { realistic_generate_ray_differential_at(camera, sample, wavelength, &mut ray) };
+    let weight = unsafe { differential_at(camera, sample, wavelength, &mut ray) };
     assert!((ray.ray, weight) == *single, "{sample:?} {wavelength} {ray:?} {weight} {single:?} {what:?}");
     if weight == 0.0 {
         assert!(ray == mark(unasked), "a blocked ray wrote to its place: {sample:?} {ray:?} {what:?}");
     } else {
         let alone = |at: &realistic_sample, ray: &mut realistic_ray| {
             // SAFETY: as above.
-            unsafe { realistic_generate_ray_at(camera, at, wavelength, ray) }
+            unsafe { ray_at(camera, at, wavelength, ray) }
         };
         neighbours(sample, &ray, alone, what);
     }
@@ -126,7 +127,7 @@ fn batch(
         for i in 0..samples.len() {
             rays.add(step * i).cast::<realistic_ray_differential>().write_unaligned(mark(unasked));
         }
-        realistic_camera_generate_ray_differentials(
+        differentials(
             camera,
             samples.len(),
             samples.as_ptr(),

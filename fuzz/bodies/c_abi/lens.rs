@@ -1,7 +1,7 @@
 //! The lens of the options without a film: facts, exact rays either way, focus.
 
 use std::mem::zeroed;
-use std::ptr::null_mut;
+use std::ptr::{null, null_mut};
 
 use super::bytes::Bytes;
 use realistic::abi::*;
@@ -92,7 +92,7 @@ fn rays(lens: *const realistic_lens, side: i32, bytes: &mut Bytes<'_>, what: &dy
         reason: reasons.as_mut_ptr(),
     };
     // SAFETY: a live lens, and arrays of COUNT elements.
-    let status = unsafe { realistic_lens_trace(lens, side, COUNT, &asked) };
+    let status = unsafe { realistic_lens_trace(lens, side, COUNT, &asked, null()) };
     assert_eq!(status, realistic_status::Ok, "{what:?}");
     for (ray, reason) in reasons.into_iter().enumerate() {
         if reason == realistic_reason::Ok {

@@ -5,6 +5,8 @@ mod bytes;
 mod crop;
 mod differentials;
 pub mod importance;
+#[path = "../../../tests/support/inline.rs"]
+pub mod inline;
 mod lens;
 mod options;
 mod strided;
@@ -12,9 +14,10 @@ mod wavelengths;
 
 use std::ffi::{CStr, c_void};
 use std::mem::offset_of;
-use std::ptr::null_mut;
+use std::ptr::{null, null_mut};
 
 use self::bytes::Bytes;
+use self::inline::*;
 use super::contract;
 use realistic::abi::*;
 
@@ -116,7 +119,7 @@ impl Asked<'_> {
         let single = |sample: &realistic_sample| {
             let mut ray = MARK;
             // SAFETY: a live camera, sample and ray.
-            let weight = unsafe { realistic_generate_ray(self.camera, sample, &mut ray) };
+            let weight = unsafe { realistic_generate_ray(self.camera, sample, null(), &mut ray) };
             if let Some(broken) = contract::broken(sample, &ray, weight, &MARK) {
                 panic!("{broken} {:?}", self.options);
             }
@@ -262,7 +265,7 @@ fn autofocus(options: &realistic_options, bytes: &mut Bytes<'_>) {
                 lens_v: 0.5,
                 time: 0.5,
             };
-            let weight = realistic_generate_ray(camera, &middle, &mut ray);
+            let weight = realistic_generate_ray(camera, &middle, null(), &mut ray);
             if weight > 0.0 { f64::from(weight) } else { distance(user, &ray) }
         }
     }

@@ -1,7 +1,6 @@
 //! Batches between arrays of any strides: the bits of single calls, and nothing written beside them.
 
 use std::array;
-use std::ptr::null_mut;
 
 use super::{MARK, bytes::Bytes};
 use realistic::abi::*;
@@ -50,19 +49,22 @@ impl<const N: usize> Strided<N> {
         array::from_fn(|component| self.floats[self.place(i, component)])
     }
 
-    fn strides(&self) -> [isize; 2] {
-        [self.stride, self.component_stride].map(|floats| floats * size_of::<f32>() as isize)
+    /// How far the components of the first element lie from the beginning, and the bytes from one element to the next.
+    fn layout(&self) -> ([isize; 3], isize) {
+        let places = [0, 1, 2].map(|k| self.first + k * self.component_stride);
+        (places, self.stride * size_of::<f32>() as isize)
     }
 
     fn input(&self) -> realistic_input {
-        let [stride, component_stride] = self.strides();
-        realistic_input { first: self.floats.as_ptr().wrapping_offset(self.first), stride, component_stride }
+        let ([x, y, _], stride) = self.layout();
+        let [x, y] = [x, y].map(|place| self.floats.as_ptr().wrapping_offset(place));
+        realistic_input { x, y, stride }
     }
 
     fn output(&mut self) -> realistic_output {
-        let [stride, component_stride] = self.strides();
-        let first = self.floats.as_mut_ptr().wrapping_offset(self.first);
-        realistic_output { first, stride, component_stride }
+        let (places, stride) = self.layout();
+        let [x, y, z] = places.map(|place| self.floats.as_mut_ptr().wrapping_offset(place));
+        realistic_output { x, y, z, stride }
     }
 
     /// Numbers that were written, gaps included.
@@ -70,9 +72,6 @@ impl<const N: usize> Strided<N> {
         self.floats.iter().filter(|number| number.to_bits() != BEFORE.to_bits()).count()
     }
 }
-
-const NO_INPUT: realistic_input = realistic_input { first: std::ptr::null(), stride: 0, component_stride: 0 };
-const NO_OUTPUT: realistic_output = realistic_output { first: null_mut(), stride: 0, component_stride: 0 };
 
 /// A ray, its weight, and what stands in its neighbours' places if they were asked for: origin, direction and weight.
 pub type Found = ((realistic_ray, f32), Option<[([f32; 3], [f32; 3], f32); 2]>);
@@ -113,15 +112,14 @@ pub fn found(
         Some(beside) => beside
             .each_mut()
             .map(|(origin, direction, weight)| [origin.output(), direction.output(), weight.output()]),
-        None => [[NO_OUTPUT; 3]; 2],
+        None => [[realistic_output::NONE; 3]; 2],
     };
     let mut reasons = vec![realistic_reason::Ok; n];
-    let batch = realistic_batch {
-        struct_size: size_of::<realistic_batch>() as u32,
+    let request = realistic_request {
         image: image.input(),
         lens: lens.input(),
         time: time.input(),
-        wavelength: wavelengths.as_ref().map_or(NO_INPUT, Strided::input),
+        wavelength: wavelengths.as_ref().map_or(realistic_input::NONE, Strided::input),
         origin: origin.output(),
         direction: direction.output(),
         weight: weight.output(),
@@ -136,9 +134,10 @@ pub fn found(
         ry_origin,
         ry_direction,
         ry_weight,
+        ..realistic_request::default()
     };
     // SAFETY: a live camera; arrays with room for `n` elements at these strides.
-    let status = unsafe { realistic_camera_generate_batch(camera, n, &batch) };
+    let status = unsafe { realistic_camera_generate_batch(camera, n, &request) };
     assert_eq!(status, realistic_status::Ok);
     let found: Vec<_> = (0..n)
         .map(|i| {

@@ -30,26 +30,21 @@ static struct {
     realistic_status (*get_info)(const realistic_camera *, realistic_camera_info *);
     realistic_status (*get_lens_name)(const realistic_camera *, char *, size_t, size_t *);
     realistic_status (*plan)(const realistic_camera *, char *, size_t, size_t *);
-    float (*ray)(const realistic_camera *, const realistic_sample *, realistic_ray *);
+    float (*ray)(const realistic_camera *, const realistic_sample *, const realistic_request *, realistic_ray *);
     float (*plain_ray)(const realistic_camera *, const realistic_sample *, realistic_ray *);
-    realistic_status (*rays)(const realistic_camera *, size_t, const realistic_sample *, size_t,
-                             realistic_ray *, size_t, float *, realistic_reason *);
-    realistic_status (*rays_soa)(const realistic_camera *, size_t, const realistic_samples_soa *,
-                                 const realistic_rays_soa *);
-#ifdef REALISTIC_HAS_RX /* not in the first header */
-    float (*differential)(const realistic_camera *, const realistic_sample *, realistic_ray_differential *);
-    realistic_status (*differentials)(const realistic_camera *, size_t, const realistic_sample *, size_t,
-                                      realistic_ray_differential *, size_t, float *, realistic_reason *);
-    realistic_status (*differentials_soa)(const realistic_camera *, size_t, const realistic_samples_soa *,
-                                          const realistic_rays_soa *, const realistic_rays_soa *,
-                                          const realistic_rays_soa *);
-#endif
-#ifdef REALISTIC_CAPABILITY_LENS /* not in the second header */
+    float (*differential)(const realistic_camera *, const realistic_sample *, const realistic_request *,
+                          realistic_ray_differential *);
+    realistic_status (*batch)(const realistic_camera *, size_t, const realistic_request *);
     realistic_status (*lens_focus)(const realistic_lens *, double, double *);
-#endif
     realistic_status (*autofocus)(const realistic_options *, const realistic_zone *, size_t, int32_t,
                                   realistic_distance, realistic_contrast, void *, double *);
 } api;
+
+/* The exported batch, for the header's inline functions: the library is loaded, not linked. */
+realistic_status realistic_camera_generate_batch(const realistic_camera *camera, size_t n,
+                                                 const realistic_request *request) {
+    return api.batch(camera, n, request);
+}
 
 static void resolve(void *library, const char *name, void *function) {
     void *symbol = dlsym(library, name);
@@ -80,17 +75,10 @@ static void load(const char *path) {
     resolve(library, "realistic_camera_plan", &api.plan);
     resolve(library, "realistic_generate_ray", &api.ray);
     resolve(library, "GenerateRay", &api.plain_ray);
-    resolve(library, "realistic_camera_generate_rays", &api.rays);
-    resolve(library, "realistic_camera_generate_rays_soa", &api.rays_soa);
-#ifdef REALISTIC_HAS_RX
+    resolve(library, "realistic_camera_generate_batch", &api.batch);
     resolve(library, "realistic_generate_ray_differential", &api.differential);
-    resolve(library, "realistic_camera_generate_ray_differentials", &api.differentials);
-    resolve(library, "realistic_camera_generate_ray_differentials_soa", &api.differentials_soa);
-#endif
     resolve(library, "realistic_autofocus", &api.autofocus);
-#ifdef REALISTIC_CAPABILITY_LENS
     resolve(library, "realistic_lens_focus", &api.lens_focus);
-#endif
 }
 
 /* "status name NUMBER MESSAGE", the message on one line. */
@@ -318,12 +306,12 @@ static void compare(const realistic_camera *camera) {
         memcpy(odd_samples + 1 + 21 * i, &samples[i], sizeof samples[i]);
         one[i] = two[i] = tight[i] = exact[i] = untouched();
         memcpy(odd_rays + 1 + 37 * i, &one[i], sizeof one[i]);
-        weight[i] = api.ray(camera, &samples[i], &one[i]);
+        weight[i] = api.ray(camera, &samples[i], NULL, &one[i]);
         weight_two[i] = api.plain_ray(camera, &samples[i], &two[i]);
     }
-    report("tight", api.rays(camera, N, samples, 0, tight, 0, weight_tight, reason));
-    report("strides", api.rays(camera, N, &spread[0].sample, 88, exact, 36, weight_exact, NULL));
-    report("odd", api.rays(camera, N, (realistic_sample *)(void *)(odd_samples + 1), 21,
+    report("tight", realistic_camera_generate_rays(camera, N, samples, 0, tight, 0, weight_tight, reason));
+    report("strides", realistic_camera_generate_rays(camera, N, &spread[0].sample, 88, exact, 36, weight_exact, NULL));
+    report("odd", realistic_camera_generate_rays(camera, N, (realistic_sample *)(void *)(odd_samples + 1), 21,
                            (realistic_ray *)(void *)(odd_rays + 1), 37,
                            (float *)(void *)(odd_weights + 1), NULL));
     memcpy(weight_odd, odd_weights + 1, sizeof weight_odd);
@@ -338,7 +326,7 @@ static void compare(const realistic_camera *camera) {
     realistic_samples_soa soa_in = {in[0], in[1], in[2], in[3], in[4]};
     realistic_rays_soa soa_out = {out[0], out[1], out[2], out[3], out[4], out[5],
                                   out[6], out[7], out[8], out[9], reason_soa};
-    report("soa", api.rays_soa(camera, N, &soa_in, &soa_out));
+    report("soa", realistic_camera_generate_rays_soa(camera, N, &soa_in, &soa_out));
 
     for (unsigned i = 0; i < N; ++i) {
         realistic_ray odd, soa;
@@ -362,18 +350,30 @@ static void compare(const realistic_camera *camera) {
     /* Only what must be there. */
     memset(out[9], 0, sizeof out[9]);
     soa_out.mint = soa_out.maxt = soa_out.time = NULL, soa_out.reason = NULL;
-    report("sparse", api.rays_soa(camera, N, &soa_in, &soa_out));
+    report("sparse", realistic_camera_generate_rays_soa(camera, N, &soa_in, &soa_out));
     printf("sparse-weights %d\n", memcmp(out[9], weight, sizeof weight) != 0);
 }
 
-#ifdef REALISTIC_HAS_RX
 /* Whether a neighbour is what a call of its own gives, or where that is blocked the ray itself. */
 static int wrong_neighbour(const realistic_camera *camera, const realistic_sample *sample, const realistic_ray *own,
                            int has, const float *o, const float *d) {
     realistic_ray ray;
-    int passes = api.ray(camera, sample, &ray) > 0;
+    int passes = api.ray(camera, sample, NULL, &ray) > 0;
     if (!passes) ray = *own;
     return passes != (has != 0) || memcmp(ray.o, o, sizeof ray.o) != 0 || memcmp(ray.d, d, sizeof ray.d) != 0;
+}
+
+/* A batch with neighbours, into structures or beside them: `rx` and `ry` are their weights. */
+static realistic_request beside(realistic_ray_differential *rays, float *rx, float *ry, realistic_request request) {
+    const ptrdiff_t step = sizeof *rays, number = sizeof(float);
+    const realistic_output rx_o = {&rays->rx_o[0], &rays->rx_o[1], &rays->rx_o[2], step};
+    const realistic_output rx_d = {&rays->rx_d[0], &rays->rx_d[1], &rays->rx_d[2], step};
+    const realistic_output ry_o = {&rays->ry_o[0], &rays->ry_o[1], &rays->ry_o[2], step};
+    const realistic_output ry_d = {&rays->ry_d[0], &rays->ry_d[1], &rays->ry_d[2], step};
+    const realistic_output rx_w = {rx, NULL, NULL, number}, ry_w = {ry, NULL, NULL, number};
+    request.rx_origin = rx_o, request.rx_direction = rx_d, request.rx_weight = rx_w;
+    request.ry_origin = ry_o, request.ry_direction = ry_d, request.ry_weight = ry_w;
+    return request;
 }
 
 static void do_differentials(void) {
@@ -392,8 +392,8 @@ static void do_differentials(void) {
         memset(ray, 0x5A, sizeof *ray);
         many[i] = *ray;
         ray->struct_size = sizeof *ray;
-        weight[i] = api.differential(camera, &samples[i], ray);
-        float alone = api.ray(camera, &samples[i], &single);
+        weight[i] = api.differential(camera, &samples[i], NULL, ray);
+        float alone = api.ray(camera, &samples[i], NULL, &single);
         bad[0] += differ(&single, &ray->ray, alone, weight[i]);
         ++counts[weight[i] > 0 ? ray->has & 3 : 4];
         if (weight[i] > 0) {
@@ -404,18 +404,31 @@ static void do_differentials(void) {
         }
         for (int k = 0; k < 5; ++k) in[k][i] = (&samples[i].image_x)[k];
     }
-    many[0].struct_size = sizeof many[0];
-    report("many", api.differentials(camera, N, samples, 0, many, 0, weights, reason));
-    realistic_samples_soa from = {in[0], in[1], in[2], in[3], in[4]};
-    realistic_rays_soa to[3];
-    memset(to, 0, sizeof to);
-    for (int k = 0; k < 3; ++k) {
-        float(*column)[N] = out + 7 * k;
-        to[k].ox = column[0], to[k].oy = column[1], to[k].oz = column[2], to[k].dx = column[3];
-        to[k].dy = column[4], to[k].dz = column[5], to[k].weight = column[6];
+    static float rx[N], ry[N];
+    realistic_request request =
+        realistic_request_of_structures(samples, 0, &many[0].ray, sizeof many[0], weights, reason);
+    request = beside(many, rx, ry, request);
+    report("many", api.batch(camera, N, &request));
+    for (unsigned i = 0; i < N; ++i) {
+        uint32_t has = (rx[i] > 0 ? REALISTIC_HAS_RX : 0) | (ry[i] > 0 ? REALISTIC_HAS_RY : 0);
+        if (weights[i] > 0) many[i].has = has;
     }
-    to[0].time = out[21];
-    report("soa", api.differentials_soa(camera, N, &from, &to[0], &to[1], &to[2]));
+    realistic_samples_soa from = {in[0], in[1], in[2], in[3], in[4]};
+    realistic_rays_soa to;
+    memset(&to, 0, sizeof to);
+    to.ox = out[0], to.oy = out[1], to.oz = out[2], to.dx = out[3], to.dy = out[4], to.dz = out[5], to.weight = out[6];
+    to.time = out[21];
+    request = realistic_request_of_arrays(&from, &to);
+    for (int k = 1; k < 3; ++k) {
+        float(*column)[N] = out + 7 * k;
+        const realistic_output origin = {column[0], column[1], column[2], sizeof(float)};
+        const realistic_output direction = {column[3], column[4], column[5], sizeof(float)};
+        const realistic_output weight_of = {column[6], NULL, NULL, sizeof(float)};
+        *(k == 1 ? &request.rx_origin : &request.ry_origin) = origin;
+        *(k == 1 ? &request.rx_direction : &request.ry_direction) = direction;
+        *(k == 1 ? &request.rx_weight : &request.ry_weight) = weight_of;
+    }
+    report("soa", api.batch(camera, N, &request));
     for (unsigned i = 0; i < N; ++i) {
         many[i].struct_size = one[i].struct_size;
         bad[2] += memcmp(&one[i], &many[i], sizeof one[i]) != 0 || weight[i] != weights[i] ||
@@ -441,18 +454,22 @@ static void do_differentials(void) {
     ray.struct_size = sizeof ray - 1;
     before = ray;
     realistic_sample middle = {20, 15, 0.5f, 0.5f, 0};
-    printf("zero %g %g %g %g\n", api.differential(camera, &middle, &ray), api.differential(NULL, &middle, &ray),
-           api.differential(camera, NULL, &ray), api.differential(camera, &middle, NULL));
-    report("size", api.differentials(camera, 1, &middle, 0, &ray, 0, weights, NULL));
+    printf("zero %g %g %g %g\n", api.differential(camera, &middle, NULL, &ray), api.differential(NULL, &middle, NULL, &ray),
+           api.differential(camera, NULL, NULL, &ray), api.differential(camera, &middle, NULL, NULL));
     printf("touched %d\n", memcmp(&ray, &before, sizeof ray) != 0);
-    ray.struct_size = sizeof ray;
-    report("short", api.differentials(camera, 1, &middle, 0, &ray, sizeof ray - 1, weights, NULL));
-    report("no-rx", api.differentials_soa(camera, 1, &from, &to[0], NULL, &to[2]));
-    to[2].dz = NULL;
-    report("no-ry-dz", api.differentials_soa(camera, 1, &from, &to[0], &to[1], &to[2]));
+    /* A request asks for both neighbours or none. */
+    request.ry_direction.z = NULL;
+    report("no-ry-dz", api.batch(camera, 1, &request));
+    request.rx_origin.x = NULL;
+    report("no-rx", api.batch(camera, 1, &request));
+    /* With a request, the failure has words. */
+    memset(&request, 0, sizeof request);
+    request.struct_size = sizeof request;
+    report("size", api.differential(camera, &middle, &request, &ray) == 0 ? REALISTIC_STATUS_STRUCT_SIZE : 0);
+    request.wavelengths_per_sample = 4;
+    report("no-wavelengths", api.ray(camera, &middle, &request, &ray.ray) == 0 ? REALISTIC_STATUS_NULL_POINTER : 0);
     api.camera_free(camera);
 }
-#endif
 
 static void do_rays(void) {
     realistic_options o = options();
@@ -473,14 +490,12 @@ static void do_rays(void) {
     api.camera_free(camera);
 }
 
-#ifdef REALISTIC_CAPABILITY_LENS
 static void do_lens(void) {
     double foreign[16] = {1, 2, 3}, film_distance = 7;
     report("no-lens", api.lens_focus((realistic_lens *)(void *)foreign, 900, &film_distance));
     report("null-lens", api.lens_focus(NULL, 900, &film_distance));
     printf("kept %g\n", film_distance);
 }
-#endif
 
 static void do_null(void) {
     realistic_options o = options();
@@ -490,32 +505,32 @@ static void do_null(void) {
     float weight = 7, in[1] = {20}, out[1];
     double foreign[16] = {1, 2, 3};
     realistic_camera *other = (realistic_camera *)(void *)foreign;
-    printf("zero %g %g %g %g\n", api.ray(NULL, &s, &ray), api.ray(camera, NULL, &ray),
-           api.ray(camera, &s, NULL), api.ray(other, &s, &ray));
+    printf("zero %g %g %g %g\n", api.ray(NULL, &s, NULL, &ray), api.ray(camera, NULL, NULL, &ray),
+           api.ray(camera, &s, NULL, NULL), api.ray(other, &s, NULL, &ray));
     printf("zero-plain %g %g %g %g\n", api.plain_ray(NULL, &s, &ray), api.plain_ray(camera, NULL, &ray),
            api.plain_ray(camera, &s, NULL), api.plain_ray(other, &s, &ray));
     printf("touched %d\n", memcmp(&ray, &before, sizeof ray) != 0);
-    report("no-camera", api.rays(NULL, 1, &s, 0, &ray, 0, &weight, NULL));
-    report("foreign", api.rays(other, 1, &s, 0, &ray, 0, &weight, NULL));
-    report("misaligned", api.rays((realistic_camera *)(void *)((char *)foreign + 1), 1, &s, 0, &ray, 0, &weight, NULL));
-    report("no-samples", api.rays(camera, 1, NULL, 0, &ray, 0, &weight, NULL));
-    report("no-rays", api.rays(camera, 1, &s, 0, NULL, 0, &weight, NULL));
-    report("no-weights", api.rays(camera, 1, &s, 0, &ray, 0, NULL, NULL));
-    report("short-stride", api.rays(camera, 1, &s, 19, &ray, 0, &weight, NULL));
-    report("short-ray", api.rays(camera, 1, &s, 0, &ray, 35, &weight, NULL));
-    report("overflow", api.rays(camera, SIZE_MAX / 8, &s, 88, &ray, 0, &weight, NULL));
+    report("no-camera", realistic_camera_generate_rays(NULL, 1, &s, 0, &ray, 0, &weight, NULL));
+    report("foreign", realistic_camera_generate_rays(other, 1, &s, 0, &ray, 0, &weight, NULL));
+    report("misaligned", realistic_camera_generate_rays((realistic_camera *)(void *)((char *)foreign + 1), 1, &s, 0, &ray, 0, &weight, NULL));
+    report("no-samples", realistic_camera_generate_rays(camera, 1, NULL, 0, &ray, 0, &weight, NULL));
+    report("no-rays", realistic_camera_generate_rays(camera, 1, &s, 0, NULL, 0, &weight, NULL));
+    report("no-weights", realistic_camera_generate_rays(camera, 1, &s, 0, &ray, 0, NULL, NULL));
+    report("short-stride", realistic_camera_generate_rays(camera, 2, &s, 19, &ray, 0, &weight, NULL));
+    report("short-ray", realistic_camera_generate_rays(camera, 2, &s, 0, &ray, 35, &weight, NULL));
+    report("overflow", realistic_camera_generate_rays(camera, SIZE_MAX / 8, &s, 88, &ray, 0, &weight, NULL));
     printf("kept %g\n", weight);
-    report("none", api.rays(camera, 0, NULL, 0, NULL, 0, NULL, NULL));
+    report("none", realistic_camera_generate_rays(camera, 0, NULL, 0, NULL, 0, NULL, NULL));
     realistic_samples_soa soa_in = {in, in, in, in, in};
     realistic_rays_soa soa_out = {out, out, out, out, out, out, NULL, NULL, NULL, out, NULL};
-    report("soa-none", api.rays_soa(camera, 0, &soa_in, &soa_out));
-    report("soa-no-camera", api.rays_soa(NULL, 1, &soa_in, &soa_out));
-    report("soa-no-samples", api.rays_soa(camera, 1, NULL, &soa_out));
-    report("soa-no-rays", api.rays_soa(camera, 1, &soa_in, NULL));
+    report("soa-none", realistic_camera_generate_rays_soa(camera, 0, &soa_in, &soa_out));
+    report("soa-no-camera", realistic_camera_generate_rays_soa(NULL, 1, &soa_in, &soa_out));
+    report("soa-no-samples", realistic_camera_generate_rays_soa(camera, 1, NULL, &soa_out));
+    report("soa-no-rays", realistic_camera_generate_rays_soa(camera, 1, &soa_in, NULL));
     soa_in.lens_v = NULL;
-    report("soa-no-lens-v", api.rays_soa(camera, 1, &soa_in, &soa_out));
+    report("soa-no-lens-v", realistic_camera_generate_rays_soa(camera, 1, &soa_in, &soa_out));
     soa_in.lens_v = in, soa_out.dy = NULL;
-    report("soa-no-dy", api.rays_soa(camera, 1, &soa_in, &soa_out));
+    report("soa-no-dy", realistic_camera_generate_rays_soa(camera, 1, &soa_in, &soa_out));
     api.camera_free(other);
     printf("free-foreign %s\n", api.last_error());
     api.camera_free(camera);
@@ -534,11 +549,27 @@ static void do_counts(void) {
     float in[1] = {20}, out[1] = {7};
     realistic_samples_soa soa_in = {in, in, in, in, in};
     realistic_rays_soa soa_out = {out, out, out, out, out, out, NULL, NULL, NULL, out, NULL};
-    report("soa-endless", api.rays_soa(camera, SIZE_MAX / 4 - 1, &soa_in, &soa_out));
+    report("soa-endless", realistic_camera_generate_rays_soa(camera, SIZE_MAX / 4 - 1, &soa_in, &soa_out));
+    /* 4 PiB, an element of which lies where no process has memory; with structures, 36 PiB. */
+    report("soa-many", realistic_camera_generate_rays_soa(camera, (size_t)1 << 50, &soa_in, &soa_out));
+    realistic_sample sample = {20, 15, 0.5f, 0.5f, 0};
+    realistic_ray ray = untouched();
+    report("many", realistic_camera_generate_rays(camera, (size_t)1 << 50, &sample, 0, &ray, 0, out, NULL));
+    realistic_request request = realistic_request_of_structures(&sample, 0, &ray, 0, out, NULL);
+    request.origin.stride = PTRDIFF_MAX;
+    report("wide", api.batch(camera, 2, &request));
+    request.origin.stride = PTRDIFF_MIN;
+    report("wide-back", api.batch(camera, 2, &request));
+    /* Element 1 would lie below address 0. */
+    request.origin.stride = 36, request.time.x = (const float *)(uintptr_t)4096, request.time.stride = -8192;
+    report("below", api.batch(camera, 2, &request));
+    request = realistic_request_of_structures(&sample, 0, &ray, 0, out, NULL);
+    request.wavelengths_per_sample = UINT32_MAX, request.wavelength.x = in;
+    report("wavelengths", api.batch(camera, SIZE_MAX / 8, &request));
     realistic_zone zone = {0, 0, 40, 30};
     double film = 7;
     report("zones-endless", api.autofocus(&o, &zone, SIZE_MAX / 4 - 1, 0, unasked, NULL, NULL, &film));
-    report("zones-many", api.autofocus(&o, &zone, (size_t)1 << 50, 0, unasked, NULL, NULL, &film));
+    report("zones-many", api.autofocus(&o, &zone, (size_t)1 << 42, 0, unasked, NULL, NULL, &film));
     report("zones-null", api.autofocus(&o, NULL, 1, 0, unasked, NULL, NULL, &film));
     printf("kept %g %g\n", (double)out[0], film);
     api.camera_free(camera);
@@ -564,7 +595,7 @@ static void *worker(void *argument) {
     for (unsigned i = 0; i < 20000; ++i) {
         realistic_sample s = sample_at(i);
         realistic_ray ray = untouched();
-        float weight = api.ray(work->camera, &s, &ray);
+        float weight = api.ray(work->camera, &s, NULL, &ray);
         unsigned char bytes[sizeof ray + sizeof weight];
         memcpy(bytes, &ray, sizeof ray);
         memcpy(bytes + sizeof ray, &weight, sizeof weight);
@@ -595,13 +626,9 @@ static void do_threads(void) {
 int main(int count, char **argument) {
     static const struct { const char *name; void (*run)(void); } actions[] = {
         {"library", do_library}, {"refusals", do_refusals}, {"info", do_info}, {"log", do_log}, {"plan", do_plan},
-#ifdef REALISTIC_HAS_RX
         {"differentials", do_differentials},
-#endif
         {"rays", do_rays},
-#ifdef REALISTIC_CAPABILITY_LENS
         {"lens", do_lens},
-#endif
         {"null", do_null},       {"threads", do_threads}, {"counts", do_counts},
     };
     if (count != 3) return 1;

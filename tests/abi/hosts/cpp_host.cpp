@@ -133,7 +133,6 @@ static void cameras(const realistic::Api &api) {
     }
     std::printf("rays %d %d\n", different, passed);
 
-    std::vector<realistic_ray_differential> wide(n);
     std::vector<float> out_wide[3][7];
     for (auto &arrays : out_wide) {
         for (auto &array : arrays) array.resize(n);
@@ -143,17 +142,22 @@ static void cameras(const realistic::Api &api) {
         return realistic_rays_soa{a[0].data(), a[1].data(), a[2].data(), a[3].data(), a[4].data(), a[5].data(),
                                   nullptr,     nullptr,     nullptr,     a[6].data(), nullptr};
     };
-    camera.generate(samples.data(), n, wide.data(), weights.data());
-    camera.generate(from, n, rays_of(0), rays_of(1), rays_of(2));
+    realistic_rays_soa own = rays_of(0), rx = rays_of(1), ry = rays_of(2);
+    realistic_request request = realistic_request_of_arrays(&from, &own);
+    request.rx_origin = {rx.ox, rx.oy, rx.oz, sizeof(float)}, request.rx_direction = {rx.dx, rx.dy, rx.dz, sizeof(float)};
+    request.ry_origin = {ry.ox, ry.oy, ry.oz, sizeof(float)}, request.ry_direction = {ry.dx, ry.dy, ry.dz, sizeof(float)};
+    request.rx_weight = {rx.weight, nullptr, nullptr, sizeof(float)};
+    request.ry_weight = {ry.weight, nullptr, nullptr, sizeof(float)};
+    request.struct_size = 0; // set by `generate`
+    camera.generate(request, n);
     int unlike = 0, both = 0;
     for (unsigned i = 0; i < n; ++i) {
-        realistic_ray_differential ray = wide[i];
-        unlike += camera.generate(samples[i], ray) != weight[i] || weights[i] != weight[i] ||
-                  out_wide[0][6][i] != weight[i];
+        realistic_ray_differential ray = {};
+        unlike += camera.generate(samples[i], ray) != weight[i] || out_wide[0][6][i] != weight[i];
         if (!(weight[i] > 0)) continue;
-        unlike += std::memcmp(&ray.has, &wide[i].has, sizeof ray - offsetof(realistic_ray_differential, has)) != 0 ||
-                  std::memcmp(&ray.ray, &one[i], sizeof one[i]) != 0 || out_wide[1][0][i] != ray.rx_o[0] ||
-                  out_wide[2][5][i] != ray.ry_d[2];
+        uint32_t has = (rx.weight[i] > 0 ? REALISTIC_HAS_RX : 0) | (ry.weight[i] > 0 ? REALISTIC_HAS_RY : 0);
+        unlike += ray.has != has || std::memcmp(&ray.ray, &one[i], sizeof one[i]) != 0 ||
+                  out_wide[1][0][i] != ray.rx_o[0] || out_wide[2][5][i] != ray.ry_d[2];
         both += ray.has == (REALISTIC_HAS_RX | REALISTIC_HAS_RY);
     }
     std::printf("differentials %d %d\n", unlike, both);
@@ -198,15 +202,26 @@ static void wavelengths(const realistic::Api &api) {
         return realistic_rays_soa{a[0].data(), a[1].data(), a[2].data(), a[3].data(), a[4].data(), a[5].data(),
                                   nullptr,     nullptr,     nullptr,     a[6].data(), nullptr};
     };
-    camera.generate_at(samples.data(), nm.data(), n, many.data(), weights.data(), reasons.data());
-    camera.generate_at(from, nm.data(), n, rays_of(0));
-    camera.generate_hero(from, fours.data(), n, rays_of(1));
+    realistic_request request = realistic_request_of_structures(samples.data(), 0, many.data(), 0, weights.data(),
+                                                                reasons.data());
+    request.wavelength = {nm.data(), nullptr, sizeof(float)};
+    camera.generate(request, n);
+    realistic_rays_soa to[2] = {rays_of(0), rays_of(1)};
+    request = realistic_request_of_arrays(&from, &to[0]);
+    request.wavelength = {nm.data(), nullptr, sizeof(float)};
+    camera.generate(request, n);
+    request = realistic_request_of_arrays(&from, &to[1]);
+    request.wavelength = {fours.data(), nullptr, sizeof(float)}, request.wavelengths_per_sample = 4;
+    camera.generate(request, n);
     int different = 0, passed = 0, none = 0;
     for (unsigned i = 0; i < n; ++i) {
         realistic_ray ray = many[i], four[4];
         float weight = camera.generate_at(samples[i], nm[i], ray), four_weights[4];
         const float of_sample[4] = {fours[4 * i], fours[4 * i + 1], fours[4 * i + 2], fours[4 * i + 3]};
-        unsigned through = camera.generate_hero(samples[i], of_sample, four, four_weights);
+        realistic_request hero{};
+        hero.wavelengths_per_sample = 4, hero.wavelength = {of_sample, nullptr, sizeof(float)};
+        hero.weight = {four_weights, nullptr, nullptr, sizeof(float)};
+        different += camera.generate(samples[i], hero, four) != four_weights[0];
         passed += weight > 0;
         none += reasons[i] == REALISTIC_REASON_WAVELENGTH;
         different += weight != weights[i] || weight != out[0][6][i] || (weight > 0 && ray.d[1] != out[0][4][i]) ||
@@ -214,14 +229,12 @@ static void wavelengths(const realistic::Api &api) {
         for (unsigned k = 0; k < 4; ++k) {
             realistic_ray one;
             float alone = camera.generate_at(samples[i], of_sample[k], one);
-            through -= alone > 0;
             different += alone != four_weights[k] || alone != out[1][6][4 * i + k] ||
                          (alone > 0 && (one.d[0] != four[k].d[0] || one.o[1] != out[1][1][4 * i + k]));
         }
-        different += through != 0;
     }
     std::printf("wavelengths %d %d %d\n", different, passed, none);
-    std::printf("capable %d\n", (api.capabilities() & REALISTIC_CAPABILITY_WAVELENGTHS) != 0);
+    std::printf("capable %d\n", api.serves_pbrt());
 }
 
 static void lenses(const realistic::Api &api) {
@@ -241,7 +254,7 @@ static void lenses(const realistic::Api &api) {
     std::vector<double> along[3];
     for (auto &axis : along) axis.resize(info.surfaces);
     uint32_t met = 0;
-    lens.trace_points(REALISTIC_SIDE_SCENE, 1, {0, start, start + 1, start + 2, start + 3, start + 4, start + 5, nullptr},
+    lens.trace(REALISTIC_SIDE_SCENE, 1, {0, start, start + 1, start + 2, start + 3, start + 4, start + 5, nullptr},
                       {0, along[0].data(), along[1].data(), along[2].data(), &met});
     double off = 0;
     for (uint32_t i = 0; i < info.surfaces; ++i) off += std::fabs(along[2][i] - lens.surface(i).vertex_mm);
@@ -252,8 +265,6 @@ static void lenses(const realistic::Api &api) {
     } catch (const realistic::Error &error) {
         std::printf("none %d %s\n", static_cast<int>(error.status()), error.what());
     }
-    const uint64_t wanted = REALISTIC_CAPABILITY_LENS | REALISTIC_CAPABILITY_CROP;
-    std::printf("capable %d\n", (api.capabilities() & wanted) == wanted);
 
     realistic::Options camera(40, 30, api);
     std::vector<realistic_zone> zones = {{10, 10, 30, 20}};

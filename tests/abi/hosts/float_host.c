@@ -20,18 +20,19 @@ static struct {
     realistic_status (*options_init)(realistic_options *, uint32_t);
     realistic_status (*camera_new)(const realistic_options *, realistic_camera **);
     void (*camera_free)(realistic_camera *);
-    float (*ray)(const realistic_camera *, const realistic_sample *, realistic_ray *);
-    float (*ray_at)(const realistic_camera *, const realistic_sample *, float, realistic_ray *);
-    uint32_t (*hero_rays)(const realistic_camera *, const realistic_sample *, const float *, realistic_ray *, float *);
-    float (*differential)(const realistic_camera *, const realistic_sample *, realistic_ray_differential *);
-    float (*differential_at)(const realistic_camera *, const realistic_sample *, float, realistic_ray_differential *);
-    realistic_status (*rays)(const realistic_camera *, size_t, const realistic_sample *, size_t, realistic_ray *,
-                             size_t, float *, realistic_reason *);
-    realistic_status (*rays_soa)(const realistic_camera *, size_t, const realistic_samples_soa *,
-                                 const realistic_rays_soa *);
+    float (*ray)(const realistic_camera *, const realistic_sample *, const realistic_request *, realistic_ray *);
+    float (*differential)(const realistic_camera *, const realistic_sample *, const realistic_request *,
+                          realistic_ray_differential *);
+    realistic_status (*batch)(const realistic_camera *, size_t, const realistic_request *);
     realistic_status (*autofocus)(const realistic_options *, const realistic_zone *, size_t, int32_t,
                                   realistic_distance, realistic_contrast, void *, double *);
 } api;
+
+/* The exported batch, for the header's inline functions: the library is loaded, not linked. */
+realistic_status realistic_camera_generate_batch(const realistic_camera *camera, size_t n,
+                                                 const realistic_request *request) {
+    return api.batch(camera, n, request);
+}
 
 static void resolve(void *library, const char *name, void *function) {
     void *symbol = dlsym(library, name);
@@ -47,12 +48,8 @@ static void load(const char *path) {
     resolve(library, "realistic_camera_new", &api.camera_new);
     resolve(library, "realistic_camera_free", &api.camera_free);
     resolve(library, "realistic_generate_ray", &api.ray);
-    resolve(library, "realistic_generate_ray_at", &api.ray_at);
-    resolve(library, "realistic_generate_hero_rays", &api.hero_rays);
     resolve(library, "realistic_generate_ray_differential", &api.differential);
-    resolve(library, "realistic_generate_ray_differential_at", &api.differential_at);
-    resolve(library, "realistic_camera_generate_rays", &api.rays);
-    resolve(library, "realistic_camera_generate_rays_soa", &api.rays_soa);
+    resolve(library, "realistic_camera_generate_batch", &api.batch);
     resolve(library, "realistic_autofocus", &api.autofocus);
 }
 
@@ -179,13 +176,20 @@ static void other_calls(const realistic_camera *camera, const realistic_sample *
     realistic_ray_differential ray;
     ray.struct_size = sizeof ray;
     number(&wavelength, 370, 420);
-    api.differential(camera, sample, &ray);
+    api.differential(camera, sample, NULL, &ray);
     look();
-    api.ray_at(camera, sample, wavelength, rays);
+    realistic_request request;
+    memset(&request, 0, sizeof request);
+    request.struct_size = sizeof request;
+    request.wavelength.x = &wavelength;
+    api.ray(camera, sample, &request, rays);
     look();
-    api.hero_rays(camera, sample, four, rays, weights);
+    api.differential(camera, sample, &request, &ray);
     look();
-    api.differential_at(camera, sample, wavelength, &ray);
+    request.wavelengths_per_sample = 4;
+    request.wavelength.x = four, request.wavelength.stride = sizeof(float);
+    request.weight.x = weights, request.weight.stride = sizeof(float);
+    api.ray(camera, sample, &request, rays);
     look();
 }
 
@@ -201,7 +205,7 @@ static void every_call(unsigned long rays) {
         for (unsigned long k = 0; k < rays; ++k) {
             realistic_sample sample = random_sample();
             realistic_ray ray;
-            count(api.ray(camera, &sample, &ray));
+            count(api.ray(camera, &sample, NULL, &ray));
             look();
             if (k % 4 == 0) other_calls(camera, &sample);
         }
@@ -211,12 +215,12 @@ static void every_call(unsigned long rays) {
             in[2][k] = samples[k].lens_u, in[3][k] = samples[k].lens_v, in[4][k] = samples[k].time;
         }
         feclearexcept(FE_ALL_EXCEPT);
-        quiet(api.rays(camera, N, samples, 0, many, 0, weights, reasons));
+        quiet(realistic_camera_generate_rays(camera, N, samples, 0, many, 0, weights, reasons));
         look();
         realistic_samples_soa soa_in = {in[0], in[1], in[2], in[3], in[4]};
         realistic_rays_soa soa_out = {out[0], out[1], out[2], out[3], out[4], out[5],
                                       out[6], out[7], out[8], out[9], reasons};
-        quiet(api.rays_soa(camera, N, &soa_in, &soa_out));
+        quiet(realistic_camera_generate_rays_soa(camera, N, &soa_in, &soa_out));
         look();
         api.camera_free(camera);
     }
@@ -242,12 +246,12 @@ static void hash(const char *name) {
         for (unsigned k = 0; k < N; ++k) {
             struct { realistic_ray ray; float weight; } one;
             memset(&one, 0, sizeof one);
-            one.weight = api.ray(camera, &samples[k], &one.ray);
+            one.weight = api.ray(camera, &samples[k], NULL, &one.ray);
             for (size_t b = 0; b < sizeof one; ++b) sum = (sum ^ ((unsigned char *)&one)[b]) * 1099511628211ULL;
         }
         memset(many, 0, sizeof many);
         feclearexcept(FE_ALL_EXCEPT);
-        quiet(api.rays(camera, N, samples, 0, many, 0, weights, reasons));
+        quiet(realistic_camera_generate_rays(camera, N, samples, 0, many, 0, weights, reasons));
         for (size_t b = 0; b < sizeof many; ++b) sum = (sum ^ ((unsigned char *)many)[b]) * 1099511628211ULL;
         for (size_t b = 0; b < sizeof reasons; ++b) sum = (sum ^ ((unsigned char *)reasons)[b]) * 1099511628211ULL;
         api.camera_free(camera);
@@ -279,7 +283,7 @@ int main(int argc, char **argv) {
         feraiseexcept(TRAPS);
         realistic_sample sample = {20, 15, 0.5f, 0.5f, 0};
         realistic_ray ray;
-        api.ray(camera, &sample, &ray);
+        api.ray(camera, &sample, NULL, &ray);
         printf("kept %d\n", fetestexcept(TRAPS) == TRAPS);
         api.camera_free(camera);
         return 0;

@@ -11,7 +11,8 @@ use std::process::Command;
 
 use harness::{Abi, compile};
 use realistic::abi::{
-    realistic_camera_info, realistic_options, realistic_ray, realistic_ray_differential, realistic_sample,
+    realistic_camera_info, realistic_input, realistic_options, realistic_output, realistic_ray,
+    realistic_ray_differential, realistic_request, realistic_sample,
 };
 
 /// `key` to numbers, from lines of `layout key numbers…`.
@@ -109,32 +110,20 @@ fn the_c_structures_are_as_the_cpp_compiler_lays_them_out() {
         structure!(realistic_sample: image_x image_y lens_u lens_v time),
         structure!(realistic_ray: o d mint maxt time),
         structure!(realistic_ray_differential: struct_size has ray rx_o rx_d ry_o ry_d),
-        structure!(realistic_options: struct_size xres yres simpleweighting camera_to_world log log_user
-            lens_text lens_text_size model specfile weighting pupil disk refraction precision filmdistance
-            focusdistance aperture_diameter fnumber filmdiag hither yon shutteropen shutterclose wavelength
-            mmperunit camera_to_world_end transformstart transformend shutter lensplane shutterramp
-            shutterslit fov screenwindow frameaspectratio lensradius focaldistance tolerance focusby
-            zoom blades bladerotation bladecurvature glasscatalog crop),
+        structure!(realistic_input: x y stride),
+        structure!(realistic_output: x y z stride),
+        structure!(realistic_request: struct_size wavelengths_per_sample image lens time wavelength origin direction
+            weight mint maxt ray_time reason reason_stride rx_origin rx_direction rx_weight ry_origin ry_direction
+            ry_weight),
+        // Of the parameters, which both sides have in the table's order, one of each kind and the last.
+        structure!(realistic_options: struct_size xres yres camera_to_world camera_to_world_end transformstart
+            transformend lens_text lens_text_size log log_user model specfile simpleweighting crop lensplane),
         structure!(realistic_camera_info: struct_size interfaces focal_length_mm fnumber film_distance_mm
             focus_distance_mm film_diagonal_mm crop),
     ];
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let header = cbindgen::Builder::new()
-        .with_src(root.join("src/abi/types.rs"))
-        .with_language(cbindgen::Language::C)
-        .with_cpp_compat(true)
-        .include_item("realistic_sample")
-        .include_item("realistic_ray")
-        .include_item("realistic_ray_differential")
-        .include_item("realistic_options")
-        .include_item("realistic_camera_info")
-        .exclude_item("realistic_camera")
-        .generate()
-        .expect("the structures can be said in C");
     let directory = tempfile::tempdir().unwrap();
-    header.write_to_file(directory.path().join("types.h"));
     let mut program =
-        "#include \"types.h\"\n#include <cstddef>\n#include <cstdio>\nint main() {\n".to_owned();
+        "#include \"realistic.h\"\n#include <cstddef>\n#include <cstdio>\nint main() {\n".to_owned();
     for (name, _, members) in &structures {
         writeln!(program, "std::printf(\"layout {name} %zu %zu\\n\", sizeof({name}), alignof({name}));")
             .unwrap();

@@ -8,3 +8,4 @@ mod harness;
 mod layout;
 mod memory;
 mod pbrt_host;
+mod threads;

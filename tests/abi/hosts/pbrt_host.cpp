@@ -5,6 +5,7 @@
 // Arguments, in any order after the plugin's path and the action:
 //   float:NAME=1,2  integer:NAME=1  bool:NAME=true  string:NAME=a|b    the scene's parameters
 //   file=PATH of the scene  res=WxH  w2c=16 numbers  sample=x,y,u,v,time (many)  spp=N
+//   placements=N: how many, of the action of that name
 //   traps=1: floating-point exceptions trap
 // Prints one `key values…` a line; the tests read these.
 
@@ -104,6 +105,11 @@ std::string ParamSet::ToString() const {
     std::ostringstream text;
     for (const Item<float> *item : floats.list) {
         text << "\"float " << item->name << "\" [";
+        for (int i = 0; i < item->count; ++i) text << item->values[i] << ' ';
+        text << "] ";
+    }
+    for (const Item<int> *item : ints.list) {
+        text << "\"integer " << item->name << "\" [";
         for (int i = 0; i < item->count; ++i) text << item->values[i] << ' ';
         text << "] ";
     }
@@ -213,7 +219,7 @@ public:
 
 struct Request {
     ParamSet params;
-    int x = 30, y = 20, spp = 64;
+    int x = 30, y = 20, spp = 64, placements = 0;
     Matrix4x4 world_to_camera{1, {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}};
     Matrix4x4 camera_to_world = world_to_camera;
     std::vector<Sample> samples;
@@ -232,11 +238,15 @@ std::vector<float> floats_of(const std::string &text) {
     return numbers;
 }
 
-// Gauss-Jordan in double.
-void invert(const Matrix4x4 &from, Matrix4x4 *to) {
+struct Doubles {
+    double m[4][4];
+};
+
+// The inverse in double precision: elimination of [matrix | identity], column by column.
+Doubles inverted(const Matrix4x4 &from) {
     double a[4][8] = {};
     for (int r = 0; r < 4; ++r)
-        for (int c = 0; c < 4; ++c) a[r][c] = from.m[r][c], a[r][4 + r] = 1;
+        for (int c = 0; c < 4; ++c) a[r][c] = double(from.m[r][c]), a[r][4 + r] = 1;
     for (int column = 0; column < 4; ++column) {
         int pivot = column;
         for (int r = column; r < 4; ++r)
@@ -247,8 +257,41 @@ void invert(const Matrix4x4 &from, Matrix4x4 *to) {
             for (int c = 0; c < 8; ++c) a[r][c] -= factor * a[column][c];
         }
     }
+    Doubles to;
     for (int r = 0; r < 4; ++r)
-        for (int c = 0; c < 4; ++c) to->m[r][c] = float(a[r][4 + c] / a[r][r]);
+        for (int c = 0; c < 4; ++c) to.m[r][c] = a[r][4 + c] / a[r][r];
+    return to;
+}
+
+// The inverse as the renderer makes it: by Gauss and Jordan's method in place, in single precision, each step's pivot the
+// largest entry of the rows and columns that have had none. A step solves the pivot's equation for its unknown and puts
+// that into the others, so that one unknown and one right side change places; in the end the rows and columns are put
+// in the order of what they stand for.
+Matrix4x4 inverted_in_single_precision(const Matrix4x4 &from) {
+    Matrix4x4 to = from;
+    float (&a)[4][4] = to.m;
+    int row_of[4] = {-1, -1, -1, -1}, column_of[4] = {-1, -1, -1, -1};
+    for (int step = 0; step < 4; ++step) {
+        int p = -1, q = -1;
+        for (int r = 0; r < 4; ++r)
+            for (int c = 0; c < 4; ++c)
+                if (column_of[r] < 0 && row_of[c] < 0 && (p < 0 || std::fabs(a[r][c]) > std::fabs(a[p][q])))
+                    p = r, q = c;
+        column_of[p] = q, row_of[q] = p;
+        float reciprocal = 1 / a[p][q];
+        a[p][q] = 1;
+        for (int c = 0; c < 4; ++c) a[p][c] *= reciprocal;
+        for (int r = 0; r < 4; ++r) {
+            if (r == p) continue;
+            float factor = a[r][q];
+            a[r][q] = 0;
+            for (int c = 0; c < 4; ++c) a[r][c] -= factor * a[p][c];
+        }
+    }
+    Matrix4x4 ordered = to;
+    for (int r = 0; r < 4; ++r)
+        for (int c = 0; c < 4; ++c) ordered.m[r][c] = a[row_of[r]][column_of[c]];
+    return ordered;
 }
 
 void take(Request *request, const std::string &argument) {
@@ -262,10 +305,13 @@ void take(Request *request, const std::string &argument) {
         current_file = value;
     } else if (key == "spp") {
         request->spp = std::atoi(value.c_str());
+    } else if (key == "placements") {
+        request->placements = std::atoi(value.c_str());
     } else if (key == "w2c") {
         std::vector<float> numbers = floats_of(value);
         for (int i = 0; i < 16; ++i) request->world_to_camera.m[i / 4][i % 4] = numbers.at(std::size_t(i));
-        invert(request->world_to_camera, &request->camera_to_world);
+        Doubles inverse = inverted(request->world_to_camera);
+        for (int i = 0; i < 16; ++i) request->camera_to_world.m[i / 4][i % 4] = float(inverse.m[i / 4][i % 4]);
     } else if (key == "sample") {
         std::vector<float> n = floats_of(value);
         request->samples.push_back(Sample{n.at(0), n.at(1), n.at(2), n.at(3), n.at(4), {}, {}, nullptr, nullptr});
@@ -366,6 +412,115 @@ void render(const Camera *camera, const Plugin &plugin, int spp) {
                 zero, blocked, differentials, bad);
 }
 
+// Random numbers in [0, 1), the same in every run.
+struct Random {
+    std::uint64_t state = 1;
+    double next() {
+        state = state * 6364136223846793005u + 1442695040888963407u;
+        return double(state >> 11) / 9007199254740992.0;
+    }
+    double between(double from, double to) { return from + (to - from) * next(); }
+};
+
+// A matrix that turns, scales alike in all directions, mirrors (every other one) and moves by up to 1e5 times that scale.
+Matrix4x4 random_placement(Random *random) {
+    double q[4], square = 0;
+    do {
+        square = 0;
+        for (double &part : q) part = random->between(-1, 1), square += part * part;
+    } while (square > 1 || square < 1e-3);
+    double w = q[0], x = q[1], y = q[2], z = q[3], s = 2 / square;
+    double scale = std::pow(10, random->between(-3, 3)), mirror = random->next() < 0.5 ? -1 : 1;
+    double move = std::pow(10, random->between(-2, 5));
+    double rows[3][3] = {{1 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y)},
+                         {s * (x * y + w * z), 1 - s * (x * x + z * z), s * (y * z - w * x)},
+                         {s * (x * z - w * y), s * (y * z + w * x), 1 - s * (x * x + y * y)}};
+    Matrix4x4 matrix{1, {}};
+    for (int r = 0; r < 3; ++r) {
+        for (int c = 0; c < 3; ++c) matrix.m[r][c] = float(scale * rows[r][c] * (c == 0 ? mirror : 1));
+        matrix.m[r][3] = float(move * random->between(-1, 1));
+    }
+    matrix.m[3][3] = 1;
+    return matrix;
+}
+
+Matrix4x4 product(const Matrix4x4 &a, const Matrix4x4 &b) {
+    Matrix4x4 made{1, {}};
+    for (int r = 0; r < 4; ++r)
+        for (int c = 0; c < 4; ++c)
+            made.m[r][c] = a.m[r][0] * b.m[0][c] + a.m[r][1] * b.m[1][c] + a.m[r][2] * b.m[2][c] + a.m[r][3] * b.m[3][c];
+    return made;
+}
+
+bool is_affine(const Matrix4x4 &matrix) {
+    return matrix.m[3][0] == 0 && matrix.m[3][1] == 0 && matrix.m[3][2] == 0 && matrix.m[3][3] == 1;
+}
+
+// Cameras placed by random matrices: how far their rays are from those of a camera that is not placed, put into the world
+// by the camera-to-world matrix in double precision. A third are given world to camera, as a scene's matrix is; a third
+// camera to world, as a scene's LookAt is; a third world to camera by two matrices, a move after the other.
+int placements(const Plugin &plugin, const Request &request) {
+    Random random;
+    Matrix4x4 identity{1, {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}};
+    Transform unplaced{&identity, &identity};
+    Camera *reference = plugin.create(request.params, unplaced, new MeanFilm(request.x, request.y));
+    double direction_error = 0, origin_error = 0;
+    int refused = 0, rounded = 0;
+    for (int i = 0; i < request.placements; ++i) {
+        Matrix4x4 world_to_camera = random_placement(&random), camera_to_world;
+        Doubles truth;
+        if (i % 3 == 1) {
+            camera_to_world = world_to_camera;
+            world_to_camera = inverted_in_single_precision(camera_to_world);
+            for (int k = 0; k < 16; ++k) truth.m[k / 4][k % 4] = double(camera_to_world.m[k / 4][k % 4]);
+        } else {
+            camera_to_world = inverted_in_single_precision(world_to_camera);
+            if (i % 3 == 2) {
+                Matrix4x4 move = identity, back = identity;
+                for (int r = 0; r < 3; ++r) move.m[r][3] = float(random.between(-1e5, 1e5)), back.m[r][3] = -move.m[r][3];
+                world_to_camera = product(world_to_camera, move);
+                camera_to_world = product(back, camera_to_world);
+            }
+            truth = inverted(world_to_camera);
+        }
+        rounded += !is_affine(camera_to_world) || !is_affine(world_to_camera);
+        Transform transform{&world_to_camera, &camera_to_world};
+        Film *film = new MeanFilm(request.x, request.y);
+        Camera *camera = plugin.create(request.params, transform, film);
+        if (camera == nullptr) {
+            ++refused;
+            delete film;
+            continue;
+        }
+        for (int n = 0; n < 3; ++n) {
+            Sample sample{float(random.between(0, request.x)), float(random.between(0, request.y)), 0.5f, 0.5f, 0,
+                          {}, {}, nullptr, nullptr};
+            Ray got = fresh_ray(), plain = fresh_ray();
+            camera->GenerateRay(sample, &got);
+            reference->GenerateRay(sample, &plain);
+            double o[3], d[3], length = 0, apart = 0, moved = 0, away = 1;
+            for (int r = 0; r < 3; ++r) {
+                const double *m = truth.m[r];
+                o[r] = m[0] * double(plain.o.x) + m[1] * double(plain.o.y) + m[2] * double(plain.o.z) + m[3];
+                d[r] = m[0] * double(plain.d.x) + m[1] * double(plain.d.y) + m[2] * double(plain.d.z);
+                length += d[r] * d[r];
+                away = std::fmax(away, std::fabs(o[r]));
+            }
+            const float got_o[3] = {got.o.x, got.o.y, got.o.z}, got_d[3] = {got.d.x, got.d.y, got.d.z};
+            for (int r = 0; r < 3; ++r) {
+                apart += std::pow(double(got_d[r]) - d[r] / std::sqrt(length), 2);
+                moved += std::pow(double(got_o[r]) - o[r], 2);
+            }
+            direction_error = std::fmax(direction_error, std::sqrt(apart));
+            origin_error = std::fmax(origin_error, std::sqrt(moved) / away);
+        }
+        delete camera;
+    }
+    delete reference;
+    std::printf("placements %d %d %d %.9g %.9g\n", request.placements, refused, rounded, direction_error, origin_error);
+    return 0;
+}
+
 void print_matrix(const char *key, const Matrix4x4 &matrix) {
     std::printf("%s", key);
     for (int i = 0; i < 16; ++i) std::printf(" %.9g", double(matrix.m[i / 4][i % 4]));
@@ -438,6 +593,7 @@ int main(int count, char **arguments) {
                   reinterpret_cast<Generate>(dlsym(library, "GenerateRay"))};
     Request request;
     for (int i = 3; i < count; ++i) take(&request, arguments[i]);
+    if (action == "placements") return placements(plugin, request);
     Transform w2c{&request.world_to_camera, &request.camera_to_world};
     Film *film = new MeanFilm(request.x, request.y);
     Camera *camera = plugin.create(request.params, w2c, action == "nofilm" ? nullptr : film);

@@ -226,6 +226,30 @@ fn transforms_place_the_rays() {
 }
 
 #[test]
+fn every_matrix_places_a_camera_though_its_inverse_is_rounded() {
+    // The stock cameras' way into the world and the lenses'; a lens takes longer to build.
+    for (model, count) in [("environment", 10_000), ("thick", 500), ("lens", 12)] {
+        let arguments = [format!("string:model={model}"), format!("placements={count}")];
+        let report = run(Abi::New, "placements", &arguments.each_ref().map(String::as_str));
+        let [asked, refused, rounded, direction, origin] = report.numbers("placements")[..] else {
+            panic!("{}", report.one("placements"))
+        };
+        assert_eq!((asked, refused), (f64::from(count), 0.0), "{model}: {:?}", report.all("error").first());
+        assert!(rounded > 0.2 * asked, "{model}: of {asked} only {rounded} are off an affine matrix");
+        println!("{model}: directions within {direction} rad, origins within {origin} of their distance");
+        assert!(direction < 1e-6 && origin < 1e-6, "{model}: {direction} {origin}");
+    }
+}
+
+#[test]
+fn a_projective_matrix_places_no_camera() {
+    for last_row in ["0,0,1,0", "0,0,0.01,1", "0,1e-4,0,1", "0,0,0,2"] {
+        let matrix = format!("w2c=1,0,0,3, 0,1,0,-4, 0,0,1,5, {last_row}");
+        run(Abi::New, "rays", &[&matrix]).refused(&["transform is not affine", "last row must be 0 0 0 1"]);
+    }
+}
+
+#[test]
 fn raster_right_and_down_are_right_and_down_in_the_scene() {
     // The same lens samples, so that only the film point differs.
     for abi in Abi::BOTH {
@@ -242,11 +266,11 @@ fn raster_right_and_down_are_right_and_down_in_the_scene() {
 #[test]
 fn a_parameter_of_the_wrong_kind_is_an_error() {
     let cases = [
-        ("integer:filmdistance=50", "\"integer\"", "write \"float filmdistance\""),
-        ("string:filmdiag=35", "\"string\"", "write \"float filmdiag\""),
-        ("float:specfile=1", "\"float\"", "write \"string specfile\""),
-        ("string:simpleweighting=true", "\"string\"", "write \"bool simpleweighting\""),
-        ("integer:aperturediameter=4", "\"integer\"", "write \"float aperturediameter\""),
+        ("string:filmdistance=far", "not the string \"far\"", "write \"float filmdistance\""),
+        ("bool:filmdiag=true", "not the boolean true", "write \"float filmdiag\""),
+        ("float:specfile=1", "not the number 1", "write \"string specfile\""),
+        ("integer:simpleweighting=1", "not the number 1", "write \"bool simpleweighting\""),
+        ("string:crop=1,2", "not the string \"1,2\"", "write \"float crop\""),
     ];
     for abi in Abi::BOTH {
         for (argument, given, write) in cases {
@@ -256,8 +280,36 @@ fn a_parameter_of_the_wrong_kind_is_an_error() {
 }
 
 #[test]
+fn a_value_of_another_kind_with_one_meaning_is_taken() {
+    let samples = samples();
+    let rays = |abi: Abi, given: &str| {
+        let arguments: Vec<&str> = samples.iter().map(String::as_str).chain(given.split(' ')).collect();
+        let report = run(abi, "rays", &arguments);
+        report.clean();
+        format!("{:?}", report.rays("vtable"))
+    };
+    let zoom = "string:specfile=zoom.24-70mm ";
+    for abi in Abi::BOTH {
+        for (other, usual) in [
+            ("integer:blades=7 integer:fnumber=4", "float:blades=7 float:fnumber=4"),
+            ("string:filmdiag=24 string:simpleweighting=true", "float:filmdiag=24 bool:simpleweighting=true"),
+            (&format!("{zoom}float:zoom=35"), &format!("{zoom}string:zoom=35")),
+            (&format!("{zoom}integer:zoom=35"), &format!("{zoom}string:zoom=35mm")),
+            (
+                "string:model=perspective integer:screenwindow=-3,3,-2,2",
+                "string:model=perspective float:screenwindow=-3,3,-2,2",
+            ),
+        ] {
+            assert_eq!(rays(abi, other), rays(abi, usual), "{other}");
+        }
+        let twice = run(abi, "rays", &["float:fnumber=4", "integer:fnumber=4"]);
+        twice.refused(&["\"fnumber\" is given as \"float\" and as \"integer\""]);
+    }
+}
+
+#[test]
 fn every_complaint_about_parameters_is_told() {
-    let report = run(Abi::New, "rays", &["integer:filmdistance=50", "float:filmdiag=1,2"]);
+    let report = run(Abi::New, "rays", &["bool:filmdistance=true", "float:filmdiag=1,2"]);
     assert_eq!(report.one("camera"), "null");
     assert_eq!(report.all("error").len(), 2);
 }
@@ -377,13 +429,54 @@ fn a_lens_file_is_found_beside_the_scene_wherever_the_host_was_started() {
 }
 
 #[test]
-fn what_nobody_knows_stays_the_hosts_to_report() {
+fn a_misspelt_parameter_is_answered_once() {
     for abi in Abi::BOTH {
-        let report = run(abi, "rays", &["float:flimdistance=3", "float:filmdistance=40"]);
+        let given = ["integer:flimdistance=3", "float:foo=2", "float:filmdistance=40"];
+        let report = run(abi, "rays", &given);
         assert_eq!(report.one("camera"), "made");
-        let hint = "realistic: no parameter is called \"flimdistance\"; did you mean \"filmdistance\"?";
-        assert_eq!(report.all("warning"), [hint, "Parameter \"flimdistance\" not used"]);
+        let ours = "realistic: no parameter is called \"flimdistance\"; did you mean \"filmdistance\"?";
+        // Near to nothing, and the host's to report.
+        assert_eq!(report.all("warning"), [ours, "Parameter \"foo\" not used"]);
         report.ended();
+    }
+}
+
+#[test]
+fn the_default_lens_is_the_built_in_one_whatever_lies_about() {
+    let (_installed, plugin) = installed("realistic.so");
+    let directory = tempfile::tempdir().unwrap();
+    let file = directory.path().join("dgauss.50mm");
+    fs::write(&file, LENS).unwrap();
+    for abi in Abi::BOTH {
+        let look = |more: &[&str]| {
+            let run = Run::new(abi, &plugin, "rays").with("sample=17,3,0.4,0.6,0").with_all(more);
+            run.in_directory(directory.path()).run()
+        };
+        let default = look(&[]);
+        default.clean();
+        let elsewhere = run(abi, "rays", &["sample=17,3,0.4,0.6,0"]);
+        assert_eq!(default.rays("vtable"), elsewhere.rays("vtable"));
+        let named = look(&["string:specfile=dgauss.50mm", "float:filmdistance=58"]);
+        let [said] = named.all("warning")[..] else { panic!("{}", named.out) };
+        assert!(said.contains("lens \"dgauss.50mm\" is the file dgauss.50mm, not the built-in"), "{said}");
+    }
+}
+
+#[test]
+fn a_misspelt_set_of_instructions_is_a_warning() {
+    let (_directory, plugin) = installed("realistic.so");
+    for (given, words) in [
+        ("avx-2", "\"avx-2\", no set of instructions, and changes nothing; did you mean \"avx2\"?"),
+        (
+            "fast",
+            "\"fast\", no set of instructions, and changes nothing; the names are portable, avx2, avx512",
+        ),
+    ] {
+        let report = Run::new(Abi::New, &plugin, "rays").env("REALISTIC_SIMD", Path::new(given)).run();
+        assert!(report.one("warning").contains(words), "{}", report.out);
+    }
+    for known in ["", "portable"] {
+        Run::new(Abi::New, &plugin, "rays").env("REALISTIC_SIMD", Path::new(known)).run().clean();
     }
 }
 
@@ -424,7 +517,7 @@ fn the_stock_cameras_take_a_hosts_parameters() {
         assert!(near(ray.o, [3.0, 2.0, 1e-3], 1e-6) && ray.d == [0.0, 0.0, 1.0], "{ray:?}");
         let refused = |argument| Run::new(abi, &plugin, "rays").with(argument).run();
         refused("float:screenwindow=-3,3").refused(&["screenwindow", "2 values", "takes four"]);
-        refused("integer:lensradius=1").refused(&["write \"float lensradius\""]);
+        refused("bool:lensradius=true").refused(&["write \"float lensradius\""]);
         let report = Run::new(abi, &plugin, "rays").with("float:fov=60").with("float:filmdistance=40").run();
         assert_eq!(report.one("camera"), "made");
         assert!(report.one("warning").contains("does not use \"filmdistance\", \"fov\""), "{}", report.out);

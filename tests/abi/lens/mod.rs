@@ -84,7 +84,7 @@ impl Lens {
         let arrays =
             realistic_lens_rays { struct_size, ox, oy, oz, dx, dy, dz, reason: reasons.as_mut_ptr() };
         // SAFETY: arrays of the rays' number.
-        let status = unsafe { realistic_lens_trace(self.0, from as i32, rays.len(), &arrays) };
+        let status = unsafe { realistic_lens_trace(self.0, from as i32, rays.len(), &arrays, null()) };
         assert_eq!(status, realistic_status::Ok, "{}", last_error());
         ((0..rays.len()).map(|i| columns.each_ref().map(|column| column[i])).collect(), reasons)
     }
@@ -103,7 +103,7 @@ impl Lens {
         let struct_size = size_of::<realistic_lens_points>() as u32;
         let points = realistic_lens_points { struct_size, x, y, z, met: met.as_mut_ptr() };
         // SAFETY: arrays of the rays' number, and of the points'.
-        let status = unsafe { realistic_lens_trace_points(self.0, from as i32, n, &arrays, &points) };
+        let status = unsafe { realistic_lens_trace(self.0, from as i32, n, &arrays, &points) };
         assert_eq!(status, realistic_status::Ok, "{}", last_error());
         let point = |i: usize, k: usize| places.each_ref().map(|place| place[i * surfaces + k]);
         (0..n)
@@ -347,7 +347,7 @@ fn pointers_that_are_no_lens_are_told_from_one() {
         for wrong in [null(), none, none.byte_add(1)] {
             assert_eq!(realistic_lens_focus(wrong, 900.0, &mut found), NotALens);
             assert_eq!(realistic_lens_get_name(wrong, null_mut(), 0, &mut length), NotALens);
-            assert_eq!(realistic_lens_trace(wrong, 0, 0, &rays), NotALens);
+            assert_eq!(realistic_lens_trace(wrong, 0, 0, &rays, null()), NotALens);
         }
         realistic_lens_free(null_mut());
         realistic_lens_free(none.cast_mut());
@@ -356,14 +356,14 @@ fn pointers_that_are_no_lens_are_told_from_one() {
             (status, length, CStr::from_bytes_until_nul(&name).expect("an end")),
             (Ok, 11, c"dgauss.")
         );
-        assert_eq!(realistic_lens_trace(lens.0, 0, 0, &rays), Ok);
-        assert_eq!(realistic_lens_trace(lens.0, 0, 3, &rays), NullPointer);
+        assert_eq!(realistic_lens_trace(lens.0, 0, 0, &rays, null()), Ok);
+        assert_eq!(realistic_lens_trace(lens.0, 0, 3, &rays, null()), NullPointer);
         assert!(last_error().contains("rays.ox is NULL"));
-        assert_eq!(realistic_lens_trace(lens.0, 2, 0, &rays), InvalidParameter);
-        assert_eq!(realistic_lens_trace(lens.0, 0, usize::MAX / 2, &rays), InvalidParameter);
+        assert_eq!(realistic_lens_trace(lens.0, 2, 0, &rays, null()), InvalidParameter);
+        assert_eq!(realistic_lens_trace(lens.0, 0, usize::MAX / 2, &rays, null()), InvalidParameter);
         rays.struct_size = 8;
-        assert_eq!(realistic_lens_trace(lens.0, 0, 0, &rays), StructSize);
-        assert_eq!(realistic_lens_trace(lens.0, 0, 0, null()), NullPointer);
+        assert_eq!(realistic_lens_trace(lens.0, 0, 0, &rays, null()), StructSize);
+        assert_eq!(realistic_lens_trace(lens.0, 0, 0, null(), null()), NullPointer);
         assert_eq!(realistic_lens_get_info(lens.0, null_mut()), NullPointer);
         assert_eq!(realistic_lens_new(&options(), null_mut()), NullPointer);
     }

@@ -1,7 +1,6 @@
 //! What the surfaces of a lens are, and where rays meet them.
 
 use std::ffi::CString;
-use std::mem::MaybeUninit;
 use std::ptr::{null, null_mut};
 
 use super::{Lens, SINGLET, last_error};
@@ -114,22 +113,6 @@ fn points_lie_on_their_surfaces_and_obey_snell_at_each() {
 }
 
 #[test]
-fn a_caller_that_knows_only_spheres_gets_what_it_knows() {
-    let lens = Lens::named(c"phone.4mm");
-    let bytes = std::mem::offset_of!(realistic_lens_surface, conic_radius_mm);
-    // SAFETY: zeros are a structure of this kind; the caller says that it has the bytes of the first version.
-    unsafe {
-        let mut surface = MaybeUninit::<realistic_lens_surface>::zeroed().assume_init();
-        (surface.struct_size, surface.conic) = (bytes as u32, 42.0);
-        assert_eq!(realistic_lens_get_surface(lens.0, 1, &mut surface), realistic_status::Ok);
-        assert_eq!((surface.conic, surface.aspheric, surface.struct_size), (42.0, [0.0; 19], 56));
-        assert_eq!(surface.radius_mm, lens.surface(1).expect("there").radius_mm);
-        surface.struct_size -= 8;
-        assert_eq!(realistic_lens_get_surface(lens.0, 1, &mut surface), realistic_status::StructSize);
-    }
-}
-
-#[test]
 fn points_want_room_and_a_side() {
     let lens = Lens::of_text(SINGLET, |_| ()).expect("a lens");
     let mut numbers = [0.0; 6];
@@ -149,15 +132,14 @@ fn points_want_room_and_a_side() {
             (null(), 0, 1, &raw const rays, &raw const points, NotALens, "no lens"),
             (lens.0.cast_const(), 2, 1, &rays, &points, InvalidParameter, "from is 2"),
             (lens.0, 0, 1, null(), &points, NullPointer, "rays is NULL"),
-            (lens.0, 0, 1, &rays, null(), NullPointer, "points is NULL"),
             (lens.0, 0, 1, &rays, &none, NullPointer, "points.y is NULL"),
             (lens.0, 0, 1, &rays, &small, StructSize, "realistic_lens_points.struct_size is 8"),
             (lens.0, 0, usize::MAX / 16, &rays, &points, InvalidParameter, "no memory holds"),
         ] {
-            assert_eq!(realistic_lens_trace_points(lens, from, n, rays, points), status, "{words}");
+            assert_eq!(realistic_lens_trace(lens, from, n, rays, points), status, "{words}");
             assert!(last_error().contains(words), "{}", last_error());
         }
-        assert_eq!(realistic_lens_trace_points(lens.0, 0, 0, &rays, &none), Ok);
+        assert_eq!(realistic_lens_trace(lens.0, 0, 0, &rays, &none), Ok);
     }
     assert_eq!(room, [[5.0; 3]; 3]);
     let strange = [[f64::NAN, 0.0, 10.0, 0.0, 0.0, -1.0], [0.0, 0.0, 10.0, 0.0, 0.0, 0.0]];

@@ -3,7 +3,7 @@
 mod strided;
 
 use std::mem::size_of;
-use std::ptr::null_mut;
+use std::ptr::{null, null_mut};
 
 use realistic::abi::*;
 
@@ -11,6 +11,7 @@ use super::support::{
     Random,
     abi_camera::{Camera, camera},
     abi_rays::{Bits, UNTOUCHED, bits},
+    inline::*,
 };
 
 /// Cameras of every way through the code.
@@ -68,7 +69,7 @@ fn singles(camera: &Camera, samples: &[realistic_sample]) -> Vec<Bits> {
     let one = |sample: &realistic_sample| {
         let mut ray = UNTOUCHED;
         // SAFETY: a live camera.
-        let weight = unsafe { realistic_generate_ray(camera.0, sample, &mut ray) };
+        let weight = unsafe { realistic_generate_ray(camera.0, sample, null(), &mut ray) };
         bits(&ray, weight)
     };
     samples.iter().map(one).collect()
@@ -237,7 +238,7 @@ const UNTOUCHED_DIFFERENTIAL: realistic_ray_differential = realistic_ray_differe
 fn by_three_calls(camera: &Camera, open: &Camera, sample: &realistic_sample) -> DifferentialBits {
     let call = |camera: &Camera, sample: &realistic_sample, ray: &mut realistic_ray| {
         // SAFETY: a live camera.
-        unsafe { realistic_generate_ray(camera.0, sample, ray) }
+        unsafe { realistic_generate_ray(camera.0, sample, null(), ray) }
     };
     by_calls(camera, open, sample, call)
 }
@@ -334,7 +335,8 @@ fn differentials_have_the_bits_of_three_calls() {
             for (sample, expected) in samples.iter().zip(&expected) {
                 let mut ray = UNTOUCHED_DIFFERENTIAL;
                 // SAFETY: a live camera.
-                let weight = unsafe { realistic_generate_ray_differential(camera.0, sample, &mut ray) };
+                let weight =
+                    unsafe { realistic_generate_ray_differential(camera.0, sample, null(), &mut ray) };
                 assert_eq!(differential_bits(&ray, weight), *expected, "{name}: {sample:?}");
                 if weight > 0.0 {
                     seen[ray.has as usize] += 1;
@@ -347,7 +349,7 @@ fn differentials_have_the_bits_of_three_calls() {
                 let mut weights = Structures::new(n, 4, odd, |_| 0.0_f32);
                 // SAFETY: all places lie inside, and are read and written unaligned.
                 let status = unsafe {
-                    realistic_camera_generate_ray_differentials(
+                    differentials(
                         camera.0,
                         n,
                         from.at(0),

@@ -54,13 +54,15 @@ impl Memory {
     }
 
     fn input(&self) -> realistic_input {
-        let first = self.bytes[self.start..].as_ptr().cast();
-        realistic_input { first, stride: self.stride, component_stride: self.component_stride }
+        let first = self.bytes[self.start..].as_ptr();
+        let y = first.wrapping_offset(self.component_stride).cast();
+        realistic_input { x: first.cast(), y, stride: self.stride }
     }
 
     fn output(&mut self) -> realistic_output {
-        let first = self.bytes[self.start..].as_mut_ptr().cast();
-        realistic_output { first, stride: self.stride, component_stride: self.component_stride }
+        let first = self.bytes[self.start..].as_mut_ptr();
+        let [y, z] = [1, 2].map(|k| first.wrapping_offset(k * self.component_stride).cast());
+        realistic_output { x: first.cast(), y, z, stride: self.stride }
     }
 
     /// Whether nothing lies between the elements that was not there before.
@@ -74,32 +76,12 @@ impl Memory {
     }
 }
 
-const NO_INPUT: realistic_input = realistic_input { first: std::ptr::null(), stride: 0, component_stride: 0 };
-const NO_OUTPUT: realistic_output = realistic_output { first: null_mut(), stride: 0, component_stride: 0 };
+const NO_INPUT: realistic_input = realistic_input::NONE;
+const NO_OUTPUT: realistic_output = realistic_output::NONE;
 
-/// A batch that asks for nothing yet.
-fn nothing() -> realistic_batch {
-    realistic_batch {
-        struct_size: size_of::<realistic_batch>() as u32,
-        image: NO_INPUT,
-        lens: NO_INPUT,
-        time: NO_INPUT,
-        wavelength: NO_INPUT,
-        origin: NO_OUTPUT,
-        direction: NO_OUTPUT,
-        weight: NO_OUTPUT,
-        mint: NO_OUTPUT,
-        maxt: NO_OUTPUT,
-        ray_time: NO_OUTPUT,
-        reason: null_mut(),
-        reason_stride: 0,
-        rx_origin: NO_OUTPUT,
-        rx_direction: NO_OUTPUT,
-        rx_weight: NO_OUTPUT,
-        ry_origin: NO_OUTPUT,
-        ry_direction: NO_OUTPUT,
-        ry_weight: NO_OUTPUT,
-    }
+/// A request that asks for nothing yet.
+fn nothing() -> realistic_request {
+    realistic_request::default()
 }
 
 /// Samples in memory of their own.
@@ -129,8 +111,8 @@ impl Asked {
         made
     }
 
-    fn batch(&self) -> realistic_batch {
-        realistic_batch {
+    fn batch(&self) -> realistic_request {
+        realistic_request {
             image: self.image.input(),
             lens: self.lens.input(),
             time: self.time.input(),
@@ -149,11 +131,11 @@ impl Found {
         Self(COMPONENTS.map(|components| Memory::new(n, components, random)))
     }
 
-    fn ask(&mut self, batch: &mut realistic_batch) {
+    fn ask(&mut self, batch: &mut realistic_request) {
         let [origin, direction, weight, mint, maxt, time, reason] = self.0.each_mut().map(Memory::output);
         (batch.origin, batch.direction, batch.weight) = (origin, direction, weight);
         (batch.mint, batch.maxt, batch.ray_time) = (mint, maxt, time);
-        (batch.reason, batch.reason_stride) = (reason.first.cast(), reason.stride);
+        (batch.reason, batch.reason_stride) = (reason.x.cast(), reason.stride);
     }
 
     /// As [`bits`] of a ray, where there is one.
@@ -176,7 +158,7 @@ impl Found {
     }
 }
 
-fn ask(camera: &Camera, n: usize, batch: &realistic_batch) -> realistic_status {
+fn ask(camera: &Camera, n: usize, batch: &realistic_request) -> realistic_status {
     // SAFETY: a live camera; all arrays lie in their memory.
     unsafe { realistic_camera_generate_batch(camera.0, n, batch) }
 }
@@ -218,7 +200,7 @@ fn what_is_left_out_is_nothing_and_an_element_may_serve_all_samples() {
     let asked = Asked::new(&samples, &mut random);
     let mut batch = asked.batch();
     let point = [21.5_f32, 13.25];
-    batch.image = realistic_input { first: point.as_ptr(), stride: 0, component_stride: 4 };
+    batch.image = realistic_input { x: &raw const point[0], y: &raw const point[1], stride: 0 };
     batch.time = NO_INPUT;
     let mut found = Found::new(n, &mut random);
     found.ask(&mut batch);
@@ -264,8 +246,7 @@ fn wavelengths_and_neighbours_are_those_of_structures_of_arrays() {
         let mut found = Found::new(n, &mut random);
 
         // SAFETY: a live camera, arrays of `n` elements.
-        let status =
-            unsafe { realistic_camera_generate_rays_at_soa(camera.0, n, &soa, wavelengths.as_ptr(), &rays) };
+        let status = unsafe { rays_at_soa::<1>(camera.0, n, &soa, wavelengths.as_ptr(), &rays) };
         assert_eq!(status, realistic_status::Ok);
         let mut at = Memory::new(n, 1, &mut random);
         (0..n).for_each(|i| at.set(i, 0, wavelengths[i]));
@@ -282,8 +263,7 @@ fn wavelengths_and_neighbours_are_those_of_structures_of_arrays() {
         }
 
         // SAFETY: as above.
-        let status =
-            unsafe { realistic_camera_generate_ray_differentials_soa(camera.0, n, &soa, &rays, &rx, &ry) };
+        let status = unsafe { differentials_at_soa(camera.0, n, &soa, null(), &rays, &rx, &ry) };
         assert_eq!(status, realistic_status::Ok);
         let mut batch = asked.batch();
         let mut found = Found::new(n, &mut random);
@@ -291,7 +271,7 @@ fn wavelengths_and_neighbours_are_those_of_structures_of_arrays() {
         found.ask(&mut batch);
         let [[rx_origin, rx_direction, rx_weight, ..], [ry_origin, ry_direction, ry_weight, ..]] =
             beside.each_mut().map(|found| found.0.each_mut().map(Memory::output));
-        batch = realistic_batch {
+        batch = realistic_request {
             rx_origin,
             rx_direction,
             rx_weight,
@@ -347,7 +327,7 @@ fn differential_columns(
     // SAFETY: a live camera, arrays of `n` elements.
     let status = unsafe {
         let at = wavelengths.as_ptr();
-        realistic_camera_generate_ray_differentials_at_soa(camera.0, n, &soa, at, &rays, &rx, &ry)
+        differentials_at_soa(camera.0, n, &soa, at, &rays, &rx, &ry)
     };
     assert_eq!(status, realistic_status::Ok);
     rooms
@@ -394,7 +374,7 @@ fn differentials_at_wavelengths_have_the_bits_of_three_calls() {
         found.ask(&mut batch);
         let [[rx_origin, rx_direction, rx_weight, ..], [ry_origin, ry_direction, ry_weight, ..]] =
             beside.each_mut().map(|found| found.0.each_mut().map(Memory::output));
-        batch = realistic_batch {
+        batch = realistic_request {
             wavelength: at.input(),
             rx_origin,
             rx_direction,
@@ -409,14 +389,13 @@ fn differentials_at_wavelengths_have_the_bits_of_three_calls() {
         for (i, sample) in samples.iter().enumerate() {
             let call = |camera: &Camera, sample: &realistic_sample, ray: &mut realistic_ray| {
                 // SAFETY: a live camera.
-                unsafe { realistic_generate_ray_at(camera.0, sample, wavelength(i), ray) }
+                unsafe { ray_at(camera.0, sample, wavelength(i), ray) }
             };
             let expected @ (own, has, numbers) =
                 by_calls(&camera, open.as_ref().unwrap_or(&camera), sample, call);
             let mut ray = UNTOUCHED_DIFFERENTIAL;
             // SAFETY: a live camera.
-            let weight =
-                unsafe { realistic_generate_ray_differential_at(camera.0, sample, wavelength(i), &mut ray) };
+            let weight = unsafe { differential_at(camera.0, sample, wavelength(i), &mut ray) };
             assert_eq!(differential_bits(&ray, weight), expected, "{name}: {sample:?} {}", wavelength(i));
             found.assert(i, &own, name);
             let has = if weight > 0.0 { has } else { 0 };
@@ -447,7 +426,7 @@ fn a_batch_that_cannot_be_is_refused_by_the_name_of_its_part() {
     let mut found = Found::new(4, &mut random);
     let mut good = asked.batch();
     found.ask(&mut good);
-    let refused = |set: &dyn Fn(&mut realistic_batch), status: realistic_status, words: &str| {
+    let refused = |set: &dyn Fn(&mut realistic_request), status: realistic_status, words: &str| {
         let mut batch = good;
         set(&mut batch);
         assert_eq!(ask(&camera, 4, &batch), status, "{words}");
@@ -456,14 +435,22 @@ fn a_batch_that_cannot_be_is_refused_by_the_name_of_its_part() {
         assert!(message.contains(words), "{message}");
     };
     use realistic_status::{InvalidParameter, NullPointer, StructSize};
-    refused(&|batch| batch.image = NO_INPUT, NullPointer, "batch.image.first");
-    refused(&|batch| batch.weight = NO_OUTPUT, NullPointer, "batch.weight.first");
-    refused(&|batch| batch.rx_weight = batch.weight, NullPointer, "batch.rx_origin.first");
-    refused(&|batch| batch.origin.stride = 0, InvalidParameter, "batch.origin.stride is 0");
-    refused(&|batch| batch.time.stride = -2, InvalidParameter, "batch.time.stride is -2");
-    refused(&|batch| batch.reason_stride = 1, InvalidParameter, "batch.reason_stride is 1");
-    refused(&|batch| batch.lens.stride = isize::MAX, InvalidParameter, "n is 4");
-    refused(&|batch| batch.struct_size = 8, StructSize, "realistic_batch.struct_size");
+    refused(&|batch| batch.image = NO_INPUT, NullPointer, "request.image.x");
+    refused(&|batch| batch.lens.y = null(), NullPointer, "request.lens.y");
+    refused(&|batch| batch.weight = NO_OUTPUT, NullPointer, "request.weight.x");
+    refused(&|batch| batch.origin.z = null_mut(), NullPointer, "request.origin.z");
+    refused(&|batch| batch.rx_weight = batch.weight, NullPointer, "request.rx_origin.x");
+    refused(&|batch| batch.origin.stride = 0, InvalidParameter, "request.origin.stride is 0");
+    refused(&|batch| batch.time.stride = -2, InvalidParameter, "request.time.stride is -2");
+    refused(&|batch| batch.reason_stride = 1, InvalidParameter, "request.reason.stride is 1");
+    for stride in [isize::MAX, isize::MIN, isize::MAX / 3 + 1, 1 << 46] {
+        refused(&|batch| batch.lens.stride = stride, InvalidParameter, "n is 4");
+    }
+    refused(&|batch| batch.wavelengths_per_sample = 4, NullPointer, "request.wavelength.x");
+    refused(&|batch| batch.struct_size = 8, StructSize, "realistic_request.struct_size");
+    // More rays than there is room for addresses.
+    let endless = realistic_request { wavelengths_per_sample: u32::MAX, wavelength: good.image, ..good };
+    assert_eq!(ask(&camera, usize::MAX / 2, &endless), InvalidParameter);
     // SAFETY: nothing of NULL is read.
     let status = unsafe { realistic_camera_generate_batch(camera.0, 4, std::ptr::null()) };
     assert_eq!(status, NullPointer);

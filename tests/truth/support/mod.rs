@@ -3,6 +3,8 @@
 
 pub mod abi_camera;
 pub mod abi_rays;
+#[path = "../../support/inline.rs"]
+pub mod inline;
 mod properties;
 
 use rand::{RngExt as _, SeedableRng as _};

@@ -8,6 +8,7 @@ use crate::support::{
     Random,
     abi_camera::{self, Camera},
     abi_rays::{Bits, UNTOUCHED, bits},
+    inline::*,
 };
 
 /// A camera whose glasses have V-numbers.
@@ -38,7 +39,7 @@ fn singles(camera: &Camera, samples: &[realistic_sample], wavelengths: &[f32]) -
     let one = |(sample, wavelength): (&realistic_sample, &f32)| {
         let mut ray = UNTOUCHED;
         // SAFETY: a live camera.
-        let weight = unsafe { realistic_generate_ray_at(camera.0, sample, *wavelength, &mut ray) };
+        let weight = unsafe { ray_at(camera.0, sample, *wavelength, &mut ray) };
         bits(&ray, weight)
     };
     samples.iter().zip(wavelengths).map(one).collect()
@@ -148,7 +149,7 @@ fn batches_have_the_bits_of_single_calls() {
                 let (mut weights, mut reasons) = (vec![-1.0; n], vec![realistic_reason::Ok; n]);
                 // SAFETY: the arrays are as long as is said.
                 let status = unsafe {
-                    realistic_camera_generate_rays_at(
+                    rays_at(
                         camera.0,
                         n,
                         samples.as_ptr(),
@@ -174,13 +175,7 @@ fn batches_have_the_bits_of_single_calls() {
                 let mut columns = Columns::new(n, odd);
                 // SAFETY: the arrays are as long as is said.
                 let status = unsafe {
-                    realistic_camera_generate_rays_at_soa(
-                        camera.0,
-                        n,
-                        &asked.soa(),
-                        wavelengths.as_ptr(),
-                        &columns.soa(),
-                    )
+                    rays_at_soa::<1>(camera.0, n, &asked.soa(), wavelengths.as_ptr(), &columns.soa())
                 };
                 assert_eq!(status, realistic_status::Ok);
                 assert_eq!(columns.rows(), expected, "{name}, {n}, {odd}");
@@ -212,7 +207,7 @@ fn without_wavelengths_batches_have_the_cameras_own_bits() {
             let soa = asked.soa();
             let done = [
                 realistic_camera_generate_rays_soa(camera.0, N, &soa, &own.soa()),
-                realistic_camera_generate_rays_at_soa(camera.0, N, &soa, null(), &at.soa()),
+                rays_at_soa::<1>(camera.0, N, &soa, null(), &at.soa()),
                 realistic_camera_generate_rays(
                     camera.0,
                     N,
@@ -223,7 +218,7 @@ fn without_wavelengths_batches_have_the_cameras_own_bits() {
                     wa.as_mut_ptr(),
                     null_mut(),
                 ),
-                realistic_camera_generate_rays_at(
+                rays_at(
                     camera.0,
                     N,
                     samples.as_ptr(),
@@ -256,15 +251,15 @@ fn four_wavelengths_of_a_sample_have_the_bits_of_single_calls() {
         let status = unsafe {
             let asked = Asked::new(&samples);
             let (samples, rays) = (asked.soa(), columns.soa());
-            realistic_camera_generate_hero_rays_soa(camera.0, N, &samples, wavelengths.as_ptr(), &rays)
+            rays_at_soa::<4>(camera.0, N, &samples, wavelengths.as_ptr(), &rays)
         };
         assert_eq!(status, realistic_status::Ok);
         assert_eq!(columns.rows(), expected, "{name}");
         for (i, sample) in samples.iter().enumerate() {
             let (mut rays, mut weights) = ([UNTOUCHED; 4], [-1.0; 4]);
             // SAFETY: four of each.
-            let count = unsafe {
-                realistic_generate_hero_rays(
+            let first = unsafe {
+                hero_rays(
                     camera.0,
                     sample,
                     wavelengths[4 * i..].as_ptr(),
@@ -272,7 +267,7 @@ fn four_wavelengths_of_a_sample_have_the_bits_of_single_calls() {
                     weights.as_mut_ptr(),
                 )
             };
-            assert_eq!(count as usize, weights.iter().filter(|weight| **weight > 0.0).count());
+            assert_eq!(first.to_bits(), weights[0].to_bits(), "the weight that is returned");
             for k in 0..4 {
                 assert_eq!(bits(&rays[k], weights[k]), expected[4 * i + k], "{name}");
             }
@@ -291,28 +286,25 @@ fn what_is_missing_is_refused_and_nothing_is_written() {
     // SAFETY: what is not NULL is valid.
     unsafe {
         let sample = &raw const samples[0];
-        assert_eq!(realistic_generate_ray_at(null(), sample, 500.0, &mut ray[0]), 0.0);
-        assert_eq!(realistic_generate_ray_at(camera.0, null(), 500.0, &mut ray[0]), 0.0);
-        assert_eq!(realistic_generate_ray_at(camera.0, sample, 500.0, null_mut()), 0.0);
-        assert_eq!(realistic_generate_ray_at(camera.0, sample, f32::NAN, &mut ray[0]), 0.0);
+        assert_eq!(ray_at(null(), sample, 500.0, &mut ray[0]), 0.0);
+        assert_eq!(ray_at(camera.0, null(), 500.0, &mut ray[0]), 0.0);
+        assert_eq!(ray_at(camera.0, sample, 500.0, null_mut()), 0.0);
+        assert_eq!(ray_at(camera.0, sample, f32::NAN, &mut ray[0]), 0.0);
         let (rays, to) = (ray.as_mut_ptr(), weights.as_mut_ptr());
-        assert_eq!(realistic_generate_hero_rays(camera.0, sample, null(), rays, to), 0);
-        assert_eq!(realistic_generate_hero_rays(camera.0, sample, wavelengths.as_ptr(), rays, null_mut()), 0);
+        assert_eq!(hero_rays(camera.0, sample, null(), rays, to), 0.0);
+        assert_eq!(hero_rays(camera.0, sample, wavelengths.as_ptr(), rays, null_mut()), 0.0);
         let (samples, rays) = (asked.soa(), columns.soa());
         let null_pointer = realistic_status::NullPointer;
-        let hero = realistic_camera_generate_hero_rays_soa(camera.0, 1, &samples, null(), &rays);
+        let hero = rays_at_soa::<4>(camera.0, 1, &samples, null(), &rays);
         assert_eq!(hero, null_pointer);
         let nm = wavelengths.as_ptr();
-        assert_eq!(realistic_camera_generate_rays_at_soa(camera.0, 4, null(), nm, &rays), null_pointer);
-        assert_eq!(realistic_camera_generate_rays_at_soa(camera.0, 4, &samples, nm, null()), null_pointer);
-        let no_camera = realistic_camera_generate_rays_at_soa(null(), 4, &samples, nm, &rays);
+        assert_eq!(rays_at_soa::<1>(camera.0, 4, null(), nm, &rays), null_pointer);
+        assert_eq!(rays_at_soa::<1>(camera.0, 4, &samples, nm, null()), null_pointer);
+        let no_camera = rays_at_soa::<1>(null(), 4, &samples, nm, &rays);
         assert_eq!(no_camera, realistic_status::NotACamera);
-        let endless = realistic_camera_generate_hero_rays_soa(camera.0, usize::MAX / 8, &samples, nm, &rays);
+        let endless = rays_at_soa::<4>(camera.0, usize::MAX / 8, &samples, nm, &rays);
         assert_eq!(endless, realistic_status::InvalidParameter);
-        assert_eq!(
-            realistic_camera_generate_hero_rays_soa(camera.0, 0, &samples, null(), &rays),
-            realistic_status::Ok
-        );
+        assert_eq!(rays_at_soa::<4>(camera.0, 0, &samples, null(), &rays), realistic_status::Ok);
     }
     assert_eq!((ray, weights, columns.rows()), ([UNTOUCHED; 4], [-1.0; 4], before));
 }

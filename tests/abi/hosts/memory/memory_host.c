@@ -35,12 +35,10 @@ static struct {
     realistic_status (*camera_new)(const realistic_options *, realistic_camera **);
     void (*camera_free)(realistic_camera *);
     const char *(*last_error)(void);
-    float (*ray)(const realistic_camera *, const realistic_sample *, realistic_ray *);
-    float (*differential)(const realistic_camera *, const realistic_sample *, realistic_ray_differential *);
-    realistic_status (*rays)(const realistic_camera *, size_t, const realistic_sample *, size_t, realistic_ray *,
-                             size_t, float *, realistic_reason *);
-    realistic_status (*differentials)(const realistic_camera *, size_t, const realistic_sample *, size_t,
-                                      realistic_ray_differential *, size_t, float *, realistic_reason *);
+    float (*ray)(const realistic_camera *, const realistic_sample *, const realistic_request *, realistic_ray *);
+    float (*differential)(const realistic_camera *, const realistic_sample *, const realistic_request *,
+                          realistic_ray_differential *);
+    realistic_status (*batch)(const realistic_camera *, size_t, const realistic_request *);
 } api;
 
 static void resolve(void *library, const char *name, void *function) {
@@ -98,11 +96,13 @@ static void count(void) {
     static realistic_ray_differential differentials[N];
     static float weights[N];
     static realistic_reason reasons[N];
+    static float beside[14][N];
     const double tolerances[] = {0.0, 0.25};
     int i, j;
     for (j = 0; j < 2; j++) {
         realistic_options given = options(tolerances[j]);
         realistic_camera *camera = NULL;
+        realistic_request request;
         long before;
         if (api.camera_new(&given, &camera) != REALISTIC_STATUS_OK) exit(2);
         for (i = 0; i < N; i++) {
@@ -114,11 +114,22 @@ static void count(void) {
         differentials[0].struct_size = sizeof differentials[0];
         before = allocations;
         for (i = 0; i < N; i++) {
-            api.ray(camera, &samples[i], &rays[i]);
-            api.differential(camera, &samples[i], &differentials[0]);
+            api.ray(camera, &samples[i], NULL, &rays[i]);
+            api.differential(camera, &samples[i], NULL, &differentials[0]);
         }
-        api.rays(camera, N, samples, 0, rays, 0, weights, reasons);
-        api.differentials(camera, N, samples, 0, differentials, 0, weights, reasons);
+        request = realistic_request_of_structures(samples, 0, rays, 0, weights, reasons);
+        api.batch(camera, N, &request);
+        /* Neighbours between arrays of another stride. */
+        request.rx_origin.x = beside[0], request.rx_origin.y = beside[1], request.rx_origin.z = beside[2];
+        request.rx_direction = request.rx_origin;
+        request.rx_direction.x = beside[3], request.rx_direction.y = beside[4], request.rx_direction.z = beside[5];
+        request.rx_weight.x = beside[6];
+        request.rx_origin.stride = request.rx_direction.stride = request.rx_weight.stride = sizeof(float);
+        request.ry_origin = request.rx_origin, request.ry_direction = request.rx_direction;
+        request.ry_origin.x = beside[7], request.ry_origin.y = beside[8], request.ry_origin.z = beside[9];
+        request.ry_direction.x = beside[10], request.ry_direction.y = beside[11], request.ry_direction.z = beside[12];
+        request.ry_weight = request.rx_weight, request.ry_weight.x = beside[13];
+        api.batch(camera, N, &request);
         printf("allocations %ld\n", allocations - before);
         api.camera_free(camera);
     }
@@ -134,8 +145,7 @@ int main(int argc, char **argv) {
     resolve(library, "realistic_last_error", &api.last_error);
     resolve(library, "realistic_generate_ray", &api.ray);
     resolve(library, "realistic_generate_ray_differential", &api.differential);
-    resolve(library, "realistic_camera_generate_rays", &api.rays);
-    resolve(library, "realistic_camera_generate_ray_differentials", &api.differentials);
+    resolve(library, "realistic_camera_generate_batch", &api.batch);
     if (strcmp(argv[2], "out") == 0) out_of_memory();
     else count();
     return 0;
