@@ -1,6 +1,8 @@
 //! How a command fails: what it tells the user, and the exit code.
 
-use realistic::camera::ParameterError;
+use realistic::camera::{CameraError, ParameterError};
+use realistic::imaging::focus::FocusError;
+use realistic::lens::moving::MovingError;
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::Path;
@@ -20,7 +22,7 @@ pub enum Failure {
 impl Failure {
     /// A file that the user named cannot be written.
     pub fn cannot_write(path: &Path, error: &dyn Display) -> Self {
-        Self::Other(format!("cannot write {}: {error}; give --out another path", path.display()))
+        Self::Other(format!("cannot write {}: {error}; give another path", path.display()))
     }
 
     /// Tells the user on standard error and gives the exit code.
@@ -49,5 +51,19 @@ impl From<io::Error> for Failure {
 impl From<ParameterError> for Failure {
     fn from(error: ParameterError) -> Self {
         Self::Usage(error.to_string())
+    }
+}
+
+/// As the C ABI's status has it: what a lens file or the reach of a lens's focus decides is no wrong use.
+impl From<CameraError> for Failure {
+    fn from(error: CameraError) -> Self {
+        let message = error.to_string();
+        match error {
+            CameraError::Source(_)
+            | CameraError::TooNear { .. }
+            | CameraError::Focus(FocusError::TooNear { .. })
+            | CameraError::Moving(MovingError::Unreachable { .. }) => Self::Other(message),
+            _ => Self::Usage(message),
+        }
     }
 }

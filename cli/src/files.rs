@@ -1,15 +1,53 @@
-//! Writing files: whole or not at all. A disk that is full keeps the old file and gets no half of a new one.
+//! Writing files: whole or not at all. A disk that is full keeps the old file and gets no half of a new one. Folders that
+//! are not there are made, and `-` is standard output.
 
+use crate::failure::Failure;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Write};
 use std::path::Path;
 
+/// Whether a path stands for standard output.
+pub fn is_stdout(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+/// Makes the folder of a file to be written, before the work is done.
+///
+/// # Errors
+/// It cannot be made: the message names it.
+pub fn make_room(file: &Path) -> Result<(), Failure> {
+    match file.parent().filter(|parent| !parent.as_os_str().is_empty()) {
+        Some(folder) => make_folder(folder),
+        None => Ok(()),
+    }
+}
+
+/// Makes a folder for files to be written, with those that it lies in.
+///
+/// # Errors
+/// It cannot be made: the message names it.
+pub fn make_folder(folder: &Path) -> Result<(), Failure> {
+    if folder.exists() && !folder.is_dir() {
+        let name = folder.display();
+        return Err(Failure::Usage(format!(
+            "{name} is a file; give a folder, which is made if it is not there"
+        )));
+    }
+    std::fs::create_dir_all(folder).map_err(|error| {
+        Failure::Other(format!("cannot make the folder {}: {error}; give another path", folder.display()))
+    })
+}
+
 /// Writes a file: under another name beside it first, which then becomes its name. What is no regular file, such as a
-/// pipe or a device, is written as it stands; a symbolic link stays one.
+/// pipe or a device, is written as it stands; a symbolic link stays one. A folder that is not there is made.
 ///
 /// # Errors
 /// The system's. A file that was there is as it was, and nothing else is left.
 pub fn save(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    if is_stdout(path) {
+        let mut stdout = io::stdout().lock();
+        return stdout.write_all(bytes).and_then(|()| stdout.flush());
+    }
     let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
     let old = match path.metadata() {
         Ok(found) if !found.is_file() => return File::options().write(true).open(&path)?.write_all(bytes),
@@ -18,6 +56,7 @@ pub fn save(path: &Path, bytes: &[u8]) -> io::Result<()> {
         Err(_) => None,
     };
     let directory = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    std::fs::create_dir_all(directory)?;
     let mut builder = tempfile::Builder::new();
     builder.prefix(".realistic-");
     #[cfg(unix)]
@@ -60,13 +99,18 @@ mod tests {
     }
 
     #[test]
-    fn a_full_device_is_an_error_and_a_missing_directory_is_not_made() {
+    fn a_full_device_is_an_error_and_a_missing_folder_is_made() {
         let dir = tempfile::tempdir().unwrap();
         let link = dir.path().join("full.png");
         symlink("/dev/full", &link).unwrap();
         assert_eq!(save(&link, &[0; 9]).unwrap_err().kind(), io::ErrorKind::StorageFull);
         save(Path::new("/dev/null"), b"gone").unwrap();
-        assert!(save(&dir.path().join("none/file"), b"").is_err());
         assert_eq!(fs::read_dir(&dir).unwrap().count(), 1);
+        let deep = dir.path().join("made/too/file");
+        save(&deep, b"there").unwrap();
+        assert_eq!(fs::read(&deep).unwrap(), b"there");
+        let told = |made: Result<(), Failure>| format!("{:?}", made.unwrap_err());
+        assert!(told(make_folder(&deep)).contains("is a file"));
+        assert!(told(make_room(&deep.join("under"))).contains("is a file"));
     }
 }

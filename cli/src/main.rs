@@ -1,22 +1,27 @@
 //! The command line of `realistic`, and a small renderer that loads the plugin as a
 //! stranger would: through the dynamic loader and the C ABI, not through the crate.
 
+mod arguments;
 mod commands;
+mod console;
 mod drawing;
 mod failure;
 mod files;
 mod host;
 mod image;
-mod lens_and_film;
 mod osl;
 mod plots;
 
-use clap::{Parser, Subcommand};
+use arguments::{CameraChoice, ParameterFlags};
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use commands::pictures::{focus_stack, merge, render};
 use commands::{
     blender, convert, disks, draw, focus, install, lens, plan, pupil, refractions, report, trace,
 };
 use failure::Failure;
+use realistic::prescription::catalogue;
+use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;
 
@@ -25,17 +30,17 @@ use std::process::ExitCode;
 /// Without a command it does what `render` does: it renders the built-in scene through
 /// `dgauss.50mm` to realistic.png. Lengths are millimetres unless an option says otherwise.
 #[derive(Parser)]
-#[command(
-    name = "realistic",
-    version,
-    args_conflicts_with_subcommands = true,
-    disable_help_subcommand = true
-)]
+#[command(name = "realistic", version, args_conflicts_with_subcommands = true)]
 struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
+    /// Say nothing but errors, and what a command is asked to print
+    #[arg(short, long, global = true)]
+    quiet: bool,
     #[command(flatten)]
-    render: render::Args,
+    flags: ParameterFlags,
+    #[command(flatten)]
+    render: render::How,
 }
 
 #[derive(Subcommand)]
@@ -70,10 +75,55 @@ enum Command {
     Refractions(refractions::Args),
     /// Measure error against run time and write a folder with a page, plots and tables
     Report(report::Args),
+    /// Write a shell's completions of this command line to standard output
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+}
+
+/// The command line. Flags without a command are those of `render`, whose help has them.
+fn command() -> clap::Command {
+    Cli::command().mut_args(|arg| if arg.get_id() == "quiet" { arg } else { arg.hide_short_help(true) })
+}
+
+/// Reads the command line.
+///
+/// # Errors
+/// A wrong use, or a call for help: clap's own text, with what it cannot know.
+fn read(words: &[OsString]) -> Result<Cli, clap::Error> {
+    let read = command().try_get_matches_from(words).and_then(|matches| Cli::from_arg_matches(&matches));
+    read.map_err(|error| {
+        let no_text = words.iter().find(|word| word.to_str().is_none());
+        match (error.kind(), no_text) {
+            (ErrorKind::InvalidUtf8, Some(word)) => clap::Error::raw(
+                ErrorKind::InvalidUtf8,
+                format!(
+                    "{word:?} is not UTF-8, and names of files and lenses are; rename the file, or give a lens as - and its \
+                     text on standard input\n"
+                ),
+            ),
+            (ErrorKind::InvalidSubcommand, _) if is_lens(&error) => {
+                let text = error.render().to_string();
+                // What is made of it begins with the same word.
+                let text = text.strip_prefix("error: ").unwrap_or(&text);
+                let tip = "  tip: a lens follows a command, as in `realistic render LENS`";
+                clap::Error::raw(ErrorKind::InvalidSubcommand, format!("{text}\n{tip}\n"))
+            }
+            _ => error.format(&mut command()),
+        }
+    })
+}
+
+/// Whether the word in the place of a command is a lens.
+fn is_lens(error: &clap::Error) -> bool {
+    let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand) else { return false };
+    catalogue::names().any(|name| name == word) || std::path::Path::new(word).is_file()
 }
 
 fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
+    let words: Vec<OsString> = std::env::args_os().collect();
+    let cli = match read(&words) {
         Ok(cli) => cli,
         Err(error) if error.use_stderr() => {
             let _ = write!(std::io::stderr(), "realistic: {}", error.render());
@@ -84,9 +134,12 @@ fn main() -> ExitCode {
             return ExitCode::SUCCESS;
         }
     };
+    if cli.quiet {
+        console::be_quiet();
+    }
     let outcome = match &cli.command {
-        None => render::run(&cli.render),
-        Some(Command::Render(args)) => render::run(args),
+        None => render::run(&CameraChoice::of_flags(&cli.flags), &cli.render),
+        Some(Command::Render(args)) => render::run(&args.camera, &args.how),
         Some(Command::Merge(args)) => merge::run(args),
         Some(Command::Lens(args)) => lens::run(args),
         Some(Command::Convert(args)) => convert::run(args),
@@ -101,6 +154,10 @@ fn main() -> ExitCode {
         Some(Command::Install(args)) => install::run(args),
         Some(Command::Refractions(args)) => refractions::run(args),
         Some(Command::Report(args)) => report::run(args),
+        Some(Command::Completions { shell }) => {
+            clap_complete::generate(*shell, &mut command(), "realistic", &mut std::io::stdout());
+            Ok(())
+        }
     };
     outcome.map_or_else(Failure::report, |()| ExitCode::SUCCESS)
 }
@@ -108,11 +165,10 @@ fn main() -> ExitCode {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     #[test]
     fn the_command_line_is_consistent() {
-        Cli::command().debug_assert();
+        command().debug_assert();
     }
 
     #[test]

@@ -1,8 +1,10 @@
 //! `realistic disks`: the ways to sample a disk, side by side.
 
+use crate::arguments::whole;
+use crate::console;
 use crate::drawing::shapes::{Anchor, Page};
 use crate::failure::Failure;
-use crate::image::{Picture, Sheet, SrgbImage, hex, picture_path, writable};
+use crate::image::{Picture, Sheet, SrgbImage, hex, picture_path};
 use glam::Vec3;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -10,17 +12,16 @@ use realistic::sampling::DiskMapping;
 use realistic_lab::pupil::disk_statistics::{ChiSquared, EdgeDiscrepancy};
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::PathBuf;
 
 /// The options of `disks`.
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// Picture to write: .png or .exr
-    #[arg(long, value_name = "FILE", default_value = "disks.png", value_parser = picture_path)]
+    /// Picture to write, .png or .exr; - for a .png on standard output
+    #[arg(short, long, value_name = "FILE", default_value = "disks.png", value_parser = picture_path)]
     out: PathBuf,
     /// Seed of the random numbers
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = whole(0, u64::MAX))]
     seed: u64,
 }
 
@@ -47,7 +48,6 @@ const POINTS: usize = 20_000;
 /// # Errors
 /// The picture cannot be written.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    writable(&args.out)?;
     let mut sheet = Sheet::new(PANEL, MAPPINGS.len() as u32, 2);
     let mut text = format!(
         "{:<20}  edge discrepancy of {} stratified points   chi-squared of {POINTS}\n\
@@ -81,7 +81,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     sheet.into_picture().write(&args.out, 1.0)?;
     let _ = writeln!(text, "{}", args.out.display());
-    Ok(std::io::stdout().write_all(text.as_bytes())?)
+    Ok(console::answer(&text, Some(&args.out))?)
 }
 
 /// A point with the stratum, column and row, of its sample; one of a second sample has none.

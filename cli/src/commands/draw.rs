@@ -1,12 +1,12 @@
 //! `realistic draw`: the cross-section of a lens.
 
+use crate::arguments::{LensChoice, OpenedLens, whole};
+use crate::console;
 use crate::drawing::{picture, positions, section, shapes::Page};
 use crate::failure::Failure;
-use crate::lens_and_film::{FilmPlace, FilmSize, LensChoice};
+use realistic::camera::CameraError;
 use realistic::lens::{Lens, first_order::FirstOrder, moving::MovingGroups, open::set_up};
 use realistic::message::fixed;
-use realistic::prescription::Prescription;
-use std::io::Write as _;
 use std::path::PathBuf;
 
 /// What `draw` can be told.
@@ -14,15 +14,11 @@ use std::path::PathBuf;
 pub struct Args {
     #[command(flatten)]
     lens: LensChoice,
-    #[command(flatten)]
-    place: FilmPlace,
-    #[command(flatten)]
-    film: FilmSize,
     /// Rays per bundle, spread over the beam that gets through and a little beyond
-    #[arg(long, value_name = "N", default_value_t = 11, value_parser = clap::value_parser!(u32).range(1..=999))]
+    #[arg(long, value_name = "N", default_value_t = 11, allow_negative_numbers = true, value_parser = whole(1_u32, 999))]
     rays: u32,
-    /// Drawing to write, .svg or .png [default: the lens's name with .svg]
-    #[arg(long, value_name = "FILE", value_parser = picture::path)]
+    /// Drawing to write, .svg or .png; - for an .svg on standard output [default: the lens's name with .svg]
+    #[arg(short, long, value_name = "FILE", value_parser = picture::path)]
     out: Option<PathBuf>,
 }
 
@@ -31,38 +27,41 @@ pub struct Args {
 /// # Errors
 /// No such lens, or a file that cannot be written.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let (prescription, lens) = args.lens.open(&args.place)?;
-    let page = match at_all_positions(args, &prescription, &lens) {
+    let opened = args.lens.open()?;
+    let diagonal = opened.film_diagonal();
+    let page = match at_all_positions(args, &opened, diagonal) {
         Some(page) => page,
-        None => at_one(args, &prescription, &lens)?,
+        None => at_one(args, &opened, diagonal)?,
     };
     let out = args.out.clone().unwrap_or_else(|| {
-        let name = prescription.name.rsplit('/').next().unwrap_or_default();
+        let name = opened.prescription.name.rsplit('/').next().unwrap_or_default();
         PathBuf::from(format!("{name}.svg"))
     });
     picture::write(&page, &out)?;
-    Ok(writeln!(std::io::stdout(), "{}", out.display())?)
+    Ok(console::report(&format!("{}\n", out.display()), &out)?)
 }
 
 /// The lens as it is asked for.
-fn at_one(args: &Args, prescription: &Prescription, lens: &Lens) -> Result<Page, Failure> {
-    let film_distance = args.place.film_distance_if_any(lens)?.unwrap_or_else(|| stand_in(lens));
+fn at_one(args: &Args, opened: &OpenedLens, diagonal: f64) -> Result<Page, Failure> {
+    let OpenedLens { prescription, lens, .. } = opened;
+    let film_distance = opened.film_distance_if_any()?.unwrap_or_else(|| stand_in(lens));
     let [edge_sagitta, _] = lens.rear().sagitta_range();
     if film_distance + edge_sagitta <= 0.0 {
-        return Err(FilmPlace::in_lens(lens, film_distance));
+        return Err(CameraError::film_in_lens(lens, film_distance).into());
     }
     let scene = section::Scene {
         title: prescription.title.as_deref(),
         film_distance,
-        film_diagonal: args.film.diagonal,
+        film_diagonal: diagonal,
         rays: args.rays,
     };
     Ok(section::draw(lens, &scene))
 }
 
 /// A lens with positions at each of them, where nobody asks for one.
-fn at_all_positions(args: &Args, prescription: &Prescription, lens: &Lens) -> Option<Page> {
-    if args.lens.is_zoomed() || args.place.is_given() {
+fn at_all_positions(args: &Args, opened: &OpenedLens, diagonal: f64) -> Option<Page> {
+    let OpenedLens { prescription, lens, .. } = opened;
+    if opened.parameters().zoom.is_some() || opened.is_placed() {
         return None;
     }
     let listed = prescription.positions.as_ref().filter(|positions| positions.columns.len() > 1)?;
@@ -70,7 +69,7 @@ fn at_all_positions(args: &Args, prescription: &Prescription, lens: &Lens) -> Op
     let panel = |(column, position): (usize, &realistic::prescription::Position)| {
         let placed = groups.position(column % layout.zooms).at(position.vergence());
         // What is to be said of the stop has been.
-        let lens = set_up(&placed, lens.wavelength, args.lens.stop(), &mut |_, _| ()).ok()?.lens;
+        let lens = set_up(&placed, lens.wavelength, opened.stop(), &mut |_, _| ()).ok()?.lens;
         let image = || FirstOrder::of(&lens).ok().map(|optics| optics.image_distance(position.vergence()));
         let film_distance =
             lens.nominal_film_distance.or_else(image).filter(|film| *film > 0.0 && film.is_finite());
@@ -88,7 +87,7 @@ fn at_all_positions(args: &Args, prescription: &Prescription, lens: &Lens) -> Op
     let scene = positions::Scene {
         title: prescription.title.as_deref(),
         gaps: &listed.gaps,
-        film_diagonal: args.film.diagonal,
+        film_diagonal: diagonal,
         rays: args.rays,
     };
     Some(positions::draw(&panels?, &scene))

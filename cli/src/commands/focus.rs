@@ -1,10 +1,11 @@
 //! `realistic focus`: film distance for an object distance or the other way, and depth of field.
 
+use crate::arguments::{LensChoice, OpenedLens, positive};
+use crate::console;
 use crate::drawing::{depth, picture};
 use crate::failure::Failure;
-use crate::lens_and_film::{FilmChoice, FilmPlace, LensChoice, distance, focus_by, help, positive};
-use realistic::camera::FocusBy;
-use realistic::message::{as_given, fixed};
+use realistic::camera::{FocusBy, ParameterError};
+use realistic::message::{as_given, fixed, short};
 use realistic::{
     imaging::{
         depth_of_field::DepthOfField,
@@ -17,32 +18,19 @@ use realistic::{
     },
 };
 use serde_json::json;
-use std::io::Write as _;
 use std::path::PathBuf;
 
 /// What `focus` can be told.
 #[derive(clap::Args, Debug)]
-#[command(group = clap::ArgGroup::new("where").required(true))]
 pub struct Args {
     #[command(flatten)]
     lens: LensChoice,
-    /// Distance in mm from the film to the object, along the axis, or inf
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, group = "where", value_parser = distance)]
-    distance: Option<f64>,
-    /// Distance in mm from the last vertex to the film, to learn what is in focus
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, group = "where", value_parser = positive)]
-    film_distance: Option<f64>,
-    #[arg(long = "focusby", value_name = "film|group", help = help("focusby"), value_parser = focus_by,
-          conflicts_with = "film_distance")]
-    focus_by: Option<FocusBy>,
     /// Circle of confusion: the blur on film, in mm, that still counts as sharp
-    /// [default: a pixel of the film]
+    /// [default: the film's diagonal / 1442]
     #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = positive)]
     coc: Option<f64>,
-    #[command(flatten)]
-    film: FilmChoice,
-    /// Draw the depth of field to this file, .svg or .png
-    #[arg(long, value_name = "FILE", value_parser = picture::path)]
+    /// Draw the depth of field to this file, .svg or .png; - for an .svg on standard output
+    #[arg(short, long, value_name = "FILE", value_parser = picture::path)]
     out: Option<PathBuf>,
     /// Write JSON; null stands for infinity, and for what does not exist
     #[arg(long)]
@@ -54,18 +42,39 @@ pub struct Args {
 /// # Errors
 /// The lens cannot focus there; the message says how near it can.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let place = FilmPlace::new(None, args.distance, args.focus_by);
-    let (_, lens) = args.lens.open(&place)?;
-    let answer = match (args.focus_by, args.distance) {
-        (Some(FocusBy::Group), Some(object_distance)) => {
-            let [nearest, _] = args.lens.group_reach(&place)?;
-            let focused = Conjugates { object_distance, film_distance: place.film_distance(&lens)? };
-            Answer::by_groups(&lens, args, focused, nearest)
+    let opened = args.lens.open()?;
+    let lens = &opened.lens;
+    let given = opened.parameters();
+    let diagonal = opened.film_diagonal();
+    let scale = Scale { diagonal, confusion: args.coc.unwrap_or(diagonal / PER_DIAGONAL) };
+    let by_groups = given.focusby == Some(FocusBy::Group);
+    let answer = match (given.focusdistance, given.filmdistance) {
+        (Some(_), Some(_)) => {
+            return Err(ParameterError::Both { first: "filmdistance", second: "focusdistance" }.into());
         }
-        _ => Answer::of(&lens, args),
+        (None, None) => {
+            return Err(Failure::Usage(
+                "focused where? Give --focusdistance MM, from the film to the object (or inf), or --filmdistance MM, \
+                 from the last vertex to the film, to learn what is in focus"
+                    .to_owned(),
+            ));
+        }
+        (Some(distance), None) => {
+            let object_distance = distance * given.mmperunit.unwrap_or(1.0);
+            if by_groups {
+                let [nearest, _] = opened.group_reach()?;
+                let focused = Conjugates { object_distance, film_distance: opened.film_distance()? };
+                Answer::by_groups(&opened, scale, focused, nearest)
+            } else {
+                Answer::of(lens, scale, |focus| {
+                    Ok(Conjugates { object_distance, film_distance: focus.film_distance(object_distance)? })
+                })
+            }
+        }
+        (None, Some(film_distance)) => Answer::of(lens, scale, |focus| in_focus(focus, film_distance)),
     };
     let answer = answer.map_err(|error| Failure::Other(error.to_string()))?;
-    let mut text = if args.json { format!("{:#}\n", answer.json()) } else { answer.text() };
+    let mut text = if args.json { format!("{:#}\n", answer.json(lens)) } else { answer.text() };
     if let Some(out) = &args.out {
         let depth = answer.depth.ok_or_else(|| {
             Failure::Other(
@@ -77,14 +86,37 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             focus: answer.focused.object_distance,
             nearest: answer.nearest.object_distance,
             depth,
-            confusion: answer.confusion,
+            confusion: answer.scale.confusion,
         };
         picture::write(&depth::draw(&drawing), out)?;
         if !args.json {
             text += &format!("drawn            {}\n", out.display());
         }
     }
-    Ok(std::io::stdout().write_all(text.as_bytes())?)
+    Ok(console::answer(&text, args.out.as_deref())?)
+}
+
+/// Circles of confusion on the film's diagonal, as photographers count: 0.03 mm on 24 x 36 mm.
+const PER_DIAGONAL: f64 = 1442.0;
+
+/// What is sharp on which film, mm.
+#[derive(Clone, Copy, Debug)]
+struct Scale {
+    diagonal: f64,
+    confusion: f64,
+}
+
+/// What film at this distance is focused on.
+fn in_focus(focus: &Focus, film_distance: f64) -> Result<Conjugates, Unfocused> {
+    let object_distance = match focus.object_distance(film_distance) {
+        Some(distance) => distance,
+        None => {
+            let infinity = focus.film_distance(f64::INFINITY)?;
+            let Conjugates { object_distance: near, film_distance: nearest } = focus.nearest();
+            return Err(Unfocused::NoObject { film_distance, infinity, near, nearest });
+        }
+    };
+    Ok(Conjugates { object_distance, film_distance })
 }
 
 struct Answer {
@@ -94,7 +126,7 @@ struct Answer {
     beyond_infinity: bool,
     paraxial: Option<f64>,
     nearest: Conjugates,
-    confusion: f64,
+    scale: Scale,
     depth: Option<DepthOfField>,
 }
 
@@ -128,11 +160,6 @@ fn paraxial_film_distance(
     }))
 }
 
-/// The blur that counts as sharp, mm.
-fn confusion(args: &Args) -> f64 {
-    args.coc.unwrap_or_else(|| args.film.film().pixel())
-}
-
 fn depth_of_field(
     lens: &Lens,
     focused: Conjugates,
@@ -144,26 +171,16 @@ fn depth_of_field(
 }
 
 impl Answer {
-    fn of(lens: &Lens, args: &Args) -> Result<Self, Unfocused> {
+    /// Of a lens that moves as a whole, focused as `focused` says.
+    fn of(
+        lens: &Lens,
+        scale: Scale,
+        focused: impl FnOnce(&Focus) -> Result<Conjugates, Unfocused>,
+    ) -> Result<Self, Unfocused> {
         let focus = Focus::new(lens)?;
         let nearest = focus.nearest();
         let infinity = focus.film_distance(f64::INFINITY)?;
-        let focused = match (args.distance, args.film_distance) {
-            (_, Some(film_distance)) => {
-                let object_distance = focus.object_distance(film_distance).ok_or(Unfocused::NoObject {
-                    film_distance,
-                    infinity,
-                    near: nearest.object_distance,
-                    nearest: nearest.film_distance,
-                })?;
-                Conjugates { object_distance, film_distance }
-            }
-            (object, None) => {
-                let object_distance = object.unwrap_or(f64::INFINITY);
-                Conjugates { object_distance, film_distance: focus.film_distance(object_distance)? }
-            }
-        };
-        let confusion = confusion(args);
+        let focused = focused(&focus)?;
         let beyond_infinity = focused.film_distance < infinity * (1.0 - 1e-9);
         Ok(Self {
             beyond_infinity,
@@ -171,20 +188,20 @@ impl Answer {
             paraxial: paraxial_film_distance(lens, &focus, focused, nearest)?,
             focused,
             nearest,
-            confusion,
+            scale,
             // First-order depth of field is about a plane in focus, and here is none.
-            depth: depth_of_field(lens, focused, confusion)?.filter(|_| !beyond_infinity),
+            depth: depth_of_field(lens, focused, scale.confusion)?.filter(|_| !beyond_infinity),
         })
     }
 
     /// Of a lens whose groups stand where they focus on `focused`, and can focus as near as `nearest`.
     fn by_groups(
-        lens: &Lens,
-        args: &Args,
+        opened: &OpenedLens,
+        scale: Scale,
         focused: Conjugates,
         nearest: Conjugates,
     ) -> Result<Self, Unfocused> {
-        let confusion = confusion(args);
+        let lens = &opened.lens;
         let object = focused.object_distance + lens.rear().vertex - focused.film_distance;
         Ok(Self {
             beyond_infinity: false,
@@ -192,20 +209,23 @@ impl Answer {
             paraxial: Some(FirstOrder::of(lens).map_err(FocusError::Lens)?.image_distance(object.recip())),
             focused,
             nearest,
-            confusion,
-            depth: depth_of_field(lens, focused, confusion)?,
+            scale,
+            depth: depth_of_field(lens, focused, scale.confusion)?,
         })
     }
 
-    fn json(&self) -> serde_json::Value {
+    fn json(&self, lens: &Lens) -> serde_json::Value {
         // An infinite number becomes null.
         json!({
-            "object_distance_mm": self.focused.object_distance,
+            "name": lens.name,
+            "wavelength_nm": lens.wavelength,
+            "film_diagonal_mm": self.scale.diagonal,
+            "focus_distance_mm": self.focused.object_distance,
             "film_distance_mm": self.focused.film_distance,
             "film_distance_paraxial_mm": self.paraxial,
-            "nearest_object_distance_mm": self.nearest.object_distance,
+            "nearest_focus_distance_mm": self.nearest.object_distance,
             "nearest_film_distance_mm": self.nearest.film_distance,
-            "circle_of_confusion_mm": self.confusion,
+            "circle_of_confusion_mm": self.scale.confusion,
             "near_limit_mm": self.depth.map(|depth| depth.near),
             "far_limit_mm": self.depth.map(|depth| depth.far),
             "hyperfocal_distance_mm": self.depth.map(|depth| depth.hyperfocal),
@@ -229,12 +249,13 @@ impl Answer {
             "in focus         {}{beyond}\n\
              film distance    {} mm {moved}, {paraxial} by first-order optics\n\
              nearest in focus {} mm from the film, with the film at {} mm\n\
-             confusion        {} mm\n",
+             confusion        {} mm on a film of diagonal {} mm\n",
             from_film(object_distance),
             fixed(film_distance, 6),
             fixed(self.nearest.object_distance, 3),
             fixed(self.nearest.film_distance, 6),
-            fixed(self.confusion, 6),
+            fixed(self.scale.confusion, 6),
+            short(self.scale.diagonal),
         );
         text += &match self.depth {
             _ if self.beyond_infinity => String::new(),

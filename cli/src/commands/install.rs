@@ -3,11 +3,11 @@
 //! `realistic.so` is installed always. Copies under other names are made only when they are asked for, because a renderer
 //! that finds one under the name of a camera of its own takes it instead.
 
+use crate::console;
 use crate::failure::Failure;
 use crate::files;
-use crate::host::plugin;
+use crate::host::plugin::{self, Plugin};
 use realistic::camera::Model;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// The camera's name in scene files, without `.so`.
@@ -19,7 +19,7 @@ const STOCK_CAMERAS: [&str; 3] = ["perspective", "orthographic", "environment"];
 /// What `install` can be told.
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// Directory that the renderer loads plugins from; realistic.so is put there
+    /// Directory that the renderer loads plugins from; realistic.so is put there, and the directory made if it is not there
     #[arg(value_name = "DIR")]
     directory: PathBuf,
     /// Besides, a copy under this name, without .so: the camera's name in scene files
@@ -43,13 +43,15 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let names = names(args)?;
     let source = plugin::find(args.plugin.as_deref())?;
+    // What does not load here loads in no renderer.
+    Plugin::load(&source)?;
     let mut text = String::new();
     for copy in install(&source, &args.directory, &names, args.force)? {
         text += &format!("{} -> {}\n", source.display(), copy.display());
     }
     let directory = args.directory.canonicalize().unwrap_or_else(|_| args.directory.clone());
     text += &advice(&directory, &names);
-    Ok(std::io::stdout().write_all(text.as_bytes())?)
+    Ok(console::report(&text, &args.directory)?)
 }
 
 /// The names of the copies, without `.so`, each once.
@@ -97,13 +99,7 @@ fn install(source: &Path, directory: &Path, names: &[&str], force: bool) -> Resu
     let failed = |path: &Path, error: std::io::Error| {
         Failure::Other(format!("{}: {error}; check the path and its permissions", path.display()))
     };
-    if !directory.is_dir() {
-        return Err(Failure::Other(format!(
-            "there is no directory {0}; create it with `mkdir -p {0}`, or give the directory that \
-             the renderer's plugins lie in",
-            directory.display()
-        )));
-    }
+    files::make_folder(directory)?;
     let plugin = std::fs::read(source).map_err(|error| failed(source, error))?;
     let copies: Vec<PathBuf> = names.iter().map(|name| directory.join(format!("{name}.so"))).collect();
     // All are checked before one is written: half an installation helps nobody.
@@ -215,11 +211,14 @@ mod tests {
     }
 
     #[test]
-    fn a_missing_directory_is_not_created() {
+    fn a_missing_directory_is_made_and_a_file_is_none() {
         let dir = tempfile::tempdir().unwrap();
-        let missing = dir.path().join("missing");
-        let refusal = message(install(Path::new("source"), &missing, &["lens"], false));
-        assert!(refusal.contains("mkdir -p"), "{refusal}");
-        assert!(!missing.exists());
+        let source = dir.path().join("source");
+        std::fs::write(&source, "new realistic_abi_version").unwrap();
+        let missing = dir.path().join("pbrt/plugins");
+        install(&source, &missing, &["lens"], false).unwrap();
+        assert!(missing.join("lens.so").is_file());
+        let refusal = format!("{:?}", install(&source, &source, &["lens"], false));
+        assert!(refusal.contains("source is a file; give a folder"), "{refusal}");
     }
 }

@@ -1,15 +1,16 @@
 //! `realistic pupil`: the part of the lens through which a film point gets its light.
 
+use crate::arguments::{FilmSize, LensChoice, not_negative};
+use crate::console;
 use crate::drawing::{outline as drawing, picture};
 use crate::failure::Failure;
-use crate::lens_and_film::{FilmChoice, FilmPlace, LensChoice, not_negative};
+use realistic::camera::CameraError;
 use realistic::lens::{Lens, pupil::SlopeDisk};
 use realistic::message::{as_given, fixed};
 use realistic::trace::Path;
 use realistic::{imaging::irradiance, sampling::PupilDisk};
 use realistic_lab::pupil::{Outline, acceptance};
 use serde_json::{Value, json};
-use std::io::Write as _;
 use std::path::PathBuf;
 
 /// What `pupil` can be told.
@@ -21,14 +22,12 @@ pub struct Args {
     #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = not_negative)]
     film_radius: f64,
     #[command(flatten)]
-    place: FilmPlace,
-    #[command(flatten)]
-    film: FilmChoice,
+    film: FilmSize,
     /// Write JSON
     #[arg(long)]
     json: bool,
-    /// Draw the outline to this file, .svg or .png
-    #[arg(long, value_name = "FILE", value_parser = picture::path)]
+    /// Draw the outline to this file, .svg or .png; - for an .svg on standard output
+    #[arg(short, long, value_name = "FILE", value_parser = picture::path)]
     out: Option<PathBuf>,
 }
 
@@ -37,9 +36,11 @@ pub struct Args {
 /// # Errors
 /// No such lens, film that cannot be where it is asked for, or a file that cannot be written.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let (_, lens) = args.lens.open(&args.place)?;
-    let film_distance = args.place.film_distance(&lens)?;
-    let sight = Sight::of(&lens, args, film_distance)?;
+    let opened = args.lens.open()?;
+    let lens = &opened.lens;
+    let film_distance = opened.film_distance()?;
+    let diagonal = opened.film_diagonal();
+    let sight = Sight::of(lens, args, film_distance, diagonal)?;
     if let Some(out) = &args.out {
         let disks = [("rear", sight.rear), ("disk", sight.disk)];
         let name = lens.name.rsplit('/').next().unwrap_or(&lens.name);
@@ -51,10 +52,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         };
         picture::write(&drawing::draw(&drawn), out)?;
     }
-    let text = if args.json { format!("{:#}\n", sight.json()) } else { sight.text() };
+    let text = if args.json { format!("{:#}\n", sight.json(lens)) } else { sight.text() };
     let drawn = args.out.as_ref().filter(|_| !args.json);
     let drawn = drawn.map_or_else(String::new, |out| format!("drawn             {}\n", out.display()));
-    Ok(std::io::stdout().write_all((text + &drawn).as_bytes())?)
+    Ok(console::answer(&(text + &drawn), args.out.as_deref())?)
 }
 
 /// Points of the outline.
@@ -65,6 +66,7 @@ const SURVEY: u32 = 400;
 struct Sight {
     radius: f64,
     film_distance: f64,
+    diagonal: f64,
     rear: SlopeDisk,
     disk: SlopeDisk,
     outline: Option<Outline>,
@@ -76,13 +78,13 @@ struct Sight {
 }
 
 impl Sight {
-    fn of(lens: &Lens, args: &Args, film_distance: f64) -> Result<Self, Failure> {
+    fn of(lens: &Lens, args: &Args, film_distance: f64, diagonal: f64) -> Result<Self, Failure> {
         let radius = args.film_radius;
         let point = [radius, 0.0];
         let film = lens.rear().vertex - film_distance;
-        let reach = args.film.film().reach().max(radius);
-        let rear =
-            PupilDisk::rear(lens, film, reach).ok_or_else(|| FilmPlace::in_lens(lens, film_distance))?;
+        let reach = args.film.film(diagonal).reach().max(radius);
+        let rear = PupilDisk::rear(lens, film, reach)
+            .ok_or_else(|| CameraError::film_in_lens(lens, film_distance))?;
         let (rear, disk) = (rear.seen_from(point), PupilDisk::exit(lens, film).seen_from(point));
         let path = Path::<f64>::film_to_scene(lens);
         let outline = Outline::of(&path, film, point, rear, DIRECTIONS);
@@ -93,6 +95,7 @@ impl Sight {
         Ok(Self {
             radius,
             film_distance,
+            diagonal,
             rear,
             disk,
             rear_acceptance: acceptance(area, rear),
@@ -117,11 +120,14 @@ impl Sight {
         self.outline.as_ref().map_or(0.0, |outline| outline.slope_area) * self.film_distance.powi(2)
     }
 
-    fn json(&self) -> Value {
+    fn json(&self, lens: &Lens) -> Value {
         let outline = self.outline.as_ref();
         json!({
             "film_radius_mm": self.radius,
+            "name": lens.name,
+            "wavelength_nm": lens.wavelength,
             "film_distance_mm": self.film_distance,
+            "film_diagonal_mm": self.diagonal,
             "area_mm2": self.area(),
             "slope_area": outline.map_or(0.0, |outline| outline.slope_area),
             "irradiance_for_unit_radiance": outline.map_or(0.0, |outline| outline.irradiance),

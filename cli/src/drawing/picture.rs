@@ -9,20 +9,21 @@ use std::path::{Path, PathBuf};
 /// The file of a flag.
 pub fn path(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
-    if is(&path, "svg") || is(&path, "png") { Ok(path) } else { Err("must end in .svg or .png".to_owned()) }
+    let is_known = is(&path, "svg") || is(&path, "png") || files::is_stdout(&path);
+    if is_known { Ok(path) } else { Err("must end in .svg or .png, or be - for standard output".to_owned()) }
 }
 
 fn is(path: &Path, ending: &str) -> bool {
     path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending))
 }
 
-/// Writes the drawing as its file's ending says.
+/// Writes the drawing as its file's ending says; standard output takes an SVG.
 ///
 /// # Errors
 /// The file cannot be written; the message names it.
 pub fn write(page: &Page, path: &Path) -> Result<(), Failure> {
     let failed = |error: &dyn std::fmt::Display| Failure::cannot_write(path, error);
-    if is(path, "svg") {
+    if is(path, "svg") || files::is_stdout(path) {
         return files::save(path, page.to_string().as_bytes()).map_err(|error| failed(&error));
     }
     let image = page.pixels(1.5).ok_or_else(|| failed(&"the drawing has no size"))?;

@@ -30,11 +30,14 @@ pub enum Format {
 }
 
 impl Format {
-    /// The format for a path.
+    /// The format for a path; standard output takes a .png.
     ///
     /// # Errors
     /// The ending is neither; the message names both.
     pub fn of(path: &Path) -> Result<Self, String> {
+        if files::is_stdout(path) {
+            return Ok(Self::Png);
+        }
         let ending = path.extension().and_then(|ending| ending.to_str());
         match ending.map(str::to_ascii_lowercase).as_deref() {
             Some("png") => Ok(Self::Png),
@@ -50,21 +53,6 @@ impl Format {
 /// The ending is none of the two that can be written.
 pub fn picture_path(text: &str) -> Result<PathBuf, String> {
     Format::of(Path::new(text)).map(|_| PathBuf::from(text))
-}
-
-/// Whether the folder of a file to be written is there, before the work is done.
-///
-/// # Errors
-/// There is none.
-pub fn writable(file: &Path) -> Result<(), Failure> {
-    match file.parent().filter(|parent| !parent.as_os_str().is_empty()) {
-        Some(folder) if !folder.is_dir() => Err(Failure::Other(format!(
-            "cannot write {}: there is no directory {}; create it or give --out another path",
-            file.display(),
-            folder.display()
-        ))),
-        _ => Ok(()),
-    }
 }
 
 impl From<&SrgbImage> for Picture {

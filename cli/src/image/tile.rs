@@ -1,17 +1,21 @@
 //! A tile: part of a picture, with its place in the whole and what the whole is of, as the two kinds of file keep them.
 //!
-//! Both files have a text of it, which [`Origin`] writes and reads. For other programs the place stands where its format has
+//! Both files have a text of it, which [`Origin`] writes and reads, with a checksum of text and pixels: EXR files have none of
+//! their own. For other programs the place stands where its format has
 //! one: in an EXR file's data and display window, in a PNG file's oFFs chunk (PNG extensions 1.6).
 
 use super::picture::{Format, LARGEST_SIDE, Picture};
-use super::srgb::{Colours, SrgbImage};
+use super::srgb::Colours;
 use crate::failure::Failure;
 use crate::files;
+use crc32fast::Hasher;
 use exr::math::Vec2;
+use exr::meta::MetaData;
 use exr::meta::attribute::{AttributeValue, IntegerBounds, Text};
 use exr::prelude::{
     Image, Layer, LayerAttributes, ReadChannels as _, ReadLayers as _, SpecificChannels, WritableImage as _,
 };
+use std::cell::Cell;
 use std::fmt::{self, Display};
 use std::fs::File;
 use std::io::{self, BufReader, Cursor};
@@ -38,9 +42,28 @@ pub struct Tile<P> {
     pub pixels: Vec<P>,
 }
 
+/// A value of a pixel, and its bytes as the checksum takes them.
+pub trait Sample: Copy + Default {
+    fn sum(self, sum: &mut Hasher);
+}
+
+impl Sample for u8 {
+    fn sum(self, sum: &mut Hasher) {
+        sum.update(&[self]);
+    }
+}
+
+impl Sample for f32 {
+    fn sum(self, sum: &mut Hasher) {
+        sum.update(&self.to_bits().to_le_bytes());
+    }
+}
+
 /// What PNG's text chunk and EXR's attribute are called.
 const PNG_KEYWORD: &str = "realistic tile";
 const EXR_ATTRIBUTE: &str = "realisticTile";
+/// What the text calls its checksum.
+const SUM: &str = "CRC-32";
 
 impl Display for Origin {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -68,11 +91,26 @@ impl Origin {
         Some(Self { whole, crop, settings: settings.lines().map(setting).collect::<Option<_>>()? })
     }
 
+    /// The text of a tile with these pixels: what [`Display`] writes, and on a last line the CRC-32 of that and the pixels.
+    fn with_sum<P: Sample>(&self, pixels: &[[P; 3]]) -> String {
+        let text = self.to_string();
+        let sum = checksum(&text, pixels);
+        format!("{text}\n{SUM}: {sum:08x}")
+    }
+
     /// Width and height of the tile.
     pub fn size(&self) -> [u32; 2] {
         let [x0, y0, x1, y1] = self.crop;
         [x1 - x0, y1 - y0]
     }
+}
+
+/// The CRC-32 of a tile's text, without its last line, and of its pixels.
+fn checksum<P: Sample>(text: &str, pixels: &[[P; 3]]) -> u32 {
+    let mut sum = Hasher::new();
+    sum.update(text.as_bytes());
+    pixels.as_flattened().iter().for_each(|value| value.sum(&mut sum));
+    sum.finalize()
 }
 
 /// Writes a picture as a tile. `scale` takes its values to the screen's: PNG only.
@@ -85,10 +123,11 @@ pub fn write(picture: &Picture, path: &Path, scale: f32, origin: &Origin) -> Res
         Format::Png => {
             let [left, top, ..] = origin.crop;
             let place = [left.to_be_bytes(), top.to_be_bytes()].concat();
-            let text = (PNG_KEYWORD, origin.to_string());
+            let shown = picture.shown(scale);
+            let text = (PNG_KEYWORD, origin.with_sum(&shown.pixels));
             // The last byte says that the unit is a pixel.
             let place = (*b"oFFs", [&place[..], &[0]].concat());
-            picture.shown(scale).png_with(Colours::All, Some(text), Some(place))
+            shown.png_with(Colours::All, Some(text), Some(place))
         }
         Format::Exr => exr(picture, origin).map_err(|error| failed(&error))?,
     };
@@ -102,7 +141,7 @@ fn exr(picture: &Picture, origin: &Origin) -> exr::error::Result<Vec<u8>> {
     let [left, top, ..] = origin.crop.map(|at| at as i32);
     attributes.layer_position = Vec2(left, top);
     // Any bytes may stand in an attribute's text: these are UTF-8.
-    let text = Text::from_slice_unchecked(origin.to_string().as_bytes());
+    let text = Text::from_slice_unchecked(origin.with_sum(&picture.pixels).as_bytes());
     attributes.other.insert(Text::new_or_panic(EXR_ATTRIBUTE), AttributeValue::Text(text));
     let layer = Layer::new((width, height), attributes, exr::image::Encoding::FAST_LOSSLESS, channels);
     let mut image = Image::from_layer(layer);
@@ -116,11 +155,22 @@ fn exr(picture: &Picture, origin: &Origin) -> exr::error::Result<Vec<u8>> {
 /// Reads a tile of a PNG file: 8-bit sRGB.
 ///
 /// # Errors
-/// No such file, one of another kind, no tile, or one that another program has cut; the message names it.
+/// No such file, one of another kind, no tile, one that another program has cut or whose bits have changed, or memory is
+/// out; the message names it.
 pub fn read_png(path: &Path) -> Result<Tile<[u8; 3]>, Failure> {
-    let read = png_pixels(open(path)?);
-    let (text, SrgbImage { size, pixels }) = read.map_err(|error| damaged(path, "PNG", &error))?;
-    tile(path, text, size, pixels)
+    let damaged = |error: png::DecodingError| damaged(path, "PNG", &error);
+    let mut reader = png::Decoder::new(open(path)?).read_info().map_err(damaged)?;
+    let info = reader.info();
+    let own = info.utf8_text.iter().find(|text| text.keyword == PNG_KEYWORD);
+    let claim = Claim::read(path, own.and_then(|text| text.get_text().ok()), [info.width, info.height])?;
+    let mut pixels = claim.room::<u8>()?;
+    let bytes = pixels.as_flattened_mut();
+    if reader.output_buffer_size() != Some(bytes.len()) {
+        let unfit = "its pixels are not of 8-bit red, green and blue";
+        return Err(damaged(io::Error::new(io::ErrorKind::InvalidData, unfit).into()));
+    }
+    reader.next_frame(bytes).map_err(damaged)?;
+    claim.tile(pixels)
 }
 
 /// Reads a tile of an EXR file: linear.
@@ -128,9 +178,37 @@ pub fn read_png(path: &Path) -> Result<Tile<[u8; 3]>, Failure> {
 /// # Errors
 /// As of [`read_png`].
 pub fn read_exr(path: &Path) -> Result<Tile<[f32; 3]>, Failure> {
-    let read = exr_pixels(open(path)?);
-    let (text, Picture { size, pixels }) = read.map_err(|error| damaged(path, "EXR", &error))?;
-    tile(path, text, size, pixels)
+    let damaged = |error: exr::error::Error| damaged(path, "EXR", &error);
+    // What the file says of itself first: of its own accord the reader would make room for all that is claimed.
+    let meta = MetaData::read_from_buffered(open(path)?, false).map_err(damaged)?;
+    let (text, Vec2(width, height)) = match &meta.headers[..] {
+        [header] => {
+            let text = match header.own_attributes.other.get(&Text::new_or_panic(EXR_ATTRIBUTE)) {
+                Some(AttributeValue::Text(text)) => String::from_utf8(text.as_slice().to_vec()).ok(),
+                _ => None,
+            };
+            (text, header.layer_size)
+        }
+        _ => (None, Vec2(0, 0)),
+    };
+    let claim = Claim::read(path, text, [width, height].map(|side| u32::try_from(side).unwrap_or(u32::MAX)))?;
+    let room = Cell::new(claim.room()?);
+    let image = exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .rgb_channels(
+            move |_, _| room.take(),
+            move |pixels: &mut Vec<[f32; 3]>, at, (r, g, b): (f32, f32, f32)| {
+                if let Some(pixel) = pixels.get_mut(at.y() * width + at.x()) {
+                    *pixel = [r, g, b];
+                }
+            },
+        )
+        .first_valid_layer()
+        .all_attributes()
+        .from_buffered(open(path)?)
+        .map_err(damaged)?;
+    claim.tile(image.layer_data.channel_data.pixels)
 }
 
 fn open(path: &Path) -> Result<BufReader<File>, Failure> {
@@ -142,63 +220,73 @@ fn damaged(path: &Path, kind: &str, error: &dyn Display) -> Failure {
     Failure::Other(format!("{} is no whole {kind} file: {error}; render it again", path.display()))
 }
 
-fn tile<P>(path: &Path, text: Option<String>, size: [u32; 2], pixels: Vec<P>) -> Result<Tile<P>, Failure> {
-    let name = path.display();
-    let origin = text.as_deref().and_then(Origin::read).ok_or_else(|| {
-        Failure::Other(format!(
-            "{name} is no tile; `realistic render --crop X0,Y0,X1,Y1 --out FILE` writes tiles"
-        ))
-    })?;
-    if origin.size() != size {
-        let ([width, height], [crop_width, crop_height]) = (size, origin.size());
-        return Err(Failure::Other(format!(
-            "{name} was a tile of {crop_width} x {crop_height} pixels and has {width} x {height} now: another program \
-             has changed it; render it again"
-        )));
-    }
-    Ok(Tile { path: path.to_owned(), origin, pixels })
+/// What a file says of itself before its pixels are read.
+struct Claim<'a> {
+    path: &'a Path,
+    origin: Origin,
+    /// The text without its checksum, and that.
+    text: String,
+    sum: u32,
 }
 
-fn png_pixels(file: BufReader<File>) -> Result<(Option<String>, SrgbImage), png::DecodingError> {
-    let mut reader = png::Decoder::new(file).read_info()?;
-    let unfit =
-        || io::Error::new(io::ErrorKind::InvalidData, "its pixels are not of 8-bit red, green and blue");
-    if reader.output_color_type() != (png::ColorType::Rgb, png::BitDepth::Eight) {
-        return Err(unfit().into());
+impl<'a> Claim<'a> {
+    /// What the text of a file of this size says.
+    fn read(path: &'a Path, text: Option<String>, size: [u32; 2]) -> Result<Self, Failure> {
+        let name = path.display();
+        let parts = text.as_deref().and_then(|text| {
+            let (text, last) = text.rsplit_once('\n')?;
+            let sum = last.strip_prefix(SUM)?.strip_prefix(": ")?;
+            Some((Origin::read(text)?, text.to_owned(), u32::from_str_radix(sum, 16).ok()?))
+        });
+        let (origin, text, sum) = parts.ok_or_else(|| {
+            Failure::Other(format!(
+                "{name} is no tile of this version; `realistic render --crop X0,Y0,X1,Y1 --out FILE` writes tiles"
+            ))
+        })?;
+        if origin.size() != size {
+            let ([width, height], [crop_width, crop_height]) = (size, origin.size());
+            return Err(Failure::Other(format!(
+                "{name} was a tile of {crop_width} x {crop_height} pixels and has {width} x {height} now: another \
+                 program has changed it; render it again"
+            )));
+        }
+        Ok(Self { path, origin, text, sum })
     }
-    let mut bytes = vec![0; reader.output_buffer_size().ok_or_else(unfit)?];
-    let frame = reader.next_frame(&mut bytes)?;
-    let pixels = bytes.as_chunks::<3>().0.to_vec();
-    let mut texts = reader.info().utf8_text.iter();
-    let text = texts.find(|text| text.keyword == PNG_KEYWORD).and_then(|text| text.get_text().ok());
-    Ok((text, SrgbImage { size: [frame.width, frame.height], pixels }))
+
+    /// Room for its pixels.
+    fn room<P: Sample>(&self) -> Result<Vec<[P; 3]>, Failure> {
+        let size = self.origin.size();
+        room(size).ok_or_else(|| {
+            let ([width, height], name) = (size, self.path.display());
+            Failure::Other(format!("there is no memory for the {width} x {height} pixels of {name}"))
+        })
+    }
+
+    /// The tile with its pixels, if they are those that were written.
+    fn tile<P: Sample>(self, pixels: Vec<[P; 3]>) -> Result<Tile<[P; 3]>, Failure> {
+        if checksum(&self.text, &pixels) != self.sum {
+            return Err(Failure::Other(format!(
+                "{} is not as it was written: its pixels and what it says of itself do not have its checksum; render it \
+                 again",
+                self.path.display()
+            )));
+        }
+        Ok(Tile { path: self.path.to_owned(), origin: self.origin, pixels })
+    }
 }
 
-fn exr_pixels(file: BufReader<File>) -> exr::error::Result<(Option<String>, Picture)> {
-    let image = exr::prelude::read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .rgb_channels(
-            |size, _| Picture::plain([size.width(), size.height()].map(|side| side as u32), [0.0; 3]),
-            |picture: &mut Picture, at, (r, g, b): (f32, f32, f32)| {
-                let width = picture.size[0] as usize;
-                picture.pixels[at.y() * width + at.x()] = [r, g, b];
-            },
-        )
-        .first_valid_layer()
-        .all_attributes()
-        .from_buffered(file)?;
-    let attributes = &image.layer_data.attributes.other;
-    let text = match attributes.get(&Text::new_or_panic(EXR_ATTRIBUTE)) {
-        Some(AttributeValue::Text(text)) => String::from_utf8(text.as_slice().to_vec()).ok(),
-        _ => None,
-    };
-    Ok((text, image.layer_data.channel_data.pixels))
+/// Room for the pixels of a picture, if there is memory.
+pub fn room<P: Copy + Default>([width, height]: [u32; 2]) -> Option<Vec<P>> {
+    let count = width as usize * height as usize;
+    let mut pixels = Vec::new();
+    pixels.try_reserve_exact(count).ok()?;
+    pixels.resize(count, P::default());
+    Some(pixels)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::Origin;
+    use super::*;
 
     #[test]
     fn a_place_is_read_where_it_lies_in_a_picture_of_a_size_that_there_is() {
@@ -216,7 +304,37 @@ mod tests {
         ] {
             assert_eq!(Origin::read(text), None, "{text}");
         }
-        // Room for all of it would not be had.
+        // There would be no room for all of it.
         assert_eq!(Origin::read("4000000000,4000000000 0,0,25,34"), None);
+    }
+    /// A tile of noise in a file, and its bytes.
+    fn noise(path: &Path) -> Vec<u8> {
+        let value = |i: usize| (i as f32 * 0.618_034).fract();
+        let pixels = (0..12 * 9).map(|i| [value(i), value(i + 1000), 40.0 * value(i + 2000)]).collect();
+        let settings = vec![("lens".into(), "dgauss.50mm".into())];
+        let origin = Origin { whole: [50, 34], crop: [25, 3, 37, 12], settings };
+        write(&Picture { size: [12, 9], pixels }, path, 1.0, &origin).unwrap();
+        std::fs::read(path).unwrap()
+    }
+
+    #[test]
+    fn a_tile_with_a_changed_bit_is_as_it_was_or_refused() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("tile.exr");
+        let bytes = noise(&path);
+        let whole = read_exr(&path).unwrap();
+        let mut by_checksum = 0;
+        for i in 0..bytes.len() {
+            let mut changed = bytes.clone();
+            changed[i] ^= 1 << (i % 8);
+            std::fs::write(&path, changed).unwrap();
+            match read_exr(&path) {
+                Ok(tile) => assert!(tile.pixels == whole.pixels && tile.origin == whole.origin, "byte {i}"),
+                Err(Failure::Other(why)) => by_checksum += usize::from(why.contains("checksum")),
+                Err(other) => panic!("{other:?}"),
+            }
+        }
+        // Most of the file are pixels.
+        assert!(by_checksum > bytes.len() / 2, "{by_checksum} of {}", bytes.len());
     }
 }

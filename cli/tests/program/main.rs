@@ -7,7 +7,9 @@ mod plugin;
 #[cfg(target_os = "linux")]
 mod release;
 mod reports;
+mod spellings;
 mod tiles;
+mod wrong_uses;
 
 use std::io::Write;
 use std::path::Path;

@@ -136,11 +136,11 @@ fn what_cannot_be_is_refused_with_what_to_do() {
     for (arguments, words) in [
         (&["render", "--slide", "glos"][..], "soft-shadow"),
         (&["render", "--slide", "gloss", "--effects", "dof"], "--effects"),
-        (&["render", "--slide", "lenses", "--lens", "wide.22mm"], "--lens"),
+        (&["render", "--slide", "lenses", "--lens", "wide.22mm"], "leave out the lens"),
         (&["render", "--slide", "gloss", "--param", "fnumber=4"], "fnumber"),
         (&["render", "--effects", "blur"], "translucency"),
         (&["render", "--effects", "gloss", "--param", "aperture_diameter=4"], "dof"),
-        (&["render", "--wavelengths", "2"], "3..=256"),
+        (&["render", "--wavelengths", "2"], "from 3 to 256"),
         (&["render", "--wavelengths", "3", "--param", "wavelength=500"], "wavelength"),
         (&["render", "--autofocus", "1,2,3"], "LEFT,TOP,WIDTH,HEIGHT"),
         (&["render", "--autofocus", "1,2,3,0"], "LEFT,TOP,WIDTH,HEIGHT"),
@@ -152,11 +152,9 @@ fn what_cannot_be_is_refused_with_what_to_do() {
         (&["focus-stack", "--from", "900", "--to", "800"], "nearer"),
         (&["focus-stack", "--from", "0", "--to", "800"], "positive number"),
         (&["focus-stack", "--from", "50", "--to", "800"], "nearest"),
-        (&["focus-stack", "--from", "500", "--to", "800", "--count", "1"], "2..=999"),
-        (&["focus-stack", "--from", "500", "--to", "800", "--out", "missing"], "mkdir -p"),
+        (&["focus-stack", "--from", "500", "--to", "800", "--count", "1"], "from 2 to 999"),
         (&["focus-stack", "--from", "500", "--to", "800", "--param", "focusdistance=3"], "focusdistance"),
         (&["disks", "--out", "disks.jpg"], ".png"),
-        (&["disks", "--out", "missing/disks.png"], "missing"),
     ] {
         let output = realistic(dir.path(), arguments);
         let text = String::from_utf8_lossy(&output.stderr);

@@ -94,3 +94,21 @@ fn the_flag_comes_before_the_variable_and_the_variable_before_all_other_places()
     assert_eq!(taken(&render(&program, Some(&variable), &given)), flag.canonicalize().unwrap());
     assert_eq!(taken(&render(&program, Some(Path::new("")), &given)), flag.canonicalize().unwrap());
 }
+
+#[test]
+fn what_is_no_plugin_is_not_installed_over_one() {
+    let root = tempfile::tempdir().unwrap();
+    let [text, good] = ["text.so", "realistic.so"].map(|name| root.path().join(name));
+    let plugin = fs::read(built()).unwrap();
+    put(&plugin, &good);
+    put("no plugin, and mentions realistic_abi_version", &text);
+    let install = |source: &Path| {
+        super::realistic(root.path(), &["install", ".", "--plugin", source.to_str().unwrap()])
+    };
+    let refused = install(&text);
+    assert!(!refused.status.success() && fs::read(&good).unwrap() == plugin, "{}", refusal(&refused));
+    let message = refusal(&refused);
+    assert!(message.contains("cannot load the plugin") && message.contains("text.so"), "{message}");
+    let done = install(&built());
+    assert!(done.status.success(), "{}", refusal(&done));
+}

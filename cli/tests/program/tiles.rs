@@ -99,8 +99,8 @@ fn a_crop_outside_the_picture_is_refused_with_its_size() {
         refused(dir.path(), &[&SMALL[..], &[&crop]].concat(), &["\"crop\" takes four numbers"]);
     }
     let both = ["--crop", "0,0,5,5", "--param", "crop=0,0,5,5"];
-    refused(dir.path(), &[&SMALL[..], &both].concat(), &["--crop and parameter \"crop\""]);
-    refused(dir.path(), &["render", "--slide", "dof", "--crop", "0,0,5,5"], &["--slide"]);
+    refused(dir.path(), &[&SMALL[..], &both].concat(), &["\"crop\" is given twice"]);
+    refused(dir.path(), &["render", "--slide", "dof", "--crop", "0,0,5,5"], &["whole ones"]);
     refused(dir.path(), &["render", "--slide", "dof", "--param", "crop=0,0,5,5"], &["whole ones"]);
     let stack = ["focus-stack", "--from", "700", "--to", "inf", "--param", "crop=0,0,5,5"];
     refused(dir.path(), &stack, &["whole ones"]);
@@ -157,7 +157,26 @@ fn tiles_that_make_no_picture_are_refused_by_name() {
     merge(&["half.png", "right.png"], &["half.png is no whole PNG file"]);
     std::fs::write(dir.path().join("text.exr"), "no picture").unwrap();
     refused(dir.path(), &["merge", "text.exr", "--out", "no.exr"], &["text.exr is no whole EXR file"]);
-    refused(dir.path(), &["merge", "left.png", "--out", "missing/no.png"], &["missing"]);
     refused(dir.path(), &["merge", "left.jpg", "--out", "no.png"], &[".png"]);
     refused(dir.path(), &["merge", "--out", "no.png"], &["TILE"]);
+}
+
+#[test]
+fn a_tile_of_a_huge_picture_takes_no_room_for_it() {
+    let dir = tempfile::tempdir().unwrap();
+    for ending in ["png", "exr"] {
+        let file = format!("tile.{ending}");
+        let huge = ["render", "--size", "16384x16384", "--spp", "1", "--threads", "1", "--crop", "0,0,8,6"];
+        run(dir.path(), &[&huge[..], &["--out", &file]].concat());
+        let output = Command::new("sh")
+            .current_dir(dir.path())
+            .arg("-c")
+            .arg("ulimit -v 1500000; exec \"$@\"")
+            .args(["sh", env!("CARGO_BIN_EXE_realistic"), "merge", &file, "--out", &format!("no.{ending}")])
+            .output()
+            .unwrap();
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{}: {text}", output.status);
+        assert!(text.contains("has the pixels 8,0,16384,16384 of the 16384x16384 picture"), "{text}");
+    }
 }

@@ -2,35 +2,113 @@
 
 mod table;
 
+use crate::arguments::LensChoice;
+use crate::console;
 use crate::failure::Failure;
-use crate::files::save;
-use crate::lens_and_film::{glasscatalog_help, open};
-use std::io::Write as _;
-use std::path::PathBuf;
+use crate::files::{is_stdout, save};
+use realistic::prescription::{MAX_FILE_BYTES, read};
+use std::path::{Path, PathBuf};
 
 /// What `convert` can be told.
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// Lens: a file, - for standard input, or a name of the catalogue; NAME@35mm scales it to that focal length
-    #[arg(value_name = "IN")]
-    lens: String,
-    #[arg(long, value_name = "FILE", help = glasscatalog_help())]
-    glasscatalog: Option<String>,
-    /// Table to write; - for standard output
-    #[arg(value_name = "OUT")]
-    out: PathBuf,
+    #[command(flatten)]
+    lens: LensChoice,
+    /// Table to write, .dat; - for standard output
+    #[arg(value_name = "OUT", value_parser = table_path)]
+    word: Option<PathBuf>,
+    /// The same as OUT
+    #[arg(short, long, value_name = "FILE", value_parser = table_path)]
+    out: Option<PathBuf>,
+    /// Write over a file that was not made by `convert`, such as a table written by hand
+    #[arg(long)]
+    force: bool,
+}
+
+fn table_path(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let is_table = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("dat"));
+    if is_table || is_stdout(&path) {
+        return Ok(path);
+    }
+    Err("the project's own table is written, and no other format; give a name that ends in .dat, or - for standard output"
+        .to_owned())
 }
 
 /// Writes the table and says where to.
 ///
 /// # Errors
-/// No such lens, or a file that cannot be written.
+/// No such lens, a file that would be lost, or one that cannot be written.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let (prescription, _) = open(&args.lens, args.glasscatalog.as_deref(), |_| ())?;
-    let text = table::write(&prescription);
-    if args.out.as_os_str() == "-" {
-        return Ok(std::io::stdout().write_all(text.as_bytes())?);
+    let (lens, out) = lens_and_out(args)?;
+    let opened = lens.open_as_it_is()?;
+    let text = table::write(&opened.prescription);
+    if let Some(input) = &opened.parameters().specfile
+        && is_same_file(Path::new(input), &out)
+    {
+        return Err(Failure::Usage(format!("{} is the lens itself; give OUT another name", out.display())));
     }
-    save(&args.out, text.as_bytes()).map_err(|error| Failure::cannot_write(&args.out, &error))?;
-    Ok(writeln!(std::io::stdout(), "{}", args.out.display())?)
+    if !args.force && has_other_work(&out) {
+        return Err(Failure::Other(format!(
+            "{} is there and was not written by `convert`: its comments and layout would be lost; give another name, or \
+             --force to write over it",
+            out.display()
+        )));
+    }
+    save(&out, text.as_bytes()).map_err(|error| Failure::cannot_write(&out, &error))?;
+    Ok(console::report(&format!("{}\n", out.display()), &out)?)
+}
+
+/// The only word beside a lens's flag is OUT.
+fn lens_and_out(args: &Args) -> Result<(LensChoice, PathBuf), Failure> {
+    let mut lens = args.lens.clone();
+    let is_alone = args.word.is_none() && args.out.is_none();
+    let word = if is_alone { lens.word_beside_a_flag() } else { None };
+    let word = word.map(|word| table_path(&word)).transpose().map_err(Failure::Usage)?;
+    match (args.word.clone().or(word), args.out.clone()) {
+        (Some(out), None) | (None, Some(out)) => Ok((lens, out)),
+        (Some(_), Some(_)) => {
+            Err(Failure::Usage("OUT and --out say the same thing; give one of them".to_owned()))
+        }
+        (None, None) => Err(Failure::Usage(
+            "where to? Write `realistic convert IN OUT.dat`, OUT - for standard output".to_owned(),
+        )),
+    }
+}
+
+fn is_same_file(one: &Path, other: &Path) -> bool {
+    one.canonicalize().is_ok_and(|one| other.canonicalize().is_ok_and(|other| one == other))
+}
+
+/// Whether there is a file that others have worked on.
+fn has_other_work(out: &Path) -> bool {
+    let found = out.metadata().ok().filter(std::fs::Metadata::is_file);
+    let is_ours = || std::fs::read(out).is_ok_and(|old| is_written_by_us(&old));
+    !is_stdout(out) && found.is_some_and(|found| found.len() > MAX_FILE_BYTES || !is_ours())
+}
+
+/// Whether a file has nothing but what is written of the lens in it.
+fn is_written_by_us(bytes: &[u8]) -> bool {
+    let Ok(lens) = read("old.dat", bytes) else { return false };
+    // These tell of the file that was converted.
+    let of_another = |line: &&str| !line.starts_with(table::REMARK);
+    let text = String::from_utf8_lossy(bytes);
+    text.lines().filter(of_another).eq(table::write(&lens).lines())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_written_by_hand_is_told_from_what_was_converted() {
+        for name in realistic::prescription::catalogue::names() {
+            let mut lens = realistic::prescription::catalogue::find(name).unwrap();
+            lens.remarks = vec!["something was taken in another way".to_owned()];
+            let text = table::write(&lens);
+            assert!(is_written_by_us(text.as_bytes()), "{name}");
+            assert!(!is_written_by_us(format!("{text}# a note\n").as_bytes()), "{name}");
+        }
+        assert!(!is_written_by_us(b"20  5   1.5  10\n-20 40 1 10\n") && !is_written_by_us(b"no lens"));
+    }
 }

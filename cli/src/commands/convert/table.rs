@@ -7,6 +7,9 @@ use realistic::prescription::{
 };
 use std::fmt::Write as _;
 
+/// How a line begins that says what was taken in another way than it was written.
+pub const REMARK: &str = "# as it was read: ";
+
 /// The text.
 pub fn write(lens: &Prescription) -> String {
     let mut text = String::new();
@@ -14,7 +17,7 @@ pub fn write(lens: &Prescription) -> String {
     if let Some(title) = &lens.title {
         let _ = writeln!(text, "# {title}");
         for remark in &lens.remarks {
-            let _ = writeln!(text, "# as it was read: {}", remark.replace(['\n', '\r'], " "));
+            let _ = writeln!(text, "{REMARK}{}", remark.replace(['\n', '\r'], " "));
         }
     }
     let columns = lens.positions.as_ref().map_or(&[][..], |positions| &positions.columns);
@@ -25,6 +28,9 @@ pub fn write(lens: &Prescription) -> String {
         }
         (Some(length), None) => line(&mut text, "focal", &[number(length)]),
         _ => {}
+    }
+    if let Some(wavelength) = lens.wavelength {
+        line(&mut text, "wavelength", &[number(wavelength)]);
     }
     if let Some(year) = lens.stated.year {
         line(&mut text, "year", &[year.to_string()]);
@@ -45,7 +51,9 @@ pub fn write(lens: &Prescription) -> String {
     }
     let names = glass_names(lens);
     for (name, medium) in &names {
-        line(&mut text, "glass", &[name.clone(), definition(*medium)]);
+        let named = lens.glasses.iter().find(|(_, known)| known.medium == *medium);
+        let range = named.and_then(|(_, known)| known.range).map_or_else(String::new, range);
+        line(&mut text, "glass", &[name.clone(), definition(*medium) + &range]);
     }
     for (row, interface) in lens.interfaces.iter().enumerate() {
         if let Shape::Asphere(asphere) = &interface.shape {
@@ -68,7 +76,7 @@ pub fn write(lens: &Prescription) -> String {
             abbe,
             number(2.0 * interface.semi_diameter),
         ];
-        let _ = writeln!(text, "{}", cells.join("  "));
+        let _ = writeln!(text, "{}{}", cells.join("  "), name_of_numbers(lens, interface.medium));
         in_front = interface.medium;
     }
     text
@@ -113,6 +121,22 @@ fn write_positions(text: &mut String, positions: &Positions, rows: usize) {
     }
 }
 
+/// The name that the file has for a glass of n_d and V, as a comment; where there is no title there are no comments.
+fn name_of_numbers(lens: &Prescription, medium: Medium) -> String {
+    let named = lens.glasses.iter().find(|(_, known)| known.medium == medium);
+    let is_numbers = matches!(medium, Medium::Glass { .. }) && lens.title.is_some();
+    named
+        .filter(|_| is_numbers)
+        .map_or_else(String::new, |(name, _)| format!("  # {}", name.replace(['\n', '\r'], " ")))
+}
+
+/// The wavelengths from and to which a formula counts, µm.
+fn range(range: [f64; 2]) -> String {
+    // The decimal that is meant, so that it reads back to the same number of nm.
+    let [from, to] = range.map(|end| number(format!("{:.12e}", 1e-3 * end).parse().unwrap_or(1e-3 * end)));
+    format!(" from={from} to={to}")
+}
+
 /// The glasses that have a formula, each under a name that a table can have: the lens's own where it is a word that begins
 /// with a letter.
 fn glass_names(lens: &Prescription) -> Vec<(String, Medium)> {
@@ -123,7 +147,8 @@ fn glass_names(lens: &Prescription) -> Vec<(String, Medium)> {
         if !has_formula || names.iter().any(|(_, known)| *known == medium) {
             continue;
         }
-        let own = lens.glasses.iter().find(|(_, known)| *known == medium).map(|(name, _)| name.as_str());
+        let own =
+            lens.glasses.iter().find(|(_, known)| known.medium == medium).map(|(name, _)| name.as_str());
         let is_taken = |name: &str, names: &[(String, Medium)]| names.iter().any(|(known, _)| known == name);
         let own = own.filter(|name| is_word(name) && !is_taken(name, &names));
         let name = own.map_or_else(
@@ -271,6 +296,25 @@ mod tests {
             text.contains("glass glass-1 polynomial") && text.contains("glass N-BK7 sellmeier B1="),
             "{text}"
         );
+        there_and_back(&lens);
+    }
+
+    #[test]
+    fn the_wavelength_and_the_names_and_ranges_of_glasses_are_kept() {
+        let zmx = "NAME For 248 nm\nWAVM 1 0.248 1\nPWAV 1\nSURF 0\n  DISZ INFINITY\nSURF 1\n  CURV 0.05\n  DISZ 4\n  GLAS F_SILICA 0 0\n  \
+            DIAM 5\nSURF 2\n  CURV -0.05\n  DISZ 1\n  GLAS NIFS-S 3 0 1.9 20\n  DIAM 5\nSURF 3\n  CURV 0\n  DISZ 30\n  DIAM 5\nSURF 4\n";
+        let lens = read("x.zmx", zmx.as_bytes()).unwrap();
+        let text = write(&lens);
+        for part in ["wavelength 248\n", "glass F_SILICA sellmeier", "from=0.21 to=3.71\n", "glass NIFS-S "] {
+            assert!(text.contains(part), "{text} lacks {part}");
+        }
+        there_and_back(&lens);
+        let back = read("own.dat", text.as_bytes()).unwrap();
+        assert_eq!((&back.glasses, back.wavelength), (&lens.glasses, Some(248.0)));
+        // The name of a model glass, which the row has as numbers.
+        let model = zmx.replace("0.248", "0.6").replace("NIFS-S 3 0 1.9 20", "OWN-7 1 0 1.9 20");
+        let lens = read("x.zmx", model.as_bytes()).unwrap();
+        assert!(write(&lens).contains("  1.9  20  10  # OWN-7\n"), "{}", write(&lens));
         there_and_back(&lens);
     }
 }

@@ -159,7 +159,7 @@ fn pupils(lens: &Lens, optics: Option<FirstOrder>) -> [Fact; 4] {
         fact(
             "f-number",
             f_number.map_or("none".to_owned(), |number| fixed(number, 4)),
-            json!({ "f_number": f_number }),
+            json!({ "fnumber": f_number }),
         ),
         fact("stop", stop_text, json!({ "stop_row": stop, "limiting_row": limiting })),
     ]
@@ -226,7 +226,7 @@ mod tests {
         assert_eq!(json["stop_row"], 1);
         assert_eq!((&json["exit_pupil_z_mm"], &json["exit_pupil_diameter_mm"]), (&Value::Null, &Value::Null));
         assert!((json["focal_length_mm"].as_f64().unwrap() - 20.0).abs() < 1e-12);
-        assert!((json["f_number"].as_f64().unwrap() - 5.0).abs() < 1e-12);
+        assert!((json["fnumber"].as_f64().unwrap() - 5.0).abs() < 1e-12);
     }
 
     #[test]

@@ -2,7 +2,8 @@
 
 use crate::drawing::catalogue::Entry;
 use realistic::lens::{Lens, first_order::FirstOrder, pupil::EntrancePupil};
-use realistic::prescription::{Prescription, catalogue};
+use realistic::prescription::{Position, Prescription, catalogue};
+use serde_json::{Value, json};
 use std::fmt::Write as _;
 
 /// The list as text. Focal lengths are computed at the first position and stated at the others; f-numbers are
@@ -26,6 +27,35 @@ pub fn text() -> String {
         );
     }
     text
+}
+
+/// The list as JSON, with the keys of a lens's report; what a lens states of its positions is an array of their values.
+pub fn json() -> Value {
+    let entry = |name| {
+        let prescription = catalogue::find(name).expect("listed");
+        let positions = prescription.positions.as_ref().map_or(&[][..], |positions| &positions.columns);
+        let of_positions =
+            |value: fn(&Position) -> Option<f64>| positions.iter().map(value).collect::<Vec<_>>();
+        let lens = Lens::at_d_line(&prescription);
+        let focal_length = FirstOrder::of(&lens).ok().map(|optics| optics.focal_length);
+        let fnumber = focal_length.map(|length| length.abs() / EntrancePupil::of_lens(&lens).diameter());
+        json!({
+            "name": name,
+            "title": prescription.title,
+            "focal_length_mm": focal_length,
+            "fnumber": fnumber,
+            "stated_focal_length_mm": prescription.stated_focal_length,
+            "stated_fnumber": prescription.stated.fnumber,
+            "stated_field_of_view_deg": prescription.stated.fields,
+            "year": prescription.stated.year,
+            "interfaces": prescription.interfaces.len(),
+            "positions": {
+                "stated_focal_length_mm": of_positions(|position| position.focal_length),
+                "stated_fnumber": of_positions(|position| position.fnumber),
+            },
+        })
+    };
+    catalogue::names().map(entry).collect()
 }
 
 /// The lenses with a line of words each, to be drawn on one page.

@@ -5,9 +5,10 @@ mod list;
 mod positions;
 mod table;
 
+use crate::arguments::LensChoice;
+use crate::console;
 use crate::drawing::{catalogue, picture};
 use crate::failure::Failure;
-use crate::lens_and_film::{FilmPlace, FilmSize, LensChoice};
 use facts::Facts;
 use std::io::Write as _;
 use std::path::PathBuf;
@@ -16,16 +17,12 @@ use std::path::PathBuf;
 #[derive(clap::Args, Debug)]
 pub struct Args {
     #[command(flatten)]
-    lens: Option<LensChoice>,
+    lens: LensChoice,
     /// List the lenses of the catalogue: focal length, f-number, field of view, interfaces, year; with =FILE.svg or
     /// =FILE.png draw them on one page
-    #[arg(long, exclusive = true, value_name = "FILE", num_args = 0..=1, require_equals = true,
+    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true,
           value_parser = picture::path)]
     list: Option<Option<PathBuf>>,
-    #[command(flatten)]
-    place: FilmPlace,
-    #[command(flatten)]
-    film: FilmSize,
     /// Write JSON; keys carry units, null is what does not exist or lies at infinity
     #[arg(long)]
     json: bool,
@@ -36,26 +33,41 @@ pub struct Args {
 /// # Errors
 /// No such lens, or one that cannot be set up as asked.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let choice = match (&args.list, &args.lens) {
-        (None, Some(choice)) => choice,
-        (Some(Some(out)), _) => {
-            picture::write(&catalogue::draw(&list::drawn()), out)?;
-            return Ok(writeln!(std::io::stdout(), "{}", out.display())?);
-        }
-        (Some(None), _) | (None, None) => return Ok(std::io::stdout().write_all(list::text().as_bytes())?),
-    };
-    let (prescription, lens) = choice.open(&args.place)?;
+    if args.list.is_some() || !args.lens.is_given() {
+        return list(args);
+    }
+    let opened = args.lens.open()?;
     // A lens that makes no image is worth a report without one.
-    let film_distance = args.place.film_distance_if_any(&lens)?;
-    let facts = Facts::of(&prescription, &lens, film_distance, args.film.diagonal);
-    let positions = positions::all(&prescription, lens.wavelength, choice.stop(), args.film.diagonal);
+    let film_distance = opened.film_distance_if_any()?;
+    let diagonal = opened.film_diagonal();
+    let (prescription, lens) = (&opened.prescription, &opened.lens);
+    let facts = Facts::of(prescription, lens, film_distance, diagonal);
+    let positions = positions::all(prescription, lens.wavelength, opened.stop(), diagonal);
     let text = if args.json {
         let mut value = facts.json();
-        value["rows"] = table::json(&prescription, &lens);
+        value["rows"] = table::json(prescription, lens);
         value["positions"] = positions::json(&positions);
         format!("{value:#}\n")
     } else {
-        facts.text() + &positions::text(&positions) + "\n" + &table::text(&prescription, &lens)
+        facts.text() + &positions::text(&positions) + "\n" + &table::text(prescription, lens)
     };
     Ok(std::io::stdout().write_all(text.as_bytes())?)
+}
+
+/// Lists the catalogue, in words, as JSON or drawn.
+fn list(args: &Args) -> Result<(), Failure> {
+    if args.lens.is_given() {
+        return Err(Failure::Usage("--list shows every lens; leave out the lens and its options".to_owned()));
+    }
+    match &args.list {
+        Some(Some(_)) if args.json => {
+            Err(Failure::Usage("--list=FILE draws, and --json writes JSON; give one of them".to_owned()))
+        }
+        Some(Some(out)) => {
+            picture::write(&catalogue::draw(&list::drawn()), out)?;
+            Ok(console::report(&format!("{}\n", out.display()), out)?)
+        }
+        _ if args.json => Ok(writeln!(std::io::stdout(), "{:#}", list::json())?),
+        _ => Ok(std::io::stdout().write_all(list::text().as_bytes())?),
+    }
 }

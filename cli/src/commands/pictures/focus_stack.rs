@@ -1,21 +1,23 @@
 //! `realistic focus-stack`: the same picture focused from near to far.
 
+use crate::arguments::{CameraChoice, distance, whole};
+use crate::console;
 use crate::failure::Failure;
+use crate::files;
 use crate::host::render::Integrator;
 use crate::host::scene::effects::{Effect, Effects};
 use crate::host::scene::props;
-use crate::host::studio::{Options, Order, Studio, parameter_help, whole_only};
+use crate::host::studio::{Options, Order, Studio, whole_only};
 use crate::image::Sheet;
-use crate::lens_and_film::distance;
 use realistic::message::fixed;
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::PathBuf;
 
 /// The options of `focus-stack`.
 #[derive(clap::Args, Debug)]
-#[command(after_help = parameter_help())]
 pub struct Args {
+    #[command(flatten)]
+    camera: CameraChoice,
     /// Nearest distance in focus, mm from the film
     #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = distance)]
     from: f64,
@@ -23,10 +25,10 @@ pub struct Args {
     #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = distance)]
     to: f64,
     /// Pictures
-    #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(2..=999))]
+    #[arg(long, value_name = "N", default_value_t = 6, allow_negative_numbers = true, value_parser = whole(2_u32, 999))]
     count: u32,
-    /// Directory for focus-01.png and so on, and contact.png with all of them
-    #[arg(long, value_name = "DIR", default_value = ".")]
+    /// Folder for focus-01.png and so on, and contact.png with all of them; made if it is not there
+    #[arg(short, long, value_name = "DIR", default_value = ".")]
     out: PathBuf,
     #[command(flatten)]
     options: Options,
@@ -47,13 +49,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             args.from, args.to
         )));
     }
-    if !args.out.is_dir() {
-        return Err(Failure::Other(format!(
-            "there is no directory {0}; create it with `mkdir -p {0}`, or give --out another",
-            args.out.display()
-        )));
-    }
-    let studio = Studio::open(&args.options)?;
+    let studio = Studio::open(&args.camera, &args.options)?;
     whole_only(&studio.parameters)?;
     if studio.parameters.focusdistance.is_some() || studio.parameters.filmdistance.is_some() {
         return Err(Failure::Usage(
@@ -61,6 +57,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
                 .to_owned(),
         ));
     }
+    files::make_folder(&args.out)?;
     let scene = props::scene().with(&Effects::only(&[Effect::SoftShadow, Effect::Dof]));
     let order = Order {
         spp: args.options.spp.unwrap_or(SPP),
@@ -84,7 +81,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let contact = args.out.join("contact.png");
     sheet.into_picture().write(&contact, 1.0)?;
     let _ = writeln!(text, "{}", contact.display());
-    Ok(std::io::stdout().write_all(text.as_bytes())?)
+    Ok(console::report(&text, &contact)?)
 }
 
 fn distances(from: f64, to: f64, count: u32) -> impl Iterator<Item = f64> {

@@ -1,10 +1,10 @@
 //! `realistic merge`: the tiles of `render --crop` to the whole picture.
 
+use crate::console;
 use crate::failure::Failure;
 use crate::files;
 use crate::image::tile::{self, Tile};
-use crate::image::{Colours, Format, Picture, SrgbImage, picture_path, writable};
-use std::io::Write as _;
+use crate::image::{Colours, Format, Picture, SrgbImage, picture_path};
 use std::path::{Path, PathBuf};
 
 /// The options of `merge`.
@@ -13,8 +13,8 @@ pub struct Args {
     /// Tiles that `render --crop` wrote, in any order: all of them .png, or all .exr
     #[arg(value_name = "TILE", required = true, value_parser = picture_path)]
     tiles: Vec<PathBuf>,
-    /// Picture to write, with the tiles' ending: the bytes of the picture that is rendered without --crop
-    #[arg(long, value_name = "FILE", value_parser = picture_path)]
+    /// Picture to write, with the tiles' ending, or - for standard output: the bytes of the picture that is rendered without --crop
+    #[arg(short, long, value_name = "FILE", value_parser = picture_path)]
     out: PathBuf,
 }
 
@@ -24,8 +24,9 @@ pub struct Args {
 /// A file that is no tile, tiles of different pictures, pixels that two tiles have or none, or a file that cannot be
 /// written. The message names the files.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    writable(&args.out)?;
-    let format = Format::of(&args.out).map_err(Failure::Usage)?;
+    // Standard output takes what the tiles are.
+    let named = if files::is_stdout(&args.out) { &args.tiles[0] } else { &args.out };
+    let format = Format::of(named).map_err(Failure::Usage)?;
     if let Some(other) = args.tiles.iter().find(|tile| Format::of(tile) != Ok(format)) {
         return Err(Failure::Usage(format!(
             "tile {} and picture {} are of different formats; give --out the tiles' ending",
@@ -48,7 +49,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let ([width, height], count) = (size, args.tiles.len());
     let plural = if count == 1 { "tile" } else { "tiles" };
     let text = format!("picture  {width}x{height}, of {count} {plural}\n         {}\n", args.out.display());
-    Ok(std::io::stdout().write_all(text.as_bytes())?)
+    Ok(console::report(&text, &args.out)?)
 }
 
 /// Width and height of the picture of these tiles, and its pixels.
@@ -95,48 +96,111 @@ fn same_picture<P>(tiles: &[Tile<P>]) -> Result<[u32; 2], String> {
 }
 
 /// The picture's pixels, each from the tile that has it.
-fn pasted<P: Copy + Default>(tiles: &[Tile<P>], [width, height]: [u32; 2]) -> Result<Vec<P>, String> {
-    let room = width as usize * height as usize;
-    let mut pixels = vec![P::default(); room];
-    // The number of the tile that a pixel came from.
-    let mut owners: Vec<Option<usize>> = vec![None; room];
-    let place = |x: u32, y: u32| y as usize * width as usize + x as usize;
-    for (number, Tile { path, origin, pixels: own }) in tiles.iter().enumerate() {
+fn pasted<P: Copy + Default>(tiles: &[Tile<P>], size: [u32; 2]) -> Result<Vec<P>, String> {
+    let [width, height] = size;
+    let crops: Vec<[u32; 4]> = tiles.iter().map(|tile| tile.origin.crop).collect();
+    if let Some([a, b]) = overlap(&crops) {
+        return Err(format!(
+            "{} ({}) and {} ({}) overlap; leave one of them out, or render it again with another --crop",
+            tiles[a].path.display(),
+            rectangle(crops[a]),
+            tiles[b].path.display(),
+            rectangle(crops[b])
+        ));
+    }
+    // Before there is room for the picture, which a tile may claim to be of any size.
+    if let Some(gap) = gap(&crops, size) {
+        let names: Vec<String> = tiles.iter().take(3).map(|tile| tile.path.display().to_string()).collect();
+        let more = if tiles.len() > 3 { ", …" } else { "" };
+        return Err(format!(
+            "no tile of {}{more} has the pixels {gap} of the {width}x{height} picture; render them with --crop {gap}",
+            names.join(", "),
+            gap = rectangle(gap)
+        ));
+    }
+    let mut pixels = tile::room(size).ok_or_else(|| {
+        format!("there is no memory for the {width}x{height} picture; merge it where there is more")
+    })?;
+    for Tile { origin, pixels: own, .. } in tiles {
         let ([x0, y0, ..], [across, _]) = (origin.crop, origin.size());
         for (y, row) in (y0..).zip(own.chunks_exact(across as usize)) {
-            let range = place(x0, y)..place(x0, y) + row.len();
-            if let Some(before) = owners[range.clone()].iter().flatten().next() {
-                let other = &tiles[*before];
-                return Err(format!(
-                    "{} ({}) and {} ({}) overlap; leave one of them out, or render it again with another --crop",
-                    other.path.display(),
-                    rectangle(other.origin.crop),
-                    path.display(),
-                    rectangle(origin.crop)
-                ));
-            }
-            owners[range.clone()].fill(Some(number));
-            pixels[range].copy_from_slice(row);
+            let start = y as usize * width as usize + x0 as usize;
+            pixels[start..start + row.len()].copy_from_slice(row);
         }
     }
-    let Some(first) = owners.iter().position(Option::is_none) else {
-        return Ok(pixels);
+    Ok(pixels)
+}
+
+/// The numbers of two rectangles that have pixels in common.
+fn overlap(crops: &[[u32; 4]]) -> Option<[usize; 2]> {
+    let meet = |[x0, y0, x1, y1]: [u32; 4], other: [u32; 4]| {
+        x0 < other[2] && other[0] < x1 && y0 < other[3] && other[1] < y1
     };
-    // The largest empty rectangle that begins there, as far to the right as the first row is empty.
-    let [x0, y0] = [first as u32 % width, first as u32 / width];
-    let is_free = |x: u32, y: u32| owners[place(x, y)].is_none();
-    let x1 = (x0..width).find(|&x| !is_free(x, y0)).unwrap_or(width);
-    let y1 = (y0..height).find(|&y| !(x0..x1).all(|x| is_free(x, y))).unwrap_or(height);
-    let names: Vec<String> = tiles.iter().take(3).map(|tile| tile.path.display().to_string()).collect();
-    let more = if tiles.len() > 3 { ", …" } else { "" };
-    Err(format!(
-        "no tile of {}{more} has the pixels {gap} of the {width}x{height} picture; render them with --crop {gap}",
-        names.join(", "),
-        gap = rectangle([x0, y0, x1, y1])
-    ))
+    (1..crops.len()).find_map(|b| (0..b).find(|&a| meet(crops[a], crops[b])).map(|a| [a, b]))
+}
+
+/// Of rectangles without pixels in common: the largest empty one that begins at the first empty pixel, as far to the right
+/// as that row is empty.
+fn gap(crops: &[[u32; 4]], [width, height]: [u32; 2]) -> Option<[u32; 4]> {
+    // A row is as full as the one above it unless a rectangle ends between them.
+    let mut rows: Vec<u32> = crops.iter().map(|crop| crop[3]).chain([0]).filter(|y| *y < height).collect();
+    rows.sort_unstable();
+    rows.into_iter().find_map(|y0| {
+        let beside = crops.iter().filter(|crop| (crop[1]..crop[3]).contains(&y0));
+        let mut spans: Vec<[u32; 2]> = beside.map(|crop| [crop[0], crop[2]]).collect();
+        spans.sort_unstable();
+        let x0 = spans.iter().fold(0, |end, [from, to]| if *from == end { *to } else { end });
+        let x1 = spans.iter().map(|[from, _]| *from).find(|from| *from > x0).unwrap_or(width);
+        let below = crops.iter().filter(|crop| crop[1] > y0 && crop[0] < x1 && x0 < crop[2]);
+        let y1 = below.map(|crop| crop[1]).min().unwrap_or(height);
+        (x0 < width).then_some([x0, y0, x1, y1])
+    })
 }
 
 /// A rectangle of pixels as --crop takes it.
 fn rectangle([x0, y0, x1, y1]: [u32; 4]) -> String {
     format!("{x0},{y0},{x1},{y1}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt as _, SeedableRng as _};
+    use rand_xoshiro::Xoshiro256PlusPlus;
+
+    #[test]
+    fn what_rectangles_leave_of_a_picture_is_found_as_pixel_by_pixel() {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
+        let size @ [width, height] = [7, 5];
+        let (mut whole, mut overlapping) = (0, 0);
+        for _ in 0..3000 {
+            // Cells of a grid, without some, and now and then a rectangle of any place on top.
+            let (column, row) = (random.random_range(1..width), random.random_range(1..height));
+            let cells = [[0, 0, column, row], [column, 0, width, row], [0, row, width, height]];
+            let mut crops: Vec<[u32; 4]> =
+                cells.into_iter().filter(|_| random.random_range(0..4) > 0).collect();
+            if random.random_range(0..4) == 0 {
+                let (x, y) = (random.random_range(0..width), random.random_range(0..height));
+                crops.push([x, y, random.random_range(x..width) + 1, random.random_range(y..height) + 1]);
+            }
+            let owners = |x: u32, y: u32| {
+                crops.iter().filter(|c| c[0] <= x && x < c[2] && c[1] <= y && y < c[3]).count()
+            };
+            let mut places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+            let is_overlapping = places.clone().any(|(x, y)| owners(x, y) > 1);
+            assert_eq!(overlap(&crops).is_some(), is_overlapping, "{crops:?}");
+            overlapping += u32::from(is_overlapping);
+            if is_overlapping {
+                continue;
+            }
+            let expected = places.find(|&(x, y)| owners(x, y) == 0).map(|(x0, y0)| {
+                let x1 = (x0..width).find(|&x| owners(x, y0) > 0).unwrap_or(width);
+                let y1 = (y0..height).find(|&y| (x0..x1).any(|x| owners(x, y) > 0)).unwrap_or(height);
+                [x0, y0, x1, y1]
+            });
+            assert_eq!(gap(&crops, size), expected, "{crops:?}");
+            whole += u32::from(expected.is_none());
+        }
+        assert!(whole > 300 && overlapping > 300, "{whole} {overlapping}");
+    }
 }

@@ -1,8 +1,9 @@
 //! What a tile says of the picture that it is a part of: what `merge` compares.
 
+use crate::arguments::CameraChoice;
 use crate::failure::Failure;
 use crate::host::plugin::Camera;
-use crate::host::studio::{Options, Order, Shot, Studio};
+use crate::host::studio::{Order, Shot, Studio};
 use crate::image::{Format, tile::Origin};
 use realistic::abi::{realistic_ray, realistic_sample};
 use realistic_lab::render::Rays;
@@ -12,7 +13,7 @@ use realistic_lab::render::Rays;
 /// # Errors
 /// The plugin's own.
 pub fn origin(
-    options: &Options,
+    camera: &CameraChoice,
     scene: &str,
     format: Format,
     studio: &Studio,
@@ -20,10 +21,8 @@ pub fn origin(
     shot: &Shot,
 ) -> Result<Origin, Failure> {
     // The crop is the tile's own, and what the lens is shows in its rays, wherever its file lies.
-    let of_tile = ["crop=", "specfile=", "lensfile="];
-    let mut parameters: Vec<&str> = options.parameters.iter().map(String::as_str).collect();
-    parameters.retain(|given| !of_tile.iter().any(|name| given.starts_with(name)));
-    parameters.sort_unstable();
+    let own = camera.given().filter(|(name, _)| *name != "crop");
+    let parameters: Vec<String> = own.map(|(name, value)| format!("{name}={value}")).collect();
     let (whole, info) = (studio.size, shot.camera.info()?);
     let mut settings = vec![
         ("plugin", studio.plugin.version()),
@@ -31,7 +30,7 @@ pub fn origin(
         ("parameters", parameters.join(" ")),
         ("focal length and film distance", format!("{} {}", info.focal_length_mm, info.film_distance_mm)),
         ("samples per pixel", order.spp.to_string()),
-        ("seed", options.seed.to_string()),
+        ("seed", studio.seed().to_string()),
         ("scene and effects", scene.to_owned()),
         ("wavelengths", order.wavelengths.map_or_else(|| "the lens's own".to_owned(), |n| n.to_string())),
         ("rays", format!("{:016x}", fingerprint(&shot.camera, whole)?)),

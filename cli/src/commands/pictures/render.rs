@@ -1,56 +1,99 @@
 //! `realistic render`: the built-in scene through a lens, whole or a tile of it, or a slide of the lecture.
 
 use super::origin::origin;
+use crate::arguments::{CameraChoice, whole};
+use crate::console;
 use crate::failure::Failure;
+use crate::files;
 use crate::host::plugin::{Camera, Plugin};
 use crate::host::render::Integrator;
 use crate::host::scene::effects::Effects;
 use crate::host::scene::{night, props};
-use crate::host::studio::{Method, Options, Order, Shot, Slide, Studio, parameter_help, stopped_down};
-use crate::image::{Format, picture_path, tile, writable};
+use crate::host::studio::{Method, Options, Order, Shot, Slide, Studio, stopped_down};
+use crate::image::{Format, picture_path, tile};
+use clap::ValueEnum;
 use realistic::camera::autofocus::Rule;
 use realistic::message::fixed;
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::PathBuf;
 
 /// The options of `render`.
 #[derive(clap::Args, Debug)]
-#[command(after_help = parameter_help())]
 pub struct Args {
     #[command(flatten)]
+    pub camera: CameraChoice,
+    #[command(flatten)]
+    pub how: How,
+}
+
+/// What is rendered, and to which file.
+#[derive(clap::Args, Debug)]
+pub struct How {
+    #[command(flatten)]
     pub options: Options,
-    /// Picture to write: .png (8-bit sRGB) or .exr (linear irradiance on the film; of a slide, as shown)
-    #[arg(long, value_name = "FILE", default_value = "realistic.png", value_parser = picture_path)]
+    /// Picture, .png or .exr; - for a .png on standard output
+    ///
+    /// A .png is 8-bit sRGB, an .exr has the linear irradiance on the film; of a slide both are as shown.
+    #[arg(short, long, value_name = "FILE", default_value = "realistic.png", value_parser = picture_path)]
     out: PathBuf,
-    /// Render only the pixels from column X0 to before X1 and from row Y0 to before Y1, as a tile for `merge`
-    #[arg(long, value_name = "X0,Y0,X1,Y1", conflicts_with = "slide")]
-    crop: Option<String>,
-    /// Effects with commas between them: gloss, translucency, soft-shadow, dof, motion; or none, or all
+    /// Effects, or none, or all
+    ///
+    /// They are gloss, translucency, soft-shadow, dof and motion, with commas between them.
     #[arg(long, value_name = "NAMES", default_value = "soft-shadow,dof", conflicts_with = "slide")]
     effects: Effects,
-    /// A slide of the lecture instead of one picture: an effect off, with few samples and with many
-    #[arg(long, value_name = "NAME")]
+    /// A slide of the lecture instead of one picture
+    ///
+    /// It shows an effect off, with few samples and with many.
+    #[arg(long, value_name = "NAME", hide_possible_values = true, long_help = slide_help())]
     slide: Option<Slide>,
-    /// The built-in scene by day, or at night, lit by lamps alone
-    #[arg(long, value_name = "NAME", default_value = "day", conflicts_with = "slide")]
+    /// The built-in scene by day, or by night
+    ///
+    /// It is lit by sun and sky, or by lamps alone.
+    #[arg(
+        long,
+        value_name = "NAME",
+        hide_possible_values = true,
+        default_value = "day",
+        conflicts_with = "slide"
+    )]
     scene: Stage,
-    /// From where light is followed: path, from the camera, or light, from the lamps of --scene night
-    #[arg(long, value_name = "NAME", default_value = "path", conflicts_with = "slide")]
+    /// From where light is followed: path or light
+    ///
+    /// path follows it from the camera, light from the lamps of --scene night.
+    #[arg(
+        long,
+        value_name = "NAME",
+        hide_possible_values = true,
+        default_value = "path",
+        conflicts_with = "slide"
+    )]
     integrator: Integrator,
-    /// Trace this many wavelengths, 3 or more, and show the lens' colour errors
-    #[arg(long, value_name = "N", conflicts_with = "slide", value_parser = clap::value_parser!(u32).range(3..=256))]
+    /// Trace so many wavelengths, and show colour errors
+    ///
+    /// 3 or more, for a lens with V-numbers or dispersion formulas.
+    #[arg(long, value_name = "N", conflicts_with = "slide", allow_negative_numbers = true, value_parser = whole(3_u32, 256))]
     wavelengths: Option<u32>,
-    /// Focus on a zone of the picture, in pixels; may be given again for others [default: the middle]
+    /// Focus on a zone of the picture [default: the middle]
+    ///
+    /// In pixels, from the left and the top; may be given again for other zones.
     #[arg(long, value_name = "X,Y,W,H", num_args = 0..=1, conflicts_with = "slide", value_parser = zone,
           default_missing_value = MIDDLE)]
     autofocus: Vec<Option<[f32; 4]>>,
-    /// Which of several autofocus zones counts: the one that sees what is nearest, the one in the centre of the picture,
-    /// or the average of their film distances
-    #[arg(long, value_name = "nearest|centre|average", default_value = "nearest", requires = "autofocus", value_parser = rule)]
+    /// Which of several zones counts: nearest, centre or average
+    ///
+    /// The one that sees what is nearest, the one in the centre of the picture, or the average of their film distances.
+    #[arg(long, value_name = "NAME", default_value = "nearest", requires = "autofocus", value_parser = rule)]
     autofocus_rule: Rule,
-    /// What the plugin asks this program for
-    #[arg(long, value_name = "METHOD", default_value = "distance", requires = "autofocus")]
+    /// How to focus on it: by distance or contrast
+    ///
+    /// The plugin asks this program how far it is along a few rays, or how much contrast trial pictures have.
+    #[arg(
+        long,
+        value_name = "NAME",
+        hide_possible_values = true,
+        default_value = "distance",
+        requires = "autofocus"
+    )]
     autofocus_by: Method,
 }
 
@@ -72,24 +115,22 @@ const SPP: u32 = 128;
 ///
 /// # Errors
 /// Bad parameters, no plugin, or a file that cannot be written.
-pub fn run(args: &Args) -> Result<(), Failure> {
-    writable(&args.out)?;
-    let studio = Studio::open(&args.options)?;
+pub fn run(camera: &CameraChoice, args: &How) -> Result<(), Failure> {
+    files::make_room(&args.out)?;
+    let studio = Studio::open(camera, &args.options)?;
     if let Some(slide) = args.slide {
-        let (picture, text) = slide.take(&studio, &args.options)?;
+        let (picture, text) = slide.take(&studio, camera.has_lens(), args.options.spp)?;
         picture.write(&args.out, 1.0)?;
         let text = format!("{text}picture  {}\n", args.out.display());
-        return Ok(std::io::stdout().write_all(text.as_bytes())?);
+        return Ok(console::report(&text, &args.out)?);
+    }
+    if let (Some(count), Some(false)) = (args.wavelengths, studio.is_dispersive) {
+        studio.warn(&format!(
+            "the lens has neither V-numbers nor dispersion formulas: rays of all {count} wavelengths take the same way, and \
+             the picture shows no colour errors; leave out --wavelengths, or give a lens that has them"
+        ));
     }
     let mut parameters = stopped_down(&studio.parameters, &args.effects)?;
-    if let Some(crop) = &args.crop {
-        if parameters.crop.is_some() {
-            return Err(Failure::Usage(
-                "--crop and parameter \"crop\" say the same thing; give one of them".to_owned(),
-            ));
-        }
-        parameters.set_from_text("crop", crop)?;
-    }
     let scene = match args.scene {
         Stage::Day => props::scene(),
         Stage::Night => night::scene(),
@@ -112,7 +153,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if parameters.crop.is_some() {
         let shown = format!("{:?}, {}", args.scene, args.effects);
         let format = Format::of(&args.out).map_err(Failure::Usage)?;
-        let origin = origin(&args.options, &shown, format, &studio, &order, &shot)?;
+        let origin = origin(camera, &shown, format, &studio, &order, &shot)?;
         tile::write(&shot.picture, &args.out, shot.scale, &origin)?;
         let ([x0, y0, ..], [width, height]) = (origin.crop, origin.whole);
         let _ = writeln!(text, "tile     at {x0},{y0} of {width}x{height}, for `realistic merge`");
@@ -121,7 +162,16 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     let _ = writeln!(text, "picture  {}", timing(&order, &shot, studio.threads()));
     let _ = writeln!(text, "         {}", args.out.display());
-    Ok(std::io::stdout().write_all(text.as_bytes())?)
+    Ok(console::report(&text, &args.out)?)
+}
+
+/// The slides, a line each.
+fn slide_help() -> String {
+    let mut text = String::from("A slide of the lecture instead of one picture:");
+    for value in Slide::value_variants().iter().filter_map(ValueEnum::to_possible_value) {
+        let _ = write!(text, "\n- {}: {}", value.get_name(), value.get_help().unwrap_or_default());
+    }
+    text
 }
 
 fn describe(plugin: &Plugin, camera: &Camera, size: [u32; 2]) -> Result<String, Failure> {

@@ -5,8 +5,8 @@ mod savings;
 
 pub use order::Args;
 
+use crate::console::warn;
 use crate::failure::Failure;
-use crate::lens_and_film::warn;
 use order::Order;
 use realistic::camera::Level;
 use realistic::plan::choice::{Candidate, Verdict};
@@ -29,6 +29,14 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let savings = savings::Savings::measure(&order)?;
     let text = if args.json {
         let mut value = as_json(plan);
+        let facts = camera.facts();
+        value["name"] = json!(facts.lens.name);
+        value["wavelength_nm"] = json!(facts.lens.wavelength);
+        value["focal_length_mm"] = json!(facts.focal_length());
+        value["fnumber"] = json!(facts.fnumber());
+        value["film_diagonal_mm"] = json!(facts.film.diagonal());
+        value["film_distance_mm"] = json!(facts.film_distance);
+        value["focus_distance_mm"] = json!(facts.focus_distance);
         value["measured"] = savings.json();
         format!("{value:#}\n")
     } else {
@@ -58,7 +66,7 @@ fn as_json(plan: &Plan) -> Value {
                 let [one, many] = chosen.map(|chosen| chosen == *tracing);
                 json!({
                     "model": tracing.to_string(),
-                    "ordered_by_ns_a_ray": { "one_by_one": costs[0], "in_batches": costs[1] },
+                    "ordered_by_ns_per_ray": { "one_by_one": costs[0], "in_batches": costs[1] },
                     "chosen": { "one_by_one": one, "in_batches": many },
                     "verdict": verdict.text(),
                     "error_999_pixels": errors.map(|errors| errors.pixels),

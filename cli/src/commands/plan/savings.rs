@@ -86,8 +86,8 @@ impl Savings {
         let costs = self.0.iter().map(|cost| {
             json!({
                 "camera": cost.name,
-                "batch_ns_a_ray": cost.batch.median * 1e9,
-                "single_ns_a_ray": cost.single.median * 1e9,
+                "in_batches_ns_per_ray": cost.batch.median * 1e9,
+                "one_by_one_ns_per_ray": cost.single.median * 1e9,
                 "build_ms": cost.build.median * 1e3,
             })
         });

@@ -6,6 +6,7 @@ mod figures;
 mod findings;
 mod page;
 
+use crate::console;
 use crate::drawing::picture;
 use crate::failure::Failure;
 use crate::files;
@@ -14,7 +15,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use realistic_lab::accuracy::suite::{Results, Suite};
 use realistic_lab::timing::machine;
 use std::fs::File;
-use std::io::{ErrorKind, IsTerminal as _, Write as _};
+use std::io::{ErrorKind, IsTerminal as _};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -22,7 +23,7 @@ use std::time::{Duration, Instant};
 #[derive(clap::Args, Debug)]
 pub struct Args {
     /// Folder to write; made if it is not there
-    #[arg(long, value_name = "DIR", default_value = "realistic-report")]
+    #[arg(short, long, value_name = "DIR", default_value = "realistic-report")]
     out: PathBuf,
     /// Fewer rays, samples and rounds: less than a minute in place of several
     #[arg(long)]
@@ -36,7 +37,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     make_folder(&args.out)?;
     let suite = if args.quick { Suite::quick(chequers::radiance) } else { Suite::full(chequers::radiance) };
-    let progress = ProgressBar::new_spinner();
+    let progress = if console::is_quiet() { ProgressBar::hidden() } else { ProgressBar::new_spinner() };
     progress.set_style(ProgressStyle::with_template("{elapsed} {msg}").expect("a valid template"));
     let start = Instant::now();
     let mut log = Log { terminal: std::io::stderr().is_terminal(), last: None };
@@ -49,7 +50,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     progress.finish_and_clear();
     write(&results, &suite, start.elapsed(), &args.out)?;
     let page = args.out.join(PAGE);
-    Ok(writeln!(std::io::stdout(), "{}", page.display())?)
+    Ok(console::report(&format!("{}\n", page.display()), &page)?)
 }
 
 /// The page's file.
@@ -64,7 +65,7 @@ struct Log {
 impl Log {
     fn tell(&mut self, now: Duration, what: &str) {
         let due = self.last.is_none_or(|last| now - last >= Duration::from_secs(2));
-        if due && !self.terminal {
+        if due && !self.terminal && !console::is_quiet() {
             eprintln!("{:6.1} s  {what}", now.as_secs_f64());
             self.last = Some(now);
         }
@@ -73,12 +74,7 @@ impl Log {
 
 /// Makes the folder and sees that the page can be written there: nobody is to measure for minutes and be told then.
 fn make_folder(folder: &Path) -> Result<(), Failure> {
-    std::fs::create_dir_all(folder).map_err(|error| {
-        Failure::Other(format!(
-            "cannot make the folder {}: {error}; give --out another path",
-            folder.display()
-        ))
-    })?;
+    files::make_folder(folder)?;
     let page = folder.join(PAGE);
     match File::create_new(&page) {
         Ok(_) => std::fs::remove_file(&page),
@@ -151,7 +147,7 @@ mod tests {
         std::fs::remove_file(folder.join(PAGE)).unwrap();
         std::fs::create_dir(folder.join(PAGE)).unwrap();
         let Err(Failure::Other(error)) = make_folder(&folder) else { panic!("a folder is no page") };
-        assert!(error.contains("index.html") && error.contains("--out"), "{error}");
+        assert!(error.contains("index.html") && error.contains("another path"), "{error}");
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use realistic::message::cut;
 use realistic::trace::{Blocked, Ray};
+use serde_json::json;
 use std::io::{self, Write};
 
 /// What a line of input is.
@@ -49,7 +50,7 @@ pub fn read_line(line: &[u8], film: Option<f64>, may_be_header: bool) -> Result<
             Err(_) if word.is_empty() && name == "z" => film.ok_or_else(|| {
                 (
                     column,
-                    "z is empty; expected a number in mm, or the film's place by --film-distance".to_owned(),
+                    "z is empty; expected a number in mm, or the film's place by --filmdistance".to_owned(),
                 )
             })?,
             _ => return Err((column, format!("expected a finite number for {name}, got \"{}\"", cut(word)))),
@@ -67,14 +68,40 @@ pub fn read_line(line: &[u8], film: Option<f64>, may_be_header: bool) -> Result<
     Ok(Line::Ray(Ray { origin: [x, y, z], direction: [dx, dy, dz] }))
 }
 
-/// Writes a line.
-pub fn write_ray(output: &mut impl Write, ray: Ray, blocked: Option<Blocked>) -> io::Result<()> {
-    for number in ray.origin.iter().chain(&ray.direction) {
-        write!(output, "{number:.16e},")?;
+/// How rays are written, a line each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Values with commas between them.
+    Csv,
+    /// An object.
+    Json,
+}
+
+impl Format {
+    /// Writes the names of the columns, where there are columns.
+    pub fn write_header(self, output: &mut impl Write) -> io::Result<()> {
+        match self {
+            Self::Csv => writeln!(output, "x,y,z,dx,dy,dz,status"),
+            Self::Json => Ok(()),
+        }
     }
-    match blocked {
-        None => writeln!(output, "ok"),
-        Some(reason) => writeln!(output, "{reason}"),
+
+    /// Writes a line.
+    pub fn write_ray(self, output: &mut impl Write, ray: Ray, blocked: Option<Blocked>) -> io::Result<()> {
+        let status = blocked.map_or_else(|| "ok".to_owned(), |reason| reason.to_string());
+        let ([x, y, z], [dx, dy, dz]) = (ray.origin, ray.direction);
+        match self {
+            Self::Csv => {
+                for number in [x, y, z, dx, dy, dz] {
+                    write!(output, "{number:.16e},")?;
+                }
+                writeln!(output, "{status}")
+            }
+            Self::Json => {
+                let object = json!({ "x_mm": x, "y_mm": y, "z_mm": z, "dx": dx, "dy": dy, "dz": dz, "status": status });
+                writeln!(output, "{object}")
+            }
+        }
     }
 }
 
@@ -94,7 +121,7 @@ mod tests {
         let wrong = |line: &[u8]| read_line(line, None, false).unwrap_err();
         for (line, column, part) in [
             (&b"x,y,z,dx,dy,dz"[..], 1, "for x"),
-            (b"1,2,,0,0,1", 5, "--film-distance"),
+            (b"1,2,,0,0,1", 5, "--filmdistance"),
             (b"1,2,3,0,0,", 11, "for dz, got \"\""),
             (&[b'1'; 20_000_000], 1, "got \"1111111111111111111111111111111111111111...\""),
             (b"1,2,3,0,0", 10, "for dz"),
@@ -117,7 +144,7 @@ mod tests {
         let direction = [0.1, f64::MIN_POSITIVE / 3.0, -1.0 / 3.0];
         let ray = Ray { origin: [1e300, -0.0, 2.0_f64.sqrt()], direction };
         let mut line = Vec::new();
-        write_ray(&mut line, ray, Some(Blocked::TurnedBack)).unwrap();
+        Format::Csv.write_ray(&mut line, ray, Some(Blocked::TurnedBack)).unwrap();
         let text = String::from_utf8(line).unwrap();
         let values = text.strip_suffix(",turned_back\n").unwrap();
         assert_eq!(read_line(values.as_bytes(), None, false), Ok(Line::Ray(ray)));

@@ -2,9 +2,9 @@
 
 mod lines;
 
+use crate::arguments::LensChoice;
 use crate::failure::Failure;
-use crate::lens_and_film::{FilmPlace, LensChoice, not_negative};
-use lines::{Line, read_line, write_ray};
+use lines::{Format, Line, read_line};
 use realistic::trace::{Blocked, Direction, Ray};
 use realistic_lab::methods::Method;
 use realistic_lab::methods::any_ray;
@@ -22,10 +22,9 @@ pub struct Args {
     /// Where the rays come from
     #[arg(long, value_name = "SIDE", default_value = "film")]
     from: Side,
-    /// Distance in mm from the last vertex to the film; a line may then leave its z empty
-    /// (`1.5,0,,0,0,1`) and starts on the film
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = not_negative)]
-    film_distance: Option<f64>,
+    /// Write a JSON object a line
+    #[arg(long)]
+    json: bool,
 }
 
 /// The side that light comes from.
@@ -42,10 +41,12 @@ fn after_help() -> String {
         "Standard input: a ray a line, x,y,z,dx,dy,dz: a point on it and its direction (of any length), in \
          mm in lens space: origin at the vertex of the first interface, +z toward the scene, film at \
          negative z. Blank lines and # comments are skipped; a first line that begins with a letter is a \
-         header.\n\
+         header. With the film's place, as by --filmdistance, a line may leave its z empty (1.5,0,,0,0,1) and starts on \
+         the film.\n\
          Standard output: x,y,z,dx,dy,dz,status: the point on the last interface met (where none was met, the \
          point given), the unit direction there, 17 significant digits; status ok, or why the ray stopped: \
-         missed, clipped, reflected or turned_back.\n\nMethods:\n",
+         missed, clipped, reflected or turned_back. With --json the same as an object a line: x_mm, y_mm, z_mm, dx, dy, \
+         dz, status.\n\nMethods:\n",
     );
     for (name, help, _) in Method::offered() {
         text += &format!("  {name:<9} {help}\n");
@@ -61,24 +62,27 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if args.lens.is_piped() {
         return Err(Failure::Usage("standard input has the rays; give the lens as a file".to_owned()));
     }
-    let (_, lens) = args.lens.open(&FilmPlace::default())?;
+    let opened = args.lens.open()?;
+    let lens = &opened.lens;
     let direction = match args.from {
         Side::Film => Direction::FilmToScene,
-        Side::Scene if args.film_distance.is_some() => {
+        Side::Scene if opened.is_placed() => {
             return Err(Failure::Usage(
-                "--film-distance says where rays from the film start; leave it out with --from scene"
+                "the film's place says where rays from the film start; leave it out with --from scene"
                     .to_owned(),
             ));
         }
         Side::Scene => Direction::SceneToFilm,
     };
-    let film = args.film_distance.map(|distance| lens.rear().vertex - distance);
-    let tracer = any_ray::tracer(args.method, &lens, direction)
+    let film = if opened.is_placed() { Some(lens.rear().vertex - opened.film_distance()?) } else { None };
+    let tracer = any_ray::tracer(args.method, lens, direction)
         .map_err(|error| Failure::Other(error.to_string()))?
         .expect("`trace` offers no method for a film's rays alone");
     let input = BufReader::with_capacity(1 << 16, io::stdin().lock());
     let mut output = BufWriter::with_capacity(1 << 16, io::stdout().lock());
-    let outcome = copy(input, &mut output, film, |ray| tracer.one(ray));
+    let outcome = copy(input, &mut output, film, if args.json { Format::Json } else { Format::Csv }, |ray| {
+        tracer.one(ray)
+    });
     // What was traced before a bad line is wanted all the same.
     output.flush()?;
     outcome
@@ -88,6 +92,7 @@ fn copy(
     mut input: impl BufRead,
     output: &mut impl Write,
     film: Option<f64>,
+    format: Format,
     trace: impl Fn(Ray) -> (Ray, Option<Blocked>),
 ) -> Result<(), Failure> {
     let mut line = Vec::new();
@@ -105,10 +110,10 @@ fn copy(
         })?;
         match row {
             Line::Empty => continue,
-            Line::Header => writeln!(output, "x,y,z,dx,dy,dz,status")?,
+            Line::Header => format.write_header(output)?,
             Line::Ray(ray) => {
                 let (ray, blocked) = trace(ray);
-                write_ray(output, ray, blocked)?;
+                format.write_ray(output, ray, blocked)?;
             }
         }
         first = false;
@@ -122,7 +127,7 @@ mod tests {
 
     fn traced(input: &str) -> (String, Result<(), Failure>) {
         let mut output = Vec::new();
-        let outcome = copy(input.as_bytes(), &mut output, Some(-5.0), |ray| (ray, None));
+        let outcome = copy(input.as_bytes(), &mut output, Some(-5.0), Format::Csv, |ray| (ray, None));
         (String::from_utf8(output).unwrap(), outcome)
     }
 

@@ -2,8 +2,11 @@
 
 use super::library::{Plugin, PluginError, text};
 use super::options;
-use crate::lens_and_film::{PIPED, standard_input};
-use realistic::abi::{realistic_camera, realistic_camera_info, realistic_options};
+use crate::arguments::{PIPED, standard_input};
+use realistic::abi::{
+    realistic_camera, realistic_camera_info, realistic_input, realistic_options, realistic_output,
+    realistic_ray, realistic_request, realistic_sample,
+};
 use realistic::camera::Parameters;
 use realistic_lab::render::Rays;
 use std::ffi::{CString, c_char, c_void};
@@ -100,29 +103,10 @@ impl Camera {
     ///
     /// # Errors
     /// The plugin's own.
-    pub fn rays_at(
-        &self,
-        wavelength: f32,
-        Rays { samples, rays, weights }: Rays<'_>,
-    ) -> Result<(), PluginError> {
-        assert!(samples.len() == rays.len() && samples.len() == weights.len());
-        let wavelengths = vec![wavelength; samples.len()];
-        let generate = self.plugin.functions.camera_generate_rays_at;
-        // SAFETY: the handle is this plugin's and alive; the arrays are as long as we say, and packed.
-        self.plugin.check(unsafe {
-            generate(
-                self.handle,
-                samples.len(),
-                samples.as_ptr(),
-                0,
-                wavelengths.as_ptr(),
-                0,
-                rays.as_mut_ptr(),
-                0,
-                weights.as_mut_ptr(),
-                std::ptr::null_mut(),
-            )
-        })
+    pub fn rays_at(&self, wavelength: f32, rays: Rays<'_>) -> Result<(), PluginError> {
+        let wavelength = realistic_input { x: &raw const wavelength, ..realistic_input::NONE };
+        // SAFETY: as above.
+        unsafe { request(&self.plugin, self.handle, wavelength, rays) }
     }
 }
 
@@ -133,23 +117,58 @@ impl Camera {
 pub unsafe fn generate(
     plugin: &Plugin,
     camera: *const realistic_camera,
-    Rays { samples, rays, weights }: Rays<'_>,
+    rays: Rays<'_>,
 ) -> Result<(), PluginError> {
+    // SAFETY: the caller's promise.
+    unsafe { request(plugin, camera, realistic_input::NONE, rays) }
+}
+
+/// Requests rays at a wavelength, nm, or the camera's own.
+///
+/// # Safety
+/// As [`generate`]; the wavelength is there for each sample, or left out.
+unsafe fn request(
+    plugin: &Plugin,
+    camera: *const realistic_camera,
+    wavelength: realistic_input,
+    rays: Rays<'_>,
+) -> Result<(), PluginError> {
+    let n = rays.samples.len();
+    let request = realistic_request { wavelength, ..request_of(rays) };
+    // SAFETY: the caller's promise; the arrays are as long as we say.
+    plugin.check(unsafe { (plugin.functions.camera_generate_batch)(camera, n, &request) })
+}
+
+/// The request for rays of packed structures: what the header has as a function that is inlined.
+pub fn request_of(Rays { samples, rays, weights }: Rays<'_>) -> realistic_request {
     assert!(samples.len() == rays.len() && samples.len() == weights.len());
-    let generate = plugin.functions.camera_generate_rays;
-    // SAFETY: the caller's promise; the arrays are as long as we say, and packed.
-    plugin.check(unsafe {
-        generate(
-            camera,
-            samples.len(),
-            samples.as_ptr(),
-            0,
-            rays.as_mut_ptr(),
-            0,
-            weights.as_mut_ptr(),
-            std::ptr::null_mut(),
-        )
-    })
+    let (sample, ray) = (samples.as_ptr().cast::<f32>(), rays.as_mut_ptr().cast::<f32>());
+    let input = |k: usize| {
+        let x = sample.wrapping_add(k);
+        realistic_input { x, y: x.wrapping_add(1), stride: size_of::<realistic_sample>() as isize }
+    };
+    let output = |k: usize| {
+        let x = ray.wrapping_add(k);
+        let (y, z) = (x.wrapping_add(1), x.wrapping_add(2));
+        realistic_output { x, y, z, stride: size_of::<realistic_ray>() as isize }
+    };
+    let weight = realistic_output {
+        x: weights.as_mut_ptr(),
+        stride: size_of::<f32>() as isize,
+        ..realistic_output::NONE
+    };
+    realistic_request {
+        image: input(0),
+        lens: input(2),
+        time: input(4),
+        origin: output(0),
+        direction: output(3),
+        mint: output(6),
+        maxt: output(7),
+        ray_time: output(8),
+        weight,
+        ..realistic_request::default()
+    }
 }
 
 impl Drop for Camera {

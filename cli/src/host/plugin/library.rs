@@ -2,10 +2,11 @@
 
 use crate::failure::Failure;
 use libloading::Library;
+use realistic::abi::realistic_request;
+use realistic::abi::realistic_status;
 use realistic::abi::{REALISTIC_ABI_VERSION, realistic_camera, realistic_camera_info, realistic_options};
 use realistic::abi::{realistic_aimed, realistic_importance, realistic_scene_points};
 use realistic::abi::{realistic_contrast, realistic_distance, realistic_zone};
-use realistic::abi::{realistic_ray, realistic_sample};
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
 use std::error::Error as _;
 use std::ffi::{CStr, c_char, c_void};
@@ -49,6 +50,9 @@ pub enum PluginError {
     /// The plugin's own words for a failed call.
     #[error("{0}")]
     Refused(String),
+    /// The same for parameters that cannot be.
+    #[error("{0}")]
+    Invalid(String),
 }
 
 /// The plugin's file name as cargo gives it.
@@ -58,7 +62,11 @@ pub fn file_name() -> String {
 
 impl From<PluginError> for Failure {
     fn from(error: PluginError) -> Self {
-        Self::Other(error.to_string())
+        let message = error.to_string();
+        match error {
+            PluginError::Invalid(_) => Self::Usage(message),
+            _ => Self::Other(message),
+        }
     }
 }
 
@@ -89,15 +97,11 @@ functions! {
         fn(*const realistic_camera, *mut realistic_camera_info) -> i32;
     camera_get_lens_name: b"realistic_camera_get_lens_name",
         fn(*const realistic_camera, *mut c_char, usize, *mut usize) -> i32;
-    camera_generate_rays: b"realistic_camera_generate_rays",
-        fn(*const realistic_camera, usize, *const realistic_sample, usize,
-           *mut realistic_ray, usize, *mut f32, *mut i32) -> i32;
+    camera_generate_batch: b"realistic_camera_generate_batch",
+        fn(*const realistic_camera, usize, *const realistic_request) -> i32;
     camera_sample_importance: b"realistic_camera_sample_importance",
         fn(*const realistic_camera, usize, *const realistic_scene_points, *const realistic_aimed,
            *const realistic_importance) -> i32;
-    camera_generate_rays_at: b"realistic_camera_generate_rays_at",
-        fn(*const realistic_camera, usize, *const realistic_sample, usize, *const f32, usize,
-           *mut realistic_ray, usize, *mut f32, *mut i32) -> i32;
     autofocus: b"realistic_autofocus",
         fn(*const realistic_options, *const realistic_zone, usize, i32, realistic_distance,
            realistic_contrast, *mut c_void, *mut f64) -> i32;
@@ -160,10 +164,12 @@ impl Plugin {
         }
         // SAFETY: the message lives until this thread's next call.
         let message = unsafe { text((self.functions.last_error)()) };
-        Err(PluginError::Refused(match message.as_str() {
+        let message = match message.as_str() {
             "" => format!("the plugin failed with status {status} and gave no message"),
             _ => message,
-        }))
+        };
+        let is_invalid = status == realistic_status::InvalidParameter as i32;
+        Err(if is_invalid { PluginError::Invalid(message) } else { PluginError::Refused(message) })
     }
 }
 

@@ -6,6 +6,8 @@ mod library;
 mod location;
 mod options;
 
+#[cfg(test)]
+pub use camera::request_of;
 pub use camera::{Camera, Warn, c_options, generate};
 #[cfg(test)]
 pub use connections::connect;

@@ -170,7 +170,7 @@ impl Tracer<'_> {
 mod tests {
     use super::super::render;
     use super::*;
-    use crate::host::plugin::connect;
+    use crate::host::plugin::{connect, request_of};
     use crate::host::scene::night;
     use realistic::abi::*;
     use realistic_lab::render::Rays;
@@ -204,20 +204,10 @@ mod tests {
             Self(camera)
         }
 
-        fn rays(&self, Rays { samples, rays, weights }: Rays<'_>) -> Result<(), PluginError> {
+        fn rays(&self, rays: Rays<'_>) -> Result<(), PluginError> {
+            let n = rays.samples.len();
             // SAFETY: the slices are of one length.
-            let status = unsafe {
-                realistic_camera_generate_rays(
-                    self.0,
-                    samples.len(),
-                    samples.as_ptr(),
-                    0,
-                    rays.as_mut_ptr(),
-                    0,
-                    weights.as_mut_ptr(),
-                    null_mut(),
-                )
-            };
+            let status = unsafe { realistic_camera_generate_batch(self.0, n, &request_of(rays)) };
             assert_eq!(status, realistic_status::Ok);
             Ok(())
         }

@@ -48,7 +48,7 @@ fn distance(
         let camera = Camera::new(plugin, &trial, size, &LEVEL, silent).map_err(|error| {
             PluginError::Refused(format!(
                 "focusing on the scene's subject, {subject} mm before the lens: {error} (give \
-                 --param focusdistance=… or filmdistance=… to focus elsewhere)"
+                 --focusdistance or --filmdistance to focus elsewhere)"
             ))
         })?;
         let Some(meeting) = AxialRays::of(|rays| camera.rays(rays), size)?.meeting() else {

@@ -3,19 +3,20 @@
 
 use super::autofocus::{Autofocus, Method};
 use super::focus::{self, AxialRays};
+use crate::arguments::{CameraChoice, finite, host, size, size_film, whole};
+use crate::console;
 use crate::failure::Failure;
 use crate::host::plugin::{self, Camera, Connections, Places, Plugin};
 use crate::host::render::{Integrator, Settings, lamplight, render, spectrum, trace};
 use crate::host::scene::effects::{Effect, Effects};
 use crate::host::scene::{Light, Scene};
 use crate::image::Picture;
-use crate::lens_and_film::{PIPED, finite, set_parameters, size, standard_input, warn};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPool;
-use realistic::camera::{Model, PARAMETERS, Parameters, Weighting, autofocus::Rule};
-use realistic::prescription::{catalogue, read};
+use realistic::camera::{
+    CameraError, Model, Parameters, Raster, Weighting, autofocus::Rule, film_distance, open_lens,
+};
 use realistic_lab::render::{Rays, Tally};
-use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -23,32 +24,31 @@ use std::time::{Duration, Instant};
 /// What the commands that take pictures have in common.
 #[derive(clap::Args, Debug)]
 pub struct Options {
-    /// Lens: a file, - for standard input, or a name of the catalogue; NAME@35mm scales it to that focal length
-    /// [default: dgauss.50mm]
-    #[arg(long, value_name = "LENS")]
-    pub lens: Option<String>,
     /// Size of the picture in pixels
     #[arg(long, value_name = "WxH", default_value = "480x320", value_parser = size)]
     pub size: [u32; 2],
-    /// Samples per pixel [default: 128; for a slide or a stack of pictures 64]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16_384))]
+    /// Samples per pixel [default: 128; of slides and stacks 64]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole(1_u32, 16_384))]
     pub spp: Option<u32>,
-    /// A camera parameter; may be given again for others (names and units below)
-    #[arg(long = "param", value_name = "NAME=VALUE")]
-    pub parameters: Vec<String>,
-    /// Threads to render with [default: one per core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    /// Threads [default: one per core]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole(1_u16, 1024))]
     threads: Option<u16>,
-    /// Brightness of a .png in stops; 0 shows a white card on the axis as it is
+    /// Brightness of a .png in stops
+    ///
+    /// 0 shows a white card on the axis as it is.
     #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = finite)]
     exposure: f32,
-    /// The plugin to load [default: what REALISTIC_PLUGIN names, else that of this program's build, else the one
-    /// beside this program or in ../lib]
+    /// The plugin to load
+    ///
+    /// [default: what REALISTIC_PLUGIN names, else that of this program's build, else the one beside this program or in
+    /// ../lib]
     #[arg(long, value_name = "FILE")]
     plugin: Option<PathBuf>,
-    /// Seed of the random numbers; the same gives the same picture with any number of threads
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub seed: u64,
+    /// Seed of the random numbers
+    ///
+    /// The same gives the same picture with any number of threads.
+    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = whole(0, u64::MAX))]
+    seed: u64,
 }
 
 /// Everything but the scene and the camera.
@@ -57,6 +57,8 @@ pub struct Studio {
     pub plugin: Arc<Plugin>,
     /// What the user says of the camera.
     pub parameters: Parameters,
+    /// Whether the lens has an index for each wavelength; unknown where only the plugin finds it.
+    pub is_dispersive: Option<bool>,
     /// Width and height of a picture in pixels.
     pub size: [u32; 2],
     pool: ThreadPool,
@@ -94,17 +96,14 @@ pub struct Shot {
 }
 
 impl Studio {
-    /// Loads the plugin and reads the parameters. The lens is the default one unless named.
+    /// Loads the plugin and reads the parameters. The lens is the default one unless named, and the film that of its own
+    /// image.
     ///
     /// # Errors
     /// Bad parameters, or no plugin.
-    pub fn open(options: &Options) -> Result<Self, Failure> {
-        let parameters = gather(options.lens.as_deref(), &options.parameters)?;
-        if parameters.specfile.as_deref() == Some(PIPED) {
-            // Told here, where what is wrong with it has the name that the user knows it by.
-            let text = standard_input().map_err(Failure::Other)?;
-            read("standard input", text).map_err(|error| Failure::Other(error.to_string()))?;
-        }
+    pub fn open(camera: &CameraChoice, options: &Options) -> Result<Self, Failure> {
+        let mut parameters = camera.parameters()?;
+        let is_dispersive = look_at_lens(&mut parameters)?;
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(options.threads.map_or(0, usize::from))
             .build()
@@ -112,6 +111,7 @@ impl Studio {
         Ok(Self {
             plugin: Arc::new(Plugin::load(&plugin::find(options.plugin.as_deref())?)?),
             parameters,
+            is_dispersive,
             size: options.size,
             pool,
             progress: progress_bar(),
@@ -128,7 +128,12 @@ impl Studio {
             return;
         }
         warned.push(message.to_owned());
-        self.progress.suspend(|| warn(message));
+        self.progress.suspend(|| console::warn(message));
+    }
+
+    /// Seed of the random numbers.
+    pub fn seed(&self) -> u64 {
+        self.seed
     }
 
     /// Threads that render.
@@ -164,7 +169,7 @@ impl Studio {
         if let (Some(wavelength), Some(count)) = (parameters.wavelength, order.wavelengths) {
             return Err(Failure::Usage(format!(
                 "a picture in {count} wavelengths has no single \"wavelength\" ({wavelength} nm); leave \
-                 --param wavelength out, or --wavelengths"
+                 --wavelength out, or --wavelengths"
             )));
         }
         let whole = order.whole.unwrap_or(self.size);
@@ -289,20 +294,31 @@ fn white_level(camera: &Camera, parameters: &Parameters, size: [u32; 2]) -> Resu
     Ok(if metered > 0.0 { metered } else { 1.0 })
 }
 
-fn gather(lens: Option<&str>, given: &[String]) -> Result<Parameters, Failure> {
-    let mut parameters = Parameters::default();
-    set_parameters(&mut parameters, given)?;
-    match (lens, &parameters.specfile) {
-        (Some(lens), Some(file)) => {
-            return Err(Failure::Usage(format!(
-                "--lens \"{lens}\" and parameter \"specfile\" (\"{file}\") say the same thing; give \
-                 one of them"
-            )));
-        }
-        (None, Some(_)) => {}
-        (lens, None) => parameters.specfile = Some(lens.unwrap_or(catalogue::DEFAULT).to_owned()),
+/// Looks at the lens before it is rendered through: gives the film the size of its image, and says whether it has
+/// dispersion. `None` without a lens, and where only the plugin finds it.
+///
+/// # Errors
+/// A piped text that is no lens, or parameters that contradict each other.
+fn look_at_lens(parameters: &mut Parameters) -> Result<Option<bool>, Failure> {
+    let mut own = parameters.clone();
+    let host = host(&mut own, Raster { xres: 1, yres: 1 })?;
+    let is_piped = host.lens_text.is_some();
+    size_film(&mut own, &host);
+    parameters.filmdiag = own.filmdiag;
+    own.weighting()?;
+    let has_lens = |model| Parameters::find("specfile").is_some_and(|row| row.models.contains(&model));
+    if !has_lens(own.model.unwrap_or_default()) {
+        return Ok(None);
     }
-    Ok(parameters)
+    let looked = open_lens(&own, &host, &mut |_, _| ())
+        .and_then(|(prescription, lens)| film_distance(&own, &lens).map(|_| prescription.is_dispersive()));
+    match looked {
+        Ok(is_dispersive) => Ok(Some(is_dispersive)),
+        // Said here, where what is wrong with it has the name that the user knows it by.
+        Err(error) if is_piped || matches!(error, CameraError::Parameter(_)) => Err(error.into()),
+        // The plugin finds files beside it, too, and has the last word.
+        Err(_) => Ok(None),
+    }
 }
 
 /// Draws on standard error, and only when that is a terminal.
@@ -310,31 +326,6 @@ fn progress_bar() -> ProgressBar {
     let style = ProgressStyle::with_template("rendering {bar:40} {percent:>3} %  {eta} left")
         .unwrap_or_else(|_| ProgressStyle::default_bar());
     // Of no tiles at all it would show itself full before the rendering starts.
-    ProgressBar::new(1).with_style(style)
-}
-
-/// Help on what --param takes.
-pub fn parameter_help() -> String {
-    let mut text = String::from("Parameters for --param:\n");
-    for row in PARAMETERS {
-        let _ = writeln!(text, "  {:<18} {}", row.name, row.description());
-    }
-    text
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_lens_goes_with_the_parameters() {
-        let lens = |named: Option<&str>, given: &[&str]| {
-            let given: Vec<String> = given.iter().map(|text| (*text).to_owned()).collect();
-            gather(named, &given).ok().and_then(|parameters| parameters.specfile)
-        };
-        assert_eq!(lens(None, &["filmdistance=40.5"]).as_deref(), Some(catalogue::DEFAULT));
-        assert_eq!(lens(Some("a.dat"), &[]).as_deref(), Some("a.dat"));
-        assert_eq!(lens(None, &["lensfile=b.dat"]).as_deref(), Some("b.dat"));
-        assert_eq!(lens(Some("a.dat"), &["lensfile=b.dat"]), None);
-    }
+    let bar = if console::is_quiet() { ProgressBar::hidden() } else { ProgressBar::new(1) };
+    bar.with_style(style)
 }

@@ -1,7 +1,7 @@
 //! The lecture's slides: for each effect a small scene, taken without it, with few samples, and
 //! with many (after R. L. Cook, T. Porter and L. Carpenter, "Distributed Ray Tracing", 1984).
 
-use super::session::{Options, Order, Studio, stopped_down, whole_only};
+use super::session::{Order, Studio, stopped_down, whole_only};
 use crate::failure::Failure;
 use crate::host::render::Integrator;
 use crate::host::scene::effects::Effect::{self, Dof, Gloss, Motion, SoftShadow, Translucency};
@@ -67,9 +67,14 @@ impl Slide {
     ///
     /// # Errors
     /// The user gives what is the slide's to choose, or the camera's own.
-    pub fn take(self, studio: &Studio, options: &Options) -> Result<(Picture, String), Failure> {
+    pub fn take(
+        self,
+        studio: &Studio,
+        has_lens: bool,
+        spp: Option<u32>,
+    ) -> Result<(Picture, String), Failure> {
         whole_only(&studio.parameters)?;
-        let many = options.spp.unwrap_or(MANY);
+        let many = spp.unwrap_or(MANY);
         let (scene, panels) = self.panels(many, studio.size);
         let columns = if self == Self::Lenses { 2 } else { panels.len() as u32 };
         let mut sheet = Sheet::new(studio.size, panels.len() as u32, columns);
@@ -78,9 +83,9 @@ impl Slide {
             let mut parameters = studio.parameters.clone();
             for (name, value) in &panel.parameters {
                 if *name == "specfile" {
-                    if options.lens.is_some() {
+                    if has_lens {
                         return Err(Failure::Usage(
-                            "this slide has its own lenses; leave out --lens".to_owned(),
+                            "this slide has its own lenses; leave out the lens".to_owned(),
                         ));
                     }
                     parameters.specfile = None;

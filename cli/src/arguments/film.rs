@@ -1,0 +1,161 @@
+//! The film: its pixels, and the size that it has where nobody says one.
+
+use realistic::camera::{Film, Host, Level, Parameters, Raster, film_distance, open_lens};
+use realistic::imaging::field::Field;
+use realistic::lens::{Lens, first_order::FirstOrder};
+use realistic::message::short;
+use realistic::prescription::Prescription;
+use std::fmt::{self, Display};
+
+/// The film's pixels.
+#[derive(clap::Args, Clone, Copy, Debug)]
+pub struct FilmSize {
+    /// Pixels of the film
+    #[arg(long, value_name = "WxH", default_value = "480x320", value_parser = super::size)]
+    size: [u32; 2],
+}
+
+impl FilmSize {
+    /// Its pixels.
+    pub fn raster(self) -> Raster {
+        let [xres, yres] = self.size;
+        Raster { xres, yres }
+    }
+
+    /// The film of this diagonal, mm.
+    pub fn film(self, diagonal: f64) -> Film {
+        Film::new(self.raster(), diagonal)
+    }
+}
+
+/// The film that a lens's own image fills. It belongs to the lens alone, at its first position, open and focused on
+/// infinity: stopping down or focusing near leaves it as it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OwnFilm {
+    /// Its diagonal, mm.
+    pub diagonal: f64,
+    why: Why,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Why {
+    /// The lens's file states this full field of view, degrees.
+    Stated(f64),
+    /// No light gets farther from the axis.
+    Circle,
+    /// The image is larger than this film.
+    Default,
+}
+
+impl Display for OwnFilm {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "film diagonal {} mm: ", short(self.diagonal))?;
+        match self.why {
+            Why::Stated(field) => {
+                write!(f, "the image of the {} degrees that the lens file states", short(field))
+            }
+            Why::Circle => write!(f, "the lens's image circle"),
+            Why::Default => write!(f, "the default"),
+        }?;
+        write!(f, " (--filmdiag MM gives another)")
+    }
+}
+
+impl OwnFilm {
+    /// The library's film.
+    pub const DEFAULT: Self = Self { diagonal: 35.0, why: Why::Default };
+
+    /// The film for the lens of these parameters; `None` where there is no such lens.
+    pub fn of(given: &Parameters, host: &Host) -> Option<Self> {
+        let Parameters { specfile, glasscatalog, .. } = given.clone();
+        let alone = Parameters { specfile, glasscatalog, ..Parameters::default() };
+        let (prescription, lens) = open_lens(&alone, host, &mut |_: Level, _: &str| ()).ok()?;
+        Some(Self::of_lens(&prescription, &lens).unwrap_or(Self::DEFAULT))
+    }
+
+    /// Whether it is the library's, too.
+    pub fn is_default(&self) -> bool {
+        *self == Self::DEFAULT
+    }
+
+    /// `None` for a lens that makes no image.
+    fn of_lens(prescription: &Prescription, lens: &Lens) -> Option<Self> {
+        let film_distance = film_distance(&Parameters::default(), lens).ok()?;
+        let field = Field::new(lens, lens.rear().vertex - film_distance);
+        let focal_length = FirstOrder::of(lens).ok()?.focal_length.abs();
+        let stated = prescription.stated.fields.first().copied().flatten();
+        let Some(stated) = stated.filter(|stated| *stated > 0.0 && *stated < 360.0) else {
+            let half = Self::DEFAULT.diagonal / 2.0;
+            // Looked for no farther than a field of 166 degrees, and so as finely as a small lens needs.
+            let lit = field.lit_radius(half.min(8.0 * focal_length))?;
+            return Some(if lit < half { Self::rounded(2.0 * lit, Why::Circle) } else { Self::DEFAULT });
+        };
+        // No image lies beyond: three times the height of a field of 70 degrees without distortion, or of the whole
+        // field by angle.
+        let half_angle = 0.5 * stated.to_radians();
+        let farthest = 3.0 * focal_length * half_angle.max(half_angle.min(1.2).tan());
+        let lit = field.lit_radius(farthest)?;
+        let angle = |radius: f64| field.real(2.0 * radius).unwrap_or(f64::INFINITY);
+        let wanted = stated.to_radians();
+        if angle(lit) <= wanted {
+            return Some(Self::rounded(2.0 * lit, Why::Circle));
+        }
+        // The field's angle grows with the height.
+        let (mut inside, mut outside) = (0.0, lit);
+        for _ in 0..24 {
+            let middle = 0.5 * (inside + outside);
+            if angle(middle) <= wanted { inside = middle } else { outside = middle }
+        }
+        Some(Self::rounded(2.0 * inside, Why::Stated(stated)))
+    }
+
+    /// With three digits, rounded down: the corner still has light, and the user can write it.
+    fn rounded(diagonal: f64, why: Why) -> Self {
+        if !(diagonal > 0.0) {
+            return Self::DEFAULT;
+        }
+        let unit = 10.0_f64.powi(diagonal.log10().floor() as i32 - 2);
+        Self {
+            diagonal: format!("{:.2e}", (diagonal / unit + 1e-6).floor() * unit).parse().unwrap_or(diagonal),
+            why,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(name: &str) -> OwnFilm {
+        let given = Parameters { specfile: Some(name.to_owned()), ..Parameters::default() };
+        OwnFilm::of(&given, &Host::new(Raster { xres: 1, yres: 1 }, None)).unwrap()
+    }
+
+    #[test]
+    fn a_lens_has_the_film_that_its_image_fills() {
+        // The formats that these were designed for, up to their distortion: 2 f tan of half the field, and 24 x 36 mm twice.
+        for (name, format) in [("phone.4mm", 6.1), ("planar.50mm", 43.3), ("zoom.24-70mm", 43.3)] {
+            let film = of(name);
+            assert!(
+                (film.diagonal / format - 1.0).abs() < 0.04 && matches!(film.why, Why::Stated(_)),
+                "{name}: {film}"
+            );
+        }
+        assert!(of("dgauss.50mm").is_default());
+        // Its corners are dark on 35 mm.
+        let fisheye = of("fisheye.10mm");
+        assert!(fisheye.why == Why::Circle && fisheye.diagonal < 35.0, "{fisheye}");
+        // As fine for lenses of any size.
+        let tiny = of("dgauss.50mm@1e-9mm").diagonal / of("dgauss.50mm@1mm").diagonal;
+        assert!((tiny * 1e9 - 1.0).abs() < 0.02, "{tiny}");
+        let scaled = of("phone.4mm@8.2mm").diagonal / of("phone.4mm@4.1mm").diagonal;
+        assert!((scaled - 2.0).abs() < 0.02, "{scaled}");
+    }
+
+    #[test]
+    fn films_are_rounded_down_to_three_digits() {
+        let rounded = |diagonal| OwnFilm::rounded(diagonal, Why::Circle).diagonal;
+        assert_eq!(rounded(0.0), 35.0);
+        assert_eq!([6.129, 43.27, 1.999e-8, 35.0, 108.2].map(rounded), [6.12, 43.2, 1.99e-8, 35.0, 108.0]);
+    }
+}

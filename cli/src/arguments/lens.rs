@@ -1,0 +1,311 @@
+//! The lens of a command: which one, set up how, with its film where. What these take, and the camera that they make, are
+//! the library's to say.
+
+use super::film::OwnFilm;
+use super::parameters::ParameterFlags;
+use crate::console::{note, warn};
+use crate::failure::Failure;
+use clap::{ArgMatches, Command};
+use realistic::camera::{Host, Level, PARAMETERS, Parameters, Raster, film_distance, group_reach, open_lens};
+use realistic::imaging::focus::Conjugates;
+use realistic::lens::{Lens, open::StopSize};
+use realistic::prescription::{MAX_FILE_BYTES, Prescription};
+use std::io::{self, Read as _};
+use std::sync::OnceLock;
+
+/// The lens and every parameter, for commands whose cameras use them all.
+#[derive(clap::Args, Clone, Debug)]
+pub struct CameraChoice {
+    /// Lens: a file, - for standard input, or a name of the catalogue; NAME@35mm scales it
+    #[arg(value_name = "LENS")]
+    lens: Option<String>,
+    #[command(flatten)]
+    flags: ParameterFlags,
+}
+
+/// The same for commands that look at a lens and need no camera.
+#[derive(Clone, Debug)]
+pub struct LensChoice(CameraChoice);
+
+/// What such a lens has of a camera's parameters.
+const OF_A_LENS: [&str; 11] = [
+    "specfile",
+    "glasscatalog",
+    "filmdistance",
+    "focusdistance",
+    "focusby",
+    "zoom",
+    "aperture_diameter",
+    "fnumber",
+    "filmdiag",
+    "wavelength",
+    "mmperunit",
+];
+
+impl clap::Args for LensChoice {
+    fn augment_args(command: Command) -> Command {
+        // They are taken, with a warning: the same words do for every command.
+        let unused = |id: &str| PARAMETERS.iter().any(|row| row.name == id) && !OF_A_LENS.contains(&id);
+        CameraChoice::augment_args(command).mut_args(|arg| {
+            let is_unused = unused(arg.get_id().as_str());
+            if is_unused { arg.hide(true) } else { arg }
+        })
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl clap::FromArgMatches for LensChoice {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        CameraChoice::from_arg_matches(matches).map(Self)
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        self.0.update_from_arg_matches(matches)
+    }
+}
+
+/// The lens that stands for standard input.
+pub const PIPED: &str = "-";
+
+/// The lens file that comes by standard input, as far as one may be long; read once.
+///
+/// # Errors
+/// It cannot be read.
+pub fn standard_input() -> Result<&'static [u8], String> {
+    static READ: OnceLock<io::Result<Vec<u8>>> = OnceLock::new();
+    let read = READ.get_or_init(|| {
+        let mut bytes = Vec::new();
+        // One more than there may be tells that it is too large.
+        io::stdin().lock().take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes).map(|_| bytes)
+    });
+    read.as_deref().map_err(|error| format!("cannot read a lens from standard input: {error}"))
+}
+
+impl CameraChoice {
+    /// Of flags alone.
+    pub fn of_flags(flags: &ParameterFlags) -> Self {
+        Self { lens: None, flags: flags.clone() }
+    }
+
+    /// What is given, the lens among it.
+    ///
+    /// # Errors
+    /// Two lenses.
+    pub fn parameters(&self) -> Result<Parameters, Failure> {
+        let mut parameters = self.flags.parameters().clone();
+        if let Some(lens) = &self.lens {
+            if let Some(other) = &parameters.specfile {
+                return Err(Failure::Usage(format!(
+                    "the lens is given twice, as \"{lens}\" and by its flag as \"{other}\"; give it once"
+                )));
+            }
+            parameters.specfile = Some(lens.clone());
+        }
+        Ok(parameters)
+    }
+
+    /// The same of a command that has no lens of its own.
+    ///
+    /// # Errors
+    /// Two lenses, or none.
+    pub fn with_a_lens(&self) -> Result<Parameters, Failure> {
+        let parameters = self.parameters()?;
+        match parameters.specfile {
+            Some(_) => Ok(parameters),
+            None => Err(Failure::Usage(
+                "which lens? Give a file, - for standard input, or a name that `realistic lens --list` shows, \
+                 such as dgauss.50mm"
+                    .to_owned(),
+            )),
+        }
+    }
+
+    /// Names and values as they were written, without the lens.
+    pub fn given(&self) -> impl Iterator<Item = (&'static str, &str)> {
+        self.flags.given().filter(|(name, _)| *name != "specfile")
+    }
+
+    /// Whether a lens is given.
+    pub fn has_lens(&self) -> bool {
+        self.lens.is_some() || self.flags.parameters().specfile.is_some()
+    }
+}
+
+/// The host of a camera with these parameters; a piped lens goes from them to it.
+///
+/// # Errors
+/// Standard input cannot be read.
+pub fn host(parameters: &mut Parameters, raster: Raster) -> Result<Host, Failure> {
+    let mut host = Host::new(raster, None);
+    if parameters.specfile.as_deref() == Some(PIPED) {
+        parameters.specfile = None;
+        let text = standard_input().map_err(Failure::Other)?;
+        host.lens_text = Some(("standard input".to_owned(), text.to_vec()));
+    }
+    Ok(host)
+}
+
+/// Gives the film the size of the lens's own image where nobody gives one, and says so where the library's is another.
+pub fn size_film(parameters: &mut Parameters, host: &Host) {
+    let has_film = |model| Parameters::find("filmdiag").is_some_and(|row| row.models.contains(&model));
+    if parameters.filmdiag.is_some() || !has_film(parameters.model.unwrap_or_default()) {
+        return;
+    }
+    // Without a lens, who builds the camera says why.
+    if let Some(own) = OwnFilm::of(parameters, host) {
+        if !own.is_default() {
+            note(&own.to_string());
+        }
+        parameters.filmdiag = Some(own.diagonal);
+    }
+}
+
+/// A lens that was found and set up.
+pub struct OpenedLens {
+    /// Its description.
+    pub prescription: Prescription,
+    /// The lens, focused by its groups where that is asked for.
+    pub lens: Lens,
+    /// What is asked for.
+    parameters: Parameters,
+    host: Host,
+}
+
+impl LensChoice {
+    /// Whether a lens, or anything of it, is given.
+    pub fn is_given(&self) -> bool {
+        self.0.has_lens() || self.0.given().next().is_some()
+    }
+
+    /// Whether the lens comes by standard input.
+    pub fn is_piped(&self) -> bool {
+        self.0.parameters().is_ok_and(|parameters| parameters.specfile.as_deref() == Some(PIPED))
+    }
+
+    /// The word that is no lens, for a flag gives one.
+    pub fn word_beside_a_flag(&mut self) -> Option<String> {
+        self.0.flags.parameters().specfile.as_ref()?;
+        self.0.lens.take()
+    }
+
+    /// Finds the lens; warnings go to standard error.
+    ///
+    /// # Errors
+    /// As [`open_lens`].
+    pub fn open(&self) -> Result<OpenedLens, Failure> {
+        self.open_with(&OF_A_LENS)
+    }
+
+    /// Finds the lens and leaves it as its file has it.
+    ///
+    /// # Errors
+    /// As [`open_lens`].
+    pub fn open_as_it_is(&self) -> Result<OpenedLens, Failure> {
+        self.open_with(&["glasscatalog"])
+    }
+
+    /// Finds the lens with those parameters that are used, and warns of others.
+    fn open_with(&self, used: &[&str]) -> Result<OpenedLens, Failure> {
+        let specfile = self.0.with_a_lens()?.specfile;
+        let mut parameters = Parameters { specfile, ..Parameters::default() };
+        for (name, value) in self.0.given() {
+            if used.contains(&name) {
+                parameters.set_from_text(name, value)?;
+            } else {
+                warn(&format!("\"{name}\" changes nothing here; leave it out"));
+            }
+        }
+        let host = host(&mut parameters, Raster { xres: 1, yres: 1 })?;
+        let log = &mut |_: Level, message: &str| warn(message);
+        let (prescription, lens) = open_lens(&parameters, &host, log)?;
+        Ok(OpenedLens { prescription, lens, parameters, host })
+    }
+}
+
+impl OpenedLens {
+    /// What is asked for.
+    pub fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+
+    /// How far it is to be stopped down.
+    pub fn stop(&self) -> StopSize {
+        match (self.parameters.aperture_diameter, self.parameters.fnumber) {
+            (Some(diameter), _) => StopSize::Diameter(diameter),
+            (None, Some(number)) => StopSize::FNumber(number),
+            (None, None) => StopSize::Listed,
+        }
+    }
+
+    /// Whether somebody says where the film is, or what is in focus.
+    pub fn is_placed(&self) -> bool {
+        let Parameters { filmdistance, focusdistance, focusby, .. } = &self.parameters;
+        filmdistance.is_some() || focusdistance.is_some() || focusby.is_some()
+    }
+
+    /// Last vertex to film, mm.
+    ///
+    /// # Errors
+    /// As [`film_distance`].
+    pub fn film_distance(&self) -> Result<f64, Failure> {
+        Ok(film_distance(&self.parameters, &self.lens)?)
+    }
+
+    /// The same; `None` for a lens that makes no image, where no place was asked for.
+    ///
+    /// # Errors
+    /// As [`film_distance`], where one was.
+    pub fn film_distance_if_any(&self) -> Result<Option<f64>, Failure> {
+        match self.film_distance() {
+            Err(failure) if self.is_placed() => Err(failure),
+            place => Ok(place.ok()),
+        }
+    }
+
+    /// The film's diagonal, mm: as given, or that of the lens's own image, which is said.
+    pub fn film_diagonal(&self) -> f64 {
+        let mut parameters = self.parameters.clone();
+        size_film(&mut parameters, &self.host);
+        parameters.filmdiag.unwrap_or(OwnFilm::DEFAULT.diagonal)
+    }
+
+    /// The nearest plane and the farthest that its groups focus on.
+    ///
+    /// # Errors
+    /// As [`group_reach`].
+    pub fn group_reach(&self) -> Result<[Conjugates; 2], Failure> {
+        Ok(group_reach(&self.parameters, &self.host)?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The command line's arguments of a command with a lens.
+    fn choice(words: &[&str]) -> CameraChoice {
+        #[derive(clap::Parser)]
+        struct Command {
+            #[command(flatten)]
+            camera: CameraChoice,
+        }
+        <Command as clap::Parser>::try_parse_from([&["test"], words].concat()).unwrap().camera
+    }
+
+    #[test]
+    fn the_lens_is_a_word_or_a_flag_and_given_once() {
+        let lens =
+            |words: &[&str]| choice(words).parameters().ok().and_then(|parameters| parameters.specfile);
+        for words in
+            [&["a.dat"][..], &["--lens", "a.dat"], &["--specfile", "a.dat"], &["--param", "lensfile=a.dat"]]
+        {
+            assert_eq!(lens(words).as_deref(), Some("a.dat"), "{words:?}");
+            assert!(choice(words).has_lens() && choice(words).with_a_lens().is_ok());
+        }
+        assert_eq!(lens(&["a.dat", "--lens", "b.dat"]), None);
+        assert!(matches!(choice(&[]).with_a_lens(), Err(Failure::Usage(_))));
+    }
+}

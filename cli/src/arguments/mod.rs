@@ -1,0 +1,11 @@
+//! What every command takes in the same words: the lens, the parameters of the library's table, the film, and numbers.
+
+mod film;
+mod lens;
+mod parameters;
+mod values;
+
+pub use film::FilmSize;
+pub use lens::{CameraChoice, LensChoice, OpenedLens, PIPED, host, size_film, standard_input};
+pub use parameters::ParameterFlags;
+pub use values::{distance, finite, not_negative, positive, size, whole};

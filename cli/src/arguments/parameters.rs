@@ -1,0 +1,208 @@
+//! The parameters of the library's table as flags: each by its own name, or by `--param NAME=VALUE`.
+//!
+//! The flags are made from the table: a new row is a new flag of every command.
+
+use clap::error::{Error, ErrorKind};
+use clap::{Arg, ArgAction, ArgMatches, Command};
+use realistic::camera::{Kind, PARAMETERS, Parameter, ParameterError, Parameters};
+use realistic::message::cut;
+
+/// What the user says of the camera.
+#[derive(Clone, Debug, Default)]
+pub struct ParameterFlags {
+    parameters: Parameters,
+    /// Names of the table and values, each as a text, in the order of the table.
+    given: Vec<(&'static str, String)>,
+}
+
+/// Spellings beside a parameter's own name and its alias.
+const SPELLINGS: [(&str, &str); 4] = [
+    ("specfile", "lens"),
+    ("filmdistance", "film-distance"),
+    ("focusdistance", "distance"),
+    ("aperture_diameter", "aperture-diameter"),
+];
+
+/// Parameters in the short help, which has room for few; `--help` has all.
+const COMMON: [&str; 6] = ["specfile", "filmdistance", "focusdistance", "zoom", "fnumber", "filmdiag"];
+
+/// The long form.
+const PARAM: &str = "param";
+
+/// The heading of the flags in help texts.
+const HEADING: &str = "Camera";
+
+impl ParameterFlags {
+    /// The values, checked one by one.
+    pub fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+
+    /// Names of the table with the values as they were written, in the order of the table.
+    pub fn given(&self) -> impl Iterator<Item = (&'static str, &str)> {
+        self.given.iter().map(|(name, value)| (*name, value.as_str()))
+    }
+
+    /// Takes all flags of a command, each parameter once.
+    fn read(matches: &ArgMatches) -> Result<Self, String> {
+        let mut flags = Self::default();
+        let long = matches.get_many::<String>(PARAM).into_iter().flatten();
+        let long: Vec<(&str, &str)> = long.map(|text| name_and_value(text)).collect::<Result<_, _>>()?;
+        for (name, value) in &long {
+            if Parameters::find(name).is_none() {
+                // The library's own words, with the nearest name.
+                set(&mut flags.parameters, name, value).map_err(|error| error.to_string())?;
+            }
+        }
+        for row in PARAMETERS {
+            let own = matches.get_many::<String>(row.name).into_iter().flatten().map(String::as_str);
+            let named = |name: &str| Parameters::find(name).is_some_and(|found| found.name == row.name);
+            let long = long.iter().filter(|(name, _)| named(name)).map(|(_, value)| *value);
+            let mut values = own.chain(long);
+            let Some(value) = values.next() else { continue };
+            if values.next().is_some() {
+                return Err(format!("parameter \"{}\" is given twice; give it once", row.name));
+            }
+            set(&mut flags.parameters, row.name, value).map_err(|error| error.to_string())?;
+            flags.given.push((row.name, value.to_owned()));
+        }
+        Ok(flags)
+    }
+}
+
+fn name_and_value(text: &str) -> Result<(&str, &str), String> {
+    text.split_once('=').ok_or_else(|| {
+        format!("--param \"{}\" has no \"=\"; write --param NAME=VALUE, as in pupil=rear", cut(text))
+    })
+}
+
+/// Sets a parameter, a number in its range. Of four numbers the library says more when the camera is built.
+fn set(parameters: &mut Parameters, name: &str, text: &str) -> Result<(), ParameterError> {
+    parameters.set_from_text(name, text)?;
+    let row = Parameters::find(name).filter(|row| row.kind == Kind::Float);
+    match (row, text.parse()) {
+        (Some(row), Ok(number)) => row.check(number).map(drop),
+        _ => Ok(()),
+    }
+}
+
+/// The flag of a parameter.
+fn flag(row: &'static Parameter) -> Arg {
+    let spellings = SPELLINGS.iter().filter(|(name, _)| *name == row.name).map(|(_, spelling)| *spelling);
+    let description = capitalised(&row.description());
+    Arg::new(row.name)
+        .long(row.name)
+        .visible_aliases(spellings.chain(row.alias).collect::<Vec<_>>())
+        .value_name(value_name(row))
+        .help(short_help(row))
+        .long_help(description)
+        .help_heading(HEADING)
+        .action(ArgAction::Append)
+        .allow_negative_numbers(true)
+        .hide_short_help(!COMMON.contains(&row.name))
+}
+
+fn value_name(row: &Parameter) -> &'static str {
+    match (row.kind, row.unit) {
+        (Kind::Float, "mm") => "MM",
+        (Kind::Float, "nm") => "NM",
+        (Kind::Float, _) => "N",
+        (Kind::Four, _) => "A,B,C,D",
+        (Kind::Bool, _) => "true|false",
+        (Kind::Text, _) => "NAME",
+    }
+}
+
+/// What it is, in a few words, and its unit.
+fn short_help(row: &Parameter) -> String {
+    let (words, _) = row.help.split_once(", ").unwrap_or((row.help, ""));
+    let unit = if row.unit.is_empty() { String::new() } else { format!(", in {}", row.unit) };
+    capitalised(words) + &unit
+}
+
+fn capitalised(text: &str) -> String {
+    let text = text.replace('`', "");
+    let (first, rest) = text.split_at(1);
+    first.to_uppercase() + rest
+}
+
+impl clap::Args for ParameterFlags {
+    fn augment_args(command: Command) -> Command {
+        let param = Arg::new(PARAM)
+            .long(PARAM)
+            .value_name("NAME=VALUE")
+            .help("A camera parameter in its long form; may be given again for others")
+            .help_heading(HEADING)
+            .action(ArgAction::Append)
+            .hide_short_help(true);
+        PARAMETERS.iter().fold(command, |command, row| command.arg(flag(row))).arg(param)
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl clap::FromArgMatches for ParameterFlags {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, Error> {
+        Self::read(matches).map_err(|message| Error::raw(ErrorKind::ValueValidation, message + "\n"))
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::FromArgMatches as _;
+    use realistic::camera::Pupil;
+
+    fn read(words: &[&str]) -> Result<ParameterFlags, String> {
+        let command = <ParameterFlags as clap::Args>::augment_args(Command::new("test"));
+        let matches =
+            command.try_get_matches_from([&["test"], words].concat()).map_err(|error| error.to_string())?;
+        ParameterFlags::from_arg_matches(&matches).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn every_parameter_of_the_table_is_a_flag_and_says_the_same_as_its_long_form() {
+        for row in PARAMETERS {
+            let known = [row.default, "1", "true", "1,2,3,4"];
+            let taken =
+                |text: &&&str| !text.is_empty() && set(&mut Parameters::default(), row.name, text).is_ok();
+            let value = known.iter().find(taken);
+            let value = value.expect("a value that it takes");
+            let long = read(&["--param", &format!("{}={value}", row.name)]).unwrap();
+            let spellings = SPELLINGS.iter().filter(|(name, _)| *name == row.name).map(|(_, own)| *own);
+            for name in std::iter::once(row.name).chain(row.alias).chain(spellings) {
+                let flag = read(&[&format!("--{name}"), value]).unwrap();
+                assert_eq!(flag.parameters, long.parameters, "{name}");
+                assert_eq!(flag.given().collect::<Vec<_>>(), [(row.name, *value)]);
+            }
+        }
+    }
+
+    #[test]
+    fn a_parameter_is_given_once_and_in_its_range() {
+        let refusal = |words: &[&str]| read(words).unwrap_err();
+        let flags = read(&["--filmdistance", "40.5", "--param", "pupil=disk"]).unwrap();
+        assert_eq!((flags.parameters.filmdistance, flags.parameters.pupil), (Some(40.5), Some(Pupil::Disk)));
+        assert!(refusal(&["--param", "fokus=3"]).contains("focusdistance"));
+        assert!(refusal(&["--param", "filmdiag"]).contains("NAME=VALUE"));
+        assert!(refusal(&["--param", "filmdiag=large"]).contains("a number"));
+        for twice in [
+            &["--filmdiag", "35", "--filmdiag", "36"][..],
+            &["--filmdiag", "35", "--param", "filmdiag=36"],
+            &["--lens", "a.dat", "--param", "lensfile=b.dat"],
+        ] {
+            assert!(refusal(twice).contains("twice"), "{twice:?}");
+        }
+        for (flag, value) in [("mmperunit", "0"), ("filmdiag", "-35")] {
+            let message = refusal(&[&format!("--{flag}"), value]);
+            assert!(message.contains(flag) && message.contains("must be"), "{message}");
+        }
+    }
+}

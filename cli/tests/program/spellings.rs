@@ -1,0 +1,196 @@
+//! One spelling in every command: the lens, the parameters, the keys of JSON, files and standard output.
+
+use super::{fails, realistic, run, succeeds};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::fs;
+
+fn json(arguments: &[&str]) -> Value {
+    serde_json::from_str(&succeeds(arguments, "")).expect("JSON")
+}
+
+#[test]
+fn every_command_takes_the_lens_as_a_word_and_as_a_flag() {
+    for (command, more) in [
+        ("lens", &[][..]),
+        ("draw", &["-o", "-"]),
+        ("focus", &["--focusdistance", "900"]),
+        ("pupil", &["--film-radius", "3"]),
+        ("blender", &["-o", "-"]),
+        ("convert", &["-o", "-"]),
+        ("render", &["--spp", "1", "--size", "6x4", "-o", "-"]),
+    ] {
+        let said = |lens: &[&str]| {
+            let output = run(&[&[command], lens, more].concat(), "");
+            assert!(output.status.success(), "{command}: {}", String::from_utf8_lossy(&output.stderr));
+            assert!(!output.stdout.is_empty(), "{command}");
+            output.stdout
+        };
+        let word = said(&["wide.22mm"]);
+        for flag in
+            [&["--lens", "wide.22mm"][..], &["--specfile", "wide.22mm"], &["--param", "lensfile=wide.22mm"]]
+        {
+            assert!(said(flag) == word, "{command} {flag:?}");
+        }
+    }
+    let ray = "0,0,-68,0,0,1\n";
+    let word = succeeds(&["trace", "wide.22mm"], ray);
+    assert_eq!(succeeds(&["trace", "--lens", "wide.22mm"], ray), word);
+    // The only word beside a flag is OUT.
+    let table = succeeds(&["convert", "wide.22mm", "-"], "");
+    assert_eq!(succeeds(&["convert", "--lens", "wide.22mm", "-"], ""), table);
+    let plan = succeeds(&["plan", "--lens", "wide.22mm"], "");
+    assert_eq!(plan.lines().next(), succeeds(&["plan", "wide.22mm"], "").lines().next());
+}
+
+#[test]
+fn a_parameter_has_one_name_everywhere() {
+    let long =
+        succeeds(&["focus", "dgauss.50mm", "--param", "focusdistance=900", "--param", "fnumber=8"], "");
+    assert_eq!(succeeds(&["focus", "dgauss.50mm", "--focusdistance", "900", "--fnumber", "8"], ""), long);
+    assert_eq!(
+        succeeds(&["focus", "dgauss.50mm", "--distance", "0.9", "--mmperunit", "1000", "--fnumber", "8"], ""),
+        long
+    );
+    let picture = |more: &[&str]| {
+        run(&[&["render", "--spp", "2", "--size", "24x16", "-o", "-"], more].concat(), "").stdout
+    };
+    let stopped = picture(&["--fnumber", "8", "--pupil", "rear"]);
+    assert!(stopped.starts_with(b"\x89PNG") && stopped != picture(&[]));
+    assert!(stopped == picture(&["--param", "fnumber=8", "--param", "pupil=rear"]));
+    // What a lens without a camera does not have is told, and not taken in silence.
+    let output = run(&["lens", "dgauss.50mm", "--shutter", "leaf"], "");
+    let told = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success() && told.contains("\"shutter\" changes nothing here"), "{told}");
+}
+
+#[test]
+fn what_one_key_says_all_reports_say() {
+    let commands: [&[&str]; 4] = [
+        &["lens", "planar.50mm", "--focusdistance", "900", "--json"],
+        &["focus", "planar.50mm", "--focusdistance", "900", "--json"],
+        &["pupil", "planar.50mm", "--film-radius", "3", "--focusdistance", "900", "--json"],
+        &["plan", "planar.50mm", "--focusdistance", "900", "--json"],
+    ];
+    let mut known: BTreeMap<String, Vec<Value>> = BTreeMap::new();
+    for arguments in commands {
+        let report = json(arguments);
+        for key in ["name", "wavelength_nm", "film_distance_mm", "film_diagonal_mm"] {
+            assert!(!report[key].is_null(), "{key} of {arguments:?}");
+        }
+        for (key, value) in report.as_object().unwrap() {
+            known.entry(key.clone()).or_default().push(value.clone());
+        }
+    }
+    for (key, values) in &known {
+        let close = |value: &Value| match (value.as_f64(), values[0].as_f64()) {
+            (Some(a), Some(b)) => (a / b - 1.0).abs() < 1e-9,
+            _ => *value == values[0],
+        };
+        assert!(values.iter().all(close), "{key}: {values:?}");
+    }
+    assert_eq!((known["fnumber"].len(), known["focus_distance_mm"].len()), (2, 2));
+    let list = json(&["lens", "--list", "--json"]);
+    let planar = list.as_array().unwrap().iter().find(|lens| lens["name"] == "planar.50mm").unwrap();
+    for key in ["name", "title", "focal_length_mm", "fnumber", "stated_focal_length_mm"] {
+        assert_eq!(planar[key], known.get(key).map_or(Value::Null, |values| values[0].clone()), "{key}");
+    }
+}
+
+#[test]
+fn traced_rays_are_objects_with_the_values_of_the_columns() {
+    let rays = "x,y,z,dx,dy,dz\n1,2,-70,0,0,1\n0,90,-70,0,0,1\n";
+    let csv = succeeds(&["trace", "dgauss.50mm"], rays);
+    let lines = succeeds(&["trace", "dgauss.50mm", "--json"], rays);
+    assert_eq!(lines.lines().count(), 2);
+    for (object, line) in lines.lines().zip(csv.lines().skip(1)) {
+        let object: Value = serde_json::from_str(object).unwrap();
+        let cells: Vec<&str> = line.split(',').collect();
+        for (key, cell) in ["x_mm", "y_mm", "z_mm", "dx", "dy", "dz"].iter().zip(&cells) {
+            let (own, column): (f64, f64) = (object[key].as_f64().unwrap(), cell.parse().unwrap());
+            // serde_json reads a number to its last digit or the one beside it.
+            assert!((own - column).abs() <= 1e-15 * column.abs(), "{key}: {own} {column}");
+        }
+        assert_eq!(object["status"], cells[6]);
+    }
+}
+
+#[test]
+fn the_film_is_that_of_the_lens_unless_given_and_every_command_says_so() {
+    let note = "film diagonal 6.1";
+    let small = ["--spp", "1", "--size", "48x32"];
+    for arguments in [
+        &["lens", "phone.4mm"][..],
+        &["draw", "phone.4mm", "-o", "-"],
+        &["plan", "phone.4mm"],
+        &["focus", "phone.4mm", "--focusdistance", "900"],
+        &["pupil", "phone.4mm", "--film-radius", "1"],
+        &[&["render", "phone.4mm", "-o", "-"], &small[..]].concat(),
+    ] {
+        let output = run(arguments, "");
+        let told = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success() && told.contains(note), "{arguments:?}: {told}");
+        assert!(
+            told.contains("the 74 degrees that the lens file states") && told.contains("--filmdiag"),
+            "{told}"
+        );
+        let given = run(&[arguments, &["--filmdiag", "6"]].concat(), "");
+        assert!(!String::from_utf8(given.stderr).unwrap().contains(note), "{arguments:?}");
+    }
+    // The picture is lit to its edges.
+    let got = |more: &[&str]| -> f64 {
+        let output = run(&[&["render", "phone.4mm", "-o", "-"], &small[..], more].concat(), "");
+        let told = String::from_utf8(output.stderr).unwrap();
+        let share =
+            told.split("% of the rays got through").next().unwrap().trim_end().rsplit(' ').next().unwrap();
+        assert_eq!(told.contains("most of the film is dark"), !more.is_empty(), "{told}");
+        share.parse().unwrap()
+    };
+    assert!(got(&[]) > 95.0 && got(&["--filmdiag", "35"]) < 10.0);
+}
+
+#[test]
+fn wavelengths_of_a_lens_without_dispersion_are_warned_of() {
+    let told = |lens: &str| {
+        let words = ["render", lens, "--wavelengths", "3", "--spp", "1", "--size", "6x4", "-o", "-"];
+        String::from_utf8(run(&words, "").stderr).unwrap()
+    };
+    assert!(told("dgauss.50mm").contains("rays of all 3 wavelengths take the same way"));
+    assert!(!told("dgauss.100mm").contains("warning"));
+}
+
+#[test]
+fn quiet_leaves_errors_and_what_is_asked_for() {
+    let dir = tempfile::tempdir().unwrap();
+    for arguments in [
+        &["render", "phone.4mm", "--spp", "1", "--size", "6x4", "--wavelengths", "3", "--quiet"][..],
+        &["draw", "phone.4mm", "-q"],
+        &["blender", "dgauss.50mm", "--quiet"],
+        &["convert", "dgauss.50mm", "a.dat", "--quiet"],
+        &["install", "plugins", "--quiet"],
+        &["disks", "--quiet", "--out", "disks.png"],
+    ] {
+        let output = realistic(dir.path(), arguments);
+        let is_table = arguments[0] == "disks";
+        assert!(output.status.success() && output.stderr.is_empty(), "{arguments:?}: {output:?}");
+        assert_eq!(output.stdout.is_empty(), !is_table, "{arguments:?}");
+    }
+    assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 6);
+    assert!(succeeds(&["lens", "dgauss.50mm", "-q"], "").contains("focal length"));
+    assert!(fails(&["lens", "nowhere", "-q"], "", 1).contains("no lens file"));
+}
+
+#[test]
+fn a_table_written_by_hand_is_kept_unless_forced() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("a.dat");
+    let hand = "# mine\n20 5   1.5 10\n-20 0 1 10\n";
+    fs::write(&file, hand).unwrap();
+    let convert = |more: &[&str]| realistic(dir.path(), &[&["convert", "wide.22mm", "a.dat"], more].concat());
+    assert_eq!(convert(&[]).status.code(), Some(1));
+    assert_eq!(fs::read_to_string(&file).unwrap(), hand);
+    assert!(convert(&["--force"]).status.success());
+    let table = fs::read(&file).unwrap();
+    // What was converted may be converted again.
+    assert!(convert(&[]).status.success() && fs::read(&file).unwrap() == table);
+}

@@ -1,0 +1,199 @@
+//! Wrong uses, as somebody new to the program makes them: each is told what is wrong and what to write.
+
+use super::realistic;
+use std::fs;
+
+/// Arguments, the exit code, and words of the answer.
+type WrongUse = (&'static [&'static str], i32, &'static [&'static str]);
+
+/// Exit code 2 is a wrong use; 1 is a lens, a focus or a file that does not do.
+const WRONG_USES: &[WrongUse] = &[
+    // Commands and flags.
+    (&["rendr"], 2, &["unrecognized subcommand 'rendr'", "'render'"]),
+    (&["dgauss.50mm"], 2, &["a lens follows a command", "realistic render LENS"]),
+    (&["singlet.dat"], 2, &["a lens follows a command"]),
+    (&["help", "rendr"], 2, &["rendr"]),
+    (&["--lense", "dgauss.50mm"], 2, &["unexpected argument '--lense'", "'--lens'"]),
+    (&["render", "--ssp", "3"], 2, &["unexpected argument '--ssp'", "'--spp'"]),
+    (&["render", "--focusdistnace", "900"], 2, &["'--focusdistance'"]),
+    (&["render", "--param", "fokusdistance=900"], 2, &["did you mean \"focusdistance\""]),
+    (&["render", "--param", "focusdistance"], 2, &["has no \"=\"", "--param NAME=VALUE"]),
+    (&["render", "--param", "focusdistance 900"], 2, &["has no \"=\""]),
+    (&["render", "--spp"], 2, &["a value is required for '--spp <N>'"]),
+    (&["completions", "tcsh"], 2, &["invalid value 'tcsh'", "bash", "zsh"]),
+    // Numbers.
+    (&["render", "--spp", "0"], 2, &["'0' for '--spp <N>'", "write a whole number from 1 to 16384"]),
+    (&["render", "--spp", "1.5"], 2, &["'1.5'", "write a whole number from 1 to 16384"]),
+    (&["render", "--spp", "-4"], 2, &["'-4'", "write a whole number from 1 to 16384"]),
+    (&["render", "--spp", "many"], 2, &["'many'", "write a whole number from 1 to 16384"]),
+    (&["render", "--seed", "-1"], 2, &["'-1'", "write a whole number from 0"]),
+    (&["render", "--threads", "0"], 2, &["write a whole number from 1 to 1024"]),
+    (&["render", "--size", "480"], 2, &["write WIDTHxHEIGHT in pixels", "480x320"]),
+    (&["render", "--size", "480X320"], 2, &["write WIDTHxHEIGHT"]),
+    (&["render", "--size", "0x320"], 2, &["each 1 to 16384"]),
+    (&["render", "--exposure", "bright"], 2, &["write a finite number"]),
+    (&["render", "--wavelengths", "2"], 2, &["write a whole number from 3 to 256"]),
+    (&["draw", "dgauss.50mm", "--rays", "0"], 2, &["write a whole number from 1 to 999"]),
+    (
+        &["focus-stack", "--from", "500", "--to", "800", "--count", "1"],
+        2,
+        &["write a whole number from 2 to 999"],
+    ),
+    // Parameters.
+    (&["render", "--mmperunit", "0"], 2, &["\"mmperunit\" is 0", "must be positive", "mm per world unit"]),
+    (&["render", "--param", "mmperunit=0"], 2, &["\"mmperunit\" is 0", "must be positive"]),
+    (&["lens", "dgauss.50mm", "--mmperunit", "0"], 2, &["\"mmperunit\" is 0"]),
+    (&["render", "--filmdiag", "-35"], 2, &["\"filmdiag\" is -35", "must be positive, in mm"]),
+    (&["render", "--filmdiag", "35mm"], 2, &["\"filmdiag\"", "a number", "35mm"]),
+    (&["render", "--filmdiag", "nan"], 2, &["\"filmdiag\"", "must be"]),
+    (&["render", "--fnumber", "f/8"], 2, &["\"fnumber\"", "a number", "f/8"]),
+    (&["render", "--wavelength", "0.55"], 2, &["\"wavelength\" is 0.55", "nm"]),
+    (&["render", "--pupil", "round"], 2, &["\"pupil\" is \"round\"", "warped", "rear"]),
+    (&["render", "--model", "pinhole"], 2, &["\"model\" is \"pinhole\"", "perspective"]),
+    (&["render", "--crop", "0,0,5"], 2, &["\"crop\"", "four numbers"]),
+    (&["render", "--crop", "0,0,9999,5", "--spp", "1"], 2, &["\"crop\"", "480"]),
+    (&["render", "--filmdiag", "35", "--filmdiag", "36"], 2, &["\"filmdiag\" is given twice"]),
+    (
+        &["render", "--fnumber", "4", "--aperture_diameter", "3"],
+        2,
+        &["\"fnumber\" and \"aperture_diameter\"", "give one of them"],
+    ),
+    (&["lens", "dgauss.50mm", "--fnumber", "4", "--aperture-diameter", "3"], 2, &["give one of them"]),
+    (
+        &["render", "--filmdistance", "40", "--focusdistance", "900"],
+        2,
+        &["\"filmdistance\" and \"focusdistance\"", "give one of them"],
+    ),
+    (&["focus", "dgauss.50mm", "--filmdistance", "40", "--focusdistance", "900"], 2, &["give one of them"]),
+    (&["focus", "dgauss.50mm", "--focusdistance", "0"], 2, &["\"focusdistance\" is 0", "must be positive"]),
+    (&["focus", "dgauss.50mm"], 2, &["--focusdistance MM", "--filmdistance MM"]),
+    (&["plan", "dgauss.50mm", "--blades", "2"], 2, &["\"blades\"", "3"]),
+    // Lenses.
+    (&["draw"], 2, &["which lens?", "realistic lens --list"]),
+    (&["focus", "--focusdistance", "900"], 2, &["which lens?"]),
+    (
+        &["lens", "dgauss.50mm", "--lens", "wide.22mm"],
+        2,
+        &["the lens is given twice", "dgauss.50mm", "wide.22mm"],
+    ),
+    (&["lens", "nowhere.dat"], 1, &["no lens file \"nowhere.dat\"", "dgauss.50mm"]),
+    (&["render", "--lens", "nowhere.dat"], 1, &["no lens file \"nowhere.dat\"", "dgauss.50mm"]),
+    (&["lens", "lens.json"], 1, &["lens.json:1:1: JSON", "give a table"]),
+    (&["render", "lens.json"], 1, &["lens.json:1:1: JSON", "give a table"]),
+    (&["lens", "."], 1, &["is a directory; give a lens file in it"]),
+    (&["lens", "picture.png"], 1, &["picture.png:1:1: "]),
+    (&["draw", "singlet.dat", "--zoom", "35"], 2, &["one focal length"]),
+    (&["focus", "dgauss.50mm", "--focusdistance", "60"], 1, &["cannot focus at 60 mm", "197.0"]),
+    (
+        &["focus", "dgauss.50mm", "--focusdistance", "900", "--focusby", "group"],
+        2,
+        &["no positions for near objects"],
+    ),
+    (&["trace", "-"], 2, &["standard input has the rays", "give the lens as a file"]),
+    (&["lens", "--list", "dgauss.50mm"], 2, &["--list shows every lens"]),
+    // Files.
+    (&["render", "--out", "picture.jpg"], 2, &["must end in .png", ".exr"]),
+    (&["render", "--out", "picture"], 2, &["must end in .png"]),
+    (&["draw", "dgauss.50mm", "--out", "lens.pdf"], 2, &["must end in .svg or .png"]),
+    (&["blender", "dgauss.50mm", "--out", "singlet.dat"], 2, &["must end in .osl"]),
+    (&["convert", "singlet.dat"], 2, &["where to?", "realistic convert IN OUT.dat"]),
+    (&["convert", "singlet.dat", "singlet.dat"], 2, &["is the lens itself", "another name"]),
+    (&["convert", "singlet.dat", "./singlet.dat", "--force"], 2, &["is the lens itself"]),
+    (&["convert", "singlet.dat", "lens.zmx"], 2, &["no other format", ".dat"]),
+    (&["convert", "dgauss.50mm", "singlet.dat"], 1, &["was not written by `convert`", "--force"]),
+    (&["install", "singlet.dat"], 2, &["singlet.dat is a file; give a folder"]),
+    (&["install", "plugins", "--plugin", "nothing.so"], 1, &["nothing.so"]),
+    (
+        &["focus-stack", "--from", "900", "--to", "950", "--out", "singlet.dat"],
+        2,
+        &["singlet.dat is a file; give a folder"],
+    ),
+    (&["report", "--out", "singlet.dat"], 2, &["singlet.dat is a file; give a folder"]),
+    (&["merge", "nothing.png", "--out", "whole.png"], 1, &["cannot read nothing.png"]),
+    (&["merge", "--out", "whole.png"], 2, &["<TILE>"]),
+];
+
+#[test]
+fn wrong_uses_are_told_what_is_wrong_and_what_to_write() {
+    let dir = tempfile::tempdir().unwrap();
+    fs::write(dir.path().join("singlet.dat"), "# my own\n20 5 1.5 10\n-20 0 1 10\n").unwrap();
+    fs::write(dir.path().join("lens.json"), "{\"surfaces\": []}\n").unwrap();
+    fs::write(dir.path().join("picture.png"), b"\x89PNG\r\n\x1a\n\0\0").unwrap();
+    let files = || {
+        let mut all: Vec<_> = fs::read_dir(dir.path()).unwrap().map(|entry| entry.unwrap().path()).collect();
+        all.retain(|path| path.is_file());
+        all.sort();
+        all.into_iter().map(|path| (fs::read(&path).unwrap(), path)).collect::<Vec<_>>()
+    };
+    let before = files();
+    let mut table = String::new();
+    let mut wrong = Vec::new();
+    for (arguments, code, words) in WRONG_USES {
+        let output = realistic(dir.path(), arguments);
+        let answer = String::from_utf8_lossy(&output.stderr);
+        let first = answer.lines().find(|line| !line.contains("warning:")).unwrap_or_default();
+        table += &format!("| `{}` | {code} | {first} |\n", arguments.join(" "));
+        let said = words.iter().all(|word| answer.contains(word)) && answer.starts_with("realistic: ");
+        let said = said && !answer.contains("error: error");
+        if output.status.code() != Some(*code) || !said || !output.stdout.is_empty() {
+            wrong.push(format!("{arguments:?} {:?}: {answer}", output.status.code()));
+        }
+    }
+    println!("{table}");
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert!(WRONG_USES.len() >= 60 && files() == before, "no file is written or changed");
+}
+
+/// Names of files are bytes to the system.
+#[cfg(unix)]
+#[test]
+fn names_that_are_no_text_are_told_so() {
+    use std::os::unix::ffi::OsStrExt as _;
+    let name = std::ffi::OsStr::from_bytes(b"b\xff.dat");
+    for command in ["lens", "render", "convert"] {
+        let mut program = std::process::Command::new(env!("CARGO_BIN_EXE_realistic"));
+        let output = program.arg(command).arg(name).output().unwrap();
+        let answer = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{answer}");
+        assert!(
+            answer.contains(r#""b\xFF.dat" is not UTF-8"#) && answer.contains("rename the file"),
+            "{answer}"
+        );
+    }
+}
+
+#[test]
+fn short_help_fits_a_screen_and_the_long_one_has_every_parameter() {
+    let dir = tempfile::tempdir().unwrap();
+    let help = |arguments: &[&str]| {
+        let output = realistic(dir.path(), arguments);
+        assert!(output.status.success() && output.stderr.is_empty(), "{arguments:?}");
+        String::from_utf8(output.stdout).unwrap()
+    };
+    for command in
+        ["render", "lens", "convert", "blender", "draw", "trace", "focus", "pupil", "plan", "focus-stack"]
+    {
+        let short = help(&[command, "-h"]);
+        assert!(
+            (10..=40).contains(&short.lines().count()),
+            "{command}: {} lines\n{short}",
+            short.lines().count()
+        );
+        let long = help(&[command, "--help"]);
+        let words: Vec<&str> = long.split_whitespace().collect();
+        assert!(long.contains("--focusdistance") && words.join(" ").contains("in world units"), "{long}");
+        assert_eq!(long, help(&["help", command]));
+    }
+    assert!((24..=40).contains(&help(&["render", "-h"]).lines().count()));
+    assert!(help(&["-h"]).lines().count() <= 40);
+    let long = help(&["render", "--help"]);
+    for row in ::realistic::camera::PARAMETERS {
+        assert!(long.contains(&format!("--{} <", row.name)), "{}", row.name);
+    }
+    // The parameters that need a camera are no lens's.
+    assert!(!help(&["lens", "--help"]).contains("--shutteropen"));
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        let completions = help(&["completions", shell]);
+        assert!(completions.contains("focusdistance") && completions.contains("focus-stack"), "{shell}");
+    }
+}
