@@ -28,25 +28,42 @@ def cases(camera: realistic.Camera) -> dict[str, Callable[[], object]]:
     xy_double, uv_double = xy.astype(float), uv.astype(float)
     pointer = camera._live().pointer
 
-    samples = (*xy_columns.T, *uv_columns.T, np.zeros(N, np.float32))
-    asked = _abi.SamplesPointers(*(column.ctypes.data for column in samples))
+    no_time = np.zeros(N, np.float32)
     out, lean = realistic.Rays.empty(N), realistic.Rays.empty(N)
     lean.mint = lean.maxt = lean.time = None
     rows = realistic.Rays(np.zeros((N, 3), np.float32), np.zeros((N, 3), np.float32), np.zeros(N, np.float32))
 
-    def c(target: realistic.Rays) -> None:
-        columns = (*target.origin.T, *target.direction.T, target.mint, target.maxt, target.time, target.weight)
-        found = _abi.RaysPointers(*(None if column is None else column.ctypes.data for column in columns), None)
-        assert _abi.library.realistic_camera_generate_rays_soa(pointer, N, asked, found) == 0
+    def call(request: _abi.Request) -> None:
+        assert _abi.library.realistic_camera_generate_batch(pointer, N, request) == 0
 
-    structures = _abi.library.realistic_camera_generate_rays
-    structures.argtypes = [ctypes.c_void_p, *[ctypes.c_size_t, ctypes.c_void_p] * 3, ctypes.c_void_p]
+    def c(target: realistic.Rays) -> None:
+        request = _abi.Request(struct_size=ctypes.sizeof(_abi.Request))
+        request.image = _abi.Input(*(column.ctypes.data for column in xy_columns.T), 4)
+        request.lens = _abi.Input(*(column.ctypes.data for column in uv_columns.T), 4)
+        request.time = _abi.Input(no_time.ctypes.data, None, 4)
+        request.origin = _abi.Output(*(column.ctypes.data for column in target.origin.T), 4)
+        request.direction = _abi.Output(*(column.ctypes.data for column in target.direction.T), 4)
+        for name in ("mint", "maxt", "time", "weight"):
+            column = getattr(target, name)
+            if column is not None:
+                place = _abi.Output(column.ctypes.data, None, None, 4)
+                setattr(request, "ray_time" if name == "time" else name, place)
+        call(request)
+
     sample_rows = np.concatenate([xy, uv, np.zeros((N, 1), np.float32)], axis=1)
     ray_rows, weights = np.zeros((N, 9), np.float32), np.zeros(N, np.float32)
 
     def c_structures(ray_rows: np.ndarray = ray_rows, weights: np.ndarray = weights) -> None:
-        addresses = [array.ctypes.data for array in (sample_rows, ray_rows, weights)]
-        assert structures(pointer, N, addresses[0], 20, addresses[1], 36, addresses[2], None) == 0
+        sample, ray = sample_rows.ctypes.data, ray_rows.ctypes.data
+        request = _abi.Request(struct_size=ctypes.sizeof(_abi.Request))
+        request.image, request.lens = _abi.Input(sample, sample + 4, 20), _abi.Input(sample + 8, sample + 12, 20)
+        request.time = _abi.Input(sample + 16, None, 20)
+        request.origin = _abi.Output(ray, ray + 4, ray + 8, 36)
+        request.direction = _abi.Output(ray + 12, ray + 16, ray + 20, 36)
+        for name, at in (("mint", 24), ("maxt", 28), ("ray_time", 32)):
+            setattr(request, name, _abi.Output(ray + at, None, None, 36))
+        request.weight = _abi.Output(weights.ctypes.data, None, None, 4)
+        call(request)
 
     return {
         "C, columns": lambda: c(out),

@@ -10,7 +10,7 @@ import realistic
 
 def main(lens: str) -> None:
     camera = realistic.Camera(lens, resolution=(1920, 1280), focusdistance=2000.0)
-    found = camera.intrinsics()
+    found = realistic.measure.intrinsics(camera)
     print("camera matrix, pixels:")
     print(found.matrix.round(3))
     print("distortion k1 k2 p1 p2 k3:", found.distortion.round(6))

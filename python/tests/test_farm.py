@@ -2,6 +2,7 @@
 
 import io
 import os
+import pickle
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -9,9 +10,8 @@ import numpy as np
 import pytest
 
 import realistic
-from realistic import FocusError, LensFileError, ParameterError, Table, farm, measure, study
+from realistic import Field, Table, farm, measure, study
 from realistic.errors import quietly
-from realistic.farm.workers import spread
 
 SMALL = {"fields": [0.0, 0.8], "frequencies": [10, 30], "resolution": (300, 200)}
 
@@ -26,21 +26,27 @@ def table():
 def test_a_row_for_each_combination_in_order(table):
     assert len(table) == 2 * 2 * 2 * 2 * 2
     assert table.columns == (
-        ("lens", "fnumber", "distance", "field", "wavelength_nm", "focal_length_mm", "spot_rms_um")
+        ("lens", "fnumber_asked", "fnumber_used", "distance", "field", "field_angle_deg", "wavelength_nm")
+        + ("focal_length_mm", "spot_rms_um")
         + ("mtf_tangential_10", "mtf_sagittal_10", "mtf_tangential_30", "mtf_sagittal_30")
-        + ("relative_illumination", "distortion", "acceptance", "note")
+        + ("relative_illumination", "distortion", "acceptance", "failed", "note")
     )
     assert table["lens"].tolist() == ["dgauss.50mm"] * 16 + ["wide.22mm"] * 16
-    np.testing.assert_allclose(table["fnumber"][:16], [realistic.Lens("dgauss.50mm").fnumber] * 8 + [8] * 8)
+    np.testing.assert_allclose(table["fnumber_used"][:16], [realistic.Lens("dgauss.50mm").fnumber] * 8 + [8] * 8)
+    np.testing.assert_array_equal(table["fnumber_asked"][:16], [np.nan] * 8 + [8] * 8)
     assert table["distance"][:8].tolist() == [np.inf] * 4 + [2000.0] * 4
     assert table["field"][:4].tolist() == [0, 0, 0.8, 0.8]
     assert table["wavelength_nm"][:4].tolist() == [486.13, 587.56] * 2
-    assert set(table["note"]) == {""}
+    # The lenses' files have no dispersion.
+    away = table["wavelength_nm"] == 486.13
+    assert set(table["note"][~away]) == {""} and len(set(table["note"][away])) == 2
+    assert all("wavelength 486.13 nm changes nothing" in note for note in table["note"][away])
+    assert not table["failed"].any()
 
 
 def test_a_row_is_what_measures_say(table):
-    row = table[(table["lens"] == "wide.22mm") & (table["fnumber"] == 8) & (table["distance"] == 2000)]
-    row = row[(row["field"] == 0.8) & (row["wavelength_nm"] == 486.13)].data[0]
+    row = table[(table["lens"] == "wide.22mm") & (table["fnumber_asked"] == 8) & (table["distance"] == 2000)]
+    row = row[(row["field"] == 0.8) & (row["wavelength_nm"] == 486.13)][0]
     given = {"resolution": (300, 200), "fnumber": 8}
     film = realistic.Camera("wide.22mm", focusdistance=2000.0, **given).film_distance_mm
     with quietly():
@@ -56,8 +62,11 @@ def test_a_row_is_what_measures_say(table):
     found = [[row[f"mtf_{way}_{f}"] for f in (10, 30)] for way in ("tangential", "sagittal")]
     np.testing.assert_allclose(found, mtf, rtol=1e-6)
     np.testing.assert_allclose(row["relative_illumination"], measure.relative_illumination(camera, point)[0], rtol=1e-6)
-    distortion = measure.distortion(camera, [0.8 * np.hypot(150, 100)], distance=2000.0)[0]
+    distortion = measure.distortion(camera, point, distance=2000.0)[0]
     np.testing.assert_allclose(row["distortion"], distortion, rtol=1e-6)
+    np.testing.assert_allclose(
+        row["field_angle_deg"], measure.field_angle(camera, point, distance=2000.0)[0], rtol=1e-6
+    )
     assert 0.9 < row["acceptance"] <= 1
 
 
@@ -94,28 +103,76 @@ def test_a_lens_that_cannot_focus_so_near_has_a_note_and_no_numbers():
 def test_a_camera_without_light_has_a_note_and_no_numbers():
     # Over the rear element's disk hardly a ray finds so small a stop.
     found = study("dgauss.50mm", [50_000.0, 8.0], processes=1, pupil="rear", **SMALL)
-    assert found["note"].tolist() == ["no light gets to the middle of the picture"] * 2 + [""] * 2
+    assert found["note"][:2].tolist() == [found["note"][0]] * 2 and found["note"][2:].tolist() == [""] * 2
+    assert found["note"][0].startswith("no ray gets through of 4096 over picture and pupil")
+    assert found["note"][0].endswith("; no light gets to the middle of the picture")
     assert np.isnan(found["spot_rms_um"][:2]).all() and np.isfinite(found["spot_rms_um"][2:]).all()
-    assert found["fnumber"].tolist() == [50_000.0] * 2 + [8.0] * 2
+    assert found["fnumber_asked"].tolist() == [50_000.0] * 2 + [8.0] * 2
+    assert found["failed"].tolist() == [True] * 2 + [False] * 2
+    np.testing.assert_allclose(found["fnumber_used"], found["fnumber_asked"], rtol=1e-9)
+
+
+def test_a_stop_wider_than_the_lens_is_stated_as_what_it_is():
+    """Each row's f-number is the one of a lens that is built alone; where it is not what was asked for the note says so."""
+    names = ["dgauss.50mm", "wide.22mm", "tessar.50mm", "phone.4mm", "triplet.210mm"]
+    found = study(names, 2.0, fields=0, resolution=(30, 20), processes=1)
+    used = []
+    for name in names:
+        with quietly():
+            used.append(realistic.Lens(name, fnumber=2.0).fnumber)
+    np.testing.assert_allclose(found["fnumber_used"], used, rtol=1e-9)
+    assert set(found["fnumber_asked"]) == {2.0}
+    clamped = np.array(used) > 2.0 * (1 + 1e-9)
+    assert 0 < clamped.sum() < len(names)
+    for row, is_clamped in zip(found, clamped):
+        assert ("is faster than the lens; f/" in row["note"]) == is_clamped, row
+
+
+def test_one_bad_lens_is_rows_with_a_note_and_never_the_end(tmp_path):
+    bad = tmp_path / "bad.dat"
+    bad.write_text("20 5 1.5\n")
+    found = study(["dgauss.50mm", "nowhere", bad], [8, -3], processes=1, **SMALL)
+    failed = np.isnan(found["spot_rms_um"])
+    assert found["failed"].tolist() == failed.tolist() == [False] * 2 + [True] * 10
+    assert all("fnumber" in note for note in found["note"][2:4])
+    assert all("no lens file" in note for note in found["note"][4:8])
+    assert all("bad.dat" in note for note in found["note"][8:])
+    assert found["field"].tolist() == [0.0, 0.8] * 6 and found["fnumber_asked"].tolist() == [8, 8, -3, -3] * 3
+
+
+def test_a_study_takes_field_angles(table):
+    angle = table[(table["lens"] == "dgauss.50mm") & (table["fnumber_asked"] == 8)]
+    angle = float(angle[(angle["distance"] == np.inf) & (angle["wavelength_nm"] == 587.56)]["field_angle_deg"][1])
+    found = study(["dgauss.50mm"], 8, fields=Field.angles([0.0, angle, 60.0]), processes=1, resolution=(300, 200))
+    assert found["field_angle_deg"].tolist() == [0.0, angle, 60.0]
+    np.testing.assert_allclose(found["field"], [0, 0.8, np.nan], rtol=1e-4)
+    assert found["failed"].tolist() == [False, False, True]
+    assert found["note"].tolist() == ["", "", "the picture does not reach to 60°"]
+    same = study(["dgauss.50mm"], 8, fields=[0.0, 0.8], processes=1, resolution=(300, 200))
+    np.testing.assert_allclose(found["spot_rms_um"][:2], same["spot_rms_um"], rtol=1e-3)
+    alone = study("dgauss.50mm", fields=Field.angles(60.0), processes=1)
+    assert alone["failed"].tolist() == [True]
+    dark = study("fisheye.10mm", 8, fields=[0.0, 1.0], processes=1)
+    assert dark["note"].tolist() == ["", "no light gets to this point of the picture"] and not dark["failed"].any()
 
 
 def test_what_is_wrong_is_told():
-    with pytest.raises(LensFileError, match="nowhere"):
-        study("nowhere", processes=1)
-    with pytest.raises(ParameterError, match="fnumber"):
-        study("dgauss.50mm", -3.0, processes=1)
     with pytest.raises(TypeError, match="fnumber, focusdistance: give a study's lenses"):
         study("dgauss.50mm", fnumber=3, focusdistance=5)
-    with pytest.raises(ValueError, match="from 0 to 1"):
+    with pytest.raises(ValueError, match="fractions of the picture are from -1 to 1"):
         study("dgauss.50mm", fields=1.5)
-    with pytest.raises(ValueError, match="from 0 to 1"):
+    with pytest.raises(ValueError, match="fractions of the picture are from -1 to 1"):
+        study("dgauss.50mm", fields=[0, -1.5])
+    with pytest.raises(ValueError, match="not a finite number"):
         study("dgauss.50mm", fields=[0, np.nan])
     with pytest.raises(ValueError, match="processes is 0"):
         study("dgauss.50mm", processes=0)
     with pytest.raises(TypeError, match="no parameter 'filmdia'"):
         study("dgauss.50mm", filmdia=3, processes=1)
-    with pytest.raises(FocusError, match="blocked"), ThreadPoolExecutor(1) as pool:
-        spread(lambda _: (_ for _ in ()).throw(FocusError("blocked")), [1], pool)
+    with pytest.raises(ValueError, match="retries is -1"):
+        study("dgauss.50mm", retries=-1)
+    with pytest.raises(TypeError, match="resolution must be two integers"):
+        study("dgauss.50mm", resolution=(3.5, 2))
 
 
 def test_nothing_to_study_is_an_empty_table():
@@ -133,9 +190,44 @@ def test_a_table_is_written_and_read_again(table, tmp_path):
     lines = text.splitlines()
     assert lines[0] == ",".join(table.columns) and len(lines) == 1 + len(table)
     read = np.genfromtxt(file, delimiter=",", names=True, dtype=None, encoding="utf-8")
-    for name in table.columns[1:-1]:
+    for name in table.columns[1:-2]:
         np.testing.assert_array_equal(read[name], table[name])
-    assert "32 rows" in repr(table)
+    assert "32 rows" in repr(table) and repr(table == table[0]).startswith("Table([")
+
+
+def test_a_table_is_a_data_frame_as_it_is(table):
+    pandas = pytest.importorskip("pandas")
+    frame = pandas.DataFrame(table)
+    assert tuple(frame.columns) == table.columns and len(frame) == len(table)
+    for name in table.columns:
+        np.testing.assert_array_equal(frame[name].to_numpy(table[name].dtype), table[name])
+    assert tuple(pandas.DataFrame(table[:0]).columns) == table.columns
+
+
+def test_a_table_is_an_array_of_rows(table):
+    assert isinstance(table[3:5], Table) and isinstance(table[table["field"] > 0], Table) and len(table[:0]) == 0
+    assert type(table["field"]) is np.ndarray and table[0]["lens"] == "dgauss.50mm"
+    assert [row["field"] for row in table] == table["field"].tolist()
+    assert pickle.loads(pickle.dumps(table)).equals(table)
+
+
+def test_a_notebook_shows_a_table(table):
+    """Read as XML: a heading for each column, a row for each of the table, of many the first and the last."""
+    import xml.etree.ElementTree as xml
+
+    shown = xml.fromstring(table._repr_html_())
+    assert [head.text for head in shown.find("thead").iter("th")] == list(table.columns)
+    rows = [[cell.text or "" for cell in row] for row in shown.find("tbody")]
+    assert len(rows) == 32 and rows[5][0] == table["lens"][5]
+    assert float(rows[5][8]) == pytest.approx(table["spot_rms_um"][5], rel=1e-5)
+    many = Table(np.concatenate([table] * 10))
+    rows = [[cell.text or "" for cell in row] for row in xml.fromstring(many._repr_html_()).find("tbody")]
+    assert len(rows) == 61 and rows[30] == ["… 260 rows …"] and rows[-1][4] == f"{table['field'][-1]:.6g}"
+    odd = np.array([("<b>&",)], [("a<", "U4")])
+    assert xml.fromstring(Table(odd)._repr_html_())[1][0][0].text == "<b>&"
+
+
+def test_a_table_needs_columns():
     with pytest.raises(ValueError, match="structured array"):
         Table(np.zeros((2, 2)))
 
@@ -174,6 +266,9 @@ def test_what_the_program_says_is_told(checkout, tmp_path):
     for option in ("--size", "--crop=0,0,3,3", "--threads"):
         with pytest.raises(ValueError, match="is not an option of a picture in tiles"):
             farm.render(tmp_path / "a.png", [option], program=command)
+    for options in (["--lens", "-"], ["--lens=-"]):
+        with pytest.raises(ValueError, match="standard input cannot be read for each tile"):
+            farm.render(tmp_path / "a.png", options, program=command)
     with pytest.raises(ValueError, match="a pixel at least"):
         farm.render(tmp_path / "a.png", tile=(0, 3), program=command)
     assert not list(tmp_path.iterdir())

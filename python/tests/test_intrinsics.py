@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from realistic import Camera
+from realistic.measure import intrinsics
 from realistic.measure.bundles import film_plane, in_camera_space
 
 
@@ -27,7 +28,7 @@ from realistic.measure.bundles import film_plane, in_camera_space
     ],
 )
 def test_a_perspective_is_its_own_pinhole(parameters, fx, fy, cx, cy):
-    found = Camera(model="perspective", resolution=(640, 480), **parameters).intrinsics()
+    found = intrinsics(Camera(model="perspective", resolution=(640, 480), **parameters))
     np.testing.assert_allclose(found.matrix, [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], rtol=1e-6, atol=1e-4)
     # By what each coefficient moves the corner, of its distance from the middle.
     r = max(np.hypot(320 / fx, 240 / fy), 1e-9)
@@ -42,7 +43,7 @@ def test_a_perspective_is_its_own_pinhole(parameters, fx, fy, cx, cy):
 def test_the_thin_lens_has_its_focal_length_at_infinity(unit):
     camera = Camera("dgauss.50mm", model="thin", resolution=(1920, 1280), mmperunit=unit)
     pixel = camera.film_size_mm[0] / 1920
-    found = camera.intrinsics()
+    found = intrinsics(camera)
     assert found.matrix[0, 0] == pytest.approx(camera.focal_length_mm / pixel, rel=1e-6)
     assert found.residual_max < 1e-3
     np.testing.assert_allclose(found.distortion[:2] * [0.1, 0.01], 0, atol=1e-6)
@@ -63,7 +64,7 @@ def test_the_film_plane_is_found(model, lens, length):
 @pytest.mark.parametrize("lens", ["dgauss.50mm", "wide.22mm", "telephoto.250mm"])
 def test_a_real_lens_is_fitted_to_a_fortieth_of_a_pixel(lens):
     camera = Camera(lens, resolution=(1920, 1280))
-    found = camera.intrinsics()
+    found = intrinsics(camera)
     assert found.residual_max < 0.025
     # Round about the axis: no skew of any kind, and square pixels.
     np.testing.assert_allclose(found.distortion[2:4], 0, atol=1e-6)
@@ -72,7 +73,7 @@ def test_a_real_lens_is_fitted_to_a_fortieth_of_a_pixel(lens):
     # First order, but for the spherical aberration of the pupil wide open.
     expected = camera.focal_length_mm * 1920 / camera.film_size_mm[0]
     assert found.matrix[0, 0] == pytest.approx(expected, rel=0.01)
-    fewer = [camera.intrinsics(coefficients=n) for n in (0, 2, 4)]
+    fewer = [intrinsics(camera, coefficients=n) for n in (0, 2, 4)]
     assert fewer[0].residual_rms > fewer[1].residual_rms >= fewer[2].residual_rms >= found.residual_rms
     assert not fewer[0].distortion.any() and not fewer[1].distortion[2:].any()
 
@@ -80,7 +81,7 @@ def test_a_real_lens_is_fitted_to_a_fortieth_of_a_pixel(lens):
 def test_rays_of_the_picture_are_projected_where_they_began(samples):
     """The other way round: a point of a ray in the plane of the fit, in OpenCV's axes, is projected to its pixel."""
     camera = Camera("wide.22mm", resolution=(1920, 1280), focusdistance=2000.0, fnumber=11)
-    found = camera.intrinsics()
+    found = intrinsics(camera)
     image_xy, lens_uv = samples(camera, 2000)
     rays = camera.rays(image_xy, lens_uv)
     passed = rays.weight > 0
@@ -97,13 +98,13 @@ def test_rays_of_the_picture_are_projected_where_they_began(samples):
 
 def test_the_plane_of_the_fit_is_counted_from_the_film():
     camera = Camera("dgauss.50mm", resolution=(1920, 1280), focusdistance=2000.0)
-    given, default = camera.intrinsics(2000.0), camera.intrinsics()
+    given, default = intrinsics(camera, 2000.0), intrinsics(camera)
     np.testing.assert_allclose(given.matrix, default.matrix, rtol=1e-7)
     length = 32.04
     film = -(length + camera.film_distance_mm)
     assert default.distance + default.position[2] - film == pytest.approx(2000, rel=1e-6)
-    assert camera.intrinsics(np.inf).distance == np.inf
-    metres = camera.replace(mmperunit=1000.0, focusdistance=2.0).intrinsics()
+    assert intrinsics(camera, np.inf).distance == np.inf
+    metres = intrinsics(camera.replace(mmperunit=1000.0, focusdistance=2.0))
     np.testing.assert_allclose(metres.matrix, default.matrix, rtol=1e-5)
     np.testing.assert_allclose(metres.position * 1000, default.position, rtol=1e-4)
 
@@ -115,11 +116,11 @@ def test_pose_and_shutter_do_not_matter():
         shutter="focal-plane",
         shutterslit=0.1,
     )
-    np.testing.assert_array_equal(turned.intrinsics().matrix, camera.intrinsics().matrix)
+    np.testing.assert_array_equal(intrinsics(turned).matrix, intrinsics(camera).matrix)
 
 
 def test_a_fisheye_says_how_badly_it_fits():
-    found = Camera("fisheye.10mm", resolution=(1920, 1280)).intrinsics()
+    found = intrinsics(Camera("fisheye.10mm", resolution=(1920, 1280)))
     assert found.residual_max > 10 and found.coverage < 0.9
 
 
@@ -135,7 +136,7 @@ def test_a_fisheye_says_how_badly_it_fits():
 )
 def test_what_has_no_pinhole_is_refused(camera, arguments, words):
     with pytest.raises(ValueError, match=words):
-        Camera(resolution=(300, 200), **camera).intrinsics(**arguments)
+        intrinsics(Camera(resolution=(300, 200), **camera), **arguments)
 
 
 @pytest.mark.parametrize("lens", ["dgauss.50mm", "wide.22mm"])
@@ -143,7 +144,7 @@ def test_opencv_agrees(lens):
     """cv2 projects as we do to the bit of a double, and its own calibration of the same points is no better."""
     cv2 = pytest.importorskip("cv2")
     camera = Camera(lens, resolution=(960, 640), focusdistance=1500.0)
-    found = camera.intrinsics()
+    found = intrinsics(camera)
     random = np.random.default_rng(2)
     points = np.concatenate([random.uniform(-0.3, 0.3, (200, 2)), np.ones((200, 1))], axis=1)
     projected, _ = cv2.projectPoints(points, np.zeros(3), np.zeros(3), found.matrix, found.distortion)

@@ -10,6 +10,7 @@ import pytest
 
 import realistic
 from realistic import Lens
+from realistic.surfaces import sag
 
 CATALOGUE = ["dgauss.50mm", "dgauss.100mm", "wide.22mm", "telephoto.250mm", "fisheye.10mm"]
 
@@ -212,8 +213,10 @@ def test_the_cross_section_is_drawn(name):
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
+    from realistic import plot
+
     lens = Lens(name)
-    ax = lens.plot()
+    ax = plot.section(lens)
     assert ax.get_title().startswith(name)
     glasses = sum(surface.index_film > 1 for surface in lens.surfaces)
     assert len(ax.patches) == glasses > 3
@@ -234,17 +237,64 @@ def test_every_name_of_the_catalogue_is_a_lens(checkout):
 
 
 def test_a_zoom_lens_stands_where_it_is_told():
-    assert abs(Lens("zoom.24-70mm", zoom="35").focal_length_mm - 35) < 1e-9
+    for zoom in ("35", 35, 35.0, np.float32(35), np.int64(35)):
+        assert abs(Lens("zoom.24-70mm", zoom=zoom).focal_length_mm - 35) < 1e-9
+    assert abs(realistic.Camera("zoom.24-70mm", zoom=35, resolution=(3, 2)).focal_length_mm - 35) < 1e-9
     with pytest.raises(realistic.ParameterError, match="zoom"):
         Lens("dgauss.50mm", zoom="35")
+    with pytest.raises(ValueError, match="zoom is NaN"):
+        Lens("zoom.24-70mm", zoom=float("nan"))
+    with pytest.raises(TypeError, match="zoom must be text"):
+        Lens("zoom.24-70mm", zoom=True)
+
+
+@pytest.mark.parametrize("text", [3, 2.5, ["20 5 1.5 10"], True])
+def test_a_lens_text_that_is_no_text_is_refused(text):
+    with pytest.raises(TypeError, match="lens_text must be the text of a lens file"):
+        realistic.Camera(lens_text=text, resolution=(3, 2))
+    with pytest.raises(TypeError, match="lens_text must be the text of a lens file"):
+        Lens(lens_text=text)
+
+
+@pytest.mark.parametrize("name", ["dgauss.50mm", "phone.4mm", "zoom.24-70mm"])
+def test_a_notebook_shows_the_cross_section(name):
+    """The drawing is read as XML: a closed shape for each glass, a line for each surface, and all of it in the frame."""
+    import xml.etree.ElementTree as xml
+
+    lens = Lens(name)
+    figure = xml.fromstring(lens._repr_html_())
+    svg = "{http://www.w3.org/2000/svg}"
+    paths = [path.get("d") for path in figure.iter(f"{svg}path")]
+    glasses = sum(surface.index_film > 1 for surface in lens.surfaces)
+    assert sum(path.endswith("Z") for path in paths) == glasses > 3
+    # And the axis, and the stop's two blades.
+    stops = sum(surface.is_stop for surface in lens.surfaces)
+    assert len(paths) == glasses + len(lens.surfaces) - stops + 1 + 2 * stops
+    left, top, width, height = map(float, figure.find(f"{svg}svg").get("viewBox").split())
+    for path in paths:
+        if "H" not in path:
+            x, y = np.array([point.split() for point in path[1:].rstrip("Z").split("L")], float).T
+            assert (x > left).all() and (x < left + width).all()
+            assert (y > top).all() and (y < top + height).all()
+    assert figure.find("figcaption").text.startswith(f"{name}: {lens.focal_length_mm:.4g} mm, f/")
+
+
+def test_a_notebook_shows_a_lens_whatever_its_name_is(tmp_path):
+    import xml.etree.ElementTree as xml
+
+    file = tmp_path / "<b>&.dat"
+    file.write_text("20 5 1.5 10\n-20 0 1 10\n")
+    assert "<b>&" in xml.fromstring(Lens(file)._repr_html_()).find("figcaption").text
 
 
 def test_rays_are_drawn_through_the_cross_section():
     matplotlib.use("Agg")
+    from realistic import plot
+
     lens = Lens("dgauss.50mm", fnumber=5.6)
     film = lens.focus(np.inf)
     for given in ({}, {"film_distance_mm": film + 1}):
-        ax = lens.plot(angles=[0.0, 12.0], rays=5, **given)
+        ax = plot.section(lens, angles=[0.0, 12.0], rays=5, **given)
         ways = [line.get_xydata() for line in ax.lines if len(line.get_xdata()) == len(lens.surfaces) + 2]
         assert len(ways) == 10
         x = -lens.rear_vertex_mm + given.get("film_distance_mm", film)
@@ -260,8 +310,6 @@ def test_rays_are_drawn_through_the_cross_section():
 
 @pytest.mark.parametrize("name", ["phone.4mm", "dgauss.50mm"])
 def test_the_drawn_surfaces_are_where_rays_meet_them(name):
-    from realistic.plot import _sag
-
     lens = Lens(name)
     h = np.linspace(-0.8, 0.8, 41) * lens.surfaces[0].semi_diameter_mm
     points = lens.trace(np.stack([0 * h, h, 0 * h + 50], axis=-1), [0, 0, -1], points=True).points
@@ -269,6 +317,6 @@ def test_the_drawn_surfaces_are_where_rays_meet_them(name):
     for k, surface in enumerate(lens.surfaces):
         there = np.isfinite(points[:, k]).all(axis=1)
         y, z = points[there, k, 1:].T
-        np.testing.assert_allclose(surface.vertex_mm - _sag(surface, y), z, atol=1e-9)
+        np.testing.assert_allclose(surface.vertex_mm - sag(surface, y), z, atol=1e-9)
         met += there.sum()
     assert met > 5 * len(lens.surfaces)

@@ -4,7 +4,7 @@ import matplotlib
 import numpy as np
 import pytest
 
-from realistic import Camera, measure
+from realistic import Camera, Field, measure
 
 
 def thin(**parameters):
@@ -50,17 +50,18 @@ def test_a_small_stop_darkens_by_the_fourth_power_of_the_cosine():
 
 def test_ideal_lenses_do_not_distort():
     for camera in (thin(), thin(focusdistance=800.0), Camera(model="perspective", resolution=(600, 400), fov=40.0)):
-        np.testing.assert_allclose(measure.distortion(camera, [50.0, 200.0, 350.0]), 0, atol=5e-6)
+        np.testing.assert_allclose(measure.distortion(camera, Field.fractions([0.15, 0.6, 1.0])), 0, atol=5e-6)
 
 
 def test_the_distortion_is_that_of_the_intrinsics():
     camera = Camera("wide.22mm", resolution=(1920, 1280), fnumber=8)
-    found = camera.intrinsics()
+    found = measure.intrinsics(camera)
     k1, k2, _, _, k3 = found.distortion
     tangent = np.array([0.2, 0.4, 0.6])
     factor = 1 + tangent**2 * (k1 + tangent**2 * (k2 + tangent**2 * k3))
     radii = found.matrix[0, 0] * tangent * factor
-    np.testing.assert_allclose(measure.distortion(camera, radii), factor - 1, atol=2e-4)
+    points = [960, 640] + radii[:, None] * np.array([3, -2]) / np.sqrt(13)
+    np.testing.assert_allclose(measure.distortion(camera, points), factor - 1, atol=2e-4)
 
 
 def test_spots_are_where_rays_of_one_object_point_meet_the_film():
@@ -71,7 +72,7 @@ def test_spots_are_where_rays_of_one_object_point_meet_the_film():
     lit = found.weight[0] > 0
     middles = (np.arange(8) + 0.5) / 8
     uv = np.stack(np.meshgrid(middles, middles), axis=-1).reshape(-1, 2)[lit]
-    plane = camera.intrinsics()
+    plane = measure.intrinsics(camera)
     z = plane.position[2] + plane.distance
 
     def meets(image_xy):
@@ -120,7 +121,7 @@ def test_a_fans_ray_ends_at_the_film_point_from_which_the_camera_sees_the_object
     pixel = camera.film_size_mm[0] / 1500
     outward = (start - [750, 500]) / np.hypot(*(start - [750, 500])) * [1, -1]
     axes = np.array([outward, [-outward[1], outward[0]]])
-    intrinsics = camera.intrinsics()
+    intrinsics = measure.intrinsics(camera)
     z = intrinsics.position[2] + intrinsics.distance
 
     def grid(side):
@@ -163,7 +164,7 @@ def test_field_curvature_is_where_a_narrow_bundle_is_sharpest():
     given = {"resolution": (600, 400), "fnumber": 22}
     camera = Camera("dgauss.50mm", **given)
     radius = 250.0
-    tangential, sagittal = measure.field_curvature(camera, [0.0, radius], distance=np.inf)[1]
+    tangential, sagittal = measure.field_curvature(camera, [300 + radius, 200], distance=np.inf)
     assert abs(tangential - sagittal) > 0.02
 
     def widths(shift):
@@ -177,6 +178,102 @@ def test_field_curvature_is_where_a_narrow_bundle_is_sharpest():
         # The square of the width is a parabola of the shift.
         a, b, _ = np.polyfit(shifts, curves[:, axis] ** 2, 2)
         assert abs(-b / (2 * a) - expected) < 0.03
+
+
+@pytest.mark.parametrize("distance", [np.inf, 800.0])
+def test_a_field_angle_of_an_ideal_lens_is_that_of_the_film_point(distance):
+    """Film at v behind a lens whose pupil is in its plane sees with a point at r in the direction r / v."""
+    for camera, unit in (
+        # Stopped down, so that the mean of a pupil that the weights make uneven is its middle.
+        (thin(focusdistance=distance, fnumber=16), None),
+        (Camera(model="perspective", resolution=(600, 400), fov=40.0), 200 / np.tan(np.radians(20))),
+    ):
+        if unit is None:
+            # 1/f = 1/v + 1/g, v + g the distance and the 5.4 mm of the first test; for infinity v = f.
+            f, total = camera.focal_length_mm, distance + 5.4
+            v = f if np.isinf(distance) else (total - np.sqrt(total * total - 4 * total * f)) / 2
+            unit = v / camera.film_size_mm[0] * 600
+        points = np.array([[300, 200], [400, 200], [300, 100], [450, 120], [5, 5]])
+        angles = np.degrees(np.arctan(np.hypot(*(points - [300, 200]).T) / unit))
+        np.testing.assert_allclose(measure.field_angle(camera, points), angles, rtol=2e-4, atol=1e-5)
+        x, y = np.degrees(np.arctan((points - [300, 200]).T * [[1], [-1]] / unit))
+        np.testing.assert_allclose(Field.angles(x=x, y=y).image_xy(camera), points, atol=0.05)
+
+
+@pytest.mark.parametrize("lens", ["dgauss.50mm", "fisheye.10mm", "zoom.24-70mm"])
+def test_field_angles_and_film_points_are_each_others_inverse(lens):
+    camera = Camera(lens, resolution=(600, 400), focusdistance=3000.0)
+    most = measure.field_angle(camera, Field.fractions(0.5))
+    wanted = np.linspace(-0.99, 0.99, 7) * most
+    found = Field.angles(wanted).image_xy(camera)
+    np.testing.assert_allclose(measure.field_angle(camera, found), np.abs(wanted), rtol=1e-5, atol=1e-9)
+    # On the diagonal from the lower left to the upper right, in order.
+    np.testing.assert_allclose((found[:, 0] - 300) / 300, -(found[:, 1] - 200) / 200, atol=1e-6)
+    assert (np.diff(found[:, 0]) > 0).all()
+    across = Field.angles(x=[most, 0.0], y=[0.0, most]).image_xy(camera)
+    np.testing.assert_allclose(np.hypot(*(across - [300, 200]).T), 0.5 * np.hypot(300, 200), rtol=1e-4)
+
+
+MEASURES = {
+    "spots": lambda camera, field: measure.spots(camera, field, side=4).offset,
+    "rms": lambda camera, field: measure.spots(camera, field, side=4).rms,
+    "mtf": lambda camera, field: measure.mtf(camera, field, [10, 30], side=4),
+    "mtf at one frequency": lambda camera, field: measure.mtf(camera, field, 30, side=4),
+    "relative illumination": lambda camera, field: measure.relative_illumination(camera, field, side=4),
+    "distortion": measure.distortion,
+    "fans": lambda camera, field: measure.fans(camera, field, rays=5).tangential,
+    "field curvature": measure.field_curvature,
+    "field angle": measure.field_angle,
+}
+
+
+@pytest.mark.parametrize("name", MEASURES)
+def test_every_measure_takes_field_points_of_every_kind_and_shape(name):
+    camera, asked = Camera("dgauss.50mm", resolution=(300, 200)), MEASURES[name]
+    rows = asked(camera, [[150, 100], [225, 50]])
+    one = asked(camera, [225, 50])
+    assert one.shape == rows.shape[1:]
+    np.testing.assert_array_equal(one, rows[1])
+    np.testing.assert_array_equal(asked(camera, Field.fractions([0, 0.5])), rows)
+    np.testing.assert_array_equal(asked(camera, Field.fractions(x=[0, 0.5], y=[0, 0.5])), rows)
+    square = asked(camera, np.array([[150, 100], [225, 50]] * 3).reshape(3, 2, 2))
+    np.testing.assert_array_equal(square, np.stack([rows] * 3))
+    angle = float(measure.field_angle(camera, [225, 50]))
+    np.testing.assert_allclose(asked(camera, Field.angles(angle)), one, rtol=2e-3, atol=2e-3)
+
+
+def test_the_mtf_of_one_point_at_one_frequency():
+    camera = Camera("dgauss.50mm", resolution=(1500, 1000))
+    found = measure.mtf(camera, [750, 500], 30)
+    assert found.shape == (2,) and (found > 0).all() and (found <= 1).all()
+    np.testing.assert_array_equal(found, measure.mtf(camera, [[750, 500]], [30])[0, :, 0])
+
+
+@pytest.mark.parametrize(
+    ("make", "error", "words"),
+    [
+        (lambda: Field.pixels([1, 2, 3]), ValueError, r"shape \(n, 2\)"),
+        (lambda: Field.pixels(3), ValueError, "Field.fractions and Field.angles take single numbers"),
+        (lambda: Field.pixels([np.nan, 1]), ValueError, "not a finite number"),
+        (lambda: Field.fractions([0, 1.5]), ValueError, "from -1 to 1"),
+        (lambda: Field.fractions(x=2), ValueError, "from -1 to 1"),
+        (lambda: Field.angles([90]), ValueError, "less than 90 degrees"),
+        (lambda: Field.angles([10], x=5), TypeError, "along the diagonal, or x and y"),
+        (
+            lambda: measure.spots(thin(), Field.angles([10, 80])),
+            ValueError,
+            r"the picture does not reach to 80°: its corner is at 19\.\d°",
+        ),
+        (
+            lambda: measure.field_angle(Camera(model="orthographic", resolution=(3, 2)), [1, 1]),
+            ValueError,
+            "no pinhole",
+        ),
+    ],
+)
+def test_what_is_no_field_point_is_refused(make, error, words):
+    with pytest.raises(error, match=words):
+        make()
 
 
 def test_fans_need_surfaces():
@@ -193,10 +290,11 @@ def test_where_there_is_no_light_there_is_no_spot():
     found = measure.spots(camera, corner)
     assert np.isnan(found.rms).all() and not found.offset.any()
     assert np.isnan(measure.mtf(camera, corner, [10.0])).all()
-    assert np.isnan(measure.distortion(camera, [1150.0])).all()
+    assert np.isnan(measure.distortion(camera, corner)).all()
     dark = measure.fans(camera, corner)
     assert np.isnan(dark.tangential).all() and np.isnan(dark.sagittal).all()
-    assert np.isnan(measure.field_curvature(camera, [1150.0])).all()
+    assert np.isnan(measure.field_curvature(camera, corner)).all()
+    assert np.isnan(measure.field_angle(camera, corner)).all()
 
 
 @pytest.mark.parametrize("lens", ["dgauss.50mm", "fisheye.10mm"])
@@ -212,12 +310,14 @@ def test_every_plot_draws_what_is_measured(lens):
         assert lens in ax.get_title()
         ax.figure.canvas.draw()
         plt.close(ax.figure)
+    ax = plot.mtf(camera, fields=Field.angles(x=[0, 5], y=3))
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["field (0°, 3°)", "field (5°, 3°)"]
+    plt.close(ax.figure)
     figure = plot.fans(camera)
     assert lens in figure.get_suptitle() and len(figure.axes) == 8
     figure.canvas.draw()
     plt.close(figure)
     ax = plot.distortion(camera, ax=plt.subplots()[1])
     x, y = ax.lines[0].get_data()
-    half = np.hypot(300, 200) / 2
-    np.testing.assert_allclose(x, 100 * measure.distortion(camera, y * half), equal_nan=True)
+    np.testing.assert_allclose(x, 100 * measure.distortion(camera, Field.fractions(y)), equal_nan=True)
     plt.close(ax.figure)

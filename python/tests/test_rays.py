@@ -23,13 +23,18 @@ def one_by_one(camera, image_xy, lens_uv, time=None):
     """The same by `realistic_generate_ray`, the C ABI's call for one ray."""
     library = ctypes.CDLL(str(_abi.library_file()))
     generate = library.realistic_generate_ray
-    generate.argtypes = [ctypes.c_void_p, ctypes.POINTER(Sample), ctypes.POINTER(_abi.Ray)]
+    generate.argtypes = [
+        ctypes.c_void_p,
+        ctypes.POINTER(Sample),
+        ctypes.POINTER(_abi.Request),
+        ctypes.POINTER(_abi.Ray),
+    ]
     generate.restype = ctypes.c_float
     time = np.zeros(len(image_xy), np.float32) if time is None else time
     found = Rays.empty(len(image_xy))
     for i, (xy, uv, t) in enumerate(zip(image_xy, lens_uv, time)):
         ray = _abi.Ray()
-        found.weight[i] = generate(camera._live().pointer, ctypes.byref(Sample(*xy, *uv, t)), ctypes.byref(ray))
+        found.weight[i] = generate(camera._live().pointer, ctypes.byref(Sample(*xy, *uv, t)), None, ctypes.byref(ray))
         found.origin[i], found.direction[i] = ray.o, ray.d
         found.mint[i], found.maxt[i], found.time[i] = ray.mint, ray.maxt, ray.time
     return found
@@ -99,7 +104,7 @@ def test_numbers_of_the_librarys_type_are_handed_over_as_they_are(camera, sample
     monkeypatch.setattr(engine._Target, "finish", refuse)
     out = Rays.empty(100, reasons=True, differentials=True)
     handed = engine._Samples(image_xy, lens_uv, None)
-    handed.ask(_abi.Batch())
+    handed.ask(_abi.Request())
     assert handed.image_xy is image_xy and handed.lens_uv is lens_uv
     camera.rays(image_xy, lens_uv, out=out)
     assert out.weight.any()
@@ -207,6 +212,11 @@ def test_out_is_filled_whatever_its_layout(camera, samples, layout, n, order):
         np.testing.assert_array_equal(out.ry.weight, wanted.ry.weight)
 
 
+def strided(shape, strides):
+    """An array of float32 in memory of its own, with any strides."""
+    return np.lib.stride_tricks.as_strided(np.zeros(200, np.float32), shape, strides)
+
+
 def wrong_out(n):
     def change(**fields):
         rays = Rays.empty(n)
@@ -234,6 +244,19 @@ def wrong_out(n):
         (change(direction=None), ValueError, "out.direction must not be None"),
         (change(mint=[0.0] * n), TypeError, "out.mint must be a NumPy array, not list"),
         (change(origin=shared[:, :3], direction=shared[:, 2:5]), ValueError, "share memory"),
+        # All rays in one place; each ray over half of the next one; a row of three in one place.
+        (change(weight=strided((n,), (0,))), ValueError, "out.weight overlaps itself"),
+        (change(origin=strided((n, 3), (0, 4))), ValueError, "out.origin overlaps itself"),
+        (change(direction=strided((n, 3), (4, 4))), ValueError, "out.direction overlaps itself"),
+        (change(direction=strided((n, 3), (12, 0))), ValueError, "out.direction overlaps itself"),
+        (change(direction=strided((n, 3), (8, 16))), ValueError, "out.direction overlaps itself"),
+        (change(mint=strided((n,), (2,))), ValueError, "out.mint overlaps itself"),
+        (
+            change(weight=np.ma.masked_array(np.zeros(n, np.float32), [True] * n)),
+            TypeError,
+            "out.weight is a masked array",
+        ),
+        (change(origin=np.ma.zeros((n, 3), np.float32)), TypeError, "whose mask would be lost; give its data"),
         (change(rx=Rays.empty(n)), ValueError, "one of rx and ry"),
         (np.zeros((n, 3)), TypeError, "out must be realistic.Rays, not ndarray"),
     ]
@@ -244,6 +267,20 @@ def test_a_wrong_out_is_refused_with_what_it_is(camera, samples, case):
     out, error, words = wrong_out(4)[case]
     with pytest.raises(error, match=words):
         camera.rays(*samples(camera, 4), out=out)
+
+
+def test_an_out_with_gaps_or_turned_around_is_taken(camera, samples):
+    """Strides that look like an overlap and are none: columns that lie between each other's elements, and backward."""
+    n, given = 4, samples(camera, 4)
+    wanted = camera.rays(*given)
+    for origin, weight in (
+        (strided((n, 3), (8, 36)), np.zeros(n, np.float32)[::-1]),
+        (strided((n, 3), (12, 4))[::-1, ::-1], strided((n,), (20,))),
+    ):
+        out = camera.rays(*given, out=Rays(origin, strided((n, 3), (4, 16)), weight))
+        passed = wanted.weight > 0
+        for name in ("origin", "direction", "weight"):
+            np.testing.assert_array_equal(getattr(out, name)[passed], getattr(wanted, name)[passed])
 
 
 def test_what_is_asked_for_must_be_in_out(camera, samples):
@@ -322,9 +359,9 @@ def test_the_interpreter_is_free_during_a_call(camera, samples):
     """Another thread counts while one is in the library. No thread is made to give the lock up, so none else could."""
     n = 200_000
     given, out = engine._Samples(*samples(camera, n), None), Rays.empty(n)
-    batch = _abi.Batch(struct_size=ctypes.sizeof(_abi.Batch))
-    given.ask(batch)
-    engine._Target(out, n, None).ask(batch)
+    request = _abi.Request(struct_size=ctypes.sizeof(_abi.Request))
+    given.ask(request)
+    engine._Target(out, n, None).ask(request)
     function, pointer = _abi.library.realistic_camera_generate_batch, camera._live().pointer
     counts, running, done = [0], threading.Event(), threading.Event()
 
@@ -342,7 +379,7 @@ def test_the_interpreter_is_free_during_a_call(camera, samples):
         running.wait()
         before = counts[0]
         for _ in range(100):
-            assert function(pointer, n, batch) == 0
+            assert function(pointer, n, request) == 0
         after = counts[0]
     finally:
         sys.setswitchinterval(interval)

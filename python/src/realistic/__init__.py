@@ -21,10 +21,11 @@ from .errors import (
     ParameterError,
 )
 from .farm import Table, study
-from .lens import Lens, LensRays, Pupils, Surface, catalogue
-from .measure.intrinsics import Intrinsics
+from .lens import Lens, LensRays, Pupils, catalogue
+from .measure import Field, Intrinsics
 from .parameters import Parameters
 from .rays import Rays, Reason
+from .surfaces import Surface
 
 __version__ = version()
 
@@ -33,6 +34,7 @@ __all__ = [
     "CameraWarning",
     "DefectError",
     "Error",
+    "Field",
     "FocusError",
     "Intrinsics",
     "Lens",

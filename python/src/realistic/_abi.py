@@ -9,14 +9,16 @@ from __future__ import annotations
 import ctypes
 import os
 import sys
-from ctypes import POINTER, c_char_p, c_double, c_float, c_int32, c_size_t, c_ssize_t, c_uint32, c_uint64, c_void_p
+from ctypes import POINTER, c_char_p, c_double, c_float, c_int32, c_size_t, c_ssize_t, c_uint32, c_void_p
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from ._parameters import MEMBERS
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-ABI_VERSION = 4
+ABI_VERSION = 1
 """The least version of the C ABI that this package works with."""
 
 LOG = ctypes.CFUNCTYPE(None, c_void_p, c_int32, c_char_p)
@@ -30,50 +32,15 @@ class Options(ctypes.Structure):
         ("struct_size", c_uint32),
         ("xres", c_int32),
         ("yres", c_int32),
-        ("simpleweighting", c_int32),
         ("camera_to_world", c_float * 16),
+        ("camera_to_world_end", c_float * 16),
+        ("transformstart", c_double),
+        ("transformend", c_double),
         ("log", LOG),
         ("log_user", c_void_p),
         ("lens_text", c_char_p),
         ("lens_text_size", c_size_t),
-        ("model", c_char_p),
-        ("specfile", c_char_p),
-        ("weighting", c_char_p),
-        ("pupil", c_char_p),
-        ("disk", c_char_p),
-        ("refraction", c_char_p),
-        ("precision", c_char_p),
-        ("filmdistance", c_double),
-        ("focusdistance", c_double),
-        ("aperture_diameter", c_double),
-        ("fnumber", c_double),
-        ("filmdiag", c_double),
-        ("hither", c_double),
-        ("yon", c_double),
-        ("shutteropen", c_double),
-        ("shutterclose", c_double),
-        ("wavelength", c_double),
-        ("mmperunit", c_double),
-        ("camera_to_world_end", c_float * 16),
-        ("transformstart", c_double),
-        ("transformend", c_double),
-        ("shutter", c_char_p),
-        ("lensplane", c_char_p),
-        ("shutterramp", c_double),
-        ("shutterslit", c_double),
-        ("fov", c_double),
-        ("screenwindow", c_double * 4),
-        ("frameaspectratio", c_double),
-        ("lensradius", c_double),
-        ("focaldistance", c_double),
-        ("tolerance", c_double),
-        ("focusby", c_char_p),
-        ("zoom", c_char_p),
-        ("blades", c_double),
-        ("bladerotation", c_double),
-        ("bladecurvature", c_double),
-        ("glasscatalog", c_char_p),
-        ("crop", c_double * 4),
+        *MEMBERS,
     ]
 
 
@@ -163,37 +130,30 @@ class LensPointsPointers(ctypes.Structure):
     _fields_ = [("struct_size", c_uint32), *[(name, c_void_p) for name in ("x", "y", "z", "met")]]
 
 
-class SamplesPointers(ctypes.Structure):
-    """`realistic_samples_soa`: the columns of samples."""
+class Input(ctypes.Structure):
+    """`realistic_input`: numbers or pairs that are read."""
 
-    _fields_ = [(name, c_void_p) for name in ("image_x", "image_y", "lens_u", "lens_v", "time")]
-
-
-class RaysPointers(ctypes.Structure):
-    """`realistic_rays_soa`: the columns of rays."""
-
-    _fields_ = [
-        (name, c_void_p) for name in ("ox", "oy", "oz", "dx", "dy", "dz", "mint", "maxt", "time", "weight", "reason")
-    ]
+    _fields_ = [*[(name, c_void_p) for name in ("x", "y")], ("stride", c_ssize_t)]
 
 
-class Strided(ctypes.Structure):
-    """`realistic_input` and `realistic_output`: an array of numbers or vectors."""
+class Output(ctypes.Structure):
+    """`realistic_output`: room for numbers or vectors."""
 
-    _fields_ = [("first", c_void_p), ("stride", c_ssize_t), ("component_stride", c_ssize_t)]
+    _fields_ = [*[(name, c_void_p) for name in ("x", "y", "z")], ("stride", c_ssize_t)]
 
 
-class Batch(ctypes.Structure):
-    """`realistic_batch`: samples and room for their rays. What is left out is NULL."""
+class Request(ctypes.Structure):
+    """`realistic_request`: samples and room for their rays. What is left out is NULL."""
 
     _fields_ = [
         ("struct_size", c_uint32),
-        *[(name, Strided) for name in ("image", "lens", "time", "wavelength")],
-        *[(name, Strided) for name in ("origin", "direction", "weight", "mint", "maxt", "ray_time")],
+        ("wavelengths_per_sample", c_uint32),
+        *[(name, Input) for name in ("image", "lens", "time", "wavelength")],
+        *[(name, Output) for name in ("origin", "direction", "weight", "mint", "maxt", "ray_time")],
         ("reason", c_void_p),
         ("reason_stride", c_ssize_t),
         *[
-            (name, Strided)
+            (name, Output)
             for name in ("rx_origin", "rx_direction", "rx_weight", "ry_origin", "ry_direction", "ry_weight")
         ],
     ]
@@ -246,7 +206,6 @@ _STATUS = c_int32
 FUNCTIONS = {
     "realistic_abi_version": (c_uint32, []),
     "realistic_version": (c_char_p, []),
-    "realistic_capabilities": (c_uint64, []),
     "realistic_last_error": (c_char_p, []),
     "realistic_options_init": (_STATUS, [POINTER(Options), c_uint32]),
     "realistic_camera_new": (_STATUS, [POINTER(Options), POINTER(c_void_p)]),
@@ -254,19 +213,7 @@ FUNCTIONS = {
     "realistic_camera_get_info": (_STATUS, [c_void_p, POINTER(CameraInfo)]),
     "realistic_camera_get_lens_name": (_STATUS, [c_void_p, c_char_p, c_size_t, POINTER(c_size_t)]),
     "realistic_camera_plan": (_STATUS, [c_void_p, c_char_p, c_size_t, POINTER(c_size_t)]),
-    "realistic_camera_generate_rays_soa": (
-        _STATUS,
-        [c_void_p, c_size_t, POINTER(SamplesPointers), POINTER(RaysPointers)],
-    ),
-    "realistic_camera_generate_batch": (_STATUS, [c_void_p, c_size_t, POINTER(Batch)]),
-    "realistic_camera_generate_ray_differentials_soa": (
-        _STATUS,
-        [c_void_p, c_size_t, POINTER(SamplesPointers), *[POINTER(RaysPointers)] * 3],
-    ),
-    "realistic_camera_generate_ray_differentials_at_soa": (
-        _STATUS,
-        [c_void_p, c_size_t, POINTER(SamplesPointers), c_void_p, *[POINTER(RaysPointers)] * 3],
-    ),
+    "realistic_camera_generate_batch": (_STATUS, [c_void_p, c_size_t, POINTER(Request)]),
     "realistic_camera_importance": (
         _STATUS,
         [c_void_p, c_size_t, POINTER(ImportanceRaysPointers), POINTER(ImportancePointers)],
@@ -274,14 +221,6 @@ FUNCTIONS = {
     "realistic_camera_sample_importance": (
         _STATUS,
         [c_void_p, c_size_t, POINTER(ScenePointsPointers), POINTER(AimedPointers), POINTER(ImportancePointers)],
-    ),
-    "realistic_camera_generate_rays_at_soa": (
-        _STATUS,
-        [c_void_p, c_size_t, POINTER(SamplesPointers), c_void_p, POINTER(RaysPointers)],
-    ),
-    "realistic_camera_generate_hero_rays_soa": (
-        _STATUS,
-        [c_void_p, c_size_t, POINTER(SamplesPointers), c_void_p, POINTER(RaysPointers)],
     ),
     "realistic_catalogue": (_STATUS, [c_char_p, c_size_t, POINTER(c_size_t)]),
     "realistic_lens_new": (_STATUS, [POINTER(Options), POINTER(c_void_p)]),
@@ -291,8 +230,7 @@ FUNCTIONS = {
     "realistic_lens_get_name": (_STATUS, [c_void_p, c_char_p, c_size_t, POINTER(c_size_t)]),
     "realistic_lens_focus": (_STATUS, [c_void_p, c_double, POINTER(c_double)]),
     "realistic_lens_focused_on": (_STATUS, [c_void_p, c_double, POINTER(c_double)]),
-    "realistic_lens_trace": (_STATUS, [c_void_p, c_int32, c_size_t, POINTER(LensRaysPointers)]),
-    "realistic_lens_trace_points": (
+    "realistic_lens_trace": (
         _STATUS,
         [c_void_p, c_int32, c_size_t, POINTER(LensRaysPointers), POINTER(LensPointsPointers)],
     ),

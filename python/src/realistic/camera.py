@@ -13,7 +13,6 @@ from . import rays as _rays
 from ._abi import CameraInfo, library, text_of
 from ._handle import Borrowed, Handle, build
 from .errors import check, quietly, warn
-from .measure import intrinsics as _intrinsics
 from .parameters import ALIASES, INSTEAD_OF, canonical, matrix_of, options_of, resolution_of
 
 if TYPE_CHECKING:
@@ -245,35 +244,6 @@ class Camera:
             for displaced in {own, *INSTEAD_OF.get(own, ())}:
                 arguments.pop(displaced, None)
         return Camera(**{**arguments, **changes})
-
-    def intrinsics(self, distance: float | None = None, *, coefficients: int = 5) -> _intrinsics.Intrinsics:
-        """The pinhole matrix and OpenCV's distortion that fit best, with the residual in pixels.
-
-        Parameters
-        ----------
-        distance : float, optional
-            The plane of the scene for which to fit, as `focusdistance`: world units from the film plane (for model
-            "perspective" from the eye), or inf. Default: the plane in focus.
-        coefficients : int
-            How many coefficients of distortion: 5 (k1, k2, p1, p2, k3), 4, 2 or 0. The others are 0.
-
-        Returns
-        -------
-        Intrinsics
-            In OpenCV's conventions, which it states.
-
-        Raises
-        ------
-        ValueError
-            For model "orthographic" or "environment"; for a plane behind the pinhole; where next to nothing is seen.
-
-        Notes
-        -----
-        Some 1,000 film points from edge to edge, 256 rays from each, weighted as the camera weights them. No polynomial of
-        OpenCV's holds a fisheye: see `residual_max`, and `coverage` for film points that see sideways or nothing.
-        """
-        self._live()
-        return _intrinsics.fit(self, distance, coefficients)
 
     def autofocus(
         self,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 
@@ -73,23 +73,32 @@ def check(status: int) -> None:
         raise error
 
 
-# Python's own way to be quiet is one for all threads.
-_is_quiet: ContextVar[bool] = ContextVar("_is_quiet", default=False)
+# Python's own way to catch warnings is one for all threads.
+_listener: ContextVar[Callable[[str], object] | None] = ContextVar("_listener", default=None)
+
+
+@contextmanager
+def warnings_to(listener: Callable[[str], object]) -> Iterator[None]:
+    """Sends the library's warnings to a listener instead of to Python's warnings."""
+    before = _listener.set(listener)
+    try:
+        yield
+    finally:
+        _listener.reset(before)
 
 
 @contextmanager
 def quietly() -> Iterator[None]:
     """Without the warnings of cameras that differ from a caller's in what he does not see: his own has given them."""
-    before = _is_quiet.set(True)
-    try:
+    with warnings_to(lambda _message: None):
         yield
-    finally:
-        _is_quiet.reset(before)
 
 
 def warn(message: str) -> None:
     """Warns at the line outside this package that the call came from."""
-    if _is_quiet.get():
+    listener = _listener.get()
+    if listener is not None:
+        listener(message)
         return
     level, frame = 1, sys._getframe()
     while frame is not None and frame.f_globals.get("__name__", "").partition(".")[0] == "realistic":

@@ -13,10 +13,11 @@ import numpy as np
 from ._abi import LensInfo, LensPointsPointers, LensRaysPointers, LensSurface, library, text_of
 from ._handle import Handle, build
 from .errors import check, warn
+from .notebook import drawing
 from .parameters import canonical, options_of
+from .surfaces import Surface
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from numpy.typing import ArrayLike, NDArray
 
 SIDES = ("film", "scene")
@@ -41,31 +42,6 @@ class Pupils(NamedTuple):
     entrance_diameter_mm: float
     exit_mm: float
     exit_diameter_mm: float
-
-
-class Surface(NamedTuple):
-    """A surface of a lens; mm, z in lens space."""
-
-    vertex_mm: float
-    """z of its vertex; 0 for the first, never positive."""
-    radius_mm: float
-    """Radius of curvature: positive with the centre on the film's side, infinite for a plane."""
-    thickness_mm: float
-    """Distance to the next vertex; 0 for the last."""
-    index_scene: float
-    """Refractive index on the scene's side."""
-    index_film: float
-    """Refractive index on the film's side."""
-    semi_diameter_mm: float
-    """Clear semi-diameter."""
-    is_stop: bool
-    """Whether it is the aperture stop."""
-    conic_radius_mm: float
-    """Radius of the figure's conic at its vertex; another than `radius_mm` only where A2 adds to the curvature."""
-    conic: float
-    """Conic constant k: 0 for a sphere and a plane, -1 for a paraboloid."""
-    aspheric: tuple[float, ...]
-    """A2, A3, ... A20 in mm^(1-i), of z = c r²/(1 + √(1 - (1 + k) c² r²)) + Σ Ai r^i toward the film; all 0 without."""
 
 
 @dataclass(eq=False, repr=False)
@@ -115,10 +91,10 @@ class Lens:
         The text of a lens file, instead.
     glasscatalog : str or path-like, optional
         A glass catalogue (AGF), in which glasses that a lens file names are looked up first.
-    zoom : str, optional
-        Of a zoom lens: a focal length in mm ("35"), or a position's name; default the lens file's first position.
+    zoom : float or str, optional
+        Of a zoom lens: a focal length in mm, or a position's name; default the lens file's first position.
     wavelength : float, optional
-        nm, from 300 to 2000; default 587.56.
+        nm, from 200 to 2000; default the lens file's, or 587.56.
     aperture_diameter, fnumber : float, optional
         The stop's clear diameter in mm, or focal length over entrance pupil diameter; default the lens file's.
 
@@ -142,7 +118,7 @@ class Lens:
         lens_text: str | bytes | None = None,
         lensfile: str | os.PathLike[str] | None = None,
         glasscatalog: str | os.PathLike[str] | None = None,
-        zoom: str | None = None,
+        zoom: float | str | None = None,
         wavelength: float | None = None,
         aperture_diameter: float | None = None,
         fnumber: float | None = None,
@@ -317,25 +293,24 @@ class Lens:
             room = np.empty((3, n * surfaces))
             columns = [row.ctypes.data for row in room]
             places = LensPointsPointers(ctypes.sizeof(LensPointsPointers), *columns, None)
-            check(library.realistic_lens_trace_points(*arguments, ctypes.byref(places)))
+            check(library.realistic_lens_trace(*arguments, ctypes.byref(places)))
             met = room.T.reshape(*shape, surfaces, 3)
         else:
-            check(library.realistic_lens_trace(*arguments))
+            check(library.realistic_lens_trace(*arguments, None))
         return LensRays(
             numbers[0:3].T.reshape(*shape, 3), numbers[3:6].T.reshape(*shape, 3), reason.reshape(shape), met
         )
-
-    def plot(self, ax: Axes | None = None, **given: Any) -> Axes:
-        """Draws the cross-section with matplotlib, with rays if wanted; see `realistic.plot.section`."""
-        from .plot import section
-
-        return section(self, ax, **given)
 
     def __repr__(self) -> str:
         given = dict(self._parameters)
         words = [repr(given.pop("specfile"))] if "specfile" in given else []
         words += [f"{name}={value if name != 'lens_text' else '...'!r}" for name, value in given.items()]
         return f"Lens({', '.join(words)})"
+
+    def _repr_html_(self) -> str:
+        """The cross-section, which notebooks show."""
+        caption = f"{self.name}: {self.focal_length_mm:.4g} mm, f/{self.fnumber:.3g}, {self.wavelength_nm:g} nm"
+        return drawing(self.surfaces, caption)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _again, (self._parameters,)

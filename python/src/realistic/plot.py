@@ -1,6 +1,7 @@
 """Plots of a lens with matplotlib: `pip install "./python[plot]"`.
 
-Each takes a camera or a lens and, if wanted, the axes to draw into, and returns the axes.
+Each takes a camera or a lens and, if wanted, the axes to draw into, and returns the axes. `fields` are fractions of half the
+diagonal, or a `Field`.
 """
 
 from __future__ import annotations
@@ -12,7 +13,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from . import measure
+from .measure import Field
 from .measure.bundles import film_grid
+from .surfaces import glasses, outlines, stop_blades
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,10 +23,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from .camera import Camera
-    from .lens import Lens, Surface
+    from .lens import Lens
 
 FIELDS = (0.0, 0.5, 0.7, 0.95)
-"""Shares of the half diagonal at which lenses are mostly looked at."""
+"""Fractions of half the diagonal at which lenses are mostly looked at."""
 
 
 def illumination(camera: Camera, ax: Axes | None = None) -> Axes:
@@ -42,35 +45,36 @@ def illumination(camera: Camera, ax: Axes | None = None) -> Axes:
     return ax
 
 
-def spots(camera: Camera, ax: Axes | None = None, *, fields: Sequence[float] = FIELDS) -> Axes:
-    """Spot diagrams side by side, of points of the plane in focus that are imaged from the middle to the corner.
-
-    `fields` are shares of the half diagonal toward the upper right corner.
-    """
+def spots(camera: Camera, ax: Axes | None = None, *, fields: Sequence[float] | Field = FIELDS) -> Axes:
+    """Spot diagrams side by side, of points of the plane in focus that are imaged from the middle to the corner."""
     ax = ax or plt.subplots()[1]
-    found = measure.spots(camera, _points(camera, fields), side=24)
+    points = _field(fields)
+    found = measure.spots(camera, points, side=24)
     micrometres = 1000 * camera.film_size_mm[0] / camera.resolution[0]
     lit = found.weight > 0
     reach = max((float(np.abs(found.offset[lit]).max()) * micrometres) if lit.any() else 0.0, 1e-3)
-    for i, (field, rms) in enumerate(zip(fields, found.rms)):
+    for i, (field, rms) in enumerate(zip(points.labels, found.rms)):
         offset = found.offset[i][lit[i]] * micrometres
         ax.scatter(offset[:, 0] + 2.4 * reach * i, -offset[:, 1], s=1.5, linewidths=0, color="tab:blue")
-        label = f"field {field:g}\nRMS {rms * micrometres:.1f} µm"
+        label = f"field {field}\nRMS {rms * micrometres:.1f} µm"
         ax.annotate(label, (2.4 * reach * i, -1.1 * reach), ha="center", va="top", fontsize=8)
-    ax.set_xlim(-1.3 * reach, 2.4 * reach * (len(fields) - 1) + 1.3 * reach)
+    ax.set_xlim(-1.3 * reach, 2.4 * reach * (len(found.rms) - 1) + 1.3 * reach)
     ax.set_ylim(-1.9 * reach, 1.2 * reach)
     ax.set_aspect("equal")
     ax.set(title=f"{_name(camera)}: spots", ylabel="µm on the film", xticks=[])
     return ax
 
 
-def mtf(camera: Camera, ax: Axes | None = None, *, fields: Sequence[float] = FIELDS, highest: float = 60.0) -> Axes:
+def mtf(
+    camera: Camera, ax: Axes | None = None, *, fields: Sequence[float] | Field = FIELDS, highest: float = 60.0
+) -> Axes:
     """The geometric MTF up to `highest` line pairs per mm, tangential (drawn through) and sagittal (dashed)."""
     ax = ax or plt.subplots()[1]
     frequencies = np.linspace(0, highest, 121)
-    values = measure.mtf(camera, _points(camera, fields), frequencies)
-    for i, field in enumerate(fields):
-        ax.plot(frequencies, values[i, 0], color=f"C{i}", label=f"field {field:g}")
+    points = _field(fields)
+    values = measure.mtf(camera, points, frequencies)
+    for i, field in enumerate(points.labels):
+        ax.plot(frequencies, values[i, 0], color=f"C{i}", label=f"field {field}")
         ax.plot(frequencies, values[i, 1], color=f"C{i}", linestyle="--")
     ax.set(
         title=f"{_name(camera)}: geometric MTF", xlabel="line pairs per mm on the film", xlim=(0, highest), ylim=(0, 1)
@@ -83,36 +87,30 @@ def mtf(camera: Camera, ax: Axes | None = None, *, fields: Sequence[float] = FIE
 def distortion(camera: Camera, ax: Axes | None = None) -> Axes:
     """The distortion over the field, in percent."""
     ax = ax or plt.subplots()[1]
-    half = float(np.hypot(*camera.resolution)) / 2
     fields = np.linspace(0.02, 1.0, 50)
-    ax.plot(100 * measure.distortion(camera, fields * half), fields)
+    ax.plot(100 * measure.distortion(camera, Field.fractions(fields)), fields)
     ax.axvline(0, color="0.7", linewidth=0.8)
     ax.set(title=f"{_name(camera)}: distortion", xlabel="percent", ylabel="field, of the half diagonal", ylim=(0, 1))
     ax.grid(alpha=0.3)
     return ax
 
 
-def fans(camera: Camera, *, fields: Sequence[float] = FIELDS) -> Figure:
-    """Ray fans of points of the plane in focus: for each field tangential on the left and sagittal on the right.
-
-    Fields are shares of the half diagonal; the figure has a row for each.
-    """
-    half = np.array(camera.resolution) / 2
-    # Upward, so that tangential is up: a lens is round.
-    points = half + np.asarray(fields, np.float64)[:, None] * [0.0, -np.hypot(*half)]
+def fans(camera: Camera, *, fields: Sequence[float] | Field = FIELDS) -> Figure:
+    """Ray fans of points of the plane in focus, in a row for each: tangential on the left and sagittal on the right."""
+    points = _field(fields)
     found = measure.fans(camera, points)
     values = 1000 * np.stack([found.tangential, found.sagittal], axis=1)
     reach = max(float(np.nanmax(np.abs(values), initial=0.0)), 1e-3)
     figure, axes = plt.subplots(
-        len(fields), 2, sharex=True, sharey=True, squeeze=False, figsize=(7, 1.2 + 1.3 * len(fields))
+        len(values), 2, sharex=True, sharey=True, squeeze=False, figsize=(7, 1.2 + 1.3 * len(values))
     )
-    for row, field, fan in zip(axes, fields, values):
+    for row, field, fan in zip(axes, points.labels, values):
         for ax, line, way in zip(row, fan, ("tangential", "sagittal")):
             ax.axhline(0, color="0.7", linewidth=0.8)
             ax.axvline(0, color="0.7", linewidth=0.8)
             ax.plot(found.pupil, line)
             ax.set(xlim=(-1, 1), ylim=(-1.1 * reach, 1.1 * reach))
-            ax.set_title(f"field {field:g}, {way}", fontsize=8)
+            ax.set_title(f"field {field}, {way}", fontsize=8)
         row[0].set_ylabel("µm")
     for ax in axes[-1]:
         ax.set_xlabel("pupil")
@@ -123,9 +121,8 @@ def fans(camera: Camera, *, fields: Sequence[float] = FIELDS) -> Figure:
 def field_curvature(camera: Camera, ax: Axes | None = None) -> Axes:
     """Tangential (drawn through) and sagittal (dashed) focus over the field, mm behind the film."""
     ax = ax or plt.subplots()[1]
-    half = float(np.hypot(*camera.resolution)) / 2
     share = np.linspace(0.0, 1.0, 51)
-    found = measure.field_curvature(camera, share * half)
+    found = measure.field_curvature(camera, Field.fractions(share))
     for column, style, label in zip(found.T, ("-", "--"), ("tangential", "sagittal")):
         ax.plot(column, share, style, color="tab:blue", label=label)
     ax.axvline(0, color="0.7", linewidth=0.8)
@@ -155,22 +152,13 @@ def section(
     """
     ax = ax or plt.subplots(figsize=(8, 4))[1]
     surfaces = lens.surfaces
-    outlines = []
-    for surface in surfaces:
-        h = np.linspace(-1, 1, 101) * min(surface.semi_diameter_mm, abs(surface.radius_mm))
-        # To the right is toward the film.
-        outlines.append((_sag(surface, h) - surface.vertex_mm, h))
-    for surface, here, there in zip(surfaces, outlines, outlines[1:]):
-        if surface.index_film > 1:
-            x, y = (np.concatenate([a, b[::-1]]) for a, b in zip(here, there))
-            ax.fill(x, y, facecolor="lightsteelblue", edgecolor="none", alpha=0.7)
-    for surface, (x, y) in zip(surfaces, outlines):
-        if surface.is_stop:
-            outer = 1.25 * max(other.semi_diameter_mm for other in surfaces)
-            for sign in (-1, 1):
-                ax.plot([x[0]] * 2, [sign * surface.semi_diameter_mm, sign * outer], color="black", linewidth=2.5)
-        else:
+    for x, y in glasses(surfaces):
+        ax.fill(x, y, facecolor="lightsteelblue", edgecolor="none", alpha=0.7)
+    for surface, (x, y) in zip(surfaces, outlines(surfaces)):
+        if not surface.is_stop:
             ax.plot(x, y, color="black", linewidth=0.9)
+    for x, y in stop_blades(surfaces):
+        ax.plot(x, y, color="black", linewidth=2.5)
     if angles:
         film = lens.focus(np.inf) if film_distance_mm is None else film_distance_mm
         for number, angle in enumerate(angles):
@@ -219,19 +207,10 @@ def _paths(lens: Lens, angle: float, rays: int, film_distance_mm: float) -> list
     return [np.concatenate([a[None], b, c[None]]) for a, b, c in zip(origin[chosen], traced.points, last)]
 
 
-def _sag(surface: Surface, h: NDArray[np.float64]) -> NDArray[np.float64]:
-    """How far toward the film a surface is at height h, from its vertex: a conic and its powers of h."""
-    c = 1 / surface.conic_radius_mm
-    root = np.sqrt(np.maximum(1 - (1 + surface.conic) * (c * h) ** 2, 0))
-    powers = np.polynomial.polynomial.polyval(np.abs(h), [0.0, 0.0, *surface.aspheric])
-    sag: NDArray[np.float64] = c * h * h / (1 + root) + powers
-    return sag
-
-
-def _points(camera: Camera, fields: Sequence[float]) -> NDArray[np.float64]:
-    """Film points from the picture's middle toward its upper right corner."""
-    half = np.array(camera.resolution) / 2
-    return half + np.asarray(fields, np.float64)[:, None] * half * [1.0, -1.0]
+def _field(fields: Sequence[float] | Field) -> Field:
+    """Field points in one row; numbers are fractions of half the diagonal."""
+    points = fields if isinstance(fields, Field) else Field.fractions(fields)
+    return Field(points.unit, points.x.ravel(), None if points.y is None else points.y.ravel())
 
 
 def _name(camera: Camera) -> str:

@@ -9,17 +9,20 @@ import ctypes
 import enum
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from itertools import combinations
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from ._abi import Batch, Strided, library
+from ._abi import Input, Output, Request, library
 from .errors import check
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 _FLOAT32, _INT32 = np.dtype(np.float32), np.dtype(np.int32)
+
+_Elements = TypeVar("_Elements", Input, Output)
 
 
 class Reason(enum.IntEnum):
@@ -125,9 +128,12 @@ def _vectors(rows: NDArray[np.float32], shape: tuple[int, ...]) -> NDArray[np.fl
     return rows.T if len(shape) == 1 else rows.T.reshape(*shape, 3)
 
 
-def _strided(array: NDArray[Any]) -> Strided:
+def _elements(kind: type[_Elements], array: NDArray[Any]) -> _Elements:
     """Where the elements of (n, k) or (n,) lie."""
-    return Strided(array.__array_interface__["data"][0], *array.strides)
+    first = array.__array_interface__["data"][0]
+    stride, *step = array.strides
+    parts = [first + k * step[0] for k in range(array.shape[1])] if step else [first]
+    return kind(**dict(zip("xyz", parts)), stride=stride)
 
 
 @dataclass
@@ -139,8 +145,8 @@ class _Samples:
     time: NDArray[Any] | None
     wavelengths: NDArray[Any] | None = None
 
-    def ask(self, batch: Batch) -> None:
-        """Puts where they are into a batch; numbers of other types are copied."""
+    def ask(self, request: Request) -> None:
+        """Puts where they are into a request; numbers of other types are copied."""
         if self.time is None:
             # Fresh memory is zero. Where all arrays are columns the library takes them in one go, without copies.
             self.time = np.zeros(len(self.image_xy), np.float32)
@@ -157,7 +163,7 @@ class _Samples:
                 # Kept here, as long as its address is in use.
                 array = array.astype(np.float32, casting="same_kind")
                 setattr(self, name, array)
-            setattr(batch, field, _strided(array))
+            setattr(request, field, _elements(Input, array))
 
 
 class _Target:
@@ -173,20 +179,24 @@ class _Target:
                 _check_output(f"{name}.{field}", array, np.shape(rays.weight))
             if array is not None:
                 shape = (n, 3) if field in ("origin", "direction") else (n,)
-                self.arrays["ray_time" if field == "time" else field] = _flat(name, array, shape)
+                flat = self.arrays["ray_time" if field == "time" else field] = _flat(name, array, shape)
+                if name is not None and _overlaps_itself(flat):
+                    raise ValueError(
+                        f"{name}.{field} overlaps itself: elements of it share memory, strides {array.strides}"
+                    )
         self.room: dict[str, NDArray[Any]] = {}
 
-    def ask(self, batch: Batch) -> None:
-        """Puts where they are into a batch; numbers of other types are written to room of our own."""
+    def ask(self, request: Request) -> None:
+        """Puts where they are into a request; numbers of other types are written to room of our own."""
         for field, array in self.arrays.items():
             dtype = _INT32 if field == "reason" else _FLOAT32
             if array.dtype != dtype:
                 array = self.room[field] = np.zeros(array.shape, dtype)
             if field == "reason":
-                place = _strided(array)
-                batch.reason, batch.reason_stride = place.first, place.stride
+                place = _elements(Output, array)
+                request.reason, request.reason_stride = place.x, place.stride
             else:
-                setattr(batch, self.prefix + field, _strided(array))
+                setattr(request, self.prefix + field, _elements(Output, array))
 
     def passed(self) -> NDArray[np.bool_]:
         """Which rays get through."""
@@ -216,8 +226,19 @@ def _check_output(name: str, array: Any, shape: tuple[int, ...]) -> None:
         raise ValueError(f"{name} must have shape {wanted}, and has {array.shape}")
     if not np.can_cast(dtype, array.dtype, "same_kind"):
         raise TypeError(f"{name} must hold {dtype}, and has dtype {array.dtype}")
+    if isinstance(array, np.ma.MaskedArray):
+        raise TypeError(f"{name} is a masked array, whose mask would be lost; give its data, {name}.data")
     if not array.flags.writeable:
         raise ValueError(f"{name} is read-only")
+
+
+def _overlaps_itself(flat: NDArray[Any]) -> bool:
+    """Whether two elements of an array to write to, (n, 3) or (n,), share memory."""
+    if flat.flags.forc:
+        return False
+    columns = flat.T if flat.ndim == 2 else flat[np.newaxis]
+    one_by_one = len(flat) < 2 or abs(flat.strides[0]) >= flat.itemsize
+    return not one_by_one or any(np.shares_memory(one, other) for one, other in combinations(columns, 2))
 
 
 def _flat(name: str | None, array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
@@ -329,11 +350,11 @@ def _separate(samples: _Samples, targets: list[_Target]) -> None:
 
 def _run(camera: int, n: int, samples: _Samples, targets: list[_Target]) -> None:
     """Calls the library."""
-    batch = Batch(struct_size=ctypes.sizeof(Batch))
-    samples.ask(batch)
+    request = Request(struct_size=ctypes.sizeof(Request))
+    samples.ask(request)
     for target in targets:
-        target.ask(batch)
-    check(library.realistic_camera_generate_batch(camera, n, batch))
+        target.ask(request)
+    check(library.realistic_camera_generate_batch(camera, n, request))
     if any(target.room for target in targets):
         passed = targets[0].passed()
         for target in targets:

@@ -18,7 +18,7 @@ def rendered(mi, shapes, sensor, spp, seed=1, depth=2):
 
 def in_focus(camera, image_xy):
     """Points of the plane in focus, camera space, that intrinsics project to film points (n, 2)."""
-    found = camera.intrinsics()
+    found = realistic.measure.intrinsics(camera)
     (fx, _, cx), (_, fy, cy), _ = found.matrix
     k1, k2, p1, p2, k3 = found.distortion
     distorted = (np.asarray(image_xy) - 0.5 - [cx, cy]) / [fx, fy]

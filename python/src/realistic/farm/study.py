@@ -5,8 +5,10 @@ A job is one camera: a lens at a stop, a distance and a wavelength, over all fie
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Iterable, Sequence
+from concurrent.futures import BrokenExecutor
 from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING, Any
@@ -15,12 +17,14 @@ import numpy as np
 
 from .. import measure
 from ..camera import Camera
-from ..errors import FocusError, quietly
+from ..errors import Error, FocusError, LensFileError, ParameterError, warnings_to
+from ..measure import Field
+from ..parameters import canonical, resolution_of
 from .table import Table
-from .workers import spread
+from .workers import Progress, Workers
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
     from typing_extensions import Unpack
 
     from ..parameters import Parameters
@@ -38,13 +42,16 @@ def study(
     lenses: str | os.PathLike[str] | Iterable[str | os.PathLike[str]],
     fnumbers: float | Iterable[float | None] | None = None,
     distances: float | Iterable[float] = np.inf,
-    fields: float | Iterable[float] = (0.0, 0.5, 0.7, 0.95),
+    fields: float | Iterable[float] | Field = (0.0, 0.5, 0.7, 0.95),
     wavelengths: float | Iterable[float] = 587.56,
     *,
     frequencies: float | Iterable[float] = (10.0, 30.0),
     resolution: tuple[int, int] = (1500, 1000),
     client: Any = None,
     processes: int | None = None,
+    retries: int = 2,
+    keep: str | os.PathLike[str] | None = None,
+    progress: bool | Progress = True,
     **parameters: Unpack[Parameters],
 ) -> Table:
     """Measures of lenses, at every combination of stop, distance, field and wavelength.
@@ -59,8 +66,8 @@ def study(
         None: the lens's own stop.
     distances : float
         The plane that is in focus, and looked at: as `focusdistance`, world units from the film, or inf.
-    fields : float
-        Shares of half the film's diagonal, from 0 in the middle to 1 in the corner.
+    fields : float or Field
+        Fractions of half the film's diagonal, from 0 in the middle to 1 in the corner; or other field points.
     wavelengths : float
         nm. The film stands where the lens is in focus at 587.56 nm.
     frequencies : float
@@ -72,47 +79,60 @@ def study(
     processes : int, optional
         How many of them; default one for each processor. With more than one, a script must keep its own work behind
         `if __name__ == "__main__":`, for each process reads it.
+    retries : int
+        How often a camera is measured again whose process died or failed; then its rows are those of a failure.
+    keep : str or path-like, optional
+        A folder that keeps the result of each camera when it arrives, by the content of all that it follows from, lens files
+        among them (needs diskcache: `pip install "./python[farm]"`). An interrupted study goes on where it stopped, and one
+        that was finished returns at once. What failed for want of a process or a file is not kept.
+    progress : bool or callable
+        True: a bar, where tqdm is installed and the output is a terminal or a notebook. A callable gets the number of cameras
+        that are done, and that of all.
     **parameters
         Others of `realistic.Parameters` for all cameras: `filmdiag`, `mmperunit` and so on.
 
     Returns
     -------
     Table
-        A row for each combination, the wavelength changing fastest, then the field. Columns: `lens`, `fnumber`,
-        `distance`, `field`, `wavelength_nm`; `focal_length_mm`; `spot_rms_um` on the film; `mtf_tangential_F` and
-        `mtf_sagittal_F` for each frequency F; `relative_illumination`, over that in the middle; `distortion`; `acceptance`,
-        the share of camera rays that get through; and `note`. NaN where there is no light, and in all of a row where the lens
-        cannot focus so near or the middle of the picture is dark: `note` says so.
+        A row for each combination, the wavelength changing fastest, then the field. Columns:
+
+        - `lens`, `distance`, `wavelength_nm`, as they were asked for;
+        - `fnumber_asked`, NaN for the lens's own stop, and `fnumber_used`, which is another where the lens does not open so
+          far;
+        - `field`, the distance from the middle over half the diagonal, and `field_angle_deg`, the field angle;
+        - `focal_length_mm`; `spot_rms_um` on the film; `mtf_tangential_F` and `mtf_sagittal_F` for each frequency F;
+          `relative_illumination`, over that in the middle; `distortion`; `acceptance`, the share of camera rays that get
+          through; NaN where there is no light;
+        - `failed`, whether the row has no measures: the lens cannot be read or focused so near, the middle of the picture is
+          dark, the picture does not reach to the field angle, or no process could do it;
+        - `note`: what the library warns of, a stop that is wider than the lens among it, and why a row failed.
 
     Raises
     ------
-    realistic.Error
-        For a lens or a parameter that no camera can be built from.
-    TypeError
-        For a parameter that is one of the study's own arguments.
+    TypeError, ValueError
+        For an argument that no camera could have. What is wrong with one lens or one stop is in the rows' notes.
     """
     if taken := _ITS_OWN & set(parameters):
         raise TypeError(
             f"{', '.join(sorted(taken))}: give a study's lenses, fnumbers, distances and wavelengths instead"
         )
+    workers = Workers(client, processes, retries, keep, progress)
+    canonical(dict(parameters))
     named = [lenses] if isinstance(lenses, (str, os.PathLike)) else list(lenses)
-    stops = _several(fnumbers)
-    far, shares, colours = (
-        np.atleast_1d(np.asarray(each, float)) for each in map(_several, (distances, fields, wavelengths))
-    )
-    lines = [float(number) for number in _several(frequencies)]
-    if not (np.isfinite(shares).all() and (shares >= 0).all() and (shares <= 1).all()):
-        raise ValueError(f"fields are shares of half the diagonal, from 0 to 1, and not {shares.tolist()}")
+    stops = [None if stop is None else float(stop) for stop in _several(fnumbers)]
+    far, colours, lines = ([float(each) for each in _several(given)] for given in (distances, wavelengths, frequencies))
+    points = fields if isinstance(fields, Field) else Field.fractions(np.asarray(_several(fields), float))
     jobs = [
-        _Job(os.fspath(lens), stop, distance, colour, shares.tolist(), lines, resolution, dict(parameters))
-        for lens, stop, distance, colour in product(named, stops, far.tolist(), colours.tolist())
+        _Job(os.fspath(lens), stop, distance, colour, points, lines, resolution_of(resolution), dict(parameters))
+        for lens, stop, distance, colour in product(named, stops, far, colours)
     ]
-    found = spread(_measured, jobs, client, processes)
+    found = [json.loads(result) for result in workers.do(_measured, jobs, _failed, "camera")]
+    cells = np.full((len(jobs), points.x.size), np.nan, _dtype(lines, found))
+    for row, columns in zip(cells, found):
+        for name, values in columns.items():
+            row[name] = values
     # A job has a camera's fields; in the table the wavelength changes fastest.
-    dtype = _dtype(named, lines, found)
-    cells = np.array([[tuple(row) for row in rows] for rows in found], dtype)
-    ordered = cells.reshape(-1, len(colours), len(shares)).swapaxes(1, 2) if cells.size else cells
-    return Table(ordered.reshape(-1))
+    return Table(cells.reshape(-1, len(colours), points.x.size).swapaxes(1, 2).ravel() if cells.size else cells.ravel())
 
 
 @dataclass(frozen=True)
@@ -123,10 +143,23 @@ class _Job:
     fnumber: float | None
     distance: float
     wavelength: float
-    fields: Sequence[float]
+    field: Field
     frequencies: Sequence[float]
     resolution: tuple[int, int]
     parameters: dict[str, Any]
+
+    def result(self, found: dict[str, Any], notes: Sequence[str], failed: ArrayLike) -> bytes:
+        """The rows as JSON, a list of a camera's columns by their names, with a number for each field point in each."""
+        asked: dict[str, Any] = {"fnumber_asked": np.nan if self.fnumber is None else self.fnumber}
+        asked |= {"distance": self.distance, "wavelength_nm": self.wavelength}
+        asked["field"] = self.field.share(self.resolution).ravel()
+        asked["field_angle_deg"] = self.field.angle().ravel()
+        points = self.field.x.size
+        columns = {
+            name: np.broadcast_to(numbers, points).tolist()
+            for name, numbers in ({**asked, **found, "failed": failed, "lens": self.lens}).items()
+        }
+        return json.dumps({**columns, "note": list(notes)}).encode()
 
 
 def _several(given: Any) -> list[Any]:
@@ -136,39 +169,47 @@ def _several(given: Any) -> list[Any]:
     return list(given)
 
 
-def _dtype(lenses: Sequence[Any], frequencies: Sequence[float], found: list[list[list[Any]]]) -> np.dtype[Any]:
-    width = max((len(os.fspath(lens)) for lens in lenses), default=1)
-    note = max((len(row[-1]) for rows in found for row in rows), default=0)
-    names = ["fnumber", "distance", "field", "wavelength_nm", "focal_length_mm", "spot_rms_um"]
+def _dtype(frequencies: Sequence[float], found: Sequence[dict[str, list[Any]]]) -> np.dtype[Any]:
+    """The table's columns in their order."""
+
+    def text(name: str) -> tuple[str, str]:
+        return name, f"U{max((len(each) for columns in found for each in columns[name]), default=1) or 1}"
+
+    names = ["fnumber_asked", "fnumber_used", "distance", "field", "field_angle_deg", "wavelength_nm"]
+    names += ["focal_length_mm", "spot_rms_um"]
     names += [f"mtf_{way}_{frequency:g}" for frequency in frequencies for way in ("tangential", "sagittal")]
     names += ["relative_illumination", "distortion", "acceptance"]
-    return np.dtype([("lens", f"U{width}"), *((name, "f8") for name in names), ("note", f"U{max(note, 1)}")])
+    return np.dtype([text("lens"), *((name, "f8") for name in names), ("failed", "?"), text("note")])
 
 
-def _measured(job: _Job) -> list[list[Any]]:
-    """The rows of a camera, one for each field."""
-    fields = np.array(job.fields)
-    with quietly():
-        nothing = np.full(4 + 2 * len(job.frequencies), np.nan)
+def _measured(job: _Job) -> bytes:
+    """The rows of a camera. What is wrong with the camera itself is in them; what another try may do is an exception."""
+    found: dict[str, Any] = {}
+    warned: list[str] = []
+    reached, failure = np.ones(job.field.x.size, bool), ""
+    with warnings_to(warned.append):
         try:
-            camera = _camera(job)
-        except FocusError as error:
-            return [_row(job, field, np.nan, nothing, str(error)) for field in fields]
-        with camera:
-            stop, length = camera.fnumber, camera.focal_length_mm
-            try:
-                illumination = measure.relative_illumination(camera, _points(camera, fields))
-            except ValueError as error:
-                return [_row(job, field, length, nothing, str(error), stop) for field in fields]
-            numbers = _numbers(camera, job, fields, illumination)
-    return [_row(job, field, length, row, "", stop) for field, row in zip(fields, numbers)]
+            reached = _measure(job, found)
+        except LensFileError:
+            raise
+        except (FocusError, ParameterError, ValueError) as error:
+            failure = str(error)
+    lit = np.asarray(found.get("acceptance", np.nan)) != 0
+    notes = []
+    for label, is_reached, is_lit in zip(job.field.labels, *np.broadcast_arrays(reached, lit)):
+        own = "" if is_reached else f"the picture does not reach to {label}"
+        dark = "" if is_lit else "no light gets to this point of the picture"
+        # A camera is built twice.
+        notes.append("; ".join(filter(None, [*dict.fromkeys(warned), failure, own, dark])))
+    return job.result(found, notes, True if failure else ~reached)
 
 
-def _row(
-    job: _Job, field: float, length: float, numbers: NDArray[np.float64], note: str, stop: float = np.nan
-) -> list[Any]:
-    fnumber = stop if job.fnumber is None else job.fnumber
-    return [job.lens, fnumber, job.distance, field, job.wavelength, length, *numbers.tolist(), note]
+def _failed(job: _Job, error: Exception) -> bytes:
+    """The rows of a camera that could not be measured."""
+    note = str(error) if isinstance(error, Error) else f"{type(error).__name__}: {error}"
+    if isinstance(error, BrokenExecutor):
+        note = "the process that measured this camera died each time"
+    return job.result({}, [note] * job.field.x.size, True)
 
 
 def _camera(job: _Job) -> Camera:
@@ -180,30 +221,29 @@ def _camera(job: _Job) -> Camera:
     return Camera(focusdistance=job.distance, wavelength=job.wavelength, **given)
 
 
-def _points(camera: Camera, fields: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Film points toward the upper right corner, pixels."""
-    half = np.array(camera.resolution) / 2
-    points: NDArray[np.float64] = half + fields[:, None] * half * [1.0, -1.0]
-    return points
+def _measure(job: _Job, found: dict[str, Any]) -> NDArray[np.bool_]:
+    """Fills in columns, one after the other, and returns to which field points the picture reaches; others have NaN."""
+    with _camera(job) as camera:
+        found["fnumber_used"], found["focal_length_mm"] = camera.fnumber, camera.focal_length_mm
+        image_xy = job.field.image_xy(camera, job.distance).reshape(-1, 2)
+        reached = ~np.isnan(image_xy[:, 0])
+        points = Field.pixels(image_xy[reached])
 
+        def fill(name: str, numbers: NDArray[np.float64]) -> None:
+            found[name] = np.full(len(reached), np.nan)
+            found[name][reached] = numbers
 
-def _numbers(
-    camera: Camera, job: _Job, fields: NDArray[np.float64], illumination: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Spot, MTF, illumination, distortion and acceptance, (fields, columns)."""
-    half, points = np.array(camera.resolution) / 2, _points(camera, fields)
-    micrometres = 1000 * camera.film_size_mm[0] / camera.resolution[0]
-    spots = measure.spots(camera, points, distance=job.distance)
-    mtf = measure.mtf(camera, points, job.frequencies, distance=job.distance)
-    radii = fields * np.hypot(*half)
-    # In the middle there is none by definition.
-    distortion = np.where(radii > 0, measure.distortion(camera, np.maximum(radii, 1e-3), distance=job.distance), 0.0)
-    return np.column_stack(
-        [
-            spots.rms * micrometres,
-            mtf.transpose(0, 2, 1).reshape(len(fields), -1),
-            illumination,
-            distortion,
-            (spots.weight > 0).mean(axis=1),
-        ]
-    )
+        if job.field.unit == "angles":
+            fill("field", points.share(camera.resolution))
+        else:
+            fill("field_angle_deg", measure.field_angle(camera, points, distance=job.distance))
+        fill("relative_illumination", measure.relative_illumination(camera, points))
+        spots = measure.spots(camera, points, distance=job.distance)
+        fill("spot_rms_um", spots.rms * 1000 * camera.film_size_mm[0] / camera.resolution[0])
+        fill("acceptance", (spots.weight > 0).mean(axis=-1))
+        mtf = measure.mtf(camera, points, job.frequencies, distance=job.distance)
+        for k, frequency in enumerate(job.frequencies):
+            fill(f"mtf_tangential_{frequency:g}", mtf[:, 0, k])
+            fill(f"mtf_sagittal_{frequency:g}", mtf[:, 1, k])
+        fill("distortion", measure.distortion(camera, points, distance=job.distance))
+    return reached

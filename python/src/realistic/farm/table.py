@@ -1,4 +1,4 @@
-"""A table with a name for each column: a NumPy structured array, written as CSV or handed to pandas."""
+"""A table with a name for each column: a NumPy structured array, written as CSV or shown in a notebook."""
 
 from __future__ import annotations
 
@@ -9,44 +9,42 @@ from typing import TYPE_CHECKING, Any, TextIO
 
 import numpy as np
 
+from ..notebook import table as html_table
+
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike
+    from typing_extensions import Self
 
 
-class Table:
-    """Rows of numbers and texts.
+class Table(np.ndarray[Any, np.dtype[Any]]):
+    """Rows of numbers and texts: a structured array, which pandas and others take as it is (`pandas.DataFrame(table)`).
 
-    Attributes
-    ----------
-    data : ndarray (n,) with a field for each column
-        `table["spot_rms_um"]` is a column of it, `table[mask]` a table of some rows.
+    `table["spot_rms_um"]` is a column, `table[0]` a row, `table[mask]` a table of some rows.
     """
 
-    def __init__(self, data: NDArray[Any]) -> None:
-        if data.dtype.names is None or data.ndim != 1:
-            raise ValueError(f"a table needs a structured array of one dimension, and not {data.dtype}, {data.shape}")
-        self.data = data
+    def __new__(cls, data: ArrayLike) -> Self:
+        """Of a structured array of one dimension, in the same memory."""
+        array = np.asarray(data)
+        if array.dtype.names is None or array.ndim != 1:
+            raise ValueError(f"a table needs a structured array of one dimension, and not {array.dtype}, {array.shape}")
+        return array.view(cls)
 
     @property
     def columns(self) -> tuple[str, ...]:
         """The columns' names."""
-        return self.data.dtype.names or ()
-
-    def __len__(self) -> int:
-        return len(self.data)
+        return self.dtype.names or ()
 
     def __getitem__(self, which: Any) -> Any:
         """A column by its name, one row by its number, or a table of some rows by a slice or a mask."""
-        found = self.data[which]
-        return Table(found) if isinstance(found, np.ndarray) and found.dtype.names is not None else found
+        found = super().__getitem__(which)
+        return found.view(np.ndarray) if isinstance(found, Table) and found.dtype.names is None else found
 
     def equals(self, other: Table) -> bool:
         """Whether another table has the same columns and values; NaN is the same as NaN."""
-        if self.data.dtype != other.data.dtype or len(self) != len(other):
+        if self.dtype != other.dtype or len(self) != len(other):
             return False
         return all(
-            np.array_equal(self.data[name], other.data[name], equal_nan=self.data[name].dtype.kind == "f")
-            for name in self.columns
+            np.array_equal(self[name], other[name], equal_nan=self[name].dtype.kind == "f") for name in self.columns
         )
 
     def to_csv(self, file: str | os.PathLike[str] | TextIO) -> None:
@@ -57,14 +55,12 @@ class Table:
             return
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(self.columns)
-        for row in self.data.tolist():
+        for row in self.tolist():
             writer.writerow(["" if isinstance(cell, float) and math.isnan(cell) else cell for cell in row])
 
-    def to_pandas(self) -> Any:
-        """The same as a `pandas.DataFrame`, which must be installed."""
-        import pandas
-
-        return pandas.DataFrame({name: self.data[name] for name in self.columns})
-
     def __repr__(self) -> str:
-        return f"<Table of {len(self)} rows: {', '.join(self.columns)}>"
+        return f"<Table of {len(self)} rows: {', '.join(self.columns)}>" if self.columns else super().__repr__()
+
+    def _repr_html_(self) -> str:
+        """The rows, as notebooks show them."""
+        return html_table(self.columns, self.tolist())

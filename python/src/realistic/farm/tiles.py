@@ -7,12 +7,13 @@ import shutil
 import subprocess
 import tempfile
 from collections.abc import Sequence
+from concurrent.futures import BrokenExecutor
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from .._program import program as found_here
-from .workers import spread
+from .workers import Progress, Workers
 
 _SIZE = (480, 320)
 """The program's own."""
@@ -26,6 +27,9 @@ def render(
     tile: tuple[int, int] = (128, 128),
     client: Any = None,
     processes: int | None = None,
+    retries: int = 2,
+    keep: str | os.PathLike[str] | None = None,
+    progress: bool | Progress = True,
     program: str | os.PathLike[str] | None = None,
 ) -> Path:
     """The picture that `realistic render` takes, by many processes at once.
@@ -47,6 +51,12 @@ def render(
         Where to do the work; default processes of this machine. Tiles come back as bytes: no file is shared.
     processes : int, optional
         How many of them; default one for each processor.
+    retries : int
+        How often a tile is rendered again that failed, or whose process died.
+    keep : str or path-like, optional
+        A folder that keeps each tile when it arrives, as in `study`: an interrupted picture goes on where it stopped.
+    progress : bool or callable
+        As in `study`.
     program : str or path-like, optional
         The program, by a name that is true where the work is done; default the one of the package that is installed there.
 
@@ -60,13 +70,16 @@ def render(
     ValueError
         For an option that is an argument here, and sizes that are none.
     RuntimeError
-        Where the program fails, with its words; or there is none.
+        Where the program fails with a tile each time, with its words; or there is none. The other tiles are kept.
     """
     target = Path(out)
     for option in options:
         name = option.partition("=")[0]
         if name in ("--size", "--out", "--crop", "--threads", "--slide"):
             raise ValueError(f"{name} is not an option of a picture in tiles")
+        if "-" in (option, option.partition("=")[2]):
+            raise ValueError("standard input cannot be read for each tile: name a file")
+    workers = Workers(client, processes, retries, keep, progress)
     width, height = size
     across, down = tile
     if min(width, height, across, down) < 1:
@@ -79,7 +92,7 @@ def render(
     ]
     with tempfile.TemporaryDirectory() as room:
         files = []
-        for number, content in enumerate(spread(_rendered, jobs, client, processes)):
+        for number, content in enumerate(workers.do(_rendered, jobs, _failed, "tile")):
             file = Path(room) / f"{number}{target.suffix}"
             file.write_bytes(content)
             files.append(str(file))
@@ -107,6 +120,12 @@ def _rendered(tile: _Tile) -> bytes:
         # A worker has one processor to itself; lens files are named as from where the worker stands.
         _run(tile.program, [*arguments, "--crop", crop, "--threads", "1", "--out", str(file)])
         return file.read_bytes()
+
+
+def _failed(_tile: _Tile, error: Exception) -> NoReturn:
+    """There is no picture without a tile."""
+    died = isinstance(error, BrokenExecutor)
+    raise RuntimeError("the process that rendered a tile died each time") if died else error
 
 
 def _run(named: str | None, arguments: Sequence[str]) -> None:

@@ -1,44 +1,189 @@
-"""Where work is done: in this process, in several of this machine, or wherever a Dask client's workers are."""
+"""Where jobs are done: in this process, in several of this machine, or wherever an executor's or a Dask client's workers are."""
 
 from __future__ import annotations
 
-import multiprocessing
 import os
-from collections.abc import Callable, Iterable
-from concurrent.futures import Executor, ProcessPoolExecutor
+from collections import deque
+from collections.abc import Callable, Generator, Iterator, Sequence
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
+from functools import partial
+from queue import SimpleQueue
 from typing import Any, TypeVar
 
+from .kept import Kept
+from .processes import NoProcessError, Processes
+
 Job = TypeVar("Job")
-Result = TypeVar("Result")
+
+Progress = Callable[[int, int], object]
+"""Gets how many jobs are done, and how many there are."""
+
+Submit = Callable[..., Future[bytes]]
+"""Takes a function and a job for it, as `Executor.submit`."""
 
 
-def spread(
-    function: Callable[[Job], Result], jobs: Iterable[Job], client: Any = None, processes: int | None = None
-) -> list[Result]:
-    """The results of a function for some jobs, in their order, wherever they were found.
+@dataclass(frozen=True)
+class Workers:
+    """Where jobs are done, and how.
 
-    `client` is a `dask.distributed.Client` or a `concurrent.futures.Executor`; without one, `processes` of this machine do
-    the work, as many as it has processors unless told otherwise.
-
-    Raises
-    ------
-    ValueError
-        For a number of processes that is none.
+    Attributes
+    ----------
+    client : dask.distributed.Client or concurrent.futures.Executor, optional
+        Where; default processes of this machine.
+    processes : int, optional
+        How many of those; default one for each processor. One is this process itself.
+    retries : int
+        How often a job that failed is done again.
+    keep : str or path-like, optional
+        A folder for results; those that it has of an earlier call are not computed again.
+    progress : bool or callable
+        Whether to show a bar, or what gets the number of jobs that are done and that of all.
     """
-    jobs = list(jobs)
-    if client is not None:
-        if isinstance(client, Executor):
-            return list(client.map(function, jobs))
-        # Not pure: equal jobs of another call must not find an old result, for lens files may change.
-        return list(client.gather(client.map(function, jobs, pure=False)))
-    if processes is not None and processes < 1:
-        raise ValueError(f"processes is {processes}; give 1 or more")
-    count = min(processes or _processors(), len(jobs))
-    if count <= 1:
-        return [function(job) for job in jobs]
-    # A process that has threads, as many have, must not fork.
-    with ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn")) as pool:
-        return list(pool.map(function, jobs))
+
+    client: Any = None
+    processes: int | None = None
+    retries: int = 2
+    keep: str | os.PathLike[str] | None = None
+    progress: bool | Progress = True
+
+    def __post_init__(self) -> None:
+        if self.processes is not None and self.processes < 1:
+            raise ValueError(f"processes is {self.processes}; give 1 or more")
+        if self.retries < 0:
+            raise ValueError(f"retries is {self.retries}; give 0 or more")
+
+    def do(
+        self,
+        function: Callable[[Job], bytes],
+        jobs: Sequence[Job],
+        failed: Callable[[Job, Exception], bytes],
+        unit: str,
+    ) -> list[bytes]:
+        """The results of a function for some jobs, in the jobs' order.
+
+        Each result is kept, and shown as progress, when it arrives. `failed` gets a job that no try could do, with the last
+        try's exception, and returns something in the result's place or raises; that is not kept.
+        """
+        kept = None if self.keep is None else Kept(self.keep)
+        try:
+            keys = [] if kept is None else [kept.key(job) for job in jobs]
+            results: list[bytes | None]
+            results = [kept.get(key) for key in keys] if kept else [None] * len(jobs)
+            left = [number for number, result in enumerate(results) if result is None]
+            done = len(jobs) - len(left)
+            with (
+                _shown(self.progress, len(jobs), unit) as show,
+                self._place(len(left)) as (submit, most),
+                closing(self._arriving(partial(submit, function), most, jobs, left)) as arriving,
+            ):
+                show(done)
+                for number, result in arriving:
+                    if isinstance(result, Exception):
+                        results[number] = failed(jobs[number], result)
+                    else:
+                        results[number] = result
+                        if kept is not None:
+                            kept.put(keys[number], result)
+                    done += 1
+                    show(done)
+        finally:
+            if kept is not None:
+                kept.close()
+        return [result for result in results if result is not None]
+
+    def _arriving(
+        self, submit: Callable[[Job], Future[bytes]], most: int, jobs: Sequence[Job], numbers: Sequence[int]
+    ) -> Generator[tuple[int, bytes | Exception], None, None]:
+        """The results of some jobs by the jobs' numbers, as they arrive; of a job that no try could do its exception."""
+        waiting = deque((number, 0) for number in numbers)
+        running: dict[Future[bytes], tuple[int, int]] = {}
+        arrived: SimpleQueue[Future[bytes]] = SimpleQueue()
+        try:
+            while waiting or running:
+                while waiting and len(running) < most:
+                    number, failures = waiting.popleft()
+                    future = submit(jobs[number])
+                    running[future] = number, failures
+                    future.add_done_callback(arrived.put)
+                future = arrived.get()
+                number, failures = running.pop(future)
+                result = _outcome(future)
+                # Without the future Dask forgets the result; with it Dask computes the result again if the worker dies.
+                del future
+                if isinstance(result, NoProcessError):
+                    raise result
+                if isinstance(result, Exception) and failures < self.retries:
+                    waiting.appendleft((number, failures + 1))
+                else:
+                    yield number, result
+        finally:
+            for future in running:
+                future.cancel()
+
+    @contextmanager
+    def _place(self, jobs: int) -> Iterator[tuple[Submit, int]]:
+        """What takes a function and a job for it, and how many jobs it holds at once."""
+        if self.client is not None:
+            # Not pure: Dask must not take the result of an equal job of another call, for lens files may change.
+            executor = self.client if isinstance(self.client, Executor) else self.client.get_executor(pure=False)
+            yield executor.submit, max(jobs, 1)
+            return
+        count = min(self.processes or _processors(), jobs)
+        if count <= 1:
+            yield _here, 1
+            return
+        processes = Processes(count)
+        try:
+            with ThreadPoolExecutor(count) as threads:
+                yield lambda function, job: threads.submit(processes.run, function, job), count
+        finally:
+            processes.close()
+
+
+def _here(function: Callable[[Job], bytes], job: Job) -> Future[bytes]:
+    """Does a job in this process, at once."""
+    future: Future[bytes] = Future()
+    try:
+        future.set_result(function(job))
+    except Exception as error:  # noqa: BLE001  It is the job's outcome.
+        future.set_exception(error)
+    return future
+
+
+def _outcome(future: Future[bytes]) -> bytes | Exception:
+    """What a future that is done has: a result, or an exception, its cancellation among them."""
+    try:
+        return future.result()
+    except Exception as error:  # noqa: BLE001  It is the job's outcome.
+        return error
+
+
+@contextmanager
+def _shown(progress: bool | Progress, count: int, unit: str) -> Iterator[Callable[[int], object]]:
+    """Shows how many jobs are done: to a callable, or in a bar, where there are tqdm and a terminal."""
+    if not isinstance(progress, bool):
+        told = progress
+        yield lambda done: told(done, count)
+        return
+    try:
+        from tqdm.auto import tqdm
+    except ImportError:
+        progress = False
+    if not progress:
+        yield lambda _done: None
+        return
+    # Work of less than a second needs no bar.
+    with tqdm(total=count, unit=unit, disable=None, delay=1.0) as bar:
+        before = 0
+
+        def show(done: int) -> None:
+            nonlocal before
+            bar.update(done - before)
+            before = done
+
+        yield show
 
 
 def _processors() -> int:

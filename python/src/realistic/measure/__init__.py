@@ -1,10 +1,26 @@
 """What a camera's rays tell about its lens: illumination, spots, MTF, distortion, ray fans, field curvature; as arrays.
 
-Film points are raster positions in pixels, as `image_xy` of `Camera.rays`. All is geometric optics: without diffraction.
+Points of the picture are a `Field`, in pixels, fractions or field angles, or an array of raster positions in pixels, as
+`image_xy` of `Camera.rays`. All is geometric optics: without diffraction.
 """
 
 from .fans import Fans, fans, field_curvature
 from .field import distortion, relative_illumination
+from .intrinsics import Intrinsics, intrinsics
+from .points import Field, field_angle
 from .spots import Spots, mtf, spots
 
-__all__ = ["Fans", "Spots", "distortion", "fans", "field_curvature", "mtf", "relative_illumination", "spots"]
+__all__ = [
+    "Fans",
+    "Field",
+    "Intrinsics",
+    "Spots",
+    "distortion",
+    "fans",
+    "field_angle",
+    "field_curvature",
+    "intrinsics",
+    "mtf",
+    "relative_illumination",
+    "spots",
+]

@@ -5,8 +5,9 @@ What fits or measures a camera asks here. A ray is kept as the line x(z) = at + 
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,9 +15,21 @@ from ..errors import quietly
 from ..lens import Lens
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from numpy.typing import NDArray
 
     from ..camera import Camera
+
+_POSE_AND_SHUTTER = (
+    "camera_to_world",
+    "camera_to_world_end",
+    "transformstart",
+    "transformend",
+    "shutter",
+    "shutterramp",
+    "shutterslit",
+)
 
 
 @dataclass(eq=False)
@@ -55,13 +68,17 @@ class Bundles:
         return self.slope if np.isinf(z) else self.at + self.slope * z
 
 
-def in_camera_space(camera: Camera) -> Camera:
-    """The same camera at rest at the origin, with its shutter open everywhere."""
-    plain = dict.fromkeys(
-        ("camera_to_world", "camera_to_world_end", "transformstart", "transformend", "shutter", "shutterramp")
-    )
+@contextmanager
+def in_camera_space(camera: Camera) -> Iterator[Camera]:
+    """The same camera at rest at the origin, with its shutter open everywhere; it is built only where it is another one."""
+    plain: dict[str, Any] = {name: None for name in _POSE_AND_SHUTTER if name in camera._arguments()}
+    if not plain:
+        yield camera
+        return
     with quietly():
-        return camera.replace(**plain, shutterslit=None)
+        built = camera.replace(**plain)
+    with built:
+        yield built
 
 
 def lens_grid(side: int) -> NDArray[np.float32]:
@@ -106,19 +123,44 @@ def plane_at(plain: Camera, distance: float | None) -> float:
     return distance + film_plane(plain) if plain.interfaces > 0 and np.isfinite(distance) else float(distance)
 
 
-def seen_from_pinhole(bundles: Bundles, plane: float) -> tuple[NDArray[np.float64], float]:
-    """Where the mean ray of each film point meets the plane, as (dx/dz, dy/dz) seen from the pinhole, and its z.
+def needs_pinhole(camera: Camera) -> None:
+    """Raises a ValueError for a camera that sees from no point."""
+    model = camera.parameters.get("model", "lens")
+    if model in ("orthographic", "environment"):
+        raise ValueError(
+            f'model "{model}" has no pinhole; intrinsics, field angles and distortion are those of a lens or a perspective'
+        )
 
-    The pinhole is the point of the axis that the mean rays pass nearest: the lens's entrance pupil.
-    """
+
+def pinhole(plain: Camera, plane: float) -> float:
+    """z of the pinhole from which a camera of `in_camera_space` sees a plane: a lens's entrance pupil."""
+    needs_pinhole(plain)
+    if np.isinf(plane):
+        # From there directions are the same, wherever it is.
+        return 0.0
+    return pinhole_of(bundles_of(plain, film_grid(plain.resolution, 17), lens_grid(16)))
+
+
+def pinhole_of(bundles: Bundles) -> float:
+    """z of the point of the axis that the mean rays of film points pass nearest."""
     at, slope = bundles.mean(bundles.at), bundles.mean(bundles.slope)
     seen = bundles.has_light
-    pinhole = -float((at * slope)[seen].sum() / (slope * slope)[seen].sum())
+    return -float((at * slope)[seen].sum() / (slope * slope)[seen].sum())
+
+
+def seen_from(bundles: Bundles, z: float, plane: float) -> NDArray[np.float64]:
+    """Where the mean ray of each film point meets the plane, as (dx/dz, dy/dz) seen from the pinhole at z, (n, 2).
+
+    Raises
+    ------
+    ValueError
+        For a plane that is not in front of the pinhole.
+    """
     if np.isinf(plane):
-        return slope, pinhole
-    if plane <= pinhole:
-        raise ValueError(f"the plane to be seen lies {pinhole - plane:g} behind the pinhole; give a greater distance")
-    return (at + slope * plane) / (plane - pinhole), pinhole
+        return bundles.mean(bundles.slope)
+    if plane <= z:
+        raise ValueError(f"the plane to be seen lies {z - plane:g} behind the pinhole; give a greater distance")
+    return bundles.mean(bundles.points(plane)) / (plane - z)
 
 
 def film_plane(plain: Camera) -> float:

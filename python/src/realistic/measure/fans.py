@@ -12,12 +12,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .bundles import Bundles, bundles_of, in_camera_space, lens_grid, lens_of, plane_at
+from .points import film_points
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import NDArray
 
     from ..camera import Camera
     from ..lens import Lens
+    from .points import FieldLike
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,13 +45,13 @@ class Fans:
     sagittal: NDArray[np.float64]
 
 
-def fans(camera: Camera, image_xy: ArrayLike, *, distance: float | None = None, rays: int = 101) -> Fans:
+def fans(camera: Camera, field: FieldLike, *, distance: float | None = None, rays: int = 101) -> Fans:
     """Ray fans of the object points that are imaged to some film points.
 
     Parameters
     ----------
-    image_xy : array_like (n, 2)
-        Film points, pixels.
+    field : Field or array_like (n, 2)
+        Field points.
     distance : float, optional
         The plane of the scene, as `focusdistance`; default the plane in focus.
     rays : int
@@ -63,22 +65,23 @@ def fans(camera: Camera, image_xy: ArrayLike, *, distance: float | None = None, 
     if rays < 3 or rays % 2 == 0:
         raise ValueError(f"a fan has an odd number of rays, 3 or more, not {rays}")
     pupil = np.linspace(-1, 1, rays)
-    points = _ObjectPoints(camera, np.asarray(image_xy, np.float64), distance)
+    image_xy, shape = film_points(camera, field, distance)
+    points = _ObjectPoints(camera, image_xy, distance)
     fan = []
     for axis in range(2):
         at = points.film(axis, pupil)[0][..., axis]
         # With an edge that is not round the middle may be blocked.
-        fan.append(at - at[:, rays // 2, None])
+        fan.append((at - at[:, rays // 2, None]).reshape(*shape, rays))
     return Fans(pupil, fan[0], fan[1])
 
 
-def field_curvature(camera: Camera, radii: ArrayLike, *, distance: float | None = None) -> NDArray[np.float64]:
+def field_curvature(camera: Camera, field: FieldLike, *, distance: float | None = None) -> NDArray[np.float64]:
     """How far behind the film narrow bundles through the middle of the pupil are in focus.
 
     Parameters
     ----------
-    radii : array_like (n,)
-        Distances from the picture's middle, pixels.
+    field : Field or array_like (n, 2)
+        Field points.
     distance : float, optional
         The plane of the scene, as `focusdistance`; default the plane in focus.
 
@@ -92,16 +95,15 @@ def field_curvature(camera: Camera, radii: ArrayLike, *, distance: float | None 
     ValueError
         As `fans`.
     """
-    # A lens is round: any direction will do.
-    film_xy = np.array(camera.resolution) / 2 + np.asarray(radii, np.float64)[:, None] * [1.0, 0.0]
-    points = _ObjectPoints(camera, film_xy, distance)
+    image_xy, shape = film_points(camera, field, distance)
+    points = _ObjectPoints(camera, image_xy, distance)
     focus = []
     for axis in range(2):
         # A hundredth of the pupil: aberrations of higher order are a ten thousandth.
         at, slope = points.film(axis, np.array([-0.01, 0.01]))
         apart, spread = (np.diff(numbers[..., axis], axis=1)[:, 0] for numbers in (at, slope))
         focus.append(-apart / spread)
-    return np.stack(focus, axis=-1)
+    return np.stack(focus, axis=-1).reshape(*shape, 2)
 
 
 class _ObjectPoints:

@@ -7,21 +7,23 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import quietly
-from .bundles import bundles_of, in_camera_space, lens_grid, plane_at, seen_from_pinhole
+from .bundles import bundles_of, in_camera_space, lens_grid, pinhole, plane_at, seen_from
+from .points import film_points
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import NDArray
 
     from ..camera import Camera
+    from .points import FieldLike
 
 
-def relative_illumination(camera: Camera, image_xy: ArrayLike, *, side: int = 32) -> NDArray[np.float64]:
+def relative_illumination(camera: Camera, field: FieldLike, *, side: int = 32) -> NDArray[np.float64]:
     """The film's irradiance under an even light, over that in the middle of the picture.
 
     Parameters
     ----------
-    image_xy : array_like (n, 2)
-        Film points, pixels.
+    field : Field or array_like (n, 2)
+        Field points.
     side : int
         `side`² lens samples for each.
 
@@ -30,40 +32,48 @@ def relative_illumination(camera: Camera, image_xy: ArrayLike, *, side: int = 32
     ndarray (n,)
         1 in the middle; 0 where nothing gets through.
     """
-    with quietly():
-        plain = in_camera_space(camera).replace(weighting="radiometric")
-    with plain as lit:
+    image_xy, shape = film_points(camera, field, None)
+    with in_camera_space(camera) as plain:
+        with quietly():
+            lit = plain.replace(weighting="radiometric")
         middle = np.array([camera.resolution], np.float64) / 2
-        points = np.concatenate([middle, np.asarray(image_xy, np.float64)])
+        points = np.concatenate([middle, image_xy])
         weight = lit.rays(points[:, None, :], lens_grid(side)[None, :, :]).weight
     light = weight.mean(axis=1, dtype=np.float64)
     if light[0] == 0:
         raise ValueError("no light gets to the middle of the picture")
     relative: NDArray[np.float64] = light[1:] / light[0]
-    return relative
+    return relative.reshape(shape)
 
 
-def distortion(camera: Camera, radii: ArrayLike, *, distance: float | None = None) -> NDArray[np.float64]:
+def distortion(camera: Camera, field: FieldLike, *, distance: float | None = None) -> NDArray[np.float64]:
     """By how much points of a plane of the scene are imaged farther out than near the axis's scale would have it.
 
     Parameters
     ----------
-    radii : array_like (n,)
-        Distances from the picture's middle along its diagonal, pixels; positive.
+    field : Field or array_like (n, 2)
+        Field points.
     distance : float, optional
         The plane, as `focusdistance`; default the plane in focus.
 
     Returns
     -------
     ndarray (n,)
-        (r - r') / r', where r' is the radius without distortion: negative is a barrel, positive a pincushion. NaN where
-        there is no light.
+        (r - r') / r', where r is the distance from the picture's middle and r' the same without distortion: negative is a
+        barrel, positive a pincushion. 0 in the middle; NaN where there is no light.
     """
+    image_xy, shape = film_points(camera, field, distance)
     width, height = camera.resolution
-    diagonal = np.array([width, height]) / np.hypot(width, height)
-    r = np.concatenate([[np.hypot(width, height) / 100], np.asarray(radii, np.float64)])
+    middle = np.array([width, height]) / 2
+    radii = np.hypot(*(image_xy - middle).T)
+    away = (image_xy - middle) / np.maximum(radii, 1e-300)[:, None]
+    # Near the axis: toward each point, for pixels need not be square.
+    near = np.hypot(width, height) / 100
+    points = np.concatenate([middle + near * away, image_xy])
     with in_camera_space(camera) as plain:
-        bundles = bundles_of(plain, np.array([width, height]) / 2 + r[:, None] * diagonal, lens_grid(16))
-        tangent = np.hypot(*seen_from_pinhole(bundles, plane_at(plain, distance))[0].T)
-    relative: NDArray[np.float64] = (r / tangent)[1:] / (r / tangent)[0] - 1
-    return relative
+        plane = plane_at(plain, distance)
+        seen = seen_from(bundles_of(plain, points, lens_grid(16)), pinhole(plain, plane), plane)
+    there, here = np.hypot(*seen.T).reshape(2, -1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        relative = np.where(radii > 0, (radii / here) / (near / there) - 1, 0.0)
+    return relative.reshape(shape)

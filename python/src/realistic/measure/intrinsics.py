@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .bundles import bundles_of, film_grid, in_camera_space, lens_grid, plane_at, seen_from_pinhole
+from .bundles import bundles_of, film_grid, in_camera_space, lens_grid, needs_pinhole, pinhole_of, plane_at, seen_from
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -64,11 +64,33 @@ class Intrinsics:
 _FITTED = {0: (0, 1, 2, 3), 2: (0, 1, 2, 3, 4, 5), 4: (0, 1, 2, 3, 4, 5, 6, 7), 5: (0, 1, 2, 3, 4, 5, 6, 7, 8)}
 
 
-def fit(camera: Camera, distance: float | None, coefficients: int) -> Intrinsics:
-    """See `Camera.intrinsics`."""
-    model = camera.parameters.get("model", "lens")
-    if model in ("orthographic", "environment"):
-        raise ValueError(f'model "{model}" has no pinhole; intrinsics are those of a lens or a perspective')
+def intrinsics(camera: Camera, distance: float | None = None, *, coefficients: int = 5) -> Intrinsics:
+    """The pinhole matrix and OpenCV's distortion that fit a camera best, with the residual in pixels.
+
+    Parameters
+    ----------
+    distance : float, optional
+        The plane of the scene for which to fit, as `focusdistance`: world units from the film plane (for model
+        "perspective" from the eye), or inf. Default: the plane in focus.
+    coefficients : int
+        How many coefficients of distortion: 5 (k1, k2, p1, p2, k3), 4, 2 or 0. The others are 0.
+
+    Returns
+    -------
+    Intrinsics
+        In OpenCV's conventions, which it states.
+
+    Raises
+    ------
+    ValueError
+        For model "orthographic" or "environment"; for a plane behind the pinhole; where next to nothing is seen.
+
+    Notes
+    -----
+    Some 1,000 film points from edge to edge, 256 rays from each, weighted as the camera weights them. No polynomial of
+    OpenCV's holds a fisheye: see `residual_max`, and `coverage` for film points that see sideways or nothing.
+    """
+    needs_pinhole(camera)
     if coefficients not in _FITTED:
         raise ValueError(f"coefficients is {coefficients}; give 0, 2 (k1, k2), 4 (and p1, p2) or 5 (and k3)")
     with in_camera_space(camera) as plain:
@@ -78,8 +100,8 @@ def fit(camera: Camera, distance: float | None, coefficients: int) -> Intrinsics
     seen = bundles.has_light
     if np.count_nonzero(seen) < 8:
         raise ValueError("too few film points see anything forward of the camera for a fit")
-    xy, pinhole = seen_from_pinhole(bundles, plane)
-    xy = xy[seen] * [1.0, -1.0]
+    pinhole = pinhole_of(bundles)
+    xy = seen_from(bundles, pinhole, plane)[seen] * [1.0, -1.0]
     pixels = image_xy[seen] - 0.5
 
     numbers = _least_squares(xy, pixels, np.array(_FITTED[coefficients]))

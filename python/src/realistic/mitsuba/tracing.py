@@ -6,7 +6,7 @@ import ctypes
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any
 
-from .._abi import RaysPointers, SamplesPointers, library
+from .._abi import Input, Output, Request, library
 from ..errors import check
 
 if TYPE_CHECKING:
@@ -62,16 +62,15 @@ def trace_one(camera: Camera, sample: Sequence[float], differentials: bool) -> l
 
 
 def _call(camera: int, n: int, asked: Sequence[int], found: Sequence[int]) -> None:
-    samples = SamplesPointers(*asked[:5])
-    # No mint, maxt, time; the weight; no reason.
-    rays = [RaysPointers(*found[k : k + 6], 0, 0, 0, found[k + 6], 0) for k in range(0, len(found), 7)]
-    wavelengths = asked[5:]
-    if len(rays) > 1 and wavelengths:
-        call = library.realistic_camera_generate_ray_differentials_at_soa
-    elif len(rays) > 1:
-        call = library.realistic_camera_generate_ray_differentials_soa
-    elif wavelengths:
-        call = library.realistic_camera_generate_rays_at_soa
-    else:
-        call = library.realistic_camera_generate_rays_soa
-    check(call(camera, n, samples, *wavelengths, *rays))
+    request = Request(struct_size=ctypes.sizeof(Request))
+    image_x, image_y, lens_u, lens_v, time, *wavelengths = asked
+    request.image, request.lens = Input(image_x, image_y, 4), Input(lens_u, lens_v, 4)
+    request.time = Input(time, None, 4)
+    if wavelengths:
+        request.wavelength = Input(wavelengths[0], None, 4)
+    for prefix, k in (("", 0), ("rx_", 7), ("ry_", 14)):
+        if k < len(found):
+            setattr(request, f"{prefix}origin", Output(*found[k : k + 3], 4))
+            setattr(request, f"{prefix}direction", Output(*found[k + 3 : k + 6], 4))
+            setattr(request, f"{prefix}weight", Output(found[k + 6], None, None, 4))
+    check(library.realistic_camera_generate_batch(camera, n, request))

@@ -1,0 +1,102 @@
+"""Processes of this machine, of which one may die."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from queue import SimpleQueue
+from typing import TypeVar
+
+Job = TypeVar("Job")
+Result = TypeVar("Result")
+
+_STARTS = 3
+"""How often a process is started that ends before it takes a job."""
+
+
+class NoProcessError(RuntimeError):
+    """No process can be started here, for any job."""
+
+
+class Processes:
+    """Some processes, each with one job at a time.
+
+    A `ProcessPoolExecutor` fails all its jobs when one of its processes dies. So each process has an executor of its own: when
+    it dies only its own job fails, and another process takes its place.
+    """
+
+    def __init__(self, count: int) -> None:
+        self._idle: SimpleQueue[ProcessPoolExecutor | None] = SimpleQueue()
+        for _ in range(count):
+            self._idle.put(None)
+
+    def run(self, function: Callable[[Job], Result], job: Job) -> Result:
+        """What the function returns or raises for a job, in one of the processes; waits for one that is idle.
+
+        Raises
+        ------
+        concurrent.futures.process.BrokenProcessPool
+            Where the process dies.
+        NoProcessError
+            Where none can be started.
+        """
+        process = self._idle.get()
+        try:
+            if process is None or not _is_alive(process):
+                process = _started()
+            return process.submit(function, job).result()
+        finally:
+            self._idle.put(process)
+
+    def close(self) -> None:
+        """Ends the processes; no job is running any more."""
+        while not self._idle.empty():
+            process = self._idle.get()
+            if process is not None:
+                process.shutdown()
+
+
+def _started() -> ProcessPoolExecutor:
+    """A process that is ready for a job."""
+    failure: RuntimeError | None = None
+    for _ in range(_STARTS):
+        # A process that has threads, as many have, must not fork.
+        context = multiprocessing.get_context("spawn")
+        process = ProcessPoolExecutor(1, mp_context=context, initializer=_end_with_the_parent)
+        try:
+            process.submit(os.getpid).result()
+            return process
+        except RuntimeError as error:
+            failure = error
+            process.shutdown()
+    raise NoProcessError(
+        'no process can be started: a script must keep its own work behind `if __name__ == "__main__":`, because each '
+        "process reads the script; or give processes=1"
+    ) from failure
+
+
+def _is_alive(process: ProcessPoolExecutor) -> bool:
+    """Whether a process takes jobs; one that has died fails its next."""
+    try:
+        process.submit(os.getpid).result()
+    except RuntimeError:
+        process.shutdown()
+        return False
+    return True
+
+
+def _end_with_the_parent() -> None:
+    """Ends this process when its parent is killed, which then cannot do so. Interrupts are left to the parent."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+
+    def watch() -> None:
+        parent.join()
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()

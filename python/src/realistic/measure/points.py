@@ -1,0 +1,251 @@
+"""Field points: how a point of the picture is given to every measure, plot and study."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, TypeAlias
+
+import numpy as np
+
+from .bundles import bundles_of, in_camera_space, lens_grid, pinhole, plane_at, seen_from
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from ..camera import Camera
+
+    FieldLike: TypeAlias = "Field | ArrayLike"
+    """What measures take: a `Field`, or pixels as `Field.pixels` takes them."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Field:
+    """Points of the picture: in pixels, as fractions of the picture, or as field angles.
+
+    Made by `Field.pixels`, `Field.fractions` or `Field.angles`. Measures have a result for each point, in the points'
+    shape: for one point a single one.
+
+    Attributes
+    ----------
+    unit : "pixels", "fractions" or "angles"
+        What the numbers are.
+    x, y : ndarray
+        The points; without `y` they lie on the diagonal toward the upper right corner, at `x`.
+
+    Examples
+    --------
+    >>> import realistic
+    >>> from realistic import measure
+    >>> camera = realistic.Camera("dgauss.50mm", resolution=(1500, 1000))
+    >>> measure.Field.fractions([0, 0.5, 1]).image_xy(camera).tolist()
+    [[750.0, 500.0], [1125.0, 250.0], [1500.0, 0.0]]
+    >>> measure.field_angle(camera, measure.Field.angles([0, 10])).round(4).tolist()
+    [0.0, 10.0]
+    """
+
+    unit: Literal["pixels", "fractions", "angles"]
+    x: NDArray[np.float64]
+    y: NDArray[np.float64] | None = None
+
+    @classmethod
+    def pixels(cls, image_xy: ArrayLike) -> Field:
+        """Raster positions (..., 2), as `image_xy` of `Camera.rays`: (0, 0) is the upper left corner."""
+        points = np.asarray(image_xy, np.float64)
+        if points.ndim == 0 or points.shape[-1] != 2:
+            raise ValueError(
+                f"field points in pixels have shape (n, 2), or (2,) for one, and not {points.shape}; "
+                "Field.fractions and Field.angles take single numbers"
+            )
+        return cls("pixels", _finite(points[..., 0]), _finite(points[..., 1]))
+
+    @classmethod
+    def fractions(cls, diagonal: ArrayLike | None = None, *, x: ArrayLike = 0.0, y: ArrayLike = 0.0) -> Field:
+        """Fractions from the middle of the picture, 0, to its edge, 1.
+
+        Either of half the diagonal, toward the upper right corner; or `x` of half the width to the right and `y` of half
+        the height up, from -1 to 1.
+        """
+        field = cls("fractions", *_along_or_across(diagonal, x, y))
+        for numbers in (field.x, field.y):
+            if numbers is not None and (np.abs(numbers) > 1).any():
+                raise ValueError(f"fractions of the picture are from -1 to 1, and not {numbers.tolist()}")
+        return field
+
+    @classmethod
+    def angles(cls, diagonal: ArrayLike | None = None, *, x: ArrayLike = 0.0, y: ArrayLike = 0.0) -> Field:
+        """Field angles in degrees: between the axis and the direction in which the camera sees a point of the picture.
+
+        Either of points on the diagonal, toward the upper right corner; or `x` to the right and `y` up: the direction is
+        (tan x, tan y, 1). Seen is the plane in focus, or the one that a measure looks at, from the entrance pupil.
+        """
+        field = cls("angles", *_along_or_across(diagonal, x, y))
+        for numbers in (field.x, field.y):
+            if numbers is not None and (np.abs(numbers) >= 90).any():
+                raise ValueError(f"field angles are less than 90 degrees, and not {numbers.tolist()}")
+        return field
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The shape of the points; () for one."""
+        return self.x.shape
+
+    def image_xy(self, camera: Camera, distance: float | None = None) -> NDArray[np.float64]:
+        """The points as raster positions, (..., 2); NaN where the picture does not reach to a field angle.
+
+        `distance` is that of the plane for which angles hold, as `focusdistance`; default the plane in focus.
+        """
+        half = np.array(camera.resolution) / 2
+        if self.unit != "angles":
+            return self._raster(half)
+        if self.y is None:
+            direction = np.broadcast_to(half / np.hypot(*half) * [1.0, -1.0], (*self.shape, 2)) * _sign(self.x)
+            tangent = np.tan(np.radians(np.abs(self.x)))
+        else:
+            across = np.tan(np.radians(np.stack([self.x, -self.y], axis=-1)))
+            tangent = np.hypot(across[..., 0], across[..., 1])
+            direction = across / np.maximum(tangent, 1e-300)[..., None]
+        flat = direction.reshape(-1, 2)
+        return half + (direction.T * _radii(camera, flat, tangent.ravel(), distance).reshape(self.shape).T).T
+
+    def _raster(self, half: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Raster positions of pixels and fractions, in a picture that is twice `half` wide and high."""
+        up = self.x if self.y is None else self.y
+        if self.unit == "pixels":
+            return np.stack([self.x, up], axis=-1)
+        return half + np.stack([self.x, -up], axis=-1) * half
+
+    def share(self, resolution: tuple[int, int]) -> NDArray[np.float64]:
+        """How far the points are from the middle, over half the diagonal; NaN of field angles, which are a camera's."""
+        if self.unit == "angles":
+            return np.full(self.shape, np.nan)
+        if self.unit == "fractions" and self.y is None:
+            return self.x
+        half = np.array(resolution) / 2
+        away = self._raster(half) - half
+        return np.asarray(np.hypot(away[..., 0], away[..., 1]) / np.hypot(*half))
+
+    def angle(self) -> NDArray[np.float64]:
+        """The field angles of points that were given so, degrees; NaN of others, which `field_angle` has for a camera."""
+        if self.unit != "angles":
+            return np.full(self.shape, np.nan)
+        if self.y is None:
+            return self.x
+        x, y = (np.tan(np.radians(numbers)) for numbers in (self.x, self.y))
+        return np.asarray(np.degrees(np.arctan(np.hypot(x, y))))
+
+    @property
+    def labels(self) -> list[str]:
+        """Each point as a text of few letters."""
+        sign = "°" if self.unit == "angles" else ""
+        if self.y is None:
+            return [f"{x:g}{sign}" for x in self.x.flat]
+        return [f"({x:g}{sign}, {y:g}{sign})" for x, y in zip(self.x.flat, self.y.flat)]
+
+    def __repr__(self) -> str:
+        return (
+            f"<Field of {self.x.size} points, {self.unit}: {', '.join(self.labels[:8])}{', ...' * (self.x.size > 8)}>"
+        )
+
+
+def film_points(
+    camera: Camera, field: FieldLike, distance: float | None
+) -> tuple[NDArray[np.float64], tuple[int, ...]]:
+    """The raster positions (n, 2) of field points, and the shape in which they were given.
+
+    Raises
+    ------
+    ValueError
+        For a field angle to which the picture does not reach.
+    """
+    points = field if isinstance(field, Field) else Field.pixels(field)
+    image_xy = points.image_xy(camera, distance).reshape(-1, 2)
+    beyond = np.isnan(image_xy).any(axis=-1)
+    if beyond.any():
+        corner = float(field_angle(camera, Field.fractions(1.0), distance=distance))
+        end = "is dark" if np.isnan(corner) else f"is at {corner:.3g}°"
+        raise ValueError(f"the picture does not reach to {points.labels[int(beyond.argmax())]}: its corner {end}")
+    return image_xy, points.shape
+
+
+def field_angle(camera: Camera, field: FieldLike, *, distance: float | None = None) -> NDArray[np.float64]:
+    """The angle between the axis and the direction in which the camera sees points of the picture.
+
+    Parameters
+    ----------
+    field : Field or array_like (n, 2)
+        Field points.
+    distance : float, optional
+        The plane that is seen, as `focusdistance`; default the plane in focus. It is seen from the entrance pupil.
+
+    Returns
+    -------
+    ndarray (n,)
+        Degrees; NaN where there is no light, and where some of it comes from the side or from behind.
+    """
+    image_xy, shape = film_points(camera, field, distance)
+    with in_camera_space(camera) as plain:
+        plane = plane_at(plain, distance)
+        found = _tangents(plain, image_xy, pinhole(plain, plane), plane)
+    return np.degrees(np.arctan(found)).reshape(shape)
+
+
+def _tangents(plain: Camera, image_xy: NDArray[np.float64], z: float, plane: float) -> NDArray[np.float64]:
+    """The tangents of field angles, (n,), as a plane is seen from a pinhole at z."""
+    seen = seen_from(bundles_of(plain, image_xy, lens_grid(16)), z, plane)
+    tangents: NDArray[np.float64] = np.hypot(seen[:, 0], seen[:, 1])
+    return tangents
+
+
+def _radii(
+    camera: Camera, direction: NDArray[np.float64], tangent: NDArray[np.float64], distance: float | None
+) -> NDArray[np.float64]:
+    """How far from the middle, pixels, the camera sees at field angles along directions (n, 2); NaN where it does not.
+
+    The farther out, the greater the angle: each round looks at 17 radii between a smaller one and a greater one, and keeps
+    the two between which the angle lies.
+    """
+    half = np.array(camera.resolution) / 2
+    n, last = len(direction), 16
+    steps = np.linspace(0, 1, last + 1)
+    low = np.zeros(n)
+    # To the picture's edge.
+    high = np.min(half / np.maximum(np.abs(direction), 1e-300), axis=1)
+    with in_camera_space(camera) as plain:
+        plane = plane_at(plain, distance)
+        z = pinhole(plain, plane)
+        for _ in range(5):
+            radii = low[:, None] + (high - low)[:, None] * steps
+            points = half + radii[..., None] * direction[:, None, :]
+            found = _tangents(plain, points.reshape(-1, 2), z, plane).reshape(n, last + 1)
+            # Where nothing is seen forward any more the angle is beyond all.
+            beyond = np.where(np.isnan(found), np.inf, found) >= tangent[:, None] * (1 - 1e-12)
+            at = np.where(beyond.any(axis=1), beyond.argmax(axis=1), last + 1)
+            upper, lower = np.clip(at, 1, last), np.clip(at, 1, last) - 1
+            rows = np.arange(n)
+            low, high = radii[rows, lower], radii[rows, upper]
+            between = found[rows, lower], found[rows, upper]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        share = (tangent - between[0]) / (between[1] - between[0])
+    radius = np.where(tangent > 0, low + (high - low) * np.clip(share, 0, 1), 0.0)
+    return np.where((at > last) | np.isnan(radius), np.nan, radius)
+
+
+def _along_or_across(
+    diagonal: ArrayLike | None, x: ArrayLike, y: ArrayLike
+) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+    across, up = np.broadcast_arrays(np.asarray(x, np.float64), np.asarray(y, np.float64))
+    if diagonal is None:
+        return _finite(across), _finite(up)
+    if across.any() or up.any():
+        raise TypeError("give field points along the diagonal, or x and y, and not both")
+    return _finite(np.asarray(diagonal, np.float64)), None
+
+
+def _finite(numbers: NDArray[np.float64]) -> NDArray[np.float64]:
+    if not np.isfinite(numbers).all():
+        raise ValueError(f"a field point is not a finite number: {numbers.tolist()}")
+    return numbers
+
+
+def _sign(numbers: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.where(numbers < 0, -1.0, 1.0)[..., None]

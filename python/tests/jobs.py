@@ -1,0 +1,96 @@
+"""Jobs that write down when they begin, and what kills the processes that do them; for other processes to import."""
+
+import os
+import random
+import signal
+import threading
+import time
+from pathlib import Path
+
+from realistic.farm.kept import Kept
+from realistic.farm.study import _measured as MEASURED
+from realistic.farm.tiles import _rendered as RENDERED
+
+
+def begun(log, job):
+    """Writes a line: the job, when, and in which process."""
+    with open(log, "a") as file:
+        file.write(f"{job!r}\t{time.monotonic_ns()}\t{os.getpid()}\n")
+    time.sleep(0.1)
+
+
+def measured(log, job):
+    begun(log, job)
+    return MEASURED(job)
+
+
+def rendered(log, job):
+    begun(log, job)
+    return RENDERED(job)
+
+
+def deadly(log, job):
+    """A lens that takes its process with it."""
+    begun(log, job)
+    if job.lens == "wide.22mm":
+        os.kill(os.getpid(), signal.SIGKILL)
+    return MEASURED(job)
+
+
+def clumsy(log, job):
+    """One that fails."""
+    begun(log, job)
+    if job.lens == "wide.22mm":
+        raise OSError("the disk is full")
+    return MEASURED(job)
+
+
+def beginnings(log):
+    """Job and time of each line."""
+    lines = [line.split("\t") for line in Path(log).read_text().splitlines()] if Path(log).exists() else []
+    return [(job, int(at)) for job, at, _ in lines]
+
+
+class Arrivals:
+    """When each job's result was kept."""
+
+    def __init__(self, monkeypatch):
+        self.at, names, key, put = {}, {}, Kept.key, Kept.put
+
+        def remembered(kept, job):
+            found = key(kept, job)
+            names[found] = repr(job)
+            return found
+
+        def noted(kept, key, result):
+            put(kept, key, result)
+            assert names[key] not in self.at
+            self.at[names[key]] = time.monotonic_ns()
+
+        monkeypatch.setattr(Kept, "key", remembered)
+        monkeypatch.setattr(Kept, "put", noted)
+
+
+class Killer:
+    """Progress that has processes killed: a while after certain numbers of results, random with a fixed seed."""
+
+    def __init__(self, seed, processes, count, kills):
+        self.random, self.processes = random.Random(seed), processes
+        self.after = set(self.random.sample(range(1, count - 2), kills))
+        self.killed, self.seen, self.threads = [], [], []
+
+    def __call__(self, done, count):
+        self.seen.append((done, count))
+        if done in self.after:
+            self.threads.append(threading.Timer(self.random.uniform(0, 0.15), self.kill))
+            self.threads[-1].start()
+
+    def kill(self):
+        victims = [pid for pid in self.processes() if pid is not None and pid not in self.killed]
+        if victims:
+            self.killed.append(self.random.choice(victims))
+            os.kill(self.killed[-1], signal.SIGKILL)
+
+    def join(self):
+        for thread in self.threads:
+            thread.join()
