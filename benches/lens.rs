@@ -1,9 +1,13 @@
 //! What the C ABI adds to a lens: rays through `realistic_lens_trace` beside the kernel alone, and with the points on every
-//! surface (`realistic_lens_trace_points`) beside those without. In batches and ray by ray, from both sides.
+//! surface beside those without. In batches and ray by ray, from both sides.
 //!
 //! `cargo bench --bench lens` (with `-- dgauss` one lens). Medians over interleaved rounds in thread CPU time.
 
-use std::{ffi::CString, hint::black_box, ptr::null_mut};
+use std::{
+    ffi::CString,
+    hint::black_box,
+    ptr::{null, null_mut},
+};
 
 use realistic::{
     abi::*,
@@ -133,7 +137,7 @@ impl Opened {
         for first in (0..BATCH).step_by(n) {
             let rays = self.restored(first);
             // SAFETY: a live lens and arrays of at least `n` rays.
-            unsafe { realistic_lens_trace(self.lens, from as i32, n, &rays) };
+            unsafe { realistic_lens_trace(self.lens, from as i32, n, &rays, null()) };
         }
         black_box(&self.rays);
     }
@@ -144,7 +148,7 @@ impl Opened {
         let struct_size = size_of::<realistic_lens_points>() as u32;
         let points = realistic_lens_points { struct_size, x, y, z, met: null_mut() };
         // SAFETY: a live lens, arrays of the rays and of their points.
-        unsafe { realistic_lens_trace_points(self.lens, from as i32, BATCH, &rays, &points) };
+        unsafe { realistic_lens_trace(self.lens, from as i32, BATCH, &rays, &points) };
         black_box(&self.points);
     }
 }

@@ -40,7 +40,7 @@ def lens(program: str, name: str, folder: Path) -> dict[str, object]:
     return {
         "title": read["title"] or name,
         "focal_length_mm": read["focal_length_mm"],
-        "fnumber": read["f_number"],
+        "fnumber": read["fnumber"],
         "nearest_mm": float(nearest[1]),
         "film_reach_mm": float(reach[1]),
     }

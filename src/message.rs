@@ -1,6 +1,8 @@
 //! Messages for people: how serious they are, and what stands in them: names, the nearest of those that there are to a
 //! misspelt one, texts from elsewhere cut short, and numbers with few digits and never outside the range that they state.
 
+use std::borrow::Cow;
+
 /// How serious a message is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
@@ -33,13 +35,36 @@ pub fn cut(text: &str) -> String {
     }
 }
 
+/// A message as a host gets it: longer than any that a person reads, its middle is left out. Names, numbers and lists from
+/// elsewhere may stand in it at any length.
+pub fn bounded(text: &str) -> Cow<'_, str> {
+    const MOST: usize = 4000;
+    const END: usize = 800;
+    if text.len() <= MOST {
+        return text.into();
+    }
+    let start = &text[..text.floor_char_boundary(MOST - END)];
+    let end = &text[text.ceil_char_boundary(text.len() - END)..];
+    format!("{start} ... {end}").into()
+}
+
+/// The end of a message about an unknown name: a question for the nearest of those that are known, or, where none is near,
+/// all of them.
+pub fn nearest_or_all(given: &str, names: &[&str]) -> String {
+    match nearest(given, names.iter().copied()) {
+        Some(name) => format!("did you mean \"{name}\"?"),
+        None => format!("the names are {}", names.join(", ")),
+    }
+}
+
 /// The name that a misspelt one was meant to be: of those that differ by the fewest letters left out, put in, changed
-/// or swapped, where that is at most a third of them, the first.
+/// or swapped, where that is less than a third of them, the first. Of three letters none may differ: nearly any word of
+/// three is a letter from another.
 pub fn nearest<'a>(given: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let given: Vec<char> = given.chars().take(64).map(|letter| letter.to_ascii_lowercase()).collect();
     let near = names.into_iter().filter_map(|name| {
         let apart = letters_apart(&given, name);
-        (3 * apart <= given.len().max(name.len())).then_some((apart, name))
+        (3 * apart < given.len().max(name.len())).then_some((apart, name))
     });
     near.min_by_key(|(apart, _)| *apart).map(|(_, name)| name)
 }
@@ -151,13 +176,23 @@ mod tests {
     }
 
     #[test]
+    fn a_long_message_keeps_its_beginning_and_its_end() {
+        assert_eq!(bounded("short"), "short");
+        let long = format!("lens \"{}\": what to do", "ä".repeat(50_000_000));
+        let said = bounded(&long);
+        assert!(said.len() <= 4005, "{}", said.len());
+        assert!(said.starts_with("lens \"ää") && said.ends_with("ää\": what to do"), "{said}");
+    }
+
+    #[test]
     fn the_nearest_name_is_a_few_letters_away_or_none() {
         let near = |given: &str| nearest(given, ["focusdistance", "filmdistance", "fov", "fnumber", "yon"]);
         assert_eq!(near("focusdistnace"), Some("focusdistance"));
         assert_eq!(near("FilmDistance"), Some("filmdistance"));
         assert_eq!(near("focus_distance"), Some("focusdistance"));
-        assert_eq!([near("fnubmer"), near("fow")], [Some("fnumber"), Some("fov")]);
-        assert_eq!([near("exposure"), near(""), near("xy")], [None; 3]);
+        assert_eq!([near("fnubmer"), near("fov2")], [Some("fnumber"), Some("fov")]);
+        assert_eq!([near("exposure"), near(""), near("xy"), near("foo"), near("fo")], [None; 5]);
+        assert_eq!(near("yon"), Some("yon"));
         assert_eq!(near(&"f".repeat(1_000_000)), None);
     }
 

@@ -1,8 +1,12 @@
 //! A camera as a program has it that calls the C ABI, and samples to ask it with: what the benches of whole cameras
 //! share.
 
-use std::{hint::black_box, ptr::null_mut};
+use std::{
+    hint::black_box,
+    ptr::{null, null_mut},
+};
 
+use super::inline::*;
 use realistic::abi::*;
 use realistic_lab::subject::quasirandom::spread;
 
@@ -26,7 +30,7 @@ impl Camera {
     pub fn one(&self, sample: &realistic_sample) -> f32 {
         let mut ray = realistic_ray::default();
         // SAFETY: a live camera.
-        black_box(unsafe { realistic_generate_ray(self.0, sample, &mut ray) })
+        black_box(unsafe { realistic_generate_ray(self.0, sample, null(), &mut ray) })
     }
 
     /// The weight of one ray with differentials.
@@ -34,7 +38,7 @@ impl Camera {
         let struct_size = size_of::<realistic_ray_differential>() as u32;
         let mut ray = realistic_ray_differential { struct_size, ..Default::default() };
         // SAFETY: a live camera.
-        let weight = unsafe { realistic_generate_ray_differential(self.0, sample, &mut ray) };
+        let weight = unsafe { realistic_generate_ray_differential(self.0, sample, null(), &mut ray) };
         black_box(&ray);
         weight
     }

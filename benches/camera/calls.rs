@@ -20,7 +20,10 @@ use realistic_lab::{
 
 #[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
 use super::c_camera::triple;
-use super::c_camera::{Arrays, Camera, chain, moved};
+use super::{
+    c_camera::{Arrays, Camera, chain, moved},
+    inline::{differentials as generate_differentials, realistic_camera_generate_rays},
+};
 
 /// Bytes from one structure to the next in a pbrt-v1 host: its own `Sample`, and `Ray`.
 const HOST_STRIDES: [usize; 2] = [88, 36];
@@ -114,7 +117,7 @@ fn differentials<'a>(camera: &'a Camera, samples: &'a [realistic_sample], n: usi
         {
             // SAFETY: every array has room.
             let status = unsafe {
-                realistic_camera_generate_ray_differentials(
+                generate_differentials(
                     camera.0,
                     samples.len(),
                     samples.as_ptr(),

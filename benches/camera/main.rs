@@ -8,6 +8,8 @@
 mod c_camera;
 mod calls;
 mod catalogue;
+#[path = "../../tests/support/inline.rs"]
+mod inline;
 mod models;
 
 use std::{
@@ -21,6 +23,7 @@ use std::{
 #[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
 use c_camera::triple;
 use c_camera::{Arrays, Camera, chain, moved, samples};
+use inline::realistic_camera_generate_rays;
 use realistic::{abi::*, prescription};
 use realistic_lab::{
     results::statistics::quantile,

@@ -166,7 +166,6 @@ class REALISTIC_OT_from_file(bpy.types.Operator):
             self.report({"ERROR"}, told.stderr.strip() or f"{program} failed")
             return {"CANCELLED"}
         read = json.loads(facts.stdout) if facts.returncode == 0 else {}
-        read["fnumber"] = read.get("f_number")
         reach = re.search(r"film points up to ([\d.]+) mm", shader.read_text())
         read["film_reach_mm"] = reach and reach[1]
         return {"FINISHED"} if set_up(context, camera, str(shader), read, self.report) else {"CANCELLED"}

@@ -4,6 +4,8 @@
 #[path = "../../camera/c_camera.rs"]
 #[allow(dead_code, reason = "the cameras' bench uses the rest")]
 mod c_camera;
+#[path = "../../../tests/support/inline.rs"]
+mod inline;
 
 use std::{
     ffi::CString,
