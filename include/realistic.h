@@ -861,16 +861,18 @@ static inline realistic_request realistic_request_of_structures(const realistic_
     /* A stride of 1 is refused: structures would overlap. */
     if (from < (ptrdiff_t)sizeof *samples) from = 1;
     if (to < (ptrdiff_t)sizeof *rays) to = 1;
+    /* The numbers of a structure one after another, and not its members by `->`: it need not be aligned. */
     if (samples != NULL) {
-        const realistic_input image = {&samples->image_x, &samples->image_y, from};
-        const realistic_input lens = {&samples->lens_u, &samples->lens_v, from}, time = {&samples->time, NULL, from};
+        const float *sample = (const float *)(const void *)samples;
+        const realistic_input image = {sample, sample + 1, from};
+        const realistic_input lens = {sample + 2, sample + 3, from}, time = {sample + 4, NULL, from};
         request.image = image, request.lens = lens, request.time = time;
     }
     if (rays != NULL) {
-        const realistic_output origin = {&rays->o[0], &rays->o[1], &rays->o[2], to};
-        const realistic_output direction = {&rays->d[0], &rays->d[1], &rays->d[2], to};
-        const realistic_output mint = {&rays->mint, NULL, NULL, to}, maxt = {&rays->maxt, NULL, NULL, to};
-        const realistic_output ray_time = {&rays->time, NULL, NULL, to};
+        float *ray = (float *)(void *)rays;
+        const realistic_output origin = {ray, ray + 1, ray + 2, to}, direction = {ray + 3, ray + 4, ray + 5, to};
+        const realistic_output mint = {ray + 6, NULL, NULL, to}, maxt = {ray + 7, NULL, NULL, to};
+        const realistic_output ray_time = {ray + 8, NULL, NULL, to};
         request.origin = origin, request.direction = direction;
         request.mint = mint, request.maxt = maxt, request.ray_time = ray_time;
     }
