@@ -59,7 +59,8 @@ fn half_ellipsoid(random: &mut Random, radius: f64, part: f64, direction: Direct
     }
     let n_d = random.random_range(1.3..1.9);
     let medium = Medium::Glass { n_d, abbe: None };
-    let rows = vec![Interface { shape: Shape::Asphere(asphere), thickness: 0.0, medium, semi_diameter }];
+    let shape = Shape::Asphere(asphere);
+    let rows = vec![Interface { shape, thickness: 0.0, medium, semi_diameter, is_stop: false }];
     let mut lens = Lens::at_d_line(&Prescription { name: "half".to_owned(), ..Prescription::new(rows) });
     if direction == FilmToScene {
         (lens.surfaces[0].n_scene, lens.surfaces[0].n_film) = (n_d, 1.0);

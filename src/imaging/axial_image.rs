@@ -12,7 +12,7 @@ use crate::{
 pub struct AxialImage {
     entrance: EntrancePupil,
     path: Path,
-    /// z of a plane that lies before the whole first surface.
+    /// z of a plane that lies before the whole lens.
     start: f64,
     rear_vertex: f64,
     rule: [(f64, f64); GAUSS_POINTS],
@@ -36,7 +36,7 @@ impl AxialImage {
         Self {
             entrance,
             path: Path::scene_to_film(lens),
-            start: lens.front().sagitta_range()[1],
+            start: lens.surfaces.iter().map(|s| s.vertex + s.sagitta_range()[1]).fold(0.0, f64::max),
             rear_vertex: lens.rear().vertex,
             rule: gauss_legendre(),
         }

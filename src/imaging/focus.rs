@@ -46,6 +46,12 @@ pub enum FocusError {
     },
 }
 
+/// Film where a field flattener's last vertex is, or no farther inside the glass than this part of the focal length, is put
+/// right behind it: at f/1.4 that blurs by half a circle of confusion.
+const TOUCHING: f64 = 1e-3;
+/// How far behind, mm: less than any lens's depth of focus.
+const NEAREST_FILM: f64 = 1e-3;
+
 /// The focusing of one lens at its stop and wavelength.
 #[derive(Clone, Debug)]
 pub struct Focus {
@@ -90,7 +96,7 @@ impl Focus {
         }
         let at_infinity = image.best(0.0);
         let focus = Self { lens: lens.name.clone(), first_order, entrance, image, at_infinity };
-        if focus.at_infinity.distance <= 0.0 {
+        if focus.at_infinity.distance <= -TOUCHING * first_order.focal_length {
             let focal_length = first_order.focal_length;
             return Err(LensError::Diverging { lens: lens.name.clone(), focal_length }.into());
         }
@@ -106,7 +112,7 @@ impl Focus {
         // 1 + u (D(u) - 1/u - distance): positive at infinity, negative past the root.
         let residual = |u: f64| 1.0 + u * (self.distance_with(u, 0.0) - distance);
         if distance == f64::INFINITY {
-            return Ok(self.at_infinity.distance);
+            return Ok(self.at_infinity.distance.max(NEAREST_FILM));
         }
         // The paraxial branch's end serves nearly always and saves the search for the true one.
         let mut end = 1.0 / self.first_order.focal_length;
@@ -122,7 +128,7 @@ impl Focus {
                 });
             }
         }
-        Ok(self.best_image_distance(root(0.0, end, residual)))
+        Ok(self.best_image_distance(root(0.0, end, residual)).max(NEAREST_FILM))
     }
 
     /// As [`Focus::film_distance`] by first-order optics alone; `None` when the plane is nearer than

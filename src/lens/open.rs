@@ -29,6 +29,9 @@ pub enum StopSize {
 /// The smallest stop over the widest: the squares of slopes through it are still far from the end of single precision.
 const SMALLEST_STOP: f64 = 1e-12;
 
+/// Focal lengths in mm below which a lens file's unit is doubted: endoscopes' lenses have 0.3 and more.
+const SHORTEST: f64 = 0.1;
+
 /// Why a lens cannot be opened.
 #[derive(Debug, Error)]
 pub enum OpenError {
@@ -149,6 +152,16 @@ pub fn set_up(
     }
     // Cardinal points ask nothing of the stop.
     let first_order = FirstOrder::of(&lens);
+    if let Some(length) = first_order.as_ref().ok().map(|optics| optics.focal_length)
+        && length.abs() < SHORTEST
+    {
+        let text = format!(
+            "lens \"{}\" has a focal length of {} mm; lengths of a lens file are mm: are these metres?",
+            lens.name,
+            short(length)
+        );
+        log(Level::Warning, &text);
+    }
     match stop {
         StopSize::Listed => {}
         StopSize::Diameter(diameter) => stop_to_diameter(&mut lens, diameter, log)?,

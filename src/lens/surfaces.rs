@@ -19,7 +19,7 @@ use crate::{
 /// One surface of a lens at a given wavelength.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surface {
-    /// z of the vertex in lens space, mm; 0 for the first, never positive.
+    /// z of the vertex in lens space, mm; 0 for the first.
     pub vertex: f64,
     /// Radius in mm, infinite for a plane; positive when the centre lies on the film's side. An asphere's is that at the
     /// vertex.
@@ -28,8 +28,8 @@ pub struct Surface {
     pub curvature: f64,
     /// What an asphere is beyond its vertex; `None` for a sphere or a plane.
     pub figure: Option<Figure>,
-    /// Distance to the next vertex, mm; 0 for the last. It keeps the digits that a difference of
-    /// vertices would lose.
+    /// Distance to the next vertex, mm; 0 for the last, negative only beside a plane that only limits rays. It keeps the
+    /// digits that a difference of vertices would lose.
     pub thickness: f64,
     /// Refractive index on the scene's side.
     pub n_scene: f64,
@@ -42,6 +42,11 @@ pub struct Surface {
 }
 
 impl Surface {
+    /// Whether this is a plane in one medium, a stop or a flare stop, which limits rays and does not bend them.
+    pub fn only_limits(&self) -> bool {
+        self.curvature == 0.0 && self.figure.is_none() && self.n_scene == self.n_film
+    }
+
     /// z of the surface at distance `height` from the axis, minus that of its vertex, mm
     /// (the sagitta, positive toward the scene). `height` is at most a sphere's radius of curvature.
     pub fn sagitta(&self, height: f64) -> f64 {
@@ -180,7 +185,7 @@ impl Lens {
                         };
                         (radius, figure)
                     }
-                    Shape::Plane | Shape::Stop => (f64::INFINITY, None),
+                    Shape::Plane => (f64::INFINITY, None),
                 };
                 let surface = Surface {
                     vertex,
@@ -191,7 +196,7 @@ impl Lens {
                     n_scene,
                     n_film,
                     semi_diameter: interface.semi_diameter,
-                    is_stop: interface.shape == Shape::Stop,
+                    is_stop: interface.is_stop,
                 };
                 vertex -= interface.thickness;
                 n_scene = n_film;
@@ -226,13 +231,13 @@ impl Lens {
         self.surfaces.first().expect("a lens has at least one surface")
     }
 
-    /// The first two neighbours among the surfaces but the stop, counted from the scene, whose shapes cross inside both their
+    /// The first two neighbours among the surfaces but planes that only limit, counted from the scene, whose shapes cross inside both their
     /// clear apertures, which no real lens's do, and at which distance from the axis, mm.
     pub fn crossed_surfaces(&self) -> Option<([usize; 2], f64)> {
         let mut last: Option<usize> = None;
         let mut distance = 0.0;
         for (i, surface) in self.surfaces.iter().enumerate() {
-            if !surface.is_stop {
+            if !surface.only_limits() {
                 if let Some(before) = last {
                     let first = &self.surfaces[before];
                     let gap = |height: f64| distance + first.sagitta(height) - surface.sagitta(height);

@@ -65,11 +65,8 @@ pub enum Shape {
     },
     /// Another surface of revolution.
     Asphere(Asphere),
-    /// A plane with glass on at least one side; or in air, where it is a flare stop: its clear aperture limits rays, and it
-    /// is not the aperture stop.
+    /// A plane; in air it only limits rays, as the aperture stop or a flare stop.
     Plane,
-    /// The aperture stop: a plane in air.
-    Stop,
 }
 
 impl Shape {
@@ -78,7 +75,7 @@ impl Shape {
         match self {
             Self::Sphere { radius } => radius.abs(),
             Self::Asphere(asphere) => asphere.widest(),
-            Self::Plane | Self::Stop => f64::INFINITY,
+            Self::Plane => f64::INFINITY,
         }
     }
 }
@@ -88,13 +85,15 @@ impl Shape {
 pub struct Interface {
     /// Its figure.
     pub shape: Shape,
-    /// Distance along the axis to the next vertex, mm, 0 or more. The last interface's is 0:
-    /// see [`Prescription::nominal_film_distance`].
+    /// Distance along the axis to the next vertex, mm. Negative only beside a plane that only limits rays, which may stand
+    /// inside its neighbour's bulge. The last interface's is 0: see [`Prescription::nominal_film_distance`].
     pub thickness: f64,
     /// The medium on the film's side.
     pub medium: Medium,
     /// Clear semi-diameter, mm, positive.
     pub semi_diameter: f64,
+    /// Whether this is the aperture stop, which at most one interface of a lens is.
+    pub is_stop: bool,
 }
 
 /// A lens as a table of interfaces, checked.
@@ -147,7 +146,17 @@ impl Prescription {
 
     /// Row number of the stop, counted from 0 at the scene side.
     pub fn stop_index(&self) -> Option<usize> {
-        self.interfaces.iter().position(|interface| interface.shape == Shape::Stop)
+        self.interfaces.iter().position(|interface| interface.is_stop)
+    }
+
+    /// Row number of the stop where it is a plane in air, in which blades can stand.
+    pub fn stop_in_air(&self) -> Option<usize> {
+        self.stop_index().filter(|&row| {
+            let media = [row.checked_sub(1), Some(row)];
+            let is_air =
+                |row: &Option<usize>| row.is_none_or(|row| self.interfaces[row].medium == Medium::Air);
+            self.interfaces[row].shape == Shape::Plane && media.iter().all(is_air)
+        })
     }
 
     /// The same lens with other gaps behind some of its rows, mm. The gap before the film is none of the lens's and stays.
@@ -169,7 +178,7 @@ impl Prescription {
             match &mut interface.shape {
                 Shape::Sphere { radius } => *radius *= factor,
                 Shape::Asphere(asphere) => *asphere = asphere.scaled(factor),
-                Shape::Plane | Shape::Stop => {}
+                Shape::Plane => {}
             }
         }
         scaled.nominal_film_distance = self.nominal_film_distance.map(|length| length * factor);

@@ -24,6 +24,6 @@ pub enum Blocked {
 pub struct State<R> {
     pub p: [R; 3],
     pub v: [R; 3],
-    /// How far the ray was moved on from where it last was on a surface, or began, in units of V.
+    /// How far the ray was moved on from where it began or was last bent, in units of V.
     pub lead: R,
 }

@@ -46,7 +46,8 @@ pub struct PathSurface<R> {
     pub aperture: R,
     /// The figure that a stop's blades leave open, inside the clear aperture.
     pub blades: Option<Box<StopFigure<R>>>,
-    /// How far behind the ray's point a hit may lie by rounding alone, in units of V.
+    /// How far behind the ray's last surface a hit may lie by rounding alone, in units of V; anywhere at a plane that only
+    /// limits rays: one inside its neighbour's bulge is met by the ray's straight line before, or behind, the neighbour.
     pub slack: R,
 }
 
@@ -64,7 +65,11 @@ impl<R: Real> PathSurface<R> {
             (R::from_f64(curvature), R::from_f64((n_after - n) * (n_after + n)))
         };
         // At an incidence of 65 degrees rounding was seen to reach 60 EPSILON.
-        let slack = 512.0 * R::EPSILON * (semi_diameter + distance);
+        let slack = if surface.only_limits() {
+            f64::INFINITY
+        } else {
+            512.0 * R::EPSILON * (semi_diameter + distance.abs())
+        };
         Self {
             distance: R::from_f64(distance),
             curvature: if forward { curvature } else { -curvature },
@@ -76,6 +81,11 @@ impl<R: Real> PathSurface<R> {
             blades: None,
             slack: R::from_f64(slack),
         }
+    }
+
+    /// Whether this is a plane in one medium: a stop or a flare stop.
+    pub fn only_limits(&self) -> bool {
+        self.curvature == R::ZERO && self.index_step == R::ZERO && self.aspheric.is_none()
     }
 
     /// Moves the ray to this surface, in the frame of whose vertex it is given.
@@ -90,8 +100,9 @@ impl<R: Real> PathSurface<R> {
         let c = self.curvature;
         let advance = |p: &mut [R; 3], t: R| (0..3).for_each(|i| p[i] = p[i] + t * v[i]);
         if v[2] > R::ZERO && -p[2] * if c < R::ZERO { -c } else { c } > R::from_f64(FAR) {
-            *lead = -p[2] / v[2];
-            advance(p, *lead);
+            let to_plane = -p[2] / v[2];
+            *lead = *lead + to_plane;
+            advance(p, to_plane);
             p[2] = R::ZERO;
         }
         let two = R::from_f64(2.0);
@@ -108,7 +119,7 @@ impl<R: Real> PathSurface<R> {
         if *lead + t < -self.slack {
             return Err(Blocked::TurnedBack);
         }
-        *lead = R::ZERO;
+        *lead = if self.only_limits() { *lead + t } else { R::ZERO };
         advance(p, t);
         // Beyond the equator the sphere is no part of the surface.
         if R::ONE - c * p[2] < R::ZERO {

@@ -4,13 +4,10 @@ use realistic::{
     camera::RealisticCamera,
     lens::{Lens, cos4, film_ray, first_order::FirstOrder},
     prescription::{Asphere, FIRST_POWER, Interface, Medium, Prescription, Shape},
-    trace::{
-        Blocked, Direction, Path, Ray,
-        kernel::{Kernel, KernelScalar, RayBuffer, Simd},
-    },
+    trace::{Blocked, Direction, Path, Ray},
 };
 
-use super::support::{Random, build, host_with, ray};
+use super::support::{Random, build, by_kernel, host_with, ray};
 
 /// A figure of a radius, a conic constant and terms by power.
 pub fn asphere(radius: f64, conic: f64, terms: &[(usize, f64)]) -> Asphere {
@@ -25,27 +22,10 @@ pub fn asphere(radius: f64, conic: f64, terms: &[(usize, f64)]) -> Asphere {
 pub fn lens(rows: &[(Shape, f64, f64, f64)]) -> Lens {
     let interface = |&(shape, thickness, n, semi_diameter): &(Shape, f64, f64, f64)| {
         let medium = if n == 1.0 { Medium::Air } else { Medium::Glass { n_d: n, abbe: None } };
-        Interface { shape, thickness, medium, semi_diameter }
+        Interface { shape, thickness, medium, semi_diameter, is_stop: false }
     };
     let interfaces = rows.iter().map(interface).collect();
     Lens::at_d_line(&Prescription { name: "aspheres".to_owned(), ..Prescription::new(interfaces) })
-}
-
-/// A ray by a kernel of every set of instructions, which must agree to the bit.
-fn by_kernel<S: KernelScalar>(lens: &Lens, direction: Direction, rays: &[Ray]) -> Vec<Option<Ray>> {
-    let traced = |simd| {
-        let kernel = Kernel::<S>::with_simd(lens, direction, simd)?;
-        let mut buffer = RayBuffer::<S>::new(rays.len());
-        rays.iter().enumerate().for_each(|(i, ray)| buffer.put(i, ray.origin, ray.direction));
-        kernel.trace_in_place(&mut buffer.rays());
-        Some((0..rays.len()).map(|i| buffer.get(i).map(|traced| traced.ray())).collect::<Vec<_>>())
-    };
-    let mut all = Simd::ALL.into_iter().filter_map(traced);
-    let first = all.next().expect("the portable one");
-    for other in all {
-        assert_eq!(first, other);
-    }
-    first
 }
 
 /// Rays from the scene parallel to the axis.

@@ -4,7 +4,7 @@
 use realistic::{
     imaging::field::Field,
     lens::{Lens, first_order::FirstOrder},
-    prescription::{Prescription, Shape, catalogue},
+    prescription::{Prescription, catalogue},
     trace::{Path, Ray},
 };
 
@@ -44,7 +44,7 @@ fn cases(name: &str) -> Vec<Case> {
                 false => at.interfaces[row].thickness = gap,
             }
         }
-        let stop = at.interfaces.iter_mut().find(|interface| interface.shape == Shape::Stop);
+        let stop = at.interfaces.iter_mut().find(|interface| interface.is_stop);
         if let (Some(stop), Some(diameter)) = (stop, column.stop_diameter) {
             stop.semi_diameter = diameter / 2.0;
         }

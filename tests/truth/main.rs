@@ -21,6 +21,7 @@ mod models;
 mod moving;
 mod odd_samples;
 mod plan;
+mod planes;
 mod pupil_everywhere;
 mod pupil_fit;
 mod stock_cameras;

@@ -168,6 +168,6 @@ fn film_from_which_nothing_can_be_in_focus_is_told_with_its_unit() {
 fn json_is_no_lens_and_told_by_its_name() {
     for text in ["{\"radius\": 3}", "\u{feff}\n  {\n}"] {
         let told = build(&host_with(text), &[]).expect_err("no lens").to_string();
-        assert!(told.contains("JSON, and no lens is read from JSON; give a table"), "{told}");
+        assert!(told.contains("JSON, and no lens is read from JSON; read are a table"), "{told}");
     }
 }

@@ -168,11 +168,19 @@ impl Conditioned {
             Doubt { norm, spread: spread.through(&transfer(-lead)), margin: f64::INFINITY }
         });
         let mut exact = None;
+        // From where the ray began or was last bent: planes that only limit do not say what lies behind it.
+        let mut way = DoubleDouble::ZERO;
         for (number, interface) in self.interfaces.iter().enumerate() {
             now.point[2] = now.point[2] - DoubleDouble::from_f64(self.sign * interface.distance);
+            if !interface.only_limits() && way.to_f64() != 0.0 {
+                now.point = moved(now.point, now.direction, DoubleDouble::ZERO - way);
+                let back = transfer(-way.to_f64());
+                doubts.iter_mut().for_each(|doubt| doubt.spread = doubt.spread.through(&back));
+                way = DoubleDouble::ZERO;
+            }
             let onward = self.sign * now.direction[2].to_f64();
             // A fisheye's front is met from the scene going backward, too.
-            if number > 0 || self.sign > 0.0 {
+            if number > 0 || self.sign > 0.0 || interface.only_limits() {
                 doubts
                     .iter_mut()
                     .for_each(|doubt| doubt.narrow(onward.abs() / (1.0 + doubt.spread.direction())));
@@ -198,6 +206,9 @@ impl Conditioned {
                 exact = Some(Blocked::Missed);
                 break;
             };
+            if interface.only_limits() {
+                way = way + dot(std::array::from_fn(|i| after.point[i] - now.point[i]), now.direction);
+            }
             now = after;
             let height = (now.point[0] * now.point[0] + now.point[1] * now.point[1]).sqrt();
             let semi_diameter = DoubleDouble::from_f64(interface.semi_diameter);
@@ -239,6 +250,11 @@ impl Doubt {
 }
 
 impl Interface {
+    /// Whether it is a plane in one medium.
+    fn only_limits(&self) -> bool {
+        self.curvature == 0.0 && self.aspheric.is_none() && self.index_step == 0.0
+    }
+
     /// The ray after the interface, in numbers of any type: through a sphere or a plane by a path, through an asphere where
     /// it was found to cross it.
     fn through<R: Real>(
@@ -293,7 +309,10 @@ impl Interface {
         let t = if g > DoubleDouble::ZERO { f / (g + e) } else { (g - e) / c };
         // A walk lets a hit lie 512 ε of these lengths behind the ray's point, for rays that begin on a surface.
         let allowed = 16.0 * (self.semi_diameter + self.distance);
-        let ahead = t.to_f64().abs() / (allowed + doubt / e.to_f64());
+        let ahead = match self.only_limits() {
+            true => f64::INFINITY,
+            false => t.to_f64().abs() / (allowed + doubt / e.to_f64()),
+        };
         let equator = (exact(1.0) - c * (z + t * dz)).to_f64().abs() / (angle_doubt / e.to_f64());
         let refracted = (cosine_squared + exact(self.index_step)).to_f64().abs() / angle_doubt;
         met.min(ahead).min(equator).min(refracted)

@@ -17,18 +17,10 @@ pub type Row = (f64, f64, f64, f64);
 
 /// The lens of these rows, scene side first. A last medium other than air is taken as it is.
 pub fn lens(name: &str, rows: &[Row]) -> Lens {
-    let mut behind = 1.0;
     let figured: Vec<Figured> = rows
         .iter()
         .map(|&(radius, thickness, n, semi_diameter)| {
-            let shape = if radius.is_finite() {
-                Shape::Sphere { radius }
-            } else if behind == 1.0 && n == 1.0 {
-                Shape::Stop
-            } else {
-                Shape::Plane
-            };
-            behind = n;
+            let shape = if radius.is_finite() { Shape::Sphere { radius } } else { Shape::Plane };
             (shape, thickness, n, semi_diameter)
         })
         .collect();
@@ -38,11 +30,14 @@ pub fn lens(name: &str, rows: &[Row]) -> Lens {
 /// A row with any figure in the place of the radius.
 pub type Figured = (Shape, f64, f64, f64);
 
-/// The lens of rows with figures.
+/// The lens of rows with figures; a plane in air is the stop.
 pub fn lens_of(name: &str, rows: &[Figured]) -> Lens {
+    let mut in_front = 1.0;
     let interface = |&(shape, thickness, n, semi_diameter): &Figured| {
         let medium = if n == 1.0 { Medium::Air } else { Medium::Glass { n_d: n, abbe: None } };
-        Interface { shape, thickness, medium, semi_diameter }
+        let is_stop = shape == Shape::Plane && in_front == 1.0 && n == 1.0;
+        in_front = n;
+        Interface { shape, thickness, medium, semi_diameter, is_stop }
     };
     let interfaces = rows.iter().map(interface).collect();
     Lens::at_d_line(&Prescription { name: name.to_owned(), ..Prescription::new(interfaces) })

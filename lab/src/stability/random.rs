@@ -88,8 +88,8 @@ pub fn random_aspheric_lens(random: &mut Random) -> Lens {
     for interface in &mut prescription.interfaces {
         let radius = match interface.shape {
             Shape::Sphere { radius } => radius,
-            Shape::Plane => f64::INFINITY,
-            Shape::Asphere(_) | Shape::Stop => continue,
+            Shape::Plane if !interface.is_stop => f64::INFINITY,
+            Shape::Asphere(_) | Shape::Plane => continue,
         };
         if random.random_bool(0.3) {
             continue;

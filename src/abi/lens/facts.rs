@@ -67,7 +67,7 @@ pub struct realistic_lens_surface {
     pub struct_size: u32,
     /// 1 for the aperture stop, else 0.
     pub is_stop: u32,
-    /// z of its vertex, mm; 0 for the first, never positive.
+    /// z of its vertex, mm; 0 for the first.
     pub vertex_mm: f64,
     /// Radius of curvature, mm: positive with the centre on the film's side, infinite for a plane.
     pub radius_mm: f64,

@@ -28,7 +28,7 @@ pub(super) fn blades(given: &Parameters, prescription: &Prescription) -> Result<
             None => Ok(None),
         };
     }
-    if prescription.stop_index().is_none() {
+    if prescription.stop_in_air().is_none() {
         return Err(CameraError::NoStopForBlades { lens: prescription.name.clone() });
     }
     let own = prescription.blades.unwrap_or(Blades { count, rotation: 0.0, curvature: 0.0 });

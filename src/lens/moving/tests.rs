@@ -12,6 +12,7 @@ fn thin(focal_length: f64) -> [Interface; 2] {
         thickness: 0.0,
         medium,
         semi_diameter: 5.0,
+        is_stop: false,
     };
     // (n - 1)(1/R + 1/R) = 1/f.
     [surface(focal_length, glass), surface(-focal_length, Medium::Air)]
@@ -28,7 +29,8 @@ fn known(gap: f64) -> [f64; 2] {
 /// The two with positions at these gaps, each with its true back focus as its film distance; then, where `near` is not empty,
 /// with these gaps for objects at 500 mm, the film where it was.
 fn zoom(gaps: &[f64], near: &[f64]) -> Prescription {
-    let stop = Interface { shape: Shape::Stop, thickness: 0.0, medium: Medium::Air, semi_diameter: 8.0 };
+    let plane = Interface { shape: Shape::Plane, ..thin(F[0])[1] };
+    let stop = Interface { semi_diameter: 8.0, is_stop: true, ..plane };
     let interfaces: Vec<Interface> = thin(F[0]).into_iter().chain([stop]).chain(thin(F[1])).collect();
     let column = |gap: f64, film: f64, object_distance: Option<f64>| Position {
         name: Some(format!("at {gap}")),

@@ -1,6 +1,6 @@
 //! The reader of lens files: the front, which tells the format by the text, and a file or room for each format: the
-//! project's own [`table`], [`optical_bench`] text, [`zemax`] files, and [`agf`] catalogues of glass. Every format makes
-//! rows, and [`surfaces`] makes checked interfaces of them.
+//! project's own [`table`], [`optical_bench`] text, [`zemax`] and [`flaresim`] files, and [`agf`] catalogues of glass. Every
+//! format makes rows, and [`surfaces`] makes checked interfaces of them; files of other programs are [`foreign`].
 //!
 //! To add a format: a file here that makes a [`Prescription`] of a text, within the limits, with a `SurfaceRow` per
 //! surface; how it is known, in [`Format::of`]; malformed files among its tests, a right one among those that
@@ -13,6 +13,8 @@
 pub(super) mod agf;
 #[cfg(test)]
 mod asked;
+mod flaresim;
+mod foreign;
 mod named_glass;
 mod optical_bench;
 mod surfaces;
@@ -62,24 +64,17 @@ pub fn read_with(name: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Pre
         });
     }
     let bytes = text::decoded(bytes);
+    let not_a_lens = |message: String| LensFileError { file: name.to_owned(), line: 1, column: 1, message };
     let prescription = match Format::of(&bytes) {
         Format::Table => table::read(name, &bytes, library),
         Format::OpticalBench => optical_bench::read(name, &bytes, library),
         Format::Zemax => zemax::read(name, &bytes, library),
-        Format::GlassCatalogue => Err(LensFileError {
-            file: name.to_owned(),
-            line: 1,
-            column: 1,
-            message: "a catalogue of glasses (AGF), not a lens; give it as \"glasscatalog\"".to_owned(),
-        }),
-        Format::Json => Err(LensFileError {
-            file: name.to_owned(),
-            line: 1,
-            column: 1,
-            message: "JSON, and no lens is read from JSON; give a table with a line for each surface: radius, thickness, \
-                      index and clear diameter in mm (docs/lens-format.md)"
-                .to_owned(),
-        }),
+        Format::FlareSim => flaresim::read(name, &bytes),
+        Format::GlassCatalogue => {
+            let message = "a catalogue of glasses (AGF), not a lens; give it as \"glasscatalog\"";
+            Err(not_a_lens(message.to_owned()))
+        }
+        Format::Foreign(message) => Err(not_a_lens(message)),
     }?;
     let mut prescription = Prescription { name: short_name, ..prescription };
     prescription.remarks.extend_from_slice(library.told());
@@ -87,15 +82,16 @@ pub fn read_with(name: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Pre
 }
 
 /// What a lens file may be written in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 enum Format {
     Table,
     OpticalBench,
     Zemax,
+    FlareSim,
     /// No lens at all.
     GlassCatalogue,
-    /// None, too: an object, which no other text begins like.
-    Json,
+    /// A file of another program, and what to say of it.
+    Foreign(String),
 }
 
 impl Format {
@@ -112,13 +108,14 @@ impl Format {
                 Some(Self::Zemax)
             } else if begins(line, "NM ", |_| true) {
                 Some(Self::GlassCatalogue)
+            } else if line.trim_ascii() == b"surfaces:" {
+                Some(Self::FlareSim)
             } else {
                 None
             }
         };
-        let is_object = bytes.trim_ascii_start().starts_with(b"{");
-        let rest = if is_object { Self::Json } else { Self::Table };
-        lines.into_iter().find_map(known).unwrap_or(rest)
+        let unknown = || foreign::recognised(bytes).map_or(Self::Table, Self::Foreign);
+        lines.into_iter().find_map(known).unwrap_or_else(unknown)
     }
 }
 

@@ -8,17 +8,18 @@ use crate::{
         asphere::Asphere,
         interfaces::{Interface, Medium, Shape},
         limits::MAX_INTERFACES,
+        positions::Positions,
     },
 };
 
-/// What a row is when it is no refracting surface.
+/// What a row says of itself beside its figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Role {
-    /// Nothing said: a plane between air and air is the stop.
+    /// Nothing: a plane between air and air is the stop, or a flare stop where another row is the stop.
     Any,
-    /// The row says that it is the stop.
+    /// That it is the stop.
     Stop,
-    /// The row says that it is a flare stop: a plane in air that is not the aperture stop.
+    /// That it is a flare stop: a plane in air that is not the aperture stop.
     FlareStop,
 }
 
@@ -38,6 +39,11 @@ pub(super) struct SurfaceRow {
 /// Where a row stands: makes an error of the row's number, counted from 0, and what is wrong.
 pub(super) type AtRow<'a> = &'a dyn Fn(usize, &str) -> LensFileError;
 
+/// Indices from here to 1 are vacuum's against air, 0.9997, and those from 1 on as near are hardly a glass's.
+const NEARLY_AIR: f64 = 0.999;
+/// V-numbers of glasses, crystals and plastics lie between: ZnSe has 8, CaF2 95, and what rounding makes of more is let be.
+const V_NUMBERS: [f64; 2] = [5.0, 200.0];
+
 /// The interfaces of a lens from its rows, scene side first, and what of them is not as the file has it.
 ///
 /// # Errors
@@ -46,10 +52,6 @@ pub(super) fn interfaces(
     rows: &[SurfaceRow],
     at: AtRow<'_>,
 ) -> Result<(Vec<Interface>, Vec<LensFileError>), LensFileError> {
-    let mut in_front = Medium::Air;
-    let mut stop: Option<usize> = None;
-    let mut remarks = Vec::new();
-    let mut interfaces = Vec::with_capacity(rows.len());
     if rows.len() > MAX_INTERFACES {
         let message = format!(
             "row {} of {}; a lens has at most {MAX_INTERFACES} interfaces",
@@ -58,13 +60,14 @@ pub(super) fn interfaces(
         );
         return Err(at(MAX_INTERFACES, &message));
     }
+    let says_stop = rows.iter().any(|row| row.role == Role::Stop);
+    let mut in_front = Medium::Air;
+    let mut stop: Option<usize> = None;
+    let mut remarks = Vec::new();
+    let mut interfaces = Vec::with_capacity(rows.len());
     for (number, row) in rows.iter().enumerate() {
-        let in_air = in_front == Medium::Air && row.medium == Medium::Air;
-        if row.thickness < 0.0 {
-            let thickness = as_given(row.thickness);
-            let message = format!("thickness {thickness} mm: vertices stand in order, so it is 0 or more");
-            return Err(at(number, &message));
-        }
+        let medium = checked_medium(row.medium, |remark| remarks.push(at(number, &remark)));
+        let in_air = in_front == Medium::Air && medium == Medium::Air;
         let mut semi_diameter = row.diameter / 2.0;
         // The half of the smallest number is 0.
         if semi_diameter <= 0.0 {
@@ -73,56 +76,140 @@ pub(super) fn interfaces(
         }
         let figure = row.asphere.filter(|asphere| !is_conic_alone(asphere) || asphere.conic != 0.0);
         let is_plane = row.radius.is_infinite() && figure.is_none_or(|figure| is_conic_alone(&figure));
-        let shape = if !is_plane {
-            let shape = match figure {
-                Some(_) if row.role != Role::Any => {
-                    return Err(at(
-                        number,
-                        "a stop is a plane in air; an asphere has a radius or inf in its row",
-                    ));
-                }
-                Some(_) if in_air && row.radius.is_infinite() => {
-                    return Err(at(number, "an asphere between air and air bends no ray; give it a glass"));
-                }
-                Some(asphere) => Shape::Asphere(Asphere { radius: row.radius, ..asphere }),
-                None => Shape::Sphere { radius: row.radius },
-            };
-            let widest = shape.widest();
-            if semi_diameter > widest {
-                remarks.push(at(number, &too_wide(row, figure.map_or(0.0, |figure| figure.conic), widest)));
-                semi_diameter = widest;
-            }
-            shape
-        } else if in_air && row.role == Role::FlareStop {
-            Shape::Plane
-        } else if in_air {
-            if let Some(first) = stop {
-                let first = at(first, "").line;
-                let message = format!(
-                    "a second stop (the first is on line {first}); a plane between air and air is the stop, and a \
-                     lens has at most one"
-                );
-                return Err(at(number, &message));
-            }
-            stop = Some(number);
-            Shape::Stop
-        } else if row.role != Role::Any {
+        if row.role == Role::FlareStop && !(is_plane && in_air) {
             return Err(at(
                 number,
-                "the stop has air on both sides; a plane of glass is written with radius inf",
+                "a flare stop is a plane with air on both sides; a plane of glass is written with radius inf",
             ));
-        } else {
-            Shape::Plane
+        }
+        let shape = match figure {
+            _ if is_plane => Shape::Plane,
+            Some(_) if in_air && row.radius.is_infinite() => {
+                return Err(at(number, "an asphere between air and air bends no ray; give it a glass"));
+            }
+            Some(asphere) => Shape::Asphere(Asphere { radius: row.radius, ..asphere }),
+            None => Shape::Sphere { radius: row.radius },
         };
-        interfaces.push(Interface { shape, thickness: row.thickness, medium: row.medium, semi_diameter });
-        in_front = row.medium;
+        let widest = shape.widest();
+        if semi_diameter > widest {
+            remarks.push(at(number, &too_wide(row, figure.map_or(0.0, |figure| figure.conic), widest)));
+            semi_diameter = widest;
+        }
+        let is_stop = match row.role {
+            Role::Stop => true,
+            Role::FlareStop => false,
+            Role::Any => is_plane && in_air && !says_stop,
+        };
+        if let (true, Some(first)) = (is_stop, stop) {
+            let first = at(first, "").line;
+            let message = format!(
+                "a second stop (the first is on line {first}); a plane between air and air is the stop, and a lens has at \
+                 most one (\"flare\" for a plane in air that is not)"
+            );
+            return Err(at(number, &message));
+        }
+        if is_stop {
+            stop = Some(number);
+        }
+        interfaces.push(Interface { shape, thickness: row.thickness, medium, semi_diameter, is_stop });
+        in_front = medium;
     }
+    in_order(&interfaces, at)?;
     if in_front != Medium::Air {
         let message =
             "the last interface has glass behind it; the film is in air, so its index must be 0 or 1";
         return Err(at(rows.len() - 1, message));
     }
     Ok((interfaces, remarks))
+}
+
+/// That vertices stand in order but for planes that only limit rays, which may stand anywhere between the surfaces around
+/// them: a stop inside its neighbour's bulge is ordinary, and rays decide whether they meet it.
+///
+/// # Errors
+/// The first row that stands in front of the one before it.
+pub(super) fn in_order(interfaces: &[Interface], at: AtRow<'_>) -> Result<(), LensFileError> {
+    let mut in_front = Medium::Air;
+    // From the last surface that bends rays, and the first gap on the way that is negative.
+    let mut way: Option<(f64, Option<usize>)> = None;
+    let wrong = |number: usize| {
+        let thickness = as_given(interfaces[number].thickness);
+        let message = format!(
+            "thickness {thickness} mm: vertices stand in order, so it is 0 or more (but beside a stop, and together with the \
+             thickness on its other side)"
+        );
+        at(number, &message)
+    };
+    for (number, interface) in interfaces.iter().enumerate() {
+        let only_limits = interface.shape == Shape::Plane && in_front == interface.medium;
+        if !only_limits {
+            if let Some((distance, Some(negative))) = way
+                && distance < 0.0
+            {
+                return Err(wrong(negative));
+            }
+            way = Some((0.0, None));
+        }
+        let is_last = number + 1 == interfaces.len();
+        if is_last && interface.thickness < 0.0 {
+            return Err(wrong(number));
+        }
+        if let Some((distance, negative)) = &mut way {
+            *distance += interface.thickness;
+            *negative = negative.or((interface.thickness < 0.0).then_some(number));
+        }
+        in_front = interface.medium;
+    }
+    Ok(())
+}
+
+/// [`in_order`] at each of the positions.
+///
+/// # Errors
+/// As [`in_order`], and at which position.
+pub(super) fn positions_in_order(
+    interfaces: &[Interface],
+    positions: Option<&Positions>,
+    at: AtRow<'_>,
+) -> Result<(), LensFileError> {
+    let Some(positions) = positions else { return Ok(()) };
+    for (number, column) in positions.columns.iter().enumerate() {
+        let mut placed = interfaces.to_vec();
+        for (&row, &gap) in positions.gaps.iter().zip(&column.gaps) {
+            placed[row].thickness = gap;
+        }
+        in_order(&placed, &|row, message| at(row, &format!("position {}: {message}", number + 1)))?;
+    }
+    Ok(())
+}
+
+/// A medium, and in words what is odd about its numbers.
+fn checked_medium(medium: Medium, mut remark: impl FnMut(String)) -> Medium {
+    let Medium::Glass { n_d, abbe } = medium else { return medium };
+    if n_d < 1.0 {
+        remark(format!("index {}, vacuum's against air; air is used, index 1", as_given(n_d)));
+        return Medium::Air;
+    }
+    if n_d < 2.0 - NEARLY_AIR {
+        remark(format!("index {} is nearly air's; write 1 if air is meant", as_given(n_d)));
+    }
+    if let Some(abbe) = abbe.filter(|abbe| !(V_NUMBERS[0]..=V_NUMBERS[1]).contains(abbe)) {
+        let [low, high] = V_NUMBERS;
+        remark(format!("V-number {}: those of glasses lie between {low} and {high}", as_given(abbe)));
+    }
+    medium
+}
+
+/// The index of a medium that a file gives by a number: `None` for air, written 0 or 1.
+///
+/// # Errors
+/// No medium of a lens has it; the words say what an index is.
+pub(super) fn index(number: f64) -> Result<Option<f64>, &'static str> {
+    match number {
+        0.0 | 1.0 => Ok(None),
+        _ if number >= NEARLY_AIR => Ok(Some(number)),
+        _ => Err("a refractive index is 1 or more"),
+    }
 }
 
 /// Whether a figure has no terms, so that it is a conic.

@@ -128,6 +128,22 @@ impl<L: Lanes> RayLanes<L> {
         }
     }
 
+    /// Which rays pass the stops before the first surface.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn pass_leading(cpu: Cpu<L>, stops: &[Step<L::Scalar>], start: Start<L>) -> L::Mask {
+        let (mut ray, minus_z, _) = Self::on_way(cpu, start);
+        ray.height = L::splat(cpu, L::Scalar::ZERO) - minus_z;
+        ray.go_forward(cpu);
+        for step in stops {
+            match step {
+                Step::Stop(stop) => ray.stop(cpu, stop),
+                Step::Blades(stop) => ray.blades(cpu, stop),
+                _ => unreachable!("stops alone stand before the first surface"),
+            }
+        }
+        ray.passed
+    }
+
     /// A ray on its way to the first surface, with -z there and how far it was moved on, in units of V.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn on_way(cpu: Cpu<L>, start: Start<L>) -> (Self, L, L) {

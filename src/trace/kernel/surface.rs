@@ -29,14 +29,14 @@ pub struct CompiledSurface<'a> {
     pub aperture: f64,
     pub semi: f64,
     pub slack: f64,
-    /// From the last surface that moved the ray.
+    /// From the last surface that moved the ray; of those before the first that does, from the path's first vertex.
     pub distance: f64,
     pub tests: Tests,
     /// Whether the aperture is to be tested.
     pub tested: bool,
     /// The figure that blades leave open in it, which is always tested.
     pub blades: Option<&'a StopFigure<f64>>,
-    /// Only a test, which does not move the ray.
+    /// A plane that only limits: a test, which does not move the ray.
     pub is_still: bool,
 }
 
@@ -66,19 +66,21 @@ pub fn surfaces(
     };
     let mut moved: Option<ClearPart> = None;
     let mut distance = 0.0;
+    // At the first surface where the ray began decides, which is not known here. From the scene a
+    // sphere may be met going backward: a fisheye sees behind itself.
+    let unknown =
+        |step: &PathSurface<f64>| Tests { forward: travel_sign > 0.0 || step.curvature == 0.0, onward: true };
+    // Rays enter at the first surface that bends them, and leave at the last of all.
+    let bends = |step: &PathSurface<f64>| !step.only_limits();
+    let first = steps.iter().position(bends).unwrap_or(0);
+    let last = steps.iter().rposition(bends).unwrap_or(0);
     for (i, step) in steps.iter().enumerate() {
         distance += step.distance;
         let here = clear_part(step);
-        let beside = |step: &PathSurface<f64>| {
-            step.curvature == 0.0 && step.index_step == 0.0 && step.aspheric.is_none()
-        };
-        let room_after =
-            steps.get(i + 1).is_some_and(|next| crossing::leaves_room(here, clear_part(next), next.distance));
-        let room_before = moved.is_some_and(|moved| crossing::leaves_room(moved, here, distance));
-        let is_still = beside(step) && room_before && room_after;
-        // At the first surface where the ray began decides, which is not known here. From the scene a
-        // sphere may be met going backward: a fisheye sees behind itself.
-        let unknown = Tests { forward: travel_sign > 0.0 || step.curvature == 0.0, onward: true };
+        let is_still = i != first && i < last && step.only_limits();
+        let mut tests = moved.map_or(unknown(step), |moved| crossing::tests(moved, here, distance));
+        // Where a plane that only limits lies, before or behind, is no question.
+        tests.onward &= !step.only_limits();
         surfaces.push(CompiledSurface {
             c: step.curvature,
             aspheric: step.aspheric.as_deref(),
@@ -88,7 +90,7 @@ pub fn surfaces(
             semi: here.semi_diameter,
             slack: step.slack * (epsilon / f64::EPSILON),
             distance,
-            tests: moved.map_or(unknown, |moved| crossing::tests(moved, here, distance)),
+            tests,
             // The figure lies inside the circle.
             tested: tested(i) && step.blades.is_none(),
             blades: step.blades.as_deref(),

@@ -22,6 +22,11 @@ pub fn trace<L: Lanes, const U: usize>(
     each_further!(u < U, {
         rays[u] = RayLanes::enter(cpu, &table.steps[0], media[u], starts[u]);
     });
+    if !table.leading.is_empty() {
+        for (ray, start) in rays.iter_mut().zip(starts) {
+            ray.keep(RayLanes::pass_leading(cpu, &table.leading, start));
+        }
+    }
     // Vectors side by side are more than the registers hold, and in memory already. One alone stays in them: apart, it
     // would take a tenth longer.
     if U > 1 {

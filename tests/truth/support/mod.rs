@@ -13,6 +13,10 @@ use realistic::{
     camera::{Host, Outcome, Parameters, Raster, RealisticCamera, Sample, WorldRay},
     lens::Lens,
     prescription::{catalogue, read},
+    trace::{
+        Direction, Ray,
+        kernel::{Kernel, KernelScalar, RayBuffer, Simd},
+    },
 };
 
 pub use properties::cases;
@@ -96,4 +100,21 @@ impl Random {
     pub fn signed(&mut self) -> f64 {
         2.0 * self.next() - 1.0
     }
+}
+
+/// Rays by a kernel of every set of instructions, which must agree to the bit.
+pub fn by_kernel<S: KernelScalar>(lens: &Lens, direction: Direction, rays: &[Ray]) -> Vec<Option<Ray>> {
+    let traced = |simd| {
+        let kernel = Kernel::<S>::with_simd(lens, direction, simd)?;
+        let mut buffer = RayBuffer::<S>::new(rays.len());
+        rays.iter().enumerate().for_each(|(i, ray)| buffer.put(i, ray.origin, ray.direction));
+        kernel.trace_in_place(&mut buffer.rays());
+        Some((0..rays.len()).map(|i| buffer.get(i).map(|traced| traced.ray())).collect::<Vec<_>>())
+    };
+    let mut all = Simd::ALL.into_iter().filter_map(traced);
+    let first = all.next().expect("the portable one");
+    for other in all {
+        assert_eq!(first, other);
+    }
+    first
 }

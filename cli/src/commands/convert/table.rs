@@ -60,6 +60,9 @@ pub fn write(lens: &Prescription) -> String {
             line(&mut text, "asphere", &[(row + 1).to_string(), constants(asphere)]);
         }
     }
+    if let (Some(row), None) = (lens.stop_index(), lens.stop_in_air()) {
+        line(&mut text, "stop", &[(row + 1).to_string()]);
+    }
     if lens.title.is_some() {
         text += "# radius, thickness, n_d or glass, V-number, clear diameter\n";
     }
@@ -215,7 +218,7 @@ fn radius(interface: &Interface, in_front: Medium) -> String {
         Shape::Sphere { radius } => number(radius),
         Shape::Asphere(asphere) if asphere.radius.is_infinite() => "inf".to_owned(),
         Shape::Asphere(asphere) => number(asphere.radius),
-        Shape::Stop => "stop".to_owned(),
+        Shape::Plane if interface.is_stop => "stop".to_owned(),
         Shape::Plane if in_front == Medium::Air && interface.medium == Medium::Air => "flare".to_owned(),
         Shape::Plane => "inf".to_owned(),
     }

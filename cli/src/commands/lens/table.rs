@@ -14,8 +14,8 @@ fn rows<'a>(prescription: &'a Prescription, lens: &'a Lens) -> impl Iterator<Ite
             let (kind, radius) = match interface.shape {
                 Shape::Sphere { radius } => ("sphere", Some(radius)),
                 Shape::Asphere(asphere) => ("asphere", Some(asphere.radius)),
+                Shape::Plane if interface.is_stop => ("stop", None),
                 Shape::Plane => ("plane", None),
-                Shape::Stop => ("stop", None),
             };
             Row {
                 kind,

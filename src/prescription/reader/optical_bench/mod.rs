@@ -44,12 +44,12 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
             text.error(sections.end, "the section [lens data] has no rows; expected at least one surface")
         );
     };
-    flare_stops(&mut rows);
     let stop = sections.lens.iter().position(|row| role(&row.cell(1)) == Role::Stop);
     let moving = variables.resolve(&text, &mut rows, &gaps, stop)?;
     remarks.extend(moving.remarks);
     let at = |row: usize, message: &str| text.error(sections.lens[row].place, message);
     let (mut interfaces, wide) = surfaces::interfaces(&rows, &at)?;
+    surfaces::positions_in_order(&interfaces, moving.positions.as_ref(), &at)?;
     remarks.extend(wide.iter().map(LensFileError::to_string));
     let back = std::mem::take(&mut interfaces[last].thickness);
     let (glasses, told) = glasses.told(file);
@@ -101,33 +101,19 @@ fn surface<'t>(
         } else {
             let index = number(&n_d, "a refractive index, or nothing for air")?;
             let abbe_number = if abbe.text.is_empty() { None } else { Some(number(&abbe, "a V-number")?) };
-            if index < 1.0 {
-                return Err(text.error(n_d.place, "a refractive index is 1 or more; leave it out for air"));
-            }
+            let index = surfaces::index(index)
+                .map_err(|why| text.error(n_d.place, format!("{why}; leave it out for air")))?;
             if abbe_number.is_some_and(|abbe| abbe <= 0.0) {
                 return Err(
                     text.error(abbe.place, "a V-number is positive; leave it out where it is not known")
                 );
             }
-            if index == 1.0 { Medium::Air } else { glasses.checked(name(glass.text), index, abbe_number) }
+            index.map_or(Medium::Air, |index| glasses.checked(name(glass.text), index, abbe_number))
         },
         diameter: number(&diameter, "a clear diameter in mm")?,
         asphere: None,
     };
     Ok((thickness, surface))
-}
-
-/// A plane in air is a flare stop where another row says that it is the stop.
-fn flare_stops(rows: &mut [SurfaceRow]) {
-    let has_stop = rows.iter().any(|row| row.role == Role::Stop);
-    let mut in_front = Medium::Air;
-    for row in rows.iter_mut().filter(|_| has_stop) {
-        let is_plane = row.radius.is_infinite() && row.asphere.is_none();
-        if is_plane && row.role == Role::Any && in_front == Medium::Air && row.medium == Medium::Air {
-            row.role = Role::FlareStop;
-        }
-        in_front = row.medium;
-    }
 }
 
 fn role(radius: &Cell<'_>) -> Role {

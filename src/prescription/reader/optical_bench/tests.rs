@@ -25,7 +25,8 @@ fn every_section_that_says_what_the_lens_is_is_read() {
         (-20.0, -0.5, 1e-5, 2e-9)
     );
     assert_eq!(asphere.terms.iter().filter(|term| **term != 0.0).count(), 2);
-    assert_eq!(shapes[2..4], [Shape::Plane, Shape::Stop]);
+    assert_eq!(shapes[2..4], [Shape::Plane, Shape::Plane]);
+    assert_eq!(lens.stop_in_air(), Some(3));
     assert_eq!(shapes[6..], [Shape::Plane, Shape::Plane]);
     // The column is a clear diameter, the stop's is that of the first position.
     assert_eq!((lens.interfaces[0].semi_diameter, lens.interfaces[3].semi_diameter), (5.0, 3.1));
@@ -122,7 +123,7 @@ fn a_wrong_text_is_told_where_it_is_wrong() {
     );
     refused(&with("\t10.0\t", "\t\t"), "14:20", &["nothing stands here", "clear diameter"]);
     refused(&with("\t10.0\t", "\t0\t"), "14:1", &["clear diameter 0 mm"]);
-    refused(&with("3.0\t9.0", "-3.0\t9.0"), "10:4", &["0 or more"]);
+    refused(&with("3.0\t9.0", "-3.0\t9.0"), "16:1", &["thickness -3 mm", "0 or more"]);
     refused(&with("d3\t3.0\t9.0\t4", "d3\tundefined"), "10:4", &["at no position"]);
     refused(&with("2\t-20\t-0.5", "22\t-20\t-0.5"), "24:1", &["no surface", "\"22\""]);
     refused(&with("-0.5\t1e-5", "-0.5\tx"), "24:12", &["\"x\" is not a number"]);
@@ -131,7 +132,7 @@ fn a_wrong_text_is_told_where_it_is_wrong() {
     refused(&with("[!aspherical data]\n1\t20\t9", "2\t20\t9"), "25:1", &["given twice"]);
     refused(&with("Scaled", "ObjectGlass"), "4:1", &["object in glass"]);
     refused(&with("Scaled\t50", "AsphericalOddCount\tx"), "4:20", &["no number of odd terms"]);
-    refused(&with("6\t-30", "6AS\tAS"), "20:1", &["air on both sides"]);
+    refused(&with("6\t-30", "6AS\tAS"), "20:1", &["second stop"]);
     let many = format!("[lens data]\n{}", "1\t20\t0\t1.5\t10\n".repeat(1001));
     refused(&many, "1002:1", &["more than 1000 lines", "at most 1000 interfaces"]);
     let positions = with("d3\t3.0", &format!("d3{}", "\t3".repeat(101)));

@@ -78,10 +78,6 @@ impl<'a, 't> Variables<'a, 't> {
         for (surface, values) in &gaps {
             let first = kept[0];
             let thickness = values[first].number().expect("a kept column has numbers");
-            if let Some(negative) = kept.iter().find(|&&column| values[column].number() < Some(0.0)) {
-                let place = values[*negative].place;
-                return Err(text.error(place, "vertices stand in order, so a thickness is 0 or more"));
-            }
             rows[*surface].thickness = thickness;
         }
         let track = |column: usize| -> f64 {

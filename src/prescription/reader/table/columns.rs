@@ -213,13 +213,17 @@ impl Columns {
 
 /// The row of the stop, counted from 0.
 fn stop(rows: &[SurfaceRow]) -> Option<usize> {
+    let said = rows.iter().position(|row| row.role == Role::Stop);
     let is_air = |row: usize| rows[row].medium == Medium::Air;
-    (0..rows.len()).find(|&row| {
-        rows[row].radius.is_infinite()
-            && rows[row].role != Role::FlareStop
-            && is_air(row)
-            && (row == 0 || is_air(row - 1))
-    })
+    let in_air = || {
+        (0..rows.len()).find(|&row| {
+            rows[row].radius.is_infinite()
+                && rows[row].role != Role::FlareStop
+                && is_air(row)
+                && (row == 0 || is_air(row - 1))
+        })
+    };
+    said.or_else(in_air)
 }
 
 type Reader = fn(&Lines, &Word) -> Result<Option<f64>, LensFileError>;
@@ -285,10 +289,5 @@ fn object(lines: &Lines, word: &Word) -> Result<Option<f64>, LensFileError> {
 }
 
 fn gap(lines: &Lines, word: &Word) -> Result<Option<f64>, LensFileError> {
-    let gap = lines.number(word, "a thickness in mm")?;
-    if gap >= 0.0 {
-        Ok(Some(gap))
-    } else {
-        Err(lines.error(word, "vertices stand in order, so a gap is 0 or more"))
-    }
+    lines.number(word, "a thickness in mm").map(Some)
 }

@@ -141,8 +141,12 @@ impl Lines {
 
     /// Takes the lines out that begin with one of these words, in capitals or not.
     pub(super) fn take(&mut self, keywords: &[&str]) -> Vec<Line> {
-        let is_taken = |line: &Line| keywords.iter().any(|keyword| line.words[0].is(keyword));
-        let (taken, rest) = std::mem::take(&mut self.lines).into_iter().partition(is_taken);
+        self.take_where(|line| keywords.iter().any(|keyword| line.words[0].is(keyword)))
+    }
+
+    /// Takes lines out.
+    pub(super) fn take_where(&mut self, is_taken: impl Fn(&Line) -> bool) -> Vec<Line> {
+        let (taken, rest) = std::mem::take(&mut self.lines).into_iter().partition(|line| is_taken(line));
         self.lines = rest;
         taken
     }

@@ -1,5 +1,5 @@
 //! The project's own table: text to lines of words ([`lines`]), lines that begin with a keyword ([`glasses`],
-//! [`aspheres`], [`blades`], [`wavelength`], [`columns`]), and the others to rows, one file for each kind of table ([`four_column`],
+//! [`aspheres`], [`stop`], [`blades`], [`wavelength`], [`columns`]), and the others to rows, one file for each kind of table ([`four_column`],
 //! [`five_column`]). Its grammar stands in `docs/lens-format.md`.
 //!
 //! Two kinds of table are read. **Four columns**, as the assignment and pbrt have it: radius,
@@ -16,6 +16,7 @@ mod five_column;
 mod four_column;
 mod glasses;
 mod lines;
+mod stop;
 mod values;
 mod wavelength;
 
@@ -23,10 +24,7 @@ use super::surfaces;
 use crate::{
     message::nearest,
     prescription::{
-        error::LensFileError,
-        glass::GlassLibrary,
-        interfaces::{Prescription, Shape},
-        limits::MAX_INTERFACES,
+        error::LensFileError, glass::GlassLibrary, interfaces::Prescription, limits::MAX_INTERFACES,
     },
 };
 use columns::Columns;
@@ -41,7 +39,8 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
     let mut lines = Lines::split(file, bytes)?;
     let glasses = Glasses::take(&mut lines, library)?;
     let aspheres = aspheres::take(&mut lines)?;
-    let blades = blades::take(&mut lines)?;
+    let stop = stop::take(&mut lines)?;
+    let (blades_keyword, blades) = blades::take(&mut lines)?.unzip();
     let wavelength = wavelength::take(&mut lines)?;
     let columns = Columns::take(&mut lines)?;
     misspelt_keyword(&lines)?;
@@ -57,14 +56,11 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
         table.iter().map(|line| four_column::row(&lines, &glasses, line)).collect::<Result<Vec<_>, _>>()
     }?;
     aspheres::apply(&lines, &aspheres, &mut rows)?;
+    stop::apply(&lines, stop.as_ref(), &mut rows)?;
     let (positions, stated) = columns.read(&lines, &rows, &mut stated_focal_length)?;
     let at = |row: usize, message: &str| lines.error(&table[row].words[0], message);
     let (mut interfaces, remarks) = surfaces::interfaces(&rows, &at)?;
-    if let Some((keyword, _)) = &blades
-        && !interfaces.iter().any(|interface| interface.shape == Shape::Stop)
-    {
-        return Err(lines.error(keyword, "blades stand in the stop, and the table has none"));
-    }
+    surfaces::positions_in_order(&interfaces, positions.as_ref(), &at)?;
     let back = std::mem::take(&mut interfaces.last_mut().expect("at least one row").thickness);
     let lens = Prescription {
         title: lines.title.clone(),
@@ -73,11 +69,14 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
         stated,
         glasses: glasses.used(),
         positions,
-        blades: blades.map(|(_, blades)| blades),
+        blades,
         wavelength: wavelength.as_ref().map(|(_, wavelength)| *wavelength),
         remarks: remarks.iter().map(LensFileError::to_string).collect(),
         ..Prescription::new(interfaces)
     };
+    if let (Some(keyword), None) = (blades_keyword, lens.stop_in_air()) {
+        return Err(lines.error(&keyword, "blades stand in a stop in air, and the table has none"));
+    }
     if let Some((word, wavelength)) = &wavelength {
         lens.check_wavelength(*wavelength).map_err(|why| lines.error(word, &why))?;
     }

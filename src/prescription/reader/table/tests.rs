@@ -50,7 +50,7 @@ fn a_plane_is_the_stop_between_air_and_glass_otherwise() {
     let shapes: Vec<Shape> = lens.interfaces.iter().map(|interface| interface.shape).collect();
     assert_eq!(
         shapes,
-        [Shape::Plane, Shape::Plane, Shape::Stop, Shape::Plane, Shape::Sphere { radius: -20.0 }]
+        [Shape::Plane, Shape::Plane, Shape::Plane, Shape::Plane, Shape::Sphere { radius: -20.0 }]
     );
     assert_eq!(lens.stop_index(), Some(2));
 }
@@ -106,7 +106,7 @@ fn impossible_interfaces_are_refused() {
     refused("20 5 1.5 -3", "1:1", &["clear diameter -3 mm"]);
     refused("20 5 1.5 10", "1:1", &["glass behind it", "index must be 0 or 1"]);
     refused("0 1 1 5\n20 5 1.5 10\n-20 1 1 10\n0 0 1 3", "4:1", &["second stop", "line 1"]);
-    refused("20 5 1.5 60 10\nstop 2 9\n-20 0 9\nstop 1 1.5 60 9", "2:1", &["air on both sides"]);
+    refused("20 5 1.5 60 10\nstop 2 9\n-20 0 9\nstop 1 1.5 60 9", "4:1", &["second stop", "line 2"]);
     refused("20 5 1.5 60 10\n-20 1 - 60 9", "2:9", &["V-number without a refractive index"]);
     refused("20 5 1.5 -3 10\n-20 1 9", "1:10", &["V-number is positive"]);
 }
@@ -270,7 +270,7 @@ fn a_wrong_figure_is_told_where_it_stands() {
     refused(&with("asphere 1 A4=1 a4=1"), "3:16", &["given twice"]);
     refused(&with("asphere 1 A4=1\nasphere 1 A6=1"), "4:9", &["row 1 is given twice"]);
     refused(&with("apshere 1 A4=1"), "3:1", &["no line begins with \"apshere\"", "\"asphere\"?"]);
-    refused("20 5 1.5 10\n-20 1 1 10\nstop 30 1 5\nasphere 3 A4=1", "3:1", &["stop is a plane in air"]);
+    refused("20 5 1.5 10\n-20 1 1 10\nstop 30 1 5\nasphere 3 A4=1", "3:1", &["bends no ray"]);
     refused(
         "20 5 1.5 10\n-20 1 1 10\n0 30 1 5\nasphere 3 A4=1",
         "3:1",
@@ -283,8 +283,8 @@ fn a_flare_stop_is_a_plane_in_air_and_not_the_stop() {
     let four = ok(b"flare 1 1 9\n20 5 1.5 10\n-20 2 1 10\nstop 3 1 7\nflare 30 1 12\n");
     let shapes: Vec<Shape> = four.interfaces.iter().map(|interface| interface.shape).collect();
     let (sphere, other) = (Shape::Sphere { radius: 20.0 }, Shape::Sphere { radius: -20.0 });
-    assert_eq!(shapes, [Shape::Plane, sphere, other, Shape::Stop, Shape::Plane]);
-    assert_eq!(four.nominal_film_distance, Some(30.0));
+    assert_eq!(shapes, [Shape::Plane, sphere, other, Shape::Plane, Shape::Plane]);
+    assert_eq!((four.stop_index(), four.nominal_film_distance), (Some(3), Some(30.0)));
     let five = ok(b"Flare 1 9\n20 5 1.5 - 10\n-20 2 10\nstop 3 7\nflare 30 - - 12\n");
     assert_eq!(five.interfaces, four.interfaces);
     refused("20 5 1.5 10\nflare 2 1.6 9\n-20 0 1 9", "2:1", &["air on both sides"]);
@@ -345,7 +345,7 @@ fn a_wrong_column_is_told_where_it_stands() {
     );
     refused(&with("gap 2 3 5.5 9", "gap 2 3 5.5 9 1"), "7:15", &["4 value(s)"]);
     refused(&with("gap 2 3 5.5 9", "gap 2 3 - 9"), "7:9", &["\"-\" is not a number", "thickness in mm"]);
-    refused(&with("gap 2 3 5.5 9", "gap 2 3 -5.5 9"), "7:9", &["0 or more"]);
+    refused(&with("gap 2 3 5.5 9", "gap 2 3 -5.5 9"), "2:1", &["position 2: thickness -5.5 mm"]);
     refused(&with("gap 2 3 5.5 9", "gap 6 3 5.5 9"), "7:5", &["\"6\" is no row", "rows 1 to 5"]);
     refused(
         &with("gap 2 3 5.5 9", "gap 2 3.1 5.5 9"),
@@ -365,4 +365,57 @@ fn a_wrong_column_is_told_where_it_stands() {
     refused(&with("positions", "position"), "6:1", &["\"positions\"?"]);
     let many = format!("positions{}", " -".repeat(crate::prescription::MAX_POSITIONS + 1));
     refused(&with("positions wide middle tele", &many), "6:211", &["101 positions", "at most 100"]);
+}
+
+#[test]
+fn a_stop_may_stand_on_a_surface_of_glass() {
+    let lens = ok(b"20 5 1.5 10\n-20 30 1 8\nstop 2\n");
+    assert_eq!((lens.stop_index(), lens.stop_in_air()), (Some(1), None));
+    assert_eq!(lens.interfaces[1].shape, Shape::Sphere { radius: -20.0 });
+    let plane = ok(b"20 5 1.5 10\nstop 3 1.6 8\n-20 30 1 8\n");
+    assert_eq!((plane.stop_index(), plane.stop_in_air()), (Some(1), None));
+    refused("20 5 1.5 10\n-20 30 1 8\nstop 3", "3:6", &["\"3\" is no row", "stop ROW"]);
+    refused("20 5 1.5 10\n-20 30 1 8\nstop 1\nstop 2", "4:1", &["a lens has one stop"]);
+    refused("20 5 1.5 10\n-20 2 1 8\nstop 9 1 4\nstop 1", "3:1", &["second stop"]);
+    refused("20 5 1.5 10\n-20 30 1 8\nstop 2\nblades 5", "4:1", &["a stop in air"]);
+}
+
+#[test]
+fn planes_that_only_limit_may_stand_inside_a_neighbours_bulge() {
+    // Between the vertices, before the first and behind the last.
+    for text in [
+        "20 5 1.5 10\n-20 -0.5 1 10\nstop 3 1 9\n20 5 1.5 10\n-20 30 1 10\n",
+        "20 5 1.5 10\n-20 3 1 10\nstop -0.5 1 9\n20 5 1.5 10\n-20 30 1 10\n",
+        "flare 2 1 9\nstop -0.5 1 9\n20 5 1.5 10\n-20 30 1 10\n",
+        "20 5 1.5 10\n-20 -0.5 1 10\nstop 30 1 9\n",
+    ] {
+        let lens = ok(text.as_bytes());
+        assert!(lens.interfaces.iter().any(|interface| interface.thickness == -0.5), "{text}");
+    }
+    // Surfaces that bend rays stand in order all the same.
+    let between = "20 5 1.5 10\n-20 -0.5 1 10\nstop 0.25 1 9\n20 5 1.5 10\n-20 30 1 10\n";
+    refused(between, "2:1", &["thickness -0.5 mm", "beside a stop"]);
+    refused("20 5 1.5 10\n-20 3 1 10\nstop -1 1 9\n", "3:1", &["thickness -1 mm"]);
+}
+
+#[test]
+fn a_plane_in_air_beside_a_stop_that_says_so_is_a_flare_stop() {
+    let lens = ok(b"inf 2 1 12\n20 5 1.5 10\n-20 2 1 10\nstop 3 1 7\n");
+    assert_eq!((lens.stop_index(), lens.interfaces[0].shape), (Some(3), Shape::Plane));
+    refused("inf 2 1 12\n20 5 1.5 10\n-20 2 1 10\ninf 3 1 7\n", "4:1", &["second stop", "\"flare\""]);
+}
+
+#[test]
+fn odd_indices_and_v_numbers_are_told() {
+    for (row, what) in [
+        ("20 5 0.9997 - 10", "vacuum's against air"),
+        ("20 5 1.0000000000001 - 10", "nearly air's"),
+        ("20 5 1.5 1e-300 10", "V-number"),
+        ("20 5 1.5 900 10", "V-number"),
+    ] {
+        let lens = ok(format!("{row}\n-20 30 - - 10\n").as_bytes());
+        assert!(lens.remarks.iter().any(|told| told.contains(what)), "{row}: {:?}", lens.remarks);
+    }
+    assert_eq!(ok(b"20 5 1.5 60 10\n-20 30 - - 10\n").remarks, [""; 0]);
+    refused("20 5 0.99 10", "1:6", &["1 or more"]);
 }

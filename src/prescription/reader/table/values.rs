@@ -2,7 +2,10 @@
 //! or a complaint that names its line and column out.
 
 use super::lines::{Lines, Word};
-use crate::prescription::{LensFileError, reader::surfaces::Role};
+use crate::prescription::{
+    LensFileError,
+    reader::surfaces::{self, Role},
+};
 
 /// The radius column, the same in both formats: a number, 0 and `inf` being planes.
 pub(super) fn radius(lines: &Lines, word: &Word) -> Result<f64, LensFileError> {
@@ -17,13 +20,7 @@ pub(super) fn radius(lines: &Lines, word: &Word) -> Result<f64, LensFileError> {
 /// The index column: 0 and 1 are air.
 pub(super) fn index(lines: &Lines, word: &Word) -> Result<Option<f64>, LensFileError> {
     let index = lines.number(word, "a refractive index (0 or 1 for air)")?;
-    if index == 0.0 || index == 1.0 {
-        Ok(None)
-    } else if index > 1.0 {
-        Ok(Some(index))
-    } else {
-        Err(lines.error(word, "a refractive index is 1 or more; write 0 or 1 for air"))
-    }
+    surfaces::index(index).map_err(|why| lines.error(word, &format!("{why}; write 0 or 1 for air")))
 }
 
 /// What the word in the radius column says the row to be, where it is no radius.

@@ -1,8 +1,8 @@
 //! Zemax files (.zmx), sequential: text of keywords, a block `SURF n` per surface, the object first and the image last;
 //! *semi*-diameters; the curvature for the radius. Text in, a prescription out.
 //!
-//! Surfaces where nothing changes and whose size the file's program computed are left out. A stop in air is the stop; one
-//! on glass makes that surface as large as the aperture that the file states, so that it limits the beam.
+//! Surfaces where nothing changes and whose size the file's program computed are left out. The stop, on glass or in air, is as
+//! large as the aperture that the file states.
 
 mod aperture;
 mod blocks;
@@ -122,10 +122,8 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
     let (mut interfaces, wide) = surfaces::interfaces(&rows, &at)?;
     remarks.extend(wide.iter().map(LensFileError::to_string));
     interfaces[last].thickness = 0.0;
-    let in_air = interfaces.iter().any(|interface| interface.shape == Shape::Stop);
-    // A stop on glass is a surface's clear aperture, and none that moves.
-    let stop_sizes = if in_air { stop_sizes } else { Vec::new() };
-    let mut positions = positions(&text, &at, &thicknesses, &gaps, &stop_sizes, object.place)?;
+    let mut positions = positions(&text, &thicknesses, &gaps, &stop_sizes, object.place)?;
+    surfaces::positions_in_order(&interfaces, positions.as_ref(), &at)?;
     let (glasses, told) = glasses.told(file);
     remarks.extend(told);
     let is_angle = blocks.find("FTYP").and_then(|record| record.number_if_any(0)).unwrap_or(0.0) == 0.0;
@@ -183,7 +181,7 @@ fn has_range(lens: &Prescription) -> bool {
             Shape::Asphere(asphere) => {
                 asphere.radius != 0.0 && asphere.terms.iter().all(|term| term.is_finite())
             }
-            Shape::Plane | Shape::Stop => true,
+            Shape::Plane => true,
         };
         shape && interface.thickness.is_finite() && is_length(interface.semi_diameter)
     });
@@ -286,10 +284,10 @@ fn surface_row(surfaces: &[Surface], i: usize, thickness: f64) -> Option<Surface
     let is_plane =
         surface.curvature == 0.0 && surface.asphere.is_none_or(|asphere| asphere.terms == [0.0; 19]);
     let is_in_air = is_idle(surfaces, i) && surface.medium == Medium::Air;
-    let role = match (is_plane && is_in_air, surface.is_stop) {
-        (true, true) => Role::Stop,
-        (true, false) => Role::FlareStop,
-        (false, _) => Role::Any,
+    let role = match surface.is_stop {
+        true => Role::Stop,
+        false if is_plane && is_in_air => Role::FlareStop,
+        false => Role::Any,
     };
     Some(SurfaceRow {
         // A curvature of 0 is a plane's.
@@ -305,7 +303,6 @@ fn surface_row(surfaces: &[Surface], i: usize, thickness: f64) -> Option<Surface
 /// The configurations as positions; `None` where there is one, and its object is at infinity.
 fn positions(
     text: &Text<'_>,
-    at: surfaces::AtRow<'_>,
     thicknesses: &[Vec<f64>],
     gaps: &[Vec<f64>],
     stop_sizes: &[Option<f64>],
@@ -324,22 +321,15 @@ fn positions(
     }
     let moving: Vec<usize> =
         (0..gaps[0].len()).filter(|&row| gaps.iter().any(|column| column[row] != gaps[0][row])).collect();
-    let column = |i: usize| -> Result<Position, LensFileError> {
-        if let Some(row) = moving.iter().find(|&&row| gaps[i][row] < 0.0) {
-            let message =
-                format!("thickness {} in configuration {}; vertices stand in order", gaps[i][*row], i + 1);
-            return Err(at(*row, &message));
-        }
-        Ok(Position {
-            name: None,
-            gaps: moving.iter().map(|&row| gaps[i][row]).collect(),
-            stop_diameter: stop_sizes.get(i).copied().flatten().map(|size| 2.0 * size),
-            focal_length: None,
-            fnumber: None,
-            object_distance: distance(&thicknesses[i]),
-        })
+    let column = |i: usize| Position {
+        name: None,
+        gaps: moving.iter().map(|&row| gaps[i][row]).collect(),
+        stop_diameter: stop_sizes.get(i).copied().flatten().map(|size| 2.0 * size),
+        focal_length: None,
+        fnumber: None,
+        object_distance: distance(&thicknesses[i]),
     };
-    let columns = (0..gaps.len()).map(column).collect::<Result<Vec<_>, _>>()?;
+    let columns = (0..gaps.len()).map(column).collect();
     Ok(Some(Positions { gaps: moving, columns }))
 }
 

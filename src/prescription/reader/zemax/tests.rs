@@ -36,7 +36,8 @@ fn surfaces_between_object_and_image_are_read() {
     assert_eq!((conic.radius, conic.conic, conic.terms), (20.0, -0.5, [0.0; 19]));
     let Shape::Asphere(even) = second.shape else { panic!("{second:?}") };
     assert_eq!((even.radius, even.terms[2], even.terms[14]), (-20.0, 1e-5, 2e-30));
-    assert_eq!((stop.shape, last.shape), (Shape::Stop, Shape::Plane));
+    assert_eq!((stop.shape, last.shape), (Shape::Plane, Shape::Plane));
+    assert_eq!(lens.stop_in_air(), Some(2));
     // The number is a semi-diameter; an idle surface's thickness is its neighbour's.
     assert_eq!((first.semi_diameter, second.thickness, last.thickness), (5.0, 1.0, 0.0));
     assert!(matches!(first.medium, Medium::Sellmeier(_)));
@@ -136,7 +137,7 @@ fn configurations_are_positions() {
         &["surface 9 in configuration 2", "2 configurations"],
     );
     refused(&zoom.replace("THIC 5 2", "THIC 5 3"), "61:1", &["configuration 3"]);
-    refused(&zoom.replace("THIC 5 2 3.5", "THIC 5 2 -3.5"), "40:1", &["-3.5 in configuration 2"]);
+    refused(&zoom.replace("THIC 5 2 3.5", "THIC 5 2 -3.5"), "40:1", &["position 2: thickness -3.5 mm"]);
     refused(
         &zoom.replace("THIC 5 2 3.5", "THIC 5 2 x"),
         "61:10",

@@ -78,7 +78,7 @@ impl<L: Lanes<Scalar = f64>> Probe<L> {
         let across = c * bend;
         self.v = [vx - across * x, vy - across * y, vz + bend * slope];
         self.p = [x, y, z];
-        self.lead = zero;
+        self.lead = if step.only_limits() { self.lead + t } else { zero };
         self.open = L::select(L::both(met, zero.less(after)), one, zero);
     }
 }

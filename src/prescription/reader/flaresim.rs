@@ -1,0 +1,175 @@
+//! FlareSim text (`.lens`), the form of the largest open collection of patents' lenses: `name:`, `focal_length:`, `surfaces:`,
+//! and a row for each surface: radius (0: a plane; `stop`: the stop), thickness, index and V-number behind it, size, coating.
+//! Text in, a prescription out.
+//!
+//! The column of sizes is called semi-aperture, and most files hold *diameters* in it. They are taken for diameters where
+//! neighbours would cross otherwise or a size is more than its radius, and a remark says which they were taken for.
+
+use super::{
+    surfaces::{self, Role, SurfaceRow},
+    text::{Cell, Place, Text, no_number, words},
+};
+use crate::prescription::{
+    error::LensFileError,
+    interfaces::{Medium, Prescription},
+    stated::Stated,
+};
+
+const COLUMNS: &str = "a row has six values: radius, thickness, index, V-number, semi-aperture, coating";
+
+/// Reads a lens from decoded bytes; `file` is its name in messages.
+///
+/// # Errors
+/// The first place at which the text is not a lens.
+pub(super) fn read(file: &str, bytes: &[u8]) -> Result<Prescription, LensFileError> {
+    let text = Text::new(file, bytes);
+    let (mut title, mut stated_focal_length) = (None, None);
+    let mut rows: Vec<SurfaceRow> = Vec::new();
+    let mut places: Vec<Place> = Vec::new();
+    let mut in_surfaces = false;
+    for (number, line) in text.lines() {
+        let data = line.split('#').next().unwrap_or("");
+        let cells = words(number, data);
+        let Some(first) = cells.first() else { continue };
+        match data.trim().split_once(':') {
+            Some(("name", name)) => {
+                let plain = name.chars().filter(|c| !c.is_control()).collect::<String>();
+                title = Some(plain.trim().to_owned()).filter(|name| !name.is_empty());
+            }
+            Some(("focal_length", length)) => {
+                let length = length.trim();
+                let number = length.parse().ok().filter(|length: &f64| length.is_finite());
+                let expected = "a focal length in mm";
+                stated_focal_length =
+                    Some(number.ok_or_else(|| text.error(first.place, no_number(length, expected)))?);
+            }
+            Some(("surfaces", _)) => in_surfaces = true,
+            _ if in_surfaces => {
+                places.push(first.place);
+                rows.push(row(&text, &cells)?);
+            }
+            _ => return Err(text.error(first.place, "expected name:, focal_length: or surfaces:")),
+        }
+    }
+    let Some(last) = rows.len().checked_sub(1) else {
+        let place = Place { line: text.lines().count(), column: 1 };
+        return Err(text.error(place, "no rows behind surfaces:; expected at least one surface"));
+    };
+    let are_diameters = cross(&rows);
+    if !are_diameters {
+        rows.iter_mut().for_each(|row| row.diameter *= 2.0);
+    }
+    let at = |row: usize, message: &str| text.error(places[row], message);
+    let (mut interfaces, remarks) = surfaces::interfaces(&rows, &at)?;
+    let back = std::mem::take(&mut interfaces[last].thickness);
+    let sizes = match are_diameters {
+        true => "the column of semi-apertures holds diameters: as semi-apertures neighbours would cross",
+        false => "the column of semi-apertures is taken for semi-apertures, with which no neighbours cross",
+    };
+    let mut remarks: Vec<String> = remarks.iter().map(LensFileError::to_string).collect();
+    remarks.push(text.error(places[0], sizes).to_string());
+    Ok(Prescription {
+        title,
+        nominal_film_distance: (back > 0.0).then_some(back),
+        stated_focal_length: stated_focal_length.filter(|length| *length > 0.0),
+        stated: Stated::default(),
+        remarks,
+        ..Prescription::new(interfaces)
+    })
+}
+
+/// One row, with its size as it stands in the place of the diameter.
+fn row(text: &Text<'_>, cells: &[Cell<'_>]) -> Result<SurfaceRow, LensFileError> {
+    let [radius, thickness, index, abbe, size, _coating] = cells else {
+        let message = format!(
+            "{} value(s); {COLUMNS}, and cylinders, toroids and aspheres have others, which are not read",
+            cells.len()
+        );
+        return Err(text.error(cells[0].place, message));
+    };
+    let number = |cell: &Cell<'_>, expected: &str| {
+        cell.number().ok_or_else(|| text.error(cell.place, no_number(cell.text, expected)))
+    };
+    let is_stop = radius.text.eq_ignore_ascii_case("stop");
+    let curved = if is_stop { 0.0 } else { number(radius, "a radius in mm, 0 for a plane, or stop")? };
+    let n_d = surfaces::index(number(index, "a refractive index")?)
+        .map_err(|why| text.error(index.place, format!("{why}; air has 1")))?;
+    let abbe = Some(number(abbe, "a V-number, or 0 where there is none")?).filter(|abbe| *abbe > 0.0);
+    Ok(SurfaceRow {
+        radius: if curved == 0.0 { f64::INFINITY } else { curved },
+        role: if is_stop { Role::Stop } else { Role::Any },
+        thickness: number(thickness, "a thickness in mm")?,
+        medium: n_d.map_or(Medium::Air, |n_d| Medium::Glass { n_d, abbe }),
+        diameter: number(size, "a semi-aperture in mm")?,
+        asphere: None,
+    })
+}
+
+/// Whether sizes, taken for semi-diameters, are more than a radius, or let two neighbours but stops cross.
+fn cross(rows: &[SurfaceRow]) -> bool {
+    let sagitta = |row: &SurfaceRow, height: f64| {
+        let c = row.radius.recip();
+        c * height * height / (1.0 + (1.0 - (c * height).powi(2)).max(0.0).sqrt())
+    };
+    let mut before: Option<&SurfaceRow> = None;
+    let mut distance = 0.0;
+    for row in rows {
+        if row.diameter > row.radius.abs() {
+            return true;
+        }
+        if row.role == Role::Any {
+            if let Some(before) = before {
+                let height = before.diameter.min(row.diameter);
+                if distance + sagitta(row, height) - sagitta(before, height) < 0.0 {
+                    return true;
+                }
+            }
+            (before, distance) = (Some(row), 0.0);
+        }
+        distance += row.thickness;
+    }
+    false
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::prescription::{Medium, read};
+
+    /// A thick biconvex lens and a stop, the sizes to be filled in.
+    fn lens(sizes: [f64; 3]) -> String {
+        let [first, second, stop] = sizes;
+        format!(
+            "# patent\nname: Made up\nfocal_length: 20.5\n\nsurfaces:\n# radius thickness ior abbe semi_ap coating\n\
+             20 5 1.5168 64.17 {first} 1\n-20 2 1.0 0 {second} 0\nstop 18 1 0 {stop} 0\n"
+        )
+    }
+
+    #[test]
+    fn sizes_are_diameters_where_semi_diameters_would_cross() {
+        // At a height h the gap is 5 - 2 (20 - sqrt(400 - h²)): 0 at h = 9.68.
+        for (size, semi_diameter) in [(9.6, 9.6), (9.7, 4.85), (19.0, 9.5)] {
+            let read = read("lens", lens([size, size, 4.0]).as_bytes()).expect("a lens");
+            assert_eq!(read.interfaces[0].semi_diameter, semi_diameter, "{size}");
+            assert_eq!(read.interfaces[0].medium, Medium::Glass { n_d: 1.5168, abbe: Some(64.17) });
+            assert_eq!((read.stop_index(), read.nominal_film_distance), (Some(2), Some(18.0)));
+            assert_eq!((read.title.as_deref(), read.stated_focal_length), (Some("Made up"), Some(20.5)));
+            let told = if semi_diameter < size { "holds diameters" } else { "taken for semi-apertures" };
+            assert!(read.remarks.iter().any(|remark| remark.contains(told)), "{:?}", read.remarks);
+        }
+    }
+
+    #[test]
+    fn what_is_no_row_is_told_with_its_place() {
+        let refused = |text: &str, words: &str| {
+            let error = read("lens", text.as_bytes()).expect_err(words).to_string();
+            assert!(error.contains(words), "{error}");
+        };
+        let right = lens([4.0; 3]);
+        refused(&right.replace("20 5 1.5168", "20 cyl_y 5 1.5168"), "lens:7:1: 7 value(s)");
+        refused(&right.replace("20 5", "20 x"), "lens:7:4: \"x\" is not a number");
+        refused(&right.replace("1.5168", "0.5"), "a refractive index is 1 or more");
+        refused("name: x\nsurfaces:\n", "no rows behind surfaces:");
+        refused(&right.replace("20.5", "long"), "a focal length in mm");
+        refused(&right.replace("name: Made up", "maker: me"), "lens:2:1: expected name:");
+    }
+}
