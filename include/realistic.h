@@ -617,7 +617,7 @@ typedef struct realistic_lens_surface {
     uint32_t struct_size;
     // 1 for the aperture stop, else 0.
     uint32_t is_stop;
-    // z of its vertex, mm; 0 for the first, never positive.
+    // z of its vertex, mm; 0 for the first.
     double vertex_mm;
     // Radius of curvature, mm: positive with the centre on the film's side, infinite for a plane.
     double radius_mm;

@@ -1,6 +1,6 @@
 //! Any bytes are a lens that can be traced, or an error at a place in them.
 
-use realistic::prescription::{GlassLibrary, Shape, read};
+use realistic::prescription::{GlassLibrary, Medium, Shape, read};
 use realistic::trace::{Path, Ray};
 use realistic::{
     imaging::focus::Focus,
@@ -27,8 +27,16 @@ pub fn run(data: &[u8]) -> bool {
         }
     };
     assert!(!prescription.interfaces.is_empty());
+    // From one surface that bends rays to the next; planes that only limit may stand anywhere between.
+    let (mut way, mut in_front) = (f64::INFINITY, Medium::Air);
     for interface in &prescription.interfaces {
-        assert!(interface.thickness >= 0.0 && interface.thickness.is_finite());
+        if interface.shape != Shape::Plane || interface.medium != in_front {
+            assert!(way >= 0.0, "{:?}", prescription.interfaces);
+            way = 0.0;
+        }
+        way += interface.thickness;
+        in_front = interface.medium;
+        assert!(interface.thickness.is_finite());
         assert!(interface.semi_diameter > 0.0 && interface.semi_diameter.is_finite());
         if let Shape::Sphere { radius } = interface.shape {
             assert!(radius.is_finite() && interface.semi_diameter <= radius.abs());
