@@ -62,3 +62,9 @@ def test_lamps_out_of_focus_are_the_disks_of_the_programs_picture(shader, progra
     assert np.abs(seen[0][:, :2] - seen[1][:, :2]).max() < 0.6
     assert np.abs((seen[0] - seen[1])[:, :2].mean(axis=0)).max() < 0.2
     assert abs(seen[0][:, 2].mean() / seen[1][:, 2].mean() - 1) < 0.015
+
+
+def test_the_pages_picture_is_what_the_example_makes(shader, tmp_path):
+    studio.main(shader, str(tmp_path / "studio.png"), 120, 80, 32)
+    pictures = [read(file) for file in (tmp_path / "studio.png", ROOT / "docs/images/blender-studio.png")]
+    assert framing.difference(*pictures) < 0.1

@@ -1,4 +1,6 @@
-"""Framing and blur of the program's test scene, measured in pictures of it, 480 by 320 pixels, (320, 480) or (320, 480, 3)."""
+"""Framing and blur of the program's test scene, measured in pictures of it, 480 by 320 pixels, (320, 480) or (320, 480, 3);
+and how far any two pictures are apart that may differ in noise and size.
+"""
 
 import os
 import shutil
@@ -72,3 +74,24 @@ def bokeh(picture):
         moment = (((columns + 0.5 - centre[0]) ** 2 + (rows + 0.5 - centre[1]) ** 2) * light).sum() / total
         found.append([*centre, np.sqrt(2 * moment)])
     return np.array(found)
+
+
+def difference(one, other, blur=7):
+    """The largest difference of two pictures (height, width, 3) in values for the screen from 0 to 1, both shrunk to the smaller
+    one's size and averaged over `blur` by `blur` pixels there.
+    """
+    height, width = min(one.shape[:2], other.shape[:2])
+    blurred = []
+    for picture in (one, other):
+        for size in (height, width):
+            # Means over equal parts of a line are differences of its integral at their ends.
+            ends = np.concatenate([[0.0 * picture[0]], np.cumsum(picture, axis=0)])
+            at = np.linspace(0, len(picture), size + 1)
+            whole = np.minimum(at.astype(int), len(picture) - 1)
+            share = (at - whole)[:, None, None]
+            means = np.diff(ends[whole] + share * (ends[whole + 1] - ends[whole]), axis=0) * size / len(picture)
+            windows = np.lib.stride_tricks.sliding_window_view(means, blur, axis=0).mean(axis=-1)
+            # The columns next, and then rows again.
+            picture = windows.swapaxes(0, 1)
+        blurred.append(picture)
+    return np.abs(blurred[0] - blurred[1]).max()

@@ -1,6 +1,7 @@
 //! The built program, as its user runs it.
 
 mod files;
+mod gallery;
 mod osl;
 mod pictures;
 mod plugin;

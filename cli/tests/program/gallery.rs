@@ -1,0 +1,187 @@
+//! The pictures in the documentation are what the commands under them make today.
+
+use super::realistic;
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// Pictures that other programs make, and the tests that compare those.
+const BY_OTHERS: [(&str, &str); 3] = [
+    ("python-picture.png", "python/tests/test_examples.py"),
+    ("python-lens-sheet.png", "python/tests/test_examples.py"),
+    ("blender-studio.png", "blender/tests/test_pictures.py"),
+];
+
+/// What this shows is its noise: it is taken as it is.
+const AS_IT_IS: &str = "slide-lamps.png";
+/// Of a sheet of panels with this size gaps and letters are as large, in proportion, as of one with the default size.
+const SMALL: &str = "300x200";
+/// Samples per pixel where the command has more.
+const SAMPLES: u32 = 16;
+/// Pixels of a small picture on either side of one that it is averaged with.
+const BLUR: usize = 5;
+/// The difference, of 1 on the screen, that one blurred value in a hundred exceeds. Noise, numbers of samples that are written on
+/// slides and lamps whose pixels are full make 0.04; the colour slide with the dispersion of another day, 0.11.
+const DIFFERENCE: f32 = 0.06;
+
+/// A picture's planes of linear light.
+struct Picture {
+    size: [usize; 2],
+    planes: [Vec<f32>; 3],
+}
+
+impl Picture {
+    fn read(file: &Path) -> Self {
+        let mut decoder = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(file).unwrap()));
+        decoder.set_transformations(png::Transformations::EXPAND | png::Transformations::STRIP_16);
+        let mut reader = decoder.read_info().unwrap();
+        let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut bytes).unwrap();
+        let pixels = bytes[..info.buffer_size()].chunks_exact(info.color_type.samples());
+        let linear = |byte: u8| {
+            let value = f32::from(byte) / 255.0;
+            if value <= 0.040_45 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+        };
+        let planes = [0, 1, 2].map(|channel| pixels.clone().map(|pixel| linear(pixel[channel])).collect());
+        Self { size: [info.width as usize, info.height as usize], planes }
+    }
+
+    /// As large as another one. Of a wider picture the left, beside which others stand that the command did not make.
+    fn like(mut self, [width, height]: [usize; 2]) -> Self {
+        let scale = self.size[1] as f32 / height as f32;
+        let taken = ((width as f32 * scale).round() as usize).min(self.size[0]);
+        for plane in &mut self.planes {
+            let narrow = rows(plane, self.size[0], |row| shrink(&row[..taken], width));
+            *plane = rows(&narrow, self.size[1], |column| shrink(column, height));
+        }
+        self.size = [width, height];
+        self
+    }
+
+    /// Blurred, in values for the screen.
+    fn blurred(&self) -> Vec<f32> {
+        let shown = |value: &f32| {
+            if *value <= 0.003_130_8 { 12.92 * value } else { 1.055 * value.powf(1.0 / 2.4) - 0.055 }
+        };
+        let blur = |plane: &Vec<f32>| rows(&rows(plane, self.size[0], means), self.size[1], means);
+        self.planes.iter().flat_map(blur).map(|value| shown(&value)).collect()
+    }
+}
+
+/// Every row of a plane changed, and the plane transposed: twice, and it is rows and columns.
+fn rows(plane: &[f32], width: usize, change: impl Fn(&[f32]) -> Vec<f32>) -> Vec<f32> {
+    let lines: Vec<_> = plane.chunks_exact(width).map(change).collect();
+    (0..lines[0].len()).flat_map(|at| lines.iter().map(move |line| line[at])).collect()
+}
+
+/// Averages of so many equal parts of a line.
+fn shrink(line: &[f32], parts: usize) -> Vec<f32> {
+    let part = line.len() as f32 / parts as f32;
+    let mean = |number: usize| {
+        let (from, to) = (number as f32 * part, (number + 1) as f32 * part);
+        let covered = (from as usize..line.len().min(to.ceil() as usize))
+            .map(|at| line[at] * (to.min(at as f32 + 1.0) - from.max(at as f32)));
+        covered.sum::<f32>() / part
+    };
+    (0..parts).map(mean).collect()
+}
+
+/// Each value averaged with its neighbours.
+fn means(line: &[f32]) -> Vec<f32> {
+    let around = |at: usize| &line[at.saturating_sub(BLUR)..line.len().min(at + BLUR + 1)];
+    (0..line.len()).map(|at| around(at).iter().sum::<f32>() / around(at).len() as f32).collect()
+}
+
+/// The pictures of a page with the program's command that the text under each begins with or mentions first.
+fn pictures(page: &str) -> Vec<(String, Option<Vec<String>>)> {
+    let under = |rest: &str| -> Option<Vec<String>> {
+        let end = [rest.find("!["), rest.find("\n#")].into_iter().flatten().min().unwrap_or(rest.len());
+        let (_, command) = rest[..end].split_once("`realistic ")?;
+        Some(command.split('`').next()?.split_whitespace().map(str::to_owned).collect())
+    };
+    page.match_indices("![")
+        .filter_map(|(start, _)| {
+            let (_, target) = page[start..].split_once("](")?;
+            let (file, rest) = target.split_once(')')?;
+            Some((file.rsplit_once("images/")?.1.to_owned(), under(rest)))
+        })
+        .collect()
+}
+
+/// The command with another output; a small render, where it may be one.
+fn with_output(command: &[String], out: &str) -> Vec<String> {
+    let mut arguments = command.to_vec();
+    let set = |arguments: &mut Vec<String>, name: &str, value: &str| match arguments
+        .iter()
+        .position(|argument| argument == name)
+    {
+        Some(at) => value.clone_into(&mut arguments[at + 1]),
+        None => arguments.extend([name.to_owned(), value.to_owned()]),
+    };
+    match arguments.iter_mut().find(|argument| argument.starts_with("--list=")) {
+        Some(list) => *list = format!("--list={out}"),
+        None => set(&mut arguments, "--out", out),
+    }
+    if command[0] == "render" && !out.ends_with(AS_IT_IS) {
+        set(&mut arguments, "--size", SMALL);
+        let samples = arguments.iter().position(|argument| argument == "--spp");
+        let samples = samples.map_or(SAMPLES, |at| SAMPLES.min(arguments[at + 1].parse().unwrap()));
+        set(&mut arguments, "--spp", &samples.to_string());
+    }
+    arguments
+}
+
+#[test]
+fn every_picture_is_what_its_command_makes() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let mut pages = vec![root.join("README.md")];
+    let docs = std::fs::read_dir(root.join("docs")).unwrap().map(|entry| entry.unwrap().path());
+    pages.extend(docs.filter(|file| file.extension().is_some_and(|end| end == "md")));
+    let mut stale = String::new();
+    let mut seen = Vec::new();
+    for page in pages {
+        for (name, command) in pictures(&std::fs::read_to_string(&page).unwrap()) {
+            let committed = root.join("docs/images").join(&name);
+            seen.push(name.clone());
+            if let Some((_, test)) = BY_OTHERS.iter().find(|(file, _)| *file == name) {
+                let test = std::fs::read_to_string(root.join(test)).unwrap();
+                assert!(test.contains(&name), "no test compares {name}");
+                continue;
+            }
+            let command = command.unwrap_or_else(|| panic!("{}: no command under {name}", page.display()));
+            let made = folder.path().join(&name);
+            let arguments = with_output(&command, made.to_str().unwrap());
+            let output = realistic(root, &arguments.iter().map(String::as_str).collect::<Vec<_>>());
+            assert!(output.status.success(), "{command:?}: {}", String::from_utf8_lossy(&output.stderr));
+            let difference = if name.ends_with(".svg") {
+                let same = std::fs::read(&committed).unwrap() == std::fs::read(&made).unwrap();
+                if same { 0.0 } else { 1.0 }
+            } else {
+                let made = Picture::read(&made);
+                let committed = Picture::read(&committed).like(made.size);
+                let pairs = committed.blurred().into_iter().zip(made.blurred());
+                let mut apart: Vec<_> = pairs.map(|(old, new)| (old - new).abs()).collect();
+                apart.sort_by(f32::total_cmp);
+                apart[apart.len() - 1 - apart.len() / 100]
+            };
+            println!("{name}: {difference:.3}");
+            if difference > DIFFERENCE {
+                let command = command.join(" ");
+                writeln!(stale, "{name} differs by {difference:.3}: realistic {command}").unwrap();
+            }
+        }
+    }
+    assert!(stale.is_empty(), "pictures in docs/images that their commands no longer make:\n{stale}");
+    for entry in std::fs::read_dir(root.join("docs/images")).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        assert!(seen.contains(&name), "no page shows docs/images/{name}");
+    }
+}
+
+#[test]
+fn the_first_command_under_a_picture_is_its_own() {
+    let page = "![a](docs/images/a.png)\nText, `realistic render x`, `realistic b`.\n![b](images/b.png)\n## c\n`realistic c`";
+    let found = pictures(page);
+    assert_eq!(found[0], ("a.png".to_owned(), Some(vec!["render".to_owned(), "x".to_owned()])));
+    assert_eq!(found[1], ("b.png".to_owned(), None));
+}
