@@ -1,5 +1,5 @@
 """Builds the library and the command-line program with cargo and puts them into the wheel: one wheel per platform, for every
-Python 3.
+Python 3. The source distribution carries what cargo needs in a folder of its own, and builds likewise.
 
 `REALISTIC_LIBRARY` and `REALISTIC_PROGRAM` name ones that are built already, which are then taken as they are.
 """
@@ -22,20 +22,27 @@ LIBRARY = {"darwin": "librealistic.dylib", "win32": "realistic.dll"}.get(sys.pla
 PROGRAM = "realistic.exe" if sys.platform == "win32" else "realistic"
 PACKAGES = {LIBRARY: "realistic", PROGRAM: "realistic-cli"}
 
+# What cargo reads of the checkout to build the two, and the licences.
+SOURCES = ("Cargo.toml", "Cargo.lock", "build.rs", "src", "include", "lenses", "pbrt-shim", "cli", "lab")
+LICENCES = ("LICENSE-MIT", "LICENSE-APACHE")
+# Where they are in a source distribution.
+CARRIED = "workspace"
+
 
 class LibraryHook(BuildHookInterface[Any]):
-    """Called by hatchling before it writes a wheel."""
+    """Called by hatchling before it writes a wheel or a source distribution."""
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        if self.target_name != "wheel":
-            raise SystemExit(
-                "this package is built from a checkout of the whole project, whose library it carries, and has no "
-                "source distribution: use `pip install ./python` or `pip wheel --no-deps ./python`"
-            )
+        carried = Path(self.root) / CARRIED
+        workspace = carried if carried.is_dir() else Path(self.root).parent
+        included = build_data["force_include"]
+        if self.target_name == "sdist":
+            for name in SOURCES + LICENCES:
+                included[str(workspace / name)] = f"{CARRIED}/{name}"
+            return
         if version == "editable":
             # The source tree has neither: REALISTIC_PLUGIN and REALISTIC_PROGRAM name them when Python runs.
             return
-        workspace = Path(self.root).parent
         files = {LIBRARY: named("REALISTIC_LIBRARY"), PROGRAM: named("REALISTIC_PROGRAM")}
         missing = [name for name, file in files.items() if file is None]
         if missing:
@@ -43,11 +50,13 @@ class LibraryHook(BuildHookInterface[Any]):
         platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
         build_data["tag"] = f"py3-none-{platform}"
         build_data["pure_python"] = False
-        included = build_data["force_include"]
+        if sys.platform == "linux":
+            # A release, which loads on older systems, is linked and tagged by `.ci/release`.
+            self.app.display_info(f"{platform}: for systems with this one's {os.confstr('CS_GNU_LIBC_VERSION')} or newer")
         # Beside each other: there the program looks for the library.
         for name, file in files.items():
             included[str(file)] = f"realistic/{name}"
-        for licence in ("LICENSE-MIT", "LICENSE-APACHE"):
+        for licence in LICENCES:
             included[str(workspace / licence)] = f"realistic/licenses/{licence}"
 
 
@@ -73,7 +82,10 @@ def build(workspace: Path, wanted: list[str]) -> dict[str, Path]:
         )
     manifest = workspace / "Cargo.toml"
     if not manifest.is_file():
-        raise SystemExit(f"{manifest} is not there: the package is built from a checkout of the whole project")
+        raise SystemExit(
+            f"{manifest} is not there: the package is built from a checkout of the whole project, or from its source "
+            "distribution"
+        )
     # pip runs this in another folder than the caller of cargo has in mind.
     target = workspace / (os.environ.get("CARGO_TARGET_DIR") or "target") / "python"
     command = [cargo, "build", "--release", "--locked"]
