@@ -4,7 +4,8 @@ use crate::arguments::LensChoice;
 use crate::console;
 use crate::failure::Failure;
 use crate::files::{is_stdout, save};
-use crate::osl::{Camera, Request};
+use crate::osl::{Asked, Camera, Request, Station, stations};
+use realistic::camera::FocusBy;
 use realistic::message::fixed;
 use std::path::PathBuf;
 
@@ -44,11 +45,21 @@ fn shader_path(text: &str) -> Result<PathBuf, String> {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let opened = args.lens.open()?;
     let prescription = &opened.prescription;
+    let parameters = opened.parameters();
+    let by_groups = parameters.focusby == Some(FocusBy::Group);
+    let asked = Asked { lens: &opened.lens, stop: opened.stop(), zoom: parameters.zoom.as_ref(), by_groups };
+    let (stations, start) = stations(prescription, asked).unwrap_or_else(|error| {
+        console::warn(&format!("{error}; the shader has the lens as its file begins"));
+        (vec![Station::fixed(&opened.lens, 0.0)], 0)
+    });
+    let layout = prescription.positions.as_ref().and_then(|positions| positions.layout().ok());
     let request = Request {
         prescription,
-        lens: &opened.lens,
-        reach: opened.parameters().filmdiag.unwrap_or(LARGEST) / 2.0,
+        stations: &stations,
+        start,
+        reach: parameters.filmdiag.unwrap_or(LARGEST) / 2.0,
         spectral: args.dispersion,
+        groups_could_focus: layout.is_some_and(|layout| layout.steps > 1),
     };
     let camera = Camera::of(&request)?;
     let out = args.out.clone().unwrap_or_else(|| {
@@ -56,11 +67,13 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         PathBuf::from(format!("{name}.osl"))
     });
     save(&out, camera.text.as_bytes()).map_err(|error| Failure::cannot_write(&out, &error))?;
+    let [shortest, longest] = camera.focal_lengths.map(|length| fixed(length, 2));
+    let focal_length = if shortest == longest { shortest } else { format!("{shortest} to {longest}") };
     let text = format!(
         "{}: f/{} {} mm, focus from {} mm in front of the lens, film to {} mm from the axis\n",
         out.display(),
         fixed(camera.fnumber, 2),
-        fixed(camera.focal_length, 2),
+        focal_length,
         fixed(camera.nearest, 0),
         fixed(camera.reach, 2)
     );

@@ -26,7 +26,8 @@ pub struct Field {
 }
 
 impl Field {
-    /// With the film so far, mm, from the sampling plane; `lens` is that of `optics`, or the same at another wavelength.
+    /// With the film so far, mm, from the sampling plane; `lens` is that of `optics` at a focus, or the
+    /// same at another wavelength.
     pub fn of(optics: &Optics, lens: &Lens, distance: f64) -> Self {
         let back = distance - optics.plane;
         let rear = lens.rear();

@@ -1,20 +1,23 @@
 //! A lens as a camera of Blender: the text of an OSL shader that traces it.
 //!
-//! A lens file goes in (`optics`: focus and stop; `field`, `region`, `table`, `stop`: the pupil as tracing finds it, made
-//! into a small table); OSL goes out (`trace`, `figure`, `glass`, `pupil`, `shader`). OSL cameras work in metres with +z
+//! A lens file goes in (`stations`: its groups, zoomed; `optics`: focus and stop; `field`, `region`, `table`, `stop`: the pupil as tracing finds it, made
+//! into a small table); OSL goes out (`numbers`, `trace`, `figure`, `glass`, `pupil`, `shader`). OSL cameras work in metres with +z
 //! forward and +y up; inside the shader everything is in millimetres and in lens space.
 
 mod field;
 mod figure;
 mod glass;
+mod numbers;
 mod optics;
 mod polynomial;
 mod pupil;
 mod region;
 mod shader;
+mod stations;
 mod stop;
 mod table;
 mod text;
 mod trace;
 
 pub use shader::{Camera, Request};
+pub use stations::{Asked, Station, stations};

@@ -5,9 +5,10 @@
 //! `realistic::imaging::focus` finds it) as a polynomial of two variables, out.
 //!
 //! The focus f runs from 0, infinity, to 1, the nearest: f = u / `nearest`, with u = 1/(z - F), z being the object plane and
-//! F the front focal point. The stop s runs from 0 to 1, the widest.
+//! F the front focal point, or the front vertex where groups focus. The stop s runs from 0 to 1, the widest.
 
 use super::polynomial::{Polynomial, fit};
+use super::stations::Station;
 use realistic::imaging::axial_image::AxialImage;
 use realistic::imaging::focus::{Focus, FocusError};
 use realistic::lens::pupil::{EntrancePupil, ExitPupil, limiting_surface};
@@ -32,8 +33,9 @@ pub struct Optics {
     /// The surface whose aperture the f-number sets, counted from the scene.
     pub stop: usize,
     pub focal_length: f64,
-    /// z of the scene-side focal point, mm.
-    pub front_focal_point: f64,
+    /// z from which an object's distance is counted for the focus: of the scene-side focal point, or of the front vertex where
+    /// groups focus; mm.
+    pub focus_point: f64,
     /// The f-number at the widest stop; up to this one stopping down changes nothing.
     pub widest: f64,
     /// f-number times s.
@@ -46,6 +48,15 @@ pub struct Optics {
     pub plane: f64,
     /// Film distance, mm behind the last vertex: rows by powers of s², columns by powers of f.
     pub film: [Polynomial<FOCUS_TERMS>; STOP_TERMS],
+    /// What the groups do to focus; `None` where the whole lens moves.
+    pub motion: Option<Motion>,
+}
+
+/// How groups move as they focus: of f, the gap behind each surface but the last, mm, and the stop's clear semi-diameter.
+#[derive(Clone, Debug)]
+pub struct Motion {
+    pub gaps: Vec<Polynomial<FOCUS_TERMS>>,
+    pub rim: Polynomial<FOCUS_TERMS>,
 }
 
 impl Optics {
@@ -53,7 +64,8 @@ impl Optics {
     ///
     /// # Errors
     /// The lens cannot focus.
-    pub fn of(lens: &Lens, stated: Option<f64>) -> Result<Self, FocusError> {
+    pub fn of(station: &Station, stated: Option<f64>) -> Result<Self, FocusError> {
+        let lens = &station.lens;
         let first_order = FirstOrder::of(lens)?;
         let focus = Focus::new(lens)?;
         let focal_length = first_order.focal_length;
@@ -61,10 +73,16 @@ impl Optics {
         let entrance = EntrancePupil::of_surface(lens, stop);
         // The object stays in front of the lens.
         let room = 0.25 * focal_length - first_order.front_focal_point;
-        let stated = stated.map(|object| object - first_order.front_focal_point).filter(|ahead| *ahead > 0.0);
-        let nearest = (NEAREST_MAGNIFICATION / focal_length)
-            .max(stated.map_or(0.0, |ahead| (1.0 / ahead).min(1.0 / focal_length)))
-            .min(1.0 / room.max(1e-3 * focal_length));
+        // Gaps are nearly straight lines of the vergence at the front vertex, the film's distance is one of that at the focal point.
+        let focus_point = if station.focuses_by_groups() { 0.0 } else { first_order.front_focal_point };
+        let stated = stated.map(|object| object - focus_point).filter(|ahead| *ahead > 0.0);
+        let nearest = match stated {
+            // Groups go no farther.
+            Some(ahead) if station.focuses_by_groups() => 1.0 / ahead,
+            _ => (NEAREST_MAGNIFICATION / focal_length)
+                .max(stated.map_or(0.0, |ahead| (1.0 / ahead).min(1.0 / focal_length)))
+                .min(1.0 / room.max(1e-3 * focal_length)),
+        };
         let back = focus.film_distance(f64::INFINITY)?;
         // Any plane will do; in the pupil's its outline hardly changes with field and focus. One at infinity, or behind the
         // film, which is beyond infinity, has one far away for it.
@@ -74,42 +92,81 @@ impl Optics {
             lens: lens.clone(),
             stop,
             focal_length,
-            front_focal_point: first_order.front_focal_point,
+            focus_point,
             widest: focal_length / EntrancePupil::of_lens(lens).diameter(),
             fnumber_of_stop: focal_length / entrance.diameter(),
             entrance: entrance.position().unwrap_or(0.0),
             nearest,
             plane: 1.0 / vergence - back,
             film: [Polynomial([0.0; FOCUS_TERMS]); STOP_TERMS],
+            motion: None,
         };
+        optics.motion = optics.motion(station);
         optics.film = optics.film_distances();
         Ok(optics)
     }
 
-    /// The lens at the stop s.
-    pub fn stopped(&self, s: f64) -> Lens {
+    /// Vergence, 1/mm in front of the front vertex, of the object at a focus.
+    fn vergence(&self, f: f64) -> f64 {
+        let u = f * self.nearest;
+        u / (1.0 + u * self.focus_point)
+    }
+
+    fn motion(&self, station: &Station) -> Option<Motion> {
+        let points = chebyshev(FOCUS_POINTS);
+        let lenses: Option<Vec<Lens>> = points.iter().map(|&f| station.focused(self.vergence(f))).collect();
+        let lenses = lenses?;
+        let of = |value: &dyn Fn(&Lens) -> f64| {
+            let values: Vec<f64> = lenses.iter().map(value).collect();
+            if values.iter().all(|value| *value == values[0]) {
+                let mut terms = [0.0; FOCUS_TERMS];
+                terms[0] = values[0];
+                Polynomial(terms)
+            } else {
+                fit(&points, &values)
+            }
+        };
+        let gaps = (0..self.lens.surfaces.len() - 1)
+            .map(|row| of(&|lens: &Lens| lens.surfaces[row].thickness))
+            .collect();
+        Some(Motion { gaps, rim: of(&|lens: &Lens| lens.surfaces[self.stop].semi_diameter) })
+    }
+
+    /// The lens at a focus, its groups where they stand then.
+    pub fn focused(&self, f: f64) -> Lens {
         let mut lens = self.lens.clone();
-        lens.surfaces[self.stop].semi_diameter *= s;
+        if let Some(motion) = &self.motion {
+            lens.surfaces[self.stop].semi_diameter = motion.rim.at(f);
+            let mut vertex = 0.0;
+            for (surface, gap) in lens.surfaces.iter_mut().zip(&motion.gaps) {
+                surface.vertex = vertex;
+                surface.thickness = gap.at(f);
+                vertex -= surface.thickness;
+            }
+            if let Some(rear) = lens.surfaces.last_mut() {
+                rear.vertex = vertex;
+            }
+        }
         lens
     }
 
     /// The film distance of sharpest focus by exact rays, mm, at each focus.
     pub fn exact_film_distances(&self, s: f64, focus: &[f64]) -> Vec<f64> {
-        let lens = self.stopped(s);
-        let image = AxialImage::of(&lens, EntrancePupil::of_lens(&lens));
-        let distance = |f: f64| {
-            let u = f * self.nearest;
-            image.best(u / (1.0 + u * self.front_focal_point)).distance
+        let image = |f: f64| {
+            let mut lens = self.focused(f);
+            lens.surfaces[self.stop].semi_diameter *= s;
+            AxialImage::of(&lens, EntrancePupil::of_lens(&lens))
         };
-        focus.iter().map(|&f| distance(f)).collect()
+        let unmoved = self.motion.is_none().then(|| image(0.0));
+        let distance = |&f: &f64| match &unmoved {
+            Some(image) => image.best(self.vergence(f)).distance,
+            None => image(f).best(self.vergence(f)).distance,
+        };
+        focus.iter().map(distance).collect()
     }
 
     fn film_distances(&self) -> [Polynomial<FOCUS_TERMS>; STOP_TERMS] {
-        let points = |count: usize| -> Vec<f64> {
-            let angle = |i: usize| (i as f64 + 0.5) / count as f64 * std::f64::consts::PI;
-            (0..count).map(|i| 0.5 - 0.5 * angle(i).cos()).collect()
-        };
-        let (focus, squares) = (points(FOCUS_POINTS), points(STOP_POINTS));
+        let (focus, squares) = (chebyshev(FOCUS_POINTS), chebyshev(STOP_POINTS));
         let columns: Vec<Polynomial<FOCUS_TERMS>> = squares
             .iter()
             .map(|square| fit(&focus, &self.exact_film_distances(square.sqrt(), &focus)))
@@ -136,8 +193,25 @@ impl Optics {
         [all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max)]
     }
 
+    /// At a node of the table, 0 to `last` from infinity to the nearest object, or between two: the lens, and the distance
+    /// from the film to the sampling plane, mm. Nodes of a lens that moves as a whole stand at equal steps of 1/distance.
+    pub fn at_node(&self, focus: f64, last: f64) -> (Lens, f64) {
+        let share = focus / last;
+        if self.motion.is_some() {
+            return (self.focused(share), self.film_distance(share, 1.0) + self.plane);
+        }
+        let [shortest, longest] = self.distances();
+        (self.lens.clone(), ((1.0 - share) / shortest + share / longest).recip())
+    }
+
     /// Distance of the nearest object in focus from the front vertex, mm.
     pub fn nearest_object(&self) -> f64 {
-        self.front_focal_point + 1.0 / self.nearest
+        self.focus_point + 1.0 / self.nearest
     }
+}
+
+/// Chebyshev's points of [0, 1].
+fn chebyshev(count: usize) -> Vec<f64> {
+    let angle = |i: usize| (i as f64 + 0.5) / count as f64 * std::f64::consts::PI;
+    (0..count).map(|i| 0.5 - 0.5 * angle(i).cos()).collect()
 }

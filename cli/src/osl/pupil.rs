@@ -1,10 +1,12 @@
-//! The text of the pupil's sampling: a field, a film distance, a stop and two random numbers in; a point of the sampling plane and
-//! the area that it stands for out.
+//! The text of the pupil's sampling: a field, a focus, a zoom, a stop and two random numbers in; a point of the sampling plane
+//! and the area that it stands for out.
 
+use super::numbers::Numbers as Moving;
 use super::optics::Optics;
 use super::stop::{NO_LIMIT, Numbers, StopView};
 use super::table::{FIELDS, FOCI, Node, PLACES, Table};
 use super::text::{array, number};
+use std::fmt::Write as _;
 
 /// Numbers of a node: low, high, g, and those of the stop's image.
 const NODE: usize = 2 + PLACES + STOP;
@@ -12,41 +14,58 @@ const STOP: usize = 10;
 /// Numbers of the film's centre per focus: the radius at the widest stop, and the three of the stop's image.
 const AXIS: usize = 4;
 
-/// The function `pupil`, and `on_axis`, which gives the radius of the pupil of the film's centre.
-pub fn text(optics: &Optics, table: &Table) -> String {
-    let views: Vec<StopView> =
-        table.distances.iter().map(|&distance| StopView::of(optics, distance)).collect();
-    let images = views.iter().flat_map(|view| images(view, table));
+/// The function `pupil`. Of a lens that zooms it takes `zoomed`, too.
+pub fn text(stations: &[Optics], table: &Table) -> String {
+    let zooms = stations.len() > 1;
+    let images = all_images(stations, table);
     let nodes = table.nodes.iter().zip(images).flat_map(|(Node { low, high, g }, image)| {
         [*low, *high].into_iter().chain(*g).chain(image).collect::<Vec<f64>>()
     });
-    let axis = views.iter().zip(table.on_axis).flat_map(|(view, radius)| {
-        let [k0, k1, k2] = view.radius();
-        [radius, k0, k1, k2]
-    });
-    // The table's step along 1/B.
-    let per = (FOCI - 1) as f64 / (1.0 / table.distances[0] - 1.0 / table.distances[FOCI - 1]);
-    let first = per / table.distances[0];
-    format!(
-        "/* Samples the pupil that a film point sees. field: its distance from the axis over that of the film from the plane\n   \
-            of the pupil, the point being on +x; far: 1 over the latter distance; stop: as in trace. Gives a point of the plane\n   \
-            in mm, and the area that it stands for over pi. 0: the point is dark. */\n\
-         int pupil(float field, float far, float stop, float sample_1, float sample_2, output float px, output float py,\n          \
-         output float patch)\n{{\n{}\
-           float a = field*{};\n  \
-           if (a >= 1)\n    return 0;\n  \
-           a = {}*{};\n  \
-           float b = clamp({} - far*{}, 0.0, {});\n  \
-           int i = int(a);\n  \
-           int j = min(int(b), {});\n  \
-           a -= i;\n  b -= j;\n  \
-           int n0 = (j*{FIELDS} + i)*{NODE};\n  \
+    // The table's numbers at this place of a node, interpolated.
+    let corners = if zooms { 8 } else { 4 };
+    let sum = |place: &str| {
+        let terms: Vec<String> = (0..corners).map(|n| format!("w{n}*T[n{n}{place}]")).collect();
+        terms.join(" + ")
+    };
+    let mut weights = format!(
+        "  int n0 = (j*{FIELDS} + i)*{NODE};\n  \
            int n1 = n0 + {NODE};\n  \
            int n2 = n0 + {FIELDS}*{NODE};\n  \
            int n3 = n2 + {NODE};\n  \
-           float w3 = a*b;\n  float w2 = b - w3;\n  float w1 = a - w3;\n  float w0 = 1 - a - w2;\n  \
-           float low = w0*T[n0] + w1*T[n1] + w2*T[n2] + w3*T[n3];\n  \
-           float high = w0*T[n0 + 1] + w1*T[n1 + 1] + w2*T[n2 + 1] + w3*T[n3 + 1];\n  \
+           float w3 = a*b;\n  float w2 = b - w3;\n  float w1 = a - w3;\n  float w0 = 1 - a - w2;\n"
+    );
+    if zooms {
+        let _ = writeln!(
+            weights,
+            "  int node = min(int(zoomed), {});\n  float part = zoomed - node;\n  node *= {};",
+            stations.len() / 2 - 1,
+            FOCI * FIELDS * NODE,
+        );
+        for n in 0..4 {
+            let _ = writeln!(
+                weights,
+                "  n{n} += node;\n  int n{} = n{n} + {};\n  float w{} = part*w{n};\n  w{n} -= w{};",
+                n + 4,
+                FOCI * FIELDS * NODE,
+                n + 4,
+                n + 4
+            );
+        }
+    }
+    format!(
+        "/* Samples the pupil that a film point sees. a: its distance from the axis, the point being on +x, as a share of that\n   \
+            of the farthest bright one; b: the focus, in steps of the table;{} stop: as in trace. Gives a point of the\n   \
+            plane in mm, and the area that it stands for over pi. 0: the point is dark. */\n\
+         int pupil(float field, float focus,{} float stop, float sample_1, float sample_2, output float px,\n          \
+         output float py, output float patch)\n{{\n{}\
+           float a = field;\n  float b = focus;\n  \
+           if (a >= 1)\n    return 0;\n  \
+           a = {}*{};\n  \
+           int i = min(int(a), {});\n  \
+           int j = min(int(b), {});\n  \
+           a -= i;\n  b -= j;\n{weights}  \
+           float low = {};\n  \
+           float high = {};\n  \
            float center = 0.5*(low + high);\n  float half_width = 0.5*(high - low);\n  \
            float c = 0, w = 1, h = 1, egg = 0;\n  \
            if (stop < 1) {{\n    \
@@ -54,7 +73,7 @@ pub fn text(optics: &Optics, table: &Table) -> String {
              float s2 = stop*stop;\n    \
              float N[{STOP}];\n    \
              for (int k = 0; k < {STOP}; k++)\n      \
-               N[k] = w0*T[n0 + at + k] + w1*T[n1 + at + k] + w2*T[n2 + at + k] + w3*T[n3 + at + k];\n    \
+               N[k] = {};\n    \
              c = N[0] + s2*(N[1] + s2*N[2]);\n    \
              w = stop*(N[3] + s2*(N[4] + s2*N[5]));\n    \
              h = stop*(N[6] + s2*(N[7] + s2*N[8]));\n    \
@@ -74,8 +93,8 @@ pub fn text(optics: &Optics, table: &Table) -> String {
            i = min(int(a), {});\n  \
            a -= i;\n  \
            i += 2;\n  \
-           float height = (1 - a)*(w0*T[n0 + i] + w1*T[n1 + i] + w2*T[n2 + i] + w3*T[n3 + i]) +\n                 \
-             a*(w0*T[n0 + i + 1] + w1*T[n1 + i + 1] + w2*T[n2 + i + 1] + w3*T[n3 + i + 1]);\n  \
+           float height = (1 - a)*({}) +\n                 \
+             a*({});\n  \
            if (stop < 1) {{\n    \
              shape = max(1 - along*along, 1e-6);\n    \
              float squared = height*height*(1 - place*place);\n    \
@@ -84,48 +103,101 @@ pub fn text(optics: &Optics, table: &Table) -> String {
              height = sqrt(max(min(squared, h*h*(1 - place*place)), 0.0)/shape);\n  }}\n  \
            py = radius*sine*height;\n  \
            patch *= height;\n  \
-           return 1;\n}}\n\n\
-         /* The square of the radius of the pupil of the film's centre, mm2. */\n\
-         float on_axis(float far, float stop)\n{{\n{}  \
-           float b = clamp({} - far*{}, 0.0, {});\n  \
-           int j = min(int(b), {});\n  \
-           b -= j;\n  \
-           j *= {AXIS};\n  \
-           float s2 = stop*stop;\n  \
-           float rim = (1 - b)*(R[j + 1] + s2*(R[j + 2] + s2*R[j + 3])) +\n              \
-             b*(R[j + {}] + s2*(R[j + {}] + s2*R[j + {}]));\n  \
-           rim = min(stop*rim, (1 - b)*R[j] + b*R[j + {AXIS}]);\n  \
-           return rim*rim;\n}}\n\n",
+           return 1;\n}}\n\n",
+        if zooms { " zoomed: the zoom, in nodes;" } else { "" },
+        if zooms { " float zoomed," } else { "" },
         array("T", nodes),
-        number(1.0 / table.widest_field),
         number((FIELDS - 1) as f64),
         if table.ends_dark { "(1 - sqrt(1 - a))" } else { "a" },
-        number(first),
-        number(per),
-        number((FOCI - 1) as f64),
+        FIELDS - 2,
         FOCI - 2,
+        sum(""),
+        sum(" + 1"),
         2 + PLACES,
+        sum(" + at + k"),
         number(std::f64::consts::TAU),
         number((PLACES - 1) as f64 / 2.0),
         PLACES - 2,
-        array("R", axis),
-        number(first),
-        number(per),
-        number((FOCI - 1) as f64),
-        FOCI - 2,
-        AXIS + 1,
-        AXIS + 2,
-        AXIS + 3,
+        sum(" + i"),
+        sum(" + i + 1"),
     )
 }
 
-/// The images of the stop at the nodes of one film distance. From the first field on from which rays do not reach the stop's
+/// The text that makes `opening`, the square of the radius of the pupil of the film's centre, mm², of `b`, `stop` and its square; and the
+/// array that it takes, where the lens does not zoom.
+pub fn opening(stations: &[Optics], table: &Table, numbers: &mut Moving) -> String {
+    let rows: Vec<Vec<f64>> = stations
+        .iter()
+        .zip(&table.stations)
+        .map(|(optics, span)| {
+            let views = span.foci.iter().map(|(lens, distance)| StopView::of(optics, lens, *distance));
+            let terms = |(view, radius): (StopView, &f64)| {
+                let [k0, k1, k2] = view.radius();
+                [*radius, k0, k1, k2]
+            };
+            views.zip(&span.on_axis).flat_map(terms).collect()
+        })
+        .collect();
+    let (declared, name, start) = match &*rows {
+        [row] => (array("R", row.iter().copied()), "R", 0),
+        rows => (String::new(), "C", numbers.block(rows)),
+    };
+    let at = |step: usize, term: usize| format!("{name}[at + {}]", start + AXIS * step + term);
+    let rim = |step: usize| format!("({} + s2*({} + s2*{}))", at(step, 1), at(step, 2), at(step, 3));
+    format!(
+        "  /* The radius of the pupil of the film's centre, mm. */\n{declared}  \
+           int at = min(int(b), {});\n  \
+           float c = b - at;\n  \
+           at *= {AXIS};\n  \
+           float opening = min(stop*((1 - c)*{} + c*{}), (1 - c)*{} + c*{});\n  \
+           opening *= opening;\n",
+        FOCI - 2,
+        rim(0),
+        rim(1),
+        at(0, 0),
+        at(1, 0),
+    )
+}
+
+/// The images of the stop at all nodes, so wide that those interpolated between nodes of the zoom contain the true ones.
+fn all_images(stations: &[Optics], table: &Table) -> Vec<Numbers> {
+    let of = |(station, optics): (usize, &Optics)| -> Vec<Numbers> {
+        let foci = &table.stations[station].foci;
+        foci.iter()
+            .flat_map(|(lens, distance)| {
+                images(&StopView::of(optics, lens, *distance), |node| table.field(station, node))
+            })
+            .collect()
+    };
+    let all: Vec<Vec<Numbers>> = stations.iter().enumerate().map(of).collect();
+    let mut widening: f64 = 1.0;
+    for three in all.windows(3).step_by(2) {
+        for ((before, between), after) in three[0].iter().zip(&three[1]).zip(&three[2]) {
+            if [before, between, after].iter().any(|image| **image == NO_LIMIT) {
+                continue;
+            }
+            for s2 in [0.0, 0.25, 1.0] {
+                let terms = |image: &Numbers, k: usize| image[k] + s2 * (image[k + 1] + s2 * image[k + 2]);
+                let mean = |k: usize| f64::midpoint(terms(before, k), terms(after, k));
+                let off = (terms(between, 0) - mean(0)).abs();
+                widening = widening.max((terms(between, 3) + off) / mean(3)).max(terms(between, 6) / mean(6));
+            }
+        }
+    }
+    let widened = |mut image: Numbers| {
+        image[3..9].iter_mut().for_each(|number| *number *= widening);
+        image
+    };
+    all.into_iter().step_by(2).flatten().map(widened).collect()
+}
+
+/// The images of the stop at the nodes of one focus. From the first field on from which rays do not reach the stop's
 /// centre there is no limit; interpolated between a limit and none the shader has almost none, which leaves nothing out.
-fn images(view: &StopView, table: &Table) -> Vec<Numbers> {
+fn images(view: &StopView, field_of: impl Fn(f64) -> f64) -> Vec<Numbers> {
     let mut near = [0.0, 0.0];
     let mut images: Vec<Numbers> = Vec::new();
     for i in 0..FIELDS {
-        let field = table.field(i as f64);
+        let field = field_of(i as f64);
         match view.image(field, near) {
             Some((numbers, center)) => {
                 near = center;

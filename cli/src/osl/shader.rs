@@ -1,9 +1,12 @@
 //! The whole shader: its parameters, the functions of the other files and the body that joins them.
 
 use super::glass;
+use super::numbers::Numbers;
 use super::optics::{FOCUS_TERMS, Optics, STOP_TERMS};
+use super::polynomial::Polynomial;
 use super::pupil;
-use super::table::Table;
+use super::stations::Station;
+use super::table::{FOCI, Span, Table};
 use super::text::{number, plain};
 use super::trace::{self, Traced};
 use crate::failure::Failure;
@@ -18,20 +21,24 @@ const MOST_SURFACES: usize = 64;
 #[derive(Debug)]
 pub struct Request<'a> {
     pub prescription: &'a Prescription,
-    /// The lens at its widest stop.
-    pub lens: &'a Lens,
+    /// The lens at its widest stop, at its focal lengths, and the one that it begins with.
+    pub stations: &'a [Station],
+    pub start: usize,
     /// Film points farther than this from the axis get no light, mm.
     pub reach: f64,
     /// Whether each sample has a wavelength of its own.
     pub spectral: bool,
+    /// Whether the lens file says how groups move to focus.
+    pub groups_could_focus: bool,
 }
 
 /// A shader and what its user is told of it.
 #[derive(Debug)]
 pub struct Camera {
     pub text: String,
-    pub focal_length: f64,
-    /// At the widest stop.
+    /// The shortest and the longest, mm; the same for a lens that does not zoom.
+    pub focal_lengths: [f64; 2],
+    /// At the widest stop, where the lens begins.
     pub fnumber: f64,
     /// Distance of the nearest object in focus from the front vertex, mm.
     pub nearest: f64,
@@ -45,7 +52,8 @@ impl Camera {
     /// # Errors
     /// The lens has too many surfaces, cannot focus, or passes no light.
     pub fn of(request: &Request<'_>) -> Result<Self, Failure> {
-        let Request { prescription, lens, .. } = *request;
+        let Request { prescription, stations, start, .. } = *request;
+        let lens = &stations[start].lens;
         let name = &lens.name;
         if lens.surfaces.len() > MOST_SURFACES {
             let count = lens.surfaces.len();
@@ -53,37 +61,50 @@ impl Camera {
                 "lens \"{name}\" has {count} surfaces; a shader is written for at most {MOST_SURFACES}"
             )));
         }
-        let optics = Optics::of(lens, nearest_stated(prescription))
-            .map_err(|error| Failure::Other(error.to_string()))?;
+        let stated = nearest_stated(prescription);
+        let all: Result<Vec<Optics>, _> =
+            stations.iter().map(|station| Optics::of(station, stated)).collect();
+        let all = all.map_err(|error| Failure::Other(error.to_string()))?;
         let others: Vec<Lens> = if request.spectral {
-            glass::ENDS.iter().map(|nm| with_indices(lens, &Lens::new(prescription, *nm))).collect()
+            glass::ENDS.iter().map(|nm| Lens::new(prescription, *nm)).collect()
         } else {
             Vec::new()
         };
-        let table = Table::of(&optics, &others, request.reach)
+        let table = Table::of(&all, &others, request.reach)
             .ok_or_else(|| Failure::Other(format!("no light passes along the axis of lens \"{name}\"")))?;
-        let reach = (table.widest_field * (optics.film_distance(0.0, 1.0) + optics.plane)).min(request.reach);
+        let bright = |(optics, span): (&Optics, &Span)| {
+            span.widest_field * (optics.film_distance(0.0, 1.0) + optics.plane)
+        };
+        // Where it is least, of a zoom.
+        let reach = all.iter().zip(&table.stations).map(bright).fold(request.reach, f64::min);
+        let optics = &all[start];
+        let nearest = all.iter().map(Optics::nearest_object).fold(0.0, f64::max);
+        let focal = |station: &Optics| station.focal_length;
         let mut camera = Self {
             text: String::new(),
-            focal_length: optics.focal_length,
+            focal_lengths: [focal(&all[0]), focal(&all[all.len() - 1])],
             fnumber: optics.widest,
-            nearest: optics.nearest_object(),
+            nearest,
             reach,
         };
-        let indices = request.spectral.then(|| glass::declarations(&glass::indices(prescription)));
+        let (gaps, rim_moves) = moving(&all);
+        let mut widest = optics.lens.clone();
+        let rim = |optics: &Optics| optics.lens.surfaces[optics.stop].semi_diameter;
+        widest.surfaces[optics.stop].semi_diameter = all.iter().map(rim).fold(0.0, f64::max);
         let traced = Traced {
-            lens,
+            lens: &widest,
             stop: optics.stop,
             blades: prescription.blades,
             focal_length: optics.focal_length,
-            indices,
+            gaps: &gaps,
+            rim_moves,
+            indices: request.spectral.then(|| glass::declarations(&glass::indices(prescription))),
         };
         camera.text = camera.header(request)
             + if request.spectral { glass::colour() } else { String::new() }.as_str()
-            + &film_distance(&optics)
-            + &pupil::text(&optics, &table)
+            + &pupil::text(&all, &table)
             + &trace::text(&traced)
-            + &body(&optics, request.spectral);
+            + &body(request, &all, &table, &traced);
         Ok(camera)
     }
 
@@ -93,22 +114,43 @@ impl Camera {
             let [from, to] = glass::ENDS;
             format!("a wavelength from {from} to {to} nm for each sample")
         } else {
-            format!("{} nm", as_given(request.lens.wavelength))
+            format!("{} nm", as_given(request.stations[request.start].lens.wavelength))
         };
+        let [shortest, longest] = self.focal_lengths.map(|length| fixed(length, 2));
+        let zooms = if shortest == longest { shortest } else { format!("{shortest} to {longest}") };
+        let station = &request.stations[request.start];
+        let name = plain(&station.lens.name);
+        let title = title.as_deref().unwrap_or(&name);
+        let facts = serde_json::json!({
+            "title": title,
+            "focal_lengths_mm": self.focal_lengths,
+            "fnumber": self.fnumber,
+            "nearest_mm": self.nearest,
+            "film_reach_mm": self.reach,
+            "groups_focus": station.focuses_by_groups(),
+            "groups_could_focus": request.groups_could_focus,
+        });
         format!(
             "/* {}: {}\n   \
                 A camera for Blender (Cycles, Open Shading Language), written by realistic {}.\n   \
                 Focal length {} mm, widest f/{}, nearest focus {} mm in front of the lens, film points up to {} mm from\n   \
-                the axis; {}.\n   \
-                The camera's Depth of Field must be on; from it come focus and f-number, and from the camera the sensor. */\n\n",
-            plain(&request.lens.name),
-            plain(title.as_deref().unwrap_or("a lens")),
+                the axis; {}; {}.\n   \
+                The camera's Depth of Field must be on; from it come focus and f-number, and from the camera the sensor. */\n\
+             // facts: {}\n\n",
+            name,
+            plain(title),
             env!("CARGO_PKG_VERSION"),
-            fixed(self.focal_length, 2),
+            zooms,
             fixed(self.fnumber, 2),
             short(self.nearest),
             fixed(self.reach, 2),
             wavelength,
+            if station.focuses_by_groups() {
+                "its groups move to focus"
+            } else {
+                "the whole lens moves to focus"
+            },
+            facts.to_string().replace('\\', " "),
         )
     }
 }
@@ -119,46 +161,111 @@ fn nearest_stated(prescription: &Prescription) -> Option<f64> {
     positions.columns.iter().filter_map(|column| column.object_distance).reduce(f64::min)
 }
 
-/// The lens with the indices of the same one at another wavelength.
-fn with_indices(lens: &Lens, other: &Lens) -> Lens {
-    let mut lens = lens.clone();
-    for (surface, other) in lens.surfaces.iter_mut().zip(&other.surfaces) {
-        (surface.n_scene, surface.n_film) = (other.n_scene, other.n_film);
-    }
-    lens
+/// The gaps that change as the lens zooms or its groups focus, by the surface before them, with the largest value of each,
+/// mm; and whether the stop's clear semi-diameter changes.
+fn moving(all: &[Optics]) -> (Vec<(usize, f64)>, bool) {
+    // Focus changes what it does steadily.
+    let lenses: Vec<Lens> =
+        all.iter().flat_map(|optics| [0.0, 0.5, 1.0].map(|f| optics.focused(f))).collect();
+    let changes = |value: &dyn Fn(&Lens) -> f64| {
+        let first = value(&lenses[0]);
+        lenses.iter().any(|lens| (value(lens) - first).abs() > 1e-9)
+    };
+    let gaps = (0..lenses[0].surfaces.len() - 1)
+        .filter(|&row| changes(&|lens: &Lens| lens.surfaces[row].thickness))
+        .map(|row| (row, lenses.iter().map(|lens| lens.surfaces[row].thickness).fold(0.0, f64::max)))
+        .collect();
+    (gaps, changes(&|lens: &Lens| lens.surfaces[all[0].stop].semi_diameter))
 }
 
-/// The function `film_distance`.
-fn film_distance(optics: &Optics) -> String {
-    let row = |power: usize| {
-        let terms = optics.film[power].0;
-        let start = number(terms[FOCUS_TERMS - 1]);
-        terms[..FOCUS_TERMS - 1]
-            .iter()
-            .rev()
-            .fold(start, |sum, term| format!("({sum}*f + {})", number(*term)))
+/// The text of what moves, of the focus.
+fn moved(all: &[Optics], traced: &Traced<'_>, numbers: &mut Numbers) -> Vec<(String, String)> {
+    let fixed = |value: f64| Polynomial([value, 0.0, 0.0, 0.0, 0.0]);
+    let gap = |optics: &Optics, row: usize| match &optics.motion {
+        Some(motion) => motion.gaps[row],
+        None => fixed(optics.lens.surfaces[row].thickness),
     };
-    let sum = (0..STOP_TERMS - 1)
-        .rev()
-        .fold(row(STOP_TERMS - 1), |sum, power| format!("({sum}*s2 +\n      {})", row(power)));
-    format!(
-        "/* Distance of the film from the last vertex for the sharpest image on the axis, mm: of the focus and the square of the\n   \
-            stop. */\n\
-         float film_distance(float f, float s2)\n{{\n  return {sum};\n}}\n\n"
-    )
+    let rim = |optics: &Optics| match &optics.motion {
+        Some(motion) => motion.rim,
+        None => fixed(optics.lens.surfaces[optics.stop].semi_diameter),
+    };
+    let mut of = |value: &dyn Fn(&Optics) -> Polynomial<FOCUS_TERMS>| {
+        let rows: Vec<Polynomial<FOCUS_TERMS>> = all.iter().map(value).collect();
+        let rows: Vec<&[f64]> = rows.iter().map(|row| row.0.as_slice()).collect();
+        numbers.polynomial(&rows, "focus")
+    };
+    let mut texts: Vec<String> =
+        traced.gaps.iter().map(|&(row, _)| of(&|optics: &Optics| gap(optics, row))).collect();
+    if traced.rim_moves {
+        texts.push(of(&rim));
+    }
+    traced.moving().into_iter().zip(texts).collect()
+}
+
+/// The text of the film distance, of the focus and the square of the stop.
+fn film_distance(all: &[Optics], numbers: &mut Numbers) -> String {
+    let mut row = |power: usize| {
+        let rows: Vec<&[f64]> = all.iter().map(|optics| optics.film[power].0.as_slice()).collect();
+        numbers.polynomial(&rows, "focus")
+    };
+    let highest = row(STOP_TERMS - 1);
+    (0..STOP_TERMS - 1).rev().fold(highest, |sum, power| format!("({sum}*s2 +\n      {})", row(power)))
 }
 
 /// The shader with its parameters.
-fn body(optics: &Optics, spectral: bool) -> String {
-    let colour = if spectral {
+fn body(request: &Request<'_>, all: &[Optics], table: &Table, traced: &Traced<'_>) -> String {
+    let colour = if request.spectral {
         "  /* A wavelength of its own for every sample: a third random number, by hashing the two that there are. */\n  \
            float nm = mix(420, 680, noise(\"hash\", point(lens_sample[0], lens_sample[1], raster[0]), raster[1]));\n"
     } else {
         "  float nm = 0;\n"
     };
-    let throughput = if spectral { "colour_of(nm)*weight" } else { "color(weight)" };
+    let throughput = if request.spectral { "colour_of(nm)*weight" } else { "color(weight)" };
+    let zooms: Vec<f64> = request.stations.iter().map(|station| station.zoom).collect();
+    let is_zoom = zooms.len() > 1;
+    let zoom = if is_zoom {
+        let [from, start, to] = [0, request.start, zooms.len() - 1].map(|station| number(zooms[station]));
+        format!(
+            "float zoom = {start} [[ string label = \"Zoom\", float min = {from}, float max = {to}, float sensitivity = 1,\n      \
+               string help = \"Focal length of the zoom lens, mm\" ]],\n    "
+        )
+    } else {
+        String::new()
+    };
+    let mut numbers = Numbers::new(all.len());
+    let mut of = |value: fn(&Optics) -> f64| numbers.text(all.iter().map(value));
+    let widest = of(|optics| optics.widest);
+    let fnumber_of_stop = of(|optics| optics.fnumber_of_stop);
+    let entrance = of(|optics| optics.entrance);
+    let focus_point = of(|optics| optics.focus_point);
+    let farthest = of(|optics| 1.0 / optics.nearest);
+    let plane = of(|optics| optics.plane);
+    let focal_length = of(|optics| optics.focal_length);
+    let magnified = of(|optics| optics.nearest * optics.focal_length);
+    let steps = (FOCI - 1) as f64;
+    // The table's place for a focus.
+    let place = if all[0].motion.is_some() {
+        format!("{}*focus", number(steps))
+    } else {
+        let per = |optics: &Optics| {
+            let [shortest, longest] = optics.distances();
+            (steps / (1.0 / shortest - 1.0 / longest), shortest)
+        };
+        let first = numbers.text(all.iter().map(|optics| per(optics).0 / per(optics).1));
+        let per = numbers.text(all.iter().map(|optics| per(optics).0));
+        format!("{first} - far*{per}")
+    };
+    let field = numbers.text(table.stations.iter().map(|span| 1.0 / span.widest_field));
+    let film = film_distance(all, &mut numbers);
+    let moved = moved(all, traced, &mut numbers);
+    let names: String = moved.iter().map(|(name, _)| format!("  float {name} = 0;\n")).collect();
+    let set: String = moved.iter().map(|(name, text)| format!("    {name} = {text};\n")).collect();
+    let given: String = moved.iter().map(|(name, _)| format!(", {name}")).collect();
+    let opening = pupil::opening(all, table, &mut numbers);
+    let rear = trace::behind_front(traced, traced.lens.surfaces.len() - 1);
     format!(
         "shader realistic_camera(\n    \
+             {zoom}\
              float fnumber = 0 [[ string label = \"F-Number\", float min = 0, float sensitivity = 0.1,\n      \
                string help = \"0: the camera's F-Stop; the lens opens no wider than its own\" ]],\n    \
              float focus_distance = 0 [[ string label = \"Focus Distance\", float min = 0, string unit = \"m\",\n      \
@@ -178,7 +285,7 @@ fn body(optics: &Optics, spectral: bool) -> String {
            point lens_sample = camera_shader_random_sample();\n  \
            vector sensor = 0;\n  \
            getattribute(\"cam:sensor_size\", sensor);\n  \
-\n  \
+\n{}  \
            /* The stop. Without Depth of Field the aperture's size is 0. */\n  \
            float number = fnumber;\n  \
            if (number <= 0) {{\n    \
@@ -186,30 +293,31 @@ fn body(optics: &Optics, spectral: bool) -> String {
              getattribute(\"cam:aperture_size\", size);\n    \
              /* In 4.5 the radius of the aperture in m, of a lens with the camera's focal length. */\n    \
              number = size > 0 ? (focal_length > 0 ? 0.0005*focal_length : 0.5)/size : 0;\n  }}\n  \
-           float stop = number > {} ? min({}/number, 1.0) : 1.0;\n\n  \
-           /* The focus, and with it the film. */\n  \
+           float stop = number > {widest} ? min({fnumber_of_stop}/number, 1.0) : 1.0;\n  \
+           float s2 = stop*stop;\n\n  \
+           /* The focus, and with it the film, for the sharpest image on the axis. Counted from the film, which moves, by a few\n     \
+              steps. */\n  \
            float object = focus_distance;\n  \
            if (object <= 0)\n    getattribute(\"cam:focal_distance\", object);\n  \
            float focus = 0;\n  \
            float back = 0;\n  \
-           float origin = camera_point == 1 ? {} : 0;\n  \
-           if (camera_point == 2)\n    origin = {} - film_distance(0, stop*stop);\n  \
-           /* From the film, which moves, by a few steps. */\n  \
-           for (int i = camera_point == 2 ? 4 : 1; i > 0; i--) {{\n    \
-             if (object > 0) {{\n      \
-               float ahead = object*unit + origin - {};\n      \
-               focus = ahead > {} ? {}/ahead : 1;\n    }}\n    \
-             back = film_distance(focus, stop*stop);\n    \
-             if (camera_point == 2)\n      origin = {} - back;\n  }}\n\n  \
+           float origin = camera_point == 1 ? {entrance} : 0;\n{names}  \
+           for (int i = camera_point == 2 ? 5 : 1; i > 0; i--) {{\n    \
+             if (object > 0 && i < 5) {{\n      \
+               float ahead = object*unit + origin - {focus_point};\n      \
+               focus = ahead > {farthest} ? {farthest}/ahead : 1;\n    }}\n    \
+             back = {film};\n{set}    \
+             if (camera_point == 2)\n      origin = 0{rear} - back;\n  }}\n\n  \
            /* The film point: the image on film is upside down. */\n  \
            float fx = (0.5 - raster[0])*sensor[0];\n  \
            float fy = (0.5 - raster[1])*sensor[1];\n  \
            float r = sqrt(fx*fx + fy*fy);\n  \
            float ex = r > 0 ? fx/r : 1;\n  \
            float ey = r > 0 ? fy/r : 0;\n  \
-           float far = 1/(back + {});\n  \
+           float far = 1/(back + {plane});\n  \
+           float b = clamp({place}, 0.0, {});\n  \
            float px = 0, py = 0, patch = 0;\n  \
-           if (!pupil(r*far, far, stop, lens_sample[0], lens_sample[1], px, py, patch))\n    return;\n\n  \
+           if (!pupil(r*far*{field}, b,{} stop, lens_sample[0], lens_sample[1], px, py, patch))\n    return;\n\n{}  \
            /* Slopes, and the ray on the plane of the last vertex. */\n  \
            float along = (px - r)*far;\n  \
            float across = py*far;\n  \
@@ -220,26 +328,19 @@ fn body(optics: &Optics, spectral: bool) -> String {
            float vx = (ex*along - ey*across)*vz;\n  \
            float vy = (ey*along + ex*across)*vz;\n  \
            /* Irradiance of the sample over that of the film's centre. */\n  \
-           float opening = on_axis(far, stop)*far*far;\n  \
+           opening *= far*far;\n  \
            float weight = patch*far*far*vz*vz*vz*vz*(1 + opening)/opening;\n{colour}  \
-           if (!trace(stop, nm, x, y, z, vx, vy, vz))\n    return;\n  \
+           if (!trace(stop, nm, x, y, z, vx, vy, vz{given}))\n    return;\n  \
            position = point(x, y, z - origin)/unit;\n  \
            direction = vector(vx, vy, vz);\n  \
            throughput = {throughput};\n  \
            /* From pixel to pixel, by first-order optics: what textures are filtered by. */\n  \
-           float scale = 1/({}*(1 + focus*{}));\n  \
+           float scale = 1/({focal_length}*(1 + focus*{magnified}));\n  \
            dDdx = vector(scale*sensor[0]*Dx(raster[0]), 0, 0);\n  \
            dDdy = vector(0, scale*sensor[1]*Dy(raster[1]), 0);\n}}\n",
-        number(optics.widest),
-        number(optics.fnumber_of_stop),
-        number(optics.entrance),
-        number(optics.lens.rear().vertex),
-        number(optics.front_focal_point),
-        number(1.0 / optics.nearest),
-        number(1.0 / optics.nearest),
-        number(optics.lens.rear().vertex),
-        number(optics.plane),
-        number(optics.focal_length),
-        number(optics.nearest * optics.focal_length),
+        numbers.declarations(&zooms),
+        number(steps),
+        if is_zoom { " zoomed," } else { "" },
+        opening,
     )
 }

@@ -37,9 +37,9 @@ pub struct StopView {
 }
 
 impl StopView {
-    /// With the film so far, mm, from the sampling plane.
-    pub fn of(optics: &Optics, distance: f64) -> Self {
-        let mut rear = optics.lens.clone();
+    /// With the film so far, mm, from the sampling plane; `lens` is that of `optics` at a focus.
+    pub fn of(optics: &Optics, lens: &Lens, distance: f64) -> Self {
+        let mut rear = lens.clone();
         let widest = rear.surfaces[optics.stop].semi_diameter;
         rear.surfaces.drain(..optics.stop);
         open_wide(&mut rear);

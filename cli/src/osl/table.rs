@@ -4,8 +4,8 @@
 //! A region lies between x = `low` and `high`, and at X = (2 x - low - high)/(high - low) reaches up to
 //! |y| = g(X) √(1 - X²): for an ellipse g is constant. A node of the table has low, high and g at equal steps of X; nodes
 //! stand at equal steps of the field σ (where its end is dark, of √(1 - σ/σ_end), as the last pupils' heights go) and of 1/B, B being the distance from the film to the sampling plane, and everything
-//! is interpolated linearly. Regions between the nodes
-//! are traced, too, and where an interpolated region leaves out a part of one, the nodes around it are widened by what is
+//! is interpolated linearly; so it is between the nodes of a zoom. The nodes of a lens whose groups focus stand at equal
+//! steps of the focus. Regions between the nodes are traced, too, and where an interpolated region leaves out a part of one, the nodes around it are widened by what is
 //! missing.
 
 use super::field::Field;
@@ -15,7 +15,7 @@ use realistic::lens::Lens;
 
 /// Places of g.
 pub const PLACES: usize = 13;
-/// Nodes along the field, and along 1/B, from the film's place for infinity to that for the nearest object.
+/// Nodes along the field, and along 1/B or the focus, from the film's place for infinity to that for the nearest object.
 pub const FIELDS: usize = 25;
 pub const FOCI: usize = 4;
 
@@ -41,84 +41,98 @@ pub struct Node {
 /// The table.
 #[derive(Debug)]
 pub struct Table {
-    /// By 1/B, then by field.
+    /// By zoom, then by 1/B, then by field.
     pub nodes: Vec<Node>,
+    /// Whether the film is dark at the last nodes' field, rather than out of reach.
+    pub ends_dark: bool,
+    pub stations: Vec<Span>,
+}
+
+/// What the table has of a station.
+#[derive(Debug)]
+pub struct Span {
     /// The field of the last nodes: beyond it the shader has no light.
     pub widest_field: f64,
-    /// Whether the film is dark there, rather than out of reach.
-    pub ends_dark: bool,
     /// The pupil's radius for the film's centre at each 1/B.
     pub on_axis: [f64; FOCI],
-    /// The distances B of the nodes, mm.
-    pub distances: [f64; FOCI],
+    /// The lens at each node of the focus, and the distance B, mm.
+    pub foci: [(Lens, f64); FOCI],
 }
 
 /// A traced region and where in the table it belongs, in steps.
 struct Traced {
+    zoom: f64,
     field: f64,
     focus: f64,
     region: Region,
 }
 
 impl Table {
-    /// The table for film points up to `reach` mm from the axis; `None` where the film's centre is dark. `others` are the
-    /// lens at other wavelengths, whose pupils are to be contained, too.
-    pub fn of(optics: &Optics, others: &[Lens], reach: f64) -> Option<Self> {
-        let [shortest, longest] = optics.distances();
-        let distance = |focus: f64| {
-            let share = focus / (FOCI - 1) as f64;
-            ((1.0 - share) / shortest + share / longest).recip()
+    /// The table for film points up to `reach` mm from the axis; `None` where the film's centre is dark. `others` are a
+    /// lens of the same glasses at other wavelengths, whose pupils are to be contained, too.
+    pub fn of(stations: &[Optics], others: &[Lens], reach: f64) -> Option<Self> {
+        let last = (FOCI - 1) as f64;
+        let foci: Vec<[(Lens, f64); FOCI]> = stations
+            .iter()
+            .map(|optics| std::array::from_fn(|focus| optics.at_node(focus as f64, last)))
+            .collect();
+        let widest: Option<Vec<(f64, bool)>> =
+            stations.iter().zip(&foci).map(|(optics, foci)| widest_field(optics, foci, reach)).collect();
+        let widest = widest?;
+        let ends_dark = widest.iter().all(|(_, ends_dark)| *ends_dark);
+        // One thread for each station, most of which take the same time.
+        let traced: Vec<Traced> = std::thread::scope(|scope| {
+            let threads: Vec<_> = stations
+                .iter()
+                .zip(&widest)
+                .enumerate()
+                .map(|(station, (optics, (widest_field, _)))| {
+                    scope.spawn(move || traced(optics, station, others, *widest_field, ends_dark))
+                })
+                .collect();
+            threads.into_iter().flat_map(|thread| thread.join().expect("no panic")).collect()
+        });
+        let span = |(station, ((widest_field, _), foci)): (usize, ((f64, bool), [(Lens, f64); FOCI]))| Span {
+            widest_field,
+            on_axis: std::array::from_fn(|focus| {
+                let zoom = station as f64 / 2.0;
+                let center = |at: &&Traced| at.zoom == zoom && at.field == 0.0 && at.focus == focus as f64;
+                traced.iter().find(center).map_or(0.0, |at| at.region.reach()[1])
+            }),
+            foci,
         };
-        let distances = std::array::from_fn(|focus| distance(focus as f64));
-        let (widest_field, ends_dark) = widest_field(optics, &distances, reach)?;
-        let steps = (FIELDS - 1) * FIELD_PARTS;
-        let fields: Vec<f64> =
-            (0..=steps).map(|i| field_at(i as f64 / steps as f64, widest_field, ends_dark)).collect();
-        let mut traced = Vec::new();
-        for step in 0..=(FOCI - 1) * FOCUS_PARTS {
-            let focus = step as f64 / FOCUS_PARTS as f64;
-            let lenses = others.iter().filter(|_| step % FOCUS_PARTS == 0);
-            for lens in [&optics.lens].into_iter().chain(lenses) {
-                let pupils = Field::of(optics, lens, distance(focus)).pupils(&fields);
-                let place = |(i, region)| Traced { field: i as f64 / FIELD_PARTS as f64, focus, region };
-                traced.extend(pupils.into_iter().enumerate().map(place));
-            }
-        }
-        let mut table =
-            Self { nodes: at_nodes(&traced), widest_field, ends_dark, on_axis: [0.0; FOCI], distances };
-        for (focus, radius) in table.on_axis.iter_mut().enumerate() {
-            *radius = table.nodes[focus * FIELDS].high;
-        }
+        let spans = widest.iter().copied().zip(foci).enumerate().map(span).collect();
+        let nodes = (0..=stations.len() / 2).flat_map(|zoom| at_nodes(&traced, zoom as f64)).collect();
+        let mut table = Self { nodes, ends_dark, stations: spans };
         table.widen_reach(&traced);
         table.widen_heights(&traced);
         Some(table)
     }
 
-    /// The field of a node, or between two.
-    pub fn field(&self, node: f64) -> f64 {
-        field_at(node / (FIELDS - 1) as f64, self.widest_field, self.ends_dark)
+    /// The field of a node at a station, or between two.
+    pub fn field(&self, station: usize, node: f64) -> f64 {
+        field_at(node / (FIELDS - 1) as f64, self.stations[station].widest_field, self.ends_dark)
     }
 
-    /// The four nodes around a place, with their weights.
-    fn around(field: f64, focus: f64) -> [(usize, f64); 4] {
-        let (i, j) = ((field as usize).min(FIELDS - 2), (focus as usize).min(FOCI - 2));
-        let (a, b) = (field - i as f64, focus - j as f64);
-        let node = |di: usize, dj: usize| (j + dj) * FIELDS + i + di;
-        [
-            (node(0, 0), (1.0 - a) * (1.0 - b)),
-            (node(1, 0), a * (1.0 - b)),
-            (node(0, 1), (1.0 - a) * b),
-            (node(1, 1), a * b),
-        ]
+    /// The nodes around a place, with their weights.
+    fn around(&Traced { zoom, field, focus, .. }: &Traced) -> Vec<(usize, f64)> {
+        let (i, j, k) = ((field as usize).min(FIELDS - 2), (focus as usize).min(FOCI - 2), zoom as usize);
+        let (a, b, c) = (field - i as f64, focus - j as f64, zoom - k as f64);
+        let corner = |n: usize| {
+            let (di, dj, dk) = (n & 1, n >> 1 & 1, n >> 2);
+            let share = |part: f64, d: usize| if d == 1 { part } else { 1.0 - part };
+            (((k + dk) * FOCI + j + dj) * FIELDS + i + di, share(a, di) * share(b, dj) * share(c, dk))
+        };
+        (0..8).map(corner).filter(|(_, weight)| *weight > 0.0).collect()
     }
 
-    fn interpolated(&self, nodes: &[(usize, f64); 4], value: impl Fn(&Node) -> f64) -> f64 {
+    fn interpolated(&self, nodes: &[(usize, f64)], value: impl Fn(&Node) -> f64) -> f64 {
         nodes.iter().map(|&(node, weight)| weight * value(&self.nodes[node])).sum()
     }
 
     fn widen_reach(&mut self, traced: &[Traced]) {
-        for Traced { field, focus, region } in traced {
-            let nodes = Self::around(*field, *focus);
+        for at in traced {
+            let (nodes, region) = (Self::around(at), &at.region);
             let [low, high] = region.reach();
             let squares: f64 = nodes.iter().map(|(_, weight)| weight * weight).sum();
             let below = (self.interpolated(&nodes, |node| node.low) - low).max(0.0) / squares;
@@ -136,8 +150,8 @@ impl Table {
 
     fn widen_heights(&mut self, traced: &[Traced]) {
         let last = (PLACES - 1) as f64;
-        for Traced { field, focus, region } in traced {
-            let nodes = Self::around(*field, *focus);
+        for at in traced {
+            let (nodes, region) = (Self::around(at), &at.region);
             let low = self.interpolated(&nodes, |node| node.low);
             let half = (self.interpolated(&nodes, |node| node.high) - low) / 2.0;
             for part in 1..(PLACES - 1) * PLACE_PARTS {
@@ -153,7 +167,7 @@ impl Table {
                     let of_place = (1.0 - share).powi(2) + share * share;
                     let squares: f64 =
                         of_place * nodes.iter().map(|(_, weight)| weight * weight).sum::<f64>();
-                    for (node, weight) in nodes {
+                    for &(node, weight) in &nodes {
                         self.nodes[node].g[k] += (1.0 - share) * weight * missing / squares;
                         self.nodes[node].g[k + 1] += share * weight * missing / squares;
                     }
@@ -164,13 +178,59 @@ impl Table {
     }
 }
 
+/// The regions of a station. Those of one between nodes of the zoom only show what the nodes' leave out.
+fn traced(
+    optics: &Optics,
+    station: usize,
+    others: &[Lens],
+    widest_field: f64,
+    ends_dark: bool,
+) -> Vec<Traced> {
+    let steps = (FIELDS - 1) * FIELD_PARTS;
+    let fields: Vec<f64> =
+        (0..=steps).map(|i| field_at(i as f64 / steps as f64, widest_field, ends_dark)).collect();
+    let is_between = station % 2 == 1;
+    let zoom = station as f64 / 2.0;
+    let mut traced = Vec::new();
+    for step in 0..=(FOCI - 1) * FOCUS_PARTS {
+        let is_node = step % FOCUS_PARTS == 0;
+        if is_between && !is_node {
+            continue;
+        }
+        let focus = step as f64 / FOCUS_PARTS as f64;
+        let (lens, distance) = optics.at_node(focus, (FOCI - 1) as f64);
+        let tinted: Vec<Lens> = others
+            .iter()
+            .filter(|_| is_node && !is_between)
+            .map(|other| with_indices(&lens, other))
+            .collect();
+        for lens in [&lens].into_iter().chain(&tinted) {
+            let pupils = Field::of(optics, lens, distance).pupils(&fields);
+            let place = |(i, region)| Traced { zoom, field: i as f64 / FIELD_PARTS as f64, focus, region };
+            traced.extend(pupils.into_iter().enumerate().map(place));
+        }
+    }
+    traced
+}
+
+/// The lens with the indices of the same one at another wavelength.
+fn with_indices(lens: &Lens, other: &Lens) -> Lens {
+    let mut lens = lens.clone();
+    for (surface, other) in lens.surfaces.iter_mut().zip(&other.surfaces) {
+        (surface.n_scene, surface.n_film) = (other.n_scene, other.n_film);
+    }
+    lens
+}
+
 /// The nodes whose regions were traced as these have them; a dark one as a point where the last bright one before it is.
-fn at_nodes(traced: &[Traced]) -> Vec<Node> {
+fn at_nodes(traced: &[Traced], zoom: f64) -> Vec<Node> {
+    let own = |at: &&Traced| at.zoom == zoom;
     let mut nodes = Vec::new();
     for focus in 0..FOCI {
         let mut last = Node::default();
         for field in 0..FIELDS {
-            let found = traced.iter().find(|at| at.field == field as f64 && at.focus == focus as f64);
+            let found =
+                traced.iter().filter(own).find(|at| at.field == field as f64 && at.focus == focus as f64);
             last = match found {
                 Some(Traced { region, .. }) => node(region),
                 None => Node {
@@ -203,10 +263,10 @@ fn field_at(share: f64, widest: f64, ends_dark: bool) -> f64 {
 
 /// The field up to which film within `reach` mm of the axis gets light; `None` where its centre gets none. And
 /// whether it is dark from there on.
-fn widest_field(optics: &Optics, distances: &[f64], reach: f64) -> Option<(f64, bool)> {
+fn widest_field(optics: &Optics, foci: &[(Lens, f64)], reach: f64) -> Option<(f64, bool)> {
     let (mut widest, mut ends_dark): (f64, bool) = (0.0, true);
-    for &distance in distances {
-        let field = Field::of(optics, &optics.lens, distance);
+    for &(ref lens, distance) in foci {
+        let field = Field::of(optics, lens, distance);
         let end = reach / distance;
         let mut last = field.pupil(0.0, field.widest())?;
         let (mut bright, mut step) = (0.0, end / BRIGHT_STEPS);

@@ -25,46 +25,105 @@ pub struct Traced<'a> {
     pub stop: usize,
     pub blades: Option<Blades>,
     pub focal_length: f64,
+    /// Gaps that change, by the surface before them: the variable that each is in, and its largest value, mm.
+    pub gaps: &'a [(usize, f64)],
+    /// Whether the stop's clear semi-diameter changes: it is in `rim` then.
+    pub rim_moves: bool,
     /// For dispersion, the declarations of the indices.
     pub indices: Option<String>,
+}
+
+impl Traced<'_> {
+    /// The names of the numbers that change, `gap5` for the gap behind row 5.
+    pub fn moving(&self) -> Vec<String> {
+        let gaps = self.gaps.iter().map(|(row, _)| format!("gap{}", row + 1));
+        gaps.chain(self.rim_moves.then(|| "rim".to_owned())).collect()
+    }
+}
+
+/// A length along the axis: what is fixed of it, and the gaps that change.
+#[derive(Clone, Default)]
+struct Length {
+    fixed: f64,
+    gaps: Vec<usize>,
+    /// With the gaps as wide as they become.
+    most: f64,
+}
+
+impl Length {
+    fn add(&mut self, traced: &Traced<'_>, row: usize) {
+        let moving = traced.gaps.iter().find(|(moving, _)| *moving == row);
+        let gap = traced.lens.surfaces[row].thickness;
+        match moving {
+            Some((_, most)) => {
+                self.gaps.push(row + 1);
+                self.most += most;
+            }
+            None => {
+                self.fixed += gap;
+                self.most += gap;
+            }
+        }
+    }
+
+    fn is_zero(&self) -> bool {
+        self.fixed == 0.0 && self.gaps.is_empty()
+    }
+
+    /// Its text, to be subtracted: each part behind a minus.
+    fn subtracted(&self) -> String {
+        let fixed = (self.fixed != 0.0).then(|| format!(" - {}", number(self.fixed)));
+        fixed.into_iter().chain(self.gaps.iter().map(|row| format!(" - gap{row}"))).collect()
+    }
+}
+
+/// The text to be subtracted from z in the first vertex's frame for that of the surface `row`.
+pub fn behind_front(traced: &Traced<'_>, row: usize) -> String {
+    let mut length = Length::default();
+    (0..row).for_each(|row| length.add(traced, row));
+    length.subtracted()
 }
 
 /// The function `trace`.
 pub fn text(traced: &Traced<'_>) -> String {
     let lens = traced.lens;
-    let mut text = "/* Takes a ray from (x, y) on the plane of the last vertex, with unit direction (vx, vy, vz), through every\n   \
-                    surface to the first: the point is then in the frame of the first vertex. 0: it is blocked. Lengths in mm;\n   \
-                    stop: the clear diameter of the stop over its widest. */\n\
-                    int trace(float stop, float nm, output float x, output float y, output float z, output float vx,\n          \
-                    output float vy, output float vz)\n{\n"
-        .to_owned();
+    let moving: String = traced.moving().iter().map(|name| format!(", float {name}")).collect();
+    let mut text = format!(
+        "/* Takes a ray from (x, y) on the plane of the last vertex, with unit direction (vx, vy, vz), through every\n   \
+            surface to the first: the point is then in the frame of the first vertex. 0: it is blocked. Lengths in mm;\n   \
+            stop: the clear diameter of the stop over its widest{}. */\n\
+         int trace(float stop, float nm, output float x, output float y, output float z, output float vx,\n          \
+         output float vy, output float vz{moving})\n{{\n",
+        if moving.is_empty() { "" } else { "; then what moves" },
+    );
     if let Some(indices) = &traced.indices {
         text += indices;
     }
     text += "  float r2 = x*x + y*y;\n  float f = 0, g = 0, e = 0, q = 0, t = 0, k = 0;\n  z = 0;\n";
     // Distance from the frame's vertex to the next one.
-    let mut pending = 0.0;
-    let mut last = lens.rear();
+    let mut pending = Length::default();
+    let mut last = lens.surfaces.len() - 1;
     for (i, surface) in lens.surfaces.iter().enumerate().rev() {
         if i + 1 < lens.surfaces.len() {
-            pending += surface.thickness;
+            pending.add(traced, i);
         }
         let _ = writeln!(text, "  /* Row {}. */", i + 1);
-        let limit = if i == traced.stop {
-            format!("stop*stop*{}", number(surface.semi_diameter.powi(2)))
-        } else {
-            number(surface.semi_diameter.powi(2))
+        let limit = match i == traced.stop {
+            true if traced.rim_moves => "stop*stop*rim*rim".to_owned(),
+            true => format!("stop*stop*{}", number(surface.semi_diameter.powi(2))),
+            false => number(surface.semi_diameter.powi(2)),
         };
         let is_plane = surface.curvature == 0.0 && surface.figure.is_none();
         if is_plane && surface.n_film == surface.n_scene {
-            opening(&mut text, pending, &limit);
+            opening(&mut text, &pending, &limit);
             if let (Some(blades), true) = (traced.blades, surface.is_stop) {
-                blades_of(&mut text, blades, surface.semi_diameter);
+                let rim = if traced.rim_moves { "rim".to_owned() } else { number(surface.semi_diameter) };
+                blades_of(&mut text, blades, &rim);
             }
             continue;
         }
-        if pending != 0.0 {
-            let _ = writeln!(text, "  z -= {};", number(pending));
+        if !pending.is_zero() {
+            let _ = writeln!(text, "  z = z{};", pending.subtracted());
         }
         let index = |n: f64, row: usize| match &traced.indices {
             Some(_) if n != 1.0 => format!("n{row}"),
@@ -86,25 +145,26 @@ pub fn text(traced: &Traced<'_>) -> String {
         } else if is_plane {
             plane(&mut text, &limit, &squares[1]);
         } else {
-            sphere(&mut text, traced, surface, pending, &limit, &squares);
+            sphere(&mut text, traced, surface, pending.most, &limit, &squares);
         }
-        (pending, last) = (0.0, surface);
+        (pending, last) = (Length::default(), i);
     }
-    if last.vertex != 0.0 {
-        let _ = writeln!(text, "  z += {};", number(last.vertex));
+    let way = behind_front(traced, last);
+    if !way.is_empty() {
+        let _ = writeln!(text, "  z = z{way};");
     }
     text + "  return 1;\n}\n\n"
 }
 
 /// A plane that only limits: the ray need not be moved to it.
-fn opening(text: &mut String, ahead: f64, limit: &str) {
-    let z = if ahead == 0.0 { "z".to_owned() } else { format!("(z - {})", number(ahead)) };
+fn opening(text: &mut String, ahead: &Length, limit: &str) {
+    let z = if ahead.is_zero() { "z".to_owned() } else { format!("(z{})", ahead.subtracted()) };
     let _ = writeln!(text, "  f = x*vz - {z}*vx;\n  g = y*vz - {z}*vy;");
     let _ = writeln!(text, "  if (f*f + g*g > {limit}*vz*vz || vz <= 0)\n    return 0;");
 }
 
 /// The straight or bent edges of a stop's blades, for the point (f, g) times vz.
-fn blades_of(text: &mut String, blades: Blades, semi_diameter: f64) {
+fn blades_of(text: &mut String, blades: Blades, rim: &str) {
     let constants = blades.constants();
     text.push_str("  e = -1e30;\n");
     for [x, y] in blades.normals() {
@@ -112,10 +172,10 @@ fn blades_of(text: &mut String, blades: Blades, semi_diameter: f64) {
     }
     let _ = writeln!(
         text,
-        "  if ({}*(f*f + g*g) + {}*stop*e*vz > {}*stop*stop*vz*vz)\n    return 0;",
+        "  if ({}*(f*f + g*g) + {}*{rim}*stop*e*vz > {}*{rim}*{rim}*stop*stop*vz*vz)\n    return 0;",
         number(constants.bulge),
-        number(constants.slant * semi_diameter),
-        number(constants.limit * semi_diameter * semi_diameter),
+        number(constants.slant),
+        number(constants.limit),
     );
 }
 

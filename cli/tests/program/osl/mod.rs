@@ -5,6 +5,7 @@ use realistic::imaging::{focus::Focus, irradiance};
 use realistic::lens::{
     Lens, Ray,
     first_order::FirstOrder,
+    moving::MovingGroups,
     pupil::{SlopeDisk, limiting_surface},
 };
 use realistic::prescription::catalogue;
@@ -34,10 +35,12 @@ fn translated(text: &str) -> String {
         .split(',')
         .map(|parameter| format!("    {};\n", parameter.trim().trim_start_matches("output ")))
         .collect();
-    let recorded = "static int recorded(float stop, float nm, float &x, float &y, float &z, float &vx, float &vy, float &vz) {\n\
+    // Behind these stands what moves.
+    let recorded = "template <class... Moved> static int recorded(float stop, float nm, float &x, float &y, float &z, float &vx,\n\
+         float &vy, float &vz, Moved... moved) {\n\
          float now[8] = {1, stop, nm, x, y, vx, vy, vz};\n\
          for (int i = 0; i < 8; i++) asked[i] = now[i];\n\
-         return trace(stop, nm, x, y, z, vx, vy, vz);\n}\n";
+         return trace(stop, nm, x, y, z, vx, vy, vz, moved...);\n}\n";
     let body = body.replace("!trace(", "!recorded(").replace("return;", "goto done;");
     let body = body.trim_end().trim_end_matches('}');
     let result = "float all[9] = {throughput[0], position[0], position[1], position[2], direction[0], direction[1],\n\
@@ -119,11 +122,14 @@ struct Answer {
 
 impl Shader {
     fn new(lens: &str, more: &[&str]) -> Self {
-        let text = succeeds(&[&["blender", lens, "--out", "-"], more].concat(), "");
+        Self::of_text(lens, &succeeds(&[&["blender", lens, "--out", "-"], more].concat(), ""))
+    }
+
+    fn of_text(lens: &str, text: &str) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let source = folder.path().join("shader.cpp");
         let program = folder.path().join("shader");
-        std::fs::write(&source, translated(&text)).expect("written");
+        std::fs::write(&source, translated(text)).expect("written");
         let compiler = env::var_os("CXX").unwrap_or_else(|| "c++".into());
         let told = Command::new(compiler)
             .args(["-std=c++11", "-O1", "-ffp-contract=off", "-o"])
@@ -173,6 +179,13 @@ fn points<const N: usize>(count: usize) -> impl Iterator<Item = [f32; N]> {
     (0..count).map(|i| {
         std::array::from_fn(|k| (((i as f64 + 0.5) * GENERATORS[k]).fract() as f32).min(0.999_999_9))
     })
+}
+
+/// The shader's text with its zoom at a focal length, as the panel sets it.
+fn zoomed(text: &str, focal_length: f64) -> String {
+    let (before, rest) = text.split_once("float zoom = ").expect("a zoom");
+    let (_, after) = rest.split_once(" [[").expect("metadata");
+    format!("{before}float zoom = {focal_length:?} [[{after}")
 }
 
 fn lens_of(name: &str) -> Lens {
@@ -242,6 +255,84 @@ fn samples(reach: f64, count: usize, [aperture, distance]: [f32; 2]) -> Vec<Samp
 }
 
 #[test]
+fn a_zoom_is_traced_at_any_focal_length_and_its_film_is_bright_and_in_focus() {
+    let name = "zoom.24-70mm";
+    let text = succeeds(&["blender", name, "--out", "-"], "");
+    let prescription = catalogue::find(name).expect("listed");
+    let groups = MovingGroups::of(&prescription).expect("in order").expect("positions");
+    let facts = text.lines().find_map(|line| line.strip_prefix("// facts: ")).expect("facts");
+    let facts: serde_json::Value = serde_json::from_str(facts).expect("JSON");
+    assert!((facts["focal_lengths_mm"][0].as_f64().unwrap() - groups.focal_range()[0]).abs() < 1e-9);
+    // Its ends, a position of the file and focal lengths that are none of the table's.
+    for focal_length in [24.701, 28.0, 31.7, 34.93, 43.2, 50.0, 61.0, 67.87] {
+        let shader = Shader::of_text(name, &zoomed(&text, focal_length));
+        let travel = groups.zoomed(focal_length, |_, _| None).expect("in range");
+        let lens = Lens::at_d_line(&travel.at(travel.start()));
+        for camera in cameras() {
+            let answers = shader.answers(&samples(shader.reach, 10_000, camera));
+            let found = Comparison::of(&lens, &answers);
+            let [median, most] = Comparison::median_and_most(&found.directions);
+            let acceptance = found.passed as f64 / found.asked as f64;
+            let said = format!(
+                "{focal_length} at {camera:?}: {median:e} {most:e} rad, {} fates, {acceptance}",
+                found.fates_differ
+            );
+            println!("{said}");
+            // Groups stand within a few micrometres of where the lens's do.
+            assert!(found.asked > 9000 && found.fates_differ <= 10, "{said}");
+            assert!(most < 1e-3 && median < 5e-5 && acceptance > 0.95, "{said}");
+        }
+        is_bright_and_in_focus(
+            name,
+            &lens,
+            &shader,
+            &[(0.0, 0.0, 0.0), (0.0, 2.0, 0.5), (1.0 / 11.2, 2.0, 0.6)],
+        );
+    }
+}
+
+#[test]
+fn groups_focus_where_the_file_has_them() {
+    for (name, zooms) in [("macro.105mm", &[None][..]), ("zoom.70-200mm", &[None, Some(150.0)])] {
+        let text = succeeds(&["blender", name, "--focusby", "group", "--out", "-"], "");
+        let prescription = catalogue::find(name).expect("listed");
+        let groups = MovingGroups::of(&prescription).expect("in order").expect("positions");
+        for zoom in zooms {
+            let shader = Shader::of_text(name, &zoom.map_or(text.clone(), |zoom| zoomed(&text, zoom)));
+            let travel = match zoom {
+                Some(zoom) => groups.zoomed(*zoom, |_, _| None).expect("in range"),
+                None => groups.position(0),
+            };
+            // In metres; 0 is infinity.
+            for distance in [0.0, 5.0, 2.0, 1.2420, 0.2550001_f32] {
+                if distance > 0.0 && distance < 1.0 && name != "macro.105mm" {
+                    continue;
+                }
+                let vergence = if distance > 0.0 { 0.001 / f64::from(distance) } else { 0.0 };
+                let lens = Lens::at_d_line(&travel.at(vergence));
+                for aperture in [0.0, 1.0 / 16.0] {
+                    let answers = shader.answers(&samples(shader.reach, 10_000, [aperture, distance]));
+                    let found = Comparison::of(&lens, &answers);
+                    let [median, most] = Comparison::median_and_most(&found.directions);
+                    let acceptance = found.passed as f64 / found.asked as f64;
+                    let back = film_distance(&answers);
+                    let film = lens.nominal_film_distance.expect("stated");
+                    let said = format!(
+                        "{name} {zoom:?} at {distance} m: {median:e} {most:e} rad, {} fates, {acceptance}, film {back} {film}",
+                        found.fates_differ
+                    );
+                    println!("{said}");
+                    assert!(found.asked > 9000 && found.fates_differ <= 10, "{said}");
+                    assert!(most < 1e-3 && median < 5e-5 && acceptance > 0.94, "{said}");
+                    // The film stays where the file has it, but for the place of sharpest focus.
+                    assert!((back - film).abs() < 0.01 * film, "{said}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn every_lens_of_the_catalogue_is_traced_as_in_double_precision() {
     let mut worst_acceptance = Vec::new();
     for name in catalogue::names() {
@@ -303,50 +394,54 @@ fn film_is_as_bright_as_all_rays_make_it_and_in_focus() {
     for name in ["dgauss.50mm", "wide.22mm", "fisheye.10mm", "sonnar.50mm", "phone.4mm"] {
         let shader = Shader::new(name, &[]);
         // Aperture size, distance in m, field as a share of the reach.
-        for (aperture, distance, share) in [
+        let cases = [
             (0.0, 0.0, 0.0),
             (0.0, 2.0, 0.5),
             (0.0, 0.0, 0.8),
             (1.0 / 11.2, 2.0, 0.6),
             (1.0 / 32.0, 0.0, 0.75),
-        ] {
-            let mut lens = lens_of(name);
-            let radius = share * shader.reach.min(21.0);
-            let at: Vec<Sample> = points::<2>(40_000)
-                .map(|[u, v]| [0.5 - (radius / 50.0) as f32, 0.5, u, v, aperture, distance, 50.0, 50.0, 0.5])
-                .collect();
-            let answers = shader.answers(&at);
-            let mean = answers.iter().map(|answer| f64::from(answer.throughput[0])).sum::<f64>()
-                / answers.len() as f64;
-            let stop = lens.stop_index().unwrap_or_else(|| limiting_surface(&lens));
-            lens.surfaces[stop].semi_diameter *=
-                answers.iter().find(|answer| answer.is_asked).expect("bright").stop;
-            let back = film_distance(&answers);
-            let wanted = match distance {
-                0.0 => Focus::new(&lens).and_then(|focus| focus.film_distance(f64::INFINITY)),
-                // From the film, which is what the library counts from.
-                _ => Focus::new(&lens).and_then(|focus| {
-                    focus.film_distance(1000.0 * f64::from(distance) - lens.rear().vertex + back)
-                }),
-            };
-            let wanted = wanted.expect("in reach");
-            let off = (back - wanted).abs() / FirstOrder::of(&lens).expect("focal").focal_length;
-            assert!(off < 3e-4, "{name}: film at {back}, not {wanted}");
+        ];
+        is_bright_and_in_focus(name, &lens_of(name), &shader, &cases);
+    }
+}
 
-            let path: Path = Path::film_to_scene(&lens);
-            let film = lens.rear().vertex - back;
-            let irradiance = |radius: f64, cover: SlopeDisk| {
-                irradiance::survey(&path, film, [radius, 0.0], cover, cover, 500).irradiance
-            };
-            // The rear element is too wide a cover for a grid.
-            let exit = PupilDisk::exit(&lens, film).seen_from([0.0, 0.0]);
-            let center = SlopeDisk { radius: 2.5 * exit.radius, ..exit };
-            let wanted = irradiance(radius, twice_around(&answers)) / irradiance(0.0, center);
-            assert!(
-                (mean / wanted - 1.0).abs() < 0.01,
-                "{name} at {radius} mm, f {aperture}: {mean} {wanted}"
-            );
-        }
+/// Whether the film of a shader is as bright as all rays of its lens make it, and stands where they say; `cases` are an aperture's
+/// size, a distance in m, and the film point as a share of the reach.
+fn is_bright_and_in_focus(name: &str, own: &Lens, shader: &Shader, cases: &[(f32, f32, f64)]) {
+    for &(aperture, distance, share) in cases {
+        let mut lens = own.clone();
+        let radius = share * shader.reach.min(21.0);
+        let at: Vec<Sample> = points::<2>(40_000)
+            .map(|[u, v]| [0.5 - (radius / 50.0) as f32, 0.5, u, v, aperture, distance, 50.0, 50.0, 0.5])
+            .collect();
+        let answers = shader.answers(&at);
+        let mean =
+            answers.iter().map(|answer| f64::from(answer.throughput[0])).sum::<f64>() / answers.len() as f64;
+        let stop = lens.stop_index().unwrap_or_else(|| limiting_surface(&lens));
+        lens.surfaces[stop].semi_diameter *=
+            answers.iter().find(|answer| answer.is_asked).expect("bright").stop;
+        let back = film_distance(&answers);
+        let wanted = match distance {
+            0.0 => Focus::new(&lens).and_then(|focus| focus.film_distance(f64::INFINITY)),
+            // From the film, which is what the library counts from.
+            _ => Focus::new(&lens).and_then(|focus| {
+                focus.film_distance(1000.0 * f64::from(distance) - lens.rear().vertex + back)
+            }),
+        };
+        let wanted = wanted.expect("in reach");
+        let off = (back - wanted).abs() / FirstOrder::of(&lens).expect("focal").focal_length;
+        assert!(off < 3e-4, "{name}: film at {back}, not {wanted}");
+
+        let path: Path = Path::film_to_scene(&lens);
+        let film = lens.rear().vertex - back;
+        let irradiance = |radius: f64, cover: SlopeDisk| {
+            irradiance::survey(&path, film, [radius, 0.0], cover, cover, 500).irradiance
+        };
+        // The rear element is too wide a cover for a grid.
+        let exit = PupilDisk::exit(&lens, film).seen_from([0.0, 0.0]);
+        let center = SlopeDisk { radius: 2.5 * exit.radius, ..exit };
+        let wanted = irradiance(radius, twice_around(&answers)) / irradiance(0.0, center);
+        assert!((mean / wanted - 1.0).abs() < 0.01, "{name} at {radius} mm, f {aperture}: {mean} {wanted}");
     }
 }
 
