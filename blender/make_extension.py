@@ -8,7 +8,6 @@ PROGRAM is the built `realistic`; without it, the one in PATH.
 from __future__ import annotations
 
 import json
-import re
 import subprocess
 import sys
 import tempfile
@@ -18,6 +17,8 @@ from os import cpu_count
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
+# What a shader's line of facts begins with.
+FACTS = "// facts: "
 
 
 def run(program: str, *arguments: str) -> str:
@@ -33,17 +34,8 @@ def lens(program: str, name: str, folder: Path) -> dict[str, object]:
     shader = run(program, "blender", name, "--out", "-")
     (folder / f"{name}.osl").write_text(shader)
     run(program, "draw", name, "--out", str(folder / f"{name}.png"))
-    read = json.loads(run(program, "lens", name, "--json"))
-    nearest, reach = (re.search(rf"{words} ([\d.]+) mm", shader) for words in ("nearest focus", "film points up to"))
-    if nearest is None or reach is None:
-        raise SystemExit(f"the shader of {name} does not say its nearest focus and its film's reach")
-    return {
-        "title": read["title"] or name,
-        "focal_length_mm": read["focal_length_mm"],
-        "fnumber": read["fnumber"],
-        "nearest_mm": float(nearest[1]),
-        "film_reach_mm": float(reach[1]),
-    }
+    facts = next(line for line in shader.splitlines() if line.startswith(FACTS))
+    return json.loads(facts.removeprefix(FACTS))
 
 
 def main(out: Path, program: str) -> None:
@@ -54,7 +46,7 @@ def main(out: Path, program: str) -> None:
         folder = Path(made)
         facts = dict(zip(names, pool.map(lambda name: lens(program, name, folder), names)))
         with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
-            for file in ("__init__.py", "blender_manifest.toml"):
+            for file in ("__init__.py", "blender_manifest.toml", "LICENSE"):
                 archive.write(HERE / "extension" / file, file)
             for licence in ("LICENSE-MIT", "LICENSE-APACHE"):
                 archive.write(HERE.parent / licence, licence)

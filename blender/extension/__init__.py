@@ -1,15 +1,18 @@
+# SPDX-License-Identifier: GPL-3.0-or-later OR MIT OR Apache-2.0
 """Cameras of Blender's Cycles that are real lenses: a panel of the camera that lists them, shows their cross-sections and
 figures, and sets the camera up. The shaders of the catalogue's lenses are in the folder `lenses`; those of lens files are
-written by the program `realistic`, whose path the preferences name.
+written by the program `realistic`, whose path the preferences name. A camera's shader is a text of the .blend, which renders
+without this extension, too.
 """
 
 from __future__ import annotations
 
+import importlib
+import importlib.util
 import json
-import re
 import shutil
 import subprocess
-import tempfile
+import sys
 from math import hypot
 from pathlib import Path
 
@@ -17,6 +20,10 @@ import bpy
 import bpy.utils.previews
 
 LENSES = Path(__file__).parent / "lenses"
+# What a shader's line of facts begins with.
+FACTS = "// facts: "
+# A zoom lens's focal length, in mm: a property of the camera that can be keyed.
+ZOOM = "zoom"
 
 # Blender keeps no reference to the entries of a list: this one does.
 _entries: list[tuple[str, str, str, int, int]] = []
@@ -27,7 +34,7 @@ _previews = None
 def _load() -> None:
     """Reads the catalogue's facts and its pictures."""
     global _previews
-    _facts.update(json.loads((LENSES / "lenses.json").read_text()))
+    _facts.update(json.loads((LENSES / "lenses.json").read_text(encoding="utf-8")))
     _previews = bpy.utils.previews.new()
     for number, (name, facts) in enumerate(_facts.items()):
         icon = _previews.load(name, str(LENSES / f"{name}.png"), "IMAGE").icon_id
@@ -38,46 +45,176 @@ def _catalogue(_self, _context):
     return _entries
 
 
-def _folder() -> Path:
-    """Where shaders of lens files are kept: beside the saved scene, or else among this extension's files."""
-    if bpy.data.filepath:
-        return Path(bpy.data.filepath).parent
-    try:
-        return Path(bpy.utils.extension_path_user(__package__, path="shaders", create=True))
-    except ValueError:
-        return Path(tempfile.gettempdir())
+def facts_of(shader: str) -> dict[str, object]:
+    """What a shader says of its lens; nothing where it is none of ours."""
+    line = next((line for line in shader.splitlines() if line.startswith(FACTS)), None)
+    return json.loads(line.removeprefix(FACTS)) if line else {}
 
 
-def set_up(context, camera, shader: str, facts: dict[str, object], report) -> bool:
-    """Makes `camera` (its data) the lens of a shader; whether that worked. A sensor beyond the film that gets light is made smaller."""
-    from cycles.osl import update_custom_camera_shader
+def _facts_of_text(text) -> dict[str, object]:
+    """The same of a text of the .blend, which has them in its head."""
+    return facts_of("\n".join(line.body for line in text.lines[:12])) if text else {}
 
-    context.scene.render.engine = "CYCLES"
-    camera.type = "CUSTOM"
-    camera.custom_mode = "EXTERNAL"
-    camera.custom_filepath = shader
-    if not update_custom_camera_shader(camera, report):
+
+def shown_facts(camera) -> dict[str, object]:
+    """The facts of the lens that a camera is; nothing where it is none of ours."""
+    is_custom = camera.type == "CUSTOM" and camera.custom_mode == "INTERNAL"
+    return _facts_of_text(camera.custom_shader) if is_custom else {}
+
+
+def _compiler():
+    """Blender's own function that compiles a camera's shader. Blender as a Python module has the package that reads
+    compiled shaders in a folder where Python does not look."""
+    if importlib.util.find_spec("oslquery") is None:
+        packages = Path(bpy.utils.resource_path("LOCAL")) / "python"
+        found = [str(package.parent) for package in packages.glob("**/site-packages/oslquery*")]
+        sys.path += found[:1]
+        try:
+            importlib.import_module("oslquery")
+        finally:
+            del sys.path[len(sys.path) - len(found[:1]) :]
+    return importlib.import_module("cycles.osl").update_custom_camera_shader
+
+
+def _compiled(camera, text, report) -> bool:
+    """Whether the camera has the text for its shader now."""
+    camera.type, camera.custom_mode, camera.custom_shader = "CUSTOM", "INTERNAL", text
+    return bool(_compiler()(camera, report))
+
+
+def _text(name: str, shader: str):
+    """The text of a shader in this .blend; one that is there is taken."""
+    for text in bpy.data.texts:
+        if text.name.startswith(name) and text.as_string().rstrip() == shader.rstrip():
+            return text
+    text = bpy.data.texts.new(f"{name}.osl")
+    text.write(shader)
+    return text
+
+
+def _drop_unused(text) -> None:
+    """Removes a shader of ours that no camera has any more."""
+    if _facts_of_text(text) and not any(camera.custom_shader == text for camera in bpy.data.cameras):
+        bpy.data.texts.remove(text)
+
+
+def _follow_zoom(camera, path: str) -> None:
+    """Drives a property of the camera by its zoom, without an expression, which a file of others may not run."""
+    if any(curve.data_path == path for curve in (camera.animation_data.drivers if camera.animation_data else ())):
+        # The artist's own.
+        return
+    driver = camera.driver_add(path).driver
+    driver.type = "AVERAGE"
+    variable = driver.variables.new()
+    variable.targets[0].id_type, variable.targets[0].id = "CAMERA", camera
+    variable.targets[0].data_path = f'cycles_custom["{ZOOM}"]'
+
+
+def _stop_following(camera) -> None:
+    """Removes the drivers of `_follow_zoom`."""
+    animated = camera.animation_data
+    for curve in list(animated.drivers) if animated else []:
+        paths = [target.data_path for variable in curve.driver.variables for target in variable.targets]
+        if paths == [f'cycles_custom["{ZOOM}"]']:
+            camera.driver_remove(curve.data_path)
+
+
+def set_up(context, camera, name: str, shader: str, report) -> bool:
+    """Makes `camera` (its data) the lens of a shader; whether that worked. Nothing is changed where it does not. A sensor beyond the
+    film that gets light is made smaller; the artist's own is kept, and is what the next lens begins with."""
+    if not hasattr(camera, "cycles_custom"):
+        report({"ERROR"}, "Cycles is not enabled: enable its add-on, Cycles Render Engine, in the preferences")
         return False
-    reach = facts.get("film_reach_mm")
-    if reach:
-        width, height = _sensor(context.scene.render, camera)
-        share = 2 * float(reach) / hypot(width, height)
-        if share < 1:
-            camera.sensor_width *= share
-            camera.sensor_height *= share
-            report(
-                {"INFO"}, f"the lens has light for a sensor of {2 * float(reach):.1f} mm across: the sensor is now one"
-            )
-    focal_length = facts.get("focal_length_mm")
-    if focal_length:
-        # What Blender draws as the view's frame; the shader does not ask for it.
-        camera.lens = max(1.0, float(focal_length))
+    texts = set(bpy.data.texts)
+    text = _text(name, shader)
+    trial = bpy.data.cameras.new("trial")
+    try:
+        works = _compiled(trial, text, report)
+    except ImportError as error:
+        report({"ERROR"}, f"this Blender cannot compile shaders: {error}")
+        works = False
+    finally:
+        bpy.data.cameras.remove(trial)
+    if not works:
+        if text not in texts:
+            bpy.data.texts.remove(text)
+        return False
+
+    facts = facts_of(shader)
+    _keep(context.scene, camera)
+    before = camera.custom_shader
+    context.scene.render.engine = "CYCLES"
+    _compiled(camera, text, report)
+    if before != text:
+        _drop_unused(before)
+    reach = 2 * float(facts.get("film_reach_mm") or 0)
+    width, height = _sensor(context.scene.render, camera)
+    if 0 < reach < hypot(width, height):
+        share = reach / hypot(width, height)
+        camera.sensor_width *= share
+        camera.sensor_height *= share
+        report({"INFO"}, f"the lens has light for a sensor of {reach:.1f} mm across: the sensor is now one")
+    _note_made(camera)
+    shortest, longest = facts.get("focal_lengths_mm") or (camera.lens, camera.lens)
+    custom = camera.cycles_custom
+    _stop_following(camera)
+    if ZOOM in custom:
+        custom[ZOOM] = min(max(custom[ZOOM], shortest), longest)
+    # What Blender draws as the view's frame; the shader does not ask for it.
+    camera.lens = max(1.0, custom.get(ZOOM, shortest))
+    if ZOOM in custom:
+        _follow_zoom(camera, "lens")
     if bpy.app.version < (5, 0):
         # There the shader is given the stop as the aperture of a lens of this focal length.
-        camera.cycles_custom["focal_length"] = camera.lens
+        custom["focal_length"] = camera.lens
+        if ZOOM in custom:
+            _follow_zoom(camera, 'cycles_custom["focal_length"]')
     camera.dof.use_dof = True
     camera.dof.aperture_fstop = float(facts.get("fnumber") or camera.dof.aperture_fstop)
     return True
+
+
+# What the artist's camera has of its own, by where it is kept.
+OWN = ("type", "lens", "sensor_width", "sensor_height", "custom_mode")
+
+
+def _keep(scene, camera) -> None:
+    """Keeps what the artist's camera has of its own, at the first lens; and brings the sensor back for the next one, unless the
+    artist has changed it since."""
+    kept = json.loads(camera.realistic.kept or "null")
+    if kept is None:
+        kept = {name: getattr(camera, name) for name in OWN}
+        kept |= {"use_dof": camera.dof.use_dof, "fstop": camera.dof.aperture_fstop, "engine": scene.render.engine}
+        kept["shader"] = camera.custom_shader.name if camera.custom_shader else ""
+    elif [camera.sensor_width, camera.sensor_height] == kept.get("made"):
+        camera.sensor_width, camera.sensor_height = kept["sensor_width"], kept["sensor_height"]
+    else:
+        kept |= {"sensor_width": camera.sensor_width, "sensor_height": camera.sensor_height}
+    camera.realistic.kept = json.dumps(kept)
+
+
+def _note_made(camera) -> None:
+    """Notes the sensor that a lens was given, by which one that the artist sets later is told."""
+    kept = json.loads(camera.realistic.kept)
+    camera.realistic.kept = json.dumps(kept | {"made": [camera.sensor_width, camera.sensor_height]})
+
+
+def take_off(context, camera, report) -> None:
+    """Makes the camera again what it was before its first lens; a sensor that the artist has set since stays."""
+    kept = json.loads(camera.realistic.kept)
+    _stop_following(camera)
+    is_ours = [camera.sensor_width, camera.sensor_height] == kept["made"]
+    for name in OWN:
+        if is_ours or not name.startswith("sensor"):
+            setattr(camera, name, kept[name])
+    camera.dof.use_dof, camera.dof.aperture_fstop = kept["use_dof"], kept["fstop"]
+    context.scene.render.engine = kept["engine"]
+    text, camera.custom_shader = camera.custom_shader, bpy.data.texts.get(kept["shader"])
+    camera.custom_bytecode = camera.custom_bytecode_hash = ""
+    if camera.type == "CUSTOM":
+        _compiler()(camera, report)
+    _drop_unused(text)
+    camera.realistic.kept = ""
 
 
 def _sensor(render, camera) -> tuple[float, float]:
@@ -107,6 +244,9 @@ class REALISTIC_PG_camera(bpy.types.PropertyGroup):
     distance: bpy.props.FloatProperty(
         name="Focus at End", description="Focus distance at the last frame", default=1.0, min=0.01, subtype="DISTANCE"
     )
+    kept: bpy.props.StringProperty(
+        name="Kept", description="What the camera was before its first lens, as JSON", options={"HIDDEN"}
+    )
 
 
 class REALISTIC_OT_set_up(bpy.types.Operator):
@@ -118,12 +258,14 @@ class REALISTIC_OT_set_up(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return _camera(context) is not None
+        camera = _camera(context)
+        return camera is not None and camera.is_editable
 
     def execute(self, context):
         camera = _camera(context)
         name = camera.realistic.lens
-        done = set_up(context, camera, str(LENSES / f"{name}.osl"), _facts[name], self.report)
+        shader = (LENSES / f"{name}.osl").read_text(encoding="utf-8")
+        done = set_up(context, camera, name, shader, self.report)
         return {"FINISHED"} if done else {"CANCELLED"}
 
 
@@ -136,7 +278,8 @@ class REALISTIC_OT_from_file(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return _camera(context) is not None
+        camera = _camera(context)
+        return camera is not None and camera.is_editable
 
     def execute(self, context):
         camera = _camera(context)
@@ -147,17 +290,14 @@ class REALISTIC_OT_from_file(bpy.types.Operator):
             self.report({"ERROR"}, "the program realistic is not found: name it in this extension's preferences")
             return {"CANCELLED"}
         lens = bpy.path.abspath(camera.realistic.file)
-        shader = _folder() / (Path(lens).stem + ".osl")
         try:
             told = subprocess.run(
-                [program, "blender", lens, "--out", str(shader)],
+                [program, "blender", lens, "--out", "-"],
                 capture_output=True,
                 text=True,
+                encoding="utf-8",
                 timeout=300,
                 check=False,
-            )
-            facts = subprocess.run(
-                [program, "lens", lens, "--json"], capture_output=True, text=True, timeout=60, check=False
             )
         except (OSError, subprocess.TimeoutExpired) as error:
             self.report({"ERROR"}, f"{program} does not run: {error}")
@@ -165,10 +305,25 @@ class REALISTIC_OT_from_file(bpy.types.Operator):
         if told.returncode != 0:
             self.report({"ERROR"}, told.stderr.strip() or f"{program} failed")
             return {"CANCELLED"}
-        read = json.loads(facts.stdout) if facts.returncode == 0 else {}
-        reach = re.search(r"film points up to ([\d.]+) mm", shader.read_text())
-        read["film_reach_mm"] = reach and reach[1]
-        return {"FINISHED"} if set_up(context, camera, str(shader), read, self.report) else {"CANCELLED"}
+        done = set_up(context, camera, Path(lens).stem, told.stdout, self.report)
+        return {"FINISHED"} if done else {"CANCELLED"}
+
+
+class REALISTIC_OT_take_off(bpy.types.Operator):
+    """Make this camera what it was before its first lens"""
+
+    bl_idname = "realistic.take_off"
+    bl_label = "Take Lens Off"
+    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
+
+    @classmethod
+    def poll(cls, context):
+        camera = _camera(context)
+        return camera is not None and camera.is_editable and bool(camera.realistic.kept)
+
+    def execute(self, context):
+        take_off(context, _camera(context), self.report)
+        return {"FINISHED"}
 
 
 class REALISTIC_OT_pull_focus(bpy.types.Operator):
@@ -180,7 +335,8 @@ class REALISTIC_OT_pull_focus(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return _camera(context) is not None
+        camera = _camera(context)
+        return camera is not None and camera.is_editable
 
     def execute(self, context):
         camera = _camera(context)
@@ -211,18 +367,56 @@ class REALISTIC_PT_camera(bpy.types.Panel):
             column = layout.column(align=True)
             column.label(text=str(facts["title"]))
             column.label(
-                text=f"{facts['focal_length_mm']:.1f} mm   f/{facts['fnumber']:.1f}   "
-                f"nearest focus {facts['nearest_mm'] / 1000:.2f} m"
+                text=f"{_lengths(facts)} mm   f/{facts['fnumber']:.1f}   nearest focus {facts['nearest_mm'] / 1000:.2f} m"
             )
         layout.operator("realistic.set_up", icon="CAMERA_DATA")
         row = layout.row(align=True)
         row.prop(chosen, "file", text="")
         row.operator("realistic.from_file")
+        layout.operator("realistic.take_off", icon="LOOP_BACK")
+        used = shown_facts(camera)
+        if not used:
+            return
+        column = layout.column(align=True)
+        if ZOOM in camera.cycles_custom:
+            column.prop(camera.cycles_custom, f'["{ZOOM}"]', text="Focal Length (mm)")
+        column.prop(camera.dof, "focus_distance", text="Focus Distance")
         row = layout.row(align=True)
         row.prop(chosen, "distance")
         row.operator("realistic.pull_focus", icon="KEYTYPE_KEYFRAME_VEC")
-        if camera.type == "CUSTOM" and not camera.dof.use_dof:
-            layout.label(text="Depth of Field is off: wide open, at infinity", icon="INFO")
+        for note in notes(camera, used):
+            layout.label(text=note, icon="INFO")
+
+
+def _lengths(facts) -> str:
+    """A lens's focal lengths, mm, from the shortest to the longest."""
+    shortest, longest = facts["focal_lengths_mm"]
+    return f"{shortest:.1f}" + (f" to {longest:.1f}" if longest > shortest else "")
+
+
+def notes(camera, facts) -> list[str]:
+    """What the shader does not follow of the camera, or of its lens."""
+    dof, custom = camera.dof, camera.cycles_custom
+    unit = custom.get("unit", 1000)
+    shortest, longest = facts["focal_lengths_mm"]
+    told = []
+    if facts["could_zoom"] and shortest == longest:
+        told.append(f"The file's zoom is not followed: {shortest:.1f} mm only")
+    if ZOOM in custom and not 0.999 * shortest <= custom[ZOOM] <= 1.001 * longest:
+        told.append(f"It zooms from {shortest:.1f} to {longest:.1f} mm, no farther")
+    if facts["focuses_by_groups"]:
+        told.append("Its groups move to focus, the film stays")
+    elif facts["could_focus_by_groups"]:
+        told.append("The whole lens moves to focus: the file's groups are not followed")
+    if not dof.use_dof:
+        return [*told, "Depth of Field is off: wide open, at infinity"]
+    if dof.focus_object is None and dof.focus_distance * unit < 0.999 * facts["nearest_mm"]:
+        told.append(f"Nearer than it focuses: {facts['nearest_mm'] / unit:.3g} in front of it is in focus")
+    if dof.aperture_fstop < 0.98 * facts["fnumber"]:
+        told.append(f"It opens no wider than about f/{facts['fnumber']:.1f}")
+    if dof.aperture_blades or dof.aperture_ratio != 1:
+        told.append("Blades and ratio are the lens file's, not the camera's")
+    return told
 
 
 class REALISTIC_preferences(bpy.types.AddonPreferences):
@@ -241,6 +435,7 @@ CLASSES = (
     REALISTIC_OT_set_up,
     REALISTIC_OT_from_file,
     REALISTIC_OT_pull_focus,
+    REALISTIC_OT_take_off,
     REALISTIC_PT_camera,
     REALISTIC_preferences,
 )

@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
+import os
+import re
+import subprocess
 import sys
+import zipfile
 from math import hypot
 from pathlib import Path
 from types import SimpleNamespace
 
 import bpy
+import numpy as np
 import pytest
-from stage import empty, picture
+import tomllib
+from stage import empty, picture, read
 
 import realistic
 
 MODULE = "bl_ext.user_default.realistic"
-LENSES = Path(__file__).parents[2] / "lenses"
+ROOT = Path(__file__).parents[2]
+LENSES = ROOT / "lenses"
 
 
 @pytest.fixture(scope="module")
@@ -61,23 +68,252 @@ def drawn(kind, **context):
 
 def test_a_button_makes_the_camera_the_lens(stage, tmp_path):
     scene, camera = stage
-    light = scene.world.node_tree.nodes.new("ShaderNodeBackground")
-    world = scene.world.node_tree.nodes.new("ShaderNodeOutputWorld")
-    scene.world.node_tree.links.new(light.outputs[0], world.inputs[0])
-    light.inputs["Color"].default_value = (1, 1, 1, 1)
-    for name, length, diagonal in (("wide.22mm", 22.0, None), ("phone.4mm", 4.1, 6.3), ("zoom.24-70mm", 24.7, None)):
-        camera.sensor_width = 36.0
+    white_world(scene)
+    # Each lens begins with the artist's sensor, whatever the one before has made of it.
+    lenses = (("wide.22mm", 22.0, None), ("phone.4mm", 4.1, 6.3), ("zoom.24-70mm", 24.7, None), ("phone.4mm", 4.1, 6.3))
+    for name, length, diagonal in lenses:
         camera.realistic.lens = name
         assert bpy.ops.realistic.set_up() == {"FINISHED"}
         assert scene.render.engine == "CYCLES" and camera.type == "CUSTOM" and camera.dof.use_dof
         assert camera.lens == pytest.approx(length, abs=0.1)
-        # A phone's film is small: on a sensor of 36 mm nearly all of the picture would be black.
+        # A phone's film is small: on the artist's sensor of 36 mm nearly all of the picture would be black.
         across = hypot(camera.sensor_width, camera.sensor_width / 1.5)
         assert across == pytest.approx(diagonal or hypot(36, 24), abs=0.05)
         camera.dof.focus_distance = 2.0
         seen = picture(scene, tmp_path)
         assert seen[16, 24] == pytest.approx(1.0, rel=0.15), name
         assert (seen > 0).mean() > 0.95
+
+
+def said(camera):
+    """The panel's notes, of what the shader does not follow."""
+    told = drawn(bpy.types.REALISTIC_PT_camera, camera=camera)
+    return [named["text"] for kind, _, named in told if kind == "label" and named.get("icon") == "INFO"]
+
+
+def state(camera):
+    """What the artist has of a camera and its scene."""
+    scene = bpy.context.scene
+    return (
+        *(
+            getattr(camera, name)
+            for name in ("type", "lens", "sensor_width", "sensor_height", "custom_mode", "custom_shader")
+        ),
+        *(
+            camera.dof.use_dof,
+            camera.dof.aperture_fstop,
+            scene.render.engine,
+            len(bpy.data.texts),
+            len(bpy.data.cameras),
+        ),
+        *(len(camera.animation_data.drivers) if camera.animation_data else 0, camera.realistic.kept),
+    )
+
+
+def white_world(scene):
+    """A scene that is white all around."""
+    tree = scene.world.node_tree
+    light, world = tree.nodes.new("ShaderNodeBackground"), tree.nodes.new("ShaderNodeOutputWorld")
+    tree.links.new(light.outputs[0], world.inputs[0])
+    light.inputs["Color"].default_value = (1, 1, 1, 1)
+
+
+def test_the_artists_sensor_is_kept_and_comes_back(stage):
+    scene, camera = stage
+    scene.render.engine, camera.sensor_width, camera.lens = (
+        "BLENDER_EEVEE_NEXT" if bpy.app.version < (5, 0) else "BLENDER_EEVEE",
+        30.0,
+        42.0,
+    )
+    before = state(camera)
+    for name in ("phone.4mm", "phone.4mm", "zoom.24-70mm"):
+        camera.realistic.lens = name
+        assert bpy.ops.realistic.set_up() == {"FINISHED"}
+        assert (camera.sensor_width < 6) is (name == "phone.4mm")
+        # The text of a lens that no camera has any more is gone.
+        assert [text.name for text in bpy.data.texts] == [f"{name}.osl"]
+    assert camera.sensor_width == 30.0
+    assert bpy.ops.realistic.take_off() == {"FINISHED"}
+    assert state(camera) == before and not bpy.ops.realistic.take_off.poll()
+    # A sensor that the artist sets after a lens is what the next one begins with.
+    camera.realistic.lens = "phone.4mm"
+    assert bpy.ops.realistic.set_up() == {"FINISHED"}
+    camera.sensor_width = 24.0
+    camera.realistic.lens = "wide.22mm"
+    assert bpy.ops.realistic.set_up() == {"FINISHED"} and camera.sensor_width == 24.0
+    assert bpy.ops.realistic.take_off() == {"FINISHED"} and camera.sensor_width == 24.0 and camera.type == before[0]
+
+
+def test_undo_brings_all_back(stage):
+    _, camera = stage
+    name, before = camera.name, state(camera)
+    camera.realistic.lens = "phone.4mm"
+    bpy.ops.ed.undo_push(message="before")
+    assert bpy.ops.realistic.set_up() == {"FINISHED"}
+    bpy.ops.ed.undo_push(message="after")
+    assert bpy.data.cameras[name].sensor_width < 6
+    assert bpy.ops.ed.undo() == {"FINISHED"}
+    assert state(bpy.data.cameras[name]) == before
+
+
+def test_a_shader_that_does_not_compile_changes_nothing(stage, monkeypatch):
+    scene, camera = stage
+    scene.render.engine = "BLENDER_WORKBENCH"
+    before = state(camera)
+    extension = sys.modules[MODULE]
+    told = []
+    assert not extension.set_up(bpy.context, camera, "broken", "shader broken(", lambda kind, text: told.append(text))
+    assert state(camera) == before and any("compilation failed" in text for text in told)
+
+    def missing():
+        raise ModuleNotFoundError("No module named 'oslquery'")
+
+    monkeypatch.setattr(extension, "_compiler", missing)
+    with pytest.raises(RuntimeError, match="this Blender cannot compile shaders: No module named 'oslquery'"):
+        bpy.ops.realistic.set_up()
+    assert state(camera) == before
+
+
+# A farm's node: Blender without this extension, which opens the file and renders it.
+NODE = """
+import bpy, sys
+bpy.ops.wm.open_mainfile(filepath=sys.argv[1])
+assert not hasattr(bpy.types.Camera, "realistic")
+bpy.context.scene.frame_set(int(sys.argv[3]))
+bpy.context.scene.render.filepath = sys.argv[2]
+bpy.ops.render.render(write_still=True)
+"""
+
+
+def on_a_node(blend, out, frame=1):
+    """The picture that a node of a farm makes of a file, in a folder of its own."""
+    room = out.parent / f"node-{out.stem}"
+    room.mkdir()
+    subprocess.run(
+        [sys.executable, "-c", NODE, blend, out, str(frame)],
+        env={**os.environ, "BLENDER_USER_RESOURCES": str(room), "HOME": str(room), "PYTHONPATH": ""},
+        cwd=room,
+        check=True,
+        timeout=300,
+    )
+    return read(out)
+
+
+def test_the_file_renders_on_a_node_without_the_extension(stage, program, tmp_path):
+    scene, camera = stage
+    white_world(scene)
+    bpy.context.preferences.addons[MODULE].preferences.program = program
+    camera.realistic.lens, camera.realistic.file = "wide.22mm", str(LENSES / "tessar.50mm.dat")
+    for button in (bpy.ops.realistic.set_up, bpy.ops.realistic.from_file):
+        assert button() == {"FINISHED"}
+        here = picture(scene, tmp_path)
+        blend = tmp_path / f"{camera.custom_shader.name}.blend"
+        bpy.ops.wm.save_as_mainfile(filepath=str(blend), copy=True)
+        there = on_a_node(blend, tmp_path / f"{camera.custom_shader.name}.exr")
+        assert here[16, 24] == pytest.approx(1.0, rel=0.15) and np.array_equal(here, there)
+
+
+def widths(scene, folder):
+    """How wide the bright bar is in the middle row of the picture, in pixels."""
+    seen = picture(scene, folder)[..., 0]
+    return np.count_nonzero(seen[seen.shape[0] // 2] > 0.5 * seen.max())
+
+
+def test_a_zoom_is_keyed_and_its_picture_follows_on_a_node_too(stage, tmp_path):
+    scene, camera = stage
+    white_world(scene)
+    # A black board with a gap: a bar of 2 m, 20 m away.
+    for x in (-51.0, 51.0):
+        bpy.ops.mesh.primitive_plane_add(size=100, location=(x, 0, -20))
+        board = bpy.data.materials.new("black")
+        tree = board.node_tree
+        if tree is None:
+            board.use_nodes = True
+            tree = board.node_tree
+        tree.nodes.clear()
+        bpy.context.object.data.materials.append(board)
+    scene.render.resolution_x, scene.render.resolution_y, scene.cycles.samples = 120, 80, 16
+    scene.frame_start, scene.frame_end = 1, 25
+    camera.realistic.lens = "zoom.24-70mm"
+    assert bpy.ops.realistic.set_up() == {"FINISHED"}
+    camera.dof.focus_distance = 20.0
+    custom = camera.cycles_custom
+    told = drawn(bpy.types.REALISTIC_PT_camera, camera=camera)
+    assert ("prop", (custom, '["zoom"]'), {"text": "Focal Length (mm)"}) in told
+    limits = custom.id_properties_ui("zoom").as_dict()
+    assert limits["min"] == pytest.approx(24.7, abs=0.1) and limits["max"] == pytest.approx(67.9, abs=0.1)
+    for frame, length in ((1, 25.0), (25, 65.0)):
+        custom["zoom"] = length
+        custom.keyframe_insert('["zoom"]', frame=frame)
+    found = {}
+    for frame, length in ((1, 25.0), (25, 65.0), (13, 45.0)):
+        scene.frame_set(frame)
+        assert custom["zoom"] == pytest.approx(length, abs=0.1) and camera.lens == pytest.approx(length, abs=0.1)
+        found[frame] = widths(scene, tmp_path)
+        # First-order optics: 120 pixels are 36 mm. Zooms distort by some percent.
+        assert found[frame] == pytest.approx(2 / 20 * length / 36 * 120, rel=0.08, abs=1.5), found
+    blend = tmp_path / "zoom.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend), copy=True)
+    there = on_a_node(blend, tmp_path / "there.exr", 25)[..., 0]
+    assert np.count_nonzero(there[40] > 0.5 * there.max()) == pytest.approx(found[25], abs=1)
+    # Another lens has no zoom, and follows none.
+    camera.realistic.lens = "dgauss.50mm"
+    assert bpy.ops.realistic.set_up() == {"FINISHED"}
+    assert "zoom" not in custom and camera.lens == pytest.approx(50.4, abs=0.1) and not camera.animation_data.drivers
+
+
+def test_what_the_shader_does_not_follow_is_said(stage):
+    _, camera = stage
+    camera.realistic.lens = "zoom.70-200mm"
+    assert bpy.ops.realistic.set_up() == {"FINISHED"}
+    assert said(camera) == ["Its groups move to focus, the film stays"]
+    camera.cycles_custom["zoom"], camera.dof.focus_distance, camera.dof.aperture_fstop = 400.0, 0.5, 1.4
+    camera.dof.aperture_blades = 6
+    assert said(camera) == [
+        "It zooms from 71.4 to 196.0 mm, no farther",
+        "Its groups move to focus, the film stays",
+        "Nearer than it focuses: 1.24 in front of it is in focus",
+        "It opens no wider than about f/2.9",
+        "Blades and ratio are the lens file's, not the camera's",
+    ]
+    facts = sys.modules[MODULE].shown_facts(camera)
+    alone = {**facts, "focuses_by_groups": False, "focal_lengths_mm": [105.0, 105.0]}
+    assert sys.modules[MODULE].notes(camera, alone)[0] == "The file's zoom is not followed: 105.0 mm only"
+    assert "The whole lens moves to focus: the file's groups are not followed" in sys.modules[MODULE].notes(
+        camera, alone
+    )
+
+
+def test_headless_works_as_the_page_has_it(zip_file, tmp_path):
+    page = (ROOT / "docs/blender.md").read_text()
+    block = re.search(r"```python\n(.*?)```", page, re.DOTALL)[1]
+    assert "import bpy" in block
+    room = tmp_path / "room"
+    room.mkdir()
+    (tmp_path / "realistic.zip").symlink_to(zip_file)
+    told = subprocess.run(
+        [sys.executable, "-c", block],
+        env={**os.environ, "BLENDER_USER_RESOURCES": str(room), "PYTHONPATH": ""},
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+    assert told.returncode == 0, told.stderr
+    import OpenImageIO
+
+    image = OpenImageIO.ImageInput.open(str(tmp_path / "picture.png"))
+    assert np.array(image.read_image("float"))[..., :3].mean() > 0.1
+
+
+def test_the_extensions_licence_is_that_of_its_platform(zip_file):
+    with zipfile.ZipFile(zip_file) as archive:
+        assert {"LICENSE", "LICENSE-MIT", "LICENSE-APACHE"} <= set(archive.namelist())
+        assert tomllib.loads(archive.read("blender_manifest.toml").decode())["license"] == ["SPDX:GPL-3.0-or-later"]
+        assert "GNU GENERAL PUBLIC LICENSE\n                       Version 3" in archive.read("LICENSE").decode()
+        code = archive.read("__init__.py").decode()
+    assert code.startswith("# SPDX-License-Identifier: GPL-3.0-or-later OR MIT OR Apache-2.0\n")
 
 
 def test_focus_is_animated(stage):
@@ -110,7 +346,7 @@ def test_a_lens_file_is_a_camera_by_the_program(stage, program, monkeypatch, tmp
     assert bpy.ops.realistic.from_file() == {"FINISHED"}
     assert camera.type == "CUSTOM" and camera.lens == pytest.approx(50.0, abs=0.1)
     assert camera.dof.aperture_fstop == pytest.approx(2.8, abs=0.1)
-    assert Path(camera.custom_filepath).read_text().startswith("/* ")
+    assert camera.custom_shader.name == "tessar.50mm.osl" and camera.custom_shader.as_string().startswith("/* ")
     camera.realistic.file = str(tmp_path / "nowhere.dat")
     with pytest.raises(RuntimeError, match=r"nowhere\.dat"):
         bpy.ops.realistic.from_file()
@@ -135,10 +371,13 @@ def test_the_panel_shows_the_lens_and_has_every_button(stage):
     assert set(extension._previews) == set(extension._facts) == set(realistic.catalogue())
     assert min(extension._previews["wide.22mm"].image_size) > 100
     buttons = [given[0] for kind, given, _ in told if kind == "operator"]
-    assert buttons == ["realistic.set_up", "realistic.from_file", "realistic.pull_focus"]
+    assert buttons == ["realistic.set_up", "realistic.from_file", "realistic.take_off"]
     assert bpy.ops.realistic.set_up() == {"FINISHED"}
+    assert said(camera) == []
     camera.dof.use_dof = False
-    assert "Depth of Field is off" in drawn(panel, camera=camera)[-1][2]["text"]
+    assert said(camera) == ["Depth of Field is off: wide open, at infinity"]
+    buttons = [given[0] for kind, given, _ in drawn(panel, camera=camera) if kind == "operator"]
+    assert buttons[-1] == "realistic.pull_focus"
     settings = drawn(type(bpy.context.preferences.addons[MODULE].preferences))
     assert [(kind, given[1]) for kind, given, _ in settings] == [("prop", "program")]
     scene.camera = None

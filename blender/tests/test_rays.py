@@ -54,6 +54,8 @@ def test_rays_are_those_of_double_precision(lenses, name, tmp_path):
         camera.cycles_custom["focal_length"] = camera.lens
     errors, differ, count = [], 0, 0
     for fnumber, distance in SETTINGS:
+        # Groups that focus stand where they do for infinity; `cargo test` has them nearer.
+        distance = 1e6 if facts["focuses_by_groups"] else distance
         camera.dof.aperture_fstop, camera.dof.focus_distance = fnumber, distance
         # Blender looks along -z.
         thirds = np.split(picture(scene, tmp_path), 3, axis=1)

@@ -46,20 +46,23 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let opened = args.lens.open()?;
     let prescription = &opened.prescription;
     let parameters = opened.parameters();
-    let by_groups = parameters.focusby == Some(FocusBy::Group);
+    let layout = prescription.positions.as_ref().and_then(|positions| positions.layout().ok());
+    let could_focus = layout.is_some_and(|layout| layout.steps > 1);
+    // As the lens does it, where its file says how.
+    let by_groups = parameters.focusby.map_or(could_focus, |by| by == FocusBy::Group);
     let asked = Asked { lens: &opened.lens, stop: opened.stop(), zoom: parameters.zoom.as_ref(), by_groups };
     let (stations, start) = stations(prescription, asked).unwrap_or_else(|error| {
         console::warn(&format!("{error}; the shader has the lens as its file begins"));
         (vec![Station::fixed(&opened.lens, 0.0)], 0)
     });
-    let layout = prescription.positions.as_ref().and_then(|positions| positions.layout().ok());
     let request = Request {
         prescription,
         stations: &stations,
         start,
         reach: parameters.filmdiag.unwrap_or(LARGEST) / 2.0,
         spectral: args.dispersion,
-        groups_could_focus: layout.is_some_and(|layout| layout.steps > 1),
+        could_zoom: layout.is_some_and(|layout| layout.zooms > 1),
+        could_focus_by_groups: could_focus,
     };
     let camera = Camera::of(&request)?;
     let out = args.out.clone().unwrap_or_else(|| {

@@ -170,25 +170,33 @@ fn all_images(stations: &[Optics], table: &Table) -> Vec<Numbers> {
             .collect()
     };
     let all: Vec<Vec<Numbers>> = stations.iter().enumerate().map(of).collect();
-    let mut widening: f64 = 1.0;
-    for three in all.windows(3).step_by(2) {
-        for ((before, between), after) in three[0].iter().zip(&three[1]).zip(&three[2]) {
-            if [before, between, after].iter().any(|image| **image == NO_LIMIT) {
+    // By how much each node's image is to be wider.
+    let mut widening = vec![vec![1.0_f64; FOCI * FIELDS]; all.len()];
+    for between in (1..all.len()).step_by(2) {
+        for (i, image) in all[between].iter().enumerate() {
+            let ends = [&all[between - 1][i], &all[between + 1][i]];
+            if *image == NO_LIMIT || ends.contains(&&NO_LIMIT) {
                 continue;
             }
-            for s2 in [0.0, 0.25, 1.0] {
+            for s in [0.125_f64, 0.25, 0.5, 1.0] {
+                let s2 = s * s;
                 let terms = |image: &Numbers, k: usize| image[k] + s2 * (image[k + 1] + s2 * image[k + 2]);
-                let mean = |k: usize| f64::midpoint(terms(before, k), terms(after, k));
-                let off = (terms(between, 0) - mean(0)).abs();
-                widening = widening.max((terms(between, 3) + off) / mean(3)).max(terms(between, 6) / mean(6));
+                let mean = |k: usize| f64::midpoint(terms(ends[0], k), terms(ends[1], k));
+                // The widths are over s, the centre is not.
+                let off = (terms(image, 0) - mean(0)).abs() / s;
+                let needed = ((terms(image, 3) + off) / mean(3)).max(terms(image, 6) / mean(6));
+                for node in [between - 1, between + 1] {
+                    widening[node][i] = widening[node][i].max(needed);
+                }
             }
         }
     }
-    let widened = |mut image: Numbers| {
+    let widened = |(mut image, widening): (Numbers, f64)| {
         image[3..9].iter_mut().for_each(|number| *number *= widening);
         image
     };
-    all.into_iter().step_by(2).flatten().map(widened).collect()
+    let all = all.into_iter().zip(widening).step_by(2);
+    all.flat_map(|(images, widening)| images.into_iter().zip(widening)).map(widened).collect()
 }
 
 /// The images of the stop at the nodes of one focus. From the first field on from which rays do not reach the stop's

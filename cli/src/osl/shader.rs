@@ -28,8 +28,9 @@ pub struct Request<'a> {
     pub reach: f64,
     /// Whether each sample has a wavelength of its own.
     pub spectral: bool,
-    /// Whether the lens file says how groups move to focus.
-    pub groups_could_focus: bool,
+    /// Whether the lens file says how it zooms, and how groups move to focus.
+    pub could_zoom: bool,
+    pub could_focus_by_groups: bool,
 }
 
 /// A shader and what its user is told of it.
@@ -120,15 +121,16 @@ impl Camera {
         let zooms = if shortest == longest { shortest } else { format!("{shortest} to {longest}") };
         let station = &request.stations[request.start];
         let name = plain(&station.lens.name);
-        let title = title.as_deref().unwrap_or(&name);
+        let title = plain(title.as_deref().unwrap_or(&name));
         let facts = serde_json::json!({
             "title": title,
             "focal_lengths_mm": self.focal_lengths,
             "fnumber": self.fnumber,
             "nearest_mm": self.nearest,
             "film_reach_mm": self.reach,
-            "groups_focus": station.focuses_by_groups(),
-            "groups_could_focus": request.groups_could_focus,
+            "focuses_by_groups": station.focuses_by_groups(),
+            "could_zoom": request.could_zoom,
+            "could_focus_by_groups": request.could_focus_by_groups,
         });
         format!(
             "/* {}: {}\n   \
@@ -138,7 +140,7 @@ impl Camera {
                 The camera's Depth of Field must be on; from it come focus and f-number, and from the camera the sensor. */\n\
              // facts: {}\n\n",
             name,
-            plain(title),
+            title,
             env!("CARGO_PKG_VERSION"),
             zooms,
             fixed(self.fnumber, 2),
@@ -150,7 +152,7 @@ impl Camera {
             } else {
                 "the whole lens moves to focus"
             },
-            facts.to_string().replace('\\', " "),
+            facts,
         )
     }
 }
