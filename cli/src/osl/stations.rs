@@ -4,10 +4,12 @@
 //! zoom, out. Those of even number are the zoom's nodes, the positions of the lens file among them; those between are in the
 //! middle, by the focal length's logarithm.
 
+use realistic::imaging::axial_image::AxialImage;
 use realistic::lens::first_order::FirstOrder;
 use realistic::lens::moving::{FocusTravel, MovingError, MovingGroups};
-use realistic::lens::open::{StopSize, set_up};
+use realistic::lens::open::{OpenLens, StopSize, set_up};
 use realistic::lens::{Lens, LensError};
+use realistic::numeric::root;
 use realistic::prescription::Prescription;
 
 /// The largest step of the zoom, by the focal length's logarithm, and the most steps.
@@ -62,12 +64,29 @@ impl Station {
         self.focusing.is_some()
     }
 
-    /// The lens as its groups focus on an object 1/`vergence` mm in front of it.
+    /// The lens as its groups focus on an object 1/`vergence` mm in front of it, with the film where the file has it.
     pub fn focused(&self, vergence: f64) -> Option<Lens> {
         let Focusing { travel, wavelength, stop } = self.focusing.as_ref()?;
+        let at = |place: f64| {
+            let prescription = travel.at(place);
+            let opened = set_up(&prescription, *wavelength, *stop, &mut |_, _| ()).ok()?;
+            Some((prescription.nominal_film_distance, opened))
+        };
+        let off = |place: f64| match at(place) {
+            Some((Some(film), OpenLens { lens, entrance, .. })) => {
+                AxialImage::of(&lens, entrance).best(vergence).distance - film
+            }
+            _ => f64::NAN,
+        };
         let [far, near] = travel.range();
-        let prescription = travel.at(vergence.clamp(far, near));
-        set_up(&prescription, *wavelength, *stop, &mut |_, _| ()).ok().map(|opened| opened.lens)
+        let place = match [off(far), off(near)] {
+            [before, behind] if before * behind < 0.0 => root(far, near, off),
+            [before, behind] if before.abs() < behind.abs() => far,
+            [_, behind] if behind.is_finite() => near,
+            // No film is stated: as the table has it for this object.
+            _ => vergence.clamp(far, near),
+        };
+        at(place).map(|(_, opened)| opened.lens)
     }
 }
 

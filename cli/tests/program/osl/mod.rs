@@ -1,6 +1,7 @@
 //! `realistic blender`: the text of the shader, compiled as C++, against exact rays in double precision. OSL is so near to C
 //! that a few replacements make the one into the other; the arithmetic stays in single precision.
 
+use realistic::camera::{FocusBy, Host, Parameters, Raster, Zoom, group_reach, open_lens};
 use realistic::imaging::{focus::Focus, irradiance};
 use realistic::lens::{
     Lens, Ray,
@@ -201,18 +202,34 @@ fn lens_of(name: &str) -> Lens {
     Lens::at_d_line(&catalogue::find(name).expect("listed"))
 }
 
-/// The lens focused by its groups, where they move, at a distance in m from its front vertex; 0 is infinity.
-fn focused(name: &str, distance: f32) -> Lens {
+/// The lens focused by its groups, where they move, at a distance in m from its front vertex; 0 is infinity. The library counts
+/// distances from the film.
+fn focused(name: &str, zoom: Option<f64>, distance: f32) -> Lens {
     let prescription = catalogue::find(name).expect("listed");
-    let vergence = if distance > 0.0 { 0.001 / f64::from(distance) } else { 0.0 };
-    match MovingGroups::of(&prescription).expect("in order") {
-        Some(groups) if groups.position(0).is_known() => {
-            let travel = groups.position(0);
-            let [far, near] = travel.range();
-            Lens::at_d_line(&travel.at(vergence.clamp(far, near)))
-        }
-        _ => lens_of(name),
+    let by_groups = MovingGroups::of(&prescription).expect("in order");
+    if !by_groups.is_some_and(|groups| groups.position(0).is_known()) {
+        return lens_of(name);
     }
+    let host = Host::new(Raster { xres: 1, yres: 1 }, None);
+    let mut parameters = Parameters {
+        specfile: Some(name.to_owned()),
+        zoom: zoom.map(Zoom::FocalLength),
+        focusby: Some(FocusBy::Group),
+        ..Parameters::default()
+    };
+    let mut length = 0.0;
+    for _ in 0..4 {
+        let from_film = if distance > 0.0 { 1000.0 * f64::from(distance) + length } else { f64::INFINITY };
+        // A bit nearer than it can is where it ends.
+        let reach = group_reach(&parameters, &host).expect("it focuses");
+        parameters.focusdistance = Some(from_film.max(reach[0].object_distance * (1.0 + 1e-9)));
+        let (prescription, lens) = open_lens(&parameters, &host, &mut |_, _| ()).expect("in reach");
+        length = prescription.nominal_film_distance.expect("stated") - lens.rear().vertex;
+        if distance == 0.0 {
+            return lens;
+        }
+    }
+    open_lens(&parameters, &host, &mut |_, _| ()).expect("in reach").1
 }
 
 /// Errors of directions (radians) and of the points where the ray comes nearest (mm), and counts.
@@ -315,21 +332,14 @@ fn a_zoom_is_traced_at_any_focal_length_and_its_film_is_bright_and_in_focus() {
 fn groups_focus_where_the_file_has_them() {
     for (name, zooms) in [("macro.105mm", &[None][..]), ("zoom.70-200mm", &[None, Some(150.0)])] {
         let text = succeeds(&["blender", name, "--out", "-"], "");
-        let prescription = catalogue::find(name).expect("listed");
-        let groups = MovingGroups::of(&prescription).expect("in order").expect("positions");
         for zoom in zooms {
             let shader = Shader::of_text(name, &zoom.map_or(text.clone(), |zoom| zoomed(&text, zoom)));
-            let travel = match zoom {
-                Some(zoom) => groups.zoomed(*zoom, |_, _| None).expect("in range"),
-                None => groups.position(0),
-            };
             // In metres; 0 is infinity.
             for distance in [0.0, 5.0, 2.0, 1.2420, 0.2550001_f32] {
                 if distance > 0.0 && distance < 1.0 && name != "macro.105mm" {
                     continue;
                 }
-                let vergence = if distance > 0.0 { 0.001 / f64::from(distance) } else { 0.0 };
-                let lens = Lens::at_d_line(&travel.at(vergence));
+                let lens = focused(name, *zoom, distance);
                 for aperture in [0.0, 1.0 / 16.0] {
                     let answers = shader.answers(&samples(shader.reach, 10_000, [aperture, distance]));
                     let found = Comparison::of(&lens, &answers);
@@ -362,7 +372,7 @@ fn every_lens_of_the_catalogue_is_traced_as_in_double_precision() {
         for camera in cameras() {
             // Nearer than the nearest that the file states is focused there: a place beyond that is none of the test's.
             let camera = if (1e-9..1e-3).contains(&camera[1]) { [camera[0], shader.nearest] } else { camera };
-            let lens = focused(name, camera[1]);
+            let lens = focused(name, None, camera[1]);
             let answers = shader.answers(&samples(shader.reach, 20_000, camera));
             let found = Comparison::of(&lens, &answers);
             let [median, most] = Comparison::median_and_most(&found.directions);
