@@ -11,7 +11,7 @@ use realistic::{
     },
 };
 use realistic_lab::{
-    stability::{Case, case::MARGIN, random::aspheric_lens_text, tracers},
+    stability::{Case, Reason, case::MARGIN, random::aspheric_lens_text, tracers},
     timing::cost::Cost,
 };
 
@@ -41,7 +41,62 @@ fn every_tracer_keeps_its_bound_in_a_telephones_lens() {
     let passed = trails.iter().filter(|trail| trail.exact.is_ok()).count();
     println!("{passed} pass");
     for tracer in tracers() {
-        println!("{:?}", case.run(&tracer, &trails));
+        let result = case.run(&tracer, &trails).expect("it ends in air");
+        assert!(result.holds(), "{result:?}");
+    }
+}
+
+#[test]
+fn a_ray_that_grazes_an_asphere_is_sound_or_blocked() {
+    // Rays that dip below a surface between equal media for less than rounding once came out of the walk in single precision
+    // without direction: of random lenses, the surfaces and rays of the two that did.
+    type Grazing = (f64, f64, &'static [(usize, f64)], f64, [[f64; 3]; 2]);
+    let found: [Grazing; 2] = [
+        (
+            -1_220_854.178_915_763,
+            -4.934_632_858_440_135,
+            &[(18, 7.288_934_030_367_447e-25), (20, -1.915_589_021_261_820_6e-26)],
+            16.349_772_085_088_13,
+            [
+                [0.059_321_790_293_474_09, -0.038_361_032_063_769_52, -0.232_279_495_392_325_17],
+                [12.105_666_871_750_797, 8.554_267_808_331_952, 0.232_279_495_392_325_17],
+            ],
+        ),
+        (
+            283.372_345_034_591_1,
+            -1.451_378_520_844_606_6,
+            &[
+                (10, 1.743_744_603_349_179e-8),
+                (16, 7.539_587_281_457_901e-13),
+                (18, -5.909_528_496_089_565e-12),
+            ],
+            3.834_659_663_012_169_4,
+            [
+                [-0.142_426_392_279_350_97, 0.126_822_512_244_265_25, -0.472_783_009_287_59],
+                [2.255_333_327_495_306, -2.826_909_878_746_47, 0.472_783_009_287_59],
+            ],
+        ),
+    ];
+    for (radius, conic, terms, semi_diameter, [origin, [dx, dy, dz]]) in found {
+        let mut asphere = Asphere { radius, conic, terms: [0.0; 19] };
+        for (power, term) in terms {
+            asphere.terms[power - FIRST_POWER] = *term;
+        }
+        let row =
+            Interface { shape: Shape::Asphere(asphere), thickness: 0.0, medium: Medium::Air, semi_diameter };
+        let lens = Lens::at_d_line(&Prescription::new(vec![row]));
+        let near = |i: i32| Ray { origin, direction: [dx, dy, dz * (1.0 + 1e-5 * f64::from(i))] };
+        let case =
+            Case::new("aspheres", "a grazing ray", &lens, FilmToScene, (-2000..2000).map(near).collect());
+        let trails = case.trails();
+        for tracer in tracers() {
+            let result = case.run(&tracer, &trails).expect("it ends in air");
+            // At grazing incidence two methods lose digits; see their bound.
+            let may_fail =
+                |reason| reason == Reason::Error && ["whitted", "heckbert"].contains(&result.tracer);
+            let failure = result.failures.iter().find(|failure| !may_fail(failure.reason));
+            assert_eq!(failure, None, "{}: {}", result.tracer, result.fails_because());
+        }
     }
 }
 
@@ -111,12 +166,9 @@ fn half_ellipsoids_up_to_their_equators_are_met_where_a_scan_finds_them() {
                 }
                 for tracer in &tracers {
                     let Some(result) = case.run(tracer, &trails) else { continue };
-                    assert_eq!(result.disagreements, 0, "{name}: {result:?} {:?}", lens.front());
-                    assert!(
-                        result.holds || tracer.name == "f32 anywhere",
-                        "{name}: {result:?} {:?}",
-                        lens.front()
-                    );
+                    let may_fail = |reason| reason == Reason::Error && tracer.name == "f32 anywhere";
+                    let fails = result.failures.iter().any(|failure| !may_fail(failure.reason));
+                    assert!(!fails, "{name}: {result:?} {:?}", lens.front());
                 }
             }
             println!("{name}: {passed} of {decided} pass");

@@ -391,8 +391,10 @@ impl<R: Real> Aspheric<R> {
             let contact = self.contact(line, t);
             t = t + contact.residual / contact.facing;
         }
-        // The conic's other half or sheet is no part of the surface.
-        if self.contact(line, t).q > R::ZERO { Ok(t) } else { Err(Blocked::Missed) }
+        // The conic's other half or sheet is no part of the surface; and where a ray only just dips below it, the steps may end
+        // where it comes back up, which is no crossing toward the side ahead.
+        let Contact { q, facing, .. } = self.contact(line, t);
+        if q > R::ZERO && facing > R::ZERO { Ok(t) } else { Err(Blocked::Missed) }
     }
 
     /// Where the ray, from `from` on, first comes as near to the axis as the bounds hold.

@@ -37,6 +37,29 @@ impl Curve {
         self.points.iter().map(|p| (p.time, p.error)).collect()
     }
 
+    /// When the error gets and stays below one, by the power law between the points, seconds; `None` where it does not.
+    pub fn time_to(&self, error: f64) -> Option<f64> {
+        let last_above = self.points.iter().rposition(|point| point.error > error);
+        let Some(above) = last_above else {
+            return self.points.first().map(|point| point.time);
+        };
+        let (before, after) = (self.points.get(above)?, self.points.get(above + 1)?);
+        let share = (before.error / error).ln() / (before.error / after.error).ln();
+        Some(before.time * (after.time / before.time).powf(share))
+    }
+
+    /// Whether another is the same estimator on the same lens.
+    pub fn is_like(&self, other: &Self) -> bool {
+        let named = |curve: &Self| (curve.lens.clone(), curve.pupil, curve.disk, curve.sequence);
+        named(self) == named(other)
+    }
+
+    /// How many times longer than the other one it takes to each error that both reach, or the other than this one.
+    pub fn apart(&self, other: &Self, errors: &[f64]) -> Vec<f64> {
+        let ratio = |error: &f64| Some(self.time_to(*error)? / other.time_to(*error)?);
+        errors.iter().filter_map(ratio).map(|ratio| ratio.max(ratio.recip())).collect()
+    }
+
     /// Exponent of the noise as a power of the number of samples.
     pub fn slope(&self) -> f64 {
         let noise: Vec<_> = self.points.iter().map(|p| (p.samples as f64, p.noise)).collect();
@@ -46,5 +69,37 @@ impl Curve {
     /// RMS over the film points of the mean relative error that is left with many samples.
     pub fn bias(&self) -> f64 {
         self.points.last().map_or(f64::NAN, |p| (p.error.powi(2) - p.noise.powi(2)).max(0.0).sqrt())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn curve(points: &[(f64, f64)]) -> Curve {
+        let point = |&(time, error): &(f64, f64)| Estimate { samples: 1, time, error, noise: error };
+        let points = points.iter().map(point).collect();
+        Curve { lens: String::new(), pupil: "rear", disk: "concentric", sequence: "random", points }
+    }
+
+    #[test]
+    fn the_time_to_an_error_lies_on_the_power_law_between_points() {
+        let own = curve(&[(1.0, 1.0), (4.0, 0.5), (16.0, 0.25)]);
+        assert!((own.time_to(0.3535533905932738).expect("reached") - 8.0).abs() < 1e-9);
+        assert_eq!(own.time_to(2.0), Some(1.0));
+        assert_eq!(own.time_to(0.1), None);
+        // It counts where the curve stays below.
+        assert!(curve(&[(1.0, 0.1), (2.0, 1.0), (4.0, 0.1)]).time_to(0.2).expect("reached") > 2.0);
+    }
+
+    #[test]
+    fn two_runs_of_one_estimator_are_as_far_apart_as_their_times_to_an_error() {
+        let own = curve(&[(1.0, 1.0), (4.0, 0.5), (16.0, 0.25)]);
+        let slower = curve(&[(2.0, 1.0), (8.0, 0.5), (32.0, 0.25)]);
+        for ratio in [own.apart(&slower, &[0.5, 0.3]), slower.apart(&own, &[0.5, 0.3])].concat() {
+            assert!((ratio - 2.0).abs() < 1e-9, "{ratio}");
+        }
+        // An error that one of them does not reach says nothing.
+        assert_eq!(own.apart(&slower, &[0.1]), []);
     }
 }

@@ -17,6 +17,9 @@ use crate::{
 /// Film points, as shares of the half-diagonal toward a corner.
 pub const FIELDS: [f64; 5] = [0.0, 0.3, 0.55, 0.75, 0.95];
 
+/// Relative errors that a need allows: where estimators are compared.
+pub const NEEDS: [f64; 2] = [1e-2, 2e-3];
+
 /// How much is measured.
 #[derive(Clone, Copy, Debug)]
 pub struct SampleCounts {
@@ -31,7 +34,7 @@ pub struct SampleCounts {
 }
 
 /// Raster coordinates of a film point.
-fn raster(field: f64) -> [f32; 2] {
+pub(super) fn raster(field: f64) -> [f32; 2] {
     [PIXELS.xres, PIXELS.yres].map(|side| (f64::from(side) / 2.0 * (1.0 + field)) as f32)
 }
 
@@ -58,13 +61,14 @@ fn estimate(camera: &Single, [image_x, image_y]: [f32; 2], points: &[[f32; 4]]) 
     sum / f64::from(count.max(1))
 }
 
-/// Every estimator on one lens.
+/// Every estimator on one lens, and some of them once more by other numbers.
 ///
 /// # Errors
 /// A camera cannot be built.
-pub fn measure(subject: &Subject, counts: SampleCounts) -> Result<Vec<Curve>, CameraError> {
+pub fn measure(subject: &Subject, counts: SampleCounts) -> Result<(Vec<Curve>, Vec<Curve>), CameraError> {
     let exact = exact(subject, counts.survey);
     let mut curves = Vec::new();
+    let mut again = Vec::new();
     let mut cameras = Vec::new();
     for &pupil in PUPILS {
         for &disk in DISKS {
@@ -73,17 +77,26 @@ pub fn measure(subject: &Subject, counts: SampleCounts) -> Result<Vec<Curve>, Ca
             given.set("disk", Value::Text(disk))?;
             let camera = camera(&subject.lens.name, PIXELS, given)?;
             for (sequence, placed) in Sequence::NAMES {
-                let samples = (1..=counts.exponent).map(|power| 4_usize.pow(power));
-                let points: Vec<_> = samples
-                    .map(|samples| precision(&camera, placed, &exact, samples, counts.repeats))
-                    .collect();
-                curves.push(Curve { lens: subject.lens.name.clone(), pupil, disk, sequence, points });
+                let curve = |seed: u32| {
+                    let samples = (1..=counts.exponent).map(|power| 4_usize.pow(power));
+                    let points = samples
+                        .map(|samples| precision(&camera, placed, &exact, samples, counts.repeats, seed))
+                        .collect();
+                    Curve { lens: subject.lens.name.clone(), pupil, disk, sequence, points }
+                };
+                // The same once more by other numbers, of those that have no bias.
+                again.extend((disk == DISKS[0] && pupil != "disk").then(|| curve(counts.repeats)));
+                curves.push(curve(0));
             }
             cameras.push(camera);
         }
     }
     time(&cameras, counts.effort, &mut curves);
-    Ok(curves)
+    for curve in &mut again {
+        let first = curves.iter().find(|first| first.is_like(curve)).expect("measured with it");
+        curve.points.iter_mut().zip(&first.points).for_each(|(point, first)| point.time = first.time);
+    }
+    Ok((curves, again))
 }
 
 /// Error and noise; the time comes later, for all together.
@@ -93,13 +106,14 @@ fn precision(
     exact: &[(f64, f64)],
     samples: usize,
     repeats: u32,
+    first: u32,
 ) -> Estimate {
     let mut points = vec![[0.0; 4]; samples];
     let (mut error, mut noise) = (0.0, 0.0);
     for (number, (field, exact)) in exact.iter().enumerate() {
         let relative: Vec<f64> = (0..repeats)
             .map(|repeat| {
-                placed.fill(repeat * FIELDS.len() as u32 + number as u32 + 1, 2, &mut points);
+                placed.fill((first + repeat) * FIELDS.len() as u32 + number as u32 + 1, 2, &mut points);
                 estimate(camera, raster(*field), &points) / exact - 1.0
             })
             .collect();
@@ -154,7 +168,17 @@ mod tests {
         let subject = Subject::new(&catalogue::find("dgauss.50mm").expect("listed")).expect("focuses");
         let effort = Effort { rounds: 1, least: Duration::from_micros(10) };
         let counts = SampleCounts { exponent: 5, repeats: 8, survey: 300, effort };
-        let curves = measure(&subject, counts).expect("cameras");
+        let (curves, again) = measure(&subject, counts).expect("cameras");
+        for curve in &again {
+            let first = curves.iter().find(|first| first.is_like(curve)).expect("measured with it");
+            assert_ne!(first.points, curve.points);
+            let error = first.points[2].error;
+            assert!(
+                first.apart(curve, &[error]).iter().all(|ratio| (1.0..4.0).contains(ratio)),
+                "{first:?} {curve:?}"
+            );
+        }
+        assert_eq!(again.len(), 2 * Sequence::NAMES.len());
         assert_eq!(curves.len(), PUPILS.len() * DISKS.len() * Sequence::NAMES.len());
         for curve in &curves {
             assert!(curve.points.iter().all(|p| p.time > 0.0));

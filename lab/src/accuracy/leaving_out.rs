@@ -1,32 +1,70 @@
-//! What leaving out saves: the same camera with everything kept and with what its plan proves idle left out, no bit of any
-//! ray different; times per ray in turns out.
+//! What leaving out saves: the same camera with everything kept, with what its plan proves idle left out, no bit of any
+//! ray different, and with a tolerance, whose choice may be another model; times per ray in turns out.
 
-use realistic::camera::{
-    CameraError, Host, Parameters, Precision, Raster, RealisticCamera, Sample, SampleBlock,
+use realistic::{
+    camera::{CameraError, Host, Parameters, Precision, Raster, RealisticCamera, Sample, SampleBlock},
+    plan::{Choice, Entry, Tracing},
 };
 
 use crate::{
     BLOCK,
-    results::table::{Table, row},
+    results::{
+        statistics::median,
+        table::{Table, row},
+    },
     subject::{FILM_DIAGONAL, PIXELS, STOPPED_DOWN, quasirandom::spread},
     timing::{
         Effort, Timing,
         camera_calls::{in_one_call, one_by_one},
-        interleaved,
+        interleaved, repeated,
     },
 };
 
-/// What one camera saves on one way of asking it.
+/// Errors, pixels, that cameras are allowed.
+pub const TOLERANCES: [f64; 3] = [1.0, 0.1, 0.01];
+
+/// What one camera saves in one way of calling it.
 #[derive(Clone, Debug)]
 pub struct Saving {
     /// The lens.
     pub lens: String,
-    /// Wide open or stopped down, the precision, and how it is asked.
-    pub camera: String,
-    /// Time per ray with everything kept, seconds.
+    /// Whether the stop is at f/8 ([`STOPPED_DOWN`]), else wide open.
+    pub stopped_down: bool,
+    /// How rays are asked for.
+    pub entry: Entry,
+    /// The precision asked for, or the tolerance.
+    pub asked: Asked,
+    /// What it traces by.
+    pub tracing: Tracing,
+    /// What the plan states of its error: a bound of the 99.9 % quantile, pixels; of single precision that was asked for,
+    /// nothing.
+    pub pixels: Option<f64>,
+    /// Time per ray with everything kept, seconds: in the precision asked for, or to double precision.
     pub kept: Timing,
     /// The same of the camera that leaves out what its plan says.
     pub left_out: Timing,
+    /// The camera with everything kept timed once more, as another task of the same run.
+    pub again: Timing,
+    /// Time to build that camera, seconds, and the one with everything kept.
+    pub build: [f64; 2],
+}
+
+/// What a camera was asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Asked {
+    /// A precision.
+    Precision(Precision),
+    /// A tolerance, pixels.
+    Tolerance(f64),
+}
+
+impl std::fmt::Display for Asked {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Precision(precision) => write!(f, "{precision}"),
+            Self::Tolerance(pixels) => write!(f, "tolerance {pixels}"),
+        }
+    }
 }
 
 impl Saving {
@@ -36,20 +74,30 @@ impl Saving {
         [self.left_out.high, self.left_out.median, self.left_out.low]
             .map(|time| 1.0 - time / self.kept.median)
     }
+
+    /// The stop in words.
+    pub fn stop(&self) -> String {
+        if self.stopped_down { format!("f/{STOPPED_DOWN}") } else { "wide open".to_owned() }
+    }
 }
 
 /// A camera focused at infinity on the film of every subject.
 fn camera(
     lens: &str,
     fnumber: Option<f64>,
-    precision: Precision,
+    asked: Asked,
     leave_out: bool,
 ) -> Result<RealisticCamera, CameraError> {
+    let (precision, tolerance) = match asked {
+        Asked::Precision(precision) => (Some(Some(precision)), None),
+        Asked::Tolerance(tolerance) => (None, Some(tolerance)),
+    };
     let parameters = Parameters {
         specfile: Some(lens.to_owned()),
         filmdiag: Some(FILM_DIAGONAL),
         focusdistance: Some(f64::INFINITY),
-        precision: Some(Some(precision)),
+        precision,
+        tolerance,
         fnumber,
         ..Parameters::default()
     };
@@ -57,33 +105,68 @@ fn camera(
     RealisticCamera::build(&parameters, &host, &mut |_, _| {})
 }
 
-/// Both precisions of a lens, wide open and stopped down, in blocks and one by one.
+/// Builds of a camera whose median time counts.
+const BUILDS: usize = 5;
+
+/// Both precisions and every tolerance on a lens, wide open and stopped down, in blocks and one by one.
 ///
 /// # Errors
 /// A camera cannot be built.
 pub fn measure(lens: &str, effort: Effort) -> Result<Vec<Saving>, CameraError> {
+    use Asked::{Precision as In, Tolerance};
     let samples = samples();
     let mut savings = Vec::new();
-    for (stop, fnumber) in [("wide open".to_owned(), None), (format!("f/{STOPPED_DOWN}"), Some(STOPPED_DOWN))]
-    {
-        for precision in [Precision::F64, Precision::F32] {
-            let [kept, left_out] = [false, true].map(|leave_out| camera(lens, fnumber, precision, leave_out));
-            let cameras = [kept?, left_out?];
-            let mut add = |way: &str, times: Vec<Timing>| {
-                let [kept, left_out] = [times[0], times[1]].map(|time| time.per(BLOCK));
-                let camera = format!("{stop}, {precision}, {way}");
-                savings.push(Saving { lens: lens.to_owned(), camera, kept, left_out });
+    for (stopped_down, fnumber) in [(false, None), (true, Some(STOPPED_DOWN))] {
+        // Everything kept, twice in either precision: what differs between the two is what a time means.
+        let kept = [Precision::F64, Precision::F64, Precision::F32, Precision::F32].map(In);
+        let asked = [Precision::F64, Precision::F32].map(In).into_iter().chain(TOLERANCES.map(Tolerance));
+        let ways: Vec<(Asked, bool)> =
+            kept.into_iter().map(|of| (of, false)).chain(asked.map(|of| (of, true))).collect();
+        let built = ways.iter().map(|&(asked, leave_out)| {
+            let (camera, times) = repeated(BUILDS, || camera(lens, fnumber, asked, leave_out));
+            Ok((camera?, median(&times)))
+        });
+        let built: Vec<(RealisticCamera, f64)> = built.collect::<Result<_, CameraError>>()?;
+        for entry in Entry::ALL {
+            let work = |camera: &RealisticCamera| match entry {
+                Entry::Many => in_one_call(camera, &samples),
+                Entry::One => one_by_one(camera, &samples),
             };
-            add("blocks", timed(&cameras, effort, |camera| in_one_call(camera, &samples)));
-            add("one by one", timed(&cameras, effort, |camera| one_by_one(camera, &samples)));
+            let tasks = built.iter().map(|(camera, _)| Box::new(move || work(camera)) as Box<dyn FnMut()>);
+            let times: Vec<Timing> =
+                interleaved(tasks, effort).into_iter().map(|time| time.per(BLOCK)).collect();
+            for (number, &(asked, _)) in ways.iter().enumerate().skip(kept.len()) {
+                let (camera, build) = &built[number];
+                let (tracing, pixels) = traced(camera.plan().choice(), asked, entry);
+                let first = if asked == In(Precision::F32) { 2 } else { 0 };
+                savings.push(Saving {
+                    lens: lens.to_owned(),
+                    stopped_down,
+                    entry,
+                    asked,
+                    tracing,
+                    pixels,
+                    kept: times[first],
+                    left_out: times[number],
+                    again: times[first + 1],
+                    build: [*build, built[first].1],
+                });
+            }
         }
     }
     Ok(savings)
 }
 
-fn timed(cameras: &[RealisticCamera; 2], effort: Effort, work: impl Fn(&RealisticCamera)) -> Vec<Timing> {
-    let work = &work;
-    interleaved(cameras.iter().map(|camera| Box::new(move || work(camera)) as Box<dyn FnMut()>), effort)
+/// What a camera traces by, and the bound of its error.
+fn traced(choice: Option<&Choice>, asked: Asked, entry: Entry) -> (Tracing, Option<f64>) {
+    match (choice, asked) {
+        (Some(choice), Asked::Tolerance(_)) => {
+            let (candidate, errors) = choice.chosen(entry);
+            (candidate.tracing, Some(errors.pixels))
+        }
+        (_, Asked::Precision(Precision::F32)) => (Tracing::Exact(Precision::F32), None),
+        _ => (Tracing::Exact(Precision::F64), Some(0.0)),
+    }
 }
 
 /// Samples all but evenly spread over the image.
@@ -100,11 +183,58 @@ fn samples() -> Box<SampleBlock<BLOCK>> {
 
 /// The results as a table.
 pub fn table(results: &[Saving]) -> Table {
-    let columns = "lens camera kept_ns left_out_ns saved_low saved saved_high";
+    let columns = "lens stop called asked_for traced_by stated_error_pixels kept_ns left_out_ns saved_low saved saved_high \
+                   build_ms build_kept_ms";
     let rows = results.iter().map(|saving| {
-        let [low, median, high] = saving.share();
-        let times = [saving.kept.median * 1e9, saving.left_out.median * 1e9];
-        row![saving.lens.as_str(), saving.camera.as_str(), times[0], times[1], low, median, high]
+        let names =
+            [saving.stop(), saving.entry.to_string(), saving.asked.to_string(), saving.tracing.to_string()];
+        let mut cells = row![saving.lens.as_str()];
+        cells.extend(names.iter().map(|name| name.as_str().into()));
+        cells.push(saving.pixels.map_or_else(|| "not stated".into(), Into::into));
+        cells.extend([saving.kept, saving.left_out].map(|time| (time.median * 1e9).into()));
+        cells.extend(saving.share().map(Into::into));
+        cells.extend(saving.build.map(|time| (time * 1e3).into()));
+        cells
     });
     Table::of("leaving-out", columns, rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    #[test]
+    fn every_camera_says_what_it_traces_by_and_keeps_its_tolerance() {
+        let effort = Effort { rounds: 1, least: Duration::from_micros(20) };
+        let savings = measure("dgauss.50mm", effort).expect("cameras");
+        assert_eq!(savings.len(), 2 * 2 * (2 + TOLERANCES.len()));
+        for saving in &savings {
+            let [low, median, high] = saving.share();
+            assert!(low <= median && median <= high && high < 1.0, "{saving:?}");
+            assert!(saving.again.median > 0.0 && saving.build.iter().all(|&time| time > 0.0));
+            match saving.asked {
+                Asked::Tolerance(pixels) => {
+                    assert!(saving.pixels.is_some_and(|error| error <= pixels), "{saving:?}")
+                }
+                Asked::Precision(precision) => assert_eq!(saving.tracing, Tracing::Exact(precision)),
+            }
+        }
+        // What the planner says of the same lens, film and stop is what stands here.
+        let parameters = Parameters {
+            specfile: Some("dgauss.50mm".to_owned()),
+            filmdiag: Some(FILM_DIAGONAL),
+            focusdistance: Some(f64::INFINITY),
+            fnumber: Some(STOPPED_DOWN),
+            tolerance: Some(1.0),
+            ..Parameters::default()
+        };
+        let camera =
+            RealisticCamera::build(&parameters, &Host::new(PIXELS, None), &mut |_, _| {}).expect("a camera");
+        let (candidate, _) = camera.plan().choice().expect("a tolerance").chosen(Entry::One);
+        let own = savings.iter().find(|saving| {
+            saving.stopped_down && saving.entry == Entry::One && saving.asked == Asked::Tolerance(1.0)
+        });
+        assert_eq!(own.expect("measured").tracing, candidate.tracing);
+    }
 }

@@ -13,3 +13,4 @@ pub mod ray_sources;
 pub mod refractions;
 pub mod set_up;
 pub mod suite;
+pub mod vignetting;

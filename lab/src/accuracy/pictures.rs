@@ -16,6 +16,9 @@ use crate::{
 use realistic::abi::{realistic_ray, realistic_sample};
 use realistic::camera::{CameraError, Raster};
 
+/// Errors over the mean that a need allows: where ways to render are compared.
+pub const NEEDS: [f64; 2] = [0.2, 0.1];
+
 /// What is pictured: radiance toward a ray in lens space, mm, before a lens of this focal length, mm.
 pub type Scene = fn(focal_length: f64, ray: &realistic_ray) -> f32;
 
@@ -83,8 +86,10 @@ fn rms(a: &[f64], b: &[f64]) -> f64 {
 pub struct Pictures {
     /// By sampler and sequence.
     pub estimators: Vec<Curve>,
-    /// By renderer.
+    /// By renderer; those that make the same picture of every sample are one.
     pub renderers: Vec<Curve>,
+    /// One of either kind once more, by other numbers.
+    pub again: Vec<Curve>,
     /// RMS error of the reference itself over its mean, from its two halves.
     pub floor: f64,
 }
@@ -101,36 +106,63 @@ pub fn measure(subject: &Subject, size: Size) -> Result<Pictures, CameraError> {
     let (one, two) = (half(1001), half(1002));
     let reference: Vec<f64> = one.iter().zip(&two).map(|(a, b)| f64::midpoint(*a, *b)).collect();
     let mean = reference.iter().sum::<f64>() / reference.len() as f64;
-    let curve = |camera: &mut Source, pupil: &'static str, name: &'static str, sequence: Sequence| {
-        let points: Vec<_> = (0..=size.exponent)
-            .map(|power| {
-                let samples = 4_usize.pow(power);
-                let (mut times, mut errors) = (Vec::new(), Vec::new());
-                for repeat in 0..size.repeats {
-                    let (pixels, took) =
-                        repeated(1, || picture(camera, scene, raster, sequence, samples, repeat + 1));
-                    times.extend(took);
-                    errors.push(rms(&pixels, &reference).powi(2));
-                }
-                let error = (errors.iter().sum::<f64>() / errors.len() as f64).sqrt() / mean;
-                Estimate { samples, time: median(&times), error, noise: error }
-            })
-            .collect();
-        Curve { lens: subject.lens.name.clone(), pupil, disk: "concentric", sequence: name, points }
-    };
+    let curve =
+        |camera: &mut Source, pupil: &'static str, name: &'static str, sequence: Sequence, first: u32| {
+            let points: Vec<_> = (0..=size.exponent)
+                .map(|power| {
+                    let samples = 4_usize.pow(power);
+                    let (mut times, mut errors) = (Vec::new(), Vec::new());
+                    for repeat in 0..size.repeats {
+                        let (pixels, took) = repeated(1, || {
+                            picture(camera, scene, raster, sequence, samples, first + repeat + 1)
+                        });
+                        times.extend(took);
+                        errors.push(rms(&pixels, &reference).powi(2));
+                    }
+                    let error = (errors.iter().sum::<f64>() / errors.len() as f64).sqrt() / mean;
+                    Estimate { samples, time: median(&times), error, noise: error }
+                })
+                .collect();
+            Curve { lens: subject.lens.name.clone(), pupil, disk: "concentric", sequence: name, points }
+        };
     let mut estimators = Vec::new();
     for &pupil in PUPILS {
         let mut camera = single(subject, raster, &format!("pupil={pupil}"))?;
         for (name, sequence) in Sequence::NAMES {
-            estimators.push(curve(&mut camera, pupil, name, sequence));
+            estimators.push(curve(&mut camera, pupil, name, sequence, 0));
         }
     }
-    let mut renderers = Vec::new();
+    let (mut renderers, mut again) = (Vec::new(), Vec::new());
     for renderer in RENDERERS {
         let mut camera = (renderer.prepare)(subject, raster)?;
-        renderers.push(curve(&mut camera, renderer.name, "Sobol'", Sequence::Sobol));
+        let mut run = |first| curve(&mut camera, renderer.name, "Sobol'", Sequence::Sobol, first);
+        let own = run(0);
+        again.extend(AGAIN.contains(&renderer.name).then(|| run(size.repeats)));
+        match same_picture(&mut renderers, renderer.name, &own) {
+            Some(first) => share_time(first, &own),
+            None => renderers.push(own),
+        }
     }
-    Ok(Pictures { estimators, renderers, floor: rms(&one, &two) / 2.0 / mean })
+    Ok(Pictures { estimators, renderers, again, floor: rms(&one, &two) / 2.0 / mean })
+}
+
+/// Renderers that are run twice.
+const AGAIN: [&str; 3] = ["blocks f32, warped", "f32, warped", "f64, warped"];
+
+/// The renderer before this one that asks for rays in blocks, too, and makes the same errors in every digit: the planner chose
+/// the exact trace, and the two are one method.
+fn same_picture<'a>(before: &'a mut [Curve], name: &str, own: &Curve) -> Option<&'a mut Curve> {
+    let errors = |curve: &Curve| curve.points.iter().map(|point| point.error.to_bits()).collect::<Vec<_>>();
+    let in_blocks = |name: &str| name.starts_with("blocks");
+    before.iter_mut().find(|first| in_blocks(name) && in_blocks(first.pupil) && errors(first) == errors(own))
+}
+
+/// Gives what was measured twice its mean times and the second name, which says what is traced.
+fn share_time(first: &mut Curve, own: &Curve) {
+    first.pupil = own.pupil;
+    for (point, other) in first.points.iter_mut().zip(&own.points) {
+        point.time = (point.time * other.time).sqrt();
+    }
 }
 
 /// Curves as a table, whose second heading is what tells them apart.
@@ -140,4 +172,29 @@ pub fn table(name: &'static str, columns: &'static str, curves: &[Curve]) -> Tab
         row![c.lens.as_str(), c.pupil, c.sequence, p.samples, p.time * 1e3, p.error, c.slope()]
     });
     Table::of(name, columns, rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_results_in_every_digit_are_one_method_and_others_are_not() {
+        let curve = |pupil, error: f64, time| {
+            let points = vec![Estimate { samples: 1, time, error, noise: error }];
+            Curve { lens: String::new(), pupil, disk: "concentric", sequence: "Sobol'", points }
+        };
+        let mut before = [curve("blocks, 0.1 pixel", 0.1, 1.0), curve("f64, warped", 0.2, 8.0)];
+        assert!(
+            same_picture(&mut before, "blocks f32, warped", &curve("blocks f32, warped", 0.1000001, 4.0))
+                .is_none()
+        );
+        // The same rays one by one are another way of calling, with a time of its own.
+        assert!(
+            same_picture(&mut before, "blocks f64, warped", &curve("blocks f64, warped", 0.2, 4.0)).is_none()
+        );
+        let own = curve("blocks f32, warped", 0.1, 4.0);
+        share_time(same_picture(&mut before, "blocks f32, warped", &own).expect("the same digits"), &own);
+        assert_eq!((before[0].pupil, before[0].points[0].time), ("blocks f32, warped", 2.0));
+    }
 }

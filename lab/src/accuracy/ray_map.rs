@@ -6,10 +6,10 @@ use crate::{
     methods::{Family, METHODS, Method, block},
     reference::{ExactRay, Reference},
     results::{
-        statistics::{Spread, TIE, pareto_front},
+        statistics::{Spread, pareto_front},
         table::{Cell, Table, row},
     },
-    subject::Subject,
+    subject::{CameraSamples, Subject},
     timing::{Effort, Timing, interleaved},
 };
 
@@ -20,20 +20,40 @@ pub struct RayErrors {
     pub lens: String,
     /// The method.
     pub method: Method,
-    /// Time per ray, seconds.
+    /// Time per sample, passed or blocked, seconds.
     pub time: Timing,
-    /// Angle to the exact direction, rad.
+    /// The same method timed once more, as another task of the same run.
+    pub again: Timing,
+    /// Of the rays that pass for it and in truth: the angle to the exact direction, rad.
     pub direction: Spread,
     /// Distance of the exact point on the front surface from the ray, mm.
     pub position: Spread,
     /// How far from its film point the ray belongs, pixels: see
     /// [`ImageScale`](realistic::imaging::image_scale::ImageScale).
     pub pixels: Spread,
+    /// Samples looked at.
+    pub samples: usize,
     /// Rays that the reference passes and this method blocks.
     pub lost: usize,
-    /// Whether no other method is nearer and faster or as fast but for a tie ([`TIE`]), by time and the 99.9 % quantile
-    /// of the direction.
-    pub on_front: bool,
+    /// Rays that the reference blocks and this method passes.
+    pub leaked: usize,
+}
+
+impl RayErrors {
+    /// The part of the samples whose fate is wrong.
+    pub fn wrong_fates(&self) -> f64 {
+        (self.lost + self.leaked) as f64 / self.samples as f64
+    }
+
+    /// Whether another has the same errors in every digit: the same rays, by other instructions or by other calls.
+    pub fn is_equal(&self, other: &Self) -> bool {
+        let errors = |m: &Self| {
+            let spreads = [m.direction, m.position, m.pixels];
+            let numbers = spreads.map(|s| [s.median, s.most, s.worst].map(f64::to_bits));
+            (m.lens.clone(), m.lost, m.leaked, numbers)
+        };
+        errors(self) == errors(other)
+    }
 }
 
 /// How much is measured.
@@ -48,23 +68,28 @@ pub struct RayCounts {
 }
 
 /// Errors and times of every method on one lens, or but for the slow walks: all but the exact one, against which others
-/// are timed.
+/// are timed. On the samples that a camera gets, blocked ones among them, with the apertures that block them.
 pub fn measure(subject: &Subject, counts: RayCounts, with_walks: bool) -> Vec<RayErrors> {
-    let rays = subject.rays(counts.rays, 1);
+    let samples = CameraSamples::of_warped(subject);
+    let rays = samples.rays(counts.rays, 1);
     let reference = Reference::new(&subject.lens, Direction::FilmToScene);
     let exact: Vec<_> = rays.iter().map(|ray| reference.trace(*ray).ok()).collect();
     let timed = &rays[..counts.block.min(rays.len())];
+    let ready = |method: &Method, rays: &[Ray]| block::prepare(method, subject, &samples.apertures, rays);
     let chosen = METHODS
         .iter()
         .enumerate()
         .filter(|(number, method)| with_walks || *number == 0 || method.family() != Family::Walk)
         .map(|(_, method)| method);
     let (methods, runners): (Vec<_>, Vec<_>) =
-        chosen.filter_map(|method| Some((*method, block::prepare(method, subject, timed)?))).unzip();
-    let tasks = runners.into_iter().map(|mut runner| Box::new(move || runner.run()) as Box<dyn FnMut()>);
+        chosen.filter_map(|method| Some((*method, ready(method, timed)?))).unzip();
+    let again = methods.iter().map(|method| ready(method, timed).expect("prepared before"));
+    let tasks =
+        runners.into_iter().chain(again).map(|mut runner| Box::new(move || runner.run()) as Box<dyn FnMut()>);
     let timings = interleaved(tasks, counts.effort);
-    let errors = |(method, timing): (Method, Timing)| {
-        let mut runner = block::prepare(&method, subject, &rays).expect("prepared before");
+    let (first, second) = timings.split_at(methods.len());
+    let errors = |(method, (timing, again)): (Method, (&Timing, &Timing))| {
+        let mut runner = ready(&method, &rays).expect("prepared before");
         runner.run();
         let passing =
             || rays.iter().enumerate().zip(&exact).filter_map(|(ray, exact)| Some((ray, exact.as_ref()?)));
@@ -76,30 +101,70 @@ pub fn measure(subject: &Subject, counts: RayCounts, with_walks: bool) -> Vec<Ra
             lens: subject.lens.name.clone(),
             method,
             time: timing.per(timed.len()),
+            again: again.per(timed.len()),
             direction: spread(|_, _, exact, ray| exact.direction_error(ray)),
             position: spread(|_, _, exact, ray| exact.distance_from_line(ray)),
             pixels: spread(|subject, from, exact, ray| subject.pixels(from, &exact.nearest(), ray)),
+            samples: rays.len(),
             lost: passing().filter(|((i, _), _)| runner.ray(*i).is_none()).count(),
-            on_front: false,
+            leaked: (0..rays.len()).filter(|&i| exact[i].is_none() && runner.ray(i).is_some()).count(),
         }
     };
-    let mut all: Vec<RayErrors> = methods.into_iter().zip(timings).map(errors).collect();
-    let points: Vec<_> = all.iter().map(|m| (m.time.median, m.direction.most)).collect();
-    all.iter_mut().zip(pareto_front(&points, TIE)).for_each(|(m, on)| m.on_front = on);
-    all
+    methods.into_iter().zip(first.iter().zip(second)).map(errors).collect()
 }
 
-/// The results as a table of that name.
-pub fn table(name: &'static str, results: &[RayErrors]) -> Table {
-    let columns = "lens method family time_ns time_low_ns time_high_ns direction_median_rad direction_999_rad \
+/// The results as a table of that name. No other method is nearer than those on the front and faster, or as fast but for a
+/// tie, by time and the 99.9 % quantile of the direction.
+pub fn table(name: &'static str, results: &[RayErrors], tie: f64) -> Table {
+    table_of(name, results.iter().map(|m| (m.method.name.to_owned(), m)), results, tie)
+}
+
+/// The same with one row for all that have the same errors in every digit and are called in the same way: the fastest, whose
+/// name says what the others take.
+pub fn summary(name: &'static str, results: &[RayErrors], tie: f64) -> Table {
+    let in_batches = |m: &RayErrors| m.method.family().in_batches();
+    let same = |a: &RayErrors, b: &RayErrors| in_batches(a) == in_batches(b) && a.is_equal(b);
+    let fastest = results.iter().filter(|m| {
+        let faster = |other: &&RayErrors| other.time.median < m.time.median;
+        !results.iter().filter(faster).any(|other| same(m, other))
+    });
+    let named = fastest.map(|m| {
+        let others = results.iter().filter(|other| other.method != m.method && same(m, other));
+        let others: Vec<String> =
+            others.map(|other| format!("{}: {:.1} ns", other.method.name, other.time.median * 1e9)).collect();
+        let name = m.method.name;
+        let name = if others.is_empty() {
+            name.to_owned()
+        } else {
+            format!("{name} (same rays: {})", others.join(", "))
+        };
+        (name, m)
+    });
+    table_of(name, named, results, tie)
+}
+
+fn table_of<'a>(
+    name: &'static str,
+    shown: impl Iterator<Item = (String, &'a RayErrors)>,
+    all: &[RayErrors],
+    tie: f64,
+) -> Table {
+    let columns = "lens method family time_ns time_low_ns time_high_ns time_again_ns direction_median_rad direction_999_rad \
                    direction_max_rad position_median_mm position_999_mm position_max_mm median_pixels \
-                   error_999_pixels max_pixels lost_rays on_front";
-    let rows = results.iter().map(|m| {
+                   error_999_pixels max_pixels samples lost_rays leaked_rays on_front";
+    let on_front = |m: &RayErrors| {
+        let own: Vec<&RayErrors> = all.iter().filter(|other| other.lens == m.lens).collect();
+        let points: Vec<_> = own.iter().map(|m| (m.time.median, m.direction.most)).collect();
+        let front = pareto_front(&points, tie);
+        own.iter().zip(front).any(|(other, on)| on && other.method == m.method)
+    };
+    let rows = shown.map(|(name, m)| {
         let spread = |s: Spread| row![s.median, s.most, s.worst];
-        let time: Vec<Cell> = [m.time.median, m.time.low, m.time.high].map(|time| (time * 1e9).into()).into();
-        let names = row![m.lens.as_str(), m.method.name, m.method.family().name()];
+        let times = [m.time.median, m.time.low, m.time.high, m.again.median];
+        let times: Vec<Cell> = times.map(|time| (time * 1e9).into()).into();
+        let names = row![m.lens.as_str(), name.as_str(), m.method.family().name()];
         let errors = [m.direction, m.position, m.pixels].map(spread).concat();
-        [names, time, errors, row![m.lost, m.on_front]].concat()
+        [names, times, errors, row![m.samples, m.lost, m.leaked, on_front(m)]].concat()
     });
     Table::of(name, columns, rows)
 }

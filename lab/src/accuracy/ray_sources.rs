@@ -5,7 +5,7 @@ use crate::{
     BLOCK,
     accuracy::cameras::{Shot, Single, camera},
     render::Rays,
-    subject::{FILM_DIAGONAL, Subject},
+    subject::{CameraSamples, FILM_DIAGONAL, Subject},
 };
 use realistic::{
     abi::realistic_sample,
@@ -137,6 +137,7 @@ fn polynomial<const ORDER: usize>(
     raster: Raster,
     pupil: Pupil,
 ) -> Result<Source, CameraError> {
-    let model = PolynomialLens::<f64>::new(&subject.fit(ORDER));
+    let apertures = CameraSamples::of_warped(subject).apertures;
+    let model = PolynomialLens::<f64>::new(&subject.fit(ORDER, &apertures));
     Ok(modelled(raster, pupil, move |point, slopes| model.trace_one(point, slopes).as_ref().map(Traced::ray)))
 }

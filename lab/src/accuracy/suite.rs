@@ -13,15 +13,19 @@ use realistic::{
 use super::{
     curve::Curve,
     irradiance::{self, SampleCounts},
-    leaving_out,
+    leaving_out::{self, Asked},
     pupils::{self, PupilCounts},
     ray_map::{self, RayCounts},
     set_up::{self, FitCounts},
+    vignetting,
 };
 use crate::{
     accuracy::pictures,
-    results::table::{Table, row},
-    stability::{self, CaseResult},
+    results::{
+        statistics::quantile,
+        table::{Table, row},
+    },
+    stability::{self, CaseResult, Reason, tracers},
     subject::Subject,
     timing::Effort,
 };
@@ -94,14 +98,19 @@ impl Suite {
             tell("ray map, stopped down");
             let stopped_down = Subject::stopped_down(&prescription)?;
             results.stopped_down.extend(ray_map::measure(&stopped_down, self.ray_map, false));
+            tell("vignetting");
+            results.vignetting.extend(vignetting::measure(&subject, self.ray_map));
             tell("leaving out");
             results.leaving_out.extend(leaving_out::measure(name, self.ray_map.effort)?);
             tell("film irradiance");
-            results.irradiance.extend(irradiance::measure(&subject, self.irradiance)?);
+            let (curves, again) = irradiance::measure(&subject, self.irradiance)?;
+            results.irradiance.extend(curves);
+            results.irradiance_again.extend(again);
             tell("pictures");
             let pictures = pictures::measure(&subject, self.picture)?;
             results.estimators.extend(pictures.estimators);
             results.renderers.extend(pictures.renderers);
+            results.renderers_again.extend(pictures.again);
             results.floors.push((name, pictures.floor));
             tell("set-up");
             results.set_up.extend(set_up::measure(&subject, self.set_up));
@@ -140,14 +149,20 @@ pub struct Results {
     pub ray_map: Vec<ray_map::RayErrors>,
     /// The same with the stop at f/8 ([`STOPPED_DOWN`](crate::subject::STOPPED_DOWN)), without the slow walks.
     pub stopped_down: Vec<ray_map::RayErrors>,
+    /// What becomes of vignetting.
+    pub vignetting: Vec<vignetting::Vignetting>,
     /// What plans save.
     pub leaving_out: Vec<leaving_out::Saving>,
     /// Estimates of film irradiance.
     pub irradiance: Vec<Curve>,
+    /// Some of them once more.
+    pub irradiance_again: Vec<Curve>,
     /// Pictures by sampler and sequence.
     pub estimators: Vec<Curve>,
     /// Pictures by renderer.
     pub renderers: Vec<Curve>,
+    /// Some of them once more.
+    pub renderers_again: Vec<Curve>,
     /// The reference pictures' own errors.
     pub floors: Vec<(&'static str, f64)>,
     /// Build times.
@@ -162,8 +177,9 @@ impl Results {
     /// Every table, in the order of the report.
     pub fn tables(&self) -> Vec<Table> {
         vec![
-            ray_map::table("ray-map", &self.ray_map),
-            ray_map::table("stopped-down", &self.stopped_down),
+            ray_map::table("ray-map", &self.ray_map, self.ties().times.ratio),
+            ray_map::table("stopped-down", &self.stopped_down, self.ties().times.ratio),
+            vignetting::table(&self.vignetting),
             leaving_out::table(&self.leaving_out),
             irradiance::table(&self.irradiance),
             pictures::table(
@@ -179,10 +195,31 @@ impl Results {
                 &self.renderers,
             ),
             stability_table(&self.stability),
+            failures_table(&self.stability),
         ]
     }
 
-    /// The stability cases by group and tracer: the worst of each.
+    /// What two results have to differ by to be more than a tie: how far apart the same methods came out when they were
+    /// measured twice in this run.
+    pub fn ties(&self) -> Ties {
+        let ratio = |a: f64, b: f64| (a / b).max(b / a);
+        let rays = self.ray_map.iter().chain(&self.stopped_down);
+        let rays = rays.map(|m| ratio(m.time.median, m.again.median));
+        let cameras = self.leaving_out.iter().filter(|saving| matches!(saving.asked, Asked::Precision(_)));
+        let cameras = cameras.map(|saving| ratio(saving.kept.median, saving.again.median));
+        let apart = |first: &[Curve], again: &[Curve], needs: &[f64]| {
+            let first = |curve: &Curve| first.iter().find(|first| first.is_like(curve));
+            let pairs = again.iter().filter_map(|curve| Some(first(curve)?.apart(curve, needs)));
+            pairs.flatten().collect::<Vec<f64>>()
+        };
+        Ties {
+            times: Tie::of(&rays.chain(cameras).collect::<Vec<_>>()),
+            irradiance: Tie::of(&apart(&self.irradiance, &self.irradiance_again, &irradiance::NEEDS)),
+            pictures: Tie::of(&apart(&self.renderers, &self.renderers_again, &pictures::NEEDS)),
+        }
+    }
+
+    /// The stability cases by group: the worst of each tracer, those with the same figures as one.
     pub fn stability_by_group(&self) -> Vec<CaseResult> {
         let mut groups: Vec<CaseResult> = Vec::new();
         for case in &self.stability {
@@ -193,16 +230,151 @@ impl Results {
         }
         groups
     }
+
+    /// The same with one row for the tracers that give the same bits, with all their names.
+    pub fn stability_summary(&self) -> Table {
+        let mut rows: Vec<(String, CaseResult)> = Vec::new();
+        for group in self.stability_by_group() {
+            let like = |tracer: &str| tracers().iter().find(|t| t.name == tracer).map(|t| t.like);
+            let same = |first: &CaseResult| {
+                let alike = like(first.tracer).is_some() && like(first.tracer) == like(group.tracer);
+                alike && *first == CaseResult { tracer: first.tracer, ..group.clone() }
+            };
+            match rows.iter_mut().find(|(_, first)| same(first)) {
+                Some((names, _)) => *names = format!("{names}; {}", group.tracer),
+                None => rows.push((group.tracer.to_owned(), group)),
+            }
+        }
+        stability_rows(rows.iter().map(|(names, result)| (names.as_str(), result)))
+    }
+}
+
+/// Thresholds below which two results are a tie, as ratios.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ties {
+    /// Of times per ray.
+    pub times: Tie,
+    /// Of times to an error of film irradiance.
+    pub irradiance: Tie,
+    /// Of times to an error of a picture.
+    pub pictures: Tie,
+}
+
+/// A threshold, and how many methods were measured twice for it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tie {
+    /// As far apart, as a ratio, as 99 in 100 of them came out at the most; without any everything is a tie.
+    pub ratio: f64,
+    /// How many there were.
+    pub pairs: usize,
+}
+
+impl Tie {
+    fn of(ratios: &[f64]) -> Self {
+        let ratio = if ratios.is_empty() { f64::INFINITY } else { quantile(ratios, 0.99) };
+        Self { ratio, pairs: ratios.len() }
+    }
 }
 
 /// Stability cases as a table.
 pub fn stability_table(cases: &[CaseResult]) -> Table {
-    let columns = "group kernel case worst_direction_rad worst_position_mm condition ratio bound rays disagreements \
-                   undecided holds";
-    let rows = cases.iter().map(|c| {
-        let names = row![c.group, c.tracer, c.name.as_str()];
+    stability_rows(cases.iter().map(|case| (case.tracer, case)))
+}
+
+fn stability_rows<'a>(cases: impl Iterator<Item = (&'a str, &'a CaseResult)>) -> Table {
+    let columns = "group kernel case worst_direction_rad worst_position_mm condition ratio bound rays undecided holds \
+                   fails_because";
+    let rows = cases.map(|(tracer, c)| {
+        let names = row![c.group, tracer, c.name.as_str()];
         let numbers = row![c.worst_error_rad, c.worst_error_mm, c.condition, c.ratio, c.bound];
-        [names, numbers, row![c.rays, c.disagreements, c.undecided, c.holds]].concat()
+        [names, numbers, row![c.rays, c.undecided, c.holds(), c.fails_because().as_str()]].concat()
     });
     Table::of("stability", columns, rows)
+}
+
+/// Every ray that fails in the stability cases, with what was found.
+pub fn failures_table(cases: &[CaseResult]) -> Table {
+    let columns = "kernel case ray fails_because found rerun";
+    let rows = cases.iter().flat_map(|c| {
+        c.failures.iter().map(|failure| {
+            let reason = Reason::NAMES.iter().find(|(_, reason)| *reason == failure.reason);
+            let reason = reason.map_or("", |(name, _)| name);
+            let rerun = format!("realistic report --case \"{}\"", failure.case);
+            row![c.tracer, failure.case.as_str(), failure.ray, reason, failure.what.as_str(), rerun.as_str()]
+        })
+    });
+    Table::of("stability-failures", columns, rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        accuracy::{curve::Estimate, ray_map::RayErrors},
+        methods::METHODS,
+        results::statistics::Spread,
+        stability::{Failure, Reason},
+        timing::Timing,
+    };
+
+    #[test]
+    fn a_tie_is_what_the_same_methods_measured_twice_are_apart() {
+        let none = Results::default().ties();
+        assert!(none.times.ratio.is_infinite() && none.times.pairs == 0);
+        let spread = Spread { median: 1.0, most: 1.0, worst: 1.0 };
+        let timed = |median: f64| Timing { median, low: median, high: median };
+        let method = |number: usize, again: f64| RayErrors {
+            lens: "a lens".to_owned(),
+            method: METHODS[number],
+            time: timed(1.0),
+            again: timed(again),
+            direction: spread,
+            position: spread,
+            pixels: spread,
+            samples: 1,
+            lost: 0,
+            leaked: 0,
+        };
+        let point = |time| Estimate { samples: 1, time, error: 2e-3, noise: 0.1 };
+        let curve = |time| Curve {
+            lens: "a lens".to_owned(),
+            pupil: "rear",
+            disk: "concentric",
+            sequence: "random",
+            points: vec![point(time)],
+        };
+        let results = Results {
+            ray_map: vec![method(1, 0.8), method(2, 1.01)],
+            irradiance: vec![curve(1.0)],
+            irradiance_again: vec![curve(1.5)],
+            ..Results::default()
+        };
+        let ties = results.ties();
+        assert!(ties.times.pairs == 2 && (1.24..=1.25).contains(&ties.times.ratio), "{ties:?}");
+        assert_eq!(ties.irradiance, Tie { ratio: 1.5, pairs: 2 });
+        assert!(ties.pictures.ratio.is_infinite());
+    }
+
+    #[test]
+    fn tracers_with_the_same_bits_are_one_row_and_every_failure_stands_with_the_line_that_repeats_it() {
+        let same: Vec<&'static str> =
+            tracers().iter().filter(|tracer| tracer.like == "one f64").map(|tracer| tracer.name).collect();
+        assert!(same.len() > 1);
+        let result = |tracer| CaseResult {
+            ratio: 2.0,
+            ..CaseResult::new("a case".to_owned(), "radius", tracer, 16.0)
+        };
+        let mut results =
+            Results { stability: same.iter().map(|&name| result(name)).collect(), ..Results::default() };
+        assert_eq!(results.stability_summary().rows.len(), 1);
+        let failure =
+            Failure { case: "a case".to_owned(), ray: 7, reason: Reason::Fate, what: "blocked".to_owned() };
+        results.stability[1].failures.push(failure);
+        let summary = results.stability_summary();
+        assert_eq!(summary.rows.len(), 2);
+        assert!(summary.to_csv().contains("no,fate (1)"), "{}", summary.to_csv());
+        let failures = failures_table(&results.stability).to_csv();
+        assert!(failures.contains("a case,7,fate,blocked,"), "{failures}");
+        assert!(failures.contains("realistic report --case") && failures.lines().count() == 2, "{failures}");
+    }
 }

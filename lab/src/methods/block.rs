@@ -6,7 +6,7 @@ use realistic::{
     trace::{
         Direction, Path, Ray, Real,
         kernel::{Kernel, KernelScalar, LensRays, PlaneRays, Simd, Traced},
-        polynomial::PolynomialLens,
+        polynomial::{Polynomial, PolynomialLens},
     },
 };
 
@@ -29,23 +29,29 @@ pub trait Runner {
 /// or the method is none for rays from a film.
 pub type Prepared = Option<Box<dyn Runner>>;
 
-/// Makes a method ready for a block of rays.
-pub fn prepare(method: &Method, subject: &Subject, rays: &[Ray]) -> Prepared {
+/// Makes a method ready for a block of rays; polynomials know these apertures, of surfaces counted from the scene, and first-order
+/// optics know none.
+pub fn prepare(method: &Method, subject: &Subject, apertures: &[usize], rays: &[Ray]) -> Prepared {
     match (method.number, method.way) {
-        (Number::F32, way) => prepare_in::<f32>(way, subject, rays),
+        (Number::F32, way) => prepare_in::<f32>(way, subject, apertures, rays),
         (Number::DoubleDouble, Way::Walk(refraction)) => walk::<DoubleDouble>(subject, rays, refraction),
-        (_, way) => prepare_in::<f64>(way, subject, rays),
+        (_, way) => prepare_in::<f64>(way, subject, apertures, rays),
     }
 }
 
-fn prepare_in<S: KernelScalar + Real + 'static>(way: Way, subject: &Subject, rays: &[Ray]) -> Prepared {
+fn prepare_in<S: KernelScalar + Real + 'static>(
+    way: Way,
+    subject: &Subject,
+    apertures: &[usize],
+    rays: &[Ray],
+) -> Prepared {
     let optics = subject.first_order;
     match way {
         Way::Walk(refraction) => walk::<S>(subject, rays, refraction),
         Way::ThinLens => first_order(optics.thin_at(optics.rear_principal_plane), rays),
         Way::ThickLens => first_order(optics, rays),
-        Way::Polynomial(order) => polynomial::<S>(subject, rays, order),
-        Way::PolynomialBatch(order) => polynomials::<S>(subject, rays, order),
+        Way::Polynomial(order) => polynomial::<S>(subject, rays, &subject.fit(order, apertures)),
+        Way::PolynomialBatch(order) => polynomials::<S>(subject, rays, &subject.fit(order, apertures)),
         Way::One => one::<S>(subject, rays),
         Way::Three => three::<S>(subject, rays),
         Way::Batch(simd) => kernels::<S>(subject, rays, simd),
@@ -116,8 +122,12 @@ fn three<S: KernelScalar + Real + 'static>(subject: &Subject, rays: &[Ray]) -> P
     groups(&at_film(subject, rays), trace, Traced::ray)
 }
 
-fn polynomial<S: KernelScalar + Real + 'static>(subject: &Subject, rays: &[Ray], order: usize) -> Prepared {
-    let lens = PolynomialLens::<S>::new(&subject.fit(order));
+fn polynomial<S: KernelScalar + Real + 'static>(
+    subject: &Subject,
+    rays: &[Ray],
+    fit: &Polynomial,
+) -> Prepared {
+    let lens = PolynomialLens::<S>::new(fit);
     let trace = move |[(point, slopes)]: [([S; 2], [S; 2]); 1]| [lens.trace_one(point, slopes)];
     groups(&at_film(subject, rays), trace, Traced::ray)
 }
@@ -146,8 +156,12 @@ fn kernels<S: KernelScalar + Real + 'static>(subject: &Subject, rays: &[Ray], si
     Some(Box::new(Batches { trace, rays: FilmRays::new(subject.film_z, rays) }))
 }
 
-fn polynomials<S: KernelScalar + Real + 'static>(subject: &Subject, rays: &[Ray], order: usize) -> Prepared {
-    let lens = PolynomialLens::<S>::new(&subject.fit(order));
+fn polynomials<S: KernelScalar + Real + 'static>(
+    subject: &Subject,
+    rays: &[Ray],
+    fit: &Polynomial,
+) -> Prepared {
+    let lens = PolynomialLens::<S>::new(fit);
     let trace = move |from: &PlaneRays<'_, S>, to: &mut LensRays<'_, S>| lens.trace_batch(from, to);
     Some(Box::new(Batches { trace, rays: FilmRays::new(subject.film_z, rays) }))
 }

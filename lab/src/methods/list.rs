@@ -62,9 +62,9 @@ impl Family {
         ("first-order optics", Self::Gaussian),
         ("polynomials", Self::Polynomial),
         ("polynomials in batches", Self::PolynomialBatch),
-        ("kernel, single rays", Self::Kernel),
-        ("kernel in batches", Self::KernelBatch),
-        ("walk", Self::Walk),
+        ("compiled, single rays", Self::Kernel),
+        ("compiled, in batches", Self::KernelBatch),
+        ("surface by surface", Self::Walk),
     ];
 
     /// The name.

@@ -102,6 +102,8 @@ struct Interface {
     curvature: f64,
     aspheric: Option<Aspheric>,
     semi_diameter: f64,
+    /// From its lowest to its highest point, along the axis.
+    depth: f64,
     /// (n'/n)² - 1.
     index_step: f64,
     exact: Path<DoubleDouble>,
@@ -127,6 +129,7 @@ impl Conditioned {
                 true => (surface.n_scene, surface.n_film),
                 false => (surface.n_film, surface.n_scene),
             };
+            let [low, high] = surface.sagitta_range();
             // The clear aperture is tested here, so that a clipped ray's point is known all the same.
             let semi_diameter = OPEN * surface.semi_diameter;
             let alone = Surface { vertex: 0.0, thickness: 0.0, semi_diameter, ..surface };
@@ -136,6 +139,7 @@ impl Conditioned {
                 curvature: if forward { surface.curvature } else { -surface.curvature },
                 aspheric: surface.figure.map(|figure| Aspheric::new(&figure, &surface, direction)),
                 semi_diameter: surface.semi_diameter,
+                depth: high - low,
                 index_step: (n_after - n) * (n_after + n) / (n * n),
                 exact: Path::new(&alone, direction, Refraction::Fused),
                 dual: Path::new(&alone, direction, Refraction::Fused),
@@ -151,10 +155,12 @@ impl Conditioned {
         let direction = unit(vector(in_range(ray.direction)));
         let origin = [x, y, z - DoubleDouble::from_f64(self.entry)];
         // From afar only what reaches the lens counts: the disturbance is that of the ray's point nearest
-        // the vertex, where that lies ahead, and the ray begins a little before it.
+        // the vertex, where that lies ahead, and the ray begins a little before it: before all of the first surface,
+        // which may be deeper than wide.
         let ahead = -dot(origin, direction);
         let nearest = moved(origin, direction, ahead);
-        let lead = ahead.to_f64().clamp(0.0, 2.0 * (norm(nearest) + self.interfaces[0].semi_diameter));
+        let Interface { semi_diameter, depth, .. } = self.interfaces[0];
+        let lead = ahead.to_f64().clamp(0.0, 2.0 * (norm(nearest) + semi_diameter + depth));
         let size = if lead > 0.0 { norm(nearest) } else { norm(origin) };
         let point = if lead < ahead.to_f64() {
             moved(nearest, direction, DoubleDouble::from_f64(-lead))
@@ -164,7 +170,7 @@ impl Conditioned {
         let mut now = ExactRay { point, direction };
         let mut doubts = Norm::BOTH.map(|norm| {
             let mut spread = Spread::default();
-            spread.disturb(norm.size(size, self.interfaces[0].semi_diameter), 1.0);
+            spread.disturb(norm.size(size, semi_diameter), 1.0);
             Doubt { norm, spread: spread.through(&transfer(-lead)), margin: f64::INFINITY }
         });
         let mut exact = None;

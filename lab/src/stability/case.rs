@@ -48,15 +48,42 @@ pub struct CaseResult {
     /// The largest of error / (condition x epsilon) over the rays, in direction or position. Of order
     /// one: the tracer is backward stable.
     pub ratio: f64,
-    /// Rays that pass for the tracer and not in truth, or the other way about, though no decision was
-    /// within [`MARGIN`] epsilon.
-    pub disagreements: usize,
     /// Rays that were evaluated.
     pub rays: usize,
-    /// Rays that were nearer to a decision than that, and left out.
+    /// Rays that were nearer to a decision than [`MARGIN`] epsilon, and left out.
     pub undecided: usize,
-    /// Whether ratio and disagreements are as they should be, and everything is finite.
-    pub holds: bool,
+    /// What is not as it should be.
+    pub failures: Vec<Failure>,
+}
+
+/// Why a ray fails.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reason {
+    /// Its error is more than its case's bound.
+    Error,
+    /// It passes for the tracer and not in truth, or the other way about.
+    Fate,
+    /// It is not finite, or its direction has not length 1.
+    Unsound,
+}
+
+impl Reason {
+    /// All with their names.
+    pub const NAMES: [(&'static str, Self); 3] =
+        [("error", Self::Error), ("fate", Self::Fate), ("unsound ray", Self::Unsound)];
+}
+
+/// A ray that fails.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Failure {
+    /// The case by whose name [`rerun`](super::rerun) finds it.
+    pub case: String,
+    /// The ray's number in it.
+    pub ray: usize,
+    /// Why.
+    pub reason: Reason,
+    /// What was found.
+    pub what: String,
 }
 
 /// A ray is evaluated where its decisions are at least this many epsilon away, in units of the disturbance
@@ -97,31 +124,49 @@ impl Case {
         let size: f64 =
             self.lens.surfaces.iter().map(|surface| surface.semi_diameter + surface.thickness).sum();
         let mut result = CaseResult::new(self.name.clone(), self.group, tracer.name, tracer.bound);
-        for ((ray, trail), got) in self.rays.iter().zip(trails).zip(outcomes) {
-            result.holds &= got.is_none_or(|ray| is_sound(&ray));
+        for (number, ((ray, trail), got)) in self.rays.iter().zip(trails).zip(outcomes).enumerate() {
+            let mut found = Vec::new();
+            if got.is_some_and(|ray| !is_sound(&ray)) {
+                found.push((Reason::Unsound, "not finite, or without unit direction".to_owned()));
+            }
             let condition = trail.condition(tracer.norm);
-            if !(condition.margin > MARGIN * tracer.epsilon) {
+            let away = condition.margin / tracer.epsilon;
+            if !(away > MARGIN) {
                 result.undecided += 1;
-                continue;
-            }
-            result.rays += 1;
-            match (got, trail.exact) {
-                (Some(got), Ok(exact)) => {
-                    let start = ray.origin.iter().fold(size, |most: f64, x| most.max(x.abs()));
-                    result.add(&got, &exact, condition, tracer.epsilon, (exit, start));
+            } else {
+                result.rays += 1;
+                match (got, trail.exact) {
+                    (Some(got), Ok(exact)) => {
+                        let start = ray.origin.iter().fold(size, |most: f64, x| most.max(x.abs()));
+                        let ratio = result.add(&got, &exact, condition, tracer.epsilon, (exit, start));
+                        // What is not a number fails, too.
+                        if !(ratio <= tracer.bound) {
+                            found.push((Reason::Error, format!("{ratio:.1} against {}", tracer.bound)));
+                        }
+                    }
+                    (None, Ok(_)) => {
+                        found.push((Reason::Fate, format!("blocked; passes by {away:.0} epsilon")))
+                    }
+                    (Some(_), Err(why)) => {
+                        found.push((Reason::Fate, format!("passes; is {why} by {away:.0} epsilon")));
+                    }
+                    (None, Err(_)) => {}
                 }
-                (None, Err(_)) => {}
-                _ => result.disagreements += 1,
             }
+            result.failures.extend(found.into_iter().map(|(reason, what)| Failure {
+                case: self.name.clone(),
+                ray: number,
+                reason,
+                what: format!("{what}; from {:?} along {:?} to {got:?}", ray.origin, ray.direction),
+            }));
         }
-        result.evaluate();
         Some(result)
     }
 }
 
 impl CaseResult {
-    /// A result of no rays yet.
-    pub(super) fn new(name: String, group: &'static str, tracer: &'static str, bound: f64) -> Self {
+    /// A result of no rays yet, which holds.
+    pub fn new(name: String, group: &'static str, tracer: &'static str, bound: f64) -> Self {
         Self {
             name,
             group,
@@ -131,11 +176,23 @@ impl CaseResult {
             worst_error_mm: 0.0,
             condition: 0.0,
             ratio: 0.0,
-            disagreements: 0,
             rays: 0,
             undecided: 0,
-            holds: true,
+            failures: Vec::new(),
         }
+    }
+
+    /// Whether everything is as it should be.
+    pub fn holds(&self) -> bool {
+        self.failures.is_empty()
+    }
+
+    /// Why it fails, with how many rays: nothing where it holds.
+    pub fn fails_because(&self) -> String {
+        let count = |reason| self.failures.iter().filter(|failure| failure.reason == reason).count();
+        let reasons = Reason::NAMES.map(|(name, reason)| (name, count(reason)));
+        let found = reasons.iter().filter(|(_, count)| *count > 0);
+        found.map(|(name, count)| format!("{name} ({count})")).collect::<Vec<_>>().join(", ")
     }
 
     /// Takes in the result of another part of the same case, or of another case of a group.
@@ -145,17 +202,12 @@ impl CaseResult {
         self.worst_error_mm = self.worst_error_mm.max(part.worst_error_mm);
         self.condition = self.condition.max(part.condition);
         self.ratio = self.ratio.max(part.ratio);
-        self.disagreements += part.disagreements;
         self.rays += part.rays;
         self.undecided += part.undecided;
-        self.holds &= part.holds;
-        self.evaluate();
+        self.failures.extend(part.failures.iter().cloned());
     }
 
-    fn evaluate(&mut self) {
-        self.holds &= self.ratio <= self.bound && self.disagreements == 0;
-    }
-
+    /// Takes in a ray; its error over what its condition number expects.
     fn add(
         &mut self,
         got: &Ray,
@@ -163,7 +215,7 @@ impl CaseResult {
         condition: &Condition,
         epsilon: f64,
         (exit, size): (f64, f64),
-    ) {
+    ) -> f64 {
         let (rad, mm) = (exact.direction_error(got), exact.position_error(got, exit));
         self.worst_error_rad = self.worst_error_rad.max(rad);
         self.worst_error_mm = self.worst_error_mm.max(mm);
@@ -172,7 +224,9 @@ impl CaseResult {
         // point on the vertex, which is exact, is one to the reference's own digits only.
         let expected_mm =
             epsilon * condition.position + f64::EPSILON * exit.abs() + DoubleDouble::EPSILON * size;
-        self.ratio = self.ratio.max(rad / (epsilon * condition.direction)).max(mm / expected_mm);
+        let ratio = (rad / (epsilon * condition.direction)).max(mm / expected_mm);
+        self.ratio = self.ratio.max(ratio);
+        ratio
     }
 }
 

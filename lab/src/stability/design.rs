@@ -10,7 +10,7 @@ use realistic::{
 
 use super::{
     assemblies,
-    case::CaseResult,
+    case::{CaseResult, Failure, Reason},
     lenses::{catalogue, lens},
     stiff,
     tracers::BOUND,
@@ -77,7 +77,11 @@ fn evaluated(name: String, what: &'static str, got: f64, exact: DoubleDouble, co
     result.worst_error_mm = error;
     result.condition = condition;
     result.ratio = error / (f64::EPSILON * condition * exact.to_f64().abs());
-    result.holds = result.ratio <= result.bound;
+    // What is not a number fails, too.
+    if !(result.ratio <= result.bound) {
+        let (case, what) = (result.name.clone(), format!("{got} in the place of {}", exact.to_f64()));
+        result.failures.push(Failure { case, ray: 0, reason: Reason::Error, what });
+    }
     result
 }
 

@@ -10,7 +10,7 @@
 //! | [`design`] | focal length, pupil and focus of stiff lenses |
 //! | [`random`] | lenses and rays at random |
 //!
-//! [`run`] goes through all of it. The figure to read is [`CaseResult::ratio`]: the error over what a
+//! [`run`] goes through all of it, and [`rerun`] through one case of it by its name, on any machine the same. The figure to read is [`CaseResult::ratio`]: the error over what a
 //! perfect tracer of that precision must expect from the case's
 //! [condition number](crate::reference::condition).
 
@@ -25,25 +25,25 @@ pub mod random;
 pub mod stiff;
 pub mod tracers;
 
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 
-pub use case::{Case, CaseResult, MARGIN};
+pub use case::{Case, CaseResult, Failure, MARGIN, Reason};
 pub use tracers::{BOUND, Tracer, tracers};
 
 /// How much of the random part is run; the rest is the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Extent {
-    /// Random lenses that are compared with the reference, a hundred rays each.
-    pub lenses: usize,
-    /// Rays through random lenses in cameras, about.
-    pub rays: u64,
+    /// Random lenses of each kind that are compared with the reference, a hundred rays each: those with the numbers from 0.
+    pub lenses: u64,
+    /// Random lenses in cameras, [`RAYS_EACH`] rays each, likewise.
+    pub cameras: u64,
 }
 
 impl Extent {
     /// A few seconds.
-    pub const QUICK: Self = Self { lenses: 300, rays: 1_000_000 };
+    pub const QUICK: Self = Self { lenses: 300, cameras: 500 };
     /// A few minutes.
-    pub const FULL: Self = Self { lenses: 10_000, rays: 100_000_000 };
+    pub const FULL: Self = Self { lenses: 10_000, cameras: 50_000 };
 }
 
 /// How far [`run`] has got.
@@ -56,9 +56,9 @@ pub struct Progress<'a> {
 }
 
 /// Parts into which the random rays are divided, between which a run can be stopped.
-const PARTS: usize = 50;
+const PARTS: u64 = 50;
 /// Rays through each random camera.
-const RAYS_EACH: usize = 2000;
+pub const RAYS_EACH: usize = 2000;
 
 /// Every case, for every tracer.
 pub fn cases() -> Vec<Case> {
@@ -119,12 +119,12 @@ fn run_parts(
 
     for (number, kind) in random::Kind::ALL.into_iter().enumerate() {
         let mut against = random::none_yet(kind, &tracers);
-        for part in 0..PARTS {
-            let done = 0.05 + 0.225 * (number as f64 + part as f64 / PARTS as f64);
-            progress(Progress { name: "random lenses against the reference", done })?;
-            for found in on_all_cores(part, |seed, workers| {
-                random::against_reference(kind, seed, extent.lenses.div_ceil(PARTS * workers), &tracers)
-            }) {
+        for (numbers, share) in parts(extent.lenses) {
+            progress(Progress {
+                name: "random lenses against the reference",
+                done: 0.05 + 0.225 * (number as f64 + share),
+            })?;
+            for found in on_all_cores(numbers, |numbers| random::against_reference(kind, numbers, &tracers)) {
                 against.iter_mut().zip(&found).for_each(|(all, part)| all.merge(part));
             }
         }
@@ -132,13 +132,9 @@ fn run_parts(
     }
 
     let mut survey = random::Survey::default();
-    let lenses = extent.rays.div_ceil((PARTS * RAYS_EACH) as u64) as usize;
-    for part in 0..PARTS {
-        let done = 0.5 + 0.5 * part as f64 / PARTS as f64;
-        progress(Progress { name: "rays through random cameras", done })?;
-        for found in on_all_cores(PARTS + part, |seed, workers| {
-            random::through_cameras(seed, lenses.div_ceil(workers), RAYS_EACH)
-        }) {
+    for (numbers, share) in parts(extent.cameras) {
+        progress(Progress { name: "rays through random cameras", done: 0.5 + 0.5 * share })?;
+        for found in on_all_cores(numbers, |numbers| random::through_cameras(numbers, RAYS_EACH)) {
             survey.add(found);
         }
     }
@@ -146,14 +142,39 @@ fn run_parts(
     ControlFlow::Continue(())
 }
 
-/// `work` on every core, each with a seed of its own, and the number of cores.
-fn on_all_cores<T: Send>(part: usize, work: impl Fn(u64, usize) -> T + Sync) -> Vec<T> {
-    let workers = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    let work = &work;
+/// The results of one case for every tracer, by the name that a [`Failure`] gives: of a named case or a random one. None
+/// where there is no such case.
+pub fn rerun(name: &str) -> Vec<CaseResult> {
+    if let Some(number) = random::camera_number(name) {
+        return vec![random::through_cameras(number..number + 1, RAYS_EACH).result()];
+    }
+    let case = random::Kind::find(name).or_else(|| cases().into_iter().find(|case| case.name == name));
+    if let Some(case) = case {
+        let trails = case.trails();
+        return tracers().iter().filter_map(|tracer| case.run(tracer, &trails)).collect();
+    }
+    let mut design = [design::first_order(), design::focus()].concat();
+    design.retain(|result| result.name == name);
+    design
+}
+
+/// The numbers below `count` in [`PARTS`] parts, each with the share of the work that lies before it.
+fn parts(count: u64) -> impl Iterator<Item = (Range<u64>, f64)> {
+    (0..PARTS).map(move |part| {
+        let at = |part: u64| count * part / PARTS;
+        (at(part)..at(part + 1), part as f64 / PARTS as f64)
+    })
+}
+
+/// `work` on every core, each with its share of the numbers, by rising numbers: what is found is the same on any number of
+/// cores.
+fn on_all_cores<T: Send>(numbers: Range<u64>, work: impl Fn(Range<u64>) -> T + Sync) -> Vec<T> {
+    let workers = std::thread::available_parallelism().map_or(1, std::num::NonZero::get) as u64;
+    let (work, count) = (&work, numbers.end - numbers.start);
+    let at = |worker: u64| numbers.start + count * worker / workers;
     std::thread::scope(|scope| {
-        let threads: Vec<_> = (0..workers)
-            .map(|worker| scope.spawn(move || work((1 + part * workers + worker) as u64, workers)))
-            .collect();
+        let threads: Vec<_> =
+            (0..workers).map(|worker| scope.spawn(move || work(at(worker)..at(worker + 1)))).collect();
         threads.into_iter().map(|thread| thread.join().expect("the work does not panic")).collect()
     })
 }

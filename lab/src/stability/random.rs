@@ -1,8 +1,9 @@
-//! Random lenses: whatever passes the checks of a lens file, and rays from anywhere behind it. A seed in, the worst
+//! Random lenses: whatever passes the checks of a lens file, and rays from anywhere behind it. Numbers in, each of which
+//! makes one lens and its rays wherever and beside whatever it is run, the worst
 //! error of every tracer against the reference out ([`against_reference`]), or what whole cameras made of such lenses
 //! return that is no ray ([`through_cameras`]).
 
-use std::fmt::Write;
+use std::{fmt::Write, ops::Range};
 
 use crate::BLOCK;
 use rand::{RngExt, SeedableRng};
@@ -20,7 +21,7 @@ use realistic::{
 };
 
 use super::{
-    case::{Case, CaseResult, is_sound},
+    case::{Case, CaseResult, Failure, Reason, is_sound},
     tracers::Tracer,
 };
 
@@ -172,7 +173,33 @@ impl Kind {
             Self::Aspheres => random_aspheric_lens(random),
         }
     }
+
+    /// What its cases are called, before their number.
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Spheres => "random lens",
+            Self::Aspheres => "random aspheric lens",
+        }
+    }
+
+    /// The random lens of a number with a hundred rays; always the same one.
+    pub fn case(self, number: u64) -> Case {
+        let mut random = Random::seed_from_u64(number);
+        let lens = self.lens(&mut random);
+        let direction = if number % 4 == 3 { SceneToFilm } else { FilmToScene };
+        let rays = rays(&mut random, &lens, direction, 100);
+        Case::new(GROUP, format!("{} {number}", self.name()), &lens, direction, rays)
+    }
+
+    /// The case of that name, if it is one of these.
+    pub fn find(name: &str) -> Option<Case> {
+        let number = |kind: Self| name.strip_prefix(kind.name())?.trim().parse().ok();
+        Self::ALL.into_iter().find_map(|kind| Some(kind.case(number(kind)?)))
+    }
 }
+
+/// The group of everything random.
+const GROUP: &str = "random";
 
 /// Rays at the first surface of a random lens from a few planes, mostly such as get in.
 fn rays(random: &mut Random, lens: &Lens, direction: Direction, count: usize) -> Vec<Ray> {
@@ -207,19 +234,14 @@ pub fn none_yet(kind: Kind, tracers: &[Tracer]) -> Vec<CaseResult> {
         Kind::Spheres => "random lenses, a hundred rays each",
         Kind::Aspheres => "random aspheric lenses, a hundred rays each",
     };
-    let result = |tracer: &Tracer| CaseResult::new(name.to_owned(), "random", tracer.name, tracer.bound);
+    let result = |tracer: &Tracer| CaseResult::new(name.to_owned(), GROUP, tracer.name, tracer.bound);
     tracers.iter().map(result).collect()
 }
 
-/// `lenses` random lenses with a hundred rays each against the reference, for every tracer.
-pub fn against_reference(kind: Kind, seed: u64, lenses: usize, tracers: &[Tracer]) -> Vec<CaseResult> {
+/// The random lenses of these numbers with a hundred rays each against the reference, for every tracer.
+pub fn against_reference(kind: Kind, numbers: Range<u64>, tracers: &[Tracer]) -> Vec<CaseResult> {
     let mut worst = none_yet(kind, tracers);
-    let mut random = Random::seed_from_u64(seed);
-    for number in 0..lenses {
-        let lens = kind.lens(&mut random);
-        let direction = if number % 4 == 3 { SceneToFilm } else { FilmToScene };
-        let rays = rays(&mut random, &lens, direction, 100);
-        let case = Case::new("random", "", &lens, direction, rays);
+    for case in numbers.map(|number| kind.case(number)) {
         let trails = case.trails();
         for (tracer, worst) in tracers.iter().zip(&mut worst) {
             worst.merge(&case.run(tracer, &trails).expect("a lens file's lens ends in air"));
@@ -229,14 +251,14 @@ pub fn against_reference(kind: Kind, seed: u64, lenses: usize, tracers: &[Tracer
 }
 
 /// What rays through random lenses in a camera were found to be.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Survey {
     /// Samples asked for.
     pub rays: u64,
     /// Those that got through.
     pub passed: u64,
     /// Rays that are not finite, whose direction has not length 1, or whose weight is not finite and positive.
-    pub unsound: u64,
+    pub unsound: Vec<Failure>,
 }
 
 impl Survey {
@@ -244,29 +266,36 @@ impl Survey {
     pub fn add(&mut self, other: Self) {
         self.rays += other.rays;
         self.passed += other.passed;
-        self.unsound += other.unsound;
+        self.unsound.extend(other.unsound);
     }
 
-    /// As the result of a case: unsound rays are its disagreements.
-    pub fn result(&self) -> CaseResult {
+    /// As the result of a case.
+    pub fn result(self) -> CaseResult {
         let name = format!("{} rays through random cameras, {} pass", self.rays, self.passed);
         CaseResult {
             rays: usize::try_from(self.rays).unwrap_or(usize::MAX),
-            disagreements: usize::try_from(self.unsound).unwrap_or(usize::MAX),
-            holds: self.unsound == 0,
-            ..CaseResult::new(name, "random", "camera, f64 and f32", 0.0)
+            failures: self.unsound,
+            ..CaseResult::new(name, GROUP, "camera, f64 and f32", 0.0)
         }
     }
 }
 
-/// `lenses` random lenses as cameras, `rays` samples each, in single and double precision and one by one and in
-/// blocks by turns: every ray that leaves must be finite with a unit direction and a finite, positive
+/// What random cameras are called, before their number.
+const CAMERA: &str = "random camera";
+
+/// The number of the random camera of that name, if it is one.
+pub fn camera_number(name: &str) -> Option<u64> {
+    name.strip_prefix(CAMERA)?.trim().parse().ok()
+}
+
+/// The random lenses of these numbers as cameras, `rays` samples each, in single and double precision and one by one and
+/// in blocks by turns: every ray that leaves must be finite with a unit direction and a finite, positive
 /// weight. The same rays go through the tracer alone, in double precision's terms.
-pub fn through_cameras(seed: u64, lenses: usize, rays: usize) -> Survey {
-    let mut random = Random::seed_from_u64(seed);
+pub fn through_cameras(numbers: Range<u64>, rays: usize) -> Survey {
     let mut survey = Survey::default();
     let (mut samples, mut out) = (Box::new(SampleBlock::<BLOCK>::new()), Box::new(RayBlock::<BLOCK>::new()));
-    for number in 0..lenses {
+    for number in numbers {
+        let mut random = Random::seed_from_u64(number);
         let camera = random_camera(&mut random, number);
         let path = Path::<f32>::film_to_scene(&camera.facts().lens);
         let start = camera.facts().lens.rear().vertex - 50.0;
@@ -301,10 +330,22 @@ pub fn through_cameras(seed: u64, lenses: usize, rays: usize) -> Survey {
                 let [x, y, z] = direction;
                 let is_unit = (x * x + y * y + z * z - 1.0).abs() < 4.0 * f32::EPSILON;
                 let finite = origin.iter().all(|x| x.is_finite());
-                survey.unsound += u64::from(!(is_unit && finite && weight > 0.0 && weight.is_finite()));
+                let mut fail = |what: String| {
+                    survey.unsound.push(Failure {
+                        case: format!("{CAMERA} {number}"),
+                        ray: from + i,
+                        reason: Reason::Unsound,
+                        what,
+                    });
+                };
+                if !(is_unit && finite && weight > 0.0 && weight.is_finite()) {
+                    fail(format!("from {origin:?} along {direction:?} with weight {weight}"));
+                }
                 let [origin, direction] = [origin, direction].map(|v| v.map(f64::from));
                 let onward = path.trace(Ray { origin: [origin[0], origin[1], start], direction });
-                survey.unsound += u64::from(onward.is_ok_and(|ray| !is_sound(&ray)));
+                if let Some(ray) = onward.ok().filter(|ray| !is_sound(ray)) {
+                    fail(format!("back through the lens in f32: {ray:?}"));
+                }
             }
         }
     }
@@ -323,7 +364,7 @@ fn random_sample(random: &mut Random) -> Sample {
 }
 
 /// The next random lens that makes a camera: one without power or with the film inside it is refused.
-fn random_camera(random: &mut Random, number: usize) -> RealisticCamera {
+fn random_camera(random: &mut Random, number: u64) -> RealisticCamera {
     loop {
         let text = lens_text(random);
         let mut host = Host::new(Raster { xres: 64, yres: 64 }, None);
@@ -331,7 +372,7 @@ fn random_camera(random: &mut Random, number: usize) -> RealisticCamera {
         let parameters = Parameters {
             filmdistance: Some(scaled(random, 0.1, 300.0)),
             filmdiag: Some(scaled(random, 0.1, 100.0)),
-            pupil: Some([Pupil::Rear, Pupil::Rear, Pupil::Disk, Pupil::Warped][number % 4]),
+            pupil: Some([Pupil::Rear, Pupil::Rear, Pupil::Disk, Pupil::Warped][(number % 4) as usize]),
             precision: (number / 4 % 2 == 1).then_some(Some(Precision::F32)),
             ..Parameters::default()
         };

@@ -1,10 +1,12 @@
 //! A lens with the film that it is evaluated on, and rays between the two.
 
+mod camera_samples;
 mod film_rays;
 pub mod kernel_rays;
 mod passing_rays;
 pub mod quasirandom;
 
+pub use camera_samples::CameraSamples;
 pub use film_rays::FilmRays;
 pub use passing_rays::passing_rays;
 
@@ -97,9 +99,10 @@ impl Subject {
         self.scale.film_error([x, y], exact, other) / self.film.pixel()
     }
 
-    /// Polynomials of an order (3, 5, ... 11) fitted to 2000 of the subject's own rays.
-    pub fn fit(&self, order: usize) -> Polynomial {
-        Polynomial::fit(&self.lens, self.film_z, &self.rays(FIT_RAYS, 0), order)
+    /// Polynomials of an order (3, 5, ... 11) fitted to 2000 of the subject's own rays, with where they pass the apertures of
+    /// these surfaces, counted from the scene.
+    pub fn fit(&self, order: usize, apertures: &[usize]) -> Polynomial {
+        Polynomial::with_apertures(&self.lens, self.film_z, &self.rays(FIT_RAYS, 0), order, apertures)
             .expect("the rays are spread over film and pupil")
     }
 

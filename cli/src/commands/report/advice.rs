@@ -1,170 +1,255 @@
-//! Which method for which need: results in, a few sentences about all the lenses together out.
+//! What to use when: results in, a paragraph and a few sentences about all the lenses together out. What is within the
+//! threshold of the run is called a tie and counted nowhere.
 
-use super::findings::{PIXELS, all_hold, cheapest, fastest, is_exact, is_model, seconds, soonest};
-use realistic_lab::accuracy::ray_map::RayErrors;
-use realistic_lab::accuracy::suite::Results;
-use realistic_lab::methods::Family;
-use realistic_lab::reference::condition::Norm;
-use realistic_lab::stability;
+use super::findings::{camera, range, saved, soonest};
+use realistic::camera::Precision;
+use realistic::plan::{Entry, Tracing};
+use realistic_lab::accuracy::curve::Curve;
+use realistic_lab::accuracy::irradiance;
+use realistic_lab::accuracy::leaving_out::{Asked, Saving, TOLERANCES};
+use realistic_lab::accuracy::suite::{Results, Suite};
+use realistic_lab::stability::{Extent, RAYS_EACH};
 use realistic_lab::subject::STOPPED_DOWN;
 
-/// The advice.
-pub fn advice(results: &Results) -> Vec<String> {
-    [batches, single_rays, models, samplers, pictures, tracers]
-        .iter()
-        .filter_map(|say| say(results))
-        .collect()
-}
-
-/// From the least of some times to the greatest.
-fn range(times: impl Iterator<Item = f64> + Clone) -> String {
-    let (low, high) = (times.clone().fold(f64::INFINITY, f64::min), times.fold(0.0, f64::max));
-    format!("{} to {}", seconds(low), seconds(high))
-}
-
-/// The rows of the method that is the fastest on most lenses of those wanted.
-fn usual(results: &Results, wanted: impl Fn(&RayErrors) -> bool) -> Option<Vec<&RayErrors>> {
-    let name = |lens: &&str| fastest(&results.ray_map, lens, &wanted).map(|m| m.method.name);
-    let name = most_frequent(results.lenses.iter().filter_map(name))?.0;
-    Some(results.ray_map.iter().filter(|m| m.method.name == name).collect())
-}
-
-/// The word that comes most often, and how often.
-fn most_frequent<T: PartialEq + Clone>(words: impl Iterator<Item = T> + Clone) -> Option<(T, usize)> {
-    let times = |word: &T| words.clone().filter(|other| other == word).count();
-    words.clone().map(|word| (word.clone(), times(&word))).max_by_key(|(_, count)| *count)
-}
-
-fn times_of<'a>(rows: &'a [&RayErrors]) -> impl Iterator<Item = f64> + Clone + 'a {
-    rows.iter().map(|m| m.time.median)
-}
-
-fn batches(results: &Results) -> Option<String> {
-    let fast = usual(results, |m| m.method.family() == Family::KernelBatch)?;
-    let exact = usual(results, |m| m.method.family() == Family::KernelBatch && is_exact(m))?;
-    let error = fast.iter().map(|m| m.pixels.most).fold(0.0, f64::max);
+/// The result in one paragraph.
+pub fn what_to_use_when(results: &Results) -> Option<String> {
+    let times = |entry, precision| {
+        let asked = Asked::Precision(precision);
+        let of = move |lens: &&'static str| camera(results, lens, false, entry, asked);
+        range(results.lenses.iter().filter_map(of).map(|saving| saving.left_out.median))
+    };
+    if results.leaving_out.is_empty() {
+        return None;
+    }
+    let [batches, single] = [Entry::Many, Entry::One].map(|entry| gains(results, entry, TOLERANCES[0]));
+    let warped = match wins(results, |c| c.pupil, |pupil| *pupil == "warped") {
+        0 => {
+            "leave \"pupil\" at \"warped\", which spends no samples on light that the lens blocks".to_owned()
+        }
+        wins => format!(
+            "leave \"pupil\" at \"warped\": film irradiance settles soonest by it on {wins} of {} lenses",
+            results.lenses.len()
+        ),
+    };
     Some(format!(
-        "Many rays at once: the kernel in {}, {} per ray on these lenses, 99.9 % of the rays within {error:.1e} pixel. \
-         Where double precision is wanted: {}, {}.",
-        fast.first()?.method.name,
-        range(times_of(&fast)),
-        exact.first()?.method.name,
-        range(times_of(&exact)),
+        "Ask for many rays in one call wherever the renderer can: a ray then takes {} in double precision and {} in \
+         single, one by one {}. Set \"tolerance\" to the error that the picture can bear, in pixels, and let the camera \
+         choose what to trace by: beside double precision, with 1 pixel that {batches} in batches, and {single} one by one. \
+         It never takes what is further off. And {warped}.",
+        times(Entry::Many, Precision::F64),
+        times(Entry::Many, Precision::F32),
+        times(Entry::One, Precision::F64),
     ))
 }
 
-fn single_rays(results: &Results) -> Option<String> {
-    let rows = |name: &str| results.ray_map.iter().filter(|m| m.method.name == name).collect::<Vec<_>>();
-    let (double, single, three) = (rows("one f64"), rows("one f32"), rows("three f64"));
-    let total = |rows: &[&RayErrors]| times_of(rows).sum::<f64>();
-    (!double.is_empty() && !single.is_empty()).then(|| {
-        format!(
-            "One ray at a time: the kernel in double precision, {}; single precision takes {:.0} % of that. A ray \
-             with its two differentials takes {:.1} times as long as a ray alone.",
-            range(times_of(&double)),
-            100.0 * total(&single) / total(&double),
-            3.0 * total(&three) / total(&double),
-        )
-    })
+/// On how many lenses, wide open or stopped down, a tolerance saves more than a tie, and how much.
+fn gains(results: &Results, entry: Entry, tolerance: f64) -> String {
+    let own = || {
+        let own = results.leaving_out.iter();
+        own.filter(|saving| saving.entry == entry && saving.asked == Asked::Tolerance(tolerance))
+    };
+    let gains: Vec<f64> = own().filter_map(|saving| saved(results, saving)).collect();
+    let (low, high) = gains.iter().fold((1.0_f64, 0.0_f64), |(l, h), &x| (l.min(x), h.max(x)));
+    match gains.len() {
+        0 => "saves nothing beyond a tie".to_owned(),
+        n => format!(
+            "saves {:.0} to {:.0} % of the time in {n} of {} cases",
+            100.0 * low,
+            100.0 * high,
+            own().count()
+        ),
+    }
 }
 
-/// Where a model that leaves surfaces out is worth it: where the table below names one.
-fn models(results: &Results) -> Option<String> {
-    let gain = |rays: &[RayErrors], lens: &str, pixels: f64| {
-        let best = cheapest(rays, lens, |m| m.pixels.most <= pixels)?.best;
-        let kernel =
-            fastest(rays, lens, |m| m.method.family() == Family::KernelBatch && m.pixels.most <= pixels);
-        is_model(best).then(|| kernel.map_or(f64::INFINITY, |m| m.time.median) / best.time.median)
+/// On how many lenses one kind of pupil, or of sequence, is first to the error that samplers are compared at.
+fn wins<T: PartialEq>(results: &Results, of: impl Fn(&Curve) -> T, wanted: impl Fn(&T) -> bool) -> usize {
+    let tie = results.ties().irradiance;
+    let first = |lens: &&&str| {
+        let curves = results.irradiance.iter().filter(|c| c.lens == ***lens);
+        soonest(curves, IRRADIANCE, tie).common(&of).is_some_and(|kind| wanted(&kind))
     };
-    let at = |rays: &[RayErrors], pixels: f64| {
-        let gains: Vec<f64> = results.lenses.iter().filter_map(|lens| gain(rays, lens, pixels)).collect();
-        let most = gains.iter().copied().fold(0.0, f64::max);
-        let lenses = results.lenses.len();
-        match gains.len() {
-            0 => format!("within {pixels} pixel on none of the {lenses} lenses"),
-            n => format!("within {pixels} pixel on {n} of {lenses} lenses, up to {most:.1} times"),
-        }
-    };
-    let all = |rays: &[RayErrors]| PIXELS.map(|pixels| at(rays, pixels)).join("; ");
-    (!results.lenses.is_empty()).then(|| {
-        format!(
-            "In batches, a polynomial or the thick lens is faster than the exact kernel by more than a tie: wide open \
-             {}. At f/{STOPPED_DOWN} {}.",
-            all(&results.ray_map),
-            all(&results.stopped_down),
-        )
-    })
+    results.lenses.iter().filter(first).count()
 }
 
 /// The error of irradiance that samplers are compared at.
-const IRRADIANCE: f64 = 0.01;
+const IRRADIANCE: f64 = irradiance::NEEDS[0];
+
+/// The advice, need by need.
+pub fn advice(results: &Results, suite: &Suite) -> Vec<String> {
+    let all: [Option<String>; 5] = [
+        models(results),
+        vignetting(results),
+        samplers(results),
+        pictures(results),
+        stability(results, suite),
+    ];
+    all.into_iter().flatten().collect()
+}
+
+/// Where a model that leaves surfaces out is worth it: where a tolerance chose one.
+fn models(results: &Results) -> Option<String> {
+    let of = |entry: Entry, tolerance: f64| {
+        let own = |saving: &&Saving| saving.entry == entry && saving.asked == Asked::Tolerance(tolerance);
+        let all: Vec<&Saving> = results.leaving_out.iter().filter(own).collect();
+        let is_model = |saving: &&&Saving| matches!(saving.tracing, Tracing::Polynomials { .. });
+        let chosen = all.iter().filter(is_model);
+        let faster = chosen.clone().filter(|saving| saved(results, saving).is_some()).count();
+        format!("{tolerance} pixel on {} of {} ({faster} by more than a tie)", chosen.count(), all.len())
+    };
+    let all = |entry| TOLERANCES.map(|tolerance| of(entry, tolerance)).join(", ");
+    (!results.leaving_out.is_empty()).then(|| {
+        format!(
+            "Polynomials in the place of the surfaces: a tolerance chose them, over lenses wide open and at \
+             f/{STOPPED_DOWN}, in batches with {}; one by one with {}.",
+            all(Entry::Many),
+            all(Entry::One),
+        )
+    })
+}
+
+/// What models do to vignetting.
+fn vignetting(results: &Results) -> Option<String> {
+    let worst = |wanted: &dyn Fn(&str, bool) -> bool| {
+        let own = results.vignetting.iter().filter(|m| wanted(m.method.name, m.apertures));
+        own.map(realistic_lab::accuracy::vignetting::Vignetting::worst).fold(0.0, f64::max)
+    };
+    (!results.vignetting.is_empty()).then(|| {
+        format!(
+            "Vignetting: where the rear element is sampled and the lens's apertures shape the light, polynomials of \
+             order 11 that know the apertures are off by {} of the light on the axis at the most, without apertures by \
+             {}, the thick lens by {}; the exact ways by {}.",
+            percent(worst(&|name, apertures| name == "order 11, f32" && apertures)),
+            percent(worst(&|name, apertures| name == "order 11, f32" && !apertures)),
+            percent(worst(&|name, _| name == "thick lens")),
+            percent(worst(&|name, _| !name.starts_with("order") && name != "thick lens")),
+        )
+    })
+}
+
+/// A share with the digits that mean something.
+pub fn percent(share: f64) -> String {
+    match 100.0 * share {
+        none if none < 1e-4 => "less than 0.0001 %".to_owned(),
+        small if small < 0.1 => format!("{small:.4} %"),
+        few if few < 10.0 => format!("{few:.1} %"),
+        more => format!("{more:.0} %"),
+    }
+}
 
 fn samplers(results: &Results) -> Option<String> {
-    let best = |lens: &&str| {
-        let curves = results.irradiance.iter().filter(|c| c.lens == **lens);
-        soonest(curves.map(|c| ((c.pupil, c.sequence), c.errors())), IRRADIANCE)
-    };
-    let bests: Vec<_> = results.lenses.iter().filter_map(best).map(|(name, _)| name).collect();
-    let (pupil, wins) = most_frequent(bests.iter().map(|(pupil, _)| *pupil))?;
-    let (sequence, times) = most_frequent(bests.iter().map(|(_, sequence)| *sequence))?;
+    if results.irradiance.is_empty() {
+        return None;
+    }
+    let lenses = results.lenses.len();
+    let pupil = |name| wins(results, |c| c.pupil, |own| *own == name);
+    let sobol = wins(results, |c| c.sequence, |own| *own == "Sobol'");
     Some(format!(
-        "Film irradiance within {} %: soonest by the pupil \"{pupil}\" on {wins} of {} lenses, with {sequence} \
-         numbers on {times}.",
+        "Film irradiance within {} %: soonest by more than a tie with the pupil \"warped\" on {} of {lenses} lenses, \
+         with \"rear\" on {}, with \"disk\" on {}; with Sobol' samples alone on {sobol}.",
         100.0 * IRRADIANCE,
-        results.lenses.len(),
+        pupil("warped"),
+        pupil("rear"),
+        pupil("disk"),
     ))
 }
 
 fn pictures(results: &Results) -> Option<String> {
-    let best = |lens: &&str| {
-        let own = || results.renderers.iter().filter(|c| c.lens == **lens);
+    let tie = results.ties().pictures;
+    let mut wins: Vec<(&str, usize)> = Vec::new();
+    for lens in &results.lenses {
+        let own = || results.renderers.iter().filter(|c| c.lens == *lens);
         // What the exact way that gets nearest reaches, with a little room.
         let least = own().filter_map(|c| c.points.last()).map(|p| p.error).fold(f64::INFINITY, f64::min);
-        soonest(own().map(|c| (c.pupil, c.errors())), 1.1 * least)
+        let Some(name) = soonest(own(), 1.1 * least, tie).common(|c| c.pupil) else { continue };
+        match wins.iter_mut().find(|(other, _)| *other == name) {
+            Some((_, count)) => *count += 1,
+            None => wins.push((name, 1)),
+        }
+    }
+    let lenses = results.lenses.len();
+    let won: usize = wins.iter().map(|(_, count)| count).sum();
+    let named: Vec<String> = wins.iter().map(|(name, count)| format!("\"{name}\" on {count}")).collect();
+    (!results.renderers.is_empty()).then(|| {
+        format!(
+            "Whole pictures, soonest within a tenth of the least error that any way reaches, by more than a tie: {}; a \
+             tie of several on {} of {lenses} lenses.",
+            if named.is_empty() { "none".to_owned() } else { named.join(", ") },
+            lenses - won,
+        )
+    })
+}
+
+/// How many rays went through extreme and random lenses, which results fail, and what a quick run leaves out.
+pub fn stability(results: &Results, suite: &Suite) -> Option<String> {
+    if results.stability.is_empty() {
+        return None;
+    }
+    let sum = |wanted: &dyn Fn(&str, &str) -> bool| -> usize {
+        let own = results.stability.iter().filter(|c| wanted(c.tracer, c.group));
+        own.map(|c| c.rays + c.undecided).sum()
     };
-    let bests: Vec<_> = results.lenses.iter().filter_map(best).map(|(name, _)| name).collect();
-    let (name, wins) = most_frequent(bests.iter().copied())?;
+    let [named, random] = [false, true]
+        .map(|random| sum(&|tracer, group| tracer == "walk f64" && (group == "random") == random));
+    let cameras = sum(&|tracer, group| tracer.starts_with("camera") && group == "random");
+    let failed: Vec<_> = results.stability.iter().filter(|c| !c.holds()).collect();
+    let verdict = match failed.len() {
+        0 => "none fails".to_owned(),
+        1 => "1 result fails, listed below".to_owned(),
+        n => format!("{n} results fail, listed below"),
+    };
     Some(format!(
-        "Whole pictures: \"{name}\" comes soonest within a tenth of the least error that any way reaches, on {wins} \
-         of {} lenses.",
-        results.lenses.len(),
+        "Stability: {named} rays through named extreme lenses and {random} through random ones, by each of {} tracers, and \
+         {cameras} through random cameras: of {} results {verdict}.{}",
+        realistic_lab::stability::tracers().len(),
+        results.stability.len(),
+        left_out(suite.stability),
     ))
 }
 
-fn tracers(results: &Results) -> Option<String> {
-    let failed = results.stability.iter().filter(|c| !c.holds).count();
-    let tracers = stability::tracers();
-    let is_compiled = |name: &str| tracers.iter().any(|t| t.name == name && t.norm == Norm::Surface);
-    let worst = |compiled: bool, random: bool| {
-        let own = results.stability.iter().filter(|c| (c.group == "random") == random);
-        own.filter(|c| is_compiled(c.tracer) == compiled).map(|c| c.ratio).fold(0.0, f64::max)
-    };
-    (!results.stability.is_empty()).then(|| {
-        format!(
-            "Stability: of {} results of extreme cases {}. The worst error / (condition x epsilon) of the \
-             compiled kernels is {:.1} on the named cases and {:.1} on random lenses, of the walks {:.1} and {:.1}.",
-            results.stability.len(),
-            all_hold(failed),
-            worst(true, false),
-            worst(true, true),
-            worst(false, false),
-            worst(false, true),
-        )
-    })
+/// What a shorter run than the full one says nothing about.
+fn left_out(extent: Extent) -> String {
+    let Extent { lenses, cameras } = Extent::FULL;
+    if extent.lenses >= lenses && extent.cameras >= cameras {
+        return String::new();
+    }
+    let rays = RAYS_EACH as u64;
+    format!(
+        " This run left out {} of the {lenses} random lenses of either kind and {} of the {} random camera rays of a full \
+         one, and says nothing about those.",
+        lenses.saturating_sub(extent.lenses),
+        cameras.saturating_sub(extent.cameras) * rays,
+        cameras * rays,
+    )
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_most_frequent_word_is_found() {
-        assert_eq!(most_frequent(["a", "b", "b"].into_iter()), Some(("b", 2)));
-        assert_eq!(most_frequent(std::iter::empty::<&str>()), None);
-    }
+    use crate::host::scene::chequers;
+    use realistic_lab::stability::CaseResult;
 
     #[test]
     fn of_nothing_nothing_is_said() {
-        assert_eq!(advice(&Results::default()), Vec::<String>::new());
+        let suite = Suite::quick(chequers::radiance);
+        assert_eq!(advice(&Results::default(), &suite), Vec::<String>::new());
+        assert_eq!(what_to_use_when(&Results::default()), None);
+    }
+
+    #[test]
+    fn the_headline_counts_the_rays_and_a_quick_run_says_what_it_left_out() {
+        let name = "a case".to_owned();
+        let case = CaseResult { rays: 40, undecided: 2, ..CaseResult::new(name, "radius", "walk f64", 16.0) };
+        let results = Results { stability: vec![case], ..Results::default() };
+        let [quick, full] = [Suite::quick(chequers::radiance), Suite::full(chequers::radiance)]
+            .map(|suite| stability(&results, &suite).unwrap());
+        assert!(
+            full.contains("42 rays through named") && full.ends_with("of 1 results none fails."),
+            "{full}"
+        );
+        assert!(
+            quick.contains("left out 9700 of the 10000 random lenses") && !quick.contains("all hold"),
+            "{quick}"
+        );
+        assert!(quick.contains("99000000 of the 100000000 random camera rays"), "{quick}");
     }
 }

@@ -1,11 +1,15 @@
 //! Which method for which need, read off the results: a table of needs by lens, and sentences about each lens.
 
-use super::findings::{PIXELS, all_hold, cheapest, fastest, is_exact, seconds, soonest, time_to};
+use super::advice::percent;
+use super::findings::{camera, exact, gain, listed, seconds, soonest, tracing};
+use realistic::camera::Precision;
+use realistic::plan::Entry;
 use realistic_lab::accuracy::curve::Curve;
+use realistic_lab::accuracy::leaving_out::{Asked, Saving, TOLERANCES};
 use realistic_lab::accuracy::ray_map::RayErrors;
-use realistic_lab::accuracy::suite::Results;
+use realistic_lab::accuracy::suite::{Results, Tie};
+use realistic_lab::accuracy::{irradiance, pictures};
 use realistic_lab::methods::Family;
-use realistic_lab::results::statistics::TIE;
 use realistic_lab::stability;
 use realistic_lab::subject::STOPPED_DOWN;
 
@@ -17,85 +21,97 @@ pub struct Answer {
     pub by_lens: Vec<String>,
 }
 
-/// Relative errors of irradiance that a need allows.
-const IRRADIANCE: [f64; 2] = [1e-2, 2e-3];
-/// Errors of pictures that a need allows.
-const PICTURE: [f64; 2] = [0.2, 0.1];
+/// Error of a direction, rad, that counts as double precision.
+const DOUBLE: f64 = 1e-12;
 
-/// Every need with its answers.
+/// Every need with its answers. For rays that is what a camera with the tolerance chose, which is all that a camera would
+/// trace by; what it cost stands in a row of its own.
 pub fn answers(results: &Results) -> Vec<Answer> {
     let mut answers = Vec::new();
-    let mut answer = |need: String, of: &dyn Fn(&str) -> String| {
-        answers.push(Answer { need, by_lens: results.lenses.iter().map(|lens| of(lens)).collect() });
+    let mut answer = |need: String, of: &dyn Fn(&str) -> Option<String>| {
+        let by_lens = results.lenses.iter().map(|lens| of(lens).unwrap_or_else(|| "not measured".to_owned()));
+        answers.push(Answer { need, by_lens: by_lens.collect() });
     };
-    for (stop, rays) in
-        [(String::new(), &results.ray_map), (format!(" at f/{STOPPED_DOWN}"), &results.stopped_down)]
-    {
-        for pixels in PIXELS {
-            answer(format!("rays in batches{stop}, 99.9 % within {pixels} pixel"), &|lens| {
-                method(rays, lens, |m| m.pixels.most <= pixels)
-            });
-        }
-        for pixels in PIXELS {
-            answer(format!("one ray at a time{stop}, 99.9 % within {pixels} pixel"), &|lens| {
-                method(rays, lens, |m| alone(m) && m.pixels.most <= pixels)
+    let double = Asked::Precision(Precision::F64);
+    for (stopped_down, stop) in [(false, String::new()), (true, format!(" at f/{STOPPED_DOWN}"))] {
+        for (entry, called) in [(Entry::Many, "rays in batches"), (Entry::One, "one ray at a time")] {
+            for pixels in TOLERANCES {
+                answer(format!("{called}{stop}, 99.9 % within {pixels} pixel"), &|lens| {
+                    let own = camera(results, lens, stopped_down, entry, Asked::Tolerance(pixels))?;
+                    Some(in_words(results, own))
+                });
+            }
+            answer(format!("{called}{stop}, to double precision"), &|lens| {
+                let own = camera(results, lens, stopped_down, entry, double)?;
+                Some(format!("{}, {}", tracing(own.tracing), seconds(own.left_out.median)))
             });
         }
     }
-    answer("rays in batches to double precision (1e-12 rad)".to_owned(), &|lens| {
-        method(&results.ray_map, lens, is_exact)
+    let [_, tolerance, _] = TOLERANCES;
+    answer(format!("what \"tolerance\" {tolerance} chose wide open, and what it cost"), &|lens| {
+        let [many, one] = [Entry::Many, Entry::One]
+            .map(|entry| camera(results, lens, false, entry, Asked::Tolerance(tolerance)));
+        Some(cost(results, many?, one?))
     });
-    answer("one ray at a time to double precision".to_owned(), &|lens| {
-        method(&results.ray_map, lens, |m| alone(m) && is_exact(m))
-    });
-    for error in IRRADIANCE {
+    for error in irradiance::NEEDS {
         answer(format!("film irradiance within {} %", 100.0 * error), &|lens| {
             let curves = results.irradiance.iter().filter(|c| c.lens == lens);
-            let named = |c: &Curve| (format!("{}, {}, {}", c.pupil, c.disk, c.sequence), c.errors());
-            soonest_in_words(curves.map(named), error)
+            let name = |c: &Curve| format!("{}, {}, {}", c.pupil, c.disk, c.sequence);
+            Some(soonest_in_words(curves, error, results.ties().irradiance, name))
         });
     }
-    for error in PICTURE {
+    for error in pictures::NEEDS {
         answer(format!("the picture within {} % of its mean", 100.0 * error), &|lens| {
             let curves = results.renderers.iter().filter(|c| c.lens == lens);
-            soonest_in_words(curves.map(|c| (c.pupil.to_owned(), c.errors())), error)
+            Some(soonest_in_words(curves, error, results.ties().pictures, |c| c.pupil.to_owned()))
         });
     }
     answers
 }
 
-/// Whether the method takes a ray by itself.
-fn alone(m: &RayErrors) -> bool {
-    !m.method.family().in_batches() && !m.method.name.starts_with("three")
+/// What a tolerance chose, its time, and what that gains.
+fn in_words(results: &Results, own: &Saving) -> String {
+    let gain = match gain(results, own) {
+        Some(share) if share > 0.0 => format!("{:.0} % less than double precision", 100.0 * share),
+        Some(share) => format!("{:.0} % more than double precision", -100.0 * share),
+        None => "a tie with double precision".to_owned(),
+    };
+    format!("{}, {}, {gain}", tracing(own.tracing), seconds(own.left_out.median))
 }
 
-/// The cheapest method that serves and loses no ray, in words, and what ties with it.
-fn method(rays: &[RayErrors], lens: &str, serves: impl Fn(&RayErrors) -> bool) -> String {
-    let Some(choice) = cheapest(rays, lens, serves) else {
-        return "none of these".to_owned();
+/// What a tolerance chose for either way of calling, how far off it states to be, and what building such a camera takes.
+fn cost(results: &Results, many: &Saving, one: &Saving) -> String {
+    let chose = |own: &Saving| {
+        let beside = exact(results, own).map_or(f64::NAN, |exact| exact.left_out.median);
+        let error = own.pixels.map_or_else(String::new, |pixels| format!(", {pixels:.1e} pixel"));
+        format!(
+            "{}: {}{error}, {} against {}",
+            own.entry,
+            tracing(own.tracing),
+            seconds(own.left_out.median),
+            seconds(beside)
+        )
     };
-    let ties: Vec<String> = choice.ties.iter().map(|m| in_words(m)).collect();
-    match ties.is_empty() {
-        true => in_words(choice.best),
-        false => format!("{} (a tie with {})", in_words(choice.best), ties.join("; ")),
+    let [build, kept] = many.build.map(seconds);
+    format!("{}; {}; the camera is built in {build} instead of {kept}", chose(many), chose(one))
+}
+
+/// The first to an error, and what ties with it.
+fn soonest_in_words<'a>(
+    curves: impl Iterator<Item = &'a Curve>,
+    error: f64,
+    tie: Tie,
+    name: impl Fn(&Curve) -> String,
+) -> String {
+    let soonest = soonest(curves, error, tie);
+    let named: Vec<String> =
+        soonest.first.iter().map(|(curve, time)| format!("{} ({})", name(curve), seconds(*time))).collect();
+    match named.as_slice() {
+        [] => "none within what was measured".to_owned(),
+        [one] => one.clone(),
+        [first, others @ ..] if others.len() > 2 => format!("{first}, a tie with {} others", others.len()),
+        [first, others @ ..] => format!("{first}, a tie with {}", listed(others)),
     }
-}
-
-fn in_words(m: &RayErrors) -> String {
-    let family = match m.method.family() {
-        Family::Polynomial => "polynomial of ",
-        Family::PolynomialBatch => "batch polynomial of ",
-        Family::Kernel | Family::KernelBatch => "kernel, ",
-        Family::Gaussian | Family::Walk => "",
-    };
-    format!("{family}{}, {}", m.method.name, seconds(m.time.median))
-}
-
-fn soonest_in_words(curves: impl Iterator<Item = (String, Vec<(f64, f64)>)>, error: f64) -> String {
-    soonest(curves, error).map_or_else(
-        || "none within what was measured".to_owned(),
-        |(name, time)| format!("{name}: {}", seconds(time)),
-    )
 }
 
 /// What the figures say of each lens, and of stability, in sentences under headings.
@@ -110,18 +126,33 @@ pub fn sentences(results: &Results) -> Vec<(&str, Vec<String>)> {
     lenses.chain([("stability", stability(results))]).collect()
 }
 
+/// The fastest of the methods wanted on a lens.
+fn fastest<'a>(
+    results: &'a Results,
+    lens: &str,
+    wanted: impl Fn(&RayErrors) -> bool,
+) -> Option<&'a RayErrors> {
+    let own = results.ray_map.iter().filter(|m| m.lens == lens && wanted(m));
+    own.min_by(|a, b| a.time.median.total_cmp(&b.time.median))
+}
+
+/// Whether the method traces to double precision.
+fn is_exact(m: &RayErrors) -> bool {
+    m.direction.worst <= DOUBLE
+}
+
 /// What compiling a lens gains.
 fn kernels(results: &Results, lens: &str) -> Option<String> {
-    let own = |wanted: &dyn Fn(&RayErrors) -> bool| fastest(&results.ray_map, lens, wanted);
+    let own = |wanted: &dyn Fn(&RayErrors) -> bool| fastest(results, lens, wanted);
     let walk = own(&|m| m.method.family() == Family::Walk && is_exact(m))?;
     let one = own(&|m| m.method.name.starts_with("one") && is_exact(m))?;
     let batch = own(&|m| m.method.family() == Family::KernelBatch && is_exact(m))?;
     let single = own(&|m| m.method.family() == Family::KernelBatch && !is_exact(m))?;
     let times = |m: &RayErrors| walk.time.median / m.time.median;
     Some(format!(
-        "The kernel traces one ray exactly in {}, {:.0} times faster than the walk ({}); in batches of {} it \
-         takes {} per ray ({:.0} times), and in {} {} ({:.0} times), whose error at the 99.9 % quantile is {:.1e} \
-         pixel.",
+        "The compiled lens traces one ray exactly in {}, {:.0} times faster than the plain loop over the surfaces ({}); in \
+         batches of {} it takes {} per ray ({:.0} times), and in {} {} ({:.0} times), 99.9 % of whose rays are within \
+         {:.1e} pixel.",
         seconds(one.time.median),
         times(one),
         seconds(walk.time.median),
@@ -135,38 +166,58 @@ fn kernels(results: &Results, lens: &str) -> Option<String> {
     ))
 }
 
+/// Part of the samples that may pass where the lens blocks them, or be blocked where it does not; as the planner has it.
+const WRONG_FATES: f64 = 1e-3;
+
 /// Up to where polynomials are worth it.
 fn polynomials(results: &Results, lens: &str) -> Option<String> {
-    let kernel = fastest(&results.ray_map, lens, |m| m.method.family() == Family::KernelBatch)?;
+    let kernel = fastest(results, lens, |m| m.method.family() == Family::KernelBatch)?;
+    let tie = results.ties().times.ratio;
     let polynomials =
         results.ray_map.iter().filter(|m| m.lens == lens && m.method.family() == Family::PolynomialBatch);
     let faster = polynomials
-        .filter(|m| TIE * m.time.median <= kernel.time.median)
+        .filter(|m| tie * m.time.median <= kernel.time.median && m.wrong_fates() <= WRONG_FATES)
         .min_by(|a, b| a.pixels.most.total_cmp(&b.pixels.most));
     Some(match faster {
         Some(best) => format!(
-            "Wide open, of the polynomials in batches {} is the most exact that is still faster than the exact kernel: \
-             {:.1} times, at {:.1e} pixel against {:.1e}.",
+            "Wide open, on a camera's samples and with the apertures that block them, of the polynomials in batches {} is \
+             the nearest that is still faster than the exact trace: {:.1} times, within {:.1e} pixel against {:.1e}.",
             best.method.name,
             kernel.time.median / best.time.median,
             best.pixels.most,
             kernel.pixels.most,
         ),
-        None => "Wide open, no polynomial in batches is faster than the exact kernel by more than a tie."
+        None => "Wide open, on a camera's samples and with the apertures that block them, no polynomial in batches is \
+                 faster than the exact trace by more than a tie, or those that are send more than a thousandth of the rays \
+                 past an aperture."
             .to_owned(),
     })
 }
 
-/// What the plan saves.
+/// What the plan saves, without a tolerance and with one.
 fn savings(results: &Results, lens: &str) -> Option<String> {
-    let shares = results.leaving_out.iter().filter(|saving| saving.lens == lens).map(|s| s.share()[1]);
-    let (low, high) = shares.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
-    (low <= high).then(|| {
+    let tie = results.ties().times.ratio;
+    let shares = |wanted: &dyn Fn(Asked) -> bool| {
+        let own = results.leaving_out.iter().filter(|saving| saving.lens == lens && wanted(saving.asked));
+        own.map(|s| s.share()[1]).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)))
+    };
+    let said = |(low, high): (f64, f64)| {
+        let is_tie = high <= 1.0 - 1.0 / tie && low >= 1.0 - tie;
         format!(
-            "What the plan leaves out without a tolerance changes a camera ray's time by {:+.1} to {:+.1} %{}.",
+            "{:+.1} to {:+.1} %{}",
             -100.0 * high,
             -100.0 * low,
-            if high <= 1.0 - 1.0 / TIE { ", a tie everywhere" } else { "" },
+            if is_tie { ", a tie everywhere" } else { "" }
+        )
+    };
+    let without = shares(&|asked| matches!(asked, Asked::Precision(_)));
+    let with = shares(&|asked| matches!(asked, Asked::Tolerance(_)));
+    (without.0 <= without.1).then(|| {
+        format!(
+            "What the plan leaves out without a tolerance changes a camera ray's time by {}; with a tolerance of 0.01 to 1 \
+             pixel, beside double precision with everything kept, by {}.",
+            said(without),
+            said(with),
         )
     })
 }
@@ -175,11 +226,6 @@ fn savings(results: &Results, lens: &str) -> Option<String> {
 fn pupils(results: &Results, lens: &str) -> Option<String> {
     let own = |name: &str| results.pupils.iter().find(|m| m.lens == lens && m.name == name);
     let (rear, disk, warped) = (own("rear")?, own("disk")?, own("warped")?);
-    let percent = |share: f64| match 100.0 * share {
-        none if none < 1e-4 => "less than 0.0001 %".to_owned(),
-        small if small < 0.1 => format!("{small:.4} %"),
-        more => format!("{more:.1} %"),
-    };
     Some(format!(
         "The warped pupil's table is built in {}; it misses {} of the pupil, and the lens blocks {} of its \
          samples. On the rear element's disk it blocks {}. The thick lens's exit pupil misses {}.",
@@ -200,8 +246,7 @@ fn estimators(results: &Results, lens: &str) -> Option<String> {
     let (random, rear, warped) = (own("rear", "random")?, own("rear", "Sobol'")?, own("warped", "Sobol'")?);
     let biased = own("disk", "Sobol'")?;
     let last = random.points.last()?;
-    let saved =
-        |curve: &Curve| time_to(&curve.errors(), last.error).map(|time| format!("1/{:.0}", last.time / time));
+    let saved = |curve: &Curve| curve.time_to(last.error).map(|time| format!("1/{:.0}", last.time / time));
     let bias = match 100.0 * biased.bias() {
         small if small < 0.1 => "less than 0.1 % off".to_owned(),
         percent => format!("{percent:.1} % off"),
@@ -231,7 +276,7 @@ fn stability(results: &Results) -> Vec<String> {
         }
     }
     let of = |name: &str| results.stability.iter().filter(move |c| c.tracer == name).collect::<Vec<_>>();
-    let figures = |name: &str| of(name).iter().map(|c| (c.ratio, c.disagreements)).collect::<Vec<_>>();
+    let figures = |name: &str| of(name).iter().map(|c| (c.ratio, c.fails_because())).collect::<Vec<_>>();
     // The first of those that give the same bits; one whose figures differ all the same stands alone.
     let first = |name: &'static str| {
         let like = tracers.iter().find(|t| t.name == name).map_or(name, |t| t.like);
@@ -239,7 +284,15 @@ fn stability(results: &Results) -> Vec<String> {
     };
     let sentence = |&name: &&'static str| {
         let cases = of(name);
-        let failed = cases.iter().filter(|c| !c.holds).count();
+        let failed: Vec<_> = cases.iter().filter(|c| !c.holds()).collect();
+        let verdict = match failed.as_slice() {
+            [] => "none fails".to_owned(),
+            some => {
+                let list: Vec<String> =
+                    some.iter().map(|c| format!("{}: {}", c.name, c.fails_because())).collect();
+                format!("{} fail ({})", some.len(), list.join("; "))
+            }
+        };
         let same: Vec<&str> =
             names.iter().filter(|other| **other != name && first(other) == name).copied().collect();
         let same = if same.is_empty() {
@@ -249,9 +302,12 @@ fn stability(results: &Results) -> Vec<String> {
         };
         let worst = cases.iter().filter(|c| c.ratio > 0.0).max_by(|a, b| a.ratio.total_cmp(&b.ratio));
         let worst = worst.map_or_else(String::new, |case| {
-            format!("; the worst error / (condition x epsilon) is {:.1} ({})", case.ratio, case.name)
+            format!(
+                "; the largest error is {:.1} times what rounding alone must be expected to do ({})",
+                case.ratio, case.name
+            )
         });
-        format!("Stability of {name}{same}: of {} extreme cases {}{worst}.", cases.len(), all_hold(failed))
+        format!("Stability of {name}{same}: of {} extreme cases {verdict}{worst}.", cases.len())
     };
     names.iter().filter(|name| first(name) == **name).map(sentence).collect()
 }

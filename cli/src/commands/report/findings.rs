@@ -1,14 +1,11 @@
-//! What the conclusions are read off the results with: the cheapest method that serves a need and what ties with it, the
-//! curve that is soonest below an error, and times in words.
+//! What the conclusions are read off the results with: what a tolerance chose, the curve that is soonest below an error and
+//! what ties with it, and times in words.
 
-use realistic_lab::accuracy::ray_map::RayErrors;
-use realistic_lab::methods::Family;
-use realistic_lab::results::statistics::TIE;
-
-/// Error at the 99.9 % quantile, pixels, that a need allows.
-pub const PIXELS: [f64; 3] = [1.0, 0.1, 0.01];
-/// Error of a direction, rad, that counts as double precision.
-pub const DOUBLE: f64 = 1e-12;
+use realistic::camera::Precision;
+use realistic::plan::{Entry, Tracing};
+use realistic_lab::accuracy::curve::Curve;
+use realistic_lab::accuracy::leaving_out::{Asked, Saving};
+use realistic_lab::accuracy::suite::{Results, Tie};
 
 /// A time with a unit that keeps it readable.
 pub fn seconds(time: f64) -> String {
@@ -22,118 +19,114 @@ pub fn seconds(time: f64) -> String {
     format!("{number:.digits$} {unit}")
 }
 
-/// Whether the method traces to double precision.
-pub fn is_exact(m: &RayErrors) -> bool {
-    m.direction.worst <= DOUBLE
+/// From the least of some times to the greatest.
+pub fn range(times: impl Iterator<Item = f64> + Clone) -> String {
+    let (low, high) = (times.clone().fold(f64::INFINITY, f64::min), times.fold(0.0, f64::max));
+    format!("{} to {}", seconds(low), seconds(high))
 }
 
-/// Whether the method is a model that leaves surfaces out.
-pub fn is_model(m: &RayErrors) -> bool {
-    matches!(m.method.family(), Family::Gaussian | Family::Polynomial | Family::PolynomialBatch)
+/// Words with commas, and an "and" before the last.
+pub fn listed(words: &[String]) -> String {
+    match words {
+        [] => String::new(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
 }
 
-/// The fastest of the methods wanted on a lens.
-pub fn fastest<'a>(
-    rays: &'a [RayErrors],
+/// The camera of a lens that was asked for so.
+pub fn camera<'a>(
+    results: &'a Results,
     lens: &str,
-    wanted: impl Fn(&RayErrors) -> bool,
-) -> Option<&'a RayErrors> {
-    let own = rays.iter().filter(|m| m.lens == lens && wanted(m));
-    own.min_by(|a, b| a.time.median.total_cmp(&b.time.median))
+    stopped_down: bool,
+    entry: Entry,
+    asked: Asked,
+) -> Option<&'a Saving> {
+    results.leaving_out.iter().find(|saving| {
+        saving.lens == lens
+            && saving.stopped_down == stopped_down
+            && saving.entry == entry
+            && saving.asked == asked
+    })
 }
 
-/// The method to take for a need.
-pub struct Choice<'a> {
-    /// The nearest of those whose times tie with the fastest.
-    pub best: &'a RayErrors,
-    /// The others of them, by rising time.
-    pub ties: Vec<&'a RayErrors>,
+/// The camera that traces exactly to double precision, on the same film and called in the same way.
+pub fn exact<'a>(results: &'a Results, of: &Saving) -> Option<&'a Saving> {
+    camera(results, &of.lens, of.stopped_down, of.entry, Asked::Precision(Precision::F64))
 }
 
-/// The cheapest of the methods wanted on a lens that lose no ray. All that the page says of what is cheaper goes by this,
-/// and so by one threshold, [`TIE`].
-pub fn cheapest<'a>(
-    rays: &'a [RayErrors],
-    lens: &str,
-    wanted: impl Fn(&RayErrors) -> bool,
-) -> Option<Choice<'a>> {
-    let serves = |m: &&RayErrors| m.lens == lens && m.lost == 0 && wanted(m);
-    let least = rays.iter().filter(serves).map(|m| m.time.median).fold(f64::INFINITY, f64::min);
-    let mut ties: Vec<_> = rays.iter().filter(serves).filter(|m| m.time.median < TIE * least).collect();
-    ties.sort_by(|a, b| a.time.median.total_cmp(&b.time.median));
-    let nearest = (0..ties.len()).min_by(|&a, &b| ties[a].pixels.most.total_cmp(&ties[b].pixels.most))?;
-    let best = ties.remove(nearest);
-    Some(Choice { best, ties })
+/// What a tolerance saves beside the camera that traces to double precision, as a share of its time, negative where it costs
+/// time; nothing where that is a tie.
+pub fn gain(results: &Results, of: &Saving) -> Option<f64> {
+    let ratio = of.left_out.median / exact(results, of)?.left_out.median;
+    (ratio.max(ratio.recip()) > results.ties().times.ratio).then_some(1.0 - ratio)
 }
 
-/// The curve that first gets and stays below an error, and when, between its points by the power law through
-/// them.
-pub fn soonest<T>(curves: impl Iterator<Item = (T, Vec<(f64, f64)>)>, error: f64) -> Option<(T, f64)> {
-    let reached = curves.filter_map(|(name, points)| Some((name, time_to(&points, error)?)));
-    reached.min_by(|a, b| a.1.total_cmp(&b.1))
+/// The same where it does save time.
+pub fn saved(results: &Results, of: &Saving) -> Option<f64> {
+    gain(results, of).filter(|share| *share > 0.0)
 }
 
-/// When a curve of (time, error) reaches an error for good; `None` where it does not.
-pub fn time_to(points: &[(f64, f64)], error: f64) -> Option<f64> {
-    let last_above = points.iter().rposition(|(_, own)| *own > error);
-    let Some(above) = last_above else {
-        return points.first().map(|(time, _)| *time);
-    };
-    let (&(t0, e0), &(t1, e1)) = (points.get(above)?, points.get(above + 1)?);
-    let share = (e0 / error).ln() / (e0 / e1).ln();
-    Some(t0 * (t1 / t0).powf(share))
+/// How rays are traced, in words.
+pub fn tracing(of: Tracing) -> String {
+    match of {
+        Tracing::Exact(Precision::F64) => "surface by surface, double precision".to_owned(),
+        Tracing::Exact(Precision::F32) => "surface by surface, single precision".to_owned(),
+        other => other.to_string(),
+    }
 }
 
-/// Whether all results hold, in words.
-pub fn all_hold(failed: usize) -> String {
-    if failed == 0 { "all hold".to_owned() } else { format!("{failed} do not hold") }
+/// The first of curves to an error.
+pub struct Soonest<'a> {
+    /// Those that are first but for a tie, the very first of them first.
+    pub first: Vec<(&'a Curve, f64)>,
+}
+
+impl Soonest<'_> {
+    /// What all of the first have in common, if they do: a win of one kind over the others.
+    pub fn common<T: PartialEq>(&self, of: impl Fn(&Curve) -> T) -> Option<T> {
+        let mut kinds = self.first.iter().map(|(curve, _)| of(curve));
+        let kind = kinds.next()?;
+        kinds.all(|other| other == kind).then_some(kind)
+    }
+}
+
+/// The curves that first get and stay below an error, and when, between their points by the power law through them.
+pub fn soonest<'a>(curves: impl Iterator<Item = &'a Curve>, error: f64, tie: Tie) -> Soonest<'a> {
+    let mut first: Vec<(&Curve, f64)> =
+        curves.filter_map(|curve| Some((curve, curve.time_to(error)?))).collect();
+    first.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let least = first.first().map_or(f64::NAN, |(_, time)| *time);
+    first.retain(|(_, time)| *time <= tie.ratio * least);
+    Soonest { first }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realistic_lab::methods::METHODS;
-    use realistic_lab::results::statistics::Spread;
-    use realistic_lab::timing::Timing;
+    use realistic_lab::accuracy::curve::Estimate;
 
-    /// A method that takes so many ns and is so many pixels off.
-    fn measured(name: &str, time: f64, pixels: f64, lost: usize) -> RayErrors {
-        let method = *METHODS.iter().find(|method| method.name == name).unwrap();
-        let [median, low, high] = [1.0, 0.9, 1.1].map(|share| share * time * 1e-9);
-        let spread = Spread { median: pixels / 2.0, most: pixels, worst: 2.0 * pixels };
-        RayErrors {
-            lens: "a lens".to_owned(),
-            method,
-            time: Timing { median, low, high },
-            direction: spread,
-            position: spread,
-            pixels: spread,
-            lost,
-            on_front: false,
-        }
+    fn curve(pupil: &'static str, sequence: &'static str, time: f64) -> Curve {
+        let point =
+            |number: f64| Estimate { samples: 1, time: time * number, error: 1.0 / number, noise: 0.0 };
+        let points = [1.0, 2.0, 4.0].map(point).into();
+        Curve { lens: "a lens".to_owned(), pupil, disk: "concentric", sequence, points }
     }
 
     #[test]
-    fn of_a_tie_the_nearest_is_taken_and_the_others_are_named() {
-        let rays = [
-            measured("order 3, f32", 4.8, 0.5, 0),
-            measured("f32x16", 5.0, 0.001, 0),
-            measured("order 5, f32", 4.9, 0.1, 0),
-            measured("f64x8", 11.0, 1e-9, 0),
-            measured("thick lens", 1.0, 0.9, 3),
-        ];
-        let named = |pixels: f64| {
-            let choice = cheapest(&rays, "a lens", |m| m.pixels.most <= pixels).unwrap();
-            let ties: Vec<_> = choice.ties.iter().map(|m| m.method.name).collect();
-            (choice.best.method.name, ties, is_model(choice.best))
-        };
-        assert_eq!(named(1.0), ("f32x16", vec!["order 3, f32", "order 5, f32"], false));
-        assert_eq!(named(1e-6), ("f64x8", vec![], false));
-        assert!(cheapest(&rays, "a lens", |m| m.pixels.most < 1e-12).is_none());
-        // One that is faster by more than a tie is named though others are nearer.
-        let rays = [measured("order 3, f32", 4.0, 0.5, 0), measured("f32x16", 5.0, 0.001, 0)];
-        let choice = cheapest(&rays, "a lens", |_| true).unwrap();
-        assert!(is_model(choice.best) && choice.ties.is_empty());
+    fn a_win_is_what_exceeds_the_threshold_of_this_run_and_ties_are_named_together() {
+        let curves =
+            [curve("rear", "random", 3.0), curve("warped", "Sobol'", 1.0), curve("warped", "random", 1.2)];
+        let at = |ratio: f64| soonest(curves.iter(), 0.5, Tie { ratio, pairs: 1 });
+        let names = |soonest: &Soonest<'_>| soonest.first.iter().map(|(c, _)| c.sequence).collect::<Vec<_>>();
+        assert_eq!(names(&at(1.1)), ["Sobol'"]);
+        assert_eq!(at(1.1).common(|c| c.sequence), Some("Sobol'"));
+        // A fifth is a tie in this run: neither sequence wins, and the pupil still does.
+        assert_eq!(names(&at(1.3)), ["Sobol'", "random"]);
+        assert_eq!((at(1.3).common(|c| c.sequence), at(1.3).common(|c| c.pupil)), (None, Some("warped")));
+        // Without repeats nothing wins.
+        assert_eq!(at(f64::INFINITY).common(|c| c.pupil), None);
+        assert!(soonest(curves.iter(), 1e-3, Tie { ratio: 1.0, pairs: 1 }).first.is_empty());
     }
 
     #[test]
@@ -142,12 +135,8 @@ mod tests {
     }
 
     #[test]
-    fn the_time_to_an_error_lies_on_the_power_law_between_points() {
-        let points = [(1.0, 1.0), (4.0, 0.5), (16.0, 0.25)];
-        assert!((time_to(&points, 0.3535533905932738).expect("reached") - 8.0).abs() < 1e-9);
-        assert_eq!(time_to(&points, 2.0), Some(1.0));
-        assert_eq!(time_to(&points, 0.1), None);
-        // It counts where the curve stays below.
-        assert!(time_to(&[(1.0, 0.1), (2.0, 1.0), (4.0, 0.1)], 0.2).expect("reached") > 2.0);
+    fn words_are_listed_as_people_list_them() {
+        let words = |count: usize| ["a", "b", "c"][..count].iter().map(|&w| w.to_owned()).collect::<Vec<_>>();
+        assert_eq!([0, 1, 2, 3].map(|count| listed(&words(count))), ["", "a", "a and b", "a, b and c"]);
     }
 }

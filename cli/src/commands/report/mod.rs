@@ -11,9 +11,12 @@ use crate::drawing::picture;
 use crate::failure::Failure;
 use crate::files;
 use crate::host::scene::chequers;
+use crate::plots::chart::Format;
 use indicatif::{ProgressBar, ProgressStyle};
 use realistic_lab::accuracy::suite::{Results, Suite};
+use realistic_lab::stability::{self, CaseResult};
 use realistic_lab::timing::machine;
+use std::fmt::Write as _;
 use std::fs::File;
 use std::io::{ErrorKind, IsTerminal as _};
 use std::path::{Path, PathBuf};
@@ -25,9 +28,12 @@ pub struct Args {
     /// Folder to write; made if it is not there
     #[arg(short, long, value_name = "DIR", default_value = "realistic-report")]
     out: PathBuf,
-    /// Fewer rays, samples and rounds: less than a minute in place of several
+    /// Fewer rays, samples and rounds: about a minute in place of several
     #[arg(long)]
     quick: bool,
+    /// Repeat one stability case by its name, with every ray that fails, and write no report
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["out", "quick"])]
+    case: Option<String>,
 }
 
 /// Measures, writes the folder and says where it is.
@@ -35,6 +41,9 @@ pub struct Args {
 /// # Errors
 /// A folder or file cannot be written.
 pub fn run(args: &Args) -> Result<(), Failure> {
+    if let Some(name) = &args.case {
+        return Ok(console::answer(&case(name)?, None)?);
+    }
     make_folder(&args.out)?;
     let suite = if args.quick { Suite::quick(chequers::radiance) } else { Suite::full(chequers::radiance) };
     let progress = if console::is_quiet() { ProgressBar::hidden() } else { ProgressBar::new_spinner() };
@@ -51,6 +60,35 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     write(&results, &suite, start.elapsed(), &args.out)?;
     let page = args.out.join(PAGE);
     Ok(console::report(&format!("{}\n", page.display()), &page)?)
+}
+
+/// A stability case repeated: what every tracer makes of it, and each ray that fails.
+fn case(name: &str) -> Result<String, Failure> {
+    let results = stability::rerun(name);
+    if results.is_empty() {
+        let example = random_case(0);
+        return Err(Failure::Other(format!(
+            "there is no stability case \"{name}\"; the names stand in a report's stability.csv, or are such as \"{example}\""
+        )));
+    }
+    let mut text =
+        format!("{name}\n{:<22}{:>7}{:>11}{:>12}  fails because\n", "", "rays", "undecided", "error*");
+    for result in &results {
+        let because = if result.holds() { "does not fail".to_owned() } else { result.fails_because() };
+        let CaseResult { tracer, rays, undecided, ratio, .. } = result;
+        let _ = writeln!(text, "{tracer:<22}{rays:>7}{undecided:>11}{ratio:>12.3}  {because}");
+    }
+    text += "* over what rounding alone must be expected to do\n";
+    for (result, failure) in
+        results.iter().flat_map(|result| result.failures.iter().map(move |f| (result, f)))
+    {
+        let _ = writeln!(text, "{}, ray {}: {}", result.tracer, failure.ray, failure.what);
+    }
+    Ok(text)
+}
+
+fn random_case(number: u64) -> String {
+    stability::random::Kind::Aspheres.case(number).name
 }
 
 /// The page's file.
@@ -95,14 +133,17 @@ fn write(results: &Results, suite: &Suite, took: Duration, folder: &Path) -> Res
     for table in results.tables() {
         save(&format!("{}.csv", table.name), &table.to_csv())?;
     }
-    let figures = figures::all(results);
-    for figure in figures.iter().flat_map(|section| &section.figures) {
-        let document = figure.chart.draw();
+    let overview = figures::overview(results);
+    let sections = figures::all(results);
+    for figure in overview.iter().chain(sections.iter().flat_map(|section| &section.figures)) {
+        let wide = figure.chart.draw(Format::Wide);
         for ending in ["svg", "png"] {
-            picture::write(&document, &folder.join(format!("{}.{ending}", figure.file)))?;
+            picture::write(&wide, &folder.join(format!("{}.{ending}", figure.file)))?;
         }
+        let narrow = figure.chart.draw(Format::Narrow);
+        picture::write(&narrow, &folder.join(format!("{}.narrow.svg", figure.file)))?;
     }
-    save(PAGE, &page::page(results, suite, &figures, &machine::facts(), took))
+    save(PAGE, &page::page(results, suite, &overview, &sections, &machine::facts(), took))
 }
 
 #[cfg(test)]
@@ -112,7 +153,7 @@ mod tests {
     use realistic_lab::accuracy::{
         irradiance::SampleCounts, pupils::PupilCounts, ray_map::RayCounts, set_up::FitCounts,
     };
-    use realistic_lab::{accuracy::pictures, stability, timing::Effort};
+    use realistic_lab::{accuracy::pictures, timing::Effort};
 
     /// As little as gives every figure something to show.
     fn tiny() -> Suite {
@@ -131,7 +172,7 @@ mod tests {
             },
             set_up: FitCounts { rays: 40, repeats: 1 },
             pupils: PupilCounts { points: 2, repeats: 1 },
-            stability: stability::Extent { lenses: 1, rays: 1 },
+            stability: stability::Extent { lenses: 1, cameras: 1 },
         }
     }
 
@@ -159,12 +200,21 @@ mod tests {
         let results = suite.run(&mut |_| {}).unwrap();
         write(&results, &suite, Duration::from_secs(1), &folder).unwrap();
         let page = std::fs::read_to_string(folder.join("index.html")).unwrap();
-        let named: Vec<&str> = ["src=\"", "href=\""]
+        let named: Vec<&str> = ["src=\"", "srcset=\"", "href=\""]
             .iter()
             .flat_map(|key| page.split(key).skip(1))
             .map(|rest| &rest[..rest.find('"').unwrap()])
             .filter(|name| !name.starts_with('#'))
             .collect();
+        // A result in words and a picture come before the first table, and a narrow screen has pictures of its own.
+        let at = |mark: &str| page.find(mark).unwrap_or_else(|| panic!("no {mark}"));
+        assert!(at("class=\"result\"") < at("<img") && at("<img") < at("<table"));
+        assert!(page.contains("overview-batches.narrow.svg") && page.contains("prefers-color-scheme: dark"));
+        // Every answer in the table of needs is a tolerance's own choice, and one row says what it cost.
+        assert!(page.contains("chose wide open, and what it cost"));
+        for saving in &results.leaving_out {
+            assert!(page.contains(&findings::tracing(saving.tracing)), "{saving:?}");
+        }
         for ending in ["svg", "png", "csv"] {
             assert!(named.iter().any(|name| name.ends_with(ending)), "no {ending}");
         }
@@ -175,7 +225,8 @@ mod tests {
             let text = std::fs::read_to_string(folder.join(format!("{}.csv", table.name))).unwrap();
             let lines: Vec<Vec<&str>> = text.lines().map(|line| split(line)).collect();
             assert_eq!(lines.len(), table.rows.len() + 1);
-            assert!(lines.len() > 4, "{}", table.name);
+            // Of failures there are to be none.
+            assert!(lines.len() > 4 || table.name == "stability-failures", "{}", table.name);
             for line in &lines {
                 assert_eq!(line.len(), table.columns.len(), "{line:?}");
             }
@@ -200,9 +251,17 @@ mod tests {
     }
 
     #[test]
+    fn a_case_is_repeated_by_its_name_and_an_unknown_one_is_told() {
+        let text = case("random aspheric lens 7").unwrap();
+        assert!(text.contains("walk f64") && text.contains("does not fail"), "{text}");
+        let Err(Failure::Other(error)) = case("no such case") else { panic!("no such case is known") };
+        assert!(error.contains("random aspheric lens 0"), "{error}");
+    }
+
+    #[test]
     fn the_page_needs_nothing_from_elsewhere() {
         let suite = Suite { lenses: vec![], ..tiny() };
-        let page = page::page(&Results::default(), &suite, &[], &machine::facts(), Duration::ZERO);
+        let page = page::page(&Results::default(), &suite, &[], &[], &machine::facts(), Duration::ZERO);
         assert!(!page.contains("<script") && !page.contains("http"));
         assert!(page.contains("rustc "));
     }

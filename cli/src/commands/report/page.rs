@@ -1,57 +1,81 @@
 //! The page: one HTML file that needs nothing but the files beside it.
 
-use super::advice::advice;
+use super::advice::{advice, stability, what_to_use_when};
 use super::conclusions::{answers, sentences};
-use super::figures::Section;
+use super::figures::{Figure, Section};
 use super::findings::seconds;
-use realistic_lab::accuracy::suite::{Results, Suite};
+use realistic_lab::accuracy::suite::{Results, Suite, Tie, failures_table};
 use realistic_lab::results::table::{Cell, Table};
 use std::fmt::Write as _;
 use std::time::Duration;
 
 const STYLE: &str = "
-:root { color-scheme: light; }
-body { font: 16px/1.5 system-ui, sans-serif; color: #222; background: #fff; margin: 0 auto; padding: 0 16px 48px; max-width: 1480px; }
+:root { color-scheme: light dark; --ink: #222; --paper: #fff; --line: #ddd; --link: #0b57d0; }
+@media (prefers-color-scheme: dark) {
+  :root { --ink: #e6e6e6; --paper: #171717; --line: #444; --link: #8ab4f8; }
+  figure img { filter: invert(0.91) hue-rotate(180deg); }
+}
+body { font: 16px/1.5 system-ui, sans-serif; color: var(--ink); background: var(--paper); margin: 0 auto; padding: 0 16px 48px; max-width: 1480px; }
+a { color: var(--link); }
 h1 { font-size: 1.7rem; line-height: 1.2; } h2 { font-size: 1.25rem; margin-top: 2.4em; } h3 { font-size: 1rem; margin-bottom: 0.2em; }
 h3 + ul { margin-top: 0; }
 p, ul { max-width: 76ch; }
-nav a { margin-right: 1.1em; }
+.result { font-size: 1.15rem; }
+nav a { margin-right: 1.1em; display: inline-block; }
 .warning { border-left: 4px solid #D55E00; padding-left: 12px; }
 .wide { overflow-x: auto; } table { border-collapse: collapse; font-size: 0.92rem; }
-th, td { text-align: left; padding: 5px 12px 5px 0; border-bottom: 1px solid #ddd; vertical-align: top; }
+th, td { text-align: left; padding: 5px 12px 5px 0; border-bottom: 1px solid var(--line); vertical-align: top; }
+code { overflow-wrap: anywhere; }
 details { margin-top: 14px; } summary { cursor: pointer; }
 .needs td, .needs th { min-width: 11em; }
 .figures { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 600px), 1fr)); gap: 24px; }
-figure { margin: 0; overflow-x: auto; } figure img { width: 100%; min-width: 520px; max-width: 780px; height: auto; display: block; }
-figcaption { font-size: 0.85rem; }
+figure { margin: 0; } figure img { width: 100%; max-width: 780px; height: auto; display: block; }
+figcaption { font-size: 0.85rem; } figcaption a { display: inline-block; padding: 4px 10px 4px 0; }
+@media (max-width: 700px) {
+  .needs, .needs tbody, .needs tr, .needs td { display: block; }
+  .needs tr:first-child { display: none; }
+  .needs tr { border-bottom: 1px solid var(--line); padding: 8px 0; }
+  .needs td { border: 0; padding: 2px 0; }
+  .needs td:first-child { font-weight: 600; }
+  .needs td[data-lens]::before { content: attr(data-lens) \": \"; opacity: 0.75; }
+}
 ";
 
 /// The whole page.
 pub fn page(
     results: &Results,
     suite: &Suite,
+    overview: &[Figure],
     sections: &[Section],
     facts: &[(&str, String)],
     took: Duration,
 ) -> String {
     let mut html = format!(
         "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" \
-         content=\"width=device-width, initial-scale=1\">\n<title>realistic: error against run time</title>\n\
-         <style>{STYLE}</style>\n<h1>Error against run time</h1>\n"
+         content=\"width=device-width, initial-scale=1\">\n<title>realistic: what a camera ray costs</title>\n\
+         <style>{STYLE}</style>\n<h1>What a ray through a lens costs, and how far off the cheaper ways are</h1>\n"
     );
-    html += "<p>What it costs to take a ray through a lens, and what the cheaper ways get wrong. Every error is against \
-        the walk in double-double numbers of 106 bits. All lenses are focused at infinity on film of 35 mm diagonal; \
-        pixels are those of 1920 x 1280 on it.</p>\n<nav>";
+    if let Some(result) = what_to_use_when(results) {
+        let _ = writeln!(html, "<p class=\"result\">{}</p>", escaped(&result));
+    }
+    if cfg!(debug_assertions) {
+        html += "<p class=\"warning\">This program was built for debugging: its times are not those of a release.</p>\n";
+    }
+    if !overview.is_empty() {
+        figures(&mut html, "What a camera's ray costs", "leaving-out", overview);
+        html += "<p>Each mark is a camera wide open: \"f64\" and \"f32\" trace every surface in double and in single precision, 1, \
+            0.1 and 0.01 are cameras with that tolerance, in pixels; cameras that trace by the same are one mark. To the \
+            left is faster, down is nearer to the exact ray.</p>\n";
+    }
+    html += "<p>Every error is against the exact ray, computed with 106 bits. All lenses are focused at infinity on film of \
+        35 mm diagonal; pixels are those of 1920 x 1280 on it.</p>\n<nav>";
     let contents =
         [("conclusions", "Conclusions")].into_iter().chain(sections.iter().map(|s| (s.anchor, s.title)));
     for (anchor, title) in contents.chain([("method", "How it was measured")]) {
         let _ = write!(html, "<a href=\"#{anchor}\">{}</a> ", escaped(title));
     }
     html += "</nav>\n";
-    if cfg!(debug_assertions) {
-        html += "<p class=\"warning\">This program was built for debugging: its times are not those of a release.</p>\n";
-    }
-    conclusions(&mut html, results);
+    conclusions(&mut html, results, suite);
     for section in sections {
         let _ = write!(
             html,
@@ -60,18 +84,10 @@ pub fn page(
             escaped(section.title),
             escaped(section.text)
         );
-        html += "<div class=\"figures\">\n";
-        for figure in &section.figures {
-            let (file, title) = (&figure.file, escaped(&figure.chart.title));
-            let _ = writeln!(
-                html,
-                "<figure><img src=\"{file}.svg\" alt=\"{}: {title}\"><figcaption><a href=\"{file}.svg\">SVG</a> \
-                 <a href=\"{file}.png\">PNG</a> <a href=\"{}.csv\">CSV</a></figcaption></figure>",
-                escaped(section.title),
-                section.table
-            );
+        if section.anchor == "stability" {
+            failures(&mut html, results, suite);
         }
-        html += "</div>\n";
+        figures(&mut html, section.title, section.table, &section.figures);
         if let Some(summary) = &section.summary {
             let _ = writeln!(html, "<details><summary>The figures as a table</summary>");
             table(&mut html, summary);
@@ -80,6 +96,21 @@ pub fn page(
     }
     method(&mut html, results, suite, facts, took);
     html
+}
+
+fn figures(html: &mut String, title: &str, table: &str, figures: &[Figure]) {
+    *html += "<div class=\"figures\">\n";
+    for Figure { file, chart } in figures {
+        let _ = writeln!(
+            html,
+            "<figure><picture><source media=\"(max-width: 700px)\" srcset=\"{file}.narrow.svg\"><img src=\"{file}.svg\" \
+             alt=\"{}: {}\"></picture><figcaption><a href=\"{file}.svg\">SVG</a> <a href=\"{file}.png\">PNG</a> \
+             <a href=\"{table}.csv\">CSV</a></figcaption></figure>",
+            escaped(title),
+            escaped(&chart.title),
+        );
+    }
+    *html += "</div>\n";
 }
 
 fn table(html: &mut String, table: &Table) {
@@ -105,22 +136,31 @@ fn table(html: &mut String, table: &Table) {
     *html += "</table></div>\n";
 }
 
-fn conclusions(html: &mut String, results: &Results) {
+fn conclusions(html: &mut String, results: &Results, suite: &Suite) {
     *html += "<h2 id=\"conclusions\">Conclusions</h2>\n<ul>\n";
-    for sentence in advice(results) {
+    for sentence in advice(results, suite) {
         let _ = writeln!(html, "<li>{}</li>", escaped(&sentence));
     }
-    *html += "</ul>\n<p>The cheapest of the methods measured here that serves each need, with its time on one core. Times within \
-        a tenth of the least are a tie: of those the nearest to the exact ray is named, and the others in brackets. The \
-        same threshold decides what is faster everywhere on this page.</p>\n<div class=\"wide\"><table class=\"needs\">\n<tr><th>need</th>";
+    let ties = results.ties();
+    let _ = writeln!(
+        html,
+        "</ul>\n<p>What differs by less than the same method did when it was measured twice in this run is a tie, here and \
+         everywhere on this page: times per ray {}, times to an error of irradiance {}, times to an error of a picture {}. \
+         The table names, of rays, what a camera with that tolerance chose to trace by, with its time on one core; of light, \
+         what is first to the error, and what ties with it.</p>",
+        in_words(ties.times),
+        in_words(ties.irradiance),
+        in_words(ties.pictures),
+    );
+    *html += "<div class=\"wide\"><table class=\"needs\">\n<tr><th>need</th>";
     for lens in &results.lenses {
         let _ = write!(html, "<th>{}</th>", escaped(lens));
     }
     *html += "</tr>\n";
     for answer in answers(results) {
         let _ = write!(html, "<tr><td>{}</td>", escaped(&answer.need));
-        for text in &answer.by_lens {
-            let _ = write!(html, "<td>{}</td>", escaped(text));
+        for (lens, text) in results.lenses.iter().zip(&answer.by_lens) {
+            let _ = write!(html, "<td data-lens=\"{}\">{}</td>", escaped(lens), escaped(text));
         }
         *html += "</tr>\n";
     }
@@ -134,18 +174,47 @@ fn conclusions(html: &mut String, results: &Results) {
     }
 }
 
+fn in_words(Tie { ratio, pairs }: Tie) -> String {
+    match pairs {
+        0 => "(not measured twice: everything is a tie)".to_owned(),
+        _ => format!("{:.1} % ({pairs} pairs)", 100.0 * (ratio - 1.0)),
+    }
+}
+
+/// What fails, each ray with the line that repeats its case.
+fn failures(html: &mut String, results: &Results, suite: &Suite) {
+    if let Some(headline) = stability(results, suite) {
+        let _ = writeln!(html, "<p><strong>{}</strong></p>", escaped(&headline));
+    }
+    let failures = failures_table(&results.stability);
+    if failures.rows.is_empty() {
+        return;
+    }
+    // All of them stand in the table's own file.
+    const SHOWN: usize = 200;
+    let left = failures.rows.len().saturating_sub(SHOWN);
+    table(html, &Table { rows: failures.rows.into_iter().take(SHOWN).collect(), ..failures });
+    if left > 0 {
+        let _ = writeln!(html, "<p>And {left} more, in <a href=\"stability-failures.csv\">the CSV</a>.</p>");
+    }
+}
+
 fn method(html: &mut String, results: &Results, suite: &Suite, facts: &[(&str, String)], took: Duration) {
     let Suite { ray_map, irradiance, picture, .. } = suite;
     let _ = write!(
         html,
         "<h2 id=\"method\">How it was measured</h2>\n<p>Times: one thread, and of its time only that for which it \
          had a processor, which is wall time where nothing else runs. Every task is warmed up until one measurement \
-         of it lasts {least}, then timed {rounds} times in pairs with one yardstick (the walk in f64, or the \
-         irradiance estimate on the rear disk), in rounds that go forward and backward through the tasks; its time \
+         of it lasts {least}, then timed {rounds} times in pairs with one yardstick (the first of its group), in rounds that \
+         go forward and backward through the tasks; its time \
          is the median of the ratios times the yardstick's median, so that a drifting clock and busy neighbours \
-         cancel. Single rays are timed over blocks of {block} in which the processor may overlap one ray with the \
-         next. Renders are timed whole, the median of {renders}. Building times are medians, too.</p>\n\
-         <p>Errors of rays: {rays} rays that get through, uniform over the film's disk and the pupil; polynomials \
+         cancel. Methods are entered twice, in two places of memory: what 99 in 100 pairs of the same method differ by at the \
+         most is the threshold of a tie. Single rays are timed over blocks of {block} in which the processor may overlap one \
+         ray with the next; a camera's rays one by one wait for each other. Renders are timed whole, the median of \
+         {renders}. Building times are medians, too.</p>\n\
+         <p>Errors of rays: {rays} samples of a camera with the default pupil, uniform over the film's pixels and the \
+         lens samples, those that an aperture blocks among them; an error is that of the rays that pass for the method and in \
+         truth, and the table counts those that do not. Polynomials \
          are fitted to other rays. Position is the distance of the exact point on the front surface from the line of \
          the ray. Pixels: the distance between the points where the ray and the exact one meet the plane in focus, \
          brought back to the film by the scale that the lens's own chief rays have there, meridional and sagittal. \

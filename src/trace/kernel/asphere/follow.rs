@@ -98,8 +98,9 @@ impl<S: Scalar> Asphere<S> {
             t = t + contact.residual / contact.facing;
             contact = self.contact(cpu, ray, way, t);
         }
-        // The conic's other half or sheet is no part of the surface.
-        let met = L::select(zero.less(contact.q), met, zero);
+        // The conic's other half or sheet is no part of the surface, nor is where a ray comes back up through it.
+        let is_ahead = L::both(zero.less(contact.q), zero.less(contact.facing));
+        let met = L::select(is_ahead, met, zero);
         Followed { t, kept: met.larger(going), left }
     }
 

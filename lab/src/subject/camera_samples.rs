@@ -1,0 +1,117 @@
+//! Rays as a camera asks for them: from anywhere on its film to wherever its pupil is sampled, those that an aperture blocks
+//! among them.
+
+use std::collections::BTreeMap;
+
+use realistic::{
+    lens::film_ray,
+    sampling::{DiskMapping, PupilDisk, PupilSample, WarpedPupil},
+    trace::{Blocked, Ray},
+};
+
+use super::{PIXELS, Subject, quasirandom::spread};
+
+/// What a camera takes for the pupil.
+#[derive(Clone, Debug)]
+enum Pupil {
+    Rear(PupilDisk),
+    Warped(Box<WarpedPupil>),
+}
+
+/// A film and a pupil to be sampled.
+#[derive(Clone, Debug)]
+pub struct CameraSamples<'a> {
+    subject: &'a Subject,
+    pupil: Pupil,
+    /// Surfaces other than the front, counted from the scene, whose apertures block samples: what polynomials have to know.
+    pub apertures: Vec<usize>,
+}
+
+/// Rays by which the apertures are found.
+const LOOKED_AT: usize = 20_000;
+/// Part of them that apertures may block without being among those; as the planner has it.
+const OVERLOOKED: f64 = 5e-5;
+/// Places looked at for one from which the film is lit, at the most.
+const PATIENCE: usize = 1000;
+
+impl<'a> CameraSamples<'a> {
+    /// Those of a camera as it is by default, over the true pupil: hardly any is blocked.
+    pub fn of_warped(subject: &'a Subject) -> Self {
+        Self::of(subject, Pupil::Warped(Box::new(subject.warped_pupil())))
+    }
+
+    /// Those of a camera with `pupil=rear`, over the rear element's disk, where the lens's own apertures make the
+    /// vignetting.
+    pub fn of_rear(subject: &'a Subject) -> Self {
+        Self::of(subject, Pupil::Rear(subject.rear))
+    }
+
+    fn of(subject: &'a Subject, pupil: Pupil) -> Self {
+        let mut own = Self { subject, pupil, apertures: Vec::new() };
+        let last = subject.lens.surfaces.len() - 1;
+        let mut blocked = BTreeMap::<usize, usize>::new();
+        for ray in own.rays(LOOKED_AT, 2) {
+            let walk = subject.path.walk(ray);
+            if walk.blocked == Some(Blocked::Clipped) && walk.surfaces_met > 0 {
+                *blocked.entry(last + 1 - walk.surfaces_met).or_default() += 1;
+            }
+        }
+        // The front's costs nothing to know.
+        blocked.remove(&0);
+        let overlooked = OVERLOOKED * LOOKED_AT as f64;
+        own.apertures =
+            blocked.into_iter().filter(|(_, count)| *count as f64 > overlooked).map(|(at, _)| at).collect();
+        own
+    }
+
+    /// Rays from all over the film's pixels. Another `seed` gives other rays; fewer where most of the film is dark.
+    pub fn rays(&self, count: usize, seed: u32) -> Vec<Ray> {
+        let pixels = [PIXELS.xres, PIXELS.yres].map(f64::from);
+        spread::<4>(f64::from(seed) * 0.618_033_988_749_894_9)
+            .take(PATIENCE * count)
+            .filter_map(|[x, y, u, v]| {
+                self.ray(self.subject.film.point(x * pixels[0], y * pixels[1]), [u, v])
+            })
+            .take(count)
+            .collect()
+    }
+
+    /// Rays from one film point, mm.
+    pub fn rays_from(&self, point: [f64; 2], count: usize) -> Vec<Ray> {
+        spread::<2>(0.0).take(count).filter_map(|uv| self.ray(point, uv)).collect()
+    }
+
+    fn ray(&self, point: [f64; 2], [u, v]: [f64; 2]) -> Option<Ray> {
+        let disk = DiskMapping::Concentric.map(u, v)?;
+        let PupilSample { slopes, .. } = match &self.pupil {
+            Pupil::Rear(rear) => rear.sample(point, disk),
+            Pupil::Warped(warped) => warped.sample(point, disk)?,
+        };
+        Some(film_ray(point, self.subject.film_z, slopes))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use realistic::prescription::catalogue;
+
+    #[test]
+    fn a_camera_s_samples_reach_its_corners_and_the_rear_disk_s_are_blocked_as_the_lens_blocks_them() {
+        let subject = Subject::new(&catalogue::find("wide.22mm").expect("listed")).expect("focuses");
+        let (warped, rear) = (CameraSamples::of_warped(&subject), CameraSamples::of_rear(&subject));
+        let passing = |samples: &CameraSamples<'_>| {
+            let rays = samples.rays(2000, 1);
+            assert_eq!(rays.len(), 2000);
+            let reach = rays.iter().map(|ray| ray.origin[0].hypot(ray.origin[1])).fold(0.0, f64::max);
+            assert!(reach > 0.95 * subject.film.diagonal() / 2.0, "{reach}");
+            rays.iter().filter(|ray| subject.path.trace(**ray).is_ok()).count()
+        };
+        assert!(passing(&warped) > 1950);
+        // Of the rear element's disk the lens blocks most.
+        let through = passing(&rear);
+        assert!((20..1500).contains(&through), "{through}");
+        assert!(!rear.apertures.is_empty() && warped.apertures.len() <= rear.apertures.len());
+        assert!(rear.apertures.iter().all(|&at| at > 0 && at < subject.lens.surfaces.len()));
+    }
+}
