@@ -2,7 +2,7 @@
 
 use std::{env::args, hint::black_box, time::Duration};
 
-use realistic::camera::{
+use realistic::unstable::camera::{
     Aimed, Camera, Host, Importance, Parameters, Raster, RayArrays, RayBlock, Sample, SampleArrays,
     ScenePoint, WorldRay,
 };

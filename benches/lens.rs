@@ -9,7 +9,7 @@ use std::{
     ptr::{null, null_mut},
 };
 
-use realistic::{
+use realistic::unstable::{
     abi::*,
     lens::Lens,
     prescription::catalogue,
@@ -92,7 +92,7 @@ fn passing(lens: &Lens, way: Direction) -> Vec<([f64; 3], [f64; 3])> {
     };
     let rays = spread::<4>(0.0).map(ray);
     let passes = |(origin, direction): &([f64; 3], [f64; 3])| {
-        path.trace(realistic::trace::Ray { origin: *origin, direction: *direction }).is_ok()
+        path.trace(realistic::unstable::trace::Ray { origin: *origin, direction: *direction }).is_ok()
     };
     rays.filter(passes).take(BATCH).collect()
 }

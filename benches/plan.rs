@@ -7,7 +7,7 @@
 
 use std::hint::black_box;
 
-use realistic::{
+use realistic::unstable::{
     camera::{Host, Parameters, Raster, RayBlock, RealisticCamera, Sample, SampleBlock},
     imaging::focus::Focus,
     lens::Lens,

@@ -10,7 +10,7 @@ use pupil_fit::{
     Case, lenses,
     survey::{Pupil, Survey},
 };
-use realistic::{
+use realistic::unstable::{
     imaging::focus::Focus,
     lens::{Lens, first_order::FirstOrder, pupil},
     prescription::{catalogue, read},

@@ -3,7 +3,7 @@
 
 use std::{hint::black_box, time::Instant};
 
-use realistic::camera::{
+use realistic::unstable::camera::{
     Camera, NeighbourArrays, Precision, Pupil, RayArrays, RayBlock, Sample, SampleBlock,
 };
 use realistic_lab::{

@@ -5,7 +5,7 @@
 
 use std::error::Error;
 
-use realistic::camera::{Camera, Outcome, RayDifferential, Sample, Weighting, WorldRay};
+use realistic::{Camera, Outcome, RayDifferential, Sample, Weighting, WorldRay};
 
 const WIDTH: u32 = 64;
 const HEIGHT: u32 = 48;

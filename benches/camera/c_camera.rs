@@ -7,7 +7,7 @@ use std::{
 };
 
 use super::inline::*;
-use realistic::abi::*;
+use realistic::unstable::abi::*;
 use realistic_lab::subject::quasirandom::spread;
 
 /// A camera, freed in the end.

@@ -3,7 +3,7 @@
 
 use std::{hint::black_box, ptr::null_mut};
 
-use realistic::{
+use realistic::unstable::{
     abi::*,
     lens::{Lens, open},
     prescription::SearchPath,

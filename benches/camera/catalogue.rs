@@ -1,7 +1,7 @@
 //! What a camera ray costs through every lens of the catalogue, and how much of that is an interface's share: by calls
 //! of one sample, and by batches in both precisions.
 
-use realistic::{
+use realistic::unstable::{
     lens::{Lens, first_order::FirstOrder},
     prescription::catalogue,
 };

@@ -24,7 +24,7 @@ use std::{
 use c_camera::triple;
 use c_camera::{Arrays, Camera, chain, moved, samples};
 use inline::realistic_camera_generate_rays;
-use realistic::{abi::*, prescription};
+use realistic::unstable::{abi::*, prescription};
 use realistic_lab::{
     results::statistics::quantile,
     timing::{BenchArguments, Contest, Effort, LARGE_LENSES, repeated},

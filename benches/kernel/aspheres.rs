@@ -1,7 +1,7 @@
 //! What an asphere costs, in spheres: a telephone's lens of twelve strong aspheres against a double Gauss of ten spheres,
 //! both less what two planes and the way in and out take.
 
-use realistic::{
+use realistic::unstable::{
     lens::Lens,
     prescription::catalogue,
     trace::kernel::{KernelScalar, Simd},

@@ -3,7 +3,7 @@
 
 use std::hint::black_box;
 
-use realistic::{
+use realistic::unstable::{
     lens::{Lens, first_order::FirstOrder},
     prescription::catalogue,
     trace::{

@@ -11,7 +11,7 @@ mod scenes;
 
 use std::hint::black_box;
 
-use realistic::{
+use realistic::unstable::{
     lens::{Lens, refraction::Refraction},
     trace::{
         Direction, Path,

@@ -1,6 +1,6 @@
 //! Lenses, and rays from their film that get through.
 
-use realistic::{
+use realistic::unstable::{
     lens::{Lens, Surface},
     prescription::{Prescription, catalogue, read},
     sampling::PupilDisk,

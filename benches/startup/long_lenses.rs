@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus as Random;
-use realistic::{lens::Lens, prescription::catalogue};
+use realistic::unstable::{lens::Lens, prescription::catalogue};
 
 /// What a lens is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -8,7 +8,7 @@
 mod long_lenses;
 
 use long_lenses::{Kind, LongLens};
-use realistic::{
+use realistic::unstable::{
     camera::{Host, Parameters, Raster, RealisticCamera},
     prescription::catalogue,
     trace::kernel::Simd,

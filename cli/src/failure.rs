@@ -1,8 +1,8 @@
 //! How a command fails: what it tells the user, and the exit code.
 
-use realistic::camera::{CameraError, ParameterError};
-use realistic::imaging::focus::FocusError;
-use realistic::lens::moving::MovingError;
+use realistic::unstable::camera::{CameraError, ParameterError};
+use realistic::unstable::imaging::focus::FocusError;
+use realistic::unstable::lens::moving::MovingError;
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::Path;

@@ -20,7 +20,7 @@ use commands::{
     blender, convert, disks, draw, focus, install, lens, plan, pupil, refractions, report, trace,
 };
 use failure::Failure;
-use realistic::prescription::catalogue;
+use realistic::unstable::prescription::catalogue;
 use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;

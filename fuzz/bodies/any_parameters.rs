@@ -2,7 +2,7 @@
 
 use std::ops::Bound::{Excluded, Included, Unbounded};
 
-use realistic::camera::{Interval, Kind, Model, PARAMETERS, Parameter, Range};
+use realistic::unstable::camera::{Interval, Kind, Model, PARAMETERS, Parameter, Range};
 
 /// How many numbers are given on average, of those that a model uses.
 const NUMBERS: f64 = 3.0;

@@ -1,6 +1,6 @@
 //! What the header promises of every ray, whatever the sample's bits are.
 
-use realistic::abi::{realistic_ray, realistic_sample};
+use realistic::unstable::abi::{realistic_ray, realistic_sample};
 
 /// How far from 1 a direction's length may be.
 const UNIT: f64 = 1e-6;

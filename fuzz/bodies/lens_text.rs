@@ -1,8 +1,8 @@
 //! Any bytes are a lens that can be traced, or an error at a place in them.
 
-use realistic::prescription::{GlassLibrary, Medium, Shape, read};
-use realistic::trace::{Path, Ray};
-use realistic::{
+use realistic::unstable::prescription::{GlassLibrary, Medium, Shape, read};
+use realistic::unstable::trace::{Path, Ray};
+use realistic::unstable::{
     imaging::focus::Focus,
     lens::{Lens, first_order::FirstOrder},
 };

@@ -18,8 +18,8 @@ use std::time::Instant;
 
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus as Random;
-use realistic::abi::*;
-use realistic::camera::Parameters;
+use realistic::unstable::abi::*;
+use realistic::unstable::camera::Parameters;
 use realistic_lab::stability::random::{lens_text, scaled};
 
 #[path = "../../fuzz/bodies/any_parameters.rs"]

@@ -2,7 +2,7 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus as Random;
-use realistic::{
+use realistic::unstable::{
     lens::{Lens, first_order::FirstOrder},
     prescription::{Asphere, FIRST_POWER, Interface, Medium, Prescription, Shape, catalogue},
     trace::{

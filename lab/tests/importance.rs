@@ -1,7 +1,7 @@
 //! The camera the other way round against the extended-precision reference: rays of the camera traced back to the film in
 //! numbers of 106 bits, and the areas and solid angles about them by differences of such rays.
 
-use realistic::{
+use realistic::unstable::{
     camera::{Camera, Facts, Host, Importance, Parameters, Raster, Sample, WorldRay},
     lens::{Lens, cos4, refraction::Refraction},
     prescription::catalogue,

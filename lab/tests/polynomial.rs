@@ -1,6 +1,6 @@
 //! Polynomials against the rays that they are fitted to, and against the thick lens.
 
-use realistic::{
+use realistic::unstable::{
     lens::{Lens, first_order::FirstOrder},
     prescription::catalogue,
     sampling::PupilDisk,

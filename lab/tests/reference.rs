@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
-use realistic::{
+use realistic::unstable::{
     lens::{Lens, first_order::FirstOrder, refraction::Refraction},
     prescription::{catalogue, read},
     trace::{

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use realistic::{
+use realistic::unstable::{
     camera::{CameraError, Host, Outcome, Parameters, Raster, RealisticCamera, Sample},
     lens::{
         Lens,

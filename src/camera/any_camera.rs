@@ -472,7 +472,8 @@ impl Camera {
         self.rays.range()
     }
 
-    /// The camera of [`Model::Lens`].
+    /// The camera of [`Model::Lens`], whose parts are no part of the stable face.
+    #[doc(hidden)]
     pub fn as_lens(&self) -> Option<&RealisticCamera> {
         match &self.model {
             AnyModel::Lens(camera) => Some(camera),

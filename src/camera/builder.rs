@@ -17,7 +17,7 @@ use crate::{lens::refraction::Refraction, message::Log, prescription::SearchPath
 /// only [`resolution`](Self::resolution) has none.
 ///
 /// ```
-/// use realistic::camera::{Camera, Pupil, Weighting};
+/// use realistic::{Camera, Pupil, Weighting};
 ///
 /// let camera = Camera::builder()
 ///     .specfile("telephoto.250mm")
@@ -27,7 +27,7 @@ use crate::{lens::refraction::Refraction, message::Log, prescription::SearchPath
 ///     .resolution(300, 200)
 ///     .build()?;
 /// assert_eq!(camera.facts().expect("a lens").focus_distance, Some(10_000.0));
-/// # Ok::<(), realistic::camera::CameraError>(())
+/// # Ok::<(), realistic::CameraError>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct CameraBuilder {

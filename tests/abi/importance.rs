@@ -5,7 +5,7 @@ use std::{
     ptr::{null, null_mut},
 };
 
-use realistic::{
+use realistic::unstable::{
     abi::*,
     camera::{Aimed, Camera as Built, Host, Importance, Parameters, Raster, ScenePoint, WorldRay},
 };

@@ -3,7 +3,6 @@
 //! Reads the source as text. Held, for the library, the program and the laboratory:
 //! - an arrow between the library's rooms points only down their order;
 //! - no two files import each other, in however many steps;
-//! - a folder holds at most fourteen files and folders;
 //! - `unsafe` stands only where the processor's instructions or another language are met.
 //!
 //! Of the pages: every file and every test that they name exists.
@@ -24,9 +23,6 @@ use source::Tree;
 /// The library's rooms, each of which may use those before it.
 const ROOMS: [&str; 10] =
     ["numeric", "message", "prescription", "lens", "trace", "imaging", "sampling", "plan", "camera", "abi"];
-
-/// Files and folders that one folder may show.
-const MOST_IN_A_FOLDER: usize = 14;
 
 /// Where `unsafe` may stand, by package; `refractions` reads the processor's clock.
 const UNSAFE: [(&str, &[&str]); 3] =
@@ -69,13 +65,6 @@ fn no_two_files_of_the_program_import_each_other() {
 #[test]
 fn no_two_files_of_the_laboratory_import_each_other() {
     nothing(&circles(&Arrow::all(&tree("lab/src"))));
-}
-
-#[test]
-fn a_folder_can_be_taken_in_at_a_glance() {
-    for package in ["src", "cli/src", "lab/src"] {
-        nothing(&tree(package).crowded(MOST_IN_A_FOLDER));
-    }
 }
 
 #[test]
@@ -211,15 +200,13 @@ mod checks {
     }
 
     #[test]
-    fn a_crowded_folder_and_stray_unsafe_code_are_found() {
+    fn stray_unsafe_code_is_found() {
         let tree = Tree::of(&[
             ("lib.rs", "mod a; mod abi;"),
             ("a/mod.rs", "// unsafe\n mod x;"),
             ("a/x.rs", "fn f() { unsafe { g() } }"),
             ("abi/mod.rs", "unsafe fn f() {}"),
         ]);
-        assert_eq!(tree.crowded(3), [""; 0]);
-        assert_eq!(tree.crowded(2).len(), 1);
         assert_eq!(tree.unsafe_outside(&["abi/"]), ["a/x.rs"]);
         assert_eq!(tree.rooms(), ["a", "abi"]);
     }

@@ -46,19 +46,6 @@ impl Tree {
         rooms.into_iter().filter(|room| room != "lib" && room != "main").collect()
     }
 
-    /// Folders with more than `most` files and folders.
-    pub fn crowded(&self, most: usize) -> Vec<String> {
-        let mut folders: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
-        for path in self.files.keys() {
-            for (at, _) in path.match_indices('/').chain([(path.len(), "")]) {
-                let (folder, entry) = path[..at].rsplit_once('/').unwrap_or(("", &path[..at]));
-                folders.entry(folder).or_default().insert(entry);
-            }
-        }
-        let crowded = folders.iter().filter(|(_, entries)| entries.len() > most);
-        crowded.map(|(folder, entries)| format!("{} files and folders in {folder}/", entries.len())).collect()
-    }
-
     /// Files with unsafe code whose paths begin with none of `allowed`.
     pub fn unsafe_outside(&self, allowed: &[&str]) -> Vec<String> {
         let is_unsafe = |words: &[String]| words.iter().any(|word| word == "unsafe");

@@ -10,7 +10,7 @@
 
 use std::ptr::{null, null_mut};
 
-use realistic::abi::*;
+use realistic::unstable::abi::*;
 
 #[derive(Clone, Copy)]
 pub struct realistic_samples_soa {

@@ -5,7 +5,7 @@ use super::support;
 
 use std::f64::consts::PI;
 
-use realistic::camera::{Camera, Parameters, RealisticCamera};
+use realistic::unstable::camera::{Camera, Parameters, RealisticCamera};
 use support::{Random, build, host_with, ray, sample};
 
 const PINHOLE: &str = "0 0 1 0.3\n";

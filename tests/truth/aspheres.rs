@@ -1,6 +1,6 @@
 //! Aspheres against closed forms, spheres and brute force, by the walk and by the kernel in every precision and width.
 
-use realistic::{
+use realistic::unstable::{
     camera::RealisticCamera,
     lens::{Lens, cos4, film_ray, first_order::FirstOrder},
     prescription::{Asphere, FIRST_POWER, Interface, Medium, Prescription, Shape},

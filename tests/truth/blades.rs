@@ -2,7 +2,7 @@
 
 use super::support;
 
-use realistic::{
+use realistic::unstable::{
     camera::{Outcome, RealisticCamera},
     lens::Lens,
     prescription::Blades,

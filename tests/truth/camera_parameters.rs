@@ -4,7 +4,7 @@ use super::support;
 
 use std::f64::consts::PI;
 
-use realistic::{
+use realistic::unstable::{
     camera::{CameraToWorld, Host, Outcome, Parameters, RealisticCamera, Sample, Value},
     lens::{
         Lens,
@@ -42,7 +42,9 @@ fn a_value_out_of_range_is_told_with_its_parameter_and_range() {
             refused(&[(name, value)], &[&format!("\"{name}\" is {value}"), "must be positive", unit]);
         }
     }
-    for name in realistic::camera::PARAMETERS.iter().filter(|row| row.kind == realistic::camera::Kind::Float)
+    for name in realistic::unstable::camera::PARAMETERS
+        .iter()
+        .filter(|row| row.kind == realistic::unstable::camera::Kind::Float)
     {
         refused(&[(name.name, "nan")], &[&format!("\"{}\"", name.name), "not a number"]);
         refused(&[(name.name, "wide")], &[&format!("\"{}\" takes a number", name.name), "\"wide\""]);

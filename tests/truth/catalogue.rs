@@ -1,7 +1,7 @@
 //! The lenses of the catalogue against what their patents state, and those with moving groups at every position: focal
 //! length, back focus, f-number by real rays, field of view by real chief rays.
 
-use realistic::{
+use realistic::unstable::{
     imaging::field::Field,
     lens::{Lens, first_order::FirstOrder},
     prescription::{Prescription, catalogue},
@@ -36,7 +36,7 @@ fn cases(name: &str) -> Vec<Case> {
             lens: Lens::at_d_line(&lens),
         }];
     };
-    let case = |(i, column): (usize, &realistic::prescription::Position)| {
+    let case = |(i, column): (usize, &realistic::unstable::prescription::Position)| {
         let mut at: Prescription = lens.clone();
         for (&row, &gap) in positions.gaps.iter().zip(&column.gaps) {
             match row + 1 == at.interfaces.len() {

@@ -5,7 +5,7 @@ use super::support;
 
 use std::f64::consts::PI;
 
-use realistic::{
+use realistic::unstable::{
     camera::{Outcome, Parameters, RealisticCamera},
     lens::{Lens, first_order::FirstOrder, pupil::ExitPupil},
     sampling::{DiskMapping, PupilDisk},

@@ -1,7 +1,7 @@
 //! The built-in glasses against their makers' catalogues, evaluated anew (`golden/glasses.py`), and the wavelength that a
 //! lens file is for.
 
-use realistic::{
+use realistic::unstable::{
     camera::{Host, Level, Parameters, Raster, open_lens},
     lens::first_order::FirstOrder,
     prescription::{GlassLibrary, Prescription, glass::refractive_index},

@@ -6,7 +6,7 @@ use super::support;
 use std::f64::consts::TAU;
 
 use proptest::prelude::*;
-use realistic::{
+use realistic::unstable::{
     camera::Outcome,
     lens::{
         Lens, Surface,

@@ -6,7 +6,7 @@ use super::{
     tables,
 };
 
-use realistic::{
+use realistic::unstable::{
     lens::{Figure, Lens, Surface, pupil::ExitPupil},
     prescription::Shape,
     trace::{

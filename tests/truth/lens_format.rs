@@ -1,6 +1,6 @@
 //! `docs/lens-format.md`: every example in it is a lens, and every text of its table of errors is refused as it says.
 
-use realistic::prescription::{Blades, Prescription, Shape, read};
+use realistic::unstable::prescription::{Blades, Prescription, Shape, read};
 
 const TEXT: &str = include_str!("../../docs/lens-format.md");
 
@@ -21,7 +21,7 @@ fn every_example_is_a_lens() {
     assert!(lenses.iter().all(|lens| lens.title.is_some() && lens.remarks.is_empty()));
     assert_eq!(
         double_gauss.interfaces,
-        realistic::prescription::catalogue::find("dgauss.50mm").expect("listed").interfaces
+        realistic::unstable::prescription::catalogue::find("dgauss.50mm").expect("listed").interfaces
     );
     assert_eq!((two.interfaces.len(), two.stop_index()), (5, Some(2)));
     assert_eq!(doublet.glasses.len(), 2);

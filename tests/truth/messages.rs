@@ -2,7 +2,7 @@
 
 use super::support;
 
-use realistic::camera::{Camera, Host, Level, Parameters, Raster, RealisticCamera, Value};
+use realistic::unstable::camera::{Camera, Host, Level, Parameters, Raster, RealisticCamera, Value};
 use support::{build, host, host_with};
 
 #[test]

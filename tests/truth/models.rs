@@ -5,7 +5,7 @@
 use std::f64::consts::{FRAC_PI_4, PI};
 
 use glam::{DMat3, DQuat, DVec3};
-use realistic::camera::{
+use realistic::unstable::camera::{
     Camera, CameraMotion, CameraToWorld, Host, Outcome, Parameters, RayBlock, Sample, SampleBlock, WorldRay,
 };
 

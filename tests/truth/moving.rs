@@ -1,10 +1,10 @@
 //! A zoom lens with moving groups against its patent, by first-order optics and exact rays.
 
 use crate::support::{Random, build, camera, host, host_with, ray};
-use realistic::camera::{Camera, FocusBy, Host, Model, RealisticCamera};
-use realistic::imaging::{axial_image::AxialImage, depth_of_field::DepthOfField, focus::Focus};
-use realistic::lens::{Lens, first_order::FirstOrder, moving::MovingGroups, pupil::EntrancePupil};
-use realistic::prescription::{Prescription, catalogue, read};
+use realistic::unstable::camera::{Camera, FocusBy, Host, Model, RealisticCamera};
+use realistic::unstable::imaging::{axial_image::AxialImage, depth_of_field::DepthOfField, focus::Focus};
+use realistic::unstable::lens::{Lens, first_order::FirstOrder, moving::MovingGroups, pupil::EntrancePupil};
+use realistic::unstable::prescription::{Prescription, catalogue, read};
 
 /// US 2003/0133200 A1 (S. Sato, Nikon 2003), example 1: 70-200 mm f/2.8, focused by its second group; the last
 /// three positions at a distance of 1.5 m. Clear diameters are derived. Radius, thickness, index behind, clear diameter.

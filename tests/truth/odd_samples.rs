@@ -2,7 +2,7 @@
 
 use super::support;
 
-use realistic::camera::{
+use realistic::unstable::camera::{
     Camera, CameraToWorld, Host, Level, Outcome, Parameters, RayBlock, Sample, SampleBlock, WorldRay,
 };
 use support::{Random, host, host_with};

@@ -3,7 +3,7 @@
 
 use super::support;
 
-use realistic::{
+use realistic::unstable::{
     camera::{CameraMotion, CameraToWorld, Host, RayBlock, RealisticCamera, Sample, SampleBlock, WorldRay},
     imaging::image_scale::ImageScale,
     plan::{Entry, Precision, Tracing, choice::Verdict},

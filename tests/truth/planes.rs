@@ -1,7 +1,7 @@
 //! Planes that only limit rays, wherever they stand among their neighbours' bulges: a stop cuts a ray where the ray's
 //! straight line between the surfaces around it crosses the stop's plane. The oracle is the lens without the plane.
 
-use realistic::trace::{Direction, Path, Ray};
+use realistic::unstable::trace::{Direction, Path, Ray};
 
 use super::support::{Random, build, by_kernel, host_with, lens_of, ray};
 

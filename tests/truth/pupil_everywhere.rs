@@ -9,7 +9,7 @@ use pupil_fit::{
     Case, LENSES, lens_at, lenses,
     survey::{Pupil, Survey},
 };
-use realistic::{
+use realistic::unstable::{
     camera::{Host, Level, Parameters, Raster, RealisticCamera, Value},
     lens::Lens,
     prescription::{catalogue, read},

@@ -4,7 +4,7 @@
 
 use std::{collections::BTreeMap, path::Path};
 
-use realistic::camera::{Camera, CameraToWorld, Host, Outcome, Parameters, Raster, Sample};
+use realistic::unstable::camera::{Camera, CameraToWorld, Host, Outcome, Parameters, Raster, Sample};
 
 /// What decides whether a camera has pbrt's bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

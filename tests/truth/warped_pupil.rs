@@ -6,7 +6,7 @@ use super::pupil_fit;
 use std::f64::consts::TAU;
 
 use pupil_fit::{Case, LENSES, REACH, STOPS, grid, lens_at};
-use realistic::{
+use realistic::unstable::{
     camera::{Host, Outcome, Parameters, Raster, RealisticCamera, Sample, Value},
     imaging::focus::Focus,
     lens::Lens,

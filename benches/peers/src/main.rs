@@ -19,7 +19,7 @@ use std::{
 #[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
 use c_camera::triple;
 use c_camera::{Camera, chain, moved, samples};
-use realistic::abi::*;
+use realistic::unstable::abi::*;
 use realistic_lab::timing::{Contest, Effort};
 use rs_pbrt::{
     cameras::realistic::RealisticCamera,

@@ -1,10 +1,10 @@
 //! The film: its pixels, and the size that it has where nobody says one.
 
-use realistic::camera::{Film, Host, Level, Parameters, Raster, film_distance, open_lens};
-use realistic::imaging::field::Field;
-use realistic::lens::{Lens, first_order::FirstOrder};
-use realistic::message::short;
-use realistic::prescription::Prescription;
+use realistic::unstable::camera::{Film, Host, Level, Parameters, Raster, film_distance, open_lens};
+use realistic::unstable::imaging::field::Field;
+use realistic::unstable::lens::{Lens, first_order::FirstOrder};
+use realistic::unstable::message::short;
+use realistic::unstable::prescription::Prescription;
 use std::fmt::{self, Display};
 
 /// The film's pixels.

@@ -6,10 +6,12 @@ use super::parameters::ParameterFlags;
 use crate::console::{note, warn};
 use crate::failure::Failure;
 use clap::{ArgMatches, Command};
-use realistic::camera::{Host, Level, PARAMETERS, Parameters, Raster, film_distance, group_reach, open_lens};
-use realistic::imaging::focus::Conjugates;
-use realistic::lens::{Lens, open::StopSize};
-use realistic::prescription::{MAX_FILE_BYTES, Prescription};
+use realistic::unstable::camera::{
+    Host, Level, PARAMETERS, Parameters, Raster, film_distance, group_reach, open_lens,
+};
+use realistic::unstable::imaging::focus::Conjugates;
+use realistic::unstable::lens::{Lens, open::StopSize};
+use realistic::unstable::prescription::{MAX_FILE_BYTES, Prescription};
 use std::io::{self, Read as _};
 use std::sync::OnceLock;
 

@@ -4,8 +4,8 @@
 
 use clap::error::{Error, ErrorKind};
 use clap::{Arg, ArgAction, ArgMatches, Command};
-use realistic::camera::{Kind, PARAMETERS, Parameter, ParameterError, Parameters};
-use realistic::message::cut;
+use realistic::unstable::camera::{Kind, PARAMETERS, Parameter, ParameterError, Parameters};
+use realistic::unstable::message::cut;
 
 /// What the user says of the camera.
 #[derive(Clone, Debug, Default)]
@@ -158,7 +158,7 @@ impl clap::FromArgMatches for ParameterFlags {
 mod tests {
     use super::*;
     use clap::FromArgMatches as _;
-    use realistic::camera::Pupil;
+    use realistic::unstable::camera::Pupil;
 
     fn read(words: &[&str]) -> Result<ParameterFlags, String> {
         let command = <ParameterFlags as clap::Args>::augment_args(Command::new("test"));

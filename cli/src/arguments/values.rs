@@ -1,7 +1,7 @@
 //! Numbers of flags: what a text stands for, or what to write instead.
 
 use crate::image::LARGEST_SIDE;
-use realistic::camera::Parameters;
+use realistic::unstable::camera::Parameters;
 use std::fmt::Display;
 use std::str::FromStr;
 

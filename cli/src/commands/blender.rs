@@ -5,8 +5,8 @@ use crate::console;
 use crate::failure::Failure;
 use crate::files::{is_stdout, save};
 use crate::osl::{Asked, Camera, Request, Station, stations};
-use realistic::camera::FocusBy;
-use realistic::message::fixed;
+use realistic::unstable::camera::FocusBy;
+use realistic::unstable::message::fixed;
 use std::path::PathBuf;
 
 /// What `blender` can be told.

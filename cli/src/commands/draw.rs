@@ -4,9 +4,9 @@ use crate::arguments::{LensChoice, OpenedLens, whole};
 use crate::console;
 use crate::drawing::{picture, positions, section, shapes::Page};
 use crate::failure::Failure;
-use realistic::camera::CameraError;
-use realistic::lens::{Lens, first_order::FirstOrder, moving::MovingGroups, open::set_up};
-use realistic::message::fixed;
+use realistic::unstable::camera::CameraError;
+use realistic::unstable::lens::{Lens, first_order::FirstOrder, moving::MovingGroups, open::set_up};
+use realistic::unstable::message::fixed;
 use std::path::PathBuf;
 
 /// What `draw` can be told.
@@ -66,7 +66,7 @@ fn at_all_positions(args: &Args, opened: &OpenedLens, diagonal: f64) -> Option<P
     }
     let listed = prescription.positions.as_ref().filter(|positions| positions.columns.len() > 1)?;
     let (groups, layout) = (MovingGroups::of(prescription).ok()??, listed.layout().ok()?);
-    let panel = |(column, position): (usize, &realistic::prescription::Position)| {
+    let panel = |(column, position): (usize, &realistic::unstable::prescription::Position)| {
         let placed = groups.position(column % layout.zooms).at(position.vergence());
         // What is to be said of the stop has been.
         let lens = set_up(&placed, lens.wavelength, opened.stop(), &mut |_, _| ()).ok()?.lens;

@@ -4,9 +4,9 @@ use crate::arguments::{LensChoice, OpenedLens, positive};
 use crate::console;
 use crate::drawing::{depth, picture};
 use crate::failure::Failure;
-use realistic::camera::{FocusBy, ParameterError};
-use realistic::message::{as_given, fixed, short};
-use realistic::{
+use realistic::unstable::camera::{FocusBy, ParameterError};
+use realistic::unstable::message::{as_given, fixed, short};
+use realistic::unstable::{
     imaging::{
         depth_of_field::DepthOfField,
         focus::{Conjugates, Focus, FocusError},

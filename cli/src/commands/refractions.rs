@@ -1,7 +1,7 @@
 //! `realistic refractions`: the lecture's comparison of methods of refraction, measured.
 
 use crate::failure::Failure;
-use realistic::lens::refraction::Refraction;
+use realistic::unstable::lens::refraction::Refraction;
 use realistic_lab::accuracy::refractions::{Operations, errors, operations, times};
 use realistic_lab::timing::Effort;
 use serde_json::json;

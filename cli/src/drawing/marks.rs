@@ -1,6 +1,6 @@
 //! What a lens's axis carries: focal points, principal planes and pupils, and which of them a drawing shows.
 
-use realistic::lens::{
+use realistic::unstable::lens::{
     Lens,
     first_order::FirstOrder,
     pupil::{EntrancePupil, ExitPupil, limiting_surface},

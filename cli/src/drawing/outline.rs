@@ -3,7 +3,7 @@
 use super::COLORS;
 use super::shapes::{AXIS, Page, Stroke};
 use super::view::View;
-use realistic::message::fixed;
+use realistic::unstable::message::fixed;
 
 /// What is drawn; all in mm in the rear vertex plane.
 #[derive(Clone, Debug)]

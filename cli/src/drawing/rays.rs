@@ -1,7 +1,7 @@
 //! Rays as lines: a lens and film in, for every ray of a bundle its points on every surface out.
 
-use realistic::trace::{Path, Ray};
-use realistic::{imaging::field::Field, lens::Lens};
+use realistic::unstable::trace::{Path, Ray};
+use realistic::unstable::{imaging::field::Field, lens::Lens};
 
 /// A ray through the lens, in the plane x = 0.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,8 +63,8 @@ impl Rays {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realistic::lens::first_order::FirstOrder;
-    use realistic::prescription::catalogue;
+    use realistic::unstable::lens::first_order::FirstOrder;
+    use realistic::unstable::prescription::catalogue;
 
     #[test]
     fn a_bundle_passes_in_the_middle_and_is_blocked_at_both_edges() {

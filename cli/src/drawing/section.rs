@@ -6,12 +6,12 @@ use super::rays::{Rays, TracedRay};
 use super::shapes::{AXIS, Anchor, LARGE, LEADER, Page, SMALL, Stroke, fitted, text_width};
 use super::view::View;
 use super::{COLORS, FAINT, INK, glass};
-use realistic::lens::{
+use realistic::unstable::lens::{
     Lens,
     first_order::FirstOrder,
     pupil::{EntrancePupil, limiting_surface},
 };
-use realistic::message::fixed;
+use realistic::unstable::message::fixed;
 
 /// What is drawn besides the lens.
 #[derive(Clone, Copy, Debug)]
@@ -283,7 +283,7 @@ fn footer(page: &mut Page, view: &View, mut legend: Vec<(String, Stroke)>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realistic::prescription::{catalogue, read};
+    use realistic::unstable::prescription::{catalogue, read};
 
     fn drawn(table: &str) -> String {
         let lens = Lens::at_d_line(&read("t", table.as_bytes()).unwrap());

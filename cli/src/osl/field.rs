@@ -5,8 +5,8 @@
 
 use super::optics::Optics;
 use super::region::{Frame, Region};
-use realistic::lens::{Lens, film_ray, pupil::ExitPupil};
-use realistic::trace::Path;
+use realistic::unstable::lens::{Lens, film_ray, pupil::ExitPupil};
+use realistic::unstable::trace::Path;
 
 /// Radius of the true pupil of the film's centre over the paraxial one, at most.
 const ROOM: f64 = 2.0;

@@ -5,8 +5,8 @@
 //! on along its tangent, so that rays beside the surface stay in range.
 
 use super::text::number;
-use realistic::lens::Surface;
-use realistic::prescription::FIRST_POWER;
+use realistic::unstable::lens::Surface;
+use realistic::unstable::prescription::FIRST_POWER;
 use std::fmt::Write as _;
 
 /// Newton's steps at most, and the step, in clear semi-diameters, that is small enough.

@@ -4,8 +4,8 @@
 
 use super::polynomial::{Polynomial, fit};
 use super::text::number;
-use realistic::lens::Lens;
-use realistic::prescription::Prescription;
+use realistic::unstable::lens::Lens;
+use realistic::unstable::prescription::Prescription;
 
 /// The wavelengths of light, nm, that a spectral shader takes.
 pub const ENDS: [f64; 2] = [420.0, 680.0];
@@ -77,7 +77,7 @@ pub fn colour() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realistic::prescription::catalogue;
+    use realistic::unstable::prescription::catalogue;
 
     #[test]
     fn indices_of_the_catalogue_s_glasses_are_those_of_the_library() {

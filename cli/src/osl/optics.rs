@@ -2,17 +2,17 @@
 //! which plane it samples the pupil.
 //!
 //! A lens at its widest stop in; first-order optics, and the film distance of sharpest focus (as
-//! `realistic::imaging::focus` finds it) as a polynomial of two variables, out.
+//! `realistic::unstable::imaging::focus` finds it) as a polynomial of two variables, out.
 //!
 //! The focus f runs from 0, infinity, to 1, the nearest: f = u / `nearest`, with u = 1/(z - F), z being the object plane and
 //! F the front focal point, or the front vertex where groups focus. The stop s runs from 0 to 1, the widest.
 
 use super::polynomial::{Polynomial, fit};
 use super::stations::Station;
-use realistic::imaging::axial_image::AxialImage;
-use realistic::imaging::focus::{Focus, FocusError};
-use realistic::lens::pupil::{EntrancePupil, ExitPupil, limiting_surface};
-use realistic::lens::{Lens, first_order::FirstOrder};
+use realistic::unstable::imaging::axial_image::AxialImage;
+use realistic::unstable::imaging::focus::{Focus, FocusError};
+use realistic::unstable::lens::pupil::{EntrancePupil, ExitPupil, limiting_surface};
+use realistic::unstable::lens::{Lens, first_order::FirstOrder};
 
 /// Magnification at the nearest focus of a lens that states no nearer one.
 const NEAREST_MAGNIFICATION: f64 = 0.15;

@@ -3,7 +3,7 @@
 //!
 //! The film point lies on +x, so that the region is symmetric about the x axis.
 
-use realistic::numeric::edge;
+use realistic::unstable::numeric::edge;
 use std::f64::consts::PI;
 
 /// The outline above the x axis.

@@ -10,9 +10,9 @@ use super::table::{FOCI, Span, Table};
 use super::text::{number, plain};
 use super::trace::{self, Traced};
 use crate::failure::Failure;
-use realistic::lens::Lens;
-use realistic::message::{as_given, fixed, short};
-use realistic::prescription::Prescription;
+use realistic::unstable::lens::Lens;
+use realistic::unstable::message::{as_given, fixed, short};
+use realistic::unstable::prescription::Prescription;
 
 /// The most surfaces that a shader is written for.
 const MOST_SURFACES: usize = 64;

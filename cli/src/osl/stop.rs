@@ -7,8 +7,8 @@
 
 use super::optics::Optics;
 use super::polynomial::least_squares;
-use realistic::lens::{Lens, film_ray};
-use realistic::trace::{Blocked, Path};
+use realistic::unstable::lens::{Lens, film_ray};
+use realistic::unstable::trace::{Blocked, Path};
 use std::f64::consts::PI;
 
 /// The numbers c0 to c2, w0 to w2, h0 to h2, e.

@@ -11,7 +11,7 @@
 use super::field::Field;
 use super::optics::Optics;
 use super::region::Region;
-use realistic::lens::Lens;
+use realistic::unstable::lens::Lens;
 
 /// Places of g.
 pub const PLACES: usize = 13;

@@ -1,12 +1,12 @@
 //! The text of the trace: a ray on the rear vertex plane through every surface to the front one, unrolled.
 //!
-//! The arithmetic is the kernel's (`realistic::trace`): V = n D, curvatures in place of radii, one frame per surface with
+//! The arithmetic is the kernel's (`realistic::unstable::trace`): V = n D, curvatures in place of radii, one frame per surface with
 //! the transfer from vertex to vertex, two square roots per surface and no division where the curvature is strong.
 
 use super::figure;
 use super::text::number;
-use realistic::lens::{Lens, Surface};
-use realistic::prescription::Blades;
+use realistic::unstable::lens::{Lens, Surface};
+use realistic::unstable::prescription::Blades;
 use std::fmt::Write as _;
 
 /// A curvature radius below so many focal lengths makes a strong surface: the division-free form of the distance to it

@@ -187,7 +187,7 @@ fn short_help_fits_a_screen_and_the_long_one_has_every_parameter() {
     assert!((24..=40).contains(&help(&["render", "-h"]).lines().count()));
     assert!(help(&["-h"]).lines().count() <= 40);
     let long = help(&["render", "--help"]);
-    for row in ::realistic::camera::PARAMETERS {
+    for row in ::realistic::unstable::camera::PARAMETERS {
         assert!(long.contains(&format!("--{} <", row.name)), "{}", row.name);
     }
     // The parameters that need a camera are no lens's.

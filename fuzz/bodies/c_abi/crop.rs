@@ -3,7 +3,7 @@
 use std::ptr::null_mut;
 
 use super::{Asked, bytes::Bytes, last_error, no_info};
-use realistic::abi::*;
+use realistic::unstable::abi::*;
 
 /// Panics where a camera with a window gives other rays than `asked`, or another window.
 pub fn check(asked: &Asked<'_>, singles: &[(realistic_ray, f32)], bytes: &mut Bytes<'_>) {

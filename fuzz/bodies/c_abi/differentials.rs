@@ -4,7 +4,7 @@ use std::ptr::{null, null_mut};
 
 use super::bytes::Bytes;
 use super::inline::*;
-use realistic::abi::*;
+use realistic::unstable::abi::*;
 
 const SIZE: usize = size_of::<realistic_ray_differential>();
 

@@ -3,7 +3,7 @@
 use std::array;
 
 use super::bytes::Bytes;
-use realistic::abi::*;
+use realistic::unstable::abi::*;
 
 const COUNT: usize = 13;
 

@@ -4,7 +4,7 @@ use std::mem::zeroed;
 use std::ptr::{null, null_mut};
 
 use super::bytes::Bytes;
-use realistic::abi::*;
+use realistic::unstable::abi::*;
 
 const COUNT: usize = 11;
 

@@ -19,7 +19,7 @@ use std::ptr::{null, null_mut};
 use self::bytes::Bytes;
 use self::inline::*;
 use super::contract;
-use realistic::abi::*;
+use realistic::unstable::abi::*;
 
 /// More than the widest registers hold, and no multiple of anything.
 const COUNT: usize = 37;

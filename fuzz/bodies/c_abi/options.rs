@@ -5,7 +5,7 @@ use std::ffi::CStr;
 use std::ptr::null;
 
 use super::bytes::Bytes;
-use realistic::abi::realistic_options;
+use realistic::unstable::abi::realistic_options;
 
 /// One of the words, or in half of the cases none.
 fn word(bytes: &mut Bytes<'_>, words: &[&'static CStr]) -> *const std::ffi::c_char {

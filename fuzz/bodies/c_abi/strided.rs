@@ -3,7 +3,7 @@
 use std::array;
 
 use super::{MARK, bytes::Bytes};
-use realistic::abi::*;
+use realistic::unstable::abi::*;
 
 /// What room holds before.
 const BEFORE: f32 = -7.0;

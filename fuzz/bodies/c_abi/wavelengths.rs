@@ -5,7 +5,7 @@ use std::ptr::null_mut;
 
 use super::super::contract;
 use super::{MARK, bytes::Bytes, differentials, inline::*, strided};
-use realistic::abi::*;
+use realistic::unstable::abi::*;
 
 /// Panics with `what` where rays at any wavelengths are not sound, or differ between the ways of asking for them;
 /// `may_differ` where a batch may have a tracer of its own, as at a tolerance without dispersion.

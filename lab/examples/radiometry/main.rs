@@ -15,9 +15,9 @@ mod measurement;
 use std::f64::consts::PI;
 
 use measurement::{Energy, Measurement, MeasurementError, ResponseTable};
-use realistic::lens::pupil::SlopeDisk;
-use realistic::trace::Path;
-use realistic::{
+use realistic::unstable::lens::pupil::SlopeDisk;
+use realistic::unstable::trace::Path;
+use realistic::unstable::{
     camera::{CameraError, Film, Host, Parameters, Raster, RealisticCamera, Value, WorldRay},
     imaging::irradiance::survey,
 };

@@ -1,7 +1,7 @@
 //! The cameras whose estimates are compared: every way to sample the pupil and the unit disk.
 
 use crate::subject::FILM_DIAGONAL;
-use realistic::{
+use realistic::unstable::{
     camera::{CameraError, Host, Parameters, Raster, RealisticCamera, Sample},
     sampling::DiskMapping,
 };

@@ -1,6 +1,6 @@
 //! The estimator: film irradiance under a flat field of radiance 1, against time.
 
-use realistic::{
+use realistic::unstable::{
     camera::{CameraError, Parameters, Sample, Value},
     imaging::irradiance::survey,
 };
@@ -160,7 +160,7 @@ pub fn table(curves: &[Curve]) -> Table {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realistic::prescription::catalogue;
+    use realistic::unstable::prescription::catalogue;
     use std::time::Duration;
 
     #[test]

@@ -13,8 +13,8 @@ use crate::{
     subject::Subject,
     timing::repeated,
 };
-use realistic::abi::{realistic_ray, realistic_sample};
-use realistic::camera::{CameraError, Raster};
+use realistic::unstable::abi::{realistic_ray, realistic_sample};
+use realistic::unstable::camera::{CameraError, Raster};
 
 /// Errors over the mean that a need allows: where ways to render are compared.
 pub const NEEDS: [f64; 2] = [0.2, 0.1];

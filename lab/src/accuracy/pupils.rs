@@ -1,7 +1,7 @@
 //! Set-up of the pupil: what it costs to know where light gets through, by the size of the tables, and how
 //! well each then covers the true pupil, as areas of polygons in slope about the true pupil's centre.
 
-use realistic::{
+use realistic::unstable::{
     lens::{film_ray, pupil::SlopeDisk},
     sampling::PupilDisk,
 };
@@ -200,7 +200,7 @@ pub fn table(results: &[Coverage]) -> Table {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realistic::prescription::catalogue;
+    use realistic::unstable::prescription::catalogue;
 
     #[test]
     fn a_half_line_leaves_a_polygon_where_geometry_says() {

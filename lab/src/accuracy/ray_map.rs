@@ -1,6 +1,6 @@
 //! The ray map: how far each way to take a ray through a lens is from the reference, and what it costs.
 
-use realistic::trace::{Direction, Ray};
+use realistic::unstable::trace::{Direction, Ray};
 
 use crate::{
     methods::{Family, METHODS, Method, block},
@@ -29,7 +29,7 @@ pub struct RayErrors {
     /// Distance of the exact point on the front surface from the ray, mm.
     pub position: Spread,
     /// How far from its film point the ray belongs, pixels: see
-    /// [`ImageScale`](realistic::imaging::image_scale::ImageScale).
+    /// [`ImageScale`](realistic::unstable::imaging::image_scale::ImageScale).
     pub pixels: Spread,
     /// Samples looked at.
     pub samples: usize,

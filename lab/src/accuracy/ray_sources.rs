@@ -7,7 +7,7 @@ use crate::{
     render::Rays,
     subject::{CameraSamples, FILM_DIAGONAL, Subject},
 };
-use realistic::{
+use realistic::unstable::{
     abi::realistic_sample,
     camera::{CameraError, Film, Parameters, Raster, RayBlock, Sample, SampleBlock},
     lens::{cos4, film_ray},

@@ -1,6 +1,6 @@
 //! Set-up: what it costs to fit polynomials to a lens, by the number of rays, and how exact they are then.
 
-use realistic::trace::{
+use realistic::unstable::trace::{
     Direction, Ray,
     kernel::Traced,
     polynomial::{Polynomial, PolynomialLens},

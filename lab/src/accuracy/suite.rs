@@ -4,7 +4,7 @@ use std::{ops::ControlFlow, time::Duration};
 
 use thiserror::Error;
 
-use realistic::{
+use realistic::unstable::{
     camera::{CameraError, Raster},
     imaging::focus::FocusError,
     prescription::catalogue,

@@ -1,7 +1,7 @@
 //! What a way to trace does to vignetting: film irradiance by samples of the rear element's disk, whose rays the lens's own
 //! apertures pass or block, against the exact ray's fate.
 
-use realistic::{
+use realistic::unstable::{
     lens::cos4,
     trace::{Path, Ray, kernel::Simd},
 };
@@ -112,7 +112,7 @@ pub fn table(results: &[Vignetting]) -> Table {
 mod tests {
     use super::*;
     use crate::timing::Effort;
-    use realistic::prescription::catalogue;
+    use realistic::unstable::prescription::catalogue;
     use std::time::Duration;
 
     #[test]

@@ -1,7 +1,7 @@
 //! Methods given rays from anywhere: a lens and a direction of travel in, for each ray in lens space the ray that
 //! leaves the lens out, or how far it got and why it stopped.
 
-use realistic::{
+use realistic::unstable::{
     lens::{Lens, LensError, first_order::FirstOrder, refraction::Refraction},
     numeric::unit,
     trace::{
@@ -139,7 +139,7 @@ impl Tracer for Thick {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realistic::prescription::catalogue;
+    use realistic::unstable::prescription::catalogue;
 
     #[test]
     fn no_method_ever_gives_what_is_not_a_number() {

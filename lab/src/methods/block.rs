@@ -1,7 +1,7 @@
 //! Methods over a block of rays of a [`Subject`], which each holds in a form of its own: made ready once, and then run
 //! as often as its time needs.
 
-use realistic::{
+use realistic::unstable::{
     lens::{first_order::FirstOrder, refraction::Refraction},
     trace::{
         Direction, Path, Ray, Real,

@@ -1,7 +1,7 @@
 //! The list of all ways to take rays through a lens: first-order optics, polynomials, the compiled kernels in every
 //! instance, and the walk with each refraction.
 
-use realistic::{lens::refraction::Refraction, trace::kernel::Simd};
+use realistic::unstable::{lens::refraction::Refraction, trace::kernel::Simd};
 
 /// What a method computes in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -7,8 +7,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use realistic::lens::{cos4, film_ray};
-use realistic::{
+use realistic::unstable::lens::{cos4, film_ray};
+use realistic::unstable::{
     lens::pupil::SlopeDisk,
     numeric::edge,
     trace::{Path, Real},
@@ -195,7 +195,7 @@ pub fn acceptance(slope_area: f64, disk: SlopeDisk) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realistic::{
+    use realistic::unstable::{
         imaging::irradiance,
         lens::{Lens, first_order::FirstOrder},
         prescription::{catalogue, read},

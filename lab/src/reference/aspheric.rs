@@ -2,7 +2,7 @@
 //! the interface, and how much the surface's own rounding weighs. By the formula of the profile, a scan for the first
 //! crossing and Snell's law as textbooks have it; nothing of the walk's.
 
-use realistic::{
+use realistic::unstable::{
     lens::{Figure, Surface},
     prescription::{Asphere, FIRST_POWER},
     trace::{Blocked, Direction, Real},

@@ -18,7 +18,7 @@
 //! root of the summed squares of the resulting direction errors, in rad per unit; the one in position the same in
 //! mm per unit. Times ε they are the errors that a perfect tracer of that precision must expect.
 
-use realistic::{
+use realistic::unstable::{
     lens::{Lens, Surface, refraction::Refraction},
     numeric::in_range,
     trace::{Blocked, Direction, Path, Ray, Real},

@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use realistic::trace::Real;
+use realistic::unstable::trace::Real;
 
 /// Coordinates of a ray: three of the point, three of the direction.
 pub(crate) const N: usize = 6;

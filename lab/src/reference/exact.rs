@@ -1,6 +1,6 @@
 //! An exact ray, and how far other rays are from it.
 
-use realistic::trace::{Ray, Real};
+use realistic::unstable::trace::{Ray, Real};
 
 use super::double_double::{Vector, cross, difference, norm, vector};
 

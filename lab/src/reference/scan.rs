@@ -9,7 +9,7 @@
 //! or where F only grows and is still negative at the end. Where F only grows and has become positive the crossing is
 //! bracketed, and found to all digits by bisection and Newton's method. Everything else is halved.
 
-use realistic::{
+use realistic::unstable::{
     lens::Figure,
     prescription::{Asphere, FIRST_POWER},
     trace::{Blocked, Real},

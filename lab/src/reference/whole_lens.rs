@@ -1,7 +1,7 @@
 //! The reference for a whole lens: of spheres and planes the walk in double-double numbers, which has no search; with
 //! aspheres, interface by interface, so that nothing of the walk's search is in it.
 
-use realistic::{
+use realistic::unstable::{
     lens::{Lens, refraction::Refraction},
     numeric::in_range,
     trace::{Blocked, Direction, Path, Ray},

@@ -1,7 +1,7 @@
 //! The renderer of the program and of the laboratory: camera rays and the light along them in, the mean over
 //! every pixel's samples out. Whoever calls chooses the camera, the samples, the scene and the threads.
 
-use realistic::abi::{realistic_ray, realistic_sample};
+use realistic::unstable::abi::{realistic_ray, realistic_sample};
 use std::time::{Duration, Instant};
 
 /// One call for camera rays, each slice as long as the others: what is asked of a source of rays.

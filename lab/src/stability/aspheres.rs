@@ -4,7 +4,7 @@
 //! glass a hyperboloid, k = -n², before it an ellipsoid, k = -1/n² (R. Descartes, *La dioptrique*, 1637; M. Born and E. Wolf,
 //! *Principles of Optics*, section 4.2).
 
-use realistic::{
+use realistic::unstable::{
     lens::Lens,
     prescription::{Asphere, FIRST_POWER, Shape},
     trace::{

@@ -1,7 +1,7 @@
 //! Cases of whole lenses: how many interfaces, what scale, which stop, where the film is, and
 //! coordinates at the ends of the number range.
 
-use realistic::{
+use realistic::unstable::{
     lens::{
         Lens,
         first_order::FirstOrder,

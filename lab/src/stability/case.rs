@@ -1,6 +1,6 @@
 //! One case: a lens, rays, the exact answer, and the bound that every tracer has to keep.
 
-use realistic::{
+use realistic::unstable::{
     lens::Lens,
     trace::{Direction, Ray, Real},
 };

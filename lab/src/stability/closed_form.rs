@@ -1,6 +1,6 @@
 //! Lenses whose rays are known in closed form, evaluated in extended precision.
 
-use realistic::trace::{
+use realistic::unstable::trace::{
     Direction::{FilmToScene, SceneToFilm},
     Ray, Real,
 };

@@ -2,7 +2,7 @@
 //! optics in extended precision: ray-transfer matrices as products of shears, whose disturbances are carried through
 //! (N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, section 3.8).
 
-use realistic::{
+use realistic::unstable::{
     imaging::focus::Focus,
     lens::{Lens, first_order::FirstOrder, pupil::ExitPupil},
     trace::Real,

@@ -1,7 +1,7 @@
 //! Cases of one and two interfaces: curvature, the edges of hemispheres, critical angles, steps of the index, gaps.
 //! Nothing in, [`Case`]s out, whose answer the reference gives.
 
-use realistic::trace::{
+use realistic::unstable::trace::{
     Direction::{self, FilmToScene, SceneToFilm},
     Ray,
 };

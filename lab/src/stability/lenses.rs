@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use realistic::{
+use realistic::unstable::{
     lens::Lens,
     prescription::{Interface, Medium, Prescription, Shape},
     trace::{Direction, Ray},
@@ -45,7 +45,8 @@ pub fn lens_of(name: &str, rows: &[Figured]) -> Lens {
 
 /// A lens of the catalogue with every length multiplied by `factor`.
 pub fn catalogue(name: &str, factor: f64) -> Lens {
-    let prescription = realistic::prescription::catalogue::find(name).expect("a lens of the catalogue");
+    let prescription =
+        realistic::unstable::prescription::catalogue::find(name).expect("a lens of the catalogue");
     Lens::at_d_line(&prescription.scaled(factor))
 }
 

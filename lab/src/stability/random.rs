@@ -8,7 +8,7 @@ use std::{fmt::Write, ops::Range};
 use crate::BLOCK;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus as Random;
-use realistic::{
+use realistic::unstable::{
     camera::{
         Host, Outcome, Parameters, Precision, Pupil, Raster, RayBlock, RealisticCamera, Sample, SampleBlock,
     },

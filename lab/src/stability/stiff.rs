@@ -1,7 +1,7 @@
 //! Ill-conditioned lenses, telescopes and balls in a row: small changes of a ray grow a million times and more.
 //! Nothing in, [`Case`]s out, whose answer the reference gives.
 
-use realistic::trace::{Direction::SceneToFilm, Ray};
+use realistic::unstable::trace::{Direction::SceneToFilm, Ray};
 
 use super::{
     case::Case,

@@ -1,6 +1,6 @@
 //! The methods that are put to the test, with what each has to keep.
 
-use realistic::{
+use realistic::unstable::{
     lens::{Lens, refraction::Refraction},
     trace::{Direction, Ray, Real},
 };

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use realistic::{
+use realistic::unstable::{
     lens::film_ray,
     sampling::{DiskMapping, PupilDisk, PupilSample, WarpedPupil},
     trace::{Blocked, Ray},
@@ -94,7 +94,7 @@ impl<'a> CameraSamples<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realistic::prescription::catalogue;
+    use realistic::unstable::prescription::catalogue;
 
     #[test]
     fn a_camera_s_samples_reach_its_corners_and_the_rear_disk_s_are_blocked_as_the_lens_blocks_them() {

@@ -1,7 +1,7 @@
 //! Rays from a film as the kernels take them in batches, and what becomes of them: rays one a struct in, arrays for
 //! [`PlaneRays`] and [`LensRays`] between, rays one a struct out. What times, fits and checks a batch holds its rays here.
 
-use realistic::trace::{
+use realistic::unstable::trace::{
     Ray, Real,
     kernel::{LensRays, PlaneRays},
 };

@@ -4,7 +4,7 @@
 //! brought near the lens here, so that the kernel's numbers keep the digits of the lens and not those of
 //! the distance.
 
-use realistic::{
+use realistic::unstable::{
     lens::{Lens, refraction::Refraction},
     numeric::unit,
     trace::{
@@ -165,7 +165,7 @@ fn widen<S: Real>(traced: Traced<S>) -> Ray {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realistic::prescription::catalogue;
+    use realistic::unstable::prescription::catalogue;
 
     /// Rays from both sides, near and far, some of which are blocked.
     fn rays(lens: &Lens, direction: Direction) -> Vec<Ray> {

@@ -10,7 +10,7 @@ pub use camera_samples::CameraSamples;
 pub use film_rays::FilmRays;
 pub use passing_rays::passing_rays;
 
-use realistic::{
+use realistic::unstable::{
     camera::{Film, Raster},
     imaging::{
         focus::{Focus, FocusError},

@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use realistic::{
+use realistic::unstable::{
     lens::film_ray,
     sampling::{DiskMapping, PupilDisk},
     trace::{Path, Ray, Real},

@@ -2,7 +2,7 @@
 
 use std::hint::black_box;
 
-use realistic::camera::{RayBlock, RealisticCamera, SampleBlock};
+use realistic::unstable::camera::{RayBlock, RealisticCamera, SampleBlock};
 
 use crate::BLOCK;
 

@@ -1,7 +1,7 @@
 //! What a lens costs before its first ray: its text in; how long a thread takes to build a camera and to find the first
 //! direction toward it, and what the tracer counted, out.
 
-use realistic::{
+use realistic::unstable::{
     camera::{Aimed, Camera, Host, Parameters, Raster, ScenePoint},
     trace,
 };

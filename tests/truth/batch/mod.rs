@@ -5,7 +5,7 @@ mod strided;
 use std::mem::size_of;
 use std::ptr::{null, null_mut};
 
-use realistic::abi::*;
+use realistic::unstable::abi::*;
 
 use super::support::{
     Random,

@@ -1,6 +1,6 @@
 //! How many of the directions toward a lens get through.
 
-use realistic::{
+use realistic::unstable::{
     camera::{Aimed, Camera, ScenePoint},
     prescription::catalogue,
 };

@@ -3,7 +3,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use realistic::{
+use realistic::unstable::{
     camera::{Aimed, Camera, RayBlock, SampleBlock, ScenePoint},
     prescription::catalogue,
 };

@@ -8,7 +8,7 @@ mod odd;
 mod round_trip;
 mod scene;
 
-use realistic::camera::{Camera, Host, Parameters};
+use realistic::unstable::camera::{Camera, Host, Parameters};
 
 use super::support;
 

@@ -1,6 +1,6 @@
 //! What is no ray or no point: it counts nothing, and nothing panics.
 
-use realistic::camera::{Aimed, Importance, ScenePoint, WorldRay};
+use realistic::unstable::camera::{Aimed, Importance, ScenePoint, WorldRay};
 
 use super::{
     CAMERAS, camera,

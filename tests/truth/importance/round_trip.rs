@@ -1,6 +1,6 @@
 //! Every ray of a camera, put back into it.
 
-use realistic::camera::{
+use realistic::unstable::camera::{
     Camera, CameraMotion, CameraToWorld, Host, Importance, Raster, ScenePoint, WorldRay,
 };
 

@@ -1,6 +1,6 @@
 //! Even samples in batches, and rays of a camera.
 
-use realistic::camera::{Camera, Sample, WorldRay};
+use realistic::unstable::camera::{Camera, Sample, WorldRay};
 
 use super::support::Random;
 

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::SplitMix64;
-use realistic::{imaging::focus::Focus, lens::Lens, prescription::read};
+use realistic::unstable::{imaging::focus::Focus, lens::Lens, prescription::read};
 
 use super::lens_at;
 

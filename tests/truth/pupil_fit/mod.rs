@@ -7,7 +7,7 @@ pub mod survey;
 
 use std::f64::consts::{PI, TAU};
 
-use realistic::{
+use realistic::unstable::{
     imaging::focus::Focus,
     lens::{
         Lens, cos4, film_ray,

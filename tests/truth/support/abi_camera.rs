@@ -4,7 +4,7 @@ use std::ffi::CStr;
 use std::mem::{MaybeUninit, size_of};
 use std::ptr::null_mut;
 
-use realistic::abi::*;
+use realistic::unstable::abi::*;
 
 /// One that is freed at its end.
 pub struct Camera(pub *mut realistic_camera);

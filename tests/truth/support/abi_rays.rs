@@ -1,6 +1,6 @@
 //! Rays of the C ABI to the last bit.
 
-use realistic::abi::realistic_ray;
+use realistic::unstable::abi::realistic_ray;
 
 /// What stands in a ray that nobody writes.
 pub const UNTOUCHED: realistic_ray =

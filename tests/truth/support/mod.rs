@@ -9,7 +9,7 @@ mod properties;
 
 use rand::{RngExt as _, SeedableRng as _};
 use rand_xoshiro::SplitMix64;
-use realistic::{
+use realistic::unstable::{
     camera::{Host, Outcome, Parameters, Raster, RealisticCamera, Sample, WorldRay},
     lens::Lens,
     prescription::{catalogue, read},

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use realistic::{
+use realistic::unstable::{
     lens::Lens,
     prescription::{catalogue, read},
     trace::{Blocked, Ray},

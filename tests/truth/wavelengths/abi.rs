@@ -2,7 +2,7 @@
 
 use std::ptr::{null, null_mut};
 
-use realistic::abi::*;
+use realistic::unstable::abi::*;
 
 use crate::support::{
     Random,

@@ -5,7 +5,7 @@ mod abi;
 
 use std::f64::consts::{FRAC_PI_4, SQRT_2};
 
-use realistic::{
+use realistic::unstable::{
     camera::{
         Camera, CameraBuilder, Outcome, Precision, Pupil, RayBlock, Sample, SampleBlock, Weighting, WorldRay,
     },
@@ -435,7 +435,7 @@ fn without_dispersion_data_every_wavelength_has_the_cameras_own_bits() {
         none.builder(D_LINE).build(),
         Camera::builder()
             .specfile("dgauss.100mm")
-            .model(realistic::camera::Model::Thin)
+            .model(realistic::unstable::camera::Model::Thin)
             .resolution(SIZE[0], SIZE[1])
             .build(),
     ] {

@@ -1,7 +1,7 @@
 //! A prescription as the text of the project's own table (`docs/lens-format.md`), which reads back to the same bits: every
 //! number is written with as many digits as tell it from its neighbours.
 
-use realistic::prescription::{
+use realistic::unstable::prescription::{
     Asphere, Blades, FIRST_POWER, Interface, Medium, Positions, Prescription, Shape,
     glass::{Formula, HIGHEST_POWER, LOWEST_POWER},
 };
@@ -101,7 +101,7 @@ fn or_dash(value: Option<f64>) -> String {
 
 fn write_positions(text: &mut String, positions: &Positions, rows: usize) {
     let columns = &positions.columns;
-    let each = |cell: &dyn Fn(&realistic::prescription::Position) -> String| {
+    let each = |cell: &dyn Fn(&realistic::unstable::prescription::Position) -> String| {
         columns.iter().map(cell).collect::<Vec<_>>()
     };
     line(text, "positions", &each(&|column| column.name.clone().unwrap_or_else(|| "-".to_owned())));
@@ -240,7 +240,7 @@ fn medium_cells(medium: Medium, names: &[(String, Medium)]) -> [String; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realistic::prescription::{GlassLibrary, catalogue, read, read_with};
+    use realistic::unstable::prescription::{GlassLibrary, catalogue, read, read_with};
 
     /// What is read back, to the bit (`{:?}` tells -0 from 0), but for the name, what is told, and names of glasses.
     fn bits(lens: &Prescription) -> String {

@@ -1,9 +1,9 @@
 //! What first-order optics says of a lens: a list of facts, each once in words for a reader and once as JSON for a
 //! program. Terms as in M. Born and E. Wolf, *Principles of Optics*, chapter 4.
 
-use realistic::message::{as_given, fixed};
-use realistic::prescription::Prescription;
-use realistic::{
+use realistic::unstable::message::{as_given, fixed};
+use realistic::unstable::prescription::Prescription;
+use realistic::unstable::{
     imaging::field::{self, Field},
     lens::{
         Lens,
@@ -210,7 +210,7 @@ fn film(lens: &Lens, optics: Option<FirstOrder>, film_distance: Option<f64>, dia
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realistic::prescription::read;
+    use realistic::unstable::prescription::read;
 
     fn facts(table: &str, film: Option<f64>) -> Facts {
         let prescription = read("test", table.as_bytes()).unwrap();

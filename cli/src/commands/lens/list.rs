@@ -1,8 +1,8 @@
 //! The lenses of the catalogue, a line each.
 
 use crate::drawing::catalogue::Entry;
-use realistic::lens::{Lens, first_order::FirstOrder, pupil::EntrancePupil};
-use realistic::prescription::{Position, Prescription, catalogue};
+use realistic::unstable::lens::{Lens, first_order::FirstOrder, pupil::EntrancePupil};
+use realistic::unstable::prescription::{Position, Prescription, catalogue};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 

@@ -1,14 +1,14 @@
 //! The positions of a lens whose groups move, a line each: what its table states, and what is computed of the lens there.
 
-use realistic::imaging::field::Field;
-use realistic::lens::{
+use realistic::unstable::imaging::field::Field;
+use realistic::unstable::lens::{
     first_order::FirstOrder,
     moving::MovingGroups,
     open::{StopSize, set_up},
     pupil::EntrancePupil,
 };
-use realistic::message::{as_given, fixed};
-use realistic::prescription::{Position, Prescription};
+use realistic::unstable::message::{as_given, fixed};
+use realistic::unstable::prescription::{Position, Prescription};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 

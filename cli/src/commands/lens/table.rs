@@ -1,8 +1,8 @@
 //! The prescription's table, a row an interface.
 
-use realistic::lens::Lens;
-use realistic::message::fixed;
-use realistic::prescription::{Medium, Prescription, Shape};
+use realistic::unstable::lens::Lens;
+use realistic::unstable::message::fixed;
+use realistic::unstable::prescription::{Medium, Prescription, Shape};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 

@@ -9,7 +9,7 @@ use crate::host::scene::effects::{Effect, Effects};
 use crate::host::scene::props;
 use crate::host::studio::{Options, Order, Studio, whole_only};
 use crate::image::Sheet;
-use realistic::message::fixed;
+use realistic::unstable::message::fixed;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 

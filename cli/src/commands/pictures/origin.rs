@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::host::plugin::Camera;
 use crate::host::studio::{Order, Shot, Studio};
 use crate::image::{Format, tile::Origin};
-use realistic::abi::{realistic_ray, realistic_sample};
+use realistic::unstable::abi::{realistic_ray, realistic_sample};
 use realistic_lab::render::Rays;
 
 /// The origin of a picture of which `crop` asked for a part, in a file of this format. `scene` says what it shows.

@@ -12,8 +12,8 @@ use crate::host::scene::{night, props};
 use crate::host::studio::{Method, Options, Order, Shot, Slide, Studio, stopped_down};
 use crate::image::{Format, picture_path, tile};
 use clap::ValueEnum;
-use realistic::camera::autofocus::Rule;
-use realistic::message::fixed;
+use realistic::unstable::camera::autofocus::Rule;
+use realistic::unstable::message::fixed;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 

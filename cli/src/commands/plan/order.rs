@@ -2,7 +2,7 @@
 
 use crate::arguments::{CameraChoice, FilmSize, host, size_film};
 use crate::failure::Failure;
-use realistic::camera::{Host, Log, Parameters, RealisticCamera};
+use realistic::unstable::camera::{Host, Log, Parameters, RealisticCamera};
 
 /// What `plan` can be told.
 #[derive(clap::Args, Debug)]

@@ -2,7 +2,7 @@
 
 use super::order::Order;
 use crate::failure::Failure;
-use realistic::camera::{RealisticCamera, Sample, SampleBlock};
+use realistic::unstable::camera::{RealisticCamera, Sample, SampleBlock};
 use realistic_lab::BLOCK;
 use realistic_lab::subject::quasirandom::spread;
 use realistic_lab::timing::camera_calls::{in_one_call, one_by_one};

@@ -2,8 +2,8 @@
 //! threshold of the run is called a tie and counted nowhere.
 
 use super::findings::{camera, range, saved, soonest};
-use realistic::camera::Precision;
-use realistic::plan::{Entry, Tracing};
+use realistic::unstable::camera::Precision;
+use realistic::unstable::plan::{Entry, Tracing};
 use realistic_lab::accuracy::curve::Curve;
 use realistic_lab::accuracy::irradiance;
 use realistic_lab::accuracy::leaving_out::{Asked, Saving, TOLERANCES};

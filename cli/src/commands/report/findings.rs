@@ -1,8 +1,8 @@
 //! What the conclusions are read off the results with: what a tolerance chose, the curve that is soonest below an error and
 //! what ties with it, and times in words.
 
-use realistic::camera::Precision;
-use realistic::plan::{Entry, Tracing};
+use realistic::unstable::camera::Precision;
+use realistic::unstable::plan::{Entry, Tracing};
 use realistic_lab::accuracy::curve::Curve;
 use realistic_lab::accuracy::leaving_out::{Asked, Saving};
 use realistic_lab::accuracy::suite::{Results, Tie};

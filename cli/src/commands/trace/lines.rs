@@ -1,7 +1,7 @@
 //! The lines of `trace`: text to a ray, and a ray to text.
 
-use realistic::message::cut;
-use realistic::trace::{Blocked, Ray};
+use realistic::unstable::message::cut;
+use realistic::unstable::trace::{Blocked, Ray};
 use serde_json::json;
 use std::io::{self, Write};
 

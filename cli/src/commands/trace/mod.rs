@@ -5,7 +5,7 @@ mod lines;
 use crate::arguments::LensChoice;
 use crate::failure::Failure;
 use lines::{Format, Line, read_line};
-use realistic::trace::{Blocked, Direction, Ray};
+use realistic::unstable::trace::{Blocked, Direction, Ray};
 use realistic_lab::methods::Method;
 use realistic_lab::methods::any_ray;
 use std::io::{self, BufRead, BufReader, BufWriter, Write};

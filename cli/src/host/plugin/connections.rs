@@ -2,7 +2,9 @@
 
 use super::camera::Camera;
 use super::library::PluginError;
-use realistic::abi::{realistic_aimed, realistic_camera, realistic_importance, realistic_scene_points};
+use realistic::unstable::abi::{
+    realistic_aimed, realistic_camera, realistic_importance, realistic_scene_points,
+};
 use std::ptr::null_mut;
 
 /// Points of a scene, in the camera's units, each with two numbers for a place in the pupil, and a time.

@@ -2,11 +2,13 @@
 
 use crate::failure::Failure;
 use libloading::Library;
-use realistic::abi::realistic_request;
-use realistic::abi::realistic_status;
-use realistic::abi::{REALISTIC_ABI_VERSION, realistic_camera, realistic_camera_info, realistic_options};
-use realistic::abi::{realistic_aimed, realistic_importance, realistic_scene_points};
-use realistic::abi::{realistic_contrast, realistic_distance, realistic_zone};
+use realistic::unstable::abi::realistic_request;
+use realistic::unstable::abi::realistic_status;
+use realistic::unstable::abi::{
+    REALISTIC_ABI_VERSION, realistic_camera, realistic_camera_info, realistic_options,
+};
+use realistic::unstable::abi::{realistic_aimed, realistic_importance, realistic_scene_points};
+use realistic::unstable::abi::{realistic_contrast, realistic_distance, realistic_zone};
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
 use std::error::Error as _;
 use std::ffi::{CStr, c_char, c_void};

@@ -1,8 +1,8 @@
 //! Parameters by name, put into the fields of the C options.
 
 use super::library::PluginError;
-use realistic::abi::realistic_options;
-use realistic::camera::Parameters;
+use realistic::unstable::abi::realistic_options;
+use realistic::unstable::camera::Parameters;
 use std::ffi::CString;
 
 /// Fills in what is given and leaves the rest. The strings returned are those that the
@@ -25,7 +25,7 @@ pub fn fill(options: &mut realistic_options, given: &Parameters) -> Result<Vec<C
 #[cfg(test)]
 mod tests {
     use super::*;
-    use realistic::camera::PARAMETERS;
+    use realistic::unstable::camera::PARAMETERS;
 
     #[test]
     fn every_parameter_reaches_the_options() {

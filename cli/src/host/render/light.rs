@@ -172,7 +172,7 @@ mod tests {
     use super::*;
     use crate::host::plugin::{connect, request_of};
     use crate::host::scene::night;
-    use realistic::abi::*;
+    use realistic::unstable::abi::*;
     use realistic_lab::render::Rays;
     use std::mem::MaybeUninit;
     use std::ptr::null_mut;

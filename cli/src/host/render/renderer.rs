@@ -11,7 +11,7 @@ use indicatif::ProgressBar;
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
-use realistic::abi::{realistic_ray, realistic_sample};
+use realistic::unstable::abi::{realistic_ray, realistic_sample};
 use realistic_lab::render::sequence::{Point, Sequence, strata};
 use realistic_lab::render::{self, Integrand, Rays, Tally, Window};
 

@@ -9,8 +9,8 @@ use crate::image::Picture;
 use glam::Vec3;
 use indicatif::ProgressBar;
 use rayon::ThreadPool;
-use realistic::abi::{realistic_camera, realistic_ray, realistic_zone};
-use realistic::camera::{Parameters, autofocus::Rule};
+use realistic::unstable::abi::{realistic_camera, realistic_ray, realistic_zone};
+use realistic::unstable::camera::{Parameters, autofocus::Rule};
 use realistic_lab::render::Rays;
 use std::ffi::c_void;
 

@@ -3,8 +3,8 @@
 
 use crate::host::plugin::{Camera, Plugin, PluginError, Warn};
 use crate::host::scene::{LEVEL, Scene};
-use realistic::abi::{realistic_ray, realistic_sample};
-use realistic::camera::Parameters;
+use realistic::unstable::abi::{realistic_ray, realistic_sample};
+use realistic::unstable::camera::Parameters;
 use realistic_lab::render::Rays;
 use std::sync::Arc;
 

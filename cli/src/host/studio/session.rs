@@ -13,7 +13,7 @@ use crate::host::scene::{Light, Scene};
 use crate::image::Picture;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPool;
-use realistic::camera::{
+use realistic::unstable::camera::{
     CameraError, Model, Parameters, Raster, Weighting, autofocus::Rule, film_distance, open_lens,
 };
 use realistic_lab::render::{Rays, Tally};

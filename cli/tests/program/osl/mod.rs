@@ -1,17 +1,17 @@
 //! `realistic blender`: the text of the shader, compiled as C++, against exact rays in double precision. OSL is so near to C
 //! that a few replacements make the one into the other; the arithmetic stays in single precision.
 
-use realistic::camera::{FocusBy, Host, Parameters, Raster, Zoom, group_reach, open_lens};
-use realistic::imaging::{focus::Focus, irradiance};
-use realistic::lens::{
+use realistic::unstable::camera::{FocusBy, Host, Parameters, Raster, Zoom, group_reach, open_lens};
+use realistic::unstable::imaging::{focus::Focus, irradiance};
+use realistic::unstable::lens::{
     Lens, Ray,
     first_order::FirstOrder,
     moving::MovingGroups,
     pupil::{SlopeDisk, limiting_surface},
 };
-use realistic::prescription::catalogue;
-use realistic::sampling::PupilDisk;
-use realistic::trace::Path;
+use realistic::unstable::prescription::catalogue;
+use realistic::unstable::sampling::PupilDisk;
+use realistic::unstable::trace::Path;
 use std::env;
 use std::io::Write as _;
 use std::process::{Command, Stdio};
