@@ -52,7 +52,9 @@ class LibraryHook(BuildHookInterface[Any]):
         build_data["pure_python"] = False
         if sys.platform == "linux":
             # A release, which loads on older systems, is linked and tagged by `.ci/release`.
-            self.app.display_info(f"{platform}: for systems with this one's {os.confstr('CS_GNU_LIBC_VERSION')} or newer")
+            self.app.display_info(
+                f"{platform}: for systems with this one's {os.confstr('CS_GNU_LIBC_VERSION')} or newer"
+            )
         # Beside each other: there the program looks for the library.
         for name, file in files.items():
             included[str(file)] = f"realistic/{name}"

@@ -1,9 +1,12 @@
 """The wheel and what makes it."""
 
+import json
 import os
 import re
+import shutil
 import subprocess
 import sys
+import tarfile
 import zipfile
 
 import pytest
@@ -12,10 +15,10 @@ import realistic
 from realistic import _abi
 
 
-def pip_wheel(checkout, directory, **environment):
+def pip_wheel(package, directory, **environment):
     command = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "-w", str(directory)]
     environment = {**os.environ, "PIP_DISABLE_PIP_VERSION_CHECK": "1", **environment}
-    return subprocess.run([*command, str(checkout / "python")], env=environment, capture_output=True, text=True)
+    return subprocess.run([*command, str(package)], env=environment, capture_output=True, text=True)
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +29,9 @@ def wheel(checkout, tmp_path_factory):
     stand_in = room / "built"
     stand_in.write_text('#!/bin/sh\necho "$0 $@"\nexit 7\n')
     stand_in.chmod(0o755)
-    done = pip_wheel(checkout, directory, REALISTIC_LIBRARY=str(_abi.library_file()), REALISTIC_PROGRAM=str(stand_in))
+    done = pip_wheel(
+        checkout / "python", directory, REALISTIC_LIBRARY=str(_abi.library_file()), REALISTIC_PROGRAM=str(stand_in)
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     (file,) = directory.iterdir()
     return file
@@ -91,23 +96,50 @@ def test_the_wheel_works_without_the_checkout(wheel, tmp_path):
 
 def test_what_is_missing_for_a_build_is_told(checkout, tmp_path):
     pytest.importorskip("hatchling")
-    no_cargo = pip_wheel(checkout, tmp_path, PATH=str(tmp_path), CARGO="", REALISTIC_LIBRARY="")
+    no_cargo = pip_wheel(checkout / "python", tmp_path, PATH=str(tmp_path), CARGO="", REALISTIC_LIBRARY="")
     assert no_cargo.returncode != 0
     assert "there is no cargo in PATH: install Rust" in no_cargo.stdout + no_cargo.stderr
-    no_library = pip_wheel(checkout, tmp_path, REALISTIC_LIBRARY=str(tmp_path / "none.so"))
+    no_library = pip_wheel(checkout / "python", tmp_path, REALISTIC_LIBRARY=str(tmp_path / "none.so"))
     assert no_library.returncode != 0
     assert "none.so, where there is no file" in no_library.stdout + no_library.stderr
 
 
-def test_there_is_no_source_distribution(checkout):
+def test_the_source_distribution_carries_what_cargo_reads(checkout, tmp_path):
+    """`.ci/run` builds it; here cargo finds each package's sources, and what was built elsewhere becomes the same wheel."""
     pytest.importorskip("hatchling")
     done = subprocess.run(
-        [sys.executable, "-c", "import hatchling.build as b; b.build_sdist('/nowhere')"],
+        [sys.executable, "-c", f"import hatchling.build as b; b.build_sdist({str(tmp_path)!r})"],
         cwd=checkout / "python",
         capture_output=True,
         text=True,
     )
-    assert done.returncode != 0 and "has no source distribution" in done.stderr
+    assert done.returncode == 0, done.stderr
+    archive = tmp_path / f"realistic-{realistic.__version__}.tar.gz"
+    with tarfile.open(archive) as packed:
+        packed.extractall(tmp_path, filter="data")
+    package = tmp_path / f"realistic-{realistic.__version__}"
+    for tracked in (
+        "src/lib.rs",
+        "lenses/dgauss.50mm.dat",
+        "lenses/glasses.txt",
+        "cli/assets/letters.ttf",
+        "lab/src/lib.rs",
+    ):
+        assert (package / "workspace" / tracked).read_bytes() == (checkout / tracked).read_bytes()
+    if cargo := shutil.which("cargo"):
+        command = [cargo, "metadata", "--no-deps", "--locked", "--offline", "--format-version", "1"]
+        told = subprocess.run(command, cwd=package / "workspace", capture_output=True, text=True)
+        assert told.returncode == 0, told.stderr
+        targets = [target for each in json.loads(told.stdout)["packages"] for target in each["targets"]]
+        built = [
+            target["src_path"] for target in targets if {"lib", "bin", "cdylib", "custom-build"} & set(target["kind"])
+        ]
+        assert len(built) >= 5 and all(os.path.isfile(file) for file in built), built
+    library = str(_abi.library_file())
+    done = pip_wheel(package, tmp_path / "wheel", REALISTIC_LIBRARY=library, REALISTIC_PROGRAM=__file__)
+    assert done.returncode == 0, done.stdout + done.stderr
+    (file,) = (tmp_path / "wheel").iterdir()
+    assert zipfile.ZipFile(file).read("realistic/librealistic.so") == _abi.library_file().read_bytes()
 
 
 def test_the_package_is_typed(checkout, tmp_path):

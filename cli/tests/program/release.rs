@@ -62,8 +62,20 @@ fn a_release_is_used_without_the_checkout() {
     assert!(plugin == std::fs::read(built()).unwrap(), "the plugin for pbrt is not the library");
     let description = std::fs::read_to_string(root.join("lib/pkgconfig/realistic.pc")).unwrap();
     assert!(description.contains(&format!("Version: {}", env!("CARGO_PKG_VERSION"))), "{description}");
+    let cmake = root.join("share/cmake/realistic/realistic-config-version.cmake");
+    let cmake = std::fs::read_to_string(cmake).unwrap();
+    assert!(cmake.contains(&format!("set(PACKAGE_VERSION {})", env!("CARGO_PKG_VERSION"))), "{cmake}");
     let notices = std::fs::read_to_string(root.join("share/realistic/NOTICES")).unwrap();
     for part in ["Bitstream", "== glam", "== libc", "== thiserror", "== clap"] {
         assert!(notices.contains(part), "no notice of {part}");
     }
+
+    // The newest of glibc's versions that either asks for.
+    let needs = std::fs::read_to_string(root.join("share/realistic/NEEDS")).unwrap();
+    let both = ["bin/realistic", "lib/librealistic.so"].map(|file| root.join(file));
+    let symbols = succeed(Command::new("objdump").arg("-T").args(both)).stdout;
+    let symbols = String::from_utf8(symbols).unwrap();
+    let minors = symbols.split("(GLIBC_2.").skip(1).map(|rest| rest.split(['.', ')']).next().unwrap());
+    let newest = minors.map(|minor| minor.parse::<u32>().unwrap()).max().unwrap();
+    assert!(needs.contains(&format!("glibc 2.{newest} or newer")), "{needs}");
 }
