@@ -26,7 +26,8 @@ pub struct Args {
 /// Largest sensor where none is given, mm.
 const LARGEST: f64 = 52.0;
 const FILM: &str = "Here --filmdiag is that of the largest sensor, shifts included, 52 mm unless given: film points beyond its \
-                    corners stay black.";
+                    corners stay black. Without --zoom the shader has a zoom lens's whole range, and a parameter for it. Groups \
+                    focus where the lens file says how; with --focusby film the whole lens moves.";
 
 fn shader_path(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);

@@ -4,13 +4,14 @@
 //! zoom, out. Those of even number are the zoom's nodes, the positions of the lens file among them; those between are in the
 //! middle, by the focal length's logarithm.
 
-use realistic::unstable::imaging::axial_image::AxialImage;
-use realistic::unstable::lens::first_order::FirstOrder;
-use realistic::unstable::lens::moving::{FocusTravel, MovingError, MovingGroups};
-use realistic::unstable::lens::open::{OpenLens, StopSize, set_up};
-use realistic::unstable::lens::{Lens, LensError};
-use realistic::unstable::numeric::root;
-use realistic::unstable::prescription::Prescription;
+use realistic::camera::Zoom;
+use realistic::imaging::axial_image::AxialImage;
+use realistic::lens::first_order::FirstOrder;
+use realistic::lens::moving::{FocusTravel, MovingError, MovingGroups};
+use realistic::lens::open::{OpenLens, StopSize, set_up};
+use realistic::lens::{Lens, LensError};
+use realistic::numeric::root;
+use realistic::prescription::Prescription;
 
 /// The largest step of the zoom, by the focal length's logarithm, and the most steps.
 const STEP: f64 = 0.2;
@@ -41,7 +42,7 @@ pub struct Asked<'a> {
     pub lens: &'a Lens,
     pub stop: StopSize,
     /// The position, or the focal length, that the shader is for alone.
-    pub zoom: Option<&'a realistic::unstable::camera::Zoom>,
+    pub zoom: Option<&'a Zoom>,
     /// Whether the groups focus, or else the whole lens moves.
     pub by_groups: bool,
 }
@@ -98,9 +99,12 @@ pub fn stations(prescription: &Prescription, asked: Asked<'_>) -> Result<(Vec<St
     let own = |lens: &Lens| FirstOrder::of(lens).map_or(0.0, |optics| optics.focal_length.abs());
     let unmoved = || (vec![Station::fixed(asked.lens, own(asked.lens))], 0);
     let Some(groups) = MovingGroups::of(prescription)? else { return Ok(unmoved()) };
-    // The film's own place is not asked for: the shader's is in focus.
-    let zoomed = |focal_length: f64| groups.zoomed(focal_length, |_, _| None);
-    use realistic::unstable::camera::Zoom;
+    // Groups focus on the film in its own place, which follows the image as the lens zooms.
+    let image = |prescription: &Prescription, vergence: f64| {
+        let OpenLens { lens, entrance, .. } = OpenLens::new(Lens::at_own_wavelength(prescription));
+        Some(AxialImage::of(&lens, entrance).best(vergence).distance).filter(|distance| distance.is_finite())
+    };
+    let zoomed = |focal_length: f64| groups.zoomed(focal_length, image);
     let one = |travel: FocusTravel| {
         Station::of(travel, own(asked.lens), asked).map_or_else(|_| unmoved(), |station| (vec![station], 0))
     };

@@ -315,6 +315,7 @@ fn a_zoom_is_traced_at_any_focal_length_and_its_film_is_bright_and_in_focus() {
                 "{focal_length} at {camera:?}: {median:e} {most:e} rad, {} fates, {acceptance}",
                 found.fates_differ
             );
+            println!("{said}");
             // Groups stand within a few micrometres of where the lens's do.
             assert!(found.asked > 9000 && found.fates_differ <= 10, "{said}");
             assert!(most < 1e-3 && median < 5e-5 && acceptance > 0.95, "{said}");
@@ -354,6 +355,7 @@ fn groups_focus_where_the_file_has_them() {
                         "{name} {zoom:?} at {distance} m: {median:e} {most:e} rad, {} fates, {acceptance}, film {back} {film}",
                         found.fates_differ
                     );
+                    println!("{said}");
                     assert!(found.asked > 9000 && found.fates_differ <= 10, "{said}");
                     assert!(most < 1e-3 && median < 5e-5 && acceptance > 0.94, "{said}");
                     // The film stays where the file has it, but for the place of sharpest focus.

@@ -24,7 +24,8 @@ def write_shader(
     """Writes the shader of a lens (a file, or a name of the catalogue) and gives its path.
 
     dispersion: a wavelength of its own for each sample. film_diagonal_mm: of the largest sensor, shifts included; film
-    beyond it stays black. zoom: a focal length in mm or a position's name, for a zoom lens.
+    beyond it stays black. zoom: a focal length in mm or a position's name, to which a zoom lens
+    is fixed; else the shader has its whole range.
 
     Raises FileNotFoundError where there is no program, and Error with the program's words where it refuses.
     """
