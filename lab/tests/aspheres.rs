@@ -49,7 +49,7 @@ fn every_tracer_keeps_its_bound_in_a_telephones_lens() {
 #[test]
 fn a_ray_that_grazes_an_asphere_is_sound_or_blocked() {
     // Rays that dip below a surface between equal media for less than rounding once came out of the walk in single precision
-    // without direction: of random lenses, the surfaces and rays of the two that did.
+    // without direction: the surfaces and rays of two random lenses.
     type Grazing = (f64, f64, &'static [(usize, f64)], f64, [[f64; 3]; 2]);
     let found: [Grazing; 2] = [
         (

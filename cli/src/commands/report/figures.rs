@@ -293,7 +293,8 @@ fn savings(results: &Results, lens: &str) -> Chart {
 
 /// What becomes of vignetting, against time.
 fn vignetting(results: &Results, lens: &str) -> Chart {
-    let kinds: [(&str, fn(&Vignetting) -> bool); 4] = [
+    type Kind = (&'static str, fn(&Vignetting) -> bool);
+    let kinds: [Kind; 4] = [
         ("thick lens", |m| m.method.family() == Family::Gaussian),
         ("polynomials without apertures", |m| m.method.family() == Family::PolynomialBatch && !m.apertures),
         ("polynomials with apertures", |m| m.method.family() == Family::PolynomialBatch && m.apertures),
