@@ -188,6 +188,25 @@ fn every_case_is_run_again_by_its_name() {
 }
 
 #[test]
+fn the_lenses_that_the_readme_calls_failing_fail_for_the_reasons_that_it_states() {
+    let readme =
+        std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../README.md")).expect("there");
+    let named: Vec<&str> =
+        readme.split('`').skip(1).step_by(2).filter(|word| word.starts_with("random ")).collect();
+    let failing = |name: &str, tracer: &str| {
+        let own = stability::rerun(name).into_iter().find(|result| result.tracer == tracer);
+        let own = own.unwrap_or_else(|| panic!("{name}, {tracer}"));
+        (own.fails_because(), own.ratio)
+    };
+    assert_eq!(named, ["random lens 16883", "random aspheric lens 18619", "random aspheric lens 18665"]);
+    let [single, double] = [failing(named[0], "one f32"), failing(named[1], "one f64")];
+    assert!(single.0.starts_with("error") && (31.0..32.5).contains(&single.1), "{single:?}");
+    assert!(double.0.starts_with("error") && (27.5..28.5).contains(&double.1), "{double:?}");
+    assert_eq!(failing(named[2], "walk f32").0, "fate (8)");
+    assert_eq!(failing(named[2], "walk f64").0, "");
+}
+
+#[test]
 fn what_is_found_depends_on_no_number_of_cores() {
     let extent = Extent { lenses: 3, cameras: 2 };
     let run = || stability::run(extent, &mut |_| ControlFlow::Continue(()));

@@ -213,9 +213,9 @@ impl Results {
             pairs.flatten().collect::<Vec<f64>>()
         };
         Ties {
-            times: Tie::of(&rays.chain(cameras).collect::<Vec<_>>()),
-            irradiance: Tie::of(&apart(&self.irradiance, &self.irradiance_again, &irradiance::NEEDS)),
-            pictures: Tie::of(&apart(&self.renderers, &self.renderers_again, &pictures::NEEDS)),
+            times: Tie::of(&rays.chain(cameras).collect::<Vec<_>>(), 0.99),
+            irradiance: Tie::of(&apart(&self.irradiance, &self.irradiance_again, &irradiance::NEEDS), 0.9),
+            pictures: Tie::of(&apart(&self.renderers, &self.renderers_again, &pictures::NEEDS), 0.9),
         }
     }
 
@@ -263,16 +263,18 @@ pub struct Ties {
 /// A threshold, and how many methods were measured twice for it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tie {
-    /// As far apart, as a ratio, as 99 in 100 of them came out at the most; without any everything is a tie.
+    /// As far apart, as a ratio, as `share` of them came out at the most; without any everything is a tie.
     pub ratio: f64,
+    /// Of light fewer than of times: an estimate now and then meets an error by luck.
+    pub share: f64,
     /// How many there were.
     pub pairs: usize,
 }
 
 impl Tie {
-    fn of(ratios: &[f64]) -> Self {
-        let ratio = if ratios.is_empty() { f64::INFINITY } else { quantile(ratios, 0.99) };
-        Self { ratio, pairs: ratios.len() }
+    fn of(ratios: &[f64], share: f64) -> Self {
+        let ratio = if ratios.is_empty() { f64::INFINITY } else { quantile(ratios, share) };
+        Self { ratio, share, pairs: ratios.len() }
     }
 }
 
@@ -351,7 +353,7 @@ mod tests {
         };
         let ties = results.ties();
         assert!(ties.times.pairs == 2 && (1.24..=1.25).contains(&ties.times.ratio), "{ties:?}");
-        assert_eq!(ties.irradiance, Tie { ratio: 1.5, pairs: 2 });
+        assert_eq!(ties.irradiance, Tie { ratio: 1.5, share: 0.9, pairs: 2 });
         assert!(ties.pictures.ratio.is_infinite());
     }
 

@@ -64,7 +64,7 @@ impl Family {
         ("polynomials in batches", Self::PolynomialBatch),
         ("compiled, single rays", Self::Kernel),
         ("compiled, in batches", Self::KernelBatch),
-        ("surface by surface", Self::Walk),
+        ("plain loop", Self::Walk),
     ];
 
     /// The name.

@@ -50,14 +50,11 @@ fn gains(results: &Results, entry: Entry, tolerance: f64) -> String {
     };
     let gains: Vec<f64> = own().filter_map(|saving| saved(results, saving)).collect();
     let (low, high) = gains.iter().fold((1.0_f64, 0.0_f64), |(l, h), &x| (l.min(x), h.max(x)));
+    let [low, high] = [low, high].map(|share| format!("{:.0}", 100.0 * share));
+    let shares = if low == high { low } else { format!("{low} to {high}") };
     match gains.len() {
         0 => "saves nothing beyond a tie".to_owned(),
-        n => format!(
-            "saves {:.0} to {:.0} % of the time in {n} of {} cases",
-            100.0 * low,
-            100.0 * high,
-            own().count()
-        ),
+        n => format!("saves {shares} % of the time in {n} of {} cases", own().count()),
     }
 }
 

@@ -64,12 +64,12 @@ const BY_LENS: &[ByLens] = &[
 
 const IN_PIXELS: &str = "How far from its film point a ray belongs that leaves the lens where the method says, \
     against the time per sample. The samples are those of a camera with the default pupil, over all of its film, those that an \
-    aperture blocks among them; every way tests the apertures that block. A mark is the error that 99.9 % of the rays keep; \
+    aperture blocks among them; all but the thick and the thin lens test the apertures that block. A mark is the error that 99.9 % of the rays keep; \
     its thin line reaches from the median to the worst ray. Filled marks and the grey staircase are what nothing else beats: \
     nothing is nearer and faster, or nearer and as fast but for a tie. The dotted lines are one pixel and a hundredth. P5 is \
     a polynomial of order 5, in batches in single precision (f32) but where f64 is said. \"one\" and \"three\" are rays traced \
-    at once, f32x16 is a batch on registers of 16 numbers. \"Surface by surface\" is the plain loop over the surfaces, with \
-    each of the textbooks' refractions; \"compiled\" is the same made ready for one lens.";
+    at once, f32x16 is a batch on registers of 16 numbers. \"Plain loop\" goes over the surfaces as textbooks do, with each of \
+    their refractions; \"compiled\" is the lens made ready for that.";
 const AT_F8: &str = "The same with the stop at f/8, where polynomials need fewer terms: fitted anew to the rays that get \
     through, and without the slow loops.";
 const VIGNETTING: &str = "By how much film irradiance is off where rays pass that the lens blocks, or are blocked that pass: \
@@ -465,11 +465,16 @@ fn of_stability(results: &Results) -> Section {
     let level = |bound: f64| (bound, format!("bound, {bound}"));
     let mut walk_levels = vec![level(stability::BOUND)];
     let looser = of(Norm::Own).filter(|t| t.bound > stability::BOUND);
-    walk_levels.extend(looser.map(|t| (t.bound, format!("bound of {}, {}", t.name, t.bound))));
+    for tracer in looser {
+        match walk_levels.iter_mut().skip(1).find(|(bound, _)| *bound == tracer.bound) {
+            Some((_, name)) => *name = format!("{} and {name}", tracer.name),
+            None => walk_levels.push((tracer.bound, format!("{}: bound, {}", tracer.name, tracer.bound))),
+        }
+    }
     let kernel_bound = of(Norm::Surface).map(|t| t.bound).fold(f64::INFINITY, f64::min);
     let (design, design_levels) = (["first order", "focus"], vec![level(stability::BOUND)]);
     let charts = [
-        ("walks", cases(results, "surface by surface", &named(Norm::Own), walk_levels)),
+        ("walks", cases(results, "plain loop", &named(Norm::Own), walk_levels)),
         ("kernels", cases(results, "compiled", &named(Norm::Surface), vec![level(kernel_bound)])),
         ("design", cases(results, "focal length, pupil and focus", &design, design_levels)),
     ];

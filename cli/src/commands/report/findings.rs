@@ -70,8 +70,8 @@ pub fn saved(results: &Results, of: &Saving) -> Option<f64> {
 /// How rays are traced, in words.
 pub fn tracing(of: Tracing) -> String {
     match of {
-        Tracing::Exact(Precision::F64) => "surface by surface, double precision".to_owned(),
-        Tracing::Exact(Precision::F32) => "surface by surface, single precision".to_owned(),
+        Tracing::Exact(Precision::F64) => "exact, double precision".to_owned(),
+        Tracing::Exact(Precision::F32) => "exact, single precision".to_owned(),
         other => other.to_string(),
     }
 }
@@ -117,7 +117,7 @@ mod tests {
     fn a_win_is_what_exceeds_the_threshold_of_this_run_and_ties_are_named_together() {
         let curves =
             [curve("rear", "random", 3.0), curve("warped", "Sobol'", 1.0), curve("warped", "random", 1.2)];
-        let at = |ratio: f64| soonest(curves.iter(), 0.5, Tie { ratio, pairs: 1 });
+        let at = |ratio: f64| soonest(curves.iter(), 0.5, Tie { ratio, share: 0.9, pairs: 1 });
         let names = |soonest: &Soonest<'_>| soonest.first.iter().map(|(c, _)| c.sequence).collect::<Vec<_>>();
         assert_eq!(names(&at(1.1)), ["Sobol'"]);
         assert_eq!(at(1.1).common(|c| c.sequence), Some("Sobol'"));
@@ -126,7 +126,7 @@ mod tests {
         assert_eq!((at(1.3).common(|c| c.sequence), at(1.3).common(|c| c.pupil)), (None, Some("warped")));
         // Without repeats nothing wins.
         assert_eq!(at(f64::INFINITY).common(|c| c.pupil), None);
-        assert!(soonest(curves.iter(), 1e-3, Tie { ratio: 1.0, pairs: 1 }).first.is_empty());
+        assert!(soonest(curves.iter(), 1e-3, Tie { ratio: 1.0, share: 0.9, pairs: 1 }).first.is_empty());
     }
 
     #[test]

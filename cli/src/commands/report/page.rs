@@ -63,7 +63,7 @@ pub fn page(
     }
     if !overview.is_empty() {
         figures(&mut html, "What a camera's ray costs", "leaving-out", overview);
-        html += "<p>Each mark is a camera wide open: \"f64\" and \"f32\" trace every surface in double and in single precision, 1, \
+        html += "<p>Each mark is a camera wide open: \"f64\" and \"f32\" trace exactly, in double and in single precision, 1, \
             0.1 and 0.01 are cameras with that tolerance, in pixels; cameras that trace by the same are one mark. To the \
             left is faster, down is nearer to the exact ray.</p>\n";
     }
@@ -77,16 +77,11 @@ pub fn page(
     html += "</nav>\n";
     conclusions(&mut html, results, suite);
     for section in sections {
-        let _ = write!(
-            html,
-            "<h2 id=\"{}\">{}</h2>\n<p>{}</p>\n",
-            section.anchor,
-            escaped(section.title),
-            escaped(section.text)
-        );
+        let _ = writeln!(html, "<h2 id=\"{}\">{}</h2>", section.anchor, escaped(section.title));
         if section.anchor == "stability" {
             failures(&mut html, results, suite);
         }
+        let _ = writeln!(html, "<p>{}</p>", escaped(section.text));
         figures(&mut html, section.title, section.table, &section.figures);
         if let Some(summary) = &section.summary {
             let _ = writeln!(html, "<details><summary>The figures as a table</summary>");
@@ -174,10 +169,10 @@ fn conclusions(html: &mut String, results: &Results, suite: &Suite) {
     }
 }
 
-fn in_words(Tie { ratio, pairs }: Tie) -> String {
+fn in_words(Tie { ratio, share, pairs }: Tie) -> String {
     match pairs {
         0 => "(not measured twice: everything is a tie)".to_owned(),
-        _ => format!("{:.1} % ({pairs} pairs)", 100.0 * (ratio - 1.0)),
+        _ => format!("{:.1} % ({:.0} in 100 of {pairs} pairs)", 100.0 * (ratio - 1.0), 100.0 * share),
     }
 }
 
@@ -209,7 +204,7 @@ fn method(html: &mut String, results: &Results, suite: &Suite, facts: &[(&str, S
          go forward and backward through the tasks; its time \
          is the median of the ratios times the yardstick's median, so that a drifting clock and busy neighbours \
          cancel. Methods are entered twice, in two places of memory: what 99 in 100 pairs of the same method differ by at the \
-         most is the threshold of a tie. Single rays are timed over blocks of {block} in which the processor may overlap one \
+         most, of light 90 in 100, is the threshold of a tie. Single rays are timed over blocks of {block} in which the processor may overlap one \
          ray with the next; a camera's rays one by one wait for each other. Renders are timed whole, the median of \
          {renders}. Building times are medians, too.</p>\n\
          <p>Errors of rays: {rays} samples of a camera with the default pupil, uniform over the film's pixels and the \
