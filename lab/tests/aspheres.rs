@@ -82,8 +82,8 @@ fn a_ray_that_grazes_an_asphere_is_sound_or_blocked() {
         for (power, term) in terms {
             asphere.terms[power - FIRST_POWER] = *term;
         }
-        let row =
-            Interface { shape: Shape::Asphere(asphere), thickness: 0.0, medium: Medium::Air, semi_diameter };
+        let (shape, medium) = (Shape::Asphere(asphere), Medium::Air);
+        let row = Interface { shape, thickness: 0.0, medium, semi_diameter, is_stop: false };
         let lens = Lens::at_d_line(&Prescription::new(vec![row]));
         let near = |i: i32| Ray { origin, direction: [dx, dy, dz * (1.0 + 1e-5 * f64::from(i))] };
         let case =

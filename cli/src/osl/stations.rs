@@ -4,14 +4,14 @@
 //! zoom, out. Those of even number are the zoom's nodes, the positions of the lens file among them; those between are in the
 //! middle, by the focal length's logarithm.
 
-use realistic::camera::Zoom;
-use realistic::imaging::axial_image::AxialImage;
-use realistic::lens::first_order::FirstOrder;
-use realistic::lens::moving::{FocusTravel, MovingError, MovingGroups};
-use realistic::lens::open::{OpenLens, StopSize, set_up};
-use realistic::lens::{Lens, LensError};
-use realistic::numeric::root;
-use realistic::prescription::Prescription;
+use realistic::unstable::camera::Zoom;
+use realistic::unstable::imaging::axial_image::AxialImage;
+use realistic::unstable::lens::first_order::FirstOrder;
+use realistic::unstable::lens::moving::{FocusTravel, MovingError, MovingGroups};
+use realistic::unstable::lens::open::{OpenLens, StopSize, set_up};
+use realistic::unstable::lens::{Lens, LensError};
+use realistic::unstable::numeric::root;
+use realistic::unstable::prescription::Prescription;
 
 /// The largest step of the zoom, by the focal length's logarithm, and the most steps.
 const STEP: f64 = 0.2;
