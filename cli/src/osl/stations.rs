@@ -14,8 +14,8 @@ use realistic::unstable::numeric::root;
 use realistic::unstable::prescription::Prescription;
 
 /// The largest step of the zoom, by the focal length's logarithm, and the most steps.
-const STEP: f64 = 0.2;
-const MOST_STEPS: f64 = 10.0;
+const STEP: f64 = 0.14;
+const MOST_STEPS: f64 = 12.0;
 
 /// A lens at one focal length.
 #[derive(Debug)]
