@@ -92,16 +92,17 @@ impl Table {
                 .collect();
             threads.into_iter().flat_map(|thread| thread.join().expect("no panic")).collect()
         });
-        let span = |(station, ((widest_field, _), foci)): (usize, ((f64, bool), [(Lens, f64); FOCI]))| Span {
-            widest_field,
-            on_axis: std::array::from_fn(|focus| {
-                let zoom = station as f64 / 2.0;
-                let center = |at: &&Traced| at.zoom == zoom && at.field == 0.0 && at.focus == focus as f64;
-                traced.iter().find(center).map_or(0.0, |at| at.region.reach()[1])
-            }),
-            foci,
+        let radius = |station: usize, focus: usize| {
+            let zoom = station as f64 / 2.0;
+            let center = |at: &&Traced| at.zoom == zoom && at.field == 0.0 && at.focus == focus as f64;
+            traced.iter().find(center).map_or(0.0, |at| at.region.reach()[1])
         };
-        let spans = widest.iter().copied().zip(foci).enumerate().map(span).collect();
+        let spans = widest.iter().zip(foci).enumerate().map(|(station, (&(widest_field, _), foci))| Span {
+            widest_field,
+            on_axis: std::array::from_fn(|focus| radius(station, focus)),
+            foci,
+        });
+        let spans = spans.collect();
         let nodes = (0..=stations.len() / 2).flat_map(|zoom| at_nodes(&traced, zoom as f64)).collect();
         let mut table = Self { nodes, ends_dark, stations: spans };
         table.widen_reach(&traced);
