@@ -49,8 +49,8 @@ pub enum FocusError {
 /// Film where a field flattener's last vertex is, or no farther inside the glass than this part of the focal length, is put
 /// right behind it: at f/1.4 that blurs by half a circle of confusion.
 const TOUCHING: f64 = 1e-3;
-/// How far behind, mm: less than any lens's depth of focus.
-const NEAREST_FILM: f64 = 1e-3;
+/// How far behind, in focal lengths: less than any lens's depth of focus.
+const NEAREST_FILM: f64 = 1e-5;
 
 /// The focusing of one lens at its stop and wavelength.
 #[derive(Clone, Debug)]
@@ -112,7 +112,7 @@ impl Focus {
         // 1 + u (D(u) - 1/u - distance): positive at infinity, negative past the root.
         let residual = |u: f64| 1.0 + u * (self.distance_with(u, 0.0) - distance);
         if distance == f64::INFINITY {
-            return Ok(self.at_infinity.distance.max(NEAREST_FILM));
+            return Ok(self.behind_the_lens(self.at_infinity.distance));
         }
         // The paraxial branch's end serves nearly always and saves the search for the true one.
         let mut end = 1.0 / self.first_order.focal_length;
@@ -128,7 +128,7 @@ impl Focus {
                 });
             }
         }
-        Ok(self.best_image_distance(root(0.0, end, residual)).max(NEAREST_FILM))
+        Ok(self.behind_the_lens(self.best_image_distance(root(0.0, end, residual))))
     }
 
     /// As [`Focus::film_distance`] by first-order optics alone; `None` when the plane is nearer than
@@ -189,6 +189,11 @@ impl Focus {
             _ => 2.0 * end,
         };
         minimum(0.2 * end.min(highest), highest, 1e-8, |u| self.distance_with(u, u.recip()))
+    }
+
+    /// A film distance that is one where the image lies at the last vertex.
+    fn behind_the_lens(&self, distance: f64) -> f64 {
+        distance.max(NEAREST_FILM * self.first_order.focal_length)
     }
 
     /// D(u) with `beyond_focus` in the place of 1/u.

@@ -170,7 +170,7 @@ mod tests {
     #[test]
     fn every_parameter_of_the_table_is_a_flag_and_says_the_same_as_its_long_form() {
         for row in PARAMETERS {
-            let known = [row.default, "1", "true", "1,2,3,4"];
+            let known = [row.default, "1", "true", "1,2,3,4", "500"];
             let taken =
                 |text: &&&str| !text.is_empty() && set(&mut Parameters::default(), row.name, text).is_ok();
             let value = known.iter().find(taken);

@@ -142,7 +142,7 @@ fn lines_that_are_no_rays_are_named_with_what_was_expected() {
     let message = fails(&["trace", "dgauss.50mm", "--from", "scene", "--film-distance", "3"], "", 2);
     assert!(message.contains("--from scene"), "{message}");
     let message = fails(&["trace", "dgaus.50mm"], "", 1);
-    assert!(message.contains("telephoto.250mm"), "{message}");
+    assert!(message.contains("dgauss.50mm"), "{message}");
 }
 
 #[test]

@@ -12,11 +12,11 @@ use std::io::{self, BufRead, BufReader, BufWriter, Write};
 
 /// What `trace` can be told.
 #[derive(clap::Args, Debug)]
-#[command(after_help = after_help())]
+#[command(after_help = FORMATS, after_long_help = with_methods())]
 pub struct Args {
     #[command(flatten)]
     lens: LensChoice,
-    /// How rays are traced; the methods are listed below
+    /// How rays are traced; --help lists the methods
     #[arg(long, value_name = "NAME", default_value = "f64", value_parser = Method::find)]
     method: &'static Method,
     /// Where the rays come from
@@ -36,18 +36,19 @@ enum Side {
     Scene,
 }
 
-fn after_help() -> String {
-    let mut text = String::from(
-        "Standard input: a ray a line, x,y,z,dx,dy,dz: a point on it and its direction (of any length), in \
-         mm in lens space: origin at the vertex of the first interface, +z toward the scene, film at \
-         negative z. Blank lines and # comments are skipped; a first line that begins with a letter is a \
-         header. With the film's place, as by --filmdistance, a line may leave its z empty (1.5,0,,0,0,1) and starts on \
-         the film.\n\
-         Standard output: x,y,z,dx,dy,dz,status: the point on the last interface met (where none was met, the \
-         point given), the unit direction there, 17 significant digits; status ok, or why the ray stopped: \
-         missed, clipped, reflected or turned_back. With --json the same as an object a line: x_mm, y_mm, z_mm, dx, dy, \
-         dz, status.\n\nMethods:\n",
-    );
+/// What is read and written.
+const FORMATS: &str = "Standard input: a ray a line, x,y,z,dx,dy,dz: a point on it and its direction (of any length), in \
+     mm in lens space: origin at the vertex of the first interface, +z toward the scene, film at \
+     negative z. Blank lines and # comments are skipped; a first line that begins with a letter is a \
+     header. With the film's place, as by --filmdistance, a line may leave its z empty (1.5,0,,0,0,1) and starts on \
+     the film.\n\
+     Standard output: x,y,z,dx,dy,dz,status: the point on the last interface met (where none was met, the \
+     point given), the unit direction there, 17 significant digits; status ok, or why the ray stopped: \
+     missed, clipped, reflected or turned_back. With --json the same as an object a line: x_mm, y_mm, z_mm, dx, dy, \
+     dz, status.";
+
+fn with_methods() -> String {
+    let mut text = format!("{FORMATS}\n\nMethods:\n");
     for (name, help, _) in Method::offered() {
         text += &format!("  {name:<9} {help}\n");
     }
