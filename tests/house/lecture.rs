@@ -45,7 +45,7 @@ fn every_test_that_a_promise_names_exists() {
 fn named_tests(text: &str) -> usize {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut code = String::new();
-    ["src", "tests", "cli", "lab", "python/tests"]
+    ["src", "tests", "cli", "lab", "python/tests", "blender/tests"]
         .iter()
         .for_each(|directory| sources(&root.join(directory), &mut code));
     let rows = text.lines().filter(|line| line.starts_with("| ") && line.ends_with('|'));
