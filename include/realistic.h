@@ -28,8 +28,9 @@
  * Arrays have `n` elements, begin at any byte, and do not overlap; where n is 0 they may be NULL. An n or a stride is refused
  * where an array would span more than 2^47 bytes, or step over the end of the address space.
  *
- * Space. World units are the host's (`mmperunit`); names and comments say where lengths are mm. Camera space: +z forward,
- * +x right, +y up. Lens space, mm: origin at the vertex of the first surface, +z toward the scene, +x image right, +y image up.
+ * Space. World units are the host's (`mmperunit`); names and comments say where lengths are mm. Camera space: origin at
+ * the lens's front vertex (the eye of a model without a lens), +z forward, +x right, +y up; the film lies at z =
+ * `rear_vertex_mm` - `film_distance_mm` of the lens and camera, in mm. Lens space, mm: origin at the vertex of the first surface, +z toward the scene, +x image right, +y image up.
  * Raster: (0, 0) is the picture's top left corner, pixel centres lie at halves.
  *
  * Floating point. Calls compute in the default environment (to nearest, no trap, subnormal numbers kept) whatever the
@@ -389,7 +390,9 @@ typedef struct realistic_request {
     struct realistic_input lens;
     // Time as a fraction of the shutter's interval; left out: 0.
     struct realistic_input time;
-    // Wavelengths, nm, from 380 to 780, one per ray; left out: the camera's own. Each glass has the index of its own
+    // Wavelengths, nm, one per ray (`n` times `wavelengths_per_sample`, the same ones repeated where samples share them); left
+    // out: the camera's own. One that is not from 380 to 780, such as 0.55, is no error: its ray is 0, with
+    // `REALISTIC_REASON_WAVELENGTH`. Each glass has the index of its own
     // formula there; film, stop, groups and what `weighting` divides by stay those of the camera's own wavelength. A lens
     // without dispersion data, and every model but "lens", has the same rays at each. With a `tolerance` or a named
     // `refraction`, rays at a wavelength are traced exactly all the same.
@@ -406,7 +409,7 @@ typedef struct realistic_request {
     struct realistic_output maxt;
     // Times between `shutteropen` and `shutterclose`.
     struct realistic_output ray_time;
-    // What became of each sample.
+    // What became of each ray: as many as there are weights.
     realistic_reason *reason;
     // Bytes from one reason to the next.
     ptrdiff_t reason_stride;
@@ -733,8 +736,8 @@ float realistic_generate_ray(const struct realistic_camera *camera,
                              struct realistic_ray *ray);
 
 // One ray with its differentials, in little more than the time of one: the ray of the sample, and those one pixel to the right
-// and one pixel down, with the bits that `realistic_generate_ray` gives at `image_x` + 1 and at `image_y` + 1. Returns the
-// weight as it does, for the same `request`; `ray->struct_size` must be set.
+// and one pixel down, the same to the bit as `realistic_generate_ray` gives at `image_x` + 1 and at `image_y` + 1. Returns the
+// weight as it does, for the same `request`; 0 with a message where `ray->struct_size` is not set.
 float realistic_generate_ray_differential(const struct realistic_camera *camera,
                                           const struct realistic_sample *sample,
                                           const struct realistic_request *request,

@@ -16,19 +16,22 @@
 //! # Ok::<(), realistic::CameraError>(())
 //! ```
 //!
+//! For many samples at once there is [`Camera::rays`]; with the rays of neighbouring pixels [`Camera::ray_differential`], at
+//! wavelengths [`Camera::ray_at`] and [`Camera::hero_rays`], and [`Camera::generate`] says why there is no ray.
+//!
 //! A [`Prescription`] is the table of a lens, by [`read`] from a file's text or by [`lens_names`] and [`find_lens`] from the
 //! catalogue; a [`Lens`] is that at one wavelength, with its surfaces and its [`FirstOrder`] optics:
 //!
 //! ```
 //! use realistic::{FirstOrder, Lens, find_lens};
 //!
-//! let lens = Lens::at_own_wavelength(&find_lens("tessar.100mm").expect("in the catalogue"));
-//! assert!((FirstOrder::of(&lens)?.focal_length - 100.0).abs() < 1.0);
+//! let lens = Lens::at_own_wavelength(&find_lens("tessar.50mm").expect("in the catalogue"));
+//! assert!((FirstOrder::of(&lens)?.focal_length - 50.0).abs() < 0.01);
 //! # Ok::<(), realistic::LensError>(())
 //! ```
 //!
-//! Lens space is camera space: origin at the vertex of the first interface, +z toward the scene, +x image
-//! right, +y image up, millimetres.
+//! Lens space: origin at the vertex of the first interface, +z toward the scene, +x image right, +y image up, millimetres.
+//! Camera space has the same origin and axes, in world units.
 //!
 //! Hosts in other languages take the C ABI of `include/realistic.h`. [`unstable`] is how the project's own programs and tests
 //! reach what is not promised.

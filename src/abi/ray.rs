@@ -114,8 +114,8 @@ unsafe fn requested(
 const FOUR: usize = 4;
 
 /// One ray with its differentials, in little more than the time of one: the ray of the sample, and those one pixel to the right
-/// and one pixel down, with the bits that `realistic_generate_ray` gives at `image_x` + 1 and at `image_y` + 1. Returns the
-/// weight as it does, for the same `request`; `ray->struct_size` must be set.
+/// and one pixel down, the same to the bit as `realistic_generate_ray` gives at `image_x` + 1 and at `image_y` + 1. Returns the
+/// weight as it does, for the same `request`; 0 with a message where `ray->struct_size` is not set.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_generate_ray_differential(
     camera: *const realistic_camera,
@@ -148,7 +148,7 @@ unsafe fn plain_differential(
         // SAFETY: not NULL; the first field is always there.
         let size = unsafe { (&raw const (*ray).struct_size).read() } as usize;
         if size != size_of::<realistic_ray_differential>() {
-            return 0.0;
+            return no_such_size(size as u32);
         }
         // SAFETY: the caller's promise, and the size is right.
         let parts = unsafe { (object::handle_of(camera), sample.cast::<Sample>().as_ref(), &mut *ray) };
@@ -159,6 +159,14 @@ unsafe fn plain_differential(
             give(&mut rays, ray);
         }
         rays.weight(0)
+    })
+}
+
+/// Leaves the message.
+#[cold]
+fn no_such_size(size: u32) -> f32 {
+    boundary::value(0.0, || {
+        check_size("realistic_ray_differential", size, size_of::<realistic_ray_differential>()).map(|()| 0.0)
     })
 }
 

@@ -159,7 +159,9 @@ pub struct realistic_request {
     pub lens: realistic_input,
     /// Time as a fraction of the shutter's interval; left out: 0.
     pub time: realistic_input,
-    /// Wavelengths, nm, from 380 to 780, one per ray; left out: the camera's own. Each glass has the index of its own
+    /// Wavelengths, nm, one per ray (`n` times `wavelengths_per_sample`, the same ones repeated where samples share them); left
+    /// out: the camera's own. One that is not from 380 to 780, such as 0.55, is no error: its ray is 0, with
+    /// `REALISTIC_REASON_WAVELENGTH`. Each glass has the index of its own
     /// formula there; film, stop, groups and what `weighting` divides by stay those of the camera's own wavelength. A lens
     /// without dispersion data, and every model but "lens", has the same rays at each. With a `tolerance` or a named
     /// `refraction`, rays at a wavelength are traced exactly all the same.
@@ -176,7 +178,7 @@ pub struct realistic_request {
     pub maxt: realistic_output,
     /// Times between `shutteropen` and `shutterclose`.
     pub ray_time: realistic_output,
-    /// What became of each sample.
+    /// What became of each ray: as many as there are weights.
     pub reason: *mut realistic_reason,
     /// Bytes from one reason to the next.
     pub reason_stride: isize,
