@@ -15,7 +15,7 @@ struct Case {
     semi_diameter: f64,
 }
 
-const CASES: [Case; 6] = [
+const CASES: [Case; 8] = [
     // Between two lenses: in the order of the vertices, inside the first one's bulge, inside the second one's.
     Case {
         text: "30 4 1.6 20\n-25 1.5 1 20\nstop 1.5 1 12\n28 4 1.6 20\n-40 0 1 20",
@@ -50,6 +50,21 @@ const CASES: [Case; 6] = [
         text: "stop -0.8 1 14\n30 4 1.6 20\n-25 0 1 20",
         row: 0,
         without: "30 4 1.6 20\n-25 0 1 20",
+        plane: -0.8,
+        semi_diameter: 7.0,
+    },
+    // Inside the bulge of an asphere and of a conic, as in telephones' lenses.
+    Case {
+        text: "asphere 2 A4=-1e-5 A6=1e-8\nstop -0.8 1 14\n30 4 1.6 20\n-25 0 1 20",
+        row: 0,
+        without: "asphere 1 A4=-1e-5 A6=1e-8\n30 4 1.6 20\n-25 0 1 20",
+        plane: -0.8,
+        semi_diameter: 7.0,
+    },
+    Case {
+        text: "asphere 2 conic=-1.5\nstop -0.8 1 14\n30 4 1.6 20\n-25 0 1 20",
+        row: 0,
+        without: "asphere 1 conic=-1.5\n30 4 1.6 20\n-25 0 1 20",
         plane: -0.8,
         semi_diameter: 7.0,
     },

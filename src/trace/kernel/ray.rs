@@ -128,36 +128,6 @@ impl<L: Lanes> RayLanes<L> {
         }
     }
 
-    /// The rays that pass the stops before the first surface; of the others numbers that are none.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn pass_leading(cpu: Cpu<L>, stops: &[Step<L::Scalar>], start: Start<L>) -> Start<L> {
-        let (mut ray, minus_z, _) = Self::on_way(cpu, start);
-        ray.height = L::splat(cpu, L::Scalar::ZERO) - minus_z;
-        ray.go_forward(cpu);
-        for step in stops {
-            match step {
-                Step::Stop(stop) => ray.stop(cpu, stop),
-                Step::Blades(stop) => ray.blades(cpu, stop),
-                _ => unreachable!("stops alone stand before the first surface"),
-            }
-        }
-        let none = L::splat(cpu, L::Scalar::from_f64(f64::NAN));
-        let kept = |number: L| L::select(ray.passed, number, none);
-        match start {
-            Start::Flat { x, y, slopes: [sx, sy], stretch, cos2, moved } => Start::Flat {
-                x: kept(x),
-                y,
-                slopes: [kept(sx), sy],
-                stretch: kept(stretch),
-                cos2: kept(cos2),
-                moved,
-            },
-            Start::Anywhere { x, y, minus_z, v: [vx, vy, vz], lead } => {
-                Start::Anywhere { x: kept(x), y, minus_z, v: [kept(vx), vy, kept(vz)], lead }
-            }
-        }
-    }
-
     /// A ray on its way to the first surface, with -z there and how far it was moved on, in units of V.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn on_way(cpu: Cpu<L>, start: Start<L>) -> (Self, L, L) {

@@ -29,7 +29,7 @@ pub struct CompiledSurface<'a> {
     pub aperture: f64,
     pub semi: f64,
     pub slack: f64,
-    /// From the last surface that moved the ray; of those before the first that does, from the path's first vertex.
+    /// From the last surface that moved the ray.
     pub distance: f64,
     pub tests: Tests,
     /// Whether the aperture is to be tested.
@@ -70,17 +70,17 @@ pub fn surfaces(
     // sphere may be met going backward: a fisheye sees behind itself.
     let unknown =
         |step: &PathSurface<f64>| Tests { forward: travel_sign > 0.0 || step.curvature == 0.0, onward: true };
-    // Rays enter at the first surface that bends them, and leave at the last of all.
-    let bends = |step: &PathSurface<f64>| !step.only_limits();
-    let first = steps.iter().position(bends).unwrap_or(0);
-    let last = steps.iter().rposition(bends).unwrap_or(0);
+    // Rays leave at the last surface, whatever it is.
+    let last = steps.iter().rposition(|step| !step.only_limits()).unwrap_or(0);
+    let mut moved_by_plane = false;
     for (i, step) in steps.iter().enumerate() {
         distance += step.distance;
         let here = clear_part(step);
-        let is_still = i != first && i < last && step.only_limits();
+        let is_still = moved.is_some() && i < last && step.only_limits();
         let mut tests = moved.map_or(unknown(step), |moved| crossing::tests(moved, here, distance));
-        // Where a plane that only limits lies, before or behind, is no question.
-        tests.onward &= !step.only_limits();
+        // Whether a plane that only limits lies ahead of the surfaces around it is no question, and no ray begins between
+        // one that stands first and what it stands inside of.
+        tests.onward &= !step.only_limits() && !moved_by_plane;
         surfaces.push(CompiledSurface {
             c: step.curvature,
             aspheric: step.aspheric.as_deref(),
@@ -88,7 +88,7 @@ pub fn surfaces(
             index_step: step.index_step,
             aperture: step.aperture,
             semi: here.semi_diameter,
-            slack: step.slack * (epsilon / f64::EPSILON),
+            slack: if moved_by_plane { f64::INFINITY } else { step.slack * (epsilon / f64::EPSILON) },
             distance,
             tests,
             // The figure lies inside the circle.
@@ -97,7 +97,7 @@ pub fn surfaces(
             is_still,
         });
         if !is_still {
-            (moved, distance) = (Some(here), 0.0);
+            (moved, distance, moved_by_plane) = (Some(here), 0.0, step.only_limits());
         }
     }
     surfaces

@@ -49,7 +49,7 @@ pub struct Sphere<S> {
     pub plain: bool,
 }
 
-/// A plane with an index step, or the only surface of a path.
+/// A plane with an index step, or one that only limits and is the first surface or behind all that bend rays.
 #[derive(Clone, Copy, Debug)]
 pub struct Plane<S> {
     pub transfer: Transfer<S>,
@@ -132,8 +132,6 @@ pub enum Step<S> {
 /// A lens compiled for one direction.
 #[derive(Clone, Debug)]
 pub struct Table<S> {
-    /// Stops that rays meet before they enter the first step, in whose vertex's frame they are.
-    pub leading: Box<[Step<S>]>,
     /// The first is never a link or a stop; a ray enters it in its vertex's frame.
     pub steps: Box<[Step<S>]>,
     /// From the last surface to lens space: z there is `exit.factor` times what the ray carries, plus `exit.offset`.
@@ -142,7 +140,7 @@ pub struct Table<S> {
     pub unit: [S; 2],
     /// n of the last medium.
     pub last_index: S,
-    /// z of the first step's vertex in lens space.
+    /// z of the first vertex in lens space.
     pub entry: f64,
     /// +1 toward the scene, -1 toward the film.
     pub travel_sign: f64,
@@ -182,23 +180,19 @@ impl<S: Scalar> Table<S> {
             Direction::SceneToFilm => -1.0,
         };
         let surfaces = surfaces(&path.steps, travel_sign, S::EPSILON, tested);
-        let to_first = surfaces.iter().find(|surface| !surface.is_still).map_or(0.0, |first| first.distance);
-        let mut leading = Vec::new();
         let mut steps = Vec::with_capacity(surfaces.len());
         let mut refracts_at = Vec::with_capacity(surfaces.len());
         let forms = forms(&surfaces, amplification);
         // The last surface that moved the ray, and whether it hands N_z on.
         let mut last: Option<(&CompiledSurface<'_>, bool)> = None;
         for (i, surface) in surfaces.iter().enumerate() {
-            let ahead = if last.is_some() { surface.distance } else { surface.distance - to_first };
-            let transfer = transfer(last, ahead);
+            let transfer = transfer(last, surface.distance);
             if surface.is_still {
-                let tests = if last.is_some() { &mut steps } else { &mut leading };
                 if surface.tested {
                     let aperture = S::from_f64(surface.aperture);
-                    tests.push(Step::Stop(Stop { transfer, aperture }));
+                    steps.push(Step::Stop(Stop { transfer, aperture }));
                 }
-                tests.extend(surface.blades.map(|figure| Step::Blades(BladedStop::new(figure, transfer))));
+                steps.extend(surface.blades.map(|figure| Step::Blades(BladedStop::new(figure, transfer))));
                 refracts_at.resize(steps.len(), None);
                 continue;
             }
@@ -245,12 +239,11 @@ impl<S: Scalar> Table<S> {
             _ => (travel_sign, path.exit),
         };
         let table = Self {
-            leading: leading.into(),
             steps: steps.into(),
             exit: Transfer { factor: S::from_f64(factor), offset: S::from_f64(offset) },
             unit: [S::from_f64(1.5 / n), S::from_f64(-0.5 / n.powi(3))],
             last_index: S::from_f64(n),
-            entry: path.entry + travel_sign * to_first,
+            entry: path.entry,
             travel_sign,
         };
         (table, refracts_at)
@@ -290,8 +283,6 @@ fn forms<'a>(surfaces: &[CompiledSurface<'a>], amplification: f64) -> Vec<StepFo
             continue;
         }
         let CompiledSurface { c, n, index_step, distance, .. } = *surface;
-        // Rays enter the first surface at its vertex.
-        let distance = if last.is_some() { distance } else { 0.0 };
         let reach =
             AxialStep { distance: c * distance, index_ratio: (1.0 + index_step / (n * n)).sqrt().recip() };
         let far = reach.distance.abs() > FAR;

@@ -18,14 +18,6 @@ pub fn trace<L: Lanes, const U: usize>(
     starts: [Start<L>; U],
 ) -> [(End<L>, L); U] {
     let media = on_way.at(cpu, 0);
-    // Apart, and handed on by value: a ray that goes alone would leave its registers for a loop here.
-    let starts = if table.leading.is_empty() {
-        starts
-    } else {
-        let mut passed = starts;
-        L::apart(cpu, Leading { cpu, stops: &table.leading, starts: &mut passed });
-        passed
-    };
     let mut rays = [RayLanes::enter(cpu, &table.steps[0], media[0], starts[0]); U];
     each_further!(u < U, {
         rays[u] = RayLanes::enter(cpu, &table.steps[0], media[u], starts[u]);
@@ -42,23 +34,6 @@ pub fn trace<L: Lanes, const U: usize>(
         ended[u] = (rays[u].leave(cpu, table), rays[u].cos2);
     });
     ended
-}
-
-/// Takes vectors of rays through the stops before the first surface: of those that are stopped the numbers become none, so
-/// that every test blocks them. To be compiled apart.
-struct Leading<'a, L: Lanes, const U: usize> {
-    cpu: Cpu<L>,
-    stops: &'a [Step<L::Scalar>],
-    starts: &'a mut [Start<L>; U],
-}
-
-impl<L: Lanes, const U: usize> Compiled for Leading<'_, L, U> {
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn run(self) {
-        for start in self.starts {
-            *start = RayLanes::pass_leading(self.cpu, self.stops, *start);
-        }
-    }
 }
 
 /// [`trace_steps`] to be compiled apart.
