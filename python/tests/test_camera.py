@@ -89,7 +89,11 @@ def test_a_crop_is_told_back_and_changes_no_ray(samples):
     [
         ({"filmdiag": -1}, realistic.ParameterError, 'parameter "filmdiag" is -1; it must be positive'),
         ({"fnumber": 2, "aperture_diameter": 9}, realistic.ParameterError, "say the same thing in two ways"),
-        ({"specfile": "no-such-lens"}, realistic.LensFileError, "no lens file .* the catalogue; the names are dgauss.50mm"),
+        (
+            {"specfile": "no-such-lens"},
+            realistic.LensFileError,
+            "no lens file .* the catalogue; the names are dgauss.50mm",
+        ),
         ({"lens_text": "29 3 1.6\n"}, realistic.LensFileError, "lens_text:1:1: .* four values"),
         ({"lens_text": b"\xff\xfe"}, realistic.LensFileError, "lens_text"),
         ({"focusdistance": 10}, realistic.FocusError, "cannot focus at 10 mm .* nearest it reaches"),

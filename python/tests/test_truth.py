@@ -7,7 +7,7 @@ from realistic import Camera
 
 
 def stock_cameras(checkout):
-    """The cameras of tests/golden/stock_cameras.txt: model, resolution, parameters, matrix, rays."""
+    """The cameras of tests/golden/stock_cameras.txt: model, resolution, parameters, camera to world, rays."""
     for line in (checkout / "tests/golden/stock_cameras.txt").read_text().splitlines():
         word, *rest = line.split()
         if word == "camera":
@@ -26,13 +26,13 @@ def stock_cameras(checkout):
             matrix = np.array(rest, float).reshape(4, 4)
         elif word == "ray":
             rows.append([float(number) for number in rest if number != "|"])
-            if len(rows) == 6:
+            if len(rows) == 5:
                 yield model, (int(width), int(height)), parameters, matrix, np.array(rows)
 
 
 def test_the_stock_models_have_the_rays_of_pbrts_own(checkout):
     cameras = list(stock_cameras(checkout))
-    assert len(cameras) == 15
+    assert len(cameras) == 77
     for model, resolution, parameters, matrix, rows in cameras:
         rows = rows.astype(np.float32)
         camera = Camera(model=model, resolution=resolution, camera_to_world=matrix, **parameters)

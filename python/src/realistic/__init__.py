@@ -10,6 +10,7 @@
 
 from . import farm, measure
 from ._abi import version
+from ._parameters import Parameters
 from .camera import Camera
 from .errors import (
     CameraWarning,
@@ -23,7 +24,6 @@ from .errors import (
 from .farm import Table, study
 from .lens import Lens, LensRays, Pupils, catalogue
 from .measure import Field, Intrinsics
-from .parameters import Parameters
 from .rays import Rays, Reason
 from .surfaces import Surface
 

@@ -12,8 +12,9 @@ from . import autofocus as _autofocus
 from . import rays as _rays
 from ._abi import CameraInfo, library, text_of
 from ._handle import Borrowed, Handle, build
+from ._parameters import ALIASES
 from .errors import check, quietly, warn
-from .parameters import ALIASES, INSTEAD_OF, canonical, matrix_of, options_of, resolution_of
+from .parameters import INSTEAD_OF, canonical, matrix_of, options_of, resolution_of
 
 if TYPE_CHECKING:
     import os
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     # Every checker of types knows this module; nothing needs it to run.
     from typing_extensions import Self, Unpack
 
-    from .parameters import Parameters
+    from ._parameters import Parameters
 
 
 class Camera:

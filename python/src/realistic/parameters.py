@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ._abi import Options, library
-from ._parameters import ALIASES, MEMBERS, Parameters
+from ._parameters import ALIASES, Parameters
 from .errors import check
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ INSTEAD_OF = {
 }
 """Parameters that say the same thing as another one, which must not be given with it."""
 
-_KINDS: dict[str, Any] = dict(MEMBERS)
+_KINDS: dict[str, Any] = {name: kind for name, kind, *_ in Options._fields_}
 
 NAMES = frozenset(Parameters.__annotations__) | {"specfile"}
 

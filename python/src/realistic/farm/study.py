@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
     from typing_extensions import Unpack
 
-    from ..parameters import Parameters
+    from .._parameters import Parameters
 
 # Given by the study itself.
 _ITS_OWN = {"specfile", "lensfile", "lens_text", "fnumber", "aperture_diameter", "aperturediameter", "wavelength"} | {
