@@ -46,8 +46,8 @@ pub struct PathSurface<R> {
     pub aperture: R,
     /// The figure that a stop's blades leave open, inside the clear aperture.
     pub blades: Option<Box<StopFigure<R>>>,
-    /// How far behind the ray's last surface a hit may lie by rounding alone, in units of V; anywhere at a plane that only
-    /// limits rays: one inside its neighbour's bulge is met by the ray's straight line before, or behind, the neighbour.
+    /// How far behind the ray's last surface a hit may lie by rounding alone, in units of V. Of no meaning for a plane that
+    /// only limits rays: one inside its neighbour's bulge is met by the ray's straight line before, or behind, the neighbour.
     pub slack: R,
 }
 
@@ -65,11 +65,7 @@ impl<R: Real> PathSurface<R> {
             (R::from_f64(curvature), R::from_f64((n_after - n) * (n_after + n)))
         };
         // At an incidence of 65 degrees rounding was seen to reach 60 EPSILON.
-        let slack = if surface.only_limits() {
-            f64::INFINITY
-        } else {
-            512.0 * R::EPSILON * (semi_diameter + distance.abs())
-        };
+        let slack = 512.0 * R::EPSILON * (semi_diameter + distance.abs());
         Self {
             distance: R::from_f64(distance),
             curvature: if forward { curvature } else { -curvature },
@@ -116,10 +112,11 @@ impl<R: Real> PathSurface<R> {
         }
         let e = discriminant.sqrt();
         let t = if g > R::ZERO { two * f / (g + e) } else { (g - e) / (c * n_squared) };
-        if *lead + t < -self.slack {
+        let only_limits = self.only_limits();
+        if !only_limits && *lead + t < -self.slack {
             return Err(Blocked::TurnedBack);
         }
-        *lead = if self.only_limits() { *lead + t } else { R::ZERO };
+        *lead = if only_limits { *lead + t } else { R::ZERO };
         advance(p, t);
         // Beyond the equator the sphere is no part of the surface.
         if R::ONE - c * p[2] < R::ZERO {

@@ -88,7 +88,11 @@ pub fn surfaces(
             index_step: step.index_step,
             aperture: step.aperture,
             semi: here.semi_diameter,
-            slack: if moved_by_plane { f64::INFINITY } else { step.slack * (epsilon / f64::EPSILON) },
+            slack: if moved_by_plane || step.only_limits() {
+                f64::INFINITY
+            } else {
+                step.slack * (epsilon / f64::EPSILON)
+            },
             distance,
             tests,
             // The figure lies inside the circle.

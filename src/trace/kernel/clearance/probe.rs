@@ -69,7 +69,8 @@ impl<L: Lanes<Scalar = f64>> Probe<L> {
         };
         let [x, y, z] = [p[0] + t * vx, p[1] + t * vy, p[2] + t * vz];
         let slope = one - c * z;
-        let onward = L::both(L::splat(cpu, -step.slack).less_equal(self.lead + t), zero.less_equal(slope));
+        let least = if step.only_limits() { f64::NEG_INFINITY } else { -step.slack };
+        let onward = L::both(L::splat(cpu, least).less_equal(self.lead + t), zero.less_equal(slope));
         let met = L::both(L::both(zero.less(square), onward), zero.less(self.open));
         let met = L::both(met, zero.less(vz));
         self.note(cpu, step, number, [x, y], met);
