@@ -231,8 +231,8 @@ impl Lens {
         self.surfaces.first().expect("a lens has at least one surface")
     }
 
-    /// The first two neighbours among the surfaces but planes that only limit, counted from the scene, whose shapes cross inside both their
-    /// clear apertures, which no real lens's do, and at which distance from the axis, mm.
+    /// The first two neighbours among the surfaces but planes that only limit, counted from the scene, whose shapes cross
+    /// inside both their clear apertures, which no real lens's do, and at which distance from the axis, mm.
     pub fn crossed_surfaces(&self) -> Option<([usize; 2], f64)> {
         let mut last: Option<usize> = None;
         let mut distance = 0.0;

@@ -111,8 +111,8 @@ impl<S: Scalar> Asphere<S> {
         }
     }
 
-    /// Moves rays to the surface, as [`Asphere::trace`]; its normals where they meet it. Where not all of the rays are `worth` the walk, the others are
-    /// blocked that lanes leave open.
+    /// Moves rays to the surface, as [`Asphere::trace`]; its normals where they meet it. Where not all of the rays are `worth`
+    /// the walk, the others are blocked that lanes leave open.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn meet<L: Lanes<Scalar = S>, const U: usize>(
         &self,
