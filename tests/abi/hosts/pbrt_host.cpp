@@ -459,7 +459,7 @@ bool is_affine(const Matrix4x4 &matrix) {
 // Cameras placed by random matrices: how far their rays are from those of a camera that is not placed, put into the world
 // by the camera-to-world matrix in double precision. A third are given world to camera, as a scene's matrix is; a third
 // camera to world, as a scene's LookAt is; a third world to camera by two matrices, a move after the other.
-int placements(const Plugin &plugin, const Request &request) {
+void placements(const Plugin &plugin, const Request &request) {
     Random random;
     Matrix4x4 identity{1, {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}};
     Transform unplaced{&identity, &identity};
@@ -518,7 +518,6 @@ int placements(const Plugin &plugin, const Request &request) {
     }
     delete reference;
     std::printf("placements %d %d %d %.9g %.9g\n", request.placements, refused, rounded, direction_error, origin_error);
-    return 0;
 }
 
 void print_matrix(const char *key, const Matrix4x4 &matrix) {
@@ -577,6 +576,13 @@ void print_layout() {
     SIZE(std::string);
 }
 
+void report_and_clear(ParamSet *params) {
+    params->ints.report_and_clear();
+    params->bools.report_and_clear();
+    params->floats.report_and_clear();
+    params->strings.report_and_clear();
+}
+
 int main(int count, char **arguments) {
     if (count < 3) return 2;
     std::string action = arguments[2];
@@ -593,17 +599,18 @@ int main(int count, char **arguments) {
                   reinterpret_cast<Generate>(dlsym(library, "GenerateRay"))};
     Request request;
     for (int i = 3; i < count; ++i) take(&request, arguments[i]);
-    if (action == "placements") return placements(plugin, request);
+    if (action == "placements") {
+        placements(plugin, request);
+        report_and_clear(&request.params);
+        return 0;
+    }
     Transform w2c{&request.world_to_camera, &request.camera_to_world};
     Film *film = new MeanFilm(request.x, request.y);
     Camera *camera = plugin.create(request.params, w2c, action == "nofilm" ? nullptr : film);
     Camera *second = nullptr;
     if (action == "two" && camera != nullptr)
         second = plugin.create(request.params, w2c, new MeanFilm(request.x / 2, request.y / 2));
-    request.params.ints.report_and_clear();
-    request.params.bools.report_and_clear();
-    request.params.floats.report_and_clear();
-    request.params.strings.report_and_clear();
+    report_and_clear(&request.params);
     std::printf("camera %s\n", camera != nullptr ? "made" : "null");
     if (camera == nullptr) {
         std::printf("films %d\n", films_destroyed);
