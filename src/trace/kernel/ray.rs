@@ -64,7 +64,7 @@ pub struct RayLanes<L: Lanes> {
     pub vz: L,
     /// z above the last vertex, or N_z there, as the table has it.
     pub height: L,
-    /// e' behind the last surface.
+    /// e' behind the last surface; behind a plane that leads, how far the ray has come, in units of V.
     pub root: L,
     pub passed: L::Mask,
     /// The squared cosine to the axis with which they set out.
@@ -95,7 +95,8 @@ impl<L: Lanes> RayLanes<L> {
             (Step::Plane(plane), Start::Flat { x, y, slopes, cos2, moved, .. }) => {
                 let vz = cos2.sqrt();
                 let mut ray = Self::at(cpu, [x, y], [slopes[0] * vz, slopes[1] * vz, vz], cos2);
-                ray.plane::<true>(cpu, plane, media, zero, Some(moved));
+                let lead = if plane.leads { moved / vz } else { moved };
+                ray.plane::<true>(cpu, plane, media, zero, Some(lead));
                 ray
             }
             (Step::Sphere(sphere), Start::Anywhere { x, y, minus_z, v, lead }) => {
@@ -180,6 +181,12 @@ impl<L: Lanes> RayLanes<L> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn height_squared(&self) -> L {
         self.y.mul_add(self.y, self.x * self.x)
+    }
+
+    /// How far the ray has come before a surface that is led; `None` before others, which count from where the ray is.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn lead(&self, is_led: bool) -> Option<L> {
+        is_led.then_some(self.root)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -357,13 +364,14 @@ impl<L: Lanes> RayLanes<L> {
         if plane.tests.forward {
             self.go_forward(cpu);
         }
+        let lead = lead.unwrap_or(zero) + t;
         if plane.tests.onward {
             let slack = L::splat(cpu, -plane.slack);
             let slack = if FLAT { self.vz * slack } else { slack };
-            self.keep(slack.less_equal(lead.unwrap_or(zero) + t));
+            self.keep(slack.less_equal(lead));
         }
-        self.root = square_after.sqrt();
-        self.vz = self.root;
+        let root = square_after.sqrt();
+        (self.vz, self.root) = (root, if plane.leads { lead } else { root });
         self.height = zero;
     }
 

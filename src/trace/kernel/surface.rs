@@ -38,6 +38,11 @@ pub struct CompiledSurface<'a> {
     pub blades: Option<&'a StopFigure<f64>>,
     /// A plane that only limits: a test, which does not move the ray.
     pub is_still: bool,
+    /// A plane that only limits and is the first surface: the ray is moved to it, and tells the next surface that moves it
+    /// how far it has come.
+    pub leads: bool,
+    /// The surface that is told.
+    pub is_led: bool,
 }
 
 impl CompiledSurface<'_> {
@@ -72,15 +77,16 @@ pub fn surfaces(
         |step: &PathSurface<f64>| Tests { forward: travel_sign > 0.0 || step.curvature == 0.0, onward: true };
     // Rays leave at the last surface, whatever it is.
     let last = steps.iter().rposition(|step| !step.only_limits()).unwrap_or(0);
-    let mut moved_by_plane = false;
+    let mut is_led = false;
     for (i, step) in steps.iter().enumerate() {
         distance += step.distance;
         let here = clear_part(step);
         let is_still = moved.is_some() && i < last && step.only_limits();
         let mut tests = moved.map_or(unknown(step), |moved| crossing::tests(moved, here, distance));
-        // Whether a plane that only limits lies ahead of the surfaces around it is no question, and no ray begins between
-        // one that stands first and what it stands inside of.
-        tests.onward &= !step.only_limits() && !moved_by_plane;
+        // Whether a plane that only limits lies ahead of the surfaces around it is no question; behind one that stands first,
+        // where the ray began decides.
+        tests.onward = (tests.onward || is_led) && !step.only_limits();
+        let leads = moved.is_none() && step.only_limits();
         surfaces.push(CompiledSurface {
             c: step.curvature,
             aspheric: step.aspheric.as_deref(),
@@ -88,20 +94,18 @@ pub fn surfaces(
             index_step: step.index_step,
             aperture: step.aperture,
             semi: here.semi_diameter,
-            slack: if moved_by_plane || step.only_limits() {
-                f64::INFINITY
-            } else {
-                step.slack * (epsilon / f64::EPSILON)
-            },
+            slack: step.slack * (epsilon / f64::EPSILON),
             distance,
             tests,
             // The figure lies inside the circle.
             tested: tested(i) && step.blades.is_none(),
             blades: step.blades.as_deref(),
             is_still,
+            leads,
+            is_led: is_led && !is_still,
         });
         if !is_still {
-            (moved, distance, moved_by_plane) = (Some(here), 0.0, step.only_limits());
+            (moved, distance, is_led) = (Some(here), 0.0, leads);
         }
     }
     surfaces

@@ -45,6 +45,8 @@ pub struct Sphere<S> {
     pub tests: Tests,
     /// How far behind a hit may lie by rounding alone, in units of V.
     pub slack: S,
+    /// The ray tells how far it has come.
+    pub is_led: bool,
     /// Nothing but a strongly curved surface, its aperture tested by N_z, that rays meet going on: what most spheres are.
     pub plain: bool,
 }
@@ -60,6 +62,9 @@ pub struct Plane<S> {
     pub tested: bool,
     pub tests: Tests,
     pub slack: S,
+    /// The ray is to tell the next surface how far it has come; or has been told so itself.
+    pub leads: bool,
+    pub is_led: bool,
 }
 
 /// A stop: only a test.
@@ -344,6 +349,8 @@ fn plane<S: Scalar>(surface: &CompiledSurface<'_>, transfer: Transfer<S>) -> Pla
         tested: surface.tested,
         tests: surface.tests,
         slack: S::from_f64(surface.slack),
+        leads: surface.leads,
+        is_led: surface.is_led,
     }
 }
 
@@ -369,6 +376,7 @@ fn sphere<S: Scalar>(
         aperture_test: aperture_test(surface),
         tests: surface.tests,
         slack: S::from_f64(surface.slack),
+        is_led: surface.is_led,
         plain: strong && !far && carries_normal && surface.is_steep() && !surface.tests.onward,
     }
 }

@@ -117,23 +117,25 @@ fn trace_steps<L: Lanes, W: MediaOnWay<L, U>, const U: usize>(
                 } else {
                     for (ray, media) in rays.iter_mut().zip(&media) {
                         let minus_z = ray.minus_z(cpu, &sphere.transfer);
-                        ray.sphere::<false>(cpu, sphere, *media, minus_z, None);
+                        ray.sphere::<false>(cpu, sphere, *media, minus_z, ray.lead(sphere.is_led));
                     }
                 }
             }
             Step::Conic(conic) => {
                 for (ray, media) in rays.iter_mut().zip(&on_way.at(cpu, number)) {
                     let minus_z = ray.minus_z(cpu, &conic.transfer);
-                    ray.conic(cpu, conic, *media, minus_z, L::splat(cpu, L::Scalar::ZERO));
+                    let lead = ray.lead(conic.common.is_led).unwrap_or(L::splat(cpu, L::Scalar::ZERO));
+                    ray.conic(cpu, conic, *media, minus_z, lead);
                 }
             }
             Step::Asphere(asphere) => {
                 let zero = L::splat(cpu, L::Scalar::ZERO);
-                let mut minus_z = [zero; U];
-                for (ray, minus_z) in rays.iter().zip(&mut minus_z) {
-                    *minus_z = ray.minus_z(cpu, &asphere.transfer);
+                let (mut minus_z, mut leads) = ([zero; U], [zero; U]);
+                for (u, ray) in rays.iter().enumerate() {
+                    minus_z[u] = ray.minus_z(cpu, &asphere.transfer);
+                    leads[u] = ray.lead(asphere.common.is_led).unwrap_or(zero);
                 }
-                asphere.trace(cpu, rays, on_way.at(cpu, number), minus_z, [zero; U]);
+                asphere.trace(cpu, rays, on_way.at(cpu, number), minus_z, leads);
             }
             Step::Renormalise(length) => {
                 for (ray, media) in rays.iter_mut().zip(&on_way.at(cpu, number)) {
@@ -143,7 +145,7 @@ fn trace_steps<L: Lanes, W: MediaOnWay<L, U>, const U: usize>(
             Step::Plane(plane) => {
                 for (ray, media) in rays.iter_mut().zip(&on_way.at(cpu, number)) {
                     let minus_z = ray.minus_z(cpu, &plane.transfer);
-                    ray.plane::<false>(cpu, plane, *media, minus_z, None);
+                    ray.plane::<false>(cpu, plane, *media, minus_z, ray.lead(plane.is_led));
                 }
             }
         }

@@ -91,6 +91,8 @@ pub struct Common<S> {
     pub aperture: Option<S>,
     /// How far behind a hit may lie by rounding alone, in units of V.
     pub slack: S,
+    /// The ray tells how far it has come.
+    pub is_led: bool,
     /// z of the plane from which the surface is approached.
     pub start: S,
     /// No point inside the rim has less z, counted from there.
@@ -100,7 +102,11 @@ pub struct Common<S> {
 impl<S: Scalar> Common<S> {
     fn new(aspheric: &Aspheric<f64>, surface: &CompiledSurface<'_>, start: f64) -> Self {
         let aperture = surface.tested.then(|| S::from_f64(surface.aperture));
-        Self { aperture, ..Self::untested(aspheric, [surface.index_step, surface.slack], start) }
+        Self {
+            aperture,
+            is_led: surface.is_led,
+            ..Self::untested(aspheric, [surface.index_step, surface.slack], start)
+        }
     }
 
     fn untested(aspheric: &Aspheric<f64>, [index_step, slack]: [f64; 2], start: f64) -> Self {
@@ -112,6 +118,7 @@ impl<S: Scalar> Common<S> {
             rarer: index_step < 0.0,
             aperture: None,
             slack: S::from_f64(slack),
+            is_led: false,
             start: S::from_f64(start),
             lowest: S::from_f64(lowest - start),
         }
