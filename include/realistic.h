@@ -852,15 +852,14 @@ typedef struct realistic_rays_soa {
 extern "C" {
 #endif
 
-/* The request of realistic_camera_generate_rays, for hosts that find the batch in a loaded library or add to it. */
-static inline realistic_request realistic_request_of_structures(const realistic_sample *samples, size_t sample_stride,
-                                                                realistic_ray *rays, size_t ray_stride,
-                                                                float *weights, realistic_reason *reasons) {
+/* Fills the request of realistic_camera_generate_rays, for hosts that find the batch in a loaded library or add to it. */
+static inline void realistic_request_of_structures(realistic_request *request, const realistic_sample *samples,
+                                                   size_t sample_stride, realistic_ray *rays, size_t ray_stride,
+                                                   float *weights, realistic_reason *reasons) {
     ptrdiff_t from = (ptrdiff_t)(sample_stride == 0 ? sizeof *samples : sample_stride);
     ptrdiff_t to = (ptrdiff_t)(ray_stride == 0 ? sizeof *rays : ray_stride);
-    realistic_request request;
-    memset(&request, 0, sizeof request);
-    request.struct_size = (uint32_t)sizeof request;
+    memset(request, 0, sizeof *request);
+    request->struct_size = (uint32_t)sizeof *request;
     /* A stride of 1 is refused: structures would overlap. */
     if (from < (ptrdiff_t)sizeof *samples) from = 1;
     if (to < (ptrdiff_t)sizeof *rays) to = 1;
@@ -869,19 +868,18 @@ static inline realistic_request realistic_request_of_structures(const realistic_
         const float *sample = (const float *)(const void *)samples;
         const realistic_input image = {sample, sample + 1, from};
         const realistic_input lens = {sample + 2, sample + 3, from}, time = {sample + 4, NULL, from};
-        request.image = image, request.lens = lens, request.time = time;
+        request->image = image, request->lens = lens, request->time = time;
     }
     if (rays != NULL) {
         float *ray = (float *)(void *)rays;
         const realistic_output origin = {ray, ray + 1, ray + 2, to}, direction = {ray + 3, ray + 4, ray + 5, to};
         const realistic_output mint = {ray + 6, NULL, NULL, to}, maxt = {ray + 7, NULL, NULL, to};
         const realistic_output ray_time = {ray + 8, NULL, NULL, to};
-        request.origin = origin, request.direction = direction;
-        request.mint = mint, request.maxt = maxt, request.ray_time = ray_time;
+        request->origin = origin, request->direction = direction;
+        request->mint = mint, request->maxt = maxt, request->ray_time = ray_time;
     }
-    request.weight.x = weights, request.weight.stride = (ptrdiff_t)sizeof *weights;
-    request.reason = reasons, request.reason_stride = (ptrdiff_t)sizeof *reasons;
-    return request;
+    request->weight.x = weights, request->weight.stride = (ptrdiff_t)sizeof *weights;
+    request->reason = reasons, request->reason_stride = (ptrdiff_t)sizeof *reasons;
 }
 
 /* Rays of `n` samples. Element i lies i * stride bytes from the first, so that a host's own larger structures can be passed
@@ -891,33 +889,31 @@ static inline realistic_status realistic_camera_generate_rays(const realistic_ca
                                                               const realistic_sample *samples, size_t sample_stride,
                                                               realistic_ray *rays, size_t ray_stride,
                                                               float *weights, realistic_reason *reasons) {
-    const realistic_request request =
-        realistic_request_of_structures(samples, sample_stride, rays, ray_stride, weights, reasons);
+    realistic_request request;
+    realistic_request_of_structures(&request, samples, sample_stride, rays, ray_stride, weights, reasons);
     return realistic_camera_generate_batch(camera, n, &request);
 }
 
-/* The request of realistic_camera_generate_rays_soa. */
-static inline realistic_request realistic_request_of_arrays(const realistic_samples_soa *samples,
-                                                            const realistic_rays_soa *rays) {
+/* Fills the request of realistic_camera_generate_rays_soa. */
+static inline void realistic_request_of_arrays(realistic_request *request, const realistic_samples_soa *samples,
+                                               const realistic_rays_soa *rays) {
     const ptrdiff_t number = (ptrdiff_t)sizeof(float);
-    realistic_request request;
-    memset(&request, 0, sizeof request);
-    request.struct_size = (uint32_t)sizeof request;
+    memset(request, 0, sizeof *request);
+    request->struct_size = (uint32_t)sizeof *request;
     if (samples != NULL) {
         const realistic_input image = {samples->image_x, samples->image_y, number};
         const realistic_input lens = {samples->lens_u, samples->lens_v, number}, time = {samples->time, NULL, number};
-        request.image = image, request.lens = lens, request.time = time;
+        request->image = image, request->lens = lens, request->time = time;
     }
     if (rays != NULL) {
         const realistic_output origin = {rays->ox, rays->oy, rays->oz, number};
         const realistic_output direction = {rays->dx, rays->dy, rays->dz, number};
         const realistic_output mint = {rays->mint, NULL, NULL, number}, maxt = {rays->maxt, NULL, NULL, number};
         const realistic_output ray_time = {rays->time, NULL, NULL, number}, weight = {rays->weight, NULL, NULL, number};
-        request.origin = origin, request.direction = direction, request.weight = weight;
-        request.mint = mint, request.maxt = maxt, request.ray_time = ray_time;
-        request.reason = rays->reason, request.reason_stride = (ptrdiff_t)sizeof *rays->reason;
+        request->origin = origin, request->direction = direction, request->weight = weight;
+        request->mint = mint, request->maxt = maxt, request->ray_time = ray_time;
+        request->reason = rays->reason, request->reason_stride = (ptrdiff_t)sizeof *rays->reason;
     }
-    return request;
 }
 
 /* Rays of `n` samples given and taken as structure of arrays. Blocked rays as in realistic_camera_generate_rays. `time` of
@@ -925,7 +921,8 @@ static inline realistic_request realistic_request_of_arrays(const realistic_samp
 static inline realistic_status realistic_camera_generate_rays_soa(const realistic_camera *camera, size_t n,
                                                                   const realistic_samples_soa *samples,
                                                                   const realistic_rays_soa *rays) {
-    const realistic_request request = realistic_request_of_arrays(samples, rays);
+    realistic_request request;
+    realistic_request_of_arrays(&request, samples, rays);
     return realistic_camera_generate_batch(camera, n, &request);
 }
 

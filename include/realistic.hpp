@@ -354,12 +354,16 @@ public:
     void generate(const realistic_sample *samples, std::size_t n, realistic_ray *rays, float *weights,
                   realistic_reason *reasons = nullptr, std::size_t sample_stride = 0,
                   std::size_t ray_stride = 0) const {
-        generate(realistic_request_of_structures(samples, sample_stride, rays, ray_stride, weights, reasons), n);
+        realistic_request request;
+        realistic_request_of_structures(&request, samples, sample_stride, rays, ray_stride, weights, reasons);
+        generate(request, n);
     }
 
     /* As structure of arrays, of `n` elements each. */
     void generate(const realistic_samples_soa &samples, std::size_t n, const realistic_rays_soa &rays) const {
-        generate(realistic_request_of_arrays(&samples, &rays), n);
+        realistic_request request;
+        realistic_request_of_arrays(&request, &samples, &rays);
+        generate(request, n);
     }
 
     /* What `n` rays that enter the camera count; every `struct_size` is set here. */

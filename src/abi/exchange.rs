@@ -1,6 +1,6 @@
 //! What is copied between this library and a caller's memory: structures, which begin with their `struct_size`, and texts.
 
-use std::ffi::c_char;
+use std::{ffi::c_char, mem::MaybeUninit};
 
 use super::boundary::{self, Failure, realistic_status};
 
@@ -55,6 +55,27 @@ pub(super) unsafe fn take<T: Copy>(what: &str, name: &str, given: *const T) -> R
     unsafe {
         check(what, name, given)?;
         Ok(given.read_unaligned())
+    }
+}
+
+/// A caller's structure where it lies, or in `copy` if that is no place for one: for structures so large that copying shows.
+///
+/// # Errors
+/// As [`give`].
+///
+/// # Safety
+/// As of [`take`], and nobody writes the structure while it is borrowed.
+#[inline(always)]
+pub(super) unsafe fn borrow<'a, T: Copy>(
+    what: &str,
+    name: &str,
+    given: *const T,
+    copy: &'a mut MaybeUninit<T>,
+) -> Result<&'a T, Failure> {
+    // SAFETY: the caller's promise; the size is this structure's.
+    unsafe {
+        check(what, name, given)?;
+        Ok(if given.is_aligned() { &*given } else { copy.write(given.read_unaligned()) })
     }
 }
 

@@ -1,11 +1,11 @@
 //! One sample of a camera, however it was made: its ray, or the rays that a request asks for.
 
-use std::mem::size_of;
+use std::mem::{MaybeUninit, size_of};
 
 use super::{
     batch::PerRay,
     boundary::{self, Failure, float_environment},
-    exchange::{check_size, take},
+    exchange::{borrow, check_size},
     object::{self, Handle},
     types::{
         REALISTIC_HAS_RX, REALISTIC_HAS_RY, realistic_camera, realistic_ray, realistic_ray_differential,
@@ -219,13 +219,14 @@ impl<'a> OneSample<'a> {
         sample: *const realistic_sample,
         request: *const realistic_request,
     ) -> Result<Self, Failure> {
+        let mut copy = MaybeUninit::uninit();
         // SAFETY: the caller's promise for all three.
         let (handle, sample, request) = unsafe {
             let handle = object::handle_of(camera).ok_or_else(boundary::not_a_camera)?;
             let sample = sample.cast::<Sample>().as_ref().ok_or_else(|| boundary::null("sample"))?;
-            (handle, sample, take("realistic_request", "request", request)?)
+            (handle, sample, borrow("realistic_request", "request", request, &mut copy)?)
         };
-        let per_ray = PerRay::of(&request, handle, 1)?;
+        let per_ray = PerRay::of(request, handle, 1)?;
         if per_ray.rays > 1 && !per_ray.weights.is_there() {
             return Err(boundary::null("request.weight.x"));
         }

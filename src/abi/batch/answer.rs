@@ -104,22 +104,19 @@ impl Batch<'_> {
     unsafe fn many(&self) {
         let PerRay { rays, per_sample, wavelengths, weights, reasons } = self.per_ray;
         let camera = self.handle.camera();
-        let all_rays =
-            || self.numbers.iter().chain([&weights]).chain(self.neighbours.iter().flatten().flatten());
+        // Loops of their own: chained, they would be a call for each array.
         let are_slices = per_sample == 1
-            && self
-                .samples
-                .iter()
-                .chain([&wavelengths])
-                .all(|numbers| numbers.is_slice() || !numbers.is_there())
             && self.samples[4].is_there()
-            && all_rays().all(|numbers| numbers.is_slice() || !numbers.is_there());
+            && [wavelengths, weights].iter().all(|numbers| numbers.is_slice_or_none())
+            && self.samples.iter().all(|numbers| numbers.is_slice_or_none())
+            && self.numbers.iter().all(|numbers| numbers.is_slice_or_none())
+            && self.neighbours.iter().flatten().flatten().all(|numbers| numbers.is_slice_or_none());
         let block = if are_slices { rays } else { BLOCK.min(rays) };
         let copied = if are_slices { 0 } else { block };
         let range = camera.range();
         let [mint, maxt] = range.unwrap_or_default();
-        let (mut asked, mut found, mut beside) = (Copies::EMPTY, Copies::EMPTY, [Copies::EMPTY; 2]);
-        asked.set_all(copied, [0.0; 6]);
+        let mut asked = [[MaybeUninit::uninit(); BLOCK]; 6];
+        let (mut found, mut beside) = (Copies::new(), [Copies::new(), Copies::new()]);
         found.set_all(copied, [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, mint, maxt, 0.0, 0.0]);
         if self.neighbours.is_some() {
             beside.iter_mut().for_each(|copies| copies.set_all(copied, [0.0; 7]));
@@ -155,38 +152,39 @@ impl Batch<'_> {
     /// The samples and wavelengths of `count` rays from number `first` on: the caller's slices, or copies.
     ///
     /// # Safety
-    /// As [`Batch::answer`], and there are as many copies unless all are slices.
+    /// As [`Batch::answer`], and `count` is at most [`BLOCK`] unless all are slices.
     #[inline(always)]
     unsafe fn asked<'s>(
         &self,
         first: usize,
         count: usize,
-        copies: &'s mut Copies<6>,
+        copies: &'s mut [Copy; 6],
     ) -> (SampleArrays<'s>, Option<&'s [f32]>) {
         let PerRay { per_sample, wavelengths, .. } = self.per_ray;
         let [x, y, u, v, time] = self.samples;
-        let [to_x, to_y, to_u, to_v, to_time, to_wavelengths] = copies.arrays_mut(count);
+        let [to_x, to_y, to_u, to_v, to_time, to_wavelengths] =
+            copies.each_mut().map(|copy| &mut copy[..count.min(BLOCK)]);
         // SAFETY: the caller's promise.
         unsafe {
-            match time.is_there() {
-                true => read(&self.samples, per_sample, first, [to_x, to_y, to_u, to_v, to_time]),
-                // The copies are 0.
-                false => read(&[x, y, u, v], per_sample, first, [to_x, to_y, to_u, to_v]),
+            if time.is_there() {
+                read(&self.samples, per_sample, first, [to_x, to_y, to_u, to_v, to_time]);
+            } else {
+                to_time.fill(MaybeUninit::new(0.0));
+                read(&[x, y, u, v], per_sample, first, [to_x, to_y, to_u, to_v]);
             }
             if wavelengths.is_there() {
                 read(&[wavelengths], 1, first, [to_wavelengths]);
             }
-            let copies = copies.arrays(count);
-            let lent = |numbers: Strided, copy: &'s [f32], shared_by: usize| {
+            let lent = |numbers: Strided, copy: &'s Copy, shared_by: usize| {
                 if numbers.is_slice() && numbers.is_there() && shared_by == 1 {
                     numbers.slice(first, count)
                 } else {
-                    copy
+                    slice::from_raw_parts(copy[..count].as_ptr().cast(), count)
                 }
             };
             let [image_x, image_y, lens_u, lens_v, time] =
-                array::from_fn(|k| lent(self.samples[k], copies[k], per_sample));
-            let at = wavelengths.is_there().then(|| lent(wavelengths, copies[5], 1));
+                array::from_fn(|k| lent(self.samples[k], &copies[k], per_sample));
+            let at = wavelengths.is_there().then(|| lent(wavelengths, &copies[5], 1));
             (SampleArrays { image_x, image_y, lens_u, lens_v, time }, at)
         }
     }
@@ -299,16 +297,23 @@ impl Strided {
     }
 }
 
+/// A copy of numbers of a block.
+type Copy = [MaybeUninit<f32>; BLOCK];
+
 /// Copies of a block's numbers, in arrays. Nothing of them is cleared that is not used, so that few samples cost little.
 struct Copies<const ARRAYS: usize> {
-    arrays: [[MaybeUninit<f32>; BLOCK]; ARRAYS],
+    arrays: [Copy; ARRAYS],
     /// Of each array so many are set.
     set: usize,
 }
 
 impl<const ARRAYS: usize> Copies<ARRAYS> {
-    /// Arrays of which nothing is set.
-    const EMPTY: Self = Self { arrays: [[MaybeUninit::uninit(); BLOCK]; ARRAYS], set: 0 };
+    /// Arrays of which nothing is set. Not a constant: that would be copied, kilobytes of it.
+    #[inline(always)]
+    fn new() -> Self {
+        // SAFETY: of numbers that need not be set nothing is claimed.
+        Self { arrays: unsafe { MaybeUninit::uninit().assume_init() }, set: 0 }
+    }
 
     /// Sets `n` numbers of each array, up to [`BLOCK`], to these.
     #[inline(always)]

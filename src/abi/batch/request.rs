@@ -1,5 +1,7 @@
 //! A caller's request, checked before anything is read or written.
 
+use std::mem::MaybeUninit;
+
 use super::{
     super::{
         boundary::{self, Failure, realistic_status},
@@ -20,22 +22,25 @@ pub unsafe extern "C" fn realistic_camera_generate_batch(
     request: *const realistic_request,
 ) -> realistic_status {
     boundary::status(|| {
+        let mut copy = MaybeUninit::uninit();
         // SAFETY: the caller's promise.
         let (handle, request) = unsafe {
             let handle = object::handle_of(camera).ok_or_else(boundary::not_a_camera)?;
-            (handle, exchange::take("realistic_request", "request", request)?)
+            (handle, exchange::borrow("realistic_request", "request", request, &mut copy)?)
         };
         if n == 0 {
             return Ok(());
         }
-        let per_ray = PerRay::of(&request, handle, n)?;
+        let per_ray = PerRay::of(request, handle, n)?;
         let rays = per_ray.rays;
+        if !per_ray.weights.is_there() {
+            return Err(boundary::null("request.weight.x"));
+        }
         let [x, y] = pair("image", n, &request.image)?;
         let [u, v] = pair("lens", n, &request.lens)?;
         let time = numbers("time", n, &request.time)?;
         let [ox, oy, oz] = vectors("origin", rays, &request.origin)?;
         let [dx, dy, dz] = vectors("direction", rays, &request.direction)?;
-        required_room("weight", rays, &request.weight)?;
         let mint = room("mint", rays, &request.mint)?;
         let maxt = room("maxt", rays, &request.maxt)?;
         let ray_time = room("ray_time", rays, &request.ray_time)?;
@@ -43,7 +48,7 @@ pub unsafe extern "C" fn realistic_camera_generate_batch(
             handle,
             samples: [x, y, u, v, time],
             numbers: [ox, oy, oz, dx, dy, dz, mint, maxt, ray_time],
-            neighbours: neighbours(&request, rays)?,
+            neighbours: neighbours(request, rays)?,
             per_ray,
         };
         // SAFETY: the caller's promise; what must be there is.
@@ -60,7 +65,8 @@ pub unsafe extern "C" fn realistic_camera_generate_batch(
 fn neighbours(request: &realistic_request, rays: usize) -> Result<Option<[[Strided; 7]; 2]>, Failure> {
     let right = [&request.rx_origin, &request.rx_direction, &request.rx_weight];
     let below = [&request.ry_origin, &request.ry_direction, &request.ry_weight];
-    if right.iter().chain(&below).all(|given| given.x.is_null()) {
+    let is_none = |given: &realistic_output| given.x.is_null();
+    if right.into_iter().all(is_none) && below.into_iter().all(is_none) {
         return Ok(None);
     }
     Ok(Some([

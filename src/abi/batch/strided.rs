@@ -3,6 +3,7 @@
 //! tables of rows, are moved at once: four elements are a 4 x 4 matrix, transposed in registers.
 
 use std::{
+    mem::MaybeUninit,
     ptr::{null, null_mut},
     slice,
 };
@@ -41,10 +42,41 @@ impl<T: Copy> Strided<T> {
     /// No numbers.
     pub const NONE: Self = Self { first: null_mut(), stride: 0 };
 
-    /// `n` numbers that must be there; `name` is theirs in a request, with the name of the component.
+    /// The components of `n` elements, which must be there; `name` is theirs in a request, with the names of the components.
     ///
     /// # Errors
-    /// They are not, two of them overlap (though those that are read may be one), or no memory holds so many at this stride.
+    /// One is not, two numbers overlap (though those that are read may be one), or no memory holds so many at this stride.
+    #[inline(always)]
+    pub fn components<const N: usize>(
+        name: &str,
+        names: [&str; N],
+        n: usize,
+        firsts: [*mut T; N],
+        stride: isize,
+        may_repeat: bool,
+    ) -> Result<[Self; N], Failure> {
+        let bytes = stride.unsigned_abs();
+        if let Some(number) = firsts.iter().position(|first| first.is_null()) {
+            return Err(missing(name, names[number]));
+        }
+        if n > 1 && bytes < size_of::<T>() && !(may_repeat && bytes == 0) {
+            return Err(overlapping(name, stride, size_of::<T>(), may_repeat));
+        }
+        let span =
+            n.saturating_sub(1).checked_mul(bytes).filter(|span| *span <= ADDRESSABLE - size_of::<T>());
+        let is_inside = |span: usize, first: usize| {
+            if stride < 0 { span <= first } else { first.checked_add(span).is_some() }
+        };
+        if !span.is_some_and(|span| firsts.iter().all(|first| is_inside(span, first.addr()))) {
+            return Err(endless(name, n, stride));
+        }
+        Ok(firsts.map(|first| Self { first, stride }))
+    }
+
+    /// `n` numbers, as [`Strided::components`].
+    ///
+    /// # Errors
+    /// As there.
     #[inline(always)]
     pub fn new(
         [name, component]: [&str; 2],
@@ -53,17 +85,8 @@ impl<T: Copy> Strided<T> {
         stride: isize,
         may_repeat: bool,
     ) -> Result<Self, Failure> {
-        let bytes = stride.unsigned_abs();
-        if first.is_null() {
-            return Err(missing(name, component));
-        }
-        if n > 1 && bytes < size_of::<T>() && !(may_repeat && bytes == 0) {
-            return Err(overlapping(name, stride, size_of::<T>(), may_repeat));
-        }
-        if !is_addressable(first.addr(), n, stride, size_of::<T>()) {
-            return Err(endless(name, n, stride));
-        }
-        Ok(Self { first, stride })
+        let [numbers] = Self::components(name, [component], n, [first], stride, may_repeat)?;
+        Ok(numbers)
     }
 
     #[inline(always)]
@@ -75,6 +98,12 @@ impl<T: Copy> Strided<T> {
     #[inline(always)]
     pub fn at(self, i: usize) -> *mut T {
         self.first.wrapping_byte_offset((i as isize).wrapping_mul(self.stride))
+    }
+
+    /// The numbers from number `i` on.
+    #[inline(always)]
+    fn from(self, i: usize) -> Self {
+        Self { first: self.at(i), ..self }
     }
 
     /// Number `i`.
@@ -103,6 +132,12 @@ impl<T: Copy> Strided<T> {
         self.stride == size_of::<T>() as isize && self.first.is_aligned()
     }
 
+    /// Whether nothing has to be copied: a slice, or nothing at all.
+    #[inline(always)]
+    pub fn is_slice_or_none(self) -> bool {
+        self.is_slice() || !self.is_there()
+    }
+
     /// `count` of them from number `first` on.
     ///
     /// # Safety
@@ -122,15 +157,6 @@ impl<T: Copy> Strided<T> {
         // SAFETY: the caller's promise.
         unsafe { slice::from_raw_parts_mut(self.first.add(first), count) }
     }
-}
-
-/// Whether `n` numbers of `size` bytes, the first at this address, can lie in memory: within [`ADDRESSABLE`] bytes, and without
-/// a step over either end of the address space.
-#[inline(always)]
-fn is_addressable(first: usize, n: usize, stride: isize, size: usize) -> bool {
-    let Some(span) = n.saturating_sub(1).checked_mul(stride.unsigned_abs()) else { return false };
-    let is_inside = if stride < 0 { span <= first } else { first.checked_add(span).is_some() };
-    is_inside && span <= ADDRESSABLE - size
 }
 
 #[cold]
@@ -160,10 +186,7 @@ fn endless(name: &str, n: usize, stride: isize) -> Failure {
 #[inline(always)]
 pub(super) fn pair(name: &str, n: usize, given: &realistic_input) -> Result<[Strided; 2], Failure> {
     let realistic_input { x, y, stride } = *given;
-    Ok([
-        Strided::new([name, ".x"], n, x.cast_mut(), stride, true)?,
-        Strided::new([name, ".y"], n, y.cast_mut(), stride, true)?,
-    ])
+    Strided::components(name, [".x", ".y"], n, [x.cast_mut(), y.cast_mut()], stride, true)
 }
 
 /// Numbers that are read, if they are there.
@@ -183,11 +206,7 @@ pub(super) fn numbers(name: &str, n: usize, given: &realistic_input) -> Result<S
 #[inline(always)]
 pub(super) fn vectors(name: &str, n: usize, given: &realistic_output) -> Result<[Strided; 3], Failure> {
     let realistic_output { x, y, z, stride } = *given;
-    Ok([
-        Strided::new([name, ".x"], n, x, stride, false)?,
-        Strided::new([name, ".y"], n, y, stride, false)?,
-        Strided::new([name, ".z"], n, z, stride, false)?,
-    ])
+    Strided::components(name, [".x", ".y", ".z"], n, [x, y, z], stride, false)
 }
 
 /// Room for numbers, if it is there.
@@ -234,9 +253,8 @@ pub(super) unsafe fn read<const N: usize>(
     numbers: &[Strided; N],
     shared_by: usize,
     first: usize,
-    mut to: [&mut [f32]; N],
+    mut to: [&mut [MaybeUninit<f32>]; N],
 ) {
-    let count = to[0].len();
     let mut k = 0;
     while k < N {
         // SAFETY: the caller's promise.
@@ -245,11 +263,11 @@ pub(super) unsafe fn read<const N: usize>(
                 read_rows(numbers[k], first, &mut to[k..k + FOUR]);
                 k += FOUR;
             } else {
-                if shared_by > 1 || !numbers[k].is_slice() {
-                    for (i, to) in to[k][..count].iter_mut().enumerate() {
-                        *to =
-                            numbers[k].get(if shared_by == 1 { first + i } else { (first + i) / shared_by });
-                    }
+                if shared_by > 1 {
+                    let element = |i: usize| (first + i) / shared_by;
+                    to[k].iter_mut().enumerate().for_each(|(i, to)| _ = to.write(numbers[k].get(element(i))));
+                } else if !numbers[k].is_slice() {
+                    to[k].iter_mut().enumerate().for_each(|(i, to)| _ = to.write(numbers[k].get(first + i)));
                 }
                 k += 1;
             }
@@ -262,21 +280,25 @@ pub(super) unsafe fn read<const N: usize>(
 /// # Safety
 /// They are there.
 #[inline(always)]
-unsafe fn read_rows(rows: Strided, first: usize, to: &mut [&mut [f32]]) {
+unsafe fn read_rows(rows: Strided, first: usize, to: &mut [&mut [MaybeUninit<f32>]]) {
     let [a, b, c, d] = to else { return };
+    let (a, b, c, d) = (&mut **a, &mut **b, &mut **c, &mut **d);
     let count = a.len();
     // SAFETY: the caller's promise.
-    let row = |i: usize| unsafe { rows.at(first + i).cast::<[f32; 4]>().read_unaligned() };
+    let row = |from: Strided, k: usize| unsafe { from.at(k).cast::<[f32; FOUR]>().read_unaligned() };
+    let set = |four: [f32; FOUR]| four.map(MaybeUninit::new);
     let whole = count - count % FOUR;
+    let mut from = rows.from(first);
     for i in (0..whole).step_by(FOUR) {
-        let [x, y, z, w] = transposed([row(i), row(i + 1), row(i + 2), row(i + 3)]);
-        a[i..i + FOUR].copy_from_slice(&x);
-        b[i..i + FOUR].copy_from_slice(&y);
-        c[i..i + FOUR].copy_from_slice(&z);
-        d[i..i + FOUR].copy_from_slice(&w);
+        let [x, y, z, w] = transposed([row(from, 0), row(from, 1), row(from, 2), row(from, 3)]);
+        a[i..i + FOUR].copy_from_slice(&set(x));
+        b[i..i + FOUR].copy_from_slice(&set(y));
+        c[i..i + FOUR].copy_from_slice(&set(z));
+        d[i..i + FOUR].copy_from_slice(&set(w));
+        from = from.from(FOUR);
     }
     for i in whole..count {
-        [a[i], b[i], c[i], d[i]] = row(i);
+        [a[i], b[i], c[i], d[i]] = set(row(rows, first + i));
     }
 }
 
@@ -295,15 +317,36 @@ pub(super) unsafe fn write(numbers: &[Strided], first: usize, from: &[&[f32]], w
                 k += FOUR;
             } else {
                 if numbers[k].is_there() && !numbers[k].is_slice() {
-                    for (i, (number, weight)) in from[k].iter().zip(weights).enumerate() {
-                        if *weight > 0.0 {
-                            numbers[k].put(first + i, *number);
-                        }
-                    }
+                    write_numbers(numbers[k], first, from[k], weights);
                 }
                 k += 1;
             }
         }
+    }
+}
+
+/// Copies an array to the numbers of elements that have a weight.
+///
+/// # Safety
+/// There is room.
+#[inline(always)]
+unsafe fn write_numbers(numbers: Strided, first: usize, from: &[f32], weights: &[f32]) {
+    let count = weights.len();
+    let from = &from[..count];
+    let whole = count - count % FOUR;
+    let mut to = numbers.from(first);
+    // SAFETY: the caller's promise.
+    unsafe {
+        for i in (0..whole).step_by(FOUR) {
+            let (four, weights) = (&from[i..i + FOUR], &weights[i..i + FOUR]);
+            if are_positive(weights) {
+                (0..FOUR).for_each(|k| to.put(k, four[k]));
+            } else {
+                (0..FOUR).filter(|&k| weights[k] > 0.0).for_each(|k| to.put(k, four[k]));
+            }
+            to = to.from(FOUR);
+        }
+        (whole..count).filter(|&i| weights[i] > 0.0).for_each(|i| numbers.put(first + i, from[i]));
     }
 }
 
@@ -317,23 +360,28 @@ unsafe fn write_rows(rows: Strided, first: usize, from: &[&[f32]], weights: &[f3
     let count = weights.len();
     let [a, b, c, d] = [&a[..count], &b[..count], &c[..count], &d[..count]];
     // SAFETY: the caller's promise.
-    let put = |i: usize, row: [f32; 4]| unsafe {
-        rows.at(first + i).cast::<[f32; 4]>().write_unaligned(row);
+    let put = |to: Strided, k: usize, row: [f32; FOUR]| unsafe {
+        to.at(k).cast::<[f32; FOUR]>().write_unaligned(row);
     };
     let whole = count - count % FOUR;
+    let mut to = rows.from(first);
     for i in (0..whole).step_by(FOUR) {
-        if weights[i..i + FOUR].iter().fold(true, |all, weight| all & (*weight > 0.0)) {
-            let four = |array: &[f32]| [array[i], array[i + 1], array[i + 2], array[i + 3]];
-            let [x, y, z, w] = transposed([four(a), four(b), four(c), four(d)]);
-            put(i, x);
-            put(i + 1, y);
-            put(i + 2, z);
-            put(i + 3, w);
+        let weights = &weights[i..i + FOUR];
+        let four = |array: &[f32]| [array[i], array[i + 1], array[i + 2], array[i + 3]];
+        let turned = transposed([four(a), four(b), four(c), four(d)]);
+        if are_positive(weights) {
+            (0..FOUR).for_each(|k| put(to, k, turned[k]));
         } else {
-            (i..i + FOUR).filter(|&i| weights[i] > 0.0).for_each(|i| put(i, [a[i], b[i], c[i], d[i]]));
+            (0..FOUR).filter(|&k| weights[k] > 0.0).for_each(|k| put(to, k, turned[k]));
         }
+        to = to.from(FOUR);
     }
-    (whole..count).filter(|&i| weights[i] > 0.0).for_each(|i| put(i, [a[i], b[i], c[i], d[i]]));
+    (whole..count).filter(|&i| weights[i] > 0.0).for_each(|i| put(rows, first + i, [a[i], b[i], c[i], d[i]]));
+}
+
+#[inline(always)]
+fn are_positive(four: &[f32]) -> bool {
+    four.iter().fold(true, |all, weight| all & (*weight > 0.0))
 }
 
 /// The rows of a matrix as its columns.

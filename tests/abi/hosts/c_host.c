@@ -405,8 +405,8 @@ static void do_differentials(void) {
         for (int k = 0; k < 5; ++k) in[k][i] = (&samples[i].image_x)[k];
     }
     static float rx[N], ry[N];
-    realistic_request request =
-        realistic_request_of_structures(samples, 0, &many[0].ray, sizeof many[0], weights, reason);
+    realistic_request request;
+    realistic_request_of_structures(&request, samples, 0, &many[0].ray, sizeof many[0], weights, reason);
     request = beside(many, rx, ry, request);
     report("many", api.batch(camera, N, &request));
     for (unsigned i = 0; i < N; ++i) {
@@ -418,7 +418,7 @@ static void do_differentials(void) {
     memset(&to, 0, sizeof to);
     to.ox = out[0], to.oy = out[1], to.oz = out[2], to.dx = out[3], to.dy = out[4], to.dz = out[5], to.weight = out[6];
     to.time = out[21];
-    request = realistic_request_of_arrays(&from, &to);
+    realistic_request_of_arrays(&request, &from, &to);
     for (int k = 1; k < 3; ++k) {
         float(*column)[N] = out + 7 * k;
         const realistic_output origin = {column[0], column[1], column[2], sizeof(float)};
@@ -555,7 +555,8 @@ static void do_counts(void) {
     realistic_sample sample = {20, 15, 0.5f, 0.5f, 0};
     realistic_ray ray = untouched();
     report("many", realistic_camera_generate_rays(camera, (size_t)1 << 50, &sample, 0, &ray, 0, out, NULL));
-    realistic_request request = realistic_request_of_structures(&sample, 0, &ray, 0, out, NULL);
+    realistic_request request;
+    realistic_request_of_structures(&request, &sample, 0, &ray, 0, out, NULL);
     request.origin.stride = PTRDIFF_MAX;
     report("wide", api.batch(camera, 2, &request));
     request.origin.stride = PTRDIFF_MIN;
@@ -563,7 +564,7 @@ static void do_counts(void) {
     /* Element 1 would lie below address 0. */
     request.origin.stride = 36, request.time.x = (const float *)(uintptr_t)4096, request.time.stride = -8192;
     report("below", api.batch(camera, 2, &request));
-    request = realistic_request_of_structures(&sample, 0, &ray, 0, out, NULL);
+    realistic_request_of_structures(&request, &sample, 0, &ray, 0, out, NULL);
     request.wavelengths_per_sample = UINT32_MAX, request.wavelength.x = in;
     report("wavelengths", api.batch(camera, SIZE_MAX / 8, &request));
     realistic_zone zone = {0, 0, 40, 30};

@@ -143,7 +143,8 @@ static void cameras(const realistic::Api &api) {
                                   nullptr,     nullptr,     nullptr,     a[6].data(), nullptr};
     };
     realistic_rays_soa own = rays_of(0), rx = rays_of(1), ry = rays_of(2);
-    realistic_request request = realistic_request_of_arrays(&from, &own);
+    realistic_request request;
+    realistic_request_of_arrays(&request, &from, &own);
     request.rx_origin = {rx.ox, rx.oy, rx.oz, sizeof(float)}, request.rx_direction = {rx.dx, rx.dy, rx.dz, sizeof(float)};
     request.ry_origin = {ry.ox, ry.oy, ry.oz, sizeof(float)}, request.ry_direction = {ry.dx, ry.dy, ry.dz, sizeof(float)};
     request.rx_weight = {rx.weight, nullptr, nullptr, sizeof(float)};
@@ -202,15 +203,15 @@ static void wavelengths(const realistic::Api &api) {
         return realistic_rays_soa{a[0].data(), a[1].data(), a[2].data(), a[3].data(), a[4].data(), a[5].data(),
                                   nullptr,     nullptr,     nullptr,     a[6].data(), nullptr};
     };
-    realistic_request request = realistic_request_of_structures(samples.data(), 0, many.data(), 0, weights.data(),
-                                                                reasons.data());
+    realistic_request request;
+    realistic_request_of_structures(&request, samples.data(), 0, many.data(), 0, weights.data(), reasons.data());
     request.wavelength = {nm.data(), nullptr, sizeof(float)};
     camera.generate(request, n);
     realistic_rays_soa to[2] = {rays_of(0), rays_of(1)};
-    request = realistic_request_of_arrays(&from, &to[0]);
+    realistic_request_of_arrays(&request, &from, &to[0]);
     request.wavelength = {nm.data(), nullptr, sizeof(float)};
     camera.generate(request, n);
-    request = realistic_request_of_arrays(&from, &to[1]);
+    realistic_request_of_arrays(&request, &from, &to[1]);
     request.wavelength = {fours.data(), nullptr, sizeof(float)}, request.wavelengths_per_sample = 4;
     camera.generate(request, n);
     int different = 0, passed = 0, none = 0;

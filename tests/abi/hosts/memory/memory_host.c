@@ -117,7 +117,7 @@ static void count(void) {
             api.ray(camera, &samples[i], NULL, &rays[i]);
             api.differential(camera, &samples[i], NULL, &differentials[0]);
         }
-        request = realistic_request_of_structures(samples, 0, rays, 0, weights, reasons);
+        realistic_request_of_structures(&request, samples, 0, rays, 0, weights, reasons);
         api.batch(camera, N, &request);
         /* Neighbours between arrays of another stride. */
         request.rx_origin.x = beside[0], request.rx_origin.y = beside[1], request.rx_origin.z = beside[2];

@@ -168,7 +168,8 @@ static void *everything(void *lens) {
     for (j = 0; j < 2; ++j) {
         realistic_camera *camera = build(lens, tolerances[j]);
         realistic_ray ray;
-        realistic_request request = realistic_request_of_structures(samples, 0, rays, 0, weights, reasons);
+        realistic_request request;
+        realistic_request_of_structures(&request, samples, 0, rays, 0, weights, reasons);
         for (i = 0; i < N; ++i) sum += api.ray(camera, &samples[i], NULL, &ray);
         if (api.batch(camera, N, &request) != REALISTIC_STATUS_OK) exit(2);
         for (i = 0; i < N; ++i) sum -= weights[i];
