@@ -43,7 +43,7 @@ def test_the_facts_are_those_of_the_lens(camera):
     assert camera.film_diagonal_mm == 35
     width, height = camera.film_size_mm
     assert np.hypot(width, height) == pytest.approx(35) and width / height == pytest.approx(1.5)
-    assert "aperture tests" in camera.plan()
+    assert "exact trace in f64" in camera.plan()
     assert Camera(resolution=(3, 2), specfile="wide.22mm@35mm").focal_length_mm == pytest.approx(35, rel=1e-12)
     pinhole = Camera(resolution=(3, 2), model="perspective")
     assert (pinhole.lens_name, pinhole.interfaces) == ("", 0) and np.isnan(pinhole.fnumber)

@@ -1,5 +1,4 @@
-//! The numbers that rays are traced in: one trait over f64 and f32, which the laboratory extends to wider ones, and the
-//! proofs of a plan to intervals.
+//! The numbers that rays are traced in: one trait over f64 and f32, which the laboratory extends to wider ones.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -26,23 +25,6 @@ pub trait Real:
     /// The square root, NaN below 0.
     #[must_use]
     fn sqrt(self) -> Self;
-
-    /// Whether a value stands for every number of a range, so that an iteration has to prove where its limit is.
-    const IS_RANGE: bool = false;
-    /// At least the absolute value.
-    fn magnitude(self) -> f64 {
-        self.to_f64().abs()
-    }
-    /// Of a range, a narrower one near it that an iteration may go on from; of a number, itself.
-    #[must_use]
-    fn estimate(self) -> Self {
-        self
-    }
-    /// Of a range, all that lies within `rest` of it; of a number, itself.
-    #[must_use]
-    fn within(self, _rest: f64) -> Self {
-        self
-    }
 }
 
 macro_rules! real {

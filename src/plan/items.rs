@@ -43,17 +43,6 @@ impl Plan {
         self.decide(what, false, why.into(), effect.into());
     }
 
-    /// Says that some of so many surfaces, if any, are left out altogether.
-    pub(crate) fn surfaces_left_out(&mut self, fewer: usize, of: usize) {
-        if fewer > 0 {
-            self.left_out(
-                &format!("{fewer} of {of} surfaces altogether"),
-                "planes with one index on both sides and no test left",
-                "no bit changes",
-            );
-        }
-    }
-
     fn decide(&mut self, what: &str, kept: bool, why: String, effect: String) {
         self.items.push(Item { what: what.to_owned(), kept, why, effect });
     }

@@ -5,12 +5,9 @@ use std::cell::OnceCell;
 use super::tracing::Precision;
 use crate::{
     lens::{Lens, refraction::Refraction},
-    sampling::{Band, DiskMapping, PupilSample, PupilSampler, film::Film},
+    sampling::{DiskMapping, PupilSample, PupilSampler, film::Film},
     trace::{Path, kernel::Kernel},
 };
-
-/// Rings of the film that a disk's proof is cut into.
-const RINGS: u32 = 4;
 
 /// Where rays begin and how they are sampled.
 #[derive(Clone, Debug)]
@@ -78,22 +75,5 @@ impl FilmSide {
         let point = [(1.0 - 2.0 * x) * corner[0], (1.0 - 2.0 * y) * corner[1]];
         let sample = self.sampler.sample(point, self.mapping.map(u, v)?)?;
         Some((point, sample))
-    }
-
-    /// Rings of the film with the slopes that are sampled there.
-    pub fn bands(&self) -> Vec<Band> {
-        match &self.sampler {
-            PupilSampler::Warped(pupil) => pupil.bands(),
-            PupilSampler::Disk(disk) => {
-                let center = disk.seen_from([1.0, 0.0]).center[0];
-                let at = |ring: u32| self.film.reach() * f64::from(ring) / f64::from(RINGS);
-                let band = |ring| Band {
-                    radii: [at(ring), at(ring + 1)],
-                    center: [center; 2],
-                    radius: disk.slope_radius(),
-                };
-                (0..RINGS).map(band).collect()
-            }
-        }
     }
 }

@@ -3,7 +3,6 @@
 //! A film point and a lens sample (u, v) in; the slopes of a ray and the area in slope that it stands for out. Weights are
 //! made from that area by the camera.
 
-mod band;
 pub(crate) mod disk;
 pub(crate) mod film;
 pub(crate) mod film_rays;
@@ -11,7 +10,6 @@ pub(crate) mod pupil_disk;
 pub(crate) mod pupil_sampler;
 pub(crate) mod warped;
 
-pub use band::Band;
 pub use disk::DiskMapping;
 pub use pupil_disk::{PupilDisk, PupilSample};
 pub(crate) use pupil_sampler::PupilSampler;

@@ -232,12 +232,9 @@ impl<R: Real> Aspheric<R> {
         let to_plane = -p[2] / v[2];
         let start = [p[0] + to_plane * v[0], p[1] + to_plane * v[1], R::ZERO];
         let (last, lowest) = (-(lead + to_plane) - slack, R::from_f64(self.extent[0]) / v[2]);
-        // Where a range leaves it open, the earlier is the safe one.
         let from = if last > lowest { last } else { lowest };
         let line = Line::new(start, v);
-        // A range adds something below, and seems to reach under the lowest point.
-        let after = if R::IS_RANGE { last } else { from };
-        let t = self.crossing(&line, from, after)?;
+        let t = self.crossing(&line, from)?;
         *state = State { p: line.at(t), v, lead: R::ZERO };
         Ok(())
     }
@@ -245,14 +242,13 @@ impl<R: Real> Aspheric<R> {
     /// How far from `start`, in units of V, the ray first crosses the surface after `from`. All of it is counted as work.
     pub fn first_crossing(&self, start: [R; 3], v: [R; 3], from: R) -> Result<R, Blocked> {
         let line = Line::new(start, v);
-        let crossing = self.crossing(&line, from, from);
+        let crossing = self.crossing(&line, from);
         work::count(line.evaluations.take());
         crossing
     }
 
-    /// The same; of a range a crossing may come before `from`, which is where the surface is lowest, if not before `after`.
-    fn crossing(&self, line: &Line<R>, from: R, after: R) -> Result<R, Blocked> {
-        match self.newton(line, from, after) {
+    fn crossing(&self, line: &Line<R>, from: R) -> Result<R, Blocked> {
+        match self.newton(line, from) {
             Some(t) => Ok(t),
             None => self.follow(line, from),
         }
@@ -276,8 +272,8 @@ impl<R: Real> Aspheric<R> {
         bent / (R::ONE + (R::ONE - self.kappa * self.curvature * bent).sqrt()) + terms
     }
 
-    /// Where Newton's iteration leads, if that is proven to be the first crossing after `from`, and not before `after`.
-    fn newton(&self, line: &Line<R>, from: R, after: R) -> Option<R> {
+    /// Where Newton's iteration leads, if that is proven to be the first crossing after `from`.
+    fn newton(&self, line: &Line<R>, from: R) -> Option<R> {
         let close = 0.01 * R::EPSILON.sqrt() * self.size / self.n;
         let longest = R::from_f64(self.size + self.extent[1] - self.extent[0]) / line.v[2];
         let mut t = R::ZERO;
@@ -289,29 +285,19 @@ impl<R: Real> Aspheric<R> {
                 return None;
             }
             let step = contact.residual / contact.facing;
-            // The steps after the second show that it converges; of a range, its middle does.
+            // The steps after the second show that it converges.
             is_close = steps > 0 && step.to_f64().abs() <= close;
             let step = if step > longest { longest } else { step };
-            t = (t + if step < -longest { -longest } else { step }).estimate();
+            t = t + if step < -longest { -longest } else { step };
             steps += 1;
         }
         let contact = self.contact(line, t);
-        let mut step = contact.residual / contact.facing;
-        if R::IS_RANGE {
-            // By the mean value theorem the crossing lies G/g away with g from between: within `far`, if G/g is with
-            // every g there (R. E. Moore, *Interval Analysis*, 1966, ch. 7).
-            let far = 2.0 * step.magnitude();
-            step = contact.residual / self.contact(line, t.within(far)).facing;
-            if !(step.magnitude() <= far) {
-                return None;
-            }
-        } else if !(contact.residual.magnitude() <= self.tolerance) {
+        if !(contact.residual.to_f64().abs() <= self.tolerance) {
             return None;
         }
-        let t = t + step;
+        let t = t + contact.residual / contact.facing;
         let (zero, number) = (R::ZERO, R::from_f64);
         let way = t - from;
-        let ahead = way >= zero || (R::IS_RANGE && t - after >= zero && self.is_left_behind(line, t));
         // On a line the distance from the axis is largest at an end.
         let from_squared = line.height_squared(from);
         let reach = number(self.bend.reach);
@@ -319,16 +305,8 @@ impl<R: Real> Aspheric<R> {
         let is_inside = contact.height_squared <= self.rim && from_squared <= self.rim;
         let bend = self.bend_along(line, if is_inside { &self.bend.inside } else { &self.bend.beyond });
         let bend = if self.bend.by_height { bend * contact.q } else { bend };
-        let first = ahead && bend * way < contact.facing + contact.facing;
+        let first = way >= zero && bend * way < contact.facing + contact.facing;
         (near && first && contact.q > zero && contact.facing > zero).then_some(t)
-    }
-
-    /// Whether rays that cross the surface at t go on away from it up to where it is highest. Inside the rim no ray crosses it
-    /// below its lowest point; one that does so beyond the rim then crosses it nowhere else, and is blocked, which its height
-    /// at t says.
-    fn is_left_behind(&self, line: &Line<R>, t: R) -> bool {
-        let to_top = (R::from_f64(self.extent[1]) / line.v[2] - t).magnitude();
-        self.contact(line, t.within(to_top)).facing > R::ZERO
     }
 
     /// Follows the ray from `from` to the first crossing. What the ray took so far is counted as work.
@@ -357,7 +335,7 @@ impl<R: Real> Aspheric<R> {
             let behind = self.behind_equator(line, t, &contact);
             let (before, facing) = behind.unwrap_or_else(|| self.measure(line, t, &contact));
             let bends = if behind.is_some() { [equator; 2] } else { [inside, beyond] };
-            if behind.is_none() && before.magnitude() <= self.tolerance && facing > R::ZERO {
+            if behind.is_none() && before.to_f64().abs() <= self.tolerance && facing > R::ZERO {
                 return self.settle(line, t);
             }
             if !(before > R::ZERO) {
@@ -455,34 +433,10 @@ impl<R: Real> Aspheric<R> {
 
     /// T and dT/du at u = r².
     fn terms(&self, u: R) -> [R; 2] {
-        let inside = if u <= self.rim {
-            u
-        } else if u > self.rim {
-            self.rim
-        } else if R::IS_RANGE {
-            return self.terms_about_the_rim(u);
-        } else {
-            // Not a number.
-            u
-        };
+        // What is not a number stays that.
+        let inside = if u > self.rim { self.rim } else { u };
         let [value, slope] = self.terms_inside(inside);
         [value + slope * (u - inside), slope]
-    }
-
-    /// The same of a range with numbers on both sides of the rim: by Taylor's theorem the terms go off from the paraboloid
-    /// beyond it by at most |d²T/du²| (u - u_rim)²/2, and their derivative by |d²T/du²| (u - u_rim).
-    fn terms_about_the_rim(&self, u: R) -> [R; 2] {
-        let over = (u - self.rim).magnitude();
-        let (unit, rim) = (self.unit.to_f64(), self.rim.to_f64());
-        let part = (rim + over) / unit;
-        let bend = |terms: &[R], first: f64| -> f64 {
-            let powers = (0..).map(|i| first + f64::from(i));
-            let sizes = powers.zip(terms).map(|(power, term)| (power, term.magnitude()));
-            sizes.map(|(power, size)| power * (power - 1.0) * size * part.powf(power - 2.0)).sum()
-        };
-        let bend = 1.001 * (bend(&self.even, 1.0) + bend(&self.odd, 1.5)) / (unit * unit);
-        let [value, slope] = self.terms_inside(u);
-        [value.within(bend * over * over / 2.0), slope.within(bend * over)]
     }
 
     /// T and dT/du at u inside the rim.

@@ -14,7 +14,6 @@ mod state;
 mod surface;
 mod work;
 
-pub(crate) use path::Intersection;
 pub use path::{Direction, Path, Walk};
 pub use state::Blocked;
 pub use work::evaluations;

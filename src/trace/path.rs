@@ -42,8 +42,6 @@ pub(crate) struct Intersection<R> {
     pub point: [R; 2],
     /// The square of the distance from the axis over that of the clear semi-diameter.
     pub ratio: R,
-    /// z of the surface's normal there: positive on the near side.
-    pub normal: R,
 }
 
 /// Squared cosine of the angle to the axis below which a ray meets the first vertex plane too far out for
@@ -289,8 +287,7 @@ impl<R: Real> Path<R> {
     }
 
     /// Takes a ray from (`x`, `y`) on a film at z = `film`, with these slopes, through all surfaces, whatever their
-    /// apertures say, as long as `go_on` says so. Whether it came to the end; a decision that
-    /// numbers of type `R` leave open counts against it.
+    /// apertures say, as long as `go_on` says so. Whether it came to the end.
     pub(crate) fn intersections(
         &self,
         film: f64,
@@ -313,8 +310,7 @@ impl<R: Real> Path<R> {
             }
             let [x, y, _] = state.p;
             let ratio = (x * x + y * y) / step.aperture;
-            let [_, _, normal] = step.normal(state.p);
-            go_on(Intersection { surface, point: [x, y], ratio, normal })
+            go_on(Intersection { surface, point: [x, y], ratio })
                 && step.refract(&mut state, self.refraction).is_ok()
         })
     }

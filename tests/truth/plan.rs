@@ -191,7 +191,7 @@ fn without_a_tolerance_the_plan_changes_no_bit() {
     .expect("rigid");
     let motion = CameraMotion::between((CameraToWorld::IDENTITY, 0.0), (turned, 1.0)).expect("one motion");
     let hosts = [host(), Host { to_world: motion, ..host() }];
-    let mut tests_left_out = 0;
+    let mut left_out = 0;
     for (name, diagonal) in LENSES {
         for (host, more) in [
             (&hosts[0], &[][..]),
@@ -204,12 +204,9 @@ fn without_a_tolerance_the_plan_changes_no_bit() {
             let given = [&[("specfile", name), ("filmdiag", diagonal)][..], more].concat();
             let planned = camera(host, &given);
             let unplanned = camera(&Host { leave_out: false, ..host.clone() }, &given);
-            tests_left_out += planned
-                .plan()
-                .items()
-                .iter()
-                .filter(|item| item.what.starts_with("aperture test") && !item.kept)
-                .count();
+            let count =
+                |camera: &RealisticCamera| camera.plan().items().iter().filter(|item| !item.kept).count();
+            left_out += count(&planned) - count(&unplanned);
             let mut random = Random::new(11);
             // Some far outside of the raster, for which the plan was not made.
             let samples: Vec<Sample> = (0..6000)
@@ -223,7 +220,7 @@ fn without_a_tolerance_the_plan_changes_no_bit() {
             }
         }
     }
-    assert!(tests_left_out > 10, "{tests_left_out}: hardly anything was left out");
+    assert_eq!(left_out, LENSES.len(), "of each lens the motion in a closed shutter");
 }
 
 #[test]
@@ -256,17 +253,13 @@ fn one_and_many_rays_have_the_same_bits_with_every_model_that_serves_both() {
 const SINGLET: &str = "30 2 1.6 16\nDUMMY-60 2 1 16\n0 3 1 6\n80 4 1.5 14\n-50 0 1 14\n";
 
 #[test]
-fn a_plane_that_neither_bends_nor_clips_changes_nothing_and_is_left_out() {
+fn a_plane_that_neither_bends_nor_clips_changes_nothing() {
     // The glass is cut in two by a plane with glass on both sides.
     let with = SINGLET.replace("DUMMY", "0 2 1.6 60\n");
     let without = SINGLET.replace("30 2", "30 4").replace("DUMMY", "");
     let given = [("filmdistance", "40"), ("filmdiag", "16")];
     let with = camera(&host_with(&with), &given);
     let without = camera(&host_with(&without), &given);
-    let gone = |camera: &RealisticCamera| {
-        camera.plan().items().iter().any(|item| item.what.contains("altogether") && !item.kept)
-    };
-    assert!(gone(&with) && !gone(&without), "{}", with.plan());
     let mut random = Random::new(4);
     let samples: Vec<Sample> = (0..5000).map(|_| random_sample(&mut random, 2.0)).collect();
     let found = rays(&with, &samples);

@@ -1,5 +1,5 @@
-//! What leaving out saves: the same camera with everything kept, with what its plan proves idle left out, no bit of any
-//! ray different, and with a tolerance, whose choice may be another model; times per ray in turns out.
+//! What leaving out saves: the same camera with everything kept, and with a tolerance, whose choice may be another model;
+//! times per ray in turns out.
 
 use realistic::unstable::{
     camera::{CameraError, Host, Parameters, Precision, Raster, RealisticCamera, Sample, SampleBlock},

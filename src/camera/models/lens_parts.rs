@@ -154,12 +154,12 @@ pub(super) fn plan_and_compile(
     if let Some(choice) = plan.choice() {
         log(Level::Info, &choice.sentence());
     }
-    let mut traces = |way| compile(way, lens, path, &kernels, body, &mut plan);
+    let traces = |tracing| compile(tracing, lens, path, &kernels, body);
     let one = traces(&decision.one);
     let many = decision.many.as_ref().map_or_else(|| one.clone(), traces);
     describe_sampling(&body.film_side, lens.wavelength, &mut plan);
     body.placement.describe(&mut plan);
-    let exact = match &decision.many.as_ref().unwrap_or(&decision.one).tracing {
+    let exact = match decision.many.as_ref().unwrap_or(&decision.one) {
         // Polynomials in single precision say nothing of what a trace in it would be.
         Tracing::Polynomials { .. } => Precision::F64,
         Tracing::Exact(precision) | Tracing::Refracted(_, precision) => *precision,

@@ -15,66 +15,48 @@ use crate::{
     sampling::{disk::Turns, film_rays::FilmRays},
     trace::{
         Blocked, Ray,
-        kernel::{Approach, Batch, Cpu, End, Grouping, Kernel, KernelScalar, Lanes, Start, from_plane},
-        polynomial::PolynomialLens,
+        kernel::{Approach, Batch, Cpu, End, Grouping, Kernel, Lanes, Start, from_plane},
+        polynomial::{Polynomial, PolynomialLens},
     },
 };
 
-/// What takes lanes of rays through a lens.
-pub(crate) trait LensOptics<S>: Send + Sync {
-    /// Traces a batch.
-    fn trace(&self, grouping: Grouping, batch: &mut impl Batch<S>)
-    where
-        S: KernelScalar;
-}
-
-impl<S: KernelScalar + Send + Sync> LensOptics<S> for Kernel<S> {
-    #[inline(always)]
-    fn trace(&self, grouping: Grouping, batch: &mut impl Batch<S>) {
-        Kernel::trace(self, grouping, batch);
-    }
-}
-
-impl<S: KernelScalar + Send + Sync> LensOptics<S> for PolynomialLens<S> {
-    #[inline(always)]
-    fn trace(&self, grouping: Grouping, batch: &mut impl Batch<S>) {
-        PolynomialLens::trace(self, grouping, batch);
-    }
-}
-
 /// A camera compiled for a precision and a way through the lens. How a call is grouped does not change a bit of its
 /// results.
-pub(crate) struct Pipeline<S, O> {
+pub(crate) struct Pipeline<S> {
     body: LaneBody<S>,
     whole: Kernel<S>,
-    /// What serves rays from film points within a radius in the place of the whole lens, and the square of that, mm².
-    fast: Option<(O, S)>,
+    /// What serves rays from the film in the place of the whole lens, and the square of the film's radius, mm²: it knows
+    /// nothing of rays from beyond.
+    fit: Option<(PolynomialLens<S>, S)>,
 }
 
-impl<S: Turns, O: LensOptics<S>> Pipeline<S, O> {
-    /// `fast` serves film points up to a radius in mm; a host that asks for points beyond gets the `whole` lens there.
-    pub fn new(whole: Kernel<S>, fast: Option<(O, f64)>, body: &CameraBody) -> Self {
-        Self {
-            body: body.lane_body(),
-            whole,
-            fast: fast.map(|(optics, reach)| (optics, S::from_f64(reach * reach))),
-        }
+impl<S: Turns> Pipeline<S> {
+    /// Every ray goes through the whole lens.
+    pub fn exact(whole: &Kernel<S>, body: &CameraBody) -> Self {
+        Self { body: body.lane_body(), whole: whole.clone(), fit: None }
+    }
+
+    /// Rays from the film go through polynomials; a host that asks for points beyond gets the `whole` lens there.
+    pub fn fitted(whole: &Kernel<S>, fit: &Polynomial, body: &CameraBody) -> Self {
+        let reach = body.film_side.film.reach();
+        let fit = (PolynomialLens::new(fit), S::from_f64(reach * reach));
+        Self { fit: Some(fit), ..Self::exact(whole, body) }
     }
 
     /// The way of every sample, however many they are.
     #[inline(always)]
     fn trace(&self, grouping: Grouping, samples: &impl SampleStore, rays: &mut impl RayStore) {
-        let Some((optics, within)) = &self.fast else {
+        let Some((fit, within)) = &self.fit else {
             return self.whole.trace(grouping, &mut Job::new(&self.body, samples, rays, None));
         };
         let mut job = Job::new(&self.body, samples, &mut *rays, Some(*within));
-        optics.trace(grouping, &mut job);
+        fit.trace(grouping, &mut job);
         if job.is_out_of_range.get() {
             self.trace_out_of_range(*within, samples, rays);
         }
     }
 
-    /// Traces anew, by the whole lens, those samples whose film points lie out of the fast way's range.
+    /// Traces anew, by the whole lens, those samples whose film points lie beyond the polynomials' range.
     #[cold]
     fn trace_out_of_range(&self, within: S, samples: &impl SampleStore, rays: &mut impl RayStore) {
         for i in 0..samples.len() {
@@ -90,7 +72,7 @@ impl<S: Turns, O: LensOptics<S>> Pipeline<S, O> {
     }
 }
 
-impl<S: Turns + Send + Sync, O: LensOptics<S>> Tracer for Pipeline<S, O> {
+impl<S: Turns + Send + Sync> Tracer for Pipeline<S> {
     fn one(&self, sample: &Sample, ray: &mut OneRay<'_>) {
         self.trace(Grouping::One, sample, ray);
     }
@@ -112,7 +94,7 @@ impl<S: Turns + Send + Sync, O: LensOptics<S>> Tracer for Pipeline<S, O> {
     }
 }
 
-impl<S: Turns + Send + Sync, O: LensOptics<S>> LensTracer for Pipeline<S, O> {
+impl<S: Turns + Send + Sync> LensTracer for Pipeline<S> {
     fn film_ray(&self, sample: &Sample) -> FilmRays<f64> {
         self.body.film.one(sample)
     }
@@ -127,7 +109,7 @@ pub(super) struct Job<'a, S, I, R> {
     body: &'a LaneBody<S>,
     samples: &'a I,
     rays: &'a mut R,
-    /// The square of the film radius up to which the optics serves, mm²; `None` for any.
+    /// The square of the film radius up to which polynomials serve, mm²; `None` for any.
     within: Option<S>,
     /// Set where a film point lies beyond.
     is_out_of_range: Cell<bool>,
@@ -139,7 +121,7 @@ impl<'a, S: Turns, I: SampleStore, R> Job<'a, S, I, R> {
         Self { body, samples, rays, within, is_out_of_range: Cell::new(false) }
     }
 
-    /// Takes their areas from film rays out of range: the fast way must not write what the whole lens may block.
+    /// Takes their areas from film rays out of range: polynomials must not write what the whole lens may block.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn check_range<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, rays: &mut [FilmRays<L>]) {
         let Some(within) = self.within else { return };

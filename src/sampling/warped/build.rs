@@ -56,8 +56,8 @@ const LEAST_WIDTH: f64 = 1e-6;
 const BLIND: usize = FINE / 32;
 
 /// What the table is built from.
-pub(crate) struct Builder<'a> {
-    pub tracer: Tracer<'a>,
+pub(crate) struct Builder {
+    pub tracer: Tracer,
     /// Largest film radius asked for, mm.
     pub reach: f64,
     /// A disk that holds every pupil.
@@ -120,8 +120,8 @@ struct Table<H> {
     growth: BTreeMap<usize, Vec<f64>>,
 }
 
-impl<'a> Builder<'a> {
-    pub fn new(path: &'a Path, film: f64, reach: f64, cover: PupilDisk, shift: f64) -> Self {
+impl Builder {
+    pub fn new(path: &Path, film: f64, reach: f64, cover: PupilDisk, shift: f64) -> Self {
         Self {
             tracer: Tracer::new(path, film),
             reach,
@@ -624,7 +624,7 @@ fn center_on_axis(intervals: &mut [Interval]) {
     if axis.fitted && one.fitted && two.fitted {
         let (h1, h2) = (one.height * one.height, two.height * two.height);
         let on_axis = |one: f64, two: f64| one - (two - one) * h1 / (h2 - h1);
-        // The narrowing not below 0: the map would leave the disks of `WarpedPupil::bands`.
+        // A pupil is narrowed, never widened.
         (axis.center, axis.narrowing) =
             (on_axis(one.center, two.center), on_axis(one.narrowing, two.narrowing).max(0.0));
     } else {

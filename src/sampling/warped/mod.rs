@@ -58,7 +58,6 @@ use self::{
     slice::CELLS,
 };
 use super::{
-    band::Band,
     film_rays::FilmRays,
     pupil_disk::{LaneDisk, PupilDisk, PupilSample},
 };
@@ -97,8 +96,6 @@ const _: () = assert!((ROOT * ROOT) as usize == CELLS / 2);
 const STRIDE: usize = CELLS + 1;
 // Sums of places are as lanes have them.
 const _: () = assert!(2 * FINE * STRIDE < 1 << 31);
-/// Rings of [`WarpedPupil::bands`].
-const BANDS: usize = 4;
 
 impl WarpedPupil {
     /// Tabulates the pupils of film points up to `reach` mm from the axis, on film at `film` (z in
@@ -167,35 +164,6 @@ impl WarpedPupil {
     /// The disk that holds every pupil.
     pub(crate) fn cover_disk(&self) -> PupilDisk {
         self.cover
-    }
-
-    /// Rings of the film with disks of slopes that hold everything sampled there.
-    pub fn bands(&self) -> Vec<Band> {
-        /// Each holds every slope that single precision can make of the table.
-        const ROUNDING: f64 = 1e-5;
-        let height = |cell: usize| {
-            let s = cell as f64 / FINE as f64;
-            self.end * if self.dark_beyond { s * (2.0 - s) } else { s }
-        };
-        (0..BANDS)
-            .map(|number| {
-                let [from, to] = [number, number + 1].map(|number| number * FINE / BANDS);
-                let mut band =
-                    Band { radii: [height(from), height(to)], center: [f64::MAX, f64::MIN], radius: 0.0 };
-                for cell in &self.cells[from..to] {
-                    let (slice, [_, center, step]) = (cell.index as usize, cell.numbers.map(f64::from));
-                    band.center = [
-                        band.center[0].min(center).min(center + step),
-                        band.center[1].max(center).max(center + step),
-                    ];
-                    // The slice below and the one above.
-                    let knots = self.table[slice..slice + 2 * STRIDE].iter();
-                    let longest = knots.map(|m| m[0] * m[0] + m[1] * m[1]).fold(0.0, f32::max);
-                    band.radius = band.radius.max(f64::from(longest).sqrt() * (1.0 + ROUNDING));
-                }
-                band
-            })
-            .collect()
     }
 
     /// The slope that the point `disk` of the unit disk stands for at a film point, mm; `None` where the

@@ -38,7 +38,7 @@ pub(crate) struct Shape<'a> {
 /// A coarse look for holes inside each of several outlines, and for light that gets through outside it: also between the
 /// looks, wherever one of them is nearer to getting through than its neighbours. Side by side, because rays are traced in
 /// packets.
-pub(crate) fn are_in_pieces(tracer: &Tracer<'_>, shapes: &[Shape<'_>]) -> Vec<bool> {
+pub(crate) fn are_in_pieces(tracer: &Tracer, shapes: &[Shape<'_>]) -> Vec<bool> {
     const LOOKS: usize = RAYS * (WITHIN + BEYOND);
     let place = |k: usize, n: usize| (k as f64 + 0.5) / n as f64;
     let mut half_lines = Vec::with_capacity(RAYS * shapes.len());
@@ -178,12 +178,7 @@ enum Led {
 }
 
 /// Follows the descents, side by side, and marks the shapes of which one ends at light beside the outline.
-fn look_beside(
-    tracer: &Tracer<'_>,
-    shapes: &[Shape<'_>],
-    mut descents: Vec<Descent>,
-    in_pieces: &mut [bool],
-) {
+fn look_beside(tracer: &Tracer, shapes: &[Shape<'_>], mut descents: Vec<Descent>, in_pieces: &mut [bool]) {
     let mut found = Vec::with_capacity(4 * descents.len());
     for _ in 0..STEPS {
         descents.retain(|descent| !in_pieces[descent.shape]);

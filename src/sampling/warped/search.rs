@@ -175,7 +175,7 @@ impl Hints {
 /// What traces the rays of searches, and what they know from one another.
 #[derive(Clone, Copy)]
 pub(crate) struct EdgeFinder<'a> {
-    pub tracer: &'a Tracer<'a>,
+    pub tracer: &'a Tracer,
     pub hints: &'a Hints,
 }
 

@@ -25,7 +25,7 @@ const SLOPES: u32 = 256;
 
 /// What is searched.
 pub(crate) struct Field<'a> {
-    pub tracer: &'a Tracer<'a>,
+    pub tracer: &'a Tracer,
     /// Largest film radius asked for, mm.
     pub reach: f64,
     /// A disk that holds every pupil.

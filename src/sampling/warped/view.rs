@@ -28,8 +28,8 @@ const EVALUATION: u64 = 6;
 const LONG: u64 = 100;
 
 /// Traces rays for searches, and counts them.
-pub(crate) struct Tracer<'a> {
-    clearances: ClearanceTracer<'a>,
+pub(crate) struct Tracer {
+    clearances: ClearanceTracer,
     rays: Cell<u32>,
     /// Packets traced, full or not, and evaluations of aspheres, times what they count: what the time depends on,
     /// whatever the width of the registers.
@@ -39,8 +39,8 @@ pub(crate) struct Tracer<'a> {
     longer: u64,
 }
 
-impl<'a> Tracer<'a> {
-    pub fn new(path: &'a Path, film: f64) -> Self {
+impl Tracer {
+    pub fn new(path: &Path, film: f64) -> Self {
         let longer = (path.surfaces() as u64 / LONG).max(1);
         Self {
             clearances: ClearanceTracer::new(path, film),
@@ -84,7 +84,7 @@ impl<'a> Tracer<'a> {
 /// The lens from one film point.
 #[derive(Clone, Copy)]
 pub(crate) struct View<'a> {
-    pub tracer: &'a Tracer<'a>,
+    pub tracer: &'a Tracer,
     /// Distance from the axis, mm.
     pub height: f64,
     /// τ, in units of which sx counts.

@@ -1,13 +1,14 @@
 //! A stop with blades, in lanes: a test of [`StopFigure`]'s inequality, without a move of the rays and without a division.
 
 use super::{
+    apertures::Apertures,
     lanes::{Cpu, Lanes},
     ray::RayLanes,
     table::BladedStop,
 };
 use crate::{numeric::Real, trace::blades::StopFigure};
 
-impl<L: Lanes> RayLanes<L> {
+impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
     /// At P = z (Vx, Vy)/Vz + (x, y), z the distance along the axis to the stop; all of it times Vz².
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn blades(&mut self, cpu: Cpu<L>, stop: &BladedStop<L::Scalar>) {

@@ -10,10 +10,11 @@
 //! but for rays within rounding of an edge. Squares of n cos I below 2^-256 (double precision) or 2^-64 (single) count
 //! as 0 and block.
 //!
-//! What follows what: `surface` gathers what is known of each surface, with what `clearance::crossing` proves from its neighbours'
+//! What follows what: `surface` gathers what is known of each surface, with what `crossing` proves from its neighbours'
 //! shapes; `table` makes a step of each, within the growth of rounding that `rounding` allows; a `batch` makes rays as
 //! vectors of `lanes`; `trace` takes them through the steps, each of which is a method in `ray` or, for what is no sphere,
-//! in `asphere`; `dispersion` is the table for a wavelength per lane; `instances` compiles all that once for each set of instructions in `simd`. `clearance` is a second, smaller loop for searches.
+//! in `asphere`; `dispersion` is the table for a wavelength per lane; `instances` compiles all that once for each set of instructions in `simd`. `clearance` asks the same loop how near rays
+//! come to the edges of `apertures`, for searches.
 //!
 //! On `#[cfg_attr(not(debug_assertions), inline(always))]`, which stands at every function below `instances`: a vector
 //! operation is compiled for a processor only inside a function that is, so that all of them must be inlined into the
@@ -21,9 +22,11 @@
 //! called instead, with the same bits: described to a debugger, functions of that size overflow LLVM's stack. An
 //! attribute cannot be given a name of its own in stable Rust.
 
+mod apertures;
 mod asphere;
 mod blades;
 mod clearance;
+mod crossing;
 mod dispersion;
 mod instances;
 mod lanes;
@@ -78,27 +81,17 @@ impl<S: KernelScalar> Kernel<S> {
 
     /// [`Kernel::new`] of a path that there is already.
     pub(crate) fn along(path: &Path) -> Self {
-        Self::compile(path.clone(), Available::best(), |_| true)
-    }
-
-    /// The same lens, tested for the apertures of only those surfaces, counted from the scene, that `tested`
-    /// names. Rays that pass every aperture keep their bits; one that passes all but an aperture left out is not
-    /// blocked.
-    #[must_use]
-    pub fn testing(&self, tested: impl Fn(usize) -> bool) -> Self {
-        let last = self.path.surfaces() - 1;
-        let from_scene = |i| if self.path.direction == Direction::FilmToScene { last - i } else { i };
-        Self::compile(self.path.clone(), self.simd, |i| tested(from_scene(i)))
+        Self::compile(path.clone(), Available::best())
     }
 
     /// Compiles a lens for the instructions named; `None` where the processor lacks them.
     pub fn with_simd(lens: &Lens, direction: Direction, simd: Simd) -> Option<Self> {
         let path = || Path::new(lens, direction, Refraction::Fused);
-        simd.available().map(|simd| Self::compile(path(), simd, |_| true))
+        simd.available().map(|simd| Self::compile(path(), simd))
     }
 
-    fn compile(path: Path, simd: Available, tested: impl Fn(usize) -> bool) -> Self {
-        Self { table: Table::new(&path, S::AMPLIFICATION, tested), path, simd }
+    fn compile(path: Path, simd: Available) -> Self {
+        Self { table: Table::new(&path, S::AMPLIFICATION), path, simd }
     }
 
     /// Surfaces and tests that each ray is taken through one by one.

@@ -11,6 +11,7 @@
 //! A ray that a surface blocks goes on with whatever numbers it has; the mask knows.
 
 use super::{
+    apertures::{Apertures, Blocking},
     dispersion::Media,
     lanes::{Cpu, Lanes, Scalar},
     surface::Transfer,
@@ -56,7 +57,7 @@ pub struct End<L: Lanes> {
 
 /// Rays on their way.
 #[derive(Clone, Copy)]
-pub struct RayLanes<L: Lanes> {
+pub struct RayLanes<L: Lanes, A = Blocking> {
     pub x: L,
     pub y: L,
     pub vx: L,
@@ -69,18 +70,14 @@ pub struct RayLanes<L: Lanes> {
     pub passed: L::Mask,
     /// The squared cosine to the axis with which they set out.
     pub cos2: L,
+    pub apertures: A,
 }
 
 /// By how much V may be longer or shorter than n in the end: the step of Newton's iteration then leaves 1.5 times the
 /// square of it, 3e-7.
 const MOST_ROUNDING: f64 = 4.5e-4;
 
-/// A link's [`ApertureTest`] as a constant.
-pub const UNTESTED: u8 = 0;
-pub const HEIGHT: u8 = 1;
-pub const NORMAL_Z: u8 = 2;
-
-impl<L: Lanes> RayLanes<L> {
+impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
     /// Through the first surface.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn enter(cpu: Cpu<L>, step: &Step<L::Scalar>, media: impl Media<L>, start: Start<L>) -> Self {
@@ -148,7 +145,8 @@ impl<L: Lanes> RayLanes<L> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn at(cpu: Cpu<L>, [x, y]: [L; 2], [vx, vy, vz]: [L; 3], cos2: L) -> Self {
         let zero = L::splat(cpu, L::Scalar::ZERO);
-        Self { x, y, vx, vy, vz, height: zero, root: zero, passed: zero.less_equal(zero), cos2 }
+        let (passed, apertures) = (zero.less_equal(zero), A::new(cpu));
+        Self { x, y, vx, vy, vz, height: zero, root: zero, passed, cos2, apertures }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -183,6 +181,23 @@ impl<L: Lanes> RayLanes<L> {
         self.y.mul_add(self.y, self.x * self.x)
     }
 
+    /// At this squared distance from the axis, where that of the aperture's edge is `aperture`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn meet_aperture(&mut self, cpu: Cpu<L>, height_squared: L, aperture: L) {
+        self.passed = self.apertures.meet(cpu, self.passed, height_squared, aperture);
+    }
+
+    /// On a steep sphere, whose normal says what the height says and tells the near hemisphere from the far one.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn steep(&mut self, cpu: Cpu<L>, normal_z: L, least: L::Scalar, aperture: L::Scalar) {
+        if A::BLOCK {
+            self.keep(L::splat(cpu, least).less_equal(normal_z));
+        } else {
+            self.keep(L::splat(cpu, L::Scalar::ZERO).less_equal(normal_z));
+            self.meet_aperture(cpu, self.height_squared(), L::splat(cpu, aperture));
+        }
+    }
+
     /// How far the ray has come before a surface that is led; `None` before others, which count from where the ray is.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn lead(&self, is_led: bool) -> Option<L> {
@@ -205,12 +220,11 @@ impl<L: Lanes> RayLanes<L> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn link<const TEST: u8, const RARER: bool>(
+    pub fn link<const STEEP: bool, const RARER: bool>(
         &mut self,
         cpu: Cpu<L>,
         link: &Link<L::Scalar>,
         media: impl Media<L>,
-        limit: L::Scalar,
     ) {
         let (alpha, rho) = (L::splat(cpu, link.alpha), L::splat(cpu, link.rho));
         let minus_2phi = media.times_square(
@@ -228,10 +242,12 @@ impl<L: Lanes> RayLanes<L> {
         self.bend(L::splat(cpu, link.minus_c), after - before, normal_z);
         (self.height, self.root) = (normal_z, after);
         self.keep_root(cpu, media.lesser(RARER, square, square_after));
-        match TEST {
-            NORMAL_Z => self.keep(L::splat(cpu, limit).less_equal(normal_z)),
-            HEIGHT => self.keep(self.height_squared().less_equal(L::splat(cpu, limit))),
-            _ => {}
+        match link.aperture_test {
+            ApertureTest::NormalZ { least, aperture } if STEEP => self.steep(cpu, normal_z, least, aperture),
+            ApertureTest::NormalZ { .. } => {}
+            ApertureTest::Height(aperture) => {
+                self.meet_aperture(cpu, self.height_squared(), L::splat(cpu, aperture));
+            }
         }
     }
 
@@ -332,11 +348,13 @@ impl<L: Lanes> RayLanes<L> {
         self.bend(minus_c, after - before, normal_z);
         (self.height, self.root) = (if PLAIN || sphere.carries_normal { normal_z } else { z }, after);
         self.keep_root(cpu, media.lesser(sphere.index_step < L::Scalar::ZERO, square, square_after));
-        let least =
-            if let ApertureTest::NormalZ(least) = sphere.aperture_test { least } else { L::Scalar::ZERO };
-        self.keep(L::splat(cpu, least).less_equal(normal_z));
-        if !PLAIN && let ApertureTest::Height(most) = sphere.aperture_test {
-            self.keep(self.height_squared().less_equal(L::splat(cpu, most)));
+        match sphere.aperture_test {
+            ApertureTest::NormalZ { least, aperture } => self.steep(cpu, normal_z, least, aperture),
+            ApertureTest::Height(_) if PLAIN => {}
+            ApertureTest::Height(aperture) => {
+                self.keep(L::splat(cpu, L::Scalar::ZERO).less_equal(normal_z));
+                self.meet_aperture(cpu, self.height_squared(), L::splat(cpu, aperture));
+            }
         }
     }
 
@@ -355,9 +373,7 @@ impl<L: Lanes> RayLanes<L> {
             t = minus_z / self.vz;
             self.advance(t);
         }
-        if plane.tested {
-            self.keep(self.height_squared().less_equal(L::splat(cpu, plane.aperture)));
-        }
+        self.meet_aperture(cpu, self.height_squared(), L::splat(cpu, plane.aperture));
         let square = self.vz * self.vz;
         let square_after = self.vz.mul_add(self.vz, media.index_step(cpu, plane.index_step));
         self.keep_root(cpu, media.lesser(plane.index_step < L::Scalar::ZERO, square, square_after));
@@ -381,8 +397,7 @@ impl<L: Lanes> RayLanes<L> {
         let ahead = self.minus_z(cpu, &stop.transfer);
         let x = ahead.mul_add(self.vx, self.x * self.vz);
         let y = ahead.mul_add(self.vy, self.y * self.vz);
-        let limit = (self.vz * self.vz) * L::splat(cpu, stop.aperture);
-        self.keep(y.mul_add(y, x * x).less_equal(limit));
+        self.meet_aperture(cpu, y.mul_add(y, x * x), (self.vz * self.vz) * L::splat(cpu, stop.aperture));
     }
 
     /// One step of Newton's iteration for what V is to be multiplied with; V has the length n but for rounding.

@@ -1,7 +1,7 @@
 //! A surface as the kernel's table is made of it: its numbers in the frame of the travel, and which tests its neighbours'
 //! shapes leave open. A path's surfaces in; [`CompiledSurface`]s out, of which `table` chooses steps.
 
-use super::clearance::crossing::{self, ClearPart, Tests};
+use super::crossing::{self, ClearPart, Tests};
 use crate::trace::{aspheric::Aspheric, blades::StopFigure, surface::PathSurface};
 
 /// |R|/n up to this many times the clear semi-diameter counts as strongly curved: without the division t has an error of
@@ -32,9 +32,7 @@ pub struct CompiledSurface<'a> {
     /// From the last surface that moved the ray.
     pub distance: f64,
     pub tests: Tests,
-    /// Whether the aperture is to be tested.
-    pub tested: bool,
-    /// The figure that blades leave open in it, which is always tested.
+    /// The figure that blades leave open in it.
     pub blades: Option<&'a StopFigure<f64>>,
     /// A plane that only limits: a test, which does not move the ray.
     pub is_still: bool,
@@ -55,14 +53,8 @@ impl CompiledSurface<'_> {
     }
 }
 
-/// The surfaces of a path. `travel_sign` is that of the table, `epsilon` the precision's rounding unit, `tested` says whose
-/// apertures are to be tested.
-pub fn surfaces(
-    steps: &[PathSurface<f64>],
-    travel_sign: f64,
-    epsilon: f64,
-    tested: impl Fn(usize) -> bool,
-) -> Vec<CompiledSurface<'_>> {
+/// The surfaces of a path. `travel_sign` is that of the table, `epsilon` the precision's rounding unit.
+pub fn surfaces(steps: &[PathSurface<f64>], travel_sign: f64, epsilon: f64) -> Vec<CompiledSurface<'_>> {
     let mut surfaces: Vec<CompiledSurface<'_>> = Vec::with_capacity(steps.len());
     let clear_part = |step: &PathSurface<f64>| ClearPart {
         curvature: step.curvature,
@@ -97,8 +89,6 @@ pub fn surfaces(
             slack: step.slack * (epsilon / f64::EPSILON),
             distance,
             tests,
-            // The figure lies inside the circle.
-            tested: tested(i) && step.blades.is_none(),
             blades: step.blades.as_deref(),
             is_still,
             leads,

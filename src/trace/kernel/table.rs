@@ -6,7 +6,7 @@
 
 use super::{
     asphere::{Asphere, Conic},
-    clearance::crossing::Tests,
+    crossing::Tests,
     lanes::Scalar,
     rounding::{AxialStep, RoundingGrowth},
     surface::{CompiledSurface, Transfer, surfaces},
@@ -19,9 +19,11 @@ pub enum ApertureTest<S> {
     /// x² + y² <= a².
     Height(S),
     /// N_z >= sqrt(1 - c² a²), which rejects the far hemisphere, too.
-    NormalZ(S),
-    /// No ray that all other tests let through fails.
-    Untested,
+    NormalZ {
+        least: S,
+        /// a².
+        aperture: S,
+    },
 }
 
 /// A sphere met from anywhere: the curvature form of the quadratic.
@@ -58,8 +60,6 @@ pub struct Plane<S> {
     pub index_step: S,
     /// a².
     pub aperture: S,
-    /// Whether the aperture is to be tested.
-    pub tested: bool,
     pub tests: Tests,
     pub slack: S,
     /// The ray is to tell the next surface how far it has come; or has been told so itself.
@@ -134,11 +134,20 @@ pub enum Step<S> {
     Renormalise([S; 2]),
 }
 
+impl<S> Step<S> {
+    /// Whether it is the one of its surface's steps at which rays are refracted.
+    pub fn refracts(&self) -> bool {
+        !matches!(self, Self::Stop(_) | Self::Blades(_) | Self::Renormalise(_))
+    }
+}
+
 /// A lens compiled for one direction.
 #[derive(Clone, Debug)]
 pub struct Table<S> {
     /// The first is never a link or a stop; a ray enters it in its vertex's frame.
     pub steps: Box<[Step<S>]>,
+    /// The surface of each step, counted along the path.
+    pub surfaces: Box<[usize]>,
     /// From the last surface to lens space: z there is `exit.factor` times what the ray carries, plus `exit.offset`.
     pub exit: Transfer<S>,
     /// 3/(2 n) and -1/(2 n³) of the last medium: D = V (`unit[0]` + `unit[1]` V·V) is a unit vector.
@@ -162,43 +171,33 @@ const LINK_ROUNDING: f64 = 28.0;
 const NARROW: f64 = 6.0;
 
 impl<S: Scalar> Table<S> {
-    /// Compiles a path. Links are made up to the given amplification of rounding. `tested` says of a surface, counted
-    /// along the path, whether its aperture is to be tested; leaving a test out changes no bit of what passes.
-    pub fn new(path: &Path<f64>, amplification: f64, tested: impl Fn(usize) -> bool) -> Self {
-        Self::compiled(path, amplification, tested, Unit::Own).0
+    /// Compiles a path. Links are made up to the given amplification of rounding.
+    pub fn new(path: &Path<f64>, amplification: f64) -> Self {
+        Self::compiled(path, amplification, Unit::Own)
     }
 
-    /// The same with numbers per n² of the medium before each surface, and every aperture tested; and the surface, counted
-    /// along the path, that each step refracts at.
-    pub fn per_square(path: &Path<f64>, amplification: f64) -> (Self, Vec<Option<usize>>) {
-        Self::compiled(path, amplification, |_| true, Unit::Square)
+    /// The same with numbers per n² of the medium before each surface.
+    pub fn per_square(path: &Path<f64>, amplification: f64) -> Self {
+        Self::compiled(path, amplification, Unit::Square)
     }
 
-    fn compiled(
-        path: &Path<f64>,
-        amplification: f64,
-        tested: impl Fn(usize) -> bool,
-        unit: Unit,
-    ) -> (Self, Vec<Option<usize>>) {
+    fn compiled(path: &Path<f64>, amplification: f64, unit: Unit) -> Self {
         let travel_sign = match path.direction {
             Direction::FilmToScene => 1.0,
             Direction::SceneToFilm => -1.0,
         };
-        let surfaces = surfaces(&path.steps, travel_sign, S::EPSILON, tested);
+        let surfaces = surfaces(&path.steps, travel_sign, S::EPSILON);
         let mut steps = Vec::with_capacity(surfaces.len());
-        let mut refracts_at = Vec::with_capacity(surfaces.len());
+        let mut numbers = Vec::with_capacity(surfaces.len());
         let forms = forms(&surfaces, amplification);
         // The last surface that moved the ray, and whether it hands N_z on.
         let mut last: Option<(&CompiledSurface<'_>, bool)> = None;
         for (i, surface) in surfaces.iter().enumerate() {
             let transfer = transfer(last, surface.distance);
             if surface.is_still {
-                if surface.tested {
-                    let aperture = S::from_f64(surface.aperture);
-                    steps.push(Step::Stop(Stop { transfer, aperture }));
-                }
+                steps.push(Step::Stop(Stop { transfer, aperture: S::from_f64(surface.aperture) }));
                 steps.extend(surface.blades.map(|figure| Step::Blades(BladedStop::new(figure, transfer))));
-                refracts_at.resize(steps.len(), None);
+                numbers.resize(steps.len(), i);
                 continue;
             }
             let carries_normal = forms[i + 1..].iter().find_map(|form| match form {
@@ -230,28 +229,26 @@ impl<S: Scalar> Table<S> {
             if last.is_some() && matches!(forms[i], StepForm::Sphere { far: true }) {
                 steps.push(Step::Renormalise([S::from_f64(1.5), S::from_f64(-0.5 / (n * n))]));
             }
-            refracts_at.resize(steps.len(), None);
-            refracts_at.push(Some(i));
             steps.push(step);
             last = Some((surface, carries_normal));
             let here = self::transfer(last, 0.0);
             steps.extend(surface.blades.map(|figure| Step::Blades(BladedStop::new(figure, here))));
+            numbers.resize(steps.len(), i);
         }
-        refracts_at.resize(steps.len(), None);
         let n = path.steps.last().map_or(1.0, |step| step.n_after);
         let (factor, offset) = match last {
             Some((surface, true)) => (-travel_sign / surface.c, path.exit + travel_sign / surface.c),
             _ => (travel_sign, path.exit),
         };
-        let table = Self {
+        Self {
             steps: steps.into(),
+            surfaces: numbers.into(),
             exit: Transfer { factor: S::from_f64(factor), offset: S::from_f64(offset) },
             unit: [S::from_f64(1.5 / n), S::from_f64(-0.5 / n.powi(3))],
             last_index: S::from_f64(n),
             entry: path.entry,
             travel_sign,
-        };
-        (table, refracts_at)
+        }
     }
 }
 
@@ -331,11 +328,10 @@ fn transfer<S: Scalar>(last: Option<(&CompiledSurface<'_>, bool)>, distance: f64
 }
 
 fn aperture_test<S: Scalar>(surface: &CompiledSurface<'_>) -> ApertureTest<S> {
-    if !surface.tested {
-        ApertureTest::Untested
-    } else if surface.is_steep() {
+    if surface.is_steep() {
         // Beyond the equator the sphere is no part of the surface.
-        ApertureTest::NormalZ(S::from_f64((1.0 - (surface.c * surface.semi).powi(2)).max(0.0).sqrt()))
+        let least = S::from_f64((1.0 - (surface.c * surface.semi).powi(2)).max(0.0).sqrt());
+        ApertureTest::NormalZ { least, aperture: S::from_f64(surface.aperture) }
     } else {
         ApertureTest::Height(S::from_f64(surface.aperture))
     }
@@ -346,7 +342,6 @@ fn plane<S: Scalar>(surface: &CompiledSurface<'_>, transfer: Transfer<S>) -> Pla
         transfer,
         index_step: S::from_f64(surface.index_step),
         aperture: S::from_f64(surface.aperture),
-        tested: surface.tested,
         tests: surface.tests,
         slack: S::from_f64(surface.slack),
         leads: surface.leads,
@@ -436,8 +431,9 @@ impl Link<f64> {
             per_cn2: S::from_f64(self.per_cn2),
             aperture_test: match self.aperture_test {
                 ApertureTest::Height(limit) => ApertureTest::Height(S::from_f64(limit)),
-                ApertureTest::NormalZ(limit) => ApertureTest::NormalZ(S::from_f64(limit)),
-                ApertureTest::Untested => ApertureTest::Untested,
+                ApertureTest::NormalZ { least, aperture } => {
+                    ApertureTest::NormalZ { least: S::from_f64(least), aperture: S::from_f64(aperture) }
+                }
             },
             forward: self.forward,
             rarer: self.rarer,
@@ -455,7 +451,7 @@ mod tests {
 
     fn renormalisations(lens: &Lens, direction: Direction) -> usize {
         let path = Path::new(lens, direction, Refraction::Fused);
-        let table = Table::<f64>::new(&path, 25.0, |_| true);
+        let table = Table::<f64>::new(&path, 25.0);
         table.steps.iter().filter(|step| matches!(step, Step::Sphere(sphere) if sphere.far)).count()
     }
 

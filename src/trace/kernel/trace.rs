@@ -1,9 +1,10 @@
 //! The algorithm: vectors of rays taken through a table step by step, each step for all of them.
 
 use super::{
+    apertures::{Apertures, Blocking},
     dispersion::{Media, MediaOnWay},
     lanes::{Cpu, Lanes, each_further},
-    ray::{End, HEIGHT, NORMAL_Z, RayLanes, Start, UNTESTED},
+    ray::{End, RayLanes, Start},
     simd::Compiled,
     table::{ApertureTest, Link, Step, Table},
 };
@@ -14,9 +15,25 @@ use crate::numeric::Real;
 pub fn trace<L: Lanes, const U: usize>(
     cpu: Cpu<L>,
     table: &Table<L::Scalar>,
-    mut on_way: impl MediaOnWay<L, U>,
+    on_way: impl MediaOnWay<L, U>,
     starts: [Start<L>; U],
 ) -> [(End<L>, L); U] {
+    let rays = through::<L, Blocking, U>(cpu, table, on_way, starts);
+    let mut ended = [(rays[0].leave(cpu, table), rays[0].cos2); U];
+    each_further!(u < U, {
+        ended[u] = (rays[u].leave(cpu, table), rays[u].cos2);
+    });
+    ended
+}
+
+/// Through all surfaces, as `A` has it at their apertures.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub fn through<L: Lanes, A: Apertures<L>, const U: usize>(
+    cpu: Cpu<L>,
+    table: &Table<L::Scalar>,
+    mut on_way: impl MediaOnWay<L, U>,
+    starts: [Start<L>; U],
+) -> [RayLanes<L, A>; U] {
     let media = on_way.at(cpu, 0);
     let mut rays = [RayLanes::enter(cpu, &table.steps[0], media[0], starts[0]); U];
     each_further!(u < U, {
@@ -29,22 +46,18 @@ pub fn trace<L: Lanes, const U: usize>(
     } else {
         trace_steps(cpu, table, &mut on_way, &mut rays);
     }
-    let mut ended = [(rays[0].leave(cpu, table), rays[0].cos2); U];
-    each_further!(u < U, {
-        ended[u] = (rays[u].leave(cpu, table), rays[u].cos2);
-    });
-    ended
+    rays
 }
 
 /// [`trace_steps`] to be compiled apart.
-struct Steps<'a, L: Lanes, W, const U: usize> {
+struct Steps<'a, L: Lanes, A, W, const U: usize> {
     cpu: Cpu<L>,
     table: &'a Table<L::Scalar>,
     on_way: &'a mut W,
-    rays: &'a mut [RayLanes<L>; U],
+    rays: &'a mut [RayLanes<L, A>; U],
 }
 
-impl<L: Lanes, W: MediaOnWay<L, U>, const U: usize> Compiled for Steps<'_, L, W, U> {
+impl<L: Lanes, A: Apertures<L>, W: MediaOnWay<L, U>, const U: usize> Compiled for Steps<'_, L, A, W, U> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run(self) {
         trace_steps(self.cpu, self.table, self.on_way, self.rays);
@@ -53,15 +66,18 @@ impl<L: Lanes, W: MediaOnWay<L, U>, const U: usize> Compiled for Steps<'_, L, W,
 
 /// Takes vectors of rays through all surfaces but the first, each surface for all of them.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn trace_steps<L: Lanes, W: MediaOnWay<L, U>, const U: usize>(
+fn trace_steps<L: Lanes, A: Apertures<L>, W: MediaOnWay<L, U>, const U: usize>(
     cpu: Cpu<L>,
     table: &Table<L::Scalar>,
     on_way: &mut W,
-    rays: &mut [RayLanes<L>; U],
+    rays: &mut [RayLanes<L, A>; U],
 ) {
     // Loops and not closures, here and below: a closure that is not inlined would be compiled for
     // another processor than the function it stands in.
     for (number, step) in (1..).zip(&table.steps[1..]) {
+        for ray in &mut *rays {
+            ray.apertures.step(number);
+        }
         match step {
             Step::Link(link) => {
                 let media = on_way.at(cpu, number);
@@ -70,25 +86,18 @@ fn trace_steps<L: Lanes, W: MediaOnWay<L, U>, const U: usize>(
                         ray.go_forward(cpu);
                     }
                 }
-                let none = L::Scalar::ZERO;
                 match (link.aperture_test, link.rarer) {
-                    (ApertureTest::NormalZ(least), false) => {
-                        cross::<L, W::Media, U, NORMAL_Z, false>(cpu, link, media, least, rays)
+                    (ApertureTest::NormalZ { .. }, false) => {
+                        cross::<L, A, _, U, true, false>(cpu, link, media, rays)
                     }
-                    (ApertureTest::NormalZ(least), true) => {
-                        cross::<L, W::Media, U, NORMAL_Z, true>(cpu, link, media, least, rays)
+                    (ApertureTest::NormalZ { .. }, true) => {
+                        cross::<L, A, _, U, true, true>(cpu, link, media, rays)
                     }
-                    (ApertureTest::Height(most), false) => {
-                        cross::<L, W::Media, U, HEIGHT, false>(cpu, link, media, most, rays)
+                    (ApertureTest::Height(_), false) => {
+                        cross::<L, A, _, U, false, false>(cpu, link, media, rays)
                     }
-                    (ApertureTest::Height(most), true) => {
-                        cross::<L, W::Media, U, HEIGHT, true>(cpu, link, media, most, rays)
-                    }
-                    (ApertureTest::Untested, false) => {
-                        cross::<L, W::Media, U, UNTESTED, false>(cpu, link, media, none, rays)
-                    }
-                    (ApertureTest::Untested, true) => {
-                        cross::<L, W::Media, U, UNTESTED, true>(cpu, link, media, none, rays)
+                    (ApertureTest::Height(_), true) => {
+                        cross::<L, A, _, U, false, true>(cpu, link, media, rays)
                     }
                 }
             }
@@ -97,11 +106,13 @@ fn trace_steps<L: Lanes, W: MediaOnWay<L, U>, const U: usize>(
                     ray.stop(cpu, stop);
                 }
             }
-            Step::Blades(stop) => {
+            // Blades are no edge that is searched for: what they leave open lies inside the stop's.
+            Step::Blades(stop) if A::BLOCK => {
                 for ray in &mut *rays {
                     ray.blades(cpu, stop);
                 }
             }
+            Step::Blades(_) => {}
             Step::Sphere(sphere) => {
                 let media = on_way.at(cpu, number);
                 if sphere.tests.forward {
@@ -153,14 +164,13 @@ fn trace_steps<L: Lanes, W: MediaOnWay<L, U>, const U: usize>(
 }
 
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn cross<L: Lanes, M: Media<L>, const U: usize, const TEST: u8, const RARER: bool>(
+fn cross<L: Lanes, A: Apertures<L>, M: Media<L>, const U: usize, const STEEP: bool, const RARER: bool>(
     cpu: Cpu<L>,
     link: &Link<L::Scalar>,
     media: [M; U],
-    limit: L::Scalar,
-    rays: &mut [RayLanes<L>; U],
+    rays: &mut [RayLanes<L, A>; U],
 ) {
     for (ray, media) in rays.iter_mut().zip(&media) {
-        ray.link::<TEST, RARER>(cpu, link, *media, limit);
+        ray.link::<STEEP, RARER>(cpu, link, *media);
     }
 }

@@ -96,7 +96,7 @@ static void cameras(const realistic::Api &api) {
     realistic_ray corner;
     cropped.generate({0, 0, 0.5f, 0.5f, 0}, corner);
     std::printf("corner %g %g\n", corner.o[0], corner.o[1]);
-    std::printf("plan %d\n", camera.plan().find("aperture tests") != std::string::npos);
+    std::printf("plan %d\n", camera.plan().find("exact trace") != std::string::npos);
 
     const unsigned n = 2000;
     std::vector<realistic_sample> samples(n);

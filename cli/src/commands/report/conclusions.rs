@@ -194,30 +194,20 @@ fn polynomials(results: &Results, lens: &str) -> Option<String> {
     })
 }
 
-/// What the plan saves, without a tolerance and with one.
+/// What the plan saves with a tolerance.
 fn savings(results: &Results, lens: &str) -> Option<String> {
     let tie = results.ties().times.ratio;
-    let shares = |wanted: &dyn Fn(Asked) -> bool| {
-        let own = results.leaving_out.iter().filter(|saving| saving.lens == lens && wanted(saving.asked));
-        own.map(|s| s.share()[1]).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)))
-    };
-    let said = |(low, high): (f64, f64)| {
-        let is_tie = high <= 1.0 - 1.0 / tie && low >= 1.0 - tie;
+    let is_own = |saving: &&Saving| saving.lens == lens && matches!(saving.asked, Asked::Tolerance(_));
+    let shares = results.leaving_out.iter().filter(is_own).map(|saving| saving.share()[1]);
+    let (low, high) = shares.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+    let is_tie = high <= 1.0 - 1.0 / tie && low >= 1.0 - tie;
+    (low <= high).then(|| {
         format!(
-            "{:+.1} to {:+.1} %{}",
+            "What the plan leaves out with a tolerance of 0.01 to 1 pixel changes a camera ray's time, beside double precision \
+             with everything kept, by {:+.1} to {:+.1} %{}.",
             -100.0 * high,
             -100.0 * low,
-            if is_tie { ", a tie everywhere" } else { "" }
-        )
-    };
-    let without = shares(&|asked| matches!(asked, Asked::Precision(_)));
-    let with = shares(&|asked| matches!(asked, Asked::Tolerance(_)));
-    (without.0 <= without.1).then(|| {
-        format!(
-            "What the plan leaves out without a tolerance changes a camera ray's time by {}; with a tolerance of 0.01 to 1 \
-             pixel, beside double precision with everything kept, by {}.",
-            said(without),
-            said(with),
+            if is_tie { ", a tie everywhere" } else { "" },
         )
     })
 }

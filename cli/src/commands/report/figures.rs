@@ -78,11 +78,9 @@ const VIGNETTING: &str = "By how much film irradiance is off where rays pass tha
     vignetting. Polynomials stand here twice, with the apertures that block rays and without; the thick lens has none. Less \
     than 1e-6 stands there. With the default pupil, \"warped\", only samples inside the true pupil are asked for, and \
     vignetting is right whatever traces them.";
-const LEAVING_OUT: &str = "The share of a camera ray's time that is saved by what its plan leaves out. Without a tolerance \
-    (\"f64\", \"f32\") that is aperture tests that no ray of the film and pupil can fail, and planes that then do nothing: no \
-    bit of a ray changes. With a tolerance of 1, 0.1 or 0.01 pixel the camera may take another model of the lens, and stands \
-    beside double precision with everything kept; tolerances that chose the same way to trace are one mark. A mark is the \
-    median, its thin line the quartiles; what saves less than a thousandth, or nothing, stands there. The dotted line is what \
+const LEAVING_OUT: &str = "The share of a camera ray's time that is saved by what its plan leaves out. With a tolerance of 1, 0.1 or \
+    0.01 pixel the camera may take another model of the lens, and stands beside double precision with everything kept; \
+    tolerances that chose the same way to trace are one mark. A mark is the median, its thin line the quartiles; what saves less than a thousandth, or nothing, stands there. The dotted line is what \
     counts as a tie in this run.";
 const DIRECTION: &str = "Angle between the ray that leaves the lens and the exact one, against the time per sample; \
     marks as above.";
@@ -270,11 +268,9 @@ fn savings(results: &Results, lens: &str) -> Chart {
             .leaving_out
             .iter()
             .filter(|s| s.lens == lens && s.entry == entry && s.stopped_down == stopped_down)
+            .filter(|s| matches!(s.asked, Asked::Tolerance(_)))
             .collect();
-        let (plain, tolerant): (Vec<&Saving>, Vec<&Saving>) =
-            own.into_iter().partition(|s| matches!(s.asked, Asked::Precision(_)));
-        let shown = [one_each(&plain), one_each(&tolerant)].concat();
-        let marks = shown.into_iter().map(|(name, saving)| {
+        let marks = one_each(&own).into_iter().map(|(name, saving)| {
             let [low, median, high] = saving.share().map(|share| share.max(LEAST));
             Mark {
                 at: [saving.kept.median * 1e9, median],

@@ -7,6 +7,7 @@
 
 use super::{
     super::{
+        apertures::Apertures,
         dispersion::Media,
         lanes::{Cpu, Lanes},
         ray::RayLanes,
@@ -15,7 +16,7 @@ use super::{
 };
 use crate::numeric::Real;
 
-impl<L: Lanes> RayLanes<L> {
+impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn conic(
         &mut self,
@@ -71,9 +72,7 @@ impl<L: Lanes> RayLanes<L> {
         facing: L,
         square: L,
     ) {
-        if let Some(most) = common.aperture {
-            self.keep(self.height_squared().less_equal(L::splat(cpu, most)));
-        }
+        self.meet_aperture(cpu, self.height_squared(), L::splat(cpu, common.aperture));
         let step = media.index_step(cpu, common.index_step);
         let facing_squared = facing * facing;
         let after_squared = step.mul_add(square, facing_squared);

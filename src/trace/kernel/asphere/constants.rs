@@ -9,10 +9,7 @@ use super::{
     plan::Plan,
     terms::Terms,
 };
-use crate::trace::{
-    aspheric::{Aspheric, BendBound},
-    surface::PathSurface,
-};
+use crate::trace::aspheric::{Aspheric, BendBound};
 
 /// A conic section of revolution.
 #[derive(Clone, Copy, Debug)]
@@ -87,8 +84,8 @@ pub struct Common<S> {
     pub index_step: S,
     /// n' < n: total reflection is possible.
     pub rarer: bool,
-    /// a², where the aperture is to be tested.
-    pub aperture: Option<S>,
+    /// a².
+    pub aperture: S,
     /// How far behind a hit may lie by rounding alone, in units of V.
     pub slack: S,
     /// The ray tells how far it has come.
@@ -101,24 +98,15 @@ pub struct Common<S> {
 
 impl<S: Scalar> Common<S> {
     fn new(aspheric: &Aspheric<f64>, surface: &CompiledSurface<'_>, start: f64) -> Self {
-        let aperture = surface.tested.then(|| S::from_f64(surface.aperture));
-        Self {
-            aperture,
-            is_led: surface.is_led,
-            ..Self::untested(aspheric, [surface.index_step, surface.slack], start)
-        }
-    }
-
-    fn untested(aspheric: &Aspheric<f64>, [index_step, slack]: [f64; 2], start: f64) -> Self {
         let rounding = S::EPSILON / f64::EPSILON;
         // The extent has a margin for double precision.
         let lowest = aspheric.extent[0] - (rounding - 1.0) * 16.0 * aspheric.tolerance;
         Self {
-            index_step: S::from_f64(index_step),
-            rarer: index_step < 0.0,
-            aperture: None,
-            slack: S::from_f64(slack),
-            is_led: false,
+            index_step: S::from_f64(surface.index_step),
+            rarer: surface.index_step < 0.0,
+            aperture: S::from_f64(surface.aperture),
+            slack: S::from_f64(surface.slack),
+            is_led: surface.is_led,
             start: S::from_f64(start),
             lowest: S::from_f64(lowest - start),
         }
@@ -192,18 +180,5 @@ impl<S: Scalar> Asphere<S> {
             common,
             exact: Box::new(aspheric.clone()),
         }
-    }
-}
-
-impl Asphere<f64> {
-    /// For rays of which many go astray, and which the clear aperture does not stop: with as many steps as it takes, tested
-    /// from the second on, in the place of a plan. `None` for a sphere or a plane.
-    pub fn for_search(step: &PathSurface<f64>) -> Option<Self> {
-        let aspheric = step.aspheric.as_deref()?;
-        let common = Common::untested(aspheric, [step.index_step, step.slack], Self::start(aspheric));
-        let plan = Plan { approximants: Vec::new(), exact: 2 };
-        let transfer = Transfer { factor: 0.0, offset: 0.0 };
-        // No more: a stop at the vertex would lie behind the ray.
-        Some(Self::by_plan(aspheric, common, transfer, aspheric.tolerance, &plan))
     }
 }

@@ -2,6 +2,7 @@
 
 use super::{
     super::{
+        apertures::Apertures,
         lanes::{Cpu, Lanes, Scalar},
         ray::RayLanes,
     },
@@ -45,10 +46,10 @@ pub struct Contact<L> {
 impl<S: Scalar> Asphere<S> {
     /// The surface near each ray at t.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn contacts<L: Lanes<Scalar = S>, const U: usize>(
+    pub fn contacts<L: Lanes<Scalar = S>, A: Apertures<L>, const U: usize>(
         &self,
         cpu: Cpu<L>,
-        rays: &[RayLanes<L>; U],
+        rays: &[RayLanes<L, A>; U],
         ways: &[Way<L>; U],
         t: &[L; U],
     ) -> [Contact<L>; U] {

@@ -3,6 +3,7 @@
 
 use super::{
     super::{
+        apertures::Apertures,
         lanes::{Cpu, Lanes, Scalar},
         ray::RayLanes,
     },
@@ -38,10 +39,10 @@ struct Measure<L: Lanes> {
 impl<S: Scalar> Asphere<S> {
     /// Follows the rays that `open` has a bit for.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn follow<L: Lanes<Scalar = S>>(
+    pub fn follow<L: Lanes<Scalar = S>, A: Apertures<L>>(
         &self,
         cpu: Cpu<L>,
-        ray: &RayLanes<L>,
+        ray: &RayLanes<L, A>,
         way: &Way<L>,
         open: u32,
     ) -> Followed<L> {
@@ -105,10 +106,10 @@ impl<S: Scalar> Asphere<S> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn contact<L: Lanes<Scalar = S>>(
+    fn contact<L: Lanes<Scalar = S>, A: Apertures<L>>(
         &self,
         cpu: Cpu<L>,
-        ray: &RayLanes<L>,
+        ray: &RayLanes<L, A>,
         way: &Way<L>,
         t: L,
     ) -> Contact<L> {
@@ -117,10 +118,10 @@ impl<S: Scalar> Asphere<S> {
 
     /// Far below the surface q may have any sign, and G with it; heights do not.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn measure<L: Lanes<Scalar = S>>(
+    fn measure<L: Lanes<Scalar = S>, A: Apertures<L>>(
         &self,
         cpu: Cpu<L>,
-        ray: &RayLanes<L>,
+        ray: &RayLanes<L, A>,
         way: &Way<L>,
         t: L,
     ) -> Measure<L> {

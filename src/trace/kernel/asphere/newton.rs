@@ -6,6 +6,7 @@
 
 use super::{
     super::{
+        apertures::Apertures,
         dispersion::Media,
         lanes::{Cpu, Lanes, Scalar},
         ray::RayLanes,
@@ -26,7 +27,7 @@ pub struct Normal<L> {
     facing: L,
 }
 
-impl<L: Lanes> RayLanes<L> {
+impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
     /// Tests the aperture and refracts.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn refract(
@@ -48,16 +49,16 @@ const FURTHER_STEPS: usize = 6;
 const WIDEST: usize = 16;
 
 /// One vector of rays on its way to the surface, to be compiled apart.
-struct Alone<'a, L: Lanes, M> {
+struct Alone<'a, L: Lanes, A, M> {
     cpu: Cpu<L>,
     asphere: &'a Asphere<L::Scalar>,
-    rays: &'a mut [RayLanes<L>; 1],
+    rays: &'a mut [RayLanes<L, A>; 1],
     media: M,
     minus_z: L,
     lead: L,
 }
 
-impl<L: Lanes, M: Media<L>> Compiled for Alone<'_, L, M> {
+impl<L: Lanes, A: Apertures<L>, M: Media<L>> Compiled for Alone<'_, L, A, M> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run(self) {
         self.asphere.trace_here(self.cpu, self.rays, [self.media], [self.minus_z], [self.lead]);
@@ -70,10 +71,10 @@ impl<S: Scalar> Asphere<S> {
     /// A vector alone goes through a function that all who trace such have in common: inlined, it is a third of the
     /// library. Of the rays only a copy has an address, so that they stay in registers where no asphere is.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn trace<L: Lanes<Scalar = S>, const U: usize>(
+    pub fn trace<L: Lanes<Scalar = S>, A: Apertures<L>, const U: usize>(
         &self,
         cpu: Cpu<L>,
-        rays: &mut [RayLanes<L>; U],
+        rays: &mut [RayLanes<L, A>; U],
         media: [impl Media<L>; U],
         minus_z: [L; U],
         lead: [L; U],
@@ -97,30 +98,29 @@ impl<S: Scalar> Asphere<S> {
 
     /// [`Self::trace`], inlined.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn trace_here<L: Lanes<Scalar = S>, const U: usize>(
+    fn trace_here<L: Lanes<Scalar = S>, A: Apertures<L>, const U: usize>(
         &self,
         cpu: Cpu<L>,
-        rays: &mut [RayLanes<L>; U],
+        rays: &mut [RayLanes<L, A>; U],
         media: [impl Media<L>; U],
         minus_z: [L; U],
         lead: [L; U],
     ) {
-        let normals = self.meet(cpu, rays, minus_z, lead, None);
+        let normals = self.meet(cpu, rays, minus_z, lead);
         for i in 0..U {
             rays[i].refract(cpu, &self.common, media[i], &normals[i]);
         }
     }
 
-    /// Moves rays to the surface, as [`Asphere::trace`]; its normals where they meet it. Where not all of the rays are `worth`
-    /// the walk, the others are blocked that lanes leave open.
+    /// Moves rays to the surface, as [`Asphere::trace`]; its normals where they meet it. Where not all of the rays are worth
+    /// the walk ([`Apertures::worth`]), the others are blocked that lanes leave open.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn meet<L: Lanes<Scalar = S>, const U: usize>(
+    pub fn meet<L: Lanes<Scalar = S>, A: Apertures<L>, const U: usize>(
         &self,
         cpu: Cpu<L>,
-        rays: &mut [RayLanes<L>; U],
+        rays: &mut [RayLanes<L, A>; U],
         minus_z: [L; U],
         lead: [L; U],
-        worth: Option<[L::Mask; U]>,
     ) -> [Normal<L>; U] {
         let zero = L::splat(cpu, S::ZERO);
         let mut ways = [Way { u: zero, along: zero, across: zero, from: zero }; U];
@@ -166,9 +166,9 @@ impl<S: Scalar> Asphere<S> {
         let mut any = 0;
         for i in 0..U {
             let first = self.is_first(cpu, &ways[i], &contacts[i], t[i]);
-            if let Some(worth) = worth {
+            if let Some(worth) = rays[i].apertures.worth(cpu) {
                 let one = L::splat(cpu, S::ONE);
-                let spared = L::select(first, zero, L::select(worth[i], zero, one));
+                let spared = L::select(first, zero, L::select(worth, zero, one));
                 rays[i].keep(spared.less(one));
             }
             firsts[i] = first;
@@ -177,15 +177,14 @@ impl<S: Scalar> Asphere<S> {
         }
         if any != 0 {
             for i in 0..U {
-                if worth.is_some() && open[i] != 0 {
+                if !A::BLOCK && open[i] != 0 {
                     let Followed { t: found, kept, left } = self.follow(cpu, &rays[i], &ways[i], open[i]);
                     t[i] = L::select(firsts[i], t[i], found);
                     rays[i].keep(zero.less(L::select(firsts[i], L::splat(cpu, S::ONE), kept)));
                     open[i] = left;
                 }
-                if worth.is_none() || open[i] != 0 {
-                    let (found, met) =
-                        self.one_by_one(cpu, &rays[i], ways[i].from, t[i], open[i], worth.is_some());
+                if A::BLOCK || open[i] != 0 {
+                    let (found, met) = self.one_by_one(cpu, &rays[i], ways[i].from, t[i], open[i], !A::BLOCK);
                     t[i] = found;
                     rays[i].keep(zero.less(met));
                 }
@@ -205,11 +204,11 @@ impl<S: Scalar> Asphere<S> {
 
     /// A step of Newton's iteration by a polynomial near twice the profile.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn approach<L: Lanes<Scalar = S>, const U: usize>(
+    fn approach<L: Lanes<Scalar = S>, A: Apertures<L>, const U: usize>(
         &self,
         cpu: Cpu<L>,
         coefficients: &[S],
-        rays: &[RayLanes<L>; U],
+        rays: &[RayLanes<L, A>; U],
         ways: &[Way<L>; U],
         t: &mut [L; U],
     ) {
@@ -258,10 +257,10 @@ impl<S: Scalar> Asphere<S> {
     /// Where the walk meets the surface along the rays that `open` has a bit for, and `t` for the others; and where that
     /// is anywhere, 1, else 0. `follow`: without trying Newton's iteration once more.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn one_by_one<L: Lanes<Scalar = S>>(
+    fn one_by_one<L: Lanes<Scalar = S>, A: Apertures<L>>(
         &self,
         cpu: Cpu<L>,
-        ray: &RayLanes<L>,
+        ray: &RayLanes<L, A>,
         from: L,
         t: L,
         open: u32,

@@ -39,7 +39,7 @@ impl<S: KernelScalar> SpectralKernel<S> {
     /// own `wavelength`, nm. The film is in air.
     pub fn new(path: &Path, media: &[Medium], wavelength: f64) -> Self {
         debug_assert!(path.direction == Direction::FilmToScene);
-        let (mut table, refracts_at) = Table::<S>::per_square(path, S::AMPLIFICATION);
+        let mut table = Table::<S>::per_square(path, S::AMPLIFICATION);
         for step in &mut table.steps {
             if let Step::Asphere(asphere) = step {
                 for bend in [&mut asphere.inside, &mut asphere.beyond] {
@@ -54,7 +54,12 @@ impl<S: KernelScalar> SpectralKernel<S> {
             Glass::new(medium, wavelength)
         };
         Self {
-            behind: refracts_at.into_iter().map(|at| at.map(behind)).collect(),
+            behind: table
+                .steps
+                .iter()
+                .zip(&table.surfaces)
+                .map(|(step, at)| step.refracts().then(|| behind(*at)))
+                .collect(),
             table,
             own: S::from_f64((wavelength * 1e-3) * (wavelength * 1e-3)),
             simd: Available::best(),

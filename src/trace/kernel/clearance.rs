@@ -1,25 +1,16 @@
 //! How near rays come to being clipped: a smooth measure of what [`Path::walk`] answers with yes or no, for searches
-//! of a pupil's edge.
-//!
-//! In lanes: the kernel's formulas (see `ray`) for a path that has every aperture as a height, with the largest height
-//! over its aperture carried along. Both roots at once and no division keep the time that few rays take short; what
-//! that costs in digits a search of an edge does not need. No multiply-add is fused but at aspheres, whose code is the
-//! kernel's own: processors without the instruction would do it slowly.
+//! of a pupil's edge. By the kernel's own loop, of which it is another output ([`Nearest`]).
 
-mod aspheres;
-pub(super) mod crossing;
-mod probe;
-
-#[cfg(any(test, target_arch = "x86_64"))]
-use super::Simd;
 use super::{
-    Available,
-    asphere::Asphere,
-    lanes::{Cpu, Lanes, Portable},
+    Available, Table,
+    apertures::Nearest,
+    dispersion::Own,
+    instances::{Grouping, InVectors, KernelScalar, in_vectors},
+    lanes::{Cpu, Lanes},
+    rays::batch::{Approach, from_plane},
+    trace::through,
 };
 use crate::trace::path::Path;
-use aspheres::PassAsphere;
-use probe::Probe;
 
 /// The aperture that a ray comes nearest to, or reaches farthest beyond.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,7 +20,7 @@ pub(crate) struct Clearance {
     pub ratio: f64,
     /// The surface, counted along the travel.
     pub surface: usize,
-    /// Whether the ray stops for another reason, too, farther on.
+    /// Whether the ray stops for another reason, too, farther on, as far as that is looked at beyond an aperture.
     pub lost: bool,
 }
 
@@ -46,24 +37,20 @@ pub(crate) struct MeridianRay {
 }
 
 /// A path from film to scene and the film behind it, made ready for rays whose clearances are asked for.
-pub(crate) struct ClearanceTracer<'a> {
-    path: &'a Path<f64>,
-    /// From the film to the first vertex, mm.
-    distance: f64,
-    /// The surfaces that are neither spheres nor planes.
-    aspheres: Vec<Option<Box<Asphere<f64>>>>,
+pub(crate) struct ClearanceTracer {
+    table: Table<f64>,
+    film: f64,
     simd: Available,
 }
 
-impl<'a> ClearanceTracer<'a> {
+impl ClearanceTracer {
     /// For film at z = `film`, behind the lens, and the best instructions that there are.
-    pub fn new(path: &'a Path<f64>, film: f64) -> Self {
+    pub fn new(path: &Path<f64>, film: f64) -> Self {
         Self::with_simd(path, film, Available::best())
     }
 
-    fn with_simd(path: &'a Path<f64>, film: f64, simd: Available) -> Self {
-        let aspheres = path.steps.iter().map(|step| Asphere::for_search(step).map(Box::new)).collect();
-        Self { path, distance: path.entry - film, aspheres, simd }
+    fn with_simd(path: &Path<f64>, film: f64, simd: Available) -> Self {
+        Self { table: Table::new(path, f64::AMPLIFICATION), film, simd }
     }
 
     /// Tells `found`, in order, the largest ratio of height to clear semi-diameter along each of several rays, traced
@@ -71,28 +58,20 @@ impl<'a> ClearanceTracer<'a> {
     ///
     /// A ray that stops for another reason (it misses a surface, is reflected, turns back) has the ratio so far if that
     /// is more than 1, else none: `None` and a ratio of more than 1 together are what [`Path::walk`] blocks. Refraction
-    /// is by the fused form, whatever the path's.
+    /// is by the fused form, whatever the path's; blades block nothing.
     pub fn trace(
         &self,
         mut rays: impl Iterator<Item = MeridianRay>,
         mut found: impl FnMut(Option<Clearance>),
     ) {
-        let mut packet = Packet::new(self.distance);
+        let mut packet = Packet::new(self);
         while packet.fill(&mut rays) > 0 {
-            match self.simd.simd() {
-                #[cfg(target_arch = "x86_64")]
-                // SAFETY: the processor has these instructions.
-                Simd::Avx512 => unsafe { avx512(self, &mut packet) },
-                #[cfg(target_arch = "x86_64")]
-                // SAFETY: as above.
-                Simd::Avx2 => unsafe { avx2(self, &mut packet) },
-                _ => portable(self, &mut packet),
-            }
-            let lanes = packet.largest.iter().zip(packet.surface).zip(packet.open).take(packet.count);
-            for ((&largest, surface), open) in lanes {
-                let lost = open == 0.0;
-                let surface = surface.to_bits() as usize;
-                found((!lost || largest > 1.0).then(|| Clearance { ratio: largest.sqrt(), surface, lost }));
+            trace(self.simd, &mut packet);
+            for i in 0..packet.count {
+                let lost = packet.passed[i] == 0.0;
+                let ratio = packet.ratio[i].sqrt();
+                let surface = || self.table.surfaces[packet.at[i].to_bits() as usize];
+                found((!lost || ratio > 1.0).then(|| Clearance { ratio, surface: surface(), lost }));
             }
         }
     }
@@ -100,44 +79,28 @@ impl<'a> ClearanceTracer<'a> {
 
 /// Once, not for each of the callers' closures.
 #[inline(never)]
-fn portable(lens: &ClearanceTracer<'_>, packet: &mut Packet) {
-    packet.trace::<Portable<f64, 4>>(Portable::cpu(), lens);
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx2,fma")]
-fn avx512(lens: &ClearanceTracer<'_>, packet: &mut Packet) {
-    // SAFETY: this function is called only where the processor has what it is compiled for.
-    packet.trace::<super::lanes::avx512::F64x8>(unsafe { Cpu::assume() }, lens);
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
-fn avx2(lens: &ClearanceTracer<'_>, packet: &mut Packet) {
-    // SAFETY: as in `avx512`.
-    packet.trace::<super::lanes::avx2::F64x4>(unsafe { Cpu::assume() }, lens);
+fn trace(simd: Available, packet: &mut Packet<'_>) {
+    in_vectors(simd, Grouping::Wide, packet);
 }
 
 /// Rays as structure of arrays: where they set out, and what became of them.
-struct Packet {
-    /// From the film to the first vertex, mm.
-    distance: f64,
+struct Packet<'a> {
+    lens: &'a ClearanceTracer,
     /// Rays in it; the lanes after them hold whatever was there before.
     count: usize,
     height: [f64; PACKET],
     slopes: [[f64; PACKET]; 2],
     /// 1 for a ray that got through but for apertures, else 0.
-    open: [f64; PACKET],
-    /// Square of the largest ratio.
-    largest: [f64; PACKET],
-    /// Its surface, whole numbers as the bits of floats: one mask selects both, and nothing computes with them.
-    surface: [f64; PACKET],
+    passed: [f64; PACKET],
+    /// As [`Nearest`] has them.
+    ratio: [f64; PACKET],
+    at: [f64; PACKET],
 }
 
-impl Packet {
-    fn new(distance: f64) -> Self {
+impl<'a> Packet<'a> {
+    fn new(lens: &'a ClearanceTracer) -> Self {
         let zero = [0.0; PACKET];
-        Self { distance, count: 0, height: zero, slopes: [zero; 2], open: zero, largest: zero, surface: zero }
+        Self { lens, count: 0, height: zero, slopes: [zero; 2], passed: zero, ratio: zero, at: zero }
     }
 
     /// Takes as many rays as there is room for; how many.
@@ -150,68 +113,42 @@ impl Packet {
         }
         self.count
     }
+}
 
-    /// Several registers' rays in turns: each of them waits for its own square roots.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn trace<L: Lanes<Scalar = f64>>(&mut self, cpu: Cpu<L>, lens: &ClearanceTracer<'_>) {
-        let mut at = 0;
-        while at < self.count {
-            at += if self.count - at <= L::WIDTH {
-                self.trace_some::<L, 1>(cpu, lens, at)
-            } else if self.count - at <= 2 * L::WIDTH {
-                self.trace_some::<L, 2>(cpu, lens, at)
-            } else {
-                self.trace_some::<L, 4>(cpu, lens, at)
-            };
-        }
+impl InVectors<f64> for Packet<'_> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.count
     }
 
-    /// The rays of one register, from the one `at` on, where `n` is the index.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn enter<L: Lanes<Scalar = f64>>(&self, cpu: Cpu<L>, n: f64, at: usize) -> Probe<L> {
-        let height = L::load(cpu, &self.height[at..]);
-        let [sx, sy] = &self.slopes;
-        Probe::enter(cpu, self.distance, height, [L::load(cpu, &sx[at..]), L::load(cpu, &sy[at..])], n)
-    }
-
-    /// Traces the rays of `U` registers from the one `at` on; how many they are.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn trace_some<L: Lanes<Scalar = f64>, const U: usize>(
-        &mut self,
-        cpu: Cpu<L>,
-        lens: &ClearanceTracer<'_>,
-        at: usize,
-    ) -> usize {
-        let steps = &lens.path.steps;
-        let n = steps[0].n;
-        // No closures: one that is not inlined would be compiled for another processor than this function.
-        let mut probes = [self.enter(cpu, n, at); U];
-        for (u, probe) in probes.iter_mut().enumerate().skip(1) {
-            *probe = self.enter(cpu, n, at + u * L::WIDTH);
+    fn vectors<L: Lanes<Scalar = f64>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize) {
+        let ClearanceTracer { table, film, .. } = self.lens;
+        let approach = Approach { entry: table.entry, travel_sign: table.travel_sign };
+        let zero = L::splat(cpu, 0.0);
+        let mut starts = [from_plane(cpu, approach, *film, [zero; 2], [zero; 2]); U];
+        for (u, start) in starts.iter_mut().enumerate() {
+            let at = first + u * L::WIDTH;
+            let [height, sx, sy] = [
+                L::load(cpu, &self.height[at..]),
+                L::load(cpu, &self.slopes[0][at..]),
+                L::load(cpu, &self.slopes[1][at..]),
+            ];
+            *start = from_plane(cpu, approach, *film, [height, zero], [sx, sy]);
         }
-        for (number, (step, asphere)) in steps.iter().zip(&lens.aspheres).enumerate() {
-            let number = f64::from_bits(number as u64);
-            if let Some(asphere) = asphere {
-                L::apart(cpu, PassAsphere { cpu, step, asphere, number, probes: &mut probes });
-                continue;
-            }
-            for probe in &mut probes {
-                probe.pass(cpu, step, number);
-            }
+        let rays = through::<L, Nearest<L>, U>(cpu, table, Own, starts);
+        for (u, ray) in rays.iter().enumerate() {
+            let at = first + u * L::WIDTH;
+            L::splat(cpu, 1.0).or_zero(ray.passed).store(&mut self.passed[at..]);
+            ray.apertures.ratio.store(&mut self.ratio[at..]);
+            ray.apertures.at.store(&mut self.at[at..]);
         }
-        for (u, probe) in probes.iter().enumerate() {
-            let at = at + u * L::WIDTH;
-            probe.open.store(&mut self.open[at..]);
-            probe.largest.store(&mut self.largest[at..]);
-            probe.surface.store(&mut self.surface[at..]);
-        }
-        U * L::WIDTH
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{super::Simd, *};
     use crate::{
         lens::{Lens, film_ray},
         prescription::catalogue,
