@@ -189,12 +189,15 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
 
     /// On a steep sphere, whose normal says what the height says and tells the near hemisphere from the far one.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn steep(&mut self, cpu: Cpu<L>, normal_z: L, least: L::Scalar, aperture: L::Scalar) {
+    fn steep(&mut self, cpu: Cpu<L>, normal_z: L, least: L::Scalar, minus_c: L::Scalar) {
         if A::BLOCK {
             self.keep(L::splat(cpu, least).less_equal(normal_z));
         } else {
             self.keep(L::splat(cpu, L::Scalar::ZERO).less_equal(normal_z));
-            self.meet_aperture(cpu, self.height_squared(), L::splat(cpu, aperture));
+            let one = L::Scalar::ONE;
+            // Both times c².
+            let height_squared = self.height_squared() * L::splat(cpu, minus_c * minus_c);
+            self.meet_aperture(cpu, height_squared, L::splat(cpu, one - least * least));
         }
     }
 
@@ -225,6 +228,7 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         cpu: Cpu<L>,
         link: &Link<L::Scalar>,
         media: impl Media<L>,
+        limit: L::Scalar,
     ) {
         let (alpha, rho) = (L::splat(cpu, link.alpha), L::splat(cpu, link.rho));
         let minus_2phi = media.times_square(
@@ -242,12 +246,10 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         self.bend(L::splat(cpu, link.minus_c), after - before, normal_z);
         (self.height, self.root) = (normal_z, after);
         self.keep_root(cpu, media.lesser(RARER, square, square_after));
-        match link.aperture_test {
-            ApertureTest::NormalZ { least, aperture } if STEEP => self.steep(cpu, normal_z, least, aperture),
-            ApertureTest::NormalZ { .. } => {}
-            ApertureTest::Height(aperture) => {
-                self.meet_aperture(cpu, self.height_squared(), L::splat(cpu, aperture));
-            }
+        if STEEP {
+            self.steep(cpu, normal_z, limit, link.minus_c);
+        } else {
+            self.meet_aperture(cpu, self.height_squared(), L::splat(cpu, limit));
         }
     }
 
@@ -348,13 +350,14 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         self.bend(minus_c, after - before, normal_z);
         (self.height, self.root) = (if PLAIN || sphere.carries_normal { normal_z } else { z }, after);
         self.keep_root(cpu, media.lesser(sphere.index_step < L::Scalar::ZERO, square, square_after));
-        match sphere.aperture_test {
-            ApertureTest::NormalZ { least, aperture } => self.steep(cpu, normal_z, least, aperture),
-            ApertureTest::Height(_) if PLAIN => {}
-            ApertureTest::Height(aperture) => {
-                self.keep(L::splat(cpu, L::Scalar::ZERO).less_equal(normal_z));
-                self.meet_aperture(cpu, self.height_squared(), L::splat(cpu, aperture));
-            }
+        let (zero, test) = (L::Scalar::ZERO, sphere.aperture_test);
+        if let ApertureTest::NormalZ(least) = test {
+            self.steep(cpu, normal_z, least, sphere.minus_c);
+        } else {
+            self.keep(L::splat(cpu, zero).less_equal(normal_z));
+        }
+        if !PLAIN && let ApertureTest::Height(most) = test {
+            self.meet_aperture(cpu, self.height_squared(), L::splat(cpu, most));
         }
     }
 

@@ -19,11 +19,7 @@ pub enum ApertureTest<S> {
     /// x² + y² <= a².
     Height(S),
     /// N_z >= sqrt(1 - c² a²), which rejects the far hemisphere, too.
-    NormalZ {
-        least: S,
-        /// a².
-        aperture: S,
-    },
+    NormalZ(S),
 }
 
 /// A sphere met from anywhere: the curvature form of the quadratic.
@@ -330,8 +326,7 @@ fn transfer<S: Scalar>(last: Option<(&CompiledSurface<'_>, bool)>, distance: f64
 fn aperture_test<S: Scalar>(surface: &CompiledSurface<'_>) -> ApertureTest<S> {
     if surface.is_steep() {
         // Beyond the equator the sphere is no part of the surface.
-        let least = S::from_f64((1.0 - (surface.c * surface.semi).powi(2)).max(0.0).sqrt());
-        ApertureTest::NormalZ { least, aperture: S::from_f64(surface.aperture) }
+        ApertureTest::NormalZ(S::from_f64((1.0 - (surface.c * surface.semi).powi(2)).max(0.0).sqrt()))
     } else {
         ApertureTest::Height(S::from_f64(surface.aperture))
     }
@@ -431,9 +426,7 @@ impl Link<f64> {
             per_cn2: S::from_f64(self.per_cn2),
             aperture_test: match self.aperture_test {
                 ApertureTest::Height(limit) => ApertureTest::Height(S::from_f64(limit)),
-                ApertureTest::NormalZ { least, aperture } => {
-                    ApertureTest::NormalZ { least: S::from_f64(least), aperture: S::from_f64(aperture) }
-                }
+                ApertureTest::NormalZ(least) => ApertureTest::NormalZ(S::from_f64(least)),
             },
             forward: self.forward,
             rarer: self.rarer,

@@ -87,17 +87,17 @@ fn trace_steps<L: Lanes, A: Apertures<L>, W: MediaOnWay<L, U>, const U: usize>(
                     }
                 }
                 match (link.aperture_test, link.rarer) {
-                    (ApertureTest::NormalZ { .. }, false) => {
-                        cross::<L, A, _, U, true, false>(cpu, link, media, rays)
+                    (ApertureTest::NormalZ(limit), false) => {
+                        cross::<L, A, _, U, true, false>(cpu, link, media, limit, rays)
                     }
-                    (ApertureTest::NormalZ { .. }, true) => {
-                        cross::<L, A, _, U, true, true>(cpu, link, media, rays)
+                    (ApertureTest::NormalZ(limit), true) => {
+                        cross::<L, A, _, U, true, true>(cpu, link, media, limit, rays)
                     }
-                    (ApertureTest::Height(_), false) => {
-                        cross::<L, A, _, U, false, false>(cpu, link, media, rays)
+                    (ApertureTest::Height(limit), false) => {
+                        cross::<L, A, _, U, false, false>(cpu, link, media, limit, rays)
                     }
-                    (ApertureTest::Height(_), true) => {
-                        cross::<L, A, _, U, false, true>(cpu, link, media, rays)
+                    (ApertureTest::Height(limit), true) => {
+                        cross::<L, A, _, U, false, true>(cpu, link, media, limit, rays)
                     }
                 }
             }
@@ -168,9 +168,10 @@ fn cross<L: Lanes, A: Apertures<L>, M: Media<L>, const U: usize, const STEEP: bo
     cpu: Cpu<L>,
     link: &Link<L::Scalar>,
     media: [M; U],
+    limit: L::Scalar,
     rays: &mut [RayLanes<L, A>; U],
 ) {
     for (ray, media) in rays.iter_mut().zip(&media) {
-        ray.link::<STEEP, RARER>(cpu, link, *media);
+        ray.link::<STEEP, RARER>(cpu, link, *media, limit);
     }
 }
