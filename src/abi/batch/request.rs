@@ -33,14 +33,14 @@ pub unsafe extern "C" fn realistic_camera_generate_batch(
         }
         let per_ray = PerRay::of(request, handle, n)?;
         let rays = per_ray.rays;
-        if !per_ray.weights.is_there() {
-            return Err(boundary::null("request.weight.x"));
-        }
         let [x, y] = pair("image", n, &request.image)?;
         let [u, v] = pair("lens", n, &request.lens)?;
         let time = numbers("time", n, &request.time)?;
         let [ox, oy, oz] = vectors("origin", rays, &request.origin)?;
         let [dx, dy, dz] = vectors("direction", rays, &request.direction)?;
+        if !per_ray.weights.is_there() {
+            return Err(boundary::null("request.weight.x"));
+        }
         let mint = room("mint", rays, &request.mint)?;
         let maxt = room("maxt", rays, &request.maxt)?;
         let ray_time = room("ray_time", rays, &request.ray_time)?;
