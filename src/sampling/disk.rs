@@ -6,7 +6,7 @@ use std::f64::consts::FRAC_2_PI;
 
 use crate::trace::{
     Real,
-    kernel::{Compiled, Cpu, KernelScalar, Lanes, Portable, Scalar, Simd},
+    kernel::{Compiled, Cpu, KernelScalar, Lanes, OneLane, Portable, Scalar, Simd},
 };
 
 /// How lens samples (u, v) map to the unit disk.
@@ -86,7 +86,7 @@ impl Compiled for OnePoint<'_> {
     #[inline(always)]
     fn run(self) {
         let [Portable([u]), Portable([v])] =
-            self.mapping.lanes(Portable::cpu(), [Portable([self.sample[0]]), Portable([self.sample[1]])]);
+            self.mapping.lanes(OneLane::cpu(), [Portable([self.sample[0]]), Portable([self.sample[1]])]);
         *self.point = [u, v];
     }
 }
@@ -218,7 +218,7 @@ mod tests {
             for i in 0..=40_u8 {
                 for j in 0..=40_u8 {
                     let numbers = [i, j].map(|k| f32::from(k) / 40.0);
-                    let single = mapping.lanes(Portable::cpu(), numbers.map(|number| Portable([number])));
+                    let single = mapping.lanes(OneLane::cpu(), numbers.map(|number| Portable([number])));
                     let [u, v] = numbers.map(f64::from);
                     let double = mapping.map(u, v).expect("never rejects");
                     for (Portable([single]), double) in single.iter().zip(double) {
@@ -232,7 +232,7 @@ mod tests {
     #[test]
     fn cosines_and_sines_are_within_two_units_in_the_last_place() {
         let check = |angle: f32, most: f64| {
-            let [Portable([cos]), Portable([sin])] = cos_sin(Portable::cpu(), Portable([angle]));
+            let [Portable([cos]), Portable([sin])] = cos_sin(OneLane::cpu(), Portable([angle]));
             let (exact_sin, exact_cos) = f64::from(angle).sin_cos();
             for (got, exact) in [(cos, exact_cos), (sin, exact_sin)] {
                 assert!(
@@ -249,7 +249,7 @@ mod tests {
             check(f32::from(quarters) * std::f32::consts::FRAC_PI_2, 4.0 * f64::from(f32::EPSILON));
         }
         for angle in [6000.0_f32, -6000.0, 1234.567, 3.4e7, -1e10, 3e38] {
-            let [Portable([cos]), Portable([sin])] = cos_sin(Portable::cpu(), Portable([angle]));
+            let [Portable([cos]), Portable([sin])] = cos_sin(OneLane::cpu(), Portable([angle]));
             assert!((cos * cos + sin * sin - 1.0).abs() < 1e-6, "{angle}: {cos} {sin}");
             if angle.abs() < 1e4 {
                 let (exact_sin, exact_cos) = f64::from(angle).sin_cos();

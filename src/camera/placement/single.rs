@@ -3,7 +3,7 @@
 //! directions are made unit vectors, and ranges follow.
 
 use super::{motion::CameraMotion, pose::Placement, transform::CameraToWorld};
-use crate::trace::kernel::{Cpu, Lanes, Portable};
+use crate::trace::kernel::{Cpu, Lanes, OneLane, Portable};
 
 /// Rays, and where on them they begin and end.
 #[derive(Clone, Copy, Debug)]
@@ -120,7 +120,7 @@ fn place_one(placement: &Placement, time_number: f32, lane: usize, numbers: &mut
     let affine = Affine::of(&placement.to_world.at(placement.time(time_number)));
     let [x, y, z, u, v, w, first, last] = numbers.map(|array| Portable([array[lane]]));
     let rays = RangedRays { origin: [x, y, z], direction: [u, v, w], range: [first, last] };
-    let RangedRays { origin, direction, range } = affine.lanes(Portable::cpu(), rays);
+    let RangedRays { origin, direction, range } = affine.lanes(OneLane::cpu(), rays);
     for (array, Portable([number])) in
         numbers.iter_mut().zip(origin.into_iter().chain(direction).chain(range))
     {
@@ -140,7 +140,7 @@ mod tests {
             direction: direction.map(one),
             range: [one(0.5), one(8.0)],
         };
-        let RangedRays { origin, direction, range } = affine.lanes(Portable::cpu(), rays);
+        let RangedRays { origin, direction, range } = affine.lanes(OneLane::cpu(), rays);
         let number = |Portable([number]): Portable<f32, 1>| number;
         RangedRays { origin: origin.map(number), direction: direction.map(number), range: range.map(number) }
     }

@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 use super::{FINE, Row, STRIDE, WarpedPupil, slice::CELLS};
 use crate::{
     sampling::film_rays::FilmRays,
-    trace::kernel::{Compiled, Lanes as _, Portable, Simd},
+    trace::kernel::{Compiled, Lanes as _, OneLane, Portable, Simd},
 };
 
 /// What the table holds for a film radius.
@@ -126,12 +126,12 @@ impl Compiled for OneSlice<'_> {
         let point = self.film.map(|x| Portable([x]));
         let disk = [Portable([1.0]), Portable([0.0])];
         let ray = FilmRays { point, disk, slopes: disk, area_per_pi: Portable([0.0]) };
-        let radius = self.pupil.radius(Portable::cpu(), &self.pupil.lane_pupil(), &ray);
+        let radius = self.pupil.radius(OneLane::cpu(), &self.pupil.lane_pupil(), &ray);
         let Portable([s]) = radius.s;
         if !(s < FINE as f64) {
             return;
         }
-        let row = self.pupil.row(Portable::cpu(), radius.place.whole(), &radius);
+        let row = self.pupil.row(OneLane::cpu(), radius.place.whole(), &radius);
         let Row {
             part: Portable([part]), center: Portable([center]), narrowing: Portable([narrowing]), ..
         } = row;

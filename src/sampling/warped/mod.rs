@@ -63,7 +63,7 @@ use super::{
 };
 use crate::trace::{
     Path, Real,
-    kernel::{Compiled, Cpu, Indexed, Lanes, Portable, Scalar, Simd},
+    kernel::{Compiled, Cpu, Indexed, Lanes, OneLane, Portable, Scalar, Simd},
 };
 
 /// The true pupil of every point of a film. Immutable once built.
@@ -406,7 +406,7 @@ impl Compiled for OneSample<'_> {
         let ([x, y], [u, v]) = (self.film, self.disk);
         let (point, disk) = ([Portable([x]), Portable([y])], [Portable([u]), Portable([v])]);
         let mut rays = [FilmRays { point, disk, slopes: disk, area_per_pi: Portable([0.0]) }];
-        self.pupil.lanes(Portable::cpu(), &self.pupil.lane_pupil(), &mut rays);
+        self.pupil.lanes(OneLane::cpu(), &self.pupil.lane_pupil(), &mut rays);
         let [FilmRays { slopes: [Portable([sx]), Portable([sy])], area_per_pi: Portable([area]), .. }] = rays;
         *self.found = PupilSample { slopes: [sx, sy], area: PI * area };
     }

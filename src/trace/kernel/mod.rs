@@ -50,7 +50,7 @@ pub(crate) use self::{
     asphere::Profile,
     blades::power,
     instances::{Grouping, InVectors, Optics, in_vectors, run},
-    lanes::{Cpu, Indexed, Lanes, Portable, Scalar},
+    lanes::{Cpu, Indexed, Lanes, OneLane, Portable, Scalar},
     ray::{End, Start},
     rays::batch::{Approach, Batch, PlaneBatch, RaysByValue, from_plane},
     table::Table,

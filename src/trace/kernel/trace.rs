@@ -41,7 +41,7 @@ pub fn through<L: Lanes, A: Apertures<L>, const U: usize>(
     });
     // Vectors side by side are more than the registers hold, and in memory already. One alone stays in them: apart, it
     // would take a tenth longer.
-    if U > 1 {
+    if U > 1 || L::APART {
         L::apart(cpu, Steps { cpu, table, on_way: &mut on_way, rays: &mut rays });
     } else {
         trace_steps(cpu, table, &mut on_way, &mut rays);

@@ -59,7 +59,7 @@ pub(super) fn sum<L: Lanes, const P: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trace::kernel::Portable;
+    use crate::trace::kernel::{OneLane, Portable};
 
     #[test]
     fn the_nested_scheme_is_the_plain_sum() {
@@ -70,7 +70,7 @@ mod tests {
                 .collect();
             assert_eq!(terms.len(), (degree + 1) * (degree + 2) * (degree + 3) / 6);
             let at = [0.3, -0.7, 0.9];
-            let nested = sum(Portable::cpu(), &terms, degree, at.map(|x: f64| Portable([x])));
+            let nested = sum(OneLane::cpu(), &terms, degree, at.map(|x: f64| Portable([x])));
             for p in 0..4 {
                 let Portable([nested]) = nested[p];
                 let plain: f64 = exponents(degree)

@@ -196,7 +196,7 @@ fn horner<L: Lanes>(cpu: Cpu<L>, numbers: &[L::Scalar], of: L) -> L {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::Portable;
+    use super::super::super::{OneLane, Portable};
     use super::*;
     use crate::prescription::{Sellmeier, glass::Formula};
 
@@ -241,11 +241,11 @@ mod tests {
                 let square_of_own = (own * 1e-3) * (own * 1e-3);
                 for nm in (380..=780).step_by(10).map(f64::from) {
                     let exact = refractive_index(medium, nm).powi(2) - refractive_index(medium, own).powi(2);
-                    let light = LightLanes::new(Portable::cpu(), Portable([nm]), square_of_own);
-                    let Portable([change]) = double.change(Portable::cpu(), &light);
+                    let light = LightLanes::new(OneLane::cpu(), Portable([nm]), square_of_own);
+                    let Portable([change]) = double.change(OneLane::cpu(), &light);
                     assert!((change - exact).abs() < 4e-15, "{medium:?} {own} {nm}: {change} {exact}");
-                    let light = LightLanes::new(Portable::cpu(), Portable([nm as f32]), square_of_own as f32);
-                    let Portable([change]) = single.change(Portable::cpu(), &light);
+                    let light = LightLanes::new(OneLane::cpu(), Portable([nm as f32]), square_of_own as f32);
+                    let Portable([change]) = single.change(OneLane::cpu(), &light);
                     let off = f64::from(change) - exact;
                     // Two units in the last place of n² itself: glasses that disperse more than any real one come near it.
                     let bound = 2.0 * f64::from(f32::EPSILON) * refractive_index(medium, nm).powi(2);

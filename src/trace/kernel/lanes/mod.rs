@@ -17,7 +17,7 @@ use std::{
 };
 
 use super::simd::Compiled;
-pub use portable::Portable;
+pub use portable::{OneLane, Portable};
 pub use scalar::Scalar;
 pub(in crate::trace) use unrolled::each_further;
 
@@ -56,6 +56,8 @@ pub trait Lanes:
     type Places: Copy;
     /// How many lanes.
     const WIDTH: usize;
+    /// Whether even one vector alone goes through the steps in a function of their own, small and not fast.
+    const APART: bool = false;
 
     /// The same number in every lane.
     fn splat(cpu: Cpu<Self>, number: Self::Scalar) -> Self;
@@ -69,8 +71,8 @@ pub trait Lanes:
     fn mul_sub(self, b: Self, c: Self) -> Self;
     /// `c - self * b`, rounded once.
     fn neg_mul_add(self, b: Self, c: Self) -> Self;
-    /// Does work in a function of its own, compiled for these vectors' instructions once for all who call it. Where
-    /// vectors have no instructions of their own, it is inlined.
+    /// Does work in a function of its own, compiled for these vectors' instructions once for all who call it; inlined where
+    /// vectors have no instructions of their own and are not to be [`Lanes::APART`].
     fn apart(cpu: Cpu<Self>, work: impl Compiled);
     /// The square roots of two vectors; NaN below 0. Of numbers at most [`Scalar::NO_SQUARE`] above
     /// 0, of 0 and of infinity it may be NaN.

@@ -5,11 +5,14 @@ use std::ops::{Add, Div, Mul, Sub};
 
 use super::{Compiled, Cpu, Indexed, Lanes, Scalar, store_bits};
 
-/// `N` lanes in an array.
+/// `N` lanes in an array; see [`Lanes::APART`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Portable<S, const N: usize>(pub [S; N]);
+pub struct Portable<S, const N: usize, const APART: bool = false>(pub [S; N]);
 
-impl<S: Scalar, const N: usize> Portable<S, N> {
+/// One lane.
+pub type OneLane<S> = Portable<S, 1, false>;
+
+impl<S: Scalar, const N: usize, const APART: bool> Portable<S, N, APART> {
     /// The proof that a processor has what this vector needs: every one has.
     #[inline(always)]
     pub fn cpu() -> Cpu<Self> {
@@ -53,7 +56,7 @@ fn single<S: Scalar, const N: usize>(from: &f32) -> S {
 
 macro_rules! operators {
     ($($trait:ident $method:ident $operator:tt),*) => {$(
-        impl<S: Scalar, const N: usize> $trait for Portable<S, N> {
+        impl<S: Scalar, const N: usize, const APART: bool> $trait for Portable<S, N, APART> {
             type Output = Self;
             methods! { fn $method(self, b: Self) -> Self = Self(lanes!(self.0, i => self.0[i] $operator b.0[i])); }
         }
@@ -62,11 +65,12 @@ macro_rules! operators {
 
 operators!(Add add +, Sub sub -, Mul mul *, Div div /);
 
-impl<S: Scalar, const N: usize> Lanes for Portable<S, N> {
+impl<S: Scalar, const N: usize, const APART: bool> Lanes for Portable<S, N, APART> {
     type Scalar = S;
     type Mask = [bool; N];
     type Places = [usize; N];
     const WIDTH: usize = N;
+    const APART: bool = APART;
 
     methods! {
         fn splat(_: Cpu<Self>, number: S) -> Self = Self([number; N]);
@@ -107,7 +111,11 @@ impl<S: Scalar, const N: usize> Lanes for Portable<S, N> {
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn apart(_: Cpu<Self>, work: impl Compiled) {
-        work.run();
+        #[inline(never)]
+        fn run(work: impl Compiled) {
+            work.run();
+        }
+        if APART { run(work) } else { work.run() }
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn sqrt_pair(mut a: Self, mut b: Self) -> [Self; 2] {
