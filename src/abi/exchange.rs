@@ -1,4 +1,4 @@
-//! What is copied between this library and a caller's memory: structures, which begin with their `struct_size`, and texts.
+//! What passes between this library and a caller's memory: structures, which begin with their `struct_size`, and texts.
 
 use std::{ffi::c_char, mem::MaybeUninit};
 
@@ -64,7 +64,7 @@ pub(super) unsafe fn take<T: Copy>(what: &str, name: &str, given: *const T) -> R
 /// As [`give`].
 ///
 /// # Safety
-/// As of [`take`], and nobody writes the structure while it is borrowed.
+/// As for [`take`], and nobody writes the structure while it is borrowed.
 #[inline(always)]
 pub(super) unsafe fn borrow<'a, T: Copy>(
     what: &str,

@@ -23,8 +23,8 @@ pub struct Host {
     pub lens_text: Option<(String, Vec<u8>)>,
     /// Whether the host can give a sample another (u, v).
     pub can_redraw: bool,
-    /// Whether the camera leaves out what its film and place do not need; false is for comparisons. Without
-    /// a tolerance the rays have the same bits.
+    /// Whether a tolerance may choose another model of the lens, and a motion in a closed shutter becomes one transform; false
+    /// is for comparisons. Without a tolerance the rays have the same bits.
     pub leave_out: bool,
 }
 

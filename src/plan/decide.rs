@@ -1,7 +1,7 @@
 //! Makes the decision: how rays are traced.
 //!
-//! In goes a [`Task`]; out come the [`Decision`] and, in the plan, the reasons. A named refraction, or a host that
-//! wants nothing left out, gets every surface; a tolerance, the cheapest way that stays within it ([`Choice`]).
+//! In goes a [`Task`]; out come the [`Decision`] and, in the plan, the reasons. Without a tolerance
+//! every surface is met; with one, rays go the cheapest way that stays within it ([`Choice`]).
 
 use super::{
     choice::Choice,

@@ -1,7 +1,7 @@
 //! Planes that only limit rays, wherever they stand among their neighbours' bulges: a stop cuts a ray where the ray's
 //! straight line between the surfaces around it crosses the stop's plane. The oracle is the lens without the plane.
 
-use realistic::unstable::trace::{Direction, Path, Ray};
+use realistic::unstable::trace::{Blocked, Direction, Path, Ray};
 
 use super::support::{Random, build, by_kernel, host_with, lens_of, ray};
 
@@ -167,6 +167,37 @@ fn a_plane_limits_rays_wherever_it_stands_among_its_neighbours() {
             }
             assert!(passed > 300 && stopped > 100, "{number} {direction:?}: {passed} {stopped}");
         }
+    }
+}
+
+#[test]
+fn behind_a_leading_plane_surfaces_count_from_where_a_ray_began() {
+    // A ball far behind the stop; a stop inside the bulge of a sphere, an asphere, a conic.
+    let ball = "stop 30 1 6\n5 3 1.6 8\n-5 0 1 8";
+    let inside = CASES[4..7].iter().map(|case| case.text);
+    let mut random = Random::new(11);
+    for text in inside.chain([ball]) {
+        let lens = lens_of(text);
+        let path = Path::<f64>::scene_to_film(&lens);
+        let first = lens.surfaces.iter().find(|surface| !surface.only_limits()).expect("glass").vertex;
+        // From before the stop to behind the first glass.
+        let rays: Vec<Ray> = (0..4000)
+            .map(|_| {
+                let start =
+                    [3.0 * random.signed(), 3.0 * random.signed(), first + 20.0 + 24.0 * random.signed()];
+                let direction = [0.1 * random.signed(), 0.1 * random.signed(), -1.0];
+                Ray { origin: start, direction }
+            })
+            .collect();
+        let kernel = by_kernel::<f64>(&lens, Direction::SceneToFilm, &rays);
+        let (mut passed, mut turned) = (0, 0);
+        for (ray, found) in rays.iter().zip(kernel) {
+            let walked = path.trace(*ray);
+            assert_eq!(walked.is_ok(), found.is_some(), "{text:?} {ray:?} {walked:?}");
+            passed += usize::from(walked.is_ok());
+            turned += usize::from(walked == Err(Blocked::TurnedBack));
+        }
+        assert!(passed > 300 && turned > 100, "{text:?}: {passed} {turned}");
     }
 }
 

@@ -158,13 +158,14 @@ impl Batch<'_> {
         &self,
         first: usize,
         count: usize,
-        copies: &'s mut [Copy; 6],
+        copies: &'s mut [Column; 6],
     ) -> (SampleArrays<'s>, Option<&'s [f32]>) {
         let PerRay { per_sample, wavelengths, .. } = self.per_ray;
         let [x, y, u, v, time] = self.samples;
         let [to_x, to_y, to_u, to_v, to_time, to_wavelengths] =
             copies.each_mut().map(|copy| &mut copy[..count.min(BLOCK)]);
-        // SAFETY: the caller's promise.
+        // SAFETY: the caller's promise; a column is lent only where `read` or `fill` has written its first `count` numbers:
+        // of what is no slice, or is shared.
         unsafe {
             if time.is_there() {
                 read(&self.samples, per_sample, first, [to_x, to_y, to_u, to_v, to_time]);
@@ -175,7 +176,7 @@ impl Batch<'_> {
             if wavelengths.is_there() {
                 read(&[wavelengths], 1, first, [to_wavelengths]);
             }
-            let lent = |numbers: Strided, copy: &'s Copy, shared_by: usize| {
+            let lent = |numbers: Strided, copy: &'s Column, shared_by: usize| {
                 if numbers.is_slice() && numbers.is_there() && shared_by == 1 {
                     numbers.slice(first, count)
                 } else {
@@ -297,12 +298,12 @@ impl Strided {
     }
 }
 
-/// A copy of numbers of a block.
-type Copy = [MaybeUninit<f32>; BLOCK];
+/// A copy of a block's numbers of one kind.
+type Column = [MaybeUninit<f32>; BLOCK];
 
 /// Copies of a block's numbers, in arrays. Nothing of them is cleared that is not used, so that few samples cost little.
 struct Copies<const ARRAYS: usize> {
-    arrays: [Copy; ARRAYS],
+    arrays: [Column; ARRAYS],
     /// Of each array so many are set.
     set: usize,
 }
@@ -311,7 +312,7 @@ impl<const ARRAYS: usize> Copies<ARRAYS> {
     /// Arrays of which nothing is set. Not a constant: that would be copied, kilobytes of it.
     #[inline(always)]
     fn new() -> Self {
-        // SAFETY: of numbers that need not be set nothing is claimed.
+        // SAFETY: an array of numbers that may be unset needs none set.
         Self { arrays: unsafe { MaybeUninit::uninit().assume_init() }, set: 0 }
     }
 

@@ -8,7 +8,7 @@ use crate::numeric::Real;
 pub trait Apertures<L: Lanes>: Copy {
     /// Whether rays outside an aperture are blocked.
     const BLOCK: bool;
-    /// Of rays that have met no aperture.
+    /// Of rays that have met no aperture; step 0 is next.
     fn new(cpu: Cpu<L>) -> Self;
     /// Tells that the step of this number is next.
     fn step(&mut self, number: usize);
@@ -56,9 +56,9 @@ pub struct Nearest<L> {
     next: usize,
 }
 
-/// The ratio from which on rays that lanes leave open are no longer walked: they count as lost, which is all that a search
-/// of edges asks of them.
-const FAR: f64 = 1.44;
+/// The ratio, squared as [`Nearest::ratio`] is, from which on rays that lanes leave open are no longer walked: they count as
+/// lost, which is all that a search of edges asks of them.
+const WORTH: f64 = 1.2 * 1.2;
 
 impl<L: Lanes<Scalar = f64>> Apertures<L> for Nearest<L> {
     const BLOCK: bool = false;
@@ -85,6 +85,6 @@ impl<L: Lanes<Scalar = f64>> Apertures<L> for Nearest<L> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn worth(&self, cpu: Cpu<L>) -> Option<L::Mask> {
-        Some(self.ratio.less_equal(L::splat(cpu, FAR)))
+        Some(self.ratio.less_equal(L::splat(cpu, WORTH)))
     }
 }

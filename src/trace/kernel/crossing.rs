@@ -72,7 +72,7 @@ pub fn tests(from: ClearPart, to: ClearPart, distance: f64) -> Tests {
 }
 
 /// Whether all of `to` lies farther along the axis than all of `from`.
-pub fn leaves_room(from: ClearPart, to: ClearPart, distance: f64) -> bool {
+fn leaves_room(from: ClearPart, to: ClearPart, distance: f64) -> bool {
     let margin = MARGIN * (from.semi_diameter + to.semi_diameter + distance);
     distance + to.extent()[0] > from.extent()[1] + margin
 }

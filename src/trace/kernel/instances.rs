@@ -186,8 +186,8 @@ pub fn in_vectors<S: KernelScalar, W: InVectors<S>>(simd: Available, grouping: G
     }
 }
 
-/// Not inlined, so that all calls of one width share it; on x86-64, where none but the oldest processors come here, the steps
-/// are shared by all of them, too.
+/// Not inlined, so that all calls of one width share it; on x86-64, where none but the oldest processors come here, all
+/// callers share the steps, too.
 #[inline(never)]
 fn portable<const LANES: usize, S: KernelScalar, W: InVectors<S>>(work: &mut W) {
     each::<Portable<S, LANES, { cfg!(target_arch = "x86_64") }>, 1, _>(Portable::cpu(), work);

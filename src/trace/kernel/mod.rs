@@ -13,8 +13,8 @@
 //! What follows what: `surface` gathers what is known of each surface, with what `crossing` proves from its neighbours'
 //! shapes; `table` makes a step of each, within the growth of rounding that `rounding` allows; a `batch` makes rays as
 //! vectors of `lanes`; `trace` takes them through the steps, each of which is a method in `ray` or, for what is no sphere,
-//! in `asphere`; `dispersion` is the table for a wavelength per lane; `instances` compiles all that once for each set of instructions in `simd`. `clearance` asks the same loop how near rays
-//! come to the edges of `apertures`, for searches.
+//! in `asphere`; `dispersion` is the table for a wavelength per lane; `instances` compiles all that once for each set of
+//! instructions in `simd`. `clearance` asks the same loop how near rays come to the edges of `apertures`, for searches.
 //!
 //! On `#[cfg_attr(not(debug_assertions), inline(always))]`, which stands at every function below `instances`: a vector
 //! operation is compiled for a processor only inside a function that is, so that all of them must be inlined into the
@@ -92,11 +92,6 @@ impl<S: KernelScalar> Kernel<S> {
 
     fn compile(path: Path, simd: Available) -> Self {
         Self { table: Table::new(&path, S::AMPLIFICATION), path, simd }
-    }
-
-    /// Surfaces and tests that each ray is taken through one by one.
-    pub fn steps(&self) -> usize {
-        self.table.steps.len()
     }
 
     /// The instructions in use.

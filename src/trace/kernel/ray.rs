@@ -70,6 +70,7 @@ pub struct RayLanes<L: Lanes, A = Blocking> {
     pub passed: L::Mask,
     /// The squared cosine to the axis with which they set out.
     pub cos2: L,
+    /// What becomes of them at apertures.
     pub apertures: A,
 }
 
@@ -268,7 +269,7 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         if !PLAIN && sphere.far {
             let t = minus_z / self.vz;
             self.advance(t);
-            (minus_z, lead) = (L::splat(cpu, L::Scalar::ZERO), t);
+            (minus_z, lead) = (L::splat(cpu, L::Scalar::ZERO), lead + t);
         }
         let across = self.y.mul_add(self.vy, self.x * self.vx);
         let along = minus_z.neg_mul_add(self.vz, across);

@@ -36,10 +36,9 @@ pub struct CompiledSurface<'a> {
     pub blades: Option<&'a StopFigure<f64>>,
     /// A plane that only limits: a test, which does not move the ray.
     pub is_still: bool,
-    /// A plane that only limits and is the first surface: the ray is moved to it, and tells the next surface that moves it
-    /// how far it has come.
+    /// A plane that only limits and is the first surface: the ray is moved to it, and how far it has come is handed on.
     pub leads: bool,
-    /// The surface that is told.
+    /// The next surface that moves the ray: it counts from where the ray began.
     pub is_led: bool,
 }
 

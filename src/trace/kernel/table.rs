@@ -43,7 +43,7 @@ pub struct Sphere<S> {
     pub tests: Tests,
     /// How far behind a hit may lie by rounding alone, in units of V.
     pub slack: S,
-    /// The ray tells how far it has come.
+    /// It counts from where the ray began, which a plane that leads hands on.
     pub is_led: bool,
     /// Nothing but a strongly curved surface, its aperture tested by N_z, that rays meet going on: what most spheres are.
     pub plain: bool,
@@ -58,8 +58,9 @@ pub struct Plane<S> {
     pub aperture: S,
     pub tests: Tests,
     pub slack: S,
-    /// The ray is to tell the next surface how far it has come; or has been told so itself.
+    /// It stands first and only limits: it hands on how far the ray has come ([`RayLanes::root`](super::ray::RayLanes)).
     pub leads: bool,
+    /// It counts from where the ray began, which a plane that leads hands on.
     pub is_led: bool,
 }
 
@@ -191,6 +192,7 @@ impl<S: Scalar> Table<S> {
         for (i, surface) in surfaces.iter().enumerate() {
             let transfer = transfer(last, surface.distance);
             if surface.is_still {
+                // The circle with blades, too: the figure lies inside it, but edges are searched for by circles.
                 steps.push(Step::Stop(Stop { transfer, aperture: S::from_f64(surface.aperture) }));
                 steps.extend(surface.blades.map(|figure| Step::Blades(BladedStop::new(figure, transfer))));
                 numbers.resize(steps.len(), i);

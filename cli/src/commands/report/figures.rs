@@ -80,8 +80,8 @@ const VIGNETTING: &str = "By how much film irradiance is off where rays pass tha
     vignetting is right whatever traces them.";
 const LEAVING_OUT: &str = "The share of a camera ray's time that is saved by what its plan leaves out. With a tolerance of 1, 0.1 or \
     0.01 pixel the camera may take another model of the lens, and stands beside double precision with everything kept; \
-    tolerances that chose the same way to trace are one mark. A mark is the median, its thin line the quartiles; what saves less than a thousandth, or nothing, stands there. The dotted line is what \
-    counts as a tie in this run.";
+    tolerances that chose the same way to trace are one mark. A mark is the median, its thin line the quartiles; what saves \
+    less than a thousandth, or nothing, stands there. The dotted line is what counts as a tie in this run.";
 const DIRECTION: &str = "Angle between the ray that leaves the lens and the exact one, against the time per sample; \
     marks as above.";
 const POSITION: &str = "Distance between the ray that leaves the lens and the exact point on the front surface, \

@@ -88,7 +88,7 @@ pub struct Common<S> {
     pub aperture: S,
     /// How far behind a hit may lie by rounding alone, in units of V.
     pub slack: S,
-    /// The ray tells how far it has come.
+    /// It counts from where the ray began, which a plane that leads hands on.
     pub is_led: bool,
     /// z of the plane from which the surface is approached.
     pub start: S,

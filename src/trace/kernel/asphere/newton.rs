@@ -112,8 +112,8 @@ impl<S: Scalar> Asphere<S> {
         }
     }
 
-    /// Moves rays to the surface, as [`Asphere::trace`]; its normals where they meet it. Where not all of the rays are worth
-    /// the walk ([`Apertures::worth`]), the others are blocked that lanes leave open.
+    /// Moves rays to the surface, as [`Asphere::trace`]; its normals where they meet it. Rays that lanes
+    /// leave open and that are not worth the walk ([`Apertures::worth`]) count as blocked.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn meet<L: Lanes<Scalar = S>, A: Apertures<L>, const U: usize>(
         &self,

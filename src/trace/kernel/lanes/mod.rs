@@ -56,7 +56,8 @@ pub trait Lanes:
     type Places: Copy;
     /// How many lanes.
     const WIDTH: usize;
-    /// Whether even one vector alone goes through the steps in a function of their own, small and not fast.
+    /// Whether even one vector alone goes through the steps in a function of their own, which makes the
+    /// library smaller and such rays slower.
     const APART: bool = false;
 
     /// The same number in every lane.
