@@ -1,0 +1,209 @@
+//! Directions toward the lens from points of the scene, for each lens of the catalogue (or those named), wide open and
+//! stopped down, for points far and near: what they cost, how many get through and how much light they leave out:
+//! `cargo bench --bench scene_points -- [LENS]...`. The points lie on the camera's own rays, all over the picture; the
+//! camera keeps its lens's own focus, or with `--focused` is focused at the points' distance. Each figure is the worst of
+//! its lens's cases. `--test` for as little as shows that it runs.
+
+use std::{f64::consts::TAU, hint::black_box, time::Duration};
+
+use realistic::unstable::{
+    camera::{Aimed, Backward, Camera, Host, Importance, Parameters, Raster, Sample, ScenePoint, WorldRay},
+    numeric::{cross, dot, unit},
+    prescription::catalogue,
+};
+use realistic_lab::{
+    render::sequence::{Point, Sequence},
+    timing::{Effort, interleaved, repeated},
+};
+
+const RASTER: Raster = Raster { xres: 640, yres: 480 };
+const STOPS: [Option<f64>; 3] = [None, Some(4.0), Some(8.0)];
+/// Directions of a batch, each from another point.
+const BATCH: usize = 1024;
+/// Points whose share of directions that pass is asked for, and directions of each.
+const POINTS: usize = 256;
+/// Points whose light is asked for; by so many sample sets, of so many directions toward the lens and so many anywhere.
+const LIT: usize = 16;
+const SETS: usize = 8;
+const AIMED: usize = 2048;
+const ANYWHERE: usize = 32_768;
+
+/// A figure that is the better the nearer to 0, its standard error and where it was found.
+type Figure = (f64, f64, String);
+/// The first direction, ms; each of a batch, ns; the share of directions that do not pass, in the mean over points and of one
+/// point; the share of light left out, of all points and of one, below 0 where there seems to be more than there is.
+type Figures = [Figure; 6];
+
+/// The one farther from 0.
+fn worse(a: Figure, b: Figure) -> Figure {
+    if b.0.abs() > a.0.abs() { b } else { a }
+}
+
+fn worst(figures: impl Iterator<Item = Figures>) -> Figures {
+    figures.reduce(|a, b| std::array::from_fn(|i| worse(a[i].clone(), b[i].clone()))).expect("a case or more")
+}
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let is_given = |name: &str| arguments.iter().any(|argument| argument == name);
+    let (test, focused) = (is_given("--test"), is_given("--focused"));
+    let mut lenses: Vec<&str> =
+        arguments.iter().map(String::as_str).filter(|argument| !argument.starts_with('-')).collect();
+    if lenses.is_empty() {
+        lenses = catalogue::names().take(if test { 1 } else { usize::MAX }).collect();
+    }
+    println!(
+        "| lens | first direction, ms | each of a batch, ns | pass, mean over points | pass, of one point | \
+         light left out | of one point |\n|---|---|---|---|---|---|---|"
+    );
+    let part = if test { 16 } else { 1 };
+    let all = worst(lenses.iter().map(|lens| print(lens, look_at(lens, focused, part))));
+    print("all", all);
+}
+
+fn print(name: &str, figures: Figures) -> Figures {
+    let [first, each, blocked @ .., left_out, of_one] = &figures;
+    let pass = blocked.each_ref().map(|(share, _, case)| format!("{:.3} ({case})", 1.0 - share));
+    let light = [left_out, of_one].map(|(share, error, case)| format!("{share:.1e} ± {error:.0e} ({case})"));
+    let times = format!("{:.0} | {:.0} ({})", first.0, each.0, each.2);
+    println!("| {name} | {times} | {} | {} |", pass.join(" | "), light.join(" | "));
+    figures
+}
+
+fn camera(lens: &str, stop: Option<f64>, focus: Option<f64>) -> Camera {
+    let film = if lens.starts_with("phone") { 6.0 } else { 30.0 };
+    let mut parameters = Parameters::default();
+    parameters.set_from_text("specfile", lens).expect("a text");
+    for (name, number) in [("filmdiag", Some(film)), ("fnumber", stop), ("focusdistance", focus)] {
+        let set = number.map(|number| parameters.set_from_text(name, &number.to_string()));
+        set.transpose().expect("a number");
+    }
+    let host = Host::new(RASTER, None);
+    Camera::build(&parameters, &host, &mut |_, _| ()).unwrap_or_else(|error| panic!("{lens}: {error}"))
+}
+
+/// A lens at all stops and distances, with a part of the samples only.
+fn look_at(lens: &str, focused: bool, part: usize) -> Figures {
+    let open = camera(lens, None, None);
+    let facts = open.facts().expect("a lens has them");
+    let nearest = facts.focus().expect("it focuses").nearest();
+    let behind = nearest.film_distance - facts.lens.rear().vertex;
+    let stops = STOPS.into_iter().filter(|stop| stop.is_none_or(|stop| stop > facts.fnumber()));
+    let distances = [1e7, 1000.0, (nearest.object_distance - behind).max(1.0)];
+    worst(stops.flat_map(|stop| distances.map(|far| (stop, far))).map(|(stop, far)| {
+        // The nearest focus is a little farther at some stops.
+        let focus = (1.01 * nearest.object_distance).max(far + behind);
+        let camera = camera(lens, stop, focused.then_some(focus));
+        let stop = stop.map_or("open".to_owned(), |stop| format!("f/{stop}"));
+        figures(&camera, far, part, &format!("{stop}, {far:.0} mm"))
+    }))
+}
+
+/// A point of the scene, and where the camera's ray to it leaves the lens.
+type Place = ([f32; 3], [f64; 3]);
+
+/// Of a camera and points `far` from its lens, all over picture and pupil.
+fn figures(camera: &Camera, far: f64, part: usize, case: &str) -> Figures {
+    let backward = camera.backward().expect("a lens has importance");
+    let name = |figure: f64| (figure, 0.0, case.to_owned());
+    let points = samples(0, 4, 16 * POINTS).into_iter().filter_map(|at| place(camera, far, at));
+    let places: Vec<Place> = points.take(POINTS / part).collect();
+    let batch = places.iter().cycle().zip(samples(0, 2, BATCH));
+    let batch: Vec<ScenePoint> = batch.map(|(place, at)| toward(place, at)).collect();
+    let mut found = vec![Aimed::default(); BATCH];
+    let (_, first) = repeated(1, || backward.aim(&batch[..1], &mut found[..1]));
+    let effort = Effort { rounds: 8 / part + 1, least: Duration::from_millis(1) };
+    let task: Box<dyn FnMut()> = Box::new(|| backward.aim(black_box(&batch), &mut found));
+    let each = interleaved([task], effort)[0].per(BATCH).median;
+    let (mut mean, mut most) = (0.0, 0.0_f64);
+    for place in &places {
+        let aimed = aimed(backward, place, 0, POINTS / part);
+        let blocked = aimed.iter().filter(|aimed| aimed.importance.importance == 0.0).count();
+        let share = blocked as f64 / aimed.len() as f64;
+        (mean, most) = (mean + share / places.len() as f64, most.max(share));
+    }
+    let (mut all, mut one) = ([[0.0; 2]; SETS], Figure::default());
+    for place in places.iter().take(LIT / part) {
+        let sets = std::array::from_fn(|set| light(camera, place, set as u32, part));
+        let whole = sets.iter().map(|[_, whole]| whole).sum::<f64>() / SETS as f64;
+        all = std::array::from_fn(|set| [0, 1].map(|way| all[set][way] + sets[set][way] / whole));
+        one = worse(one, left_out(&sets, case));
+    }
+    let [first, each, mean, most] = [first[0] * 1e3, each * 1e9, mean, most].map(name);
+    [first, each, mean, most, left_out(&all, case), one]
+}
+
+fn place(camera: &Camera, far: f64, [x, y, lens_u, lens_v]: Point) -> Option<Place> {
+    let [image_x, image_y] = [RASTER.xres as f32 * x, RASTER.yres as f32 * y];
+    let (ray, _) = camera.ray(&Sample { image_x, image_y, lens_u, lens_v, time: 0.5 })?;
+    let [origin, direction] = [ray.origin, ray.direction].map(|vector| vector.map(f64::from));
+    Some((std::array::from_fn(|axis| (origin[axis] + far * direction[axis]) as f32), origin))
+}
+
+fn aimed(backward: &Backward, place: &Place, set: u32, count: usize) -> Vec<Aimed> {
+    let points: Vec<_> = samples(set, 2, count).into_iter().map(|at| toward(place, at)).collect();
+    let mut found = vec![Aimed::default(); count];
+    backward.aim(&points, &mut found);
+    found
+}
+
+/// The integral of importance over directions from a point: by directions toward the lens, and by ones that know
+/// nothing of the pupil. Those fill a cone that holds all of the front surface, or all directions, and are the
+/// denser the nearer they come to that of the camera's own ray, as 1/(1 - cos θ + `narrow`).
+fn light(camera: &Camera, place: &Place, set: u32, part: usize) -> [f64; 2] {
+    let backward = camera.backward().expect("a lens has importance");
+    let aimed = aimed(backward, place, set, AIMED / part);
+    let light = |aimed: &Aimed| aimed.importance.importance / aimed.density.max(f64::MIN_POSITIVE);
+    let by_aim: f64 = aimed.iter().map(light).sum();
+    let (from, front) = (place.0.map(f64::from), place.1);
+    let way = [0, 1, 2].map(|axis| front[axis] - from[axis]);
+    let (distance, way) = (dot(way, way).sqrt(), unit(way));
+    let facts = camera.facts().expect("a lens has them");
+    let ([low, high], semi) = (facts.lens.front().sagitta_range(), facts.lens.front().semi_diameter);
+    // No point of the surface is farther from another.
+    let across = 1.01 * (2.0 * semi).hypot(high - low);
+    let square = (across / distance).powi(2);
+    let is_far = square < 0.25;
+    let most = if is_far { square / (1.0 + (1.0 - square).sqrt()) } else { 2.0 };
+    let narrow = 0.5 * (0.15 * facts.entrance.diameter().min(semi) / (distance + semi)).powi(2);
+    let span = (most / narrow).ln_1p();
+    let side = unit(cross(way, if way[0].abs() < 0.5 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] }));
+    let up = cross(side, way);
+    // From before the lens, where single precision does.
+    let start = if is_far { distance - 1.5 * across } else { 0.0 };
+    let count = ANYWHERE / part;
+    let ray = |[u, v, ..]: Point| {
+        let down = narrow * (f64::from(u) * span).exp_m1();
+        let (level, (sin, cos)) = ((down * (2.0 - down)).sqrt(), (TAU * f64::from(v)).sin_cos());
+        let to = [0, 1, 2].map(|i| (1.0 - down) * way[i] + level * (cos * side[i] + sin * up[i]));
+        let origin = [0, 1, 2].map(|axis| (from[axis] + start * to[axis]) as f32);
+        let direction = to.map(|part| part as f32);
+        let ray = WorldRay { origin, direction, mint: 0.0, maxt: f32::MAX, time: 0.5 };
+        (ray, TAU * span * (down + narrow))
+    };
+    let set = samples(SETS as u32 + set, 2, count);
+    let (rays, shares): (Vec<WorldRay>, Vec<f64>) = set.into_iter().map(ray).unzip();
+    let mut found = vec![Importance::default(); count];
+    backward.arrive(&rays, &mut found);
+    let anywhere: f64 = found.iter().zip(shares).map(|(found, share)| found.importance * share).sum();
+    [by_aim / aimed.len() as f64, anywhere / count as f64]
+}
+
+/// A sample set in two or four dimensions, of which others are independent.
+fn samples(set: u32, dimensions: usize, count: usize) -> Vec<Point> {
+    let mut points = vec![Point::default(); count];
+    Sequence::Recurrence.fill(set, dimensions, &mut points);
+    points
+}
+
+fn toward(place: &Place, [u, v, ..]: Point) -> ScenePoint {
+    ScenePoint { point: place.0, sample: [u, v], time: 0.5 }
+}
+
+/// What the first of two estimates lacks of the second, over that.
+fn left_out(sets: &[[f64; 2]; SETS], case: &str) -> Figure {
+    let n = SETS as f64;
+    let [aimed, whole] = [0, 1].map(|way| sets.iter().map(|set| set[way]).sum::<f64>() / n);
+    let square: f64 = sets.iter().map(|set| (set[1] - set[0] - (whole - aimed)).powi(2)).sum();
+    ((whole - aimed) / whole, (square / (n * (n - 1.0))).sqrt() / whole, case.to_owned())
+}
