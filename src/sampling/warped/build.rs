@@ -1,75 +1,67 @@
-//! Builds the table: a path and the film's place in; outlines at as many film radii as it takes for the ones between to
-//! be interpolated out. Intervals of film radius are halved until the middle is predicted by its ends (adaptive
-//! subdivision), also toward a radius whose pupil has no outline that fits; there the rear element's disk stands in.
+//! Builds the table: a path and the film's place in; maps of outlines at as many film radii as it takes for the ones between
+//! to be interpolated out.
+//!
+//! ```text
+//! follow the first row outward to the image's end or the film's
+//! from the axis on, with steps that are twice as wide after each that was easy:
+//!     find the outline there, each edge expected where the two outlines before lead
+//!     compare the outline before with the map interpolated over it, from the one before that to this one;
+//!     if they differ too much, or there is no outline, try again with half the step
+//! make each map as much larger as its outline lies outside the map interpolated from its neighbours
+//! ```
+//!
+//! What lies between two slices is held by that last step: where an edge curves or has a corner anywhere between them, the line
+//! past the slice from neighbour to neighbour is as far off there as it is anywhere between.
 
-use std::{cell::Cell, collections::BTreeMap, rc::Rc};
+use std::collections::BTreeMap;
 
 use super::{
-    meridian::first_look,
-    outline::{Guess, Outline},
-    pieces::{BESIDE, Shape, are_in_pieces, half_disk},
+    follow::{Trail, half_disk},
+    outline::{Frame, Outline, first_row},
     report::{GivenUp, NoFan},
-    search::{Crossing, EdgeFinder, HalfLine, Hints},
-    slice::{CELLS, Knots, Places, Slice, TRACE_EVERY},
-    vanishing::{Field, Vanishing},
-    view::{Limit, Tracer, View},
+    slice::{KNOTS, Knots, Lack, Slice},
+    view::{FilmPencil, FilmSide, Pencil},
 };
 use crate::{lens::pupil::SlopeDisk, sampling::pupil_disk::PupilDisk, trace::Path};
 
-/// Intervals of film radius that the table begins with.
-pub(crate) const COARSE: usize = 8;
-/// Times that each of them may be halved.
-pub(crate) const DEPTH: u32 = 6;
-/// Smallest intervals.
-pub(crate) const FINE: usize = COARSE << DEPTH;
-
-/// What may be left of a misfit in an interval's middle when that is made a slice: a quarter for smooth
-/// outlines, a little more where a corner moves along.
-const AFTER_HALVING: f64 = 0.3;
-/// The same where a corner comes or goes anywhere within the interval, a quarter of it from the end
-/// at worst.
-const WITH_NEW_CORNERS: f64 = 1.0;
-/// Share of the pupil that interpolation may then miss before the halves are halved again.
-const MISSED: f64 = 4.5e-5;
-/// The same where halves cannot be halved again, nor the map be made as much larger as it takes: a bound, for where a corner
-/// comes or goes within the halves most of it is not missed. Beyond, the rear disk stands in.
-const MISSED_AT_LAST: f64 = 3e-4;
-/// The same for what the interpolated shape has too much, which costs acceptance.
-const EXCESS: f64 = 3e-3;
-/// How much larger than interpolated a map may be made, relative, where the pupil changes faster than the narrowest
-/// intervals.
-const MOST_GROWTH: f64 = 3.0;
-/// Share of the samples that may be lost there without a word, or what the margin costs, if that is more.
-const UNNAMED: f64 = 0.004;
-
-/// Part of the pupil on the axis below which a pupil about to vanish is no longer worth an outline.
-const SLIVER: f64 = 1e-3;
-
+/// Smallest intervals of film radius: more follow jumps closer, and make the table of cells larger.
+pub(crate) const FINE: usize = 1024;
+/// The widest, and the first: narrower ones take more rays, wider ones may lose the way.
+const COARSE: usize = FINE / 8;
+/// The narrowest step once half of the rays that a table may take are traced.
+const SHORT: usize = COARSE / 4;
+/// What an outline and the map interpolated over it may differ by, as a share of the area, before steps are halved: less takes
+/// more slices, more blocks more samples.
+const LOOSE: f64 = 2e-3;
+/// The same below which the next step is twice as wide: differences go with the square of the step.
+const EASY: f64 = LOOSE / 4.0;
+/// A kink in an interval twice as wide as the next is off by so much more than the line past the slice between them:
+/// (w₁ + w₂)/(2 min(w₁, w₂)).
+const UNEVEN: f64 = 1.5;
+/// Share of the samples that may be blocked at a slice without a word.
+const UNNAMED: f64 = 0.01;
+/// How much farther than the outline light is another piece of the pupil.
+const BESIDE: f64 = 1.1;
+/// Rays across the rear disk in looks for other pieces.
+const GRID: u32 = 24;
+/// Looks along each half-line for the end of other pieces.
+const LOOKS: usize = 16;
 /// Radius of the pupil on the axis over how far its centre moves over the film, in slope, below which the table, which has
 /// the centre in single precision, cannot follow it: sixteen of its roundings.
 const NARROWEST: f64 = 1e-6;
-
 /// τ where the pupil vanishes: not 0, which rounding in single precision would make a negative density of.
 const LEAST_WIDTH: f64 = 1e-6;
 
-/// Width, in smallest intervals, up to which nothing is sought between two radii that have no map.
-const BLIND: usize = FINE / 32;
-
 /// What the table is built from.
 pub(crate) struct Builder {
-    pub tracer: Tracer,
+    pub side: FilmSide,
     /// Largest film radius asked for, mm.
-    pub reach: f64,
+    reach: f64,
     /// A disk that holds every pupil.
-    pub cover: PupilDisk,
+    cover: PupilDisk,
     /// Film radius times this is about the slope to the pupil's centre.
-    pub shift: f64,
-    hints: Hints,
+    shift: f64,
     knots: Knots,
-    /// The film radius at which the pupil vanishes, mm; infinite where that lies beyond reach.
-    vanishing: Cell<f64>,
-    /// Area of the pupil on the axis, slope²; 0 until it is known.
-    axis_area: Cell<f64>,
 }
 
 /// A stretch of film radius between two slices.
@@ -77,7 +69,7 @@ pub(crate) struct Interval {
     /// In units of the smallest interval.
     pub from: usize,
     pub to: usize,
-    pub slices: [Rc<Slice>; 2],
+    pub slices: [Slice; 2],
 }
 
 /// Everything that the table keeps.
@@ -90,56 +82,38 @@ pub(crate) struct Layout {
     pub given_up: Vec<GivenUp>,
 }
 
-/// A film radius's map, or why it has none.
-type Node = Result<Rc<Slice>, NoFan>;
-
-/// A stretch of film radius that is not filled yet, between two radii that may have maps.
-struct Gap {
-    ends: [usize; 2],
-    nodes: [Node; 2],
+/// The scale of film radius.
+#[derive(Clone, Copy)]
+struct Scale {
+    end: f64,
+    dark_beyond: bool,
 }
 
-/// What is expected at a film radius.
-struct Expected<'a, 'b> {
-    view: View<'a>,
-    /// A slope on the meridian that the pupil is expected to hold, and how far around that it is sought, in units of τ.
-    around: [f64; 2],
-    like: &'b Slice,
-}
+impl Scale {
+    /// The film radius of a number of smallest intervals: even, or ever denser toward the image's end, where pupils shrink as
+    /// the root of what is left.
+    fn height(&self, place: usize) -> f64 {
+        self.at(place as f64 / FINE as f64)
+    }
 
-/// What was found there: the outline, its map, and where on the outline the map's knots lie.
-type Traced = (Outline, Rc<Slice>, Box<Places>);
+    fn at(&self, s: f64) -> f64 {
+        self.end * if self.dark_beyond { s * (2.0 - s) } else { s }
+    }
 
-/// The table as it grows.
-struct Table<H> {
-    /// Film radius, mm, of a number of smallest intervals.
-    height: H,
-    intervals: Vec<Interval>,
-    given_up: Vec<GivenUp>,
-    /// How much larger than the pupil the maps at numbers of smallest intervals are to be made, relative, by knot.
-    growth: BTreeMap<usize, Vec<f64>>,
+    /// What heights of pupils shrink by toward the image's end, about.
+    fn shrunk(&self, place: usize) -> f64 {
+        if self.dark_beyond { (FINE - place) as f64 / FINE as f64 } else { 1.0 }
+    }
+
+    /// 1 - h²/H², twice the square of that near the end.
+    fn crescent(&self, place: usize) -> f64 {
+        if self.dark_beyond { 1.0 - (self.height(place) / self.end).powi(2) } else { 1.0 }
+    }
 }
 
 impl Builder {
     pub fn new(path: &Path, film: f64, reach: f64, cover: PupilDisk, shift: f64) -> Self {
-        Self {
-            tracer: Tracer::new(path, film),
-            reach,
-            cover,
-            shift,
-            hints: Hints::new(path.surfaces()),
-            knots: Knots::new(),
-            vanishing: Cell::new(f64::INFINITY),
-            axis_area: Cell::new(0.0),
-        }
-    }
-
-    fn view(&self, height: f64, width_scale: f64) -> View<'_> {
-        View { tracer: &self.tracer, height, width_scale }
-    }
-
-    fn finder(&self) -> EdgeFinder<'_> {
-        EdgeFinder { tracer: &self.tracer, hints: &self.hints }
+        Self { side: FilmSide::new(path, film), reach, cover, shift, knots: Knots::new() }
     }
 
     fn cover_at(&self, height: f64) -> SlopeDisk {
@@ -152,519 +126,365 @@ impl Builder {
     }
 
     pub fn layout(&self) -> Layout {
-        let Self { tracer, reach, cover, shift, .. } = self;
-        let axis = self.axial_slice();
+        let Some(trail) = Trail::new(&self.side, self.reach, self.cover, self.shift) else {
+            return self.covered(NoFan::NoLight);
+        };
         // No farther than the rear element is wide, however large the film.
-        let moved = (shift * reach).abs().min(self.cover_at(0.0).radius);
-        if axis.as_ref().is_ok_and(|axis| axis.factors[0][0] < NARROWEST * moved) {
-            return self.narrow();
+        let moved = (self.shift * self.reach).abs().min(self.cover_at(0.0).radius);
+        if trail.axial_radius() < NARROWEST * moved {
+            return self.covered(NoFan::Narrow);
         }
-        let radius = axis.as_ref().map_or(f64::INFINITY, |axis| axis.factors[0][0]);
-        let field = Field { tracer, reach: *reach, cover: *cover, shift: *shift, radius };
-        let vanishing = field.vanishing().map(|Vanishing { height, center }| {
-            self.vanishing.set(height);
-            // Narrowed to almost nothing.
-            let narrowing = (1.0 - LEAST_WIDTH) / (height * height);
-            Slice { narrowing, ..Slice::disk(height, center, 0.0, true) }
-        });
-        let dark_beyond = vanishing.is_some();
-        let end = vanishing.as_ref().map_or(self.reach, |slice| slice.height);
-        let height = |place: usize| {
-            let s = place as f64 / FINE as f64;
-            end * if dark_beyond { s * (2.0 - s) } else { s }
-        };
-        let coarse = self.coarse_slices(&height, axis, vanishing);
-        let mut table =
-            Table { height, intervals: Vec::new(), given_up: Vec::new(), growth: BTreeMap::new() };
-        let gap = |(number, pair): (usize, &[Node])| Gap {
-            ends: [number << DEPTH, (number + 1) << DEPTH],
-            nodes: [pair[0].clone(), pair[1].clone()],
-        };
-        let mut gaps: Vec<Gap> = coarse.windows(2).enumerate().map(gap).collect();
-        drop(coarse);
-        // All gaps of a width at once, so that their rays are traced side by side.
-        while !gaps.is_empty() {
-            gaps = self.halve(gaps, &mut table);
-        }
-        let Table { mut intervals, mut given_up, growth, .. } = table;
-        intervals.sort_by_key(|interval| interval.from);
-        for Interval { from, to, slices } in &mut intervals {
-            for (slice, place) in slices.iter_mut().zip([*from, *to]) {
-                if let (Some(growth), true) = (growth.get(&place), slice.fitted) {
-                    Rc::make_mut(slice).grow(growth);
-                }
-            }
-        }
-        given_up.sort_by(|a, b| a.radii[0].total_cmp(&b.radii[0]));
-        center_on_axis(&mut intervals);
-        Layout { end, dark_beyond, intervals, given_up: self.joined(given_up) }
+        let scale = Scale { end: trail.end.unwrap_or(self.reach), dark_beyond: trail.end.is_some() };
+        let mut march = March { builder: self, trail, scale, tried: BTreeMap::new(), runs: Vec::new() };
+        march.outward();
+        march.layout()
     }
 
     /// Gives everything up.
-    fn narrow(&self) -> Layout {
+    fn covered(&self, reason: NoFan) -> Layout {
         let radii = [0.0, self.reach];
-        let slices = radii.map(|height| Rc::new(self.cover_slice(height)));
+        let slices = radii.map(|height| self.cover_slice(height));
+        let acceptance = self.cover_acceptance(self.reach / 2.0);
         Layout {
             end: self.reach,
             dark_beyond: false,
             intervals: vec![Interval { from: 0, to: FINE, slices }],
-            given_up: vec![GivenUp { radii, reason: NoFan::Narrow, acceptance: 0.0 }],
+            given_up: vec![GivenUp { radii, reason, acceptance }],
         }
-    }
-
-    /// Gives an interval up.
-    fn cover<H: Fn(usize) -> f64>(&self, [from, to]: [usize; 2], reason: NoFan, table: &mut Table<H>) {
-        let radii = [from, to].map(&table.height);
-        table.intervals.push(Interval {
-            from,
-            to,
-            slices: radii.map(|height| Rc::new(self.cover_slice(height))),
-        });
-        table.given_up.push(GivenUp { radii, reason, acceptance: 0.0 });
-    }
-
-    /// Neighbours given up for the same reason as one, with what is left of the acceptance.
-    fn joined(&self, given_up: Vec<GivenUp>) -> Vec<GivenUp> {
-        let mut joined: Vec<GivenUp> = Vec::new();
-        for new in given_up {
-            match joined.last_mut() {
-                Some(last) if last.reason == new.reason && last.radii[1] == new.radii[0] => {
-                    last.radii[1] = new.radii[1];
-                    last.acceptance = last.acceptance.min(new.acceptance);
-                }
-                _ => joined.push(new),
-            }
-        }
-        let covered = joined.iter_mut().filter(|given_up| given_up.reason != NoFan::Fast);
-        for GivenUp { radii: [from, to], acceptance, .. } in covered {
-            let shares = [*from, f64::midpoint(*from, *to), *to].map(|height| self.cover_acceptance(height));
-            let least = shares.into_iter().filter(|&share| share > 0.0).fold(f64::INFINITY, f64::min);
-            *acceptance = if least.is_finite() { least } else { 0.0 };
-        }
-        joined
     }
 
     /// Share of the cover's disk that gets through, by a grid.
     fn cover_acceptance(&self, height: f64) -> f64 {
-        let cover = self.cover_at(height);
-        let slopes = half_disk(28, cover);
-        let passed = self.view(height, 1.0).pass(&slopes).into_iter().filter(|&passes| passes).count();
-        passed as f64 / slopes.len() as f64
+        let points = half_disk(28, self.cover_at(height));
+        let excesses = self.side.pencil(height).excesses(&points);
+        excesses.iter().filter(|excess| excess.value <= 0.0).count() as f64 / points.len() as f64
     }
+}
 
-    /// The maps at the ends of the coarse intervals, each sought from the nearest one found, first from the axis outward
-    /// and then back.
-    fn coarse_slices(
-        &self,
-        height: &impl Fn(usize) -> f64,
-        axis: Result<Slice, NoFan>,
-        vanishing: Option<Slice>,
-    ) -> Vec<Node> {
-        let axis = axis.map(Rc::new);
-        self.axis_area.set(axis.as_ref().map_or(0.0, |slice| slice.area));
-        let ends = if vanishing.is_some() { COARSE - 1 } else { COARSE };
-        let mut nodes = self.outward(height, axis, ends);
-        nodes.extend(vanishing.map(|slice| Ok(Rc::new(slice))));
-        for number in (1..=ends).rev() {
-            let beyond = nodes[number + 1..].iter().find_map(|node| node.clone().ok());
-            if let (Err(NoFan::Shape | NoFan::NoLight), Some(beyond)) = (&nodes[number], beyond) {
-                let height = height(number << DEPTH);
-                let before = nodes[..number]
-                    .iter()
-                    .enumerate()
-                    .rev()
-                    .find_map(|(i, node)| Some((i, node.as_ref().ok()?)));
-                let like = match before {
-                    // A pupil that vanishes shrinks evenly.
-                    Some((place, before)) if beyond.area == 0.0 => {
-                        before.toward(&beyond, (number - place) as f64 / (COARSE - place) as f64, height)
+/// What was found at a film radius.
+#[derive(Clone)]
+struct Node {
+    place: usize,
+    slice: Slice,
+    /// None where the pupil has vanished.
+    outline: Option<Outline>,
+    in_pieces: bool,
+    /// By how much the outline differs from its own map: what interpolation adds to is what counts.
+    differing: f64,
+}
+
+/// The way outward.
+struct March<'a> {
+    builder: &'a Builder,
+    trail: Trail,
+    scale: Scale,
+    /// Nodes found too far out, for later.
+    tried: BTreeMap<usize, Node>,
+    /// Runs of nodes, between which nothing was found.
+    runs: Vec<Vec<Node>>,
+}
+
+impl March<'_> {
+    fn outward(&mut self) {
+        let axis = self.axis();
+        self.runs.push(vec![axis]);
+        let (mut step, mut reached) = (COARSE, 0);
+        loop {
+            let last = self.last().place;
+            // On film that is lit to its end one more tells what the last interval holds.
+            let is_done = if self.scale.dark_beyond { last == FINE } else { last > FINE };
+            if is_done || self.builder.side.work.is_spent() {
+                return;
+            }
+            let node = self.node(last + step);
+            let differing = node.as_ref().map_or(f64::INFINITY, |node| self.differing(node));
+            match node {
+                Some(node) if differing <= LOOSE || step <= self.finest() => {
+                    let may_double = step < COARSE && node.place % (2 * step) == 0 && node.place >= reached;
+                    if (differing <= EASY || step < self.finest()) && may_double {
+                        step *= 2;
                     }
-                    _ => Slice::clone(&beyond),
-                };
-                if like.area > 0.0 {
-                    nodes[number] = self.slice_like(height, &like);
+                    self.take(node);
+                }
+                None if step == 1 => match self.anew(last) {
+                    Some(node) => self.runs.push(vec![node]),
+                    None => return,
+                },
+                node => {
+                    self.tried.extend(node.map(|node| (node.place, node)));
+                    step /= 2;
+                    // Neighbours stay within a factor of two: what is found at one end of an interval speaks for all of it.
+                    while let [.., before, last] = self.run()
+                        && last.place - before.place > 2 * step
+                    {
+                        (step, reached) = ((last.place - before.place) / 2, reached.max(last.place));
+                        self.step_back();
+                    }
                 }
             }
         }
-        if let [Ok(axis), Ok(next), ..] = nodes.as_mut_slice() {
-            let axis = Rc::make_mut(axis);
-            (axis.center, axis.narrowing) = (next.center, next.narrowing);
+    }
+
+    /// The narrowest step: wider when the rays get short, for a loose map is better than none.
+    fn finest(&self) -> usize {
+        if self.builder.side.work.is_short() { SHORT } else { 1 }
+    }
+
+    /// Takes the last node back, for later.
+    fn step_back(&mut self) {
+        let last = self.runs.last_mut().and_then(Vec::pop).expect("a run has a node");
+        self.tried.insert(last.place, last);
+    }
+
+    fn last(&self) -> &Node {
+        self.run().last().expect("a run has a node")
+    }
+
+    fn run(&self) -> &[Node] {
+        self.runs.last().expect("there is a run")
+    }
+
+    fn take(&mut self, node: Node) {
+        let run = self.runs.last_mut().expect("there is a run");
+        if let [axis @ Node { place: 0, .. }] = run.as_mut_slice() {
+            let Slice { center, narrowing, bow, .. } = node.slice;
+            axis.slice = Slice { center, narrowing, bow, ..axis.slice.clone() };
         }
-        nodes
+        run.push(node);
     }
 
-    /// The axis's map and those at the ends of the first coarse intervals, each sought from the nearest one before.
-    fn outward(&self, height: &impl Fn(usize) -> f64, axis: Node, ends: usize) -> Vec<Node> {
-        let mut nodes: Vec<Node> = vec![axis];
-        // The looks for pieces go side by side.
-        let mut traced = Vec::with_capacity(ends);
-        let like = |nodes: &[Node], height: f64| {
-            let before = nodes.iter().rev().find_map(|node| node.as_ref().ok().cloned());
-            before.unwrap_or_else(|| Rc::new(self.cover_slice(height)))
-        };
-        for number in 1..=ends {
-            let height = height(number << DEPTH);
-            let (node, outline) = self.traced_like(height, &like(&nodes, height));
-            nodes.push(node);
-            traced.push(outline);
+    /// The pupil on the axis, a disk.
+    fn axis(&self) -> Node {
+        let radius = self.trail.axial_radius();
+        let frame = Frame { center: 0.0, width: radius, height: radius, bow: 0.0 };
+        let slice = Slice::disk(0.0, 0.0, radius, true);
+        Node { place: 0, slice, outline: Some(Outline::ellipse(frame)), in_pieces: false, differing: 0.0 }
+    }
+
+    /// The pupil at a place, expected to be as the last ones lead to.
+    fn node(&self, place: usize) -> Option<Node> {
+        if let Some(node) = self.tried.get(&place) {
+            return Some(node.clone());
         }
-        let (numbers, shapes): (Vec<usize>, Vec<Shape<'_>>) = (1..)
-            .zip(&traced)
-            .zip(&nodes[1..])
-            .filter_map(|((number, traced), node)| {
-                let (view, outline) = traced.as_ref()?;
-                Some((number, self.shape(*view, outline, node.as_ref().ok()?)))
-            })
-            .unzip();
-        let in_pieces = are_in_pieces(&self.tracer, &shapes);
-        let Some(first) = numbers.into_iter().zip(in_pieces).find_map(|(number, is)| is.then_some(number))
-        else {
-            return nodes;
-        };
-        // What was sought from a pupil in pieces is sought from the one before that.
-        nodes.truncate(first);
-        nodes.push(Err(NoFan::InPieces));
-        for number in first + 1..=ends {
-            let height = height(number << DEPTH);
-            nodes.push(self.slice_like(height, &like(&nodes, height)));
+        let last = self.last();
+        if self.scale.dark_beyond && place == FINE {
+            return Some(self.vanished(last.slice.bow));
         }
-        nodes
-    }
-
-    /// The map at a film radius, sought from one at another, with a look for other pieces.
-    fn slice_like(&self, height: f64, like: &Slice) -> Node {
-        let (node, outline) = self.traced_like(height, like);
-        let (slice, (view, outline)) = (node?, outline.expect("a map has an outline"));
-        let in_pieces = are_in_pieces(&self.tracer, &[self.shape(view, &outline, &slice)]);
-        if in_pieces[0] { Err(NoFan::InPieces) } else { Ok(slice) }
-    }
-
-    /// The same without the look, and the outline.
-    fn traced_like(&self, height: f64, like: &Slice) -> (Node, Option<(View<'_>, Outline)>) {
-        match self.traced(&[self.expected_like(height, like)]).remove(0) {
-            Ok((outline, slice, _)) => (Ok(slice), Some((self.view(height, like.width_scale()), outline))),
-            Err(reason) => (Err(reason), None),
-        }
-    }
-
-    fn shape<'b>(&'b self, view: View<'b>, outline: &'b Outline, slice: &Slice) -> Shape<'b> {
-        Shape { view, outline, area: slice.area, cover: self.cover_at(view.height) }
-    }
-
-    fn expected_like<'b>(&self, height: f64, like: &'b Slice) -> Expected<'_, 'b> {
-        let view = self.view(height, like.width_scale());
-        // On the axis itself the direction in which the centre moves is not known.
-        let shift = if like.height > 0.0 { like.center } else { self.shift };
-        let around = [shift * height, self.cover_at(height).radius].map(|x| x / view.width_scale);
-        Expected { view, around, like }
-    }
-
-    /// What is found at several film radii.
-    fn traced(&self, expected: &[Expected<'_, '_>]) -> Vec<Result<Traced, NoFan>> {
-        let mut inside = Vec::with_capacity(expected.len());
-        let centers = expected.iter().map(|Expected { view, around, .. }| view.ray([around[0], 0.0]));
-        self.tracer.excesses(centers, &mut inside);
-        let inside: Vec<Option<f64>> = expected
-            .iter()
-            .zip(inside)
-            .map(|(&Expected { view, around: [guess, reach], like }, at_guess)| {
-                if at_guess.value < 0.0 {
-                    return Some(guess);
-                }
-                let width = first_look(reach, like.area.sqrt() / view.width_scale);
-                let near = view.innermost(guess, width, reach, true);
-                let (inside, excess) = if near.1 < 0.0 { near } else { view.scanned(guess, reach, true) };
-                (excess < 0.0).then_some(inside)
-            })
-            .collect();
-        let mut guesses = Vec::with_capacity(expected.len());
-        for (&Expected { view, like, .. }, &inside) in expected.iter().zip(&inside) {
-            guesses.extend(inside.map(|inside| Guess { view, inside, points: self.half_lines(like) }));
-        }
-        let mut outlines = Outline::trace(self.finder(), &guesses).into_iter();
-        let result = |(expected, inside): (&Expected<'_, '_>, Option<f64>)| {
-            let outline = match inside {
-                Some(_) => outlines.next().flatten().ok_or(NoFan::Shape),
-                None => Err(NoFan::NoLight),
-            };
-            let outline =
-                outline.map_err(|reason| if self.tracer.is_spent() { NoFan::Spent } else { reason })?;
-            let (slice, places) = self.fit(&expected.view, &outline);
-            Ok((outline, Rc::new(slice), places))
-        };
-        expected.iter().zip(inside).map(result).collect()
-    }
-
-    /// The pupil on the axis: a disk, if it is whole.
-    fn axial_slice(&self) -> Result<Slice, NoFan> {
-        const SCAN: u32 = 32;
-        let view = self.view(0.0, 1.0);
-        let reach = self.cover_at(0.0).radius;
-        let passes = |from: f64, to: f64| {
-            let place = |i: u32| (f64::from(i) + 0.5) / f64::from(SCAN);
-            view.pass(&(0..SCAN).map(|i| [from + (to - from) * place(i), 0.0]).collect::<Vec<_>>())
-        };
-        if !(view.excess([0.0, 0.0]).value <= 0.0) {
-            return Err(NoFan::NoLight);
-        }
-        // From far outside a search may end where rays are lost.
-        let lit = passes(0.0, reach).iter().position(|passes| !passes);
-        let radius = reach * lit.map_or(1.0, |dark| (dark as f64 + 0.5) / f64::from(SCAN));
-        let guess = Crossing { radius, limit: Limit::Optics, steepness: 1.0 };
-        let half_line = HalfLine { view: &view, center: 0.0, direction: [1.0, 0.0], guess };
-        let edge = self.finder().crossings(std::iter::once(half_line))[0].ok_or(NoFan::Shape)?.radius;
-        let beyond = BESIDE * edge;
-        let hole = passes(0.0, edge).contains(&false);
-        let ring = beyond < reach && passes(beyond, reach).contains(&true);
-        if hole || ring { Err(NoFan::InPieces) } else { Ok(Slice::disk(0.0, 0.0, edge, true)) }
-    }
-
-    /// Angles and distances at which an outline that looks like `like` is traced.
-    fn half_lines(&self, like: &Slice) -> Vec<(f64, f64)> {
-        let points: Vec<(f64, f64)> = (0..=CELLS)
-            .step_by(TRACE_EVERY)
-            .map(|knot| {
-                let [x, y] = like.point(knot, self.knots.directions[knot]);
-                let angle = match knot {
-                    0 => 0.0,
-                    CELLS => std::f64::consts::PI,
-                    _ => y.atan2(x),
-                };
-                (angle, (x * x + y * y).sqrt())
-            })
-            .collect();
-        let rising = points.windows(2).all(|pair| pair[0].0 < pair[1].0);
-        if rising {
-            return points;
-        }
-        (0..=CELLS).step_by(TRACE_EVERY).map(|knot| (self.knots.angles[knot], points[0].1)).collect()
-    }
-
-    fn fit(&self, view: &View<'_>, outline: &Outline) -> (Slice, Box<Places>) {
-        let crescent = (1.0 - (view.height / self.vanishing.get()).powi(2)).max(0.0).sqrt();
-        Slice::fit(view, outline, &self.knots, crescent, self.axis_area.get())
-    }
-
-    /// Fills gaps, or halves them: between two maps until these predict the one in the middle, else until what has no map
-    /// is narrowed down. The halves that are left.
-    fn halve<H: Fn(usize) -> f64>(&self, gaps: Vec<Gap>, table: &mut Table<H>) -> Vec<Gap> {
-        let gaps: Vec<Gap> = gaps.into_iter().filter_map(|gap| self.unless_done(gap, table)).collect();
-        let middles: Vec<f64> =
-            gaps.iter().map(|gap| (table.height)(usize::midpoint(gap.ends[0], gap.ends[1]))).collect();
-        let like: Vec<Slice> =
-            gaps.iter().zip(&middles).map(|(gap, &middle)| self.predicted(gap, middle)).collect();
-        let expected: Vec<Expected<'_, '_>> = gaps
-            .iter()
-            .zip(&middles)
-            .zip(&like)
-            .map(|((gap, &middle), like)| {
-                if let [Ok(_), Ok(_)] = gap.nodes {
-                    let view = self.view(middle, like.width_scale());
-                    let around = [like.center * middle / view.width_scale, like.factors[0][0].abs()];
-                    Expected { view, around, like }
-                } else {
-                    self.expected_like(middle, like)
-                }
-            })
-            .collect();
-        let found = self.in_one_piece(&gaps, &expected, self.traced(&expected));
-        let mut left = Vec::new();
-        for ((gap, expected), found) in gaps.into_iter().zip(&expected).zip(found) {
-            let Expected { view, like, .. } = expected;
-            let Gap { ends: [from, to], nodes: [a, b] } = gap;
-            let place = usize::midpoint(from, to);
-            let middle = match (found, &a, &b) {
-                (Ok((outline, slice, places)), Ok(a), Ok(b)) => {
-                    if self.fits([from, to], [a, b], (&slice, like, &outline, &places), table) {
-                        continue;
-                    }
-                    Ok(slice)
-                }
-                (Ok((_, slice, _)), ..) => Ok(slice),
-                (Err(NoFan::InPieces), ..) => Err(NoFan::InPieces),
-                (Err(_), Ok(a), Ok(b)) if b.area == 0.0 && a.area < SLIVER * self.axis_area.get() => {
-                    table.intervals.push(last_sliver([from, to], a, b));
-                    continue;
-                }
-                (Err(reason), Ok(a), Ok(b)) => {
-                    // The prediction may be at fault.
-                    let mut found = Err(reason);
-                    for known in [a, b] {
-                        if found.is_err() && known.area > 0.0 {
-                            found = self.slice_like(view.height, known);
-                        }
-                    }
-                    found
-                }
-                (Err(reason), ..) => Err(reason),
-            };
-            left.push(Gap { ends: [from, place], nodes: [a, middle.clone()] });
-            left.push(Gap { ends: [place, to], nodes: [middle, b] });
-        }
-        left
-    }
-
-    /// What was found in the middles of gaps, but where the pupil is in pieces. Where both ends have maps only the middles of
-    /// the widest are looked at, as their ends were.
-    fn in_one_piece(
-        &self,
-        gaps: &[Gap],
-        expected: &[Expected<'_, '_>],
-        mut found: Vec<Result<Traced, NoFan>>,
-    ) -> Vec<Result<Traced, NoFan>> {
-        let is_looked_at = |Gap { ends: [from, to], nodes }: &Gap| {
-            to - from == FINE / COARSE || nodes.iter().any(Result::is_err)
-        };
-        let (numbers, shapes): (Vec<usize>, Vec<Shape<'_>>) = gaps
-            .iter()
-            .zip(expected)
-            .zip(&found)
-            .enumerate()
-            .filter_map(|(number, ((gap, expected), found))| {
-                let (outline, slice, _) = found.as_ref().ok().filter(|_| is_looked_at(gap))?;
-                Some((number, self.shape(expected.view, outline, slice)))
-            })
-            .unzip();
-        let in_pieces = are_in_pieces(&self.tracer, &shapes);
-        for (number, _) in numbers.into_iter().zip(in_pieces).filter(|&(_, is)| is) {
-            found[number] = Err(NoFan::InPieces);
-        }
-        found
-    }
-
-    /// Fills a gap that is not to be halved.
-    fn unless_done<H: Fn(usize) -> f64>(&self, gap: Gap, table: &mut Table<H>) -> Option<Gap> {
-        let Gap { ends: [from, to], nodes } = &gap;
-        let width = to - from;
-        let reason = match nodes {
-            [Ok(a), Ok(b)] if width == 1 => {
-                let slices = [a.clone(), b.clone()];
-                table.intervals.push(Interval { from: *from, to: *to, slices });
-                return None;
+        let of =
+            |node: &Node| Some((node.outline.clone()?, self.scale.shrunk(node.place), node.place as f64));
+        let (high, shrunk, to) = of(last)?;
+        let own = self.scale.shrunk(place);
+        let expected = match self.run() {
+            [.., before, _] => {
+                let (low, shrunk_before, from) = of(before)?;
+                let part = (place as f64 - from) / (to - from);
+                low.toward(&high, part, [shrunk_before, shrunk, own])
             }
-            _ if self.tracer.is_spent() => NoFan::Spent,
-            [Err(reason), Err(_)] if width <= BLIND => *reason,
-            [Err(reason), _] | [_, Err(reason)] if width == 1 => *reason,
-            _ => return Some(gap),
+            _ => high.toward(&high, 1.0, [shrunk, shrunk, own]),
         };
-        self.cover(gap.ends, reason, table);
-        None
+        let pencil = self.pencil(place);
+        let row = first_row(&pencil, self.trail.at(pencil.height))?;
+        let outline = Outline::trace(&pencil, row, &expected)?;
+        Some(self.known(place, outline, last.in_pieces))
     }
 
-    /// What the middle of a gap is expected to look like.
-    fn predicted(&self, gap: &Gap, middle: f64) -> Slice {
-        match &gap.nodes {
-            [Ok(a), Ok(b)] => a.toward(b, 0.5, middle),
-            [Ok(known), _] | [_, Ok(known)] if known.area > 0.0 => Slice::clone(known),
-            _ => self.cover_slice(middle),
+    fn pencil(&self, place: usize) -> FilmPencil<'_> {
+        self.builder.side.pencil(self.scale.height(place))
+    }
+
+    /// The next pupil beyond a place that is found without others to go by.
+    fn anew(&self, place: usize) -> Option<Node> {
+        let farther = |k: u32| place + (1 << k);
+        (0..).map(farther).take_while(|&place| place < FINE).find_map(|place| {
+            let pencil = self.pencil(place);
+            let row = first_row(&pencil, self.trail.at(pencil.height))?;
+            let width = (row[1] - row[0]) / 2.0;
+            let round = Frame { center: 0.0, width, height: width, bow: 0.0 };
+            let rough = Outline::trace(&pencil, row, &Outline::ellipse(round))?;
+            let outline = Outline::trace(&pencil, row, &Outline::ellipse(rough.fitting()))?;
+            Some(self.known(place, outline, false))
+        })
+    }
+
+    /// An outline with its map, and with other pieces that were found beside it.
+    fn known(&self, place: usize, mut outline: Outline, mut in_pieces: bool) -> Node {
+        let pencil = self.pencil(place);
+        if place % COARSE == 0 {
+            in_pieces = self.hold_pieces(&pencil, &mut outline);
         }
+        let corners = outline.clone();
+        outline.hold_corners();
+        let fitting = outline.fitting();
+        let (width, bow) = if self.scale.dark_beyond {
+            let width = (fitting.width / fitting.height).clamp(self.scale.crescent(place).powi(2), 1.0);
+            // Where nothing is narrowed nothing is bent.
+            (width, (1.0 - width) * fitting.bow)
+        } else {
+            (1.0, 0.0)
+        };
+        let slice = Slice::fit(&outline, pencil.height, width, bow, &self.builder.knots);
+        let differing = slice.lack(&corners, &self.builder.knots).differing;
+        Node { place, slice, outline: Some(corners), in_pieces, differing }
     }
 
-    /// Fills an interval whose ends predict its middle well enough, or whose middle nothing predicts. Of the middle its map
-    /// and what was predicted, its outline, and where on that the map's knots lie.
-    fn fits<H: Fn(usize) -> f64>(
-        &self,
-        [from, to]: [usize; 2],
-        [a, b]: [&Rc<Slice>; 2],
-        (slice, predicted, outline, places): (&Rc<Slice>, &Slice, &Outline, &Places),
-        table: &mut Table<H>,
-    ) -> bool {
-        let same_corners = a.corners == b.corners && a.corners == slice.corners;
-        let part = if same_corners { AFTER_HALVING } else { WITH_NEW_CORNERS };
-        let (missed, excess) = slice.misfit(predicted, outline, places, &self.knots, part);
-        let good = missed <= MISSED && excess <= EXCESS.max(4.0 * slice.margin);
-        if !good && (to - from > 2 || b.area == 0.0) {
+    /// The end of the image.
+    fn vanished(&self, bow: f64) -> Node {
+        let height = self.scale.end;
+        let [low, high] = self.trail.at(height);
+        let center = f64::midpoint(low, high) / height;
+        // Narrowed to almost nothing.
+        let narrowing = (1.0 - LEAST_WIDTH) / (height * height);
+        let slice = Slice { narrowing, bow, ..Slice::disk(height, center, 0.0, true) };
+        Node { place: FINE, slice, outline: None, in_pieces: false, differing: 0.0 }
+    }
+
+    /// Makes an outline hold what gets through beside it; whether anything does.
+    fn hold_pieces(&self, pencil: &FilmPencil<'_>, outline: &mut Outline) -> bool {
+        let points = half_disk(GRID, self.builder.cover_at(pencil.height));
+        let excesses = pencil.excesses(&points);
+        let through = points.iter().zip(excesses).filter(|(_, excess)| excess.value <= 0.0);
+        let farthest = through.map(|(point, _)| outline.ratio(*point)).fold(0.0, f64::max);
+        if farthest < BESIDE {
             return false;
         }
-        let place = usize::midpoint(from, to);
-        // What the shape has too much where halves cannot be halved again.
-        let mut blocked = if good { 0.0 } else { excess / (1.0 + excess) };
-        if !good && missed > MISSED {
-            // What the halves would miss is sampled with some that is blocked.
-            let (growth, outside) = slice.growth(predicted, outline, places, &self.knots, part);
-            let most = growth.iter().copied().fold(0.0, f64::max);
-            if most <= MOST_GROWTH {
-                for place in [from, place, to] {
-                    let all = table.growth.entry(place).or_insert_with(|| vec![0.0; CELLS + 1]);
-                    // The same all around on the axis, across which the map is continuous.
-                    let around = if place == 0 { most } else { 0.0 };
-                    all.iter_mut().zip(&growth).for_each(|(all, new)| *all = new.max(*all).max(around));
-                }
-                blocked = outside.max(blocked);
-            } else if missed > MISSED_AT_LAST {
-                self.cover([from, to], NoFan::Shape, table);
-                return true;
-            }
-        }
-        if blocked > UNNAMED.max(2.0 * slice.margin) {
-            let radii = [from, to].map(&table.height);
-            table.given_up.push(GivenUp { radii, reason: NoFan::Fast, acceptance: 1.0 - blocked });
-        }
-        table.intervals.push(Interval { from, to: place, slices: [a.clone(), slice.clone()] });
-        table.intervals.push(Interval { from: place, to, slices: [slice.clone(), b.clone()] });
+        outline.extend(pencil, farthest * BESIDE, LOOKS);
         true
     }
-}
 
-/// The last interval before the pupil vanishes, where nothing was found within: a map that keeps half its size covers what
-/// does not shrink evenly.
-fn last_sliver([from, to]: [usize; 2], a: &Rc<Slice>, b: &Slice) -> Interval {
-    let mut end = b.clone();
-    end.factors = a.factors.iter().map(|m| m.map(|x| x / 2.0)).collect();
-    Interval { from, to, slices: [a.clone(), Rc::new(end)] }
-}
-
-/// C/h and the narrowing on the axis, where they cannot be measured: even in h, so by extrapolation in h² from the next two
-/// slices.
-fn center_on_axis(intervals: &mut [Interval]) {
-    let [first, second, ..] = intervals else { return };
-    let [axis, one] = &mut first.slices;
-    let axis = Rc::make_mut(axis);
-    let two = &second.slices[1];
-    if axis.fitted && one.fitted && two.fitted {
-        let (h1, h2) = (one.height * one.height, two.height * two.height);
-        let on_axis = |one: f64, two: f64| one - (two - one) * h1 / (h2 - h1);
-        // A pupil is narrowed, never widened.
-        (axis.center, axis.narrowing) =
-            (on_axis(one.center, two.center), on_axis(one.narrowing, two.narrowing).max(0.0));
-    } else {
-        (axis.center, axis.narrowing) = (one.center, one.narrowing);
+    /// By how much the last outline differs from the map interpolated between the one before and the next.
+    fn differing(&self, next: &Node) -> f64 {
+        let knots = &self.builder.knots;
+        let differing = match self.run() {
+            [.., before, last] => lack(before, last, next, knots).map_or(0.0, |lack| lack.differing),
+            [axis] if axis.place == 0 => axial_lack(axis, next, knots).differing,
+            _ => 0.0,
+        };
+        differing - self.last().differing
     }
-}
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{
-        imaging::focus::Focus,
-        lens::{Lens, first_order::FirstOrder},
-        prescription::catalogue,
-    };
-
-    #[test]
-    fn no_slice_is_narrowed_to_nothing_or_stretched() {
-        for name in catalogue::names() {
-            for stop in [1.0, 0.5, 0.1, 0.01] {
-                let mut lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
-                let stop_index = lens.stop_index().expect("a stop");
-                lens.surfaces[stop_index].semi_diameter *= stop;
-                let focus = Focus::new(&lens).expect("focal");
-                let film = lens.rear().vertex - focus.film_distance(f64::INFINITY).expect("reachable");
-                let path = Path::film_to_scene(&lens);
-                // Beyond the image circle of each.
-                let reach = FirstOrder::of(&lens).expect("focal").focal_length.max(100.0);
-                let cover = PupilDisk::rear(&lens, film, reach).expect("behind the lens");
-                let shift = PupilDisk::exit(&lens, film).seen_from([1.0, 0.0]).center[0];
-                let Layout { dark_beyond, intervals, .. } =
-                    Builder::new(&path, film, reach, cover, shift).layout();
-                // The images of the widest end in crescents, of which warnings tell.
-                let ends = !["fisheye.16mm", "fisheye.6mm"].contains(&name);
-                assert!(dark_beyond || !ends, "{name} {stop}");
-                for slice in intervals.iter().flat_map(|interval| &interval.slices) {
-                    let narrowed = slice.narrowing >= 0.0 && slice.width_scale() > 0.0;
-                    assert!(narrowed, "{name} {stop} at {}: {}", slice.height, slice.narrowing);
-                }
+    /// Everything found, as intervals with maps that hold what lies between.
+    fn layout(self) -> Layout {
+        let Self { builder, scale, runs, .. } = self;
+        let (mut intervals, mut given_up) = (Vec::new(), Vec::new());
+        let mut covered_from: Option<usize> = None;
+        let cover = |from: usize, to: usize, intervals: &mut Vec<Interval>, given_up: &mut Vec<GivenUp>| {
+            let radii = [from, to].map(|place| scale.height(place));
+            let slices = radii.map(|height| builder.cover_slice(height));
+            intervals.push(Interval { from, to, slices });
+            let spent = builder.side.work.is_spent();
+            let acceptance =
+                if spent { 0.0 } else { builder.cover_acceptance(f64::midpoint(radii[0], radii[1])) };
+            let reason = match (spent, acceptance > 0.0) {
+                (true, _) => NoFan::Spent,
+                (false, true) => NoFan::Shape,
+                (false, false) => NoFan::NoLight,
+            };
+            given_up.push(GivenUp { radii, reason, acceptance });
+        };
+        for run in runs {
+            if let Some(from) = covered_from.replace(run[run.len() - 1].place) {
+                cover(from, run[0].place, &mut intervals, &mut given_up);
+            }
+            let nodes = widened(&run, &builder.knots);
+            for pair in nodes.windows(2).filter(|pair| pair[0].place < FINE) {
+                let [from, to] = [pair[0].place, pair[1].place];
+                given_up.extend(builder.named(scale, pair));
+                intervals.push(Interval { from, to, slices: [pair[0].slice.clone(), pair[1].slice.clone()] });
             }
         }
+        if let Some(from) = covered_from.filter(|&from| from < FINE) {
+            cover(from, FINE, &mut intervals, &mut given_up);
+        }
+        Layout { end: scale.end, dark_beyond: scale.dark_beyond, intervals, given_up: joined(given_up) }
     }
+}
+
+/// How an outline differs from the map interpolated from its neighbours; `None` where there is no outline.
+fn lack(before: &Node, own: &Node, next: &Node, knots: &Knots) -> Option<Lack> {
+    let outline = own.outline.as_ref()?;
+    let part = (own.place - before.place) as f64 / (next.place - before.place) as f64;
+    Some(before.slice.toward(&next.slice, part, own.slice.height).lack(outline, knots))
+}
+
+/// The same on the axis, on both sides of which the next map lies.
+fn axial_lack(axis: &Node, next: &Node, knots: &Knots) -> Lack {
+    let outline = axis.outline.as_ref().expect("the axis has an outline");
+    next.slice.about_axis(knots).lack(outline, knots)
+}
+
+/// The nodes with maps as much larger as their outlines lie outside those interpolated from their neighbours.
+fn widened(run: &[Node], knots: &Knots) -> Vec<Node> {
+    let mut nodes = run.to_vec();
+    let mut before = vec![0.0; KNOTS];
+    for (i, node) in nodes.iter_mut().enumerate() {
+        let growth = match run {
+            [axis, next, ..] if i == 0 && axis.place == 0 => {
+                let most = axial_lack(axis, next, knots).growth.into_iter().fold(0.0, f64::max);
+                vec![most; KNOTS]
+            }
+            _ if i > 0 && i + 1 < run.len() => {
+                let [before, own, next] = [i - 1, i, i + 1].map(|i| &run[i]);
+                // Between unequal intervals the line past the slice is nearer to it than what the wider one may hold.
+                let widths = [own.place - before.place, next.place - own.place];
+                let uneven = if widths[0] == widths[1] { 1.0 } else { UNEVEN };
+                lack(before, own, next, knots).map_or(vec![0.0; KNOTS], |lack| {
+                    lack.growth.into_iter().map(|growth| uneven * growth).collect()
+                })
+            }
+            // At the ends as beside them.
+            _ => before,
+        };
+        node.slice.grow(&growth, 0.0);
+        before = growth;
+    }
+    nodes
+}
+
+impl Builder {
+    /// Names a ring where too many samples are blocked.
+    fn named(&self, scale: Scale, pair: &[Node]) -> Option<GivenUp> {
+        let is_loose = |node: &Node| {
+            let outline = node.outline.as_ref();
+            let passing = outline.map_or(1.0, |outline| outline.area() / node.slice.area(&self.knots));
+            node.in_pieces || passing < 1.0 - UNNAMED
+        };
+        if !pair.iter().any(is_loose) {
+            return None;
+        }
+        let places = [pair[0].place, pair[1].place];
+        let radii = places.map(|place| scale.height(place));
+        let s = (places[0] + places[1]) as f64 / (2 * FINE) as f64;
+        let between = pair[0].slice.toward(&pair[1].slice, 0.5, scale.at(s));
+        let acceptance = [&pair[0].slice, &between, &pair[1].slice]
+            .into_iter()
+            .filter_map(|slice| self.acceptance(slice))
+            .fold(1.0, f64::min);
+        let reason = if pair.iter().any(|node| node.in_pieces) { NoFan::InPieces } else { NoFan::Fast };
+        (acceptance < 1.0 - UNNAMED).then_some(GivenUp { radii, reason, acceptance })
+    }
+
+    /// Share of a map's samples that get through, by some of them; `None` where there is nothing left.
+    fn acceptance(&self, slice: &Slice) -> Option<f64> {
+        let points = slice.samples(&self.knots);
+        if slice.area(&self.knots) == 0.0 {
+            return None;
+        }
+        let excesses = self.side.pencil(slice.height).excesses(&points);
+        Some(excesses.iter().filter(|excess| excess.value <= 0.0).count() as f64 / points.len() as f64)
+    }
+}
+
+/// Rings side by side that are named for the same reason as one.
+fn joined(given_up: Vec<GivenUp>) -> Vec<GivenUp> {
+    let mut joined: Vec<GivenUp> = Vec::new();
+    for ring in given_up {
+        match joined.last_mut() {
+            Some(last) if last.reason == ring.reason && last.radii[1] == ring.radii[0] => {
+                last.radii[1] = ring.radii[1];
+                last.acceptance = last.acceptance.min(ring.acceptance);
+            }
+            _ => joined.push(ring),
+        }
+    }
+    joined
 }

@@ -17,6 +17,7 @@ use crate::{
 struct Slice {
     center: f64,
     narrowing: f64,
+    bow: f64,
     /// Where the slice below begins, and how far from it to the next one the film radius lies.
     first: usize,
     part: f64,
@@ -38,8 +39,9 @@ impl WarpedPupil {
         let along = if height > 0.0 { film.map(|x| x / height) } else { [1.0, 0.0] };
         let [sx, sy] = slopes;
         let narrowed = 1.0 - slice.narrowing * square;
-        let x = (sx * along[0] + sy * along[1] - slice.center * height) / narrowed;
         let y = (sy * along[0] - sx * along[1]).abs();
+        let bent = slice.bow * (y * height).powi(2) * height;
+        let x = (sx * along[0] + sy * along[1] - slice.center * height - bent) / narrowed;
         let (radius_squared, area_per_pi) = self.on_disk(&slice, [x, y])?;
         (radius_squared <= 1.0).then_some(PI * area_per_pi * narrowed)
     }
@@ -133,11 +135,15 @@ impl Compiled for OneSlice<'_> {
         }
         let row = self.pupil.row(OneLane::cpu(), radius.place.whole(), &radius);
         let Row {
-            part: Portable([part]), center: Portable([center]), narrowing: Portable([narrowing]), ..
+            part: Portable([part]),
+            center: Portable([center]),
+            narrowing: Portable([narrowing]),
+            bow: Portable([bow]),
+            ..
         } = row;
         let Portable([place]) = radius.place;
         let first = self.pupil.cells[place as usize].index as usize;
-        *self.found = Some(Slice { center, narrowing, first, part });
+        *self.found = Some(Slice { center, narrowing, bow, first, part });
     }
 }
 

@@ -34,18 +34,14 @@
 //! Where no such map fits (a pupil in pieces, with holes, or of an edge that no half-line meets once)
 //! the table holds the rear element's disk, and what falls beside the pupil is blocked.
 
-mod arc;
 mod build;
-mod illinois;
+mod follow;
 mod inverse;
-mod meridian;
 mod outline;
-mod pieces;
 mod report;
 mod search;
 mod slice;
 mod spectral;
-mod vanishing;
 mod view;
 
 pub use report::{BuildReport, GivenUp, NoFan};
@@ -77,10 +73,12 @@ pub struct WarpedPupil {
     /// Of each smallest interval of s: where in the table the slice below it begins; the reciprocal of that slice's width
     /// in smallest intervals; c there, and c's step to the next slice.
     cells: Vec<Indexed>,
-    /// Two pairs of each smallest interval where the pupil vanishes, else none: λ at the slice below, and its step to the
-    /// next slice; c's bend between the slices, for in h it goes straight and in s it does not, and what c is more than
-    /// its float, of which the last crescents are few.
+    /// Two pairs of each smallest interval where the pupil vanishes, else none: λ and β at the slice below, and their steps to
+    /// the next slice.
     narrowings: Vec<[f32; 2]>,
+    /// The same: c's bend between the slices, for in h it goes straight and in s it does not, and what c is more than its
+    /// float, of which the last crescents are few; and nothing.
+    rests: Vec<[f32; 2]>,
     /// Slices of [`STRIDE`]: M's knots.
     table: Vec<[f32; 2]>,
     cover: PupilDisk,
@@ -104,14 +102,14 @@ impl WarpedPupil {
     pub fn new(path: &Path, film: f64, reach: f64, cover: PupilDisk, shift: f64) -> Self {
         let builder = Builder::new(path, film, reach, cover, shift);
         let layout = builder.layout();
-        Self::pack(layout, cover, builder.tracer.rays())
+        Self::pack(layout, cover, builder.side.work.rays())
     }
 
     fn pack(layout: Layout, cover: PupilDisk, rays: u32) -> Self {
         let Layout { end, dark_beyond, intervals, given_up } = layout;
         let mut table: Vec<[f32; 2]> = Vec::with_capacity((intervals.len() + 1) * STRIDE);
         let mut cells = Vec::with_capacity(FINE);
-        let mut narrowings = Vec::new();
+        let (mut narrowings, mut rests) = (Vec::new(), Vec::new());
         let mut covered = 0.0;
         let mut joined: Option<bool> = None;
         for interval in &intervals {
@@ -130,9 +128,11 @@ impl WarpedPupil {
                 let [narrowing, next] = [low, high].map(|slice| slice.narrowing as f32);
                 // h is s (2 - s) of the end: (h - h₀)/(h₁ - h₀) of an interval is t + t (1 - t) width/(2 - s₀ - s₁).
                 let bend = width as f32 / (2 * FINE - interval.from - interval.to) as f32;
-                let cell =
-                    [[narrowing, next - narrowing], [bend * step, (low.center - f64::from(from)) as f32]];
+                let [bow, next_bow] = [low, high].map(|slice| slice.bow as f32);
+                let cell = [[narrowing, next - narrowing], [bow, next_bow - bow]];
                 narrowings.extend(std::iter::repeat_n(cell, width).flatten());
+                let rest = [[bend * step, (low.center - f64::from(from)) as f32], [0.0; 2]];
+                rests.extend(std::iter::repeat_n(rest, width).flatten());
             }
             for slice in [low, high] {
                 table.extend(slice.factors.iter().map(|factor| factor.map(|x| x as f32)));
@@ -143,7 +143,7 @@ impl WarpedPupil {
             }
         }
         let build = BuildReport { slices: table.len() / STRIDE, rays, covered };
-        Self { end, dark_beyond, cells, narrowings, table, cover, build, given_up }
+        Self { end, dark_beyond, cells, narrowings, rests, table, cover, build, given_up }
     }
 
     /// What building the table took.
@@ -245,12 +245,15 @@ impl WarpedPupil {
         let part = radius.s.mul_sub(per_width, (radius.place * per_width).trunc());
         let mut center = part.mul_add(center_step, center);
         let mut narrowing = L::splat(cpu, L::Scalar::ZERO);
+        let mut bow = narrowing;
         if !self.narrowings.is_empty() {
-            let [[at, step, bend, rest]] = L::look_up::<1, 2>(&self.narrowings, interval, [0]);
+            let [[at, step, bow_at, bow_step]] = L::look_up::<1, 2>(&self.narrowings, interval, [0]);
+            let [[bend, rest, ..]] = L::look_up::<1, 2>(&self.rests, interval, [0]);
             narrowing = part.mul_add(step, at);
+            bow = part.mul_add(bow_step, bow_at);
             center = center + part.neg_mul_add(part, part).mul_add(bend, rest);
         }
-        Row { slice, part, center, narrowing }
+        Row { slice, part, center, narrowing, bow }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -277,7 +280,7 @@ impl WarpedPupil {
     fn aim_at<L: Lanes>(
         &self,
         cpu: Cpu<L>,
-        &Row { center, narrowing, .. }: &Row<L>,
+        &Row { center, narrowing, bow, .. }: &Row<L>,
         &Heading { offset, turn, below, .. }: &Heading<L>,
         [re, im, re_next, im_next]: [L; 4],
         ray: &mut FilmRays<L>,
@@ -295,7 +298,9 @@ impl WarpedPupil {
             return;
         }
         let (across, up) = (im.neg_mul_add(v, re * u), im.mul_add(u, re * v));
-        let shift = narrowing.neg_mul_add(up.mul_add(y, across * x), center);
+        let aside = up.mul_add(x, (L::splat(cpu, L::Scalar::ZERO) - across) * y);
+        let straight = narrowing.neg_mul_add(up.mul_add(y, across * x), center);
+        let shift = (aside * aside).mul_add(bow, straight);
         ray.slopes = [shift.mul_add(x, across), shift.mul_add(y, up)];
         let one = L::splat(cpu, L::Scalar::ONE);
         ray.area_per_pi = jacobian * narrowing.neg_mul_add(ray.radius_squared(), one);
@@ -352,6 +357,8 @@ struct Row<L: Lanes> {
     center: L,
     /// λ.
     narrowing: L,
+    /// β.
+    bow: L,
 }
 
 /// Between which knots directions lie.

@@ -1,525 +1,210 @@
-//! The outlines of film points' pupils, traced side by side: points of an edge about a centre, joined by smooth arcs, one
-//! a limiting aperture, that meet in corners found exactly.
+//! The outline of one pencil's pupil: where half-lines from its middle, at equal angles in a frame that makes the pupil about
+//! round, leave it.
 
-use std::f64::consts::PI;
+use std::{f64::consts::PI, sync::LazyLock};
 
 use super::{
-    arc::{Parabola, Piece, Point, direction, extend, piece},
-    search::{Crossing, EdgeFinder, HalfLine},
-    view::{Limit, View},
+    search::{Edge, Search, edges},
+    view::Pencil,
 };
 
-/// The half of a pupil's outline with sy >= 0.
+/// Half-lines from one side of the plane of symmetry to the other, less one: more take more rays, fewer cut more off corners.
+pub(crate) const HALF_LINES: usize = 72;
+/// Looks along a row of which the middle does not get through, and within how many half widths of it.
+const LOOKS: usize = 32;
+const AROUND: f64 = 4.0;
+
+/// How a pencil's rays are named: those of the point (u, v) have x = center + width u + bow y², y = height v.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Frame {
+    pub center: f64,
+    pub width: f64,
+    pub height: f64,
+    pub bow: f64,
+}
+
+impl Frame {
+    pub fn point(&self, [u, v]: [f64; 2]) -> [f64; 2] {
+        let y = self.height * v;
+        [self.center + self.width * u + self.bow * y * y, y]
+    }
+}
+
+/// The first row's edges, x at y = 0, about a guess; `None` where nothing gets through nearby.
+pub(crate) fn first_row(pencil: &impl Pencil, [low, high]: [f64; 2]) -> Option<[f64; 2]> {
+    let (middle, half) = (f64::midpoint(low, high), (high - low) / 2.0);
+    let passes = |points: &[[f64; 2]]| -> Vec<bool> {
+        pencil.excesses(points).into_iter().map(|excess| excess.value <= 0.0).collect()
+    };
+    if passes(&[[middle, 0.0]])[0] {
+        let hint = Edge::at(half);
+        let sides = edges(pencil, vec![Search::new(hint), Search::new(hint)], |side, radius| {
+            [middle + [-radius, radius][side], 0.0]
+        });
+        return Some([middle - sides[0]?.radius, middle + sides[1]?.radius]);
+    }
+    row_in(pencil, 0.0, [middle - AROUND * half, middle + AROUND * half], LOOKS)
+}
+
+/// The edges of what gets through nearest to the middle of a stretch of a row, by looks all along it.
+pub(crate) fn row_in(pencil: &impl Pencil, y: f64, [low, high]: [f64; 2], looks: usize) -> Option<[f64; 2]> {
+    let at = |k: usize| low + (high - low) * (k as f64 + 0.5) / looks as f64;
+    let points: Vec<[f64; 2]> = (0..looks).map(|k| [at(k), y]).collect();
+    let passes: Vec<bool> = pencil.excesses(&points).iter().map(|excess| excess.value <= 0.0).collect();
+    let from_middle = |k: &usize| (2 * k + 1).abs_diff(looks);
+    let nearest = (0..looks).filter(|&k| passes[k]).min_by_key(from_middle)?;
+    let first = (0..nearest).rev().take_while(|&k| passes[k]).last().unwrap_or(nearest);
+    let last = (nearest..looks).take_while(|&k| passes[k]).last().unwrap_or(nearest);
+    let step = (high - low) / looks as f64;
+    let searches = vec![Search::between(0.0, step), Search::between(0.0, step)];
+    let sides = edges(pencil, searches, |side, radius| [[at(first) - radius, at(last) + radius][side], y]);
+    Some([at(first) - sides[0]?.radius, at(last) + sides[1]?.radius])
+}
+
+/// An outline, symmetric in v.
 #[derive(Clone, Debug)]
 pub(crate) struct Outline {
-    /// sx of the centre: the middle of the pupil's chord on the meridian.
-    pub center: f64,
-    /// From angle 0 to π without a gap; none is empty.
-    pub pieces: Vec<Piece>,
-    /// Where arcs meet: angle and distance from the centre.
-    pub corners: Vec<(f64, f64)>,
+    pub frame: Frame,
+    /// Along half-lines at equal angles from +u to -u.
+    pub edges: Vec<Edge>,
 }
 
-/// Where to look for an outline.
-pub(crate) struct Guess<'a> {
-    pub view: View<'a>,
-    /// sx of a point that lies inside.
-    pub inside: f64,
-    /// Angles at which the outline is to be traced, from 0 to π, and the distance expected there: as many for all
-    /// outlines that are traced together.
-    pub points: Vec<(f64, f64)>,
-}
+/// The directions of the half-lines.
+static DIRECTIONS: LazyLock<[[f64; 2]; HALF_LINES + 1]> = LazyLock::new(|| {
+    std::array::from_fn(|k| {
+        let (sin, cos) = (PI * k as f64 / HALF_LINES as f64).sin_cos();
+        if k == HALF_LINES { [-1.0, 0.0] } else { [cos, sin] }
+    })
+});
 
-/// Interval of angles in which a corner is pinned down before the arcs are simply extended to meet.
-const CORNER_BRACKET: f64 = 4e-2;
-/// Searches a corner may cost.
-const CORNER_STEPS: u32 = 8;
-/// How far from where it is expected, relative, the edge may be found half way between a corner and the point next to it,
-/// and how often the halves are looked at where it is farther.
-const AS_EXPECTED: f64 = 5e-4;
-const CORNER_LOOKS: u32 = 4;
-/// How far an arc may be off between two points, relative, before it gets more points.
-const OFF: f64 = 1e-3;
-/// Share of the pupil that may be in doubt between two points that many points are put between no more.
-const DOUBT: f64 = 1e-5;
-/// The same in all: beyond, no fan fits.
-const MOST_DOUBT: f64 = 1e-4;
-/// Times that points may be made denser, and times until that needs a doubt.
-const REFINEMENTS: u32 = 6;
-const FREE_REFINEMENTS: u32 = 2;
-/// Interval of angles within which an edge that leads from one distance to another jumps.
-const JUMP: f64 = 3e-3;
-/// Ends of arcs that do not meet are a jump where their ratio is that far from 1, else an arc is not known well.
-const ENDS_APART: f64 = 0.015;
-/// Distances are another where their ratio is that far from 1.
-const APART: f64 = 0.05;
+/// The direction of a half-line.
+pub(crate) fn direction(k: usize) -> [f64; 2] {
+    DIRECTIONS[k]
+}
 
 impl Outline {
-    /// Traces the outlines of several pupils. `None` for one of which a half-line has no edge, or more than one.
-    pub fn trace(finder: EdgeFinder<'_>, guesses: &[Guess<'_>]) -> Vec<Option<Self>> {
-        let mut traces = Trace::begin(finder, guesses);
-        for [step, stride] in [[4, usize::MAX], [2, 4], [1, 2]] {
-            trace_between(finder, &mut traces, step, stride);
-        }
-        for trace in traces.iter_mut().flatten() {
-            trace.order();
-        }
-        for round in 0..=REFINEMENTS {
-            if !refine(finder, &mut traces, round) {
-                break;
+    /// An ellipse.
+    pub fn ellipse(frame: Frame) -> Self {
+        Self { frame, edges: vec![Edge::at(1.0); HALF_LINES + 1] }
+    }
+
+    /// The outline of a pencil, whose first row is known, from one that is expected; `None` where a half-line has no edge.
+    pub fn trace(pencil: &impl Pencil, row: [f64; 2], expected: &Self) -> Option<Self> {
+        let frame =
+            Frame { center: f64::midpoint(row[0], row[1]), width: (row[1] - row[0]) / 2.0, ..expected.frame };
+        let searches = expected.edges.iter().map(|&edge| Search::new(edge)).collect();
+        let found = edges(pencil, searches, |k, radius| frame.point(direction(k).map(|part| radius * part)));
+        let edges = found.into_iter().collect::<Option<Vec<Edge>>>()?;
+        Some(Self { frame, edges })
+    }
+
+    /// The points (u, v) of the edge.
+    pub fn points(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
+        self.edges.iter().enumerate().map(|(k, edge)| direction(k).map(|part| edge.radius * part))
+    }
+
+    /// The area of its upper half in u and v, distances from the middle being straight in the angle.
+    pub fn half_area(&self) -> f64 {
+        self.edges.windows(2).map(|pair| sector(pair[0].radius, pair[1].radius)).sum()
+    }
+
+    /// Its area.
+    pub fn area(&self) -> f64 {
+        2.0 * self.half_area() * self.frame.width * self.frame.height
+    }
+
+    /// The frame that fits it: as high as it is, and with the bow that takes the parabola out of its middle,
+    /// b = ∫∫ x y² dA / ∫∫ y⁴ dA. Both integrals are taken along the edge.
+    pub fn fitting(&self) -> Frame {
+        let frame = self.frame;
+        let points: Vec<[f64; 2]> = self.points().collect();
+        let highest = points.iter().fold(0.0_f64, |most, point| most.max(point[1]));
+        let (mut products, mut fourths) = (0.0, 0.0);
+        for pair in points.windows(2) {
+            let step = pair[1][1] - pair[0][1];
+            for [u, v] in [pair[0], pair[1]] {
+                products += step * u * u * v * v / 4.0;
+                fourths += step * u * v * v * v * v / 2.0;
             }
         }
-        find_corners(finder, &mut traces);
-        look_beside_corners(finder, &mut traces);
-        traces.into_iter().map(|trace| trace.filter(|trace| !trace.torn).map(Trace::outline)).collect()
+        let more = frame.width / (frame.height * frame.height) * products / fourths;
+        let bow = frame.bow + if more.is_finite() { more } else { 0.0 };
+        Frame { height: frame.height * highest, bow, ..frame }
     }
 
-    /// Distance of the edge from the centre at `angle` in [0, π]. `cursor` is where the last
-    /// search ended: angles that grow cost no search.
-    pub fn radius(&self, angle: f64, cursor: &mut usize) -> f64 {
-        self.inverse(angle, cursor).recip()
+    /// The one expected at `part` of the way from one to another, and beyond: everything goes on straight, widths and
+    /// heights over what the pupil shrinks by toward an end.
+    pub fn toward(&self, other: &Self, part: f64, shrunk: [f64; 3]) -> Self {
+        let (from, to) = (self.fitting(), other.fitting());
+        let on = |a: f64, b: f64| (a + part * (b - a)).clamp(0.5 * a.min(b), 2.0 * a.max(b));
+        let frame = Frame {
+            center: to.center,
+            width: to.width,
+            height: shrunk[2] * on(from.height / shrunk[0], to.height / shrunk[1]),
+            bow: from.bow + part * (to.bow - from.bow),
+        };
+        // In the frames that fit.
+        let scales = [self.frame.height / from.height, other.frame.height / to.height];
+        let radius = |edge: &Edge, k: usize, scale: f64| {
+            let [cos, sin] = direction(k);
+            edge.radius * (cos * cos + scale * scale * sin * sin).sqrt()
+        };
+        let pairs = self.edges.iter().zip(&other.edges).enumerate();
+        let edges = pairs
+            .map(|(k, (a, b))| Edge { radius: on(radius(a, k, scales[0]), radius(b, k, scales[1])), ..*b });
+        Self { frame, edges: edges.collect() }
     }
 
-    /// 1/distance, as [`Outline::radius`].
-    pub fn inverse(&self, angle: f64, cursor: &mut usize) -> f64 {
-        while *cursor > 0 && angle < self.pieces[*cursor].from {
-            *cursor -= 1;
+    /// How far from the middle a point is over the edge's distance in its direction.
+    pub fn ratio(&self, [x, y]: [f64; 2]) -> f64 {
+        let Frame { center, width, height, bow } = self.frame;
+        let [u, v] = [(x - center - bow * y * y) / width, y / height];
+        let place = v.atan2(u) / PI * HALF_LINES as f64;
+        let k = (place as usize).min(HALF_LINES - 1);
+        let [near, far] = [0, 1].map(|next| self.edges[k + next].radius);
+        u.hypot(v) / (near + (place - k as f64) * (far - near))
+    }
+
+    /// Moves the edge out to the farthest light along each half-line, up to so many times as far as it is.
+    pub fn extend(&mut self, pencil: &impl Pencil, times: f64, looks: usize) {
+        let far = |k: usize, look: usize| {
+            self.edges[k].radius * (1.0 + (times - 1.0) * (look + 1) as f64 / looks as f64)
+        };
+        let at = |k: usize, radius: f64| self.frame.point(direction(k).map(|part| radius * part));
+        let points: Vec<[f64; 2]> = (0..=HALF_LINES)
+            .flat_map(|k| (0..looks).map(move |look| (k, look)))
+            .map(|(k, look)| at(k, far(k, look)))
+            .collect();
+        let excesses = pencil.excesses(&points);
+        let last = |k: usize| (0..looks).rfind(|look| excesses[k * looks + look].value <= 0.0);
+        let (numbers, searches): (Vec<usize>, Vec<Search>) = (0..=HALF_LINES)
+            .filter_map(|k| Some((k, last(k)?)))
+            .map(|(k, look)| (k, Search::between(far(k, look), far(k, look + 1))))
+            .unzip();
+        let found = edges(pencil, searches, |i, radius| at(numbers[i], radius));
+        for (k, edge) in numbers.into_iter().zip(found) {
+            self.edges[k] = edge.unwrap_or(self.edges[k]);
         }
-        while *cursor + 1 < self.pieces.len() && angle > self.pieces[*cursor].to {
-            *cursor += 1;
-        }
-        self.pieces[*cursor].inverse(angle)
     }
-}
 
-/// An outline while it is traced.
-struct Trace<'a> {
-    guess: &'a Guess<'a>,
-    center: f64,
-    /// At the angles of the guess.
-    traced: Vec<Option<Crossing>>,
-    /// By angle from 0 to π. A corner stands twice, as the end of each of its arcs.
-    found: Vec<(f64, Crossing)>,
-    /// Where an arc ends and the next begins: from `found` of this number to the next, and the searches that the corner
-    /// may still cost.
-    gaps: Vec<(usize, u32)>,
-    corners: Vec<(f64, f64)>,
-    /// Whether its points are close enough.
-    smooth: bool,
-    /// Whether arcs were found to end apart, or to jump: a half-line meets the edge more than once.
-    torn: bool,
-}
-
-impl<'a> Trace<'a> {
-    /// Finds both ends of each of the chords on the meridian.
-    fn begin(finder: EdgeFinder<'_>, guesses: &'a [Guess<'a>]) -> Vec<Option<Self>> {
-        let start = |radius| Crossing { radius, limit: Limit::Optics, steepness: 1.0 };
-        let ends = guesses.iter().flat_map(|Guess { view, inside, points }| {
-            let along = |direction, (_, radius): (f64, f64)| HalfLine {
-                view,
-                center: *inside,
-                direction,
-                guess: start(radius),
-            };
-            [along([1.0, 0.0], points[0]), along([-1.0, 0.0], points[points.len() - 1])]
+    /// Moves the edge out where something else begins to limit it: by how far it lies outside the line from neighbour to
+    /// neighbour, which is as far at least as a corner beside it does between the half-lines.
+    pub fn hold_corners(&mut self) {
+        let at = |k: isize| &self.edges[k.unsigned_abs().min(2 * HALF_LINES - k.unsigned_abs())];
+        let widened = (0..=HALF_LINES as isize).map(|k| {
+            let [before, own, after] = [k - 1, k, k + 1].map(at);
+            let more = own.radius - f64::midpoint(before.radius, after.radius);
+            let is_corner = before.limit != own.limit || own.limit != after.limit;
+            own.radius + if is_corner { more.max(0.0) } else { 0.0 }
         });
-        let ends = finder.crossings(ends);
-        let trace = |(guess, ends): (&'a Guess<'a>, &[Option<Crossing>])| {
-            let &[Some(right), Some(left)] = ends else { return None };
-            let radius = f64::midpoint(right.radius, left.radius);
-            let mut traced = vec![None; guess.points.len()];
-            traced[0] = Some(Crossing { radius, ..right });
-            traced[guess.points.len() - 1] = Some(Crossing { radius, ..left });
-            Some(Self {
-                guess,
-                center: guess.inside + (right.radius - left.radius) / 2.0,
-                traced,
-                found: Vec::with_capacity(32),
-                gaps: Vec::new(),
-                corners: Vec::new(),
-                smooth: false,
-                torn: false,
-            })
-        };
-        guesses.iter().zip(ends.chunks_exact(2)).map(trace).collect()
-    }
-
-    /// Puts what was traced in order.
-    fn order(&mut self) {
-        let found = self.guess.points.iter().zip(&self.traced);
-        self.found = found.filter_map(|(&(angle, _), edge)| edge.map(|edge| (angle, edge))).collect();
-    }
-
-    /// What was found of number `i`; mirrored at 0 and π beyond the ends.
-    fn point(&self, i: isize) -> Point {
-        let last = self.found.len() as isize - 1;
-        let (angle, crossing) = self.found[(last - (last - i.abs()).abs()) as usize];
-        Point::new(
-            if i < 0 {
-                -angle
-            } else if i > last {
-                2.0 * PI - angle
-            } else {
-                angle
-            },
-            crossing,
-        )
-    }
-
-    /// How far each arc is off between its points, relative, to the next of each point but the last: from what its cubic
-    /// through every second one misses the points between by. Where arcs meet 0, and where one has too few points.
-    fn misses(&self) -> Vec<f64> {
-        let mut misses = vec![0.0_f64; self.found.len() - 1];
-        for i in 1..misses.len() {
-            let own = self.point(i as isize);
-            let [before, after] = [-1, 1].map(|step| self.point(i as isize + step));
-            if before.limit != own.limit || after.limit != own.limit {
-                continue;
-            }
-            // Where a straight line is good enough a cubic is.
-            let part = (own.angle - before.angle) / (after.angle - before.angle);
-            let straight = before.inverse + part * (after.inverse - before.inverse);
-            if (straight - own.inverse).abs() < 8.0 * OFF * own.inverse {
-                continue;
-            }
-            let [first, last] = [-3, 3].map(|step| self.point(i as isize + step));
-            let stencil = [before, after, first, last];
-            let [with_first, with_last] = [first, last].map(|point| point.limit == own.limit);
-            // Errors of cubics go with the fourth power of the distance, of parabolas with the third.
-            let (stencil, less) = match (with_first, with_last) {
-                (true, true) => (&stencil[..], 16.0),
-                (true, false) => (&stencil[..3], 8.0),
-                (false, true) => (&[before, after, last][..], 8.0),
-                (false, false) => continue,
-            };
-            let off = (extend(stencil, own.angle) / own.inverse - 1.0).abs() / less;
-            for miss in &mut misses[i - 1..=i] {
-                *miss = miss.max(off);
-            }
-        }
-        misses
-    }
-
-    /// Whether the edge leads from one distance to another between the `i`th point and the next.
-    fn leaps(&self, i: usize) -> bool {
-        let [a, b] = [i, i + 1].map(|i| self.found[i].1.radius);
-        (a - b).abs() > APART * a.max(b)
-    }
-
-    /// Between which points an arc is to be looked at closer, in a round of that number. Where there are none, notes
-    /// whether too much is in doubt.
-    fn doubtful(&mut self, round: u32) -> Vec<usize> {
-        if self.smooth {
-            return Vec::new();
-        }
-        let misses = self.misses();
-        let square = |i: usize| self.found[i].1.radius.powi(2) + self.found[i + 1].1.radius.powi(2);
-        let sector = |i: usize| square(i) * (self.found[i + 1].0 - self.found[i].0);
-        let whole: f64 = (0..misses.len()).map(sector).sum();
-        let doubt = |i: usize| 2.0 * misses[i] * sector(i) / whole;
-        let wanted = |i: &usize| misses[*i] > OFF && (round < FREE_REFINEMENTS || doubt(*i) > DOUBT);
-        let doubtful: Vec<usize> = (0..misses.len()).filter(wanted).collect();
-        if doubtful.is_empty() || round == REFINEMENTS {
-            self.smooth = true;
-            let rough = (0..misses.len()).filter(|&i| misses[i] > OFF);
-            self.torn = rough.map(doubt).sum::<f64>() > MOST_DOUBT;
-            return Vec::new();
-        }
-        doubtful
-    }
-
-    fn half_line(&self, angle: f64, guess: Crossing) -> HalfLine<'a> {
-        HalfLine { view: &self.guess.view, center: self.center, direction: direction(angle), guess }
-    }
-
-    /// Where the edge is expected at the `i`th angle, from what was found at multiples of `stride` on both sides: what
-    /// the expectation is off by there it is likely off by between them.
-    fn expected(&self, i: usize, stride: usize) -> Option<Crossing> {
-        let points = &self.guess.points;
-        let before = i - i % stride;
-        let after = before.saturating_add(stride).min(points.len() - 1);
-        let known = |k: usize| self.traced[k].map(|edge| (edge, edge.radius / points[k].1));
-        let ((low, low_ratio), (high, high_ratio)) = (known(before)?, known(after)?);
-        let part = (i - before) as f64 / (after - before) as f64;
-        let radius = points[i].1 * (low_ratio + part * (high_ratio - low_ratio));
-        let nearer = if part <= 0.5 { low } else { high };
-        let steepness = if low.limit == high.limit {
-            low.steepness + part * (high.steepness - low.steepness)
-        } else {
-            nearer.steepness
-        };
-        Some(Crossing { radius, steepness, ..nearer })
-    }
-
-    /// Points of one arc, at most three, from the `i`th of what was found backward or forward.
-    fn arc(&self, i: usize, forward: bool) -> Arc {
-        let limit = self.found[i].1.limit;
-        let mut arc = Arc { points: [Point::new(self.found[i].0, self.found[i].1); 3], count: 0 };
-        let left = if forward { self.found.len() - i } else { i + 1 };
-        for k in 0..left.min(3) {
-            let (angle, crossing) = self.found[if forward { i + k } else { i - k }];
-            if crossing.limit != limit {
-                break;
-            }
-            arc.points[k] = Point::new(angle, crossing);
-            arc.count = k + 1;
-        }
-        arc
-    }
-
-    /// Where the arcs on both sides of the gap after the `i`th point meet, or its middle where they do not.
-    fn meeting(&self, i: usize) -> Meeting {
-        let points = [self.arc(i, false), self.arc(i + 1, true)];
-        let arcs @ [begun, coming] = points.each_ref().map(|arc| Parabola::through(arc.points()));
-        let (low, high) = (self.found[i].0, self.found[i + 1].0);
-        let crosses = (begun.at(low) - coming.at(low)) * (begun.at(high) - coming.at(high)) < 0.0;
-        let angle = if crosses { begun.meets(coming, low, high) } else { f64::midpoint(low, high) };
-        let is_known = points.iter().all(|arc| arc.count > 1);
-        Meeting { angle, crosses, is_known, arcs }
-    }
-
-    /// Closes the gaps that are narrow enough; angles and expectations for two searches in each of the others.
-    fn close_gaps(&mut self) -> Vec<(f64, Crossing)> {
-        let mut wanted = Vec::new();
-        let mut open = Vec::new();
-        // Points that come in after the `i`th move those after it.
-        let mut moved = 0;
-        for (i, steps) in std::mem::take(&mut self.gaps) {
-            let i = i + moved;
-            let Meeting { angle: meeting, crosses, is_known, arcs: [begun, coming] } = self.meeting(i);
-            let ((low, from), (high, to)) = (self.found[i], self.found[i + 1]);
-            let width = high - low;
-            // Arcs that do not meet are followed to where one ends.
-            let leaps = !crosses && self.leaps(i);
-            if steps == 0 || width < if leaps { JUMP } else { CORNER_BRACKET } {
-                self.torn |= leaps && width < JUMP;
-                // Where the edge jumps they end apart, and the outer end is the corner.
-                let ends = [begun, coming].map(|arc| arc.at(meeting).recip());
-                let mean = 2.0 / (ends[0].recip() + ends[1].recip());
-                let jumps = !crosses && is_known && (ends[0] / ends[1]).ln().abs() > ENDS_APART;
-                let (ends, corner) = if jumps { (ends, ends[0].max(ends[1])) } else { ([mean; 2], mean) };
-                self.corners.push((meeting, corner));
-                let ends = [from, to]
-                    .into_iter()
-                    .zip(ends)
-                    .map(|(end, radius)| (meeting, Crossing { radius, ..end }));
-                self.found.splice(i + 1..i + 1, ends);
-                moved += 2;
-                continue;
-            }
-            // On both sides of where the arcs are expected to meet.
-            let margin = if crosses { 0.45 * CORNER_BRACKET } else { width / 6.0 };
-            let angles = [
-                (meeting - margin).clamp(low + 0.1 * width, high - 0.3 * width),
-                (meeting + margin).clamp(low + 0.3 * width, high - 0.1 * width),
-            ];
-            wanted.extend(angles.map(|angle| {
-                let radius = begun.at(angle).max(coming.at(angle)).recip();
-                (angle, Crossing { radius, ..if angle < meeting { from } else { to } })
-            }));
-            open.push((i, steps));
-        }
-        self.gaps = open;
-        wanted
-    }
-
-    /// Takes in what was found by two searches in each gap.
-    fn take_in(&mut self, found: &[(f64, Crossing)]) {
-        let mut gaps = Vec::new();
-        for (number, ((i, steps), pair)) in
-            std::mem::take(&mut self.gaps).into_iter().zip(found.chunks_exact(2)).enumerate()
-        {
-            let i = i + 2 * number;
-            self.found.splice(i + 1..i + 1, pair.iter().copied());
-            let differs = |&k: &usize| self.found[k].1.limit != self.found[k + 1].1.limit;
-            gaps.extend((i..i + 3).filter(differs).map(|k| (k, steps - 1)));
-        }
-        self.gaps = gaps;
-    }
-
-    /// The first wide stretch of an arc on each side of each corner: from which of what was found to the next.
-    fn beside_corners(&self) -> Vec<usize> {
-        let last = self.found.len() - 1;
-        let is_corner = |i: usize| self.found[i].0 == self.found[i + 1].0;
-        let is_wide = |&i: &usize| self.found[i + 1].0 - self.found[i].0 > CORNER_BRACKET;
-        let mut beside: Vec<usize> = (0..last)
-            .filter(|&i| is_corner(i))
-            .flat_map(|i| {
-                let before = (0..i).rev().take_while(|&k| !is_corner(k)).find(is_wide);
-                let after = (i + 1..last).take_while(|&k| !is_corner(k)).find(is_wide);
-                before.into_iter().chain(after)
-            })
-            .collect();
-        beside.dedup();
-        beside
-    }
-
-    /// What was found, in order, and mirrored at 0 and π for the sake of interpolation; and which of them are first and last
-    /// of what was found.
-    fn points(&self) -> (Vec<Point>, [usize; 2]) {
-        let count = self.found.len();
-        let mirrored = |point: Point, about: f64| Point { angle: 2.0 * about - point.angle, ..point };
-        let (start, end) = (self.arc(0, true), self.arc(count - 1, false));
-        let mut points = Vec::with_capacity(count + 4);
-        points.extend(start.points().iter().skip(1).rev().map(|&point| mirrored(point, 0.0)));
-        let first = points.len();
-        points.extend(self.found.iter().map(|&(angle, crossing)| Point::new(angle, crossing)));
-        let last = points.len() - 1;
-        points.extend(end.points().iter().skip(1).map(|&point| mirrored(point, PI)));
-        (points, [first, last])
-    }
-
-    /// The smooth pieces through all that was found.
-    fn outline(mut self) -> Outline {
-        self.corners.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let (points, [first, last]) = self.points();
-        let pieces = (first..last).filter(|&i| points[i].angle < points[i + 1].angle);
-        Outline {
-            center: self.center,
-            pieces: pieces.map(|i| piece(&points, i)).collect(),
-            corners: self.corners,
+        let widened: Vec<f64> = widened.collect();
+        for (edge, radius) in self.edges.iter_mut().zip(widened) {
+            edge.radius = radius;
         }
     }
 }
 
-/// Where two arcs meet.
-struct Meeting {
-    angle: f64,
-    /// Whether they do, or the angle is but the middle between them.
-    crosses: bool,
-    /// Whether more than a point is known of both arcs.
-    is_known: bool,
-    /// The arc before, and the one after.
-    arcs: [Parabola; 2],
-}
-
-/// The end of an arc, from there on.
-struct Arc {
-    points: [Point; 3],
-    count: usize,
-}
-
-impl Arc {
-    fn points(&self) -> &[Point] {
-        &self.points[..self.count]
-    }
-}
-
-/// Finds the edge at every `step`th angle where it is not known yet; it is at multiples of `stride`, and at the ends. An
-/// outline of which a half-line has no edge ends here.
-fn trace_between(finder: EdgeFinder<'_>, traces: &mut [Option<Trace<'_>>], step: usize, stride: usize) {
-    let mut places = Vec::new();
-    let mut half_lines = Vec::new();
-    for (number, trace) in traces.iter().enumerate() {
-        let Some(trace) = trace else { continue };
-        let last = trace.traced.len() - 1;
-        for i in (step..last).step_by(step).filter(|&i| trace.traced[i].is_none()) {
-            let Some(expected) = trace.expected(i, stride.min(last)) else { continue };
-            places.push((number, i));
-            half_lines.push(trace.half_line(trace.guess.points[i].0, expected));
-        }
-    }
-    let edges = finder.crossings(half_lines.into_iter());
-    for ((number, i), edge) in places.into_iter().zip(edges) {
-        match (&mut traces[number], edge) {
-            (Some(trace), Some(edge)) => trace.traced[i] = Some(edge),
-            (trace, _) => *trace = None,
-        }
-    }
-}
-
-/// Finds the edge half way between points where an arc may be too far off, if there are any. An outline of which a
-/// half-line has no edge ends here.
-fn refine(finder: EdgeFinder<'_>, traces: &mut [Option<Trace<'_>>], round: u32) -> bool {
-    let mut places = Vec::new();
-    let mut half_lines = Vec::new();
-    for (number, trace) in traces.iter_mut().enumerate() {
-        let Some(trace) = trace else { continue };
-        for i in trace.doubtful(round).into_iter().rev() {
-            let (low, high) = (trace.found[i], trace.found[i + 1]);
-            let radius = 2.0 / (low.1.radius.recip() + high.1.radius.recip());
-            let angle = f64::midpoint(low.0, high.0);
-            places.push((number, i + 1, angle));
-            half_lines.push(trace.half_line(angle, Crossing { radius, ..low.1 }));
-        }
-    }
-    let any = !half_lines.is_empty();
-    let edges = finder.crossings(half_lines.into_iter());
-    // From the last one of each on, so that places stay.
-    for ((number, place, angle), edge) in places.into_iter().zip(edges) {
-        match (&mut traces[number], edge) {
-            (Some(trace), Some(edge)) => trace.found.insert(place, (angle, edge)),
-            (trace, _) => *trace = None,
-        }
-    }
-    any
-}
-
-/// Finds the corners of outlines whose half-lines are all traced.
-fn find_corners(finder: EdgeFinder<'_>, traces: &mut [Option<Trace<'_>>]) {
-    for trace in traces.iter_mut().flatten() {
-        let differs = |&i: &usize| trace.found[i].1.limit != trace.found[i + 1].1.limit;
-        trace.gaps = (0..trace.found.len() - 1).filter(differs).map(|i| (i, CORNER_STEPS)).collect();
-    }
-    loop {
-        let wanted: Vec<Vec<(f64, Crossing)>> =
-            traces.iter_mut().map(|trace| trace.as_mut().map_or_else(Vec::new, Trace::close_gaps)).collect();
-        if wanted.iter().all(Vec::is_empty) {
-            return;
-        }
-        let half_lines: Vec<HalfLine<'_>> = traces
-            .iter()
-            .zip(&wanted)
-            .flat_map(|(trace, wanted)| {
-                let along = |&(angle, guess): &(f64, Crossing)| Some(trace.as_ref()?.half_line(angle, guess));
-                wanted.iter().filter_map(along)
-            })
-            .collect();
-        let mut edges = finder.crossings(half_lines.into_iter()).into_iter();
-        for (trace, wanted) in traces.iter_mut().zip(&wanted) {
-            let edges: Vec<Option<Crossing>> = edges.by_ref().take(wanted.len()).collect();
-            let found: Vec<(f64, Crossing)> =
-                wanted.iter().zip(&edges).filter_map(|(&(angle, _), &edge)| Some((angle, edge?))).collect();
-            if found.len() < wanted.len() {
-                *trace = None;
-            } else if let Some(trace) = trace {
-                trace.take_in(&found);
-            }
-        }
-    }
-}
-
-/// Finds the edge half way between a corner and what was found next to it, and in both halves where it was not expected
-/// there: arcs may turn sharply beside a corner, and end there. An edge that is not found leaves the arc as it is.
-fn look_beside_corners(finder: EdgeFinder<'_>, traces: &mut [Option<Trace<'_>>]) {
-    let mut stretches: Vec<Vec<usize>> =
-        traces.iter().map(|trace| trace.as_ref().map_or_else(Vec::new, Trace::beside_corners)).collect();
-    for _ in 0..CORNER_LOOKS {
-        let mut wanted = Vec::new();
-        for (number, (trace, stretches)) in traces.iter().zip(&mut stretches).enumerate() {
-            let Some(trace) = trace.as_ref().filter(|_| !stretches.is_empty()) else { continue };
-            let (points, [first, _]) = trace.points();
-            for i in stretches.drain(..) {
-                let piece = piece(&points, first + i);
-                let angle = f64::midpoint(piece.from, piece.to);
-                let expected = Crossing { radius: piece.radius(angle), ..trace.found[i].1 };
-                wanted.push((number, trace.half_line(angle, expected), angle));
-            }
-        }
-        if wanted.is_empty() {
-            return;
-        }
-        let edges = finder.crossings(wanted.iter().map(|&(_, half_line, _)| half_line));
-        for ((number, HalfLine { guess: expected, .. }, angle), edge) in wanted.into_iter().zip(edges) {
-            let (Some(trace), Some(edge)) = (&mut traces[number], edge) else { continue };
-            let is_off = (edge.radius / expected.radius - 1.0).abs() > AS_EXPECTED;
-            if is_off || edge.limit == expected.limit {
-                let place = trace.found.partition_point(|found| found.0 < angle);
-                trace.found.insert(place, (angle, edge));
-                if is_off {
-                    stretches[number].extend([place - 1, place]);
-                }
-            }
-        }
-    }
+/// Area between two half-lines, the distance going straight in the angle from one to the other.
+pub(crate) fn sector(from: f64, to: f64) -> f64 {
+    PI / HALF_LINES as f64 * (from * from + from * to + to * to) / 6.0
 }

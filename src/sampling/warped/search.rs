@@ -1,211 +1,132 @@
-//! Searches for the pupil's edge along half-lines, as many side by side as there are, of one film point or of several:
-//! where they start in, distances of the edge and what limits there out.
-//!
-//! Not [`crate::numeric::root`]: the excess is the largest of one smooth function an aperture, which has kinks that a
-//! secant over all of them falls for, and what neighbours know (the distance, and how steep their limit is) leaves
-//! few rays to trace: 117 an outline of 17 half-lines, its corners and the looks for holes included. Side by side, because rays are traced in packets.
+//! The edge of a pupil along half-lines, by how far rays are outside every aperture: secants within a bracket, many half-lines
+//! side by side, for rays are traced in packets.
 
-use std::cell::Cell;
+use super::view::{Excess, Limit, Pencil};
 
-use super::view::{Excess, Limit, Tracer, View};
-
-/// A point of the edge along a half-line of slopes.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Crossing {
-    /// Distance from the half-line's start, in slope.
-    pub radius: f64,
-    pub limit: Limit,
-    /// d(excess)/d(ln radius) there; a hint for the next search.
-    pub steepness: f64,
-}
-
-/// Relative accuracy of a crossing: the table's margin is sixty times as much.
-const ACCURACY: f64 = 1e-5;
-/// How far off a neighbour's steepness is taken to be, relative.
+/// Accuracy of an edge over its distance: less takes more rays, more light is missed.
+const ACCURACY: f64 = 1e-4;
+/// How far off the steepness that was measured at a neighbouring edge is taken to be, relative: more traces most edges twice.
 const NEIGHBOUR: f64 = 0.1;
-/// The same of one that the same limit had anywhere else.
-const ANYWHERE: f64 = 1.0;
-/// Distance of a secant's two points, over the radius, up to which it is relied on. Its error is its step times its
-/// span times half the relative curvature, and the height in an aperture is nearly linear in the slope.
-const LAST_SPAN: f64 = 3e-2;
-/// Limits that a search keeps what it knows of.
-const LIMITS: usize = 4;
-/// Steps that take any bracket to its last bits.
-const MOST_STEPS: u32 = 120;
+/// Every so manieth step halves the bracket: more slows secants that hardly move down.
+const HALVING: u32 = 4;
+/// Steps of a search at most: enough for the bracket of a ray that is lost, where there is no excess to go by.
+const MOST_STEPS: u32 = 48;
 
-/// What a search knows of one limit.
-#[derive(Clone, Copy)]
-struct Known {
-    limit: Limit,
-    /// The last ray that this limit decided.
-    radius: f64,
-    value: f64,
-    /// Where it alone would have the edge.
-    edge: f64,
+/// Where a half-line leaves the pupil.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Edge {
+    /// Distance from where the half-line begins.
+    pub radius: f64,
+    /// d(excess)/d(radius), and whether it was measured there or taken over from a neighbour.
+    pub steepness: f64,
+    pub is_measured: bool,
+    /// What stops the rays beyond.
+    pub limit: Limit,
 }
 
-/// A half-line from a slope inside the pupil of one film point.
-#[derive(Clone, Copy)]
-pub(crate) struct HalfLine<'a> {
-    pub view: &'a View<'a>,
-    /// sx of where it starts; sy is 0 there.
-    pub center: f64,
-    /// A unit vector.
-    pub direction: [f64; 2],
-    /// About where the edge lies.
-    pub guess: Crossing,
+impl Edge {
+    /// One of which nothing more is known.
+    pub fn at(radius: f64) -> Self {
+        Self { radius, steepness: f64::NAN, is_measured: false, limit: Limit::Optics }
+    }
 }
 
-/// A search along one half-line. The excess is the largest of one smooth function a limit, so that each limit has its
-/// own secant, and the edge is the nearest that one of them predicts.
-struct Search<'a> {
-    half_line: HalfLine<'a>,
-    /// Where the next ray goes.
+/// A search along one half-line, whose beginning gets through.
+pub(crate) struct Search {
+    /// Where it is looked next.
     radius: f64,
-    /// The bracket.
+    /// The bracket: a ray inside gets through, one outside does not.
     inside: f64,
     outside: f64,
-    /// What stopped the ray at its outer end.
+    /// The edge of a neighbour.
+    hint: Edge,
+    /// The ray before, and its excess.
+    last: Option<(f64, Excess)>,
+    /// What stopped the ray at the bracket's outer end.
     limit: Limit,
-    /// Of each limit that was met, the last ones.
-    known: [Option<Known>; LIMITS],
-    step: u32,
+    steps: u32,
+    found: Option<Edge>,
 }
 
-/// How a search goes on.
-enum Next {
-    Ray,
-    Edge(Crossing),
-    Nowhere,
-}
-
-impl<'a> Search<'a> {
-    fn new(half_line: HalfLine<'a>) -> Self {
-        Self {
-            half_line,
-            radius: half_line.guess.radius,
-            inside: 0.0,
-            outside: f64::INFINITY,
-            limit: Limit::Optics,
-            known: [None; LIMITS],
-            step: 0,
-        }
+impl Search {
+    /// From an edge that is expected.
+    pub fn new(hint: Edge) -> Self {
+        let radius = hint.radius;
+        let limit = hint.limit;
+        Self { radius, inside: 0.0, outside: f64::INFINITY, hint, last: None, limit, steps: 0, found: None }
     }
 
-    /// Learns what became of the ray at `radius`. `hint` is a steepness that the ray's limit had elsewhere.
-    fn learn(&mut self, excess: Excess, hint: Option<f64>) -> Next {
-        let Self { half_line: HalfLine { guess, .. }, radius, .. } = *self;
-        let Excess { value, limit, lost } = excess;
+    /// Between a ray that gets through and one that does not.
+    pub fn between(inside: f64, outside: f64) -> Self {
+        Self { inside, outside, ..Self::new(Edge::at(f64::midpoint(inside, outside))) }
+    }
+
+    /// Learns what became of the ray at `radius`; whether another is to be traced.
+    fn learn(&mut self, excess: Excess) -> bool {
+        let (radius, Excess { value, limit, lost }) = (self.radius, excess);
         if value <= 0.0 {
             self.inside = radius;
         } else {
-            self.outside = radius;
-            self.limit = limit;
+            (self.outside, self.limit) = (radius, limit);
         }
-        let (inside, outside) = (self.inside, self.outside);
-        let own = self.known.iter_mut().find(|known| known.is_some_and(|known| known.limit == limit));
-        let last = own.and_then(Option::take).filter(|last| last.value != value);
-        let (steepness, doubt) = match last {
-            _ if limit == Limit::Optics => (f64::NAN, f64::INFINITY),
-            Some(last) => {
-                let span = (radius - last.radius).abs() / radius;
-                let steepness = radius * (value - last.value) / (radius - last.radius);
-                (steepness, if span <= LAST_SPAN { span } else { f64::INFINITY })
-            }
-            None if guess.limit == limit => (guess.steepness, NEIGHBOUR),
-            None => hint.map_or((guess.steepness, f64::INFINITY), |hint| (hint, ANYWHERE)),
+        let accuracy = ACCURACY * self.hint.radius;
+        // How steep the excess is, and how well that is known: by the part of a step that it may be off.
+        let last = self.last.filter(|(_, last)| last.limit == limit);
+        let steepness = match last {
+            _ if limit == Limit::Optics => f64::NAN,
+            Some((from, last)) => (value - last.value) / (radius - from),
+            None => self.hint.steepness,
         };
-        let step = value / steepness;
-        let edge = radius - step * radius;
-        let known = self.known.iter().flatten();
-        let predicted = known.map(|known| known.edge).filter(|&edge| edge > inside && edge < outside);
-        let others = predicted.fold(f64::INFINITY, f64::min);
-        // Where rays are lost within the aperture, its own edge lies outside the bracket and is none of the pupil's.
-        let is_between = edge > 0.0 && edge >= inside && edge <= others.min((1.0 + ACCURACY) * outside);
-        if step.abs() * doubt <= ACCURACY && is_between && !lost {
-            return Next::Edge(Crossing { radius: edge, limit, steepness });
+        let edge = radius - value / steepness;
+        let doubt = match last {
+            Some((from, _)) => (edge - from).abs() / self.hint.radius,
+            None if self.hint.limit == limit && self.hint.is_measured => NEIGHBOUR,
+            None => f64::INFINITY,
+        };
+        let fits = steepness > 0.0 && edge >= self.inside && edge <= self.outside;
+        // Where rays are lost within the aperture, too, its edge is not the pupil's.
+        if fits && !lost && (edge - radius).abs() * doubt <= accuracy {
+            self.found = Some(Edge { radius: edge, steepness, is_measured: last.is_some(), limit });
+            return false;
         }
-        if outside.is_finite() && outside - inside <= ACCURACY * outside {
-            let steepness =
-                if self.limit == limit && !steepness.is_nan() { steepness } else { guess.steepness };
-            return Next::Edge(Crossing { radius: inside, limit: self.limit, steepness });
+        if self.outside - self.inside <= accuracy {
+            let steepness = if self.limit == self.hint.limit { self.hint.steepness } else { f64::NAN };
+            self.found = Some(Edge { radius: self.inside, steepness, is_measured: false, limit: self.limit });
+            return false;
         }
-        let free = self.known.iter().position(Option::is_none).unwrap_or(self.step as usize % LIMITS);
-        self.known[free] = Some(Known { limit, radius, value, edge });
-        let mut next = edge.min(others);
-        // A ray that gets lost, too, does not show that those within the aperture get through.
-        if lost {
-            next *= 1.0 - 10.0 * ACCURACY;
+        self.last = Some((radius, excess));
+        self.steps += 1;
+        let is_bracketed = self.outside < f64::INFINITY;
+        self.radius = if fits && (!is_bracketed || self.steps % HALVING != 0) {
+            // A little inside, where the aperture's edge may be that of lost rays.
+            let edge = if lost { edge - 5.0 * accuracy } else { edge };
+            edge.clamp(0.5 * radius, 1.5 * radius + accuracy).clamp(self.inside, self.outside)
+        } else if is_bracketed {
+            f64::midpoint(self.inside, self.outside)
+        } else {
+            self.inside + self.hint.radius * 0.02 * 4_f64.powi(self.steps as i32)
+        };
+        if self.radius == self.inside || self.radius == self.outside {
+            self.radius = f64::midpoint(self.inside, self.outside.min(self.inside + 4.0 * accuracy));
         }
-        // Where that leads nowhere, and now and then in any case, the bracket's middle.
-        if !(next > inside && next < outside) || self.step % 8 == 7 {
-            next = if outside.is_finite() { f64::midpoint(inside, outside) } else { 2.0 * radius };
-        } else if outside == f64::INFINITY {
-            next = next.min(4.0 * radius);
-        }
-        self.step += 1;
-        if !(next > 0.0 && next.is_finite()) || self.step == MOST_STEPS {
-            return Next::Nowhere;
-        }
-        self.radius = next;
-        Next::Ray
+        self.steps < MOST_STEPS && self.radius.is_finite()
     }
 }
 
-/// The steepness that each surface's aperture had where it last was the limit.
-pub(crate) struct Hints(Vec<Cell<f64>>);
-
-impl Hints {
-    pub fn new(surfaces: usize) -> Self {
-        Self(vec![Cell::new(f64::NAN); surfaces])
+/// The edges along half-lines of a pencil, side by side; `None` where there is none. `at` is the point of a half-line, by its
+/// number, at a distance.
+pub(crate) fn edges(
+    pencil: &impl Pencil,
+    mut searches: Vec<Search>,
+    at: impl Fn(usize, f64) -> [f64; 2],
+) -> Vec<Option<Edge>> {
+    let mut open: Vec<usize> = (0..searches.len()).collect();
+    let mut points = Vec::with_capacity(open.len());
+    while !open.is_empty() && !pencil.is_spent() {
+        points.clear();
+        points.extend(open.iter().map(|&i| at(i, searches[i].radius)));
+        let mut excesses = pencil.excesses(&points).into_iter();
+        open.retain(|&i| excesses.next().is_some_and(|excess| searches[i].learn(excess)));
     }
-
-    fn of(&self, limit: Limit) -> Option<f64> {
-        let Limit::Aperture(surface) = limit else { return None };
-        Some(self.0[surface].get()).filter(|steepness| !steepness.is_nan())
-    }
-
-    fn note(&self, edge: &Crossing) {
-        if let Limit::Aperture(surface) = edge.limit {
-            self.0[surface].set(edge.steepness);
-        }
-    }
-}
-
-/// What traces the rays of searches, and what they know from one another.
-#[derive(Clone, Copy)]
-pub(crate) struct EdgeFinder<'a> {
-    pub tracer: &'a Tracer,
-    pub hints: &'a Hints,
-}
-
-impl EdgeFinder<'_> {
-    /// The edge along each of the half-lines; `None` where one has none, or the rays are spent.
-    pub fn crossings<'b>(&self, half_lines: impl Iterator<Item = HalfLine<'b>>) -> Vec<Option<Crossing>> {
-        let mut searches: Vec<Search<'b>> = half_lines.map(Search::new).collect();
-        let mut edges = vec![None; searches.len()];
-        let mut open: Vec<usize> = (0..searches.len()).collect();
-        let mut found = Vec::with_capacity(open.len());
-        while !open.is_empty() && !self.tracer.is_spent() {
-            let rays = open.iter().map(|&i| {
-                let Search { half_line: HalfLine { view, center, direction: [dx, dy], .. }, radius, .. } =
-                    searches[i];
-                view.ray([center + radius * dx, radius * dy])
-            });
-            self.tracer.excesses(rays, &mut found);
-            let mut excesses = found.iter();
-            open.retain(|&i| {
-                match excesses.next().map(|&excess| searches[i].learn(excess, self.hints.of(excess.limit))) {
-                    Some(Next::Ray) => true,
-                    Some(Next::Edge(edge)) => {
-                        self.hints.note(&edge);
-                        edges[i] = Some(edge);
-                        false
-                    }
-                    Some(Next::Nowhere) | None => false,
-                }
-            });
-        }
-        edges
-    }
+    searches.into_iter().map(|search| search.found).collect()
 }

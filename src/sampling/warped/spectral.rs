@@ -147,6 +147,7 @@ impl SpectralPupil {
         let knots_above = self.tables.knots(&above, &heading);
         row.center = part.mul_add(above.center - row.center, row.center);
         row.narrowing = part.mul_add(above.narrowing - row.narrowing, row.narrowing);
+        row.bow = part.mul_add(above.bow - row.bow, row.bow);
         let mut k = 0;
         while k < 4 {
             knots[k] = part.mul_add(knots_above[k] - knots[k], knots[k]);
@@ -174,6 +175,7 @@ fn joined(tables: Vec<WarpedPupil>, cover: PupilDisk) -> WarpedPupil {
             cell
         }));
         all.narrowings.extend(table.narrowings);
+        all.rests.extend(table.rests);
         all.table.extend(table.table);
     }
     WarpedPupil { cover, ..all }
@@ -209,8 +211,10 @@ impl WarpedPupil {
         for (cell, _) in is_covered.iter().enumerate().filter(|(_, is_covered)| **is_covered) {
             self.cells[cell].index = index;
             self.cells[cell].numbers[1..].copy_from_slice(&[center, 0.0]);
-            if let Some(narrowing) = self.narrowings.get_mut(2 * cell..2 * cell + 2) {
-                narrowing.fill([0.0; 2]);
+            for pairs in [&mut self.narrowings, &mut self.rests] {
+                if let Some(pairs) = pairs.get_mut(2 * cell..2 * cell + 2) {
+                    pairs.fill([0.0; 2]);
+                }
             }
         }
     }
@@ -222,9 +226,12 @@ impl WarpedPupil {
             cell.numbers[1] *= end;
             cell.numbers[2] *= end;
         }
-        for pair in self.narrowings.chunks_exact_mut(2) {
-            pair[0] = pair[0].map(|narrowing| narrowing * end * end);
-            pair[1] = pair[1].map(|center| center * end);
+        for pairs in self.narrowings.chunks_exact_mut(2) {
+            pairs[0] = pairs[0].map(|narrowing| narrowing * end * end);
+            pairs[1] = pairs[1].map(|bow| bow * end * end * end);
+        }
+        for rest in &mut self.rests {
+            *rest = rest.map(|center| center * end);
         }
         for factor in &mut self.table {
             *factor = factor.map(|part| part * grown);

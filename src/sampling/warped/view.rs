@@ -1,7 +1,4 @@
-//! The pupil of one film point, ray by ray: slopes in, how far outside every aperture their rays are out.
-//!
-//! The film point lies at (h, 0); its pupil is symmetric about the sx axis of slopes. A pupil much higher than wide is
-//! seen as wide as high: sx counts in units of the width scale τ, here and in the outline.
+//! Rays of one pencil, traced for searches: points of a plane in, how far outside every aperture their rays are out.
 
 use std::cell::Cell;
 
@@ -14,7 +11,7 @@ use crate::{
 };
 
 /// Rays that are counted as one packet: what few registers of any processor take.
-pub(super) const GROUP: usize = 8;
+const GROUP: usize = 8;
 /// What a table may take: some 12,000 packets, for which a surface takes some 20 ns each.
 const MOST_WORK: u64 = 12_000 * PACKET;
 /// What a packet counts: no lens of spheres has more surfaces.
@@ -27,70 +24,6 @@ const EVALUATION: u64 = 6;
 /// Interfaces from which on a lens may take longer, in proportion.
 const LONG: u64 = 100;
 
-/// Traces rays for searches, and counts them.
-pub(crate) struct Tracer {
-    clearances: ClearanceTracer,
-    rays: Cell<u32>,
-    /// Packets traced, full or not, and evaluations of aspheres, times what they count: what the time depends on,
-    /// whatever the width of the registers.
-    work: Cell<u64>,
-    per_packet: u64,
-    /// How much longer than others the lens may take.
-    longer: u64,
-}
-
-impl Tracer {
-    pub fn new(path: &Path, film: f64) -> Self {
-        let longer = (path.surfaces() as u64 / LONG).max(1);
-        Self {
-            clearances: ClearanceTracer::new(path, film),
-            rays: Cell::new(0),
-            work: Cell::new(0),
-            per_packet: (ASPHERE * path.aspheres() as u64 / longer).max(PACKET),
-            longer,
-        }
-    }
-
-    /// Rays traced so far.
-    pub fn rays(&self) -> u32 {
-        self.rays.get()
-    }
-
-    /// Whether all the rays that a table may take were traced. Counted, not timed: the same lens gets the same table.
-    pub fn is_spent(&self) -> bool {
-        self.work.get() >= MOST_WORK
-    }
-
-    /// How far outside every aperture each of the rays is.
-    pub fn excesses(&self, rays: impl ExactSizeIterator<Item = MeridianRay>, found: &mut Vec<Excess>) {
-        let count = rays.len();
-        self.rays.set(self.rays.get() + count as u32);
-        found.clear();
-        let before = trace::evaluations();
-        self.clearances.trace(rays, |clearance| {
-            found.push(match clearance {
-                Some(Clearance { ratio, surface, lost }) => {
-                    Excess { value: ratio - 1.0, limit: Limit::Aperture(surface), lost }
-                }
-                None => Excess { value: f64::INFINITY, limit: Limit::Optics, lost: true },
-            });
-        });
-        let packets = self.per_packet * count.div_ceil(GROUP) as u64;
-        let further = EVALUATION * (trace::evaluations() - before) / self.longer;
-        self.work.set(self.work.get() + packets + further);
-    }
-}
-
-/// The lens from one film point.
-#[derive(Clone, Copy)]
-pub(crate) struct View<'a> {
-    pub tracer: &'a Tracer,
-    /// Distance from the axis, mm.
-    pub height: f64,
-    /// τ, in units of which sx counts.
-    pub width_scale: f64,
-}
-
 /// What stops the rays beyond a point of the edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Limit {
@@ -100,7 +33,7 @@ pub(crate) enum Limit {
     Optics,
 }
 
-/// How far outside an aperture a ray is: negative for one that gets through.
+/// How far outside an aperture a ray is: at most 0 for one that gets through.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Excess {
     /// Height over semi-diameter, minus 1; infinite for [`Limit::Optics`].
@@ -110,28 +43,105 @@ pub(crate) struct Excess {
     pub lost: bool,
 }
 
-impl View<'_> {
-    /// How far outside the pupil the ray of these slopes is.
-    pub fn excess(&self, slopes: [f64; 2]) -> Excess {
-        let mut found = Vec::with_capacity(1);
-        self.excesses(&[slopes], &mut found);
-        found[0]
+impl Excess {
+    /// Of what became of a ray.
+    pub fn of(clearance: Option<Clearance>) -> Self {
+        match clearance {
+            Some(Clearance { ratio, surface, lost }) => {
+                Self { value: ratio - 1.0, limit: Limit::Aperture(surface), lost }
+            }
+            None => Self { value: f64::INFINITY, limit: Limit::Optics, lost: true },
+        }
+    }
+}
+
+/// The rays of one point, named by points (x, y) of a plane; what gets through is symmetric in y.
+pub(crate) trait Pencil {
+    /// How far outside every aperture they are.
+    fn excesses(&self, points: &[[f64; 2]]) -> Vec<Excess>;
+    /// Whether all the rays that a table may take were traced.
+    fn is_spent(&self) -> bool;
+}
+
+/// Counts what tracing takes, in units that do not depend on the machine: the same lens gets the same table.
+pub(crate) struct Work {
+    rays: Cell<u32>,
+    /// Packets traced, full or not, and evaluations of aspheres, times what they count.
+    done: Cell<u64>,
+    per_packet: u64,
+    /// How much longer than others the lens may take.
+    longer: u64,
+}
+
+impl Work {
+    pub fn new(path: &Path) -> Self {
+        let longer = (path.surfaces() as u64 / LONG).max(1);
+        let per_packet = (ASPHERE * path.aspheres() as u64 / longer).max(PACKET);
+        Self { rays: Cell::new(0), done: Cell::new(0), per_packet, longer }
     }
 
-    /// [`View::excess`] of many.
-    pub fn excesses(&self, slopes: &[[f64; 2]], found: &mut Vec<Excess>) {
-        self.tracer.excesses(slopes.iter().map(|&slopes| self.ray(slopes)), found);
+    /// Counts rays while they are traced.
+    pub fn count<T>(&self, rays: usize, traced: impl FnOnce() -> T) -> T {
+        let before = trace::evaluations();
+        let found = traced();
+        let further = EVALUATION * (trace::evaluations() - before) / self.longer;
+        let packets = self.per_packet * rays.div_ceil(GROUP) as u64;
+        self.rays.set(self.rays.get() + rays as u32);
+        self.done.set(self.done.get() + packets + further);
+        found
     }
 
-    /// The ray of these slopes.
-    pub fn ray(&self, [x, y]: [f64; 2]) -> MeridianRay {
-        MeridianRay { height: self.height, slopes: [self.width_scale * x, y] }
+    /// Rays traced so far.
+    pub fn rays(&self) -> u32 {
+        self.rays.get()
     }
 
-    /// Which of the rays of these slopes get through.
-    pub fn pass(&self, slopes: &[[f64; 2]]) -> Vec<bool> {
+    /// Whether all the rays that a table may take were traced.
+    pub fn is_spent(&self) -> bool {
+        self.done.get() >= MOST_WORK
+    }
+
+    /// Whether half of them were.
+    pub fn is_short(&self) -> bool {
+        self.done.get() >= MOST_WORK / 2
+    }
+}
+
+/// The film's side of a lens.
+pub(crate) struct FilmSide {
+    clearances: ClearanceTracer,
+    pub work: Work,
+}
+
+impl FilmSide {
+    /// For film at z = `film`, behind the lens.
+    pub fn new(path: &Path, film: f64) -> Self {
+        Self { clearances: ClearanceTracer::new(path, film), work: Work::new(path) }
+    }
+
+    /// The rays of a film point.
+    pub fn pencil(&self, height: f64) -> FilmPencil<'_> {
+        FilmPencil { side: self, height }
+    }
+}
+
+/// The rays of the film point (`height`, 0), named by their slopes.
+#[derive(Clone, Copy)]
+pub(crate) struct FilmPencil<'a> {
+    side: &'a FilmSide,
+    pub height: f64,
+}
+
+impl Pencil for FilmPencil<'_> {
+    fn excesses(&self, slopes: &[[f64; 2]]) -> Vec<Excess> {
+        let rays = slopes.iter().map(|&slopes| MeridianRay { height: self.height, slopes });
         let mut found = Vec::with_capacity(slopes.len());
-        self.excesses(slopes, &mut found);
-        found.iter().map(|excess| excess.value <= 0.0).collect()
+        let FilmSide { clearances, work } = self.side;
+        work.count(slopes.len(), || clearances.trace(rays, |clearance| found.push(Excess::of(clearance))));
+        found
+    }
+
+    fn is_spent(&self) -> bool {
+        self.side.work.is_spent()
     }
 }

@@ -1,0 +1,142 @@
+//! The first row, in the plane of axis and film point, followed outward along the film to its end or the image's.
+
+use super::{
+    outline::{first_row, row_in},
+    view::{FilmSide, Pencil},
+};
+use crate::{lens::pupil::SlopeDisk, sampling::pupil_disk::PupilDisk};
+
+/// Steps to the film's reach at least.
+const STEPS: f64 = 16.0;
+/// How much farther than the film's reach the image's end is sought.
+pub(super) const BEYOND: f64 = 1.125;
+/// Relative accuracy of the image's end.
+const ACCURACY: f64 = 1e-9;
+/// The part of the way to where the row's width would come to 0 that the next step goes.
+const NEARER: f64 = 0.6;
+/// How far beyond the image's end it has to be dark, too, relative.
+const BESIDE: f64 = 1e-6;
+/// How far from where it is expected a row's middle may be, over its half width: farther off it may be something else.
+const SURPRISE: f64 = 1.5;
+/// Looks along a row of which nothing is known.
+const ANYWHERE: usize = 256;
+/// Times that the row may be lost and found farther out.
+const MOST_JUMPS: u32 = 9;
+/// Rays across the rear disk in looks for light beyond the image's end, and radii at which they are.
+const GRID: u32 = 20;
+const RADII: u32 = 6;
+
+/// The first row's edges at film radii.
+#[derive(Clone, Debug)]
+pub(crate) struct Trail {
+    known: Vec<(f64, [f64; 2])>,
+    /// Where the image ends, if it does within [`BEYOND`] of the film's reach.
+    pub end: Option<f64>,
+}
+
+impl Trail {
+    /// Follows the row; `None` where no light gets through on the axis. `shift` times the film radius is about the slope to
+    /// the pupil's centre, and `cover` a disk that holds every pupil.
+    pub fn new(side: &FilmSide, reach: f64, cover: PupilDisk, shift: f64) -> Option<Self> {
+        let anywhere = |height: f64| {
+            let SlopeDisk { center: [center, _], radius } = cover.seen_from([height, 0.0]);
+            row_in(&side.pencil(height), 0.0, [center - radius, center + radius], ANYWHERE)
+        };
+        let quarter = 0.25 * cover.seen_from([0.0; 2]).radius;
+        let first = first_row(&side.pencil(0.0), [-quarter, quarter]).or_else(|| anywhere(0.0))?;
+        let mut trail = Self { known: vec![(0.0, first)], end: None };
+        for _ in 0..MOST_JUMPS {
+            let Some(end) = trail.follow(side, reach, shift) else { break };
+            // Something else may get through there, or farther out.
+            let beside = end * (1.0 + BESIDE);
+            match anywhere(beside) {
+                Some(row) => trail.known.push((beside, row)),
+                None if leaks_beyond(side, end, reach, cover) => break,
+                None => {
+                    trail.end = Some(end);
+                    break;
+                }
+            }
+        }
+        Some(trail)
+    }
+
+    /// Goes on to a little beyond the film's reach, or to where the row ends or jumps, if it does so before.
+    fn follow(&mut self, side: &FilmSide, reach: f64, shift: f64) -> Option<f64> {
+        let widest = reach / STEPS;
+        let mut step = widest / 16.0;
+        while self.last().0 < reach * BEYOND && !side.work.is_spent() {
+            let (from, row) = self.last();
+            let height = (from + step).min(reach * BEYOND);
+            let expected = if from > 0.0 { self.at(height) } else { row.map(|edge| edge + shift * height) };
+            if let Some(found) =
+                first_row(&side.pencil(height), expected).filter(|found| is_near(*found, expected))
+            {
+                self.known.push((height, found));
+                let left = self.left();
+                if left < ACCURACY * height {
+                    return Some(height + left);
+                }
+                step = (2.0 * step).min(widest).min(NEARER * left);
+            } else if step > ACCURACY * from.max(ACCURACY * reach) {
+                step /= 3.0;
+            } else {
+                return Some(from);
+            }
+        }
+        None
+    }
+
+    fn last(&self) -> (f64, [f64; 2]) {
+        self.known[self.known.len() - 1]
+    }
+
+    /// How much farther out the row's width comes to 0 if it goes on as it went last; infinite where it does not shrink.
+    fn left(&self) -> f64 {
+        let [.., (from, before), (to, row)] = self.known[..] else { return f64::INFINITY };
+        let [first, last] = [before, row].map(|[low, high]| high - low);
+        let rate = (first - last) / (to - from);
+        if rate > 0.0 { last / rate } else { f64::INFINITY }
+    }
+
+    /// The edges expected at a film radius.
+    pub fn at(&self, height: f64) -> [f64; 2] {
+        let next = self.known.partition_point(|known| known.0 < height).clamp(1, self.known.len() - 1);
+        let ((from, a), (to, b)) = (self.known[next - 1], self.known[next]);
+        let part = (height - from) / (to - from);
+        let [low, high] = [0, 1].map(|i| a[i] + part * (b[i] - a[i]));
+        // Beyond the last one the row may shrink, and stays one.
+        let (middle, half) = (f64::midpoint(low, high), ((high - low) / 2.0).max(0.05 * (b[1] - b[0])));
+        [middle - half, middle + half]
+    }
+
+    /// The pupil's radius on the axis.
+    pub fn axial_radius(&self) -> f64 {
+        let [low, high] = self.known[0].1;
+        (high - low) / 2.0
+    }
+}
+
+/// Whether a row is about where it was expected.
+fn is_near(found: [f64; 2], expected: [f64; 2]) -> bool {
+    let [middle, other] = [found, expected].map(|[low, high]| f64::midpoint(low, high));
+    let [width, expected] = [found, expected].map(|[low, high]| high - low);
+    (middle - other).abs() < SURPRISE * expected / 2.0 && width < 3.0 * expected && expected < 3.0 * width
+}
+
+/// Whether light gets through anywhere within reach beyond the radius at which the first row ends.
+fn leaks_beyond(side: &FilmSide, end: f64, reach: f64, cover: PupilDisk) -> bool {
+    (1..=RADII).any(|k| {
+        let height = end + (reach - end) * f64::from(k) / f64::from(RADII);
+        let points = half_disk(GRID, cover.seen_from([height, 0.0]));
+        height > end && side.pencil(height).excesses(&points).iter().any(|excess| excess.value <= 0.0)
+    })
+}
+
+/// A grid of `across` by `across` on a disk's upper half, the disk's centre being on the sx axis.
+pub(super) fn half_disk(across: u32, disk: SlopeDisk) -> Vec<[f64; 2]> {
+    let at = |k: u32| 2.0 * (f64::from(k) + 0.5) / f64::from(across) - 1.0;
+    let grid = (0..across).flat_map(|i| (across / 2..across).map(move |j| [at(i), at(j)]));
+    let within = grid.filter(|[x, y]| x * x + y * y <= 1.0);
+    within.map(|[x, y]| [disk.center[0] + disk.radius * x, disk.radius * y]).collect()
+}

@@ -1,0 +1,213 @@
+//! One slice of a table: the map of the unit disk onto one outline, at knots; and how far an outline lies outside a map.
+
+use std::f64::consts::PI;
+
+use super::outline::{self, HALF_LINES, Outline, sector};
+
+/// Knots between the lens direction along the film point's and the opposite one, less one.
+pub(crate) const CELLS: usize = 128;
+/// Knots.
+pub(crate) const KNOTS: usize = CELLS + 1;
+
+/// By how much maps are larger than what was found, relative: for what edges are off, and what lies between.
+const MARGIN: f64 = 3e-4;
+
+/// The disk's directions at the knots: pseudo-angles q = 1 - cos/(|cos| + sin) in equal steps from 0 to 2.
+pub(crate) struct Knots {
+    /// Angles over π.
+    parts: [f64; KNOTS],
+    directions: [[f64; 2]; KNOTS],
+}
+
+impl Knots {
+    pub fn new() -> Self {
+        let angle = |knot: usize| {
+            let q = 2.0 * knot as f64 / CELLS as f64;
+            (if q <= 1.0 { q } else { 2.0 - q }).atan2(1.0 - q)
+        };
+        let direction = |knot: usize| {
+            let (sin, cos) = angle(knot).sin_cos();
+            if knot == CELLS { [-1.0, 0.0] } else { [cos, sin] }
+        };
+        Self {
+            parts: std::array::from_fn(|knot| angle(knot) / PI),
+            directions: std::array::from_fn(direction),
+        }
+    }
+}
+
+/// The map d -> C + B(N(M(direction of d) d)) at one parameter h: N narrows x to τ of its size, and B bends it by bow y².
+#[derive(Clone, Debug)]
+pub(crate) struct Slice {
+    /// h.
+    pub height: f64,
+    /// C/h.
+    pub center: f64,
+    /// (1 - τ)/h².
+    pub narrowing: f64,
+    /// bow/h³.
+    pub bow: f64,
+    /// M at the knots, as complex numbers.
+    pub factors: Vec<[f64; 2]>,
+    /// Whether the pupil fills the map; else the map only covers it.
+    pub fitted: bool,
+}
+
+impl Slice {
+    /// A whole disk.
+    pub fn disk(height: f64, center: f64, radius: f64, fitted: bool) -> Self {
+        Self { height, center, narrowing: 0.0, bow: 0.0, factors: vec![[radius, 0.0]; KNOTS], fitted }
+    }
+
+    /// The map onto an outline that takes equal areas of the disk to equal areas, narrowed to `width` of its size and bent.
+    pub fn fit(outline: &Outline, height: f64, width: f64, bow: f64, knots: &Knots) -> Self {
+        let frame = outline.frame;
+        let total = outline.half_area();
+        let radius = |k: usize| outline.edges[k].radius;
+        let (mut k, mut before) = (0, 0.0);
+        let mut area = sector(radius(0), radius(1));
+        let factor = |(&part, direction): (&f64, &[f64; 2])| {
+            let target = part * total;
+            while k + 2 < HALF_LINES + 1 && target > before + area {
+                before += area;
+                k += 1;
+                area = sector(radius(k), radius(k + 1));
+            }
+            let along = ((target - before) / area).clamp(0.0, 1.0);
+            let far = radius(k) + along * (radius(k + 1) - radius(k));
+            let (from, to) = (outline::direction(k), outline::direction(k + 1));
+            let [u, v] = [0, 1].map(|i| from[i] + along * (to[i] - from[i]));
+            let far = far / (u * u + v * v).sqrt();
+            let y = far * v * frame.height;
+            let x = (far * u * frame.width + (frame.bow - bow) * y * y) / width;
+            turned_back(([x, y], direction))
+        };
+        let mut factors: Vec<[f64; 2]> = knots.parts.iter().zip(&knots.directions).map(factor).collect();
+        // On the plane of symmetry they stay there.
+        factors[0][1] = 0.0;
+        factors[CELLS][1] = 0.0;
+        let (narrowing, bow) = ((1.0 - width) / (height * height), bow / height.powi(3));
+        let mut slice = Self { height, center: frame.center / height, narrowing, bow, factors, fitted: true };
+        let lack = slice.lack(outline, knots);
+        slice.grow(&lack.growth, MARGIN);
+        slice
+    }
+
+    /// τ.
+    fn width(&self) -> f64 {
+        1.0 - self.narrowing * self.height * self.height
+    }
+
+    /// The slice that the table's interpolation makes at `part` of the way from this to another, at the parameter `height`.
+    pub fn toward(&self, other: &Self, part: f64, height: f64) -> Self {
+        let at = |a: f64, b: f64| a + part * (b - a);
+        // Straight in h, not in s.
+        let along = (height - self.height) / (other.height - self.height);
+        let factors = self.factors.iter().zip(&other.factors);
+        Self {
+            height,
+            center: self.center + along * (other.center - self.center),
+            narrowing: at(self.narrowing, other.narrowing),
+            bow: at(self.bow, other.bow),
+            factors: factors.map(|(a, b)| [at(a[0], b[0]), at(a[1], b[1])]).collect(),
+            fitted: self.fitted && other.fitted,
+        }
+    }
+
+    /// The mean of this map and its mirror image, about the axis.
+    pub fn about_axis(&self, knots: &Knots) -> Self {
+        let (points, width) = (self.points(knots), self.width());
+        let mean = points
+            .iter()
+            .zip(points.iter().rev())
+            .map(|([x, y], [other, above])| [width * (x - other) / 2.0, f64::midpoint(*y, *above)]);
+        let factors = mean.zip(&knots.directions).map(turned_back).collect();
+        Self { factors, ..Self::disk(0.0, 0.0, 0.0, true) }
+    }
+
+    /// Some points that samples go to.
+    pub fn samples(&self, knots: &Knots) -> Vec<[f64; 2]> {
+        const RINGS: u32 = 6;
+        const EVERY: usize = 8;
+        let (width, bow) = (self.width(), self.bow * self.height.powi(3));
+        let point = |[x, y]: [f64; 2], part: f64| {
+            let (x, y) = (part * x * width, part * y);
+            [self.center * self.height + x + bow * y * y, y]
+        };
+        let rings = (0..RINGS).map(|ring| ((f64::from(ring) + 0.5) / f64::from(RINGS)).sqrt());
+        let points = self.points(knots);
+        rings
+            .flat_map(|part| points.iter().step_by(EVERY).map(move |&at| point(at, part)).collect::<Vec<_>>())
+            .collect()
+    }
+
+    /// The edge's points at the knots, about the centre, before they are narrowed and bent.
+    fn points(&self, knots: &Knots) -> Vec<[f64; 2]> {
+        let turned =
+            |([re, im], [cos, sin]): (&[f64; 2], &[f64; 2])| [re * cos - im * sin, re * sin + im * cos];
+        self.factors.iter().zip(&knots.directions).map(turned).collect()
+    }
+
+    /// The map's area.
+    pub fn area(&self, knots: &Knots) -> f64 {
+        let points = self.points(knots);
+        let double = points.windows(2).map(|pair| pair[0][0] * pair[1][1] - pair[0][1] * pair[1][0]);
+        // Between knots it bulges as circles do.
+        self.width() * double.sum::<f64>() / BULGE
+    }
+
+    /// How far an outline lies outside the map, at the two knots beside each of its points, and how far the map and the outline
+    /// differ in all.
+    pub fn lack(&self, outline: &Outline, knots: &Knots) -> Lack {
+        let corners = self.points(knots);
+        let cross = |[a, b]: [f64; 2], [c, d]: [f64; 2]| a * d - b * c;
+        let mut growth = vec![0.0_f64; KNOTS];
+        let (mut differing, mut j) = (0.0, 0);
+        let own = outline.frame;
+        let (width, shift) = (self.width(), own.center - self.center * self.height);
+        let bow = own.bow - self.bow * self.height.powi(3);
+        for [u, v] in outline.points() {
+            let y = own.height * v;
+            let point = [(shift + own.width * u + bow * y * y) / width, y];
+            while j + 1 < CELLS && cross(corners[j + 1], point) >= 0.0 {
+                j += 1;
+            }
+            while j > 0 && cross(corners[j], point) < 0.0 {
+                j -= 1;
+            }
+            // Over the distance at which the chord from knot to knot crosses its direction.
+            let (from, to) = (corners[j], corners[j + 1]);
+            let chord = [to[0] - from[0], to[1] - from[1]];
+            let more = cross(point, chord) / cross(from, chord) - 1.0;
+            let more = if more.is_finite() { more } else { 0.0 };
+            differing += 2.0 * more.abs().min(1.0);
+            for growth in &mut growth[j..j + 2] {
+                *growth = growth.max(more);
+            }
+        }
+        Lack { growth, differing: differing / (HALF_LINES + 1) as f64 }
+    }
+
+    /// Makes the map larger at the knots, and everywhere by a margin, relative.
+    pub fn grow(&mut self, growth: &[f64], margin: f64) {
+        for (factor, growth) in self.factors.iter_mut().zip(growth) {
+            *factor = factor.map(|x| x * (1.0 + growth) * (1.0 + margin));
+        }
+    }
+}
+
+/// What takes a direction, a unit vector, to a point: their quotient as complex numbers.
+fn turned_back(([x, y], [cos, sin]): ([f64; 2], &[f64; 2])) -> [f64; 2] {
+    [x * cos + y * sin, y * cos - x * sin]
+}
+
+/// Area of the polygon of points on a circle at the knots, over the circle's: about that of equal angles.
+const BULGE: f64 = 1.0 - PI * PI / (6.0 * (CELLS * CELLS) as f64);
+
+/// How a map and an outline differ.
+pub(crate) struct Lack {
+    /// How much larger than the map the outline is at each knot, relative, at least 0.
+    pub growth: Vec<f64>,
+    /// The area between the two over the outline's.
+    pub differing: f64,
+}
