@@ -47,7 +47,7 @@ impl Excess {
     /// Of what became of a ray.
     pub fn of(clearance: Option<Clearance>) -> Self {
         match clearance {
-            Some(Clearance { ratio, surface, lost }) => {
+            Some(Clearance { ratio, surface, lost, .. }) => {
                 Self { value: ratio - 1.0, limit: Limit::Aperture(surface), lost }
             }
             None => Self { value: f64::INFINITY, limit: Limit::Optics, lost: true },

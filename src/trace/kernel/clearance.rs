@@ -1,16 +1,19 @@
 //! How near rays come to being clipped: a smooth measure of what [`Path::walk`] answers with yes or no, for searches
 //! of a pupil's edge. By the kernel's own loop, of which it is another output ([`Nearest`]).
 
+use std::marker::PhantomData;
+
 use super::{
     Available, Table,
     apertures::Nearest,
     dispersion::Own,
     instances::{Grouping, InVectors, KernelScalar, in_vectors},
-    lanes::{Cpu, Lanes},
-    rays::batch::{Approach, from_plane},
+    lanes::{Cpu, Lanes, each_further},
+    ray::Start,
+    rays::batch::{Approach, anywhere, from_plane},
     trace::through,
 };
-use crate::trace::path::Path;
+use crate::{lens::Ray, trace::path::Path};
 
 /// The aperture that a ray comes nearest to, or reaches farthest beyond.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,10 +25,23 @@ pub(crate) struct Clearance {
     pub surface: usize,
     /// Whether the ray stops for another reason, too, farther on, as far as that is looked at beyond an aperture.
     pub lost: bool,
+    /// Where on the film's plane a ray from the scene lands that is not lost, x and y, mm.
+    pub landing: Option<[f64; 2]>,
 }
 
 /// Rays of a packet.
 const PACKET: usize = 32;
+
+/// A ray before a lens, given by `N` numbers.
+pub(crate) trait Departure<const N: usize> {
+    /// Whether it ends at the film.
+    const LANDS: bool;
+    /// The numbers.
+    fn numbers(self) -> [f64; N];
+    /// A vector of rays of these numbers, for film at z = `film`.
+    fn start<L: Lanes<Scalar = f64>>(cpu: Cpu<L>, approach: Approach, film: f64, numbers: [L; N])
+    -> Start<L>;
+}
 
 /// A ray from the film, whose point lies on the x axis.
 #[derive(Clone, Copy, Debug)]
@@ -36,7 +52,48 @@ pub(crate) struct MeridianRay {
     pub slopes: [f64; 2],
 }
 
-/// A path from film to scene and the film behind it, made ready for rays whose clearances are asked for.
+impl Departure<3> for MeridianRay {
+    const LANDS: bool = false;
+
+    #[inline(always)]
+    fn numbers(self) -> [f64; 3] {
+        [self.height, self.slopes[0], self.slopes[1]]
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn start<L: Lanes<Scalar = f64>>(
+        cpu: Cpu<L>,
+        approach: Approach,
+        film: f64,
+        [height, sx, sy]: [L; 3],
+    ) -> Start<L> {
+        from_plane(cpu, approach, film, [height, L::splat(cpu, 0.0)], [sx, sy])
+    }
+}
+
+/// From the scene: from anywhere before the first surface.
+impl Departure<6> for Ray {
+    const LANDS: bool = true;
+
+    #[inline(always)]
+    fn numbers(self) -> [f64; 6] {
+        let ([x, y, z], [dx, dy, dz]) = (self.origin, self.direction);
+        [x, y, z, dx, dy, dz]
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn start<L: Lanes<Scalar = f64>>(
+        cpu: Cpu<L>,
+        approach: Approach,
+        _: f64,
+        [x, y, z, dx, dy, dz]: [L; 6],
+    ) -> Start<L> {
+        anywhere(cpu, approach, [x, y, z], [dx, dy, dz])
+    }
+}
+
+/// A path between film and scene and the film behind the lens, made ready for rays whose clearances are asked for:
+/// [`MeridianRay`]s where the path leads to the scene, [`Ray`]s where it leads to the film.
 pub(crate) struct ClearanceTracer {
     table: Table<f64>,
     film: f64,
@@ -59,63 +116,82 @@ impl ClearanceTracer {
     /// A ray that stops for another reason (it misses a surface, is reflected, turns back) has the ratio so far if that
     /// is more than 1, else none: `None` and a ratio of more than 1 together are what [`Path::walk`] blocks. Refraction
     /// is by the fused form, whatever the path's; blades block nothing.
-    pub fn trace(
+    pub fn trace<const N: usize, D: Departure<N>>(
         &self,
-        mut rays: impl Iterator<Item = MeridianRay>,
+        mut rays: impl Iterator<Item = D>,
         mut found: impl FnMut(Option<Clearance>),
     ) {
-        let mut packet = Packet::new(self);
+        let mut packet = Packet::<N, D>::new(self);
         while packet.fill(&mut rays) > 0 {
             trace(self.simd, &mut packet);
             for i in 0..packet.count {
                 let lost = packet.passed[i] == 0.0;
                 let ratio = packet.ratio[i].sqrt();
                 let surface = || self.table.surfaces[packet.at[i].to_bits() as usize];
-                found((!lost || ratio > 1.0).then(|| Clearance { ratio, surface: surface(), lost }));
+                let landing = (D::LANDS && !lost).then(|| packet.landing.map(|axis| axis[i]));
+                let clearance = || Clearance { ratio, surface: surface(), lost, landing };
+                found((!lost || ratio > 1.0).then(clearance));
             }
         }
     }
 }
 
-/// Once, not for each of the callers' closures.
+/// Once for each kind of ray, not for each of the callers' closures.
 #[inline(never)]
-fn trace(simd: Available, packet: &mut Packet<'_>) {
+fn trace<const N: usize, D: Departure<N>>(simd: Available, packet: &mut Packet<'_, N, D>) {
     in_vectors(simd, Grouping::Wide, packet);
 }
 
 /// Rays as structure of arrays: where they set out, and what became of them.
-struct Packet<'a> {
+struct Packet<'a, const N: usize, D> {
     lens: &'a ClearanceTracer,
+    /// What kind of ray.
+    of: PhantomData<D>,
     /// Rays in it; the lanes after them hold whatever was there before.
     count: usize,
-    height: [f64; PACKET],
-    slopes: [[f64; PACKET]; 2],
+    numbers: [[f64; PACKET]; N],
     /// 1 for a ray that got through but for apertures, else 0.
     passed: [f64; PACKET],
     /// As [`Nearest`] has them.
     ratio: [f64; PACKET],
     at: [f64; PACKET],
+    /// Where rays that land do.
+    landing: [[f64; PACKET]; 2],
 }
 
-impl<'a> Packet<'a> {
+impl<'a, const N: usize, D: Departure<N>> Packet<'a, N, D> {
     fn new(lens: &'a ClearanceTracer) -> Self {
         let zero = [0.0; PACKET];
-        Self { lens, count: 0, height: zero, slopes: [zero; 2], passed: zero, ratio: zero, at: zero }
+        let (numbers, landing) = ([zero; N], [zero; 2]);
+        Self { lens, of: PhantomData, count: 0, numbers, passed: zero, ratio: zero, at: zero, landing }
     }
 
     /// Takes as many rays as there is room for; how many.
-    fn fill(&mut self, rays: &mut impl Iterator<Item = MeridianRay>) -> usize {
+    fn fill(&mut self, rays: &mut impl Iterator<Item = D>) -> usize {
         self.count = 0;
         for (i, ray) in rays.take(PACKET).enumerate() {
-            self.height[i] = ray.height;
-            (self.slopes[0][i], self.slopes[1][i]) = (ray.slopes[0], ray.slopes[1]);
+            for (array, number) in self.numbers.iter_mut().zip(ray.numbers()) {
+                array[i] = number;
+            }
             self.count = i + 1;
         }
         self.count
     }
+
+    /// A vector of rays from the one numbered `at` on.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn start<L: Lanes<Scalar = f64>>(&self, cpu: Cpu<L>, at: usize) -> Start<L> {
+        let ClearanceTracer { table, film, .. } = self.lens;
+        let approach = Approach { entry: table.entry, travel_sign: table.travel_sign };
+        let mut numbers = [L::splat(cpu, 0.0); N];
+        for (number, array) in numbers.iter_mut().zip(&self.numbers) {
+            *number = L::load(cpu, &array[at..]);
+        }
+        D::start(cpu, approach, *film, numbers)
+    }
 }
 
-impl InVectors<f64> for Packet<'_> {
+impl<const N: usize, D: Departure<N>> InVectors<f64> for Packet<'_, N, D> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.count
@@ -124,22 +200,24 @@ impl InVectors<f64> for Packet<'_> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn vectors<L: Lanes<Scalar = f64>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize) {
         let ClearanceTracer { table, film, .. } = self.lens;
-        let approach = Approach { entry: table.entry, travel_sign: table.travel_sign };
-        let zero = L::splat(cpu, 0.0);
-        let mut starts = [from_plane(cpu, approach, *film, [zero; 2], [zero; 2]); U];
-        for (u, start) in starts.iter_mut().enumerate() {
-            let at = first + u * L::WIDTH;
-            let [height, sx, sy] = [
-                L::load(cpu, &self.height[at..]),
-                L::load(cpu, &self.slopes[0][at..]),
-                L::load(cpu, &self.slopes[1][at..]),
-            ];
-            *start = from_plane(cpu, approach, *film, [height, zero], [sx, sy]);
-        }
+        let mut starts = [self.start(cpu, first); U];
+        each_further!(u < U, {
+            starts[u] = self.start(cpu, first + u * L::WIDTH);
+        });
         let rays = through::<L, Nearest<L>, U>(cpu, table, Own, starts);
-        for (u, ray) in rays.iter().enumerate() {
+        for (u, ray) in rays.into_iter().enumerate() {
             let at = first + u * L::WIDTH;
-            L::splat(cpu, 1.0).or_zero(ray.passed).store(&mut self.passed[at..]);
+            let mut passed = ray.passed;
+            if D::LANDS {
+                let end = ray.leave(cpu, table);
+                passed = end.passed;
+                let along = (L::splat(cpu, *film) - end.origin[2]) / end.direction[2];
+                for axis in 0..2 {
+                    let landing = along.mul_add(end.direction[axis], end.origin[axis]);
+                    landing.store(&mut self.landing[axis][at..]);
+                }
+            }
+            L::splat(cpu, 1.0).or_zero(passed).store(&mut self.passed[at..]);
             ray.apertures.ratio.store(&mut self.ratio[at..]);
             ray.apertures.at.store(&mut self.at[at..]);
         }
@@ -148,41 +226,134 @@ impl InVectors<f64> for Packet<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::{super::Simd, *};
-    use crate::{
-        lens::{Lens, film_ray},
-        prescription::catalogue,
+    use super::{
+        super::{Kernel, RayBuffer, Simd},
+        *,
     };
+    use crate::{
+        lens::{Lens, film_ray, pupil::EntrancePupil},
+        numeric::quasirandom::STEPS,
+        prescription::catalogue,
+        trace::Direction,
+    };
+
+    /// z of a film behind a lens.
+    fn film(lens: &Lens) -> f64 {
+        lens.rear().vertex - 1.1 * lens.rear().semi_diameter
+    }
+
+    /// Rays from points at several distances and from infinity, up to beyond 90 degrees, through the plane of the
+    /// entrance pupil, inside of that and around.
+    fn from_scene(lens: &Lens, count: u32) -> Vec<Ray> {
+        let pupil = EntrancePupil::of_lens(lens);
+        let z = pupil.position().expect("no catalogue lens is telecentric there");
+        let ray = |k: u32| {
+            let [a, b, c, d] = STEPS.map(|step| (0.5 + f64::from(k) * step).fract());
+            let (sin, cos) = (1.8 * a * a).sin_cos();
+            let (aside, along) = (std::f64::consts::TAU * b).sin_cos();
+            let at = |number: f64| 2.2 * pupil.diameter() * (number - 0.5);
+            let point = [at(c), at(d), z];
+            let to_scene = [sin * along, sin * aside, cos];
+            let from = |reference: [f64; 3], distance: f64| -> [f64; 3] {
+                std::array::from_fn(|axis| reference[axis] + distance * to_scene[axis])
+            };
+            let origin = match k % 4 {
+                0 => from(point, 300.0),
+                1 => from([0.0, 0.0, z], 300.0),
+                2 => from([0.0, 0.0, z], 2000.0),
+                _ => from([0.0, 0.0, z], 1e7),
+            };
+            let difference: [f64; 3] = std::array::from_fn(|axis| point[axis] - origin[axis]);
+            Ray { origin, direction: crate::numeric::unit(difference) }
+        };
+        (0..count).map(ray).collect()
+    }
+
+    /// The clearances of rays; that every instance has the same, whatever the packets.
+    fn clearances<const N: usize, D: Departure<N> + Copy>(
+        name: &str,
+        path: &Path<f64>,
+        film: f64,
+        rays: &[D],
+    ) -> Vec<Option<Clearance>> {
+        let ask = |simd, packet: usize| {
+            let tracer = ClearanceTracer::with_simd(path, film, simd);
+            let mut found = Vec::new();
+            for rays in rays.chunks(packet) {
+                tracer.trace(rays.iter().copied(), |clearance| found.push(clearance));
+            }
+            found
+        };
+        let expected = ask(Simd::Portable.available().expect("always there"), 1);
+        for simd in Simd::ALL.into_iter().filter_map(Simd::available) {
+            for packet in [3, 7, 15, PACKET, rays.len()] {
+                assert!(ask(simd, packet) == expected, "{name} {simd:?} {packet}");
+            }
+        }
+        expected
+    }
 
     #[test]
     fn every_instance_and_every_packet_gives_the_same_bits() {
         let (mut lost, mut inside) = (0, 0);
         for name in catalogue::names() {
             let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
-            let path = Path::<f64>::film_to_scene(&lens);
-            let film = lens.rear().vertex - 1.1 * lens.rear().semi_diameter;
             let at = |k: u32| 2.5 * (f64::from(k) / 22.0 - 0.5);
             let ray = |k: u32| MeridianRay { height: 3.0, slopes: [at(k % 23), at(k / 23)] };
             let rays: Vec<_> = (0..23 * 23).map(ray).collect();
-            let ask = |simd, packet: usize| {
-                let tracer = ClearanceTracer::with_simd(&path, film, simd);
-                let mut found = Vec::new();
-                for rays in rays.chunks(packet) {
-                    tracer.trace(rays.iter().copied(), |clearance| found.push(clearance));
-                }
-                found
-            };
-            let expected = ask(Simd::Portable.available().expect("always there"), 1);
-            lost += usize::from(expected.contains(&None));
-            inside += usize::from(expected.iter().flatten().any(|found| found.ratio < 1.0));
-            for simd in Simd::ALL.into_iter().filter_map(Simd::available) {
-                for packet in [3, 7, 15, PACKET, rays.len()] {
-                    assert!(ask(simd, packet) == expected, "{name} {simd:?} {packet}");
-                }
-            }
+            let found = clearances(name, &Path::film_to_scene(&lens), film(&lens), &rays);
+            lost += usize::from(found.contains(&None));
+            inside += usize::from(found.iter().flatten().any(|found| found.ratio < 1.0));
         }
         // Not so of every lens: a telephone's lights no film so far from its axis.
         assert!(lost >= 15 && inside >= 15, "{lost} {inside}");
+    }
+
+    #[test]
+    fn a_ray_from_the_scene_gets_through_where_no_ratio_exceeds_1_and_lands_where_it_does_without_the_stop() {
+        const NARROWER: f64 = 0.9;
+        for name in catalogue::names() {
+            let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
+            let mut narrow = lens.clone();
+            let stop = narrow.stop_index().expect("the catalogue's lenses have one");
+            narrow.surfaces[stop].semi_diameter *= NARROWER;
+            let (path, film) = (Path::scene_to_film(&narrow), film(&lens));
+            let rays = from_scene(&lens, 4000);
+            let found = clearances(name, &path, film, &rays);
+            let (whole, kernel) =
+                (Path::<f64>::scene_to_film(&lens), Kernel::<f64>::new(&narrow, Direction::SceneToFilm));
+            let mut traced = RayBuffer::new(rays.len());
+            for (i, ray) in rays.iter().enumerate() {
+                traced.put(i, ray.origin, ray.direction);
+            }
+            kernel.trace_in_place(&mut traced.rays());
+            let (mut through, mut clipped, mut stopped, mut beyond) = (0, 0, 0, 0);
+            for (i, (ray, clearance)) in rays.into_iter().zip(found).enumerate() {
+                let passes = clearance.is_some_and(|clearance| clearance.ratio <= 1.0);
+                assert_eq!(passes, traced.get(i).is_some(), "{name} {ray:?} {clearance:?}");
+                assert_eq!(passes, path.trace(ray).is_ok(), "{name} {ray:?} {clearance:?}");
+                match clearance {
+                    Some(_) if passes => through += 1,
+                    Some(_) => clipped += 1,
+                    None => stopped += 1,
+                }
+                let Ok(Ray { origin: [x, y, z], direction: [dx, dy, dz] }) = whole.trace(ray) else {
+                    continue;
+                };
+                let Clearance { ratio, surface, lost, landing } = clearance.expect("not lost");
+                assert!(!lost && ratio <= 1.0 / NARROWER && (passes || surface == stop), "{name} {ray:?}");
+                beyond += u32::from(!passes);
+                let [u, v] = landing.expect("not lost");
+                let along = (film - z) / dz;
+                let off = (u - x - along * dx).hypot(v - y - along * dy);
+                // Across the ray, not along the film.
+                assert!(off * dz.abs() < 1e-9, "{name} {ray:?} {off:e}");
+            }
+            assert!(
+                through > 20 && clipped > 20 && beyond > 5,
+                "{name}: {through} {clipped} {stopped} {beyond}"
+            );
+        }
     }
 
     #[test]
@@ -191,7 +362,7 @@ mod tests {
         for name in catalogue::names() {
             let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
             let path = Path::<f64>::film_to_scene(&lens);
-            let film = lens.rear().vertex - 1.1 * lens.rear().semi_diameter;
+            let film = film(&lens);
             // Along the axis, too, where a stop may lie at a vertex.
             let mut rays = vec![MeridianRay { height: 0.0, slopes: [0.0; 2] }];
             for i in 0..40 {

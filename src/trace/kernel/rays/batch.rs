@@ -193,9 +193,7 @@ impl<S: Scalar> Batch<S> for InPlaceBatch<'_, '_, S> {
         let LensRays { origin: [x, y, z], direction: [dx, dy, dz], .. } = &*self.rays;
         let [x, y, z] = [L::load(cpu, &x[at..]), L::load(cpu, &y[at..]), L::load(cpu, &z[at..])];
         let [dx, dy, dz] = [L::load(cpu, &dx[at..]), L::load(cpu, &dy[at..]), L::load(cpu, &dz[at..])];
-        let travel_sign = L::splat(cpu, S::from_f64(approach.travel_sign));
-        let minus_z = (L::splat(cpu, S::from_f64(approach.entry)) - z) * travel_sign;
-        (anywhere(cpu, [x, y, minus_z], [dx, dy, dz * travel_sign]), ())
+        (anywhere(cpu, approach, [x, y, z], [dx, dy, dz]), ())
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -204,16 +202,24 @@ impl<S: Scalar> Batch<S> for InPlaceBatch<'_, '_, S> {
     }
 }
 
-/// A ray that starts anywhere, moved on to the vertex plane where that lies ahead.
+/// Rays that start anywhere in lens space with directions of any length but 0, moved on to the vertex plane where that
+/// lies ahead.
 ///
 /// By differences of products, not P + t D: from a distant object that would keep the digits of
 /// the distance, and this keeps those of the lens. Each is within 1.5 ulp by Kahan's algorithm (C.-P.
 /// Jeannerod, N. Louvet and J.-M. Muller, "Further analysis of Kahan's algorithm for the accurate
 /// computation of 2 x 2 determinants", 2013).
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn anywhere<L: Lanes>(cpu: Cpu<L>, [x, y, minus_z]: [L; 3], d: [L; 3]) -> Start<L> {
+pub fn anywhere<L: Lanes>(
+    cpu: Cpu<L>,
+    Approach { entry, travel_sign }: Approach,
+    [x, y, z]: [L; 3],
+    [dx, dy, dz]: [L; 3],
+) -> Start<L> {
     let (zero, one) = (L::splat(cpu, L::Scalar::ZERO), L::splat(cpu, L::Scalar::ONE));
-    let [dx, dy, dz] = d;
+    let travel_sign = L::splat(cpu, L::Scalar::from_f64(travel_sign));
+    let minus_z = (L::splat(cpu, L::Scalar::from_f64(entry)) - z) * travel_sign;
+    let dz = dz * travel_sign;
     // Scaled first, so that the squares of very small or large components stay in range.
     let [ax, ay, az] = [dx.larger(zero - dx), dy.larger(zero - dy), dz.larger(zero - dz)];
     let largest = ax.larger(ay).larger(az);
