@@ -18,8 +18,9 @@ use std::collections::BTreeMap;
 use super::{
     follow::{Trail, half_disk},
     outline::{Frame, Outline, first_row},
+    pieces::is_in_pieces,
     report::{GivenUp, NoFan},
-    slice::{KNOTS, Knots, Lack, Slice},
+    slice::{KNOTS, Knots, Lack, MARGIN, Slice},
     view::{FilmPencil, FilmSide, Pencil},
 };
 use crate::{lens::pupil::SlopeDisk, sampling::pupil_disk::PupilDisk, trace::Path};
@@ -38,14 +39,10 @@ const EASY: f64 = LOOSE / 4.0;
 /// A kink in an interval twice as wide as the next is off by so much more than the line past the slice between them:
 /// (w₁ + w₂)/(2 min(w₁, w₂)).
 const UNEVEN: f64 = 1.5;
+/// Outlines by which the next is expected: more follow curves closer, and kinks worse.
+const EXPECTED_BY: usize = 3;
 /// Share of the samples that may be blocked at a slice without a word.
 const UNNAMED: f64 = 0.01;
-/// How much farther than the outline light is another piece of the pupil.
-const BESIDE: f64 = 1.1;
-/// Rays across the rear disk in looks for other pieces.
-const GRID: u32 = 24;
-/// Looks along each half-line for the end of other pieces.
-const LOOKS: usize = 16;
 /// Radius of the pupil on the axis over how far its centre moves over the film, in slope, below which the table, which has
 /// the centre in single precision, cannot follow it: sixteen of its roundings.
 const NARROWEST: f64 = 1e-6;
@@ -135,7 +132,14 @@ impl Builder {
             return self.covered(NoFan::Narrow);
         }
         let scale = Scale { end: trail.end.unwrap_or(self.reach), dark_beyond: trail.end.is_some() };
-        let mut march = March { builder: self, trail, scale, tried: BTreeMap::new(), runs: Vec::new() };
+        let mut march = March {
+            builder: self,
+            trail,
+            scale,
+            tried: BTreeMap::new(),
+            runs: Vec::new(),
+            pieces: Vec::new(),
+        };
         march.outward();
         march.layout()
     }
@@ -168,7 +172,6 @@ struct Node {
     slice: Slice,
     /// None where the pupil has vanished.
     outline: Option<Outline>,
-    in_pieces: bool,
     /// By how much the outline differs from its own map: what interpolation adds to is what counts.
     differing: f64,
 }
@@ -182,12 +185,17 @@ struct March<'a> {
     tried: BTreeMap<usize, Node>,
     /// Runs of nodes, between which nothing was found.
     runs: Vec<Vec<Node>>,
+    /// Places at which pupils are in pieces.
+    pieces: Vec<usize>,
 }
 
 impl March<'_> {
     fn outward(&mut self) {
         let axis = self.axis();
         self.runs.push(vec![axis]);
+        if self.are_pieces(0) && !self.pass_pieces() {
+            return;
+        }
         let (mut step, mut reached) = (COARSE, 0);
         loop {
             let last = self.last().place;
@@ -205,9 +213,19 @@ impl March<'_> {
                         step *= 2;
                     }
                     self.take(node);
+                    let place = self.last().place;
+                    if place.is_multiple_of(COARSE) && place < FINE && self.are_pieces(place) {
+                        if !self.pass_pieces() {
+                            return;
+                        }
+                        step = COARSE;
+                    }
                 }
-                None if step == 1 => match self.anew(last) {
-                    Some(node) => self.runs.push(vec![node]),
+                None if step <= self.finest() => match self.anew(last) {
+                    Some(node) => {
+                        step = step.min(1 << node.place.trailing_zeros());
+                        self.runs.push(vec![node]);
+                    }
                     None => return,
                 },
                 node => {
@@ -223,6 +241,34 @@ impl March<'_> {
                 }
             }
         }
+    }
+
+    /// Whether the last pupil is in pieces.
+    fn are_pieces(&self, place: usize) -> bool {
+        let pencil = self.pencil(place);
+        let cover = self.builder.cover_at(pencil.height);
+        self.last().outline.as_ref().is_some_and(|outline| is_in_pieces(&pencil, outline, cover))
+    }
+
+    /// Gives up what lies about a pupil in pieces, back to the last look at one that is not and on to the next; whether there
+    /// is a next.
+    fn pass_pieces(&mut self) -> bool {
+        let found = self.last().place;
+        self.pieces.push(found);
+        let run = self.runs.last_mut().expect("there is a run");
+        run.retain(|node| node.place + COARSE <= found);
+        self.runs.retain(|run| !run.is_empty());
+        for place in (found + COARSE..FINE).step_by(COARSE) {
+            if let Some(node) = self.anew_at(place) {
+                self.runs.push(vec![node]);
+                if !self.are_pieces(place) {
+                    return true;
+                }
+                self.pieces.push(place);
+                self.runs.pop();
+            }
+        }
+        false
     }
 
     /// The narrowest step: wider when the rays get short, for a loose map is better than none.
@@ -257,8 +303,8 @@ impl March<'_> {
     fn axis(&self) -> Node {
         let radius = self.trail.axial_radius();
         let frame = Frame { center: 0.0, width: radius, height: radius, bow: 0.0 };
-        let slice = Slice::disk(0.0, 0.0, radius, true);
-        Node { place: 0, slice, outline: Some(Outline::ellipse(frame)), in_pieces: false, differing: 0.0 }
+        let slice = Slice::disk(0.0, 0.0, radius * (1.0 + MARGIN), true);
+        Node { place: 0, slice, outline: Some(Outline::ellipse(frame)), differing: 0.0 }
     }
 
     /// The pupil at a place, expected to be as the last ones lead to.
@@ -270,22 +316,23 @@ impl March<'_> {
         if self.scale.dark_beyond && place == FINE {
             return Some(self.vanished(last.slice.bow));
         }
-        let of =
-            |node: &Node| Some((node.outline.clone()?, self.scale.shrunk(node.place), node.place as f64));
-        let (high, shrunk, to) = of(last)?;
-        let own = self.scale.shrunk(place);
-        let expected = match self.run() {
-            [.., before, _] => {
-                let (low, shrunk_before, from) = of(before)?;
-                let part = (place as f64 - from) / (to - from);
-                low.toward(&high, part, [shrunk_before, shrunk, own])
-            }
-            _ => high.toward(&high, 1.0, [shrunk, shrunk, own]),
+        // The last ones, and the weights by which the polynomial through them goes on to here.
+        let run = self.run();
+        let before = &run[run.len().saturating_sub(EXPECTED_BY)..];
+        let weight = |own: &Node| {
+            let others = before.iter().filter(|other| other.place != own.place);
+            let of = |from: usize, to: usize| to as f64 - from as f64;
+            others.map(|other| of(other.place, place) / of(other.place, own.place)).product()
         };
+        let known: Vec<(&Outline, f64, f64)> = before
+            .iter()
+            .filter_map(|node| Some((node.outline.as_ref()?, weight(node), self.scale.shrunk(node.place))))
+            .collect();
+        let expected = Outline::expected(&known, self.scale.shrunk(place));
         let pencil = self.pencil(place);
         let row = first_row(&pencil, self.trail.at(pencil.height))?;
         let outline = Outline::trace(&pencil, row, &expected)?;
-        Some(self.known(place, outline, last.in_pieces))
+        Some(self.known(place, outline))
     }
 
     fn pencil(&self, place: usize) -> FilmPencil<'_> {
@@ -295,23 +342,22 @@ impl March<'_> {
     /// The next pupil beyond a place that is found without others to go by.
     fn anew(&self, place: usize) -> Option<Node> {
         let farther = |k: u32| place + (1 << k);
-        (0..).map(farther).take_while(|&place| place < FINE).find_map(|place| {
-            let pencil = self.pencil(place);
-            let row = first_row(&pencil, self.trail.at(pencil.height))?;
-            let width = (row[1] - row[0]) / 2.0;
-            let round = Frame { center: 0.0, width, height: width, bow: 0.0 };
-            let rough = Outline::trace(&pencil, row, &Outline::ellipse(round))?;
-            let outline = Outline::trace(&pencil, row, &Outline::ellipse(rough.fitting()))?;
-            Some(self.known(place, outline, false))
-        })
+        (0..).map(farther).take_while(|&place| place < FINE).find_map(|place| self.anew_at(place))
     }
 
-    /// An outline with its map, and with other pieces that were found beside it.
-    fn known(&self, place: usize, mut outline: Outline, mut in_pieces: bool) -> Node {
+    fn anew_at(&self, place: usize) -> Option<Node> {
         let pencil = self.pencil(place);
-        if place % COARSE == 0 {
-            in_pieces = self.hold_pieces(&pencil, &mut outline);
-        }
+        let row = first_row(&pencil, self.trail.at(pencil.height))?;
+        let width = (row[1] - row[0]) / 2.0;
+        let round = Frame { center: 0.0, width, height: width, bow: 0.0 };
+        let rough = Outline::trace(&pencil, row, &Outline::ellipse(round))?;
+        let outline = Outline::trace(&pencil, row, &Outline::ellipse(rough.fitting()))?;
+        Some(self.known(place, outline))
+    }
+
+    /// An outline with its map.
+    fn known(&self, place: usize, mut outline: Outline) -> Node {
+        let pencil = self.pencil(place);
         let corners = outline.clone();
         outline.hold_corners();
         let fitting = outline.fitting();
@@ -324,7 +370,7 @@ impl March<'_> {
         };
         let slice = Slice::fit(&outline, pencil.height, width, bow, &self.builder.knots);
         let differing = slice.lack(&corners, &self.builder.knots).differing;
-        Node { place, slice, outline: Some(corners), in_pieces, differing }
+        Node { place, slice, outline: Some(corners), differing }
     }
 
     /// The end of the image.
@@ -335,20 +381,7 @@ impl March<'_> {
         // Narrowed to almost nothing.
         let narrowing = (1.0 - LEAST_WIDTH) / (height * height);
         let slice = Slice { narrowing, bow, ..Slice::disk(height, center, 0.0, true) };
-        Node { place: FINE, slice, outline: None, in_pieces: false, differing: 0.0 }
-    }
-
-    /// Makes an outline hold what gets through beside it; whether anything does.
-    fn hold_pieces(&self, pencil: &FilmPencil<'_>, outline: &mut Outline) -> bool {
-        let points = half_disk(GRID, self.builder.cover_at(pencil.height));
-        let excesses = pencil.excesses(&points);
-        let through = points.iter().zip(excesses).filter(|(_, excess)| excess.value <= 0.0);
-        let farthest = through.map(|(point, _)| outline.ratio(*point)).fold(0.0, f64::max);
-        if farthest < BESIDE {
-            return false;
-        }
-        outline.extend(pencil, farthest * BESIDE, LOOKS);
-        true
+        Node { place: FINE, slice, outline: None, differing: 0.0 }
     }
 
     /// By how much the last outline differs from the map interpolated between the one before and the next.
@@ -364,9 +397,10 @@ impl March<'_> {
 
     /// Everything found, as intervals with maps that hold what lies between.
     fn layout(self) -> Layout {
-        let Self { builder, scale, runs, .. } = self;
+        let Self { builder, scale, runs, pieces, .. } = self;
         let (mut intervals, mut given_up) = (Vec::new(), Vec::new());
-        let mut covered_from: Option<usize> = None;
+        let starts = runs.first().is_some_and(|run| run[0].place == 0);
+        let mut covered_from = (!starts).then_some(0);
         let cover = |from: usize, to: usize, intervals: &mut Vec<Interval>, given_up: &mut Vec<GivenUp>| {
             let radii = [from, to].map(|place| scale.height(place));
             let slices = radii.map(|height| builder.cover_slice(height));
@@ -374,10 +408,14 @@ impl March<'_> {
             let spent = builder.side.work.is_spent();
             let acceptance =
                 if spent { 0.0 } else { builder.cover_acceptance(f64::midpoint(radii[0], radii[1])) };
-            let reason = match (spent, acceptance > 0.0) {
-                (true, _) => NoFan::Spent,
-                (false, true) => NoFan::Shape,
-                (false, false) => NoFan::NoLight,
+            let reason = if pieces.iter().any(|place| (from..=to).contains(place)) {
+                NoFan::InPieces
+            } else if spent {
+                NoFan::Spent
+            } else if acceptance > 0.0 {
+                NoFan::Shape
+            } else {
+                NoFan::NoLight
             };
             given_up.push(GivenUp { radii, reason, acceptance });
         };
@@ -446,7 +484,7 @@ impl Builder {
         let is_loose = |node: &Node| {
             let outline = node.outline.as_ref();
             let passing = outline.map_or(1.0, |outline| outline.area() / node.slice.area(&self.knots));
-            node.in_pieces || passing < 1.0 - UNNAMED
+            passing < 1.0 - UNNAMED
         };
         if !pair.iter().any(is_loose) {
             return None;
@@ -459,7 +497,7 @@ impl Builder {
             .into_iter()
             .filter_map(|slice| self.acceptance(slice))
             .fold(1.0, f64::min);
-        let reason = if pair.iter().any(|node| node.in_pieces) { NoFan::InPieces } else { NoFan::Fast };
+        let reason = NoFan::Fast;
         (acceptance < 1.0 - UNNAMED).then_some(GivenUp { radii, reason, acceptance })
     }
 

@@ -25,19 +25,27 @@
 //!
 //! Toward the radius at which it vanishes a pupil becomes a crescent ever higher than wide, between whose knots the map
 //! would bulge by a part of its height. There M takes the disk to a pupil as wide as high, which is then narrowed along
-//! p to τ = 1 - λ(h) h² of its size: M d - λ (M d · p) p in the place of M d, τ times the density. λ is tabulated, too.
+//! p to τ = 1 - λ(h) h² of its size: M d - λ (M d · p) p in the place of M d, τ times the density. And it is bent: β(h) q² p is
+//! added, q = |M d × p| being h times the point's height across p, a shear that leaves the density as it is. λ and β are
+//! tabulated, too.
+//!
+//! How the table is made: `view` traces the rays of a film point and tells how far outside every aperture they are, `search`
+//! finds the edge along half-lines by that, `outline` is what it finds, in a frame that makes the pupil about round, `pieces`
+//! looks for light beside it, `follow` goes along the film to the image's end, `slice` makes the map of an outline, and `build`
+//! chooses the film radii. `inverse` is the way back, `spectral` the map at any wavelength.
 //!
 //! One evaluation takes one or two roots, a division, no trigonometry and three times four neighbouring
 //! floats, four times with λ. It is written once, over lanes of either precision: a single sample has the bits of a
 //! batch's.
 //!
-//! Where no such map fits (a pupil in pieces, with holes, or of an edge that no half-line meets once)
+//! Where no such map fits (a pupil in pieces, or with holes)
 //! the table holds the rear element's disk, and what falls beside the pupil is blocked.
 
 mod build;
 mod follow;
 mod inverse;
 mod outline;
+mod pieces;
 mod report;
 mod search;
 mod slice;

@@ -132,59 +132,47 @@ impl Outline {
         Frame { height: frame.height * highest, bow, ..frame }
     }
 
-    /// The one expected at `part` of the way from one to another, and beyond: everything goes on straight, widths and
-    /// heights over what the pupil shrinks by toward an end.
-    pub fn toward(&self, other: &Self, part: f64, shrunk: [f64; 3]) -> Self {
-        let (from, to) = (self.fitting(), other.fitting());
-        let on = |a: f64, b: f64| (a + part * (b - a)).clamp(0.5 * a.min(b), 2.0 * a.max(b));
+    /// The one expected where the polynomial through some leads, each of which counts by its weight. Heights go by what is left
+    /// of them over what pupils shrink by, `shrunk` at each and here.
+    pub fn expected(known: &[(&Self, f64, f64)], shrunk: f64) -> Self {
+        let last = known[known.len() - 1].0;
+        let fitting: Vec<Frame> = known.iter().map(|(outline, ..)| outline.fitting()).collect();
+        // Not below half of the last nor above twice that.
+        let on = |numbers: &mut dyn Iterator<Item = f64>| {
+            let (mut sum, mut newest) = (0.0, 0.0);
+            for (number, (_, weight, _)) in numbers.zip(known) {
+                (sum, newest) = (sum + weight * number, number);
+            }
+            sum.clamp(0.5 * newest, 2.0 * newest)
+        };
+        let heights = fitting.iter().zip(known).map(|(frame, (.., shrunk))| frame.height / shrunk);
         let frame = Frame {
-            center: to.center,
-            width: to.width,
-            height: shrunk[2] * on(from.height / shrunk[0], to.height / shrunk[1]),
-            bow: from.bow + part * (to.bow - from.bow),
+            height: shrunk * on(&mut heights.into_iter()),
+            bow: fitting.iter().zip(known).map(|(frame, (_, weight, _))| weight * frame.bow).sum(),
+            ..last.frame
         };
-        // In the frames that fit.
-        let scales = [self.frame.height / from.height, other.frame.height / to.height];
-        let radius = |edge: &Edge, k: usize, scale: f64| {
+        let scales: Vec<f64> = known
+            .iter()
+            .zip(&fitting)
+            .map(|((outline, ..), fitting)| outline.frame.height / fitting.height)
+            .collect();
+        let edge = |k: usize| {
             let [cos, sin] = direction(k);
-            edge.radius * (cos * cos + scale * scale * sin * sin).sqrt()
+            let radius = |(outline, scale): (&Self, &f64)| {
+                outline.edges[k].radius * (cos * cos + scale * scale * sin * sin).sqrt()
+            };
+            let mut radii = known.iter().map(|(outline, ..)| *outline).zip(&scales).map(radius);
+            Edge { radius: on(&mut radii), ..last.edges[k] }
         };
-        let pairs = self.edges.iter().zip(&other.edges).enumerate();
-        let edges = pairs
-            .map(|(k, (a, b))| Edge { radius: on(radius(a, k, scales[0]), radius(b, k, scales[1])), ..*b });
-        Self { frame, edges: edges.collect() }
+        Self { frame, edges: (0..=HALF_LINES).map(edge).collect() }
     }
 
-    /// How far from the middle a point is over the edge's distance in its direction.
-    pub fn ratio(&self, [x, y]: [f64; 2]) -> f64 {
-        let Frame { center, width, height, bow } = self.frame;
-        let [u, v] = [(x - center - bow * y * y) / width, y / height];
-        let place = v.atan2(u) / PI * HALF_LINES as f64;
+    /// The edge's distance from the middle in a direction of the frame, from 0 to π.
+    pub fn radius(&self, angle: f64) -> f64 {
+        let place = angle / PI * HALF_LINES as f64;
         let k = (place as usize).min(HALF_LINES - 1);
         let [near, far] = [0, 1].map(|next| self.edges[k + next].radius);
-        u.hypot(v) / (near + (place - k as f64) * (far - near))
-    }
-
-    /// Moves the edge out to the farthest light along each half-line, up to so many times as far as it is.
-    pub fn extend(&mut self, pencil: &impl Pencil, times: f64, looks: usize) {
-        let far = |k: usize, look: usize| {
-            self.edges[k].radius * (1.0 + (times - 1.0) * (look + 1) as f64 / looks as f64)
-        };
-        let at = |k: usize, radius: f64| self.frame.point(direction(k).map(|part| radius * part));
-        let points: Vec<[f64; 2]> = (0..=HALF_LINES)
-            .flat_map(|k| (0..looks).map(move |look| (k, look)))
-            .map(|(k, look)| at(k, far(k, look)))
-            .collect();
-        let excesses = pencil.excesses(&points);
-        let last = |k: usize| (0..looks).rfind(|look| excesses[k * looks + look].value <= 0.0);
-        let (numbers, searches): (Vec<usize>, Vec<Search>) = (0..=HALF_LINES)
-            .filter_map(|k| Some((k, last(k)?)))
-            .map(|(k, look)| (k, Search::between(far(k, look), far(k, look + 1))))
-            .unzip();
-        let found = edges(pencil, searches, |i, radius| at(numbers[i], radius));
-        for (k, edge) in numbers.into_iter().zip(found) {
-            self.edges[k] = edge.unwrap_or(self.edges[k]);
-        }
+        near + (place - k as f64) * (far - near)
     }
 
     /// Moves the edge out where something else begins to limit it: by how far it lies outside the line from neighbour to

@@ -97,7 +97,7 @@ impl Search {
         self.last = Some((radius, excess));
         self.steps += 1;
         let is_bracketed = self.outside < f64::INFINITY;
-        self.radius = if fits && (!is_bracketed || self.steps % HALVING != 0) {
+        self.radius = if fits && (!is_bracketed || !self.steps.is_multiple_of(HALVING)) {
             // A little inside, where the aperture's edge may be that of lost rays.
             let edge = if lost { edge - 5.0 * accuracy } else { edge };
             edge.clamp(0.5 * radius, 1.5 * radius + accuracy).clamp(self.inside, self.outside)

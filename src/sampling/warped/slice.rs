@@ -10,7 +10,7 @@ pub(crate) const CELLS: usize = 128;
 pub(crate) const KNOTS: usize = CELLS + 1;
 
 /// By how much maps are larger than what was found, relative: for what edges are off, and what lies between.
-const MARGIN: f64 = 3e-4;
+pub(super) const MARGIN: f64 = 3e-4;
 
 /// The disk's directions at the knots: pseudo-angles q = 1 - cos/(|cos| + sin) in equal steps from 0 to 2.
 pub(crate) struct Knots {

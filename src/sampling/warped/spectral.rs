@@ -36,7 +36,7 @@ const INTERVALS: usize = 4;
 const WITH_END: usize = 16;
 /// By how much a table's maps are larger than the pupil at its wavelength, relative to what they are: for the curvature in
 /// between.
-const MARGIN: f64 = 4e-4;
+const MARGIN: f64 = 6e-4;
 /// How much farther out the image is followed where it ends within reach at some wavelengths and not at others.
 const FARTHER: [f64; 3] = [1.02, 1.1, 1.5];
 
