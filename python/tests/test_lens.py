@@ -161,11 +161,12 @@ def test_a_camera_ray_is_a_ray_of_its_lens(samples):
     same = passed & back.passed
     assert same.sum() > 0.98 * passed.sum()
     film = lens.rear_vertex_mm - camera.film_distance_mm
-    t = (film - back.origin[:, 2]) / back.direction[:, 2]
-    meets = back.origin[:, :2] + back.direction[:, :2] * t[:, None]
+    origin, direction = back.origin[same], back.direction[same]
+    t = (film - origin[:, 2]) / direction[:, 2]
+    meets = origin[:, :2] + direction[:, :2] * t[:, None]
     # The film is upside down.
     wanted = (image_xy / 300 - [0.5, 1 / 3]) * camera.film_size_mm[0] * [-1, 1]
-    np.testing.assert_allclose(meets[same], wanted[same], atol=2e-4)
+    np.testing.assert_allclose(meets, wanted[same], atol=2e-4)
 
 
 def test_arrays_of_every_kind_are_right_or_refused():
