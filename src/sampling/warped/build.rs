@@ -21,9 +21,9 @@ use super::{
     pieces::is_in_pieces,
     report::{GivenUp, NoFan},
     slice::{KNOTS, Knots, Lack, MARGIN, Slice},
-    view::{FilmPencil, FilmSide, Pencil},
+    view::{Family, Pencil},
 };
-use crate::{lens::pupil::SlopeDisk, sampling::pupil_disk::PupilDisk, trace::Path};
+use crate::lens::pupil::SlopeDisk;
 
 /// Smallest intervals of film radius: more follow jumps closer, and make the table of cells larger.
 pub(crate) const FINE: usize = 1024;
@@ -50,14 +50,8 @@ const NARROWEST: f64 = 1e-6;
 const LEAST_WIDTH: f64 = 1e-6;
 
 /// What the table is built from.
-pub(crate) struct Builder {
-    pub side: FilmSide,
-    /// Largest film radius asked for, mm.
-    reach: f64,
-    /// A disk that holds every pupil.
-    cover: PupilDisk,
-    /// Film radius times this is about the slope to the pupil's centre.
-    shift: f64,
+pub(crate) struct Builder<F> {
+    pub side: F,
     knots: Knots,
 }
 
@@ -108,30 +102,32 @@ impl Scale {
     }
 }
 
-impl Builder {
-    pub fn new(path: &Path, film: f64, reach: f64, cover: PupilDisk, shift: f64) -> Self {
-        Self { side: FilmSide::new(path, film), reach, cover, shift, knots: Knots::new() }
-    }
-
-    fn cover_at(&self, height: f64) -> SlopeDisk {
-        self.cover.seen_from([height, 0.0])
+impl<F: Family> Builder<F> {
+    pub fn new(side: F) -> Self {
+        Self { side, knots: Knots::new() }
     }
 
     fn cover_slice(&self, height: f64) -> Slice {
-        let center = self.cover.seen_from([1.0, 0.0]).center[0];
-        Slice::disk(height, center, self.cover_at(height).radius, false)
+        // On the axis as hardly beside it.
+        let beside = height.max(1e-6 * self.side.reach());
+        let SlopeDisk { center: [center, _], radius } = self.side.cover(beside);
+        Slice::disk(height, center / beside, radius, false)
     }
 
     pub fn layout(&self) -> Layout {
-        let Some(trail) = Trail::new(&self.side, self.reach, self.cover, self.shift) else {
-            return self.covered(NoFan::NoLight);
-        };
+        self.march().map_or_else(|reason| self.covered(reason), March::layout)
+    }
+
+    /// Looks at every pencil.
+    fn march(&self) -> Result<March<'_, F>, NoFan> {
+        let side = &self.side;
+        let trail = Trail::new(side).ok_or(NoFan::NoLight)?;
         // No farther than the rear element is wide, however large the film.
-        let moved = (self.shift * self.reach).abs().min(self.cover_at(0.0).radius);
+        let moved = (side.shift() * side.reach()).abs().min(side.cover(0.0).radius);
         if trail.axial_radius() < NARROWEST * moved {
-            return self.covered(NoFan::Narrow);
+            return Err(NoFan::Narrow);
         }
-        let scale = Scale { end: trail.end.unwrap_or(self.reach), dark_beyond: trail.end.is_some() };
+        let scale = Scale { end: trail.end.unwrap_or(side.reach()), dark_beyond: trail.end.is_some() };
         let mut march = March {
             builder: self,
             trail,
@@ -141,16 +137,16 @@ impl Builder {
             pieces: Vec::new(),
         };
         march.outward();
-        march.layout()
+        Ok(march)
     }
 
     /// Gives everything up.
     fn covered(&self, reason: NoFan) -> Layout {
-        let radii = [0.0, self.reach];
+        let radii = [0.0, self.side.reach()];
         let slices = radii.map(|height| self.cover_slice(height));
-        let acceptance = self.cover_acceptance(self.reach / 2.0);
+        let acceptance = self.cover_acceptance(self.side.reach() / 2.0);
         Layout {
-            end: self.reach,
+            end: self.side.reach(),
             dark_beyond: false,
             intervals: vec![Interval { from: 0, to: FINE, slices }],
             given_up: vec![GivenUp { radii, reason, acceptance }],
@@ -159,7 +155,7 @@ impl Builder {
 
     /// Share of the cover's disk that gets through, by a grid.
     fn cover_acceptance(&self, height: f64) -> f64 {
-        let points = half_disk(28, self.cover_at(height));
+        let points = half_disk(28, self.side.cover(height));
         let excesses = self.side.pencil(height).excesses(&points);
         excesses.iter().filter(|excess| excess.value <= 0.0).count() as f64 / points.len() as f64
     }
@@ -177,8 +173,8 @@ struct Node {
 }
 
 /// The way outward.
-struct March<'a> {
-    builder: &'a Builder,
+struct March<'a, F> {
+    builder: &'a Builder<F>,
     trail: Trail,
     scale: Scale,
     /// Nodes found too far out, for later.
@@ -189,7 +185,7 @@ struct March<'a> {
     pieces: Vec<usize>,
 }
 
-impl March<'_> {
+impl<F: Family> March<'_, F> {
     fn outward(&mut self) {
         let axis = self.axis();
         self.runs.push(vec![axis]);
@@ -201,7 +197,7 @@ impl March<'_> {
             let last = self.last().place;
             // On film that is lit to its end one more tells what the last interval holds.
             let is_done = if self.scale.dark_beyond { last == FINE } else { last > FINE };
-            if is_done || self.builder.side.work.is_spent() {
+            if is_done || self.builder.side.work().is_spent() {
                 return;
             }
             let node = self.node(last + step);
@@ -246,7 +242,7 @@ impl March<'_> {
     /// Whether the last pupil is in pieces.
     fn are_pieces(&self, place: usize) -> bool {
         let pencil = self.pencil(place);
-        let cover = self.builder.cover_at(pencil.height);
+        let cover = self.builder.side.cover(self.scale.height(place));
         self.last().outline.as_ref().is_some_and(|outline| is_in_pieces(&pencil, outline, cover))
     }
 
@@ -273,7 +269,7 @@ impl March<'_> {
 
     /// The narrowest step: wider when the rays get short, for a loose map is better than none.
     fn finest(&self) -> usize {
-        if self.builder.side.work.is_short() { SHORT } else { 1 }
+        if self.builder.side.work().is_short() { SHORT } else { 1 }
     }
 
     /// Takes the last node back, for later.
@@ -330,12 +326,12 @@ impl March<'_> {
             .collect();
         let expected = Outline::expected(&known, self.scale.shrunk(place));
         let pencil = self.pencil(place);
-        let row = first_row(&pencil, self.trail.at(pencil.height))?;
+        let row = first_row(&pencil, self.trail.at(self.scale.height(place)))?;
         let outline = Outline::trace(&pencil, row, &expected)?;
         Some(self.known(place, outline))
     }
 
-    fn pencil(&self, place: usize) -> FilmPencil<'_> {
+    fn pencil(&self, place: usize) -> impl Pencil + '_ {
         self.builder.side.pencil(self.scale.height(place))
     }
 
@@ -347,7 +343,7 @@ impl March<'_> {
 
     fn anew_at(&self, place: usize) -> Option<Node> {
         let pencil = self.pencil(place);
-        let row = first_row(&pencil, self.trail.at(pencil.height))?;
+        let row = first_row(&pencil, self.trail.at(self.scale.height(place)))?;
         let width = (row[1] - row[0]) / 2.0;
         let round = Frame { center: 0.0, width, height: width, bow: 0.0 };
         let rough = Outline::trace(&pencil, row, &Outline::ellipse(round))?;
@@ -357,7 +353,6 @@ impl March<'_> {
 
     /// An outline with its map.
     fn known(&self, place: usize, mut outline: Outline) -> Node {
-        let pencil = self.pencil(place);
         let corners = outline.clone();
         outline.hold_corners();
         let fitting = outline.fitting();
@@ -368,7 +363,7 @@ impl March<'_> {
         } else {
             (1.0, 0.0)
         };
-        let slice = Slice::fit(&outline, pencil.height, width, bow, &self.builder.knots);
+        let slice = Slice::fit(&outline, self.scale.height(place), width, bow, &self.builder.knots);
         let differing = slice.lack(&corners, &self.builder.knots).differing;
         Node { place, slice, outline: Some(corners), differing }
     }
@@ -405,7 +400,7 @@ impl March<'_> {
             let radii = [from, to].map(|place| scale.height(place));
             let slices = radii.map(|height| builder.cover_slice(height));
             intervals.push(Interval { from, to, slices });
-            let spent = builder.side.work.is_spent();
+            let spent = builder.side.work().is_spent();
             let acceptance =
                 if spent { 0.0 } else { builder.cover_acceptance(f64::midpoint(radii[0], radii[1])) };
             let reason = if pieces.iter().any(|place| (from..=to).contains(place)) {
@@ -478,7 +473,7 @@ fn widened(run: &[Node], knots: &Knots) -> Vec<Node> {
     nodes
 }
 
-impl Builder {
+impl<F: Family> Builder<F> {
     /// Names a ring where too many samples are blocked.
     fn named(&self, scale: Scale, pair: &[Node]) -> Option<GivenUp> {
         let is_loose = |node: &Node| {

@@ -1,10 +1,10 @@
-//! The first row, in the plane of axis and film point, followed outward along the film to its end or the image's.
+//! The first row, in the plane of symmetry, followed outward to the end of what is asked for or to the image's.
 
 use super::{
     outline::{first_row, row_in},
-    view::{FilmSide, Pencil},
+    view::{Family, Pencil},
 };
-use crate::{lens::pupil::SlopeDisk, sampling::pupil_disk::PupilDisk};
+use crate::lens::pupil::SlopeDisk;
 
 /// Steps to the film's reach at least.
 const STEPS: f64 = 16.0;
@@ -35,37 +35,40 @@ pub(crate) struct Trail {
 }
 
 impl Trail {
-    /// Follows the row; `None` where no light gets through on the axis. `shift` times the film radius is about the slope to
-    /// the pupil's centre, and `cover` a disk that holds every pupil.
-    pub fn new(side: &FilmSide, reach: f64, cover: PupilDisk, shift: f64) -> Option<Self> {
+    /// Follows the row; `None` where no light gets through on the axis.
+    pub fn new<F: Family>(side: &F) -> Option<Self> {
         let anywhere = |height: f64| {
-            let SlopeDisk { center: [center, _], radius } = cover.seen_from([height, 0.0]);
+            let SlopeDisk { center: [center, _], radius } = side.cover(height);
             row_in(&side.pencil(height), 0.0, [center - radius, center + radius], ANYWHERE)
         };
-        let quarter = 0.25 * cover.seen_from([0.0; 2]).radius;
+        let quarter = 0.25 * side.cover(0.0).radius;
         let first = first_row(&side.pencil(0.0), [-quarter, quarter]).or_else(|| anywhere(0.0))?;
         let mut trail = Self { known: vec![(0.0, first)], end: None };
         for _ in 0..MOST_JUMPS {
-            let Some(end) = trail.follow(side, reach, shift) else { break };
+            let Some(end) = trail.follow(side) else { break };
             // Something else may get through there, or farther out.
             let beside = end * (1.0 + BESIDE);
             match anywhere(beside) {
                 Some(row) => trail.known.push((beside, row)),
-                None if leaks_beyond(side, end, reach, cover) => break,
+                None if !F::ENDS && leaks_beyond(side, end) => break,
                 None => {
                     trail.end = Some(end);
                     break;
                 }
             }
         }
+        if F::ENDS && trail.known.len() > 1 {
+            trail.end.get_or_insert(trail.last().0);
+        }
         Some(trail)
     }
 
     /// Goes on to a little beyond the film's reach, or to where the row ends or jumps, if it does so before.
-    fn follow(&mut self, side: &FilmSide, reach: f64, shift: f64) -> Option<f64> {
+    fn follow(&mut self, side: &impl Family) -> Option<f64> {
+        let (reach, shift) = (side.reach(), side.shift());
         let widest = reach / STEPS;
         let mut step = widest / 16.0;
-        while self.last().0 < reach * BEYOND && !side.work.is_spent() {
+        while self.last().0 < reach * BEYOND && !side.work().is_spent() {
             let (from, row) = self.last();
             let height = (from + step).min(reach * BEYOND);
             let expected = if from > 0.0 { self.at(height) } else { row.map(|edge| edge + shift * height) };
@@ -125,10 +128,10 @@ fn is_near(found: [f64; 2], expected: [f64; 2]) -> bool {
 }
 
 /// Whether light gets through anywhere within reach beyond the radius at which the first row ends.
-fn leaks_beyond(side: &FilmSide, end: f64, reach: f64, cover: PupilDisk) -> bool {
+fn leaks_beyond(side: &impl Family, end: f64) -> bool {
     (1..=RADII).any(|k| {
-        let height = end + (reach - end) * f64::from(k) / f64::from(RADII);
-        let points = half_disk(GRID, cover.seen_from([height, 0.0]));
+        let height = end + (side.reach() - end) * f64::from(k) / f64::from(RADII);
+        let points = half_disk(GRID, side.cover(height));
         height > end && side.pencil(height).excesses(&points).iter().any(|excess| excess.value <= 0.0)
     })
 }

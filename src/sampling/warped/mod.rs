@@ -60,6 +60,7 @@ use std::f64::consts::PI;
 use self::{
     build::{Builder, FINE, Layout},
     slice::CELLS,
+    view::{Family, FilmSide},
 };
 use super::{
     film_rays::FilmRays,
@@ -108,9 +109,9 @@ impl WarpedPupil {
     /// lens space). `cover` is a disk that holds them all; `shift` an estimate of the slope to the
     /// pupil's centre over the film radius, 1/mm.
     pub fn new(path: &Path, film: f64, reach: f64, cover: PupilDisk, shift: f64) -> Self {
-        let builder = Builder::new(path, film, reach, cover, shift);
+        let builder = Builder::new(FilmSide::new(path, film, reach, cover, shift));
         let layout = builder.layout();
-        Self::pack(layout, cover, builder.side.work.rays())
+        Self::pack(layout, cover, builder.side.work().rays())
     }
 
     fn pack(layout: Layout, cover: PupilDisk, rays: u32) -> Self {

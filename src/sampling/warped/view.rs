@@ -3,7 +3,9 @@
 use std::cell::Cell;
 
 use crate::{
+    lens::pupil::SlopeDisk,
     prescription::MAX_INTERFACES,
+    sampling::pupil_disk::PupilDisk,
     trace::{
         self, Path,
         kernel::{Clearance, ClearanceTracer, MeridianRay},
@@ -107,36 +109,78 @@ impl Work {
     }
 }
 
-/// The film's side of a lens.
+/// Pencils of one parameter h, from 0 on the axis outward, and where to look for their pupils.
+pub(crate) trait Family {
+    /// Whether all is dark beyond where the first row ends, light or not.
+    const ENDS: bool;
+
+    /// The rays of one of them.
+    fn pencil(&self, height: f64) -> impl Pencil + '_;
+    /// A disk, its middle on the x axis, that holds a pupil.
+    fn cover(&self, height: f64) -> SlopeDisk;
+    /// The largest h asked for.
+    fn reach(&self) -> f64;
+    /// h times this is about where the pupil's centre lies.
+    fn shift(&self) -> f64;
+    /// What tracing took.
+    fn work(&self) -> &Work;
+}
+
+/// The film's side of a lens: h is the film radius.
 pub(crate) struct FilmSide {
     clearances: ClearanceTracer,
-    pub work: Work,
+    work: Work,
+    /// Largest film radius asked for, mm.
+    reach: f64,
+    /// A disk that holds every pupil.
+    cover: PupilDisk,
+    shift: f64,
 }
 
 impl FilmSide {
     /// For film at z = `film`, behind the lens.
-    pub fn new(path: &Path, film: f64) -> Self {
-        Self { clearances: ClearanceTracer::new(path, film), work: Work::new(path) }
+    pub fn new(path: &Path, film: f64, reach: f64, cover: PupilDisk, shift: f64) -> Self {
+        let (clearances, work) = (ClearanceTracer::new(path, film), Work::new(path));
+        Self { clearances, work, reach, cover, shift }
+    }
+}
+
+impl Family for FilmSide {
+    const ENDS: bool = false;
+
+    fn pencil(&self, height: f64) -> impl Pencil + '_ {
+        FilmPencil { side: self, height }
     }
 
-    /// The rays of a film point.
-    pub fn pencil(&self, height: f64) -> FilmPencil<'_> {
-        FilmPencil { side: self, height }
+    fn cover(&self, height: f64) -> SlopeDisk {
+        self.cover.seen_from([height, 0.0])
+    }
+
+    fn reach(&self) -> f64 {
+        self.reach
+    }
+
+    fn shift(&self) -> f64 {
+        self.shift
+    }
+
+    fn work(&self) -> &Work {
+        &self.work
     }
 }
 
 /// The rays of the film point (`height`, 0), named by their slopes.
 #[derive(Clone, Copy)]
-pub(crate) struct FilmPencil<'a> {
+struct FilmPencil<'a> {
     side: &'a FilmSide,
-    pub height: f64,
+    height: f64,
 }
 
 impl Pencil for FilmPencil<'_> {
     fn excesses(&self, slopes: &[[f64; 2]]) -> Vec<Excess> {
         let rays = slopes.iter().map(|&slopes| MeridianRay { height: self.height, slopes });
         let mut found = Vec::with_capacity(slopes.len());
-        let FilmSide { clearances, work } = self.side;
+        let FilmSide { clearances, work, .. } = self.side;
         work.count(slopes.len(), || clearances.trace(rays, |clearance| found.push(Excess::of(clearance))));
         found
     }
