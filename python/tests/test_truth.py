@@ -76,7 +76,10 @@ def test_the_true_pupil_and_the_rear_disk_agree_on_the_light():
 
 def test_relative_weights_have_mean_one_on_the_axis():
     camera = Camera("wide.22mm", resolution=(300, 200), weighting="relative")
-    assert camera.rays([150.0, 100.0], lens_grid(100)).weight.mean(dtype=float) == pytest.approx(1, rel=1e-3)
+    # Jittered: an even grid's last ring lies within the map's narrow blocked rim or does not.
+    side = 300
+    samples = lens_grid(side) + (np.random.default_rng(1).random((side * side, 2)) - 0.5) / side
+    assert camera.rays([150.0, 100.0], samples).weight.mean(dtype=float) == pytest.approx(1, rel=1e-3)
 
 
 def test_rays_are_unit_vectors_that_meet_in_the_plane_in_focus():
