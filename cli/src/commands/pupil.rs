@@ -5,10 +5,13 @@ use crate::console;
 use crate::drawing::{outline as drawing, picture};
 use crate::failure::Failure;
 use realistic::unstable::camera::CameraError;
-use realistic::unstable::lens::{Lens, pupil::SlopeDisk};
+use realistic::unstable::lens::{Lens, film_ray, pupil::SlopeDisk};
 use realistic::unstable::message::{as_given, fixed};
 use realistic::unstable::trace::Path;
-use realistic::unstable::{imaging::irradiance, sampling::PupilDisk};
+use realistic::unstable::{
+    imaging::irradiance,
+    sampling::{PupilDisk, WarpedPupil},
+};
 use realistic_lab::pupil::{Outline, acceptance};
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -45,9 +48,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         let disks = [("rear", sight.rear), ("disk", sight.disk)];
         let name = lens.name.rsplit('/').next().unwrap_or(&lens.name);
         let edge: Vec<[f64; 2]> = sight.edge();
+        let map = sight.map();
         let drawn = drawing::Drawing {
             title: format!("{name}: the pupil of the film point at {} mm", as_given(args.film_radius)),
             edge: &edge,
+            map: &map,
             disks: disks.map(|(name, disk)| (name, sight.on_plane(disk.center), disk.radius * film_distance)),
         };
         picture::write(&drawing::draw(&drawn), out)?;
@@ -62,6 +67,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 const DIRECTIONS: usize = 720;
 /// Rays across a disk in measuring a share.
 const SURVEY: u32 = 400;
+/// Rings and spokes of the sampled disk that are drawn where the map takes them, and points of each.
+const RINGS: u32 = 6;
+const SPOKES: u32 = 24;
+const POINTS: u32 = 96;
 
 struct Sight {
     radius: f64,
@@ -70,9 +79,12 @@ struct Sight {
     rear: SlopeDisk,
     disk: SlopeDisk,
     outline: Option<Outline>,
-    /// Share of samples that get through, sampled in either disk.
+    /// The map by which cameras sample.
+    warped: WarpedPupil,
+    /// Share of samples that get through, sampled in either disk, and by the map.
     rear_acceptance: f64,
     disk_acceptance: f64,
+    warped_acceptance: f64,
     /// Share of the irradiance that comes from outside the exit pupil's disk.
     missed: f64,
 }
@@ -82,11 +94,14 @@ impl Sight {
         let radius = args.film_radius;
         let point = [radius, 0.0];
         let film = lens.rear().vertex - film_distance;
-        let reach = args.film.film(diagonal).reach().max(radius);
+        // Beyond the film the map is made for the point, too, and ends farther out.
+        let reach = args.film.film(diagonal).reach().max(1.01 * radius);
         let rear = PupilDisk::rear(lens, film, reach)
             .ok_or_else(|| CameraError::film_in_lens(lens, film_distance))?;
-        let (rear, disk) = (rear.seen_from(point), PupilDisk::exit(lens, film).seen_from(point));
         let path = Path::<f64>::film_to_scene(lens);
+        let exit = PupilDisk::exit(lens, film);
+        let warped = WarpedPupil::new(&path, film, reach, rear, exit.seen_from([1.0, 0.0]).center[0]);
+        let (rear, disk) = (rear.seen_from(point), exit.seen_from(point));
         let outline = Outline::of(&path, film, point, rear, DIRECTIONS);
         let through = irradiance::survey(&path, film, point, rear, disk, SURVEY);
         let in_disk = irradiance::survey(&path, film, point, disk, disk, SURVEY);
@@ -101,14 +116,29 @@ impl Sight {
             rear_acceptance: acceptance(area, rear),
             // The grid's cells are a disk's area to a few parts in 10 000.
             disk_acceptance: acceptance(in_disk.slope_area, disk).min(1.0),
+            warped_acceptance: share_through(&path, film, point, &warped),
             missed,
             outline,
+            warped,
         })
     }
 
     /// Where the ray of these slopes meets the rear vertex plane, mm.
     fn on_plane(&self, slopes: [f64; 2]) -> [f64; 2] {
         [self.radius + slopes[0] * self.film_distance, slopes[1] * self.film_distance]
+    }
+
+    /// Rings that part the disk into equal areas, and spokes, where the map takes them.
+    fn map(&self) -> Vec<Vec<[f64; 2]>> {
+        let at = |part: f64, turn: f64| {
+            let (sin, cos) = (std::f64::consts::TAU * turn).sin_cos();
+            let sample = self.warped.sample([self.radius, 0.0], [part * cos, part * sin])?;
+            Some(self.on_plane(sample.slopes))
+        };
+        let parts = |count: u32| (0..=count).map(move |k| f64::from(k) / f64::from(count));
+        let ring = |part: f64| parts(POINTS).filter_map(|turn| at(part.sqrt(), turn)).collect();
+        let spoke = |turn: f64| parts(POINTS).filter_map(|part| at(part, turn)).collect();
+        parts(RINGS).skip(1).map(ring).chain(parts(SPOKES).skip(1).map(spoke)).collect()
     }
 
     fn edge(&self) -> Vec<[f64; 2]> {
@@ -135,7 +165,11 @@ impl Sight {
             "outline_mm": self.edge(),
             "pieces": outline.map_or(0, |outline| outline.pieces),
             "star_shaped": outline.is_some_and(|outline| outline.star_shaped),
-            "acceptance": { "rear": self.rear_acceptance, "disk": self.disk_acceptance },
+            "acceptance": {
+                "rear": self.rear_acceptance,
+                "disk": self.disk_acceptance,
+                "warped": self.warped_acceptance,
+            },
             "missed_by_disk": self.missed,
         })
     }
@@ -167,7 +201,7 @@ impl Sight {
              \x20                 {shape}; centre at x = {} mm; all points by --json\n\
              area              {} mm2 in the rear vertex plane; {:.6e} in slope\n\
              irradiance        {:.6e} for unit radiance\n\
-             acceptance        rear {:.3} %, disk {:.3} % of the samples get through\n\
+             acceptance        rear {:.3} %, disk {:.3} %, warped {:.3} % of the samples get through\n\
              missed by disk    {:.3} % of the irradiance\n",
             range(0),
             range(1),
@@ -177,7 +211,23 @@ impl Sight {
             outline.irradiance,
             100.0 * self.rear_acceptance,
             100.0 * self.disk_acceptance,
+            100.0 * self.warped_acceptance,
             100.0 * self.missed,
         )
     }
+}
+
+/// Share of the map's samples that get through: as many in each of equal areas of the disk.
+fn share_through(path: &Path, film: f64, point: [f64; 2], warped: &WarpedPupil) -> f64 {
+    let middle = |k: u32| (f64::from(k) + 0.5) / f64::from(SURVEY);
+    let gets_through = |(ring, turn): (u32, u32)| {
+        let (sin, cos) = (std::f64::consts::TAU * middle(turn)).sin_cos();
+        let radius = middle(ring).sqrt();
+        warped
+            .sample(point, [radius * cos, radius * sin])
+            .is_some_and(|sample| path.trace(film_ray(point, film, sample.slopes)).is_ok())
+    };
+    let passed =
+        (0..SURVEY).flat_map(|ring| (0..SURVEY).map(move |turn| (ring, turn))).filter(|&at| gets_through(at));
+    passed.count() as f64 / f64::from(SURVEY * SURVEY)
 }

@@ -12,6 +12,8 @@ pub struct Drawing<'a> {
     pub title: String,
     /// Points of the outline; none where the pupil is empty.
     pub edge: &'a [[f64; 2]],
+    /// Lines of the unit disk where the map of lens samples takes them.
+    pub map: &'a [Vec<[f64; 2]>],
     /// Name, centre and radius of each disk.
     pub disks: [(&'static str, [f64; 2], f64); 2],
 }
@@ -41,6 +43,9 @@ pub fn draw(drawing: &Drawing<'_>) -> Page {
     if !drawing.edge.is_empty() {
         page.area(drawing.edge.iter().map(|&point| view.at(point)), "#d6e6f2", Stroke::new(COLORS[0], 2.0));
     }
+    for line in drawing.map {
+        page.line(line.iter().map(|&point| view.at(point)), Stroke::new(COLORS[0], 0.7));
+    }
     let y = HEAD + view.frame.height + FOOT - 26.0;
     let length = view.round_length(140.0);
     page.scale_bar([MARGIN, y], length * view.scale, length);
@@ -65,15 +70,17 @@ mod tests {
     fn a_pupil_is_drawn_to_scale_and_an_empty_one_said() {
         let edge = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]];
         let disks = [("rear", [0.0, 0.0], 2.0), ("disk", [0.5, 0.0], 1.0)];
-        let full = draw(&Drawing { title: "t".to_owned(), edge: &edge, disks }).to_string();
+        let map = [vec![[0.0, 0.0], [1.0, 0.0]]];
+        let full = draw(&Drawing { title: "t".to_owned(), edge: &edge, map: &map, disks }).to_string();
         assert!(full.contains("the pupil") && full.contains("rear: 2.00 mm"));
+        assert_eq!(full.matches("stroke-width=\"0.7\"").count(), 1);
         // 4 mm and a tenth to spare, over 720 by at most 700 pixels: the disks' radii in pixels.
         let scale = 700.0 / 4.4;
         for radius in [2.0 * scale, scale] {
             let circle = format!("r=\"{radius}");
             assert!(full.contains(&circle[..7]), "{circle}: {full}");
         }
-        let empty = draw(&Drawing { title: "t".to_owned(), edge: &[], disks }).to_string();
+        let empty = draw(&Drawing { title: "t".to_owned(), edge: &[], map: &[], disks }).to_string();
         assert!(empty.contains("no light gets through"));
     }
 }

@@ -256,6 +256,9 @@ fn a_pupil_is_measured_and_drawn() {
     assert!(number(&corner, "area_mm2") < 0.6 * number(&axis, "area_mm2"));
     let irradiance = |value: &Value| number(value, "irradiance_for_unit_radiance");
     assert!(irradiance(&corner) < 0.6 * irradiance(&axis));
+    for point in [&axis, &corner] {
+        assert!(number(&point["acceptance"], "warped") > 0.99, "{point:#}");
+    }
     let rear = number(&corner["acceptance"], "rear");
     assert!(rear > 0.1 && rear < number(&axis["acceptance"], "rear"));
 
