@@ -61,6 +61,21 @@ fn focused(name: &str, fnumber: Option<f64>) -> (Lens, f64) {
 }
 
 #[test]
+fn film_without_width_has_the_pupil_of_the_axis() {
+    let (lens, distance) = focused("dgauss.50mm", None);
+    let on_axis = |reach: f64| {
+        let case = Case::with_reach(&lens, distance, reach);
+        case.pupil.sample([0.0; 2], [0.5, 0.0]).expect("lit")
+    };
+    let expected = on_axis(REACH);
+    for reach in [0.0, f64::from_bits(1), 1e-300] {
+        let found = on_axis(reach);
+        assert!((found.area / expected.area - 1.0).abs() < 2e-3, "{found:?} {expected:?}");
+        assert!((found.slopes[0] / expected.slopes[0] - 1.0).abs() < 1e-3, "{found:?} {expected:?}");
+    }
+}
+
+#[test]
 fn a_film_that_ends_just_inside_the_image_is_served_as_well() {
     for name in LENSES {
         for stop in STOPS {

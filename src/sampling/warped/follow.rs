@@ -104,9 +104,10 @@ impl Trail {
 
     /// The edges expected at a film radius.
     pub fn at(&self, height: f64) -> [f64; 2] {
-        let next = self.known.partition_point(|known| known.0 < height).clamp(1, self.known.len() - 1);
-        let ((from, a), (to, b)) = (self.known[next - 1], self.known[next]);
-        let part = (height - from) / (to - from);
+        // Of film without width, and where the rays are spent at once, one row is known.
+        let next = self.known.partition_point(|known| known.0 < height).max(1).min(self.known.len() - 1);
+        let ((from, a), (to, b)) = (self.known[next.saturating_sub(1)], self.known[next]);
+        let part = if to > from { (height - from) / (to - from) } else { 0.0 };
         let [low, high] = [0, 1].map(|i| a[i] + part * (b[i] - a[i]));
         // Beyond the last one the row may shrink, and stays one.
         let (middle, half) = (f64::midpoint(low, high), ((high - low) / 2.0).max(0.05 * (b[1] - b[0])));

@@ -26,6 +26,10 @@ const EVALUATION: u64 = 6;
 /// Interfaces from which on a lens may take longer, in proportion.
 const LONG: u64 = 100;
 
+/// Film radius up to which there is always a table, mm: much less than a wavelength, and enough for differences on film
+/// without width.
+const LEAST_REACH: f64 = 1e-6;
+
 /// What stops the rays beyond a point of the edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Limit {
@@ -141,7 +145,7 @@ impl FilmSide {
     /// For film at z = `film`, behind the lens.
     pub fn new(path: &Path, film: f64, reach: f64, cover: PupilDisk, shift: f64) -> Self {
         let (clearances, work) = (ClearanceTracer::new(path, film), Work::new(path));
-        Self { clearances, work, reach, cover, shift }
+        Self { clearances, work, reach: reach.max(LEAST_REACH), cover, shift }
     }
 }
 
