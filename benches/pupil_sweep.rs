@@ -7,12 +7,12 @@
 mod pupil_fit;
 
 use pupil_fit::{
-    Case, lenses,
+    Case, lenses, stopped,
     survey::{Pupil, Survey},
 };
 use realistic::unstable::{
     imaging::focus::Focus,
-    lens::{Lens, first_order::FirstOrder, pupil},
+    lens::Lens,
     prescription::{catalogue, read},
     sampling::{GivenUp, NoFan},
 };
@@ -85,16 +85,6 @@ fn opened(file: &str) -> Lens {
     let text = std::fs::read(file).unwrap_or_else(|error| panic!("{file}: {error}"));
     let name = std::path::Path::new(file).file_stem().map_or(file.into(), |name| name.to_string_lossy());
     Lens::at_d_line(&read(&name, &text).unwrap_or_else(|error| panic!("{file}: {error}")))
-}
-
-fn stopped(lens: &Lens, fnumber: Option<f64>) -> Lens {
-    let mut lens = lens.clone();
-    if let (Some(fnumber), Some(stop)) = (fnumber, lens.stop_index()) {
-        let focal_length = FirstOrder::of(&lens).expect("focal").focal_length;
-        let imaged = pupil::EntrancePupil::of_surface(&lens, stop).diameter();
-        lens.surfaces[stop].semi_diameter *= (focal_length / fnumber / imaged).min(1.0);
-    }
-    lens
 }
 
 /// Looks at a lens at all stops, distances, films and resolutions.

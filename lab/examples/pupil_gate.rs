@@ -8,17 +8,14 @@ mod pupil_fit;
 
 use std::f64::consts::TAU;
 
-use pupil_fit::{lens_at, lenses};
+use pupil_fit::{Case, lenses, stopped};
 use realistic::unstable::{
     imaging::focus::Focus,
-    lens::{Lens, cos4, film_ray, first_order::FirstOrder, pupil as lens_pupil},
+    lens::{Lens, cos4},
     prescription::{catalogue, read},
-    sampling::{DiskMapping, PupilDisk, PupilSample},
-    trace::Path,
+    sampling::DiskMapping,
 };
 use realistic_lab::timing::repeated;
-
-type Sampler<'a> = &'a dyn Fn([f64; 2], [f64; 2]) -> Option<PupilSample>;
 
 struct Field {
     height: f64,
@@ -27,19 +24,15 @@ struct Field {
     light: f64,
 }
 
-fn passes(path: &Path, film: f64, point: [f64; 2], slopes: [f64; 2]) -> bool {
-    path.trace(film_ray(point, film, slopes)).is_ok()
-}
-
-fn field(path: &Path, film: f64, height: f64, sample: Sampler) -> Option<Field> {
+fn field(case: &Case, height: f64) -> Option<Field> {
     let point = [0.6 * height, -0.8 * height];
     let (mut count, mut light, mut inside) = (0, 0.0, 0.0);
     const N: u32 = 40;
     for i in 0..N * N {
         let u = (f64::from(i) + 0.5) / f64::from(N * N);
         let v = (f64::from(i) * 0.618_033_988_749_894_9 + 0.25).fract();
-        let found = sample(point, DiskMapping::Concentric.map(u, v)?)?;
-        if passes(path, film, point, found.slopes) {
+        let found = case.pupil.sample(point, DiskMapping::Concentric.map(u, v)?)?;
+        if case.passes(point, found.slopes) {
             count += 1;
             light += found.area * cos4(found.slopes);
             inside += found.area;
@@ -55,8 +48,8 @@ fn field(path: &Path, film: f64, height: f64, sample: Sampler) -> Option<Field> 
             let width = 0.25 * 2.0 * (f64::from(j) + 0.5) / f64::from(radii) / f64::from(radii);
             let (sin, cos) = (TAU * (f64::from(i) + 0.31) / f64::from(angles)).sin_cos();
             let r = square.sqrt();
-            let Some(found) = sample(point, [r * cos, r * sin]) else { continue };
-            if found.area.is_finite() && passes(path, film, point, found.slopes) {
+            let Some(found) = case.pupil.sample(point, [r * cos, r * sin]) else { continue };
+            if found.area.is_finite() && case.passes(point, found.slopes) {
                 beside += found.area.abs() * width / f64::from(angles);
             }
         }
@@ -74,14 +67,15 @@ struct Found {
     weighted: (f64, f64),
 }
 
-fn look(path: &Path, film: f64, reach: f64, end: Option<f64>, sample: Sampler, verbose: bool) -> Found {
+fn look(case: &Case, verbose: bool) -> Found {
+    let (reach, end) = (case.reach, case.pupil.image_radius());
     let lit = end.unwrap_or(reach).min(reach);
     let mut parts: Vec<f64> = (0..60).map(|k| (f64::from(k) + 0.37) / 60.0).collect();
     if end.is_some_and(|end| end <= reach) {
         parts.extend([0.99, 0.995, 0.998, 0.999, 0.9995, 0.9998, 0.99985, 0.99995, 0.99999, 0.999999]);
     }
     let fields: Vec<(f64, Field)> =
-        parts.iter().filter_map(|part| Some((*part, field(path, film, part * lit, sample)?))).collect();
+        parts.iter().filter_map(|part| Some((*part, field(case, part * lit)?))).collect();
     let axis = fields[0].1.light;
     let mut found =
         Found { inner: (1.0, 0.0), outer: 1.0, mean: 0.0, missed: (0.0, 0.0), weighted: (0.0, 0.0) };
@@ -126,29 +120,14 @@ fn row(found: &Found) -> String {
     )
 }
 
-fn stopped(lens: &Lens, fnumber: Option<f64>) -> Lens {
-    let mut lens = lens.clone();
-    if let (Some(fnumber), Some(stop)) = (fnumber, lens.stop_index()) {
-        let focal_length = FirstOrder::of(&lens).expect("focal").focal_length;
-        let imaged = lens_pupil::EntrancePupil::of_surface(&lens, stop).diameter();
-        lens.surfaces[stop].semi_diameter *= (focal_length / fnumber / imaged).min(1.0);
-    }
-    lens
-}
-
 fn compare(name: &str, lens: &Lens, distance: f64, reach: f64, options: &[String]) -> bool {
     let is_given = |option: &str| options.iter().any(|given| given == option);
-    let film = lens.rear().vertex - distance;
-    let path = Path::film_to_scene(lens);
-    let Some(cover) = PupilDisk::rear(lens, film, reach) else { return true };
-    let shift = PupilDisk::exit(lens, film).seen_from([1.0, 0.0]).center[0];
+    let Some(case) = Case::try_reach(lens, distance, reach) else { return true };
     let runs = if is_given("--time") { 15 } else { 1 };
     let least = |times: Vec<f64>| times.into_iter().fold(f64::INFINITY, f64::min) * 1e3;
-    let build = || realistic::unstable::sampling::WarpedPupil::new(&path, film, reach, cover, shift);
-    let new = build();
-    let (_, times) = repeated(runs, build);
-    let own = look(&path, film, reach, new.image_radius(), &|p, d| new.sample(p, d), is_given("--fields"));
-    let report = new.build_report();
+    let (_, times) = repeated(runs, || case.again());
+    let own = look(&case, is_given("--fields"));
+    let report = case.pupil.build_report();
     let ok = own.inner.0 >= 0.99 && own.outer >= 0.95 && own.weighted.0 <= 1e-4;
     println!(
         "{} | {name} | {} | {} slices {} rays {:.2} ms | end {:?} | {:?}",
@@ -157,8 +136,8 @@ fn compare(name: &str, lens: &Lens, distance: f64, reach: f64, options: &[String
         report.slices,
         report.rays,
         least(times),
-        new.image_radius(),
-        new.given_up(),
+        case.pupil.image_radius(),
+        case.pupil.given_up(),
     );
     ok
 }
@@ -172,12 +151,14 @@ fn main() {
     }
     let (mut good, mut all) = (0, 0);
     for name in names {
+        let lens = if let Ok(text) = std::fs::read(&name) {
+            read(&name, &text).expect("a lens")
+        } else {
+            catalogue::find(&name).expect("listed")
+        };
+        let lens = Lens::at_d_line(&lens);
         for stop in [None, Some(8.0)] {
-            let lens = if let Ok(text) = std::fs::read(&name) {
-                stopped(&Lens::at_d_line(&read(&name, &text).expect("a lens")), stop)
-            } else {
-                lens_at(&name, stop)
-            };
+            let lens = stopped(&lens, stop);
             let distance = Focus::new(&lens).expect("focal").film_distance(f64::INFINITY).expect("reachable");
             let reach = if arguments.iter().any(|a| a == "--small") { 3.05 } else { 21.7 };
             let label = format!("{name} {stop:?}");

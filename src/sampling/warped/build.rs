@@ -4,7 +4,7 @@
 //! ```text
 //! follow the first row outward to the image's end or the film's
 //! from the axis on, with steps that are twice as wide after each that was easy:
-//!     find the outline there, each edge expected where the two outlines before lead
+//!     find the outline there, each edge expected where the outlines before lead
 //!     compare the outline before with the map interpolated over it, from the one before that to this one;
 //!     if they differ too much, or there is no outline, try again with half the step
 //! make each map as much larger as its outline lies outside the map interpolated from its neighbours
@@ -156,8 +156,7 @@ impl<F: Family> Builder<F> {
     /// Share of the cover's disk that gets through, by a grid.
     fn cover_acceptance(&self, height: f64) -> f64 {
         let points = half_disk(28, self.side.cover(height));
-        let excesses = self.side.pencil(height).excesses(&points);
-        excesses.iter().filter(|excess| excess.value <= 0.0).count() as f64 / points.len() as f64
+        self.share_through(height, &points)
     }
 }
 
@@ -502,8 +501,13 @@ impl<F: Family> Builder<F> {
         if slice.area(&self.knots) == 0.0 {
             return None;
         }
-        let excesses = self.side.pencil(slice.height).excesses(&points);
-        Some(excesses.iter().filter(|excess| excess.value <= 0.0).count() as f64 / points.len() as f64)
+        Some(self.share_through(slice.height, &points))
+    }
+
+    /// Share of a pencil's rays that get through.
+    fn share_through(&self, height: f64, points: &[[f64; 2]]) -> f64 {
+        let excesses = self.side.pencil(height).excesses(points);
+        excesses.iter().filter(|excess| excess.passes()).count() as f64 / points.len() as f64
     }
 }
 

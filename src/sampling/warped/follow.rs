@@ -2,7 +2,7 @@
 
 use super::{
     outline::{first_row, row_in},
-    view::{Family, Pencil},
+    view::{Excess, Family, Pencil},
 };
 use crate::lens::pupil::SlopeDisk;
 
@@ -133,7 +133,7 @@ fn leaks_beyond(side: &impl Family, end: f64) -> bool {
     (1..=RADII).any(|k| {
         let height = end + (side.reach() - end) * f64::from(k) / f64::from(RADII);
         let points = half_disk(GRID, side.cover(height));
-        height > end && side.pencil(height).excesses(&points).iter().any(|excess| excess.value <= 0.0)
+        height > end && side.pencil(height).excesses(&points).iter().any(Excess::passes)
     })
 }
 

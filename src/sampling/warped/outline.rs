@@ -5,7 +5,7 @@ use std::{f64::consts::PI, sync::LazyLock};
 
 use super::{
     search::{Edge, Search, edges},
-    view::Pencil,
+    view::{Excess, Pencil},
 };
 
 /// Half-lines from one side of the plane of symmetry to the other, less one: more take more rays, fewer cut more off corners.
@@ -33,9 +33,8 @@ impl Frame {
 /// The first row's edges, x at y = 0, about a guess; `None` where nothing gets through nearby.
 pub(crate) fn first_row(pencil: &impl Pencil, [low, high]: [f64; 2]) -> Option<[f64; 2]> {
     let (middle, half) = (f64::midpoint(low, high), (high - low) / 2.0);
-    let passes = |points: &[[f64; 2]]| -> Vec<bool> {
-        pencil.excesses(points).into_iter().map(|excess| excess.value <= 0.0).collect()
-    };
+    let passes =
+        |points: &[[f64; 2]]| -> Vec<bool> { pencil.excesses(points).iter().map(Excess::passes).collect() };
     if passes(&[[middle, 0.0]])[0] {
         let hint = Edge::at(half);
         let sides = edges(pencil, vec![Search::new(hint), Search::new(hint)], |side, radius| {
@@ -50,7 +49,7 @@ pub(crate) fn first_row(pencil: &impl Pencil, [low, high]: [f64; 2]) -> Option<[
 pub(crate) fn row_in(pencil: &impl Pencil, y: f64, [low, high]: [f64; 2], looks: usize) -> Option<[f64; 2]> {
     let at = |k: usize| low + (high - low) * (k as f64 + 0.5) / looks as f64;
     let points: Vec<[f64; 2]> = (0..looks).map(|k| [at(k), y]).collect();
-    let passes: Vec<bool> = pencil.excesses(&points).iter().map(|excess| excess.value <= 0.0).collect();
+    let passes: Vec<bool> = pencil.excesses(&points).iter().map(Excess::passes).collect();
     let from_middle = |k: &usize| (2 * k + 1).abs_diff(looks);
     let nearest = (0..looks).filter(|&k| passes[k]).min_by_key(from_middle)?;
     let first = (0..nearest).rev().take_while(|&k| passes[k]).last().unwrap_or(nearest);

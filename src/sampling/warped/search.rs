@@ -64,7 +64,7 @@ impl Search {
     /// Learns what became of the ray at `radius`; whether another is to be traced.
     fn learn(&mut self, excess: Excess) -> bool {
         let (radius, Excess { value, limit, lost }) = (self.radius, excess);
-        if value <= 0.0 {
+        if excess.passes() {
             self.inside = radius;
         } else {
             (self.outside, self.limit) = (radius, limit);

@@ -50,6 +50,11 @@ pub(crate) struct Excess {
 }
 
 impl Excess {
+    /// Whether the ray gets through.
+    pub fn passes(&self) -> bool {
+        self.value <= 0.0
+    }
+
     /// Of what became of a ray.
     pub fn of(clearance: Option<Clearance>) -> Self {
         match clearance {
@@ -174,7 +179,6 @@ impl Family for FilmSide {
 }
 
 /// The rays of the film point (`height`, 0), named by their slopes.
-#[derive(Clone, Copy)]
 struct FilmPencil<'a> {
     side: &'a FilmSide,
     height: f64,

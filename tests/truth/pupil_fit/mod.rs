@@ -38,9 +38,15 @@ pub struct Case {
 
 /// A catalogue lens at an f-number.
 pub fn lens_at(name: &str, fnumber: Option<f64>) -> Lens {
-    let mut lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
-    if let Some(fnumber) = fnumber {
-        let stop = lens.stop_index().expect("has a stop");
+    let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
+    assert!(fnumber.is_none() || lens.stop_index().is_some(), "{name} has a stop");
+    stopped(&lens, fnumber)
+}
+
+/// A lens at an f-number, where it has a stop and is faster.
+pub fn stopped(lens: &Lens, fnumber: Option<f64>) -> Lens {
+    let mut lens = lens.clone();
+    if let (Some(fnumber), Some(stop)) = (fnumber, lens.stop_index()) {
         let focal_length = FirstOrder::of(&lens).expect("focal").focal_length;
         let imaged = pupil::EntrancePupil::of_surface(&lens, stop).diameter();
         lens.surfaces[stop].semi_diameter *= (focal_length / fnumber / imaged).min(1.0);
