@@ -5,6 +5,7 @@ mod arguments;
 mod commands;
 mod console;
 mod drawing;
+mod export;
 mod failure;
 mod files;
 mod host;
@@ -55,6 +56,8 @@ enum Command {
     Convert(convert::Args),
     /// Write a lens as a camera for Blender: a shader in OSL
     Blender(blender::Args),
+    /// Export a lens to other programs: distortion models, ST maps, rays, illumination, spots
+    Export(commands::export::Args),
     /// Draw a lens's cross-section, to scale, with traced rays
     Draw(draw::Args),
     /// Trace rays: one a line on standard input, one a line on standard output
@@ -144,6 +147,7 @@ fn main() -> ExitCode {
         Some(Command::Lens(args)) => lens::run(args),
         Some(Command::Convert(args)) => convert::run(args),
         Some(Command::Blender(args)) => blender::run(args),
+        Some(Command::Export(args)) => commands::export::run(args),
         Some(Command::Draw(args)) => draw::run(args),
         Some(Command::Trace(args)) => trace::run(args),
         Some(Command::Focus(args)) => focus::run(args),

@@ -267,6 +267,18 @@ impl OpenedLens {
         }
     }
 
+    /// The lens and its film distance, mm, where it is focused on a plane so far in front of its film instead, mm.
+    ///
+    /// # Errors
+    /// As [`open_lens`] and [`film_distance`].
+    pub fn focused_on(&self, distance: f64) -> Result<(Lens, f64), Failure> {
+        let mut parameters = Parameters { filmdistance: None, ..self.parameters.clone() };
+        parameters.focusdistance = Some(distance / parameters.mmperunit.unwrap_or(1.0));
+        let (_, lens) = open_lens(&parameters, &self.host, &mut |_, _| ())?;
+        let film_distance = film_distance(&parameters, &lens)?;
+        Ok((lens, film_distance))
+    }
+
     /// The film's diagonal, mm: as given, or that of the lens's own image, which is said.
     pub fn film_diagonal(&self) -> f64 {
         let mut parameters = self.parameters.clone();

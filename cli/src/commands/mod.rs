@@ -4,6 +4,7 @@ pub mod blender;
 pub mod convert;
 pub mod disks;
 pub mod draw;
+pub mod export;
 pub mod focus;
 pub mod install;
 pub mod lens;

@@ -1,0 +1,297 @@
+//! `realistic export`: a lens as other programs take it.
+
+use crate::arguments::{LensChoice, OpenedLens, size};
+use crate::console;
+use crate::export::{
+    ChiefField, Errors, FieldError, Film, Fitted, Focus, Illumination, LensData, Model, Quantity, Report, Spot,
+    ftheta_usda, opencv_yaml, opentrackio_json, rays, spots, st_maps, usda,
+};
+use crate::failure::Failure;
+use crate::files;
+use realistic::unstable::lens::{Lens, first_order::FirstOrder, pupil::EntrancePupil};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// What `export` can be told.
+#[derive(clap::Args, Debug)]
+#[command(after_help = WORDS)]
+pub struct Args {
+    #[command(flatten)]
+    lens: LensChoice,
+    /// What to export the lens as
+    #[arg(long = "as", value_name = "MODEL", value_enum)]
+    format: Format,
+    /// Pixels of the film
+    #[arg(long, value_name = "WxH", default_value = "1920x1280", value_parser = size)]
+    size: [u32; 2],
+    /// File to write [default: standard output; maps need a file, .exr or .npy]
+    #[arg(short, long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Write the report as JSON, with the model's numbers
+    #[arg(long)]
+    json: bool,
+}
+
+const WORDS: &str = "Every export is of the lens as it is focused, stopped and zoomed here. The report beside it has the worst and \
+                     the RMS error in pixels against exact chief rays, where the model's inverse is monotonic, how the image \
+                     changes with focus, and how far the entrance pupil walks. st-map writes two files: NAME.undistort.exr and \
+                     NAME.distort.exr. docs/export.md has formulas and conventions.";
+
+/// What a lens can be exported as.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    /// `OpenCV`'s pinhole with k1, k2, p1, p2, k3, a file for cv2.FileStorage
+    #[value(name = "opencv")]
+    OpenCv,
+    /// The same with k1 to k6, a quotient
+    OpencvRational,
+    /// Kannala and Brandt's polynomial, which is `OpenCV`'s fisheye, a file for cv2.FileStorage
+    #[value(alias = "opencv-fisheye")]
+    KannalaBrandt,
+    /// NVIDIA's f-theta polynomial, as USD text
+    #[value(name = "ftheta", alias = "f-theta")]
+    FTheta,
+    /// `OpenTrackIO`'s JSON: Brown-Conrady in both directions, pupil offset, falloff
+    #[value(name = "opentrackio")]
+    OpenTrackIo,
+    /// `UsdGeomCamera` as USD text, without distortion; the lens's data as attributes
+    Usd,
+    /// ST maps for Nuke, from the lens's picture to a pinhole's and back: two files
+    StMap,
+    /// The chief ray of every pixel: origin in mm and direction
+    Rays,
+    /// Relative illumination: a map, and a polynomial in the report
+    Illumination,
+    /// The spot of points in focus, by rays: a table of commas
+    Spot,
+}
+
+impl Format {
+    fn model(self) -> Option<Model> {
+        match self {
+            Self::OpenCv => Some(Model::OpenCv),
+            Self::OpencvRational => Some(Model::OpenCvRational),
+            Self::KannalaBrandt => Some(Model::KannalaBrandt),
+            Self::FTheta => Some(Model::FTheta),
+            Self::OpenTrackIo => Some(Model::OpenTrackIo),
+            Self::Usd => Some(Model::Pinhole),
+            Self::StMap | Self::Rays | Self::Illumination | Self::Spot => None,
+        }
+    }
+
+    fn is_map(self) -> bool {
+        matches!(self, Self::StMap | Self::Rays | Self::Illumination)
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::StMap => "st-map",
+            Self::Rays => "rays",
+            Self::Illumination => "illumination",
+            Self::Spot => "spot",
+            _ => self.model().expect("the others are models").name(),
+        }
+    }
+}
+
+/// Points along the film's radius: of what is exported, and of the lens focused elsewhere.
+const RINGS: u32 = 513;
+const COARSE: u32 = 65;
+/// Object distances at which breathing is looked at, in focal lengths.
+const DISTANCES: [f64; 4] = [f64::INFINITY, 100.0, 30.0, 10.0];
+
+impl From<FieldError> for Failure {
+    fn from(error: FieldError) -> Self {
+        Self::Other(error.to_string())
+    }
+}
+
+/// Writes the export and reports on it.
+///
+/// # Errors
+/// No such lens, one that the model cannot be made of, or a file that cannot be written.
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let format = args.format;
+    let out = out(args)?;
+    let opened = args.lens.open()?;
+    let lens = &opened.lens;
+    let film_distance = opened.film_distance()?;
+    let diagonal = opened.film_diagonal();
+    let film = |lens: &Lens, film_distance: f64| Film {
+        size: args.size,
+        diagonal,
+        z: lens.rear().vertex - film_distance,
+    };
+    let here = film(lens, film_distance);
+    let field = ChiefField::new(lens, here, RINGS)?;
+    let fitted = format.model().map(|model| model.fitted(&field));
+    let errors = match (format, &fitted) {
+        (_, Some(fitted)) => Some(Errors::of_model(fitted, &field)),
+        (Format::StMap, _) => Some(Errors::of_map(Quantity::Tangent, &field)),
+        (Format::Rays, _) => Some(Errors::of_map(Quantity::Angle, &field)),
+        _ => None,
+    };
+    let first_order = FirstOrder::of(lens).map_err(|error| Failure::Other(error.to_string()))?;
+    let data = LensData {
+        name: &lens.name,
+        focal_length: first_order.focal_length,
+        fnumber: first_order.focal_length.abs() / EntrancePupil::of_lens(lens).diameter(),
+        wavelength: lens.wavelength,
+        film_distance,
+        mm_per_unit: opened.parameters().mmperunit.unwrap_or(1.0),
+    };
+    let mut more = vec![];
+    match format {
+        Format::StMap => {
+            if let Some(out) = out {
+                let names = ["undistort", "distort"].map(|way| beside(out, way));
+                for (map, path) in st_maps(&field).iter().zip(&names) {
+                    map.write(path)?;
+                }
+                more.push(("files", json!(names.map(|name| name.display().to_string()))));
+            }
+            more.push(("pinhole_focal_length_px", json!(field.central_scale())));
+        }
+        Format::Rays => {
+            if let Some(out) = out {
+                rays(&field).write(out)?;
+            }
+        }
+        Format::Illumination => {
+            let light = illumination(lens, here, &field)?;
+            if let Some(out) = out {
+                light.map().write(out)?;
+            }
+            more.push(("illumination", light.json()));
+        }
+        Format::Spot => {
+            let spots = spots(lens, &field);
+            if let Some(out) = out {
+                let lines: String = spots.iter().map(Spot::line).collect();
+                save(out, &(Spot::HEADER.to_owned() + &lines))?;
+            }
+            let spots: Vec<Value> = spots.iter().map(|spot| spot.json(here.pixel())).collect();
+            more.push(("spots", json!(spots)));
+        }
+        _ => {
+            let fitted = fitted.as_ref().expect("a model");
+            let errors = errors.expect("of a model");
+            if format == Format::OpenTrackIo {
+                let other = Model::OpenCvRational.fitted(&field);
+                let reverse = Errors::of_model(&other, &field);
+                more.push(("radial_from_undistorted_per_mm", json!(other.radial_from_undistorted())));
+                more.push(("errors_from_undistorted", reverse.json()));
+            }
+            if let Some(out) = out {
+                save(out, &text(format, &data, fitted, &errors, lens, &field)?)?;
+            }
+        }
+    }
+    let breathing = breathing(&opened, first_order.focal_length.abs(), &film, fitted.as_ref());
+    let report = Report {
+        format: format.name(),
+        name: &lens.name,
+        wavelength: lens.wavelength,
+        film_distance,
+        rays: &field,
+        model: fitted.as_ref(),
+        errors,
+        breathing: &breathing,
+        more: &more,
+    };
+    let text = if args.json { format!("{:#}\n", report.json()) } else { report.text() };
+    if args.json {
+        return Ok(console::answer(&text, out)?);
+    }
+    Ok(match out {
+        // Beside the export itself, the report is what the program has to say.
+        Some(out) if files::is_stdout(out) => text.lines().for_each(console::note),
+        Some(out) => console::report(&text, out)?,
+        None => console::answer(&text, None)?,
+    })
+}
+
+/// Where to: a file, standard output, or with --json alone nowhere.
+fn out(args: &Args) -> Result<Option<&Path>, Failure> {
+    let out = match &args.out {
+        Some(out) => Some(out.as_path()),
+        None if args.json => None,
+        None if args.format.is_map() => {
+            return Err(Failure::Usage(format!(
+                "{} is a map with a value per pixel; give --out FILE.exr or FILE.npy, or --json for the report alone",
+                args.format.name()
+            )));
+        }
+        None => Some(Path::new("-")),
+    };
+    if let Some(out) = out {
+        let ending = out.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
+        if args.format.is_map() && !matches!(ending.as_deref(), Some("exr" | "npy")) {
+            return Err(Failure::Usage(format!(
+                "\"{}\" must end in .exr (32-bit floats) or .npy (an array of NumPy's): {} is a map",
+                out.display(),
+                args.format.name()
+            )));
+        }
+        if !files::is_stdout(out) {
+            files::make_room(out)?;
+        }
+    }
+    Ok(out)
+}
+
+/// The file of a map beside another.
+fn beside(out: &Path, way: &str) -> PathBuf {
+    let ending = out.extension().unwrap_or_default().to_string_lossy();
+    out.with_extension(format!("{way}.{ending}"))
+}
+
+fn save(out: &Path, text: &str) -> Result<(), Failure> {
+    files::save(out, text.as_bytes()).map_err(|error| Failure::cannot_write(out, &error))
+}
+
+fn illumination(lens: &Lens, film: Film, field: &ChiefField) -> Result<Illumination, Failure> {
+    Illumination::of(lens, film, field.lit).ok_or_else(|| {
+        Failure::Other(format!("the film of lens \"{}\" lies in its glass; give a larger --filmdistance", lens.name))
+    })
+}
+
+/// The file of a model.
+fn text(
+    format: Format,
+    data: &LensData<'_>,
+    fitted: &Fitted,
+    errors: &Errors,
+    lens: &Lens,
+    field: &ChiefField,
+) -> Result<String, Failure> {
+    Ok(match format {
+        Format::FTheta => ftheta_usda(data, fitted),
+        Format::OpenTrackIo => {
+            let other = Model::OpenCvRational.fitted(field);
+            let light = illumination(lens, field.film, field)?;
+            format!("{:#}\n", opentrackio_json(data, fitted, &other, Some(&light)))
+        }
+        Format::Usd => {
+            let light = illumination(lens, field.film, field)?;
+            usda(data, field, Some(&light), errors.worst)
+        }
+        _ => opencv_yaml(fitted, errors.rms),
+    })
+}
+
+/// The lens focused at other distances, as far as it can be.
+fn breathing(
+    opened: &OpenedLens,
+    focal_length: f64,
+    film: &dyn Fn(&Lens, f64) -> Film,
+    model: Option<&Fitted>,
+) -> Vec<Focus> {
+    let at = |times: f64| {
+        let distance = times * focal_length;
+        let (lens, film_distance) = opened.focused_on(distance).ok()?;
+        let rays = ChiefField::new(&lens, film(&lens, film_distance), COARSE).ok()?;
+        Some(Focus::of(distance, film_distance, &rays, model))
+    };
+    DISTANCES.into_iter().filter_map(at).collect()
+}

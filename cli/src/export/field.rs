@@ -1,0 +1,261 @@
+//! The exact chief rays of a film, sampled along one radius.
+
+use super::table::Table;
+use realistic::unstable::imaging::{field::Field, focus::Focus};
+use realistic::unstable::lens::{
+    Lens,
+    pupil::{EntrancePupil, limiting_surface},
+};
+use realistic::unstable::message::short;
+
+/// The film: its pixels, which are square, and their size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Film {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Diagonal, mm.
+    pub diagonal: f64,
+    /// z of its plane in lens space, mm.
+    pub z: f64,
+}
+
+impl Film {
+    /// The side of a pixel, mm.
+    pub fn pixel(&self) -> f64 {
+        self.diagonal / (2.0 * self.corner())
+    }
+
+    /// From the centre to a corner, pixels.
+    pub fn corner(&self) -> f64 {
+        let [width, height] = self.size.map(f64::from);
+        0.5 * width.hypot(height)
+    }
+
+    /// From the centre to the edges, pixels: to the right and down.
+    pub fn half(&self) -> [f64; 2] {
+        self.size.map(|side| 0.5 * f64::from(side))
+    }
+
+    /// How much of the circle of this radius, pixels, lies on the film, as an angle.
+    fn arc(&self, radius: f64) -> f64 {
+        // In one quadrant from where it leaves by the one edge to where it leaves by the other.
+        let [right, down] = self.half().map(|half| (half / radius).min(1.0).acos());
+        4.0 * (std::f64::consts::FRAC_PI_2 - right - down).max(0.0)
+    }
+}
+
+/// One distance from the film's centre, and the chief ray of its film points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ring {
+    /// Distance from the centre, pixels.
+    pub radius: f64,
+    /// Where the ray leaves the front surface: away from the axis on the side that the ray goes to, and z, mm.
+    pub origin: [f64; 2],
+    /// Its unit direction in the same axes.
+    pub direction: [f64; 2],
+    /// z of where it crosses the axis, mm.
+    pub pupil: f64,
+    /// The angle from the axis at which the pinhole sees the ray's point in focus.
+    pub angle: f64,
+    /// Share of the film's area that it stands for.
+    pub share: f64,
+}
+
+/// The chief rays of all film points with light.
+#[derive(Clone, Debug)]
+pub struct ChiefField {
+    /// The film.
+    pub film: Film,
+    /// z of the pinhole that models have: the paraxial entrance pupil, mm.
+    pub pinhole: f64,
+    /// z of the plane in focus, mm; may be infinite.
+    pub in_focus: f64,
+    /// How far from the centre the film has light, pixels.
+    pub lit: f64,
+    /// The rays at even steps from the centre to there.
+    pub rings: Vec<Ring>,
+}
+
+/// Why a lens has no chief rays that a model can be made of.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum FieldError {
+    /// No light comes to the film's centre.
+    #[error("lens \"{0}\" leaves the centre of the film dark; give another --filmdistance or stop")]
+    Dark(String),
+    /// It sees parallel to the axis.
+    #[error(
+        "lens \"{0}\" has its entrance pupil at infinity: it sees parallel to its axis, and no camera with a projection centre does"
+    )]
+    Telecentric(String),
+    /// A plane in focus that its pinhole cannot see.
+    #[error(
+        "lens \"{lens}\" is focused {} mm in front of its film, which is not in front of its entrance pupil; focus farther away",
+        short(*.distance)
+    )]
+    TooNear {
+        /// The lens.
+        lens: String,
+        /// From the film to the plane in focus, mm.
+        distance: f64,
+    },
+}
+
+/// How many times as far as the plane in focus is on the axis an object may be off the axis.
+///
+/// A ray at 90 degrees never meets the plane. An object ten times as far is seen as one at infinity is, but for a tenth of
+/// what the pupil's walk is worth in focus.
+const FARTHEST: f64 = 10.0;
+
+impl ChiefField {
+    /// The rays of `count` film points, evenly apart.
+    ///
+    /// # Errors
+    /// No light on the axis, or nothing that a pinhole could stand for.
+    pub fn new(lens: &Lens, film: Film, count: u32) -> Result<Self, FieldError> {
+        let field = Field::new(lens, film.z);
+        let corner = 0.5 * film.diagonal;
+        let lit = field.lit_radius(corner).ok_or_else(|| FieldError::Dark(lens.name.clone()))?;
+        let stop = lens.stop_index().unwrap_or_else(|| limiting_surface(lens));
+        let pinhole = EntrancePupil::of_surface(lens, stop)
+            .position()
+            .ok_or_else(|| FieldError::Telecentric(lens.name.clone()))?;
+        // Beyond the image of infinity nothing is in focus, and infinity is the nearest to it.
+        let distance = Focus::new(lens)
+            .ok()
+            .and_then(|focus| focus.object_distance(lens.rear().vertex - film.z))
+            .unwrap_or(f64::INFINITY);
+        let in_focus = film.z + distance;
+        if !(in_focus > pinhole.max(0.0)) {
+            return Err(FieldError::TooNear { lens: lens.name.clone(), distance });
+        }
+        let rays = field.chief_rays(lit / f64::from(count - 1), count);
+        let step = film.pixel().recip();
+        let mut rings: Vec<Ring> = rays
+            .iter()
+            .map(|(height, ray)| {
+                let ([_, y, z], [_, dy, dz]) = (ray.origin, ray.direction);
+                // The image is upside down: a film point above the axis sees what is below. On the axis no sign is left.
+                let (origin, direction) = ([0.0 - y, z], [0.0 - dy, dz]);
+                let pupil = if *height > 0.0 { z - y * dz / dy } else { pinhole };
+                let angle = seen(origin, direction, pinhole, in_focus);
+                Ring { radius: height * step, origin, direction, pupil, angle, share: 0.0 }
+            })
+            .collect();
+        let area: f64 = film.size.iter().map(|&side| f64::from(side)).product();
+        let width = lit * step / f64::from(count - 1);
+        for ring in &mut rings {
+            ring.share = if ring.radius > 0.0 { film.arc(ring.radius) * ring.radius * width / area } else { 0.0 };
+        }
+        let lit = rings.last().map_or(0.0, |ring| ring.radius);
+        if !(lit > 0.0) {
+            return Err(FieldError::Dark(lens.name.clone()));
+        }
+        Ok(Self { film, pinhole, in_focus, lit, rings })
+    }
+
+    /// The same rays where the objects lie in another plane, at z = `plane`.
+    pub fn looking_at(&self, plane: f64) -> Self {
+        let angle = |ring: &Ring| seen(ring.origin, ring.direction, self.pinhole, plane);
+        let rings = self.rings.iter().map(|ring| Ring { angle: angle(ring), ..*ring }).collect();
+        Self { rings, in_focus: plane, ..self.clone() }
+    }
+
+    /// The rays within an angle from the axis.
+    pub fn within(&self, angle: f64) -> Self {
+        let rings: Vec<Ring> = self.rings.iter().copied().take_while(|ring| ring.angle < angle).collect();
+        let lit = rings.last().map_or(0.0, |ring| ring.radius);
+        Self { rings, lit, ..self.clone() }
+    }
+
+    /// The largest angle from the axis, and the greatest way that the pupil walks from the pinhole, mm.
+    pub fn extent(&self) -> (f64, f64) {
+        let walk = |ring: &Ring| (ring.pupil - self.pinhole).abs();
+        let most = |value: &dyn Fn(&Ring) -> f64| self.rings.iter().map(value).fold(0.0, f64::max);
+        (most(&|ring| ring.angle), most(&walk))
+    }
+
+    /// Share of the film that has light.
+    pub fn share(&self) -> f64 {
+        let share: f64 = self.rings.iter().map(|ring| ring.share).sum();
+        share.min(1.0)
+    }
+
+    /// Pixels of a pinhole's image per unit of the tangent, in the middle of the film.
+    pub fn central_scale(&self) -> f64 {
+        // Distortion is of third order: the ring nearest the axis has none.
+        let ring = self.rings[1.min(self.rings.len() - 1)];
+        ring.radius / ring.angle.tan()
+    }
+
+    /// A value of every ring as a function of the distance from the centre in pixels.
+    pub fn odd(&self, value: impl Fn(&Ring) -> f64) -> Table {
+        Table::odd(self.step(), self.rings.iter().map(value).collect())
+    }
+
+    /// The same for a value that does not change its sign across the axis.
+    pub fn even(&self, value: impl Fn(&Ring) -> f64) -> Table {
+        Table::even(self.step(), self.rings.iter().map(value).collect())
+    }
+
+    fn step(&self) -> f64 {
+        self.rings[1.min(self.rings.len() - 1)].radius
+    }
+
+    /// The point in focus of a ring's ray; none where it lies at infinity.
+    pub fn point(&self, ring: &Ring) -> Option<[f64; 2]> {
+        point(ring.origin, ring.direction, self.pinhole, self.in_focus)
+    }
+}
+
+/// The point of a ray on the plane z = `plane`, or [`FARTHEST`] times as far from the pinhole as that is where the ray meets
+/// the plane farther away or not at all.
+fn point([h, z]: [f64; 2], [dh, dz]: [f64; 2], pinhole: f64, plane: f64) -> Option<[f64; 2]> {
+    if plane == f64::INFINITY {
+        return None;
+    }
+    let at = |along: f64| [h + along * dh, z + along * dz];
+    let most = FARTHEST * (plane - pinhole);
+    let along = (plane - z) / dz;
+    let [x, y] = at(along);
+    if along > 0.0 && x.hypot(y - pinhole) <= most {
+        return Some([x, y]);
+    }
+    // |o + along d - pinhole| = most, the root ahead.
+    let half = h * dh + (z - pinhole) * dz;
+    let rest = h * h + (z - pinhole).powi(2) - most * most;
+    Some(at((half * half - rest).max(0.0).sqrt() - half))
+}
+
+/// The angle from the axis at which the pinhole sees a ray's point in focus.
+fn seen(origin: [f64; 2], direction: [f64; 2], pinhole: f64, plane: f64) -> f64 {
+    let [x, y] = match point(origin, direction, pinhole, plane) {
+        Some([h, z]) => [h, z - pinhole],
+        None => direction,
+    };
+    x.atan2(y)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    #[test]
+    fn the_circles_of_a_film_have_its_area() {
+        let film = Film { size: [480, 320], diagonal: 35.0, z: -60.0 };
+        let step = film.corner() / 20_000.0;
+        let area: f64 = (1..=20_000).map(|i| f64::from(i) * step).map(|r| film.arc(r) * r * step).sum();
+        assert!((area / (480.0 * 320.0) - 1.0).abs() < 1e-3, "{area}");
+        assert!((film.arc(100.0) - 2.0 * PI).abs() < 1e-12 && film.arc(film.corner() + 1.0) == 0.0);
+        assert!((film.pixel() * 480.0_f64.hypot(320.0) - 35.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn objects_lie_on_the_plane_in_focus_and_beside_the_lens_on_a_sphere() {
+        let [h, z] = point([1.0, 0.0], [0.6, 0.8], -10.0, 790.0).unwrap();
+        assert!((h - 593.5).abs() < 1e-9 && (z - 790.0).abs() < 1e-9);
+        let [h, z] = point([3.0, 0.0], [0.8, -0.6], -10.0, 790.0).unwrap();
+        assert!((h.hypot(z + 10.0) - 8000.0).abs() < 1e-6 && h > 0.0 && z < 0.0);
+        assert_eq!(point([3.0, 0.0], [0.8, -0.6], -10.0, f64::INFINITY), None);
+    }
+}

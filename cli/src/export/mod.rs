@@ -1,0 +1,27 @@
+//! A lens as other programs take it: distortion models, maps, illumination and spots.
+//!
+//! [`field`] samples the exact chief rays along one radius of the film, which is all of them: the lens is symmetric about its
+//! axis. A [`law`] is the shape of a radial model and its coefficients, which [`fit`] finds by least squares; a [`model`] is
+//! a law by the name that other programs know. [`report`] compares a model with the exact rays, [`text`] writes it in a
+//! program's own words, and [`map`] writes values per pixel. Distances on the film are in pixels from its centre, lengths
+//! in mm, angles in radians.
+
+mod field;
+mod fit;
+mod illumination;
+mod law;
+mod map;
+mod model;
+mod report;
+mod spot;
+mod table;
+mod text;
+
+pub use field::{ChiefField, FieldError, Film};
+pub use illumination::Illumination;
+pub use law::Quantity;
+pub use map::{rays, st_maps};
+pub use model::{Fitted, Model};
+pub use report::{Errors, Focus, Report};
+pub use spot::{Spot, spots};
+pub use text::{LensData, ftheta_usda, opencv_yaml, opentrackio_json, usda};

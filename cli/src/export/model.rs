@@ -1,0 +1,151 @@
+//! The models that other programs know, and how each is fitted to a lens.
+
+use super::field::ChiefField;
+use super::fit::fit;
+use super::law::{Law, Quantity, Shape};
+use serde_json::{Value, json};
+
+/// A camera model of other programs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Model {
+    /// No distortion: the image scale in the middle.
+    Pinhole,
+    /// Brown's polynomial in the tangent, k1, k2, k3 (`OpenCV`).
+    OpenCv,
+    /// The quotient k1 to k6 (`OpenCV`'s rational model).
+    OpenCvRational,
+    /// A polynomial in the angle, k1 to k4 (Kannala and Brandt; `OpenCV`'s fisheye).
+    KannalaBrandt,
+    /// The angle as a polynomial of the radius, k1 to k4 (NVIDIA).
+    FTheta,
+    /// The undistorted radius as a quotient of the distorted one, l1 to l6 (`OpenTrackIO`'s Brown-Conrady D-U).
+    OpenTrackIo,
+}
+
+/// A model with its numbers for a lens.
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    /// The model.
+    pub model: Model,
+    /// Its numbers.
+    pub law: Law,
+    /// The rays that it was fitted to: all, or for a model that cannot see sideways those that it can hold.
+    pub held: ChiefField,
+}
+
+/// How far from the axis models that project onto a plane are fitted: tan 80° is 5.7, and a polynomial in the tangent that
+/// goes farther is bad everywhere.
+pub const PLANE_REACH: f64 = 80.0_f64.to_radians();
+
+impl Model {
+    /// All, in the order of tables.
+    pub const ALL: [Self; 6] =
+        [Self::Pinhole, Self::OpenCv, Self::OpenCvRational, Self::OpenTrackIo, Self::KannalaBrandt, Self::FTheta];
+
+    /// What `--as` calls it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Pinhole => "usd",
+            Self::OpenCv => "opencv",
+            Self::OpenCvRational => "opencv-rational",
+            Self::KannalaBrandt => "kannala-brandt",
+            Self::FTheta => "ftheta",
+            Self::OpenTrackIo => "opentrackio",
+        }
+    }
+
+    fn shape(self) -> Shape {
+        use Quantity::{Angle, Radius, Tangent};
+        let (from, to, power, terms) = match self {
+            Self::Pinhole => (Tangent, Radius, 2, [0, 0]),
+            Self::OpenCv => (Tangent, Radius, 2, [3, 0]),
+            Self::OpenCvRational => (Tangent, Radius, 2, [3, 3]),
+            Self::KannalaBrandt => (Angle, Radius, 2, [4, 0]),
+            Self::FTheta => (Radius, Angle, 1, [3, 0]),
+            Self::OpenTrackIo => (Radius, Tangent, 2, [3, 3]),
+        };
+        Shape { from, to, power, terms }
+    }
+
+    /// Whether it projects onto a plane, and so sees less than 90 degrees from the axis.
+    pub fn is_planar(self) -> bool {
+        let Shape { from, to, .. } = self.shape();
+        from == Quantity::Tangent || to == Quantity::Tangent
+    }
+
+    /// Its numbers for these rays.
+    pub fn fitted(self, field: &ChiefField) -> Fitted {
+        let held = if self.is_planar() { field.within(PLANE_REACH) } else { field.clone() };
+        let scale = match self {
+            Self::Pinhole => Some(field.central_scale()),
+            // Both directions have one focal length.
+            Self::OpenTrackIo => Some(fit(Self::OpenCvRational.shape(), &held, None).scale.recip()),
+            _ => None,
+        };
+        let law = fit(self.shape(), &held, scale);
+        Fitted { model: self, law, held }
+    }
+}
+
+impl Fitted {
+    /// The focal length in pixels, of the image's middle.
+    pub fn focal_length(&self) -> f64 {
+        let Law { shape, scale, .. } = self.law;
+        if shape.to == Quantity::Radius { scale } else { scale.recip() }
+    }
+
+    /// The numbers as the model's own programs name them; pixels and radians.
+    pub fn parameters(&self) -> Value {
+        let [width, height] = self.held.film.size.map(f64::from);
+        let Law { scale, numerator: n, denominator: d, .. } = &self.law;
+        match self.model {
+            Model::Pinhole | Model::OpenCv | Model::OpenCvRational | Model::KannalaBrandt => json!({
+                "fx_px": scale, "fy_px": scale,
+                // The middle of the film where pixel (0, 0) has its centre at (0, 0).
+                "cx_px": 0.5 * width - 0.5, "cy_px": 0.5 * height - 0.5,
+                "distortion": self.distortion(),
+            }),
+            Model::FTheta => json!({
+                "k": self.distortion(),
+                "optical_center_px": [0.5 * width, 0.5 * height],
+                "max_fov_deg": self.full_field(),
+            }),
+            Model::OpenTrackIo => json!({
+                "pinhole_focal_length_mm": self.focal_length() * self.held.film.pixel(),
+                "radial_per_mm": self.radial(n, d),
+            }),
+        }
+    }
+
+    /// The coefficients in the order of the model's own programs, in pixels and radians.
+    pub fn distortion(&self) -> Vec<f64> {
+        let Law { scale, numerator: n, denominator: d, .. } = &self.law;
+        match self.model {
+            Model::Pinhole => vec![],
+            // By symmetry p1 and p2 are 0.
+            Model::OpenCv | Model::OpenCvRational => [&[n[0], n[1], 0.0, 0.0, n[2]], &d[..]].concat(),
+            Model::KannalaBrandt => n.clone(),
+            Model::FTheta => [0.0, *scale].into_iter().chain(n.iter().map(|k| scale * k)).collect(),
+            Model::OpenTrackIo => self.radial(n, d),
+        }
+    }
+
+    /// Numerator and denominator in turn, for radii in mm.
+    fn radial(&self, numerator: &[f64], denominator: &[f64]) -> Vec<f64> {
+        let Law { shape, scale, .. } = &self.law;
+        // The argument is the radius in pixels, or the tangent, which is the undistorted radius over the focal length.
+        let unit = if shape.from == Quantity::Radius { 1.0 } else { *scale } * self.held.film.pixel();
+        let pairs = (1..).zip(numerator.iter().zip(denominator));
+        pairs.flat_map(|(i, (n, d))| [n, d].map(|a| a / unit.powi(2 * i))).collect()
+    }
+
+    /// The same of a quotient that takes the tangent: `OpenTrackIO`'s U-D.
+    pub fn radial_from_undistorted(&self) -> Vec<f64> {
+        self.radial(&self.law.numerator, &self.law.denominator)
+    }
+
+    /// The field that it holds, degrees across.
+    pub fn full_field(&self) -> f64 {
+        2.0 * self.held.extent().0.to_degrees()
+    }
+}

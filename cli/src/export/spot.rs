@@ -1,0 +1,152 @@
+//! The spot: how the image of a point is spread on the film, by rays.
+
+use super::field::{ChiefField, Ring};
+use realistic::unstable::lens::{Lens, Ray};
+use realistic::unstable::trace::Path;
+use serde_json::{Value, json};
+
+/// The image of one object point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spot {
+    /// Where its chief ray meets the film, pixels from the centre.
+    pub radius: f64,
+    /// Degrees from the axis at which the pinhole sees it.
+    pub angle: f64,
+    /// Rays that came through.
+    pub rays: usize,
+    /// How much farther from the film's centre than the chief ray the rays are in the mean, mm.
+    pub offset: f64,
+    /// Root of the mean squared distance from the mean, mm: away from the film's centre, and across.
+    pub rms: [f64; 2],
+    /// Radii about the mean that hold half of the light, and 80 % of it, mm.
+    pub encircled: [f64; 2],
+}
+
+/// Object points: shares of the lit radius.
+const FIELDS: [f64; 7] = [0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 1.0];
+/// Rays across the beam.
+const GRID: u32 = 64;
+
+/// The spots of object points in focus, from the axis to where light ends.
+pub fn spots(lens: &Lens, field: &ChiefField) -> Vec<Spot> {
+    let path = Path::<f64>::scene_to_film(lens);
+    let last = (field.rings.len() - 1) as f64;
+    let ring = |share: &f64| field.rings[(share * last).round() as usize];
+    FIELDS.iter().map(ring).filter_map(|ring| Spot::of(&path, lens, field, &ring)).collect()
+}
+
+/// A ray through the lens: where it crosses the beam, where it meets the film, and how much light it carries.
+struct Landed {
+    across: [f64; 2],
+    film: [f64; 2],
+    weight: f64,
+}
+
+impl Spot {
+    /// Rays from the object of a ring, evenly over the plane at right angles to the chief ray.
+    fn of(path: &Path, lens: &Lens, field: &ChiefField, ring: &Ring) -> Option<Self> {
+        let front = lens.front().semi_diameter;
+        let object = field.point(ring);
+        let shoot = |[a, b]: [f64; 2]| {
+            let ([h, z], [dh, dz]) = (ring.origin, ring.direction);
+            // The one direction lies in the plane through the axis, the other is x.
+            let through = [b, h + a * dz, z - a * dh];
+            let (origin, direction, weight) = match object {
+                Some([y, z]) => {
+                    let way = [through[0], through[1] - y, through[2] - z];
+                    let length = way.iter().map(|d| d * d).sum::<f64>().sqrt();
+                    let cosine = -(way[1] * dh + way[2] * dz) / length;
+                    ([0.0, y, z], way, cosine / (length * length))
+                }
+                None => {
+                    let back = [0.0, dh, dz].map(|d| 4.0 * front * d);
+                    let origin = [0, 1, 2].map(|i| through[i] + back[i]);
+                    (origin, [0.0, -dh, -dz], 1.0)
+                }
+            };
+            let out = path.trace(Ray { origin, direction }).ok()?;
+            let along = (field.film.z - out.origin[2]) / out.direction[2];
+            let [x, y] = [0, 1].map(|i| out.origin[i] + along * out.direction[i]);
+            // The image is upside down.
+            Some(Landed { across: [a, b], film: [-y, x], weight })
+        };
+        let grid = |[a0, a1]: [f64; 2], [b0, b1]: [f64; 2]| -> Vec<Landed> {
+            let at = |from: f64, to: f64, i: u32| from + (to - from) * (f64::from(i) + 0.5) / f64::from(GRID);
+            let all = (0..GRID).flat_map(|i| (0..GRID).map(move |j| [i, j]));
+            all.filter_map(|[i, j]| shoot([at(a0, a1, i), at(b0, b1, j)])).collect()
+        };
+        // The beam may be a small part of the front: look about the chief ray ever closer, and then at the beam alone.
+        let mut reach = 2.0 * (front + ring.origin[0].abs());
+        let mut found = Vec::new();
+        for _ in 0..8 {
+            found = grid([-reach, reach], [-reach, reach]);
+            if found.len() >= 16 {
+                break;
+            }
+            reach /= 4.0;
+        }
+        let margin = 2.0 * reach / f64::from(GRID);
+        let range = |axis: usize| {
+            let places = found.iter().map(|ray| ray.across[axis]);
+            let [low, high] = [places.clone().fold(f64::MAX, f64::min), places.fold(f64::MIN, f64::max)];
+            [low - margin, high + margin]
+        };
+        let rays = grid(range(0), range(1));
+        let light: f64 = rays.iter().map(|ray| ray.weight).sum();
+        if !(light > 0.0) {
+            return None;
+        }
+        let mean = |value: &dyn Fn(&Landed) -> f64| {
+            rays.iter().map(|ray| ray.weight * value(ray)).sum::<f64>() / light
+        };
+        let centre = [0, 1].map(|axis| mean(&|ray| ray.film[axis]));
+        let rms = [0, 1].map(|axis| mean(&|ray| (ray.film[axis] - centre[axis]).powi(2)).sqrt());
+        let mut radii: Vec<(f64, f64)> = rays
+            .iter()
+            .map(|ray| ((ray.film[0] - centre[0]).hypot(ray.film[1] - centre[1]), ray.weight))
+            .collect();
+        radii.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let encircled = [0.5, 0.8].map(|share| {
+            let mut held = 0.0;
+            let holds = |(_, weight): &&(f64, f64)| {
+                held += weight;
+                held >= share * light
+            };
+            radii.iter().find(holds).map_or(0.0, |(radius, _)| *radius)
+        });
+        Some(Self {
+            radius: ring.radius,
+            angle: ring.angle.to_degrees(),
+            rays: rays.len(),
+            offset: centre[0] - ring.radius * field.film.pixel(),
+            rms,
+            encircled,
+        })
+    }
+
+    /// As JSON.
+    pub fn json(&self, pixel: f64) -> Value {
+        json!({
+            "film_radius_px": self.radius,
+            "angle_deg": self.angle,
+            "rays": self.rays,
+            "offset_mm": self.offset,
+            "rms_radial_mm": self.rms[0],
+            "rms_tangential_mm": self.rms[1],
+            "encircled_50_mm": self.encircled[0],
+            "encircled_80_mm": self.encircled[1],
+            "rms_px": self.rms[0].hypot(self.rms[1]) / pixel,
+        })
+    }
+
+    /// A line of a table of commas.
+    pub fn line(&self) -> String {
+        let numbers = [self.offset, self.rms[0], self.rms[1], self.encircled[0], self.encircled[1]];
+        let numbers = numbers.map(|number| format!("{number:.6}")).join(",");
+        format!("{:.3},{:.4},{},{numbers}\n", self.radius, self.angle, self.rays)
+    }
+
+    /// The names of the columns.
+    pub const HEADER: &'static str =
+        "film_radius_px,angle_deg,rays,offset_mm,rms_radial_mm,rms_tangential_mm,encircled_50_mm,encircled_80_mm\n";
+}

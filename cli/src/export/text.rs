@@ -1,0 +1,166 @@
+//! Models in the files of other programs.
+
+use super::field::ChiefField;
+use super::illumination::Illumination;
+use super::model::{Fitted, Model};
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+
+/// What is said of the lens beside its model.
+#[derive(Clone, Copy, Debug)]
+pub struct LensData<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// Focal length, mm.
+    pub focal_length: f64,
+    /// Focal length over entrance pupil.
+    pub fnumber: f64,
+    /// nm.
+    pub wavelength: f64,
+    /// From the last vertex to the film, mm.
+    pub film_distance: f64,
+    /// mm per world unit.
+    pub mm_per_unit: f64,
+}
+
+/// `OpenCV`'s own file of a calibration, as `cv2.FileStorage` reads it.
+pub fn opencv_yaml(fitted: &Fitted, rms: f64) -> String {
+    let [width, height] = fitted.held.film.size;
+    let (scale, distortion) = (fitted.law.scale, fitted.distortion());
+    let [cx, cy] = [width, height].map(|side| 0.5 * f64::from(side) - 0.5);
+    let model = if fitted.model == Model::KannalaBrandt { "fisheye" } else { "pinhole" };
+    let numbers = |all: &[f64]| all.iter().map(|x| format!("{x:e}")).collect::<Vec<_>>().join(", ");
+    format!(
+        "%YAML:1.0\n---\nimage_width: {width}\nimage_height: {height}\ncamera_model: \"{model}\"\n\
+         camera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ {} ]\n\
+         distortion_coefficients: !!opencv-matrix\n   rows: 1\n   cols: {}\n   dt: d\n   data: [ {} ]\n\
+         avg_reprojection_error: {rms:e}\n",
+        numbers(&[scale, 0.0, cx, 0.0, scale, cy, 0.0, 0.0, 1.0]),
+        distortion.len(),
+        numbers(&distortion)
+    )
+}
+
+/// A sample of `OpenTrackIO`: distortion in both directions, D-U first, for radii in mm.
+///
+/// `undistorted` is the model of the other direction, [`Model::OpenCvRational`], of the same rays.
+pub fn opentrackio_json(
+    lens: &LensData<'_>,
+    fitted: &Fitted,
+    undistorted: &Fitted,
+    illumination: Option<&Illumination>,
+) -> Value {
+    let film = fitted.held.film;
+    let [width, height] = film.half().map(|half| 2.0 * half * film.pixel());
+    let scale = fitted.focal_length();
+    // How much larger than the film the undistorted picture is, and how much larger than its part on the film the lens's.
+    let ratios = fitted.held.rings[1..].iter().map(|ring| scale * ring.angle.tan() / ring.radius);
+    let overscan = ratios.clone().fold(1.0, f64::max);
+    let other = ratios.map(f64::recip).fold(1.0, f64::max);
+    let rays = &fitted.held;
+    let mut value = json!({
+        "protocol": { "name": "OpenTrackIO", "version": [1, 0, 1] },
+        "static": {
+            "camera": {
+                "activeSensorPhysicalDimensions": { "width": width, "height": height },
+                "activeSensorResolution": { "width": film.size[0], "height": film.size[1] },
+            },
+            "lens": { "model": lens.name, "nominalFocalLength": lens.focal_length },
+        },
+        "lens": {
+            "distortion": [
+                { "model": "Brown-Conrady D-U", "radial": fitted.distortion(), "overscan": overscan },
+                { "model": "Brown-Conrady U-D", "radial": undistorted.radial_from_undistorted(), "overscan": other },
+            ],
+            "entrancePupilOffset": (rays.pinhole - film.z) / 1000.0,
+            "fStop": lens.fnumber,
+            "pinholeFocalLength": scale * film.pixel(),
+            "projectionOffset": { "x": 0.0, "y": 0.0 },
+        },
+    });
+    let distance = rays.in_focus - film.z;
+    // Its schema has no infinity: a lens focused there has no such number.
+    if distance.is_finite() {
+        value["lens"]["focusDistance"] = json!(distance / 1000.0);
+    }
+    if let Some([a1, a2, a3]) = illumination.map(|light| light.falloff_per_mm()).as_deref() {
+        value["lens"]["exposureFalloff"] = json!({ "a1": a1, "a2": a2, "a3": a3 });
+    }
+    value
+}
+
+/// How far infinity is in files that have none, mm.
+const INFINITY: f64 = 1e9;
+
+/// The camera of a USD file: the attributes of `UsdGeomCamera`, lengths of the film in tenths of a unit.
+fn camera(lens: &LensData<'_>, rays: &ChiefField) -> String {
+    let tenth = 0.1 * lens.mm_per_unit;
+    let film = rays.film;
+    let [width, height] = film.half().map(|half| 2.0 * half * film.pixel() / tenth);
+    let focal_length = rays.central_scale() * film.pixel() / tenth;
+    let distance = (rays.in_focus - rays.pinhole).min(INFINITY) / lens.mm_per_unit;
+    let (near, far) = (rays.central_scale() * film.pixel() / lens.mm_per_unit, INFINITY / lens.mm_per_unit);
+    format!(
+        "    token projection = \"perspective\"\n    float focalLength = {focal_length}\n    float horizontalAperture = {width}\n    \
+         float verticalAperture = {height}\n    float horizontalApertureOffset = 0\n    float verticalApertureOffset = 0\n    \
+         float focusDistance = {distance}\n    float fStop = {}\n    float2 clippingRange = ({near}, {far})\n",
+        lens.fnumber
+    )
+}
+
+/// A USD file with a camera, to be referenced or copied: its origin is the projection centre, it looks along -z.
+fn stage(lens: &LensData<'_>, schema: &str, attributes: &str) -> String {
+    format!(
+        "#usda 1.0\n(\n    defaultPrim = \"Camera\"\n    metersPerUnit = {}\n    upAxis = \"Y\"\n)\n\ndef Camera \
+         \"Camera\"{schema}\n{{\n{attributes}}}\n",
+        lens.mm_per_unit / 1000.0
+    )
+}
+
+/// `UsdGeomCamera` as text, without distortion, and what the lens is besides as attributes of our own.
+pub fn usda(lens: &LensData<'_>, rays: &ChiefField, illumination: Option<&Illumination>, worst: f64) -> String {
+    let mut text = camera(lens, rays);
+    let quoted = lens.name.replace('\\', "\\\\").replace('"', "\\\"");
+    let _ = writeln!(text, "    custom string realistic:lens = \"{quoted}\"");
+    let mut number = |name: &str, value: f64| {
+        if value.is_finite() {
+            let _ = writeln!(text, "    custom double realistic:{name} = {value}");
+        }
+    };
+    number("wavelengthNm", lens.wavelength);
+    number("effectiveFocalLengthMm", lens.focal_length);
+    number("filmDistanceMm", lens.film_distance);
+    number("entrancePupilFromFilmMm", rays.pinhole - rays.film.z);
+    number("pupilWalkMm", rays.extent().1);
+    number("worstErrorPixels", worst);
+    let [width, height] = rays.film.size;
+    let _ = writeln!(text, "    custom int2 realistic:filmPixels = ({width}, {height})");
+    let mut numbers = |name: &str, values: &[f64]| {
+        let values = values.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
+        let _ = writeln!(text, "    custom double[] realistic:{name} = [{values}]");
+    };
+    // The focal length in pixels, then the coefficients.
+    for (name, model) in [("opencv", Model::OpenCv), ("kannalaBrandt", Model::KannalaBrandt)] {
+        let fitted = model.fitted(rays);
+        numbers(name, &[&[fitted.focal_length()], &fitted.distortion()[..]].concat());
+    }
+    if let Some(light) = illumination {
+        numbers("relativeIllumination", &light.polynomial);
+    }
+    stage(lens, "", &text)
+}
+
+/// NVIDIA's f-theta camera: `UsdGeomCamera` with `OmniLensDistortionFthetaAPI`, angles by radii in pixels.
+pub fn ftheta_usda(lens: &LensData<'_>, fitted: &Fitted) -> String {
+    let mut text = camera(lens, &fitted.held);
+    let [width, height] = fitted.held.film.size.map(f64::from);
+    let _ = writeln!(text, "    token omni:lensdistortion:model = \"ftheta\"");
+    let prefix = "omni:lensdistortion:ftheta";
+    let _ = writeln!(text, "    float {prefix}:nominalWidth = {width}\n    float {prefix}:nominalHeight = {height}");
+    let _ = writeln!(text, "    float2 {prefix}:opticalCenter = ({}, {})", 0.5 * width, 0.5 * height);
+    let _ = writeln!(text, "    float {prefix}:maxFov = {}", fitted.full_field());
+    for (i, k) in fitted.distortion().iter().enumerate() {
+        let _ = writeln!(text, "    float {prefix}:k{i} = {k:e}");
+    }
+    stage(lens, " (\n    prepend apiSchemas = [\"OmniLensDistortionFthetaAPI\"]\n)", &text)
+}
