@@ -3,8 +3,8 @@
 use crate::arguments::{LensChoice, OpenedLens, size};
 use crate::console;
 use crate::export::{
-    ChiefField, Errors, FieldError, Film, Fitted, Focus, Illumination, LensData, Model, Quantity, Report, Spot,
-    ftheta_usda, opencv_yaml, opentrackio_json, rays, spots, st_maps, usda,
+    ChiefField, Errors, FieldError, Film, Fitted, Focus, Illumination, LensData, Model, Quantity, Report,
+    Spot, ftheta_usda, opencv_yaml, opentrackio_json, rays, spots, st_maps, usda,
 };
 use crate::failure::Failure;
 use crate::files;
@@ -140,7 +140,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         film_distance,
         mm_per_unit: opened.parameters().mmperunit.unwrap_or(1.0),
     };
-    let mut more = vec![];
+    let (mut more, mut lines) = (vec![], vec![]);
     match format {
         Format::StMap => {
             if let Some(out) = out {
@@ -162,6 +162,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             if let Some(out) = out {
                 light.map().write(out)?;
             }
+            let [a1, a2, a3] = [0, 1, 2].map(|i| light.polynomial[i]);
+            let [worst, rms] = light.errors.map(|error| 100.0 * error);
+            lines.push((
+                "illumination",
+                format!("1 {a1:+.5} q^2 {a2:+.5} q^4 {a3:+.5} q^6 with q = 1 in the corner; worst {worst:.2} %, RMS {rms:.2} %"),
+            ));
             more.push(("illumination", light.json()));
         }
         Format::Spot => {
@@ -198,6 +204,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         errors,
         breathing: &breathing,
         more: &more,
+        lines: &lines,
     };
     let text = if args.json { format!("{:#}\n", report.json()) } else { report.text() };
     if args.json {
@@ -252,7 +259,10 @@ fn save(out: &Path, text: &str) -> Result<(), Failure> {
 
 fn illumination(lens: &Lens, film: Film, field: &ChiefField) -> Result<Illumination, Failure> {
     Illumination::of(lens, film, field.lit).ok_or_else(|| {
-        Failure::Other(format!("the film of lens \"{}\" lies in its glass; give a larger --filmdistance", lens.name))
+        Failure::Other(format!(
+            "the film of lens \"{}\" lies in its glass; give a larger --filmdistance",
+            lens.name
+        ))
     })
 }
 

@@ -144,7 +144,8 @@ impl ChiefField {
         let area: f64 = film.size.iter().map(|&side| f64::from(side)).product();
         let width = lit * step / f64::from(count - 1);
         for ring in &mut rings {
-            ring.share = if ring.radius > 0.0 { film.arc(ring.radius) * ring.radius * width / area } else { 0.0 };
+            ring.share =
+                if ring.radius > 0.0 { film.arc(ring.radius) * ring.radius * width / area } else { 0.0 };
         }
         let lit = rings.last().map_or(0.0, |ring| ring.radius);
         if !(lit > 0.0) {

@@ -54,13 +54,15 @@ impl Illumination {
             *value /= middle;
         }
         let square = |radius: f64| (radius / film.corner()).powi(2);
-        let points: Vec<(f64, f64)> = values.iter().map(|(radius, value)| (square(*radius), *value)).collect();
+        let points: Vec<(f64, f64)> =
+            values.iter().map(|(radius, value)| (square(*radius), *value)).collect();
         let polynomial = polynomial(&points, TERMS);
         let off = points.iter().map(|(z, value)| {
             let sum = polynomial.iter().rev().fold(0.0, |sum, a| z * (sum + a));
             (1.0 + sum - value).abs()
         });
-        let (worst, squares) = off.fold((0.0, 0.0), |(worst, sum): (f64, f64), e| (worst.max(e), sum + e * e));
+        let (worst, squares) =
+            off.fold((0.0, 0.0), |(worst, sum): (f64, f64), e| (worst.max(e), sum + e * e));
         let errors = [worst, (squares / points.len() as f64).sqrt()];
         Some(Self { film, values, lit, polynomial, errors })
     }

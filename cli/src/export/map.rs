@@ -30,7 +30,10 @@ impl Map {
         let [width, height] = size;
         let row = |y: u32| {
             let centre = |i: u32, side: u32| f64::from(i) + 0.5 - 0.5 * f64::from(side);
-            (0..width).flat_map(|x| at([centre(x, width), centre(y, height)])).map(|value| value as f32).collect()
+            (0..width)
+                .flat_map(|x| at([centre(x, width), centre(y, height)]))
+                .map(|value| value as f32)
+                .collect()
         };
         let rows: Vec<Vec<f32>> = (0..height).into_par_iter().map(row).collect();
         Self { size, channels: channels.to_vec(), values: rows.concat() }

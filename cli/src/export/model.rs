@@ -38,10 +38,6 @@ pub struct Fitted {
 pub const PLANE_REACH: f64 = 80.0_f64.to_radians();
 
 impl Model {
-    /// All, in the order of tables.
-    pub const ALL: [Self; 6] =
-        [Self::Pinhole, Self::OpenCv, Self::OpenCvRational, Self::OpenTrackIo, Self::KannalaBrandt, Self::FTheta];
-
     /// What `--as` calls it.
     pub fn name(self) -> &'static str {
         match self {

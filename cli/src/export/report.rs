@@ -126,13 +126,14 @@ pub struct Report<'a> {
     pub errors: Option<Errors>,
     /// The lens at other distances.
     pub breathing: &'a [Focus],
-    /// What a format adds.
+    /// What a format adds to the JSON.
     pub more: &'a [(&'static str, Value)],
+    /// What a format adds to the words: names and lines.
+    pub lines: &'a [(&'static str, String)],
 }
 
 impl Report<'_> {
-    /// How near the objects are for which parallax is reported: a twentieth of what they are in focus, and at least 20 mm in
-    /// front of a lens of 1 mm.
+    /// z of the objects for which parallax is reported: 20 focal lengths in front of the pinhole.
     fn near(&self) -> f64 {
         self.rays.pinhole + 20.0 * self.rays.central_scale() * self.rays.film.pixel()
     }
@@ -197,7 +198,8 @@ impl Report<'_> {
             let near = Errors::of_model(model, &rays.looking_at(self.near()));
             value["parameters"] = model.parameters();
             value["held_half_field_deg"] = json!(model.held.extent().0.to_degrees());
-            value["monotonic"] = json!({ "to_deg": angle.to_degrees(), "to_px": radius, "over_the_fit": whole });
+            value["monotonic"] =
+                json!({ "to_deg": angle.to_degrees(), "to_px": radius, "over_the_fit": whole });
             value["near_object"] = json!({ "distance_mm": self.near() - film.z, "errors": near.json() });
         }
         for (key, more) in self.more {
@@ -238,7 +240,11 @@ impl Report<'_> {
         );
         let lit = rays.share();
         let dark = if lit < 0.9995 {
-            format!("; light ends {} pixels from the centre, {:.1} % of the film have it", fixed(rays.lit, 1), 100.0 * lit)
+            format!(
+                "; light ends {} pixels from the centre, {:.1} % of the film have it",
+                fixed(rays.lit, 1),
+                100.0 * lit
+            )
         } else {
             String::new()
         };
@@ -271,7 +277,11 @@ impl Report<'_> {
             let words = if whole { "over the whole fit, to" } else { "only to" };
             line(
                 "inverse",
-                format!("monotonic {words} {} degrees, {} pixels", fixed(angle.to_degrees(), 2), fixed(radius, 0)),
+                format!(
+                    "monotonic {words} {} degrees, {} pixels",
+                    fixed(angle.to_degrees(), 2),
+                    fixed(radius, 0)
+                ),
             );
             let near = Errors::of_model(model, &rays.looking_at(self.near()));
             line(
@@ -291,6 +301,9 @@ impl Report<'_> {
                 fixed(walk, 4)
             ),
         );
+        for (name, words) in self.lines {
+            line(name, words.clone());
+        }
         for focus in self.breathing {
             let errors = focus.errors.map_or_else(String::new, |errors| {
                 format!(", this model's worst error {} pixels", digits(errors.worst))

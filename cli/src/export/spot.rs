@@ -147,6 +147,5 @@ impl Spot {
     }
 
     /// The names of the columns.
-    pub const HEADER: &'static str =
-        "film_radius_px,angle_deg,rays,offset_mm,rms_radial_mm,rms_tangential_mm,encircled_50_mm,encircled_80_mm\n";
+    pub const HEADER: &'static str = "film_radius_px,angle_deg,rays,offset_mm,rms_radial_mm,rms_tangential_mm,encircled_50_mm,encircled_80_mm\n";
 }

@@ -70,7 +70,8 @@ mod tests {
     #[test]
     fn smooth_functions_come_back_and_so_do_their_inverses() {
         let values = |f: fn(f64) -> f64| (0..65).map(|i| f(f64::from(i) / 64.0)).collect();
-        let (odd, even) = (Table::odd(1.0 / 64.0, values(f64::sin)), Table::even(1.0 / 64.0, values(f64::cos)));
+        let (odd, even) =
+            (Table::odd(1.0 / 64.0, values(f64::sin)), Table::even(1.0 / 64.0, values(f64::cos)));
         let inverse = odd.inverse(65);
         for i in 0..=1000 {
             let x = f64::from(i) / 1000.0;

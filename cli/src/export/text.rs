@@ -118,7 +118,12 @@ fn stage(lens: &LensData<'_>, schema: &str, attributes: &str) -> String {
 }
 
 /// `UsdGeomCamera` as text, without distortion, and what the lens is besides as attributes of our own.
-pub fn usda(lens: &LensData<'_>, rays: &ChiefField, illumination: Option<&Illumination>, worst: f64) -> String {
+pub fn usda(
+    lens: &LensData<'_>,
+    rays: &ChiefField,
+    illumination: Option<&Illumination>,
+    worst: f64,
+) -> String {
     let mut text = camera(lens, rays);
     let quoted = lens.name.replace('\\', "\\\\").replace('"', "\\\"");
     let _ = writeln!(text, "    custom string realistic:lens = \"{quoted}\"");
@@ -156,7 +161,10 @@ pub fn ftheta_usda(lens: &LensData<'_>, fitted: &Fitted) -> String {
     let [width, height] = fitted.held.film.size.map(f64::from);
     let _ = writeln!(text, "    token omni:lensdistortion:model = \"ftheta\"");
     let prefix = "omni:lensdistortion:ftheta";
-    let _ = writeln!(text, "    float {prefix}:nominalWidth = {width}\n    float {prefix}:nominalHeight = {height}");
+    let _ = writeln!(
+        text,
+        "    float {prefix}:nominalWidth = {width}\n    float {prefix}:nominalHeight = {height}"
+    );
     let _ = writeln!(text, "    float2 {prefix}:opticalCenter = ({}, {})", 0.5 * width, 0.5 * height);
     let _ = writeln!(text, "    float {prefix}:maxFov = {}", fitted.full_field());
     for (i, k) in fitted.distortion().iter().enumerate() {

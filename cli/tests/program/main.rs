@@ -1,5 +1,6 @@
 //! The built program, as its user runs it.
 
+mod export;
 mod files;
 mod gallery;
 mod osl;

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from . import _export
 from . import autofocus as _autofocus
 from . import rays as _rays
 from ._abi import CameraInfo, library, text_of
@@ -292,6 +293,39 @@ class Camera:
         options = options_of(parameters, self._resolution, self._pose)
         ask = with_trial if contrast is not None else None
         return _autofocus.film_distance(options, zones, rule, distance, ask)
+
+    def export(self, model: str) -> dict[str, Any]:
+        """The lens as other programs take it: a distortion model, or maps of every pixel.
+
+        Parameters
+        ----------
+        model : str
+            As `realistic export --as` has it: "opencv", "opencv-rational", "kannala-brandt", "ftheta", "opentrackio", "usd",
+            "st-map", "rays", "illumination" or "spot".
+
+        Returns
+        -------
+        dict
+            The program's report, with arrays for lists of numbers: `parameters` of a model; `errors` against exact chief
+            rays, pixels; `breathing`, the same focused elsewhere; `pupil_walk_mm`. Besides, `text`, what a file for another
+            program holds; of "st-map" `undistort` and `distort`, (height, width, 3); of "rays" `origin`, mm in lens space,
+            and `direction`, each (height, width, 3); of "illumination" `map`, (height, width).
+
+        Raises
+        ------
+        FileNotFoundError
+            Where there is no program `realistic`.
+        realistic.Error
+            In the program's words, where it refuses.
+        ValueError
+            For a camera of another model than "lens".
+
+        Notes
+        -----
+        docs/export.md has the formulas. The program that the package carries makes it; pose, shutter and sampling of the
+        camera have no part in it.
+        """
+        return _export.export(self._parameters, self._resolution, self.film_diagonal_mm, model)
 
     def close(self) -> None:
         """Gives the camera's memory back, once calls in other threads are through; a second time does nothing."""

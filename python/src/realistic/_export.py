@@ -1,0 +1,75 @@
+"""A camera's lens as other programs take it: what the program's `export` writes, as arrays."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ._program import program
+from .errors import Error
+
+_MAPS = ("st-map", "rays", "illumination")
+
+
+def _text(value: Any) -> str:
+    """A parameter's value as the command line takes it."""
+    if isinstance(value, (bool, np.bool_)):
+        return "true" if value else "false"
+    if isinstance(value, (str, os.PathLike)):
+        return os.fspath(value)
+    if isinstance(value, (tuple, list, np.ndarray)):
+        return ",".join(repr(float(each)) for each in value)
+    return repr(float(value))
+
+
+def export(
+    parameters: Mapping[str, Any], resolution: tuple[int, int], film_diagonal_mm: float, model: str
+) -> dict[str, Any]:
+    """What `realistic export --as model --json` reports, its arrays as arrays, with the maps or the file that it writes."""
+    given = {"specfile": "dgauss.50mm", **parameters, "filmdiag": film_diagonal_mm}
+    if (of := given.pop("model", "lens")) != "lens":
+        raise ValueError(f'only a camera of model "lens" has a lens to export, and this one is of "{of}"')
+    lens_text = given.pop("lens_text", None)
+    if lens_text is not None:
+        given["specfile"] = "-"
+    words = [f"--param={name}={_text(value)}" for name, value in given.items() if value is not None]
+    size = f"{resolution[0]}x{resolution[1]}"
+    with tempfile.TemporaryDirectory(prefix="realistic-") as folder:
+        out = Path(folder) / ("out.npy" if model in _MAPS else "out.txt")
+        command = [str(program()), "export", "--as", model, "--json", "--quiet", "--size", size, "--out", str(out)]
+        text = lens_text.encode() if isinstance(lens_text, str) else lens_text
+        told = subprocess.run([*command, *words], input=text or b"", capture_output=True, check=False)
+        if told.returncode != 0:
+            said = told.stderr.decode(errors="replace").strip()
+            raise Error(said.removeprefix("realistic: error: ") or f"{command[0]} failed")
+        found: dict[str, Any] = _arrays(json.loads(told.stdout))
+        if model == "st-map":
+            del found["files"]
+            for way in ("undistort", "distort"):
+                found[way] = np.load(out.with_suffix(f".{way}.npy"))
+        elif model == "rays":
+            rays = np.load(out)
+            found["origin"], found["direction"] = rays[..., :3], rays[..., 3:]
+        elif model == "illumination":
+            found["map"] = np.load(out)[..., 0]
+        else:
+            found["text"] = out.read_text()
+    return found
+
+
+def _arrays(value: Any) -> Any:
+    """Lists of numbers as arrays, however deep they lie."""
+    if isinstance(value, dict):
+        return {name: _arrays(each) for name, each in value.items()}
+    if isinstance(value, list):
+        if value and all(isinstance(each, (int, float)) for each in value):
+            return np.asarray(value)
+        return [_arrays(each) for each in value]
+    return value
