@@ -29,7 +29,8 @@ def worst(found, pixels):
 def test_the_rays_are_the_cameras_own(wide):
     """A stop so narrow that every ray of the camera is a chief ray."""
     pixels, directions, exact = chief(wide)
-    pinhole = wide.replace(aperture_diameter=0.02)
+    # In focus where the open lens is: the best focus moves with the stop.
+    pinhole = wide.replace(aperture_diameter=0.02, filmdistance=wide.film_distance_mm)
     rays = pinhole.rays(pixels + 0.5, np.full((1, 2), 0.5))
     assert (rays.weight > 0).all()
     np.testing.assert_allclose(rays.direction * [1, -1, 1], directions, atol=2e-5)
@@ -103,8 +104,9 @@ def test_usd_reads_the_f_theta_camera_and_its_polynomial_meets_the_stated_error(
     found = wide.export("ftheta")
     file = tmp_path / "ftheta.usda"
     file.write_text(found["text"])
-    prim = usd.Stage.Open(str(file)).GetDefaultPrim()
-    get = lambda name: prim.GetAttribute(f"omni:lensdistortion:ftheta:{name}").Get()  # noqa: E731
+    stage = usd.Stage.Open(str(file))
+    prim = stage.GetDefaultPrim()
+    get = lambda name: prim.GetAttribute(f"omni:lensdistortion:ftheta:{name}").Get()
     assert prim.GetAttribute("omni:lensdistortion:model").Get() == "ftheta"
     assert "OmniLensDistortionFthetaAPI" in prim.GetPrimTypeInfo().GetAppliedAPISchemas()
     pixels, directions, _ = chief(wide)
@@ -123,7 +125,9 @@ def test_an_st_map_resamples_a_picture_as_the_distortion_has_it(wide):
     cv2 = pytest.importorskip("cv2")
     found = wide.export("st-map")
     width, height = wide.resolution
-    there, back = ([m[..., 0] * width - 0.5, (1 - m[..., 1]) * height - 0.5] for m in (found["undistort"], found["distort"]))
+    there, back = (
+        [m[..., 0] * width - 0.5, (1 - m[..., 1]) * height - 0.5] for m in (found["undistort"], found["distort"])
+    )
     # The picture of a smooth function of the pinhole's pixels, distorted and undistorted again by OpenCV's own resampling.
     y, x = np.mgrid[:height, :width].astype(np.float32)
     picture = np.stack([x, y], axis=-1)

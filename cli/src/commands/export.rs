@@ -95,7 +95,7 @@ impl Format {
 }
 
 /// Points along the film's radius: of what is exported, and of the lens focused elsewhere.
-const RINGS: u32 = 513;
+const RINGS: u32 = 2049;
 const COARSE: u32 = 65;
 /// Object distances at which breathing is looked at, in focal lengths.
 const DISTANCES: [f64; 4] = [f64::INFINITY, 100.0, 30.0, 10.0];
@@ -206,16 +206,15 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         more: &more,
         lines: &lines,
     };
-    let text = if args.json { format!("{:#}\n", report.json()) } else { report.text() };
     if args.json {
-        return Ok(console::answer(&text, out)?);
+        return Ok(console::answer(&format!("{:#}\n", report.json()), out)?);
     }
-    Ok(match out {
+    match out.filter(|out| !files::is_stdout(out)) {
+        Some(out) => console::report(&report.text(), out)?,
         // Beside the export itself, the report is what the program has to say.
-        Some(out) if files::is_stdout(out) => text.lines().for_each(console::note),
-        Some(out) => console::report(&text, out)?,
-        None => console::answer(&text, None)?,
-    })
+        None => report.text().lines().for_each(console::note),
+    }
+    Ok(())
 }
 
 /// Where to: a file, standard output, or with --json alone nowhere.

@@ -106,6 +106,9 @@ pub enum FieldError {
 /// what the pupil's walk is worth in focus.
 const FARTHEST: f64 = 10.0;
 
+/// Objects so many diagonals of the film away are at infinity: no pupil walks so far that a pixel shows the difference.
+const INFINITE: f64 = 1e9;
+
 impl ChiefField {
     /// The rays of `count` film points, evenly apart.
     ///
@@ -119,10 +122,11 @@ impl ChiefField {
         let pinhole = EntrancePupil::of_surface(lens, stop)
             .position()
             .ok_or_else(|| FieldError::Telecentric(lens.name.clone()))?;
-        // Beyond the image of infinity nothing is in focus, and infinity is the nearest to it.
+        // A film beyond the image of any object has nothing in focus. By rounding, infinity is far away.
         let distance = Focus::new(lens)
             .ok()
             .and_then(|focus| focus.object_distance(lens.rear().vertex - film.z))
+            .filter(|distance| *distance < INFINITE * film.diagonal)
             .unwrap_or(f64::INFINITY);
         let in_focus = film.z + distance;
         if !(in_focus > pinhole.max(0.0)) {

@@ -70,13 +70,32 @@ fn projected(report: &Value, angle: f64) -> f64 {
     }
 }
 
-/// The angle from the axis of the exact chief ray of a film point, pixels from the centre, for an object at infinity.
+/// The angle from the axis at which the entrance pupil sees what the exact chief ray of a film point, pixels from the centre,
+/// meets in focus.
 fn exact(lens: &str, report: &Value) -> impl Fn(f64) -> Option<f64> {
     let lens = Lens::new(&catalogue::find(lens).expect("listed"), number(report, "wavelength_nm"));
     let field = Field::new(&lens, lens.rear().vertex - number(report, "film_distance_mm"));
-    let pixel = number(report, "pixel_mm");
+    let (pixel, pinhole) = (number(report, "pixel_mm"), number(report, "entrance_pupil_mm"));
+    let distance = report["focus_distance_mm"].as_f64();
+    let plane = distance.map(|distance| lens.rear().vertex - number(report, "film_distance_mm") + distance);
     move |radius| {
-        let [_, y, z] = field.chief_ray(radius * pixel)?.direction;
+        let ray = field.chief_ray(radius * pixel)?;
+        let ([_, oy, oz], [_, dy, dz]) = (ray.origin, ray.direction);
+        let Some(plane) = plane else { return Some((-dy).atan2(dz)) };
+        let from_pinhole = |along: f64| [oy + along * dy, oz + along * dz - pinhole];
+        let [y, z] = from_pinhole((plane - oz) / dz);
+        // On the axis so far, and no farther than ten times that.
+        let most = 10.0 * (plane - pinhole);
+        if dz > 0.0 && y.hypot(z) <= most {
+            return Some((-y).atan2(z));
+        }
+        let (mut near, mut far) = (0.0, 2.0 * most);
+        for _ in 0..100 {
+            let middle = 0.5 * (near + far);
+            let [y, z] = from_pinhole(middle);
+            if y.hypot(z) < most { near = middle } else { far = middle }
+        }
+        let [y, z] = from_pinhole(near);
         Some((-y).atan2(z))
     }
 }
@@ -93,7 +112,7 @@ fn the_stated_error_of_every_model_is_met_by_its_own_formula_between_the_rays_of
             let mut found: f64 = 0.0;
             // Steps that the fit's do not divide.
             for i in 0..=147 {
-                let radius = lit * (f64::from(i) + 0.37) / 148.0;
+                let radius = lit * ((f64::from(i) + 0.37) / 147.37).min(1.0 - 1e-9);
                 let Some(angle) = exact(radius).filter(|angle| *angle <= held) else { continue };
                 found = found.max((projected(&report, angle) - radius).abs());
             }
