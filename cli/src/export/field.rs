@@ -36,6 +36,16 @@ impl Film {
         self.size.map(|side| 0.5 * f64::from(side))
     }
 
+    /// Width and height, mm.
+    pub fn sides(&self) -> [f64; 2] {
+        self.half().map(|half| 2.0 * half * self.pixel())
+    }
+
+    /// The centre in pixels, where pixel (0, 0) has its centre at (0, 0).
+    pub fn principal_point(&self) -> [f64; 2] {
+        self.half().map(|half| half - 0.5)
+    }
+
     /// How much of the circle of this radius, pixels, lies on the film, as an angle.
     fn arc(&self, radius: f64) -> f64 {
         // In one quadrant from where it leaves by the one edge to where it leaves by the other.

@@ -4,7 +4,7 @@
 //! theory", 1978), by the crate of that name. Every residual is in pixels on the film.
 
 use super::field::ChiefField;
-use super::law::{Law, Quantity, Shape};
+use super::law::{Law, Quantity, Shape, series};
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::storage::Owned;
 use nalgebra::{DMatrix, DVector, Dyn};
@@ -111,8 +111,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem {
         let mut matrix = DMatrix::zeros(self.points.len(), self.params().len());
         for (row, point) in self.points.iter().enumerate() {
             let z = point.x.powi(shape.power);
-            let sum = |all: &[f64]| 1.0 + all.iter().rev().fold(0.0, |sum, a| z * (sum + a));
-            let [n, d] = [sum(numerator), sum(denominator)];
+            let [n, d] = [numerator, denominator].map(|coefficients| series(coefficients, z)[0]);
             let powers = |count: usize| (1..).take(count).map(move |i| z.powi(i));
             let weight = point.weight * point.x / d;
             let by_scale = self.is_scale_free.then_some(weight * n);

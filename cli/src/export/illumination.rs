@@ -2,6 +2,7 @@
 
 use super::field::Film;
 use super::fit::polynomial;
+use super::law::series;
 use super::map::Map;
 use super::table::Table;
 use rayon::prelude::*;
@@ -57,10 +58,7 @@ impl Illumination {
         let points: Vec<(f64, f64)> =
             values.iter().map(|(radius, value)| (square(*radius), *value)).collect();
         let polynomial = polynomial(&points, TERMS);
-        let off = points.iter().map(|(z, value)| {
-            let sum = polynomial.iter().rev().fold(0.0, |sum, a| z * (sum + a));
-            (1.0 + sum - value).abs()
-        });
+        let off = points.iter().map(|(z, value)| (series(&polynomial, *z)[0] - value).abs());
         let (worst, squares) =
             off.fold((0.0, 0.0), |(worst, sum): (f64, f64), e| (worst.max(e), sum + e * e));
         let errors = [worst, (squares / points.len() as f64).sqrt()];

@@ -52,7 +52,7 @@ pub struct Law {
 }
 
 /// 1 + a₁ z + a₂ z² + … and its derivative by z.
-fn series(coefficients: &[f64], z: f64) -> [f64; 2] {
+pub fn series(coefficients: &[f64], z: f64) -> [f64; 2] {
     let [sum, slope] =
         coefficients.iter().rev().fold([0.0, 0.0], |[sum, slope], a| [sum * z + a, slope * z + sum]);
     // One factor z more than Horner's sum of a₁ + a₂ z + …

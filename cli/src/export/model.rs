@@ -92,18 +92,17 @@ impl Fitted {
 
     /// The numbers as the model's own programs name them; pixels and radians.
     pub fn parameters(&self) -> Value {
-        let [width, height] = self.held.film.size.map(f64::from);
+        let [cx, cy] = self.held.film.principal_point();
         let Law { scale, numerator: n, denominator: d, .. } = &self.law;
         match self.model {
             Model::Pinhole | Model::OpenCv | Model::OpenCvRational | Model::KannalaBrandt => json!({
                 "fx_px": scale, "fy_px": scale,
-                // The middle of the film where pixel (0, 0) has its centre at (0, 0).
-                "cx_px": 0.5 * width - 0.5, "cy_px": 0.5 * height - 0.5,
+                "cx_px": cx, "cy_px": cy,
                 "distortion": self.distortion(),
             }),
             Model::FTheta => json!({
                 "k": self.distortion(),
-                "optical_center_px": [0.5 * width, 0.5 * height],
+                "optical_center_px": self.held.film.half(),
                 "max_fov_deg": self.full_field(),
             }),
             Model::OpenTrackIo => json!({

@@ -160,7 +160,6 @@ impl Report<'_> {
     pub fn json(&self) -> Value {
         let rays = self.rays;
         let (film, (half_field, walk)) = (rays.film, rays.extent());
-        let [right, down] = film.half().map(|half| 2.0 * half * film.pixel());
         let distance = rays.in_focus - film.z;
         let step = (rays.rings.len() - 1) / 16;
         let walks: Vec<Value> = (0..=16)
@@ -179,7 +178,7 @@ impl Report<'_> {
             "wavelength_nm": self.wavelength,
             "film_distance_mm": self.film_distance,
             "film_diagonal_mm": film.diagonal,
-            "film_size_mm": [right, down],
+            "film_size_mm": film.sides(),
             "focus_distance_mm": finite(distance),
             "size_px": film.size,
             "pixel_mm": film.pixel(),

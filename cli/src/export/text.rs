@@ -27,7 +27,7 @@ pub struct LensData<'a> {
 pub fn opencv_yaml(fitted: &Fitted, rms: f64) -> String {
     let [width, height] = fitted.held.film.size;
     let (scale, distortion) = (fitted.law.scale, fitted.distortion());
-    let [cx, cy] = [width, height].map(|side| 0.5 * f64::from(side) - 0.5);
+    let [cx, cy] = fitted.held.film.principal_point();
     let model = if fitted.model == Model::KannalaBrandt { "fisheye" } else { "pinhole" };
     let numbers = |all: &[f64]| all.iter().map(|x| format!("{x:e}")).collect::<Vec<_>>().join(", ");
     format!(
@@ -51,7 +51,7 @@ pub fn opentrackio_json(
     illumination: Option<&Illumination>,
 ) -> Value {
     let film = fitted.held.film;
-    let [width, height] = film.half().map(|half| 2.0 * half * film.pixel());
+    let [width, height] = film.sides();
     let scale = fitted.focal_length();
     // How much larger than the film the undistorted picture is, and how much larger than its part on the film the lens's.
     let ratios = fitted.held.rings[1..].iter().map(|ring| scale * ring.angle.tan() / ring.radius);
@@ -96,7 +96,7 @@ const INFINITY: f64 = 1e9;
 fn camera(lens: &LensData<'_>, rays: &ChiefField) -> String {
     let tenth = 0.1 * lens.mm_per_unit;
     let film = rays.film;
-    let [width, height] = film.half().map(|half| 2.0 * half * film.pixel() / tenth);
+    let [width, height] = film.sides().map(|side| side / tenth);
     let focal_length = rays.central_scale() * film.pixel() / tenth;
     let distance = (rays.in_focus - rays.pinhole).min(INFINITY) / lens.mm_per_unit;
     let (near, far) = (rays.central_scale() * film.pixel() / lens.mm_per_unit, INFINITY / lens.mm_per_unit);
