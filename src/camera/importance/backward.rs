@@ -184,16 +184,15 @@ impl Backward {
     /// The slices differ in length.
     pub fn aim(&self, points: &[ScenePoint], found: &mut [Aimed]) {
         assert_eq!(points.len(), found.len(), "a batch needs as much room as it has points");
-        let aimed: Vec<Option<(Stand, Towards)>> = points.iter().map(|point| self.toward(point)).collect();
+        let aimed = self.towards(points);
         let none = Ray { origin: [0.0; 3], direction: [0.0; 3] };
-        let rays: Vec<(Ray, f64)> = aimed
-            .iter()
-            .map(|aimed| (aimed.as_ref().map_or(none, |(_, towards)| towards.ray), 0.0))
-            .collect();
+        let rays: Vec<(Ray, f64)> =
+            aimed.iter().map(|aimed| (aimed.as_ref().map_or(none, |towards| towards.ray), 0.0)).collect();
         let counted = self.count(&rays);
         for (((found, point), aimed), counted) in found.iter_mut().zip(points).zip(aimed).zip(counted) {
             *found = Aimed::default();
-            let Some((stand, Towards { ray, density })) = aimed else { continue };
+            let Some(Towards { ray, density }) = aimed else { continue };
+            let stand = self.stand(point.time);
             let outside = stand.ray(ray);
             let density = density / stand.solid_angle(ray.direction);
             let from = point.point.map(f64::from);
@@ -213,20 +212,28 @@ impl Backward {
         }
     }
 
-    fn toward(&self, ScenePoint { point, sample, time }: &ScenePoint) -> Option<(Stand, Towards)> {
-        let stand = self.stand(*time);
-        let (inside, _) = stand.point(point.map(f64::from));
-        let numbers = sample.map(|number| f64::from(number).clamp(0.0, 1.0));
-        if numbers.iter().chain(&inside).any(|number| !number.is_finite()) {
-            return None;
+    /// Directions in camera space from points.
+    fn towards(&self, points: &[ScenePoint]) -> Vec<Option<Towards>> {
+        let inside = points.iter().map(|ScenePoint { point, sample, time }| {
+            let (inside, _) = self.stand(*time).point(point.map(f64::from));
+            let numbers = sample.map(|number| f64::from(number).clamp(0.0, 1.0));
+            numbers.iter().chain(&inside).all(|number| number.is_finite()).then_some((inside, numbers))
+        });
+        let mut found = Vec::with_capacity(points.len());
+        match &self.optics {
+            Optics::Lens(lens) => lens.aim(&mut inside.collect::<Vec<_>>(), &mut found),
+            Optics::Linear(linear) => {
+                found.extend(
+                    inside.map(|inside| inside.and_then(|(point, numbers)| linear.aim(point, numbers))),
+                );
+            }
         }
-        let towards = match &self.optics {
-            Optics::Lens(lens) => lens.aim(inside, numbers)?,
-            Optics::Linear(linear) => linear.aim(inside, numbers)?,
-        };
-        let Ray { origin, direction } = towards.ray;
-        let is_ray = origin.iter().chain(&direction).all(|part| part.is_finite());
-        is_ray.then_some((stand, towards))
+        for towards in &mut found {
+            *towards = towards.filter(|Towards { ray: Ray { origin, direction }, .. }| {
+                origin.iter().chain(direction).all(|part| part.is_finite())
+            });
+        }
+        found
     }
 }
 

@@ -1,6 +1,5 @@
 //! What a ray at the film counts: a film point and slopes in; raster coordinates, weight and density out.
 
-use super::fan::Window;
 use crate::{camera::pipeline::body::CameraBody, lens::cos4, plan::FilmSide};
 
 /// What a ray counts in camera space.
@@ -36,20 +35,9 @@ impl FilmCount {
         self.side.z
     }
 
-    /// The film's rectangle, mm.
-    pub fn window(&self) -> Window {
-        Window { center: [0.0; 2], half: self.size.map(|side| side / 2.0) }
-    }
-
-    /// What lies behind the lens.
-    pub fn side(&self) -> &FilmSide {
-        &self.side
-    }
-
-    /// Whether the sampler has rays with these slopes at a film point, mm, on the film or not; the true pupils are taken to
-    /// have them all.
-    pub fn is_sampled(&self, point: [f64; 2], slopes: [f64; 2]) -> bool {
-        self.side.sampler.disk().is_none_or(|disk| disk.area_at(point, slopes).is_some())
+    /// Half the film's width and height, mm.
+    pub fn half(&self) -> [f64; 2] {
+        self.size.map(|size| size / 2.0)
     }
 
     /// What a ray counts at the film, by the density per area and slopes² there; `None` off the film and outside what the

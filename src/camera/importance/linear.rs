@@ -7,12 +7,17 @@
 
 use std::f64::consts::PI;
 
-use super::{
-    counted::Towards,
-    fan::{Fan, Image, Window},
-    film::Counted,
+use super::{counted::Towards, film::Counted};
+use crate::{
+    lens::{Ray, cos4},
+    sampling::DiskMapping,
 };
-use crate::lens::{Ray, cos4};
+
+/// A rectangle: its middle, and half its width and height.
+struct Window {
+    center: [f64; 2],
+    half: [f64; 2],
+}
 
 /// A coordinate of rays: from the height at z = 0, and from the slope.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,15 +104,33 @@ impl Linear {
         if !(z > 0.0 && z >= from && z <= to) {
             return None;
         }
-        let height = x.hypot(y);
-        let azimuth = if height > 0.0 { [x / height, y / height] } else { [1.0, 0.0] };
-        // In the plane of slopes: the lens is a disk, and the film linear.
-        let (lens, film) = (self.lens.about(z), self.film.about(z));
-        let fan = Fan::disk(-self.lens.from_height * height / lens, self.lens_radius / lens.abs());
-        let place = self.film.from_height * height + film * fan.center;
-        let image = Image { place, along: film, across: film, bend: 0.0, spread: 0.0 };
-        let ([a, b], density) = fan.sample(&[(&image, &self.window().limits())], azimuth, numbers)?;
-        let slopes = [a * azimuth[0] - b * azimuth[1], a * azimuth[1] + b * azimuth[0]];
+        // In the plane of slopes the lens is a disk, and the film a rectangle.
+        let (lens, film, point) = (self.lens.about(z), self.film.about(z), [x, y]);
+        let radius = self.lens_radius / lens.abs();
+        let center = point.map(|at| -self.lens.from_height * at / lens);
+        let window = self.window();
+        let ends = [0, 1].map(|axis| {
+            let middle = (window.center[axis] - self.film.from_height * point[axis]) / film;
+            let half = (window.half[axis] / film).abs();
+            // In focus the film is everywhere or nowhere.
+            let is_known = middle.is_finite() && half.is_finite();
+            let [low, high] = if is_known { [middle - half, middle + half] } else { [f64::MIN, f64::MAX] };
+            [low.max(center[axis] - radius), high.min(center[axis] + radius)]
+        });
+        let sides = ends.map(|[low, high]| high - low);
+        if !sides.iter().all(|side| *side > 0.0) {
+            return None;
+        }
+        // The smaller of the disk and what the rectangle has of the square about it: what else there is of it is blocked.
+        let (disk, rectangle) = (PI * radius * radius, sides[0] * sides[1]);
+        let slopes = if disk <= rectangle {
+            let [u, v] = DiskMapping::Concentric.map(numbers[0], numbers[1])?;
+            [center[0] + radius * u, center[1] + radius * v]
+        } else {
+            [0, 1].map(|axis| ends[axis][0] + numbers[axis] * sides[axis])
+        };
+        let density = disk.min(rectangle).recip();
+        let [a, b] = slopes;
         let length = (1.0 + a * a + b * b).sqrt();
         let origin = [x - z * slopes[0], y - z * slopes[1], 0.0];
         let direction = [-slopes[0] / length, -slopes[1] / length, -1.0 / length];

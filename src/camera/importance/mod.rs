@@ -11,17 +11,18 @@
 //! stock cameras, the density is that of their rays, too.
 //!
 //! `stand` takes rays from the world into camera space; `lens` traces them through a lens, `linear` through ideal lenses
-//! and stock cameras, and both aim at the lens from a point; `film` says what a ray at the film counts; `fan` is the region
-//! that directions are sampled from, tabulated for a lens in `entrance`; `backward` is all of it.
+//! and stock cameras, and both aim at the lens from points, which `spot` has as they are seen from the lens, through its
+//! pupil as `entrance` tabulates it; `film` says what a ray at the film counts; `backward` is all of it.
 
 mod backward;
 mod counted;
 mod entrance;
 mod error;
-mod fan;
 mod film;
+mod front;
 mod lens;
 mod linear;
+mod spot;
 mod stand;
 
 pub use backward::Backward;

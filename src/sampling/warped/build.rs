@@ -31,11 +31,8 @@ pub(crate) const FINE: usize = 1024;
 const COARSE: usize = FINE / 8;
 /// The narrowest step once half of the rays that a table may take are traced.
 const SHORT: usize = COARSE / 4;
-/// What an outline and the map interpolated over it may differ by, as a share of the area, before steps are halved: less takes
-/// more slices, more blocks more samples.
-const LOOSE: f64 = 2e-3;
-/// The same below which the next step is twice as wide: differences go with the square of the step.
-const EASY: f64 = LOOSE / 4.0;
+/// The part of what differences may be below which the next step is twice as wide: they go with the square of the step.
+const EASY: f64 = 0.25;
 /// A kink in an interval twice as wide as the next is off by so much more than the line past the slice between them:
 /// (w₁ + w₂)/(2 min(w₁, w₂)).
 const UNEVEN: f64 = 1.5;
@@ -48,6 +45,10 @@ const UNNAMED: f64 = 0.01;
 const NARROWEST: f64 = 1e-6;
 /// τ where the pupil vanishes: not 0, which rounding in single precision would make a negative density of.
 const LEAST_WIDTH: f64 = 1e-6;
+
+/// The part of what an outline lies outside the map interpolated from the tables beside it by which it is made larger: of an
+/// edge that curves a quarter is what it lies outside halfway to them, of one with a kink there all of it.
+const BETWEEN: f64 = 0.4;
 
 /// What the table is built from.
 pub(crate) struct Builder<F> {
@@ -73,11 +74,28 @@ pub(crate) struct Layout {
     pub given_up: Vec<GivenUp>,
 }
 
+impl Layout {
+    /// The map at a place from 0 at the axis to 1 at the end.
+    pub fn slice(&self, place: f64) -> Slice {
+        let (scale, place) = (self.scale(), FINE as f64 * place);
+        let next = self.intervals.partition_point(|interval| interval.to as f64 <= place);
+        let Interval { from, to, slices: [low, high] } = &self.intervals[next.min(self.intervals.len() - 1)];
+        let part = (place - *from as f64) / (to - from) as f64;
+        low.toward(high, part, scale.at(place / FINE as f64))
+    }
+
+    fn scale(&self) -> Scale {
+        Scale { end: self.end, dark_beyond: self.dark_beyond, vanishes: self.dark_beyond }
+    }
+}
+
 /// The scale of film radius.
 #[derive(Clone, Copy)]
 struct Scale {
     end: f64,
     dark_beyond: bool,
+    /// Whether the pupil shrinks to nothing toward the end.
+    vanishes: bool,
 }
 
 impl Scale {
@@ -87,24 +105,45 @@ impl Scale {
         self.at(place as f64 / FINE as f64)
     }
 
+    /// The smallest intervals up to h.
+    fn place(&self, height: f64) -> f64 {
+        let part = (height / self.end).min(1.0);
+        FINE as f64 * if self.dark_beyond { 1.0 - (1.0 - part).sqrt() } else { part }
+    }
+
     fn at(&self, s: f64) -> f64 {
         self.end * if self.dark_beyond { s * (2.0 - s) } else { s }
     }
 
     /// What heights of pupils shrink by toward the image's end, about.
     fn shrunk(&self, place: usize) -> f64 {
-        if self.dark_beyond { (FINE - place) as f64 / FINE as f64 } else { 1.0 }
+        if self.vanishes { (FINE - place) as f64 / FINE as f64 } else { 1.0 }
     }
 
     /// 1 - h²/H², twice the square of that near the end.
     fn crescent(&self, place: usize) -> f64 {
-        if self.dark_beyond { 1.0 - (self.height(place) / self.end).powi(2) } else { 1.0 }
+        if self.vanishes { 1.0 - (self.height(place) / self.end).powi(2) } else { 1.0 }
     }
 }
 
 impl<F: Family> Builder<F> {
     pub fn new(side: F) -> Self {
         Self { side, knots: Knots::new() }
+    }
+
+    /// Disks that hold the pupils of a stretch of smallest intervals.
+    fn cover_intervals(&self, scale: Scale, from: usize, to: usize) -> Vec<Interval> {
+        let mut intervals = Vec::new();
+        let mut from = from;
+        while from < to {
+            // As intervals have to lie: at a multiple of their width, a power of two.
+            let aligned = if from == 0 { COARSE } else { COARSE.min(1 << from.trailing_zeros()) };
+            let width = aligned.min(1 << (to - from).ilog2());
+            let slices = [from, from + width].map(|place| self.cover_slice(scale.height(place)));
+            intervals.push(Interval { from, to: from + width, slices });
+            from += width;
+        }
+        intervals
     }
 
     fn cover_slice(&self, height: f64) -> Slice {
@@ -115,7 +154,7 @@ impl<F: Family> Builder<F> {
     }
 
     pub fn layout(&self) -> Layout {
-        self.march().map_or_else(|reason| self.covered(reason), March::layout)
+        self.march().map_or_else(|reason| self.covered(reason), |march| march.layout(&[]))
     }
 
     /// Looks at every pencil.
@@ -127,7 +166,9 @@ impl<F: Family> Builder<F> {
         if trail.axial_radius() < NARROWEST * moved {
             return Err(NoFan::Narrow);
         }
-        let scale = Scale { end: trail.end.unwrap_or(side.reach()), dark_beyond: trail.end.is_some() };
+        let vanishes = trail.end.is_some();
+        let end = trail.end.unwrap_or(side.reach());
+        let scale = Scale { end, dark_beyond: vanishes || F::ENDS, vanishes };
         let mut march = March {
             builder: self,
             trail,
@@ -202,9 +243,9 @@ impl<F: Family> March<'_, F> {
             let node = self.node(last + step);
             let differing = node.as_ref().map_or(f64::INFINITY, |node| self.differing(node));
             match node {
-                Some(node) if differing <= LOOSE || step <= self.finest() => {
+                Some(node) if differing <= F::LOOSE || step <= self.finest() => {
                     let may_double = step < COARSE && node.place % (2 * step) == 0 && node.place >= reached;
-                    if (differing <= EASY || step < self.finest()) && may_double {
+                    if (differing <= EASY * F::LOOSE || step < self.finest()) && may_double {
                         step *= 2;
                     }
                     self.take(node);
@@ -268,7 +309,7 @@ impl<F: Family> March<'_, F> {
 
     /// The narrowest step: wider when the rays get short, for a loose map is better than none.
     fn finest(&self) -> usize {
-        if self.builder.side.work().is_short() { SHORT } else { 1 }
+        if self.builder.side.work().is_short() { SHORT.max(F::FINEST) } else { F::FINEST }
     }
 
     /// Takes the last node back, for later.
@@ -308,7 +349,7 @@ impl<F: Family> March<'_, F> {
             return Some(node.clone());
         }
         let last = self.last();
-        if self.scale.dark_beyond && place == FINE {
+        if self.scale.vanishes && place == FINE {
             return Some(self.vanished(last.slice.bow));
         }
         // The last ones, and the weights by which the polynomial through them goes on to here.
@@ -389,16 +430,41 @@ impl<F: Family> March<'_, F> {
         differing - self.last().differing
     }
 
+    /// By how much maps are to be made larger for what lies between this table and those beside it.
+    fn between(&self, before: &Self, next: &Self, part: f64) -> Vec<(usize, Vec<f64>)> {
+        let [from, to] = [before, next].map(|march| march.scale.end);
+        let end = from + part * (to - from);
+        let growth = |node: &Node| {
+            let outline = node.outline.as_ref()?;
+            let height = self.scale.height(node.place) / end;
+            let [low, high] = [before, next].map(|march| march.slice(height * march.scale.end));
+            let slice = low?.across(&high?, part, [from, to]);
+            let slice = Slice { height, ..slice }.in_units_of(end.recip());
+            let growth = slice.lack(outline, &self.builder.knots).growth;
+            Some((node.place, growth.into_iter().map(|more| BETWEEN * more.min(1.0)).collect()))
+        };
+        self.runs.iter().flatten().filter_map(growth).collect()
+    }
+
+    /// The map that the table will have at h, as far as it is known.
+    fn slice(&self, height: f64) -> Option<Slice> {
+        let place = self.scale.place(height);
+        let run = self.runs.iter().find(|run| place <= run[run.len() - 1].place as f64)?;
+        let next = run.partition_point(|node| (node.place as f64) < place).max(1);
+        let [before, next] = [run.get(next - 1)?, run.get(next)?];
+        let part = (place - before.place as f64) / (next.place - before.place) as f64;
+        (part >= 0.0).then(|| before.slice.toward(&next.slice, part, height))
+    }
+
     /// Everything found, as intervals with maps that hold what lies between.
-    fn layout(self) -> Layout {
+    fn layout(self, between: &Growths) -> Layout {
         let Self { builder, scale, runs, pieces, .. } = self;
         let (mut intervals, mut given_up) = (Vec::new(), Vec::new());
         let starts = runs.first().is_some_and(|run| run[0].place == 0);
         let mut covered_from = (!starts).then_some(0);
         let cover = |from: usize, to: usize, intervals: &mut Vec<Interval>, given_up: &mut Vec<GivenUp>| {
             let radii = [from, to].map(|place| scale.height(place));
-            let slices = radii.map(|height| builder.cover_slice(height));
-            intervals.push(Interval { from, to, slices });
+            intervals.extend(builder.cover_intervals(scale, from, to));
             let spent = builder.side.work().is_spent();
             let acceptance =
                 if spent { 0.0 } else { builder.cover_acceptance(f64::midpoint(radii[0], radii[1])) };
@@ -417,7 +483,13 @@ impl<F: Family> March<'_, F> {
             if let Some(from) = covered_from.replace(run[run.len() - 1].place) {
                 cover(from, run[0].place, &mut intervals, &mut given_up);
             }
-            let nodes = widened(&run, &builder.knots);
+            let mut nodes = widened(&run, &builder.knots);
+            for node in &mut nodes {
+                if let Some((_, growth)) = between.iter().min_by_key(|(place, _)| place.abs_diff(node.place))
+                {
+                    node.slice.grow(growth, 0.0);
+                }
+            }
             for pair in nodes.windows(2).filter(|pair| pair[0].place < FINE) {
                 let [from, to] = [pair[0].place, pair[1].place];
                 given_up.extend(builder.named(scale, pair));
@@ -428,6 +500,56 @@ impl<F: Family> March<'_, F> {
             cover(from, FINE, &mut intervals, &mut given_up);
         }
         Layout { end: scale.end, dark_beyond: scale.dark_beyond, intervals, given_up: joined(given_up) }
+    }
+}
+
+/// By how much maps at places are made larger at each knot.
+type Growths = [(usize, Vec<f64>)];
+
+/// The tables of families at places of a second parameter, `at`, up to one that nothing is known of. They hold what lies
+/// between: each map is made larger by a part of what its outline lies outside the map interpolated from the tables beside.
+pub(crate) fn alike<F: Family>(builders: &[Builder<F>], at: &[f64]) -> Vec<Layout> {
+    let marches: Vec<March<'_, F>> = builders.iter().map_while(|builder| builder.march().ok()).collect();
+    let beside = marches.windows(3).zip(at.windows(3));
+    let growths: Vec<Vec<(usize, Vec<f64>)>> = beside
+        .map(|(marches, at)| {
+            let [before, own, next] = marches else { unreachable!("windows of three") };
+            own.between(before, next, (at[1] - at[0]) / (at[2] - at[0]))
+        })
+        .collect();
+    // At the ends as beside them.
+    let of = |k: usize| growths.get(k.saturating_sub(1).min(growths.len().saturating_sub(1)));
+    let layout = |(k, march): (usize, March<'_, F>)| march.layout(of(k).map_or(&[][..], Vec::as_slice));
+    marches.into_iter().enumerate().map(layout).collect()
+}
+
+/// Gives up in every table what is given up in one of them: between a disk and a pupil lies no map that holds the pupils in
+/// between.
+pub(crate) fn cover_alike<F: Family>(layouts: &mut [Layout], builders: &[Builder<F>]) {
+    let mut is_covered = [false; FINE];
+    let mut known = usize::MAX;
+    // Until no interval is given up in part.
+    while known != is_covered.iter().filter(|covered| **covered).count() {
+        known = is_covered.iter().filter(|covered| **covered).count();
+        for Interval { from, to, slices } in layouts.iter().flat_map(|layout| &layout.intervals) {
+            let cells = &mut is_covered[*from..*to];
+            if !slices[0].fitted || cells.contains(&true) {
+                cells.fill(true);
+            }
+        }
+    }
+    for (layout, builder) in layouts.iter_mut().zip(builders) {
+        let scale = layout.scale();
+        layout.intervals.retain(|interval| !is_covered[interval.from]);
+        let mut from = 0;
+        for cells in is_covered.chunk_by(|a, b| a == b) {
+            let to = from + cells.len();
+            if cells[0] {
+                layout.intervals.extend(builder.cover_intervals(scale, from, to));
+            }
+            from = to;
+        }
+        layout.intervals.sort_by_key(|interval| interval.from);
     }
 }
 

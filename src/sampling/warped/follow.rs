@@ -57,9 +57,6 @@ impl Trail {
                 }
             }
         }
-        if F::ENDS && trail.known.len() > 1 {
-            trail.end.get_or_insert(trail.last().0);
-        }
         Some(trail)
     }
 

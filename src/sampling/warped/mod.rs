@@ -32,7 +32,8 @@
 //! How the table is made: `view` traces the rays of a film point and tells how far outside every aperture they are, `search`
 //! finds the edge along half-lines by that, `outline` is what it finds, in a frame that makes the pupil about round, `pieces`
 //! looks for light beside it, `follow` goes along the film to the image's end, `slice` makes the map of an outline, and `build`
-//! chooses the film radii. `inverse` is the way back, `spectral` the map at any wavelength.
+//! chooses the film radii. `inverse` is the way back. Tables one after the other, over a second parameter, are a `stack`:
+//! `spectral` has one over wavelengths, and `cut` one over how near points of the scene are, cut by the film.
 //!
 //! One evaluation takes one or two roots, a division, no trigonometry and three times four neighbouring
 //! floats, four times with λ. It is written once, over lanes of either precision: a single sample has the bits of a
@@ -42,6 +43,7 @@
 //! the table holds the rear element's disk, and what falls beside the pupil is blocked.
 
 mod build;
+mod cut;
 mod follow;
 mod inverse;
 mod outline;
@@ -50,18 +52,20 @@ mod report;
 mod search;
 mod slice;
 mod spectral;
+mod stack;
 mod view;
 
+pub(crate) use build::{Builder, Layout, alike};
+pub(crate) use cut::{Asked, CutPupil, Landing};
 pub use report::{BuildReport, GivenUp, NoFan};
+pub(crate) use slice::Knots;
 pub(crate) use spectral::{LaneSpectralPupil, SpectralPupil};
+pub(crate) use stack::Stack;
+pub(crate) use view::{Excess, Family, FilmPencils, Pencil, Work};
 
 use std::f64::consts::PI;
 
-use self::{
-    build::{Builder, FINE, Layout},
-    slice::CELLS,
-    view::{Family, FilmSide},
-};
+use self::{build::FINE, slice::CELLS};
 use super::{
     film_rays::FilmRays,
     pupil_disk::{LaneDisk, PupilDisk, PupilSample},
@@ -109,7 +113,7 @@ impl WarpedPupil {
     /// lens space). `cover` is a disk that holds them all; `shift` an estimate of the slope to the
     /// pupil's centre over the film radius, 1/mm.
     pub fn new(path: &Path, film: f64, reach: f64, cover: PupilDisk, shift: f64) -> Self {
-        let builder = Builder::new(FilmSide::new(path, film, reach, cover, shift));
+        let builder = Builder::new(FilmPencils::new(path, film, reach, cover, shift));
         let layout = builder.layout();
         Self::pack(layout, cover, builder.side.work().rays())
     }

@@ -114,6 +114,26 @@ impl Slice {
         }
     }
 
+    /// The same over h in units of an end.
+    pub fn in_units_of(&self, end: f64) -> Self {
+        Self {
+            height: self.height / end,
+            center: self.center * end,
+            narrowing: self.narrowing * end * end,
+            bow: self.bow * end.powi(3),
+            ..self.clone()
+        }
+    }
+
+    /// The slice between two of tables that end at `ends`, at `part` of the way from one table to the other, over h in units
+    /// of the end between.
+    pub fn across(&self, other: &Self, part: f64, ends: [f64; 2]) -> Self {
+        let [own, other] = [self.in_units_of(ends[0]), other.in_units_of(ends[1])];
+        let center = own.center + part * (other.center - own.center);
+        // Both are at the same part of the end, so that `height` says nothing.
+        Self { center, ..own.toward(&other, part, own.height) }
+    }
+
     /// The mean of this map and its mirror image, about the axis.
     pub fn about_axis(&self, knots: &Knots) -> Self {
         let (points, width) = (self.points(knots), self.width());

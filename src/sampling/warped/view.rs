@@ -122,6 +122,11 @@ impl Work {
 pub(crate) trait Family {
     /// Whether all is dark beyond where the first row ends, light or not.
     const ENDS: bool;
+    /// What an outline and the map interpolated over it may differ by, as a share of the area, before steps are halved: less
+    /// takes more slices, more blocks more samples.
+    const LOOSE: f64;
+    /// The narrowest step, a power of two of smallest intervals: narrower ones follow jumps closer, and take more slices.
+    const FINEST: usize;
 
     /// The rays of one of them.
     fn pencil(&self, height: f64) -> impl Pencil + '_;
@@ -136,7 +141,7 @@ pub(crate) trait Family {
 }
 
 /// The film's side of a lens: h is the film radius.
-pub(crate) struct FilmSide {
+pub(crate) struct FilmPencils {
     clearances: ClearanceTracer,
     work: Work,
     /// Largest film radius asked for, mm.
@@ -146,16 +151,26 @@ pub(crate) struct FilmSide {
     shift: f64,
 }
 
-impl FilmSide {
-    /// For film at z = `film`, behind the lens.
+impl FilmPencils {
+    /// For film at z = `film`, behind the lens, and film points up to `reach` mm from the axis. `cover` is a disk that holds all
+    /// their pupils; `shift` an estimate of the slope to the pupil's centre over the film radius, 1/mm.
     pub fn new(path: &Path, film: f64, reach: f64, cover: PupilDisk, shift: f64) -> Self {
         let (clearances, work) = (ClearanceTracer::new(path, film), Work::new(path));
         Self { clearances, work, reach: reach.max(LEAST_REACH), cover, shift }
     }
 }
 
-impl Family for FilmSide {
+impl FilmPencils {
+    /// The disk that holds every pupil.
+    pub fn disk(&self) -> PupilDisk {
+        self.cover
+    }
+}
+
+impl Family for FilmPencils {
     const ENDS: bool = false;
+    const LOOSE: f64 = 2e-3;
+    const FINEST: usize = 1;
 
     fn pencil(&self, height: f64) -> impl Pencil + '_ {
         FilmPencil { side: self, height }
@@ -180,7 +195,7 @@ impl Family for FilmSide {
 
 /// The rays of the film point (`height`, 0), named by their slopes.
 struct FilmPencil<'a> {
-    side: &'a FilmSide,
+    side: &'a FilmPencils,
     height: f64,
 }
 
@@ -188,7 +203,7 @@ impl Pencil for FilmPencil<'_> {
     fn excesses(&self, slopes: &[[f64; 2]]) -> Vec<Excess> {
         let rays = slopes.iter().map(|&slopes| MeridianRay { height: self.height, slopes });
         let mut found = Vec::with_capacity(slopes.len());
-        let FilmSide { clearances, work, .. } = self.side;
+        let FilmPencils { clearances, work, .. } = self.side;
         work.count(slopes.len(), || clearances.trace(rays, |clearance| found.push(Excess::of(clearance))));
         found
     }

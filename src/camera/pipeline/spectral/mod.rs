@@ -19,8 +19,10 @@ use crate::{
     plan::{FilmSide, Precision},
     prescription::{Blades, Medium, glass::refractive_index},
     sampling::{
-        DiskMapping, PupilDisk, PupilSampler, WarpedPupil, disk::Turns, film_rays::FilmRays,
-        warped::SpectralPupil,
+        DiskMapping, PupilDisk, PupilSampler,
+        disk::Turns,
+        film_rays::FilmRays,
+        warped::{FilmPencils, SpectralPupil},
     },
     trace::{Blocked, Direction, Path, kernel::SpectralKernel},
 };
@@ -91,14 +93,14 @@ impl Spectral {
         if range.is_empty() {
             return None;
         }
-        let table = |wavelength, reach| {
+        let side = |wavelength, reach| {
             let lens = self.optics.at(wavelength);
             let path = Path::new(&lens, Direction::FilmToScene, Refraction::Fused);
             let cover = PupilDisk::rear(&lens, *z, reach)?;
             let shift = PupilDisk::exit(&lens, *z).seen_from([1.0, 0.0]).center[0];
-            Some(WarpedPupil::new(&path, *z, reach, cover, shift))
+            Some(FilmPencils::new(&path, *z, reach, cover, shift))
         };
-        SpectralPupil::new([range.start(), range.end()].map(|end| (*end).into()), film.reach(), table)
+        SpectralPupil::new([range.start(), range.end()].map(|end| (*end).into()), film.reach(), side)
     }
 
     /// Whether a first request has been made.

@@ -5,7 +5,7 @@ use crate::lens::Ray;
 
 /// A point of the scene.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::camera::importance) struct Spot {
+pub(super) struct Spot {
     /// z of the point of the axis that it is seen from.
     pub reference: f64,
     /// Unit vector across the axis, toward the spot.
@@ -18,33 +18,30 @@ pub(in crate::camera::importance) struct Spot {
 }
 
 impl Spot {
-    /// The spot at a field angle θ in the plane of x and the axis.
-    pub fn on_meridian(reference: f64, angle: f64, vergence: f64) -> Self {
-        let (sin, cos) = angle.sin_cos();
+    /// The spot at a field angle θ in the plane of x and the axis, by tan(θ/2).
+    pub fn on_meridian(reference: f64, half_tangent: f64, vergence: f64) -> Self {
+        let square = half_tangent * half_tangent;
+        let (sin, cos) = (2.0 * half_tangent / (1.0 + square), (1.0 - square) / (1.0 + square));
         Self { reference, azimuth: [1.0, 0.0], sin, cos, vergence }
     }
 
     /// A point of lens space, mm, not the reference itself.
     pub fn of_point([x, y, z]: [f64; 3], reference: f64) -> Self {
-        let (height, depth) = (x.hypot(y), z - reference);
-        let distance = height.hypot(depth);
-        Self::toward([x / distance, y / distance, depth / distance], distance.recip(), reference)
+        let (square, depth) = (x * x + y * y, z - reference);
+        let (height, distance) = (square.sqrt(), (square + depth * depth).sqrt());
+        let azimuth = if height > 0.0 { [x / height, y / height] } else { [1.0, 0.0] };
+        let vergence = distance.recip();
+        Self { reference, azimuth, sin: height * vergence, cos: depth * vergence, vergence }
     }
 
-    /// The spot in the direction of a unit vector.
-    pub fn toward([x, y, z]: [f64; 3], vergence: f64, reference: f64) -> Self {
-        let sin = x.hypot(y);
-        let azimuth = if sin > 0.0 { [x / sin, y / sin] } else { [1.0, 0.0] };
-        Self { reference, azimuth, sin, cos: z, vergence }
-    }
-
-    /// θ.
-    pub fn angle(&self) -> f64 {
-        self.sin.atan2(self.cos)
+    /// tan(θ/2).
+    pub fn half_tangent(&self) -> f64 {
+        // By the one of two forms that loses no digits.
+        if self.cos < 0.0 { (1.0 - self.cos) / self.sin } else { self.sin / (1.0 + self.cos) }
     }
 
     /// A vector by its parts along the plane's axes, the first in the plane of the axis and the spot, and toward the spot.
-    pub fn vector(&self, [a, b, w]: [f64; 3]) -> [f64; 3] {
+    fn vector(&self, [a, b, w]: [f64; 3]) -> [f64; 3] {
         let ([x, y], out) = (self.azimuth, a * self.cos + w * self.sin);
         [x * out - y * b, y * out + x * b, w * self.cos - a * self.sin]
     }
@@ -68,12 +65,12 @@ impl Spot {
         (ray, stretch)
     }
 
-    /// Where the line of a ray crosses the plane.
-    pub fn crossing(&self, ray: &Ray) -> [f64; 2] {
-        let [x, y, z] = ray.origin;
-        let [a, b, w] = self.parts([x, y, z - self.reference]);
-        let [da, db, dw] = self.parts(ray.direction);
-        [a - w / dw * da, b - w / dw * db]
+    /// Where on the plane the spot sees a point of lens space; at infinity what is beside or behind it.
+    pub fn seen(&self, [x, y, z]: [f64; 3]) -> [f64; 2] {
+        let [a, b, depth] = self.parts([x, y, z - self.reference]);
+        let nearness = 1.0 - depth * self.vergence;
+        let scale = if nearness > 0.0 { nearness.recip() } else { f64::INFINITY };
+        [a, b].map(|part| if part == 0.0 { 0.0 } else { scale * part })
     }
 }
 
@@ -82,14 +79,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_ray_crosses_the_plane_where_it_was_aimed_at_and_comes_from_the_spot() {
+    fn a_ray_is_seen_where_it_was_aimed_at_and_comes_from_the_spot() {
         let reference = -20.0;
         for point in [[30.0, -40.0, 500.0], [0.0, 0.0, 90.0], [100.0, 1.0, -15.0], [-3e5, 2e5, 1e6]] {
             let spot = Spot::of_point(point, reference);
             for aim in [[0.0, 0.0], [3.0, -2.0], [-7.0, 5.0]] {
                 let (ray, stretch) = spot.ray(aim, 60.0);
-                let crossing = spot.crossing(&ray);
-                assert!((0..2).all(|i| (crossing[i] - aim[i]).abs() < 1e-9), "{point:?} {crossing:?}");
+                for length in [5.0, 60.0, 100.0] {
+                    let seen = spot.seen([0, 1, 2].map(|i| ray.origin[i] + length * ray.direction[i]));
+                    assert!((0..2).all(|i| (seen[i] - aim[i]).abs() < 1e-6), "{point:?} {seen:?}");
+                }
+                let (angle, half) = (2.0 * spot.half_tangent().atan(), spot.half_tangent());
+                let same = Spot::on_meridian(reference, half, spot.vergence);
+                assert!((angle.cos() - spot.cos).abs() < 1e-12 && (same.sin - spot.sin).abs() < 1e-12);
                 let [x, y, z] = [0, 1, 2].map(|i| point[i] - ray.origin[i]);
                 let [dx, dy, dz] = ray.direction;
                 let aside = [y * dz - z * dy, z * dx - x * dz, x * dy - y * dx];

@@ -1,0 +1,400 @@
+//! The pupil of a lens as points of the scene see it: points in, directions toward the lens and their densities out.
+//!
+//! A point P of the scene, as a point E of the axis sees it, lies at the angle θ to the axis and sees the lens through the
+//! plane across PE at E, by the points of which its rays are named ([`Spot`]). Those that get through make a figure that is
+//! symmetric about the plane of P and the axis: what a film point's pupil is in slopes. So the same map takes the unit disk
+//! to it ([`crate::sampling::warped`]), with
+//!
+//! ```text
+//! h = tan(θ/2)     in the place of the film radius, without an angle's arc tangent, up to where no light gets through;
+//! n = D(θ)/|PE|    in the place of the wavelength, 0 infinitely far away, and 1 on the glass, D(θ) away from E.
+//! ```
+//!
+//! Of a pupil only what lands on film is sampled ([`CutPupil`]). What blades cover is blocked.
+
+use super::{counted::Towards, front::Front, spot::Spot};
+use crate::{
+    lens::{Ray, pupil::SlopeDisk},
+    numeric::on_broken_line,
+    sampling::{
+        PupilDisk,
+        warped::{
+            Asked, Builder, CutPupil, Excess, Family, Knots, Landing, LanePupil, Layout, Pencil, Stack, Work,
+            alike,
+        },
+    },
+    trace::{
+        Path,
+        kernel::{Available, Clearance, ClearanceTracer, Cpu, Grouping, InVectors, Lanes, in_vectors},
+    },
+};
+
+/// Intervals between rows of one nearness each: more take longer to build; fewer leave out light where, between two of them, an
+/// aperture begins to cut.
+const ROWS: usize = 20;
+/// n of the last row: hardly before the glass.
+const NEAREST: f64 = 0.998;
+/// θ/2 up to which rows are followed at most, radians.
+const WIDEST: f64 = 1.45;
+/// Places in a row, from the axis to its end, less one, at which it is known where rays land.
+const NODES: usize = 32;
+/// Times that this is found anew from rays that land on film by what was found before.
+const CLOSER: usize = 3;
+/// Rays by which it is: along the meridian and across it.
+const ALONG: usize = 12;
+const UP: usize = 6;
+/// Places on the front surface from vertex to rim, by which its distance is known.
+const PROFILE: u32 = 64;
+/// The same by which a disk is known that holds it, and how many around.
+const RINGS: usize = 8;
+const AROUND: u32 = 24;
+/// Points of a batch.
+const PACKET: usize = 64;
+
+/// n of a row: denser far away.
+fn nearness(row: usize) -> f64 {
+    NEAREST * (row as f64 / ROWS as f64).powi(2)
+}
+
+/// A lens as it is seen from the scene.
+struct View<'a> {
+    clearances: ClearanceTracer,
+    front: &'a Front,
+    sight: &'a Sight,
+    /// The film's corners' distance from the axis, mm.
+    corner: f64,
+    /// Longer than anything before E.
+    lead: f64,
+}
+
+/// Where E is, and how far from it the front.
+#[derive(Clone, Debug)]
+struct Sight {
+    reference: f64,
+    /// h and distances, mm, from the vertex to the rim.
+    front: Vec<[f64; 2]>,
+}
+
+impl Sight {
+    fn new(reference: f64, front: &Front) -> Self {
+        let place = |[height, z]: [f64; 2]| {
+            let spot = Spot::of_point([height, 0.0, z], reference);
+            [spot.half_tangent(), spot.vergence.recip()]
+        };
+        Self { reference, front: front.profile(PROFILE).into_iter().map(place).collect() }
+    }
+
+    /// D, beyond the rim as there.
+    fn distance(&self, half_tangent: f64) -> f64 {
+        let [vertex, rim] = [self.front[0][0], self.front[self.front.len() - 1][0]];
+        on_broken_line(&self.front, half_tangent.max(vertex).min(rim))
+    }
+}
+
+/// The points of one nearness.
+struct Row<'a> {
+    view: &'a View<'a>,
+    nearness: f64,
+    work: Work,
+}
+
+impl<'a> Row<'a> {
+    fn new(view: &'a View<'a>, nearness: f64, path: &Path) -> Self {
+        Self { view, nearness, work: Work::new(path) }
+    }
+
+    fn spot(&self, height: f64) -> Spot {
+        let sight = self.view.sight;
+        Spot::on_meridian(sight.reference, height, self.nearness / sight.distance(height))
+    }
+
+    /// Where rays land at even places from the axis to the row's end.
+    fn landings(&self, layout: &Layout) -> Vec<Node> {
+        let knots = Knots::new();
+        let mut landings: Vec<Node> = Vec::with_capacity(NODES + 1);
+        for node in 0..=NODES {
+            let slice = layout.slice(node as f64 / NODES as f64);
+            let found = self.landing(slice.height, &slice.samples(&knots));
+            // Where the pupil vanishes it goes on as it did before.
+            landings.push(found.unwrap_or_else(|| match landings[..] {
+                [.., before, last] => Node { landing: before.landing.toward(&last.landing, 2.0), ..last },
+                _ => Node { landing: Landing::UNKNOWN, corners: [[0.0; 2]; 4] },
+            }));
+        }
+        landings
+    }
+
+    /// Where the rays of a point land that get through, by points all over the pupil; if most of them land beside the film, by
+    /// others that do not.
+    fn landing(&self, height: f64, points: &[[f64; 2]]) -> Option<Node> {
+        let pencil = ScenePencil { row: self, spot: self.spot(height) };
+        let rays = |points: &[[f64; 2]]| -> Vec<[[f64; 2]; 2]> {
+            let found = pencil.clearances(points).into_iter();
+            let passing = found.map(|found| found.filter(|found| found.ratio <= 1.0)?.landing);
+            points.iter().zip(passing).filter_map(|(at, landing)| Some([*at, landing?])).collect()
+        };
+        let whole = rays(points);
+        let mut landing = Landing::of(&whole)?;
+        let [p, q] = [0, 1].map(|axis| {
+            let parts = whole.iter().map(|ray| ray[0][axis]);
+            parts.fold([f64::MAX, f64::MIN], |[low, high], part| [low.min(part), high.max(part)])
+        });
+        let corners = |[low, high]: [f64; 2], tall: f64| [[low, 0.0], [high, 0.0], [low, tall], [high, tall]];
+        let mut known = corners(p, q[1]);
+        for _ in 0..CLOSER {
+            let reach = self.view.corner + landing.rest;
+            let ends = [0, 1].map(|i| (f64::from(i) * 2.0 - 1.0) * reach);
+            let back = |factor: f64, middle: f64| {
+                let [a, b] = ends.map(|end| (end - middle) / factor);
+                [a.min(b), a.max(b)]
+            };
+            let [along, aside] = [back(landing.factors[0], landing.along), back(landing.factors[1], 0.0)];
+            let (low, high, tall) = (along[0].max(p[0]), along[1].min(p[1]), aside[1].min(q[1]));
+            if !(low < high && (high - low) * tall < (p[1] - p[0]) * q[1]) {
+                break;
+            }
+            let part = |k: usize, n: usize| (k as f64 + 0.5) / n as f64;
+            let at = |k: usize| [low + part(k / UP, ALONG) * (high - low), part(k % UP, UP) * tall];
+            let Some(nearer) = Landing::of(&rays(&(0..ALONG * UP).map(at).collect::<Vec<_>>())) else {
+                break;
+            };
+            landing = nearer;
+            known = corners([low, high], tall);
+        }
+        Some(Node { landing, corners: known })
+    }
+}
+
+impl Family for Row<'_> {
+    const ENDS: bool = true;
+    const LOOSE: f64 = 3e-2;
+    const FINEST: usize = 32;
+
+    fn pencil(&self, height: f64) -> impl Pencil + '_ {
+        ScenePencil { row: self, spot: self.spot(height) }
+    }
+
+    /// Holds the front surface.
+    fn cover(&self, height: f64) -> SlopeDisk {
+        let (spot, most) = (self.spot(height), 4.0 * self.view.lead);
+        let ring = |place: &[f64; 2]| -> Vec<[f64; 2]> {
+            let [height, z] = *place;
+            let point = |turn: u32| {
+                let (aside, along) = (std::f64::consts::PI * f64::from(turn) / f64::from(AROUND)).sin_cos();
+                spot.seen([height * along, height * aside, z]).map(|part| part.clamp(-most, most))
+            };
+            (0..=AROUND).map(point).collect()
+        };
+        let points: Vec<[f64; 2]> = self.view.front.profile(RINGS as u32).iter().flat_map(ring).collect();
+        let low = points.iter().fold(f64::MAX, |low, point| low.min(point[0]));
+        let high = points.iter().fold(f64::MIN, |high, point| high.max(point[0]));
+        let middle = f64::midpoint(low, high);
+        let radius = points.iter().fold(0.0_f64, |most, [a, b]| most.max((a - middle).hypot(*b)));
+        SlopeDisk { center: [middle, 0.0], radius: 1.02 * radius }
+    }
+
+    fn reach(&self) -> f64 {
+        WIDEST.tan()
+    }
+
+    /// Pupils move little about the paraxial one.
+    fn shift(&self) -> f64 {
+        0.0
+    }
+
+    fn work(&self) -> &Work {
+        &self.work
+    }
+}
+
+/// The rays of one point, named by points of its plane.
+struct ScenePencil<'a> {
+    row: &'a Row<'a>,
+    spot: Spot,
+}
+
+impl ScenePencil<'_> {
+    /// What becomes of rays through points of the plane; `None` also of those that do not meet the front from outside.
+    fn clearances(&self, points: &[[f64; 2]]) -> Vec<Option<Clearance>> {
+        let View { clearances, front, lead, .. } = self.row.view;
+        let rays: Vec<Ray> = points.iter().map(|&at| self.spot.ray(at, *lead).0).collect();
+        let mut found = Vec::with_capacity(rays.len());
+        self.row.work.count(rays.len(), || {
+            clearances.trace(rays.iter().copied(), |clearance| found.push(clearance));
+        });
+        for (clearance, _) in found.iter_mut().zip(&rays).filter(|(_, ray)| !front.meets(ray)) {
+            *clearance = None;
+        }
+        found
+    }
+}
+
+impl Pencil for ScenePencil<'_> {
+    fn excesses(&self, points: &[[f64; 2]]) -> Vec<Excess> {
+        self.clearances(points).into_iter().map(Excess::of).collect()
+    }
+
+    fn is_spent(&self) -> bool {
+        self.row.work.is_spent()
+    }
+}
+
+/// The pupil of a lens as points of the scene see it. Immutable once built.
+#[derive(Clone, Debug)]
+pub(super) struct Entrance {
+    sight: Sight,
+    lead: f64,
+    /// n of the rows.
+    rows: Vec<f64>,
+    pupil: CutPupil,
+    simd: Available,
+}
+
+impl Entrance {
+    /// Of the lens along a path from scene to film, the film being at z = `film` and half as large as `half`, mm; E is at z =
+    /// `reference`. `None` for a lens that no light gets through to such film.
+    pub fn build(path: &Path, front: &Front, film: f64, half: [f64; 2], reference: f64) -> Option<Self> {
+        let [low, high] = front.surface.sagitta_range();
+        let lead = 2.0 * (front.surface.semi_diameter + reference.abs() + high - low);
+        let sight = Sight::new(reference, front);
+        let clearances = ClearanceTracer::new(path, film);
+        let view = View { clearances, front, sight: &sight, corner: half[0].hypot(half[1]), lead };
+        let mut rows: Vec<f64> = (0..=ROWS).map(nearness).collect();
+        let builders: Vec<Builder<Row<'_>>> =
+            rows.iter().map(|&nearness| Builder::new(Row::new(&view, nearness, path))).collect();
+        let layouts = alike(&builders, &rows);
+        rows.truncate(layouts.len());
+        if rows.len() < 2 {
+            return None;
+        }
+        let landings: Vec<Vec<Node>> =
+            builders.iter().zip(&layouts).map(|(builder, layout)| builder.side.landings(layout)).collect();
+        // Nothing is sampled beyond tables that end.
+        let stack = Stack::of(&builders, layouts, PupilDisk::about_axis(1.0, 0.0));
+        let pupil = CutPupil::new(stack, &widened(&landings, &rows), half);
+        Some(Self { pupil, lead, rows, simd: Available::best(), sight })
+    }
+
+    /// Directions toward the lens from points before it, lens space, mm, each for two numbers in [0, 1].
+    pub fn aim(
+        &self,
+        front: &Front,
+        points: &[Option<([f64; 3], [f64; 2])>],
+        found: &mut Vec<Option<Towards>>,
+    ) {
+        let mut packet = Packet::new(self);
+        for points in points.chunks(PACKET) {
+            packet.count = points.len();
+            let mut spots = [None; PACKET];
+            for (i, point) in points.iter().enumerate() {
+                let place = point.map(|(point, numbers)| self.place(point, numbers));
+                let numbers = place.as_ref().map_or([f64::NAN; 6], |(_, numbers)| *numbers);
+                for (to, number) in packet.numbers.iter_mut().zip(numbers) {
+                    to[i] = number;
+                }
+                spots[i] = point.zip(place).map(|((point, _), (spot, _))| (point, spot));
+            }
+            in_vectors(self.simd, Grouping::Wide, &mut packet);
+            found.extend(spots[..points.len()].iter().enumerate().map(|(i, spot)| {
+                let (point, spot) = spot.as_ref()?;
+                self.towards(front, *point, spot, packet.found.map(|numbers| numbers[i]))
+            }));
+        }
+    }
+
+    /// A point as it is seen from E, and what the map is asked.
+    fn place(&self, point: [f64; 3], [u, v]: [f64; 2]) -> (Spot, [f64; 6]) {
+        let spot = Spot::of_point(point, self.sight.reference);
+        let height = spot.half_tangent();
+        let near = spot.vergence * self.sight.distance(height);
+        // The row before, and of the way to the next.
+        let row = (self.rows.partition_point(|row| *row <= near).max(1) - 1).min(self.rows.len() - 2);
+        let part = (near - self.rows[row]) / (self.rows[row + 1] - self.rows[row]);
+        let [x, y] = spot.azimuth;
+        (spot, [height, row as f64 + part, x, y, u, v])
+    }
+
+    /// The direction that goes through a point of the plane, which stands for an area of it over π.
+    fn towards(
+        &self,
+        front: &Front,
+        point: [f64; 3],
+        spot: &Spot,
+        [p, q, area]: [f64; 3],
+    ) -> Option<Towards> {
+        let (ray, stretch) = spot.ray([p, q], self.lead);
+        let density = stretch.powi(3) / (spot.vergence * spot.vergence * std::f64::consts::PI * area);
+        if !(density > 0.0 && density.is_finite() && front.meets(&Ray { origin: point, ..ray })) {
+            return None;
+        }
+        Some(Towards { ray: Ray { origin: front.point(&ray), ..ray }, density })
+    }
+}
+
+/// Where rays land, and the corners of the part of the plane of which that is known.
+#[derive(Clone, Copy)]
+struct Node {
+    landing: Landing,
+    corners: [[f64; 2]; 4],
+}
+
+/// The landings by rows, with an r that holds what lies between them: of what a node is off from the line past it a quarter,
+/// doubled.
+fn widened(nodes: &[Vec<Node>], rows: &[f64]) -> Vec<Vec<Landing>> {
+    let landing = |row: usize, node: usize| nodes[row].get(node).map(|node| node.landing);
+    let widened = |row: usize, k: usize| {
+        let Node { landing: own, corners } = nodes[row][k];
+        let off = |before: Option<Landing>, next: Option<Landing>, part: f64| {
+            let line = before.zip(next).map(|(before, next)| before.toward(&next, part));
+            line.map_or(0.0, |line| corners.iter().map(|&at| own.off(&line, at)).fold(0.0, f64::max))
+        };
+        let in_row = off(k.checked_sub(1).and_then(|k| landing(row, k)), landing(row, k + 1), 0.5);
+        let across = (row > 0 && row + 1 < rows.len()).then(|| {
+            let part = (rows[row] - rows[row - 1]) / (rows[row + 1] - rows[row - 1]);
+            off(landing(row - 1, k), landing(row + 1, k), part)
+        });
+        Landing { rest: own.rest + (in_row + across.unwrap_or(0.0)) / 2.0, ..own }
+    };
+    (0..rows.len()).map(|row| (0..nodes[row].len()).map(|k| widened(row, k)).collect()).collect()
+}
+
+/// Points as structure of arrays.
+struct Packet<'a> {
+    entrance: &'a Entrance,
+    constants: LanePupil<f64>,
+    /// Points in it; the lanes after them hold whatever was there before.
+    count: usize,
+    /// h, the place among the rows, the point's direction about the axis, and the two numbers.
+    numbers: [[f64; PACKET]; 6],
+    /// A point of the plane, and the area that it stands for, over π.
+    found: [[f64; PACKET]; 3],
+}
+
+impl<'a> Packet<'a> {
+    fn new(entrance: &'a Entrance) -> Self {
+        let zero = [0.0; PACKET];
+        let constants = entrance.pupil.lane_pupil();
+        Self { entrance, constants, count: 0, numbers: [zero; 6], found: [zero; 3] }
+    }
+}
+
+impl InVectors<f64> for Packet<'_> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.count
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn vectors<L: Lanes<Scalar = f64>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize) {
+        for k in 0..U {
+            let at = first + k * L::WIDTH;
+            let [height, place, x, y, u, v] =
+                [0, 1, 2, 3, 4, 5].map(|i| L::load(cpu, &self.numbers[i][at..]));
+            let asked = Asked { height, place, azimuth: [x, y], numbers: [u, v] };
+            let ([p, q], area) = self.entrance.pupil.aim(cpu, &self.constants, &asked);
+            p.store(&mut self.found[0][at..]);
+            q.store(&mut self.found[1][at..]);
+            area.store(&mut self.found[2][at..]);
+        }
+    }
+}

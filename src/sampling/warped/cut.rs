@@ -1,0 +1,327 @@
+//! Pupils of points of the scene, cut by the film: samples of the part of a pupil whose rays land on a rectangle.
+//!
+//! A point's ray through the point (p, q) of the plane that its rays are named by lands on film, along the meridian and across
+//! it, within r of
+//!
+//! ```text
+//! (L + b p, b' q):
+//! ```
+//!
+//! b and b' are the blur's sizes over the pupil's, 0 in focus. The four are a [`Landing`], tabulated. The map takes a radius of
+//! the disk, from its centre to its edge, to a straight line on the plane, and so to one on film, of which the rectangle, larger
+//! by r, holds the part from t₀ to t₁. So a sample (u, v) chooses
+//!
+//! ```text
+//! a direction by u, with a density that goes with t₁² - t₀² at [`SECTORS`] directions, linear in the pseudo-angle within each;
+//! a radius t by v, t² even from t₀² to t₁² of that direction.
+//! ```
+//!
+//! Both densities are known exactly, whatever the tables, and nothing is tried twice.
+
+use std::f64::consts::PI;
+
+use super::{Heading, LanePupil, Stack, build::FINE, slice::CELLS, stack::Between};
+use crate::{
+    sampling::film_rays::FilmRays,
+    trace::kernel::{Cpu, Lanes},
+};
+
+/// Sectors of half a disk: more follow the cut closer, and take longer.
+const SECTORS: usize = 16;
+/// Knots of a sector.
+const WIDE: usize = CELLS / SECTORS;
+/// What is added to a sector's share of t² for what lies between the directions that are looked at: less may leave a corner of
+/// film with few samples, more sends them beside the film.
+const FLOOR: f64 = 0.02;
+/// Rays by which a landing is found at least.
+const FEWEST: usize = 4;
+/// How much larger than found r is, for what lies between the rays.
+const LOOSE: f64 = 1.25;
+
+/// Where the rays of a point of the scene land.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Landing {
+    /// L, mm.
+    pub along: f64,
+    /// b and b'.
+    pub factors: [f64; 2],
+    /// r, mm.
+    pub rest: f64,
+}
+
+impl Landing {
+    /// Anywhere.
+    pub const UNKNOWN: Self = Self { along: 0.0, factors: [0.0; 2], rest: 1e9 };
+
+    /// By least squares, of rays through points of the plane that land at others; `None` of too few.
+    pub fn of(rays: &[[[f64; 2]; 2]]) -> Option<Self> {
+        if rays.len() < FEWEST {
+            return None;
+        }
+        let mean = |of: &dyn Fn([[f64; 2]; 2]) -> f64| {
+            rays.iter().map(|ray| of(*ray)).sum::<f64>() / rays.len() as f64
+        };
+        let (p, x) = (mean(&|[[p, _], _]| p), mean(&|[_, [x, _]]| x));
+        let square = mean(&|[[own, _], _]| (own - p).powi(2));
+        let across = mean(&|[[_, q], _]| q * q);
+        let b = mean(&|[[own, _], [land, _]]| (own - p) * (land - x)) / square;
+        let factors = [b, mean(&|[[_, q], [_, y]]| q * y) / across];
+        let found = Self { along: x - b * p, factors, rest: 0.0 };
+        let off = |[at, [x, y]]: &[[f64; 2]; 2]| {
+            let [along, aside] = found.at(*at);
+            (x - along).hypot(y - aside)
+        };
+        let rest = LOOSE * rays.iter().map(off).fold(0.0, f64::max);
+        (rest.is_finite() && b.is_finite() && factors[1].is_finite()).then_some(Self { rest, ..found })
+    }
+
+    /// Where the ray through a point of the plane lands, about.
+    pub fn at(&self, [p, q]: [f64; 2]) -> [f64; 2] {
+        [self.along + self.factors[0] * p, self.factors[1] * q]
+    }
+
+    /// `part` of the way to another.
+    pub fn toward(&self, other: &Self, part: f64) -> Self {
+        let at = |a: f64, b: f64| a + part * (b - a);
+        Self {
+            along: at(self.along, other.along),
+            factors: [0, 1].map(|i| at(self.factors[i], other.factors[i])),
+            rest: at(self.rest, other.rest),
+        }
+    }
+
+    /// What another says otherwise of the ray through a point of the plane, mm.
+    pub fn off(&self, other: &Self, at: [f64; 2]) -> f64 {
+        let ([x, y], [u, v]) = (self.at(at), other.at(at));
+        (x - u).hypot(y - v)
+    }
+}
+
+/// Pupils at places of a second parameter, and where their rays land.
+#[derive(Clone, Debug)]
+pub(crate) struct CutPupil {
+    stack: Stack,
+    /// Even places from the axis to each table's end, less one.
+    nodes: usize,
+    /// Table by table, node by node: L and b, b' and r.
+    landings: Vec<[f32; 2]>,
+    /// Half the film's sides, mm.
+    film: [f64; 2],
+    /// The directions between the sectors, and the angle from each to the next.
+    bounds: [([f64; 2], f64); SECTORS + 1],
+}
+
+/// The way from a point of the scene to the film's axes and numbers, in lanes.
+#[derive(Clone, Copy)]
+pub(crate) struct Asked<L> {
+    /// h.
+    pub height: L,
+    /// The place among the tables.
+    pub place: L,
+    /// Unit vector across the axis toward the point, in the film's axes.
+    pub azimuth: [L; 2],
+    /// From 0 to 1.
+    pub numbers: [L; 2],
+}
+
+impl CutPupil {
+    /// Of pupils, and the landings of each table at even places from the axis to its end, for film of these half sides, mm.
+    pub fn new(stack: Stack, landings: &[Vec<Landing>], film: [f64; 2]) -> Self {
+        let nodes = landings[0].len() - 1;
+        let pairs = |landing: &Landing| {
+            let Landing { along, factors: [b, c], rest } = *landing;
+            [[along as f32, b as f32], [c as f32, rest as f32]]
+        };
+        let landings = landings.iter().flatten().flat_map(pairs).collect();
+        let span = |k: usize| {
+            let [[cos, sin], [next_cos, next_sin]] = [k, k + 1].map(direction);
+            (cos * next_sin - sin * next_cos).asin()
+        };
+        let bounds = std::array::from_fn(|k| (direction(k), span(k.min(SECTORS - 1))));
+        Self { stack, nodes, landings, film, bounds }
+    }
+
+    /// What sampling computes with.
+    pub fn lane_pupil(&self) -> LanePupil<f64> {
+        self.stack.lane_pupil()
+    }
+
+    /// Points (p, q) of the plane for points of the scene, and the areas that they stand for over π; NaN where there is nothing
+    /// to sample.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn aim<L: Lanes<Scalar = f64>>(
+        &self,
+        cpu: Cpu<L>,
+        constants: &LanePupil<f64>,
+        asked: &Asked<L>,
+    ) -> ([L; 2], L) {
+        let number = |number: f64| L::splat(cpu, number);
+        let (zero, one) = (number(0.0), number(1.0));
+        let mut ray =
+            FilmRays { point: [asked.height, zero], disk: [one, zero], slopes: [zero; 2], area_per_pi: one };
+        let between = self.stack.between(cpu, constants, asked.place, &mut ray);
+        let cut = self.cut(cpu, asked, &between, ray.point[0]);
+        // Of the sectors of the upper half and those of the lower one, from the point's side on.
+        let mut shares = [zero; 2 * SECTORS];
+        let (mut total, mut most) = (zero, zero);
+        let (mut before, mut before_span) = ([zero; 2], zero);
+        let mut k = 0;
+        while k <= SECTORS {
+            let heading = Heading {
+                knot: number((k * WIDE).min(CELLS - 1) as f64),
+                offset: number(if k == SECTORS { 1.0 } else { 0.0 }),
+                turn: one,
+                below: zero.less(zero),
+            };
+            let [re, im, re_next, im_next] = self.stack.knots_between(&between, &heading);
+            let (re, im) = if k == SECTORS { (re_next, im_next) } else { (re, im) };
+            let ([u, v], span) = self.bounds[k];
+            let (u, v) = (number(u), number(v));
+            let edge = [im.neg_mul_add(v, re * u), im.mul_add(u, re * v)];
+            let mut half = 0;
+            while half < 2 {
+                let up = if half == 0 { edge[1] } else { zero - edge[1] };
+                let [from, to] = cut.held(cpu, [edge[0], up]);
+                let held = (to - from).larger(zero);
+                most = most.larger(held);
+                if k > 0 {
+                    let share = (held.larger(before[half]) + number(FLOOR)) * before_span;
+                    shares[half * SECTORS + k - 1] = share;
+                    total = total + share;
+                }
+                before[half] = held;
+                half += 1;
+            }
+            before_span = number(span);
+            k += 1;
+        }
+        // The sector, and where it begins.
+        let target = asked.numbers[0] * total;
+        let (mut sector, mut start, mut share) = (zero, zero, shares[0]);
+        let mut sum = shares[0];
+        let mut k = 1;
+        while k < 2 * SECTORS {
+            let farther = sum.less(target);
+            sector = L::select(farther, number(k as f64), sector);
+            start = L::select(farther, sum, start);
+            share = L::select(farther, shares[k], share);
+            sum = sum + shares[k];
+            k += 1;
+        }
+        let within = ((target - start) / share).larger(zero).smaller(one);
+        let below = number(SECTORS as f64 - 0.5).less(sector);
+        let sector = L::select(below, sector - number(SECTORS as f64), sector);
+        let place = (sector + within) * number(WIDE as f64);
+        let knot = place.smaller(number((CELLS - 1) as f64)).trunc();
+        // q, and the direction of |a| + |b| = 1 there.
+        let q = place * number(2.0 / CELLS as f64);
+        let (a, b) = (one - q, q.smaller(number(2.0) - q));
+        let square = b.mul_add(b, a * a);
+        let heading =
+            Heading { knot, offset: place - knot, turn: square * number(CELLS as f64 / 2.0), below };
+        let knots = self.stack.knots_between(&between, &heading);
+        let [re, im, re_next, im_next] = knots;
+        let (re, im) = (heading.offset.mul_add(re_next - re, re), heading.offset.mul_add(im_next - im, im));
+        let per_length = one / square.sqrt();
+        let (u, v) = (a * per_length, b * per_length);
+        let edge = [im.neg_mul_add(v, re * u), im.mul_add(u, re * v)];
+        let [from, to] = cut.held(cpu, [edge[0], L::select(below, zero - edge[1], edge[1])]);
+        // Of a direction that lands beside the film all, that it is blocked as any other.
+        let lands = from.less(to);
+        let [from, to] = [L::select(lands, from, zero), L::select(lands, to, one)];
+        let radius = asked.numbers[1].mul_add(to - from, from).larger(zero).sqrt();
+        ray.disk = [radius * u, radius * L::select(below, zero - v, v)];
+        self.stack.aim_between(cpu, &between, &heading, knots, &mut ray);
+        // t dt dφ of a disk of area π, where φ goes with q as 1 over the square.
+        let per_number = total / share * number(2.0 / SECTORS as f64 / (2.0 * PI)) * (to - from) / square;
+        let is_seen = L::both(between.radius.inside, zero.less(most));
+        (ray.slopes, L::select(is_seen, ray.area_per_pi * per_number, number(f64::NAN)))
+    }
+
+    /// What the film holds of half-lines from the pupil's centre.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn cut<L: Lanes<Scalar = f64>>(
+        &self,
+        cpu: Cpu<L>,
+        asked: &Asked<L>,
+        between: &Between<L>,
+        h: L,
+    ) -> Cut<L> {
+        let number = |number: f64| L::splat(cpu, number);
+        let (part, row) = (between.part, &between.row);
+        let place = between.radius.s * number(self.nodes as f64 / FINE as f64);
+        let node = place.smaller(number((self.nodes - 1) as f64)).trunc();
+        let along = place - node;
+        let next = self.nodes + 1;
+        let at = node + between.table * number(next as f64);
+        let [low, after, above, above_after] =
+            L::look_up::<4, 2>(&self.landings, at.whole(), [0, 2, 2 * next, 2 * next + 2]);
+        let mut found = low;
+        let mut k = 0;
+        while k < 4 {
+            let own = along.mul_add(after[k] - low[k], low[k]);
+            let other = along.mul_add(above_after[k] - above[k], above[k]);
+            found[k] = part.mul_add(other - own, own);
+            k += 1;
+        }
+        let [middle, b, c, rest] = found;
+        let [ex, ey] = asked.azimuth;
+        // Of a half-line's part across what it is after narrowing.
+        let middle = b.mul_add(row.center * h, middle);
+        let narrow = b * row.narrowing.neg_mul_add(h * h, number(1.0));
+        // What bends is no line: it is within that.
+        let bow = (b * row.bow * h * h * h).abs();
+        let [fx, fy] = self.film.map(|half| number(half) + rest);
+        let turned = [[ex * narrow, number(0.0) - ey * c], [ey * narrow, ex * c]];
+        Cut {
+            middle: [ex * middle, ey * middle],
+            turned,
+            half: [fx, fy],
+            bow: [ex.abs() * bow, ey.abs() * bow],
+        }
+    }
+}
+
+/// Where half-lines from the pupil's centre land, and the rectangle that is to hold them.
+struct Cut<L> {
+    /// Where the centre's ray lands.
+    middle: [L; 2],
+    /// Where points of a half-line land from there: a matrix, by rows.
+    turned: [[L; 2]; 2],
+    /// Half the rectangle's sides.
+    half: [L; 2],
+    /// How much farther off a point may land over the square of its part across.
+    bow: [L; 2],
+}
+
+impl<L: Lanes<Scalar = f64>> Cut<L> {
+    /// The squares of the parts of the way to an edge point between which the rectangle holds it; the second is less where it
+    /// holds nothing.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn held(&self, cpu: Cpu<L>, edge: [L; 2]) -> [L; 2] {
+        let (mut from, mut to) = (L::splat(cpu, 0.0), L::splat(cpu, 1.0));
+        let mut axis = 0;
+        while axis < 2 {
+            let [p, q] = self.turned[axis];
+            let way = q.mul_add(edge[1], p * edge[0]);
+            // Not 0, for 0 times infinity is no number.
+            let tiny = L::splat(cpu, f64::MIN_POSITIVE);
+            let way = L::select(way.abs().less(tiny), tiny, way);
+            let half = (edge[1] * edge[1]).mul_add(self.bow[axis], self.half[axis]);
+            let (low, high) =
+                ((L::splat(cpu, 0.0) - half - self.middle[axis]) / way, (half - self.middle[axis]) / way);
+            from = from.larger(low.smaller(high));
+            to = to.smaller(low.larger(high));
+            axis += 1;
+        }
+        [from * from, L::select(from.less(to), to * to, L::splat(cpu, -1.0))]
+    }
+}
+
+/// The unit vector at a boundary between sectors.
+fn direction(k: usize) -> [f64; 2] {
+    let q = 2.0 * k as f64 / SECTORS as f64;
+    let (a, b) = (1.0 - q, q.min(2.0 - q));
+    let length = (a * a + b * b).sqrt();
+    [a / length, b / length]
+}

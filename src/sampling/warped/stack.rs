@@ -1,0 +1,183 @@
+//! Tables of pupils at several values of a second parameter, one after the other, interpolated: a wavelength, or how near
+//! points of the scene are.
+//!
+//! Each table is over h in units of its own end. Between two of them the end, C, λ, β and M are interpolated, at the same part of
+//! the end. What comes out is again a map of the disk, with the Jacobian of its own: the density is exact whatever the
+//! tables.
+
+use super::{
+    Heading, LanePupil, Radius, Row, WarpedPupil,
+    build::{Builder, FINE, Layout, cover_alike},
+    view::Family,
+};
+use crate::{
+    numeric::Real,
+    sampling::{film_rays::FilmRays, pupil_disk::PupilDisk},
+    trace::kernel::{Cpu, Lanes, Scalar},
+};
+
+/// By how much a table's maps are larger than what was found, relative to what they are: for the curvature in between.
+const MARGIN: f64 = 6e-4;
+
+/// Tables one after the other.
+#[derive(Clone, Debug)]
+pub(crate) struct Stack {
+    /// Intervals between the tables.
+    intervals: f64,
+    /// Each table's end, and its step to the next.
+    ends: Vec<[f32; 2]>,
+    /// All of them, over h in units of each one's end.
+    tables: WarpedPupil,
+}
+
+impl Stack {
+    /// Of two tables or more, of which all end or none, and what they were built from. `beyond` is what is sampled beyond tables
+    /// that do not end.
+    pub fn of<F: Family>(builders: &[Builder<F>], mut layouts: Vec<Layout>, beyond: PupilDisk) -> Self {
+        cover_alike(&mut layouts, builders);
+        let tables = layouts.into_iter().zip(builders);
+        let tables: Vec<WarpedPupil> = tables
+            .map(|(layout, builder)| WarpedPupil::pack(layout, beyond, builder.side.work().rays()))
+            .collect();
+        let ends: Vec<f64> = tables.iter().map(|table| table.end).collect();
+        let last = ends.len() - 1;
+        let next = |number: usize| ends[(number + 1).min(last)];
+        let steps = ends.iter().enumerate();
+        let ends = steps.map(|(number, end)| [*end as f32, (next(number) - end) as f32]).collect();
+        Self { intervals: last as f64, ends, tables: joined(tables) }
+    }
+
+    /// What sampling computes with, in the precision of the lanes.
+    pub fn lane_pupil<S: Scalar>(&self) -> LanePupil<S> {
+        self.tables.lane_pupil()
+    }
+
+    /// Gives rays at a place, a number of tables, their slopes and area. Where there is nothing to sample the area is NaN.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn aim<L: Lanes>(
+        &self,
+        cpu: Cpu<L>,
+        constants: &LanePupil<L::Scalar>,
+        place: L,
+        ray: &mut FilmRays<L>,
+    ) {
+        let point = ray.point;
+        let between = self.between(cpu, constants, place, ray);
+        let heading = Heading::of(cpu, ray);
+        let knots = self.knots_between(&between, &heading);
+        self.tables.aim_at(cpu, &between.row, &heading, knots, ray);
+        ray.point = point;
+        let inside = between.radius.inside;
+        if !L::all(inside) {
+            self.tables.cover(cpu, constants, inside, ray);
+        }
+    }
+
+    /// Between which maps rays at a place lie; takes their points to units of the end there.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn between<L: Lanes>(
+        &self,
+        cpu: Cpu<L>,
+        constants: &LanePupil<L::Scalar>,
+        place: L,
+        ray: &mut FilmRays<L>,
+    ) -> Between<L> {
+        let number = |number: f64| L::splat(cpu, L::Scalar::from_f64(number));
+        // In this order what is no number becomes 0.
+        let place = place.larger(number(0.0)).smaller(number(self.intervals));
+        let table = place.smaller(number(self.intervals - 1.0)).trunc();
+        let part = place - table;
+        let [[end, step, ..]] = L::look_up::<1, 1>(&self.ends, table.whole(), [0]);
+        let per_end = number(1.0) / part.mul_add(step, end);
+        ray.point = [ray.point[0] * per_end, ray.point[1] * per_end];
+        let radius = self.tables.radius(cpu, constants, ray);
+        let fine = number(FINE as f64);
+        let below = L::add_places((table * fine).whole(), radius.place.whole());
+        let mut row = self.tables.row(cpu, below, &radius);
+        let above: Row<L> = self.tables.row(cpu, L::add_places(below, fine.whole()), &radius);
+        row.center = part.mul_add(above.center - row.center, row.center);
+        row.narrowing = part.mul_add(above.narrowing - row.narrowing, row.narrowing);
+        row.bow = part.mul_add(above.bow - row.bow, row.bow);
+        Between { table, part, radius, row, above }
+    }
+
+    /// M at the two knots beside a direction, interpolated between slices and tables.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn knots_between<L: Lanes>(&self, between: &Between<L>, heading: &Heading<L>) -> [L; 4] {
+        let mut knots = self.tables.knots(&between.row, heading);
+        let above = self.tables.knots(&between.above, heading);
+        let mut k = 0;
+        while k < 4 {
+            knots[k] = between.part.mul_add(above[k] - knots[k], knots[k]);
+            k += 1;
+        }
+        knots
+    }
+
+    /// Gives rays their slopes and area by what stands in the tables for them, over units of the end.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn aim_between<L: Lanes>(
+        &self,
+        cpu: Cpu<L>,
+        between: &Between<L>,
+        heading: &Heading<L>,
+        knots: [L; 4],
+        ray: &mut FilmRays<L>,
+    ) {
+        self.tables.aim_at(cpu, &between.row, heading, knots, ray);
+    }
+}
+
+/// Between which tables, and in each of them between which slices, rays lie.
+#[derive(Clone, Copy)]
+pub(super) struct Between<L: Lanes> {
+    /// The number of the table before, and how far from it to the next.
+    pub table: L,
+    pub part: L,
+    pub radius: Radius<L>,
+    /// Of the table before, but for c, λ and β, which are those in between.
+    pub row: Row<L>,
+    /// Of the next.
+    above: Row<L>,
+}
+
+/// Tables one after the other, over h in units of each one's end.
+fn joined(tables: Vec<WarpedPupil>) -> WarpedPupil {
+    let mut tables = tables.into_iter();
+    let mut all = tables.next().expect("a table").in_units_of_its_end();
+    for table in tables {
+        let table = table.in_units_of_its_end();
+        let before = all.table.len() as u32;
+        all.cells.extend(table.cells.iter().map(|cell| {
+            let mut cell = *cell;
+            cell.index += before;
+            cell
+        }));
+        all.narrowings.extend(table.narrowings);
+        all.rests.extend(table.rests);
+        all.table.extend(table.table);
+    }
+    all
+}
+
+impl WarpedPupil {
+    /// The same over h in units of its end, a little larger.
+    fn in_units_of_its_end(mut self) -> Self {
+        let (end, grown) = (self.end as f32, 1.0 + MARGIN as f32);
+        for cell in &mut self.cells {
+            cell.numbers[1] *= end;
+            cell.numbers[2] *= end;
+        }
+        for pairs in self.narrowings.chunks_exact_mut(2) {
+            pairs[0] = pairs[0].map(|narrowing| narrowing * end * end);
+            pairs[1] = pairs[1].map(|bow| bow * end * end * end);
+        }
+        for rest in &mut self.rests {
+            *rest = rest.map(|center| center * end);
+        }
+        for factor in &mut self.table {
+            *factor = factor.map(|part| part * grown);
+        }
+        Self { end: 1.0, ..self }
+    }
+}
