@@ -184,15 +184,18 @@ impl Backward {
     /// The slices differ in length.
     pub fn aim(&self, points: &[ScenePoint], found: &mut [Aimed]) {
         assert_eq!(points.len(), found.len(), "a batch needs as much room as it has points");
-        let aimed = self.towards(points);
+        let stands: Vec<Stand> = points.iter().map(|point| self.stand(point.time)).collect();
+        let aimed = self.towards(points, &stands);
         let none = Ray { origin: [0.0; 3], direction: [0.0; 3] };
         let rays: Vec<(Ray, f64)> =
             aimed.iter().map(|aimed| (aimed.as_ref().map_or(none, |towards| towards.ray), 0.0)).collect();
         let counted = self.count(&rays);
-        for (((found, point), aimed), counted) in found.iter_mut().zip(points).zip(aimed).zip(counted) {
+        let points = points.iter().zip(&stands);
+        for (((found, (point, stand)), aimed), counted) in
+            found.iter_mut().zip(points).zip(aimed).zip(counted)
+        {
             *found = Aimed::default();
             let Some(Towards { ray, density }) = aimed else { continue };
-            let stand = self.stand(point.time);
             let outside = stand.ray(ray);
             let density = density / stand.solid_angle(ray.direction);
             let from = point.point.map(f64::from);
@@ -202,7 +205,7 @@ impl Backward {
                 continue;
             }
             let importance =
-                counted.and_then(|counted| self.importance(&counted, &stand, ray.direction, point.time));
+                counted.and_then(|counted| self.importance(&counted, stand, ray.direction, point.time));
             *found = Aimed {
                 origin: outside.origin,
                 direction: outside.direction,
@@ -212,16 +215,16 @@ impl Backward {
         }
     }
 
-    /// Directions in camera space from points.
-    fn towards(&self, points: &[ScenePoint]) -> Vec<Option<Towards>> {
-        let inside = points.iter().map(|ScenePoint { point, sample, time }| {
-            let (inside, _) = self.stand(*time).point(point.map(f64::from));
+    /// Directions in camera space from points, where the camera stands for each.
+    fn towards(&self, points: &[ScenePoint], stands: &[Stand]) -> Vec<Option<Towards>> {
+        let inside = points.iter().zip(stands).map(|(ScenePoint { point, sample, .. }, stand)| {
+            let (inside, _) = stand.point(point.map(f64::from));
             let numbers = sample.map(|number| f64::from(number).clamp(0.0, 1.0));
             numbers.iter().chain(&inside).all(|number| number.is_finite()).then_some((inside, numbers))
         });
         let mut found = Vec::with_capacity(points.len());
         match &self.optics {
-            Optics::Lens(lens) => lens.aim(&mut inside.collect::<Vec<_>>(), &mut found),
+            Optics::Lens(lens) => lens.aim(inside, &mut found),
             Optics::Linear(linear) => {
                 found.extend(
                     inside.map(|inside| inside.and_then(|(point, numbers)| linear.aim(point, numbers))),

@@ -297,7 +297,7 @@ impl Entrance {
             in_vectors(self.simd, Grouping::Wide, &mut packet);
             found.extend(spots[..points.len()].iter().enumerate().map(|(i, spot)| {
                 let (point, spot) = spot.as_ref()?;
-                self.towards(front, *point, spot, packet.found.map(|numbers| numbers[i]))
+                self.towards(front, *point, spot, [0, 1, 2].map(|k| packet.found[k][i]))
             }));
         }
     }

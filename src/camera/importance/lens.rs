@@ -95,12 +95,15 @@ impl LensBackward {
     }
 
     /// Directions toward the lens from points, each for two numbers in [0, 1].
-    pub fn aim(&self, points: &mut [Option<([f64; 3], [f64; 2])>], found: &mut Vec<Option<Towards>>) {
-        for point in points.iter_mut() {
-            *point = point.filter(|(point, _)| self.front.is_before(*point));
-        }
+    pub fn aim(
+        &self,
+        points: impl Iterator<Item = Option<([f64; 3], [f64; 2])>>,
+        found: &mut Vec<Option<Towards>>,
+    ) {
+        let points = points.map(|point| point.filter(|(point, _)| self.front.is_before(*point)));
+        let points: Vec<_> = points.collect();
         match self.entrance.get_or_make(|| self.tabulate()) {
-            Some(entrance) => entrance.aim(&self.front, points, found),
+            Some(entrance) => entrance.aim(&self.front, &points, found),
             None => found.extend(points.iter().map(|_| None)),
         }
     }

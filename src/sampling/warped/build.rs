@@ -66,10 +66,7 @@ pub(crate) struct Interval {
 
 /// Everything that the table keeps.
 pub(crate) struct Layout {
-    /// Film radius at the table's end, mm.
-    pub end: f64,
-    /// Whether no light reaches the film beyond the end.
-    pub dark_beyond: bool,
+    pub scale: Scale,
     pub intervals: Vec<Interval>,
     pub given_up: Vec<GivenUp>,
 }
@@ -77,23 +74,31 @@ pub(crate) struct Layout {
 impl Layout {
     /// The map at a place from 0 at the axis to 1 at the end.
     pub fn slice(&self, place: f64) -> Slice {
-        let (scale, place) = (self.scale(), FINE as f64 * place);
+        let (scale, place) = (self.scale, FINE as f64 * place);
         let next = self.intervals.partition_point(|interval| interval.to as f64 <= place);
         let Interval { from, to, slices: [low, high] } = &self.intervals[next.min(self.intervals.len() - 1)];
         let part = (place - *from as f64) / (to - from) as f64;
         low.toward(high, part, scale.at(place / FINE as f64))
     }
 
-    fn scale(&self) -> Scale {
-        Scale { end: self.end, dark_beyond: self.dark_beyond, vanishes: self.dark_beyond }
+    /// The same over h in units of its end, with maps larger by a margin, relative.
+    pub fn in_units_of_its_end(mut self, margin: f64) -> Self {
+        for slice in self.intervals.iter_mut().flat_map(|interval| &mut interval.slices) {
+            *slice = slice.in_units_of(self.scale.end);
+            slice.grow(&[0.0; KNOTS], margin);
+        }
+        self.scale.end = 1.0;
+        self
     }
 }
 
 /// The scale of film radius.
 #[derive(Clone, Copy)]
-struct Scale {
-    end: f64,
-    dark_beyond: bool,
+pub(crate) struct Scale {
+    /// Film radius at the table's end, mm.
+    pub end: f64,
+    /// Whether no light reaches the film beyond the end.
+    pub dark_beyond: bool,
     /// Whether the pupil shrinks to nothing toward the end.
     vanishes: bool,
 }
@@ -187,8 +192,7 @@ impl<F: Family> Builder<F> {
         let slices = radii.map(|height| self.cover_slice(height));
         let acceptance = self.cover_acceptance(self.side.reach() / 2.0);
         Layout {
-            end: self.side.reach(),
-            dark_beyond: false,
+            scale: Scale { end: self.side.reach(), dark_beyond: false, vanishes: false },
             intervals: vec![Interval { from: 0, to: FINE, slices }],
             given_up: vec![GivenUp { radii, reason, acceptance }],
         }
@@ -431,7 +435,7 @@ impl<F: Family> March<'_, F> {
     }
 
     /// By how much maps are to be made larger for what lies between this table and those beside it.
-    fn between(&self, before: &Self, next: &Self, part: f64) -> Vec<(usize, Vec<f64>)> {
+    fn between(&self, before: &Self, next: &Self, part: f64) -> Vec<Growth> {
         let [from, to] = [before, next].map(|march| march.scale.end);
         let end = from + part * (to - from);
         let growth = |node: &Node| {
@@ -457,7 +461,7 @@ impl<F: Family> March<'_, F> {
     }
 
     /// Everything found, as intervals with maps that hold what lies between.
-    fn layout(self, between: &Growths) -> Layout {
+    fn layout(self, between: &[Growth]) -> Layout {
         let Self { builder, scale, runs, pieces, .. } = self;
         let (mut intervals, mut given_up) = (Vec::new(), Vec::new());
         let starts = runs.first().is_some_and(|run| run[0].place == 0);
@@ -499,19 +503,19 @@ impl<F: Family> March<'_, F> {
         if let Some(from) = covered_from.filter(|&from| from < FINE) {
             cover(from, FINE, &mut intervals, &mut given_up);
         }
-        Layout { end: scale.end, dark_beyond: scale.dark_beyond, intervals, given_up: joined(given_up) }
+        Layout { scale, intervals, given_up: joined(given_up) }
     }
 }
 
-/// By how much maps at places are made larger at each knot.
-type Growths = [(usize, Vec<f64>)];
+/// By how much the map at a place is made larger at each knot.
+type Growth = (usize, Vec<f64>);
 
 /// The tables of families at places of a second parameter, `at`, up to one that nothing is known of. They hold what lies
 /// between: each map is made larger by a part of what its outline lies outside the map interpolated from the tables beside.
 pub(crate) fn alike<F: Family>(builders: &[Builder<F>], at: &[f64]) -> Vec<Layout> {
     let marches: Vec<March<'_, F>> = builders.iter().map_while(|builder| builder.march().ok()).collect();
     let beside = marches.windows(3).zip(at.windows(3));
-    let growths: Vec<Vec<(usize, Vec<f64>)>> = beside
+    let growths: Vec<Vec<Growth>> = beside
         .map(|(marches, at)| {
             let [before, own, next] = marches else { unreachable!("windows of three") };
             own.between(before, next, (at[1] - at[0]) / (at[2] - at[0]))
@@ -539,7 +543,7 @@ pub(crate) fn cover_alike<F: Family>(layouts: &mut [Layout], builders: &[Builder
         }
     }
     for (layout, builder) in layouts.iter_mut().zip(builders) {
-        let scale = layout.scale();
+        let scale = layout.scale;
         layout.intervals.retain(|interval| !is_covered[interval.from]);
         let mut from = 0;
         for cells in is_covered.chunk_by(|a, b| a == b) {

@@ -20,7 +20,7 @@
 
 use std::f64::consts::PI;
 
-use super::{Heading, LanePupil, Stack, build::FINE, slice::CELLS, stack::Between};
+use super::{Heading, Knots, LanePupil, Stack, build::FINE, slice::CELLS, stack::Between, toward};
 use crate::{
     sampling::film_rays::FilmRays,
     trace::kernel::{Cpu, Lanes},
@@ -133,11 +133,10 @@ impl CutPupil {
             [[along as f32, b as f32], [c as f32, rest as f32]]
         };
         let landings = landings.iter().flatten().flat_map(pairs).collect();
-        let span = |k: usize| {
-            let [[cos, sin], [next_cos, next_sin]] = [k, k + 1].map(direction);
-            (cos * next_sin - sin * next_cos).asin()
-        };
-        let bounds = std::array::from_fn(|k| (direction(k), span(k.min(SECTORS - 1))));
+        let knots = Knots::new();
+        let angle = |bound: usize| PI * knots.parts[bound * WIDE];
+        let span = |k: usize| angle((k + 1).min(SECTORS)) - angle(k);
+        let bounds = std::array::from_fn(|k| (knots.directions[k * WIDE], span(k)));
         Self { stack, nodes, landings, film, bounds }
     }
 
@@ -256,15 +255,8 @@ impl CutPupil {
         let at = node + between.table * number(next as f64);
         let [low, after, above, above_after] =
             L::look_up::<4, 2>(&self.landings, at.whole(), [0, 2, 2 * next, 2 * next + 2]);
-        let mut found = low;
-        let mut k = 0;
-        while k < 4 {
-            let own = along.mul_add(after[k] - low[k], low[k]);
-            let other = along.mul_add(above_after[k] - above[k], above[k]);
-            found[k] = part.mul_add(other - own, own);
-            k += 1;
-        }
-        let [middle, b, c, rest] = found;
+        let (own, other) = (toward(along, low, after), toward(along, above, above_after));
+        let [middle, b, c, rest] = toward(part, own, other);
         let [ex, ey] = asked.azimuth;
         // Of a half-line's part across what it is after narrowing.
         let middle = b.mul_add(row.center * h, middle);
@@ -316,12 +308,4 @@ impl<L: Lanes<Scalar = f64>> Cut<L> {
         }
         [from * from, L::select(from.less(to), to * to, L::splat(cpu, -1.0))]
     }
-}
-
-/// The unit vector at a boundary between sectors.
-fn direction(k: usize) -> [f64; 2] {
-    let q = 2.0 * k as f64 / SECTORS as f64;
-    let (a, b) = (1.0 - q, q.min(2.0 - q));
-    let length = (a * a + b * b).sqrt();
-    [a / length, b / length]
 }

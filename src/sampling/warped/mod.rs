@@ -65,7 +65,10 @@ pub(crate) use view::{Excess, Family, FilmPencils, Pencil, Work};
 
 use std::f64::consts::PI;
 
-use self::{build::FINE, slice::CELLS};
+use self::{
+    build::{FINE, Scale},
+    slice::CELLS,
+};
 use super::{
     film_rays::FilmRays,
     pupil_disk::{LaneDisk, PupilDisk, PupilSample},
@@ -119,7 +122,7 @@ impl WarpedPupil {
     }
 
     fn pack(layout: Layout, cover: PupilDisk, rays: u32) -> Self {
-        let Layout { end, dark_beyond, intervals, given_up } = layout;
+        let Layout { scale: Scale { end, dark_beyond, .. }, intervals, given_up } = layout;
         let mut table: Vec<[f32; 2]> = Vec::with_capacity((intervals.len() + 1) * STRIDE);
         let mut cells = Vec::with_capacity(FINE);
         let (mut narrowings, mut rests) = (Vec::new(), Vec::new());
@@ -279,13 +282,8 @@ impl WarpedPupil {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn knots<L: Lanes>(&self, row: &Row<L>, heading: &Heading<L>) -> [L; 4] {
         let first = L::add_places(heading.knot.whole(), row.slice);
-        let [mut pairs, above] = L::look_up::<2, 1>(&self.table, first, [0, STRIDE]);
-        let mut k = 0;
-        while k < 4 {
-            pairs[k] = row.part.mul_add(above[k] - pairs[k], pairs[k]);
-            k += 1;
-        }
-        pairs
+        let [below, above] = L::look_up::<2, 1>(&self.table, first, [0, STRIDE]);
+        toward(row.part, below, above)
     }
 
     /// Gives rays their slopes and area by what stands in the table for them.
@@ -339,6 +337,17 @@ impl WarpedPupil {
         }
         ray.area_per_pi = L::select(inside, ray.area_per_pi, area);
     }
+}
+
+/// `part` of the way from some numbers to others.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn toward<L: Lanes, const N: usize>(part: L, mut from: [L; N], to: [L; N]) -> [L; N] {
+    let mut k = 0;
+    while k < N {
+        from[k] = part.mul_add(to[k] - from[k], from[k]);
+        k += 1;
+    }
+    from
 }
 
 /// Where along the film radius points lie.

@@ -15,8 +15,8 @@ pub(super) const MARGIN: f64 = 3e-4;
 /// The disk's directions at the knots: pseudo-angles q = 1 - cos/(|cos| + sin) in equal steps from 0 to 2.
 pub(crate) struct Knots {
     /// Angles over π.
-    parts: [f64; KNOTS],
-    directions: [[f64; 2]; KNOTS],
+    pub(super) parts: [f64; KNOTS],
+    pub(super) directions: [[f64; 2]; KNOTS],
 }
 
 impl Knots {

@@ -61,7 +61,7 @@ impl SpectralPupil {
         }
         let mut intervals = INTERVALS;
         // An image ends everywhere or nowhere.
-        if tables.iter().any(|(.., layout)| layout.dark_beyond) {
+        if tables.iter().any(|(.., layout)| layout.scale.dark_beyond) {
             intervals = WITH_END;
             for number in (0..=WITH_END).filter(|number| number % (WITH_END / INTERVALS) != 0) {
                 tables.push(table(number, reach)?);
@@ -69,7 +69,7 @@ impl SpectralPupil {
             tables.sort_by_key(|(number, ..)| *number);
             for known in &mut tables {
                 let mut farther = FARTHER.iter();
-                while !known.2.dark_beyond {
+                while !known.2.scale.dark_beyond {
                     *known = table(known.0, reach * farther.next()?)?;
                 }
             }

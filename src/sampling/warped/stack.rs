@@ -8,6 +8,7 @@
 use super::{
     Heading, LanePupil, Radius, Row, WarpedPupil,
     build::{Builder, FINE, Layout, cover_alike},
+    toward,
     view::Family,
 };
 use crate::{
@@ -35,11 +36,11 @@ impl Stack {
     /// that do not end.
     pub fn of<F: Family>(builders: &[Builder<F>], mut layouts: Vec<Layout>, beyond: PupilDisk) -> Self {
         cover_alike(&mut layouts, builders);
+        let ends: Vec<f64> = layouts.iter().map(|layout| layout.scale.end).collect();
         let tables = layouts.into_iter().zip(builders);
-        let tables: Vec<WarpedPupil> = tables
-            .map(|(layout, builder)| WarpedPupil::pack(layout, beyond, builder.side.work().rays()))
-            .collect();
-        let ends: Vec<f64> = tables.iter().map(|table| table.end).collect();
+        let tables = tables.map(|(layout, builder)| {
+            WarpedPupil::pack(layout.in_units_of_its_end(MARGIN), beyond, builder.side.work().rays())
+        });
         let last = ends.len() - 1;
         let next = |number: usize| ends[(number + 1).min(last)];
         let steps = ends.iter().enumerate();
@@ -65,7 +66,7 @@ impl Stack {
         let between = self.between(cpu, constants, place, ray);
         let heading = Heading::of(cpu, ray);
         let knots = self.knots_between(&between, &heading);
-        self.tables.aim_at(cpu, &between.row, &heading, knots, ray);
+        self.aim_between(cpu, &between, &heading, knots, ray);
         ray.point = point;
         let inside = between.radius.inside;
         if !L::all(inside) {
@@ -95,23 +96,16 @@ impl Stack {
         let below = L::add_places((table * fine).whole(), radius.place.whole());
         let mut row = self.tables.row(cpu, below, &radius);
         let above: Row<L> = self.tables.row(cpu, L::add_places(below, fine.whole()), &radius);
-        row.center = part.mul_add(above.center - row.center, row.center);
-        row.narrowing = part.mul_add(above.narrowing - row.narrowing, row.narrowing);
-        row.bow = part.mul_add(above.bow - row.bow, row.bow);
+        [row.center, row.narrowing, row.bow] =
+            toward(part, [row.center, row.narrowing, row.bow], [above.center, above.narrowing, above.bow]);
         Between { table, part, radius, row, above }
     }
 
     /// M at the two knots beside a direction, interpolated between slices and tables.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn knots_between<L: Lanes>(&self, between: &Between<L>, heading: &Heading<L>) -> [L; 4] {
-        let mut knots = self.tables.knots(&between.row, heading);
-        let above = self.tables.knots(&between.above, heading);
-        let mut k = 0;
-        while k < 4 {
-            knots[k] = between.part.mul_add(above[k] - knots[k], knots[k]);
-            k += 1;
-        }
-        knots
+        let below = self.tables.knots(&between.row, heading);
+        toward(between.part, below, self.tables.knots(&between.above, heading))
     }
 
     /// Gives rays their slopes and area by what stands in the tables for them, over units of the end.
@@ -142,11 +136,9 @@ pub(super) struct Between<L: Lanes> {
 }
 
 /// Tables one after the other, over h in units of each one's end.
-fn joined(tables: Vec<WarpedPupil>) -> WarpedPupil {
-    let mut tables = tables.into_iter();
-    let mut all = tables.next().expect("a table").in_units_of_its_end();
+fn joined(mut tables: impl Iterator<Item = WarpedPupil>) -> WarpedPupil {
+    let mut all = tables.next().expect("a table");
     for table in tables {
-        let table = table.in_units_of_its_end();
         let before = all.table.len() as u32;
         all.cells.extend(table.cells.iter().map(|cell| {
             let mut cell = *cell;
@@ -158,26 +150,4 @@ fn joined(tables: Vec<WarpedPupil>) -> WarpedPupil {
         all.table.extend(table.table);
     }
     all
-}
-
-impl WarpedPupil {
-    /// The same over h in units of its end, a little larger.
-    fn in_units_of_its_end(mut self) -> Self {
-        let (end, grown) = (self.end as f32, 1.0 + MARGIN as f32);
-        for cell in &mut self.cells {
-            cell.numbers[1] *= end;
-            cell.numbers[2] *= end;
-        }
-        for pairs in self.narrowings.chunks_exact_mut(2) {
-            pairs[0] = pairs[0].map(|narrowing| narrowing * end * end);
-            pairs[1] = pairs[1].map(|bow| bow * end * end * end);
-        }
-        for rest in &mut self.rests {
-            *rest = rest.map(|center| center * end);
-        }
-        for factor in &mut self.table {
-            *factor = factor.map(|part| part * grown);
-        }
-        Self { end: 1.0, ..self }
-    }
 }

@@ -158,9 +158,7 @@ impl FilmPencils {
         let (clearances, work) = (ClearanceTracer::new(path, film), Work::new(path));
         Self { clearances, work, reach: reach.max(LEAST_REACH), cover, shift }
     }
-}
 
-impl FilmPencils {
     /// The disk that holds every pupil.
     pub fn disk(&self) -> PupilDisk {
         self.cover
