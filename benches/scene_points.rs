@@ -2,7 +2,7 @@
 //! stopped down, for points far and near: what they cost, how many get through and how much light they leave out:
 //! `cargo bench --bench scene_points -- [LENS]...`. The points lie on the camera's own rays, all over the picture; the
 //! camera keeps its lens's own focus, or with `--focused` is focused at the points' distance. Each figure is the worst of
-//! its lens's cases. `--test` for as little as shows that it runs.
+//! its lens's cases. `--part N` for an Nth of the samples, `--test` for as little as shows that it runs.
 
 use std::{f64::consts::TAU, hint::black_box, time::Duration};
 
@@ -47,8 +47,18 @@ fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let is_given = |name: &str| arguments.iter().any(|argument| argument == name);
     let (test, focused) = (is_given("--test"), is_given("--focused"));
-    let mut lenses: Vec<&str> =
-        arguments.iter().map(String::as_str).filter(|argument| !argument.starts_with('-')).collect();
+    let mut part = if test { 16 } else { 1 };
+    let mut lenses: Vec<&str> = Vec::new();
+    let mut words = arguments.iter().map(String::as_str);
+    while let Some(word) = words.next() {
+        match word {
+            "--part" => {
+                part = words.next().and_then(|part| part.parse().ok()).expect("--part takes a number")
+            }
+            lens if !lens.starts_with('-') => lenses.push(lens),
+            _ => {}
+        }
+    }
     if lenses.is_empty() {
         lenses = catalogue::names().take(if test { 1 } else { usize::MAX }).collect();
     }
@@ -56,7 +66,6 @@ fn main() {
         "| lens | first direction, ms | each of a batch, ns | pass, mean over points | pass, of one point | \
          light left out | of one point |\n|---|---|---|---|---|---|---|"
     );
-    let part = if test { 16 } else { 1 };
     let all = worst(lenses.iter().map(|lens| print(lens, look_at(lens, focused, part))));
     print("all", all);
 }

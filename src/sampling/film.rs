@@ -1,5 +1,7 @@
 //! The film: a raster of pixels on a rectangle behind the lens.
 
+use crate::trace::kernel::{Cpu, Lanes};
+
 /// Pixels of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Raster {
@@ -47,12 +49,15 @@ impl Film {
         [(x - image_x) * self.pixel, (image_y - y) * self.pixel]
     }
 
-    /// The raster coordinates of a film point, mm: the inverse of [`Film::point`]. `None` off the film.
-    pub(crate) fn raster_of(&self, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
-        let [middle_x, middle_y] = self.middle();
-        let (image_x, image_y) = (middle_x - x / self.pixel, middle_y + y / self.pixel);
-        let inside = (0.0..2.0 * middle_x).contains(&image_x) && (0.0..2.0 * middle_y).contains(&image_y);
-        inside.then_some([image_x, image_y])
+    /// The raster coordinates of film points, mm: the inverse of [`Film::point`]; and which lie on the film.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn raster_of<L: Lanes<Scalar = f64>>(&self, cpu: Cpu<L>, [x, y]: [L; 2]) -> ([L; 2], L::Mask) {
+        let (zero, pixel) = (L::splat(cpu, 0.0), L::splat(cpu, self.pixel));
+        let [middle_x, middle_y] = self.middle().map(|middle| L::splat(cpu, middle));
+        let (image_x, image_y) = (middle_x - x / pixel, middle_y + y / pixel);
+        let is_across = L::both(zero.less_equal(image_x), image_x.less(middle_x + middle_x));
+        let is_down = L::both(zero.less_equal(image_y), image_y.less(middle_y + middle_y));
+        ([image_x, image_y], L::both(is_across, is_down))
     }
 
     /// The raster coordinates of the axis.

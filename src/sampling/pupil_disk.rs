@@ -96,13 +96,6 @@ impl PupilDisk {
         PupilSample { slopes: [x + radius * u, y + radius * v], area: self.slope_area() }
     }
 
-    /// The area, slope², that a sample with these slopes at a film point, mm, stands for; `None` outside the disk.
-    pub(crate) fn area_at(&self, film: [f64; 2], [sx, sy]: [f64; 2]) -> Option<f64> {
-        let SlopeDisk { center: [x, y], radius } = self.seen_from(film);
-        let square = (sx - x) * (sx - x) + (sy - y) * (sy - y);
-        (square <= radius * radius).then_some(self.slope_area())
-    }
-
     /// The disk as lanes sample it.
     pub(crate) fn lane_disk<S: Scalar>(&self) -> LaneDisk<S> {
         LaneDisk {
@@ -139,6 +132,15 @@ impl<S: Scalar> LaneDisk<S> {
     pub fn lanes<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, [x, y]: [L; 2], [u, v]: [L; 2]) -> ([L; 2], L) {
         let (shift, radius) = (L::splat(cpu, self.shift), L::splat(cpu, self.slope_radius));
         ([radius.mul_add(u, shift * x), radius.mul_add(v, shift * y)], L::splat(cpu, self.area_per_pi))
+    }
+
+    /// The slope area, over π, that samples with these slopes at film points stand for; NaN outside the disk.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn areas<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, [x, y]: [L; 2], [sx, sy]: [L; 2]) -> L {
+        let shift = L::splat(cpu, self.shift);
+        let (u, v) = (shift.neg_mul_add(x, sx), shift.neg_mul_add(y, sy));
+        let area = L::splat(cpu, self.area_per_pi);
+        L::select(v.mul_add(v, u * u).less_equal(area), area, L::splat(cpu, S::from_f64(f64::NAN)))
     }
 }
 

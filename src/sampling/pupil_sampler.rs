@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use super::{PupilDisk, PupilSample, WarpedPupil};
+use super::{PupilDisk, PupilSample, WarpedPupil, film_rays::FilmRays};
+use crate::trace::kernel::{Cpu, Lanes};
 
 /// What lens samples are mapped to.
 #[derive(Clone, Debug)]
@@ -30,11 +31,14 @@ impl PupilSampler {
         }
     }
 
-    /// The area, slope², that a sample with these slopes at a film point, mm, stands for; `None` outside what is sampled.
-    pub fn area_at(&self, film: [f64; 2], slopes: [f64; 2]) -> Option<f64> {
+    /// Gives rays with slopes the area that such samples stand for, over π; NaN outside what is sampled.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn areas<L: Lanes<Scalar = f64>>(&self, cpu: Cpu<L>, ray: &mut FilmRays<L>) {
         match self {
-            Self::Disk(pupil) => pupil.area_at(film, slopes),
-            Self::Warped(pupil) => pupil.area_at(film, slopes),
+            Self::Disk(pupil) => {
+                ray.area_per_pi = pupil.lane_disk().areas(cpu, ray.point, ray.slopes);
+            }
+            Self::Warped(pupil) => pupil.areas(cpu, &pupil.lane_pupil(), ray),
         }
     }
 }

@@ -1,11 +1,10 @@
 //! A camera the other way round, whole: rays and points of the world in, importance and directions out.
 
 use super::{
-    counted::{Aimed, Importance, ScenePoint, Towards},
-    film::Counted,
+    counted::{Aimed, Counted, Importance, ScenePoint, Towards},
     lens::LensBackward,
     linear::Linear,
-    stand::Stand,
+    stand::{Stand, Turned},
 };
 use crate::{
     camera::{
@@ -91,8 +90,13 @@ impl Backward {
         }
     }
 
-    fn stand(&self, time: f32) -> Stand {
-        self.still.unwrap_or_else(|| Stand::new(&self.placement.to_world.at(time), self.units))
+    /// Where the camera stands at some times.
+    fn stands(&self, times: impl Iterator<Item = f32>) -> Stands<'_> {
+        let stand = |time| Stand::new(&self.placement.to_world.at(time), self.units);
+        match &self.still {
+            Some(stand) => Stands::Still(stand),
+            None => Stands::Moving(times.map(stand).collect()),
+        }
     }
 
     /// The fraction of the shutter's interval that a time is; `None` outside it. Where the shutter opens and closes at once,
@@ -115,22 +119,21 @@ impl Backward {
     /// The slices differ in length.
     pub fn arrive(&self, rays: &[WorldRay], found: &mut [Importance]) {
         assert_eq!(rays.len(), found.len(), "a batch needs as much room as it has rays");
-        let stands: Vec<(Stand, Ray, f64)> = rays
-            .iter()
-            .map(|ray| {
-                let stand = self.stand(ray.time);
-                let (origin, rounding) = stand.point(ray.origin.map(f64::from));
-                (stand, Ray { origin, direction: stand.direction(ray.direction.map(f64::from)) }, rounding)
-            })
-            .collect();
-        let moved: Vec<(Ray, f64)> = stands.iter().map(|(_, ray, rounding)| (*ray, *rounding)).collect();
+        let stands = self.stands(rays.iter().map(|ray| ray.time));
+        let inside = |(i, ray): (usize, &WorldRay)| {
+            let (stand, origin) = (stands.of(i), ray.origin.map(f64::from));
+            let direction = stand.direction(ray.direction.map(f64::from));
+            (Ray { origin: stand.point(origin), direction }, stand.rounding(origin))
+        };
+        let moved: Vec<(Ray, f64)> = rays.iter().enumerate().map(inside).collect();
         let counted = self.count(&moved);
-        for ((found, counted), (ray, (stand, inside, _))) in
-            found.iter_mut().zip(counted).zip(rays.iter().zip(&stands))
-        {
-            *found = counted
-                .and_then(|counted| self.importance(&counted, stand, unit(inside.direction)?, ray.time))
-                .unwrap_or_default();
+        let rays = rays.iter().zip(&moved).enumerate();
+        for ((found, counted), (i, (ray, (inside, _)))) in found.iter_mut().zip(counted).zip(rays) {
+            let importance = |counted| {
+                let direction = unit(inside.direction)?;
+                self.importance(&counted, stands.of(i), &stands.of(i).turned(direction), ray.time)
+            };
+            *found = counted.and_then(importance).unwrap_or_default();
         }
     }
 
@@ -151,25 +154,19 @@ impl Backward {
         counted
     }
 
-    /// What a ray counts in the world; `direction` is its own in camera space.
-    fn importance(
-        &self,
-        counted: &Counted,
-        stand: &Stand,
-        direction: [f64; 3],
-        time: f32,
-    ) -> Option<Importance> {
+    /// What a ray counts in the world.
+    fn importance(&self, counted: &Counted, stand: &Stand, turned: &Turned, time: f32) -> Option<Importance> {
         let Counted { raster, weight, density } = *counted;
         let number = self.time_number(time)?;
         let share = self.shutter.transmission(raster[1] as f32 / self.rows, number);
-        let density = density / stand.throughput(direction);
+        let density = density / turned.throughput;
         let area_density = 1.0 / (self.front_area * stand.area());
         let importance = Importance {
             raster,
             importance: weight * density * f64::from(share),
             density,
             area_density,
-            solid_angle_density: density * stand.cosine(direction) / area_density,
+            solid_angle_density: density * turned.cosine / area_density,
         };
         // What single precision cannot hold, as a host gets it, counts nothing.
         let largest = importance.importance.max(importance.density).max(importance.solid_angle_density);
@@ -184,59 +181,59 @@ impl Backward {
     /// The slices differ in length.
     pub fn aim(&self, points: &[ScenePoint], found: &mut [Aimed]) {
         assert_eq!(points.len(), found.len(), "a batch needs as much room as it has points");
-        let stands: Vec<Stand> = points.iter().map(|point| self.stand(point.time)).collect();
-        let aimed = self.towards(points, &stands);
-        let none = Ray { origin: [0.0; 3], direction: [0.0; 3] };
-        let rays: Vec<(Ray, f64)> =
-            aimed.iter().map(|aimed| (aimed.as_ref().map_or(none, |towards| towards.ray), 0.0)).collect();
-        let counted = self.count(&rays);
-        let points = points.iter().zip(&stands);
-        for (((found, (point, stand)), aimed), counted) in
-            found.iter_mut().zip(points).zip(aimed).zip(counted)
-        {
-            *found = Aimed::default();
-            let Some(Towards { ray, density }) = aimed else { continue };
-            let outside = stand.ray(ray);
-            let density = density / stand.solid_angle(ray.direction);
-            let from = point.point.map(f64::from);
-            let distance = (0..3).map(|axis| (from[axis] - outside.origin[axis]).powi(2)).sum::<f64>().sqrt();
-            let is_seen = distance >= self.distances[0] && distance <= self.distances[1];
-            if !(is_seen && density as f32 > 0.0 && density <= f64::from(f32::MAX)) {
-                continue;
-            }
-            let importance =
-                counted.and_then(|counted| self.importance(&counted, stand, ray.direction, point.time));
-            *found = Aimed {
-                origin: outside.origin,
-                direction: outside.direction,
-                density,
-                importance: importance.unwrap_or_default(),
-            };
+        let stands = self.stands(points.iter().map(|point| point.time));
+        let inside = |(i, ScenePoint { point, sample, .. }): (usize, &ScenePoint)| {
+            let inside = stands.of(i).point(point.map(f64::from));
+            let numbers = sample.map(|number| f64::from(number).clamp(0.0, 1.0));
+            numbers.iter().chain(&inside).all(|number| number.is_finite()).then_some((inside, numbers))
+        };
+        let inside: Vec<Option<([f64; 3], [f64; 2])>> = points.iter().enumerate().map(inside).collect();
+        let mut aimed = Vec::with_capacity(points.len());
+        match &self.optics {
+            Optics::Lens(lens) => lens.aim(&inside, &mut aimed),
+            Optics::Linear(linear) => aimed.extend(
+                inside.iter().map(|inside| inside.and_then(|(point, numbers)| linear.aim(point, numbers))),
+            ),
+        }
+        for (i, ((found, point), aimed)) in found.iter_mut().zip(points).zip(aimed).enumerate() {
+            *found = aimed.and_then(|aimed| self.aimed(&aimed, point, stands.of(i))).unwrap_or_default();
         }
     }
 
-    /// Directions in camera space from points, where the camera stands for each.
-    fn towards(&self, points: &[ScenePoint], stands: &[Stand]) -> Vec<Option<Towards>> {
-        let inside = points.iter().zip(stands).map(|(ScenePoint { point, sample, .. }, stand)| {
-            let (inside, _) = stand.point(point.map(f64::from));
-            let numbers = sample.map(|number| f64::from(number).clamp(0.0, 1.0));
-            numbers.iter().chain(&inside).all(|number| number.is_finite()).then_some((inside, numbers))
-        });
-        let mut found = Vec::with_capacity(points.len());
-        match &self.optics {
-            Optics::Lens(lens) => lens.aim(inside, &mut found),
-            Optics::Linear(linear) => {
-                found.extend(
-                    inside.map(|inside| inside.and_then(|(point, numbers)| linear.aim(point, numbers))),
-                );
-            }
+    /// A direction toward the lens in the world; `None` where the camera does not see the point.
+    fn aimed(&self, towards: &Towards, point: &ScenePoint, stand: &Stand) -> Option<Aimed> {
+        let Towards { ray: Ray { origin, direction }, density, counted } = towards;
+        let (origin, turned) = (stand.outside(*origin), stand.turned(*direction));
+        let density = density / turned.solid_angle;
+        let square = |axis: usize| (f64::from(point.point[axis]) - origin[axis]).powi(2);
+        let distance = (0..3).map(square).sum::<f64>().sqrt();
+        let is_seen = distance >= self.distances[0] && distance <= self.distances[1];
+        if !(is_seen && density as f32 > 0.0 && density <= f64::from(f32::MAX)) {
+            return None;
         }
-        for towards in &mut found {
-            *towards = towards.filter(|Towards { ray: Ray { origin, direction }, .. }| {
-                origin.iter().chain(direction).all(|part| part.is_finite())
-            });
+        let importance = counted.and_then(|counted| self.importance(&counted, stand, &turned, point.time));
+        Some(Aimed {
+            origin,
+            direction: turned.direction,
+            density,
+            importance: importance.unwrap_or_default(),
+        })
+    }
+}
+
+/// Where the camera stands for each of some rays or points.
+enum Stands<'a> {
+    /// For all of them.
+    Still(&'a Stand),
+    Moving(Vec<Stand>),
+}
+
+impl Stands<'_> {
+    fn of(&self, i: usize) -> &Stand {
+        match self {
+            Self::Still(stand) => stand,
+            Self::Moving(stands) => &stands[i],
         }
-        found
     }
 }
 

@@ -43,10 +43,22 @@ pub struct Aimed {
     pub importance: Importance,
 }
 
-/// A direction toward the lens in camera space: a ray from the front on, with a unit direction, and the direction's density
-/// per solid angle at the point that it comes from.
+/// A direction toward the lens in camera space: a ray from the front on, with a unit direction, the direction's density per
+/// solid angle at the point that it comes from, and what the ray counts, if anything.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Towards {
     pub ray: Ray,
+    pub density: f64,
+    pub counted: Option<Counted>,
+}
+
+/// What a ray counts in camera space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Counted {
+    /// Raster coordinates, pixels.
+    pub raster: [f64; 2],
+    /// The weight that the camera gives the same ray from the film.
+    pub weight: f64,
+    /// The density of its rays from the film, per cosθ dA dω; the square of camera space's unit is dA's.
     pub density: f64,
 }

@@ -12,7 +12,11 @@
 //!
 //! Of a pupil only what lands on film is sampled ([`CutPupil`]). What blades cover is blocked.
 
-use super::{counted::Towards, front::Front, spot::Spot};
+use super::{
+    counted::Towards,
+    front::Front,
+    spot::{OneSpot, Spot},
+};
 use crate::{
     lens::{Ray, pupil::SlopeDisk},
     numeric::on_broken_line,
@@ -25,7 +29,10 @@ use crate::{
     },
     trace::{
         Path,
-        kernel::{Available, Clearance, ClearanceTracer, Cpu, Grouping, InVectors, Lanes, in_vectors},
+        kernel::{
+            Available, Clearance, ClearanceTracer, Cpu, Grouping, InVectors, Lanes, LensRays, OneLane,
+            Portable, RayBuffer, in_vectors,
+        },
     },
 };
 
@@ -37,12 +44,12 @@ const NEAREST: f64 = 0.998;
 /// θ/2 up to which rows are followed at most, radians.
 const WIDEST: f64 = 1.45;
 /// Places in a row, from the axis to its end, less one, at which it is known where rays land.
-const NODES: usize = 32;
+const NODES: usize = 16;
 /// Times that this is found anew from rays that land on film by what was found before.
-const CLOSER: usize = 3;
+const CLOSER: usize = 2;
 /// Rays by which it is: along the meridian and across it.
-const ALONG: usize = 12;
-const UP: usize = 6;
+const ALONG: usize = 8;
+const UP: usize = 4;
 /// Places on the front surface from vertex to rim, by which its distance is known.
 const PROFILE: u32 = 64;
 /// The same by which a disk is known that holds it, and how many around.
@@ -53,7 +60,11 @@ const PACKET: usize = 64;
 
 /// n of a row: denser far away.
 fn nearness(row: usize) -> f64 {
-    NEAREST * (row as f64 / ROWS as f64).powi(2)
+    NEAREST * squared(row) / squared(ROWS)
+}
+
+fn squared(row: usize) -> f64 {
+    (row as f64).powi(2)
 }
 
 /// A lens as it is seen from the scene.
@@ -71,23 +82,36 @@ struct View<'a> {
 #[derive(Clone, Debug)]
 struct Sight {
     reference: f64,
-    /// h and distances, mm, from the vertex to the rim.
-    front: Vec<[f64; 2]>,
+    /// h of the rim; the vertex's is 0.
+    rim: f64,
+    /// D at even h from vertex to rim, mm, and its step to the next.
+    distances: Vec<[f32; 2]>,
 }
 
 impl Sight {
     fn new(reference: f64, front: &Front) -> Self {
         let place = |[height, z]: [f64; 2]| {
-            let spot = Spot::of_point([height, 0.0, z], reference);
-            [spot.half_tangent(), spot.vergence.recip()]
+            let point = [height, 0.0, z].map(|part| Portable([part]));
+            let spot = OneSpot::of_point(OneLane::cpu(), point, reference);
+            [spot.half_tangent(OneLane::cpu()).0[0], spot.vergence.0[0].recip()]
         };
-        Self { reference, front: front.profile(PROFILE).into_iter().map(place).collect() }
+        let profile: Vec<[f64; 2]> = front.profile(PROFILE).into_iter().map(place).collect();
+        let rim = profile[profile.len() - 1][0];
+        let distance =
+            |k: u32| on_broken_line(&profile, rim * f64::from(k.min(PROFILE)) / f64::from(PROFILE));
+        let pair = |k: u32| [distance(k), distance(k + 1) - distance(k)].map(|number| number as f32);
+        Self { reference, rim, distances: (0..=PROFILE).map(pair).collect() }
     }
 
     /// D, beyond the rim as there.
-    fn distance(&self, half_tangent: f64) -> f64 {
-        let [vertex, rim] = [self.front[0][0], self.front[self.front.len() - 1][0]];
-        on_broken_line(&self.front, half_tangent.max(vertex).min(rim))
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn distance<L: Lanes<Scalar = f64>>(&self, cpu: Cpu<L>, half_tangent: L) -> L {
+        let number = |number: f64| L::splat(cpu, number);
+        let most = f64::from(PROFILE);
+        let place = (half_tangent * number(most / self.rim)).larger(number(0.0)).smaller(number(most));
+        let knot = place.smaller(number(most - 1.0)).trunc();
+        let [[distance, step, ..]] = L::look_up::<1, 1>(&self.distances, knot.whole(), [0]);
+        (place - knot).mul_add(step, distance)
     }
 }
 
@@ -103,9 +127,10 @@ impl<'a> Row<'a> {
         Self { view, nearness, work: Work::new(path) }
     }
 
-    fn spot(&self, height: f64) -> Spot {
+    fn spot(&self, height: f64) -> OneSpot {
         let sight = self.view.sight;
-        Spot::on_meridian(sight.reference, height, self.nearness / sight.distance(height))
+        let Portable([distance]) = sight.distance(OneLane::cpu(), Portable([height]));
+        OneSpot::on_meridian(sight.reference, height, self.nearness / distance)
     }
 
     /// Where rays land at even places from the axis to the row's end.
@@ -210,14 +235,14 @@ impl Family for Row<'_> {
 /// The rays of one point, named by points of its plane.
 struct ScenePencil<'a> {
     row: &'a Row<'a>,
-    spot: Spot,
+    spot: OneSpot,
 }
 
 impl ScenePencil<'_> {
     /// What becomes of rays through points of the plane; `None` also of those that do not meet the front from outside.
     fn clearances(&self, points: &[[f64; 2]]) -> Vec<Option<Clearance>> {
         let View { clearances, front, lead, .. } = self.row.view;
-        let rays: Vec<Ray> = points.iter().map(|&at| self.spot.ray(at, *lead).0).collect();
+        let rays: Vec<Ray> = points.iter().map(|&at| self.spot.one_ray(at, *lead)).collect();
         let mut found = Vec::with_capacity(rays.len());
         self.row.work.count(rays.len(), || {
             clearances.trace(rays.iter().copied(), |clearance| found.push(clearance));
@@ -244,8 +269,8 @@ impl Pencil for ScenePencil<'_> {
 pub(super) struct Entrance {
     sight: Sight,
     lead: f64,
-    /// n of the rows.
-    rows: Vec<f64>,
+    /// How many rows of one nearness.
+    rows: usize,
     pupil: CutPupil,
     simd: Available,
 }
@@ -272,62 +297,31 @@ impl Entrance {
         // Nothing is sampled beyond tables that end.
         let stack = Stack::of(&builders, layouts, PupilDisk::about_axis(1.0, 0.0));
         let pupil = CutPupil::new(stack, &widened(&landings, &rows), half);
-        Some(Self { pupil, lead, rows, simd: Available::best(), sight })
+        Some(Self { pupil, lead, rows: rows.len(), simd: Available::best(), sight })
     }
 
-    /// Directions toward the lens from points before it, lens space, mm, each for two numbers in [0, 1].
+    /// Directions toward the lens from points before it, lens space, mm, each for two numbers in [0, 1]; `rays` are those
+    /// directions' rays as they begin before the lens.
     pub fn aim(
         &self,
         front: &Front,
         points: &[Option<([f64; 3], [f64; 2])>],
+        rays: &mut RayBuffer<f64>,
         found: &mut Vec<Option<Towards>>,
     ) {
-        let mut packet = Packet::new(self);
-        for points in points.chunks(PACKET) {
-            packet.count = points.len();
-            let mut spots = [None; PACKET];
+        for (k, points) in points.chunks(PACKET).enumerate() {
+            let first = k * PACKET;
+            let mut packet = Packet::new(self, front, rays.part(first..first + points.len()));
             for (i, point) in points.iter().enumerate() {
-                let place = point.map(|(point, numbers)| self.place(point, numbers));
-                let numbers = place.as_ref().map_or([f64::NAN; 6], |(_, numbers)| *numbers);
-                for (to, number) in packet.numbers.iter_mut().zip(numbers) {
+                let ([x, y, z], [u, v]) =
+                    point.filter(|(point, _)| front.is_before(*point)).unwrap_or(([f64::NAN; 3], [0.0; 2]));
+                for (to, number) in packet.points.iter_mut().zip([x, y, z, u, v]) {
                     to[i] = number;
                 }
-                spots[i] = point.zip(place).map(|((point, _), (spot, _))| (point, spot));
             }
             in_vectors(self.simd, Grouping::Wide, &mut packet);
-            found.extend(spots[..points.len()].iter().enumerate().map(|(i, spot)| {
-                let (point, spot) = spot.as_ref()?;
-                self.towards(front, *point, spot, [0, 1, 2].map(|k| packet.found[k][i]))
-            }));
+            found.extend((0..points.len()).map(|i| packet.towards(i)));
         }
-    }
-
-    /// A point as it is seen from E, and what the map is asked.
-    fn place(&self, point: [f64; 3], [u, v]: [f64; 2]) -> (Spot, [f64; 6]) {
-        let spot = Spot::of_point(point, self.sight.reference);
-        let height = spot.half_tangent();
-        let near = spot.vergence * self.sight.distance(height);
-        // The row before, and of the way to the next.
-        let row = (self.rows.partition_point(|row| *row <= near).max(1) - 1).min(self.rows.len() - 2);
-        let part = (near - self.rows[row]) / (self.rows[row + 1] - self.rows[row]);
-        let [x, y] = spot.azimuth;
-        (spot, [height, row as f64 + part, x, y, u, v])
-    }
-
-    /// The direction that goes through a point of the plane, which stands for an area of it over π.
-    fn towards(
-        &self,
-        front: &Front,
-        point: [f64; 3],
-        spot: &Spot,
-        [p, q, area]: [f64; 3],
-    ) -> Option<Towards> {
-        let (ray, stretch) = spot.ray([p, q], self.lead);
-        let density = stretch.powi(3) / (spot.vergence * spot.vergence * std::f64::consts::PI * area);
-        if !(density > 0.0 && density.is_finite() && front.meets(&Ray { origin: point, ..ray })) {
-            return None;
-        }
-        Some(Towards { ray: Ray { origin: front.point(&ray), ..ray }, density })
     }
 }
 
@@ -358,43 +352,82 @@ fn widened(nodes: &[Vec<Node>], rows: &[f64]) -> Vec<Vec<Landing>> {
     (0..rows.len()).map(|row| (0..nodes[row].len()).map(|k| widened(row, k)).collect()).collect()
 }
 
-/// Points as structure of arrays.
+/// Points and their directions as structure of arrays.
 struct Packet<'a> {
     entrance: &'a Entrance,
+    front: &'a Front,
     constants: LanePupil<f64>,
-    /// Points in it; the lanes after them hold whatever was there before.
-    count: usize,
-    /// h, the place among the rows, the point's direction about the axis, and the two numbers.
-    numbers: [[f64; PACKET]; 6],
-    /// A point of the plane, and the area that it stands for, over π.
-    found: [[f64; PACKET]; 3],
+    /// Coordinates of the points and their two numbers; the lanes after them hold whatever was there before.
+    points: [[f64; PACKET]; 5],
+    rays: LensRays<'a, f64>,
+    /// How far along the rays the front surface is, and the densities per solid angle.
+    found: [[f64; PACKET]; 2],
 }
 
 impl<'a> Packet<'a> {
-    fn new(entrance: &'a Entrance) -> Self {
-        let zero = [0.0; PACKET];
-        let constants = entrance.pupil.lane_pupil();
-        Self { entrance, constants, count: 0, numbers: [zero; 6], found: [zero; 3] }
+    fn new(entrance: &'a Entrance, front: &'a Front, rays: LensRays<'a, f64>) -> Self {
+        let (zero, constants) = ([0.0; PACKET], entrance.pupil.lane_pupil());
+        Self { entrance, front, constants, points: [zero; 5], rays, found: [zero; 2] }
+    }
+
+    /// What was found for a point.
+    fn towards(&self, i: usize) -> Option<Towards> {
+        let point = [0, 1, 2].map(|axis| self.points[axis][i]);
+        let [length, density] = [0, 1].map(|k| self.found[k][i]);
+        let LensRays { origin, direction, .. } = &self.rays;
+        let [origin, direction] = [origin, direction].map(|vector| [0, 1, 2].map(|axis| vector[axis][i]));
+        let ray = Ray { origin, direction };
+        if !(density > 0.0 && density.is_finite()) {
+            return None;
+        }
+        if !(point[2] > self.front.rear || self.front.meets(&Ray { origin: point, ..ray })) {
+            return None;
+        }
+        let origin = if self.front.surface.figure.is_some() {
+            self.front.point(&ray)
+        } else if length.is_finite() {
+            [0, 1, 2].map(|axis| origin[axis] + length * direction[axis])
+        } else {
+            origin
+        };
+        Some(Towards { ray: Ray { origin, direction }, density, counted: None })
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn vector<L: Lanes<Scalar = f64>>(&mut self, cpu: Cpu<L>, at: usize) {
+        let Entrance { sight, lead, rows, pupil, .. } = self.entrance;
+        let number = |number: f64| L::splat(cpu, number);
+        let [x, y, z, u, v] = [0, 1, 2, 3, 4].map(|i| L::load(cpu, &self.points[i][at..]));
+        let spot = Spot::of_point(cpu, [x, y, z], sight.reference);
+        let height = spot.half_tangent(cpu);
+        // The row before, and of the way to the next: rows lie at squares.
+        let near = spot.vergence * sight.distance(cpu, height) * number(squared(ROWS) / NEAREST);
+        let row = near.larger(number(f64::MIN_POSITIVE)).sqrt().smaller(number((rows - 2) as f64)).trunc();
+        let place = row + (near - row * row) / (row + row + number(1.0));
+        let asked = Asked { height, place, azimuth: spot.azimuth, numbers: [u, v] };
+        let ([p, q], area) = pupil.aim(cpu, &self.constants, &asked);
+        let ray = spot.ray(cpu, [p, q], *lead);
+        let cube = ray.stretch * ray.stretch * ray.stretch;
+        let density = cube / (spot.vergence * spot.vergence * number(std::f64::consts::PI) * area);
+        for axis in 0..3 {
+            ray.origin[axis].store(&mut self.rays.origin[axis][at..]);
+            ray.direction[axis].store(&mut self.rays.direction[axis][at..]);
+        }
+        self.front.length(cpu, ray.origin, ray.direction).store(&mut self.found[0][at..]);
+        density.store(&mut self.found[1][at..]);
     }
 }
 
 impl InVectors<f64> for Packet<'_> {
     #[inline(always)]
     fn len(&self) -> usize {
-        self.count
+        self.rays.weight.len()
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn vectors<L: Lanes<Scalar = f64>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize) {
-        for k in 0..U {
-            let at = first + k * L::WIDTH;
-            let [height, place, x, y, u, v] =
-                [0, 1, 2, 3, 4, 5].map(|i| L::load(cpu, &self.numbers[i][at..]));
-            let asked = Asked { height, place, azimuth: [x, y], numbers: [u, v] };
-            let ([p, q], area) = self.entrance.pupil.aim(cpu, &self.constants, &asked);
-            p.store(&mut self.found[0][at..]);
-            q.store(&mut self.found[1][at..]);
-            area.store(&mut self.found[2][at..]);
+        for u in 0..U {
+            self.vector::<L>(cpu, first + u * L::WIDTH);
         }
     }
 }

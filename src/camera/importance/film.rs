@@ -1,17 +1,12 @@
-//! What a ray at the film counts: a film point and slopes in; raster coordinates, weight and density out.
+//! The film's side of importance: film points and slopes in; raster coordinates, weight and density out.
 
-use crate::{camera::pipeline::body::CameraBody, lens::cos4, plan::FilmSide};
-
-/// What a ray counts in camera space.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Counted {
-    /// Raster coordinates, pixels.
-    pub raster: [f64; 2],
-    /// The weight that the camera gives the same ray from the film.
-    pub weight: f64,
-    /// The density of its rays from the film, per cosθ dA dω; the square of camera space's unit is dA's.
-    pub density: f64,
-}
+use super::counted::Counted;
+use crate::{
+    camera::pipeline::body::CameraBody,
+    plan::FilmSide,
+    sampling::film_rays::FilmRays,
+    trace::kernel::{Available, Cpu, Grouping, InVectors, Lanes, LensRays, RayBuffer, in_vectors},
+};
 
 /// A film and what is sampled there, for rays that arrive.
 #[derive(Clone, Debug)]
@@ -20,6 +15,7 @@ pub(crate) struct FilmCount {
     weight: Option<f64>,
     /// Width and height, mm.
     size: [f64; 2],
+    simd: Available,
 }
 
 impl FilmCount {
@@ -27,7 +23,7 @@ impl FilmCount {
     pub fn new(body: &CameraBody) -> Self {
         let film = &body.film_side.film;
         let size = film.middle().map(|middle| 2.0 * middle * film.pixel());
-        Self { side: body.film_side.clone(), weight: body.weight, size }
+        Self { side: body.film_side.clone(), weight: body.weight, size, simd: Available::best() }
     }
 
     /// z of the film, mm.
@@ -40,14 +36,62 @@ impl FilmCount {
         self.size.map(|size| size / 2.0)
     }
 
-    /// What a ray counts at the film, by the density per area and slopes² there; `None` off the film and outside what the
-    /// sampler samples.
-    pub fn count(&self, point: [f64; 2], slopes: [f64; 2]) -> Option<Counted> {
-        let raster = self.side.film.raster_of(point)?;
-        let area = self.side.sampler.area_at(point, slopes)?;
-        let cos4 = cos4(slopes);
-        let weight = self.weight.map_or(1.0, |weight| weight * area * cos4);
-        let density = 1.0 / (self.size[0] * self.size[1] * area * cos4);
-        (weight > 0.0 && density.is_finite()).then_some(Counted { raster, weight, density })
+    /// The importance of rays behind the lens, in their order, by the density per area and slopes² at the film; `None` for
+    /// blocked rays, off the film and outside what the sampler samples.
+    pub fn count(&self, rays: &mut RayBuffer<f64>, found: &mut Vec<Option<Counted>>) {
+        let mut landing = Landing { film: self, rays: rays.rays() };
+        in_vectors(self.simd, Grouping::Wide, &mut landing);
+        let Landing { rays: LensRays { origin: [x, y, weight], direction: [density, ..], .. }, .. } = landing;
+        found.extend((0..weight.len()).map(|i| {
+            let counted = Counted { raster: [x[i], y[i]], weight: weight[i], density: density[i] };
+            (counted.weight > 0.0 && counted.density.is_finite()).then_some(counted)
+        }));
+    }
+}
+
+/// Rays behind the lens, in whose place come what they count: raster coordinates and weight for the origin, density for the
+/// direction's x.
+struct Landing<'a> {
+    film: &'a FilmCount,
+    rays: LensRays<'a, f64>,
+}
+
+impl InVectors<f64> for Landing<'_> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.rays.weight.len()
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn vectors<L: Lanes<Scalar = f64>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize) {
+        for u in 0..U {
+            self.vector::<L>(cpu, first + u * L::WIDTH);
+        }
+    }
+}
+
+impl Landing<'_> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn vector<L: Lanes<Scalar = f64>>(&mut self, cpu: Cpu<L>, at: usize) {
+        let (FilmCount { side, weight, size, .. }, rays) = (self.film, &mut self.rays);
+        let number = |number: f64| L::splat(cpu, number);
+        let (zero, one) = (number(0.0), number(1.0));
+        let [x, y, z] = [0, 1, 2].map(|axis| L::load(cpu, &rays.origin[axis][at..]));
+        let [dx, dy, dz] = [0, 1, 2].map(|axis| L::load(cpu, &rays.direction[axis][at..]));
+        let slopes = [dx / dz, dy / dz];
+        let along = number(side.z) - z;
+        let point = [along.mul_add(slopes[0], x), along.mul_add(slopes[1], y)];
+        let mut film_ray = FilmRays { point, slopes, disk: slopes, area_per_pi: zero };
+        side.sampler.areas(cpu, &mut film_ray);
+        let area = number(std::f64::consts::PI) * film_ray.area_per_pi;
+        let per_cos2 = slopes[1].mul_add(slopes[1], slopes[0].mul_add(slopes[0], one));
+        let patch = area / (per_cos2 * per_cos2);
+        let (raster, is_on_film) = side.film.raster_of(cpu, point);
+        let passes = L::both(is_on_film, zero.less(L::load(cpu, &rays.weight[at..])));
+        let weight = weight.map_or(L::select(zero.less(patch), one, zero), |weight| number(weight) * patch);
+        raster[0].store(&mut rays.origin[0][at..]);
+        raster[1].store(&mut rays.origin[1][at..]);
+        weight.or_zero(passes).store(&mut rays.origin[2][at..]);
+        (one / (number(size[0] * size[1]) * patch)).store(&mut rays.direction[0][at..]);
     }
 }

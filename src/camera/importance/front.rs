@@ -3,26 +3,32 @@
 use crate::{
     lens::{Lens, Ray, Surface},
     numeric::root,
+    trace::kernel::{Cpu, Lanes, OneLane, Portable},
 };
 
 /// The front surface, and how deep the lens is behind it.
 #[derive(Clone, Debug)]
 pub(super) struct Front {
     pub surface: Surface,
+    /// z of its foremost point.
+    foremost: f64,
     /// z of the rear vertex.
-    rear: f64,
+    pub rear: f64,
 }
 
 impl Front {
     /// Of a lens.
     pub fn of(lens: &Lens) -> Self {
-        Self { surface: *lens.front(), rear: lens.rear().vertex }
+        let surface = *lens.front();
+        Self { surface, foremost: surface.sagitta_range()[1], rear: lens.rear().vertex }
     }
 
     /// Whether a point lies before the surface or anywhere beside it: a fisheye sees what lies behind its rim.
     pub fn is_before(&self, [x, y, z]: [f64; 3]) -> bool {
         let (front, square) = (&self.surface, x * x + y * y);
-        square >= front.semi_diameter * front.semi_diameter || z > front.sagitta(square.sqrt())
+        z > self.foremost
+            || square >= front.semi_diameter * front.semi_diameter
+            || z > front.sagitta(square.sqrt())
     }
 
     /// Whether a ray of unit direction that begins before it meets the surface from outside: one that begins farther back
@@ -59,13 +65,22 @@ impl Front {
             };
             root((high - z) / dz, (low - z) / dz, above)
         } else {
-            // c (x² + y² + z²) + 2 z = 0, by its root on the vertex's side.
-            let c = front.curvature;
-            let half = c * (x * dx + y * dy + z * dz) + dz;
-            let constant = c * (x * x + y * y + z * z) + 2.0 * z;
-            constant / ((half * half - c * constant).sqrt() - half)
+            let [origin, direction] =
+                [ray.origin, ray.direction].map(|vector| vector.map(|part| Portable([part])));
+            let Portable([length]) = self.length(OneLane::cpu(), origin, direction);
+            length
         };
         if length.is_finite() { at(length) } else { ray.origin }
+    }
+
+    /// How far along rays with unit directions a sphere, or a plane, is met.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn length<L: Lanes<Scalar = f64>>(&self, cpu: Cpu<L>, [x, y, z]: [L; 3], [dx, dy, dz]: [L; 3]) -> L {
+        // c (x² + y² + z²) + 2 z = 0, by its root on the vertex's side.
+        let c = L::splat(cpu, self.surface.curvature);
+        let half = c * (x * dx + y * dy + z * dz) + dz;
+        let constant = c * (x * x + y * y + z * z) + z + z;
+        constant / ((half * half - c * constant).sqrt() - half)
     }
 
     /// Heights from 0 to the rim, and z there: so many and one more.

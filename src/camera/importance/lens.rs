@@ -1,9 +1,9 @@
 //! A lens the other way round: rays from the scene traced to the film, and directions toward the lens from points.
 
 use super::{
-    counted::Towards,
+    counted::{Counted, Towards},
     entrance::Entrance,
-    film::{Counted, FilmCount},
+    film::FilmCount,
     front::Front,
 };
 use crate::{
@@ -85,26 +85,32 @@ impl LensBackward {
                 is_ray
             })
             .collect();
-        self.kernel.trace_in_place(&mut buffer.rays());
-        counted.extend(is_ray.into_iter().enumerate().map(|(i, is_ray)| {
-            let ray = buffer.get(i).filter(|_| is_ray)?.ray();
-            let ([x, y, z], [dx, dy, dz]) = (ray.origin, ray.direction);
-            let (slopes, along) = ([dx / dz, dy / dz], self.count.z() - z);
-            self.count.count([x + along * slopes[0], y + along * slopes[1]], slopes)
-        }));
+        let first = counted.len();
+        self.land(&mut buffer, counted);
+        for (counted, is_ray) in counted[first..].iter_mut().zip(is_ray) {
+            *counted = counted.filter(|_| is_ray);
+        }
     }
 
-    /// Directions toward the lens from points, each for two numbers in [0, 1].
-    pub fn aim(
-        &self,
-        points: impl Iterator<Item = Option<([f64; 3], [f64; 2])>>,
-        found: &mut Vec<Option<Towards>>,
-    ) {
-        let points = points.map(|point| point.filter(|(point, _)| self.front.is_before(*point)));
-        let points: Vec<_> = points.collect();
-        match self.entrance.get_or_make(|| self.tabulate()) {
-            Some(entrance) => entrance.aim(&self.front, &points, found),
-            None => found.extend(points.iter().map(|_| None)),
+    /// What rays before the lens count.
+    fn land(&self, rays: &mut RayBuffer<f64>, counted: &mut Vec<Option<Counted>>) {
+        self.kernel.trace_in_place(&mut rays.rays());
+        self.count.count(rays, counted);
+    }
+
+    /// Directions toward the lens from points, each for two numbers in [0, 1], and what they count.
+    pub fn aim(&self, points: &[Option<([f64; 3], [f64; 2])>], found: &mut Vec<Option<Towards>>) {
+        let Some(entrance) = self.entrance.get_or_make(|| self.tabulate()) else {
+            found.extend(points.iter().map(|_| None));
+            return;
+        };
+        let mut rays = RayBuffer::<f64>::new(points.len());
+        let first = found.len();
+        entrance.aim(&self.front, points, &mut rays, found);
+        let mut counted = Vec::with_capacity(points.len());
+        self.land(&mut rays, &mut counted);
+        for (towards, counted) in found[first..].iter_mut().zip(counted) {
+            *towards = towards.map(|towards| Towards { counted, ..towards });
         }
     }
 

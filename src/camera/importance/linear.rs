@@ -7,7 +7,7 @@
 
 use std::f64::consts::PI;
 
-use super::{counted::Towards, film::Counted};
+use super::counted::{Counted, Towards};
 use crate::{
     lens::{Ray, cos4},
     sampling::DiskMapping,
@@ -134,6 +134,7 @@ impl Linear {
         let length = (1.0 + a * a + b * b).sqrt();
         let origin = [x - z * slopes[0], y - z * slopes[1], 0.0];
         let direction = [-slopes[0] / length, -slopes[1] / length, -1.0 / length];
-        Some(Towards { ray: Ray { origin, direction }, density: density * length.powi(3) })
+        let ray = Ray { origin, direction };
+        Some(Towards { ray, density: density * length.powi(3), counted: self.arrive(&ray) })
     }
 }

@@ -1,76 +1,108 @@
-//! A point of the scene as seen from a point of the axis in the lens: its direction and distance, and the plane across the
-//! way between them, by the points of which rays are named.
+//! Points of the scene as seen from a point E of the axis in the lens, in lanes: their direction and distance, and the plane
+//! across the way between them, by the points of which rays are named.
 
-use crate::lens::Ray;
+use crate::{
+    lens::Ray,
+    trace::kernel::{Cpu, Lanes, OneLane, Portable},
+};
 
-/// A point of the scene.
+/// One point of the scene.
+pub(super) type OneSpot = Spot<OneLane<f64>>;
+
+/// Points of the scene, as E sees them.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Spot {
-    /// z of the point of the axis that it is seen from.
-    pub reference: f64,
-    /// Unit vector across the axis, toward the spot.
-    pub azimuth: [f64; 2],
+pub(super) struct Spot<L> {
+    /// z of E.
+    reference: f64,
+    /// Unit vector across the axis, toward the point.
+    pub azimuth: [L; 2],
     /// Of the angle to the axis.
-    sin: f64,
-    cos: f64,
+    sin: L,
+    cos: L,
     /// 1 over the distance, 1/mm; 0 at infinity.
-    pub vergence: f64,
+    pub vergence: L,
 }
 
-impl Spot {
-    /// The spot at a field angle θ in the plane of x and the axis, by tan(θ/2).
-    pub fn on_meridian(reference: f64, half_tangent: f64, vergence: f64) -> Self {
-        let square = half_tangent * half_tangent;
-        let (sin, cos) = (2.0 * half_tangent / (1.0 + square), (1.0 - square) / (1.0 + square));
-        Self { reference, azimuth: [1.0, 0.0], sin, cos, vergence }
-    }
+/// A ray toward the lens.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SpotRay<L> {
+    pub origin: [L; 3],
+    /// A unit vector.
+    pub direction: [L; 3],
+    /// 1 over the cosine that it makes with the way to E.
+    pub stretch: L,
+}
 
-    /// A point of lens space, mm, not the reference itself.
-    pub fn of_point([x, y, z]: [f64; 3], reference: f64) -> Self {
-        let (square, depth) = (x * x + y * y, z - reference);
-        let (height, distance) = (square.sqrt(), (square + depth * depth).sqrt());
-        let azimuth = if height > 0.0 { [x / height, y / height] } else { [1.0, 0.0] };
-        let vergence = distance.recip();
+impl<L: Lanes<Scalar = f64>> Spot<L> {
+    /// Points of lens space, mm, not E itself.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn of_point(cpu: Cpu<L>, [x, y, z]: [L; 3], reference: f64) -> Self {
+        let (zero, one) = (L::splat(cpu, 0.0), L::splat(cpu, 1.0));
+        let (square, depth) = (x * x + y * y, z - L::splat(cpu, reference));
+        let is_aside = L::splat(cpu, f64::MIN_POSITIVE).less(square);
+        let height = L::select(is_aside, square.sqrt(), zero);
+        let vergence = one / (square + depth * depth).sqrt();
+        let per_height = one / L::select(is_aside, height, one);
+        let azimuth = [L::select(is_aside, x * per_height, one), L::select(is_aside, y * per_height, zero)];
         Self { reference, azimuth, sin: height * vergence, cos: depth * vergence, vergence }
     }
 
     /// tan(θ/2).
-    pub fn half_tangent(&self) -> f64 {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn half_tangent(&self, cpu: Cpu<L>) -> L {
+        let (zero, one) = (L::splat(cpu, 0.0), L::splat(cpu, 1.0));
         // By the one of two forms that loses no digits.
-        if self.cos < 0.0 { (1.0 - self.cos) / self.sin } else { self.sin / (1.0 + self.cos) }
+        let is_behind = self.cos.less(zero);
+        let above = L::select(is_behind, one - self.cos, self.sin);
+        above / L::select(is_behind, self.sin, one + self.cos)
     }
 
-    /// A vector by its parts along the plane's axes, the first in the plane of the axis and the spot, and toward the spot.
-    fn vector(&self, [a, b, w]: [f64; 3]) -> [f64; 3] {
+    /// A vector by its parts along the plane's axes, the first in the plane of the axis and the point, and toward the point.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn vector(&self, [a, b, w]: [L; 3]) -> [L; 3] {
         let ([x, y], out) = (self.azimuth, a * self.cos + w * self.sin);
         [x * out - y * b, y * out + x * b, w * self.cos - a * self.sin]
     }
 
-    /// The parts of a vector, as there.
-    fn parts(&self, [dx, dy, dz]: [f64; 3]) -> [f64; 3] {
-        let [x, y] = self.azimuth;
-        let out = x * dx + y * dy;
-        [out * self.cos - dz * self.sin, x * dy - y * dx, out * self.sin + dz * self.cos]
+    /// The rays from the points through points of the plane, as they begin `lead` before that, or at the point if that is
+    /// nearer.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn ray(&self, cpu: Cpu<L>, [a, b]: [L; 2], lead: f64) -> SpotRay<L> {
+        let (v, one) = (self.vergence, L::splat(cpu, 1.0));
+        let stretch = (one + (a * a + b * b) * v * v).sqrt();
+        let per_stretch = one / stretch;
+        let [x, y] = [a * v * per_stretch, b * v * per_stretch];
+        let back = (stretch / v).smaller(L::splat(cpu, lead));
+        let [ox, oy, oz] = self.vector([a - back * x, b - back * y, back * per_stretch]);
+        let origin = [ox, oy, oz + L::splat(cpu, self.reference)];
+        SpotRay { origin, direction: self.vector([x, y, L::splat(cpu, 0.0) - per_stretch]), stretch }
+    }
+}
+
+impl OneSpot {
+    /// The point at a field angle θ in the plane of x and the axis, by tan(θ/2).
+    pub fn on_meridian(reference: f64, half_tangent: f64, vergence: f64) -> Self {
+        let square = half_tangent * half_tangent;
+        let [sin, cos] = [2.0 * half_tangent, 1.0 - square].map(|part| Portable([part / (1.0 + square)]));
+        let azimuth = [1.0, 0.0].map(|part| Portable([part]));
+        Self { reference, azimuth, sin, cos, vergence: Portable([vergence]) }
     }
 
-    /// The ray from the spot through a point of the plane, as it begins `lead` before that, or at the spot if that is
-    /// nearer; and 1 over the cosine that it makes with the way to the reference.
-    pub fn ray(&self, [a, b]: [f64; 2], lead: f64) -> (Ray, f64) {
-        let v = self.vergence;
-        let stretch = (1.0 + (a * a + b * b) * v * v).sqrt();
-        let [x, y, w] = [a * v / stretch, b * v / stretch, -1.0 / stretch];
-        let back = lead.min(stretch / v);
-        let [ox, oy, oz] = self.vector([a - back * x, b - back * y, -back * w]);
-        let ray = Ray { origin: [ox, oy, oz + self.reference], direction: self.vector([x, y, w]) };
-        (ray, stretch)
+    /// One ray.
+    pub fn one_ray(&self, at: [f64; 2], lead: f64) -> Ray {
+        let ray = self.ray(OneLane::cpu(), at.map(|part| Portable([part])), lead);
+        let number = |Portable([number]): OneLane<f64>| number;
+        Ray { origin: ray.origin.map(number), direction: ray.direction.map(number) }
     }
 
-    /// Where on the plane the spot sees a point of lens space; at infinity what is beside or behind it.
+    /// Where on the plane the point sees a point of lens space; at infinity what is beside or behind it.
     pub fn seen(&self, [x, y, z]: [f64; 3]) -> [f64; 2] {
-        let [a, b, depth] = self.parts([x, y, z - self.reference]);
-        let nearness = 1.0 - depth * self.vergence;
+        let Self { azimuth: [Portable([ax]), Portable([ay])], .. } = *self;
+        let (Portable([sin]), Portable([cos])) = (self.sin, self.cos);
+        let (out, depth) = (ax * x + ay * y, z - self.reference);
+        let nearness = 1.0 - (out * sin + depth * cos) * self.vergence.0[0];
         let scale = if nearness > 0.0 { nearness.recip() } else { f64::INFINITY };
-        [a, b].map(|part| if part == 0.0 { 0.0 } else { scale * part })
+        [out * cos - depth * sin, ax * y - ay * x].map(|part| if part == 0.0 { 0.0 } else { scale * part })
     }
 }
 
@@ -82,16 +114,19 @@ mod tests {
     fn a_ray_is_seen_where_it_was_aimed_at_and_comes_from_the_spot() {
         let reference = -20.0;
         for point in [[30.0, -40.0, 500.0], [0.0, 0.0, 90.0], [100.0, 1.0, -15.0], [-3e5, 2e5, 1e6]] {
-            let spot = Spot::of_point(point, reference);
+            let spot = OneSpot::of_point(OneLane::cpu(), point.map(|part| Portable([part])), reference);
             for aim in [[0.0, 0.0], [3.0, -2.0], [-7.0, 5.0]] {
-                let (ray, stretch) = spot.ray(aim, 60.0);
+                let ray = spot.one_ray(aim, 60.0);
+                let Portable([stretch]) =
+                    spot.ray(OneLane::cpu(), aim.map(|part| Portable([part])), 60.0).stretch;
                 for length in [5.0, 60.0, 100.0] {
                     let seen = spot.seen([0, 1, 2].map(|i| ray.origin[i] + length * ray.direction[i]));
                     assert!((0..2).all(|i| (seen[i] - aim[i]).abs() < 1e-6), "{point:?} {seen:?}");
                 }
-                let (angle, half) = (2.0 * spot.half_tangent().atan(), spot.half_tangent());
-                let same = Spot::on_meridian(reference, half, spot.vergence);
-                assert!((angle.cos() - spot.cos).abs() < 1e-12 && (same.sin - spot.sin).abs() < 1e-12);
+                let Portable([half]) = spot.half_tangent(OneLane::cpu());
+                let same = OneSpot::on_meridian(reference, half, spot.vergence.0[0]);
+                assert!(((2.0 * half.atan()).cos() - spot.cos.0[0]).abs() < 1e-12);
+                assert!((same.sin.0[0] - spot.sin.0[0]).abs() < 1e-12);
                 let [x, y, z] = [0, 1, 2].map(|i| point[i] - ray.origin[i]);
                 let [dx, dy, dz] = ray.direction;
                 let aside = [y * dz - z * dy, z * dx - x * dz, x * dy - y * dx];

@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-use crate::{camera::placement::transform::CameraToWorld, lens::Ray};
+use crate::camera::placement::transform::CameraToWorld;
 
 /// Where the camera stands at a time.
 #[derive(Clone, Copy, Debug)]
@@ -14,6 +14,19 @@ pub(super) struct Stand {
     volume: f64,
     /// By how much areas on the plane z = 0 grow.
     area: f64,
+}
+
+/// A unit direction of camera space in the world.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Turned {
+    /// A unit vector.
+    pub direction: [f64; 3],
+    /// By how much solid angles about it grow.
+    pub solid_angle: f64,
+    /// By how much cosθ dA dω about it grows.
+    pub throughput: f64,
+    /// The cosine, without its sign, of its angle to the normal of the plane z = 0.
+    pub cosine: f64,
 }
 
 impl Stand {
@@ -29,13 +42,16 @@ impl Stand {
         }
     }
 
-    /// A point of the world in camera space, and how far off its rounding to single precision may put it there.
-    pub fn point(&self, world: [f64; 3]) -> ([f64; 3], f64) {
-        let from_origin = DVec3::from(world) - self.origin;
-        let rounding = 1e-6 * (DVec3::from(world).abs().max_element() + self.origin.abs().max_element());
-        let longest =
-            self.to_camera.to_cols_array().iter().fold(0.0_f64, |most, entry| most.max(entry.abs()));
-        ((self.to_camera * from_origin).into(), rounding * longest)
+    /// A point of the world in camera space.
+    pub fn point(&self, world: [f64; 3]) -> [f64; 3] {
+        (self.to_camera * (DVec3::from(world) - self.origin)).into()
+    }
+
+    /// How far off its rounding to single precision may put a point of the world in camera space.
+    pub fn rounding(&self, world: [f64; 3]) -> f64 {
+        let size = DVec3::from(world).abs().max_element() + self.origin.abs().max_element();
+        let entries = self.to_camera.to_cols_array();
+        1e-6 * size * entries.iter().fold(0.0_f64, |most, entry| most.max(entry.abs()))
     }
 
     /// A direction of the world in camera space, of another length.
@@ -43,37 +59,28 @@ impl Stand {
         (self.to_camera * DVec3::from(world)).into()
     }
 
-    /// A ray of camera space, its direction a unit vector, in the world, its direction one, too.
-    pub fn ray(&self, ray: Ray) -> Ray {
-        let origin = self.to_world * DVec3::from(ray.origin) + self.origin;
-        let direction = (self.to_world * DVec3::from(ray.direction)).normalize();
-        Ray { origin: origin.into(), direction: direction.into() }
+    /// A point of camera space in the world.
+    pub fn outside(&self, point: [f64; 3]) -> [f64; 3] {
+        (self.to_world * DVec3::from(point) + self.origin).into()
     }
 
-    /// By how much cosθ dA dω about a unit direction of camera space grows on its way into the world: for the matrix T,
-    /// det² T over |T d|⁴.
-    pub fn throughput(&self, direction: [f64; 3]) -> f64 {
-        self.volume * self.volume / self.stretch(direction).powi(4)
-    }
-
-    /// By how much solid angles about a unit direction of camera space grow.
-    pub fn solid_angle(&self, direction: [f64; 3]) -> f64 {
-        self.volume / self.stretch(direction).powi(3)
-    }
-
-    /// The cosine in the world, without its sign, of the angle between a unit direction of camera space and the normal of
-    /// the plane z = 0.
-    pub fn cosine(&self, direction: [f64; 3]) -> f64 {
-        self.volume * direction[2].abs() / (self.area * self.stretch(direction))
+    /// What becomes of a unit direction of camera space. Of the matrix T, with s = |T d|: solid angles grow by det T/s³,
+    /// throughput by det² T/s⁴.
+    pub fn turned(&self, direction: [f64; 3]) -> Turned {
+        let along = self.to_world * DVec3::from(direction);
+        let per_stretch = along.length_recip();
+        let volume = self.volume * per_stretch;
+        Turned {
+            direction: (along * per_stretch).into(),
+            solid_angle: volume * per_stretch * per_stretch,
+            throughput: (volume * per_stretch).powi(2),
+            cosine: volume * direction[2].abs() / self.area,
+        }
     }
 
     /// By how much areas on the plane z = 0 grow.
     pub fn area(&self) -> f64 {
         self.area
-    }
-
-    fn stretch(&self, direction: [f64; 3]) -> f64 {
-        (self.to_world * DVec3::from(direction)).length()
     }
 }
 
@@ -98,14 +105,14 @@ mod tests {
         let close = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-4, "{a} {b}");
         let d = direction.to_array();
         close(stand.area(), normal.length());
-        close(stand.solid_angle(d), solid);
-        close(stand.cosine(d), cosine);
-        close(stand.throughput(d), normal.length() * solid * cosine / direction.z.abs());
-        let ray = Ray { origin: [1.0, -2.0, 4.0], direction: d };
-        let there = stand.ray(ray);
-        let (back, _) = stand.point(there.origin);
-        assert!(back.iter().zip(ray.origin).all(|(a, b)| (a - b).abs() < 1e-12));
-        let along = DVec3::from(stand.direction(there.direction)).normalize();
+        let turned = stand.turned(d);
+        close(turned.solid_angle, solid);
+        close(turned.cosine, cosine);
+        close(turned.throughput, normal.length() * solid * cosine / direction.z.abs());
+        let point = [1.0, -2.0, 4.0];
+        let back = stand.point(stand.outside(point));
+        assert!(back.iter().zip(point).all(|(a, b)| (a - b).abs() < 1e-12));
+        let along = DVec3::from(stand.direction(turned.direction)).normalize();
         assert!(along.abs_diff_eq(direction, 1e-12));
     }
 }

@@ -27,7 +27,7 @@ use crate::{
 };
 
 /// Sectors of half a disk: more follow the cut closer, and take longer.
-const SECTORS: usize = 16;
+const SECTORS: usize = 8;
 /// Knots of a sector.
 const WIDE: usize = CELLS / SECTORS;
 /// What is added to a sector's share of t² for what lies between the directions that are looked at: less may leave a corner of
@@ -298,10 +298,10 @@ impl<L: Lanes<Scalar = f64>> Cut<L> {
             let way = q.mul_add(edge[1], p * edge[0]);
             // Not 0, for 0 times infinity is no number.
             let tiny = L::splat(cpu, f64::MIN_POSITIVE);
-            let way = L::select(way.abs().less(tiny), tiny, way);
+            let per_way = L::splat(cpu, 1.0) / L::select(way.abs().less(tiny), tiny, way);
             let half = (edge[1] * edge[1]).mul_add(self.bow[axis], self.half[axis]);
-            let (low, high) =
-                ((L::splat(cpu, 0.0) - half - self.middle[axis]) / way, (half - self.middle[axis]) / way);
+            let low = (L::splat(cpu, 0.0) - half - self.middle[axis]) * per_way;
+            let high = (half - self.middle[axis]) * per_way;
             from = from.larger(low.smaller(high));
             to = to.smaller(low.larger(high));
             axis += 1;

@@ -1,161 +1,141 @@
-//! The warped pupil the other way round: a film point and slopes in; whether they lie within what is sampled there, and
-//! the area that such a sample stands for, out.
+//! The inverse of the warped pupil's map: film points and slopes in; whether the slopes lie within what is sampled there,
+//! and the areas that such samples stand for, out.
 //!
 //! The map d -> C + M(direction of d) d takes half-lines to half-lines in their order, so that the two knots about a slope
 //! are found by halving. Between them M is linear in the pseudo-angle, and so are the two components of the direction
 //! before they are made a unit vector: the direction that goes to the slope's is the root of a quadratic equation.
 
-use std::f64::consts::PI;
-
-use super::{FINE, Row, STRIDE, WarpedPupil, slice::CELLS};
+use super::{LanePupil, WarpedPupil, slice::CELLS};
 use crate::{
+    numeric::Real,
     sampling::film_rays::FilmRays,
-    trace::kernel::{Compiled, Lanes as _, OneLane, Portable, Simd},
+    trace::kernel::{Cpu, Lanes, Scalar},
 };
 
-/// What the table holds for a film radius.
-struct Slice {
-    center: f64,
-    narrowing: f64,
-    bow: f64,
-    /// Where the slice below begins, and how far from it to the next one the film radius lies.
-    first: usize,
-    part: f64,
-}
-
 impl WarpedPupil {
-    /// The area, slope², that a sample with these slopes at a film point, mm, stands for; `None` where none is sampled:
-    /// outside the pupil's outline as it is tabulated, and where the film is dark.
-    pub(crate) fn area_at(&self, film: [f64; 2], slopes: [f64; 2]) -> Option<f64> {
-        let square = film[0] * film[0] + film[1] * film[1];
-        if !(square.is_finite() && slopes.iter().all(|slope| slope.is_finite())) {
-            return None;
-        }
-        let Some(slice) = self.slice_at(film) else {
-            return if self.dark_beyond { None } else { self.cover.area_at(film, slopes) };
-        };
+    /// Gives rays with slopes the area that such samples stand for, over π; NaN where none is sampled: outside the pupil's
+    /// outline as it is tabulated, and where the film is dark.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn areas<L: Lanes>(
+        &self,
+        cpu: Cpu<L>,
+        constants: &LanePupil<L::Scalar>,
+        ray: &mut FilmRays<L>,
+    ) {
+        let number = |number: f64| L::splat(cpu, L::Scalar::from_f64(number));
+        let (zero, one) = (number(0.0), number(1.0));
+        let radius = self.radius(cpu, constants, ray);
+        let row = self.row(cpu, radius.place.whole(), &radius);
         // In the frame of the film point, mirrored into the upper half, and not yet narrowed. On the axis any frame will do.
-        let height = square.sqrt();
-        let along = if height > 0.0 { film.map(|x| x / height) } else { [1.0, 0.0] };
-        let [sx, sy] = slopes;
-        let narrowed = 1.0 - slice.narrowing * square;
+        let ([px, py], [sx, sy]) = (ray.point, ray.slopes);
+        let square = ray.radius_squared();
+        let is_aside = L::splat(cpu, L::Scalar::NO_SQUARE).less(square);
+        let height = L::select(is_aside, square.sqrt(), zero);
+        let per_height = one / L::select(is_aside, height, one);
+        let along = [L::select(is_aside, px * per_height, one), py * per_height];
+        let narrowed = row.narrowing.neg_mul_add(square, one);
         let y = (sy * along[0] - sx * along[1]).abs();
-        let bent = slice.bow * (y * height).powi(2) * height;
-        let x = (sx * along[0] + sy * along[1] - slice.center * height - bent) / narrowed;
-        let (radius_squared, area_per_pi) = self.on_disk(&slice, [x, y])?;
-        (radius_squared <= 1.0).then_some(PI * area_per_pi * narrowed)
-    }
-
-    /// The slices about a film point, with the arithmetic of sampling; `None` beyond the table.
-    fn slice_at(&self, film: [f64; 2]) -> Option<Slice> {
-        let mut found = None;
-        Simd::best().run(OneSlice { pupil: self, film, found: &mut found });
-        found
-    }
-
-    /// M at a knot.
-    fn factor(&self, slice: &Slice, knot: usize) -> [f64; 2] {
-        let at = |place: usize| self.table[place + knot].map(f64::from);
-        let (below, above) = (at(slice.first), at(slice.first + STRIDE));
-        [0, 1].map(|i| below[i] + slice.part * (above[i] - below[i]))
-    }
-
-    /// The square of the radius on the unit disk of what goes to a point of the upper half, and the map's Jacobian there.
-    fn on_disk(&self, slice: &Slice, z: [f64; 2]) -> Option<(f64, f64)> {
-        let cross = |[a, b]: [f64; 2], [c, d]: [f64; 2]| a * d - b * c;
-        let image = |knot: usize| product(self.factor(slice, knot), direction(knot));
-        // The first knot beyond the slope; their images turn from the +x axis to the -x axis.
-        let (mut low, mut high) = (0, CELLS);
-        while high - low > 1 {
-            let middle = usize::midpoint(low, high);
-            if cross(image(middle), z) >= 0.0 {
-                low = middle;
-            } else {
-                high = middle;
-            }
+        let aside = y * height;
+        let bent = row.bow * aside * aside * height;
+        let x = (sx * along[0] + sy * along[1] - row.center * height - bent) / narrowed;
+        // The last knot whose image lies before the slope, or on its way: images turn from the +x axis to the -x axis.
+        let mut low = zero;
+        let mut step = (CELLS / 2) as f64;
+        while step >= 1.0 {
+            let middle = low + number(step);
+            let [re, im, ..] = self.knots_from(&row, L::add_places(middle.whole(), row.slice));
+            let [u, v] = product([re, im], direction(cpu, middle));
+            low = L::select(zero.less_equal(cross([u, v], [x, y])), middle, low);
+            step *= 0.5;
         }
-        let (m, next) = (self.factor(slice, low), self.factor(slice, high));
-        let (d, ahead) = (direction(low), direction(high));
-        let step = |from: [f64; 2], to: [f64; 2]| [to[0] - from[0], to[1] - from[1]];
-        let (dm, dd) = (step(m, next), step(d, ahead));
-        // (M + o dM)(D + o dD) along z, o in [0, 1].
-        let mixed = [product(m, dd), product(dm, d)];
-        let mixed = [mixed[0][0] + mixed[1][0], mixed[0][1] + mixed[1][1]];
-        let offset = root(cross(product(m, d), z), cross(mixed, z), cross(product(dm, dd), z));
-        let at = |from: [f64; 2], by: [f64; 2]| [from[0] + offset * by[0], from[1] + offset * by[1]];
-        let ([re, im], [a, b]) = (at(m, dm), at(d, dd));
+        let [re, im, re_next, im_next] = self.knots_from(&row, L::add_places(low.whole(), row.slice));
+        let (m, dm) = ([re, im], [re_next - re, im_next - im]);
+        let (d, ahead) = (direction(cpu, low), direction(cpu, low + one));
+        let dd = [ahead[0] - d[0], ahead[1] - d[1]];
+        // (M + o dM)(D + o dD) along (x, y), o in [0, 1].
+        let (mixed, other) = (product(m, dd), product(dm, d));
+        let mixed = [mixed[0] + other[0], mixed[1] + other[1]];
+        let offset =
+            root(cpu, [cross(product(m, d), [x, y]), cross(mixed, [x, y]), cross(product(dm, dd), [x, y])]);
+        let [re, im] = [offset.mul_add(dm[0], m[0]), offset.mul_add(dm[1], m[1])];
+        let [a, b] = [offset.mul_add(dd[0], d[0]), offset.mul_add(dd[1], d[1])];
         let size = re * re + im * im;
         // dq/dφ = |d|²/(|a| + |b|)², and the directions have |a| + |b| = 1; a knot's step is 2/CELLS in q.
-        let turn = (a * a + b * b) * (CELLS / 2) as f64;
-        let jacobian = size + turn * (re * dm[1] - im * dm[0]);
-        let found = ((z[0] * z[0] + z[1] * z[1]) / size, jacobian);
-        (found.0.is_finite() && found.1 > 0.0).then_some(found)
+        let turn = (a * a + b * b) * number((CELLS / 2) as f64);
+        let jacobian = turn.mul_add(re * dm[1] - im * dm[0], size);
+        let is_inside = L::both((x * x + y * y).less_equal(size), zero.less(jacobian));
+        ray.area_per_pi = L::select(is_inside, jacobian * narrowed, number(f64::NAN));
+        if !L::all(radius.inside) {
+            let beyond = if self.dark_beyond {
+                number(f64::NAN)
+            } else {
+                constants.cover.areas(cpu, ray.point, ray.slopes)
+            };
+            ray.area_per_pi = L::select(radius.inside, ray.area_per_pi, beyond);
+        }
     }
 }
 
 /// The direction of a knot, of length 1 by the sum of its components' sizes.
-fn direction(knot: usize) -> [f64; 2] {
-    let q = 2.0 * knot as f64 / CELLS as f64;
-    [1.0 - q, if q <= 1.0 { q } else { 2.0 - q }]
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn direction<L: Lanes>(cpu: Cpu<L>, knot: L) -> [L; 2] {
+    let number = |number: f64| L::splat(cpu, L::Scalar::from_f64(number));
+    let q = knot * number(2.0 / CELLS as f64);
+    [number(1.0) - q, q.smaller(number(2.0) - q)]
 }
 
 /// The product of complex numbers.
-fn product([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
-    [a * c - b * d, a * d + b * c]
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn product<L: Lanes>([a, b]: [L; 2], [c, d]: [L; 2]) -> [L; 2] {
+    [b.neg_mul_add(d, a * c), b.mul_add(c, a * d)]
+}
+
+/// The area of the parallelogram of two vectors, counterclockwise.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn cross<L: Lanes>([a, b]: [L; 2], [x, y]: [L; 2]) -> L {
+    a * y - b * x
 }
 
 /// The root of a + b x + c x² in [0, 1], where it goes from one sign to the other; the nearer end where rounding leaves
 /// none.
-fn root(a: f64, b: f64, c: f64) -> f64 {
-    let discriminant = (b * b - 4.0 * a * c).max(0.0).sqrt();
-    let q = -0.5 * (b + discriminant.copysign(b));
-    let off = |x: f64| if x.is_finite() { (x - x.clamp(0.0, 1.0)).abs() } else { f64::INFINITY };
-    let [x, y] = [a / q, q / c];
-    let nearest = if off(x) <= off(y) { x } else { y };
-    if nearest.is_finite() { nearest.clamp(0.0, 1.0) } else { 0.0 }
-}
-
-/// The slices about one film point by the processor's own fused multiplications.
-struct OneSlice<'a> {
-    pupil: &'a WarpedPupil,
-    film: [f64; 2],
-    found: &'a mut Option<Slice>,
-}
-
-impl Compiled for OneSlice<'_> {
-    #[inline(always)]
-    fn run(self) {
-        let point = self.film.map(|x| Portable([x]));
-        let disk = [Portable([1.0]), Portable([0.0])];
-        let ray = FilmRays { point, disk, slopes: disk, area_per_pi: Portable([0.0]) };
-        let radius = self.pupil.radius(OneLane::cpu(), &self.pupil.lane_pupil(), &ray);
-        let Portable([s]) = radius.s;
-        if !(s < FINE as f64) {
-            return;
-        }
-        let row = self.pupil.row(OneLane::cpu(), radius.place.whole(), &radius);
-        let Row {
-            part: Portable([part]),
-            center: Portable([center]),
-            narrowing: Portable([narrowing]),
-            bow: Portable([bow]),
-            ..
-        } = row;
-        let Portable([place]) = radius.place;
-        let first = self.pupil.cells[place as usize].index as usize;
-        *self.found = Some(Slice { center, narrowing, bow, first, part });
-    }
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn root<L: Lanes>(cpu: Cpu<L>, [a, b, c]: [L; 3]) -> L {
+    let number = |number: f64| L::splat(cpu, L::Scalar::from_f64(number));
+    let (zero, one) = (number(0.0), number(1.0));
+    let least = number(2.0) * L::splat(cpu, L::Scalar::NO_SQUARE);
+    let discriminant = (a * c).neg_mul_add(number(4.0), b * b).larger(least).sqrt();
+    let q = number(-0.5) * (b + L::select(b.less(zero), zero - discriminant, discriminant));
+    // `smaller` and `larger` leave no NaN.
+    let (x, y) = (a / q, q / c);
+    let (near_x, near_y) = (x.larger(zero).smaller(one), y.larger(zero).smaller(one));
+    let far = number(f64::from(f32::MAX));
+    let (off_x, off_y) = ((x - near_x).abs().smaller(far), (y - near_y).abs().smaller(far));
+    L::select(off_x.less_equal(off_y), near_x, near_y)
 }
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
     use crate::{
         lens::{Lens, first_order::FirstOrder},
         prescription::catalogue,
         sampling::PupilDisk,
-        trace::Path,
+        trace::{
+            Path,
+            kernel::{OneLane, Portable},
+        },
     };
+
+    /// The area that one sample with these slopes stands for.
+    fn area_at(pupil: &WarpedPupil, point: [f64; 2], slopes: [f64; 2]) -> Option<f64> {
+        let [point, slopes] = [point, slopes].map(|pair| pair.map(|x| Portable([x])));
+        let mut ray = FilmRays { point, slopes, disk: slopes, area_per_pi: Portable([0.0]) };
+        pupil.areas(OneLane::cpu(), &pupil.lane_pupil(), &mut ray);
+        let Portable([area_per_pi]) = ray.area_per_pi;
+        (!area_per_pi.is_nan()).then_some(PI * area_per_pi)
+    }
 
     #[test]
     fn what_was_sampled_is_found_again_with_its_area_and_nothing_beyond_it_is() {
@@ -175,20 +155,20 @@ mod tests {
                 let point = [radius * angle.cos(), radius * angle.sin()];
                 let disk = [r * turn.cos(), r * turn.sin()];
                 let Some(sample) = pupil.sample(point, disk) else {
-                    assert_eq!(pupil.area_at(point, [0.1, 0.1]), None, "{name} {point:?}");
+                    assert_eq!(area_at(&pupil, point, [0.1, 0.1]), None, "{name} {point:?}");
                     continue;
                 };
                 sampled += 1;
-                let area = pupil.area_at(point, sample.slopes);
+                let area = area_at(&pupil, point, sample.slopes);
                 let area = area.unwrap_or_else(|| panic!("{name} {point:?} {disk:?}: not found"));
                 assert!((area / sample.area - 1.0).abs() < 1e-6, "{name} {point:?} {disk:?}: {area}");
                 let beyond = pupil.sample(point, disk.map(|x| x / r * 1.00001)).expect("sampled there");
-                assert_eq!(pupil.area_at(point, beyond.slopes), None, "{name} {point:?} {disk:?}");
+                assert_eq!(area_at(&pupil, point, beyond.slopes), None, "{name} {point:?} {disk:?}");
             }
             assert!(sampled > 1000, "{name}: {sampled}");
             for strange in [f64::NAN, f64::INFINITY, 1e300] {
-                assert_eq!(pupil.area_at([strange, 0.0], [0.0; 2]), None);
-                assert_eq!(pupil.area_at([0.0; 2], [strange, 0.0]), None);
+                assert_eq!(area_at(&pupil, [strange, 0.0], [0.0; 2]), None);
+                assert_eq!(area_at(&pupil, [0.0; 2], [strange, 0.0]), None);
             }
         }
     }

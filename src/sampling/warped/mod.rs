@@ -281,7 +281,12 @@ impl WarpedPupil {
     /// M at the two knots beside a direction, interpolated between two slices.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn knots<L: Lanes>(&self, row: &Row<L>, heading: &Heading<L>) -> [L; 4] {
-        let first = L::add_places(heading.knot.whole(), row.slice);
+        self.knots_from(row, L::add_places(heading.knot.whole(), row.slice))
+    }
+
+    /// M at a place in the slice before and at the next knot, interpolated to the slice after.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn knots_from<L: Lanes>(&self, row: &Row<L>, first: L::Places) -> [L; 4] {
         let [below, above] = L::look_up::<2, 1>(&self.table, first, [0, STRIDE]);
         toward(row.part, below, above)
     }
