@@ -39,12 +39,14 @@ use crate::{
 /// Intervals between rows of one nearness each: more take longer to build; fewer leave out light where, between two of them, an
 /// aperture begins to cut.
 const ROWS: usize = 20;
+/// Every how many rows pupils are looked at for components beside their outlines, which come and go slowly with distance.
+const LOOKED_AT: usize = 4;
 /// n of the last row: hardly before the glass.
 const NEAREST: f64 = 0.998;
 /// θ/2 up to which rows are followed at most, radians.
 const WIDEST: f64 = 1.45;
 /// Places in a row, from the axis to its end, less one, at which it is known where rays land.
-const NODES: usize = 16;
+const NODES: usize = 24;
 /// Times that this is found anew from rays that land on film by what was found before.
 const CLOSER: usize = 2;
 /// Rays by which it is: along the meridian and across it.
@@ -118,13 +120,14 @@ impl Sight {
 /// The points of one nearness.
 struct Row<'a> {
     view: &'a View<'a>,
+    number: usize,
     nearness: f64,
     work: Work,
 }
 
 impl<'a> Row<'a> {
-    fn new(view: &'a View<'a>, nearness: f64, path: &Path) -> Self {
-        Self { view, nearness, work: Work::new(path) }
+    fn new(view: &'a View<'a>, number: usize, path: &Path) -> Self {
+        Self { view, number, nearness: nearness(number), work: Work::new(path) }
     }
 
     fn spot(&self, height: f64) -> OneSpot {
@@ -194,6 +197,10 @@ impl Family for Row<'_> {
     const ENDS: bool = true;
     const LOOSE: f64 = 3e-2;
     const FINEST: usize = 32;
+
+    fn looks_beside(&self) -> bool {
+        self.number.is_multiple_of(LOOKED_AT)
+    }
 
     fn pencil(&self, height: f64) -> impl Pencil + '_ {
         ScenePencil { row: self, spot: self.spot(height) }
@@ -286,7 +293,7 @@ impl Entrance {
         let view = View { clearances, front, sight: &sight, corner: half[0].hypot(half[1]), lead };
         let mut rows: Vec<f64> = (0..=ROWS).map(nearness).collect();
         let builders: Vec<Builder<Row<'_>>> =
-            rows.iter().map(|&nearness| Builder::new(Row::new(&view, nearness, path))).collect();
+            (0..=ROWS).map(|row| Builder::new(Row::new(&view, row, path))).collect();
         let layouts = alike(&builders, &rows);
         rows.truncate(layouts.len());
         if rows.len() < 2 {

@@ -285,6 +285,9 @@ impl<F: Family> March<'_, F> {
 
     /// Whether the last pupil is in pieces.
     fn are_pieces(&self, place: usize) -> bool {
+        if !self.builder.side.looks_beside() {
+            return false;
+        }
         let pencil = self.pencil(place);
         let cover = self.builder.side.cover(self.scale.height(place));
         self.last().outline.as_ref().is_some_and(|outline| is_in_pieces(&pencil, outline, cover))

@@ -128,6 +128,10 @@ pub(crate) trait Family {
     /// The narrowest step, a power of two of smallest intervals: narrower ones follow jumps closer, and take more slices.
     const FINEST: usize;
 
+    /// Whether pupils are looked at for what lies beside their outlines.
+    fn looks_beside(&self) -> bool {
+        true
+    }
     /// The rays of one of them.
     fn pencil(&self, height: f64) -> impl Pencil + '_;
     /// A disk, its middle on the x axis, that holds a pupil.
