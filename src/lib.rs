@@ -1,9 +1,27 @@
-//! A real camera for renderers: rays traced from the film through every interface of a real lens
-//! prescription (C. Kolb, D. Mitchell and P. Hanrahan, "A Realistic Camera Model for Computer
-//! Graphics", SIGGRAPH 1995).
+//! A real camera for renderers: rays traced from the film through every surface of a real lens.
 //!
-//! A [`Camera`] is described by [`Camera::builder`] and turns each [`Sample`], a point of the film and two numbers for the
-//! lens, into a ray in world space and its weight:
+#![cfg_attr(
+    doc,
+    doc = concat!(
+        "<div class=\"lens\"><style>.lens svg { max-width: 720px; width: 100%; height: auto }</style>\n",
+        include_str!("../docs/images/draw-dgauss.svg"),
+        "</div>"
+    )
+)]
+//!
+//! *The lens `dgauss.50mm`, drawn by `realistic draw`.* The method is that of C. Kolb, D. Mitchell and P. Hanrahan, [A
+//! Realistic Camera Model for Computer Graphics](https://doi.org/10.1145/218380.218463), SIGGRAPH 1995.
+//!
+//! Four types lead into the crate.
+//!
+//! | type | is | comes from |
+//! |---|---|---|
+//! | [`Camera`] | a lens with a film and a pose; immutable and thread-safe | [`Camera::builder`] |
+//! | [`Sample`] | a point of the picture, a lens sample (u, v) and a time | the caller |
+//! | [`Prescription`] | the table of a lens: radii, distances, glasses, diameters | [`read`], [`find_lens`] |
+//! | [`Lens`] | a prescription at one wavelength and stop, with [`FirstOrder`] optics | [`Lens::at_own_wavelength`] |
+//!
+//! # A ray
 //!
 //! ```
 //! use realistic::{Camera, Sample};
@@ -16,11 +34,17 @@
 //! # Ok::<(), realistic::CameraError>(())
 //! ```
 //!
-//! For many samples at once there is [`Camera::rays`]; with the rays of neighbouring pixels [`Camera::ray_differential`], at
-//! wavelengths [`Camera::ray_at`] and [`Camera::hero_rays`], and [`Camera::generate`] says why there is no ray.
+//! The mean of weight times radiance over lens samples is the irradiance on the film. A ray that the lens blocks is `None` and
+//! counts as 0.
 //!
-//! A [`Prescription`] is the table of a lens, by [`read`] from a file's text or by [`lens_names`] and [`find_lens`] from the
-//! catalogue; a [`Lens`] is that at one wavelength, with its surfaces and its [`FirstOrder`] optics:
+//! | to get | call |
+//! |---|---|
+//! | many rays | [`Camera::rays`] |
+//! | a ray with those of the neighbouring pixels | [`Camera::ray_differential`] |
+//! | rays at wavelengths | [`Camera::ray_at`], [`Camera::hero_rays`] |
+//! | the reason where a ray is blocked | [`Camera::generate`] |
+//!
+//! # A lens
 //!
 //! ```
 //! use realistic::{FirstOrder, Lens, find_lens};
@@ -30,11 +54,17 @@
 //! # Ok::<(), realistic::LensError>(())
 //! ```
 //!
-//! Lens space: origin at the vertex of the first interface, +z toward the scene, +x image right, +y image up, millimetres.
-//! Camera space has the same origin and axes, in world units.
+//! [`lens_names`] lists the catalogue.
 //!
-//! Hosts in other languages take the C ABI of `include/realistic.h`. [`unstable`] is how the project's own programs and tests
-//! reach what is not promised.
+//! # Space
+//!
+//! Lens space: origin at the vertex of the first surface, +z toward the scene, +x image right, +y image up, millimetres. Camera
+//! space has the same origin and axes, in world units.
+//!
+//! # Other languages
+//!
+//! The C ABI is in `include/realistic.h`, and `include/realistic.hpp` wraps it for C++. [`unstable`] is for this project's own
+//! programs and tests; nothing of it is promised.
 
 // The rooms, in the order in which data flows: warnings and errors for people; vectors, roots and quadrature; lens files to
 // tables of interfaces and glasses, and the catalogue; a lens at one wavelength and stop; exact rays through it; what tracing

@@ -1,5 +1,5 @@
 //! The command line of `realistic`, and a small renderer that loads the plugin as a
-//! stranger would: through the dynamic loader and the C ABI, not through the crate.
+//! host does: through the dynamic loader and the C ABI, not through the crate.
 
 mod arguments;
 mod commands;

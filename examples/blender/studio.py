@@ -127,7 +127,7 @@ def card() -> None:
         return CARD[0] + u * unit, CARD[1] - v * unit, CARD[2] - 0.2
 
     def printed(name: str, corners: list[tuple[float, float]], of: Any) -> None:
-        # The other way round, for v counts downward.
+        # In reverse, as v counts downward.
         shape(name, [on_card(u, v) for u, v in reversed(corners)], of)
 
     for u0, v0, u1, v1 in ((2, 2, 78, 3), (2, 63, 78, 64), (2, 2, 3, 64), (77, 2, 78, 64), (6, 16.5, 74, 17.5)):

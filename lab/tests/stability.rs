@@ -188,11 +188,11 @@ fn every_case_is_run_again_by_its_name() {
 }
 
 #[test]
-fn the_lenses_that_the_readme_calls_failing_fail_for_the_reasons_that_it_states() {
-    let readme =
-        std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../README.md")).expect("there");
+fn the_lenses_that_the_page_calls_failing_fail_for_the_reasons_that_it_states() {
+    let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/accuracy.md"));
+    let page = page.expect("the page");
     let named: Vec<&str> =
-        readme.split('`').skip(1).step_by(2).filter(|word| word.starts_with("random ")).collect();
+        page.split('`').skip(1).step_by(2).filter(|word| word.starts_with("random ")).collect();
     let failing = |name: &str, tracer: &str| {
         let own = stability::rerun(name).into_iter().find(|result| result.tracer == tracer);
         let own = own.unwrap_or_else(|| panic!("{name}, {tracer}"));

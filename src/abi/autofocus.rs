@@ -59,8 +59,8 @@ pub type realistic_contrast = Option<
 >;
 
 /// Finds the film distance, mm, to be given as `filmdistance`, that focuses the camera of `options` on what it sees in `n`
-/// zones of the picture; `rule` is a `realistic_autofocus_rule`. One callback is given, the other NULL: `distance` is asked for
-/// some rays per zone, `contrast` for tens to hundreds of trial cameras. It is called on this thread. `options` leave
+/// zones of the picture; `rule` is a `realistic_autofocus_rule`. One callback is given, the other NULL: `distance` is called
+/// for some rays per zone, `contrast` for tens to hundreds of trial cameras. It is called on this thread. `options` leave
 /// `filmdistance` and `focusdistance` open, and `focusby` "film". `REALISTIC_STATUS_UNREACHABLE_FOCUS`: no zone has an answer.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_autofocus(

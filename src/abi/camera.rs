@@ -84,7 +84,7 @@ pub unsafe extern "C" fn realistic_camera_free(camera: *mut realistic_camera) {
     });
 }
 
-/// Says what a camera is.
+/// Describes a camera.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_camera_get_info(
     camera: *const realistic_camera,

@@ -191,7 +191,7 @@ for_each_parameter! {
         pub transformend: f64,
         /// Receives messages; NULL for none.
         pub log: realistic_log,
-        /// Handed to `log` as it is.
+        /// Passed to `log` unchanged.
         pub log_user: *mut c_void,
         /// The text of a lens file, `lens_text_size` bytes, read instead of `specfile`; NULL for none.
         pub lens_text: *const c_char,

@@ -17,9 +17,9 @@ use crate::camera::{RayArrays, RayBlock, Sample, WorldRay};
 /// One ray of a camera, made by `CreateCamera` or by `realistic_camera_new`. Returns its weight; 0, with `*ray` as it was,
 /// where the lens blocks the ray, a pointer is NULL, or the camera is another library's.
 ///
-/// `request` is NULL, or asks for wavelengths or a reason; `ray` has room for `wavelengths_per_sample` rays. The weight of
-/// the first is returned. 0 with a message, and nothing written, where the request is refused. The first wavelength that a
-/// camera is asked for takes some milliseconds, once for all threads.
+/// `request` is NULL, or requests wavelengths or a reason; `ray` has room for `wavelengths_per_sample` rays. The weight of
+/// the first is returned. 0 with a message, and nothing written, where the request is refused. A camera's first request
+/// for a wavelength takes some milliseconds, once for all threads.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_generate_ray(
     camera: *const realistic_camera,

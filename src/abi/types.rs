@@ -11,7 +11,7 @@ use std::{
 
 use crate::camera::Level;
 
-/// A camera. Immutable once built: any number of threads may ask it for rays.
+/// A camera. Immutable and thread-safe once built.
 // Not `repr(C)`, so that the header only declares it.
 #[allow(non_camel_case_types)]
 pub struct realistic_camera {
@@ -92,9 +92,9 @@ pub const REALISTIC_HAS_RY: u32 = 2;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(non_camel_case_types)]
 pub enum realistic_reason {
-    /// The ray gets through.
+    /// The ray passes the lens.
     Ok = 0,
-    /// It passes beside a surface's sphere.
+    /// It misses a surface.
     Missed = 1,
     /// It meets a surface outside the clear aperture.
     Clipped = 2,
@@ -107,8 +107,8 @@ pub enum realistic_reason {
     Redraw = 5,
     /// The shutter is closed over this film point at this time.
     Shut = 6,
-    /// The wavelength that the sample is asked for at is none: not a number from 380 to 780 nm, or one at which the
-    /// formula of a glass has no index of 1 or more.
+    /// The wavelength is invalid: not a number from 380 to 780 nm, or one at which the formula of a glass gives no
+    /// index of 1 or more.
     Wavelength = 7,
 }
 
@@ -163,8 +163,8 @@ pub struct realistic_request {
     /// out: the camera's own. One that is not from 380 to 780, such as 0.55, is no error: its ray is 0, with
     /// `REALISTIC_REASON_WAVELENGTH`. Each glass has the index of its own
     /// formula there; film, stop, groups and what `weighting` divides by stay those of the camera's own wavelength. A lens
-    /// without dispersion data, and every model but "lens", has the same rays at each. With a `tolerance` or a named
-    /// `refraction`, rays at a wavelength are traced exactly all the same.
+    /// without dispersion data, and every model but "lens", has the same rays at each. Rays at a wavelength are
+    /// traced exactly, also with a `tolerance` or a named `refraction`.
     pub wavelength: realistic_input,
     /// Origins (x, y, z), world units.
     pub origin: realistic_output,

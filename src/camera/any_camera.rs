@@ -46,7 +46,7 @@ pub struct Camera {
     /// Width and height of the image, pixels.
     resolution: [f32; 2],
     crop: Crop,
-    /// The camera the other way round, once somebody has asked for it.
+    /// The adjoint camera, once a call has requested it.
     backward: OnDemand<Result<Arc<Backward>, ImportanceError>>,
 }
 
@@ -419,7 +419,7 @@ impl Camera {
         ray.unwrap_or_else(|| self.rays.placement().axial_ray(sample.time))
     }
 
-    /// The camera the other way round: what rays from the scene count, and directions toward the lens. It is made when it is
+    /// The adjoint camera: importance of rays from the scene, and directions toward the lens. It is made when it is
     /// first asked for; a lens is looked at from everywhere when a direction is.
     ///
     /// # Errors

@@ -36,7 +36,7 @@ pub struct Field {
 const SCAN: u32 = 1024;
 /// Of which so many are traced at once.
 const PART: u32 = 64;
-/// Every so manieth of them is a first, coarse look for chief rays.
+/// Stride of the coarse chief-ray scan.
 const COARSE: u32 = SCAN / PART;
 
 /// The slopes dy/dz at which the rays of a film point in the plane through the axis get through.

@@ -34,7 +34,7 @@ pub enum Verdict {
     TooFarOff(TooFarOff),
     /// Its weights are.
     WrongLight(Errors),
-    /// It is not to be had for this lens; why.
+    /// Not available for this lens; why.
     Excluded(String),
     /// One that costs no more was chosen.
     Untried,

@@ -28,7 +28,7 @@ pub struct Errors {
     pub pixels: f64,
     /// Rays looked at.
     pub rays: usize,
-    /// Rays that it lets through and the lens does not, or the other way round.
+    /// Rays that exactly one of it and the lens lets through.
     pub mismatches: usize,
     /// Sum of the errors of the weights over the sum of the weights.
     pub light: f64,

@@ -45,8 +45,9 @@ pub fn names() -> impl Iterator<Item = &'static str> {
     FILES.iter().map(|&(name, _)| name)
 }
 
-/// The built-in lens of that name.
+/// The built-in lens of that name, with or without `.dat`: the course's scenes name files.
 pub fn find(name: &str) -> Option<Prescription> {
+    let name = name.strip_suffix(".dat").unwrap_or(name);
     let &(name, text) = FILES.iter().find(|&&(known, _)| known == name)?;
     Some(read(name, text.as_bytes()).expect("a test reads every built-in lens"))
 }
@@ -65,6 +66,7 @@ mod tests {
     fn every_built_in_lens_reads_and_names_its_source() {
         for (name, text) in FILES {
             assert_eq!(find(name).expect("listed").name, *name);
+            assert_eq!(find(&format!("{name}.dat")), find(name));
             assert!(text.contains("# Source: "), "{name} does not say where it comes from");
         }
     }

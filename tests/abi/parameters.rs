@@ -1,5 +1,5 @@
 //! What is made from the table of parameters outside Rust: the options in the header, the Python package's types, and
-//! README's table. `REALISTIC_WRITE_HEADER=1 cargo test --test abi up_to_date` makes all of it again.
+//! the table of docs/parameters.md. `REALISTIC_WRITE_HEADER=1 cargo test --test abi up_to_date` makes all of it again.
 
 use std::{fmt::Write, fs, path::Path};
 
@@ -148,7 +148,7 @@ fn the_python_packages_parameters_are_up_to_date() {
     compare("python/src/realistic/_parameters.py", &python_module());
 }
 
-/// A parameter's line in README's table.
+/// A parameter's line in the table of docs/parameters.md.
 fn line(row: &Parameter) -> String {
     let code = |name: &&str| format!("`{name}`");
     let names: Vec<String> = std::iter::once(&row.name).chain(&row.alias).map(code).collect();
@@ -179,11 +179,11 @@ fn line(row: &Parameter) -> String {
 }
 
 #[test]
-fn readmes_table_is_up_to_date() {
+fn the_pages_table_is_up_to_date() {
     const HEAD: &str = "| name | unit or type | default | |\n|---|---|---|---|\n";
-    let readme = read("README.md");
-    let (before, rest) = readme.split_once(HEAD).expect("the table");
+    let page = read("docs/parameters.md");
+    let (before, rest) = page.split_once(HEAD).expect("the table");
     let (_, after) = rest.split_once("\n\n").expect("the table's end");
     let table: String = PARAMETERS.iter().map(line).collect();
-    compare("README.md", &format!("{before}{HEAD}{table}\n{after}"));
+    compare("docs/parameters.md", &format!("{before}{HEAD}{table}\n{after}"));
 }

@@ -13,16 +13,13 @@ fn sources(directory: &Path, all: &mut String) {
     }
 }
 
-/// Checks that every link of a page in `docs` leads to a file, and that there are as many links and named tests as a
-/// page of tables has at least.
+/// Checks that every test that a page in `docs` names exists, and that there are as many links (which `links` follows) and
+/// named tests as a page of tables has at least.
 fn page(name: &str, least_links: usize, least_tests: usize) {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let text = fs::read_to_string(root.join("docs").join(name)).expect("the page");
-    let links: Vec<&str> = text.split("](").skip(1).filter_map(|rest| rest.split(')').next()).collect();
-    assert!(links.len() > least_links, "only {} links in {name}", links.len());
-    for link in links {
-        assert!(root.join("docs").join(link).exists(), "{link} in {name} is dead");
-    }
+    let links = text.matches("](").count();
+    assert!(links > least_links, "only {links} links in {name}");
     let tests = named_tests(&text);
     assert!(tests > least_tests, "only {tests} tests are named in {name}");
 }

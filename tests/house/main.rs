@@ -5,15 +5,19 @@
 //! - no two files import each other, in however many steps;
 //! - `unsafe` stands only where the processor's instructions or another language are met.
 //!
-//! Of the pages: every file and every test that they name exists.
+//! Of the pages: every file and every test that they name exists, every link leads somewhere, and no banned phrase stands
+//! in them or in the source's comments.
 //!
 //! What stands under `#[cfg(test)]` is left out: a test may look anywhere. A re-export (`pub use`) is no arrow of its
 //! own: who imports the name has an arrow to the file that it comes from.
 
 mod arrows;
 mod lecture;
+mod links;
 mod paths;
 mod source;
+mod words;
+mod workflows;
 
 use std::path::Path;
 

@@ -1,7 +1,7 @@
 //! The files that the project's pages speak of exist.
 //!
-//! In come ARCHITECTURE.md, README.md, docs/lecture.md and the README.md of every folder; a path in one of them is a
-//! word with a slash and an extension that this tree has. It is meant from the root, from `src/`, or from the page's
+//! In come ARCHITECTURE.md, CONTRIBUTING.md, the pages in `docs` and the README.md of every folder; a path in one of them is
+//! a word with a slash and an extension that this tree has. It is meant from the root, from `src/`, or from the page's
 //! own folder.
 
 use std::{
@@ -45,8 +45,10 @@ fn read_me(folder: &Path, pages: &mut Vec<PathBuf>) {
 #[test]
 fn every_path_in_a_page_exists() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let mut pages = vec![root.join("ARCHITECTURE.md"), root.join("docs/lecture.md")];
+    let mut pages = vec![root.join("ARCHITECTURE.md"), root.join("CONTRIBUTING.md")];
     read_me(root, &mut pages);
+    let docs = fs::read_dir(root.join("docs")).expect("a directory").flatten().map(|entry| entry.path());
+    pages.extend(docs.filter(|page| page.extension().is_some_and(|end| end == "md")));
     let (mut checked, mut dead) = (0, Vec::new());
     for page in pages {
         let text = fs::read_to_string(&page).expect("text");

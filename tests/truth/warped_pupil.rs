@@ -498,7 +498,7 @@ fn weighting_assignment_is_the_thick_lens_disk_s_literal_formula() {
 
 #[test]
 fn weighting_assignment_of_another_pupil_is_another_exposure() {
-    // As README.md has it: the rear element's clear aperture is that much smaller than the paraxial exit pupil.
+    // As docs/parameters.md has it: the rear element's clear aperture is that much smaller than the paraxial exit pupil.
     let [rear, warped] = ["rear", "warped"].map(|pupil| {
         let camera = camera("dgauss.50mm", pupil, "assignment");
         mean_weight(&camera, [150.0, 100.0], 300).0

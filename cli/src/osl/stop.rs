@@ -112,7 +112,7 @@ impl StopView {
     }
 }
 
-/// The egg around these rims, each of them rays from the greatest x to the least (or the other way round).
+/// The egg around these rims, each of them rays from the greatest x to the least (or in reverse).
 fn numbers(rims: &[(f64, Vec<[f64; 2]>)]) -> Numbers {
     let ends = |rim: &[[f64; 2]]| {
         let (a, b) = (rim[0][0], rim[rim.len() - 1][0]);

@@ -4,6 +4,7 @@ mod export;
 mod files;
 mod gallery;
 mod osl;
+mod pages;
 mod pictures;
 mod plugin;
 #[cfg(target_os = "linux")]
@@ -23,7 +24,13 @@ fn realistic(directory: &Path, arguments: &[&str]) -> Output {
 }
 
 fn run(arguments: &[&str], input: &str) -> Output {
+    run_in(Path::new("."), arguments, input)
+}
+
+/// The program in a folder, with a text on its standard input.
+fn run_in(directory: &Path, arguments: &[&str], input: &str) -> Output {
     let mut child = Command::new(env!("CARGO_BIN_EXE_realistic"))
+        .current_dir(directory)
         .args(arguments)
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())

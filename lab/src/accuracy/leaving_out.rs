@@ -169,7 +169,7 @@ fn traced(choice: Option<&Choice>, asked: Asked, entry: Entry) -> (Tracing, Opti
     }
 }
 
-/// Samples all but evenly spread over the image.
+/// Samples nearly evenly spread over the image.
 fn samples() -> Box<SampleBlock<BLOCK>> {
     let mut block = Box::new(SampleBlock::<BLOCK>::new());
     let Raster { xres, yres } = PIXELS;

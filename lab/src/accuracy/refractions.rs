@@ -191,7 +191,7 @@ fn widen<R: Real>(number: R) -> DoubleDouble {
     DoubleDouble::from_f64(number.to_f64())
 }
 
-/// Incidences all but evenly spread, so that every run has the same.
+/// Incidences nearly evenly spread, so that every run has the same.
 fn incidences() -> impl Iterator<Item = Incidence<f64>> {
     spread::<4>(0.0).take(INCIDENCES).map(|[n, n_after, height, turn]| {
         let (n, n_after) = (1.0 + n, 1.0 + n_after);

@@ -1,6 +1,6 @@
 //! Points spread evenly over the unit cube, without random numbers.
 
-/// Points of the `N`-dimensional unit cube, all but evenly spread: the additive recurrence whose steps are the
+/// Points of the `N`-dimensional unit cube, nearly evenly spread: the additive recurrence whose steps are the
 /// powers of 1/g, where g > 1 and g^(N + 1) = g + 1 (M. Roberts, "The Unreasonable Effectiveness of Quasirandom
 /// Sequences", 2018). Another `shift` gives other points.
 pub fn spread<const N: usize>(shift: f64) -> impl Iterator<Item = [f64; N]> {

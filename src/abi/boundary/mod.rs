@@ -20,17 +20,17 @@ use crate::message::bounded;
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum realistic_status {
-    /// It worked.
+    /// Success.
     Ok = 0,
     /// A pointer that must not be NULL is NULL; where it is the camera's, see `REALISTIC_STATUS_NOT_A_CAMERA`.
     NullPointer = 1,
-    /// A `struct_size` is none that this library knows.
+    /// Unknown `struct_size`.
     StructSize = 2,
     /// A parameter is unknown, of the wrong kind, out of range or given twice.
     InvalidParameter = 3,
     /// The lens description is missing or cannot be read.
     LensFile = 4,
-    /// The lens cannot be focused at the distance asked for.
+    /// The lens cannot be focused at the requested distance.
     UnreachableFocus = 5,
     /// Reserved, and not returned by this version: a file other than the lens description cannot be read or written.
     Io = 6,
@@ -38,9 +38,9 @@ pub enum realistic_status {
     Panic = 7,
     /// The pointer is NULL, or to no camera of this library.
     NotACamera = 8,
-    /// Memory is out: there are no 8 MiB for a camera or a lens to be built, or not what a caller's number asks for
-    /// (the zones of an autofocus). Where other threads take the last of it meanwhile, or a message has no room, the
-    /// process ends, as with most of Rust.
+    /// Out of memory: a camera or a lens needs 8 MiB while it is built, an autofocus needs room for its zones.
+    /// Where other threads take the last memory meanwhile, or a message has no room, the process ends, as in most of
+    /// Rust.
     OutOfMemory = 9,
     /// Reserved, and not returned by this version: the process lacks what the call needs. (`CreateCamera` returns NULL
     /// where a host's functions are missing, and `realistic.hpp` throws this for a library older than itself.)

@@ -11,7 +11,8 @@ use super::{
 };
 use crate::camera::{Aimed, ScenePoint};
 
-/// Points of the scene that ask for directions toward the lens, as structure of arrays, one number per point in each.
+/// Points of the scene from which directions toward the lens are sampled, as structure of arrays, one number per point in
+/// each.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 #[allow(non_camel_case_types)]
@@ -56,10 +57,11 @@ pub struct realistic_aimed {
     pub density: *mut f32,
 }
 
-/// Directions toward the lens from `n` points of the scene, sampled from the pupil as each point sees it, and what a ray along
-/// each counts, as by `realistic_camera_importance`. A point that shines with radiance L at an angle of cosine c to its normal
-/// adds importance · L · c / (density · density of the point) at (image_x, image_y); importance 0 belongs to the mean. Points that
-/// are not in front of the lens between `hither` and `yon` have no direction. A camera's first call takes some tenths of a second.
+/// Directions toward the lens from `n` points of the scene, sampled from the pupil as each point sees it, and the importance
+/// of a ray along each, as by `realistic_camera_importance`. A point that shines with radiance L at an angle of cosine c to
+/// its normal adds importance · L · c / (density · density of the point) at (image_x, image_y); importance 0 belongs to the
+/// mean. Points that are not in front of the lens between `hither` and `yon` have no direction. A camera's first call builds
+/// the entrance-pupil table, in some tenths of a second.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_camera_sample_importance(
     camera: *const realistic_camera,

@@ -10,7 +10,7 @@ use crate::camera::{Backward, Importance};
 /// Rays or points that are taken at once.
 pub(super) const BLOCK: usize = 256;
 
-/// Importance as structure of arrays, one number per ray in each; all 0 where a ray counts nothing. Each array but
+/// Importance as structure of arrays, one number per ray in each; all 0 where a ray has no importance. Each array but
 /// `importance` may be NULL.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
@@ -77,7 +77,7 @@ pub(super) unsafe fn put(array: *mut f32, i: usize, number: f64) {
     }
 }
 
-/// The camera the other way round, with the memory that it may still take.
+/// The adjoint camera, with the memory that it may still take.
 pub(super) fn backward(handle: &Handle) -> Result<&Backward, Failure> {
     let camera = handle.camera();
     if !camera.has_backward() {

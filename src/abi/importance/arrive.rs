@@ -1,4 +1,4 @@
-//! What rays from the scene count.
+//! The importance of rays from the scene.
 
 use super::{
     super::{
@@ -34,10 +34,10 @@ pub struct realistic_importance_rays {
     pub time: *const f32,
 }
 
-/// What `n` rays that enter the camera count in its picture: 0 for one that does not get through to the film, comes from behind,
-/// arrives while the shutter is closed, or has numbers that are not finite. One within rounding of an aperture's edge may count
-/// 0 where the camera's own ray passes. `REALISTIC_STATUS_INVALID_PARAMETER` for models whose rays have no area: "perspective"
-/// and "orthographic" without `lensradius`, and "environment".
+/// The importance of `n` rays that enter the camera: 0 for one that does not reach the film, comes from behind, arrives while
+/// the shutter is closed, or has numbers that are not finite. One within rounding of an aperture's edge may have
+/// importance 0 where the camera's own ray passes. `REALISTIC_STATUS_INVALID_PARAMETER` for models whose rays have no
+/// area: "perspective" and "orthographic" without `lensradius`, and "environment".
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_camera_importance(
     camera: *const realistic_camera,

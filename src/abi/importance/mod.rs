@@ -1,4 +1,4 @@
-//! Cameras the other way round: what rays from the scene count in the picture, and directions toward the lens, as structures
+//! Light tracing: the importance of rays from the scene, and directions toward the lens, as structures
 //! of arrays.
 
 mod aim;

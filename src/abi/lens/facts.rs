@@ -11,7 +11,7 @@ use super::{
 };
 use crate::prescription::Asphere;
 
-/// What first-order optics says of a lens (M. Born and E. Wolf, *Principles of Optics*, chapter 4). Air being on both sides,
+/// First-order data of a lens (M. Born and E. Wolf, *Principles of Optics*, chapter 4). Air being on both sides,
 /// the nodal points are the principal points. z is a place in lens space, mm; infinity stands for one at infinity.
 /// `realistic_lens_get_info` fills it.
 #[repr(C)]
@@ -89,7 +89,7 @@ pub struct realistic_lens_surface {
     pub aspheric: [f64; 19],
 }
 
-/// Says what a lens is.
+/// Describes a lens.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_lens_get_info(
     lens: *const realistic_lens,

@@ -17,7 +17,7 @@ use crate::{
     trace::{Direction, Path, kernel::Kernel},
 };
 
-/// A lens at one wavelength and stop. Immutable once built: any number of threads may use it.
+/// A lens at one wavelength and stop. Immutable and thread-safe once built.
 // Not `repr(C)`, so that the header only declares it.
 #[allow(non_camel_case_types)]
 pub struct realistic_lens {

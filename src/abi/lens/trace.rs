@@ -56,7 +56,7 @@ const BLOCK: usize = 256;
 /// behind it, or, where it met none, stays as it was but for the length of its direction. A start may lie anywhere before the
 /// lens. Numbers that are not finite, or a direction of length 0, count as `REALISTIC_REASON_MISSED`; such a ray stays.
 ///
-/// `points` is NULL, or asks where the rays meet each surface. Rays then go one after another, which is slower; they agree
+/// `points` is NULL, or requests where the rays meet each surface. Rays then go one after another, which is slower; they agree
 /// with those without points but for rounding, and where that decides at the very edge of an aperture.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_lens_trace(

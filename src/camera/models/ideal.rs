@@ -123,7 +123,7 @@ impl IdealCamera {
         self.mapping
     }
 
-    /// The camera the other way round.
+    /// The adjoint camera.
     pub(crate) fn backward(&self) -> Backward {
         let (placement, front) = (self.rays.placement(), self.facts.lens.front());
         let area = PI * front.semi_diameter * front.semi_diameter;

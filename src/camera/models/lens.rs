@@ -150,12 +150,12 @@ impl RealisticCamera {
         &self.rays
     }
 
-    /// The camera the other way round.
+    /// The adjoint camera.
     pub(crate) fn backward(&self) -> Backward {
         Backward::of_lens(self.lens_backward(), &self.body.placement, self.body.units_per_mm)
     }
 
-    /// The lens the other way round.
+    /// The adjoint lens.
     pub(crate) fn lens_backward(&self) -> LensBackward {
         LensBackward::new(&self.facts.lens, self.blades, &self.body)
     }

@@ -183,9 +183,7 @@ fn report_given_up(pupil: &WarpedPupil, film: &Film, log: Log<'_>) {
     for &GivenUp { radii: [from, to], reason, acceptance } in pupil.given_up() {
         let (what, why) = match reason {
             NoFan::InPieces => (REAR, "light gets through in several pieces there, or round a hole"),
-            NoFan::Shape => {
-                (REAR, "the pupil there is of no shape that a fan of straight lines reaches, or jumps")
-            }
+            NoFan::Shape => (REAR, "the pupil there is not star-shaped, or jumps"),
             NoFan::Fast => ("a larger shape", "the pupil changes faster there than a table of it can follow"),
             NoFan::NoLight => (REAR, "no light was found there in the plane of the axis"),
             NoFan::Spent => (REAR, "this lens took all the rays that building a pupil may take"),

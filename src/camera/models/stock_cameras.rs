@@ -39,7 +39,7 @@ pub(crate) struct StockCamera {
     pub rays: RayMaker,
     /// How lens samples map to the disk; `None` where there is no lens.
     pub mapping: Option<DiskMapping>,
-    /// The camera the other way round, and its lens's area, or why it has no importance.
+    /// The adjoint camera, and its lens's area, or why it has no importance.
     backward: Result<(Linear, f64), ImportanceError>,
 }
 
@@ -54,7 +54,7 @@ impl StockCamera {
         Self { rays: RayMaker::new(tracer.clone(), tracer, placement), mapping, backward }
     }
 
-    /// The camera the other way round.
+    /// The adjoint camera.
     ///
     /// # Errors
     /// It has none.

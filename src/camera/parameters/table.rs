@@ -180,7 +180,7 @@ pub(crate) type AskedPrecision = Option<Precision>;
 
 /// Calls `$make` with `$first` and the rows of the table. From them are made: the table itself and the structure of
 /// values (here), the methods of the builder (`camera/builder.rs`), the C options (`abi/options.rs`), and by a test
-/// the options in the header, the Python package's types and README's table.
+/// the options in the header, the Python package's types and the table of docs/parameters.md.
 ///
 /// A row: the name, perhaps an alias, and the type, perhaps with an interval; the unit; `=` a default of that type,
 /// or `or` words for where the value comes from; the models and the help. The C options follow this order, so once a
@@ -194,28 +194,28 @@ macro_rules! for_each_parameter {
             glasscatalog: String, "", or "", LENSES, "glass catalogue (AGF) in which glasses that a lens file names are looked up first, before catalogues beside the file and the built-in glasses";
             filmdistance: f64 in POSITIVE, "mm", or "the lens file's, or focused at `focusdistance`", LENSES, "from the last vertex to the film";
             focusdistance: f64 in DISTANCE, "world units", or "infinity", LENSES, "from the film plane to the plane in focus, or inf, instead of `filmdistance`";
-            focusby: FocusBy, "", = "film", LENSES, "what moves to focus, the film, or the lens's own groups with the film where the lens file has it";
+            focusby: FocusBy, "", = "film", LENSES, "whether the film moves to focus, or the lens's own groups with the film where the lens file has it";
             zoom: Zoom, "", or "", LENSES, "focal length of a zoom lens, a number of mm, or the name of one of its positions; without it the lens file's first";
             aperture_diameter or "aperturediameter": f64 in POSITIVE, "mm", or "the file's", LENSES, "clear diameter of the stop";
             fnumber: f64 in POSITIVE, "", or "", LENSES, "focal length over entrance pupil diameter, instead of `aperture_diameter`";
-            blades: f64 in BLADES, "", or "the lens file's, or 0", TRACED, "how many blades the stop has, 3 or more, whose corners lie on the circle of its clear diameter";
-            bladerotation: f64 in TURN, "degrees", or "the lens file's, or 0", TRACED, "where the first corner of the blades lies, from image right toward image up";
+            blades: f64 in BLADES, "", or "the lens file's, or 0", TRACED, "number of blades of the stop, 3 or more; their corners lie on the circle of its clear diameter";
+            bladerotation: f64 in TURN, "degrees", or "the lens file's, or 0", TRACED, "angle of the blades' first corner, from image right toward image up";
             bladecurvature: f64 in SHARE, "", or "the lens file's, or 0", TRACED, "curvature of the blades' edges over that of the circle: 0 is straight, 1 the circle";
             filmdiag: f64 in POSITIVE, "mm", = "35", LENSES, "diagonal of the film";
             hither: f64 in NEAR, "world units", = "1e-3", EVERY, "where a ray begins, along it";
             yon: f64 in FAR, "world units", = "1e30", EVERY, "where a ray ends, along it, from `hither` on";
             shutteropen: f64 in TIME, "", = "0", EVERY, "time at which the shutter opens";
             shutterclose: f64 in TIME, "", = "1", EVERY, "time at which the shutter closes; before `shutteropen`, time runs backward, as in pbrt";
-            weighting: Weighting, "", or "radiometric", LENSES, "how a ray's weight is measured";
+            weighting: Weighting, "", or "radiometric", LENSES, "definition of a ray's weight";
             simpleweighting: bool, "", or "", LENSES, "pbrt-v3's name for `weighting`, true for \"relative\" and false for \"radiometric\"";
             pupil: Pupil, "", = "warped", TRACED, "where lens samples lie, in the true pupil of each film point, the rear element's disk, or the thick-lens exit pupil";
             disk: DiskMapping, "", = "concentric", SAMPLED, "how lens samples map to the disk";
             refraction: Refraction, "", = "fused", TRACED, "method of refraction";
             wavelength: f64 in WAVELENGTH, "nm", or "the lens file's, or 587.56", LENSES, "wavelength, for lenses with V-numbers or dispersion formulas, below 300 only with glasses whose data reach there";
             mmperunit: f64 in MM_PER_UNIT, "mm per world unit", = "1", LENSES, "length of a world unit";
-            precision: AskedPrecision, "", = "auto", TRACED, "what rays are traced in, double, single, or (\"auto\") double or what `tolerance` allows";
-            tolerance: f64 in PIXELS, "pixels", = "0", TRACED, "by how much 99.9 % of the rays may be off, for a faster model of the lens";
-            shutter: Shutter, "", = "global", EVERY, "what the shutter lets through, by film point and time";
+            precision: AskedPrecision, "", = "auto", TRACED, "precision of the trace; \"auto\" is double, or what `tolerance` allows";
+            tolerance: f64 in PIXELS, "pixels", = "0", TRACED, "largest error of 99.9 % of the rays, for a faster model of the lens";
+            shutter: Shutter, "", = "global", EVERY, "type of shutter";
             shutterramp: f64 in LEAF_SHARE, "of the interval", or "0.25", EVERY, "share of the shutter's interval in which a leaf shutter opens, and closes";
             shutterslit: f64 in SLIT_SHARE, "of the interval", or "0.25", EVERY, "share of the shutter's interval for which a focal-plane shutter exposes each row";
             crop: [f64; 4] in NOT_NEGATIVE, "pixels", or "the whole picture", EVERY, "x from, y from, x to, y to of the part of the picture that the host renders, which changes no ray: whole numbers, the last two one past the last pixel";

@@ -1,4 +1,4 @@
-//! Files of other programs, which are not read: told by how they begin, so that the answer says what they are and what is
+//! Files of other programs, which are not read: recognised by their first bytes, so that the answer says what they are and what is
 //! read instead of complaining of their first number.
 
 /// What is read, for whoever has something else.

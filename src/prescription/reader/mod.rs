@@ -4,7 +4,7 @@
 //!
 //! To add a format: a file here that makes a [`Prescription`] of a text, within the limits, with a `SurfaceRow` per
 //! surface; how it is known, in [`Format::of`]; malformed files among its tests, a right one among those that
-//! `tests/abi/fuzz_bodies.rs` mutates, and its description in `docs/lens-format.md` and the README.
+//! `tests/abi/fuzz_bodies.rs` mutates, and its description in `docs/lens-format.md` and `docs/lenses.md`.
 //!
 //! A file has at most [`MAX_FILE_BYTES`] bytes, `MAX_INTERFACES` interfaces and as many lines that define a glass;
 //! its name and the names of its glasses have at most [`MAX_NAME_BYTES`] bytes. What is larger is refused before anything

@@ -100,7 +100,7 @@ fn timed<T>(ways: &[T], effort: Effort, work: impl Fn(&T)) -> Vec<Timing> {
     interleaved(ways.iter().map(|way| Box::new(move || work(way)) as Box<dyn FnMut()>), effort)
 }
 
-/// Samples all but evenly spread over the image.
+/// Samples nearly evenly spread over the image.
 fn samples(order: &Order) -> SampleBlock<BLOCK> {
     let mut block = SampleBlock::<BLOCK>::new();
     let across = |share: f64, pixels: u32| (f64::from(pixels) * share) as f32;

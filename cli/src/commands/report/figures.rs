@@ -117,7 +117,7 @@ const STABILITY: &str = "Extreme lenses and rays with known answers: a mark is a
     a ray grazes a surface between nearly equal media they lose digits that nothing else loses, Heckbert's half a rounding \
     unit over the cosine. Random lenses have numbers, and each makes the same lens and rays everywhere: \
     \"realistic report --case\" with the name of one repeats it; three beyond those of a full run are known to fail, and stand in \
-    the README. The table has the worst of each group, the CSV every case.";
+    docs/accuracy.md. The table has the worst of each group, the CSV every case.";
 
 /// The charts above everything: what a camera's ray costs, and how far off it is, for each way of asking.
 pub fn overview(results: &Results) -> Vec<Figure> {

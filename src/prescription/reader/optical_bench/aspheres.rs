@@ -89,7 +89,7 @@ fn powers(
             first = 2;
         } else if is("AsphericalOddCount") {
             let count = row.cell(1);
-            let message = || format!("\"{}\" is no number of odd terms, 0 to 9", cut(count.text));
+            let message = || format!("\"{}\" is not a number of odd terms, 0 to 9", cut(count.text));
             let number = count.text.parse().ok().filter(|count| *count <= 9);
             odd = number.ok_or_else(|| text.error(count.place, message()))?;
         } else if is("ObjectGlass") {

@@ -57,6 +57,7 @@ pub(super) fn apply(
 pub(super) fn row(lines: &Lines, word: &Word, rows: usize, form: &str) -> Result<usize, LensFileError> {
     let row = word.text.parse().ok().filter(|row| (1..=rows).contains(row));
     row.map(|row: usize| row - 1).ok_or_else(|| {
-        lines.error(word, &format!("\"{word}\" is no row of the table, which has rows 1 to {rows}; {form}"))
+        lines
+            .error(word, &format!("\"{word}\" is not a row of the table, which has rows 1 to {rows}; {form}"))
     })
 }

@@ -18,8 +18,8 @@ pub(super) fn take(lines: &mut Lines) -> Result<Option<(Word, Blades)>, LensFile
         return Err(lines.error(&line.words[0], FORM));
     };
     let number = count.text.parse().ok().filter(|number| Blades::COUNTS.contains(number));
-    let number =
-        number.ok_or_else(|| lines.error(count, &format!("\"{count}\" is no number of blades; {FORM}")))?;
+    let number = number
+        .ok_or_else(|| lines.error(count, &format!("\"{count}\" is not a number of blades; {FORM}")))?;
     let mut constants = [None; NAMES.len()];
     for word in words {
         let names = NAMES.map(str::to_owned);

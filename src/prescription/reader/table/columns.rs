@@ -67,7 +67,8 @@ impl Columns {
                 return Err(lines.error(&line.words[2], "one year, such as 1975"));
             };
             let number = year.text.parse().ok().filter(|year| (1600..=2999).contains(year));
-            stated.year = Some(number.ok_or_else(|| lines.error(year, &format!("\"{year}\" is no year")))?);
+            stated.year =
+                Some(number.ok_or_else(|| lines.error(year, &format!("\"{year}\" is not a year")))?);
         }
         let Some(names) = self.line("positions") else {
             for keyword in ["film", "stopdiameter", "object"] {

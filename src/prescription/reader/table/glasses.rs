@@ -70,7 +70,7 @@ impl<'a> Glasses<'a> {
         };
         let nearest = self.library.suggestion(&word.text);
         let message =
-            format!("\"{word}\" is no refractive index and no known glass: {known}{nearest}; {FORM}");
+            format!("\"{word}\" is neither a refractive index nor a known glass: {known}{nearest}; {FORM}");
         Err(lines.error(word, &message))
     }
 
@@ -92,7 +92,7 @@ impl<'a> Glasses<'a> {
             return Err(lines.error(&line.words[0], FORM));
         };
         if !is_name(&name.text) || name.text.parse::<f64>().is_ok() {
-            let text = format!("\"{name}\" is no name for a glass: it begins with a letter; {FORM}");
+            let text = format!("\"{name}\" is not a glass's name: it begins with a letter; {FORM}");
             return Err(lines.error(name, &text));
         }
         check_length(lines, name)?;

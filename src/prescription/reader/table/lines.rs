@@ -162,7 +162,7 @@ impl Lines {
         let place =
             split.and_then(|(name, _)| names.iter().position(|known| known.eq_ignore_ascii_case(name)));
         let (Some((name, number)), Some(place)) = (split, place) else {
-            return Err(self.error(word, &format!("\"{word}\" is no constant such as {expected}")));
+            return Err(self.error(word, &format!("\"{word}\" is not a constant such as {expected}")));
         };
         let value = Word { text: number.to_owned(), line: word.line, column: word.column + name.len() + 1 };
         Ok((place, self.number(&value, &format!("a constant such as {expected}"))?))

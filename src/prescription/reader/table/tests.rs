@@ -260,9 +260,9 @@ fn a_wrong_figure_is_told_where_it_stands() {
     let with = |line: &str| format!("20 5 1.5 10\n-20 30 1 10\n{line}\n");
     refused(&with("asphere"), "3:1", &["asphere ROW conic=", "A2 to A20"]);
     refused(&with("asphere 1"), "3:1", &["no constants"]);
-    refused(&with("asphere 3 A4=1"), "3:9", &["\"3\" is no row", "rows 1 to 2"]);
-    refused(&with("asphere one A4=1"), "3:9", &["\"one\" is no row"]);
-    refused(&with("asphere 1 A1=1"), "3:11", &["\"A1=1\" is no constant such as A4=1e-5"]);
+    refused(&with("asphere 3 A4=1"), "3:9", &["\"3\" is not a row", "rows 1 to 2"]);
+    refused(&with("asphere one A4=1"), "3:9", &["\"one\" is not a row"]);
+    refused(&with("asphere 1 A1=1"), "3:11", &["\"A1=1\" is not a constant such as A4=1e-5"]);
     refused(&with("asphere 1 A21=1"), "3:11", &["no constant"]);
     refused(&with("asphere 1 1e-5"), "3:11", &["no constant"]);
     refused(&with("asphere 1 A4=x"), "3:14", &["\"x\" is not a number"]);
@@ -328,7 +328,7 @@ fn a_lens_without_positions_states_its_facts_once() {
     refused(&format!("50\n{}", with("focal 50")), "4:1", &["give it once"]);
     refused(&with("fnumber -2"), "3:9", &["is positive"]);
     refused(&with("field 361"), "3:7", &["at most 360 degrees"]);
-    refused(&with("year 75"), "3:6", &["\"75\" is no year"]);
+    refused(&with("year 75"), "3:6", &["\"75\" is not a year"]);
     refused(&with("year 1975 1976"), "3:11", &["one year"]);
     refused(&with("year 1975\nyear 1976"), "4:1", &["a second line \"year\""]);
     refused(&with("object 500"), "3:1", &["no line names the positions", "positions wide tele"]);
@@ -346,7 +346,7 @@ fn a_wrong_column_is_told_where_it_stands() {
     refused(&with("gap 2 3 5.5 9", "gap 2 3 5.5 9 1"), "7:15", &["4 value(s)"]);
     refused(&with("gap 2 3 5.5 9", "gap 2 3 - 9"), "7:9", &["\"-\" is not a number", "thickness in mm"]);
     refused(&with("gap 2 3 5.5 9", "gap 2 3 -5.5 9"), "2:1", &["position 2: thickness -5.5 mm"]);
-    refused(&with("gap 2 3 5.5 9", "gap 6 3 5.5 9"), "7:5", &["\"6\" is no row", "rows 1 to 5"]);
+    refused(&with("gap 2 3 5.5 9", "gap 6 3 5.5 9"), "7:5", &["\"6\" is not a row", "rows 1 to 5"]);
     refused(
         &with("gap 2 3 5.5 9", "gap 2 3.1 5.5 9"),
         "7:7",
@@ -374,7 +374,7 @@ fn a_stop_may_stand_on_a_surface_of_glass() {
     assert_eq!(lens.interfaces[1].shape, Shape::Sphere { radius: -20.0 });
     let plane = ok(b"20 5 1.5 10\nstop 3 1.6 8\n-20 30 1 8\n");
     assert_eq!((plane.stop_index(), plane.stop_in_air()), (Some(1), None));
-    refused("20 5 1.5 10\n-20 30 1 8\nstop 3", "3:6", &["\"3\" is no row", "stop ROW"]);
+    refused("20 5 1.5 10\n-20 30 1 8\nstop 3", "3:6", &["\"3\" is not a row", "stop ROW"]);
     refused("20 5 1.5 10\n-20 30 1 8\nstop 1\nstop 2", "4:1", &["a lens has one stop"]);
     refused("20 5 1.5 10\n-20 2 1 8\nstop 9 1 4\nstop 1", "3:1", &["second stop"]);
     refused("20 5 1.5 10\n-20 30 1 8\nstop 2\nblades 5", "4:1", &["a stop in air"]);

@@ -29,7 +29,7 @@ impl Aperture {
                 let value = record.number(text, 0)?;
                 let is_na = key == "OBNA";
                 if value < 0.0 || is_na && value >= 1.0 {
-                    return Err(text.error(record.key.place, format!("{key} {value} is no aperture")));
+                    return Err(text.error(record.key.place, format!("{key} {value} is not an aperture")));
                 }
                 // 0 is written where another kind counts.
                 if value > 0.0 {

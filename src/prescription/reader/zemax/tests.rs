@@ -239,8 +239,8 @@ fn a_malformed_file_is_told_where_it_is_wrong() {
     refused(&with("DISZ 2\n  DIAM 7", "DISZ -2\n  DIAM 7"), "40:1", &["thickness -2 mm"]);
     refused(&with("GLAS N-BK7 0 0 1.5 40 0 0", "GLAS"), "26:3", &["without a name"]);
     refused(&with("___BLANK 1 0 1.6", "___BLANK 1 0 0"), "48:3", &["index of 1 or more"]);
-    refused(&with("UNIT MM", "UNIT FT"), "4:6", &["\"FT\" is no unit"]);
-    refused(&with("ENPD 8.0", "ENPD -8"), "5:1", &["is no aperture"]);
+    refused(&with("UNIT MM", "UNIT FT"), "4:6", &["\"FT\" is not a unit"]);
+    refused(&with("ENPD 8.0", "ENPD -8"), "5:1", &["is not an aperture"]);
     refused(
         &with("  CURV 0\n  DISZ 30", "  CURV 0\n  GLAS N-BK7 0 0\n  DISZ 30"),
         "50:1",

@@ -1,0 +1,85 @@
+//! The commands on the pages of the documentation do what they say: every line `realistic …` of a block marked `sh` runs
+//! in an empty folder, page by page, after the lens files that blocks marked `lens NAME` give.
+
+use super::{realistic, run_in};
+use std::fs;
+use std::path::Path;
+
+/// What pictures are rendered at here, where the page does not render tiles.
+const SMALL: [(&str, &str); 2] = [("--size", "24x16"), ("--spp", "1")];
+
+/// A page's blocks: what stands behind the three marks, and the text.
+fn blocks(page: &str) -> Vec<(&str, &str)> {
+    let parts = page.split("\n```").skip(1).step_by(2);
+    parts.filter_map(|part| part.split_once('\n')).collect()
+}
+
+/// A line's words without its comment, and what is piped into the command; `None` for a line of another program.
+fn command(line: &str) -> Option<(Vec<String>, String)> {
+    let line = line.split_once(" #").map_or(line, |(line, _)| line).trim();
+    let (input, line) = match line.strip_prefix("echo ").and_then(|rest| rest.split_once(" | ")) {
+        Some((input, line)) => (format!("{input}\n"), line),
+        None => (String::new(), line),
+    };
+    let words = line.strip_prefix("realistic ")?.split_whitespace().map(str::to_owned).collect();
+    Some((words, input))
+}
+
+/// The command with a small picture.
+fn small(mut words: Vec<String>) -> Vec<String> {
+    if words[0] == "render" && !words.iter().any(|word| word == "--crop") {
+        for (name, value) in SMALL {
+            match words.iter().position(|word| word == name) {
+                Some(at) => value.clone_into(&mut words[at + 1]),
+                None => words.extend([name.to_owned(), value.to_owned()]),
+            }
+        }
+    }
+    words
+}
+
+#[test]
+fn every_command_on_a_page_runs() {
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
+    let (mut ran, mut failed) = (0, String::new());
+    for entry in fs::read_dir(docs).unwrap() {
+        let page = entry.unwrap().path();
+        if page.extension().is_none_or(|end| end != "md") {
+            continue;
+        }
+        let folder = tempfile::tempdir().unwrap();
+        for (mark, text) in blocks(&fs::read_to_string(&page).unwrap()) {
+            if let Some(name) = mark.strip_prefix("lens ") {
+                fs::write(folder.path().join(name), text).unwrap();
+            }
+            for (words, input) in text.lines().filter(|_| mark == "sh").filter_map(command) {
+                let words = small(words);
+                let words: Vec<&str> = words.iter().map(String::as_str).collect();
+                let output = if input.is_empty() {
+                    realistic(folder.path(), &words)
+                } else {
+                    run_in(folder.path(), &words, &input)
+                };
+                ran += 1;
+                if !output.status.success() {
+                    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+                    failed += &format!("{}: realistic {}\n{said}", page.display(), words.join(" "));
+                }
+            }
+        }
+    }
+    assert!(failed.is_empty(), "{failed}");
+    assert!(ran >= 40, "only {ran} commands");
+}
+
+#[test]
+fn commands_are_found_on_a_page() {
+    let page = "a\n```sh\nrealistic lens x.dat    # why\ncargo run\necho 1,2 | realistic trace y\n```\nb\n```lens x.dat\n1 2\n```\n";
+    let found = blocks(page);
+    assert_eq!(found.iter().map(|(mark, _)| *mark).collect::<Vec<_>>(), ["sh", "lens x.dat"]);
+    assert_eq!(found[1].1, "1 2");
+    let commands: Vec<_> = found[0].1.lines().filter_map(command).collect();
+    let words = |text: &str| text.split(' ').map(str::to_owned).collect::<Vec<_>>();
+    assert_eq!(commands, [(words("lens x.dat"), String::new()), (words("trace y"), "1,2\n".to_owned())]);
+    assert_eq!(small(words("render --spp 64")), words("render --spp 1 --size 24x16"));
+}
