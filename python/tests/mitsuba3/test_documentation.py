@@ -1,4 +1,4 @@
-"""docs/mitsuba.md and the example do what they say."""
+"""docs/mitsuba.md, README's lines for Mitsuba and the example do what they say."""
 
 import os
 import re
@@ -10,16 +10,18 @@ import numpy as np
 import pytest
 
 
-def blocks(checkout, language):
-    found = re.findall(rf"```{language}\n(.*?)```", (checkout / "docs/mitsuba.md").read_text(), re.DOTALL)
+def blocks(checkout, language, page="docs/mitsuba.md"):
+    found = re.findall(rf"```{language}\n(.*?)```", (checkout / page).read_text(), re.DOTALL)
+    found = [block for block in found if "mitsuba" in block or language != "python"]
     assert found
     return found
 
 
-def test_the_pages_code_runs(fast, checkout, tmp_path, monkeypatch):
+@pytest.mark.parametrize("page", ["docs/mitsuba.md", "README.md"])
+def test_the_pages_code_runs(fast, checkout, tmp_path, monkeypatch, page):
     monkeypatch.chdir(tmp_path)
-    for block in blocks(checkout, "python"):
-        exec(compile(block, "docs/mitsuba.md", "exec"), {})
+    for block in blocks(checkout, "python", page):
+        exec(compile(block, page, "exec"), {})
     picture = np.array(fast.Bitmap("ball.png"))
     assert picture.shape[:2] == (200, 300) and picture.std() > 10
 
