@@ -64,17 +64,17 @@ enum realistic_status
   : int32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-    // It worked.
+    // Success.
     REALISTIC_STATUS_OK = 0,
     // A pointer that must not be NULL is NULL; where it is the camera's, see `REALISTIC_STATUS_NOT_A_CAMERA`.
     REALISTIC_STATUS_NULL_POINTER = 1,
-    // A `struct_size` is none that this library knows.
+    // Unknown `struct_size`.
     REALISTIC_STATUS_STRUCT_SIZE = 2,
     // A parameter is unknown, of the wrong kind, out of range or given twice.
     REALISTIC_STATUS_INVALID_PARAMETER = 3,
     // The lens description is missing or cannot be read.
     REALISTIC_STATUS_LENS_FILE = 4,
-    // The lens cannot be focused at the distance asked for.
+    // The lens cannot be focused at the requested distance.
     REALISTIC_STATUS_UNREACHABLE_FOCUS = 5,
     // Reserved, and not returned by this version: a file other than the lens description cannot be read or written.
     REALISTIC_STATUS_IO = 6,
@@ -82,9 +82,9 @@ enum realistic_status
     REALISTIC_STATUS_PANIC = 7,
     // The pointer is NULL, or to no camera of this library.
     REALISTIC_STATUS_NOT_A_CAMERA = 8,
-    // Memory is out: there are no 8 MiB for a camera or a lens to be built, or not what a caller's number asks for
-    // (the zones of an autofocus). Where other threads take the last of it meanwhile, or a message has no room, the
-    // process ends, as with most of Rust.
+    // Out of memory: a camera or a lens needs 8 MiB while it is built, an autofocus needs room for its zones.
+    // Where other threads take the last memory meanwhile, or a message has no room, the process ends, as in most of
+    // Rust.
     REALISTIC_STATUS_OUT_OF_MEMORY = 9,
     // Reserved, and not returned by this version: the process lacks what the call needs. (`CreateCamera` returns NULL
     // where a host's functions are missing, and `realistic.hpp` throws this for a library older than itself.)
@@ -106,9 +106,9 @@ enum realistic_reason
   : int32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-    // The ray gets through.
+    // The ray passes the lens.
     REALISTIC_REASON_OK = 0,
-    // It passes beside a surface's sphere.
+    // It misses a surface.
     REALISTIC_REASON_MISSED = 1,
     // It meets a surface outside the clear aperture.
     REALISTIC_REASON_CLIPPED = 2,
@@ -121,8 +121,8 @@ enum realistic_reason
     REALISTIC_REASON_REDRAW = 5,
     // The shutter is closed over this film point at this time.
     REALISTIC_REASON_SHUT = 6,
-    // The wavelength that the sample is asked for at is none: not a number from 380 to 780 nm, or one at which the
-    // formula of a glass has no index of 1 or more.
+    // The wavelength is invalid: not a number from 380 to 780 nm, or one at which the formula of a glass gives no
+    // index of 1 or more.
     REALISTIC_REASON_WAVELENGTH = 7,
 };
 #ifndef __cplusplus
@@ -173,10 +173,10 @@ typedef int32_t realistic_side;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// A camera. Immutable once built: any number of threads may ask it for rays.
+// A camera. Immutable and thread-safe once built.
 typedef struct realistic_camera realistic_camera;
 
-// A lens at one wavelength and stop. Immutable once built: any number of threads may use it.
+// A lens at one wavelength and stop. Immutable and thread-safe once built.
 typedef struct realistic_lens realistic_lens;
 
 // Receives a message while a camera or a lens is being built. `level`: 0 information, 1 warning (2, an error, is reserved:
@@ -205,7 +205,7 @@ typedef struct realistic_options {
     double transformend;
     // Receives messages; NULL for none.
     realistic_log log;
-    // Handed to `log` as it is.
+    // Passed to `log` unchanged.
     void *log_user;
     // The text of a lens file, `lens_text_size` bytes, read instead of `specfile`; NULL for none.
     const char *lens_text;
@@ -226,8 +226,8 @@ typedef struct realistic_options {
     // Parameter `focusdistance`: from the film plane to the plane in focus, or inf, instead of `filmdistance`:
     // positive, in world units; default infinity.
     double focusdistance;
-    // Parameter `focusby`: what moves to focus, the film, or the lens's own groups with the film where the lens
-    // file has it: "film" or "group"; default "film".
+    // Parameter `focusby`: whether the film moves to focus, or the lens's own groups with the film where the
+    // lens file has it: "film" or "group"; default "film".
     const char *focusby;
     // Parameter `zoom`: focal length of a zoom lens, a number of mm, or the name of one of its positions;
     // without it the lens file's first.
@@ -236,11 +236,11 @@ typedef struct realistic_options {
     double aperture_diameter;
     // Parameter `fnumber`: focal length over entrance pupil diameter, instead of `aperture_diameter`: positive.
     double fnumber;
-    // Parameter `blades`: how many blades the stop has, 3 or more, whose corners lie on the circle of its clear
+    // Parameter `blades`: number of blades of the stop, 3 or more; their corners lie on the circle of its clear
     // diameter: 0 (a round stop) or more, up to 32; default the lens file's, or 0.
     double blades;
-    // Parameter `bladerotation`: where the first corner of the blades lies, from image right toward image up: a
-    // finite number, in degrees; default the lens file's, or 0.
+    // Parameter `bladerotation`: angle of the blades' first corner, from image right toward image up: a finite
+    // number, in degrees; default the lens file's, or 0.
     double bladerotation;
     // Parameter `bladecurvature`: curvature of the blades' edges over that of the circle: 0 is straight, 1 the
     // circle: 0 or more, up to 1; default the lens file's, or 0.
@@ -256,7 +256,7 @@ typedef struct realistic_options {
     // Parameter `shutterclose`: time at which the shutter closes; before `shutteropen`, time runs backward, as
     // in pbrt: a finite number; default 1.
     double shutterclose;
-    // Parameter `weighting`: how a ray's weight is measured: "radiometric", "assignment", "relative" or "none";
+    // Parameter `weighting`: definition of a ray's weight: "radiometric", "assignment", "relative" or "none";
     // default "radiometric".
     const char *weighting;
     // Parameter `simpleweighting`: pbrt-v3's name for `weighting`, true for "relative" and false for
@@ -275,14 +275,13 @@ typedef struct realistic_options {
     double wavelength;
     // Parameter `mmperunit`: length of a world unit: positive, from 1e-15 to 1e30 mm per world unit; default 1.
     double mmperunit;
-    // Parameter `precision`: what rays are traced in, double, single, or ("auto") double or what `tolerance`
-    // allows: "auto", "f64", "f32", "double" or "single"; default "auto".
+    // Parameter `precision`: precision of the trace; "auto" is double, or what `tolerance` allows: "auto",
+    // "f64", "f32", "double" or "single"; default "auto".
     const char *precision;
-    // Parameter `tolerance`: by how much 99.9 % of the rays may be off, for a faster model of the lens: 0
-    // (exact) or more and finite, in pixels; default 0.
+    // Parameter `tolerance`: largest error of 99.9 % of the rays, for a faster model of the lens: 0 (exact) or
+    // more and finite, in pixels; default 0.
     double tolerance;
-    // Parameter `shutter`: what the shutter lets through, by film point and time: "global", "leaf" or
-    // "focal-plane"; default "global".
+    // Parameter `shutter`: type of shutter: "global", "leaf" or "focal-plane"; default "global".
     const char *shutter;
     // Parameter `shutterramp`: share of the shutter's interval in which a leaf shutter opens, and closes: more
     // than 0 and at most 0.5 of the interval; default 0.25.
@@ -394,8 +393,8 @@ typedef struct realistic_request {
     // out: the camera's own. One that is not from 380 to 780, such as 0.55, is no error: its ray is 0, with
     // `REALISTIC_REASON_WAVELENGTH`. Each glass has the index of its own
     // formula there; film, stop, groups and what `weighting` divides by stay those of the camera's own wavelength. A lens
-    // without dispersion data, and every model but "lens", has the same rays at each. With a `tolerance` or a named
-    // `refraction`, rays at a wavelength are traced exactly all the same.
+    // without dispersion data, and every model but "lens", has the same rays at each. Rays at a wavelength are
+    // traced exactly, also with a `tolerance` or a named `refraction`.
     struct realistic_input wavelength;
     // Origins (x, y, z), world units.
     struct realistic_output origin;
@@ -486,7 +485,7 @@ typedef struct realistic_importance_rays {
     const float *time;
 } realistic_importance_rays;
 
-// Importance as structure of arrays, one number per ray in each; all 0 where a ray counts nothing. Each array but
+// Importance as structure of arrays, one number per ray in each; all 0 where a ray has no importance. Each array but
 // `importance` may be NULL.
 typedef struct realistic_importance {
     // `sizeof(realistic_importance)`.
@@ -508,7 +507,8 @@ typedef struct realistic_importance {
     float *solid_angle_density;
 } realistic_importance;
 
-// Points of the scene that ask for directions toward the lens, as structure of arrays, one number per point in each.
+// Points of the scene from which directions toward the lens are sampled, as structure of arrays, one number per point in
+// each.
 typedef struct realistic_scene_points {
     // `sizeof(realistic_scene_points)`.
     uint32_t struct_size;
@@ -570,7 +570,7 @@ typedef double (*realistic_contrast)(void *user,
                                      const struct realistic_camera *camera,
                                      const struct realistic_zone *zone);
 
-// What first-order optics says of a lens (M. Born and E. Wolf, *Principles of Optics*, chapter 4). Air being on both sides,
+// First-order data of a lens (M. Born and E. Wolf, *Principles of Optics*, chapter 4). Air being on both sides,
 // the nodal points are the principal points. z is a place in lens space, mm; infinity stands for one at infinity.
 // `realistic_lens_get_info` fills it.
 typedef struct realistic_lens_info {
@@ -708,7 +708,7 @@ realistic_status realistic_camera_new(const struct realistic_options *options, s
 // Frees a camera of `realistic_camera_new`. One of `CreateCamera` is its host's to `delete` and must not come here.
 void realistic_camera_free(struct realistic_camera *camera);
 
-// Says what a camera is.
+// Describes a camera.
 realistic_status realistic_camera_get_info(const struct realistic_camera *camera, struct realistic_camera_info *info);
 
 // Copies the name of a camera's lens; empty for a model without a lens.
@@ -727,9 +727,9 @@ realistic_status realistic_camera_plan(const struct realistic_camera *camera,
 // One ray of a camera, made by `CreateCamera` or by `realistic_camera_new`. Returns its weight; 0, with `*ray` as it was,
 // where the lens blocks the ray, a pointer is NULL, or the camera is another library's.
 //
-// `request` is NULL, or asks for wavelengths or a reason; `ray` has room for `wavelengths_per_sample` rays. The weight of
-// the first is returned. 0 with a message, and nothing written, where the request is refused. The first wavelength that a
-// camera is asked for takes some milliseconds, once for all threads.
+// `request` is NULL, or requests wavelengths or a reason; `ray` has room for `wavelengths_per_sample` rays. The weight of
+// the first is returned. 0 with a message, and nothing written, where the request is refused. A camera's first request
+// for a wavelength takes some milliseconds, once for all threads.
 float realistic_generate_ray(const struct realistic_camera *camera,
                              const struct realistic_sample *sample,
                              const struct realistic_request *request,
@@ -749,19 +749,20 @@ realistic_status realistic_camera_generate_batch(const struct realistic_camera *
                                                  size_t n,
                                                  const struct realistic_request *request);
 
-// What `n` rays that enter the camera count in its picture: 0 for one that does not get through to the film, comes from behind,
-// arrives while the shutter is closed, or has numbers that are not finite. One within rounding of an aperture's edge may count
-// 0 where the camera's own ray passes. `REALISTIC_STATUS_INVALID_PARAMETER` for models whose rays have no area: "perspective"
-// and "orthographic" without `lensradius`, and "environment".
+// The importance of `n` rays that enter the camera: 0 for one that does not reach the film, comes from behind, arrives while
+// the shutter is closed, or has numbers that are not finite. One within rounding of an aperture's edge may have
+// importance 0 where the camera's own ray passes. `REALISTIC_STATUS_INVALID_PARAMETER` for models whose rays have no
+// area: "perspective" and "orthographic" without `lensradius`, and "environment".
 realistic_status realistic_camera_importance(const struct realistic_camera *camera,
                                              size_t n,
                                              const struct realistic_importance_rays *rays,
                                              const struct realistic_importance *importance);
 
-// Directions toward the lens from `n` points of the scene, sampled from the pupil as each point sees it, and what a ray along
-// each counts, as by `realistic_camera_importance`. A point that shines with radiance L at an angle of cosine c to its normal
-// adds importance · L · c / (density · density of the point) at (image_x, image_y); importance 0 belongs to the mean. Points that
-// are not in front of the lens between `hither` and `yon` have no direction. A camera's first call takes some tenths of a second.
+// Directions toward the lens from `n` points of the scene, sampled from the pupil as each point sees it, and the importance
+// of a ray along each, as by `realistic_camera_importance`. A point that shines with radiance L at an angle of cosine c to
+// its normal adds importance · L · c / (density · density of the point) at (image_x, image_y); importance 0 belongs to the
+// mean. Points that are not in front of the lens between `hither` and `yon` have no direction. A camera's first call builds
+// the entrance-pupil table, in some tenths of a second.
 realistic_status realistic_camera_sample_importance(const struct realistic_camera *camera,
                                                     size_t n,
                                                     const struct realistic_scene_points *points,
@@ -769,8 +770,8 @@ realistic_status realistic_camera_sample_importance(const struct realistic_camer
                                                     const struct realistic_importance *importance);
 
 // Finds the film distance, mm, to be given as `filmdistance`, that focuses the camera of `options` on what it sees in `n`
-// zones of the picture; `rule` is a `realistic_autofocus_rule`. One callback is given, the other NULL: `distance` is asked for
-// some rays per zone, `contrast` for tens to hundreds of trial cameras. It is called on this thread. `options` leave
+// zones of the picture; `rule` is a `realistic_autofocus_rule`. One callback is given, the other NULL: `distance` is called
+// for some rays per zone, `contrast` for tens to hundreds of trial cameras. It is called on this thread. `options` leave
 // `filmdistance` and `focusdistance` open, and `focusby` "film". `REALISTIC_STATUS_UNREACHABLE_FOCUS`: no zone has an answer.
 realistic_status realistic_autofocus(const struct realistic_options *options,
                                      const struct realistic_zone *zones,
@@ -790,7 +791,7 @@ realistic_status realistic_lens_new(const struct realistic_options *options,
 // Frees a lens.
 void realistic_lens_free(struct realistic_lens *lens);
 
-// Says what a lens is.
+// Describes a lens.
 realistic_status realistic_lens_get_info(const struct realistic_lens *lens, struct realistic_lens_info *info);
 
 // Describes surface `number`, counted from 0 at the scene side.
@@ -822,7 +823,7 @@ realistic_status realistic_lens_focused_on(const struct realistic_lens *lens,
 // behind it, or, where it met none, stays as it was but for the length of its direction. A start may lie anywhere before the
 // lens. Numbers that are not finite, or a direction of length 0, count as `REALISTIC_REASON_MISSED`; such a ray stays.
 //
-// `points` is NULL, or asks where the rays meet each surface. Rays then go one after another, which is slower; they agree
+// `points` is NULL, or requests where the rays meet each surface. Rays then go one after another, which is slower; they agree
 // with those without points but for rounding, and where that decides at the very edge of an aperture.
 realistic_status realistic_lens_trace(const struct realistic_lens *lens,
                                       int32_t from,

@@ -35,7 +35,7 @@ use std::process::ExitCode;
 struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
-    /// Say nothing but errors, and what a command is asked to print
+    /// Print only errors and the requested output
     #[arg(short, long, global = true)]
     quiet: bool,
     #[command(flatten)]
@@ -48,7 +48,7 @@ struct Cli {
 enum Command {
     /// Render the built-in scene through a lens, with the plugin loaded as a host loads it
     Render(render::Args),
-    /// Put the tiles of `render --crop` together to the whole picture
+    /// Join the tiles of `render --crop` to the whole picture
     Merge(merge::Args),
     /// Report a lens: focal length, focal points, pupils, field of view, its table
     Lens(lens::Args),
@@ -60,15 +60,15 @@ enum Command {
     Export(commands::export::Args),
     /// Draw a lens's cross-section, to scale, with traced rays
     Draw(draw::Args),
-    /// Trace rays: one a line on standard input, one a line on standard output
+    /// Trace rays: one per line on standard input, one per line on standard output
     Trace(trace::Args),
     /// Find the film distance for an object distance, and the depth of field
     Focus(focus::Args),
-    /// Show which part of the lens a film point gets light from
+    /// Show the true pupil of a film point
     Pupil(pupil::Args),
     /// Show what a camera keeps and leaves out, and what that saves
     Plan(plan::Args),
-    /// Take the same picture focused from near to far
+    /// Render the same picture focused from near to far
     FocusStack(focus_stack::Args),
     /// Draw and measure the ways to sample a disk
     Disks(disks::Args),

@@ -19,13 +19,13 @@ const STOCK_CAMERAS: [&str; 3] = ["perspective", "orthographic", "environment"];
 /// What `install` can be told.
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// Directory that the renderer loads plugins from; realistic.so is put there, and the directory made if it is not there
+    /// Directory that the renderer loads plugins from; realistic.so is copied there, and a missing directory is created
     #[arg(value_name = "DIR")]
     directory: PathBuf,
-    /// Besides, a copy under this name, without .so: the camera's name in scene files
+    /// Also install a copy under this name, without .so: the camera's name in scene files
     #[arg(long = "as", value_name = "NAME", conflicts_with = "all")]
     name: Option<String>,
-    /// Besides, a copy under the name of every camera model; three of them are pbrt's own cameras
+    /// Also install a copy under the name of every camera model; three of them are pbrt's own cameras
     #[arg(long)]
     all: bool,
     /// Replace files of these names even when they are another camera's plugins

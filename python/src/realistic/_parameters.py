@@ -32,7 +32,7 @@ class Parameters(TypedDict, total=False):
     """From the film plane to the plane in focus, or inf, instead of `filmdistance`: positive, in world units;
     default infinity."""
     focusby: Literal["film", "group"] | None
-    """What moves to focus, the film, or the lens's own groups with the film where the lens file has it: "film" or
+    """Whether the film moves to focus, or the lens's own groups with the film where the lens file has it: "film" or
     "group"; default "film"."""
     zoom: float | str | None
     """Focal length of a zoom lens, a number of mm, or the name of one of its positions; without it the lens file's
@@ -44,11 +44,11 @@ class Parameters(TypedDict, total=False):
     fnumber: float | None
     """Focal length over entrance pupil diameter, instead of `aperture_diameter`: positive."""
     blades: float | None
-    """How many blades the stop has, 3 or more, whose corners lie on the circle of its clear diameter: 0 (a round
+    """Number of blades of the stop, 3 or more; their corners lie on the circle of its clear diameter: 0 (a round
     stop) or more, up to 32; default the lens file's, or 0."""
     bladerotation: float | None
-    """Where the first corner of the blades lies, from image right toward image up: a finite number, in degrees;
-    default the lens file's, or 0."""
+    """Angle of the blades' first corner, from image right toward image up: a finite number, in degrees; default the
+    lens file's, or 0."""
     bladecurvature: float | None
     """Curvature of the blades' edges over that of the circle: 0 is straight, 1 the circle: 0 or more, up to 1;
     default the lens file's, or 0."""
@@ -64,7 +64,7 @@ class Parameters(TypedDict, total=False):
     """Time at which the shutter closes; before `shutteropen`, time runs backward, as in pbrt: a finite number;
     default 1."""
     weighting: Literal["radiometric", "assignment", "relative", "none"] | None
-    """How a ray's weight is measured: "radiometric", "assignment", "relative" or "none"; default "radiometric"."""
+    """Definition of a ray's weight: "radiometric", "assignment", "relative" or "none"; default "radiometric"."""
     simpleweighting: bool | None
     """Pbrt-v3's name for `weighting`, true for "relative" and false for "radiometric"."""
     pupil: Literal["warped", "rear", "disk"] | None
@@ -80,14 +80,13 @@ class Parameters(TypedDict, total=False):
     mmperunit: float | None
     """Length of a world unit: positive, from 1e-15 to 1e30 mm per world unit; default 1."""
     precision: Literal["auto", "f64", "f32", "double", "single"] | None
-    """What rays are traced in, double, single, or ("auto") double or what `tolerance` allows: "auto", "f64", "f32",
-    "double" or "single"; default "auto"."""
+    """Precision of the trace; "auto" is double, or what `tolerance` allows: "auto", "f64", "f32", "double" or
+    "single"; default "auto"."""
     tolerance: float | None
-    """By how much 99.9 % of the rays may be off, for a faster model of the lens: 0 (exact) or more and finite, in
-    pixels; default 0."""
+    """Largest error of 99.9 % of the rays, for a faster model of the lens: 0 (exact) or more and finite, in pixels;
+    default 0."""
     shutter: Literal["global", "leaf", "focal-plane"] | None
-    """What the shutter lets through, by film point and time: "global", "leaf" or "focal-plane"; default
-    "global"."""
+    """Type of shutter: "global", "leaf" or "focal-plane"; default "global"."""
     shutterramp: float | None
     """Share of the shutter's interval in which a leaf shutter opens, and closes: more than 0 and at most 0.5 of the
     interval; default 0.25."""

@@ -47,27 +47,26 @@ class Camera:
     transformstart, transformend : float, optional
         The times of the two poses; default `shutteropen` and `shutterclose`.
     **parameters
-        Those of `realistic.Parameters`, by the names that they have everywhere: `focusdistance`, `fnumber`, `filmdiag`,
-        `mmperunit`, `model` and so on. None is the same as leaving one out.
+        Those of `realistic.Parameters`, by their names in every host: `focusdistance`, `fnumber`, `filmdiag`, `mmperunit`,
+        `model` and so on. None is the default.
 
     Raises
     ------
     realistic.Error
-        In the library's words: `ParameterError`, `LensFileError`, `FocusError`.
+        With the library's message: `ParameterError`, `LensFileError`, `FocusError`.
     TypeError, ValueError
-        For what no C structure can hold: an unknown name, text for a number, NaN, a matrix of another shape.
+        An unknown name, text for a number, NaN, a matrix of another shape.
 
     Warns
     -----
     realistic.CameraWarning
-        What the library has to say about the lens, at the caller's line. What it tells for information goes to the
-        logger "realistic".
+        A warning of the library, at the caller's line. Information goes to the logger "realistic".
 
     Notes
     -----
-    A camera never changes; any number of threads may ask it for rays. It can be pickled: what is sent are its parameters,
-    and the other process builds it again, from a lens file of the same name if there is one. `close`, or leaving a `with`
-    block, gives its memory back; so does deleting it.
+    Cameras are immutable and thread-safe. They can be pickled: the parameters are sent, and the other process builds the
+    camera again, from a lens file of the same name if there is one. `close`, leaving a `with` block and deletion free the
+    memory.
 
     Examples
     --------

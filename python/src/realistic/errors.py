@@ -1,4 +1,4 @@
-"""What can go wrong, as exceptions and warnings in the library's own words."""
+"""Exceptions and warnings, with the library's messages."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ._abi import library
 
 
 class Error(Exception):
-    """The library refused what it was asked for; the message says what to change.
+    """The library refused a request; the message says what to change.
 
     Attributes
     ----------
@@ -35,11 +35,11 @@ class LensFileError(Error, ValueError, OSError):
 
 
 class FocusError(Error, ValueError):
-    """The lens cannot be focused at the distance asked for, or no zone of an autofocus has an answer."""
+    """The lens cannot be focused at the requested distance, or no zone of an autofocus has an answer."""
 
 
 class OutOfMemoryError(Error, MemoryError):
-    """Memory is out for what was asked for."""
+    """There is not enough memory for the request."""
 
 
 class DefectError(Error, RuntimeError):
@@ -47,7 +47,7 @@ class DefectError(Error, RuntimeError):
 
 
 class CameraWarning(UserWarning):
-    """The library built a camera and has something to say about it."""
+    """A warning of the library about a camera that it built."""
 
 
 # By the numbers of `realistic_status`, which never change; another number is a plain `Error`.

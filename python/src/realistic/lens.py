@@ -25,7 +25,7 @@ SIDES = ("film", "scene")
 
 
 def catalogue() -> tuple[str, ...]:
-    """The names of the built-in lenses, each of which may be a `specfile`; the default is the first.
+    """The names of the built-in lenses, for `specfile`; the default is the first.
 
     >>> catalogue()[0]
     'dgauss.50mm'
@@ -46,7 +46,7 @@ class Pupils(NamedTuple):
 
 @dataclass(eq=False, repr=False)
 class LensRays:
-    """Rays that were taken through a lens.
+    """Rays traced through a lens.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ class LensRays:
 
     @property
     def passed(self) -> NDArray[np.bool_]:
-        """Which rays get through, (n,)."""
+        """Which rays pass the lens, (n,)."""
         return self.reason == 0
 
     def __len__(self) -> int:
@@ -223,7 +223,7 @@ class Lens:
         return tuple(found)
 
     def focus(self, distance_mm: float) -> float:
-        """The film distance, mm from the last vertex, that shows sharp what is `distance_mm` in front of the film.
+        """The film distance, mm from the last vertex, at which an object `distance_mm` in front of the film is sharp.
 
         Of exact rays: where the RMS spot of the point on the axis is smallest. Infinity is a distance.
 
@@ -237,7 +237,7 @@ class Lens:
         return found.value
 
     def focused_on(self, film_distance_mm: float) -> float:
-        """How far in front of the film, mm, what it shows sharp is: the reverse of `focus`; NaN for nothing."""
+        """The distance of the object in focus from the film, mm: the inverse of `focus`; NaN if there is none."""
         found = ctypes.c_double()
         check(library.realistic_lens_focused_on(self._handle.pointer, film_distance_mm, ctypes.byref(found)))
         return found.value
@@ -245,7 +245,7 @@ class Lens:
     def trace(
         self, origins: ArrayLike, directions: ArrayLike, *, side: str = "scene", points: bool = False
     ) -> LensRays:
-        """Takes rays through the lens.
+        """Traces rays through the lens.
 
         Parameters
         ----------

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from .lens import Lens
 
 FIELDS = (0.0, 0.5, 0.7, 0.95)
-"""Fractions of half the diagonal at which lenses are mostly looked at."""
+"""The usual field points, as fractions of half the diagonal."""
 
 
 def illumination(camera: Camera, ax: Axes | None = None) -> Axes:
@@ -46,7 +46,7 @@ def illumination(camera: Camera, ax: Axes | None = None) -> Axes:
 
 
 def spots(camera: Camera, ax: Axes | None = None, *, fields: Sequence[float] | Field = FIELDS) -> Axes:
-    """Spot diagrams side by side, of points of the plane in focus that are imaged from the middle to the corner."""
+    """Spot diagrams side by side, of points of the plane in focus, from the middle to the corner."""
     ax = ax or plt.subplots()[1]
     points = _field(fields)
     found = measure.spots(camera, points, side=24)
@@ -68,7 +68,7 @@ def spots(camera: Camera, ax: Axes | None = None, *, fields: Sequence[float] | F
 def mtf(
     camera: Camera, ax: Axes | None = None, *, fields: Sequence[float] | Field = FIELDS, highest: float = 60.0
 ) -> Axes:
-    """The geometric MTF up to `highest` line pairs per mm, tangential (drawn through) and sagittal (dashed)."""
+    """The geometric MTF up to `highest` line pairs per mm, tangential (solid) and sagittal (dashed)."""
     ax = ax or plt.subplots()[1]
     frequencies = np.linspace(0, highest, 121)
     points = _field(fields)
@@ -119,7 +119,7 @@ def fans(camera: Camera, *, fields: Sequence[float] | Field = FIELDS) -> Figure:
 
 
 def field_curvature(camera: Camera, ax: Axes | None = None) -> Axes:
-    """Tangential (drawn through) and sagittal (dashed) focus over the field, mm behind the film."""
+    """Tangential (solid) and sagittal (dashed) focus over the field, mm behind the film."""
     ax = ax or plt.subplots()[1]
     share = np.linspace(0.0, 1.0, 51)
     found = measure.field_curvature(camera, Field.fractions(share))

@@ -29,9 +29,9 @@ class Reason(enum.IntEnum):
     """What became of a sample: the numbers in `Rays.reason`."""
 
     OK = 0
-    """The ray gets through."""
+    """The ray passes the lens."""
     MISSED = 1
-    """It passes beside a surface's sphere."""
+    """It misses a surface."""
     CLIPPED = 2
     """It meets a surface outside the clear aperture."""
     REFLECTED = 3
@@ -43,7 +43,7 @@ class Reason(enum.IntEnum):
     SHUT = 6
     """The shutter is closed over this film point at this time."""
     WAVELENGTH = 7
-    """The wavelength asked for is not a number from 380 to 780 nm, or one at which a glass has no index."""
+    """The wavelength is invalid: not a number from 380 to 780 nm, or one at which a glass has no index."""
 
 
 @dataclass(eq=False, repr=False)
@@ -98,7 +98,7 @@ class Rays:
 
     @classmethod
     def empty(cls, shape: int | tuple[int, ...], *, reasons: bool = False, differentials: bool = False) -> Rays:
-        """Rays with zeros everywhere, to be handed as `out` to `Camera.rays` again and again.
+        """Rays with zeros everywhere, to pass as `out` to `Camera.rays` repeatedly.
 
         Parameters
         ----------
@@ -199,7 +199,7 @@ class _Target:
                 setattr(request, self.prefix + field, _elements(Output, array))
 
     def passed(self) -> NDArray[np.bool_]:
-        """Which rays get through."""
+        """Which rays pass the lens."""
         found: NDArray[np.bool_] = self.room.get("weight", self.arrays["weight"]) > 0
         return found
 

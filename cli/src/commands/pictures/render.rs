@@ -68,7 +68,7 @@ pub struct How {
         conflicts_with = "slide"
     )]
     integrator: Integrator,
-    /// Trace so many wavelengths, and show colour errors
+    /// Trace this many wavelengths, and show colour errors
     ///
     /// 3 or more, for a lens with V-numbers or dispersion formulas.
     #[arg(long, value_name = "N", conflicts_with = "slide", allow_negative_numbers = true, value_parser = whole(3_u32, 256))]

@@ -1,7 +1,7 @@
-"""What a camera's rays tell about its lens: illumination, spots, MTF, distortion, ray fans, field curvature; as arrays.
+"""Measures of a lens by its camera's rays: illumination, spots, MTF, distortion, ray fans, field curvature; as arrays.
 
 Points of the picture are a `Field`, in pixels, fractions or field angles, or an array of raster positions in pixels, as
-`image_xy` of `Camera.rays`. All is geometric optics: without diffraction.
+`image_xy` of `Camera.rays`. All measures are geometric optics, without diffraction.
 """
 
 from .fans import Fans, fans, field_curvature

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def relative_illumination(camera: Camera, field: FieldLike, *, side: int = 32) -> NDArray[np.float64]:
-    """The film's irradiance under an even light, over that in the middle of the picture.
+    """The film's irradiance under uniform light, relative to the middle of the picture.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def relative_illumination(camera: Camera, field: FieldLike, *, side: int = 32) -
 
 
 def distortion(camera: Camera, field: FieldLike, *, distance: float | None = None) -> NDArray[np.float64]:
-    """By how much points of a plane of the scene are imaged farther out than near the axis's scale would have it.
+    """The relative distance by which points of a plane of the scene are imaged farther out than at the axis's scale.
 
     Parameters
     ----------
