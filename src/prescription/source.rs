@@ -404,7 +404,7 @@ mod tests {
             LensSource::parse(name, &nowhere).expect("a plain name").load(&nowhere, library)
         };
         let message = load(GlassLibrary::default()).expect_err("unknown").to_string();
-        assert!(message.contains("no known glass"), "{message}");
+        assert!(message.contains("nor a known glass"), "{message}");
         let glass = |b1: &str| format!("NM OWN1 2 0 1.5 60\nCD {b1} 0.006 0.23 0.02 1.01 103\n");
         std::fs::write(here.path().join("b.AGF"), glass("1.1")).expect("written");
         let beside = load(GlassLibrary::default()).expect("known").interfaces[0].medium;

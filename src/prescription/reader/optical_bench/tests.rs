@@ -131,7 +131,7 @@ fn a_wrong_text_is_told_where_it_is_wrong() {
     refused(&with("[!aspherical data]", "[aspherical data]"), "25:1", &["second section [aspherical data]"]);
     refused(&with("[!aspherical data]\n1\t20\t9", "2\t20\t9"), "25:1", &["given twice"]);
     refused(&with("Scaled", "ObjectGlass"), "4:1", &["object in glass"]);
-    refused(&with("Scaled\t50", "AsphericalOddCount\tx"), "4:20", &["no number of odd terms"]);
+    refused(&with("Scaled\t50", "AsphericalOddCount\tx"), "4:20", &["not a number of odd terms"]);
     refused(&with("6\t-30", "6AS\tAS"), "20:1", &["second stop"]);
     let many = format!("[lens data]\n{}", "1\t20\t0\t1.5\t10\n".repeat(1001));
     refused(&many, "1002:1", &["more than 1000 lines", "at most 1000 interfaces"]);

@@ -241,7 +241,7 @@ mod tests {
         refused(
             "glass x polynomial A3=1\n20 5 x 10\n-20 30 1 10",
             "1:20",
-            &["no constant such as A-12=1.04"],
+            &["not a constant such as A-12=1.04"],
         );
         refused("glass x polynomial A0=0.5\n20 5 x 10\n-20 30 1 10", "1:7", &["index 0.707"]);
     }
@@ -255,12 +255,12 @@ mod tests {
         refused(
             &unknown,
             "1:6",
-            &["\"N-BK77\"", "no known glass", "defines none", nearest, "glass NAME sellmeier"],
+            &["\"N-BK77\"", "nor a known glass", "defines none", nearest, "glass NAME sellmeier"],
         );
         refused(&format!("{BK7}{unknown}"), "2:6", &["\"N-BK77\"", "defines N-BK7"]);
         refused(&with(" C3=103.560653", ""), "1:1", &["5 of six constants"]);
         refused(&with("B2=", "B1="), "1:37", &["given twice"]);
-        refused(&with("B2=", ""), "1:37", &["no constant such as B1=1.04"]);
+        refused(&with("B2=", ""), "1:37", &["not a constant such as B1=1.04"]);
         refused(&with("B2=0", "B2=x"), "1:40", &["not a number"]);
         refused(&with("sellmeier", "schott"), "1:13", &["\"schott\"", "sellmeier"]);
         refused(&with("N-BK7", "7"), "1:7", &["no name"]);

@@ -263,8 +263,8 @@ fn a_wrong_figure_is_told_where_it_stands() {
     refused(&with("asphere 3 A4=1"), "3:9", &["\"3\" is not a row", "rows 1 to 2"]);
     refused(&with("asphere one A4=1"), "3:9", &["\"one\" is not a row"]);
     refused(&with("asphere 1 A1=1"), "3:11", &["\"A1=1\" is not a constant such as A4=1e-5"]);
-    refused(&with("asphere 1 A21=1"), "3:11", &["no constant"]);
-    refused(&with("asphere 1 1e-5"), "3:11", &["no constant"]);
+    refused(&with("asphere 1 A21=1"), "3:11", &["not a constant"]);
+    refused(&with("asphere 1 1e-5"), "3:11", &["not a constant"]);
     refused(&with("asphere 1 A4=x"), "3:14", &["\"x\" is not a number"]);
     refused(&with("asphere 1 conic=inf"), "3:17", &["not finite"]);
     refused(&with("asphere 1 A4=1 a4=1"), "3:16", &["given twice"]);
