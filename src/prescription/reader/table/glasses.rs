@@ -263,7 +263,7 @@ mod tests {
         refused(&with("B2=", ""), "1:37", &["not a constant such as B1=1.04"]);
         refused(&with("B2=0", "B2=x"), "1:40", &["not a number"]);
         refused(&with("sellmeier", "schott"), "1:13", &["\"schott\"", "sellmeier"]);
-        refused(&with("N-BK7", "7"), "1:7", &["no name"]);
+        refused(&with("N-BK7", "7"), "1:7", &["not a glass's name"]);
         refused(&with("C3=103.560653", "C3=0.35"), "1:7", &["resonance at 592 nm"]);
         refused(&with("B1=1.03961212", "B1=-3"), "1:7", &["index NaN"]);
         refused(&format!("{BK7}{BK7}{rows}"), "2:7", &["defined twice"]);
