@@ -23,6 +23,12 @@ pub(crate) trait SampleStore {
     fn len(&self) -> usize;
     /// Image x and y, lens u and v, time: one of these five.
     fn array(&self, number: usize) -> &[f32];
+    /// All of them.
+    #[inline(always)]
+    fn as_arrays(&self) -> SampleArrays<'_> {
+        let [image_x, image_y, lens_u, lens_v, time] = array::from_fn(|number| self.array(number));
+        SampleArrays { image_x, image_y, lens_u, lens_v, time }
+    }
     /// The sample at a place.
     #[inline(always)]
     fn sample(&self, i: usize) -> Sample {
@@ -37,6 +43,8 @@ pub(crate) trait RayStore {
     fn array(&mut self, number: usize) -> &mut [f32];
     /// Where rays begin and end, where that is asked for.
     fn range(&mut self) -> [Option<&mut [f32]>; 2];
+    /// All of it, but for times.
+    fn as_arrays(&mut self) -> RayArrays<'_>;
     /// Writes a vector of rays from the place `at` on: the last step of all lanes, of whatever model. A ray that is none,
     /// by `passed` or by its numbers ([`WorldRay::is_sound`]), has weight 0, and nothing else of it is written. `range`
     /// where each ray has its own.
@@ -143,6 +151,14 @@ impl RayStore for OneRay<'_> {
     #[inline(always)]
     fn range(&mut self) -> [Option<&mut [f32]>; 2] {
         [Some(slice::from_mut(&mut self.ray.mint)), Some(slice::from_mut(&mut self.ray.maxt))]
+    }
+
+    #[inline(always)]
+    fn as_arrays(&mut self) -> RayArrays<'_> {
+        let WorldRay { origin, direction, mint, maxt, .. } = &mut *self.ray;
+        let [origin, direction] = [origin, direction].map(|axes| axes.each_mut().map(slice::from_mut));
+        let [mint, maxt] = [mint, maxt].map(|end| Some(slice::from_mut(end)));
+        RayArrays { origin, direction, mint, maxt, time: None, weight: slice::from_mut(self.weight) }
     }
 }
 
@@ -266,6 +282,19 @@ impl RayStore for RayArrays<'_> {
     #[inline(always)]
     fn range(&mut self) -> [Option<&mut [f32]>; 2] {
         [self.mint.as_deref_mut(), self.maxt.as_deref_mut()]
+    }
+
+    #[inline(always)]
+    fn as_arrays(&mut self) -> RayArrays<'_> {
+        let Self { origin, direction, mint, maxt, weight, .. } = self;
+        RayArrays {
+            origin: origin.each_mut().map(|axis| &mut **axis),
+            direction: direction.each_mut().map(|axis| &mut **axis),
+            mint: mint.as_deref_mut(),
+            maxt: maxt.as_deref_mut(),
+            time: None,
+            weight,
+        }
     }
 }
 
@@ -404,6 +433,11 @@ impl<const N: usize> RayStore for RayBlock<N> {
     fn range(&mut self) -> [Option<&mut [f32]>; 2] {
         let [.., mint, maxt, _] = &mut self.0;
         [Some(mint), Some(maxt)]
+    }
+
+    #[inline(always)]
+    fn as_arrays(&mut self) -> RayArrays<'_> {
+        self.arrays(N)
     }
 }
 

@@ -91,6 +91,27 @@ impl<S: Turns> FilmSampling<S> {
         rays
     }
 
+    /// [`FilmSampling::lanes`] where a disk is sampled.
+    ///
+    /// # Panics
+    /// The pupil is warped.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn on_disk<L: Lanes<Scalar = S>, const U: usize>(
+        &self,
+        cpu: Cpu<L>,
+        samples: &[SampleLanes<L>; U],
+    ) -> [FilmRays<L>; U] {
+        let LanePupilSampler::Disk(pupil) = &self.pupil else { panic!("a disk is to be sampled") };
+        let mut rays = [self.unaimed(cpu, &samples[0]); U];
+        for u in 1..U {
+            rays[u] = self.unaimed(cpu, &samples[u]);
+        }
+        for ray in &mut rays {
+            (ray.slopes, ray.area_per_pi) = pupil.lanes(cpu, ray.point, ray.disk);
+        }
+        rays
+    }
+
     /// All of a film ray but its direction.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn unaimed<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, samples: &SampleLanes<L>) -> FilmRays<L> {

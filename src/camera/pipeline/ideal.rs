@@ -5,13 +5,13 @@
 use super::{
     arrays::{OneRay, RayArrays, RayBlock, RayStore, SampleArrays, SampleBlock, SampleStore},
     body::{CameraBody, LaneBody},
-    lanes::Job,
+    lanes::trace,
     tracer::Tracer,
 };
 use crate::{
     camera::ray::Sample,
     lens::first_order::FirstOrder,
-    trace::kernel::{Approach, Available, Cpu, End, Grouping, Lanes, Optics, Start, run},
+    trace::kernel::{Approach, Available, Cpu, End, Grouping, Lanes, Optics, Start},
 };
 
 /// A camera with an ideal lens, in single precision: what a ray goes through are two sums of two products.
@@ -48,7 +48,7 @@ impl IdealTracer {
 
     #[inline(always)]
     fn trace(&self, grouping: Grouping, samples: &impl SampleStore, rays: &mut impl RayStore) {
-        run(self.simd, grouping, &self.lens, &mut Job::new(&self.body, samples, rays, None));
+        trace(self.simd, grouping, &self.body, &self.lens, None, samples, rays);
     }
 }
 

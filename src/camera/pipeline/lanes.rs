@@ -15,7 +15,10 @@ use crate::{
     sampling::{disk::Turns, film_rays::FilmRays},
     trace::{
         Blocked, Ray,
-        kernel::{Approach, Batch, Cpu, End, Grouping, Kernel, Lanes, Start, from_plane},
+        kernel::{
+            Approach, Available, Batch, Cpu, End, Grouping, Kernel, Lanes, Optics, Start, Through,
+            from_plane, in_registers, portable,
+        },
         polynomial::{Polynomial, PolynomialLens},
     },
 };
@@ -47,11 +50,11 @@ impl<S: Turns> Pipeline<S> {
     #[inline(always)]
     fn trace(&self, grouping: Grouping, samples: &impl SampleStore, rays: &mut impl RayStore) {
         let Some((fit, within)) = &self.fit else {
-            return self.whole.trace(grouping, &mut Job::new(&self.body, samples, rays, None));
+            let (simd, table) = (self.whole.available(), self.whole.table());
+            trace(simd, grouping, &self.body, table, None, samples, rays);
+            return;
         };
-        let mut job = Job::new(&self.body, samples, &mut *rays, Some(*within));
-        fit.trace(grouping, &mut job);
-        if job.is_out_of_range.get() {
+        if trace(fit.available(), grouping, &self.body, fit, Some(*within), samples, rays) {
             self.trace_out_of_range(*within, samples, rays);
         }
     }
@@ -65,7 +68,8 @@ impl<S: Turns> Pipeline<S> {
             if !(self.body.film.radius_squared(&sample) <= within) {
                 let (mut ray, mut weight) = Default::default();
                 let mut one = OneRay { ray: &mut ray, weight: &mut weight };
-                self.whole.trace(Grouping::One, &mut Job::new(&self.body, &sample, &mut one, None));
+                let (simd, table) = (self.whole.available(), self.whole.table());
+                trace(simd, Grouping::One, &self.body, table, None, &sample, &mut one);
                 rays.put(i, (weight > 0.0).then_some((ray, weight)));
             }
         }
@@ -102,6 +106,28 @@ impl<S: Turns + Send + Sync> LensTracer for Pipeline<S> {
     fn reason(&self, ray: Ray) -> Blocked {
         self.whole.reason(ray)
     }
+}
+
+/// Takes samples, however many they are, through optics to world rays; whether there were film points farther out than `within`,
+/// which have no rays. In portable vectors all are arrays, so that those are compiled for one kind of samples.
+#[inline(always)]
+pub(super) fn trace<S: Turns>(
+    simd: Available,
+    grouping: Grouping,
+    body: &LaneBody<S>,
+    optics: &impl Optics<S>,
+    within: Option<S>,
+    samples: &impl SampleStore,
+    rays: &mut impl RayStore,
+) -> bool {
+    let mut job = Job::new(body, samples, rays, within);
+    if in_registers(simd, grouping, &mut Through { optics, batch: &mut job }) {
+        return job.is_out_of_range.get();
+    }
+    let (samples, mut rays) = (samples.as_arrays(), rays.as_arrays());
+    let mut job = Job::new(body, &samples, &mut rays, within);
+    portable(&mut Through { optics, batch: &mut job });
+    job.is_out_of_range.get()
 }
 
 /// Samples on their way to world rays.

@@ -10,7 +10,7 @@ use crate::{
         placement::{Placement, RangedRays, SingleToWorld},
         ray::Sample,
     },
-    trace::kernel::{Available, Cpu, Grouping, InVectors, Lanes, in_vectors},
+    trace::kernel::{Available, Cpu, Grouping, InVectors, Lanes, in_registers, portable},
 };
 
 /// What makes a camera-space ray, in world units and with a unit direction, of a sample.
@@ -33,7 +33,9 @@ impl<V: View> StockTracer<V> {
 
     #[inline(always)]
     fn trace(&self, grouping: Grouping, samples: &impl SampleStore, rays: &mut impl RayStore) {
-        in_vectors(self.simd, grouping, &mut Job { camera: self, samples, rays });
+        if !in_registers(self.simd, grouping, &mut Job { camera: self, samples, rays: &mut *rays }) {
+            portable(&mut Job { camera: self, samples: &samples.as_arrays(), rays: &mut rays.as_arrays() });
+        }
     }
 }
 

@@ -164,32 +164,50 @@ pub fn run<S: KernelScalar, O: Optics<S>, B: Batch<S>>(
 
 /// Does work in vectors.
 #[cfg_attr(not(debug_assertions), inline(always))]
-#[cfg_attr(not(target_arch = "x86_64"), expect(unused_variables, reason = "one set of instructions only"))]
 pub fn in_vectors<S: KernelScalar, W: InVectors<S>>(simd: Available, grouping: Grouping, work: &mut W) {
+    if !in_registers(simd, grouping, work) {
+        portable(work);
+    }
+}
+
+/// Does work in vectors of more than the portable instructions; `false`, and nothing done, where there are none.
+#[cfg_attr(not(debug_assertions), inline(always))]
+#[cfg_attr(not(target_arch = "x86_64"), expect(unused_variables, reason = "one set of instructions only"))]
+pub fn in_registers<S: KernelScalar, W: InVectors<S>>(
+    simd: Available,
+    grouping: Grouping,
+    work: &mut W,
+) -> bool {
     #[cfg(target_arch = "x86_64")]
     match simd.simd() {
+        Simd::Portable => return false,
         // SAFETY: the processor has these instructions.
-        Simd::Avx512 if grouping == Grouping::Wide => return unsafe { avx512(work) },
+        Simd::Avx512 if grouping == Grouping::Wide => unsafe { avx512(work) },
         // SAFETY: as above; what has AVX-512 has AVX2.
         Simd::Avx512 | Simd::Avx2 => unsafe {
-            return match grouping {
+            match grouping {
                 Grouping::Wide => avx2(work),
                 Grouping::Quad => avx2_quad(work),
                 Grouping::One => fma_one(work),
-            };
+            }
         },
-        Simd::Portable => {}
     }
-    match grouping {
-        Grouping::Wide | Grouping::Quad => portable::<PORTABLE, _, _>(work),
-        Grouping::One => portable::<1, _, _>(work),
+    cfg!(target_arch = "x86_64")
+}
+
+/// Does work in portable vectors.
+pub fn portable<S: KernelScalar, W: InVectors<S>>(work: &mut W) {
+    if work.len() == 1 {
+        portable_vectors::<1, _, _>(work);
+    } else {
+        portable_vectors::<PORTABLE, _, _>(work);
     }
 }
 
 /// Not inlined, so that all calls of one width share it; on x86-64, where none but the oldest processors come here, all
 /// callers share the steps, too.
 #[inline(never)]
-fn portable<const LANES: usize, S: KernelScalar, W: InVectors<S>>(work: &mut W) {
+fn portable_vectors<const LANES: usize, S: KernelScalar, W: InVectors<S>>(work: &mut W) {
     each::<Portable<S, LANES, { cfg!(target_arch = "x86_64") }>, 1, _>(Portable::cpu(), work);
 }
 
@@ -236,9 +254,9 @@ fn each<L: Lanes, const U: usize, W: InVectors<L::Scalar>>(cpu: Cpu<L>, work: &m
 }
 
 /// A batch on its way through optics.
-struct Through<'a, O, B> {
-    optics: &'a O,
-    batch: &'a mut B,
+pub struct Through<'a, O, B> {
+    pub optics: &'a O,
+    pub batch: &'a mut B,
 }
 
 impl<S: Scalar, O: Optics<S>, B: Batch<S>> InVectors<S> for Through<'_, O, B> {

@@ -49,7 +49,7 @@ use self::rays::batch::InPlaceBatch;
 pub(crate) use self::{
     asphere::Profile,
     blades::power,
-    instances::{Grouping, InVectors, Optics, in_vectors, run},
+    instances::{Grouping, InVectors, Optics, Through, in_registers, in_vectors, portable, run},
     lanes::{Cpu, Indexed, Lanes, OneLane, Portable, Scalar},
     ray::{End, Start},
     rays::batch::{Approach, Batch, PlaneBatch, RaysByValue, from_plane},
@@ -99,6 +99,16 @@ impl<S: KernelScalar> Kernel<S> {
         self.simd.simd()
     }
 
+    /// The knowledge that the processor has them.
+    pub(crate) fn available(&self) -> Available {
+        self.simd
+    }
+
+    /// What rays are taken through.
+    pub(crate) fn table(&self) -> &Table<S> {
+        &self.table
+    }
+
     /// One ray from `point` (x, y in mm) on the plane z = `plane` (mm, lens space), with slopes dx/dz
     /// and dy/dz; `None` where the lens blocks it.
     #[inline]
@@ -142,12 +152,6 @@ impl<S: KernelScalar> Kernel<S> {
     pub fn trace_in_place(&self, rays: &mut LensRays<'_, S>) {
         let n = rays.checked_len();
         S::in_place(self.simd, &self.table, &mut InPlaceBatch { rays, n });
-    }
-
-    /// Traces a batch that makes and takes its rays in vectors.
-    #[inline(always)]
-    pub(crate) fn trace(&self, grouping: Grouping, batch: &mut impl Batch<S>) {
-        run(self.simd, grouping, &self.table, batch);
     }
 
     /// Why a ray is blocked, by the scalar walk. Where the walk in double precision lets it through it

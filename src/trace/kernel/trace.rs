@@ -39,9 +39,9 @@ pub fn through<L: Lanes, A: Apertures<L>, const U: usize>(
     each_further!(u < U, {
         rays[u] = RayLanes::enter(cpu, &table.steps[0], media[u], starts[u]);
     });
-    // Vectors side by side are more than the registers hold, and in memory already. One alone stays in them: apart, it
-    // would take a tenth longer.
-    if U > 1 || L::APART {
+    // Vectors side by side are more than the registers hold, and in memory already, so that a function of their own costs
+    // nothing. One alone stays in registers where latency is all that counts.
+    if U > 1 || L::SHARED {
         L::apart(cpu, Steps { cpu, table, on_way: &mut on_way, rays: &mut rays });
     } else {
         trace_steps(cpu, table, &mut on_way, &mut rays);
@@ -60,7 +60,15 @@ struct Steps<'a, L: Lanes, A, W, const U: usize> {
 impl<L: Lanes, A: Apertures<L>, W: MediaOnWay<L, U>, const U: usize> Compiled for Steps<'_, L, A, W, U> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run(self) {
-        trace_steps(self.cpu, self.table, self.on_way, self.rays);
+        let Self { cpu, table, on_way, rays } = self;
+        if U > 1 {
+            trace_steps(cpu, table, on_way, rays);
+        } else {
+            // In registers from here on, too.
+            let mut own = *rays;
+            trace_steps(cpu, table, on_way, &mut own);
+            *rays = own;
+        }
     }
 }
 
@@ -78,9 +86,9 @@ fn trace_steps<L: Lanes, A: Apertures<L>, W: MediaOnWay<L, U>, const U: usize>(
         for ray in &mut *rays {
             ray.apertures.step(number);
         }
+        let media = on_way.at(cpu, number);
         match step {
             Step::Link(link) => {
-                let media = on_way.at(cpu, number);
                 if link.forward {
                     for ray in &mut *rays {
                         ray.go_forward(cpu);
@@ -114,7 +122,6 @@ fn trace_steps<L: Lanes, A: Apertures<L>, W: MediaOnWay<L, U>, const U: usize>(
             }
             Step::Blades(_) => {}
             Step::Sphere(sphere) => {
-                let media = on_way.at(cpu, number);
                 if sphere.tests.forward {
                     for ray in &mut *rays {
                         ray.go_forward(cpu);
@@ -133,7 +140,7 @@ fn trace_steps<L: Lanes, A: Apertures<L>, W: MediaOnWay<L, U>, const U: usize>(
                 }
             }
             Step::Conic(conic) => {
-                for (ray, media) in rays.iter_mut().zip(&on_way.at(cpu, number)) {
+                for (ray, media) in rays.iter_mut().zip(&media) {
                     let minus_z = ray.minus_z(cpu, &conic.transfer);
                     let lead = ray.lead(conic.common.is_led).unwrap_or(L::splat(cpu, L::Scalar::ZERO));
                     ray.conic(cpu, conic, *media, minus_z, lead);
@@ -146,15 +153,15 @@ fn trace_steps<L: Lanes, A: Apertures<L>, W: MediaOnWay<L, U>, const U: usize>(
                     minus_z[u] = ray.minus_z(cpu, &asphere.transfer);
                     leads[u] = ray.lead(asphere.common.is_led).unwrap_or(zero);
                 }
-                asphere.trace(cpu, rays, on_way.at(cpu, number), minus_z, leads);
+                asphere.trace(cpu, rays, media, minus_z, leads);
             }
             Step::Renormalise(length) => {
-                for (ray, media) in rays.iter_mut().zip(&on_way.at(cpu, number)) {
+                for (ray, media) in rays.iter_mut().zip(&media) {
                     ray.scale_to(cpu, *length, *media);
                 }
             }
             Step::Plane(plane) => {
-                for (ray, media) in rays.iter_mut().zip(&on_way.at(cpu, number)) {
+                for (ray, media) in rays.iter_mut().zip(&media) {
                     let minus_z = ray.minus_z(cpu, &plane.transfer);
                     ray.plane::<false>(cpu, plane, *media, minus_z, ray.lead(plane.is_led));
                 }

@@ -11,7 +11,7 @@ use crate::trace::{
     aspheric::Aspheric,
     blades::StopFigure,
     kernel::{
-        Approach, Available, Batch, Cpu, End, Grouping, KernelScalar, Lanes, LensRays, Optics, PlaneBatch,
+        Approach, Available, Cpu, End, Grouping, KernelScalar, Lanes, LensRays, Optics, PlaneBatch,
         PlaneRays, Profile, RaysByValue, Start, Traced, power, run,
     },
 };
@@ -81,7 +81,7 @@ impl<S: KernelScalar> PolynomialLens<S> {
     #[inline]
     pub fn trace_one(&self, point: [S; 2], slopes: [S; 2]) -> Option<Traced<S>> {
         let mut one = RaysByValue::new(self.film, [point], [slopes]);
-        self.trace(Grouping::One, &mut one);
+        run(self.simd, Grouping::One, self, &mut one);
         one.traced(0)
     }
 
@@ -94,13 +94,12 @@ impl<S: KernelScalar> PolynomialLens<S> {
         let from = &PlaneRays { plane: self.film, ..*from };
         let n = from.checked_len();
         assert_eq!(n, to.checked_len(), "a batch needs as much room as it has rays");
-        self.trace(Grouping::Wide, &mut PlaneBatch { from, to, n });
+        run(self.simd, Grouping::Wide, self, &mut PlaneBatch { from, to, n });
     }
 
-    /// Traces a batch that makes and takes its rays in vectors.
-    #[inline(always)]
-    pub(crate) fn trace(&self, grouping: Grouping, batch: &mut impl Batch<S>) {
-        run(self.simd, grouping, self, batch);
+    /// The knowledge that the processor has the instructions in use.
+    pub(crate) fn available(&self) -> Available {
+        self.simd
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]

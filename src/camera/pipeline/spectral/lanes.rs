@@ -19,7 +19,10 @@ use crate::{
         film_rays::FilmRays,
         warped::{LaneSpectralPupil, SpectralPupil},
     },
-    trace::kernel::{Batch, Compiled, Cpu, Grouping, InVectors, Lanes, Portable, Simd, SpectralKernel},
+    trace::kernel::{
+        Batch, Compiled, Cpu, Grouping, InVectors, Lanes, Portable, Simd, SpectralKernel, in_registers,
+        portable,
+    },
 };
 
 /// A camera compiled for a precision and for wavelengths within a range, nm.
@@ -64,7 +67,7 @@ impl<S: Turns> SpectralPipeline<S> {
                 pupil.lanes(cpu, constants, wavelengths, &mut rays);
                 rays
             }
-            None => self.body.film.lanes(cpu, samples),
+            None => self.body.film.on_disk(cpu, samples),
         };
         let none = L::splat(cpu, S::from_f64(f64::NAN));
         let [from, to] = [L::splat(cpu, self.range[0]), L::splat(cpu, self.range[1])];
@@ -84,8 +87,13 @@ impl<S: Turns> SpectralPipeline<S> {
         wavelengths: &[f32],
         rays: &mut impl RayStore,
     ) {
-        let job = Job::new(&self.body, samples, rays, None);
-        self.kernel.run(grouping, &mut AtWavelengths { pipeline: self, wavelengths, job });
+        let job = Job::new(&self.body, samples, &mut *rays, None);
+        let simd = self.kernel.available();
+        if !in_registers(simd, grouping, &mut AtWavelengths { pipeline: self, wavelengths, job }) {
+            let (samples, mut rays) = (samples.as_arrays(), rays.as_arrays());
+            let job = Job::new(&self.body, &samples, &mut rays, None);
+            portable(&mut AtWavelengths { pipeline: self, wavelengths, job });
+        }
     }
 }
 

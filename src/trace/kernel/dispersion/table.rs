@@ -2,7 +2,7 @@
 
 use super::{
     super::{
-        instances::{Grouping, InVectors, KernelScalar, in_vectors},
+        instances::KernelScalar,
         lanes::{Cpu, Lanes, each_further},
         ray::{End, Start},
         rays::batch::Approach,
@@ -72,10 +72,9 @@ impl<S: KernelScalar> SpectralKernel<S> {
         Approach { entry: self.table.entry, travel_sign: self.table.travel_sign }
     }
 
-    /// Does work of this lens's.
-    #[inline(always)]
-    pub fn run(&self, grouping: Grouping, work: &mut impl InVectors<S>) {
-        in_vectors(self.simd, grouping, work);
+    /// The instructions that its rays are traced by.
+    pub fn available(&self) -> Available {
+        self.simd
     }
 
     /// Takes `U` vectors of rays through at wavelengths in nm, each with its squared cosine to the axis before.

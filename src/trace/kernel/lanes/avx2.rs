@@ -39,6 +39,7 @@ register! {
 }
 
 impl Lanes for F32x4 {
+    const SHARED: bool = false;
     apart!("avx2,fma");
     intrinsics! {
         4 lanes of f32: splat _mm_set1_ps;

@@ -5,14 +5,14 @@ use std::ops::{Add, Div, Mul, Sub};
 
 use super::{Compiled, Cpu, Indexed, Lanes, Scalar, store_bits};
 
-/// `N` lanes in an array; see [`Lanes::APART`].
+/// `N` lanes in an array. `SMALL`: in code that is to be small and soon compiled rather than quick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Portable<S, const N: usize, const APART: bool = false>(pub [S; N]);
+pub struct Portable<S, const N: usize, const SMALL: bool = false>(pub [S; N]);
 
 /// One lane.
 pub type OneLane<S> = Portable<S, 1, false>;
 
-impl<S: Scalar, const N: usize, const APART: bool> Portable<S, N, APART> {
+impl<S: Scalar, const N: usize, const SMALL: bool> Portable<S, N, SMALL> {
     /// The proof that a processor has what this vector needs: every one has.
     #[inline(always)]
     pub fn cpu() -> Cpu<Self> {
@@ -21,16 +21,31 @@ impl<S: Scalar, const N: usize, const APART: bool> Portable<S, N, APART> {
     }
 }
 
-// Loops and not closures: a closure that is not inlined would be compiled for another processor than
-// the function it stands in.
+/// Does the same for each lane. A loop and no closure: a closure that is not inlined would be compiled for another processor
+/// than the function it stands in.
+///
+/// One lane in small code has no loop: of the thousands of one turn that a lens takes, the compiler needs seconds to free a
+/// function. Without them it makes vectors of pairs of numbers, by which a single ray takes a fifth longer.
+macro_rules! each_lane {
+    ($i:ident => $work:expr) => {
+        if N == 1 && SMALL {
+            let $i = 0;
+            $work;
+        } else {
+            let mut $i = 0;
+            while $i < N {
+                $work;
+                $i += 1;
+            }
+        }
+    };
+}
+
+/// An array of a value for each lane.
 macro_rules! lanes {
     ($first:expr, $i:ident => $value:expr) => {{
         let mut lanes = $first;
-        let mut $i = 0;
-        while $i < N {
-            lanes[$i] = $value;
-            $i += 1;
-        }
+        each_lane!($i => lanes[$i] = $value);
         lanes
     }};
 }
@@ -56,7 +71,7 @@ fn single<S: Scalar, const N: usize>(from: &f32) -> S {
 
 macro_rules! operators {
     ($($trait:ident $method:ident $operator:tt),*) => {$(
-        impl<S: Scalar, const N: usize, const APART: bool> $trait for Portable<S, N, APART> {
+        impl<S: Scalar, const N: usize, const SMALL: bool> $trait for Portable<S, N, SMALL> {
             type Output = Self;
             methods! { fn $method(self, b: Self) -> Self = Self(lanes!(self.0, i => self.0[i] $operator b.0[i])); }
         }
@@ -65,12 +80,12 @@ macro_rules! operators {
 
 operators!(Add add +, Sub sub -, Mul mul *, Div div /);
 
-impl<S: Scalar, const N: usize, const APART: bool> Lanes for Portable<S, N, APART> {
+impl<S: Scalar, const N: usize, const SMALL: bool> Lanes for Portable<S, N, SMALL> {
     type Scalar = S;
     type Mask = [bool; N];
     type Places = [usize; N];
     const WIDTH: usize = N;
-    const APART: bool = APART;
+    const SHARED: bool = SMALL;
 
     methods! {
         fn splat(_: Cpu<Self>, number: S) -> Self = Self([number; N]);
@@ -115,24 +130,17 @@ impl<S: Scalar, const N: usize, const APART: bool> Lanes for Portable<S, N, APAR
         fn run(work: impl Compiled) {
             work.run();
         }
-        if APART { run(work) } else { work.run() }
+        if SMALL { run(work) } else { work.run() }
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn sqrt_pair(mut a: Self, mut b: Self) -> [Self; 2] {
-        let mut i = 0;
-        while i < N {
-            [a.0[i], b.0[i]] = S::sqrt_pair(a.0[i], b.0[i]);
-            i += 1;
-        }
+        each_lane!(i => [a.0[i], b.0[i]] = S::sqrt_pair(a.0[i], b.0[i]));
         [a, b]
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn bits(mask: Self::Mask) -> u32 {
-        let (mut bits, mut i) = (0, 0);
-        while i < N {
-            bits |= u32::from(mask[i]) << i;
-            i += 1;
-        }
+        let mut bits = 0;
+        each_lane!(i => bits |= u32::from(mask[i]) << i);
         bits
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -152,30 +160,28 @@ impl<S: Scalar, const N: usize, const APART: bool> Lanes for Portable<S, N, APAR
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     unsafe fn pairs(table: *const [f32; 2], places: Self::Places) -> [Self; 4] {
-        let (mut numbers, mut i) = ([Self([S::ZERO; N]); 4], 0);
-        while i < N {
+        let mut numbers = [Self([S::ZERO; N]); 4];
+        each_lane!(i => {
             // SAFETY: the caller's promise.
             let [[a, b], [c, d]] = unsafe { table.add(places[i]).cast::<[[f32; 2]; 2]>().read() };
             numbers[0].0[i] = S::from_f64(a.into());
             numbers[1].0[i] = S::from_f64(b.into());
             numbers[2].0[i] = S::from_f64(c.into());
             numbers[3].0[i] = S::from_f64(d.into());
-            i += 1;
-        }
+        });
         numbers
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     unsafe fn indexed(table: *const Indexed, places: Self::Places) -> (Self::Places, [Self; 3]) {
-        let (mut indices, mut numbers, mut i) = ([0; N], [Self([S::ZERO; N]); 3], 0);
-        while i < N {
+        let (mut indices, mut numbers) = ([0; N], [Self([S::ZERO; N]); 3]);
+        each_lane!(i => {
             // SAFETY: the caller's promise.
             let Indexed { index, numbers: [a, b, c] } = unsafe { table.add(places[i] / 2).read() };
             indices[i] = index as usize;
             numbers[0].0[i] = S::from_f64(a.into());
             numbers[1].0[i] = S::from_f64(b.into());
             numbers[2].0[i] = S::from_f64(c.into());
-            i += 1;
-        }
+        });
         (indices, numbers)
     }
 }
