@@ -13,8 +13,29 @@
 //! What follows what: `surface` gathers what is known of each surface, with what `crossing` proves from its neighbours'
 //! shapes; `table` makes a step of each, within the growth of rounding that `rounding` allows; a `batch` makes rays as
 //! vectors of `lanes`; `trace` takes them through the steps, each of which is a method in `ray` or, for what is no sphere,
-//! in `asphere`; `dispersion` is the table for a wavelength per lane; `instances` compiles all that once for each set of
+//! in `asphere`; `dispersion` is the table for a wavelength per lane; `instances` compiles all that for each set of
 //! instructions in `simd`. `clearance` asks the same loop how near rays come to the edges of `apertures`, for searches.
+//!
+//! # Instances: what is compiled, and what runs where
+//!
+//! The algorithm is written once, over [`Lanes`], vectors of either precision. Thin functions in `instances`, one for each set of
+//! instructions and number of rays, run it. Which one, the processor ([`Simd`]) and the caller ([`Grouping`]) decide:
+//!
+//! | processor | one ray | up to four | many |
+//! |---|---|---|---|
+//! | AVX-512F, AVX2 and FMA | one lane | `F32x4`, `F64x4` | `F32x16`, `F64x8` |
+//! | AVX2 and FMA | one lane | `F32x4`, `F64x4` | `F32x8`, `F64x4` |
+//! | other x86-64 | one portable lane | the same | the same |
+//! | not x86-64 | one portable lane | four portable lanes | the same |
+//!
+//! Many rays are traced four vectors side by side, and what is left one vector at a time.
+//!
+//! Work ([`InVectors`]; of rays, a [`Batch`] through [`Optics`]) is compiled for each of these that a caller may ask for. Code
+//! that all work has in common is not:
+//! - The steps of a lens are one function for each kind of vectors ([`Lanes::apart`]), which all work calls. They are inlined
+//!   only where the latency of a ray is all that counts (not [`Lanes::SHARED`]).
+//! - Portable vectors load samples from arrays and store rays in arrays, whatever the number of rays. On x86-64 all processors
+//!   of the last ten years have AVX2, so that this code is small rather than quick.
 //!
 //! On `#[cfg_attr(not(debug_assertions), inline(always))]`, which stands at every function below `instances`: a vector
 //! operation is compiled for a processor only inside a function that is, so that all of them must be inlined into the

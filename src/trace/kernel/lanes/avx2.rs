@@ -6,8 +6,8 @@ use std::{
 };
 
 use super::{
-    Compiled, Cpu, Indexed, Lanes, apart, double_precision, intrinsics, methods, places, register,
-    single_precision, store_bits,
+    Compiled, Cpu, Indexed, Lanes, LookUp, apart, double_precision, intrinsics, look_up::places, methods,
+    register, single_precision, store_bits,
 };
 
 /// Masks that are registers, too, with all bits of a lane set where it is true; and, by such bits, numbers without their
@@ -38,6 +38,10 @@ register! {
     Add add _mm_add_ps, Sub sub _mm_sub_ps, Mul mul _mm_mul_ps, Div div _mm_div_ps
 }
 
+impl LookUp for F32x4 {
+    places! { __m128i: _mm_castps_si128; add _mm_add_epi32, up to up_to_of_4; pairs_of_4, numbers => Self(numbers) }
+}
+
 impl Lanes for F32x4 {
     const SHARED: bool = false;
     apart!("avx2,fma");
@@ -52,14 +56,16 @@ impl Lanes for F32x4 {
         4 in __m128: and _mm_and_ps, select _mm_blendv_ps, bits _mm_movemask_ps;
         abs _mm_andnot_ps(_mm_set1_ps(-0.0));
     }
-    single_precision! {
-        __m128i: _mm_cvttps_epi32, _mm_castps_si128; add _mm_add_epi32, up to up_to_of_4; pairs_of_4
-    }
+    single_precision! { whole _mm_cvttps_epi32 }
 }
 
 register! {
     F32x8, 8 lanes of f32 in __m256:
     Add add _mm256_add_ps, Sub sub _mm256_sub_ps, Mul mul _mm256_mul_ps, Div div _mm256_div_ps
+}
+
+impl LookUp for F32x8 {
+    places! { __m256i: _mm256_castps_si256; add _mm256_add_epi32, up to up_to_of_8; pairs_of_8, numbers => Self(numbers) }
 }
 
 impl Lanes for F32x8 {
@@ -77,14 +83,16 @@ impl Lanes for F32x8 {
         8 in __m256: and _mm256_and_ps, select _mm256_blendv_ps, bits _mm256_movemask_ps;
         abs _mm256_andnot_ps(_mm256_set1_ps(-0.0));
     }
-    single_precision! {
-        __m256i: _mm256_cvttps_epi32, _mm256_castps_si256; add _mm256_add_epi32, up to up_to_of_8; pairs_of_8
-    }
+    single_precision! { whole _mm256_cvttps_epi32 }
 }
 
 register! {
     F64x4, 4 lanes of f64 in __m256d:
     Add add _mm256_add_pd, Sub sub _mm256_sub_pd, Mul mul _mm256_mul_pd, Div div _mm256_div_pd
+}
+
+impl LookUp for F64x4 {
+    places! { __m128i: _mm_castps_si128; add _mm_add_epi32, up to up_to_of_4; pairs_of_4, numbers => Self(_mm256_cvtps_pd(numbers)) }
 }
 
 impl Lanes for F64x4 {
@@ -102,10 +110,7 @@ impl Lanes for F64x4 {
         4 in __m256d: and _mm256_and_pd, select _mm256_blendv_pd, bits _mm256_movemask_pd;
         abs _mm256_andnot_pd(_mm256_set1_pd(-0.0));
     }
-    double_precision! {
-        __m128i: _mm256_cvttpd_epi32, _mm_castps_si128; add _mm_add_epi32, up to up_to_of_4; pairs_of_4;
-        F32x4 widened _mm256_cvtps_pd, rounded _mm256_cvtpd_ps
-    }
+    double_precision! { whole _mm256_cvttpd_epi32; F32x4 widened _mm256_cvtps_pd, rounded _mm256_cvtpd_ps }
 }
 
 /// Eight lanes of a mask that are set and eight that are not: from the place 8 - n on, n are.

@@ -12,9 +12,11 @@ use std::{
 };
 
 use super::{
-    Compiled, Cpu, Indexed, Lanes, apart,
+    Compiled, Cpu, Indexed, Lanes, LookUp, apart,
     avx2::{F32x8, pairs_of_8, up_to_of_8},
-    double_precision, intrinsics, methods, places, register, single_precision,
+    double_precision, intrinsics,
+    look_up::places,
+    methods, register, single_precision,
 };
 
 /// Masks that are numbers with a bit for each lane.
@@ -43,6 +45,10 @@ register! {
     Add add _mm512_add_ps, Sub sub _mm512_sub_ps, Mul mul _mm512_mul_ps, Div div _mm512_div_ps
 }
 
+impl LookUp for F32x16 {
+    places! { __m512i: _mm512_castps_si512; add _mm512_add_epi32, up to up_to_of_16; pairs_of_16, numbers => Self(numbers) }
+}
+
 impl Lanes for F32x16 {
     apart!("avx512f,avx2,fma");
     intrinsics! {
@@ -57,9 +63,7 @@ impl Lanes for F32x16 {
     bit_masks! {
         __mmask16: select _mm512_mask_blend_ps, or_zero _mm512_maskz_mov_ps; abs _mm512_abs_ps;
     }
-    single_precision! {
-        __m512i: _mm512_cvttps_epi32, _mm512_castps_si512; add _mm512_add_epi32, up to up_to_of_16; pairs_of_16
-    }
+    single_precision! { whole _mm512_cvttps_epi32 }
 
     #[inline(always)]
     fn store_single_where(self, mask: Self::Mask, to: &mut [f32]) {
@@ -72,6 +76,10 @@ impl Lanes for F32x16 {
 register! {
     F64x8, 8 lanes of f64 in __m512d:
     Add add _mm512_add_pd, Sub sub _mm512_sub_pd, Mul mul _mm512_mul_pd, Div div _mm512_div_pd
+}
+
+impl LookUp for F64x8 {
+    places! { __m256i: _mm256_castps_si256; add _mm256_add_epi32, up to up_to_of_8; pairs_of_8, numbers => Self(_mm512_cvtps_pd(numbers)) }
 }
 
 impl Lanes for F64x8 {
@@ -88,10 +96,7 @@ impl Lanes for F64x8 {
     bit_masks! {
         __mmask8: select _mm512_mask_blend_pd, or_zero _mm512_maskz_mov_pd; abs _mm512_abs_pd;
     }
-    double_precision! {
-        __m256i: _mm512_cvttpd_epi32, _mm256_castps_si256; add _mm256_add_epi32, up to up_to_of_8; pairs_of_8;
-        F32x8 widened _mm512_cvtps_pd, rounded _mm512_cvtpd_ps
-    }
+    double_precision! { whole _mm512_cvttpd_epi32; F32x8 widened _mm512_cvtps_pd, rounded _mm512_cvtpd_ps }
 
     #[inline(always)]
     fn sqrt_pair(a: Self, b: Self) -> [Self; 2] {

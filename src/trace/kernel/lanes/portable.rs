@@ -3,7 +3,7 @@
 
 use std::ops::{Add, Div, Mul, Sub};
 
-use super::{Compiled, Cpu, Indexed, Lanes, Scalar, store_bits};
+use super::{Compiled, Cpu, Indexed, Lanes, LookUp, Scalar, store_bits};
 
 /// `N` lanes in an array. `SMALL`: in code that is to be small and soon compiled rather than quick.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,7 +83,6 @@ operators!(Add add +, Sub sub -, Mul mul *, Div div /);
 impl<S: Scalar, const N: usize, const SMALL: bool> Lanes for Portable<S, N, SMALL> {
     type Scalar = S;
     type Mask = [bool; N];
-    type Places = [usize; N];
     const WIDTH: usize = N;
     const SHARED: bool = SMALL;
 
@@ -112,12 +111,9 @@ impl<S: Scalar, const N: usize, const SMALL: bool> Lanes for Portable<S, N, SMAL
             Self(lanes!(b.0, i => if b.0[i] < self.0[i] { self.0[i] } else { b.0[i] }));
         fn smaller(self, b: Self) -> Self =
             Self(lanes!(b.0, i => if self.0[i] < b.0[i] { self.0[i] } else { b.0[i] }));
+        fn whole(self) -> Self::Places = lanes!([0; N], i => self.0[i].index());
         fn load_single(_: Cpu<Self>, from: &[f32]) -> Self =
             Self(lanes!([S::ZERO; N], i => if i < from.len() { single::<S, N>(&from[i]) } else { S::ZERO }));
-        fn whole(self) -> Self::Places = lanes!([0; N], i => self.0[i].index());
-        fn add_places(a: Self::Places, b: Self::Places) -> Self::Places = lanes!(a, i => a[i] + b[i]);
-        fn up_to<const STEP: usize>(places: Self::Places, last: usize) -> Self::Places =
-            lanes!(places, i => (STEP * places[i]).min(last));
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn store(self, to: &mut [S]) {
@@ -157,6 +153,16 @@ impl<S: Scalar, const N: usize, const SMALL: bool> Lanes for Portable<S, N, SMAL
         let mut single = [0.0; N];
         self.store_single(&mut single);
         store_bits(&single, Self::bits(mask), to);
+    }
+}
+
+impl<S: Scalar, const N: usize, const SMALL: bool> LookUp for Portable<S, N, SMALL> {
+    type Places = [usize; N];
+
+    methods! {
+        fn add_places(a: Self::Places, b: Self::Places) -> Self::Places = lanes!(a, i => a[i] + b[i]);
+        fn up_to<const STEP: usize>(places: Self::Places, last: usize) -> Self::Places =
+            lanes!(places, i => (STEP * places[i]).min(last));
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     unsafe fn pairs(table: *const [f32; 2], places: Self::Places) -> [Self; 4] {
