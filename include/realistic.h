@@ -262,6 +262,10 @@ typedef struct realistic_options {
     // Parameter `simpleweighting`: pbrt-v3's name for `weighting`, true for "relative" and false for
     // "radiometric".
     int32_t simpleweighting;
+    // Parameter `transmission`: what of the light the surfaces of the lens leave, as a factor of every weight:
+    // all of it, or what surfaces without a coating, or with a quarter wave of MgF2 for 550 nm between air and
+    // glass, do not reflect: "none", "bare" or "quarter-wave"; default "none".
+    const char *transmission;
     // Parameter `pupil`: where lens samples lie, in the true pupil of each film point, the rear element's disk,
     // or the thick-lens exit pupil: "warped", "rear" or "disk"; default "warped".
     const char *pupil;
@@ -612,6 +616,11 @@ typedef struct realistic_lens_info {
     double stated_focal_length_mm;
     // The film distance that the lens's description proposes, from the last vertex, mm; NaN where it proposes none.
     double nominal_film_distance_mm;
+    // The T-number with surfaces that have no coating: the f-number over the square root of the transmission on the axis, at
+    // the lens's wavelength; NaN where no light gets through.
+    double tnumber_bare;
+    // The same with a quarter wave of MgF2 for 550 nm on the surfaces between air and glass.
+    double tnumber_quarter_wave;
 } realistic_lens_info;
 
 // One surface of a lens. `realistic_lens_get_surface` fills it.

@@ -68,12 +68,13 @@
 
 // The rooms, in the order in which data flows: warnings and errors for people; vectors, roots and quadrature; lens files to
 // tables of interfaces and glasses, and the catalogue; a lens at one wavelength and stop; exact rays through it; what tracing
-// tells about a lens; where rays start; what a camera needs of all that; film, weights and transforms, a sample in and a ray
+// tells about a lens; what surfaces do to light; where rays start; what a camera needs of all that; film, weights and transforms, a sample in and a ray
 // out; and the C ABI with the entry of a pbrt-v1 host, the only exports and the only raw pointers.
 mod abi;
 mod camera;
 mod imaging;
 mod lens;
+mod light;
 mod message;
 mod numeric;
 mod plan;
@@ -86,7 +87,7 @@ pub use camera::{
     FocusBy, Host, Importance, ImportanceError, Interval, Kind, LensPlane, Level, Log, Model, Moving,
     NeighbourArrays, Outcome, PARAMETERS, Parameter, ParameterError, Parameters, Precision, Pupil, Range,
     Raster, RayArrays, RayDifferential, Sample, SampleArrays, ScenePoint, Shutter, TransformError,
-    UnknownName, Value, Weighting, WorldRay, Zoom,
+    Transmission, UnknownName, Value, Weighting, WorldRay, Zoom,
 };
 pub use imaging::focus::{Conjugates, Focus, FocusError};
 pub use lens::{
@@ -117,5 +118,5 @@ pub mod unstable {
             })*
         };
     }
-    rooms! { abi camera imaging lens message numeric plan prescription sampling trace }
+    rooms! { abi camera imaging lens light message numeric plan prescription sampling trace }
 }

@@ -6,7 +6,7 @@ use super::{
     host::Host,
     model::Model,
     parameters::{
-        AskedPrecision, CameraError, FocusBy, LensPlane, Parameters, Pupil, Weighting, Zoom,
+        AskedPrecision, CameraError, FocusBy, LensPlane, Parameters, Pupil, Transmission, Weighting, Zoom,
         for_each_parameter,
     },
     placement::{motion::CameraMotion, shutter::Shutter},

@@ -30,7 +30,7 @@ pub use model::Model;
 pub use models::{ideal::IdealCamera, lens::RealisticCamera};
 pub use parameters::{
     CameraError, FocusBy, Interval, Kind, LensPlane, PARAMETERS, Parameter, ParameterError, Parameters,
-    Pupil, Range, UnknownName, Value, Weighting, Zoom,
+    Pupil, Range, Transmission, UnknownName, Value, Weighting, Zoom,
 };
 pub use pipeline::arrays::{RayArrays, RayBlock, SampleArrays, SampleBlock};
 pub use placement::{
@@ -39,4 +39,4 @@ pub use placement::{
     transform::{CameraToWorld, TransformError},
 };
 pub use ray::{Outcome, Sample, WorldRay};
-pub use setup::{Crop, Facts, film_distance, group_reach, open_lens};
+pub use setup::{Crop, Facts, blades, film_distance, group_reach, open_lens};

@@ -14,7 +14,7 @@ mod state;
 mod surface;
 mod work;
 
-pub use path::{Direction, Path, Walk};
+pub use path::{Direction, Meeting, Path, StepKind, Walk};
 pub use state::Blocked;
 pub use work::evaluations;
 

@@ -44,6 +44,42 @@ pub(crate) struct Intersection<R> {
     pub ratio: R,
 }
 
+/// Where a path meets a surface.
+struct Station {
+    /// Which surface, counted along the path's direction.
+    along: usize,
+    /// Whether rays meet it against that direction.
+    is_backward: bool,
+    /// Whether it reflects them.
+    is_mirror: bool,
+}
+
+/// A ray at a surface, in the frame of its vertex with z along the travel: what [`Path::meetings`] reports.
+#[derive(Clone, Copy, Debug)]
+pub struct Meeting {
+    /// The number of the step along the path.
+    pub step: usize,
+    /// Where the ray meets the surface, x and y, mm.
+    pub point: [f64; 2],
+    /// V = n D before the surface.
+    pub v: [f64; 3],
+    /// The unit normal there, toward the side ahead.
+    pub normal: [f64; 3],
+}
+
+/// What the step of a path is, for whoever goes along it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepKind {
+    /// Which surface of the lens, counted from the scene.
+    pub surface: usize,
+    /// Refractive index before.
+    pub n: f64,
+    /// Refractive index behind the surface; at a mirror, which the ray does not pass, too.
+    pub n_behind: f64,
+    /// Whether the ray is reflected.
+    pub is_mirror: bool,
+}
+
 /// Squared cosine of the angle to the axis below which a ray meets the first vertex plane too far out for
 /// that to be the place to start from.
 const STEEP: f64 = 0.01;
@@ -63,23 +99,56 @@ pub struct Path<R = f64> {
 impl<R: Real> Path<R> {
     /// Makes `lens` ready for rays in `direction`, refracted by `refraction`.
     pub fn new(lens: &Lens, direction: Direction, refraction: Refraction) -> Self {
+        let order =
+            (0..lens.surfaces.len()).map(|along| Station { along, is_backward: false, is_mirror: false });
+        Self::over(lens, direction, refraction, order)
+    }
+
+    /// A path that is reflected twice: at the surface `turns[1]`, counted along the travel, and then, on the way back, at
+    /// `turns[0]`, one before it. All surfaces between the two are met three times.
+    ///
+    /// A reflection is refraction with n' = -n: the ray's z and those of all that follows are counted along the travel, so
+    /// that at a mirror the frame is turned round, and what lies between the mirrors is met as by rays of the other
+    /// direction. Every test of a ray is then the same as on a path without mirrors; a ray that turns past 90 degrees is
+    /// [`Blocked::TurnedBack`].
+    ///
+    /// # Panics
+    /// `turns[0] < turns[1]` does not hold, or there is no such surface.
+    pub fn reflected(lens: &Lens, direction: Direction, refraction: Refraction, turns: [usize; 2]) -> Self {
+        let [near, far] = turns;
+        assert!(
+            near < far && far < lens.surfaces.len(),
+            "a ghost turns back at a surface, and again before it"
+        );
+        let onward = |along| Station { along, is_backward: false, is_mirror: along == far };
+        let back = |along| Station { along, is_backward: true, is_mirror: along == near };
+        let order = (0..=far).map(onward).chain((near..far).rev().map(back));
+        let last = (near + 1..lens.surfaces.len()).map(|along| Station { is_mirror: false, ..onward(along) });
+        Self::over(lens, direction, refraction, order.chain(last))
+    }
+
+    /// Over the surfaces in the order in which they are met, each a neighbour of the one before.
+    fn over(
+        lens: &Lens,
+        direction: Direction,
+        refraction: Refraction,
+        order: impl Iterator<Item = Station>,
+    ) -> Self {
         let forward = direction == Direction::SceneToFilm;
         let mut surfaces: Vec<_> = lens.surfaces.iter().collect();
         if !forward {
             surfaces.reverse();
         }
-        let mut previous_thickness = 0.0;
-        let steps = surfaces
-            .iter()
-            .enumerate()
-            .map(|(number, surface)| {
-                let distance = match (number, forward) {
-                    (0, _) => 0.0,
-                    (_, true) => previous_thickness,
-                    (_, false) => surface.thickness,
-                };
-                previous_thickness = surface.thickness;
-                PathSurface::new(surface, forward, distance)
+        // Between a surface and the one before it along the direction: the thickness is that of whichever lies on the
+        // scene's side.
+        let gap = |along: usize| surfaces[if forward { along - 1 } else { along }].thickness;
+        let mut last = None;
+        let steps = order
+            .map(|Station { along, is_backward, is_mirror }| {
+                let distance = last.replace(along).map_or(0.0, |last: usize| gap(last.max(along)));
+                let step = PathSurface::new(surfaces[along], forward != is_backward, distance);
+                let (along, step) = (along, PathSurface { is_backward, ..step });
+                PathSurface { along, ..if is_mirror { step.mirror() } else { step } }
             })
             .collect();
         let (entry, exit) = (surfaces[0].vertex, surfaces[surfaces.len() - 1].vertex);
@@ -91,11 +160,12 @@ impl<R: Real> Path<R> {
     pub(crate) fn with_blades(mut self, lens: &Lens, blades: Option<Blades>) -> Self {
         if let (Some(blades), Some(stop)) = (blades, lens.stop_index()) {
             let along = match self.direction {
-                Direction::FilmToScene => self.steps.len() - 1 - stop,
+                Direction::FilmToScene => lens.surfaces.len() - 1 - stop,
                 Direction::SceneToFilm => stop,
             };
-            self.steps[along].blades =
-                Some(Box::new(StopFigure::new(blades, lens.surfaces[stop].semi_diameter)));
+            for step in self.steps.iter_mut().filter(|step| step.along == along) {
+                step.blades = Some(Box::new(StopFigure::new(blades, lens.surfaces[stop].semi_diameter)));
+            }
         }
         self
     }
@@ -144,17 +214,23 @@ impl<R: Real> Path<R> {
         let mut state = self.enter(ray, start.direction);
         let (mut point, mut passed) = (start.origin, 0.0);
         let (surfaces_met, blocked) = self.trace_surfaces(&mut state, |number, state| {
-            passed += self.steps[number].distance.to_f64();
+            let step = &self.steps[number];
+            let sign = if step.is_backward { -1.0 } else { 1.0 };
+            passed += sign * step.distance.to_f64();
             let is_last = number + 1 == self.steps.len();
             let vertex = if is_last { self.exit } else { self.entry + travel_sign * passed };
             let [x, y, z] = state.p.map(R::to_f64);
-            point = [x, y, vertex + travel_sign * z];
+            point = [x, y, vertex + travel_sign * (sign * z)];
             met(number, point);
         });
         if surfaces_met == 0 {
             return Walk { ray: start, surfaces_met, blocked };
         }
         let [vx, vy, vz] = state.v.map(R::to_f64);
+        let last = &self.steps[surfaces_met - 1];
+        // Where a mirror stops the ray, its direction is still that before.
+        let is_turned = last.is_backward != (last.is_mirror && blocked != Some(Blocked::Clipped));
+        let travel_sign = if is_turned { -travel_sign } else { travel_sign };
         let ray = Ray { origin: point, direction: unit([vx, vy, travel_sign * vz]) };
         Walk { ray, surfaces_met, blocked }
     }
@@ -275,6 +351,51 @@ impl<R: Real> Path<R> {
         };
         let moved: [f64; 3] = std::array::from_fn(|i| entry[i] - start[i]);
         (entry, dot(moved, moved).sqrt())
+    }
+
+    /// Which way rays travel.
+    pub fn direction(&self) -> Direction {
+        self.direction
+    }
+
+    /// The steps of the path, in order.
+    pub fn step_kinds(&self) -> impl Iterator<Item = StepKind> {
+        let surfaces = self.steps.iter().map(|step| step.along).max().map_or(0, |last| last + 1);
+        self.steps.iter().map(move |step| StepKind {
+            surface: match self.direction {
+                Direction::FilmToScene => surfaces - 1 - step.along,
+                Direction::SceneToFilm => step.along,
+            },
+            n: step.n.to_f64(),
+            n_behind: step.n_behind,
+            is_mirror: step.is_mirror,
+        })
+    }
+
+    /// [`Path::trace`], with each meeting of the ray and a surface on the way, before what the surface does to it. Only those of
+    /// a ray that gets through are all reported.
+    ///
+    /// # Errors
+    /// The reason why it does not get through.
+    #[inline]
+    pub fn meetings(&self, ray: Ray, mut met: impl FnMut(Meeting)) -> Result<Ray, Blocked> {
+        let direction = unit(ray.direction);
+        if !ray.origin.iter().chain(&direction).all(|x| x.is_finite()) {
+            return Err(Blocked::Missed);
+        }
+        let mut state = self.enter(ray, direction);
+        let (_, blocked) = self.trace_surfaces(&mut state, |step, state| {
+            let normal = self.steps[step].normal(state.p).map(R::to_f64);
+            let [x, y, _] = state.p.map(R::to_f64);
+            met(Meeting { step, point: [x, y], v: state.v.map(R::to_f64), normal });
+        });
+        if let Some(reason) = blocked {
+            return Err(reason);
+        }
+        let ([x, y, z], [vx, vy, vz]) = (state.p.map(R::to_f64), state.v.map(R::to_f64));
+        let travel_sign = self.travel_sign();
+        let origin = [x, y, self.exit + travel_sign * z];
+        Ok(Ray { origin, direction: unit([vx, vy, travel_sign * vz]) })
     }
 
     /// The ray as it leaves the lens.

@@ -30,6 +30,14 @@ const FAR: f64 = 2.0;
 /// origin is the surface's vertex.
 #[derive(Clone, Debug)]
 pub struct PathSurface<R> {
+    /// Which surface of the lens, counted along the path's direction.
+    pub along: usize,
+    /// Whether rays meet it against the path's direction, between two mirrors.
+    pub is_backward: bool,
+    /// Whether it reflects rays; then `n_after` is `n`.
+    pub is_mirror: bool,
+    /// Refractive index on the side ahead.
+    pub n_behind: f64,
     /// From the previous surface's vertex to this one's; 0 for the first.
     pub distance: R,
     /// 1/radius; positive when the centre lies ahead.
@@ -67,6 +75,10 @@ impl<R: Real> PathSurface<R> {
         // At an incidence of 65 degrees rounding was seen to reach 60 EPSILON.
         let slack = 512.0 * R::EPSILON * (semi_diameter + distance.abs());
         Self {
+            along: 0,
+            is_backward: false,
+            is_mirror: false,
+            n_behind: n_after,
             distance: R::from_f64(distance),
             curvature: if forward { curvature } else { -curvature },
             aspheric: surface.figure.map(|figure| Box::new(Aspheric::new(&figure, forward, n))),
@@ -79,9 +91,15 @@ impl<R: Real> PathSurface<R> {
         }
     }
 
+    /// The same surface as a mirror.
+    #[must_use]
+    pub fn mirror(self) -> Self {
+        Self { is_mirror: true, n_after: self.n, index_step: R::ZERO, ..self }
+    }
+
     /// Whether this is a plane in one medium: a stop or a flare stop.
     pub fn only_limits(&self) -> bool {
-        self.curvature == R::ZERO && self.index_step == R::ZERO && self.aspheric.is_none()
+        self.curvature == R::ZERO && self.index_step == R::ZERO && self.aspheric.is_none() && !self.is_mirror
     }
 
     /// Moves the ray to this surface, in the frame of whose vertex it is given.
@@ -147,12 +165,19 @@ impl<R: Real> PathSurface<R> {
         [-c * x, -c * y, R::ONE - c * z]
     }
 
-    /// Refracts the ray, by Snell's law, at the point of this surface where it is.
+    /// Refracts the ray, by Snell's law, or reflects it, at the point of this surface where it is.
     #[inline(always)]
     pub fn refract(&self, state: &mut State<R>, method: Refraction) -> Result<(), Blocked> {
         let normal = self.normal(state.p);
-        let v = &mut state.v;
+        let State { p, v, .. } = state;
         let e = dot(normal, *v);
+        if self.is_mirror {
+            // V - 2 e N, and from there on z is counted the other way, along the travel.
+            let twice = R::from_f64(2.0) * e;
+            *v = [v[0] - twice * normal[0], v[1] - twice * normal[1], twice * normal[2] - v[2]];
+            p[2] = -p[2];
+            return Ok(());
+        }
         if !(e * e + self.index_step > R::ZERO) {
             return Err(Blocked::Reflected);
         }

@@ -25,8 +25,19 @@ use arrows::{Arrow, circles, upward};
 use source::Tree;
 
 /// The library's rooms, each of which may use those before it.
-const ROOMS: [&str; 10] =
-    ["numeric", "message", "prescription", "lens", "trace", "imaging", "sampling", "plan", "camera", "abi"];
+const ROOMS: [&str; 10] = [
+    "numeric",
+    "message",
+    "prescription",
+    "lens",
+    "trace",
+    "imaging",
+    "light",
+    "sampling",
+    "plan",
+    "camera",
+    "abi",
+];
 
 /// Where `unsafe` may stand, by package; `refractions` reads the processor's clock.
 const UNSAFE: [(&str, &[&str]); 3] =

@@ -15,6 +15,7 @@ mod importance;
 mod invariants;
 mod kernel;
 mod lens_format;
+mod light;
 mod messages;
 mod misprints;
 mod models;

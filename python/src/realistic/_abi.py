@@ -94,6 +94,8 @@ class LensInfo(ctypes.Structure):
         ("exit_pupil_diameter_mm", c_double),
         ("stated_focal_length_mm", c_double),
         ("nominal_film_distance_mm", c_double),
+        ("tnumber_bare", c_double),
+        ("tnumber_quarter_wave", c_double),
     ]
 
 

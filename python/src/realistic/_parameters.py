@@ -67,6 +67,10 @@ class Parameters(TypedDict, total=False):
     """Definition of a ray's weight: "radiometric", "assignment", "relative" or "none"; default "radiometric"."""
     simpleweighting: bool | None
     """Pbrt-v3's name for `weighting`, true for "relative" and false for "radiometric"."""
+    transmission: Literal["none", "bare", "quarter-wave"] | None
+    """What of the light the surfaces of the lens leave, as a factor of every weight: all of it, or what surfaces
+    without a coating, or with a quarter wave of MgF2 for 550 nm between air and glass, do not reflect: "none",
+    "bare" or "quarter-wave"; default "none"."""
     pupil: Literal["warped", "rear", "disk"] | None
     """Where lens samples lie, in the true pupil of each film point, the rear element's disk, or the thick-lens exit
     pupil: "warped", "rear" or "disk"; default "warped"."""
@@ -139,6 +143,7 @@ MEMBERS: list[tuple[str, Any]] = [
     ("shutterclose", c_double),
     ("weighting", c_char_p),
     ("simpleweighting", c_int32),
+    ("transmission", c_char_p),
     ("pupil", c_char_p),
     ("disk", c_char_p),
     ("refraction", c_char_p),

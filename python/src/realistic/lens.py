@@ -167,6 +167,16 @@ class Lens:
         return float(self._info.fnumber)
 
     @property
+    def tnumber_bare(self) -> float:
+        """f-number over the square root of the transmission on the axis, of surfaces without a coating."""
+        return float(self._info.tnumber_bare)
+
+    @property
+    def tnumber_quarter_wave(self) -> float:
+        """The same with a quarter wave of MgF2 for 550 nm on the surfaces between air and glass."""
+        return float(self._info.tnumber_quarter_wave)
+
+    @property
     def back_focal_distance_mm(self) -> float:
         """From the last vertex to the film-side focal point; NaN for an afocal lens."""
         return float(self._info.back_focal_distance_mm)

@@ -9,7 +9,10 @@ use super::{
     },
     handle::{OpenedLens, opened, realistic_lens},
 };
-use crate::prescription::Asphere;
+use crate::{
+    light::{Coating, axial_transmission},
+    prescription::Asphere,
+};
 
 /// First-order data of a lens (M. Born and E. Wolf, *Principles of Optics*, chapter 4). Air being on both sides,
 /// the nodal points are the principal points. z is a place in lens space, mm; infinity stands for one at infinity.
@@ -56,6 +59,11 @@ pub struct realistic_lens_info {
     pub stated_focal_length_mm: f64,
     /// The film distance that the lens's description proposes, from the last vertex, mm; NaN where it proposes none.
     pub nominal_film_distance_mm: f64,
+    /// The T-number with surfaces that have no coating: the f-number over the square root of the transmission on the axis, at
+    /// the lens's wavelength; NaN where no light gets through.
+    pub tnumber_bare: f64,
+    /// The same with a quarter wave of MgF2 for 550 nm on the surfaces between air and glass.
+    pub tnumber_quarter_wave: f64,
 }
 
 /// One surface of a lens. `realistic_lens_get_surface` fills it.
@@ -107,6 +115,8 @@ fn info_of(opened: &OpenedLens) -> realistic_lens_info {
     let optics = first_order.as_ref().ok();
     let of = |place: fn(&crate::lens::first_order::FirstOrder) -> f64| optics.map_or(f64::NAN, place);
     let focal_length = optics.map_or(f64::INFINITY, |optics| optics.focal_length);
+    let fnumber = focal_length.abs() / entrance.diameter();
+    let tnumber = |coating| axial_transmission(lens, coating).map_or(f64::NAN, |left| fnumber / left.sqrt());
     realistic_lens_info {
         struct_size: size_of::<realistic_lens_info>() as u32,
         surfaces: lens.surfaces.len() as u32,
@@ -114,7 +124,7 @@ fn info_of(opened: &OpenedLens) -> realistic_lens_info {
         limiting: opened.limiting as i32,
         wavelength_nm: lens.wavelength,
         focal_length_mm: focal_length,
-        fnumber: focal_length.abs() / entrance.diameter(),
+        fnumber,
         back_focal_distance_mm: of(|optics| optics.back_focal_distance()),
         front_focal_point_mm: of(|optics| optics.front_focal_point),
         rear_focal_point_mm: of(|optics| optics.rear_focal_point),
@@ -127,6 +137,8 @@ fn info_of(opened: &OpenedLens) -> realistic_lens_info {
         exit_pupil_diameter_mm: exit.diameter(),
         stated_focal_length_mm: opened.stated_focal_length.unwrap_or(f64::NAN),
         nominal_film_distance_mm: lens.nominal_film_distance.unwrap_or(f64::NAN),
+        tnumber_bare: tnumber(Coating::Bare),
+        tnumber_quarter_wave: tnumber(Coating::QuarterWave),
     }
 }
 

@@ -3,6 +3,7 @@
 use super::counted::Counted;
 use crate::{
     camera::pipeline::body::CameraBody,
+    light::LaneTransmission,
     plan::FilmSide,
     sampling::film_rays::FilmRays,
     trace::kernel::{Available, Cpu, Grouping, InVectors, Lanes, LensRays, RayBuffer, in_vectors},
@@ -13,6 +14,7 @@ use crate::{
 pub(crate) struct FilmCount {
     side: FilmSide,
     weight: Option<f64>,
+    transmission: Option<LaneTransmission<f64>>,
     /// Width and height, mm.
     size: [f64; 2],
     simd: Available,
@@ -23,7 +25,9 @@ impl FilmCount {
     pub fn new(body: &CameraBody) -> Self {
         let film = &body.film_side.film;
         let size = film.middle().map(|middle| 2.0 * middle * film.pixel());
-        Self { side: body.film_side.clone(), weight: body.weight, size, simd: Available::best() }
+        let (side, weight, simd) = (body.film_side.clone(), body.weight, Available::best());
+        let transmission = body.transmission.as_ref().map(|fit| fit.lane_transmission());
+        Self { side, weight, transmission, size, simd }
     }
 
     /// z of the film, mm.
@@ -73,7 +77,7 @@ impl InVectors<f64> for Landing<'_> {
 impl Landing<'_> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn vector<L: Lanes<Scalar = f64>>(&mut self, cpu: Cpu<L>, at: usize) {
-        let (FilmCount { side, weight, size, .. }, rays) = (self.film, &mut self.rays);
+        let (FilmCount { side, weight, transmission, size, .. }, rays) = (self.film, &mut self.rays);
         let number = |number: f64| L::splat(cpu, number);
         let (zero, one) = (number(0.0), number(1.0));
         let [x, y, z] = [0, 1, 2].map(|axis| L::load(cpu, &rays.origin[axis][at..]));
@@ -88,7 +92,11 @@ impl Landing<'_> {
         let patch = area / (per_cos2 * per_cos2);
         let (raster, is_on_film) = side.film.raster_of(cpu, point);
         let passes = L::both(is_on_film, zero.less(L::load(cpu, &rays.weight[at..])));
-        let weight = weight.map_or(L::select(zero.less(patch), one, zero), |weight| number(weight) * patch);
+        let mut weight =
+            weight.map_or(L::select(zero.less(patch), one, zero), |weight| number(weight) * patch);
+        if let (Some(transmission), true) = (transmission, self.film.weight.is_some()) {
+            weight = weight * transmission.lanes(cpu, point, slopes, zero);
+        }
         raster[0].store(&mut rays.origin[0][at..]);
         raster[1].store(&mut rays.origin[1][at..]);
         weight.or_zero(passes).store(&mut rays.origin[2][at..]);

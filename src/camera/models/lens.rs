@@ -1,6 +1,6 @@
 //! The realistic camera: a sample in, a ray through every interface of the lens out (Kolb, Mitchell and Hanrahan 1995).
 
-use super::lens_parts::{Tracers, plan_and_compile, pupil_sampler, rear_disk, weight_factor};
+use super::lens_parts::{Tracers, plan_and_compile, pupil_sampler, rear_disk, transmission, weight_factor};
 use crate::{
     camera::{
         host::{Host, Log},
@@ -17,6 +17,7 @@ use crate::{
         setup::{Facts, Focusing, Setup},
     },
     lens::film_ray,
+    light::Coating,
     plan::{FilmSide, Plan},
     prescription::{Blades, Medium},
     sampling::{DiskMapping, PupilDisk, film_rays::FilmRays},
@@ -65,13 +66,16 @@ impl RealisticCamera {
         let body = CameraBody {
             film_side: FilmSide { film: *film, z: film_z, mapping: setup.mapping, sampler },
             weight,
+            transmission: transmission(&setup, film_z, rear, log),
             placement: setup.placement.clone(),
             units_per_mm: setup.mm_per_unit.recip(),
         };
         let (tracers, plan) = plan_and_compile(&setup, &path, &body, log);
         let mut rays = RayMaker::new(tracers.one.clone(), tracers.many.clone(), body.placement.clone());
-        if setup.media.iter().any(Medium::is_dispersive) {
-            let optics = LensOfMedia { lens: lens.clone(), media: setup.media, blades: setup.blades };
+        let coating = setup.transmission.coating();
+        if setup.media.iter().any(Medium::is_dispersive) || coating.is_some_and(Coating::is_dispersive) {
+            let optics =
+                LensOfMedia { lens: lens.clone(), media: setup.media, blades: setup.blades, coating };
             rays.set_spectral(Spectral::new(optics, body.clone(), tracers.exact));
         }
         // Where the film stands once its place in lens space is rounded.

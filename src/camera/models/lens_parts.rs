@@ -12,9 +12,12 @@ use crate::{
         setup::{Facts, Setup},
     },
     imaging::irradiance::{on_axis, survey},
+    lens::refraction::Refraction,
+    light::{LitPath, Surfaces, TransmissionFit},
+    message::short,
     plan::{Decision, Kernels, Plan, Precision, Task, Tracing, describe_sampling},
     sampling::{GivenUp, NoFan, PupilDisk, PupilSampler, WarpedPupil},
-    trace::Path,
+    trace::{Direction, Path},
 };
 
 /// Share of the irradiance that the thick-lens exit pupil may miss without a warning.
@@ -115,6 +118,38 @@ pub(super) fn weight_factor(
     representable(weight.map_or(1.0, |weight| (weight * largest).max(weight * PI)))?;
     Ok(weight)
 }
+
+/// What of the light the lens leaves at the camera's own wavelength, where that is asked for.
+pub(super) fn transmission(
+    setup: &Setup,
+    film_z: f64,
+    rear: PupilDisk,
+    log: Log<'_>,
+) -> Option<Arc<TransmissionFit>> {
+    let (Facts { lens, film, .. }, coating) = (&setup.facts, setup.transmission.coating()?);
+    if setup.weighting == Weighting::None {
+        log(Level::Warning, "\"transmission\" changes nothing where \"weighting\" is \"none\"");
+        return None;
+    }
+    let path = Path::new(lens, Direction::FilmToScene, Refraction::Fused);
+    let lit = LitPath::new(path, &Surfaces::new(lens, coating));
+    let fit = TransmissionFit::new(&lit, film_z, film.reach(), |point| rear.seen_from(point))?;
+    if fit.error() > TRANSMISSION {
+        log(
+            Level::Warning,
+            &format!(
+                "\"transmission\": single rays of lens \"{}\" are within {} % of what its surfaces leave, and not within {} %",
+                lens.name,
+                short(100.0 * fit.error()),
+                short(100.0 * TRANSMISSION)
+            ),
+        );
+    }
+    Some(Arc::new(fit))
+}
+
+/// By how much the transmission of a ray may be off, relative, without a warning.
+const TRANSMISSION: f64 = 1e-4;
 
 /// What traces a camera's rays.
 #[derive(Clone, Debug)]

@@ -12,7 +12,7 @@ mod value;
 mod zoom;
 
 pub use error::{CameraError, ParameterError, UnknownName};
-pub use named::{FocusBy, LensPlane, Pupil, Weighting};
+pub use named::{FocusBy, LensPlane, Pupil, Transmission, Weighting};
 pub use range::{Interval, Range};
 pub(crate) use table::{AskedPrecision, for_each_parameter};
 pub use table::{PARAMETERS, Parameter, Parameters};

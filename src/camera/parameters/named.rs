@@ -13,6 +13,7 @@ use super::{
 use crate::{
     camera::{model::Model, placement::shutter::Shutter},
     lens::refraction::Refraction,
+    light::Coating,
     plan::Precision,
     sampling::DiskMapping,
 };
@@ -59,6 +60,33 @@ impl Weighting {
         ("relative", Self::Relative),
         ("none", Self::None),
     ];
+}
+
+/// What of the light the surfaces of a lens leave in a ray's weight.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Transmission {
+    /// All: nothing is lost.
+    #[default]
+    None,
+    /// What surfaces without a coating do not reflect.
+    Bare,
+    /// What surfaces with a quarter wave of magnesium fluoride between air and glass do not reflect.
+    QuarterWave,
+}
+
+impl Transmission {
+    /// Every choice with its name.
+    pub const NAMES: [(&'static str, Self); 3] =
+        [("none", Self::None), ("bare", Self::Bare), ("quarter-wave", Self::QuarterWave)];
+
+    /// The coating, where surfaces reflect.
+    pub(crate) fn coating(self) -> Option<Coating> {
+        match self {
+            Self::None => None,
+            Self::Bare => Some(Coating::Bare),
+            Self::QuarterWave => Some(Coating::QuarterWave),
+        }
+    }
 }
 
 /// What moves to focus.
@@ -126,7 +154,7 @@ macro_rules! named {
     )*};
 }
 
-named![Model, FocusBy, Pupil, Weighting, LensPlane, DiskMapping, Refraction, Shutter];
+named![Model, FocusBy, Pupil, Transmission, Weighting, LensPlane, DiskMapping, Refraction, Shutter];
 
 /// A precision, or `None` for "auto".
 impl Setting for Option<Precision> {
@@ -193,6 +221,7 @@ mod tests {
         check(&Model::NAMES);
         check(&FocusBy::NAMES);
         check(&Pupil::NAMES);
+        check(&Transmission::NAMES);
         check(&Weighting::NAMES);
         check(&LensPlane::NAMES);
         check(&DiskMapping::NAMES);

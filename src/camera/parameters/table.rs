@@ -4,7 +4,7 @@ use std::ops::Bound::{Excluded, Included};
 
 use super::{
     error::ParameterError,
-    named::{FocusBy, LensPlane, Pupil, Weighting},
+    named::{FocusBy, LensPlane, Pupil, Transmission, Weighting},
     range::{Interval, Range},
     value::{Kind, Setting, Value},
     zoom::Zoom,
@@ -208,6 +208,7 @@ macro_rules! for_each_parameter {
             shutterclose: f64 in TIME, "", = "1", EVERY, "time at which the shutter closes; before `shutteropen`, time runs backward, as in pbrt";
             weighting: Weighting, "", or "radiometric", LENSES, "definition of a ray's weight";
             simpleweighting: bool, "", or "", LENSES, "pbrt-v3's name for `weighting`, true for \"relative\" and false for \"radiometric\"";
+            transmission: Transmission, "", = "none", TRACED, "what of the light the surfaces of the lens leave, as a factor of every weight: all of it, or what surfaces without a coating, or with a quarter wave of MgF2 for 550 nm between air and glass, do not reflect";
             pupil: Pupil, "", = "warped", TRACED, "where lens samples lie, in the true pupil of each film point, the rear element's disk, or the thick-lens exit pupil";
             disk: DiskMapping, "", = "concentric", SAMPLED, "how lens samples map to the disk";
             refraction: Refraction, "", = "fused", TRACED, "method of refraction";
@@ -359,6 +360,7 @@ mod tests {
             ("specfile", catalogue::DEFAULT.to_owned()),
             ("focusby", unset.focusby().to_string()),
             ("weighting", unset.weighting().expect("one name").to_string()),
+            ("transmission", unset.transmission().to_string()),
             ("pupil", unset.pupil().to_string()),
             ("disk", unset.disk().to_string()),
             ("refraction", unset.refraction().to_string()),

@@ -1,10 +1,11 @@
 //! A camera without its lens: the film and what is sampled there, what a ray weighs, and where the camera stands.
 
-use std::f64::consts::PI;
+use std::{f64::consts::PI, sync::Arc};
 
 use super::film_sampling::FilmSampling;
 use crate::{
     camera::placement::{Placement, ToWorld},
+    light::TransmissionFit,
     plan::FilmSide,
     sampling::disk::Turns,
 };
@@ -15,6 +16,8 @@ pub(crate) struct CameraBody {
     pub film_side: FilmSide,
     /// The weight of a ray is this times cos⁴ and the slope area it stands for; `None`: it is 1.
     pub weight: Option<f64>,
+    /// What of the light the lens leaves, which counts with the area that a ray stands for.
+    pub transmission: Option<Arc<TransmissionFit>>,
     pub placement: Placement,
     pub units_per_mm: f64,
 }
@@ -22,7 +25,7 @@ pub(crate) struct CameraBody {
 impl CameraBody {
     /// The film's side in a precision.
     pub fn film_sampling<S: Turns>(&self) -> FilmSampling<S> {
-        FilmSampling::new(&self.film_side)
+        FilmSampling::new(&self.film_side, self.transmission.as_deref())
     }
 
     /// All of it in a precision.

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::arrays::SampleStore;
 use crate::{
     camera::ray::Sample,
+    light::{LaneTransmission, TransmissionFit},
     plan::FilmSide,
     sampling::{
         DiskMapping, PupilSampler, WarpedPupil, disk::Turns, film_rays::FilmRays, pupil_disk::LaneDisk,
@@ -22,6 +23,7 @@ pub(crate) struct FilmSampling<S> {
     pixel: S,
     mapping: DiskMapping,
     pupil: LanePupilSampler<S>,
+    transmission: Option<LaneTransmission<S>>,
 }
 
 /// [`PupilSampler`], with what the precision computes with.
@@ -56,7 +58,11 @@ impl<L: Lanes> SampleLanes<L> {
 }
 
 impl<S: Turns> FilmSampling<S> {
-    pub fn new(FilmSide { film, mapping, sampler, .. }: &FilmSide) -> Self {
+    /// With a transmission, the area that a ray stands for is multiplied by its own.
+    pub fn new(
+        FilmSide { film, mapping, sampler, .. }: &FilmSide,
+        transmission: Option<&TransmissionFit>,
+    ) -> Self {
         let pupil = match sampler {
             PupilSampler::Disk(disk) => LanePupilSampler::Disk(disk.lane_disk()),
             PupilSampler::Warped(pupil) => LanePupilSampler::Warped(pupil.clone(), pupil.lane_pupil()),
@@ -66,6 +72,7 @@ impl<S: Turns> FilmSampling<S> {
             pixel: S::from_f64(film.pixel()),
             mapping: *mapping,
             pupil,
+            transmission: transmission.map(TransmissionFit::lane_transmission),
         }
     }
 
@@ -87,6 +94,13 @@ impl<S: Turns> FilmSampling<S> {
                 }
             }
             LanePupilSampler::Warped(pupil, frame) => pupil.lanes(cpu, frame, &mut rays),
+        }
+        if let Some(transmission) = &self.transmission {
+            for ray in &mut rays {
+                // At one wavelength, so that none is asked.
+                let left = transmission.lanes(cpu, ray.point, ray.slopes, ray.area_per_pi);
+                ray.area_per_pi = ray.area_per_pi * left;
+            }
         }
         rays
     }

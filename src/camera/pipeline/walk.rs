@@ -33,7 +33,7 @@ impl<R: Real> WalkTracer<R> {
         if area_per_pi.is_nan() {
             return None;
         }
-        let CameraBody { film_side, weight, placement, units_per_mm } = &self.body;
+        let CameraBody { film_side, weight, placement, units_per_mm, .. } = &self.body;
         let ray = self.path.trace(film_ray(point, film_side.z, slopes)).ok()?;
         let weight = weight.map_or(1.0, |weight| weight * (PI * area_per_pi * cos4(slopes))) as f32;
         let ray = placement.world_ray(ray, *units_per_mm, sample.time);

@@ -9,7 +9,7 @@ use crate::{
 ///
 /// # Errors
 /// A number of blades that there is not, an angle or a curvature without blades, or a lens without a stop.
-pub(super) fn blades(given: &Parameters, prescription: &Prescription) -> Result<Option<Blades>, CameraError> {
+pub fn blades(given: &Parameters, prescription: &Prescription) -> Result<Option<Blades>, CameraError> {
     let (rotation, curvature) = (given.bladerotation()?, given.bladecurvature()?);
     let count = match given.blades()? {
         None => prescription.blades.map_or(0, |blades| blades.count),

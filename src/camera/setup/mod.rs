@@ -14,6 +14,7 @@ mod focusing;
 mod groups;
 mod prescribed;
 
+pub use blades::blades;
 pub(crate) use common::{disk_mapping, placement, raster, shutter, warn_of_unused};
 pub use crop::Crop;
 pub use facts::Facts;

@@ -11,7 +11,7 @@ use crate::{
     camera::{
         film::Film,
         host::Host,
-        parameters::{CameraError, FocusBy, ParameterError, Parameters, Pupil, Weighting},
+        parameters::{CameraError, FocusBy, ParameterError, Parameters, Pupil, Transmission, Weighting},
         placement::Placement,
     },
     imaging::focus::{Conjugates, FocusError},
@@ -40,6 +40,7 @@ pub(crate) struct Setup {
     pub pupil: Pupil,
     pub mapping: DiskMapping,
     pub weighting: Weighting,
+    pub transmission: Transmission,
     pub precision: Option<Precision>,
     /// Pixels; 0: exact.
     pub tolerance: f64,
@@ -78,6 +79,7 @@ impl Setup {
             pupil: given.pupil(),
             mapping: disk_mapping(given, host)?,
             weighting: given.weighting()?,
+            transmission: given.transmission(),
             precision: given.precision(),
             tolerance: given.tolerance()?,
             leave_out: host.leave_out,

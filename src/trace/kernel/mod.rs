@@ -112,6 +112,10 @@ impl<S: KernelScalar> Kernel<S> {
     }
 
     fn compile(path: Path, simd: Available) -> Self {
+        assert!(
+            path.step_kinds().all(|step| !step.is_mirror),
+            "a kernel refracts; a path walks by mirrors, too"
+        );
         Self { table: Table::new(&path, S::AMPLIFICATION), path, simd }
     }
 

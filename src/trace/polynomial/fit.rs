@@ -35,11 +35,11 @@ pub enum FitError {
 }
 
 /// Position and slopes of a ray in the film plane.
-type AtFilm = ([f64; 2], [f64; 2]);
+pub(crate) type AtFilm = ([f64; 2], [f64; 2]);
 
 /// From a ray at the film to the polynomials' variables.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Scaling {
+pub(crate) struct Scaling {
     /// z of the film, lens space, mm.
     pub film: f64,
     /// 1/mm: from film position to the slope away from the pupil's centre.
@@ -52,7 +52,7 @@ pub(super) struct Scaling {
 
 impl Scaling {
     /// Fits film and pupil of the rays, which are given as positions and slopes at the film.
-    fn of(film: f64, rays: &[AtFilm]) -> Self {
+    pub(crate) fn of(film: f64, rays: &[AtFilm]) -> Self {
         let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
         let (product, square) =
             rays.iter().fold((0.0, 0.0), |(p, s), &(x, slope)| (p + dot(x, slope), s + dot(x, x)));
@@ -78,7 +78,7 @@ impl Scaling {
     }
 
     /// Scaled film position, scaled pupil position, and their invariants in [-1, 1].
-    fn variables(&self, x: [f64; 2], slopes: [f64; 2]) -> ([f64; 2], [f64; 2], [f64; 3]) {
+    pub(crate) fn variables(&self, x: [f64; 2], slopes: [f64; 2]) -> ([f64; 2], [f64; 2], [f64; 3]) {
         let p = [0, 1].map(|i| (slopes[i] + self.vergence * x[i]) * self.pupil_scale);
         let x = x.map(|x| x * self.film_scale);
         let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];

@@ -7,7 +7,7 @@ use crate::trace::kernel::{Compiled, Simd};
 
 /// Equations in a triangular form that grows with every column.
 #[derive(Clone, Debug)]
-pub(super) struct LeastSquares {
+pub(crate) struct LeastSquares {
     /// The right-hand sides, turned by every reflection.
     sides: Vec<Vec<f64>>,
     columns: Vec<Column>,
@@ -25,7 +25,7 @@ struct Column {
 
 /// The columns do not determine the unknowns: one is a combination of others, or there are more of them than equations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Dependent;
+pub(crate) struct Dependent;
 
 /// A column whose remaining length is this small against its whole is a combination of others.
 const DEPENDENT: f64 = 1e-13;

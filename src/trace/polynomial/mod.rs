@@ -19,7 +19,8 @@ mod least_squares;
 mod lens;
 mod terms;
 
-pub(crate) use fit::Fits;
 pub use fit::{FitError, ORDERS, Polynomial};
+pub(crate) use fit::{Fits, Scaling};
+pub(crate) use least_squares::LeastSquares;
 pub use lens::PolynomialLens;
-pub(crate) use terms::monomials;
+pub(crate) use terms::{exponents, monomials, sum};

@@ -12,7 +12,7 @@ pub fn monomials(order: usize) -> usize {
 
 /// The exponents (i, j, k) of u, v, w up to a total degree, in the order in which [`sum`] reads their
 /// coefficients.
-pub(super) fn exponents(degree: usize) -> Vec<[usize; 3]> {
+pub(crate) fn exponents(degree: usize) -> Vec<[usize; 3]> {
     let mut all = Vec::new();
     for i in (0..=degree).rev() {
         for j in (0..=degree - i).rev() {
@@ -25,7 +25,7 @@ pub(super) fn exponents(degree: usize) -> Vec<[usize; 3]> {
 /// The `P` sums of coefficient x u^i v^j w^k by nested Horner schemes, in the order of
 /// [`exponents`].
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn sum<L: Lanes, const P: usize>(
+pub(crate) fn sum<L: Lanes, const P: usize>(
     cpu: Cpu<L>,
     terms: &[[L::Scalar; P]],
     degree: usize,

@@ -155,6 +155,9 @@ fn a_singlets_facts_are_the_thick_lens_formulas() {
     near(info.entrance_pupil_diameter_mm, 8.0);
     near(info.fnumber, 1.0 / power / 8.0);
     assert!(info.stated_focal_length_mm.is_nan() && info.nominal_film_distance_mm.is_nan());
+    // A steep enough beam loses a little more than 2 (n - 1)²/(n + 1)² of its light.
+    let left = (info.fnumber / info.tnumber_bare).powi(2);
+    assert!((left - 0.96 * 0.96).abs() < 1e-4 && info.tnumber_quarter_wave < info.tnumber_bare, "{left}");
     let second = lens.surface(1).expect("there");
     assert_eq!((second.vertex_mm, second.radius_mm, second.thickness_mm), (-4.0, 50.0, 6.0));
     assert_eq!((second.index_scene, second.index_film, second.semi_diameter_mm), (1.0, 1.5, 10.0));

@@ -26,6 +26,7 @@ fn cameras() -> Vec<(&'static str, Camera)> {
         ("walked", camera(|options| options.refraction = c"whitted".as_ptr())),
         ("fisheye", camera(|options| options.specfile = c"fisheye.10mm".as_ptr())),
         ("redrawn", camera(|options| options.disk = c"rejection".as_ptr())),
+        ("bare", camera(|options| options.transmission = c"bare".as_ptr())),
         ("polar", camera(|options| options.disk = c"polar".as_ptr())),
         ("slit", camera(|options| options.shutter = c"focal-plane".as_ptr())),
         ("leaf", camera(|options| options.shutter = c"leaf".as_ptr())),

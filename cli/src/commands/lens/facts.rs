@@ -10,6 +10,7 @@ use realistic::unstable::{
         first_order::FirstOrder,
         pupil::{EntrancePupil, ExitPupil, limiting_surface},
     },
+    light::{Coating, axial_transmission},
 };
 use serde_json::{Map, Value, json};
 
@@ -51,6 +52,7 @@ impl Facts {
         ];
         facts.extend(first_order(optics, *stated));
         facts.extend(pupils(lens, optics));
+        facts.extend(transmission(lens, optics));
         facts.extend(film(lens, optics, film_distance, diagonal));
         Self(facts)
     }
@@ -163,6 +165,28 @@ fn pupils(lens: &Lens, optics: Option<FirstOrder>) -> [Fact; 4] {
         ),
         fact("stop", stop_text, json!({ "stop_row": stop, "limiting_row": limiting })),
     ]
+}
+
+/// The T-numbers, f-number over the square root of the transmission on the axis, with surfaces of the named coatings.
+fn transmission(lens: &Lens, optics: Option<FirstOrder>) -> Option<Fact> {
+    let diameter = EntrancePupil::of_lens(lens).diameter();
+    let f_number = optics?.focal_length.abs() / diameter;
+    let of = |coating| Some((f_number, axial_transmission(lens, coating)?));
+    let (bare, coated) = (of(Coating::Bare)?, of(Coating::QuarterWave)?);
+    let number = |(f_number, left): (f64, f64)| f_number / left.sqrt();
+    let said = |name: &str, which: (f64, f64)| {
+        let left = fixed(100.0 * which.1, 1);
+        format!("{} {name} (transmits {left} %)", fixed(number(which), 4))
+    };
+    let text = format!("{}, {}", said("bare", bare), said("with a quarter wave of MgF2", coated));
+    let finite = |number: f64| number.is_finite().then_some(number);
+    let json = json!({
+        "tnumber_bare": finite(number(bare)),
+        "tnumber_quarter_wave": finite(number(coated)),
+        "transmission_bare": bare.1,
+        "transmission_quarter_wave": coated.1,
+    });
+    Some(fact("T-number", finite(f_number).map(|_| text), json))
 }
 
 /// Film, and the field of view on a `diagonal` of it in mm.

@@ -14,6 +14,7 @@ use crate::{
         },
         ray::Sample,
     },
+    light::{LaneTransmission, TransmissionFit},
     sampling::{
         disk::Turns,
         film_rays::FilmRays,
@@ -31,6 +32,7 @@ pub(super) struct SpectralPipeline<S> {
     kernel: SpectralKernel<S>,
     /// The true pupil at every wavelength; `None`: the body's disk is sampled, the same at every wavelength.
     pupil: Option<(SpectralPupil, LaneSpectralPupil<S>)>,
+    transmission: Option<LaneTransmission<S>>,
     range: [S; 2],
 }
 
@@ -39,6 +41,7 @@ impl<S: Turns> SpectralPipeline<S> {
     pub fn new(
         kernel: SpectralKernel<S>,
         pupil: Option<SpectralPupil>,
+        transmission: Option<&TransmissionFit>,
         body: &CameraBody,
         range: &RangeInclusive<f32>,
     ) -> Self {
@@ -47,7 +50,8 @@ impl<S: Turns> SpectralPipeline<S> {
             (pupil, constants)
         });
         let range = [range.start(), range.end()].map(|end| S::from_f64((*end).into()));
-        Self { body: body.lane_body(), kernel, pupil, range }
+        let transmission = transmission.map(TransmissionFit::lane_transmission);
+        Self { body: body.lane_body(), kernel, pupil, transmission, range }
     }
 
     /// The film rays of `U` vectors of samples; without an area at wavelengths out of range.
@@ -69,6 +73,12 @@ impl<S: Turns> SpectralPipeline<S> {
             }
             None => self.body.film.on_disk(cpu, samples),
         };
+        if let Some(transmission) = &self.transmission {
+            for u in 0..U {
+                let left = transmission.lanes(cpu, rays[u].point, rays[u].slopes, wavelengths[u]);
+                rays[u].area_per_pi = rays[u].area_per_pi * left;
+            }
+        }
         let none = L::splat(cpu, S::from_f64(f64::NAN));
         let [from, to] = [L::splat(cpu, self.range[0]), L::splat(cpu, self.range[1])];
         for u in 0..U {

@@ -16,6 +16,7 @@ use super::{body::CameraBody, on_demand::OnDemand};
 use crate::{
     camera::ray::{Outcome, Sample},
     lens::{Lens, film_ray, refraction::Refraction},
+    light::{Coating, LitPath, Surfaces, TransmissionFit},
     plan::{FilmSide, Precision},
     prescription::{Blades, Medium, glass::refractive_index},
     sampling::{
@@ -47,6 +48,8 @@ pub(crate) struct LensOfMedia {
     pub media: Vec<Medium>,
     /// Those in its stop, if it is not round.
     pub blades: Option<Blades>,
+    /// That of its surfaces, where what they leave of the light counts.
+    pub coating: Option<Coating>,
 }
 
 /// What the first request makes.
@@ -82,7 +85,27 @@ impl Spectral {
             disk @ PupilSampler::Disk(_) => disk.clone(),
         };
         let film_side = FilmSide { sampler, ..side.clone() };
-        SpectralPipeline::new(kernel, pupil, &CameraBody { film_side, ..self.body.clone() }, range)
+        let transmission = self.transmission(range);
+        let body = CameraBody { film_side, transmission: None, ..self.body.clone() };
+        SpectralPipeline::new(kernel, pupil, transmission.as_ref(), &body, range)
+    }
+
+    /// What of the light the lens leaves at all wavelengths, where that counts.
+    fn transmission(&self, range: &RangeInclusive<f32>) -> Option<TransmissionFit> {
+        let (FilmSide { film, z, .. }, coating) = (&self.body.film_side, self.optics.coating?);
+        // With weights of 1 there is none at the camera's own wavelength, either.
+        self.body.weight?;
+        if range.is_empty() {
+            return None;
+        }
+        let at = |wavelength| {
+            let lens = self.optics.at(wavelength);
+            let cover = PupilDisk::rear(&lens, *z, film.reach())?;
+            let path = Path::new(&lens, Direction::FilmToScene, Refraction::Fused);
+            let lit = LitPath::new(path, &Surfaces::new(&lens, coating));
+            Some((lit, move |point: [f64; 2]| cover.seen_from(point)))
+        };
+        TransmissionFit::spectral([range.start(), range.end()].map(|end| (*end).into()), *z, film.reach(), at)
     }
 
     /// The true pupil at all wavelengths, where that is sampled.

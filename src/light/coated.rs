@@ -1,0 +1,130 @@
+//! A lens with what its surfaces do to light, and paths through it: a ray in; the ray behind the lens and what is left of its
+//! power out.
+
+use super::{boundary::Boundary, coating::Coating, polarization::Light, stack::Split};
+use crate::{
+    lens::{Lens, Ray},
+    numeric::dot,
+    trace::{Blocked, Path},
+};
+
+/// What the surfaces of a lens do to light, at the lens's wavelength.
+#[derive(Clone, Debug)]
+pub struct Surfaces {
+    /// One for each distinct surface, so that a ray's tables stay in the first cache.
+    boundaries: Vec<Boundary>,
+    /// Which of them each surface is, from the scene side.
+    of_surface: Vec<usize>,
+}
+
+impl Surfaces {
+    /// Of a lens all of whose surfaces between air and glass have one coating.
+    pub fn new(lens: &Lens, coating: Coating) -> Self {
+        Self::with(lens, |_| coating)
+    }
+
+    /// Of a lens whose surfaces, counted from the scene, have coatings of their own.
+    pub fn with(lens: &Lens, coating: impl Fn(usize) -> Coating) -> Self {
+        let mut boundaries: Vec<Boundary> = Vec::new();
+        let number = |(i, surface): (usize, &crate::lens::Surface)| {
+            let media = [surface.n_scene, surface.n_film];
+            let layers = coating(i).layers(media);
+            let known = boundaries.iter().position(|boundary| boundary.is(media, &layers));
+            known.unwrap_or_else(|| {
+                boundaries.push(Boundary::new(media, &layers, lens.wavelength));
+                boundaries.len() - 1
+            })
+        };
+        let of_surface = lens.surfaces.iter().enumerate().map(number).collect();
+        Self { boundaries, of_surface }
+    }
+
+    /// What the surface of this number, counted from the scene, is.
+    pub fn boundary(&self, surface: usize) -> &Boundary {
+        &self.boundaries[self.of_surface[surface]]
+    }
+
+    /// The numbers of the surfaces that reflect, from the scene side.
+    pub fn reflecting(&self) -> Vec<usize> {
+        (0..self.of_surface.len()).filter(|&surface| !self.boundary(surface).is_none()).collect()
+    }
+}
+
+/// A path with what its surfaces do to light.
+#[derive(Clone, Debug)]
+pub struct LitPath {
+    path: Path,
+    boundaries: Vec<Boundary>,
+    steps: Vec<LitStep>,
+}
+
+/// What a step of a path asks of light.
+#[derive(Clone, Copy, Debug)]
+struct LitStep {
+    boundary: usize,
+    /// Index before.
+    n: f64,
+    per_n: f64,
+    is_mirror: bool,
+}
+
+impl LitPath {
+    /// A path of the lens that `surfaces` are of.
+    pub fn new(path: Path, surfaces: &Surfaces) -> Self {
+        let steps = path.step_kinds().map(|kind| LitStep {
+            boundary: surfaces.of_surface[kind.surface],
+            n: kind.n,
+            per_n: kind.n.recip(),
+            is_mirror: kind.is_mirror,
+        });
+        Self { steps: steps.collect(), boundaries: surfaces.boundaries.clone(), path }
+    }
+
+    /// The path itself.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// A ray as it leaves the lens and the share of its power that is left, of unpolarised light, summed over both
+    /// polarisations at the end.
+    ///
+    /// # Errors
+    /// The reason why it does not get through.
+    #[inline]
+    pub fn trace(&self, ray: Ray) -> Result<(Ray, f64), Blocked> {
+        self.trace_by(ray, Boundary::split)
+    }
+
+    /// [`LitPath::trace`] without tables: the transfer matrix itself at every surface.
+    ///
+    /// # Errors
+    /// As [`LitPath::trace`].
+    pub fn trace_exactly(&self, ray: Ray) -> Result<(Ray, f64), Blocked> {
+        self.trace_by(ray, Boundary::computed)
+    }
+
+    #[inline]
+    fn trace_by(
+        &self,
+        ray: Ray,
+        split: impl Fn(&Boundary, f64, f64) -> Split,
+    ) -> Result<(Ray, f64), Blocked> {
+        let mut light = Light::UNPOLARISED;
+        let ray = self.path.meetings(ray, |met| {
+            let step = &self.steps[met.step];
+            let boundary = &self.boundaries[step.boundary];
+            if boundary.is_none() {
+                return;
+            }
+            let cosine = (dot(met.v, met.normal) * step.per_n).min(1.0);
+            let split = split(boundary, step.n, cosine);
+            if step.is_mirror {
+                light.meet(met.v, met.normal, split.reflected);
+                light.turn_round();
+            } else {
+                light.meet(met.v, met.normal, split.transmitted);
+            }
+        })?;
+        Ok((ray, light.power))
+    }
+}

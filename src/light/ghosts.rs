@@ -1,0 +1,255 @@
+//! Ghosts: light that is reflected at two surfaces and reaches the film all the same. A lens with what its surfaces do to light
+//! in; for each pair of surfaces the path, and for a lamp the watts that go along it and where they land, out.
+//!
+//! A ghost is the ordinary walk over a list of surfaces in which n' = -n at two of them ([`Path::reflected`]): up to the one
+//! farther from the light, back to the nearer, and on. Of k surfaces that reflect there are k (k - 1)/2 pairs. What is
+//! reflected four times or more is left out; `docs/light.md` has what that is.
+//!
+//! From the light: a lamp sends rays through a grid of cells before the front surface, each with the watts of its cell. The
+//! part of the grid from which a pair's rays reach the film is looked for first, coarsely, and the cells are those of that
+//! part: of a fisheye's wide front surface a ghost needs a thousandth.
+
+use super::coated::{LitPath, Surfaces};
+use crate::{
+    lens::{Lens, Ray, refraction::Refraction},
+    numeric::{dot, unit},
+    prescription::Blades,
+    trace::{Direction, Path},
+};
+
+/// Two surfaces, counted from the scene, `[nearer the scene, nearer the film]`.
+pub type Pair = [usize; 2];
+
+/// A lamp, in lens space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Lamp {
+    /// Infinitely far away: the direction from the lens toward it, of any length.
+    Distant([f64; 3]),
+    /// At a point, mm.
+    Point([f64; 3]),
+}
+
+/// Every way through a lens from the scene to the film with no reflection or with two.
+#[derive(Clone, Debug)]
+pub struct Ghosts {
+    direct: LitPath,
+    pairs: Vec<(Pair, LitPath)>,
+    /// A sphere that holds the front surface's clear part: z of its centre, and its radius, mm.
+    front: [f64; 2],
+    film: f64,
+}
+
+/// Where the light of a grid's cell lands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Landing {
+    /// The film point, mm.
+    pub point: [f64; 2],
+    /// Its watts, where the lamp makes 1 W/m² at the lens, across the light.
+    pub watts: f64,
+}
+
+/// What a lamp sends along one path: rows of cells, of which some reach the plane of the film.
+#[derive(Clone, Debug)]
+pub struct Spray {
+    /// Cells along a side.
+    pub side: usize,
+    /// By cell, `side` rows of `side`.
+    pub cells: Vec<Option<Landing>>,
+}
+
+impl Spray {
+    /// The watts that reach the plane of the film.
+    pub fn watts(&self) -> f64 {
+        self.landings().map(|landing| landing.watts).sum()
+    }
+
+    /// Those that do.
+    pub fn landings(&self) -> impl Iterator<Item = &Landing> {
+        self.cells.iter().flatten()
+    }
+
+    /// The middle of the light on the plane of the film, and the root of its mean squared distance from there, mm.
+    pub fn spot(&self) -> Option<([f64; 2], f64)> {
+        let watts = self.watts();
+        if watts <= 0.0 {
+            return None;
+        }
+        let mean = |of: &dyn Fn(&Landing) -> f64| {
+            self.landings().map(|landing| landing.watts * of(landing)).sum::<f64>() / watts
+        };
+        let middle = [0, 1].map(|axis| mean(&|landing| landing.point[axis]));
+        let square = mean(&|landing| (0..2).map(|axis| (landing.point[axis] - middle[axis]).powi(2)).sum());
+        Some((middle, square.sqrt()))
+    }
+}
+
+/// Cells along a side of the grid that is looked through for a path's part of it.
+const COARSE: usize = 40;
+/// Cells of such a grid that say well enough where the part is.
+const ENOUGH: usize = 60;
+/// How often it is looked for anew in what was found.
+const ROUNDS: usize = 4;
+
+/// A part of the plane before the lens, in units of the front sphere's radius.
+type Part = [[f64; 2]; 2];
+
+impl Ghosts {
+    /// Of a lens with film at z = `film`, mm.
+    pub fn new(lens: &Lens, blades: Option<Blades>, surfaces: &Surfaces, film: f64) -> Self {
+        let lit = |path: Path| LitPath::new(path.with_blades(lens, blades), surfaces);
+        let reflected = |pair| lit(Path::reflected(lens, Direction::SceneToFilm, Refraction::Fused, pair));
+        let all = surfaces.reflecting();
+        let pairs = all.iter().enumerate().flat_map(|(at, near)| {
+            let beyond = &all[at + 1..];
+            beyond.iter().map(|far| ([*near, *far], reflected([*near, *far])))
+        });
+        let [low, high] = lens.front().sagitta_range();
+        let radius = lens.front().semi_diameter.hypot((high - low) / 2.0);
+        Self {
+            direct: lit(Path::scene_to_film(lens)),
+            pairs: pairs.collect(),
+            front: [f64::midpoint(low, high), radius],
+            film,
+        }
+    }
+
+    /// The pairs, each with its path.
+    pub fn pairs(&self) -> impl Iterator<Item = (Pair, &LitPath)> {
+        self.pairs.iter().map(|(pair, path)| (*pair, path))
+    }
+
+    /// The path without a reflection.
+    pub fn direct(&self) -> &LitPath {
+        &self.direct
+    }
+
+    /// What a lamp sends along a path, by a grid of `side` x `side` cells over the part of it that gets through; nothing where
+    /// that is found to be empty.
+    pub fn spray(&self, path: &LitPath, lamp: Lamp, side: usize) -> Spray {
+        let mut part: Part = [[-1.0, 1.0]; 2];
+        for _ in 0..ROUNDS {
+            let coarse = self.over(path, lamp, COARSE, part);
+            let lit: Vec<usize> = (0..coarse.cells.len()).filter(|i| coarse.cells[*i].is_some()).collect();
+            if lit.is_empty() {
+                return Spray { side: 0, cells: Vec::new() };
+            }
+            let rows = bounds(lit.iter().map(|i| i / COARSE));
+            let columns = bounds(lit.iter().map(|i| i % COARSE));
+            let size = part.map(|[from, to]| (to - from) / COARSE as f64);
+            // A cell more on every side: what is lit of it may pass between its neighbours' middles.
+            let narrowed = |axis: usize, [from, to]: [usize; 2]| {
+                let at = |cell: f64| (part[axis][0] + cell * size[axis]).clamp(-1.0, 1.0);
+                [at(from as f64 - 1.0), at(to as f64 + 2.0)]
+            };
+            part = [narrowed(0, columns), narrowed(1, rows)];
+            if lit.len() >= ENOUGH {
+                break;
+            }
+        }
+        self.over(path, lamp, side, part)
+    }
+
+    /// By the cells of a part of the plane.
+    fn over(&self, path: &LitPath, lamp: Lamp, side: usize, part: Part) -> Spray {
+        let [z, radius] = self.front;
+        let middle = [0.0, 0.0, z];
+        let (toward, distance) = match lamp {
+            Lamp::Distant(toward) => (unit(toward), None),
+            Lamp::Point(at) => {
+                let away = [at[0], at[1], at[2] - z];
+                (unit(away), Some(dot(away, away).sqrt()))
+            }
+        };
+        // Two directions across the light, of which one lies across the axis.
+        let across = if toward[0].hypot(toward[1]) > 1e-9 {
+            unit([-toward[1], toward[0], 0.0])
+        } else {
+            [1.0, 0.0, 0.0]
+        };
+        let up = [
+            toward[1] * across[2] - toward[2] * across[1],
+            toward[2] * across[0] - toward[0] * across[2],
+            toward[0] * across[1] - toward[1] * across[0],
+        ];
+        let size = part.map(|[from, to]| (to - from) * radius / side as f64);
+        // From mm² to m².
+        let area = size[0] * size[1] * 1e-6;
+        let at = |axis: usize, i: usize| part[axis][0] * radius + (i as f64 + 0.5) * size[axis];
+        let cell = |i: usize| {
+            let (x, y) = (at(0, i % side), at(1, i / side));
+            if x * x + y * y > radius * radius {
+                return None;
+            }
+            let point: [f64; 3] = std::array::from_fn(|k| middle[k] + x * across[k] + y * up[k]);
+            let (ray, watts) = match distance {
+                None => {
+                    let origin = std::array::from_fn(|k| point[k] + 2.0 * radius * toward[k]);
+                    (Ray { origin, direction: toward.map(|part| -part) }, area)
+                }
+                Some(distance) => {
+                    let origin: [f64; 3] = std::array::from_fn(|k| middle[k] + distance * toward[k]);
+                    let direction: [f64; 3] = std::array::from_fn(|k| point[k] - origin[k]);
+                    // The same intensity everywhere: that of 1 W/m² in the middle.
+                    let watts = area * (distance / dot(direction, direction).sqrt()).powi(3);
+                    (Ray { origin, direction }, watts)
+                }
+            };
+            let (after, left) = path.trace(ray).ok()?;
+            let ([x, y, z], [dx, dy, dz]) = (after.origin, after.direction);
+            // Toward the film.
+            let along = (self.film - z) / dz;
+            (dz < 0.0 && along >= 0.0)
+                .then_some(Landing { point: [x + along * dx, y + along * dy], watts: watts * left })
+        };
+        Spray { side, cells: (0..side * side).map(cell).collect() }
+    }
+}
+
+/// What the light that is reflected four times or more comes to, over the light without a reflection, in a stack of plates with
+/// the reflectances of a lens's surfaces at normal incidence: the whole by the adding formula, T = T1 T2/(1 - R1' R2), less the
+/// light without a reflection and the pairs. An estimate for a lens, of which no light spreads out on its way and leaves past
+/// the film.
+pub fn beyond_pairs(surfaces: &Surfaces, lens: &Lens) -> f64 {
+    let reflectances: Vec<f64> = surfaces
+        .reflecting()
+        .iter()
+        .map(|&surface| {
+            let boundary = surfaces.boundary(surface);
+            boundary.split(lens.surfaces[surface].n_scene, 1.0).reflected.mean()
+        })
+        .collect();
+    let mut whole = [1.0, 0.0];
+    for r in &reflectances {
+        let [t, back] = whole;
+        let below = 1.0 - back * r;
+        // From the film's side: what the surface reflects, and what goes through it, is reflected by those before, and returns.
+        whole = [t * (1.0 - r) / below, r + (1.0 - r).powi(2) * back / below];
+    }
+    let direct: f64 = reflectances.iter().map(|r| 1.0 - r).product();
+    let mut pairs = 0.0;
+    for (i, r) in reflectances.iter().enumerate() {
+        let mut between = 1.0;
+        for other in &reflectances[i + 1..] {
+            pairs += r * other * between;
+            between *= (1.0 - other).powi(2);
+        }
+    }
+    whole[0] / direct - 1.0 - pairs
+}
+
+/// The least and the greatest.
+fn bounds(places: impl Iterator<Item = usize>) -> [usize; 2] {
+    places.fold([usize::MAX, 0], |[least, greatest], place| [least.min(place), greatest.max(place)])
+}
+
+/// Where rays near the axis from infinitely far away meet it behind the last surface of a path from the scene, z in lens space,
+/// mm; `None` where they stay parallel or do not get through.
+pub fn paraxial_focus(path: &Path, front: f64) -> Option<f64> {
+    // As near as leaves half the digits.
+    let height = 1e-6 * front;
+    let ray = Ray { origin: [height, 0.0, front], direction: [0.0, 0.0, -1.0] };
+    let after = path.trace(ray).ok()?;
+    let slope = after.direction[0] / after.direction[2];
+    let focus = after.origin[2] - after.origin[0] / slope;
+    focus.is_finite().then_some(focus)
+}

@@ -1,0 +1,23 @@
+//! What surfaces do to light: transmission by Fresnel's equations and thin films, and ghosts.
+//!
+//! [`split`] is the physics: a stack of films and an angle in, R and T out. [`Surfaces`] has a table of it for each distinct
+//! surface of a lens; [`LitPath`] carries light along a ray of the walk ([`Path`](crate::trace::Path)) with its polarisation.
+//! `docs/light.md` is the room's page.
+
+mod boundary;
+mod coated;
+mod coating;
+mod ghosts;
+mod polarization;
+mod stack;
+mod t_stop;
+mod transmission;
+
+pub use boundary::Boundary;
+pub use coated::{LitPath, Surfaces};
+pub use coating::Coating;
+pub use ghosts::{Ghosts, Lamp, Landing, Pair, Spray, beyond_pairs, paraxial_focus};
+pub use polarization::Light;
+pub use stack::{Layer, Share, Split, split};
+pub use t_stop::axial_transmission;
+pub use transmission::{LaneTransmission, TransmissionFit};

@@ -1,0 +1,75 @@
+//! Light on its way along a ray with its polarisation: the Stokes vector of what began as unpolarised light, carried from
+//! surface to surface (E. Hecht, *Optics*, chapter 8; the frames are those of R. Chipman, "Polarization analysis of optical
+//! systems", *Optical Engineering* 28, 1989).
+//!
+//! With s across the plane of incidence, p = k × s, and c = `a_s a_p*`, a surface makes of (I, Q, U, V)
+//!
+//! I' = m I + d Q, Q' = d I + m Q, U' + i V' = c (U + i V), m and d half the sum and the difference of the shares of s and
+//! p. Between two surfaces Q + i U turns by twice the angle from one plane of incidence to the next.
+//!
+//! For rays in a plane with the axis that is half the sum of the products of all s and all p; the product of the surfaces'
+//! means is not.
+
+use super::stack::Share;
+use crate::numeric::dot;
+
+/// Light along a ray.
+#[derive(Clone, Copy, Debug)]
+pub struct Light {
+    /// What is left of the power, of 1.
+    pub power: f64,
+    q: f64,
+    u: f64,
+    v: f64,
+    /// Across the last plane of incidence, of any length; 0 before there was one.
+    across: [f64; 3],
+}
+
+/// Squared sine of incidence below which there is no plane of incidence to speak of: s and p are the same there to some
+/// digits more.
+const NORMAL: f64 = 1e-24;
+
+impl Light {
+    /// Unpolarised light of power 1.
+    pub const UNPOLARISED: Self = Self { power: 1.0, q: 0.0, u: 0.0, v: 0.0, across: [0.0; 3] };
+
+    /// What a surface leaves of it: a ray along `v`, of any length, that meets a surface with this unit `normal`.
+    #[inline]
+    pub fn meet(&mut self, v: [f64; 3], normal: [f64; 3], share: Share) {
+        let squared = dot(v, v);
+        let across = cross(normal, v);
+        if dot(across, across) > NORMAL * squared {
+            self.turn(across, v, squared);
+        }
+        let Share { s, p, cross: [re, im] } = share;
+        let (m, d) = (f64::midpoint(s, p), (s - p) / 2.0);
+        (self.power, self.q) = (m * self.power + d * self.q, d * self.power + m * self.q);
+        (self.u, self.v) = (re * self.u - im * self.v, im * self.u + re * self.v);
+    }
+
+    /// Counts z the other way from here on, as a path does behind a mirror. p then changes its sign twice: as k × s in the
+    /// turned frame, and as what is reflected by its component along the surface.
+    #[inline]
+    pub fn turn_round(&mut self) {
+        self.across[2] = -self.across[2];
+    }
+
+    /// Counts Q and U from another plane of incidence.
+    #[inline]
+    fn turn(&mut self, across: [f64; 3], v: [f64; 3], squared: f64) {
+        let old = std::mem::replace(&mut self.across, across);
+        // The cosine and the sine of the angle, both times the lengths of the two vectors.
+        let cosine = dot(old, across);
+        let sine = dot(cross(old, across), v) / squared.sqrt();
+        let (cosine_2, sine_2, lengths) =
+            (cosine * cosine - sine * sine, 2.0 * sine * cosine, cosine * cosine + sine * sine);
+        if lengths > 0.0 {
+            let (cosine_2, sine_2) = (cosine_2 / lengths, sine_2 / lengths);
+            (self.q, self.u) = (cosine_2 * self.q + sine_2 * self.u, cosine_2 * self.u - sine_2 * self.q);
+        }
+    }
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}

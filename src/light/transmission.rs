@@ -1,0 +1,311 @@
+//! The transmission of a lens for rays from the film, as a polynomial: what a camera multiplies its weights by. Rays traced
+//! through the lens with their light in; a polynomial of its own measured error out.
+//!
+//! Transmission is a smooth function of a ray, and on a lens of surfaces of revolution one of the ray's three invariants
+//! x·x, x·p and p·p alone (x its place on the film, p its slope about the pupil's centre; see
+//! [`polynomial`](crate::trace::polynomial)). It has none of the high orders that the ray's own way through the lens has: of
+//! the catalogue's lenses total degree 3 to 8 leaves less than 5e-5. At a wavelength per ray, 1/λ is a fourth
+//! variable: the phases of films are proportional to it. The fit minimises relative errors at the rays that get through, and the degree is the least whose largest error at
+//! others of them is below [`GOAL`].
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use super::coated::LitPath;
+use crate::{
+    lens::{film_ray, pupil::SlopeDisk},
+    trace::{
+        Real,
+        kernel::{Compiled, Cpu, Lanes, Portable, Scalar, Simd},
+        polynomial::{LeastSquares, Scaling, exponents, sum},
+    },
+};
+
+/// The largest relative error at which no higher degree is looked for. What is promised is 1e-4: rays between those that are
+/// looked at have a share of the rest.
+const GOAL: f64 = 3e-5;
+/// The highest total degree of polynomials in three variables, and in four.
+const HIGHEST: [usize; 2] = [10, 8];
+/// Radii of film, and slopes across the pupil at each, that polynomials are fitted at.
+const FITTED: [usize; 2] = [14, 26];
+/// The same where each wavelength has its own.
+const FITTED_PER_WAVELENGTH: [usize; 2] = [10, 16];
+/// Those at which they are looked at.
+const CHECKED: [usize; 2] = [11, 21];
+/// Where between two of its neighbours a node of the check lies: no node of the fit does.
+const BETWEEN: f64 = 0.23;
+/// Film radii and slopes at which light is looked for.
+const SCAN: [usize; 2] = [32, 24];
+/// Rays that show where a pupil is.
+const ENOUGH: usize = 16;
+/// Slopes across the cover up to which they are looked for.
+const FINEST: usize = 192;
+
+/// A lens's transmission at one wavelength, or over a range of them.
+#[derive(Clone, Debug)]
+pub struct TransmissionFit {
+    scaling: Scaling,
+    degree: usize,
+    /// The first wavelength and the last, nm, where it is a variable.
+    wavelengths: Option<[f64; 2]>,
+    /// By the exponent of the wavelength, the highest first, and then as [`sum`] reads them.
+    terms: Vec<f64>,
+    error: f64,
+}
+
+/// A ray that gets through, with 1/λ scaled to -1 … 1.
+struct Probe {
+    point: [f64; 2],
+    slopes: [f64; 2],
+    wavelength: f64,
+    transmission: f64,
+}
+
+/// Where light reaches the film, and from which slopes.
+struct Lit {
+    /// The greatest film radius, mm.
+    radius: f64,
+}
+
+impl TransmissionFit {
+    /// That of a path from the film to the scene, for film at z = `film` out to `reach`, mm; `cover` holds the slopes of all
+    /// rays that get through from a film point. `None` where none does.
+    pub fn new(lit: &LitPath, film: f64, reach: f64, cover: impl Fn([f64; 2]) -> SlopeDisk) -> Option<Self> {
+        let light = Lit::of(lit, film, reach, &cover)?;
+        let probes = |counts, between| light.probes(lit, film, 0.0, &cover, counts, between);
+        Self::fit(film, None, &probes(FITTED, 0.5), &probes(CHECKED, BETWEEN))
+    }
+
+    /// The same with a wavelength per ray, in nm within `range`; `at` makes the path and the cover at a wavelength.
+    pub fn spectral<C: Fn([f64; 2]) -> SlopeDisk>(
+        range: [f64; 2],
+        film: f64,
+        reach: f64,
+        at: impl Fn(f64) -> Option<(LitPath, C)>,
+    ) -> Option<Self> {
+        let [from, to] = range.map(f64::recip);
+        let (middle, half) = (f64::midpoint(from, to), (to - from) / 2.0);
+        let (lit, cover) = at(middle.recip())?;
+        let light = Lit::of(&lit, film, reach, &cover)?;
+        let degree = HIGHEST[1];
+        let mut probes = [Vec::new(), Vec::new()];
+        let kinds = [(degree + 2, FITTED_PER_WAVELENGTH, 0.5), (degree - 1, CHECKED, BETWEEN)];
+        for (probes, (count, counts, between)) in probes.iter_mut().zip(kinds) {
+            for k in 0..count {
+                let wavelength = -(PI * (k as f64 + between) / count as f64).cos();
+                let (lit, cover) = at(1.0 / (middle + wavelength * half))?;
+                probes.extend(light.probes(&lit, film, wavelength, &cover, counts, between));
+            }
+        }
+        let [fitted, checked] = probes;
+        Self::fit(film, Some(range), &fitted, &checked)
+    }
+
+    fn fit(film: f64, wavelengths: Option<[f64; 2]>, fitted: &[Probe], checked: &[Probe]) -> Option<Self> {
+        let at: Vec<_> = fitted.iter().map(|probe| (probe.point, probe.slopes)).collect();
+        let scaling = Scaling::of(film, &at);
+        let variables = |probes: &[Probe]| -> Vec<[f64; 4]> {
+            let of = |probe: &Probe| {
+                let (_, _, [u, v, w]) = scaling.variables(probe.point, probe.slopes);
+                [u, v, w, probe.wavelength]
+            };
+            probes.iter().map(of).collect()
+        };
+        let (from, seen) = (variables(fitted), variables(checked));
+        let monomial = |at: &[f64; 4], exponents: &[usize; 4]| -> f64 {
+            (0..4).map(|k| at[k].powi(exponents[k] as i32)).product()
+        };
+        // Each equation over its transmission, so that errors are relative.
+        let mut equations = LeastSquares::new(vec![vec![1.0; fitted.len()]]);
+        let mut columns: Vec<[usize; 4]> = Vec::new();
+        let mut best: Option<Self> = None;
+        for degree in 0..=HIGHEST[usize::from(wavelengths.is_some())] {
+            for column in all_exponents(degree, wavelengths.is_some()) {
+                if column.iter().sum::<usize>() < degree {
+                    continue;
+                }
+                let numbers =
+                    from.iter().zip(fitted).map(|(at, probe)| monomial(at, &column) / probe.transmission);
+                if equations.add(numbers.collect()).is_err() {
+                    return best;
+                }
+                columns.push(column);
+            }
+            let solved = &equations.solve(columns.len())[0];
+            let error = seen.iter().zip(checked).fold(0.0_f64, |most, (at, probe)| {
+                let terms = columns.iter().zip(solved);
+                let value: f64 = terms.map(|(column, term)| term * monomial(at, column)).sum();
+                most.max((value / probe.transmission - 1.0).abs())
+            });
+            if best.as_ref().is_none_or(|best| error < best.error) {
+                let place = |exponents| columns.iter().position(|other| *other == exponents);
+                let terms = all_exponents(degree, wavelengths.is_some()).into_iter();
+                let terms = terms.map(|exponents| solved[place(exponents).expect("a column of this degree")]);
+                best = Some(Self { scaling, degree, wavelengths, terms: terms.collect(), error });
+            }
+            if error < GOAL {
+                break;
+            }
+        }
+        best
+    }
+
+    /// The largest relative error at the rays that it was looked at for, none of which it was fitted to.
+    pub fn error(&self) -> f64 {
+        self.error
+    }
+
+    /// The total degree.
+    pub fn degree(&self) -> usize {
+        self.degree
+    }
+
+    /// For rays in lanes of a precision.
+    pub fn lane_transmission<S: Scalar>(&self) -> LaneTransmission<S> {
+        let [from, to] = self.wavelengths.unwrap_or([1.0, -1.0]).map(f64::recip);
+        LaneTransmission {
+            degree: self.degree,
+            is_spectral: self.wavelengths.is_some(),
+            terms: self.terms.iter().map(|term| [S::from_f64(*term)]).collect(),
+            film_scale: S::from_f64(self.scaling.film_scale),
+            pupil_scale: S::from_f64(self.scaling.pupil_scale),
+            vergence: S::from_f64(self.scaling.vergence),
+            wavelength: [2.0 / (to - from), -(from + to) / (to - from)].map(S::from_f64),
+        }
+    }
+}
+
+/// The exponents of u, v, w and the wavelength up to a total degree, in the order of [`TransmissionFit::terms`].
+fn all_exponents(degree: usize, is_spectral: bool) -> Vec<[usize; 4]> {
+    let powers = (0..=if is_spectral { degree } else { 0 }).rev();
+    powers.flat_map(|l| exponents(degree - l).into_iter().map(move |[i, j, k]| [i, j, k, l])).collect()
+}
+
+impl Lit {
+    fn of(lit: &LitPath, film: f64, reach: f64, cover: &impl Fn([f64; 2]) -> SlopeDisk) -> Option<Self> {
+        let is_lit =
+            |i: &usize| box_of_slopes(lit, film, reach * *i as f64 / SCAN[0] as f64, cover).is_some();
+        let last = (0..=SCAN[0]).rev().find(is_lit)?;
+        Some(Self { radius: reach * (last + 1).min(SCAN[0]) as f64 / SCAN[0] as f64 })
+    }
+
+    /// Rays that get through: from film points on one radius, and of slopes on one side of it, which stand for all.
+    fn probes(
+        &self,
+        lit: &LitPath,
+        film: f64,
+        wavelength: f64,
+        cover: &impl Fn([f64; 2]) -> SlopeDisk,
+        [radii, slopes]: [usize; 2],
+        between: f64,
+    ) -> Vec<Probe> {
+        let mut found = Vec::new();
+        for k in 0..radii {
+            // Closer together toward the edges, as Chebyshev's nodes are.
+            let radius = self.radius * (FRAC_PI_2 * (k as f64 + between) / radii as f64).sin();
+            let Some([low, high, side]) = box_of_slopes(lit, film, radius, cover) else { continue };
+            for i in 0..slopes {
+                let across = -(PI * (i as f64 + between) / slopes as f64).cos();
+                let x = f64::midpoint(low, high) + across * (high - low) / 2.0;
+                for j in 0..slopes / 2 {
+                    let y = side * (PI * (j as f64 + between) / slopes as f64).sin();
+                    if let Ok((_, transmission)) = lit.trace(film_ray([radius, 0.0], film, [x, y]))
+                        && transmission > 0.0
+                    {
+                        found.push(Probe { point: [radius, 0.0], slopes: [x, y], wavelength, transmission });
+                    }
+                }
+            }
+        }
+        found
+    }
+}
+
+/// The least slope along the film's radius, the greatest, and the greatest across it, of rays that get through from a film
+/// radius.
+fn box_of_slopes(
+    lit: &LitPath,
+    film: f64,
+    radius: f64,
+    cover: &impl Fn([f64; 2]) -> SlopeDisk,
+) -> Option<[f64; 3]> {
+    let SlopeDisk { center, radius: wide } = cover([radius, 0.0]);
+    // A pupil may be a small part of the disk that holds it.
+    let mut slopes = SCAN[1];
+    loop {
+        let step = 2.0 * wide / slopes as f64;
+        let mut found: Option<[f64; 3]> = None;
+        let mut passing = 0;
+        for i in 0..slopes {
+            let x = center[0] - wide + (i as f64 + 0.5) * step;
+            for j in 0..slopes / 2 {
+                let y = j as f64 * step;
+                if lit.path().trace(film_ray([radius, 0.0], film, [x, y])).is_ok() {
+                    let [low, high, side] = found.unwrap_or([x, x, y]);
+                    found = Some([low.min(x), high.max(x), side.max(y)]);
+                    passing += 1;
+                }
+            }
+        }
+        if passing >= ENOUGH || slopes >= FINEST {
+            return found.map(|[low, high, side]| [low - step, high + step, side + step]);
+        }
+        slopes *= 2;
+    }
+}
+
+/// [`TransmissionFit`], for lanes of a precision.
+#[derive(Clone, Debug)]
+pub struct LaneTransmission<S> {
+    degree: usize,
+    is_spectral: bool,
+    terms: Vec<[S; 1]>,
+    film_scale: S,
+    pupil_scale: S,
+    vergence: S,
+    /// From 1/nm to -1 … 1: factor and constant.
+    wavelength: [S; 2],
+}
+
+impl<S: Scalar> LaneTransmission<S> {
+    /// Of rays from these film points, mm, with these slopes. The wavelengths, nm, are asked where it depends on them.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn lanes<L: Lanes<Scalar = S>>(
+        &self,
+        cpu: Cpu<L>,
+        [x, y]: [L; 2],
+        [sx, sy]: [L; 2],
+        wavelengths: L,
+    ) -> L {
+        let one = L::splat(cpu, S::ONE);
+        let two = one + one;
+        let (vergence, scale) = (L::splat(cpu, self.vergence), L::splat(cpu, self.pupil_scale));
+        let (px, py) = (vergence.mul_add(x, sx) * scale, vergence.mul_add(y, sy) * scale);
+        let scale = L::splat(cpu, self.film_scale);
+        let (x, y) = (x * scale, y * scale);
+        let u = two.mul_sub(y.mul_add(y, x * x), one);
+        let v = y.mul_add(py, x * px);
+        let w = two.mul_sub(py.mul_add(py, px * px), one);
+        if !self.is_spectral {
+            let [value] = sum(cpu, &self.terms, self.degree, [u, v, w]);
+            return share(cpu, value);
+        }
+        let [factor, constant] = self.wavelength.map(|number| L::splat(cpu, number));
+        let at = factor.mul_add(one / wavelengths, constant);
+        let mut whole = L::splat(cpu, S::ZERO);
+        let mut done = 0;
+        for l in (0..=self.degree).rev() {
+            let degree = self.degree - l;
+            let count = (degree + 1) * (degree + 2) * (degree + 3) / 6;
+            let [value] = sum(cpu, &self.terms[done..done + count], degree, [u, v, w]);
+            whole = whole.mul_add(at, value);
+            done += count;
+        }
+        share(cpu, whole)
+    }
+}
+
+/// Far outside the film, where polynomials mean nothing, they still are a share.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn share<L: Lanes>(cpu: Cpu<L>, value: L) -> L {
+    value.larger(L::splat(cpu, L::Scalar::ZERO)).smaller(L::splat(cpu, L::Scalar::ONE))
+}

@@ -1,0 +1,118 @@
+//! A camera's weights against the product of its lens's surfaces, along the rays that it makes.
+
+use super::super::support::Random;
+use realistic::unstable::{
+    lens::{Lens, Ray, refraction::Refraction},
+    light::{Coating, LitPath, Surfaces},
+    prescription::catalogue,
+    trace::Path,
+};
+use realistic::{Camera, Sample, Transmission, Weighting};
+
+/// The share of a ray's light that a lens at a wavelength leaves, by the exact product along the ray that a camera made.
+fn exact(lens: &Lens, coating: Coating, origin: [f32; 3], direction: [f32; 3]) -> Option<f64> {
+    let lit = LitPath::new(Path::scene_to_film(lens), &Surfaces::new(lens, coating));
+    let (o, d) = (origin.map(f64::from), direction.map(f64::from));
+    let back = Ray { origin: std::array::from_fn(|k| o[k] + d[k]), direction: d.map(|x| -x) };
+    lit.trace_exactly(back).ok().map(|(_, power)| power)
+}
+
+fn samples(count: usize) -> Vec<Sample> {
+    let mut random = Random::new(23);
+    let mut next = |most: f64| (most * random.next()) as f32;
+    (0..count)
+        .map(|_| Sample {
+            image_x: next(60.0),
+            image_y: next(40.0),
+            lens_u: next(1.0),
+            lens_v: next(1.0),
+            time: 0.5,
+        })
+        .collect()
+}
+
+#[test]
+fn a_cameras_weights_are_those_of_a_lossless_lens_times_the_exact_product() {
+    for name in ["dgauss.50mm", "sonnar.50mm", "fisheye.10mm", "zoom.24-70mm", "retrofocus.20mm"] {
+        for (transmission, coating) in
+            [(Transmission::Bare, Coating::Bare), (Transmission::QuarterWave, Coating::QuarterWave)]
+        {
+            let builder = Camera::builder().specfile(name).filmdiag(30.0).resolution(60, 40);
+            let plain = builder.clone().build().expect("a camera");
+            let camera = builder.transmission(transmission).build().expect("a camera");
+            let lens = &camera.facts().expect("a lens").lens;
+            let (mut most, mut count): (f64, u32) = (0.0, 0);
+            for sample in samples(1500) {
+                let (lossless, lossy) = (plain.ray(&sample), camera.ray(&sample));
+                let (Some((ray, whole)), Some((same, left))) = (lossless, lossy) else {
+                    assert_eq!(lossless.is_some(), lossy.is_some(), "{name}");
+                    continue;
+                };
+                assert_eq!(ray, same);
+                let Some(exact) = exact(lens, coating, ray.origin, ray.direction) else { continue };
+                most = most.max((f64::from(left / whole) / exact - 1.0).abs());
+                count += 1;
+            }
+            assert!(count > 300 && most < 1e-4, "{name} {coating:?}: {most} of {count}");
+        }
+    }
+}
+
+#[test]
+fn weights_at_wavelengths_are_times_the_product_at_each() {
+    for name in ["dgauss.50mm", "planar.50mm", "tele.135mm"] {
+        let prescription = catalogue::find(name).expect("in the catalogue");
+        for (transmission, coating) in
+            [(Transmission::Bare, Coating::Bare), (Transmission::QuarterWave, Coating::QuarterWave)]
+        {
+            let builder = Camera::builder().specfile(name).filmdiag(30.0).resolution(60, 40);
+            let plain = builder.clone().build().expect("a camera");
+            let camera = builder.transmission(transmission).build().expect("a camera");
+            let (mut most, mut count): (f64, u32) = (0.0, 0);
+            for (i, sample) in samples(600).iter().enumerate() {
+                let wavelength = 390.0 + (i % 39) as f32 * 10.0;
+                let (Some((ray, whole)), Some((_, left))) =
+                    (plain.ray_at(sample, wavelength), camera.ray_at(sample, wavelength))
+                else {
+                    continue;
+                };
+                let lens = Lens::new(&prescription, wavelength.into());
+                let Some(exact) = exact(&lens, coating, ray.origin, ray.direction) else { continue };
+                most = most.max((f64::from(left / whole) / exact - 1.0).abs());
+                count += 1;
+            }
+            assert!(count > 200 && most < 1e-4, "{name} {coating:?}: {most} of {count}");
+        }
+    }
+}
+
+#[test]
+fn a_walked_lens_and_a_fitted_one_have_the_same_transmission() {
+    let builder =
+        Camera::builder().specfile("dgauss.50mm").transmission(Transmission::Bare).resolution(60, 40);
+    let camera = builder.clone().build().expect("a camera");
+    let others = [builder.clone().refraction(Refraction::Heckbert), builder.tolerance(0.5)];
+    for other in others.map(|other| other.build().expect("a camera")) {
+        let mut both = 0;
+        for sample in samples(400) {
+            if let (Some((_, weight)), Some((_, other))) = (camera.ray(&sample), other.ray(&sample)) {
+                assert!((other / weight - 1.0).abs() < 1e-5, "{other} {weight}");
+                both += 1;
+            }
+        }
+        assert!(both > 300);
+    }
+}
+
+#[test]
+fn without_rays_that_weigh_anything_transmission_warns_that_it_changes_nothing() {
+    let mut said = String::new();
+    Camera::builder()
+        .specfile("dgauss.50mm")
+        .transmission(Transmission::Bare)
+        .weighting(Weighting::None)
+        .resolution(6, 4)
+        .build_with_log(&mut |_, text| said += text)
+        .expect("a camera");
+    assert!(said.contains("\"transmission\" changes nothing"), "{said}");
+}

@@ -1,0 +1,140 @@
+//! Paths with two reflections: against explicit reflection, a closed form, and from both ends.
+
+use super::{
+    super::support::{Random, lens},
+    FILM, near, oracle, rays,
+};
+use realistic::unstable::{
+    lens::{Lens, Ray, refraction::Refraction},
+    light::{Coating, LitPath, Surfaces},
+    trace::{Direction, Path},
+};
+
+#[test]
+fn a_thin_lenss_ghost_is_in_focus_at_f_times_n_minus_1_over_3_n_minus_1() {
+    for n in [1.5, 1.7] {
+        let text = format!("100 1e-6 {n} 10\n-100 0 1 10\n");
+        let thin = Lens::at_d_line(&realistic::read("thin", text.as_bytes()).expect("a lens"));
+        let ghost = Path::<f64>::reflected(&thin, Direction::SceneToFilm, Refraction::Fused, [0, 1]);
+        let height = 1e-3;
+        let ray = Ray { origin: [height, 0.0, 5.0], direction: [0.0, 0.0, -1.0] };
+        let after = ghost.trace(ray).expect("passes");
+        let focus = after.origin[2] - after.origin[0] * after.direction[2] / after.direction[0];
+        let f = 50.0 / (n - 1.0);
+        near(-focus, f * (n - 1.0) / (3.0 * n - 1.0), 1e-5);
+    }
+}
+
+#[test]
+fn ghosts_are_what_explicit_reflection_makes_of_them() {
+    let mut most: f64 = 0.0;
+    let mut count = 0;
+    for name in ["dgauss.50mm", "wide.22mm"] {
+        let lens = lens(name);
+        let surfaces = Surfaces::new(&lens, Coating::QuarterWave);
+        let all = surfaces.reflecting();
+        for (at, near) in all.iter().enumerate() {
+            for far in &all[at + 1..] {
+                let turns = [*near, *far];
+                let path = Path::reflected(&lens, Direction::SceneToFilm, Refraction::Fused, turns);
+                let lit = LitPath::new(path, &surfaces);
+                // The film sees it by the path with the surfaces counted from there.
+                let last = lens.surfaces.len() - 1;
+                let back = Path::reflected(
+                    &lens,
+                    Direction::FilmToScene,
+                    Refraction::Fused,
+                    [last - far, last - near],
+                );
+                let back = LitPath::new(back, &surfaces);
+                for ray in rays(&lens, 300, 11) {
+                    let found = lit.trace_exactly(ray).ok().filter(|(ray, _)| ray.direction[2] < 0.0);
+                    let other = oracle::trace(&lens, Some(FILM), Some(turns), ray.origin, ray.direction);
+                    let (Some((after, power)), Some((expected, place, way))) = (found, other) else {
+                        continue;
+                    };
+                    count += 1;
+                    let size = lens.front().semi_diameter;
+                    for k in 0..3 {
+                        assert!((after.origin[k] - place[k]).abs() < 1e-9 * size, "{name} {turns:?}");
+                        assert!((after.direction[k] - way[k]).abs() < 1e-9, "{name} {turns:?}");
+                    }
+                    assert!((power / expected - 1.0).abs() < 1e-8, "{name} {turns:?}: {power} {expected}");
+                    let turned = Ray {
+                        origin: std::array::from_fn(|k| after.origin[k] + after.direction[k]),
+                        direction: after.direction.map(|x| -x),
+                    };
+                    if let Ok((_, again)) = back.trace_exactly(turned) {
+                        most = most.max((again / power - 1.0).abs());
+                    }
+                }
+            }
+        }
+    }
+    assert!(count > 3000, "{count}");
+    assert!(most < 1e-8, "from the film and from the light: {most}");
+}
+
+#[test]
+fn an_even_skys_ghosts_have_the_same_flux_from_the_film_and_from_the_light() {
+    // The measure cos⁴ dA d(slope)² is a ray's on either side (étendue), and the radiance of a sky is 1.
+    let lens = lens("dgauss.50mm");
+    let surfaces = Surfaces::new(&lens, Coating::Bare);
+    let (film, spot) = (lens.rear().vertex - 36.0, 8.0);
+    let (front, rear) = (lens.front().semi_diameter, lens.rear().semi_diameter);
+    let last = lens.surfaces.len() - 1;
+    for [near, far] in [[6, 8], [3, 7], [9, 10]] {
+        let path = |direction, turns| {
+            LitPath::new(Path::reflected(&lens, direction, Refraction::Fused, turns), &surfaces)
+        };
+        let from_light = path(Direction::SceneToFilm, [near, far]);
+        let from_film = path(Direction::FilmToScene, [last - far, last - near]);
+        let mut random = Random::new(5);
+        let mut disk = |radius: f64| loop {
+            let [x, y] = [random.signed(), random.signed()];
+            if x * x + y * y <= 1.0 {
+                return [radius * x, radius * y];
+            }
+        };
+        let area = |radius: f64| std::f64::consts::PI * radius * radius;
+        let cos4 = |[x, y]: [f64; 2]| (1.0 + x * x + y * y).powi(-2);
+        let estimate = |count: u32, whole: f64, one: &mut dyn FnMut() -> f64| {
+            let (sum, squares) = (0..count).fold((0.0, 0.0), |(sum, squares), _| {
+                let value = one();
+                (sum + value, squares + value * value)
+            });
+            let mean = sum / f64::from(count);
+            [whole * mean, whole * ((squares / f64::from(count) - mean * mean) / f64::from(count)).sqrt()]
+        };
+        // Rays that cross a disk before the lens at up to 31 degrees.
+        let (reach, steepest) = (1.2 * front, 0.6);
+        let light = estimate(400_000, area(reach) * area(steepest), &mut || {
+            let (at, slopes) = (disk(reach), disk(steepest));
+            let direction = [slopes[0], slopes[1], -1.0];
+            let Ok((ray, left)) = from_light.trace(Ray { origin: [at[0], at[1], 0.0], direction }) else {
+                return 0.0;
+            };
+            let ([x, y, z], [dx, dy, dz]) = (ray.origin, ray.direction);
+            let along = (film - z) / dz;
+            let lands = dz < 0.0 && (x + along * dx).hypot(y + along * dy) <= spot;
+            if lands { cos4(slopes) * left } else { 0.0 }
+        });
+        // The rear vertex plane's part through which all rays from the spot go.
+        let wide = 1.2 * rear;
+        let sky = estimate(400_000, area(spot) * area(wide) / 36.0_f64.powi(2), &mut || {
+            let (at, to) = (disk(spot), disk(wide));
+            let slopes = [0, 1].map(|axis| (to[axis] - at[axis]) / 36.0);
+            let found =
+                from_film.trace(Ray { origin: [at[0], at[1], film], direction: [slopes[0], slopes[1], 1.0] });
+            let arrives = |(ray, left): (Ray, f64)| {
+                let ([x, y, z], [dx, dy, dz]) = (ray.origin, ray.direction);
+                let crosses = (x - z * dx / dz).hypot(y - z * dy / dz) <= reach;
+                (dz > 0.0 && dx.hypot(dy) <= steepest * dz && crosses).then_some(left)
+            };
+            found.ok().and_then(arrives).map_or(0.0, |left| cos4(slopes) * left)
+        });
+        let error = light[1].hypot(sky[1]);
+        assert!((light[0] - sky[0]).abs() < 4.0 * error, "{near} {far}: {light:?} {sky:?}");
+        assert!(error < 0.05 * sky[0], "{near} {far}: {light:?} {sky:?}");
+    }
+}

@@ -1,0 +1,169 @@
+//! What surfaces do to light: films against closed forms, light along rays against another way to trace it, and a camera's
+//! weights against the product of its surfaces.
+
+mod camera;
+mod ghosts;
+mod oracle;
+
+use super::support::{Random, lens};
+use realistic::unstable::{
+    lens::{Lens, Ray, refraction::Refraction},
+    light::{Boundary, Coating, Layer, LitPath, Surfaces, beyond_pairs, split},
+    trace::{Direction, Path},
+};
+
+const GLASS: f64 = 1.5168;
+/// 1.38 of MgF2, and a quarter of 550 nm in it.
+const FILM: (f64, f64) = (1.38, 550.0 / 4.0 / 1.38);
+
+fn near(a: f64, b: f64, within: f64) {
+    assert!((a - b).abs() <= within, "{a} is not {b} within {within}");
+}
+
+#[test]
+fn bare_and_quarter_wave_surfaces_reflect_what_closed_forms_say() {
+    let reflectance =
+        |coating: Coating, n: f64| split(&coating.layers([1.0, n]), [1.0, n], 1.0, 550.0).reflected.mean();
+    for n in [GLASS, 1.52, 1.785, 1.9044] {
+        near(reflectance(Coating::Bare, n), ((n - 1.0) / (n + 1.0)).powi(2), 1e-12);
+        let square = 1.38_f64.powi(2);
+        near(reflectance(Coating::QuarterWave, n), ((n - square) / (n + square)).powi(2), 1e-12);
+    }
+    // A half wave is not there; the quarters beside it then make n (1.38/1.63)² of the glass.
+    let n = GLASS * (1.38_f64 / 1.63).powi(2);
+    near(reflectance(Coating::ThreeLayer, GLASS), ((1.0 - n) / (1.0 + n)).powi(2), 1e-12);
+    // As in H. A. Macleod's tables, computed elsewhere to four digits.
+    let at = |wavelength| split(&Coating::ThreeLayer.layers([1.0, GLASS]), [1.0, GLASS], 1.0, wavelength);
+    for (wavelength, per_cent) in
+        [(420.0, 1.53), (450.0, 0.207), (500.0, 0.084), (600.0, 0.107), (650.0, 0.031)]
+    {
+        near(100.0 * at(wavelength).reflected.mean(), per_cent, 0.005);
+    }
+}
+
+#[test]
+fn at_brewsters_angle_none_of_p_is_reflected() {
+    let brewster = GLASS.atan();
+    let found = split(&[], [1.0, GLASS], brewster.cos(), 550.0);
+    assert!(found.reflected.p < 1e-30 && found.reflected.s > 0.1);
+    near(found.transmitted.p, 1.0, 1e-12);
+}
+
+#[test]
+fn what_is_not_reflected_is_transmitted_alike_from_both_sides_and_films_are_airys() {
+    let mut random = Random::new(7);
+    for _ in 0..2000 {
+        let [n, behind, index] = [(); 3].map(|()| 1.0 + random.next());
+        let (cosine, wavelength) = (0.02 + 0.98 * random.next(), 400.0 + 300.0 * random.next());
+        let layer = Layer { index, thickness: 400.0 * random.next() };
+        let there = split(&[layer], [n, behind], cosine, wavelength);
+        for (r, t) in [(there.reflected.s, there.transmitted.s), (there.reflected.p, there.transmitted.p)] {
+            near(r + t, 1.0, 1e-12);
+        }
+        let (inside, square) = (n / index, 1.0 - (n / behind).powi(2) * (1.0 - cosine * cosine));
+        if square <= 0.0 {
+            assert!(there.transmitted.mean() == 0.0, "total reflection");
+            continue;
+        }
+        let back = split(&[layer], [behind, n], square.sqrt(), wavelength);
+        for (a, b) in [(there.reflected, back.reflected), (there.transmitted, back.transmitted)] {
+            near(a.s, b.s, 1e-12);
+            near(a.p, b.p, 1e-12);
+        }
+        if inside * inside * (1.0 - cosine * cosine) < 1.0 {
+            let of = |p| oracle::amplitudes(n, Some((index, layer.thickness)), behind, cosine, wavelength, p);
+            near(there.reflected.s, of(false)[0].square(), 1e-12);
+            near(there.reflected.p, of(true)[0].square(), 1e-12);
+        }
+    }
+}
+
+#[test]
+fn flat_plates_one_after_the_other_are_the_adding_formula() {
+    // Two surfaces, all orders summed without interference: T = T1 T2/(1 - R1 R2) and R = R1 + T1² R2/(1 - R1 R2), which
+    // for m equal surfaces is T = (1 - R)/(1 + (m - 1) R). Direct light and the pairs are its first two terms.
+    let [r, m] = [split(&[], [1.0, GLASS], 1.0, 550.0).reflected.mean(), 6.0];
+    let plate = "0 1 1.5168 30\n0 1 1 30\n".repeat(2) + "0 1 1.5168 30\n0 0 1 30\n";
+    let flat = Lens::at_d_line(&realistic::read("flat", plate.as_bytes()).expect("a lens"));
+    let surfaces = Surfaces::new(&flat, Coating::Bare);
+    let axial = Ray { origin: [0.0, 0.0, 5.0], direction: [0.0, 0.0, -1.0] };
+    let direct = LitPath::new(Path::scene_to_film(&flat), &surfaces).trace_exactly(axial).expect("passes").1;
+    near(direct, (1.0 - r).powi(6), 1e-12);
+    let all = surfaces.reflecting();
+    assert_eq!(all, [0, 1, 2, 3, 4, 5]);
+    let mut two = 0.0;
+    for (at, near) in all.iter().enumerate() {
+        for far in &all[at + 1..] {
+            let path = Path::reflected(&flat, Direction::SceneToFilm, Refraction::Fused, [*near, *far]);
+            two += LitPath::new(path, &surfaces).trace_exactly(axial).expect("passes").1;
+        }
+    }
+    // What is left are the orders from four reflections on.
+    let left = (1.0 - r) / (1.0 + (m - 1.0) * r) - direct - two;
+    near(left / direct, beyond_pairs(&surfaces, &flat), 1e-12);
+    let adding = |(t1, r1): (f64, f64)| {
+        let below = 1.0 - r1 * r;
+        (t1 * (1.0 - r) / below, r + (1.0 - r).powi(2) * r1 / below)
+    };
+    let (t, _) = (1..6).fold((1.0 - r, r), |stack, _| adding(stack));
+    near(t, (1.0 - r) / (1.0 + (m - 1.0) * r), 1e-12);
+}
+
+/// Rays toward the front of a lens.
+fn rays(lens: &Lens, count: usize, seed: u64) -> Vec<Ray> {
+    let mut random = Random::new(seed);
+    let mut between = |a: f64| a * (2.0 * random.next() - 1.0);
+    let front = lens.front().semi_diameter;
+    let ray = |_| {
+        let (x, y) = (between(front), between(front));
+        let (u, v) = (between(0.25), between(0.25));
+        let w = (1.0 - u * u - v * v).sqrt();
+        // From 20 mm before the front vertex plane.
+        Ray { origin: [x - 20.0 * u / w, y - 20.0 * v / w, 20.0], direction: [u, v, -w] }
+    };
+    (0..count).map(ray).collect()
+}
+
+#[test]
+fn light_along_rays_is_what_another_way_makes_of_it() {
+    for name in ["dgauss.50mm", "fisheye.10mm", "wide.22mm"] {
+        let lens = lens(name);
+        for (coating, film) in [(Coating::Bare, None), (Coating::QuarterWave, Some(FILM))] {
+            let lit = LitPath::new(Path::scene_to_film(&lens), &Surfaces::new(&lens, coating));
+            let mut passed = 0;
+            for ray in rays(&lens, 20_000, 3) {
+                let Ok((_, exact)) = lit.trace_exactly(ray) else { continue };
+                let Some((other, ..)) = oracle::trace(&lens, film, None, ray.origin, ray.direction) else {
+                    continue;
+                };
+                passed += 1;
+                assert!((exact / other - 1.0).abs() < 1e-12, "{name}: {exact} {other}");
+                let tabulated = lit.trace(ray).expect("as before").1;
+                assert!((tabulated / exact - 1.0).abs() < 1e-5, "{name}: {tabulated} {exact}");
+            }
+            assert!(passed > 40, "{name}: {passed}");
+        }
+    }
+}
+
+#[test]
+fn tables_are_their_surfaces_on_both_sides() {
+    for coating in [Coating::Bare, Coating::QuarterWave, Coating::ThreeLayer] {
+        for n in [1.45, 1.9] {
+            let boundary = Boundary::new([1.0, n], &coating.layers([1.0, n]), 480.0);
+            for side in [1.0, n] {
+                for i in 1..1000 {
+                    let cosine = f64::from(i) / 1000.0;
+                    let (table, exact) = (boundary.split(side, cosine), boundary.computed(side, cosine));
+                    for (a, b) in [(table.reflected, exact.reflected), (table.transmitted, exact.transmitted)]
+                    {
+                        near(a.s, b.s, 3e-6);
+                        near(a.p, b.p, 3e-6);
+                        near(a.cross[0], b.cross[0], 3e-6);
+                        near(a.cross[1], b.cross[1], 3e-6);
+                    }
+                }
+            }
+        }
+    }
+}
