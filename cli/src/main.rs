@@ -18,7 +18,7 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use commands::pictures::{focus_stack, merge, render};
 use commands::{
-    blender, convert, disks, draw, focus, install, lens, plan, pupil, refractions, report, trace,
+    blender, convert, disks, draw, flare, focus, install, lens, plan, pupil, refractions, report, trace,
 };
 use failure::Failure;
 use realistic::unstable::prescription::catalogue;
@@ -62,6 +62,8 @@ enum Command {
     Draw(draw::Args),
     /// Trace rays: one per line on standard input, one per line on standard output
     Trace(trace::Args),
+    /// Show the ghosts of a lamp: light that two surfaces of the lens reflect
+    Flare(flare::Args),
     /// Find the film distance for an object distance, and the depth of field
     Focus(focus::Args),
     /// Show the true pupil of a film point
@@ -150,6 +152,7 @@ fn main() -> ExitCode {
         Some(Command::Export(args)) => commands::export::run(args),
         Some(Command::Draw(args)) => draw::run(args),
         Some(Command::Trace(args)) => trace::run(args),
+        Some(Command::Flare(args)) => flare::run(args),
         Some(Command::Focus(args)) => focus::run(args),
         Some(Command::Pupil(args)) => pupil::run(args),
         Some(Command::Plan(args)) => plan::run(args),

@@ -15,7 +15,7 @@ use crate::{
     lens::{film_ray, pupil::SlopeDisk},
     trace::{
         Real,
-        kernel::{Compiled, Cpu, Lanes, Portable, Scalar, Simd},
+        kernel::{Cpu, Lanes, Scalar},
         polynomial::{LeastSquares, Scaling, exponents, sum},
     },
 };

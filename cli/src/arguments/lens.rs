@@ -7,11 +7,11 @@ use crate::console::{note, warn};
 use crate::failure::Failure;
 use clap::{ArgMatches, Command};
 use realistic::unstable::camera::{
-    Host, Level, PARAMETERS, Parameters, Raster, film_distance, group_reach, open_lens,
+    Host, Level, PARAMETERS, Parameters, Raster, blades, film_distance, group_reach, open_lens,
 };
 use realistic::unstable::imaging::focus::Conjugates;
 use realistic::unstable::lens::{Lens, open::StopSize};
-use realistic::unstable::prescription::{MAX_FILE_BYTES, Prescription};
+use realistic::unstable::prescription::{Blades, MAX_FILE_BYTES, Prescription};
 use std::io::{self, Read as _};
 use std::sync::OnceLock;
 
@@ -201,6 +201,15 @@ impl LensChoice {
         self.open_with(&OF_A_LENS)
     }
 
+    /// [`LensChoice::open`] for commands that see the shape of the stop, and take parameters of its blades.
+    ///
+    /// # Errors
+    /// As [`open_lens`].
+    pub fn open_with_blades(&self) -> Result<OpenedLens, Failure> {
+        let of_blades = ["blades", "bladerotation", "bladecurvature"];
+        self.open_with(&[&OF_A_LENS[..], &of_blades].concat())
+    }
+
     /// Finds the lens and leaves it as its file has it.
     ///
     /// # Errors
@@ -246,6 +255,14 @@ impl OpenedLens {
     pub fn is_placed(&self) -> bool {
         let Parameters { filmdistance, focusdistance, focusby, .. } = &self.parameters;
         filmdistance.is_some() || focusdistance.is_some() || focusby.is_some()
+    }
+
+    /// The blades in its stop, if that is not round.
+    ///
+    /// # Errors
+    /// As [`blades`].
+    pub fn blades(&self) -> Result<Option<Blades>, Failure> {
+        Ok(blades(&self.parameters, &self.prescription)?)
     }
 
     /// Last vertex to film, mm.

@@ -17,6 +17,9 @@ pub struct Args {
     /// Rays per bundle, spread over the beam that gets through and a little beyond
     #[arg(long, value_name = "N", default_value_t = 11, allow_negative_numbers = true, value_parser = whole(1_u32, 999))]
     rays: u32,
+    /// Draw the light that two surfaces reflect, counted from 1 at the scene side, in the place of the image's
+    #[arg(long, value_name = "I,J", value_parser = pair)]
+    ghost: Option<[usize; 2]>,
     /// Drawing to write, .svg or .png; - for an .svg on standard output [default: the lens's name with .svg]
     #[arg(short, long, value_name = "FILE", value_parser = picture::path)]
     out: Option<PathBuf>,
@@ -29,7 +32,10 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let opened = args.lens.open()?;
     let diagonal = opened.film_diagonal();
-    let page = match at_all_positions(args, &opened, diagonal) {
+    if let Some([near, far]) = args.ghost {
+        check_pair(&opened.lens, [near, far])?;
+    }
+    let page = match at_all_positions(args, &opened, diagonal).filter(|_| args.ghost.is_none()) {
         Some(page) => page,
         None => at_one(args, &opened, diagonal)?,
     };
@@ -39,6 +45,35 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     });
     picture::write(&page, &out)?;
     Ok(console::report(&format!("{}\n", out.display()), &out)?)
+}
+
+/// Two surfaces of a flag, the one nearer the scene first.
+fn pair(text: &str) -> Result<[usize; 2], String> {
+    let numbers: Option<Vec<usize>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[a, b]) if a > 0 && b > 0 && a != b => Ok([a.min(b), a.max(b)]),
+        _ => {
+            Err("write the numbers of two surfaces, counted from 1 at the scene side, such as 2,7".to_owned())
+        }
+    }
+}
+
+/// Whether a lens has these surfaces, and they reflect.
+fn check_pair(lens: &Lens, pair: [usize; 2]) -> Result<(), Failure> {
+    for number in pair {
+        let Some(surface) = lens.surfaces.get(number - 1) else {
+            let surfaces = lens.surfaces.len();
+            return Err(Failure::Usage(format!(
+                "--ghost: there is no surface {number}; the lens has {surfaces}"
+            )));
+        };
+        if surface.n_scene == surface.n_film {
+            return Err(Failure::Usage(format!(
+                "--ghost: surface {number} has one medium on both sides and reflects nothing; give two others"
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// The lens as it is asked for.
@@ -54,6 +89,8 @@ fn at_one(args: &Args, opened: &OpenedLens, diagonal: f64) -> Result<Page, Failu
         film_distance,
         film_diagonal: diagonal,
         rays: args.rays,
+        // From 1 to from 0.
+        ghost: args.ghost.map(|pair| pair.map(|surface| surface - 1)),
     };
     Ok(section::draw(lens, &scene))
 }

@@ -5,6 +5,7 @@ pub mod convert;
 pub mod disks;
 pub mod draw;
 pub mod export;
+pub mod flare;
 pub mod focus;
 pub mod install;
 pub mod lens;

@@ -2,11 +2,12 @@
 //!
 //! [`view`] maps millimetres to the page, [`axis`] numbers to a logarithmic scale, [`shapes`] has its lines, areas and texts, [`labels`] keeps texts
 //! apart, [`picture`] writes the file; [`section`], [`positions`], [`catalogue`], [`outline`] and [`depth`] are the
-//! drawings, [`glass`], [`rays`] and [`marks`] parts of the first three.
+//! drawings, [`glass`], [`rays`], [`ghost`] and [`marks`] parts of the first three.
 
 pub mod axis;
 pub mod catalogue;
 pub mod depth;
+pub mod ghost;
 pub mod glass;
 pub mod labels;
 pub mod marks;

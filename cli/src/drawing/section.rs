@@ -1,5 +1,6 @@
 //! The cross-section of a lens: light comes from the left, the film stands at the right.
 
+use super::ghost::{self, Pair};
 use super::labels::spread;
 use super::marks::{self, Form, Mark};
 use super::rays::{Rays, TracedRay};
@@ -24,6 +25,8 @@ pub struct Scene<'a> {
     pub film_diagonal: f64,
     /// Rays per bundle.
     pub rays: u32,
+    /// The surfaces of a ghost, whose rays are drawn instead of the image's.
+    pub ghost: Option<Pair>,
 }
 
 /// Of the page.
@@ -50,7 +53,16 @@ pub fn draw(lens: &Lens, scene: &Scene<'_>) -> Page {
 
     body(&mut page, &view, lens);
     let half = scene.film_diagonal / 2.0;
-    let legend = bundles(&mut page, &view, &Rays::new(lens, film), half, scene.rays);
+    let legend = match scene.ghost {
+        None => bundles(&mut page, &view, &Rays::new(lens, film), half, scene.rays),
+        Some(pair) => {
+            let traced = ghost::rays(lens, film, pair, scene.rays);
+            lines(&mut page, &view, traced, COLORS[2]);
+            let [near, far] = pair.map(|surface| surface + 1);
+            let name = format!("reflected at surface {far}, and then {near}, light along the axis");
+            vec![(name, Stroke::new(COLORS[2], 2.0))]
+        }
+    };
     film_line(&mut page, &view, film, half);
     name_marks(&mut page, &view, lens, film, half, &marks);
     footer(&mut page, &view, legend);
@@ -164,16 +176,20 @@ pub(super) fn bundles(
         (0.7 * outer, COLORS[1], format!("film at {} mm", fixed(0.7 * outer, 1))),
         (outer, COLORS[2], format!("film at {}{name}", fixed(outer, 1))),
     ] {
-        let mut traced = rays.bundle(height, count);
-        // Blocked ones first, so that they lie under the others.
-        traced.sort_by_key(|ray| ray.onward.is_some());
-        for ray in &traced {
-            let opacity = if ray.onward.is_some() { 1.0 } else { BLOCKED };
-            page.line(on_page(view, ray), Stroke::new(color, 1.1).faded(opacity));
-        }
+        lines(page, view, rays.bundle(height, count), color);
         legend.push((name, Stroke::new(color, 2.0)));
     }
     legend
+}
+
+/// Draws rays of one colour.
+fn lines(page: &mut Page, view: &View, mut traced: Vec<TracedRay>, color: &'static str) {
+    // Blocked ones first, so that they lie under the others.
+    traced.sort_by_key(|ray| ray.onward.is_some());
+    for ray in &traced {
+        let opacity = if ray.onward.is_some() { 1.0 } else { BLOCKED };
+        page.line(on_page(view, ray), Stroke::new(color, 1.1).faded(opacity));
+    }
 }
 
 fn on_page(view: &View, ray: &TracedRay) -> Vec<[f64; 2]> {
@@ -287,7 +303,13 @@ mod tests {
 
     fn drawn(table: &str) -> String {
         let lens = Lens::at_d_line(&read("t", table.as_bytes()).unwrap());
-        let scene = Scene { title: Some("a <b> & c"), film_distance: 20.0, film_diagonal: 10.0, rays: 5 };
+        let scene = Scene {
+            title: Some("a <b> & c"),
+            film_distance: 20.0,
+            film_diagonal: 10.0,
+            rays: 5,
+            ghost: None,
+        };
         draw(&lens, &scene).to_string()
     }
 
@@ -297,8 +319,13 @@ mod tests {
             let lens = Lens::at_d_line(&catalogue::find(name).unwrap());
             let optics = FirstOrder::of(&lens).unwrap();
             let film_diagonal = if optics.focal_length < 5.0 { 5.0 } else { 35.0 };
-            let scene =
-                Scene { title: None, film_distance: optics.back_focal_distance(), film_diagonal, rays: 7 };
+            let scene = Scene {
+                title: None,
+                film_distance: optics.back_focal_distance(),
+                film_diagonal,
+                rays: 7,
+                ghost: None,
+            };
             let text = draw(&lens, &scene).to_string();
             for part in
                 ["entrance pupil", "exit pupil", "stop", "film", "lighter: blocked", COLORS[0], COLORS[2]]

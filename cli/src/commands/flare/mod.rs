@@ -1,0 +1,284 @@
+//! `realistic flare`: the ghosts of a lamp on film, in W/m² per W/m², and which surfaces make them.
+
+mod splat;
+mod table;
+
+use self::{
+    splat::Target,
+    table::{Ghost, Table},
+};
+use crate::{
+    arguments::{FilmSize, LensChoice, OpenedLens, whole},
+    console,
+    failure::Failure,
+    host::render::spectrum,
+    image::{Format, Picture},
+};
+use glam::Vec3;
+use rayon::prelude::*;
+use realistic::unstable::{
+    camera::CameraError,
+    lens::Lens,
+    light::{Coating, Ghosts, Lamp, Pair, Surfaces, beyond_pairs, paraxial_focus},
+    prescription::Blades,
+};
+use std::path::{Path, PathBuf};
+
+/// What `flare` can be told.
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    #[command(flatten)]
+    lens: LensChoice,
+    /// The lamp: X,Y, degrees to the image's right and up, infinitely far away; or X,Y,Z, a point in mm from the front
+    /// vertex, right, up and toward the scene
+    #[arg(long, value_name = "X,Y[,Z]", allow_hyphen_values = true, value_parser = lamp)]
+    light: Light,
+    /// What the surfaces between air and glass are coated with: bare, quarter-wave (MgF2) or three-layer
+    #[arg(long, value_name = "NAME", default_value = "quarter-wave", value_parser = coating)]
+    coating: (&'static str, Coating),
+    /// Wavelengths between 420 and 680 nm; 1 for that of the lens alone
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = wavelengths)]
+    wavelengths: u32,
+    /// Cells of the grid of rays along a side, for each pair of surfaces and wavelength
+    #[arg(long, value_name = "N", default_value_t = 96, value_parser = whole(8_usize, 2048))]
+    rays: usize,
+    #[command(flatten)]
+    film: FilmSize,
+    /// Pictures to write: this file, and beside it the same as .exr (W/m² per W/m²) or .png (brightest at white) [default:
+    /// the lens's name with -flare.exr]
+    #[arg(short, long, value_name = "FILE", value_parser = crate::image::picture_path)]
+    out: Option<PathBuf>,
+    /// Write the table only, and all of it, as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// A lamp, and how it was given.
+#[derive(Clone, Copy, Debug)]
+struct Light {
+    lamp: Lamp,
+}
+
+/// Reads X,Y or X,Y,Z.
+fn lamp(text: &str) -> Result<Light, String> {
+    let numbers: Option<Vec<f64>> =
+        text.split(',').map(|part| part.trim().parse().ok().filter(|x: &f64| x.is_finite())).collect();
+    let lamp = match numbers.as_deref() {
+        Some([right, up]) if right.abs() <= 180.0 && up.abs() <= 90.0 => {
+            let ((sin_x, cos_x), (sin_y, cos_y)) = (right.to_radians().sin_cos(), up.to_radians().sin_cos());
+            Lamp::Distant([sin_x * cos_y, sin_y, cos_x * cos_y])
+        }
+        Some([_, _]) => return Err("write at most 180 degrees to the right and 90 up".to_owned()),
+        Some(&[x, y, z]) if z > 0.0 => Lamp::Point([x, y, z]),
+        Some([_, _, _]) => {
+            return Err("a lamp stands before the lens: write a positive third number of mm".to_owned());
+        }
+        _ => return Err("write two numbers of degrees, or three of mm, with commas between them".to_owned()),
+    };
+    Ok(Light { lamp })
+}
+
+fn coating(text: &str) -> Result<(&'static str, Coating), String> {
+    Coating::NAMES.into_iter().find(|(name, _)| *name == text).ok_or_else(|| {
+        let names: Vec<&str> = Coating::NAMES.iter().map(|(name, _)| *name).collect();
+        format!("write one of {}", names.join(", "))
+    })
+}
+
+fn wavelengths(text: &str) -> Result<u32, String> {
+    match text.parse() {
+        Ok(count @ (1 | 3..=200)) => Ok(count),
+        _ => Err("write 1, or 3 to 200: fewer than 3 make no colours".to_owned()),
+    }
+}
+
+/// Cells along a side of the grid by which pairs are ranked.
+const RANKING: usize = 32;
+/// The share of the ghosts' watts that the pairs left out of the picture may have together.
+const LEFT_OUT: f64 = 1e-4;
+
+/// Writes the pictures and prints the table.
+///
+/// # Errors
+/// No such lens, film that cannot be where it is asked for, or a file that cannot be written.
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let opened = args.lens.open_with_blades()?;
+    let film_distance = opened.film_distance()?;
+    let [edge_sagitta, _] = opened.lens.rear().sagitta_range();
+    if film_distance + edge_sagitta <= 0.0 {
+        return Err(CameraError::film_in_lens(&opened.lens, film_distance).into());
+    }
+    let scene = Scene {
+        blades: opened.blades()?,
+        film: opened.lens.rear().vertex - film_distance,
+        lamp: args.light.lamp,
+        coating: args.coating.1,
+    };
+    let ranked = scene.rank(&opened.lens);
+    let mut text =
+        if args.json { format!("{:#}\n", ranked.json(args.coating.0)) } else { ranked.text(args.coating.0) };
+    let mut written = None;
+    if !args.json {
+        let (picture, watts) = scene.picture(args, &opened, &ranked.kept());
+        let out = args.out.clone().unwrap_or_else(|| {
+            let name = opened.prescription.name.rsplit('/').next().unwrap_or_default();
+            PathBuf::from(format!("{name}-flare.exr"))
+        });
+        // The brightest pixel is white.
+        let brightest = picture.pixels.iter().flatten().fold(0.0_f32, |most, value| most.max(*value));
+        let scale = if brightest > 0.0 { brightest.recip() } else { 1.0 };
+        for path in both(&out)? {
+            picture.write(&path, scale)?;
+            if !crate::files::is_stdout(&path) {
+                text += &format!("{}\n", path.display());
+            }
+        }
+        text += &format!(
+            "on the film {watts:.4e} W of ghosts per W/m²; the brightest pixel, white in the PNG, has {brightest:.3e} W/m² per W/m²\n"
+        );
+        written = Some(out);
+    }
+    Ok(console::answer(&text, written.as_deref())?)
+}
+
+/// A picture's path, and that of the other format beside it.
+fn both(out: &Path) -> Result<Vec<PathBuf>, Failure> {
+    if crate::files::is_stdout(out) {
+        return Ok(vec![out.to_owned()]);
+    }
+    let other = match Format::of(out).map_err(Failure::Usage)? {
+        Format::Png => "exr",
+        Format::Exr => "png",
+    };
+    Ok(vec![out.to_owned(), out.with_extension(other)])
+}
+
+/// What is the same at every wavelength.
+struct Scene {
+    blades: Option<Blades>,
+    /// z of the film, mm.
+    film: f64,
+    lamp: Lamp,
+    coating: Coating,
+}
+
+impl Scene {
+    fn ghosts(&self, lens: &Lens) -> Ghosts {
+        Ghosts::new(lens, self.blades, &Surfaces::new(lens, self.coating), self.film)
+    }
+
+    /// All pairs by their watts at the lens's own wavelength.
+    fn rank(&self, lens: &Lens) -> Table {
+        let ghosts = self.ghosts(lens);
+        let front = lens.front().semi_diameter;
+        let pairs: Vec<_> = ghosts.pairs().collect();
+        let mut found: Vec<Ghost> = pairs
+            .into_par_iter()
+            .map(|(pair, path)| {
+                let spray = ghosts.spray(path, self.lamp, RANKING);
+                let (middle, radius) = spray.spot().unwrap_or_default();
+                let focus = paraxial_focus(path.path(), front).map(|z| z - self.film);
+                Ghost { pair, watts: spray.watts(), middle, radius, focus }
+            })
+            .collect();
+        found.sort_by(|a, b| b.watts.total_cmp(&a.watts));
+        let direct = ghosts.spray(ghosts.direct(), self.lamp, 2 * RANKING);
+        let beyond = beyond_pairs(&Surfaces::new(lens, self.coating), lens);
+        Table {
+            ghosts: found,
+            direct: direct.watts(),
+            wavelength: lens.wavelength,
+            beyond,
+            left_out: LEFT_OUT,
+        }
+    }
+
+    /// The ghosts on film, red, green and blue for a white lamp, and the watts on it.
+    fn picture(&self, args: &Args, opened: &OpenedLens, kept: &[Pair]) -> (Picture, f64) {
+        let raster = args.film.raster();
+        let size = [raster.xres, raster.yres];
+        let film = args.film.film(opened.film_diagonal());
+        let target = Target::new(&film, size);
+        let bands = match args.wavelengths {
+            1 => vec![(opened.lens.wavelength, Vec3::ONE)],
+            count => spectrum::bands(count).into_iter().map(|(nm, band)| (nm, band * Vec3::ONE)).collect(),
+        };
+        let per_area = 1e6 / film.pixel().powi(2);
+        let mut picture = Picture::plain(size, [0.0; 3]);
+        let mut watts = 0.0;
+        for (wavelength, colour) in &bands {
+            // The same surfaces and stop, with the indices there.
+            let mut lens = Lens::new(&opened.prescription, *wavelength);
+            for (surface, own) in lens.surfaces.iter_mut().zip(&opened.lens.surfaces) {
+                surface.semi_diameter = own.semi_diameter;
+            }
+            let ghosts = self.ghosts(&lens);
+            let paths: Vec<_> = ghosts.pairs().filter(|(pair, _)| kept.contains(pair)).collect();
+            let pixels = paths
+                .into_par_iter()
+                .fold(
+                    || target.dark(),
+                    |mut pixels, (_, path)| {
+                        target.add(&mut pixels, &ghosts.spray(path, self.lamp, args.rays), 1.0);
+                        pixels
+                    },
+                )
+                .reduce(
+                    || target.dark(),
+                    |mut sum, pixels| {
+                        sum.iter_mut().zip(&pixels).for_each(|(sum, watts)| *sum += watts);
+                        sum
+                    },
+                );
+            watts += pixels.iter().sum::<f64>() / bands.len() as f64;
+            for (pixel, here) in picture.pixels.iter_mut().zip(&pixels) {
+                let irradiance = (here * per_area) as f32;
+                *pixel = (Vec3::from_array(*pixel) + *colour * irradiance).to_array();
+            }
+        }
+        (picture, watts)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use realistic::unstable::prescription::catalogue;
+
+    #[test]
+    fn lamps_are_read_and_others_refused() {
+        let Lamp::Distant([x, y, z]) = lamp("30,0").unwrap().lamp else { panic!("distant") };
+        assert!((x - 0.5).abs() < 1e-12 && y == 0.0 && (z - 0.75_f64.sqrt()).abs() < 1e-12);
+        assert_eq!(lamp("10, -5,200").unwrap().lamp, Lamp::Point([10.0, -5.0, 200.0]));
+        for (text, part) in
+            [("1", "two numbers"), ("1,2,-3", "before the lens"), ("1,x", "two numbers"), ("200,0", "180")]
+        {
+            assert!(lamp(text).unwrap_err().contains(part), "{text}");
+        }
+        assert!(coating("five-layer").unwrap_err().contains("quarter-wave"));
+        assert!(wavelengths("2").is_err() && wavelengths("1") == Ok(1));
+    }
+
+    #[test]
+    fn coated_surfaces_make_weaker_ghosts_and_the_pairs_left_out_are_few() {
+        let lens = Lens::at_d_line(&catalogue::find("dgauss.50mm").unwrap());
+        let table = |coating| {
+            let scene = Scene {
+                blades: None,
+                film: lens.rear().vertex - 36.0,
+                lamp: lamp("15,0").unwrap().lamp,
+                coating,
+            };
+            scene.rank(&lens)
+        };
+        let [bare, coated] = [Coating::Bare, Coating::QuarterWave].map(table);
+        assert_eq!((bare.ghosts.len(), coated.ghosts.len()), (45, 45));
+        let share = |table: &Table| table.watts() / table.direct;
+        assert!(share(&bare) > 0.02 && share(&coated) < 0.1 * share(&bare));
+        assert!(bare.direct < 0.7 * coated.direct);
+        let kept = bare.kept().len();
+        assert!(kept > 10 && kept <= 45, "{kept}");
+        assert!(bare.text("bare").contains("45 pairs"));
+        assert_eq!(bare.json("bare")["pairs"].as_array().unwrap().len(), 45);
+    }
+}

@@ -1,0 +1,160 @@
+//! Light that lands on film, as irradiance: the landings of a grid of cells in; watts by pixel out.
+//!
+//! Each cell's watts are spread by a tent over its neighbours' landings, twice as wide as the distance to them: such tents add
+//! up to a constant, so that an even light stays even, and their sum is the watts, whatever the map from the grid to the film
+//! does. Where it folds, density is high and the sum still right: landings are never joined to quadrilaterals.
+
+use realistic::unstable::camera::Film;
+use realistic::unstable::light::{Landing, Spray};
+
+/// A film on which light is added up.
+#[derive(Clone, Debug)]
+pub struct Target {
+    /// Pixels across and down.
+    pub size: [u32; 2],
+    /// The film point of the raster's origin, mm, and pixels per mm.
+    origin: [f64; 2],
+    per_mm: f64,
+}
+
+/// A tent's points along one of its sides at most: beyond, neighbours lie on two sides of an edge and not of a cell.
+const MOST: f64 = 96.0;
+
+impl Target {
+    /// The pixels of a film.
+    pub fn new(film: &Film, size: [u32; 2]) -> Self {
+        Self { size, origin: film.point(0.0, 0.0), per_mm: film.pixel().recip() }
+    }
+
+    /// Room for each pixel's watts.
+    pub fn dark(&self) -> Vec<f64> {
+        vec![0.0; self.size[0] as usize * self.size[1] as usize]
+    }
+
+    /// Raster coordinates of a film point: those of `Film::point`, solved for them.
+    fn raster(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [(self.origin[0] - x) * self.per_mm, (y - self.origin[1]) * self.per_mm]
+    }
+
+    /// Adds what a spray's cells land, times `share`.
+    pub fn add(&self, pixels: &mut [f64], spray: &Spray, share: f64) {
+        let side = spray.side;
+        let at = |row: usize, column: usize| -> Option<[f64; 2]> {
+            let landing: &Landing = spray.cells.get(row * side + column)?.as_ref()?;
+            Some(self.raster(landing.point))
+        };
+        for (i, landing) in spray.cells.iter().enumerate() {
+            let Some(landing) = landing else { continue };
+            let (row, column) = (i / side, i % side);
+            let here = self.raster(landing.point);
+            let step = |before: Option<[f64; 2]>, after: Option<[f64; 2]>| {
+                let (from, to, cells) = match (before, after) {
+                    (Some(before), Some(after)) => (before, after, 2.0),
+                    (Some(before), None) => (before, here, 1.0),
+                    (None, Some(after)) => (here, after, 1.0),
+                    (None, None) => (here, here, 1.0),
+                };
+                [0, 1].map(|axis| (to[axis] - from[axis]) / cells)
+            };
+            let left = column.checked_sub(1).and_then(|column| at(row, column));
+            let right = (column + 1 < side).then(|| at(row, column + 1)).flatten();
+            let above = row.checked_sub(1).and_then(|row| at(row, column));
+            let below = (row + 1 < side).then(|| at(row + 1, column)).flatten();
+            self.tent(pixels, here, [step(left, right), step(above, below)], share * landing.watts);
+        }
+    }
+
+    /// Adds watts as a tent about a place that falls to 0 one step away in either direction.
+    fn tent(&self, pixels: &mut [f64], here: [f64; 2], steps: [[f64; 2]; 2], watts: f64) {
+        // Points no farther apart than pixels.
+        let points = steps.map(|[x, y]| x.hypot(y).ceil().clamp(1.0, MOST));
+        let reach = [0, 1].map(|axis| steps[0][axis].abs() + steps[1][axis].abs() + 1.0);
+        let is_near = (0..2).all(|axis| {
+            here[axis] + reach[axis] >= 0.0 && here[axis] - reach[axis] <= f64::from(self.size[axis])
+        });
+        if !is_near {
+            return;
+        }
+        let numbers = points.map(|points| points as i32);
+        let each = watts / (points[0] * points[1]);
+        for i in 1 - numbers[0]..numbers[0] {
+            let s = f64::from(i) / points[0];
+            for j in 1 - numbers[1]..numbers[1] {
+                let t = f64::from(j) / points[1];
+                let place = [0, 1].map(|axis| here[axis] + s * steps[0][axis] + t * steps[1][axis]);
+                self.point(pixels, place, each * (1.0 - s.abs()) * (1.0 - t.abs()));
+            }
+        }
+    }
+
+    /// Adds watts to the four pixels about a place.
+    fn point(&self, pixels: &mut [f64], [x, y]: [f64; 2], watts: f64) {
+        let (x, y) = (x - 0.5, y - 0.5);
+        let (left, top) = (x.floor(), y.floor());
+        let [width, height] = self.size.map(f64::from);
+        for (column, share_x) in [(left, 1.0 - (x - left)), (left + 1.0, x - left)] {
+            for (row, share_y) in [(top, 1.0 - (y - top)), (top + 1.0, y - top)] {
+                if column >= 0.0 && column < width && row >= 0.0 && row < height {
+                    pixels[row as usize * self.size[0] as usize + column as usize] +=
+                        watts * share_x * share_y;
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use realistic::unstable::camera::Raster;
+
+    fn target() -> Target {
+        Target::new(&Film::new(Raster { xres: 60, yres: 40 }, 36.0), [60, 40])
+    }
+
+    /// A grid that lands where a map takes its cells, with one watt each.
+    fn spray(side: usize, map: impl Fn(f64, f64) -> [f64; 2]) -> Spray {
+        let cell = |i: usize| {
+            let point = map((i % side) as f64, (i / side) as f64);
+            Some(Landing { point, watts: 1.0 })
+        };
+        Spray { side, cells: (0..side * side).map(cell).collect() }
+    }
+
+    #[test]
+    fn every_watt_lands_wherever_the_map_folds() {
+        let target = target();
+        for map in [
+            (|_: f64, _: f64| [1.0, 2.0]) as fn(f64, f64) -> [f64; 2],
+            |x, y| [0.4 * (x - 10.0), 0.3 * (y - 10.0)],
+            |x, y| [0.05 * (x - 10.0).powi(2) - 3.0, 0.3 * (y - 10.0)],
+        ] {
+            let mut pixels = target.dark();
+            target.add(&mut pixels, &spray(20, map), 0.5);
+            assert!((pixels.iter().sum::<f64>() - 200.0).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn an_even_light_is_even() {
+        // Cells 1.7 and 2.3 pixels apart, askew.
+        let target = target();
+        let mut pixels = target.dark();
+        target.add(
+            &mut pixels,
+            &spray(40, |x, y| [0.85 * (x - 20.0) + 0.2 * y - 4.0, 1.15 * (y - 20.0) + 0.1 * x]),
+            1.0,
+        );
+        let inner = (14..26).flat_map(|row| (20..40).map(move |column| row * 60 + column));
+        let (least, most) = inner
+            .fold((f64::INFINITY, 0.0_f64), |(least, most), i| (least.min(pixels[i]), most.max(pixels[i])));
+        assert!(most / least < 1.1, "{least} {most}");
+    }
+
+    #[test]
+    fn the_raster_is_the_films() {
+        let film = Film::new(Raster { xres: 60, yres: 40 }, 36.0);
+        let [x, y] = target().raster(film.point(12.5, 31.0));
+        assert!((x - 12.5).abs() < 1e-9 && (y - 31.0).abs() < 1e-9);
+    }
+}

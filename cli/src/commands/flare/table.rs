@@ -1,0 +1,127 @@
+//! The ghosts of a lamp as a table, by their watts.
+
+use realistic::unstable::light::Pair;
+use realistic::unstable::message::fixed;
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+
+/// A ghost.
+#[derive(Clone, Copy, Debug)]
+pub struct Ghost {
+    /// Its surfaces, counted from 0 at the scene side.
+    pub pair: Pair,
+    /// What reaches the plane of the film, W per W/m² at the lens.
+    pub watts: f64,
+    /// The middle of it there, mm.
+    pub middle: [f64; 2],
+    /// The root of the mean squared distance from the middle, mm.
+    pub radius: f64,
+    /// Where light from infinity near the axis is in focus, mm before the film; `None` for nowhere.
+    pub focus: Option<f64>,
+}
+
+/// All ghosts, the brightest first.
+#[derive(Clone, Debug)]
+pub struct Table {
+    /// Each of them.
+    pub ghosts: Vec<Ghost>,
+    /// What reaches the plane of the film without a reflection, W per W/m².
+    pub direct: f64,
+    /// nm.
+    pub wavelength: f64,
+    /// What is reflected four times or more comes to in a stack of plates, over the direct light.
+    pub beyond: f64,
+    /// The share of the ghosts' watts that those left out of the picture may have.
+    pub left_out: f64,
+}
+
+/// Rows of the printed table.
+const ROWS: usize = 12;
+
+impl Table {
+    /// The watts of all ghosts.
+    pub fn watts(&self) -> f64 {
+        self.ghosts.iter().map(|ghost| ghost.watts).sum()
+    }
+
+    /// The brightest pairs, without those that have no more than [`Table::left_out`] of the watts together.
+    pub fn kept(&self) -> Vec<Pair> {
+        let mut rest = self.left_out * self.watts();
+        let mut ghosts = &self.ghosts[..];
+        while let [before @ .., last] = ghosts
+            && last.watts <= rest
+        {
+            rest -= last.watts;
+            ghosts = before;
+        }
+        ghosts.iter().map(|ghost| ghost.pair).collect()
+    }
+
+    /// What is left out, as a share of the ghosts' watts.
+    fn omitted(&self) -> f64 {
+        let kept = self.kept().len();
+        let omitted: f64 = self.ghosts[kept..].iter().map(|ghost| ghost.watts).sum();
+        if omitted > 0.0 { omitted / self.watts() } else { 0.0 }
+    }
+
+    /// In words.
+    pub fn text(&self, coating: &str) -> String {
+        let share = |watts: f64| if self.direct > 0.0 { watts / self.direct } else { f64::NAN };
+        let mut text = format!(
+            "surfaces {coating}, at {} nm; W per W/m² of the lamp at the lens\n\
+             direct light {:.4e} W, {} pairs {:.4e} W in the film's plane: {:.3e} of it\n\
+             four reflections and more about {:.1e} of it, as in a stack of plates; {} pairs, {:.1e} of the ghosts, left out of \
+             the picture\n\
+             surfaces     watts        of direct   middle x, y (mm)     radius (mm)  in focus before the film (mm)\n",
+            self.wavelength,
+            self.direct,
+            self.ghosts.len(),
+            self.watts(),
+            share(self.watts()),
+            self.beyond,
+            self.ghosts.len() - self.kept().len(),
+            self.omitted(),
+        );
+        for ghost in self.ghosts.iter().take(ROWS).filter(|ghost| ghost.watts > 0.0) {
+            let [near, far] = ghost.pair.map(|surface| surface + 1);
+            let [x, y] = ghost.middle.map(|at| fixed(at, 2));
+            let focus = ghost.focus.map_or("nowhere".to_owned(), |z| fixed(z, 2));
+            writeln!(
+                text,
+                "{:<12} {:<12.4e} {:<11.3e} {:<20} {:<12} {focus}",
+                format!("{near}, {far}"),
+                ghost.watts,
+                share(ghost.watts),
+                format!("{x}, {y}"),
+                fixed(ghost.radius, 2),
+            )
+            .expect("a string grows");
+        }
+        text
+    }
+
+    /// As JSON, every pair.
+    pub fn json(&self, coating: &str) -> Value {
+        let pairs: Vec<Value> = self
+            .ghosts
+            .iter()
+            .map(|ghost| {
+                json!({
+                    "surfaces": ghost.pair.map(|surface| surface + 1),
+                    "watts": ghost.watts,
+                    "middle_mm": ghost.middle,
+                    "rms_radius_mm": ghost.radius,
+                    "focus_before_film_mm": ghost.focus,
+                })
+            })
+            .collect();
+        json!({
+            "coating": coating,
+            "wavelength_nm": self.wavelength,
+            "direct_watts": self.direct,
+            "ghost_watts": self.watts(),
+            "beyond_pairs_of_direct": self.beyond,
+            "pairs": pairs,
+        })
+    }
+}
