@@ -12,6 +12,7 @@
 //! | [`render`] | the renderer that the program uses, too; its scenes are the program's |
 //! | [`methods`] | every way to take rays through a lens, in one list |
 //! | [`accuracy`] | error against run time: rays, film irradiance, pupils, pictures; all of a report in one run |
+//! | [`stray`] | where the light that enters a lens goes, photon by photon |
 //! | [`stability`] | extreme lenses and rays with known answers, for every tracer |
 
 pub mod accuracy;
@@ -21,6 +22,7 @@ pub mod reference;
 pub mod render;
 pub mod results;
 pub mod stability;
+pub mod stray;
 pub mod subject;
 pub mod timing;
 

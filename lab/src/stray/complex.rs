@@ -1,0 +1,52 @@
+//! Complex numbers.
+
+use std::ops::{Add, Mul, Sub};
+
+/// A complex number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct C(pub f64, pub f64);
+
+impl Add for C {
+    type Output = C;
+    fn add(self, b: C) -> C {
+        C(self.0 + b.0, self.1 + b.1)
+    }
+}
+
+impl Sub for C {
+    type Output = C;
+    fn sub(self, b: C) -> C {
+        C(self.0 - b.0, self.1 - b.1)
+    }
+}
+
+impl Mul for C {
+    type Output = C;
+    fn mul(self, b: C) -> C {
+        C(self.0 * b.0 - self.1 * b.1, self.0 * b.1 + self.1 * b.0)
+    }
+}
+
+impl C {
+    /// The squared size.
+    pub fn square(self) -> f64 {
+        self.0 * self.0 + self.1 * self.1
+    }
+
+    /// Over another.
+    pub fn over(self, b: C) -> C {
+        let square = b.square();
+        self * C(b.0 / square, -b.1 / square)
+    }
+
+    /// e to the power of i times it.
+    pub fn turned(self) -> C {
+        let size = (-self.1).exp();
+        C(size * self.0.cos(), size * self.0.sin())
+    }
+
+    /// The root of a real number, positive or positive imaginary.
+    pub fn root(square: f64) -> C {
+        if square >= 0.0 { C(square.sqrt(), 0.0) } else { C(0.0, (-square).sqrt()) }
+    }
+}

@@ -1,0 +1,224 @@
+//! Where the light that enters a lens goes, by brute force: photons that every surface reflects or lets through by chance, in
+//! whatever order they meet them, until they reach the film, leave, or end in the barrel.
+//!
+//! Nothing of the library but the surfaces' numbers: rays by vectors, the electric field of each photon in space, the
+//! amplitudes of a surface by Airy's sum. All orders of reflection are in it, so that it says what two reflections leave out.
+//! Lenses of spheres and planes only. Interference is between the faces of a film and not between surfaces.
+
+mod complex;
+mod surface;
+
+use self::{complex::C, surface::amplitudes};
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use realistic::unstable::lens::Lens;
+
+/// A film on every surface between air and glass: its index and its thickness, nm.
+pub type Film = Option<(f64, f64)>;
+
+/// Where photons that enter a lens end, as shares of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Balance {
+    /// On the film without a reflection.
+    pub direct: f64,
+    /// On the film after two.
+    pub two: f64,
+    /// On the film after four or more.
+    pub more: f64,
+    /// In the film's plane beside it.
+    pub beside: f64,
+    /// On rims, stop and barrel.
+    pub blocked: f64,
+    /// Back to the scene.
+    pub back: f64,
+    /// How many entered.
+    pub photons: u32,
+}
+
+impl Balance {
+    /// The standard error of a share of the photons.
+    pub fn error(&self, share: f64) -> f64 {
+        (share * (1.0 - share) / f64::from(self.photons)).sqrt()
+    }
+}
+
+/// The end of a photon.
+enum End {
+    Film { reflections: u32, point: [f64; 2] },
+    Blocked,
+    Back,
+}
+
+type V = [f64; 3];
+
+/// Reflections after which a photon is given up; that many leave 1e-40 of the light.
+const MOST: u32 = 60;
+
+/// Follows photons of a lamp infinitely far away in the direction `toward` (from the lens, any length) until `photons` of them
+/// have met the front surface inside its clear aperture. The film is a disk of the radius `spot` at z = `plane`, mm.
+///
+/// # Panics
+/// The lens has an asphere.
+pub fn balance(
+    lens: &Lens,
+    film: Film,
+    toward: V,
+    plane: f64,
+    spot: f64,
+    photons: u32,
+    seed: u64,
+) -> Balance {
+    assert!(lens.surfaces.iter().all(|surface| surface.figure.is_none()), "spheres and planes only");
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
+    let toward = unit(toward);
+    let front = lens.front();
+    let [low, high] = front.sagitta_range();
+    let radius = 1.001 * front.semi_diameter.hypot((high - low) / 2.0);
+    let (across, up) = frame(toward);
+    let mut counts = [0_u32; 6];
+    while counts.iter().sum::<u32>() < photons {
+        let (x, y) = (2.0 * random.random::<f64>() - 1.0, 2.0 * random.random::<f64>() - 1.0);
+        let angle = std::f64::consts::PI * random.random::<f64>();
+        if x * x + y * y > 1.0 {
+            continue;
+        }
+        let middle = f64::midpoint(low, high);
+        let at: V = std::array::from_fn(|k| {
+            let here = radius * (x * across[k] + y * up[k] + 3.0 * toward[k]);
+            if k == 2 { here + middle } else { here }
+        });
+        // Unpolarised: every direction across the ray alike.
+        let field: [C; 3] = std::array::from_fn(|k| C(angle.cos() * across[k] + angle.sin() * up[k], 0.0));
+        let Some(end) = follow(lens, film, at, toward.map(|x| -x), field, plane, &mut random) else {
+            continue;
+        };
+        let place = match end {
+            End::Film { point, .. } if point[0].hypot(point[1]) > spot => 3,
+            End::Film { reflections: 0, .. } => 0,
+            End::Film { reflections: 2, .. } => 1,
+            End::Film { .. } => 2,
+            End::Blocked => 4,
+            End::Back => 5,
+        };
+        counts[place] += 1;
+    }
+    let [direct, two, more, beside, blocked, back] =
+        counts.map(|count| f64::from(count) / f64::from(photons));
+    Balance { direct, two, more, beside, blocked, back, photons }
+}
+
+/// One photon; `None` where it never meets the front surface.
+fn follow(
+    lens: &Lens,
+    film: Film,
+    mut at: V,
+    mut d: V,
+    mut field: [C; 3],
+    plane: f64,
+    random: &mut Xoshiro256PlusPlus,
+) -> Option<End> {
+    let last = lens.surfaces.len();
+    // The space that it is in: before surface `gap`.
+    let (mut gap, mut reflections) = (0, 0);
+    let mut has_entered = false;
+    loop {
+        let number = if d[2] < 0.0 {
+            if gap == last {
+                let along = (plane - at[2]) / d[2];
+                return Some(End::Film { reflections, point: [at[0] + along * d[0], at[1] + along * d[1]] });
+            }
+            gap
+        } else {
+            if gap == 0 {
+                return has_entered.then_some(End::Back);
+            }
+            gap - 1
+        };
+        let surface = &lens.surfaces[number];
+        let meets = hit(at, d, surface.curvature, surface.vertex);
+        let inside = meets.filter(|point| point[0].hypot(point[1]) <= surface.semi_diameter);
+        let Some(point) = inside else {
+            return has_entered.then_some(End::Blocked);
+        };
+        has_entered = true;
+        at = point;
+        let c = surface.curvature;
+        let mut normal: V = [c * at[0], c * at[1], c * (at[2] - surface.vertex) + 1.0];
+        let forward = d[2] < 0.0;
+        if dot(normal, d) < 0.0 {
+            normal = normal.map(|x| -x);
+        }
+        let (n, n_behind) =
+            if forward { (surface.n_scene, surface.n_film) } else { (surface.n_film, surface.n_scene) };
+        if n != n_behind {
+            let coat = film.filter(|_| n == 1.0 || n_behind == 1.0);
+            let cos = dot(normal, d).min(1.0);
+            let [s_ways, p_ways] =
+                [false, true].map(|is_p| amplitudes(n, coat, n_behind, cos, lens.wavelength, is_p));
+            let across = cross(normal, d);
+            let s = if dot(across, across) > 1e-20 { unit(across) } else { frame(d).0 };
+            let p = cross(s, d);
+            let part = |v: V| (0..3).fold(C(0.0, 0.0), |sum, k| sum + field[k] * C(v[k], 0.0));
+            let (e_s, e_p) = (part(s), part(p));
+            let whole = e_s.square() + e_p.square();
+            let reflected = (s_ways[0] * e_s).square() + (p_ways[0] * e_p).square();
+            let is_reflected = random.random::<f64>() * whole < reflected;
+            let next: V = if is_reflected {
+                std::array::from_fn(|k| d[k] - 2.0 * cos * normal[k])
+            } else {
+                let cos_behind = (1.0 - (n / n_behind).powi(2) * (1.0 - cos * cos)).max(0.0).sqrt();
+                std::array::from_fn(|k| n / n_behind * d[k] + (cos_behind - n / n_behind * cos) * normal[k])
+            };
+            let way = usize::from(!is_reflected);
+            let (a_s, a_p) = (s_ways[way] * e_s, p_ways[way] * e_p);
+            let length = (a_s.square() + a_p.square()).sqrt();
+            let p_next = cross(s, next);
+            field = std::array::from_fn(|k| {
+                (a_s * C(s[k], 0.0) + a_p * C(p_next[k], 0.0)) * C(length.recip(), 0.0)
+            });
+            d = unit(next);
+            if is_reflected {
+                reflections += 1;
+                // Past 90 degrees: into the same surface again, near its edge, or the barrel.
+                if (d[2] < 0.0) == forward || reflections > MOST {
+                    return Some(End::Blocked);
+                }
+                continue;
+            }
+        }
+        if (d[2] < 0.0) != forward {
+            return Some(End::Blocked);
+        }
+        gap = if forward { number + 1 } else { number };
+    }
+}
+
+/// Where a ray meets the sheet of a sphere, or plane, at its vertex, ahead.
+fn hit(at: V, d: V, c: f64, vertex: f64) -> Option<V> {
+    let q = [at[0], at[1], at[2] - vertex];
+    let (b, f) = (c * dot(q, d) + d[2], c * dot(q, q) + 2.0 * q[2]);
+    let root = (b * b - c * f).sqrt();
+    let t = -f / (b + root * d[2].signum());
+    // A reflected photon may begin on its next surface, where edges touch.
+    (root.is_finite() && t > -1e-9).then(|| std::array::from_fn(|k| at[k] + t * d[k]))
+}
+
+fn dot(a: V, b: V) -> f64 {
+    (0..3).map(|k| a[k] * b[k]).sum()
+}
+
+fn cross(a: V, b: V) -> V {
+    std::array::from_fn(|k| a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3])
+}
+
+fn unit(v: V) -> V {
+    let length = dot(v, v).sqrt();
+    v.map(|x| x / length)
+}
+
+/// Two directions across one, and across each other.
+fn frame(d: V) -> (V, V) {
+    let helper = if d[0].abs() < 0.5 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
+    let across = unit(cross(d, helper));
+    (across, cross(d, across))
+}
