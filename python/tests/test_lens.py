@@ -321,3 +321,16 @@ def test_the_drawn_surfaces_are_where_rays_meet_them(name):
         np.testing.assert_allclose(surface.vertex_mm - sag(surface, y), z, atol=1e-9)
         met += there.sum()
     assert met > 5 * len(lens.surfaces)
+
+
+def test_a_coating_makes_a_lens_faster_and_its_ghosts_weaker() -> None:
+    lens = Lens("dgauss.50mm")
+    assert lens.fnumber < lens.tnumber_quarter_wave < lens.tnumber_bare
+    # Ten surfaces lose about two fifths of the light.
+    assert (lens.fnumber / lens.tnumber_bare) ** 2 == pytest.approx(0.59, abs=0.01)
+    bare, coated = (lens.ghosts((15, 0), coating=coating) for coating in ("bare", "quarter-wave"))
+    assert len(bare) == len(coated) == 45
+    assert sum(ghost.watts for ghost in coated) < 0.05 * sum(ghost.watts for ghost in bare)
+    assert bare[0].watts >= bare[1].watts and bare[0].surfaces[0] < bare[0].surfaces[1]
+    with pytest.raises(realistic.Error, match="quarter-wave"):
+        lens.ghosts(coating="five-layer")

@@ -10,6 +10,7 @@
 
 from . import farm, measure
 from ._abi import version
+from ._ghosts import Ghost
 from ._parameters import Parameters
 from .camera import Camera
 from .errors import (
@@ -36,6 +37,7 @@ __all__ = [
     "Error",
     "Field",
     "FocusError",
+    "Ghost",
     "Intrinsics",
     "Lens",
     "LensFileError",

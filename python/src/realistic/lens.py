@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ._abi import LensInfo, LensPointsPointers, LensRaysPointers, LensSurface, library, text_of
+from ._ghosts import Ghost, ghosts
 from ._handle import Handle, build
 from .errors import check, warn
 from .notebook import drawing
@@ -18,6 +19,8 @@ from .parameters import canonical, options_of
 from .surfaces import Surface
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import ArrayLike, NDArray
 
 SIDES = ("film", "scene")
@@ -251,6 +254,27 @@ class Lens:
         found = ctypes.c_double()
         check(library.realistic_lens_focused_on(self._handle.pointer, film_distance_mm, ctypes.byref(found)))
         return found.value
+
+    def ghosts(self, light: Sequence[float] = (0.0, 0.0), *, coating: str = "quarter-wave") -> tuple[Ghost, ...]:
+        """The ghosts of a lamp, light that two surfaces reflect, on film focused at infinity; the brightest first.
+
+        Parameters
+        ----------
+        light : sequence of float
+            Two angles in degrees, to the image's right and up, of a lamp infinitely far away; or a point in mm from the front
+            vertex: right, up and toward the scene.
+        coating : str
+            What the surfaces between air and glass are coated with: "bare", "quarter-wave" (MgF2 for 550 nm) or
+            "three-layer".
+
+        Raises
+        ------
+        realistic.Error
+            In the program's words.
+        FileNotFoundError
+            Where the program is not installed.
+        """
+        return ghosts(self._parameters, light, coating)
 
     def trace(
         self, origins: ArrayLike, directions: ArrayLike, *, side: str = "scene", points: bool = False
