@@ -65,6 +65,8 @@ def test_a_lens_file_lies_beside_the_scene(mi, checkout, tmp_path):
         ({"model": "perspective"}, "Mitsuba's own sensors"),
         ({"type": "thick", "model": "lens"}, '"model" is not one of a sensor "thick"'),
         ({"differentials": 1}, '"differentials" must be true or false'),
+        ({"dispersion_tolerance": -1.0}, '"dispersion_tolerance" must be a number of pixels, 0 or more'),
+        ({"dispersion_tolerence": 1.0}, 'did you mean "dispersion_tolerance"?'),
         ({"fnumber": "four"}, "fnumber must be a number, not 'four'"),
         ({"fnumber": -4.0}, '"fnumber"'),
         ({"lensfile": "nowhere.dat"}, 'no lens file "nowhere.dat"'),
@@ -109,6 +111,76 @@ def test_the_film_and_the_pose_can_be_changed(mi):
     np.testing.assert_allclose(np.ravel(sensor.bbox().min), [1, 2, 3], rtol=1e-6)
 
 
+def test_the_lens_can_be_changed(mi):
+    sensor = mi.load_dict(
+        {
+            "type": "realistic",
+            "lensfile": "zoom.24-70mm",
+            "focus_distance": 2.0,
+            "mm_per_unit": 1000.0,
+            "shutter": "focal-plane",
+            "shutter_close": 1.0,
+            "film": {"type": "hdrfilm", "width": 60, "height": 40},
+        }
+    )
+    shown = mi.traverse(sensor)
+    names = {"focus_distance", "film_distance", "fnumber", "film_diag", "zoom", "shutter_slit", "shutter_open_time"}
+    assert names <= set(shown.keys()) and "shutter_ramp" not in shown
+    assert shown["focus_distance"][0] == pytest.approx(2.0, rel=1e-6)
+    assert shown["fnumber"][0] == sensor.camera.fnumber
+
+    shown["focus_distance"], shown["fnumber"], shown["film_diag"] = 1.5, 8, 30.0
+    shown["zoom"], shown["shutter_slit"] = 50.0, 0.5
+    shown.update()
+    expected = realistic.Camera(
+        "zoom.24-70mm",
+        resolution=(60, 40),
+        focusdistance=1.5,
+        fnumber=8,
+        filmdiag=30.0,
+        zoom=50,
+        mmperunit=1000.0,
+        shutter="focal-plane",
+        shutterslit=0.5,
+        weighting="relative",
+        camera_to_world=np.diag([-1.0, 1.0, 1.0, 1.0]),
+    )
+    # What was assigned, and what follows of it, is shown.
+    assert shown["film_distance"][0] == pytest.approx(expected.film_distance_mm, rel=1e-9)
+    assert shown["zoom"][0] == pytest.approx(50) and shown["fnumber"][0] == pytest.approx(8)
+    assert sensor.camera.parameters["shutterslit"] == 0.5
+    ray, weight = sensor.sample_ray(0.5, 0.5, mi.Point2f(0.2, 0.5), mi.Point2f(0.3, 0.6))
+    rays = expected.rays([[12.0, 20.0]], [0.3, 0.6], [0.5])
+    assert rays.weight[0] > 0
+    np.testing.assert_allclose(np.ravel(ray.d), rays.direction[0], atol=1e-6)
+    if not mi.is_spectral:
+        np.testing.assert_allclose(np.ravel(weight)[0], rays.weight[0], rtol=1e-5)
+
+    # The film, in its own words, takes the place of the plane in focus.
+    shown["film_distance"] = sensor.camera.film_distance_mm + 1
+    shown.update()
+    assert "focusdistance" not in sensor.camera.parameters
+    assert shown["focus_distance"][0] < 1.5
+
+
+def test_a_change_that_cannot_be_leaves_the_sensor_as_it_was(mi):
+    sensor = mi.load_dict({"type": "realistic", "focus_distance": 900.0})
+    camera, shown = sensor.camera, mi.traverse(sensor)
+    assert "zoom" not in shown
+    for changes, message in (
+        ({"focus_distance": 1.0}, "cannot focus at 1 mm"),
+        ({"fnumber": -2.0}, "fnumber"),
+        ({"focus_distance": 800.0, "film_distance": 40.0}, "filmdistance"),
+    ):
+        with pytest.raises((realistic.Error, RuntimeError), match=message):
+            shown.update(changes)
+        assert sensor.camera is camera
+        assert shown["focus_distance"][0] == pytest.approx(900.0) and shown["fnumber"][0] == camera.fnumber
+    shown["focus_distance"] = float("inf")
+    shown.update()
+    assert sensor.camera.focus_distance_mm == np.inf
+
+
 def test_a_variant_without_the_sensors_says_why(monkeypatch):
     mi = pytest.importorskip("mitsuba", reason="Mitsuba is not installed (pip install mitsuba)")
     mi.set_variant("scalar_rgb")
@@ -118,3 +190,23 @@ def test_a_variant_without_the_sensors_says_why(monkeypatch):
         monkeypatch.setattr(realistic.mitsuba.mi, "variant", lambda name=variant: name)
         with pytest.raises(ImportError, match=f"no sensor for Mitsuba's variant {variant}"):
             realistic.mitsuba.register()
+
+
+@pytest.mark.parametrize(("version", "refused"), [((15, 0, 6), True), ((16, 0, 6), True), ((19, 1, 7), False)])
+def test_a_library_that_ends_the_process_is_refused(monkeypatch, version, refused):
+    mi = pytest.importorskip("mitsuba", reason="Mitsuba is not installed (pip install mitsuba)")
+    mi.set_variant("scalar_rgb")
+    import realistic.mitsuba as ours
+
+    monkeypatch.setattr(ours.platform, "machine", lambda: "x86_64")
+    monkeypatch.setattr(ours.dr.detail, "llvm_version", lambda: version)
+    monkeypatch.setattr(ours.mi, "variant", lambda: "llvm_ad_rgb")
+    monkeypatch.setattr(ours.mi, "register_sensor", lambda *_: None)
+    monkeypatch.setattr(ours, "sensor_class", lambda _model: None)
+    if refused:
+        with pytest.raises(
+            ImportError, match=r"libLLVM 1[56]\.0\.6, with which .* ends the process(.|\n)*DRJIT_LIBLLVM_PATH"
+        ):
+            ours.register()
+    else:
+        ours.register()

@@ -202,46 +202,36 @@ def causes(error):
 
 
 def test_a_spectral_ray_has_its_own_wavelength(spectral):
+    """Where each wavelength goes alone; where several go together is in test_dispersion.py."""
     mi = spectral
     kind = {"type": "realistic", "lensfile": "tessar.50mm", "focus_distance": 1000.0, "film": film()}
-    sensor = mi.load_dict(kind)
+    sensor = mi.load_dict({**kind, "dispersion_tolerance": 0})
     _time, picture, lens = samples(50)
     colour = np.random.default_rng(4).random(50, np.float32)
     ray, weight = sensor.sample_ray_differential(0.0, mi.Float(colour), mi.Point2f(picture), mi.Point2f(lens))
-    wavelengths, response = sensor.sample_wavelengths(mi.SurfaceInteraction3f(), mi.Float(colour))
-    hero = np.clip(np.array(wavelengths)[0], 380, 780)
-    assert np.ptp(hero) > 100
+    wavelengths, _response = sensor.sample_wavelengths(mi.SurfaceInteraction3f(), mi.Float(colour))
     np.testing.assert_array_equal(np.array(ray.wavelengths), np.array(wavelengths))
+    weight = np.array(weight)
+    assert ((weight > 0).sum(axis=0) == 1).all()
+    own = weight.argmax(axis=0)
+    hero = np.clip(np.array(wavelengths)[own, np.arange(50)], 380, 780)
+    assert np.ptp(hero) > 100
     camera = realistic.Camera(
         "tessar.50mm", focusdistance=1000.0, resolution=SIZE, weighting="relative", camera_to_world=MIRROR
     )
     image_xy = picture.T * SIZE
     rays = camera.rays(image_xy, lens.T, wavelengths=hero)
     np.testing.assert_allclose(np.array(ray.d).T, rays.direction, atol=1e-6)
-    # All of the light is that of the ray's own wavelength.
-    np.testing.assert_allclose(np.array(weight)[0], 4 * rays.weight * np.array(response)[0], rtol=1e-5)
-    assert not np.array(weight)[1:].any()
     for found, step in (((ray.o_x, ray.d_x), [1, 0]), ((ray.o_y, ray.d_y), [0, 1])):
         beside = camera.rays(image_xy + step, lens.T, wavelengths=hero)
-        beside.direction[beside.weight == 0] = rays.direction[beside.weight == 0]
-        np.testing.assert_allclose(np.array(found[1]).T, beside.direction, atol=1e-6)
+        there = np.array(found[1]).T - rays.direction
+        expected = beside.direction - rays.direction
+        both = (beside.weight > 0) & (np.abs(there).max(axis=1) > 0)
+        assert both.mean() > 0.9
+        # The step is the first wavelength's.
+        scale = np.linalg.norm(expected[both], axis=1, keepdims=True)
+        assert np.abs((there - expected)[both] / scale).max() < 0.01
     # At one wavelength, and without dispersion, a ray carries all four.
     for own in ({**kind, "wavelength": 550.0}, {**kind, "model": "thick"}, {**kind, "lensfile": "dgauss.50mm"}):
         _, weight = mi.load_dict(own).sample_ray(0.0, mi.Float(colour), mi.Point2f(picture), mi.Point2f(lens))
         assert (np.array(weight) > 0).all()
-
-
-def test_one_spectral_ray_is_that_of_many():
-    mi = pytest.importorskip("mitsuba", reason="Mitsuba is not installed (pip install mitsuba)")
-    mi.set_variant("scalar_spectral")
-    import realistic.mitsuba
-
-    sensor = mi.load_dict({"type": "realistic", "lensfile": "tessar.50mm", "film": film()})
-    camera = realistic.Camera("tessar.50mm", resolution=SIZE, weighting="relative", camera_to_world=MIRROR)
-    for colour in (0.1, 0.5, 0.9):
-        ray, weight = sensor.sample_ray_differential(0.0, colour, mi.Point2f(0.3, 0.6), mi.Point2f(0.2, 0.7))
-        image_xy = np.array(SIZE) * [0.3, 0.6] + [[0, 0], [1, 0], [0, 1]]
-        rays = camera.rays(image_xy, [0.2, 0.7], wavelengths=ray.wavelengths[0])
-        for found, expected in zip((ray.d, ray.d_x, ray.d_y), rays.direction):
-            np.testing.assert_allclose(np.array(found), expected, atol=1e-6)
-        assert weight[0] > 0 and weight[1] == weight[2] == weight[3] == 0

@@ -10,6 +10,9 @@ They are registered for Mitsuba's variant, and again whenever another one is set
 
 from __future__ import annotations
 
+import platform
+
+import drjit as dr
 import mitsuba as mi
 from mitsuba.detail import add_variant_callback
 
@@ -24,9 +27,11 @@ def register() -> None:
     Raises
     ------
     ImportError
-        For variants that the lens cannot be traced for.
+        For variants that the lens cannot be traced for, and for a libLLVM that would end the process.
     """
     variant = mi.variant()
+    if variant.startswith("llvm"):
+        _check_llvm()
     if "double" in variant or variant.startswith(("cuda", "metal")):
         raise ImportError(
             f"realistic.mitsuba has no sensor for Mitsuba's variant {variant}: lenses are traced on the processor, and rays "
@@ -34,6 +39,17 @@ def register() -> None:
         )
     for name, model in (("realistic", None), ("thick", "thick")):
         mi.register_sensor(name, sensor_class(model))
+
+
+def _check_llvm() -> None:
+    """Refuses a libLLVM that ends the process at the first minimum of two numbers, which Mitsuba asks for everywhere."""
+    version: tuple[int, ...] = dr.detail.llvm_version()
+    if platform.machine().lower() in ("x86_64", "amd64") and version[0] < 17:
+        raise ImportError(
+            f"Dr.Jit has found libLLVM {'.'.join(map(str, version))}, with which Mitsuba's variant {mi.variant()} ends the process "
+            '("Cannot select: fminimum"). Name the file of libLLVM 19 in the variable DRJIT_LIBLLVM_PATH before Python starts, '
+            "or use one of the variants scalar_*"
+        )
 
 
 def _follow(old: str | None, new: str | None) -> None:

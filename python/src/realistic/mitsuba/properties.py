@@ -18,7 +18,7 @@ _PROJECTIONS = {"fov", "screenwindow", "frameaspectratio", "lensradius", "focald
 MODELS = ("lens", "thick", "thin")
 """The models that are sensors here."""
 
-OWN = ("differentials",)
+OWN = ("differentials", "dispersion_tolerance")
 """Properties that are no parameters of the camera."""
 
 # Without underscores, for Mitsuba writes focus_distance.
@@ -26,7 +26,7 @@ _NAMES = {name.replace("_", ""): name for name in NAMES - set(_OF_MITSUBA) - _PR
 _NAMES |= {"nearclip": "hither", "farclip": "yon"}
 
 
-def parameters_of(props: Any, model: str | None) -> tuple[dict[str, Any], dict[str, bool]]:
+def parameters_of(props: Any, model: str | None) -> tuple[dict[str, Any], dict[str, Any]]:
     """The camera's parameters that a sensor's properties give, and the sensor's own ones.
 
     `model` is that of the sensor's name, if it has one.
@@ -37,14 +37,16 @@ def parameters_of(props: Any, model: str | None) -> tuple[dict[str, Any], dict[s
         For a property that nobody knows, and one given twice.
     """
     parameters: dict[str, Any] = {} if model is None else {"model": model}
-    own: dict[str, bool] = {}
+    own: dict[str, Any] = {}
     for key in props.unqueried():
         value = props[key]
         if key == "to_world_end":
             continue
         if key in OWN:
-            if not isinstance(value, bool):
+            if key == "differentials" and not isinstance(value, bool):
                 raise ValueError(f'property "{key}" must be true or false, not {value!r}')
+            if key == "dispersion_tolerance" and (not _pixels(value)):
+                raise ValueError(f'property "{key}" must be a number of pixels, 0 or more, not {value!r}')
             own[key] = value
             continue
         name = _NAMES.get(key.replace("_", ""))
@@ -63,14 +65,19 @@ def parameters_of(props: Any, model: str | None) -> tuple[dict[str, Any], dict[s
     return parameters, own
 
 
+def _pixels(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and value >= 0
+
+
 def _unknown(key: str) -> str:
     plain = key.replace("_", "")
     if plain in _OF_MITSUBA:
         return f'property "{key}" is written "{_OF_MITSUBA[plain]}" in Mitsuba'
     if plain in _PROJECTIONS:
         return f'property "{key}" is for cameras without a real lens: use Mitsuba\'s own sensors'
-    near = difflib.get_close_matches(plain, [*_NAMES, *_OF_MITSUBA], 1)
-    hint = f'; did you mean "{_OF_MITSUBA.get(near[0]) or _NAMES[near[0]]}"?' if near else ""
+    names = {**_NAMES, **_OF_MITSUBA, **{name.replace("_", ""): name for name in OWN}}
+    near = difflib.get_close_matches(plain, names, 1)
+    hint = f'; did you mean "{names[near[0]]}"?' if near else ""
     return f'there is no property "{key}"{hint}'
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import drjit as dr
@@ -9,14 +10,26 @@ import mitsuba as mi
 import numpy as np
 
 from ..camera import Camera
+from ..errors import ParameterError, quietly
+from ..lens import Lens
+from ..parameters import INSTEAD_OF
+from .dispersion import WAVELENGTHS, amounts, carried, landing
 from .properties import parameters_of
-from .tracing import COLUMNS, DOWN, RAY, RIGHT, trace, trace_one
+from .tracing import AIM, COLUMNS, DOWN, RAY, RIGHT, aim, aim_one, trace, trace_one
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-WAVELENGTHS = (380.0, 780.0)
-"""Wavelengths, nm, at which rays can be asked for; Mitsuba's reach a little further, where eyes see nothing."""
+SHOWN = {
+    "focus_distance": "focusdistance",
+    "film_distance": "filmdistance",
+    "fnumber": "fnumber",
+    "film_diag": "filmdiag",
+    "zoom": "zoom",
+    "shutter_ramp": "shutterramp",
+    "shutter_slit": "shutterslit",
+}
+"""What `mi.traverse` shows of the lens, and the camera's parameter that an assignment sets."""
 
 # Mitsuba's cameras have +x to the left of the picture.
 _MIRROR = np.diag([-1.0, 1.0, 1.0, 1.0])
@@ -38,21 +51,48 @@ def sensor_class(model: str | None) -> type:
             parameters.setdefault("weighting", "relative")
             self.parameters = parameters
             self.differentials = own.get("differentials", True)
+            self.tolerance = own.get("dispersion_tolerance", 1.0)
             self.near, self.far = parameters.get("hither", 1e-3), parameters.get("yon", 1e30)
             self.end = _end(poses)
-            self.camera = self._built()
-            # With a wavelength of its own the camera takes all light to be of that one.
-            self.disperses = mi.is_spectral and "wavelength" not in parameters and disperses(self.camera)
+            self._take(self._built(parameters))
+            self.zooms = _zooms(self.camera)
+            # One number each, of a type that Mitsuba can assign to in all of its variants.
+            self.shown = {name: dr.scalar.ArrayXf64([value]) for name, value in self._values().items()}
 
-        def _built(self) -> Camera:
+        def _built(self, parameters: dict[str, Any]) -> Camera:
             width, height = self.film().size()
             end = None if self.end is None else self.end @ _MIRROR
             return Camera(
                 resolution=(int(width), int(height)),
                 camera_to_world=_MIRROR,
                 camera_to_world_end=end,
-                **self.parameters,
+                **parameters,
             )
+
+        def _take(self, camera: Camera) -> None:
+            """Makes a camera the sensor's."""
+            self.camera = camera
+            # With a wavelength of its own the camera takes all light to be of that one.
+            self.disperses = mi.is_spectral and "wavelength" not in camera.parameters and disperses(camera)
+            if self.disperses:
+                self.nearness = _nearness(camera)
+
+        def _values(self) -> dict[str, float]:
+            """The numbers of `SHOWN` that this camera has."""
+            camera, given = self.camera, self.camera.parameters
+            found = {
+                "focus_distance": camera.focus_distance_mm / given.get("mmperunit", 1.0),
+                "film_distance": camera.film_distance_mm,
+                "fnumber": camera.fnumber,
+                "film_diag": camera.film_diagonal_mm,
+            }
+            if self.zooms:
+                found["zoom"] = _lens_of(camera).focal_length_mm
+            if given.get("shutter") == "leaf":
+                found["shutter_ramp"] = given.get("shutterramp", 0.25)
+            if given.get("shutter") == "focal-plane":
+                found["shutter_slit"] = given.get("shutterslit", 0.25)
+            return found
 
         def sample_ray(self, time: Any, sample1: Any, sample2: Any, sample3: Any, active: Any = True) -> Any:
             """A ray and its weight."""
@@ -83,37 +123,100 @@ def sensor_class(model: str | None) -> type:
             ]
             wavelengths, response = self.sample_wavelengths(dr.zeros(mi.SurfaceInteraction3f), sample1)
             if self.disperses:
-                # All the light of a ray is that of its first wavelength: the others would go another way.
-                samples.append(dr.clip(wavelengths[0], *WAVELENGTHS))
-                hero = mi.UnpolarizedSpectrum(0.0)
-                hero[0] = len(wavelengths)
-                response = response * hero
-            if scalar:
-                columns: Any = trace_one(self.camera, samples, differentials)
+                columns, weight = self._dispersed(samples, sample1, wavelengths, response)
             else:
-                columns = self._columns(samples, differentials)
-            weight = columns[RAY][6]
-            lit = weight > 0
+                columns = self._traced(samples, differentials)
+                weight = response * columns[RAY][6]
+            lit = columns[RAY][6] > 0
             found = mi.Ray3f(*self._in_scene(columns[RAY], lit), time, wavelengths)
             # A blocked ray ends where it begins and meets nothing.
             found.maxt = dr.select(lit, mi.Float(self.far - self.near), 0.0)
             neighbours = [self._neighbour(columns, at, lit) if differentials else None for at in (RIGHT, DOWN)]
-            return found, response * weight, *neighbours
+            return found, weight, *neighbours
 
-        def _columns(self, samples: list[Any], differentials: bool) -> list[Any]:
-            """The columns of rays: memory of Dr.Jit's, which it uses again, as NumPy sees it."""
+        def _dispersed(self, samples: list[Any], number: Any, wavelengths: Any, response: Any) -> tuple[list[Any], Any]:
+            """The columns of a ray, which is the hero's, with its neighbours, and the weight of each wavelength."""
+            traced = [
+                self._traced([*samples, dr.clip(wavelength, *WAVELENGTHS)], k == 0)
+                for k, wavelength in enumerate(wavelengths)
+            ]
+            rays = [columns[RAY] for columns in traced]
+            neighbours = [traced[0][at] for at in (RIGHT, DOWN)]
+            weights = [ray[6] for ray in rays]
+            plain = mi.unpolarized_spectrum(response)
+            spectral = mi.has_flag(self.film().flags(), mi.FilmFlags.Spectral)
+            places, known = landing(self._looked_at, rays, *neighbours)
+            each = amounts(spectral, wavelengths, plain)
+            heroes, factors = carried(weights, places, known, each, number, self.tolerance)
+
+            def of_hero(column: int) -> Any:
+                return sum(dr.select(hero, ray[column], 0.0) for hero, ray in zip(heroes, rays))
+
+            hero = [of_hero(column) for column in range(7)]
+            for neighbour in neighbours:
+                # The step to a neighbour is that of the first wavelength; the others' differ by the lens's lateral colour, a
+                # thousandth or so.
+                hero += [here + (b - a) for here, a, b in zip(hero[:6], rays[0][:6], neighbour[:6])] + [neighbour[6]]
+            weight = mi.UnpolarizedSpectrum(0.0)
+            for k, factor in enumerate(factors):
+                weight[k] = weights[k] * factor
+            return hero, response * weight
+
+        def _looked_at(self, ray: Any) -> Any:
+            """The point at which a ray is compared with others: on the plane in focus, or its direction where that is far."""
+            origin, direction = mi.Vector3f(*ray[:3]), mi.Vector3f(*ray[3:6])
+            forward = dr.maximum(direction.z, 0.1)
+            return self.nearness * origin + direction * ((1 - self.nearness * origin.z) / forward)
+
+        def _traced(self, samples: list[Any], differentials: bool) -> list[Any]:
+            """The columns of rays, `COLUMNS`."""
+            if scalar:
+                return trace_one(self.camera, samples, differentials)
+            return self._columns(trace, samples, COLUMNS[differentials])
+
+        def _columns(self, call: Any, samples: list[Any], count: int) -> list[Any]:
+            """The columns that a call writes: memory of Dr.Jit's, which it uses again, as NumPy sees it."""
             if dr.flag(dr.JitFlag.FreezingScope) or dr.flag(dr.JitFlag.SymbolicScope):
                 raise RuntimeError(
                     "the sensor realistic traces its rays outside of Dr.Jit's kernels: it cannot be asked for rays within "
-                    'dr.freeze, in a recorded loop or by the sensor "batch"'
+                    'dr.freeze, in a recorded loop or by the sensor "batch"; for "ptracer", whose loop is recorded otherwise, '
+                    "render with dr.scoped_set_flag(dr.JitFlag.SymbolicLoops, False)"
                 )
             samples = [dr.detach(mi.Float(column)) for column in samples]
             dr.eval(samples)
             n = max(dr.width(column) for column in samples)
             given = [column.numpy() if len(column) == n else np.full(n, column[0], np.float32) for column in samples]
-            columns = [dr.empty(mi.Float, n) for _ in range(COLUMNS[differentials])]
-            trace(self.camera, given, [column.numpy() for column in columns], dr.thread_count())
+            columns = [dr.empty(mi.Float, n) for _ in range(count)]
+            call(self.camera, given, [column.numpy() for column in columns], dr.thread_count())
             return columns
+
+        def sample_direction(self, it: Any, sample: Any, active: Any = True) -> Any:
+            """A direction from a point of the scene toward the lens, where it is seen, and importance over its density."""
+            inside = self.to_world.inverse() @ mi.Point3f(it.p)
+            given = [inside.x, inside.y, inside.z, sample.x, sample.y, self._fraction(it.time)]
+            columns: Any = aim_one(self.camera, given) if scalar else self._columns(aim, given, AIM)
+            *front, density, x, y, importance = columns
+            film = self.film()
+            whole, size, offset = film.size(), film.crop_size(), film.crop_offset()
+            u, v = x - float(offset.x), y - float(offset.y)
+            seen = (density > 0) & (importance > 0) & (u >= 0) & (v >= 0) & (u < float(size.x)) & (v < float(size.y))
+            seen &= active
+            found = mi.DirectionSample3f()
+            found.delta = False
+            forward = mi.Vector3f(0, 0, 1)
+            front = [dr.select(seen, column, 0.0) for column in front]
+            toward = dr.select(seen, mi.Vector3f(*front[3:]), -forward)
+            # What is nearer to the lens than rays begin hides nothing.
+            found.p = self.to_world @ mi.Point3f(mi.Vector3f(*front[:3]) - self.near * toward)
+            found.n = mi.Normal3f(self.to_world @ forward)
+            found.d = self.to_world @ toward
+            found.dist = dr.norm(found.p - it.p)
+            found.uv = mi.Point2f(dr.select(seen, u, 0.0), dr.select(seen, v, 0.0))
+            found.time = it.time
+            found.pdf = dr.select(seen, density, 0.0)
+            # Mitsuba divides by the pixels of the crop window what the camera has in those of the whole picture.
+            pixels = float(whole.x) * float(whole.y) / (float(size.x) * float(size.y))
+            return found, mi.Spectrum(dr.select(seen, pixels * importance / dr.select(seen, density, 1.0), 0.0))
 
         def _fraction(self, time: Any) -> Any:
             """The time as a fraction of the shutter's interval."""
@@ -136,13 +239,35 @@ def sensor_class(model: str | None) -> type:
             """Tells Mitsuba what can be changed."""
             super().traverse(callback)
             callback.put("to_world", self.to_world, mi.ParamFlags.Differentiable)
+            for name, value in self.shown.items():
+                callback.put(name, value, mi.ParamFlags.NonDifferentiable)
 
         def parameters_changed(self, keys: list[str]) -> None:
-            """Follows the film, whose size may have changed."""
+            """Follows what was assigned: another camera, where the film or the lens is another.
+
+            Raises
+            ------
+            realistic.Error
+                In the library's words, where there is no such camera; the sensor and its numbers are then as before.
+            """
             super().parameters_changed(keys)
             self.m_to_world = self.to_world
-            if tuple(self.film().size()) != self.camera.resolution:
-                self.camera = self._built()
+            before = self._values()
+            wanted = {name: value[0] for name, value in self.shown.items() if value[0] != before[name]}
+            wanted = {name: value for name, value in wanted.items() if not math.isnan(value)}
+            if not wanted and tuple(self.film().size()) == self.camera.resolution:
+                return
+            parameters = dict(self.parameters)
+            for name, value in wanted.items():
+                for displaced in INSTEAD_OF.get(SHOWN[name], ()):
+                    parameters.pop(displaced, None)
+            parameters |= {SHOWN[name]: repr(value) if name == "zoom" else value for name, value in wanted.items()}
+            try:
+                self._take(self._built(parameters))
+                self.parameters = parameters
+            finally:
+                for name, value in self._values().items():
+                    mi.set_property(self.shown[name], dr.scalar.ArrayXf64([value]))
 
         def bbox(self) -> Any:
             """Where the front vertex is."""
@@ -153,6 +278,30 @@ def sensor_class(model: str | None) -> type:
             return f"RealisticSensor[\n  camera = {self.camera},\n  to_world = {self.to_world}\n]"
 
     return RealisticSensor
+
+
+def _lens_of(camera: Camera, **changes: Any) -> Lens:
+    """A camera's lens, with some parameters changed; one whose groups move to focus as it is at infinity."""
+    given = {**camera.parameters, **changes}
+    names = ("specfile", "lens_text", "glasscatalog", "zoom", "wavelength", "aperture_diameter", "fnumber")
+    # What there is to warn of was told with the camera.
+    with quietly():
+        return Lens(**{name: given[name] for name in names if name in given})
+
+
+def _zooms(camera: Camera) -> bool:
+    """Whether a camera's lens has more than one focal length."""
+    try:
+        _lens_of(camera, zoom=repr(_lens_of(camera).focal_length_mm))
+    except ParameterError:
+        return False
+    return True
+
+
+def _nearness(camera: Camera) -> float:
+    """One over the distance from the front vertex to the plane in focus, per world unit; 0 where nothing is in focus."""
+    distance = camera.focus_distance_mm - camera.film_distance_mm + _lens_of(camera).rear_vertex_mm
+    return camera.parameters.get("mmperunit", 1.0) / distance if distance > 0 else 0.0
 
 
 def disperses(camera: Camera) -> bool:
