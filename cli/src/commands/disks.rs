@@ -4,7 +4,7 @@ use crate::arguments::whole;
 use crate::console;
 use crate::drawing::shapes::{Anchor, Page};
 use crate::failure::Failure;
-use crate::image::{Picture, Sheet, SrgbImage, hex, picture_path};
+use crate::image::{Picture, Sheet, SrgbImage, Tone, hex, picture_path};
 use glam::Vec3;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -79,7 +79,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             sheet.add(name, &Picture::from(&panel), 1.0);
         }
     }
-    sheet.into_picture().write(&args.out, 1.0)?;
+    sheet.into_picture().write(&args.out, Tone::SHOWN)?;
     let _ = writeln!(text, "{}", args.out.display());
     Ok(console::answer(&text, Some(&args.out))?)
 }

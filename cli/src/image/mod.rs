@@ -6,6 +6,6 @@ mod sheet;
 mod srgb;
 pub mod tile;
 
-pub use picture::{Format, LARGEST_SIDE, Picture, picture_path};
+pub use picture::{Curve, Format, LARGEST_SIDE, Picture, Tone, picture_path};
 pub use sheet::Sheet;
 pub use srgb::{Colours, SrgbImage, hex};

@@ -20,6 +20,44 @@ pub struct Picture {
 /// Most pixels across or down that a picture may have.
 pub const LARGEST_SIDE: u32 = 16_384;
 
+/// How light becomes a screen's value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tone {
+    /// It is multiplied by this first.
+    pub scale: f32,
+    /// What then becomes of what is bright.
+    pub curve: Curve,
+}
+
+/// What becomes of light up to and above a screen's white, which is 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Curve {
+    /// Above white it is clipped.
+    Straight,
+    /// From [`KNEE`] on it is compressed, so that nothing reaches white: as film has it, lamps keep their colour.
+    Film,
+}
+
+/// Where the film's curve leaves the straight line.
+const KNEE: f32 = 0.45;
+
+impl Tone {
+    /// Values for the screen as they are.
+    pub const SHOWN: Self = Self { scale: 1.0, curve: Curve::Straight };
+
+    /// The screen's value for one of a picture's.
+    pub fn shown(self, value: f32) -> f32 {
+        let value = value * self.scale;
+        match self.curve {
+            Curve::Film if value > KNEE => {
+                let over = (value - KNEE) / (1.0 - KNEE);
+                KNEE + (1.0 - KNEE) * over / (1.0 + over)
+            }
+            _ => value,
+        }
+    }
+}
+
 /// What a file's ending asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
@@ -76,14 +114,21 @@ impl Picture {
         }
     }
 
-    /// Writes the file. `scale` takes the values to the screen's: PNG only.
+    /// Adds another picture of the same size.
+    pub fn add(&mut self, other: &Self) {
+        for (sum, value) in self.pixels.as_flattened_mut().iter_mut().zip(other.pixels.as_flattened()) {
+            *sum += value;
+        }
+    }
+
+    /// Writes the file. `tone` takes the values to the screen's: PNG only.
     ///
     /// # Errors
     /// The file cannot be written; the message names it.
-    pub fn write(&self, path: &Path, scale: f32) -> Result<(), Failure> {
+    pub fn write(&self, path: &Path, tone: Tone) -> Result<(), Failure> {
         let failed = |error: &dyn Display| Failure::cannot_write(path, error);
         let bytes = match Format::of(path).map_err(Failure::Usage)? {
-            Format::Png => self.shown(scale).png(Colours::All),
+            Format::Png => self.shown(tone).png(Colours::All),
             Format::Exr => self.exr().map_err(|error| failed(&error))?,
         };
         files::save(path, &bytes).map_err(|error| failed(&error))
@@ -102,9 +147,9 @@ impl Picture {
         Ok(file.into_inner())
     }
 
-    /// What the screen shows of it: values times `scale`.
-    pub fn shown(&self, scale: f32) -> SrgbImage {
-        let encode = |colour: &[f32; 3]| colour.map(|value| encode(value * scale));
+    /// What the screen shows of it.
+    pub fn shown(&self, tone: Tone) -> SrgbImage {
+        let encode = |colour: &[f32; 3]| colour.map(|value| encode(tone.shown(value)));
         SrgbImage { size: self.size, pixels: self.pixels.iter().map(encode).collect() }
     }
 }
@@ -132,7 +177,7 @@ mod tests {
     fn png_comes_back() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.PNG");
-        sample().write(&path, 0.5).unwrap();
+        sample().write(&path, Tone { scale: 0.5, ..Tone::SHOWN }).unwrap();
         let file = std::io::BufReader::new(File::open(&path).unwrap());
         let mut reader = png::Decoder::new(file).read_info().unwrap();
         let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
@@ -148,7 +193,7 @@ mod tests {
     fn exr_keeps_the_values() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.exr");
-        sample().write(&path, 0.5).unwrap();
+        sample().write(&path, Tone { scale: 0.5, ..Tone::SHOWN }).unwrap();
         let read = exr::prelude::read_first_rgba_layer_from_file(
             &path,
             |size, _| vec![vec![[0.0_f32; 3]; size.width()]; size.height()],

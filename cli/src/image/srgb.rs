@@ -53,6 +53,8 @@ impl SrgbImage {
         let bytes = match colours {
             Colours::All => {
                 encoder.set_color(png::ColorType::Rgb);
+                encoder.set_compression(png::Compression::High);
+                encoder.set_filter(png::Filter::Adaptive);
                 self.pixels.as_flattened().to_vec()
             }
             Colours::Frequent => {

@@ -4,7 +4,7 @@
 //! their own. For other programs the place stands where its format has
 //! one: in an EXR file's data and display window, in a PNG file's oFFs chunk (PNG extensions 1.6).
 
-use super::picture::{Format, LARGEST_SIDE, Picture};
+use super::picture::{Format, LARGEST_SIDE, Picture, Tone};
 use super::srgb::Colours;
 use crate::failure::Failure;
 use crate::files;
@@ -113,17 +113,17 @@ fn checksum<P: Sample>(text: &str, pixels: &[[P; 3]]) -> u32 {
     sum.finalize()
 }
 
-/// Writes a picture as a tile. `scale` takes its values to the screen's: PNG only.
+/// Writes a picture as a tile. `tone` takes its values to the screen's: PNG only.
 ///
 /// # Errors
 /// The file cannot be written; the message names it.
-pub fn write(picture: &Picture, path: &Path, scale: f32, origin: &Origin) -> Result<(), Failure> {
+pub fn write(picture: &Picture, path: &Path, tone: Tone, origin: &Origin) -> Result<(), Failure> {
     let failed = |error: &dyn Display| Failure::cannot_write(path, error);
     let bytes = match Format::of(path).map_err(Failure::Usage)? {
         Format::Png => {
             let [left, top, ..] = origin.crop;
             let place = [left.to_be_bytes(), top.to_be_bytes()].concat();
-            let shown = picture.shown(scale);
+            let shown = picture.shown(tone);
             let text = (PNG_KEYWORD, origin.with_sum(&shown.pixels));
             // The last byte says that the unit is a pixel.
             let place = (*b"oFFs", [&place[..], &[0]].concat());
@@ -313,7 +313,7 @@ mod tests {
         let pixels = (0..12 * 9).map(|i| [value(i), value(i + 1000), 40.0 * value(i + 2000)]).collect();
         let settings = vec![("lens".into(), "dgauss.50mm".into())];
         let origin = Origin { whole: [50, 34], crop: [25, 3, 37, 12], settings };
-        write(&Picture { size: [12, 9], pixels }, path, 1.0, &origin).unwrap();
+        write(&Picture { size: [12, 9], pixels }, path, Tone::SHOWN, &origin).unwrap();
         std::fs::read(path).unwrap()
     }
 

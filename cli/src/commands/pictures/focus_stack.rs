@@ -8,7 +8,7 @@ use crate::host::render::Integrator;
 use crate::host::scene::effects::{Effect, Effects};
 use crate::host::scene::props;
 use crate::host::studio::{Options, Order, Studio, whole_only};
-use crate::image::Sheet;
+use crate::image::{Sheet, Tone};
 use realistic::unstable::message::fixed;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -74,12 +74,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         let film = shot.camera.info()?.film_distance_mm;
         let digits = args.count.to_string().len().max(2);
         let path = args.out.join(format!("focus-{index:0digits$}.png"));
-        shot.picture.write(&path, shot.scale)?;
-        sheet.add(&label(distance), &shot.picture, shot.scale);
+        shot.picture.write(&path, shot.tone)?;
+        sheet.add(&label(distance), &shot.picture, shot.tone.scale);
         let _ = writeln!(text, "{}  focus {}, film {} mm", path.display(), label(distance), fixed(film, 3));
     }
     let contact = args.out.join("contact.png");
-    sheet.into_picture().write(&contact, 1.0)?;
+    sheet.into_picture().write(&contact, Tone::SHOWN)?;
     let _ = writeln!(text, "{}", contact.display());
     Ok(console::report(&text, &contact)?)
 }

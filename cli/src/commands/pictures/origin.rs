@@ -36,7 +36,7 @@ pub fn origin(
         ("rays", format!("{:016x}", fingerprint(&shot.camera, whole)?)),
     ];
     if format == Format::Png {
-        settings.push(("brightness", shot.scale.to_string()));
+        settings.push(("brightness", shot.tone.scale.to_string()));
     }
     let settings = settings.into_iter().map(|(name, value)| (name.to_owned(), on_one_line(&value))).collect();
     Ok(Origin { whole, crop: info.crop, settings })

@@ -8,9 +8,9 @@ use crate::files;
 use crate::host::plugin::{Camera, Plugin};
 use crate::host::render::Integrator;
 use crate::host::scene::effects::Effects;
-use crate::host::scene::{night, props};
+use crate::host::scene::{chess, night, props};
 use crate::host::studio::{Method, Options, Order, Shot, Slide, Studio, stopped_down};
-use crate::image::{Format, picture_path, tile};
+use crate::image::{Format, Tone, picture_path, tile};
 use clap::ValueEnum;
 use realistic::unstable::camera::autofocus::Rule;
 use realistic::unstable::message::fixed;
@@ -38,7 +38,7 @@ pub struct How {
     out: PathBuf,
     /// Effects, or none, or all
     ///
-    /// They are gloss, translucency, soft-shadow, dof and motion, with commas between them.
+    /// They are gloss, translucency, soft-shadow, dof and motion, with commas between them. All but dof are the test card's.
     #[arg(long, value_name = "NAMES", default_value = "soft-shadow,dof", conflicts_with = "slide")]
     effects: Effects,
     /// A slide of the lecture instead of one picture
@@ -46,14 +46,14 @@ pub struct How {
     /// It shows an effect off, with few samples and with many.
     #[arg(long, value_name = "NAME", hide_possible_values = true, long_help = slide_help())]
     slide: Option<Slide>,
-    /// The built-in scene by day, or by night
+    /// The built-in scene: chess, day or night
     ///
-    /// It is lit by sun and sky, or by lamps alone.
+    /// A game of chess at dusk, or the test card, in the light of sun and sky or of lamps alone.
     #[arg(
         long,
         value_name = "NAME",
         hide_possible_values = true,
-        default_value = "day",
+        default_value = "chess",
         conflicts_with = "slide"
     )]
     scene: Stage,
@@ -100,16 +100,26 @@ pub struct How {
 /// When the built-in scene is rendered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Stage {
-    /// In the light of sun and sky
+    /// A game of chess at dusk, before a street with its lamps
+    Chess,
+    /// The test card, in the light of sun and sky
     Day,
-    /// In that of lamps alone
+    /// The test card in that of lamps alone
     Night,
+}
+
+impl Stage {
+    /// Samples per pixel where none are asked for.
+    fn spp(self) -> u32 {
+        match self {
+            Self::Chess => 64,
+            Self::Day | Self::Night => 128,
+        }
+    }
 }
 
 /// Stands for a zone in the middle of the picture.
 const MIDDLE: &str = "middle";
-
-const SPP: u32 = 128;
 
 /// Renders, writes the picture and reports what lens it was.
 ///
@@ -120,7 +130,7 @@ pub fn run(camera: &CameraChoice, args: &How) -> Result<(), Failure> {
     let studio = Studio::open(camera, &args.options)?;
     if let Some(slide) = args.slide {
         let (picture, text) = slide.take(&studio, camera.has_lens(), args.options.spp)?;
-        picture.write(&args.out, 1.0)?;
+        picture.write(&args.out, Tone::SHOWN)?;
         let text = format!("{text}picture  {}\n", args.out.display());
         return Ok(console::report(&text, &args.out)?);
     }
@@ -132,6 +142,7 @@ pub fn run(camera: &CameraChoice, args: &How) -> Result<(), Failure> {
     }
     let mut parameters = stopped_down(&studio.parameters, &args.effects)?;
     let scene = match args.scene {
+        Stage::Chess => chess::scene(),
         Stage::Day => props::scene(),
         Stage::Night => night::scene(),
     };
@@ -143,7 +154,7 @@ pub fn run(camera: &CameraChoice, args: &How) -> Result<(), Failure> {
         parameters.filmdistance = Some(studio.autofocus(&parameters, &scene, &zones, rule, method)?);
     }
     let order = Order {
-        spp: args.options.spp.unwrap_or(SPP),
+        spp: args.options.spp.unwrap_or(args.scene.spp()),
         wavelengths: args.wavelengths,
         whole: None,
         integrator: args.integrator,
@@ -154,11 +165,11 @@ pub fn run(camera: &CameraChoice, args: &How) -> Result<(), Failure> {
         let shown = format!("{:?}, {}", args.scene, args.effects);
         let format = Format::of(&args.out).map_err(Failure::Usage)?;
         let origin = origin(camera, &shown, format, &studio, &order, &shot)?;
-        tile::write(&shot.picture, &args.out, shot.scale, &origin)?;
+        tile::write(&shot.picture, &args.out, shot.tone, &origin)?;
         let ([x0, y0, ..], [width, height]) = (origin.crop, origin.whole);
         let _ = writeln!(text, "tile     at {x0},{y0} of {width}x{height}, for `realistic merge`");
     } else {
-        shot.picture.write(&args.out, shot.scale)?;
+        shot.picture.write(&args.out, shot.tone)?;
     }
     let _ = writeln!(text, "picture  {}", timing(&order, &shot, studio.threads()));
     let _ = writeln!(text, "         {}", args.out.display());

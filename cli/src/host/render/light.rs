@@ -168,6 +168,7 @@ impl Tracer<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::dusk::Seen;
     use super::super::render;
     use super::*;
     use crate::host::plugin::{connect, request_of};
@@ -250,7 +251,7 @@ mod tests {
     }
 
     fn settings(seed: u64, spp: u32) -> Settings {
-        Settings { size: SIZE, corner: [0; 2], spp, seed, mm_per_unit: 1.0 }
+        Settings { size: SIZE, corner: [0; 2], spp, seed, mm_per_unit: 1.0, seen: Seen::Met }
     }
 
     /// The night, with lamps so large that paths from the camera meet them, too.

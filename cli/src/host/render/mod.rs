@@ -1,5 +1,7 @@
 //! From a scene and a source of camera rays to a picture.
 
+mod bulbs;
+mod dusk;
 pub mod lamplight;
 mod light;
 mod renderer;
@@ -8,6 +10,8 @@ pub mod spectrum;
 
 use clap::ValueEnum;
 
+pub use bulbs::Bulbs;
+pub use dusk::{Dusk, Seen};
 pub use light::trace;
 pub use renderer::{Settings, render};
 

@@ -1,5 +1,6 @@
 //! Rendering: tiles over all cores, and every pixel the mean over its samples.
 
+use super::dusk::{Dusk, Seen};
 use super::lamplight::Lights;
 use super::shade::{ShadingSample, radiance};
 use crate::host::plugin::PluginError;
@@ -31,6 +32,8 @@ pub struct Settings {
     pub seed: u64,
     /// Millimetres of the scene to a world unit of the camera.
     pub mm_per_unit: f32,
+    /// Who counts the lamps that the camera sees, at dusk.
+    pub seen: Seen,
 }
 
 /// Renders the scene on the current thread pool.
@@ -46,12 +49,13 @@ pub fn render(
     let [width, height] = settings.size;
     let across = width.div_ceil(TILE);
     let tiles = across * height.div_ceil(TILE);
+    let light = Lit::of(scene, settings);
     progress.set_length(u64::from(tiles));
     let done = (0..tiles).into_par_iter().map(|index| {
         let place = [index % across * TILE, index / across * TILE];
         let size = [0, 1].map(|axis| TILE.min(settings.size[axis] - place[axis]));
         let corner = [0, 1].map(|axis| settings.corner[axis] + place[axis]);
-        let mut view = View::new(scene, settings);
+        let mut view = View::new(scene, &light, settings);
         let window = Window { corner, size };
         let (pixels, tally) = render::render(&camera, &mut view, window, settings.spp as usize)?;
         progress.inc(1);
@@ -67,30 +71,48 @@ pub fn render(
     Ok((picture, total))
 }
 
+/// How the light along a ray is found.
+enum Lit<'a> {
+    Day,
+    Lamps(Lights),
+    Dusk(Dusk<'a>),
+}
+
+impl<'a> Lit<'a> {
+    fn of(scene: &'a Scene, settings: &Settings) -> Self {
+        match scene.light {
+            Light::Day => Self::Day,
+            Light::Lamps => Self::Lamps(Lights::of(scene)),
+            Light::Dusk => Self::Dusk(Dusk::of(scene, settings.seen)),
+        }
+    }
+}
+
 /// The scene as one tile samples it. Each pair of coordinates is well spread over the pixel, the lens, the sun or
 /// the facets, and independent of the others.
 struct View<'a> {
     scene: &'a Scene,
-    /// Of a scene that they alone light.
-    lights: Option<Lights>,
+    light: &'a Lit<'a>,
     mm_per_unit: f32,
     seed: u64,
     pairs: [Vec<Point>; 4],
     times: Vec<f32>,
+    fates: Vec<f32>,
     /// Of every sample of the batch.
     shading: Vec<ShadingSample>,
 }
 
 impl<'a> View<'a> {
-    fn new(scene: &'a Scene, settings: &Settings) -> Self {
+    fn new(scene: &'a Scene, light: &'a Lit<'a>, settings: &Settings) -> Self {
         let spp = settings.spp as usize;
         Self {
             scene,
-            lights: (scene.light == Light::Lamps).then(|| Lights::of(scene)),
+            light,
             mm_per_unit: settings.mm_per_unit,
             seed: settings.seed,
             pairs: std::array::from_fn(|_| vec![Point::default(); spp]),
             times: vec![0.0; spp],
+            fates: vec![0.0; spp],
             shading: Vec::new(),
         }
     }
@@ -110,6 +132,7 @@ impl Integrand<3> for View<'_> {
             Sequence::Sobol.fill(random.next_u32(), 2, pair);
         }
         strata(random.next_u32(), &mut self.times);
+        strata(random.next_u32(), &mut self.fates);
         self.shading.truncate(first);
         for (number, sample) in samples.iter_mut().enumerate() {
             let [film, lens, light, facet] =
@@ -121,7 +144,7 @@ impl Integrand<3> for View<'_> {
                 lens_v: lens[1],
                 time: self.times[number],
             };
-            self.shading.push(ShadingSample { light, facet });
+            self.shading.push(ShadingSample { light, facet, fate: self.fates[number] });
         }
     }
 
@@ -132,9 +155,10 @@ impl Integrand<3> for View<'_> {
             time: ray.time,
         };
         let sample = self.shading[number];
-        let found = match &self.lights {
-            Some(lights) => lights.radiance(self.scene, &ray, sample),
-            None => radiance(self.scene, &ray, sample),
+        let found = match self.light {
+            Lit::Day => radiance(self.scene, &ray, sample),
+            Lit::Lamps(lights) => lights.radiance(self.scene, &ray, sample),
+            Lit::Dusk(dusk) => dusk.radiance(&ray, sample),
         };
         found.to_array()
     }
@@ -171,7 +195,8 @@ mod tests {
     }
 
     fn pictured(scene: &Scene, threads: usize, half_blocked: bool, spp: u32) -> (Picture, Tally) {
-        let settings = Settings { size: [37, 21], corner: [0; 2], spp, seed: 7, mm_per_unit: 1.0 };
+        let settings =
+            Settings { size: [37, 21], corner: [0; 2], spp, seed: 7, mm_per_unit: 1.0, seen: Seen::Met };
         let camera = Pinhole { size: settings.size, half_blocked };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| render(|rays| camera.rays(rays), scene, &settings, &ProgressBar::hidden())).unwrap()
@@ -205,7 +230,7 @@ mod tests {
         for spp in [1, 4, 48] {
             let (whole, _) = pictured(&scene, 1, false, spp);
             for [corner, size] in [[[16, 5], [20, 16]], [[0, 0], [37, 1]], [[36, 20], [1, 1]]] {
-                let settings = Settings { size, corner, spp, seed: 7, mm_per_unit: 1.0 };
+                let settings = Settings { size, corner, spp, seed: 7, mm_per_unit: 1.0, seen: Seen::Met };
                 let (part, _) =
                     render(|rays| camera.rays(rays), &scene, &settings, &ProgressBar::hidden()).unwrap();
                 for (index, pixel) in (0..).zip(&part.pixels) {
@@ -220,8 +245,9 @@ mod tests {
     fn neighbouring_pixels_and_pictures_have_random_numbers_of_their_own() {
         let scene = props::scene();
         let numbers = |seed: u64, pixel: [u32; 2]| {
-            let settings = Settings { size: [1; 2], corner: [0; 2], spp: 1, seed, mm_per_unit: 1.0 };
-            let mut random = View::new(&scene, &settings).random(pixel);
+            let settings =
+                Settings { size: [1; 2], corner: [0; 2], spp: 1, seed, mm_per_unit: 1.0, seen: Seen::Met };
+            let mut random = View::new(&scene, &Lit::Day, &settings).random(pixel);
             [0; 5].map(|_| random.next_u32())
         };
         let mut all: Vec<u32> = (0..4)

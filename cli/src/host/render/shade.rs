@@ -13,6 +13,8 @@ pub struct ShadingSample {
     pub light: [f32; 2],
     /// It chooses the facet of a rough surface.
     pub facet: [f32; 2],
+    /// It decides whether a path goes on.
+    pub fate: f32,
 }
 
 /// A branch that adds less than this is not followed.
@@ -119,7 +121,7 @@ impl Shader<'_> {
 
 impl ShadingSample {
     /// Others for the next bounce, spread as evenly: a step of the plastic number's lattice.
-    fn next(self) -> Self {
+    pub fn next(self) -> Self {
         let step = |[u, v]: [f32; 2]| [(u + 0.754_878).fract(), (v + 0.569_840).fract()];
         Self { facet: step(self.facet), ..self }
     }
@@ -147,7 +149,7 @@ fn off(direction: Vec3, facet: Vec3, outward: Vec3) -> Vec3 {
 }
 
 /// Schlick's approximation of Fresnel's formula.
-fn fresnel(cosine: f32, facing: f32) -> f32 {
+pub fn fresnel(cosine: f32, facing: f32) -> f32 {
     facing + (1.0 - facing) * (1.0 - cosine).clamp(0.0, 1.0).powi(5)
 }
 
@@ -166,7 +168,8 @@ mod tests {
             let level = (1.0 - y * y).sqrt();
             let direction = Vec3::new(level * sine, y, level * cosine);
             let ray = Ray { origin: Vec3::ZERO, direction, time: 0.25 };
-            let light = radiance(&scene, &ray, ShadingSample { light: [0.5, 0.25], facet: [0.9, 0.4] });
+            let light =
+                radiance(&scene, &ray, ShadingSample { light: [0.5, 0.25], facet: [0.9, 0.4], fate: 0.5 });
             assert!(light.is_finite() && light.min_element() > 0.0, "{ray:?}: {light}");
         }
     }

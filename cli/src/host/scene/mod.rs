@@ -3,8 +3,10 @@
 
 mod card;
 pub mod chequers;
+pub mod chess;
 pub mod effects;
 pub mod night;
+mod noise;
 mod objects;
 mod pose;
 mod print;
@@ -12,6 +14,7 @@ pub mod props;
 pub mod shapes;
 pub mod sky;
 pub mod slides;
+pub mod solids;
 mod world;
 
 pub use objects::{Ball, Board, FLOOR, Finish, Lamps, Material, Paint};

@@ -23,6 +23,7 @@ pub fn scene() -> Scene {
         floor_roughness: 0.03,
         balls: balls(),
         boards: boards(),
+        solids: Arc::default(),
         lamps: lamps().into(),
         light: Light::Day,
         sun: Sun::EVENING,

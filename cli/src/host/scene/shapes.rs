@@ -75,7 +75,10 @@ impl Shape for Sphere {
         }
         let half = half.sqrt();
         let inside = |distance: &f32| (from..to).contains(distance);
-        let distance = [along - half, along + half].into_iter().find(inside)?;
+        let distance = if inside(&(along - half)) { along - half } else { along + half };
+        if !inside(&distance) {
+            return None;
+        }
         let normal = (ray.at(distance) - centre) / self.radius;
         Some(Hit { distance, normal })
     }

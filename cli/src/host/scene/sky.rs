@@ -36,6 +36,16 @@ fn gradient(height: f32) -> Vec3 {
     low.lerp(ZENITH, (1.6 * height).clamp(0.0, 1.0))
 }
 
+/// Radiance of a sky after sunset from a direction (unit length).
+pub fn dusk(direction: Vec3) -> Vec3 {
+    const GLOW: Vec3 = Vec3::new(0.70, 0.29, 0.17);
+    const BLUE: Vec3 = Vec3::new(0.095, 0.17, 0.42);
+    const NIGHT: Vec3 = Vec3::new(0.028, 0.052, 0.155);
+    let height = direction.y.max(0.0);
+    let west = 0.6 + 0.4 * (direction.z - 0.4 * direction.x);
+    NIGHT.lerp(BLUE, (-2.2 * height).exp()) + GLOW * west * (-9.0 * height).exp()
+}
+
 /// The light of a scene: a disk far away, so that shadows have a penumbra.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sun {

@@ -7,7 +7,9 @@ use super::objects::{Ball, Board, FLOOR, Finish, Lamps, Material};
 use super::pose::Pose;
 use super::shapes::{Hit, Ray, Shape};
 use super::sky::Sun;
+use super::solids::Solids;
 use glam::Vec3;
+use std::sync::Arc;
 
 /// What lights a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,6 +18,8 @@ pub enum Light {
     Day,
     /// The lamps, before the dark.
     Lamps,
+    /// The lamps and a dusk sky.
+    Dusk,
 }
 
 /// The whole scene.
@@ -29,6 +33,8 @@ pub struct Scene {
     pub balls: Vec<Ball>,
     /// Boards.
     pub boards: Vec<Board>,
+    /// Many more, at rest.
+    pub solids: Arc<Solids>,
     /// Lamps, at rest.
     pub lamps: Vec<Lamps>,
     /// What lights it.
@@ -67,8 +73,21 @@ impl Scene {
         self
     }
 
-    /// The nearest surface that a ray intersects beyond `from`.
+    /// The nearest surface that a ray intersects beyond `from`, a lamp's or another.
     pub fn nearest(&self, ray: &Ray, from: f32) -> Option<(Hit, Material)> {
+        let mut best = self.nearest_surface(ray, from);
+        let lamps = self.lamps.iter().filter(|group| group.bounds.intersects(ray));
+        for lamp in lamps.flat_map(|group| &group.lamps) {
+            let to = best.map_or(f32::INFINITY, |(hit, _)| hit.distance);
+            if let Some(hit) = lamp.shape.intersect(ray, from, to) {
+                best = Some((hit, lamp.material));
+            }
+        }
+        best
+    }
+
+    /// The nearest surface that a ray intersects beyond `from` and that is no lamp's.
+    pub fn nearest_surface(&self, ray: &Ray, from: f32) -> Option<(Hit, Material)> {
         let mut best: Option<(Hit, Material)> = None;
         let mut nearer = |shape: &dyn Shape, material: &dyn Fn(&Hit) -> Material| {
             let to = best.map_or(f32::INFINITY, |(hit, _)| hit.distance);
@@ -84,11 +103,17 @@ impl Scene {
         for board in &self.boards {
             nearer(&board.panel, &|hit| board.material(ray.at(hit.distance)));
         }
-        let lamps = self.lamps.iter().filter(|group| group.bounds.intersects(ray));
-        for lamp in lamps.flat_map(|group| &group.lamps) {
-            nearer(&lamp.shape, &|_| lamp.material);
-        }
-        best
+        let to = best.map_or(f32::INFINITY, |(hit, _)| hit.distance);
+        self.solids.nearest(ray, from, to).or(best)
+    }
+
+    /// Whether any surface but a lamp's lies along a ray between two distances.
+    pub fn hides(&self, ray: &Ray, from: f32, to: f32) -> bool {
+        let hides = |shape: &dyn Shape| shape.intersect(ray, from, to).is_some();
+        self.solids.hides(ray, from, to)
+            || hides(&FLOOR)
+            || self.balls.iter().any(|ball| hides(&ball.shape))
+            || self.boards.iter().any(|board| hides(&board.panel))
     }
 
     /// The part of the light that comes through along a ray from far away.

@@ -7,10 +7,10 @@ use crate::arguments::{CameraChoice, finite, host, size, size_film, whole};
 use crate::console;
 use crate::failure::Failure;
 use crate::host::plugin::{self, Camera, Connections, Places, Plugin};
-use crate::host::render::{Integrator, Settings, lamplight, render, spectrum, trace};
+use crate::host::render::{Bulbs, Dusk, Integrator, Seen, Settings, lamplight, render, spectrum, trace};
 use crate::host::scene::effects::{Effect, Effects};
 use crate::host::scene::{Light, Scene};
-use crate::image::Picture;
+use crate::image::{Curve, Picture, Tone};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPool;
 use realistic::unstable::camera::{
@@ -27,7 +27,7 @@ pub struct Options {
     /// Size of the picture in pixels
     #[arg(long, value_name = "WxH", default_value = "480x320", value_parser = size)]
     pub size: [u32; 2],
-    /// Samples per pixel [default: 128; of slides and stacks 64]
+    /// Samples per pixel [default: 64; of the test card 128]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole(1_u32, 16_384))]
     pub spp: Option<u32>,
     /// Threads [default: one per core]
@@ -88,7 +88,7 @@ pub struct Shot {
     /// Irradiance on the film, of the part that `crop` asks for.
     pub picture: Picture,
     /// What takes it to the screen's values.
-    pub scale: f32,
+    pub tone: Tone,
     /// The rays.
     pub tally: Tally,
     /// How long it took.
@@ -182,17 +182,28 @@ impl Studio {
             spp: order.spp,
             seed: self.seed,
             mm_per_unit: parameters.mmperunit.unwrap_or(1.0) as f32,
+            seen: if order.wavelengths.is_none() { lamps_seen(scene, &camera) } else { Seen::Met },
         };
+        let shutter = [parameters.shutteropen.unwrap_or(0.0), parameters.shutterclose.unwrap_or(1.0)];
+        let shutter = shutter.map(|time| time as f32);
+        let joined = |places: &Places, found: &mut Connections| camera.connect(places, found);
         let start = Instant::now();
         let (picture, tally) = match order.wavelengths {
             None if order.integrator == Integrator::Light => {
-                let shutter = [parameters.shutteropen.unwrap_or(0.0), parameters.shutterclose.unwrap_or(1.0)];
-                let shutter = shutter.map(|time| time as f32);
-                let joined = |places: &Places, found: &mut Connections| camera.connect(places, found);
                 self.pool.install(|| trace(joined, scene, &settings, shutter, &self.progress))?
             }
             None => {
-                self.pool.install(|| render(|rays| camera.rays(rays), scene, &settings, &self.progress))?
+                let (mut picture, tally) = self
+                    .pool
+                    .install(|| render(|rays| camera.rays(rays), scene, &settings, &self.progress))?;
+                if settings.seen == Seen::Joined {
+                    let dusk = Dusk::of(scene, Seen::Joined);
+                    let eye = [3, 7, 11].map(|at| scene.pose[at]).into();
+                    let bulbs = Bulbs { dusk: &dusk, settings: &settings, whole, shutter, eye };
+                    let (lamps, _) = self.pool.install(|| bulbs.take(joined))?;
+                    picture.add(&lamps);
+                }
+                (picture, tally)
             }
             Some(count) => {
                 let mut sum = (Picture::plain(settings.size, [0.0; 3]), Tally::default());
@@ -220,8 +231,17 @@ impl Studio {
         let took = start.elapsed();
         self.progress.finish_and_clear();
         let scale = self.exposure.exp2() / white_level(&camera, parameters, whole)?;
-        Ok(Shot { camera, picture, scale, tally, took })
+        let curve = if scene.light == Light::Dusk { Curve::Film } else { Curve::Straight };
+        Ok(Shot { camera, picture, tone: Tone { scale, curve }, tally, took })
     }
+}
+
+/// Who counts the lamps that a camera sees: at dusk whoever joins them to it, if it has importance.
+fn lamps_seen(scene: &Scene, camera: &Camera) -> Seen {
+    let mut place = Places::default();
+    place.push([0.0, 0.0, 1000.0], [0.5; 2], 0.5);
+    let has_importance = || camera.connect(&place, &mut Connections::default()).is_ok();
+    if scene.light == Light::Dusk && has_importance() { Seen::Joined } else { Seen::Met }
 }
 
 /// Whether paths from the lamps show all of a scene.

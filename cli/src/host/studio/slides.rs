@@ -95,7 +95,7 @@ impl Slide {
             let parameters = stopped_down(&parameters, &panel.effects)?;
             let scene = scene.clone().with(&panel.effects);
             let shot = studio.take(&parameters, &scene, &panel.order)?;
-            sheet.add(&panel.label, &shot.picture, shot.scale * panel.exposure);
+            sheet.add(&panel.label, &shot.picture, shot.tone.scale * panel.exposure);
             let info = shot.camera.info()?;
             let _ = writeln!(
                 text,

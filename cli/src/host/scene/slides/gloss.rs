@@ -3,6 +3,7 @@
 
 use super::super::{Ball, Finish, Light, Material, Scene, Sun, props, tilted};
 use glam::Vec3;
+use std::sync::Arc;
 
 /// Where the card and the balls stand.
 const STAGE: f32 = 1100.0;
@@ -21,6 +22,7 @@ pub fn scene() -> Scene {
             Ball::standing([-255.0, STAGE + 240.0], 60.0, Material::new([0.76, 0.39, 0.05], Finish::Matte)),
         ],
         boards: props::card("gloss", Vec3::new(-215.0, 45.0, STAGE), 200.0).into(),
+        solids: Arc::default(),
         lamps: Vec::new(),
         light: Light::Day,
         sun: Sun { radius: 0.15, ..Sun::EVENING },

@@ -1,0 +1,292 @@
+//! A scene in the light of its lamps and of a dusk sky, as paths from the camera find it.
+//!
+//! Every surface but the last of a path is lit by one point of one lamp. The lamp is chosen by what each of them would send
+//! to the camera if nothing hid it, so that only shadows and the lamps' extent are left to chance. What lamps send is counted
+//! there and nowhere else: rays that leave a surface pass through lamps. Windows and sky count where rays meet them.
+//! Coats and metals have facets whose slopes are distributed as B. Walter, S. R. Marschner, H. Li and K. E. Torrance have it
+//! ("Microfacet Models for Refraction through Rough Surfaces", EGSR 2007: GGX, with Smith's shadowing).
+
+use super::lamplight::{START, scattered};
+use super::shade::{ShadingSample, fresnel};
+use crate::host::scene::shapes::Ray;
+use crate::host::scene::solids::{Form, Look, Solids};
+use crate::host::scene::{Finish, Material, Scene, Sphere, sky};
+use glam::Vec3;
+use std::f32::consts::{FRAC_1_PI, PI, TAU};
+
+/// Surfaces of a path; the last one shows only if it shines itself.
+const SURFACES: u32 = 3;
+/// Lamps of a scene, at most: room for what each would send.
+const MOST: usize = 256;
+/// A path that would count more than the reciprocal of this goes on for certain; any other at least so often.
+const CERTAIN: f32 = 2.5;
+const RARE: f32 = 0.15;
+/// Reflectance of a coat seen straight on.
+const COAT: f32 = 0.04;
+/// The least roughness: the lamps' reflections are found by choosing lamps, which a mirror would not show.
+const POLISHED: f32 = 0.03;
+
+/// Who counts the lamps that the camera sees.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Seen {
+    /// Its rays where they meet them.
+    Met,
+    /// Whoever joins them to the camera ([`super::bulbs`]); rays that meet them bring nothing.
+    Joined,
+}
+
+/// The lamps of a scene, ready to be chosen from.
+pub struct Dusk<'a> {
+    scene: &'a Scene,
+    lamps: Vec<(Sphere, Vec3)>,
+    /// The same by coordinate: x, y, z, radius, brightness times radius squared.
+    columns: [Vec<f32>; 5],
+    /// The same as solids.
+    bulbs: Solids,
+    seen: Seen,
+}
+
+/// A surface that a ray has met, facing it.
+struct Surface {
+    point: Vec3,
+    normal: Vec3,
+    /// Toward where the ray came from.
+    back: Vec3,
+    /// Reflectance of what scatters.
+    matte: Vec3,
+    /// Reflectance of the facets seen straight on.
+    gloss: Vec3,
+    /// Roughness of the facets.
+    alpha: f32,
+}
+
+impl<'a> Dusk<'a> {
+    /// Those of a scene.
+    pub fn of(scene: &'a Scene, seen: Seen) -> Self {
+        let all = scene.lamps.iter().flat_map(|group| &group.lamps);
+        let lamps: Vec<(Sphere, Vec3)> = all.map(|lamp| (lamp.shape, lamp.material.colour)).collect();
+        assert!(lamps.len() <= MOST, "a scene has room for {MOST} lamps");
+        let column = |of: fn(&(Sphere, Vec3)) -> f32| lamps.iter().map(of).collect();
+        let columns = [
+            column(|(sphere, _)| sphere.centre.x),
+            column(|(sphere, _)| sphere.centre.y),
+            column(|(sphere, _)| sphere.centre.z),
+            column(|(sphere, _)| sphere.radius),
+            column(|(sphere, colour)| brightness(*colour) * sphere.radius * sphere.radius),
+        ];
+        let bulb = |(sphere, colour): &(Sphere, Vec3)| {
+            (Form::Ball(*sphere), Look::Plain(Material::new(*colour, Finish::Lamp)))
+        };
+        let bulbs = lamps.iter().map(bulb).collect();
+        Self { scene, lamps, columns, bulbs, seen }
+    }
+
+    /// The lamps, and their radiance.
+    pub fn lamps(&self) -> &[(Sphere, Vec3)] {
+        &self.lamps
+    }
+
+    /// Whether anything hides what lies along a ray up to a distance.
+    pub fn hides(&self, ray: &Ray, to: f32) -> bool {
+        self.scene.hides(ray, START, to) || self.bulbs.hides(ray, START, to)
+    }
+
+    /// Radiance along a ray from the camera.
+    pub fn radiance(&self, ray: &Ray, sample: ShadingSample) -> Vec3 {
+        let mut sample = sample;
+        let (mut ray, mut start, mut through, mut sum) = (*ray, 0.0, Vec3::ONE, Vec3::ZERO);
+        for number in 1..=SURFACES {
+            let found = self.scene.nearest_surface(&ray, start);
+            if number == 1 {
+                let before = found.map_or(f32::INFINITY, |(hit, _)| hit.distance);
+                if let Some((_, lamp)) = self.bulbs.nearest(&ray, start, before) {
+                    return if self.seen == Seen::Met { lamp.colour } else { Vec3::ZERO };
+                }
+            }
+            let Some((hit, material)) = found else {
+                return sum + through * sky::dusk(ray.direction);
+            };
+            if material.finish == Finish::Lamp {
+                return sum + through * material.colour;
+            }
+            if number == SURFACES {
+                break;
+            }
+            let facing = if hit.normal.dot(ray.direction) < 0.0 { hit.normal } else { -hit.normal };
+            let surface = Surface::new(&material, ray.at(hit.distance), facing, -ray.direction);
+            sum += through * self.lit(&surface, ray.time, sample.light);
+            let (direction, part) = surface.scatter(sample.facet);
+            // A path that would bring little ends by chance; the others of its kind make up for it.
+            let chance = (CERTAIN * brightness(through * part)).clamp(RARE, 1.0);
+            if part == Vec3::ZERO || sample.fate >= chance {
+                break;
+            }
+            sample.fate /= chance;
+            through *= part / chance;
+            (ray, start) = (Ray { origin: surface.point, direction, time: ray.time }, START);
+            sample = sample.next();
+            // Another lamp lights the next surface.
+            sample.light = [(sample.light[0] + 0.618_034).fract(), (sample.light[1] + 0.381_966).fract()];
+        }
+        sum
+    }
+
+    /// What a surface sends back of the light of one point of one lamp, over its density.
+    fn lit(&self, surface: &Surface, time: f32, [u, v]: [f32; 2]) -> Vec3 {
+        let mut shares = [0.0; MOST];
+        let shares = &mut shares[..self.lamps.len()];
+        self.expected(surface, shares);
+        let total: f32 = shares.iter().sum();
+        if total <= 0.0 {
+            return Vec3::ZERO;
+        }
+        let (mut index, mut rest) = (0, u * total);
+        while index + 1 < shares.len() && rest >= shares[index] {
+            rest -= shares[index];
+            index += 1;
+        }
+        let share = shares[index];
+        if share <= 0.0 {
+            return Vec3::ZERO;
+        }
+        let (sphere, radiance) = self.lamps[index];
+        let towards = sphere.centre - surface.point;
+        let square = towards.length_squared();
+        let sine_squared = sphere.radius * sphere.radius / square;
+        if sine_squared >= 1.0 {
+            return Vec3::ZERO;
+        }
+        // 1 - cos of the cone that the lamp fills, and of a direction in it.
+        let cone = sine_squared / (1.0 + (1.0 - sine_squared).sqrt());
+        let down = (rest / share).clamp(0.0, 1.0) * cone;
+        let level = (down * (2.0 - down)).sqrt();
+        let axis = towards / square.sqrt();
+        let (side, up) = axis.any_orthonormal_pair();
+        let (sin, cos) = (TAU * v).sin_cos();
+        let direction = (1.0 - down) * axis + level * (cos * side + sin * up);
+        let sent = surface.sends(direction);
+        if sent == Vec3::ZERO {
+            return Vec3::ZERO;
+        }
+        let shadow = Ray { origin: surface.point, direction, time };
+        if self.scene.hides(&shadow, START, square.sqrt() - sphere.radius) {
+            return Vec3::ZERO;
+        }
+        sent * radiance * (TAU * cone * total / share)
+    }
+
+    /// What every lamp sends by way of a surface, in brightness, where nothing hides it and it is a point; facets are as much
+    /// rougher as the lamp is wide.
+    fn expected(&self, surface: &Surface, shares: &mut [f32]) {
+        let [xs, ys, zs, radii, powers] = self.columns.each_ref().map(|column| &column[..shares.len()]);
+        let Surface { point, normal, back, .. } = surface;
+        let facing = normal.dot(*back).max(1e-3);
+        let matte = brightness(surface.matte) * FRAC_1_PI;
+        let gloss = brightness(surface.gloss) * 0.25 / facing;
+        for index in 0..shares.len() {
+            let [x, y, z] = [xs[index] - point.x, ys[index] - point.y, zs[index] - point.z];
+            let near = (x * x + y * y + z * z).sqrt().recip();
+            let [x, y, z] = [x * near, y * near, z * near];
+            let wide = radii[index] * near;
+            let cosine = (normal.x * x + normal.y * y + normal.z * z + wide).max(0.0);
+            let [hx, hy, hz] = [x + back.x, y + back.y, z + back.z];
+            let upright = normal.x * hx + normal.y * hy + normal.z * hz;
+            let length = hx * hx + hy * hy + hz * hz;
+            let alpha = surface.alpha + 0.5 * wide;
+            let alpha_squared = (alpha * alpha).min(1.0);
+            let part = length / (upright * upright * (alpha_squared - 1.0) + length).max(1e-9);
+            let facets = alpha_squared * FRAC_1_PI * part * part;
+            let lit = if cosine > 0.0 { gloss * facets } else { 0.0 };
+            shares[index] = powers[index] * near * near * (matte * cosine + lit);
+        }
+    }
+}
+
+impl Surface {
+    fn new(material: &Material, point: Vec3, normal: Vec3, back: Vec3) -> Self {
+        let coat = fresnel(normal.dot(back), COAT);
+        let (matte, gloss) = match material.finish {
+            Finish::Coated => ((1.0 - coat) * material.colour, Vec3::splat(COAT)),
+            Finish::Metal => (Vec3::ZERO, material.colour),
+            // No lamp shines on itself here, and glass is none of this scene's.
+            Finish::Matte | Finish::Lamp | Finish::Glass | Finish::Sheet => (material.colour, Vec3::ZERO),
+        };
+        Self { point, normal, back, matte, gloss, alpha: material.roughness.max(POLISHED) }
+    }
+
+    /// The facets' distribution for the cosine of their tilt.
+    fn facets(&self, cosine: f32) -> f32 {
+        let square = self.alpha * self.alpha;
+        let part = cosine * cosine * (square - 1.0) + 1.0;
+        square * FRAC_1_PI / (part * part)
+    }
+
+    /// Smith's shadowing and masking of both directions over 4 times both cosines.
+    fn visible(&self, one: f32, other: f32) -> f32 {
+        let square = self.alpha * self.alpha;
+        let hidden = |cosine: f32| (cosine * cosine * (1.0 - square) + square).sqrt();
+        0.5 / (one * hidden(other) + other * hidden(one)).max(1e-6)
+    }
+
+    /// Of the facets at an angle with this cosine (C. Schlick, 1994).
+    fn reflects(&self, cosine: f32) -> Vec3 {
+        self.gloss + (Vec3::ONE - self.gloss) * (1.0 - cosine).clamp(0.0, 1.0).powi(5)
+    }
+
+    /// Radiance sent back for irradiance 1 at normal incidence from a direction: the BRDF times the cosine.
+    fn sends(&self, direction: Vec3) -> Vec3 {
+        let [one, other] = [direction, self.back].map(|v| self.normal.dot(v));
+        if one <= 0.0 || other <= 0.0 {
+            return Vec3::ZERO;
+        }
+        let mut sent = self.matte * FRAC_1_PI;
+        if self.gloss != Vec3::ZERO {
+            let half = (direction + self.back).normalize();
+            let tilt = self.normal.dot(half);
+            sent += self.reflects(half.dot(self.back)) * self.facets(tilt) * self.visible(one, other);
+        }
+        sent * one
+    }
+
+    /// A direction in which a path goes on, and what it then counts.
+    fn scatter(&self, [u, v]: [f32; 2]) -> (Vec3, Vec3) {
+        let other = self.normal.dot(self.back).max(1e-4);
+        let weights = [self.reflects(other), self.matte].map(brightness);
+        let [glossy, matte] = if self.gloss == Vec3::ZERO { [0.0, weights[1]] } else { weights };
+        if glossy + matte <= 0.0 {
+            return (self.normal, Vec3::ZERO);
+        }
+        let chance = glossy / (glossy + matte);
+        if u >= chance {
+            let u = (u - chance) / (1.0 - chance);
+            return (scattered(self.normal, [u, v]), self.matte / (1.0 - chance));
+        }
+        let u = u / chance;
+        let cosine = ((1.0 - u) / (1.0 + (self.alpha * self.alpha - 1.0) * u)).sqrt();
+        let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+        let (side, up) = self.normal.any_orthonormal_pair();
+        let (sin, cos) = (TAU * v).sin_cos();
+        let half = cosine * self.normal + sine * (cos * side + sin * up);
+        let along = half.dot(self.back);
+        let direction = 2.0 * along * half - self.back;
+        let one = self.normal.dot(direction);
+        if one <= 0.0 || along <= 0.0 {
+            return (self.normal, Vec3::ZERO);
+        }
+        // BRDF times cosine over the density, which is the facets' times their cosine over 4 times `along`.
+        let part = self.visible(one, other) * one * 4.0 * along / cosine;
+        (direction, self.reflects(along) * part / chance)
+    }
+}
+
+/// Of a colour, as the eye sees it.
+fn brightness(colour: Vec3) -> f32 {
+    colour.dot(Vec3::new(0.2126, 0.7152, 0.0722))
+}
+
+/// A point of the half of a ball that faces a direction, by its projected area; its normal, and its density per area.
+pub fn facing_point(sphere: &Sphere, towards: Vec3, [u, v]: [f32; 2]) -> (Vec3, Vec3, f32) {
+    let normal = scattered(towards, [u, v]);
+    let density = normal.dot(towards) / (PI * sphere.radius * sphere.radius);
+    (sphere.centre + sphere.radius * normal, normal, density)
+}

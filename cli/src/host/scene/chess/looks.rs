@@ -1,0 +1,132 @@
+//! What things in the street are made of: patterns by formula over the place, mm.
+
+use super::{SQUARE, on_board};
+use crate::host::scene::noise::{hash, value};
+use crate::host::scene::{Finish, Material};
+use glam::Vec3;
+
+fn coated(colour: Vec3, roughness: f32) -> Material {
+    Material::new(colour, Finish::Coated).rough(roughness)
+}
+
+fn mix(a: [f32; 3], b: [f32; 3], part: f32) -> Vec3 {
+    Vec3::from(a).lerp(Vec3::from(b), part.clamp(0.0, 1.0))
+}
+
+/// Grain of wood along the first axis of a place: 0 to 1.
+fn grain(place: Vec3) -> f32 {
+    let bend = 9.0 * value(place * Vec3::new(0.004, 0.02, 0.02));
+    let rings = value(Vec3::new(place.x * 0.006, place.y * 0.05, place.z * 0.22 + bend));
+    let fibres = value(Vec3::new(place.x * 0.03, place.y * 0.6, place.z * 1.7));
+    0.7 * rings + 0.3 * fibres
+}
+
+/// The chequered top of the board, framed.
+pub fn board(point: Vec3, normal: Vec3) -> Material {
+    let place = on_board(point) / SQUARE;
+    let inside = place.x.abs().max(place.y.abs()) < 4.0;
+    let cell = place.floor();
+    let odd = (cell.x + cell.y).rem_euclid(2.0) > 0.5;
+    let seed = 300.0 * hash(cell.x as i32, cell.y as i32, 5);
+    let texture = grain(Vec3::new(place.x * SQUARE + seed, seed, place.y * SQUARE));
+    let line = (place.x.abs().max(place.y.abs()) - 4.16).abs() < 0.02;
+    let colour = if normal.y < 0.5 || (!inside && !line) {
+        mix([0.085, 0.032, 0.014], [0.16, 0.065, 0.026], texture)
+    } else if line || !odd {
+        mix([0.60, 0.41, 0.20], [0.76, 0.58, 0.33], texture)
+    } else {
+        mix([0.12, 0.042, 0.018], [0.23, 0.092, 0.04], texture)
+    };
+    coated(colour, 0.16)
+}
+
+/// Boards of oiled oak: a table's top.
+pub fn oak(point: Vec3, _: Vec3) -> Material {
+    const PLANK: f32 = 118.0;
+    let turned = Vec3::new(0.94 * point.x + 0.34 * point.z, point.y, 0.94 * point.z - 0.34 * point.x);
+    let plank = (turned.z / PLANK).floor();
+    let gap = (turned.z / PLANK - plank - 0.5).abs() > 0.486;
+    let seed = hash(plank as i32, 3, 1);
+    let texture = grain(turned + 900.0 * seed);
+    let colour = mix([0.17, 0.085, 0.038], [0.40, 0.225, 0.105], 0.25 * seed + 0.8 * texture);
+    coated(if gap { 0.25 * colour } else { colour }, 0.28)
+}
+
+/// Setts of stone, wet in patches.
+pub fn paving(point: Vec3) -> Material {
+    const SETT: f32 = 160.0;
+    let row = (point.z / SETT).floor();
+    let x = point.x / SETT + 0.5 * row.rem_euclid(2.0);
+    let column = x.floor();
+    let (across, along) = ((x - column - 0.5).abs(), (point.z / SETT - row - 0.5).abs());
+    let joint = across.max(along) > 0.45;
+    let shade = 0.6 + 0.6 * hash(column as i32, row as i32, 0);
+    let wet = 0.6 + 0.5 * value(point * 0.0011);
+    let dark = if joint { 0.35 } else { shade };
+    coated(wet * dark * Vec3::new(0.075, 0.072, 0.074), 0.0)
+}
+
+/// Width of a house, mm.
+const HOUSE: f32 = 7600.0;
+
+/// The front of a row of houses: plaster, windows some of which are lit, and shops.
+pub fn houses(point: Vec3, normal: Vec3) -> Material {
+    const GROUND: f32 = -155.0;
+    const SHOP: f32 = 3300.0;
+    const STOREY: f32 = 3100.0;
+    const BAY: f32 = 1900.0;
+    let along = if normal.x.abs() > 0.5 { point.z + 31_000.0 } else { point.x - 450.0 };
+    let height = point.y - GROUND;
+    let house = (along / HOUSE).floor();
+    let side = normal.x.round() as i32;
+    let plaster = [[0.20, 0.13, 0.09], [0.12, 0.13, 0.15], [0.22, 0.17, 0.10], [0.15, 0.09, 0.08]];
+    let number = (4.0 * hash(house as i32, side, 11)) as usize;
+    let rough = 0.75 + 0.35 * value(point * 0.004);
+    let wall = Material::new(rough * Vec3::from(plaster[number.min(3)]), Finish::Matte);
+    if normal.y.abs() > 0.5 {
+        return wall;
+    }
+    if height < SHOP {
+        // A shop's window, with a door beside it.
+        let within = (along / HOUSE - house) * HOUSE;
+        let is_open = hash(house as i32, side, 23) > 0.25;
+        let pane = (500.0..5200.0).contains(&within) && (450.0..2600.0).contains(&height);
+        let post = (within - 500.0).rem_euclid(1566.0) < 70.0;
+        if pane && !post && is_open {
+            let tint = [[1.0, 0.55, 0.20], [1.0, 0.72, 0.40], [0.30, 0.80, 0.75], [1.0, 0.42, 0.22]];
+            let shelf = 0.5 + 0.5 * value(Vec3::new(along * 0.0016, height * 0.003, house));
+            let glow = shelf * (0.6 + 0.5 * height / 2600.0);
+            let colour = Vec3::from(tint[(4.0 * hash(house as i32, side, 31)) as usize % 4]);
+            return Material::new(1.5 * glow * colour, Finish::Lamp);
+        }
+        return Material { colour: 0.5 * wall.colour, ..wall };
+    }
+    let (column, storey) = ((along / BAY).floor(), ((height - SHOP) / STOREY).floor());
+    let (across, up) = (along - column * BAY, height - SHOP - storey * STOREY);
+    if !(480.0..1420.0).contains(&across) || !(750.0..2500.0).contains(&up) || storey > 3.0 {
+        return wall;
+    }
+    let frame = (across - 950.0).abs() < 35.0 || (up - 1850.0).abs() < 30.0;
+    let chance = hash(column as i32, storey as i32, 7 + side);
+    if frame || chance > 0.42 {
+        return coated(Vec3::splat(0.02), 0.08);
+    }
+    let curtain = 0.55 + 0.45 * value(Vec3::new(across * 0.008, up * 0.0007, column));
+    let colour = if chance > 0.36 {
+        Vec3::new(0.35, 0.62, 0.95)
+    } else {
+        mix([1.0, 0.50, 0.17], [1.0, 0.72, 0.38], chance / 0.36)
+    };
+    Material::new(1.25 * curtain * colour, Finish::Lamp)
+}
+
+/// Leaves.
+pub fn leaves(point: Vec3, _: Vec3) -> Material {
+    let part = value(point * 0.02);
+    Material::new(mix([0.035, 0.065, 0.02], [0.09, 0.14, 0.035], part), Finish::Matte)
+}
+
+/// Painted iron.
+pub fn iron(_: Vec3, _: Vec3) -> Material {
+    coated(Vec3::new(0.018, 0.022, 0.022), 0.22)
+}

@@ -1,0 +1,150 @@
+//! A game of chess on a café's terrace, at dusk: the king in focus 65 cm before the lens, a street with its lamps far
+//! behind it. Everything is turned, boxes, rods and balls; patterns are formulas.
+
+mod looks;
+mod pieces;
+mod terrace;
+
+use super::objects::{FLOOR, Finish, Material};
+use super::pose::tilted;
+use super::sky::Sun;
+use super::solids::{Block, Form, Look, Solids};
+use super::world::{Light, Scene};
+use glam::{Vec2, Vec3};
+use pieces::Piece::{self, Bishop, King, Pawn, Queen, Rook};
+use std::sync::Arc;
+
+/// Side of a square of the board, mm.
+const SQUARE: f32 = 57.0;
+/// The middle of the board's top.
+const BOARD: Vec3 = Vec3::new(40.0, FLOOR.height + 762.0, 680.0);
+/// Its turn, radians.
+const TURN: f32 = 0.47;
+/// The table's height over the floor.
+const TABLE: f32 = 740.0;
+/// How far the camera is over the board.
+const EYE: f32 = 168.0;
+/// Where it looks, degrees under level.
+const TILT: f32 = 5.4;
+/// Where the king stands: file and rank from 0.
+const SUBJECT: [u8; 2] = [2, 2];
+
+/// A game at its end: what, whether it is white, and where.
+const GAME: [(Piece, bool, [u8; 2]); 14] = [
+    (King, true, SUBJECT),
+    (Queen, false, [4, 3]),
+    (Pawn, true, [1, 3]),
+    (Pawn, true, [0, 1]),
+    (Rook, true, [5, 0]),
+    (Bishop, true, [2, 5]),
+    (King, false, [6, 6]),
+    (Rook, false, [2, 7]),
+    (Bishop, false, [6, 3]),
+    (Pawn, false, [5, 5]),
+    (Pawn, false, [7, 5]),
+    (Pawn, false, [1, 6]),
+    (Pawn, true, [3, 4]),
+    (Queen, true, [7, 2]),
+];
+
+/// The scene.
+pub fn scene() -> Scene {
+    let mut solids = terrace::solids();
+    let half = Vec3::new(4.55 * SQUARE, 11.0, 4.55 * SQUARE);
+    let centre = BOARD - half.y * Vec3::Y;
+    solids.push((
+        Form::Block(Block { centre, half, turn: Vec2::from_angle(TURN) }),
+        Look::Painted(looks::board),
+    ));
+    let white = Material::new([0.74, 0.60, 0.40], Finish::Coated).rough(0.17);
+    let red = Material::new([0.36, 0.018, 0.014], Finish::Coated).rough(0.15);
+    for (piece, is_white, square) in GAME {
+        let look = Look::Plain(if is_white { white } else { red });
+        solids.extend(pieces::solids(piece, middle_of(square), look));
+    }
+    // Those that were taken stand beside the board.
+    let beside = [
+        (Pawn, [-1.7, 5.2]),
+        (Pawn, [-1.2, 6.3]),
+        (Bishop, [-2.3, 6.6]),
+        (Pawn, [5.0, 9.3]),
+        (Rook, [3.7, 9.6]),
+    ];
+    for (piece, [file, rank]) in beside {
+        let place = in_world(Vec2::new(file - 3.5, rank - 3.5) * SQUARE);
+        let foot = Vec3::new(place.x, FLOOR.height + TABLE, place.z);
+        let look = Look::Plain(if file > 0.0 { white } else { red });
+        solids.extend(pieces::solids(piece, foot, look));
+    }
+    Scene {
+        floor: looks::paving,
+        floor_roughness: 0.13,
+        balls: Vec::new(),
+        boards: Vec::new(),
+        solids: Arc::new(solids.into_iter().collect::<Solids>()),
+        lamps: terrace::lamps(),
+        light: Light::Dusk,
+        sun: Sun::EVENING,
+        pose: tilted(TILT, [0.0, BOARD.y + EYE, 0.0]),
+        subject: |_, _| depth(middle_of(SUBJECT) + 60.0 * Vec3::Y),
+    }
+}
+
+/// How far before the camera a point is along its axis.
+fn depth(point: Vec3) -> f32 {
+    let (sine, cosine) = TILT.to_radians().sin_cos();
+    cosine * point.z - sine * (point.y - BOARD.y - EYE)
+}
+
+/// The middle of a square.
+fn middle_of([file, rank]: [u8; 2]) -> Vec3 {
+    in_world((Vec2::new(f32::from(file), f32::from(rank)) - 3.5) * SQUARE)
+}
+
+/// A place on the board, mm from its middle along files and ranks, in the world.
+fn in_world(place: Vec2) -> Vec3 {
+    let turned = Vec2::from_angle(-TURN).rotate(place);
+    BOARD + Vec3::new(turned.x, 0.0, turned.y)
+}
+
+/// A point of the world as a place on the board.
+fn on_board(point: Vec3) -> Vec2 {
+    Vec2::from_angle(TURN).rotate(Vec2::new(point.x - BOARD.x, point.z - BOARD.z))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::host::scene::shapes::Ray;
+
+    #[test]
+    fn the_camera_sees_the_king_where_it_focuses() {
+        let scene = scene();
+        let king = middle_of(SUBJECT) + 60.0 * Vec3::Y;
+        let eye = Vec3::new(0.0, BOARD.y + EYE, 0.0);
+        let ray = Ray { origin: eye, direction: (king - eye).normalize(), time: 0.5 };
+        let (hit, _) = scene.nearest(&ray, 0.0).unwrap();
+        let subject = (scene.subject)(50.0, 43.0);
+        assert!((hit.distance - (king - eye).length()).abs() < 15.0, "something stands before the king");
+        assert!((depth(ray.at(hit.distance)) - subject).abs() < 15.0);
+    }
+
+    #[test]
+    fn squares_turn_with_the_board_and_nothing_stands_on_two() {
+        for (index, (_, _, square)) in GAME.iter().enumerate() {
+            let place = on_board(middle_of(*square));
+            let back = place / SQUARE + 3.5;
+            assert!((back - Vec2::from(square.map(f32::from))).length() < 1e-4, "{square:?}: {back}");
+            assert!(GAME[index + 1..].iter().all(|other| other.2 != *square), "{square:?}");
+        }
+        // A block's own axes are the board's.
+        let block = Block {
+            centre: BOARD,
+            half: Vec3::new(4.0 * SQUARE, 1.0, 4.0 * SQUARE),
+            turn: Vec2::from_angle(TURN),
+        };
+        let inside = in_world(Vec2::new(3.9, -3.9) * SQUARE) + 50.0 * Vec3::Y;
+        let ray = Ray { origin: inside, direction: Vec3::NEG_Y, time: 0.5 };
+        assert!(crate::host::scene::shapes::Shape::intersect(&block, &ray, 0.0, 100.0).is_some());
+    }
+}
