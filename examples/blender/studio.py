@@ -4,7 +4,7 @@ $ python studio.py SHADER.osl studio.png
 
 by the Python that has Blender's module (`pip install bpy`, Python 3.11), or in Blender itself:
 `blender --background --python studio.py -- SHADER.osl studio.png`. The shader is written by `realistic blender dgauss.50mm`. Put
-beside `realistic render --lens dgauss.50mm` it has the same framing and the same blur; materials are Blender's own and look a little
+beside `realistic render --scene day --lens dgauss.50mm` it has the same framing and the same blur; materials are Blender's own and look a little
 different. The scene is in millimetres with +z forward; in Blender it is in metres, and the camera looks along -z.
 """
 

@@ -2,7 +2,7 @@
 
 $ python studio.py dgauss.50mm studio.png
 
-Put beside `realistic render --lens dgauss.50mm --param focusdistance=1071 --out program.png` it has the same framing and the same
+Put beside `realistic render --scene day --lens dgauss.50mm --param focusdistance=1071 --out program.png` it has the same framing and the same
 blur; materials and sky are Mitsuba's own and look a little different. Millimetres; x is negated, for Mitsuba's cameras have +x to
 the left.
 """

@@ -27,7 +27,7 @@ def by_program(command, out, spp, parameters):
     given = [f"--param={name}={value}" for name, value in parameters.items()]
     size = f"--size={SIZE[0]}x{SIZE[1]}"
     done = subprocess.run(
-        [str(command), "render", "--lens=dgauss.50mm", size, f"--spp={spp}", *given, f"--out={out}"],
+        [str(command), "render", "--scene=day", "--lens=dgauss.50mm", size, f"--spp={spp}", *given, f"--out={out}"],
         capture_output=True,
         text=True,
     )

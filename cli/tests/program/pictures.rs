@@ -25,7 +25,7 @@ fn every_slide_is_the_same_with_any_number_of_threads() {
 #[test]
 fn every_set_of_instructions_makes_the_same_picture() {
     let dir = tempfile::tempdir().unwrap();
-    let small = ["render", "--size", "36x24", "--spp", "4"];
+    let small = ["render", "--scene", "day", "--size", "36x24", "--spp", "4"];
     for more in [
         &["--lens", "fisheye.10mm", "--param", "precision=f32"][..],
         // Aspheres, at one wavelength and at several.
@@ -51,7 +51,7 @@ fn every_set_of_instructions_makes_the_same_picture() {
 #[test]
 fn the_default_effects_are_those_of_the_plain_picture() {
     let dir = tempfile::tempdir().unwrap();
-    let small = ["render", "--size", "36x24", "--spp", "4", "--out"];
+    let small = ["render", "--scene", "day", "--size", "36x24", "--spp", "4", "--out"];
     let taken = |more: &[&str]| picture(dir.path(), &[&small[..], more].concat());
     let plain = taken(&["plain.exr"]);
     assert_eq!(plain, taken(&["same.exr", "--effects", "soft-shadow,dof"]));
@@ -63,7 +63,8 @@ fn the_default_effects_are_those_of_the_plain_picture() {
 #[test]
 fn a_lens_without_v_numbers_has_no_colour_errors() {
     let dir = tempfile::tempdir().unwrap();
-    let small = ["render", "--size", "36x24", "--spp", "4", "--lens", "dgauss.50mm", "--out"];
+    let small =
+        ["render", "--scene", "day", "--size", "36x24", "--spp", "4", "--lens", "dgauss.50mm", "--out"];
     let taken = |out: &str, more: &[&str]| {
         picture(dir.path(), &[&small[..], &[out], more].concat());
         exr::prelude::read_first_rgba_layer_from_file(
@@ -101,7 +102,7 @@ fn a_focus_stack_is_numbered_and_has_a_contact_sheet() {
 fn autofocus_on_the_card_focuses_on_the_card() {
     let dir = tempfile::tempdir().unwrap();
     let focus = |more: &[&str]| {
-        let output = realistic(dir.path(), &[&["render", "--spp", "1"], more].concat());
+        let output = realistic(dir.path(), &[&["render", "--scene", "day", "--spp", "1"], more].concat());
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         let text = String::from_utf8(output.stdout).unwrap();
         let line = text.lines().find(|line| line.starts_with("focus")).unwrap().to_owned();

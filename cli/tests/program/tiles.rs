@@ -54,7 +54,10 @@ fn a_picture_made_of_tiles_is_the_whole_byte_for_byte() {
     let dir = tempfile::tempdir().unwrap();
     let cases: [(&str, &[&str]); 5] = [
         ("png", &[]),
-        ("exr", &["--lens", "wide.22mm", "--param", "weighting=relative", "--effects", "all"]),
+        (
+            "exr",
+            &["--lens", "wide.22mm", "--param", "weighting=relative", "--scene", "day", "--effects", "all"],
+        ),
         ("png", &["--param", "tolerance=0.5", "--exposure", "0.5"]),
         ("exr", &["--param", "tolerance=0.05", "--seed", "9", "--autofocus"]),
         ("exr", &["--lens", "dgauss.100mm", "--wavelengths", "3"]),
@@ -129,7 +132,7 @@ fn tiles_that_make_no_picture_are_refused_by_name() {
         ("50x34", "3", &["--lens", "wide.22mm"], &["lens", "\"dgauss.50mm\"", "\"wide.22mm\""]),
         ("50x34", "3", &["--param", "pupil=rear"], &["parameters", "pupil=rear"]),
         ("50x34", "3", &["--effects", "dof"], &["effects"]),
-        ("50x34", "3", &["--scene", "night"], &["scene", "Day", "Night"]),
+        ("50x34", "3", &["--scene", "night"], &["scene", "Chess", "Night"]),
         ("50x34", "3", &["--exposure", "1"], &["brightness"]),
         ("50x34", "3", &["--wavelengths", "3"], &["wavelengths"]),
     ] {
@@ -166,7 +169,19 @@ fn a_tile_of_a_huge_picture_takes_no_room_for_it() {
     let dir = tempfile::tempdir().unwrap();
     for ending in ["png", "exr"] {
         let file = format!("tile.{ending}");
-        let huge = ["render", "--size", "16384x16384", "--spp", "1", "--threads", "1", "--crop", "0,0,8,6"];
+        let huge = [
+            "render",
+            "--scene",
+            "day",
+            "--size",
+            "16384x16384",
+            "--spp",
+            "1",
+            "--threads",
+            "1",
+            "--crop",
+            "0,0,8,6",
+        ];
         run(dir.path(), &[&huge[..], &["--out", &file]].concat());
         let output = Command::new("sh")
             .current_dir(dir.path())

@@ -1,6 +1,6 @@
-//! Lamps that the camera sees, joined to it: points of each are connected to the lens by directions that the camera samples,
-//! and counted where on the film they lead (as [`super::light`] does with all vertices of a path from a lamp). What a ray
-//! from the camera meets by chance, a small lamp far out of focus, is found here with every sample.
+//! Lamps that the camera sees, joined to it: points of each are connected to the lens by directions that the camera
+//! samples, and counted where on the film they lead (as [`super::light`] does with all vertices of a path from a
+//! lamp). What a ray from the camera meets by chance, a small lamp far out of focus, every sample finds here.
 
 use super::dusk::{Dusk, facing_point};
 use super::renderer::Settings;
@@ -12,7 +12,7 @@ use rand::{Rng as _, SeedableRng as _};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 use realistic_lab::render::Tally;
-use realistic_lab::render::sequence::{Point, Sequence};
+use realistic_lab::render::sequence::{Point, Sequence, strata};
 use std::time::Instant;
 
 /// Samples that tell how large a lamp is on the film.
@@ -139,15 +139,16 @@ impl Bulbs<'_> {
         let area = f64::from(units_per_mm).powi(2);
         let mut numbers: Vec<Point> = vec![Point::default(); samples as usize];
         Sequence::Sobol.fill(seed, 4, &mut numbers);
+        let mut times = vec![0.0; samples as usize];
+        strata(seed, &mut times);
         let [open, close] = self.shutter;
         let mut connections = Connections::default();
-        for numbers in numbers.chunks(BATCH) {
+        for (numbers, times) in numbers.chunks(BATCH).zip(times.chunks(BATCH)) {
             let mut places = Places::default();
             let mut points = Vec::with_capacity(numbers.len());
-            for [lens_u, lens_v, u, v] in numbers {
+            for ([lens_u, lens_v, u, v], time) in numbers.iter().zip(times) {
                 let (point, normal, density) = facing_point(sphere, towards, [*u, *v]);
-                // The lamps rest, and so does the camera but for its own motion: any number is a time.
-                let time = open + (close - open) * (lens_u * 64.0 + lens_v * 8.0).fract();
+                let time = open + (close - open) * time;
                 places.push((point * units_per_mm).to_array(), [*lens_u, *lens_v], time);
                 points.push((point, normal, density));
             }
@@ -174,5 +175,91 @@ impl Bulbs<'_> {
             }
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::dusk::Seen;
+    use super::super::linked::{Linked, pictures};
+    use super::super::render;
+    use super::*;
+    use crate::host::scene::{Scene, chess};
+    use indicatif::ProgressBar;
+
+    const SIZE: [u32; 2] = [12, 8];
+
+    fn settings(seed: u64, spp: u32, seen: Seen) -> Settings {
+        Settings { size: SIZE, corner: [0; 2], spp, seed, mm_per_unit: 1.0, seen }
+    }
+
+    fn lamps(camera: &Linked, scene: &Scene, settings: &Settings) -> Picture {
+        let dusk = Dusk::of(scene, Seen::Joined);
+        let eye = [3, 7, 11].map(|at| scene.pose[at]).into();
+        let bulbs = Bulbs { dusk: &dusk, settings, whole: SIZE, shutter: [0.0, 1.0], eye };
+        bulbs.take(|places, found| camera.connect(places, found)).unwrap().0
+    }
+
+    /// Lamps of the chess scene over the floor, as a camera at the origin sees them, so large that rays often meet them.
+    fn scene() -> Scene {
+        let mut scene = chess::scene();
+        scene.lamps = scene
+            .lamps
+            .iter()
+            .map(|group| {
+                let moved = group.lamps.iter().cloned().map(|mut lamp| {
+                    lamp.shape.radius *= 2.0;
+                    lamp
+                });
+                moved.collect()
+            })
+            .collect();
+        scene.solids = std::sync::Arc::default();
+        scene.pose = crate::host::scene::LEVEL;
+        scene
+    }
+
+    #[test]
+    fn lamps_met_by_rays_and_lamps_joined_to_the_lens_make_one_picture() {
+        let (camera, scene, hidden) = (Linked::new(SIZE, 720.0), scene(), ProgressBar::hidden());
+        let taken = |seed: u64, spp: u32, seen: Seen| {
+            render(|rays| camera.rays(rays), &scene, &settings(seed, spp, seen), &hidden).unwrap().0
+        };
+        let met = pictures(|seed| taken(seed, 256, Seen::Met));
+        let joined = pictures(|seed| {
+            let mut picture = taken(seed, 256, Seen::Joined);
+            picture.add(&lamps(&camera, &scene, &settings(seed, 64, Seen::Joined)));
+            picture
+        });
+        let sum = |all: &[[f64; 2]]| all.iter().map(|[mean, _]| mean).sum::<f64>();
+        assert!((sum(&met) / sum(&joined) - 1.0).abs() < 0.01, "{} {}", sum(&met), sum(&joined));
+        // Squares of a number with Student's distribution, of 15 to 30 degrees of freedom.
+        let squares = met.iter().zip(&joined).map(|([a, of_a], [b, of_b])| (a - b).powi(2) / (of_a + of_b));
+        let (chi, count) = (squares.sum::<f64>(), met.len() as f64);
+        eprintln!("chi squared {chi:.0} of {count}");
+        assert!(chi < 1.6 * count, "{chi} of {count}");
+        // Rays alone do not show the lamps, and the lamps have far less noise than where rays meet them.
+        let dark = pictures(|seed| taken(seed, 64, Seen::Joined));
+        assert!(sum(&dark) < 0.8 * sum(&joined));
+        let noise = |all: &[[f64; 2]]| all.iter().map(|[_, square]| square).sum::<f64>();
+        assert!(noise(&joined) < 0.2 * noise(&met), "{} {}", noise(&joined), noise(&met));
+    }
+
+    #[test]
+    fn a_part_is_the_whole_pictures_and_threads_change_nothing() {
+        let (camera, scene) = (Linked::new(SIZE, 720.0), scene());
+        let picture = |threads: usize, corner: [u32; 2], size: [u32; 2]| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let settings = Settings { size, corner, ..settings(3, 1, Seen::Joined) };
+            pool.install(|| lamps(&camera, &scene, &settings))
+        };
+        let whole = picture(1, [0; 2], SIZE);
+        assert_eq!(whole, picture(3, [0; 2], SIZE));
+        let part = picture(2, [5, 1], [4, 6]);
+        for (index, pixel) in (0..).zip(&part.pixels) {
+            let [x, y] = [5 + index % 4, 1 + index / 4];
+            assert_eq!(*pixel, whole.pixels[y * SIZE[0] as usize + x]);
+        }
+        assert!(whole.pixels.iter().flatten().any(|value| *value > 0.0));
     }
 }

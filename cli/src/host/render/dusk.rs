@@ -1,10 +1,11 @@
 //! A scene in the light of its lamps and of a dusk sky, as paths from the camera find it.
 //!
-//! Every surface but the last of a path is lit by one point of one lamp. The lamp is chosen by what each of them would send
-//! to the camera if nothing hid it, so that only shadows and the lamps' extent are left to chance. What lamps send is counted
-//! there and nowhere else: rays that leave a surface pass through lamps. Windows and sky count where rays meet them.
-//! Coats and metals have facets whose slopes are distributed as B. Walter, S. R. Marschner, H. Li and K. E. Torrance have it
-//! ("Microfacet Models for Refraction through Rough Surfaces", EGSR 2007: GGX, with Smith's shadowing).
+//! Every surface but the last of a path is lit by one point of one lamp. The lamp is chosen by what each of them
+//! would send to the camera if nothing hid it, so only shadows and the lamps' extent are left to chance. A lamp's
+//! light is counted there and nowhere else: rays that leave a surface pass through lamps. Windows and sky count
+//! where rays meet them. Coats and metals have facets whose slopes are distributed as B. Walter, S. R. Marschner,
+//! H. Li and K. E. Torrance have it ("Microfacet Models for Refraction through Rough Surfaces", EGSR 2007: GGX,
+//! with Smith's shadowing).
 
 use super::lamplight::{START, scattered};
 use super::shade::{ShadingSample, fresnel};
@@ -289,4 +290,60 @@ pub fn facing_point(sphere: &Sphere, towards: Vec3, [u, v]: [f32; 2]) -> (Vec3, 
     let normal = scattered(towards, [u, v]);
     let density = normal.dot(towards) / (PI * sphere.radius * sphere.radius);
     (sphere.centre + sphere.radius * normal, normal, density)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(index: u32, step: f32) -> f32 {
+        (index as f32 * step).fract()
+    }
+
+    #[test]
+    fn what_paths_go_on_with_is_what_lamps_all_around_would_send() {
+        const COUNT: u32 = 40_000;
+        let normal = Vec3::new(0.3, 0.9, -0.2).normalize();
+        for (finish, roughness) in
+            [(Finish::Matte, 0.0), (Finish::Coated, 0.3), (Finish::Metal, 0.4), (Finish::Coated, 0.7)]
+        {
+            for tilt in [0.1_f32, 0.7, 1.3] {
+                let material = Material::new([0.7, 0.5, 0.2], finish).rough(roughness);
+                let (side, up) = normal.any_orthonormal_pair();
+                let back = tilt.cos() * normal + tilt.sin() * (0.8 * side + 0.6 * up);
+                let surface = Surface::new(&material, Vec3::ZERO, normal, back);
+                let (mut gone, mut sent) = (Vec3::ZERO, Vec3::ZERO);
+                for index in 0..COUNT {
+                    let [u, v] = [at(index, 0.754_877_7), at(index, 0.569_840_3)];
+                    let (direction, part) = surface.scatter([u, v]);
+                    assert!(part == Vec3::ZERO || normal.dot(direction) > 0.0);
+                    gone += part;
+                    // From everywhere above, evenly.
+                    let (sin, cos) = (TAU * v).sin_cos();
+                    let level = (1.0 - u * u).sqrt();
+                    sent += TAU * surface.sends(u * normal + level * (cos * side + sin * up));
+                }
+                let (gone, sent) = (gone / COUNT as f32, sent / COUNT as f32);
+                assert!(
+                    (gone - sent).abs().max_element() < 0.02,
+                    "{finish:?} {roughness} {tilt}: {gone} {sent}"
+                );
+                assert!(gone.max_element() < 1.01, "{finish:?} {roughness} {tilt}: {gone}");
+            }
+        }
+    }
+
+    #[test]
+    fn half_a_ball_is_seen_by_its_projected_area() {
+        // The mean of what faces a direction over the density is the area of a disk.
+        let sphere = Sphere::resting(Vec3::new(1.0, 2.0, 3.0), 5.0);
+        let towards = Vec3::new(-0.5, 0.2, 0.7).normalize();
+        let area = (0..1000).map(|index| {
+            let (point, normal, density) =
+                facing_point(&sphere, towards, [at(index, 0.754_877_7), at(index, 0.569_840_3)]);
+            assert!((point.distance(sphere.centre) - 5.0).abs() < 1e-4 && normal.dot(towards) > 0.0);
+            normal.dot(towards) / density
+        });
+        assert!((area.sum::<f32>() / 1000.0 / (25.0 * PI) - 1.0).abs() < 1e-4);
+    }
 }

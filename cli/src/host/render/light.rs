@@ -169,87 +169,13 @@ impl Tracer<'_> {
 #[cfg(test)]
 mod tests {
     use super::super::dusk::Seen;
+    use super::super::linked::{Linked, pictures};
     use super::super::render;
     use super::*;
-    use crate::host::plugin::{connect, request_of};
     use crate::host::scene::night;
-    use realistic::unstable::abi::*;
-    use realistic_lab::render::Rays;
-    use std::mem::MaybeUninit;
-    use std::ptr::null_mut;
 
     /// Few and large pixels, so that paths from the camera meet lamps in each of them often enough to tell its error.
     const SIZE: [u32; 2] = [12, 8];
-    /// Independent pictures of each kind.
-    const PICTURES: u32 = 16;
-
-    /// A camera of the linked library, wide open and focused on the card.
-    struct Linked(*mut realistic_camera);
-
-    // SAFETY: a camera is immutable, and is freed once.
-    unsafe impl Sync for Linked {}
-
-    impl Linked {
-        fn new() -> Self {
-            let mut options = MaybeUninit::<realistic_options>::zeroed();
-            let mut camera = null_mut();
-            // SAFETY: room for the whole structure, whose pointers live until the camera is built.
-            unsafe {
-                let size = size_of::<realistic_options>() as u32;
-                assert_eq!(realistic_options_init(options.as_mut_ptr(), size), realistic_status::Ok);
-                let mut options = options.assume_init();
-                (options.xres, options.yres, options.focusdistance) =
-                    (SIZE[0] as i32, SIZE[1] as i32, 1080.0);
-                assert_eq!(realistic_camera_new(&options, &mut camera), realistic_status::Ok);
-            }
-            Self(camera)
-        }
-
-        fn rays(&self, rays: Rays<'_>) -> Result<(), PluginError> {
-            let n = rays.samples.len();
-            // SAFETY: the slices are of one length.
-            let status = unsafe { realistic_camera_generate_batch(self.0, n, &request_of(rays)) };
-            assert_eq!(status, realistic_status::Ok);
-            Ok(())
-        }
-
-        fn connect(&self, places: &Places, found: &mut Connections) -> Result<(), PluginError> {
-            unsafe extern "C" fn sample(
-                camera: *const realistic_camera,
-                n: usize,
-                points: *const realistic_scene_points,
-                aimed: *const realistic_aimed,
-                importance: *const realistic_importance,
-            ) -> i32 {
-                // SAFETY: the caller's promise.
-                unsafe { realistic_camera_sample_importance(camera, n, points, aimed, importance) as i32 }
-            }
-            // SAFETY: the camera is alive, and this library's.
-            assert_eq!(unsafe { connect(sample, self.0, places, found) }, 0);
-            Ok(())
-        }
-    }
-
-    impl Drop for Linked {
-        fn drop(&mut self) {
-            // SAFETY: freed once.
-            unsafe { realistic_camera_free(self.0) }
-        }
-    }
-
-    /// Mean and squared standard error of every number of pictures with seeds of their own.
-    fn pictures(picture: impl Fn(u64) -> Picture) -> Vec<[f64; 2]> {
-        let all: Vec<Picture> = (0..u64::from(PICTURES)).map(|seed| picture(100 + seed)).collect();
-        let n = f64::from(PICTURES);
-        (0..all[0].pixels.len() * 3)
-            .map(|i| {
-                let numbers = || all.iter().map(move |picture| f64::from(picture.pixels[i / 3][i % 3]));
-                let mean = numbers().sum::<f64>() / n;
-                [mean, numbers().map(|number| (number - mean).powi(2)).sum::<f64>() / (n * (n - 1.0))]
-            })
-            .collect()
-    }
-
     fn settings(seed: u64, spp: u32) -> Settings {
         Settings { size: SIZE, corner: [0; 2], spp, seed, mm_per_unit: 1.0, seen: Seen::Met }
     }
@@ -271,7 +197,7 @@ mod tests {
 
     #[test]
     fn paths_from_lamps_and_from_the_camera_make_one_picture() {
-        let (camera, scene, hidden) = (Linked::new(), large_lamps(), ProgressBar::hidden());
+        let (camera, scene, hidden) = (Linked::new(SIZE, 1080.0), large_lamps(), ProgressBar::hidden());
         let from_camera = pictures(|seed| {
             render(|rays| camera.rays(rays), &scene, &settings(seed, 2048), &hidden).unwrap().0
         });
@@ -309,7 +235,7 @@ mod tests {
 
     #[test]
     fn small_lamps_out_of_focus_take_a_hundredth_of_the_samples() {
-        let (camera, scene, hidden) = (Linked::new(), night::scene(), ProgressBar::hidden());
+        let (camera, scene, hidden) = (Linked::new(SIZE, 1080.0), night::scene(), ProgressBar::hidden());
         // Only the sky: the upper third, where the lamps hang.
         let noise = |found: &[[f64; 2]]| {
             found[..(SIZE[0] * SIZE[1] / 3 * 3) as usize].iter().map(|[_, square]| square).sum::<f64>()
@@ -329,7 +255,7 @@ mod tests {
 
     #[test]
     fn the_number_of_threads_changes_no_pixel() {
-        let (camera, scene) = (Linked::new(), night::scene());
+        let (camera, scene) = (Linked::new(SIZE, 1080.0), night::scene());
         let picture = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let joined = |places: &Places, found: &mut Connections| camera.connect(places, found);

@@ -4,6 +4,8 @@ mod bulbs;
 mod dusk;
 pub mod lamplight;
 mod light;
+#[cfg(test)]
+mod linked;
 mod renderer;
 mod shade;
 pub mod spectrum;

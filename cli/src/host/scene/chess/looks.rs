@@ -1,6 +1,6 @@
 //! What things in the street are made of: patterns by formula over the place, mm.
 
-use super::{SQUARE, on_board};
+use super::board::{SQUARE, on_board};
 use crate::host::scene::noise::{hash, value};
 use crate::host::scene::{Finish, Material};
 use glam::Vec3;

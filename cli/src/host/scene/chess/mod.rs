@@ -1,6 +1,7 @@
 //! A game of chess on a café's terrace, at dusk: the king in focus 65 cm before the lens, a street with its lamps far
 //! behind it. Everything is turned, boxes, rods and balls; patterns are formulas.
 
+mod board;
 mod looks;
 mod pieces;
 mod terrace;
@@ -10,18 +11,11 @@ use super::pose::tilted;
 use super::sky::Sun;
 use super::solids::{Block, Form, Look, Solids};
 use super::world::{Light, Scene};
+use board::{BOARD, SQUARE, TABLE, TURN, in_world, middle_of};
 use glam::{Vec2, Vec3};
 use pieces::Piece::{self, Bishop, King, Pawn, Queen, Rook};
 use std::sync::Arc;
 
-/// Side of a square of the board, mm.
-const SQUARE: f32 = 57.0;
-/// The middle of the board's top.
-const BOARD: Vec3 = Vec3::new(40.0, FLOOR.height + 762.0, 680.0);
-/// Its turn, radians.
-const TURN: f32 = 0.47;
-/// The table's height over the floor.
-const TABLE: f32 = 740.0;
 /// How far the camera is over the board.
 const EYE: f32 = 168.0;
 /// Where it looks, degrees under level.
@@ -96,22 +90,6 @@ fn depth(point: Vec3) -> f32 {
     cosine * point.z - sine * (point.y - BOARD.y - EYE)
 }
 
-/// The middle of a square.
-fn middle_of([file, rank]: [u8; 2]) -> Vec3 {
-    in_world((Vec2::new(f32::from(file), f32::from(rank)) - 3.5) * SQUARE)
-}
-
-/// A place on the board, mm from its middle along files and ranks, in the world.
-fn in_world(place: Vec2) -> Vec3 {
-    let turned = Vec2::from_angle(-TURN).rotate(place);
-    BOARD + Vec3::new(turned.x, 0.0, turned.y)
-}
-
-/// A point of the world as a place on the board.
-fn on_board(point: Vec3) -> Vec2 {
-    Vec2::from_angle(TURN).rotate(Vec2::new(point.x - BOARD.x, point.z - BOARD.z))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -130,21 +108,9 @@ mod tests {
     }
 
     #[test]
-    fn squares_turn_with_the_board_and_nothing_stands_on_two() {
+    fn no_two_pieces_stand_on_one_square() {
         for (index, (_, _, square)) in GAME.iter().enumerate() {
-            let place = on_board(middle_of(*square));
-            let back = place / SQUARE + 3.5;
-            assert!((back - Vec2::from(square.map(f32::from))).length() < 1e-4, "{square:?}: {back}");
             assert!(GAME[index + 1..].iter().all(|other| other.2 != *square), "{square:?}");
         }
-        // A block's own axes are the board's.
-        let block = Block {
-            centre: BOARD,
-            half: Vec3::new(4.0 * SQUARE, 1.0, 4.0 * SQUARE),
-            turn: Vec2::from_angle(TURN),
-        };
-        let inside = in_world(Vec2::new(3.9, -3.9) * SQUARE) + 50.0 * Vec3::Y;
-        let ray = Ray { origin: inside, direction: Vec3::NEG_Y, time: 0.5 };
-        assert!(crate::host::scene::shapes::Shape::intersect(&block, &ray, 0.0, 100.0).is_some());
     }
 }

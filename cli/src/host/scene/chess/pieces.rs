@@ -18,6 +18,8 @@ pub enum Piece {
 
 /// Pieces of a smooth curve between two of its points.
 const STEPS: u8 = 5;
+/// Slope under which a part of a profile is level.
+const LEVEL: f32 = 1e-3;
 /// Cosine of the angle between neighbouring pieces beyond which there is an edge.
 const EDGE: f32 = 0.75;
 
@@ -251,7 +253,8 @@ pub fn turned(profile: &[[f32; 2]], foot: Vec3) -> impl Iterator<Item = Form> {
             let [(low, below), (high, above)] = ends;
             Form::Turned(Turned {
                 foot: foot + low.y * Vec3::Y,
-                height: high.y - low.y,
+                // Rounding must not make a steep cone of a ring.
+                height: if high.y - low.y < LEVEL * (high.x - low.x).abs() { 0.0 } else { high.y - low.y },
                 radii: [low.x, high.x],
                 normals: [below, above],
             })

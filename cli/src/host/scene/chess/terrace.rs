@@ -1,8 +1,8 @@
 //! What stands around the board: the table, the terrace with its strings of lamps, and the street.
 
+use super::board::{BOARD, TABLE};
 use super::looks;
 use super::pieces::turned;
-use super::{BOARD, TABLE};
 use crate::host::scene::noise::hash;
 use crate::host::scene::objects::{Ball, FLOOR, Finish, Lamps, Material};
 use crate::host::scene::shapes::Sphere;
@@ -106,6 +106,10 @@ const POST: f32 = 3300.0;
 const LANTERN: ([f32; 3], f32) = ([-760.0, 1420.0, 250.0], 125.0);
 const GLOBE: ([f32; 3], f32) = ([235.0, TABLE + 92.0, 985.0], 36.0);
 
+/// A lamp behind the board that draws its edges, and one beside the camera that fills shadows.
+const COLD: Vec3 = Vec3::new(1250.0, 1745.0, 1500.0);
+const FILL: Vec3 = Vec3::new(1150.0, 1645.0, -200.0);
+
 /// Everything that shines, in groups.
 pub fn lamps() -> Vec<Lamps> {
     let mut groups: Vec<Lamps> =
@@ -129,8 +133,8 @@ pub fn lamps() -> Vec<Lamps> {
     groups.push(tables.collect());
     let ([x, y, z], radius) = LANTERN;
     groups.push([lamp(at(x, y, z), radius, GOLD, 84.0)].into_iter().collect());
-    groups.push([lamp(at(1250.0, 1900.0, 1500.0), 150.0, BLUE, 22.0)].into_iter().collect());
-    groups.push([lamp(at(1150.0, 1800.0, -200.0), 140.0, PEARL, 15.0)].into_iter().collect());
+    groups.push([lamp(COLD, 150.0, BLUE, 22.0)].into_iter().collect());
+    groups.push([lamp(FILL, 140.0, PEARL, 15.0)].into_iter().collect());
     let ([x, y, z], radius) = GLOBE;
     groups.push([lamp(at(x, y, z), radius, GOLD, 5.5)].into_iter().collect());
     groups
@@ -262,6 +266,10 @@ pub fn solids() -> Vec<(Form, Look)> {
         add(iron, &mut garland.wire());
         let posts = garland.ends.into_iter().filter(|end| end.y > at(0.0, 2000.0, 0.0).y);
         add(iron, &mut posts.map(|end| rod(Vec3 { y: FLOOR.height, ..end }, end, 32.0)));
+    }
+    for lamp in [COLD, FILL] {
+        let top = lamp - 140.0 * Vec3::Y;
+        add(iron, &mut [rod(Vec3 { y: FLOOR.height, ..top }, top, 24.0)].into_iter());
     }
     let ([x, y, z], radius) = LANTERN;
     add(iron, &mut [rod(at(x, y + radius, z), at(x, 2500.0, z), 4.0)].into_iter());
