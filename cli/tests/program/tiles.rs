@@ -132,7 +132,6 @@ fn tiles_that_make_no_picture_are_refused_by_name() {
         ("50x34", "3", &["--lens", "wide.22mm"], &["lens", "\"dgauss.50mm\"", "\"wide.22mm\""]),
         ("50x34", "3", &["--param", "pupil=rear"], &["parameters", "pupil=rear"]),
         ("50x34", "3", &["--effects", "dof"], &["effects"]),
-        ("50x34", "3", &["--scene", "night"], &["scene", "Chess", "Night"]),
         ("50x34", "3", &["--exposure", "1"], &["brightness"]),
         ("50x34", "3", &["--wavelengths", "3"], &["wavelengths"]),
     ] {
@@ -140,6 +139,11 @@ fn tiles_that_make_no_picture_are_refused_by_name() {
         run(dir.path(), &[&right[..], more].concat());
         merge(&["left.png", "other.png"], &[&["left.png", "other.png"], words].concat());
     }
+    // Scenes for which the lens has the same focus.
+    for (file, crop, scene) in [("day.png", "0,0,25,34", "day"), ("night.png", "25,0,50,34", "night")] {
+        take(file, crop, &["--scene", scene]);
+    }
+    merge(&["day.png", "night.png"], &["day.png", "night.png", "scene", "Day", "Night"]);
     // Lenses of one name.
     for (folder, radius) in [("a", "50"), ("b", "51")] {
         std::fs::create_dir(dir.path().join(folder)).unwrap();

@@ -12,7 +12,7 @@ use crate::{
     console,
     failure::Failure,
     host::render::spectrum,
-    image::{Format, Picture},
+    image::{Curve, Format, Picture, Tone},
 };
 use glam::Vec3;
 use rayon::prelude::*;
@@ -128,7 +128,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         let brightest = picture.pixels.iter().flatten().fold(0.0_f32, |most, value| most.max(*value));
         let scale = if brightest > 0.0 { brightest.recip() } else { 1.0 };
         for path in both(&out)? {
-            picture.write(&path, scale)?;
+            picture.write(&path, Tone { scale, curve: Curve::Straight })?;
             if !crate::files::is_stdout(&path) {
                 text += &format!("{}\n", path.display());
             }

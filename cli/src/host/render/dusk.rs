@@ -209,7 +209,7 @@ impl Surface {
         let (matte, gloss) = match material.finish {
             Finish::Coated => ((1.0 - coat) * material.colour, Vec3::splat(COAT)),
             Finish::Metal => (Vec3::ZERO, material.colour),
-            // No lamp shines on itself here, and glass is none of this scene's.
+            // A lamp ends a path before it is shaded, and glass scatters as if it were matte: the scene has none.
             Finish::Matte | Finish::Lamp | Finish::Glass | Finish::Sheet => (material.colour, Vec3::ZERO),
         };
         Self { point, normal, back, matte, gloss, alpha: material.roughness.max(POLISHED) }
