@@ -25,7 +25,7 @@ use arrows::{Arrow, circles, upward};
 use source::Tree;
 
 /// The library's rooms, each of which may use those before it.
-const ROOMS: [&str; 10] = [
+const ROOMS: [&str; 11] = [
     "numeric",
     "message",
     "prescription",

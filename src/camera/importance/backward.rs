@@ -1,4 +1,4 @@
-//! A camera the other way round, whole: rays and points of the world in, importance and directions out.
+//! The adjoint camera: rays and points of the world in, importance and directions out.
 
 use super::{
     counted::{Aimed, Counted, Importance, ScenePoint, Towards},
@@ -22,7 +22,7 @@ enum Optics {
     Linear(Box<Linear>),
 }
 
-/// A camera the other way round. Immutable, and may be shared between threads.
+/// An adjoint camera. Immutable, and may be shared between threads.
 #[derive(Clone, Debug)]
 pub struct Backward {
     optics: Optics,
@@ -110,10 +110,10 @@ impl Backward {
         (-ROUNDING..=1.0 + ROUNDING).contains(&number).then(|| number.clamp(0.0, 1.0))
     }
 
-    /// What rays that enter the lens count, one for each: rays of world space with directions of any length but 0, toward
-    /// the camera, that begin before the lens or where the camera's own rays do. `mint` and `maxt` are not asked. Numbers
-    /// that are none, rays from behind, those that do not get through the lens to the film, and those of times at which the
-    /// shutter is closed count 0.
+    /// The importance of rays that enter the lens, one for each: rays of world space with directions of any length but 0,
+    /// toward the camera, that begin before the lens or where the camera's own rays do. `mint` and `maxt` are ignored. It is 0
+    /// for NaN, for rays from behind, for those that do not get through the lens to the film, and at times at which the shutter
+    /// is closed.
     ///
     /// # Panics
     /// The slices differ in length.
@@ -173,9 +173,8 @@ impl Backward {
         (importance.importance as f32 > 0.0 && largest <= f64::from(f32::MAX)).then_some(importance)
     }
 
-    /// Directions toward the lens from points of the scene, one for each. Where there is none, for points that the camera
-    /// does not see and numbers that are none, all is 0; where the direction does not get through to the film, only the
-    /// importance.
+    /// Directions toward the lens from points of the scene, one for each. All is 0 for points that the camera does not see
+    /// and for NaN; where the direction does not get through to the film, only the importance is.
     ///
     /// # Panics
     /// The slices differ in length.

@@ -1,4 +1,4 @@
-//! What is asked of a camera the other way round, and what it says.
+//! What the adjoint camera takes and gives: scene points, directions toward the lens, importance.
 
 use crate::lens::Ray;
 

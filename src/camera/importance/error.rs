@@ -9,7 +9,7 @@ use crate::camera::model::Model;
 pub enum ImportanceError {
     /// Its rays begin in one point, or run in one direction only.
     #[error(
-        "model \"{model}\" {}: what a ray from the scene counts there is infinite or 0, and not defined; {advice}",
+        "model \"{model}\" {}: its importance We is infinite or 0, and not defined; {advice}",
         if *parallel { "without a lens has parallel rays" } else { "without a lens has all its rays through one point" }
     )]
     NoArea {

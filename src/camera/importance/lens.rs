@@ -1,4 +1,4 @@
-//! A lens the other way round: rays from the scene traced to the film, and directions toward the lens from points.
+//! The importance of a lens: rays from the scene traced to the film, and directions toward the lens from scene points.
 
 use super::{
     counted::{Counted, Towards},
@@ -63,7 +63,7 @@ impl LensBackward {
         std::f64::consts::PI * self.front.surface.semi_diameter.powi(2)
     }
 
-    /// What rays count, of any length of direction; those that are none count nothing. `rounding` is how far off its origin
+    /// The importance of rays with directions of any length; NaN and direction 0 have none. `rounding` is how far off its origin
     /// a ray may have been rounded.
     pub fn arrive(&self, rays: &[(Ray, f64)], counted: &mut Vec<Option<Counted>>) {
         let mut buffer = RayBuffer::<f64>::new(rays.len());

@@ -1,4 +1,4 @@
-//! Cameras whose rays are linear in film point and lens point, the other way round: the thick and the thin lens, and the
+//! Importance of cameras whose rays are linear in film point and lens point: the thick and the thin lens, and the
 //! stock cameras with a lens.
 //!
 //! Of a ray that crosses the plane z = 0 at x with the slopes s, film coordinates and lens coordinates are both sums h x +

@@ -1,4 +1,4 @@
-//! Cameras the other way round: what a ray from the scene counts in the picture, and directions from a point of the scene
+//! Light tracing: the importance We of a ray from the scene, and directions from a point of the scene
 //! toward the lens.
 //!
 //! A ray that enters the lens carries importance (E. Veach, *Robust Monte Carlo Methods for Light Transport Simulation*,

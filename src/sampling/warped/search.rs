@@ -7,7 +7,7 @@ use super::view::{Excess, Limit, Pencil};
 const ACCURACY: f64 = 1e-4;
 /// How far off the steepness that was measured at a neighbouring edge is taken to be, relative: more traces most edges twice.
 const NEIGHBOUR: f64 = 0.1;
-/// Every so manieth step halves the bracket: more slows secants that hardly move down.
+/// Stride of the steps that halve the bracket: a larger one slows secants that hardly move.
 const HALVING: u32 = 4;
 /// Steps of a search at most: enough for the bracket of a ray that is lost, where there is no excess to go by.
 const MOST_STEPS: u32 = 48;

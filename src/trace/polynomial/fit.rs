@@ -17,7 +17,7 @@ pub const ORDERS: [usize; 7] = [1, 3, 5, 7, 9, 11, 13];
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum FitError {
     /// The order is not one of [`ORDERS`].
-    #[error("polynomials of order {0} are not to be had: give an odd order from 1 to 13")]
+    #[error("polynomial order {0} is not supported; use an odd order from 1 to 13")]
     Order(usize),
     /// The rays do not determine the coefficients.
     #[error(
