@@ -124,8 +124,20 @@ pub(super) fn trace<S: Turns>(
     if in_registers(simd, grouping, &mut Through { optics, batch: &mut job }) {
         return job.is_out_of_range.get();
     }
-    let (samples, mut rays) = (samples.as_arrays(), rays.as_arrays());
-    let mut job = Job::new(body, &samples, &mut rays, within);
+    trace_arrays(body, optics, within, &samples.as_arrays(), &mut rays.as_arrays())
+}
+
+/// [`trace`] in portable vectors. Not inlined, so that single rays by other instructions do not pay for it.
+#[cold]
+#[inline(never)]
+fn trace_arrays<S: Turns>(
+    body: &LaneBody<S>,
+    optics: &impl Optics<S>,
+    within: Option<S>,
+    samples: &SampleArrays<'_>,
+    rays: &mut RayArrays<'_>,
+) -> bool {
+    let mut job = Job::new(body, samples, rays, within);
     portable(&mut Through { optics, batch: &mut job });
     job.is_out_of_range.get()
 }
