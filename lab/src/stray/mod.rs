@@ -8,13 +8,12 @@
 mod complex;
 mod surface;
 
+pub use self::surface::Film;
+
 use self::{complex::C, surface::amplitudes};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use realistic::unstable::lens::Lens;
-
-/// A film on every surface between air and glass: its index and its thickness, nm.
-pub type Film = Option<(f64, f64)>;
 
 /// Where photons that enter a lens end, as shares of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -1,7 +1,10 @@
 //! The amplitudes of a surface, bare or with one film, beyond total reflection too: Fresnel's equations and Airy's sum
 //! (M. Born and E. Wolf, *Principles of Optics*, sections 1.5.2 and 1.6.4).
 
-use super::{Film, complex::C};
+use super::complex::C;
+
+/// A film on every surface between air and glass: its index and its thickness, nm.
+pub type Film = Option<(f64, f64)>;
 
 /// r and t of the field, s or p, between media with these indices and cosines.
 fn fresnel(n: f64, cos: C, n_behind: f64, cos_behind: C, is_p: bool) -> [C; 2] {
