@@ -8,7 +8,10 @@ use crate::export::{
 };
 use crate::failure::Failure;
 use crate::files;
-use realistic::unstable::lens::{Lens, first_order::FirstOrder, pupil::EntrancePupil};
+use realistic::unstable::{
+    lens::{Lens, first_order::FirstOrder, pupil::EntrancePupil},
+    light::axial_transmission,
+};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -132,10 +135,14 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         _ => None,
     };
     let first_order = FirstOrder::of(lens).map_err(|error| Failure::Other(error.to_string()))?;
+    let fnumber = first_order.focal_length.abs() / EntrancePupil::of_lens(lens).diameter();
+    let coating = opened.parameters().transmission.unwrap_or_default().coating();
+    let left = coating.and_then(|coating| axial_transmission(lens, coating));
     let data = LensData {
         name: &lens.name,
         focal_length: first_order.focal_length,
-        fnumber: first_order.focal_length.abs() / EntrancePupil::of_lens(lens).diameter(),
+        fnumber,
+        tnumber: left.map(|left| fnumber / left.sqrt()),
         wavelength: lens.wavelength,
         film_distance,
         mm_per_unit: opened.parameters().mmperunit.unwrap_or(1.0),

@@ -15,6 +15,8 @@ pub struct LensData<'a> {
     pub focal_length: f64,
     /// Focal length over entrance pupil.
     pub fnumber: f64,
+    /// f-number over the square root of the transmission on the axis, where a coating is named.
+    pub tnumber: Option<f64>,
     /// nm.
     pub wavelength: f64,
     /// From the last vertex to the film, mm.
@@ -78,6 +80,9 @@ pub fn opentrackio_json(
             "projectionOffset": { "x": 0.0, "y": 0.0 },
         },
     });
+    if let Some(tnumber) = lens.tnumber {
+        value["lens"]["tStop"] = json!(tnumber);
+    }
     let distance = rays.in_focus - film.z;
     // Its schema has no infinity: a lens focused there has no such number.
     if distance.is_finite() {

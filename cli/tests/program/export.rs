@@ -366,6 +366,16 @@ fn files_of_models_have_the_numbers_of_the_report() {
     for (written, l) in numbers(&lens["distortion"][0]["radial"]).iter().zip(&radial) {
         assert!((written - l).abs() <= 1e-15 * l.abs(), "{written} {l}");
     }
+    // A T-number is there where surfaces reflect: the one that the lens's own report has.
+    assert!(lens.get("tStop").is_none(), "{lens}");
+    let coated = ["export", "wide.22mm", "--as", "opentrackio", "--transmission", "quarter-wave"];
+    let coated: Value = serde_json::from_str(&succeeds(&coated, "")).expect("JSON");
+    let facts: Value = serde_json::from_str(&succeeds(&["lens", "wide.22mm", "--json"], "")).expect("JSON");
+    let (found, known) = (number(&coated["lens"], "tStop"), number(&facts, "tnumber_quarter_wave"));
+    assert!(
+        (found / known - 1.0).abs() < 1e-9 && found > number(&coated["lens"], "fStop"),
+        "{found} {known}"
+    );
     // The other direction, by its formula: it leads back to within both errors.
     let l = numbers(&lens["distortion"][1]["radial"]);
     let (focal_length, pixel) = (number(lens, "pinholeFocalLength"), number(&own, "pixel_mm"));

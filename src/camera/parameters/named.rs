@@ -80,7 +80,7 @@ impl Transmission {
         [("none", Self::None), ("bare", Self::Bare), ("quarter-wave", Self::QuarterWave)];
 
     /// The coating, where surfaces reflect.
-    pub(crate) fn coating(self) -> Option<Coating> {
+    pub fn coating(self) -> Option<Coating> {
         match self {
             Self::None => None,
             Self::Bare => Some(Coating::Bare),
