@@ -18,8 +18,8 @@
 //!
 //! # Instances: what is compiled, and what runs where
 //!
-//! The algorithm is written once, over [`Lanes`], vectors of either precision. Thin functions in `instances`, one for each set of
-//! instructions and number of rays, run it. Which one, the processor ([`Simd`]) and the caller ([`Grouping`]) decide:
+//! The algorithm is written once, over `Lanes`, vectors of either precision. Thin functions in `instances`, one for each set of
+//! instructions and number of rays, run it. Which one, the processor ([`Simd`]) and the caller (`Grouping`) decide:
 //!
 //! | processor | one ray | up to four | many |
 //! |---|---|---|---|
@@ -30,10 +30,10 @@
 //!
 //! Many rays are traced four vectors side by side, and what is left one vector at a time.
 //!
-//! Work ([`InVectors`]; of rays, a [`Batch`] through [`Optics`]) is compiled for each of these that a caller may ask for. Code
+//! Work (`InVectors`; of rays, a `Batch` through `Optics`) is compiled for each of these that a caller may ask for. Code
 //! that all work has in common is not:
-//! - The steps of a lens are one function for each kind of vectors ([`Lanes::apart`]), which all work calls. They are inlined
-//!   only where the latency of a ray is all that counts (not [`Lanes::SHARED`]).
+//! - The steps of a lens are one function for each kind of vectors (`Lanes::apart`), which all work calls. They are inlined
+//!   only where the latency of a ray is all that counts (not `Lanes::SHARED`).
 //! - Portable vectors load samples from arrays and store rays in arrays, whatever the number of rays. On x86-64 all processors
 //!   of the last ten years have AVX2, so that this code is small rather than quick.
 //!
