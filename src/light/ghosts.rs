@@ -60,7 +60,7 @@ pub struct Spray {
 impl Spray {
     /// The watts that reach the plane of the film.
     pub fn watts(&self) -> f64 {
-        self.landings().map(|landing| landing.watts).sum()
+        self.landings().fold(0.0, |sum, landing| sum + landing.watts)
     }
 
     /// Those that do.
@@ -85,6 +85,8 @@ impl Spray {
 
 /// Cells along a side of the grid that is looked through for a path's part of it.
 const COARSE: usize = 40;
+/// The same where nothing is lit: an entrance pupil a 300th as wide as the front is still seen.
+const FINEST: usize = 320;
 /// Cells of such a grid that say well enough where the part is.
 const ENOUGH: usize = 60;
 /// How often it is looked for anew in what was found.
@@ -127,15 +129,24 @@ impl Ghosts {
     /// that is found to be empty.
     pub fn spray(&self, path: &LitPath, lamp: Lamp, side: usize) -> Spray {
         let mut part: Part = [[-1.0, 1.0]; 2];
+        let mut cells = COARSE;
         for _ in 0..ROUNDS {
-            let coarse = self.over(path, lamp, COARSE, part);
-            let lit: Vec<usize> = (0..coarse.cells.len()).filter(|i| coarse.cells[*i].is_some()).collect();
-            if lit.is_empty() {
-                return Spray { side: 0, cells: Vec::new() };
-            }
-            let rows = bounds(lit.iter().map(|i| i / COARSE));
-            let columns = bounds(lit.iter().map(|i| i % COARSE));
-            let size = part.map(|[from, to]| (to - from) / COARSE as f64);
+            // Before wide fronts a pupil is a small part: finer where nothing is lit.
+            let lit = loop {
+                let coarse = self.over(path, lamp, cells, part);
+                let lit: Vec<usize> =
+                    (0..coarse.cells.len()).filter(|i| coarse.cells[*i].is_some()).collect();
+                if !lit.is_empty() {
+                    break lit;
+                }
+                if cells >= FINEST {
+                    return Spray { side: 0, cells: Vec::new() };
+                }
+                cells *= 2;
+            };
+            let rows = bounds(lit.iter().map(|i| i / cells));
+            let columns = bounds(lit.iter().map(|i| i % cells));
+            let size = part.map(|[from, to]| (to - from) / cells as f64);
             // A cell more on every side: what is lit of it may pass between its neighbours' middles.
             let narrowed = |axis: usize, [from, to]: [usize; 2]| {
                 let at = |cell: f64| (part[axis][0] + cell * size[axis]).clamp(-1.0, 1.0);

@@ -210,6 +210,14 @@ impl LensChoice {
         self.open_with(&[&OF_A_LENS[..], &of_blades].concat())
     }
 
+    /// Finds the lens and takes what its surfaces leave of the light, too.
+    ///
+    /// # Errors
+    /// As [`open_lens`].
+    pub fn open_with_transmission(&self) -> Result<OpenedLens, Failure> {
+        self.open_with(&[&OF_A_LENS[..], &["transmission"]].concat())
+    }
+
     /// Finds the lens and leaves it as its file has it.
     ///
     /// # Errors

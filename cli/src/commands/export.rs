@@ -116,7 +116,10 @@ impl From<FieldError> for Failure {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let format = args.format;
     let out = out(args)?;
-    let opened = args.lens.open()?;
+    let opened = match format {
+        Format::OpenTrackIo => args.lens.open_with_transmission()?,
+        _ => args.lens.open()?,
+    };
     let lens = &opened.lens;
     let film_distance = opened.film_distance()?;
     let diagonal = opened.film_diagonal();

@@ -46,7 +46,7 @@ const NEAREST: f64 = 0.998;
 /// θ/2 up to which rows are followed at most, radians.
 const WIDEST: f64 = 1.45;
 /// Places in a row, from the axis to its end, less one, at which it is known where rays land.
-const NODES: usize = 24;
+const NODES: usize = 32;
 /// Times that this is found anew from rays that land on film by what was found before.
 const CLOSER: usize = 2;
 /// Rays by which it is: along the meridian and across it.

@@ -46,10 +46,6 @@ const NARROWEST: f64 = 1e-6;
 /// τ where the pupil vanishes: not 0, which rounding in single precision would make a negative density of.
 const LEAST_WIDTH: f64 = 1e-6;
 
-/// The part of what an outline lies outside the map interpolated from the tables beside it by which it is made larger: of an
-/// edge that curves a quarter is what it lies outside halfway to them, of one with a kink there all of it.
-const BETWEEN: f64 = 0.4;
-
 /// What the table is built from.
 pub(crate) struct Builder<F> {
     pub side: F,
@@ -448,7 +444,7 @@ impl<F: Family> March<'_, F> {
             let slice = low?.across(&high?, part, [from, to]);
             let slice = Slice { height, ..slice }.in_units_of(end.recip());
             let growth = slice.lack(outline, &self.builder.knots).growth;
-            Some((node.place, growth.into_iter().map(|more| BETWEEN * more.min(1.0)).collect()))
+            Some((node.place, growth.into_iter().map(|more| more.min(1.0)).collect()))
         };
         self.runs.iter().flatten().filter_map(growth).collect()
     }
@@ -514,7 +510,8 @@ impl<F: Family> March<'_, F> {
 type Growth = (usize, Vec<f64>);
 
 /// The tables of families at places of a second parameter, `at`, up to one that nothing is known of. They hold what lies
-/// between: each map is made larger by a part of what its outline lies outside the map interpolated from the tables beside.
+/// between: each map is made larger by what its outline lies outside the map interpolated from the tables beside. Of an edge
+/// that curves a quarter would do, of one with a kink there all of it is needed.
 pub(crate) fn alike<F: Family>(builders: &[Builder<F>], at: &[f64]) -> Vec<Layout> {
     let marches: Vec<March<'_, F>> = builders.iter().map_while(|builder| builder.march().ok()).collect();
     let beside = marches.windows(3).zip(at.windows(3));

@@ -32,7 +32,7 @@ const SECTORS: usize = 8;
 const WIDE: usize = CELLS / SECTORS;
 /// What is added to a sector's share of t² for what lies between the directions that are looked at: less may leave a corner of
 /// film with few samples, more sends them beside the film.
-const FLOOR: f64 = 0.01;
+const FLOOR: f64 = 0.001;
 /// Rays by which a landing is found at least.
 const FEWEST: usize = 4;
 /// How much larger than found r is, for what lies between the rays.

@@ -41,7 +41,7 @@ const ROWS: usize = 12;
 impl Table {
     /// The watts of all ghosts.
     pub fn watts(&self) -> f64 {
-        self.ghosts.iter().map(|ghost| ghost.watts).sum()
+        self.ghosts.iter().fold(0.0, |sum, ghost| sum + ghost.watts)
     }
 
     /// The brightest pairs, without those that have no more than [`Table::left_out`] of the watts together.
@@ -60,13 +60,19 @@ impl Table {
     /// What is left out, as a share of the ghosts' watts.
     fn omitted(&self) -> f64 {
         let kept = self.kept().len();
-        let omitted: f64 = self.ghosts[kept..].iter().map(|ghost| ghost.watts).sum();
+        let omitted: f64 = self.ghosts[kept..].iter().fold(0.0, |sum, ghost| sum + ghost.watts);
         if omitted > 0.0 { omitted / self.watts() } else { 0.0 }
     }
 
     /// In words.
     pub fn text(&self, coating: &str) -> String {
-        let share = |watts: f64| if self.direct > 0.0 { watts / self.direct } else { f64::NAN };
+        if self.direct + self.watts() == 0.0 {
+            return format!(
+                "surfaces {coating}, at {} nm; no light of this lamp gets through the lens\n",
+                self.wavelength
+            );
+        }
+        let share = |watts: f64| watts / self.direct;
         let mut text = format!(
             "surfaces {coating}, at {} nm; W per W/m² of the lamp at the lens\n\
              direct light {:.4e} W, {} pairs {:.4e} W in the film's plane: {:.3e} of it\n\
