@@ -17,7 +17,7 @@ def examples(checkout):
     return sorted((checkout / "python/examples").glob("*.py"))
 
 
-@pytest.mark.parametrize("name", ["intrinsics", "lens_sheet", "picture"])
+@pytest.mark.parametrize("name", ["export_grid", "intrinsics", "lens_sheet", "picture"])
 def test_an_example_runs_as_it_says(checkout, tmp_path, name):
     assert name in {file.stem for file in examples(checkout)}
     file = checkout / f"python/examples/{name}.py"
@@ -31,7 +31,11 @@ def test_an_example_runs_as_it_says(checkout, tmp_path, name):
             content = (tmp_path / argument).read_bytes()
             assert content.startswith(b"\x89PNG") and len(content) > 20_000
             # The documentation shows what it makes today; letters of another matplotlib are a little different.
-            shown = {"picture": "python-picture.png", "lens_sheet": "python-lens-sheet.png"}[name]
+            shown = {
+                "export_grid": "python-export-grid.png",
+                "lens_sheet": "python-lens-sheet.png",
+                "picture": "python-picture.png",
+            }[name]
             from matplotlib.image import imread
 
             pictures = [imread(file)[..., :3] for file in (tmp_path / argument, checkout / "docs/images" / shown)]
@@ -39,7 +43,7 @@ def test_an_example_runs_as_it_says(checkout, tmp_path, name):
 
 
 def test_every_example_is_tested(checkout):
-    assert [file.stem for file in examples(checkout)] == ["intrinsics", "lens_sheet", "picture"]
+    assert [file.stem for file in examples(checkout)] == ["export_grid", "intrinsics", "lens_sheet", "picture"]
 
 
 def test_the_documentations_code_runs(checkout, tmp_path, monkeypatch):

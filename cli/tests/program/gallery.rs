@@ -5,7 +5,8 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 /// Pictures that other programs make, and the tests that compare those.
-const BY_OTHERS: [(&str, &str); 3] = [
+const BY_OTHERS: [(&str, &str); 4] = [
+    ("python-export-grid.png", "python/tests/test_examples.py"),
     ("python-picture.png", "python/tests/test_examples.py"),
     ("python-lens-sheet.png", "python/tests/test_examples.py"),
     ("blender-studio.png", "blender/tests/test_pictures.py"),
