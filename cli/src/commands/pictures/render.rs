@@ -187,6 +187,9 @@ fn slide_help() -> String {
 
 fn describe(plugin: &Plugin, camera: &Camera, size: [u32; 2]) -> Result<String, Failure> {
     let (lens, info) = (camera.lens_name()?, camera.info()?);
+    if info.interfaces == 0 {
+        return Ok(format!("plugin   {}, version {}\n", plugin.path().display(), plugin.version()));
+    }
     let [width, height] = size.map(f64::from);
     let pixel = info.film_diagonal_mm / width.hypot(height);
     Ok(format!(
