@@ -85,8 +85,8 @@ impl Spray {
 
 /// Cells along a side of the grid that is looked through for a path's part of it.
 const COARSE: usize = 40;
-/// The same where nothing is lit: an entrance pupil a 300th as wide as the front is still seen.
-const FINEST: usize = 320;
+/// The same where nothing is lit: an entrance pupil a 150th as wide as the front is still seen.
+const FINEST: usize = 160;
 /// Cells of such a grid that say well enough where the part is.
 const ENOUGH: usize = 60;
 /// How often it is looked for anew in what was found.
