@@ -1,4 +1,4 @@
-//! What a camera costs the other way round, beside its own rays: `cargo bench --bench importance -- [LENS…]`.
+//! What importance costs, beside a camera's own rays: `cargo bench --bench importance -- [LENS…]`.
 
 use std::{env::args, hint::black_box, time::Duration};
 

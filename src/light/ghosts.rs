@@ -129,8 +129,8 @@ impl Ghosts {
     /// that is found to be empty.
     pub fn spray(&self, path: &LitPath, lamp: Lamp, side: usize) -> Spray {
         let mut part: Part = [[-1.0, 1.0]; 2];
-        let mut cells = COARSE;
         for _ in 0..ROUNDS {
+            let mut cells = COARSE;
             // Before wide fronts a pupil is a small part: finer where nothing is lit.
             let lit = loop {
                 let coarse = self.over(path, lamp, cells, part);

@@ -16,7 +16,7 @@ use crate::{
     trace::{
         Real,
         kernel::{Cpu, Lanes, Scalar},
-        polynomial::{LeastSquares, Scaling, exponents, sum},
+        polynomial::{LaneScaling, LeastSquares, Scaling, exponents, sum},
     },
 };
 
@@ -166,9 +166,7 @@ impl TransmissionFit {
             degree: self.degree,
             is_spectral: self.wavelengths.is_some(),
             terms: self.terms.iter().map(|term| [S::from_f64(*term)]).collect(),
-            film_scale: S::from_f64(self.scaling.film_scale),
-            pupil_scale: S::from_f64(self.scaling.pupil_scale),
-            vergence: S::from_f64(self.scaling.vergence),
+            scaling: self.scaling.lane_scaling(),
             wavelength: [2.0 / (to - from), -(from + to) / (to - from)].map(S::from_f64),
         }
     }
@@ -259,9 +257,7 @@ pub struct LaneTransmission<S> {
     degree: usize,
     is_spectral: bool,
     terms: Vec<[S; 1]>,
-    film_scale: S,
-    pupil_scale: S,
-    vergence: S,
+    scaling: LaneScaling<S>,
     /// From 1/nm to -1 … 1: factor and constant.
     wavelength: [S; 2],
 }
@@ -272,19 +268,12 @@ impl<S: Scalar> LaneTransmission<S> {
     pub fn lanes<L: Lanes<Scalar = S>>(
         &self,
         cpu: Cpu<L>,
-        [x, y]: [L; 2],
-        [sx, sy]: [L; 2],
+        points: [L; 2],
+        slopes: [L; 2],
         wavelengths: L,
     ) -> L {
         let one = L::splat(cpu, S::ONE);
-        let two = one + one;
-        let (vergence, scale) = (L::splat(cpu, self.vergence), L::splat(cpu, self.pupil_scale));
-        let (px, py) = (vergence.mul_add(x, sx) * scale, vergence.mul_add(y, sy) * scale);
-        let scale = L::splat(cpu, self.film_scale);
-        let (x, y) = (x * scale, y * scale);
-        let u = two.mul_sub(y.mul_add(y, x * x), one);
-        let v = y.mul_add(py, x * px);
-        let w = two.mul_sub(py.mul_add(py, px * px), one);
+        let (_, _, [u, v, w]) = self.scaling.variables(cpu, points, slopes);
         if !self.is_spectral {
             let [value] = sum(cpu, &self.terms, self.degree, [u, v, w]);
             return share(cpu, value);

@@ -7,7 +7,10 @@ use super::{least_squares::LeastSquares, terms::exponents};
 use crate::{
     lens::{Lens, Ray, Surface},
     prescription::Blades,
-    trace::Path,
+    trace::{
+        Path,
+        kernel::{Cpu, Lanes, Scalar},
+    },
 };
 
 /// The orders that can be fitted.
@@ -83,6 +86,45 @@ impl Scaling {
         let x = x.map(|x| x * self.film_scale);
         let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
         (x, p, [2.0 * dot(x, x) - 1.0, dot(x, p), 2.0 * dot(p, p) - 1.0])
+    }
+
+    /// For rays in lanes of a precision.
+    pub(crate) fn lane_scaling<S: Scalar>(&self) -> LaneScaling<S> {
+        LaneScaling {
+            vergence: S::from_f64(self.vergence),
+            film_scale: S::from_f64(self.film_scale),
+            pupil_scale: S::from_f64(self.pupil_scale),
+        }
+    }
+}
+
+/// [`Scaling`], for lanes of a precision.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LaneScaling<S> {
+    vergence: S,
+    film_scale: S,
+    pupil_scale: S,
+}
+
+impl<S: Scalar> LaneScaling<S> {
+    /// [`Scaling::variables`] of rays from film points, mm, with slopes.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn variables<L: Lanes<Scalar = S>>(
+        &self,
+        cpu: Cpu<L>,
+        [x, y]: [L; 2],
+        [sx, sy]: [L; 2],
+    ) -> ([L; 2], [L; 2], [L; 3]) {
+        let one = L::splat(cpu, S::ONE);
+        let two = one + one;
+        let (vergence, scale) = (L::splat(cpu, self.vergence), L::splat(cpu, self.pupil_scale));
+        let (px, py) = (vergence.mul_add(x, sx) * scale, vergence.mul_add(y, sy) * scale);
+        let scale = L::splat(cpu, self.film_scale);
+        let (x, y) = (x * scale, y * scale);
+        let u = two.mul_sub(y.mul_add(y, x * x), one);
+        let v = y.mul_add(py, x * px);
+        let w = two.mul_sub(py.mul_add(py, px * px), one);
+        ([x, y], [px, py], [u, v, w])
     }
 }
 

@@ -4,7 +4,7 @@
 //! have the same bits.
 
 use super::{
-    fit::{AperturePolynomial, Polynomial},
+    fit::{AperturePolynomial, LaneScaling, Polynomial},
     terms::sum,
 };
 use crate::trace::{
@@ -30,9 +30,7 @@ pub struct PolynomialLens<S> {
     /// A, B, C, D by monomial.
     terms: Vec<[S; 4]>,
     apertures: Vec<Aperture<S>>,
-    film_scale: S,
-    pupil_scale: S,
-    vergence: S,
+    scaling: LaneScaling<S>,
     /// The front surface's curvature, and the square of its clear semi-diameter, mm².
     curvature: S,
     aperture: S,
@@ -66,9 +64,7 @@ impl<S: KernelScalar> PolynomialLens<S> {
                     figure: blades.map(|blades| StopFigure::new(blades, 1.0)),
                 })
                 .collect(),
-            film_scale: round(scaling.film_scale),
-            pupil_scale: round(scaling.pupil_scale),
-            vergence: round(scaling.vergence),
+            scaling: scaling.lane_scaling(),
             curvature: round(front.curvature),
             aperture: round(front.semi_diameter.powi(2)),
             profile: front.figure.map(|figure| Profile::new(&Aspheric::new(&figure, false, front.n_film))),
@@ -112,16 +108,10 @@ impl<S: KernelScalar> PolynomialLens<S> {
 
     /// Rays behind the lens of rays from the film, given as x, y and slopes.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn lanes<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, [x, y]: [L; 2], [sx, sy]: [L; 2]) -> End<L> {
+    fn lanes<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, point: [L; 2], slopes: [L; 2]) -> End<L> {
         let [zero, one] = [L::splat(cpu, S::ZERO), L::splat(cpu, S::ONE)];
         let two = one + one;
-        let (vergence, scale) = (L::splat(cpu, self.vergence), L::splat(cpu, self.pupil_scale));
-        let (px, py) = (vergence.mul_add(x, sx) * scale, vergence.mul_add(y, sy) * scale);
-        let scale = L::splat(cpu, self.film_scale);
-        let (x, y) = (x * scale, y * scale);
-        let u = two.mul_sub(y.mul_add(y, x * x), one);
-        let v = y.mul_add(py, x * px);
-        let w = two.mul_sub(py.mul_add(py, px * px), one);
+        let ([x, y], [px, py], [u, v, w]) = self.scaling.variables(cpu, point, slopes);
         let [a, b, c, d] = sum(cpu, &self.terms, self.degree, [u, v, w]);
         let (ox, oy) = (b.mul_add(px, a * x), b.mul_add(py, a * y));
         let (qx, qy) = (d.mul_add(px, c * x), d.mul_add(py, c * y));

@@ -20,7 +20,7 @@ mod lens;
 mod terms;
 
 pub use fit::{FitError, ORDERS, Polynomial};
-pub(crate) use fit::{Fits, Scaling};
+pub(crate) use fit::{Fits, LaneScaling, Scaling};
 pub(crate) use least_squares::LeastSquares;
 pub use lens::PolynomialLens;
 pub(crate) use terms::{exponents, monomials, sum};

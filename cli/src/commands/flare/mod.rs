@@ -32,7 +32,7 @@ pub struct Args {
     /// The lamp: X,Y, degrees to the image's right and up, infinitely far away; or X,Y,Z, a point in mm from the front
     /// vertex, right, up and toward the scene
     #[arg(long, value_name = "X,Y[,Z]", allow_hyphen_values = true, value_parser = lamp)]
-    light: Light,
+    light: Lamp,
     /// What the surfaces between air and glass are coated with: bare, quarter-wave (MgF2) or three-layer
     #[arg(long, value_name = "NAME", default_value = "quarter-wave", value_parser = coating)]
     coating: (&'static str, Coating),
@@ -53,17 +53,11 @@ pub struct Args {
     json: bool,
 }
 
-/// A lamp, and how it was given.
-#[derive(Clone, Copy, Debug)]
-struct Light {
-    lamp: Lamp,
-}
-
 /// Reads X,Y or X,Y,Z.
-fn lamp(text: &str) -> Result<Light, String> {
+fn lamp(text: &str) -> Result<Lamp, String> {
     let numbers: Option<Vec<f64>> =
         text.split(',').map(|part| part.trim().parse().ok().filter(|x: &f64| x.is_finite())).collect();
-    let lamp = match numbers.as_deref() {
+    Ok(match numbers.as_deref() {
         Some([right, up]) if right.abs() <= 180.0 && up.abs() <= 90.0 => {
             let ((sin_x, cos_x), (sin_y, cos_y)) = (right.to_radians().sin_cos(), up.to_radians().sin_cos());
             Lamp::Distant([sin_x * cos_y, sin_y, cos_x * cos_y])
@@ -74,8 +68,7 @@ fn lamp(text: &str) -> Result<Light, String> {
             return Err("a lamp stands before the lens: write a positive third number of mm".to_owned());
         }
         _ => return Err("write two numbers of degrees, or three of mm, with commas between them".to_owned()),
-    };
-    Ok(Light { lamp })
+    })
 }
 
 fn coating(text: &str) -> Result<(&'static str, Coating), String> {
@@ -111,7 +104,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let scene = Scene {
         blades: opened.blades()?,
         film: opened.lens.rear().vertex - film_distance,
-        lamp: args.light.lamp,
+        lamp: args.light,
         coating: args.coating.1,
     };
     let ranked = scene.rank(&opened.lens);
@@ -247,9 +240,9 @@ mod tests {
 
     #[test]
     fn lamps_are_read_and_others_refused() {
-        let Lamp::Distant([x, y, z]) = lamp("30,0").unwrap().lamp else { panic!("distant") };
+        let Lamp::Distant([x, y, z]) = lamp("30,0").unwrap() else { panic!("distant") };
         assert!((x - 0.5).abs() < 1e-12 && y == 0.0 && (z - 0.75_f64.sqrt()).abs() < 1e-12);
-        assert_eq!(lamp("10, -5,200").unwrap().lamp, Lamp::Point([10.0, -5.0, 200.0]));
+        assert_eq!(lamp("10, -5,200").unwrap(), Lamp::Point([10.0, -5.0, 200.0]));
         for (text, part) in
             [("1", "two numbers"), ("1,2,-3", "before the lens"), ("1,x", "two numbers"), ("200,0", "180")]
         {
@@ -263,12 +256,8 @@ mod tests {
     fn coated_surfaces_make_weaker_ghosts_and_the_pairs_left_out_are_few() {
         let lens = Lens::at_d_line(&catalogue::find("dgauss.50mm").unwrap());
         let table = |coating| {
-            let scene = Scene {
-                blades: None,
-                film: lens.rear().vertex - 36.0,
-                lamp: lamp("15,0").unwrap().lamp,
-                coating,
-            };
+            let scene =
+                Scene { blades: None, film: lens.rear().vertex - 36.0, lamp: lamp("15,0").unwrap(), coating };
             scene.rank(&lens)
         };
         let [bare, coated] = [Coating::Bare, Coating::QuarterWave].map(table);
