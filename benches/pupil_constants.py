@@ -3,25 +3,28 @@
 
 Usage: pupil_constants.py [--film | --scene] [NAME]... [--target DIR]
 
-The script works on a copy of the tree in a temporary folder. For each `const NAME: TYPE = VALUE;` of the two rooms it
-replaces the value, builds the measuring program without optimisation, runs it and prints a row: what changes against the
-tree as it stands. `--film` (default) measures src/sampling/warped by lab/examples/pupil_gate, `--scene` measures
-src/camera/importance/entrance.rs and what it uses by benches/scene_points. A constant whose two rows change nothing is one
-that can go. A whole sweep takes about an hour on two cores.
+The script works on a copy of the tree in a temporary folder, where each `const NAME: TYPE = VALUE;` of the two rooms reads
+its value times the environment's SWEEP_FILE_NAME when the program starts. So the measuring program is built once and run for
+each value; a row says what changes against the tree as it stands. `--film` (default) measures src/sampling/warped by
+lab/examples/pupil_gate, `--scene` measures src/camera/importance/entrance.rs and what it uses by benches/scene_points.
+A constant whose two rows change nothing is one that can go. The build takes some minutes, each row some seconds.
 """
 
 import argparse
+import json
+import os
 import re
 import shutil
 import subprocess
 import sys
 import tempfile
+from functools import partial
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-CONSTANT = re.compile(r"^(\s*(?:pub(?:\([a-z]+\))? )?const (\w+): (f64|usize|u32|u64|isize) = )(.+);$", re.MULTILINE)
-# Fixed by the table's layout or by others beside them; the build refuses other values.
-TIED = {"ROOT", "STRIDE", "KNOTS", "WIDE", "BULGE", "CELLS", "PACKET", "GROUP"}
+CONSTANT = re.compile(r"^(\s*)(pub(?:\([a-z]+\))? )?const (\w+): (f64|usize|u32|u64) = (.+);$", re.MULTILINE)
+# Lengths of arrays and what is tied to them by the table's layout: the compiler needs their values.
+TIED = {"ROOT", "STRIDE", "KNOTS", "WIDE", "BULGE", "CELLS", "PACKET", "GROUP", "SECTORS", "FINE", "HALF_LINES"}
 
 FILM = sorted(path for path in (ROOT / "src/sampling/warped").glob("*.rs") if path.name not in ("cut.rs", "stack.rs"))
 SCENE = [
@@ -38,20 +41,64 @@ FILM_RUNS = [
 SCENE_LENSES = ["dgauss.50mm", "sonnar.50mm", "phone.4mm", "fisheye.10mm"]
 
 
-def cargo(tree: Path, target: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    """A command of Cargo's in the copy of the tree."""
-    command = ["cargo", *arguments, "--target-dir", str(target)]
-    return subprocess.run(command, cwd=tree, capture_output=True, text=True)
+def swept(file: Path, name: str) -> str:
+    """The environment's name for the factor of a constant."""
+    return f"SWEEP_{file.stem}_{name}".upper()
 
 
-def film(tree: Path, target: Path) -> list[float] | None:
-    """Cameras that fail the gate, least share up to .9999 in the mean, most light missed, slices and rays; None of no build."""
-    if cargo(tree, target, "build", "-q", "-p", "realistic-lab", "--example", "pupil_gate").returncode != 0:
-        return None
+def read_at_start(tree: Path, files: list[Path]) -> list[tuple[Path, str, str]]:
+    """Rewrites the constants of a copied tree as values that are read at the start; returns (file, name, value) of each."""
+    found = []
+    for file in files:
+        text = file.read_text()
+        mine = [match.groups() for match in CONSTANT.finditer(text) if match[3] not in TIED]
+        found += [(file, name, value) for _, _, name, _, value in mine]
+        copy = tree / file.relative_to(ROOT)
+        copy.write_text(CONSTANT.sub(partial(static, file), text))
+        for _, public, name, _, _ in mine:
+            for user in tree.glob("src/**/*.rs") if public else [copy]:
+                uses(user, name, "" if user == copy else f"{file.stem}::")
+    return found
+
+
+def static(file: Path, match: re.Match[str]) -> str:
+    """The declaration of a constant that is read at the start."""
+    indent, public, name, kind, value = match.groups()
+    if name in TIED:
+        return match[0]
+    by = f'std::env::var("{swept(file, name)}").map_or(1.0, |by| by.parse::<f64>().unwrap())'
+    read = f"({value}) as f64 * {by}"
+    return f"{indent}{public or ''}static {name}: std::sync::LazyLock<{kind}> = std::sync::LazyLock::new(|| ({read}) as {kind});"
+
+
+def uses(file: Path, name: str, module: str) -> None:
+    """Dereferences a constant wherever code uses it: by its name alone, and elsewhere by its module or an import."""
+    text = file.read_text()
+    imported = module and re.search(rf"use [^;]*\b{module}(?:\{{[^;]*)?\b{name}\b", text)
+    if module and not imported and f"{module}{name}" not in text:
+        return
+    path = r"((?:\w+::)*)" if imported or not module else rf"((?:\w+::)*{module})"
+    skipped = rf"//[^\n]*|\buse [^;]*;|static {name}:"
+    use = re.compile(rf"({skipped})|(?<![\w:]){path}\b{name}\b(?!\()")
+    file.write_text(use.sub(lambda found: found[1] or f"(*{found[2]}{name})", text))
+
+
+def build(tree: Path, target: Path, *what: str) -> Path:
+    """Builds a measuring program of the copied tree; its path."""
+    command = ["cargo", "build", "--release", "--message-format=json-render-diagnostics", *what, "--target-dir", str(target)]
+    quiet = os.environ | {"RUSTFLAGS": "-A warnings"}
+    told = subprocess.run(command, check=False, cwd=tree, env=quiet, capture_output=True, text=True)
+    if told.returncode != 0:
+        sys.exit(f"the copy with values read at the start does not build:\n{told.stderr}")
+    programs = [json.loads(line).get("executable") for line in told.stdout.splitlines()]
+    return Path(next(path for path in reversed(programs) if path))
+
+
+def film(program: Path, factors: dict[str, str]) -> list[float] | None:
+    """Cameras that fail the gate, least share up to .9999 in the mean, most light missed, slices and rays; None of a failure."""
     failed, shares, missed, slices, rays = 0, [], [], 0, 0
     for run in FILM_RUNS:
-        found = subprocess.run([str(target / "debug/examples/pupil_gate"), *run], capture_output=True, text=True)
-        for line in found.stdout.splitlines():
+        for line in output(program, factors, *run):
             cells = line.split(" | ")
             if len(cells) < 7:
                 continue
@@ -64,17 +111,29 @@ def film(tree: Path, target: Path) -> list[float] | None:
     return [failed, sum(shares) / len(shares), max(missed), slices, rays] if shares else None
 
 
-def scene(tree: Path, target: Path) -> list[float] | None:
-    """First direction, ms, least mean share, least share of a point, most light left out; None of no build."""
-    arguments = ["bench", "-q", "--profile", "dev", "--bench", "scene_points", "--", "--part", "4", *SCENE_LENSES]
-    found = cargo(tree, target, *arguments)
-    rows = [line.split(" | ") for line in found.stdout.splitlines() if line.startswith("| all |")]
+def scene(program: Path, factors: dict[str, str]) -> list[float] | None:
+    """First direction, ms, least mean share, least share of a point, most light left out; None of a failure."""
+    rows = [line.split(" | ") for line in output(program, factors, "--part", "4", *SCENE_LENSES) if line.startswith("| all |")]
     if not rows:
         return None
     number = [float(cell.split()[0].strip("|")) for cell in rows[0][1:]]
     return [number[0], number[2], number[3], number[4]]
 
 
+def output(program: Path, factors: dict[str, str], *arguments: str) -> list[str]:
+    """The lines that a measuring program prints with some constants changed; what takes over five minutes prints none."""
+    command = [str(program), *arguments]
+    try:
+        run = subprocess.run(command, check=False, env=os.environ | factors, capture_output=True, text=True, timeout=300)
+    except subprocess.TimeoutExpired:
+        return []
+    return run.stdout.splitlines() if run.returncode == 0 else []
+
+
+PROGRAM = {
+    film: ("-p", "realistic-lab", "--example", "pupil_gate"),
+    scene: ("--bench", "scene_points"),
+}
 HEADS = {
     film: ["fail the gate", "least share, mean of cameras", "light missed, most", "slices", "rays"],
     scene: ["first direction, ms", "pass, mean", "pass, of one point", "light left out"],
@@ -83,7 +142,7 @@ HEADS = {
 
 def shown(values: list[float] | None) -> str:
     """The cells of a row."""
-    return " | ".join(f"{value:.6g}" for value in values) if values is not None else "no such value builds or runs"
+    return " | ".join(f"{value:.6g}" for value in values) if values is not None else "no figure: it fails or takes over 5 minutes"
 
 
 def main() -> int:
@@ -100,24 +159,16 @@ def main() -> int:
         tree = Path(folder) / "tree"
         target = given.target or Path(folder) / "target"
         shutil.copytree(ROOT, tree, ignore=shutil.ignore_patterns(".git", "target"))
+        constants = read_at_start(tree, files)
+        program = build(tree, target, *PROGRAM[measure])
         print(f"| constant | value | {' | '.join(HEADS[measure])} |\n|---|---|" + "---|" * len(HEADS[measure]))
-        print(f"| as it stands | | {shown(measure(tree, target))} |", flush=True)
-        for path in files:
-            copy = tree / path.relative_to(ROOT)
-            text = copy.read_text()
-            for match in CONSTANT.finditer(text):
-                before, name, kind, value = match.groups()
-                if name in TIED or (given.names and name not in given.names):
-                    continue
-                for part, by in (("/ 2", 0.5), ("x 2", 2)):
-                    if kind == "f64":
-                        changed = f"({value}) * {by:.1f}"
-                    else:
-                        changed = f"({value}) / 2" if by < 1 else f"({value}) * 2"
-                    copy.write_text(text[: match.start()] + f"{before}{changed};" + text[match.end() :])
-                    row = shown(measure(tree, target))
-                    print(f"| `{path.stem}::{name}` | {value} {part} | {row} |", flush=True)
-            copy.write_text(text)
+        print(f"| as it stands | | {shown(measure(program, {}))} |", flush=True)
+        for file, name, value in constants:
+            if given.names and name not in given.names:
+                continue
+            for part, by in (("/ 2", "0.5"), ("x 2", "2")):
+                row = shown(measure(program, {swept(file, name): by}))
+                print(f"| `{file.stem}::{name}` | {value} {part} | {row} |", flush=True)
     return 0
 
 

@@ -59,6 +59,10 @@ const RINGS: usize = 8;
 const AROUND: u32 = 24;
 /// Points of a batch.
 const PACKET: usize = 64;
+/// [`Family::loose`] of a row.
+const LOOSE: f64 = 3e-2;
+/// [`Family::finest`] of a row.
+const FINEST: usize = 32;
 
 /// n of a row: denser far away.
 fn nearness(row: usize) -> f64 {
@@ -195,8 +199,14 @@ impl<'a> Row<'a> {
 
 impl Family for Row<'_> {
     const ENDS: bool = true;
-    const LOOSE: f64 = 3e-2;
-    const FINEST: usize = 32;
+
+    fn loose(&self) -> f64 {
+        LOOSE
+    }
+
+    fn finest(&self) -> usize {
+        FINEST
+    }
 
     fn looks_beside(&self) -> bool {
         self.number.is_multiple_of(LOOKED_AT)

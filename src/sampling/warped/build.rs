@@ -233,6 +233,7 @@ impl<F: Family> March<'_, F> {
             return;
         }
         let (mut step, mut reached) = (COARSE, 0);
+        let loose = self.builder.side.loose();
         loop {
             let last = self.last().place;
             // On film that is lit to its end one more tells what the last interval holds.
@@ -243,9 +244,9 @@ impl<F: Family> March<'_, F> {
             let node = self.node(last + step);
             let differing = node.as_ref().map_or(f64::INFINITY, |node| self.differing(node));
             match node {
-                Some(node) if differing <= F::LOOSE || step <= self.finest() => {
+                Some(node) if differing <= loose || step <= self.finest() => {
                     let may_double = step < COARSE && node.place % (2 * step) == 0 && node.place >= reached;
-                    if (differing <= EASY * F::LOOSE || step < self.finest()) && may_double {
+                    if (differing <= EASY * loose || step < self.finest()) && may_double {
                         step *= 2;
                     }
                     self.take(node);
@@ -312,7 +313,8 @@ impl<F: Family> March<'_, F> {
 
     /// The narrowest step: wider when the rays get short, for a loose map is better than none.
     fn finest(&self) -> usize {
-        if self.builder.side.work().is_short() { SHORT.max(F::FINEST) } else { F::FINEST }
+        let finest = self.builder.side.finest();
+        if self.builder.side.work().is_short() { SHORT.max(finest) } else { finest }
     }
 
     /// Takes the last node back, for later.

@@ -29,6 +29,10 @@ const LONG: u64 = 100;
 /// Film radius up to which there is always a table, mm: much less than a wavelength, and enough for differences on film
 /// without width.
 const LEAST_REACH: f64 = 1e-6;
+/// [`Family::loose`] of the film's side: half of it takes a fifth more slices.
+const LOOSE: f64 = 2e-3;
+/// [`Family::finest`] of the film's side.
+const FINEST: usize = 1;
 
 /// What stops the rays beyond a point of the edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -124,9 +128,9 @@ pub(crate) trait Family {
     const ENDS: bool;
     /// What an outline and the map interpolated over it may differ by, as a share of the area, before steps are halved: less
     /// takes more slices, more blocks more samples.
-    const LOOSE: f64;
+    fn loose(&self) -> f64;
     /// The narrowest step, a power of two of smallest intervals: narrower ones follow jumps closer, and take more slices.
-    const FINEST: usize;
+    fn finest(&self) -> usize;
 
     /// Whether pupils are looked at for what lies beside their outlines.
     fn looks_beside(&self) -> bool {
@@ -171,8 +175,14 @@ impl FilmPencils {
 
 impl Family for FilmPencils {
     const ENDS: bool = false;
-    const LOOSE: f64 = 2e-3;
-    const FINEST: usize = 1;
+
+    fn loose(&self) -> f64 {
+        LOOSE
+    }
+
+    fn finest(&self) -> usize {
+        FINEST
+    }
 
     fn pencil(&self, height: f64) -> impl Pencil + '_ {
         FilmPencil { side: self, height }
