@@ -1,74 +1,47 @@
-//! Which points of the sampling plane a film point gets light from, by exact rays.
+//! Which points of the sampling plane a film point gets light from: the library's map of its pupil, by its outline.
 //!
 //! A film point is named by its field σ = r/B: its distance r from the axis over that of the film from the sampling plane, B.
 //! By σ the pupil hardly changes with the focus.
 
 use super::optics::Optics;
-use super::region::{Frame, Region};
-use realistic::unstable::lens::{Lens, film_ray, pupil::ExitPupil};
+use super::region::Region;
+use realistic::unstable::lens::{Lens, pupil::ExitPupil};
+use realistic::unstable::sampling::{PupilDisk, WarpedPupil};
 use realistic::unstable::trace::Path;
 
-/// Radius of the true pupil of the film's centre over the paraxial one, at most.
-const ROOM: f64 = 2.0;
-
-/// A lens ready to be asked, focused once.
+/// A lens, focused once, and the pupils of all its film points.
 #[derive(Debug)]
 pub struct Field {
-    path: Path,
-    /// z of the film, mm.
-    film: f64,
+    pupil: WarpedPupil,
     /// Film to sampling plane, mm.
-    pub distance: f64,
-    /// In the sampling plane the pupil of the film's centre lies within this distance from the axis, mm.
-    widest: f64,
-    /// The field of a film point as far from the axis as the rear surface's edge.
-    pub in_rear: f64,
+    distance: f64,
+    /// Distance from the axis of the farthest film point asked for, mm.
+    reach: f64,
 }
 
 impl Field {
-    /// With the film so far, mm, from the sampling plane; `lens` is that of `optics` at a focus, or the
-    /// same at another wavelength.
-    pub fn of(optics: &Optics, lens: &Lens, distance: f64) -> Self {
-        let back = distance - optics.plane;
-        let rear = lens.rear();
-        let by_first_order =
-            ExitPupil::of_lens(lens, rear.vertex - back).slopes(0.0, 0.0, rear.vertex - back).radius;
-        let to_rim = back + rear.sagitta_range()[0].min(0.0);
-        Self {
-            path: Path::film_to_scene(lens),
-            film: rear.vertex - back,
-            distance,
-            widest: (1.05 * rear.semi_diameter / to_rim).min(ROOM * by_first_order) * distance,
-            in_rear: rear.semi_diameter / distance,
-        }
+    /// With the film so far, mm, from the sampling plane, for film points up to `reach` mm from the axis; `lens` is that of
+    /// `optics` at a focus, or the same at another wavelength. `None` where the film touches the lens.
+    pub fn of(optics: &Optics, lens: &Lens, distance: f64, reach: f64) -> Option<Self> {
+        let film = lens.rear().vertex - (distance - optics.plane);
+        let cover = PupilDisk::rear(lens, film, reach)?;
+        let shift = ExitPupil::of_lens(lens, film).slopes(1.0, 0.0, film).center[0];
+        let pupil = WarpedPupil::new(&Path::film_to_scene(lens), film, reach, cover, shift);
+        Some(Self { pupil, distance, reach })
     }
 
-    /// Whether the ray from field σ through a point of the sampling plane leaves the lens.
-    pub fn passes(&self, field: f64, [x, y]: [f64; 2]) -> bool {
+    /// The field up to which film gets light, and whether it is dark from there on.
+    pub fn end(&self) -> (f64, bool) {
+        let dark = self.pupil.image_radius().filter(|radius| *radius <= self.reach);
+        (dark.unwrap_or(self.reach) / self.distance, dark.is_some())
+    }
+
+    /// The pupil of field σ; `None` where it is dark.
+    pub fn pupil(&self, field: f64) -> Option<Region> {
         let point = field * self.distance;
-        let slopes = [(x - point) / self.distance, y / self.distance];
-        self.path.trace(film_ray([point, 0.0], self.film, slopes)).is_ok()
-    }
-
-    /// Where the pupil of the film's centre is.
-    pub fn widest(&self) -> Frame {
-        Frame { x: [-self.widest, self.widest], y: self.widest }
-    }
-
-    /// The pupil of field σ in a frame.
-    pub fn pupil(&self, field: f64, frame: Frame) -> Option<Region> {
-        Region::find(frame, |point| self.passes(field, point))
-    }
-
-    /// The pupils of rising fields, each looked for around the one before; dark from the first that is.
-    pub fn pupils(&self, fields: &[f64]) -> Vec<Region> {
-        let mut frame = self.widest();
-        let mut pupils = Vec::new();
-        for &field in fields {
-            let Some(pupil) = self.pupil(field, frame) else { break };
-            frame = pupil.frame();
-            pupils.push(pupil);
-        }
-        pupils
+        Region::of(|on_circle| {
+            let [x, y] = self.pupil.sample([point, 0.0], on_circle)?.slopes;
+            Some([point + x * self.distance, y * self.distance])
+        })
     }
 }

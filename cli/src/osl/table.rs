@@ -3,9 +3,10 @@
 //!
 //! A region lies between x = `low` and `high`, and at X = (2 x - low - high)/(high - low) reaches up to
 //! |y| = g(X) √(1 - X²): for an ellipse g is constant. A node of the table has low, high and g at equal steps of X; nodes
-//! stand at equal steps of the field σ (where its end is dark, of √(1 - σ/σ_end), as the last pupils' heights go) and of 1/B, B being the distance from the film to the sampling plane, and everything
-//! is interpolated linearly; so it is between the nodes of a zoom. The nodes of a lens whose groups focus stand at equal
-//! steps of the focus. Regions between the nodes are traced, too, and where an interpolated region leaves out a part of one, the nodes around it are widened by what is
+//! stand at equal steps of the field σ (where its end is dark, of √(1 - σ/σ_end), as the last pupils' heights go) and of 1/B,
+//! B being the distance from the film to the sampling plane, and everything is interpolated linearly; so it is between the
+//! nodes of a zoom. The nodes of a lens whose groups focus stand at equal steps of the focus. Regions between the nodes are
+//! looked at, too, and where an interpolated region leaves out a part of one, the nodes around it are widened by what is
 //! missing.
 
 use super::field::Field;
@@ -26,9 +27,6 @@ const FOCUS_PARTS: usize = 2;
 const PLACE_PARTS: usize = 6;
 /// What a region is widened by at last, as a share of its width and height: what lies between the regions traced.
 const MARGIN: f64 = 0.0015;
-/// The first steps in looking for the field from which on film is dark, and to which share it is found.
-const BRIGHT_STEPS: f64 = 24.0;
-const DARK_WIDTH: f64 = 1e-3;
 
 /// One region.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -71,27 +69,24 @@ impl Table {
     /// The table for film points up to `reach` mm from the axis; `None` where the film's centre is dark. `others` are a
     /// lens of the same glasses at other wavelengths, whose pupils are to be contained, too.
     pub fn of(stations: &[Optics], others: &[Lens], reach: f64) -> Option<Self> {
-        let last = (FOCI - 1) as f64;
-        let foci: Vec<[(Lens, f64); FOCI]> = stations
-            .iter()
-            .map(|optics| std::array::from_fn(|focus| optics.at_node(focus as f64, last)))
-            .collect();
-        let widest: Option<Vec<(f64, bool)>> =
-            stations.iter().zip(&foci).map(|(optics, foci)| widest_field(optics, foci, reach)).collect();
-        let widest = widest?;
-        let ends_dark = widest.iter().all(|(_, ends_dark)| *ends_dark);
         // One thread for each station, most of which take the same time.
-        let traced: Vec<Traced> = std::thread::scope(|scope| {
-            let threads: Vec<_> = stations
-                .iter()
-                .zip(&widest)
-                .enumerate()
-                .map(|(station, (optics, (widest_field, _)))| {
-                    scope.spawn(move || traced(optics, station, others, *widest_field, ends_dark))
-                })
-                .collect();
-            threads.into_iter().flat_map(|thread| thread.join().expect("no panic")).collect()
+        let fields: Option<Vec<Vec<Focused>>> = std::thread::scope(|scope| {
+            let focused = |(station, optics)| scope.spawn(move || focused(optics, station, others, reach));
+            let threads: Vec<_> = stations.iter().enumerate().map(focused).collect();
+            threads.into_iter().map(|thread| thread.join().expect("no panic")).collect()
         });
+        let fields = fields?;
+        let widest: Vec<(f64, bool)> = fields.iter().map(|fields| widest_field(fields)).collect();
+        let ends_dark = widest.iter().all(|(_, ends_dark)| *ends_dark);
+        let traced: Vec<Traced> = fields
+            .iter()
+            .zip(&widest)
+            .enumerate()
+            .flat_map(|(station, (fields, (widest, _)))| traced(fields, station, *widest, ends_dark))
+            .collect();
+        let last = (FOCI - 1) as f64;
+        let foci =
+            stations.iter().map(|optics| std::array::from_fn(|focus| optics.at_node(focus as f64, last)));
         let radius = |station: usize, focus: usize| {
             let zoom = station as f64 / 2.0;
             let center = |at: &&Traced| at.zoom == zoom && at.field == 0.0 && at.focus == focus as f64;
@@ -179,20 +174,17 @@ impl Table {
     }
 }
 
-/// The regions of a station. Those of one between nodes of the zoom only show what the nodes' leave out.
-fn traced(
-    optics: &Optics,
-    station: usize,
-    others: &[Lens],
-    widest_field: f64,
-    ends_dark: bool,
-) -> Vec<Traced> {
-    let steps = (FIELDS - 1) * FIELD_PARTS;
-    let fields: Vec<f64> =
-        (0..=steps).map(|i| field_at(i as f64 / steps as f64, widest_field, ends_dark)).collect();
+/// A station at a focus, in steps of the table.
+struct Focused {
+    focus: f64,
+    field: Field,
+}
+
+/// A station at all foci, nodes and between; at the nodes also with the glasses of `others`. Of a station between nodes of
+/// the zoom, which only shows what theirs leave out, the nodes alone. `None` where the film's centre is dark.
+fn focused(optics: &Optics, station: usize, others: &[Lens], reach: f64) -> Option<Vec<Focused>> {
     let is_between = station % 2 == 1;
-    let zoom = station as f64 / 2.0;
-    let mut traced = Vec::new();
+    let mut focused = Vec::new();
     for step in 0..=(FOCI - 1) * FOCUS_PARTS {
         let is_node = step % FOCUS_PARTS == 0;
         if is_between && !is_node {
@@ -200,16 +192,29 @@ fn traced(
         }
         let focus = step as f64 / FOCUS_PARTS as f64;
         let (lens, distance) = optics.at_node(focus, (FOCI - 1) as f64);
-        let tinted: Vec<Lens> = others
-            .iter()
-            .filter(|_| is_node && !is_between)
-            .map(|other| with_indices(&lens, other))
-            .collect();
-        for lens in [&lens].into_iter().chain(&tinted) {
-            let pupils = Field::of(optics, lens, distance).pupils(&fields);
-            let place = |(i, region)| Traced { zoom, field: i as f64 / FIELD_PARTS as f64, focus, region };
-            traced.extend(pupils.into_iter().enumerate().map(place));
+        let tinted = others.iter().filter(|_| is_node && !is_between).map(|other| with_indices(&lens, other));
+        for lens in std::iter::once(lens.clone()).chain(tinted) {
+            let field = Field::of(optics, &lens, distance, reach)?;
+            field.pupil(0.0)?;
+            focused.push(Focused { focus, field });
         }
+    }
+    Some(focused)
+}
+
+/// The regions of a station.
+fn traced(fields: &[Focused], station: usize, widest_field: f64, ends_dark: bool) -> Vec<Traced> {
+    let (zoom, steps) = (station as f64 / 2.0, (FIELDS - 1) * FIELD_PARTS);
+    let mut traced = Vec::new();
+    for Focused { focus, field } in fields {
+        let pupil = |i: usize| field.pupil(field_at(i as f64 / steps as f64, widest_field, ends_dark));
+        let pupils = (0..=steps).map_while(pupil).enumerate();
+        traced.extend(pupils.map(|(i, region)| Traced {
+            zoom,
+            field: i as f64 / FIELD_PARTS as f64,
+            focus: *focus,
+            region,
+        }));
     }
     traced
 }
@@ -262,24 +267,8 @@ fn field_at(share: f64, widest: f64, ends_dark: bool) -> f64 {
     widest * if ends_dark { share * (2.0 - share) } else { share }
 }
 
-/// The field up to which film within `reach` mm of the axis gets light; `None` where its centre gets none. And
-/// whether it is dark from there on.
-fn widest_field(optics: &Optics, foci: &[(Lens, f64)], reach: f64) -> Option<(f64, bool)> {
-    let (mut widest, mut ends_dark): (f64, bool) = (0.0, true);
-    for &(ref lens, distance) in foci {
-        let field = Field::of(optics, lens, distance);
-        let end = reach / distance;
-        let mut last = field.pupil(0.0, field.widest())?;
-        let (mut bright, mut step) = (0.0, end / BRIGHT_STEPS);
-        // From pupil to pupil; where one is lost, by shorter steps.
-        while bright < end && step > DARK_WIDTH * bright.max(0.1 * field.in_rear) {
-            match field.pupil((bright + step).min(end), last.frame()) {
-                Some(pupil) => (bright, last) = ((bright + step).min(end), pupil),
-                None => step /= 2.0,
-            }
-        }
-        ends_dark &= bright < end;
-        widest = widest.max(bright);
-    }
-    Some((widest * (1.0 + DARK_WIDTH), ends_dark))
+/// The field up to which film gets light at any focus, and whether it is dark from there on at all of them.
+fn widest_field(fields: &[Focused]) -> (f64, bool) {
+    let ends = fields.iter().map(|focused| focused.field.end());
+    ends.fold((0.0, true), |(widest, ends_dark), (end, is_dark)| (end.max(widest), ends_dark && is_dark))
 }
