@@ -1,10 +1,10 @@
 //! The adjoint camera: rays and points of the world in, importance and directions out.
 
 use super::{
-    counted::{Aimed, Counted, Importance, ScenePoint, Towards},
+    Aimed, FilmWe, Importance, LensDirection, ScenePoint,
     lens::LensBackward,
     linear::Linear,
-    stand::{Stand, Turned},
+    pose::{Pose, TurnedDirection},
 };
 use crate::{
     camera::{
@@ -28,7 +28,7 @@ pub struct Backward {
     optics: Optics,
     placement: Placement,
     /// Where the camera stands; `None` where that is another place at each time.
-    still: Option<Stand>,
+    still: Option<Pose>,
     /// World units that one of the optics' is.
     units: f64,
     /// Area that densities per area are spread over, in the optics' units.
@@ -64,7 +64,7 @@ impl Backward {
 
     fn new(optics: Optics, placement: &Placement, units: f64, front_area: f64, distances: [f64; 2]) -> Self {
         let still = match &placement.to_world {
-            CameraMotion::Still(placed) => Some(Stand::new(placed, units)),
+            CameraMotion::Still(placed) => Some(Pose::new(placed, units)),
             CameraMotion::Moving(_) => None,
         };
         let placement = placement.clone();
@@ -91,11 +91,11 @@ impl Backward {
     }
 
     /// Where the camera stands at some times.
-    fn stands(&self, times: impl Iterator<Item = f32>) -> Stands<'_> {
-        let stand = |time| Stand::new(&self.placement.to_world.at(time), self.units);
+    fn poses(&self, times: impl Iterator<Item = f32>) -> Poses<'_> {
+        let pose = |time| Pose::new(&self.placement.to_world.at(time), self.units);
         match &self.still {
-            Some(stand) => Stands::Still(stand),
-            None => Stands::Moving(times.map(stand).collect()),
+            Some(pose) => Poses::Still(pose),
+            None => Poses::Moving(times.map(pose).collect()),
         }
     }
 
@@ -119,29 +119,29 @@ impl Backward {
     /// The slices differ in length.
     pub fn arrive(&self, rays: &[WorldRay], found: &mut [Importance]) {
         assert_eq!(rays.len(), found.len(), "a batch needs as much room as it has rays");
-        let stands = self.stands(rays.iter().map(|ray| ray.time));
+        let poses = self.poses(rays.iter().map(|ray| ray.time));
         let inside = |(i, ray): (usize, &WorldRay)| {
-            let (stand, origin) = (stands.of(i), ray.origin.map(f64::from));
-            let direction = stand.direction(ray.direction.map(f64::from));
-            (Ray { origin: stand.point(origin), direction }, stand.rounding(origin))
+            let (pose, origin) = (poses.of(i), ray.origin.map(f64::from));
+            let direction = pose.direction(ray.direction.map(f64::from));
+            (Ray { origin: pose.point(origin), direction }, pose.rounding(origin))
         };
         let moved: Vec<(Ray, f64)> = rays.iter().enumerate().map(inside).collect();
-        let counted = self.count(&moved);
+        let we = self.count(&moved);
         let rays = rays.iter().zip(&moved).enumerate();
-        for ((found, counted), (i, (ray, (inside, _)))) in found.iter_mut().zip(counted).zip(rays) {
-            let importance = |counted| {
+        for ((found, we), (i, (ray, (inside, _)))) in found.iter_mut().zip(we).zip(rays) {
+            let importance = |we| {
                 let direction = unit(inside.direction)?;
-                self.importance(&counted, stands.of(i), &stands.of(i).turned(direction), ray.time)
+                self.importance(&we, poses.of(i), &poses.of(i).turned(direction), ray.time)
             };
-            *found = counted.and_then(importance).unwrap_or_default();
+            *found = we.and_then(importance).unwrap_or_default();
         }
     }
 
-    fn count(&self, rays: &[(Ray, f64)]) -> Vec<Option<Counted>> {
-        let mut counted = Vec::with_capacity(rays.len());
+    fn count(&self, rays: &[(Ray, f64)]) -> Vec<Option<FilmWe>> {
+        let mut we = Vec::with_capacity(rays.len());
         match &self.optics {
-            Optics::Lens(lens) => lens.arrive(rays, &mut counted),
-            Optics::Linear(linear) => counted.extend(rays.iter().map(|(ray, rounding)| {
+            Optics::Lens(lens) => lens.arrive(rays, &mut we),
+            Optics::Linear(linear) => we.extend(rays.iter().map(|(ray, rounding)| {
                 let [dx, dy, dz] = unit(ray.direction)?;
                 let [x, y, z] = ray.origin;
                 let back = Ray {
@@ -151,16 +151,22 @@ impl Backward {
                 linear.arrive(&back)
             })),
         }
-        counted
+        we
     }
 
     /// What a ray counts in the world.
-    fn importance(&self, counted: &Counted, stand: &Stand, turned: &Turned, time: f32) -> Option<Importance> {
-        let Counted { raster, weight, density } = *counted;
+    fn importance(
+        &self,
+        we: &FilmWe,
+        pose: &Pose,
+        turned: &TurnedDirection,
+        time: f32,
+    ) -> Option<Importance> {
+        let FilmWe { raster, weight, density } = *we;
         let number = self.time_number(time)?;
         let share = self.shutter.transmission(raster[1] as f32 / self.rows, number);
         let density = density / turned.throughput;
-        let area_density = 1.0 / (self.front_area * stand.area());
+        let area_density = 1.0 / (self.front_area * pose.area());
         let importance = Importance {
             raster,
             importance: weight * density * f64::from(share),
@@ -180,9 +186,9 @@ impl Backward {
     /// The slices differ in length.
     pub fn aim(&self, points: &[ScenePoint], found: &mut [Aimed]) {
         assert_eq!(points.len(), found.len(), "a batch needs as much room as it has points");
-        let stands = self.stands(points.iter().map(|point| point.time));
+        let poses = self.poses(points.iter().map(|point| point.time));
         let inside = |(i, ScenePoint { point, sample, .. }): (usize, &ScenePoint)| {
-            let inside = stands.of(i).point(point.map(f64::from));
+            let inside = poses.of(i).point(point.map(f64::from));
             let numbers = sample.map(|number| f64::from(number).clamp(0.0, 1.0));
             numbers.iter().chain(&inside).all(|number| number.is_finite()).then_some((inside, numbers))
         };
@@ -195,14 +201,14 @@ impl Backward {
             ),
         }
         for (i, ((found, point), aimed)) in found.iter_mut().zip(points).zip(aimed).enumerate() {
-            *found = aimed.and_then(|aimed| self.aimed(&aimed, point, stands.of(i))).unwrap_or_default();
+            *found = aimed.and_then(|aimed| self.aimed(&aimed, point, poses.of(i))).unwrap_or_default();
         }
     }
 
     /// A direction toward the lens in the world; `None` where the camera does not see the point.
-    fn aimed(&self, towards: &Towards, point: &ScenePoint, stand: &Stand) -> Option<Aimed> {
-        let Towards { ray: Ray { origin, direction }, density, counted } = towards;
-        let (origin, turned) = (stand.outside(*origin), stand.turned(*direction));
+    fn aimed(&self, toward_lens: &LensDirection, point: &ScenePoint, pose: &Pose) -> Option<Aimed> {
+        let LensDirection { ray: Ray { origin, direction }, density, we } = toward_lens;
+        let (origin, turned) = (pose.outside(*origin), pose.turned(*direction));
         let density = density / turned.solid_angle;
         let square = |axis: usize| (f64::from(point.point[axis]) - origin[axis]).powi(2);
         let distance = (0..3).map(square).sum::<f64>().sqrt();
@@ -210,7 +216,7 @@ impl Backward {
         if !(is_seen && density as f32 > 0.0 && density <= f64::from(f32::MAX)) {
             return None;
         }
-        let importance = counted.and_then(|counted| self.importance(&counted, stand, &turned, point.time));
+        let importance = we.and_then(|we| self.importance(&we, pose, &turned, point.time));
         Some(Aimed {
             origin,
             direction: turned.direction,
@@ -221,17 +227,17 @@ impl Backward {
 }
 
 /// Where the camera stands for each of some rays or points.
-enum Stands<'a> {
+enum Poses<'a> {
     /// For all of them.
-    Still(&'a Stand),
-    Moving(Vec<Stand>),
+    Still(&'a Pose),
+    Moving(Vec<Pose>),
 }
 
-impl Stands<'_> {
-    fn of(&self, i: usize) -> &Stand {
+impl Poses<'_> {
+    fn of(&self, i: usize) -> &Pose {
         match self {
-            Self::Still(stand) => stand,
-            Self::Moving(stands) => &stands[i],
+            Self::Still(pose) => pose,
+            Self::Moving(poses) => &poses[i],
         }
     }
 }

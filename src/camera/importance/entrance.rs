@@ -1,7 +1,7 @@
 //! The pupil of a lens as points of the scene see it: points in, directions toward the lens and their densities out.
 //!
 //! A point P of the scene, as a point E of the axis sees it, lies at the angle θ to the axis and sees the lens through the
-//! plane across PE at E, by the points of which its rays are named ([`Spot`]). Those that get through make a figure that is
+//! plane across PE at E, by the points of which its rays are named ([`SeenPoint`]). Those that get through make a figure that is
 //! symmetric about the plane of P and the axis: what a film point's pupil is in slopes. So the same map takes the unit disk
 //! to it ([`crate::sampling::warped`]), with
 //!
@@ -13,9 +13,9 @@
 //! Of a pupil only what lands on film is sampled ([`CutPupil`]). What blades cover is blocked.
 
 use super::{
-    counted::Towards,
-    front::Front,
-    spot::{OneSpot, Spot},
+    LensDirection,
+    lens::Front,
+    seen_point::{OneSeenPoint, SeenPoint},
 };
 use crate::{
     lens::{Ray, pupil::SlopeDisk},
@@ -77,7 +77,7 @@ fn squared(row: usize) -> f64 {
 struct View<'a> {
     clearances: ClearanceTracer,
     front: &'a Front,
-    sight: &'a Sight,
+    center: &'a ProjectionCenter,
     /// The film's corners' distance from the axis, mm.
     corner: f64,
     /// Longer than anything before E.
@@ -86,7 +86,7 @@ struct View<'a> {
 
 /// Where E is, and how far from it the front.
 #[derive(Clone, Debug)]
-struct Sight {
+struct ProjectionCenter {
     reference: f64,
     /// h of the rim; the vertex's is 0.
     rim: f64,
@@ -94,12 +94,12 @@ struct Sight {
     distances: Vec<[f32; 2]>,
 }
 
-impl Sight {
+impl ProjectionCenter {
     fn new(reference: f64, front: &Front) -> Self {
         let place = |[height, z]: [f64; 2]| {
             let point = [height, 0.0, z].map(|part| Portable([part]));
-            let spot = OneSpot::of_point(OneLane::cpu(), point, reference);
-            [spot.half_tangent(OneLane::cpu()).0[0], spot.vergence.0[0].recip()]
+            let seen_point = OneSeenPoint::of_point(OneLane::cpu(), point, reference);
+            [seen_point.half_tangent(OneLane::cpu()).0[0], seen_point.vergence.0[0].recip()]
         };
         let profile: Vec<[f64; 2]> = front.profile(PROFILE).into_iter().map(place).collect();
         let rim = profile[profile.len() - 1][0];
@@ -134,10 +134,10 @@ impl<'a> Row<'a> {
         Self { view, number, nearness: nearness(number), work: Work::new(path) }
     }
 
-    fn spot(&self, height: f64) -> OneSpot {
-        let sight = self.view.sight;
-        let Portable([distance]) = sight.distance(OneLane::cpu(), Portable([height]));
-        OneSpot::on_meridian(sight.reference, height, self.nearness / distance)
+    fn seen_point(&self, height: f64) -> OneSeenPoint {
+        let center = self.view.center;
+        let Portable([distance]) = center.distance(OneLane::cpu(), Portable([height]));
+        OneSeenPoint::on_meridian(center.reference, height, self.nearness / distance)
     }
 
     /// Where rays land at even places from the axis to the row's end.
@@ -159,7 +159,7 @@ impl<'a> Row<'a> {
     /// Where the rays of a point land that get through, by points all over the pupil; if most of them land beside the film, by
     /// others that do not.
     fn landing(&self, height: f64, points: &[[f64; 2]]) -> Option<Node> {
-        let pencil = ScenePencil { row: self, spot: self.spot(height) };
+        let pencil = ScenePencil { row: self, seen_point: self.seen_point(height) };
         let rays = |points: &[[f64; 2]]| -> Vec<[[f64; 2]; 2]> {
             let found = pencil.clearances(points).into_iter();
             let passing = found.map(|found| found.filter(|found| found.ratio <= 1.0)?.landing);
@@ -213,17 +213,17 @@ impl Family for Row<'_> {
     }
 
     fn pencil(&self, height: f64) -> impl Pencil + '_ {
-        ScenePencil { row: self, spot: self.spot(height) }
+        ScenePencil { row: self, seen_point: self.seen_point(height) }
     }
 
     /// Holds the front surface.
     fn cover(&self, height: f64) -> SlopeDisk {
-        let (spot, most) = (self.spot(height), 4.0 * self.view.lead);
+        let (seen_point, most) = (self.seen_point(height), 4.0 * self.view.lead);
         let ring = |place: &[f64; 2]| -> Vec<[f64; 2]> {
             let [height, z] = *place;
             let point = |turn: u32| {
                 let (aside, along) = (std::f64::consts::PI * f64::from(turn) / f64::from(AROUND)).sin_cos();
-                spot.seen([height * along, height * aside, z]).map(|part| part.clamp(-most, most))
+                seen_point.seen([height * along, height * aside, z]).map(|part| part.clamp(-most, most))
             };
             (0..=AROUND).map(point).collect()
         };
@@ -252,14 +252,14 @@ impl Family for Row<'_> {
 /// The rays of one point, named by points of its plane.
 struct ScenePencil<'a> {
     row: &'a Row<'a>,
-    spot: OneSpot,
+    seen_point: OneSeenPoint,
 }
 
 impl ScenePencil<'_> {
     /// What becomes of rays through points of the plane; `None` also of those that do not meet the front from outside.
     fn clearances(&self, points: &[[f64; 2]]) -> Vec<Option<Clearance>> {
         let View { clearances, front, lead, .. } = self.row.view;
-        let rays: Vec<Ray> = points.iter().map(|&at| self.spot.one_ray(at, *lead)).collect();
+        let rays: Vec<Ray> = points.iter().map(|&at| self.seen_point.one_ray(at, *lead)).collect();
         let mut found = Vec::with_capacity(rays.len());
         self.row.work.count(rays.len(), || {
             clearances.trace(rays.iter().copied(), |clearance| found.push(clearance));
@@ -283,8 +283,8 @@ impl Pencil for ScenePencil<'_> {
 
 /// The pupil of a lens as points of the scene see it. Immutable once built.
 #[derive(Clone, Debug)]
-pub(super) struct Entrance {
-    sight: Sight,
+pub(super) struct SeenPupil {
+    center: ProjectionCenter,
     lead: f64,
     /// How many rows of one nearness.
     rows: usize,
@@ -292,15 +292,15 @@ pub(super) struct Entrance {
     simd: Available,
 }
 
-impl Entrance {
+impl SeenPupil {
     /// Of the lens along a path from scene to film, the film being at z = `film` and half as large as `half`, mm; E is at z =
     /// `reference`. `None` for a lens that no light gets through to such film.
     pub fn build(path: &Path, front: &Front, film: f64, half: [f64; 2], reference: f64) -> Option<Self> {
         let [low, high] = front.surface.sagitta_range();
         let lead = 2.0 * (front.surface.semi_diameter + reference.abs() + high - low);
-        let sight = Sight::new(reference, front);
+        let center = ProjectionCenter::new(reference, front);
         let clearances = ClearanceTracer::new(path, film);
-        let view = View { clearances, front, sight: &sight, corner: half[0].hypot(half[1]), lead };
+        let view = View { clearances, front, center: &center, corner: half[0].hypot(half[1]), lead };
         let mut rows: Vec<f64> = (0..=ROWS).map(nearness).collect();
         let builders: Vec<Builder<Row<'_>>> =
             (0..=ROWS).map(|row| Builder::new(Row::new(&view, row, path))).collect();
@@ -314,7 +314,7 @@ impl Entrance {
         // Nothing is sampled beyond tables that end.
         let stack = Stack::of(&builders, layouts, PupilDisk::about_axis(1.0, 0.0));
         let pupil = CutPupil::new(stack, &widened(&landings, &rows), half);
-        Some(Self { pupil, lead, rows: rows.len(), simd: Available::best(), sight })
+        Some(Self { pupil, lead, rows: rows.len(), simd: Available::best(), center })
     }
 
     /// Directions toward the lens from points before it, lens space, mm, each for two numbers in [0, 1]; `rays` are those
@@ -324,7 +324,7 @@ impl Entrance {
         front: &Front,
         points: &[Option<([f64; 3], [f64; 2])>],
         rays: &mut RayBuffer<f64>,
-        found: &mut Vec<Option<Towards>>,
+        found: &mut Vec<Option<LensDirection>>,
     ) {
         for (k, points) in points.chunks(PACKET).enumerate() {
             let first = k * PACKET;
@@ -337,7 +337,7 @@ impl Entrance {
                 }
             }
             in_vectors(self.simd, Grouping::Wide, &mut packet);
-            found.extend((0..points.len()).map(|i| packet.towards(i)));
+            found.extend((0..points.len()).map(|i| packet.toward_lens(i)));
         }
     }
 }
@@ -371,7 +371,7 @@ fn widened(nodes: &[Vec<Node>], rows: &[f64]) -> Vec<Vec<Landing>> {
 
 /// Points and their directions as structure of arrays.
 struct Packet<'a> {
-    entrance: &'a Entrance,
+    pupil: &'a SeenPupil,
     front: &'a Front,
     constants: LanePupil<f64>,
     /// Coordinates of the points and their two numbers; the lanes after them hold whatever was there before.
@@ -382,13 +382,13 @@ struct Packet<'a> {
 }
 
 impl<'a> Packet<'a> {
-    fn new(entrance: &'a Entrance, front: &'a Front, rays: LensRays<'a, f64>) -> Self {
-        let (zero, constants) = ([0.0; PACKET], entrance.pupil.lane_pupil());
-        Self { entrance, front, constants, points: [zero; 5], rays, found: [zero; 2] }
+    fn new(pupil: &'a SeenPupil, front: &'a Front, rays: LensRays<'a, f64>) -> Self {
+        let (zero, constants) = ([0.0; PACKET], pupil.pupil.lane_pupil());
+        Self { pupil, front, constants, points: [zero; 5], rays, found: [zero; 2] }
     }
 
     /// What was found for a point.
-    fn towards(&self, i: usize) -> Option<Towards> {
+    fn toward_lens(&self, i: usize) -> Option<LensDirection> {
         let point = [0, 1, 2].map(|axis| self.points[axis][i]);
         let [length, density] = [0, 1].map(|k| self.found[k][i]);
         let LensRays { origin, direction, .. } = &self.rays;
@@ -407,25 +407,26 @@ impl<'a> Packet<'a> {
         } else {
             origin
         };
-        Some(Towards { ray: Ray { origin, direction }, density, counted: None })
+        Some(LensDirection { ray: Ray { origin, direction }, density, we: None })
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn vector<L: Lanes<Scalar = f64>>(&mut self, cpu: Cpu<L>, at: usize) {
-        let Entrance { sight, lead, rows, pupil, .. } = self.entrance;
+        let SeenPupil { center, lead, rows, pupil, .. } = self.pupil;
         let number = |number: f64| L::splat(cpu, number);
         let [x, y, z, u, v] = [0, 1, 2, 3, 4].map(|i| L::load(cpu, &self.points[i][at..]));
-        let spot = Spot::of_point(cpu, [x, y, z], sight.reference);
-        let height = spot.half_tangent(cpu);
+        let seen_point = SeenPoint::of_point(cpu, [x, y, z], center.reference);
+        let height = seen_point.half_tangent(cpu);
         // The row before, and of the way to the next: rows lie at squares.
-        let near = spot.vergence * sight.distance(cpu, height) * number(squared(ROWS) / NEAREST);
+        let near = seen_point.vergence * center.distance(cpu, height) * number(squared(ROWS) / NEAREST);
         let row = near.larger(number(f64::MIN_POSITIVE)).sqrt().smaller(number((rows - 2) as f64)).trunc();
         let place = row + (near - row * row) / (row + row + number(1.0));
-        let asked = Asked { height, place, azimuth: spot.azimuth, numbers: [u, v] };
+        let asked = Asked { height, place, azimuth: seen_point.azimuth, numbers: [u, v] };
         let ([p, q], area) = pupil.aim(cpu, &self.constants, &asked);
-        let ray = spot.ray(cpu, [p, q], *lead);
+        let ray = seen_point.ray(cpu, [p, q], *lead);
         let cube = ray.stretch * ray.stretch * ray.stretch;
-        let density = cube / (spot.vergence * spot.vergence * number(std::f64::consts::PI) * area);
+        let density =
+            cube / (seen_point.vergence * seen_point.vergence * number(std::f64::consts::PI) * area);
         for axis in 0..3 {
             ray.origin[axis].store(&mut self.rays.origin[axis][at..]);
             ray.direction[axis].store(&mut self.rays.direction[axis][at..]);

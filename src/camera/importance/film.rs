@@ -1,6 +1,6 @@
 //! The film's side of importance: film points and slopes in; raster coordinates, weight and density out.
 
-use super::counted::Counted;
+use super::FilmWe;
 use crate::{
     camera::pipeline::body::CameraBody,
     light::LaneTransmission,
@@ -11,7 +11,7 @@ use crate::{
 
 /// A film and what is sampled there, for rays that arrive.
 #[derive(Clone, Debug)]
-pub(crate) struct FilmCount {
+pub(crate) struct ImportanceFilm {
     side: FilmSide,
     weight: Option<f64>,
     transmission: Option<LaneTransmission<f64>>,
@@ -20,7 +20,7 @@ pub(crate) struct FilmCount {
     simd: Available,
 }
 
-impl FilmCount {
+impl ImportanceFilm {
     /// Of a camera with a film.
     pub fn new(body: &CameraBody) -> Self {
         let film = &body.film_side.film;
@@ -42,25 +42,26 @@ impl FilmCount {
 
     /// The importance of rays behind the lens, in their order, by the density per area and slopes² at the film; `None` for
     /// blocked rays, off the film and outside what the sampler samples.
-    pub fn count(&self, rays: &mut RayBuffer<f64>, found: &mut Vec<Option<Counted>>) {
-        let mut landing = Landing { film: self, rays: rays.rays() };
-        in_vectors(self.simd, Grouping::Wide, &mut landing);
-        let Landing { rays: LensRays { origin: [x, y, weight], direction: [density, ..], .. }, .. } = landing;
+    pub fn we(&self, rays: &mut RayBuffer<f64>, found: &mut Vec<Option<FilmWe>>) {
+        let mut arrivals = Arrivals { film: self, rays: rays.rays() };
+        in_vectors(self.simd, Grouping::Wide, &mut arrivals);
+        let Arrivals { rays: LensRays { origin: [x, y, weight], direction: [density, ..], .. }, .. } =
+            arrivals;
         found.extend((0..weight.len()).map(|i| {
-            let counted = Counted { raster: [x[i], y[i]], weight: weight[i], density: density[i] };
-            (counted.weight > 0.0 && counted.density.is_finite()).then_some(counted)
+            let we = FilmWe { raster: [x[i], y[i]], weight: weight[i], density: density[i] };
+            (we.weight > 0.0 && we.density.is_finite()).then_some(we)
         }));
     }
 }
 
-/// Rays behind the lens, in whose place come what they count: raster coordinates and weight for the origin, density for the
+/// Rays behind the lens, in whose place come what they carry: raster coordinates and weight for the origin, density for the
 /// direction's x.
-struct Landing<'a> {
-    film: &'a FilmCount,
+struct Arrivals<'a> {
+    film: &'a ImportanceFilm,
     rays: LensRays<'a, f64>,
 }
 
-impl InVectors<f64> for Landing<'_> {
+impl InVectors<f64> for Arrivals<'_> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.rays.weight.len()
@@ -74,10 +75,10 @@ impl InVectors<f64> for Landing<'_> {
     }
 }
 
-impl Landing<'_> {
+impl Arrivals<'_> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn vector<L: Lanes<Scalar = f64>>(&mut self, cpu: Cpu<L>, at: usize) {
-        let (FilmCount { side, weight, transmission, size, .. }, rays) = (self.film, &mut self.rays);
+        let (ImportanceFilm { side, weight, transmission, size, .. }, rays) = (self.film, &mut self.rays);
         let number = |number: f64| L::splat(cpu, number);
         let (zero, one) = (number(0.0), number(1.0));
         let [x, y, z] = [0, 1, 2].map(|axis| L::load(cpu, &rays.origin[axis][at..]));

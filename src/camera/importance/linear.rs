@@ -7,7 +7,7 @@
 
 use std::f64::consts::PI;
 
-use super::counted::{Counted, Towards};
+use super::{FilmWe, LensDirection};
 use crate::{
     lens::{Ray, cos4},
     sampling::DiskMapping,
@@ -74,7 +74,7 @@ impl Linear {
     }
 
     /// What a ray counts, of any length of direction, that begins at z = 0 or before it.
-    pub fn arrive(&self, Ray { origin: [x, y, z], direction: [dx, dy, dz] }: &Ray) -> Option<Counted> {
+    pub fn arrive(&self, Ray { origin: [x, y, z], direction: [dx, dy, dz] }: &Ray) -> Option<FilmWe> {
         if !(*dz < 0.0 && *z >= 0.0) {
             return None;
         }
@@ -95,11 +95,11 @@ impl Linear {
             self.film.from_height * self.lens.from_slope - self.film.from_slope * self.lens.from_height;
         let density = determinant * determinant / (width * height * self.lens_area() * cos4(slopes));
         let weight = self.weight.map_or(1.0, |(slope, factor)| factor * cos4(at(slope)));
-        (density.is_finite() && weight > 0.0).then_some(Counted { raster, weight, density })
+        (density.is_finite() && weight > 0.0).then_some(FilmWe { raster, weight, density })
     }
 
     /// A direction toward the lens from a point, for two numbers in [0, 1].
-    pub fn aim(&self, [x, y, z]: [f64; 3], numbers: [f64; 2]) -> Option<Towards> {
+    pub fn aim(&self, [x, y, z]: [f64; 3], numbers: [f64; 2]) -> Option<LensDirection> {
         let [from, to] = self.depths;
         if !(z > 0.0 && z >= from && z <= to) {
             return None;
@@ -135,6 +135,6 @@ impl Linear {
         let origin = [x - z * slopes[0], y - z * slopes[1], 0.0];
         let direction = [-slopes[0] / length, -slopes[1] / length, -1.0 / length];
         let ray = Ray { origin, direction };
-        Some(Towards { ray, density: density * length.powi(3), counted: self.arrive(&ray) })
+        Some(LensDirection { ray, density: density * length.powi(3), we: self.arrive(&ray) })
     }
 }

@@ -7,11 +7,11 @@ use crate::{
 };
 
 /// One point of the scene.
-pub(super) type OneSpot = Spot<OneLane<f64>>;
+pub(super) type OneSeenPoint = SeenPoint<OneLane<f64>>;
 
 /// Points of the scene, as E sees them.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Spot<L> {
+pub(super) struct SeenPoint<L> {
     /// z of E.
     reference: f64,
     /// Unit vector across the axis, toward the point.
@@ -25,7 +25,7 @@ pub(super) struct Spot<L> {
 
 /// A ray toward the lens.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct SpotRay<L> {
+pub(super) struct AimedRay<L> {
     pub origin: [L; 3],
     /// A unit vector.
     pub direction: [L; 3],
@@ -33,7 +33,7 @@ pub(super) struct SpotRay<L> {
     pub stretch: L,
 }
 
-impl<L: Lanes<Scalar = f64>> Spot<L> {
+impl<L: Lanes<Scalar = f64>> SeenPoint<L> {
     /// Points of lens space, mm, not E itself.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn of_point(cpu: Cpu<L>, [x, y, z]: [L; 3], reference: f64) -> Self {
@@ -67,7 +67,7 @@ impl<L: Lanes<Scalar = f64>> Spot<L> {
     /// The rays from the points through points of the plane, as they begin `lead` before that, or at the point if that is
     /// nearer.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn ray(&self, cpu: Cpu<L>, [a, b]: [L; 2], lead: f64) -> SpotRay<L> {
+    pub fn ray(&self, cpu: Cpu<L>, [a, b]: [L; 2], lead: f64) -> AimedRay<L> {
         let (v, one) = (self.vergence, L::splat(cpu, 1.0));
         let stretch = (one + (a * a + b * b) * v * v).sqrt();
         let per_stretch = one / stretch;
@@ -75,11 +75,11 @@ impl<L: Lanes<Scalar = f64>> Spot<L> {
         let back = (stretch / v).smaller(L::splat(cpu, lead));
         let [ox, oy, oz] = self.vector([a - back * x, b - back * y, back * per_stretch]);
         let origin = [ox, oy, oz + L::splat(cpu, self.reference)];
-        SpotRay { origin, direction: self.vector([x, y, L::splat(cpu, 0.0) - per_stretch]), stretch }
+        AimedRay { origin, direction: self.vector([x, y, L::splat(cpu, 0.0) - per_stretch]), stretch }
     }
 }
 
-impl OneSpot {
+impl OneSeenPoint {
     /// The point at a field angle θ in the plane of x and the axis, by tan(θ/2).
     pub fn on_meridian(reference: f64, half_tangent: f64, vergence: f64) -> Self {
         let square = half_tangent * half_tangent;
@@ -114,19 +114,20 @@ mod tests {
     fn a_ray_is_seen_where_it_was_aimed_at_and_comes_from_the_spot() {
         let reference = -20.0;
         for point in [[30.0, -40.0, 500.0], [0.0, 0.0, 90.0], [100.0, 1.0, -15.0], [-3e5, 2e5, 1e6]] {
-            let spot = OneSpot::of_point(OneLane::cpu(), point.map(|part| Portable([part])), reference);
+            let seen_point =
+                OneSeenPoint::of_point(OneLane::cpu(), point.map(|part| Portable([part])), reference);
             for aim in [[0.0, 0.0], [3.0, -2.0], [-7.0, 5.0]] {
-                let ray = spot.one_ray(aim, 60.0);
+                let ray = seen_point.one_ray(aim, 60.0);
                 let Portable([stretch]) =
-                    spot.ray(OneLane::cpu(), aim.map(|part| Portable([part])), 60.0).stretch;
+                    seen_point.ray(OneLane::cpu(), aim.map(|part| Portable([part])), 60.0).stretch;
                 for length in [5.0, 60.0, 100.0] {
-                    let seen = spot.seen([0, 1, 2].map(|i| ray.origin[i] + length * ray.direction[i]));
+                    let seen = seen_point.seen([0, 1, 2].map(|i| ray.origin[i] + length * ray.direction[i]));
                     assert!((0..2).all(|i| (seen[i] - aim[i]).abs() < 1e-6), "{point:?} {seen:?}");
                 }
-                let Portable([half]) = spot.half_tangent(OneLane::cpu());
-                let same = OneSpot::on_meridian(reference, half, spot.vergence.0[0]);
-                assert!(((2.0 * half.atan()).cos() - spot.cos.0[0]).abs() < 1e-12);
-                assert!((same.sin.0[0] - spot.sin.0[0]).abs() < 1e-12);
+                let Portable([half]) = seen_point.half_tangent(OneLane::cpu());
+                let same = OneSeenPoint::on_meridian(reference, half, seen_point.vergence.0[0]);
+                assert!(((2.0 * half.atan()).cos() - seen_point.cos.0[0]).abs() < 1e-12);
+                assert!((same.sin.0[0] - seen_point.sin.0[0]).abs() < 1e-12);
                 let [x, y, z] = [0, 1, 2].map(|i| point[i] - ray.origin[i]);
                 let [dx, dy, dz] = ray.direction;
                 let aside = [y * dz - z * dy, z * dx - x * dz, x * dy - y * dx];

@@ -6,7 +6,7 @@ use crate::camera::placement::transform::CameraToWorld;
 
 /// Where the camera stands at a time.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Stand {
+pub(super) struct Pose {
     to_world: DMat3,
     to_camera: DMat3,
     origin: DVec3,
@@ -18,7 +18,7 @@ pub(super) struct Stand {
 
 /// A unit direction of camera space in the world.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Turned {
+pub(super) struct TurnedDirection {
     /// A unit vector.
     pub direction: [f64; 3],
     /// By how much solid angles about it grow.
@@ -29,7 +29,7 @@ pub(super) struct Turned {
     pub cosine: f64,
 }
 
-impl Stand {
+impl Pose {
     /// `units` are the world units that one of the optics' is.
     pub fn new(placed: &CameraToWorld, units: f64) -> Self {
         let to_world = placed.linear() * units;
@@ -66,11 +66,11 @@ impl Stand {
 
     /// What becomes of a unit direction of camera space. Of the matrix T, with s = |T d|: solid angles grow by det T/s³,
     /// throughput by det² T/s⁴.
-    pub fn turned(&self, direction: [f64; 3]) -> Turned {
+    pub fn turned(&self, direction: [f64; 3]) -> TurnedDirection {
         let along = self.to_world * DVec3::from(direction);
         let per_stretch = along.length_recip();
         let volume = self.volume * per_stretch;
-        Turned {
+        TurnedDirection {
             direction: (along * per_stretch).into(),
             solid_angle: volume * per_stretch * per_stretch,
             throughput: (volume * per_stretch).powi(2),
@@ -91,7 +91,7 @@ mod tests {
     #[test]
     fn areas_and_solid_angles_grow_as_little_ones_do() {
         let linear = DMat3::from_cols_array(&[2.0, 0.3, -0.1, 0.2, -1.5, 0.4, 0.5, 0.1, 3.0]);
-        let stand = Stand::new(&CameraToWorld::from_parts(linear, DVec3::new(1.0, 2.0, 3.0)), 0.5);
+        let pose = Pose::new(&CameraToWorld::from_parts(linear, DVec3::new(1.0, 2.0, 3.0)), 0.5);
         let direction = DVec3::new(0.3, -0.2, -0.9).normalize();
         let through = linear * 0.5;
         // Two rays a little apart on the plane, and the triangle of three directions a little apart.
@@ -104,15 +104,15 @@ mod tests {
         let cosine = normal.dot(turned[0]).abs() / normal.length();
         let close = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-4, "{a} {b}");
         let d = direction.to_array();
-        close(stand.area(), normal.length());
-        let turned = stand.turned(d);
+        close(pose.area(), normal.length());
+        let turned = pose.turned(d);
         close(turned.solid_angle, solid);
         close(turned.cosine, cosine);
         close(turned.throughput, normal.length() * solid * cosine / direction.z.abs());
         let point = [1.0, -2.0, 4.0];
-        let back = stand.point(stand.outside(point));
+        let back = pose.point(pose.outside(point));
         assert!(back.iter().zip(point).all(|(a, b)| (a - b).abs() < 1e-12));
-        let along = DVec3::from(stand.direction(turned.direction)).normalize();
+        let along = DVec3::from(pose.direction(turned.direction)).normalize();
         assert!(along.abs_diff_eq(direction, 1e-12));
     }
 }
