@@ -14,7 +14,7 @@ use realistic::unstable::{
     imaging::focus::Focus,
     lens::Lens,
     prescription::{catalogue, read},
-    sampling::{GivenUp, NoFan},
+    sampling::{GivenUp, MapFailure},
 };
 use realistic_lab::timing::repeated;
 
@@ -147,7 +147,7 @@ impl Found {
                     eprintln!("{name}: {height:.3} mm of {end:?}: {acceptance:.4}, {pupil:?}, {named:?}");
                 }
             }
-            let whole = named.is_none_or(|given_up| given_up.reason == NoFan::Fast);
+            let whole = named.is_none_or(|given_up| given_up.reason == MapFailure::TooFast);
             if missed && whole && acceptance > 0.5 {
                 let (_, share) = case.fit([height, 0.0], 120);
                 self.missed = self.missed.max(share);

@@ -13,4 +13,4 @@ pub(crate) mod warped;
 pub use disk::DiskMapping;
 pub use pupil_disk::{PupilDisk, PupilSample};
 pub(crate) use pupil_sampler::PupilSampler;
-pub use warped::{BuildReport, GivenUp, NoFan, WarpedPupil};
+pub use warped::{BuildReport, GivenUp, MapFailure, WarpedPupil};

@@ -23,8 +23,8 @@ use crate::{
     sampling::{
         PupilDisk,
         warped::{
-            Asked, Builder, CutPupil, Excess, Family, Knots, Landing, LanePupil, Layout, Pencil, Stack, Work,
-            alike,
+            Builder, CutPupil, Excess, Family, Knots, Landing, LanePupil, Layout, Pencil, Query, RayBudget,
+            Stack, alike,
         },
     },
     trace::{
@@ -40,7 +40,7 @@ use crate::{
 /// aperture begins to cut.
 const ROWS: usize = 20;
 /// Every how many rows pupils are looked at for components beside their outlines, which come and go slowly with distance.
-const LOOKED_AT: usize = 4;
+const PROBED: usize = 4;
 /// n of the last row: hardly before the glass.
 const NEAREST: f64 = 0.998;
 /// θ/2 up to which rows are followed at most, radians.
@@ -126,12 +126,12 @@ struct Row<'a> {
     view: &'a View<'a>,
     number: usize,
     nearness: f64,
-    work: Work,
+    work: RayBudget,
 }
 
 impl<'a> Row<'a> {
     fn new(view: &'a View<'a>, number: usize, path: &Path) -> Self {
-        Self { view, number, nearness: nearness(number), work: Work::new(path) }
+        Self { view, number, nearness: nearness(number), work: RayBudget::new(path) }
     }
 
     fn seen_point(&self, height: f64) -> OneSeenPoint {
@@ -208,8 +208,8 @@ impl Family for Row<'_> {
         FINEST
     }
 
-    fn looks_beside(&self) -> bool {
-        self.number.is_multiple_of(LOOKED_AT)
+    fn probes_components(&self) -> bool {
+        self.number.is_multiple_of(PROBED)
     }
 
     fn pencil(&self, height: f64) -> impl Pencil + '_ {
@@ -244,7 +244,7 @@ impl Family for Row<'_> {
         0.0
     }
 
-    fn work(&self) -> &Work {
+    fn work(&self) -> &RayBudget {
         &self.work
     }
 }
@@ -421,8 +421,8 @@ impl<'a> Packet<'a> {
         let near = seen_point.vergence * center.distance(cpu, height) * number(squared(ROWS) / NEAREST);
         let row = near.larger(number(f64::MIN_POSITIVE)).sqrt().smaller(number((rows - 2) as f64)).trunc();
         let place = row + (near - row * row) / (row + row + number(1.0));
-        let asked = Asked { height, place, azimuth: seen_point.azimuth, numbers: [u, v] };
-        let ([p, q], area) = pupil.aim(cpu, &self.constants, &asked);
+        let query = Query { height, place, azimuth: seen_point.azimuth, numbers: [u, v] };
+        let ([p, q], area) = pupil.aim(cpu, &self.constants, &query);
         let ray = seen_point.ray(cpu, [p, q], *lead);
         let cube = ray.stretch * ray.stretch * ray.stretch;
         let density =

@@ -16,7 +16,7 @@ use crate::{
     light::{LitPath, Surfaces, TransmissionFit},
     message::short,
     plan::{Decision, Kernels, Plan, Precision, Task, Tracing, describe_sampling},
-    sampling::{GivenUp, NoFan, PupilDisk, PupilSampler, WarpedPupil},
+    sampling::{GivenUp, MapFailure, PupilDisk, PupilSampler, WarpedPupil},
     trace::{Direction, Path},
 };
 
@@ -217,12 +217,14 @@ fn report_given_up(pupil: &WarpedPupil, film: &Film, log: Log<'_>) {
     let corner = film.diagonal() / 2.0;
     for &GivenUp { radii: [from, to], reason, acceptance } in pupil.given_up() {
         let (what, why) = match reason {
-            NoFan::InPieces => (REAR, "light gets through in several pieces there, or round a hole"),
-            NoFan::Shape => (REAR, "the pupil there is not star-shaped, or jumps"),
-            NoFan::Fast => ("a larger shape", "the pupil changes faster there than a table of it can follow"),
-            NoFan::NoLight => (REAR, "no light was found there in the plane of the axis"),
-            NoFan::Spent => (REAR, "this lens took all the rays that building a pupil may take"),
-            NoFan::Narrow => (REAR, "the aperture is so narrow that no table can follow the pupil"),
+            MapFailure::Components => (REAR, "light gets through in several pieces there, or round a hole"),
+            MapFailure::NotStarShaped => (REAR, "the pupil there is not star-shaped, or jumps"),
+            MapFailure::TooFast => {
+                ("a larger shape", "the pupil changes faster there than a table of it can follow")
+            }
+            MapFailure::NoLight => (REAR, "no light was found there in the plane of the axis"),
+            MapFailure::RaysSpent => (REAR, "this lens took all the rays that building a pupil may take"),
+            MapFailure::TooNarrow => (REAR, "the aperture is so narrow that no table can follow the pupil"),
         };
         let left = if acceptance > 0.0 {
             let share = percent(acceptance);
@@ -231,7 +233,7 @@ fn report_given_up(pupil: &WarpedPupil, film: &Film, log: Log<'_>) {
             "of its samples none of those tried got through: the film is dark there, or speckled".to_owned()
         };
         let advice = match (acceptance > 0.0, reason) {
-            (false, NoFan::Narrow) => "a wider aperture avoids it".to_owned(),
+            (false, MapFailure::TooNarrow) => "a wider aperture avoids it".to_owned(),
             (false, _) if from > 0.0 => format!("\"filmdiag\" up to {:.2} avoids it", 2.0 * from),
             (true, _) if from > 0.0 => {
                 format!("more samples per pixel there, or \"filmdiag\" up to {:.2}, avoid it", 2.0 * from)

@@ -16,12 +16,12 @@
 use std::collections::BTreeMap;
 
 use super::{
+    GivenUp, MapFailure,
+    components::has_components,
     follow::{Trail, half_disk},
     outline::{Frame, Outline, first_row},
-    pieces::is_in_pieces,
-    report::{GivenUp, NoFan},
-    slice::{KNOTS, Knots, Lack, MARGIN, Slice},
-    view::{Family, Pencil},
+    pencil::{Family, Pencil},
+    slice::{KNOTS, Knots, MARGIN, Shortfall, Slice},
 };
 use crate::lens::pupil::SlopeDisk;
 
@@ -159,13 +159,13 @@ impl<F: Family> Builder<F> {
     }
 
     /// Looks at every pencil.
-    fn march(&self) -> Result<March<'_, F>, NoFan> {
+    fn march(&self) -> Result<March<'_, F>, MapFailure> {
         let side = &self.side;
-        let trail = Trail::new(side).ok_or(NoFan::NoLight)?;
+        let trail = Trail::new(side).ok_or(MapFailure::NoLight)?;
         // No farther than the rear element is wide, however large the film.
         let moved = (side.shift() * side.reach()).abs().min(side.cover(0.0).radius);
         if trail.axial_radius() < NARROWEST * moved {
-            return Err(NoFan::Narrow);
+            return Err(MapFailure::TooNarrow);
         }
         let vanishes = trail.end.is_some();
         let end = trail.end.unwrap_or(side.reach());
@@ -176,14 +176,14 @@ impl<F: Family> Builder<F> {
             scale,
             tried: BTreeMap::new(),
             runs: Vec::new(),
-            pieces: Vec::new(),
+            components: Vec::new(),
         };
         march.outward();
         Ok(march)
     }
 
     /// Gives everything up.
-    fn covered(&self, reason: NoFan) -> Layout {
+    fn covered(&self, reason: MapFailure) -> Layout {
         let radii = [0.0, self.side.reach()];
         let slices = radii.map(|height| self.cover_slice(height));
         let acceptance = self.cover_acceptance(self.side.reach() / 2.0);
@@ -221,15 +221,15 @@ struct March<'a, F> {
     tried: BTreeMap<usize, Node>,
     /// Runs of nodes, between which nothing was found.
     runs: Vec<Vec<Node>>,
-    /// Places at which pupils are in pieces.
-    pieces: Vec<usize>,
+    /// Places at which pupils are in components.
+    components: Vec<usize>,
 }
 
 impl<F: Family> March<'_, F> {
     fn outward(&mut self) {
         let axis = self.axis();
         self.runs.push(vec![axis]);
-        if self.are_pieces(0) && !self.pass_pieces() {
+        if self.are_components(0) && !self.pass_components() {
             return;
         }
         let (mut step, mut reached) = (COARSE, 0);
@@ -251,8 +251,8 @@ impl<F: Family> March<'_, F> {
                     }
                     self.take(node);
                     let place = self.last().place;
-                    if place.is_multiple_of(COARSE) && place < FINE && self.are_pieces(place) {
-                        if !self.pass_pieces() {
+                    if place.is_multiple_of(COARSE) && place < FINE && self.are_components(place) {
+                        if !self.pass_components() {
                             return;
                         }
                         step = COARSE;
@@ -280,31 +280,31 @@ impl<F: Family> March<'_, F> {
         }
     }
 
-    /// Whether the last pupil is in pieces.
-    fn are_pieces(&self, place: usize) -> bool {
-        if !self.builder.side.looks_beside() {
+    /// Whether the last pupil is in components.
+    fn are_components(&self, place: usize) -> bool {
+        if !self.builder.side.probes_components() {
             return false;
         }
         let pencil = self.pencil(place);
         let cover = self.builder.side.cover(self.scale.height(place));
-        self.last().outline.as_ref().is_some_and(|outline| is_in_pieces(&pencil, outline, cover))
+        self.last().outline.as_ref().is_some_and(|outline| has_components(&pencil, outline, cover))
     }
 
-    /// Gives up what lies about a pupil in pieces, back to the last look at one that is not and on to the next; whether there
+    /// Gives up what lies about a pupil in components, back to the last look at one that is not and on to the next; whether there
     /// is a next.
-    fn pass_pieces(&mut self) -> bool {
+    fn pass_components(&mut self) -> bool {
         let found = self.last().place;
-        self.pieces.push(found);
+        self.components.push(found);
         let run = self.runs.last_mut().expect("there is a run");
         run.retain(|node| node.place + COARSE <= found);
         self.runs.retain(|run| !run.is_empty());
         for place in (found + COARSE..FINE).step_by(COARSE) {
             if let Some(node) = self.anew_at(place) {
                 self.runs.push(vec![node]);
-                if !self.are_pieces(place) {
+                if !self.are_components(place) {
                     return true;
                 }
-                self.pieces.push(place);
+                self.components.push(place);
                 self.runs.pop();
             }
         }
@@ -463,7 +463,7 @@ impl<F: Family> March<'_, F> {
 
     /// Everything found, as intervals with maps that hold what lies between.
     fn layout(self, between: &[Growth]) -> Layout {
-        let Self { builder, scale, runs, pieces, .. } = self;
+        let Self { builder, scale, runs, components, .. } = self;
         let (mut intervals, mut given_up) = (Vec::new(), Vec::new());
         let starts = runs.first().is_some_and(|run| run[0].place == 0);
         let mut covered_from = (!starts).then_some(0);
@@ -473,14 +473,14 @@ impl<F: Family> March<'_, F> {
             let spent = builder.side.work().is_spent();
             let acceptance =
                 if spent { 0.0 } else { builder.cover_acceptance(f64::midpoint(radii[0], radii[1])) };
-            let reason = if pieces.iter().any(|place| (from..=to).contains(place)) {
-                NoFan::InPieces
+            let reason = if components.iter().any(|place| (from..=to).contains(place)) {
+                MapFailure::Components
             } else if spent {
-                NoFan::Spent
+                MapFailure::RaysSpent
             } else if acceptance > 0.0 {
-                NoFan::Shape
+                MapFailure::NotStarShaped
             } else {
-                NoFan::NoLight
+                MapFailure::NoLight
             };
             given_up.push(GivenUp { radii, reason, acceptance });
         };
@@ -560,14 +560,14 @@ pub(crate) fn cover_alike<F: Family>(layouts: &mut [Layout], builders: &[Builder
 }
 
 /// How an outline differs from the map interpolated from its neighbours; `None` where there is no outline.
-fn lack(before: &Node, own: &Node, next: &Node, knots: &Knots) -> Option<Lack> {
+fn lack(before: &Node, own: &Node, next: &Node, knots: &Knots) -> Option<Shortfall> {
     let outline = own.outline.as_ref()?;
     let part = (own.place - before.place) as f64 / (next.place - before.place) as f64;
     Some(before.slice.toward(&next.slice, part, own.slice.height).lack(outline, knots))
 }
 
 /// The same on the axis, on both sides of which the next map lies.
-fn axial_lack(axis: &Node, next: &Node, knots: &Knots) -> Lack {
+fn axial_lack(axis: &Node, next: &Node, knots: &Knots) -> Shortfall {
     let outline = axis.outline.as_ref().expect("the axis has an outline");
     next.slice.about_axis(knots).lack(outline, knots)
 }
@@ -619,7 +619,7 @@ impl<F: Family> Builder<F> {
             .into_iter()
             .filter_map(|slice| self.acceptance(slice))
             .fold(1.0, f64::min);
-        let reason = NoFan::Fast;
+        let reason = MapFailure::TooFast;
         (acceptance < 1.0 - UNNAMED).then_some(GivenUp { radii, reason, acceptance })
     }
 

@@ -113,7 +113,7 @@ pub(crate) struct CutPupil {
 
 /// The way from a point of the scene to the film's axes and numbers, in lanes.
 #[derive(Clone, Copy)]
-pub(crate) struct Asked<L> {
+pub(crate) struct Query<L> {
     /// h.
     pub height: L,
     /// The place among the tables.
@@ -152,14 +152,14 @@ impl CutPupil {
         &self,
         cpu: Cpu<L>,
         constants: &LanePupil<f64>,
-        asked: &Asked<L>,
+        query: &Query<L>,
     ) -> ([L; 2], L) {
         let number = |number: f64| L::splat(cpu, number);
         let (zero, one) = (number(0.0), number(1.0));
         let mut ray =
-            FilmRays { point: [asked.height, zero], disk: [one, zero], slopes: [zero; 2], area_per_pi: one };
-        let between = self.stack.between(cpu, constants, asked.place, &mut ray);
-        let cut = self.cut(cpu, asked, &between, ray.point[0]);
+            FilmRays { point: [query.height, zero], disk: [one, zero], slopes: [zero; 2], area_per_pi: one };
+        let between = self.stack.between(cpu, constants, query.place, &mut ray);
+        let cut = self.cut(cpu, query, &between, ray.point[0]);
         // Of the sectors of the upper half and those of the lower one, from the point's side on.
         let mut shares = [zero; 2 * SECTORS];
         let (mut total, mut most) = (zero, zero);
@@ -195,7 +195,7 @@ impl CutPupil {
             k += 1;
         }
         // The sector, and where it begins.
-        let target = asked.numbers[0] * total;
+        let target = query.numbers[0] * total;
         let (mut sector, mut start, mut share) = (zero, zero, shares[0]);
         let mut sum = shares[0];
         let mut k = 1;
@@ -228,7 +228,7 @@ impl CutPupil {
         // Of a direction that lands beside the film all, that it is blocked as any other.
         let lands = from.less(to);
         let [from, to] = [L::select(lands, from, zero), L::select(lands, to, one)];
-        let radius = asked.numbers[1].mul_add(to - from, from).larger(zero).sqrt();
+        let radius = query.numbers[1].mul_add(to - from, from).larger(zero).sqrt();
         ray.disk = [radius * u, radius * L::select(below, zero - v, v)];
         self.stack.aim_between(cpu, &between, &heading, knots, &mut ray);
         // t dt dφ of a disk of area π, where φ goes with q as 1 over the square.
@@ -242,7 +242,7 @@ impl CutPupil {
     fn cut<L: Lanes<Scalar = f64>>(
         &self,
         cpu: Cpu<L>,
-        asked: &Asked<L>,
+        query: &Query<L>,
         between: &Between<L>,
         h: L,
     ) -> Cut<L> {
@@ -257,7 +257,7 @@ impl CutPupil {
             L::look_up::<4, 2>(&self.landings, at.whole(), [0, 2, 2 * next, 2 * next + 2]);
         let (own, other) = (toward(along, low, after), toward(along, above, above_after));
         let [middle, b, c, rest] = toward(part, own, other);
-        let [ex, ey] = asked.azimuth;
+        let [ex, ey] = query.azimuth;
         // Of a half-line's part across what it is after narrowing.
         let middle = b.mul_add(row.center * h, middle);
         let narrow = b * row.narrowing.neg_mul_add(h * h, number(1.0));

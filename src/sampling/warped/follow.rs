@@ -2,7 +2,7 @@
 
 use super::{
     outline::{first_row, row_in},
-    view::{Excess, Family, Pencil},
+    pencil::{Excess, Family, Pencil},
 };
 use crate::lens::pupil::SlopeDisk;
 

@@ -29,39 +29,34 @@
 //! added, q = |M d × p| being h times the point's height across p, a shear that leaves the density as it is. λ and β are
 //! tabulated, too.
 //!
-//! How the table is made: `view` traces the rays of a film point and tells how far outside every aperture they are, `search`
-//! finds the edge along half-lines by that, `outline` is what it finds, in a frame that makes the pupil about round, `pieces`
-//! looks for light beside it, `follow` goes along the film to the image's end, `slice` makes the map of an outline, and `build`
-//! chooses the film radii. `inverse` is the way back. Tables one after the other, over a second parameter, are a `stack`:
-//! `spectral` has one over wavelengths, and `cut` one over how near points of the scene are, cut by the film.
+//! How the table is made: `pencil` traces the rays of a film point and tells how far outside every aperture they are; `outline`
+//! finds the pupil's edge by that, in a frame that makes the pupil about round; `components` looks for light beside it; `follow`
+//! goes along the film to the image's end; `slice` makes the map of an outline; and `build` chooses the film radii. `inverse`
+//! is the way back. Tables over a second parameter are a `stack`: of wavelengths, or of how near points of the scene are, where
+//! `cut` keeps to what lands on film.
 //!
 //! One evaluation takes one or two roots, a division, no trigonometry and three times four neighbouring
 //! floats, four times with λ. It is written once, over lanes of either precision: a single sample has the bits of a
 //! batch's.
 //!
-//! Where no such map fits (a pupil in pieces, or with holes)
+//! Where no such map fits (a pupil in components, or with holes)
 //! the table holds the rear element's disk, and what falls beside the pupil is blocked.
 
 mod build;
+mod components;
 mod cut;
 mod follow;
 mod inverse;
 mod outline;
-mod pieces;
-mod report;
-mod search;
+mod pencil;
 mod slice;
-mod spectral;
 mod stack;
-mod view;
 
 pub(crate) use build::{Builder, Layout, alike};
-pub(crate) use cut::{Asked, CutPupil, Landing};
-pub use report::{BuildReport, GivenUp, NoFan};
+pub(crate) use cut::{CutPupil, Landing, Query};
+pub(crate) use pencil::{Excess, Family, FilmPencils, Pencil, RayBudget};
 pub(crate) use slice::Knots;
-pub(crate) use spectral::{LaneSpectralPupil, SpectralPupil};
-pub(crate) use stack::Stack;
-pub(crate) use view::{Excess, Family, FilmPencils, Pencil, Work};
+pub(crate) use stack::{LaneSpectralPupil, SpectralPupil, Stack};
 
 use std::f64::consts::PI;
 
@@ -100,6 +95,46 @@ pub struct WarpedPupil {
     cover: PupilDisk,
     build: BuildReport,
     given_up: Vec<GivenUp>,
+}
+
+/// What building the table took, and what it could not fit.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BuildReport {
+    /// Film radii in the table.
+    pub slices: usize,
+    /// Rays traced.
+    pub rays: u32,
+    /// Share of the film radius over which the rear element's disk is used instead of an outline.
+    pub covered: f64,
+}
+
+/// Why there is no map, or no close one, for a film radius.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MapFailure {
+    /// Light gets through in several components, or round a hole.
+    Components,
+    /// A half-line from its middle meets the pupil's edge more than once, or the pupil jumps from one radius to the next.
+    NotStarShaped,
+    /// The pupil changes faster with film radius than the table can follow: a larger shape is sampled, not the rear
+    /// element's disk.
+    TooFast,
+    /// No light was found in the plane of axis and film point, within the image.
+    NoLight,
+    /// The rays that a table may take were spent.
+    RaysSpent,
+    /// The pupil is so narrow that slopes in single precision cannot follow it over the film.
+    TooNarrow,
+}
+
+/// Film radii that were given up: more than the pupil is sampled there, mostly the rear element's disk.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GivenUp {
+    /// From and to, mm.
+    pub radii: [f64; 2],
+    /// Why.
+    pub reason: MapFailure,
+    /// Least share of samples found to get through, where any did; 0 where none did.
+    pub acceptance: f64,
 }
 
 /// Its square is half the knots' intervals: those that pass while q grows by 1.

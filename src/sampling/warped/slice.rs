@@ -178,7 +178,7 @@ impl Slice {
 
     /// How far an outline lies outside the map, at the two knots beside each of its points, and how far the map and the outline
     /// differ in all.
-    pub fn lack(&self, outline: &Outline, knots: &Knots) -> Lack {
+    pub fn lack(&self, outline: &Outline, knots: &Knots) -> Shortfall {
         let corners = self.points(knots);
         let cross = |[a, b]: [f64; 2], [c, d]: [f64; 2]| a * d - b * c;
         let mut growth = vec![0.0_f64; KNOTS];
@@ -205,7 +205,7 @@ impl Slice {
                 *growth = growth.max(more);
             }
         }
-        Lack { growth, differing: differing / (HALF_LINES + 1) as f64 }
+        Shortfall { growth, differing: differing / (HALF_LINES + 1) as f64 }
     }
 
     /// Makes the map larger at the knots, and everywhere by a margin, relative.
@@ -225,7 +225,7 @@ fn turned_back(([x, y], [cos, sin]): ([f64; 2], &[f64; 2])) -> [f64; 2] {
 const BULGE: f64 = 1.0 - PI * PI / (6.0 * (CELLS * CELLS) as f64);
 
 /// How a map and an outline differ.
-pub(crate) struct Lack {
+pub(crate) struct Shortfall {
     /// How much larger than the map the outline is at each knot, relative, at least 0.
     pub growth: Vec<f64>,
     /// The area between the two over the outline's.

@@ -79,7 +79,7 @@ pub(crate) trait Pencil {
 }
 
 /// Counts what tracing takes, in units that do not depend on the machine: the same lens gets the same table.
-pub(crate) struct Work {
+pub(crate) struct RayBudget {
     rays: Cell<u32>,
     /// Packets traced, full or not, and evaluations of aspheres, times what they count.
     done: Cell<u64>,
@@ -88,7 +88,7 @@ pub(crate) struct Work {
     longer: u64,
 }
 
-impl Work {
+impl RayBudget {
     pub fn new(path: &Path) -> Self {
         let longer = (path.surfaces() as u64 / LONG).max(1);
         let per_packet = (ASPHERE * path.aspheres() as u64 / longer).max(PACKET);
@@ -133,7 +133,7 @@ pub(crate) trait Family {
     fn finest(&self) -> usize;
 
     /// Whether pupils are looked at for what lies beside their outlines.
-    fn looks_beside(&self) -> bool {
+    fn probes_components(&self) -> bool {
         true
     }
     /// The rays of one of them.
@@ -145,13 +145,13 @@ pub(crate) trait Family {
     /// h times this is about where the pupil's centre lies.
     fn shift(&self) -> f64;
     /// What tracing took.
-    fn work(&self) -> &Work;
+    fn work(&self) -> &RayBudget;
 }
 
 /// The film's side of a lens: h is the film radius.
 pub(crate) struct FilmPencils {
     clearances: ClearanceTracer,
-    work: Work,
+    work: RayBudget,
     /// Largest film radius asked for, mm.
     reach: f64,
     /// A disk that holds every pupil.
@@ -163,7 +163,7 @@ impl FilmPencils {
     /// For film at z = `film`, behind the lens, and film points up to `reach` mm from the axis. `cover` is a disk that holds all
     /// their pupils; `shift` an estimate of the slope to the pupil's centre over the film radius, 1/mm.
     pub fn new(path: &Path, film: f64, reach: f64, cover: PupilDisk, shift: f64) -> Self {
-        let (clearances, work) = (ClearanceTracer::new(path, film), Work::new(path));
+        let (clearances, work) = (ClearanceTracer::new(path, film), RayBudget::new(path));
         Self { clearances, work, reach: reach.max(LEAST_REACH), cover, shift }
     }
 
@@ -200,7 +200,7 @@ impl Family for FilmPencils {
         self.shift
     }
 
-    fn work(&self) -> &Work {
+    fn work(&self) -> &RayBudget {
         &self.work
     }
 }

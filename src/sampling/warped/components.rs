@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::{outline::Outline, view::Pencil};
+use super::{outline::Outline, pencil::Pencil};
 use crate::lens::pupil::SlopeDisk;
 
 /// Half-lines that are looked along.
@@ -26,7 +26,7 @@ struct Shape<'a> {
 
 /// Looks for holes within an outline and for light beside it: also between the looks, from each that is nearer to getting
 /// through than its neighbours down to the least excess.
-pub(super) fn is_in_pieces(pencil: &impl Pencil, outline: &Outline, cover: SlopeDisk) -> bool {
+pub(super) fn has_components(pencil: &impl Pencil, outline: &Outline, cover: SlopeDisk) -> bool {
     let shape = Shape { outline, cover };
     let place = |k: usize, n: usize| (k as f64 + 0.5) / n as f64;
     let angle = |i: usize| PI * place(i, RAYS);
