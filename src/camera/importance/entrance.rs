@@ -47,11 +47,10 @@ const NEAREST: f64 = 0.998;
 const WIDEST: f64 = 1.45;
 /// Places in a row, from the axis to its end, less one, at which it is known where rays land.
 const NODES: usize = 32;
-/// Times that this is found anew from rays that land on film by what was found before.
-const CLOSER: usize = 2;
-/// Rays by which it is: along the meridian and across it.
-const ALONG: usize = 8;
-const UP: usize = 4;
+/// Of the samples of a map, every which is traced to know it: fewer take less time, and may miss how far off the fit is.
+const EVERY: usize = 4;
+/// Rays by which it is found anew where most of a pupil's rays land beside the film: their square.
+const SIDE: usize = 4;
 /// Places on the front surface from vertex to rim, by which its distance is known.
 const PROFILE: u32 = 64;
 /// The same by which a disk is known that holds it, and how many around.
@@ -62,7 +61,7 @@ const PACKET: usize = 64;
 /// [`Family::loose`] of a row.
 const LOOSE: f64 = 3e-2;
 /// [`Family::finest`] of a row.
-const FINEST: usize = 32;
+const FINEST: usize = 16;
 
 /// n of a row: denser far away.
 fn nearness(row: usize) -> f64 {
@@ -146,7 +145,8 @@ impl<'a> Row<'a> {
         let mut landings: Vec<Node> = Vec::with_capacity(NODES + 1);
         for node in 0..=NODES {
             let slice = layout.slice(node as f64 / NODES as f64);
-            let found = self.landing(slice.height, &slice.samples(&knots));
+            let points: Vec<[f64; 2]> = slice.samples(&knots).into_iter().step_by(EVERY).collect();
+            let found = self.landing(slice.height, &points);
             // Where the pupil vanishes it goes on as it did before.
             landings.push(found.unwrap_or_else(|| match landings[..] {
                 [.., before, last] => Node { landing: before.landing.toward(&last.landing, 2.0), ..last },
@@ -173,25 +173,20 @@ impl<'a> Row<'a> {
         });
         let corners = |[low, high]: [f64; 2], tall: f64| [[low, 0.0], [high, 0.0], [low, tall], [high, tall]];
         let mut known = corners(p, q[1]);
-        for _ in 0..CLOSER {
-            let reach = self.view.corner + landing.rest;
-            let ends = [0, 1].map(|i| (f64::from(i) * 2.0 - 1.0) * reach);
-            let back = |factor: f64, middle: f64| {
-                let [a, b] = ends.map(|end| (end - middle) / factor);
-                [a.min(b), a.max(b)]
-            };
-            let [along, aside] = [back(landing.factors[0], landing.along), back(landing.factors[1], 0.0)];
-            let (low, high, tall) = (along[0].max(p[0]), along[1].min(p[1]), aside[1].min(q[1]));
-            if !(low < high && (high - low) * tall < (p[1] - p[0]) * q[1]) {
-                break;
+        let reach = self.view.corner + landing.rest;
+        let back = |factor: f64, middle: f64| {
+            let [a, b] = [-reach, reach].map(|end| (end - middle) / factor);
+            [a.min(b), a.max(b)]
+        };
+        let [along, aside] = [back(landing.factors[0], landing.along), back(landing.factors[1], 0.0)];
+        let (low, high, tall) = (along[0].max(p[0]), along[1].min(p[1]), aside[1].min(q[1]));
+        if low < high && (high - low) * tall < (p[1] - p[0]) * q[1] {
+            let part = |k: usize| (k as f64 + 0.5) / SIDE as f64;
+            let at = |k: usize| [low + part(k / SIDE) * (high - low), part(k % SIDE) * tall];
+            let nearer = rays(&(0..SIDE * SIDE).map(at).collect::<Vec<_>>());
+            if let Some(nearer) = Landing::of(&nearer) {
+                (landing, known) = (nearer, corners([low, high], tall));
             }
-            let part = |k: usize, n: usize| (k as f64 + 0.5) / n as f64;
-            let at = |k: usize| [low + part(k / UP, ALONG) * (high - low), part(k % UP, UP) * tall];
-            let Some(nearer) = Landing::of(&rays(&(0..ALONG * UP).map(at).collect::<Vec<_>>())) else {
-                break;
-            };
-            landing = nearer;
-            known = corners([low, high], tall);
         }
         Some(Node { landing, corners: known })
     }

@@ -29,8 +29,6 @@ use crate::lens::pupil::SlopeDisk;
 pub(crate) const FINE: usize = 1024;
 /// The widest, and the first: narrower ones take more rays, wider ones may lose the way.
 const COARSE: usize = FINE / 8;
-/// The narrowest step once half of the rays that a table may take are traced.
-const SHORT: usize = COARSE / 4;
 /// The part of what differences may be below which the next step is twice as wide: they go with the square of the step.
 const EASY: f64 = 0.25;
 /// A kink in an interval twice as wide as the next is off by so much more than the line past the slice between them:
@@ -40,15 +38,15 @@ const UNEVEN: f64 = 1.5;
 const EXPECTED_BY: usize = 3;
 /// Share of the samples that may be blocked at a slice without a word.
 const UNNAMED: f64 = 0.01;
-/// Radius of the pupil on the axis over how far its centre moves over the film, in slope, below which the table, which has
-/// the centre in single precision, cannot follow it: sixteen of its roundings.
-const NARROWEST: f64 = 1e-6;
-/// τ where the pupil vanishes: not 0, which rounding in single precision would make a negative density of.
-const LEAST_WIDTH: f64 = 1e-6;
+/// Sixteen roundings of the table's numbers: a pupil whose radius on the axis is less of how far its centre moves over the
+/// film cannot be followed, and τ is no less where a pupil vanishes, for rounding would make a negative density of it.
+const ROUNDINGS: f64 = 8.0 * f32::EPSILON as f64;
 
 /// What the table is built from.
 pub(crate) struct Builder<F> {
     pub side: F,
+    /// Whether what is given up is named, with the share of samples that get through: a third of all rays.
+    names: bool,
     knots: Knots,
 }
 
@@ -128,8 +126,14 @@ impl Scale {
 }
 
 impl<F: Family> Builder<F> {
+    /// For tables of a stack.
     pub fn new(side: F) -> Self {
-        Self { side, knots: Knots::new() }
+        Self { side, names: false, knots: Knots::new() }
+    }
+
+    /// For a table that tells what it gives up.
+    pub fn naming(side: F) -> Self {
+        Self { names: true, ..Self::new(side) }
     }
 
     /// Disks that hold the pupils of a stretch of smallest intervals.
@@ -164,7 +168,7 @@ impl<F: Family> Builder<F> {
         let trail = Trail::new(side).ok_or(MapFailure::NoLight)?;
         // No farther than the rear element is wide, however large the film.
         let moved = (side.shift() * side.reach()).abs().min(side.cover(0.0).radius);
-        if trail.axial_radius() < NARROWEST * moved {
+        if trail.axial_radius() < ROUNDINGS * moved {
             return Err(MapFailure::TooNarrow);
         }
         let vanishes = trail.end.is_some();
@@ -186,11 +190,14 @@ impl<F: Family> Builder<F> {
     fn covered(&self, reason: MapFailure) -> Layout {
         let radii = [0.0, self.side.reach()];
         let slices = radii.map(|height| self.cover_slice(height));
-        let acceptance = self.cover_acceptance(self.side.reach() / 2.0);
+        let given_up = |reason| {
+            let acceptance = self.cover_acceptance(self.side.reach() / 2.0);
+            GivenUp { radii, reason, acceptance }
+        };
         Layout {
             scale: Scale { end: self.side.reach(), dark_beyond: false, vanishes: false },
             intervals: vec![Interval { from: 0, to: FINE, slices }],
-            given_up: vec![GivenUp { radii, reason, acceptance }],
+            given_up: self.names.then(|| given_up(reason)).into_iter().collect(),
         }
     }
 
@@ -313,8 +320,7 @@ impl<F: Family> March<'_, F> {
 
     /// The narrowest step: wider when the rays get short, for a loose map is better than none.
     fn finest(&self) -> usize {
-        let finest = self.builder.side.finest();
-        if self.builder.side.work().is_short() { SHORT.max(finest) } else { finest }
+        if self.builder.side.work().is_short() { COARSE } else { self.builder.side.finest() }
     }
 
     /// Takes the last node back, for later.
@@ -419,7 +425,7 @@ impl<F: Family> March<'_, F> {
         let [low, high] = self.trail.at(height);
         let center = f64::midpoint(low, high) / height;
         // Narrowed to almost nothing.
-        let narrowing = (1.0 - LEAST_WIDTH) / (height * height);
+        let narrowing = (1.0 - ROUNDINGS) / (height * height);
         let slice = Slice { narrowing, bow, ..Slice::disk(height, center, 0.0, true) };
         Node { place: FINE, slice, outline: None, differing: 0.0 }
     }
@@ -468,8 +474,11 @@ impl<F: Family> March<'_, F> {
         let starts = runs.first().is_some_and(|run| run[0].place == 0);
         let mut covered_from = (!starts).then_some(0);
         let cover = |from: usize, to: usize, intervals: &mut Vec<Interval>, given_up: &mut Vec<GivenUp>| {
-            let radii = [from, to].map(|place| scale.height(place));
             intervals.extend(builder.cover_intervals(scale, from, to));
+            if !builder.names {
+                return;
+            }
+            let radii = [from, to].map(|place| scale.height(place));
             let spent = builder.side.work().is_spent();
             let acceptance =
                 if spent { 0.0 } else { builder.cover_acceptance(f64::midpoint(radii[0], radii[1])) };
@@ -603,6 +612,9 @@ fn widened(run: &[Node], knots: &Knots) -> Vec<Node> {
 impl<F: Family> Builder<F> {
     /// Names a ring where too many samples are blocked.
     fn named(&self, scale: Scale, pair: &[Node]) -> Option<GivenUp> {
+        if !self.names {
+            return None;
+        }
         let is_loose = |node: &Node| {
             let outline = node.outline.as_ref();
             let passing = outline.map_or(1.0, |outline| outline.area() / node.slice.area(&self.knots));

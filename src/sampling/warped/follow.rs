@@ -10,19 +10,11 @@ use crate::lens::pupil::SlopeDisk;
 const STEPS: f64 = 16.0;
 /// How much farther than the film's reach the image's end is sought.
 pub(super) const BEYOND: f64 = 1.125;
-/// Relative accuracy of the image's end.
+/// Relative accuracy of the image's end: beyond that it has to be dark.
 const ACCURACY: f64 = 1e-9;
 /// The part of the way to where the row's width would come to 0 that the next step goes.
 const NEARER: f64 = 0.6;
-/// How far beyond the image's end it has to be dark, too, relative.
-const BESIDE: f64 = 1e-6;
-/// How far from where it is expected a row's middle may be, over its half width: farther off it may be something else.
-const SURPRISE: f64 = 1.5;
-/// Looks along a row of which nothing is known.
-const ANYWHERE: usize = 256;
-/// Times that the row may be lost and found farther out.
-const MOST_JUMPS: u32 = 9;
-/// Rays across the rear disk in looks for light beyond the image's end, and radii at which they are.
+/// Rays across the rear disk in search of light beyond the image's end, and radii at which they are.
 const GRID: u32 = 20;
 const RADII: u32 = 6;
 
@@ -39,15 +31,14 @@ impl Trail {
     pub fn new<F: Family>(side: &F) -> Option<Self> {
         let anywhere = |height: f64| {
             let SlopeDisk { center: [center, _], radius } = side.cover(height);
-            row_in(&side.pencil(height), 0.0, [center - radius, center + radius], ANYWHERE)
+            row_in(&side.pencil(height), [center - radius, center + radius])
         };
         let quarter = 0.25 * side.cover(0.0).radius;
         let first = first_row(&side.pencil(0.0), [-quarter, quarter]).or_else(|| anywhere(0.0))?;
         let mut trail = Self { known: vec![(0.0, first)], end: None };
-        for _ in 0..MOST_JUMPS {
-            let Some(end) = trail.follow(side) else { break };
+        while let Some(end) = trail.follow(side) {
             // Something else may get through there, or farther out.
-            let beside = end * (1.0 + BESIDE);
+            let beside = end * (1.0 + ACCURACY);
             match anywhere(beside) {
                 Some(row) => trail.known.push((beside, row)),
                 None if !F::ENDS && leaks_beyond(side, end) => break,
@@ -118,11 +109,12 @@ impl Trail {
     }
 }
 
-/// Whether a row is about where it was expected.
+/// Whether a row is about where it was expected, its middle within that one and at most three times as wide or narrow;
+/// another may be something else.
 fn is_near(found: [f64; 2], expected: [f64; 2]) -> bool {
     let [middle, other] = [found, expected].map(|[low, high]| f64::midpoint(low, high));
     let [width, expected] = [found, expected].map(|[low, high]| high - low);
-    (middle - other).abs() < SURPRISE * expected / 2.0 && width < 3.0 * expected && expected < 3.0 * width
+    (middle - other).abs() < expected / 2.0 && width < 3.0 * expected && expected < 3.0 * width
 }
 
 /// Whether light gets through anywhere within reach beyond the radius at which the first row ends.

@@ -151,7 +151,7 @@ impl WarpedPupil {
     /// lens space). `cover` is a disk that holds them all; `shift` an estimate of the slope to the
     /// pupil's centre over the film radius, 1/mm.
     pub fn new(path: &Path, film: f64, reach: f64, cover: PupilDisk, shift: f64) -> Self {
-        let builder = Builder::new(FilmPencils::new(path, film, reach, cover, shift));
+        let builder = Builder::naming(FilmPencils::new(path, film, reach, cover, shift));
         let layout = builder.layout();
         Self::pack(layout, cover, builder.side.work().rays())
     }

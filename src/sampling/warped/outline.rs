@@ -10,9 +10,8 @@ use super::pencil::{Excess, Limit, Pencil};
 
 /// Half-lines from one side of the plane of symmetry to the other, less one: more take more rays, fewer cut more off corners.
 pub(crate) const HALF_LINES: usize = 72;
-/// Looks along a row of which the middle does not get through, and within how many half widths of it.
-const PROBES: usize = 32;
-const AROUND: f64 = 4.0;
+/// Probe rays along a row of which nothing is known: fewer may miss a narrow pupil.
+const PROBES: usize = 256;
 /// Accuracy of an edge over its distance: less takes more rays, more light is missed.
 const ACCURACY: f64 = 1e-4;
 /// How far off the steepness that was measured at a neighbouring edge is taken to be, relative: more traces most edges twice.
@@ -38,33 +37,31 @@ impl Frame {
     }
 }
 
-/// The first row's edges, x at y = 0, about a guess; `None` where nothing gets through nearby.
+/// The first row's edges, x at y = 0, from the middle of a guess; `None` where that does not get through.
 pub(crate) fn first_row(pencil: &impl Pencil, [low, high]: [f64; 2]) -> Option<[f64; 2]> {
-    let (middle, half) = (f64::midpoint(low, high), (high - low) / 2.0);
-    let passes =
-        |points: &[[f64; 2]]| -> Vec<bool> { pencil.excesses(points).iter().map(Excess::passes).collect() };
-    if passes(&[[middle, 0.0]])[0] {
-        let hint = Edge::at(half);
-        let sides = edges(pencil, vec![Search::new(hint), Search::new(hint)], |side, radius| {
-            [middle + [-radius, radius][side], 0.0]
-        });
-        return Some([middle - sides[0]?.radius, middle + sides[1]?.radius]);
+    let middle = f64::midpoint(low, high);
+    if !pencil.excesses(&[[middle, 0.0]])[0].passes() {
+        return None;
     }
-    row_in(pencil, 0.0, [middle - AROUND * half, middle + AROUND * half], PROBES)
+    let hint = Edge::at((high - low) / 2.0);
+    let sides = edges(pencil, vec![Search::new(hint), Search::new(hint)], |side, radius| {
+        [middle + [-radius, radius][side], 0.0]
+    });
+    Some([middle - sides[0]?.radius, middle + sides[1]?.radius])
 }
 
-/// The edges of what gets through nearest to the middle of a stretch of a row, by looks all along it.
-pub(crate) fn row_in(pencil: &impl Pencil, y: f64, [low, high]: [f64; 2], looks: usize) -> Option<[f64; 2]> {
-    let at = |k: usize| low + (high - low) * (k as f64 + 0.5) / looks as f64;
-    let points: Vec<[f64; 2]> = (0..looks).map(|k| [at(k), y]).collect();
+/// The edges of what gets through nearest to the middle of a stretch of a row, by probe rays all along it.
+pub(crate) fn row_in(pencil: &impl Pencil, [low, high]: [f64; 2]) -> Option<[f64; 2]> {
+    let at = |k: usize| low + (high - low) * (k as f64 + 0.5) / PROBES as f64;
+    let points: Vec<[f64; 2]> = (0..PROBES).map(|k| [at(k), 0.0]).collect();
     let passes: Vec<bool> = pencil.excesses(&points).iter().map(Excess::passes).collect();
-    let from_middle = |k: &usize| (2 * k + 1).abs_diff(looks);
-    let nearest = (0..looks).filter(|&k| passes[k]).min_by_key(from_middle)?;
+    let from_middle = |k: &usize| (2 * k + 1).abs_diff(PROBES);
+    let nearest = (0..PROBES).filter(|&k| passes[k]).min_by_key(from_middle)?;
     let first = (0..nearest).rev().take_while(|&k| passes[k]).last().unwrap_or(nearest);
-    let last = (nearest..looks).take_while(|&k| passes[k]).last().unwrap_or(nearest);
-    let step = (high - low) / looks as f64;
+    let last = (nearest..PROBES).take_while(|&k| passes[k]).last().unwrap_or(nearest);
+    let step = (high - low) / PROBES as f64;
     let searches = vec![Search::between(0.0, step), Search::between(0.0, step)];
-    let sides = edges(pencil, searches, |side, radius| [[at(first) - radius, at(last) + radius][side], y]);
+    let sides = edges(pencil, searches, |side, radius| [[at(first) - radius, at(last) + radius][side], 0.0]);
     Some([at(first) - sides[0]?.radius, at(last) + sides[1]?.radius])
 }
 
