@@ -91,7 +91,8 @@ def build(tree: Path, target: Path, *what: str) -> Path:
     if told.returncode != 0:
         sys.exit(f"the copy with values read at the start does not build:\n{told.stderr}")
     programs = [json.loads(line).get("executable") for line in told.stdout.splitlines()]
-    return Path(next(path for path in reversed(programs) if path))
+    # Away from where another build would replace it.
+    return Path(shutil.copy(next(path for path in reversed(programs) if path), tree.parent))
 
 
 def film(program: Path, factors: dict[str, str]) -> list[float] | None:
