@@ -39,8 +39,6 @@ use crate::{
 /// Intervals between rows of one nearness each: more take longer to build; fewer leave out light where, between two of them, an
 /// aperture begins to cut.
 const ROWS: usize = 20;
-/// Every how many rows pupils are looked at for components beside their outlines, which come and go slowly with distance.
-const PROBED: usize = 4;
 /// n of the last row: hardly before the glass.
 const NEAREST: f64 = 0.998;
 /// θ/2 up to which rows are followed at most, radians.
@@ -53,9 +51,8 @@ const EVERY: usize = 4;
 const SIDE: usize = 4;
 /// Places on the front surface from vertex to rim, by which its distance is known.
 const PROFILE: u32 = 64;
-/// The same by which a disk is known that holds it, and how many around.
-const RINGS: usize = 8;
-const AROUND: u32 = 24;
+/// Places on it from vertex to rim, and around over half a turn, by which a disk is known that holds it.
+const MESH: u32 = 16;
 /// Points of a batch.
 const PACKET: usize = 64;
 /// [`Family::loose`] of a row.
@@ -123,14 +120,13 @@ impl ProjectionCenter {
 /// The points of one nearness.
 struct Row<'a> {
     view: &'a View<'a>,
-    number: usize,
     nearness: f64,
     work: RayBudget,
 }
 
 impl<'a> Row<'a> {
     fn new(view: &'a View<'a>, number: usize, path: &Path) -> Self {
-        Self { view, number, nearness: nearness(number), work: RayBudget::new(path) }
+        Self { view, nearness: nearness(number), work: RayBudget::new(path) }
     }
 
     fn seen_point(&self, height: f64) -> OneSeenPoint {
@@ -203,8 +199,9 @@ impl Family for Row<'_> {
         FINEST
     }
 
+    /// Only of the farthest points: components come and go slowly with distance.
     fn probes_components(&self) -> bool {
-        self.number.is_multiple_of(PROBED)
+        self.nearness == 0.0
     }
 
     fn pencil(&self, height: f64) -> impl Pencil + '_ {
@@ -217,12 +214,12 @@ impl Family for Row<'_> {
         let ring = |place: &[f64; 2]| -> Vec<[f64; 2]> {
             let [height, z] = *place;
             let point = |turn: u32| {
-                let (aside, along) = (std::f64::consts::PI * f64::from(turn) / f64::from(AROUND)).sin_cos();
+                let (aside, along) = (std::f64::consts::PI * f64::from(turn) / f64::from(MESH)).sin_cos();
                 seen_point.seen([height * along, height * aside, z]).map(|part| part.clamp(-most, most))
             };
-            (0..=AROUND).map(point).collect()
+            (0..=MESH).map(point).collect()
         };
-        let points: Vec<[f64; 2]> = self.view.front.profile(RINGS as u32).iter().flat_map(ring).collect();
+        let points: Vec<[f64; 2]> = self.view.front.profile(MESH).iter().flat_map(ring).collect();
         let low = points.iter().fold(f64::MAX, |low, point| low.min(point[0]));
         let high = points.iter().fold(f64::MIN, |high, point| high.max(point[0]));
         let middle = f64::midpoint(low, high);
