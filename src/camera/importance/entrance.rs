@@ -39,6 +39,8 @@ use crate::{
 /// Intervals between rows of one nearness each: more take longer to build; fewer leave out light where, between two of them, an
 /// aperture begins to cut.
 const ROWS: usize = 20;
+/// By how much maps are larger than what was found: more is blocked, less leaves out light between two rows.
+const MARGIN: f64 = 8e-3;
 /// n of the last row: hardly before the glass.
 const NEAREST: f64 = 0.998;
 /// θ/2 up to which rows are followed at most, radians.
@@ -304,7 +306,7 @@ impl SeenPupil {
         let landings: Vec<Vec<Node>> =
             builders.iter().zip(&layouts).map(|(builder, layout)| builder.side.landings(layout)).collect();
         // Nothing is sampled beyond tables that end.
-        let stack = Stack::of(&builders, layouts, PupilDisk::about_axis(1.0, 0.0));
+        let stack = Stack::of(&builders, layouts, MARGIN, PupilDisk::about_axis(1.0, 0.0));
         let pupil = CutPupil::new(stack, &widened(&landings, &rows), half);
         Some(Self { pupil, lead, rows: rows.len(), simd: Available::best(), center })
     }

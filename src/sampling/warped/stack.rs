@@ -23,9 +23,6 @@ use crate::{
     trace::kernel::{Cpu, Lanes, Scalar},
 };
 
-/// By how much a table's maps are larger than what was found, relative to what they are: for the curvature in between.
-const MARGIN: f64 = 6e-4;
-
 /// Tables one after the other.
 #[derive(Clone, Debug)]
 pub(crate) struct Stack {
@@ -38,14 +35,19 @@ pub(crate) struct Stack {
 }
 
 impl Stack {
-    /// Of two tables or more, of which all end or none, and what they were built from. `beyond` is what is sampled beyond tables
-    /// that do not end.
-    pub fn of<F: Family>(builders: &[Builder<F>], mut layouts: Vec<Layout>, beyond: PupilDisk) -> Self {
+    /// Of two tables or more, of which all end or none, and what they were built from. Their maps are made larger by `margin`,
+    /// relative, for what lies between two tables. `beyond` is what is sampled beyond tables that do not end.
+    pub fn of<F: Family>(
+        builders: &[Builder<F>],
+        mut layouts: Vec<Layout>,
+        margin: f64,
+        beyond: PupilDisk,
+    ) -> Self {
         cover_alike(&mut layouts, builders);
         let ends: Vec<f64> = layouts.iter().map(|layout| layout.scale.end).collect();
         let tables = layouts.into_iter().zip(builders);
         let tables = tables.map(|(layout, builder)| {
-            WarpedPupil::pack(layout.in_units_of_its_end(MARGIN), beyond, builder.side.work().rays())
+            WarpedPupil::pack(layout.in_units_of_its_end(margin), beyond, builder.side.work().rays())
         });
         let last = ends.len() - 1;
         let next = |number: usize| ends[(number + 1).min(last)];
@@ -173,6 +175,8 @@ const INTERVALS: usize = 4;
 /// The same where the image ends within reach: a crescent is so narrow there that its place in the image has to be known
 /// better than its width.
 const WITH_END: usize = 16;
+/// By how much maps are larger than what was found: more is blocked, less leaves out light between two wavelengths.
+const MARGIN: f64 = 6e-4;
 /// How much farther out the image is followed where it ends within reach at some wavelengths and not at others.
 const FARTHER: [f64; 3] = [1.02, 1.1, 1.5];
 
@@ -222,7 +226,7 @@ impl SpectralPupil {
         let beyond = tables[0].1.side.disk();
         let (builders, layouts): (Vec<_>, Vec<_>) =
             tables.into_iter().map(|(_, builder, layout)| (builder, layout)).unzip();
-        let tables = Stack::of(&builders, layouts, beyond);
+        let tables = Stack::of(&builders, layouts, MARGIN, beyond);
         Some(Self { first, per_w: intervals as f64 / (last - first), tables })
     }
 
