@@ -14,7 +14,7 @@
 
 use super::{
     LensDirection,
-    lens::Front,
+    front::Front,
     seen_point::{OneSeenPoint, SeenPoint},
 };
 use crate::{

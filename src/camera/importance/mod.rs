@@ -18,6 +18,7 @@
 mod backward;
 mod entrance;
 mod film;
+mod front;
 mod lens;
 mod linear;
 mod pose;

@@ -16,11 +16,11 @@
 use std::collections::BTreeMap;
 
 use super::{
-    GivenUp, MapFailure,
     components::has_components,
     follow::{Trail, half_disk},
     outline::{Frame, Outline, first_row},
     pencil::{Family, Pencil},
+    report::{GivenUp, MapFailure},
     slice::{KNOTS, Knots, MARGIN, Shortfall, Slice},
 };
 use crate::lens::pupil::SlopeDisk;
