@@ -1,20 +1,15 @@
 //! The cheapest way to trace a lens whose error stays below a tolerance: measured, not assumed.
 //!
-//! For either way of calling, candidates are tried from the cheapest on, each once. It is evaluated on rays all over the
-//! film and its pupil as the camera samples them, against the exact trace in double precision: by the distance on the film
-//! by which a ray is off ([`film_error`](crate::imaging::image_scale::ImageScale::film_error)), where a ray that one of the
-//! two blocks and the other lets through counts as infinitely far off. What is held below the tolerance is an upper
-//! bound of the 99.9 % quantile (by order statistics), and the sum of the weights' errors may be no more than a
-//! thousandth of the light.
+//! For either way of calling, candidates are tried from the cheapest on, each once: `evaluate` measures its errors on rays
+//! all over the film and its pupil as the camera samples them. The upper bound of the 99.9 % quantile must be below the
+//! tolerance, and the sum of the weights' errors may be no more than a thousandth of the light.
 
 use std::fmt;
 
 use super::{
     cost,
-    evaluate::{Errors, Evaluation, TooFarOff},
-    quantile::QUANTILE,
-    task::Task,
-    tracing::{Entry, Precision, Tracing},
+    evaluate::{Errors, Evaluation, QUANTILE, TooFarOff},
+    task::{Entry, Precision, Task, Tracing},
 };
 use crate::{
     lens::single_precision::f32_is_fit,

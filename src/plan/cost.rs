@@ -4,9 +4,9 @@
 //! AVX-512 on a machine that has it, for AVX2 and without either on the same one with `REALISTIC_SIMD`. Only their ratios
 //! count, which are the instructions': a clock at build time would make a picture depend on what else the machine did.
 
-use super::tracing::{
-    Entry,
-    Precision::{self, F32, F64},
+use super::task::{
+    Entry, Precision,
+    Precision::{F32, F64},
 };
 use crate::{lens::Lens, trace::kernel::Simd};
 

@@ -1,18 +1,80 @@
-//! Makes the decision: how rays are traced.
+//! The decision, and the plan that says why: a [`Task`] in; how rays are traced ([`Decision`]) and the [`Plan`] out.
 //!
-//! In goes a [`Task`]; out come the [`Decision`] and, in the plan, the reasons. Without a tolerance
-//! every surface is met; with one, rays go the cheapest way that stays within it ([`Choice`]).
+//! Without a tolerance every surface is met; with one, rays go the cheapest way that stays within it ([`Choice`]). A plan
+//! lists what is kept and left out of tracing, of sampling ([`describe_sampling`]), and of what a camera makes only on
+//! request, each with the reason and the effect.
+
+use std::fmt;
 
 use super::{
     choice::Choice,
-    items::Plan,
-    task::Task,
-    tracing::{Entry, Precision, Tracing},
+    task::{Entry, FilmSide, Precision, Task, Tracing},
 };
 use crate::{
     lens::{refraction::Refraction, single_precision::f32_is_fit},
+    message::fixed,
+    sampling::{DiskMapping, PupilSampler},
     trace::polynomial::Polynomial,
 };
+
+/// One thing that was decided.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Item {
+    /// What it is about.
+    pub what: String,
+    /// Whether it was kept; else it was left out.
+    pub kept: bool,
+    /// Why.
+    pub why: String,
+    /// What that changes.
+    pub effect: String,
+}
+
+/// What a camera keeps and leaves out.
+#[derive(Clone, Debug, Default)]
+pub struct Plan {
+    items: Vec<Item>,
+    choice: Option<Choice>,
+}
+
+impl Plan {
+    /// Everything that was decided, in the order of the data's way.
+    pub fn items(&self) -> &[Item] {
+        &self.items
+    }
+
+    /// How the model of the lens was chosen; `None` without a tolerance.
+    pub fn choice(&self) -> Option<&Choice> {
+        self.choice.as_ref()
+    }
+
+    pub(crate) fn kept(&mut self, what: &str, why: impl Into<String>, effect: impl Into<String>) {
+        self.decide(what, true, why.into(), effect.into());
+    }
+
+    pub(crate) fn left_out(&mut self, what: &str, why: impl Into<String>, effect: impl Into<String>) {
+        self.decide(what, false, why.into(), effect.into());
+    }
+
+    fn decide(&mut self, what: &str, kept: bool, why: String, effect: String) {
+        self.items.push(Item { what: what.to_owned(), kept, why, effect });
+    }
+
+    pub(crate) fn set_choice(&mut self, choice: Choice) {
+        self.choice = Some(choice);
+    }
+}
+
+/// Two lines an item; then how the model of the lens was chosen.
+impl fmt::Display for Plan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for Item { what, kept, why, effect } in &self.items {
+            let verdict = if *kept { "kept" } else { "left out" };
+            writeln!(f, "{verdict:<10}{what}\n{:10}{why}; {effect}", "")?;
+        }
+        self.choice.as_ref().map_or(Ok(()), |choice| write!(f, "\n{choice}"))
+    }
+}
 
 /// What was decided.
 pub(crate) struct Decision {
@@ -94,4 +156,47 @@ fn describe(tracing: &Tracing<Polynomial>, rays: &str, task: &Task<'_>, plan: &m
             plan.kept("every surface and aperture test", "the method of tracing is named", "exact");
         }
     }
+}
+
+/// Adds to a plan what is kept and left out of sampling, and what is made only when asked for. The wavelength in nm.
+pub(crate) fn describe_sampling(side: &FilmSide, wavelength: f64, plan: &mut Plan) {
+    match &side.sampler {
+        PupilSampler::Warped(pupil) => {
+            let report = pupil.build_report();
+            let (end, why) = match pupil.image_radius() {
+                Some(end) => (end, "the end of the image circle"),
+                None => (side.film.reach(), "the raster's corner and its filter"),
+            };
+            plan.kept(
+                &format!("pupil table up to {} mm from the axis", fixed(end, 3)),
+                why,
+                format!("{} film radii, {} rays", report.slices, report.rays),
+            );
+            if pupil.image_radius().is_some_and(|end| end < side.film.reach()) {
+                plan.left_out(
+                    &format!("pupil of film beyond {} mm", fixed(end, 3)),
+                    "no light reaches it",
+                    "weight 0 for the price of a comparison",
+                );
+            }
+        }
+        PupilSampler::Disk(_) => {
+            plan.left_out("pupil table", "a disk is sampled", "no time to build it");
+        }
+    }
+    if side.mapping == DiskMapping::Rejection {
+        plan.kept("asking again", "disk \"rejection\"", "some samples are asked for twice");
+    }
+    plan.left_out(
+        "dispersion",
+        format!("one wavelength, {wavelength} nm, is asked for"),
+        "each surface has one index",
+    );
+    plan.left_out("differentials", "traced only for a host that asks three times per sample", "no time");
+    plan.left_out(
+        "reasons of blocked rays",
+        "found by a second trace of those that a caller asks about",
+        "no time",
+    );
+    plan.left_out("statistics", "nothing counts rays", "no time");
 }

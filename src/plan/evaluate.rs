@@ -1,13 +1,27 @@
-//! How far off a way to trace is, on rays all over a film and its pupil, against the exact trace in double precision.
+//! How far off a way to trace is, against the exact trace in double precision: a [`Task`] and a way in, its [`Errors`] or
+//! [`TooFarOff`] out.
+//!
+//! **Rays.** Film point and lens sample are a point of the four-dimensional unit cube, which [`stratified`] samples: one point
+//! at random in each of equal cells, so that the points are independent and no part of film or pupil is left out. Sets of
+//! them are traced until enough rays get through.
+//!
+//! **Error of a ray.** The distance on the film by which it is off, in pixels
+//! ([`ImageScale::film_error`](crate::imaging::image_scale::ImageScale::film_error)); infinity where the lens blocks it and
+//! the way does not, or the reverse. The weights' errors are summed apart.
+//!
+//! **Bound.** The 99.9 % quantile of that error lies below an order statistic of the sample, with confidence
+//! ([`upper_bound`]). A way is given up as soon as so many rays are beyond the tolerance that the bound must be.
 
 use std::ops::Range;
 
+use rand_xoshiro::{
+    SplitMix64,
+    rand_core::{Rng, SeedableRng},
+};
+
 use super::{
     cost,
-    quantile::{upper_bound, worst},
-    strata,
-    task::{FilmSide, Task},
-    tracing::Precision,
+    task::{FilmSide, Precision, Task},
 };
 use crate::{
     imaging::image_scale::ImageScale,
@@ -126,13 +140,13 @@ impl<'a> Evaluation<'a> {
     pub fn new(task: &'a Task<'a>) -> Result<Self, String> {
         let side = task.film_side;
         let kernel = task.kernels.double();
-        let mut rays = Rays::with_capacity(strata::COUNT as usize);
+        let mut rays = Rays::with_capacity(STRATA as usize);
         let mut exact = RayBuffer::new(0);
         let (mut seed, mut passing) = (0, 0);
         loop {
             seed += 1;
             let known = rays.len();
-            for sample in strata::numbers(seed as u64) {
+            for sample in stratified(seed as u64) {
                 if let Some((point, sample)) = side.sample(sample) {
                     rays.push(point, sample);
                 }
@@ -150,7 +164,7 @@ impl<'a> Evaluation<'a> {
                 return Err(DARK.to_owned());
             }
             if 2 * passing > rays.len() {
-                let share = 100.0 * passing as f64 / f64::from(seed as u32 * strata::COUNT);
+                let share = 100.0 * passing as f64 / f64::from(seed as u32 * STRATA);
                 return Err(format!(
                     "only {share:.1} % of the film's rays get through, too few to tell: most of it is dark"
                 ));
@@ -308,4 +322,109 @@ fn fit_rays(side: &FilmSide, count: usize) -> Vec<Ray> {
             Some(film_ray(point, side.z, slopes))
         })
         .collect()
+}
+
+/// Cells of the unit cube along each of its four axes.
+const CELLS: u32 = 11;
+/// Cells in all.
+const STRATA: u32 = CELLS * CELLS * CELLS * CELLS;
+
+/// A point at random in each cell of the four-dimensional unit cube; another seed gives others.
+fn stratified(seed: u64) -> impl Iterator<Item = [f64; 4]> {
+    let mut random = SplitMix64::seed_from_u64(seed);
+    let mut unit = move || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
+    (0..STRATA).map(move |cell| {
+        let mut rest = cell;
+        [0; 4].map(|_: u8| {
+            let along = rest % CELLS;
+            rest /= CELLS;
+            (f64::from(along) + unit()) / f64::from(CELLS)
+        })
+    })
+}
+
+/// The quantile that errors are held to: one ray in a thousand may be worse.
+pub const QUANTILE: f64 = 0.999;
+/// How likely a bound may turn out too low.
+const RISK: f64 = 2e-3;
+
+/// A number that the [`QUANTILE`] of what independent samples are drawn from exceeds with a probability
+/// of at most 1 in 500: infinity where the samples are too few for one. Reorders the samples.
+///
+/// It is the k-th largest, with the largest k that fewer than k of n samples lie beyond the quantile
+/// so rarely (H. A. David and H. N. Nagaraja, *Order Statistics*, 2003, §7.1). Their number is binomial; its lower
+/// tail is no heavier than Poisson's (T. Anderson and S. Samuels, "Some Inequalities Among Binomial and Poisson
+/// Probabilities", 1967), and lighter still where the samples are spread over strata (W. Hoeffding, "On the
+/// Distribution of the Number of Successes in Independent Trials", 1956).
+fn upper_bound(samples: &mut [f64]) -> f64 {
+    let Some(from_the_top) = worst(samples.len()).checked_sub(1) else {
+        return f64::INFINITY;
+    };
+    let place = samples.len() - 1 - from_the_top;
+    *samples.select_nth_unstable_by(place, f64::total_cmp).1
+}
+
+/// Which of so many samples, counted from the largest on, is the bound: the k of [`upper_bound`]; 0 where they are too few.
+fn worst(samples: usize) -> usize {
+    rare_counts(samples as f64 * (1.0 - QUANTILE))
+}
+
+/// The largest k such that a number with Poisson's distribution of this mean (at most some 700, where e^-mean still is
+/// a number) is less than k with a probability of at most [`RISK`]: P(fewer than k) = Σ e^-mean mean^i/i! over i < k.
+fn rare_counts(mean: f64) -> usize {
+    let (mut term, mut sum, mut k) = ((-mean).exp(), 0.0, 0);
+    while sum + term <= RISK {
+        sum += term;
+        k += 1;
+        term *= mean / k as f64;
+    }
+    k
+}
+
+#[cfg(test)]
+mod tests {
+    use rand_xoshiro::{
+        SplitMix64,
+        rand_core::{Rng, SeedableRng},
+    };
+
+    use super::*;
+
+    #[test]
+    fn every_cell_holds_one_point_and_seeds_differ() {
+        let cell = |point: [f64; 4]| point.map(|x| (x * f64::from(CELLS)) as u32);
+        let mut cells: Vec<_> = stratified(3).map(cell).collect();
+        cells.sort_unstable();
+        cells.dedup();
+        assert_eq!(cells.len(), STRATA as usize);
+        assert!(stratified(3).zip(stratified(4)).all(|(a, b)| a != b));
+    }
+
+    #[test]
+    fn the_bound_is_the_order_statistic_of_the_tables() {
+        // Poisson's P(fewer than 9 | 20) = 0.00209, P(fewer than 8 | 20) = 0.00078.
+        let mut samples: Vec<f64> = (0..20_000).map(f64::from).collect();
+        samples.reverse();
+        assert_eq!(upper_bound(&mut samples), 19_992.0);
+    }
+
+    #[test]
+    fn few_samples_bound_nothing() {
+        assert_eq!(upper_bound(&mut [0.0; 6000]), f64::INFINITY);
+        assert_eq!(upper_bound(&mut []), f64::INFINITY);
+    }
+
+    #[test]
+    fn it_is_too_low_as_rarely_as_it_says() {
+        // The quantile of uniform numbers is known.
+        let mut random = SplitMix64::seed_from_u64(1);
+        let mut uniform = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
+        let too_low = (0..1000)
+            .filter(|_| {
+                let mut samples: Vec<f64> = (0..9000).map(|_| uniform()).collect();
+                upper_bound(&mut samples) < QUANTILE
+            })
+            .count();
+        assert!(too_low <= 8, "{too_low} of 1000");
+    }
 }
