@@ -24,10 +24,7 @@
 
 use std::cell::Cell;
 
-use super::{
-    state::{Blocked, State},
-    work,
-};
+use super::{Blocked, State};
 use crate::{
     lens::Figure,
     numeric::{Real, dot},
@@ -223,7 +220,7 @@ impl<R: Real> Aspheric<R> {
     }
 
     /// Moves the ray to the surface; it may meet it `slack` (in units of V) before where it last was.
-    pub fn meet(&self, state: &mut State<R>, slack: R) -> Result<(), Blocked> {
+    pub(super) fn meet(&self, state: &mut State<R>, slack: R) -> Result<(), Blocked> {
         let State { p, v, lead } = *state;
         if !(v[2] > R::ZERO) {
             return Err(Blocked::TurnedBack);
@@ -243,7 +240,7 @@ impl<R: Real> Aspheric<R> {
     pub fn first_crossing(&self, start: [R; 3], v: [R; 3], from: R) -> Result<R, Blocked> {
         let line = Line::new(start, v);
         let crossing = self.crossing(&line, from);
-        work::count(line.evaluations.take());
+        count_evaluations(line.evaluations.take());
         crossing
     }
 
@@ -312,7 +309,7 @@ impl<R: Real> Aspheric<R> {
     /// Follows the ray from `from` to the first crossing. What the ray took so far is counted as work.
     fn follow(&self, line: &Line<R>, from: R) -> Result<R, Blocked> {
         let crossing = self.follow_from(line, from);
-        work::count(line.evaluations.take());
+        count_evaluations(line.evaluations.take());
         crossing
     }
 
@@ -495,4 +492,21 @@ impl<R: Real> Line<R> {
         let [x, y, _] = self.at(t);
         x * x + y * y
     }
+}
+
+thread_local! {
+    /// Counted, not timed, and the same on every processor. Of a thread, so that no ray has to hand a count on.
+    static EVALUATIONS: Cell<u64> = const { Cell::new(0) };
+}
+
+/// How often a surface was evaluated on this thread so far for one ray by itself, where the steps that all rays take leave it
+/// open. Such a ray may cost a hundred times another, which the number of rays does not show: whoever traces rays until a
+/// budget is spent calls this before and after.
+pub fn evaluations() -> u64 {
+    EVALUATIONS.get()
+}
+
+/// Counts evaluations that were done.
+pub(super) fn count_evaluations(evaluations: u32) {
+    EVALUATIONS.set(EVALUATIONS.get() + u64::from(evaluations));
 }

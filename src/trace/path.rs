@@ -2,9 +2,8 @@
 //! stops. This is the oracle of the fast kernel, in numbers of any type.
 
 use super::{
-    blades::StopFigure,
-    state::{Blocked, State},
-    surface::PathSurface,
+    Blocked, State,
+    surface::{PathSurface, StopFigure},
 };
 use crate::{
     lens::{Lens, Ray, refraction::Refraction},

@@ -10,7 +10,7 @@ use super::{
     instances::{Grouping, InVectors, KernelScalar, in_vectors},
     lanes::{Cpu, Lanes, each_further},
     ray::Start,
-    rays::batch::{Approach, anywhere, from_plane},
+    rays::{Approach, anywhere, from_plane},
     trace::through,
 };
 use crate::{lens::Ray, trace::path::Path};

@@ -14,7 +14,7 @@ use super::{
     dispersion::Own,
     lanes::{Cpu, Lanes, Portable, Scalar, each_further},
     ray::{End, Start},
-    rays::batch::{Approach, Batch, InPlaceBatch, PlaneBatch, RaysByValue},
+    rays::{Approach, Batch, InPlaceBatch, PlaneBatch, RaysByValue},
     table::Table,
     trace::trace,
 };

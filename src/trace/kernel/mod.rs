@@ -10,8 +10,7 @@
 //! but for rays within rounding of an edge. Squares of n cos I below 2^-256 (double precision) or 2^-64 (single) count
 //! as 0 and block.
 //!
-//! What follows what: `surface` gathers what is known of each surface, with what `crossing` proves from its neighbours'
-//! shapes; `table` makes a step of each, within the growth of rounding that `rounding` allows; a `batch` makes rays as
+//! What follows what: `surface` gathers what is known of each surface, with what its neighbours' shapes prove; `table` makes a step of each, within the growth of rounding that `rounding` allows; a `batch` makes rays as
 //! vectors of `lanes`; `trace` takes them through the steps, each of which is a method in `ray` or, for what is no sphere,
 //! in `asphere`; `dispersion` is the table for a wavelength per lane; `instances` compiles all that for each set of
 //! instructions in `simd`. `clearance` asks the same loop how near rays come to the edges of `apertures`, for searches.
@@ -45,9 +44,7 @@
 
 mod apertures;
 mod asphere;
-mod blades;
 mod clearance;
-mod crossing;
 mod dispersion;
 mod instances;
 mod lanes;
@@ -66,23 +63,22 @@ pub use rays::{LensRays, PlaneRays, RayBuffer, Traced};
 pub use simd::Simd;
 pub(crate) use simd::{Available, Compiled};
 
-use self::rays::batch::InPlaceBatch;
 pub(crate) use self::{
     asphere::Profile,
-    blades::power,
     instances::{Grouping, InVectors, Optics, Through, in_registers, in_vectors, portable, run},
     lanes::{Cpu, Indexed, Lanes, OneLane, Portable, Scalar},
-    ray::{End, Start},
-    rays::batch::{Approach, Batch, PlaneBatch, RaysByValue, from_plane},
+    ray::{End, Start, power},
+    rays::{Approach, Batch, PlaneBatch, RaysByValue, from_plane},
     table::Table,
 };
 use crate::{
     lens::{Lens, Ray, refraction::Refraction},
     trace::{
+        Blocked,
         path::{Direction, Path},
-        state::Blocked,
     },
 };
+use rays::InPlaceBatch;
 
 /// A lens compiled for tracing rays in one direction with numbers of type `S`: `f64` or `f32`.
 ///

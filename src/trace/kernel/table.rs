@@ -6,12 +6,11 @@
 
 use super::{
     asphere::{Asphere, Conic},
-    crossing::Tests,
     lanes::Scalar,
     rounding::{AxialStep, RoundingGrowth},
-    surface::{CompiledSurface, Transfer, surfaces},
+    surface::{CompiledSurface, Tests, Transfer, surfaces},
 };
-use crate::trace::{Direction, Path, aspheric::Aspheric, blades::StopFigure};
+use crate::trace::{Direction, Path, aspheric::Aspheric, surface::StopFigure};
 
 /// The aperture test of a sphere.
 #[derive(Clone, Copy, Debug)]

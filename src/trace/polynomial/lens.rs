@@ -9,11 +9,11 @@ use super::{
 };
 use crate::trace::{
     aspheric::Aspheric,
-    blades::StopFigure,
     kernel::{
         Approach, Available, Cpu, End, Grouping, KernelScalar, Lanes, LensRays, Optics, PlaneBatch,
         PlaneRays, Profile, RaysByValue, Start, Traced, power, run,
     },
+    surface::StopFigure,
 };
 
 /// A lens as polynomials that traces as a [`Kernel`](crate::trace::kernel::Kernel) does: one ray, three or many,

@@ -12,7 +12,7 @@ use super::{
         lanes::{Cpu, Lanes},
         ray::RayLanes,
     },
-    constants::{Common, Conic},
+    figure::{Common, Conic},
 };
 use crate::numeric::Real;
 

@@ -7,13 +7,8 @@
 //! neighbours, so that every width gives the same bits.
 
 mod conic;
-mod constants;
-mod contact;
-mod follow;
+mod figure;
 mod newton;
 mod plan;
-mod profile;
-mod terms;
 
-pub use constants::{Asphere, Conic};
-pub use profile::Profile;
+pub use figure::{Asphere, Conic, Profile};

@@ -1,8 +1,13 @@
 //! A surface with terms in lanes: Newton's iteration, for several vectors side by side, so that one's sums overlap
-//! another's.
+//! another's; then the rays that it leaves open.
 //!
-//! Along a ray from (x, y) on the plane where it starts, u = u0 + 2 a0 t + (Vx² + Vy²) t² and x Vx + y Vy = a0 +
-//! (Vx² + Vy²) t, with which all steps but the last look save themselves the point.
+//! Along a ray from (x, y) on the plane where it starts ([`Way`]), u = u0 + 2 a0 t + (Vx² + Vy²) t² and x Vx + y Vy = a0 +
+//! (Vx² + Vy²) t, with which all steps but the last look save themselves the point. A step takes t to t + G/(N·V)
+//! ([`Contact`]).
+//!
+//! What is open in the end goes to the walk one by one, where rays are blocked at apertures. Searches of edges, of whose rays
+//! many pass beside a surface, follow theirs side by side to the first crossing ([`Asphere::follow`]), as the walk does (see
+//! [`Aspheric`](crate::trace::aspheric::Aspheric)).
 
 use super::{
     super::{
@@ -12,15 +17,81 @@ use super::{
         ray::RayLanes,
         simd::Compiled,
     },
-    constants::{Asphere, Common},
-    contact::{Contact, Way},
-    follow::Followed,
-    terms::nested,
+    figure::{Asphere, Common, nested},
 };
+use crate::trace::aspheric::count_evaluations;
+
+/// A ray from the plane where it starts.
+#[derive(Clone, Copy)]
+struct Way<L> {
+    /// x² + y² there.
+    u: L,
+    /// x Vx + y Vy there.
+    along: L,
+    /// Vx² + Vy².
+    across: L,
+    /// From where on it may meet the surface.
+    from: L,
+}
+
+impl<L: Lanes> Way<L> {
+    /// x² + y² on the ray.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn height_squared(&self, t: L) -> L {
+        t.mul_add(t.mul_add(self.across, self.along + self.along), self.u)
+    }
+}
+
+/// The surface near a point of each ray.
+#[derive(Clone, Copy)]
+struct Contact<L> {
+    /// x² + y².
+    u: L,
+    m: L,
+    q: L,
+    /// N·V.
+    facing: L,
+    /// G.
+    residual: L,
+}
+
+impl<S: Scalar> Asphere<S> {
+    /// The surface near each ray at t.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn contacts<L: Lanes<Scalar = S>, A: Apertures<L>, const U: usize>(
+        &self,
+        cpu: Cpu<L>,
+        rays: &[RayLanes<L, A>; U],
+        ways: &[Way<L>; U],
+        t: &[L; U],
+    ) -> [Contact<L>; U] {
+        let (one, start) = (L::splat(cpu, S::ONE), L::splat(cpu, self.common.start));
+        let (per_unit, two_per_unit) = (L::splat(cpu, self.terms.per_unit), L::splat(cpu, self.two_per_unit));
+        let (mut u, mut s, mut along) = ([start; U], [start; U], [start; U]);
+        for i in 0..U {
+            along[i] = t[i].mul_add(ways[i].across, ways[i].along);
+            u[i] = t[i].mul_add(along[i] + ways[i].along, ways[i].u);
+            s[i] = u[i] * per_unit;
+        }
+        let [terms, slope] = self.terms.at(cpu, &s);
+        let (c, half_c) = (L::splat(cpu, self.c), L::splat(cpu, self.half_c));
+        let (kappa_c, half_kappa_c) = (L::splat(cpu, self.kappa_c), L::splat(cpu, self.half_kappa_c));
+        let mut contacts = [Contact { u: one, m: c, q: one, facing: one, residual: one }; U];
+        for i in 0..U {
+            let vz = rays[i].vz;
+            let w = t[i].mul_add(vz, start - terms[i]);
+            let q = w.neg_mul_add(kappa_c, one);
+            let residual = u[i].mul_sub(half_c, w * w.neg_mul_add(half_kappa_c, one));
+            let m = (q * two_per_unit).mul_add(slope[i], c);
+            contacts[i] = Contact { u: u[i], m, q, facing: m.neg_mul_add(along[i], q * vz), residual };
+        }
+        contacts
+    }
+}
 
 /// N = (-m x, -m y, q) where a ray meets the surface, not a unit vector.
 #[derive(Clone, Copy)]
-pub struct Normal<L> {
+struct Normal<L> {
     m: L,
     q: L,
     /// N·V.
@@ -30,13 +101,7 @@ pub struct Normal<L> {
 impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
     /// Tests the aperture and refracts.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn refract(
-        &mut self,
-        cpu: Cpu<L>,
-        common: &Common<L::Scalar>,
-        media: impl Media<L>,
-        normal: &Normal<L>,
-    ) {
+    fn refract(&mut self, cpu: Cpu<L>, common: &Common<L::Scalar>, media: impl Media<L>, normal: &Normal<L>) {
         let Normal { m, q, facing } = *normal;
         let square = q.mul_add(q, (m * m) * self.height_squared());
         self.bend_at(cpu, common, media, [m, q], facing, square);
@@ -115,7 +180,7 @@ impl<S: Scalar> Asphere<S> {
     /// Moves rays to the surface, as [`Asphere::trace`]; its normals where they meet it. Rays that lanes
     /// leave open and that are not worth the walk ([`Apertures::worth`]) count as blocked.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn meet<L: Lanes<Scalar = S>, A: Apertures<L>, const U: usize>(
+    fn meet<L: Lanes<Scalar = S>, A: Apertures<L>, const U: usize>(
         &self,
         cpu: Cpu<L>,
         rays: &mut [RayLanes<L, A>; U],
@@ -293,5 +358,143 @@ impl<S: Scalar> Asphere<S> {
                 Err(_) => met[lane] = S::ZERO,
             }
         }
+    }
+}
+
+/// Steps at most; a ray that takes more goes to the walk.
+const STEPS: usize = 24;
+/// By how much rounding may put a point beyond the square of a distance.
+const BESIDE: f64 = 1.0 + 1e-6;
+
+/// What became of rays.
+struct Followed<L> {
+    /// Where they cross the surface, of those that do.
+    t: L,
+    /// Above 0 for these, and for those that took too many steps.
+    kept: L,
+    /// The latter.
+    left: u32,
+}
+
+/// The surface near a place on each ray.
+struct Measure<L: Lanes> {
+    /// -φ and φ' of the φ whose bend is bounded.
+    before: L,
+    facing: L,
+    /// Where the ray is behind the equator, and φ is q.
+    behind: L::Mask,
+}
+
+impl<S: Scalar> Asphere<S> {
+    /// Follows the rays that `open` has a bit for.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn follow<L: Lanes<Scalar = S>, A: Apertures<L>>(
+        &self,
+        cpu: Cpu<L>,
+        ray: &RayLanes<L, A>,
+        way: &Way<L>,
+        open: u32,
+    ) -> Followed<L> {
+        let (zero, one) = (L::splat(cpu, S::ZERO), L::splat(cpu, S::ONE));
+        let tolerance = L::splat(cpu, S::from_f64(self.exact.tolerance));
+        let highest = S::from_f64(self.exact.extent[1] - self.common.start.to_f64());
+        let end = L::splat(cpu, highest) / ray.vz;
+        let (rim, reach) = (L::splat(cpu, self.rim), L::splat(cpu, self.reach));
+        let beside = L::splat(cpu, S::from_f64(self.exact.bend.reach * BESIDE));
+        let inside = self.inside.along_rays(cpu, way.across).larger(zero);
+        let beyond = self.beyond.along_rays(cpu, way.across).larger(zero);
+        let equator = self.equator.along_rays(cpu, way.across).larger(zero);
+        // Where the ray first comes as near to the axis as the bounds hold.
+        let is_near = way.height_squared(way.from).less_equal(reach);
+        let square = way.along * way.along - way.across * (way.u - reach);
+        let entry = zero - (way.along + square.sqrt()) / way.across;
+        let mut t = L::select(is_near, way.from, entry);
+        // 1 for rays that are on their way, and for those that have come to the surface.
+        let mut going = L::select(is_near, one, L::select(way.from.less(entry), one, zero));
+        let mut met = zero;
+        let mut evaluations = 0;
+        for _ in 0..STEPS {
+            evaluations += (open & L::bits(zero.less(going))).count_ones();
+            let Measure { before, facing, behind } = self.measure(cpu, ray, way, t);
+            let here = way.height_squared(t);
+            let in_reach = L::both(t.less_equal(end), here.less_equal(beside));
+            let goes_on = L::both(zero.less(going), in_reach);
+            let is_near = L::both(before.abs().less_equal(tolerance), zero.less(facing));
+            let is_there = zero.less(L::select(behind, zero, L::select(is_near, one, zero)));
+            let arrives = L::both(goes_on, is_there);
+            met = L::select(arrives, one, met);
+            let is_before = L::both(goes_on, zero.less(before));
+            going = L::select(arrives, zero, L::select(is_before, one, zero));
+            let inside = L::select(behind, equator, inside);
+            let beyond = L::select(behind, equator, beyond);
+            // To where a parabola of this bend meets 0.
+            let (twice, square) = (before + before, facing * facing);
+            let by_inside = facing + inside.mul_add(twice, square).sqrt();
+            let by_beyond = facing + beyond.mul_add(twice, square).sqrt();
+            let (short, long) = (twice / by_beyond, twice / by_inside);
+            let stays = L::both(here.less_equal(rim), way.height_squared(t + long).less_equal(rim));
+            let is_long = L::both(stays, L::both(zero.less(by_inside), zero.less(long)));
+            let is_short = L::both(zero.less(by_beyond), zero.less(short));
+            going = L::select(is_long, going, L::select(is_short, going, zero));
+            t = L::select(zero.less(going), t + L::select(is_long, long, short), t);
+            if open & L::bits(zero.less(going)) == 0 {
+                break;
+            }
+        }
+        count_evaluations(evaluations);
+        let left = open & L::bits(zero.less(going));
+        let mut contact = self.contact(cpu, ray, way, t);
+        for _ in 0..2 {
+            t = t + contact.residual / contact.facing;
+            contact = self.contact(cpu, ray, way, t);
+        }
+        // The conic's other half or sheet is no part of the surface, nor is where a ray comes back up through it.
+        let is_ahead = L::both(zero.less(contact.q), zero.less(contact.facing));
+        let met = L::select(is_ahead, met, zero);
+        Followed { t, kept: met.larger(going), left }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn contact<L: Lanes<Scalar = S>, A: Apertures<L>>(
+        &self,
+        cpu: Cpu<L>,
+        ray: &RayLanes<L, A>,
+        way: &Way<L>,
+        t: L,
+    ) -> Contact<L> {
+        self.contacts(cpu, &[*ray], &[*way], &[t])[0]
+    }
+
+    /// Far below the surface q may have any sign, and G with it; heights do not.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn measure<L: Lanes<Scalar = S>, A: Apertures<L>>(
+        &self,
+        cpu: Cpu<L>,
+        ray: &RayLanes<L, A>,
+        way: &Way<L>,
+        t: L,
+    ) -> Measure<L> {
+        let zero = L::splat(cpu, S::ZERO);
+        let along = t.mul_add(way.across, way.along);
+        if !self.by_height {
+            let Contact { residual, facing, q, .. } = self.contact(cpu, ray, way, t);
+            let behind = q.less(L::splat(cpu, S::from_f64(-S::EPSILON.sqrt())));
+            // q' = -κ c w', and N·V = q w' - c (x Vx + y Vy).
+            let rise = along.mul_add(L::splat(cpu, self.c), facing) / q;
+            let to_equator = zero - L::splat(cpu, self.kappa_c) * rise;
+            return Measure {
+                before: L::select(behind, zero - q, residual),
+                facing: L::select(behind, to_equator, facing),
+                behind,
+            };
+        }
+        let u = t.mul_add(along + way.along, way.u);
+        let [[terms], [slope]] = self.terms.at(cpu, &[u * L::splat(cpu, self.terms.per_unit)]);
+        let (one, c) = (L::splat(cpu, S::ONE), L::splat(cpu, self.c));
+        let root = (c * L::splat(cpu, self.kappa_c)).neg_mul_add(u, one).sqrt();
+        let z = t.mul_add(ray.vz, L::splat(cpu, self.common.start));
+        let before = (c * u / (one + root) + terms) - z;
+        let slope = slope.mul_add(L::splat(cpu, self.two_per_unit), c / root);
+        Measure { before, facing: slope.neg_mul_add(along, ray.vz), behind: zero.less(zero) }
     }
 }

@@ -10,7 +10,6 @@ pub mod avx512;
 mod look_up;
 mod portable;
 mod scalar;
-mod unrolled;
 
 use std::{
     marker::PhantomData,
@@ -21,7 +20,6 @@ use super::simd::Compiled;
 pub use look_up::{Indexed, LookUp};
 pub use portable::{OneLane, Portable};
 pub use scalar::Scalar;
-pub(in crate::trace) use unrolled::each_further;
 
 /// The knowledge that this processor has the instructions of `L`, without which no vector is made.
 pub struct Cpu<L>(PhantomData<fn() -> L>);
@@ -263,3 +261,23 @@ macro_rules! apart {
 }
 #[cfg(target_arch = "x86_64")]
 use {apart, double_precision, intrinsics, methods, register, single_precision};
+
+/// A loop over the vectors that are traced side by side: does the same for each number from 1 to 3 that is below `$n`,
+/// written out, for where the work is long the compiler keeps the loop, and leaves what it indexes in memory and copied about.
+macro_rules! each_further {
+    ($u:ident < $n:ident, $work:block) => {
+        if $n > 1 {
+            let $u = 1;
+            $work
+        }
+        if $n > 2 {
+            let $u = 2;
+            $work
+        }
+        if $n > 3 {
+            let $u = 3;
+            $work
+        }
+    };
+}
+pub(in crate::trace) use each_further;

@@ -1,5 +1,8 @@
-//! What the kernel keeps of a conic and of a surface with terms: a path's [`Aspheric`] in, constants in the precision of
-//! lanes out, with the number of Newton's steps that its rays take.
+//! The constants of a conic and of a surface with terms, and the surface's profile in lanes: a path's [`Aspheric`] in; out come
+//! constants in the precision of the lanes, with the number of Newton's steps that its rays take.
+//!
+//! The terms T are evaluated as two polynomials in s = u/unit, u = r², with dT/ds beside them ([`Terms`]). The profile
+//! z(u) = c u/(1 + √(1 - (1 + k) c² u)) + T(u) is the height above the vertex plane ([`Profile`]).
 
 use super::{
     super::{
@@ -7,9 +10,11 @@ use super::{
         surface::{CompiledSurface, Transfer},
     },
     plan::Plan,
-    terms::Terms,
 };
-use crate::trace::aspheric::{Aspheric, BendBound};
+use crate::{
+    numeric::Real,
+    trace::aspheric::{Aspheric, BendBound},
+};
 
 /// A conic section of revolution.
 #[derive(Clone, Copy, Debug)]
@@ -180,5 +185,98 @@ impl<S: Scalar> Asphere<S> {
             common,
             exact: Box::new(aspheric.clone()),
         }
+    }
+}
+
+/// T as two polynomials in s, that of the even powers and that of the odd ones over s √s.
+#[derive(Clone, Debug)]
+pub struct Terms<S> {
+    /// Coefficients, the highest power's first; at least one.
+    even: Box<[S]>,
+    odd: Box<[S]>,
+    /// s at the rim.
+    pub rim: S,
+    /// 1/unit, a power of two.
+    pub per_unit: S,
+}
+
+impl<S: Scalar> Terms<S> {
+    /// Of a surface.
+    pub fn new(aspheric: &Aspheric<f64>) -> Self {
+        let reversed = |terms: &[f64]| terms.iter().rev().map(|&term| S::from_f64(term)).collect::<Vec<_>>();
+        let mut even = reversed(&aspheric.even);
+        even.push(S::ZERO);
+        Self {
+            even: even.into(),
+            odd: reversed(&aspheric.odd).into(),
+            rim: S::from_f64(aspheric.rim / aspheric.unit),
+            per_unit: S::from_f64(aspheric.unit.recip()),
+        }
+    }
+
+    /// T and dT/ds at each s; beyond the rim, of the paraboloid that goes on there.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn at<L: Lanes<Scalar = S>, const U: usize>(&self, cpu: Cpu<L>, s: &[L; U]) -> [[L; U]; 2] {
+        let rim = L::splat(cpu, self.rim);
+        let mut inside = *s;
+        for i in 0..U {
+            inside[i] = s[i].smaller(rim);
+        }
+        let [mut value, mut slope] = nested(cpu, &self.even, &inside);
+        if !self.odd.is_empty() {
+            // d(s √s O)/ds = √s (3 O/2 + s O').
+            let [odd, odd_slope] = nested(cpu, &self.odd, &inside);
+            let three_halves = L::splat(cpu, S::from_f64(1.5));
+            for i in 0..U {
+                let root = inside[i].sqrt();
+                value[i] = (root * inside[i]).mul_add(odd[i], value[i]);
+                let by_root = inside[i].mul_add(odd_slope[i], three_halves * odd[i]);
+                slope[i] = root.mul_add(by_root, slope[i]);
+            }
+        }
+        for i in 0..U {
+            value[i] = (s[i] - inside[i]).mul_add(slope[i], value[i]);
+        }
+        [value, slope]
+    }
+}
+
+/// A polynomial and its derivative, by Horner's rule.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub fn nested<L: Lanes, const U: usize>(cpu: Cpu<L>, coefficients: &[L::Scalar], at: &[L; U]) -> [[L; U]; 2] {
+    let first = L::splat(cpu, coefficients[0]);
+    let (mut value, mut slope) = ([first; U], [L::splat(cpu, L::Scalar::ZERO); U]);
+    for &coefficient in &coefficients[1..] {
+        let coefficient = L::splat(cpu, coefficient);
+        for i in 0..U {
+            slope[i] = slope[i].mul_add(at[i], value[i]);
+            value[i] = value[i].mul_add(at[i], coefficient);
+        }
+    }
+    [value, slope]
+}
+
+/// The profile of an aspheric surface.
+#[derive(Clone, Debug)]
+pub struct Profile<S> {
+    c: S,
+    /// (1 + k) c².
+    bend: S,
+    terms: Terms<S>,
+}
+
+impl<S: Scalar> Profile<S> {
+    pub fn new(aspheric: &Aspheric<f64>) -> Self {
+        let c = aspheric.curvature;
+        Self { c: S::from_f64(c), bend: S::from_f64(aspheric.kappa * c * c), terms: Terms::new(aspheric) }
+    }
+
+    /// z along the travel at the squared distance u from the axis; NaN where the conic has ended.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn height<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, u: L) -> L {
+        let one = L::splat(cpu, S::ONE);
+        let [[terms], _] = self.terms.at(cpu, &[u * L::splat(cpu, self.terms.per_unit)]);
+        let root = L::splat(cpu, self.bend).neg_mul_add(u, one).sqrt();
+        L::splat(cpu, self.c) * u / (one + root) + terms
     }
 }
