@@ -1,6 +1,6 @@
 /* The interface between the C++ face and the Rust library. Internal: none of these
  * names is exported from the shared library, and none may throw.
- * src/abi/pbrt/shim.rs and src/abi/object/face.rs declare the same in Rust. */
+ * src/abi/pbrt/shim.rs and src/abi/object/mod.rs declare the same in Rust. */
 
 #ifndef REALISTIC_SHIM_H
 #define REALISTIC_SHIM_H

@@ -2,7 +2,6 @@
 
 use std::ffi::c_void;
 
-use super::boundary::memory;
 use super::boundary::{self, Failure, realistic_status};
 use super::camera;
 use super::object;
@@ -81,7 +80,7 @@ pub unsafe extern "C" fn realistic_autofocus(
             return Err(boundary::null("film_distance_mm"));
         }
         let rule = rule_of(rule)?;
-        memory::to_build()?;
+        boundary::memory_to_build()?;
         // SAFETY: the caller's promise.
         let (options, parameters, host) = unsafe {
             let options = options::read(options)?;

@@ -2,7 +2,6 @@
 
 use std::ffi::{c_char, c_void};
 
-use super::boundary::memory;
 use super::boundary::{self, Failure, realistic_status};
 use super::exchange::{give, give_text};
 use super::object::{self, Handle, HostPart};
@@ -34,7 +33,7 @@ pub(super) unsafe fn construct<T>(
         if out.is_null() {
             return Err(boundary::null("out"));
         }
-        memory::to_build()?;
+        boundary::memory_to_build()?;
         // SAFETY: the caller's promise.
         let (options, parameters) = unsafe {
             let options = options::read(options)?;

@@ -18,15 +18,11 @@ fn the_header_is_up_to_date() {
         "camera",
         "ray",
         "batch/request",
-        "importance/arrays",
-        "importance/arrive",
-        "importance/aim",
+        "importance",
         "autofocus",
         "lens/handle",
         "lens/facts",
-        "lens/focus",
         "lens/trace",
-        "lens/points",
         "lens/catalogue",
     ] {
         builder = builder.with_src(root.join(format!("src/abi/{file}.rs")));

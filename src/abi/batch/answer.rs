@@ -1,16 +1,82 @@
 //! A checked request answered: straight between the caller's arrays where all numbers of an array lie side by side, block
-//! by block through arrays of our own where they do not.
+//! by block through arrays of our own where they do not. [`PerRay`] is what any call may ask of each ray, one or many: its
+//! wavelength, its weight and why it is blocked.
 
 use std::{array, mem::MaybeUninit, slice};
 
 use super::{
-    per_ray::PerRay,
-    strided::{FOUR, Strided, are_row, read, write},
+    super::{
+        boundary::{self, Failure},
+        object::Handle,
+        types::{realistic_reason, realistic_request},
+    },
+    strided::{FOUR, Strided, are_row, numbers, read, room, write},
 };
-use crate::{
-    abi::object::Handle,
-    camera::{NeighbourArrays, RayArrays, Sample, SampleArrays, WorldRay},
-};
+use crate::camera::{NeighbourArrays, RayArrays, Sample, SampleArrays, WorldRay};
+
+/// What any call may ask of its rays, for many samples or one.
+#[derive(Clone, Copy)]
+pub(in super::super) struct PerRay {
+    /// So many are the samples' rays together.
+    pub rays: usize,
+    pub per_sample: usize,
+    pub wavelengths: Strided,
+    pub weights: Strided,
+    pub reasons: Strided<realistic_reason>,
+}
+
+impl PerRay {
+    /// That of a request for `n` samples.
+    ///
+    /// # Errors
+    /// An array cannot be, or is missing; there is no memory for what a first wavelength builds.
+    #[inline(always)]
+    pub fn of(request: &realistic_request, handle: &Handle, n: usize) -> Result<Self, Failure> {
+        let per_sample = request.wavelengths_per_sample.max(1) as usize;
+        let rays = n
+            .checked_mul(per_sample)
+            .ok_or_else(|| boundary::too_many(n, size_of::<f32>().saturating_mul(per_sample)))?;
+        let wavelengths = numbers("wavelength", rays, &request.wavelength)?;
+        if wavelengths.is_there() {
+            if !handle.camera().is_ready_for_wavelengths() {
+                boundary::memory_to_build()?;
+            }
+        } else if per_sample > 1 {
+            return Err(boundary::null("request.wavelength.x"));
+        }
+        let reasons = if request.reason.is_null() {
+            Strided::NONE
+        } else {
+            Strided::new(["reason", ""], rays, request.reason, request.reason_stride, false)?
+        };
+        let weights = room("weight", rays, &request.weight)?;
+        Ok(Self { rays, per_sample, wavelengths, weights, reasons })
+    }
+}
+
+impl Strided<realistic_reason> {
+    /// Puts why the samples from number `first` on have these weights, if that is asked for; `reason` says it of one that
+    /// has no ray. Found out apart, because it costs more than a ray.
+    ///
+    /// # Safety
+    /// There is room for so many.
+    #[inline(always)]
+    pub(in super::super) unsafe fn give(
+        self,
+        first: usize,
+        weights: &[f32],
+        reason: impl Fn(usize) -> realistic_reason,
+    ) {
+        if !self.is_there() {
+            return;
+        }
+        for (i, weight) in weights.iter().enumerate() {
+            let reason = if *weight > 0.0 { realistic_reason::Ok } else { reason(i) };
+            // SAFETY: the caller's promise.
+            unsafe { self.put(first + i, reason) };
+        }
+    }
+}
 
 /// Samples that are copied at once: with their rays and neighbours half of a first cache of 32 KiB.
 const BLOCK: usize = 128;

@@ -1,10 +1,11 @@
-//! Many rays in one call, between arrays of any strides: a caller's request is checked and becomes `Strided` numbers
-//! (`request`), which go straight to lanes where they lie side by side, and block by block where they do not (`answer`).
+//! Many rays in one call, between arrays of any strides.
+//!
+//! A caller's request is checked and becomes numbers at strides (`request`, `strided`). These go straight to lanes where they lie
+//! side by side, and block by block where they do not (`answer`).
 
 mod answer;
-mod per_ray;
 mod request;
 mod strided;
 
-pub(super) use per_ray::PerRay;
+pub(super) use answer::PerRay;
 pub use request::realistic_camera_generate_batch;

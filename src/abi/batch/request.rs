@@ -1,4 +1,4 @@
-//! A caller's request, checked before anything is read or written.
+//! A caller's request, checked before anything is read or written: each array becomes numbers at strides.
 
 use std::mem::MaybeUninit;
 
@@ -8,8 +8,7 @@ use super::{
         exchange, object,
         types::{realistic_camera, realistic_output, realistic_request},
     },
-    answer::Batch,
-    per_ray::PerRay,
+    answer::{Batch, PerRay},
     strided::{Strided, numbers, pair, required_room, room, vectors},
 };
 

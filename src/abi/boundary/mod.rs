@@ -3,17 +3,27 @@
 //!
 //! A panic that is caught still prints through the process's panic hook, as the header says: a defect
 //! should not pass in silence, and the hook belongs to the whole program when the library is linked into one.
+//!
+//! Errors of the rooms below become a [`Failure`] with the ABI's status. Memory is no such error: Rust's library ends the process
+//! where it is out, so that it is taken on trial before a camera or a lens is built ([`memory_to_build`]).
+//! `float_environment` is the other half of the boundary: the host's traps and rounding stay outside.
 
-mod failure;
 pub(super) mod float_environment;
-pub(super) mod memory;
 
-use std::any::Any;
-use std::cell::RefCell;
-use std::ffi::{CStr, CString};
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::{
+    any::Any,
+    cell::RefCell,
+    ffi::{CStr, CString},
+    hint::black_box,
+    panic::{AssertUnwindSafe, catch_unwind},
+};
 
-use crate::message::bounded;
+use crate::{
+    camera::{CameraError, ParameterError, autofocus::AutofocusError},
+    imaging::focus::FocusError,
+    lens::moving::MovingError,
+    message::bounded,
+};
 
 /// How a call of the C ABI ended. The numbers are part of the ABI and never change.
 #[allow(non_camel_case_types)]
@@ -224,6 +234,73 @@ fn describe(payload: Box<dyn Any + Send>) -> String {
             }
         },
     }
+}
+
+impl From<CameraError> for Failure {
+    fn from(error: CameraError) -> Self {
+        let status = match &error {
+            CameraError::Source(_) => realistic_status::LensFile,
+            CameraError::Focus(FocusError::TooNear { .. })
+            | CameraError::TooNear { .. }
+            | CameraError::Moving(MovingError::Unreachable { .. }) => realistic_status::UnreachableFocus,
+            CameraError::Parameter(_)
+            | CameraError::Lens(_)
+            | CameraError::Focus(_)
+            | CameraError::Moving(_)
+            | CameraError::FilmStays
+            | CameraError::NoFilmDistance(_)
+            | CameraError::FilmInLens { .. }
+            | CameraError::PupilAtInfinity
+            | CameraError::TooFar { .. }
+            | CameraError::DarkAxis { .. }
+            | CameraError::Weight { .. }
+            | CameraError::NoBlades { .. }
+            | CameraError::NoStopForBlades { .. }
+            | CameraError::Transform(_)
+            | CameraError::Raster { .. } => realistic_status::InvalidParameter,
+        };
+        Self::new(status, error.to_string())
+    }
+}
+
+impl From<ParameterError> for Failure {
+    fn from(error: ParameterError) -> Self {
+        CameraError::from(error).into()
+    }
+}
+
+impl From<AutofocusError> for Failure {
+    fn from(error: AutofocusError) -> Self {
+        let status = match error {
+            AutofocusError::Camera(error) => return error.into(),
+            AutofocusError::Nothing { .. } => realistic_status::UnreachableFocus,
+            AutofocusError::NoZones { .. } | AutofocusError::Zone { .. } | AutofocusError::ByGroup => {
+                realistic_status::InvalidParameter
+            }
+        };
+        Self::new(status, error.to_string())
+    }
+}
+
+/// Building takes 2.5 MB, with a tolerance up to 7.7 MB, of any lens; what it keeps is less.
+const CAMERA: usize = 8 << 20;
+/// Allocators take pieces of this size from where they take smaller ones.
+const PIECE: usize = 1 << 16;
+
+/// Takes the memory that a camera or a lens needs while it is built, and gives it back; nothing is written to it.
+///
+/// # Errors
+/// Memory is out.
+pub fn memory_to_build() -> Result<(), Failure> {
+    let mut pieces: Vec<Vec<u8>> = Vec::new();
+    let is_there = pieces.try_reserve_exact(CAMERA / PIECE).is_ok()
+        && (0..CAMERA / PIECE).all(|_| {
+            pieces.push(Vec::new());
+            pieces.last_mut().is_some_and(|piece| piece.try_reserve_exact(PIECE).is_ok())
+        });
+    // What nobody reads might not be allocated at all.
+    drop(black_box(pieces));
+    if is_there { Ok(()) } else { Err(out_of_memory()) }
 }
 
 #[cfg(test)]

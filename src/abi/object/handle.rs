@@ -1,13 +1,17 @@
-//! A camera in the terms of the ABI.
+//! The camera in an object ([`Handle`]), and what a pbrt-v1 host keeps there besides its rays ([`HostPart`]).
 
-use std::mem::offset_of;
 #[cfg(realistic_shim)]
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::{ffi::c_void, mem::offset_of};
 
-use crate::abi::boundary::Failure;
-use crate::abi::types::{realistic_ray, realistic_reason, realistic_sample};
-use crate::camera::{Camera, Host, Log, Outcome, Parameters, Sample, WorldRay};
-use crate::trace::Blocked;
+use crate::{
+    abi::{
+        boundary::Failure,
+        types::{realistic_ray, realistic_reason, realistic_sample},
+    },
+    camera::{Camera, Host, Log, Outcome, Parameters, Sample, WorldRay},
+    trace::Blocked,
+};
 
 /// A built camera. Immutable.
 #[derive(Debug)]
@@ -97,5 +101,39 @@ impl From<Blocked> for realistic_reason {
             Blocked::Reflected => Self::Reflected,
             Blocked::TurnedBack => Self::TurnedBack,
         }
+    }
+}
+
+/// A host's members of a camera; nobody reads them in a C-made camera. The end of `realistic_shim_parts`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct HostPart {
+    /// The host's film, which the camera deletes in the end; NULL for none.
+    pub film: *mut c_void,
+    /// Row-major, for column vectors.
+    pub world_to_camera: [f32; 16],
+    /// Its inverse.
+    pub camera_to_world: [f32; 16],
+    /// World units.
+    pub hither: f32,
+    /// World units.
+    pub yon: f32,
+    /// When the shutter opens.
+    pub shutter_open: f32,
+    /// When the shutter closes.
+    pub shutter_close: f32,
+}
+
+impl HostPart {
+    /// What a host keeps of a camera; `film` and the two matrices are its own.
+    pub fn of(
+        camera: &Camera,
+        film: *mut c_void,
+        world_to_camera: [f32; 16],
+        camera_to_world: [f32; 16],
+    ) -> Self {
+        let [hither, yon] = camera.clip();
+        let [shutter_open, shutter_close] = camera.shutter_interval();
+        Self { film, world_to_camera, camera_to_world, hither, yon, shutter_open, shutter_close }
     }
 }

@@ -4,36 +4,63 @@
 //! one kind of camera serves C callers and that host alike. Elsewhere it is a tagged box. Either is recognised by
 //! its first word, without a call.
 //!
-//! `handle` is the camera in an object and `host_part` what a pbrt-v1 host keeps there; `face` makes the objects of the C++
-//! face and `triples` serves that host's calls.
+//! `handle` is the camera in an object; `triples` serves a pbrt-v1 host's calls.
 
-#[cfg(realistic_shim)]
-mod face;
 mod handle;
-mod host_part;
 #[cfg(realistic_shim)]
 mod triples;
 
 use super::types::realistic_camera;
 
-pub use handle::Handle;
-pub use host_part::HostPart;
+pub use handle::{Handle, HostPart};
 pub use implementation::{delete, handle_of, new};
 
 #[cfg(realistic_shim)]
 mod implementation {
-    use super::{Handle, HostPart, face, realistic_camera, triples};
+    use super::{Handle, HostPart, realistic_camera, triples};
     use crate::abi::boundary;
     use crate::camera::{Sample, WorldRay};
     use std::ffi::c_void;
     use std::ptr::null_mut;
     use std::sync::atomic::{AtomicPtr, Ordering};
 
+    /// What the C++ face is given of a camera: `realistic_shim_parts` of `pbrt-shim/shim.h`.
+    #[repr(C)]
+    struct Parts {
+        rust: *mut c_void,
+        generate: unsafe extern "C" fn(*const c_void, *const c_void, *mut c_void) -> f32,
+        release: unsafe extern "C" fn(*mut c_void),
+        host: HostPart,
+    }
+
+    /// Bytes of a host's members between a camera's vtable pointer and its Rust part: `REALISTIC_SHIM_HOST_MEMBERS`.
+    const HOST_MEMBERS: usize = 56;
+
+    unsafe extern "C" {
+        fn realistic_shim_camera_new(parts: *const Parts) -> *mut c_void;
+        fn realistic_shim_camera_delete(camera: *mut c_void);
+    }
+
+    /// A camera object with a host's vtable and members, or NULL when memory is out.
+    fn camera_new(parts: &Parts) -> *mut c_void {
+        // SAFETY: the parts are read during the call only.
+        unsafe { realistic_shim_camera_new(parts) }
+    }
+
+    /// Deletes a camera object as a host does.
+    ///
+    /// # Safety
+    /// `camera` is NULL or of [`camera_new`], and nobody uses it any more.
+    unsafe fn camera_delete(camera: *mut c_void) {
+        // SAFETY: the caller's promise.
+        unsafe { realistic_shim_camera_delete(camera) }
+    }
+
     /// The beginning of a camera object as `camera.cpp` lays it out.
     #[repr(C)]
     struct Object {
         vtable: *mut c_void,
-        host: [u8; face::HOST_MEMBERS],
+        host: [u8; HOST_MEMBERS],
         handle: *const Handle,
     }
 
@@ -43,7 +70,7 @@ mod implementation {
     /// Makes a camera object. `None` when memory is out; then the film stays the host's.
     pub fn new(handle: Handle, host: &HostPart) -> Option<*mut realistic_camera> {
         let rust = Box::into_raw(Box::new(handle));
-        let camera = face::camera_new(&face::Parts { rust: rust.cast(), generate, release, host: *host });
+        let camera = camera_new(&Parts { rust: rust.cast(), generate, release, host: *host });
         if camera.is_null() {
             // SAFETY: just made from a box, and no camera took it.
             drop(unsafe { Box::from_raw(rust) });
@@ -83,7 +110,7 @@ mod implementation {
         unsafe {
             let is_ours = handle_of(camera).is_some();
             if is_ours {
-                face::camera_delete(camera.cast());
+                camera_delete(camera.cast());
             }
             is_ours
         }

@@ -1,21 +1,24 @@
 //! The entry of a pbrt-v1 host, `CreateCamera`: its parameters, transform and film in, a camera of its own layout out.
-//! `shim` reads what the host gives, `names` which of it is misspelt. The cameras that it makes, and the host's calls of them, are in `abi/object`.
+//! `shim` reads what the host gives. The host warns that a parameter is not used, and does not say which one it was meant to be:
+//! misspelt names are found here ([`misspelt`]). The cameras, and the host's calls of them, are in `abi/object`.
 
-mod names;
 mod shim;
 
-use std::ffi::c_void;
-use std::path::Path;
-use std::ptr::null_mut;
+use std::{ffi::c_void, path::Path, ptr::null_mut};
 
-use super::boundary::{self, Failure, memory, realistic_status};
-use super::object::{self, Handle, HostPart};
-use super::types::realistic_camera;
-use super::{library, options};
-use crate::camera::{
-    CameraError, CameraToWorld, Host, Kind, Level, Model, PARAMETERS, ParameterError, Parameters, Value,
+use super::{
+    boundary::{self, Failure, realistic_status},
+    library,
+    object::{self, Handle, HostPart},
+    options,
+    types::realistic_camera,
 };
-use crate::message::bounded;
+use crate::{
+    camera::{
+        CameraError, CameraToWorld, Host, Kind, Level, Model, PARAMETERS, ParameterError, Parameters, Value,
+    },
+    message::bounded,
+};
 use shim::{FindError, Given, HostKind, ParamSet};
 
 /// What a pbrt-v1 host calls to make a camera: takes the host's `const ParamSet &`,
@@ -64,7 +67,7 @@ unsafe fn create(
     world2cam: *const c_void,
     film: *mut c_void,
 ) -> Result<*mut realistic_camera, Failure> {
-    memory::to_build()?;
+    boundary::memory_to_build()?;
     let null = |what| Failure::new(realistic_status::NullPointer, format!("the host gave no {what}"));
     // SAFETY: the caller's promise, for each of the three.
     let (params, transform, resolution) = unsafe {
@@ -75,7 +78,7 @@ unsafe fn create(
         )
     };
     let mut parameters = read_parameters(&params)?;
-    for name in names::misspelt(&params.text().unwrap_or_default()) {
+    for name in misspelt(&params.text().unwrap_or_default()) {
         // Looked up, it counts as used, and the host does not warn of it a second time.
         if !given(&params, name)?.is_empty() {
             say(Level::Warning, &Parameters::unknown(name).to_string());
@@ -211,6 +214,22 @@ fn no_look_up(error: FindError) -> Failure {
     }
 }
 
+/// The names of a set that are none of ours and near to one.
+fn misspelt(set: &str) -> impl Iterator<Item = &str> {
+    names(set).filter(|name| Parameters::find(name).is_none() && Parameters::nearest(name).is_some())
+}
+
+/// The names of a set as a scene file writes it: `"float fov" [45 ] "string pupil" ["rear" ]`.
+fn names(set: &str) -> impl Iterator<Item = &str> {
+    const KINDS: [&str; 9] =
+        ["integer", "bool", "float", "point", "vector", "normal", "color", "string", "texture"];
+    set.split("\" [").filter_map(|before| {
+        let (_, declaration) = before.rsplit_once('"')?;
+        let (kind, name) = declaration.split_once(' ')?;
+        (KINDS.contains(&kind) && !name.contains(char::is_whitespace)).then_some(name)
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -240,5 +259,20 @@ mod tests {
         assert!(camera.is_null());
         let said = boundary::with_last_message(|text| text.to_str().unwrap().to_owned());
         assert_eq!(said.as_deref(), Some("the host gave no parameters"));
+    }
+
+    #[test]
+    fn misspelt_names_are_found_among_those_of_a_scene() {
+        let set = "\"integer xresolution\" [3 ] \"float fokusdistance\" [1 2 ] \"float fov\" [45 ] \
+                   \"string pupli\" [\"rear\" ] \"string specfile\" [\"a\" \"b \\\" [c\" ] ";
+        assert_eq!(
+            names(set).collect::<Vec<_>>(),
+            ["xresolution", "fokusdistance", "fov", "pupli", "specfile"]
+        );
+        let misspelt = |set| misspelt(set).collect::<Vec<_>>();
+        assert_eq!(misspelt(set), ["fokusdistance", "pupli"]);
+        assert_eq!(misspelt("\"float foo\" [1 ] "), [""; 0]);
+        assert_eq!(misspelt(""), [""; 0]);
+        assert_eq!(misspelt("\" [\" [] ["), [""; 0]);
     }
 }

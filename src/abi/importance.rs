@@ -1,0 +1,282 @@
+//! Light tracing: the importance of rays from the scene, and directions toward the lens, as structures of arrays.
+//!
+//! A renderer that traces paths from lamps connects them to the camera in one of two ways. A ray that a path brings to the lens
+//! has an importance ([`realistic_camera_importance`]); from a point of the scene a direction toward the lens is sampled, with
+//! its importance and density ([`realistic_camera_sample_importance`]). Both hand importance out as [`realistic_importance`].
+
+use super::{
+    boundary::{self, Failure, realistic_status},
+    exchange::{required_arrays, take},
+    object::{self, Handle},
+    types::realistic_camera,
+};
+use crate::camera::{Aimed, Backward, Importance, ScenePoint, WorldRay};
+
+/// Rays or points that are taken at once.
+const BLOCK: usize = 256;
+
+/// Importance as structure of arrays, one number per ray in each; all 0 where a ray has no importance. Each array but
+/// `importance` may be NULL.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+#[allow(non_camel_case_types)]
+pub struct realistic_importance {
+    /// `sizeof(realistic_importance)`.
+    pub struct_size: u32,
+    /// Raster x, pixels, where the ray reaches the film.
+    pub image_x: *mut f32,
+    /// Raster y.
+    pub image_y: *mut f32,
+    /// We (E. Veach 1997; PBRT's `We`): what radiance times cosθ dA dω is multiplied by, dA being area in square world units
+    /// on the plane z = 0 of camera space and θ the angle to its normal. With `weighting` "radiometric" it is 1 over the
+    /// film's area in square world units, times what the shutter lets through.
+    pub importance: *mut f32,
+    /// Density of the camera's own rays there, per cosθ dA dω, where samples are spread evenly over the picture, the lens and
+    /// time: `importance` is this times the weight of the same ray.
+    pub density: *mut f32,
+    /// A density per area on that plane: 1 over the area of the front clear aperture (of the lens of a stock camera).
+    pub area_density: *mut f32,
+    /// The density per solid angle that goes with it: their product is `density` times cosθ.
+    pub solid_angle_density: *mut f32,
+}
+
+impl realistic_importance {
+    /// Refuses a structure without room for what must be taken.
+    fn check(&self) -> Result<(), Failure> {
+        required_arrays("importance", ["importance"], [self.importance.cast_const()])
+    }
+
+    /// Hands out importance from element `first` on.
+    ///
+    /// # Safety
+    /// The arrays that are not NULL have room.
+    unsafe fn give(&self, first: usize, found: &[Importance]) {
+        let arrays = [
+            self.image_x,
+            self.image_y,
+            self.importance,
+            self.density,
+            self.area_density,
+            self.solid_angle_density,
+        ];
+        for (i, importance) in (first..).zip(found) {
+            let Importance { raster: [x, y], importance, density, area_density, solid_angle_density } =
+                *importance;
+            let numbers = [x, y, importance, density, area_density, solid_angle_density];
+            for (array, number) in arrays.into_iter().zip(numbers) {
+                // SAFETY: the caller's promise.
+                unsafe { put(array, i, number) };
+            }
+        }
+    }
+}
+
+/// Writes a number where there is an array.
+///
+/// # Safety
+/// `array` is NULL or has an element `i`.
+unsafe fn put(array: *mut f32, i: usize, number: f64) {
+    if !array.is_null() {
+        // SAFETY: the caller's promise.
+        unsafe { array.add(i).write_unaligned(number as f32) };
+    }
+}
+
+/// The adjoint camera, with the memory that it may still take.
+fn backward(handle: &Handle) -> Result<&Backward, Failure> {
+    let camera = handle.camera();
+    if !camera.has_backward() {
+        boundary::memory_to_build()?;
+    }
+    camera.backward().map_err(|error| Failure::invalid(error.to_string()))
+}
+
+/// A number of an array, or another where there is none.
+///
+/// # Safety
+/// `array` is NULL or has an element `i`.
+unsafe fn get_or(array: *const f32, i: usize, other: f32) -> f32 {
+    // SAFETY: the caller's promise.
+    if array.is_null() { other } else { unsafe { array.add(i).read_unaligned() } }
+}
+
+/// Rays of world space that enter a camera, as structure of arrays, one number per ray in each.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+#[allow(non_camel_case_types)]
+pub struct realistic_importance_rays {
+    /// `sizeof(realistic_importance_rays)`.
+    pub struct_size: u32,
+    /// x of a point on each ray, before the lens or on its front: where the camera's own rays begin will do.
+    pub ox: *const f32,
+    /// y.
+    pub oy: *const f32,
+    /// z.
+    pub oz: *const f32,
+    /// x of each direction, of any length but 0, toward the camera.
+    pub dx: *const f32,
+    /// y.
+    pub dy: *const f32,
+    /// z.
+    pub dz: *const f32,
+    /// When each arrives, in the unit of `shutteropen`; may be NULL for the middle of the shutter's interval.
+    pub time: *const f32,
+}
+
+/// The importance of `n` rays that enter the camera: 0 for one that does not reach the film, comes from behind, arrives while
+/// the shutter is closed, or has numbers that are not finite. One within rounding of an aperture's edge may have
+/// importance 0 where the camera's own ray passes. `REALISTIC_STATUS_INVALID_PARAMETER` for models whose rays have no
+/// area: "perspective" and "orthographic" without `lensradius`, and "environment".
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn realistic_camera_importance(
+    camera: *const realistic_camera,
+    n: usize,
+    rays: *const realistic_importance_rays,
+    importance: *const realistic_importance,
+) -> realistic_status {
+    boundary::status(|| {
+        // SAFETY: the caller's promise for all three.
+        let handle = unsafe { object::handle_of(camera) }.ok_or_else(boundary::not_a_camera)?;
+        let rays = unsafe { take("realistic_importance_rays", "rays", rays)? };
+        let importance = unsafe { take("realistic_importance", "importance", importance)? };
+        let backward = backward(handle)?;
+        boundary::fits_memory(n, size_of::<f32>())?;
+        if n == 0 {
+            return Ok(());
+        }
+        let arrays = [rays.ox, rays.oy, rays.oz, rays.dx, rays.dy, rays.dz];
+        required_arrays("rays", ["ox", "oy", "oz", "dx", "dy", "dz"], arrays)?;
+        importance.check()?;
+        let middle = backward.middle_time();
+        let (mut asked, mut found) =
+            (Vec::with_capacity(n.min(BLOCK)), vec![Importance::default(); n.min(BLOCK)]);
+        for first in (0..n).step_by(BLOCK) {
+            let count = BLOCK.min(n - first);
+            asked.clear();
+            // SAFETY: the caller's promise, and the arrays that must be there are.
+            unsafe {
+                asked.extend((first..first + count).map(|i| {
+                    let [ox, oy, oz, dx, dy, dz] = arrays.map(|array| array.add(i).read_unaligned());
+                    let time = get_or(rays.time, i, middle);
+                    WorldRay { origin: [ox, oy, oz], direction: [dx, dy, dz], mint: 0.0, maxt: 0.0, time }
+                }));
+                backward.arrive(&asked, &mut found[..count]);
+                importance.give(first, &found[..count]);
+            }
+        }
+        Ok(())
+    })
+}
+
+/// Points of the scene from which directions toward the lens are sampled, as structure of arrays, one number per point in
+/// each.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+#[allow(non_camel_case_types)]
+pub struct realistic_scene_points {
+    /// `sizeof(realistic_scene_points)`.
+    pub struct_size: u32,
+    /// x of each point, world space.
+    pub x: *const f32,
+    /// y.
+    pub y: *const f32,
+    /// z.
+    pub z: *const f32,
+    /// Where in the pupil as the point sees it: u and v in [0, 1].
+    pub u: *const f32,
+    /// v.
+    pub v: *const f32,
+    /// When, in the unit of `shutteropen`; may be NULL for the middle of the shutter's interval.
+    pub time: *const f32,
+}
+
+/// Directions toward the lens, as structure of arrays, one number per point in each. `ox`, `oy` and `oz` may be NULL.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+#[allow(non_camel_case_types)]
+pub struct realistic_aimed {
+    /// `sizeof(realistic_aimed)`.
+    pub struct_size: u32,
+    /// x of where the ray meets the front of the lens: what lies between the point and this hides the light.
+    pub ox: *mut f32,
+    /// y.
+    pub oy: *mut f32,
+    /// z.
+    pub oz: *mut f32,
+    /// x of the unit vector from the point toward there.
+    pub dx: *mut f32,
+    /// y.
+    pub dy: *mut f32,
+    /// z.
+    pub dz: *mut f32,
+    /// Density of the direction per solid angle at the point; 0, and all other numbers, too, where there is no direction
+    /// from which light could reach the film.
+    pub density: *mut f32,
+}
+
+/// Directions toward the lens from `n` points of the scene, sampled from the pupil as each point sees it, and the importance
+/// of a ray along each, as by `realistic_camera_importance`. A point that shines with radiance L at an angle of cosine c to
+/// its normal adds importance · L · c / (density · density of the point) at (image_x, image_y); importance 0 belongs to the
+/// mean. Points that are not in front of the lens between `hither` and `yon` have no direction. A camera's first call builds
+/// the entrance-pupil table, in 25 to 150 ms.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn realistic_camera_sample_importance(
+    camera: *const realistic_camera,
+    n: usize,
+    points: *const realistic_scene_points,
+    aimed: *const realistic_aimed,
+    importance: *const realistic_importance,
+) -> realistic_status {
+    boundary::status(|| {
+        // SAFETY: the caller's promise for all four.
+        let handle = unsafe { object::handle_of(camera) }.ok_or_else(boundary::not_a_camera)?;
+        let points = unsafe { take("realistic_scene_points", "points", points)? };
+        let aimed = unsafe { take("realistic_aimed", "aimed", aimed)? };
+        let importance = unsafe { take("realistic_importance", "importance", importance)? };
+        let backward = backward(handle)?;
+        boundary::fits_memory(n, size_of::<f32>())?;
+        if n == 0 {
+            return Ok(());
+        }
+        let arrays = [points.x, points.y, points.z, points.u, points.v];
+        required_arrays("points", ["x", "y", "z", "u", "v"], arrays)?;
+        let room = [aimed.dx, aimed.dy, aimed.dz, aimed.density].map(|array| array.cast_const());
+        required_arrays("aimed", ["dx", "dy", "dz", "density"], room)?;
+        importance.check()?;
+        let middle = backward.middle_time();
+        let (mut asked, mut found) = (Vec::with_capacity(n.min(BLOCK)), vec![Aimed::default(); n.min(BLOCK)]);
+        for first in (0..n).step_by(BLOCK) {
+            let count = BLOCK.min(n - first);
+            asked.clear();
+            // SAFETY: the caller's promise, and the arrays that must be there are.
+            unsafe {
+                asked.extend((first..first + count).map(|i| {
+                    let [x, y, z, u, v] = arrays.map(|array| array.add(i).read_unaligned());
+                    ScenePoint { point: [x, y, z], sample: [u, v], time: get_or(points.time, i, middle) }
+                }));
+                backward.aim(&asked, &mut found[..count]);
+                give(&aimed, &importance, first, &found[..count]);
+            }
+        }
+        Ok(())
+    })
+}
+
+/// Hands out directions from element `first` on.
+///
+/// # Safety
+/// The arrays that are not NULL have room.
+unsafe fn give(aimed: &realistic_aimed, importance: &realistic_importance, first: usize, found: &[Aimed]) {
+    let arrays = [aimed.ox, aimed.oy, aimed.oz, aimed.dx, aimed.dy, aimed.dz, aimed.density];
+    for (i, aim) in (first..).zip(found) {
+        let ([ox, oy, oz], [dx, dy, dz]) = (aim.origin, aim.direction);
+        for (array, number) in arrays.into_iter().zip([ox, oy, oz, dx, dy, dz, aim.density]) {
+            // SAFETY: the caller's promise.
+            unsafe {
+                put(array, i, number);
+            }
+        }
+        // SAFETY: the caller's promise.
+        unsafe { importance.give(i, std::slice::from_ref(&aim.importance)) };
+    }
+}
