@@ -1,21 +1,30 @@
-//! Dispersion: the refractive index of a medium at a wavelength (nm), from n_d and the Abbe number (`two_numbers`), by
-//! Sellmeier's formula (M. Born and E. Wolf, *Principles of Optics*, §2.3.4) or by another of the glass catalogues
-//! (`formula`); and the media of glasses by their names (`library`, `built_in`).
+//! Dispersion: the refractive index of a medium at a wavelength (nm), and the media of glasses by their names.
+//!
+//! A glass is known in one of three ways:
+//!
+//! - by Sellmeier's formula with three terms, n² = 1 + Σ B λ²/(λ² - C) (M. Born and E. Wolf, *Principles of Optics*, §2.3.4);
+//! - by another formula of the glass catalogues (`formula`);
+//! - by n_d and the Abbe number V = (n_d - 1)/(n_F - n_C) alone; then it has the partial dispersions that glasses of that V have
+//!   in common (`two_numbers`).
+//!
+//! [`refractive_index`] evaluates them for one wavelength; [`Dispersion`] has the same formulas as sums of simple terms, less
+//! their constants, for vectors of wavelengths. A formula is checked where it will be used (`check`). `library` and `built_in`
+//! find glasses by name.
 
 mod built_in;
 pub(super) mod formula;
 pub(super) mod library;
-mod lines;
 pub(super) mod name;
-pub(crate) mod terms;
 pub(super) mod two_numbers;
-
-pub use formula::{Formula, HERZBERGER, HIGHEST_POWER, LOWEST_POWER};
-pub use library::GlassLibrary;
-pub use lines::{C_LINE, D_LINE, F_LINE, ORDINARY_WAVELENGTHS, VALID_WAVELENGTHS};
 
 use super::interfaces::{Medium, Sellmeier};
 use crate::message::short;
+
+pub use formula::{
+    C_LINE, D_LINE, F_LINE, Formula, HERZBERGER, HIGHEST_POWER, LOWEST_POWER, ORDINARY_WAVELENGTHS,
+    VALID_WAVELENGTHS,
+};
+pub use library::GlassLibrary;
 
 /// Refractive index of `medium` at `wavelength` nm (within [`VALID_WAVELENGTHS`]).
 ///
@@ -84,6 +93,81 @@ fn sellmeier(Sellmeier { b, c }: Sellmeier, wavelength: f64) -> f64 {
     let square = (wavelength * 1e-3).powi(2);
     let sum: f64 = b.iter().zip(c).map(|(b, c)| b * square / (square - c)).sum();
     (1.0 + sum).sqrt()
+}
+
+/// How an index changes with the wavelength λ, µm.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Dispersion {
+    /// Not at all.
+    None,
+    /// n or n² less a constant.
+    Terms {
+        /// n², else n.
+        of_square: bool,
+        /// What is summed.
+        terms: Terms,
+    },
+}
+
+/// Terms of a formula.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Terms {
+    /// `slope` λ² + Σ w/(λ² - C).
+    Poles {
+        /// Of λ².
+        slope: f64,
+        /// w and C, µm².
+        poles: Vec<[f64; 2]>,
+    },
+    /// Σ a λ^(2 p) over p = 1, 2, … and over p = -1, -2, ….
+    Powers {
+        /// Of λ², λ⁴, ….
+        rising: Vec<f64>,
+        /// Of λ^-2, λ^-4, ….
+        falling: Vec<f64>,
+    },
+    /// b/λ + c/λ^3.5.
+    Conrady([f64; 2]),
+    /// Σ b L^p + Σ d λ^(2 p), L = 1/(λ² - 0.028), over p = 1, 2, ….
+    Herzberger {
+        /// Of L, L².
+        of_l: [f64; 2],
+        /// Of λ², λ⁴, λ⁶.
+        rising: [f64; 3],
+    },
+}
+
+impl Dispersion {
+    /// That of a medium.
+    pub fn of(medium: &Medium) -> Self {
+        let of_index = |terms| Self::Terms { of_square: false, terms };
+        let of_square = |terms| Self::Terms { of_square: true, terms };
+        // B λ²/(λ² - C) is B + B C/(λ² - C).
+        let poles = |b: &[f64], c: &[f64]| b.iter().zip(c).map(|(b, c)| [b * c, *c]).collect();
+        match medium {
+            Medium::Air | Medium::Glass { abbe: None, .. } => Self::None,
+            Medium::Glass { n_d, abbe: Some(abbe) } => {
+                let [inverse, slope, pole] = two_numbers::terms(*n_d, *abbe);
+                of_index(Terms::Poles { slope, poles: vec![[inverse, 0.0], [pole, HERZBERGER]] })
+            }
+            Medium::Sellmeier(constants) => {
+                of_square(Terms::Poles { slope: 0.0, poles: poles(&constants.b, &constants.c) })
+            }
+            Medium::Formula(Formula::Sellmeier { rest: [_, slope], b, c }) => {
+                let poles = poles(b, c);
+                of_square(Terms::Poles { slope: *slope, poles })
+            }
+            Medium::Formula(Formula::Polynomial(constants)) => {
+                let lowest = (-LOWEST_POWER / 2) as usize;
+                let falling = constants[..lowest].iter().rev().copied().collect();
+                of_square(Terms::Powers { rising: constants[lowest + 1..].to_vec(), falling })
+            }
+            Medium::Formula(Formula::Conrady([_, b, c])) => of_index(Terms::Conrady([*b, *c])),
+            Medium::Formula(Formula::Herzberger([_, b, c, d, e, f])) => {
+                of_index(Terms::Herzberger { of_l: [*b, *c], rising: [*d, *e, *f] })
+            }
+        }
+    }
 }
 
 #[cfg(test)]

@@ -1,10 +1,7 @@
 //! The dispersion of a glass of which only n_d and the Abbe number V are known: what the glasses of the catalogues with
 //! that V have in common.
 
-use super::{
-    formula::HERZBERGER,
-    lines::{C_LINE, D_LINE, F_LINE},
-};
+use super::formula::{C_LINE, D_LINE, F_LINE, HERZBERGER};
 
 /// p0, p1, q0, q1.
 const FITTED: [f64; 4] = [-0.2555, 1.583, -0.2678, 25.43];

@@ -1,6 +1,8 @@
 //! The reader of lens files: the front, which tells the format by the text, and a file or room for each format: the
 //! project's own [`table`], [`optical_bench`] text, [`zemax`] and [`flaresim`] files, and [`agf`] catalogues of glass. Every
-//! format makes rows, and [`surfaces`] makes checked interfaces of them; files of other programs are [`foreign`].
+//! format makes rows, and [`surfaces`] makes checked interfaces of them. Files of other programs are not read; they are recognised
+//! by their first bytes ([`foreign`]), so that the answer says what they are and what is read instead of complaining of their
+//! first number.
 //!
 //! To add a format: a file here that makes a [`Prescription`] of a text, within the limits, with a `SurfaceRow` per
 //! surface; how it is known, in [`Format::of`]; malformed files among its tests, a right one among those that
@@ -11,10 +13,7 @@
 //! is computed from it: no real lens comes near, and a file from elsewhere must not keep its reader busy.
 
 pub(super) mod agf;
-#[cfg(test)]
-mod asked;
 mod flaresim;
-mod foreign;
 mod named_glass;
 mod optical_bench;
 mod surfaces;
@@ -114,7 +113,7 @@ impl Format {
                 None
             }
         };
-        let unknown = || foreign::recognised(bytes).map_or(Self::Table, Self::Foreign);
+        let unknown = || foreign(bytes).map_or(Self::Table, Self::Foreign);
         lines.into_iter().find_map(known).unwrap_or_else(unknown)
     }
 }
@@ -123,4 +122,91 @@ fn short_name(name: &str) -> String {
     std::path::Path::new(name)
         .file_name()
         .map_or_else(|| name.to_owned(), |file| file.to_string_lossy().into_owned())
+}
+
+/// What is read, for whoever has something else.
+const READ: &str = "read are a table with a line for each surface (radius, thickness, index and clear diameter in mm: \
+                    docs/lens-format.md), Optical Bench text, Zemax text (.zmx) and FlareSim text (.lens); export one of these";
+
+/// What a file of another program is, where a text, or no text at all, is one.
+fn foreign(bytes: &[u8]) -> Option<String> {
+    let start = bytes.trim_ascii_start();
+    let json = |byte: &u8| matches!(byte, b'{' | b'[' | b'"' | b'-' | b'0'..=b'9');
+    // The first bytes of an archive are its version, 0xEA00 or 0xEC03.
+    let what = match bytes {
+        [0x00, 0xEA, ..] | [0x03, 0xEC, ..] => "a Zemax archive (.zar), and archives are not read",
+        [b'P', b'K', 3, 4, ..] => "a zip archive, and archives are not read",
+        _ => match start {
+            [b'{', ..] => "JSON, and no lens is read from JSON",
+            [b'[', rest @ ..] if rest.trim_ascii_start().first().is_some_and(json) => {
+                "JSON, and no lens is read from JSON"
+            }
+            [b'<', ..] => "XML, and no lens is read from XML",
+            _ => by_first_command(start)?,
+        },
+    };
+    Some(format!("{what}; {READ}"))
+}
+
+/// By the first line that is no comment of theirs.
+fn by_first_command(text: &[u8]) -> Option<&'static str> {
+    const CODE_V: &str = "a lens of Code V (.seq), which is not read";
+    const OSLO: &str = "a lens of OSLO (.len), which is not read";
+    let mut lines = text.split(|byte| matches!(byte, b'\n' | b'\r')).map(<[u8]>::trim_ascii);
+    let line = lines.find(|line| !line.is_empty() && !line.starts_with(b"!"))?.to_ascii_uppercase();
+    let mut words = line.split(|byte| byte.is_ascii_whitespace() || *byte == b';');
+    match (words.next()?, words.next()) {
+        (b"//", Some(b"OSLO")) | (b"LEN", Some(b"NEW")) => Some(OSLO),
+        (b"RDM" | b"LEN" | b"TIT" | b"TITLE" | b"DIM" | b"EPD" | b"FNO" | b"WL", _) => Some(CODE_V),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::prescription::read;
+
+    #[test]
+    fn files_of_other_programs_are_told_by_how_they_begin() {
+        for (text, what) in [
+            (&b"RDM;LEN\nTITLE 'x'\n"[..], "Code V"),
+            (b"! a comment\nLEN\nS 20 5 NBK7\n", "Code V"),
+            (b"tit 'a singlet'\ndim m\nso 0 1e10\n", "Code V"),
+            (b"// OSLO 6.1\nLEN NEW \"x\" 50 3\n", "OSLO"),
+            (b"LEN NEW \"x\" 50 3\n", "OSLO"),
+            (b" {\"surfaces\": []}", "JSON"),
+            (b"[ [20, 5, 1.5]]", "JSON"),
+            (b"<?xml version=\"1.0\"?>", "XML"),
+            (b"\x03\xEC\x00\x00", "Zemax archive"),
+            (b"PK\x03\x04", "zip"),
+        ] {
+            let error = read("other", text).expect_err(what).to_string();
+            assert!(error.contains(what) && error.contains("FlareSim"), "{error}");
+        }
+    }
+}
+
+/// What the tests of every reader ask of a text: that it is a lens, or with which message it is refused, as its user
+/// would read it.
+#[cfg(test)]
+mod asked {
+    use crate::prescription::{Prescription, read};
+
+    /// The name that the files of all tests have; the format is told by the text.
+    pub const FILE: &str = "lens.dat";
+
+    #[track_caller]
+    pub fn ok(text: &(impl AsRef<[u8]> + ?Sized)) -> Prescription {
+        read(FILE, text.as_ref()).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    /// That the text is refused at `line:column`, with a message that has all of `parts`.
+    #[track_caller]
+    pub fn refused(text: &(impl AsRef<[u8]> + ?Sized), at: &str, parts: &[&str]) {
+        let message = read(FILE, text.as_ref()).expect_err("refused").to_string();
+        assert!(message.starts_with(&format!("{FILE}:{at}: ")), "{message}");
+        for part in parts {
+            assert!(message.contains(part), "{message} lacks {part:?}");
+        }
+    }
 }

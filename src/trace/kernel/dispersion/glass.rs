@@ -6,10 +6,7 @@ use crate::{
     numeric::Real,
     prescription::{
         Medium,
-        glass::{
-            HERZBERGER, refractive_index,
-            terms::{Dispersion, Terms},
-        },
+        glass::{Dispersion, HERZBERGER, Terms, refractive_index},
     },
 };
 
@@ -196,8 +193,10 @@ fn horner<L: Lanes>(cpu: Cpu<L>, numbers: &[L::Scalar], of: L) -> L {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::{OneLane, Portable};
-    use super::*;
+    use super::{
+        super::super::{OneLane, Portable},
+        *,
+    };
     use crate::prescription::{Sellmeier, glass::Formula};
 
     /// A medium of every formula.
